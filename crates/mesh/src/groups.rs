@@ -1,0 +1,81 @@
+//! Wedge groups: the vertices at one position whose triangles hang together there. The unit of collapse.
+
+use crate::{Mesh, PositionIds};
+
+/// The wedge groups of a mesh, numbered in order of their first vertex.
+#[derive(Clone, Debug)]
+pub struct WedgeGroups {
+    /// The group of each vertex.
+    pub of_vertex: Vec<u32>,
+    /// The first vertex of each group.
+    pub first_vertex: Vec<u32>,
+}
+
+impl WedgeGroups {
+    /// Finds the groups: at each position, vertices are joined if their triangles share an edge at that position,
+    /// edges being compared by position. Two objects that touch only in a point stay two groups.
+    #[must_use]
+    pub fn new(mesh: &Mesh, positions: &PositionIds) -> Self {
+        let mut parent: Vec<u32> = (0..mesh.vertex_count() as u32).collect();
+        // Most meshes have one vertex per position: nothing to join there, so those corners are left out.
+        let mut vertices_at = vec![0u32; positions.len()];
+        for &p in &positions.of_vertex {
+            vertices_at[p as usize] += 1;
+        }
+        // One entry per corner and incident edge: (position, other end's position, vertex).
+        let mut spokes = Vec::new();
+        for t in mesh.triangles() {
+            for c in 0..3 {
+                let (v, next, previous) = (t[c], t[(c + 1) % 3], t[(c + 2) % 3]);
+                let p = positions.of_vertex[v as usize];
+                if vertices_at[p as usize] > 1 {
+                    spokes.push((p, positions.of_vertex[next as usize], v));
+                    spokes.push((p, positions.of_vertex[previous as usize], v));
+                }
+            }
+        }
+        spokes.sort_unstable();
+        for pair in spokes.windows(2) {
+            if pair[0].0 == pair[1].0 && pair[0].1 == pair[1].1 {
+                join(&mut parent, pair[0].2, pair[1].2);
+            }
+        }
+        let mut of_vertex = vec![u32::MAX; parent.len()];
+        let mut first_vertex = Vec::new();
+        for v in 0..parent.len() as u32 {
+            let root = find(&mut parent, v) as usize;
+            if of_vertex[root] == u32::MAX {
+                of_vertex[root] = first_vertex.len() as u32;
+                first_vertex.push(v);
+            }
+            of_vertex[v as usize] = of_vertex[root];
+        }
+        Self { of_vertex, first_vertex }
+    }
+
+    /// Number of groups.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.first_vertex.len()
+    }
+
+    /// Whether there are none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.first_vertex.is_empty()
+    }
+}
+
+fn find(parent: &mut [u32], mut v: u32) -> u32 {
+    while parent[v as usize] != v {
+        parent[v as usize] = parent[parent[v as usize] as usize];
+        v = parent[v as usize];
+    }
+    v
+}
+
+/// The smaller index becomes the root, so the root is always the first vertex of its group.
+fn join(parent: &mut [u32], a: u32, b: u32) {
+    let (a, b) = (find(parent, a), find(parent, b));
+    parent[a.max(b) as usize] = a.min(b);
+}

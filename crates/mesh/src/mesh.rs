@@ -1,0 +1,238 @@
+//! A triangle mesh with submeshes, valid by construction.
+
+use crate::{Attribute, Cleaning, position_key};
+use std::fmt;
+
+/// A part of a mesh with one material: a run of its triangles.
+#[derive(Clone, Debug, PartialEq, Eq, Default)]
+pub struct Submesh {
+    /// Its first triangle.
+    pub first_triangle: u32,
+    /// How many triangles it has.
+    pub triangle_count: u32,
+    /// Which of the mesh's attribute streams its vertices have, as indices into [`Mesh::attributes`].
+    pub attributes: Vec<u32>,
+}
+
+impl Submesh {
+    /// Its triangles, as a range of indices.
+    #[must_use]
+    pub fn triangles(&self) -> std::ops::Range<usize> {
+        let first = self.first_triangle as usize;
+        first..first + self.triangle_count as usize
+    }
+}
+
+/// What a mesh is made of, before it is known to be valid.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MeshParts {
+    /// One per vertex.
+    pub positions: Vec<[f32; 3]>,
+    /// The submesh of each vertex. A vertex belongs to one submesh only.
+    pub vertex_submesh: Vec<u32>,
+    /// Streams over all vertices.
+    pub attributes: Vec<Attribute>,
+    /// Vertices of each triangle, counter-clockwise from outside; submesh by submesh.
+    pub triangles: Vec<[u32; 3]>,
+    /// Consecutive runs that cover all triangles, in order.
+    pub submeshes: Vec<Submesh>,
+}
+
+impl MeshParts {
+    /// Drops what takes no part in a level of detail: triangles with two corners at one position, then vertices that
+    /// no triangle uses. Says how many.
+    pub fn clean(&mut self) -> Cleaning {
+        crate::clean::clean(self)
+    }
+}
+
+/// A triangle mesh. Holding one means: positions are finite, indices are in range, no triangle has two corners at one
+/// position, every vertex belongs to one submesh and every stream has bytes for every vertex.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mesh(MeshParts);
+
+impl Mesh {
+    /// Number of vertices.
+    #[must_use]
+    pub fn vertex_count(&self) -> usize {
+        self.0.positions.len()
+    }
+    /// Positions, one per vertex.
+    #[must_use]
+    pub fn positions(&self) -> &[[f32; 3]] {
+        &self.0.positions
+    }
+    /// Attribute streams.
+    #[must_use]
+    pub fn attributes(&self) -> &[Attribute] {
+        &self.0.attributes
+    }
+    /// Triangles, submesh by submesh.
+    #[must_use]
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.0.triangles
+    }
+    /// Submeshes, covering all triangles in order.
+    #[must_use]
+    pub fn submeshes(&self) -> &[Submesh] {
+        &self.0.submeshes
+    }
+    /// The submesh of each vertex.
+    #[must_use]
+    pub fn vertex_submesh(&self) -> &[u32] {
+        &self.0.vertex_submesh
+    }
+    /// The parts, for changing them.
+    #[must_use]
+    pub fn into_parts(self) -> MeshParts {
+        self.0
+    }
+    /// Corners of the bounding box: smallest and largest coordinates (zeros without vertices).
+    #[must_use]
+    pub fn bounds(&self) -> ([f32; 3], [f32; 3]) {
+        let mut positions = self.0.positions.iter();
+        let Some(&first) = positions.next() else { return ([0.0; 3], [0.0; 3]) };
+        positions.fold((first, first), |(lo, hi), p| {
+            (std::array::from_fn(|i| lo[i].min(p[i])), std::array::from_fn(|i| hi[i].max(p[i])))
+        })
+    }
+    /// Length of the bounding box's diagonal.
+    #[must_use]
+    pub fn diagonal(&self) -> f64 {
+        let (lo, hi) = self.bounds();
+        (0..3).map(|i| (f64::from(hi[i]) - f64::from(lo[i])).powi(2)).sum::<f64>().sqrt()
+    }
+}
+
+impl TryFrom<MeshParts> for Mesh {
+    type Error = MeshError;
+
+    fn try_from(parts: MeshParts) -> Result<Self, MeshError> {
+        let vertices = parts.positions.len();
+        let limit = u32::MAX as usize / 4;
+        if vertices > limit || parts.triangles.len() > limit {
+            return Err(MeshError::TooLarge { vertices, triangles: parts.triangles.len() });
+        }
+        if let Some(vertex) = parts.positions.iter().position(|p| p.iter().any(|c| !c.is_finite())) {
+            return Err(MeshError::NotFinite { vertex });
+        }
+        if parts.vertex_submesh.len() != vertices {
+            return Err(MeshError::VertexSubmesh { vertex: parts.vertex_submesh.len().min(vertices) });
+        }
+        if let Some(vertex) = parts.vertex_submesh.iter().position(|&s| s as usize >= parts.submeshes.len()) {
+            return Err(MeshError::VertexSubmesh { vertex });
+        }
+        for (attribute, a) in parts.attributes.iter().enumerate() {
+            if !(1..=16).contains(&a.components) || a.bytes.len() != vertices * a.stride() {
+                return Err(MeshError::AttributeLength { attribute, bytes: a.bytes.len(), vertices });
+            }
+        }
+        let mut next = 0;
+        for (submesh, s) in parts.submeshes.iter().enumerate() {
+            let end = u64::from(s.first_triangle) + u64::from(s.triangle_count);
+            if s.first_triangle as usize != next || end > parts.triangles.len() as u64 {
+                return Err(MeshError::SubmeshRange { submesh });
+            }
+            if s.attributes.iter().any(|&a| a as usize >= parts.attributes.len()) {
+                return Err(MeshError::SubmeshAttribute { submesh });
+            }
+            next = s.triangles().end;
+            for (i, t) in parts.triangles[s.triangles()].iter().enumerate() {
+                let triangle = s.first_triangle as usize + i;
+                if t.iter().any(|&v| v as usize >= vertices) {
+                    return Err(MeshError::IndexOutOfRange { triangle });
+                }
+                if t.iter().any(|&v| parts.vertex_submesh[v as usize] as usize != submesh) {
+                    return Err(MeshError::SharedVertex { triangle });
+                }
+                let key = t.map(|v| position_key(parts.positions[v as usize]));
+                if key[0] == key[1] || key[1] == key[2] || key[2] == key[0] {
+                    return Err(MeshError::Degenerate { triangle });
+                }
+            }
+        }
+        if next != parts.triangles.len() {
+            return Err(MeshError::SubmeshRange { submesh: parts.submeshes.len() });
+        }
+        Ok(Self(parts))
+    }
+}
+
+/// Why parts are not a mesh. Each variant names the first offender.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum MeshError {
+    /// More vertices or triangles than `u32` arithmetic allows.
+    TooLarge {
+        /// Vertices given.
+        vertices: usize,
+        /// Triangles given.
+        triangles: usize,
+    },
+    /// A coordinate is NaN or infinite.
+    NotFinite {
+        /// The vertex.
+        vertex: usize,
+    },
+    /// A vertex has no submesh, or one that does not exist.
+    VertexSubmesh {
+        /// The vertex.
+        vertex: usize,
+    },
+    /// A stream's bytes do not match the number of vertices.
+    AttributeLength {
+        /// The stream.
+        attribute: usize,
+        /// Its bytes.
+        bytes: usize,
+        /// The mesh's vertices.
+        vertices: usize,
+    },
+    /// Submeshes do not cover the triangles one after another.
+    SubmeshRange {
+        /// The submesh.
+        submesh: usize,
+    },
+    /// A submesh names a stream that does not exist.
+    SubmeshAttribute {
+        /// The submesh.
+        submesh: usize,
+    },
+    /// A triangle names a vertex that does not exist.
+    IndexOutOfRange {
+        /// The triangle.
+        triangle: usize,
+    },
+    /// A triangle uses a vertex of another submesh.
+    SharedVertex {
+        /// The triangle.
+        triangle: usize,
+    },
+    /// A triangle has two corners at one position.
+    Degenerate {
+        /// The triangle.
+        triangle: usize,
+    },
+}
+
+impl fmt::Display for MeshError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::TooLarge { vertices, triangles } => {
+                write!(f, "{vertices} vertices and {triangles} triangles are more than 2^30")
+            }
+            Self::NotFinite { vertex } => write!(f, "vertex {vertex} has a coordinate that is not a finite number"),
+            Self::VertexSubmesh { vertex } => write!(f, "vertex {vertex} has no valid submesh"),
+            Self::AttributeLength { attribute, bytes, vertices } => {
+                write!(f, "attribute {attribute} has {bytes} bytes, which do not fit {vertices} vertices")
+            }
+            Self::SubmeshRange { submesh } => write!(f, "submesh {submesh} does not follow the one before it"),
+            Self::SubmeshAttribute { submesh } => write!(f, "submesh {submesh} names an attribute that is not there"),
+            Self::IndexOutOfRange { triangle } => write!(f, "triangle {triangle} names a vertex that is not there"),
+            Self::SharedVertex { triangle } => write!(f, "triangle {triangle} uses a vertex of another submesh"),
+            Self::Degenerate { triangle } => write!(f, "triangle {triangle} has two corners at one position"),
+        }
+    }
+}
+
+impl std::error::Error for MeshError {}

@@ -1,0 +1,64 @@
+//! Comparing meshes as multisets of oriented triangles: exactly, and by an order-independent hash.
+
+/// A triangle of a submesh whose corners are rotated so that the smallest comes first: equal exactly if the oriented
+/// triangles are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct OrientedTriangle {
+    /// The submesh.
+    pub submesh: u32,
+    /// The corners, counter-clockwise, smallest first.
+    pub corners: [u32; 3],
+}
+
+impl OrientedTriangle {
+    /// Rotates the corners into canonical order.
+    #[must_use]
+    pub fn new(submesh: u32, [a, b, c]: [u32; 3]) -> Self {
+        let corners = if a <= b && a <= c {
+            [a, b, c]
+        } else if b <= a && b <= c {
+            [b, c, a]
+        } else {
+            [c, a, b]
+        };
+        Self { submesh, corners }
+    }
+}
+
+/// A multiset of oriented triangles as the wrapping sum of their 128-bit hashes: triangles can be added and taken
+/// away in any order. Equal multisets have equal sums; unequal ones collide with probability 2⁻¹²⁸ or so.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct TriangleHash(u128);
+
+impl TriangleHash {
+    /// Adds a triangle.
+    pub fn add(&mut self, t: OrientedTriangle) {
+        self.0 = self.0.wrapping_add(hash(t));
+    }
+    /// Takes a triangle away.
+    pub fn remove(&mut self, t: OrientedTriangle) {
+        self.0 = self.0.wrapping_sub(hash(t));
+    }
+}
+
+impl FromIterator<OrientedTriangle> for TriangleHash {
+    fn from_iter<I: IntoIterator<Item = OrientedTriangle>>(triangles: I) -> Self {
+        let mut sum = Self::default();
+        triangles.into_iter().for_each(|t| sum.add(t));
+        sum
+    }
+}
+
+fn hash(t: OrientedTriangle) -> u128 {
+    let a = u64::from(t.submesh) << 32 | u64::from(t.corners[0]);
+    let b = u64::from(t.corners[1]) << 32 | u64::from(t.corners[2]);
+    let half = |seed: u64| mix(mix(a ^ seed).wrapping_add(b).wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ seed.rotate_left(17));
+    u128::from(half(0x243f_6a88_85a3_08d3)) << 64 | u128::from(half(0x1319_8a2e_0370_7344))
+}
+
+/// A bijection of 64 bits in which every input bit moves half of the output (the finaliser of SplitMix64).
+fn mix(mut x: u64) -> u64 {
+    x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    x ^ (x >> 31)
+}

@@ -1,0 +1,73 @@
+//! Positions compared bit for bit, with −0 and +0 the same.
+
+/// The identity of a position: two vertices are at one position exactly if their keys are equal.
+#[must_use]
+pub fn position_key(p: [f32; 3]) -> [u32; 3] {
+    // Adding +0 turns −0 into +0 and leaves every other value as it is.
+    p.map(|c| (c + 0.0).to_bits())
+}
+
+/// Every vertex's position, numbered in order of first appearance.
+#[derive(Clone, Debug)]
+pub struct PositionIds {
+    /// The position of each vertex.
+    pub of_vertex: Vec<u32>,
+    /// The first vertex at each position.
+    pub first_vertex: Vec<u32>,
+}
+
+impl PositionIds {
+    /// Numbers the positions of some vertices. Linear time and open addressing: this runs on every mesh.
+    #[must_use]
+    pub fn new(positions: &[[f32; 3]]) -> Self {
+        const EMPTY: u32 = u32::MAX;
+        let slots = (positions.len() * 3 / 2 + 1).next_power_of_two();
+        let mask = slots - 1;
+        let mut table = vec![EMPTY; slots];
+        let mut of_vertex = Vec::with_capacity(positions.len());
+        let mut first_vertex: Vec<u32> = Vec::new();
+        for (vertex, &p) in positions.iter().enumerate() {
+            let key = position_key(p);
+            let mut slot = hash(key) & mask;
+            let id = loop {
+                let id = table[slot];
+                if id == EMPTY {
+                    let id = index(first_vertex.len());
+                    table[slot] = id;
+                    first_vertex.push(index(vertex));
+                    break id;
+                }
+                if position_key(positions[first_vertex[id as usize] as usize]) == key {
+                    break id;
+                }
+                slot = (slot + 1) & mask;
+            };
+            of_vertex.push(id);
+        }
+        Self { of_vertex, first_vertex }
+    }
+
+    /// Number of different positions.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.first_vertex.len()
+    }
+
+    /// Whether there are none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.first_vertex.is_empty()
+    }
+}
+
+fn index(i: usize) -> u32 {
+    u32::try_from(i).expect("a mesh has fewer than 2^32 vertices")
+}
+
+fn hash(key: [u32; 3]) -> usize {
+    let mut h = u64::from(key[0]) | u64::from(key[1]) << 32;
+    h = (h ^ u64::from(key[2]).wrapping_mul(0x9e37_79b9_7f4a_7c15)).wrapping_mul(0xff51_afd7_ed55_8ccd);
+    h ^= h >> 32;
+    h = h.wrapping_mul(0xc4ce_b9fe_1a85_ec53);
+    (h ^ (h >> 29)) as usize
+}

@@ -1,0 +1,215 @@
+//! The collapse sequence: what a simplifier writes and every model reads.
+//!
+//! Vertices are numbered in the order in which they disappear. Record `k` removes vertex `k`, which becomes
+//! `targets[k] > k`; the last vertex stays. LOD `k` is the mesh after the first `k` records: LOD 0 is the input,
+//! `records()` the single vertex. Consecutive records of one half-edge collapse make a *step*; a LOD is shown at step
+//! ends only. (Thesis 3.2.1, 4.2.1 and 5.2.)
+
+use std::fmt;
+
+/// How many records have been applied. 0 is the full mesh; larger is coarser.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Lod(pub u32);
+
+/// One half-edge collapse.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Step {
+    /// The LOD after the step.
+    pub lod: Lod,
+    /// Object-space error of that LOD in the mesh's units; never smaller than that of the step before.
+    pub error: f32,
+    /// Triangles that are left.
+    pub triangles: u32,
+}
+
+/// What a collapse sequence is made of, before it is known to be valid.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SequenceParts {
+    /// The vertex that each record's vertex becomes; one fewer than there are vertices.
+    pub targets: Vec<u32>,
+    /// The LOD after each step, rising; the last is the number of records.
+    pub step_ends: Vec<u32>,
+    /// The error after each step, never falling.
+    pub step_errors: Vec<f32>,
+    /// The live triangles after each step, never rising.
+    pub step_triangles: Vec<u32>,
+    /// Triangles at LOD 0.
+    pub triangles: u32,
+    /// The last LOD reached without breaking a rule of legality (the terminal phase comes after it).
+    pub last_legal_lod: Lod,
+    /// How many steps changed the topology before the terminal phase.
+    pub topology_changes: u32,
+    /// The first LOD after such a step.
+    pub first_topology_change: Option<Lod>,
+}
+
+/// A valid collapse sequence.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CollapseSequence(SequenceParts);
+
+impl CollapseSequence {
+    /// Number of records, one fewer than there are vertices.
+    #[must_use]
+    pub fn records(&self) -> u32 {
+        self.0.targets.len() as u32
+    }
+    /// Number of steps.
+    #[must_use]
+    pub fn steps(&self) -> usize {
+        self.0.step_ends.len()
+    }
+    /// One step, counted from 0.
+    #[must_use]
+    pub fn step(&self, i: usize) -> Step {
+        Step { lod: Lod(self.0.step_ends[i]), error: self.0.step_errors[i], triangles: self.0.step_triangles[i] }
+    }
+    /// What each vertex becomes.
+    #[must_use]
+    pub fn targets(&self) -> &[u32] {
+        &self.0.targets
+    }
+    /// The parts, for storing them.
+    #[must_use]
+    pub fn parts(&self) -> &SequenceParts {
+        &self.0
+    }
+    /// The parts, for changing them.
+    #[must_use]
+    pub fn into_parts(self) -> SequenceParts {
+        self.0
+    }
+    /// The coarsest LOD: one vertex.
+    #[must_use]
+    pub fn last(&self) -> Lod {
+        Lod(self.records())
+    }
+    /// How many steps are complete at `lod`.
+    #[must_use]
+    pub fn steps_at(&self, lod: Lod) -> usize {
+        self.0.step_ends.partition_point(|&end| end <= lod.0)
+    }
+    /// The LOD that is shown for `lod`: rounded down, towards finer, to the end of a step.
+    #[must_use]
+    pub fn floor(&self, lod: Lod) -> Lod {
+        match self.steps_at(lod) {
+            0 => Lod(0),
+            n => Lod(self.0.step_ends[n - 1]),
+        }
+    }
+    /// Live triangles at the LOD shown for `lod`.
+    #[must_use]
+    pub fn triangles_at(&self, lod: Lod) -> u32 {
+        match self.steps_at(lod) {
+            0 => self.0.triangles,
+            n => self.0.step_triangles[n - 1],
+        }
+    }
+    /// Object-space error at the LOD shown for `lod`, in the mesh's units.
+    #[must_use]
+    pub fn error_at(&self, lod: Lod) -> f32 {
+        match self.steps_at(lod) {
+            0 => 0.0,
+            n => self.0.step_errors[n - 1],
+        }
+    }
+    /// The finest LOD with at most `triangles` triangles.
+    #[must_use]
+    pub fn lod_for_triangles(&self, triangles: u32) -> Lod {
+        if self.0.triangles <= triangles {
+            return Lod(0);
+        }
+        let step = self.0.step_triangles.partition_point(|&t| t > triangles);
+        self.0.step_ends.get(step).map_or(self.last(), |&end| Lod(end))
+    }
+    /// The coarsest LOD whose error is at most `error`.
+    #[must_use]
+    pub fn lod_for_error(&self, error: f32) -> Lod {
+        match self.0.step_errors.partition_point(|&e| e <= error) {
+            0 => Lod(0),
+            n => Lod(self.0.step_ends[n - 1]),
+        }
+    }
+    /// The coarsest LOD that still has a triangle (LOD 0 if there is none at all).
+    #[must_use]
+    pub fn last_visible(&self) -> Lod {
+        match self.0.step_triangles.partition_point(|&t| t > 0) {
+            0 => Lod(0),
+            n => Lod(self.0.step_ends[n - 1]),
+        }
+    }
+    /// The vertex that stands for `vertex` at `lod`.
+    #[must_use]
+    pub fn resolve(&self, mut vertex: u32, lod: Lod) -> u32 {
+        while vertex < lod.0 {
+            vertex = self.0.targets[vertex as usize];
+        }
+        vertex
+    }
+    /// [`Self::resolve`] for all vertices at once, in linear time.
+    #[must_use]
+    pub fn resolve_all(&self, lod: Lod) -> Vec<u32> {
+        let mut map: Vec<u32> = (0..=self.records()).collect();
+        for k in (0..lod.0 as usize).rev() {
+            map[k] = map[self.0.targets[k] as usize];
+        }
+        map
+    }
+}
+
+impl TryFrom<SequenceParts> for CollapseSequence {
+    type Error = SequenceError;
+
+    fn try_from(p: SequenceParts) -> Result<Self, SequenceError> {
+        let records = p.targets.len();
+        if let Some(record) = (0..records).find(|&k| p.targets[k] as usize <= k || p.targets[k] as usize > records) {
+            return Err(SequenceError::Target { record });
+        }
+        let steps = p.step_ends.len();
+        if p.step_errors.len() != steps || p.step_triangles.len() != steps {
+            return Err(SequenceError::Lengths);
+        }
+        let (mut end, mut error, mut triangles) = (0, 0.0, p.triangles);
+        for step in 0..steps {
+            let rises = p.step_ends[step] > end && p.step_errors[step] >= error;
+            if !rises || !p.step_errors[step].is_finite() || p.step_triangles[step] > triangles {
+                return Err(SequenceError::Step { step });
+            }
+            (end, error, triangles) = (p.step_ends[step], p.step_errors[step], p.step_triangles[step]);
+        }
+        if end as usize != records || p.last_legal_lod.0 > end || p.first_topology_change.is_some_and(|l| l.0 > end) {
+            return Err(SequenceError::Step { step: steps });
+        }
+        Ok(Self(p))
+    }
+}
+
+/// Why parts are not a collapse sequence. Each variant names the first offender.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum SequenceError {
+    /// A record's target is not a later vertex.
+    Target {
+        /// The record.
+        record: usize,
+    },
+    /// Steps have different numbers of ends, errors and triangle counts.
+    Lengths,
+    /// A step does not follow the one before it: its end or error falls, its triangles rise, or the last step does not
+    /// end with the last record.
+    Step {
+        /// The step.
+        step: usize,
+    },
+}
+
+impl fmt::Display for SequenceError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Target { record } => write!(f, "record {record} does not lead to a later vertex"),
+            Self::Lengths => write!(f, "steps have different numbers of ends, errors and triangle counts"),
+            Self::Step { step } => write!(f, "step {step} does not follow the one before it"),
+        }
+    }
+}
+
+impl std::error::Error for SequenceError {}

@@ -1,0 +1,110 @@
+//! A mesh in collapse order with its sequence, and the reference answer: which triangles a LOD has.
+
+use crate::{CollapseSequence, Lod, Mesh, OrientedTriangle, PositionIds};
+use std::fmt;
+
+/// What a simplifier makes: the mesh, its vertices in the order in which they disappear (fake vertices included, which
+/// no triangle of LOD 0 uses), and the sequence. Within each submesh the triangle that dies first comes last, so the
+/// live triangles of a submesh are always the first ones.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Simplified {
+    mesh: Mesh,
+    collapses: CollapseSequence,
+}
+
+impl Simplified {
+    /// Puts the two together.
+    ///
+    /// # Errors
+    /// If their sizes do not match.
+    pub fn new(mesh: Mesh, collapses: CollapseSequence) -> Result<Self, SimplifiedError> {
+        let (vertices, records) = (mesh.vertex_count(), collapses.records() as usize);
+        if vertices != records + 1 && !(vertices == 0 && records == 0) {
+            return Err(SimplifiedError::Records { vertices, records });
+        }
+        let (mesh_triangles, sequence_triangles) = (mesh.triangles().len(), collapses.parts().triangles as usize);
+        if mesh_triangles != sequence_triangles {
+            return Err(SimplifiedError::Triangles { mesh: mesh_triangles, sequence: sequence_triangles });
+        }
+        Ok(Self { mesh, collapses })
+    }
+    /// The mesh in collapse order.
+    #[must_use]
+    pub fn mesh(&self) -> &Mesh {
+        &self.mesh
+    }
+    /// The sequence.
+    #[must_use]
+    pub fn collapses(&self) -> &CollapseSequence {
+        &self.collapses
+    }
+    /// Both, taken apart.
+    #[must_use]
+    pub fn into_parts(self) -> (Mesh, CollapseSequence) {
+        (self.mesh, self.collapses)
+    }
+    /// Vertices made by the simplifier: those that no triangle of LOD 0 uses.
+    #[must_use]
+    pub fn fakes(&self) -> usize {
+        let mut used = vec![false; self.mesh.vertex_count()];
+        for &v in self.mesh.triangles().as_flattened() {
+            used[v as usize] = true;
+        }
+        used.iter().filter(|&&u| !u).count()
+    }
+    /// The reference answer: the input triangles with every vertex resolved, those with two corners at one position
+    /// dropped. Naive on purpose; everything else is judged by it. `lod` is taken as it is, not rounded to a step.
+    #[must_use]
+    pub fn triangles_at(&self, lod: Lod) -> Vec<OrientedTriangle> {
+        self.triangles_at_with(lod, &PositionIds::new(self.mesh.positions()))
+    }
+    /// [`Self::triangles_at`] with the positions numbered beforehand, for asking many times.
+    #[must_use]
+    pub fn triangles_at_with(&self, lod: Lod, positions: &PositionIds) -> Vec<OrientedTriangle> {
+        let map = self.collapses.resolve_all(lod);
+        let mut live = Vec::new();
+        for (submesh, s) in self.mesh.submeshes().iter().enumerate() {
+            for t in &self.mesh.triangles()[s.triangles()] {
+                let corners = t.map(|v| map[v as usize]);
+                let [a, b, c] = corners.map(|v| positions.of_vertex[v as usize]);
+                if a != b && b != c && c != a {
+                    live.push(OrientedTriangle::new(submesh as u32, corners));
+                }
+            }
+        }
+        live
+    }
+}
+
+/// Why a mesh and a sequence do not belong together.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum SimplifiedError {
+    /// A sequence has one record fewer than the mesh has vertices.
+    Records {
+        /// Vertices of the mesh.
+        vertices: usize,
+        /// Records of the sequence.
+        records: usize,
+    },
+    /// The two disagree on the triangles of LOD 0.
+    Triangles {
+        /// Triangles of the mesh.
+        mesh: usize,
+        /// Triangles that the sequence starts with.
+        sequence: usize,
+    },
+}
+
+impl fmt::Display for SimplifiedError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Records { vertices, records } => write!(f, "{records} records do not fit {vertices} vertices"),
+            Self::Triangles { mesh, sequence } => {
+                write!(f, "the mesh has {mesh} triangles, the sequence starts with {sequence}")
+            }
+        }
+    }
+}
+
+impl std::error::Error for SimplifiedError {}

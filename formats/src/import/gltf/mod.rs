@@ -1,0 +1,13 @@
+//! glTF 2.0 and GLB.
+
+use super::ImportOptions;
+use crate::{Fault, FormatError, Scene};
+use std::path::Path;
+
+/// Reads a glTF or GLB.
+///
+/// # Errors
+/// See [`super::import`].
+pub fn import(path: &Path, _options: &ImportOptions) -> Result<Scene, FormatError> {
+    Err(FormatError::new(Fault::Unsupported, "", path.display().to_string()))
+}

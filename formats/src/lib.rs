@@ -1,0 +1,19 @@
+//! Every foreign byte of lodc: meshes in and out, and the `.lodc` container.
+//!
+//! Nothing outside this package parses or writes files. It knows no model by name: models list their arrays
+//! (`lodc_lod::any`), this package lays them out.
+
+mod assets;
+mod error;
+pub mod export;
+pub mod import;
+mod limits;
+pub mod lodc;
+mod scene;
+mod write;
+
+pub use assets::Assets;
+pub use error::{Fault, FormatError};
+pub use limits::Limits;
+pub use scene::{Document, GltfDocument, ObjDocument, ObjectInfo, Scene, SceneObject, Source, SourceFormat, SubmeshInfo};
+pub use write::{OutputFile, write_all};

@@ -1,0 +1,36 @@
+//! How much of a machine one input may take.
+
+/// Limits on inputs. Reaching one is [`crate::Fault::Limit`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Limits {
+    /// Bytes of one file.
+    pub file_bytes: u64,
+    /// Bytes of all files of one input together.
+    pub total_bytes: u64,
+    /// Vertices of one input.
+    pub vertices: u64,
+    /// Triangles of one input.
+    pub triangles: u64,
+    /// Bytes of one line of a text format.
+    pub line_bytes: u64,
+    /// Nesting of JSON.
+    pub json_depth: u32,
+}
+
+impl Limits {
+    /// The limits unless options raise them.
+    pub const DEFAULT: Self = Self {
+        file_bytes: 4 << 30,
+        total_bytes: 8 << 30,
+        vertices: 1 << 28,
+        triangles: 1 << 28,
+        line_bytes: 64 << 20,
+        json_depth: 128,
+    };
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self::DEFAULT
+    }
+}

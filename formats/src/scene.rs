@@ -1,0 +1,110 @@
+//! A whole asset: its meshes as lodc sees them, and everything else as the file had it.
+
+use lodc_mesh::Mesh;
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+
+/// The format that a scene came from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum SourceFormat {
+    /// Wavefront OBJ.
+    Obj,
+    /// glTF 2.0, JSON with files beside it.
+    Gltf,
+    /// glTF 2.0, binary.
+    Glb,
+}
+
+/// Where a scene came from; never a path, so that output does not depend on the folder.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Source {
+    /// Its format.
+    pub format: SourceFormat,
+    /// XXH3-128 of the bytes of the main file and then of every buffer file it names, in order.
+    pub content_hash: u128,
+}
+
+/// An imported asset.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// Where it came from.
+    pub source: Source,
+    /// Everything that is not a triangle mesh.
+    pub document: Document,
+    /// One object per glTF mesh with triangles, or one per OBJ.
+    pub objects: Vec<SceneObject>,
+    /// What was repaired, dropped or left alone: one line each, with counts.
+    pub warnings: Vec<String>,
+    /// Every file that was read, for dependency files.
+    pub files_read: Vec<PathBuf>,
+}
+
+/// One object of a scene.
+#[derive(Clone, Debug)]
+pub struct SceneObject {
+    /// Its description.
+    pub info: ObjectInfo,
+    /// Its triangles.
+    pub mesh: Mesh,
+}
+
+/// What is known of an object besides its mesh.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ObjectInfo {
+    /// Its name in the file, or `mesh0`, `mesh1`, … or the OBJ's file stem.
+    pub name: String,
+    /// One per submesh of the mesh.
+    pub submeshes: Vec<SubmeshInfo>,
+    /// The largest scale at which a node of the scene shows it; 1 where no node does.
+    pub world_scale: f64,
+    /// glTF: its index in the document's `meshes`. OBJ: 0.
+    pub document_mesh: u32,
+}
+
+/// What is known of a submesh besides its triangles.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SubmeshInfo {
+    /// OBJ: the group or object name; glTF: empty.
+    pub name: String,
+    /// OBJ: the material's name. glTF: none (the document's primitive has it).
+    pub material: Option<String>,
+    /// glTF: its index in the document mesh's `primitives`. OBJ: the submesh's own index.
+    pub document_primitive: u32,
+}
+
+/// Everything of an asset that is not a triangle mesh, enough to write the whole scene again.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Document {
+    /// From an OBJ.
+    Obj(ObjDocument),
+    /// From a glTF.
+    Gltf(GltfDocument),
+}
+
+/// The rest of an OBJ.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ObjDocument {
+    /// Names of the material libraries, as the OBJ has them.
+    pub libraries: Vec<String>,
+    /// Materials, in the order of the libraries: name and the lines of their definition as read.
+    pub materials: Vec<ObjMaterial>,
+}
+
+/// One material of an MTL file.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ObjMaterial {
+    /// Its name.
+    pub name: String,
+    /// The lines of its definition after `newmtl`, as read.
+    pub lines: Vec<String>,
+}
+
+/// The rest of a glTF.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct GltfDocument {
+    /// The JSON document. Primitives that are objects' submeshes have no `indices` and no `attributes` or `targets`
+    /// accessors any more; everything else is as it was, its buffer views pointing into `blob` (buffer 0).
+    pub json: String,
+    /// The bytes that remaining buffer views refer to.
+    pub blob: Vec<u8>,
+}
