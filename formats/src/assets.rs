@@ -1,7 +1,10 @@
 //! Reading the files of one asset, and nothing else: no path leads out of its folder.
 
 use crate::{Fault, FormatError, Limits};
-use std::path::{Path, PathBuf};
+use std::ffi::OsStr;
+use std::fs::{File, Metadata, OpenOptions};
+use std::io::{self, Read};
+use std::path::{Component, Path, PathBuf};
 
 /// The folder of an asset and what has been read from it.
 #[derive(Debug)]
@@ -14,7 +17,8 @@ pub struct Assets {
 }
 
 impl Assets {
-    /// An asset whose main file is `main`. `allowed` are further folders that may be read.
+    /// An asset whose main file is `main`, or standard input if that is `-` (which then has no folder of its own).
+    /// `allowed` are further folders that may be read.
     #[must_use]
     pub fn new(main: &Path, allowed: &[PathBuf], limits: Limits) -> Self {
         Self { main: main.to_owned(), allowed: allowed.to_owned(), limits, total: 0, read: Vec::new() }
@@ -24,23 +28,196 @@ impl Assets {
     pub fn limits(&self) -> &Limits {
         &self.limits
     }
-    /// Every file read so far, in order.
+    /// Every file read so far, in order and each once, named as the user would.
     #[must_use]
     pub fn files_read(&self) -> &[PathBuf] {
         &self.read
     }
+    /// The main file as the user named it, for messages.
+    #[must_use]
+    pub fn main_name(&self) -> String {
+        if self.is_stdin() { "standard input".to_owned() } else { self.main.display().to_string() }
+    }
+    /// The main file's name without folder and extension; empty for standard input.
+    #[must_use]
+    pub fn stem(&self) -> String {
+        if self.is_stdin() {
+            return String::new();
+        }
+        self.main.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default()
+    }
+    fn is_stdin(&self) -> bool {
+        self.main.as_os_str() == "-"
+    }
+
     /// Reads the main file.
     ///
     /// # Errors
     /// If it cannot be read, is not a regular file, or is larger than the limits allow.
     pub fn read_main(&mut self) -> Result<Vec<u8>, FormatError> {
-        Err(FormatError::new(Fault::Unreadable, "", format!("{:?} {:?} {}", self.main, self.allowed, self.total)))
+        let name = self.main_name();
+        if self.is_stdin() {
+            let bytes = self.read_bounded(&mut io::stdin().lock(), 0);
+            return bytes.map_err(|e| e.in_file(&name));
+        }
+        let path = self.main.clone();
+        self.read_file(&path, path.clone()).map_err(|e| e.in_file(&name))
     }
-    /// Reads a file that the asset refers to by a relative URI or path (percent-decoding is the caller's).
+
+    /// Reads a file that the asset refers to by a path relative to its folder (percent-decoding is the caller's).
     ///
     /// # Errors
-    /// If the reference leads out of the allowed folders, or the file cannot be read or is too large.
+    /// [`Fault::Forbidden`] if the reference has a scheme or a NUL, or leads out of the allowed folders, be it by name
+    /// or through a symbolic link; else if the file is not there, not a regular file, or too large. The error names
+    /// the reference as its file.
     pub fn read_reference(&mut self, reference: &str) -> Result<Vec<u8>, FormatError> {
-        Err(FormatError::new(Fault::Forbidden, "", reference))
+        let (real, named) = self.resolve(reference).map_err(|e| e.in_file(reference))?;
+        self.read_file(&real, named).map_err(|e| e.in_file(reference))
+    }
+
+    /// Where a reference leads: the real path, and the path as the user would name it.
+    fn resolve(&self, reference: &str) -> Result<(PathBuf, PathBuf), FormatError> {
+        let forbidden = |what: &str| Err(FormatError::new(Fault::Forbidden, "", what));
+        if reference.contains('\0') {
+            return forbidden("a file name cannot contain NUL");
+        }
+        if has_scheme(reference) {
+            return forbidden("only files beside the asset are read, never an address with a scheme or drive");
+        }
+        let relative = Path::new(reference);
+        if relative.file_name().is_none() {
+            return Err(FormatError::new(Fault::Unreadable, "", "does not name a file"));
+        }
+        if self.is_stdin() && relative.is_relative() {
+            return forbidden("what comes from standard input has no folder to read other files from");
+        }
+        let folder = match self.main.parent() {
+            Some(parent) if parent != Path::new("") => parent,
+            _ => Path::new("."),
+        };
+        let own = if self.is_stdin() { None } else { folder.canonicalize().ok() };
+        let roots: Vec<PathBuf> =
+            own.iter().cloned().chain(self.allowed.iter().filter_map(|a| a.canonicalize().ok())).collect();
+        let inside = |path: &Path| roots.iter().any(|root| path.starts_with(root));
+        let outside = "leads out of the asset's own folder (--allow-path FOLDER permits another one)";
+
+        // By name first, so that not even the existence of anything outside is asked about; then by what it really is.
+        let absolute = own.unwrap_or_default().join(relative);
+        if !normalised(&absolute).is_some_and(|path| inside(&path)) {
+            return forbidden(outside);
+        }
+        let real = absolute.canonicalize().map_err(|e| unreadable(&e))?;
+        if !inside(&real) {
+            return forbidden(outside);
+        }
+        let named = if folder == Path::new(".") { relative.to_owned() } else { folder.join(relative) };
+        Ok((real, named))
+    }
+
+    fn read_file(&mut self, path: &Path, named: PathBuf) -> Result<Vec<u8>, FormatError> {
+        // Asked before opening, because opening a FIFO waits for a writer and opening a device may do anything.
+        require_regular(&std::fs::metadata(path).map_err(|e| unreadable(&e))?)?;
+        let mut file = open(path).map_err(|e| unreadable(&e))?;
+        // Asked again of what was really opened.
+        let metadata = file.metadata().map_err(|e| unreadable(&e))?;
+        require_regular(&metadata)?;
+        if metadata.len() > self.room() {
+            return Err(self.too_large());
+        }
+        let bytes = self.read_bounded(&mut file, metadata.len())?;
+        if !self.read.contains(&named) {
+            self.read.push(named);
+        }
+        Ok(bytes)
+    }
+
+    fn room(&self) -> u64 {
+        self.limits.file_bytes.min(self.limits.total_bytes.saturating_sub(self.total))
+    }
+
+    fn too_large(&self) -> FormatError {
+        let what = if self.limits.total_bytes.saturating_sub(self.total) < self.limits.file_bytes {
+            format!("the input's files are larger than {} bytes together", self.limits.total_bytes)
+        } else {
+            format!("larger than {} bytes", self.limits.file_bytes)
+        };
+        FormatError::new(Fault::Limit, "", what)
+    }
+
+    /// Reads to the end, but never more than there is room for: a size in a directory is only a hint.
+    fn read_bounded(&mut self, source: &mut dyn Read, expected: u64) -> Result<Vec<u8>, FormatError> {
+        let room = self.room();
+        let mut bytes = Vec::new();
+        // One byte more than expected lets the end be seen without growing.
+        let capacity = usize::try_from(expected.min(room).saturating_add(1)).unwrap_or(usize::MAX);
+        if bytes.try_reserve_exact(capacity).is_err() {
+            return Err(FormatError::new(Fault::Limit, "", "not enough memory to read it"));
+        }
+        source.take(room.saturating_add(1)).read_to_end(&mut bytes).map_err(|e| match e.kind() {
+            io::ErrorKind::OutOfMemory => FormatError::new(Fault::Limit, "", "not enough memory to read it"),
+            _ => unreadable(&e),
+        })?;
+        if bytes.len() as u64 > room {
+            return Err(self.too_large());
+        }
+        self.total += bytes.len() as u64;
+        Ok(bytes)
     }
 }
+
+fn unreadable(error: &io::Error) -> FormatError {
+    FormatError::new(Fault::Unreadable, "", format!("cannot be read: {error}"))
+}
+
+fn require_regular(metadata: &Metadata) -> Result<(), FormatError> {
+    if metadata.is_file() {
+        return Ok(());
+    }
+    let what = if metadata.is_dir() {
+        "is a folder, not a file"
+    } else {
+        "is a device, pipe or socket, not a file (`-` reads standard input)"
+    };
+    Err(FormatError::new(Fault::Unreadable, "", what))
+}
+
+/// Opens without waiting, should the path have become a FIFO since it was looked at.
+#[cfg(target_os = "linux")]
+fn open(path: &Path) -> io::Result<File> {
+    use std::os::unix::fs::OpenOptionsExt;
+    const O_NONBLOCK: i32 = 0o4000;
+    OpenOptions::new().read(true).custom_flags(O_NONBLOCK).open(path)
+}
+
+#[cfg(not(target_os = "linux"))]
+fn open(path: &Path) -> io::Result<File> {
+    OpenOptions::new().read(true).open(path)
+}
+
+/// Whether a reference starts like `http:`, `file:`, `data:` or `C:` (RFC 3986, 3.1; a drive letter looks the same).
+fn has_scheme(reference: &str) -> bool {
+    reference.split_once(':').is_some_and(|(scheme, _)| {
+        scheme.starts_with(|c: char| c.is_ascii_alphabetic())
+            && scheme.chars().all(|c| c.is_ascii_alphanumeric() || "+-.".contains(c))
+    })
+}
+
+/// The path without `.` and `..`, by name alone; none if it climbs above the root.
+fn normalised(path: &Path) -> Option<PathBuf> {
+    let mut out = PathBuf::new();
+    for component in path.components() {
+        match component {
+            Component::CurDir => {}
+            Component::ParentDir => {
+                if out.file_name().is_none_or(|name| name == OsStr::new("..")) || !out.pop() {
+                    return None;
+                }
+            }
+            other => out.push(other),
+        }
+    }
+    Some(out)
+}
+
+#[cfg(test)]
+mod tests;

@@ -10,10 +10,12 @@ pub mod import;
 mod limits;
 pub mod lodc;
 mod scene;
+#[cfg(test)]
+mod testing;
 mod write;
 
 pub use assets::Assets;
 pub use error::{Fault, FormatError};
 pub use limits::Limits;
-pub use scene::{Document, GltfDocument, ObjDocument, ObjectInfo, Scene, SceneObject, Source, SourceFormat, SubmeshInfo};
+pub use scene::{Document, GltfDocument, ObjDocument, ObjMaterial, ObjectInfo, Scene, SceneObject, Source, SourceFormat, SubmeshInfo};
 pub use write::{OutputFile, write_all};

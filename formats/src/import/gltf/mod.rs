@@ -1,13 +1,12 @@
 //! glTF 2.0 and GLB.
 
 use super::ImportOptions;
-use crate::{Fault, FormatError, Scene};
-use std::path::Path;
+use crate::{Assets, Fault, FormatError, Scene};
 
-/// Reads a glTF or GLB.
+/// Reads a glTF or GLB; `bytes` is the main file.
 ///
 /// # Errors
 /// See [`super::import`].
-pub fn import(path: &Path, _options: &ImportOptions) -> Result<Scene, FormatError> {
-    Err(FormatError::new(Fault::Unsupported, "", path.display().to_string()))
+pub(crate) fn import(bytes: Vec<u8>, assets: &mut Assets, _options: &ImportOptions) -> Result<Scene, FormatError> {
+    Err(FormatError::new(Fault::Unsupported, "", format!("{} {}", assets.main_name(), bytes.len())))
 }

@@ -1,13 +1,12 @@
 //! Wavefront OBJ and MTL.
 
 use super::ImportOptions;
-use crate::{Fault, FormatError, Scene};
-use std::path::Path;
+use crate::{Assets, Fault, FormatError, Scene};
 
-/// Reads an OBJ.
+/// Reads an OBJ; `bytes` is the main file.
 ///
 /// # Errors
 /// See [`super::import`].
-pub fn import(path: &Path, _options: &ImportOptions) -> Result<Scene, FormatError> {
-    Err(FormatError::new(Fault::Unsupported, "", path.display().to_string()))
+pub(crate) fn import(bytes: Vec<u8>, assets: &mut Assets, _options: &ImportOptions) -> Result<Scene, FormatError> {
+    Err(FormatError::new(Fault::Unsupported, "", format!("{} {}", assets.main_name(), bytes.len())))
 }

@@ -1,0 +1,67 @@
+//! What the tests of this package share.
+
+use std::path::{Path, PathBuf};
+
+/// A folder of its own for one test, removed at the end.
+#[derive(Debug)]
+pub(crate) struct Scratch(PathBuf);
+
+impl Scratch {
+    /// Makes an empty folder; `name` is unique among the tests.
+    pub(crate) fn new(name: &str) -> Self {
+        let folder = std::env::temp_dir().join(format!("lodc-test-{}-{name}", std::process::id()));
+        std::fs::create_dir_all(&folder).expect("a folder for temporary files");
+        Self(folder.canonicalize().expect("it was just made"))
+    }
+    /// A path inside.
+    pub(crate) fn path(&self, relative: &str) -> PathBuf {
+        if relative.is_empty() { self.0.clone() } else { self.0.join(relative) }
+    }
+    /// Writes a file inside, with its folders.
+    pub(crate) fn write(&self, relative: &str, bytes: &[u8]) {
+        let path = self.path(relative);
+        std::fs::create_dir_all(path.parent().expect("inside the folder")).expect("a folder");
+        std::fs::write(path, bytes).expect("a file");
+    }
+}
+
+impl Drop for Scratch {
+    fn drop(&mut self) {
+        // A test that failed for another reason must not fail twice.
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+/// The folder of real models, or none, said aloud.
+pub(crate) fn corpus() -> Option<PathBuf> {
+    let default = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/models");
+    let folder = std::env::var_os("LODC_CORPUS").map_or(default, PathBuf::from);
+    if folder.is_dir() {
+        return Some(folder);
+    }
+    println!("SKIPPED: no models at {} (set LODC_CORPUS)", folder.display());
+    None
+}
+
+/// A small generator of numbers that depend on the seed alone (SplitMix64).
+#[derive(Debug)]
+pub(crate) struct Random(pub(crate) u64);
+
+impl Random {
+    /// The next 64 bits.
+    pub(crate) fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut x = self.0;
+        x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        x ^ (x >> 31)
+    }
+    /// A number below `end`, which is at least 1.
+    pub(crate) fn below(&mut self, end: usize) -> usize {
+        usize::try_from(self.next() % end as u64).expect("below a usize")
+    }
+    /// A number from 0 up to 1.
+    pub(crate) fn unit(&mut self) -> f32 {
+        (self.next() >> 40) as f32 / (1u32 << 24) as f32
+    }
+}
