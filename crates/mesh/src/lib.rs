@@ -8,6 +8,7 @@
 
 mod attribute;
 mod clean;
+mod extract;
 mod groups;
 mod mesh;
 mod multiset;
