@@ -32,6 +32,12 @@ impl Drop for Scratch {
     }
 }
 
+/// Says something that a person running the tests must see.
+#[expect(clippy::print_stdout, reason = "a test that is skipped says so aloud")]
+pub(crate) fn say(what: &str) {
+    println!("{what}");
+}
+
 /// The folder of real models, or none, said aloud.
 pub(crate) fn corpus() -> Option<PathBuf> {
     let default = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/models");
@@ -39,7 +45,7 @@ pub(crate) fn corpus() -> Option<PathBuf> {
     if folder.is_dir() {
         return Some(folder);
     }
-    println!("SKIPPED: no models at {} (set LODC_CORPUS)", folder.display());
+    say(&format!("SKIPPED: no models at {} (set LODC_CORPUS)", folder.display()));
     None
 }
 

@@ -1,7 +1,15 @@
 //! Output files appear whole or not at all.
+//!
+//! Each is written to a temporary file beside its target, synced, and renamed when all are complete. A temporary file
+//! is locked for as long as its writer lives, so a later run can tell what a killed one has left behind (and removes
+//! it) from what another is still writing.
 
-use crate::FormatError;
-use std::path::PathBuf;
+use crate::{Fault, FormatError};
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+use xxhash_rust::xxh3::xxh3_64;
 
 /// A file to be written.
 #[derive(Clone, Debug)]
@@ -12,11 +20,182 @@ pub struct OutputFile {
     pub bytes: Vec<u8>,
 }
 
-/// Writes files beside their targets, syncs them, then renames them into place.
+/// Writes files beside their targets, syncs them, then renames them into place, the first file last: it is the one
+/// that refers to the others. Their folders must exist. A target that is a link is replaced where it leads; one that is
+/// a device or a pipe is written to directly.
 ///
 /// # Errors
 /// If one cannot be written; then none of the targets has changed where the system allows that.
 pub fn write_all(files: &[OutputFile]) -> Result<(), FormatError> {
-    let _ = files;
+    let mut pending = Vec::new();
+    for file in files {
+        let step = Pending::write(file).map_err(|e| not_written(&file.path, &e))?;
+        pending.extend(step);
+    }
+    // With one file the rename is all or nothing by itself.
+    let several = pending.len() > 1;
+    let mut done: Vec<Pending> = Vec::new();
+    for mut next in pending.into_iter().rev() {
+        if let Err(e) = next.commit(several) {
+            let error = not_written(&next.target, &e);
+            done.into_iter().rev().for_each(Pending::undo);
+            return Err(error);
+        }
+        done.push(next);
+    }
+    for folder in done.iter().filter_map(|d| d.target.parent()) {
+        // What stands there is complete either way: this only makes the new name survive a power failure.
+        let _ = File::open(folder).and_then(|f| f.sync_all());
+    }
     Ok(())
 }
+
+fn not_written(path: &Path, error: &io::Error) -> FormatError {
+    FormatError::new(Fault::NotWritten, "", format!("cannot be written: {error}")).in_file(&path.display().to_string())
+}
+
+/// A complete temporary file that waits for its rename. Dropping it removes the temporary files that are left.
+#[derive(Debug)]
+struct Pending {
+    target: PathBuf,
+    /// Renamed once all are complete; emptied by that.
+    temporary: Option<Temporary>,
+    /// What stood at the target before.
+    backup: Option<PathBuf>,
+    replaced_nothing: bool,
+}
+
+impl Pending {
+    /// Writes and syncs one file; none if the target took the bytes directly.
+    fn write(file: &OutputFile) -> io::Result<Option<Self>> {
+        let (target, permissions) = match fs::metadata(&file.path) {
+            Ok(m) if m.is_dir() => return Err(io::Error::other("there is a folder of that name")),
+            Ok(m) if !m.is_file() => {
+                OpenOptions::new().write(true).open(&file.path)?.write_all(&file.bytes)?;
+                return Ok(None);
+            }
+            Ok(m) => (file.path.canonicalize()?, Some(m.permissions())),
+            Err(_) => (file.path.clone(), None),
+        };
+        let name = target.file_name().ok_or_else(|| io::Error::other("that is not the name of a file"))?;
+        let folder = match target.parent() {
+            Some(p) if p != Path::new("") => p,
+            _ => Path::new("."),
+        };
+        let prefix = format!(".lodc-{:016x}-", xxh3_64(name.as_encoded_bytes()));
+        remove_stale(folder, &prefix);
+        let mut temporary = Temporary::create(folder, &prefix)?;
+        temporary.file.write_all(&file.bytes)?;
+        if let Some(p) = permissions {
+            temporary.file.set_permissions(p)?;
+        }
+        temporary.file.sync_all()?;
+        Ok(Some(Self { target, temporary: Some(temporary), backup: None, replaced_nothing: false }))
+    }
+
+    /// Puts the file in its place, keeping what stood there if that may be needed again.
+    fn commit(&mut self, keep_old: bool) -> io::Result<()> {
+        let Some(temporary) = &self.temporary else { return Ok(()) };
+        if keep_old {
+            // A second name for the old file. Where there are no hard links there is no way back, which is allowed.
+            let backup = temporary.path.with_extension("old");
+            match fs::hard_link(&self.target, &backup) {
+                Ok(()) => self.backup = Some(backup),
+                Err(e) => self.replaced_nothing = e.kind() == io::ErrorKind::NotFound,
+            }
+        }
+        fs::rename(&temporary.path, &self.target)?;
+        if let Some(t) = &mut self.temporary {
+            t.renamed = true;
+        }
+        Ok(())
+    }
+
+    /// Puts back what stood at the target. Best effort: the failure that led here is the one to report.
+    fn undo(mut self) {
+        match self.backup.take() {
+            Some(old) => drop(fs::rename(old, &self.target)),
+            None if self.replaced_nothing => drop(fs::remove_file(&self.target)),
+            None => {}
+        }
+    }
+}
+
+impl Drop for Pending {
+    fn drop(&mut self) {
+        if let Some(old) = self.backup.take() {
+            let _ = fs::remove_file(old);
+        }
+    }
+}
+
+/// A locked temporary file, removed when dropped unless it was renamed.
+#[derive(Debug)]
+struct Temporary {
+    file: File,
+    path: PathBuf,
+    renamed: bool,
+}
+
+impl Temporary {
+    fn create(folder: &Path, prefix: &str) -> io::Result<Self> {
+        static NEXT: AtomicU64 = AtomicU64::new(0);
+        loop {
+            let n = NEXT.fetch_add(1, Ordering::Relaxed);
+            let path = folder.join(format!("{prefix}{}-{n}.tmp", std::process::id()));
+            match OpenOptions::new().write(true).create_new(true).open(&path) {
+                Ok(file) => {
+                    // Taken already: another run saw the file before it was locked and is about to remove it.
+                    // Locks not known here: then nobody removes anything either.
+                    if matches!(file.try_lock(), Err(fs::TryLockError::WouldBlock)) {
+                        continue;
+                    }
+                    let temporary = Self { file, path, renamed: false };
+                    // Removed between its creation and its lock.
+                    if temporary.path.exists() {
+                        return Ok(temporary);
+                    }
+                }
+                // Left by a killed run that had the same process number.
+                Err(e) if e.kind() == io::ErrorKind::AlreadyExists => {}
+                Err(e) => return Err(e),
+            }
+        }
+    }
+}
+
+impl Drop for Temporary {
+    fn drop(&mut self) {
+        if !self.renamed {
+            let _ = fs::remove_file(&self.path);
+        }
+    }
+}
+
+/// Removes what killed runs left for the same target: files of our naming whose writer no longer holds the lock.
+fn remove_stale(folder: &Path, prefix: &str) {
+    let Ok(entries) = fs::read_dir(folder) else { return };
+    for entry in entries.flatten() {
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        let ours = name.strip_prefix(prefix).is_some_and(|rest| {
+            let id = rest.strip_suffix(".tmp").or_else(|| rest.strip_suffix(".old"));
+            id.is_some_and(|id| id.bytes().all(|b| b.is_ascii_digit() || b == b'-'))
+        });
+        if !ours || !entry.file_type().is_ok_and(|t| t.is_file()) {
+            continue;
+        }
+        let path = entry.path();
+        // Held while the file goes, so that its writer, should it live, cannot take it for its own meanwhile.
+        // An old file kept for undoing has no lock itself; its writer's temporary file has.
+        let lock = if name.ends_with(".old") { path.with_extension("tmp") } else { path.clone() };
+        match File::open(lock) {
+            Ok(file) if file.try_lock().is_ok() => drop(fs::remove_file(path)),
+            Err(e) if e.kind() == io::ErrorKind::NotFound => drop(fs::remove_file(path)),
+            _ => {}
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,5 +1,5 @@
 use super::*;
-use crate::testing::Scratch;
+use crate::testing::{Scratch, say};
 
 fn limits(file_bytes: u64, total_bytes: u64) -> Limits {
     Limits { file_bytes, total_bytes, ..Limits::DEFAULT }
@@ -97,7 +97,7 @@ fn links_out_and_special_files_give_no_byte() {
             let main = Assets::new(&fifo, &[], Limits::DEFAULT).read_main().expect_err("a FIFO");
             assert_eq!(main.fault, Fault::Unreadable);
         }
-        _ => println!("SKIPPED: no mkfifo here, FIFOs were not tried"),
+        _ => say("SKIPPED: no mkfifo here, FIFOs were not tried"),
     }
 }
 
