@@ -1,6 +1,27 @@
 //! Half-edge simplification over wedge groups, driven by a metric, down to a single vertex.
+//!
+//! A *wedge group* (the vertices at one position whose triangles hang together) moves onto a neighbouring group as a
+//! whole, so no crack can open. Every vertex of the group gets a target there: along the chosen edge (*true*), along
+//! the edges beside it in other wedges and submeshes (*twin*), or a new vertex (*fake*) where there is none.
+//! (Thesis 3.2.1 and 4.2.1; rules of legality and metrics: see [`MetricKind`] and `legality`.)
 
-use lodc_mesh::{Mesh, Simplified};
+mod attributes;
+mod build;
+mod engine;
+mod heap;
+mod legality;
+mod metric;
+mod neighborhood;
+mod output;
+mod plan;
+mod quadric;
+mod wedges;
+mod working;
+
+use attributes::Attributes;
+use engine::{Engine, Log, Stage};
+use lodc_mesh::{CollapseSequence, Mesh, SequenceParts, Simplified};
+use metric::QuadricMetric;
 
 /// What drives the collapses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -35,10 +56,38 @@ impl Default for Options {
     }
 }
 
-/// Simplifies a mesh down to one vertex. `progress` is told (groups gone, groups in all) now and then. The result does
-/// not depend on the number of threads.
+/// Simplifies a mesh down to one vertex. `progress` is told (steps done, groups in all) now and then. The result does
+/// not depend on the number of threads of the rayon pool it runs in.
 #[must_use]
 pub fn simplify(mesh: &Mesh, options: &Options, progress: &(dyn Fn(u64, u64) + Sync)) -> Simplified {
-    let _ = (mesh, options, progress);
-    unreachable!("under construction")
+    if mesh.vertex_count() == 0 {
+        let empty = CollapseSequence::try_from(SequenceParts::default()).expect("an empty sequence is valid");
+        return Simplified::new(mesh.clone(), empty).expect("no vertices need no records");
+    }
+    let built = build::build(mesh);
+    let attributes = if options.attributes {
+        Attributes::new(mesh, &built.working, &built.wedges.attributes_of, built.size)
+    } else {
+        Attributes::none()
+    };
+    let metric = match options.metric {
+        MetricKind::Quadric => QuadricMetric::new(&built.working, &built.wedges),
+    };
+    let log = Log { death: vec![0; built.working.faces.len()], ..Log::default() };
+    // Corners at LOD 0: the engine's follow the collapses.
+    let corners = built.working.wedges.clone();
+    let mut engine = Engine {
+        input: mesh,
+        options: *options,
+        mesh: built.working,
+        wedges: built.wedges,
+        attributes,
+        size: built.size,
+        metric,
+        stage: Stage::Legal,
+        log,
+    };
+    engine.run(progress);
+    let Engine { wedges, log, .. } = engine;
+    output::output(mesh, &wedges, &corners, &built.triangle_of, log, 1.0 / built.scale)
 }

@@ -1,0 +1,200 @@
+//! Attributes as numbers that can be compared with lengths: one flat row per vertex of the input.
+
+use crate::working::{Working, next, previous};
+use glam::DVec3;
+use lodc_mesh::{Attribute, Mesh, Semantic};
+
+/// A change of the normal by one (60°) counts like a displacement by this share of the mesh's size.
+const NORMAL_LENGTH: f64 = 0.02;
+/// A change of a colour channel from none to full counts like a displacement by this share of the mesh's size.
+const COLOR_LENGTH: f64 = 0.05;
+/// A joint's weight that changes from none to full counts like a displacement by this share of the mesh's size.
+const JOINT_LENGTH: f64 = 0.1;
+/// A texture that shifts along the surface by some length counts like a displacement by this share of it.
+const TEXTURE_SHARE: f64 = 0.3;
+
+/// The non-spatial attributes of every vertex, scaled to working units.
+pub(crate) struct Attributes {
+    /// Numbers per vertex.
+    pub(crate) width: usize,
+    rows: Vec<f32>,
+    /// Where the first texture coordinates stand in a row.
+    pub(crate) texture: Option<usize>,
+    /// Up to four joints of each vertex and their weights, if the mesh is skinned.
+    joints: Vec<[(u32, f32); 4]>,
+    joint_scale: f64,
+}
+
+impl Attributes {
+    /// Reads what takes part in the cost. `scale` turns mesh units into working units.
+    pub(crate) fn new(mesh: &Mesh, working: &Working, vertex_of_wedge: &[u32], size: f64) -> Self {
+        let mut columns: Vec<(&Attribute, usize, f64)> = Vec::new();
+        let mut texture = None;
+        for a in mesh.attributes().iter().filter(|a| a.morph_target.is_none()) {
+            let components = usize::from(a.components);
+            match a.semantic {
+                Semantic::Normal => columns.extend((0..components.min(3)).map(|c| (a, c, NORMAL_LENGTH * size))),
+                Semantic::Color(_) => columns.extend((0..components.min(4)).map(|c| (a, c, COLOR_LENGTH * size))),
+                Semantic::TexCoord(set) if components >= 2 => {
+                    if set == 0 && texture.is_none() {
+                        texture = Some(columns.len());
+                    }
+                    let length = TEXTURE_SHARE * texture_length(a, working, vertex_of_wedge);
+                    columns.extend((0..2).map(|c| (a, c, length)));
+                }
+                _ => {}
+            }
+        }
+        let mut rows = Vec::with_capacity(columns.len() * mesh.vertex_count());
+        for v in 0..mesh.vertex_count() as u32 {
+            rows.extend(columns.iter().map(|&(a, c, scale)| {
+                let value = f64::from(a.value(v, c)) * scale;
+                if value.is_finite() { value as f32 } else { 0.0 }
+            }));
+        }
+        Self { width: columns.len(), rows, texture, joints: joints(mesh), joint_scale: JOINT_LENGTH * size }
+    }
+
+    /// No attributes: every vertex is like every other.
+    pub(crate) fn none() -> Self {
+        Self { width: 0, rows: Vec::new(), texture: None, joints: Vec::new(), joint_scale: 0.0 }
+    }
+
+    /// Whether there is nothing to compare.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.width == 0 && self.joints.is_empty()
+    }
+
+    /// The numbers of a vertex.
+    #[inline]
+    pub(crate) fn row(&self, vertex: u32) -> &[f32] {
+        &self.rows[vertex as usize * self.width..][..self.width]
+    }
+
+    /// Squared difference of two vertices, in squared working units.
+    pub(crate) fn distance_squared(&self, a: u32, b: u32) -> f64 {
+        self.row(a).iter().zip(self.row(b)).map(|(x, y)| (f64::from(*x) - f64::from(*y)).powi(2)).sum()
+    }
+
+    /// Squared difference of two vertices' skinning weights, in squared working units.
+    pub(crate) fn joint_distance_squared(&self, a: u32, b: u32) -> f64 {
+        if self.joints.is_empty() || a == b {
+            return 0.0;
+        }
+        let (a, b) = (&self.joints[a as usize], &self.joints[b as usize]);
+        let weight = |list: &[(u32, f32); 4], joint: u32| -> f32 {
+            list.iter().filter(|(j, _)| *j == joint).map(|(_, w)| w).sum()
+        };
+        let mut sum = 0.0;
+        for (i, &(joint, _)) in a.iter().enumerate() {
+            if !a[..i].iter().any(|(j, _)| *j == joint) {
+                sum += f64::from(weight(a, joint) - weight(b, joint)).powi(2);
+            }
+        }
+        for (i, &(joint, _)) in b.iter().enumerate() {
+            if !b[..i].iter().any(|(j, _)| *j == joint) && !a.iter().any(|(j, _)| *j == joint) {
+                sum += f64::from(weight(b, joint)).powi(2);
+            }
+        }
+        sum * self.joint_scale * self.joint_scale
+    }
+}
+
+/// How long on the surface one unit of texture space is, on average over the mesh.
+fn texture_length(a: &Attribute, working: &Working, vertex_of_wedge: &[u32]) -> f64 {
+    let (mut surface, mut texture) = (0.0, 0.0);
+    for (f, w) in working.faces.iter().zip(&working.wedges) {
+        let [p, q, r] = w.map(|w| {
+            let v = vertex_of_wedge[w as usize];
+            [f64::from(a.value(v, 0)), f64::from(a.value(v, 1))]
+        });
+        let area = 0.5 * ((q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0])).abs();
+        if area.is_finite() && area > 0.0 {
+            texture += area;
+            surface += f64::from(f.area);
+        }
+    }
+    if texture > 0.0 { (surface / texture).sqrt() } else { 0.0 }
+}
+
+fn joints(mesh: &Mesh) -> Vec<[(u32, f32); 4]> {
+    let find = |semantic: &Semantic| mesh.attributes().iter().filter(|a| a.semantic == *semantic).collect::<Vec<_>>();
+    let (joints, weights) = (find(&Semantic::Joints(0)), find(&Semantic::Weights(0)));
+    if joints.is_empty() || weights.is_empty() {
+        return Vec::new();
+    }
+    (0..mesh.vertex_count() as u32)
+        .map(|v| {
+            let mut list = [(0, 0.0); 4];
+            for (j, w) in joints.iter().zip(&weights) {
+                for (c, slot) in list.iter_mut().enumerate().take(usize::from(j.components.min(w.components)).min(4)) {
+                    let weight = w.value(v, c);
+                    if weight > 0.0 && weight.is_finite() {
+                        *slot = (j.value(v, c) as u32, weight);
+                    }
+                }
+            }
+            list
+        })
+        .collect()
+}
+
+/// The attribute function around one wedge: how far off a straight continuation the attributes would be if the wedge
+/// moved. A vertex-centred quadric over position and attributes together (Hoppe 1999), refitted to the current faces.
+pub(crate) struct Gradient {
+    weight: f64,
+    a: crate::quadric::Symmetric,
+    /// Area-weighted gradient of each number.
+    slopes: Vec<DVec3>,
+}
+
+impl Gradient {
+    pub(crate) fn new(width: usize) -> Self {
+        Self { weight: 0.0, a: [0.0; 6], slopes: vec![DVec3::ZERO; width] }
+    }
+
+    /// Area of its faces.
+    pub(crate) fn weight(&self) -> f64 {
+        self.weight
+    }
+
+    pub(crate) fn clear(&mut self) {
+        self.weight = 0.0;
+        self.a = [0.0; 6];
+        self.slopes.fill(DVec3::ZERO);
+    }
+
+    /// Adds a face at whose corner `at` the wedge is. `rows` are the attributes at its three corners.
+    pub(crate) fn add_face(&mut self, mesh: &Working, face: u32, at: usize, rows: [&[f32]; 3]) {
+        let f = &mesh.faces[face as usize];
+        let area = f64::from(f.area);
+        let p = mesh.position(f.groups[at]);
+        let (e1, e2) = (mesh.position(f.groups[next(at)]) - p, mesh.position(f.groups[previous(at)]) - p);
+        let n = e1.cross(e2);
+        let nn = n.length_squared();
+        if nn <= 0.0 {
+            return;
+        }
+        // The dual basis of the face's plane: a difference along e1 and e2 becomes a gradient.
+        let (d1, d2) = (e2.cross(n) / nn, n.cross(e1) / nn);
+        self.weight += area;
+        let [here, ahead, behind] = [rows[at], rows[next(at)], rows[previous(at)]];
+        for (slope, ((h, x), y)) in self.slopes.iter_mut().zip(here.iter().zip(ahead).zip(behind)) {
+            let g = d1 * f64::from(x - h) + d2 * f64::from(y - h);
+            *slope += g * area;
+            crate::quadric::add_outer(&mut self.a, g, area);
+        }
+    }
+
+    /// Area-weighted squared distance between the attributes at `delta` from the wedge, continued from each of its
+    /// faces, and `there`.
+    #[inline]
+    pub(crate) fn at(&self, delta: DVec3, here: &[f32], there: &[f32]) -> f64 {
+        let mut sum = delta.dot(crate::quadric::times(&self.a, delta));
+        for (slope, (h, t)) in self.slopes.iter().zip(here.iter().zip(there)) {
+            let change = f64::from(t - h);
+            sum += change * (self.weight * change - 2.0 * slope.dot(delta));
+        }
+        sum.max(0.0)
+    }
+}

@@ -1,0 +1,442 @@
+//! The collapse loop: rank every group, then always commit the cheapest legal collapse, down to one vertex.
+
+use crate::Options;
+use crate::attributes::{Attributes, Gradient};
+use crate::heap::Heap;
+use crate::legality;
+use crate::metric::Metric;
+use crate::neighborhood::{Neighborhood, SpokeKind};
+use crate::plan::Plan;
+use crate::wedges::Wedges;
+use crate::working::{OPEN, RESTRICTED, SEAM, SHARED_POSITION, Working, next, previous};
+use lodc_mesh::{Lod, Mesh};
+use rayon::prelude::*;
+
+/// What may still not be broken. Each stage drops one rule; all but the first are the terminal phase.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Stage {
+    /// Every rule holds.
+    Legal,
+    /// Any valence.
+    Valence,
+    /// Faces may flip, lose their area, or turn their texture over.
+    Flips,
+    /// Borders and seams may be left.
+    Seams,
+    /// Any edge.
+    Links,
+}
+
+impl Stage {
+    const ALL: [Self; 5] = [Self::Legal, Self::Valence, Self::Flips, Self::Seams, Self::Links];
+}
+
+/// What is written down while collapsing.
+#[derive(Default)]
+pub(crate) struct Log {
+    /// Wedges in the order in which they disappear.
+    pub(crate) order: Vec<u32>,
+    /// What each becomes.
+    pub(crate) targets: Vec<u32>,
+    pub(crate) step_ends: Vec<u32>,
+    /// In working units, never falling.
+    pub(crate) step_errors: Vec<f64>,
+    pub(crate) step_triangles: Vec<u32>,
+    /// The LOD at which each face dies.
+    pub(crate) death: Vec<u32>,
+    pub(crate) last_legal: Lod,
+    pub(crate) topology_changes: u32,
+    pub(crate) first_topology_change: Option<Lod>,
+}
+
+/// The simplification of one mesh.
+pub(crate) struct Engine<'a, M> {
+    pub(crate) input: &'a Mesh,
+    pub(crate) options: Options,
+    pub(crate) mesh: Working,
+    pub(crate) wedges: Wedges,
+    pub(crate) attributes: Attributes,
+    /// The mesh's diagonal in working units.
+    pub(crate) size: f64,
+    pub(crate) metric: M,
+    pub(crate) stage: Stage,
+    pub(crate) log: Log,
+}
+
+/// Buffers of one thread.
+#[derive(Default)]
+struct Scratch {
+    around: Neighborhood,
+    gradients: Vec<(u32, Gradient)>,
+    /// Candidates of one group: cost and target.
+    candidates: Vec<(f64, u32)>,
+}
+
+/// Buffers of the serial loop.
+#[derive(Default)]
+struct Serial {
+    scratch: Scratch,
+    legality: legality::Buffers,
+    plan: Plan,
+    /// Groups whose ranking is out of date.
+    stale: Vec<u32>,
+    /// Groups that may have become free, or follow the group that others were moved to.
+    outer: Vec<u32>,
+    marks: Vec<u32>,
+    epoch: u32,
+}
+
+impl Serial {
+    /// Whether this is the first time since the last commit.
+    fn first_time(&mut self, group: u32) -> bool {
+        std::mem::replace(&mut self.marks[group as usize], self.epoch) != self.epoch
+    }
+}
+
+/// The best collapse of a group.
+#[derive(Clone, Copy, Debug)]
+struct Choice {
+    /// NaN if there is none.
+    cost: f32,
+    to: u32,
+}
+
+/// Everything a mesh of `f32` can cost fits `f32` when scaled up; exact zeros stay.
+fn as_key(cost: f64) -> f32 {
+    (cost * 1e12).min(f64::from(f32::MAX)) as f32
+}
+
+impl<M: Metric> Engine<'_, M> {
+    /// Runs all stages, then joins the points that are left.
+    pub(crate) fn run(&mut self, progress: &(dyn Fn(u64, u64) + Sync)) {
+        let groups = self.mesh.places.len();
+        let mut serial = Serial { marks: vec![0; groups], ..Serial::default() };
+        for stage in Stage::ALL {
+            self.stage = stage;
+            if self.mesh.live_faces > 0 {
+                self.run_stage(&mut serial, progress);
+            }
+            if stage == Stage::Legal {
+                self.log.last_legal = Lod(self.log.order.len() as u32);
+            }
+        }
+        self.join_points();
+    }
+
+    fn run_stage(&mut self, serial: &mut Serial, progress: &(dyn Fn(u64, u64) + Sync)) {
+        let groups = self.mesh.places.len() as u32;
+        let this = &*self;
+        let mut best: Vec<Choice> = (0..groups)
+            .into_par_iter()
+            .with_min_len(1024)
+            .map_init(Scratch::default, |scratch, g| this.rank(g, scratch))
+            .collect();
+        let mut heap = Heap::new(best.iter().map(|c| c.cost));
+        while let Some((from, key)) = heap.pop() {
+            let known = best[from as usize];
+            let Some((choice, changes_topology)) = self.settle(from, known, serial) else { continue };
+            best[from as usize] = choice;
+            if choice.cost > key && choice.cost > heap.least() {
+                heap.set(from, choice.cost);
+                continue;
+            }
+            self.commit(from, choice.to, changes_topology, serial);
+            self.refresh(choice.to, &mut best, &mut heap, serial);
+            if self.log.step_ends.len() % 4096 == 0 {
+                progress(self.log.step_ends.len() as u64, u64::from(groups));
+            }
+        }
+    }
+
+    /// Ranks again what a commit onto `to` may have changed.
+    fn refresh(&mut self, to: u32, best: &mut [Choice], heap: &mut Heap, serial: &mut Serial) {
+        let stale = std::mem::take(&mut serial.stale);
+        for &g in &stale {
+            self.rerank(g, best, heap, &mut serial.scratch);
+            for i in 0..serial.scratch.around.spokes.len() {
+                let other = serial.scratch.around.spokes[i].group;
+                if self.mesh.has(other, RESTRICTED) && serial.first_time(other) {
+                    serial.outer.push(other);
+                }
+            }
+        }
+        // Around the target nothing moved but its own history, and that only grew: only those bound for it care.
+        for i in 0..self.mesh.star(to).len() {
+            let corner = self.mesh.star(to)[i];
+            let groups = self.mesh.faces[corner.face() as usize].groups;
+            for g in [groups[next(corner.at())], groups[previous(corner.at())]] {
+                if best[g as usize].to == to && serial.first_time(g) {
+                    serial.outer.push(g);
+                }
+            }
+        }
+        let outer = std::mem::take(&mut serial.outer);
+        for &g in &outer {
+            self.rerank(g, best, heap, &mut serial.scratch);
+        }
+        serial.stale = stale;
+        serial.outer = outer;
+        serial.outer.clear();
+    }
+
+    fn rerank(&mut self, g: u32, best: &mut [Choice], heap: &mut Heap, scratch: &mut Scratch) {
+        self.mesh.places[g as usize].flags &= !RESTRICTED;
+        best[g as usize] = self.rank(g, scratch);
+        if best[g as usize].cost.is_nan() {
+            heap.remove(g);
+        } else {
+            heap.set(g, best[g as usize].cost);
+        }
+    }
+
+    /// The cheapest collapse of a group, legality and prices left aside: never more than the true cost.
+    fn rank(&self, from: u32, scratch: &mut Scratch) -> Choice {
+        self.price_all(from, scratch);
+        let best = scratch.candidates.iter().copied().min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        best.map_or(Choice { cost: f32::NAN, to: u32::MAX }, |(cost, to)| Choice { cost: as_key(cost), to })
+    }
+
+    /// Prices every collapse of a group that borders and seams permit.
+    fn price_all(&self, from: u32, scratch: &mut Scratch) {
+        let Scratch { around, gradients, candidates } = scratch;
+        candidates.clear();
+        around.spokes.clear();
+        if self.mesh.star(from).is_empty() {
+            return;
+        }
+        let with_attributes = !self.attributes.is_empty();
+        around.look(&self.mesh, &self.wedges, from, with_attributes);
+        let Some(permitted) = self.permitted(around) else { return };
+        let local = self.metric.local(&self.mesh, from, around);
+        if with_attributes {
+            self.fit_gradients(from, gradients);
+        }
+        for spoke in &around.spokes {
+            if permitted.is_some_and(|kind| spoke.kind != kind && spoke.kind == SpokeKind::Smooth)
+                || permitted == Some(SpokeKind::Border) && spoke.kind != SpokeKind::Border
+            {
+                continue;
+            }
+            let mut cost = self.metric.cost(&self.mesh, &local, from, spoke.group);
+            if with_attributes {
+                let delta = self.mesh.position(spoke.group) - self.mesh.position(from);
+                for (wedge, gradient) in gradients.iter() {
+                    let target = around.target(&self.wedges, spoke, *wedge).unwrap_or(*wedge);
+                    let [here, there] = [*wedge, target].map(|w| self.wedges.attributes_of[w as usize]);
+                    cost += gradient.at(delta, self.attributes.row(here), self.attributes.row(there));
+                    let [here, there] = [*wedge, target].map(|w| self.wedges.place_of[w as usize]);
+                    cost += gradient.weight() * self.attributes.joint_distance_squared(here, there);
+                }
+            }
+            if cost.is_nan() {
+                cost = f64::INFINITY;
+            }
+            candidates.push((cost, spoke.group));
+        }
+    }
+
+    /// Which spokes a group may move along: `None` none, `Some(None)` all, `Some(Some(Border))` borders only,
+    /// `Some(Some(Seam))` seams and borders.
+    fn permitted(&self, around: &Neighborhood) -> Option<Option<SpokeKind>> {
+        if self.stage >= Stage::Seams {
+            return Some(None);
+        }
+        match around.borders {
+            0 if around.seams < 2 => Some(None),
+            0 => Some(Some(SpokeKind::Seam)),
+            _ if self.options.lock_border => None,
+            2 => Some(Some(SpokeKind::Border)),
+            _ if self.options.preserve_topology => None,
+            _ => Some(Some(SpokeKind::Seam)),
+        }
+    }
+
+    fn fit_gradients(&self, from: u32, gradients: &mut Vec<(u32, Gradient)>) {
+        let mut used = 0;
+        for &corner in self.mesh.star(from) {
+            let face = corner.face();
+            let wedges = &self.mesh.wedges[face as usize];
+            let wedge = wedges[corner.at()];
+            let i = gradients[..used].iter().rposition(|g| g.0 == wedge).unwrap_or_else(|| {
+                if used == gradients.len() {
+                    gradients.push((wedge, Gradient::new(self.attributes.width)));
+                }
+                gradients[used].0 = wedge;
+                gradients[used].1.clear();
+                used += 1;
+                used - 1
+            });
+            let rows = wedges.map(|w| self.attributes.row(self.wedges.attributes_of[w as usize]));
+            gradients[i].1.add_face(&self.mesh, face, corner.at(), rows);
+        }
+        gradients.truncate(used);
+    }
+
+    /// The cheapest legal collapse of a group with its price, and whether it changes the topology.
+    fn settle(&mut self, from: u32, known: Choice, serial: &mut Serial) -> Option<(Choice, bool)> {
+        if !self.mesh.has(from, SEAM) {
+            match self.judge(from, known.to, &mut serial.legality) {
+                Some(verdict) if verdict.price <= 1.0 => return Some((known, verdict.changes_topology)),
+                _ => {}
+            }
+        }
+        self.price_all(from, &mut serial.scratch);
+        serial.scratch.candidates.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let mut best: Option<(f64, u32, bool)> = None;
+        let mut refused = false;
+        for &(cost, to) in &serial.scratch.candidates {
+            if best.is_some_and(|b| cost >= b.0) {
+                break;
+            }
+            let Some(verdict) = self.judge(from, to, &mut serial.legality) else {
+                refused = true;
+                continue;
+            };
+            let mut price = verdict.price;
+            if self.mesh.has(from, SEAM) {
+                self.plan(from, to, &mut serial.plan);
+                price *= 1.0 + FAKE_PRICE * f64::from(serial.plan.fakes);
+            }
+            refused |= price > 1.0;
+            let cost = cost * price;
+            if best.is_none_or(|b| cost < b.0) {
+                best = Some((cost, to, verdict.changes_topology));
+            }
+        }
+        if refused {
+            self.mesh.places[from as usize].flags |= RESTRICTED;
+        }
+        best.map(|(cost, to, topology)| (Choice { cost: as_key(cost), to }, topology))
+    }
+
+    /// Moves `from` onto `to` and writes it down. Leaves in `serial.stale` the groups whose faces changed.
+    fn commit(&mut self, from: u32, to: u32, changes_topology: bool, serial: &mut Serial) {
+        serial.epoch += 1;
+        serial.stale.clear();
+        serial.outer.clear();
+        serial.first_time(from);
+        serial.first_time(to);
+        serial.stale.push(to);
+        for i in 0..self.mesh.star(from).len() {
+            let groups = self.mesh.faces[self.mesh.star(from)[i].face() as usize].groups;
+            for g in groups {
+                if serial.first_time(g) {
+                    serial.stale.push(g);
+                }
+            }
+        }
+        self.plan(from, to, &mut serial.plan);
+        let seam_moves = serial.plan.ambiguous || serial.plan.fakes > 0;
+        self.move_wedges(from, to, &mut serial.plan);
+        let lod = self.log.order.len() as u32;
+
+        self.metric.collapsed(&self.mesh, from, to);
+        let death = &mut self.log.death;
+        self.mesh.merge(from, to, |face| death[face as usize] = lod);
+        let inherited = self.mesh.places[from as usize].flags & (OPEN | SEAM);
+        self.mesh.places[to as usize].flags |= inherited;
+        if changes_topology || seam_moves {
+            let flags = if changes_topology { OPEN } else { 0 } | if seam_moves { SEAM } else { 0 };
+            self.mesh.places[to as usize].flags |= flags;
+            for &g in &serial.stale {
+                self.mesh.places[g as usize].flags |= flags;
+            }
+        }
+        if self.mesh.has(to, SHARED_POSITION) {
+            self.unite_position(to, lod, serial);
+        }
+        let error = self.metric.error(to).max(self.log.step_errors.last().copied().unwrap_or(0.0));
+        self.log.step_ends.push(lod);
+        self.log.step_errors.push(error);
+        self.log.step_triangles.push(self.mesh.live_faces);
+        if changes_topology && self.stage == Stage::Legal {
+            self.log.topology_changes += 1;
+            self.log.first_topology_change.get_or_insert(Lod(lod));
+        }
+    }
+
+    /// Two corners of one triangle at one position: their groups are one group from now on.
+    fn unite_position(&mut self, to: u32, lod: u32, serial: &mut Serial) {
+        let position = self.mesh.position_id[to as usize];
+        let twin = |mesh: &Working| {
+            mesh.star(to).iter().find_map(|&corner| {
+                let groups = mesh.faces[corner.face() as usize].groups;
+                groups.into_iter().find(|&g| g != to && mesh.position_id[g as usize] == position)
+            })
+        };
+        while let Some(other) = twin(&self.mesh) {
+            for i in 0..self.mesh.star(other).len() {
+                for g in self.mesh.faces[self.mesh.star(other)[i].face() as usize].groups {
+                    self.mesh.places[g as usize].flags |= OPEN | SEAM;
+                    if serial.first_time(g) {
+                        serial.stale.push(g);
+                    }
+                }
+            }
+            self.metric.collapsed(&self.mesh, other, to);
+            let death = &mut self.log.death;
+            self.mesh.merge(other, to, |face| death[face as usize] = lod);
+            self.wedges.merge_groups(other, to);
+            self.mesh.places[to as usize].flags |= OPEN | SEAM;
+        }
+    }
+
+    /// Emits the records of a planned collapse and gives the faces their new wedges.
+    fn move_wedges(&mut self, from: u32, to: u32, plan: &mut Plan) {
+        for i in 0..plan.wedges.len() {
+            let wedge = plan.wedges[i].wedge;
+            if plan.wedges[i].target == u32::MAX {
+                // Two wedges that look alike share one fake.
+                let alike = plan.wedges[..i].iter().find(|p| p.fake && self.wedges.alike(self.input, p.wedge, wedge));
+                let target = match alike {
+                    Some(p) => p.target,
+                    None => self.wedges.add_fake(to, plan.wedges[0].target, wedge),
+                };
+                plan.wedges[i].target = target;
+                plan.wedges[i].fake = true;
+            }
+            self.log.order.push(wedge);
+            self.log.targets.push(plan.wedges[i].target);
+        }
+        for i in 0..self.mesh.star(from).len() {
+            let corner = self.mesh.star(from)[i];
+            let slot = &mut self.mesh.wedges[corner.face() as usize][corner.at()];
+            if let Some(p) = plan.wedges.iter().find(|p| p.wedge == *slot) {
+                *slot = p.target;
+            }
+        }
+        self.wedges.clear_group(from);
+    }
+
+    /// Joins what is left: points without faces, in order, those of one submesh first.
+    fn join_points(&mut self) {
+        let mut left: Vec<(u32, u32)> = (0..self.mesh.places.len() as u32)
+            .filter_map(|g| self.wedges.of_group(g).next().map(|w| (self.wedges.submesh[w as usize], g)))
+            .collect();
+        left.sort_unstable();
+        let error = self.log.step_errors.last().copied().unwrap_or(0.0);
+        for (i, &(_, g)) in left.iter().enumerate() {
+            let wedges: Vec<u32> = self.wedges.of_group(g).collect();
+            let survivor = left.get(i + 1).and_then(|&(_, h)| self.wedges.of_group(h).next());
+            let ends = match survivor {
+                Some(_) => &wedges[..],
+                None => &wedges[..wedges.len() - 1],
+            };
+            for (j, &w) in ends.iter().enumerate() {
+                self.log.order.push(w);
+                self.log.targets.push(survivor.unwrap_or_else(|| wedges[j + 1]));
+            }
+            if !ends.is_empty() {
+                self.log.step_ends.push(self.log.order.len() as u32);
+                self.log.step_errors.push(error);
+                self.log.step_triangles.push(0);
+            }
+            if survivor.is_none() {
+                self.log.order.extend(wedges.last());
+            }
+        }
+    }
+}
+
+/// How much dearer each fake makes a collapse.
+const FAKE_PRICE: f64 = 2.0;

@@ -1,0 +1,26 @@
+//! What a collapse costs. A metric is one file or folder here and its entry in [`MetricKind`](crate::MetricKind).
+
+mod quadric;
+
+pub(crate) use quadric::QuadricMetric;
+
+use crate::neighborhood::Neighborhood;
+use crate::working::Working;
+
+/// The price of moving a group onto a neighbour. Pricing is pure, so it runs in parallel; committing is serial.
+pub(crate) trait Metric: Sync {
+    /// What is common to all collapses of one group.
+    type Local;
+
+    /// Looks at a group and its star.
+    fn local(&self, mesh: &Working, from: u32, around: &Neighborhood) -> Self::Local;
+
+    /// What it costs to move `from` onto its neighbour `to`. Working units to the fourth power; not negative.
+    fn cost(&self, mesh: &Working, local: &Self::Local, from: u32, to: u32) -> f64;
+
+    /// `from` is about to move onto `to`.
+    fn collapsed(&mut self, mesh: &Working, from: u32, to: u32);
+
+    /// How far the surface at `group` is from the surface it stands for, in working units.
+    fn error(&self, group: u32) -> f64;
+}

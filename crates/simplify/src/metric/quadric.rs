@@ -1,0 +1,121 @@
+//! The quadric metric: distance to the planes of the *current* surface, with a small accumulated term.
+//!
+//! The main term refits the quadric of a group to the faces around it each time it is asked (memoryless
+//! simplification, Lindstrom and Turk 1998), which on scans is clearly better than accumulated quadrics (Garland and
+//! Heckbert 1997). On thin shapes it forgets what has been lost already; a share of the accumulated quadrics repairs
+//! that, and they also give the reported error.
+
+use super::Metric;
+use crate::neighborhood::Neighborhood;
+use crate::quadric::{Quadric, Symmetric, add_outer, times};
+use crate::wedges::Wedges;
+use crate::working::{OPEN, Working};
+
+/// Orders collapses of equal cost, for example in planes, by length.
+const TIE_WEIGHT: f64 = 1e-9;
+const NONE: u32 = u32::MAX;
+
+pub(crate) struct QuadricMetric {
+    /// Planes of the input's faces, accumulated.
+    surface: Vec<Quadric>,
+    /// Planes along the input's borders, for the few groups that have any.
+    border: Vec<Quadric>,
+    border_of: Vec<u32>,
+    memory: f64,
+}
+
+/// A group's refitted quadric, with its share of the accumulated one.
+pub(crate) struct Local {
+    a: Symmetric,
+    b: glam::DVec3,
+    c: f64,
+}
+
+impl QuadricMetric {
+    pub(crate) fn new(mesh: &Working, wedges: &Wedges) -> Self {
+        let mut surface = vec![Quadric::default(); mesh.places.len()];
+        for f in &mesh.faces {
+            for &g in &f.groups {
+                surface[g as usize].add_plane(f.normal.as_dvec3(), f64::from(f.area));
+            }
+        }
+        let memory = std::env::var("MEM").ok().and_then(|s| s.parse().ok()).unwrap_or(0.1);
+        let mut metric = Self { surface, border: Vec::new(), border_of: vec![NONE; mesh.places.len()], memory };
+        let mut around = Neighborhood::default();
+        for g in (0..mesh.places.len() as u32).filter(|&g| mesh.has(g, OPEN)) {
+            around.look(mesh, wedges, g, true);
+            let mut quadric = Quadric::default();
+            for plane in around.planes.iter().filter(|_| around.borders > 0) {
+                quadric.add_plane(plane.normal, plane.weight);
+            }
+            if quadric.weight > 0.0 {
+                metric.border_of[g as usize] = metric.border.len() as u32;
+                metric.border.push(quadric);
+            }
+        }
+        metric
+    }
+}
+
+impl Metric for QuadricMetric {
+    type Local = Local;
+
+    fn local(&self, mesh: &Working, from: u32, around: &Neighborhood) -> Local {
+        let mut a = [0.0; 6];
+        let mut weight = 0.0;
+        for &corner in mesh.star(from) {
+            let f = &mesh.faces[corner.face() as usize];
+            add_outer(&mut a, f.normal.as_dvec3(), f64::from(f.area));
+            weight += f64::from(f.area);
+        }
+        for plane in &around.planes {
+            add_outer(&mut a, plane.normal, plane.weight);
+        }
+        for i in [0, 3, 5] {
+            a[i] += TIE_WEIGHT * weight;
+        }
+        let old = &self.surface[from as usize];
+        for (x, o) in a.iter_mut().zip(old.a) {
+            *x += self.memory * o;
+        }
+        let mut local = Local { a, b: self.memory * old.b, c: self.memory * old.c };
+        if self.border_of[from as usize] != NONE {
+            let border = &self.border[self.border_of[from as usize] as usize];
+            for (x, o) in local.a.iter_mut().zip(border.a) {
+                *x += self.memory * o;
+            }
+            local.b += self.memory * border.b;
+            local.c += self.memory * border.c;
+        }
+        local
+    }
+
+    #[inline]
+    fn cost(&self, mesh: &Working, local: &Local, from: u32, to: u32) -> f64 {
+        let delta = mesh.position(to) - mesh.position(from);
+        let moved = delta.dot(times(&local.a, delta) + 2.0 * local.b) + local.c;
+        (moved + self.memory * self.surface[to as usize].c).max(0.0)
+    }
+
+    fn collapsed(&mut self, mesh: &Working, from: u32, to: u32) {
+        let delta = mesh.position(to) - mesh.position(from);
+        let moved = self.surface[from as usize].transported(delta);
+        self.surface[to as usize].add(&moved);
+        let (source, target) = (self.border_of[from as usize], self.border_of[to as usize]);
+        if source != NONE {
+            let moved = self.border[source as usize].transported(delta);
+            if target == NONE {
+                self.border[source as usize] = moved;
+                self.border_of[to as usize] = source;
+            } else {
+                self.border[target as usize].add(&moved);
+            }
+        }
+    }
+
+    fn error(&self, group: u32) -> f64 {
+        let border = self.border_of[group as usize];
+        let border = if border == NONE { 0.0 } else { self.border[border as usize].distance() };
+        self.surface[group as usize].distance().max(border)
+    }
+}

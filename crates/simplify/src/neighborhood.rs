@@ -1,0 +1,129 @@
+//! What surrounds a group: its spokes (edges to other groups), and which of them are borders or seams.
+
+use crate::wedges::Wedges;
+use crate::working::{OPEN, SEAM, Working, next, previous};
+use glam::DVec3;
+
+/// Weight of the plane along a border edge, times its squared length.
+pub(crate) const BORDER_WEIGHT: f64 = 1000.0;
+/// Weight of the planes along an edge between two submeshes, times its squared length.
+const MATERIAL_WEIGHT: f64 = 10.0;
+/// Weight of the planes along an edge where attributes differ, times its squared length.
+const SEAM_WEIGHT: f64 = 1.0;
+
+/// An edge from the group to another.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Spoke {
+    pub(crate) group: u32,
+    pub(crate) kind: SpokeKind,
+    /// Its entries, where those were collected.
+    pub(crate) entries: (u32, u32),
+}
+
+/// What kind of edge a spoke is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum SpokeKind {
+    /// Two faces that continue each other.
+    Smooth,
+    /// Two faces with different attributes or submeshes, or more than two faces.
+    Seam,
+    /// One face only.
+    Border,
+}
+
+/// One face at a spoke: the wedges at both ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Entry {
+    pub(crate) group: u32,
+    pub(crate) here: u32,
+    pub(crate) there: u32,
+    face: u32,
+}
+
+/// A plane through the group that collapses should stay on.
+pub(crate) struct FeaturePlane {
+    pub(crate) normal: DVec3,
+    pub(crate) weight: f64,
+}
+
+/// The surroundings of one group; its buffers are used again for the next.
+#[derive(Default)]
+pub(crate) struct Neighborhood {
+    pub(crate) spokes: Vec<Spoke>,
+    pub(crate) entries: Vec<Entry>,
+    pub(crate) planes: Vec<FeaturePlane>,
+    pub(crate) borders: u32,
+    pub(crate) seams: u32,
+}
+
+impl Neighborhood {
+    /// Looks around `group`. Entries are collected at open and seam groups, and everywhere if `wanted`.
+    pub(crate) fn look(&mut self, mesh: &Working, wedges: &Wedges, group: u32, wanted: bool) {
+        self.spokes.clear();
+        self.entries.clear();
+        self.planes.clear();
+        (self.borders, self.seams) = (0, 0);
+        if !wanted && !mesh.has(group, OPEN | SEAM) {
+            for &corner in mesh.star(group) {
+                let group = mesh.faces[corner.face() as usize].groups[next(corner.at())];
+                self.spokes.push(Spoke { group, kind: SpokeKind::Smooth, entries: (0, 0) });
+            }
+            return;
+        }
+        for &corner in mesh.star(group) {
+            let (face, at) = (corner.face(), corner.at());
+            let (groups, corners) = (&mesh.faces[face as usize].groups, &mesh.wedges[face as usize]);
+            for end in [next(at), previous(at)] {
+                self.entries.push(Entry { group: groups[end], here: corners[at], there: corners[end], face });
+            }
+        }
+        self.entries.sort_unstable();
+        let mut start = 0;
+        while start < self.entries.len() {
+            let first = self.entries[start];
+            let run = self.entries[start..].iter().take_while(|e| e.group == first.group).count();
+            let faces = &self.entries[start..start + run];
+            let class = |e: &Entry| (wedges.class[e.here as usize], wedges.class[e.there as usize]);
+            let kind = match run {
+                1 => SpokeKind::Border,
+                2 if class(&faces[0]) == class(&faces[1]) => SpokeKind::Smooth,
+                _ => SpokeKind::Seam,
+            };
+            let weight = match kind {
+                SpokeKind::Smooth => 0.0,
+                SpokeKind::Border => {
+                    self.borders += 1;
+                    BORDER_WEIGHT
+                }
+                SpokeKind::Seam => {
+                    self.seams += 1;
+                    let submesh = |e: &Entry| mesh.faces[e.face as usize].submesh;
+                    if faces.iter().all(|e| submesh(e) == submesh(&first)) { SEAM_WEIGHT } else { MATERIAL_WEIGHT }
+                }
+            };
+            if weight > 0.0 {
+                let edge = mesh.position(first.group) - mesh.position(group);
+                for e in faces {
+                    let normal = mesh.faces[e.face as usize].normal.as_dvec3().cross(edge);
+                    let length = normal.length();
+                    if length > 0.0 {
+                        let weight = weight * edge.length_squared();
+                        self.planes.push(FeaturePlane { normal: normal / length, weight });
+                    }
+                }
+            }
+            let entries = (start as u32, (start + run) as u32);
+            self.spokes.push(Spoke { group: first.group, kind, entries });
+            start += run;
+        }
+    }
+
+    /// The wedge that `wedge` becomes if the group moves along `spoke`: the one it shares a face with there, or the one
+    /// that a wedge with the same attributes shares a face with.
+    pub(crate) fn target(&self, wedges: &Wedges, spoke: &Spoke, wedge: u32) -> Option<u32> {
+        let faces = &self.entries[spoke.entries.0 as usize..spoke.entries.1 as usize];
+        let class = wedges.class[wedge as usize];
+        let same = faces.iter().find(|e| e.here == wedge);
+        same.or_else(|| faces.iter().find(|e| wedges.class[e.here as usize] == class)).map(|e| e.there)
+    }
+}

@@ -1,0 +1,227 @@
+//! The mesh while it is being simplified: groups, faces and stars in flat arrays.
+//!
+//! Everything here is indexed by *group* (a wedge group), *face* (a triangle of the input) or *wedge* (a vertex). Groups
+//! are numbered along a space-filling curve, so neighbours in space are neighbours in memory.
+
+use glam::{DVec3, Vec3};
+
+/// A corner of a face: `face << 2 | corner`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Corner(pub(crate) u32);
+
+impl Corner {
+    #[inline]
+    pub(crate) fn new(face: u32, corner: usize) -> Self {
+        Self(face << 2 | corner as u32)
+    }
+    #[inline]
+    pub(crate) fn face(self) -> u32 {
+        self.0 >> 2
+    }
+    /// Which corner of the face: 0, 1 or 2.
+    #[inline]
+    pub(crate) fn at(self) -> usize {
+        (self.0 & 3) as usize
+    }
+}
+
+/// The corner after `c`, counter-clockwise.
+#[inline]
+pub(crate) fn next(c: usize) -> usize {
+    if c == 2 { 0 } else { c + 1 }
+}
+
+/// The corner before `c`.
+#[inline]
+pub(crate) fn previous(c: usize) -> usize {
+    if c == 0 { 2 } else { c - 1 }
+}
+
+/// A triangle, half a cache line: what ranking reads of it lies together.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Face {
+    /// The groups at its corners.
+    pub(crate) groups: [u32; 3],
+    /// Unit normal; zero if the face has no area.
+    pub(crate) normal: Vec3,
+    /// Area, in squared working units.
+    pub(crate) area: f32,
+    /// Its submesh.
+    pub(crate) submesh: u32,
+}
+
+/// Where a group's corners lie in the arena.
+#[derive(Clone, Copy, Debug, Default)]
+struct Star {
+    start: u32,
+    len: u32,
+    capacity: u32,
+}
+
+/// A group's position in working units, and its flags.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Place {
+    pub(crate) position: Vec3,
+    pub(crate) flags: u32,
+}
+
+/// The star is not a closed fan: it may have borders or more than two faces on an edge.
+pub(crate) const OPEN: u32 = 1;
+/// Some of the group's collapses were refused the last time it was looked at.
+pub(crate) const RESTRICTED: u32 = 2;
+/// An edge at this group is a seam: wedges or submeshes differ across it.
+pub(crate) const SEAM: u32 = 4;
+/// Another group started at the same position.
+pub(crate) const SHARED_POSITION: u32 = 8;
+
+pub(crate) struct Working {
+    pub(crate) places: Vec<Place>,
+    pub(crate) faces: Vec<Face>,
+    /// The wedge at each corner of each face.
+    pub(crate) wedges: Vec<[u32; 3]>,
+    /// Each group's position, as a number shared by the groups there.
+    pub(crate) position_id: Vec<u32>,
+    stars: Vec<Star>,
+    arena: Vec<Corner>,
+    pub(crate) live_faces: u32,
+}
+
+impl Working {
+    /// Builds the stars of all groups.
+    pub(crate) fn new(places: Vec<Place>, faces: Vec<Face>, wedges: Vec<[u32; 3]>, position_id: Vec<u32>) -> Self {
+        let mut stars = vec![Star::default(); places.len()];
+        for f in &faces {
+            for &g in &f.groups {
+                stars[g as usize].capacity += 1;
+            }
+        }
+        let mut start = 0;
+        for s in &mut stars {
+            s.start = start;
+            start += s.capacity;
+        }
+        let mut arena = vec![Corner(0); start as usize];
+        for (f, face) in (0..).zip(&faces) {
+            for (c, &g) in face.groups.iter().enumerate() {
+                let s = &mut stars[g as usize];
+                arena[(s.start + s.len) as usize] = Corner::new(f, c);
+                s.len += 1;
+            }
+        }
+        let live_faces = faces.len() as u32;
+        Self { places, faces, wedges, position_id, stars, arena, live_faces }
+    }
+
+    #[inline]
+    pub(crate) fn position(&self, group: u32) -> DVec3 {
+        self.places[group as usize].position.as_dvec3()
+    }
+
+    #[inline]
+    pub(crate) fn has(&self, group: u32, flag: u32) -> bool {
+        self.places[group as usize].flags & flag != 0
+    }
+
+    /// The live corners at a group.
+    #[inline]
+    pub(crate) fn star(&self, group: u32) -> &[Corner] {
+        let s = self.stars[group as usize];
+        &self.arena[s.start as usize..(s.start + s.len) as usize]
+    }
+
+    /// The face with its normal and area as its corners' positions give them.
+    pub(crate) fn set_plane(&mut self, face: u32) {
+        let [a, b, c] = self.faces[face as usize].groups.map(|g| self.position(g));
+        let n = (b - a).cross(c - a);
+        let length = n.length();
+        let f = &mut self.faces[face as usize];
+        f.normal = if length > 0.0 { (n / length).as_vec3() } else { Vec3::ZERO };
+        f.area = (0.5 * length) as f32;
+    }
+
+    /// Moves all of `from`'s faces to `to`. Faces that lose a corner die: they leave every star, and `died` is told.
+    /// Faces that live get new planes.
+    pub(crate) fn merge(&mut self, from: u32, to: u32, mut died: impl FnMut(u32)) {
+        let from_star = std::mem::take(&mut self.stars[from as usize]);
+        let incoming = from_star.start as usize..(from_star.start + from_star.len) as usize;
+        // Dead faces go first, so that the star of `to` has room for the others.
+        let mut kept = incoming.start;
+        for i in incoming {
+            let corner = self.arena[i];
+            let face = corner.face();
+            let groups = self.faces[face as usize].groups;
+            let other = [groups[next(corner.at())], groups[previous(corner.at())]];
+            if other[0] == to || other[1] == to {
+                for g in other {
+                    self.leave(g, face);
+                }
+                self.live_faces -= 1;
+                died(face);
+            } else {
+                self.arena[kept] = corner;
+                kept += 1;
+            }
+        }
+        let moved = from_star.start as usize..kept;
+        for i in moved.clone() {
+            let corner = self.arena[i];
+            self.faces[corner.face() as usize].groups[corner.at()] = to;
+            self.set_plane(corner.face());
+        }
+        self.join(from_star, moved, to);
+    }
+
+    /// Appends corners to the star of `to`, in `from`'s room, its own, or new room.
+    fn join(&mut self, from: Star, moved: std::ops::Range<usize>, to: u32) {
+        let mut star = self.stars[to as usize];
+        let len = star.len + moved.len() as u32;
+        if len > star.capacity {
+            let old = star.start as usize..(star.start + star.len) as usize;
+            if len <= from.capacity {
+                let at = moved.end;
+                let shift = moved.start;
+                debug_assert_eq!(shift, from.start as usize);
+                self.arena.copy_within(old, at);
+                self.stars[to as usize] = Star { start: from.start, len, capacity: from.capacity };
+                return;
+            }
+            star.capacity = len + len / 2;
+            star.start = self.arena.len() as u32;
+            self.arena.extend_from_within(old);
+            self.arena.resize(star.start as usize + star.capacity as usize, Corner(0));
+        }
+        self.arena.copy_within(moved, (star.start + star.len) as usize);
+        star.len = len;
+        self.stars[to as usize] = star;
+    }
+
+    fn leave(&mut self, group: u32, face: u32) {
+        let s = &mut self.stars[group as usize];
+        let star = &mut self.arena[s.start as usize..(s.start + s.len) as usize];
+        if let Some(i) = star.iter().position(|c| c.face() == face) {
+            star.swap(i, s.len as usize - 1);
+            s.len -= 1;
+        }
+    }
+
+    /// The groups that share a live edge with `group`, each once.
+    pub(crate) fn ring(&self, group: u32, out: &mut Vec<u32>) {
+        out.clear();
+        let open = self.has(group, OPEN);
+        for &corner in self.star(group) {
+            let groups = &self.faces[corner.face() as usize].groups;
+            let g = groups[next(corner.at())];
+            if !open {
+                // In a closed fan every neighbour is the next corner of exactly one face.
+                out.push(g);
+                continue;
+            }
+            out.push(g);
+            out.push(groups[previous(corner.at())]);
+        }
+        if open {
+            out.sort_unstable();
+            out.dedup();
+        }
+    }
+}
