@@ -12,7 +12,8 @@ impl Mesh {
         let mut new_index = vec![u32::MAX; self.vertex_count()];
         let mut counts = vec![0u32; self.submeshes().len()];
         for (triangle, t) in triangles.iter().enumerate() {
-            let count = counts.get_mut(t.submesh as usize).ok_or(MeshError::SubmeshRange { submesh: t.submesh as usize })?;
+            let count =
+                counts.get_mut(t.submesh as usize).ok_or(MeshError::SubmeshRange { submesh: t.submesh as usize })?;
             *count += 1;
             for v in t.corners {
                 *new_index.get_mut(v as usize).ok_or(MeshError::IndexOutOfRange { triangle })? = 0;

@@ -41,6 +41,10 @@ pub struct MeshParts {
 impl MeshParts {
     /// Drops what takes no part in a level of detail: triangles with two corners at one position, then vertices that
     /// no triangle uses. Says how many.
+    ///
+    /// # Panics
+    /// If a triangle names a vertex that is not there, a submesh a triangle that is not there, or a stream has too few
+    /// bytes: whoever reads a file checks that first.
     pub fn clean(&mut self) -> Cleaning {
         crate::clean::clean(self)
     }

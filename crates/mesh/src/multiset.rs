@@ -1,7 +1,7 @@
 //! Comparing meshes as multisets of oriented triangles: exactly, and by an order-independent hash.
 
 /// A triangle of a submesh whose corners are rotated so that the smallest comes first: equal exactly if the oriented
-/// triangles are.
+/// triangles are. (The corners are different vertices, as those of live triangles always are.)
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct OrientedTriangle {
     /// The submesh.
@@ -52,7 +52,8 @@ impl FromIterator<OrientedTriangle> for TriangleHash {
 fn hash(t: OrientedTriangle) -> u128 {
     let a = u64::from(t.submesh) << 32 | u64::from(t.corners[0]);
     let b = u64::from(t.corners[1]) << 32 | u64::from(t.corners[2]);
-    let half = |seed: u64| mix(mix(a ^ seed).wrapping_add(b).wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ seed.rotate_left(17));
+    let half =
+        |seed: u64| mix(mix(a ^ seed).wrapping_add(b).wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ seed.rotate_left(17));
     u128::from(half(0x243f_6a88_85a3_08d3)) << 64 | u128::from(half(0x1319_8a2e_0370_7344))
 }
 

@@ -20,7 +20,14 @@ impl PositionIds {
     /// Numbers the positions of some vertices. Linear time and open addressing: this runs on every mesh.
     #[must_use]
     pub fn new(positions: &[[f32; 3]]) -> Self {
+        Self::by_hashing(positions).unwrap_or_else(|| Self::by_sorting(positions))
+    }
+
+    /// None if far more slots had to be looked at than chance explains: positions chosen so that their hashes collide
+    /// would make this quadratic.
+    fn by_hashing(positions: &[[f32; 3]]) -> Option<Self> {
         const EMPTY: u32 = u32::MAX;
+        let mut patience = 16 * positions.len() + 1024;
         let slots = (positions.len() * 3 / 2 + 1).next_power_of_two();
         let mask = slots - 1;
         let mut table = vec![EMPTY; slots];
@@ -41,8 +48,32 @@ impl PositionIds {
                     break id;
                 }
                 slot = (slot + 1) & mask;
+                patience = patience.checked_sub(1)?;
             };
             of_vertex.push(id);
+        }
+        Some(Self { of_vertex, first_vertex })
+    }
+
+    /// The same numbers in O(n log n), whatever the positions.
+    fn by_sorting(positions: &[[f32; 3]]) -> Self {
+        let mut order: Vec<u32> = (0..index(positions.len())).collect();
+        let key = |v: u32| position_key(positions[v as usize]);
+        order.sort_unstable_by_key(|&v| (key(v), v));
+        let mut leader: Vec<u32> = (0..index(positions.len())).collect();
+        for pair in order.windows(2) {
+            if key(pair[0]) == key(pair[1]) {
+                leader[pair[1] as usize] = leader[pair[0] as usize];
+            }
+        }
+        let (mut of_vertex, mut first_vertex) = (vec![0; positions.len()], Vec::new());
+        for v in 0..positions.len() {
+            if leader[v] as usize == v {
+                of_vertex[v] = index(first_vertex.len());
+                first_vertex.push(index(v));
+            } else {
+                of_vertex[v] = of_vertex[leader[v] as usize];
+            }
         }
         Self { of_vertex, first_vertex }
     }

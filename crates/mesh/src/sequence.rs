@@ -137,10 +137,11 @@ impl CollapseSequence {
             n => Lod(self.0.step_ends[n - 1]),
         }
     }
-    /// The vertex that stands for `vertex` at `lod`.
+    /// The vertex that stands for `vertex` at `lod` (at the coarsest LOD, if `lod` is beyond it).
     #[must_use]
     pub fn resolve(&self, mut vertex: u32, lod: Lod) -> u32 {
-        while vertex < lod.0 {
+        let end = lod.min(self.last()).0;
+        while vertex < end {
             vertex = self.0.targets[vertex as usize];
         }
         vertex
@@ -149,7 +150,7 @@ impl CollapseSequence {
     #[must_use]
     pub fn resolve_all(&self, lod: Lod) -> Vec<u32> {
         let mut map: Vec<u32> = (0..=self.records()).collect();
-        for k in (0..lod.0 as usize).rev() {
+        for k in (0..lod.min(self.last()).0 as usize).rev() {
             map[k] = map[self.0.targets[k] as usize];
         }
         map

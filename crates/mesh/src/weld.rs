@@ -1,6 +1,6 @@
 //! Welding: giving positions that are nearly the same exactly the same coordinates.
 
-use crate::MeshParts;
+use crate::{MeshParts, Semantic, position_key};
 use std::collections::BTreeMap;
 
 /// Snaps every position to the first earlier one within `tolerance` (mesh units), if there is one. Returns how many
@@ -15,34 +15,51 @@ pub fn weld_positions(parts: &mut MeshParts, tolerance: f64) -> usize {
     let near = |a: [f32; 3], b: [f32; 3]| {
         (0..3).map(|i| (f64::from(a[i]) - f64::from(b[i])).powi(2)).sum::<f64>() <= tolerance * tolerance
     };
+    let raw: Vec<usize> = (0..parts.attributes.len())
+        .filter(|&a| parts.attributes[a].semantic == Semantic::Position && parts.attributes[a].morph_target.is_none())
+        .collect();
+    // A raw position can only be taken over from a vertex whose submesh stores it in the same stream.
+    let has = |parts: &MeshParts, v: u32, stream: usize| {
+        let submesh = parts.submeshes.get(parts.vertex_submesh[v as usize] as usize);
+        submesh.is_some_and(|s| s.attributes.contains(&(stream as u32)))
+    };
+    // Snapped vertices stand at a kept one, so no two kept ones are near each other and a cell holds only a few.
     let mut kept: BTreeMap<[u64; 3], Vec<u32>> = BTreeMap::new();
     let mut moved = 0;
-    for v in 0..parts.positions.len() {
-        let (p, home) = (parts.positions[v], cell(parts.positions[v]));
-        let neighbours = (0..27).map(|i| [home[0] + f64::from(i % 3 - 1), home[1] + f64::from(i / 3 % 3 - 1), home[2] + f64::from(i / 9 - 1)]);
-        let target = neighbours
+    for v in 0..parts.positions.len() as u32 {
+        let (p, home) = (parts.positions[v as usize], cell(parts.positions[v as usize]));
+        let mut earlier: Vec<u32> = around(home)
             .filter_map(|c| kept.get(&key(c)))
             .flatten()
             .copied()
             .filter(|&u| near(parts.positions[u as usize], p))
-            .min();
-        match target {
-            Some(u) => {
-                let q = parts.positions[u as usize];
-                if crate::position_key(q) != crate::position_key(p) {
-                    moved += 1;
-                }
-                parts.positions[v] = q;
-                let same_layout = parts.vertex_submesh[v] == parts.vertex_submesh[u as usize];
-                for a in &mut parts.attributes {
-                    if a.semantic == crate::Semantic::Position && a.morph_target.is_none() && same_layout {
-                        let stride = a.stride();
-                        a.bytes.copy_within(u as usize * stride..(u as usize + 1) * stride, v * stride);
+            .collect();
+        earlier.sort_unstable();
+        let follows = |u: &u32| raw.iter().all(|&stream| !has(parts, v, stream) || has(parts, *u, stream));
+        if earlier.is_empty() {
+            kept.entry(key(home)).or_default().push(v);
+        } else if let Some(u) = earlier.into_iter().find(follows) {
+            let q = parts.positions[u as usize];
+            if position_key(q) != position_key(p) {
+                moved += 1;
+                parts.positions[v as usize] = q;
+                for &stream in &raw {
+                    if has(parts, v, stream) {
+                        let a = &mut parts.attributes[stream];
+                        let (stride, from) = (a.stride(), u as usize * a.stride());
+                        a.bytes.copy_within(from..from + stride, v as usize * stride);
                     }
                 }
             }
-            None => kept.entry(key(home)).or_default().push(v as u32),
         }
     }
     moved
+}
+
+/// A cell and its neighbours.
+fn around(home: [f64; 3]) -> impl Iterator<Item = [f64; 3]> {
+    (0..27).map(move |i| [i % 3, i / 3 % 3, i / 9].map(|x| f64::from(x - 1))).map(move |d| {
+        let [x, y, z] = home;
+        [x + d[0], y + d[1], z + d[2]]
+    })
 }
