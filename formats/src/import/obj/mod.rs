@@ -1,12 +1,134 @@
 //! Wavefront OBJ and MTL.
+//!
+//! One file is one object. Its submeshes are its materials, in order of first use; the faces without a material are a
+//! submesh of their own.
+
+mod assemble;
+mod lines;
+mod mtl;
+mod number;
+mod parse;
+#[cfg(test)]
+mod tests;
+mod triangulate;
+mod unique;
 
 use super::ImportOptions;
-use crate::{Assets, Fault, FormatError, Scene};
+use crate::{Assets, Document, Fault, FormatError, ObjDocument, ObjectInfo, Scene, SceneObject, Source, SourceFormat};
+use assemble::Assembled;
+use lodc_mesh::{Mesh, MeshParts};
+use parse::{Count, Parsed};
+use std::collections::BTreeSet;
+use xxhash_rust::xxh3::xxh3_128;
 
 /// Reads an OBJ; `bytes` is the main file.
 ///
 /// # Errors
 /// See [`super::import`].
-pub(crate) fn import(bytes: Vec<u8>, assets: &mut Assets, _options: &ImportOptions) -> Result<Scene, FormatError> {
-    Err(FormatError::new(Fault::Unsupported, "", format!("{} {}", assets.main_name(), bytes.len())))
+pub(crate) fn import(bytes: Vec<u8>, assets: &mut Assets, options: &ImportOptions) -> Result<Scene, FormatError> {
+    if bytes.is_empty() {
+        return Err(FormatError::new(Fault::Malformed, "", "the file is empty"));
+    }
+    let content_hash = xxh3_128(&bytes);
+    let mut parsed = parse::parse(&bytes, assets.limits())?;
+    // The text is the largest thing in memory and has said what it had to say.
+    drop(bytes);
+    let libraries = std::mem::take(&mut parsed.libraries);
+    let materials = mtl::Materials::read(&libraries, assets)?;
+
+    let mut warnings = materials.warnings;
+    let mut assembled = assemble::assemble(&parsed, content_hash as u64);
+    notes(&parsed, &assembled, &mut warnings);
+    undefined_materials(&assembled, &materials.list, &mut warnings);
+    let name = match &parsed.objects[..] {
+        [only] => only.clone(),
+        _ => assets.stem(),
+    };
+    drop(parsed);
+
+    let mut parts = std::mem::take(&mut assembled.parts);
+    tidy(&mut parts, options.weld, &mut warnings);
+    let mesh = Mesh::try_from(parts).map_err(|e| FormatError::new(Fault::Limit, "", e.to_string()))?;
+    let name = if name.is_empty() { "mesh0".to_owned() } else { name };
+    let info = ObjectInfo { name, submeshes: assembled.submeshes, world_scale: 1.0, document_mesh: 0 };
+    Ok(Scene {
+        source: Source { format: SourceFormat::Obj, content_hash },
+        document: Document::Obj(ObjDocument { libraries, materials: materials.list }),
+        objects: vec![SceneObject { info, mesh }],
+        warnings,
+        files_read: assets.files_read().to_vec(),
+    })
+}
+
+/// Welds if asked to, and drops what takes no part.
+fn tidy(parts: &mut MeshParts, weld: f64, warnings: &mut Vec<String>) {
+    if weld > 0.0 {
+        let moved = lodc_mesh::weld_positions(parts, weld * diagonal(&parts.positions));
+        if moved > 0 {
+            warnings.push(format!("{moved} vertices were welded to a neighbour"));
+        }
+    }
+    let cleaning = parts.clean();
+    if cleaning.degenerate_triangles > 0 {
+        warnings
+            .push(format!("{} triangles with two corners at one position were dropped", cleaning.degenerate_triangles));
+    }
+    if parts.triangles.is_empty() {
+        warnings.push("there is no triangle: nothing to simplify".to_owned());
+    }
+}
+
+fn diagonal(positions: &[[f32; 3]]) -> f64 {
+    let extent = |i: usize| {
+        let values = positions.iter().map(|p| f64::from(p[i]));
+        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), c| (l.min(c), h.max(c)));
+        if high > low { high - low } else { 0.0 }
+    };
+    (0..3).map(|i| extent(i).powi(2)).sum::<f64>().sqrt()
+}
+
+/// What was repaired, dropped or left alone: one line each.
+fn notes(parsed: &Parsed, assembled: &Assembled, warnings: &mut Vec<String>) {
+    let notes = &parsed.notes;
+    let mut tell = |count: Count, what: &str| {
+        if count.times > 0 {
+            warnings.push(format!("{} {what} (first on line {})", count.times, count.line));
+        }
+    };
+    tell(notes.small_faces, "faces with fewer than three corners were dropped");
+    tell(notes.lines, "line elements were left out");
+    tell(notes.points, "point elements were left out");
+    tell(notes.free_form, "free-form curves and surfaces were left out");
+    tell(notes.extra_values, "lines have more numbers than their meaning needs, the last ones were left out");
+    tell(notes.weights, "positions have a weight, which was left out");
+    if !parsed.colors.is_empty() {
+        tell(notes.uncolored, "positions without a colour beside others that have one were made white");
+    }
+    tell(notes.unknown, &format!("lines are no OBJ statements and were left out, like `{}`", notes.unknown_first));
+
+    let mut tell = |count: u64, what: &str| {
+        if count > 0 {
+            warnings.push(format!("{count} {what}"));
+        }
+    };
+    tell(assembled.polygons, "polygons were triangulated");
+    tell(assembled.imperfect_polygons, "of these cross themselves or turn back: their triangles may overlap");
+    tell(
+        assembled.filled_texcoords,
+        "corners without texture coordinates beside others that have them were given (0, 0)",
+    );
+    tell(assembled.filled_normals, "faces without normals beside others that have them were given their own");
+    tell(
+        assembled.joined_labels,
+        "groups share a material with others: they are kept as one submesh with all their names",
+    );
+}
+
+fn undefined_materials(assembled: &Assembled, list: &[crate::ObjMaterial], warnings: &mut Vec<String>) {
+    let defined: BTreeSet<&str> = list.iter().map(|m| m.name.as_str()).collect();
+    let mut missing = assembled.submeshes.iter().filter_map(|s| s.material.as_deref()).filter(|m| !defined.contains(m));
+    if let Some(first) = missing.next() {
+        let count = 1 + missing.count();
+        warnings.push(format!("{count} materials are used but not defined (first `{}`)", first.escape_debug()));
+    }
 }

@@ -1,0 +1,276 @@
+//! Faces to submeshes: triangulated, one vertex for each different corner, one submesh for each material.
+
+use super::parse::{NONE, Parsed};
+use super::triangulate::{Triangulator, newell};
+use super::unique::{Unique, first_equal};
+use crate::SubmeshInfo;
+use lodc_mesh::{Attribute, Component, MeshParts, Semantic, Submesh};
+use std::collections::BTreeSet;
+
+/// What the faces of an OBJ come to.
+#[derive(Debug, Default)]
+pub(super) struct Assembled {
+    pub(super) parts: MeshParts,
+    pub(super) submeshes: Vec<SubmeshInfo>,
+    /// Faces with more than three corners.
+    pub(super) polygons: u64,
+    /// Polygons that cross themselves or have no inside.
+    pub(super) imperfect_polygons: u64,
+    /// Corners without texture coordinates beside others that have them.
+    pub(super) filled_texcoords: u64,
+    /// Faces without normals beside others that have them.
+    pub(super) filled_normals: u64,
+    /// Groups that share their material with another one.
+    pub(super) joined_labels: u64,
+}
+
+/// Builds the mesh. `seed` is any number that the file's maker cannot choose.
+pub(super) fn assemble(parsed: &Parsed, seed: u64) -> Assembled {
+    let mut builder = Builder::new(parsed, seed);
+    let (runs_of, materials) = runs_by_material(parsed);
+    for (material, runs) in materials.iter().zip(&runs_of) {
+        builder.submesh(*material, runs);
+    }
+    builder.finish()
+}
+
+/// Lists the runs of each material that has faces, materials in order of first use.
+fn runs_by_material(parsed: &Parsed) -> (Vec<Vec<u32>>, Vec<u32>) {
+    let mut submesh_of = vec![NONE; parsed.materials.len() + 1];
+    let (mut runs_of, mut materials): (Vec<Vec<u32>>, Vec<u32>) = Default::default();
+    for (i, run) in parsed.runs.iter().enumerate() {
+        let slot = if run.material == NONE { parsed.materials.len() } else { run.material as usize };
+        if submesh_of[slot] == NONE {
+            submesh_of[slot] = materials.len() as u32;
+            materials.push(run.material);
+            runs_of.push(Vec::new());
+        }
+        runs_of[submesh_of[slot] as usize].push(i as u32);
+    }
+    (runs_of, materials)
+}
+
+struct Builder<'a> {
+    parsed: &'a Parsed,
+    out: Assembled,
+    /// For each texture coordinate and normal, the first with the same bits.
+    texcoord: Vec<u32>,
+    normal: Vec<u32>,
+    /// Position, texture coordinates and normal of each vertex made so far.
+    vertices: Vec<[u32; 3]>,
+    /// Normals made for faces without; numbered after those of the file.
+    made_normals: Vec<[f32; 3]>,
+    unique: Unique,
+    triangulator: Triangulator,
+    uses: [bool; 2],
+}
+
+impl<'a> Builder<'a> {
+    fn new(parsed: &'a Parsed, seed: u64) -> Self {
+        let texcoord = first_equal(if parsed.corner_t.is_empty() { 0 } else { parsed.texcoords.len() }, seed, |i| {
+            let i = i as usize;
+            let [u, v] = parsed.texcoords[i].map(f32::to_bits);
+            [u, v, parsed.texcoords_w.get(i).map_or(0, |w| w.to_bits())]
+        });
+        let normals = if parsed.corner_n.is_empty() { 0 } else { parsed.normals.len() };
+        let normal = first_equal(normals, seed, |i| parsed.normals[i as usize].map(f32::to_bits));
+        Self {
+            parsed,
+            out: Assembled::default(),
+            texcoord,
+            normal,
+            vertices: Vec::new(),
+            made_normals: Vec::new(),
+            unique: Unique::new(seed),
+            triangulator: Triangulator::default(),
+            uses: [false; 2],
+        }
+    }
+
+    fn faces(&self, run: u32) -> std::ops::Range<usize> {
+        let runs = &self.parsed.runs;
+        let end = runs.get(run as usize + 1).map_or(self.parsed.face_ends.len(), |next| next.first_face as usize);
+        runs[run as usize].first_face as usize..end
+    }
+
+    fn corners(&self, face: usize) -> std::ops::Range<usize> {
+        let ends = &self.parsed.face_ends;
+        let start = if face == 0 { 0 } else { ends[face - 1] as usize };
+        start..ends[face] as usize
+    }
+
+    fn submesh(&mut self, material: u32, runs: &[u32]) {
+        let first_triangle = self.out.parts.triangles.len() as u32;
+        let has = |list: &[u32]| {
+            !list.is_empty()
+                && runs.iter().any(|&r| self.faces(r).any(|f| list[self.corners(f)].iter().any(|&i| i != NONE)))
+        };
+        let (has_texcoords, has_normals) = (has(&self.parsed.corner_t), has(&self.parsed.corner_n));
+        self.unique.clear();
+        let (mut polygon, mut vertices) = (Vec::new(), Vec::new());
+        for &run in runs {
+            for face in self.faces(run) {
+                self.face(face, [has_texcoords, has_normals], &mut polygon, &mut vertices);
+            }
+        }
+        let submesh = self.out.parts.submeshes.len() as u32;
+        self.out.parts.vertex_submesh.resize(self.vertices.len(), submesh);
+        self.uses = [self.uses[0] | has_texcoords, self.uses[1] | has_normals];
+        self.out.parts.submeshes.push(Submesh {
+            first_triangle,
+            triangle_count: self.out.parts.triangles.len() as u32 - first_triangle,
+            // Which streams, until they are numbered at the end.
+            attributes: [has_texcoords, has_normals].map(u32::from).to_vec(),
+        });
+        let name = self.label(runs);
+        let material = self.parsed.materials.get(material as usize).cloned();
+        self.out.submeshes.push(SubmeshInfo { name, material, document_primitive: submesh });
+    }
+
+    fn face(&mut self, face: usize, has: [bool; 2], polygon: &mut Vec<[f32; 3]>, vertices: &mut Vec<u32>) {
+        let parsed = self.parsed;
+        let corners = self.corners(face);
+        let lacks_normal = has[1] && parsed.corner_n[corners.clone()].contains(&NONE);
+        polygon.clear();
+        if corners.len() > 3 || lacks_normal {
+            polygon.extend(parsed.corner_v[corners.clone()].iter().map(|&v| parsed.positions[v as usize]));
+        }
+        let made_normal = (parsed.normals.len() + self.made_normals.len()) as u32;
+        if lacks_normal {
+            self.made_normals.push(unit(newell(polygon)));
+            self.out.filled_normals += 1;
+        }
+        vertices.clear();
+        for corner in corners.clone() {
+            let texcoord = if has[0] { parsed.corner_t[corner] } else { NONE };
+            let normal = if has[1] { parsed.corner_n[corner] } else { NONE };
+            self.out.filled_texcoords += u64::from(has[0] && texcoord == NONE);
+            let key = [
+                parsed.corner_v[corner],
+                if texcoord == NONE { NONE } else { self.texcoord[texcoord as usize] },
+                match normal {
+                    NONE if lacks_normal => made_normal,
+                    NONE => NONE,
+                    n => self.normal[n as usize],
+                },
+            ];
+            let next = self.vertices.len() as u32;
+            let vertex = self.unique.number(key, next, |id| self.vertices[id as usize]);
+            if vertex == next {
+                self.vertices.push(key);
+            }
+            vertices.push(vertex);
+        }
+        let triangles = &mut self.out.parts.triangles;
+        if let [a, b, c] = vertices[..] {
+            triangles.push([a, b, c]);
+        } else {
+            self.out.polygons += 1;
+            let local = self.triangulator.triangulate(polygon);
+            triangles.extend(local.iter().map(|t| t.map(|corner| vertices[corner as usize])));
+        }
+    }
+
+    /// The names of the groups with this material; several are joined as an OBJ's `g` would list them.
+    fn label(&mut self, runs: &[u32]) -> String {
+        const MOST_BYTES: usize = 1000;
+        let mut seen = BTreeSet::new();
+        let mut name = String::new();
+        for &run in runs {
+            let label = self.parsed.runs[run as usize].label;
+            if !seen.insert(label) {
+                continue;
+            }
+            let Some(text) = self.parsed.labels.get(label as usize) else { continue };
+            if name.is_empty() {
+                name.clone_from(text);
+            } else if name.len() + text.len() < MOST_BYTES {
+                name = format!("{name} {text}");
+            }
+        }
+        if seen.len() > 1 {
+            self.out.joined_labels += seen.len() as u64;
+        }
+        name
+    }
+
+    fn finish(mut self) -> Assembled {
+        let parsed = self.parsed;
+        let vertices = std::mem::take(&mut self.vertices);
+        let parts = &mut self.out.parts;
+        parts.positions = vertices.iter().map(|k| parsed.positions[k[0] as usize]).collect();
+        let mut numbers = [None; 2];
+        let mut push = |semantic, components, bytes: Vec<u8>| {
+            parts.attributes.push(Attribute {
+                semantic,
+                morph_target: None,
+                component: Component::F32,
+                components,
+                normalized: false,
+                bytes,
+            });
+            Some(parts.attributes.len() as u32 - 1)
+        };
+        if self.uses[1] {
+            let made = |n: usize| self.made_normals.get(n.wrapping_sub(parsed.normals.len()));
+            let normal = |k: &[u32; 3]| {
+                let n = k[2] as usize;
+                parsed.normals.get(n).or_else(|| made(n)).copied().unwrap_or_default()
+            };
+            numbers[1] = push(Semantic::Normal, 3, stream(vertices.iter().map(normal)));
+        }
+        if self.uses[0] {
+            let uv = |k: &[u32; 3]| parsed.texcoords.get(k[1] as usize).copied().unwrap_or_default();
+            numbers[0] = if parsed.texcoords_w.is_empty() {
+                push(Semantic::TexCoord(0), 2, stream(vertices.iter().map(uv)))
+            } else {
+                let w = |k: &[u32; 3]| parsed.texcoords_w.get(k[1] as usize).copied().unwrap_or_default();
+                let uvw = vertices.iter().map(|k| [uv(k)[0], uv(k)[1], w(k)]);
+                push(Semantic::TexCoord(0), 3, stream(uvw))
+            };
+        }
+        let color = if parsed.colors.is_empty() || vertices.is_empty() {
+            None
+        } else {
+            let rgba = vertices.iter().map(|k| parsed.colors[k[0] as usize]);
+            if parsed.color_has_alpha {
+                push(Semantic::Color(0), 4, stream(rgba))
+            } else {
+                push(Semantic::Color(0), 3, stream(rgba.map(|[r, g, b, _]| [r, g, b])))
+            }
+        };
+        for submesh in &mut parts.submeshes {
+            let used = |i: usize| numbers[i].filter(|_| submesh.attributes[i] == 1);
+            submesh.attributes = [used(1), used(0), color].into_iter().flatten().collect();
+        }
+        self.out.imperfect_polygons = self.triangulator.imperfect;
+        self.out
+    }
+}
+
+fn stream<const N: usize>(values: impl ExactSizeIterator<Item = [f32; N]>) -> Vec<u8> {
+    let mut bytes = Vec::with_capacity(values.len() * N * 4);
+    for value in values {
+        for c in value {
+            bytes.extend_from_slice(&c.to_le_bytes());
+        }
+    }
+    bytes
+}
+
+/// A vector of length one; up, where there is no direction.
+fn unit(v: [f64; 3]) -> [f32; 3] {
+    // Scaled first, so that the squares neither vanish nor overflow.
+    let largest = v.iter().fold(0.0f64, |m, c| m.max(c.abs()));
+    if largest == 0.0 || !largest.is_finite() {
+        return [0.0, 0.0, 1.0];
+    }
+    let v = v.map(|c| c / largest);
+    let length = v.iter().map(|c| c * c).sum::<f64>().sqrt();
+    #[expect(clippy::cast_possible_truncation, reason = "a made normal is as exact as its stream")]
+    v.map(|c| (c / length) as f32)
+}
+
+#[cfg(test)]
+#[path = "assemble_tests.rs"]
+mod tests;

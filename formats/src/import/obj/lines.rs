@@ -1,0 +1,197 @@
+//! Statements of a text format: lines that may be continued, with comments, in any convention for line ends.
+
+use crate::{Fault, FormatError};
+
+/// Walks over the statements of a text without copying it.
+#[derive(Debug)]
+pub(super) struct Lines<'a> {
+    bytes: &'a [u8],
+    at: usize,
+    line: u32,
+    /// Where the current statement starts.
+    start: usize,
+    statement_line: u32,
+    limit: usize,
+}
+
+impl<'a> Lines<'a> {
+    /// The statements of `bytes`, none longer than `limit`.
+    pub(super) fn new(bytes: &'a [u8], limit: u64) -> Self {
+        let at = if bytes.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 };
+        Self { bytes, at, line: 1, start: at, statement_line: 1, limit: usize::try_from(limit).unwrap_or(usize::MAX) }
+    }
+
+    /// The line on which the current statement starts, counted from 1.
+    pub(super) fn place(&self) -> String {
+        format!("line {}", self.statement_line)
+    }
+
+    /// The same as a number.
+    pub(super) fn number(&self) -> u32 {
+        self.statement_line
+    }
+
+    /// Goes to the next statement and returns its first word; none at the end.
+    pub(super) fn next_statement(&mut self) -> Result<Option<&'a [u8]>, FormatError> {
+        loop {
+            while self.token().is_some() {}
+            self.skip_comment();
+            self.check_length()?;
+            if self.at >= self.bytes.len() {
+                return Ok(None);
+            }
+            self.end_line();
+            (self.start, self.statement_line) = (self.at, self.line);
+            if let Some(word) = self.token() {
+                return Ok(Some(word));
+            }
+        }
+    }
+
+    /// The first word of all.
+    pub(super) fn first_statement(&mut self) -> Result<Option<&'a [u8]>, FormatError> {
+        match self.token() {
+            Some(word) => Ok(Some(word)),
+            None => self.next_statement(),
+        }
+    }
+
+    /// The next word of the current statement.
+    pub(super) fn token(&mut self) -> Option<&'a [u8]> {
+        self.skip_spaces();
+        let first = self.at;
+        if self.bytes.get(first) == Some(&b'#') || first - self.start > self.limit {
+            return None;
+        }
+        while self.bytes.get(self.at).is_some_and(|b| !b.is_ascii_whitespace()) && !self.continued() {
+            self.at += 1;
+        }
+        (self.at > first).then(|| &self.bytes[first..self.at])
+    }
+
+    /// The rest of the current statement as text. A `#` is part of it unless it stands alone between spaces: names
+    /// like `Object #2` are common.
+    pub(super) fn rest(&mut self) -> String {
+        let mut words: Vec<u8> = Vec::new();
+        self.skip_spaces();
+        while let Some(&b) = self.bytes.get(self.at) {
+            if b == b'\n' || b == b'\r' || self.at - self.start > self.limit {
+                break;
+            }
+            let alone = b == b'#'
+                && self.bytes[self.at - 1].is_ascii_whitespace()
+                && self.bytes.get(self.at + 1).is_none_or(u8::is_ascii_whitespace);
+            if alone {
+                self.skip_comment();
+                break;
+            }
+            if self.continued() {
+                self.skip_spaces();
+                words.push(b' ');
+                continue;
+            }
+            words.push(b);
+            self.at += 1;
+        }
+        text(words.trim_ascii())
+    }
+
+    fn check_length(&self) -> Result<(), FormatError> {
+        if self.at - self.start > self.limit {
+            return Err(FormatError::new(Fault::Limit, self.place(), format!("longer than {} bytes", self.limit)));
+        }
+        Ok(())
+    }
+
+    /// Whether a backslash here joins the next line to this one.
+    fn continued(&self) -> bool {
+        self.bytes[self.at] == b'\\' && matches!(self.bytes.get(self.at + 1), Some(b'\n' | b'\r'))
+    }
+
+    fn skip_spaces(&mut self) {
+        while let Some(&b) = self.bytes.get(self.at) {
+            match b {
+                b' ' | b'\t' | b'\x0c' => self.at += 1,
+                b'\\' if self.continued() => {
+                    self.at += 1;
+                    self.end_line();
+                }
+                _ => break,
+            }
+        }
+    }
+
+    fn skip_comment(&mut self) {
+        let rest = &self.bytes[self.at..];
+        self.at += rest.iter().position(|&b| b == b'\n' || b == b'\r').unwrap_or(rest.len());
+    }
+
+    fn end_line(&mut self) {
+        let two = self.bytes[self.at..].starts_with(b"\r\n");
+        self.at += if two { 2 } else { 1 };
+        self.line = self.line.saturating_add(1);
+    }
+}
+
+/// Bytes as text: UTF-8, or Latin-1 where they are not that, so that different names stay different.
+pub(super) fn text(bytes: &[u8]) -> String {
+    std::str::from_utf8(bytes).map_or_else(|_| bytes.iter().map(|&b| char::from(b)).collect(), str::to_owned)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn statements(bytes: &[u8]) -> Vec<String> {
+        let mut lines = Lines::new(bytes, 1000);
+        let mut out = Vec::new();
+        let mut word = lines.first_statement().expect("short");
+        while let Some(w) = word {
+            let mut all = format!("{}:{}", lines.number(), text(w));
+            while let Some(t) = lines.token() {
+                all = format!("{all} {}", text(t));
+            }
+            out.push(all);
+            word = lines.next_statement().expect("short");
+        }
+        out
+    }
+
+    #[test]
+    fn line_ends_comments_and_continuations_are_understood() {
+        let expected = ["1:a b", "3:c d e", "5:f"];
+        for end in ["\n", "\r\n", "\r"] {
+            let source = "a\tb # x\n   # only a comment\n c d \\\n e\nf#".replace('\n', end);
+            let mut expected = expected.map(str::to_owned).to_vec();
+            expected[2] = "5:f#".to_owned();
+            assert_eq!(statements(source.as_bytes()), expected, "{end:?}");
+        }
+        assert_eq!(statements(b"\xef\xbb\xbfv 1"), ["1:v 1"]);
+        assert_eq!(statements(b"v\\\n\\\r\n1 \\"), ["1:v 1 \\"]);
+        assert!(statements(b"").is_empty() && statements(b"\n\n#").is_empty());
+    }
+
+    #[test]
+    fn the_rest_of_a_line_keeps_spaces_and_number_signs() {
+        let rest = |source: &str| {
+            let mut lines = Lines::new(source.as_bytes(), 1000);
+            lines.first_statement().expect("short");
+            lines.rest()
+        };
+        assert_eq!(rest("usemtl a  b, c  \r\n"), "a  b, c");
+        assert_eq!(rest("g Object #2\n"), "Object #2");
+        assert_eq!(rest("g red # not blue\n"), "red");
+        assert_eq!(rest("g two \\\n lines"), "two  lines");
+        assert_eq!(rest("g"), "");
+        assert_eq!(text(b"caf\xe9"), "café");
+    }
+
+    #[test]
+    fn a_line_that_is_too_long_is_a_limit() {
+        let source = [b"f".as_slice(), &b" 1".repeat(600)].concat();
+        let mut lines = Lines::new(&source, 1000);
+        lines.first_statement().expect("one word");
+        while lines.token().is_some() {}
+        assert_eq!(lines.next_statement().expect_err("1,201 bytes").fault, Fault::Limit);
+    }
+}

@@ -1,0 +1,170 @@
+//! Numbers in text, correctly rounded.
+
+/// A decimal number as the nearest `f32`, ties to even; `nan` and `inf` in any case are numbers too.
+pub(super) fn float(token: &[u8]) -> Option<f32> {
+    fast_float(token).or_else(|| slow_float(token))
+}
+
+/// The common case: at most 19 digits and a small exponent, rounded once to `f64` and once to `f32`. The two roundings
+/// give the nearest `f32` unless the first one landed exactly half-way between two of them, which is then left to
+/// the slow way, as is everything unusual.
+fn fast_float(token: &[u8]) -> Option<f32> {
+    const POWERS: [f64; 23] = [
+        1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19,
+        1e20, 1e21, 1e22,
+    ];
+    let (negative, digits) = match token {
+        [b'-', rest @ ..] => (true, rest),
+        [b'+', rest @ ..] => (false, rest),
+        _ => (false, token),
+    };
+    let (mut mantissa, mut count, mut exponent, mut i) = (0u64, 0usize, 0i32, 0);
+    while let Some(d) = digits.get(i).map(|b| b.wrapping_sub(b'0')).filter(|&d| d < 10) {
+        mantissa = mantissa.wrapping_mul(10).wrapping_add(u64::from(d));
+        (count, i) = (count + 1, i + 1);
+    }
+    if digits.get(i) == Some(&b'.') {
+        i += 1;
+        while let Some(d) = digits.get(i).map(|b| b.wrapping_sub(b'0')).filter(|&d| d < 10) {
+            mantissa = mantissa.wrapping_mul(10).wrapping_add(u64::from(d));
+            (count, i, exponent) = (count + 1, i + 1, exponent - 1);
+        }
+    }
+    if let Some(b'e' | b'E') = digits.get(i) {
+        let (sign, first) = match digits.get(i + 1) {
+            Some(b'-') => (-1, i + 2),
+            Some(b'+') => (1, i + 2),
+            _ => (1, i + 1),
+        };
+        let power = &digits[first.min(digits.len())..];
+        if power.is_empty() || power.len() > 3 || !power.iter().all(u8::is_ascii_digit) {
+            return None;
+        }
+        exponent += sign * power.iter().fold(0, |e, d| e * 10 + i32::from(d - b'0'));
+        i = digits.len();
+    }
+    // 19 digits fit into 64 bits, and 2^53 is where an integer stops being exact in an f64.
+    if i != digits.len() || count == 0 || count > 19 || mantissa > 1 << 53 {
+        return None;
+    }
+    let power = *POWERS.get(exponent.unsigned_abs() as usize)?;
+    let exact = mantissa as f64;
+    let value = if exponent < 0 { exact / power } else { exact * power };
+    let half_way = value.to_bits() & 0x1fff_ffff == 0x1000_0000;
+    let ordinary = value == 0.0 || (f64::from(f32::MIN_POSITIVE)..f64::from(f32::MAX)).contains(&value);
+    #[expect(clippy::cast_possible_truncation, reason = "rounding is the purpose")]
+    (ordinary && !half_way).then(|| if negative { -(value as f32) } else { value as f32 })
+}
+
+fn slow_float(token: &[u8]) -> Option<f32> {
+    let text = std::str::from_utf8(token).ok()?;
+    if let Ok(value) = text.parse() {
+        return Some(value);
+    }
+    // Seen in real files: a sign that stands before the exponent's letter, `3.1+e2`.
+    if let Some(at) = text.find(['e', 'E']).filter(|&at| at >= 2 && matches!(token[at - 1], b'+' | b'-')) {
+        let (mantissa, sign, power) = (&text[..at - 1], &text[at - 1..at], &text[at + 1..]);
+        let plain = !mantissa.is_empty() && power.bytes().all(|b| b.is_ascii_digit());
+        return if plain { format!("{mantissa}e{sign}{power}").parse().ok() } else { None };
+    }
+    // What some run-time libraries print instead of NaN and infinity: `-nan(ind)`, `1.#QNAN`, `-1.#IND00`, `1.#INF`.
+    let lower = text.to_ascii_lowercase();
+    let unsigned = lower.trim_start_matches(['-', '+']);
+    if unsigned.starts_with("nan(") || unsigned.starts_with("1.#qnan") || unsigned.starts_with("1.#ind") {
+        return Some(f32::NAN);
+    }
+    unsigned.starts_with("1.#inf").then_some(f32::INFINITY)
+}
+
+/// A whole number, with sign; none if there is anything else or it does not fit.
+pub(super) fn integer(token: &[u8]) -> Option<i64> {
+    let (negative, digits) = match token {
+        [b'-', rest @ ..] => (true, rest),
+        [b'+', rest @ ..] => (false, rest),
+        _ => (false, token),
+    };
+    if digits.is_empty() || digits.len() > 18 {
+        return None;
+    }
+    let mut value = 0i64;
+    for b in digits {
+        let d = b.wrapping_sub(b'0');
+        if d > 9 {
+            return None;
+        }
+        value = value * 10 + i64::from(d);
+    }
+    Some(if negative { -value } else { value })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::Random;
+
+    #[test]
+    fn floats_are_rounded_like_the_standard_library_does() {
+        let mut random = Random(7);
+        for round in 0..200_000 {
+            let bits = random.next();
+            let value = f32::from_bits((bits >> 32) as u32);
+            let text = match round % 6 {
+                0 => format!("{value}"),
+                1 => format!("{value:e}"),
+                2 => format!("{:.6}", f64::from(value % 1000.0)),
+                3 => format!("{}.{}", bits % 100_000, bits >> 40),
+                4 => format!("{}e{}", bits >> 12, (bits % 60) as i64 - 30),
+                _ => format!("{:.17}", random.unit()),
+            };
+            let expected: f32 = text.parse().expect(&text);
+            let got = float(text.as_bytes()).expect(&text);
+            assert!(got.to_bits() == expected.to_bits() || got.is_nan() && expected.is_nan(), "{text}: {got}");
+        }
+    }
+
+    #[test]
+    fn values_half_way_between_two_floats_go_to_even() {
+        // 16777217 = 2^24 + 1 is half-way; so are these seen through a double rounding.
+        for text in ["16777217", "16777219", "1.00000005960464477539062", "16777217.0000000001", "9007199791611905"] {
+            let expected: f32 = text.parse().expect(text);
+            assert_eq!(float(text.as_bytes()).expect(text).to_bits(), expected.to_bits(), "{text}");
+        }
+    }
+
+    #[test]
+    fn every_way_of_writing_a_number_is_read() {
+        for (text, value) in [
+            ("+2.", 2.0),
+            (".5", 0.5),
+            ("-0", -0.0),
+            ("2.e1", 20.0),
+            ("+1e+2", 100.0),
+            ("3.1+e2", 310.0),
+            ("3.1-e2", 0.031),
+            ("1E2", 100.0),
+            ("1e400", f32::INFINITY),
+            ("1e-400", 0.0),
+            ("1.#INF", f32::INFINITY),
+            ("00000000000000000000000001", 1.0),
+        ] {
+            assert_eq!(float(text.as_bytes()).map(f32::to_bits), Some(f32::to_bits(value)), "{text}");
+        }
+        for text in ["nan", "NaN", "-nan(ind)", "-1.#IND00"] {
+            assert!(float(text.as_bytes()).is_some_and(f32::is_nan), "{text}");
+        }
+        for text in
+            ["", "-", "+", ".", "1,5", "0x10", "1e", "e5", "1.2.3", "1_0", "abc", "+e2", "--1", "1+e", "\u{661}"]
+        {
+            assert_eq!(float(text.as_bytes()), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn integers_have_nothing_else_in_them() {
+        assert_eq!(integer(b"-12"), Some(-12));
+        assert_eq!(integer(b"+7"), Some(7));
+        for text in ["", "-", "1.0", "1a", "9999999999999999999"] {
+            assert_eq!(integer(text.as_bytes()), None, "{text}");
+        }
+    }
+}
