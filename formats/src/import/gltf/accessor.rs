@@ -1,0 +1,251 @@
+//! Accessors: typed, strided, sparse views of bytes, checked once and then read element by element.
+
+use super::json::{Object, malformed, optional, required};
+use super::views::Views;
+use crate::FormatError;
+use lodc_mesh::Component;
+use serde_json::Value;
+
+/// The shape of an element: columns of rows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Shape {
+    /// 1 except for matrices.
+    pub(crate) columns: usize,
+    /// Components of a column.
+    pub(crate) rows: usize,
+}
+
+impl Shape {
+    /// By its name in glTF.
+    pub(crate) fn from_name(name: &str) -> Option<Self> {
+        let (columns, rows) = match name {
+            "SCALAR" => (1, 1),
+            "VEC2" => (1, 2),
+            "VEC3" => (1, 3),
+            "VEC4" => (1, 4),
+            "MAT2" => (2, 2),
+            "MAT3" => (3, 3),
+            "MAT4" => (4, 4),
+            _ => return None,
+        };
+        Some(Self { columns, rows })
+    }
+    /// Components in all.
+    pub(crate) const fn components(self) -> usize {
+        self.columns * self.rows
+    }
+    /// Bytes from one column to the next: columns of matrices start at multiples of four (glTF 2.0, 3.6.2.4).
+    pub(crate) const fn column_stride(self, component: Component) -> usize {
+        let bytes = self.rows * component.size();
+        if self.columns == 1 { bytes } else { bytes.next_multiple_of(4) }
+    }
+}
+
+/// A component type by its number in glTF.
+pub(crate) fn component(number: u64) -> Option<Component> {
+    Some(match number {
+        5120 => Component::I8,
+        5121 => Component::U8,
+        5122 => Component::I16,
+        5123 => Component::U16,
+        5125 => Component::U32,
+        5126 => Component::F32,
+        _ => return None,
+    })
+}
+
+/// The number of a component type in glTF.
+pub(crate) const fn component_number(component: Component) -> u32 {
+    match component {
+        Component::I8 => 5120,
+        Component::U8 => 5121,
+        Component::I16 => 5122,
+        Component::U16 => 5123,
+        Component::U32 => 5125,
+        Component::F32 => 5126,
+    }
+}
+
+/// What an accessor says of itself, known to fit its buffer views.
+#[derive(Clone, Debug)]
+pub(super) struct Accessor {
+    pub(super) shape: Shape,
+    pub(super) component: Component,
+    pub(super) normalized: bool,
+    pub(super) count: usize,
+    place: String,
+    /// Its view, the first byte in it, and the distance of elements; none means zeros.
+    data: Option<(usize, usize, usize)>,
+    sparse: Option<Sparse>,
+}
+
+#[derive(Clone, Debug)]
+struct Sparse {
+    count: usize,
+    indices: (usize, usize, Component),
+    values: (usize, usize),
+}
+
+impl Accessor {
+    /// Reads and checks the description, no data. `None` for a type or component type that glTF does not know: such an
+    /// accessor can be kept, but not read.
+    pub(super) fn new(object: &Object, place: String, views: &Views<'_>) -> Result<Option<Self>, FormatError> {
+        let name = object.get("type").and_then(Value::as_str).ok_or_else(|| malformed(&*place, "has no `type`"))?;
+        let number = required(object, "componentType", &place)?;
+        let count = required(object, "count", &place)?;
+        if count == 0 {
+            return Err(malformed(place, "count must be at least 1"));
+        }
+        let (Some(shape), Some(component)) = (Shape::from_name(name), component(number)) else { return Ok(None) };
+        // A vertex number is 32 bits wide and its largest value is reserved.
+        let count = usize::try_from(count).ok().filter(|&c| c < u32::MAX as usize);
+        let count = count.ok_or_else(|| malformed(&*place, "count is larger than any index can be"))?;
+        let normalized = object.get("normalized").and_then(Value::as_bool).unwrap_or(false);
+        let offset = optional(object, "byteOffset", &place)?;
+        let view = optional(object, "bufferView", &place)?.map(|v| v as usize);
+        if offset.is_some() && view.is_none() {
+            return Err(malformed(place, "byteOffset without bufferView"));
+        }
+        let size = shape.columns * shape.column_stride(component);
+        let data = match view {
+            None => None,
+            Some(view) => {
+                let stride = views.stride(view).unwrap_or(size);
+                if stride < size {
+                    return Err(malformed(place, format!("byteStride {stride} is less than an element of {size} bytes")));
+                }
+                let offset = offset.unwrap_or(0);
+                fits(offset, stride, count, size, views.len(view)).map_err(|what| malformed(&*place, what))?;
+                Some((view, offset as usize, stride))
+            }
+        };
+        let sparse = match object.get("sparse").and_then(Value::as_object) {
+            None => None,
+            Some(sparse) => Some(Sparse::new(sparse, &format!("{place}.sparse"), count, size, views)?),
+        };
+        Ok(Some(Self { shape, component, normalized, count, place, data, sparse }))
+    }
+
+    /// Bytes of an element, tightly packed.
+    pub(super) const fn element_bytes(&self) -> usize {
+        self.shape.components() * self.component.size()
+    }
+
+    /// Whether it has bytes of its own: zeros are also what a compressed primitive leaves behind.
+    pub(super) const fn has_data(&self) -> bool {
+        self.data.is_some() || self.sparse.is_some()
+    }
+
+    /// Its elements.
+    pub(super) fn reader<'v>(&self, views: &'v Views<'_>) -> Result<Reader<'v>, FormatError> {
+        let (bytes, stride) = match self.data {
+            Some((view, offset, stride)) => (&views.bytes(view)?[offset..], stride),
+            None => (&[][..], 0),
+        };
+        let row = self.shape.rows * self.component.size();
+        let column_stride = self.shape.column_stride(self.component);
+        let mut reader = Reader {
+            bytes,
+            stride,
+            columns: self.shape.columns,
+            row,
+            column_stride,
+            replaced: Vec::new(),
+            values: &[],
+        };
+        if let Some(sparse) = &self.sparse {
+            reader.replaced = sparse.read_indices(views, self.count, &self.place)?;
+            let (view, offset) = sparse.values;
+            reader.values = &views.bytes(view)?[offset..];
+        }
+        Ok(reader)
+    }
+}
+
+impl Sparse {
+    fn new(
+        object: &Object,
+        place: &str,
+        accessor_count: usize,
+        size: usize,
+        views: &Views<'_>,
+    ) -> Result<Self, FormatError> {
+        let count = required(object, "count", place)?;
+        if count == 0 || count > accessor_count as u64 {
+            return Err(malformed(place, format!("count {count} is not between 1 and the accessor's {accessor_count}")));
+        }
+        let part = |key: &str| object.get(key).and_then(Value::as_object).ok_or_else(|| malformed(place, format!("has no `{key}`")));
+        let located = |key: &str, size: usize| -> Result<(usize, usize), FormatError> {
+            let place = format!("{place}.{key}");
+            let object = part(key)?;
+            let view = required(object, "bufferView", &place)? as usize;
+            let offset = optional(object, "byteOffset", &place)?.unwrap_or(0);
+            if views.stride(view).is_some() {
+                return Err(malformed(place, "sparse data must not have a byteStride"));
+            }
+            fits(offset, size, count as usize, size, views.len(view)).map_err(|what| malformed(&*place, what))?;
+            Ok((view, offset as usize))
+        };
+        let number = required(part("indices")?, "componentType", &format!("{place}.indices"))?;
+        let index = component(number).filter(|c| matches!(c, Component::U8 | Component::U16 | Component::U32));
+        let index = index.ok_or_else(|| malformed(format!("{place}.indices"), "componentType is not an unsigned integer"))?;
+        let (view, offset) = located("indices", index.size())?;
+        Ok(Self { count: count as usize, indices: (view, offset, index), values: located("values", size)? })
+    }
+
+    fn read_indices(&self, views: &Views<'_>, count: usize, place: &str) -> Result<Vec<u32>, FormatError> {
+        let (view, offset, component) = self.indices;
+        views.budget.charge(self.count as u64, 4, place)?;
+        let bytes = &views.bytes(view)?[offset..][..self.count * component.size()];
+        let indices: Vec<u32> = bytes.chunks_exact(component.size()).map(unsigned).collect();
+        let rising = indices.windows(2).all(|w| w[0] < w[1]);
+        if !rising || indices.last().is_some_and(|&i| i as usize >= count) {
+            return Err(malformed(format!("{place}.sparse.indices"), "must rise and stay below the accessor's count"));
+        }
+        Ok(indices)
+    }
+}
+
+/// Whether `count` elements from `offset` on fit into `length` bytes.
+fn fits(offset: u64, stride: usize, count: usize, size: usize, length: usize) -> Result<(), String> {
+    let last = (count as u64 - 1).checked_mul(stride as u64);
+    let end = last.and_then(|last| offset.checked_add(last)?.checked_add(size as u64));
+    if end.is_some_and(|end| end <= length as u64) {
+        return Ok(());
+    }
+    Err(format!("{count} elements of {size} bytes from byte {offset} on do not fit the buffer view of {length} bytes"))
+}
+
+/// Reads the elements of one accessor, tightly packed.
+#[derive(Debug)]
+pub(super) struct Reader<'v> {
+    bytes: &'v [u8],
+    stride: usize,
+    columns: usize,
+    row: usize,
+    column_stride: usize,
+    replaced: Vec<u32>,
+    values: &'v [u8],
+}
+
+impl Reader<'_> {
+    /// Appends the bytes of element `i`, which is below the accessor's count.
+    pub(super) fn append(&self, i: u32, out: &mut Vec<u8>) {
+        let element = match self.replaced.binary_search(&i) {
+            Ok(at) => &self.values[at * self.columns * self.column_stride..],
+            Err(_) if self.bytes.is_empty() => {
+                out.resize(out.len() + self.columns * self.row, 0);
+                return;
+            }
+            Err(_) => &self.bytes[i as usize * self.stride..],
+        };
+        for column in 0..self.columns {
+            out.extend_from_slice(&element[column * self.column_stride..][..self.row]);
+        }
+    }
+}
+
+/// An unsigned integer of 1, 2 or 4 bytes.
+pub(super) fn unsigned(bytes: &[u8]) -> u32 {
+    bytes.iter().rev().fold(0, |value, &b| value << 8 | u32::from(b))
+}

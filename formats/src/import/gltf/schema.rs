@@ -1,0 +1,324 @@
+//! What the members of a glTF document are: one table for checking types, resolving references and renumbering them.
+
+use super::json::{Object, integer, malformed};
+use crate::FormatError;
+use serde_json::Value;
+
+/// A top-level array that other members point into by index.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Pool {
+    Accessors,
+    BufferViews,
+    Buffers,
+    Cameras,
+    Images,
+    Lights,
+    Materials,
+    Meshes,
+    Nodes,
+    Samplers,
+    Scenes,
+    Skins,
+    Textures,
+}
+
+impl Pool {
+    const ALL: [Self; 13] = [
+        Self::Accessors,
+        Self::BufferViews,
+        Self::Buffers,
+        Self::Cameras,
+        Self::Images,
+        Self::Lights,
+        Self::Materials,
+        Self::Meshes,
+        Self::Nodes,
+        Self::Samplers,
+        Self::Scenes,
+        Self::Skins,
+        Self::Textures,
+    ];
+
+    /// The array's name in the document.
+    pub(crate) const fn name(self) -> &'static str {
+        match self {
+            Self::Accessors => "accessors",
+            Self::BufferViews => "bufferViews",
+            Self::Buffers => "buffers",
+            Self::Cameras => "cameras",
+            Self::Images => "images",
+            Self::Lights => "lights",
+            Self::Materials => "materials",
+            Self::Meshes => "meshes",
+            Self::Nodes => "nodes",
+            Self::Samplers => "samplers",
+            Self::Scenes => "scenes",
+            Self::Skins => "skins",
+            Self::Textures => "textures",
+        }
+    }
+
+    /// How many entries the document has.
+    pub(crate) fn len(self, root: &Object) -> usize {
+        let lights = |root: &Object| root.get("extensions")?.get("KHR_lights_punctual")?.get("lights").cloned();
+        match self {
+            Self::Lights => lights(root).and_then(|v| v.as_array().map(Vec::len)).unwrap_or(0),
+            _ => root.get(self.name()).and_then(Value::as_array).map_or(0, Vec::len),
+        }
+    }
+}
+
+#[derive(Clone, Copy)]
+enum Kind {
+    Object,
+    Whole,
+    Number,
+    /// An array of exactly this many finite numbers.
+    Numbers(usize),
+    Text,
+    Flag,
+    Index(Pool),
+}
+
+use Kind::{Flag, Index, Number, Numbers, Object as Obj, Text, Whole};
+
+/// Path → kind. `[]` means every element of an array, `{}` every member of an object. A member that is not there is
+/// no error here. Only what this package reads or what others point to is listed.
+const TABLE: &[(&str, Kind)] = &[
+    ("asset", Obj),
+    ("asset.version", Text),
+    ("asset.minVersion", Text),
+    ("extensions{}", Obj),
+    ("extensionsUsed[]", Text),
+    ("extensionsRequired[]", Text),
+    ("scene", Index(Pool::Scenes)),
+    ("scenes[]", Obj),
+    ("scenes[].nodes[]", Index(Pool::Nodes)),
+    ("nodes[]", Obj),
+    ("nodes[].extensions{}", Obj),
+    ("nodes[].children[]", Index(Pool::Nodes)),
+    ("nodes[].mesh", Index(Pool::Meshes)),
+    ("nodes[].skin", Index(Pool::Skins)),
+    ("nodes[].camera", Index(Pool::Cameras)),
+    ("nodes[].matrix", Numbers(16)),
+    ("nodes[].translation", Numbers(3)),
+    ("nodes[].rotation", Numbers(4)),
+    ("nodes[].scale", Numbers(3)),
+    ("nodes[].weights[]", Number),
+    ("nodes[].extensions.EXT_mesh_gpu_instancing.attributes{}", Index(Pool::Accessors)),
+    ("nodes[].extensions.KHR_lights_punctual.light", Index(Pool::Lights)),
+    ("nodes[].extensions.MSFT_lod.ids[]", Index(Pool::Nodes)),
+    ("cameras[]", Obj),
+    ("skins[]", Obj),
+    ("skins[].joints[]", Index(Pool::Nodes)),
+    ("skins[].skeleton", Index(Pool::Nodes)),
+    ("skins[].inverseBindMatrices", Index(Pool::Accessors)),
+    ("animations[]", Obj),
+    ("animations[].samplers[]", Obj),
+    ("animations[].samplers[].input", Index(Pool::Accessors)),
+    ("animations[].samplers[].output", Index(Pool::Accessors)),
+    ("animations[].channels[]", Obj),
+    ("animations[].channels[].sampler", Whole),
+    ("animations[].channels[].target", Obj),
+    ("animations[].channels[].target.node", Index(Pool::Nodes)),
+    ("animations[].channels[].target.path", Text),
+    ("meshes[]", Obj),
+    ("meshes[].extensions{}", Obj),
+    ("meshes[].weights[]", Number),
+    ("meshes[].primitives[]", Obj),
+    ("meshes[].primitives[].extensions{}", Obj),
+    ("meshes[].primitives[].mode", Whole),
+    ("meshes[].primitives[].indices", Index(Pool::Accessors)),
+    ("meshes[].primitives[].attributes{}", Index(Pool::Accessors)),
+    ("meshes[].primitives[].targets[]{}", Index(Pool::Accessors)),
+    ("meshes[].primitives[].material", Index(Pool::Materials)),
+    ("meshes[].primitives[].extensions.KHR_draco_mesh_compression.bufferView", Index(Pool::BufferViews)),
+    ("meshes[].primitives[].extensions.KHR_materials_variants.mappings[].material", Index(Pool::Materials)),
+    ("meshes[].primitives[].extensions.CESIUM_primitive_outline.indices", Index(Pool::Accessors)),
+    ("materials[]", Obj),
+    ("materials[].extensions{}", Obj),
+    ("materials[].pbrMetallicRoughness", Obj),
+    ("materials[].pbrMetallicRoughness.baseColorTexture.index", Index(Pool::Textures)),
+    ("materials[].pbrMetallicRoughness.metallicRoughnessTexture.index", Index(Pool::Textures)),
+    ("materials[].normalTexture", Obj),
+    ("materials[].normalTexture.index", Index(Pool::Textures)),
+    ("materials[].normalTexture.scale", Number),
+    ("materials[].occlusionTexture", Obj),
+    ("materials[].occlusionTexture.index", Index(Pool::Textures)),
+    ("materials[].occlusionTexture.strength", Number),
+    ("materials[].emissiveTexture", Obj),
+    ("materials[].emissiveTexture.index", Index(Pool::Textures)),
+    ("materials[].doubleSided", Flag),
+    ("materials[].alphaMode", Text),
+    ("materials[].alphaCutoff", Number),
+    ("materials[].extensions.MSFT_lod.ids[]", Index(Pool::Materials)),
+    ("textures[]", Obj),
+    ("textures[].source", Index(Pool::Images)),
+    ("textures[].sampler", Index(Pool::Samplers)),
+    ("textures[].extensions{}", Obj),
+    ("textures[].extensions.KHR_texture_basisu.source", Index(Pool::Images)),
+    ("textures[].extensions.EXT_texture_webp.source", Index(Pool::Images)),
+    ("textures[].extensions.EXT_texture_avif.source", Index(Pool::Images)),
+    ("textures[].extensions.MSFT_texture_dds.source", Index(Pool::Images)),
+    ("images[]", Obj),
+    ("images[].uri", Text),
+    ("images[].bufferView", Index(Pool::BufferViews)),
+    ("samplers[]", Obj),
+    ("accessors[]", Obj),
+    ("accessors[].type", Text),
+    ("accessors[].componentType", Whole),
+    ("accessors[].count", Whole),
+    ("accessors[].byteOffset", Whole),
+    ("accessors[].normalized", Flag),
+    ("accessors[].bufferView", Index(Pool::BufferViews)),
+    ("accessors[].sparse", Obj),
+    ("accessors[].sparse.count", Whole),
+    ("accessors[].sparse.indices", Obj),
+    ("accessors[].sparse.indices.bufferView", Index(Pool::BufferViews)),
+    ("accessors[].sparse.values", Obj),
+    ("accessors[].sparse.values.bufferView", Index(Pool::BufferViews)),
+    ("bufferViews[]", Obj),
+    ("bufferViews[].extensions{}", Obj),
+    ("bufferViews[].buffer", Index(Pool::Buffers)),
+    ("bufferViews[].extensions.EXT_meshopt_compression.buffer", Index(Pool::Buffers)),
+    ("bufferViews[].extensions.KHR_meshopt_compression.buffer", Index(Pool::Buffers)),
+    ("buffers[]", Obj),
+    ("buffers[].extensions{}", Obj),
+    ("buffers[].uri", Text),
+    ("extensions.EXT_structural_metadata.propertyTables[].properties{}.values", Index(Pool::BufferViews)),
+    ("extensions.EXT_structural_metadata.propertyTables[].properties{}.arrayOffsets", Index(Pool::BufferViews)),
+    ("extensions.EXT_structural_metadata.propertyTables[].properties{}.stringOffsets", Index(Pool::BufferViews)),
+    ("extensions.EXT_feature_metadata.featureTables{}.properties{}.bufferView", Index(Pool::BufferViews)),
+    ("extensions.EXT_feature_metadata.featureTables{}.properties{}.arrayOffsetBufferView", Index(Pool::BufferViews)),
+    ("extensions.EXT_feature_metadata.featureTables{}.properties{}.stringOffsetBufferView", Index(Pool::BufferViews)),
+    ("extensions.KHR_audio_emitter.audio[].bufferView", Index(Pool::BufferViews)),
+    ("extensions.MSFT_audio_emitter.clips[].bufferView", Index(Pool::BufferViews)),
+];
+
+/// Checks that everything listed has the right type and that every reference leads somewhere.
+pub(super) fn check(root: &mut Object) -> Result<(), FormatError> {
+    for pool in Pool::ALL.into_iter().map(Pool::name).filter(|&n| n != "lights").chain(["animations"]) {
+        if root.get(pool).is_some_and(|v| !v.is_array()) {
+            return Err(malformed(pool, "must be an array"));
+        }
+    }
+    let lengths = Pool::ALL.map(|pool| pool.len(root));
+    for (path, kind) in TABLE {
+        walk_root(root, path, &mut |value, place| check_one(value, *kind, &lengths, place))?;
+    }
+    Ok(())
+}
+
+/// Calls `visit` for every reference into `pool` and the place where it stands. The document has been checked.
+pub(crate) fn references(root: &mut Object, pool: Pool, visit: &mut dyn FnMut(&mut Value, &str)) {
+    for (path, kind) in TABLE {
+        if matches!(kind, Index(p) if *p == pool) {
+            let walked = walk_root(root, path, &mut |value, place| {
+                visit(value, place);
+                Ok(())
+            });
+            walked.expect("the shape of a checked document fits the table");
+        }
+    }
+}
+
+/// Drops the entries of a pool that are not kept and renumbers all references to the others. Nothing may refer to
+/// what is dropped. An array without entries goes as a whole.
+pub(crate) fn retain(root: &mut Object, pool: Pool, kept: &[bool]) {
+    let mut next = 0u64;
+    let number = |&k: &bool| {
+        next += u64::from(k);
+        next - u64::from(k)
+    };
+    let numbers: Vec<u64> = kept.iter().map(number).collect();
+    references(root, pool, &mut |value, _| {
+        let old = integer(value).and_then(|i| numbers.get(i as usize).copied());
+        *value = old.expect("the reference has been checked").into();
+    });
+    if let Some(Value::Array(entries)) = root.get_mut(pool.name())
+        && kept.contains(&false)
+    {
+        let mut keep = kept.iter();
+        entries.retain(|_| keep.next().copied().unwrap_or(true));
+        if entries.is_empty() {
+            root.shift_remove(pool.name());
+        }
+    }
+}
+
+fn check_one(value: &Value, kind: Kind, lengths: &[usize; 13], place: &str) -> Result<(), FormatError> {
+    let finite = |v: &Value| v.as_f64().is_some_and(f64::is_finite);
+    let (fits, expected) = match kind {
+        Obj => (value.is_object(), "an object".to_owned()),
+        Whole => (integer(value).is_some(), "a whole number".to_owned()),
+        Number => (finite(value), "a finite number".to_owned()),
+        Numbers(n) => {
+            let fits = value.as_array().is_some_and(|a| a.len() == n && a.iter().all(finite));
+            (fits, format!("an array of {n} finite numbers"))
+        }
+        Text => (value.is_string(), "a string".to_owned()),
+        Flag => (value.is_boolean(), "true or false".to_owned()),
+        Index(pool) => {
+            let position = Pool::ALL.iter().position(|&p| p == pool).expect("ALL has every pool");
+            let length = lengths[position];
+            let fits = integer(value).is_some_and(|i| i < length as u64);
+            (fits, format!("the index of one of the {length} {}", pool.name()))
+        }
+    };
+    if fits {
+        return Ok(());
+    }
+    let mut shown = value.to_string();
+    if shown.len() > 40 {
+        shown = format!("{}…", shown.chars().take(39).collect::<String>());
+    }
+    Err(malformed(place, format!("must be {expected}, not {shown}")))
+}
+
+type Visit<'a> = dyn FnMut(&mut Value, &str) -> Result<(), FormatError> + 'a;
+
+fn walk_root(root: &mut Object, path: &str, visit: &mut Visit<'_>) -> Result<(), FormatError> {
+    let mut place = String::new();
+    walk_member(root, path, &mut place, visit)
+}
+
+/// `path` starts with a member's name.
+fn walk_member(object: &mut Object, path: &str, place: &mut String, visit: &mut Visit<'_>) -> Result<(), FormatError> {
+    let end = path.find(['.', '[', '{']).unwrap_or(path.len());
+    let Some(value) = object.get_mut(&path[..end]) else { return Ok(()) };
+    let before = place.len();
+    if before > 0 {
+        place.push('.');
+    }
+    place.push_str(&path[..end]);
+    walk_value(value, &path[end..], place, visit)?;
+    place.truncate(before);
+    Ok(())
+}
+
+/// `path` is what follows a value: nothing, `.member…`, `[]…` or `{}…`.
+fn walk_value(value: &mut Value, path: &str, place: &mut String, visit: &mut Visit<'_>) -> Result<(), FormatError> {
+    let before = place.len();
+    if let Some(rest) = path.strip_prefix("[]") {
+        let Value::Array(elements) = value else { return Err(malformed(place.as_str(), "must be an array")) };
+        for (i, element) in elements.iter_mut().enumerate() {
+            place.push_str(&format!("[{i}]"));
+            walk_value(element, rest, place, visit)?;
+            place.truncate(before);
+        }
+    } else if let Some(rest) = path.strip_prefix("{}") {
+        let Value::Object(members) = value else { return Err(malformed(place.as_str(), "must be an object")) };
+        for (name, member) in members.iter_mut() {
+            place.push('.');
+            place.push_str(name);
+            walk_value(member, rest, place, visit)?;
+            place.truncate(before);
+        }
+    } else if let Some(rest) = path.strip_prefix('.') {
+        let Value::Object(members) = value else { return Err(malformed(place.as_str(), "must be an object")) };
+        walk_member(members, rest, place, visit)?;
+    } else {
+        visit(value, place)?;
+    }
+    Ok(())
+}

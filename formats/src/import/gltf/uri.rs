@@ -1,0 +1,148 @@
+//! URIs of buffers: `data:` decoded here, everything else a percent-encoded path beside the asset.
+
+use super::json::malformed;
+use crate::{Assets, Fault, FormatError};
+
+/// The bytes that a buffer's URI stands for. `data:` URIs do not touch the file system; nothing ever touches a network.
+pub(super) fn read(uri: &str, place: &str, assets: &mut Assets) -> Result<Vec<u8>, FormatError> {
+    if let Some(rest) = strip_prefix_ignoring_case(uri, "data:") {
+        return data(rest, place);
+    }
+    let path = percent_decoded(uri)
+        .and_then(|bytes| String::from_utf8(bytes).ok())
+        .ok_or_else(|| malformed(place, "the URI is not percent-encoded UTF-8"))?;
+    // Both spellings: an encoded colon must not hide a scheme from the check, nor an encoded name be taken for one.
+    if let Some(scheme) = scheme(uri) {
+        let what = format!("`{scheme}:` addresses are never read: put the file beside the asset");
+        return Err(FormatError::new(Fault::Forbidden, place, what));
+    }
+    assets.read_reference(&path)
+}
+
+/// Whether a URI carries its own bytes.
+pub(crate) fn is_data(uri: &str) -> bool {
+    strip_prefix_ignoring_case(uri, "data:").is_some()
+}
+
+fn strip_prefix_ignoring_case<'a>(text: &'a str, prefix: &str) -> Option<&'a str> {
+    let head = text.get(..prefix.len())?;
+    head.eq_ignore_ascii_case(prefix).then(|| &text[prefix.len()..])
+}
+
+fn scheme(uri: &str) -> Option<&str> {
+    let (scheme, _) = uri.split_once(':')?;
+    let mut letters = scheme.bytes();
+    let starts = letters.next().is_some_and(|b| b.is_ascii_alphabetic());
+    (starts && letters.all(|b| b.is_ascii_alphanumeric() || b"+-.".contains(&b))).then_some(scheme)
+}
+
+/// RFC 2397 without parameters that would change the bytes; a media type of any kind is accepted.
+fn data(rest: &str, place: &str) -> Result<Vec<u8>, FormatError> {
+    let (header, body) = rest.split_once(',').ok_or_else(|| malformed(place, "a data URI without a comma"))?;
+    let base64 = header.rsplit(';').next().is_some_and(|last| last.eq_ignore_ascii_case("base64"));
+    let bytes = if base64 { base64_decoded(body.as_bytes()) } else { percent_decoded(body) };
+    bytes.ok_or_else(|| malformed(place, "the data URI cannot be decoded"))
+}
+
+/// `%XX` turned into bytes; `None` where a `%` is not followed by two hexadecimal digits.
+pub(crate) fn percent_decoded(text: &str) -> Option<Vec<u8>> {
+    let mut out = Vec::with_capacity(text.len());
+    let mut bytes = text.bytes();
+    while let Some(b) = bytes.next() {
+        if b == b'%' {
+            let mut digit = || char::from(bytes.next()?).to_digit(16);
+            let value = digit()? * 16 + digit()?;
+            out.push(value as u8);
+        } else {
+            out.push(b);
+        }
+    }
+    Some(out)
+}
+
+/// A file name as a URI: everything but unreserved characters percent-encoded.
+pub(crate) fn percent_encoded(name: &str) -> String {
+    let mut out = String::with_capacity(name.len());
+    for b in name.bytes() {
+        if b.is_ascii_alphanumeric() || b"-._~".contains(&b) {
+            out.push(char::from(b));
+        } else {
+            out.push_str(&format!("%{b:02X}"));
+        }
+    }
+    out
+}
+
+/// Base 64 of either alphabet (RFC 4648, 4 and 5), padded or not; `None` for anything else.
+pub(crate) fn base64_decoded(text: &[u8]) -> Option<Vec<u8>> {
+    let end = text.iter().rposition(|&b| b != b'=').map_or(0, |i| i + 1);
+    let (body, padding) = text.split_at(end);
+    if padding.len() > 2 || (!padding.is_empty() && !text.len().is_multiple_of(4)) || body.len() % 4 == 1 {
+        return None;
+    }
+    let mut out = Vec::with_capacity(body.len() / 4 * 3 + 2);
+    for group in body.chunks(4) {
+        let mut word = 0u32;
+        for &b in group {
+            word = word << 6 | sextet(b)?;
+        }
+        word <<= 6 * (4 - group.len());
+        out.extend_from_slice(&word.to_be_bytes()[1..group.len()]);
+    }
+    Some(out)
+}
+
+fn sextet(b: u8) -> Option<u32> {
+    Some(u32::from(match b {
+        b'A'..=b'Z' => b - b'A',
+        b'a'..=b'z' => b - b'a' + 26,
+        b'0'..=b'9' => b - b'0' + 52,
+        b'+' | b'-' => 62,
+        b'/' | b'_' => 63,
+        _ => return None,
+    }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn base64_of_every_remainder_decodes_padded_or_not() {
+        for (text, bytes) in [("", ""), ("TQ==", "M"), ("TWE=", "Ma"), ("TWFu", "Man"), ("TWE", "Ma"), ("TQ", "M")] {
+            assert_eq!(base64_decoded(text.as_bytes()).as_deref(), Some(bytes.as_bytes()), "{text}");
+        }
+        assert_eq!(base64_decoded(b"_-8="), base64_decoded(b"/+8="));
+    }
+
+    #[test]
+    fn what_is_not_base64_is_refused() {
+        for text in ["T", "TWFuT", "T===", "TQ=", "TW Fu", "TQ=A", "=", "TWFu\n", "T\u{e9}aa"] {
+            assert_eq!(base64_decoded(text.as_bytes()), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn percent_encoding_goes_both_ways() {
+        let name = "Unicode ❤♻ %41.bin";
+        assert_eq!(percent_decoded(&percent_encoded(name)).as_deref(), Some(name.as_bytes()));
+        assert_eq!(percent_decoded("%4"), None);
+        assert_eq!(percent_decoded("%+1"), None);
+    }
+
+    #[test]
+    fn a_data_uri_needs_a_comma_and_sound_base64() {
+        assert_eq!(data("application/octet-stream;base64,AQID", "").as_deref(), Ok(&[1, 2, 3][..]));
+        assert_eq!(data(",a%00b", "").as_deref(), Ok(&b"a\0b"[..]));
+        assert!(data("application/octet-stream;base64", "").is_err());
+        assert!(data(";base64,!!!!", "").is_err());
+    }
+
+    #[test]
+    fn schemes_are_seen_in_any_case_and_names_with_colons_late_are_not_schemes() {
+        assert_eq!(scheme("FILE:///etc/passwd"), Some("FILE"));
+        assert_eq!(scheme("http://127.0.0.1/"), Some("http"));
+        assert_eq!(scheme("a/b:c"), None);
+        assert!(is_data("DATA:,x"));
+    }
+}

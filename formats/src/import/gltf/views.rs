@@ -1,0 +1,179 @@
+//! Buffers and buffer views: checked byte ranges, decompressed on first use.
+
+use super::budget::Budget;
+use super::extensions;
+use super::json::{self, Object, entries, malformed, optional, required};
+use super::meshopt::{self, Filter, Layout, Mode};
+use super::uri;
+use crate::{Assets, FormatError};
+use serde_json::Value;
+use std::cell::OnceCell;
+use std::ops::Range;
+
+/// The buffers of a document; `None` for one that has no bytes of its own (a placeholder).
+pub(super) type Buffers<'a> = Vec<Option<std::borrow::Cow<'a, [u8]>>>;
+
+/// Reads every buffer. The first one may be the binary chunk of a GLB.
+pub(super) fn read_buffers<'a>(
+    root: &Object,
+    chunk: Option<&'a [u8]>,
+    assets: &mut Assets,
+) -> Result<Buffers<'a>, FormatError> {
+    let mut buffers: Buffers<'a> = Vec::new();
+    for (i, buffer) in entries(root, "buffers").enumerate() {
+        let place = format!("buffers[{i}]");
+        let length = required(buffer, "byteLength", &place)?;
+        if length == 0 {
+            return Err(malformed(place, "byteLength must be at least 1"));
+        }
+        let bytes: Option<std::borrow::Cow<'a, [u8]>> = match buffer.get("uri").and_then(Value::as_str) {
+            _ if is_fallback(buffer) => None,
+            Some(uri) => Some(uri::read(uri, &format!("{place}.uri"), assets)?.into()),
+            None if i == 0 => chunk.map(Into::into),
+            None => None,
+        };
+        if let Some(bytes) = &bytes
+            && (bytes.len() as u64) < length
+        {
+            return Err(malformed(place, format!("says {length} bytes, but there are {}", bytes.len())));
+        }
+        buffers.push(bytes);
+    }
+    Ok(buffers)
+}
+
+/// A buffer that stands in for what is compressed elsewhere is not read: nothing needs it.
+fn is_fallback(buffer: &Object) -> bool {
+    let marked = |name| json::extension(buffer, name)?.get("fallback")?.as_bool();
+    extensions::MESHOPT.into_iter().filter_map(marked).any(|b| b)
+}
+
+/// One buffer view.
+#[derive(Debug)]
+struct View {
+    buffer: usize,
+    /// Its bytes in the buffer, compressed or not.
+    range: Range<usize>,
+    stride: Option<usize>,
+    compressed: Option<Layout>,
+    decoded: OnceCell<Vec<u8>>,
+}
+
+/// All buffer views of a document, each known to lie in its buffer.
+#[derive(Debug)]
+pub(super) struct Views<'a> {
+    buffers: &'a Buffers<'a>,
+    views: Vec<View>,
+    pub(super) budget: &'a Budget,
+}
+
+impl<'a> Views<'a> {
+    /// Checks every buffer view; decodes none yet.
+    pub(super) fn new(root: &Object, buffers: &'a Buffers<'a>, budget: &'a Budget) -> Result<Self, FormatError> {
+        let lengths: Vec<u64> =
+            entries(root, "buffers").map(|b| optional(b, "byteLength", "").ok().flatten().unwrap_or(0)).collect();
+        let views = entries(root, "bufferViews").enumerate();
+        let views = views.map(|(i, view)| read_view(view, &format!("bufferViews[{i}]"), buffers, &lengths));
+        Ok(Self { buffers, views: views.collect::<Result<_, _>>()?, budget })
+    }
+
+    /// The distance of elements, if the view says.
+    pub(super) fn stride(&self, view: usize) -> Option<usize> {
+        self.views[view].stride
+    }
+
+    /// How many bytes the view has, decompressed.
+    pub(super) fn len(&self, view: usize) -> usize {
+        let view = &self.views[view];
+        view.compressed.map_or(view.range.len(), |layout| layout.count * layout.stride)
+    }
+
+    /// Whether the view is compressed.
+    pub(super) fn is_compressed(&self, view: usize) -> bool {
+        self.views[view].compressed.is_some()
+    }
+
+    /// The buffer of the view and where in it the view is.
+    pub(super) fn range(&self, view: usize) -> (usize, Range<usize>) {
+        (self.views[view].buffer, self.views[view].range.clone())
+    }
+
+    /// The bytes of a view, decompressed.
+    pub(super) fn bytes(&self, index: usize) -> Result<&[u8], FormatError> {
+        let view = &self.views[index];
+        let place = || format!("bufferViews[{index}]");
+        let buffer = self.buffers[view.buffer].as_deref();
+        let buffer = buffer.ok_or_else(|| malformed(place(), format!("buffers[{}] has no bytes", view.buffer)))?;
+        // Checked against the buffer's stated length, which is not more than it has.
+        let raw = &buffer[view.range.clone()];
+        let Some(layout) = &view.compressed else { return Ok(raw) };
+        if let Some(decoded) = view.decoded.get() {
+            return Ok(decoded);
+        }
+        // Twice: indices are decoded to 32 bits before they are narrowed.
+        self.budget.charge(layout.count as u64, 2 * layout.stride.max(4) as u64, &place())?;
+        let decoded = meshopt::decode(layout, raw)
+            .map_err(|what| malformed(place(), format!("compressed data cannot be decoded: {what}")))?;
+        Ok(view.decoded.get_or_init(|| decoded))
+    }
+}
+
+fn read_view(view: &Object, place: &str, buffers: &Buffers<'_>, lengths: &[u64]) -> Result<View, FormatError> {
+    let range = |object: &Object, place: &str| -> Result<(usize, Range<usize>), FormatError> {
+        let buffer = required(object, "buffer", place)? as usize;
+        let offset = optional(object, "byteOffset", place)?.unwrap_or(0);
+        let length = required(object, "byteLength", place)?;
+        if length == 0 {
+            return Err(malformed(place, "byteLength must be at least 1"));
+        }
+        // A buffer without bytes may claim any length: nothing is allocated for it, and reading it is refused.
+        let limit = lengths.get(buffer).copied().unwrap_or(0);
+        match offset.checked_add(length) {
+            Some(end) if end <= limit => Ok((buffer, offset as usize..end as usize)),
+            _ => Err(malformed(place, format!("{offset} + {length} bytes do not fit buffers[{buffer}] of {limit}"))),
+        }
+    };
+    let (buffer, plain) = range(view, place)?;
+    let stride = optional(view, "byteStride", place)?;
+    if stride.is_some_and(|s| !(4..=252).contains(&s) || !s.is_multiple_of(4)) {
+        return Err(malformed(place, "byteStride must be a multiple of 4 from 4 to 252"));
+    }
+    let stride = stride.map(|s| s as usize);
+    let Some((name, packed)) = extensions::meshopt(view) else {
+        return Ok(View { buffer, range: plain, stride, compressed: None, decoded: OnceCell::new() });
+    };
+    let place = format!("{place}.extensions.{name}");
+    let (buffer, packed_range) = range(packed, &place)?;
+    let layout = layout(packed, &place)?;
+    // The uncompressed size is what accessors are checked against; it must be a size that memory can have.
+    if layout.count.checked_mul(layout.stride) != Some(plain.len()) {
+        let what = format!("{} elements of {} bytes are not byteLength {}", layout.count, layout.stride, plain.len());
+        return Err(malformed(place, what));
+    }
+    if buffers[buffer].is_none() {
+        return Err(malformed(place, format!("buffers[{buffer}] has no bytes")));
+    }
+    Ok(View { buffer, range: packed_range, stride, compressed: Some(layout), decoded: OnceCell::new() })
+}
+
+fn layout(packed: &Object, place: &str) -> Result<Layout, FormatError> {
+    let mode = match packed.get("mode").and_then(Value::as_str) {
+        Some("ATTRIBUTES") => Mode::Attributes,
+        Some("TRIANGLES") => Mode::Triangles,
+        Some("INDICES") => Mode::Indices,
+        _ => return Err(malformed(place, "`mode` is not one of ATTRIBUTES, TRIANGLES, INDICES")),
+    };
+    let filter = match packed.get("filter").map_or(Some("NONE"), Value::as_str) {
+        Some("NONE") => Filter::None,
+        Some("OCTAHEDRAL") => Filter::Octahedral,
+        Some("QUATERNION") => Filter::Quaternion,
+        Some("EXPONENTIAL") => Filter::Exponential,
+        Some("COLOR") => Filter::Color,
+        _ => return Err(malformed(place, "`filter` is unknown")),
+    };
+    let count = required(packed, "count", place)? as usize;
+    let stride = required(packed, "byteStride", place)? as usize;
+    let layout = Layout { mode, filter, count, stride };
+    layout.check().map_err(|what| malformed(place, what))?;
+    Ok(layout)
+}
