@@ -56,9 +56,9 @@ pub(crate) fn build(mesh: &Mesh) -> Built {
     let position_id: Vec<u32> = first_vertex.clone().map(|v| positions.of_vertex[v as usize]).collect();
     let places = first_vertex
         .zip(&position_id)
-        .map(|(v, &id)| Place {
-            position: Vec3::from(mesh.positions()[v as usize].map(|c| (f64::from(c) * scale) as f32)),
-            flags: if groups_at[id as usize] > 1 { SHARED_POSITION } else { 0 },
+        .map(|(v, &id)| {
+            let position = Vec3::from(mesh.positions()[v as usize].map(|c| (f64::from(c) * scale) as f32));
+            Place::new(position, if groups_at[id as usize] > 1 { SHARED_POSITION } else { 0 })
         })
         .collect();
 

@@ -330,7 +330,7 @@ impl<M: Metric> Engine<'_, M> {
         self.move_wedges(from, to, &mut serial.plan);
         let lod = self.log.order.len() as u32;
 
-        self.metric.collapsed(&self.mesh, from, to);
+        self.metric.collapsed(&mut self.mesh, from, to);
         let death = &mut self.log.death;
         self.mesh.merge(from, to, |face| death[face as usize] = lod);
         let inherited = self.mesh.places[from as usize].flags & (OPEN | SEAM);
@@ -373,7 +373,7 @@ impl<M: Metric> Engine<'_, M> {
                     }
                 }
             }
-            self.metric.collapsed(&self.mesh, other, to);
+            self.metric.collapsed(&mut self.mesh, other, to);
             let death = &mut self.log.death;
             self.mesh.merge(other, to, |face| death[face as usize] = lod);
             self.wedges.merge_groups(other, to);

@@ -12,7 +12,7 @@ const MIN_TURN: f64 = 0.25;
 /// A face's area must stay above this share of its longest edge squared.
 const MIN_AREA: f64 = 1e-12;
 /// What a collapse that changes the topology costs, as a multiple of its geometric cost.
-const TOPOLOGY_PRICE: f64 = 4.0;
+const TOPOLOGY_PRICE: f64 = 16.0;
 
 /// A legal collapse.
 #[derive(Clone, Copy, Debug)]

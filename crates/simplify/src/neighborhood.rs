@@ -4,12 +4,16 @@ use crate::wedges::Wedges;
 use crate::working::{OPEN, SEAM, Working, next, previous};
 use glam::DVec3;
 
+
 /// Weight of the plane along a border edge, times its squared length.
-pub(crate) const BORDER_WEIGHT: f64 = 1000.0;
+pub(crate) const BORDER_WEIGHT: f64 = 10.0;
 /// Weight of the planes along an edge between two submeshes, times its squared length.
 const MATERIAL_WEIGHT: f64 = 10.0;
 /// Weight of the planes along an edge where attributes differ, times its squared length.
 const SEAM_WEIGHT: f64 = 1.0;
+
+/// Weight of the plane along an edge whose faces fold back on each other, times its squared length.
+const FOLD_WEIGHT: f64 = 1.0;
 
 /// An edge from the group to another.
 #[derive(Clone, Copy, Debug)]
@@ -63,7 +67,8 @@ impl Neighborhood {
         self.entries.clear();
         self.planes.clear();
         (self.borders, self.seams) = (0, 0);
-        if !wanted && !mesh.has(group, OPEN | SEAM) {
+        let folded = is_folded(mesh, group);
+        if !wanted && !folded && !mesh.has(group, OPEN | SEAM) {
             for &corner in mesh.star(group) {
                 let group = mesh.faces[corner.face() as usize].groups[next(corner.at())];
                 self.spokes.push(Spoke { group, kind: SpokeKind::Smooth, entries: (0, 0) });
@@ -90,7 +95,12 @@ impl Neighborhood {
                 _ => SpokeKind::Seam,
             };
             let weight = match kind {
-                SpokeKind::Smooth => 0.0,
+                SpokeKind::Smooth => {
+                    if folded {
+                        self.planes.extend(fold_plane(mesh, group, [faces[0], faces[1]]));
+                    }
+                    0.0
+                }
                 SpokeKind::Border => {
                     self.borders += 1;
                     BORDER_WEIGHT
@@ -126,4 +136,25 @@ impl Neighborhood {
         let same = faces.iter().find(|e| e.here == wedge);
         same.or_else(|| faces.iter().find(|e| wedges.class[e.here as usize] == class)).map(|e| e.there)
     }
+}
+
+/// Whether some faces around the group may look away from each other: no, if all normals are within 45° of their mean.
+fn is_folded(mesh: &Working, group: u32) -> bool {
+    let normals = || mesh.star(group).iter().map(|c| mesh.faces[c.face() as usize].normal);
+    let mean = normals().sum::<glam::Vec3>();
+    let limit = std::f32::consts::FRAC_1_SQRT_2 * mean.length();
+    normals().any(|n| n.dot(mean) < limit && n != glam::Vec3::ZERO)
+}
+
+/// The plane along an edge whose two faces fold back on each other. The rim of a thin shape (an ear, a horn, a blade)
+/// is like a border: moving inwards stays near the planes of both sides, but eats the shape.
+fn fold_plane(mesh: &Working, group: u32, faces: [Entry; 2]) -> Option<FeaturePlane> {
+    let [m, n] = faces.map(|e| mesh.faces[e.face as usize].normal.as_dvec3());
+    let fold = -m.dot(n);
+    (fold > 0.0).then(|| {
+        let edge = mesh.position(faces[0].group) - mesh.position(group);
+        // Outwards is between the normals; where they cancel, along the sheet.
+        let normal = (m + n).try_normalize().unwrap_or_else(|| m.cross(edge).normalize_or_zero());
+        FeaturePlane { normal, weight: FOLD_WEIGHT * fold * edge.length_squared() }
+    })
 }

@@ -2,7 +2,7 @@
 
 use crate::engine::{Engine, Stage};
 use crate::metric::Metric;
-use crate::working::{next, previous};
+use crate::working::{SEAM, next, previous};
 
 const NONE: u32 = u32::MAX;
 /// A wedge without an edge to the target takes an existing wedge there if their attributes differ by less than this
@@ -37,6 +37,10 @@ impl<M: Metric> Engine<'_, M> {
         plan.wedges.clear();
         plan.fakes = 0;
         plan.ambiguous = false;
+        if !self.mesh.has(from, SEAM) && self.wedges.is_single(from) {
+            self.plan_smooth(from, to, plan);
+            return;
+        }
         for &corner in self.mesh.star(from) {
             let face = corner.face() as usize;
             let groups = &self.mesh.faces[face].groups;
@@ -63,6 +67,17 @@ impl<M: Metric> Engine<'_, M> {
             return;
         }
         self.find_other_targets(from, to, plan);
+    }
+
+    /// One wedge, and no seam near it: the first shared face has the answer.
+    fn plan_smooth(&self, from: u32, to: u32, plan: &mut Plan) {
+        let target = self.mesh.star(from).iter().find_map(|&corner| {
+            let face = corner.face() as usize;
+            let end = self.mesh.faces[face].groups.iter().position(|&g| g == to)?;
+            Some((self.wedges_of(face)[corner.at()], self.wedges_of(face)[end]))
+        });
+        let (wedge, target) = target.expect("a collapse follows an edge");
+        plan.wedges.push(PlannedWedge { wedge, target, fake: false, live: true });
     }
 
     fn wedges_of(&self, face: usize) -> [u32; 3] {

@@ -52,17 +52,27 @@ pub(crate) struct Face {
 
 /// Where a group's corners lie in the arena.
 #[derive(Clone, Copy, Debug, Default)]
-struct Star {
+pub(crate) struct Star {
     start: u32,
     len: u32,
     capacity: u32,
 }
 
-/// A group's position in working units, and its flags.
-#[derive(Clone, Copy, Debug)]
+/// What the loop needs of a group most often, half a cache line.
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Place {
+    /// In working units.
     pub(crate) position: Vec3,
     pub(crate) flags: u32,
+    /// What the metric wants to find here: its price for arriving at this group.
+    pub(crate) arrival: f32,
+    star: Star,
+}
+
+impl Place {
+    pub(crate) fn new(position: Vec3, flags: u32) -> Self {
+        Self { position, flags, ..Self::default() }
+    }
 }
 
 /// The star is not a closed fan: it may have borders or more than two faces on an edge.
@@ -81,35 +91,33 @@ pub(crate) struct Working {
     pub(crate) wedges: Vec<[u32; 3]>,
     /// Each group's position, as a number shared by the groups there.
     pub(crate) position_id: Vec<u32>,
-    stars: Vec<Star>,
     arena: Vec<Corner>,
     pub(crate) live_faces: u32,
 }
 
 impl Working {
     /// Builds the stars of all groups.
-    pub(crate) fn new(places: Vec<Place>, faces: Vec<Face>, wedges: Vec<[u32; 3]>, position_id: Vec<u32>) -> Self {
-        let mut stars = vec![Star::default(); places.len()];
+    pub(crate) fn new(mut places: Vec<Place>, faces: Vec<Face>, wedges: Vec<[u32; 3]>, position_id: Vec<u32>) -> Self {
         for f in &faces {
             for &g in &f.groups {
-                stars[g as usize].capacity += 1;
+                places[g as usize].star.capacity += 1;
             }
         }
         let mut start = 0;
-        for s in &mut stars {
-            s.start = start;
-            start += s.capacity;
+        for p in &mut places {
+            p.star.start = start;
+            start += p.star.capacity;
         }
         let mut arena = vec![Corner(0); start as usize];
         for (f, face) in (0..).zip(&faces) {
             for (c, &g) in face.groups.iter().enumerate() {
-                let s = &mut stars[g as usize];
+                let s = &mut places[g as usize].star;
                 arena[(s.start + s.len) as usize] = Corner::new(f, c);
                 s.len += 1;
             }
         }
         let live_faces = faces.len() as u32;
-        Self { places, faces, wedges, position_id, stars, arena, live_faces }
+        Self { places, faces, wedges, position_id, arena, live_faces }
     }
 
     #[inline]
@@ -125,7 +133,7 @@ impl Working {
     /// The live corners at a group.
     #[inline]
     pub(crate) fn star(&self, group: u32) -> &[Corner] {
-        let s = self.stars[group as usize];
+        let s = self.places[group as usize].star;
         &self.arena[s.start as usize..(s.start + s.len) as usize]
     }
 
@@ -142,7 +150,7 @@ impl Working {
     /// Moves all of `from`'s faces to `to`. Faces that lose a corner die: they leave every star, and `died` is told.
     /// Faces that live get new planes.
     pub(crate) fn merge(&mut self, from: u32, to: u32, mut died: impl FnMut(u32)) {
-        let from_star = std::mem::take(&mut self.stars[from as usize]);
+        let from_star = std::mem::take(&mut self.places[from as usize].star);
         let incoming = from_star.start as usize..(from_star.start + from_star.len) as usize;
         // Dead faces go first, so that the star of `to` has room for the others.
         let mut kept = incoming.start;
@@ -173,7 +181,7 @@ impl Working {
 
     /// Appends corners to the star of `to`, in `from`'s room, its own, or new room.
     fn join(&mut self, from: Star, moved: std::ops::Range<usize>, to: u32) {
-        let mut star = self.stars[to as usize];
+        let mut star = self.places[to as usize].star;
         let len = star.len + moved.len() as u32;
         if len > star.capacity {
             let old = star.start as usize..(star.start + star.len) as usize;
@@ -182,7 +190,7 @@ impl Working {
                 let shift = moved.start;
                 debug_assert_eq!(shift, from.start as usize);
                 self.arena.copy_within(old, at);
-                self.stars[to as usize] = Star { start: from.start, len, capacity: from.capacity };
+                self.places[to as usize].star = Star { start: from.start, len, capacity: from.capacity };
                 return;
             }
             star.capacity = len + len / 2;
@@ -192,36 +200,15 @@ impl Working {
         }
         self.arena.copy_within(moved, (star.start + star.len) as usize);
         star.len = len;
-        self.stars[to as usize] = star;
+        self.places[to as usize].star = star;
     }
 
     fn leave(&mut self, group: u32, face: u32) {
-        let s = &mut self.stars[group as usize];
+        let s = &mut self.places[group as usize].star;
         let star = &mut self.arena[s.start as usize..(s.start + s.len) as usize];
         if let Some(i) = star.iter().position(|c| c.face() == face) {
             star.swap(i, s.len as usize - 1);
             s.len -= 1;
-        }
-    }
-
-    /// The groups that share a live edge with `group`, each once.
-    pub(crate) fn ring(&self, group: u32, out: &mut Vec<u32>) {
-        out.clear();
-        let open = self.has(group, OPEN);
-        for &corner in self.star(group) {
-            let groups = &self.faces[corner.face() as usize].groups;
-            let g = groups[next(corner.at())];
-            if !open {
-                // In a closed fan every neighbour is the next corner of exactly one face.
-                out.push(g);
-                continue;
-            }
-            out.push(g);
-            out.push(groups[previous(corner.at())]);
-        }
-        if open {
-            out.sort_unstable();
-            out.dedup();
         }
     }
 }

@@ -18,8 +18,8 @@ pub(crate) trait Metric: Sync {
     /// What it costs to move `from` onto its neighbour `to`. Working units to the fourth power; not negative.
     fn cost(&self, mesh: &Working, local: &Self::Local, from: u32, to: u32) -> f64;
 
-    /// `from` is about to move onto `to`.
-    fn collapsed(&mut self, mesh: &Working, from: u32, to: u32);
+    /// `from` is about to move onto `to`. May set the target's [`arrival`](crate::working::Place::arrival).
+    fn collapsed(&mut self, mesh: &mut Working, from: u32, to: u32);
 
     /// How far the surface at `group` is from the surface it stands for, in working units.
     fn error(&self, group: u32) -> f64;

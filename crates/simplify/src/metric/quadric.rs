@@ -13,6 +13,8 @@ use crate::working::{OPEN, Working};
 
 /// Orders collapses of equal cost, for example in planes, by length.
 const TIE_WEIGHT: f64 = 1e-9;
+/// The share of the accumulated quadrics.
+const MEMORY: f64 = 0.1;
 const NONE: u32 = u32::MAX;
 
 pub(crate) struct QuadricMetric {
@@ -21,7 +23,6 @@ pub(crate) struct QuadricMetric {
     /// Planes along the input's borders, for the few groups that have any.
     border: Vec<Quadric>,
     border_of: Vec<u32>,
-    memory: f64,
 }
 
 /// A group's refitted quadric, with its share of the accumulated one.
@@ -39,8 +40,7 @@ impl QuadricMetric {
                 surface[g as usize].add_plane(f.normal.as_dvec3(), f64::from(f.area));
             }
         }
-        let memory = std::env::var("MEM").ok().and_then(|s| s.parse().ok()).unwrap_or(0.1);
-        let mut metric = Self { surface, border: Vec::new(), border_of: vec![NONE; mesh.places.len()], memory };
+        let mut metric = Self { surface, border: Vec::new(), border_of: vec![NONE; mesh.places.len()] };
         let mut around = Neighborhood::default();
         for g in (0..mesh.places.len() as u32).filter(|&g| mesh.has(g, OPEN)) {
             around.look(mesh, wedges, g, true);
@@ -76,16 +76,16 @@ impl Metric for QuadricMetric {
         }
         let old = &self.surface[from as usize];
         for (x, o) in a.iter_mut().zip(old.a) {
-            *x += self.memory * o;
+            *x += MEMORY * o;
         }
-        let mut local = Local { a, b: self.memory * old.b, c: self.memory * old.c };
+        let mut local = Local { a, b: MEMORY * old.b, c: MEMORY * old.c };
         if self.border_of[from as usize] != NONE {
             let border = &self.border[self.border_of[from as usize] as usize];
             for (x, o) in local.a.iter_mut().zip(border.a) {
-                *x += self.memory * o;
+                *x += MEMORY * o;
             }
-            local.b += self.memory * border.b;
-            local.c += self.memory * border.c;
+            local.b += MEMORY * border.b;
+            local.c += MEMORY * border.c;
         }
         local
     }
@@ -94,13 +94,14 @@ impl Metric for QuadricMetric {
     fn cost(&self, mesh: &Working, local: &Local, from: u32, to: u32) -> f64 {
         let delta = mesh.position(to) - mesh.position(from);
         let moved = delta.dot(times(&local.a, delta) + 2.0 * local.b) + local.c;
-        (moved + self.memory * self.surface[to as usize].c).max(0.0)
+        (moved + f64::from(mesh.places[to as usize].arrival)).max(0.0)
     }
 
-    fn collapsed(&mut self, mesh: &Working, from: u32, to: u32) {
+    fn collapsed(&mut self, mesh: &mut Working, from: u32, to: u32) {
         let delta = mesh.position(to) - mesh.position(from);
         let moved = self.surface[from as usize].transported(delta);
         self.surface[to as usize].add(&moved);
+        mesh.places[to as usize].arrival = (MEMORY * self.surface[to as usize].c) as f32;
         let (source, target) = (self.border_of[from as usize], self.border_of[to as usize]);
         if source != NONE {
             let moved = self.border[source as usize].transported(delta);
