@@ -1,0 +1,144 @@
+//! The closed list of models: the one place that names them all.
+
+use crate::{Array, BuildError, Changes, Interactive, Model, StorageCost, Traffic};
+use lodc_mesh::{Lod, OrientedTriangle, Simplified};
+use std::{str::FromStr, sync::Arc};
+
+/// The kinds of models, whether this version has them or not.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum ModelKind {
+    /// Speed Strips (thesis chapter 3).
+    Speed,
+    /// Masking Strips (thesis chapter 4).
+    Masking,
+    /// Interactive Meshes (thesis chapter 5).
+    Interactive,
+}
+
+impl ModelKind {
+    /// All kinds, in the order in which files and reports list them.
+    pub const ALL: [Self; 3] = [Self::Speed, Self::Masking, Self::Interactive];
+
+    /// Whether this version has the model.
+    #[must_use]
+    pub const fn available(self) -> bool {
+        matches!(self, Self::Interactive)
+    }
+
+    /// Its name in options, files and reports.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Speed => "speed",
+            Self::Masking => "masking",
+            Self::Interactive => "interactive",
+        }
+    }
+}
+
+impl FromStr for ModelKind {
+    type Err = ();
+
+    fn from_str(name: &str) -> Result<Self, ()> {
+        Self::ALL.into_iter().find(|kind| kind.name() == name).ok_or(())
+    }
+}
+
+/// A model of any kind.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub enum AnyModel {
+    /// Interactive Meshes.
+    Interactive(Interactive),
+}
+
+/// A cursor over an [`AnyModel`].
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub enum AnyCursor {
+    /// Over Interactive Meshes.
+    Interactive(<Interactive as Model>::Cursor),
+}
+
+impl AnyModel {
+    /// Builds a model.
+    ///
+    /// # Errors
+    /// If this version does not have it, or it cannot be made of this sequence.
+    pub fn build(kind: ModelKind, simplified: &Arc<Simplified>) -> Result<Self, BuildError> {
+        match kind {
+            ModelKind::Interactive => Interactive::build(simplified).map(Self::Interactive),
+            ModelKind::Speed | ModelKind::Masking => Err(BuildError::NotAvailable { model: kind.name() }),
+        }
+    }
+
+    /// Makes a model of what [`Model::arrays`] gave out.
+    ///
+    /// # Errors
+    /// If this version does not have it, or the arrays do not fit the sequence.
+    pub fn load(kind: ModelKind, simplified: &Arc<Simplified>, arrays: &[Array]) -> Result<Self, BuildError> {
+        match kind {
+            ModelKind::Interactive => Interactive::load(simplified, arrays).map(Self::Interactive),
+            ModelKind::Speed | ModelKind::Masking => Err(BuildError::NotAvailable { model: kind.name() }),
+        }
+    }
+
+    /// Its kind.
+    #[must_use]
+    pub fn kind(&self) -> ModelKind {
+        match self {
+            Self::Interactive(_) => ModelKind::Interactive,
+        }
+    }
+
+    /// The triangles at the LOD shown for `lod`, by a cursor of its own.
+    #[must_use]
+    pub fn triangles_at(&self, lod: Lod) -> Vec<OrientedTriangle> {
+        let mut cursor = self.cursor();
+        self.seek(&mut cursor, lod, &mut ());
+        self.triangles(&cursor)
+    }
+}
+
+impl Model for AnyModel {
+    type Cursor = AnyCursor;
+
+    fn name(&self) -> &'static str {
+        self.kind().name()
+    }
+    fn simplified(&self) -> &Arc<Simplified> {
+        match self {
+            Self::Interactive(model) => model.simplified(),
+        }
+    }
+    fn cursor(&self) -> AnyCursor {
+        match self {
+            Self::Interactive(model) => AnyCursor::Interactive(model.cursor()),
+        }
+    }
+    fn lod(&self, cursor: &AnyCursor) -> Lod {
+        match (self, cursor) {
+            (Self::Interactive(model), AnyCursor::Interactive(cursor)) => model.lod(cursor),
+        }
+    }
+    fn seek(&self, cursor: &mut AnyCursor, lod: Lod, changes: &mut impl Changes) -> Traffic {
+        match (self, cursor) {
+            (Self::Interactive(model), AnyCursor::Interactive(cursor)) => model.seek(cursor, lod, changes),
+        }
+    }
+    fn triangles(&self, cursor: &AnyCursor) -> Vec<OrientedTriangle> {
+        match (self, cursor) {
+            (Self::Interactive(model), AnyCursor::Interactive(cursor)) => model.triangles(cursor),
+        }
+    }
+    fn storage(&self) -> StorageCost {
+        match self {
+            Self::Interactive(model) => model.storage(),
+        }
+    }
+    fn arrays(&self) -> Vec<Array> {
+        match self {
+            Self::Interactive(model) => model.arrays(),
+        }
+    }
+}

@@ -1,0 +1,93 @@
+//! What a cursor looks up and never changes: which triangles a vertex has, and in which order things die.
+
+use lodc_mesh::Simplified;
+
+/// Triangles by vertex and by death, vertices by death.
+#[derive(Clone, Debug)]
+pub(super) struct Index {
+    /// Where each vertex's triangles start in `incident`, and where the last one's end.
+    first: Vec<u32>,
+    /// Triangles around each vertex, the longest-lived first.
+    incident: Vec<u32>,
+    /// All triangles, the first to die first.
+    pub(super) triangles: Vec<u32>,
+    /// All vertices that triangles use, the first to lose its last triangle first.
+    pub(super) vertices: Vec<u32>,
+    /// What each of `vertices` is shown as when it loses its last triangle.
+    pub(super) shown_at_death: Vec<u32>,
+}
+
+impl Index {
+    pub(super) fn new(simplified: &Simplified, deaths: &[u32]) -> Self {
+        let mesh = simplified.mesh();
+        let levels = simplified.collapses().records() as usize + 1;
+        let triangles = sorted_by(deaths.len(), levels, |t| deaths[t]);
+        let mut first = vec![0; mesh.vertex_count() + 1];
+        for &v in mesh.triangles().as_flattened() {
+            first[v as usize + 1] += 1;
+        }
+        for v in 0..mesh.vertex_count() {
+            first[v + 1] += first[v];
+        }
+        let mut place = first.clone();
+        let mut incident = vec![0; 3 * deaths.len()];
+        for &t in triangles.iter().rev() {
+            for v in mesh.triangles()[t as usize] {
+                incident[place[v as usize] as usize] = t;
+                place[v as usize] += 1;
+            }
+        }
+        let mut index = Self { first, incident, triangles, vertices: Vec::new(), shown_at_death: Vec::new() };
+        // Death 0 stands for vertices without triangles: they are left out.
+        index.vertices = sorted_by(mesh.vertex_count(), levels, |v| index.vertex_death(deaths, v as u32));
+        let unused = index.vertices.partition_point(|&v| index.incident(v).is_empty());
+        index.vertices.drain(..unused);
+        index.shown_at_death = index.resolve_at_death(simplified.collapses().targets(), deaths);
+        index
+    }
+
+    /// Union-find with path halving: deaths rise, so every shortcut stays good.
+    fn resolve_at_death(&self, targets: &[u32], deaths: &[u32]) -> Vec<u32> {
+        let mut hop = targets.to_vec();
+        let resolve = |&vertex: &u32| {
+            let (mut v, death) = (vertex, self.vertex_death(deaths, vertex));
+            while v < death {
+                let next = hop[v as usize];
+                if next < death {
+                    hop[v as usize] = hop[next as usize];
+                }
+                v = next;
+            }
+            v
+        };
+        self.vertices.iter().map(resolve).collect()
+    }
+
+    /// The triangles of LOD 0 around a vertex, the longest-lived first.
+    pub(super) fn incident(&self, vertex: u32) -> &[u32] {
+        &self.incident[self.first[vertex as usize] as usize..self.first[vertex as usize + 1] as usize]
+    }
+
+    /// The LOD at which a vertex's last triangle dies, 0 if it has none.
+    pub(super) fn vertex_death(&self, deaths: &[u32], vertex: u32) -> u32 {
+        self.incident(vertex).first().map_or(0, |&t| deaths[t as usize])
+    }
+}
+
+/// `0..count` sorted by a key below `keys`, equal keys in order: counting sort.
+fn sorted_by(count: usize, keys: usize, key: impl Fn(usize) -> u32) -> Vec<u32> {
+    let mut place = vec![0u32; keys + 1];
+    for i in 0..count {
+        place[key(i) as usize + 1] += 1;
+    }
+    for k in 0..keys {
+        place[k + 1] += place[k];
+    }
+    let mut sorted = vec![0; count];
+    for i in 0..count {
+        let slot = &mut place[key(i) as usize];
+        sorted[*slot as usize] = i as u32;
+        *slot += 1;
+    }
+    sorted
+}

@@ -1,0 +1,112 @@
+//! Interactive Meshes (thesis chapter 5): one word per vertex, `collapse_to`, on top of the mesh.
+//!
+//! Vertices stand in collapse order and the triangles of a submesh in reverse order of their disappearance, so a LOD is
+//! a prefix of each submesh's triangles with every vertex replaced by what it has become. Nothing else is stored: the
+//! `collapse_to` list is the sequence's own targets.
+
+mod cursor;
+mod deaths;
+mod extract;
+mod index;
+mod links;
+mod lists;
+#[cfg(test)]
+mod tests;
+
+pub use cursor::Cursor;
+pub use extract::Extraction;
+pub use lists::{CollapseLists, ListsTooLong};
+
+use crate::{Array, BuildError, Changes, Model, StorageCost, Traffic};
+use lodc_mesh::{Lod, OrientedTriangle, PositionIds, Simplified};
+use std::sync::Arc;
+
+/// An Interactive Mesh.
+#[derive(Clone, Debug)]
+pub struct Interactive {
+    simplified: Arc<Simplified>,
+    /// The LOD from which on each triangle is not drawn; never rising within a submesh.
+    deaths: Vec<u32>,
+}
+
+impl Interactive {
+    /// Makes the model. Near-linear in the mesh: the LOD at which each triangle dies is worked out once, so that the
+    /// live prefix of a submesh is known at any LOD without searching.
+    ///
+    /// # Errors
+    /// If the triangles of a submesh do not stand in reverse order of their disappearance.
+    pub fn build(simplified: &Arc<Simplified>) -> Result<Self, BuildError> {
+        let positions = PositionIds::new(simplified.mesh().positions());
+        let deaths = deaths::deaths(simplified, &positions);
+        for (submesh, s) in simplified.mesh().submeshes().iter().enumerate() {
+            if let Some(i) = deaths[s.triangles()].windows(2).position(|pair| pair[0] < pair[1]) {
+                return Err(BuildError::TriangleOrder { submesh, triangle: s.first_triangle as usize + i + 1 });
+            }
+        }
+        Ok(Self { simplified: Arc::clone(simplified), deaths })
+    }
+
+    /// Makes the model of what [`Model::arrays`] gave out: nothing, so this is [`Self::build`].
+    ///
+    /// # Errors
+    /// If there are arrays, and as [`Self::build`].
+    pub fn load(simplified: &Arc<Simplified>, arrays: &[Array]) -> Result<Self, BuildError> {
+        if arrays.is_empty() {
+            Self::build(simplified)
+        } else {
+            Err(BuildError::Arrays { given: arrays.iter().map(|a| a.name.clone()).collect() })
+        }
+    }
+
+    /// What each vertex collapses to, for all but the last (thesis 5.2).
+    #[must_use]
+    pub fn collapse_to(&self) -> &[u32] {
+        self.simplified.collapses().targets()
+    }
+
+    /// For each triangle the LOD from which on it is not drawn.
+    #[must_use]
+    pub fn deaths(&self) -> &[u32] {
+        &self.deaths
+    }
+
+    /// How many triangles of a submesh are drawn at `lod`: they are its first ones.
+    #[must_use]
+    pub fn live(&self, submesh: usize, lod: Lod) -> u32 {
+        let triangles = self.simplified.mesh().submeshes()[submesh].triangles();
+        self.deaths[triangles].partition_point(|&death| death > lod.0) as u32
+    }
+}
+
+impl Model for Interactive {
+    type Cursor = Cursor;
+
+    fn name(&self) -> &'static str {
+        "interactive"
+    }
+    fn simplified(&self) -> &Arc<Simplified> {
+        &self.simplified
+    }
+    fn cursor(&self) -> Cursor {
+        Cursor::new(&self.simplified, &self.deaths)
+    }
+    fn lod(&self, cursor: &Cursor) -> Lod {
+        cursor.lod()
+    }
+    fn seek(&self, cursor: &mut Cursor, lod: Lod, changes: &mut impl Changes) -> Traffic {
+        cursor.seek(&self.simplified, &self.deaths, lod, changes)
+    }
+    fn triangles(&self, cursor: &Cursor) -> Vec<OrientedTriangle> {
+        cursor.triangles(&self.simplified)
+    }
+    /// `3v + 3f + L` words (eq. 5.2: 10·v for a closed mesh).
+    fn storage(&self) -> StorageCost {
+        let plain = StorageCost::of_triangles(&self.simplified);
+        let geometry = 12 * (plain.vertices + plain.fakes);
+        let structures = 4 * u64::from(self.simplified.collapses().records());
+        StorageCost { positions: geometry, normals: geometry, structures, ..plain }
+    }
+    fn arrays(&self) -> Vec<Array> {
+        Vec::new()
+    }
+}
