@@ -1,5 +1,10 @@
 //! Writing one level of detail: one file or folder per format.
 
+mod flatten;
+mod gltf;
+mod obj;
+mod ply;
+
 use crate::{Document, FormatError, ObjectInfo, OutputFile};
 use lodc_mesh::Mesh;
 use std::path::Path;
@@ -30,6 +35,16 @@ pub struct ExportObject<'a> {
 ///
 /// # Errors
 /// If the format cannot hold the scene.
-pub fn export(_path: &Path, _format: ExportFormat, _document: &Document, _objects: &[ExportObject<'_>]) -> Result<Vec<OutputFile>, FormatError> {
-    Ok(Vec::new())
+pub fn export(
+    path: &Path,
+    format: ExportFormat,
+    document: &Document,
+    objects: &[ExportObject<'_>],
+) -> Result<Vec<OutputFile>, FormatError> {
+    match format {
+        ExportFormat::Glb => gltf::export(path, true, document, objects),
+        ExportFormat::Gltf => gltf::export(path, false, document, objects),
+        ExportFormat::Obj => obj::export(path, document, objects),
+        ExportFormat::Ply => ply::export(path, document, objects),
+    }
 }

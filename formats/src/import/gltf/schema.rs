@@ -196,7 +196,7 @@ const TABLE: &[(&str, Kind)] = &[
 ];
 
 /// Checks that everything listed has the right type and that every reference leads somewhere.
-pub(super) fn check(root: &mut Object) -> Result<(), FormatError> {
+pub(crate) fn check(root: &mut Object) -> Result<(), FormatError> {
     for pool in Pool::ALL.into_iter().map(Pool::name).filter(|&n| n != "lights").chain(["animations"]) {
         if root.get(pool).is_some_and(|v| !v.is_array()) {
             return Err(malformed(pool, "must be an array"));

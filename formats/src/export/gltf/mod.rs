@@ -1,0 +1,108 @@
+//! glTF 2.0 and GLB: the document as it was, its triangles at one level of detail.
+
+mod fresh;
+mod prune;
+mod writer;
+
+use super::ExportObject;
+use crate::import::gltf::json::{self, Object};
+use crate::import::gltf::{schema, uri};
+use crate::{Document, Fault, FormatError, Limits, OutputFile};
+use serde_json::Value;
+use std::path::Path;
+use writer::Writer;
+
+const MAGIC: u32 = 0x4654_6c67;
+const JSON: u32 = 0x4e4f_534a;
+const BIN: u32 = 0x004e_4942;
+
+/// Makes one `.glb`, or a `.gltf` and the `.bin` beside it. Primitives without triangles are left out, and meshes
+/// without primitives with them: their nodes stay.
+pub(super) fn export(
+    path: &Path,
+    binary: bool,
+    document: &Document,
+    objects: &[ExportObject<'_>],
+) -> Result<Vec<OutputFile>, FormatError> {
+    let (mut root, mut blob) = match document {
+        Document::Gltf(gltf) => (json::parse(gltf.json.as_bytes(), &Limits::DEFAULT)?, gltf.blob.clone()),
+        Document::Obj(obj) => (fresh::document(obj, objects), Vec::new()),
+    };
+    // The document may come from a file that someone made up.
+    schema::check(&mut root)?;
+    let mut writer = Writer::new(&root);
+    let mut empty = Vec::new();
+    for (i, object) in objects.iter().enumerate() {
+        let mesh = match document {
+            Document::Gltf(_) => object.info.document_mesh as usize,
+            Document::Obj(_) => i,
+        };
+        if object.info.submeshes.len() != object.mesh.submeshes().len() {
+            return Err(json::malformed(&*object.info.name, "has other submeshes than its description"));
+        }
+        let foreign = matches!(document, Document::Obj(_)).then(|| fresh::adapted(object.mesh));
+        let mut numbering = writer.numbering(foreign.as_ref().unwrap_or(object.mesh));
+        for (s, info) in object.info.submeshes.iter().enumerate() {
+            let number = if foreign.is_some() { s } else { info.document_primitive as usize };
+            let primitive = primitive_mut(&mut root, mesh, number).ok_or_else(|| {
+                json::malformed(format!("meshes[{mesh}].primitives[{number}]"), "is not in the document")
+            })?;
+            if !numbering.primitive(s, primitive)? {
+                empty.push((mesh, number));
+            }
+        }
+    }
+    prune::without(&mut root, &empty);
+    writer.finish(&mut root, &mut blob);
+    if binary { glb(path, &root, &blob).map(|file| vec![file]) } else { Ok(gltf(path, root, blob)) }
+}
+
+fn primitive_mut(root: &mut Object, mesh: usize, primitive: usize) -> Option<&mut Object> {
+    let mesh = root.get_mut("meshes")?.as_array_mut()?.get_mut(mesh)?;
+    mesh.get_mut("primitives")?.as_array_mut()?.get_mut(primitive)?.as_object_mut()
+}
+
+fn glb(path: &Path, root: &Object, blob: &[u8]) -> Result<OutputFile, FormatError> {
+    let mut text = to_json(root, false);
+    text.resize(text.len().next_multiple_of(4), b' ');
+    let padded = blob.len().next_multiple_of(4);
+    let chunk = if blob.is_empty() { 0 } else { 8 + padded };
+    let length = 12 + 8 + text.len() + chunk;
+    let word = |n: usize| {
+        let too_large = || FormatError::new(Fault::Limit, "", "larger than the 4 GiB of a GLB: write .gltf instead");
+        u32::try_from(n).map_err(|_| too_large())
+    };
+    let mut bytes = Vec::with_capacity(length);
+    for n in [MAGIC, 2, word(length)?, word(text.len())?, JSON] {
+        bytes.extend(n.to_le_bytes());
+    }
+    bytes.extend(text);
+    if !blob.is_empty() {
+        bytes.extend(word(padded)?.to_le_bytes());
+        bytes.extend(BIN.to_le_bytes());
+        bytes.extend_from_slice(blob);
+        bytes.resize(length, 0);
+    }
+    Ok(OutputFile { path: path.to_owned(), bytes })
+}
+
+fn gltf(path: &Path, mut root: Object, blob: Vec<u8>) -> Vec<OutputFile> {
+    let beside = path.with_extension("bin");
+    if !blob.is_empty() {
+        let name = beside.file_name().map(|n| uri::percent_encoded(&n.to_string_lossy())).unwrap_or_default();
+        if let Some(buffer) = root.get_mut("buffers").and_then(|b| b.get_mut(0)).and_then(Value::as_object_mut) {
+            buffer.insert("uri".to_owned(), name.into());
+        }
+    }
+    let mut files = vec![OutputFile { path: path.to_owned(), bytes: to_json(&root, true) }];
+    if !blob.is_empty() {
+        files.push(OutputFile { path: beside, bytes: blob });
+    }
+    files
+}
+
+fn to_json(root: &Object, pretty: bool) -> Vec<u8> {
+    let text = if pretty { serde_json::to_vec_pretty(root) } else { serde_json::to_vec(root) };
+    text.expect("values from JSON can be written as JSON")
+}
+

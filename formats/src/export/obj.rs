@@ -1,0 +1,249 @@
+//! Wavefront OBJ and MTL: numbers are written so that reading them gives the same bits.
+
+use super::ExportObject;
+use super::flatten::{self, Placed, component, stream};
+use crate::{Document, FormatError, OutputFile};
+use lodc_mesh::Semantic;
+use serde_json::Value;
+use std::collections::{BTreeMap, HashMap};
+use std::hash::Hash;
+use std::io::Write;
+use std::path::Path;
+
+/// The OBJ and, if there are materials and `path` is not standard output, the MTL beside it.
+///
+/// # Errors
+/// See [`super::export`].
+pub(super) fn export(
+    path: &Path,
+    document: &Document,
+    objects: &[ExportObject<'_>],
+) -> Result<Vec<OutputFile>, FormatError> {
+    let materials = Materials::new(document)?;
+    let mut text = b"# lodc\n".to_vec();
+    let library = path.with_extension("mtl");
+    let has_library = !materials.text.is_empty() && path.as_os_str() != "-";
+    if has_library {
+        let name = library.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+        line(&mut text, "mtllib", &name);
+    }
+    let mut writer = Writer { text, v: Table::new(), vt: Table::new(), vn: Table::new(), material: String::new() };
+    for placed in flatten::placed(document, objects)? {
+        writer.object(&placed, &materials, matches!(document, Document::Gltf(_)));
+    }
+    let mut files = vec![OutputFile { path: path.to_owned(), bytes: writer.text }];
+    if has_library {
+        files.push(OutputFile { path: library, bytes: materials.text });
+    }
+    Ok(files)
+}
+
+/// The numbers of values already written, from 1.
+type Table<K> = HashMap<K, usize>;
+
+struct Writer {
+    text: Vec<u8>,
+    /// Position and colour.
+    v: Table<([u32; 3], [u32; 4])>,
+    vt: Table<[u32; 3]>,
+    vn: Table<[u32; 3]>,
+    material: String,
+}
+
+impl Writer {
+    fn object(&mut self, placed: &Placed<'_>, materials: &Materials, top_left: bool) {
+        let (mesh, info) = (placed.object.mesh, placed.object.info);
+        line(&mut self.text, "o", &clean(&placed.name));
+        let mut label = String::new();
+        for (i, (submesh, submesh_info)) in mesh.submeshes().iter().zip(&info.submeshes).enumerate() {
+            if submesh.triangle_count == 0 {
+                continue;
+            }
+            let faces = self.vertices(placed, i, top_left);
+            let name = clean(&submesh_info.name);
+            if name != label {
+                line(&mut self.text, "g", &name);
+                label = name;
+            }
+            let material = match &submesh_info.material {
+                Some(name) => clean(name),
+                None => materials.of_primitive(info.document_mesh, submesh_info.document_primitive),
+            };
+            if material != self.material {
+                line(&mut self.text, "usemtl", &material);
+                self.material = material;
+            }
+            self.text.extend_from_slice(&faces);
+        }
+    }
+
+    /// Writes the vertices of a submesh that were not written before; returns its faces.
+    fn vertices(&mut self, placed: &Placed<'_>, submesh: usize, top_left: bool) -> Vec<u8> {
+        let mesh = placed.object.mesh;
+        let [color, uv, normal] = [Semantic::Color(0), Semantic::TexCoord(0), Semantic::Normal]
+            .map(|semantic| stream(mesh, submesh, &semantic));
+        let mirrors = placed.mirrors();
+        let mut corner_text: HashMap<u32, Vec<u8>> = HashMap::new();
+        let mut faces = Vec::new();
+        for &triangle in &mesh.triangles()[mesh.submeshes()[submesh].triangles()] {
+            faces.push(b'f');
+            for vertex in placed.corners(triangle, mirrors) {
+                let corner = corner_text.entry(vertex).or_insert_with(|| {
+                    let position = placed.position(vertex);
+                    let components = color.map_or(0, |c| usize::from(c.components).clamp(3, 4));
+                    let rgba: [f32; 4] =
+                        std::array::from_fn(|i| color.map_or(0.0, |c| if i < components { component(c, vertex, i) } else { 0.0 }));
+                    let key = (position.map(f32::to_bits), rgba.map(f32::to_bits));
+                    let values = position.iter().chain(&rgba[..components]);
+                    let v = number(&mut self.v, key, &mut self.text, "v", values);
+                    let vt = uv.map(|s| {
+                        let mut uvw: [f32; 3] = std::array::from_fn(|i| component(s, vertex, i));
+                        if top_left {
+                            uvw[1] = 1.0 - uvw[1];
+                        }
+                        let count = usize::from(s.components).clamp(2, 3);
+                        number(&mut self.vt, uvw.map(f32::to_bits), &mut self.text, "vt", &uvw[..count])
+                    });
+                    let vn = normal.map(|s| {
+                        let n = placed.normal(s, vertex);
+                        number(&mut self.vn, n.map(f32::to_bits), &mut self.text, "vn", &n)
+                    });
+                    match (vt, vn) {
+                        (None, None) => format!(" {v}"),
+                        (Some(vt), None) => format!(" {v}/{vt}"),
+                        (None, Some(vn)) => format!(" {v}//{vn}"),
+                        (Some(vt), Some(vn)) => format!(" {v}/{vt}/{vn}"),
+                    }
+                    .into_bytes()
+                });
+                faces.extend_from_slice(corner);
+            }
+            faces.push(b'\n');
+        }
+        faces
+    }
+}
+
+/// The number of a value; writes it first if it is new.
+fn number<'a, K: Eq + Hash>(
+    table: &mut Table<K>,
+    key: K,
+    text: &mut Vec<u8>,
+    word: &str,
+    values: impl IntoIterator<Item = &'a f32>,
+) -> usize {
+    let next = table.len() + 1;
+    *table.entry(key).or_insert_with(|| {
+        text.extend_from_slice(word.as_bytes());
+        for &value in values {
+            text.push(b' ');
+            float(text, value);
+        }
+        text.push(b'\n');
+        next
+    })
+}
+
+/// The shortest decimal that reads back as the same number.
+fn float(text: &mut Vec<u8>, value: f32) {
+    let plain = value == 0.0 || !value.is_finite() || (1e-5..1e9).contains(&value.abs());
+    let written = if plain { write!(text, "{value}") } else { write!(text, "{value:e}") };
+    written.expect("a Vec takes everything");
+}
+
+fn line(text: &mut Vec<u8>, word: &str, name: &str) {
+    text.extend_from_slice(word.as_bytes());
+    if !name.is_empty() {
+        text.push(b' ');
+        text.extend_from_slice(name.as_bytes());
+    }
+    text.push(b'\n');
+}
+
+/// A name as one line that reads back as itself: no line ends, no `#` by itself, no backslash at the end.
+fn clean(name: &str) -> String {
+    let one_line: String = name.chars().map(|c| if c.is_control() { '_' } else { c }).collect();
+    let mut out = one_line.trim().to_owned();
+    while let Some(at) = out.find(" # ").or_else(|| out.ends_with(" #").then(|| out.len() - 2)) {
+        out.replace_range(at + 1..at + 2, "_");
+    }
+    if out.ends_with('\\') {
+        out.push('_');
+    }
+    if out == "#" { "_".to_owned() } else { out }
+}
+
+/// The text of the library, and the names of glTF materials.
+#[derive(Debug, Default)]
+struct Materials {
+    text: Vec<u8>,
+    /// By mesh and primitive.
+    of_primitive: BTreeMap<(usize, usize), String>,
+}
+
+impl Materials {
+    fn new(document: &Document) -> Result<Self, FormatError> {
+        match document {
+            Document::Obj(obj) => {
+                let mut text = Vec::new();
+                for material in &obj.materials {
+                    line(&mut text, "newmtl", &clean(&material.name));
+                    material.lines.iter().for_each(|l| line(&mut text, &l.replace(['\n', '\r'], " "), ""));
+                }
+                Ok(Self { text, of_primitive: BTreeMap::new() })
+            }
+            Document::Gltf(gltf) => Ok(Self::of_gltf(&flatten::parse(gltf)?)),
+        }
+    }
+
+    fn of_primitive(&self, mesh: u32, primitive: u32) -> String {
+        self.of_primitive.get(&(mesh as usize, primitive as usize)).cloned().unwrap_or_default()
+    }
+
+    /// Name, colour, opacity and texture: what an MTL and a glTF have in common.
+    fn of_gltf(json: &Value) -> Self {
+        let mut text = Vec::new();
+        let mut names: Vec<String> = Vec::new();
+        let mut taken = BTreeMap::new();
+        for (i, material) in list(&json["materials"]).iter().enumerate() {
+            let mut name = clean(material["name"].as_str().unwrap_or_default());
+            if name.is_empty() || taken.contains_key(&name) {
+                name = format!("{name}_material{i}").trim_start_matches('_').to_owned();
+            }
+            taken.insert(name.clone(), i);
+            line(&mut text, "newmtl", &name);
+            names.push(name);
+            let pbr = &material["pbrMetallicRoughness"];
+            let factor: [f64; 4] =
+                std::array::from_fn(|k| pbr["baseColorFactor"][k].as_f64().filter(|f| f.is_finite()).unwrap_or(1.0));
+            line(&mut text, &format!("Kd {} {} {}", factor[0], factor[1], factor[2]), "");
+            if material["alphaMode"].as_str() == Some("BLEND") {
+                line(&mut text, &format!("d {}", factor[3]), "");
+            }
+            let index = |v: &Value| v.as_u64().and_then(|i| usize::try_from(i).ok());
+            let source = index(&pbr["baseColorTexture"]["index"]).and_then(|t| index(&json["textures"][t]["source"]));
+            let uri = source.and_then(|s| json["images"][s]["uri"].as_str());
+            if let Some(uri) = uri.filter(|u| !u.starts_with("data:")) {
+                line(&mut text, "map_Kd", &clean(&uri.replace("%20", " ")));
+            }
+        }
+        let mut of_primitive = BTreeMap::new();
+        for (m, mesh) in list(&json["meshes"]).iter().enumerate() {
+            for (p, primitive) in list(&mesh["primitives"]).iter().enumerate() {
+                let material = primitive["material"].as_u64().and_then(|i| names.get(usize::try_from(i).ok()?));
+                if let Some(name) = material {
+                    of_primitive.insert((m, p), name.clone());
+                }
+            }
+        }
+        Self { text, of_primitive }
+    }
+}
+
+fn list(value: &Value) -> &[Value] {
+    value.as_array().map(Vec::as_slice).unwrap_or_default()
+}
+
+#[cfg(test)]
+#[path = "obj_tests.rs"]
+mod tests;
