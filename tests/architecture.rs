@@ -1,0 +1,248 @@
+//! The drawing in `docs/ARCHITECTURE.md` is true: arrows point down, and each package keeps to what it owns.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// Every package with what it may use, lowest first. A package may only use packages above it in this list.
+const DRAWING: &[(&str, &[&str])] = &[
+    ("crates/mesh", &["glam"]),
+    ("crates/simplify", &["lodc-mesh", "glam", "rayon"]),
+    ("crates/lod", &["lodc-mesh"]),
+    ("formats", &["lodc-lod", "lodc-mesh", "bincode", "gltf", "serde", "serde_json", "tobj", "xxhash-rust"]),
+    (
+        "cli",
+        &[
+            "lodc-formats",
+            "lodc-lod",
+            "lodc-mesh",
+            "lodc-simplify",
+            "clap",
+            "clap_complete",
+            "clap_mangen",
+            "ctrlc",
+            "indicatif",
+            "rayon",
+            "serde",
+            "serde_json",
+        ],
+    ),
+    // Beside the drawing: shapes for tests. Its generator writes them with the project's own exporters.
+    ("fixtures", &["lodc-formats", "lodc-mesh"]),
+];
+
+/// Tests and benchmarks may also use these, sideways.
+const FOR_TESTS: &[&str] = &["lodc-fixtures", "lodc-simplify", "criterion", "proptest", "rayon"];
+
+/// Files of more than 400 lines, each with the reason.
+const LONG_FILES: &[(&str, &str)] = &[];
+
+/// A word in code, and the only places that may use it.
+const OWNED: &[(&str, &[&str])] = &[
+    ("gltf::", &["formats/"]),
+    ("tobj::", &["formats/"]),
+    ("bincode::", &["formats/"]),
+    ("xxhash_rust::", &["formats/"]),
+    ("std::fs", &["formats/", "cli/"]),
+    ("std::net", &[]),
+    ("clap::", &["cli/"]),
+    ("indicatif::", &["cli/"]),
+    ("println!", &["cli/"]),
+    ("process::exit", &["cli/"]),
+    ("Instant::now", &["cli/"]),
+    ("SystemTime", &["cli/", "formats/src/write"]),
+    ("HashMap", &[]),
+    ("HashSet", &[]),
+    ("mul_add", &[]),
+];
+
+/// Names of models, and where they may stand: the closed list, the models themselves, and options of the program.
+const MODELS: &[&str] = &["Interactive", "SpeedStrips", "MaskingStrips", "Speed,", "Masking,"];
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the package lies in the workspace").to_owned()
+}
+
+fn read(path: &Path) -> String {
+    std::fs::read_to_string(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
+}
+
+/// The names in the sections of a manifest that start with `section`.
+fn dependencies(manifest: &str, section: &str) -> Vec<String> {
+    let mut inside = false;
+    let mut names = Vec::new();
+    for line in manifest.lines().map(str::trim) {
+        if let Some(header) = line.strip_prefix('[') {
+            assert!(!header.starts_with("target."), "a dependency for one system only is not in the drawing: {line}");
+            inside = header.trim_end_matches(']') == section;
+        } else if inside && let Some((name, _)) = line.split_once(['.', '=', ' ']) {
+            if !name.starts_with('#') {
+                names.push(name.to_owned());
+            }
+        }
+    }
+    names
+}
+
+/// All Rust files of the workspace's packages and tests, by their path from the root.
+fn sources() -> BTreeMap<String, String> {
+    let root = root();
+    let mut found = BTreeMap::new();
+    let mut folders: Vec<PathBuf> = ["crates", "cli", "formats", "fixtures", "tests"].map(|f| root.join(f)).to_vec();
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(&folder).expect("folders of the workspace can be listed") {
+            let path = entry.expect("entries can be read").path();
+            let name = path.file_name().and_then(|n| n.to_str()).unwrap_or_default().to_owned();
+            if path.is_dir() && name != "target" {
+                folders.push(path);
+            } else if path.extension().is_some_and(|e| e == "rs") {
+                let name = path.strip_prefix(&root).expect("below the root").to_string_lossy().replace('\\', "/");
+                found.insert(name, read(&path));
+            }
+        }
+    }
+    assert!(found.len() > 20, "only {} files: the wrong folder?", found.len());
+    found
+}
+
+fn is_test(path: &str) -> bool {
+    path.starts_with("tests/")
+        || ["/tests/", "/benches/", "/fuzz/", "fixtures/"].iter().any(|part| path.contains(part))
+        || ["tests.rs", "testing.rs"].iter().any(|end| path.ends_with(end))
+}
+
+/// The code of a file: without comments, and without the tests at its end.
+fn code(text: &str) -> String {
+    let text = text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
+    let without = |line: &str| line.split("//").next().unwrap_or_default().to_owned();
+    text.lines().map(without).collect::<Vec<_>>().join("\n")
+}
+
+#[test]
+fn dependencies_are_those_of_the_drawing() {
+    let root = root();
+    let members = read(&root.join("Cargo.toml"));
+    let members = members.split_once("members = [").and_then(|(_, rest)| rest.split_once(']')).expect("members").0;
+    let members: Vec<&str> = members.split(',').map(|m| m.trim().trim_matches('"')).filter(|m| !m.is_empty()).collect();
+    let drawn: Vec<&str> = DRAWING.iter().map(|(folder, _)| *folder).collect();
+    for member in &members {
+        assert!(drawn.contains(member), "{member} is not in the drawing");
+    }
+    let mut lower: Vec<String> = Vec::new();
+    for (folder, allowed) in DRAWING.iter().filter(|(folder, _)| members.contains(folder)) {
+        let manifest = read(&root.join(folder).join("Cargo.toml"));
+        for name in dependencies(&manifest, "dependencies").iter().chain(&dependencies(&manifest, "build-dependencies"))
+        {
+            assert!(allowed.contains(&name.as_str()), "{folder} uses {name}, which the drawing does not allow");
+            assert!(!name.starts_with("lodc-") || lower.contains(name), "{folder} uses {name}, which is not below it");
+        }
+        for name in dependencies(&manifest, "dev-dependencies") {
+            let known = FOR_TESTS.contains(&name.as_str()) || allowed.contains(&name.as_str());
+            assert!(known, "tests of {folder} use {name}");
+        }
+        let name = manifest.split_once("name = \"").and_then(|(_, rest)| rest.split_once('"')).expect("a name").0;
+        lower.push(name.to_owned());
+    }
+}
+
+#[test]
+fn every_version_is_pinned_in_one_place() {
+    let root = root();
+    let workspace = read(&root.join("Cargo.toml"));
+    let listed =
+        workspace.split_once("[workspace.dependencies]").and_then(|(_, rest)| rest.split_once("[workspace.lints"));
+    for line in listed.expect("a list of dependencies").0.lines().filter(|l| l.contains('=') && !l.starts_with('#')) {
+        assert!(line.contains("path = ") || line.contains("\"="), "not pinned: {line}");
+    }
+    for (folder, _) in DRAWING {
+        let Ok(manifest) = std::fs::read_to_string(root.join(folder).join("Cargo.toml")) else { continue };
+        assert!(manifest.contains("[lints]\nworkspace = true"), "{folder} does not take the workspace's lints");
+        let sections = manifest.split("dependencies]").skip(1);
+        for line in sections.flat_map(|s| s.split("\n[").next().unwrap_or_default().lines()) {
+            assert!(line.is_empty() || line.contains("workspace = true"), "{folder} states a version itself: {line}");
+        }
+    }
+}
+
+#[test]
+fn what_a_package_owns_is_used_nowhere_else() {
+    let mut offenders = Vec::new();
+    for (path, text) in sources().iter().filter(|(path, _)| !is_test(path)) {
+        let code = code(text);
+        for (word, owners) in OWNED {
+            if code.contains(word) && !owners.iter().any(|owner| path.starts_with(owner)) {
+                offenders.push(format!("{path} uses {word}"));
+            }
+        }
+    }
+    assert!(offenders.is_empty(), "{offenders:#?}");
+}
+
+#[test]
+fn models_are_named_in_one_list_and_in_their_own_folders() {
+    let may = |path: &str| path.starts_with("crates/lod/src/") || path.starts_with("cli/src/");
+    let mut offenders = Vec::new();
+    for (path, text) in sources().iter().filter(|(path, _)| !is_test(path) && !may(path)) {
+        offenders.extend(MODELS.iter().filter(|m| code(text).contains(**m)).map(|m| format!("{path} names {m}")));
+    }
+    for (path, text) in sources().iter().filter(|(path, _)| path.starts_with("crates/lod/src/") && !is_test(path)) {
+        let own = path.contains("/interactive/") || path.ends_with("/any.rs") || path.ends_with("/src/lib.rs");
+        if !own && code(text).contains("Interactive") {
+            offenders.push(format!("{path} names a model"));
+        }
+    }
+    assert!(offenders.is_empty(), "{offenders:#?}");
+}
+
+#[test]
+fn files_are_short_or_say_why_not() {
+    let sources = sources();
+    for (path, text) in &sources {
+        let (lines, listed) = (text.lines().count(), LONG_FILES.iter().any(|(p, _)| p == path));
+        assert!(lines <= 400 || listed, "{path} has {lines} lines: divide it, or list it with the reason");
+        assert!(lines > 400 || !listed, "{path} is listed as long and is not");
+    }
+    let mut lengths: Vec<usize> = sources.values().map(|text| text.lines().count()).collect();
+    lengths.sort_unstable();
+    let median = lengths[lengths.len() / 2];
+    assert!(median <= 160, "the median file has {median} lines");
+    assert!(LONG_FILES.iter().all(|(path, why)| sources.contains_key(*path) && why.len() > 20));
+}
+
+#[test]
+fn every_file_says_what_it_is_for() {
+    // A module of tests beside the file it tests needs no words.
+    let silent = |(path, text): &(String, String)| !text.starts_with("//! ") && !path.ends_with("tests.rs");
+    let without: Vec<String> = sources().into_iter().filter(silent).map(|(path, _)| path).collect();
+    assert!(without.is_empty(), "{without:#?}");
+}
+
+#[test]
+fn documents_that_others_refer_to_are_there() {
+    let root = root();
+    let wanted = [
+        "README.md",
+        "LICENSE-MIT",
+        "LICENSE-APACHE",
+        "justfile",
+        "deny.toml",
+        "tests/run",
+        "docs/ARCHITECTURE.md",
+        "docs/FORMAT.md",
+        "docs/GLOSSARY.md",
+        "docs/THESIS.md",
+        "docs/BENCHMARKS.md",
+        "docs/CHANGELOG.md",
+    ];
+    let missing: Vec<&str> = wanted.into_iter().filter(|name| !root.join(name).is_file()).collect();
+    assert!(missing.is_empty(), "{missing:?}");
+    // Anything that is named in backticks as a file below docs/, crates/ or formats/ exists.
+    for document in wanted.iter().filter(|name| name.ends_with(".md") && !name.ends_with("CHANGELOG.md")) {
+        let text = read(&root.join(document));
+        for name in text.split('`').skip(1).step_by(2) {
+            let path =
+                ["docs/", "crates/", "formats/", "cli/", "fixtures/", "tests/"].iter().any(|f| name.starts_with(f));
+            let plain = !name.contains(|c: char| c.is_whitespace() || "*<>{}…:".contains(c));
+            assert!(!path || !plain || root.join(name).exists(), "{document} names {name}, which is not there");
+        }
+    }
+}
