@@ -178,10 +178,12 @@ impl<'a> Builder<'a> {
         let mut name = String::new();
         for &run in runs {
             let label = self.parsed.runs[run as usize].label;
-            if !seen.insert(label) {
+            // The name of the only object is the name of the whole.
+            let text = self.parsed.labels.get(label as usize).filter(|&l| self.parsed.objects != [l.as_str()]);
+            if !seen.insert(text) {
                 continue;
             }
-            let Some(text) = self.parsed.labels.get(label as usize) else { continue };
+            let Some(text) = text else { continue };
             if name.is_empty() {
                 name.clone_from(text);
             } else if name.len() + text.len() < MOST_BYTES {

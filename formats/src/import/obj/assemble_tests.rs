@@ -37,7 +37,7 @@ fn one_submesh_per_material_in_order_of_first_use() {
     let submeshes: Vec<_> = a.parts.submeshes.iter().map(|s| (s.first_triangle, s.triangle_count, s.attributes.len())).collect();
     assert_eq!(submeshes, [(0, 2, 0), (2, 2, 1)]);
     let names: Vec<_> = a.submeshes.iter().map(|s| (s.name.as_str(), s.material.as_deref(), s.document_primitive)).collect();
-    assert_eq!(names, [("left", Some("red"), 0), ("right", Some(""), 1)]);
+    assert_eq!(names, [("left", Some("red"), 0), ("right", None, 1)]);
     assert_eq!((a.joined_labels, a.polygons), (0, 1));
     assert_eq!(a.parts.vertex_submesh, [0, 0, 0, 0, 1, 1, 1, 1]);
     assert_eq!(floats(&a, &Semantic::Normal)[..12], [0.0; 12], "vertices of other submeshes hold zeros");
