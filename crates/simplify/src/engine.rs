@@ -439,4 +439,4 @@ impl<M: Metric> Engine<'_, M> {
 }
 
 /// How much dearer each fake makes a collapse.
-const FAKE_PRICE: f64 = 2.0;
+const FAKE_PRICE: f64 = 8.0;

@@ -7,7 +7,7 @@ use crate::working::{SEAM, next, previous};
 const NONE: u32 = u32::MAX;
 /// A wedge without an edge to the target takes an existing wedge there if their attributes differ by less than this
 /// share of the mesh's size.
-const ALIKE: f64 = 1e-3;
+const ALIKE: f64 = 2e-3;
 
 /// One wedge of the moving group.
 #[derive(Clone, Copy, Debug)]

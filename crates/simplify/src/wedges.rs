@@ -1,6 +1,6 @@
 //! The wedges of every group: which vertices are there, where their data comes from, and which are alike.
 
-use lodc_mesh::Mesh;
+use lodc_mesh::{Mesh, Semantic};
 
 pub(crate) const NONE: u32 = u32::MAX;
 
@@ -93,6 +93,8 @@ impl Wedges {
     }
 }
 
+/// Tangents do not count: they follow from normals and texture coordinates, and exporters make them anew for each face.
 fn same_attributes(mesh: &Mesh, a: u32, b: u32) -> bool {
-    a == b || mesh.attributes().iter().filter(|s| !s.is_spatial()).all(|s| s.at(a) == s.at(b))
+    let compared = mesh.attributes().iter().filter(|s| !s.is_spatial() && s.semantic != Semantic::Tangent);
+    a == b || compared.into_iter().all(|s| s.at(a) == s.at(b))
 }
