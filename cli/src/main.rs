@@ -1,1 +1,71 @@
-fn main() {}
+//! The `lodc` program: commands to functions, results to exit statuses. Everything else is in the libraries.
+
+mod cli;
+mod commands;
+mod console;
+mod exit;
+mod interrupt;
+mod levels;
+mod limits;
+mod memory;
+mod output;
+mod progress;
+mod report;
+mod selector;
+mod stages;
+mod text;
+
+use clap::Parser;
+use cli::{Cli, Command};
+use commands::{build, completions, extract, info, man, verify};
+use console::Loudness;
+use exit::{Outcome, Status};
+use std::panic;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    panic::set_hook(Box::new(report_panic));
+    let status = panic::catch_unwind(run).unwrap_or(Status::Bug);
+    ExitCode::from(status.code())
+}
+
+fn run() -> Status {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => {
+            // Help and versions come as errors too. A closed pipe is none of our business here.
+            let _ = error.print();
+            return if error.use_stderr() { Status::Usage } else { Status::Done };
+        }
+    };
+    console::set_loudness(match (cli.common.quiet, cli.common.verbose) {
+        (true, _) => Loudness::Quiet,
+        (_, true) => Loudness::Verbose,
+        _ => Loudness::Normal,
+    });
+    let done = |outcome: Outcome<()>| outcome.map(|()| Status::Done);
+    let outcome = interrupt::install().and_then(|()| match &cli.command {
+        Command::Build(args) => build::run(args),
+        Command::Extract(args) => done(extract::run(args)),
+        Command::Info(args) => done(info::run(args)),
+        Command::Verify(args) => verify::run(args),
+        Command::Completions(args) => done(completions::run(args)),
+        Command::Man(args) => done(man::run(args)),
+    });
+    outcome.unwrap_or_else(|failure| {
+        console::error(&failure);
+        failure.status
+    })
+}
+
+/// One line instead of a back-trace. The work itself is caught further up, with status 70.
+fn report_panic(info: &panic::PanicHookInfo<'_>) {
+    let place = info.location().map(|l| format!(" at {}:{}", l.file(), l.line())).unwrap_or_default();
+    let payload = info.payload();
+    let text = payload.downcast_ref::<&str>().copied().or(payload.downcast_ref::<String>().map(String::as_str));
+    let what = exit::one_line(text.unwrap_or("no reason given"));
+    console::error(&format_args!(
+        "internal error{place}: {what}; this is a bug of lodc {}: please report it with the input",
+        env!("CARGO_PKG_VERSION")
+    ));
+}

@@ -1,0 +1,44 @@
+//! The command line as `clap` sees it: every command, and the options all of them have.
+
+use crate::commands::{build, completions, extract, info, man, verify};
+use clap::{Args, Parser, Subcommand};
+
+/// Continuous level of detail: every level between a full mesh and a single point, in one verified file.
+#[derive(Debug, Parser)]
+#[command(name = "lodc", version, propagate_version = true, arg_required_else_help = true)]
+#[command(after_help = "Exit status: 0 done, 1 a check found a difference, 2 wrong usage, 3 bad input, 4 output not \
+                        written, 5 a limit was reached, 6 no usable GPU, 70 a bug.")]
+pub(crate) struct Cli {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+    #[command(flatten)]
+    pub(crate) common: CommonArgs,
+}
+
+/// Options of every command.
+#[derive(Args, Clone, Copy, Debug)]
+pub(crate) struct CommonArgs {
+    /// Print errors only
+    #[arg(short, long, global = true)]
+    pub(crate) quiet: bool,
+    /// Print seconds and peak memory of every stage
+    #[arg(short, long, global = true, conflicts_with = "quiet")]
+    pub(crate) verbose: bool,
+}
+
+/// What to do.
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Turn OBJ, glTF or GLB files into .lodc files
+    Build(build::BuildArgs),
+    /// Take one level of detail out of a .lodc file
+    Extract(extract::ExtractArgs),
+    /// Show what is inside a .lodc file
+    Info(info::InfoArgs),
+    /// Replay every model of .lodc files against the reference
+    Verify(verify::VerifyArgs),
+    /// Print a completion script for a shell
+    Completions(completions::CompletionsArgs),
+    /// Print a manual page
+    Man(man::ManArgs),
+}

@@ -1,0 +1,126 @@
+//! The stages of one build: import, simplify, models, check, write.
+
+use super::{BuildArgs, counts};
+use crate::exit::{Failure, Outcome, Status};
+use crate::levels;
+use crate::output::{self, Target};
+use crate::progress::Progress;
+use crate::report::InputReport;
+use crate::stages::Stages;
+use lodc_formats::lodc::{LodFile, LodObject, write};
+use lodc_formats::{Scene, SceneObject, import};
+use lodc_mesh::Simplified;
+use lodc_simplify::{Options, simplify};
+use rayon::prelude::*;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// What a build made.
+pub(super) struct Made {
+    pub(super) file: LodFile,
+    /// Bytes of the file.
+    pub(super) bytes: usize,
+    pub(super) files_read: Vec<PathBuf>,
+}
+
+/// Makes one file. `report` is filled in as far as the work gets.
+pub(super) fn make(
+    args: &BuildArgs,
+    input: &Path,
+    target: &Target,
+    stages: &mut Stages,
+    progress: &Progress,
+    report: &mut InputReport,
+) -> Outcome<Made> {
+    progress.stage("import");
+    let scene = stages.run("import", || import::import(input, &args.import.options()))?;
+    report.warnings.clone_from(&scene.warnings);
+    let triangles: u64 = scene.objects.iter().map(|o| o.mesh.triangles().len() as u64).sum();
+    report.triangles = Some(triangles);
+    args.import
+        .limits()
+        .check_memory(triangles)
+        .map_err(|f| Failure::new(f.status, format!("{}: {f}", input.display())))?;
+
+    progress.stage("simplify");
+    let Scene { source, document, objects, files_read, .. } = scene;
+    let options = Options {
+        preserve_topology: args.preserve_topology,
+        lock_border: args.lock_border,
+        attributes: !args.no_attributes,
+        ..Options::DEFAULT
+    };
+    let simplified = stages.run("simplify", || simplify_all(objects, &options, triangles, progress));
+
+    progress.stage("models");
+    let kinds = levels::chosen(&args.models);
+    report.models = kinds.iter().map(|kind| kind.name()).collect();
+    let bug = |what: String| Failure::new(Status::Bug, format!("{}: {what}; nothing was written", input.display()));
+    let model = |(info, simplified)| levels::with_models(info, simplified, &kinds);
+    let objects: Result<Vec<LodObject>, String> =
+        stages.run("models", || simplified.into_par_iter().map(model).collect());
+    let objects = objects.map_err(bug)?;
+    fill_in(report, &objects);
+
+    progress.stage("check");
+    stages.run("check", || objects.par_iter().try_for_each(levels::self_check)).map_err(bug)?;
+
+    progress.stage("write");
+    let file = LodFile { source, document, objects };
+    let bytes = stages.run("write", || {
+        let bytes = write(&file);
+        let length = bytes.len();
+        output::write(target, bytes).map(|()| length)
+    })?;
+    report.bytes = Some(bytes as u64);
+    Ok(Made { file, bytes, files_read })
+}
+
+/// Simplifies every object, several at once.
+fn simplify_all(
+    objects: Vec<SceneObject>,
+    options: &Options,
+    triangles: u64,
+    progress: &Progress,
+) -> Vec<(lodc_formats::ObjectInfo, Simplified)> {
+    let total = AtomicU64::new(0);
+    let one = |object: SceneObject| {
+        // Objects weigh in by their triangles; each says how many of its groups are gone.
+        let weight = object.mesh.triangles().len() as u64;
+        let before = AtomicU64::new(0);
+        let told = |gone: u64, groups: u64| {
+            let now = weight * gone / groups.max(1);
+            let last = before.fetch_max(now, Ordering::Relaxed);
+            let done = total.fetch_add(now.saturating_sub(last), Ordering::Relaxed);
+            progress.at(done, triangles);
+        };
+        let simplified = simplify(&object.mesh, options, &told);
+        (object.info, simplified)
+    };
+    objects.into_par_iter().map(one).collect()
+}
+
+fn fill_in(report: &mut InputReport, objects: &[LodObject]) {
+    report.objects = objects.iter().map(|o| counts(&o.info, &o.simplified)).collect();
+    let sum = |of: fn(&crate::report::ObjectCounts) -> u64| Some(report.objects.iter().map(of).sum());
+    let sums = [
+        sum(|o| o.vertices),
+        sum(|o| o.referenced_vertices),
+        sum(|o| o.triangles),
+        sum(|o| o.submeshes),
+        sum(|o| o.fakes),
+        sum(|o| o.records),
+        sum(|o| o.steps),
+        sum(|o| u64::from(o.last_legal_lod)),
+    ];
+    [
+        report.vertices,
+        report.referenced_vertices,
+        report.triangles,
+        report.submeshes,
+        report.fakes,
+        report.records,
+        report.steps,
+        report.last_legal_lod,
+    ] = sums;
+}

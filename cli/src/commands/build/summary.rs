@@ -1,0 +1,83 @@
+//! What a person is told after a build.
+
+use super::pipeline::Made;
+use crate::console::{Loudness, note, wants};
+use crate::levels::{self, TABLE};
+use crate::output::Target as Output;
+use crate::selector::{Selection, Target, scene_diagonal, select};
+use crate::text::{count, grouped, percent, quoted, size};
+use std::fmt::Write;
+
+/// Prints the summary on standard error, unless `-q`.
+pub(super) fn print(made: &Made, output: &Output, seconds: f64) {
+    if wants(Loudness::Normal) {
+        note(text(made, output, seconds).trim_end());
+    }
+}
+
+fn text(made: &Made, output: &Output, seconds: f64) -> String {
+    let objects = &made.file.objects;
+    let counts: Vec<_> = objects.iter().map(|o| super::counts(&o.info, &o.simplified)).collect();
+    let sum = |of: fn(&crate::report::ObjectCounts) -> u64| counts.iter().map(of).sum::<u64>();
+    let (referenced, triangles, fakes) = (sum(|c| c.referenced_vertices), sum(|c| c.triangles), sum(|c| c.fakes));
+    let mut text = String::new();
+    // Writing to a string cannot fail.
+    let _ = writeln!(
+        text,
+        "{}: {}, {} vertices, {}",
+        output.name(),
+        count(triangles, "triangle"),
+        grouped(referenced),
+        count(sum(|c| c.submeshes), "submesh")
+    );
+    let _ = writeln!(
+        text,
+        "  {}, {}, {} ({:.1} % of the vertices)",
+        count(objects.len() as u64, "object"),
+        count(sum(|c| c.steps), "step"),
+        count(fakes, "fake vertex"),
+        percent(fakes, referenced)
+    );
+    if let [one] = counts.as_slice() {
+        let legal = objects[0].simplified.collapses().triangles_at(lodc_mesh::Lod(one.last_legal_lod));
+        let _ = writeln!(
+            text,
+            "  last legal LOD {} of {} ({} left)",
+            grouped(u64::from(one.last_legal_lod)),
+            grouped(one.records),
+            count(u64::from(legal), "triangle")
+        );
+    }
+    table(&mut text, made);
+    let _ = writeln!(text, "  {} in {seconds:.2} s", size(made.bytes as u64));
+    if let Output::File(path) = output
+        && triangles > 0
+    {
+        let half = path.with_extension("10percent.glb");
+        let _ = writeln!(text, "  next: lodc extract {} --ratio 0.1 -o {}", quoted(path), quoted(&half));
+    }
+    text
+}
+
+fn table(text: &mut String, made: &Made) {
+    let objects = &made.file.objects;
+    let candidates = levels::candidates(objects);
+    let triangles: u64 = candidates.iter().map(|c| u64::from(c.collapses.parts().triangles)).sum();
+    if triangles == 0 {
+        return;
+    }
+    let diagonal = scene_diagonal(&candidates);
+    let _ = writeln!(text, "     share   triangles       error   of the diagonal");
+    for share in TABLE {
+        let Ok(Selection { lods, error, .. }) = select(&candidates, Target::Ratio(share), false) else { continue };
+        let left: u64 = candidates.iter().zip(&lods).map(|(c, &l)| u64::from(c.collapses.triangles_at(l))).sum();
+        let _ = writeln!(
+            text,
+            "    {:4.0} %{:12}{:12.3e}{:12.3} %",
+            share * 100.0,
+            grouped(left),
+            error,
+            if diagonal > 0.0 { error / diagonal * 100.0 } else { 0.0 }
+        );
+    }
+}

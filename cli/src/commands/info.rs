@@ -1,0 +1,154 @@
+//! `lodc info`: what is inside a file.
+
+use super::build::counts;
+use super::read::read_lodc;
+use crate::console;
+use crate::exit::Outcome;
+use crate::levels;
+use crate::limits::LimitArgs;
+use crate::report::{
+    BitsPerVertex, InfoReport, LodReport, ModelReport, ObjectCounts, ObjectReport, SCHEMA_VERSION, SourceReport,
+};
+use crate::selector::decimal;
+use crate::text::{count, grouped, size};
+use clap::Args;
+use lodc_formats::SourceFormat;
+use lodc_formats::lodc::{self, LodObject};
+use lodc_lod::{AnyModel, Model, StorageCost};
+use serde_json::{Map, Value};
+use std::fmt::Write;
+use std::path::PathBuf;
+
+/// Options of `info`.
+#[derive(Args, Debug)]
+pub(crate) struct InfoArgs {
+    /// The .lodc file; `-` for standard input
+    input: PathBuf,
+    /// Print one JSON document
+    #[arg(long)]
+    json: bool,
+    /// Count structures that are not in the file too, for comparison
+    #[arg(long)]
+    baselines: bool,
+    #[command(flatten)]
+    limits: LimitArgs,
+}
+
+pub(crate) fn run(args: &InfoArgs) -> Outcome<()> {
+    let (file, bytes) = read_lodc(&args.input, args.limits.limits())?;
+    let report = InfoReport {
+        schema_version: SCHEMA_VERSION,
+        format_version: lodc::VERSION,
+        key: format!("{:032x}", lodc::key(&bytes)),
+        bytes: bytes.len() as u64,
+        source: SourceReport {
+            format: match file.source.format {
+                SourceFormat::Obj => "obj",
+                SourceFormat::Gltf => "gltf",
+                SourceFormat::Glb => "glb",
+            },
+            content_hash: format!("{:032x}", file.source.content_hash),
+        },
+        objects: file.objects.iter().map(|o| object(o, args.baselines)).collect(),
+    };
+    if args.json {
+        return console::json(&report);
+    }
+    console::result(text(&args.input.display().to_string(), &report).trim_end())
+}
+
+fn object(o: &LodObject, baselines: bool) -> ObjectReport {
+    let collapses = o.simplified.collapses();
+    let lods = levels::table(collapses).into_iter().map(|lod| LodReport {
+        lod: lod.0,
+        triangles: collapses.triangles_at(lod),
+        error: decimal(collapses.error_at(lod)),
+    });
+    let mut models: Map<String, Value> = o.models.iter().map(|m| (m.name().to_owned(), stored(m))).collect();
+    if baselines {
+        models.insert("triangles".to_owned(), bits(&StorageCost::of_triangles(&o.simplified), None));
+    }
+    ObjectReport {
+        counts: counts(&o.info, &o.simplified),
+        world_scale: o.info.world_scale,
+        diagonal: o.simplified.mesh().diagonal(),
+        lods: lods.collect(),
+        strips: Map::new(),
+        models,
+    }
+}
+
+fn stored(model: &AnyModel) -> Value {
+    bits(&model.storage(), Some(lodc::stored_bytes(model)))
+}
+
+fn bits(cost: &StorageCost, file: Option<u64>) -> Value {
+    let report = ModelReport {
+        bits_per_vertex: BitsPerVertex {
+            thesis: cost.thesis(),
+            thesis_normals: cost.thesis_normals(),
+            file: file.map(|bytes| cost.bits_per_vertex(bytes)),
+        },
+    };
+    serde_json::to_value(report).expect("a struct of numbers is JSON")
+}
+
+fn text(name: &str, report: &InfoReport) -> String {
+    let mut text = String::new();
+    // Writing to a string cannot fail.
+    let _ = writeln!(
+        text,
+        "{name}: format version {}, {}, from {}, {}",
+        report.format_version,
+        size(report.bytes),
+        report.source.format,
+        count(report.objects.len() as u64, "object")
+    );
+    let _ = writeln!(text, "  key {}, source {}", report.key, report.source.content_hash);
+    for o in &report.objects {
+        let _ = writeln!(text, "\n{}", crate::exit::one_line(&o.counts.name));
+        describe(&mut text, &o.counts);
+        let _ = writeln!(text, "         LOD   triangles       error   of the diagonal");
+        for lod in &o.lods {
+            let share = if o.diagonal > 0.0 { lod.error / o.diagonal * 100.0 } else { 0.0 };
+            let _ = writeln!(
+                text,
+                "  {:>10}{:>12}{:12.3e}{share:12.3} %",
+                grouped(u64::from(lod.lod)),
+                grouped(u64::from(lod.triangles)),
+                lod.error
+            );
+        }
+        for (model, cost) in &o.models {
+            let bits = &cost["bits_per_vertex"];
+            let number = |key: &str| bits[key].as_f64().map_or("-".to_owned(), |b| format!("{b:.1}"));
+            let _ = writeln!(
+                text,
+                "  {model}: bits per vertex {} (thesis), {} (with normals), {} (in this file)",
+                number("thesis"),
+                number("thesis_normals"),
+                number("file")
+            );
+        }
+    }
+    text
+}
+
+fn describe(text: &mut String, c: &ObjectCounts) {
+    let _ = writeln!(
+        text,
+        "  {}, {}, {}, {} more made for seams",
+        count(c.triangles, "triangle"),
+        count(c.referenced_vertices, "vertex"),
+        count(c.submeshes, "submesh"),
+        grouped(c.fakes)
+    );
+    let _ = writeln!(
+        text,
+        "  {} in {}, legal to LOD {}, {} of topology before it",
+        count(c.records, "record"),
+        count(c.steps, "step"),
+        grouped(u64::from(c.last_legal_lod)),
+        count(u64::from(c.topology_changes), "change")
+    );
+}

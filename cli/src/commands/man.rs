@@ -1,0 +1,28 @@
+//! `lodc man`: manual pages in roff, for `man -l -`.
+
+use crate::cli::Cli;
+use crate::console;
+use crate::exit::{Failure, Outcome, Status};
+use clap::{Args, CommandFactory};
+
+/// Options of `man`.
+#[derive(Args, Debug)]
+pub(crate) struct ManArgs {
+    /// The command to describe; all of lodc without it
+    command: Option<String>,
+}
+
+pub(crate) fn run(args: &ManArgs) -> Outcome<()> {
+    let mut all = Cli::command();
+    all.build();
+    let page = match &args.command {
+        None => all,
+        Some(name) => match all.find_subcommand(name) {
+            Some(command) => command.clone(),
+            None => return Err(Failure::usage(format!("{name}: there is no such command"))),
+        },
+    };
+    let mut text = Vec::new();
+    clap_mangen::Man::new(page).render(&mut text).map_err(|e| Failure::new(Status::Bug, e.to_string()))?;
+    console::result(String::from_utf8_lossy(&text).trim_end())
+}

@@ -1,0 +1,9 @@
+//! One module per command: its options and what it does.
+
+pub(crate) mod build;
+pub(crate) mod completions;
+pub(crate) mod extract;
+pub(crate) mod info;
+pub(crate) mod man;
+mod read;
+pub(crate) mod verify;

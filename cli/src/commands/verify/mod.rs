@@ -1,0 +1,156 @@
+//! `lodc verify`: every model of every file, replayed against the reference.
+
+mod checks;
+mod junit;
+mod source;
+
+use super::read::read_lodc;
+use crate::console::{self, Loudness, error, wants};
+use crate::exit::{Failure, Outcome, Status, one_line};
+use crate::limits::ImportArgs;
+use crate::output::{self, Target};
+use crate::report::{CheckReport, FileReport, SCHEMA_VERSION, VerifyReport};
+use clap::{Args, ValueEnum};
+use std::num::NonZeroU32;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+
+/// Options of `verify`.
+#[derive(Args, Debug)]
+pub(crate) struct VerifyArgs {
+    /// The .lodc files; `-` for standard input
+    #[arg(required = true)]
+    inputs: Vec<PathBuf>,
+    /// Also prove that LOD 0 is this mesh, triangle by triangle and byte by byte
+    #[arg(long, value_name = "INPUT")]
+    source: Option<PathBuf>,
+    /// Check every N-th step instead of every step
+    #[arg(long, value_name = "N", default_value = "1")]
+    stride: NonZeroU32,
+    /// Also replay on a GPU and compare: `require` one (plain --gpu), or take it if there is one (`auto`)
+    #[arg(long, value_name = "WHEN", num_args = 0..=1, require_equals = true, default_missing_value = "require")]
+    gpu: Option<GpuUse>,
+    /// The GPU to use, by a part of its name
+    #[arg(long, value_name = "NAME")]
+    adapter: Option<String>,
+    /// Print one JSON document
+    #[arg(long)]
+    json: bool,
+    /// Write the checks as a JUnit file
+    #[arg(long, value_name = "FILE")]
+    junit: Option<PathBuf>,
+    #[command(flatten)]
+    import: ImportArgs,
+}
+
+/// Whether a GPU must be there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum GpuUse {
+    Auto,
+    Require,
+}
+
+/// Why no GPU takes part.
+const NO_GPU: &str = "this version has no verification on a GPU yet";
+
+pub(crate) fn run(args: &VerifyArgs) -> Outcome<Status> {
+    if args.gpu == Some(GpuUse::Require) {
+        return Err(Failure::new(Status::NoGpu, format!("a GPU was required, and {NO_GPU}; nothing was verified")));
+    }
+    let streams = args.inputs.iter().chain(&args.source).filter(|path| output::is_stream(path));
+    if streams.count() > 1 {
+        return Err(Failure::usage("standard input can be read once only"));
+    }
+    check_junit(args)?;
+    let mut report = VerifyReport { schema_version: SCHEMA_VERSION, ok: true, files: vec![] };
+    let mut worst = Status::Done;
+    for input in &args.inputs {
+        let (file, status) = verify_one(args, input);
+        report.ok &= file.ok;
+        worst = worst.max(status);
+        if !args.json {
+            print(&file)?;
+        }
+        report.files.push(file);
+    }
+    if let Some(junit) = &args.junit {
+        output::write(&Target::File(junit.clone()), junit::xml(&report).into_bytes())?;
+    }
+    if args.json {
+        console::json(&report)?;
+    }
+    Ok(worst)
+}
+
+fn check_junit(args: &VerifyArgs) -> Outcome<()> {
+    let Some(junit) = &args.junit else { return Ok(()) };
+    if output::is_stream(junit) || args.inputs.iter().chain(&args.source).any(|other| other == junit) {
+        return Err(Failure::usage("--junit needs a file of its own"));
+    }
+    output::prepare(&[Target::File(junit.clone())], false)
+}
+
+/// One file. Whatever happens, there is a report, and the other files have their turn.
+fn verify_one(args: &VerifyArgs, input: &Path) -> (FileReport, Status) {
+    let name = input.display().to_string();
+    let checked = catch_unwind(AssertUnwindSafe(|| check(args, input)));
+    let failure = match checked {
+        Ok(Ok(checks)) => {
+            let ok = checks.iter().all(|c| c.ok != Some(false));
+            let status = if ok { Status::Done } else { Status::Difference };
+            return (FileReport { file: name, ok, checks, error: None }, status);
+        }
+        Ok(Err(failure)) => {
+            error(&failure);
+            failure
+        }
+        // The panic hook has said what and where.
+        Err(_) => Failure::new(Status::Bug, "internal error"),
+    };
+    (FileReport { file: name, ok: false, checks: vec![], error: Some(failure.message) }, failure.status)
+}
+
+fn check(args: &VerifyArgs, input: &Path) -> Outcome<Vec<CheckReport>> {
+    let (file, _) = read_lodc(input, args.import.options().limits)?;
+    let mut all = checks::models(&file, args.stride.get())?;
+    if let Some(source) = &args.source {
+        all.push(checks::source(&file, source, &args.import.options())?);
+    }
+    if args.gpu == Some(GpuUse::Auto) {
+        all.push(CheckReport {
+            object: None,
+            model: "all",
+            check: "the same on a GPU",
+            device: "gpu",
+            adapter: args.adapter.clone(),
+            lods: 0,
+            ok: None,
+            skipped: Some(NO_GPU.to_owned()),
+            first_difference: None,
+        });
+    }
+    Ok(all)
+}
+
+/// One line per check on standard output; with `-q` only those that failed.
+fn print(file: &FileReport) -> Outcome<()> {
+    for check in &file.checks {
+        if check.ok == Some(true) && !wants(Loudness::Normal) {
+            continue;
+        }
+        let verdict = match check.ok {
+            Some(true) => "ok",
+            Some(false) => "DIFFERENT",
+            None => "skipped",
+        };
+        let object = check.object.as_deref().map(|o| format!(" {o}")).unwrap_or_default();
+        let reason = check.first_difference.as_ref().or(check.skipped.as_ref());
+        let reason = reason.map(|r| format!(": {r}")).unwrap_or_default();
+        let line = format!(
+            "{}:{object} {}, {}, {}: {verdict}, {} LODs{reason}",
+            file.file, check.model, check.check, check.device, check.lods
+        );
+        console::result(&one_line(&line))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,100 @@
+//! The only place that prints: results on standard output, messages on standard error.
+
+use crate::exit::{Failure, Outcome, Status, one_line};
+use std::fmt::Display;
+use std::io::{self, ErrorKind, Write};
+use std::sync::atomic::{AtomicU8, Ordering};
+
+/// How much is said on standard error.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[repr(u8)]
+pub(crate) enum Loudness {
+    /// Errors only (`-q`).
+    Quiet,
+    /// Errors, warnings, summaries and, on a terminal, progress.
+    Normal,
+    /// Seconds and peak memory per stage too (`-v`).
+    Verbose,
+}
+
+// Set once at the start; a global because warnings arise everywhere and there is one standard error.
+static LOUDNESS: AtomicU8 = AtomicU8::new(Loudness::Normal as u8);
+
+/// Chooses how much is said.
+pub(crate) fn set_loudness(loudness: Loudness) {
+    LOUDNESS.store(loudness as u8, Ordering::Relaxed);
+}
+
+/// Whether messages of this loudness are wanted.
+pub(crate) fn wants(loudness: Loudness) -> bool {
+    LOUDNESS.load(Ordering::Relaxed) >= loudness as u8
+}
+
+/// Prints an error. Never fails: there is nowhere left to complain.
+pub(crate) fn error(what: &impl Display) {
+    line(&format!("lodc: {what}"));
+}
+
+/// Prints a warning about something that did not stop the work.
+pub(crate) fn warning(file: &str, what: &str) {
+    if wants(Loudness::Normal) {
+        line(&format!("lodc: {}: warning: {}", one_line(file), one_line(what)));
+    }
+}
+
+/// Prints text that helps but is not a result.
+pub(crate) fn note(text: &str) {
+    if wants(Loudness::Normal) {
+        line(text);
+    }
+}
+
+/// Prints text that only `-v` asks for.
+pub(crate) fn detail(text: &str) {
+    if wants(Loudness::Verbose) {
+        line(text);
+    }
+}
+
+fn line(text: &str) {
+    // Whole lines in one call, so that lines of several threads do not mix.
+    let _ = io::stderr().lock().write_all(format!("{text}\n").as_bytes());
+}
+
+/// Prints a result for people. A reader that closed the pipe has seen enough: that is no failure.
+///
+/// # Errors
+/// If standard output cannot be written for another reason.
+pub(crate) fn result(text: &str) -> Outcome<()> {
+    match print(format!("{text}\n").as_bytes()) {
+        Err(e) if e.kind() == ErrorKind::BrokenPipe => Ok(()),
+        other => other.map_err(|e| stdout_failure(&e)),
+    }
+}
+
+/// Prints one JSON document.
+///
+/// # Errors
+/// If standard output cannot be written.
+pub(crate) fn json(document: &impl serde::Serialize) -> Outcome<()> {
+    let text = serde_json::to_string_pretty(document).expect("report structs have string keys and finite numbers");
+    result(&text)
+}
+
+/// Writes an output file's bytes to standard output. Here a closed pipe is a failure: the reader got half a file.
+///
+/// # Errors
+/// If not all bytes could be written.
+pub(crate) fn bytes(bytes: &[u8]) -> Outcome<()> {
+    print(bytes).map_err(|e| stdout_failure(&e))
+}
+
+fn print(bytes: &[u8]) -> io::Result<()> {
+    let mut out = io::stdout().lock();
+    out.write_all(bytes)?;
+    out.flush()
+}
+
+fn stdout_failure(e: &io::Error) -> Failure {
+    Failure::new(Status::Output, format!("standard output: {e}"))
+}

@@ -1,0 +1,80 @@
+//! Exit statuses, and failures that carry one: one line each, whoever's fault it is.
+
+use lodc_formats::{Fault, FormatError};
+use std::fmt;
+
+/// What the process tells its caller. The numbers are part of the command line's contract.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+#[repr(u8)]
+pub(crate) enum Status {
+    /// Done.
+    #[default]
+    Done = 0,
+    /// A check found a difference.
+    Difference = 1,
+    /// The command line makes no sense.
+    Usage = 2,
+    /// The input is unreadable, malformed or unsupported.
+    Input = 3,
+    /// The output was not written.
+    Output = 4,
+    /// A limit on size, memory or time was reached.
+    Limit = 5,
+    /// A GPU was required and none is usable.
+    NoGpu = 6,
+    /// A bug of this program.
+    Bug = 70,
+}
+
+impl Status {
+    /// The number.
+    pub(crate) fn code(self) -> u8 {
+        self as u8
+    }
+}
+
+/// Why a command, or its work on one input, came to nothing.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Failure {
+    pub(crate) status: Status,
+    /// One line, without the program's name.
+    pub(crate) message: String,
+}
+
+impl Failure {
+    pub(crate) fn new(status: Status, message: impl Into<String>) -> Self {
+        Self { status, message: one_line(&message.into()) }
+    }
+    pub(crate) fn usage(message: impl Into<String>) -> Self {
+        Self::new(Status::Usage, message)
+    }
+}
+
+/// One line whatever the names in it: control characters are shown, not obeyed.
+pub(crate) fn one_line(text: &str) -> String {
+    let mut visible = String::with_capacity(text.len());
+    for c in text.chars() {
+        if c.is_control() { visible.extend(c.escape_default()) } else { visible.push(c) }
+    }
+    visible
+}
+
+impl From<FormatError> for Failure {
+    fn from(error: FormatError) -> Self {
+        let status = match error.fault {
+            Fault::Unreadable | Fault::Malformed | Fault::Unsupported | Fault::Forbidden => Status::Input,
+            Fault::Limit => Status::Limit,
+            Fault::NotWritten => Status::Output,
+        };
+        Self::new(status, error.to_string())
+    }
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.message)
+    }
+}
+
+/// Result of a command or a part of it.
+pub(crate) type Outcome<T> = Result<T, Failure>;

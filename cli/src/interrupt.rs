@@ -1,0 +1,24 @@
+//! Ctrl-C and its relatives: never in the middle of putting files into place.
+
+use crate::exit::{Failure, Outcome, Status};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+static COMMITTING: Mutex<()> = Mutex::new(());
+
+/// Held while files are being written and renamed; an interruption waits until it is let go.
+pub(crate) fn committing() -> MutexGuard<'static, ()> {
+    COMMITTING.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// From now on SIGINT, SIGTERM and SIGHUP end the process between two writes, with status 130.
+///
+/// # Errors
+/// If the system refuses a handler.
+pub(crate) fn install() -> Outcome<()> {
+    ctrlc::set_handler(|| {
+        let _whole = committing();
+        crate::console::error(&"interrupted; files already complete were kept, nothing partial was left");
+        std::process::exit(130);
+    })
+    .map_err(|e| Failure::new(Status::Bug, format!("no handler for interruptions: {e}")))
+}

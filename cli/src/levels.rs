@@ -1,0 +1,114 @@
+//! The models by name, and the triangles that one of them shows at a LOD.
+
+use crate::selector::Candidate;
+use clap::ValueEnum;
+use lodc_formats::ObjectInfo;
+use lodc_formats::lodc::LodObject;
+use lodc_lod::{AnyModel, Model, ModelKind};
+use lodc_mesh::{CollapseSequence, Lod, OrientedTriangle, PositionIds, Simplified, TriangleHash};
+use std::sync::Arc;
+
+/// A structure that `--models` and `--model` may name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ModelName {
+    /// Speed Strips
+    Speed,
+    /// Masking Strips
+    Masking,
+    /// Interactive Meshes
+    Interactive,
+}
+
+impl ModelName {
+    /// What the library calls it.
+    pub(crate) fn kind(self) -> ModelKind {
+        match self {
+            Self::Speed => ModelKind::Speed,
+            Self::Masking => ModelKind::Masking,
+            Self::Interactive => ModelKind::Interactive,
+        }
+    }
+}
+
+/// The kinds that were asked for, in the order of files; all that this version has if none was named.
+pub(crate) fn chosen(names: &[ModelName]) -> Vec<ModelKind> {
+    let wanted = |kind: &ModelKind| {
+        if names.is_empty() { kind.available() } else { names.iter().any(|name| name.kind() == *kind) }
+    };
+    ModelKind::ALL.into_iter().filter(wanted).collect()
+}
+
+/// An object with its models.
+///
+/// # Errors
+/// If a model cannot be made of the sequence: a bug, since every sequence that a simplifier makes can be modelled.
+pub(crate) fn with_models(info: ObjectInfo, simplified: Simplified, kinds: &[ModelKind]) -> Result<LodObject, String> {
+    let simplified = Arc::new(simplified);
+    let build = |&kind: &ModelKind| AnyModel::build(kind, &simplified).map_err(|e| format!("{}: {e}", kind.name()));
+    let models = kinds.iter().map(build).collect::<Result<_, _>>()?;
+    Ok(LodObject { info, simplified, models })
+}
+
+/// Compares every model of an object with the reference at a few LODs, back and forth.
+///
+/// # Errors
+/// If one differs.
+pub(crate) fn self_check(object: &LodObject) -> Result<(), String> {
+    let simplified = &object.simplified;
+    let collapses = simplified.collapses();
+    let mut stops = table(collapses);
+    stops.extend([Lod(0), collapses.last()]);
+    if object.models.is_empty() {
+        return Ok(());
+    }
+    let positions = PositionIds::new(simplified.mesh().positions());
+    let mut cursors: Vec<_> = object.models.iter().map(AnyModel::cursor).collect();
+    for lod in stops {
+        let reference: TriangleHash = simplified.triangles_at_with(lod, &positions).into_iter().collect();
+        for (model, cursor) in object.models.iter().zip(&mut cursors) {
+            model.seek(cursor, lod, &mut ());
+            if model.triangles(cursor).into_iter().collect::<TriangleHash>() != reference {
+                return Err(format!(
+                    "{}: {} differs from the reference at LOD {}",
+                    object.info.name,
+                    model.name(),
+                    lod.0
+                ));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The triangles of an object at a LOD, by a model or, without one, by the reference.
+pub(crate) fn triangles(object: &LodObject, model: Option<ModelKind>, lod: Lod) -> Vec<OrientedTriangle> {
+    match object.models.iter().find(|m| Some(m.kind()) == model) {
+        Some(model) => model.triangles_at(lod),
+        None => object.simplified.triangles_at(lod),
+    }
+}
+
+/// Objects as the selector sees them.
+pub(crate) fn candidates(objects: &[LodObject]) -> Vec<Candidate<'_>> {
+    let seen = objects.iter().map(|o| Candidate {
+        name: &o.info.name,
+        collapses: o.simplified.collapses(),
+        scale: o.info.world_scale,
+        diagonal: o.simplified.mesh().diagonal(),
+    });
+    seen.collect()
+}
+
+/// Shares of the triangles at which tables show a LOD.
+pub(crate) const TABLE: [f64; 5] = [0.5, 0.25, 0.1, 0.05, 0.01];
+
+/// Fine to coarse: the input, the shares of [`TABLE`], the last LOD that has a triangle. Each once.
+pub(crate) fn table(collapses: &CollapseSequence) -> Vec<Lod> {
+    let triangles = f64::from(collapses.parts().triangles);
+    let wanted = TABLE.iter().map(|share| collapses.lod_for_triangles((share * triangles) as u32));
+    let visible = collapses.last_visible();
+    let mut lods: Vec<Lod> = std::iter::once(Lod(0)).chain(wanted.map(|l| l.min(visible))).chain([visible]).collect();
+    lods.sort_unstable();
+    lods.dedup();
+    lods
+}

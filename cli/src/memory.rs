@@ -1,0 +1,27 @@
+//! How much memory the process has used and the machine has. Measurements: never part of an output file.
+
+use std::fs;
+
+/// Forgets the peak so far, where the system allows that, so that each input's peak is its own.
+pub(crate) fn reset_peak() {
+    let _ = fs::write("/proc/self/clear_refs", "5");
+}
+
+/// Peak resident bytes of this process; 0 where the system does not say.
+pub(crate) fn peak_bytes() -> u64 {
+    kibibytes("/proc/self/status", "VmHWM:").unwrap_or(0)
+}
+
+/// Bytes of memory that this process may use: the machine's, or less if its control group says so.
+pub(crate) fn available_bytes() -> Option<u64> {
+    let machine = kibibytes("/proc/meminfo", "MemTotal:");
+    let group = fs::read_to_string("/sys/fs/cgroup/memory.max").ok().and_then(|t| t.trim().parse().ok());
+    machine.into_iter().chain(group).min()
+}
+
+/// A line such as `VmHWM:     1234 kB`.
+fn kibibytes(file: &str, key: &str) -> Option<u64> {
+    let text = fs::read_to_string(file).ok()?;
+    let line = text.lines().find_map(|line| line.strip_prefix(key))?;
+    Some(line.trim().trim_end_matches("kB").trim().parse::<u64>().ok()? * 1024)
+}

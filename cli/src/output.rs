@@ -1,0 +1,215 @@
+//! Where results go: file, folder or standard output; whole or not at all; and dependency files.
+
+use crate::exit::{Failure, Outcome, Status};
+use crate::{console, interrupt};
+use lodc_formats::{OutputFile, write_all};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// Where one result goes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Target {
+    /// `-`.
+    Stdout,
+    /// A file.
+    File(PathBuf),
+}
+
+impl Target {
+    /// As the user would write it.
+    pub(crate) fn name(&self) -> String {
+        match self {
+            Self::Stdout => "-".to_owned(),
+            Self::File(path) => path.display().to_string(),
+        }
+    }
+}
+
+/// Whether a path stands for standard input or output.
+pub(crate) fn is_stream(path: &Path) -> bool {
+    path.as_os_str() == "-"
+}
+
+/// Where each input's result goes. `out` is a file for one input, a folder for several or if it is one already (or ends
+/// with a slash); without it results stand beside the inputs.
+///
+/// # Errors
+/// If two results would have one name, or a result would replace an input.
+pub(crate) fn targets(inputs: &[PathBuf], out: Option<&Path>, extension: &str) -> Outcome<Vec<Target>> {
+    let targets: Vec<Target> = match out {
+        Some(out) if is_stream(out) => {
+            if inputs.len() > 1 {
+                return Err(Failure::usage("several results do not fit one standard output: name a folder"));
+            }
+            vec![Target::Stdout; inputs.len()]
+        }
+        Some(out) if inputs.len() > 1 || is_folder(out) => {
+            if out.exists() && !out.is_dir() {
+                return Err(Failure::usage(format!("{}: several inputs need a folder, this is a file", out.display())));
+            }
+            inputs.iter().map(|input| Target::File(out.join(named(input, extension)))).collect()
+        }
+        Some(out) => vec![Target::File(out.to_owned())],
+        None if inputs.iter().any(|input| is_stream(input)) => {
+            return Err(Failure::usage("standard input has no place beside it: name the output with -o"));
+        }
+        None => inputs.iter().map(|input| Target::File(input.with_file_name(named(input, extension)))).collect(),
+    };
+    let mut taken = BTreeMap::new();
+    for (target, input) in targets.iter().zip(inputs) {
+        let Target::File(path) = target else { continue };
+        if let Some(other) = taken.insert(place(path), input) {
+            return Err(Failure::usage(format!(
+                "{}: {} and {} would both be written there",
+                path.display(),
+                other.display(),
+                input.display()
+            )));
+        }
+        if let Some(input) = inputs.iter().find(|input| !is_stream(input) && place(input) == place(path)) {
+            return Err(Failure::usage(format!("{}: the output would replace the input", input.display())));
+        }
+    }
+    Ok(targets)
+}
+
+/// Whether results belong inside.
+pub(crate) fn is_folder(out: &Path) -> bool {
+    out.is_dir() || out.as_os_str().to_string_lossy().ends_with(['/', std::path::MAIN_SEPARATOR])
+}
+
+/// The name of a result for an input.
+pub(crate) fn named(input: &Path, extension: &str) -> PathBuf {
+    let stem = if is_stream(input) { "stdin".into() } else { input.file_stem().unwrap_or_default().to_owned() };
+    // Not `with_extension`: a stem such as `part.v2` keeps its dot.
+    let mut name = stem;
+    name.push(".");
+    name.push(extension);
+    name.into()
+}
+
+/// The identity of a path: its folder as the system knows it, and its name. Good enough for files that do not exist.
+fn place(path: &Path) -> PathBuf {
+    if let Ok(whole) = path.canonicalize() {
+        return whole;
+    }
+    let folder = match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    let folder = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
+    folder.join(path.file_name().unwrap_or_default())
+}
+
+/// Makes sure that a result could be written, before the work that makes it.
+///
+/// # Errors
+/// If the folder cannot be made or is none.
+pub(crate) fn prepare(targets: &[Target], make_folder: bool) -> Outcome<()> {
+    for target in targets {
+        let Target::File(path) = target else { continue };
+        let folder = match path.parent() {
+            Some(folder) if !folder.as_os_str().is_empty() => folder,
+            _ => continue,
+        };
+        if make_folder && !folder.exists() {
+            std::fs::create_dir_all(folder).map_err(|e| not_written(folder, &e.to_string()))?;
+        }
+        if !folder.is_dir() {
+            return Err(not_written(path, "its folder does not exist"));
+        }
+        if path.is_dir() {
+            return Err(not_written(path, "a folder has this name"));
+        }
+    }
+    Ok(())
+}
+
+fn not_written(path: &Path, why: &str) -> Failure {
+    Failure::new(Status::Output, format!("{}: not written: {why}", path.display()))
+}
+
+/// Writes files, all or none; an interruption waits until they are in place.
+///
+/// # Errors
+/// If one cannot be written.
+pub(crate) fn commit(files: &[OutputFile]) -> Outcome<()> {
+    // Opening a pipe that nobody reads waits for ever, so there an interruption must get through; it leaves nothing
+    // behind either, since pipes and devices are written to directly.
+    let special = |f: &OutputFile| f.path.metadata().is_ok_and(|m| !m.is_file());
+    let _whole = (!files.iter().any(special)).then(interrupt::committing);
+    Ok(write_all(files)?)
+}
+
+/// Writes one result.
+///
+/// # Errors
+/// If it cannot be written.
+pub(crate) fn write(target: &Target, bytes: Vec<u8>) -> Outcome<()> {
+    match target {
+        Target::Stdout => console::bytes(&bytes),
+        Target::File(path) => commit(&[OutputFile { path: path.clone(), bytes }]),
+    }
+}
+
+/// One rule of a dependency file: a result and the files it was made from.
+#[derive(Clone, Debug)]
+pub(crate) struct Rule {
+    pub(crate) output: PathBuf,
+    pub(crate) inputs: Vec<PathBuf>,
+}
+
+/// Writes a Make/Ninja dependency file.
+///
+/// # Errors
+/// If it cannot be written.
+pub(crate) fn write_depfile(path: &Path, rules: &[Rule]) -> Outcome<()> {
+    let mut text = String::new();
+    for rule in rules {
+        text.push_str(&escaped(&rule.output));
+        text.push(':');
+        for input in rule.inputs.iter().filter(|input| !is_stream(input)) {
+            text.push_str(" \\\n  ");
+            text.push_str(&escaped(input));
+        }
+        text.push('\n');
+    }
+    write(&Target::File(path.to_owned()), text.into_bytes())
+}
+
+/// A path as Make reads it.
+fn escaped(path: &Path) -> String {
+    let mut text = String::new();
+    for c in path.to_string_lossy().chars() {
+        match c {
+            ' ' | '#' | '\t' => text.extend(['\\', c]),
+            '$' => text.push_str("$$"),
+            _ => text.push(c),
+        }
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_stem_keeps_its_dots() {
+        assert_eq!(named(Path::new("a/part.v2.obj"), "lodc"), Path::new("part.v2.lodc"));
+        assert_eq!(named(Path::new("-"), "lodc"), Path::new("stdin.lodc"));
+    }
+
+    #[test]
+    fn two_results_of_one_name_are_refused() {
+        let inputs = ["a/x.obj".into(), "b/x.glb".into()];
+        assert!(targets(&inputs, Some(Path::new("out")), "lodc").is_err());
+        assert!(targets(&["a/x.obj".into(), "a/x.glb".into()], None, "lodc").is_err());
+        assert!(targets(&inputs, None, "lodc").is_ok());
+    }
+
+    #[test]
+    fn make_reads_back_what_was_escaped() {
+        assert_eq!(escaped(Path::new("a b/c$d#e")), "a\\ b/c$$d\\#e");
+    }
+}

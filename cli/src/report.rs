@@ -1,0 +1,185 @@
+//! The JSON documents. Their keys are a contract with scripts (docs/CLI.md): more may be added, none may change.
+
+use serde::Serialize;
+
+/// Version of all documents below; rises only if a key changes its meaning or goes away.
+pub(crate) const SCHEMA_VERSION: u32 = 1;
+
+/// `build --report json`.
+#[derive(Debug, Serialize)]
+pub(crate) struct BuildReport {
+    pub(crate) schema_version: u32,
+    pub(crate) tool_version: &'static str,
+    pub(crate) inputs: Vec<InputReport>,
+}
+
+/// One input of a build. Counts are null if the work did not get that far.
+#[derive(Debug, Default, Serialize)]
+pub(crate) struct InputReport {
+    pub(crate) input: String,
+    pub(crate) output: String,
+    /// The exit status of this input alone.
+    pub(crate) status: u8,
+    pub(crate) vertices: Option<u64>,
+    pub(crate) referenced_vertices: Option<u64>,
+    pub(crate) triangles: Option<u64>,
+    pub(crate) submeshes: Option<u64>,
+    pub(crate) fakes: Option<u64>,
+    pub(crate) records: Option<u64>,
+    pub(crate) steps: Option<u64>,
+    pub(crate) last_legal_lod: Option<u64>,
+    pub(crate) bytes: Option<u64>,
+    pub(crate) models: Vec<&'static str>,
+    pub(crate) objects: Vec<ObjectCounts>,
+    pub(crate) stages: Vec<StageReport>,
+    pub(crate) peak_bytes: u64,
+    pub(crate) warnings: Vec<String>,
+    pub(crate) error: Option<String>,
+}
+
+/// Seconds of one stage.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct StageReport {
+    pub(crate) name: &'static str,
+    pub(crate) seconds: f64,
+}
+
+/// What an object is made of.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct ObjectCounts {
+    pub(crate) name: String,
+    /// All vertices, those made by the simplifier included.
+    pub(crate) vertices: u64,
+    /// Vertices that a triangle of LOD 0 uses.
+    pub(crate) referenced_vertices: u64,
+    pub(crate) triangles: u64,
+    pub(crate) submeshes: u64,
+    pub(crate) fakes: u64,
+    pub(crate) records: u64,
+    pub(crate) steps: u64,
+    pub(crate) last_legal_lod: u32,
+    /// Steps that changed the topology before the terminal phase.
+    pub(crate) topology_changes: u32,
+    pub(crate) first_topology_change: Option<u32>,
+}
+
+/// `info --json`.
+#[derive(Debug, Serialize)]
+pub(crate) struct InfoReport {
+    pub(crate) schema_version: u32,
+    pub(crate) format_version: u32,
+    pub(crate) key: String,
+    pub(crate) bytes: u64,
+    pub(crate) source: SourceReport,
+    pub(crate) objects: Vec<ObjectReport>,
+}
+
+/// Where a file came from; never a path.
+#[derive(Debug, Serialize)]
+pub(crate) struct SourceReport {
+    pub(crate) format: &'static str,
+    pub(crate) content_hash: String,
+}
+
+/// One object of a file.
+#[derive(Debug, Serialize)]
+pub(crate) struct ObjectReport {
+    #[serde(flatten)]
+    pub(crate) counts: ObjectCounts,
+    pub(crate) world_scale: f64,
+    pub(crate) diagonal: f64,
+    pub(crate) lods: Vec<LodReport>,
+    /// Strips by generator; empty until the file has strip models.
+    pub(crate) strips: serde_json::Map<String, serde_json::Value>,
+    /// Models by name.
+    pub(crate) models: serde_json::Map<String, serde_json::Value>,
+}
+
+/// One line of the table of LODs.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub(crate) struct LodReport {
+    pub(crate) lod: u32,
+    pub(crate) triangles: u32,
+    pub(crate) error: f64,
+}
+
+/// What one model costs.
+#[derive(Debug, Serialize)]
+pub(crate) struct ModelReport {
+    pub(crate) bits_per_vertex: BitsPerVertex,
+}
+
+/// Bits per input vertex, counted three ways.
+#[derive(Debug, Serialize)]
+pub(crate) struct BitsPerVertex {
+    /// As the thesis counts: structure and positions.
+    pub(crate) thesis: f64,
+    /// The same with normals.
+    pub(crate) thesis_normals: f64,
+    /// What this model takes in the file; null if it is not stored.
+    pub(crate) file: Option<f64>,
+}
+
+/// `extract --json`.
+#[derive(Debug, Serialize)]
+pub(crate) struct ExtractReport {
+    pub(crate) schema_version: u32,
+    /// The LOD shown; null if several objects each have their own.
+    pub(crate) lod: Option<u32>,
+    pub(crate) triangles: u64,
+    pub(crate) vertices: u64,
+    /// The largest error of an object: in mesh units for one object, in world units for several.
+    pub(crate) error: f64,
+    pub(crate) output: String,
+    pub(crate) input: String,
+    pub(crate) model: &'static str,
+    pub(crate) objects: Vec<ExtractedObject>,
+    pub(crate) warnings: Vec<String>,
+}
+
+/// One object of an extraction.
+#[derive(Debug, Serialize)]
+pub(crate) struct ExtractedObject {
+    pub(crate) name: String,
+    pub(crate) lod: u32,
+    pub(crate) triangles: u64,
+    pub(crate) vertices: u64,
+    /// In the object's own units.
+    pub(crate) error: f64,
+}
+
+/// `verify --json`.
+#[derive(Debug, Serialize)]
+pub(crate) struct VerifyReport {
+    pub(crate) schema_version: u32,
+    pub(crate) ok: bool,
+    pub(crate) files: Vec<FileReport>,
+}
+
+/// One file of a verification.
+#[derive(Debug, Serialize)]
+pub(crate) struct FileReport {
+    pub(crate) file: String,
+    pub(crate) ok: bool,
+    pub(crate) checks: Vec<CheckReport>,
+    /// Why there are no checks, if the file could not be read.
+    pub(crate) error: Option<String>,
+}
+
+/// One check.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct CheckReport {
+    pub(crate) object: Option<String>,
+    /// The model; `sequence` for facts stored with the collapse sequence, `source` for `--source`.
+    pub(crate) model: &'static str,
+    /// What was checked.
+    pub(crate) check: &'static str,
+    pub(crate) device: &'static str,
+    pub(crate) adapter: Option<String>,
+    /// LODs compared.
+    pub(crate) lods: u64,
+    /// Null if the check was skipped.
+    pub(crate) ok: Option<bool>,
+    pub(crate) skipped: Option<String>,
+    pub(crate) first_difference: Option<String>,
+}

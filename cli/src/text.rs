@@ -1,0 +1,65 @@
+//! Numbers, sizes and paths as people read them.
+
+use std::path::Path;
+
+/// `1 triangle`, `2,000 triangles`, `3 vertices`, `4 submeshes`.
+pub(crate) fn count(n: u64, noun: &str) -> String {
+    let plural = match noun.strip_suffix("ex") {
+        Some(stem) => format!("{stem}ices"),
+        None if noun.ends_with("sh") => format!("{noun}es"),
+        None => format!("{noun}s"),
+    };
+    format!("{} {}", grouped(n), if n == 1 { noun } else { &plural })
+}
+
+/// Digits in groups of three.
+pub(crate) fn grouped(n: u64) -> String {
+    let digits = n.to_string();
+    let mut text = String::new();
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+/// `part` of `whole` in percent; 0 of nothing.
+pub(crate) fn percent(part: u64, whole: u64) -> f64 {
+    if whole == 0 { 0.0 } else { part as f64 / whole as f64 * 100.0 }
+}
+
+/// A number of bytes.
+pub(crate) fn size(bytes: u64) -> String {
+    match bytes {
+        0..1024 => format!("{bytes} bytes"),
+        1024..1_048_576 => format!("{:.1} KiB", bytes as f64 / 1024.0),
+        _ => format!("{:.1} MiB", bytes as f64 / 1_048_576.0),
+    }
+}
+
+/// A path that a shell takes as one word.
+pub(crate) fn quoted(path: &Path) -> String {
+    let text = path.display().to_string();
+    let plain = |c: char| c.is_ascii_alphanumeric() || "/._-+,:@%".contains(c);
+    if !text.is_empty() && text.chars().all(plain) { text } else { format!("'{}'", text.replace('\'', "'\\''")) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counts_read_like_english() {
+        assert_eq!(count(1, "triangle"), "1 triangle");
+        assert_eq!(count(1_234_567, "fake vertex"), "1,234,567 fake vertices");
+        assert_eq!(count(2, "submesh"), "2 submeshes");
+    }
+
+    #[test]
+    fn a_quoted_path_survives_a_shell() {
+        assert_eq!(quoted(Path::new("a b's.lodc")), "'a b'\\''s.lodc'");
+        assert_eq!(quoted(Path::new("/x/y-1.lodc")), "/x/y-1.lodc");
+    }
+}

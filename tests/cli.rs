@@ -1,0 +1,19 @@
+//! The command line as scripts and people meet it: one module per promise of docs/CLI.md.
+
+#![expect(clippy::print_stderr, reason = "a test that is left out says so aloud")]
+
+#[path = "cli/build.rs"]
+mod build;
+#[path = "cli/determinism.rs"]
+mod determinism;
+#[path = "cli/extract.rs"]
+mod extract;
+#[path = "cli/output.rs"]
+mod output;
+#[path = "cli/paths.rs"]
+mod paths;
+mod support;
+#[path = "cli/usage.rs"]
+mod usage;
+#[path = "cli/verify.rs"]
+mod verify;

@@ -1,0 +1,133 @@
+//! Output appears whole or not at all, whatever happens meanwhile.
+
+use crate::support::{Folder, LODC, grid};
+use std::io::Read;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+#[test]
+fn a_failed_run_leaves_what_stood_there() {
+    let f = Folder::new();
+    f.file("bad.obj", "v 0 0 0\nf 1 2 3\n");
+    f.file("good.obj", grid(3));
+    f.file("bad.lodc", "precious");
+    f.lodc(["build", "bad.obj"]).fails(3);
+    assert_eq!(f.read("bad.lodc"), b"precious");
+    assert_eq!(f.names(), ["bad.lodc", "bad.obj", "good.obj"], "and nothing beside it");
+    f.lodc(["build", "good.obj", "-o", "bad.lodc", "-q"]).ends(0);
+    assert_ne!(f.read("bad.lodc"), b"precious");
+}
+
+#[test]
+fn output_that_cannot_be_written_is_4() {
+    let f = Folder::new();
+    f.file("good.obj", grid(3));
+    f.file("file", "no folder");
+    for out in ["missing/a.lodc", "file/a.lodc", "/proc/a.lodc"] {
+        f.lodc(["build", "good.obj", "-o", out]).fails(4);
+    }
+    f.lodc(["build", "good.obj", "-q"]).ends(0);
+    f.lodc(["extract", "good.lodc", "--ratio", "1", "-o", "missing/a.glb"]).fails(4);
+    if cfg!(target_os = "linux") {
+        let full = || Stdio::from(std::fs::File::options().write(true).open("/dev/full").expect("/dev/full"));
+        for args in [vec!["info", "good.lodc"], vec!["build", "good.obj", "-o", "-", "-q"], vec!["verify", "good.lodc"]]
+        {
+            let output =
+                Command::new(LODC).args(&args).current_dir(f.path()).stdout(full()).output().expect("it starts");
+            assert_eq!(output.status.code(), Some(4), "{args:?}");
+        }
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_read_only_folder_is_4_and_keeps_its_file() {
+    use std::os::unix::fs::PermissionsExt;
+    let f = Folder::new();
+    f.file("good.obj", grid(3));
+    f.file("locked/good.lodc", "precious");
+    let mode = |m| std::fs::set_permissions(f.join("locked"), std::fs::Permissions::from_mode(m)).expect("my folder");
+    mode(0o555);
+    if std::fs::write(f.join("locked/probe"), "").is_ok() {
+        // The superuser writes everywhere.
+        eprintln!("SKIPPED: read-only folders do not stop this user");
+    } else {
+        f.lodc(["build", "good.obj", "-o", "locked"]).fails(4);
+    }
+    mode(0o755);
+    assert_eq!(f.read("locked/good.lodc"), b"precious");
+}
+
+#[test]
+fn a_reader_that_leaves_early_is_no_error() {
+    let f = Folder::new();
+    f.file("good.obj", grid(3));
+    f.lodc(["build", "good.obj", "-q"]).ends(0);
+    for args in
+        [vec!["info", "good.lodc"], vec!["info", "good.lodc", "--json"], vec!["completions", "bash"], vec!["--help"]]
+    {
+        let mut command = Command::new(LODC);
+        command.args(&args).current_dir(f.path()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        let mut child = command.spawn().expect("it starts");
+        drop(child.stdout.take());
+        let mut err = String::new();
+        child.stderr.take().expect("a pipe").read_to_string(&mut err).expect("text");
+        let status = child.wait().expect("it ends");
+        assert_eq!((status.code(), err.as_str()), (Some(0), ""), "{args:?}");
+    }
+}
+
+/// Ends a build at many moments, by a signal that cannot be caught, and looks at what is left.
+#[cfg(unix)]
+#[test]
+fn a_killed_build_leaves_the_old_file_or_the_new_one() {
+    let f = Folder::new();
+    f.file("g.obj", grid(60));
+    let start = Instant::now();
+    f.lodc(["build", "g.obj", "-o", "new.lodc", "-q"]).ends(0);
+    let whole = start.elapsed();
+    let (old, new) = (b"precious".to_vec(), f.read("new.lodc"));
+    let (mut kept, mut replaced) = (0, 0);
+    for point in 0..48_u32 {
+        f.file("g.lodc", &old);
+        let mut command = Command::new(LODC);
+        command.args(["build", "g.obj", "-q"]).current_dir(f.path()).stdin(Stdio::null());
+        let mut child = command.spawn().expect("it starts");
+        // A little past the end too: the moment of the rename is what matters most.
+        std::thread::sleep(whole.mul_f64(f64::from(point) / 40.0).max(Duration::from_micros(200)));
+        let _ = child.kill();
+        child.wait().expect("it ends");
+        match f.read("g.lodc") {
+            now if now == old => kept += 1,
+            now => {
+                assert!(now == new, "neither the old file nor the new one after point {point}");
+                replaced += 1;
+            }
+        }
+    }
+    eprintln!("killed 48 builds: {kept} kept the old file, {replaced} had the new one");
+    assert!(kept > 0, "no build was killed before it was done");
+    f.lodc(["build", "g.obj", "-q"]).ends(0);
+    assert_eq!(f.names(), ["g.lodc", "g.obj", "new.lodc"], "the next run removes what killed ones left");
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_build_leaves_nothing_partial() {
+    let f = Folder::new();
+    f.file("g.obj", grid(150));
+    f.file("g.lodc", "precious");
+    for signal in ["-INT", "-TERM"] {
+        let mut command = Command::new(LODC);
+        command.args(["build", "g.obj"]).current_dir(f.path()).stdin(Stdio::null()).stderr(Stdio::piped());
+        let mut child = command.spawn().expect("it starts");
+        std::thread::sleep(Duration::from_millis(40));
+        let sent = Command::new("kill").args([signal, &child.id().to_string()]).status().expect("kill is there");
+        assert!(sent.success());
+        let mut err = String::new();
+        child.stderr.take().expect("a pipe").read_to_string(&mut err).expect("text");
+        assert_eq!(child.wait().expect("it ends").code(), Some(130), "{err}");
+        assert_eq!(f.read("g.lodc"), b"precious");
+        assert_eq!(f.names(), ["g.lodc", "g.obj"]);
+    }
+}

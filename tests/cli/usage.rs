@@ -1,0 +1,108 @@
+//! What is refused before any work, and what helps people.
+
+use crate::support::{Folder, grid};
+
+#[test]
+fn wrong_usage_ends_with_2_and_a_hint() {
+    let f = Folder::new();
+    f.file("a.obj", grid(2));
+    for args in [
+        vec!["biuld", "a.obj"],
+        vec!["build"],
+        vec!["build", "a.obj", "--jbos", "2"],
+        vec!["build", "a.obj", "--jobs", "0"],
+        vec!["build", "a.obj", "--jobs", "many"],
+        vec!["build", "a.obj", "--weld", "2"],
+        vec!["build", "a.obj", "-q", "-v"],
+        vec!["build", "a.obj", "--models", "speeed"],
+        vec!["extract", "a.lodc", "-o", "b.obj"],
+        vec!["extract", "a.lodc", "-o", "b.obj", "--lod", "1", "--ratio", "0.5"],
+        vec!["extract", "a.lodc", "-o", "b.obj", "--ratio", "50"],
+        vec!["extract", "a.lodc", "-o", "b.obj", "--error", "-1"],
+        vec!["verify"],
+        vec!["man", "biuld"],
+        vec![],
+    ] {
+        let run = f.lodc(&args).ends(2);
+        assert!(!run.err.is_empty(), "{args:?}");
+        assert!(!run.err.contains("panicked"), "{args:?}");
+    }
+    assert!(f.lodc(["biuld"]).err.contains("'build'"), "a typo is answered with the right name");
+    assert_eq!(f.names(), ["a.obj"]);
+}
+
+#[test]
+fn models_and_metrics_of_later_versions_are_refused_in_one_line() {
+    let f = Folder::new();
+    f.file("a.obj", grid(2));
+    for args in [["--models", "speed"], ["--models", "interactive,masking"], ["--metric", "viewpoint"]] {
+        let run = f.lodc(["build", "a.obj"].into_iter().chain(args)).fails(2);
+        assert!(run.err.contains("not yet in this version"), "{}", run.err);
+    }
+    f.lodc([
+        "build",
+        "a.obj",
+        "--models",
+        "interactive",
+        "--metric",
+        "quadric",
+        "--strips",
+        "cache",
+        "--effort",
+        "fast",
+    ])
+    .ends(0);
+}
+
+#[test]
+fn help_version_completions_and_manual_pages_go_to_standard_output() {
+    let f = Folder::new();
+    for args in [
+        vec!["--version"],
+        vec!["--help"],
+        vec!["build", "--help"],
+        vec!["completions", "bash"],
+        vec!["completions", "zsh"],
+        vec!["man"],
+        vec!["man", "build"],
+    ] {
+        let run = f.lodc(&args).ends(0);
+        assert!(run.err.is_empty() && !run.out.is_empty(), "{args:?}");
+    }
+    assert_eq!(f.lodc(["--version"]).text().trim(), concat!("lodc ", env!("CARGO_PKG_VERSION")));
+    assert!(f.lodc(["man", "extract"]).text().contains("\\-\\-triangles"));
+    assert!(f.lodc(["completions", "fish"]).text().contains("extract"));
+}
+
+#[test]
+fn two_results_of_one_name_or_on_one_stream_are_refused() {
+    let f = Folder::new();
+    f.file("a/x.obj", grid(2));
+    f.file("b/x.obj", grid(2));
+    f.file("y.obj", grid(2));
+    f.file("plain", "a file");
+    for args in [
+        vec!["a/x.obj", "b/x.obj", "-o", "out"],
+        vec!["a/x.obj", "./a/../a/x.obj"],
+        vec!["a/x.obj", "y.obj", "-o", "-"],
+        vec!["a/x.obj", "-o", "-", "--report", "json"],
+        vec!["a/x.obj", "-o", "a/x.obj"],
+        vec!["a/x.obj", "-o", "a/../a/x.obj"],
+        vec!["a/x.obj", "y.obj", "-o", "plain"],
+        vec!["a/x.obj", "--depfile", "a/x.lodc"],
+        vec!["-", "-", "-o", "out"],
+        vec!["-"],
+    ] {
+        f.lodc(["build"].iter().chain(&args)).fails(2);
+    }
+    assert_eq!(f.names(), ["a", "b", "plain", "y.obj"]);
+    f.lodc(["build", "y.obj", "-q"]).ends(0);
+    for args in [
+        vec!["-o", "-", "--json"],
+        vec!["-o", "-", "--format", "gltf"],
+        vec!["-o", "y.lodc", "--format", "glb"],
+        vec!["-o", "z.stl"],
+    ] {
+        f.lodc(["extract", "y.lodc", "--ratio", "0.5"].iter().chain(&args)).fails(2);
+    }
+}

@@ -1,0 +1,98 @@
+//! Real meshes that nobody here made: the sound ones build, verify and extract; the broken ones end as promised.
+
+#![expect(clippy::print_stderr, reason = "a test that is left out says so aloud")]
+
+mod support;
+
+use serde_json::Value;
+use std::collections::VecDeque;
+use std::path::Path;
+use std::sync::Mutex;
+use std::thread;
+use std::time::Instant;
+use support::{Folder, Run, corpus, manifest};
+
+/// Above this many triangles a mesh is verified at every thousandth step and extracted once: the test has to end.
+const LARGE: u64 = 200_000;
+
+/// Does something with every mesh of the corpus, on all cores, largest first.
+fn for_each(corpus: &Path, check: impl Fn(&Folder, &str, &Value) -> Result<(), String> + Sync) {
+    let mut all = manifest(corpus);
+    all.sort_by_key(|(_, facts)| std::cmp::Reverse(facts["bytes"].as_u64()));
+    let queue = Mutex::new(VecDeque::from(all));
+    let failures = Mutex::new(Vec::new());
+    let workers = thread::available_parallelism().map_or(2, usize::from);
+    thread::scope(|scope| {
+        for _ in 0..workers {
+            scope.spawn(|| {
+                let folder = Folder::new();
+                loop {
+                    let next = queue.lock().expect("no worker panics with the queue").pop_front();
+                    let Some((path, facts)) = next else { break };
+                    let start = Instant::now();
+                    if let Err(what) = check(&folder, &path, &facts) {
+                        failures.lock().expect("no worker panics with the list").push(format!("{path}: {what}"));
+                    }
+                    if start.elapsed().as_secs() >= 20 {
+                        eprintln!("{path}: {:.0} s", start.elapsed().as_secs_f64());
+                    }
+                }
+            });
+        }
+    });
+    let mut failures = failures.into_inner().expect("no worker panics with the list");
+    failures.sort();
+    assert!(failures.is_empty(), "{} failures:\n{}", failures.len(), failures.join("\n"));
+}
+
+/// Whether a mesh has to be built: all but those kept as examples of broken files, and what is refused by name.
+fn sound(path: &str, facts: &Value) -> bool {
+    let needs = |name: &str| facts["extensions_required"].as_array().is_some_and(|a| a.iter().any(|e| e == name));
+    !path.contains("/invalid/") && !needs("KHR_draco_mesh_compression")
+}
+
+fn ended(run: &Run, wanted: &[i32], doing: &str) -> Result<(), String> {
+    if run.status.is_some_and(|s| wanted.contains(&s)) {
+        return Ok(());
+    }
+    Err(format!("{doing} ended with {:?}: {}", run.status, run.err.trim()))
+}
+
+fn check(folder: &Folder, corpus: &Path, path: &str, facts: &Value) -> Result<(), String> {
+    let input = corpus.join(path);
+    let input = input.to_str().ok_or("a path that is not text")?;
+    let run = folder.lodc(["build", input, "-o", "m.lodc", "-q", "--report", "json"]);
+    ended(&run, if sound(path, facts) { &[0] } else { &[0, 3, 5] }, "build")?;
+    if run.status != Some(0) {
+        let errors = run.err.lines().count();
+        return if errors == 1 { Ok(()) } else { Err(format!("{errors} lines of error: {}", run.err)) };
+    }
+    let report = run.json();
+    let triangles = report["inputs"][0]["triangles"].as_u64().ok_or("no count of triangles")?;
+    let large = triangles > LARGE;
+    let mut verify = vec!["verify", "m.lodc", "-q"];
+    verify.extend(if large { vec!["--stride", "1000"] } else { vec!["--source", input] });
+    let run = folder.lodc(verify);
+    ended(&run, &[0], "verify").map_err(|e| format!("{e}{}", run.text()))?;
+    for ratio in [0.5, 0.25, 0.1, 0.05, 0.01].into_iter().take(if large { 1 } else { 5 }) {
+        let text = ratio.to_string();
+        let run = folder.lodc(["extract", "m.lodc", "--ratio", &text, "-o", "m.glb", "--json", "-q"]);
+        ended(&run, &[0], &format!("extract at {ratio}"))?;
+        let report = run.json();
+        let (got, most) = (report["triangles"].as_u64().unwrap_or(u64::MAX), (ratio * triangles as f64) as u64);
+        let stopped = report["warnings"].as_array().is_some_and(|w| !w.is_empty());
+        if got > most && !stopped {
+            return Err(format!("{got} triangles at {ratio}, more than {most}, without a warning"));
+        }
+        if got == 0 && triangles > 0 {
+            return Err(format!("nothing left at {ratio}"));
+        }
+    }
+    Ok(())
+}
+
+#[test]
+fn every_sound_mesh_builds_verifies_and_extracts_and_every_broken_one_ends_in_one_line() {
+    let Some(corpus) = corpus() else { return };
+    for_each(&corpus, |folder, path, facts| check(folder, &corpus, path, facts));
+}
