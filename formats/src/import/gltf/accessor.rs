@@ -107,6 +107,7 @@ impl Accessor {
             return Err(malformed(place, "byteOffset without bufferView"));
         }
         let size = shape.columns * shape.column_stride(component);
+        let last = size - (shape.column_stride(component) - shape.rows * component.size());
         let data = match view {
             None => None,
             Some(view) => {
@@ -115,7 +116,7 @@ impl Accessor {
                     return Err(malformed(place, format!("byteStride {stride} is less than an element of {size} bytes")));
                 }
                 let offset = offset.unwrap_or(0);
-                fits(offset, stride, count, size, views.len(view)).map_err(|what| malformed(&*place, what))?;
+                fits(offset, stride, count, last, views.len(view)).map_err(|what| malformed(&*place, what))?;
                 Some((view, offset as usize, stride))
             }
         };
@@ -124,11 +125,6 @@ impl Accessor {
             Some(sparse) => Some(Sparse::new(sparse, &format!("{place}.sparse"), count, size, views)?),
         };
         Ok(Some(Self { shape, component, normalized, count, place, data, sparse }))
-    }
-
-    /// Bytes of an element, tightly packed.
-    pub(super) const fn element_bytes(&self) -> usize {
-        self.shape.components() * self.component.size()
     }
 
     /// Whether it has bytes of its own: zeros are also what a compressed primitive leaves behind.
@@ -206,7 +202,8 @@ impl Sparse {
     }
 }
 
-/// Whether `count` elements from `offset` on fit into `length` bytes.
+/// Whether `count` elements from `offset` on fit into `length` bytes; after the last one there need not be the padding
+/// that a matrix's last column has.
 fn fits(offset: u64, stride: usize, count: usize, size: usize, length: usize) -> Result<(), String> {
     let last = (count as u64 - 1).checked_mul(stride as u64);
     let end = last.and_then(|last| offset.checked_add(last)?.checked_add(size as u64));

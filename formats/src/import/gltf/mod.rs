@@ -113,19 +113,19 @@ fn read_objects(
         objects.push(scene_object(name, m, triangles, kept.iter().map(|&k| numbers[k]), scales[m]));
     }
     let counts = &reading.counts;
-    let mut tell = |count: usize, what: &str| {
+    let mut tell = |what: &str, count: usize| {
         if count > 0 {
-            warnings.push(format!("{count} {what}"));
+            warnings.push(format!("{what}: {count}"));
         }
     };
-    tell(counts.degenerate, "triangles with two corners at one position dropped");
-    tell(reading.unused_vertices() + counts.lonely_vertices, "vertices that no triangle uses dropped");
-    tell(counts.welded, "vertices moved onto others by welding");
-    tell(counts.leftover_corners, "corners after the last whole triangle of their primitive dropped");
-    tell(counts.not_finite, "attribute values are not finite numbers and stay so");
-    tell(other, "primitives of points or lines pass through unchanged");
-    tell(no_position, "primitives without positions pass through unchanged");
-    tell(counts.only_degenerate, "primitives without a triangle of any area pass through unchanged");
+    tell("triangles with two corners at one position dropped", counts.degenerate);
+    tell("vertices that no triangle uses dropped", reading.unused_vertices() + counts.lonely_vertices);
+    tell("vertices moved onto others by welding", counts.welded);
+    tell("corners after the last whole triangle of their primitive dropped", counts.leftover_corners);
+    tell("attribute values that are not finite numbers, kept as they are", counts.not_finite);
+    tell("primitives of points or lines, passed through unchanged", other);
+    tell("primitives without positions, passed through unchanged", no_position);
+    tell("primitives without a triangle of any area, passed through unchanged", counts.only_degenerate);
     Ok(objects)
 }
 

@@ -7,7 +7,7 @@ use super::primitive::Primitive;
 use super::views::Views;
 use crate::{Fault, FormatError, Limits};
 use lodc_mesh::{Attribute, Component, Mesh, MeshParts, Semantic, Submesh, weld_positions};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// What all meshes of a document share while they are read.
 #[derive(Debug)]
@@ -22,6 +22,8 @@ pub(super) struct Reading<'a> {
     triangles: u64,
     /// Which elements of each accessor of positions some triangle uses, one bit each.
     used: BTreeMap<usize, Vec<u64>>,
+    /// Those of them whose primitives have become submeshes.
+    converted: BTreeSet<usize>,
 }
 
 /// What was dropped or moved.
@@ -75,6 +77,7 @@ impl<'a> Reading<'a> {
             vertices: 0,
             triangles: 0,
             used: BTreeMap::new(),
+            converted: BTreeSet::new(),
         }
     }
 
@@ -93,10 +96,15 @@ impl<'a> Reading<'a> {
             let tolerance = self.weld * diagonal(&parts.positions);
             self.counts.welded += weld_positions(&mut parts, tolerance);
         }
-        let cleaning = parts.clean();
+        let sizes = SubmeshSizes::of(&parts);
+        parts.clean();
+        let cleaned = SubmeshSizes::of(&parts);
         let kept = drop_empty_submeshes(&mut parts);
-        self.counts.degenerate += cleaning.degenerate_triangles;
-        self.counts.lonely_vertices += cleaning.unreferenced_vertices;
+        for &s in &kept {
+            self.counts.degenerate += sizes.triangles[s] - cleaned.triangles[s];
+            self.counts.lonely_vertices += sizes.vertices[s] - cleaned.vertices[s];
+            self.converted.insert(primitives[s].position);
+        }
         self.counts.only_degenerate += primitives.len() - kept.len();
         if kept.is_empty() {
             return Ok(None);
@@ -169,13 +177,27 @@ impl<'a> Reading<'a> {
         Ok(())
     }
 
-    /// How many elements of all accessors of positions no triangle uses.
+    /// How many elements of all accessors of positions no primitive uses.
     pub(super) fn unused_vertices(&self) -> usize {
         let unused = |(accessor, bits): (&usize, &Vec<u64>)| {
             let used: usize = bits.iter().map(|b| b.count_ones() as usize).sum();
             self.accessors[*accessor].as_ref().map_or(0, |a| a.count - used)
         };
-        self.used.iter().map(unused).sum()
+        self.used.iter().filter(|(a, _)| self.converted.contains(a)).map(unused).sum()
+    }
+}
+
+/// How many triangles and vertices each submesh has.
+struct SubmeshSizes {
+    triangles: Vec<usize>,
+    vertices: Vec<usize>,
+}
+
+impl SubmeshSizes {
+    fn of(parts: &MeshParts) -> Self {
+        let mut vertices = vec![0; parts.submeshes.len()];
+        parts.vertex_submesh.iter().for_each(|&s| vertices[s as usize] += 1);
+        Self { triangles: parts.submeshes.iter().map(|s| s.triangle_count as usize).collect(), vertices }
     }
 }
 

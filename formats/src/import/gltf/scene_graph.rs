@@ -5,6 +5,7 @@ use super::extensions::INSTANCING;
 use super::json::{self, Object, entries, integer, list, malformed};
 use super::views::Views;
 use crate::FormatError;
+use lodc_mesh::Component;
 use serde_json::Value;
 
 /// The linear part of a transformation, by columns.
@@ -175,7 +176,7 @@ fn skinned(
 ) -> Result<f64, FormatError> {
     let Some(skin) = entries(root, "skins").nth(skin) else { return Ok(1.0) };
     let inverse = match index(skin, "inverseBindMatrices").and_then(|a| accessors[a].as_ref()) {
-        Some(a) if a.shape.components() == 16 => Some((a.count, a.reader(views)?)),
+        Some(a) if a.shape.components() == 16 && a.component == Component::F32 => Some((a.count, a.reader(views)?)),
         _ => None,
     };
     let mut largest = 0.0f64;
@@ -197,7 +198,7 @@ fn skinned(
 fn instances(extension: &Object, accessors: &[Option<Accessor>], views: &Views<'_>) -> Result<f64, FormatError> {
     let scale = extension.get("attributes").and_then(|a| a.get("SCALE")).and_then(integer);
     let Some(accessor) = scale.and_then(|a| accessors[a as usize].as_ref()) else { return Ok(1.0) };
-    if accessor.component != lodc_mesh::Component::F32 || !accessor.has_data() {
+    if accessor.component != Component::F32 || !accessor.has_data() {
         return Ok(1.0);
     }
     let reader = accessor.reader(views)?;

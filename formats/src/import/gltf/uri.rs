@@ -36,12 +36,19 @@ fn scheme(uri: &str) -> Option<&str> {
     (starts && letters.all(|b| b.is_ascii_alphanumeric() || b"+-.".contains(&b))).then_some(scheme)
 }
 
-/// RFC 2397 without parameters that would change the bytes; a media type of any kind is accepted.
+/// RFC 2397; a media type of any kind is accepted.
 fn data(rest: &str, place: &str) -> Result<Vec<u8>, FormatError> {
     let (header, body) = rest.split_once(',').ok_or_else(|| malformed(place, "a data URI without a comma"))?;
     let base64 = header.rsplit(';').next().is_some_and(|last| last.eq_ignore_ascii_case("base64"));
     let bytes = if base64 { base64_decoded(body.as_bytes()) } else { percent_decoded(body) };
     bytes.ok_or_else(|| malformed(place, "the data URI cannot be decoded"))
+}
+
+/// The media type and the bytes of a `data:` URI; none if it is something else or cannot be decoded.
+pub(super) fn decoded_data(uri: &str) -> Option<(String, Vec<u8>)> {
+    let rest = strip_prefix_ignoring_case(uri, "data:")?;
+    let media_type = rest.split([';', ',']).next()?.to_ascii_lowercase();
+    Some((media_type, data(rest, "").ok()?))
 }
 
 /// `%XX` turned into bytes; `None` where a `%` is not followed by two hexadecimal digits.

@@ -93,6 +93,11 @@ impl<'a> Views<'a> {
         self.views[view].compressed.is_some()
     }
 
+    /// Whether the view's bytes are nowhere: its buffer is a placeholder.
+    pub(super) fn is_placeholder(&self, view: usize) -> bool {
+        self.buffers[self.views[view].buffer].is_none()
+    }
+
     /// The buffer of the view and where in it the view is.
     pub(super) fn range(&self, view: usize) -> (usize, Range<usize>) {
         (self.views[view].buffer, self.views[view].range.clone())
