@@ -90,7 +90,8 @@ pub(crate) fn placed<'a>(document: &Document, objects: &[ExportObject<'a>]) -> R
             *shown = true;
             triangles += object.mesh.triangles().len();
             if triangles > MAX_TRIANGLES {
-                let what = format!("its instances have more than {MAX_TRIANGLES} triangles together: write a glTF instead");
+                let what =
+                    format!("its instances have more than {MAX_TRIANGLES} triangles together: write a glTF instead");
                 return Err(FormatError::new(Fault::Limit, "", what));
             }
             let stays = world == IDENTITY || !node["skin"].is_null() || world.iter().any(|x| !x.is_finite());
@@ -173,7 +174,7 @@ fn cofactors(m: &Matrix) -> [f64; 9] {
 
 #[expect(clippy::cast_possible_truncation, reason = "the formats store single precision")]
 fn finite(x: f64) -> f32 {
-    (x as f32).clamp(f32::MIN, f32::MAX)
+    (x as f32).clamp(f32::MIN, f32::MAX) + 0.0 // a transform makes no -0
 }
 
 /// A component of a stream, zero if it has fewer.
@@ -184,11 +185,9 @@ pub(crate) fn component(stream: &Attribute, vertex: u32, i: usize) -> f32 {
 /// The stream of a submesh with this meaning, at rest.
 pub(crate) fn stream<'a>(mesh: &'a Mesh, submesh: usize, semantic: &Semantic) -> Option<&'a Attribute> {
     let attributes = mesh.submeshes()[submesh].attributes.iter();
-    attributes
-        .map(|&a| &mesh.attributes()[a as usize])
-        .find(|a| a.semantic == *semantic && a.morph_target.is_none())
+    attributes.map(|&a| &mesh.attributes()[a as usize]).find(|a| a.semantic == *semantic && a.morph_target.is_none())
 }
 
 #[cfg(test)]
 #[path = "flatten_tests.rs"]
-mod tests;
+pub(super) mod tests;

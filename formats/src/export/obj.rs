@@ -91,8 +91,9 @@ impl Writer {
                 let corner = corner_text.entry(vertex).or_insert_with(|| {
                     let position = placed.position(vertex);
                     let components = color.map_or(0, |c| usize::from(c.components).clamp(3, 4));
-                    let rgba: [f32; 4] =
-                        std::array::from_fn(|i| color.map_or(0.0, |c| if i < components { component(c, vertex, i) } else { 0.0 }));
+                    let rgba: [f32; 4] = std::array::from_fn(|i| {
+                        color.map_or(0.0, |c| if i < components { component(c, vertex, i) } else { 0.0 })
+                    });
                     let key = (position.map(f32::to_bits), rgba.map(f32::to_bits));
                     let values = position.iter().chain(&rgba[..components]);
                     let v = number(&mut self.v, key, &mut self.text, "v", values);

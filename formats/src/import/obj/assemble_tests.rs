@@ -19,9 +19,7 @@ const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 
 #[test]
 fn corners_with_equal_values_share_a_vertex_and_others_do_not() {
-    let a = build(&format!(
-        "{SQUARE}vt 0 0\nvt 0 0\nvt 1 1\nf 1/1 2/1 3/1\nf 1/2 3/2 4/1\nf 1/3 2/1 4/2\n"
-    ));
+    let a = build(&format!("{SQUARE}vt 0 0\nvt 0 0\nvt 1 1\nf 1/1 2/1 3/1\nf 1/2 3/2 4/1\nf 1/3 2/1 4/2\n"));
     assert_eq!(a.parts.positions.len(), 5);
     assert_eq!(a.parts.triangles, [[0, 1, 2], [0, 2, 3], [4, 1, 3]]);
     // Two positions with equal coordinates stay two vertices.
@@ -34,9 +32,11 @@ fn one_submesh_per_material_in_order_of_first_use() {
     let a = build(&format!(
         "{SQUARE}vn 0 0 1\nusemtl unused\nusemtl red\ng left\nf 1 2 3\nusemtl\ng right\nf 1//1 2//1 3//1 4//1\nusemtl red\ng left\nf 1 3 4\n"
     ));
-    let submeshes: Vec<_> = a.parts.submeshes.iter().map(|s| (s.first_triangle, s.triangle_count, s.attributes.len())).collect();
+    let submeshes: Vec<_> =
+        a.parts.submeshes.iter().map(|s| (s.first_triangle, s.triangle_count, s.attributes.len())).collect();
     assert_eq!(submeshes, [(0, 2, 0), (2, 2, 1)]);
-    let names: Vec<_> = a.submeshes.iter().map(|s| (s.name.as_str(), s.material.as_deref(), s.document_primitive)).collect();
+    let names: Vec<_> =
+        a.submeshes.iter().map(|s| (s.name.as_str(), s.material.as_deref(), s.document_primitive)).collect();
     assert_eq!(names, [("left", Some("red"), 0), ("right", None, 1)]);
     assert_eq!((a.joined_labels, a.polygons), (0, 1));
     assert_eq!(a.parts.vertex_submesh, [0, 0, 0, 0, 1, 1, 1, 1]);

@@ -1,1 +1,42 @@
+use super::*;
 
+fn parse(source: &[u8]) -> Materials {
+    let mut materials = Materials::default();
+    materials.parse("a.mtl", source).expect("small");
+    materials
+}
+
+#[test]
+fn lines_are_kept_as_they_are_and_not_understood() {
+    let m = parse(b"# by hand\nnewmtl  a name, with spaces \r\nKd 0.5\r\n  map_Kd -s 1 1 1 c:\\x y.png\n\n# no\nnonsense\nnewmtl b");
+    let lines = ["Kd 0.5", "map_Kd -s 1 1 1 c:\\x y.png", "nonsense"].map(str::to_owned).to_vec();
+    let expected = [
+        ObjMaterial { name: "a name, with spaces".to_owned(), lines },
+        ObjMaterial { name: "b".to_owned(), lines: Vec::new() },
+    ];
+    assert_eq!(m.list, expected);
+    assert!(m.warnings.is_empty());
+}
+
+#[test]
+fn the_first_definition_holds_and_strays_are_counted() {
+    let m = parse(b"Kd 1 1 1\nnewmtl a\nKd 1\nnewmtl a\nKd 2\nNs 3\nnewmtl b\nKd 3\n");
+    let found: Vec<_> = m.list.iter().map(|m| (m.name.as_str(), m.lines.join(";"))).collect();
+    assert_eq!(found, [("a", "Kd 1".to_owned()), ("b", "Kd 3".to_owned())]);
+    assert_eq!(m.warnings.len(), 2);
+    assert!(m.warnings[0].contains("1 materials are defined more than once"), "{:?}", m.warnings);
+    assert!(m.warnings[1].contains("1 lines before"), "{:?}", m.warnings);
+}
+
+#[test]
+fn continued_lines_and_other_encodings_are_read() {
+    let m = parse(b"\xef\xbb\xbfnewmtl caf\xe9\rKd 1 \\\n0 0\n\\");
+    assert_eq!(m.list[0].name, "café");
+    assert_eq!(m.list[0].lines, ["Kd 1  0 0"]);
+}
+
+#[test]
+fn a_library_of_absurd_size_is_a_limit() {
+    let error = Materials::default().parse("a.mtl", &vec![b'\n'; MAX_BYTES + 1]).expect_err("too large");
+    assert_eq!((error.fault, error.file.as_str()), (Fault::Limit, "a.mtl"));
+}

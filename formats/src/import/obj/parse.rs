@@ -340,11 +340,8 @@ impl<'a> Parser<'a> {
 
     fn use_material(&mut self) {
         let name = self.lines.rest();
-        self.material = if name.is_empty() {
-            NONE
-        } else {
-            intern(&mut self.material_index, &mut self.parsed.materials, name)
-        };
+        self.material =
+            if name.is_empty() { NONE } else { intern(&mut self.material_index, &mut self.parsed.materials, name) };
     }
 
     fn group(&mut self) {

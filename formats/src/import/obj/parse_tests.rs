@@ -12,7 +12,9 @@ const THREE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
 
 #[test]
 fn corners_take_every_form_and_negative_indices_count_back() {
-    let p = read(&format!("{THREE}vt 0 0\nvt 1 1\nvn 0 0 1\nf 1 2 3\nf 1/1 2/2 3/\nf 1//1 -2//-1 3//\nf 1/-1/1 2/-2/1 3/1/1\n"));
+    let p = read(&format!(
+        "{THREE}vt 0 0\nvt 1 1\nvn 0 0 1\nf 1 2 3\nf 1/1 2/2 3/\nf 1//1 -2//-1 3//\nf 1/-1/1 2/-2/1 3/1/1\n"
+    ));
     assert_eq!(p.corner_v, [0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2]);
     assert_eq!(p.corner_t, [NONE, NONE, NONE, 0, 1, NONE, NONE, NONE, NONE, 1, 0, 0]);
     assert_eq!(p.corner_n, [NONE, NONE, NONE, NONE, NONE, NONE, 0, 0, NONE, 0, 0, 0]);
@@ -101,7 +103,10 @@ fn materials_groups_and_objects_make_runs() {
     ));
     let runs: Vec<_> = p.runs.iter().map(|r| (r.first_face, r.material, r.label)).collect();
     assert_eq!(runs, [(0, NONE, NONE), (1, 0, 0), (3, 0, 1), (5, 1, 1)]);
-    assert_eq!((p.materials, p.labels), (vec!["a b".to_owned(), "c".to_owned()], vec!["one".to_owned(), "box".to_owned()]));
+    assert_eq!(
+        (p.materials, p.labels),
+        (vec!["a b".to_owned(), "c".to_owned()], vec!["one".to_owned(), "box".to_owned()])
+    );
     assert_eq!(p.objects, ["box"]);
 }
 

@@ -82,10 +82,7 @@ fn corners_on_a_line_give_no_flat_triangle_where_that_can_be_avoided() {
 
 #[test]
 fn a_hole_reached_by_a_slit_stays_a_hole() {
-    let points = [
-        [0f32, 0.], [9., 0.], [9., 9.], [0., 9.], [0., 0.],
-        [3., 3.], [3., 6.], [6., 6.], [6., 3.], [3., 3.],
-    ];
+    let points = [[0f32, 0.], [9., 0.], [9., 9.], [0., 9.], [0., 0.], [3., 3.], [3., 6.], [6., 6.], [6., 3.], [3., 3.]];
     let (_, total, parts) = check(&points);
     assert_eq!((total, parts), (2.0 * 72.0, 2.0 * 72.0));
 }
@@ -120,7 +117,8 @@ fn polygons_in_any_plane_keep_their_side() {
 #[test]
 fn a_hostile_polygon_ends_soon() {
     let n = 60_000;
-    let points: Vec<[f32; 3]> = (0..n).map(|i| [i as f32, if i % 2 == 0 { 0.0 } else { 1.0 + (i % 7) as f32 }, 0.0]).collect();
+    let points: Vec<[f32; 3]> =
+        (0..n).map(|i| [i as f32, if i % 2 == 0 { 0.0 } else { 1.0 + (i % 7) as f32 }, 0.0]).collect();
     let start = std::time::Instant::now();
     assert_eq!(Triangulator::default().triangulate(&points).len(), n - 2);
     assert!(start.elapsed().as_secs() < 5, "{:?}", start.elapsed());
