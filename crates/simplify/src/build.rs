@@ -149,7 +149,7 @@ fn classify(working: &mut Working, wedges: &Wedges) {
             let closed = ahead == behind && ahead.windows(2).all(|w| w[0] != w[1]);
             let mut flags = if closed { 0 } else { OPEN };
             if seams_possible || !closed {
-                around.look(this, wedges, g, true);
+                around.look(this, wedges, g);
                 if around.seams > 0 {
                     flags |= SEAM;
                 }

@@ -5,10 +5,10 @@ use crate::attributes::{Attributes, Gradient};
 use crate::heap::Heap;
 use crate::legality;
 use crate::metric::Metric;
-use crate::neighborhood::{Neighborhood, SpokeKind};
+use crate::neighborhood::{Neighborhood, SpokeKind, fold_planes};
 use crate::plan::Plan;
 use crate::wedges::Wedges;
-use crate::working::{OPEN, RESTRICTED, SEAM, SHARED_POSITION, Working, next, previous};
+use crate::working::{OPEN, RESTRICTED, SEAM, SHARED_POSITION, Working, next};
 use lodc_mesh::{Lod, Mesh};
 use rayon::prelude::*;
 
@@ -153,18 +153,17 @@ impl<M: Metric> Engine<'_, M> {
         let stale = std::mem::take(&mut serial.stale);
         for &g in &stale {
             self.rerank(g, best, heap, &mut serial.scratch);
-            for i in 0..serial.scratch.around.spokes.len() {
-                let other = serial.scratch.around.spokes[i].group;
-                if self.mesh.has(other, RESTRICTED) && serial.first_time(other) {
-                    serial.outer.push(other);
+            for &corner in self.mesh.star(g) {
+                for other in self.mesh.others(corner) {
+                    if self.mesh.has(other, RESTRICTED) && serial.first_time(other) {
+                        serial.outer.push(other);
+                    }
                 }
             }
         }
         // Around the target nothing moved but its own history, and that only grew: only those bound for it care.
-        for i in 0..self.mesh.star(to).len() {
-            let corner = self.mesh.star(to)[i];
-            let groups = self.mesh.faces[corner.face() as usize].groups;
-            for g in [groups[next(corner.at())], groups[previous(corner.at())]] {
+        for &corner in self.mesh.star(to) {
+            for g in self.mesh.others(corner) {
                 if best[g as usize].to == to && serial.first_time(g) {
                     serial.outer.push(g);
                 }
@@ -191,23 +190,40 @@ impl<M: Metric> Engine<'_, M> {
 
     /// The cheapest collapse of a group, legality and prices left aside: never more than the true cost.
     fn rank(&self, from: u32, scratch: &mut Scratch) -> Choice {
-        self.price_all(from, scratch);
-        let best = scratch.candidates.iter().copied().min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        best.map_or(Choice { cost: f32::NAN, to: u32::MAX }, |(cost, to)| Choice { cost: as_key(cost), to })
+        let least = |best: (f64, u32), cost: f64, to: u32| if (cost, to) < best { (cost, to) } else { best };
+        let nothing = (f64::INFINITY, u32::MAX);
+        let (cost, to) = if self.is_plain(from) {
+            // By far the most common case: every neighbour is the next corner of exactly one face.
+            let planes = &mut scratch.around.planes;
+            fold_planes(&self.mesh, from, planes);
+            let local = self.metric.local(&self.mesh, from, planes);
+            self.mesh.star(from).iter().fold(nothing, |best, &corner| {
+                let to = self.mesh.faces[corner.face() as usize].groups[next(corner.at())];
+                least(best, self.metric.cost(&self.mesh, &local, from, to), to)
+            })
+        } else {
+            self.price_all(from, scratch);
+            scratch.candidates.iter().fold(nothing, |best, &(cost, to)| least(best, cost, to))
+        };
+        Choice { cost: if to == u32::MAX { f32::NAN } else { as_key(cost) }, to }
+    }
+
+    /// Whether a group has a closed fan of faces, none of them at a border or seam, and no attributes to mind.
+    fn is_plain(&self, group: u32) -> bool {
+        self.attributes.is_empty() && !self.mesh.has(group, OPEN | SEAM)
     }
 
     /// Prices every collapse of a group that borders and seams permit.
     fn price_all(&self, from: u32, scratch: &mut Scratch) {
         let Scratch { around, gradients, candidates } = scratch;
         candidates.clear();
-        around.spokes.clear();
         if self.mesh.star(from).is_empty() {
             return;
         }
         let with_attributes = !self.attributes.is_empty();
-        around.look(&self.mesh, &self.wedges, from, with_attributes);
+        around.look(&self.mesh, &self.wedges, from);
         let Some(permitted) = self.permitted(around) else { return };
-        let local = self.metric.local(&self.mesh, from, around);
+        let local = self.metric.local(&self.mesh, from, &around.planes);
         if with_attributes {
             self.fit_gradients(from, gradients);
         }
@@ -274,7 +290,8 @@ impl<M: Metric> Engine<'_, M> {
 
     /// The cheapest legal collapse of a group with its price, and whether it changes the topology.
     fn settle(&mut self, from: u32, known: Choice, serial: &mut Serial) -> Option<(Choice, bool)> {
-        if !self.mesh.has(from, SEAM) {
+        let wedges_matter = self.mesh.has(from, SEAM) || self.attributes.texture.is_some();
+        if !wedges_matter {
             match self.judge(from, known.to, &mut serial.legality) {
                 Some(verdict) if verdict.price <= 1.0 => return Some((known, verdict.changes_topology)),
                 _ => {}
@@ -293,8 +310,12 @@ impl<M: Metric> Engine<'_, M> {
                 continue;
             };
             let mut price = verdict.price;
-            if self.mesh.has(from, SEAM) {
+            if wedges_matter {
                 self.plan(from, to, &mut serial.plan);
+                if self.stage < Stage::Flips && !self.keeps_texture(from, to, &serial.plan) {
+                    refused = true;
+                    continue;
+                }
                 price *= 1.0 + FAKE_PRICE * f64::from(serial.plan.fakes);
             }
             refused |= price > 1.0;

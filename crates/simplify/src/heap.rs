@@ -112,3 +112,7 @@ impl Heap {
         self.slot[group_of(k) as usize] = i as u32;
     }
 }
+
+#[cfg(test)]
+#[path = "heap_tests.rs"]
+mod tests;

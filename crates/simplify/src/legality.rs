@@ -2,6 +2,7 @@
 
 use crate::engine::{Engine, Stage};
 use crate::metric::Metric;
+use crate::plan::Plan;
 use crate::working::{Working, next, previous};
 use glam::DVec3;
 
@@ -53,6 +54,29 @@ impl<M: Metric> Engine<'_, M> {
     }
 }
 
+impl<M: Metric> Engine<'_, M> {
+    /// No face around `from` turns its texture over when `from` moves to `to` as planned.
+    pub(crate) fn keeps_texture(&self, from: u32, to: u32, plan: &Plan) -> bool {
+        let Some(column) = self.attributes.texture else { return true };
+        let at = |wedge: u32| {
+            let row = self.attributes.row(self.wedges.attributes_of[wedge as usize]);
+            [f64::from(row[column]), f64::from(row[column + 1])]
+        };
+        self.mesh.star(from).iter().all(|&corner| {
+            if self.mesh.others(corner).contains(&to) {
+                return true;
+            }
+            let wedges = &self.mesh.wedges[corner.face() as usize];
+            let here = wedges[corner.at()];
+            let target = plan.wedges.iter().find(|p| p.wedge == here && p.target != u32::MAX);
+            let Some(target) = target else { return true };
+            let (b, c) = (at(wedges[next(corner.at())]), at(wedges[previous(corner.at())]));
+            let area = |a: [f64; 2]| (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+            area(at(here)) * area(at(target.target)) >= 0.0
+        })
+    }
+}
+
 /// No face around `from` turns too far or loses its area when `from` moves to where `to` is.
 fn keeps_orientation(mesh: &Working, from: u32, to: u32) -> bool {
     let there = mesh.position(to);
@@ -94,10 +118,7 @@ impl Link {
         let (near, common) = (buffers.epoch, buffers.epoch + 1);
         let marks = &mut buffers.marks;
         let star = mesh.star(from);
-        let others = |corner: crate::working::Corner| {
-            let groups = &mesh.faces[corner.face() as usize].groups;
-            [groups[next(corner.at())], groups[previous(corner.at())]]
-        };
+        let others = |corner| mesh.others(corner);
         let mut shared_faces = 0;
         let (mut apexes, mut apex) = (0, [u32::MAX; 2]);
         for &corner in star {

@@ -91,3 +91,6 @@ pub fn simplify(mesh: &Mesh, options: &Options, progress: &(dyn Fn(u64, u64) + S
     let Engine { wedges, log, .. } = engine;
     output::output(mesh, &wedges, &corners, &built.triangle_of, log, 1.0 / built.scale)
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,8 +1,8 @@
 //! What surrounds a group: its spokes (edges to other groups), and which of them are borders or seams.
 
 use crate::wedges::Wedges;
-use crate::working::{OPEN, SEAM, Working, next, previous};
-use glam::DVec3;
+use crate::working::{Corner, Working, next, previous};
+use glam::{DVec3, Vec3};
 
 
 /// Weight of the plane along a border edge, times its squared length.
@@ -20,7 +20,7 @@ const FOLD_WEIGHT: f64 = 1.0;
 pub(crate) struct Spoke {
     pub(crate) group: u32,
     pub(crate) kind: SpokeKind,
-    /// Its entries, where those were collected.
+    /// Its entries, as a range.
     pub(crate) entries: (u32, u32),
 }
 
@@ -61,20 +61,12 @@ pub(crate) struct Neighborhood {
 }
 
 impl Neighborhood {
-    /// Looks around `group`. Entries are collected at open and seam groups, and everywhere if `wanted`.
-    pub(crate) fn look(&mut self, mesh: &Working, wedges: &Wedges, group: u32, wanted: bool) {
+    /// Looks around `group`.
+    pub(crate) fn look(&mut self, mesh: &Working, wedges: &Wedges, group: u32) {
         self.spokes.clear();
         self.entries.clear();
         self.planes.clear();
         (self.borders, self.seams) = (0, 0);
-        let folded = is_folded(mesh, group);
-        if !wanted && !folded && !mesh.has(group, OPEN | SEAM) {
-            for &corner in mesh.star(group) {
-                let group = mesh.faces[corner.face() as usize].groups[next(corner.at())];
-                self.spokes.push(Spoke { group, kind: SpokeKind::Smooth, entries: (0, 0) });
-            }
-            return;
-        }
         for &corner in mesh.star(group) {
             let (face, at) = (corner.face(), corner.at());
             let (groups, corners) = (&mesh.faces[face as usize].groups, &mesh.wedges[face as usize]);
@@ -96,9 +88,7 @@ impl Neighborhood {
             };
             let weight = match kind {
                 SpokeKind::Smooth => {
-                    if folded {
-                        self.planes.extend(fold_plane(mesh, group, [faces[0], faces[1]]));
-                    }
+                    self.planes.extend(fold_plane(mesh, group, first.group, [faces[0].face, faces[1].face]));
                     0.0
                 }
                 SpokeKind::Border => {
@@ -138,21 +128,31 @@ impl Neighborhood {
     }
 }
 
-/// Whether some faces around the group may look away from each other: no, if all normals are within 45° of their mean.
-fn is_folded(mesh: &Working, group: u32) -> bool {
-    let normals = || mesh.star(group).iter().map(|c| mesh.faces[c.face() as usize].normal);
-    let mean = normals().sum::<glam::Vec3>();
+/// The planes along all folded edges at a group whose star is a closed fan.
+pub(crate) fn fold_planes(mesh: &Working, group: u32, planes: &mut Vec<FeaturePlane>) {
+    planes.clear();
+    let star = mesh.star(group);
+    let normal = |corner: Corner| mesh.faces[corner.face() as usize].normal;
+    // If all normals are within 45° of their mean, no two are more than 90° apart.
+    let mean = star.iter().map(|&c| normal(c)).sum::<Vec3>();
     let limit = std::f32::consts::FRAC_1_SQRT_2 * mean.length();
-    normals().any(|n| n.dot(mean) < limit && n != glam::Vec3::ZERO)
+    if !star.iter().any(|&c| normal(c).dot(mean) < limit) {
+        return;
+    }
+    for &corner in star {
+        let end = mesh.others(corner)[0];
+        let other = star.iter().find(|&&c| mesh.others(c)[1] == end);
+        planes.extend(other.and_then(|&other| fold_plane(mesh, group, end, [corner.face(), other.face()])));
+    }
 }
 
 /// The plane along an edge whose two faces fold back on each other. The rim of a thin shape (an ear, a horn, a blade)
 /// is like a border: moving inwards stays near the planes of both sides, but eats the shape.
-fn fold_plane(mesh: &Working, group: u32, faces: [Entry; 2]) -> Option<FeaturePlane> {
-    let [m, n] = faces.map(|e| mesh.faces[e.face as usize].normal.as_dvec3());
+fn fold_plane(mesh: &Working, group: u32, end: u32, faces: [u32; 2]) -> Option<FeaturePlane> {
+    let [m, n] = faces.map(|f| mesh.faces[f as usize].normal.as_dvec3());
     let fold = -m.dot(n);
     (fold > 0.0).then(|| {
-        let edge = mesh.position(faces[0].group) - mesh.position(group);
+        let edge = mesh.position(end) - mesh.position(group);
         // Outwards is between the normals; where they cancel, along the sheet.
         let normal = (m + n).try_normalize().unwrap_or_else(|| m.cross(edge).normalize_or_zero());
         FeaturePlane { normal, weight: FOLD_WEIGHT * fold * edge.length_squared() }

@@ -73,3 +73,7 @@ impl Quadric {
         if self.weight > 0.0 { (self.c / self.weight).sqrt() } else { 0.0 }
     }
 }
+
+#[cfg(test)]
+#[path = "quadric_tests.rs"]
+mod tests;

@@ -137,6 +137,13 @@ impl Working {
         &self.arena[s.start as usize..(s.start + s.len) as usize]
     }
 
+    /// The groups at a face's other two corners.
+    #[inline]
+    pub(crate) fn others(&self, corner: Corner) -> [u32; 2] {
+        let groups = &self.faces[corner.face() as usize].groups;
+        [groups[next(corner.at())], groups[previous(corner.at())]]
+    }
+
     /// The face with its normal and area as its corners' positions give them.
     pub(crate) fn set_plane(&mut self, face: u32) {
         let [a, b, c] = self.faces[face as usize].groups.map(|g| self.position(g));

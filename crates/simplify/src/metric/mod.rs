@@ -4,7 +4,7 @@ mod quadric;
 
 pub(crate) use quadric::QuadricMetric;
 
-use crate::neighborhood::Neighborhood;
+use crate::neighborhood::FeaturePlane;
 use crate::working::Working;
 
 /// The price of moving a group onto a neighbour. Pricing is pure, so it runs in parallel; committing is serial.
@@ -12,8 +12,8 @@ pub(crate) trait Metric: Sync {
     /// What is common to all collapses of one group.
     type Local;
 
-    /// Looks at a group and its star.
-    fn local(&self, mesh: &Working, from: u32, around: &Neighborhood) -> Self::Local;
+    /// Looks at a group, its star and the planes of features through it.
+    fn local(&self, mesh: &Working, from: u32, features: &[FeaturePlane]) -> Self::Local;
 
     /// What it costs to move `from` onto its neighbour `to`. Working units to the fourth power; not negative.
     fn cost(&self, mesh: &Working, local: &Self::Local, from: u32, to: u32) -> f64;

@@ -6,7 +6,7 @@
 //! that, and they also give the reported error.
 
 use super::Metric;
-use crate::neighborhood::Neighborhood;
+use crate::neighborhood::{FeaturePlane, Neighborhood};
 use crate::quadric::{Quadric, Symmetric, add_outer, times};
 use crate::wedges::Wedges;
 use crate::working::{OPEN, Working};
@@ -43,7 +43,7 @@ impl QuadricMetric {
         let mut metric = Self { surface, border: Vec::new(), border_of: vec![NONE; mesh.places.len()] };
         let mut around = Neighborhood::default();
         for g in (0..mesh.places.len() as u32).filter(|&g| mesh.has(g, OPEN)) {
-            around.look(mesh, wedges, g, true);
+            around.look(mesh, wedges, g);
             let mut quadric = Quadric::default();
             for plane in around.planes.iter().filter(|_| around.borders > 0) {
                 quadric.add_plane(plane.normal, plane.weight);
@@ -60,7 +60,7 @@ impl QuadricMetric {
 impl Metric for QuadricMetric {
     type Local = Local;
 
-    fn local(&self, mesh: &Working, from: u32, around: &Neighborhood) -> Local {
+    fn local(&self, mesh: &Working, from: u32, features: &[FeaturePlane]) -> Local {
         let mut a = [0.0; 6];
         let mut weight = 0.0;
         for &corner in mesh.star(from) {
@@ -68,7 +68,7 @@ impl Metric for QuadricMetric {
             add_outer(&mut a, f.normal.as_dvec3(), f64::from(f.area));
             weight += f64::from(f.area);
         }
-        for plane in &around.planes {
+        for plane in features {
             add_outer(&mut a, plane.normal, plane.weight);
         }
         for i in [0, 3, 5] {

@@ -1,0 +1,192 @@
+//! What a simplification promises, on shapes small enough to think about.
+
+use crate::{Options, simplify};
+use lodc_fixtures as shapes;
+use lodc_mesh::{Lod, Mesh, MeshParts, Semantic, Simplified, Submesh};
+
+fn run(mesh: &Mesh) -> Simplified {
+    run_with(mesh, Options::DEFAULT)
+}
+
+fn run_with(mesh: &Mesh, options: Options) -> Simplified {
+    simplify(mesh, &options, &|_, _| {})
+}
+
+/// A flat grid of `n` × `n` squares, plain positions.
+fn grid(n: u32) -> Mesh {
+    let row = n + 1;
+    let positions: Vec<[f32; 3]> = (0..row * row).map(|i| [(i % row) as f32, (i / row) as f32, 0.0]).collect();
+    let mut triangles = Vec::new();
+    for i in (0..row * n).filter(|i| i % row < n) {
+        triangles.push([i, i + 1, i + row]);
+        triangles.push([i + 1, i + row + 1, i + row]);
+    }
+    plain(positions, triangles)
+}
+
+fn plain(positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Mesh {
+    let submeshes = vec![Submesh { first_triangle: 0, triangle_count: triangles.len() as u32, attributes: Vec::new() }];
+    let vertex_submesh = vec![0; positions.len()];
+    Mesh::try_from(MeshParts { positions, vertex_submesh, triangles, submeshes, attributes: Vec::new() })
+        .expect("a mesh made by hand")
+}
+
+#[test]
+fn every_shape_obeys_the_rules() {
+    for (name, shape) in shapes::ALL {
+        let mesh = shape();
+        if let Err(broken) = shapes::check_rules(&mesh, &run(&mesh)) {
+            panic!("{name}: {broken}");
+        }
+    }
+}
+
+#[test]
+fn random_meshes_obey_the_rules_whatever_the_options() {
+    for seed in 0..200 {
+        let mesh = shapes::random(seed);
+        let options = Options {
+            preserve_topology: seed % 2 == 1,
+            lock_border: seed % 3 == 1,
+            attributes: seed % 5 != 1,
+            ..Options::DEFAULT
+        };
+        if let Err(broken) = shapes::check_rules(&mesh, &run_with(&mesh, options)) {
+            panic!("seed {seed}, {options:?}: {broken}");
+        }
+    }
+}
+
+#[test]
+fn a_flat_square_goes_down_to_two_triangles_without_error() {
+    let s = run(&grid(12));
+    let two = s.collapses().lod_for_triangles(2);
+    assert_eq!(s.collapses().triangles_at(two), 2);
+    assert!(s.collapses().error_at(two) < 1e-6, "error {}", s.collapses().error_at(two));
+    let corners: Vec<[f32; 3]> =
+        s.triangles_at(two).iter().flat_map(|t| t.corners).map(|v| s.mesh().positions()[v as usize]).collect();
+    for corner in [[0.0, 0.0, 0.0], [12.0, 0.0, 0.0], [0.0, 12.0, 0.0], [12.0, 12.0, 0.0]] {
+        assert!(corners.contains(&corner), "{corner:?} is gone");
+    }
+}
+
+#[test]
+fn the_inner_of_two_coarse_levels_never_costs_less_error() {
+    for (name, shape) in shapes::ALL {
+        let s = run(&shape());
+        let errors = &s.collapses().parts().step_errors;
+        assert!(errors.windows(2).all(|w| w[0] <= w[1]), "{name}");
+    }
+}
+
+#[test]
+fn a_thin_blade_keeps_its_length() {
+    // A flat double-sided blade whose sides are almost one plane: memoryless costs alone would eat it from its tip.
+    let n = 40;
+    let mut positions = Vec::new();
+    for i in 0..=n {
+        let (x, width) = (i as f32, 1.0 - 0.5 * i as f32 / n as f32);
+        positions.extend([[x, -width, 0.0], [x, 0.0, 0.02], [x, width, 0.0], [x, 0.0, -0.02]]);
+    }
+    let mut triangles = Vec::new();
+    for i in 0..n {
+        for k in 0..4 {
+            let (a, b) = (4 * i + k, 4 * i + (k + 1) % 4);
+            triangles.extend([[a, a + 4, b], [b, a + 4, b + 4]]);
+        }
+    }
+    let end = 4 * n;
+    triangles.extend([[0, 1, 2], [0, 2, 3], [end, end + 2, end + 1], [end, end + 3, end + 2]]);
+    let s = run(&plain(positions, triangles));
+    let lod = s.collapses().lod_for_triangles(16);
+    let xs: Vec<f32> =
+        s.triangles_at(lod).iter().flat_map(|t| t.corners).map(|v| s.mesh().positions()[v as usize][0]).collect();
+    assert_eq!(xs.iter().copied().fold(f32::MIN, f32::max), n as f32);
+    assert_eq!(xs.iter().copied().fold(f32::MAX, f32::min), 0.0);
+}
+
+#[test]
+fn threads_do_not_change_the_result() {
+    let mesh = shapes::machine_part();
+    let with = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a small pool");
+        pool.install(|| run(&mesh))
+    };
+    let one = with(1);
+    for threads in [2, 5] {
+        assert_eq!(with(threads), one, "{threads} threads");
+    }
+}
+
+#[test]
+fn scaling_by_a_power_of_two_changes_errors_only() {
+    let mesh = shapes::torus();
+    let mut parts = mesh.clone().into_parts();
+    for p in &mut parts.positions {
+        *p = p.map(|c| c * 1024.0);
+    }
+    let (small, large) = (run(&mesh), run(&Mesh::try_from(parts).expect("a larger torus")));
+    assert_eq!(small.collapses().targets(), large.collapses().targets());
+    for (s, l) in small.collapses().parts().step_errors.iter().zip(&large.collapses().parts().step_errors) {
+        assert!((s * 1024.0 - l).abs() <= l * 1e-5, "{s} {l}");
+    }
+}
+
+#[test]
+fn locked_borders_stay_until_the_terminal_phase() {
+    let s = run_with(&grid(6), Options { lock_border: true, ..Options::DEFAULT });
+    let legal = s.collapses().parts().last_legal_lod;
+    let border = |p: [f32; 3]| p[0] == 0.0 || p[1] == 0.0 || p[0] == 6.0 || p[1] == 6.0;
+    let gone = s.mesh().positions()[..legal.0 as usize].iter().filter(|p| border(**p)).count();
+    assert_eq!(gone, 0);
+    assert_eq!(legal.0, 25, "all inner vertices went legally");
+}
+
+#[test]
+fn preserved_topology_keeps_the_hole_of_a_torus() {
+    let s = run_with(&shapes::torus(), Options { preserve_topology: true, ..Options::DEFAULT });
+    let c = s.collapses();
+    assert_eq!(c.parts().topology_changes, 0);
+    assert!(c.triangles_at(c.parts().last_legal_lod) >= 14, "no torus has fewer than 14 triangles");
+}
+
+#[test]
+fn seams_cost_no_fakes_on_a_sphere_and_its_texture_never_turns_over() {
+    let mesh = shapes::uv_sphere(24, 12);
+    let s = run(&mesh);
+    assert_eq!(s.fakes(), 0);
+    let texture = mesh.attributes().iter().position(|a| a.semantic == Semantic::TexCoord(0)).expect("textured");
+    let texture = &s.mesh().attributes()[texture];
+    let lod = s.collapses().floor(s.collapses().parts().last_legal_lod);
+    for step in (0..s.collapses().steps()).map(|i| s.collapses().step(i).lod).filter(|&l| l <= lod).chain([Lod(0)]) {
+        for t in s.triangles_at(step) {
+            let [a, b, c] = t.corners.map(|v| [texture.value(v, 0), texture.value(v, 1)]);
+            let area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+            assert!(area <= 1e-6, "LOD {}: texture turned over, area {area}", step.0);
+        }
+    }
+}
+
+#[test]
+fn attributes_that_are_no_numbers_do_no_harm() {
+    let mut parts = shapes::uv_sphere(8, 6).into_parts();
+    for a in &mut parts.attributes {
+        a.bytes[..4].copy_from_slice(&f32::NAN.to_le_bytes());
+        a.bytes[4..8].copy_from_slice(&f32::INFINITY.to_le_bytes());
+    }
+    let mesh = Mesh::try_from(parts).expect("attributes may hold anything");
+    shapes::check_rules(&mesh, &run(&mesh)).expect("still a level of detail");
+}
+
+#[test]
+fn extreme_coordinates_do_no_harm() {
+    for scale in [1e-40, 1e-30, 1e18, 1e37] {
+        let mut parts = shapes::torus().into_parts();
+        for p in &mut parts.positions {
+            *p = p.map(|c| c * scale);
+        }
+        parts.clean();
+        let mesh = Mesh::try_from(parts).expect("finite");
+        shapes::check_rules(&mesh, &run(&mesh)).unwrap_or_else(|e| panic!("scale {scale}: {e}"));
+    }
+}
