@@ -1,7 +1,26 @@
 //! The `.lodc` container, version 1 (docs/FORMAT.md).
 
-use crate::{Document, FormatError, ObjectInfo, Source};
+mod arrays;
+mod container;
+#[cfg(test)]
+mod golden_tests;
+mod manifest;
+mod object;
+mod steps;
+mod streams;
+#[cfg(test)]
+mod tests;
+
+use crate::{Document, Fault, FormatError, GltfDocument, ObjectInfo, Source};
+use container::{Container, SCENE, Writer, tag};
+use lodc_lod::{AnyModel, Model};
 use lodc_mesh::Simplified;
+use manifest::{DocumentEntry, Manifest};
+use std::sync::Arc;
+use streams::ZeroBudget;
+
+/// The version that this program writes, and the newest that it reads.
+pub const VERSION: u32 = 1;
 
 /// A `.lodc` file in memory.
 #[derive(Debug)]
@@ -20,20 +39,66 @@ pub struct LodObject {
     /// Its description.
     pub info: ObjectInfo,
     /// Its mesh in collapse order and the sequence.
-    pub simplified: Simplified,
-    // models: Vec<lodc_lod::AnyModel>, once lodc-lod has it
+    pub simplified: Arc<Simplified>,
+    /// Its models, in the order of the file. Models that this version does not have are left out.
+    pub models: Vec<AnyModel>,
+}
+
+/// The identity of a file: XXH3-128 of all its bytes.
+#[must_use]
+pub fn key(bytes: &[u8]) -> u128 {
+    xxhash_rust::xxh3::xxh3_128(bytes)
+}
+
+/// How many bytes of a file a model needs: positions, submeshes of vertices, triangles, collapse sequence and its own
+/// arrays. Attribute streams, padding, the table and the manifest are left out.
+#[must_use]
+pub fn stored_bytes(model: &AnyModel) -> u64 {
+    let own: usize = model.arrays().iter().map(|a| a.bytes.len()).sum();
+    object::geometry_bytes(model.simplified()) + own as u64
 }
 
 /// Reads a container.
 ///
 /// # Errors
-/// If a checksum, count, offset or index is wrong.
-pub fn read(_bytes: &[u8]) -> Result<LodFile, FormatError> {
-    Err(FormatError::new(crate::Fault::Unsupported, "", "not yet"))
+/// If a checksum, count, offset or index is wrong, or the file needs a newer program.
+pub fn read(bytes: &[u8]) -> Result<LodFile, FormatError> {
+    let mut container = Container::read(bytes)?;
+    let manifest = Manifest::read(container.take(tag::MANIFEST, SCENE, 0)?)?;
+    let source = manifest.source()?;
+    let document = match manifest.document {
+        DocumentEntry::Obj(obj) => Document::Obj(obj.into()),
+        DocumentEntry::Gltf => {
+            let json = container.take(tag::DOCUMENT_JSON, SCENE, 0)?;
+            let json = std::str::from_utf8(json)
+                .map_err(|e| FormatError::new(Fault::Malformed, "section DJSN", format!("is not UTF-8: {e}")))?;
+            let blob = container.take(tag::DOCUMENT_BLOB, SCENE, 0)?.to_vec();
+            Document::Gltf(GltfDocument { json: json.to_owned(), blob })
+        }
+    };
+    let mut zeros = ZeroBudget::of_file(bytes.len());
+    let objects = (0..)
+        .zip(manifest.objects)
+        .map(|(number, entry)| object::read(&mut container, number, entry, &mut zeros))
+        .collect::<Result<_, _>>()?;
+    container.finish()?;
+    Ok(LodFile { source, document, objects })
 }
 
-/// Lays a container out.
+/// Lays a container out. Equal contents give equal bytes.
 #[must_use]
-pub fn write(_file: &LodFile) -> Vec<u8> {
-    Vec::new()
+pub fn write(file: &LodFile) -> Vec<u8> {
+    let mut zeros = ZeroBudget::default();
+    let plans: Vec<_> = file.objects.iter().map(|o| streams::plan(o.simplified.mesh(), &mut zeros)).collect();
+    let manifest = Manifest::of(file, &plans).bytes();
+    let mut writer = Writer::default();
+    writer.required(tag::MANIFEST, SCENE, 0, |out| out.extend_from_slice(&manifest));
+    if let Document::Gltf(gltf) = &file.document {
+        writer.required(tag::DOCUMENT_JSON, SCENE, 0, |out| out.extend_from_slice(gltf.json.as_bytes()));
+        writer.required(tag::DOCUMENT_BLOB, SCENE, 0, |out| out.extend_from_slice(&gltf.blob));
+    }
+    for ((number, object), plan) in (0..).zip(&file.objects).zip(&plans) {
+        object::write(&mut writer, number, object, plan);
+    }
+    writer.finish()
 }

@@ -1,0 +1,73 @@
+//! Arrays of numbers as little-endian bytes: on little-endian machines the loops below are plain copies.
+
+use crate::{Fault, FormatError};
+
+pub(super) fn put_u32s(out: &mut Vec<u8>, values: &[u32]) {
+    let start = out.len();
+    out.resize(start + 4 * values.len(), 0);
+    for (bytes, value) in out[start..].chunks_exact_mut(4).zip(values) {
+        bytes.copy_from_slice(&value.to_le_bytes());
+    }
+}
+
+pub(super) fn put_f32s(out: &mut Vec<u8>, values: &[f32]) {
+    let start = out.len();
+    out.resize(start + 4 * values.len(), 0);
+    for (bytes, value) in out[start..].chunks_exact_mut(4).zip(values) {
+        bytes.copy_from_slice(&value.to_le_bytes());
+    }
+}
+
+/// `width` bytes for each value: 1, 2 or 4, chosen by the caller so that every value fits.
+pub(super) fn put_narrow(out: &mut Vec<u8>, values: &[u32], width: usize) {
+    out.reserve(width * values.len());
+    for value in values {
+        out.extend_from_slice(&value.to_le_bytes()[..width]);
+    }
+}
+
+pub(super) fn u32s(bytes: &[u8], place: impl Fn() -> String) -> Result<Vec<u32>, FormatError> {
+    whole(bytes, 4, place)?;
+    Ok(words(bytes).collect())
+}
+
+pub(super) fn f32s(bytes: &[u8], place: impl Fn() -> String) -> Result<Vec<f32>, FormatError> {
+    whole(bytes, 4, place)?;
+    Ok(words(bytes).map(f32::from_bits).collect())
+}
+
+pub(super) fn u32_triples(bytes: &[u8], place: impl Fn() -> String) -> Result<Vec<[u32; 3]>, FormatError> {
+    whole(bytes, 12, place)?;
+    Ok(bytes.chunks_exact(12).map(triple).collect())
+}
+
+pub(super) fn f32_triples(bytes: &[u8], place: impl Fn() -> String) -> Result<Vec<[f32; 3]>, FormatError> {
+    whole(bytes, 12, place)?;
+    Ok(bytes.chunks_exact(12).map(|b| triple(b).map(f32::from_bits)).collect())
+}
+
+pub(super) fn narrow(bytes: &[u8], width: usize, place: impl Fn() -> String) -> Result<Vec<u32>, FormatError> {
+    whole(bytes, width, place)?;
+    let value = |b: &[u8]| b.iter().rev().fold(0, |value, &byte| value << 8 | u32::from(byte));
+    Ok(bytes.chunks_exact(width).map(value).collect())
+}
+
+fn words(bytes: &[u8]) -> impl Iterator<Item = u32> {
+    bytes.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]))
+}
+
+fn triple(b: &[u8]) -> [u32; 3] {
+    [
+        u32::from_le_bytes([b[0], b[1], b[2], b[3]]),
+        u32::from_le_bytes([b[4], b[5], b[6], b[7]]),
+        u32::from_le_bytes([b[8], b[9], b[10], b[11]]),
+    ]
+}
+
+fn whole(bytes: &[u8], size: usize, place: impl Fn() -> String) -> Result<(), FormatError> {
+    if bytes.len().is_multiple_of(size) {
+        return Ok(());
+    }
+    let what = format!("{} bytes are not a whole number of entries of {size}", bytes.len());
+    Err(FormatError::new(Fault::Malformed, place(), what))
+}

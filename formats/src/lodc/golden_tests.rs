@@ -1,0 +1,101 @@
+//! Files of every version that ever was stay readable: `fixtures/golden/v1`, with the facts that they must give.
+//!
+//! The files are made once, by `cargo test -p lodc-formats make_golden_files -- --ignored`, and not again unless the
+//! format changes together with its version.
+
+use super::tests::{gltf_file, obj_file};
+use super::*;
+use std::fmt::Write as _;
+use std::path::PathBuf;
+use std::process::Command;
+
+fn root() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+fn golden() -> PathBuf {
+    root().join("fixtures/golden/v1")
+}
+
+/// What a file must give: one line for the file, one for each object. `tests/read_lodc.py` prints the same.
+fn facts(name: &str, bytes: &[u8]) -> String {
+    let file = read(bytes).expect("a golden file");
+    let format = format!("{:?}", file.source.format).to_lowercase();
+    let mut text = format!("{name} {format} {:032x} objects {}\n", file.source.content_hash, file.objects.len());
+    for o in &file.objects {
+        let (mesh, collapses) = (o.simplified.mesh(), o.simplified.collapses());
+        let attributes: u64 = mesh.attributes().iter().flat_map(|a| &a.bytes).map(|&b| u64::from(b)).sum();
+        let half = collapses.lod_for_triangles(mesh.triangles().len() as u32 / 2);
+        let _ = writeln!(
+            text,
+            "{name} {} vertices {} triangles {} submeshes {} attributes {} sum {attributes} records {} steps {} half {} {} models {}",
+            o.info.name,
+            mesh.vertex_count(),
+            mesh.triangles().len(),
+            mesh.submeshes().len(),
+            mesh.attributes().len(),
+            collapses.records(),
+            collapses.steps(),
+            half.0,
+            collapses.triangles_at(half),
+            o.models.iter().map(Model::name).collect::<Vec<_>>().join(","),
+        );
+    }
+    text
+}
+
+fn files() -> Vec<(String, Vec<u8>)> {
+    let mut files: Vec<(String, Vec<u8>)> = std::fs::read_dir(golden())
+        .expect("the folder of golden files")
+        .map(|entry| entry.expect("an entry").path())
+        .filter(|path| path.extension().is_some_and(|e| e == "lodc"))
+        .map(|path| {
+            let name = path.file_name().expect("a file").to_string_lossy().into_owned();
+            (name, std::fs::read(path).expect("a golden file"))
+        })
+        .collect();
+    files.sort();
+    files
+}
+
+#[test]
+fn golden_files_give_their_facts_and_the_same_bytes_again() {
+    let files = files();
+    assert_eq!(files.len(), 3);
+    let all: String = files.iter().map(|(name, bytes)| facts(name, bytes)).collect();
+    assert_eq!(all, std::fs::read_to_string(golden().join("facts.txt")).expect("the facts"));
+    for (name, bytes) in files {
+        assert!(write(&read(&bytes).expect("a golden file")) == bytes, "{name} is written otherwise than it was");
+    }
+}
+
+#[test]
+#[expect(clippy::print_stderr, reason = "a test that skips says so")]
+fn a_reader_written_from_the_format_document_alone_agrees() {
+    let script = root().join("tests/read_lodc.py");
+    let python = match Command::new("python3").arg(script).arg(golden()).output() {
+        Ok(output) => output,
+        Err(e) => return eprintln!("SKIPPED: no python3 to read the golden files with ({e})"),
+    };
+    assert!(python.status.success(), "{}", String::from_utf8_lossy(&python.stderr));
+    let facts = std::fs::read_to_string(golden().join("facts.txt")).expect("the facts");
+    assert_eq!(String::from_utf8_lossy(&python.stdout), facts);
+}
+
+#[test]
+#[ignore = "writes the golden files; only for a new version of the format"]
+fn make_golden_files() {
+    let files = [
+        ("cube_and_part.lodc", gltf_file(&["cube", "machine_part"])),
+        ("skinned_tube.lodc", gltf_file(&["skinned_tube_u8"])),
+        ("triangle.lodc", obj_file("triangle")),
+    ];
+    std::fs::create_dir_all(golden()).expect("a folder");
+    let mut all = String::new();
+    for (name, file) in files {
+        let bytes = write(&file);
+        all += &facts(name, &bytes);
+        std::fs::write(golden().join(name), bytes).expect("a file");
+    }
+    std::fs::write(golden().join("facts.txt"), all).expect("a file");
+}

@@ -1,0 +1,223 @@
+//! The manifest: everything small, in bincode's legacy encoding (fixed-width little-endian integers).
+//!
+//! These types are the file format: they are not those of the scene, so that the scene can change and the file not.
+
+use super::{LodFile, LodObject};
+use crate::{Document, Fault, FormatError, ObjDocument, ObjMaterial, Source, SourceFormat};
+use lodc_lod::Model;
+use lodc_mesh::{Component, Semantic};
+use serde::{Deserialize, Serialize};
+
+/// Bytes of a manifest; a reader refuses more, whatever the file says.
+const LIMIT: usize = 256 << 20;
+
+#[derive(Serialize, Deserialize)]
+pub(super) struct Manifest {
+    format: u8,
+    content_hash: u128,
+    pub(super) document: DocumentEntry,
+    pub(super) objects: Vec<ObjectEntry>,
+}
+
+#[derive(Serialize, Deserialize)]
+pub(super) enum DocumentEntry {
+    Obj(ObjEntry),
+    Gltf,
+}
+
+#[derive(Serialize, Deserialize)]
+pub(super) struct ObjEntry {
+    libraries: Vec<String>,
+    materials: Vec<(String, Vec<String>)>,
+}
+
+#[derive(Serialize, Deserialize)]
+pub(super) struct ObjectEntry {
+    pub(super) name: String,
+    pub(super) world_scale: f64,
+    pub(super) document_mesh: u32,
+    pub(super) last_legal_lod: u32,
+    pub(super) topology_changes: u32,
+    pub(super) first_topology_change: Option<u32>,
+    pub(super) submeshes: Vec<SubmeshEntry>,
+    pub(super) attributes: Vec<AttributeEntry>,
+    pub(super) models: Vec<ModelEntry>,
+}
+
+#[derive(Serialize, Deserialize)]
+pub(super) struct SubmeshEntry {
+    pub(super) name: String,
+    pub(super) material: Option<String>,
+    pub(super) document_primitive: u32,
+    pub(super) triangles: u32,
+    pub(super) attributes: Vec<u32>,
+}
+
+#[derive(Serialize, Deserialize)]
+pub(super) struct AttributeEntry {
+    semantic: SemanticEntry,
+    pub(super) morph_target: Option<u32>,
+    component: u8,
+    pub(super) components: u8,
+    pub(super) normalized: bool,
+    /// Whether the section has bytes for all vertices, not only for those of submeshes that have the stream.
+    pub(super) full: bool,
+}
+
+#[derive(Serialize, Deserialize)]
+enum SemanticEntry {
+    Position,
+    Normal,
+    Tangent,
+    TexCoord(u32),
+    Color(u32),
+    Joints(u32),
+    Weights(u32),
+    Custom(String),
+}
+
+#[derive(Serialize, Deserialize)]
+pub(super) struct ModelEntry {
+    pub(super) name: String,
+    /// Names of its arrays, which are the next so many `MODA` sections of the object.
+    pub(super) arrays: Vec<String>,
+}
+
+impl Manifest {
+    pub(super) fn of(file: &LodFile, plans: &[Vec<bool>]) -> Self {
+        let document = match &file.document {
+            Document::Obj(obj) => DocumentEntry::Obj(ObjEntry {
+                libraries: obj.libraries.clone(),
+                materials: obj.materials.iter().map(|m| (m.name.clone(), m.lines.clone())).collect(),
+            }),
+            Document::Gltf(_) => DocumentEntry::Gltf,
+        };
+        let format = match file.source.format {
+            SourceFormat::Obj => 0,
+            SourceFormat::Gltf => 1,
+            SourceFormat::Glb => 2,
+        };
+        let objects = file.objects.iter().zip(plans).map(|(o, plan)| object_entry(o, plan)).collect();
+        Self { format, content_hash: file.source.content_hash, document, objects }
+    }
+
+    pub(super) fn bytes(&self) -> Vec<u8> {
+        bincode::serde::encode_to_vec(self, bincode::config::legacy()).expect("plain data can be written to memory")
+    }
+
+    pub(super) fn read(bytes: &[u8]) -> Result<Self, FormatError> {
+        let place = "section MANI";
+        if bytes.len() > LIMIT {
+            return Err(FormatError::new(Fault::Limit, place, format!("has more than {LIMIT} bytes")));
+        }
+        let config = bincode::config::legacy().with_limit::<LIMIT>();
+        let (manifest, used) = bincode::serde::decode_from_slice::<Self, _>(bytes, config)
+            .map_err(|e| FormatError::new(Fault::Malformed, place, format!("cannot be decoded: {e}")))?;
+        if used != bytes.len() {
+            let what = format!("{} bytes are left over", bytes.len() - used);
+            return Err(FormatError::new(Fault::Malformed, place, what));
+        }
+        Ok(manifest)
+    }
+
+    pub(super) fn source(&self) -> Result<Source, FormatError> {
+        let format = match self.format {
+            0 => SourceFormat::Obj,
+            1 => SourceFormat::Gltf,
+            2 => SourceFormat::Glb,
+            n => {
+                let what = format!("names source format {n}, which is not known");
+                return Err(FormatError::new(Fault::Malformed, "section MANI", what));
+            }
+        };
+        Ok(Source { format, content_hash: self.content_hash })
+    }
+}
+
+fn object_entry(object: &LodObject, plan: &[bool]) -> ObjectEntry {
+    let (mesh, sequence) = (object.simplified.mesh(), object.simplified.collapses().parts());
+    let submeshes = mesh.submeshes().iter().enumerate().map(|(i, s)| {
+        let info = object.info.submeshes.get(i);
+        SubmeshEntry {
+            name: info.map(|i| i.name.clone()).unwrap_or_default(),
+            material: info.and_then(|i| i.material.clone()),
+            document_primitive: info.map_or(i as u32, |i| i.document_primitive),
+            triangles: s.triangle_count,
+            attributes: s.attributes.clone(),
+        }
+    });
+    let attributes = mesh.attributes().iter().zip(plan).map(|(a, &full)| AttributeEntry {
+        semantic: match &a.semantic {
+            Semantic::Position => SemanticEntry::Position,
+            Semantic::Normal => SemanticEntry::Normal,
+            Semantic::Tangent => SemanticEntry::Tangent,
+            Semantic::TexCoord(set) => SemanticEntry::TexCoord(*set),
+            Semantic::Color(set) => SemanticEntry::Color(*set),
+            Semantic::Joints(set) => SemanticEntry::Joints(*set),
+            Semantic::Weights(set) => SemanticEntry::Weights(*set),
+            Semantic::Custom(name) => SemanticEntry::Custom(name.clone()),
+        },
+        morph_target: a.morph_target,
+        component: match a.component {
+            Component::I8 => 0,
+            Component::U8 => 1,
+            Component::I16 => 2,
+            Component::U16 => 3,
+            Component::U32 => 4,
+            Component::F32 => 5,
+        },
+        components: a.components,
+        normalized: a.normalized,
+        full,
+    });
+    let models = object
+        .models
+        .iter()
+        .map(|m| ModelEntry { name: m.name().to_owned(), arrays: m.arrays().into_iter().map(|a| a.name).collect() });
+    ObjectEntry {
+        name: object.info.name.clone(),
+        world_scale: object.info.world_scale,
+        document_mesh: object.info.document_mesh,
+        last_legal_lod: sequence.last_legal_lod.0,
+        topology_changes: sequence.topology_changes,
+        first_topology_change: sequence.first_topology_change.map(|lod| lod.0),
+        submeshes: submeshes.collect(),
+        attributes: attributes.collect(),
+        models: models.collect(),
+    }
+}
+
+impl AttributeEntry {
+    pub(super) fn semantic(&self) -> Semantic {
+        match &self.semantic {
+            SemanticEntry::Position => Semantic::Position,
+            SemanticEntry::Normal => Semantic::Normal,
+            SemanticEntry::Tangent => Semantic::Tangent,
+            SemanticEntry::TexCoord(set) => Semantic::TexCoord(*set),
+            SemanticEntry::Color(set) => Semantic::Color(*set),
+            SemanticEntry::Joints(set) => Semantic::Joints(*set),
+            SemanticEntry::Weights(set) => Semantic::Weights(*set),
+            SemanticEntry::Custom(name) => Semantic::Custom(name.clone()),
+        }
+    }
+
+    /// None if this version does not know the type.
+    pub(super) fn component(&self) -> Option<Component> {
+        Some(match self.component {
+            0 => Component::I8,
+            1 => Component::U8,
+            2 => Component::I16,
+            3 => Component::U16,
+            4 => Component::U32,
+            5 => Component::F32,
+            _ => return None,
+        })
+    }
+}
+
+impl From<ObjEntry> for ObjDocument {
+    fn from(entry: ObjEntry) -> Self {
+        let materials = entry.materials.into_iter().map(|(name, lines)| ObjMaterial { name, lines }).collect();
+        Self { libraries: entry.libraries, materials }
+    }
+}

@@ -1,0 +1,199 @@
+//! One object: its mesh, its collapse sequence and its models as sections.
+
+use super::container::{Container, Tag, Writer, place, tag};
+use super::manifest::{AttributeEntry, ObjectEntry};
+use super::streams::{self, ZeroBudget};
+use super::{LodObject, arrays, steps};
+use crate::{Fault, FormatError, ObjectInfo, SubmeshInfo};
+use lodc_lod::{AnyModel, Array, Model, ModelKind};
+use lodc_mesh::{Attribute, CollapseSequence, Lod, Mesh, MeshParts, SequenceParts, Simplified, Submesh};
+use std::sync::Arc;
+
+/// Bytes for each entry of `VSUB`: the fewest that hold the last submesh's number; 0 if there is only one.
+fn submesh_width(submeshes: usize) -> usize {
+    match submeshes {
+        0..=1 => 0,
+        2..=0x100 => 1,
+        0x101..=0x1_0000 => 2,
+        _ => 4,
+    }
+}
+
+/// Bytes of the sections that every model needs.
+pub(super) fn geometry_bytes(simplified: &Simplified) -> u64 {
+    let (mesh, sequence) = (simplified.mesh(), simplified.collapses().parts());
+    let vertices = (12 + submesh_width(mesh.submeshes().len())) * mesh.vertex_count();
+    let triangles = 12 * mesh.triangles().len();
+    let records = 4 * sequence.targets.len() + sequence.targets.len().div_ceil(8);
+    let lost = steps::lost_triangles(sequence.triangles, &sequence.step_triangles).len();
+    (vertices + triangles + records + 4 * sequence.step_errors.len() + lost) as u64
+}
+
+pub(super) fn write<'a>(writer: &mut Writer<'a>, number: u32, object: &'a LodObject, plan: &'a [bool]) {
+    let (mesh, sequence) = (object.simplified.mesh(), object.simplified.collapses().parts());
+    let mut section = |tag, content: Box<dyn FnOnce(&mut Vec<u8>) + 'a>| writer.required(tag, number, 0, content);
+    section(tag::POSITIONS, Box::new(|out| arrays::put_f32s(out, mesh.positions().as_flattened())));
+    let width = submesh_width(mesh.submeshes().len());
+    if width > 0 {
+        section(tag::VERTEX_SUBMESH, Box::new(move |out| arrays::put_narrow(out, mesh.vertex_submesh(), width)));
+    }
+    section(tag::TRIANGLES, Box::new(|out| arrays::put_u32s(out, mesh.triangles().as_flattened())));
+    section(tag::TARGETS, Box::new(|out| arrays::put_u32s(out, &sequence.targets)));
+    section(tag::JOINED, Box::new(|out| out.extend(steps::joined(sequence.targets.len(), &sequence.step_ends))));
+    section(tag::STEP_ERRORS, Box::new(|out| arrays::put_f32s(out, &sequence.step_errors)));
+    section(
+        tag::STEP_TRIANGLES,
+        Box::new(|out| out.extend(steps::lost_triangles(sequence.triangles, &sequence.step_triangles))),
+    );
+    for (i, &full) in plan.iter().enumerate() {
+        writer.required(tag::ATTRIBUTE, number, i as u32, move |out| streams::put(out, mesh, i, full));
+    }
+    let model_arrays = object.models.iter().flat_map(Model::arrays);
+    for (index, array) in (0..).zip(model_arrays) {
+        writer.optional(tag::MODEL_ARRAY, number, index, move |out| out.extend_from_slice(&array.bytes));
+    }
+}
+
+pub(super) fn read(
+    container: &mut Container<'_>,
+    number: u32,
+    entry: ObjectEntry,
+    zeros: &mut ZeroBudget,
+) -> Result<LodObject, FormatError> {
+    let wrong = |what: String| FormatError::new(Fault::Malformed, format!("object {number}"), what);
+    let mesh = read_mesh(container, number, &entry, zeros)?;
+    let collapses = read_sequence(container, number, &entry, mesh.triangles().len())?;
+    let simplified = Arc::new(Simplified::new(mesh, collapses).map_err(|e| wrong(e.to_string()))?);
+
+    let mut models = Vec::new();
+    let mut index = 0;
+    for model in entry.models {
+        let kind = model.name.parse::<ModelKind>().ok().filter(|kind| kind.available());
+        let mut stored = Vec::new();
+        for name in model.arrays {
+            // Arrays of models that this version does not have are left where they are.
+            if kind.is_some() {
+                stored.push(Array { name, bytes: container.take(tag::MODEL_ARRAY, number, index)?.to_vec() });
+            }
+            index += 1;
+        }
+        if let Some(kind) = kind {
+            if models.iter().any(|m: &AnyModel| m.kind() == kind) {
+                return Err(wrong(format!("the model {} is there twice", kind.name())));
+            }
+            models.push(AnyModel::load(kind, &simplified, &stored).map_err(|e| wrong(e.to_string()))?);
+        }
+    }
+    let submeshes = entry.submeshes.into_iter();
+    let info = ObjectInfo {
+        name: entry.name,
+        submeshes: submeshes
+            .map(|s| SubmeshInfo { name: s.name, material: s.material, document_primitive: s.document_primitive })
+            .collect(),
+        world_scale: entry.world_scale,
+        document_mesh: entry.document_mesh,
+    };
+    Ok(LodObject { info, simplified, models })
+}
+
+fn read_mesh(
+    container: &mut Container<'_>,
+    number: u32,
+    entry: &ObjectEntry,
+    zeros: &mut ZeroBudget,
+) -> Result<Mesh, FormatError> {
+    let at = |tag: Tag| move || place(tag, number, 0);
+    let positions = arrays::f32_triples(container.take(tag::POSITIONS, number, 0)?, at(tag::POSITIONS))?;
+    let vertex_submesh = match submesh_width(entry.submeshes.len()) {
+        0 => vec![0; positions.len()],
+        width => {
+            let stored = container.take(tag::VERTEX_SUBMESH, number, 0)?;
+            arrays::narrow(stored, width, at(tag::VERTEX_SUBMESH))?
+        }
+    };
+    let triangles = arrays::u32_triples(container.take(tag::TRIANGLES, number, 0)?, at(tag::TRIANGLES))?;
+    let mut first = 0u32;
+    let mut submeshes = Vec::with_capacity(entry.submeshes.len());
+    for s in &entry.submeshes {
+        let submesh = Submesh { first_triangle: first, triangle_count: s.triangles, attributes: s.attributes.clone() };
+        // A sum that overflows is no run of triangles either, which the mesh finds out.
+        first = first.saturating_add(s.triangles);
+        submeshes.push(submesh);
+    }
+    // Which submeshes have each stream, turned round: asking every submesh for every stream could take very long.
+    let mut users = vec![Vec::new(); entry.attributes.len()];
+    for (submesh, s) in submeshes.iter().enumerate() {
+        for &a in &s.attributes {
+            // Streams that are not there are found out with the mesh.
+            if let Some(users) = users.get_mut(a as usize) {
+                users.push(submesh);
+            }
+        }
+    }
+    let mut has = vec![false; submeshes.len()];
+    let mut attributes = Vec::new();
+    for ((i, a), users) in (0..).zip(&entry.attributes).zip(&users) {
+        users.iter().for_each(|&s| has[s] = true);
+        attributes.push(read_stream(container, (number, i), a, &has, &vertex_submesh, zeros)?);
+        users.iter().for_each(|&s| has[s] = false);
+    }
+    let parts = MeshParts { positions, vertex_submesh, attributes, triangles, submeshes };
+    let wrong = |what: String| FormatError::new(Fault::Malformed, format!("object {number}"), what);
+    Mesh::try_from(parts).map_err(|e| wrong(e.to_string()))
+}
+
+fn read_stream(
+    container: &mut Container<'_>,
+    (number, i): (u32, u32),
+    entry: &AttributeEntry,
+    has: &[bool],
+    vertex_submesh: &[u32],
+    zeros: &mut ZeroBudget,
+) -> Result<Attribute, FormatError> {
+    let place = || place(tag::ATTRIBUTE, number, i);
+    let wrong = |what: &str| FormatError::new(Fault::Malformed, place(), what);
+    let component = entry.component().ok_or_else(|| wrong("has components of an unknown type"))?;
+    if !(1..=16).contains(&entry.components) {
+        return Err(wrong("has no, or more than 16, components"));
+    }
+    let stored = container.take(tag::ATTRIBUTE, number, i)?;
+    let mut attribute = Attribute {
+        semantic: entry.semantic(),
+        morph_target: entry.morph_target,
+        component,
+        components: entry.components,
+        normalized: entry.normalized,
+        bytes: Vec::new(),
+    };
+    attribute.bytes = streams::get(stored, attribute.stride(), entry.full, has, vertex_submesh, zeros, place)?;
+    Ok(attribute)
+}
+
+fn read_sequence(
+    container: &mut Container<'_>,
+    number: u32,
+    entry: &ObjectEntry,
+    triangles: usize,
+) -> Result<CollapseSequence, FormatError> {
+    let at = |tag: Tag| move || place(tag, number, 0);
+    let wrong = |tag: Tag| move |what: String| FormatError::new(Fault::Malformed, place(tag, number, 0), what);
+    let targets = arrays::u32s(container.take(tag::TARGETS, number, 0)?, at(tag::TARGETS))?;
+    let bits = container.take(tag::JOINED, number, 0)?;
+    let step_ends = steps::step_ends(bits, targets.len()).map_err(wrong(tag::JOINED))?;
+    let step_errors = arrays::f32s(container.take(tag::STEP_ERRORS, number, 0)?, at(tag::STEP_ERRORS))?;
+    let lost = container.take(tag::STEP_TRIANGLES, number, 0)?;
+    // A mesh has fewer than 2^30 triangles.
+    let triangles = triangles as u32;
+    let step_triangles = steps::step_triangles(lost, step_ends.len(), triangles).map_err(wrong(tag::STEP_TRIANGLES))?;
+    CollapseSequence::try_from(SequenceParts {
+        targets,
+        step_ends,
+        step_errors,
+        step_triangles,
+        triangles,
+        last_legal_lod: Lod(entry.last_legal_lod),
+        topology_changes: entry.topology_changes,
+        first_topology_change: entry.first_topology_change.map(Lod),
+    })
+    .map_err(|e| FormatError::new(Fault::Malformed, format!("object {number}"), e.to_string()))
+}

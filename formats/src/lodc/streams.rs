@@ -1,0 +1,106 @@
+//! Attribute streams: only the vertices of submeshes that have them are stored.
+
+use crate::{Fault, FormatError};
+use lodc_mesh::{Attribute, Mesh};
+
+/// How many zero bytes streams may leave out. Without this bound a small file could ask for any amount of memory.
+#[derive(Debug, Default)]
+pub(super) struct ZeroBudget {
+    left_out: u64,
+    stored: u64,
+}
+
+impl ZeroBudget {
+    /// Zeros that any file may leave out.
+    const FREE: u64 = 32 << 20;
+
+    /// What a reader allows a file of so many bytes.
+    pub(super) fn of_file(bytes: usize) -> Self {
+        Self { left_out: 0, stored: bytes as u64 }
+    }
+
+    /// Whether so many more zeros can be left out.
+    pub(super) fn take(&mut self, zeros: u64) -> bool {
+        let fits = self.left_out.saturating_add(zeros) <= Self::FREE.saturating_add(self.stored.saturating_mul(2));
+        if fits {
+            self.left_out += zeros;
+        }
+        fits
+    }
+}
+
+/// For each stream whether it is stored for all vertices.
+pub(super) fn plan(mesh: &Mesh, budget: &mut ZeroBudget) -> Vec<bool> {
+    let full = |(i, stream): (usize, &Attribute)| {
+        let has = has_stream(mesh, i);
+        let (mut zeros, mut only_zeros) = (0, true);
+        for (v, bytes) in stream.bytes.chunks_exact(stream.stride()).enumerate() {
+            if !has[mesh.vertex_submesh()[v] as usize] {
+                zeros += bytes.len() as u64;
+                only_zeros &= bytes.iter().all(|&b| b == 0);
+            }
+        }
+        let full = zeros == 0 || !only_zeros || !budget.take(zeros);
+        // A reader's budget is twice the file, which holds at least these bytes.
+        budget.stored += stream.bytes.len() as u64 - if full { 0 } else { zeros };
+        full
+    };
+    mesh.attributes().iter().enumerate().map(full).collect()
+}
+
+fn has_stream(mesh: &Mesh, stream: usize) -> Vec<bool> {
+    mesh.submeshes().iter().map(|s| s.attributes.contains(&(stream as u32))).collect()
+}
+
+/// Appends a stream as planned.
+pub(super) fn put(out: &mut Vec<u8>, mesh: &Mesh, stream: usize, full: bool) {
+    let attribute = &mesh.attributes()[stream];
+    if full {
+        out.extend_from_slice(&attribute.bytes);
+        return;
+    }
+    let has = has_stream(mesh, stream);
+    for (bytes, &submesh) in attribute.bytes.chunks_exact(attribute.stride()).zip(mesh.vertex_submesh()) {
+        if has[submesh as usize] {
+            out.extend_from_slice(bytes);
+        }
+    }
+}
+
+/// A stream for all vertices, from what was stored. `has` says which submeshes have it.
+pub(super) fn get(
+    stored: &[u8],
+    stride: usize,
+    full: bool,
+    has: &[bool],
+    vertex_submesh: &[u32],
+    budget: &mut ZeroBudget,
+    place: impl Fn() -> String,
+) -> Result<Vec<u8>, FormatError> {
+    if full {
+        // Its length is checked with the mesh.
+        return Ok(stored.to_vec());
+    }
+    // Submeshes that are not there are found out with the mesh.
+    let has = |submesh: u32| has.get(submesh as usize).copied().unwrap_or_default();
+    let present = vertex_submesh.iter().filter(|&&s| has(s)).count();
+    if stored.len() as u64 != present as u64 * stride as u64 {
+        let what = format!("{} bytes are not {stride} for each of {present} vertices", stored.len());
+        return Err(FormatError::new(Fault::Malformed, place(), what));
+    }
+    let all = vertex_submesh.len() as u64 * stride as u64;
+    if !budget.take(all - stored.len() as u64) {
+        let what = "leaves out more zeros than a file of this size may";
+        return Err(FormatError::new(Fault::Limit, place(), what));
+    }
+    let mut bytes = vec![0; all as usize];
+    let mut stored = stored.chunks_exact(stride);
+    for (slot, &submesh) in bytes.chunks_exact_mut(stride).zip(vertex_submesh) {
+        if has(submesh)
+            && let Some(own) = stored.next()
+        {
+            slot.copy_from_slice(own);
+        }
+    }
+    Ok(bytes)
+}

@@ -1,0 +1,311 @@
+//! What is written is read; what is damaged, cut, longer, newer or crafted is refused.
+
+use super::*;
+use crate::{ObjDocument, ObjMaterial, SourceFormat, SubmeshInfo};
+use lodc_fixtures as fixtures;
+use lodc_lod::ModelKind;
+use lodc_mesh::Mesh;
+
+pub(super) fn object(name: &str, mesh: &Mesh) -> LodObject {
+    let simplified = Arc::new(fixtures::random_collapse(mesh, 1));
+    let submesh = |i| SubmeshInfo {
+        name: format!("part{i}"),
+        material: (i > 0).then(|| format!("material{i}")),
+        document_primitive: i,
+    };
+    let info = ObjectInfo {
+        name: name.to_owned(),
+        submeshes: (0..mesh.submeshes().len() as u32).map(submesh).collect(),
+        world_scale: 2.5,
+        document_mesh: 3,
+    };
+    let model = AnyModel::build(ModelKind::Interactive, &simplified).expect("triangles are in order");
+    LodObject { info, simplified, models: vec![model] }
+}
+
+pub(super) fn obj_file(name: &str) -> LodFile {
+    let materials = vec![ObjMaterial { name: "red".to_owned(), lines: vec!["Kd 1 0 0".to_owned()] }];
+    LodFile {
+        source: Source { format: SourceFormat::Obj, content_hash: 0x0123_4567_89ab_cdef },
+        document: Document::Obj(ObjDocument { libraries: vec!["shapes.mtl".to_owned()], materials }),
+        objects: vec![object(name, &fixtures::named(name).expect("a shape"))],
+    }
+}
+
+pub(super) fn gltf_file(names: &[&str]) -> LodFile {
+    let json = r#"{"asset":{"version":"2.0"}}"#.to_owned();
+    LodFile {
+        source: Source { format: SourceFormat::Glb, content_hash: u128::MAX },
+        document: Document::Gltf(GltfDocument { json, blob: (0..37).collect() }),
+        objects: names.iter().map(|name| object(name, &fixtures::named(name).expect("a shape"))).collect(),
+    }
+}
+
+fn same(a: &LodFile, b: &LodFile) {
+    assert_eq!((&a.source, &a.document), (&b.source, &b.document));
+    assert_eq!(a.objects.len(), b.objects.len());
+    for (a, b) in a.objects.iter().zip(&b.objects) {
+        assert_eq!(a.info, b.info);
+        assert!(a.simplified == b.simplified, "{}", a.info.name);
+        let kinds = |o: &LodObject| o.models.iter().map(AnyModel::kind).collect::<Vec<_>>();
+        assert_eq!(kinds(a), kinds(b));
+    }
+}
+
+fn fails(bytes: &[u8], fault: Fault, what: &str) {
+    let error = read(bytes).expect_err("this must be refused");
+    assert_eq!(error.fault, fault, "{error}");
+    assert!(error.to_string().contains(what), "{error}");
+}
+
+#[test]
+fn what_is_written_is_read_and_writes_the_same_again() {
+    let small = |mesh: &Mesh| mesh.triangles().len() <= 400;
+    let mut files: Vec<LodFile> = (fixtures::ALL.iter())
+        .filter(|(_, make)| small(&make()))
+        .flat_map(|(name, _)| [obj_file(name), gltf_file(&[name, "cube", name])])
+        .collect();
+    files.push(gltf_file(&[]));
+    for file in &files {
+        let bytes = write(file);
+        let again = read(&bytes).expect("a whole file");
+        same(file, &again);
+        assert_eq!(bytes, write(&again));
+    }
+}
+
+#[test]
+fn sections_are_aligned_and_geometry_takes_no_more_than_is_needed() {
+    let file = obj_file("icosphere");
+    let bytes = write(&file);
+    let v = file.objects[0].simplified.mesh().vertex_count() as u64;
+    let stored = stored_bytes(&file.objects[0].models[0]);
+    // Ten words, and five bytes and a bit for the step: error, triangles lost, last of its step or not.
+    assert!(stored <= 45 * v + v / 8 + 1, "{stored} bytes for {v} vertices");
+    assert!((bytes.len() as u64) < stored + 1500, "{} bytes", bytes.len());
+    for entry in bytes[32..].chunks(40).take(bytes[12].into()) {
+        assert_eq!(entry[16] % 16, 0);
+    }
+}
+
+#[test]
+fn streams_are_stored_only_for_submeshes_that_have_them() {
+    let mut parts = fixtures::machine_part().into_parts();
+    let vertices = parts.positions.len();
+    for i in 0..parts.submeshes.len() {
+        let stream = lodc_mesh::Attribute {
+            semantic: lodc_mesh::Semantic::Custom(format!("_ONLY{i}")),
+            morph_target: None,
+            component: lodc_mesh::Component::F32,
+            components: 4,
+            normalized: false,
+            bytes: (0..vertices)
+                .flat_map(|v| [if parts.vertex_submesh[v] as usize == i { v as u8 | 1 } else { 0 }; 16])
+                .collect(),
+        };
+        let number = parts.attributes.len() as u32;
+        parts.attributes.push(stream);
+        parts.submeshes[i].attributes.push(number);
+    }
+    let submeshes = parts.submeshes.len();
+    assert!(submeshes > 1);
+    let mesh = Mesh::try_from(parts).expect("a mesh");
+    let mut file = obj_file("machine_part");
+    let before = write(&file).len();
+    file.objects = vec![object("machine_part", &mesh)];
+    let bytes = write(&file);
+    same(&file, &read(&bytes).expect("a whole file"));
+    let all = file.objects[0].simplified.mesh().vertex_count() * 16;
+    assert!(bytes.len() < before + all + all / 4, "{} more for {all}", bytes.len() - before);
+}
+
+#[test]
+fn every_single_bit_flip_is_detected() {
+    let names = ["machine_part", "skinned_tube_u8", "machine_part", "quantised_torus", "morphing_sphere", "uv_sphere"];
+    let bytes = write(&gltf_file(&names));
+    assert!((48 << 10..160 << 10).contains(&bytes.len()), "{} bytes", bytes.len());
+    let mut flipped = bytes.clone();
+    for bit in 0..8 * bytes.len() {
+        flipped[bit / 8] ^= 1 << (bit % 8);
+        assert!(read(&flipped).is_err(), "bit {bit}");
+        flipped[bit / 8] ^= 1 << (bit % 8);
+    }
+    same(&read(&flipped).expect("all bits flipped back"), &gltf_file(&names));
+}
+
+#[test]
+fn every_truncation_and_every_longer_file_is_refused() {
+    let bytes = write(&gltf_file(&["machine_part", "cube"]));
+    for length in 0..bytes.len() {
+        assert!(read(&bytes[..length]).is_err(), "{length} bytes");
+    }
+    fails(&bytes[..bytes.len() - 1], Fault::Malformed, "cut off");
+    let mut longer = bytes;
+    longer.push(0);
+    fails(&longer, Fault::Malformed, "1 bytes follow the end");
+    // Even if the header agrees.
+    let length = longer.len() as u64;
+    longer[16..24].copy_from_slice(&length.to_le_bytes());
+    container::repair_checksums(&mut longer);
+    fails(&longer, Fault::Malformed, "follow the last section");
+}
+
+/// A file with something changed and the checksums made right again.
+fn crafted(change: impl FnOnce(&mut Vec<u8>)) -> Vec<u8> {
+    let mut bytes = write(&gltf_file(&["cube"]));
+    change(&mut bytes);
+    container::repair_checksums(&mut bytes);
+    bytes
+}
+
+fn set<const N: usize>(bytes: &mut [u8], at: usize, value: [u8; N]) {
+    bytes[at..at + N].copy_from_slice(&value);
+}
+
+#[test]
+fn other_files_and_other_versions_are_refused_by_name() {
+    fails(b"", Fault::Malformed, "not a .lodc file");
+    fails(b"glTF\x02\0\0\0", Fault::Malformed, "not a .lodc file");
+    fails(&crafted(|b| set(b, 8, 2u32.to_le_bytes())), Fault::Unsupported, "version 2 is newer");
+    fails(&crafted(|b| set(b, 8, 0u32.to_le_bytes())), Fault::Malformed, "no version 0");
+}
+
+const FIRST: usize = 32;
+const SECOND: usize = FIRST + 40;
+
+#[test]
+fn sections_that_are_unknown_are_skipped_or_refused_as_they_ask() {
+    // DBLB becomes something else: its place in the manifest is then empty, if it could be skipped at all.
+    let third = SECOND + 40;
+    fails(&crafted(|b| set(b, third, *b"ZZZZ")), Fault::Unsupported, "section ZZZZ: is required");
+    let skipped = crafted(|b| {
+        set(b, third, *b"ZZZZ");
+        set(b, third + 4, 0u32.to_le_bytes());
+    });
+    fails(&skipped, Fault::Malformed, "section DBLB: is missing");
+    fails(&crafted(|b| set(b, third + 4, 3u32.to_le_bytes())), Fault::Unsupported, "unknown flags 0x3");
+
+    // A whole file with one unknown section more.
+    let file = gltf_file(&["cube"]);
+    let plan = streams::plan(file.objects[0].simplified.mesh(), &mut ZeroBudget::default());
+    let manifest = Manifest::of(&file, std::slice::from_ref(&plan)).bytes();
+    let mut writer = Writer::default();
+    writer.required(tag::MANIFEST, SCENE, 0, |out| out.extend_from_slice(&manifest));
+    writer.optional(*b"ZZZZ", SCENE, 0, |out| out.extend_from_slice(b"from the future"));
+    writer.required(tag::DOCUMENT_JSON, SCENE, 0, |out| out.extend_from_slice(br#"{"asset":{"version":"2.0"}}"#));
+    writer.required(tag::DOCUMENT_BLOB, SCENE, 0, |out| out.extend(0..37));
+    object::write(&mut writer, 0, &file.objects[0], &plan);
+    same(&read(&writer.finish()).expect("optional sections are skipped"), &file);
+}
+
+#[test]
+fn models_of_later_versions_are_left_out_and_their_sections_skipped() {
+    let mut bytes = write(&obj_file("cube"));
+    let at = bytes.windows(11).position(|w| w == b"interactive").expect("the model's name");
+    set(&mut bytes, at, *b"imaginative");
+    container::repair_checksums(&mut bytes);
+    assert!(read(&bytes).expect("unknown models are no error").objects[0].models.is_empty());
+}
+
+#[test]
+fn crafted_tables_are_refused_by_name() {
+    let offset_of = |entry: usize, bytes: &[u8]| u64::from_le_bytes(std::array::from_fn(|i| bytes[entry + 16 + i]));
+    let overlap = crafted(|b| {
+        let offset = offset_of(SECOND, b) - 16;
+        set(b, SECOND + 16, offset.to_le_bytes());
+    });
+    fails(&overlap, Fault::Malformed, "overlaps");
+    let gap = crafted(|b| {
+        let offset = offset_of(SECOND, b) + 16;
+        set(b, SECOND + 16, offset.to_le_bytes());
+    });
+    fails(&gap, Fault::Malformed, "leaves a gap");
+    for huge in [1u64 << 40, u64::MAX, u64::MAX - 15] {
+        fails(&crafted(|b| set(b, SECOND + 24, huge.to_le_bytes())), Fault::Malformed, "do not fit into the file");
+        fails(&crafted(|b| set(b, SECOND + 16, huge.to_le_bytes())), Fault::Malformed, "starts at");
+        fails(&crafted(|b| set(b, 16, huge.to_le_bytes())), Fault::Malformed, "cut off");
+    }
+    fails(&crafted(|b| set(b, 12, u32::MAX.to_le_bytes())), Fault::Malformed, "does not fit into");
+    fails(&crafted(|b| set(b, SECOND, *b"MANI")), Fault::Malformed, "is there twice");
+}
+
+#[test]
+fn counts_in_the_manifest_that_are_too_large_are_refused_without_allocating() {
+    // Format, content hash and the kind of document come before the count of objects and the length of a name.
+    let bytes = write(&gltf_file(&["cube"]));
+    let start = u64::from_le_bytes(std::array::from_fn(|i| bytes[FIRST + 16 + i])) as usize;
+    let objects = start + 1 + 16 + 4;
+    let name = objects + 8;
+    for at in [objects, name] {
+        for count in [1u64 << 40, u64::MAX, u64::MAX / 2] {
+            fails(&crafted(|b| set(b, at, count.to_le_bytes())), Fault::Malformed, "section MANI");
+        }
+    }
+}
+
+#[test]
+fn streams_that_leave_out_too_many_zeros_are_refused() {
+    let mut small = ZeroBudget::of_file(1000);
+    assert!(small.take((32 << 20) + 2000));
+    assert!(!small.take(1));
+    let mut none = ZeroBudget::of_file(usize::MAX);
+    assert!(none.take(u64::MAX));
+}
+
+#[test]
+fn mutations_that_pass_the_checksums_never_panic() {
+    let originals = [write(&gltf_file(&["machine_part", "cube"])), write(&obj_file("skinned_tube_u8"))];
+    let mut rng = fixtures::Rng::new(2024);
+    let mut read_whole = 0;
+    for round in 0..20_000 {
+        let mut bytes = originals[round % 2].clone();
+        let sections = u32::from_le_bytes(std::array::from_fn(|i| bytes[12 + i])) as usize;
+        for _ in 0..=rng.below(3) {
+            // Half of the changes hit the table and the manifest, which are small.
+            let front = 32 + 40 * sections + 600;
+            let range = if rng.one_in(2) { front.min(bytes.len()) } else { bytes.len() };
+            let at = rng.below(range);
+            match rng.below(4) {
+                0 => bytes[at] ^= 1 << rng.below(8),
+                1 => bytes[at] = [0, 1, 0x7f, 0x80, 0xff][rng.below(5)],
+                2 => bytes[at] = rng.bits() as u8,
+                _ => {
+                    let value = [0, 1, u32::MAX, 1 << 31, rng.bits() as u32][rng.below(5)];
+                    let at = (at & !3).min(bytes.len() - 4);
+                    set(&mut bytes, at, value.to_le_bytes());
+                }
+            }
+        }
+        if rng.one_in(10) {
+            bytes.truncate(rng.below(bytes.len()));
+            let length = bytes.len() as u64;
+            if length >= 32 {
+                set(&mut bytes, 16, length.to_le_bytes());
+            }
+        }
+        container::repair_checksums(&mut bytes);
+        if let Ok(file) = read(&bytes) {
+            read_whole += 1;
+            for o in &file.objects {
+                // What can be read can be used.
+                for model in &o.models {
+                    let mut cursor = model.cursor();
+                    for lod in [o.simplified.collapses().last(), lodc_mesh::Lod(7), lodc_mesh::Lod(0)] {
+                        model.seek(&mut cursor, lod, &mut ());
+                        let _ = o.simplified.mesh().extract(&model.triangles(&cursor));
+                    }
+                }
+            }
+        }
+    }
+    assert!(read_whole > 1000, "only {read_whole} mutations got past the reader: the test reaches nothing");
+}
+
+#[test]
+fn the_key_depends_on_every_byte() {
+    let mut bytes = write(&obj_file("cube"));
+    let before = key(&bytes);
+    let last = bytes.len() - 1;
+    bytes[last] ^= 1;
+    assert_ne!(before, key(&bytes));
+}
