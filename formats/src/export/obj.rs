@@ -27,7 +27,14 @@ pub(super) fn export(
         let name = library.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
         line(&mut text, "mtllib", &name);
     }
-    let mut writer = Writer { text, v: Table::new(), vt: Table::new(), vn: Table::new(), material: String::new() };
+    let mut writer = Writer {
+        text,
+        v: Table::new(),
+        vt: Table::new(),
+        vn: Table::new(),
+        numbers: Vec::new(),
+        material: String::new(),
+    };
     for placed in flatten::placed(document, objects)? {
         writer.object(&placed, &materials, matches!(document, Document::Gltf(_)));
     }
@@ -47,6 +54,8 @@ struct Writer {
     v: Table<([u32; 3], [u32; 4])>,
     vt: Table<[u32; 3]>,
     vn: Table<[u32; 3]>,
+    /// Of each vertex of the object: the numbers of its v, vt and vn; zeros before it is written.
+    numbers: Vec<[usize; 3]>,
     material: String,
 }
 
@@ -54,6 +63,8 @@ impl Writer {
     fn object(&mut self, placed: &Placed<'_>, materials: &Materials, top_left: bool) {
         let (mesh, info) = (placed.object.mesh, placed.object.info);
         line(&mut self.text, "o", &clean(&placed.name));
+        self.numbers.clear();
+        self.numbers.resize(mesh.vertex_count(), [0; 3]);
         let mut label = String::new();
         for (i, (submesh, submesh_info)) in mesh.submeshes().iter().zip(&info.submeshes).enumerate() {
             if submesh.triangle_count == 0 {
@@ -83,46 +94,65 @@ impl Writer {
         let [color, uv, normal] = [Semantic::Color(0), Semantic::TexCoord(0), Semantic::Normal]
             .map(|semantic| stream(mesh, submesh, &semantic));
         let mirrors = placed.mirrors();
-        let mut corner_text: HashMap<u32, Vec<u8>> = HashMap::new();
         let mut faces = Vec::new();
         for &triangle in &mesh.triangles()[mesh.submeshes()[submesh].triangles()] {
             faces.push(b'f');
             for vertex in placed.corners(triangle, mirrors) {
-                let corner = corner_text.entry(vertex).or_insert_with(|| {
+                let numbers = &mut self.numbers[vertex as usize];
+                if numbers[0] == 0 {
                     let position = placed.position(vertex);
                     let components = color.map_or(0, |c| usize::from(c.components).clamp(3, 4));
-                    let rgba: [f32; 4] = std::array::from_fn(|i| {
-                        color.map_or(0.0, |c| if i < components { component(c, vertex, i) } else { 0.0 })
-                    });
+                    let channel = |i| color.filter(|_| i < components).map_or(0.0, |c| component(c, vertex, i));
+                    let rgba: [f32; 4] = std::array::from_fn(channel);
                     let key = (position.map(f32::to_bits), rgba.map(f32::to_bits));
                     let values = position.iter().chain(&rgba[..components]);
-                    let v = number(&mut self.v, key, &mut self.text, "v", values);
-                    let vt = uv.map(|s| {
+                    numbers[0] = number(&mut self.v, key, &mut self.text, "v", values);
+                    if let Some(s) = uv {
                         let mut uvw: [f32; 3] = std::array::from_fn(|i| component(s, vertex, i));
                         if top_left {
                             uvw[1] = 1.0 - uvw[1];
                         }
                         let count = usize::from(s.components).clamp(2, 3);
-                        number(&mut self.vt, uvw.map(f32::to_bits), &mut self.text, "vt", &uvw[..count])
-                    });
-                    let vn = normal.map(|s| {
-                        let n = placed.normal(s, vertex);
-                        number(&mut self.vn, n.map(f32::to_bits), &mut self.text, "vn", &n)
-                    });
-                    match (vt, vn) {
-                        (None, None) => format!(" {v}"),
-                        (Some(vt), None) => format!(" {v}/{vt}"),
-                        (None, Some(vn)) => format!(" {v}//{vn}"),
-                        (Some(vt), Some(vn)) => format!(" {v}/{vt}/{vn}"),
+                        numbers[1] = number(&mut self.vt, uvw.map(f32::to_bits), &mut self.text, "vt", &uvw[..count]);
                     }
-                    .into_bytes()
-                });
-                faces.extend_from_slice(corner);
+                    if let Some(s) = normal {
+                        let n = placed.normal(s, vertex);
+                        numbers[2] = number(&mut self.vn, n.map(f32::to_bits), &mut self.text, "vn", &n);
+                    }
+                }
+                corner(&mut faces, *numbers);
             }
             faces.push(b'\n');
         }
         faces
     }
+}
+
+/// A corner of a face: ` v`, ` v/vt`, ` v//vn` or ` v/vt/vn`.
+fn corner(text: &mut Vec<u8>, [v, vt, vn]: [usize; 3]) {
+    text.push(b' ');
+    decimal(text, v);
+    if vt > 0 || vn > 0 {
+        text.push(b'/');
+    }
+    if vt > 0 {
+        decimal(text, vt);
+    }
+    if vn > 0 {
+        text.push(b'/');
+        decimal(text, vn);
+    }
+}
+
+fn decimal(text: &mut Vec<u8>, mut value: usize) {
+    let mut digits = [0; 20];
+    let mut first = digits.len();
+    while first == digits.len() || value > 0 {
+        first -= 1;
+        digits[first] = b'0' + (value % 10) as u8;
+        value /= 10;
+    }
+    text.extend_from_slice(&digits[first..]);
 }
 
 /// The number of a value; writes it first if it is new.

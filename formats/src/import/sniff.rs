@@ -39,7 +39,7 @@ const MAGIC: [(&[u8], Sniffed); 24] = [
     (b"<COLLADA", Sniffed::Other("a COLLADA file")),
     (b"\x89PNG", Sniffed::Other("a PNG picture")),
     (b"\xff\xd8\xff", Sniffed::Other("a JPEG picture")),
-    (b"LODC", Sniffed::Other("a file that lodc made: it is not an input; this")),
+    (b"\x89LODC", Sniffed::Other("a file that lodc made: it is not an input; this")),
 ];
 
 /// What `bytes` seem to be; the extension of `path` decides only for formats without a mark.

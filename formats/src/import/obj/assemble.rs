@@ -60,6 +60,11 @@ struct Builder<'a> {
     vertices: Vec<[u32; 3]>,
     /// Normals made for faces without; numbered after those of the file.
     made_normals: Vec<[f32; 3]>,
+    /// The first vertex made at each position; of an earlier submesh if below `first_vertex`.
+    first_at: Vec<u32>,
+    /// The submesh's first vertex.
+    first_vertex: u32,
+    /// The submesh's further vertices at positions that have one already: few, on most meshes none.
     unique: Unique,
     triangulator: Triangulator,
     uses: [bool; 2],
@@ -81,6 +86,8 @@ impl<'a> Builder<'a> {
             normal,
             vertices: Vec::new(),
             made_normals: Vec::new(),
+            first_at: vec![NONE; parsed.positions.len()],
+            first_vertex: 0,
             unique: Unique::new(seed),
             triangulator: Triangulator::default(),
             uses: [false; 2],
@@ -107,6 +114,7 @@ impl<'a> Builder<'a> {
         };
         let (has_texcoords, has_normals) = (has(&self.parsed.corner_t), has(&self.parsed.corner_n));
         self.unique.clear();
+        self.first_vertex = self.vertices.len() as u32;
         let (mut polygon, mut vertices) = (Vec::new(), Vec::new());
         for &run in runs {
             for face in self.faces(run) {
@@ -141,7 +149,7 @@ impl<'a> Builder<'a> {
             self.out.filled_normals += 1;
         }
         vertices.clear();
-        for corner in corners.clone() {
+        for corner in corners {
             let texcoord = if has[0] { parsed.corner_t[corner] } else { NONE };
             let normal = if has[1] { parsed.corner_n[corner] } else { NONE };
             self.out.filled_texcoords += u64::from(has[0] && texcoord == NONE);
@@ -154,11 +162,7 @@ impl<'a> Builder<'a> {
                     n => self.normal[n as usize],
                 },
             ];
-            let next = self.vertices.len() as u32;
-            let vertex = self.unique.number(key, next, |id| self.vertices[id as usize]);
-            if vertex == next {
-                self.vertices.push(key);
-            }
+            let vertex = self.vertex(key);
             vertices.push(vertex);
         }
         let triangles = &mut self.out.parts.triangles;
@@ -169,6 +173,24 @@ impl<'a> Builder<'a> {
             let local = self.triangulator.triangulate(polygon);
             triangles.extend(local.iter().map(|t| t.map(|corner| vertices[corner as usize])));
         }
+    }
+
+    /// The vertex for a corner, made if it is new to the submesh.
+    fn vertex(&mut self, key: [u32; 3]) -> u32 {
+        let next = self.vertices.len() as u32;
+        let first = &mut self.first_at[key[0] as usize];
+        let vertex = if *first == NONE || *first < self.first_vertex {
+            *first = next;
+            next
+        } else if self.vertices[*first as usize] == key {
+            *first
+        } else {
+            self.unique.number(key, next, |id| self.vertices[id as usize])
+        };
+        if vertex == next {
+            self.vertices.push(key);
+        }
+        vertex
     }
 
     /// The names of the groups with this material; several are joined as an OBJ's `g` would list them.

@@ -296,16 +296,20 @@ impl<'a> Parser<'a> {
     fn corner(&mut self, token: &[u8]) -> Result<(), FormatError> {
         let mut parts = token.splitn(3, |&b| b == b'/');
         let corner = self.parsed.corner_v.len();
-        let totals = self.totals();
-        for kind in 0..3 {
+        for (kind, so_far) in self.totals().into_iter().enumerate() {
             let part = parts.next().unwrap_or_default();
-            let index = if part.is_empty() && kind > 0 { NONE } else { self.index(token, part, kind, totals[kind])? };
+            let index = if part.is_empty() && kind > 0 { NONE } else { self.index(token, part, kind, so_far)? };
             let p = &mut self.parsed;
-            let list = [&mut p.corner_v, &mut p.corner_t, &mut p.corner_n].into_iter().nth(kind);
-            let list = list.expect("there are three");
+            let list = match kind {
+                0 => &mut p.corner_v,
+                1 => &mut p.corner_t,
+                _ => &mut p.corner_n,
+            };
             // The lists of texture coordinates and normals start with the first corner that has one.
             if index != NONE || !list.is_empty() {
-                list.resize(corner, NONE);
+                if list.len() < corner {
+                    list.resize(corner, NONE);
+                }
                 list.push(index);
             }
         }

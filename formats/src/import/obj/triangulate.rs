@@ -177,9 +177,9 @@ pub(super) fn newell(corners: &[[f32; 3]]) -> [f64; 3] {
     let relative = |p: [f32; 3]| -> [f64; 3] { std::array::from_fn(|i| f64::from(p[i]) - f64::from(origin[i])) };
     for (i, &a) in corners.iter().enumerate() {
         let (a, b) = (relative(a), relative(corners[(i + 1) % corners.len()]));
-        for k in 0..3 {
+        for (k, sum) in normal.iter_mut().enumerate() {
             let (u, v) = ((k + 1) % 3, (k + 2) % 3);
-            normal[k] += (a[u] - b[u]) * (a[v] + b[v]);
+            *sum += (a[u] - b[u]) * (a[v] + b[v]);
         }
     }
     normal
