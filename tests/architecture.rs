@@ -50,7 +50,8 @@ const OWNED: &[(&str, &[&str])] = &[
     ("process::exit", &["cli/"]),
     ("Instant::now", &["cli/"]),
     ("SystemTime", &["cli/", "formats/src/write"]),
-    ("HashMap", &[]),
+    // For looking up only: what is written never follows a map's order.
+    ("HashMap", &["formats/src/export/obj.rs"]),
     ("HashSet", &[]),
     ("mul_add", &[]),
 ];
@@ -158,7 +159,8 @@ fn every_version_is_pinned_in_one_place() {
         assert!(manifest.contains("[lints]\nworkspace = true"), "{folder} does not take the workspace's lints");
         let sections = manifest.split("dependencies]").skip(1);
         for line in sections.flat_map(|s| s.split("\n[").next().unwrap_or_default().lines()) {
-            assert!(line.is_empty() || line.contains("workspace = true"), "{folder} states a version itself: {line}");
+            let silent = line.is_empty() || line.starts_with('#');
+            assert!(silent || line.contains("workspace = true"), "{folder} states a version itself: {line}");
         }
     }
 }
