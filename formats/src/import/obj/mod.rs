@@ -6,6 +6,7 @@
 mod assemble;
 mod lines;
 mod mtl;
+mod notes;
 mod number;
 mod parse;
 #[cfg(test)]
@@ -15,10 +16,7 @@ mod unique;
 
 use super::ImportOptions;
 use crate::{Assets, Document, Fault, FormatError, ObjDocument, ObjectInfo, Scene, SceneObject, Source, SourceFormat};
-use assemble::Assembled;
 use lodc_mesh::{Mesh, MeshParts};
-use parse::{Count, Parsed};
-use std::collections::BTreeSet;
 use xxhash_rust::xxh3::xxh3_128;
 
 /// Reads an OBJ; `bytes` is the main file.
@@ -38,8 +36,8 @@ pub(crate) fn import(bytes: Vec<u8>, assets: &mut Assets, options: &ImportOption
 
     let mut warnings = materials.warnings;
     let mut assembled = assemble::assemble(&parsed, content_hash as u64);
-    notes(&parsed, &assembled, &mut warnings);
-    undefined_materials(&assembled, &materials.list, &mut warnings);
+    notes::warn(&parsed, &assembled, &mut warnings);
+    notes::warn_undefined(&assembled, &materials.list, &mut warnings);
     let name = match &parsed.objects[..] {
         [only] => only.clone(),
         _ => assets.stem(),
@@ -85,50 +83,4 @@ fn diagonal(positions: &[[f32; 3]]) -> f64 {
         if high > low { high - low } else { 0.0 }
     };
     (0..3).map(|i| extent(i).powi(2)).sum::<f64>().sqrt()
-}
-
-/// What was repaired, dropped or left alone: one line each.
-fn notes(parsed: &Parsed, assembled: &Assembled, warnings: &mut Vec<String>) {
-    let notes = &parsed.notes;
-    let mut tell = |count: Count, what: &str| {
-        if count.times > 0 {
-            warnings.push(format!("{} {what} (first on line {})", count.times, count.line));
-        }
-    };
-    tell(notes.small_faces, "faces with fewer than three corners were dropped");
-    tell(notes.lines, "line elements were left out");
-    tell(notes.points, "point elements were left out");
-    tell(notes.free_form, "free-form curves and surfaces were left out");
-    tell(notes.extra_values, "lines have more numbers than their meaning needs, the last ones were left out");
-    tell(notes.weights, "positions have a weight, which was left out");
-    if !parsed.colors.is_empty() {
-        tell(notes.uncolored, "positions without a colour beside others that have one were made white");
-    }
-    tell(notes.unknown, &format!("lines are no OBJ statements and were left out, like `{}`", notes.unknown_first));
-
-    let mut tell = |count: u64, what: &str| {
-        if count > 0 {
-            warnings.push(format!("{count} {what}"));
-        }
-    };
-    tell(assembled.polygons, "polygons were triangulated");
-    tell(assembled.imperfect_polygons, "of these cross themselves or turn back: their triangles may overlap");
-    tell(
-        assembled.filled_texcoords,
-        "corners without texture coordinates beside others that have them were given (0, 0)",
-    );
-    tell(assembled.filled_normals, "faces without normals beside others that have them were given their own");
-    tell(
-        assembled.joined_labels,
-        "groups share a material with others: they are kept as one submesh with all their names",
-    );
-}
-
-fn undefined_materials(assembled: &Assembled, list: &[crate::ObjMaterial], warnings: &mut Vec<String>) {
-    let defined: BTreeSet<&str> = list.iter().map(|m| m.name.as_str()).collect();
-    let mut missing = assembled.submeshes.iter().filter_map(|s| s.material.as_deref()).filter(|m| !defined.contains(m));
-    if let Some(first) = missing.next() {
-        let count = 1 + missing.count();
-        warnings.push(format!("{count} materials are used but not defined (first `{}`)", first.escape_debug()));
-    }
 }

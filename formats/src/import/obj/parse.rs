@@ -4,6 +4,7 @@
 //! indices as the file has them, and knows the line of everything it refuses.
 
 use super::lines::Lines;
+use super::notes::Notes;
 use super::number::{float, integer};
 use crate::{Fault, FormatError, Limits};
 use std::collections::BTreeMap;
@@ -50,36 +51,6 @@ pub(super) struct Run {
     pub(super) material: u32,
     /// Index into the labels, or [`NONE`].
     pub(super) label: u32,
-}
-
-/// Counts of what was not taken as it stands, each with the first line where it happened.
-#[derive(Debug, Default)]
-pub(super) struct Notes {
-    pub(super) lines: Count,
-    pub(super) points: Count,
-    pub(super) small_faces: Count,
-    pub(super) unknown: Count,
-    pub(super) unknown_first: String,
-    pub(super) free_form: Count,
-    pub(super) extra_values: Count,
-    pub(super) weights: Count,
-    pub(super) uncolored: Count,
-}
-
-/// How often, and on which line first.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Count {
-    pub(super) times: u64,
-    pub(super) line: u32,
-}
-
-impl Count {
-    fn add(&mut self, line: u32) {
-        if self.times == 0 {
-            self.line = line;
-        }
-        self.times += 1;
-    }
 }
 
 /// The file may name this many libraries: each is a file to be opened.

@@ -1,0 +1,84 @@
+//! What was repaired, dropped or left alone in an OBJ, as counts and as warnings.
+
+use super::assemble::Assembled;
+use super::parse::Parsed;
+use crate::ObjMaterial;
+use std::collections::BTreeSet;
+
+/// Counts of what was not taken as it stands, each with the first line where it happened.
+#[derive(Debug, Default)]
+pub(super) struct Notes {
+    pub(super) lines: Count,
+    pub(super) points: Count,
+    pub(super) small_faces: Count,
+    pub(super) unknown: Count,
+    pub(super) unknown_first: String,
+    pub(super) free_form: Count,
+    pub(super) extra_values: Count,
+    pub(super) weights: Count,
+    pub(super) uncolored: Count,
+}
+
+/// How often, and on which line first.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Count {
+    pub(super) times: u64,
+    pub(super) line: u32,
+}
+
+impl Count {
+    /// Once more, on this line.
+    pub(super) fn add(&mut self, line: u32) {
+        if self.times == 0 {
+            self.line = line;
+        }
+        self.times += 1;
+    }
+}
+
+/// What was repaired, dropped or left alone: one line each.
+pub(super) fn warn(parsed: &Parsed, assembled: &Assembled, warnings: &mut Vec<String>) {
+    let notes = &parsed.notes;
+    let mut tell = |count: Count, what: &str| {
+        if count.times > 0 {
+            warnings.push(format!("{} {what} (first on line {})", count.times, count.line));
+        }
+    };
+    tell(notes.small_faces, "faces with fewer than three corners were dropped");
+    tell(notes.lines, "line elements were left out");
+    tell(notes.points, "point elements were left out");
+    tell(notes.free_form, "free-form curves and surfaces were left out");
+    tell(notes.extra_values, "lines have more numbers than their meaning needs, the last ones were left out");
+    tell(notes.weights, "positions have a weight, which was left out");
+    if !parsed.colors.is_empty() {
+        tell(notes.uncolored, "positions without a colour beside others that have one were made white");
+    }
+    tell(notes.unknown, &format!("lines are no OBJ statements and were left out, like `{}`", notes.unknown_first));
+
+    let mut tell = |count: u64, what: &str| {
+        if count > 0 {
+            warnings.push(format!("{count} {what}"));
+        }
+    };
+    tell(assembled.polygons, "polygons were triangulated");
+    tell(assembled.imperfect_polygons, "of these cross themselves or turn back: their triangles may overlap");
+    tell(
+        assembled.filled_texcoords,
+        "corners without texture coordinates beside others that have them were given (0, 0)",
+    );
+    tell(assembled.filled_normals, "faces without normals beside others that have them were given their own");
+    tell(
+        assembled.joined_labels,
+        "groups share a material with others: they are kept as one submesh with all their names",
+    );
+}
+
+/// Says which materials no library has.
+pub(super) fn warn_undefined(assembled: &Assembled, list: &[ObjMaterial], warnings: &mut Vec<String>) {
+    let defined: BTreeSet<&str> = list.iter().map(|m| m.name.as_str()).collect();
+    let mut missing = assembled.submeshes.iter().filter_map(|s| s.material.as_deref()).filter(|m| !defined.contains(m));
+    if let Some(first) = missing.next() {
+        let count = 1 + missing.count();
+        warnings.push(format!("{count} materials are used but not defined (first `{}`)", first.escape_debug()));
+    }
+}
