@@ -5,13 +5,13 @@ use glam::DVec3;
 use lodc_mesh::{Attribute, Mesh, Semantic};
 
 /// A change of the normal by one (60°) counts like a displacement by this share of the mesh's size.
-const NORMAL_LENGTH: f64 = 0.02;
+const NORMAL_LENGTH: f64 = 0.005;
 /// A change of a colour channel from none to full counts like a displacement by this share of the mesh's size.
-const COLOR_LENGTH: f64 = 0.05;
+const COLOR_LENGTH: f64 = 0.02;
 /// A joint's weight that changes from none to full counts like a displacement by this share of the mesh's size.
-const JOINT_LENGTH: f64 = 0.1;
+const JOINT_LENGTH: f64 = 0.01;
 /// A texture that shifts along the surface by some length counts like a displacement by this share of it.
-const TEXTURE_SHARE: f64 = 0.3;
+const TEXTURE_SHARE: f64 = 0.1;
 
 /// The non-spatial attributes of every vertex, scaled to working units.
 pub(crate) struct Attributes {
