@@ -1,6 +1,7 @@
 //! Options that raise or lower the limits on inputs.
 
 use crate::exit::{Failure, Outcome, Status};
+use crate::text::{count, size as size_of};
 use clap::Args;
 use lodc_formats::Limits;
 use lodc_formats::import::ImportOptions;
@@ -78,9 +79,10 @@ impl LimitArgs {
             Some(limit) if needed > limit => Err(Failure::new(
                 Status::Limit,
                 format!(
-                    "{triangles} triangles may need {} MiB of memory, more than the limit of {} MiB (--limit-memory)",
-                    needed >> 20,
-                    limit >> 20
+                    "{} may need {} of memory, more than the limit of {} (--limit-memory)",
+                    count(triangles, "triangle"),
+                    size_of(needed),
+                    size_of(limit)
                 ),
             )),
             _ => Ok(()),

@@ -47,6 +47,8 @@ pub(crate) fn targets(inputs: &[PathBuf], out: Option<&Path>, extension: &str) -
             if out.exists() && !out.is_dir() {
                 return Err(Failure::usage(format!("{}: several inputs need a folder, this is a file", out.display())));
             }
+            // `.` would only make names longer.
+            let out = if out == Path::new(".") { Path::new("") } else { out };
             inputs.iter().map(|input| Target::File(out.join(named(input, extension)))).collect()
         }
         Some(out) => vec![Target::File(out.to_owned())],

@@ -39,6 +39,18 @@ pub(crate) fn size(bytes: u64) -> String {
     }
 }
 
+/// A distance with four digits that count; plain where that is short.
+pub(crate) fn distance(d: f64) -> String {
+    if d == 0.0 {
+        "0".to_owned()
+    } else if (1e-4..1e5).contains(&d) {
+        let places = (3.0 - d.log10().floor()).clamp(0.0, 7.0);
+        format!("{d:.*}", places as usize)
+    } else {
+        format!("{d:.3e}")
+    }
+}
+
 /// A path that a shell takes as one word.
 pub(crate) fn quoted(path: &Path) -> String {
     let text = path.display().to_string();
@@ -55,6 +67,12 @@ mod tests {
         assert_eq!(count(1, "triangle"), "1 triangle");
         assert_eq!(count(1_234_567, "fake vertex"), "1,234,567 fake vertices");
         assert_eq!(count(2, "submesh"), "2 submeshes");
+    }
+
+    #[test]
+    fn distances_have_four_digits_that_count() {
+        let texts = [0.0, 0.000_123_456, 0.5, 12.345_6, 98_765.4, 1.234_56e-7, 1e9].map(distance);
+        assert_eq!(texts, ["0", "0.0001235", "0.5000", "12.35", "98765", "1.235e-7", "1.000e9"]);
     }
 
     #[test]

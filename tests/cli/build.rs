@@ -68,7 +68,7 @@ fn a_bad_input_does_not_stop_the_others_and_the_worst_status_counts() {
     let statuses: Vec<_> = report["inputs"].as_array().expect("inputs").iter().map(|i| i["status"].clone()).collect();
     assert_eq!(statuses, [3, 0, 3, 3]);
     assert!(report["inputs"][0]["error"].as_str().is_some_and(|e| e.contains("bad.obj") && e.contains("line 4")));
-    assert_eq!(run.err.lines().filter(|l| l.starts_with("lodc: ")).count(), 3, "{}", run.err);
+    assert_eq!(run.errors(), 3, "{}", run.err);
     let made: Vec<_> =
         std::fs::read_dir(f.join("out")).expect("made").map(|e| e.expect("an entry").file_name()).collect();
     assert_eq!(made, ["good.lodc"]);

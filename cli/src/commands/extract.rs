@@ -9,6 +9,7 @@ use crate::output::{self, Rule, Target};
 use crate::report::{ExtractReport, ExtractedObject, SCHEMA_VERSION};
 use crate::selector::{SelectorArgs, decimal, select};
 use crate::stages::Stages;
+use crate::text::{count, distance};
 use clap::{Args, ValueEnum};
 use lodc_formats::OutputFile;
 use lodc_formats::export::{ExportFormat, ExportObject, export};
@@ -16,7 +17,7 @@ use lodc_formats::lodc::{LodFile, LodObject};
 use lodc_lod::{AnyModel, ModelKind};
 use lodc_mesh::{Lod, Mesh};
 use rayon::prelude::*;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Options of `extract`.
 #[derive(Args, Debug)]
@@ -250,10 +251,9 @@ fn sentence(report: &ExtractReport) -> String {
     let lod = report.lod.map_or_else(|| format!("{} objects", report.objects.len()), |lod| format!("LOD {lod}"));
     let output = if report.output == "-" { "standard output" } else { &report.output };
     format!(
-        "{}: {lod}, {} triangles, {} vertices, error {:.4e}",
-        Path::new(output).display(),
-        report.triangles,
-        report.vertices,
-        report.error
+        "{output}: {lod}, {}, {}, error {}",
+        count(report.triangles, "triangle"),
+        count(report.vertices, "vertex"),
+        distance(report.error)
     )
 }

@@ -10,7 +10,7 @@ use crate::report::{
     BitsPerVertex, InfoReport, LodReport, ModelReport, ObjectCounts, ObjectReport, SCHEMA_VERSION, SourceReport,
 };
 use crate::selector::decimal;
-use crate::text::{count, grouped, size};
+use crate::text::{count, distance, grouped, size};
 use clap::Args;
 use lodc_formats::SourceFormat;
 use lodc_formats::lodc::{self, LodObject};
@@ -113,10 +113,10 @@ fn text(name: &str, report: &InfoReport) -> String {
             let share = if o.diagonal > 0.0 { lod.error / o.diagonal * 100.0 } else { 0.0 };
             let _ = writeln!(
                 text,
-                "  {:>10}{:>12}{:12.3e}{share:12.3} %",
+                "  {:>10}{:>12}{:>12}{share:12.3} %",
                 grouped(u64::from(lod.lod)),
                 grouped(u64::from(lod.triangles)),
-                lod.error
+                distance(lod.error)
             );
         }
         for (model, cost) in &o.models {

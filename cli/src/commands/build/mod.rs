@@ -152,6 +152,14 @@ fn build_one(args: &BuildArgs, input: &Path, target: &Target) -> (InputReport, O
             (Status::Done, rule)
         }
         Ok(Err(failure)) => {
+            // An error in a file that the input refers to names that file; with several inputs both are needed.
+            let named = failure.status != Status::Input || failure.message.contains(&report.input);
+            let named = named || output::is_stream(input);
+            let failure = if named {
+                failure
+            } else {
+                Failure::new(failure.status, format!("{}: {}", report.input, failure.message))
+            };
             error(&failure);
             report.error = Some(failure.message);
             (failure.status, None)

@@ -5,7 +5,7 @@ use crate::console::{Loudness, note, wants};
 use crate::levels::{self, TABLE};
 use crate::output::Target as Output;
 use crate::selector::{Selection, Target, scene_diagonal, select};
-use crate::text::{count, grouped, percent, quoted, size};
+use crate::text::{count, distance, grouped, percent, quoted, size};
 use std::fmt::Write;
 
 /// Prints the summary on standard error, unless `-q`.
@@ -73,10 +73,10 @@ fn table(text: &mut String, made: &Made) {
         let left: u64 = candidates.iter().zip(&lods).map(|(c, &l)| u64::from(c.collapses.triangles_at(l))).sum();
         let _ = writeln!(
             text,
-            "    {:4.0} %{:12}{:12.3e}{:12.3} %",
+            "    {:4.0} %{:>12}{:>12}{:12.3} %",
             share * 100.0,
             grouped(left),
-            error,
+            distance(error),
             if diagonal > 0.0 { error / diagonal * 100.0 } else { 0.0 }
         );
     }

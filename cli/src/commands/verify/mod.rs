@@ -10,6 +10,7 @@ use crate::exit::{Failure, Outcome, Status, one_line};
 use crate::limits::ImportArgs;
 use crate::output::{self, Target};
 use crate::report::{CheckReport, FileReport, SCHEMA_VERSION, VerifyReport};
+use crate::text::count;
 use clap::{Args, ValueEnum};
 use std::num::NonZeroU32;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -147,8 +148,12 @@ fn print(file: &FileReport) -> Outcome<()> {
         let reason = check.first_difference.as_ref().or(check.skipped.as_ref());
         let reason = reason.map(|r| format!(": {r}")).unwrap_or_default();
         let line = format!(
-            "{}:{object} {}, {}, {}: {verdict}, {} LODs{reason}",
-            file.file, check.model, check.check, check.device, check.lods
+            "{}:{object} {}, {}, {}: {verdict}, {}{reason}",
+            file.file,
+            check.model,
+            check.check,
+            check.device,
+            count(check.lods, "LOD")
         );
         console::result(&one_line(&line))?;
     }
