@@ -117,8 +117,7 @@ pub(super) fn adapted(mesh: &Mesh) -> Mesh {
             (Semantic::TexCoord(_), 2) => each(a, |uv| uv[1] = 1.0 - uv[1]),
             (Semantic::Normal, 3) => each(a, unit),
             (Semantic::Color(_), _) => each(a, |c| {
-                // Not a number becomes 0 as well.
-                c.iter_mut().for_each(|v| *v = v.max(0.0).min(1.0));
+                c.iter_mut().for_each(|v| *v = if v.is_nan() { 0.0 } else { v.clamp(0.0, 1.0) });
             }),
             _ => {}
         }

@@ -106,3 +106,5 @@ fn to_json(root: &Object, pretty: bool) -> Vec<u8> {
     text.expect("values from JSON can be written as JSON")
 }
 
+#[cfg(test)]
+mod tests;

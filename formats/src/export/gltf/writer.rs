@@ -223,8 +223,7 @@ fn floats(positions: &[[f32; 3]]) -> Attribute {
 
 /// Smallest and largest of each component as they are stored: integers stay integers even where they mean fractions.
 fn bounds(a: &Attribute, vertices: &[u32]) -> (Vec<Value>, Vec<Value>) {
-    let raw = Attribute { normalized: false, ..a.described() };
-    let mut one = raw.clone();
+    let mut one = Attribute { normalized: false, ..a.described() };
     let mut lo = vec![f32::INFINITY; usize::from(a.components)];
     let mut hi = vec![f32::NEG_INFINITY; usize::from(a.components)];
     for &v in vertices {

@@ -113,7 +113,10 @@ impl Accessor {
             Some(view) => {
                 let stride = views.stride(view).unwrap_or(size);
                 if stride < size {
-                    return Err(malformed(place, format!("byteStride {stride} is less than an element of {size} bytes")));
+                    return Err(malformed(
+                        place,
+                        format!("byteStride {stride} is less than an element of {size} bytes"),
+                    ));
                 }
                 let offset = offset.unwrap_or(0);
                 fits(offset, stride, count, last, views.len(view)).map_err(|what| malformed(&*place, what))?;
@@ -168,9 +171,14 @@ impl Sparse {
     ) -> Result<Self, FormatError> {
         let count = required(object, "count", place)?;
         if count == 0 || count > accessor_count as u64 {
-            return Err(malformed(place, format!("count {count} is not between 1 and the accessor's {accessor_count}")));
+            return Err(malformed(
+                place,
+                format!("count {count} is not between 1 and the accessor's {accessor_count}"),
+            ));
         }
-        let part = |key: &str| object.get(key).and_then(Value::as_object).ok_or_else(|| malformed(place, format!("has no `{key}`")));
+        let part = |key: &str| {
+            object.get(key).and_then(Value::as_object).ok_or_else(|| malformed(place, format!("has no `{key}`")))
+        };
         let located = |key: &str, size: usize| -> Result<(usize, usize), FormatError> {
             let place = format!("{place}.{key}");
             let object = part(key)?;
@@ -184,7 +192,8 @@ impl Sparse {
         };
         let number = required(part("indices")?, "componentType", &format!("{place}.indices"))?;
         let index = component(number).filter(|c| matches!(c, Component::U8 | Component::U16 | Component::U32));
-        let index = index.ok_or_else(|| malformed(format!("{place}.indices"), "componentType is not an unsigned integer"))?;
+        let index =
+            index.ok_or_else(|| malformed(format!("{place}.indices"), "componentType is not an unsigned integer"))?;
         let (view, offset) = located("indices", index.size())?;
         Ok(Self { count: count as usize, indices: (view, offset, index), values: located("values", size)? })
     }

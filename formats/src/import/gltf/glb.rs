@@ -51,9 +51,8 @@ pub(super) fn split(bytes: &[u8]) -> Result<Chunks, FormatError> {
         };
         let start = at + 8;
         let end = start.checked_add(size as usize).filter(|&end| end <= length);
-        let end = end.ok_or_else(|| {
-            malformed(place(), format!("says {size} bytes, but only {} are left", length - start))
-        })?;
+        let end =
+            end.ok_or_else(|| malformed(place(), format!("says {size} bytes, but only {} are left", length - start)))?;
         match kind {
             JSON if json.is_some() => return Err(malformed(place(), "a second JSON chunk")),
             JSON if number == 0 => json = Some(start..end),
@@ -116,7 +115,9 @@ mod tests {
 
     #[test]
     fn chunks_twice_or_in_the_wrong_order_are_refused() {
-        for chunks in [vec![(JSON, &b"{}"[..]), (JSON, b"{}")], vec![(BIN, b"1")], vec![(JSON, b"{}"), (BIN, b""), (BIN, b"")]] {
+        for chunks in
+            [vec![(JSON, &b"{}"[..]), (JSON, b"{}")], vec![(BIN, b"1")], vec![(JSON, b"{}"), (BIN, b""), (BIN, b"")]]
+        {
             assert!(split(&glb(&chunks)).is_err());
         }
         assert!(split(&glb(&[])).is_err());

@@ -36,6 +36,7 @@ use views::Views;
 ///
 /// # Errors
 /// See [`super::import`].
+#[expect(clippy::needless_pass_by_value, reason = "importers have one signature, and others consume their bytes")]
 pub(crate) fn import(bytes: Vec<u8>, assets: &mut Assets, options: &ImportOptions) -> Result<Scene, FormatError> {
     let mut warnings = Vec::new();
     let (format, text, chunk) = if glb::is_glb(&bytes) {
@@ -141,3 +142,6 @@ fn scene_object(
     let info = ObjectInfo { name, submeshes, world_scale, document_mesh: document_mesh as u32 };
     SceneObject { info, mesh }
 }
+
+#[cfg(test)]
+pub(crate) mod tests;

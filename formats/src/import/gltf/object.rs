@@ -109,16 +109,16 @@ impl<'a> Reading<'a> {
         if kept.is_empty() {
             return Ok(None);
         }
-        let place = |e: &dyn std::fmt::Display| {
-            malformed(primitives.first().map_or("", |p| p.place.as_str()), e.to_string())
-        };
+        let place =
+            |e: &dyn std::fmt::Display| malformed(primitives.first().map_or("", |p| p.place.as_str()), e.to_string());
         Ok(Some((Mesh::try_from(parts).map_err(|e| place(&e))?, kept)))
     }
 
     fn add(&mut self, primitive: &Primitive, parts: &mut MeshParts) -> Result<(), FormatError> {
         let (place, budget, views) = (primitive.place.as_str(), self.views.budget, self.views);
         let accessors = self.accessors;
-        let get = |a: usize| accessors.get(a).and_then(Option::as_ref).ok_or_else(|| malformed(place, "unknown accessor"));
+        let get =
+            |a: usize| accessors.get(a).and_then(Option::as_ref).ok_or_else(|| malformed(place, "unknown accessor"));
         let position = get(primitive.position)?;
         let mut corners = primitive.corners(position.count, accessors, views)?;
         let triangles = primitive.triangle_count(corners.len());
@@ -278,8 +278,7 @@ fn diagonal(positions: &[[f32; 3]]) -> f64 {
 
 /// Drops submeshes without triangles, and streams that no submesh is left to use. Returns which submeshes stay.
 fn drop_empty_submeshes(parts: &mut MeshParts) -> Vec<usize> {
-    let kept: Vec<usize> =
-        (0..parts.submeshes.len()).filter(|&s| parts.submeshes[s].triangle_count > 0).collect();
+    let kept: Vec<usize> = (0..parts.submeshes.len()).filter(|&s| parts.submeshes[s].triangle_count > 0).collect();
     if kept.len() == parts.submeshes.len() {
         return kept;
     }

@@ -77,7 +77,10 @@ pub(super) fn read(object: &Object, place: String, accessors: &[Option<Accessor>
             return Err(malformed(place(), "the accessor's type does not fit"));
         }
         if *count.get_or_insert(a.count) != a.count {
-            return Err(malformed(place(), format!("has {} elements where others have {}", a.count, count.unwrap_or(0))));
+            return Err(malformed(
+                place(),
+                format!("has {} elements where others have {}", a.count, count.unwrap_or(0)),
+            ));
         }
     }
     streams.retain(|(s, target, a)| *s != Semantic::Position || target.is_some() || !is_plain(accessors, *a));

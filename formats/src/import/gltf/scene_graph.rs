@@ -158,10 +158,9 @@ fn singular_value(m: &Linear) -> f64 {
                 let (a, b) = (row[p], row[q]);
                 (row[p], row[q]) = (c * a - s * b, s * a + c * b);
             }
-            for k in 0..3 {
-                let (a, b) = (g[p][k], g[q][k]);
-                (g[p][k], g[q][k]) = (c * a - s * b, s * a + c * b);
-            }
+            let (a, b) = (g[p], g[q]);
+            g[p] = std::array::from_fn(|k| c * a[k] - s * b[k]);
+            g[q] = std::array::from_fn(|k| s * a[k] + c * b[k]);
         }
     }
     size * g[0][0].max(g[1][1]).max(g[2][2]).max(0.0).sqrt()
@@ -186,7 +185,9 @@ fn skinned(
         if let Some((_, reader)) = inverse.as_ref().filter(|(count, _)| i < *count) {
             bytes.clear();
             reader.append(i as u32, &mut bytes);
-            let v = |k: usize| bytes.get(4 * k..4 * k + 4).map_or(0.0, |b| f64::from(f32::from_le_bytes([b[0], b[1], b[2], b[3]])));
+            let v = |k: usize| {
+                bytes.get(4 * k..4 * k + 4).map_or(0.0, |b| f64::from(f32::from_le_bytes([b[0], b[1], b[2], b[3]])))
+            };
             m = product(&m, &std::array::from_fn(|c| std::array::from_fn(|r| v(4 * c + r))));
         }
         largest = largest.max(singular_value(&m));
@@ -231,7 +232,11 @@ mod tests {
 
     #[test]
     fn loops_and_second_parents_are_refused() {
-        for nodes in [r#"[{"children":[0]}]"#, r#"[{"children":[1]},{"children":[0]}]"#, r#"[{"children":[2]},{"children":[2]},{}]"#] {
+        for nodes in [
+            r#"[{"children":[0]}]"#,
+            r#"[{"children":[1]},{"children":[0]}]"#,
+            r#"[{"children":[2]},{"children":[2]},{}]"#,
+        ] {
             let root = json_object(&format!(r#"{{"nodes":{nodes}}}"#));
             assert!(forest(root.as_object().expect("one")).is_err(), "{nodes}");
         }

@@ -3,6 +3,7 @@
 use super::json::{Object, integer, malformed};
 use crate::FormatError;
 use serde_json::Value;
+use std::fmt::Write;
 
 /// A top-level array that other members point into by index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -302,7 +303,7 @@ fn walk_value(value: &mut Value, path: &str, place: &mut String, visit: &mut Vis
     if let Some(rest) = path.strip_prefix("[]") {
         let Value::Array(elements) = value else { return Err(malformed(place.as_str(), "must be an array")) };
         for (i, element) in elements.iter_mut().enumerate() {
-            place.push_str(&format!("[{i}]"));
+            write!(place, "[{i}]").expect("a string takes everything");
             walk_value(element, rest, place, visit)?;
             place.truncate(before);
         }

@@ -87,3 +87,5 @@ fn narrowed(indices: &[u32], stride: usize) -> Result<Vec<u8>, &'static str> {
     Ok(indices.iter().flat_map(|i| i.to_le_bytes().into_iter().take(stride)).collect())
 }
 
+#[cfg(test)]
+mod tests;

@@ -37,7 +37,7 @@ pub(super) fn decode(count: usize, stride: usize, bytes: &[u8]) -> Result<Vec<u8
         let vertices = chunk.len() / stride;
         let padded = vertices.div_ceil(GROUP) * GROUP;
         let control = if version == 1 { data.take(stride / 4)? } else { &[] };
-        for channel in 0..stride / 4 {
+        for (channel, &mode) in channels.iter().enumerate() {
             for (byte, plane) in planes.chunks_mut(BLOCK_VERTICES).enumerate() {
                 let plane = &mut plane[..padded];
                 match control.get(channel).map(|c| c >> (2 * byte) & 3) {
@@ -49,7 +49,7 @@ pub(super) fn decode(count: usize, stride: usize, bytes: &[u8]) -> Result<Vec<u8
                 }
             }
             let at = channel * 4;
-            integrate(channels[channel], &planes, &mut last[at..at + 4], chunk[at..].chunks_mut(stride))?;
+            integrate(mode, &planes, &mut last[at..at + 4], chunk[at..].chunks_mut(stride))?;
         }
     }
     if !data.bytes.is_empty() {
