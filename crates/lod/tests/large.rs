@@ -4,6 +4,7 @@ use lodc_lod::{AnyModel, Check, ModelKind, Reference, VerifyOptions, verify};
 use lodc_simplify::{Options, simplify};
 use std::sync::Arc;
 
+#[expect(clippy::print_stdout, reason = "what the large test is for is its time")]
 fn simplify_and_verify(subdivisions: u32) {
     let simplified = Arc::new(simplify(&lodc_fixtures::icosphere(subdivisions), &Options::DEFAULT, &|_, _| ()));
     let start = std::time::Instant::now();

@@ -173,7 +173,7 @@ fn header_checksum(bytes: &[u8], table_end: usize) -> u64 {
     state.digest()
 }
 
-type Content<'a> = Box<dyn FnOnce(&mut Vec<u8>) + 'a>;
+pub(super) type Content<'a> = Box<dyn FnOnce(&mut Vec<u8>) + 'a>;
 
 /// Collects sections and lays them out.
 #[derive(Default)]

@@ -1,6 +1,6 @@
 //! One object: its mesh, its collapse sequence and its models as sections.
 
-use super::container::{Container, Tag, Writer, place, tag};
+use super::container::{Container, Content, Tag, Writer, place, tag};
 use super::manifest::{AttributeEntry, ObjectEntry};
 use super::streams::{self, ZeroBudget};
 use super::{LodObject, arrays, steps};
@@ -31,7 +31,7 @@ pub(super) fn geometry_bytes(simplified: &Simplified) -> u64 {
 
 pub(super) fn write<'a>(writer: &mut Writer<'a>, number: u32, object: &'a LodObject, plan: &'a [bool]) {
     let (mesh, sequence) = (object.simplified.mesh(), object.simplified.collapses().parts());
-    let mut section = |tag, content: Box<dyn FnOnce(&mut Vec<u8>) + 'a>| writer.required(tag, number, 0, content);
+    let mut section = |tag, content: Content<'a>| writer.required(tag, number, 0, content);
     section(tag::POSITIONS, Box::new(|out| arrays::put_f32s(out, mesh.positions().as_flattened())));
     let width = submesh_width(mesh.submeshes().len());
     if width > 0 {
