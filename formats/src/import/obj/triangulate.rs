@@ -87,7 +87,7 @@ impl Triangulator {
         for i in 0..n {
             self.classify(i);
         }
-        self.budget = 4_000_000 + 1000 * u64::from(n);
+        self.budget = 4_000_000 + 200 * u64::from(n);
 
         let (mut left, mut at, mut unchanged, mut tolerance) = (n, 0, 0, Tolerance::Strict);
         let mut imperfect = false;

@@ -116,10 +116,10 @@ fn polygons_in_any_plane_keep_their_side() {
 
 #[test]
 fn a_hostile_polygon_ends_soon() {
-    let n = 60_000;
+    let n = 200_000;
     let points: Vec<[f32; 3]> =
         (0..n).map(|i| [i as f32, if i % 2 == 0 { 0.0 } else { 1.0 + (i % 7) as f32 }, 0.0]).collect();
     let start = std::time::Instant::now();
     assert_eq!(Triangulator::default().triangulate(&points).len(), n - 2);
-    assert!(start.elapsed().as_secs() < 5, "{:?}", start.elapsed());
+    assert!(start.elapsed().as_secs() < 20, "{:?}", start.elapsed());
 }
