@@ -30,4 +30,4 @@ bench:
 
 # Write the fixture files again
 fixtures:
-    cargo run --release -p lodc-fixtures --bin generate -- fixtures
+    cargo run --release -p lodc-fixtures --features files --bin generate -- fixtures
