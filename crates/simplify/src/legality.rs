@@ -66,7 +66,7 @@ impl<M: Metric> Engine<'_, M> {
             if self.mesh.others(corner).contains(&to) {
                 return true;
             }
-            let wedges = &self.mesh.wedges[corner.face() as usize];
+            let wedges = self.mesh.wedges(corner.face());
             let here = wedges[corner.at()];
             let target = plan.wedges.iter().find(|p| p.wedge == here && p.target != u32::MAX);
             let Some(target) = target else { return true };

@@ -7,6 +7,7 @@
 
 mod attributes;
 mod build;
+mod commit;
 mod engine;
 mod heap;
 mod legality;
@@ -74,8 +75,6 @@ pub fn simplify(mesh: &Mesh, options: &Options, progress: &(dyn Fn(u64, u64) + S
         MetricKind::Quadric => QuadricMetric::new(&built.working, &built.wedges),
     };
     let log = Log { death: vec![0; built.working.faces.len()], ..Log::default() };
-    // Corners at LOD 0: the engine's follow the collapses.
-    let corners = built.working.wedges.clone();
     let mut engine = Engine {
         input: mesh,
         options: *options,
@@ -89,7 +88,7 @@ pub fn simplify(mesh: &Mesh, options: &Options, progress: &(dyn Fn(u64, u64) + S
     };
     engine.run(progress);
     let Engine { wedges, log, .. } = engine;
-    output::output(mesh, &wedges, &corners, &built.triangle_of, log, 1.0 / built.scale)
+    output::output(mesh, &wedges, &built.corners, &built.triangle_of, log, 1.0 / built.scale)
 }
 
 #[cfg(test)]

@@ -69,7 +69,7 @@ impl Neighborhood {
         (self.borders, self.seams) = (0, 0);
         for &corner in mesh.star(group) {
             let (face, at) = (corner.face(), corner.at());
-            let (groups, corners) = (&mesh.faces[face as usize].groups, &mesh.wedges[face as usize]);
+            let (groups, corners) = (&mesh.faces[face as usize].groups, mesh.wedges(face));
             for end in [next(at), previous(at)] {
                 self.entries.push(Entry { group: groups[end], here: corners[at], there: corners[end], face });
             }
