@@ -60,16 +60,21 @@ pub(crate) fn build(mesh: &Mesh) -> Built {
         .map(|v| Vec3::from(mesh.positions()[v as usize].map(|c| (f64::from(c) * scale) as f32)))
         .map(|position| Place { position, arrival: 0.0 })
         .collect();
-    let flags =
-        position_id.iter().map(|&id| if groups_at[id as usize] > 1 { SHARED_POSITION } else { 0 }).collect();
+    let flags = position_id.iter().map(|&id| if groups_at[id as usize] > 1 { SHARED_POSITION } else { 0 }).collect();
 
     let group_of = |v: u32| group_rank[groups.of_vertex[v as usize] as usize];
-    let submesh_of: Vec<u32> = mesh.submeshes().iter().zip(0..).flat_map(|(s, i)| s.triangles().map(move |_| i)).collect();
+    let submesh_of: Vec<u32> =
+        mesh.submeshes().iter().zip(0..).flat_map(|(s, i)| s.triangles().map(move |_| i)).collect();
     let triangle_of = faces_by_group(mesh, group_of);
     let triangle = |t: u32| mesh.triangles()[t as usize];
     let faces = triangle_of
         .iter()
-        .map(|&t| Face { groups: triangle(t).map(group_of), normal: Vec3::ZERO, area: 0.0, submesh: submesh_of[t as usize] })
+        .map(|&t| Face {
+            groups: triangle(t).map(group_of),
+            normal: Vec3::ZERO,
+            area: 0.0,
+            submesh: submesh_of[t as usize],
+        })
         .collect();
     let corners: Vec<[u32; 3]> = triangle_of.iter().map(|&t| triangle(t).map(|v| wedge_of[v as usize])).collect();
     let own = if groups.len() == mesh.vertex_count() { Vec::new() } else { corners.clone() };

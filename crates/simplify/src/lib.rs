@@ -9,6 +9,7 @@ mod attributes;
 mod build;
 mod commit;
 mod engine;
+mod fan;
 mod heap;
 mod legality;
 mod metric;

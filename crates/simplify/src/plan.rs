@@ -37,7 +37,7 @@ impl<M: Metric> Engine<'_, M> {
         plan.wedges.clear();
         plan.fakes = 0;
         plan.ambiguous = false;
-        if !self.mesh.has(from, SEAM) && self.wedges.is_single(from) {
+        if self.mesh.one_wedge_each() || !self.mesh.has(from, SEAM) && self.wedges.is_single(from) {
             self.plan_smooth(from, to, plan);
             return;
         }
