@@ -144,6 +144,11 @@ impl<M: Metric> Engine<'_, M> {
         self.join_points();
     }
 
+    /// What is left when all is done.
+    pub(crate) fn into_result(self) -> (Wedges, Log) {
+        (self.wedges, self.log)
+    }
+
     fn run_stage(&mut self, serial: &mut Serial, progress: &(dyn Fn(u64, u64) + Sync)) {
         let groups = self.mesh.places.len() as u32;
         let this = &*self;

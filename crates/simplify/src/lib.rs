@@ -88,7 +88,8 @@ pub fn simplify(mesh: &Mesh, options: &Options, progress: &(dyn Fn(u64, u64) + S
         log,
     };
     engine.run(progress);
-    let Engine { wedges, log, .. } = engine;
+    // What only collapsing needs goes before the result comes: this is where memory peaks.
+    let (wedges, log) = engine.into_result();
     output::output(mesh, &wedges, &built.corners, &built.triangle_of, log, 1.0 / built.scale)
 }
 
