@@ -11,10 +11,8 @@ use rayon::prelude::*;
 pub(crate) struct Built {
     pub(crate) working: Working,
     pub(crate) wedges: Wedges,
-    /// The wedges at the corners of each face at LOD 0.
-    pub(crate) corners: Vec<[u32; 3]>,
-    /// The input triangle of each face.
-    pub(crate) triangle_of: Vec<u32>,
+    /// The wedge of each vertex of the input.
+    pub(crate) wedge_of: Vec<u32>,
     /// Working units per mesh unit: a power of two, so that scaling is exact.
     pub(crate) scale: f64,
     /// The diagonal in working units.
@@ -63,28 +61,26 @@ pub(crate) fn build(mesh: &Mesh) -> Built {
     let flags = position_id.iter().map(|&id| if groups_at[id as usize] > 1 { SHARED_POSITION } else { 0 }).collect();
 
     let group_of = |v: u32| group_rank[groups.of_vertex[v as usize] as usize];
-    let submesh_of: Vec<u32> =
-        mesh.submeshes().iter().zip(0..).flat_map(|(s, i)| s.triangles().map(move |_| i)).collect();
-    let triangle_of = faces_by_group(mesh, group_of);
+    let order = faces_by_group(mesh, group_of);
     let triangle = |t: u32| mesh.triangles()[t as usize];
-    let faces = triangle_of
+    let faces = order
         .iter()
-        .map(|&t| Face {
-            groups: triangle(t).map(group_of),
-            normal: Vec3::ZERO,
-            area: 0.0,
-            submesh: submesh_of[t as usize],
-        })
+        .map(|&t| Face { groups: triangle(t).map(group_of), normal: Vec3::ZERO, area: 0.0, triangle: t })
         .collect();
-    let corners: Vec<[u32; 3]> = triangle_of.iter().map(|&t| triangle(t).map(|v| wedge_of[v as usize])).collect();
-    let own = if groups.len() == mesh.vertex_count() { Vec::new() } else { corners.clone() };
-    let mut working = Working::new(places, flags, faces, own, position_id);
+    // With one vertex at each position no group ever gets a second wedge.
+    let corners = if positions.len() == mesh.vertex_count() {
+        Vec::new()
+    } else {
+        order.iter().map(|&t| triangle(t).map(|v| wedge_of[v as usize])).collect()
+    };
+    drop(order);
+    let mut working = Working::new(places, flags, faces, corners, position_id);
     for f in 0..working.faces.len() as u32 {
         working.set_plane(f);
     }
     let wedges = Wedges::new(mesh, vertex_of, &bounds);
     classify(&mut working, &wedges);
-    Built { working, wedges, corners, triangle_of, scale, size: diagonal * scale }
+    Built { working, wedges, wedge_of, scale, size: diagonal * scale }
 }
 
 /// Groups sorted along a Morton curve through the bounding box.

@@ -30,7 +30,7 @@ impl<M: Metric> Engine<'_, M> {
 
         self.metric.collapsed(&mut self.mesh, from, to);
         let death = &mut self.log.death;
-        self.mesh.merge(from, to, |face| death[face as usize] = lod);
+        self.mesh.merge(from, to, |triangle| death[triangle as usize] = lod);
         let inherited = self.mesh.flags[from as usize] & (OPEN | SEAM);
         self.mesh.add_flags(to, inherited);
         if changes_topology || seam_moves {
@@ -73,7 +73,7 @@ impl<M: Metric> Engine<'_, M> {
             }
             self.metric.collapsed(&mut self.mesh, other, to);
             let death = &mut self.log.death;
-            self.mesh.merge(other, to, |face| death[face as usize] = lod);
+            self.mesh.merge(other, to, |triangle| death[triangle as usize] = lod);
             self.wedges.merge_groups(other, to);
             self.mesh.add_flags(to, OPEN | SEAM);
         }

@@ -43,7 +43,7 @@ pub(crate) struct Log {
     /// In working units, never falling.
     pub(crate) step_errors: Vec<f64>,
     pub(crate) step_triangles: Vec<u32>,
-    /// The LOD at which each face dies.
+    /// The LOD at which each input triangle dies.
     pub(crate) death: Vec<u32>,
     pub(crate) last_legal: Lod,
     pub(crate) topology_changes: u32,
@@ -183,7 +183,7 @@ impl<M: Metric> Engine<'_, M> {
             sum ^= star.first().map_or(0, |c| c.0);
             if i == 0 {
                 for &corner in star {
-                    sum ^= self.mesh.faces[corner.face() as usize].submesh;
+                    sum ^= self.mesh.faces[corner.face() as usize].triangle;
                 }
                 let to = best[group as usize].to;
                 sum ^= self.mesh.star(to).first().map_or(0, |c| c.0);

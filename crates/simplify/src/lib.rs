@@ -90,7 +90,7 @@ pub fn simplify(mesh: &Mesh, options: &Options, progress: &(dyn Fn(u64, u64) + S
     engine.run(progress);
     // What only collapsing needs goes before the result comes: this is where memory peaks.
     let (wedges, log) = engine.into_result();
-    output::output(mesh, &wedges, &built.corners, &built.triangle_of, log, 1.0 / built.scale)
+    output::output(mesh, &wedges, &built.wedge_of, log, 1.0 / built.scale)
 }
 
 #[cfg(test)]

@@ -104,7 +104,7 @@ impl Neighborhood {
                 }
                 SpokeKind::Seam => {
                     self.seams += 1;
-                    let submesh = |e: &Entry| mesh.faces[e.face as usize].submesh;
+                    let submesh = |e: &Entry| wedges.submesh[e.here as usize];
                     if faces.iter().all(|e| submesh(e) == submesh(&first)) { SEAM_WEIGHT } else { MATERIAL_WEIGHT }
                 }
             };

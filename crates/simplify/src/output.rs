@@ -2,17 +2,10 @@
 
 use crate::engine::Log;
 use crate::wedges::Wedges;
-use lodc_mesh::{CollapseSequence, Mesh, MeshParts, SequenceParts, Simplified, Submesh};
+use lodc_mesh::{CollapseSequence, Mesh, MeshParts, SequenceParts, Simplified};
 
-/// `triangle_of` names the input triangle of each face, `error_scale` turns working units into the mesh's.
-pub(crate) fn output(
-    input: &Mesh,
-    wedges: &Wedges,
-    corners: &[[u32; 3]],
-    triangle_of: &[u32],
-    log: Log,
-    error_scale: f64,
-) -> Simplified {
+/// `wedge_of` names the wedge of each vertex of the input, `error_scale` turns working units into the mesh's.
+pub(crate) fn output(input: &Mesh, wedges: &Wedges, wedge_of: &[u32], log: Log, error_scale: f64) -> Simplified {
     let mut new_index = vec![u32::MAX; log.order.len()];
     for (new, &w) in (0u32..).zip(&log.order) {
         new_index[w as usize] = new;
@@ -37,35 +30,24 @@ pub(crate) fn output(
         })
         .collect();
 
-    // Within each submesh the last to die comes first.
-    let mut death = vec![0; triangle_of.len()];
-    let mut face_of = vec![0; triangle_of.len()];
-    for (f, &t) in (0u32..).zip(triangle_of) {
-        death[t as usize] = log.death[f as usize];
-        face_of[t as usize] = f;
-    }
-    let mut triangles = Vec::with_capacity(triangle_of.len());
-    let mut submeshes: Vec<Submesh> = Vec::with_capacity(input.submeshes().len());
-    for s in input.submeshes() {
-        let mut order: Vec<u32> = s.triangles().map(|t| t as u32).collect();
-        order.sort_by_key(|&t| (std::cmp::Reverse(death[t as usize]), t));
-        triangles.extend(order.iter().map(|&t| corners[face_of[t as usize] as usize].map(|w| new_index[w as usize])));
-        submeshes.push(s.clone());
-    }
+    let triangles = last_to_die_first(input, &log.death)
+        .into_iter()
+        .map(|t| input.triangles()[t as usize].map(|v| new_index[wedge_of[v as usize] as usize]))
+        .collect();
 
     let mesh = MeshParts {
         positions: log.order.iter().map(|&w| input.positions()[place(w) as usize]).collect(),
         vertex_submesh: log.order.iter().map(|&w| submesh(w)).collect(),
         attributes,
         triangles,
-        submeshes,
+        submeshes: input.submeshes().to_vec(),
     };
     let collapses = SequenceParts {
         targets,
         step_ends: log.step_ends,
         step_errors: log.step_errors.iter().map(|&e| (e * error_scale).min(f64::from(f32::MAX)) as f32).collect(),
         step_triangles: log.step_triangles,
-        triangles: triangle_of.len() as u32,
+        triangles: input.triangles().len() as u32,
         last_legal_lod: log.last_legal,
         topology_changes: log.topology_changes,
         first_topology_change: log.first_topology_change,
@@ -74,4 +56,42 @@ pub(crate) fn output(
     let collapses =
         CollapseSequence::try_from(collapses).expect("the log is written in order, targets outlive sources");
     Simplified::new(mesh, collapses).expect("every wedge but the last has one record")
+}
+
+/// The input's triangles, within each submesh the last to die first, ties in the input's order.
+fn last_to_die_first(input: &Mesh, death: &[u32]) -> Vec<u32> {
+    // Two passes of a counting sort over the LODs: by death, then by submesh.
+    let last = death.iter().copied().max().unwrap_or(0);
+    let by_death = counting_sort(0..death.len() as u32, death.len(), last as usize + 1, |t| last - death[t as usize]);
+    let mut submesh_of = vec![0u32; death.len()];
+    for (i, s) in (0..).zip(input.submeshes()) {
+        submesh_of[s.triangles()].fill(i);
+    }
+    if input.submeshes().len() <= 1 {
+        return by_death;
+    }
+    counting_sort(by_death.iter().copied(), death.len(), input.submeshes().len(), |t| submesh_of[t as usize])
+}
+
+/// Items in order of a key below `keys`; items of equal keys keep their order.
+fn counting_sort(
+    items: impl Iterator<Item = u32> + Clone,
+    count: usize,
+    keys: usize,
+    key: impl Fn(u32) -> u32,
+) -> Vec<u32> {
+    let mut start = vec![0u32; keys + 1];
+    for item in items.clone() {
+        start[key(item) as usize + 1] += 1;
+    }
+    for i in 1..start.len() {
+        start[i] += start[i - 1];
+    }
+    let mut sorted = vec![0; count];
+    for item in items {
+        let slot = &mut start[key(item) as usize];
+        sorted[*slot as usize] = item;
+        *slot += 1;
+    }
+    sorted
 }

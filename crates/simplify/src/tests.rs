@@ -190,3 +190,21 @@ fn extreme_coordinates_do_no_harm() {
         shapes::check_rules(&mesh, &run(&mesh)).unwrap_or_else(|e| panic!("scale {scale}: {e}"));
     }
 }
+
+#[test]
+fn groups_that_come_to_share_a_position_lose_no_vertex() {
+    // Two vertices at one position whose triangles do not hang together there; moving the end of the ring onto one of
+    // them gives a triangle with both.
+    for seed in 0..300 {
+        let mut rng = shapes::Rng::new(seed);
+        let positions: Vec<[f32; 3]> =
+            (0..12).map(|_| [rng.below(3) as f32, rng.below(2) as f32, rng.below(2) as f32]).collect();
+        let triangles: Vec<[u32; 3]> = (0..10).map(|_| [0; 3].map(|_| rng.below(12) as u32)).collect();
+        let submeshes = vec![Submesh { first_triangle: 0, triangle_count: 10, attributes: Vec::new() }];
+        let mut parts =
+            MeshParts { positions, vertex_submesh: vec![0; 12], triangles, submeshes, attributes: Vec::new() };
+        parts.clean();
+        let mesh = Mesh::try_from(parts).expect("cleaned");
+        shapes::check_rules(&mesh, &run(&mesh)).unwrap_or_else(|e| panic!("seed {seed}: {e}"));
+    }
+}

@@ -46,8 +46,8 @@ pub(crate) struct Face {
     pub(crate) normal: Vec3,
     /// Area, in squared working units.
     pub(crate) area: f32,
-    /// Its submesh.
-    pub(crate) submesh: u32,
+    /// Its triangle in the input.
+    pub(crate) triangle: u32,
 }
 
 /// Where a group's corners lie in the arena.
@@ -181,7 +181,8 @@ impl Working {
         f.area = (0.5 * length) as f32;
     }
 
-    /// Moves all of `from`'s faces to `to`. Faces that lose a corner die: they leave every star, and `died` is told.
+    /// Moves all of `from`'s faces to `to`. Faces that lose a corner die: they leave every star, and `died` is told their
+    /// triangles.
     /// Faces that live get new planes.
     pub(crate) fn merge(&mut self, from: u32, to: u32, mut died: impl FnMut(u32)) {
         let from_star = std::mem::take(&mut self.stars[from as usize]);
@@ -198,7 +199,7 @@ impl Working {
                     self.leave(g, face);
                 }
                 self.live_faces -= 1;
-                died(face);
+                died(self.faces[face as usize].triangle);
             } else {
                 self.arena[kept] = corner;
                 kept += 1;
