@@ -50,6 +50,14 @@ pub fn write_all(files: &[OutputFile]) -> Result<(), FormatError> {
     Ok(())
 }
 
+/// Asked before each call of the system that can fail; a test can make the n-th one fail.
+#[cfg(not(test))]
+fn system() -> io::Result<()> {
+    Ok(())
+}
+#[cfg(test)]
+use tests::faults::system;
+
 fn not_written(path: &Path, error: &io::Error) -> FormatError {
     FormatError::new(Fault::NotWritten, "", format!("cannot be written: {error}")).in_file(&path.display().to_string())
 }
@@ -85,11 +93,11 @@ impl Pending {
         let prefix = format!(".lodc-{:016x}-", xxh3_64(name.as_encoded_bytes()));
         remove_stale(folder, &prefix);
         let mut temporary = Temporary::create(folder, &prefix)?;
-        temporary.file.write_all(&file.bytes)?;
+        temporary.file.write_all(&file.bytes).and_then(|()| system())?;
         if let Some(p) = permissions {
-            temporary.file.set_permissions(p)?;
+            system().and_then(|()| temporary.file.set_permissions(p))?;
         }
-        temporary.file.sync_all()?;
+        system().and_then(|()| temporary.file.sync_all())?;
         Ok(Some(Self { target, temporary: Some(temporary), backup: None, replaced_nothing: false }))
     }
 
@@ -99,12 +107,12 @@ impl Pending {
         if keep_old {
             // A second name for the old file. Where there are no hard links there is no way back, which is allowed.
             let backup = temporary.path.with_extension("old");
-            match fs::hard_link(&self.target, &backup) {
+            match system().and_then(|()| fs::hard_link(&self.target, &backup)) {
                 Ok(()) => self.backup = Some(backup),
                 Err(e) => self.replaced_nothing = e.kind() == io::ErrorKind::NotFound,
             }
         }
-        fs::rename(&temporary.path, &self.target)?;
+        system().and_then(|()| fs::rename(&temporary.path, &self.target))?;
         if let Some(t) = &mut self.temporary {
             t.renamed = true;
         }
@@ -114,8 +122,8 @@ impl Pending {
     /// Puts back what stood at the target. Best effort: the failure that led here is the one to report.
     fn undo(mut self) {
         match self.backup.take() {
-            Some(old) => drop(fs::rename(old, &self.target)),
-            None if self.replaced_nothing => drop(fs::remove_file(&self.target)),
+            Some(old) => drop(system().and_then(|()| fs::rename(old, &self.target))),
+            None if self.replaced_nothing => drop(system().and_then(|()| fs::remove_file(&self.target))),
             None => {}
         }
     }
@@ -143,7 +151,7 @@ impl Temporary {
         loop {
             let n = NEXT.fetch_add(1, Ordering::Relaxed);
             let path = folder.join(format!("{prefix}{}-{n}.tmp", std::process::id()));
-            match OpenOptions::new().write(true).create_new(true).open(&path) {
+            match system().and_then(|()| OpenOptions::new().write(true).create_new(true).open(&path)) {
                 Ok(file) => {
                     // Taken already: another run saw the file before it was locked and is about to remove it.
                     // Locks not known here: then nobody removes anything either.

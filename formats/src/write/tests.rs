@@ -1,3 +1,5 @@
+pub(super) mod faults;
+
 use super::*;
 use crate::testing::Scratch;
 

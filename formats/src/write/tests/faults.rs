@@ -1,0 +1,118 @@
+//! The n-th call of the system fails, for every n until nothing fails any more; then every two of them.
+
+use super::{names, output, read};
+use crate::Fault;
+use crate::testing::Scratch;
+use crate::write::{OutputFile, write_all};
+use std::cell::RefCell;
+use std::io;
+
+thread_local! {
+    /// Calls so far, and which of them fail.
+    static CALLS: RefCell<(usize, Vec<usize>)> = const { RefCell::new((0, Vec::new())) };
+}
+
+/// What `write.rs` asks before each call that can fail.
+pub(in crate::write) fn system() -> io::Result<()> {
+    CALLS.with_borrow_mut(|(calls, failing)| {
+        *calls += 1;
+        if failing.contains(calls) { Err(io::Error::other(format!("call {calls} fails"))) } else { Ok(()) }
+    })
+}
+
+/// Runs with these calls failing; says how many calls there were.
+fn with_failing<T>(calls: &[usize], run: impl FnOnce() -> T) -> (T, usize) {
+    CALLS.set((0, calls.to_vec()));
+    let result = run();
+    (result, CALLS.take().0)
+}
+
+/// What stands at the target of one file before the run.
+const OLD: &[u8] = b"old";
+
+/// Files to be written, the first of them over old ones.
+fn outputs(scratch: &Scratch, existing: &[bool]) -> Vec<OutputFile> {
+    let one = |(i, &there): (usize, &bool)| {
+        let name = format!("{i}.out");
+        if there {
+            scratch.write(&name, OLD);
+        } else {
+            let _ = std::fs::remove_file(scratch.path(&name));
+        }
+        output(scratch.path(&name), format!("new {i}").as_bytes())
+    };
+    existing.iter().enumerate().map(one).collect()
+}
+
+/// Which files are there, complete: `Some(true)` new, `Some(false)` old, none if there is none. Nothing else may be,
+/// but for old files that could not be put back: the next run removes those.
+fn state(scratch: &Scratch, files: usize, way_back_fails: bool, what: &str) -> Vec<Option<bool>> {
+    let left = names(scratch);
+    let known = |name: &String| name.ends_with(".out") || (way_back_fails && name.ends_with(".old"));
+    assert!(left.iter().all(known), "{what}: {left:?}");
+    let one = |i| {
+        let name = format!("{i}.out");
+        left.contains(&name).then(|| match read(scratch, &name) {
+            bytes if bytes == format!("new {i}").as_bytes() => true,
+            bytes if bytes == OLD => false,
+            other => panic!("{what}: {name} is torn: {other:?}"),
+        })
+    };
+    (0..files).map(one).collect()
+}
+
+/// One file, new or replaced; three of which some are.
+const SITUATIONS: &[&[bool]] = &[&[false], &[true], &[true, true, true], &[false, true, false], &[false, false]];
+
+#[test]
+fn whichever_call_fails_all_old_files_stand_or_all_new_ones() {
+    for existing in SITUATIONS {
+        let scratch = Scratch::new("write-faults");
+        let before: Vec<Option<bool>> = existing.iter().map(|&there| there.then_some(false)).collect();
+        let after = vec![Some(true); existing.len()];
+        let mut failed = 0;
+        for n in 1.. {
+            let files = outputs(&scratch, existing);
+            let (result, calls) = with_failing(&[n], || write_all(&files));
+            let what = format!("{existing:?}, call {n}");
+            match result {
+                Err(e) => {
+                    assert_eq!(e.fault, Fault::NotWritten, "{what}: {e}");
+                    assert_eq!(e.to_string().lines().count(), 1, "{what}: {e}");
+                    assert!(files.iter().any(|f| e.file == f.path.display().to_string()), "{what}: {e}");
+                    assert_eq!(state(&scratch, existing.len(), false, &what), before, "{what}: {e}");
+                    failed += 1;
+                }
+                // Not every failure matters: a second name for the old file is a help, not a need.
+                Ok(()) => assert_eq!(state(&scratch, existing.len(), false, &what), after, "{what}"),
+            }
+            if calls < n {
+                break;
+            }
+        }
+        // Create, write, sync and rename, and the mode where there was a file.
+        let wanted: usize = existing.iter().map(|&there| 4 + usize::from(there)).sum();
+        assert_eq!(failed, wanted, "{existing:?}");
+    }
+}
+
+#[test]
+fn whichever_two_calls_fail_no_file_is_torn_or_lost() {
+    for existing in SITUATIONS {
+        let scratch = Scratch::new("write-two-faults");
+        let ((), most) = with_failing(&[], || write_all(&outputs(&scratch, existing)).expect("nothing fails"));
+        for first in 1..=most {
+            // The way back makes further calls.
+            for second in first + 1..=2 * most {
+                let files = outputs(&scratch, existing);
+                let (result, _) = with_failing(&[first, second], || write_all(&files));
+                let what = format!("{existing:?}, calls {first} and {second}");
+                let now = state(&scratch, existing.len(), true, &what);
+                for (now, &there) in now.iter().zip(*existing) {
+                    assert!(now.is_some() || !there, "{what}: an old file is gone");
+                    assert!(result.is_err() || *now == Some(true), "{what}: said to be written");
+                }
+            }
+        }
+    }
+}
