@@ -40,3 +40,23 @@ fn a_library_of_absurd_size_is_a_limit() {
     let error = Materials::default().parse("a.mtl", &vec![b'\n'; MAX_BYTES + 1]).expect_err("too large");
     assert_eq!((error.fault, error.file.as_str()), (Fault::Limit, "a.mtl"));
 }
+
+#[test]
+fn damaged_libraries_give_materials_without_line_ends_or_a_limit() {
+    use super::super::tests::{SEED_MTL, mutated};
+    let mut random = crate::testing::Random(77);
+    let mut sizes = [0; 8];
+    for round in 0..20_000 {
+        let source = mutated(SEED_MTL, &mut random);
+        let m = parse(&source);
+        for material in &m.list {
+            let texts = material.lines.iter().chain([&material.name]);
+            assert!(texts.clone().all(|t| !t.contains(['\n', '\r'])), "round {round}: {material:?}");
+            let kept: usize = texts.map(String::len).sum();
+            // A byte that is no UTF-8 becomes a character of three.
+            assert!(kept <= 3 * source.len() + 8, "round {round}: {kept} bytes of {}", source.len());
+        }
+        sizes[m.list.len().min(7)] += 1;
+    }
+    assert!(sizes[1..4].iter().all(|&n| n > 100), "one-sided: {sizes:?}");
+}

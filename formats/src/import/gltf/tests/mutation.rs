@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-const CASES: u64 = 4_000;
+const CASES: u64 = 20_000;
 
 /// A little of everything.
 fn seed_document() -> Value {
