@@ -250,8 +250,9 @@ impl<M: Metric> Engine<'_, M> {
             let Scratch { fan, around, .. } = scratch;
             fan.fold_planes(&self.mesh, from, &mut around.planes);
             let local = self.metric.local(from, fan.facets(), &around.planes);
-            let costs = self.metric.costs(&local, &fan.lanes, fan.len);
-            for (&cost, &to) in costs.iter().zip(&fan.neighbours[..fan.len]) {
+            let costs = &mut fan.costs[..fan.len];
+            self.metric.costs(&local, &fan.lanes, costs);
+            for (&cost, &to) in costs.iter().zip(&fan.neighbours) {
                 if cost < best.0 || cost == best.0 && to < best.1 {
                     best = (cost, to);
                 }
@@ -293,8 +294,10 @@ impl<M: Metric> Engine<'_, M> {
                 (fan.lanes.x[i], fan.lanes.y[i], fan.lanes.z[i]) = (delta.x, delta.y, delta.z);
                 fan.lanes.arrival[i] = f64::from(self.mesh.places[spoke.group as usize].arrival);
             }
-            let costs = self.metric.costs(&local, &fan.lanes, spokes.len());
-            for (spoke, mut cost) in spokes.iter().zip(costs).filter(|(s, _)| permitted.allows(s.kind)) {
+            let costs = &mut fan.costs[..spokes.len()];
+            self.metric.costs(&local, &fan.lanes, costs);
+            for (spoke, mut cost) in spokes.iter().zip(costs.iter().copied()).filter(|(s, _)| permitted.allows(s.kind))
+            {
                 if with_attributes {
                     cost += self.attribute_cost(from, spoke, around, gradients);
                 }

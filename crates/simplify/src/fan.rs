@@ -32,6 +32,8 @@ pub(crate) struct Fan {
     pub(crate) facets: [Facet; MAX_FAN],
     pub(crate) neighbours: [u32; MAX_FAN],
     pub(crate) lanes: Lanes,
+    /// Room for what the lanes cost.
+    pub(crate) costs: [f64; MAX_FAN],
 }
 
 impl Fan {

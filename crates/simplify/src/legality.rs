@@ -93,12 +93,13 @@ fn keeps_orientation(mesh: &Working, from: u32, to: u32) -> bool {
         let (ahead, behind) = (mesh.position(g) - there, mesh.position(h) - there);
         let n = ahead.cross(behind);
         let old = f.normal.as_dvec3();
-        let length = n.length();
         if old == DVec3::ZERO {
             return true;
         }
         let longest = ahead.length_squared().max(behind.length_squared()).max((ahead - behind).length_squared());
-        n.dot(old) > MIN_TURN * length && length > 2.0 * MIN_AREA * longest
+        // Squared throughout: n is twice the area long.
+        let (turn, area) = (n.dot(old), n.length_squared());
+        turn > 0.0 && turn * turn > MIN_TURN * MIN_TURN * area && area > (2.0 * MIN_AREA * longest).powi(2)
     })
 }
 

@@ -4,7 +4,7 @@ mod quadric;
 
 pub(crate) use quadric::QuadricMetric;
 
-use crate::fan::{Facet, Lanes, MAX_FAN};
+use crate::fan::{Facet, Lanes};
 use crate::neighborhood::FeaturePlane;
 use crate::working::Working;
 
@@ -16,9 +16,9 @@ pub(crate) trait Metric: Sync {
     /// Looks at a group: the faces of its star, and the planes of features through it.
     fn local(&self, from: u32, facets: &[Facet], features: &[FeaturePlane]) -> Self::Local;
 
-    /// What it costs to move the group along each of the first `count` lanes, at most [`MAX_FAN`]. Working units to the
-    /// fourth power; not negative. Lanes beyond `count` may be priced too.
-    fn costs(&self, local: &Self::Local, lanes: &Lanes, count: usize) -> [f64; MAX_FAN];
+    /// What it costs to move the group along the first lanes, as many as `costs` holds. Working units to the fourth power;
+    /// not negative.
+    fn costs(&self, local: &Self::Local, lanes: &Lanes, costs: &mut [f64]);
 
     /// `from` is about to move onto `to`. May set the target's [`arrival`](crate::working::Place::arrival).
     fn collapsed(&mut self, mesh: &mut Working, from: u32, to: u32);

@@ -6,7 +6,7 @@
 //! that, and they also give the reported error.
 
 use super::Metric;
-use crate::fan::{Facet, Lanes, MAX_FAN};
+use crate::fan::{Facet, Lanes};
 use crate::neighborhood::{FeaturePlane, Neighborhood};
 use crate::quadric::{Quadric, Symmetric, add_outer};
 use crate::wedges::Wedges;
@@ -91,16 +91,14 @@ impl Metric for QuadricMetric {
     }
 
     #[inline]
-    fn costs(&self, local: &Local, lanes: &Lanes, count: usize) -> [f64; MAX_FAN] {
+    fn costs(&self, local: &Local, lanes: &Lanes, costs: &mut [f64]) {
         let Local { a: [xx, xy, xz, yy, yz, zz], b, c } = *local;
         let (xy, xz, yz, bx, by, bz) = (2.0 * xy, 2.0 * xz, 2.0 * yz, 2.0 * b.x, 2.0 * b.y, 2.0 * b.z);
-        let mut costs = [0.0; MAX_FAN];
-        let lanes = lanes.x.iter().zip(&lanes.y).zip(&lanes.z).zip(&lanes.arrival).take(count);
+        let lanes = lanes.x.iter().zip(&lanes.y).zip(&lanes.z).zip(&lanes.arrival);
         for (cost, (((&x, &y), &z), &arrival)) in costs.iter_mut().zip(lanes) {
             let moved = x * (xx * x + xy * y + xz * z + bx) + y * (yy * y + yz * z + by) + z * (zz * z + bz) + c;
             *cost = moved.max(0.0) + arrival;
         }
-        costs
     }
 
     fn collapsed(&mut self, mesh: &mut Working, from: u32, to: u32) {
