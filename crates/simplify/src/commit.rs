@@ -28,6 +28,7 @@ impl<M: Metric> Engine<'_, M> {
         self.move_wedges(from, to, &mut serial.plan);
         let lod = self.log.order.len() as u32;
 
+        self.set_restricted(from, false);
         self.metric.collapsed(&mut self.mesh, from, to);
         let death = &mut self.log.death;
         self.mesh.merge(from, to, |triangle| death[triangle as usize] = lod);

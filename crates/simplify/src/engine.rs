@@ -61,6 +61,8 @@ pub(crate) struct Engine<'a, M> {
     pub(crate) size: f64,
     pub(crate) metric: M,
     pub(crate) stage: Stage,
+    /// How many groups are flagged as restricted.
+    pub(crate) restricted: u32,
     pub(crate) log: Log,
 }
 
@@ -200,6 +202,9 @@ impl<M: Metric> Engine<'_, M> {
                 continue;
             }
             self.rerank(g, best, heap, &mut serial.scratch);
+            if self.restricted == 0 {
+                continue;
+            }
             for &corner in self.mesh.star(g) {
                 for other in self.mesh.others(corner) {
                     if self.mesh.has(other, RESTRICTED) && serial.first_time(other) {
@@ -233,12 +238,20 @@ impl<M: Metric> Engine<'_, M> {
     }
 
     fn rerank(&mut self, g: u32, best: &mut [Choice], heap: &mut Heap, scratch: &mut Scratch) {
-        self.mesh.flags[g as usize] &= !RESTRICTED;
+        self.set_restricted(g, false);
         best[g as usize] = self.rank(g, scratch);
         if best[g as usize].cost.is_nan() {
             heap.remove(g);
         } else {
             heap.set(g, best[g as usize].cost);
+        }
+    }
+
+    /// Notes whether some of a group's collapses were refused, and how many such groups there are.
+    pub(crate) fn set_restricted(&mut self, group: u32, restricted: bool) {
+        if self.mesh.has(group, RESTRICTED) != restricted {
+            self.mesh.flags[group as usize] ^= RESTRICTED;
+            self.restricted = if restricted { self.restricted + 1 } else { self.restricted - 1 };
         }
     }
 
@@ -393,7 +406,7 @@ impl<M: Metric> Engine<'_, M> {
             }
         }
         if refused {
-            self.mesh.add_flags(from, RESTRICTED);
+            self.set_restricted(from, true);
         }
         best.map(|(cost, to, topology)| (Choice { cost: as_key(cost), to }, topology))
     }

@@ -85,6 +85,7 @@ pub fn simplify(mesh: &Mesh, options: &Options, progress: &(dyn Fn(u64, u64) + S
         size: built.size,
         metric,
         stage: Stage::Legal,
+        restricted: 0,
         log,
     };
     engine.run(progress);
