@@ -31,7 +31,7 @@ const DRAWING: &[(&str, &[&str])] = &[
 ];
 
 /// Tests and benchmarks may also use these, sideways.
-const FOR_TESTS: &[&str] = &["lodc-fixtures", "lodc-simplify", "criterion", "proptest", "rayon"];
+const FOR_TESTS: &[&str] = &["lodc-fixtures", "lodc-simplify", "criterion", "rayon", "xxhash-rust"];
 
 /// Files of more than 400 lines, each with the reason.
 const LONG_FILES: &[(&str, &str)] = &[];
@@ -75,10 +75,11 @@ fn dependencies(manifest: &str, section: &str) -> Vec<String> {
         if let Some(header) = line.strip_prefix('[') {
             assert!(!header.starts_with("target."), "a dependency for one system only is not in the drawing: {line}");
             inside = header.trim_end_matches(']') == section;
-        } else if inside && let Some((name, _)) = line.split_once(['.', '=', ' ']) {
-            if !name.starts_with('#') {
-                names.push(name.to_owned());
-            }
+        } else if inside
+            && !line.starts_with('#')
+            && let Some((name, _)) = line.split_once(['.', '=', ' '])
+        {
+            names.push(name.to_owned());
         }
     }
     names

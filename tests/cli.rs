@@ -12,6 +12,8 @@ mod extract;
 mod output;
 #[path = "cli/paths.rs"]
 mod paths;
+#[path = "cli/refused.rs"]
+mod refused;
 mod support;
 #[path = "cli/usage.rs"]
 mod usage;

@@ -17,5 +17,7 @@ mod write;
 pub use assets::Assets;
 pub use error::{Fault, FormatError};
 pub use limits::Limits;
-pub use scene::{Document, GltfDocument, ObjDocument, ObjMaterial, ObjectInfo, Scene, SceneObject, Source, SourceFormat, SubmeshInfo};
+pub use scene::{
+    Document, GltfDocument, ObjDocument, ObjMaterial, ObjectInfo, Scene, SceneObject, Source, SourceFormat, SubmeshInfo,
+};
 pub use write::{OutputFile, write_all};

@@ -1,6 +1,6 @@
 //! Nothing is read from outside the asset's own folder, and nothing is waited for.
 
-use crate::support::{Folder, Run, grid};
+use crate::support::{Folder, Run, grid, scene};
 use std::time::{Duration, Instant};
 
 /// Ways out of a folder, as a file might spell them.
@@ -49,6 +49,73 @@ fn gltf(uri: &str) -> String {
         "buffers": [{"byteLength": 36, "uri": uri}]
     })
     .to_string()
+}
+
+/// A door that must stay shut: whoever connects is noticed.
+struct Door(std::net::TcpListener);
+
+impl Door {
+    fn new() -> Self {
+        let listener = std::net::TcpListener::bind("127.0.0.1:0").expect("a port is free");
+        listener.set_nonblocking(true).expect("it can be asked without waiting");
+        Self(listener)
+    }
+    fn address(&self) -> String {
+        format!("http://{}/x.bin", self.0.local_addr().expect("it is bound"))
+    }
+    fn assert_nobody_came(&self) {
+        let caller = self.0.accept().map(|(_, who)| who).map_err(|e| e.kind());
+        assert_eq!(caller, Err(std::io::ErrorKind::WouldBlock));
+    }
+}
+
+#[test]
+fn nothing_connects_to_anything() {
+    let (f, door) = (trap(), Door::new());
+    let at = door.address();
+    f.file("asset/a.gltf", gltf(&at));
+    quickly(&f, &["build", "asset/a.gltf"]).fails(3);
+    f.file("asset/a.obj", format!("mtllib {at}\nusemtl m\n{}", grid(2)));
+    quickly(&f, &["build", "asset/a.obj", "-q"]);
+    f.file("asset/a.mtl", format!("newmtl m\nmap_Kd {at}\n"));
+    f.file("asset/b.obj", format!("mtllib a.mtl\nusemtl m\n{}", grid(2)));
+    quickly(&f, &["build", "asset/b.obj", "-q"]).ends(0);
+    quickly(&f, &["extract", "asset/b.lodc", "--ratio", "0.5", "-o", "b.glb", "-q"]);
+    quickly(&f, &["build", "asset/a.gltf", "--allow-path", "/"]).fails(3);
+    door.assert_nobody_came();
+}
+
+#[test]
+fn textures_are_named_and_never_opened() {
+    let f = trap();
+    let canary = "the canary of the secret file";
+    f.file("secret.bin", canary);
+    for way in WAYS_OUT.iter().filter(|way| !way.contains('%')) {
+        f.file("asset/a.mtl", format!("newmtl m\nmap_Kd {way}\nmap_Bump -bm 1 {way}\n"));
+        f.file("asset/a.obj", format!("mtllib a.mtl\nusemtl m\n{}", grid(2)));
+        let mut scene: serde_json::Value = serde_json::from_str(&scene(&[1.0], 2)).expect("sound");
+        scene["images"] = serde_json::json!([{"uri": way}]);
+        scene["textures"] = serde_json::json!([{"source": 0}]);
+        scene["materials"] = serde_json::json!([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}]);
+        f.file("asset/b.gltf", scene.to_string());
+        for input in ["asset/a.obj", "asset/b.gltf"] {
+            let built = quickly(&f, &["build", input, "-o", "x.lodc", "--depfile", "deps.d", "-q"]);
+            assert!(matches!(built.status, Some(0 | 3)), "{way}: {built:?}");
+            if built.status == Some(3) {
+                continue;
+            }
+            for out in ["x.glb", "x.gltf", "x.obj"] {
+                let run = quickly(&f, &["extract", "x.lodc", "--ratio", "0.5", "-o", out, "-q"]);
+                assert!(matches!(run.status, Some(0 | 3 | 4)), "{way}: {run:?}");
+            }
+            for name in f.names().iter().filter(|n| n.starts_with("x.") || *n == "deps.d") {
+                let bytes = f.read(name);
+                let holds = |text: &str| bytes.windows(text.len()).any(|w| w == text.as_bytes());
+                assert!(!holds(canary) && !holds("root:"), "{way} came into {name}");
+                assert!(name != "deps.d" || !(holds("secret") || holds("passwd")), "{way} was read for {name}");
+            }
+        }
+    }
 }
 
 fn quickly(f: &Folder, args: &[&str]) -> Run {
