@@ -15,7 +15,7 @@ use crate::working::{OPEN, Working};
 /// Orders collapses of equal cost, for example in planes, by length.
 const TIE_WEIGHT: f64 = 1e-9;
 /// The share of the accumulated quadrics.
-const MEMORY: f64 = 0.1;
+const MEMORY: f64 = 0.08;
 const NONE: u32 = u32::MAX;
 
 pub(crate) struct QuadricMetric {
