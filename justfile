@@ -24,9 +24,9 @@ test:
 ci:
     .ci/run
 
-# Benchmarks of every package
+# Benchmarks of every stage (two minutes)
 bench:
-    cargo bench --workspace
+    cargo bench -p lodc --bench pipeline
 
 # Write the fixture files again
 fixtures:
