@@ -12,8 +12,7 @@ pub(crate) type Node = [u32; 4];
 pub(crate) const LINKS: usize = 3;
 
 /// By links and one linked slot: the way from that slot to the other linked one, 1 or 2 corners on; 0 at an end.
-const WAY: [[u32; 4]; 8] =
-    [[0; 4], [0; 4], [0; 4], [1, 2, 0, 0], [0; 4], [2, 0, 1, 0], [0, 1, 2, 0], [0; 4]];
+const WAY: [[u32; 4]; 8] = [[0; 4], [0; 4], [0; 4], [1, 2, 0, 0], [0; 4], [2, 0, 1, 0], [0, 1, 2, 0], [0; 4]];
 
 /// Paths that cover all triangles, each once.
 #[derive(Clone, Debug, Default)]
@@ -98,36 +97,40 @@ impl Cover {
         if wrong(first, leave) && !wrong(last, self.links(last).trailing_zeros()) {
             let mut back = Vec::with_capacity(path.len());
             self.path(last, &mut back);
-            write_forward(self, &back, triangles, indices);
+            self.write_forward(&back, triangles, indices);
         } else {
-            write_forward(self, path, triangles, indices);
+            self.write_forward(path, triangles, indices);
         }
     }
-}
-
-fn write_forward(cover: &Cover, path: &[u32], triangles: &[[u32; 3]], indices: &mut Vec<u32>) {
-    let (first, slot) = decode(path[0]);
-    let t = triangles[first as usize];
-    let corner = |slot: u32| t[slot as usize % 3];
-    indices.extend([corner(slot + 2), corner(slot), corner(slot + 1)]);
-    let (mut before, mut last) = (corner(slot), corner(slot + 1));
-    for (&from, &step) in path.iter().zip(&path[1..]) {
-        let (t, leave) = decode(step);
-        let (left, slot) = decode(from);
-        let (_, entered) = decode(cover.neighbour(left, slot));
-        let t = triangles[t as usize];
-        let new = t[(entered as usize + 2) % 3];
-        if leave != 3 {
-            // The edge to leave by has the new corner and one of the last two. If that is the older, it must come again.
-            let (a, b) = (t[leave as usize], t[(leave as usize + 1) % 3]);
-            let kept = if a == new { b } else { a };
-            if kept == before {
-                indices.push(before);
-                (before, last) = (last, before);
-            }
+    /// Appends the indices of a path from its first triangle.
+    pub(crate) fn write_forward(&self, path: &[u32], triangles: &[[u32; 3]], indices: &mut Vec<u32>) {
+        let (first, slot) = decode(path[0]);
+        let t = triangles[first as usize];
+        if slot == 3 {
+            indices.extend(t);
+            return;
         }
-        indices.push(new);
-        (before, last) = (last, new);
+        let corner = |slot: u32| t[slot as usize % 3];
+        indices.extend([corner(slot + 2), corner(slot), corner(slot + 1)]);
+        let (mut before, mut last) = (corner(slot), corner(slot + 1));
+        for (&from, &step) in path.iter().zip(&path[1..]) {
+            let (t, leave) = decode(step);
+            let (left, slot) = decode(from);
+            let (_, entered) = decode(self.neighbour(left, slot));
+            let t = triangles[t as usize];
+            let new = t[(entered as usize + 2) % 3];
+            if leave != 3 {
+                // The edge to leave by has the new corner and one of the last two. If that is the older, it must come again.
+                let (a, b) = (t[leave as usize], t[(leave as usize + 1) % 3]);
+                let kept = if a == new { b } else { a };
+                if kept == before {
+                    indices.push(before);
+                    last = before;
+                }
+            }
+            indices.push(new);
+            (before, last) = (last, new);
+        }
     }
 }
 

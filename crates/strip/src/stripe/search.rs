@@ -25,8 +25,13 @@ const LONGEST_WALK: usize = 4096;
 /// How often the temperature falls during a round.
 const STAGES: usize = 64;
 
-/// One change in so many divides a strip.
-const DIVIDE: u64 = 16;
+/// Of so many changes…
+const CHANGES: u64 = 16;
+/// … this many divide a strip …
+const DIVIDE: u64 = 1;
+/// … and this many link two triangles anywhere, the others an end. What the two make is ends, which cost a little and then
+/// wander until they meet others: without that, swaps far from any end would stay for ever.
+const ANYWHERE: u64 = 6;
 
 /// Improves a cover.
 pub(crate) fn search(cover: &mut Cover, round: &Round, seed: u64) {
@@ -69,26 +74,30 @@ impl Search<'_> {
     fn step(&mut self) {
         let bits = self.random.bits();
         let more = self.random.bits();
-        if self.ends.is_empty() {
-            return;
-        }
-        if more % DIVIDE == 0 {
+        let kind = (more >> 40) % CHANGES;
+        if kind < DIVIDE {
             let t = below(bits, self.cover.nodes.len()) as u32;
             self.divide(t, more >> 8, bits);
             return;
         }
-        let x = self.ends[below(bits, self.ends.len())];
+        let x = if kind < DIVIDE + ANYWHERE {
+            below(bits, self.cover.nodes.len()) as u32
+        } else if self.ends.is_empty() {
+            return;
+        } else {
+            self.ends[below(bits, self.ends.len())]
+        };
         // One of the edges that are not linked; which of two, by a bit.
         let mut open = !self.cover.links(x) & 7;
         match open.count_ones() {
             3 => open = 1 << ((more >> 8) % 3),
-            _ if more & 16 != 0 => open &= open - 1,
+            2 if more & 16 != 0 => open &= open - 1,
             _ => {}
         }
         let slot = open.trailing_zeros();
         let c = self.cover.neighbour(x, slot);
         if !is_none(c) {
-            self.link(x, slot, more & 32 != 0, bits);
+            self.link(x, slot, more, bits);
         }
     }
     /// Tries to take the link away at one of a triangle's slots.
@@ -98,72 +107,78 @@ impl Search<'_> {
             return;
         }
         let (u, _) = decode(self.cover.neighbour(t, slot));
-        let before = self.swaps_around(t, u, u32::MAX);
+        let around = [t, u];
+        let before = self.swaps_around(&around);
         self.cover.toggle(t, slot);
-        let after = self.swaps_around(t, u, u32::MAX);
+        let after = self.swaps_around(&around);
         if self.accepts(self.strip + after - before, bits) {
-            self.update(t);
-            self.update(u);
+            for t in around {
+                self.update(t);
+            }
         } else {
             self.cover.toggle(t, slot);
         }
     }
-    /// Tries to link an end to a neighbour, which gives up one of its links if it has two.
-    fn link(&mut self, x: u32, slot: u32, which: bool, bits: u64) {
-        let (y, f) = decode(self.cover.neighbour(x, slot));
-        let links = self.cover.links(y);
-        // The slot that y gives up, and the triangle there.
-        let given = (links.count_ones() == 2).then(|| {
-            let first = links.trailing_zeros();
-            if which { (links & (links - 1)).trailing_zeros() } else { first }
-        });
-        let z = given.map(|g| decode(self.cover.neighbour(y, g)).0);
-        if z == Some(x) && self.cover.links(x).count_ones() == 1 {
-            // x and y are linked already by another edge, and would only exchange it.
-            return;
+    /// The slot that a triangle gives up when it gets another link, and the triangle there.
+    fn given(&self, t: u32, second: bool) -> Option<(u32, u32)> {
+        let links = self.cover.links(t);
+        (links.count_ones() == 2).then(|| {
+            let slot = if second { (links & (links - 1)).trailing_zeros() } else { links.trailing_zeros() };
+            (slot, decode(self.cover.neighbour(t, slot)).0)
+        })
+    }
+    /// Tries to link a triangle to a neighbour. Each of them gives up one of its links if it has two.
+    fn link(&mut self, x: u32, slot: u32, choice: u64, bits: u64) {
+        let (y, _) = decode(self.cover.neighbour(x, slot));
+        let from_x = self.given(x, choice & 64 != 0);
+        let from_y = self.given(y, choice & 32 != 0);
+        let delta = self.strip * (i32::from(from_x.is_some()) + i32::from(from_y.is_some()) - 1);
+        let mut around = [x, y, 0, 0];
+        let mut n = 2;
+        for (_, z) in from_x.into_iter().chain(from_y) {
+            if z == x || z == y {
+                // Linked to each other already, by another edge.
+                return;
+            }
+            if !(n == 3 && around[2] == z) {
+                around[n] = z;
+                n += 1;
+            }
         }
-        let zed = z.unwrap_or(u32::MAX);
-        let before = self.swaps_around(x, y, zed);
-        if let Some(g) = given {
-            self.cover.toggle(y, g);
-        }
-        self.cover.toggle(x, slot);
-        let after = self.swaps_around(x, y, zed);
-        let delta = after - before - if z.is_none() { self.strip } else { 0 };
-        if self.accepts(delta, bits) && !self.closes(x, slot, f) {
-            self.update(x);
-            self.update(y);
-            if let Some(z) = z {
-                self.update(z);
+        let around = &around[..n];
+        let before = self.swaps_around(around);
+        let change = |search: &mut Self| {
+            from_x.into_iter().for_each(|(g, _)| search.cover.toggle(x, g));
+            from_y.into_iter().for_each(|(g, _)| search.cover.toggle(y, g));
+            search.cover.toggle(x, slot);
+        };
+        change(self);
+        let after = self.swaps_around(around);
+        if self.accepts(delta + after - before, bits) && !self.closes(x, slot) {
+            for &t in around {
+                self.update(t);
             }
         } else {
-            self.cover.toggle(x, slot);
-            if let Some(g) = given {
-                self.cover.toggle(y, g);
-            }
+            change(self);
         }
     }
-    /// Swaps at all links of up to three triangles, each link once.
-    fn swaps_around(&self, x: u32, y: u32, z: u32) -> i32 {
+    /// Swaps at all links of some triangles, each link once.
+    fn swaps_around(&self, around: &[u32]) -> i32 {
         let mut swaps = 0;
-        for (i, t) in [x, y, z].into_iter().enumerate() {
-            if t == u32::MAX {
-                continue;
-            }
+        for (i, &t) in around.iter().enumerate() {
             let mut links = self.cover.links(t);
             while links != 0 {
                 let slot = links.trailing_zeros();
                 links &= links - 1;
                 let (u, _) = decode(self.cover.neighbour(t, slot));
                 // Counted already from the other side.
-                let again = i > 0 && u == x || i > 1 && u == y;
-                swaps += i32::from(!again && self.cover.swaps(t, slot));
+                swaps += i32::from(self.cover.swaps(t, slot) && !around[..i].contains(&u));
             }
         }
         swaps
     }
     /// Whether the new link at a slot of x closes a ring: whether the way from x, away from the link, comes back.
-    fn closes(&self, x: u32, slot: u32, _entered: u32) -> bool {
+    fn closes(&self, x: u32, slot: u32) -> bool {
         let back = code(x, slot);
         let (mut at, mut leave) = (x, self.cover.other(x, slot));
         for _ in 0..LONGEST_WALK {
