@@ -104,33 +104,43 @@ impl Cover {
     }
     /// Appends the indices of a path from its first triangle.
     pub(crate) fn write_forward(&self, path: &[u32], triangles: &[[u32; 3]], indices: &mut Vec<u32>) {
-        let (first, slot) = decode(path[0]);
-        let t = triangles[first as usize];
-        if slot == 3 {
-            indices.extend(t);
-            return;
-        }
-        let corner = |slot: u32| t[slot as usize % 3];
-        indices.extend([corner(slot + 2), corner(slot), corner(slot + 1)]);
-        let (mut before, mut last) = (corner(slot), corner(slot + 1));
-        for (&from, &step) in path.iter().zip(&path[1..]) {
-            let (t, leave) = decode(step);
-            let (left, slot) = decode(from);
-            let (_, entered) = decode(self.neighbour(left, slot));
-            let t = triangles[t as usize];
-            let new = t[(entered as usize + 2) % 3];
-            if leave != 3 {
-                // The edge to leave by has the new corner and one of the last two. If that is the older, it must come again.
-                let (a, b) = (t[leave as usize], t[(leave as usize + 1) % 3]);
-                let kept = if a == new { b } else { a };
-                if kept == before {
-                    indices.push(before);
-                    last = before;
-                }
+        write_path(path, triangles, |t, slot| self.neighbour(t, slot), indices);
+    }
+}
+
+/// Appends the indices of a path from its first triangle.
+pub(crate) fn write_path(
+    path: &[u32],
+    triangles: &[[u32; 3]],
+    neighbour: impl Fn(u32, u32) -> u32,
+    indices: &mut Vec<u32>,
+) {
+    let (first, slot) = decode(path[0]);
+    let t = triangles[first as usize];
+    if slot == 3 {
+        indices.extend(t);
+        return;
+    }
+    let corner = |slot: u32| t[slot as usize % 3];
+    indices.extend([corner(slot + 2), corner(slot), corner(slot + 1)]);
+    let (mut before, mut last) = (corner(slot), corner(slot + 1));
+    for (&from, &step) in path.iter().zip(&path[1..]) {
+        let (t, leave) = decode(step);
+        let (left, slot) = decode(from);
+        let (_, entered) = decode(neighbour(left, slot));
+        let t = triangles[t as usize];
+        let new = t[(entered as usize + 2) % 3];
+        if leave != 3 {
+            // The edge to leave by has the new corner and one of the last two. If that is the older, it must come again.
+            let (a, b) = (t[leave as usize], t[(leave as usize + 1) % 3]);
+            let kept = if a == new { b } else { a };
+            if kept == before {
+                indices.push(before);
+                last = before;
             }
-            indices.push(new);
-            (before, last) = (last, new);
         }
+        indices.push(new);
+        (before, last) = (last, new);
     }
 }
 

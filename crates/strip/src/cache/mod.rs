@@ -1,11 +1,15 @@
 //! Strips of bounded length for a vertex cache: a greedy pass, then a local search on short stretches of the drawing order.
 
 mod greedy;
+mod paths;
+mod refine;
+mod window;
 
 use crate::adjacency::{decode, neighbours};
 use crate::cover::{Cover, submesh_of};
 use crate::{Effort, StripSet};
 use greedy::Weights;
+use window::Search;
 use lodc_mesh::Mesh;
 
 /// What cache-aware strips are made for.
@@ -44,18 +48,37 @@ pub fn cache(mesh: &Mesh, options: &CacheOptions) -> StripSet {
         };
     }
     let order = greedy::strips(triangles, mesh.vertex_count(), &mut cover, size, weights);
+    let paths: Vec<Vec<u32>> = order
+        .iter()
+        .map(|&first| {
+            let mut path = Vec::new();
+            cover.path(decode(first).0, &mut path);
+            path
+        })
+        .collect();
+    let mut searches = searches(options.effort).to_vec();
+    let mut price = options.index_price;
+    if let Ok(s) = std::env::var("B") {
+        searches = s.split(';').map(|r| { let f: Vec<f64> = r.split(',').map(|x| x.parse().unwrap()).collect(); price = f[4] as f32; Search { proposals: f[0], warm: f[1], cold: f[2], window: f[3] as usize } }).collect();
+    }
+    let refined = refine::refine(&paths, triangles, &cover, size, price, &searches);
     let submesh = submesh_of(mesh);
     let mut indices = Vec::with_capacity(triangles.len() * 3 / 2);
     let mut strips = Vec::with_capacity(order.len());
-    let mut path = Vec::new();
-    for &first in &order {
+    for (first, strip) in &refined {
         let start = indices.len();
-        let (t, _) = decode(first);
-        cover.path(t, &mut path);
-        cover.write_forward(&path, triangles, &mut indices);
-        strips.push((submesh[t as usize], start..indices.len()));
+        indices.extend(strip);
+        strips.push((submesh[*first as usize], start..indices.len()));
     }
     StripSet::new(mesh.submeshes().len(), &strips, &indices)
+}
+
+fn searches(effort: Effort) -> &'static [Search] {
+    match effort {
+        Effort::Fast => &[],
+        Effort::Default => &[Search { proposals: 3.0, window: 300, warm: 0.3, cold: 0.1 }],
+        Effort::Thorough => &[Search { proposals: 40.0, window: 300, warm: 0.5, cold: 0.1 }],
+    }
 }
 
 fn weights(effort: Effort) -> Weights {
