@@ -11,6 +11,7 @@ mod cache;
 mod cache_model;
 mod cover;
 mod effort;
+mod front;
 mod order;
 mod strip_set;
 mod stripe;

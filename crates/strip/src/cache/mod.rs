@@ -5,12 +5,12 @@ mod paths;
 mod refine;
 mod window;
 
-use crate::adjacency::{decode, neighbours};
+use crate::adjacency::neighbours;
 use crate::cover::{Cover, submesh_of};
 use crate::{Effort, StripSet};
 use greedy::Weights;
-use window::Search;
 use lodc_mesh::Mesh;
+use window::Search;
 
 /// What cache-aware strips are made for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,7 +25,7 @@ pub struct CacheOptions {
 
 impl Default for CacheOptions {
     fn default() -> Self {
-        Self { cache_size: 16, index_price: 0.3, effort: Effort::Default }
+        Self { cache_size: 16, index_price: 1.0, effort: Effort::Default }
     }
 }
 
@@ -35,33 +35,19 @@ pub fn cache(mesh: &Mesh, options: &CacheOptions) -> StripSet {
     let triangles = mesh.triangles();
     let size = options.cache_size.clamp(4, 64);
     let mut cover = Cover::new(&neighbours(triangles, mesh.vertex_count()));
-    let mut weights = weights(options.effort);
-    if let Ok(s) = std::env::var("W") {
-        let f: Vec<f32> = s.split(',').map(|x| x.parse().unwrap()).collect();
-        weights = Weights {
-            index: f[0],
-            evicted: f[1],
-            finished: f[2],
-            triangle: f[3],
-            longest: f[4] as usize,
-            cached: f[5] as usize,
-        };
-    }
+    let weights = weights(options.effort);
     let order = greedy::strips(triangles, mesh.vertex_count(), &mut cover, size, weights);
     let paths: Vec<Vec<u32>> = order
         .iter()
         .map(|&first| {
             let mut path = Vec::new();
-            cover.path(decode(first).0, &mut path);
+            cover.path(first, &mut path);
             path
         })
         .collect();
-    let mut searches = searches(options.effort).to_vec();
-    let mut price = options.index_price;
-    if let Ok(s) = std::env::var("B") {
-        searches = s.split(';').map(|r| { let f: Vec<f64> = r.split(',').map(|x| x.parse().unwrap()).collect(); price = f[4] as f32; Search { proposals: f[0], warm: f[1], cold: f[2], window: f[3] as usize } }).collect();
-    }
-    let refined = refine::refine(&paths, triangles, &cover, size, price, &searches);
+    // Anything that is not a sensible price would only spoil comparisons.
+    let price = if options.index_price >= 0.0 { options.index_price.min(100.0) } else { 0.0 };
+    let refined = refine::refine(&paths, triangles, &cover, size, price, searches(options.effort));
     let submesh = submesh_of(mesh);
     let mut indices = Vec::with_capacity(triangles.len() * 3 / 2);
     let mut strips = Vec::with_capacity(order.len());
@@ -76,15 +62,16 @@ pub fn cache(mesh: &Mesh, options: &CacheOptions) -> StripSet {
 fn searches(effort: Effort) -> &'static [Search] {
     match effort {
         Effort::Fast => &[],
-        Effort::Default => &[Search { proposals: 3.0, window: 300, warm: 0.3, cold: 0.1 }],
-        Effort::Thorough => &[Search { proposals: 40.0, window: 300, warm: 0.5, cold: 0.1 }],
+        Effort::Default => &[Search { proposals: 5.0, window: 400, warm: 0.3, cold: 0.05 }],
+        Effort::Thorough => &[Search { proposals: 80.0, window: 400, warm: 0.4, cold: 0.05 }],
     }
 }
 
 fn weights(effort: Effort) -> Weights {
-    let all = Weights { index: 0.12, evicted: 0.28, finished: 0.56, triangle: 0.87, longest: 20, cached: 1 };
+    let all = Weights { index: 0.12, evicted: 0.28, finished: 0.56, triangle: 0.87, longest: 20, cached: 2 };
     match effort {
-        Effort::Fast => Weights { cached: 2, longest: 16, ..all },
-        _ => all,
+        Effort::Fast => Weights { longest: 14, ..all },
+        Effort::Default => all,
+        Effort::Thorough => Weights { cached: 1, ..all },
     }
 }
