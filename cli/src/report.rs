@@ -178,6 +178,8 @@ pub(crate) struct CheckReport {
     pub(crate) adapter: Option<String>,
     /// LODs compared.
     pub(crate) lods: u64,
+    /// LODs of these at which whole meshes were compared triangle by triangle, not only their hashes.
+    pub(crate) full: u64,
     /// Null if the check was skipped.
     pub(crate) ok: Option<bool>,
     pub(crate) skipped: Option<String>,

@@ -1,11 +1,12 @@
 //! Reading a `.lodc` file, as several commands do.
 
+use crate::console;
 use crate::exit::Outcome;
 use lodc_formats::lodc::{LodFile, read};
 use lodc_formats::{Assets, Limits};
 use std::path::Path;
 
-/// Reads a container from a file, or from standard input if that is `-`.
+/// Reads a container from a file, or from standard input if that is `-`. Warns of what this version does not know.
 ///
 /// # Errors
 /// If it cannot be read or is damaged.
@@ -13,5 +14,8 @@ pub(crate) fn read_lodc(path: &Path, limits: Limits) -> Outcome<(LodFile, Vec<u8
     let mut assets = Assets::new(path, &[], limits);
     let bytes = assets.read_main()?;
     let file = read(&bytes).map_err(|e| e.in_file(&assets.main_name()))?;
+    for what in &file.left_out {
+        console::warning(&assets.main_name(), what);
+    }
     Ok((file, bytes))
 }

@@ -103,8 +103,8 @@ impl Attributes {
 /// How long on the surface one unit of texture space is, on average over the mesh.
 fn texture_length(a: &Attribute, working: &Working, vertex_of_wedge: &[u32]) -> f64 {
     let (mut surface, mut texture) = (0.0, 0.0);
-    for (f, w) in working.faces.iter().zip(&working.wedges) {
-        let [p, q, r] = w.map(|w| {
+    for (i, f) in (0..).zip(&working.faces) {
+        let [p, q, r] = working.wedges(i).map(|w| {
             let v = vertex_of_wedge[w as usize];
             [f64::from(a.value(v, 0)), f64::from(a.value(v, 1))]
         });

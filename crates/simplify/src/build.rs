@@ -11,6 +11,8 @@ use rayon::prelude::*;
 pub(crate) struct Built {
     pub(crate) working: Working,
     pub(crate) wedges: Wedges,
+    /// The wedges at the corners of each face at LOD 0.
+    pub(crate) corners: Vec<[u32; 3]>,
     /// The input triangle of each face.
     pub(crate) triangle_of: Vec<u32>,
     /// Working units per mesh unit: a power of two, so that scaling is exact.
@@ -55,29 +57,34 @@ pub(crate) fn build(mesh: &Mesh) -> Built {
     }
     let position_id: Vec<u32> = first_vertex.clone().map(|v| positions.of_vertex[v as usize]).collect();
     let places = first_vertex
-        .zip(&position_id)
-        .map(|(v, &id)| {
-            let position = Vec3::from(mesh.positions()[v as usize].map(|c| (f64::from(c) * scale) as f32));
-            Place::new(position, if groups_at[id as usize] > 1 { SHARED_POSITION } else { 0 })
-        })
+        .map(|v| Vec3::from(mesh.positions()[v as usize].map(|c| (f64::from(c) * scale) as f32)))
+        .map(|position| Place { position, arrival: 0.0 })
         .collect();
+    let flags = position_id.iter().map(|&id| if groups_at[id as usize] > 1 { SHARED_POSITION } else { 0 }).collect();
 
     let group_of = |v: u32| group_rank[groups.of_vertex[v as usize] as usize];
-    let submesh_of: Vec<u32> = mesh.submeshes().iter().zip(0..).flat_map(|(s, i)| s.triangles().map(move |_| i)).collect();
+    let submesh_of: Vec<u32> =
+        mesh.submeshes().iter().zip(0..).flat_map(|(s, i)| s.triangles().map(move |_| i)).collect();
     let triangle_of = faces_by_group(mesh, group_of);
     let triangle = |t: u32| mesh.triangles()[t as usize];
     let faces = triangle_of
         .iter()
-        .map(|&t| Face { groups: triangle(t).map(group_of), normal: Vec3::ZERO, area: 0.0, submesh: submesh_of[t as usize] })
+        .map(|&t| Face {
+            groups: triangle(t).map(group_of),
+            normal: Vec3::ZERO,
+            area: 0.0,
+            submesh: submesh_of[t as usize],
+        })
         .collect();
-    let corners = triangle_of.iter().map(|&t| triangle(t).map(|v| wedge_of[v as usize])).collect();
-    let mut working = Working::new(places, faces, corners, position_id);
+    let corners: Vec<[u32; 3]> = triangle_of.iter().map(|&t| triangle(t).map(|v| wedge_of[v as usize])).collect();
+    let own = if groups.len() == mesh.vertex_count() { Vec::new() } else { corners.clone() };
+    let mut working = Working::new(places, flags, faces, own, position_id);
     for f in 0..working.faces.len() as u32 {
         working.set_plane(f);
     }
     let wedges = Wedges::new(mesh, vertex_of, &bounds);
     classify(&mut working, &wedges);
-    Built { working, wedges, triangle_of, scale, size: diagonal * scale }
+    Built { working, wedges, corners, triangle_of, scale, size: diagonal * scale }
 }
 
 /// Groups sorted along a Morton curve through the bounding box.
@@ -133,7 +140,7 @@ fn faces_by_group(mesh: &Mesh, group_of: impl Fn(u32) -> u32) -> Vec<u32> {
 fn classify(working: &mut Working, wedges: &Wedges) {
     let seams_possible = wedges.class.len() > working.places.len();
     let this = &*working;
-    let flags: Vec<u32> = (0..working.places.len() as u32)
+    let flags: Vec<u8> = (0..working.places.len() as u32)
         .into_par_iter()
         .with_min_len(1024)
         .map_init(<(Neighborhood, Vec<u32>, Vec<u32>)>::default, |(around, ahead, behind), g| {
@@ -157,7 +164,7 @@ fn classify(working: &mut Working, wedges: &Wedges) {
             flags
         })
         .collect();
-    for (place, flags) in working.places.iter_mut().zip(flags) {
-        place.flags |= flags;
+    for (old, new) in working.flags.iter_mut().zip(flags) {
+        *old |= new;
     }
 }

@@ -2,13 +2,14 @@
 
 use crate::Options;
 use crate::attributes::{Attributes, Gradient};
+use crate::fan::{Fan, MAX_FAN};
 use crate::heap::Heap;
 use crate::legality;
 use crate::metric::Metric;
-use crate::neighborhood::{Neighborhood, SpokeKind, fold_planes};
+use crate::neighborhood::{Neighborhood, Spoke, SpokeKind};
 use crate::plan::Plan;
 use crate::wedges::Wedges;
-use crate::working::{OPEN, RESTRICTED, SEAM, SHARED_POSITION, Working, next};
+use crate::working::{OPEN, RESTRICTED, SEAM, Working};
 use lodc_mesh::{Lod, Mesh};
 use rayon::prelude::*;
 
@@ -70,25 +71,26 @@ struct Scratch {
     gradients: Vec<(u32, Gradient)>,
     /// Candidates of one group: cost and target.
     candidates: Vec<(f64, u32)>,
+    fan: Fan,
 }
 
 /// Buffers of the serial loop.
 #[derive(Default)]
-struct Serial {
+pub(crate) struct Serial {
     scratch: Scratch,
     legality: legality::Buffers,
-    plan: Plan,
+    pub(crate) plan: Plan,
     /// Groups whose ranking is out of date.
-    stale: Vec<u32>,
+    pub(crate) stale: Vec<u32>,
     /// Groups that may have become free, or follow the group that others were moved to.
-    outer: Vec<u32>,
+    pub(crate) outer: Vec<u32>,
     marks: Vec<u32>,
-    epoch: u32,
+    pub(crate) epoch: u32,
 }
 
 impl Serial {
     /// Whether this is the first time since the last commit.
-    fn first_time(&mut self, group: u32) -> bool {
+    pub(crate) fn first_time(&mut self, group: u32) -> bool {
         std::mem::replace(&mut self.marks[group as usize], self.epoch) != self.epoch
     }
 }
@@ -99,6 +101,25 @@ struct Choice {
     /// NaN if there is none.
     cost: f32,
     to: u32,
+}
+
+/// Spokes that a group may move along.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Permitted {
+    All,
+    /// Seams and borders.
+    Features,
+    Borders,
+}
+
+impl Permitted {
+    fn allows(self, kind: SpokeKind) -> bool {
+        match self {
+            Self::All => true,
+            Self::Features => kind != SpokeKind::Smooth,
+            Self::Borders => kind == SpokeKind::Border,
+        }
+    }
 }
 
 /// Everything a mesh of `f32` can cost fits `f32` when scaled up; exact zeros stay.
@@ -123,6 +144,11 @@ impl<M: Metric> Engine<'_, M> {
         self.join_points();
     }
 
+    /// What is left when all is done.
+    pub(crate) fn into_result(self) -> (Wedges, Log) {
+        (self.wedges, self.log)
+    }
+
     fn run_stage(&mut self, serial: &mut Serial, progress: &(dyn Fn(u64, u64) + Sync)) {
         let groups = self.mesh.places.len() as u32;
         let this = &*self;
@@ -133,6 +159,7 @@ impl<M: Metric> Engine<'_, M> {
             .collect();
         let mut heap = Heap::new(best.iter().map(|c| c.cost));
         while let Some((from, key)) = heap.pop() {
+            self.warm(&heap, &best);
             let known = best[from as usize];
             let Some((choice, changes_topology)) = self.settle(from, known, serial) else { continue };
             best[from as usize] = choice;
@@ -142,16 +169,36 @@ impl<M: Metric> Engine<'_, M> {
             }
             self.commit(from, choice.to, changes_topology, serial);
             self.refresh(choice.to, &mut best, &mut heap, serial);
-            if self.log.step_ends.len() % 4096 == 0 {
+            if self.log.step_ends.len().is_multiple_of(4096) {
                 progress(self.log.step_ends.len() as u64, u64::from(groups));
             }
         }
+    }
+
+    /// Reads what the next collapses will need, so that it is on its way from memory while this one is computed.
+    fn warm(&self, heap: &Heap, best: &[Choice]) {
+        let mut sum = 0;
+        for (i, group) in heap.upcoming().enumerate() {
+            let star = self.mesh.star(group);
+            sum ^= star.first().map_or(0, |c| c.0);
+            if i == 0 {
+                for &corner in star {
+                    sum ^= self.mesh.faces[corner.face() as usize].submesh;
+                }
+                let to = best[group as usize].to;
+                sum ^= self.mesh.star(to).first().map_or(0, |c| c.0);
+            }
+        }
+        std::hint::black_box(sum);
     }
 
     /// Ranks again what a commit onto `to` may have changed.
     fn refresh(&mut self, to: u32, best: &mut [Choice], heap: &mut Heap, serial: &mut Serial) {
         let stale = std::mem::take(&mut serial.stale);
         for &g in &stale {
+            if !self.is_due(g) {
+                continue;
+            }
             self.rerank(g, best, heap, &mut serial.scratch);
             for &corner in self.mesh.star(g) {
                 for other in self.mesh.others(corner) {
@@ -178,8 +225,15 @@ impl<M: Metric> Engine<'_, M> {
         serial.outer.clear();
     }
 
+    /// Whether a group is to be ranked again although a neighbour moves. Hubs with hundreds of neighbours are looked at
+    /// after some of them moved, else a fan would take quadratic time; legality is always asked anew.
+    fn is_due(&self, group: u32) -> bool {
+        let faces = self.mesh.star(group).len();
+        faces < HUB || faces % (faces / 16).next_power_of_two() < 2
+    }
+
     fn rerank(&mut self, g: u32, best: &mut [Choice], heap: &mut Heap, scratch: &mut Scratch) {
-        self.mesh.places[g as usize].flags &= !RESTRICTED;
+        self.mesh.flags[g as usize] &= !RESTRICTED;
         best[g as usize] = self.rank(g, scratch);
         if best[g as usize].cost.is_nan() {
             heap.remove(g);
@@ -190,22 +244,27 @@ impl<M: Metric> Engine<'_, M> {
 
     /// The cheapest collapse of a group, legality and prices left aside: never more than the true cost.
     fn rank(&self, from: u32, scratch: &mut Scratch) -> Choice {
-        let least = |best: (f64, u32), cost: f64, to: u32| if (cost, to) < best { (cost, to) } else { best };
-        let nothing = (f64::INFINITY, u32::MAX);
-        let (cost, to) = if self.is_plain(from) {
-            // By far the most common case: every neighbour is the next corner of exactly one face.
-            let planes = &mut scratch.around.planes;
-            fold_planes(&self.mesh, from, planes);
-            let local = self.metric.local(&self.mesh, from, planes);
-            self.mesh.star(from).iter().fold(nothing, |best, &corner| {
-                let to = self.mesh.faces[corner.face() as usize].groups[next(corner.at())];
-                least(best, self.metric.cost(&self.mesh, &local, from, to), to)
-            })
+        let mut best = (f64::INFINITY, u32::MAX);
+        if self.is_plain(from) && scratch.fan.gather(&self.mesh, from) {
+            // By far the most common case.
+            let Scratch { fan, around, .. } = scratch;
+            fan.fold_planes(&self.mesh, from, &mut around.planes);
+            let local = self.metric.local(from, fan.facets(), &around.planes);
+            let costs = self.metric.costs(&local, &fan.lanes, fan.len);
+            for (&cost, &to) in costs.iter().zip(&fan.neighbours[..fan.len]) {
+                if cost < best.0 || cost == best.0 && to < best.1 {
+                    best = (cost, to);
+                }
+            }
         } else {
             self.price_all(from, scratch);
-            scratch.candidates.iter().fold(nothing, |best, &(cost, to)| least(best, cost, to))
-        };
-        Choice { cost: if to == u32::MAX { f32::NAN } else { as_key(cost) }, to }
+            for &(cost, to) in &scratch.candidates {
+                if cost < best.0 || cost == best.0 && to < best.1 {
+                    best = (cost, to);
+                }
+            }
+        }
+        Choice { cost: if best.1 == u32::MAX { f32::NAN } else { as_key(best.0) }, to: best.1 }
     }
 
     /// Whether a group has a closed fan of faces, none of them at a border or seam, and no attributes to mind.
@@ -215,7 +274,7 @@ impl<M: Metric> Engine<'_, M> {
 
     /// Prices every collapse of a group that borders and seams permit.
     fn price_all(&self, from: u32, scratch: &mut Scratch) {
-        let Scratch { around, gradients, candidates } = scratch;
+        let Scratch { around, gradients, candidates, fan } = scratch;
         candidates.clear();
         if self.mesh.star(from).is_empty() {
             return;
@@ -223,47 +282,53 @@ impl<M: Metric> Engine<'_, M> {
         let with_attributes = !self.attributes.is_empty();
         around.look(&self.mesh, &self.wedges, from);
         let Some(permitted) = self.permitted(around) else { return };
-        let local = self.metric.local(&self.mesh, from, &around.planes);
+        let local = self.metric.local(from, &around.facets, &around.planes);
         if with_attributes {
             self.fit_gradients(from, gradients);
         }
-        for spoke in &around.spokes {
-            if permitted.is_some_and(|kind| spoke.kind != kind && spoke.kind == SpokeKind::Smooth)
-                || permitted == Some(SpokeKind::Border) && spoke.kind != SpokeKind::Border
-            {
-                continue;
+        let here = self.mesh.position(from);
+        for spokes in around.spokes.chunks(MAX_FAN) {
+            for (i, spoke) in spokes.iter().enumerate() {
+                let delta = self.mesh.position(spoke.group) - here;
+                (fan.lanes.x[i], fan.lanes.y[i], fan.lanes.z[i]) = (delta.x, delta.y, delta.z);
+                fan.lanes.arrival[i] = f64::from(self.mesh.places[spoke.group as usize].arrival);
             }
-            let mut cost = self.metric.cost(&self.mesh, &local, from, spoke.group);
-            if with_attributes {
-                let delta = self.mesh.position(spoke.group) - self.mesh.position(from);
-                for (wedge, gradient) in gradients.iter() {
-                    let target = around.target(&self.wedges, spoke, *wedge).unwrap_or(*wedge);
-                    let [here, there] = [*wedge, target].map(|w| self.wedges.attributes_of[w as usize]);
-                    cost += gradient.at(delta, self.attributes.row(here), self.attributes.row(there));
-                    let [here, there] = [*wedge, target].map(|w| self.wedges.place_of[w as usize]);
-                    cost += gradient.weight() * self.attributes.joint_distance_squared(here, there);
+            let costs = self.metric.costs(&local, &fan.lanes, spokes.len());
+            for (spoke, mut cost) in spokes.iter().zip(costs).filter(|(s, _)| permitted.allows(s.kind)) {
+                if with_attributes {
+                    cost += self.attribute_cost(from, spoke, around, gradients);
                 }
+                candidates.push((if cost.is_nan() { f64::INFINITY } else { cost }, spoke.group));
             }
-            if cost.is_nan() {
-                cost = f64::INFINITY;
-            }
-            candidates.push((cost, spoke.group));
         }
     }
 
-    /// Which spokes a group may move along: `None` none, `Some(None)` all, `Some(Some(Border))` borders only,
-    /// `Some(Some(Seam))` seams and borders.
-    fn permitted(&self, around: &Neighborhood) -> Option<Option<SpokeKind>> {
+    /// How far off the attributes around a group would be if it moved along a spoke. Working units to the fourth power.
+    fn attribute_cost(&self, from: u32, spoke: &Spoke, around: &Neighborhood, gradients: &[(u32, Gradient)]) -> f64 {
+        let delta = self.mesh.position(spoke.group) - self.mesh.position(from);
+        let mut cost = 0.0;
+        for (wedge, gradient) in gradients {
+            let target = around.target(&self.wedges, spoke, *wedge).unwrap_or(*wedge);
+            let [here, there] = [*wedge, target].map(|w| self.wedges.attributes_of[w as usize]);
+            cost += gradient.at(delta, self.attributes.row(here), self.attributes.row(there));
+            let [here, there] = [*wedge, target].map(|w| self.wedges.place_of[w as usize]);
+            cost += gradient.weight() * self.attributes.joint_distance_squared(here, there);
+        }
+        cost
+    }
+
+    /// Which spokes a group may move along at the present stage, if any.
+    fn permitted(&self, around: &Neighborhood) -> Option<Permitted> {
         if self.stage >= Stage::Seams {
-            return Some(None);
+            return Some(Permitted::All);
         }
         match around.borders {
-            0 if around.seams < 2 => Some(None),
-            0 => Some(Some(SpokeKind::Seam)),
+            0 if around.seams < 2 => Some(Permitted::All),
+            0 => Some(Permitted::Features),
             _ if self.options.lock_border => None,
-            2 => Some(Some(SpokeKind::Border)),
+            2 => Some(Permitted::Borders),
             _ if self.options.preserve_topology => None,
-            _ => Some(Some(SpokeKind::Seam)),
+            _ => Some(Permitted::Features),
         }
     }
 
@@ -271,7 +336,7 @@ impl<M: Metric> Engine<'_, M> {
         let mut used = 0;
         for &corner in self.mesh.star(from) {
             let face = corner.face();
-            let wedges = &self.mesh.wedges[face as usize];
+            let wedges = self.mesh.wedges(face);
             let wedge = wedges[corner.at()];
             let i = gradients[..used].iter().rposition(|g| g.0 == wedge).unwrap_or_else(|| {
                 if used == gradients.len() {
@@ -325,139 +390,13 @@ impl<M: Metric> Engine<'_, M> {
             }
         }
         if refused {
-            self.mesh.places[from as usize].flags |= RESTRICTED;
+            self.mesh.add_flags(from, RESTRICTED);
         }
         best.map(|(cost, to, topology)| (Choice { cost: as_key(cost), to }, topology))
     }
-
-    /// Moves `from` onto `to` and writes it down. Leaves in `serial.stale` the groups whose faces changed.
-    fn commit(&mut self, from: u32, to: u32, changes_topology: bool, serial: &mut Serial) {
-        serial.epoch += 1;
-        serial.stale.clear();
-        serial.outer.clear();
-        serial.first_time(from);
-        serial.first_time(to);
-        serial.stale.push(to);
-        for i in 0..self.mesh.star(from).len() {
-            let groups = self.mesh.faces[self.mesh.star(from)[i].face() as usize].groups;
-            for g in groups {
-                if serial.first_time(g) {
-                    serial.stale.push(g);
-                }
-            }
-        }
-        self.plan(from, to, &mut serial.plan);
-        let seam_moves = serial.plan.ambiguous || serial.plan.fakes > 0;
-        self.move_wedges(from, to, &mut serial.plan);
-        let lod = self.log.order.len() as u32;
-
-        self.metric.collapsed(&mut self.mesh, from, to);
-        let death = &mut self.log.death;
-        self.mesh.merge(from, to, |face| death[face as usize] = lod);
-        let inherited = self.mesh.places[from as usize].flags & (OPEN | SEAM);
-        self.mesh.places[to as usize].flags |= inherited;
-        if changes_topology || seam_moves {
-            let flags = if changes_topology { OPEN } else { 0 } | if seam_moves { SEAM } else { 0 };
-            self.mesh.places[to as usize].flags |= flags;
-            for &g in &serial.stale {
-                self.mesh.places[g as usize].flags |= flags;
-            }
-        }
-        if self.mesh.has(to, SHARED_POSITION) {
-            self.unite_position(to, lod, serial);
-        }
-        let error = self.metric.error(to).max(self.log.step_errors.last().copied().unwrap_or(0.0));
-        self.log.step_ends.push(lod);
-        self.log.step_errors.push(error);
-        self.log.step_triangles.push(self.mesh.live_faces);
-        if changes_topology && self.stage == Stage::Legal {
-            self.log.topology_changes += 1;
-            self.log.first_topology_change.get_or_insert(Lod(lod));
-        }
-    }
-
-    /// Two corners of one triangle at one position: their groups are one group from now on.
-    fn unite_position(&mut self, to: u32, lod: u32, serial: &mut Serial) {
-        let position = self.mesh.position_id[to as usize];
-        let twin = |mesh: &Working| {
-            mesh.star(to).iter().find_map(|&corner| {
-                let groups = mesh.faces[corner.face() as usize].groups;
-                groups.into_iter().find(|&g| g != to && mesh.position_id[g as usize] == position)
-            })
-        };
-        while let Some(other) = twin(&self.mesh) {
-            for i in 0..self.mesh.star(other).len() {
-                for g in self.mesh.faces[self.mesh.star(other)[i].face() as usize].groups {
-                    self.mesh.places[g as usize].flags |= OPEN | SEAM;
-                    if serial.first_time(g) {
-                        serial.stale.push(g);
-                    }
-                }
-            }
-            self.metric.collapsed(&mut self.mesh, other, to);
-            let death = &mut self.log.death;
-            self.mesh.merge(other, to, |face| death[face as usize] = lod);
-            self.wedges.merge_groups(other, to);
-            self.mesh.places[to as usize].flags |= OPEN | SEAM;
-        }
-    }
-
-    /// Emits the records of a planned collapse and gives the faces their new wedges.
-    fn move_wedges(&mut self, from: u32, to: u32, plan: &mut Plan) {
-        for i in 0..plan.wedges.len() {
-            let wedge = plan.wedges[i].wedge;
-            if plan.wedges[i].target == u32::MAX {
-                // Two wedges that look alike share one fake.
-                let alike = plan.wedges[..i].iter().find(|p| p.fake && self.wedges.alike(self.input, p.wedge, wedge));
-                let target = match alike {
-                    Some(p) => p.target,
-                    None => self.wedges.add_fake(to, plan.wedges[0].target, wedge),
-                };
-                plan.wedges[i].target = target;
-                plan.wedges[i].fake = true;
-            }
-            self.log.order.push(wedge);
-            self.log.targets.push(plan.wedges[i].target);
-        }
-        for i in 0..self.mesh.star(from).len() {
-            let corner = self.mesh.star(from)[i];
-            let slot = &mut self.mesh.wedges[corner.face() as usize][corner.at()];
-            if let Some(p) = plan.wedges.iter().find(|p| p.wedge == *slot) {
-                *slot = p.target;
-            }
-        }
-        self.wedges.clear_group(from);
-    }
-
-    /// Joins what is left: points without faces, in order, those of one submesh first.
-    fn join_points(&mut self) {
-        let mut left: Vec<(u32, u32)> = (0..self.mesh.places.len() as u32)
-            .filter_map(|g| self.wedges.of_group(g).next().map(|w| (self.wedges.submesh[w as usize], g)))
-            .collect();
-        left.sort_unstable();
-        let error = self.log.step_errors.last().copied().unwrap_or(0.0);
-        for (i, &(_, g)) in left.iter().enumerate() {
-            let wedges: Vec<u32> = self.wedges.of_group(g).collect();
-            let survivor = left.get(i + 1).and_then(|&(_, h)| self.wedges.of_group(h).next());
-            let ends = match survivor {
-                Some(_) => &wedges[..],
-                None => &wedges[..wedges.len() - 1],
-            };
-            for (j, &w) in ends.iter().enumerate() {
-                self.log.order.push(w);
-                self.log.targets.push(survivor.unwrap_or_else(|| wedges[j + 1]));
-            }
-            if !ends.is_empty() {
-                self.log.step_ends.push(self.log.order.len() as u32);
-                self.log.step_errors.push(error);
-                self.log.step_triangles.push(0);
-            }
-            if survivor.is_none() {
-                self.log.order.extend(wedges.last());
-            }
-        }
-    }
 }
 
+/// Groups with this many faces are hubs.
+const HUB: usize = 256;
 /// How much dearer each fake makes a collapse.
 const FAKE_PRICE: f64 = 8.0;

@@ -36,6 +36,10 @@ impl<M: Metric> Engine<'_, M> {
     pub(crate) fn judge(&self, from: u32, to: u32, buffers: &mut Buffers) -> Option<Verdict> {
         let mesh = &self.mesh;
         let link = Link::new(mesh, from, to, buffers);
+        if link.shared_faces == 0 {
+            // A hub's ranking may be older than its star.
+            return None;
+        }
         let changes_topology = !link.holds;
         if changes_topology && self.stage < Stage::Links && self.options.preserve_topology {
             return None;
@@ -66,7 +70,7 @@ impl<M: Metric> Engine<'_, M> {
             if self.mesh.others(corner).contains(&to) {
                 return true;
             }
-            let wedges = &self.mesh.wedges[corner.face() as usize];
+            let wedges = self.mesh.wedges(corner.face());
             let here = wedges[corner.at()];
             let target = plan.wedges.iter().find(|p| p.wedge == here && p.target != u32::MAX);
             let Some(target) = target else { return true };

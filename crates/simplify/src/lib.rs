@@ -7,7 +7,9 @@
 
 mod attributes;
 mod build;
+mod commit;
 mod engine;
+mod fan;
 mod heap;
 mod legality;
 mod metric;
@@ -74,8 +76,6 @@ pub fn simplify(mesh: &Mesh, options: &Options, progress: &(dyn Fn(u64, u64) + S
         MetricKind::Quadric => QuadricMetric::new(&built.working, &built.wedges),
     };
     let log = Log { death: vec![0; built.working.faces.len()], ..Log::default() };
-    // Corners at LOD 0: the engine's follow the collapses.
-    let corners = built.working.wedges.clone();
     let mut engine = Engine {
         input: mesh,
         options: *options,
@@ -88,8 +88,9 @@ pub fn simplify(mesh: &Mesh, options: &Options, progress: &(dyn Fn(u64, u64) + S
         log,
     };
     engine.run(progress);
-    let Engine { wedges, log, .. } = engine;
-    output::output(mesh, &wedges, &corners, &built.triangle_of, log, 1.0 / built.scale)
+    // What only collapsing needs goes before the result comes: this is where memory peaks.
+    let (wedges, log) = engine.into_result();
+    output::output(mesh, &wedges, &built.corners, &built.triangle_of, log, 1.0 / built.scale)
 }
 
 #[cfg(test)]

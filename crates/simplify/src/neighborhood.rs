@@ -1,9 +1,9 @@
 //! What surrounds a group: its spokes (edges to other groups), and which of them are borders or seams.
 
+use crate::fan::Facet;
 use crate::wedges::Wedges;
-use crate::working::{Corner, Working, next, previous};
+use crate::working::{Working, next, previous};
 use glam::{DVec3, Vec3};
-
 
 /// Weight of the plane along a border edge, times its squared length.
 pub(crate) const BORDER_WEIGHT: f64 = 10.0;
@@ -56,6 +56,8 @@ pub(crate) struct Neighborhood {
     pub(crate) spokes: Vec<Spoke>,
     pub(crate) entries: Vec<Entry>,
     pub(crate) planes: Vec<FeaturePlane>,
+    /// The faces of the star.
+    pub(crate) facets: Vec<Facet>,
     pub(crate) borders: u32,
     pub(crate) seams: u32,
 }
@@ -66,10 +68,13 @@ impl Neighborhood {
         self.spokes.clear();
         self.entries.clear();
         self.planes.clear();
+        self.facets.clear();
         (self.borders, self.seams) = (0, 0);
         for &corner in mesh.star(group) {
             let (face, at) = (corner.face(), corner.at());
-            let (groups, corners) = (&mesh.faces[face as usize].groups, &mesh.wedges[face as usize]);
+            let f = &mesh.faces[face as usize];
+            self.facets.push(Facet { normal: f.normal, area: f.area });
+            let (groups, corners) = (&f.groups, mesh.wedges(face));
             for end in [next(at), previous(at)] {
                 self.entries.push(Entry { group: groups[end], here: corners[at], there: corners[end], face });
             }
@@ -88,7 +93,9 @@ impl Neighborhood {
             };
             let weight = match kind {
                 SpokeKind::Smooth => {
-                    self.planes.extend(fold_plane(mesh, group, first.group, [faces[0].face, faces[1].face]));
+                    let edge = mesh.position(first.group) - mesh.position(group);
+                    let [m, n] = [0, 1].map(|i| mesh.faces[faces[i].face as usize].normal);
+                    self.planes.extend(fold_plane(m, n, edge));
                     0.0
                 }
                 SpokeKind::Border => {
@@ -128,31 +135,12 @@ impl Neighborhood {
     }
 }
 
-/// The planes along all folded edges at a group whose star is a closed fan.
-pub(crate) fn fold_planes(mesh: &Working, group: u32, planes: &mut Vec<FeaturePlane>) {
-    planes.clear();
-    let star = mesh.star(group);
-    let normal = |corner: Corner| mesh.faces[corner.face() as usize].normal;
-    // If all normals are within 45° of their mean, no two are more than 90° apart.
-    let mean = star.iter().map(|&c| normal(c)).sum::<Vec3>();
-    let limit = std::f32::consts::FRAC_1_SQRT_2 * mean.length();
-    if !star.iter().any(|&c| normal(c).dot(mean) < limit) {
-        return;
-    }
-    for &corner in star {
-        let end = mesh.others(corner)[0];
-        let other = star.iter().find(|&&c| mesh.others(c)[1] == end);
-        planes.extend(other.and_then(|&other| fold_plane(mesh, group, end, [corner.face(), other.face()])));
-    }
-}
-
 /// The plane along an edge whose two faces fold back on each other. The rim of a thin shape (an ear, a horn, a blade)
 /// is like a border: moving inwards stays near the planes of both sides, but eats the shape.
-fn fold_plane(mesh: &Working, group: u32, end: u32, faces: [u32; 2]) -> Option<FeaturePlane> {
-    let [m, n] = faces.map(|f| mesh.faces[f as usize].normal.as_dvec3());
+pub(crate) fn fold_plane(m: Vec3, n: Vec3, edge: DVec3) -> Option<FeaturePlane> {
+    let (m, n) = (m.as_dvec3(), n.as_dvec3());
     let fold = -m.dot(n);
     (fold > 0.0).then(|| {
-        let edge = mesh.position(end) - mesh.position(group);
         // Outwards is between the normals; where they cancel, along the sheet.
         let normal = (m + n).try_normalize().unwrap_or_else(|| m.cross(edge).normalize_or_zero());
         FeaturePlane { normal, weight: FOLD_WEIGHT * fold * edge.length_squared() }

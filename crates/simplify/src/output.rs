@@ -6,7 +6,12 @@ use lodc_mesh::{CollapseSequence, Mesh, MeshParts, SequenceParts, Simplified, Su
 
 /// `triangle_of` names the input triangle of each face, `error_scale` turns working units into the mesh's.
 pub(crate) fn output(
-    input: &Mesh, wedges: &Wedges, corners: &[[u32; 3]], triangle_of: &[u32], log: Log, error_scale: f64,
+    input: &Mesh,
+    wedges: &Wedges,
+    corners: &[[u32; 3]],
+    triangle_of: &[u32],
+    log: Log,
+    error_scale: f64,
 ) -> Simplified {
     let mut new_index = vec![u32::MAX; log.order.len()];
     for (new, &w) in (0u32..).zip(&log.order) {
@@ -24,9 +29,11 @@ pub(crate) fn output(
         .iter()
         .zip(0u32..)
         .map(|(a, i)| {
-            a.gathered(log.order.iter().map(|&w| {
-                if a.is_spatial() && streams_of(place(w)).contains(&i) { place(w) } else { look(w) }
-            }))
+            a.gathered(
+                log.order
+                    .iter()
+                    .map(|&w| if a.is_spatial() && streams_of(place(w)).contains(&i) { place(w) } else { look(w) }),
+            )
         })
         .collect();
 
@@ -64,6 +71,7 @@ pub(crate) fn output(
         first_topology_change: log.first_topology_change,
     };
     let mesh = Mesh::try_from(mesh).expect("the input's vertices and triangles in another order are still a mesh");
-    let collapses = CollapseSequence::try_from(collapses).expect("the log is written in order, targets outlive sources");
+    let collapses =
+        CollapseSequence::try_from(collapses).expect("the log is written in order, targets outlive sources");
     Simplified::new(mesh, collapses).expect("every wedge but the last has one record")
 }

@@ -37,14 +37,14 @@ impl<M: Metric> Engine<'_, M> {
         plan.wedges.clear();
         plan.fakes = 0;
         plan.ambiguous = false;
-        if !self.mesh.has(from, SEAM) && self.wedges.is_single(from) {
+        if self.mesh.one_wedge_each() || !self.mesh.has(from, SEAM) && self.wedges.is_single(from) {
             self.plan_smooth(from, to, plan);
             return;
         }
         for &corner in self.mesh.star(from) {
-            let face = corner.face() as usize;
-            let groups = &self.mesh.faces[face].groups;
-            let wedge = self.wedges_of(face)[corner.at()];
+            let groups = &self.mesh.faces[corner.face() as usize].groups;
+            let wedges = self.mesh.wedges(corner.face());
+            let wedge = wedges[corner.at()];
             let i = plan.wedges.iter().rposition(|p| p.wedge == wedge).unwrap_or_else(|| {
                 plan.wedges.push(PlannedWedge { wedge, target: NONE, fake: false, live: false });
                 plan.wedges.len() - 1
@@ -53,7 +53,7 @@ impl<M: Metric> Engine<'_, M> {
             for end in [next(corner.at()), previous(corner.at())] {
                 if groups[end] == to {
                     dies = true;
-                    let target = self.wedges_of(face)[end];
+                    let target = wedges[end];
                     let known = plan.wedges[i].target;
                     if known != NONE && self.wedges.class[known as usize] != self.wedges.class[target as usize] {
                         plan.ambiguous = true;
@@ -71,17 +71,16 @@ impl<M: Metric> Engine<'_, M> {
 
     /// One wedge, and no seam near it: the first shared face has the answer.
     fn plan_smooth(&self, from: u32, to: u32, plan: &mut Plan) {
-        let target = self.mesh.star(from).iter().find_map(|&corner| {
-            let face = corner.face() as usize;
-            let end = self.mesh.faces[face].groups.iter().position(|&g| g == to)?;
-            Some((self.wedges_of(face)[corner.at()], self.wedges_of(face)[end]))
-        });
-        let (wedge, target) = target.expect("a collapse follows an edge");
+        let shared = || {
+            self.mesh.star(from).iter().find_map(|&corner| {
+                let end = self.mesh.faces[corner.face() as usize].groups.iter().position(|&g| g == to)?;
+                let wedges = self.mesh.wedges(corner.face());
+                Some((wedges[corner.at()], wedges[end]))
+            })
+        };
+        let (wedge, target) =
+            if self.mesh.one_wedge_each() { (from, to) } else { shared().expect("a collapse follows an edge") };
         plan.wedges.push(PlannedWedge { wedge, target, fake: false, live: true });
-    }
-
-    fn wedges_of(&self, face: usize) -> [u32; 3] {
-        self.mesh.wedges[face]
     }
 
     /// The one of two wedges (one may be `NONE`) whose attributes are closer to `wedge`'s, ties to the smaller index.

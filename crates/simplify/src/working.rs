@@ -52,72 +52,73 @@ pub(crate) struct Face {
 
 /// Where a group's corners lie in the arena.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Star {
+struct Star {
     start: u32,
     len: u32,
     capacity: u32,
 }
 
-/// What the loop needs of a group most often, half a cache line.
+/// What neighbours read of a group: four to a cache line.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Place {
     /// In working units.
     pub(crate) position: Vec3,
-    pub(crate) flags: u32,
     /// What the metric wants to find here: its price for arriving at this group.
     pub(crate) arrival: f32,
-    star: Star,
-}
-
-impl Place {
-    pub(crate) fn new(position: Vec3, flags: u32) -> Self {
-        Self { position, flags, ..Self::default() }
-    }
 }
 
 /// The star is not a closed fan: it may have borders or more than two faces on an edge.
-pub(crate) const OPEN: u32 = 1;
+pub(crate) const OPEN: u8 = 1;
 /// Some of the group's collapses were refused the last time it was looked at.
-pub(crate) const RESTRICTED: u32 = 2;
+pub(crate) const RESTRICTED: u8 = 2;
 /// An edge at this group is a seam: wedges or submeshes differ across it.
-pub(crate) const SEAM: u32 = 4;
+pub(crate) const SEAM: u8 = 4;
 /// Another group started at the same position.
-pub(crate) const SHARED_POSITION: u32 = 8;
+pub(crate) const SHARED_POSITION: u8 = 8;
 
 pub(crate) struct Working {
     pub(crate) places: Vec<Place>,
+    pub(crate) flags: Vec<u8>,
     pub(crate) faces: Vec<Face>,
-    /// The wedge at each corner of each face.
-    pub(crate) wedges: Vec<[u32; 3]>,
+    /// The wedge at each corner of each face; empty where every group has one wedge, with the group's number.
+    wedges: Vec<[u32; 3]>,
     /// Each group's position, as a number shared by the groups there.
     pub(crate) position_id: Vec<u32>,
+    stars: Vec<Star>,
     arena: Vec<Corner>,
     pub(crate) live_faces: u32,
 }
 
 impl Working {
     /// Builds the stars of all groups.
-    pub(crate) fn new(mut places: Vec<Place>, faces: Vec<Face>, wedges: Vec<[u32; 3]>, position_id: Vec<u32>) -> Self {
+    pub(crate) fn new(
+        places: Vec<Place>,
+        flags: Vec<u8>,
+        faces: Vec<Face>,
+        wedges: Vec<[u32; 3]>,
+        position_id: Vec<u32>,
+    ) -> Self {
+        let mut stars = vec![Star::default(); places.len()];
         for f in &faces {
             for &g in &f.groups {
-                places[g as usize].star.capacity += 1;
+                stars[g as usize].capacity += 1;
             }
         }
         let mut start = 0;
-        for p in &mut places {
-            p.star.start = start;
-            start += p.star.capacity;
+        for s in &mut stars {
+            s.start = start;
+            start += s.capacity;
         }
         let mut arena = vec![Corner(0); start as usize];
         for (f, face) in (0..).zip(&faces) {
             for (c, &g) in face.groups.iter().enumerate() {
-                let s = &mut places[g as usize].star;
+                let s = &mut stars[g as usize];
                 arena[(s.start + s.len) as usize] = Corner::new(f, c);
                 s.len += 1;
             }
         }
         let live_faces = faces.len() as u32;
-        Self { places, faces, wedges, position_id, arena, live_faces }
+        Self { places, flags, faces, wedges, position_id, stars, arena, live_faces }
     }
 
     #[inline]
@@ -126,14 +127,40 @@ impl Working {
     }
 
     #[inline]
-    pub(crate) fn has(&self, group: u32, flag: u32) -> bool {
-        self.places[group as usize].flags & flag != 0
+    pub(crate) fn has(&self, group: u32, flag: u8) -> bool {
+        self.flags[group as usize] & flag != 0
+    }
+
+    #[inline]
+    pub(crate) fn add_flags(&mut self, group: u32, flags: u8) {
+        self.flags[group as usize] |= flags;
+    }
+
+    /// The wedges at a face's corners.
+    #[inline]
+    pub(crate) fn wedges(&self, face: u32) -> [u32; 3] {
+        match self.wedges.get(face as usize) {
+            Some(&wedges) => wedges,
+            None => self.faces[face as usize].groups,
+        }
+    }
+
+    /// Puts another wedge at a corner.
+    pub(crate) fn set_wedge(&mut self, corner: Corner, wedge: u32) {
+        if let Some(wedges) = self.wedges.get_mut(corner.face() as usize) {
+            wedges[corner.at()] = wedge;
+        }
+    }
+
+    /// Whether every group has one wedge, with the group's number.
+    pub(crate) fn one_wedge_each(&self) -> bool {
+        self.wedges.is_empty()
     }
 
     /// The live corners at a group.
     #[inline]
     pub(crate) fn star(&self, group: u32) -> &[Corner] {
-        let s = self.places[group as usize].star;
+        let s = self.stars[group as usize];
         &self.arena[s.start as usize..(s.start + s.len) as usize]
     }
 
@@ -157,7 +184,7 @@ impl Working {
     /// Moves all of `from`'s faces to `to`. Faces that lose a corner die: they leave every star, and `died` is told.
     /// Faces that live get new planes.
     pub(crate) fn merge(&mut self, from: u32, to: u32, mut died: impl FnMut(u32)) {
-        let from_star = std::mem::take(&mut self.places[from as usize].star);
+        let from_star = std::mem::take(&mut self.stars[from as usize]);
         let incoming = from_star.start as usize..(from_star.start + from_star.len) as usize;
         // Dead faces go first, so that the star of `to` has room for the others.
         let mut kept = incoming.start;
@@ -188,7 +215,7 @@ impl Working {
 
     /// Appends corners to the star of `to`, in `from`'s room, its own, or new room.
     fn join(&mut self, from: Star, moved: std::ops::Range<usize>, to: u32) {
-        let mut star = self.places[to as usize].star;
+        let mut star = self.stars[to as usize];
         let len = star.len + moved.len() as u32;
         if len > star.capacity {
             let old = star.start as usize..(star.start + star.len) as usize;
@@ -197,7 +224,7 @@ impl Working {
                 let shift = moved.start;
                 debug_assert_eq!(shift, from.start as usize);
                 self.arena.copy_within(old, at);
-                self.places[to as usize].star = Star { start: from.start, len, capacity: from.capacity };
+                self.stars[to as usize] = Star { start: from.start, len, capacity: from.capacity };
                 return;
             }
             star.capacity = len + len / 2;
@@ -207,11 +234,11 @@ impl Working {
         }
         self.arena.copy_within(moved, (star.start + star.len) as usize);
         star.len = len;
-        self.places[to as usize].star = star;
+        self.stars[to as usize] = star;
     }
 
     fn leave(&mut self, group: u32, face: u32) {
-        let s = &mut self.places[group as usize].star;
+        let s = &mut self.stars[group as usize];
         let star = &mut self.arena[s.start as usize..(s.start + s.len) as usize];
         if let Some(i) = star.iter().position(|c| c.face() == face) {
             star.swap(i, s.len as usize - 1);

@@ -1,6 +1,7 @@
 //! Header, section table, checksums and padding: the container without the meaning of its sections.
 
 use super::VERSION;
+use super::left_out::LeftOut;
 use crate::{Fault, FormatError};
 use std::collections::BTreeMap;
 use xxhash_rust::xxh3::xxh3_64;
@@ -68,6 +69,8 @@ pub(super) fn place(tag: Tag, object: u32, index: u32) -> String {
 pub(super) struct Container<'a> {
     /// Sections of known kinds that nobody has taken yet, and whether they are required.
     sections: BTreeMap<Id, (&'a [u8], bool)>,
+    /// Sections of unknown kinds, none of them required.
+    unknown: Vec<Id>,
 }
 
 impl<'a> Container<'a> {
@@ -104,7 +107,7 @@ impl<'a> Container<'a> {
             return Err(malformed("the header or the section table is damaged (checksum)".to_owned()));
         }
 
-        let mut sections = BTreeMap::new();
+        let (mut sections, mut unknown) = (BTreeMap::new(), Vec::new());
         let mut end = table_end;
         for entry in (HEADER..table_end).step_by(ENTRY) {
             let id: Id = (std::array::from_fn(|i| bytes[entry + i]), u32_at(entry + 8), u32_at(entry + 12));
@@ -137,6 +140,7 @@ impl<'a> Container<'a> {
                     let what = "is required, and this program does not know it: a newer one is needed";
                     return Err(FormatError::new(Fault::Unsupported, place(), what));
                 }
+                unknown.push(id);
             } else if sections.insert(id, (content, flags & REQUIRED != 0)).is_some() {
                 return Err(malformed("is there twice".to_owned()));
             }
@@ -144,7 +148,7 @@ impl<'a> Container<'a> {
         if end != bytes.len() {
             return Err(malformed(format!("{} bytes follow the last section", bytes.len() - end)));
         }
-        Ok(Self { sections })
+        Ok(Self { sections, unknown })
     }
 
     /// A section that has to be there.
@@ -153,15 +157,23 @@ impl<'a> Container<'a> {
         self.sections.remove(&(tag, object, index)).map(|(content, _)| content).ok_or_else(missing)
     }
 
-    /// Every required section must have been taken.
-    pub(super) fn finish(self) -> Result<(), FormatError> {
-        match self.sections.into_iter().find(|(_, (_, required))| *required) {
-            Some(((tag, object, index), _)) => {
-                let what = "belongs to nothing that the manifest names";
-                Err(FormatError::new(Fault::Malformed, place(tag, object, index), what))
-            }
-            None => Ok(()),
+    /// Leaves a section out: what it belongs to is not known.
+    pub(super) fn skip(&mut self, tag: Tag, object: u32, index: u32) {
+        self.sections.remove(&(tag, object, index));
+    }
+
+    /// Every required section must have been taken. Names the others that were not.
+    pub(super) fn finish(self, left_out: &mut LeftOut) -> Result<(), FormatError> {
+        let nothing = "belongs to nothing that the manifest names";
+        if let Some(((tag, object, index), _)) = self.sections.iter().find(|(_, (_, required))| *required) {
+            return Err(FormatError::new(Fault::Malformed, place(*tag, *object, *index), nothing));
         }
+        let unknown = self.unknown.into_iter().map(|id| (id, "is not known to this version"));
+        let idle = self.sections.into_keys().map(|id| (id, nothing));
+        for ((tag, object, index), what) in unknown.chain(idle) {
+            left_out.tell(|| format!("{} {what} and was left out", place(tag, object, index)));
+        }
+        Ok(())
     }
 }
 

@@ -4,6 +4,7 @@ mod arrays;
 mod container;
 #[cfg(test)]
 mod golden_tests;
+mod left_out;
 mod manifest;
 mod object;
 mod steps;
@@ -13,6 +14,7 @@ mod tests;
 
 use crate::{Document, Fault, FormatError, GltfDocument, ObjectInfo, Source};
 use container::{Container, SCENE, Writer, tag};
+use left_out::LeftOut;
 use lodc_lod::{AnyModel, Model};
 use lodc_mesh::Simplified;
 use manifest::{DocumentEntry, Manifest};
@@ -31,6 +33,9 @@ pub struct LodFile {
     pub document: Document,
     /// The objects.
     pub objects: Vec<LodObject>,
+    /// What a reader left out because this version does not know it: one line for each, up to twenty. Empty in a file to be written;
+    /// writing a file that was read leaves it out for good.
+    pub left_out: Vec<String>,
 }
 
 /// One object of a `.lodc` file.
@@ -77,12 +82,13 @@ pub fn read(bytes: &[u8]) -> Result<LodFile, FormatError> {
         }
     };
     let mut zeros = ZeroBudget::of_file(bytes.len());
+    let mut left_out = LeftOut::default();
     let objects = (0..)
         .zip(manifest.objects)
-        .map(|(number, entry)| object::read(&mut container, number, entry, &mut zeros))
+        .map(|(number, entry)| object::read(&mut container, number, entry, &mut zeros, &mut left_out))
         .collect::<Result<_, _>>()?;
-    container.finish()?;
-    Ok(LodFile { source, document, objects })
+    container.finish(&mut left_out)?;
+    Ok(LodFile { source, document, objects, left_out: left_out.into_lines() })
 }
 
 /// Lays a container out. Equal contents give equal bytes.

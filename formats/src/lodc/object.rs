@@ -1,6 +1,7 @@
 //! One object: its mesh, its collapse sequence and its models as sections.
 
 use super::container::{Container, Content, Tag, Writer, place, tag};
+use super::left_out::{LeftOut, shortened};
 use super::manifest::{AttributeEntry, ObjectEntry};
 use super::streams::{self, ZeroBudget};
 use super::{LodObject, arrays, steps};
@@ -59,8 +60,12 @@ pub(super) fn read(
     number: u32,
     entry: ObjectEntry,
     zeros: &mut ZeroBudget,
+    left_out: &mut LeftOut,
 ) -> Result<LodObject, FormatError> {
     let wrong = |what: String| FormatError::new(Fault::Malformed, format!("object {number}"), what);
+    if !(entry.world_scale.is_finite() && entry.world_scale > 0.0) {
+        return Err(wrong(format!("is shown at a scale of {}, which is not a number above 0", entry.world_scale)));
+    }
     let mesh = read_mesh(container, number, &entry, zeros)?;
     let collapses = read_sequence(container, number, &entry, mesh.triangles().len())?;
     let simplified = Arc::new(Simplified::new(mesh, collapses).map_err(|e| wrong(e.to_string()))?);
@@ -71,9 +76,10 @@ pub(super) fn read(
         let kind = model.name.parse::<ModelKind>().ok().filter(|kind| kind.available());
         let mut stored = Vec::new();
         for name in model.arrays {
-            // Arrays of models that this version does not have are left where they are.
             if kind.is_some() {
                 stored.push(Array { name, bytes: container.take(tag::MODEL_ARRAY, number, index)?.to_vec() });
+            } else {
+                container.skip(tag::MODEL_ARRAY, number, index);
             }
             index += 1;
         }
@@ -82,6 +88,11 @@ pub(super) fn read(
                 return Err(wrong(format!("the model {} is there twice", kind.name())));
             }
             models.push(AnyModel::load(kind, &simplified, &stored).map_err(|e| wrong(e.to_string()))?);
+        } else {
+            left_out.tell(|| {
+                let name = shortened(&model.name);
+                format!("object {number}: the model \"{name}\" is not in this version and was left out")
+            });
         }
     }
     let submeshes = entry.submeshes.into_iter();

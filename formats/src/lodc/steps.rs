@@ -64,5 +64,9 @@ pub(super) fn step_triangles(bytes: &[u8], steps: usize, triangles: u32) -> Resu
         left = left.checked_sub(lost).ok_or_else(|| format!("step {step} loses {lost} of {left} triangles"))?;
         after.push(left);
     }
+    // The last LOD is one vertex.
+    if left != 0 {
+        return Err(format!("the last step leaves {left} triangles"));
+    }
     Ok(after)
 }

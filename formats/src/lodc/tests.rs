@@ -29,6 +29,7 @@ pub(super) fn obj_file(name: &str) -> LodFile {
         source: Source { format: SourceFormat::Obj, content_hash: 0x0123_4567_89ab_cdef },
         document: Document::Obj(ObjDocument { libraries: vec!["shapes.mtl".to_owned()], materials }),
         objects: vec![object(name, &fixtures::named(name).expect("a shape"))],
+        left_out: vec![],
     }
 }
 
@@ -38,6 +39,7 @@ pub(super) fn gltf_file(names: &[&str]) -> LodFile {
         source: Source { format: SourceFormat::Glb, content_hash: u128::MAX },
         document: Document::Gltf(GltfDocument { json, blob: (0..37).collect() }),
         objects: names.iter().map(|name| object(name, &fixtures::named(name).expect("a shape"))).collect(),
+        left_out: vec![],
     }
 }
 
@@ -70,6 +72,7 @@ fn what_is_written_is_read_and_writes_the_same_again() {
         let bytes = write(file);
         let again = read(&bytes).expect("a whole file");
         same(file, &again);
+        assert!(again.left_out.is_empty());
         assert_eq!(bytes, write(&again));
     }
 }
@@ -124,10 +127,15 @@ fn every_single_bit_flip_is_detected() {
     let names = ["machine_part", "skinned_tube_u8", "machine_part", "quantised_torus", "morphing_sphere", "uv_sphere"];
     let bytes = write(&gltf_file(&names));
     assert!((48 << 10..160 << 10).contains(&bytes.len()), "{} bytes", bytes.len());
+    let table = 32 + 40 * u32::from_le_bytes(std::array::from_fn(|i| bytes[12 + i])) as usize;
     let mut flipped = bytes.clone();
     for bit in 0..8 * bytes.len() {
         flipped[bit / 8] ^= 1 << (bit % 8);
-        assert!(read(&flipped).is_err(), "bit {bit}");
+        // Nothing is read before the container is: what it refuses, `read` refuses. That is tried for some.
+        assert!(Container::read(&flipped).is_err(), "bit {bit}");
+        if bit < 8 * table || bit % 97 == 0 {
+            assert!(read(&flipped).is_err(), "bit {bit}");
+        }
         flipped[bit / 8] ^= 1 << (bit % 8);
     }
     same(&read(&flipped).expect("all bits flipped back"), &gltf_file(&names));
@@ -195,7 +203,14 @@ fn sections_that_are_unknown_are_skipped_or_refused_as_they_ask() {
     writer.required(tag::DOCUMENT_JSON, SCENE, 0, |out| out.extend_from_slice(br#"{"asset":{"version":"2.0"}}"#));
     writer.required(tag::DOCUMENT_BLOB, SCENE, 0, |out| out.extend(0..37));
     object::write(&mut writer, 0, &file.objects[0], &plan);
-    same(&read(&writer.finish()).expect("optional sections are skipped"), &file);
+    writer.optional(tag::MODEL_ARRAY, 0, 5, |out| out.push(7));
+    let read = read(&writer.finish()).expect("optional sections are skipped");
+    same(&read, &file);
+    let left_out = [
+        "section ZZZZ is not known to this version and was left out",
+        "section MODA 5 of object 0 belongs to nothing that the manifest names and was left out",
+    ];
+    assert_eq!(read.left_out, left_out);
 }
 
 #[test]
@@ -204,7 +219,45 @@ fn models_of_later_versions_are_left_out_and_their_sections_skipped() {
     let at = bytes.windows(11).position(|w| w == b"interactive").expect("the model's name");
     set(&mut bytes, at, *b"imaginative");
     container::repair_checksums(&mut bytes);
-    assert!(read(&bytes).expect("unknown models are no error").objects[0].models.is_empty());
+    let file = read(&bytes).expect("unknown models are no error");
+    assert!(file.objects[0].models.is_empty());
+    assert_eq!(file.left_out, ["object 0: the model \"imaginative\" is not in this version and was left out"]);
+}
+
+#[test]
+fn what_is_left_out_is_told_in_bounded_space() {
+    let mut left_out = LeftOut::default();
+    for i in 0..1000 {
+        left_out.tell(|| i.to_string());
+    }
+    let lines = left_out.into_lines();
+    assert_eq!((lines.len(), lines[19].as_str(), lines[20].as_str()), (21, "19", "980 things more were left out"));
+    assert_eq!(left_out::shortened(&"é\n".repeat(10_000)), format!("{}…", "é\\n".repeat(30)));
+}
+
+#[test]
+fn scales_that_are_no_positive_number_are_refused() {
+    let bytes = write(&obj_file("cube"));
+    let scale = 2.5f64.to_le_bytes();
+    let at = bytes.windows(8).position(|w| w == scale).expect("the object's scale");
+    for wrong in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -1.0, 0.0, -0.0] {
+        let mut bytes = bytes.clone();
+        set(&mut bytes, at, wrong.to_le_bytes());
+        container::repair_checksums(&mut bytes);
+        fails(&bytes, Fault::Malformed, "object 0: is shown at a scale of");
+    }
+}
+
+#[test]
+fn a_sequence_that_ends_with_triangles_left_is_refused() {
+    let mut bytes = write(&obj_file("cube"));
+    let entry = (32..).step_by(40).find(|&e| bytes[e..].starts_with(b"STRI")).expect("the section's entry");
+    let u64_at = |at: usize| u64::from_le_bytes(std::array::from_fn(|i| bytes[at + i])) as usize;
+    let (start, length) = (u64_at(entry + 16), u64_at(entry + 24));
+    let killer = (start..start + length).rfind(|&i| bytes[i] > 0).expect("a step that kills");
+    bytes[killer] -= 1;
+    container::repair_checksums(&mut bytes);
+    fails(&bytes, Fault::Malformed, "section STRI of object 0: the last step leaves 1 triangles");
 }
 
 #[test]

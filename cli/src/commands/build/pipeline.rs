@@ -66,7 +66,7 @@ pub(super) fn make(
     stages.run("check", || objects.par_iter().try_for_each(levels::self_check)).map_err(bug)?;
 
     progress.stage("write");
-    let file = LodFile { source, document, objects };
+    let file = LodFile { source, document, objects, left_out: vec![] };
     let bytes = stages.run("write", || {
         let bytes = write(&file);
         let length = bytes.len();

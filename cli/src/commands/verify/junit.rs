@@ -79,6 +79,7 @@ mod tests {
             device: "cpu",
             adapter: None,
             lods: 1,
+            full: 1,
             ok,
             skipped: skipped.map(str::to_owned),
             first_difference: first_difference.map(str::to_owned),

@@ -10,7 +10,7 @@ use crate::exit::{Failure, Outcome, Status, one_line};
 use crate::limits::ImportArgs;
 use crate::output::{self, Target};
 use crate::report::{CheckReport, FileReport, SCHEMA_VERSION, VerifyReport};
-use crate::text::count;
+use crate::text::{count, grouped};
 use clap::{Args, ValueEnum};
 use std::num::NonZeroU32;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -125,6 +125,7 @@ fn check(args: &VerifyArgs, input: &Path) -> Outcome<Vec<CheckReport>> {
             device: "gpu",
             adapter: args.adapter.clone(),
             lods: 0,
+            full: 0,
             ok: None,
             skipped: Some(NO_GPU.to_owned()),
             first_difference: None,
@@ -147,8 +148,14 @@ fn print(file: &FileReport) -> Outcome<()> {
         let object = check.object.as_deref().map(|o| format!(" {o}")).unwrap_or_default();
         let reason = check.first_difference.as_ref().or(check.skipped.as_ref());
         let reason = reason.map(|r| format!(": {r}")).unwrap_or_default();
+        // Where nothing or everything was compared in full, nothing has to be said.
+        let full = if (1..check.lods).contains(&check.full) {
+            format!(" ({} in full)", grouped(check.full))
+        } else {
+            String::new()
+        };
         let line = format!(
-            "{}:{object} {}, {}, {}: {verdict}, {}{reason}",
+            "{}:{object} {}, {}, {}: {verdict}, {}{full}{reason}",
             file.file,
             check.model,
             check.check,

@@ -26,7 +26,7 @@ pub(super) fn check(simplified: &Simplified, positions: &PositionIds) -> [Check;
         start = end;
     }
     let lods = sequence.steps() as u64;
-    let check = |name, failure| Check { model: "sequence", name, lods, failure };
+    let check = |name, failure| Check { model: "sequence", name, lods, full: 0, failure };
     [check("steps move one position", apart), check("fakes", fakes.failure)]
 }
 

@@ -9,9 +9,11 @@
 mod boundary;
 mod difference;
 mod facts;
+mod follow;
 mod reference;
 #[cfg(test)]
 mod tests;
+mod ties;
 
 pub use difference::{Failure, first_difference};
 pub use reference::{Reference, TooMuchWork};
@@ -25,11 +27,24 @@ pub struct VerifyOptions {
     /// Compare at every `stride`-th step (0 means 1). The last step is always compared.
     pub stride: u32,
     /// Full comparisons on the way down, and as many on the way up, if the mesh is too large for one at every step.
+    /// Fewer, but at least [`Self::FEWEST`], on meshes of more than some hundred thousand triangles.
     pub full_stops: u32,
-    /// Random jumps, each followed by a full comparison.
+    /// Random jumps, each followed by a full comparison. Fewer where there are fewer full stops.
     pub jumps: u32,
     /// Where the jumps lead.
     pub seed: u64,
+}
+
+impl VerifyOptions {
+    /// Full comparisons that no size of a mesh makes fewer.
+    pub const FEWEST: u32 = 16;
+
+    /// How many of `wanted` full comparisons a mesh of so many triangles gets: all together look at some fifty million
+    /// triangles, which takes a few seconds.
+    fn affordable(wanted: u32, triangles: usize) -> u32 {
+        let affordable = u32::try_from(50_000_000 / triangles.max(1)).unwrap_or(u32::MAX);
+        wanted.min(affordable.max(Self::FEWEST))
+    }
 }
 
 impl Default for VerifyOptions {
@@ -47,6 +62,8 @@ pub struct Check {
     pub name: &'static str,
     /// At how many LODs.
     pub lods: u64,
+    /// At how many of them whole meshes were compared, triangle by triangle. At the others sums of hashes were.
+    pub full: u64,
     /// The first thing that is wrong.
     pub failure: Option<Failure>,
 }
@@ -75,7 +92,7 @@ pub fn verify<M: Model>(model: &M, reference: &Reference<'_>, options: &VerifyOp
     let full = match (steps + 1).saturating_mul(triangles) {
         // Up to here a full comparison everywhere takes about a second.
         0..=8_000_000 => 1,
-        _ => (down.len() / options.full_stops.max(1) as usize).max(1),
+        _ => down.len().div_ceil(VerifyOptions::affordable(options.full_stops, triangles).max(1) as usize),
     };
     let mut cursor = model.cursor();
     let mut shown: TriangleHash = model.triangles(&cursor).into_iter().collect();
@@ -113,12 +130,13 @@ impl<M: Model> Judge<'_, M> {
         stops: &[usize],
         full: usize,
     ) -> Check {
-        let mut check = Check { model: self.model.name(), name, lods: 0, failure: None };
+        let mut check = Check { model: self.model.name(), name, lods: 0, full: 0, failure: None };
         for (i, &step) in stops.iter().enumerate() {
             let lod = self.reference.lod(step);
             self.model.seek(cursor, lod, &mut Follow(shown));
             let agrees = *shown == self.reference.hash(step);
             if !agrees || i % full == 0 || i + 1 == stops.len() {
+                check.full += 1;
                 check.failure = self.compare(cursor, step).or((!agrees).then_some(Failure::Changes { lod }));
             }
             check.lods += 1;
@@ -130,9 +148,9 @@ impl<M: Model> Judge<'_, M> {
     }
 
     fn jumps(&self, cursor: &mut M::Cursor, options: &VerifyOptions) -> Check {
-        let mut check = Check { model: self.model.name(), name: "random jumps", lods: 0, failure: None };
+        let mut check = Check { model: self.model.name(), name: "random jumps", lods: 0, full: 0, failure: None };
         let mut state = options.seed;
-        for _ in 0..options.jumps {
+        for _ in 0..VerifyOptions::affordable(options.jumps, self.model.simplified().mesh().triangles().len()) {
             // Any record may be asked for; the model has to round down to a step. (SplitMix64.)
             state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
             let mut bits = (state ^ (state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -141,6 +159,7 @@ impl<M: Model> Judge<'_, M> {
             let lod = Lod((bits >> 32) as u32 % (collapses.records() + 1));
             self.model.seek(cursor, lod, &mut ());
             check.lods += 1;
+            check.full += 1;
             check.failure = self.compare(cursor, collapses.steps_at(lod));
             if check.failure.is_some() {
                 break;

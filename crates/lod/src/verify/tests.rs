@@ -47,6 +47,7 @@ fn long_meshes_are_compared_in_full_at_a_schedule_and_by_hash_everywhere() {
             _ => 2,
         };
         assert_eq!(checks.iter().map(|c| c.lods).collect::<Vec<_>>(), [wanted, wanted, 5]);
+        assert!(checks.iter().all(|c| c.full == c.lods), "{checks:?}");
     }
 }
 
@@ -215,6 +216,34 @@ fn a_wrong_target_never_passes() {
 }
 
 #[test]
+fn the_reference_follows_any_sequence_whatever_comes_apart_in_it() {
+    let mut rng = fixtures::Rng::new(12);
+    let mut returned = 0;
+    for (seed, mesh) in [fixtures::uv_sphere(8, 5), fixtures::machine_part(), fixtures::bow_tie()].iter().enumerate() {
+        let simplified = fixtures::random_collapse(mesh, seed as u64);
+        let (positions, records) =
+            (PositionIds::new(simplified.mesh().positions()), simplified.collapses().records() as usize);
+        for _ in 0..40 {
+            let wrong = changed(&simplified, |parts| {
+                for _ in 0..=rng.below(4) {
+                    let record = rng.below(records);
+                    parts.targets[record] = (record + 1 + rng.below(records - record)) as u32;
+                }
+            });
+            let reference = Reference::new(&wrong).expect("a sequence of ordinary length");
+            for step in 0..=reference.steps() {
+                let truth: TriangleHash =
+                    wrong.triangles_at_with(reference.lod(step), &positions).into_iter().collect();
+                assert_eq!(reference.hash(step), truth, "after {step} steps");
+            }
+            returned +=
+                reference.checks().iter().filter(|c| matches!(c.failure, Some(Failure::Returned { .. }))).count();
+        }
+    }
+    assert!(returned > 5, "only {returned} sequences in which a dead triangle returns");
+}
+
+#[test]
 fn triangles_out_of_order_are_named() {
     let (mesh, collapses) = sphere().into_parts();
     let mut parts = mesh.into_parts();
@@ -284,4 +313,73 @@ fn a_sequence_made_to_be_slow_is_given_up() {
     });
     let simplified = Simplified::new(mesh.expect("a mesh"), collapses.expect("a sequence")).expect("the two fit");
     assert!(Reference::new(&simplified).is_err());
+}
+
+/// `n` shards of two triangles with a seam between them. Each shrinks to a point of two vertices, then all points are
+/// joined one after the other: the two vertices that stand for all before them move once for every shard.
+///
+/// ```text
+///      b·e            record            step        what for
+///      /|\            a → e             alone       a b c dies with two vertices, e and b, at one position
+///    a/ | \d          d → e             alone       e d f dies with two equal corners
+///     \ | /           b → c, e → f      together    the shard is a point
+///      \|/            c → c, f → f      together    of the next shard
+///      c·f
+/// ```
+fn shards(n: u32) -> Simplified {
+    let (a, d, b, c) = (|i| i, |i| n + i, |i| 2 * n + 2 * i, |i| 4 * n + 2 * i);
+    let (mut positions, mut targets) = (vec![[0.0; 3]; 6 * n as usize], vec![0; 6 * n as usize]);
+    for i in 0..n {
+        let at = |x: f32, y: f32| [3.0 * i as f32 + x, y, (i % 5) as f32];
+        for (v, p, t) in [
+            (a(i), at(0.0, 1.0), b(i) + 1),
+            (d(i), at(2.0, 1.0), b(i) + 1),
+            (b(i), at(1.0, 2.0), c(i)),
+            (b(i) + 1, at(1.0, 2.0), c(i) + 1),
+            (c(i), at(1.0, 0.0), if i + 1 < n { c(i + 1) } else { c(i) + 1 }),
+            (c(i) + 1, at(1.0, 0.0), c(i) + 3),
+        ] {
+            (positions[v as usize], targets[v as usize]) = (p, t);
+        }
+    }
+    targets.pop();
+    let triangles = 2 * n;
+    let mut step_ends: Vec<u32> = (1..=2 * n).chain((1..2 * n).map(|i| 2 * n + 2 * i)).collect();
+    step_ends.push(6 * n - 1);
+    let steps = step_ends.len() as u32;
+    let mesh = lodc_mesh::Mesh::try_from(lodc_mesh::MeshParts {
+        positions,
+        vertex_submesh: vec![0; 6 * n as usize],
+        attributes: Vec::new(),
+        // The last to die comes first.
+        triangles: (0..n)
+            .rev()
+            .map(|i| [b(i) + 1, c(i) + 1, d(i)])
+            .chain((0..n).rev().map(|i| [a(i), c(i), b(i)]))
+            .collect(),
+        submeshes: vec![lodc_mesh::Submesh { first_triangle: 0, triangle_count: triangles, attributes: Vec::new() }],
+    });
+    let collapses = CollapseSequence::try_from(SequenceParts {
+        targets,
+        step_ends,
+        step_errors: vec![0.0; steps as usize],
+        step_triangles: (1..=steps).map(|step| triangles.saturating_sub(step)).collect(),
+        triangles,
+        ..SequenceParts::default()
+    });
+    Simplified::new(mesh.expect("a mesh"), collapses.expect("a sequence")).expect("the two fit")
+}
+
+#[test]
+fn many_pieces_that_end_on_one_vertex_are_no_work() {
+    for n in [1, 2, 7, 5000] {
+        let checks = verify_all(&shards(n));
+        for check in &checks {
+            assert!(check.ok(), "{n} shards: {check:?}");
+        }
+        if n == 5000 {
+            let full: Vec<_> = checks.iter().rev().take(3).rev().map(|c| c.full).collect();
+            assert!((100..=101).contains(&full[0]) && full[1] == full[0] && full[2] == 100, "{full:?}");
+        }
+    }
 }

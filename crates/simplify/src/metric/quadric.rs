@@ -6,8 +6,9 @@
 //! that, and they also give the reported error.
 
 use super::Metric;
+use crate::fan::{Facet, Lanes, MAX_FAN};
 use crate::neighborhood::{FeaturePlane, Neighborhood};
-use crate::quadric::{Quadric, Symmetric, add_outer, times};
+use crate::quadric::{Quadric, Symmetric, add_outer};
 use crate::wedges::Wedges;
 use crate::working::{OPEN, Working};
 
@@ -60,11 +61,10 @@ impl QuadricMetric {
 impl Metric for QuadricMetric {
     type Local = Local;
 
-    fn local(&self, mesh: &Working, from: u32, features: &[FeaturePlane]) -> Local {
+    fn local(&self, from: u32, facets: &[Facet], features: &[FeaturePlane]) -> Local {
         let mut a = [0.0; 6];
         let mut weight = 0.0;
-        for &corner in mesh.star(from) {
-            let f = &mesh.faces[corner.face() as usize];
+        for f in facets {
             add_outer(&mut a, f.normal.as_dvec3(), f64::from(f.area));
             weight += f64::from(f.area);
         }
@@ -91,10 +91,16 @@ impl Metric for QuadricMetric {
     }
 
     #[inline]
-    fn cost(&self, mesh: &Working, local: &Local, from: u32, to: u32) -> f64 {
-        let delta = mesh.position(to) - mesh.position(from);
-        let moved = delta.dot(times(&local.a, delta) + 2.0 * local.b) + local.c;
-        (moved + f64::from(mesh.places[to as usize].arrival)).max(0.0)
+    fn costs(&self, local: &Local, lanes: &Lanes, count: usize) -> [f64; MAX_FAN] {
+        let Local { a: [xx, xy, xz, yy, yz, zz], b, c } = *local;
+        let (xy, xz, yz, bx, by, bz) = (2.0 * xy, 2.0 * xz, 2.0 * yz, 2.0 * b.x, 2.0 * b.y, 2.0 * b.z);
+        let mut costs = [0.0; MAX_FAN];
+        let lanes = lanes.x.iter().zip(&lanes.y).zip(&lanes.z).zip(&lanes.arrival).take(count);
+        for (cost, (((&x, &y), &z), &arrival)) in costs.iter_mut().zip(lanes) {
+            let moved = x * (xx * x + xy * y + xz * z + bx) + y * (yy * y + yz * z + by) + z * (zz * z + bz) + c;
+            *cost = moved.max(0.0) + arrival;
+        }
+        costs
     }
 
     fn collapsed(&mut self, mesh: &mut Working, from: u32, to: u32) {

@@ -1,0 +1,131 @@
+//! Which vertices have to stay together because something is dead while they are.
+//!
+//! A triangle with two corners at one position is dead for as long as those two corners stay together, wherever they go.
+//! So nothing that is dead needs to be moved: it is enough to know that no set of vertices tied that way ever comes
+//! apart. Sets only grow, which makes this union-find.
+
+use lodc_mesh::PositionIds;
+use std::ops::Range;
+
+/// Disjoint sets of vertices. All vertices of a set that have not disappeared are at one position.
+#[derive(Clone, Debug)]
+pub(super) struct Ties {
+    parent: Vec<u32>,
+    /// By root: how many vertices of the set have not disappeared.
+    there: Vec<u32>,
+    /// By root: where they are.
+    position: Vec<u32>,
+}
+
+impl Ties {
+    /// The sets after the records before `lod`, with nothing tied yet: every vertex with all that have become it.
+    pub(super) fn new(targets: &[u32], lod: u32, positions: &PositionIds) -> Self {
+        let vertices = positions.of_vertex.len() as u32;
+        let mut ties = Self {
+            parent: (0..vertices).collect(),
+            there: (0..vertices).map(|v| u32::from(v >= lod)).collect(),
+            position: positions.of_vertex.clone(),
+        };
+        // Later vertices are roots already, so the paths stay short.
+        for record in (0..lod).rev() {
+            ties.parent[record as usize] = ties.parent[targets[record as usize] as usize];
+        }
+        ties
+    }
+
+    /// The name of a vertex's set.
+    pub(super) fn set(&mut self, mut v: u32) -> u32 {
+        while self.parent[v as usize] != v {
+            let above = self.parent[self.parent[v as usize] as usize];
+            self.parent[v as usize] = above;
+            v = above;
+        }
+        v
+    }
+
+    /// Two vertices at one position have to stay together from now on. Says whether they can: whether the sets that they
+    /// belong to are at one position.
+    pub(super) fn tie(&mut self, a: u32, b: u32) -> bool {
+        let (a, b) = (self.set(a), self.set(b));
+        if a == b {
+            return true;
+        }
+        let (root, child) = (a.max(b) as usize, a.min(b) as usize);
+        let both = self.there[root] > 0 && self.there[child] > 0;
+        let together = !both || self.position[root] == self.position[child];
+        if self.there[root] == 0 {
+            self.position[root] = self.position[child];
+        }
+        self.parent[child] = root as u32;
+        self.there[root] += self.there[child];
+        together
+    }
+
+    /// Applies the records of a step. False if a set comes apart. If the step is known to be one move of one group, its
+    /// vertices are tied to each other as well.
+    pub(super) fn step(&mut self, targets: &[u32], records: Range<u32>, one_group: bool) -> bool {
+        for record in records.clone() {
+            let set = self.set(record) as usize;
+            self.there[set] -= 1;
+        }
+        let mut together = true;
+        // The last first: a target that disappears in the same step has then gone on already.
+        for record in records.clone().rev() {
+            together &= self.tie(record, targets[record as usize]);
+        }
+        if one_group {
+            for record in records.clone() {
+                together &= self.tie(record, records.start);
+            }
+        }
+        together
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(positions: &[u32]) -> PositionIds {
+        PositionIds::new(&positions.iter().map(|&p| [p as f32, 0.0, 0.0]).collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn tied_vertices_may_move_together_but_not_apart() {
+        // 0 and 1 are at one place, 2 and 3 at another, 4 and 5 at a third.
+        let positions = at(&[0, 0, 1, 1, 2, 2]);
+        for (targets, together) in [([2, 3, 4, 5, 5], true), ([2, 4, 4, 5, 5], false)] {
+            let mut ties = Ties::new(&targets, 0, &positions);
+            assert!(ties.tie(0, 1));
+            assert_eq!(ties.step(&targets, 0..2, false), together);
+        }
+        // One of the two goes, the other stays.
+        let targets = [2, 3, 4, 5, 5];
+        let mut ties = Ties::new(&targets, 0, &positions);
+        assert!(ties.tie(0, 1));
+        assert!(!ties.step(&targets, 0..1, false));
+        // Nothing is tied: whatever moves may.
+        let mut ties = Ties::new(&targets, 0, &positions);
+        assert!(ties.step(&targets, 0..1, false) && ties.step(&targets, 1..2, false));
+        // What was united by records counts as one.
+        assert_eq!(ties.set(0), ties.set(2));
+        assert_ne!(ties.set(0), ties.set(3));
+    }
+
+    #[test]
+    fn sets_made_for_a_later_lod_are_those_that_steps_lead_to() {
+        let positions = at(&[0, 1, 2, 3, 4, 5]);
+        let targets = [3, 2, 5, 4, 5];
+        for lod in 0..=5 {
+            let (mut made, mut stepped) = (Ties::new(&targets, lod, &positions), Ties::new(&targets, 0, &positions));
+            for record in 0..lod {
+                assert!(stepped.step(&targets, record..record + 1, false));
+            }
+            for v in 0..6 {
+                for w in 0..6 {
+                    assert_eq!(made.set(v) == made.set(w), stepped.set(v) == stepped.set(w), "LOD {lod}");
+                }
+            }
+        }
+    }
+}

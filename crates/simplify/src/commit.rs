@@ -1,0 +1,138 @@
+//! Committing one collapse: records, wedges, faces, groups that have come to share a position.
+
+use crate::engine::{Engine, Serial, Stage};
+use crate::metric::Metric;
+use crate::plan::Plan;
+use crate::working::{OPEN, SEAM, SHARED_POSITION, Working};
+use lodc_mesh::Lod;
+
+impl<M: Metric> Engine<'_, M> {
+    /// Moves `from` onto `to` and writes it down. Leaves in `serial.stale` the groups whose faces changed.
+    pub(crate) fn commit(&mut self, from: u32, to: u32, changes_topology: bool, serial: &mut Serial) {
+        serial.epoch += 1;
+        serial.stale.clear();
+        serial.outer.clear();
+        serial.first_time(from);
+        serial.first_time(to);
+        serial.stale.push(to);
+        for i in 0..self.mesh.star(from).len() {
+            let groups = self.mesh.faces[self.mesh.star(from)[i].face() as usize].groups;
+            for g in groups {
+                if serial.first_time(g) {
+                    serial.stale.push(g);
+                }
+            }
+        }
+        self.plan(from, to, &mut serial.plan);
+        let seam_moves = serial.plan.ambiguous || serial.plan.fakes > 0;
+        self.move_wedges(from, to, &mut serial.plan);
+        let lod = self.log.order.len() as u32;
+
+        self.metric.collapsed(&mut self.mesh, from, to);
+        let death = &mut self.log.death;
+        self.mesh.merge(from, to, |face| death[face as usize] = lod);
+        let inherited = self.mesh.flags[from as usize] & (OPEN | SEAM);
+        self.mesh.add_flags(to, inherited);
+        if changes_topology || seam_moves {
+            let flags = if changes_topology { OPEN } else { 0 } | if seam_moves { SEAM } else { 0 };
+            self.mesh.add_flags(to, flags);
+            for &g in &serial.stale {
+                self.mesh.add_flags(g, flags);
+            }
+        }
+        if self.mesh.has(to, SHARED_POSITION) {
+            self.unite_position(to, lod, serial);
+        }
+        let error = self.metric.error(to).max(self.log.step_errors.last().copied().unwrap_or(0.0));
+        self.log.step_ends.push(lod);
+        self.log.step_errors.push(error);
+        self.log.step_triangles.push(self.mesh.live_faces);
+        if changes_topology && self.stage == Stage::Legal {
+            self.log.topology_changes += 1;
+            self.log.first_topology_change.get_or_insert(Lod(lod));
+        }
+    }
+
+    /// Two corners of one triangle at one position: their groups are one group from now on.
+    fn unite_position(&mut self, to: u32, lod: u32, serial: &mut Serial) {
+        let position = self.mesh.position_id[to as usize];
+        let twin = |mesh: &Working| {
+            mesh.star(to).iter().find_map(|&corner| {
+                let groups = mesh.faces[corner.face() as usize].groups;
+                groups.into_iter().find(|&g| g != to && mesh.position_id[g as usize] == position)
+            })
+        };
+        while let Some(other) = twin(&self.mesh) {
+            for i in 0..self.mesh.star(other).len() {
+                for g in self.mesh.faces[self.mesh.star(other)[i].face() as usize].groups {
+                    self.mesh.add_flags(g, OPEN | SEAM);
+                    if serial.first_time(g) {
+                        serial.stale.push(g);
+                    }
+                }
+            }
+            self.metric.collapsed(&mut self.mesh, other, to);
+            let death = &mut self.log.death;
+            self.mesh.merge(other, to, |face| death[face as usize] = lod);
+            self.wedges.merge_groups(other, to);
+            self.mesh.add_flags(to, OPEN | SEAM);
+        }
+    }
+
+    /// Emits the records of a planned collapse and gives the faces their new wedges.
+    fn move_wedges(&mut self, from: u32, to: u32, plan: &mut Plan) {
+        for i in 0..plan.wedges.len() {
+            let wedge = plan.wedges[i].wedge;
+            if plan.wedges[i].target == u32::MAX {
+                // Two wedges that look alike share one fake.
+                let alike = plan.wedges[..i].iter().find(|p| p.fake && self.wedges.alike(self.input, p.wedge, wedge));
+                let target = match alike {
+                    Some(p) => p.target,
+                    None => self.wedges.add_fake(to, plan.wedges[0].target, wedge),
+                };
+                plan.wedges[i].target = target;
+                plan.wedges[i].fake = true;
+            }
+            self.log.order.push(wedge);
+            self.log.targets.push(plan.wedges[i].target);
+        }
+        let corners = if self.mesh.one_wedge_each() { 0 } else { self.mesh.star(from).len() };
+        for i in 0..corners {
+            let corner = self.mesh.star(from)[i];
+            let old = self.mesh.wedges(corner.face())[corner.at()];
+            if let Some(p) = plan.wedges.iter().find(|p| p.wedge == old) {
+                self.mesh.set_wedge(corner, p.target);
+            }
+        }
+        self.wedges.clear_group(from);
+    }
+
+    /// Joins what is left: points without faces, in order, those of one submesh first.
+    pub(crate) fn join_points(&mut self) {
+        let mut left: Vec<(u32, u32)> = (0..self.mesh.places.len() as u32)
+            .filter_map(|g| self.wedges.of_group(g).next().map(|w| (self.wedges.submesh[w as usize], g)))
+            .collect();
+        left.sort_unstable();
+        let error = self.log.step_errors.last().copied().unwrap_or(0.0);
+        for (i, &(_, g)) in left.iter().enumerate() {
+            let wedges: Vec<u32> = self.wedges.of_group(g).collect();
+            let survivor = left.get(i + 1).and_then(|&(_, h)| self.wedges.of_group(h).next());
+            let ends = match survivor {
+                Some(_) => &wedges[..],
+                None => &wedges[..wedges.len() - 1],
+            };
+            for (j, &w) in ends.iter().enumerate() {
+                self.log.order.push(w);
+                self.log.targets.push(survivor.unwrap_or_else(|| wedges[j + 1]));
+            }
+            if !ends.is_empty() {
+                self.log.step_ends.push(self.log.order.len() as u32);
+                self.log.step_errors.push(error);
+                self.log.step_triangles.push(0);
+            }
+            if survivor.is_none() {
+                self.log.order.extend(wedges.last());
+            }
+        }
+    }
+}
