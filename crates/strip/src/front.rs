@@ -125,10 +125,10 @@ impl<'a> Front<'a> {
             return Touch::Hit;
         }
         let mut touch = Touch::Miss;
-        if let Some(out) = self.history.len().checked_sub(self.size as usize) {
-            if self.vertices[self.history[out] as usize].left > 0 {
-                touch = Touch::MissAndLoss;
-            }
+        if let Some(out) = self.history.len().checked_sub(self.size as usize)
+            && self.vertices[self.history[out] as usize].left > 0
+        {
+            touch = Touch::MissAndLoss;
         }
         let vertex = &mut self.vertices[v as usize];
         self.before.push((v, vertex.fetched));

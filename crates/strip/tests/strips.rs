@@ -6,8 +6,10 @@ use lodc_strip::{CacheOptions, Effort, StripSet, cache, order, stripe};
 
 const EFFORTS: [Effort; 3] = [Effort::Fast, Effort::Default, Effort::Thorough];
 
-fn generators() -> Vec<(String, Box<dyn Fn(&Mesh) -> StripSet>)> {
-    let mut all: Vec<(String, Box<dyn Fn(&Mesh) -> StripSet>)> = Vec::new();
+type Generator = (String, Box<dyn Fn(&Mesh) -> StripSet>);
+
+fn generators() -> Vec<Generator> {
+    let mut all: Vec<Generator> = Vec::new();
     for effort in EFFORTS {
         all.push((format!("stripe {effort:?}"), Box::new(move |mesh| stripe(mesh, effort))));
         let options = CacheOptions { effort, ..CacheOptions::default() };

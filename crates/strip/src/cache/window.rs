@@ -140,9 +140,9 @@ impl<'a> Window<'a> {
         let at = below(bits, self.sequence.len());
         self.trial.clone_from(&self.sequence);
         let made = match bits & 7 {
-            0 | 1 | 2 => self.propose_link(at, bits >> 3 & 0xff),
+            0..=2 => self.propose_link(at, bits >> 3 & 0xff),
             3 => self.propose_cut(at, bits >> 3 & 0x1fff_ffff),
-            4 | 5 | 6 => self.propose_move(at, bits >> 3 & 0xff),
+            4..=6 => self.propose_move(at, bits >> 3 & 0xff),
             _ => self.propose_turn(at),
         };
         let Some((new, count)) = made else { return };
