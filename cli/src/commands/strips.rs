@@ -18,8 +18,8 @@ use std::path::PathBuf;
 /// Options of `strips`.
 #[derive(Args, Debug)]
 #[command(after_help = "Every line of the output is `s` and the vertices of a strip, or `l` and the vertices of a \
-                        triangle list; vertices are numbered from 0, as loaded: for an OBJ in the order of its \
-                        vertices, for several meshes one after the other.")]
+                        triangle list; vertices are numbered from 0: for an OBJ in the order of its `v` \
+                        lines, for glTF as loaded, one mesh after the other.")]
 pub(crate) struct StripsArgs {
     /// The mesh to read: OBJ, glTF or GLB; `-` for standard input
     input: PathBuf,
@@ -92,22 +92,24 @@ fn make(args: &StripsArgs, target: &Target) -> Outcome<()> {
         .map_err(|f| Failure::new(f.status, format!("{}: {f}", args.input.display())))?;
     let mut text = String::new();
     let mut totals = Totals { triangles, ..Totals::default() };
+    // The vertices of an object start where those of the object before end.
     let mut base = 0;
     for object in &scene.objects {
         let mesh = &object.mesh;
+        let number = |v: u32| object.source_positions.get(v as usize).map_or(base + u64::from(v), |&p| u64::from(p));
         if args.strips == Generator::List {
             let list = stages.run("strips", || order(mesh, args.cache_size));
             totals.add(mesh, args.cache_size, list.as_flattened());
             // One line per submesh: lines are no longer than a part that is drawn at once.
             for submesh in mesh.submeshes() {
-                line(&mut text, 'l', base, list[submesh.triangles()].as_flattened());
+                line(&mut text, 'l', number, list[submesh.triangles()].as_flattened());
             }
         } else {
             let strips = stages.run("strips", || args.strips(mesh));
             totals.strips += strips.len() as u64;
             totals.add(mesh, args.cache_size, strips.indices());
             for strip in strips.iter() {
-                line(&mut text, 's', base, strip);
+                line(&mut text, 's', number, strip);
             }
         }
         base += mesh.vertex_count() as u64;
@@ -146,7 +148,7 @@ impl Totals {
 }
 
 /// Appends a line of vertex numbers, if there are any.
-fn line(text: &mut String, kind: char, base: u64, vertices: &[u32]) {
+fn line(text: &mut String, kind: char, number: impl Fn(u32) -> u64, vertices: &[u32]) {
     use std::fmt::Write;
     if vertices.is_empty() {
         return;
@@ -154,7 +156,7 @@ fn line(text: &mut String, kind: char, base: u64, vertices: &[u32]) {
     text.push(kind);
     for v in vertices {
         // Writing to a string cannot fail.
-        let _ = write!(text, " {}", base + u64::from(*v));
+        let _ = write!(text, " {}", number(*v));
     }
     text.push('\n');
 }

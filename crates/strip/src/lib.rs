@@ -22,3 +22,6 @@ pub use effort::Effort;
 pub use order::order;
 pub use strip_set::{StripSet, StripSetError, strip_triangles};
 pub use stripe::stripe;
+
+#[cfg(test)]
+mod tests;

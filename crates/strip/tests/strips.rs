@@ -2,7 +2,7 @@
 
 use lodc_fixtures as fixtures;
 use lodc_mesh::{Mesh, MeshParts, OrientedTriangle, Submesh};
-use lodc_strip::{CacheOptions, Effort, StripSet, cache, order, stripe};
+use lodc_strip::{CacheModel, CacheOptions, Effort, StripSet, cache, measure, order, stripe};
 
 const EFFORTS: [Effort; 3] = [Effort::Fast, Effort::Default, Effort::Thorough];
 
@@ -157,4 +157,38 @@ fn an_edge_of_every_triangle_takes_no_longer() {
     let book = mesh((0..n).map(|i| if i % 3 == 0 { [0, 1, 2 + i] } else { [1, 0, 2 + i] }).collect());
     stripe(&book, Effort::Fast).check(&book).expect("exact");
     cache(&book, &CacheOptions { effort: Effort::Fast, ..Default::default() }).check(&book).expect("exact");
+}
+
+#[test]
+fn strips_are_short_and_misses_few_on_a_smooth_surface() {
+    let sphere = fixtures::icosphere(5);
+    let triangles = sphere.triangles().len();
+    let per = |n: u64| n as f64 / triangles as f64;
+    let misses = |indices: &[u32]| {
+        measure(indices.iter().copied(), sphere.vertex_count(), CacheModel::default()).acmr(triangles)
+    };
+    let long = |effort| per(stripe(&sphere, effort).separate_indices());
+    assert!(long(Effort::Fast) < 1.16 && long(Effort::Default) < 1.12);
+    let short = |effort| cache(&sphere, &CacheOptions { effort, ..CacheOptions::default() });
+    for (effort, most_indices, most_misses) in [(Effort::Fast, 1.42, 0.66), (Effort::Default, 1.36, 0.66)] {
+        let strips = short(effort);
+        let (indices, misses) = (per(strips.separate_indices()), misses(strips.indices()));
+        assert!(indices < most_indices && misses < most_misses, "{effort:?}: {indices} indices, {misses} misses");
+    }
+    let list = misses(order(&sphere, 16).as_flattened());
+    assert!(list < 0.62, "list: {list} misses");
+}
+
+#[test]
+fn the_price_of_an_index_trades_indices_against_misses() {
+    let sphere = fixtures::icosphere(5);
+    let at = |index_price| {
+        let strips = cache(&sphere, &CacheOptions { index_price, ..CacheOptions::default() });
+        let stream = strips.indices().iter().copied();
+        (strips.separate_indices(), measure(stream, sphere.vertex_count(), CacheModel::default()).misses)
+    };
+    let (cheap, dear) = (at(0.1), at(10.0));
+    assert!(cheap.0 > dear.0 && cheap.1 < dear.1, "{cheap:?} {dear:?}");
+    // No price at all is none that could do harm.
+    assert_eq!(at(f32::NAN), at(0.0));
 }
