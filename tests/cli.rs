@@ -12,6 +12,8 @@ mod extract;
 mod output;
 #[path = "cli/paths.rs"]
 mod paths;
+#[path = "cli/strips.rs"]
+mod strips;
 mod support;
 #[path = "cli/usage.rs"]
 mod usage;

@@ -62,7 +62,7 @@ pub fn cache(mesh: &Mesh, options: &CacheOptions) -> StripSet {
 fn searches(effort: Effort) -> &'static [Search] {
     match effort {
         Effort::Fast => &[],
-        Effort::Default => &[Search { proposals: 6.0, window: 400, warm: 0.3, cold: 0.05 }],
+        Effort::Default => &[Search { proposals: 5.0, window: 400, warm: 0.3, cold: 0.05 }],
         Effort::Thorough => &[Search { proposals: 80.0, window: 400, warm: 0.4, cold: 0.05 }],
     }
 }
