@@ -44,7 +44,11 @@ fn every_generator_draws_the_triangles_by_the_numbers_of_the_file() {
     for (strips, kinds) in [("stripe", "s"), ("cache", "s"), ("list", "l")] {
         for effort in ["fast", "default", "thorough"] {
             let run = f.lodc(["strips", "a.obj", "-o", "-", "--strips", strips, "--effort", effort]).ends(0);
-            assert_eq!(drawn(&run.text()), (wanted.clone(), kinds.to_owned()), "{strips} {effort}");
+            let (triangles, lines) = drawn(&run.text());
+            assert_eq!(triangles, wanted, "{strips} {effort}");
+            // The search for long strips and the list need one line; how many strips suit a cache is not promised.
+            let one = strips != "cache";
+            assert!(lines.replace(kinds, "").is_empty() && (lines.len() == 1 || !one), "{strips} {effort}: {lines}");
         }
     }
 }
