@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 const DRAWING: &[(&str, &[&str])] = &[
     ("crates/mesh", &["glam"]),
     ("crates/simplify", &["lodc-mesh", "glam", "rayon"]),
+    ("crates/strip", &["lodc-mesh", "rayon"]),
     ("crates/lod", &["lodc-mesh"]),
     ("formats", &["lodc-lod", "lodc-mesh", "bincode", "gltf", "serde", "serde_json", "tobj", "xxhash-rust"]),
     (
@@ -16,6 +17,7 @@ const DRAWING: &[(&str, &[&str])] = &[
             "lodc-lod",
             "lodc-mesh",
             "lodc-simplify",
+            "lodc-strip",
             "clap",
             "clap_complete",
             "clap_mangen",

@@ -1,6 +1,6 @@
 //! The command line as `clap` sees it: every command, and the options all of them have.
 
-use crate::commands::{build, completions, extract, info, man, verify};
+use crate::commands::{build, completions, extract, info, man, strips, verify};
 use clap::{Args, Parser, Subcommand};
 
 /// Continuous level of detail: every level between a full mesh and a single point, in one verified file.
@@ -37,6 +37,8 @@ pub(crate) enum Command {
     Info(info::InfoArgs),
     /// Replay every model of .lodc files against the reference
     Verify(verify::VerifyArgs),
+    /// Write the triangle strips of a mesh as text
+    Strips(strips::StripsArgs),
     /// Print a completion script for a shell
     Completions(completions::CompletionsArgs),
     /// Print a manual page

@@ -46,6 +46,8 @@ pub struct SceneObject {
     pub info: ObjectInfo,
     /// Its triangles.
     pub mesh: Mesh,
+    /// OBJ: for each vertex of the mesh, which of the file's positions it has, from 0. glTF: empty.
+    pub source_positions: Vec<u32>,
 }
 
 /// What is known of an object besides its mesh.

@@ -6,4 +6,5 @@ pub(crate) mod extract;
 pub(crate) mod info;
 pub(crate) mod man;
 mod read;
+pub(crate) mod strips;
 pub(crate) mod verify;

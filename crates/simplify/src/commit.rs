@@ -1,6 +1,7 @@
 //! Committing one collapse: records, wedges, faces, groups that have come to share a position.
 
-use crate::engine::{Engine, Serial, Stage};
+use crate::engine::{Engine, Serial};
+use crate::legality::Stage;
 use crate::metric::Metric;
 use crate::plan::Plan;
 use crate::working::{OPEN, SEAM, SHARED_POSITION, Working};

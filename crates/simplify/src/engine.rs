@@ -4,7 +4,8 @@ use crate::Options;
 use crate::attributes::{Attributes, Gradient};
 use crate::fan::{Fan, MAX_FAN};
 use crate::heap::Heap;
-use crate::legality;
+use crate::legality::{self, Stage};
+use crate::log::Log;
 use crate::metric::Metric;
 use crate::neighborhood::{Neighborhood, Spoke, SpokeKind};
 use crate::plan::Plan;
@@ -12,43 +13,6 @@ use crate::wedges::Wedges;
 use crate::working::{OPEN, RESTRICTED, SEAM, Working};
 use lodc_mesh::{Lod, Mesh};
 use rayon::prelude::*;
-
-/// What may still not be broken. Each stage drops one rule; all but the first are the terminal phase.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Stage {
-    /// Every rule holds.
-    Legal,
-    /// Any valence.
-    Valence,
-    /// Faces may flip, lose their area, or turn their texture over.
-    Flips,
-    /// Borders and seams may be left.
-    Seams,
-    /// Any edge.
-    Links,
-}
-
-impl Stage {
-    const ALL: [Self; 5] = [Self::Legal, Self::Valence, Self::Flips, Self::Seams, Self::Links];
-}
-
-/// What is written down while collapsing.
-#[derive(Default)]
-pub(crate) struct Log {
-    /// Wedges in the order in which they disappear.
-    pub(crate) order: Vec<u32>,
-    /// What each becomes.
-    pub(crate) targets: Vec<u32>,
-    pub(crate) step_ends: Vec<u32>,
-    /// In working units, never falling.
-    pub(crate) step_errors: Vec<f64>,
-    pub(crate) step_triangles: Vec<u32>,
-    /// The LOD at which each input triangle dies.
-    pub(crate) death: Vec<u32>,
-    pub(crate) last_legal: Lod,
-    pub(crate) topology_changes: u32,
-    pub(crate) first_topology_change: Option<Lod>,
-}
 
 /// The simplification of one mesh.
 pub(crate) struct Engine<'a, M> {

@@ -1,6 +1,6 @@
 //! Which collapses are legal (algorithmic rules: Dey et al. for the link condition; thresholds measured).
 
-use crate::engine::{Engine, Stage};
+use crate::engine::Engine;
 use crate::metric::Metric;
 use crate::plan::Plan;
 use crate::working::{Working, next, previous};
@@ -14,6 +14,25 @@ const MIN_TURN: f64 = 0.25;
 const MIN_AREA: f64 = 1e-12;
 /// What a collapse that changes the topology costs, as a multiple of its geometric cost.
 const TOPOLOGY_PRICE: f64 = 16.0;
+
+/// What may still not be broken. Each stage drops one rule; all but the first are the terminal phase.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Stage {
+    /// Every rule holds.
+    Legal,
+    /// Any valence.
+    Valence,
+    /// Faces may flip, lose their area, or turn their texture over.
+    Flips,
+    /// Borders and seams may be left.
+    Seams,
+    /// Any edge.
+    Links,
+}
+
+impl Stage {
+    pub(crate) const ALL: [Self; 5] = [Self::Legal, Self::Valence, Self::Flips, Self::Seams, Self::Links];
+}
 
 /// A legal collapse.
 #[derive(Clone, Copy, Debug)]

@@ -12,6 +12,7 @@ mod engine;
 mod fan;
 mod heap;
 mod legality;
+mod log;
 mod metric;
 mod neighborhood;
 mod output;
@@ -21,8 +22,10 @@ mod wedges;
 mod working;
 
 use attributes::Attributes;
-use engine::{Engine, Log, Stage};
+use engine::Engine;
+use legality::Stage;
 use lodc_mesh::{CollapseSequence, Mesh, SequenceParts, Simplified};
+use log::Log;
 use metric::QuadricMetric;
 
 /// What drives the collapses.

@@ -1,6 +1,6 @@
 //! From a finished log to a [`Simplified`]: vertices in the order in which they went, triangles last to die first.
 
-use crate::engine::Log;
+use crate::log::Log;
 use crate::wedges::Wedges;
 use lodc_mesh::{CollapseSequence, Mesh, MeshParts, SequenceParts, Simplified};
 

@@ -1,6 +1,7 @@
 //! What a collapse does to every wedge of the group: true and twin edges, reuse, and fakes (thesis 4.2.1).
 
-use crate::engine::{Engine, Stage};
+use crate::engine::Engine;
+use crate::legality::Stage;
 use crate::metric::Metric;
 use crate::working::{SEAM, next, previous};
 

@@ -15,13 +15,14 @@ use crate::progress::Progress;
 use crate::report::{BuildReport, InputReport, SCHEMA_VERSION};
 use crate::stages::Stages;
 use clap::{Args, ValueEnum};
+use lodc_strip::Effort;
 use rayon::ThreadPoolBuilder;
 use std::num::NonZeroUsize;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 
 /// More threads than this help nobody; asking for more is no mistake.
-const MOST_THREADS: usize = 256;
+pub(crate) const MOST_THREADS: usize = 256;
 
 /// Options of `build`.
 #[derive(Args, Debug)]
@@ -84,10 +85,20 @@ enum StripsName {
 
 /// How long strip generation may search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum EffortName {
+pub(crate) enum EffortName {
     Fast,
     Default,
     Thorough,
+}
+
+impl From<EffortName> for Effort {
+    fn from(name: EffortName) -> Self {
+        match name {
+            EffortName::Fast => Self::Fast,
+            EffortName::Default => Self::Default,
+            EffortName::Thorough => Self::Thorough,
+        }
+    }
 }
 
 /// Formats of the report.

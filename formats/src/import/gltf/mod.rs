@@ -140,7 +140,7 @@ fn scene_object(
     let submesh = |document_primitive| SubmeshInfo { name: String::new(), material: None, document_primitive };
     let submeshes = primitives.map(submesh).collect();
     let info = ObjectInfo { name, submeshes, world_scale, document_mesh: document_mesh as u32 };
-    SceneObject { info, mesh }
+    SceneObject { info, mesh, source_positions: Vec::new() }
 }
 
 #[cfg(test)]

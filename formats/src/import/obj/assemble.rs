@@ -11,6 +11,8 @@ use std::collections::BTreeSet;
 #[derive(Debug, Default)]
 pub(super) struct Assembled {
     pub(super) parts: MeshParts,
+    /// Which of the file's positions each vertex has.
+    pub(super) source_positions: Vec<u32>,
     pub(super) submeshes: Vec<SubmeshInfo>,
     /// Faces with more than three corners.
     pub(super) polygons: u64,
@@ -267,6 +269,7 @@ impl<'a> Builder<'a> {
             let used = |i: usize| numbers[i].filter(|_| submesh.attributes[i] == 1);
             submesh.attributes = [used(1), used(0), color].into_iter().flatten().collect();
         }
+        self.out.source_positions = vertices.iter().map(|k| k[0]).collect();
         self.out.imperfect_polygons = self.triangulator.imperfect;
         self.out
     }

@@ -16,7 +16,7 @@ mod unique;
 
 use super::ImportOptions;
 use crate::{Assets, Document, Fault, FormatError, ObjDocument, ObjectInfo, Scene, SceneObject, Source, SourceFormat};
-use lodc_mesh::{Mesh, MeshParts};
+use lodc_mesh::{Attribute, Component, Mesh, MeshParts, Semantic};
 use xxhash_rust::xxh3::xxh3_128;
 
 /// Reads an OBJ; `bytes` is the main file.
@@ -45,17 +45,33 @@ pub(crate) fn import(bytes: Vec<u8>, assets: &mut Assets, options: &ImportOption
     drop(parsed);
 
     let mut parts = std::mem::take(&mut assembled.parts);
-    tidy(&mut parts, options.weld, &mut warnings);
+    let source_positions = tidy_numbered(&mut parts, assembled.source_positions, options.weld, &mut warnings);
     let mesh = Mesh::try_from(parts).map_err(|e| FormatError::new(Fault::Limit, "", e.to_string()))?;
     let name = if name.is_empty() { "mesh0".to_owned() } else { name };
     let info = ObjectInfo { name, submeshes: assembled.submeshes, world_scale: 1.0, document_mesh: 0 };
     Ok(Scene {
         source: Source { format: SourceFormat::Obj, content_hash },
         document: Document::Obj(ObjDocument { libraries, materials: materials.list }),
-        objects: vec![SceneObject { info, mesh }],
+        objects: vec![SceneObject { info, mesh, source_positions }],
         warnings,
         files_read: assets.files_read().to_vec(),
     })
+}
+
+/// [`tidy`], with a number for each vertex; returns those of the vertices that stay.
+fn tidy_numbered(parts: &mut MeshParts, numbers: Vec<u32>, weld: f64, warnings: &mut Vec<String>) -> Vec<u32> {
+    // As a stream of no submesh, the numbers go wherever their vertices go.
+    parts.attributes.push(Attribute {
+        semantic: Semantic::Custom(String::new()),
+        morph_target: None,
+        component: Component::U32,
+        components: 1,
+        normalized: false,
+        bytes: numbers.into_iter().flat_map(u32::to_le_bytes).collect(),
+    });
+    tidy(parts, weld, warnings);
+    let bytes = parts.attributes.pop().map(|a| a.bytes).unwrap_or_default();
+    bytes.as_chunks().0.iter().copied().map(u32::from_le_bytes).collect()
 }
 
 /// Welds if asked to, and drops what takes no part.

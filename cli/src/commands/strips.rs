@@ -1,0 +1,162 @@
+//! `lodc strips`: the strip generators by themselves, for study and comparison.
+
+use super::build::EffortName;
+use crate::console::{note, warning};
+use crate::exit::{Failure, Outcome, Status};
+use crate::limits::ImportArgs;
+use crate::output::{self, Target};
+use crate::stages::Stages;
+use crate::text::count;
+use clap::{Args, ValueEnum};
+use lodc_formats::import;
+use lodc_mesh::Mesh;
+use lodc_strip::{CacheModel, CacheOptions, Effort, StripSet, cache, measure, order, stripe};
+use rayon::ThreadPoolBuilder;
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+
+/// Options of `strips`.
+#[derive(Args, Debug)]
+#[command(after_help = "Every line of the output is `s` and the vertices of a strip, or `l` and the vertices of a \
+                        triangle list; vertices are numbered from 0: for an OBJ in the order of its `v` \
+                        lines, for glTF as loaded, one mesh after the other.")]
+pub(crate) struct StripsArgs {
+    /// The mesh to read: OBJ, glTF or GLB; `-` for standard input
+    input: PathBuf,
+    /// Where to write the strips; `-` for standard output
+    #[arg(short, long, value_name = "OUT")]
+    output: PathBuf,
+    /// Few long strips, strips that reuse a vertex cache, or a triangle list that does
+    #[arg(long, value_enum, default_value = "stripe")]
+    strips: Generator,
+    /// How long to search
+    #[arg(long, value_enum, default_value = "default")]
+    effort: EffortName,
+    /// How many vertices the cache holds that `cache` and `list` are made for
+    #[arg(long, value_name = "N", default_value = "16", value_parser = clap::value_parser!(u32).range(4..=64))]
+    cache_size: u32,
+    /// How many fetched vertices an index is worth to `cache`: more makes fewer indices, less fewer misses
+    #[arg(long, value_name = "PRICE", default_value = "1", value_parser = price)]
+    index_price: f32,
+    /// Threads; the output does not depend on it [default: all cores]
+    #[arg(long, value_name = "N")]
+    jobs: Option<NonZeroUsize>,
+    #[command(flatten)]
+    import: ImportArgs,
+}
+
+/// What makes the output.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Generator {
+    Stripe,
+    Cache,
+    List,
+}
+
+fn price(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(price) if (0.0..=100.0).contains(&price) => Ok(price),
+        _ => Err("not a number from 0 to 100".to_owned()),
+    }
+}
+
+/// What was drawn in all, for the note at the end.
+#[derive(Default)]
+struct Totals {
+    triangles: u64,
+    strips: u64,
+    indices: u64,
+    misses: u64,
+}
+
+pub(crate) fn run(args: &StripsArgs) -> Outcome<()> {
+    let inputs = std::slice::from_ref(&args.input);
+    let targets = output::targets(inputs, Some(&args.output), "strips")?;
+    output::prepare(&targets, output::is_folder(&args.output))?;
+    let threads = args.jobs.map_or(0, |n| n.get().min(super::build::MOST_THREADS));
+    let pool = ThreadPoolBuilder::new().num_threads(threads).build();
+    let pool = pool.map_err(|e| Failure::new(Status::Limit, format!("no threads to work with: {e}")))?;
+    pool.install(|| targets.iter().try_for_each(|target| make(args, target)))
+}
+
+fn make(args: &StripsArgs, target: &Target) -> Outcome<()> {
+    let mut stages = Stages::default();
+    let scene = stages.run("import", || import::import(&args.input, &args.import.options()))?;
+    for what in &scene.warnings {
+        warning(&args.input.display().to_string(), what);
+    }
+    let triangles = scene.objects.iter().map(|o| o.mesh.triangles().len() as u64).sum();
+    args.import
+        .limits()
+        .check_memory(triangles)
+        .map_err(|f| Failure::new(f.status, format!("{}: {f}", args.input.display())))?;
+    let mut text = String::new();
+    let mut totals = Totals { triangles, ..Totals::default() };
+    // The vertices of an object start where those of the object before end.
+    let mut base = 0;
+    for object in &scene.objects {
+        let mesh = &object.mesh;
+        let number = |v: u32| object.source_positions.get(v as usize).map_or(base + u64::from(v), |&p| u64::from(p));
+        if args.strips == Generator::List {
+            let list = stages.run("strips", || order(mesh, args.cache_size));
+            totals.add(mesh, args.cache_size, list.as_flattened());
+            // One line per submesh: lines are no longer than a part that is drawn at once.
+            for submesh in mesh.submeshes() {
+                line(&mut text, 'l', number, list[submesh.triangles()].as_flattened());
+            }
+        } else {
+            let strips = stages.run("strips", || args.strips(mesh));
+            totals.strips += strips.len() as u64;
+            totals.add(mesh, args.cache_size, strips.indices());
+            for strip in strips.iter() {
+                line(&mut text, 's', number, strip);
+            }
+        }
+        base += mesh.vertex_count() as u64;
+    }
+    stages.run("write", || output::write(target, text.into_bytes()))?;
+    note(&totals.text(&args.input.display().to_string()));
+    Ok(())
+}
+
+impl StripsArgs {
+    fn strips(&self, mesh: &Mesh) -> StripSet {
+        let effort = Effort::from(self.effort);
+        if self.strips == Generator::Stripe {
+            return stripe(mesh, effort);
+        }
+        cache(mesh, &CacheOptions { cache_size: self.cache_size, index_price: self.index_price, effort })
+    }
+}
+
+impl Totals {
+    fn add(&mut self, mesh: &Mesh, size: u32, indices: &[u32]) {
+        self.indices += indices.len() as u64;
+        self.misses +=
+            measure(indices.iter().copied(), mesh.vertex_count(), CacheModel { size, ..CacheModel::default() }).misses;
+    }
+    fn text(&self, input: &str) -> String {
+        let per = |n: u64| n as f64 / self.triangles.max(1) as f64;
+        format!(
+            "{input}: {}, {}, {:.3} indices and {:.3} cache misses per triangle",
+            count(self.triangles, "triangle"),
+            count(self.strips, "strip"),
+            per(self.indices),
+            per(self.misses)
+        )
+    }
+}
+
+/// Appends a line of vertex numbers, if there are any.
+fn line(text: &mut String, kind: char, number: impl Fn(u32) -> u64, vertices: &[u32]) {
+    use std::fmt::Write;
+    if vertices.is_empty() {
+        return;
+    }
+    text.push(kind);
+    for v in vertices {
+        // Writing to a string cannot fail.
+        let _ = write!(text, " {}", number(*v));
+    }
+    text.push('\n');
+}

@@ -1,0 +1,167 @@
+//! The first strips for a vertex cache: after each strip, every strip that could begin at a cached vertex is tried.
+//!
+//! Candidates run straight (without swaps), up to a length. Each prefix of each is judged by what it fetches, by its
+//! indices, by the vertices it finishes and by those it throws out of the cache although they will be needed again.
+//! All bookkeeping is by counters, so a step of a candidate costs a few nanoseconds whatever the size of the mesh.
+
+use crate::adjacency::decode;
+use crate::cover::{Cover, is_none};
+use crate::front::{Front, Touch};
+
+/// What a candidate is judged by, in fetched vertices. Found by a search over three scans.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Weights {
+    /// Per index.
+    pub(crate) index: f32,
+    /// Per vertex that is thrown out with triangles left.
+    pub(crate) evicted: f32,
+    /// Per vertex without triangles left (for).
+    pub(crate) finished: f32,
+    /// Per triangle (for).
+    pub(crate) triangle: f32,
+    /// Longest strip, in triangles.
+    pub(crate) longest: usize,
+    /// How many corners of the first triangle must be in the cache.
+    pub(crate) cached: usize,
+}
+
+struct Candidate {
+    score: f32,
+    start: u32,
+    leave: u32,
+    length: usize,
+}
+
+struct Greedy<'a> {
+    front: Front<'a>,
+    cover: &'a mut Cover,
+    weights: Weights,
+    /// For each triangle, the number of the search that has tried it.
+    tried: Vec<u32>,
+}
+
+/// Links triangles to strips; returns the first triangles of the strips in drawing order.
+pub(crate) fn strips(
+    triangles: &[[u32; 3]],
+    vertex_count: usize,
+    cover: &mut Cover,
+    size: u32,
+    weights: Weights,
+) -> Vec<u32> {
+    let front = Front::new(triangles, vertex_count, size);
+    let mut greedy = Greedy { front, cover, weights, tried: vec![0; triangles.len()] };
+    let mut strips = Vec::new();
+    let mut cursor = 0;
+    for search in 1.. {
+        let mut best = greedy.near_the_cache(search);
+        if best.is_none()
+            && let Some(v) = greedy.front.go_back()
+        {
+            best = greedy.near_vertex(v);
+        }
+        while best.is_none() && cursor < triangles.len() {
+            if !greedy.front.done[cursor] {
+                best = greedy.try_from(cursor as u32, None);
+            }
+            cursor += 1;
+        }
+        let Some(best) = best else { break };
+        greedy.take(&best);
+        strips.push(best.start);
+    }
+    strips
+}
+
+impl Greedy<'_> {
+    fn near_the_cache(&mut self, search: u32) -> Option<Candidate> {
+        let mut best = None;
+        for miss in self.front.recent() {
+            let Some(v) = self.front.live(miss) else { continue };
+            for i in self.front.left(v) {
+                let t = self.front.incident(i);
+                if self.front.done[t as usize] || self.tried[t as usize] == search {
+                    continue;
+                }
+                self.tried[t as usize] = search;
+                let corners = self.front.triangles[t as usize];
+                let cached = corners.iter().filter(|&&v| self.front.is_cached(v)).count();
+                if cached >= self.weights.cached {
+                    best = self.try_from(t, best);
+                }
+            }
+        }
+        best
+    }
+    fn near_vertex(&mut self, v: u32) -> Option<Candidate> {
+        let mut best = None;
+        for i in self.front.left(v) {
+            let t = self.front.incident(i);
+            if !self.front.done[t as usize] {
+                best = self.try_from(t, best);
+            }
+        }
+        best
+    }
+    fn try_from(&mut self, t: u32, mut best: Option<Candidate>) -> Option<Candidate> {
+        for leave in 0..3 {
+            self.simulate(t, leave, &mut best);
+        }
+        best
+    }
+    /// Runs along a candidate, keeps its best prefix if it is better than the best so far, and takes everything back.
+    fn simulate(&mut self, start: u32, leave: u32, best: &mut Option<Candidate>) {
+        let w = self.weights;
+        let t = self.front.triangles[start as usize];
+        let corner = |slot: u32| t[slot as usize % 3];
+        let mut cost = 2.0 * w.index + self.touch(corner(leave + 2)) + self.touch(corner(leave));
+        let mut new = corner(leave + 1);
+        let (mut at, mut slot) = (start, leave);
+        for length in 1.. {
+            cost += w.index - w.triangle + self.touch(new);
+            cost -= w.finished * self.front.draw(at) as f32;
+            if best.as_ref().is_none_or(|b| cost < b.score) {
+                *best = Some(Candidate { score: cost, start, leave, length });
+            }
+            let next = self.cover.neighbour(at, slot);
+            if length >= w.longest || is_none(next) || self.front.done[decode(next).0 as usize] {
+                break;
+            }
+            (at, slot, new) = self.step(next, length);
+        }
+        self.front.undo();
+    }
+    /// The triangle behind a code as the `n`-th of a straight strip, counted from 0; the slot through which the strip
+    /// leaves it, and its new corner.
+    fn step(&self, next: u32, n: usize) -> (u32, u32, u32) {
+        let (u, entered) = decode(next);
+        let leave = (entered + if n % 2 == 1 { 2 } else { 1 }) % 3;
+        (u, leave, self.front.triangles[u as usize][(entered as usize + 2) % 3])
+    }
+    /// Asks the cache for a vertex and says what that costs.
+    fn touch(&mut self, v: u32) -> f32 {
+        match self.front.touch(v) {
+            Touch::Hit => 0.0,
+            Touch::Miss => 1.0,
+            Touch::MissAndLoss => 1.0 + self.weights.evicted,
+        }
+    }
+    /// Makes a candidate a strip.
+    fn take(&mut self, best: &Candidate) {
+        let t = self.front.triangles[best.start as usize];
+        let corner = |slot: u32| t[slot as usize % 3];
+        self.touch(corner(best.leave + 2));
+        self.touch(corner(best.leave));
+        let mut new = corner(best.leave + 1);
+        let (mut at, mut slot) = (best.start, best.leave);
+        for n in 1..=best.length {
+            self.touch(new);
+            self.front.draw(at);
+            if n < best.length {
+                let next = self.cover.neighbour(at, slot);
+                self.cover.toggle(at, slot);
+                (at, slot, new) = self.step(next, n);
+            }
+        }
+        self.front.keep();
+    }
+}

@@ -1,0 +1,77 @@
+//! Strips of bounded length for a vertex cache: a greedy pass, then a local search on short stretches of the drawing order.
+
+mod greedy;
+mod paths;
+mod refine;
+mod window;
+
+use crate::adjacency::neighbours;
+use crate::cover::{Cover, submesh_of};
+use crate::{Effort, StripSet};
+use greedy::Weights;
+use lodc_mesh::Mesh;
+use window::Search;
+
+/// What cache-aware strips are made for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CacheOptions {
+    /// How many vertices the cache holds (first in, first out). Values outside 4 to 64 are taken as the nearest of those.
+    pub cache_size: u32,
+    /// How many fetched vertices one index is worth: more makes longer strips, less makes fewer misses.
+    pub index_price: f32,
+    /// How long to search.
+    pub effort: Effort,
+}
+
+impl Default for CacheOptions {
+    fn default() -> Self {
+        Self { cache_size: 16, index_price: 1.0, effort: Effort::Default }
+    }
+}
+
+/// Makes short strips that draw exactly the mesh and ask a vertex cache for few vertices that it does not hold.
+#[must_use]
+pub fn cache(mesh: &Mesh, options: &CacheOptions) -> StripSet {
+    let triangles = mesh.triangles();
+    let size = options.cache_size.clamp(4, 64);
+    let mut cover = Cover::new(&neighbours(triangles, mesh.vertex_count()));
+    let weights = weights(options.effort);
+    let order = greedy::strips(triangles, mesh.vertex_count(), &mut cover, size, weights);
+    let paths: Vec<Vec<u32>> = order
+        .iter()
+        .map(|&first| {
+            let mut path = Vec::new();
+            cover.path(first, &mut path);
+            path
+        })
+        .collect();
+    // Anything that is not a sensible price would only spoil comparisons.
+    let price = if options.index_price >= 0.0 { options.index_price.min(100.0) } else { 0.0 };
+    let refined = refine::refine(&paths, triangles, &cover, size, price, searches(options.effort));
+    let submesh = submesh_of(mesh);
+    let mut indices = Vec::with_capacity(triangles.len() * 3 / 2);
+    let mut strips = Vec::with_capacity(order.len());
+    for (first, strip) in &refined {
+        let start = indices.len();
+        indices.extend(strip);
+        strips.push((submesh[*first as usize], start..indices.len()));
+    }
+    StripSet::new(mesh.submeshes().len(), &strips, &indices)
+}
+
+fn searches(effort: Effort) -> &'static [Search] {
+    match effort {
+        Effort::Fast => &[],
+        Effort::Default => &[Search { proposals: 5.0, window: 400, warm: 0.3, cold: 0.05 }],
+        Effort::Thorough => &[Search { proposals: 80.0, window: 400, warm: 0.4, cold: 0.05 }],
+    }
+}
+
+fn weights(effort: Effort) -> Weights {
+    let all = Weights { index: 0.12, evicted: 0.28, finished: 0.56, triangle: 0.87, longest: 20, cached: 2 };
+    match effort {
+        Effort::Fast => Weights { longest: 14, ..all },
+        Effort::Default => all,
+        Effort::Thorough => Weights { cached: 1, ..all },
+    }
+}

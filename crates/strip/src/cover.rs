@@ -1,0 +1,159 @@
+//! A cover of triangles by paths through their common edges: strips before they are written down.
+//!
+//! Following a path, each inner triangle turns left or right. Two inner triangles in a row that turn the same way need a
+//! *swap*: one repeated index. A path of n triangles becomes n + 2 indices and one more per swap.
+
+use crate::adjacency::{NONE, Neighbours, code, decode};
+
+/// A triangle with its three neighbours (as codes) and, as bits, which of them follow or precede it in its path.
+pub(crate) type Node = [u32; 4];
+
+/// Where the bits of a path stand in a [`Node`].
+pub(crate) const LINKS: usize = 3;
+
+/// By links and one linked slot: the way from that slot to the other linked one, 1 or 2 corners on; 0 at an end.
+const WAY: [[u32; 4]; 8] = [[0; 4], [0; 4], [0; 4], [1, 2, 0, 0], [0; 4], [2, 0, 1, 0], [0, 1, 2, 0], [0; 4]];
+
+/// Paths that cover all triangles, each once.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Cover {
+    pub(crate) nodes: Vec<Node>,
+}
+
+impl Cover {
+    /// Every triangle by itself.
+    pub(crate) fn new(neighbours: &Neighbours) -> Self {
+        Self { nodes: neighbours.iter().map(|n| [n[0], n[1], n[2], 0]).collect() }
+    }
+    pub(crate) fn links(&self, t: u32) -> u32 {
+        self.nodes[t as usize][LINKS]
+    }
+    pub(crate) fn is_end(&self, t: u32) -> bool {
+        self.links(t).count_ones() < 2
+    }
+    pub(crate) fn neighbour(&self, t: u32, slot: u32) -> u32 {
+        self.nodes[t as usize][slot as usize]
+    }
+    /// Links or unlinks a triangle and the neighbour at one of its slots.
+    pub(crate) fn toggle(&mut self, t: u32, slot: u32) {
+        let (u, f) = decode(self.neighbour(t, slot));
+        self.nodes[t as usize][LINKS] ^= 1 << slot;
+        self.nodes[u as usize][LINKS] ^= 1 << f;
+    }
+    /// The linked slot of a triangle that is not the given one.
+    pub(crate) fn other(&self, t: u32, slot: u32) -> Option<u32> {
+        let rest = self.links(t) & !(1 << slot);
+        (rest != 0).then(|| rest.trailing_zeros())
+    }
+    /// Whether the link at a slot needs a swap.
+    pub(crate) fn swaps(&self, t: u32, slot: u32) -> bool {
+        let (u, f) = decode(self.neighbour(t, slot));
+        WAY[self.links(t) as usize][slot as usize] + WAY[self.links(u) as usize][f as usize] == 3
+    }
+    /// Whether a link at slot `f` of `u` needs a swap, if the way on from it is `way`.
+    pub(crate) fn would_swap(&self, way: u32, u: u32, f: u32) -> bool {
+        way + WAY[(self.links(u) | 1 << f) as usize][f as usize] == 3
+    }
+    /// Writes the path that starts at an end: its triangles and the slot through which each is left, as codes. The last
+    /// code has slot 3.
+    pub(crate) fn path(&self, start: u32, path: &mut Vec<u32>) {
+        path.clear();
+        let links = self.links(start);
+        let mut at = start;
+        let mut leave = (links != 0).then(|| links.trailing_zeros());
+        while let Some(slot) = leave {
+            path.push(code(at, slot));
+            let (next, entered) = decode(self.neighbour(at, slot));
+            leave = self.other(next, entered);
+            at = next;
+        }
+        path.push(code(at, 3));
+    }
+    /// Calls `visit` with every path, in order of their lower ends.
+    pub(crate) fn paths(&self, mut visit: impl FnMut(&[u32])) {
+        let mut path = Vec::new();
+        let mut done = vec![false; self.nodes.len()];
+        for t in 0..self.nodes.len() as u32 {
+            if !done[t as usize] && self.is_end(t) {
+                self.path(t, &mut path);
+                let last = path.last().map_or(t, |&c| decode(c).0);
+                done[last as usize] = true;
+                visit(&path);
+            }
+        }
+    }
+    /// Appends the indices of a path, from the end where that takes fewer.
+    pub(crate) fn write(&self, path: &[u32], triangles: &[[u32; 3]], indices: &mut Vec<u32>) {
+        let wrong = |from: u32, slot: u32| {
+            let (second, entered) = decode(self.neighbour(from, slot));
+            WAY[self.links(second) as usize][entered as usize] == 1
+        };
+        let (first, leave) = decode(path[0]);
+        let (last, _) = decode(path[path.len() - 1]);
+        if leave == 3 {
+            indices.extend(triangles[first as usize]);
+            return;
+        }
+        if wrong(first, leave) && !wrong(last, self.links(last).trailing_zeros()) {
+            let mut back = Vec::with_capacity(path.len());
+            self.path(last, &mut back);
+            self.write_forward(&back, triangles, indices);
+        } else {
+            self.write_forward(path, triangles, indices);
+        }
+    }
+    /// Appends the indices of a path from its first triangle.
+    pub(crate) fn write_forward(&self, path: &[u32], triangles: &[[u32; 3]], indices: &mut Vec<u32>) {
+        write_path(path, triangles, |t, slot| self.neighbour(t, slot), indices);
+    }
+}
+
+/// Appends the indices of a path from its first triangle.
+pub(crate) fn write_path(
+    path: &[u32],
+    triangles: &[[u32; 3]],
+    neighbour: impl Fn(u32, u32) -> u32,
+    indices: &mut Vec<u32>,
+) {
+    let (first, slot) = decode(path[0]);
+    let t = triangles[first as usize];
+    if slot == 3 {
+        indices.extend(t);
+        return;
+    }
+    let corner = |slot: u32| t[slot as usize % 3];
+    indices.extend([corner(slot + 2), corner(slot), corner(slot + 1)]);
+    let (mut before, mut last) = (corner(slot), corner(slot + 1));
+    for (&from, &step) in path.iter().zip(&path[1..]) {
+        let (t, leave) = decode(step);
+        let (left, slot) = decode(from);
+        let (_, entered) = decode(neighbour(left, slot));
+        let t = triangles[t as usize];
+        let new = t[(entered as usize + 2) % 3];
+        if leave != 3 {
+            // The edge to leave by has the new corner and one of the last two. If that is the older, it must come again.
+            let (a, b) = (t[leave as usize], t[(leave as usize + 1) % 3]);
+            let kept = if a == new { b } else { a };
+            if kept == before {
+                indices.push(before);
+                last = before;
+            }
+        }
+        indices.push(new);
+        (before, last) = (last, new);
+    }
+}
+
+/// The submesh of every triangle in a mesh's order of triangles.
+pub(crate) fn submesh_of(mesh: &lodc_mesh::Mesh) -> Vec<u32> {
+    let mut of = Vec::with_capacity(mesh.triangles().len());
+    for (i, submesh) in mesh.submeshes().iter().enumerate() {
+        of.resize(submesh.triangles().end, i as u32);
+    }
+    of
+}
+
+/// No neighbour, for tests of codes.
+pub(crate) fn is_none(code: u32) -> bool {
+    code == NONE
+}

@@ -1,0 +1,27 @@
+//! Triangle strips and triangle orders: what they draw, generators, vertex-cache models.
+//!
+//! [`stripe()`] makes few long strips, [`cache()`] short strips that reuse a vertex cache, [`order()`] a triangle list for
+//! vertex caches. Every generator draws exactly the oriented triangles of the mesh, whatever the mesh: edges with many
+//! triangles, contradicting windings and doubled triangles only end strips earlier. Results depend on the mesh and the
+//! options alone, not on the number of threads.
+
+mod adjacency;
+mod anneal;
+mod cache;
+mod cache_model;
+mod cover;
+mod effort;
+mod front;
+mod order;
+mod strip_set;
+mod stripe;
+
+pub use cache::{CacheOptions, cache};
+pub use cache_model::{CacheKind, CacheModel, CacheStatistics, measure};
+pub use effort::Effort;
+pub use order::order;
+pub use strip_set::{StripSet, StripSetError, strip_triangles};
+pub use stripe::stripe;
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,164 @@
+//! Strips as a graphics card reads them, and what they draw.
+
+use lodc_mesh::{Mesh, OrientedTriangle};
+use std::fmt;
+use std::ops::Range;
+
+/// Triangle strips of a mesh, submesh by submesh; a strip never crosses from one submesh to another.
+///
+/// A strip `s` draws the triangles `s[k], s[k + 1], s[k + 2]`, every second one (odd `k`) with its first two corners
+/// exchanged. One that names a vertex twice is drawn by nobody: repeating a vertex is how a strip turns.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct StripSet {
+    indices: Vec<u32>,
+    /// Where each strip ends.
+    ends: Vec<u32>,
+    /// How many strips there are up to the end of each submesh.
+    submesh_ends: Vec<u32>,
+}
+
+impl StripSet {
+    /// Strips for `submeshes` submeshes from strips in any order, each with its submesh. Within a submesh the order is kept.
+    pub(crate) fn new(submeshes: usize, strips: &[(u32, Range<usize>)], indices: &[u32]) -> Self {
+        let mut sorted: Vec<&(u32, Range<usize>)> = strips.iter().collect();
+        sorted.sort_by_key(|(submesh, _)| *submesh);
+        let mut set = Self { indices: Vec::with_capacity(indices.len()), ..Self::default() };
+        let mut next = sorted.into_iter().peekable();
+        for submesh in 0..submeshes as u32 {
+            while let Some((_, range)) = next.next_if(|(s, _)| *s == submesh) {
+                set.indices.extend_from_slice(&indices[range.clone()]);
+                set.ends.push(set.indices.len() as u32);
+            }
+            set.submesh_ends.push(set.ends.len() as u32);
+        }
+        set
+    }
+    /// How many strips there are.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.ends.len()
+    }
+    /// Whether there is no strip.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.ends.is_empty()
+    }
+    /// The vertices of all strips, one strip after the other.
+    #[must_use]
+    pub fn indices(&self) -> &[u32] {
+        &self.indices
+    }
+    /// Where a strip lies in [`StripSet::indices`].
+    ///
+    /// # Panics
+    /// If there is no such strip.
+    #[must_use]
+    pub fn range(&self, strip: usize) -> Range<usize> {
+        let first = if strip == 0 { 0 } else { self.ends[strip - 1] };
+        first as usize..self.ends[strip] as usize
+    }
+    /// The vertices of a strip.
+    ///
+    /// # Panics
+    /// If there is no such strip.
+    #[must_use]
+    pub fn strip(&self, strip: usize) -> &[u32] {
+        &self.indices[self.range(strip)]
+    }
+    /// All strips, in order.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = &[u32]> {
+        (0..self.len()).map(|s| self.strip(s))
+    }
+    /// The strips of a submesh.
+    ///
+    /// # Panics
+    /// If there is no such submesh.
+    #[must_use]
+    pub fn submesh(&self, submesh: usize) -> Range<usize> {
+        let first = if submesh == 0 { 0 } else { self.submesh_ends[submesh - 1] };
+        first as usize..self.submesh_ends[submesh] as usize
+    }
+    /// How many submeshes there are, with strips or without.
+    #[must_use]
+    pub fn submesh_count(&self) -> usize {
+        self.submesh_ends.len()
+    }
+    /// How many indices are drawn if every strip is a call of its own.
+    #[must_use]
+    pub fn separate_indices(&self) -> u64 {
+        self.indices.len() as u64
+    }
+    /// How many indices one buffer has with a restart index between strips.
+    #[must_use]
+    pub fn restart_indices(&self) -> u64 {
+        (self.indices.len() + self.len().saturating_sub(1)) as u64
+    }
+    /// All triangles drawn, submesh by submesh, in drawing order.
+    pub fn triangles(&self) -> impl Iterator<Item = OrientedTriangle> {
+        (0..self.submesh_count()).flat_map(move |submesh| {
+            let strips = self.submesh(submesh).flat_map(move |s| strip_triangles(self.strip(s)));
+            strips.map(move |t| OrientedTriangle::new(submesh as u32, t))
+        })
+    }
+    /// Proves that the strips draw exactly the mesh's oriented triangles, each as often as it is there.
+    ///
+    /// # Errors
+    /// The first triangle that is drawn too often or not often enough, in order of submesh and corners.
+    pub fn check(&self, mesh: &Mesh) -> Result<(), StripSetError> {
+        if self.submesh_count() != mesh.submeshes().len() {
+            let (found, wanted) = (self.submesh_count(), mesh.submeshes().len());
+            return Err(StripSetError::Submeshes { found, wanted });
+        }
+        let mut drawn: Vec<OrientedTriangle> = self.triangles().collect();
+        let mut wanted: Vec<OrientedTriangle> = Vec::with_capacity(mesh.triangles().len());
+        for (i, submesh) in mesh.submeshes().iter().enumerate() {
+            wanted.extend(mesh.triangles()[submesh.triangles()].iter().map(|&t| OrientedTriangle::new(i as u32, t)));
+        }
+        drawn.sort_unstable();
+        wanted.sort_unstable();
+        let differs = drawn.iter().zip(&wanted).find(|(d, w)| d != w);
+        match differs {
+            Some((d, w)) if d < w => Err(StripSetError::Extra(*d)),
+            Some((_, w)) => Err(StripSetError::Missing(*w)),
+            None if drawn.len() > wanted.len() => Err(StripSetError::Extra(drawn[wanted.len()])),
+            None if drawn.len() < wanted.len() => Err(StripSetError::Missing(wanted[drawn.len()])),
+            None => Ok(()),
+        }
+    }
+}
+
+/// The triangles that a strip draws, with their orientation.
+pub fn strip_triangles(strip: &[u32]) -> impl Iterator<Item = [u32; 3]> {
+    let windows = strip.windows(3).enumerate();
+    let turned = windows.map(|(k, w)| if k % 2 == 0 { [w[0], w[1], w[2]] } else { [w[1], w[0], w[2]] });
+    turned.filter(|&t| !crate::adjacency::is_degenerate(t))
+}
+
+/// How strips differ from the mesh they should draw.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum StripSetError {
+    /// Another number of submeshes.
+    Submeshes {
+        /// Submeshes of the strips.
+        found: usize,
+        /// Submeshes of the mesh.
+        wanted: usize,
+    },
+    /// A triangle is drawn that the mesh does not have, or not so often.
+    Extra(OrientedTriangle),
+    /// A triangle of the mesh is not drawn, or not often enough.
+    Missing(OrientedTriangle),
+}
+
+impl fmt::Display for StripSetError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Submeshes { found, wanted } => write!(f, "strips of {found} submeshes for a mesh of {wanted}"),
+            Self::Extra(t) => write!(f, "triangle {:?} of submesh {} is drawn too often", t.corners, t.submesh),
+            Self::Missing(t) => write!(f, "triangle {:?} of submesh {} is not drawn", t.corners, t.submesh),
+        }
+    }
+}
+
+impl std::error::Error for StripSetError {}

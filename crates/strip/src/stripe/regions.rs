@@ -1,0 +1,121 @@
+//! The local search on one region after another, or on several at once.
+//!
+//! A region is a number of whole strips that lie together. Strips of one region are joined and divided among themselves
+//! only: so regions are independent, no strip can close into a ring through another region, and the result is the same for
+//! any number of threads. Each round divides the surface in another way, which heals the borders of the last one.
+
+use super::search::{Round, search};
+use crate::adjacency::{NONE, code, decode};
+use crate::cover::{Cover, LINKS, is_none};
+use rayon::prelude::*;
+
+/// A region has about so many triangles: its nodes fit a second-level cache.
+const REGION: usize = 1 << 13;
+
+/// Runs all rounds.
+pub(crate) fn improve(cover: &mut Cover, rounds: &[Round]) {
+    for (i, round) in rounds.iter().enumerate() {
+        let (order, ends) = divide(cover, i);
+        let mut place = vec![NONE; cover.nodes.len()];
+        for (i, &t) in order.iter().enumerate() {
+            place[t as usize] = i as u32;
+        }
+        let starts = std::iter::once(0).chain(ends.iter().copied());
+        let regions: Vec<(usize, usize)> = starts.zip(ends.iter().copied()).collect();
+        let links: Vec<Vec<u8>> = regions
+            .par_iter()
+            .map(|&(start, end)| {
+                let mut local = gather(cover, &order[start..end], &place, start, end);
+                search(&mut local, round, (i as u64) << 32 | start as u64);
+                local.nodes.iter().map(|n| n[LINKS] as u8).collect()
+            })
+            .collect();
+        for (&t, &links) in order.iter().zip(links.iter().flatten()) {
+            cover.nodes[t as usize][LINKS] = u32::from(links);
+        }
+    }
+}
+
+/// The triangles of a region with their neighbours in the region, numbered by their place in it.
+fn gather(cover: &Cover, order: &[u32], place: &[u32], start: usize, end: usize) -> Cover {
+    let local = |c: u32| {
+        if is_none(c) {
+            return NONE;
+        }
+        let (u, slot) = decode(c);
+        let at = place[u as usize] as usize;
+        if (start..end).contains(&at) { code((at - start) as u32, slot) } else { NONE }
+    };
+    let nodes = order.iter().map(|&t| {
+        let [a, b, c, links] = cover.nodes[t as usize];
+        [local(a), local(b), local(c), links]
+    });
+    Cover { nodes: nodes.collect() }
+}
+
+/// All triangles, region by region and strip by strip, and where each region ends. Regions grow over the surface from
+/// strip to strip; each round starts at another place and with another size.
+fn divide(cover: &Cover, round: usize) -> (Vec<u32>, Vec<usize>) {
+    let n = cover.nodes.len();
+    let mut order = Vec::with_capacity(n);
+    let mut ends = Vec::new();
+    // An end of every strip, in an order that changes with the round.
+    let mut seeds: Vec<u32> = (0..n as u32).filter(|&t| cover.is_end(t)).collect();
+    if round % 2 == 1 {
+        seeds.reverse();
+    }
+    let turn = seeds.len() / 7 * (round / 2 % 7);
+    seeds.rotate_left(turn);
+    let mut taken = vec![false; n];
+    let mut path = Vec::new();
+    let mut start = 0;
+    let mut waiting = std::collections::VecDeque::new();
+    for seed in seeds {
+        waiting.push_back(seed);
+        while let Some(t) = waiting.pop_front() {
+            if taken[t as usize] {
+                continue;
+            }
+            if order.len() - start >= REGION - REGION / 8 * (round % 4) {
+                ends.push(order.len());
+                start = order.len();
+                // The next region begins where this one stopped.
+                waiting.clear();
+            }
+            cover.path(end_of(cover, t), &mut path);
+            for &c in &path {
+                let (u, _) = decode(c);
+                taken[u as usize] = true;
+                order.push(u);
+            }
+            for &c in &path {
+                let (u, _) = decode(c);
+                for slot in 0..3 {
+                    let c = cover.neighbour(u, slot);
+                    if !is_none(c) && !taken[decode(c).0 as usize] {
+                        waiting.push_back(decode(c).0);
+                    }
+                }
+            }
+        }
+    }
+    if order.len() > start {
+        ends.push(order.len());
+    }
+    (order, ends)
+}
+
+/// An end of the strip of a triangle.
+fn end_of(cover: &Cover, t: u32) -> u32 {
+    let links = cover.links(t);
+    if links.count_ones() < 2 {
+        return t;
+    }
+    let (mut at, mut leave) = (t, Some(links.trailing_zeros()));
+    while let Some(slot) = leave {
+        let (next, entered) = decode(cover.neighbour(at, slot));
+        at = next;
+        leave = cover.other(next, entered);
+    }
+    at
+}
