@@ -83,27 +83,33 @@ impl<M: Metric> Engine<'_, M> {
 
     /// Emits the records of a planned collapse and gives the faces their new wedges.
     fn move_wedges(&mut self, from: u32, to: u32, plan: &mut Plan) {
+        // Fakes come last: they take their place from the true edge's target.
+        for p in plan.wedges.iter().filter(|p| p.target != u32::MAX) {
+            self.log.order.push(p.wedge);
+            self.log.targets.push(p.target);
+        }
         for i in 0..plan.wedges.len() {
             let wedge = plan.wedges[i].wedge;
-            if plan.wedges[i].target == u32::MAX {
-                // Two wedges that look alike share one fake.
-                let alike = plan.wedges[..i].iter().find(|p| p.fake && self.wedges.alike(self.input, p.wedge, wedge));
-                let target = match alike {
-                    Some(p) => p.target,
-                    None => self.wedges.add_fake(to, plan.wedges[0].target, wedge),
-                };
-                plan.wedges[i].target = target;
-                plan.wedges[i].fake = true;
+            if plan.wedges[i].target != u32::MAX {
+                continue;
             }
+            // Two wedges that look alike share one fake.
+            let mut earlier = plan.wedges[..i].iter().filter(|p| p.fake).take(64);
+            let target = match earlier.find(|p| self.wedges.alike(self.input, p.wedge, wedge)) {
+                Some(p) => p.target,
+                None => self.wedges.add_fake(to, plan.truth, wedge),
+            };
+            plan.wedges[i].target = target;
+            plan.wedges[i].fake = true;
             self.log.order.push(wedge);
-            self.log.targets.push(plan.wedges[i].target);
+            self.log.targets.push(target);
         }
         let corners = if self.mesh.one_wedge_each() { 0 } else { self.mesh.star(from).len() };
         for i in 0..corners {
             let corner = self.mesh.star(from)[i];
             let old = self.mesh.wedges(corner.face())[corner.at()];
-            if let Some(p) = plan.wedges.iter().find(|p| p.wedge == old) {
-                self.mesh.set_wedge(corner, p.target);
+            if let Ok(p) = plan.wedges.binary_search_by_key(&old, |p| p.wedge) {
+                self.mesh.set_wedge(corner, plan.wedges[p].target);
             }
         }
         self.wedges.clear_group(from);

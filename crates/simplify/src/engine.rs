@@ -257,7 +257,7 @@ impl<M: Metric> Engine<'_, M> {
         if self.mesh.star(from).is_empty() {
             return;
         }
-        let with_attributes = !self.attributes.is_empty();
+        let with_attributes = !self.attributes.is_empty() && self.mesh.star(from).len() <= MANY;
         around.look(&self.mesh, &self.wedges, from);
         let Some(permitted) = self.permitted(around) else { return };
         let local = self.metric.local(from, &around.facets, &around.planes);
@@ -376,7 +376,9 @@ impl<M: Metric> Engine<'_, M> {
     }
 }
 
+/// Groups with more faces than this are priced without their attributes.
+const MANY: usize = 1024;
 /// Groups with this many faces are hubs.
-const HUB: usize = 256;
+const HUB: usize = 64;
 /// How much dearer each fake makes a collapse.
 const FAKE_PRICE: f64 = 8.0;

@@ -91,11 +91,14 @@ impl<M: Metric> Engine<'_, M> {
             }
             let wedges = self.mesh.wedges(corner.face());
             let here = wedges[corner.at()];
-            let target = plan.wedges.iter().find(|p| p.wedge == here && p.target != u32::MAX);
-            let Some(target) = target else { return true };
+            let Ok(target) = plan.wedges.binary_search_by_key(&here, |p| p.wedge) else { return true };
+            let target = plan.wedges[target].target;
+            if target == u32::MAX {
+                return true;
+            }
             let (b, c) = (at(wedges[next(corner.at())]), at(wedges[previous(corner.at())]));
             let area = |a: [f64; 2]| (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-            area(at(here)) * area(at(target.target)) >= 0.0
+            area(at(here)) * area(at(target)) >= 0.0
         })
     }
 }

@@ -129,9 +129,10 @@ impl Neighborhood {
     /// that a wedge with the same attributes shares a face with.
     pub(crate) fn target(&self, wedges: &Wedges, spoke: &Spoke, wedge: u32) -> Option<u32> {
         let faces = &self.entries[spoke.entries.0 as usize..spoke.entries.1 as usize];
+        let first = faces.partition_point(|e| e.here < wedge);
+        let same = faces.get(first).filter(|e| e.here == wedge);
         let class = wedges.class[wedge as usize];
-        let same = faces.iter().find(|e| e.here == wedge);
-        same.or_else(|| faces.iter().find(|e| wedges.class[e.here as usize] == class)).map(|e| e.there)
+        same.or_else(|| faces.iter().take(64).find(|e| wedges.class[e.here as usize] == class)).map(|e| e.there)
     }
 }
 

@@ -10,6 +10,9 @@ const NONE: u32 = u32::MAX;
 /// share of the mesh's size.
 const ALIKE: f64 = 2e-3;
 
+/// No more wedges than this are asked whether they can be used again: real meshes have a handful in one place.
+const MANY: usize = 1024;
+
 /// One wedge of the moving group.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PlannedWedge {
@@ -25,7 +28,12 @@ pub(crate) struct PlannedWedge {
 /// What becomes of all wedges of one group.
 #[derive(Default)]
 pub(crate) struct Plan {
+    /// In order of their numbers.
     pub(crate) wedges: Vec<PlannedWedge>,
+    /// The target of the true edge.
+    pub(crate) truth: u32,
+    /// Classes of wedges with an edge to the target, and the wedge there.
+    twins: Vec<(u32, u32)>,
     /// How many fakes it takes.
     pub(crate) fakes: u32,
     /// A wedge had edges to several wedges of the target: a seam ends here.
@@ -45,26 +53,35 @@ impl<M: Metric> Engine<'_, M> {
         for &corner in self.mesh.star(from) {
             let groups = &self.mesh.faces[corner.face() as usize].groups;
             let wedges = self.mesh.wedges(corner.face());
-            let wedge = wedges[corner.at()];
-            let i = plan.wedges.iter().rposition(|p| p.wedge == wedge).unwrap_or_else(|| {
-                plan.wedges.push(PlannedWedge { wedge, target: NONE, fake: false, live: false });
-                plan.wedges.len() - 1
+            let end = [next(corner.at()), previous(corner.at())].into_iter().find(|&end| groups[end] == to);
+            plan.wedges.push(PlannedWedge {
+                wedge: wedges[corner.at()],
+                target: end.map_or(NONE, |end| wedges[end]),
+                fake: false,
+                live: end.is_none(),
             });
-            let mut dies = false;
-            for end in [next(corner.at()), previous(corner.at())] {
-                if groups[end] == to {
-                    dies = true;
-                    let target = wedges[end];
-                    let known = plan.wedges[i].target;
-                    if known != NONE && self.wedges.class[known as usize] != self.wedges.class[target as usize] {
-                        plan.ambiguous = true;
-                    }
-                    plan.wedges[i].target = self.nearer(wedge, known, target);
-                }
-            }
-            plan.wedges[i].live |= !dies;
         }
+        // One entry for each wedge, in order of their numbers.
+        plan.wedges.sort_by_key(|p| (p.wedge, p.target));
+        let mut distinct = 0;
+        for i in 0..plan.wedges.len() {
+            let p = plan.wedges[i];
+            if distinct > 0 && plan.wedges[distinct - 1].wedge == p.wedge {
+                let known = plan.wedges[distinct - 1];
+                let class = |w: u32| self.wedges.class[w as usize];
+                if known.target != NONE && p.target != NONE && class(known.target) != class(p.target) {
+                    plan.ambiguous = true;
+                }
+                plan.wedges[distinct - 1].target = self.nearer(p.wedge, known.target, p.target);
+                plan.wedges[distinct - 1].live |= p.live;
+            } else {
+                plan.wedges[distinct] = p;
+                distinct += 1;
+            }
+        }
+        plan.wedges.truncate(distinct);
         if plan.wedges.len() == 1 && self.wedges.is_single(from) {
+            plan.truth = plan.wedges[0].target;
             return;
         }
         self.find_other_targets(from, to, plan);
@@ -82,12 +99,16 @@ impl<M: Metric> Engine<'_, M> {
         let (wedge, target) =
             if self.mesh.one_wedge_each() { (from, to) } else { shared().expect("a collapse follows an edge") };
         plan.wedges.push(PlannedWedge { wedge, target, fake: false, live: true });
+        plan.truth = target;
     }
 
     /// The one of two wedges (one may be `NONE`) whose attributes are closer to `wedge`'s, ties to the smaller index.
     fn nearer(&self, wedge: u32, a: u32, b: u32) -> u32 {
         if a == NONE || a == b {
             return b;
+        }
+        if b == NONE {
+            return a;
         }
         let distance = |t: u32| self.attribute_distance(wedge, t);
         let (x, y) = (distance(a), distance(b));
@@ -104,29 +125,28 @@ impl<M: Metric> Engine<'_, M> {
     }
 
     fn find_other_targets(&self, from: u32, to: u32, plan: &mut Plan) {
-        // The true edge's target: the first wedge that has one. Every collapse follows an edge, so there is one.
-        let truth = plan.wedges.iter().find(|p| p.target != NONE).map_or(NONE, |p| p.target);
-        for i in 0..plan.wedges.len() {
-            let PlannedWedge { wedge, target, live, .. } = plan.wedges[i];
-            if target != NONE {
-                continue;
-            }
-            let class = self.wedges.class[wedge as usize];
-            let twin = plan.wedges.iter().find(|p| p.target != NONE && self.wedges.class[p.wedge as usize] == class);
-            plan.wedges[i].target = match twin {
-                Some(twin) => twin.target,
-                None if !live => truth,
-                None => self.reusable(wedge, to).unwrap_or(NONE),
+        // The true edge's target: that of the first wedge that has one. Every collapse follows an edge, so there is one.
+        plan.truth = plan.wedges.iter().find(|p| p.target != NONE).map_or(NONE, |p| p.target);
+        plan.twins.clear();
+        let class = |w: u32| self.wedges.class[w as usize];
+        plan.twins.extend(plan.wedges.iter().filter(|p| p.target != NONE).map(|p| (class(p.wedge), p.target)));
+        plan.twins.sort_by_key(|twin| twin.0);
+        for p in plan.wedges.iter_mut().filter(|p| p.target == NONE) {
+            let first = plan.twins.partition_point(|twin| twin.0 < class(p.wedge));
+            p.target = match plan.twins.get(first) {
+                Some(twin) if twin.0 == class(p.wedge) => twin.1,
+                _ if !p.live => plan.truth,
+                _ => self.reusable(p.wedge, to).unwrap_or(NONE),
             };
-            plan.fakes += u32::from(plan.wedges[i].target == NONE);
+            plan.fakes += u32::from(p.target == NONE);
         }
+        let known = plan.wedges.len();
         for wedge in self.wedges.of_group(from) {
-            if !plan.wedges.iter().any(|p| p.wedge == wedge) {
-                plan.wedges.push(PlannedWedge { wedge, target: truth, fake: false, live: false });
+            if plan.wedges[..known].binary_search_by_key(&wedge, |p| p.wedge).is_err() {
+                plan.wedges.push(PlannedWedge { wedge, target: plan.truth, fake: false, live: false });
             }
         }
-        // Targets first, so that the fakes can take their places from one of them.
-        plan.wedges.sort_by_key(|p| p.target == NONE);
+        plan.wedges.sort_unstable_by_key(|p| p.wedge);
     }
 
     /// A wedge at `to` that can stand for `wedge` although they share no face: same submesh, and the same attributes,
@@ -134,7 +154,7 @@ impl<M: Metric> Engine<'_, M> {
     fn reusable(&self, wedge: u32, to: u32) -> Option<u32> {
         let submesh = self.wedges.submesh[wedge as usize];
         let mut best: Option<(f64, u32)> = None;
-        for t in self.wedges.of_group(to).filter(|&t| self.wedges.submesh[t as usize] == submesh) {
+        for t in self.wedges.of_group(to).take(MANY).filter(|&t| self.wedges.submesh[t as usize] == submesh) {
             if self.wedges.alike(self.input, wedge, t) {
                 return Some(t);
             }

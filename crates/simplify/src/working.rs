@@ -5,6 +5,9 @@
 
 use glam::{DVec3, Vec3};
 
+/// A collapse with more dying faces than this takes them out of each star in one pass.
+const FEW: usize = 16;
+
 /// A corner of a face: `face << 2 | corner`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Corner(pub(crate) u32);
@@ -189,21 +192,29 @@ impl Working {
         let incoming = from_star.start as usize..(from_star.start + from_star.len) as usize;
         // Dead faces go first, so that the star of `to` has room for the others.
         let mut kept = incoming.start;
-        for i in incoming {
+        let mut dead = 0;
+        for i in incoming.clone() {
             let corner = self.arena[i];
-            let face = corner.face();
-            let groups = self.faces[face as usize].groups;
-            let other = [groups[next(corner.at())], groups[previous(corner.at())]];
-            if other[0] == to || other[1] == to {
-                for g in other {
-                    self.leave(g, face);
-                }
-                self.live_faces -= 1;
-                died(self.faces[face as usize].triangle);
+            if self.others(corner).contains(&to) {
+                dead += 1;
             } else {
-                self.arena[kept] = corner;
+                // The dead gather behind the living.
+                self.arena.swap(i, kept);
                 kept += 1;
             }
+        }
+        for i in kept..incoming.end {
+            let corner = self.arena[i];
+            self.live_faces -= 1;
+            died(self.faces[corner.face() as usize].triangle);
+            if dead <= FEW {
+                for g in self.others(corner) {
+                    self.leave(g, corner.face());
+                }
+            }
+        }
+        if dead > FEW {
+            self.leave_all(kept..incoming.end);
         }
         let moved = from_star.start as usize..kept;
         for i in moved.clone() {
@@ -236,6 +247,27 @@ impl Working {
         self.arena.copy_within(moved, (star.start + star.len) as usize);
         star.len = len;
         self.stars[to as usize] = star;
+    }
+
+    /// Takes many faces, given by one corner each, out of the stars at their other corners: one pass over each star.
+    fn leave_all(&mut self, corners: std::ops::Range<usize>) {
+        let mut groups: Vec<u32> = corners.clone().flat_map(|i| self.others(self.arena[i])).collect();
+        groups.sort_unstable();
+        groups.dedup();
+        let mut dead: Vec<u32> = corners.map(|i| self.arena[i].face()).collect();
+        dead.sort_unstable();
+        for g in groups {
+            let s = self.stars[g as usize];
+            let mut len = 0;
+            for i in s.start..s.start + s.len {
+                let corner = self.arena[i as usize];
+                if dead.binary_search(&corner.face()).is_err() {
+                    self.arena[(s.start + len) as usize] = corner;
+                    len += 1;
+                }
+            }
+            self.stars[g as usize].len = len;
+        }
     }
 
     fn leave(&mut self, group: u32, face: u32) {
