@@ -16,14 +16,11 @@ impl<M: Metric> Engine<'_, M> {
         serial.first_time(from);
         serial.first_time(to);
         serial.stale.push(to);
-        for i in 0..self.mesh.star(from).len() {
-            let groups = self.mesh.faces[self.mesh.star(from)[i].face() as usize].groups;
-            for g in groups {
-                if serial.first_time(g) {
-                    serial.stale.push(g);
-                }
+        self.mesh.each_neighbour(from, |g| {
+            if serial.first_time(g) {
+                serial.stale.push(g);
             }
-        }
+        });
         self.plan(from, to, &mut serial.plan);
         let seam_moves = serial.plan.ambiguous || serial.plan.fakes > 0;
         self.move_wedges(from, to, &mut serial.plan);

@@ -169,22 +169,18 @@ impl<M: Metric> Engine<'_, M> {
             if self.restricted == 0 {
                 continue;
             }
-            for &corner in self.mesh.star(g) {
-                for other in self.mesh.others(corner) {
-                    if self.mesh.has(other, RESTRICTED) && serial.first_time(other) {
-                        serial.outer.push(other);
-                    }
+            self.mesh.each_neighbour(g, |other| {
+                if self.mesh.has(other, RESTRICTED) && serial.first_time(other) {
+                    serial.outer.push(other);
                 }
-            }
+            });
         }
         // Around the target nothing moved but its own history, and that only grew: only those bound for it care.
-        for &corner in self.mesh.star(to) {
-            for g in self.mesh.others(corner) {
-                if best[g as usize].to == to && serial.first_time(g) {
-                    serial.outer.push(g);
-                }
+        self.mesh.each_neighbour(to, |g| {
+            if best[g as usize].to == to && serial.first_time(g) {
+                serial.outer.push(g);
             }
-        }
+        });
         let outer = std::mem::take(&mut serial.outer);
         for &g in &outer {
             self.rerank(g, best, heap, &mut serial.scratch);

@@ -169,11 +169,7 @@ impl Link {
             }
         };
         if mesh.star(to).len() <= 64 + 8 * star.len() {
-            for &corner in mesh.star(to) {
-                for g in others(corner) {
-                    meet(marks, g);
-                }
-            }
+            mesh.each_neighbour(to, |g| meet(marks, g));
         } else {
             // A hub: asking the few neighbours of `from` is shorter than asking its many.
             for g in star.iter().flat_map(|&c| others(c)) {

@@ -174,6 +174,20 @@ impl Working {
         [groups[next(corner.at())], groups[previous(corner.at())]]
     }
 
+    /// Visits the groups next to a group, each once if its star is a closed fan, else some of them twice.
+    #[inline]
+    pub(crate) fn each_neighbour(&self, group: u32, mut visit: impl FnMut(u32)) {
+        // In a closed fan every neighbour is the next corner of exactly one face.
+        let open = self.has(group, OPEN);
+        for &corner in self.star(group) {
+            let [ahead, behind] = self.others(corner);
+            visit(ahead);
+            if open {
+                visit(behind);
+            }
+        }
+    }
+
     /// The face with its normal and area as its corners' positions give them.
     pub(crate) fn set_plane(&mut self, face: u32) {
         let [a, b, c] = self.faces[face as usize].groups.map(|g| self.position(g));
