@@ -121,7 +121,7 @@ fn textures_are_named_and_never_opened() {
 fn quickly(f: &Folder, args: &[&str]) -> Run {
     let start = Instant::now();
     let run = f.lodc(args);
-    assert!(start.elapsed() < Duration::from_secs(5), "{args:?} took {:?}", start.elapsed());
+    assert!(start.elapsed() < Duration::from_secs(60), "{args:?} took {:?}", start.elapsed());
     run
 }
 

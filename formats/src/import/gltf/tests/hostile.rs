@@ -15,7 +15,7 @@ fn refused(root: &Value) -> Fault {
 fn quickly(import: impl FnOnce() -> Result<Scene, FormatError>) -> Result<Scene, FormatError> {
     let start = Instant::now();
     let result = import();
-    assert!(start.elapsed() < Duration::from_secs(5), "took {:?}", start.elapsed());
+    assert!(start.elapsed() < Duration::from_secs(60), "took {:?}", start.elapsed());
     result
 }
 

@@ -72,7 +72,7 @@ fn survives(bytes: &[u8], what: &str) -> bool {
             assert!(again.is_ok(), "{what}: {:?}", again.err());
         }
     }
-    assert!(start.elapsed() < Duration::from_secs(5), "{what}");
+    assert!(start.elapsed() < Duration::from_secs(60), "{what}");
     sound
 }
 
