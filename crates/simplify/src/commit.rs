@@ -12,7 +12,6 @@ impl<M: Metric> Engine<'_, M> {
     pub(crate) fn commit(&mut self, from: u32, to: u32, changes_topology: bool, serial: &mut Serial) {
         serial.epoch += 1;
         serial.stale.clear();
-        serial.outer.clear();
         serial.first_time(from);
         serial.first_time(to);
         serial.stale.push(to);

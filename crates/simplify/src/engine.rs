@@ -49,7 +49,7 @@ pub(crate) struct Serial {
     /// Groups whose ranking is out of date.
     pub(crate) stale: Vec<u32>,
     /// Groups that may have become free, or follow the group that others were moved to.
-    pub(crate) outer: Vec<u32>,
+    outer: Vec<u32>,
     marks: Vec<u32>,
     pub(crate) epoch: u32,
 }

@@ -33,6 +33,17 @@ pub(crate) struct Local {
     c: f64,
 }
 
+impl Local {
+    /// Adds the share of an accumulated quadric.
+    fn remember(&mut self, old: &Quadric) {
+        for (x, o) in self.a.iter_mut().zip(old.a) {
+            *x += MEMORY * o;
+        }
+        self.b += MEMORY * old.b;
+        self.c += MEMORY * old.c;
+    }
+}
+
 impl QuadricMetric {
     pub(crate) fn new(mesh: &Working, wedges: &Wedges) -> Self {
         let mut surface = vec![Quadric::default(); mesh.places.len()];
@@ -74,18 +85,10 @@ impl Metric for QuadricMetric {
         for i in [0, 3, 5] {
             a[i] += TIE_WEIGHT * weight;
         }
-        let old = &self.surface[from as usize];
-        for (x, o) in a.iter_mut().zip(old.a) {
-            *x += MEMORY * o;
-        }
-        let mut local = Local { a, b: MEMORY * old.b, c: MEMORY * old.c };
+        let mut local = Local { a, b: glam::DVec3::ZERO, c: 0.0 };
+        local.remember(&self.surface[from as usize]);
         if self.border_of[from as usize] != NONE {
-            let border = &self.border[self.border_of[from as usize] as usize];
-            for (x, o) in local.a.iter_mut().zip(border.a) {
-                *x += MEMORY * o;
-            }
-            local.b += MEMORY * border.b;
-            local.c += MEMORY * border.c;
+            local.remember(&self.border[self.border_of[from as usize] as usize]);
         }
         local
     }
