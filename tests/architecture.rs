@@ -8,8 +8,8 @@ const DRAWING: &[(&str, &[&str])] = &[
     ("crates/mesh", &["glam"]),
     ("crates/simplify", &["lodc-mesh", "glam", "rayon"]),
     ("crates/strip", &["lodc-mesh", "rayon"]),
-    ("crates/lod", &["lodc-mesh"]),
-    ("formats", &["lodc-lod", "lodc-mesh", "bincode", "gltf", "serde", "serde_json", "tobj", "xxhash-rust"]),
+    ("crates/lod", &["lodc-mesh", "lodc-strip", "rayon"]),
+    ("formats", &["lodc-lod", "lodc-mesh", "bincode", "gltf", "serde", "serde_json", "xxhash-rust"]),
     (
         "cli",
         &[
@@ -41,7 +41,6 @@ const LONG_FILES: &[(&str, &str)] = &[];
 /// A word in code, and the only places that may use it.
 const OWNED: &[(&str, &[&str])] = &[
     ("gltf::", &["formats/"]),
-    ("tobj::", &["formats/"]),
     ("bincode::", &["formats/"]),
     ("xxhash_rust::", &["formats/"]),
     ("std::fs", &["formats/", "cli/"]),

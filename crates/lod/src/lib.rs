@@ -8,13 +8,16 @@
 //! `lodc-formats` lays them out.
 
 mod any;
+mod bytes;
 pub mod interactive;
 mod model;
 mod storage;
+mod strips;
 mod verify;
 
 pub use any::{AnyCursor, AnyModel, ModelKind};
 pub use interactive::Interactive;
 pub use model::{Array, BuildError, Changes, Model, Traffic};
 pub use storage::StorageCost;
+pub use strips::StripKind;
 pub use verify::{Check, Failure, Reference, TooMuchWork, VerifyOptions, first_difference, verify};

@@ -41,6 +41,8 @@ pub trait Model {
 
 /// Hears which triangles go and which come while a cursor moves.
 pub trait Changes {
+    /// Whether anybody listens. A model need not work out what nobody hears.
+    const HEARD: bool = true;
     /// A triangle is not drawn any more.
     fn gone(&mut self, triangle: OrientedTriangle);
     /// A triangle is drawn from now on.
@@ -49,6 +51,7 @@ pub trait Changes {
 
 /// Hears nothing.
 impl Changes for () {
+    const HEARD: bool = false;
     fn gone(&mut self, _: OrientedTriangle) {}
     fn came(&mut self, _: OrientedTriangle) {}
 }
@@ -89,6 +92,13 @@ pub enum BuildError {
         /// Its name.
         model: &'static str,
     },
+    /// A stored array does not fit the mesh, the sequence or itself.
+    Malformed {
+        /// Name of the array.
+        array: &'static str,
+        /// What is wrong with it.
+        what: String,
+    },
     /// The stored arrays are not the ones that the model has.
     Arrays {
         /// Names of the arrays given.
@@ -103,6 +113,7 @@ impl fmt::Display for BuildError {
                 write!(f, "triangle {triangle} of submesh {submesh} stands behind one that disappears before it")
             }
             Self::NotAvailable { model } => write!(f, "this version does not have the model {model}"),
+            Self::Malformed { array, what } => write!(f, "the array \"{array}\" {what}"),
             Self::Arrays { given } => write!(f, "the model does not have the arrays [{}]", given.join(", ")),
         }
     }
