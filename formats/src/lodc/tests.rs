@@ -174,7 +174,7 @@ fn set<const N: usize>(bytes: &mut [u8], at: usize, value: [u8; N]) {
 fn other_files_and_other_versions_are_refused_by_name() {
     fails(b"", Fault::Malformed, "not a .lodc file");
     fails(b"glTF\x02\0\0\0", Fault::Malformed, "not a .lodc file");
-    fails(&crafted(|b| set(b, 8, 2u32.to_le_bytes())), Fault::Unsupported, "version 2 is newer");
+    fails(&crafted(|b| set(b, 8, 3u32.to_le_bytes())), Fault::Unsupported, "version 3 is newer");
     fails(&crafted(|b| set(b, 8, 0u32.to_le_bytes())), Fault::Malformed, "no version 0");
 }
 
