@@ -1,6 +1,6 @@
 //! The closed list of models: the one place that names them all.
 
-use crate::{Array, BuildError, Changes, Interactive, Model, StorageCost, Traffic};
+use crate::{Array, BuildError, Changes, Interactive, Model, StorageCost, StripKind, StripPool, Strips, Traffic};
 use lodc_mesh::{Lod, OrientedTriangle, Simplified};
 use std::{str::FromStr, sync::Arc};
 
@@ -23,6 +23,16 @@ impl ModelKind {
     #[must_use]
     pub const fn available(self) -> bool {
         matches!(self, Self::Interactive)
+    }
+
+    /// The generator whose strips the model is made of unless told otherwise; none if it is not made of strips.
+    #[must_use]
+    pub const fn strips(self) -> Option<StripKind> {
+        match self {
+            Self::Speed => Some(StripKind::Stripe),
+            Self::Masking => Some(StripKind::Cache),
+            Self::Interactive => None,
+        }
     }
 
     /// Its name in options, files and reports.
@@ -61,13 +71,13 @@ pub enum AnyCursor {
 }
 
 impl AnyModel {
-    /// Builds a model.
+    /// Builds a model, of strips from the pool if it is made of strips.
     ///
     /// # Errors
     /// If this version does not have it, or it cannot be made of this sequence.
-    pub fn build(kind: ModelKind, simplified: &Arc<Simplified>) -> Result<Self, BuildError> {
+    pub fn build(kind: ModelKind, strips: &mut StripPool<'_>) -> Result<Self, BuildError> {
         match kind {
-            ModelKind::Interactive => Interactive::build(simplified).map(Self::Interactive),
+            ModelKind::Interactive => Interactive::build(strips.simplified()).map(Self::Interactive),
             ModelKind::Speed | ModelKind::Masking => Err(BuildError::NotAvailable { model: kind.name() }),
         }
     }
@@ -88,6 +98,14 @@ impl AnyModel {
     pub fn kind(&self) -> ModelKind {
         match self {
             Self::Interactive(_) => ModelKind::Interactive,
+        }
+    }
+
+    /// The strips that it is made of, if it is.
+    #[must_use]
+    pub fn strips(&self) -> Option<&Strips> {
+        match self {
+            Self::Interactive(_) => None,
         }
     }
 

@@ -19,5 +19,5 @@ pub use any::{AnyCursor, AnyModel, ModelKind};
 pub use interactive::Interactive;
 pub use model::{Array, BuildError, Changes, Model, Traffic};
 pub use storage::StorageCost;
-pub use strips::StripKind;
+pub use strips::{StripKind, StripOptions, StripPool, Strips};
 pub use verify::{Check, Failure, Reference, TooMuchWork, VerifyOptions, first_difference, verify};

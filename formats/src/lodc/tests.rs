@@ -3,7 +3,7 @@
 use super::*;
 use crate::{ObjDocument, ObjMaterial, SourceFormat, SubmeshInfo};
 use lodc_fixtures as fixtures;
-use lodc_lod::ModelKind;
+use lodc_lod::{ModelKind, StripOptions, StripPool};
 use lodc_mesh::Mesh;
 
 pub(super) fn object(name: &str, mesh: &Mesh) -> LodObject {
@@ -19,7 +19,8 @@ pub(super) fn object(name: &str, mesh: &Mesh) -> LodObject {
         world_scale: 2.5,
         document_mesh: 3,
     };
-    let model = AnyModel::build(ModelKind::Interactive, &simplified).expect("triangles are in order");
+    let model = AnyModel::build(ModelKind::Interactive, &mut StripPool::new(&simplified, StripOptions::default()))
+        .expect("triangles are in order");
     LodObject { info, simplified, models: vec![model] }
 }
 

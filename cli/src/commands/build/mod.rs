@@ -15,6 +15,7 @@ use crate::progress::Progress;
 use crate::report::{BuildReport, InputReport, SCHEMA_VERSION};
 use crate::stages::Stages;
 use clap::{Args, ValueEnum};
+use lodc_lod::StripKind;
 use lodc_strip::Effort;
 use rayon::ThreadPoolBuilder;
 use std::num::NonZeroUsize;
@@ -48,10 +49,10 @@ pub(crate) struct BuildArgs {
     /// Normals, texture coordinates and colours take no part in the cost
     #[arg(long)]
     no_attributes: bool,
-    /// Strip generator (acts with the strip models)
+    /// Strip generator of both strip models [default: stripe for speed, cache for masking]
     #[arg(long, value_enum)]
     strips: Option<StripsName>,
-    /// How long strip generation may search (acts with the strip models)
+    /// How long strip generation may search
     #[arg(long, value_enum, default_value = "default")]
     effort: EffortName,
     /// Threads; the output does not depend on it [default: all cores]
@@ -81,6 +82,15 @@ enum MetricName {
 enum StripsName {
     Stripe,
     Cache,
+}
+
+impl StripsName {
+    fn kind(self) -> StripKind {
+        match self {
+            Self::Stripe => StripKind::Stripe,
+            Self::Cache => StripKind::Cache,
+        }
+    }
 }
 
 /// How long strip generation may search.
