@@ -5,6 +5,7 @@ mod pipeline;
 mod summary;
 
 pub(crate) use counts::counts;
+pub(crate) use pipeline::simplify_all;
 
 use crate::console::{self, error};
 use crate::exit::{Failure, Outcome, Status};
