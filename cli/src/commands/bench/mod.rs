@@ -7,7 +7,7 @@ mod report;
 mod subject;
 mod text;
 
-pub(crate) use subject::baselines;
+pub(crate) use subject::{baselines, plain};
 
 use super::build::{EffortName, MOST_THREADS, simplify_all};
 use super::read::read_lodc;

@@ -2,7 +2,7 @@
 
 use super::measure::{Times, counts, stops, times};
 use super::report::{BenchObject, Bits, DrawnReport, ExtractionReport, SubjectReport, TrafficReport};
-use super::subject::{Subject, baselines, subjects};
+use super::subject::{Subject, baselines, plain, subjects};
 use super::{BenchArgs, primitives};
 use crate::commands::build::counts as object_counts;
 use crate::exit::Outcome;
@@ -57,11 +57,7 @@ pub(super) fn measure(args: &BenchArgs, object: &LodObject) -> Outcome<BenchObje
         };
         models.insert(subject.name.to_owned(), value(&row));
     }
-    let plain = [
-        ("triangles", StorageCost::of_triangles(&object.simplified)),
-        ("strips", StorageCost::of_strips(&object.simplified, &stripe)),
-    ];
-    for (name, cost) in plain {
+    for (name, cost) in plain(&object.simplified, &stripe) {
         let bits_per_vertex = of_cost([cost, cost], None, None);
         let row = SubjectReport { baseline: true, bits_per_vertex, drawn: None, traffic: None, extraction: None };
         models.insert(name.to_owned(), value(&row));

@@ -3,7 +3,8 @@
 use crate::exit::{Failure, Outcome, Status};
 use lodc_formats::lodc::{LodObject, stored_bytes};
 use lodc_lod::{Baseline, Model, StorageCost, Traffic};
-use lodc_mesh::Lod;
+use lodc_mesh::{Lod, Simplified};
+use lodc_strip::StripSet;
 
 /// A model with a cursor on it, whatever its kind.
 pub(super) trait Runner {
@@ -72,6 +73,11 @@ pub(super) fn subjects<'a>(object: &'a LodObject, baselines: &'a [Baseline]) -> 
         ..subject(b, true)
     });
     models.chain(baselines).collect()
+}
+
+/// What has no levels of detail: plain triangles, and plain strips drawn one by one.
+pub(crate) fn plain(simplified: &Simplified, strips: &StripSet) -> [(&'static str, StorageCost); 2] {
+    [("triangles", StorageCost::of_triangles(simplified)), ("strips", StorageCost::of_strips(simplified, strips))]
 }
 
 /// The baselines of an object.
