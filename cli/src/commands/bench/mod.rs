@@ -7,9 +7,10 @@ mod report;
 mod subject;
 mod text;
 
+pub(crate) use primitives::strips as strips_of;
 pub(crate) use subject::{baselines, plain};
 
-use super::build::{EffortName, MOST_THREADS, simplify_all};
+use super::build::{EffortName, MOST_THREADS, StripsName, simplify_all};
 use super::read::read_lodc;
 use crate::console::{self, error, warning};
 use crate::exit::{Failure, Outcome, Status};
@@ -19,14 +20,17 @@ use crate::output;
 use crate::progress::Progress;
 use crate::report::SCHEMA_VERSION;
 use clap::Args;
-use lodc_formats::import;
 use lodc_formats::lodc::LodObject;
+use lodc_formats::{ObjectInfo, import};
+use lodc_lod::{AnyModel, ModelKind, StripKind, StripOptions, StripPool, Strips};
+use lodc_mesh::Simplified;
 use lodc_simplify::Options;
 use rayon::ThreadPoolBuilder;
 use report::{BenchFile, BenchReport};
 use std::num::{NonZeroU32, NonZeroUsize};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Options of `bench`.
 #[derive(Args, Debug)]
@@ -38,9 +42,12 @@ pub(crate) struct BenchArgs {
     /// Meshes (OBJ, glTF, GLB), or .lodc files with their models as they are
     #[arg(required = true)]
     inputs: Vec<PathBuf>,
-    /// Models to measure, separated by commas [default: those of a .lodc file, every one for a mesh]
+    /// Models to measure, separated by commas; those that a .lodc file has not are made [default: every one]
     #[arg(long, value_delimiter = ',', value_name = "MODELS")]
     models: Vec<ModelName>,
+    /// Strip generator of both strip models [default: stripe for speed, cache for masking]
+    #[arg(long, value_enum)]
+    strips: Option<StripsName>,
     /// How long strip generation may search
     #[arg(long, value_enum, default_value = "default")]
     effort: EffortName,
@@ -121,19 +128,44 @@ fn bench_one(args: &BenchArgs, input: &Path) -> (BenchFile, Status) {
     (BenchFile { file: name, error: Some(failure.message), objects: vec![] }, failure.status)
 }
 
-/// The objects of an input with the models that were asked for.
-fn objects(args: &BenchArgs, input: &Path) -> Outcome<Vec<LodObject>> {
-    let bug = |what: String| Failure::new(Status::Bug, format!("{}: {what}", input.display()));
+/// An object with the models that were asked for, and strips of both kinds.
+struct Prepared {
+    object: LodObject,
+    stripe: Arc<Strips>,
+    cache: Arc<Strips>,
+}
+
+/// Makes what is missing of an object.
+fn prepare(
+    args: &BenchArgs,
+    info: ObjectInfo,
+    simplified: Arc<Simplified>,
+    mut models: Vec<AnyModel>,
+) -> Outcome<Prepared> {
+    let effort = args.effort.into();
+    let wanted = args.strips.map(StripsName::kind);
+    let mut pool = StripPool::new(&simplified, StripOptions { kind: None, effort });
+    let [stripe, cache] = [StripKind::Stripe, StripKind::Cache].map(|kind| pool.get(kind));
+    let has = |models: &[AnyModel], kind: ModelKind| models.iter().any(|m| m.kind() == kind);
     let kinds = levels::chosen(&args.models);
+    if !args.models.is_empty() {
+        models.retain(|m| kinds.contains(&m.kind()));
+    }
+    let missing: Vec<ModelKind> = kinds.into_iter().filter(|&kind| !has(&models, kind)).collect();
+    if wanted.is_some() {
+        pool = StripPool::new(&simplified, StripOptions { kind: wanted, effort });
+    }
+    let bug = |what: String| Failure::new(Status::Bug, format!("{}: {what}", info.name));
+    models.extend(levels::models(&mut pool, &missing).map_err(bug)?);
+    models.sort_by_key(AnyModel::kind);
+    Ok(Prepared { object: LodObject { info, simplified, models }, stripe, cache })
+}
+
+/// The objects of an input.
+fn objects(args: &BenchArgs, input: &Path) -> Outcome<Vec<Prepared>> {
     if input.extension().is_some_and(|e| e.eq_ignore_ascii_case("lodc")) {
         let (file, _) = read_lodc(input, args.import.options().limits)?;
-        let mut objects = file.objects;
-        for o in objects.iter_mut().filter(|_| !args.models.is_empty()) {
-            o.models.retain(|m| kinds.contains(&m.kind()));
-            let missing: Vec<_> = kinds.iter().copied().filter(|k| o.models.iter().all(|m| m.kind() != *k)).collect();
-            o.models.extend(levels::models(&o.simplified, &missing).map_err(bug)?);
-        }
-        return Ok(objects);
+        return file.objects.into_iter().map(|o| prepare(args, o.info, o.simplified, o.models)).collect();
     }
     let scene = import::import(input, &args.import.options())?;
     let name = input.display().to_string();
@@ -145,6 +177,5 @@ fn objects(args: &BenchArgs, input: &Path) -> Outcome<Vec<LodObject>> {
     progress.stage("simplify");
     let simplified = simplify_all(scene.objects, &Options::DEFAULT, triangles, &progress);
     progress.stage("models");
-    let objects = simplified.into_iter().map(|(info, s)| levels::with_models(info, s, &kinds));
-    objects.collect::<Result<_, _>>().map_err(bug)
+    simplified.into_iter().map(|(info, simplified)| prepare(args, info, simplified, Vec::new())).collect()
 }

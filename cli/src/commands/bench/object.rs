@@ -3,12 +3,10 @@
 use super::measure::{Times, counts, stops, times};
 use super::report::{BenchObject, Bits, DrawnReport, ExtractionReport, SubjectReport, TrafficReport};
 use super::subject::{Subject, baselines, plain, subjects};
-use super::{BenchArgs, primitives};
+use super::{BenchArgs, Prepared, primitives};
 use crate::commands::build::counts as object_counts;
 use crate::exit::Outcome;
-use lodc_formats::lodc::LodObject;
 use lodc_lod::{StorageCost, StripKind};
-use lodc_strip::Effort;
 use serde::Serialize;
 use serde_json::{Map, Value};
 
@@ -16,12 +14,11 @@ use serde_json::{Map, Value};
 ///
 /// # Errors
 /// If a baseline cannot be made of its sequence: a bug.
-pub(super) fn measure(args: &BenchArgs, object: &LodObject) -> Outcome<BenchObject> {
+pub(super) fn measure(args: &BenchArgs, prepared: &Prepared) -> Outcome<BenchObject> {
+    let Prepared { object, stripe, cache } = prepared;
     let (mesh, collapses) = (object.simplified.mesh(), object.simplified.collapses());
     let stops = stops(collapses, args.steps);
     let far = collapses.lod_for_triangles(collapses.parts().triangles / 100).min(collapses.last_visible());
-    let [stripe, cache] =
-        [StripKind::Stripe, StripKind::Cache].map(|kind| kind.generate(&object.simplified, Effort::from(args.effort)));
     let baselines = baselines(object)?;
     let mut subjects = subjects(object, &baselines);
 
@@ -57,7 +54,7 @@ pub(super) fn measure(args: &BenchArgs, object: &LodObject) -> Outcome<BenchObje
         };
         models.insert(subject.name.to_owned(), value(&row));
     }
-    for (name, cost) in plain(&object.simplified, &stripe) {
+    for (name, cost) in plain(&object.simplified, stripe) {
         let bits_per_vertex = of_cost([cost, cost], None, None);
         let row = SubjectReport { baseline: true, bits_per_vertex, drawn: None, traffic: None, extraction: None };
         models.insert(name.to_owned(), value(&row));
@@ -66,8 +63,8 @@ pub(super) fn measure(args: &BenchArgs, object: &LodObject) -> Outcome<BenchObje
     let primitives = [
         ("triangles", primitives::triangles(mesh)),
         ("triangles_cache", primitives::cache_ordered(mesh)),
-        (StripKind::Stripe.name(), primitives::strips(mesh, &stripe)),
-        (StripKind::Cache.name(), primitives::strips(mesh, &cache)),
+        (StripKind::Stripe.name(), primitives::strips(mesh, stripe)),
+        (StripKind::Cache.name(), primitives::strips(mesh, cache)),
     ];
     Ok(BenchObject {
         counts: object_counts(&object.info, &object.simplified),

@@ -30,6 +30,6 @@ pub(super) fn cache_ordered(mesh: &Mesh) -> PrimitiveReport {
 }
 
 /// Strips, each drawn by itself.
-pub(super) fn strips(mesh: &Mesh, strips: &StripSet) -> PrimitiveReport {
+pub(crate) fn strips(mesh: &Mesh, strips: &StripSet) -> PrimitiveReport {
     report(mesh, strips.indices(), Some(strips.len()))
 }

@@ -41,13 +41,13 @@ pub(super) struct BenchObject {
 
 /// How the triangles of LOD 0 are handed to a graphics card.
 #[derive(Clone, Copy, Debug, Serialize)]
-pub(super) struct PrimitiveReport {
+pub(crate) struct PrimitiveReport {
     /// Null for lists.
-    pub(super) strips: Option<u64>,
-    pub(super) indices: u64,
-    pub(super) indices_per_triangle: f64,
+    pub(crate) strips: Option<u64>,
+    pub(crate) indices: u64,
+    pub(crate) indices_per_triangle: f64,
     /// Misses per triangle of a first-in-first-out cache of 16 vertices.
-    pub(super) acmr_fifo16: f64,
+    pub(crate) acmr_fifo16: f64,
 }
 
 /// One model or baseline.

@@ -1,7 +1,7 @@
 //! Baselines against the reference, and their storage against the thesis's formulae.
 
 use super::*;
-use crate::{Reference, StripKind, VerifyOptions, first_difference, verify};
+use crate::{Reference, StripKind, Strips, VerifyOptions, first_difference, verify};
 use lodc_fixtures as fixtures;
 use lodc_mesh::{Mesh, TriangleHash};
 use lodc_simplify::{Options, simplify};
@@ -176,7 +176,7 @@ fn discrete_levels_take_three_times_the_triangles() {
 #[test]
 fn plain_strips_take_three_words_per_vertex_and_one_per_index() {
     let (simplified, v) = closed();
-    let strips = StripKind::Stripe.generate(&simplified, Effort::Fast);
+    let strips = Strips::generate(&simplified, StripKind::Stripe, Effort::Fast);
     let i = strips.separate_indices() as f64;
     near(words(&StorageCost::of_strips(&simplified, &strips)), ((3.0 * v + i) / v, (6.0 * v + i) / v));
 }
