@@ -52,9 +52,7 @@ impl Cursor {
         Lod(self.lod)
     }
 
-    /// How many indices are drawn.
-    #[must_use]
-    pub fn indices(&self) -> u64 {
+    pub(super) fn drawn(&self) -> u64 {
         self.indices
     }
 

@@ -1,7 +1,7 @@
-//! The tables of the thesis (4.2.1), what they take to store, and how much is drawn (fig. 4.9).
+//! The tables of the thesis (4.2.1), and what they take to store.
 
 use super::Masking;
-use crate::{Model, StorageCost};
+use crate::StorageCost;
 use lodc_mesh::Lod;
 
 /// One entry of the thesis's list of records. A record that changes 255 strips or more has several: one that has 255 is
@@ -25,17 +25,6 @@ pub struct InfoStrip {
     pub position_mask: u64,
     /// The positions that are drawn at the end of the step; none if no triangle of the strip is left.
     pub filter_mask: u64,
-}
-
-/// How many indices are drawn at a LOD.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct DrawnIndices {
-    /// The LOD.
-    pub lod: Lod,
-    /// Indices of the filtered strips.
-    pub strips: u64,
-    /// Indices of a list of the same triangles: three for each.
-    pub triangles: u64,
 }
 
 impl Masking {
@@ -65,37 +54,21 @@ impl Masking {
             InfoStrip { strip, position_mask: entry.positions, filter_mask: entry.filter }
         })
     }
+}
 
-    /// [`Model::storage`] of a model that goes down no further than `lod`: vertices and strips are the same, records and
-    /// what they do to strips are those before it (as eq. 5.5 counts).
-    #[must_use]
-    pub fn storage_to(&self, lod: Lod) -> StorageCost {
-        let plain = StorageCost::of_triangles(&self.simplified);
-        let geometry = 12 * (plain.vertices + plain.fakes);
-        let records = lod.0.min(self.simplified.collapses().records());
-        let counts = self.starts.windows(2).take(records as usize).map(|start| u64::from(start[1] - start[0]));
-        // Five bytes a record, and five more whenever 255 is not enough.
-        let updates: u64 = counts.map(|strips| 5 * (1 + strips / 255)).sum();
-        let of_strip = |strip: usize| {
-            let history = &self.entries[self.history(strip)];
-            let entries = history.partition_point(|entry| entry.record < records) as u64;
-            entries * (4 + 2 * self.strips.range(strip).len().div_ceil(8) as u64)
-        };
-        let strips: u64 = (0..self.strips.len()).map(of_strip).sum();
-        let primitives = 4 * self.strips.separate_indices();
-        StorageCost { positions: geometry, normals: geometry, primitives, structures: updates + strips, ..plain }
-    }
-
-    /// How many indices are drawn on a sweep of `steps` equal moves (at least 1) from LOD 0 to the coarsest (thesis fig. 4.9).
-    #[must_use]
-    pub fn drawn_indices(&self, steps: u32) -> Vec<DrawnIndices> {
-        let (collapses, mut cursor) = (self.simplified.collapses(), self.cursor());
-        let stops = (0..=steps.max(1)).map(|i| {
-            let lod = u64::from(collapses.records()) * u64::from(i) / u64::from(steps.max(1));
-            self.seek(&mut cursor, Lod(lod as u32), &mut ());
-            let lod = self.lod(&cursor);
-            DrawnIndices { lod, strips: cursor.indices(), triangles: 3 * u64::from(collapses.triangles_at(lod)) }
-        });
-        stops.collect()
-    }
+/// What the tables take down to the end of a step: vertices and strips are those of the whole model.
+pub(super) fn storage(model: &Masking, lod: Lod) -> StorageCost {
+    let plain = StorageCost::of_triangles(&model.simplified);
+    let geometry = 12 * (plain.vertices + plain.fakes);
+    let counts = model.starts.windows(2).take(lod.0 as usize).map(|start| u64::from(start[1] - start[0]));
+    // Five bytes a record, and five more whenever 255 is not enough.
+    let updates: u64 = counts.map(|strips| 5 * (1 + strips / 255)).sum();
+    let of_strip = |strip: usize| {
+        let history = &model.entries[model.history(strip)];
+        let entries = history.partition_point(|entry| entry.record < lod.0) as u64;
+        entries * (4 + 2 * model.strips.range(strip).len().div_ceil(8) as u64)
+    };
+    let strips: u64 = (0..model.strips.len()).map(of_strip).sum();
+    let primitives = 4 * model.strips.separate_indices();
+    StorageCost { positions: geometry, normals: geometry, primitives, structures: updates + strips, ..plain }
 }

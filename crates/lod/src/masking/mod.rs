@@ -20,20 +20,19 @@ mod tests;
 mod trim;
 
 pub use cursor::Cursor;
-pub use info::{DrawnIndices, InfoStrip, InfoUpdate};
+pub use info::{InfoStrip, InfoUpdate};
 
 use crate::strips::{STRIPS, from_array, to_array};
-use crate::{Array, BuildError, Changes, Model, StorageCost, Traffic};
+use crate::{Array, BuildError, Changes, Model, StorageCost, Strips, Traffic};
 use history::Entry;
 use lodc_mesh::{Lod, OrientedTriangle, PositionIds, Simplified};
-use lodc_strip::StripSet;
 use std::sync::Arc;
 
 /// Masking Strips of a mesh.
 #[derive(Clone, Debug)]
 pub struct Masking {
     simplified: Arc<Simplified>,
-    strips: Arc<StripSet>,
+    strips: Arc<Strips>,
     positions: PositionIds,
     /// The submesh of each strip.
     submeshes: Vec<u32>,
@@ -56,8 +55,9 @@ impl Masking {
     /// # Errors
     /// If the sequence changes strips so often that the model would be far larger than the mesh
     /// ([`BuildError::Malformed`]): no sequence of a simplifier does.
-    pub fn build(simplified: &Arc<Simplified>, strips: Arc<StripSet>) -> Result<Self, BuildError> {
-        let strips = cut::cut(&strips, Self::LONGEST_STRIP).map_or(strips, Arc::new);
+    pub fn build(simplified: &Arc<Simplified>, strips: Arc<Strips>) -> Result<Self, BuildError> {
+        let cut = cut::cut(&strips, Self::LONGEST_STRIP).map(|set| Strips { kind: strips.kind, set });
+        let strips = cut.map_or(strips, Arc::new);
         let positions = PositionIds::new(simplified.mesh().positions());
         let histories = history::histories(simplified, &strips, &positions).ok_or_else(|| BuildError::Malformed {
             array: STRIPS,
@@ -98,7 +98,7 @@ impl Masking {
 
     /// The strips at LOD 0, none longer than [`Self::LONGEST_STRIP`].
     #[must_use]
-    pub fn strips(&self) -> &Arc<StripSet> {
+    pub fn strips(&self) -> &Arc<Strips> {
         &self.strips
     }
 
@@ -152,9 +152,12 @@ impl Model for Masking {
     fn triangles(&self, cursor: &Cursor) -> Vec<OrientedTriangle> {
         cursor.triangles(self)
     }
+    fn drawn(&self, cursor: &Cursor) -> u64 {
+        cursor.drawn()
+    }
     /// Strips, 1¼ words a record, and for each strip that a record changes one word and two masks of `⌈length / 8⌉` bytes.
-    fn storage(&self) -> StorageCost {
-        self.storage_to(self.simplified.collapses().last())
+    fn storage_to(&self, lod: Lod) -> StorageCost {
+        info::storage(self, self.simplified.collapses().floor(lod))
     }
     fn arrays(&self) -> Vec<Array> {
         vec![to_array(&self.strips, self.simplified.mesh().vertex_count())]

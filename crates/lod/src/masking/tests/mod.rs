@@ -7,6 +7,7 @@ mod replay;
 use super::*;
 use lodc_fixtures as fixtures;
 use lodc_mesh::{CollapseSequence, Mesh, MeshParts, SequenceParts, Submesh};
+use lodc_strip::StripSet;
 
 /// A flat mesh of one submesh with its vertices already in collapse order, one record a step, and strips that draw it.
 fn model(vertices: u32, targets: &[u32], strips: &[&[u32]]) -> Masking {
@@ -43,12 +44,13 @@ fn model(vertices: u32, targets: &[u32], strips: &[&[u32]]) -> Masking {
     Masking::build(&simplified, Arc::new(set)).expect("few entries")
 }
 
-fn strip_set(strips: &[&[u32]]) -> StripSet {
+fn strip_set(strips: &[&[u32]]) -> Strips {
     let ends = strips.iter().scan(0, |end, strip| {
         *end += strip.len() as u32;
         Some(*end)
     });
-    StripSet::from_parts(strips.concat(), ends.collect(), vec![strips.len() as u32]).expect("ends rise")
+    let set = StripSet::from_parts(strips.concat(), ends.collect(), vec![strips.len() as u32]).expect("ends rise");
+    Strips { kind: crate::StripKind::Cache, set }
 }
 
 /// A mask as the thesis prints it: the first position first.
