@@ -176,7 +176,7 @@ fn discrete_levels_take_three_times_the_triangles() {
 #[test]
 fn plain_strips_take_three_words_per_vertex_and_one_per_index() {
     let (simplified, v) = closed();
-    let strips = StripKind::Stripe.generate(&simplified, Effort::Fast);
+    let strips = crate::Strips::generate(&simplified, StripKind::Stripe, Effort::Fast);
     let i = strips.separate_indices() as f64;
     near(words(&StorageCost::of_strips(&simplified, &strips)), ((3.0 * v + i) / v, (6.0 * v + i) / v));
 }
