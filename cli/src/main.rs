@@ -4,6 +4,7 @@ mod cli;
 mod commands;
 mod console;
 mod exit;
+mod gpu;
 mod interrupt;
 mod levels;
 mod limits;

@@ -1,5 +1,6 @@
 //! The closed list of models: the one place that names them all.
 
+use crate::plan::{Plan, PlanError};
 use crate::{Array, BuildError, Changes, Interactive, Model, StorageCost, StripKind, StripPool, Strips, Traffic};
 use lodc_mesh::{Lod, OrientedTriangle, Simplified};
 use std::{str::FromStr, sync::Arc};
@@ -106,6 +107,19 @@ impl AnyModel {
     pub fn strips(&self) -> Option<&Strips> {
         match self {
             Self::Interactive(_) => None,
+        }
+    }
+
+    /// Its replays on a graphics device over a schedule of LODs; none if the model has none.
+    ///
+    /// # Errors
+    /// If the mesh is too large or too deep for any device.
+    pub fn replays(&self, stops: &[Lod]) -> Result<Vec<Plan<'_>>, PlanError> {
+        if self.simplified().mesh().vertex_count() == 0 {
+            return Ok(Vec::new());
+        }
+        match self {
+            Self::Interactive(model) => Ok(vec![model.continuous(stops.to_vec())?]),
         }
     }
 

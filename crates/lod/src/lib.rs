@@ -11,6 +11,7 @@ mod any;
 mod bytes;
 pub mod interactive;
 mod model;
+pub mod plan;
 mod storage;
 mod strips;
 mod verify;

@@ -10,12 +10,14 @@ mod extract;
 mod index;
 mod links;
 mod lists;
+mod replay;
 #[cfg(test)]
 mod tests;
 
 pub use cursor::Cursor;
 pub use extract::Extraction;
 pub use lists::{CollapseLists, ListsTooLong};
+pub use replay::Continuous;
 
 use crate::{Array, BuildError, Changes, Model, StorageCost, Traffic};
 use lodc_mesh::{Lod, OrientedTriangle, PositionIds, Simplified};
