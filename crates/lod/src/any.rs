@@ -119,7 +119,7 @@ impl AnyModel {
             return Ok(Vec::new());
         }
         match self {
-            Self::Interactive(model) => Ok(vec![model.continuous(stops.to_vec())?]),
+            Self::Interactive(model) => model.replays(stops),
         }
     }
 

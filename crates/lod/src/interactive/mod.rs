@@ -13,6 +13,7 @@ mod lists;
 mod replay;
 #[cfg(test)]
 mod tests;
+pub mod view;
 
 pub use cursor::Cursor;
 pub use extract::Extraction;

@@ -12,11 +12,14 @@ use std::sync::Arc;
 #[derive(Clone, Debug)]
 pub struct Continuous {
     collapse_to: BufferId,
-    source: BufferId,
+    /// Records of the mesh.
+    pub source: BufferId,
     triangles: BufferId,
     submeshes: BufferId,
-    offsets: BufferId,
-    entries: BufferId,
+    /// Where each collapse list starts.
+    pub offsets: BufferId,
+    /// The collapse lists.
+    pub entries: BufferId,
     current: BufferId,
     /// The records that are drawn.
     pub vertices: BufferId,
@@ -149,7 +152,7 @@ impl Interactive {
             source: Expected::new(device.source, records.words.as_slice()),
         };
         let construction = Step {
-            lod: Lod(0),
+            at: "construction".to_owned(),
             passes: device.construction(),
             checks: vec![
                 uploaded.collapse_to.clone(),
@@ -165,7 +168,7 @@ impl Interactive {
         };
         // What no pass may write is looked at again at the end.
         let unchanged = Step {
-            lod: stops.last().copied().unwrap_or_default(),
+            at: "the end".to_owned(),
             passes: Vec::new(),
             checks: vec![
                 uploaded.collapse_to,
@@ -176,7 +179,7 @@ impl Interactive {
             ],
             twin: None,
         };
-        let locate = locate(simplified, device.clone(), records.stride);
+        let locate = locate(simplified, &device, records.stride);
         let mut twin = Twin {
             model: self,
             positions: PositionIds::new(mesh.positions()),
@@ -243,7 +246,7 @@ impl Twin<'_> {
             Expected::new(self.device.draws, draws),
             Expected::new(self.device.trouble, [0]),
         ];
-        Step { lod, passes, checks, twin }
+        Step { at: format!("LOD {}", lod.0), passes, checks, twin }
     }
 
     fn judge(&self, lod: Lod, triangles: Vec<OrientedTriangle>) -> Option<Failure> {
@@ -253,7 +256,12 @@ impl Twin<'_> {
 }
 
 /// Names the vertex or submesh of a word, and the first triangle that has the vertex.
-fn locate(simplified: &Simplified, device: Continuous, stride: usize) -> impl Fn(BufferId, usize) -> String {
+pub(super) fn locate(
+    simplified: &Simplified,
+    device: &Continuous,
+    stride: usize,
+) -> impl Fn(BufferId, usize) -> String + use<> {
+    let device = device.clone();
     let triangles: Arc<[[u32; 3]]> = simplified.mesh().triangles().into();
     let submeshes: Vec<_> = simplified.mesh().submeshes().iter().map(|s| s.triangles()).collect();
     move |buffer, word| {

@@ -14,7 +14,6 @@ pub use scan::Scan;
 pub use schedule::{schedule, stops};
 
 use crate::Failure;
-use lodc_mesh::Lod;
 use std::{fmt, sync::Arc};
 
 /// What to run and what to expect. Steps are made one by one, because all expectations of a large mesh together would
@@ -36,10 +35,10 @@ pub struct Plan<'a> {
 #[derive(Clone, Debug)]
 pub struct Step {
     /// Where this is, for messages.
-    pub lod: Lod,
+    pub at: String,
     /// Run in order; each sees what the ones before it wrote.
     pub passes: Vec<Pass>,
-    /// Compared bit for bit.
+    /// Compared word by word.
     pub checks: Vec<Expected>,
     /// What is wrong with the twin itself: it is compared with the reference before a device is compared with it.
     pub twin: Option<Failure>,
@@ -54,12 +53,24 @@ pub struct Expected {
     pub first: usize,
     /// The words.
     pub words: Arc<[u32]>,
+    /// Floats in them that may be off by one unit in the last place on hardware.
+    pub tolerance: Option<Tolerance>,
+}
+
+/// Which words are results of floating-point arithmetic. Adapters that are software must agree in them bit for bit, too;
+/// of hardware WGSL does not demand it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Tolerance {
+    /// Words of a record.
+    pub stride: usize,
+    /// The first so many words of each are computed; the others are copies.
+    pub floats: usize,
 }
 
 impl Expected {
     /// A buffer from its first word on.
     pub fn new(buffer: BufferId, words: impl Into<Arc<[u32]>>) -> Self {
-        Self { buffer, first: 0, words: words.into() }
+        Self { buffer, first: 0, words: words.into(), tolerance: None }
     }
 }
 

@@ -106,6 +106,14 @@ impl Program {
             self.kernels.len() - 1
         }))
     }
+    /// What a buffer holds at the start.
+    #[must_use]
+    pub fn contents(&self, buffer: BufferId) -> Arc<[u32]> {
+        match &self.buffers[buffer.0].contents {
+            Contents::Words(words) => Arc::clone(words),
+            Contents::Zeros(len) => vec![0; *len].into(),
+        }
+    }
     /// Bytes of all buffers together.
     #[must_use]
     pub fn bytes(&self) -> u64 {
