@@ -3,10 +3,12 @@
 
 mod device;
 mod error;
+mod measure;
 mod replay;
 mod session;
 
 pub use device::{Adapter, Device};
 pub use error::GpuError;
+pub use measure::{Figure, measure};
 pub use replay::{Difference, Replayed, replay};
 pub use session::Session;

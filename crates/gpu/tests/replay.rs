@@ -1,34 +1,23 @@
-//! Every fixture on a device: construction and continuous extraction, at every step and in jumps.
+//! Every fixture on a device, in every replay that a model has.
+
+#![expect(clippy::print_stderr, reason = "a test that is left out says so aloud")]
+
+mod support;
 
 use lodc_fixtures as fixtures;
-use lodc_gpu::{Device, GpuError, replay};
-use lodc_lod::{AnyModel, Model, ModelKind, plan};
+use lodc_gpu::{Device, replay};
+use lodc_lod::{Model, plan};
 use lodc_mesh::Simplified;
-use std::sync::Arc;
-
-/// A device, or none said aloud. Where CI is set there must be one.
-fn device() -> Option<Device> {
-    match Device::open(None) {
-        Ok(device) => Some(device),
-        Err(GpuError::NoAdapter { why }) if std::env::var_os("CI").is_none() => {
-            eprintln!("SKIPPED: no graphics adapter: {why}");
-            None
-        }
-        Err(e) => panic!("{e}"),
-    }
-}
+use support::{device, models};
 
 fn check(device: &Device, name: &str, simplified: Simplified, grid: u32) {
-    let simplified = Arc::new(simplified);
-    for kind in ModelKind::ALL.into_iter().filter(|kind| kind.available()) {
-        let model = AnyModel::build(kind, &simplified).expect("a valid sequence");
-        let stops = plan::schedule(simplified.collapses(), grid, 10, 1);
+    for model in models(simplified) {
+        let stops = plan::schedule(model.simplified().collapses(), grid, 10, 1);
         for plan in model.replays(&stops).expect("a small mesh") {
-            let what = plan.name;
-            let done = replay(device, plan).unwrap_or_else(|e| panic!("{name}, {}: {e}", model.name()));
-            assert_eq!(done.difference, None, "{name}, {}, {what}", model.name());
-            assert!(done.lods > 5, "{name}, {what}");
-            assert!(done.words > 0 || simplified.mesh().vertex_count() == 0);
+            let what = format!("{name}, {}, {}", model.name(), plan.name);
+            let done = replay(device, plan).unwrap_or_else(|e| panic!("{what}: {e}"));
+            assert_eq!(done.difference, None, "{what}");
+            assert!(done.lods > 5 && done.words > 0, "{what}");
         }
     }
 }
@@ -45,6 +34,15 @@ fn every_shape_is_the_same_on_a_device() {
     for seed in 0..20 {
         check(&device, &format!("random {seed}"), fixtures::random_collapse(&fixtures::random(seed), seed), 20);
     }
+}
+
+/// Large enough for prefix sums of prefix sums, and for several workgroups in everything.
+#[test]
+fn a_large_mesh_is_the_same_on_a_device() {
+    let Some(device) = device() else { return };
+    let mesh = fixtures::icosphere(6);
+    let simplified = lodc_simplify::simplify(&mesh, &lodc_simplify::Options::default(), &|_, _| {});
+    check(&device, "icosphere 6", simplified, 3);
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! The closed list of models: the one place that names them all.
 
-use crate::plan::{Plan, PlanError};
+use crate::plan::{Benchmark, Plan, PlanError, Shader};
 use crate::{Array, BuildError, Changes, Interactive, Model, StorageCost, StripKind, StripPool, Strips, Traffic};
 use lodc_mesh::{Lod, OrientedTriangle, Simplified};
 use std::{str::FromStr, sync::Arc};
@@ -33,6 +33,15 @@ impl ModelKind {
             Self::Speed => Some(StripKind::Stripe),
             Self::Masking => Some(StripKind::Cache),
             Self::Interactive => None,
+        }
+    }
+
+    /// The kernels that an engine needs to show it, in the order of their use.
+    #[must_use]
+    pub const fn shaders(self) -> &'static [Shader] {
+        match self {
+            Self::Interactive => &crate::interactive::shaders::ALL,
+            Self::Speed | Self::Masking => &[],
         }
     }
 
@@ -120,6 +129,16 @@ impl AnyModel {
         }
         match self {
             Self::Interactive(model) => model.replays(stops),
+        }
+    }
+
+    /// What to time of it on a graphics device; nothing if the model has no replay.
+    ///
+    /// # Errors
+    /// If the mesh is too large or too deep for any device.
+    pub fn benchmark(&self) -> Result<Option<Benchmark>, PlanError> {
+        match self {
+            Self::Interactive(model) => model.benchmark().map(Some),
         }
     }
 

@@ -1,6 +1,6 @@
 //! Interactive Meshes on a graphics device: construction, continuous extraction and live counts as a [`Plan`].
 
-use super::{CollapseLists, Extraction, Interactive, ListsTooLong};
+use super::{CollapseLists, Counting, Extraction, Interactive, ListsTooLong, shaders};
 use crate::plan::{
     BufferId, Expected, KernelId, LONGEST_LOOP, Pass, Plan, PlanError, Program, Scan, Step, VertexRecords,
 };
@@ -14,8 +14,6 @@ pub struct Continuous {
     collapse_to: BufferId,
     /// Records of the mesh.
     pub source: BufferId,
-    triangles: BufferId,
-    submeshes: BufferId,
     /// Where each collapse list starts.
     pub offsets: BufferId,
     /// The collapse lists.
@@ -23,13 +21,10 @@ pub struct Continuous {
     current: BufferId,
     /// The records that are drawn.
     pub vertices: BufferId,
-    /// Arguments of one indirect draw per submesh.
-    pub draws: BufferId,
     trouble: BufferId,
     length: KernelId,
     fill: KernelId,
     extract: KernelId,
-    live: KernelId,
     scan: Scan,
     sizes: Sizes,
 }
@@ -41,7 +36,6 @@ struct Sizes {
     coarsest: u32,
     longest: u32,
     stride: u32,
-    submeshes: u32,
 }
 
 impl Continuous {
@@ -61,30 +55,24 @@ impl Continuous {
         if longest > LONGEST_LOOP {
             return Err(PlanError::TooDeep { length: longest });
         }
-        let ranges: Vec<u32> = mesh.submeshes().iter().flat_map(|s| [s.first_triangle, s.triangle_count]).collect();
         let sizes = Sizes {
             vertices: vertices as u32,
             coarsest: simplified.collapses().records(),
             longest,
             stride: records.stride as u32,
-            submeshes: mesh.submeshes().len() as u32,
         };
         let offsets = program.zeros("offsets", vertices + 1);
         Ok(Self {
             collapse_to: program.words("collapse_to", simplified.collapses().targets()),
             source: program.words("source", records.words.as_slice()),
-            triangles: program.words("triangles", mesh.triangles().as_flattened()),
-            submeshes: program.words("submeshes", ranges),
             offsets,
             entries: program.zeros("entries", lists.entries().len()),
             current: program.zeros("current", vertices),
             vertices: program.words("vertices", records.words.as_slice()),
-            draws: program.zeros("draws", 5 * mesh.submeshes().len()),
             trouble: program.zeros("trouble", 1),
-            length: program.kernel("lists_length", include_str!("lists_length.wgsl")),
-            fill: program.kernel("lists_fill", include_str!("lists_fill.wgsl")),
-            extract: program.kernel("extract", include_str!("extract.wgsl")),
-            live: program.kernel("live", include_str!("live.wgsl")),
+            length: program.kernel(shaders::LISTS_LENGTH),
+            fill: program.kernel(shaders::LISTS_FILL),
+            extract: program.kernel(shaders::EXTRACT),
             scan: Scan::new(program, offsets, vertices + 1),
             sizes,
         })
@@ -121,15 +109,15 @@ impl Continuous {
         }
     }
 
-    /// Counts live triangles for the draw.
+    /// What the construction pass makes.
     #[must_use]
-    pub fn counting(&self) -> Pass {
-        Pass {
-            kernel: self.live,
-            buffers: vec![self.submeshes, self.triangles, self.vertices, self.draws],
-            threads: self.sizes.submeshes,
-            parameters: vec![self.sizes.submeshes, self.sizes.stride],
-        }
+    pub fn constructed(&self, lists: &CollapseLists) -> Vec<Expected> {
+        vec![
+            Expected::new(self.offsets, lists.offsets()),
+            Expected::new(self.entries, lists.entries()),
+            Expected::new(self.current, &lists.offsets()[..lists.vertices()]),
+            Expected::new(self.trouble, [0]),
+        ]
     }
 }
 
@@ -146,40 +134,16 @@ impl Interactive {
         let records = VertexRecords::whole(mesh)?;
         let mut program = Program::default();
         let device = Continuous::new(&mut program, simplified, &lists, &records)?;
-        let uploaded = Uploaded {
-            collapse_to: Expected::new(device.collapse_to, simplified.collapses().targets()),
-            triangles: Expected::new(device.triangles, mesh.triangles().as_flattened()),
-            source: Expected::new(device.source, records.words.as_slice()),
-        };
-        let construction = Step {
-            at: "construction".to_owned(),
-            passes: device.construction(),
-            checks: vec![
-                uploaded.collapse_to.clone(),
-                uploaded.triangles.clone(),
-                uploaded.source.clone(),
-                Expected::new(device.offsets, lists.offsets()),
-                Expected::new(device.entries, lists.entries()),
-                Expected::new(device.current, &lists.offsets()[..lists.vertices()]),
-                Expected::new(device.vertices, records.words.as_slice()),
-                Expected::new(device.trouble, [0]),
-            ],
-            twin: None,
-        };
-        // What no pass may write is looked at again at the end.
-        let unchanged = Step {
-            at: "the end".to_owned(),
-            passes: Vec::new(),
-            checks: vec![
-                uploaded.collapse_to,
-                uploaded.triangles,
-                uploaded.source,
-                Expected::new(device.offsets, lists.offsets()),
-                Expected::new(device.entries, lists.entries()),
-            ],
-            twin: None,
-        };
-        let locate = locate(simplified, &device, records.stride);
+        let counting = Counting::new(&mut program, mesh, device.vertices, records.stride);
+        let mut made = program.uploaded(&[]);
+        made.extend(device.constructed(&lists));
+        let construction =
+            Step { at: "construction".to_owned(), passes: device.construction(), checks: made, twin: None };
+        // What extraction must not write to is looked at again at the end.
+        let mut kept = program.uploaded(&[device.vertices]);
+        kept.extend([Expected::new(device.offsets, lists.offsets()), Expected::new(device.entries, lists.entries())]);
+        let unchanged = Step { at: "the end".to_owned(), passes: Vec::new(), checks: kept, twin: None };
+        let locate = locate(simplified, &device, (counting.triangles, counting.draws), records.stride);
         let mut twin = Twin {
             model: self,
             positions: PositionIds::new(mesh.positions()),
@@ -187,6 +151,7 @@ impl Interactive {
             lists,
             records,
             device,
+            counting,
             lod: Lod(0),
         };
         let moves = stops.into_iter().map(move |lod| twin.step(lod));
@@ -202,12 +167,6 @@ pub(super) fn lists(simplified: &Simplified) -> Result<CollapseLists, PlanError>
         .map_err(|ListsTooLong { entries }| PlanError::TooLarge { what: "the collapse lists", words: entries })
 }
 
-struct Uploaded {
-    collapse_to: Expected,
-    triangles: Expected,
-    source: Expected,
-}
-
 /// The same work on the CPU.
 struct Twin<'a> {
     model: &'a Interactive,
@@ -216,6 +175,7 @@ struct Twin<'a> {
     lists: CollapseLists,
     records: VertexRecords,
     device: Continuous,
+    counting: Counting,
     lod: Lod,
 }
 
@@ -223,7 +183,7 @@ impl Twin<'_> {
     fn step(&mut self, wanted: Lod) -> Step {
         let simplified = self.model.simplified();
         let lod = simplified.collapses().floor(wanted);
-        let passes = vec![self.device.extraction(self.lod, lod), self.device.counting()];
+        let passes = vec![self.device.extraction(self.lod, lod), self.counting.pass()];
         self.extraction.seek(&self.lists, lod);
         self.lod = lod;
         let shown: Vec<u32> =
@@ -243,7 +203,7 @@ impl Twin<'_> {
         let checks = vec![
             Expected::new(self.device.current, self.extraction.pointers()),
             Expected::new(self.device.vertices, vertices),
-            Expected::new(self.device.draws, draws),
+            Expected::new(self.counting.draws, draws),
             Expected::new(self.device.trouble, [0]),
         ];
         Step { at: format!("LOD {}", lod.0), passes, checks, twin }
@@ -259,15 +219,16 @@ impl Twin<'_> {
 pub(super) fn locate(
     simplified: &Simplified,
     device: &Continuous,
+    (triangle_words, draws): (BufferId, BufferId),
     stride: usize,
 ) -> impl Fn(BufferId, usize) -> String + use<> {
     let device = device.clone();
     let triangles: Arc<[[u32; 3]]> = simplified.mesh().triangles().into();
     let submeshes: Vec<_> = simplified.mesh().submeshes().iter().map(|s| s.triangles()).collect();
     move |buffer, word| {
-        let vertex = if buffer == device.draws {
+        let vertex = if buffer == draws {
             return format!("submesh {}", word / 5);
-        } else if buffer == device.triangles {
+        } else if buffer == triangle_words {
             return format!("triangle {}", word / 3);
         } else if buffer == device.vertices || buffer == device.source {
             word / stride

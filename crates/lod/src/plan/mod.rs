@@ -3,14 +3,16 @@
 //! A model that can live on a graphics device says so by making a [`Plan`]. `lodc-gpu` runs any plan and knows no model;
 //! nothing here knows a graphics API. Every kernel stands beside its twin, the Rust code that does the same.
 
+mod benchmark;
 mod program;
 mod records;
 mod scan;
 mod schedule;
 
-pub use program::{Buffer, BufferId, Contents, Kernel, KernelId, Pass, Program, WORKGROUP};
+pub use benchmark::{Benchmark, Case};
+pub use program::{Buffer, BufferId, Contents, Kernel, KernelId, Pass, Program, Shader, WORKGROUP};
 pub use records::VertexRecords;
-pub use scan::Scan;
+pub use scan::{SCAN, SCAN_ADD, Scan};
 pub use schedule::{schedule, stops};
 
 use crate::Failure;

@@ -1,5 +1,6 @@
 //! Buffers and kernels, named by numbers that passes refer to.
 
+use super::Expected;
 use std::sync::Arc;
 
 /// A buffer of a [`Program`].
@@ -42,6 +43,15 @@ impl Contents {
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
+}
+
+/// The text of a kernel, as an engine may take it too.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shader {
+    /// The name of its file, without the extension.
+    pub name: &'static str,
+    /// The text.
+    pub wgsl: &'static str,
 }
 
 /// A compute shader with the entry point `main`, 256 threads to a workgroup. Binding 0 is a uniform buffer with a pass's
@@ -99,20 +109,22 @@ impl Program {
         BufferId(self.buffers.len() - 1)
     }
     /// Adds a kernel, or finds it if it is there.
-    pub fn kernel(&mut self, name: &'static str, wgsl: &str) -> KernelId {
-        let known = self.kernels.iter().position(|k| k.name == name);
+    pub fn kernel(&mut self, shader: Shader) -> KernelId {
+        let known = self.kernels.iter().position(|k| k.name == shader.name);
         KernelId(known.unwrap_or_else(|| {
-            self.kernels.push(Kernel { name, wgsl: wgsl.to_owned() });
+            self.kernels.push(Kernel { name: shader.name, wgsl: shader.wgsl.to_owned() });
             self.kernels.len() - 1
         }))
     }
-    /// What a buffer holds at the start.
+    /// What must be in every buffer that something is uploaded to, except those that passes write to.
     #[must_use]
-    pub fn contents(&self, buffer: BufferId) -> Arc<[u32]> {
-        match &self.buffers[buffer.0].contents {
-            Contents::Words(words) => Arc::clone(words),
-            Contents::Zeros(len) => vec![0; *len].into(),
-        }
+    pub fn uploaded(&self, written: &[BufferId]) -> Vec<Expected> {
+        let buffers = (0..self.buffers.len()).map(BufferId).filter(|id| !written.contains(id));
+        let expected = |id: BufferId| match &self.buffers[id.0].contents {
+            Contents::Words(words) => Some(Expected::new(id, Arc::clone(words))),
+            Contents::Zeros(_) => None,
+        };
+        buffers.filter_map(expected).collect()
     }
     /// Bytes of all buffers together.
     #[must_use]

@@ -1,6 +1,11 @@
 //! Prefix sums on a device, for any number of words and in one fixed order: what ordered compaction is made of.
 
-use super::{BufferId, KernelId, Pass, Program};
+use super::{BufferId, KernelId, Pass, Program, Shader};
+
+/// Prefix sums of blocks.
+pub const SCAN: Shader = Shader { name: "scan", wgsl: include_str!("scan.wgsl") };
+/// Raises blocks by what is before them.
+pub const SCAN_ADD: Shader = Shader { name: "scan_add", wgsl: include_str!("scan_add.wgsl") };
 
 /// Words that one workgroup sums.
 const BLOCK: usize = 1024;
@@ -17,8 +22,8 @@ pub struct Scan {
 impl Scan {
     /// Prepares prefix sums of the first `count` words of `data`.
     pub fn new(program: &mut Program, data: BufferId, count: usize) -> Self {
-        let block = program.kernel("scan", include_str!("scan.wgsl"));
-        let add = program.kernel("scan_add", include_str!("scan_add.wgsl"));
+        let block = program.kernel(SCAN);
+        let add = program.kernel(SCAN_ADD);
         let mut levels = vec![(data, count)];
         let mut sums = count;
         loop {

@@ -1,12 +1,14 @@
 //! The degenerate filter: ordered compaction of the triangles that are drawn (the thesis uses a geometry shader).
 
+use crate::interactive::shaders;
 use crate::plan::{BufferId, KernelId, Pass, Program, Scan};
 use lodc_mesh::{Mesh, position_key};
 
 /// Buffers and kernels of the filter.
 #[derive(Clone, Debug)]
 pub struct Filter {
-    triangles: BufferId,
+    /// The triangles that are filtered.
+    pub triangles: BufferId,
     vertices: BufferId,
     submeshes: BufferId,
     live: BufferId,
@@ -38,18 +40,12 @@ impl Filter {
             blocks,
             indices: program.zeros("indices", 3 * triangles.len()),
             draws: program.zeros("draws", 5 * mesh.submeshes().len()),
-            count: program.kernel("filter_count", include_str!("filter_count.wgsl")),
-            write: program.kernel("filter_write", include_str!("filter_write.wgsl")),
-            arguments: program.kernel("filter_draws", include_str!("filter_draws.wgsl")),
+            count: program.kernel(shaders::FILTER_COUNT),
+            write: program.kernel(shaders::FILTER_WRITE),
+            arguments: program.kernel(shaders::FILTER_DRAWS),
             scan: Scan::new(program, blocks, count),
             sizes: [triangles.len() as u32, stride as u32, mesh.submeshes().len() as u32],
         }
-    }
-
-    /// The triangles that are filtered.
-    #[must_use]
-    pub fn triangles(&self) -> BufferId {
-        self.triangles
     }
 
     /// The passes.

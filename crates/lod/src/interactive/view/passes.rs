@@ -2,7 +2,7 @@
 
 use super::select::{Parameters, State};
 use super::{Group, View, Views};
-use crate::interactive::Continuous;
+use crate::interactive::{Continuous, shaders};
 use crate::plan::{BufferId, KernelId, Pass, Program};
 
 /// Buffers and kernels of the view-dependent variant, beside those of the continuous one.
@@ -37,8 +37,8 @@ impl ViewPasses {
             step_errors: program.words("step_errors", errors),
             states: program.zeros("states", 3 * views.groups.len()),
             base: base.clone(),
-            select: program.kernel("select", include_str!("select.wgsl")),
-            extract: program.kernel("view", include_str!("view.wgsl")),
+            select: program.kernel(shaders::SELECT),
+            extract: program.kernel(shaders::VIEW),
             sizes: [
                 views.groups.len() as u32,
                 parts.step_ends.len() as u32,
@@ -82,11 +82,6 @@ impl ViewPasses {
             parameters: vec![vertices, stride, 0],
         };
         vec![select, extract]
-    }
-
-    /// Buffers that no pass writes to, by what they hold.
-    pub(super) fn constants(&self) -> [BufferId; 4] {
-        [self.groups, self.group_of, self.step_ends, self.step_errors]
     }
 }
 

@@ -40,17 +40,19 @@ impl Interactive {
         let twin = Views::new(simplified, lists, records);
         let device = ViewPasses::new(&mut program, &twin, &base);
         let filter = Filter::new(&mut program, mesh, &triangles, base.vertices, stride);
-        let constants: Vec<Expected> = device
-            .constants()
-            .into_iter()
-            .chain([filter.triangles()])
-            .map(|buffer| Expected::new(buffer, program.contents(buffer)))
-            .collect();
-        let construction =
-            Step { at: "construction".to_owned(), passes: base.construction(), checks: constants.clone(), twin: None };
-        let unchanged = Step { at: "the end".to_owned(), passes: Vec::new(), checks: constants, twin: None };
+        let construction = Step {
+            at: "construction".to_owned(),
+            passes: base.construction(),
+            checks: program.uploaded(&[]).into_iter().chain(base.constructed(&twin.lists)).collect(),
+            twin: None,
+        };
+        // What no pass may write to is looked at again at the end.
+        let kept =
+            [Expected::new(base.offsets, twin.lists.offsets()), Expected::new(base.entries, twin.lists.entries())];
+        let checks = program.uploaded(&[base.vertices]).into_iter().chain(kept).collect();
+        let unchanged = Step { at: "the end".to_owned(), passes: Vec::new(), checks, twin: None };
         let positions = PositionIds::new(mesh.positions());
-        let locate = replay::locate(simplified, &base, stride);
+        let locate = replay::locate(simplified, &base, (filter.triangles, filter.draws), stride);
         let states = device.states;
         let step = move |view: View| {
             let shown = twin.show(&view);
