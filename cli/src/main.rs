@@ -18,7 +18,7 @@ mod text;
 
 use clap::Parser;
 use cli::{Cli, Command};
-use commands::{build, completions, extract, info, man, shaders, strips, verify};
+use commands::{bench, build, completions, extract, info, man, shaders, strips, verify};
 use console::Loudness;
 use exit::{Outcome, Status};
 use std::panic;
@@ -52,6 +52,7 @@ fn run() -> Status {
         Command::Verify(args) => verify::run(args),
         Command::Strips(args) => done(strips::run(args)),
         Command::Shaders(args) => done(shaders::run(args)),
+        Command::Bench(args) => bench::run(args),
         Command::Completions(args) => done(completions::run(args)),
         Command::Man(args) => done(man::run(args)),
     });

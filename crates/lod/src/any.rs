@@ -182,9 +182,14 @@ impl Model for AnyModel {
             (Self::Interactive(model), AnyCursor::Interactive(cursor)) => model.triangles(cursor),
         }
     }
-    fn storage(&self) -> StorageCost {
+    fn drawn(&self, cursor: &AnyCursor) -> u64 {
+        match (self, cursor) {
+            (Self::Interactive(model), AnyCursor::Interactive(cursor)) => model.drawn(cursor),
+        }
+    }
+    fn storage_to(&self, lod: Lod) -> StorageCost {
         match self {
-            Self::Interactive(model) => model.storage(),
+            Self::Interactive(model) => model.storage_to(lod),
         }
     }
     fn arrays(&self) -> Vec<Array> {

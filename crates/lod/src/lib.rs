@@ -8,6 +8,7 @@
 //! `lodc-formats` lays them out.
 
 mod any;
+pub mod baseline;
 mod bytes;
 pub mod interactive;
 mod model;
@@ -17,6 +18,7 @@ mod strips;
 mod verify;
 
 pub use any::{AnyCursor, AnyModel, ModelKind};
+pub use baseline::Baseline;
 pub use interactive::Interactive;
 pub use model::{Array, BuildError, Changes, Model, Traffic};
 pub use storage::StorageCost;

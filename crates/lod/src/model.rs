@@ -32,8 +32,16 @@ pub trait Model {
     /// The triangles shown, in the order in which they would be drawn.
     fn triangles(&self, cursor: &Self::Cursor) -> Vec<OrientedTriangle>;
 
+    /// How many indices are drawn: three for each triangle, or all those of the strips as they are now.
+    fn drawn(&self, cursor: &Self::Cursor) -> u64;
+
     /// What storing the model takes.
-    fn storage(&self) -> StorageCost;
+    fn storage(&self) -> StorageCost {
+        self.storage_to(self.simplified().collapses().last())
+    }
+
+    /// What storing it takes if LODs coarser than the one shown for `lod` are never wanted (thesis eq. 5.5 stops at 95 %).
+    fn storage_to(&self, lod: Lod) -> StorageCost;
 
     /// What has to be stored besides the mesh and the sequence.
     fn arrays(&self) -> Vec<Array>;

@@ -5,6 +5,7 @@ mod pipeline;
 mod summary;
 
 pub(crate) use counts::counts;
+pub(crate) use pipeline::simplify_all;
 
 use crate::console::{self, error};
 use crate::exit::{Failure, Outcome, Status};
@@ -79,13 +80,13 @@ enum MetricName {
 
 /// The strip generators.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum StripsName {
+pub(crate) enum StripsName {
     Stripe,
     Cache,
 }
 
 impl StripsName {
-    fn kind(self) -> StripKind {
+    pub(crate) fn kind(self) -> StripKind {
         match self {
             Self::Stripe => StripKind::Stripe,
             Self::Cache => StripKind::Cache,

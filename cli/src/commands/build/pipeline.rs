@@ -90,7 +90,7 @@ pub(super) fn make(
 }
 
 /// Simplifies every object, several at once.
-fn simplify_all(
+pub(crate) fn simplify_all(
     objects: Vec<SceneObject>,
     options: &Options,
     triangles: u64,

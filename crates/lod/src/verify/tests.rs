@@ -107,8 +107,11 @@ impl Model for Defective {
         }
         triangles
     }
-    fn storage(&self) -> StorageCost {
-        self.0.storage()
+    fn drawn(&self, cursor: &Self::Cursor) -> u64 {
+        self.0.drawn(&cursor.0)
+    }
+    fn storage_to(&self, lod: Lod) -> StorageCost {
+        self.0.storage_to(lod)
     }
     fn arrays(&self) -> Vec<Array> {
         Vec::new()
