@@ -9,11 +9,13 @@ const DRAWING: &[(&str, &[&str])] = &[
     ("crates/simplify", &["lodc-mesh", "glam", "rayon"]),
     ("crates/strip", &["lodc-mesh", "rayon"]),
     ("crates/lod", &["lodc-mesh", "lodc-strip", "rayon"]),
+    ("crates/gpu", &["lodc-lod", "bytemuck", "pollster", "wgpu"]),
     ("formats", &["lodc-lod", "lodc-mesh", "bincode", "gltf", "serde", "serde_json", "xxhash-rust"]),
     (
         "cli",
         &[
             "lodc-formats",
+            "lodc-gpu",
             "lodc-lod",
             "lodc-mesh",
             "lodc-simplify",
@@ -43,6 +45,7 @@ const OWNED: &[(&str, &[&str])] = &[
     ("gltf::", &["formats/"]),
     ("bincode::", &["formats/"]),
     ("xxhash_rust::", &["formats/"]),
+    ("wgpu::", &["crates/gpu/"]),
     ("std::fs", &["formats/", "cli/"]),
     ("std::net", &[]),
     ("clap::", &["cli/"]),

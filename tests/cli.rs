@@ -16,6 +16,8 @@ mod output;
 mod paths;
 #[path = "cli/refused.rs"]
 mod refused;
+#[path = "cli/shaders.rs"]
+mod shaders;
 #[path = "cli/strips.rs"]
 mod strips;
 mod support;

@@ -1,5 +1,6 @@
 //! The closed list of models: the one place that names them all.
 
+use crate::plan::{Benchmark, Plan, PlanError, Shader};
 use crate::{
     Array, BuildError, Changes, Interactive, Masking, Model, StorageCost, StripKind, StripPool, Strips, Traffic,
 };
@@ -34,6 +35,15 @@ impl ModelKind {
             Self::Speed => Some(StripKind::Stripe),
             Self::Masking => Some(StripKind::Cache),
             Self::Interactive => None,
+        }
+    }
+
+    /// The kernels that an engine needs to show it, in the order of their use.
+    #[must_use]
+    pub const fn shaders(self) -> &'static [Shader] {
+        match self {
+            Self::Interactive => &crate::interactive::shaders::ALL,
+            Self::Speed | Self::Masking => &[],
         }
     }
 
@@ -119,6 +129,31 @@ impl AnyModel {
         match self {
             Self::Masking(model) => Some(model.strips()),
             Self::Interactive(_) => None,
+        }
+    }
+
+    /// Its replays on a graphics device over a schedule of LODs; none if the model has none.
+    ///
+    /// # Errors
+    /// If the mesh is too large or too deep for any device.
+    pub fn replays(&self, stops: &[Lod]) -> Result<Vec<Plan<'_>>, PlanError> {
+        if self.simplified().mesh().vertex_count() == 0 {
+            return Ok(Vec::new());
+        }
+        match self {
+            Self::Masking(_) => Ok(Vec::new()),
+            Self::Interactive(model) => model.replays(stops),
+        }
+    }
+
+    /// What to time of it on a graphics device; nothing if the model has no replay.
+    ///
+    /// # Errors
+    /// If the mesh is too large or too deep for any device.
+    pub fn benchmark(&self) -> Result<Option<Benchmark>, PlanError> {
+        match self {
+            Self::Masking(_) => Ok(None),
+            Self::Interactive(model) => model.benchmark().map(Some),
         }
     }
 

@@ -13,6 +13,7 @@ mod bytes;
 pub mod interactive;
 pub mod masking;
 mod model;
+pub mod plan;
 mod storage;
 mod strips;
 mod verify;

@@ -10,12 +10,19 @@ mod extract;
 mod index;
 mod links;
 mod lists;
+mod live;
+mod measure;
+mod replay;
+pub mod shaders;
 #[cfg(test)]
 mod tests;
+pub mod view;
 
 pub use cursor::Cursor;
 pub use extract::Extraction;
 pub use lists::{CollapseLists, ListsTooLong};
+pub use live::Counting;
+pub use replay::Continuous;
 
 use crate::{Array, BuildError, Changes, Model, StorageCost, Traffic};
 use lodc_mesh::{Lod, OrientedTriangle, PositionIds, Simplified};
