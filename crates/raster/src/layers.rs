@@ -32,10 +32,10 @@ struct Node {
     next: u32,
 }
 
-/// Sorted lists of fragments, one for each pixel.
+/// Sorted lists of fragments, one for each pixel. The first of each stands in the picture itself.
 #[derive(Clone, Debug)]
 pub struct Layers {
-    heads: Vec<u32>,
+    heads: Vec<Node>,
     nodes: Vec<Node>,
     free: u32,
 }
@@ -44,57 +44,79 @@ impl Layers {
     /// Nothing behind any of so many pixels.
     #[must_use]
     pub fn new(pixels: usize) -> Self {
-        Self { heads: vec![END; pixels], nodes: Vec::new(), free: END }
+        Self { heads: vec![Node { fragment: Fragment::NOTHING, next: END }; pixels], nodes: Vec::new(), free: END }
     }
 
     /// Puts a fragment behind a pixel.
     pub fn insert(&mut self, pixel: usize, fragment: Fragment) {
+        let head = self.heads[pixel];
+        if fragment < head.fragment {
+            let next = if head.fragment == Fragment::NOTHING { END } else { self.keep(head) };
+            self.heads[pixel] = Node { fragment, next };
+            return;
+        }
         let mut before = END;
-        let mut at = self.heads[pixel];
+        let mut at = head.next;
         while at != END && self.nodes[at as usize].fragment < fragment {
             before = at;
             at = self.nodes[at as usize].next;
         }
-        let node = Node { fragment, next: at };
-        let new = if self.free == END {
-            self.nodes.push(node);
-            self.nodes.len() as u32 - 1
-        } else {
-            let new = self.free;
-            self.free = std::mem::replace(&mut self.nodes[new as usize], node).next;
-            new
-        };
+        let new = self.keep(Node { fragment, next: at });
         *self.link(pixel, before) = new;
     }
 
     /// Takes an item's fragment away. It must be there.
     pub fn remove(&mut self, pixel: usize, item: u32) {
+        let head = self.heads[pixel];
+        if head.fragment.item() == item {
+            let empty = Node { fragment: Fragment::NOTHING, next: END };
+            self.heads[pixel] = if head.next == END { empty } else { self.take(head.next) };
+            return;
+        }
         let mut before = END;
-        let mut at = self.heads[pixel];
+        let mut at = head.next;
         while self.nodes[at as usize].fragment.item() != item {
             before = at;
             at = self.nodes[at as usize].next;
         }
-        *self.link(pixel, before) = self.nodes[at as usize].next;
+        let next = self.take(at).next;
+        *self.link(pixel, before) = next;
+    }
+
+    /// Finds room for a node.
+    fn keep(&mut self, node: Node) -> u32 {
+        if self.free == END {
+            self.nodes.push(node);
+            return self.nodes.len() as u32 - 1;
+        }
+        let new = self.free;
+        self.free = std::mem::replace(&mut self.nodes[new as usize], node).next;
+        new
+    }
+
+    /// Frees a node's room.
+    fn take(&mut self, at: u32) -> Node {
+        let node = self.nodes[at as usize];
         self.nodes[at as usize].next = std::mem::replace(&mut self.free, at);
+        node
     }
 
+    /// Where the number of the node after `before` stands, `END` being the head.
     fn link(&mut self, pixel: usize, before: u32) -> &mut u32 {
-        if before == END { &mut self.heads[pixel] } else { &mut self.nodes[before as usize].next }
+        if before == END { &mut self.heads[pixel].next } else { &mut self.nodes[before as usize].next }
     }
 
-    /// The item that is seen at a pixel, `u32::MAX` if none.
+    /// What is seen at a pixel.
     #[must_use]
     #[inline]
-    pub fn front(&self, pixel: usize) -> u32 {
-        let head = self.heads[pixel];
-        if head == END { u32::MAX } else { self.nodes[head as usize].fragment.item() }
+    pub fn front(&self, pixel: usize) -> Fragment {
+        self.heads[pixel].fragment
     }
 
-    /// The fragments behind a pixel, nearest first.
+    /// The fragments behind the first one, nearest first.
     #[inline]
-    pub fn at(&self, pixel: usize) -> impl Iterator<Item = Fragment> + '_ {
-        let mut at = self.heads[pixel];
+    pub fn behind(&self, pixel: usize) -> impl Iterator<Item = Fragment> + '_ {
+        let mut at = self.heads[pixel].next;
         std::iter::from_fn(move || {
             let node = self.nodes.get(at as usize)?;
             at = node.next;

@@ -93,8 +93,8 @@ fn layers_keep_order_whatever_comes_and_goes() {
             naive[pixel].sort_unstable();
             layers.insert(pixel, fragment);
         }
-        assert!(layers.at(pixel).eq(naive[pixel].iter().copied()));
-        assert_eq!(layers.front(pixel), naive[pixel].first().map_or(u32::MAX, |f| f.item()));
+        assert!(layers.behind(pixel).eq(naive[pixel].iter().skip(1).copied()));
+        assert_eq!(layers.front(pixel), naive[pixel].first().copied().unwrap_or(Fragment::NOTHING));
     }
 }
 

@@ -62,6 +62,9 @@ impl Window {
     }
 }
 
+/// Runs shorter than this are tried column by column, which is quicker than a division.
+const SHORT: i64 = 6;
+
 /// One edge of a triangle as a function of the pixel: positive on the inner side.
 #[derive(Clone, Copy)]
 struct Edge {
@@ -81,6 +84,29 @@ impl Edge {
         let owns = dy < 0 || dy == 0 && dx > 0;
         let step = i64::from(SUBPIXELS);
         Self { value, right: -dy * step, down: dx * step, bias: if owns { 0 } else { -1 } }
+    }
+
+    /// The part of a run of columns, from the window's left, that is on the inner side.
+    #[inline]
+    fn within(&self, mut first: i64, mut last: i64) -> (i64, i64) {
+        let inside = |column: i64| self.value + column * self.right + self.bias >= 0;
+        if last - first < SHORT {
+            // Few enough to be tried.
+            while first <= last && !inside(first) {
+                first += 1;
+            }
+            while first <= last && !inside(last) {
+                last -= 1;
+            }
+            return (first, last);
+        }
+        let value = self.value + self.bias;
+        match self.right {
+            0 if value < 0 => (first, first - 1),
+            0 => (first, last),
+            right if right > 0 => (first.max((-value).div_euclid(right) + i64::from((-value).rem_euclid(right) > 0)), last),
+            right => (first, last.min(value.div_euclid(-right))),
+        }
     }
 }
 
@@ -111,16 +137,14 @@ pub fn scan(corners: [Point; 3], window: Window, mut visit: impl FnMut(i32, i32,
     let share = 1.0 / area as f64;
     let depths = [a, b, c].map(|p| f64::from(p.z));
     for row in window.top..window.bottom {
-        let mut w = edges.map(|e| e.value);
-        let mut entered = false;
-        for column in window.left..window.right {
-            if w[0] + edges[0].bias >= 0 && w[1] + edges[1].bias >= 0 && w[2] + edges[2].bias >= 0 {
-                entered = true;
-                let depth = (w[0] as f64 * depths[0] + w[1] as f64 * depths[1] + w[2] as f64 * depths[2]) * share;
-                visit(column, row, (depth + 0.5).floor() as i32);
-            } else if entered {
-                break;
-            }
+        let [mut first, mut last] = [0, window.right as i64 - window.left as i64 - 1];
+        for e in &edges {
+            (first, last) = e.within(first, last);
+        }
+        let mut w = edges.map(|e| e.value + first * e.right);
+        for column in first..=last {
+            let depth = (w[0] as f64 * depths[0] + w[1] as f64 * depths[1] + w[2] as f64 * depths[2]) * share;
+            visit(window.left + column as i32, row, (depth + 0.5).floor() as i32);
             for (w, e) in w.iter_mut().zip(&edges) {
                 *w += e.right;
             }
