@@ -5,7 +5,7 @@ use glam::DVec3;
 /// Steps per pixel to which points are snapped.
 pub const SUBPIXELS: i32 = 256;
 /// Steps of depth per pixel: finer than across, so that close layers keep their order.
-const DEPTH_STEPS: f64 = 4096.0;
+const DEPTH_STEPS: f64 = 1024.0;
 /// The share of the picture that the sphere around the mesh fills.
 const FILLED: f64 = 0.95;
 /// Nothing seen is further out than this many pixels; what is, is moved to there.
@@ -18,7 +18,7 @@ pub struct Point {
     pub x: i32,
     /// In 256ths of a pixel, from the top edge.
     pub y: i32,
-    /// In 4096ths of a pixel, away from the camera.
+    /// In 1024ths of a pixel, away from the camera.
     pub z: i32,
 }
 

@@ -113,6 +113,12 @@ impl Layers {
         self.heads[pixel].fragment
     }
 
+    /// What is seen at consecutive pixels.
+    #[inline]
+    pub fn fronts(&self, first: usize, count: usize) -> impl Iterator<Item = Fragment> + '_ {
+        self.heads[first..first + count].iter().map(|node| node.fragment)
+    }
+
     /// The fragments behind the first one, nearest first.
     #[inline]
     pub fn behind(&self, pixel: usize) -> impl Iterator<Item = Fragment> + '_ {

@@ -63,7 +63,8 @@ fn a_fan_covers_every_centre_once_even_when_edges_run_through_centres() {
         if round % 2 == 0 {
             hub = snap(hub);
         }
-        let rim = [(-1000, -1000), (1700, -1000), (5000, -1000), (5000, 2000), (5000, 5000), (-1000, 5000), (-1000, 800)];
+        let rim =
+            [(-1000, -1000), (1700, -1000), (5000, -1000), (5000, 2000), (5000, 5000), (-1000, 5000), (-1000, 800)];
         let rim = rim.map(|(x, y)| Point { x, y, z: 0 });
         let mut count = [0; 256];
         for i in 0..rim.len() {

@@ -53,12 +53,19 @@ pub struct Options {
     pub lock_border: bool,
     /// Whether attributes take part in the cost.
     pub attributes: bool,
+    /// Pixels across the pictures that viewpoint metrics look at, 8 to 1024. Time grows with its square.
+    pub picture: u32,
 }
 
 impl Options {
     /// The defaults.
-    pub const DEFAULT: Self =
-        Self { metric: MetricKind::Quadric, preserve_topology: false, lock_border: false, attributes: true };
+    pub const DEFAULT: Self = Self {
+        metric: MetricKind::Quadric,
+        preserve_topology: false,
+        lock_border: false,
+        attributes: true,
+        picture: 256,
+    };
 }
 
 impl Default for Options {
@@ -85,10 +92,12 @@ pub fn simplify(mesh: &Mesh, options: &Options, progress: &(dyn Fn(u64, u64) + S
     match options.metric {
         MetricKind::Quadric => run(mesh, options, QuadricMetric::new(working, wedges), built, attributes, progress),
         MetricKind::Viewpoint => {
-            run(mesh, options, VisualMetric::new(working, wedges, Score::Entropy), built, attributes, progress)
+            let metric = VisualMetric::new(working, wedges, Score::Entropy, options.picture);
+            run(mesh, options, metric, built, attributes, progress)
         }
         MetricKind::Divergence => {
-            run(mesh, options, VisualMetric::new(working, wedges, Score::Divergence), built, attributes, progress)
+            let metric = VisualMetric::new(working, wedges, Score::Divergence, options.picture);
+            run(mesh, options, metric, built, attributes, progress)
         }
     }
 }

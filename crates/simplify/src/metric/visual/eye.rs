@@ -1,6 +1,6 @@
 //! Looking at collapses that have not happened: what each would change in every picture.
 
-use super::score::{Score, log2};
+use super::score::{Score, log_area};
 use super::view::{BACKGROUND, View};
 use super::{VisualMetric, divergence};
 use crate::working::{Corner, Working};
@@ -53,20 +53,22 @@ impl Eye {
     /// Notes what is seen in a window without the star, and where the star is seen now.
     fn gather(&mut self, view: &View, window: Window) {
         self.base.clear();
+        self.base.resize(window.len(), Fragment::NOTHING);
         self.star_seen.clear();
         let Self { star_seen, base, marks, epoch, .. } = self;
-        view.each_pixel(window, |pixel| {
-            let front = view.front(pixel);
-            let in_star = |item: u32| marks[item as usize] == *epoch;
-            if front != Fragment::NOTHING && in_star(front.item()) {
-                star_seen.push((base.len() as u32, front.item()));
-                base.push(view.behind(pixel, in_star));
+        let in_star = |item: u32| marks.get(item as usize) == Some(epoch);
+        let mut slots = (0..).zip(base);
+        view.each_front(window, |pixel, front| {
+            let Some((at, slot)) = slots.next() else { return };
+            *slot = if in_star(front.item()) {
+                star_seen.push((at, front.item()));
+                view.behind(pixel, in_star)
             } else {
-                base.push(front);
-            }
+                front
+            };
         });
         self.moved.clear();
-        self.moved.resize(self.base.len(), Fragment::NOTHING);
+        self.moved.resize(window.len(), Fragment::NOTHING);
     }
 
     /// Fills `change` with what the picture loses and gains if the star moves as given.
@@ -199,9 +201,4 @@ fn measure(mesh: &Working, from: u32, candidates: &[(f64, u32)], areas: &mut Vec
             areas.push(log_area(mesh.area_of(groups.map(|g| if g == from { to } else { g }))));
         }
     }
-}
-
-/// A logarithm that never meets zero.
-pub(crate) fn log_area(x: f64) -> f64 {
-    log2(x.max(1e-30))
 }

@@ -10,6 +10,8 @@
 
 mod eye;
 mod score;
+#[cfg(test)]
+mod tests;
 mod view;
 
 pub(crate) use eye::Eye;
@@ -23,11 +25,9 @@ use crate::working::Working;
 use glam::DVec3;
 use lodc_raster::{Camera, Window, metric_cameras, scan};
 use rayon::prelude::*;
-use score::Table;
+use score::{Table, log_area};
 use view::{BACKGROUND, View};
 
-/// Pixels across and down each picture (Castelló et al.).
-const SIZE: u32 = 256;
 /// Covered pixels, of all views together, that a face needs so that what is seen can be priced.
 const PIXELS_PER_FACE: u64 = 8;
 
@@ -48,15 +48,17 @@ pub(crate) struct VisualMetric {
 }
 
 impl VisualMetric {
-    pub(crate) fn new(mesh: &Working, wedges: &Wedges, score: Score) -> Self {
-        let cameras = cameras(mesh);
+    /// `size` is the number of pixels across each picture.
+    pub(crate) fn new(mesh: &Working, wedges: &Wedges, score: Score, size: u32) -> Self {
+        let size = size.clamp(8, 1024);
+        let cameras = cameras(mesh, size);
         let covered: u64 = cameras.par_iter().map(|camera| covered(mesh, camera)).sum();
         Self {
             quadric: QuadricMetric::new(mesh, wedges),
             score,
             cameras,
             views: Vec::new(),
-            table: Table::new((SIZE * SIZE) as usize),
+            table: Table::new((size * size) as usize),
             areas: Vec::new(),
             divergences: Vec::new(),
             limit: covered / PIXELS_PER_FACE,
@@ -67,7 +69,7 @@ impl VisualMetric {
     fn open(&mut self, mesh: &Working) {
         self.views = self.cameras.par_iter().map(|camera| View::new(mesh, camera)).collect();
         if self.score == Score::Divergence {
-            self.areas = mesh.faces.par_iter().map(|f| eye::log_area(mesh.area_of(f.groups))).collect();
+            self.areas = mesh.faces.par_iter().map(|f| log_area(mesh.area_of(f.groups))).collect();
             self.divergences = self.views.iter().map(|view| self.divergence(mesh, view)).collect();
         }
     }
@@ -90,7 +92,7 @@ impl VisualMetric {
         let star = mesh.star(from);
         let moved = |face: u32| {
             let groups = mesh.faces[face as usize].groups;
-            eye::log_area(mesh.area_of(groups.map(|g| if g == from { to } else { g })))
+            log_area(mesh.area_of(groups.map(|g| if g == from { to } else { g })))
         };
         let new: Vec<f64> = star.iter().map(|c| moved(c.face())).collect();
         let (table, areas) = (&self.table, &self.areas);
@@ -112,20 +114,21 @@ impl VisualMetric {
 }
 
 /// All cameras, around the sphere about the middle of the bounding box.
-fn cameras(mesh: &Working) -> Vec<Camera> {
+fn cameras(mesh: &Working, size: u32) -> Vec<Camera> {
     let points = || mesh.places.iter().map(|p| p.position.as_dvec3());
     let (lo, hi) = points().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)));
     let center = 0.5 * (lo + hi);
     let radius = points().map(|p| p.distance(center)).fold(0.0, f64::max);
-    metric_cameras(center, radius, SIZE)
+    metric_cameras(center, radius, size)
 }
 
 /// How many pixels of a picture are covered.
 fn covered(mesh: &Working, camera: &Camera) -> u64 {
-    let mut seen = vec![false; (SIZE * SIZE) as usize];
+    let size = camera.size;
+    let mut seen = vec![false; (size * size) as usize];
     for face in mesh.live() {
         let corners = mesh.faces[face as usize].groups.map(|g| camera.project(mesh.position(g)));
-        scan(corners, Window::whole(SIZE), |column, row, _| seen[(row * SIZE as i32 + column) as usize] = true);
+        scan(corners, Window::whole(size), |column, row, _| seen[(row * size as i32 + column) as usize] = true);
     }
     seen.into_iter().filter(|&s| s).count() as u64
 }

@@ -46,6 +46,11 @@ pub(crate) fn log2(x: f64) -> f64 {
     f64::from(exponent) + 2.0 * t * series * std::f64::consts::LOG2_E
 }
 
+/// Binary logarithm of an area, which may be nothing.
+pub(crate) fn log_area(area: f64) -> f64 {
+    log2(area.max(1e-30))
+}
+
 #[cfg(test)]
 mod tests {
     use super::log2;

@@ -50,6 +50,12 @@ impl View {
         if item == BACKGROUND { self.background } else { self.area[item as usize] }
     }
 
+    /// The pixels that each face and, last, the background cover.
+    #[cfg(test)]
+    pub(crate) fn areas(&self) -> Vec<u32> {
+        self.area.iter().copied().chain([self.background]).collect()
+    }
+
     /// Pixels in all.
     pub(crate) fn pixels(&self) -> u32 {
         self.size * self.size
@@ -76,10 +82,15 @@ impl View {
         }
     }
 
-    /// What is in front of a pixel.
+    /// Calls `visit` with every pixel of a window and what is in front of it, row by row.
     #[inline]
-    pub(crate) fn front(&self, pixel: usize) -> Fragment {
-        self.layers.front(pixel)
+    pub(crate) fn each_front(&self, window: Window, mut visit: impl FnMut(usize, Fragment)) {
+        for row in window.top..window.bottom {
+            let first = self.pixel(window.left, row);
+            for (pixel, front) in (first..).zip(self.layers.fronts(first, window.width())) {
+                visit(pixel, front);
+            }
+        }
     }
 
     /// The first fragment behind the front whose item is not `left_out`.
