@@ -2,8 +2,7 @@
 
 use crate::plan::{Benchmark, Plan, PlanError, Shader};
 use crate::{
-    Array, BuildError, Changes, Interactive, Masking, Model, Speed, StorageCost, StripKind, StripPool, Strips,
-    Traffic,
+    Array, BuildError, Changes, Interactive, Masking, Model, Speed, StorageCost, StripKind, StripPool, Strips, Traffic,
 };
 use lodc_mesh::{Lod, OrientedTriangle, Simplified};
 use std::{str::FromStr, sync::Arc};

@@ -119,6 +119,25 @@ impl LodStrips {
         strips.dedup();
         strips
     }
+
+    fn move_to<C: Changes>(&self, cursor: &mut Cursor, to: u32, changes: &mut C) -> Traffic {
+        let from = cursor.lod;
+        let (fine, coarse) = (from.min(to), from.max(to));
+        let affected = if C::HEARD { self.affected(fine, coarse) } else { Vec::new() };
+        let before: Vec<Vec<_>> = affected.iter().map(|&s| self.drawn(cursor, s as usize).collect()).collect();
+        let rewritten: u64 = if to > from {
+            (fine..coarse).map(|record| self.coarsen(cursor, record)).sum()
+        } else {
+            (fine..coarse).rev().map(|record| self.refine(cursor, record)).sum()
+        };
+        cursor.lod = to;
+        let mut difference = Difference::default();
+        for (before, strip) in before.into_iter().zip(affected) {
+            difference.before(before.into_iter());
+            difference.after(self.drawn(cursor, strip as usize), to > from, coarse, changes);
+        }
+        Traffic { records: coarse - fine, rewritten, bytes: 4 * rewritten }
+    }
 }
 
 impl Model for LodStrips {
@@ -137,23 +156,8 @@ impl Model for LodStrips {
         Lod(cursor.lod)
     }
     /// The bytes are those of a program that sends the indices that were rewritten.
-    fn seek<C: Changes>(&self, cursor: &mut Cursor, lod: Lod, changes: &mut C) -> Traffic {
-        let (from, to) = (cursor.lod, self.simplified.collapses().floor(lod).0);
-        let (fine, coarse) = (from.min(to), from.max(to));
-        let affected = if C::HEARD { self.affected(fine, coarse) } else { Vec::new() };
-        let before: Vec<Vec<_>> = affected.iter().map(|&s| self.drawn(cursor, s as usize).collect()).collect();
-        let rewritten: u64 = if to > from {
-            (fine..coarse).map(|record| self.coarsen(cursor, record)).sum()
-        } else {
-            (fine..coarse).rev().map(|record| self.refine(cursor, record)).sum()
-        };
-        cursor.lod = to;
-        let mut difference = Difference::default();
-        for (before, strip) in before.into_iter().zip(affected) {
-            difference.before(before.into_iter());
-            difference.after(self.drawn(cursor, strip as usize), to > from, coarse, changes);
-        }
-        Traffic { records: coarse - fine, rewritten, bytes: 4 * rewritten }
+    fn seek(&self, cursor: &mut Cursor, lod: Lod, changes: &mut impl Changes) -> Traffic {
+        self.move_to(cursor, self.simplified.collapses().floor(lod).0, changes)
     }
     fn triangles(&self, cursor: &Cursor) -> Vec<OrientedTriangle> {
         (0..self.strips.len()).flat_map(|strip| self.drawn(cursor, strip)).collect()

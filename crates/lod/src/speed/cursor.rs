@@ -6,10 +6,10 @@
 //! element that is not removed at a LOD holds what its vertex of LOD 0 has become, so all strips are rewritten from
 //! the stored ones.
 
+use super::Speed;
 use super::apply::{coarsen, refine};
 use super::difference::{Difference, drawn};
 use super::edits::{Edits, NONE};
-use super::Speed;
 use crate::{Changes, Model, Traffic};
 use lodc_mesh::{Lod, OrientedTriangle};
 use std::ops::Range;
@@ -136,9 +136,8 @@ impl Cursor {
             return;
         }
         self.heads[strip].visited = self.moves;
-        traffic.rewritten += self.told(model, strip, step, changes, |cursor| {
-            cursor.walk(model, strip, entry, entries, step)
-        });
+        traffic.rewritten +=
+            self.told(model, strip, step, changes, |cursor| cursor.walk(model, strip, entry, entries, step));
         if self.heads[strip].live {
             traffic.bytes += 4 * u64::from(self.heads[strip].length);
         }
@@ -210,9 +209,8 @@ impl Cursor {
             return 0;
         }
         let room = model.strips().range(strip);
-        head.length = fill(edits, model.strips().indices(), &mut self.indices, room, lod, |v| {
-            collapses.resolve(v, Lod(lod))
-        });
+        head.length =
+            fill(edits, model.strips().indices(), &mut self.indices, room, lod, |v| collapses.resolve(v, Lod(lod)));
         u64::from(head.length)
     }
 

@@ -79,12 +79,7 @@ impl Speed {
         Ok(Self::new(simplified, Arc::new(strips), positions, &histories))
     }
 
-    fn new(
-        simplified: &Arc<Simplified>,
-        strips: Arc<Strips>,
-        positions: PositionIds,
-        histories: &[History],
-    ) -> Self {
+    fn new(simplified: &Arc<Simplified>, strips: Arc<Strips>, positions: PositionIds, histories: &[History]) -> Self {
         let edits = Edits::merge(histories, simplified.collapses().records() as usize);
         let submeshes = strips.submeshes().collect();
         Self { simplified: Arc::clone(simplified), strips, positions: Arc::new(positions), submeshes, edits }
