@@ -82,7 +82,7 @@ fn a_record_that_changes_more_than_255_strips_is_continued() {
     assert_eq!(updates, [(2000, 255), (2000, 255), (2000, 255), (2000, 235), (2000, 1)]);
     assert_eq!(model.info_strips(0).len(), 1000);
     let all: usize = model.info_updates().map(|u| usize::from(u.strips_affected)).sum();
-    assert_eq!(all, (0..2000).map(|record| model.info_strips(record).len()).sum());
+    assert_eq!(all, (0..2000).map(|record| model.info_strips(record).len()).sum::<usize>());
     // Three more entries of five bytes each.
     let cost = model.storage();
     assert_eq!(cost.structures, 5 * (2000 + 3) + 6 * all as u64);
