@@ -16,6 +16,9 @@ mod output;
 mod paths;
 #[path = "cli/refused.rs"]
 mod refused;
+#[cfg(feature = "gpu")]
+#[path = "cli/render.rs"]
+mod render;
 #[path = "cli/shaders.rs"]
 mod shaders;
 #[path = "cli/strips.rs"]

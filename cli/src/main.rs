@@ -18,7 +18,7 @@ mod text;
 
 use clap::Parser;
 use cli::{Cli, Command};
-use commands::{bench, build, completions, extract, info, man, shaders, strips, verify};
+use commands::{bench, build, completions, extract, info, man, render, shaders, strips, verify};
 use console::Loudness;
 use exit::{Outcome, Status};
 use std::panic;
@@ -50,6 +50,7 @@ fn run() -> Status {
         Command::Extract(args) => done(extract::run(args)),
         Command::Info(args) => done(info::run(args)),
         Command::Verify(args) => verify::run(args),
+        Command::Render(args) => done(render::run(args)),
         Command::Strips(args) => done(strips::run(args)),
         Command::Shaders(args) => done(shaders::run(args)),
         Command::Bench(args) => bench::run(args),

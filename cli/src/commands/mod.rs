@@ -7,6 +7,7 @@ pub(crate) mod extract;
 pub(crate) mod info;
 pub(crate) mod man;
 mod read;
+pub(crate) mod render;
 pub(crate) mod shaders;
 pub(crate) mod strips;
 pub(crate) mod verify;

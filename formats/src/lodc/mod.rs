@@ -63,6 +63,12 @@ pub fn stored_bytes(model: &AnyModel) -> u64 {
     object::geometry_bytes(model.simplified()) + own as u64
 }
 
+/// Whether bytes claim to be a `.lodc` file.
+#[must_use]
+pub fn is_lodc(bytes: &[u8]) -> bool {
+    bytes.starts_with(b"\x89LODC")
+}
+
 /// Reads a container.
 ///
 /// # Errors
