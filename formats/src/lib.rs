@@ -9,6 +9,7 @@ pub mod export;
 pub mod import;
 mod limits;
 pub mod lodc;
+pub mod lods;
 mod scene;
 #[cfg(test)]
 mod testing;
