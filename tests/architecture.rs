@@ -11,7 +11,7 @@ const DRAWING: &[(&str, &[&str])] = &[
     ("crates/strip", &["lodc-mesh", "rayon"]),
     ("crates/lod", &["lodc-mesh", "lodc-strip", "rayon"]),
     ("crates/gpu", &["lodc-lod", "bytemuck", "pollster", "wgpu"]),
-    ("formats", &["lodc-lod", "lodc-mesh", "bincode", "gltf", "serde", "serde_json", "xxhash-rust"]),
+    ("formats", &["lodc-lod", "lodc-mesh", "lodc-strip", "bincode", "gltf", "serde", "serde_json", "xxhash-rust"]),
     (
         "cli",
         &[

@@ -18,6 +18,8 @@ mod paths;
 mod refused;
 #[path = "cli/shaders.rs"]
 mod shaders;
+#[path = "cli/stream.rs"]
+mod stream;
 #[path = "cli/strips.rs"]
 mod strips;
 mod support;

@@ -47,24 +47,11 @@ pub(super) fn put(out: &mut Vec<u8>, number: u64, block: Block<'_>) {
 
 /// Looks at what stands at the beginning of `bytes`, which should be block `number`.
 pub(super) fn parse(bytes: &[u8], number: u64) -> Parsed<'_> {
-    let mut at = 0;
-    let mut fields = [0u32; 3];
-    for field in &mut fields {
-        let mut shift = 0;
-        loop {
-            let Some(&byte) = bytes.get(at) else { return Parsed::Part };
-            at += 1;
-            if shift == 28 && byte > 15 || shift > 0 && byte == 0 {
-                return Parsed::Damaged("has a number that is not written as it should be");
-            }
-            *field |= u32::from(byte & 0x7f) << shift;
-            shift += 7;
-            if byte < 0x80 {
-                break;
-            }
-        }
-    }
-    let [length, subject, steps] = fields;
+    let (at, [length, subject, steps]) = match fields(bytes) {
+        Fields::Read(at, fields) => (at, fields),
+        Fields::Part => return Parsed::Part,
+        Fields::Wrong => return Parsed::Damaged("has a number that is not written as it should be"),
+    };
     let check = xxh3_64_with_seed(&bytes[..at], number);
     let Some(written) = bytes.get(at..at + HEAD_CHECK) else { return Parsed::Part };
     if written != &check.to_le_bytes()[..HEAD_CHECK] {
@@ -73,13 +60,51 @@ pub(super) fn parse(bytes: &[u8], number: u64) -> Parsed<'_> {
     if number > 0 && length as usize > LARGEST {
         return Parsed::Damaged("is longer than any block may be");
     }
-    at += HEAD_CHECK;
-    let start = at + BODY_CHECK;
+    let check_at = at + HEAD_CHECK;
+    let start = check_at + BODY_CHECK;
     let Some(payload) = bytes.get(start..start + length as usize) else { return Parsed::Part };
-    if bytes[at..start] != xxh3_64_with_seed(payload, check).to_le_bytes()[..BODY_CHECK] {
+    if bytes[check_at..start] != xxh3_64_with_seed(payload, check).to_le_bytes()[..BODY_CHECK] {
         return Parsed::Damaged("does not match its checksum");
     }
     Parsed::Block(Block { subject, steps, payload }, start + length as usize)
+}
+
+/// A block whatever its checksums, and its bytes in all; one that is cut short ends where it is cut.
+pub(super) fn believed(bytes: &[u8]) -> Option<(Block<'_>, usize)> {
+    let Fields::Read(at, [length, subject, steps]) = fields(bytes) else { return None };
+    let start = at + HEAD_CHECK + BODY_CHECK;
+    let payload = bytes.get(start..)?;
+    let payload = &payload[..payload.len().min(length as usize)];
+    Some((Block { subject, steps, payload }, start + payload.len()))
+}
+
+/// The numbers that a block begins with: bytes of its payload, subject, steps.
+enum Fields {
+    Read(usize, [u32; 3]),
+    Part,
+    Wrong,
+}
+
+fn fields(bytes: &[u8]) -> Fields {
+    let mut at = 0;
+    let mut fields = [0u32; 3];
+    for field in &mut fields {
+        let mut shift = 0;
+        loop {
+            let Some(&byte) = bytes.get(at) else { return Fields::Part };
+            at += 1;
+            // More than 32 bits, or a number that could be shorter.
+            if shift == 28 && byte > 15 || shift > 0 && byte == 0 {
+                return Fields::Wrong;
+            }
+            *field |= u32::from(byte & 0x7f) << shift;
+            shift += 7;
+            if byte < 0x80 {
+                break;
+            }
+        }
+    }
+    Fields::Read(at, fields)
 }
 
 /// Seven bits to a byte, the lowest first; the highest bit says that more follow.

@@ -27,25 +27,29 @@ impl Spoke {
     }
 }
 
+/// A triangle: what is read together stands together.
+#[derive(Clone, Copy, Debug)]
+struct Face {
+    /// The vertex of each corner.
+    vertices: [u32; 3],
+    /// The next corner of the same vertex.
+    next: [u32; 3],
+}
+
 /// A mesh that grows from a single vertex.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Growth {
     /// What each vertex is made of: position, then attributes; one system of numbers for each channel.
     pub(super) systems: Vec<System>,
-    /// Channels of each vertex as numbers of their systems.
-    pub(super) index: Vec<i32>,
-    /// The same as floats, for predictions.
-    pub(super) value: Vec<f32>,
+    /// Channels of each vertex: numbers of their systems, and the same as floats, for predictions.
+    pub(super) numbers: Vec<(i32, f32)>,
     /// The submesh of each vertex.
     pub(super) submesh: Vec<u32>,
     /// The next vertex of the same step and position, in a circle.
     pub(super) mate: Vec<u32>,
     /// A corner of each vertex.
     head: Vec<u32>,
-    /// The vertex of each corner.
-    pub(super) corners: Vec<u32>,
-    /// The next corner of the same vertex.
-    next: Vec<u32>,
+    faces: Vec<Face>,
 }
 
 impl Growth {
@@ -62,7 +66,7 @@ impl Growth {
     }
 
     pub(super) fn faces(&self) -> u32 {
-        self.corners.len() as u32 / 3
+        self.faces.len() as u32
     }
 
     /// A vertex without triangles, and without values yet.
@@ -76,39 +80,42 @@ impl Growth {
 
     /// Gives the last vertex its values.
     pub(super) fn add_values(&mut self, index: &[i32]) {
-        self.index.extend_from_slice(index);
-        self.value.extend(index.iter().zip(&self.systems).map(|(&i, s)| s.value(i)));
+        self.numbers.extend(index.iter().zip(&self.systems).map(|(&i, s)| (i, s.value(i))));
     }
 
     /// A triangle, counter-clockwise.
     pub(super) fn add_face(&mut self, vertices: [u32; 3]) -> u32 {
         let face = self.faces();
-        for (corner, &v) in (3 * face..).zip(&vertices) {
-            self.corners.push(v);
-            self.next.push(std::mem::replace(&mut self.head[v as usize], corner));
+        let mut next = [NONE; 3];
+        for (i, &v) in (0..).zip(&vertices) {
+            next[i as usize] = std::mem::replace(&mut self.head[v as usize], 3 * face + i);
         }
+        self.faces.push(Face { vertices, next });
         face
     }
 
-    /// The vertex that follows a corner in its face.
-    pub(super) fn after(&self, corner: u32) -> u32 {
-        self.corners[if corner % 3 == 2 { corner - 2 } else { corner + 1 } as usize]
+    /// The vertices of a triangle.
+    pub(super) fn face(&self, face: u32) -> [u32; 3] {
+        self.faces[face as usize].vertices
     }
 
-    /// The vertex before a corner in its face.
-    pub(super) fn before(&self, corner: u32) -> u32 {
-        self.corners[if corner % 3 == 0 { corner + 2 } else { corner - 1 } as usize]
+    /// The triangles at a vertex, in any order.
+    pub(super) fn spokes(&self, vertex: u32, spokes: &mut Vec<Spoke>) {
+        spokes.clear();
+        let mut corner = self.head[vertex as usize];
+        while corner != NONE {
+            let (face, i) = (&self.faces[corner as usize / 3], corner as usize % 3);
+            let [x, y, z] = face.vertices;
+            let [a, b] = [[y, z], [z, x], [x, y]][i];
+            spokes.push(Spoke { corner, a, b });
+            corner = face.next[i];
+        }
     }
 
     /// The triangles at a vertex in the order of fans, each from its oldest vertex on if it is closed.
     pub(super) fn ring(&self, vertex: u32, ring: &mut Vec<Spoke>) {
-        ring.clear();
-        let mut corner = self.head[vertex as usize];
-        while corner != NONE {
-            ring.push(Spoke { corner, a: self.after(corner), b: self.before(corner) });
-            corner = self.next[corner as usize];
-        }
-        if ring.len() <= FAN {
+        self.spokes(vertex, ring);
+        if ring.len() <= FAN && !sort_closed(ring) {
             sort(ring);
         }
     }
@@ -118,14 +125,30 @@ impl Growth {
         let mut heads = [NONE; 2];
         for (spoke, &moved) in ring.iter().zip(moves).rev() {
             let head = &mut heads[usize::from(moved)];
-            self.next[spoke.corner as usize] = *head;
+            let (face, i) = (&mut self.faces[spoke.corner as usize / 3], spoke.corner as usize % 3);
+            face.next[i] = *head;
             *head = spoke.corner;
             if moved {
-                self.corners[spoke.corner as usize] = to;
+                face.vertices[i] = to;
             }
         }
         [self.head[from as usize], self.head[to as usize]] = heads;
     }
+}
+
+/// Puts spokes into the order of a fan that closes, from its oldest vertex on. Does what [`sort`] does, where it can.
+fn sort_closed(ring: &mut [Spoke]) -> bool {
+    let Some(first) = (0..ring.len()).min_by_key(|&i| (ring[i].a, ring[i].corner)) else { return true };
+    ring.swap(0, first);
+    for i in 1..ring.len() {
+        let end = ring[i - 1].b;
+        // A fan that closes too early is not the only one.
+        match ring[i..].iter().position(|s| s.a == end) {
+            Some(next) if end != ring[0].a => ring.swap(i, i + next),
+            _ => return false,
+        }
+    }
+    ring[ring.len() - 1].b == ring[0].a
 }
 
 /// Puts spokes into the order of fans: each begins where the one before it ends.
@@ -146,6 +169,19 @@ fn sort(ring: &mut [Spoke]) {
             match ring[start..].iter().position(|s| s.a == end) {
                 Some(next) => at = start + next,
                 None => break,
+            }
+        }
+    }
+}
+
+/// The vertices around spokes in any order, each once. Hubs are too large to look for what is there twice.
+pub(super) fn around(spokes: &[Spoke], around: &mut Vec<u32>) {
+    around.clear();
+    around.extend(spokes.iter().map(|s| s.a));
+    if spokes.len() <= FAN {
+        for s in spokes {
+            if spokes.iter().all(|t| t.a != s.b) {
+                around.push(s.b);
             }
         }
     }
@@ -207,7 +243,7 @@ mod tests {
         let mut ring = Vec::new();
         growth.ring(0, &mut ring);
         growth.split(0, 9, &ring, &[false, true, false]);
-        assert_eq!(growth.corners, [0, 1, 2, 9, 2, 3, 0, 3, 1]);
+        assert_eq!([0, 1, 2].map(|f| growth.face(f)), [[0, 1, 2], [9, 2, 3], [0, 3, 1]]);
         assert_eq!(around(&growth, 9).0, [1]);
         assert_eq!(around(&growth, 0).0, [2, 0]);
     }

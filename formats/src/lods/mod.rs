@@ -4,12 +4,14 @@
 //! What a vertex brings is said once, by code that writes and reads alike (`record.rs`, `strips.rs`, `values.rs`); a
 //! [`Script`](script::Script) is what only a writer knows.
 
+mod births;
 mod block;
 mod coder;
 mod growth;
 mod head;
 mod layout;
 mod model;
+mod moves;
 mod numbers;
 mod pack;
 mod quantize;
@@ -28,6 +30,20 @@ pub use unpack::{State, Unpacker};
 
 /// The version that this program writes, and the newest that it reads.
 pub const VERSION: u32 = 1;
+
+/// Bytes with the checksums that they should have as a stream: for tests with forged streams, and for fuzzing.
+#[doc(hidden)]
+#[must_use]
+pub fn repaired(bytes: &[u8]) -> Vec<u8> {
+    let mut out = bytes[..bytes.len().min(block::PREAMBLE)].to_vec();
+    let mut rest = &bytes[out.len()..];
+    for number in 0.. {
+        let Some((block, length)) = block::believed(rest) else { break };
+        block::put(&mut out, number, block);
+        rest = &rest[length..];
+    }
+    out
+}
 
 /// Why what was heard cannot be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,7 +66,7 @@ fn error_value(code: u32) -> f32 {
 /// without a bound a few bytes could ask for any amount of memory and time.
 fn may_hold(bytes: usize, object: &record::Object) -> bool {
     let growth = &object.growth;
-    let size = growth.index.len() as u64 + 8 * u64::from(growth.vertices()) + 8 * u64::from(growth.faces());
+    let size = growth.numbers.len() as u64 + 8 * u64::from(growth.vertices()) + 8 * u64::from(growth.faces());
     let bytes = bytes as u64;
     let most = |free: u64, each: u64| free.saturating_add(bytes.saturating_mul(each));
     size <= most(1 << 20, 1024) && object.work <= most(1 << 26, 1 << 16)

@@ -154,11 +154,6 @@ impl Known {
         let submesh = mesh.vertex_submesh().iter().rev().copied().collect();
         Some(Self { survivors, goes_on, submesh, channels, index, births, first_birth, ends, run, errors, strips })
     }
-
-    /// The faces in order of arrival: how many there are before each vertex.
-    pub(super) fn faces_before(&self, vertex: u32) -> u32 {
-        self.first_birth[vertex as usize]
-    }
 }
 
 impl Script for Known {

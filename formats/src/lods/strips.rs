@@ -6,7 +6,7 @@
 
 use super::Broken;
 use super::coder::{Bit, Coder};
-use super::growth::NONE;
+use super::growth::{Growth, NONE};
 use super::script::{Place, Script};
 use lodc_strip::StripSet;
 
@@ -196,21 +196,19 @@ impl Order {
         }
     }
 
-    /// The strips as a graphics card reads them. `corners` are those of all triangles, `submesh` says which a triangle
-    /// belongs to.
-    pub(super) fn draw(&self, corners: &[u32], submeshes: usize, submesh: impl Fn(u32) -> u32) -> Option<StripSet> {
+    /// The strips of a mesh with so many submeshes as a graphics card reads them.
+    pub(super) fn draw(&self, growth: &Growth, submeshes: usize) -> Option<StripSet> {
         let (mut indices, mut ends) = (Vec::new(), Vec::new());
         let mut submesh_ends = vec![0; submeshes];
-        let triangle = |f: u32| -> [u32; 3] { std::array::from_fn(|i| corners[3 * f as usize + i]) };
         let mut strip = Vec::new();
         let mut face = self.first;
         while face != NONE {
-            strip.push(triangle(face));
+            strip.push(growth.face(face));
             let next = self.next[face as usize];
             if !self.same(face, next) {
                 write(&strip, &mut indices, &mut ends);
                 strip.clear();
-                submesh_ends[submesh(face) as usize] = ends.len() as u32;
+                submesh_ends[growth.submesh[growth.face(face)[0] as usize] as usize] = ends.len() as u32;
             }
             face = next;
         }

@@ -153,12 +153,13 @@ impl Unpacker {
         }
     }
 
-    /// The triangles that an object shows now, three vertices each, in order of arrival: what is there stays in its place
+    /// The triangles that an object shows now, in order of arrival: what is there stays in its place
     /// when more comes, only corners change. Vertices are numbered by arrival too: vertex `i` here is vertex
     /// `vertices − 1 − i` of the object in collapse order.
     #[must_use]
-    pub fn indices(&self, object: usize) -> &[u32] {
-        &self.growing[object].object.growth.corners
+    pub fn triangles(&self, object: usize) -> impl ExactSizeIterator<Item = [u32; 3]> {
+        let growth = &self.growing[object].object.growth;
+        (0..growth.faces()).map(|f| growth.face(f))
     }
 
     /// The submesh of each vertex by arrival.
@@ -184,8 +185,7 @@ impl Unpacker {
     #[must_use]
     pub fn strips(&self, object: usize) -> Option<StripSet> {
         let growth = &self.growing[object].object.growth;
-        let submesh = |face: u32| growth.submesh[growth.corners[3 * face as usize] as usize];
-        self.growing[object].object.order.as_ref()?.draw(&growth.corners, self.promise(object).submeshes.len(), submesh)
+        self.growing[object].object.order.as_ref()?.draw(growth, self.promise(object).submeshes.len())
     }
 
     /// The mesh that an object shows now: its vertices in collapse order, its triangles by arrival, as a mesh of its own
@@ -324,13 +324,13 @@ fn parts(promise: &Promise, growth: &Growth) -> MeshParts {
         let mut bytes = Vec::with_capacity(vertices as usize * a.stride());
         for v in 0..vertices {
             for c in stream.first..stream.first + stream.channels {
-                promise.layout.put(a.component, c, growth.index[at(v) + c], &mut bytes);
+                promise.layout.put(a.component, c, growth.numbers[at(v) + c].0, &mut bytes);
             }
         }
         Attribute { bytes, ..a.described() }
     };
     let mut sorted: Vec<Vec<[u32; 3]>> = vec![Vec::new(); promise.submeshes.len()];
-    for t in growth.corners.chunks_exact(3) {
+    for t in (0..growth.faces()).map(|f| growth.face(f)) {
         sorted[growth.submesh[t[0] as usize] as usize].push([last - t[0], last - t[1], last - t[2]]);
     }
     let mut first_triangle = 0;
@@ -340,7 +340,7 @@ fn parts(promise: &Promise, growth: &Growth) -> MeshParts {
         submesh
     };
     MeshParts {
-        positions: (0..vertices).map(|v| std::array::from_fn(|c| growth.value[at(v) + c])).collect(),
+        positions: (0..vertices).map(|v| std::array::from_fn(|c| growth.numbers[at(v) + c].1)).collect(),
         vertex_submesh: growth.submesh.iter().rev().copied().collect(),
         attributes: promise.attributes.iter().zip(&promise.layout.streams[1..]).map(attribute).collect(),
         submeshes: promise.submeshes.iter().zip(&sorted).map(submesh).collect(),

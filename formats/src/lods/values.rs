@@ -81,20 +81,22 @@ impl Growth {
                 (0, Some(mate)) => Some(mate),
                 _ => None,
             };
-            let own = |v: u32| &self.index[v as usize * self.channels() + stream.first..][..stream.channels];
+            let own = |v: u32| {
+                let own = &self.numbers[v as usize * self.channels() + stream.first..][..stream.channels];
+                own.iter().map(|n| n.0)
+            };
             let wanted = if C::WRITES { &truth[stream.first..][..stream.channels] } else { &[] };
             if let Some(mate) = copied {
-                found.extend_from_slice(own(mate));
+                found.extend(own(mate));
                 continue;
             }
             let set = s.min(STREAMS) % STREAMS;
             if s > 0 {
-                let again = own(near.survivor);
                 let was = models.was_again[set];
-                let is = coder.bit(&mut models.again[set][was], wanted == again);
+                let is = coder.bit(&mut models.again[set][was], wanted.iter().copied().eq(own(near.survivor)));
                 models.was_again[set] = usize::from(is);
                 if is {
-                    found.extend_from_slice(again);
+                    found.extend(own(near.survivor));
                     continue;
                 }
             }
@@ -123,15 +125,16 @@ impl Growth {
         for channel in 0..stream.channels {
             let slot = set * CHANNELS + channel.min(CHANNELS - 1);
             let system = self.systems[stream.first + channel];
-            let (mut guess, mut expected) = (self.value[survivor + channel], (models.usual[slot] + 8) / 16);
+            let (mut guess, mut expected) = (self.numbers[survivor + channel].1, (models.usual[slot] + 8) / 16);
             let mut exact = None;
             let mut lean = 0;
             if smooth {
                 let (mut sum, mut least, mut most) = (0.0, i32::MAX, i32::MIN);
                 for &v in near.rim {
                     let at = v as usize * all + stream.first + channel;
-                    sum += f64::from(self.value[at]);
-                    (least, most) = (least.min(self.index[at]), most.max(self.index[at]));
+                    let (index, value) = self.numbers[at];
+                    sum += f64::from(value);
+                    (least, most) = (least.min(index), most.max(index));
                 }
                 let mean = (sum / near.rim.len() as f64) as f32;
                 if mean.is_finite() {
@@ -150,7 +153,7 @@ impl Growth {
                     }
                 }
             } else {
-                exact = Some(self.index[survivor + channel]);
+                exact = Some(self.numbers[survivor + channel].0);
             }
             let guess = exact.unwrap_or_else(|| system.index(guess));
             let truth = wanted.get(channel).copied().unwrap_or_default();

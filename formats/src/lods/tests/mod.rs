@@ -60,7 +60,7 @@ fn fed(bytes: &[u8]) -> Unpacker {
 fn shown(unpacker: &Unpacker, object: usize) -> Vec<OrientedTriangle> {
     let last = unpacker.state(object).vertices[1].saturating_sub(1);
     let submesh = |v: u32| unpacker.vertex_submesh(object)[v as usize];
-    let triangles = unpacker.indices(object).chunks_exact(3);
+    let triangles = unpacker.triangles(object);
     triangles.map(|t| OrientedTriangle::new(submesh(t[0]), [last - t[0], last - t[1], last - t[2]])).collect()
 }
 
