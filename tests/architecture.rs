@@ -13,7 +13,18 @@ const DRAWING: &[(&str, &[&str])] = &[
     ("crates/gpu", &["lodc-lod", "bytemuck", "pollster", "wgpu"]),
     (
         "formats",
-        &["lodc-lod", "lodc-mesh", "bincode", "gltf", "png", "serde", "serde_json", "xxhash-rust", "zune-jpeg"],
+        &[
+            "lodc-lod",
+            "lodc-mesh",
+            "lodc-strip",
+            "bincode",
+            "gltf",
+            "png",
+            "serde",
+            "serde_json",
+            "xxhash-rust",
+            "zune-jpeg",
+        ],
     ),
     (
         "cli",

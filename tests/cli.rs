@@ -21,6 +21,8 @@ mod refused;
 mod render;
 #[path = "cli/shaders.rs"]
 mod shaders;
+#[path = "cli/stream.rs"]
+mod stream;
 #[path = "cli/strips.rs"]
 mod strips;
 mod support;

@@ -10,6 +10,7 @@ pub mod export;
 pub mod import;
 mod limits;
 pub mod lodc;
+pub mod lods;
 mod nodes;
 pub mod picture;
 mod scene;

@@ -5,7 +5,7 @@ mod container;
 #[cfg(test)]
 mod golden_tests;
 mod left_out;
-mod manifest;
+pub(crate) mod manifest;
 mod object;
 mod steps;
 mod streams;
