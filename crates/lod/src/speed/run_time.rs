@@ -55,15 +55,14 @@ impl RunTime {
         let targets = model.simplified.collapses().targets();
         let mut arrays = Self::default();
         for record in 0..lod.0.min(targets.len() as u32) {
-            let entries = model.edits.of_records(record..record + 1);
-            let affected = entries.end - entries.start;
+            let strips = model.edits.affected(record..record + 1);
+            let affected = strips.len() as u32;
             if affected >= u32::from(ESCAPE) {
                 arrays.strips.push(StripInfo { strip: affected, num_ops: 0 });
             }
             arrays.lods.push(LodInfo { vertex: targets[record as usize], strips_affected: byte(affected) });
-            for entry in entries {
-                let operations = model.operations(entry);
-                let (strip, count) = (model.edits.get(entry).strip, operations.len() as u32);
+            for (&strip, operations) in strips.iter().zip(model.operations(record)) {
+                let count = operations.len() as u32;
                 arrays.strips.push(StripInfo { strip, num_ops: byte(count) });
                 if count >= u32::from(ESCAPE) {
                     arrays.updates.push(count as i32);
@@ -113,17 +112,26 @@ impl RunTime {
 }
 
 impl Speed {
-    /// What an entry does, by place.
-    pub(super) fn operations(&self, entry: u32) -> Vec<Operation> {
-        let changes = self.edits.changes(entry).iter().map(|&p| Operation::Change(p));
-        let removals = self.edits.removals(entry).iter().map(|&r| Operation::Remove(r));
-        let mut operations: Vec<Operation> = removals.chain(changes).collect();
-        // Stable: a removal comes before a change at the same place.
-        operations.sort_by_key(|operation| match operation {
-            Operation::Change(place) => *place,
-            Operation::Remove(removal) => removal.at,
-        });
-        operations
+    /// What a record does to each of the strips that it changes, by place.
+    pub(super) fn operations(&self, record: u32) -> Vec<Vec<Operation>> {
+        let (mut changes, mut removals) = (self.edits.changes(record), self.edits.removals(record));
+        let of_strip = |&strip: &u32| {
+            let room = self.strips.range(strip as usize);
+            let (mine, rest) = changes.split_at(changes.partition_point(|&p| (p as usize) < room.end));
+            changes = rest;
+            let (gone, rest) = removals.split_at(removals.partition_point(|(s, _)| *s <= strip));
+            removals = rest;
+            let gone = gone.iter().map(|&(_, r)| Operation::Remove(r));
+            let changed = mine.iter().map(|p| Operation::Change(p - room.start as u32));
+            let mut operations: Vec<Operation> = gone.chain(changed).collect();
+            // Stable: a removal comes before a change at the same place.
+            operations.sort_by_key(|operation| match operation {
+                Operation::Change(place) => *place,
+                Operation::Remove(removal) => removal.at,
+            });
+            operations
+        };
+        self.edits.affected(record..record + 1).iter().map(of_strip).collect()
     }
 }
 
