@@ -1,7 +1,7 @@
 //! What to time of Interactive Meshes on a device (thesis 5.5.4), positions only, as the thesis counts.
 
 use super::view::{Criterion, Filter, View, ViewPasses, Views};
-use super::{Continuous, Interactive, replay};
+use super::{Continuous, Counting, Interactive, replay};
 use crate::Model;
 use crate::plan::{Benchmark, Case, Pass, PlanError, Program, VertexRecords};
 use lodc_mesh::Lod;
@@ -23,6 +23,8 @@ impl Interactive {
         let records = VertexRecords::positions(mesh);
         let mut program = Program::default();
         let base = Continuous::new(&mut program, simplified, &lists, &records)?;
+        let counting = Counting::new(&mut program, mesh, base.vertices, records.stride);
+        let continuous = program.bytes() / 4;
         let views = Views::new(simplified, lists, records);
         let dependent = ViewPasses::new(&mut program, &views, &base);
         let filter = Filter::new(&mut program, mesh, &order(mesh, 16), base.vertices, 3);
@@ -51,12 +53,16 @@ impl Interactive {
             case("construction", vec![base.construction()], mesh.vertex_count() as u64),
             case("continuous, linear sweep", moves(&sweep), touched),
             case("continuous, whole mesh", moves(&jumps), whole),
+            case("live count", vec![vec![counting.pass()]; 8], all),
             case("view-dependent", shown, all),
             case("view-dependent, morphing", morphed, all),
             case("degenerate filter alone", vec![filter.passes(); 8], all),
             case("view-dependent, filtered", filtered, all),
         ];
-        Ok(Benchmark { program, setup: base.construction(), cases })
+        // The filter has triangles of its own: an engine keeps one copy.
+        let dependent_words = program.bytes() / 4 - 3 * mesh.triangles().len() as u64;
+        let memory = vec![("continuous", continuous), ("view-dependent", dependent_words)];
+        Ok(Benchmark { program, memory, setup: base.construction(), cases })
     }
 }
 

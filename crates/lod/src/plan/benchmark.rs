@@ -11,6 +11,8 @@ pub struct Benchmark {
     pub setup: Vec<Pass>,
     /// What is timed, in order.
     pub cases: Vec<Case>,
+    /// Words on the device, by variant of the model.
+    pub memory: Vec<(&'static str, u64)>,
 }
 
 /// Some runs of one kind.
