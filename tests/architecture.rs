@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 /// Every package with what it may use, lowest first. A package may only use packages above it in this list.
 const DRAWING: &[(&str, &[&str])] = &[
     ("crates/mesh", &["glam"]),
-    ("crates/simplify", &["lodc-mesh", "glam", "rayon"]),
+    ("crates/raster", &["glam"]),
+    ("crates/simplify", &["lodc-mesh", "lodc-raster", "glam", "rayon"]),
     ("crates/strip", &["lodc-mesh", "rayon"]),
     ("crates/lod", &["lodc-mesh", "lodc-strip", "rayon"]),
     ("crates/gpu", &["lodc-lod", "bytemuck", "pollster", "wgpu"]),

@@ -1,7 +1,9 @@
 //! The closed list of models: the one place that names them all.
 
 use crate::plan::{Benchmark, Plan, PlanError, Shader};
-use crate::{Array, BuildError, Changes, Interactive, Model, StorageCost, StripKind, StripPool, Strips, Traffic};
+use crate::{
+    Array, BuildError, Changes, Interactive, Masking, Model, Speed, StorageCost, StripKind, StripPool, Strips, Traffic,
+};
 use lodc_mesh::{Lod, OrientedTriangle, Simplified};
 use std::{str::FromStr, sync::Arc};
 
@@ -23,7 +25,7 @@ impl ModelKind {
     /// Whether this version has the model.
     #[must_use]
     pub const fn available(self) -> bool {
-        matches!(self, Self::Interactive)
+        matches!(self, Self::Speed | Self::Masking | Self::Interactive)
     }
 
     /// The generator whose strips the model is made of unless told otherwise; none if it is not made of strips.
@@ -64,10 +66,17 @@ impl FromStr for ModelKind {
     }
 }
 
+/// Why a cursor is refused.
+const FOREIGN: &str = "a cursor of another model";
+
 /// A model of any kind.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub enum AnyModel {
+    /// Speed Strips.
+    Speed(Speed),
+    /// Masking Strips.
+    Masking(Masking),
     /// Interactive Meshes.
     Interactive(Interactive),
 }
@@ -76,6 +85,10 @@ pub enum AnyModel {
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub enum AnyCursor {
+    /// Over Speed Strips.
+    Speed(<Speed as Model>::Cursor),
+    /// Over Masking Strips.
+    Masking(<Masking as Model>::Cursor),
     /// Over Interactive Meshes.
     Interactive(<Interactive as Model>::Cursor),
 }
@@ -88,7 +101,8 @@ impl AnyModel {
     pub fn build(kind: ModelKind, strips: &mut StripPool<'_>) -> Result<Self, BuildError> {
         match kind {
             ModelKind::Interactive => Interactive::build(strips.simplified()).map(Self::Interactive),
-            ModelKind::Speed | ModelKind::Masking => Err(BuildError::NotAvailable { model: kind.name() }),
+            ModelKind::Masking => Masking::build(strips.simplified(), strips.get(StripKind::Cache)).map(Self::Masking),
+            ModelKind::Speed => Speed::build(strips.simplified(), strips.get(StripKind::Stripe)).map(Self::Speed),
         }
     }
 
@@ -99,7 +113,8 @@ impl AnyModel {
     pub fn load(kind: ModelKind, simplified: &Arc<Simplified>, arrays: &[Array]) -> Result<Self, BuildError> {
         match kind {
             ModelKind::Interactive => Interactive::load(simplified, arrays).map(Self::Interactive),
-            ModelKind::Speed | ModelKind::Masking => Err(BuildError::NotAvailable { model: kind.name() }),
+            ModelKind::Masking => Masking::load(simplified, arrays).map(Self::Masking),
+            ModelKind::Speed => Speed::load(simplified, arrays).map(Self::Speed),
         }
     }
 
@@ -107,6 +122,8 @@ impl AnyModel {
     #[must_use]
     pub fn kind(&self) -> ModelKind {
         match self {
+            Self::Speed(_) => ModelKind::Speed,
+            Self::Masking(_) => ModelKind::Masking,
             Self::Interactive(_) => ModelKind::Interactive,
         }
     }
@@ -115,6 +132,8 @@ impl AnyModel {
     #[must_use]
     pub fn strips(&self) -> Option<&Strips> {
         match self {
+            Self::Speed(model) => Some(model.strips()),
+            Self::Masking(model) => Some(model.strips()),
             Self::Interactive(_) => None,
         }
     }
@@ -128,6 +147,8 @@ impl AnyModel {
             return Ok(Vec::new());
         }
         match self {
+            Self::Speed(_) => Ok(Vec::new()),
+            Self::Masking(_) => Ok(Vec::new()),
             Self::Interactive(model) => model.replays(stops),
         }
     }
@@ -138,6 +159,8 @@ impl AnyModel {
     /// If the mesh is too large or too deep for any device.
     pub fn benchmark(&self) -> Result<Option<Benchmark>, PlanError> {
         match self {
+            Self::Speed(_) => Ok(None),
+            Self::Masking(_) => Ok(None),
             Self::Interactive(model) => model.benchmark().map(Some),
         }
     }
@@ -159,41 +182,61 @@ impl Model for AnyModel {
     }
     fn simplified(&self) -> &Arc<Simplified> {
         match self {
+            Self::Speed(model) => model.simplified(),
+            Self::Masking(model) => model.simplified(),
             Self::Interactive(model) => model.simplified(),
         }
     }
     fn cursor(&self) -> AnyCursor {
         match self {
+            Self::Speed(model) => AnyCursor::Speed(model.cursor()),
+            Self::Masking(model) => AnyCursor::Masking(model.cursor()),
             Self::Interactive(model) => AnyCursor::Interactive(model.cursor()),
         }
     }
     fn lod(&self, cursor: &AnyCursor) -> Lod {
         match (self, cursor) {
+            (Self::Speed(model), AnyCursor::Speed(cursor)) => model.lod(cursor),
+            (Self::Masking(model), AnyCursor::Masking(cursor)) => model.lod(cursor),
             (Self::Interactive(model), AnyCursor::Interactive(cursor)) => model.lod(cursor),
+            _ => panic!("{FOREIGN}"),
         }
     }
     fn seek(&self, cursor: &mut AnyCursor, lod: Lod, changes: &mut impl Changes) -> Traffic {
         match (self, cursor) {
+            (Self::Speed(model), AnyCursor::Speed(cursor)) => model.seek(cursor, lod, changes),
+            (Self::Masking(model), AnyCursor::Masking(cursor)) => model.seek(cursor, lod, changes),
             (Self::Interactive(model), AnyCursor::Interactive(cursor)) => model.seek(cursor, lod, changes),
+            _ => panic!("{FOREIGN}"),
         }
     }
     fn triangles(&self, cursor: &AnyCursor) -> Vec<OrientedTriangle> {
         match (self, cursor) {
+            (Self::Speed(model), AnyCursor::Speed(cursor)) => model.triangles(cursor),
+            (Self::Masking(model), AnyCursor::Masking(cursor)) => model.triangles(cursor),
             (Self::Interactive(model), AnyCursor::Interactive(cursor)) => model.triangles(cursor),
+            _ => panic!("{FOREIGN}"),
         }
     }
     fn drawn(&self, cursor: &AnyCursor) -> u64 {
         match (self, cursor) {
+            (Self::Speed(model), AnyCursor::Speed(cursor)) => model.drawn(cursor),
+            (Self::Masking(model), AnyCursor::Masking(cursor)) => model.drawn(cursor),
             (Self::Interactive(model), AnyCursor::Interactive(cursor)) => model.drawn(cursor),
+            _ => panic!("{FOREIGN}"),
         }
     }
     fn storage_to(&self, lod: Lod) -> StorageCost {
         match self {
+            Self::Speed(model) => model.storage_to(lod),
+            Self::Masking(model) => model.storage_to(lod),
             Self::Interactive(model) => model.storage_to(lod),
         }
     }
     fn arrays(&self) -> Vec<Array> {
         match self {
+            Self::Speed(model) => model.arrays(),
+            Self::Masking(model) => model.arrays(),
             Self::Interactive(model) => model.arrays(),
         }
     }

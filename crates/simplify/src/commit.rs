@@ -9,7 +9,7 @@ use lodc_mesh::Lod;
 
 impl<M: Metric> Engine<'_, M> {
     /// Moves `from` onto `to` and writes it down. Leaves in `serial.stale` the groups whose faces changed.
-    pub(crate) fn commit(&mut self, from: u32, to: u32, changes_topology: bool, serial: &mut Serial) {
+    pub(crate) fn commit(&mut self, from: u32, to: u32, changes_topology: bool, serial: &mut Serial<M::Eye>) {
         serial.epoch += 1;
         serial.stale.clear();
         serial.first_time(from);
@@ -52,7 +52,7 @@ impl<M: Metric> Engine<'_, M> {
     }
 
     /// Two corners of one triangle at one position: their groups are one group from now on.
-    fn unite_position(&mut self, to: u32, lod: u32, serial: &mut Serial) {
+    fn unite_position(&mut self, to: u32, lod: u32, serial: &mut Serial<M::Eye>) {
         let position = self.mesh.position_id[to as usize];
         let twin = |mesh: &Working| {
             mesh.star(to).iter().find_map(|&corner| {

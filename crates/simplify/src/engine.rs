@@ -9,6 +9,7 @@ use crate::log::Log;
 use crate::metric::Metric;
 use crate::neighborhood::{Neighborhood, Spoke, SpokeKind};
 use crate::plan::Plan;
+use crate::pool::Pool;
 use crate::wedges::Wedges;
 use crate::working::{OPEN, RESTRICTED, SEAM, Working};
 use lodc_mesh::{Lod, Mesh};
@@ -32,18 +33,21 @@ pub(crate) struct Engine<'a, M> {
 
 /// Buffers of one thread.
 #[derive(Default)]
-struct Scratch {
+pub(crate) struct Scratch<E> {
     around: Neighborhood,
     gradients: Vec<(u32, Gradient)>,
     /// Candidates of one group: cost and target.
     candidates: Vec<(f64, u32)>,
     fan: Fan,
+    eye: E,
 }
 
 /// Buffers of the serial loop.
 #[derive(Default)]
-pub(crate) struct Serial {
-    scratch: Scratch,
+pub(crate) struct Serial<E> {
+    scratch: Scratch<E>,
+    /// Buffers of other threads.
+    pub(crate) pool: Pool<E>,
     legality: legality::Buffers,
     pub(crate) plan: Plan,
     /// Groups whose ranking is out of date.
@@ -54,7 +58,7 @@ pub(crate) struct Serial {
     pub(crate) epoch: u32,
 }
 
-impl Serial {
+impl<E> Serial<E> {
     /// Whether this is the first time since the last commit.
     pub(crate) fn first_time(&mut self, group: u32) -> bool {
         std::mem::replace(&mut self.marks[group as usize], self.epoch) != self.epoch
@@ -63,9 +67,9 @@ impl Serial {
 
 /// The best collapse of a group.
 #[derive(Clone, Copy, Debug)]
-struct Choice {
+pub(crate) struct Choice {
     /// NaN if there is none.
-    cost: f32,
+    pub(crate) cost: f32,
     to: u32,
 }
 
@@ -97,11 +101,15 @@ impl<M: Metric> Engine<'_, M> {
     /// Runs all stages, then joins the points that are left.
     pub(crate) fn run(&mut self, progress: &(dyn Fn(u64, u64) + Sync)) {
         let groups = self.mesh.places.len();
-        let mut serial = Serial { marks: vec![0; groups], ..Serial::default() };
+        let pool = if M::LOOKS { Pool::new() } else { Pool::default() };
+        let mut serial = Serial { marks: vec![0; groups], pool, ..Serial::default() };
         for stage in Stage::ALL {
             self.stage = stage;
-            if self.mesh.live_faces > 0 {
-                self.run_stage(&mut serial, progress);
+            if M::LOOKS {
+                self.metric.change(&self.mesh, stage == Stage::Legal);
+            }
+            while self.mesh.live_faces > 0 && !self.run_stage(&mut serial, progress) {
+                self.metric.change(&self.mesh, stage == Stage::Legal);
             }
             if stage == Stage::Legal {
                 self.log.last_legal = Lod(self.log.order.len() as u32);
@@ -115,13 +123,14 @@ impl<M: Metric> Engine<'_, M> {
         (self.wedges, self.log)
     }
 
-    fn run_stage(&mut self, serial: &mut Serial, progress: &(dyn Fn(u64, u64) + Sync)) {
+    /// Collapses while there is something to collapse: true when there is not, false when prices change their meaning.
+    fn run_stage(&mut self, serial: &mut Serial<M::Eye>, progress: &(dyn Fn(u64, u64) + Sync)) -> bool {
         let groups = self.mesh.places.len() as u32;
         let this = &*self;
         let mut best: Vec<Choice> = (0..groups)
             .into_par_iter()
-            .with_min_len(1024)
-            .map_init(Scratch::default, |scratch, g| this.rank(g, scratch))
+            .with_min_len(if M::LOOKS { 64 } else { 1024 })
+            .map_init(Scratch::<M::Eye>::default, |scratch, g| this.rank(g, scratch))
             .collect();
         let mut heap = Heap::new(best.iter().map(|c| c.cost));
         while let Some((from, key)) = heap.pop() {
@@ -135,10 +144,14 @@ impl<M: Metric> Engine<'_, M> {
             }
             self.commit(from, choice.to, changes_topology, serial);
             self.refresh(choice.to, &mut best, &mut heap, serial);
-            if self.log.step_ends.len().is_multiple_of(4096) {
+            if self.log.step_ends.len().is_multiple_of(if M::LOOKS { 64 } else { 4096 }) {
                 progress(self.log.step_ends.len() as u64, u64::from(groups));
             }
+            if M::LOOKS && self.metric.wants_change(&self.mesh) {
+                return false;
+            }
         }
+        true
     }
 
     /// Reads what the next collapses will need, so that it is on its way from memory while this one is computed.
@@ -159,7 +172,11 @@ impl<M: Metric> Engine<'_, M> {
     }
 
     /// Ranks again what a commit onto `to` may have changed.
-    fn refresh(&mut self, to: u32, best: &mut [Choice], heap: &mut Heap, serial: &mut Serial) {
+    fn refresh(&mut self, to: u32, best: &mut [Choice], heap: &mut Heap, serial: &mut Serial<M::Eye>) {
+        if self.metric.is_awake() {
+            self.look_again(best, heap, serial);
+            return;
+        }
         let stale = std::mem::take(&mut serial.stale);
         for &g in &stale {
             if !self.is_due(g) {
@@ -192,12 +209,12 @@ impl<M: Metric> Engine<'_, M> {
 
     /// Whether a group is to be ranked again although a neighbour moves. Hubs with hundreds of neighbours are looked at
     /// after some of them moved, else a fan would take quadratic time; legality is always asked anew.
-    fn is_due(&self, group: u32) -> bool {
+    pub(crate) fn is_due(&self, group: u32) -> bool {
         let faces = self.mesh.star(group).len();
         faces < HUB || faces % (faces / 16).next_power_of_two() < 2
     }
 
-    fn rerank(&mut self, g: u32, best: &mut [Choice], heap: &mut Heap, scratch: &mut Scratch) {
+    fn rerank(&mut self, g: u32, best: &mut [Choice], heap: &mut Heap, scratch: &mut Scratch<M::Eye>) {
         self.set_restricted(g, false);
         best[g as usize] = self.rank(g, scratch);
         if best[g as usize].cost.is_nan() {
@@ -216,7 +233,7 @@ impl<M: Metric> Engine<'_, M> {
     }
 
     /// The cheapest collapse of a group, legality and prices left aside: never more than the true cost.
-    fn rank(&self, from: u32, scratch: &mut Scratch) -> Choice {
+    pub(crate) fn rank(&self, from: u32, scratch: &mut Scratch<M::Eye>) -> Choice {
         let mut best = (f64::INFINITY, u32::MAX);
         if self.is_plain(from) && scratch.fan.gather(&self.mesh, from) {
             // By far the most common case.
@@ -243,12 +260,20 @@ impl<M: Metric> Engine<'_, M> {
 
     /// Whether a group has a closed fan of faces, none of them at a border or seam, and no attributes to mind.
     fn is_plain(&self, group: u32) -> bool {
-        self.attributes.is_empty() && !self.mesh.has(group, OPEN | SEAM)
+        self.attributes.is_empty() && !self.mesh.has(group, OPEN | SEAM) && !self.metric.is_awake()
     }
 
     /// Prices every collapse of a group that borders and seams permit.
-    fn price_all(&self, from: u32, scratch: &mut Scratch) {
-        let Scratch { around, gradients, candidates, fan } = scratch;
+    fn price_all(&self, from: u32, scratch: &mut Scratch<M::Eye>) {
+        self.price_geometry(from, scratch);
+        if self.metric.is_awake() {
+            self.metric.look(&self.mesh, from, &mut scratch.candidates, &mut scratch.eye);
+        }
+    }
+
+    /// What they cost without looking.
+    fn price_geometry(&self, from: u32, scratch: &mut Scratch<M::Eye>) {
+        let Scratch { around, gradients, candidates, fan, .. } = scratch;
         candidates.clear();
         if self.mesh.star(from).is_empty() {
             return;
@@ -329,12 +354,29 @@ impl<M: Metric> Engine<'_, M> {
         gradients.truncate(used);
     }
 
+    /// The known choice as it is seen now, unless it has become dearer: then others may be better.
+    fn look_closer(&self, from: u32, known: Choice, scratch: &mut Scratch<M::Eye>) -> Option<Choice> {
+        self.price_geometry(from, scratch);
+        let Scratch { candidates, eye, .. } = scratch;
+        let mut one = [*candidates.iter().find(|c| c.1 == known.to)?];
+        self.metric.look(&self.mesh, from, &mut one, eye);
+        let cost = as_key(one[0].0);
+        (cost <= known.cost).then_some(Choice { cost, ..known })
+    }
+
     /// The cheapest legal collapse of a group with its price, and whether it changes the topology.
-    fn settle(&mut self, from: u32, known: Choice, serial: &mut Serial) -> Option<(Choice, bool)> {
+    fn settle(&mut self, from: u32, known: Choice, serial: &mut Serial<M::Eye>) -> Option<(Choice, bool)> {
         let wedges_matter = self.mesh.has(from, SEAM) || self.attributes.texture.is_some();
         if !wedges_matter {
             match self.judge(from, known.to, &mut serial.legality) {
-                Some(verdict) if verdict.price <= 1.0 => return Some((known, verdict.changes_topology)),
+                Some(verdict) if verdict.price <= 1.0 => {
+                    if !self.metric.is_awake() {
+                        return Some((known, verdict.changes_topology));
+                    }
+                    if let Some(choice) = self.look_closer(from, known, &mut serial.scratch) {
+                        return Some((choice, verdict.changes_topology));
+                    }
+                }
                 _ => {}
             }
         }

@@ -17,16 +17,18 @@ mod metric;
 mod neighborhood;
 mod output;
 mod plan;
+mod pool;
 mod quadric;
 mod wedges;
 mod working;
 
 use attributes::Attributes;
+use build::Built;
 use engine::Engine;
 use legality::Stage;
 use lodc_mesh::{CollapseSequence, Mesh, SequenceParts, Simplified};
 use log::Log;
-use metric::QuadricMetric;
+use metric::{Metric, QuadricMetric, Score, VisualMetric};
 
 /// What drives the collapses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -34,6 +36,10 @@ pub enum MetricKind {
     /// Distance to planes, refitted to the current surface, with a small accumulated term.
     #[default]
     Quadric,
+    /// Viewpoint entropy over 20 pictures (thesis 3.2.1): what is hidden goes first, then what covers few pixels.
+    Viewpoint,
+    /// Kullback–Leibler divergence between areas seen and areas in space: flat regions go first, however they are cut up.
+    Divergence,
 }
 
 /// What a simplification respects.
@@ -47,12 +53,19 @@ pub struct Options {
     pub lock_border: bool,
     /// Whether attributes take part in the cost.
     pub attributes: bool,
+    /// Pixels across the pictures that viewpoint metrics look at, 8 to 1024. Time grows with its square.
+    pub picture: u32,
 }
 
 impl Options {
     /// The defaults.
-    pub const DEFAULT: Self =
-        Self { metric: MetricKind::Quadric, preserve_topology: false, lock_border: false, attributes: true };
+    pub const DEFAULT: Self = Self {
+        metric: MetricKind::Quadric,
+        preserve_topology: false,
+        lock_border: false,
+        attributes: true,
+        picture: 256,
+    };
 }
 
 impl Default for Options {
@@ -75,9 +88,28 @@ pub fn simplify(mesh: &Mesh, options: &Options, progress: &(dyn Fn(u64, u64) + S
     } else {
         Attributes::none()
     };
-    let metric = match options.metric {
-        MetricKind::Quadric => QuadricMetric::new(&built.working, &built.wedges),
-    };
+    let (working, wedges) = (&built.working, &built.wedges);
+    match options.metric {
+        MetricKind::Quadric => run(mesh, options, QuadricMetric::new(working, wedges), built, attributes, progress),
+        MetricKind::Viewpoint => {
+            let metric = VisualMetric::new(working, wedges, Score::Entropy, options.picture);
+            run(mesh, options, metric, built, attributes, progress)
+        }
+        MetricKind::Divergence => {
+            let metric = VisualMetric::new(working, wedges, Score::Divergence, options.picture);
+            run(mesh, options, metric, built, attributes, progress)
+        }
+    }
+}
+
+fn run<M: Metric>(
+    mesh: &Mesh,
+    options: &Options,
+    metric: M,
+    built: Built,
+    attributes: Attributes,
+    progress: &(dyn Fn(u64, u64) + Sync),
+) -> Simplified {
     let log = Log { death: vec![0; built.working.faces.len()], ..Log::default() };
     let mut engine = Engine {
         input: mesh,

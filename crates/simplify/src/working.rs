@@ -167,6 +167,11 @@ impl Working {
         &self.arena[s.start as usize..(s.start + s.len) as usize]
     }
 
+    /// The live faces, each once, in the order of the groups at their first corners.
+    pub(crate) fn live(&self) -> impl Iterator<Item = u32> + '_ {
+        (0..self.places.len() as u32).flat_map(|g| self.star(g)).filter(|c| c.at() == 0).map(|c| c.face())
+    }
+
     /// The groups at a face's other two corners.
     #[inline]
     pub(crate) fn others(&self, corner: Corner) -> [u32; 2] {
@@ -196,6 +201,12 @@ impl Working {
         let f = &mut self.faces[face as usize];
         f.normal = if length > 0.0 { (n / length).as_vec3() } else { Vec3::ZERO };
         f.area = (0.5 * length) as f32;
+    }
+
+    /// The area of a face with its corners at these groups, in squared working units.
+    pub(crate) fn area_of(&self, groups: [u32; 3]) -> f64 {
+        let [a, b, c] = groups.map(|g| self.position(g));
+        0.5 * (b - a).cross(c - a).length()
     }
 
     /// Moves all of `from`'s faces to `to`. Faces that lose a corner die: they leave every star, and `died` is told their

@@ -17,6 +17,7 @@ use crate::report::{BuildReport, InputReport, SCHEMA_VERSION};
 use crate::stages::Stages;
 use clap::{Args, ValueEnum};
 use lodc_lod::StripKind;
+use lodc_simplify::MetricKind;
 use lodc_strip::Effort;
 use rayon::ThreadPoolBuilder;
 use std::num::NonZeroUsize;
@@ -76,6 +77,17 @@ enum MetricName {
     Viewpoint,
     Kl,
     Hybrid,
+}
+
+impl MetricName {
+    fn kind(self) -> Option<MetricKind> {
+        match self {
+            Self::Quadric => Some(MetricKind::Quadric),
+            Self::Viewpoint => Some(MetricKind::Viewpoint),
+            Self::Kl => Some(MetricKind::Divergence),
+            Self::Hybrid => None,
+        }
+    }
 }
 
 /// The strip generators.
@@ -205,7 +217,7 @@ fn not_yet(args: &BuildArgs) -> Outcome<()> {
     if let Some(model) = args.models.iter().find(|model| !model.kind().available()) {
         return refused("--models", model.kind().name());
     }
-    if args.metric != MetricName::Quadric {
+    if args.metric.kind().is_none() {
         return refused("--metric", args.metric.to_possible_value().as_ref().map_or("", |v| v.get_name()));
     }
     Ok(())

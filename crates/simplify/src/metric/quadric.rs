@@ -71,6 +71,7 @@ impl QuadricMetric {
 
 impl Metric for QuadricMetric {
     type Local = Local;
+    type Eye = ();
 
     fn local(&self, from: u32, facets: &[Facet], features: &[FeaturePlane]) -> Local {
         let mut a = [0.0; 6];

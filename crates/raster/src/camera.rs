@@ -1,0 +1,107 @@
+//! Orthographic cameras spread around a sphere: those that drive a metric, and others that judge what came of it.
+
+use glam::DVec3;
+
+/// Steps per pixel to which points are snapped.
+pub const SUBPIXELS: i32 = 256;
+/// Steps of depth per pixel: finer than across, so that close layers keep their order.
+const DEPTH_STEPS: f64 = 1024.0;
+/// The share of the picture that the sphere around the mesh fills.
+const FILLED: f64 = 0.95;
+/// Nothing seen is further out than this many pixels; what is, is moved to there.
+const FURTHEST: f64 = 131_072.0;
+
+/// Where a point is in a picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Point {
+    /// In 256ths of a pixel, from the left edge.
+    pub x: i32,
+    /// In 256ths of a pixel, from the top edge.
+    pub y: i32,
+    /// In 1024ths of a pixel, away from the camera.
+    pub z: i32,
+}
+
+/// An orthographic camera that looks at a sphere: a square picture, one unit as long everywhere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    /// Unit vector from the middle towards the camera.
+    pub toward: DVec3,
+    /// Unit vector to the right of the picture.
+    pub right: DVec3,
+    /// Unit vector to the top of the picture.
+    pub up: DVec3,
+    /// What the middle of the picture shows.
+    pub center: DVec3,
+    /// Pixels per unit of length.
+    pub scale: f64,
+    /// Pixels across and down.
+    pub size: u32,
+}
+
+impl Camera {
+    /// A camera that sees the sphere of `radius` about `center` from the direction `toward` (a unit vector), filling 95 % of
+    /// `size` pixels across.
+    #[must_use]
+    pub fn new(toward: DVec3, center: DVec3, radius: f64, size: u32) -> Self {
+        let upward = if toward.y.abs() < 0.95 { DVec3::Y } else { DVec3::X };
+        let right = upward.cross(toward).normalize();
+        let up = toward.cross(right);
+        let scale = if radius > 0.0 { FILLED * 0.5 * f64::from(size) / radius } else { 1.0 };
+        Self { toward, right, up, center, scale, size }
+    }
+
+    /// Where a point appears, snapped to the grid.
+    #[must_use]
+    pub fn project(&self, point: DVec3) -> Point {
+        let p = (point - self.center) * self.scale;
+        let half = 0.5 * f64::from(self.size);
+        let snap = |pixels: f64, steps: f64| (pixels.clamp(-FURTHEST, FURTHEST) * steps + 0.5).floor() as i32;
+        Point {
+            x: snap(half + p.dot(self.right), f64::from(SUBPIXELS)),
+            y: snap(half - p.dot(self.up), f64::from(SUBPIXELS)),
+            z: snap(-p.dot(self.toward), DEPTH_STEPS),
+        }
+    }
+}
+
+/// The 20 cameras of viewpoint metrics: corners of a dodecahedron (Castelló et al. 2007), turned so that none of them looks
+/// along an axis, a diagonal or a plane of symmetry of what people model.
+#[must_use]
+pub fn metric_cameras(center: DVec3, radius: f64, size: u32) -> Vec<Camera> {
+    let golden = f64::midpoint(1.0, 5.0_f64.sqrt());
+    let (long, short) = (golden, 1.0 / golden);
+    let mut corners = Vec::with_capacity(20);
+    for [a, b] in [[-1.0, -1.0], [-1.0, 1.0], [1.0, -1.0], [1.0, 1.0]] {
+        corners.push(DVec3::new(-1.0, a, b));
+        corners.push(DVec3::new(1.0, a, b));
+        corners.push(DVec3::new(0.0, a * short, b * long));
+        corners.push(DVec3::new(a * short, b * long, 0.0));
+        corners.push(DVec3::new(b * long, 0.0, a * short));
+    }
+    corners.into_iter().map(|c| Camera::new(turned(c).normalize(), center, radius, size)).collect()
+}
+
+/// Turns a vector by a fixed rotation without any symmetry: two Householder mirrors in planes of no importance.
+fn turned(v: DVec3) -> DVec3 {
+    let mirrored = |v: DVec3, across: DVec3| v - across * (2.0 * v.dot(across) / across.length_squared());
+    mirrored(mirrored(v, DVec3::new(0.31, 0.83, 0.47)), DVec3::new(0.72, 0.19, 0.65))
+}
+
+/// `count` cameras spread evenly over the sphere (a Fibonacci lattice), none of them one of [`metric_cameras`].
+#[must_use]
+pub fn spread_cameras(count: u32, center: DVec3, radius: f64, size: u32) -> Vec<Camera> {
+    // Cosine and sine of π (1 + √5), by which each point turns on from the one before: no library's sine is asked.
+    let (cos, sin) = (-0.737_368_878_078_320_3, -0.675_490_294_261_523_2);
+    // Half a step to begin with.
+    let (mut x, mut y) = (0.362_374_890_080_479_8, -0.932_032_423_813_227_7);
+    (0..count)
+        .map(|i| {
+            let z = 1.0 - (2.0 * f64::from(i) + 1.0) / f64::from(count);
+            let r = (1.0 - z * z).max(0.0).sqrt();
+            let toward = DVec3::new(r * x, r * y, z);
+            (x, y) = (x * cos - y * sin, x * sin + y * cos);
+            Camera::new(toward.normalize(), center, radius, size)
+        })
+        .collect()
+}

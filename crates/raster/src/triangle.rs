@@ -1,0 +1,162 @@
+//! Which pixel centres a triangle covers, decided in integers (Pineda 1988, with the top-left rule).
+
+use crate::camera::{Point, SUBPIXELS};
+
+/// A rectangle of pixels; right and bottom are not part of it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Window {
+    /// First column.
+    pub left: i32,
+    /// First row.
+    pub top: i32,
+    /// After the last column.
+    pub right: i32,
+    /// After the last row.
+    pub bottom: i32,
+}
+
+impl Window {
+    /// A whole picture of `size` by `size` pixels.
+    #[must_use]
+    pub fn whole(size: u32) -> Self {
+        Self { left: 0, top: 0, right: size as i32, bottom: size as i32 }
+    }
+
+    /// The pixels within this window whose centres may lie in the hull of points.
+    #[must_use]
+    pub fn around(self, points: impl Iterator<Item = Point>) -> Self {
+        let (mut lo, mut hi) = ((i32::MAX, i32::MAX), (i32::MIN, i32::MIN));
+        for p in points {
+            lo = (lo.0.min(p.x), lo.1.min(p.y));
+            hi = (hi.0.max(p.x), hi.1.max(p.y));
+        }
+        if lo.0 > hi.0 {
+            return Self::default();
+        }
+        // The first centre at or after the least, and after the last centre at or before the greatest.
+        let half = SUBPIXELS / 2;
+        Self {
+            left: self.left.max((lo.0 + half - 1).div_euclid(SUBPIXELS)),
+            top: self.top.max((lo.1 + half - 1).div_euclid(SUBPIXELS)),
+            right: self.right.min((hi.0 + half).div_euclid(SUBPIXELS)),
+            bottom: self.bottom.min((hi.1 + half).div_euclid(SUBPIXELS)),
+        }
+    }
+
+    /// Whether there is no pixel in it.
+    #[must_use]
+    pub fn is_empty(self) -> bool {
+        self.left >= self.right || self.top >= self.bottom
+    }
+
+    /// Pixels across.
+    #[must_use]
+    pub fn width(self) -> usize {
+        (self.right - self.left).max(0) as usize
+    }
+
+    /// Pixels in all.
+    #[must_use]
+    pub fn len(self) -> usize {
+        self.width() * (self.bottom - self.top).max(0) as usize
+    }
+}
+
+/// Runs shorter than this are tried column by column, which is quicker than a division.
+const SHORT: i64 = 6;
+
+/// More than any depth.
+const DEEP: f64 = 1_073_741_824.0;
+
+/// One edge of a triangle as a function of the pixel: positive on the inner side.
+#[derive(Clone, Copy)]
+struct Edge {
+    value: i64,
+    right: i64,
+    down: i64,
+    /// Added before the test for `>= 0`: centres on edges that are not top or left are outside.
+    bias: i64,
+}
+
+impl Edge {
+    /// The edge from `a` to `b`, at a pixel centre.
+    fn new(a: Point, b: Point, x: i64, y: i64) -> Self {
+        let (dx, dy) = (i64::from(b.x) - i64::from(a.x), i64::from(b.y) - i64::from(a.y));
+        let value = dx * (y - i64::from(a.y)) - dy * (x - i64::from(a.x));
+        // With the inner side at the right hand going along, an edge that goes up is left, one that goes right is top.
+        let owns = dy < 0 || dy == 0 && dx > 0;
+        let step = i64::from(SUBPIXELS);
+        Self { value, right: -dy * step, down: dx * step, bias: if owns { 0 } else { -1 } }
+    }
+
+    /// The part of a run of columns, from the window's left, that is on the inner side.
+    #[inline]
+    fn within(&self, mut first: i64, mut last: i64) -> (i64, i64) {
+        let inside = |column: i64| self.value + column * self.right + self.bias >= 0;
+        if last - first < SHORT {
+            // Few enough to be tried.
+            while first <= last && !inside(first) {
+                first += 1;
+            }
+            while first <= last && !inside(last) {
+                last -= 1;
+            }
+            return (first, last);
+        }
+        let value = self.value + self.bias;
+        match self.right {
+            0 if value < 0 => (first, first - 1),
+            0 => (first, last),
+            right if right > 0 => {
+                (first.max((-value).div_euclid(right) + i64::from((-value).rem_euclid(right) > 0)), last)
+            }
+            right => (first, last.min(value.div_euclid(-right))),
+        }
+    }
+}
+
+/// Calls `visit(column, row, depth)` for every pixel of `window` whose centre lies in the triangle, whichever side of it is
+/// seen. Two triangles that share an edge share no pixel there and leave none out. Depth is in [`Point::z`]'s unit.
+#[inline]
+pub fn scan(corners: [Point; 3], window: Window, mut visit: impl FnMut(i32, i32, i32)) {
+    let [a, mut b, mut c] = corners;
+    let window = window.around(corners.into_iter());
+    if window.is_empty() {
+        return;
+    }
+    let side = |p: Point, q: Point| {
+        (i64::from(p.x) - i64::from(a.x)) * (i64::from(q.y) - i64::from(a.y))
+            - (i64::from(p.y) - i64::from(a.y)) * (i64::from(q.x) - i64::from(a.x))
+    };
+    let mut area = side(b, c);
+    if area == 0 {
+        return;
+    }
+    if area < 0 {
+        (b, c, area) = (c, b, -area);
+    }
+    let center = |pixel: i32| i64::from(pixel) * i64::from(SUBPIXELS) + i64::from(SUBPIXELS / 2);
+    let (x, y) = (center(window.left), center(window.top));
+    // Each edge weighs the corner opposite to it.
+    let mut edges = [Edge::new(b, c, x, y), Edge::new(c, a, x, y), Edge::new(a, b, x, y)];
+    // Everything below is a whole number less than 2^53 in pictures of up to 512 pixels, so no order of sums matters.
+    let share = 1.0 / area as f64;
+    let depths = [a, b, c].map(|p| f64::from(p.z));
+    let weighed = |w: [i64; 3]| w[0] as f64 * depths[0] + w[1] as f64 * depths[1] + w[2] as f64 * depths[2];
+    let step = weighed(edges.map(|e| e.right));
+    for row in window.top..window.bottom {
+        let [mut first, mut last] = [0, i64::from(window.right) - i64::from(window.left) - 1];
+        for e in &edges {
+            (first, last) = e.within(first, last);
+        }
+        let mut sum = weighed(edges.map(|e| e.value + first * e.right));
+        for column in window.left + first as i32..=window.left + last as i32 {
+            // Rounded by cutting off, which is one instruction where rounding is a call.
+            visit(column, row, ((sum * share + (DEEP + 0.5)) as i64 - DEEP as i64) as i32);
+            sum += step;
+        }
+        for e in &mut edges {
+            e.value += e.down;
+        }
+    }
+}

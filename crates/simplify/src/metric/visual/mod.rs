@@ -1,0 +1,187 @@
+//! Viewpoint metrics: a collapse costs what it changes in pictures from all sides (thesis 3.2.1 and 4.2.1; Castelló et
+//! al. 2007), `C = Σ_v |H_v − H'_v|`, with the quadric where nothing that is seen changes.
+//!
+//! Every camera keeps the sorted list of everything behind each of its pixels, so that looking at a collapse is exact,
+//! occlusion included, without drawing anything but the faces that move. All areas are integers and stay those of
+//! a picture drawn afresh. What is hidden changes no picture and goes first.
+//!
+//! Where faces are smaller than pixels there is nothing to count: as long as there is more than one face for every
+//! eight pixels covered (all views together), the quadric alone decides.
+
+mod eye;
+mod score;
+#[cfg(test)]
+mod tests;
+mod view;
+
+pub(crate) use eye::Eye;
+pub(crate) use score::Score;
+
+use super::{Metric, QuadricMetric};
+use crate::fan::{Facet, Lanes};
+use crate::neighborhood::FeaturePlane;
+use crate::wedges::Wedges;
+use crate::working::Working;
+use glam::DVec3;
+use lodc_raster::{Camera, Window, metric_cameras, scan};
+use rayon::prelude::*;
+use score::{Table, log_area};
+use view::{BACKGROUND, View};
+
+/// Covered pixels, of all views together, that a face needs so that what is seen can be priced.
+const PIXELS_PER_FACE: u64 = 8;
+
+pub(crate) struct VisualMetric {
+    quadric: QuadricMetric,
+    score: Score,
+    cameras: Vec<Camera>,
+    /// Empty while the quadric decides.
+    views: Vec<View>,
+    table: Table,
+    /// Logarithm of each face's area in space.
+    areas: Vec<f64>,
+    /// `Σ aᵢ log₂(aᵢ/Aᵢ)` of each view.
+    divergences: Vec<f64>,
+    /// With so many faces, or fewer, what is seen decides.
+    limit: u64,
+    asleep_for_good: bool,
+}
+
+impl VisualMetric {
+    /// `size` is the number of pixels across each picture.
+    pub(crate) fn new(mesh: &Working, wedges: &Wedges, score: Score, size: u32) -> Self {
+        let size = size.clamp(8, 1024);
+        let cameras = cameras(mesh, size);
+        let covered: u64 = cameras.par_iter().map(|camera| covered(mesh, camera)).sum();
+        Self {
+            quadric: QuadricMetric::new(mesh, wedges),
+            score,
+            cameras,
+            views: Vec::new(),
+            table: Table::new((size * size) as usize),
+            areas: Vec::new(),
+            divergences: Vec::new(),
+            limit: covered / PIXELS_PER_FACE,
+            asleep_for_good: false,
+        }
+    }
+
+    fn open(&mut self, mesh: &Working) {
+        self.views = self.cameras.par_iter().map(|camera| View::new(mesh, camera)).collect();
+        if self.score == Score::Divergence {
+            self.areas = mesh.faces.par_iter().map(|f| log_area(mesh.area_of(f.groups))).collect();
+            self.divergences = self.views.iter().map(|view| self.divergence(mesh, view)).collect();
+        }
+    }
+
+    /// `Σ aᵢ log₂(aᵢ/Aᵢ)` of a view.
+    fn divergence(&self, mesh: &Working, view: &View) -> f64 {
+        mesh.live().map(|face| self.term(view.area(face), self.areas[face as usize])).sum()
+    }
+
+    fn term(&self, pixels: u32, area: f64) -> f64 {
+        self.table.at(pixels) - f64::from(pixels) * area
+    }
+
+    /// Brings every view up to a collapse that is about to happen.
+    fn redraw(&mut self, mesh: &Working, from: u32, to: u32) {
+        if self.score == Score::Entropy {
+            self.views.par_iter_mut().with_min_len(10).for_each(|view| view.collapse(mesh, from, to, |_, _, _| {}));
+            return;
+        }
+        let star = mesh.star(from);
+        let moved = |face: u32| {
+            let groups = mesh.faces[face as usize].groups;
+            log_area(mesh.area_of(groups.map(|g| if g == from { to } else { g })))
+        };
+        let new: Vec<f64> = star.iter().map(|c| moved(c.face())).collect();
+        let (table, areas) = (&self.table, &self.areas);
+        self.views.par_iter_mut().zip(&mut self.divergences).with_min_len(10).for_each(|(view, sum)| {
+            view.collapse(mesh, from, to, |item, before, after| {
+                if item != BACKGROUND {
+                    let pixels = f64::from(after) - f64::from(before);
+                    *sum += table.at(after) - table.at(before) - pixels * areas[item as usize];
+                }
+            });
+            for (corner, new) in star.iter().zip(&new) {
+                *sum -= f64::from(view.area(corner.face())) * (new - areas[corner.face() as usize]);
+            }
+        });
+        for (corner, new) in star.iter().zip(new) {
+            self.areas[corner.face() as usize] = new;
+        }
+    }
+}
+
+/// All cameras, around the sphere about the middle of the bounding box.
+fn cameras(mesh: &Working, size: u32) -> Vec<Camera> {
+    let points = || mesh.places.iter().map(|p| p.position.as_dvec3());
+    let (lo, hi) = points().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)));
+    let center = 0.5 * (lo + hi);
+    let radius = points().map(|p| p.distance(center)).fold(0.0, f64::max);
+    metric_cameras(center, radius, size)
+}
+
+/// How many pixels of a picture are covered.
+fn covered(mesh: &Working, camera: &Camera) -> u64 {
+    let size = camera.size;
+    let mut seen = vec![false; (size * size) as usize];
+    for face in mesh.live() {
+        let corners = mesh.faces[face as usize].groups.map(|g| camera.project(mesh.position(g)));
+        scan(corners, Window::whole(size), |column, row, _| seen[(row * size as i32 + column) as usize] = true);
+    }
+    seen.into_iter().filter(|&s| s).count() as u64
+}
+
+/// The part of a divergence that changes.
+fn divergence(sum: f64, covered: u32, table: &Table) -> f64 {
+    if covered == 0 { 0.0 } else { (sum - table.at(covered)) / f64::from(covered) }
+}
+
+impl Metric for VisualMetric {
+    const LOOKS: bool = true;
+    type Local = <QuadricMetric as Metric>::Local;
+    type Eye = Eye;
+
+    fn local(&self, from: u32, facets: &[Facet], features: &[FeaturePlane]) -> Self::Local {
+        self.quadric.local(from, facets, features)
+    }
+
+    fn costs(&self, local: &Self::Local, lanes: &Lanes, costs: &mut [f64]) {
+        self.quadric.costs(local, lanes, costs);
+    }
+
+    fn collapsed(&mut self, mesh: &mut Working, from: u32, to: u32) {
+        if self.is_awake() {
+            self.redraw(mesh, from, to);
+        }
+        self.quadric.collapsed(mesh, from, to);
+    }
+
+    fn error(&self, group: u32) -> f64 {
+        self.quadric.error(group)
+    }
+
+    fn is_awake(&self) -> bool {
+        !self.views.is_empty()
+    }
+
+    fn wants_change(&self, mesh: &Working) -> bool {
+        !self.is_awake() && !self.asleep_for_good && u64::from(mesh.live_faces) <= self.limit
+    }
+
+    fn change(&mut self, mesh: &Working, legal: bool) {
+        if legal {
+            if self.wants_change(mesh) {
+                self.open(mesh);
+            }
+        } else {
+            self.views = Vec::new();
+            self.asleep_for_good = true;
+        }
+    }
+
+    fn look(&self, mesh: &Working, from: u32, candidates: &mut [(f64, u32)], eye: &mut Eye) {
+        self.see(mesh, from, candidates, eye);
+    }
+}

@@ -1,0 +1,156 @@
+//! One camera's picture of the mesh while it is being simplified, exact to the pixel after every collapse.
+
+use crate::working::{Corner, Working};
+use lodc_raster::{Camera, Fragment, Layers, Point, Window, scan};
+
+/// The background, as an item.
+pub(crate) const BACKGROUND: u32 = u32::MAX;
+
+/// What one camera sees.
+pub(crate) struct View {
+    /// Where each group appears.
+    points: Vec<Point>,
+    layers: Layers,
+    size: u32,
+    /// The pixels that each face covers.
+    area: Vec<u32>,
+    /// The pixels that none covers.
+    background: u32,
+    /// Fronts before a change.
+    before: Vec<u32>,
+}
+
+impl View {
+    /// Draws the live faces.
+    pub(crate) fn new(mesh: &Working, camera: &Camera) -> Self {
+        let size = camera.size;
+        let mut view = Self {
+            points: mesh.places.iter().map(|p| camera.project(p.position.as_dvec3())).collect(),
+            layers: Layers::new(size as usize * size as usize),
+            size,
+            area: vec![0; mesh.faces.len()],
+            background: 0,
+            before: Vec::new(),
+        };
+        for face in mesh.live() {
+            view.draw(mesh.faces[face as usize].groups, face);
+        }
+        for pixel in 0..size as usize * size as usize {
+            match view.layers.front(pixel).item() {
+                BACKGROUND => view.background += 1,
+                face => view.area[face as usize] += 1,
+            }
+        }
+        view
+    }
+
+    /// The pixels that an item covers.
+    #[inline]
+    pub(crate) fn area(&self, item: u32) -> u32 {
+        if item == BACKGROUND { self.background } else { self.area[item as usize] }
+    }
+
+    /// The pixels that each face and, last, the background cover.
+    #[cfg(test)]
+    pub(crate) fn areas(&self) -> Vec<u32> {
+        self.area.iter().copied().chain([self.background]).collect()
+    }
+
+    /// Pixels in all.
+    pub(crate) fn pixels(&self) -> u32 {
+        self.size * self.size
+    }
+
+    /// The pixels that a group's faces may cover, before and after a collapse onto any neighbour.
+    pub(crate) fn window(&self, mesh: &Working, star: &[Corner]) -> Window {
+        let groups = star.iter().flat_map(|c| mesh.faces[c.face() as usize].groups);
+        Window::whole(self.size).around(groups.map(|g| self.points[g as usize]))
+    }
+
+    /// A pixel's place in the picture.
+    #[inline]
+    fn pixel(&self, column: i32, row: i32) -> usize {
+        (row * self.size as i32 + column) as usize
+    }
+
+    /// Calls `visit` with the pixels of a window, row by row.
+    pub(crate) fn each_pixel(&self, window: Window, mut visit: impl FnMut(usize)) {
+        for row in window.top..window.bottom {
+            for column in window.left..window.right {
+                visit(self.pixel(column, row));
+            }
+        }
+    }
+
+    /// Calls `visit` with every pixel of a window and what is in front of it, row by row.
+    #[inline]
+    pub(crate) fn each_front(&self, window: Window, mut visit: impl FnMut(usize, Fragment)) {
+        for row in window.top..window.bottom {
+            let first = self.pixel(window.left, row);
+            for (pixel, front) in (first..).zip(self.layers.fronts(first, window.width())) {
+                visit(pixel, front);
+            }
+        }
+    }
+
+    /// The first fragment behind the front whose item is not `left_out`.
+    #[inline]
+    pub(crate) fn behind(&self, pixel: usize, left_out: impl Fn(u32) -> bool) -> Fragment {
+        self.layers.behind(pixel).find(|f| !left_out(f.item())).unwrap_or(Fragment::NOTHING)
+    }
+
+    /// Calls `visit` with column, row and fragment of everything that a face would cover with its corners at `groups`.
+    #[inline]
+    pub(crate) fn cover(&self, groups: [u32; 3], face: u32, window: Window, mut visit: impl FnMut(i32, i32, Fragment)) {
+        let corners = groups.map(|g| self.points[g as usize]);
+        scan(corners, window, |column, row, depth| visit(column, row, Fragment::new(face, depth)));
+    }
+
+    fn draw(&mut self, groups: [u32; 3], face: u32) {
+        let corners = groups.map(|g| self.points[g as usize]);
+        let (size, layers) = (self.size as i32, &mut self.layers);
+        scan(corners, Window::whole(self.size), |column, row, depth| {
+            layers.insert((row * size + column) as usize, Fragment::new(face, depth));
+        });
+    }
+
+    fn erase(&mut self, groups: [u32; 3], face: u32) {
+        let corners = groups.map(|g| self.points[g as usize]);
+        let (size, layers) = (self.size as i32, &mut self.layers);
+        scan(corners, Window::whole(self.size), |column, row, _| layers.remove((row * size + column) as usize, face));
+    }
+
+    /// `from`'s faces move to `to`; those that hold both go. `changed` is told of every item whose area
+    /// changes, with the areas before and after, pixel by pixel.
+    pub(crate) fn collapse(&mut self, mesh: &Working, from: u32, to: u32, mut changed: impl FnMut(u32, u32, u32)) {
+        let star = mesh.star(from);
+        let window = self.window(mesh, star);
+        let mut before = std::mem::take(&mut self.before);
+        before.clear();
+        self.each_pixel(window, |pixel| before.push(self.layers.front(pixel).item()));
+        for &corner in star {
+            let face = corner.face();
+            let groups = mesh.faces[face as usize].groups;
+            self.erase(groups, face);
+            if !groups.contains(&to) {
+                self.draw(groups.map(|g| if g == from { to } else { g }), face);
+            }
+        }
+        let mut i = 0;
+        for row in window.top..window.bottom {
+            for column in window.left..window.right {
+                let (old, new) = (before[i], self.layers.front(self.pixel(column, row)).item());
+                i += 1;
+                if old != new {
+                    for (item, by) in [(old, -1), (new, 1)] {
+                        let area =
+                            if item == BACKGROUND { &mut self.background } else { &mut self.area[item as usize] };
+                        let before = std::mem::replace(area, area.wrapping_add_signed(by));
+                        changed(item, before, *area);
+                    }
+                }
+            }
+        }
+        self.before = before;
+    }
+}
