@@ -33,13 +33,13 @@ pub(super) fn measure(device: &Device, object: &LodObject, rounds: u32, report: 
     for model in &object.models {
         let failed = |what: String| format!("{}: {what}", object.info.name);
         let benchmark = model.benchmark().map_err(|e| Failure::new(Status::Limit, failed(e.to_string())))?;
-        let Some(benchmark) = benchmark else { continue };
         let figures = lodc_gpu::measure(device, &benchmark, rounds).map_err(|e| gpu::failure(&e))?;
         let per_vertex = |words: u64| words as f64 / report.counts.referenced_vertices.max(1) as f64;
         let cases = figures.iter().map(|f| {
             let case = CaseReport {
                 runs: f.runs as u64,
                 milliseconds: f.milliseconds,
+                bytes: f.bytes,
                 million_vertices_per_second: f.vertices_per_second / 1e6,
             };
             (f.name.to_owned(), super::object::value(&case))

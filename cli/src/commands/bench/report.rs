@@ -59,6 +59,8 @@ pub(super) struct CaseReport {
     pub(super) runs: u64,
     /// Of one, on average.
     pub(super) milliseconds: f64,
+    /// That a host sends for one.
+    pub(super) bytes: f64,
     /// Vertices looked at.
     pub(super) million_vertices_per_second: f64,
 }

@@ -32,8 +32,12 @@ const TRAFFIC: &[Column] = &[
     ("drawn", "/drawn/indices_per_lod", 0),
     ("per triangle", "/drawn/indices_per_triangle", 3),
 ];
-const GPU: &[Column] =
-    &[("runs", "/runs", 0), ("ms", "/milliseconds", 3), ("M vertices/s", "/million_vertices_per_second", 1)];
+const GPU: &[Column] = &[
+    ("runs", "/runs", 0),
+    ("ms", "/milliseconds", 3),
+    ("bytes sent", "/bytes", 0),
+    ("M vertices/s", "/million_vertices_per_second", 1),
+];
 const PRIMITIVES: &[Column] = &[
     ("strips", "/strips", 0),
     ("indices", "/indices", 0),

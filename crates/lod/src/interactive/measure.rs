@@ -3,12 +3,9 @@
 use super::view::{Criterion, Filter, View, ViewPasses, Views};
 use super::{Continuous, Counting, Interactive, replay};
 use crate::Model;
-use crate::plan::{Benchmark, Case, Pass, PlanError, Program, VertexRecords};
+use crate::plan::{Benchmark, Case, Pass, PlanError, Program, VertexRecords, sweep};
 use lodc_mesh::Lod;
 use lodc_strip::order;
-
-/// LODs of the linear sweep down; as many up (thesis 3.5.2: steps of 0.1 %).
-const SWEEP: u32 = 1000;
 
 impl Interactive {
     /// Construction, continuous extraction over the linear sweep and in jumps across the whole range, view-dependent
@@ -30,11 +27,7 @@ impl Interactive {
         let filter = Filter::new(&mut program, mesh, &order(mesh, 16), base.vertices, 3);
 
         let last = collapses.last().0;
-        let down =
-            (0..=SWEEP).map(|i| collapses.floor(Lod((u64::from(last) * u64::from(i) / u64::from(SWEEP)) as u32)));
-        let down: Vec<Lod> = down.collect();
-        let up = down.iter().rev().copied();
-        let sweep: Vec<Lod> = down.iter().copied().chain(up).collect();
+        let sweep = sweep(collapses);
         let touched = sweep.windows(2).map(|pair| u64::from(pair[0].max(pair[1]).0)).sum();
         let moves = |stops: &[Lod]| stops.windows(2).map(|pair| vec![base.extraction(pair[0], pair[1])]).collect();
         // One entry and nearly all of them, so that every vertex is looked at and nearly every one is rewritten.

@@ -25,3 +25,11 @@ pub struct Case {
     /// Vertices that all runs together look at.
     pub vertices: u64,
 }
+
+impl Case {
+    /// Bytes that a host sends to the device for all runs: the parameters of the passes.
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        self.runs.iter().flatten().map(|pass| 4 * pass.parameters.len() as u64).sum()
+    }
+}

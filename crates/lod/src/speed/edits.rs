@@ -110,6 +110,11 @@ impl Edits {
         let [a, b] = [entry, entry + 1].map(|e| self.entries[e as usize].first_change as usize);
         &self.changes[a..b]
     }
+    /// A strip's entries, in order of records.
+    pub(super) fn of_strip(&self, strip: usize) -> impl Iterator<Item = u32> {
+        let known = |entry: u32| (entry != NONE).then_some(entry);
+        std::iter::successors(known(self.head[strip]), move |&entry| known(self.entries[entry as usize].next))
+    }
     /// All removals of a strip, each with the number of the strip's entry that makes it.
     pub(super) fn removals_of(&self, strip: usize) -> Vec<(u32, Removal)> {
         let mut all = Vec::new();

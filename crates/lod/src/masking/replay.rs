@@ -1,0 +1,150 @@
+//! Masking Strips on a graphics device as a [`Plan`]: masks applied and filtered copies compacted, nothing read back.
+
+use super::{Cursor, Masking};
+use crate::plan::{
+    BufferId, Expected, KernelId, LONGEST_LOOP, Packed, Pass, Plan, PlanError, Program, SCAN, SCAN_ADD, STRIP_DRAWS,
+    Shader, Step,
+};
+use crate::{Model, first_difference};
+use lodc_mesh::Lod;
+
+const MASKS: Shader = Shader { name: "masks", wgsl: include_str!("masks.wgsl") };
+const MASKS_WRITE: Shader = Shader { name: "masks_write", wgsl: include_str!("masks_write.wgsl") };
+
+/// The kernels, for replay and for engines.
+pub const SHADERS: [Shader; 5] = [MASKS, SCAN, SCAN_ADD, MASKS_WRITE, STRIP_DRAWS];
+
+/// Buffers and kernels.
+#[derive(Clone, Debug)]
+pub(super) struct Device {
+    starts: BufferId,
+    firsts: BufferId,
+    entries: BufferId,
+    collapse_to: BufferId,
+    full: BufferId,
+    states: BufferId,
+    trouble: BufferId,
+    packed: Packed,
+    masks: KernelId,
+    write: KernelId,
+    strips: u32,
+}
+
+impl Device {
+    pub(super) fn new(program: &mut Program, model: &Masking) -> Result<Self, PlanError> {
+        let longest = model.firsts.windows(2).map(|pair| pair[1] - pair[0]).max().unwrap_or(0);
+        // Every entry puts some positions besides.
+        if longest > LONGEST_LOOP / 4 {
+            return Err(PlanError::TooDeep { length: longest });
+        }
+        let strips = model.strips.len();
+        let words = |mask: u64| [mask as u32, (mask >> 32) as u32];
+        let entries = model.entries.iter().flat_map(|e| {
+            let ([a, b], [c, d]) = (words(e.positions), words(e.filter));
+            [e.record, a, b, c, d]
+        });
+        let starts = (0..strips).map(|s| model.strips.range(s).start).chain([model.strips.indices().len()]);
+        let states: Vec<u32> = model.firsts[..strips].iter().flat_map(|&first| [first, 0, 0]).collect();
+        Ok(Self {
+            starts: program.words("starts", starts.map(|start| start as u32).collect::<Vec<_>>()),
+            firsts: program.words("firsts", model.firsts.as_slice()),
+            entries: program.words("entries", entries.collect::<Vec<_>>()),
+            collapse_to: program.words("collapse_to", model.simplified.collapses().targets()),
+            full: program.words("full", model.strips.indices()),
+            states: program.words("states", states),
+            trouble: program.zeros("trouble", 1),
+            packed: Packed::new(program, &model.strips),
+            masks: program.kernel(MASKS),
+            write: program.kernel(MASKS_WRITE),
+            strips: strips as u32,
+        })
+    }
+
+    /// Shows a LOD, whatever was shown before.
+    pub(super) fn passes(&self, lod: Lod) -> Vec<Pass> {
+        let masks = Pass {
+            kernel: self.masks,
+            buffers: vec![
+                self.starts,
+                self.firsts,
+                self.entries,
+                self.collapse_to,
+                self.full,
+                self.states,
+                self.packed.places,
+                self.trouble,
+            ],
+            threads: self.strips,
+            parameters: vec![self.strips, lod.0],
+        };
+        let write = Pass {
+            kernel: self.write,
+            buffers: vec![self.starts, self.full, self.states, self.packed.places, self.packed.drawn],
+            threads: self.strips,
+            parameters: vec![self.strips],
+        };
+        std::iter::once(masks).chain(self.packed.around(write)).collect()
+    }
+}
+
+impl Masking {
+    /// The model over some LODs, each compared in full: full strips, masks, packed strips and draw arguments with the CPU, and
+    /// the triangles of the CPU with the reference.
+    ///
+    /// # Errors
+    /// If a strip changes too often for a kernel.
+    pub fn replay(&self, stops: Vec<Lod>) -> Result<Plan<'_>, PlanError> {
+        let mut program = Program::default();
+        let device = Device::new(&mut program, self)?;
+        let written = [device.full, device.states];
+        let uploaded = Step { at: "upload".to_owned(), passes: Vec::new(), checks: program.uploaded(&[]), twin: None };
+        let kept =
+            Step { at: "the end".to_owned(), passes: Vec::new(), checks: program.uploaded(&written), twin: None };
+        let (full, states, drawn) = (device.full, device.states, device.packed.drawn);
+        let locate = move |buffer, word: usize| {
+            if buffer == full {
+                let strip = (0..self.strips.len()).find(|&s| self.strips.range(s).contains(&word));
+                format!("strip {} of submesh {}", strip.unwrap_or(0), self.submeshes[strip.unwrap_or(0)])
+            } else if buffer == states {
+                format!("strip {}", word / 3)
+            } else if buffer == drawn {
+                format!("index {word} of all that are drawn")
+            } else {
+                format!("word {word}")
+            }
+        };
+        let mut cursor = self.cursor();
+        let moves = stops.into_iter().map(move |lod| self.step(&device, &mut cursor, lod));
+        let steps = Box::new(std::iter::once(uploaded).chain(moves).chain([kept]));
+        Ok(Plan { model: self.name(), name: "masks", program, steps, locate: Box::new(locate) })
+    }
+
+    fn step(&self, device: &Device, cursor: &mut Cursor, wanted: Lod) -> Step {
+        let lod = self.simplified.collapses().floor(wanted);
+        self.seek(cursor, lod, &mut ());
+        let truth = self.simplified.triangles_at_with(lod, &self.positions);
+        let twin = first_difference(lod, truth, self.triangles(cursor));
+        let (mut full, mut states) = (self.strips.indices().to_vec(), Vec::new());
+        for strip in 0..self.strips.len() {
+            let history = self.history(strip);
+            let applied = self.entries[history.clone()].partition_point(|entry| entry.record < lod.0);
+            let filter = match applied {
+                0 => u64::MAX >> (64 - self.strips.range(strip).len().max(1)),
+                n => self.entries[history.start + n - 1].filter,
+            };
+            states.extend([(history.start + applied) as u32, filter as u32, (filter >> 32) as u32]);
+            // Whatever masks say: an index goes on until the last record that changes its strip.
+            let end = if applied > 0 { self.entries[history.start + applied - 1].record + 1 } else { 0 };
+            for v in &mut full[self.strips.range(strip)] {
+                *v = self.simplified.collapses().resolve(*v, Lod(end));
+            }
+        }
+        let mut checks = vec![
+            Expected::new(device.full, full),
+            Expected::new(device.states, states),
+            Expected::new(device.trouble, [0]),
+        ];
+        checks.extend(device.packed.expected(&self.strips, |strip| cursor.strip(self, strip)));
+        Step { at: format!("LOD {}", lod.0), passes: device.passes(lod), checks, twin }
+    }
+}
