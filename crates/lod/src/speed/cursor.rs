@@ -18,9 +18,14 @@ use std::ops::Range;
 /// triangles, where it is 5 to 9).
 const ENTRY_COST: u64 = 6;
 
+/// Making an element anew costs about as much as moving so many: its vertex has to be followed through its collapses.
+const REWRITE_COST: u64 = 12;
+
 /// What a strip is at the moment.
 #[derive(Clone, Copy, Debug)]
 struct Head {
+    /// Where its elements start.
+    first: u32,
     /// Elements that it has, or had when it died.
     length: u32,
     /// The move that visited it last.
@@ -55,6 +60,7 @@ impl Cursor {
     pub(super) fn new(model: &Speed) -> Self {
         let strips = model.strips();
         let head = |s: usize| Head {
+            first: strips.range(s).start as u32,
             length: strips.range(s).len() as u32,
             visited: 0,
             live: model.edits().deaths[s] > 0,
@@ -79,7 +85,7 @@ impl Cursor {
     /// A strip as it is drawn: nothing, once it is dead.
     pub(super) fn strip(&self, model: &Speed, strip: usize) -> &[u32] {
         let head = &self.heads[strip];
-        let first = model.strips().range(strip).start;
+        let first = head.first as usize;
         if head.live { &self.indices[first..first + head.length as usize] } else { &[] }
     }
 
@@ -169,9 +175,8 @@ impl Cursor {
     fn walk(&mut self, model: &Speed, strip: usize, mut entry: u32, entries: &Range<u32>, step: Move) -> u64 {
         let edits = model.edits();
         let targets = model.simplified().collapses().targets();
-        let room = model.strips().range(strip);
         let head = &mut self.heads[strip];
-        let elements = &mut self.indices[room.clone()];
+        let elements = &mut self.indices[head.first as usize..];
         let mut written = 0;
         loop {
             let e = edits.get(entry);
@@ -192,7 +197,7 @@ impl Cursor {
             if entry == NONE || !entries.contains(&entry) {
                 return written;
             }
-            if written > room.len() as u64 {
+            if written > REWRITE_COST * model.strips().range(strip).len() as u64 {
                 return written + self.rewrite(model, strip, step.to);
             }
         }

@@ -70,11 +70,23 @@ pub(crate) struct History {
 
 /// Where removals come from: the filter, or a file.
 pub(crate) trait Removals {
+    /// Whether [`Self::begin`] is wanted.
+    fn looks_ahead(&self) -> bool {
+        false
+    }
+    /// A strip begins that dies with record `end`.
+    fn begin(&mut self, _end: u32) {}
     /// Chooses the repetitions that one record takes out of a strip, and unlinks them.
     fn next(&mut self, strip: &mut WorkingStrip, changed: &[u32]) -> Result<&[Repetition], BuildError>;
 }
 
-impl Removals for Filter {
+impl Removals for Filter<'_> {
+    fn looks_ahead(&self) -> bool {
+        true
+    }
+    fn begin(&mut self, end: u32) {
+        self.end = end;
+    }
     fn next(&mut self, strip: &mut WorkingStrip, changed: &[u32]) -> Result<&[Repetition], BuildError> {
         self.apply(strip, changed);
         Ok(&self.gone)
@@ -90,7 +102,10 @@ pub(crate) fn of(
     strips: &StripSet,
     positions: &PositionIds,
 ) -> Result<Vec<History>, BuildError> {
-    in_parallel(strips, |workshop, range| workshop.follow(strips, range, simplified, positions, &mut Filter::default()))
+    let targets = simplified.collapses().targets();
+    in_parallel(strips, |workshop, range| {
+        workshop.follow(strips, range, simplified, positions, &mut Filter::new(targets))
+    })
 }
 
 /// Works on runs of strips in parallel. The runs depend on the strips alone.
@@ -152,9 +167,11 @@ impl Workshop {
         let removed_from = history.removed_at.len();
         let first_change = history.changes.len();
         history.removed_at.resize(removed_from + strip.len(), u32::MAX);
-        self.strip.start(strip, positions);
-        self.queue.clear();
-        self.queue.extend((0..).zip(strip).map(|(i, &v)| Reverse((v, WorkingStrip::element(i)))));
+        if removals.looks_ahead() {
+            let end = self.end(strip, targets, positions);
+            removals.begin(end);
+        }
+        self.start(strip, positions);
         let mut death = 0;
         while self.strip.is_live() {
             let record = self.take_next();
@@ -197,6 +214,32 @@ impl Workshop {
         }
         history.deaths.push(death);
         Ok(())
+    }
+
+    fn start(&mut self, strip: &[u32], positions: &PositionIds) {
+        self.strip.start(strip, positions);
+        self.queue.clear();
+        self.queue.extend((0..).zip(strip).map(|(i, &v)| Reverse((v, WorkingStrip::element(i)))));
+    }
+
+    /// The record with which a strip dies: the last one that matters to it.
+    fn end(&mut self, strip: &[u32], targets: &[u32], positions: &PositionIds) -> u32 {
+        self.start(strip, positions);
+        let (mut end, mut changes) = (0, 0);
+        // Beyond this the strip is refused anyway.
+        while self.strip.is_live() && changes <= MOST_CHANGES * (strip.len() + 100) {
+            end = self.take_next();
+            changes += self.changed.len();
+            let Some(&target) = targets.get(end as usize) else { break };
+            for &element in &self.changed {
+                self.strip.change(element, target);
+            }
+            for &element in &self.changed {
+                self.strip.settle(element, positions);
+                self.queue.push(Reverse((target, element)));
+            }
+        }
+        end
     }
 
     /// Puts the elements of the next vertex to disappear into `changed`, and says which it is. A live strip has one.

@@ -281,8 +281,8 @@ fn arrays_come_back_and_damage_is_refused_or_harmless() {
                     for lod in [last, Lod(0), Lod(last.0 / 2), last, Lod(last.0 / 3), Lod(last.0 / 2), Lod(0)] {
                         model.seek(&mut cursor, lod, &mut Log::default());
                     }
-                    (1..=last.0).for_each(|lod| drop(model.seek(&mut cursor, Lod(lod), &mut ())));
-                    (0..last.0).rev().for_each(|lod| drop(model.seek(&mut cursor, Lod(lod), &mut ())));
+                    (1..=last.0).for_each(|lod| _ = model.seek(&mut cursor, Lod(lod), &mut ()));
+                    (0..last.0).rev().for_each(|lod| _ = model.seek(&mut cursor, Lod(lod), &mut ()));
                     assert_eq!(model.arrays().len(), 2);
                 }
             }
