@@ -33,7 +33,6 @@ use std::path::PathBuf;
 
 /// Options of `render`.
 #[derive(Args, Debug)]
-#[cfg_attr(not(feature = "gpu"), expect(dead_code, reason = "without a device there is nothing to draw with"))]
 pub(crate) struct RenderArgs {
     /// The mesh (OBJ, glTF, GLB) or .lodc file to show; `-` for standard input
     input: PathBuf,
