@@ -90,11 +90,11 @@ fn streams_go_through_pipes() {
 #[test]
 fn quantising_says_how_far_things_move() {
     let f = folder();
-    let report = f.lodc(["pack", "g.lodc", "-o", "q.lods", "--quantize", "pos=8", "--json"]).ends(0).json();
+    let report = f.lodc(["pack", "g.lodc", "-o", "q.lods", "--quantize", "pos=3", "--json"]).ends(0).json();
     let object = &report["objects"][0];
     let bound = object["bounds"][0]["coordinate"].as_f64().expect("a bound");
-    // Half of one of 255 steps over twelve units.
-    assert!((bound - 12.0 / 510.0).abs() < 1e-5, "{bound}");
+    // Half of one of seven steps over twelve units.
+    assert!((bound - 12.0 / 14.0).abs() < 1e-5, "{bound}");
     assert!(object["bits_per_vertex"]["stream"].as_f64() < object["bits_per_vertex"]["packages"].as_f64());
     assert!(f.read("q.lods").len() < f.read("g.lods").len());
     f.lodc(["unpack", "q.lods", "--whole", "-o", "q.obj"]).ends(0);

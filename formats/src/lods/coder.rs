@@ -257,12 +257,8 @@ mod tests {
             let end = (1 + random.next() % u64::from(u32::MAX >> random.below(32))) as u32;
             let value = (random.next() & ((1u64 << bits) - 1)) as u32;
             said.push(coder.raw(bits, if wrong { 0 } else { value }));
-            said.push(
-                coder.uniform(
-                    end,
-                    if wrong { 0 * random.next() as u32 } else { (random.next() % u64::from(end)) as u32 },
-                ),
-            );
+            let below = (random.next() % u64::from(end)) as u32;
+            said.push(coder.uniform(end, if wrong { 0 } else { below }));
         }
         said
     }

@@ -106,5 +106,5 @@ fn best(simplified: &Simplified, channels: usize, value: impl Fn(u32, usize) -> 
         };
         pairs.map(far).sum()
     };
-    System::candidates(values).into_iter().min_by_key(bits).unwrap_or(System::Float)
+    System::candidates(&values).into_iter().min_by_key(bits).unwrap_or(System::Float)
 }

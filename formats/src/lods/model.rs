@@ -134,7 +134,7 @@ mod tests {
             let (expected, lean) = (random.below(34) as u32, random.below(3));
             let magnitude = (random.next() >> 32 >> random.below(33)) as i64;
             let sign = if random.below(2) == 0 { 1 } else { -1 };
-            said.push(residual.code(coder, expected, lean, sign * magnitude ^ i64::from(wrong)).0);
+            said.push(residual.code(coder, expected, lean, (sign * magnitude) ^ i64::from(wrong)).0);
             said.push(i64::from(natural.code(coder, (random.next() >> 32 >> random.below(33)) as u32 ^ wrong)));
         }
         for edge in [0, 1, -1, i64::from(u32::MAX), -i64::from(u32::MAX)] {

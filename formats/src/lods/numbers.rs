@@ -93,7 +93,7 @@ impl System {
     }
 
     /// The systems that have all of the numbers, for floats from a file; [`Self::Float`] is always one.
-    pub(super) fn candidates(values: impl Iterator<Item = f32> + Clone) -> Vec<Self> {
+    pub(super) fn candidates(values: &(impl Iterator<Item = f32> + Clone)) -> Vec<Self> {
         let has = |s: &Self| values.clone().all(|v| s.has(v));
         let decimal = (0..=9).map(Self::Decimal).find(has);
         let significant = (1..=7).map(Self::Significant).find(has);
@@ -172,7 +172,7 @@ mod tests {
     fn text_is_recognised() {
         let has = |texts: &[&str]| {
             let values: Vec<f32> = texts.iter().map(|t| t.parse().expect("a number")).collect();
-            System::candidates(values.into_iter())
+            System::candidates(&values.into_iter())
         };
         assert_eq!(has(&["0.25", "-1.50", "-0", "3"]), [System::Float, System::Decimal(2), System::Significant(2)]);
         assert_eq!(has(&["0.0378297", "0.00447467", "-1.55991e-08"]), [System::Float, System::Significant(6)]);

@@ -53,9 +53,9 @@ pub struct PackedObject {
 /// Bytes of a block unless something else is asked for. Early blocks are smaller.
 const BLOCK: u32 = 4096;
 /// A block is not longer than this share of all before it ...
-const SHARE: usize = 12;
+const SHARE: usize = 8;
 /// ... or this many bytes.
-const SHORT: usize = 48;
+const SHORT: usize = 96;
 
 /// An object while it is written.
 struct Writing<'a> {

@@ -113,9 +113,9 @@ impl Object {
             }
             let new = self.growth.vertices();
             if new == 0 {
-                self.first(coder, script)
+                self.first(coder, script);
             } else {
-                self.vertex(coder, script, models)?
+                self.vertex(coder, script, models)?;
             }
             self.open = new > 0 && coder.bit(&mut models.goes_on[usize::from(self.open)], script.goes_on(new));
             self.goes_on.push(self.open);

@@ -229,7 +229,7 @@ impl Unpacker {
                     if number == 0 {
                         self.begin(block)?;
                     } else {
-                        self.steps(block).map_err(|what| wrong(what))?;
+                        self.steps(block).map_err(wrong)?;
                     }
                     self.blocks += 1;
                     self.done += length;
