@@ -15,13 +15,11 @@ fn main(@builtin(global_invocation_id) g: vec3<u32>, @builtin(num_workgroups) si
     if (s >= p.strips) { return; }
     var to = places[s];
     if (places[s + 1u] == to) { return; }
-    for (var half = 0u; half < 2u; half++) {
-        var left = states[3u * s + 1u + half];
-        while (left != 0u) {
-            drawn[to] = full[starts[s] + 32u * half + firstTrailingBit(left)];
-            left &= left - 1u;
-            to++;
-        }
+    var left = states[2u * s + 1u];
+    while (left != 0u) {
+        drawn[to] = full[starts[s] + firstTrailingBit(left)];
+        left &= left - 1u;
+        to++;
     }
     // The restart index.
     drawn[to] = 0xffffffffu;

@@ -38,13 +38,9 @@ impl Device {
             return Err(PlanError::TooDeep { length: longest });
         }
         let strips = model.strips.len();
-        let words = |mask: u64| [mask as u32, (mask >> 32) as u32];
-        let entries = model.entries.iter().flat_map(|e| {
-            let ([a, b], [c, d]) = (words(e.positions), words(e.filter));
-            [e.record, a, b, c, d]
-        });
+        let entries = model.entries.iter().flat_map(|e| [e.record, u32::from(e.positions), u32::from(e.filter)]);
         let starts = (0..strips).map(|s| model.strips.range(s).start).chain([model.strips.indices().len()]);
-        let states: Vec<u32> = model.firsts[..strips].iter().flat_map(|&first| [first, 0, 0]).collect();
+        let states: Vec<u32> = model.firsts[..strips].iter().flat_map(|&first| [first, 0]).collect();
         Ok(Self {
             starts: program.words("starts", starts.map(|start| start as u32).collect::<Vec<_>>()),
             firsts: program.words("firsts", model.firsts.as_slice()),
@@ -97,16 +93,27 @@ impl Masking {
         let mut program = Program::default();
         let device = Device::new(&mut program, self)?;
         let written = [device.full, device.states];
-        let uploaded = Step { at: "upload".to_owned(), passes: Vec::new(), checks: program.uploaded(&[]), twin: None };
-        let kept =
-            Step { at: "the end".to_owned(), passes: Vec::new(), checks: program.uploaded(&written), twin: None };
+        let uploaded = Step {
+            at: "upload".to_owned(),
+            counts: false,
+            passes: Vec::new(),
+            checks: program.uploaded(&[]),
+            twin: None,
+        };
+        let kept = Step {
+            at: "the end".to_owned(),
+            counts: false,
+            passes: Vec::new(),
+            checks: program.uploaded(&written),
+            twin: None,
+        };
         let (full, states, drawn) = (device.full, device.states, device.packed.drawn);
         let locate = move |buffer, word: usize| {
             if buffer == full {
                 let strip = (0..self.strips.len()).find(|&s| self.strips.range(s).contains(&word));
                 format!("strip {} of submesh {}", strip.unwrap_or(0), self.submeshes[strip.unwrap_or(0)])
             } else if buffer == states {
-                format!("strip {}", word / 3)
+                format!("strip {}", word / 2)
             } else if buffer == drawn {
                 format!("index {word} of all that are drawn")
             } else {
@@ -129,14 +136,15 @@ impl Masking {
             let history = self.history(strip);
             let applied = self.entries[history.clone()].partition_point(|entry| entry.record < lod.0);
             let filter = match applied {
-                0 => u64::MAX >> (64 - self.strips.range(strip).len().max(1)),
-                n => self.entries[history.start + n - 1].filter,
+                0 => u32::MAX >> (32 - self.strips.range(strip).len().max(1)),
+                n => u32::from(self.entries[history.start + n - 1].filter),
             };
-            states.extend([(history.start + applied) as u32, filter as u32, (filter >> 32) as u32]);
-            // Whatever masks say: an index goes on until the last record that changes its strip.
-            let end = if applied > 0 { self.entries[history.start + applied - 1].record + 1 } else { 0 };
-            for v in &mut full[self.strips.range(strip)] {
-                *v = self.simplified.collapses().resolve(*v, Lod(end));
+            states.extend([(history.start + applied) as u32, filter]);
+            let full = &mut full[self.strips.range(strip)];
+            for entry in &self.entries[history.start..history.start + applied] {
+                let target = self.simplified.collapses().targets()[entry.record as usize];
+                let changed = full.iter_mut().enumerate().filter(|(at, _)| entry.positions >> at & 1 != 0);
+                changed.for_each(|(_, v)| *v = target);
             }
         }
         let mut checks = vec![
@@ -145,6 +153,6 @@ impl Masking {
             Expected::new(device.trouble, [0]),
         ];
         checks.extend(device.packed.expected(&self.strips, |strip| cursor.strip(self, strip)));
-        Step { at: format!("LOD {}", lod.0), passes: device.passes(lod), checks, twin }
+        Step { at: format!("LOD {}", lod.0), counts: true, passes: device.passes(lod), checks, twin }
     }
 }
