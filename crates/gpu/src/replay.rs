@@ -7,7 +7,7 @@ use std::fmt;
 /// What a plan came to.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Replayed {
-    /// At how many LODs the device was compared.
+    /// At how many LODs or views the device was compared.
     pub lods: u64,
     /// Words that were read back and compared.
     pub words: u64,
@@ -69,7 +69,7 @@ pub fn replay(device: &Device, plan: Plan<'_>) -> Result<Replayed, GpuError> {
             done.difference = Some(difference.to_string());
             break;
         }
-        done.lods += 1;
+        done.lods += u64::from(step.counts);
         done.words += step.checks.iter().map(|c| c.words.len() as u64).sum::<u64>();
     }
     Ok(done)

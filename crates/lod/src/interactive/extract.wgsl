@@ -39,7 +39,11 @@ fn main(@builtin(global_invocation_id) g: vec3<u32>, @builtin(num_workgroups) si
     current[v] = at;
     let from_record = entries[at] * p.stride;
     let to_record = v * p.stride;
-    for (var word = 0u; word < p.stride; word++) {
+    // The position, and whatever else a record has.
+    vertices[to_record] = source[from_record];
+    vertices[to_record + 1u] = source[from_record + 1u];
+    vertices[to_record + 2u] = source[from_record + 2u];
+    for (var word = 3u; word < p.stride; word++) {
         vertices[to_record + word] = source[from_record + word];
     }
 }

@@ -137,12 +137,17 @@ impl Interactive {
         let counting = Counting::new(&mut program, mesh, device.vertices, records.stride);
         let mut made = program.uploaded(&[]);
         made.extend(device.constructed(&lists));
-        let construction =
-            Step { at: "construction".to_owned(), passes: device.construction(), checks: made, twin: None };
+        let construction = Step {
+            at: "construction".to_owned(),
+            counts: false,
+            passes: device.construction(),
+            checks: made,
+            twin: None,
+        };
         // What extraction must not write to is looked at again at the end.
         let mut kept = program.uploaded(&[device.vertices]);
         kept.extend([Expected::new(device.offsets, lists.offsets()), Expected::new(device.entries, lists.entries())]);
-        let unchanged = Step { at: "the end".to_owned(), passes: Vec::new(), checks: kept, twin: None };
+        let unchanged = Step { at: "the end".to_owned(), counts: false, passes: Vec::new(), checks: kept, twin: None };
         let locate = locate(simplified, &device, (counting.triangles, counting.draws), records.stride);
         let mut twin = Twin {
             model: self,
@@ -206,7 +211,7 @@ impl Twin<'_> {
             Expected::new(self.counting.draws, draws),
             Expected::new(self.device.trouble, [0]),
         ];
-        Step { at: format!("LOD {}", lod.0), passes, checks, twin }
+        Step { at: format!("LOD {}", lod.0), counts: true, passes, checks, twin }
     }
 
     fn judge(&self, lod: Lod, triangles: Vec<OrientedTriangle>) -> Option<Failure> {

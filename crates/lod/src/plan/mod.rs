@@ -40,6 +40,8 @@ pub struct Plan<'a> {
 pub struct Step {
     /// Where this is, for messages.
     pub at: String,
+    /// Whether this is a LOD or a view, as reports count them; else it prepares or cleans up.
+    pub counts: bool,
     /// Run in order; each sees what the ones before it wrote.
     pub passes: Vec<Pass>,
     /// Compared word by word.

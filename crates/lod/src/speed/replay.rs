@@ -159,9 +159,20 @@ impl Speed {
         let mut program = Program::default();
         let device = Device::new(&mut program, self)?;
         let written = [device.strips, device.heads];
-        let uploaded = Step { at: "upload".to_owned(), passes: Vec::new(), checks: program.uploaded(&[]), twin: None };
-        let kept =
-            Step { at: "the end".to_owned(), passes: Vec::new(), checks: program.uploaded(&written), twin: None };
+        let uploaded = Step {
+            at: "upload".to_owned(),
+            counts: false,
+            passes: Vec::new(),
+            checks: program.uploaded(&[]),
+            twin: None,
+        };
+        let kept = Step {
+            at: "the end".to_owned(),
+            counts: false,
+            passes: Vec::new(),
+            checks: program.uploaded(&written),
+            twin: None,
+        };
         let (drawn, heads) = (device.packed.drawn, device.heads);
         let locate = move |buffer, word: usize| {
             if buffer == drawn {
@@ -185,6 +196,6 @@ impl Speed {
         let truth = self.simplified.triangles_at_with(lod, self.positions());
         let twin = first_difference(lod, truth, self.triangles(cursor));
         let checks = device.packed.expected(&self.strips, |strip| cursor.strip(strip)).to_vec();
-        Step { at: format!("LOD {}", lod.0), passes, checks, twin }
+        Step { at: format!("LOD {}", lod.0), counts: true, passes, checks, twin }
     }
 }

@@ -42,6 +42,7 @@ impl Interactive {
         let filter = Filter::new(&mut program, mesh, &triangles, base.vertices, stride);
         let construction = Step {
             at: "construction".to_owned(),
+            counts: false,
             passes: base.construction(),
             checks: program.uploaded(&[]).into_iter().chain(base.constructed(&twin.lists)).collect(),
             twin: None,
@@ -50,7 +51,7 @@ impl Interactive {
         let kept =
             [Expected::new(base.offsets, twin.lists.offsets()), Expected::new(base.entries, twin.lists.entries())];
         let checks = program.uploaded(&[base.vertices]).into_iter().chain(kept).collect();
-        let unchanged = Step { at: "the end".to_owned(), passes: Vec::new(), checks, twin: None };
+        let unchanged = Step { at: "the end".to_owned(), counts: false, passes: Vec::new(), checks, twin: None };
         let positions = PositionIds::new(mesh.positions());
         let locate = replay::locate(simplified, &base, (filter.triangles, filter.draws), stride);
         let (groups, ways) = (device.shown, device.ways);
@@ -71,7 +72,7 @@ impl Interactive {
             if view.morph {
                 checks.push(Expected::new(device.ways, ways));
             }
-            Step { at: name(&view), passes, checks, twin: failure }
+            Step { at: name(&view), counts: true, passes, checks, twin: failure }
         };
         let steps = std::iter::once(construction).chain(views.into_iter().map(step)).chain([unchanged]);
         let locate = move |buffer, word| {

@@ -46,14 +46,12 @@ fn r(v: f32) -> f32 { return bitcast<f32>(bitcast<u32>(v) ^ p.zero); }
 
 fn dot3(a: vec3<f32>, b: vec3<f32>) -> f32 { return r(r(r(a.x * b.x) + r(a.y * b.y)) + r(a.z * b.z)); }
 
+// One step of Newton's method.
+fn nearer(y: f32, half: f32) -> f32 { return r(y * r(1.5 - r(r(half * y) * y))); }
+
 fn rsqrt(x: f32) -> f32 {
-    var y = bitcast<f32>(0x5f3759dfu - (bitcast<u32>(x) >> 1u));
     let half = r(0.5 * x);
-    for (var i = 0; i < 3; i++) {
-        let square = r(r(half * y) * y);
-        y = r(y * r(1.5 - square));
-    }
-    return y;
+    return nearer(nearer(nearer(bitcast<f32>(0x5f3759dfu - (bitcast<u32>(x) >> 1u)), half), half), half);
 }
 
 // The end of the last step that is over at a LOD: where the step of the next record starts.

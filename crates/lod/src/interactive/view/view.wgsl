@@ -45,7 +45,10 @@ fn main(@builtin(global_invocation_id) g: vec3<u32>, @builtin(num_workgroups) si
     if (group == 0xffffffffu) { return; }
     let from_record = entry(v, shown[group]) * p.stride;
     let to_record = v * p.stride;
-    for (var word = 0u; word < p.stride; word++) {
+    vertices[to_record] = source[from_record];
+    vertices[to_record + 1u] = source[from_record + 1u];
+    vertices[to_record + 2u] = source[from_record + 2u];
+    for (var word = 3u; word < p.stride; word++) {
         vertices[to_record + word] = source[from_record + word];
     }
     if (p.morph == 0u) { return; }
