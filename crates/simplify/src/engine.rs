@@ -285,6 +285,7 @@ impl<M: Metric> Engine<'_, M> {
         if with_attributes {
             self.fit_gradients(from, gradients);
         }
+        let attribute_weight = self.metric.attribute_weight();
         let here = self.mesh.position(from);
         for spokes in around.spokes.chunks(MAX_FAN) {
             for (i, spoke) in spokes.iter().enumerate() {
@@ -297,7 +298,7 @@ impl<M: Metric> Engine<'_, M> {
             for (spoke, mut cost) in spokes.iter().zip(costs.iter().copied()).filter(|(s, _)| permitted.allows(s.kind))
             {
                 if with_attributes {
-                    cost += self.attribute_cost(from, spoke, around, gradients);
+                    cost += attribute_weight * self.attribute_cost(from, spoke, around, gradients);
                 }
                 candidates.push((if cost.is_nan() { f64::INFINITY } else { cost }, spoke.group));
             }

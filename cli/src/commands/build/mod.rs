@@ -83,7 +83,7 @@ impl MetricName {
             Self::Quadric => Some(MetricKind::Quadric),
             Self::Viewpoint => Some(MetricKind::Viewpoint),
             Self::Kl => Some(MetricKind::Divergence),
-            Self::Hybrid => None,
+            Self::Hybrid => Some(MetricKind::Hybrid),
         }
     }
 }
