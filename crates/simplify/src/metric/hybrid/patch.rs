@@ -1,7 +1,7 @@
 //! The faces whose shading a collapse changes: those that move, and those that share a corner with them.
 
-use super::samples::{CREASE, Samples};
 use super::Weights;
+use super::samples::{CREASE, Samples};
 use crate::working::{Corner, Working};
 use glam::Vec3;
 
