@@ -24,9 +24,9 @@ test:
 ci:
     .ci/run
 
-# Benchmarks of every stage (two minutes)
+# Benchmarks of every stage and every model (three minutes)
 bench:
-    cargo bench -p lodc --bench pipeline
+    cargo bench -p lodc --bench pipeline --bench models
 
 # Write the fixture files again
 fixtures:

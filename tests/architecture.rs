@@ -7,15 +7,19 @@ use std::path::{Path, PathBuf};
 const DRAWING: &[(&str, &[&str])] = &[
     ("crates/mesh", &["glam"]),
     ("crates/raster", &["glam"]),
+    ("crates/measure", &["lodc-raster", "glam", "rayon"]),
     ("crates/simplify", &["lodc-mesh", "lodc-raster", "glam", "rayon"]),
     ("crates/strip", &["lodc-mesh", "rayon"]),
-    ("crates/lod", &["lodc-mesh"]),
-    ("formats", &["lodc-lod", "lodc-mesh", "bincode", "gltf", "serde", "serde_json", "tobj", "xxhash-rust"]),
+    ("crates/lod", &["lodc-mesh", "lodc-strip", "rayon"]),
+    ("crates/gpu", &["lodc-lod", "bytemuck", "pollster", "wgpu"]),
+    ("formats", &["lodc-lod", "lodc-mesh", "bincode", "gltf", "serde", "serde_json", "xxhash-rust"]),
     (
         "cli",
         &[
             "lodc-formats",
+            "lodc-gpu",
             "lodc-lod",
+            "lodc-measure",
             "lodc-mesh",
             "lodc-simplify",
             "lodc-strip",
@@ -42,9 +46,9 @@ const LONG_FILES: &[(&str, &str)] = &[];
 /// A word in code, and the only places that may use it.
 const OWNED: &[(&str, &[&str])] = &[
     ("gltf::", &["formats/"]),
-    ("tobj::", &["formats/"]),
     ("bincode::", &["formats/"]),
     ("xxhash_rust::", &["formats/"]),
+    ("wgpu::", &["crates/gpu/"]),
     ("std::fs", &["formats/", "cli/"]),
     ("std::net", &[]),
     ("clap::", &["cli/"]),

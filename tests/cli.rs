@@ -2,8 +2,12 @@
 
 #![expect(clippy::print_stderr, reason = "a test that is left out says so aloud")]
 
+#[path = "cli/bench.rs"]
+mod bench;
 #[path = "cli/build.rs"]
 mod build;
+#[path = "cli/compare.rs"]
+mod compare;
 #[path = "cli/determinism.rs"]
 mod determinism;
 #[path = "cli/extract.rs"]
@@ -14,6 +18,8 @@ mod output;
 mod paths;
 #[path = "cli/refused.rs"]
 mod refused;
+#[path = "cli/shaders.rs"]
+mod shaders;
 #[path = "cli/strips.rs"]
 mod strips;
 mod support;

@@ -1,6 +1,6 @@
 """Reads .lodc files with nothing but the standard library, from docs/FORMAT.md alone, and prints what is in them.
 
-usage: read_lodc.py FOLDER   (prints the same lines as fixtures/golden/v1/facts.txt)
+usage: read_lodc.py FOLDER   (prints the same lines as facts.txt in that folder)
 Checksums are left out: XXH3 is not in the standard library.
 """
 
@@ -41,8 +41,8 @@ class Reader:
 
 def sections(data):
     magic, version, count, length, _checksum = struct.unpack_from("<8sIIQQ", data)
-    assert magic == b"\x89LODC\r\n\x1a" and version == 1 and length == len(data)
-    found, end = {}, 32 + 40 * count
+    assert magic == b"\x89LODC\r\n\x1a" and version in (1, 2) and length == len(data)
+    found, end = {"version": version}, 32 + 40 * count
     for i in range(count):
         tag, flags, obj, index, offset, size, _ = struct.unpack_from("<4sIIIQQQ", data, 32 + 40 * i)
         assert offset == (end + 15) // 16 * 16 and not any(data[end:offset]) and flags in (0, 1)
@@ -95,14 +95,39 @@ def steps(found, number, triangles, records):
     for byte in lost[: len(ends)]:
         triangles -= long.pop(0) if byte == 255 else byte
         after.append(triangles)
-    assert not long and len(found["SERR", number, 0]) == 4 * len(ends)
+    assert not long and len(errors(found, number)) == len(ends)
     return ends, after
+
+
+def errors(found, number):
+    stored = found["SERR", number, 0]
+    if found["version"] == 1:
+        return [e for (e,) in struct.iter_unpack("<f", stored)]
+    bits, growth, shift, result = 0, 0, 0, []
+    for byte in stored:
+        growth |= (byte & 127) << shift
+        shift += 7
+        if byte < 128:
+            bits, growth, shift = bits + growth, 0, 0
+            result.append(struct.unpack("<f", struct.pack("<I", bits))[0])
+    assert shift == 0
+    return result
+
+
+def indices(found, tag, number, vertices):
+    """Numbers of vertices, each in the bytes that the largest needs."""
+    width = 4 if found["version"] == 1 else 1 + (vertices > 2**8) + (vertices > 2**16) + (vertices > 2**24)
+    stored = found[tag, number, 0]
+    assert len(stored) % width == 0
+    return [int.from_bytes(stored[i : i + width], "little") for i in range(0, len(stored), width)]
 
 
 def object_line(found, number, o):
     vertices = len(found["POSI", number, 0]) // 12
-    tris = [t for t in struct.iter_unpack("<3I", found["TRIS", number, 0])]
-    targets = [t for (t,) in struct.iter_unpack("<I", found["TARG", number, 0])]
+    corners = indices(found, "TRIS", number, vertices)
+    tris = list(zip(corners[::3], corners[1::3], corners[2::3]))
+    assert 3 * len(tris) == len(corners)
+    targets = indices(found, "TARG", number, vertices)
     assert len(targets) == max(vertices, 1) - 1
     assert all(k < t < vertices for k, t in enumerate(targets)) and all(v < vertices for t in tris for v in t)
     count = len(o["submeshes"])

@@ -2,7 +2,7 @@
 //! reference answer wherever a cursor is sent. On all named shapes and on many random meshes.
 
 use lodc_fixtures::{ALL, Rng, check_rules, random, random_collapse};
-use lodc_lod::{AnyModel, Changes, Model, ModelKind};
+use lodc_lod::{AnyModel, Changes, Model, ModelKind, StripOptions, StripPool};
 use lodc_mesh::{Lod, Mesh, OrientedTriangle, Simplified};
 use lodc_simplify::{Options, simplify};
 use std::collections::BTreeMap;
@@ -99,8 +99,9 @@ impl Changes for Books {
 fn check_models(s: Simplified, seeks: usize, seed: u64) -> Result<(), String> {
     let s = Arc::new(s);
     let mut rng = Rng::new(seed);
+    let mut strips = StripPool::new(&s, StripOptions::default());
     for kind in ModelKind::ALL.into_iter().filter(|k| k.available()) {
-        let model = AnyModel::build(kind, &s).map_err(|e| format!("{}: {e}", kind.name()))?;
+        let model = AnyModel::build(kind, &mut strips).map_err(|e| format!("{}: {e}", kind.name()))?;
         let mut cursor = model.cursor();
         let mut books = Books(BTreeMap::new());
         model.triangles(&cursor).into_iter().for_each(|t| books.came(t));

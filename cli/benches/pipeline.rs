@@ -8,7 +8,7 @@ use lodc_formats::export::{ExportFormat, ExportObject, export};
 use lodc_formats::import::{ImportOptions, import};
 use lodc_formats::lodc::{LodFile, LodObject, read, write};
 use lodc_formats::{Document, ObjDocument, ObjectInfo, Source, SourceFormat, SubmeshInfo};
-use lodc_lod::{AnyModel, Model, ModelKind};
+use lodc_lod::{AnyModel, Model, ModelKind, StripOptions, StripPool};
 use lodc_mesh::{Lod, Mesh};
 use lodc_simplify::{Options, simplify};
 use std::hint::black_box;
@@ -43,7 +43,10 @@ fn file(mesh: &Mesh, format: ExportFormat) -> Vec<u8> {
 
 fn built(mesh: &Mesh) -> LodFile {
     let simplified = Arc::new(simplify(mesh, &Options::DEFAULT, &|_, _| ()));
-    let models = vec![AnyModel::build(ModelKind::Interactive, &simplified).expect("triangles are in order")];
+    let models = vec![
+        AnyModel::build(ModelKind::Interactive, &mut StripPool::new(&simplified, StripOptions::default()))
+            .expect("triangles are in order"),
+    ];
     LodFile {
         source: Source { format: SourceFormat::Obj, content_hash: 0 },
         document: Document::Obj(ObjDocument { libraries: Vec::new(), materials: Vec::new() }),

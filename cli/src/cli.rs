@@ -1,6 +1,6 @@
 //! The command line as `clap` sees it: every command, and the options all of them have.
 
-use crate::commands::{build, completions, extract, info, man, strips, verify};
+use crate::commands::{bench, build, completions, extract, info, man, shaders, strips, verify};
 use clap::{Args, Parser, Subcommand};
 
 /// Continuous level of detail: every level between a full mesh and a single point, in one verified file.
@@ -37,8 +37,14 @@ pub(crate) enum Command {
     Info(info::InfoArgs),
     /// Replay every model of .lodc files against the reference
     Verify(verify::VerifyArgs),
+    /// Say how far apart two meshes are, in space and in pictures
+    Compare(compare::CompareArgs),
     /// Write the triangle strips of a mesh as text
     Strips(strips::StripsArgs),
+    /// Write the WGSL that an engine needs to show models, and a guide to it
+    Shaders(shaders::ShadersArgs),
+    /// Measure storage, extraction time, bus traffic and primitives
+    Bench(bench::BenchArgs),
     /// Print a completion script for a shell
     Completions(completions::CompletionsArgs),
     /// Print a manual page

@@ -2,11 +2,9 @@
 
 use crate::selector::Candidate;
 use clap::ValueEnum;
-use lodc_formats::ObjectInfo;
 use lodc_formats::lodc::LodObject;
-use lodc_lod::{AnyModel, Model, ModelKind};
-use lodc_mesh::{CollapseSequence, Lod, OrientedTriangle, PositionIds, Simplified, TriangleHash};
-use std::sync::Arc;
+use lodc_lod::{AnyModel, Model, ModelKind, StripPool};
+use lodc_mesh::{CollapseSequence, Lod, OrientedTriangle, PositionIds, TriangleHash};
 
 /// A structure that `--models` and `--model` may name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -38,15 +36,13 @@ pub(crate) fn chosen(names: &[ModelName]) -> Vec<ModelKind> {
     ModelKind::ALL.into_iter().filter(wanted).collect()
 }
 
-/// An object with its models.
+/// The models of an object, in the order of `kinds`.
 ///
 /// # Errors
 /// If a model cannot be made of the sequence: a bug, since every sequence that a simplifier makes can be modelled.
-pub(crate) fn with_models(info: ObjectInfo, simplified: Simplified, kinds: &[ModelKind]) -> Result<LodObject, String> {
-    let simplified = Arc::new(simplified);
-    let build = |&kind: &ModelKind| AnyModel::build(kind, &simplified).map_err(|e| format!("{}: {e}", kind.name()));
-    let models = kinds.iter().map(build).collect::<Result<_, _>>()?;
-    Ok(LodObject { info, simplified, models })
+pub(crate) fn models(strips: &mut StripPool<'_>, kinds: &[ModelKind]) -> Result<Vec<AnyModel>, String> {
+    let mut build = |&kind: &ModelKind| AnyModel::build(kind, strips).map_err(|e| format!("{}: {e}", kind.name()));
+    kinds.iter().map(&mut build).collect()
 }
 
 /// Compares every model of an object with the reference at a few LODs, back and forth.

@@ -4,6 +4,7 @@ mod cli;
 mod commands;
 mod console;
 mod exit;
+mod gpu;
 mod interrupt;
 mod levels;
 mod limits;
@@ -17,7 +18,7 @@ mod text;
 
 use clap::Parser;
 use cli::{Cli, Command};
-use commands::{build, completions, extract, info, man, strips, verify};
+use commands::{bench, build, completions, extract, info, man, shaders, strips, verify};
 use console::Loudness;
 use exit::{Outcome, Status};
 use std::panic;
@@ -49,7 +50,10 @@ fn run() -> Status {
         Command::Extract(args) => done(extract::run(args)),
         Command::Info(args) => done(info::run(args)),
         Command::Verify(args) => verify::run(args),
+        Command::Compare(args) => compare::run(args),
         Command::Strips(args) => done(strips::run(args)),
+        Command::Shaders(args) => done(shaders::run(args)),
+        Command::Bench(args) => bench::run(args),
         Command::Completions(args) => done(completions::run(args)),
         Command::Man(args) => done(man::run(args)),
     });

@@ -32,10 +32,10 @@ fn wrong_usage_ends_with_2_and_a_hint() {
 }
 
 #[test]
-fn models_and_metrics_of_later_versions_are_refused_in_one_line() {
+fn models_of_later_versions_are_refused_in_one_line() {
     let f = Folder::new();
     f.file("a.obj", grid(2));
-    for args in [["--models", "speed"], ["--models", "interactive,masking"], ["--metric", "viewpoint"]] {
+    for args in [["--models", "speed"], ["--models", "interactive,masking"]] {
         let run = f.lodc(["build", "a.obj"].into_iter().chain(args)).fails(2);
         assert!(run.err.contains("not yet in this version"), "{}", run.err);
     }

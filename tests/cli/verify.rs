@@ -1,6 +1,7 @@
 //! `lodc verify`: it finds every difference and never cries wolf.
 
-use crate::support::{Folder, grid, scene};
+use crate::support::{Folder, LODC, Run, grid, scene};
+use std::process::Command;
 
 fn built() -> Folder {
     let f = Folder::new();
@@ -74,18 +75,51 @@ fn a_damaged_file_is_never_read_as_a_good_one() {
     assert_eq!(report["files"][1]["ok"], true, "the others are still done");
 }
 
+/// The program on a system whose graphics drivers cannot be found.
+fn without_gpu(f: &Folder, args: &[&str]) -> Run {
+    Run::of(
+        Command::new(LODC)
+            .args(args)
+            .current_dir(f.path())
+            .env("VK_DRIVER_FILES", "nothing")
+            .env("WGPU_BACKEND", "vulkan"),
+    )
+}
+
 #[test]
 fn a_gpu_that_is_required_and_not_there_is_6_and_never_a_pass() {
     let f = built();
     for gpu in ["--gpu", "--gpu=require"] {
-        let run = f.lodc(["verify", "g.lodc", gpu]).fails(6);
-        assert!(run.text().is_empty() && run.err.contains("GPU"), "{}", run.err);
+        let run = without_gpu(&f, &["verify", "g.lodc", gpu]).ends(6);
+        assert!(run.text().is_empty() && run.err.contains("GPU") && run.errors() == 1, "{}", run.err);
     }
-    let report = f.lodc(["verify", "g.lodc", "--gpu=auto", "--json"]).ends(0).json();
+    let report = without_gpu(&f, &["verify", "g.lodc", "--gpu=auto", "--json"]).ends(0).json();
     let checks = report["files"][0]["checks"].as_array().expect("checks");
     let gpu = checks.iter().find(|c| c["device"] == "gpu").expect("it is reported");
     assert!(gpu["ok"].is_null() && gpu["skipped"].is_string(), "{gpu}");
-    assert!(f.lodc(["verify", "g.lodc", "--gpu=auto"]).ends(0).text().contains("skipped"));
+    assert!(without_gpu(&f, &["verify", "g.lodc", "--gpu=auto"]).ends(0).text().contains("skipped"));
+    assert_eq!(f.lodc(["verify", "g.lodc", "--gpu", "--adapter", "no such adapter"]).status, Some(6));
+    f.lodc(["verify", "g.lodc", "--adapter", "any"]).ends(2);
+}
+
+#[test]
+fn a_gpu_shows_what_the_cpu_shows() {
+    let f = Folder::new();
+    f.file("g.obj", grid(8));
+    f.file("s.gltf", scene(&[1.0, 3.0], 5));
+    f.lodc(["build", "g.obj", "s.gltf", "-o", ".", "-q"]).ends(0);
+    let run = f.lodc(["verify", "g.lodc", "s.lodc", "--gpu", "--json"]);
+    if run.status == Some(6) && std::env::var_os("CI").is_none() {
+        eprintln!("SKIPPED: no graphics adapter: {}", run.err);
+        return;
+    }
+    let report = run.ends(0).json();
+    for (file, objects) in [(0, 1), (1, 2)] {
+        let checks = report["files"][file]["checks"].as_array().expect("checks");
+        let gpu: Vec<_> = checks.iter().filter(|c| c["device"] == "gpu").collect();
+        assert!(gpu.len() >= objects, "{report}");
+        assert!(gpu.iter().all(|c| c["ok"] == true && c["adapter"].is_string() && c["lods"].as_u64() > Some(10)));
+    }
 }
 
 #[test]

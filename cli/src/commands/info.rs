@@ -1,5 +1,6 @@
 //! `lodc info`: what is inside a file.
 
+use super::bench;
 use super::build::counts;
 use super::read::read_lodc;
 use crate::console;
@@ -14,8 +15,9 @@ use crate::text::{count, distance, grouped, size};
 use clap::Args;
 use lodc_formats::SourceFormat;
 use lodc_formats::lodc::{self, LodObject};
-use lodc_lod::{AnyModel, Model, StorageCost};
-use serde_json::{Map, Value};
+use lodc_lod::{AnyModel, Model, StorageCost, StripKind, Strips};
+use lodc_strip::Effort;
+use serde_json::{Map, Value, json};
 use std::fmt::Write;
 use std::path::PathBuf;
 
@@ -27,7 +29,7 @@ pub(crate) struct InfoArgs {
     /// Print one JSON document
     #[arg(long)]
     json: bool,
-    /// Count structures that are not in the file too, for comparison
+    /// Count other structures too, for comparison: they are made for this and take a while on large meshes
     #[arg(long)]
     baselines: bool,
     #[command(flatten)]
@@ -49,7 +51,7 @@ pub(crate) fn run(args: &InfoArgs) -> Outcome<()> {
             },
             content_hash: format!("{:032x}", file.source.content_hash),
         },
-        objects: file.objects.iter().map(|o| object(o, args.baselines)).collect(),
+        objects: file.objects.iter().map(|o| object(o, args.baselines)).collect::<Outcome<_>>()?,
     };
     if args.json {
         return console::json(&report);
@@ -57,7 +59,7 @@ pub(crate) fn run(args: &InfoArgs) -> Outcome<()> {
     console::result(text(&args.input.display().to_string(), &report).trim_end())
 }
 
-fn object(o: &LodObject, baselines: bool) -> ObjectReport {
+fn object(o: &LodObject, baselines: bool) -> Outcome<ObjectReport> {
     let collapses = o.simplified.collapses();
     let lods = levels::table(collapses).into_iter().map(|lod| LodReport {
         lod: lod.0,
@@ -66,16 +68,38 @@ fn object(o: &LodObject, baselines: bool) -> ObjectReport {
     });
     let mut models: Map<String, Value> = o.models.iter().map(|m| (m.name().to_owned(), stored(m))).collect();
     if baselines {
-        models.insert("triangles".to_owned(), bits(&StorageCost::of_triangles(&o.simplified), None));
+        for baseline in bench::baselines(o)? {
+            models.insert(baseline.name().to_owned(), bits(&baseline.storage(), None));
+        }
+        for (name, cost) in bench::plain(&o.simplified, &plain_strips(o)) {
+            models.insert(name.to_owned(), bits(&cost, None));
+        }
     }
-    ObjectReport {
+    Ok(ObjectReport {
         counts: counts(&o.info, &o.simplified),
         world_scale: o.info.world_scale,
         diagonal: o.simplified.mesh().diagonal(),
         lods: lods.collect(),
-        strips: Map::new(),
+        strips: strips(o),
         models,
+    })
+}
+
+/// Long strips: those of a model that has some, or new ones.
+fn plain_strips(o: &LodObject) -> Strips {
+    let stored = o.models.iter().filter_map(AnyModel::strips).find(|s| s.kind == StripKind::Stripe);
+    stored.cloned().unwrap_or_else(|| Strips::generate(&o.simplified, StripKind::Stripe, Effort::Default))
+}
+
+/// Strips that are stored, by their generator.
+fn strips(o: &LodObject) -> Map<String, Value> {
+    let mut all = Map::new();
+    for strips in o.models.iter().filter_map(AnyModel::strips) {
+        let report = bench::strips_of(o.simplified.mesh(), strips);
+        let value = json!({"strips": report.strips, "indices": report.indices, "acmr_fifo16": report.acmr_fifo16});
+        all.entry(strips.kind.name()).or_insert(value);
     }
+    all
 }
 
 fn stored(model: &AnyModel) -> Value {

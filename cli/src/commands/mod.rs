@@ -1,10 +1,13 @@
 //! One module per command: its options and what it does.
 
+pub(crate) mod bench;
 pub(crate) mod build;
+pub(crate) mod compare;
 pub(crate) mod completions;
 pub(crate) mod extract;
 pub(crate) mod info;
 pub(crate) mod man;
 mod read;
+pub(crate) mod shaders;
 pub(crate) mod strips;
 pub(crate) mod verify;

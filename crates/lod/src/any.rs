@@ -1,6 +1,9 @@
 //! The closed list of models: the one place that names them all.
 
-use crate::{Array, BuildError, Changes, Interactive, Model, StorageCost, Traffic};
+use crate::plan::{Benchmark, Plan, PlanError, Shader};
+use crate::{
+    Array, BuildError, Changes, Interactive, Masking, Model, StorageCost, StripKind, StripPool, Strips, Traffic,
+};
 use lodc_mesh::{Lod, OrientedTriangle, Simplified};
 use std::{str::FromStr, sync::Arc};
 
@@ -22,7 +25,26 @@ impl ModelKind {
     /// Whether this version has the model.
     #[must_use]
     pub const fn available(self) -> bool {
-        matches!(self, Self::Interactive)
+        matches!(self, Self::Masking | Self::Interactive)
+    }
+
+    /// The generator whose strips the model is made of unless told otherwise; none if it is not made of strips.
+    #[must_use]
+    pub const fn strips(self) -> Option<StripKind> {
+        match self {
+            Self::Speed => Some(StripKind::Stripe),
+            Self::Masking => Some(StripKind::Cache),
+            Self::Interactive => None,
+        }
+    }
+
+    /// The kernels that an engine needs to show it, in the order of their use.
+    #[must_use]
+    pub const fn shaders(self) -> &'static [Shader] {
+        match self {
+            Self::Interactive => &crate::interactive::shaders::ALL,
+            Self::Speed | Self::Masking => &[],
+        }
     }
 
     /// Its name in options, files and reports.
@@ -44,10 +66,15 @@ impl FromStr for ModelKind {
     }
 }
 
+/// Why a cursor is refused.
+const FOREIGN: &str = "a cursor of another model";
+
 /// A model of any kind.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub enum AnyModel {
+    /// Masking Strips.
+    Masking(Masking),
     /// Interactive Meshes.
     Interactive(Interactive),
 }
@@ -56,19 +83,22 @@ pub enum AnyModel {
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub enum AnyCursor {
+    /// Over Masking Strips.
+    Masking(<Masking as Model>::Cursor),
     /// Over Interactive Meshes.
     Interactive(<Interactive as Model>::Cursor),
 }
 
 impl AnyModel {
-    /// Builds a model.
+    /// Builds a model, of strips from the pool if it is made of strips.
     ///
     /// # Errors
     /// If this version does not have it, or it cannot be made of this sequence.
-    pub fn build(kind: ModelKind, simplified: &Arc<Simplified>) -> Result<Self, BuildError> {
+    pub fn build(kind: ModelKind, strips: &mut StripPool<'_>) -> Result<Self, BuildError> {
         match kind {
-            ModelKind::Interactive => Interactive::build(simplified).map(Self::Interactive),
-            ModelKind::Speed | ModelKind::Masking => Err(BuildError::NotAvailable { model: kind.name() }),
+            ModelKind::Interactive => Interactive::build(strips.simplified()).map(Self::Interactive),
+            ModelKind::Masking => Masking::build(strips.simplified(), strips.get(StripKind::Cache)).map(Self::Masking),
+            ModelKind::Speed => Err(BuildError::NotAvailable { model: kind.name() }),
         }
     }
 
@@ -79,7 +109,8 @@ impl AnyModel {
     pub fn load(kind: ModelKind, simplified: &Arc<Simplified>, arrays: &[Array]) -> Result<Self, BuildError> {
         match kind {
             ModelKind::Interactive => Interactive::load(simplified, arrays).map(Self::Interactive),
-            ModelKind::Speed | ModelKind::Masking => Err(BuildError::NotAvailable { model: kind.name() }),
+            ModelKind::Masking => Masking::load(simplified, arrays).map(Self::Masking),
+            ModelKind::Speed => Err(BuildError::NotAvailable { model: kind.name() }),
         }
     }
 
@@ -87,7 +118,42 @@ impl AnyModel {
     #[must_use]
     pub fn kind(&self) -> ModelKind {
         match self {
+            Self::Masking(_) => ModelKind::Masking,
             Self::Interactive(_) => ModelKind::Interactive,
+        }
+    }
+
+    /// The strips that it is made of, if it is.
+    #[must_use]
+    pub fn strips(&self) -> Option<&Strips> {
+        match self {
+            Self::Masking(model) => Some(model.strips()),
+            Self::Interactive(_) => None,
+        }
+    }
+
+    /// Its replays on a graphics device over a schedule of LODs; none if the model has none.
+    ///
+    /// # Errors
+    /// If the mesh is too large or too deep for any device.
+    pub fn replays(&self, stops: &[Lod]) -> Result<Vec<Plan<'_>>, PlanError> {
+        if self.simplified().mesh().vertex_count() == 0 {
+            return Ok(Vec::new());
+        }
+        match self {
+            Self::Masking(_) => Ok(Vec::new()),
+            Self::Interactive(model) => model.replays(stops),
+        }
+    }
+
+    /// What to time of it on a graphics device; nothing if the model has no replay.
+    ///
+    /// # Errors
+    /// If the mesh is too large or too deep for any device.
+    pub fn benchmark(&self) -> Result<Option<Benchmark>, PlanError> {
+        match self {
+            Self::Masking(_) => Ok(None),
+            Self::Interactive(model) => model.benchmark().map(Some),
         }
     }
 
@@ -108,36 +174,53 @@ impl Model for AnyModel {
     }
     fn simplified(&self) -> &Arc<Simplified> {
         match self {
+            Self::Masking(model) => model.simplified(),
             Self::Interactive(model) => model.simplified(),
         }
     }
     fn cursor(&self) -> AnyCursor {
         match self {
+            Self::Masking(model) => AnyCursor::Masking(model.cursor()),
             Self::Interactive(model) => AnyCursor::Interactive(model.cursor()),
         }
     }
     fn lod(&self, cursor: &AnyCursor) -> Lod {
         match (self, cursor) {
+            (Self::Masking(model), AnyCursor::Masking(cursor)) => model.lod(cursor),
             (Self::Interactive(model), AnyCursor::Interactive(cursor)) => model.lod(cursor),
+            _ => panic!("{FOREIGN}"),
         }
     }
     fn seek(&self, cursor: &mut AnyCursor, lod: Lod, changes: &mut impl Changes) -> Traffic {
         match (self, cursor) {
+            (Self::Masking(model), AnyCursor::Masking(cursor)) => model.seek(cursor, lod, changes),
             (Self::Interactive(model), AnyCursor::Interactive(cursor)) => model.seek(cursor, lod, changes),
+            _ => panic!("{FOREIGN}"),
         }
     }
     fn triangles(&self, cursor: &AnyCursor) -> Vec<OrientedTriangle> {
         match (self, cursor) {
+            (Self::Masking(model), AnyCursor::Masking(cursor)) => model.triangles(cursor),
             (Self::Interactive(model), AnyCursor::Interactive(cursor)) => model.triangles(cursor),
+            _ => panic!("{FOREIGN}"),
         }
     }
-    fn storage(&self) -> StorageCost {
+    fn drawn(&self, cursor: &AnyCursor) -> u64 {
+        match (self, cursor) {
+            (Self::Masking(model), AnyCursor::Masking(cursor)) => model.drawn(cursor),
+            (Self::Interactive(model), AnyCursor::Interactive(cursor)) => model.drawn(cursor),
+            _ => panic!("{FOREIGN}"),
+        }
+    }
+    fn storage_to(&self, lod: Lod) -> StorageCost {
         match self {
-            Self::Interactive(model) => model.storage(),
+            Self::Masking(model) => model.storage_to(lod),
+            Self::Interactive(model) => model.storage_to(lod),
         }
     }
     fn arrays(&self) -> Vec<Array> {
         match self {
+            Self::Masking(model) => model.arrays(),
             Self::Interactive(model) => model.arrays(),
         }
     }

@@ -8,13 +8,21 @@
 //! `lodc-formats` lays them out.
 
 mod any;
+pub mod baseline;
+mod bytes;
 pub mod interactive;
+pub mod masking;
 mod model;
+pub mod plan;
 mod storage;
+mod strips;
 mod verify;
 
 pub use any::{AnyCursor, AnyModel, ModelKind};
+pub use baseline::Baseline;
 pub use interactive::Interactive;
+pub use masking::Masking;
 pub use model::{Array, BuildError, Changes, Model, Traffic};
 pub use storage::StorageCost;
+pub use strips::{StripKind, StripOptions, StripPool, Strips};
 pub use verify::{Check, Failure, Reference, TooMuchWork, VerifyOptions, first_difference, verify};

@@ -32,8 +32,16 @@ pub trait Model {
     /// The triangles shown, in the order in which they would be drawn.
     fn triangles(&self, cursor: &Self::Cursor) -> Vec<OrientedTriangle>;
 
+    /// How many indices are drawn: three for each triangle, or all those of the strips as they are now.
+    fn drawn(&self, cursor: &Self::Cursor) -> u64;
+
     /// What storing the model takes.
-    fn storage(&self) -> StorageCost;
+    fn storage(&self) -> StorageCost {
+        self.storage_to(self.simplified().collapses().last())
+    }
+
+    /// What storing it takes if LODs coarser than the one shown for `lod` are never wanted (thesis eq. 5.5 stops at 95 %).
+    fn storage_to(&self, lod: Lod) -> StorageCost;
 
     /// What has to be stored besides the mesh and the sequence.
     fn arrays(&self) -> Vec<Array>;
@@ -41,6 +49,8 @@ pub trait Model {
 
 /// Hears which triangles go and which come while a cursor moves.
 pub trait Changes {
+    /// Whether anybody listens. A model need not work out what nobody hears.
+    const HEARD: bool = true;
     /// A triangle is not drawn any more.
     fn gone(&mut self, triangle: OrientedTriangle);
     /// A triangle is drawn from now on.
@@ -49,6 +59,7 @@ pub trait Changes {
 
 /// Hears nothing.
 impl Changes for () {
+    const HEARD: bool = false;
     fn gone(&mut self, _: OrientedTriangle) {}
     fn came(&mut self, _: OrientedTriangle) {}
 }
@@ -89,6 +100,13 @@ pub enum BuildError {
         /// Its name.
         model: &'static str,
     },
+    /// A stored array does not fit the mesh, the sequence or itself.
+    Malformed {
+        /// Name of the array.
+        array: &'static str,
+        /// What is wrong with it.
+        what: String,
+    },
     /// The stored arrays are not the ones that the model has.
     Arrays {
         /// Names of the arrays given.
@@ -103,6 +121,7 @@ impl fmt::Display for BuildError {
                 write!(f, "triangle {triangle} of submesh {submesh} stands behind one that disappears before it")
             }
             Self::NotAvailable { model } => write!(f, "this version does not have the model {model}"),
+            Self::Malformed { array, what } => write!(f, "the array \"{array}\" {what}"),
             Self::Arrays { given } => write!(f, "the model does not have the arrays [{}]", given.join(", ")),
         }
     }

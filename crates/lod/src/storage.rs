@@ -1,6 +1,7 @@
 //! Storage in the thesis's accounting: words of four bytes per vertex (tables 3.1, 4.2, 4.3, 5.1).
 
 use lodc_mesh::Simplified;
+use lodc_strip::StripSet;
 
 /// What storing a model takes, in bytes: geometry, triangles or strips, and the model's own structures. Attributes other
 /// than normals are left out, as in the thesis; what a file really holds is counted by `lodc-formats`.
@@ -28,6 +29,12 @@ impl StorageCost {
         let vertices = simplified.mesh().vertex_count() as u64 - fakes;
         let primitives = 12 * simplified.mesh().triangles().len() as u64;
         Self { vertices, fakes, positions: 12 * vertices, normals: 12 * vertices, primitives, structures: 0 }
+    }
+
+    /// The mesh of LOD 0 as plain strips, each drawn by itself: `3v + I` words for `I` strip indices.
+    #[must_use]
+    pub fn of_strips(simplified: &Simplified, strips: &StripSet) -> Self {
+        Self { primitives: 4 * strips.separate_indices(), ..Self::of_triangles(simplified) }
     }
 
     /// Bytes as the thesis counts them with positions only (chapters 3 and 5).

@@ -4,7 +4,7 @@
 //! the damaged file, or the one made before the damage. Damage to what a model shows is in `verify/tests.rs`.
 
 use lodc_fixtures as fixtures;
-use lodc_lod::{AnyModel, Check, Failure, ModelKind, Reference, VerifyOptions, verify};
+use lodc_lod::{AnyModel, Check, Failure, ModelKind, Reference, StripOptions, StripPool, VerifyOptions, verify};
 use lodc_mesh::{CollapseSequence, Mesh, MeshParts, SequenceParts, Simplified};
 use std::sync::Arc;
 
@@ -13,7 +13,9 @@ fn checks(stored: &Simplified, model_of: &Simplified) -> Option<Vec<Check>> {
     let stored = Arc::new(stored.clone());
     let reference = Reference::new(&stored).expect("a sequence of ordinary length");
     let mut checks = reference.checks().to_vec();
-    let model = AnyModel::build(ModelKind::Interactive, &Arc::new(model_of.clone())).ok()?;
+    let model_of = Arc::new(model_of.clone());
+    let mut strips = StripPool::new(&model_of, StripOptions::default());
+    let model = AnyModel::build(ModelKind::Interactive, &mut strips).ok()?;
     checks.extend(verify(&model, &reference, &VerifyOptions { jumps: 10, ..VerifyOptions::default() }));
     Some(checks)
 }

@@ -33,6 +33,19 @@ impl StripSet {
         }
         set
     }
+    /// Puts strips together that were taken apart: all vertices, where each strip ends among them, and where each
+    /// submesh's strips end among the strips.
+    ///
+    /// # Errors
+    /// If ends fall, or the last ones are not the ends of everything.
+    pub fn from_parts(indices: Vec<u32>, ends: Vec<u32>, submesh_ends: Vec<u32>) -> Result<Self, StripSetError> {
+        let rises = |ends: &[u32], all: usize| ends.is_sorted() && ends.last().map_or(0, |&e| e as usize) == all;
+        if rises(&ends, indices.len()) && rises(&submesh_ends, ends.len()) {
+            Ok(Self { indices, ends, submesh_ends })
+        } else {
+            Err(StripSetError::Ends)
+        }
+    }
     /// How many strips there are.
     #[must_use]
     pub fn len(&self) -> usize {
@@ -56,6 +69,16 @@ impl StripSet {
     pub fn range(&self, strip: usize) -> Range<usize> {
         let first = if strip == 0 { 0 } else { self.ends[strip - 1] };
         first as usize..self.ends[strip] as usize
+    }
+    /// The submesh of each strip.
+    pub fn submeshes(&self) -> impl Iterator<Item = u32> {
+        (0..)
+            .zip(&self.submesh_ends)
+            .scan(0, |first, (submesh, &end)| {
+                let strips = end - std::mem::replace(first, end);
+                Some(std::iter::repeat_n(submesh, strips as usize))
+            })
+            .flatten()
     }
     /// The vertices of a strip.
     ///
@@ -138,6 +161,8 @@ pub fn strip_triangles(strip: &[u32]) -> impl Iterator<Item = [u32; 3]> {
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum StripSetError {
+    /// Ends of strips or submeshes that fall, or do not end with everything.
+    Ends,
     /// Another number of submeshes.
     Submeshes {
         /// Submeshes of the strips.
@@ -154,6 +179,7 @@ pub enum StripSetError {
 impl fmt::Display for StripSetError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Self::Ends => f.write_str("strips that do not end where they should"),
             Self::Submeshes { found, wanted } => write!(f, "strips of {found} submeshes for a mesh of {wanted}"),
             Self::Extra(t) => write!(f, "triangle {:?} of submesh {} is drawn too often", t.corners, t.submesh),
             Self::Missing(t) => write!(f, "triangle {:?} of submesh {} is not drawn", t.corners, t.submesh),

@@ -1,9 +1,14 @@
 //! Writing one level of detail: one file or folder per format.
 
+mod flat_mesh;
 mod flatten;
 mod gltf;
 mod obj;
 mod ply;
+mod png;
+
+pub use flat_mesh::{FlatMesh, flat_mesh};
+pub use png::png;
 
 use crate::{Document, FormatError, ObjectInfo, OutputFile};
 use lodc_mesh::Mesh;

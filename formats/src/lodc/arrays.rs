@@ -18,7 +18,17 @@ pub(super) fn put_f32s(out: &mut Vec<u8>, values: &[f32]) {
     }
 }
 
-/// `width` bytes for each value: 1, 2 or 4, chosen by the caller so that every value fits.
+/// Bytes for each number below `count`: 1 to 4.
+pub(super) fn index_width(count: usize) -> usize {
+    match count {
+        0..=0x100 => 1,
+        0x101..=0x1_0000 => 2,
+        0x1_0001..=0x100_0000 => 3,
+        _ => 4,
+    }
+}
+
+/// `width` bytes for each value: 1 to 4, chosen by the caller so that every value fits.
 pub(super) fn put_narrow(out: &mut Vec<u8>, values: &[u32], width: usize) {
     out.reserve(width * values.len());
     for value in values {
@@ -26,19 +36,9 @@ pub(super) fn put_narrow(out: &mut Vec<u8>, values: &[u32], width: usize) {
     }
 }
 
-pub(super) fn u32s(bytes: &[u8], place: impl Fn() -> String) -> Result<Vec<u32>, FormatError> {
-    whole(bytes, 4, place)?;
-    Ok(words(bytes).collect())
-}
-
 pub(super) fn f32s(bytes: &[u8], place: impl Fn() -> String) -> Result<Vec<f32>, FormatError> {
     whole(bytes, 4, place)?;
     Ok(words(bytes).map(f32::from_bits).collect())
-}
-
-pub(super) fn u32_triples(bytes: &[u8], place: impl Fn() -> String) -> Result<Vec<[u32; 3]>, FormatError> {
-    whole(bytes, 12, place)?;
-    Ok(bytes.chunks_exact(12).map(triple).collect())
 }
 
 pub(super) fn f32_triples(bytes: &[u8], place: impl Fn() -> String) -> Result<Vec<[f32; 3]>, FormatError> {
@@ -48,8 +48,21 @@ pub(super) fn f32_triples(bytes: &[u8], place: impl Fn() -> String) -> Result<Ve
 
 pub(super) fn narrow(bytes: &[u8], width: usize, place: impl Fn() -> String) -> Result<Vec<u32>, FormatError> {
     whole(bytes, width, place)?;
-    let value = |b: &[u8]| b.iter().rev().fold(0, |value, &byte| value << 8 | u32::from(byte));
     Ok(bytes.chunks_exact(width).map(value).collect())
+}
+
+pub(super) fn narrow_triples(
+    bytes: &[u8],
+    width: usize,
+    place: impl Fn() -> String,
+) -> Result<Vec<[u32; 3]>, FormatError> {
+    whole(bytes, 3 * width, place)?;
+    let entry = |b: &[u8]| [value(&b[..width]), value(&b[width..2 * width]), value(&b[2 * width..])];
+    Ok(bytes.chunks_exact(3 * width).map(entry).collect())
+}
+
+fn value(bytes: &[u8]) -> u32 {
+    bytes.iter().rev().fold(0, |value, &byte| value << 8 | u32::from(byte))
 }
 
 fn words(bytes: &[u8]) -> impl Iterator<Item = u32> {

@@ -67,6 +67,7 @@ pub(super) fn place(tag: Tag, object: u32, index: u32) -> String {
 
 /// A file whose header, table and checksums are right, and whose sections lie one after another without gaps.
 pub(super) struct Container<'a> {
+    version: u32,
     /// Sections of known kinds that nobody has taken yet, and whether they are required.
     sections: BTreeMap<Id, (&'a [u8], bool)>,
     /// Sections of unknown kinds, none of them required.
@@ -74,6 +75,11 @@ pub(super) struct Container<'a> {
 }
 
 impl<'a> Container<'a> {
+    /// The version that the file says it is of.
+    pub(super) fn version(&self) -> u32 {
+        self.version
+    }
+
     pub(super) fn read(bytes: &'a [u8]) -> Result<Self, FormatError> {
         let malformed = |what: String| FormatError::new(Fault::Malformed, "header", what);
         let u32_at = |at: usize| u32::from_le_bytes(std::array::from_fn(|i| bytes[at + i]));
@@ -148,7 +154,7 @@ impl<'a> Container<'a> {
         if end != bytes.len() {
             return Err(malformed(format!("{} bytes follow the last section", bytes.len() - end)));
         }
-        Ok(Self { sections, unknown })
+        Ok(Self { version, sections, unknown })
     }
 
     /// A section that has to be there.

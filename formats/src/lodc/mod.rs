@@ -1,4 +1,4 @@
-//! The `.lodc` container, version 1 (docs/FORMAT.md).
+//! The `.lodc` container, versions 1 and 2 (docs/FORMAT.md).
 
 mod arrays;
 mod container;
@@ -22,7 +22,7 @@ use std::sync::Arc;
 use streams::ZeroBudget;
 
 /// The version that this program writes, and the newest that it reads.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
 
 /// A `.lodc` file in memory.
 #[derive(Debug)]

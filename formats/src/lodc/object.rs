@@ -20,14 +20,21 @@ fn submesh_width(submeshes: usize) -> usize {
     }
 }
 
+/// Bytes for each number of a vertex in a file that is read: version 1 has four always.
+fn stored_width(container: &Container<'_>, vertices: usize) -> usize {
+    if container.version() == 1 { 4 } else { arrays::index_width(vertices) }
+}
+
 /// Bytes of the sections that every model needs.
 pub(super) fn geometry_bytes(simplified: &Simplified) -> u64 {
     let (mesh, sequence) = (simplified.mesh(), simplified.collapses().parts());
+    let index = arrays::index_width(mesh.vertex_count());
     let vertices = (12 + submesh_width(mesh.submeshes().len())) * mesh.vertex_count();
-    let triangles = 12 * mesh.triangles().len();
-    let records = 4 * sequence.targets.len() + sequence.targets.len().div_ceil(8);
+    let triangles = 3 * index * mesh.triangles().len();
+    let records = index * sequence.targets.len() + sequence.targets.len().div_ceil(8);
     let lost = steps::lost_triangles(sequence.triangles, &sequence.step_triangles).len();
-    (vertices + triangles + records + 4 * sequence.step_errors.len() + lost) as u64
+    let errors = steps::error_growth(&sequence.step_errors).len();
+    (vertices + triangles + records + errors + lost) as u64
 }
 
 pub(super) fn write<'a>(writer: &mut Writer<'a>, number: u32, object: &'a LodObject, plan: &'a [bool]) {
@@ -38,10 +45,11 @@ pub(super) fn write<'a>(writer: &mut Writer<'a>, number: u32, object: &'a LodObj
     if width > 0 {
         section(tag::VERTEX_SUBMESH, Box::new(move |out| arrays::put_narrow(out, mesh.vertex_submesh(), width)));
     }
-    section(tag::TRIANGLES, Box::new(|out| arrays::put_u32s(out, mesh.triangles().as_flattened())));
-    section(tag::TARGETS, Box::new(|out| arrays::put_u32s(out, &sequence.targets)));
+    let index = arrays::index_width(mesh.vertex_count());
+    section(tag::TRIANGLES, Box::new(move |out| arrays::put_narrow(out, mesh.triangles().as_flattened(), index)));
+    section(tag::TARGETS, Box::new(move |out| arrays::put_narrow(out, &sequence.targets, index)));
     section(tag::JOINED, Box::new(|out| out.extend(steps::joined(sequence.targets.len(), &sequence.step_ends))));
-    section(tag::STEP_ERRORS, Box::new(|out| arrays::put_f32s(out, &sequence.step_errors)));
+    section(tag::STEP_ERRORS, Box::new(|out| out.extend(steps::error_growth(&sequence.step_errors))));
     section(
         tag::STEP_TRIANGLES,
         Box::new(|out| out.extend(steps::lost_triangles(sequence.triangles, &sequence.step_triangles))),
@@ -67,7 +75,7 @@ pub(super) fn read(
         return Err(wrong(format!("is shown at a scale of {}, which is not a number above 0", entry.world_scale)));
     }
     let mesh = read_mesh(container, number, &entry, zeros)?;
-    let collapses = read_sequence(container, number, &entry, mesh.triangles().len())?;
+    let collapses = read_sequence(container, number, &entry, &mesh)?;
     let simplified = Arc::new(Simplified::new(mesh, collapses).map_err(|e| wrong(e.to_string()))?);
 
     let mut models = Vec::new();
@@ -122,7 +130,9 @@ fn read_mesh(
             arrays::narrow(stored, width, at(tag::VERTEX_SUBMESH))?
         }
     };
-    let triangles = arrays::u32_triples(container.take(tag::TRIANGLES, number, 0)?, at(tag::TRIANGLES))?;
+    let width = stored_width(container, positions.len());
+    let stored = container.take(tag::TRIANGLES, number, 0)?;
+    let triangles = arrays::narrow_triples(stored, width, at(tag::TRIANGLES))?;
     let mut first = 0u32;
     let mut submeshes = Vec::with_capacity(entry.submeshes.len());
     for s in &entry.submeshes {
@@ -184,17 +194,23 @@ fn read_sequence(
     container: &mut Container<'_>,
     number: u32,
     entry: &ObjectEntry,
-    triangles: usize,
+    mesh: &Mesh,
 ) -> Result<CollapseSequence, FormatError> {
     let at = |tag: Tag| move || place(tag, number, 0);
     let wrong = |tag: Tag| move |what: String| FormatError::new(Fault::Malformed, place(tag, number, 0), what);
-    let targets = arrays::u32s(container.take(tag::TARGETS, number, 0)?, at(tag::TARGETS))?;
+    let width = stored_width(container, mesh.vertex_count());
+    let targets = arrays::narrow(container.take(tag::TARGETS, number, 0)?, width, at(tag::TARGETS))?;
     let bits = container.take(tag::JOINED, number, 0)?;
     let step_ends = steps::step_ends(bits, targets.len()).map_err(wrong(tag::JOINED))?;
-    let step_errors = arrays::f32s(container.take(tag::STEP_ERRORS, number, 0)?, at(tag::STEP_ERRORS))?;
+    let stored = container.take(tag::STEP_ERRORS, number, 0)?;
+    let step_errors = if container.version() == 1 {
+        arrays::f32s(stored, at(tag::STEP_ERRORS))?
+    } else {
+        steps::step_errors(stored, step_ends.len()).map_err(wrong(tag::STEP_ERRORS))?
+    };
     let lost = container.take(tag::STEP_TRIANGLES, number, 0)?;
     // A mesh has fewer than 2^30 triangles.
-    let triangles = triangles as u32;
+    let triangles = mesh.triangles().len() as u32;
     let step_triangles = steps::step_triangles(lost, step_ends.len(), triangles).map_err(wrong(tag::STEP_TRIANGLES))?;
     CollapseSequence::try_from(SequenceParts {
         targets,

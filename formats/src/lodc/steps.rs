@@ -70,3 +70,77 @@ pub(super) fn step_triangles(bytes: &[u8], steps: usize, triangles: u32) -> Resu
     }
     Ok(after)
 }
+
+/// The errors after the steps, which never fall: how much the number that their bits are grows from step to step, seven
+/// bits a byte, the lowest first, all bytes but a number's last with their top bit set.
+pub(super) fn error_growth(step_errors: &[f32]) -> Vec<u8> {
+    let mut bytes = Vec::with_capacity(2 * step_errors.len());
+    let mut before = 0;
+    for error in step_errors {
+        // Adding zero makes 0 of −0, the only error whose bits would not grow.
+        let bits = (error + 0.0).to_bits();
+        let mut growth = bits - std::mem::replace(&mut before, bits);
+        while growth >= 0x80 {
+            bytes.push(growth as u8 | 0x80);
+            growth >>= 7;
+        }
+        bytes.push(growth as u8);
+    }
+    bytes
+}
+
+/// The errors from what [`error_growth`] gave out.
+pub(super) fn step_errors(bytes: &[u8], steps: usize) -> Result<Vec<f32>, String> {
+    if bytes.len() < steps {
+        return Err(format!("{} bytes are too few for {steps} steps", bytes.len()));
+    }
+    let (mut bits, mut growth, mut shift) = (0u32, 0u64, 0);
+    let mut errors = Vec::with_capacity(steps);
+    for &byte in bytes {
+        growth |= u64::from(byte & 0x7f) << shift;
+        if byte >= 0x80 {
+            shift += 7;
+            if shift > 28 {
+                return Err(format!("step {} has a number of more than five bytes", errors.len()));
+            }
+            continue;
+        }
+        if byte == 0 && shift > 0 {
+            return Err(format!("step {} has a number that is not written in the shortest way", errors.len()));
+        }
+        let grown = u32::try_from(growth).ok().and_then(|growth| bits.checked_add(growth));
+        bits = grown.ok_or_else(|| format!("the error of step {} is out of range", errors.len()))?;
+        errors.push(f32::from_bits(bits));
+        (growth, shift) = (0, 0);
+    }
+    if shift > 0 || errors.len() != steps {
+        return Err(format!("{} errors are not one for each of {steps} steps", errors.len()));
+    }
+    Ok(errors)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_come_back_bit_for_bit_and_other_spellings_are_refused() {
+        let errors = [0.0, 0.0, f32::MIN_POSITIVE / 4.0, 1e-20, 0.5, 0.5, 0.500_000_06, 3e7, f32::MAX];
+        let bytes = error_growth(&errors);
+        let again = step_errors(&bytes, errors.len()).expect("what was written");
+        assert!(again.iter().zip(&errors).all(|(a, b)| a.to_bits() == b.to_bits()));
+        assert_eq!(error_growth(&[-0.0, 1.0]), error_growth(&[0.0, 1.0]));
+        for cut in 0..bytes.len() {
+            assert!(step_errors(&bytes[..cut], errors.len()).is_err());
+        }
+        for (wrong, steps) in [
+            (&[0x80, 0][..], 1),
+            (&[0xff, 0xff, 0xff, 0xff, 0x10], 1),
+            (&[0xff, 0xff, 0xff, 0xff, 0xff, 1], 1),
+            (&[0xff, 0xff, 0xff, 0xff, 0x0f, 1], 2),
+            (&[1, 1], 1),
+        ] {
+            assert!(step_errors(wrong, steps).is_err(), "{wrong:?}");
+        }
+    }
+}

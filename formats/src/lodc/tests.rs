@@ -3,7 +3,7 @@
 use super::*;
 use crate::{ObjDocument, ObjMaterial, SourceFormat, SubmeshInfo};
 use lodc_fixtures as fixtures;
-use lodc_lod::ModelKind;
+use lodc_lod::{ModelKind, StripOptions, StripPool};
 use lodc_mesh::Mesh;
 
 pub(super) fn object(name: &str, mesh: &Mesh) -> LodObject {
@@ -19,7 +19,8 @@ pub(super) fn object(name: &str, mesh: &Mesh) -> LodObject {
         world_scale: 2.5,
         document_mesh: 3,
     };
-    let model = AnyModel::build(ModelKind::Interactive, &simplified).expect("triangles are in order");
+    let model = AnyModel::build(ModelKind::Interactive, &mut StripPool::new(&simplified, StripOptions::default()))
+        .expect("triangles are in order");
     LodObject { info, simplified, models: vec![model] }
 }
 
@@ -174,7 +175,7 @@ fn set<const N: usize>(bytes: &mut [u8], at: usize, value: [u8; N]) {
 fn other_files_and_other_versions_are_refused_by_name() {
     fails(b"", Fault::Malformed, "not a .lodc file");
     fails(b"glTF\x02\0\0\0", Fault::Malformed, "not a .lodc file");
-    fails(&crafted(|b| set(b, 8, 2u32.to_le_bytes())), Fault::Unsupported, "version 2 is newer");
+    fails(&crafted(|b| set(b, 8, 3u32.to_le_bytes())), Fault::Unsupported, "version 3 is newer");
     fails(&crafted(|b| set(b, 8, 0u32.to_le_bytes())), Fault::Malformed, "no version 0");
 }
 

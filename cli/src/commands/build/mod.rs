@@ -5,6 +5,7 @@ mod pipeline;
 mod summary;
 
 pub(crate) use counts::counts;
+pub(crate) use pipeline::simplify_all;
 
 use crate::console::{self, error};
 use crate::exit::{Failure, Outcome, Status};
@@ -15,6 +16,7 @@ use crate::progress::Progress;
 use crate::report::{BuildReport, InputReport, SCHEMA_VERSION};
 use crate::stages::Stages;
 use clap::{Args, ValueEnum};
+use lodc_lod::StripKind;
 use lodc_simplify::MetricKind;
 use lodc_strip::Effort;
 use rayon::ThreadPoolBuilder;
@@ -49,10 +51,10 @@ pub(crate) struct BuildArgs {
     /// Normals, texture coordinates and colours take no part in the cost
     #[arg(long)]
     no_attributes: bool,
-    /// Strip generator (acts with the strip models)
+    /// Strip generator of both strip models [default: stripe for speed, cache for masking]
     #[arg(long, value_enum)]
     strips: Option<StripsName>,
-    /// How long strip generation may search (acts with the strip models)
+    /// How long strip generation may search
     #[arg(long, value_enum, default_value = "default")]
     effort: EffortName,
     /// Threads; the output does not depend on it [default: all cores]
@@ -71,28 +73,41 @@ pub(crate) struct BuildArgs {
 /// What may drive the collapses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum MetricName {
+    /// Distance to the surface: the quickest, and the closest in space
     Quadric,
+    /// What 20 pictures tell of the mesh (viewpoint entropy): hidden parts go first
     Viewpoint,
+    /// What 20 pictures show against what is there (Kullback-Leibler divergence)
     Kl,
+    /// Error of the shaded surface where it is seen: looks best
     Hybrid,
 }
 
 impl MetricName {
-    fn kind(self) -> Option<MetricKind> {
+    fn kind(self) -> MetricKind {
         match self {
-            Self::Quadric => Some(MetricKind::Quadric),
-            Self::Viewpoint => Some(MetricKind::Viewpoint),
-            Self::Kl => Some(MetricKind::Divergence),
-            Self::Hybrid => Some(MetricKind::Hybrid),
+            Self::Quadric => MetricKind::Quadric,
+            Self::Viewpoint => MetricKind::Viewpoint,
+            Self::Kl => MetricKind::Divergence,
+            Self::Hybrid => MetricKind::Hybrid,
         }
     }
 }
 
 /// The strip generators.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum StripsName {
+pub(crate) enum StripsName {
     Stripe,
     Cache,
+}
+
+impl StripsName {
+    pub(crate) fn kind(self) -> StripKind {
+        match self {
+            Self::Stripe => StripKind::Stripe,
+            Self::Cache => StripKind::Cache,
+        }
+    }
 }
 
 /// How long strip generation may search.
@@ -205,9 +220,6 @@ fn not_yet(args: &BuildArgs) -> Outcome<()> {
     };
     if let Some(model) = args.models.iter().find(|model| !model.kind().available()) {
         return refused("--models", model.kind().name());
-    }
-    if args.metric.kind().is_none() {
-        return refused("--metric", args.metric.to_possible_value().as_ref().map_or("", |v| v.get_name()));
     }
     Ok(())
 }

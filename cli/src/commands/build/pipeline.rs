@@ -1,6 +1,6 @@
 //! The stages of one build: import, simplify, models, check, write.
 
-use super::{BuildArgs, counts};
+use super::{BuildArgs, StripsName, counts};
 use crate::exit::{Failure, Outcome, Status};
 use crate::levels;
 use crate::output::{self, Target};
@@ -9,10 +9,12 @@ use crate::report::InputReport;
 use crate::stages::Stages;
 use lodc_formats::lodc::{LodFile, LodObject, write};
 use lodc_formats::{Scene, SceneObject, import};
+use lodc_lod::{StripOptions, StripPool};
 use lodc_mesh::Simplified;
 use lodc_simplify::{Options, simplify};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// What a build made.
@@ -45,7 +47,7 @@ pub(super) fn make(
     progress.stage("simplify");
     let Scene { source, document, objects, files_read, .. } = scene;
     let options = Options {
-        metric: args.metric.kind().unwrap_or_default(),
+        metric: args.metric.kind(),
         preserve_topology: args.preserve_topology,
         lock_border: args.lock_border,
         attributes: !args.no_attributes,
@@ -53,14 +55,25 @@ pub(super) fn make(
     };
     let simplified = stages.run("simplify", || simplify_all(objects, &options, triangles, progress));
 
-    progress.stage("models");
     let kinds = levels::chosen(&args.models);
     report.models = kinds.iter().map(|kind| kind.name()).collect();
     let bug = |what: String| Failure::new(Status::Bug, format!("{}: {what}; nothing was written", input.display()));
-    let model = |(info, simplified)| levels::with_models(info, simplified, &kinds);
-    let objects: Result<Vec<LodObject>, String> =
-        stages.run("models", || simplified.into_par_iter().map(model).collect());
-    let objects = objects.map_err(bug)?;
+    let options = StripOptions { kind: args.strips.map(StripsName::kind), effort: args.effort.into() };
+    let mut pools: Vec<StripPool<'_>> = simplified.iter().map(|(_, s)| StripPool::new(s, options)).collect();
+    if kinds.iter().any(|kind| kind.strips().is_some()) {
+        progress.stage("strips");
+        let generate = |pool: &mut StripPool<'_>| {
+            kinds.iter().filter_map(|kind| kind.strips()).for_each(|kind| drop(pool.get(kind)));
+        };
+        stages.run("strips", || pools.par_iter_mut().for_each(generate));
+    }
+    progress.stage("models");
+    let models = |pool: &mut StripPool<'_>| levels::models(pool, &kinds);
+    let models: Result<Vec<_>, String> = stages.run("models", || pools.par_iter_mut().map(models).collect());
+    let models = models.map_err(bug)?;
+    drop(pools);
+    let with_models = |((info, simplified), models)| LodObject { info, simplified, models };
+    let objects: Vec<LodObject> = simplified.into_iter().zip(models).map(with_models).collect();
     fill_in(report, &objects);
 
     progress.stage("check");
@@ -78,12 +91,12 @@ pub(super) fn make(
 }
 
 /// Simplifies every object, several at once.
-fn simplify_all(
+pub(crate) fn simplify_all(
     objects: Vec<SceneObject>,
     options: &Options,
     triangles: u64,
     progress: &Progress,
-) -> Vec<(lodc_formats::ObjectInfo, Simplified)> {
+) -> Vec<(lodc_formats::ObjectInfo, Arc<Simplified>)> {
     let total = AtomicU64::new(0);
     let one = |object: SceneObject| {
         // Objects weigh in by their triangles; each says how many of its groups are gone.
@@ -96,7 +109,7 @@ fn simplify_all(
             progress.at(done, triangles);
         };
         let simplified = simplify(&object.mesh, options, &told);
-        (object.info, simplified)
+        (object.info, Arc::new(simplified))
     };
     objects.into_par_iter().map(one).collect()
 }

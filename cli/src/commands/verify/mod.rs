@@ -1,17 +1,20 @@
 //! `lodc verify`: every model of every file, replayed against the reference.
 
 mod checks;
+mod gpu;
 mod junit;
 mod source;
 
 use super::read::read_lodc;
 use crate::console::{self, Loudness, error, wants};
 use crate::exit::{Failure, Outcome, Status, one_line};
+use crate::gpu::GpuUse;
 use crate::limits::ImportArgs;
 use crate::output::{self, Target};
 use crate::report::{CheckReport, FileReport, SCHEMA_VERSION, VerifyReport};
 use crate::text::{count, grouped};
-use clap::{Args, ValueEnum};
+use clap::Args;
+use gpu::Gpu;
 use std::num::NonZeroU32;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
@@ -32,7 +35,7 @@ pub(crate) struct VerifyArgs {
     #[arg(long, value_name = "WHEN", num_args = 0..=1, require_equals = true, default_missing_value = "require")]
     gpu: Option<GpuUse>,
     /// The GPU to use, by a part of its name
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", requires = "gpu")]
     adapter: Option<String>,
     /// Print one JSON document
     #[arg(long)]
@@ -44,29 +47,17 @@ pub(crate) struct VerifyArgs {
     import: ImportArgs,
 }
 
-/// Whether a GPU must be there.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum GpuUse {
-    Auto,
-    Require,
-}
-
-/// Why no GPU takes part.
-const NO_GPU: &str = "this version has no verification on a GPU yet";
-
 pub(crate) fn run(args: &VerifyArgs) -> Outcome<Status> {
-    if args.gpu == Some(GpuUse::Require) {
-        return Err(Failure::new(Status::NoGpu, format!("a GPU was required, and {NO_GPU}; nothing was verified")));
-    }
     let streams = args.inputs.iter().chain(&args.source).filter(|path| output::is_stream(path));
     if streams.count() > 1 {
         return Err(Failure::usage("standard input can be read once only"));
     }
     check_junit(args)?;
+    let gpu = gpu::open(args.gpu, args.adapter.as_deref())?;
     let mut report = VerifyReport { schema_version: SCHEMA_VERSION, ok: true, files: vec![] };
     let mut worst = Status::Done;
     for input in &args.inputs {
-        let (file, status) = verify_one(args, input);
+        let (file, status) = verify_one(args, gpu.as_ref(), input);
         report.ok &= file.ok;
         worst = worst.max(status);
         if !args.json {
@@ -92,9 +83,9 @@ fn check_junit(args: &VerifyArgs) -> Outcome<()> {
 }
 
 /// One file. Whatever happens, there is a report, and the other files have their turn.
-fn verify_one(args: &VerifyArgs, input: &Path) -> (FileReport, Status) {
+fn verify_one(args: &VerifyArgs, gpu: Option<&Gpu>, input: &Path) -> (FileReport, Status) {
     let name = input.display().to_string();
-    let checked = catch_unwind(AssertUnwindSafe(|| check(args, input)));
+    let checked = catch_unwind(AssertUnwindSafe(|| check(args, gpu, input)));
     let failure = match checked {
         Ok(Ok(checks)) => {
             let ok = checks.iter().all(|c| c.ok != Some(false));
@@ -111,25 +102,14 @@ fn verify_one(args: &VerifyArgs, input: &Path) -> (FileReport, Status) {
     (FileReport { file: name, ok: false, checks: vec![], error: Some(failure.message) }, failure.status)
 }
 
-fn check(args: &VerifyArgs, input: &Path) -> Outcome<Vec<CheckReport>> {
+fn check(args: &VerifyArgs, gpu: Option<&Gpu>, input: &Path) -> Outcome<Vec<CheckReport>> {
     let (file, _) = read_lodc(input, args.import.options().limits)?;
     let mut all = checks::models(&file, args.stride.get())?;
     if let Some(source) = &args.source {
         all.push(checks::source(&file, source, &args.import.options())?);
     }
-    if args.gpu == Some(GpuUse::Auto) {
-        all.push(CheckReport {
-            object: None,
-            model: "all",
-            check: "the same on a GPU",
-            device: "gpu",
-            adapter: args.adapter.clone(),
-            lods: 0,
-            full: 0,
-            ok: None,
-            skipped: Some(NO_GPU.to_owned()),
-            first_difference: None,
-        });
+    if let (Some(gpu), Some(wanted)) = (gpu, args.gpu) {
+        all.extend(gpu::checks(&file, gpu, wanted)?);
     }
     Ok(all)
 }
@@ -154,12 +134,12 @@ fn print(file: &FileReport) -> Outcome<()> {
         } else {
             String::new()
         };
+        let device = check.adapter.as_deref().map_or(check.device.to_owned(), |a| format!("{} {a}", check.device));
         let line = format!(
-            "{}:{object} {}, {}, {}: {verdict}, {}{full}{reason}",
+            "{}:{object} {}, {}, {device}: {verdict}, {}{full}{reason}",
             file.file,
             check.model,
             check.check,
-            check.device,
             count(check.lods, "LOD")
         );
         console::result(&one_line(&line))?;

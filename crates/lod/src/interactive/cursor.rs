@@ -49,6 +49,10 @@ impl Cursor {
         Lod(self.lod)
     }
 
+    pub(super) fn drawn(&self) -> u64 {
+        3 * (self.index.triangles.len() - self.dead_triangles) as u64
+    }
+
     pub(super) fn triangles(&self, simplified: &Simplified) -> Vec<OrientedTriangle> {
         let mut triangles = Vec::with_capacity(self.index.triangles.len() - self.dead_triangles);
         for (s, (submesh, &live)) in simplified.mesh().submeshes().iter().zip(&self.live).enumerate() {

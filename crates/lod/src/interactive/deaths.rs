@@ -9,7 +9,7 @@ const WALK: u32 = 200;
 /// For each triangle the first end of a step at which two of its corners are at one position.
 ///
 /// Follows the corners through their collapses, all three together, step by step.
-pub(super) fn deaths(simplified: &Simplified, positions: &PositionIds) -> Vec<u32> {
+pub(crate) fn deaths(simplified: &Simplified, positions: &PositionIds) -> Vec<u32> {
     let targets = simplified.collapses().targets();
     let step_ends = &simplified.collapses().parts().step_ends;
     let mut end_of = Vec::with_capacity(targets.len());

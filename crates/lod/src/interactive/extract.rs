@@ -42,6 +42,12 @@ impl Extraction {
         rewritten
     }
 
+    /// The current collapse of every vertex, as an index into [`CollapseLists::entries`].
+    #[must_use]
+    pub fn pointers(&self) -> &[u32] {
+        &self.current
+    }
+
     /// Which vertex is shown for `vertex`.
     #[must_use]
     pub fn shown(&self, lists: &CollapseLists, vertex: u32) -> u32 {

@@ -5,17 +5,24 @@
 //! `collapse_to` list is the sequence's own targets.
 
 mod cursor;
-mod deaths;
+pub(crate) mod deaths;
 mod extract;
 mod index;
 mod links;
 mod lists;
+mod live;
+mod measure;
+mod replay;
+pub mod shaders;
 #[cfg(test)]
 mod tests;
+pub mod view;
 
 pub use cursor::Cursor;
 pub use extract::Extraction;
 pub use lists::{CollapseLists, ListsTooLong};
+pub use live::Counting;
+pub use replay::Continuous;
 
 use crate::{Array, BuildError, Changes, Model, StorageCost, Traffic};
 use lodc_mesh::{Lod, OrientedTriangle, PositionIds, Simplified};
@@ -99,11 +106,14 @@ impl Model for Interactive {
     fn triangles(&self, cursor: &Cursor) -> Vec<OrientedTriangle> {
         cursor.triangles(&self.simplified)
     }
-    /// `3v + 3f + L` words (eq. 5.2: 10·v for a closed mesh).
-    fn storage(&self) -> StorageCost {
+    fn drawn(&self, cursor: &Cursor) -> u64 {
+        cursor.drawn()
+    }
+    /// `3v + 3f + L` words (eq. 5.2: 10·v for a closed mesh), `L` counting the records down to `lod`.
+    fn storage_to(&self, lod: Lod) -> StorageCost {
         let plain = StorageCost::of_triangles(&self.simplified);
         let geometry = 12 * (plain.vertices + plain.fakes);
-        let structures = 4 * u64::from(self.simplified.collapses().records());
+        let structures = 4 * u64::from(self.simplified.collapses().floor(lod).0);
         StorageCost { positions: geometry, normals: geometry, structures, ..plain }
     }
     fn arrays(&self) -> Vec<Array> {

@@ -1,7 +1,7 @@
 //! Verification passes what is right and names what is wrong.
 
 use super::*;
-use crate::{AnyModel, Array, Interactive, ModelKind, StorageCost, Traffic};
+use crate::{AnyModel, Array, Interactive, ModelKind, StorageCost, StripOptions, StripPool, Traffic};
 use lodc_fixtures as fixtures;
 use lodc_mesh::{CollapseSequence, SequenceParts, Simplified};
 use std::sync::Arc;
@@ -14,7 +14,8 @@ fn verify_all(simplified: &Simplified) -> Vec<Check> {
     let simplified = Arc::new(simplified.clone());
     let reference = Reference::new(&simplified).expect("a sequence of ordinary length");
     let mut checks = reference.checks().to_vec();
-    let model = AnyModel::build(ModelKind::Interactive, &simplified).expect("triangles are in order");
+    let model = AnyModel::build(ModelKind::Interactive, &mut StripPool::new(&simplified, StripOptions::default()))
+        .expect("triangles are in order");
     checks.extend(verify(&model, &reference, &VerifyOptions::default()));
     checks
 }
@@ -106,8 +107,11 @@ impl Model for Defective {
         }
         triangles
     }
-    fn storage(&self) -> StorageCost {
-        self.0.storage()
+    fn drawn(&self, cursor: &Self::Cursor) -> u64 {
+        self.0.drawn(&cursor.0)
+    }
+    fn storage_to(&self, lod: Lod) -> StorageCost {
+        self.0.storage_to(lod)
     }
     fn arrays(&self) -> Vec<Array> {
         Vec::new()

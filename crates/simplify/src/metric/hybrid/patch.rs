@@ -1,6 +1,5 @@
 //! The faces whose shading a collapse changes: those that move, and those that share a corner with them.
 
-use super::Weights;
 use super::samples::{CREASE, Samples};
 use crate::working::{Corner, Working};
 use glam::Vec3;
@@ -74,6 +73,8 @@ pub(crate) struct Patch {
     pub(super) samples: Vec<u32>,
     /// What the whole patch counts for at present.
     pub(super) present: f64,
+    /// How much of the star is seen: 0 nothing, 1 as much as of a face with nothing before it.
+    pub(super) seen: f64,
 }
 
 /// What a sample counts for if shaded with these corner normals.
@@ -90,7 +91,10 @@ impl Patch {
         let star = mesh.star(from);
         self.start(mesh);
         self.present = 0.0;
+        let (mut seen, mut area) = (0.0, 0.0);
         for &corner in star {
+            area += f64::from(mesh.faces[corner.face() as usize].area);
+            seen += samples.of(corner.face()).map(|s| f64::from(samples.get(s).weight)).sum::<f64>();
             self.marks[corner.face() as usize] = self.epoch;
             self.present += energy[corner.face() as usize];
             self.samples.extend(samples.of(corner.face()));
@@ -101,6 +105,7 @@ impl Patch {
                 }
             }
         }
+        self.seen = if area > seen { seen / area } else { 1.0 };
         for i in 0..self.ring.len() {
             self.fixed_start.push(self.fixed.len() as u32);
             for &corner in mesh.star(self.ring[i]) {
@@ -216,7 +221,7 @@ impl Patch {
     }
 
     /// What the patch counts for with the star moved.
-    pub(super) fn energy(&self, samples: &Samples, weights: &Weights) -> f64 {
+    pub(super) fn energy(&self, samples: &Samples, weight_of_distance: f32) -> f64 {
         let mut sum = 0.0;
         for &s in &self.samples {
             let s = samples.get(s);
@@ -225,7 +230,7 @@ impl Patch {
                 sum += f64::from(s.weight);
                 continue;
             };
-            let error = shading_error(&self.moved[i].shading, at, s.normal) + weights.distance(squared);
+            let error = shading_error(&self.moved[i].shading, at, s.normal) + weight_of_distance * squared;
             sum += f64::from(s.weight * error);
         }
         for f in &self.far {
@@ -235,11 +240,11 @@ impl Patch {
     }
 
     /// Gives the star's samples to the faces they end up with, and says what every face of the patch counts for then.
-    pub(super) fn settle(&self, samples: &mut Samples, weights: &Weights, energy: &mut [f64]) {
+    pub(super) fn settle(&self, samples: &mut Samples, weight_of_distance: f32, energy: &mut [f64]) {
         for &s in &self.samples {
             let (position, weight) = (samples.get(s).position, samples.get(s).weight);
             if let Some((i, at, squared)) = self.nearest(position) {
-                samples.put(s, self.moved[i].face, at, weight * weights.distance(squared));
+                samples.put(s, self.moved[i].face, at, weight * weight_of_distance * squared);
             }
         }
         for f in &self.moved {

@@ -1,7 +1,8 @@
 //! Samples of the input's surface, each kept with the face that stands for its place now.
 
-use crate::working::Working;
+use crate::working::{Face, Working};
 use glam::Vec3;
+use rayon::prelude::*;
 
 pub(super) const NONE: u32 = u32::MAX;
 
@@ -36,7 +37,7 @@ pub(super) struct Samples {
 impl Samples {
     /// One sample in the middle of each face of the input.
     pub(super) fn new(mesh: &Working) -> Self {
-        let sample = |(i, f): (u32, &crate::working::Face)| {
+        let sample = |f: &Face| {
             let own = f.normal;
             let corner_normal = |g: u32| {
                 let normals = mesh.star(g).iter().map(|c| mesh.faces[c.face() as usize].normal);
@@ -49,11 +50,11 @@ impl Samples {
                 weight: f.area,
                 at: [1.0 / 3.0; 2],
                 distance: 0.0,
-                next: if mesh.star(f.groups[0]).iter().any(|c| c.face() == i) { NONE } else { 0 },
+                next: NONE,
             }
         };
-        let all: Vec<Sample> = (0..).zip(&mesh.faces).map(sample).collect();
-        let first = (0..).zip(&all).map(|(i, s)| if s.next == NONE { i } else { NONE }).collect();
+        let all: Vec<Sample> = mesh.faces.par_iter().with_min_len(1024).map(sample).collect();
+        let first = (0..all.len() as u32).collect();
         Self { all, first }
     }
 

@@ -1,0 +1,181 @@
+//! `lodc bench`: storage, extraction time, bus traffic and primitives of every model and baseline (thesis 3.5, 4.5, 5.5).
+
+mod measure;
+mod object;
+mod primitives;
+mod report;
+mod subject;
+mod text;
+
+pub(crate) use primitives::strips as strips_of;
+pub(crate) use subject::{baselines, plain};
+
+use super::build::{EffortName, MOST_THREADS, StripsName, simplify_all};
+use super::read::read_lodc;
+use crate::console::{self, error, warning};
+use crate::exit::{Failure, Outcome, Status};
+use crate::levels::{self, ModelName};
+use crate::limits::ImportArgs;
+use crate::output;
+use crate::progress::Progress;
+use crate::report::SCHEMA_VERSION;
+use clap::Args;
+use lodc_formats::lodc::LodObject;
+use lodc_formats::{ObjectInfo, import};
+use lodc_lod::{AnyModel, ModelKind, StripKind, StripOptions, StripPool, Strips};
+use lodc_mesh::Simplified;
+use lodc_simplify::Options;
+use rayon::ThreadPoolBuilder;
+use report::{BenchFile, BenchReport};
+use std::num::{NonZeroU32, NonZeroUsize};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Options of `bench`.
+#[derive(Args, Debug)]
+#[command(
+    after_help = "Times are the best of several rounds in which everything takes turns; they differ from run to \
+                        run. Everything else does not."
+)]
+pub(crate) struct BenchArgs {
+    /// Meshes (OBJ, glTF, GLB), or .lodc files with their models as they are
+    #[arg(required = true)]
+    inputs: Vec<PathBuf>,
+    /// Models to measure, separated by commas; those that a .lodc file has not are made [default: every one]
+    #[arg(long, value_delimiter = ',', value_name = "MODELS")]
+    models: Vec<ModelName>,
+    /// Strip generator of both strip models [default: stripe for speed, cache for masking]
+    #[arg(long, value_enum)]
+    strips: Option<StripsName>,
+    /// How long strip generation may search
+    #[arg(long, value_enum, default_value = "default")]
+    effort: EffortName,
+    /// Share of the LODs from one update to the next, in percent
+    #[arg(long, value_name = "SHARE%", default_value = "0.1%", value_parser = share)]
+    steps: f64,
+    /// Rounds of timing, of which the best counts
+    #[arg(long, value_name = "N", default_value = "5")]
+    rounds: NonZeroU32,
+    /// Leave out everything that differs from run to run
+    #[arg(long)]
+    no_times: bool,
+    /// Print one JSON document
+    #[arg(long)]
+    json: bool,
+    /// Threads for making models; timing uses one [default: all cores]
+    #[arg(long, value_name = "N")]
+    jobs: Option<NonZeroUsize>,
+    #[command(flatten)]
+    import: ImportArgs,
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    match text.strip_suffix('%').unwrap_or(text).trim().parse::<f64>() {
+        Ok(percent) if (1e-4..=100.0).contains(&percent) => Ok(percent / 100.0),
+        _ => Err("not a percentage from 0.0001 to 100".to_owned()),
+    }
+}
+
+pub(crate) fn run(args: &BenchArgs) -> Outcome<Status> {
+    if args.inputs.iter().filter(|input| output::is_stream(input)).count() > 1 {
+        return Err(Failure::usage("standard input can be read once only"));
+    }
+    if let Some(model) = args.models.iter().find(|model| !model.kind().available()) {
+        let version = env!("CARGO_PKG_VERSION");
+        return Err(Failure::usage(format!("--models {}: not yet in this version ({version})", model.kind().name())));
+    }
+    let threads = args.jobs.map_or(0, |n| n.get().min(MOST_THREADS));
+    let pool = ThreadPoolBuilder::new().num_threads(threads).build();
+    let pool = pool.map_err(|e| Failure::new(Status::Limit, format!("no threads to work with: {e}")))?;
+    let mut report = BenchReport {
+        schema_version: SCHEMA_VERSION,
+        tool_version: env!("CARGO_PKG_VERSION"),
+        steps: args.steps,
+        files: vec![],
+    };
+    let mut worst = Status::Done;
+    for input in &args.inputs {
+        let (file, status) = pool.install(|| bench_one(args, input));
+        worst = worst.max(status);
+        if !args.json && file.error.is_none() {
+            console::result(text::file(&file, args.steps).trim_end())?;
+        }
+        report.files.push(file);
+    }
+    if args.json {
+        console::json(&report)?;
+    }
+    Ok(worst)
+}
+
+/// One input. Whatever happens, there is a report, and the other inputs have their turn.
+fn bench_one(args: &BenchArgs, input: &Path) -> (BenchFile, Status) {
+    let name = input.display().to_string();
+    let measured = catch_unwind(AssertUnwindSafe(|| {
+        let objects = objects(args, input)?;
+        objects.iter().map(|o| object::measure(args, o)).collect::<Outcome<Vec<_>>>()
+    }));
+    let failure = match measured {
+        Ok(Ok(objects)) => return (BenchFile { file: name, error: None, objects }, Status::Done),
+        Ok(Err(failure)) => {
+            error(&failure);
+            failure
+        }
+        // The panic hook has said what and where.
+        Err(_) => Failure::new(Status::Bug, "internal error"),
+    };
+    (BenchFile { file: name, error: Some(failure.message), objects: vec![] }, failure.status)
+}
+
+/// An object with the models that were asked for, and strips of both kinds.
+struct Prepared {
+    object: LodObject,
+    stripe: Arc<Strips>,
+    cache: Arc<Strips>,
+}
+
+/// Makes what is missing of an object.
+fn prepare(
+    args: &BenchArgs,
+    info: ObjectInfo,
+    simplified: Arc<Simplified>,
+    mut models: Vec<AnyModel>,
+) -> Outcome<Prepared> {
+    let effort = args.effort.into();
+    let wanted = args.strips.map(StripsName::kind);
+    let mut pool = StripPool::new(&simplified, StripOptions { kind: None, effort });
+    let [stripe, cache] = [StripKind::Stripe, StripKind::Cache].map(|kind| pool.get(kind));
+    let has = |models: &[AnyModel], kind: ModelKind| models.iter().any(|m| m.kind() == kind);
+    let kinds = levels::chosen(&args.models);
+    if !args.models.is_empty() {
+        models.retain(|m| kinds.contains(&m.kind()));
+    }
+    let missing: Vec<ModelKind> = kinds.into_iter().filter(|&kind| !has(&models, kind)).collect();
+    if wanted.is_some() {
+        pool = StripPool::new(&simplified, StripOptions { kind: wanted, effort });
+    }
+    let bug = |what: String| Failure::new(Status::Bug, format!("{}: {what}", info.name));
+    models.extend(levels::models(&mut pool, &missing).map_err(bug)?);
+    models.sort_by_key(AnyModel::kind);
+    Ok(Prepared { object: LodObject { info, simplified, models }, stripe, cache })
+}
+
+/// The objects of an input.
+fn objects(args: &BenchArgs, input: &Path) -> Outcome<Vec<Prepared>> {
+    if input.extension().is_some_and(|e| e.eq_ignore_ascii_case("lodc")) {
+        let (file, _) = read_lodc(input, args.import.options().limits)?;
+        return file.objects.into_iter().map(|o| prepare(args, o.info, o.simplified, o.models)).collect();
+    }
+    let scene = import::import(input, &args.import.options())?;
+    let name = input.display().to_string();
+    scene.warnings.iter().for_each(|what| warning(&name, what));
+    let triangles: u64 = scene.objects.iter().map(|o| o.mesh.triangles().len() as u64).sum();
+    let limits = args.import.limits();
+    limits.check_memory(triangles).map_err(|f| Failure::new(f.status, format!("{name}: {f}")))?;
+    let progress = Progress::new(&name);
+    progress.stage("simplify");
+    let simplified = simplify_all(scene.objects, &Options::DEFAULT, triangles, &progress);
+    progress.stage("models");
+    simplified.into_iter().map(|(info, simplified)| prepare(args, info, simplified, Vec::new())).collect()
+}

@@ -1,0 +1,105 @@
+//! The JSON document of `bench`. Its keys are a contract as those in `crate::report` are.
+
+use crate::report::ObjectCounts;
+use serde::Serialize;
+use serde_json::{Map, Value};
+
+/// `bench --json`.
+#[derive(Debug, Serialize)]
+pub(super) struct BenchReport {
+    pub(super) schema_version: u32,
+    pub(super) tool_version: &'static str,
+    /// Share of the LODs between two updates of a sweep.
+    pub(super) steps: f64,
+    pub(super) files: Vec<BenchFile>,
+}
+
+/// One input.
+#[derive(Debug, Serialize)]
+pub(super) struct BenchFile {
+    pub(super) file: String,
+    pub(super) error: Option<String>,
+    pub(super) objects: Vec<BenchObject>,
+}
+
+/// One object of an input.
+#[derive(Debug, Serialize)]
+pub(super) struct BenchObject {
+    #[serde(flatten)]
+    pub(super) counts: ObjectCounts,
+    /// Updates of a sweep in each direction.
+    pub(super) updates: u64,
+    /// Where the jump from LOD 0 leads: 1 % of the triangles.
+    pub(super) jump_lod: u32,
+    /// Microseconds to make that LOD's index list from scratch.
+    pub(super) rebuild_us: Option<f64>,
+    /// By name: `triangles`, `triangles_cache`, `stripe`, `cache`.
+    pub(super) primitives: Map<String, Value>,
+    /// By name: models, baselines, then `triangles` and `strips` for storage.
+    pub(super) models: Map<String, Value>,
+}
+
+/// How the triangles of LOD 0 are handed to a graphics card.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(crate) struct PrimitiveReport {
+    /// Null for lists.
+    pub(crate) strips: Option<u64>,
+    pub(crate) indices: u64,
+    pub(crate) indices_per_triangle: f64,
+    /// Misses per triangle of a first-in-first-out cache of 16 vertices.
+    pub(crate) acmr_fifo16: f64,
+}
+
+/// One model or baseline.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(super) struct SubjectReport {
+    pub(super) baseline: bool,
+    pub(super) bits_per_vertex: Bits,
+    /// Null for what has no levels of detail.
+    pub(super) drawn: Option<DrawnReport>,
+    /// Null for what does not show every LOD.
+    pub(super) traffic: Option<TrafficReport>,
+    /// Null too if nothing was timed.
+    pub(super) extraction: Option<ExtractionReport>,
+}
+
+/// Bits per vertex of LOD 0.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(super) struct Bits {
+    pub(super) thesis: f64,
+    pub(super) thesis_normals: f64,
+    /// Down to 95 % of the LODs.
+    pub(super) thesis_95: f64,
+    pub(super) thesis_normals_95: f64,
+    /// Null for what is not stored.
+    pub(super) file: Option<f64>,
+    /// What the structure really holds; null where that is what `thesis` counts.
+    pub(super) tight: Option<f64>,
+}
+
+/// Indices drawn over all LODs.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(super) struct DrawnReport {
+    pub(super) indices_per_lod: f64,
+    pub(super) indices_per_triangle: f64,
+}
+
+/// What an update sends and rewrites, on average.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(super) struct TrafficReport {
+    pub(super) bytes_per_update: f64,
+    pub(super) rewritten_per_update: f64,
+}
+
+/// How long moves take. Ratios below 1 are faster than what they name.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(super) struct ExtractionReport {
+    pub(super) coarser_us: f64,
+    pub(super) finer_us: f64,
+    pub(super) mean_us: f64,
+    /// `mean_us` as a multiple of that of a baseline in the same run; null if it took no part.
+    pub(super) per_progressive_mesh: Option<f64>,
+    pub(super) per_lodstrips: Option<f64>,
+    pub(super) jump_us: f64,
+    pub(super) jump_per_rebuild: f64,
+}

@@ -1,0 +1,89 @@
+//! What is measured: models and baselines, each with a cursor on it, as one list.
+
+use crate::exit::{Failure, Outcome, Status};
+use lodc_formats::lodc::{LodObject, stored_bytes};
+use lodc_lod::{Baseline, Model, StorageCost, Traffic};
+use lodc_mesh::{Lod, Simplified};
+use lodc_strip::StripSet;
+
+/// A model with a cursor on it, whatever its kind.
+pub(super) trait Runner {
+    /// Moves the cursor; nobody listens to what changes.
+    fn seek(&mut self, lod: Lod) -> Traffic;
+    /// Indices drawn where the cursor is.
+    fn drawn(&self) -> u64;
+}
+
+struct Run<'a, M: Model> {
+    model: &'a M,
+    cursor: M::Cursor,
+}
+
+impl<M: Model> Runner for Run<'_, M> {
+    fn seek(&mut self, lod: Lod) -> Traffic {
+        self.model.seek(&mut self.cursor, lod, &mut ())
+    }
+    fn drawn(&self) -> u64 {
+        self.model.drawn(&self.cursor)
+    }
+}
+
+/// One row of the tables.
+pub(super) struct Subject<'a> {
+    pub(super) name: &'static str,
+    /// For comparison only: never stored.
+    pub(super) baseline: bool,
+    /// Whether it shows every LOD.
+    pub(super) continuous: bool,
+    /// All LODs, and those down to 95 % of them (thesis eq. 5.5).
+    pub(super) storage: [StorageCost; 2],
+    /// Bytes in a file; of baselines, what the structure really holds where that is known.
+    pub(super) file_bytes: Option<u64>,
+    pub(super) tight_bytes: Option<u64>,
+    pub(super) runner: Box<dyn Runner + 'a>,
+}
+
+/// The LOD at which eq. 5.5 of the thesis stops.
+fn most(model: &impl Model) -> Lod {
+    let collapses = model.simplified().collapses();
+    collapses.floor(Lod((u64::from(collapses.records()) * 95 / 100) as u32))
+}
+
+fn subject<'a, M: Model>(model: &'a M, baseline: bool) -> Subject<'a>
+where
+    M::Cursor: 'a,
+{
+    Subject {
+        name: model.name(),
+        baseline,
+        continuous: true,
+        storage: [model.storage(), model.storage_to(most(model))],
+        file_bytes: None,
+        tight_bytes: None,
+        runner: Box::new(Run { model, cursor: model.cursor() }),
+    }
+}
+
+/// Every row that has levels of detail: the models of an object, then the baselines.
+pub(super) fn subjects<'a>(object: &'a LodObject, baselines: &'a [Baseline]) -> Vec<Subject<'a>> {
+    let models = object.models.iter().map(|m| Subject { file_bytes: Some(stored_bytes(m)), ..subject(m, false) });
+    let baselines = baselines.iter().map(|b| Subject {
+        continuous: b.continuous(),
+        tight_bytes: b.tight_bytes(),
+        ..subject(b, true)
+    });
+    models.chain(baselines).collect()
+}
+
+/// What has no levels of detail: plain triangles, and plain strips drawn one by one.
+pub(crate) fn plain(simplified: &Simplified, strips: &StripSet) -> [(&'static str, StorageCost); 2] {
+    [("triangles", StorageCost::of_triangles(simplified)), ("strips", StorageCost::of_strips(simplified, strips))]
+}
+
+/// The baselines of an object.
+///
+/// # Errors
+/// If one cannot be made of the sequence: a bug.
+pub(crate) fn baselines(object: &LodObject) -> Outcome<Vec<Baseline>> {
+    Baseline::all(&object.simplified).map_err(|e| Failure::new(Status::Bug, format!("{}: {e}", object.info.name)))
+}

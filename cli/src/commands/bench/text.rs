@@ -1,0 +1,100 @@
+//! The tables of `bench` for people.
+
+use super::report::{BenchFile, BenchObject};
+use crate::exit::one_line;
+use crate::text::{count, grouped};
+use serde_json::{Map, Value};
+use std::fmt::Write;
+
+/// A column: its heading, where its number is, and how many digits it gets after the point.
+type Column = (&'static str, &'static str, usize);
+
+const STORAGE: &[Column] = &[
+    ("thesis", "/bits_per_vertex/thesis", 1),
+    ("normals", "/bits_per_vertex/thesis_normals", 1),
+    ("to 95 %", "/bits_per_vertex/thesis_95", 1),
+    ("normals", "/bits_per_vertex/thesis_normals_95", 1),
+    ("file", "/bits_per_vertex/file", 1),
+    ("tight", "/bits_per_vertex/tight", 1),
+];
+const EXTRACTION: &[Column] = &[
+    ("coarser", "/extraction/coarser_us", 3),
+    ("finer", "/extraction/finer_us", 3),
+    ("mean", "/extraction/mean_us", 3),
+    ("× PM", "/extraction/per_progressive_mesh", 2),
+    ("× LodStrips", "/extraction/per_lodstrips", 2),
+    ("jump", "/extraction/jump_us", 1),
+    ("× rebuild", "/extraction/jump_per_rebuild", 2),
+];
+const TRAFFIC: &[Column] = &[
+    ("bytes", "/traffic/bytes_per_update", 0),
+    ("rewritten", "/traffic/rewritten_per_update", 1),
+    ("drawn", "/drawn/indices_per_lod", 0),
+    ("per triangle", "/drawn/indices_per_triangle", 3),
+];
+const PRIMITIVES: &[Column] = &[
+    ("strips", "/strips", 0),
+    ("indices", "/indices", 0),
+    ("per triangle", "/indices_per_triangle", 3),
+    ("ACMR", "/acmr_fifo16", 3),
+];
+
+/// Everything measured on one input.
+pub(super) fn file(file: &BenchFile, share: f64) -> String {
+    let mut text = String::new();
+    for object in &file.objects {
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            text,
+            "{}: {}\n  {}, {}, {}, {}, {}",
+            one_line(&file.file),
+            one_line(&object.counts.name),
+            count(object.counts.referenced_vertices, "vertex"),
+            count(object.counts.triangles, "triangle"),
+            count(object.counts.submeshes, "submesh"),
+            count(object.counts.fakes, "fake"),
+            count(object.counts.records, "record"),
+        );
+        tables(&mut text, object, share);
+        text.push('\n');
+    }
+    text
+}
+
+fn tables(text: &mut String, object: &BenchObject, share: f64) {
+    let percent = share * 100.0;
+    table(text, "storage, bits per vertex", &object.models, STORAGE);
+    table(text, &format!("µs per update of {percent} %"), &object.models, EXTRACTION);
+    if let Some(scratch) = object.rebuild_us {
+        let lod = grouped(u64::from(object.jump_lod));
+        let _ = writeln!(text, "  (jump: LOD 0 to {lod}, 1 % of the triangles; from scratch {scratch:.1} µs)");
+    }
+    table(text, "per update, and per LOD", &object.models, TRAFFIC);
+    table(text, "primitives at LOD 0", &object.primitives, PRIMITIVES);
+}
+
+/// Rows that have at least one of the columns' numbers.
+fn table(text: &mut String, title: &str, rows: &Map<String, Value>, columns: &[Column]) {
+    let number = |row: &Value, path: &str| row.pointer(path).and_then(Value::as_f64);
+    let rows: Vec<_> = rows.iter().filter(|(_, row)| columns.iter().any(|c| number(row, c.1).is_some())).collect();
+    if rows.is_empty() {
+        return;
+    }
+    let _ = write!(text, "\n  {title:<26}");
+    for (heading, ..) in columns {
+        let _ = write!(text, "{heading:>13}");
+    }
+    text.push('\n');
+    for (name, row) in rows {
+        let _ = write!(text, "    {name:<24}");
+        for &(_, path, places) in columns {
+            let cell = match number(row, path) {
+                None => "-".to_owned(),
+                Some(n) if places == 0 => grouped(n.round() as u64),
+                Some(n) => format!("{n:.places$}"),
+            };
+            let _ = write!(text, "{cell:>13}");
+        }
+        text.push('\n');
+    }
+}

@@ -1,0 +1,40 @@
+//! `lodc shaders`: the WGSL that an engine needs, and the guide to it.
+
+use crate::console::note;
+use crate::exit::{Failure, Outcome};
+use crate::output::{self, Target};
+use crate::text::count;
+use clap::Args;
+use lodc_formats::OutputFile;
+use lodc_lod::ModelKind;
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+/// What stands beside the shaders.
+const GUIDE: &str = include_str!("../../../docs/ENGINE.md");
+
+/// Options of `shaders`.
+#[derive(Args, Debug)]
+pub(crate) struct ShadersArgs {
+    /// The folder to write to; made if need be
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+}
+
+pub(crate) fn run(args: &ShadersArgs) -> Outcome<()> {
+    if output::is_stream(&args.output) {
+        return Err(Failure::usage("several files do not fit one standard output: name a folder"));
+    }
+    // Models share kernels: each is written once.
+    let shaders = ModelKind::ALL.into_iter().filter(|kind| kind.available()).flat_map(|kind| kind.shaders());
+    let texts: BTreeMap<String, &str> = shaders.map(|s| (format!("{}.wgsl", s.name), s.wgsl)).collect();
+    let guide = std::iter::once(("ENGINE.md".to_owned(), GUIDE));
+    let files: Vec<OutputFile> = (texts.into_iter().chain(guide))
+        .map(|(name, text)| OutputFile { path: args.output.join(name), bytes: text.as_bytes().to_vec() })
+        .collect();
+    let targets: Vec<Target> = files.iter().map(|file| Target::File(file.path.clone())).collect();
+    output::prepare(&targets, true)?;
+    output::commit(&files)?;
+    note(&format!("{}: {}", args.output.display(), count(files.len() as u64, "file")));
+    Ok(())
+}

@@ -1,0 +1,105 @@
+//! Replaying models on a graphics device.
+
+use crate::exit::{Failure, Outcome};
+use crate::gpu::{self, Device, GpuUse};
+use crate::report::CheckReport;
+use lodc_formats::lodc::LodFile;
+
+/// A graphics device that takes part, or why none does.
+pub(super) enum Gpu {
+    Device(Box<Device>),
+    Skipped(String),
+}
+
+/// Opens a device, if one was asked for.
+///
+/// # Errors
+/// If one is required and none can be used.
+pub(super) fn open(wanted: Option<GpuUse>, adapter: Option<&str>) -> Outcome<Option<Gpu>> {
+    let Some(wanted) = wanted else { return Ok(None) };
+    match gpu::open(adapter) {
+        Ok(device) => Ok(Some(Gpu::Device(Box::new(device)))),
+        Err(failure) if wanted == GpuUse::Auto => Ok(Some(Gpu::Skipped(failure.message))),
+        Err(failure) => {
+            let message = format!("a GPU was required, and there is none to use: {failure}; nothing was verified");
+            Err(Failure { message, ..failure })
+        }
+    }
+}
+
+/// The checks of one file.
+///
+/// # Errors
+/// If the device fails, or a limit is reached on a device that was required.
+pub(super) fn checks(file: &LodFile, gpu: &Gpu, wanted: GpuUse) -> Outcome<Vec<CheckReport>> {
+    match gpu {
+        Gpu::Skipped(why) => Ok(vec![CheckReport { skipped: Some(why.clone()), ..blank(None, "all", "replay", None) }]),
+        Gpu::Device(device) => on_device(file, device, wanted),
+    }
+}
+
+/// A check about which nothing is known yet.
+fn blank(object: Option<&str>, model: &'static str, check: &'static str, adapter: Option<String>) -> CheckReport {
+    CheckReport {
+        object: object.map(str::to_owned),
+        model,
+        check,
+        device: "gpu",
+        adapter,
+        lods: 0,
+        full: 0,
+        ok: None,
+        skipped: None,
+        first_difference: None,
+    }
+}
+
+#[cfg(not(feature = "gpu"))]
+fn on_device(_: &LodFile, device: &Device, _: GpuUse) -> Outcome<Vec<CheckReport>> {
+    match *device {}
+}
+
+#[cfg(feature = "gpu")]
+fn on_device(file: &LodFile, device: &Device, wanted: GpuUse) -> Outcome<Vec<CheckReport>> {
+    use crate::exit::Status;
+    use lodc_gpu::replay;
+    use lodc_lod::{Model, plan};
+
+    let adapter = Some(device.adapter().to_string());
+    let mut reports = Vec::new();
+    for object in &file.objects {
+        let name = &object.info.name;
+        let stops = plan::stops(&object.simplified);
+        for model in &object.models {
+            let report = |check| blank(Some(name), model.name(), check, adapter.clone());
+            // Where a device was only asked for if there is one, what it is too small for is left out, aloud.
+            let too_much = |failure: Failure, check| match wanted {
+                GpuUse::Auto if failure.status == Status::Limit => {
+                    Ok(CheckReport { skipped: Some(failure.message), ..report(check) })
+                }
+                _ => Err(Failure { message: format!("{name}: {failure}"), ..failure }),
+            };
+            let plans = match model.replays(&stops) {
+                Ok(plans) => plans,
+                Err(e) => {
+                    reports.push(too_much(Failure::new(Status::Limit, e.to_string()), "replay")?);
+                    continue;
+                }
+            };
+            for plan in plans {
+                let check = plan.name;
+                reports.push(match replay(device, plan) {
+                    Ok(done) => CheckReport {
+                        lods: done.lods,
+                        full: done.lods,
+                        ok: Some(done.difference.is_none()),
+                        first_difference: done.difference.map(|d| format!("{}, {check}: {d}", model.name())),
+                        ..report(check)
+                    },
+                    Err(e) => too_much(gpu::failure(&e), check)?,
+                });
+            }
+        }
+    }
+    Ok(reports)
+}

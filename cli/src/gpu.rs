@@ -1,0 +1,45 @@
+//! The graphics device as commands ask for it; a build without the feature `gpu` has none.
+
+#[cfg(feature = "gpu")]
+pub(crate) use lodc_gpu::Device;
+
+use crate::exit::{Failure, Status};
+use clap::ValueEnum;
+
+/// Whether a graphics device must be there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum GpuUse {
+    Auto,
+    Require,
+}
+
+/// A device that cannot be there.
+#[cfg(not(feature = "gpu"))]
+#[derive(Debug)]
+pub(crate) enum Device {}
+
+/// Opens the device with `adapter` in its name, or the most capable one.
+///
+/// # Errors
+/// If there is none that can be used: status 6.
+#[cfg(feature = "gpu")]
+pub(crate) fn open(adapter: Option<&str>) -> Result<Device, Failure> {
+    Device::open(adapter).map_err(|e| failure(&e))
+}
+
+/// There is none.
+///
+/// # Errors
+/// Always: status 6.
+#[cfg(not(feature = "gpu"))]
+pub(crate) fn open(_: Option<&str>) -> Result<Device, Failure> {
+    Err(Failure::new(Status::NoGpu, "this lodc was built without the feature gpu"))
+}
+
+/// A limit of the device is status 5, everything else that it does not do is 6.
+#[cfg(feature = "gpu")]
+pub(crate) fn failure(error: &lodc_gpu::GpuError) -> Failure {
+    use lodc_gpu::GpuError;
+    let status = if matches!(error, GpuError::Limit { .. }) { Status::Limit } else { Status::NoGpu };
+    Failure::new(status, error.to_string())
+}

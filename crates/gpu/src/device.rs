@@ -1,0 +1,150 @@
+//! Opening a graphics device.
+
+use crate::GpuError;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+/// How long to wait for an answer before a device counts as lost.
+const PATIENCE: Duration = Duration::from_secs(120);
+
+/// What is known of an adapter.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Adapter {
+    /// Its name.
+    pub name: String,
+    /// Driver and version, as the driver says.
+    pub driver: String,
+    /// The graphics API that it is reached through.
+    pub backend: &'static str,
+    /// Whether it is a processor that plays a graphics device.
+    pub software: bool,
+}
+
+impl std::fmt::Display for Adapter {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} ({}, {})", self.name, self.backend, self.driver)
+    }
+}
+
+/// An open device.
+pub struct Device {
+    adapter: Adapter,
+    pub(crate) device: wgpu::Device,
+    pub(crate) queue: wgpu::Queue,
+    /// The first error since the last look.
+    error: Arc<Mutex<Option<GpuError>>>,
+}
+
+impl Device {
+    /// Opens the adapter with `wanted` in its name (whatever the case), or else the most capable one. Which graphics APIs
+    /// are looked at can be limited with the environment variable `WGPU_BACKEND` (`vulkan`, `metal`, `dx12`).
+    ///
+    /// # Errors
+    /// If there is no such adapter, or it gives no device.
+    pub fn open(wanted: Option<&str>) -> Result<Self, GpuError> {
+        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
+        let mut adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()));
+        if adapters.is_empty() {
+            let options = wgpu::RequestAdapterOptions::default();
+            let why = pollster::block_on(instance.request_adapter(&options)).err().map(|e| e.to_string());
+            return Err(GpuError::NoAdapter { why: why.unwrap_or_else(|| "none was found".to_owned()) });
+        }
+        // A stable sort: among equals the system's own order decides.
+        adapters.sort_by_key(|a| rank(a.get_info().device_type));
+        let names: Vec<String> = adapters.iter().map(|a| a.get_info().name).collect();
+        let adapter = match wanted {
+            None => adapters.swap_remove(0),
+            Some(part) => {
+                let lower = part.to_lowercase();
+                let found = names.iter().position(|name| name.to_lowercase().contains(&lower));
+                let Some(found) = found else {
+                    return Err(GpuError::NoMatch { wanted: part.to_owned(), available: names });
+                };
+                adapters.swap_remove(found)
+            }
+        };
+        Self::of(&adapter)
+    }
+
+    fn of(adapter: &wgpu::Adapter) -> Result<Self, GpuError> {
+        let info = adapter.get_info();
+        let described = Adapter {
+            name: info.name,
+            driver: [info.driver, info.driver_info].join(" ").trim().to_owned(),
+            backend: info.backend.to_str(),
+            software: info.device_type == wgpu::DeviceType::Cpu,
+        };
+        let descriptor = wgpu::DeviceDescriptor {
+            label: Some("lodc"),
+            required_features: adapter.features() & wgpu::Features::TIMESTAMP_QUERY,
+            // Without asking, WebGPU's small defaults apply.
+            required_limits: adapter.limits(),
+            ..wgpu::DeviceDescriptor::default()
+        };
+        let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
+            .map_err(|e| GpuError::Refused { adapter: described.name.clone(), why: e.to_string() })?;
+        let error = Arc::new(Mutex::new(None));
+        let slot = Arc::clone(&error);
+        // Left alone, an error would panic. The first one is the cause; what follows are consequences.
+        device.on_uncaptured_error(Arc::new(move |e: wgpu::Error| {
+            let said = match e {
+                wgpu::Error::OutOfMemory { .. } => GpuError::OutOfMemory,
+                wgpu::Error::Validation { description, .. } | wgpu::Error::Internal { description, .. } => {
+                    // Explanations come on several lines.
+                    GpuError::Invalid { why: description.split_whitespace().collect::<Vec<_>>().join(" ") }
+                }
+            };
+            slot.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(said);
+        }));
+        Ok(Self { adapter: described, device, queue, error })
+    }
+
+    /// What was opened.
+    #[must_use]
+    pub fn adapter(&self) -> &Adapter {
+        &self.adapter
+    }
+
+    /// Whether the device can say how long passes take.
+    #[must_use]
+    pub fn has_clock(&self) -> bool {
+        self.device.features().contains(wgpu::Features::TIMESTAMP_QUERY)
+    }
+
+    /// Waits until everything submitted is done.
+    pub(crate) fn wait(&self) -> Result<(), GpuError> {
+        let poll = wgpu::PollType::Wait { submission_index: None, timeout: Some(PATIENCE) };
+        self.device.poll(poll).map_err(|e| GpuError::Lost { why: e.to_string() })?;
+        self.check()
+    }
+
+    /// The first error since the last look.
+    pub(crate) fn check(&self) -> Result<(), GpuError> {
+        self.error.lock().unwrap_or_else(PoisonError::into_inner).take().map_or(Ok(()), Err)
+    }
+
+    /// Whether so many bytes may be one buffer that a shader sees as a whole.
+    pub(crate) fn allows(&self, what: &str, bytes: u64) -> Result<(), GpuError> {
+        let limits = self.device.limits();
+        let allowed = [
+            ("max_storage_buffer_binding_size", limits.max_storage_buffer_binding_size),
+            ("max_buffer_size", limits.max_buffer_size),
+        ];
+        for (limit, allowed) in allowed {
+            if bytes > allowed {
+                return Err(GpuError::Limit { what: format!("{what} (bytes)"), limit, needed: bytes, allowed });
+            }
+        }
+        Ok(())
+    }
+}
+
+fn rank(kind: wgpu::DeviceType) -> u8 {
+    match kind {
+        wgpu::DeviceType::DiscreteGpu => 0,
+        wgpu::DeviceType::IntegratedGpu => 1,
+        wgpu::DeviceType::VirtualGpu => 2,
+        wgpu::DeviceType::Cpu => 3,
+        wgpu::DeviceType::Other => 4,
+    }
+}

@@ -1,0 +1,73 @@
+//! What can go wrong on a graphics device, by whose fault it is.
+
+use std::fmt;
+
+/// Why a device did not do what it was asked.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum GpuError {
+    /// There is no adapter at all.
+    NoAdapter {
+        /// What the system said.
+        why: String,
+    },
+    /// There are adapters, but none whose name has the wanted part.
+    NoMatch {
+        /// The part.
+        wanted: String,
+        /// Names of those that there are.
+        available: Vec<String>,
+    },
+    /// An adapter gave no device.
+    Refused {
+        /// Its name.
+        adapter: String,
+        /// What it said.
+        why: String,
+    },
+    /// The device allows less than is needed.
+    Limit {
+        /// For what.
+        what: String,
+        /// Which limit, as WebGPU calls it.
+        limit: &'static str,
+        /// How much is needed.
+        needed: u64,
+        /// How much there is.
+        allowed: u64,
+    },
+    /// The device does not take a kernel or a command: a bug of this program or of the driver.
+    Invalid {
+        /// What it said.
+        why: String,
+    },
+    /// The device ran out of memory.
+    OutOfMemory,
+    /// The device was lost or does not answer.
+    Lost {
+        /// What is known of it.
+        why: String,
+    },
+}
+
+impl fmt::Display for GpuError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoAdapter { why } => {
+                write!(f, "no graphics adapter: {why} (on Debian, mesa-vulkan-drivers has one that needs no hardware)")
+            }
+            Self::NoMatch { wanted, available } => {
+                write!(f, "no graphics adapter is called {wanted:?}; there are: {}", available.join(", "))
+            }
+            Self::Refused { adapter, why } => write!(f, "{adapter} gives no device: {why}"),
+            Self::Limit { what, limit, needed, allowed } => {
+                write!(f, "{what} needs {needed}, and the graphics device allows {allowed} ({limit})")
+            }
+            Self::Invalid { why } => write!(f, "the graphics device refuses: {why}"),
+            Self::OutOfMemory => write!(f, "the graphics device has no memory left"),
+            Self::Lost { why } => write!(f, "the graphics device is lost: {why}"),
+        }
+    }
+}
+
+impl std::error::Error for GpuError {}

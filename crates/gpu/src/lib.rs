@@ -1,0 +1,14 @@
+//! The only package that sees a graphics device: it runs any [`Plan`](lodc_lod::plan::Plan), compares what comes back
+//! bit for bit, and draws pictures. It knows no model.
+
+mod device;
+mod error;
+mod measure;
+mod replay;
+mod session;
+
+pub use device::{Adapter, Device};
+pub use error::GpuError;
+pub use measure::{Figure, measure};
+pub use replay::{Difference, Replayed, replay};
+pub use session::Session;

@@ -1,0 +1,120 @@
+//! Running a plan and finding the first word that is not what it should be.
+
+use crate::{Device, GpuError, Session};
+use lodc_lod::plan::{Expected, Plan, Tolerance};
+use std::fmt;
+
+/// What a plan came to.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Replayed {
+    /// At how many LODs the device was compared.
+    pub lods: u64,
+    /// Words that were read back and compared.
+    pub words: u64,
+    /// The first thing that is wrong.
+    pub difference: Option<String>,
+}
+
+/// A word that is not what it should be.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Difference {
+    /// At which step.
+    pub at: String,
+    /// The buffer's name.
+    pub buffer: &'static str,
+    /// The word of the buffer.
+    pub word: usize,
+    /// Which part of the mesh that is.
+    pub place: String,
+    /// What it should be.
+    pub expected: u32,
+    /// What it is.
+    pub found: u32,
+}
+
+impl fmt::Display for Difference {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { at, buffer, word, place, expected, found } = self;
+        write!(
+            f,
+            "{at}: {place}: word {word} of {buffer} is {found:#010x} on the device and {expected:#010x} on the CPU"
+        )
+    }
+}
+
+/// Runs a plan on a device, step by step, until something differs.
+///
+/// # Errors
+/// If the device cannot run it. A difference is no error.
+pub fn replay(device: &Device, plan: Plan<'_>) -> Result<Replayed, GpuError> {
+    let mut session = Session::new(device, &plan.program)?;
+    let mut done = Replayed::default();
+    for step in plan.steps {
+        done.difference = step.twin.as_ref().map(|failure| format!("the CPU differs from the reference: {failure}"));
+        if done.difference.is_some() {
+            break;
+        }
+        session.run(&step.passes)?;
+        if let Some((check, word, found)) = first_difference(&mut session, &step.checks, !device.adapter().software)? {
+            let buffer = step.checks[check].buffer;
+            let at = step.checks[check].first + word;
+            let difference = Difference {
+                at: step.at,
+                buffer: session.name(buffer),
+                word: at,
+                place: (plan.locate)(buffer, at),
+                expected: step.checks[check].words[word],
+                found,
+            };
+            done.difference = Some(difference.to_string());
+            break;
+        }
+        done.lods += 1;
+        done.words += step.checks.iter().map(|c| c.words.len() as u64).sum::<u64>();
+    }
+    Ok(done)
+}
+
+/// The first word that differs: which check, which word of it, what was found.
+fn first_difference(
+    session: &mut Session<'_>,
+    checks: &[Expected],
+    hardware: bool,
+) -> Result<Option<(usize, usize, u32)>, GpuError> {
+    let ranges: Vec<_> = checks.iter().map(|c| (c.buffer, c.first, c.words.len())).collect();
+    let mut difference = None;
+    session.look(&ranges, |check, start, words| {
+        let expected = &checks[check].words[start..start + words.len()];
+        // Comparing whole slices is much faster than word by word, and nearly all are equal.
+        if expected != words {
+            let tolerance = checks[check].tolerance.filter(|_| hardware);
+            let differs = |i: usize| {
+                expected[i] != words[i] && !tolerance.is_some_and(|t| tolerated(t, start + i, expected[i], words[i]))
+            };
+            difference = (0..words.len()).find(|&i| differs(i)).map(|i| (check, start + i, words[i]));
+        }
+        difference.is_none()
+    })?;
+    Ok(difference)
+}
+
+/// Whether a word is a computed float that is off by one unit in the last place.
+fn tolerated(tolerance: Tolerance, word: usize, expected: u32, found: u32) -> bool {
+    let same_sign = (expected ^ found) >> 31 == 0;
+    word % tolerance.stride < tolerance.floats && same_sign && expected.abs_diff(found) <= 1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_computed_floats_may_be_off_and_only_by_one() {
+        let tolerance = Tolerance { stride: 5, floats: 3 };
+        let one = 1.0f32.to_bits();
+        assert!(tolerated(tolerance, 7, one, one + 1));
+        assert!(!tolerated(tolerance, 7, one, one + 2));
+        assert!(!tolerated(tolerance, 8, one, one + 1));
+        assert!(!tolerated(tolerance, 5, one, one ^ 1 << 31));
+    }
+}

@@ -1,0 +1,298 @@
+//! A program on a device: its buffers, its kernels, running passes and reading words back.
+
+use crate::{Device, GpuError};
+use lodc_lod::plan::{BufferId, Contents, Kernel, Pass, Program, WORKGROUP};
+
+/// Bytes between the parameters of two passes in the one uniform buffer: what every device accepts as an offset.
+const SLOT: u64 = 256;
+/// Bytes that are read back at once.
+const STAGING: u64 = 32 << 20;
+
+/// A program on a device.
+pub struct Session<'d> {
+    device: &'d Device,
+    names: Vec<&'static str>,
+    pub(crate) buffers: Vec<wgpu::Buffer>,
+    lengths: Vec<usize>,
+    pipelines: Vec<wgpu::ComputePipeline>,
+    staging: wgpu::Buffer,
+}
+
+impl<'d> Session<'d> {
+    /// Makes buffers and kernels.
+    ///
+    /// # Errors
+    /// If a buffer is larger than the device allows, a kernel is not accepted, or memory runs out.
+    pub fn new(device: &'d Device, program: &Program) -> Result<Self, GpuError> {
+        for b in &program.buffers {
+            device.allows(b.name, bytes_of(&b.contents))?;
+        }
+        let buffers: Vec<_> = program.buffers.iter().map(|b| upload(device, b.name, &b.contents)).collect();
+        device.check()?;
+        let pipelines = program.kernels.iter().map(|k| pipeline(device, k)).collect::<Result<_, _>>()?;
+        let largest = program.buffers.iter().map(|b| bytes_of(&b.contents)).max().unwrap_or(4);
+        let staging = device.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("staging"),
+            size: largest.min(STAGING),
+            usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        device.check()?;
+        Ok(Self {
+            device,
+            names: program.buffers.iter().map(|b| b.name).collect(),
+            lengths: program.buffers.iter().map(|b| b.contents.len()).collect(),
+            buffers,
+            pipelines,
+            staging,
+        })
+    }
+
+    /// The name of a buffer.
+    #[must_use]
+    pub fn name(&self, buffer: BufferId) -> &'static str {
+        self.names[buffer.0]
+    }
+
+    /// Runs passes, one after the other, and waits for them.
+    ///
+    /// # Errors
+    /// If a pass needs more than the device allows, or the device fails.
+    pub fn run(&mut self, passes: &[Pass]) -> Result<(), GpuError> {
+        self.submit(passes, None)?;
+        self.device.wait()
+    }
+
+    /// Runs passes and says how many nanoseconds the device worked on them; none if it has no clock.
+    ///
+    /// # Errors
+    /// As [`Self::run`].
+    pub fn timed(&mut self, passes: &[Pass]) -> Result<Option<f64>, GpuError> {
+        if !self.device.has_clock() {
+            return self.run(passes).map(|()| None);
+        }
+        let gpu = &self.device.device;
+        let queries =
+            gpu.create_query_set(&wgpu::QuerySetDescriptor { label: None, ty: wgpu::QueryType::Timestamp, count: 2 });
+        let make = |usage| {
+            gpu.create_buffer(&wgpu::BufferDescriptor { label: None, size: 16, usage, mapped_at_creation: false })
+        };
+        let resolved = make(wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC);
+        let readable = make(wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST);
+        self.submit(passes, Some(&queries))?;
+        let mut encoder = gpu.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        encoder.resolve_query_set(&queries, 0..2, &resolved, 0);
+        encoder.copy_buffer_to_buffer(&resolved, 0, &readable, 0, 16);
+        self.device.queue.submit([encoder.finish()]);
+        let mut ticks = [0u64; 2];
+        self.device.map(&readable, 16, |bytes| {
+            for (tick, b) in ticks.iter_mut().zip(bytes.chunks_exact(8)) {
+                *tick = u64::from_le_bytes(b.try_into().expect("chunks are eight bytes long"));
+            }
+        })?;
+        let period = f64::from(self.device.queue.get_timestamp_period());
+        Ok(Some(ticks[1].saturating_sub(ticks[0]) as f64 * period))
+    }
+
+    fn submit(&mut self, passes: &[Pass], queries: Option<&wgpu::QuerySet>) -> Result<(), GpuError> {
+        let gpu = &self.device.device;
+        let parameters = self.parameters(passes);
+        let mut encoder = gpu.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        {
+            let timestamp_writes = queries.map(|query_set| wgpu::ComputePassTimestampWrites {
+                query_set,
+                beginning_of_pass_write_index: Some(0),
+                end_of_pass_write_index: Some(1),
+            });
+            let mut compute =
+                encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: None, timestamp_writes });
+            for (i, pass) in passes.iter().enumerate() {
+                let Some((x, y)) = self.groups(pass)? else { continue };
+                let pipeline = &self.pipelines[pass.kernel.0];
+                let uniform = wgpu::BufferBinding {
+                    buffer: &parameters,
+                    offset: SLOT * i as u64,
+                    size: std::num::NonZeroU64::new(SLOT),
+                };
+                let mut entries =
+                    vec![wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::Buffer(uniform) }];
+                entries.extend(pass.buffers.iter().zip(1..).map(|(b, binding)| wgpu::BindGroupEntry {
+                    binding,
+                    resource: self.buffers[b.0].as_entire_binding(),
+                }));
+                let layout = pipeline.get_bind_group_layout(0);
+                let group = gpu.create_bind_group(&wgpu::BindGroupDescriptor {
+                    label: None,
+                    layout: &layout,
+                    entries: &entries,
+                });
+                compute.set_pipeline(pipeline);
+                compute.set_bind_group(0, &group, &[]);
+                compute.dispatch_workgroups(x, y, 1);
+            }
+        }
+        self.device.queue.submit([encoder.finish()]);
+        self.device.check()
+    }
+
+    /// The parameters of all passes, each in a slot of its own.
+    fn parameters(&self, passes: &[Pass]) -> wgpu::Buffer {
+        let mut words = vec![0u32; SLOT as usize / 4 * passes.len().max(1)];
+        for (slot, pass) in words.chunks_mut(SLOT as usize / 4).zip(passes) {
+            debug_assert!(pass.parameters.len() <= Pass::MOST_PARAMETERS, "a pass has too many parameters");
+            slot[..pass.parameters.len()].copy_from_slice(&pass.parameters);
+        }
+        let buffer = self.device.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("parameters"),
+            size: 4 * words.len() as u64,
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        self.device.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(&words));
+        buffer
+    }
+
+    /// Workgroups in two dimensions; none if there is nothing to do.
+    fn groups(&self, pass: &Pass) -> Result<Option<(u32, u32)>, GpuError> {
+        let groups = pass.threads.div_ceil(WORKGROUP);
+        let most = self.device.device.limits().max_compute_workgroups_per_dimension;
+        let rows = groups.div_ceil(most);
+        if rows > most {
+            return Err(GpuError::Limit {
+                what: "a pass (workgroups)".to_owned(),
+                limit: "max_compute_workgroups_per_dimension",
+                needed: u64::from(groups),
+                allowed: u64::from(most) * u64::from(most),
+            });
+        }
+        Ok((groups > 0).then(|| (groups.div_ceil(rows), rows)))
+    }
+
+    /// Puts words into a buffer.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub fn write(&mut self, buffer: BufferId, first: usize, words: &[u32]) -> Result<(), GpuError> {
+        self.device.queue.write_buffer(&self.buffers[buffer.0], 4 * first as u64, bytemuck::cast_slice(words));
+        self.device.check()
+    }
+
+    /// Reads a whole buffer back.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub fn read(&mut self, buffer: BufferId) -> Result<Vec<u32>, GpuError> {
+        let mut words = Vec::with_capacity(self.lengths[buffer.0]);
+        let whole = self.lengths[buffer.0];
+        self.look(&[(buffer, 0, whole)], |_, _, part| {
+            words.extend_from_slice(part);
+            true
+        })?;
+        Ok(words)
+    }
+
+    /// Shows ranges of buffers (buffer, first word, number of words) piece by piece, several at once where they fit: the
+    /// number of the range, the word in it at which the piece starts, the piece. Ends early if `see` returns false.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub(crate) fn look(
+        &mut self,
+        ranges: &[(BufferId, usize, usize)],
+        mut see: impl FnMut(usize, usize, &[u32]) -> bool,
+    ) -> Result<(), GpuError> {
+        let room = (self.staging.size() / 4) as usize;
+        let mut pieces: Vec<(usize, usize, usize)> = Vec::new();
+        for (range, &(_, _, words)) in ranges.iter().enumerate() {
+            pieces.extend((0..words).step_by(room).map(|start| (range, start, room.min(words - start))));
+        }
+        let mut rest = pieces.as_slice();
+        while !rest.is_empty() {
+            let (mut used, mut batch) = (0, 0);
+            let mut encoder = self.device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            while batch < rest.len() && used + rest[batch].2 <= room {
+                let (range, start, words) = rest[batch];
+                let (buffer, first, _) = ranges[range];
+                let from = 4 * (first + start) as u64;
+                let (from_buffer, size) = (&self.buffers[buffer.0], 4 * words as u64);
+                encoder.copy_buffer_to_buffer(from_buffer, from, &self.staging, 4 * used as u64, size);
+                used += words;
+                batch += 1;
+            }
+            self.device.queue.submit([encoder.finish()]);
+            let mut go_on = true;
+            self.device.map(&self.staging, 4 * used as u64, |bytes| {
+                let mut words: &[u32] = bytemuck::cast_slice(bytes);
+                for &(range, start, len) in &rest[..batch] {
+                    let (piece, more) = words.split_at(len);
+                    words = more;
+                    go_on = go_on && see(range, start, piece);
+                }
+            })?;
+            if !go_on {
+                return Ok(());
+            }
+            rest = &rest[batch..];
+        }
+        Ok(())
+    }
+}
+
+impl Device {
+    /// Lets `see` look at the first bytes of a buffer that can be mapped, once everything submitted is done.
+    pub(crate) fn map(&self, buffer: &wgpu::Buffer, bytes: u64, see: impl FnOnce(&[u8])) -> Result<(), GpuError> {
+        if bytes == 0 {
+            return self.wait();
+        }
+        let slice = buffer.slice(..bytes);
+        slice.map_async(wgpu::MapMode::Read, |_| {});
+        self.wait()?;
+        let view = slice.get_mapped_range().map_err(|e| GpuError::Lost { why: e.to_string() })?;
+        see(&view);
+        drop(view);
+        buffer.unmap();
+        self.check()
+    }
+}
+
+/// Bytes of a buffer on the device: there is no empty one.
+fn bytes_of(contents: &Contents) -> u64 {
+    4 * contents.len().max(1) as u64
+}
+
+fn upload(device: &Device, name: &'static str, contents: &Contents) -> wgpu::Buffer {
+    let words = match contents {
+        Contents::Words(words) if !words.is_empty() => Some(words),
+        _ => None,
+    };
+    let buffer = device.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some(name),
+        size: bytes_of(contents),
+        usage: wgpu::BufferUsages::STORAGE
+            | wgpu::BufferUsages::COPY_SRC
+            | wgpu::BufferUsages::COPY_DST
+            | wgpu::BufferUsages::INDIRECT
+            | wgpu::BufferUsages::INDEX,
+        mapped_at_creation: false,
+    });
+    if let Some(words) = words {
+        device.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(words));
+    }
+    buffer
+}
+
+fn pipeline(device: &Device, kernel: &Kernel) -> Result<wgpu::ComputePipeline, GpuError> {
+    let module = device.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some(kernel.name),
+        source: wgpu::ShaderSource::Wgsl(kernel.wgsl.as_str().into()),
+    });
+    let pipeline = device.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: Some(kernel.name),
+        layout: None,
+        module: &module,
+        entry_point: Some("main"),
+        compilation_options: wgpu::PipelineCompilationOptions::default(),
+        cache: None,
+    });
+    device.check().map(|()| pipeline)
+}

@@ -1,0 +1,143 @@
+//! A verification that cannot fail proves nothing: every planted fault is found, in every buffer and every kernel.
+
+#![expect(clippy::print_stderr, reason = "a test that is left out says so aloud")]
+
+mod support;
+
+use lodc_fixtures as fixtures;
+use lodc_gpu::replay;
+use lodc_lod::plan::{Contents, Plan, schedule};
+use lodc_lod::{AnyModel, Model};
+use lodc_mesh::Mesh;
+use std::sync::Arc;
+use support::{device, models};
+
+/// Meshes with seams and several submeshes, in whose triangles no number is round.
+fn meshes() -> [AnyModel; 2] {
+    let part = fixtures::named("machine_part").expect("a named shape");
+    let odd = |mesh: &Mesh| mesh.submeshes().get(1).is_some_and(|s| s.first_triangle % 4 == 3);
+    let random = (0..).map(fixtures::random).find(odd).expect("there are seeds for everything");
+    [part, random].map(|mesh| models(fixtures::random_collapse(&mesh, 1)).pop().expect("there is a model"))
+}
+
+fn plans(model: &AnyModel) -> Vec<Plan<'_>> {
+    model.replays(&schedule(model.simplified().collapses(), 12, 6, 1)).expect("a small mesh")
+}
+
+/// Buffers that only hold what passes put there and that are not compared themselves: what is made of them is.
+const SCRATCH: &[&str] = &["sums of blocks", "live", "blocks"];
+
+/// One bit of one word wrong, or a word lost, in whatever is uploaded.
+#[test]
+fn a_flipped_bit_in_any_uploaded_buffer_is_found() {
+    let Some(device) = device() else { return };
+    let [model, _] = meshes();
+    let mut planted = 0;
+    for which in 0..plans(&model).len() {
+        let buffers = plans(&model)[which].program.buffers.len();
+        for buffer in 0..buffers {
+            for place in [0, 1, 2] {
+                let mut plan = plans(&model).swap_remove(which);
+                let name = plan.program.buffers[buffer].name;
+                let Contents::Words(words) = &plan.program.buffers[buffer].contents else { continue };
+                let mut damaged = words.to_vec();
+                let at = (damaged.len() - 1) * place / 2;
+                // High enough for every float and low enough for every index to stay a number.
+                damaged[at] ^= 1;
+                plan.program.buffers[buffer].contents = Contents::Words(Arc::from(damaged));
+                let done = replay(&device, plan).expect("the device goes on");
+                assert!(done.difference.is_some(), "word {at} of {name} is wrong and nobody sees it");
+                planted += 1;
+            }
+        }
+    }
+    assert!(planted >= 30, "only {planted} faults");
+}
+
+/// A kernel, a piece of it, and something else in its place.
+const FAULTS: &[(&str, &str, &str)] = &[
+    // Construction.
+    ("lists_length", "length = 1u;", "length = 2u;"),
+    ("lists_length", "entry >= p.coarsest", "entry + 1u >= p.coarsest"),
+    ("lists_length", "length >= p.longest", "length + 1u >= p.longest"),
+    ("lists_fill", "current[v] = first;", "current[v] = first + 1u;"),
+    ("lists_fill", "entries[i] = entry;", "entries[i] = v;"),
+    ("scan", "distance < 256u", "distance < 128u"),
+    ("scan", "upto[l] - sum + before[k]", "upto[l] + before[k]"),
+    // Continuous extraction.
+    ("extract", "v >= p.touched", "v + 1u >= p.touched"),
+    ("extract", "while (at < last && entries[at] < p.lod)", "if (at < last && entries[at] < p.lod)"),
+    ("extract", "while (at > first && entries[at - 1u] >= p.lod)", "while (at > first && entries[at - 1u] > p.lod)"),
+    ("extract", "while (at > first && entries[at - 1u] >= p.lod) { at--; }", ""),
+    ("extract", "current[v] = at;", ""),
+    ("extract", "word < p.stride", "word < 3u"),
+    ("live", "middle + 1u", "middle + 2u"),
+    ("live", "same(a, b) || same(b, c)", "same(a, b)"),
+    ("live", "draws[5u * s + 2u] = 3u * first", "draws[5u * s + 2u] = first"),
+    // Views.
+    ("select", "step_ends[middle] <= lod", "step_ends[middle] < lod"),
+    ("select", "step_errors[middle] <= bits", "step_errors[middle] > bits"),
+    ("select", "states[3u * i] = shown", "states[3u * i] = lod"),
+    ("select", "max(r(r(cos * g.cos) - r(sin * g.sin)), 0.0)", "cos"),
+    ("select", "square <= p.a", "square >= p.a"),
+    ("select", "step_ends[steps_at(entries[low - 1u])]", "entries[low - 1u]"),
+    ("view", "states[3u * group]);", "states[0]);"),
+    ("view", "r(a + r(t * r(b - a)))", "r(a + r(t * b))"),
+    ("view", "if (way != 0u)", "if (way > 32768u)"),
+    ("filter_count", "same(c, a)", "false"),
+    ("filter_count", "bits |= 1u << k", "bits |= 1u"),
+    ("filter_write", "upto[l] - count", "upto[l]"),
+    ("filter_write", "indices[to + 2u]", "indices[to + 1u]"),
+    ("filter_draws", "draws[5u * s + 2u] = 3u * first", "draws[5u * s + 2u] = first"),
+    ("filter_draws", "let rest = triangle % 4u", "let rest = 0u"),
+    ("filter_draws", "i < triangle / 4u", "i + 1u < triangle / 4u"),
+];
+
+#[test]
+fn a_fault_in_any_kernel_is_found() {
+    let Some(device) = device() else { return };
+    let meshes = meshes();
+    let mut kernels: Vec<&str> = Vec::new();
+    for &(kernel, right, wrong) in FAULTS {
+        let mut found = false;
+        for mut plan in meshes.iter().flat_map(plans) {
+            for k in plan.program.kernels.iter_mut().filter(|k| k.name == kernel) {
+                assert!(k.wgsl.contains(right), "{kernel} has no {right:?}");
+                k.wgsl = k.wgsl.replacen(right, wrong, 1);
+                kernels.push(kernel);
+            }
+            found |= match replay(&device, plan) {
+                Ok(done) => done.difference.is_some(),
+                Err(e) => panic!("{kernel} with {wrong:?}: {e}"),
+            };
+        }
+        assert!(found, "{kernel} with {wrong:?} for {right:?}, and nobody sees it");
+    }
+    // No kernel is left without a fault (adding up needs more than one block, which another test has).
+    for plan in meshes.iter().flat_map(plans) {
+        for kernel in &plan.program.kernels {
+            assert!(
+                kernels.contains(&kernel.name) || kernel.name == "scan_add",
+                "no fault was planted in {}",
+                kernel.name
+            );
+        }
+    }
+}
+
+/// Every buffer that passes write to is compared, or listed above.
+#[test]
+fn every_buffer_is_compared() {
+    for mut plan in meshes().iter().flat_map(plans) {
+        let mut compared: Vec<usize> = plan.steps.by_ref().flat_map(|s| s.checks).map(|c| c.buffer.0).collect();
+        compared.sort_unstable();
+        for (i, buffer) in plan.program.buffers.iter().enumerate() {
+            let name = buffer.name;
+            assert!(
+                compared.binary_search(&i).is_ok() || SCRATCH.contains(&name),
+                "{}: {name} is never compared",
+                plan.name
+            );
+        }
+    }
+}

@@ -1,0 +1,26 @@
+//! What tests on a device share.
+
+use lodc_gpu::{Device, GpuError};
+use lodc_lod::{AnyModel, ModelKind, StripOptions, StripPool};
+use lodc_mesh::Simplified;
+use std::sync::Arc;
+
+/// A device, or none said aloud. Where CI is set there must be one.
+pub(crate) fn device() -> Option<Device> {
+    match Device::open(None) {
+        Ok(device) => Some(device),
+        Err(GpuError::NoAdapter { why }) if std::env::var_os("CI").is_none() => {
+            eprintln!("SKIPPED: no graphics adapter: {why}");
+            None
+        }
+        Err(e) => panic!("{e}"),
+    }
+}
+
+/// Every model of this version.
+pub(crate) fn models(simplified: Simplified) -> Vec<AnyModel> {
+    let simplified = Arc::new(simplified);
+    let mut strips = StripPool::new(&simplified, StripOptions::default());
+    let kinds = ModelKind::ALL.into_iter().filter(|kind| kind.available());
+    kinds.map(|kind| AnyModel::build(kind, &mut strips).expect("a valid sequence")).collect()
+}

@@ -1,0 +1,48 @@
+//! How many triangles are drawn, counted on a device. The CPU knows it from the deaths ([`Interactive::live`]).
+//!
+//! [`Interactive::live`]: super::Interactive::live
+
+use super::shaders;
+use crate::plan::{BufferId, KernelId, Pass, Program};
+use lodc_mesh::Mesh;
+
+/// Buffers and the kernel of the count.
+#[derive(Clone, Debug)]
+pub struct Counting {
+    submeshes: BufferId,
+    /// Corners of all triangles: the index buffer of the draws.
+    pub triangles: BufferId,
+    vertices: BufferId,
+    /// Arguments of one indirect draw per submesh, five words each.
+    pub draws: BufferId,
+    live: KernelId,
+    count: u32,
+    stride: u32,
+}
+
+impl Counting {
+    /// Prepares counting by the positions of `vertices`, records of `stride` words.
+    pub fn new(program: &mut Program, mesh: &Mesh, vertices: BufferId, stride: usize) -> Self {
+        let ranges: Vec<u32> = mesh.submeshes().iter().flat_map(|s| [s.first_triangle, s.triangle_count]).collect();
+        Self {
+            submeshes: program.words("submeshes", ranges),
+            triangles: program.words("triangles", mesh.triangles().as_flattened()),
+            vertices,
+            draws: program.zeros("draws", 5 * mesh.submeshes().len()),
+            live: program.kernel(shaders::LIVE),
+            count: mesh.submeshes().len() as u32,
+            stride: stride as u32,
+        }
+    }
+
+    /// The pass.
+    #[must_use]
+    pub fn pass(&self) -> Pass {
+        Pass {
+            kernel: self.live,
+            buffers: vec![self.submeshes, self.triangles, self.vertices, self.draws],
+            threads: self.count,
+            parameters: vec![self.count, self.stride],
+        }
+    }
+}

@@ -1,0 +1,53 @@
+// How many triangles of each submesh are drawn, as arguments of an indexed indirect draw. Live triangles are the first of
+// their submesh, so their number is found by bisection, one thread per submesh: a triangle is dead if two of its
+// corners are drawn at one position. Nothing is stored for this and nothing is read back.
+
+struct Parameters {
+    submeshes: u32,
+    // Words of a vertex record; the first three are the position.
+    stride: u32,
+}
+
+@group(0) @binding(0) var<uniform> p: Parameters;
+// First triangle and number of triangles of each submesh.
+@group(0) @binding(1) var<storage, read> submeshes: array<vec2<u32>>;
+@group(0) @binding(2) var<storage, read> triangles: array<u32>;
+@group(0) @binding(3) var<storage, read> vertices: array<u32>;
+// Five words per submesh: index count, instance count, first index, base vertex, first instance.
+@group(0) @binding(4) var<storage, read_write> draws: array<u32>;
+
+// Positions are the same if their bits are, or if both are zero of either sign.
+fn same(a: u32, b: u32) -> bool {
+    for (var c = 0u; c < 3u; c++) {
+        let x = vertices[a * p.stride + c];
+        let y = vertices[b * p.stride + c];
+        if (x != y && ((x | y) << 1u) != 0u) { return false; }
+    }
+    return true;
+}
+
+fn dead(triangle: u32) -> bool {
+    let a = triangles[3u * triangle];
+    let b = triangles[3u * triangle + 1u];
+    let c = triangles[3u * triangle + 2u];
+    return same(a, b) || same(b, c) || same(c, a);
+}
+
+@compute @workgroup_size(256)
+fn main(@builtin(global_invocation_id) g: vec3<u32>, @builtin(num_workgroups) size: vec3<u32>) {
+    let s = g.x + g.y * size.x * 256u;
+    if (s >= p.submeshes) { return; }
+    let first = submeshes[s].x;
+    // Triangles before `low` are live, those from `high` on are dead.
+    var low = first;
+    var high = first + submeshes[s].y;
+    while (low < high) {
+        let middle = low + (high - low) / 2u;
+        if (dead(middle)) { high = middle; } else { low = middle + 1u; }
+    }
+    draws[5u * s] = 3u * (low - first);
+    draws[5u * s + 1u] = 1u;
+    draws[5u * s + 2u] = 3u * first;
+    draws[5u * s + 3u] = 0u;
+    draws[5u * s + 4u] = 0u;
+}

@@ -1,0 +1,246 @@
+//! Interactive Meshes on a graphics device: construction, continuous extraction and live counts as a [`Plan`].
+
+use super::{CollapseLists, Counting, Extraction, Interactive, ListsTooLong, shaders};
+use crate::plan::{
+    BufferId, Expected, KernelId, LONGEST_LOOP, Pass, Plan, PlanError, Program, Scan, Step, VertexRecords,
+};
+use crate::{Failure, Model, first_difference};
+use lodc_mesh::{Lod, OrientedTriangle, PositionIds, Simplified};
+use std::sync::Arc;
+
+/// Buffers and kernels of the continuous variant.
+#[derive(Clone, Debug)]
+pub struct Continuous {
+    collapse_to: BufferId,
+    /// Records of the mesh.
+    pub source: BufferId,
+    /// Where each collapse list starts.
+    pub offsets: BufferId,
+    /// The collapse lists.
+    pub entries: BufferId,
+    current: BufferId,
+    /// The records that are drawn.
+    pub vertices: BufferId,
+    trouble: BufferId,
+    length: KernelId,
+    fill: KernelId,
+    extract: KernelId,
+    scan: Scan,
+    sizes: Sizes,
+}
+
+/// Numbers that passes are given.
+#[derive(Clone, Copy, Debug)]
+struct Sizes {
+    vertices: u32,
+    coarsest: u32,
+    longest: u32,
+    stride: u32,
+}
+
+impl Continuous {
+    /// Uploads what is stored (records, triangles, `collapse_to`) and makes room for the rest.
+    ///
+    /// # Errors
+    /// If the lists are too long for a device.
+    pub fn new(
+        program: &mut Program,
+        simplified: &Simplified,
+        lists: &CollapseLists,
+        records: &VertexRecords,
+    ) -> Result<Self, PlanError> {
+        let mesh = simplified.mesh();
+        let vertices = mesh.vertex_count();
+        let longest = (0..vertices as u32).map(|v| lists.range(v).len() as u32).max().unwrap_or(0);
+        if longest > LONGEST_LOOP {
+            return Err(PlanError::TooDeep { length: longest });
+        }
+        let sizes = Sizes {
+            vertices: vertices as u32,
+            coarsest: simplified.collapses().records(),
+            longest,
+            stride: records.stride as u32,
+        };
+        let offsets = program.zeros("offsets", vertices + 1);
+        Ok(Self {
+            collapse_to: program.words("collapse_to", simplified.collapses().targets()),
+            source: program.words("source", records.words.as_slice()),
+            offsets,
+            entries: program.zeros("entries", lists.entries().len()),
+            current: program.zeros("current", vertices),
+            vertices: program.words("vertices", records.words.as_slice()),
+            trouble: program.zeros("trouble", 1),
+            length: program.kernel(shaders::LISTS_LENGTH),
+            fill: program.kernel(shaders::LISTS_FILL),
+            extract: program.kernel(shaders::EXTRACT),
+            scan: Scan::new(program, offsets, vertices + 1),
+            sizes,
+        })
+    }
+
+    /// The construction pass.
+    #[must_use]
+    pub fn construction(&self) -> Vec<Pass> {
+        let s = self.sizes;
+        let length = Pass {
+            kernel: self.length,
+            buffers: vec![self.collapse_to, self.offsets, self.trouble],
+            threads: s.vertices + 1,
+            parameters: vec![s.vertices, s.coarsest, s.longest],
+        };
+        let fill = Pass {
+            kernel: self.fill,
+            buffers: vec![self.collapse_to, self.offsets, self.entries, self.current],
+            threads: s.vertices,
+            parameters: vec![s.vertices],
+        };
+        std::iter::once(length).chain(self.scan.passes()).chain([fill]).collect()
+    }
+
+    /// The extraction pass between two LODs, near or far, coarser or finer.
+    #[must_use]
+    pub fn extraction(&self, from: Lod, to: Lod) -> Pass {
+        let touched = from.max(to).0.min(self.sizes.vertices);
+        Pass {
+            kernel: self.extract,
+            buffers: vec![self.offsets, self.entries, self.source, self.current, self.vertices, self.trouble],
+            threads: touched,
+            parameters: vec![touched, to.0, self.sizes.stride],
+        }
+    }
+
+    /// What the construction pass makes.
+    #[must_use]
+    pub fn constructed(&self, lists: &CollapseLists) -> Vec<Expected> {
+        vec![
+            Expected::new(self.offsets, lists.offsets()),
+            Expected::new(self.entries, lists.entries()),
+            Expected::new(self.current, &lists.offsets()[..lists.vertices()]),
+            Expected::new(self.trouble, [0]),
+        ]
+    }
+}
+
+impl Interactive {
+    /// The continuous variant over some LODs, each compared in full: collapse pointers, drawn records and draw arguments
+    /// with the twin, the twin's triangles with the reference.
+    ///
+    /// # Errors
+    /// If the mesh is too large or its lists too long.
+    pub fn continuous(&self, stops: Vec<Lod>) -> Result<Plan<'_>, PlanError> {
+        let simplified = self.simplified().as_ref();
+        let mesh = simplified.mesh();
+        let lists = lists(simplified)?;
+        let records = VertexRecords::whole(mesh)?;
+        let mut program = Program::default();
+        let device = Continuous::new(&mut program, simplified, &lists, &records)?;
+        let counting = Counting::new(&mut program, mesh, device.vertices, records.stride);
+        let mut made = program.uploaded(&[]);
+        made.extend(device.constructed(&lists));
+        let construction =
+            Step { at: "construction".to_owned(), passes: device.construction(), checks: made, twin: None };
+        // What extraction must not write to is looked at again at the end.
+        let mut kept = program.uploaded(&[device.vertices]);
+        kept.extend([Expected::new(device.offsets, lists.offsets()), Expected::new(device.entries, lists.entries())]);
+        let unchanged = Step { at: "the end".to_owned(), passes: Vec::new(), checks: kept, twin: None };
+        let locate = locate(simplified, &device, (counting.triangles, counting.draws), records.stride);
+        let mut twin = Twin {
+            model: self,
+            positions: PositionIds::new(mesh.positions()),
+            extraction: Extraction::new(&lists),
+            lists,
+            records,
+            device,
+            counting,
+            lod: Lod(0),
+        };
+        let moves = stops.into_iter().map(move |lod| twin.step(lod));
+        let steps = std::iter::once(construction).chain(moves).chain([unchanged]);
+        Ok(Plan { model: self.name(), name: "continuous", program, steps: Box::new(steps), locate: Box::new(locate) })
+    }
+}
+
+/// The full collapse lists of a sequence.
+pub(super) fn lists(simplified: &Simplified) -> Result<CollapseLists, PlanError> {
+    let collapses = simplified.collapses();
+    CollapseLists::new(collapses.targets(), collapses.last(), u32::MAX as usize / 4)
+        .map_err(|ListsTooLong { entries }| PlanError::TooLarge { what: "the collapse lists", words: entries })
+}
+
+/// The same work on the CPU.
+struct Twin<'a> {
+    model: &'a Interactive,
+    positions: PositionIds,
+    extraction: Extraction,
+    lists: CollapseLists,
+    records: VertexRecords,
+    device: Continuous,
+    counting: Counting,
+    lod: Lod,
+}
+
+impl Twin<'_> {
+    fn step(&mut self, wanted: Lod) -> Step {
+        let simplified = self.model.simplified();
+        let lod = simplified.collapses().floor(wanted);
+        let passes = vec![self.device.extraction(self.lod, lod), self.counting.pass()];
+        self.extraction.seek(&self.lists, lod);
+        self.lod = lod;
+        let shown: Vec<u32> =
+            (0..self.lists.vertices() as u32).map(|v| self.extraction.shown(&self.lists, v)).collect();
+        let mut vertices = Vec::with_capacity(self.records.words.len());
+        for &v in &shown {
+            vertices.extend_from_slice(self.records.at(v));
+        }
+        let (mut draws, mut triangles) = (Vec::new(), Vec::new());
+        for (s, submesh) in simplified.mesh().submeshes().iter().enumerate() {
+            let live = self.model.live(s, lod);
+            draws.extend([3 * live, 1, 3 * submesh.first_triangle, 0, 0]);
+            let drawn = &simplified.mesh().triangles()[submesh.triangles()][..live as usize];
+            triangles.extend(drawn.iter().map(|t| OrientedTriangle::new(s as u32, t.map(|v| shown[v as usize]))));
+        }
+        let twin = self.judge(lod, triangles);
+        let checks = vec![
+            Expected::new(self.device.current, self.extraction.pointers()),
+            Expected::new(self.device.vertices, vertices),
+            Expected::new(self.counting.draws, draws),
+            Expected::new(self.device.trouble, [0]),
+        ];
+        Step { at: format!("LOD {}", lod.0), passes, checks, twin }
+    }
+
+    fn judge(&self, lod: Lod, triangles: Vec<OrientedTriangle>) -> Option<Failure> {
+        let truth = self.model.simplified().triangles_at_with(lod, &self.positions);
+        first_difference(lod, truth, triangles)
+    }
+}
+
+/// Names the vertex or submesh of a word, and the first triangle that has the vertex.
+pub(super) fn locate(
+    simplified: &Simplified,
+    device: &Continuous,
+    (triangle_words, draws): (BufferId, BufferId),
+    stride: usize,
+) -> impl Fn(BufferId, usize) -> String + use<> {
+    let device = device.clone();
+    let triangles: Arc<[[u32; 3]]> = simplified.mesh().triangles().into();
+    let submeshes: Vec<_> = simplified.mesh().submeshes().iter().map(|s| s.triangles()).collect();
+    move |buffer, word| {
+        let vertex = if buffer == draws {
+            return format!("submesh {}", word / 5);
+        } else if buffer == triangle_words {
+            return format!("triangle {}", word / 3);
+        } else if buffer == device.vertices || buffer == device.source {
+            word / stride
+        } else if buffer == device.current || buffer == device.offsets || buffer == device.collapse_to {
+            word
+        } else {
+            return format!("word {word}");
+        };
+        let user = triangles.iter().position(|t| t.contains(&(vertex as u32)));
+        user.map_or(format!("vertex {vertex}"), |t| {
+            let submesh = submeshes.iter().position(|range| range.contains(&t)).unwrap_or_default();
+            format!("vertex {vertex}, a corner of triangle {t} of submesh {submesh}")
+        })
+    }
+}

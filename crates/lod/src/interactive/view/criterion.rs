@@ -1,0 +1,72 @@
+//! What decides how fine each part of the surface is.
+
+use lodc_mesh::Lod;
+
+/// What the LOD of a wedge group depends on. Positions and lengths are in the mesh's units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Criterion {
+    /// The angle between the group's cone of normals and the direction to the eye (thesis 5.3, algorithm 6): `edge` where
+    /// a normal of the cone may be perpendicular to it, so that the outline keeps its detail, up to `face` where all are
+    /// parallel, linear in the cosine between.
+    Silhouette {
+        /// Where the surface is looked at from.
+        eye: [f32; 3],
+        /// The finer LOD.
+        edge: Lod,
+        /// The coarser LOD.
+        face: Lod,
+    },
+    /// The coarsest LOD whose stored error, at the group's distance from the eye, covers at most `slope` of that distance.
+    ScreenError {
+        /// Where the surface is looked at from.
+        eye: [f32; 3],
+        /// Allowed error per distance: see [`Self::slope`].
+        slope: f32,
+    },
+    /// One LOD in a sphere, another outside (thesis, fig. 5.8).
+    Sphere {
+        /// Its centre.
+        centre: [f32; 3],
+        /// Its radius.
+        radius: f32,
+        /// The LOD inside and on it.
+        inside: Lod,
+        /// The LOD outside.
+        outside: Lod,
+    },
+    /// One LOD in a box, another outside.
+    Region {
+        /// Its lowest corner.
+        low: [f32; 3],
+        /// Its highest corner.
+        high: [f32; 3],
+        /// The LOD inside and on it.
+        inside: Lod,
+        /// The LOD outside.
+        outside: Lod,
+    },
+}
+
+impl Criterion {
+    /// The slope for [`Self::ScreenError`] at which an error covers `pixels` of a picture that is `height` pixels high and
+    /// shows a vertical angle with this tangent of its half.
+    #[must_use]
+    pub fn slope(pixels: f32, height: f32, tan_half_angle: f32) -> f32 {
+        pixels * 2.0 * tan_half_angle / height
+    }
+
+    /// One LOD everywhere.
+    #[must_use]
+    pub fn everywhere(lod: Lod) -> Self {
+        Self::Region { low: [f32::MIN; 3], high: [f32::MAX; 3], inside: lod, outside: lod }
+    }
+}
+
+/// A view: a criterion, and whether vertices move smoothly between LODs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct View {
+    /// What decides.
+    pub criterion: Criterion,
+    /// Whether positions are interpolated between the steps in which a group moves.
+    pub morph: bool,
+}

@@ -1,0 +1,54 @@
+// Degenerate filter, first of three: which triangles are drawn. One thread looks at four, one workgroup at 1024. Twin:
+// filter.rs. A triangle is not drawn if two of its corners are drawn at one position, which is so exactly if they share
+// the entry they show, the one they move towards, and how far they are.
+
+struct Parameters {
+    triangles: u32,
+    // Words of a vertex record; the first three are the position.
+    stride: u32,
+}
+
+@group(0) @binding(0) var<uniform> p: Parameters;
+@group(0) @binding(1) var<storage, read> triangles: array<u32>;
+@group(0) @binding(2) var<storage, read> vertices: array<u32>;
+// Four bits per thread.
+@group(0) @binding(3) var<storage, read_write> live: array<u32>;
+// Live triangles per workgroup.
+@group(0) @binding(4) var<storage, read_write> blocks: array<u32>;
+
+var<workgroup> counts: array<u32, 256>;
+
+// Positions are the same if their bits are, or if both are zero of either sign.
+fn same(a: u32, b: u32) -> bool {
+    for (var c = 0u; c < 3u; c++) {
+        let x = vertices[a * p.stride + c];
+        let y = vertices[b * p.stride + c];
+        if (x != y && ((x | y) << 1u) != 0u) { return false; }
+    }
+    return true;
+}
+
+@compute @workgroup_size(256)
+fn main(@builtin(workgroup_id) w: vec3<u32>, @builtin(num_workgroups) size: vec3<u32>,
+        @builtin(local_invocation_index) l: u32) {
+    let block = w.x + w.y * size.x;
+    let i = block * 256u + l;
+    var bits = 0u;
+    for (var k = 0u; k < 4u; k++) {
+        let t = 4u * i + k;
+        if (t < p.triangles) {
+            let a = triangles[3u * t];
+            let b = triangles[3u * t + 1u];
+            let c = triangles[3u * t + 2u];
+            if (!(same(a, b) || same(b, c) || same(c, a))) { bits |= 1u << k; }
+        }
+    }
+    if (4u * i < p.triangles) { live[i] = bits; }
+    counts[l] = countOneBits(bits);
+    for (var half = 128u; half > 0u; half >>= 1u) {
+        workgroupBarrier();
+        if (l < half) { counts[l] += counts[l + half]; }
+    }
+    workgroupBarrier();
+    if (l == 0u && block * 1024u < p.triangles) { blocks[block] = counts[0]; }
+}

@@ -1,0 +1,33 @@
+// Degenerate filter, last of three: the arguments of one indirect draw per submesh. Twin: filter.rs.
+
+struct Parameters { submeshes: u32 }
+
+@group(0) @binding(0) var<uniform> p: Parameters;
+// First triangle and number of triangles of each submesh.
+@group(0) @binding(1) var<storage, read> submeshes: array<vec2<u32>>;
+@group(0) @binding(2) var<storage, read> live: array<u32>;
+@group(0) @binding(3) var<storage, read> blocks: array<u32>;
+// Five words per submesh: index count, instance count, first index, base vertex, first instance.
+@group(0) @binding(4) var<storage, read_write> draws: array<u32>;
+
+// How many triangles before this one are drawn.
+fn before(triangle: u32) -> u32 {
+    let block = triangle / 1024u;
+    var count = blocks[block];
+    for (var i = 256u * block; i < triangle / 4u; i++) { count += countOneBits(live[i]); }
+    let rest = triangle % 4u;
+    if (rest != 0u) { count += countOneBits(live[triangle / 4u] & ((1u << rest) - 1u)); }
+    return count;
+}
+
+@compute @workgroup_size(256)
+fn main(@builtin(global_invocation_id) g: vec3<u32>, @builtin(num_workgroups) size: vec3<u32>) {
+    let s = g.x + g.y * size.x * 256u;
+    if (s >= p.submeshes) { return; }
+    let first = before(submeshes[s].x);
+    draws[5u * s] = 3u * (before(submeshes[s].x + submeshes[s].y) - first);
+    draws[5u * s + 1u] = 1u;
+    draws[5u * s + 2u] = 3u * first;
+    draws[5u * s + 3u] = 0u;
+    draws[5u * s + 4u] = 0u;
+}

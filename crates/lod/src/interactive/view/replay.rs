@@ -1,0 +1,133 @@
+//! Views as a [`Plan`]: all criteria from seeded eyes, with and without morphing.
+
+use super::{Criterion, Filter, View, ViewPasses, Views, filtered, passes};
+use crate::Model;
+use crate::interactive::{Continuous, Interactive, replay};
+use crate::plan::{Expected, Plan, PlanError, Program, Step, Tolerance, VertexRecords};
+use lodc_mesh::{CollapseSequence, Lod, PositionIds};
+use lodc_strip::order;
+
+/// Entries of the vertex cache that triangles are ordered for.
+const CACHE: u32 = 16;
+
+impl Interactive {
+    /// Everything that runs on a device: the continuous variant over some LODs, and the view-dependent one over a sample
+    /// of views, fewer on large meshes.
+    ///
+    /// # Errors
+    /// If the mesh is too large or its lists too long.
+    pub fn replays(&self, stops: &[Lod]) -> Result<Vec<Plan<'_>>, PlanError> {
+        let mesh = self.simplified().mesh();
+        let rounds = (2_000_000 / mesh.triangles().len().max(1)).clamp(1, 8) as u32;
+        let views = sample(self.simplified().collapses(), mesh.bounds(), rounds, 1);
+        Ok(vec![self.continuous(stops.to_vec())?, self.views(views, order(mesh, CACHE))?])
+    }
+
+    /// The view-dependent variant over some views, each compared in full: states of groups, drawn records, compacted
+    /// triangles and draw arguments with the twin; what the twin shows with the plain sequence, and that it does not tear.
+    /// `triangles` are those of the mesh, submesh by submesh, in the order in which they shall be drawn.
+    ///
+    /// # Errors
+    /// If the mesh is too large or its lists too long.
+    pub fn views(&self, views: Vec<View>, triangles: Vec<[u32; 3]>) -> Result<Plan<'_>, PlanError> {
+        let simplified = self.simplified().as_ref();
+        let mesh = simplified.mesh();
+        let lists = replay::lists(simplified)?;
+        let records = VertexRecords::whole(mesh)?;
+        let mut program = Program::default();
+        let base = Continuous::new(&mut program, simplified, &lists, &records)?;
+        let stride = records.stride;
+        let twin = Views::new(simplified, lists, records);
+        let device = ViewPasses::new(&mut program, &twin, &base);
+        let filter = Filter::new(&mut program, mesh, &triangles, base.vertices, stride);
+        let construction = Step {
+            at: "construction".to_owned(),
+            passes: base.construction(),
+            checks: program.uploaded(&[]).into_iter().chain(base.constructed(&twin.lists)).collect(),
+            twin: None,
+        };
+        // What no pass may write to is looked at again at the end.
+        let kept =
+            [Expected::new(base.offsets, twin.lists.offsets()), Expected::new(base.entries, twin.lists.entries())];
+        let checks = program.uploaded(&[base.vertices]).into_iter().chain(kept).collect();
+        let unchanged = Step { at: "the end".to_owned(), passes: Vec::new(), checks, twin: None };
+        let positions = PositionIds::new(mesh.positions());
+        let locate = replay::locate(simplified, &base, (filter.triangles, filter.draws), stride);
+        let states = device.states;
+        let step = move |view: View| {
+            let shown = twin.show(&view);
+            let (indices, draws) = filtered(mesh, &triangles, &shown.vertices, stride);
+            let failure = twin.judge(&view, &shown, &indices, &positions);
+            let tolerance = view.morph.then_some(Tolerance { stride, floats: 3 });
+            let mut passes = device.passes(&view, &twin);
+            passes.extend(filter.passes());
+            let checks = vec![
+                Expected::new(device.states, passes::words(&shown.states)),
+                Expected { tolerance, ..Expected::new(base.vertices, shown.vertices) },
+                Expected::new(filter.indices, indices),
+                Expected::new(filter.draws, draws),
+            ];
+            Step { at: name(&view), passes, checks, twin: failure }
+        };
+        let steps = std::iter::once(construction).chain(views.into_iter().map(step)).chain([unchanged]);
+        let locate = move |buffer, word| {
+            if buffer == states { format!("wedge group {}", word / 3) } else { locate(buffer, word) }
+        };
+        Ok(Plan {
+            model: self.name(),
+            name: "view-dependent",
+            program,
+            steps: Box::new(steps),
+            locate: Box::new(locate),
+        })
+    }
+}
+
+fn name(view: &View) -> String {
+    let morph = if view.morph { " with morphing" } else { "" };
+    match view.criterion {
+        Criterion::Silhouette { eye, .. } => format!("silhouette from {eye:?}{morph}"),
+        Criterion::ScreenError { eye, slope } => format!("screen error {slope} from {eye:?}{morph}"),
+        Criterion::Sphere { centre, radius, .. } => format!("sphere of {radius} at {centre:?}{morph}"),
+        Criterion::Region { inside, outside, .. } => format!("LOD {} in a box, {} outside{morph}", inside.0, outside.0),
+    }
+}
+
+/// Views for a verification: one LOD everywhere at some LODs, and `rounds` seeded views by each criterion, every second one
+/// with morphing.
+#[must_use]
+pub fn sample(collapses: &CollapseSequence, bounds: ([f32; 3], [f32; 3]), rounds: u32, seed: u64) -> Vec<View> {
+    let mut state = seed;
+    let mut unit = || {
+        // SplitMix64, 24 bits of it.
+        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut bits = (state ^ (state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        (bits >> 40) as f32 / 16_777_216.0
+    };
+    let (low, high) = bounds;
+    let size = (0..3).map(|i| high[i] - low[i]).fold(1e-6, f32::max);
+    let last = collapses.last().0;
+    let mut views = vec![];
+    for round in 0..rounds {
+        let mut lod = || Lod((unit() * last as f32) as u32);
+        let (a, b) = (lod(), lod());
+        let (fine, coarse) = (a.min(b), a.max(b));
+        let mut point = |spread: f32| -> [f32; 3] {
+            std::array::from_fn(|i| f32::midpoint(low[i], high[i]) + (unit() - 0.5) * spread * size)
+        };
+        let (eye, centre, corner) = (point(6.0), point(1.0), point(1.5));
+        let reach = 0.6 * size;
+        let slope = Criterion::slope(1.0 + 2.0 * round as f32, 1000.0, 0.5);
+        let criteria = [
+            Criterion::everywhere(a),
+            Criterion::Silhouette { eye, edge: fine, face: coarse },
+            Criterion::ScreenError { eye, slope },
+            Criterion::Sphere { centre, radius: 0.5 * reach, inside: a, outside: b },
+            Criterion::Region { low: corner, high: corner.map(|c| c + reach), inside: b, outside: a },
+        ];
+        let morph = |i: usize| (i + round as usize) % 2 == 1;
+        views.extend(criteria.into_iter().enumerate().map(|(i, criterion)| View { criterion, morph: morph(i) }));
+    }
+    views
+}

@@ -1,0 +1,134 @@
+//! Views on the CPU: every fixture, whatever its seams, borders and submeshes.
+
+use super::*;
+use crate::interactive::replay::lists;
+use lodc_fixtures as fixtures;
+use lodc_mesh::Lod;
+
+fn views_of(simplified: &Simplified) -> Views<'_> {
+    let lists = lists(simplified).expect("a small mesh");
+    Views::new(simplified, lists, VertexRecords::whole(simplified.mesh()).expect("a small mesh"))
+}
+
+fn everything(check: impl Fn(&str, &Simplified)) {
+    for &(name, make) in fixtures::ALL {
+        let mesh = make();
+        if mesh.triangles().len() <= 400 {
+            check(name, &fixtures::random_collapse(&mesh, 1));
+        }
+    }
+    for seed in 0..40 {
+        check(&format!("random {seed}"), &fixtures::random_collapse(&fixtures::random(seed), seed));
+    }
+}
+
+#[test]
+fn views_show_what_the_sequence_says_and_never_tear() {
+    everything(|name, simplified| {
+        let mesh = simplified.mesh();
+        if mesh.vertex_count() == 0 {
+            return;
+        }
+        let views = views_of(simplified);
+        let positions = PositionIds::new(mesh.positions());
+        for view in sample(simplified.collapses(), mesh.bounds(), 8, 3) {
+            let shown = views.show(&view);
+            let (indices, _) = filtered(mesh, mesh.triangles(), &shown.vertices, views.records.stride);
+            assert_eq!(views.judge(&view, &shown, &indices, &positions), None, "{name}: {view:?}");
+        }
+    });
+}
+
+/// A vertex that takes its own LOD instead of its group's tears the mesh, and the judge sees it.
+#[test]
+fn a_wedge_that_goes_its_own_way_is_a_tear() {
+    let simplified = fixtures::random_collapse(&fixtures::named("faceted_sphere").expect("a named shape"), 1);
+    let views = views_of(&simplified);
+    let view = View { criterion: Criterion::everywhere(Lod(0)), morph: false };
+    let mut shown = views.show(&view);
+    let wedge = simplified.mesh().triangles()[0][0] as usize;
+    let coarse = simplified.collapses().resolve(wedge as u32, simplified.collapses().last());
+    shown.vertices[wedge * views.records.stride..][..3].copy_from_slice(&views.records.at(coarse)[..3]);
+    let (indices, _) =
+        filtered(simplified.mesh(), simplified.mesh().triangles(), &shown.vertices, views.records.stride);
+    assert!(views.torn(&shown, &indices).is_some());
+}
+
+#[test]
+fn cones_bound_the_normals_of_all_that_collapses_into_a_group() {
+    everything(|name, simplified| {
+        let mesh = simplified.mesh();
+        let positions = PositionIds::new(mesh.positions());
+        let cones = Cones::new(mesh, &positions, simplified.collapses());
+        let lists = lists(simplified).expect("a small mesh");
+        for &t in mesh.triangles() {
+            let Some(normal) = cones::normal(mesh, t) else { continue };
+            for v in t {
+                for &entry in lists.list(v) {
+                    let group = cones.of_vertex[entry as usize] as usize;
+                    if let Some(cone) = cones.cones.get(group) {
+                        assert!(cone.contains(normal), "{name}: {t:?} at {entry}: {cone:?} {normal:?}");
+                    }
+                }
+            }
+        }
+    });
+}
+
+#[test]
+fn morphing_starts_at_the_entry_and_stays_before_the_next() {
+    let simplified = fixtures::random_collapse(&fixtures::icosphere(2), 1);
+    let views = views_of(&simplified);
+    for lod in 0..simplified.collapses().records() {
+        let view = |morph| View { criterion: Criterion::everywhere(Lod(lod)), morph };
+        let (still, moving) = (views.show(&view(false)), views.show(&view(true)));
+        assert_eq!(still.entries, moving.entries);
+        for (v, state) in moving.states.iter().enumerate() {
+            let first = views.groups[v].first_vertex as usize;
+            let list = views.lists.list(first as u32);
+            let at = list.iter().position(|&e| e == moving.entries[first]).expect("an entry of the list");
+            let ends =
+                |record: u32| simplified.collapses().parts().step_ends[simplified.collapses().steps_at(Lod(record))];
+            if at + 1 == list.len() {
+                assert_eq!(state.way, 0);
+                continue;
+            }
+            let came = if at == 0 { 0 } else { ends(list[at - 1]) };
+            let share = f64::from(lod - came) / f64::from(ends(list[at]) - came);
+            assert!((f64::from(state.way) / 65536.0 - share).abs() < 1e-4, "LOD {lod}: {state:?}");
+        }
+    }
+}
+
+/// Fig. 5.8: detail inside a region only.
+#[test]
+fn a_region_is_fine_inside_and_coarse_outside() {
+    let simplified = fixtures::random_collapse(&fixtures::icosphere(2), 1);
+    let views = views_of(&simplified);
+    let coarse = simplified.collapses().floor(Lod(simplified.collapses().records() * 9 / 10));
+    let criterion = Criterion::Region { low: [-2.0, -2.0, 0.0], high: [2.0; 3], inside: Lod(0), outside: coarse };
+    let shown = views.show(&View { criterion, morph: false });
+    for (v, &entry) in shown.entries.iter().enumerate() {
+        let inside = simplified.mesh().positions()[v][2] >= 0.0;
+        let lod = if inside { Lod(0) } else { coarse };
+        assert_eq!(entry, simplified.collapses().resolve(v as u32, lod));
+    }
+}
+
+#[test]
+fn the_outline_is_fine_and_the_middle_coarse() {
+    let simplified = fixtures::random_collapse(&fixtures::icosphere(3), 1);
+    let views = views_of(&simplified);
+    let last = simplified.collapses().last();
+    let criterion = Criterion::Silhouette { eye: [0.0, 0.0, 100.0], edge: Lod(0), face: last };
+    let shown = views.show(&View { criterion, morph: false });
+    for (group, state) in views.groups.iter().zip(&shown.states) {
+        let cos = group.axis[2].abs();
+        if cos < 0.05 {
+            assert!(state.shown < last.0 / 5, "{group:?}: {state:?}");
+        }
+        if group.cos > 0.99 && cos > 0.98 {
+            assert!(state.shown > last.0 * 4 / 5, "{group:?}: {state:?}");
+        }
+    }
+}

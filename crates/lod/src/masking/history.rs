@@ -1,0 +1,128 @@
+//! What happens to each strip: which of its positions every record changes, and what is drawn of it then.
+
+use super::filters::Filters;
+use super::pattern::Pattern;
+use lodc_mesh::{PositionIds, Simplified};
+use lodc_strip::StripSet;
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// What one record does to one strip: the `InfoStrip` of the thesis (4.2.1).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Entry {
+    pub(super) record: u32,
+    /// The positions that hold the vertex which the record removes.
+    pub(super) positions: u64,
+    /// The positions that are drawn after the step of the record; 0 if no triangle is left.
+    pub(super) filter: u64,
+}
+
+/// The entries of all strips.
+#[derive(Clone, Debug)]
+pub(super) struct Histories {
+    /// Where each strip's entries start, and where the last one's end.
+    pub(super) firsts: Vec<u32>,
+    /// Strip by strip, in order of records.
+    pub(super) entries: Vec<Entry>,
+}
+
+/// Strips worked on at a time by one thread.
+const BLOCK: usize = 1024;
+
+/// Follows every strip by itself. A strip has no entries after the step in which its last triangle dies.
+///
+/// `None` if there would be far more entries than any sensible sequence makes.
+pub(super) fn histories(simplified: &Simplified, strips: &StripSet, positions: &PositionIds) -> Option<Histories> {
+    let end_of = ends(simplified);
+    let targets = simplified.collapses().targets();
+    // Real sequences make about two entries for each index.
+    let limit = 32 * (strips.indices().len() + targets.len()) as u64 + 1_000_000;
+    let entries = AtomicU64::new(0);
+    let blocks: Vec<_> = (0..strips.len().div_ceil(BLOCK)).collect();
+    let blocks = blocks.into_par_iter().map_init(Filters::new, |filters, block| {
+        let mut follower = Follower { targets, end_of: &end_of, positions, filters, entries: Vec::new() };
+        let mut counts = Vec::with_capacity(BLOCK);
+        for strip in block * BLOCK..strips.len().min((block + 1) * BLOCK) {
+            let before = follower.entries.len();
+            follower.follow(strips.strip(strip), (limit + 1) as usize);
+            counts.push(follower.entries.len() - before);
+            let added = counts[counts.len() - 1] as u64;
+            // Whether the sum of all blocks exceeds the limit does not depend on their order.
+            if entries.fetch_add(added, Ordering::Relaxed) + added > limit {
+                return None;
+            }
+        }
+        Some((counts, follower.entries))
+    });
+    let blocks: Vec<_> = blocks.collect::<Option<_>>()?;
+    let mut firsts = Vec::with_capacity(strips.len() + 1);
+    let mut all = Vec::with_capacity(blocks.iter().map(|(_, entries)| entries.len()).sum());
+    let mut first = 0;
+    firsts.push(first);
+    for (counts, entries) in blocks {
+        firsts.extend(counts.iter().map(|&count| {
+            first += count as u32;
+            first
+        }));
+        all.extend(entries);
+    }
+    Some(Histories { firsts, entries: all })
+}
+
+/// For each record the end of its step.
+fn ends(simplified: &Simplified) -> Vec<u32> {
+    let mut end_of = Vec::with_capacity(simplified.collapses().targets().len());
+    for &end in &simplified.collapses().parts().step_ends {
+        end_of.resize(end as usize, end);
+    }
+    end_of
+}
+
+struct Follower<'a> {
+    targets: &'a [u32],
+    end_of: &'a [u32],
+    positions: &'a PositionIds,
+    filters: &'a mut Filters,
+    entries: Vec<Entry>,
+}
+
+impl Follower<'_> {
+    /// Adds the entries of one strip, at most some more than `limit`.
+    fn follow(&mut self, strip: &[u32], limit: usize) {
+        let first = self.entries.len();
+        let mut state = [0; super::pattern::LONGEST];
+        let state = &mut state[..strip.len()];
+        state.copy_from_slice(strip);
+        if self.filter(state) == 0 {
+            return;
+        }
+        // Vertex k goes in record k: the next record of a strip is the least vertex in it.
+        while let Some(&next) = state.iter().min()
+            && let Some(&end) = self.end_of.get(next as usize)
+            && self.entries.len() - first <= limit
+        {
+            let step = self.entries.len();
+            while let Some(&record) = state.iter().min()
+                && record < end
+            {
+                let target = self.targets[record as usize];
+                let mut positions = 0;
+                for (at, v) in state.iter_mut().enumerate() {
+                    positions |= u64::from(*v == record) << at;
+                    *v = if *v == record { target } else { *v };
+                }
+                self.entries.push(Entry { record, positions, filter: 0 });
+            }
+            let filter = self.filter(state);
+            if filter == 0 {
+                return;
+            }
+            self.entries[step..].iter_mut().for_each(|entry| entry.filter = filter);
+        }
+    }
+
+    fn filter(&mut self, state: &[u32]) -> u64 {
+        let place = |v: u32| self.positions.of_vertex[v as usize];
+        self.filters.filter(&Pattern::new(state, place))
+    }
+}

@@ -1,0 +1,74 @@
+//! The tables of the thesis (4.2.1), and what they take to store.
+
+use super::Masking;
+use crate::StorageCost;
+use lodc_mesh::Lod;
+
+/// One entry of the thesis's list of records. A record that changes 255 strips or more has several: one that has 255 is
+/// continued by the next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct InfoUpdate {
+    /// What the removed vertex becomes. (Which one is removed is the number of the record.)
+    pub vertex: u32,
+    /// How many strips are changed.
+    pub strips_affected: u8,
+    /// Whether the next record belongs to the same step.
+    pub next_update: bool,
+}
+
+/// What a record does to one strip.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct InfoStrip {
+    /// The strip.
+    pub strip: u32,
+    /// A bit for each position, the first lowest: those that hold the removed vertex and become its target.
+    pub position_mask: u64,
+    /// The positions that are drawn at the end of the step; none if no triangle of the strip is left.
+    pub filter_mask: u64,
+}
+
+impl Masking {
+    /// The thesis's list of records.
+    pub fn info_updates(&self) -> impl Iterator<Item = InfoUpdate> {
+        let parts = self.simplified.collapses().parts();
+        let mut ends = parts.step_ends.iter().copied().peekable();
+        parts.targets.iter().enumerate().flat_map(move |(record, &vertex)| {
+            let next_update = ends.next_if_eq(&(record as u32 + 1)).is_none();
+            let strips = (self.starts[record + 1] - self.starts[record]) as usize;
+            (0..=strips / 255).map(move |entry| {
+                let strips_affected = (strips - 255 * entry).min(255) as u8;
+                InfoUpdate { vertex, strips_affected, next_update }
+            })
+        })
+    }
+
+    /// What a record does to the strips, in order of strips. Takes the logarithm of a strip's entries for each.
+    ///
+    /// # Panics
+    /// If there is no such record.
+    pub fn info_strips(&self, record: u32) -> impl ExactSizeIterator<Item = InfoStrip> {
+        let places = self.starts[record as usize] as usize..self.starts[record as usize + 1] as usize;
+        self.affected[places].iter().map(move |&strip| {
+            let history = &self.entries[self.history(strip as usize)];
+            let entry = history[history.partition_point(|entry| entry.record < record)];
+            InfoStrip { strip, position_mask: entry.positions, filter_mask: entry.filter }
+        })
+    }
+}
+
+/// What the tables take down to the end of a step: vertices and strips are those of the whole model.
+pub(super) fn storage(model: &Masking, lod: Lod) -> StorageCost {
+    let plain = StorageCost::of_triangles(&model.simplified);
+    let geometry = 12 * (plain.vertices + plain.fakes);
+    let counts = model.starts.windows(2).take(lod.0 as usize).map(|start| u64::from(start[1] - start[0]));
+    // Five bytes a record, and five more whenever 255 is not enough.
+    let updates: u64 = counts.map(|strips| 5 * (1 + strips / 255)).sum();
+    let of_strip = |strip: usize| {
+        let history = &model.entries[model.history(strip)];
+        let entries = history.partition_point(|entry| entry.record < lod.0) as u64;
+        entries * (4 + 2 * model.strips.range(strip).len().div_ceil(8) as u64)
+    };
+    let strips: u64 = (0..model.strips.len()).map(of_strip).sum();
+    let primitives = 4 * model.strips.separate_indices();
+    StorageCost { positions: geometry, normals: geometry, primitives, structures: updates + strips, ..plain }
+}

@@ -1,0 +1,165 @@
+//! Masking Strips (thesis chapter 4): strips of constant length, of which every level of detail draws a filtered copy.
+//!
+//! Each record has a *position mask* for every strip that holds its vertex: the positions that become its target. A
+//! *filter mask* says which positions of the strip are drawn after it: the fewest that draw exactly its live triangles.
+//! Filters do not depend on each other, so a far jump needs only the last one of each strip; going back, the filter is
+//! that of the strip's entry before. A strip without live triangles has no further entries.
+//!
+//! Masks are one word here, so longer strips are cut. Everything but the strips follows from them and the collapse
+//! sequence, so that nothing else is stored in a file.
+
+mod cursor;
+mod cut;
+mod filters;
+mod history;
+mod info;
+mod pattern;
+mod shortest;
+#[cfg(test)]
+mod tests;
+mod trim;
+
+pub use cursor::Cursor;
+pub use info::{InfoStrip, InfoUpdate};
+
+use crate::strips::{STRIPS, from_array, to_array};
+use crate::{Array, BuildError, Changes, Model, StorageCost, Strips, Traffic};
+use history::Entry;
+use lodc_mesh::{Lod, OrientedTriangle, PositionIds, Simplified};
+use std::sync::Arc;
+
+/// Masking Strips of a mesh.
+#[derive(Clone, Debug)]
+pub struct Masking {
+    simplified: Arc<Simplified>,
+    strips: Arc<Strips>,
+    positions: PositionIds,
+    /// The submesh of each strip.
+    submeshes: Vec<u32>,
+    /// Where each strip's entries start, and where the last one's end.
+    firsts: Vec<u32>,
+    /// Strip by strip, in order of records: the entry before one is what going back needs.
+    entries: Vec<Entry>,
+    /// Where each record's strips start in `affected`, and where the last one's end.
+    starts: Vec<u32>,
+    /// The strips that each record changes.
+    affected: Vec<u32>,
+}
+
+impl Masking {
+    /// The most vertices that a strip may have: one bit of a mask for each. [`Self::build`] cuts longer ones.
+    pub const LONGEST_STRIP: usize = pattern::LONGEST;
+
+    /// Makes the model from strips that draw the mesh of LOD 0. Parallel over strips; the same whatever the threads.
+    ///
+    /// # Errors
+    /// If the sequence changes strips so often that the model would be far larger than the mesh
+    /// ([`BuildError::Malformed`]): no sequence of a simplifier does.
+    pub fn build(simplified: &Arc<Simplified>, strips: Arc<Strips>) -> Result<Self, BuildError> {
+        let cut = cut::cut(&strips, Self::LONGEST_STRIP).map(|set| Strips { kind: strips.kind, set });
+        let strips = cut.map_or(strips, Arc::new);
+        let positions = PositionIds::new(simplified.mesh().positions());
+        let histories = history::histories(simplified, &strips, &positions).ok_or_else(|| BuildError::Malformed {
+            array: STRIPS,
+            what: "would need far more updates than it has vertices".to_owned(),
+        })?;
+        let (starts, affected) = by_record(&histories, simplified.collapses().records() as usize);
+        Ok(Self {
+            simplified: Arc::clone(simplified),
+            submeshes: strips.submeshes().collect(),
+            strips,
+            positions,
+            firsts: histories.firsts,
+            entries: histories.entries,
+            starts,
+            affected,
+        })
+    }
+
+    /// Makes the model of what [`Model::arrays`] gave out: the strips.
+    ///
+    /// # Errors
+    /// If the array is damaged, has a strip of more than [`Self::LONGEST_STRIP`] vertices or is not the only one; and as
+    /// [`Self::build`].
+    pub fn load(simplified: &Arc<Simplified>, arrays: &[Array]) -> Result<Self, BuildError> {
+        let [array] = arrays else {
+            return Err(BuildError::Arrays { given: arrays.iter().map(|a| a.name.clone()).collect() });
+        };
+        if array.name != STRIPS {
+            return Err(BuildError::Arrays { given: vec![array.name.clone()] });
+        }
+        let strips = from_array(array, simplified.mesh())?;
+        if strips.iter().any(|strip| strip.len() > Self::LONGEST_STRIP) {
+            let what = format!("has a strip of more than {} vertices", Self::LONGEST_STRIP);
+            return Err(BuildError::Malformed { array: STRIPS, what });
+        }
+        Self::build(simplified, Arc::new(strips))
+    }
+
+    /// The strips at LOD 0, none longer than [`Self::LONGEST_STRIP`].
+    #[must_use]
+    pub fn strips(&self) -> &Arc<Strips> {
+        &self.strips
+    }
+
+    /// Where a strip's entries are.
+    fn history(&self, strip: usize) -> std::ops::Range<usize> {
+        self.firsts[strip] as usize..self.firsts[strip + 1] as usize
+    }
+}
+
+/// Sorts entries by record: where each record's strips start, and the strips.
+fn by_record(histories: &history::Histories, records: usize) -> (Vec<u32>, Vec<u32>) {
+    let mut starts = vec![0; records + 2];
+    for entry in &histories.entries {
+        starts[entry.record as usize + 2] += 1;
+    }
+    for record in 1..starts.len() {
+        starts[record] += starts[record - 1];
+    }
+    let mut affected = vec![0; histories.entries.len()];
+    for (strip, ends) in histories.firsts.windows(2).enumerate() {
+        for entry in &histories.entries[ends[0] as usize..ends[1] as usize] {
+            let place = &mut starts[entry.record as usize + 1];
+            affected[*place as usize] = strip as u32;
+            *place += 1;
+        }
+    }
+    // Every start has moved on to the next one: the last is left over.
+    starts.pop();
+    (starts, affected)
+}
+
+impl Model for Masking {
+    type Cursor = Cursor;
+
+    fn name(&self) -> &'static str {
+        "masking"
+    }
+    fn simplified(&self) -> &Arc<Simplified> {
+        &self.simplified
+    }
+    fn cursor(&self) -> Cursor {
+        Cursor::new(self)
+    }
+    fn lod(&self, cursor: &Cursor) -> Lod {
+        cursor.lod()
+    }
+    /// The bytes of [`Traffic`] are the filtered copies of the strips that changed, whole, four for each index.
+    fn seek(&self, cursor: &mut Cursor, lod: Lod, changes: &mut impl Changes) -> Traffic {
+        cursor.seek(self, lod, changes)
+    }
+    fn triangles(&self, cursor: &Cursor) -> Vec<OrientedTriangle> {
+        cursor.triangles(self)
+    }
+    fn drawn(&self, cursor: &Cursor) -> u64 {
+        cursor.drawn()
+    }
+    /// Strips, 1¼ words a record, and for each strip that a record changes one word and two masks of `⌈length / 8⌉` bytes.
+    fn storage_to(&self, lod: Lod) -> StorageCost {
+        info::storage(self, self.simplified.collapses().floor(lod))
+    }
+    fn arrays(&self) -> Vec<Array> {
+        vec![to_array(&self.strips, self.simplified.mesh().vertex_count())]
+    }
+}

@@ -1,0 +1,291 @@
+//! The shortest filter: the fewest positions of a strip that draw exactly its live triangles.
+//!
+//! Drawn in order, every kept position after the second either draws a live triangle or is *wasted*: it makes a
+//! degenerate one. All filters draw the same triangles, so the shortest is the one that wastes least. States (last two
+//! labels, parity, triangles left) are searched in layers of equal waste; of the same state only the one that ends at the
+//! earliest position matters, since whatever can follow the later one can follow it too. A state is given up as soon as
+//! a triangle that is left cannot be drawn any more: one of its corners does not come again, and is not among the last
+//! two. Results depend on nothing but the pattern.
+
+use super::pattern::{LONGEST, Pattern};
+
+const NONE: u32 = u32::MAX;
+const SLOTS: usize = 1 << 14;
+
+/// The working memory of searches, used again and again.
+pub(super) struct Search {
+    /// The live triangles, equal ones side by side.
+    triangles: Vec<[u8; 3]>,
+    /// For each label, the triangles that have it as a corner.
+    has: [u64; LONGEST],
+    /// For each label, its positions.
+    positions: [u64; LONGEST],
+    /// For each place, the positions of the labels there.
+    mates: [u64; LONGEST],
+    /// For each position, the triangles with a corner that does not come again after it.
+    gone: [u64; LONGEST],
+    nodes: Vec<Node>,
+    /// Open addressing: the best node of each state.
+    slots: Vec<u32>,
+    used: Vec<u32>,
+    open: Vec<u32>,
+    expanded: Vec<u32>,
+}
+
+/// A kept position, and the state that it leads to.
+#[derive(Clone, Copy)]
+struct Node {
+    /// Triangles that are still to be drawn.
+    left: u64,
+    parent: u32,
+    /// The labels kept last, `q` after `p`.
+    p: u8,
+    q: u8,
+    /// Where `q` was kept.
+    at: u8,
+    /// Whether the next triangle is turned.
+    odd: bool,
+}
+
+impl Search {
+    /// States that one search may keep. Real strips need some tens; strips made to be hard get another filter.
+    pub(super) const LIMIT: usize = SLOTS / 2;
+
+    pub(super) fn new() -> Self {
+        Self {
+            triangles: Vec::new(),
+            has: [0; LONGEST],
+            positions: [0; LONGEST],
+            mates: [0; LONGEST],
+            gone: [0; LONGEST],
+            nodes: Vec::new(),
+            slots: vec![NONE; SLOTS],
+            used: Vec::new(),
+            open: Vec::new(),
+            expanded: Vec::new(),
+        }
+    }
+
+    /// The positions of a shortest filter; 0 if no triangle is live. `None` if more than `limit` states would have to be
+    /// looked at.
+    pub(super) fn shortest(&mut self, pattern: &Pattern, limit: usize) -> Option<u64> {
+        self.triangles.clear();
+        self.triangles.extend(pattern.drawn(pattern.all()));
+        if self.triangles.is_empty() || self.triangles.len() + 2 == pattern.labels().len() {
+            return Some(if self.triangles.is_empty() { 0 } else { pattern.all() });
+        }
+        self.triangles.sort_unstable();
+        self.look_up(pattern);
+        let found = self.search(pattern, limit.min(Self::LIMIT));
+        for slot in self.used.drain(..) {
+            self.slots[slot as usize] = NONE;
+        }
+        found
+    }
+
+    fn look_up(&mut self, pattern: &Pattern) {
+        for table in [&mut self.has, &mut self.positions, &mut self.mates] {
+            table[..pattern.count()].fill(0);
+        }
+        for (bit, triangle) in self.triangles.iter().enumerate() {
+            for &corner in triangle {
+                self.has[corner as usize] |= 1 << bit;
+            }
+        }
+        for (at, &label) in pattern.labels().iter().enumerate() {
+            self.positions[label as usize] |= 1 << at;
+            self.mates[pattern.place(label) as usize] |= 1 << at;
+        }
+        let mut gone = 0;
+        for (at, &label) in pattern.labels().iter().enumerate() {
+            if after(self.positions[label as usize], at as u8) == 0 {
+                gone |= self.has[label as usize];
+            }
+            self.gone[at] = gone;
+        }
+    }
+
+    fn search(&mut self, pattern: &Pattern, limit: usize) -> Option<u64> {
+        self.nodes.clear();
+        self.open.clear();
+        self.start(pattern, false);
+        // One wasted position at the start turns what follows; a second one would turn it back.
+        for wasted in 0.. {
+            if wasted == 1 {
+                self.start(pattern, true);
+            }
+            self.expanded.clear();
+            while let Some(node) = self.open.pop() {
+                if self.nodes.len() > limit {
+                    return None;
+                }
+                if self.is_best(node) {
+                    if let Some(last) = self.draw(pattern, node) {
+                        return Some(self.kept(last));
+                    }
+                    self.expanded.push(node);
+                }
+            }
+            if wasted > 0 && self.expanded.is_empty() {
+                break;
+            }
+            for i in 0..self.expanded.len() {
+                if self.is_best(self.expanded[i]) {
+                    self.waste(pattern, self.expanded[i]);
+                }
+            }
+        }
+        unreachable!("keeping every position draws every live triangle")
+    }
+
+    /// Adds the states in which any triangle can be the first.
+    fn start(&mut self, pattern: &Pattern, odd: bool) {
+        let left = u64::MAX >> (64 - self.triangles.len());
+        for t in 0..self.triangles.len() {
+            let [a, b, c] = self.triangles[t];
+            for (p, q) in [(a, b), (b, c), (c, a)] {
+                let (p, q, mut before) = if odd { (q, p, 0) } else { (p, q, 0) };
+                let mut parent = NONE;
+                if odd {
+                    // Any vertex at the place of either makes the first triangle degenerate.
+                    let mates = self.mates[pattern.place(p) as usize] | self.mates[pattern.place(q) as usize];
+                    let at = mates.trailing_zeros() as u8;
+                    let label = pattern.labels()[at as usize];
+                    parent = self.nodes.len() as u32;
+                    self.nodes.push(Node { left, parent: NONE, p: label, q: label, at, odd });
+                    before = at + 1;
+                }
+                let at = from(self.positions[p as usize], before).trailing_zeros() as u8;
+                let then = if at < 64 { after(self.positions[q as usize], at) } else { 0 };
+                if then != 0 {
+                    self.nodes.push(Node { left, parent, p, q: p, at, odd });
+                    let parent = self.nodes.len() as u32 - 1;
+                    self.add(Node { left, parent, p, q, at: then.trailing_zeros() as u8, odd });
+                }
+            }
+        }
+    }
+
+    /// Adds what follows by drawing a triangle. Returns the node that draws the last one.
+    fn draw(&mut self, pattern: &Pattern, parent: u32) -> Option<u32> {
+        let Node { left, p, q, at, odd, .. } = self.nodes[parent as usize];
+        let mut candidates = left & self.has[p as usize] & self.has[q as usize];
+        let mut before = None;
+        while candidates != 0 {
+            let bit = candidates.trailing_zeros();
+            candidates &= candidates - 1;
+            let t = self.triangles[bit as usize];
+            let [a, b, c] = t;
+            let (from, to) = if odd { (q, p) } else { (p, q) };
+            let next = match (from, to) {
+                _ if p == q || before == Some(t) => continue,
+                _ if (from, to) == (a, b) => c,
+                _ if (from, to) == (b, c) => a,
+                _ if (from, to) == (c, a) => b,
+                _ => continue,
+            };
+            before = Some(t);
+            debug_assert!(pattern.triangle([p, q, next], odd) == Some(t));
+            let then = after(self.positions[next as usize], at);
+            if then != 0 {
+                let left = left & !(1 << bit);
+                let node = Node { left, parent, p: q, q: next, at: then.trailing_zeros() as u8, odd: !odd };
+                let added = self.add(node);
+                if left == 0 {
+                    return added;
+                }
+            }
+        }
+        None
+    }
+
+    /// Adds what follows by a degenerate triangle.
+    fn waste(&mut self, pattern: &Pattern, parent: u32) {
+        let Node { left, p, q, at, odd, .. } = self.nodes[parent as usize];
+        let places = (pattern.place(p), pattern.place(q));
+        let choices = if places.0 == places.1 {
+            pattern.all()
+        } else {
+            self.mates[places.0 as usize] | self.mates[places.1 as usize]
+        };
+        let mut choices = after(choices, at);
+        while choices != 0 {
+            let at = choices.trailing_zeros() as u8;
+            let next = pattern.labels()[at as usize];
+            // Only the first of each label: later ones can do no more.
+            choices &= !self.positions[next as usize];
+            self.add(Node { left, parent, p: q, q: next, at, odd: !odd });
+        }
+    }
+
+    /// Adds a node, unless it leads nowhere or its state was reached as early.
+    fn add(&mut self, node: Node) -> Option<u32> {
+        if node.left != 0 && !self.can_finish(&node) {
+            return None;
+        }
+        let slot = self.slot(&node);
+        match self.slots[slot] {
+            NONE => self.used.push(slot as u32),
+            best if self.nodes[best as usize].at <= node.at => return None,
+            _ => {}
+        }
+        let index = self.nodes.len() as u32;
+        self.slots[slot] = index;
+        self.nodes.push(node);
+        self.open.push(index);
+        Some(index)
+    }
+
+    /// Whether every triangle that is left can still be drawn, as far as each by itself can tell.
+    fn can_finish(&self, node: &Node) -> bool {
+        let mut tight = node.left & self.gone[node.at as usize];
+        while tight != 0 {
+            let t = self.triangles[tight.trailing_zeros() as usize];
+            tight &= tight - 1;
+            let missing = |v: u8| after(self.positions[v as usize], node.at) == 0;
+            // A corner that does not come again must be one of the last two; and the older of them is of use only in
+            // the very next triangle, which has both.
+            let fine = t.into_iter().all(|v| !missing(v) || v == node.q || v == node.p && t.contains(&node.q));
+            if !fine {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// Whether a node's state was not reached earlier in the strip since.
+    fn is_best(&self, index: u32) -> bool {
+        self.slots[self.slot(&self.nodes[index as usize])] == index
+    }
+
+    /// Where the best node of a node's state is, or belongs.
+    fn slot(&self, node: &Node) -> usize {
+        let state = |n: &Node| (n.left, n.p, n.q, n.odd);
+        let bits = node.left ^ u64::from(node.p) << 49 ^ u64::from(node.q) << 56 ^ u64::from(node.odd) << 63;
+        let mut slot = (bits.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 32) as usize % SLOTS;
+        while self.slots[slot] != NONE && state(&self.nodes[self.slots[slot] as usize]) != state(node) {
+            slot = (slot + 1) % SLOTS;
+        }
+        slot
+    }
+
+    /// The positions kept on the way to a node.
+    fn kept(&self, mut node: u32) -> u64 {
+        let mut mask = 0;
+        while node != NONE {
+            mask |= 1 << self.nodes[node as usize].at;
+            node = self.nodes[node as usize].parent;
+        }
+        mask
+    }
+}
+
+/// The positions of a mask that come after one.
+fn after(mask: u64, at: u8) -> u64 {
+    mask & (u64::MAX << at << 1)
+}
+
+/// The positions of a mask from one on.
+fn from(mask: u64, at: u8) -> u64 {
+    if at < 64 { mask & u64::MAX << at } else { 0 }
+}

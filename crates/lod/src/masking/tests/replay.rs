@@ -1,0 +1,178 @@
+//! Every fixture, every step, both ways, and jumps; damaged arrays; sequences made to be slow.
+
+use super::*;
+use crate::{StripKind, bytes::put_varint};
+use lodc_strip::Effort;
+
+#[derive(Default)]
+struct Log {
+    gone: Vec<OrientedTriangle>,
+    came: Vec<OrientedTriangle>,
+}
+
+impl Changes for Log {
+    fn gone(&mut self, triangle: OrientedTriangle) {
+        self.gone.push(triangle);
+    }
+    fn came(&mut self, triangle: OrientedTriangle) {
+        self.came.push(triangle);
+    }
+}
+
+#[test]
+fn everything_shown_and_told_equals_the_reference() {
+    for &(name, make) in fixtures::ALL {
+        let mesh = make();
+        // The naive sequence is slow on the largest shapes, which `tests/` has.
+        if mesh.triangles().len() <= 400 {
+            check(name, fixtures::random_collapse(&mesh, 1));
+        }
+    }
+    for seed in 0..40 {
+        check(&format!("random {seed}"), fixtures::random_collapse(&fixtures::random(seed), seed));
+    }
+}
+
+#[test]
+fn a_pole_with_a_thousand_neighbours_is_shown_as_it_is() {
+    let simplified = lodc_simplify::simplify(&fixtures::pole(1000), &lodc_simplify::Options::DEFAULT, &|_, _| ());
+    check("pole", simplified);
+}
+
+fn check(name: &str, simplified: Simplified) {
+    let simplified = Arc::new(simplified);
+    for kind in [StripKind::Stripe, StripKind::Cache] {
+        let strips = Arc::new(Strips::generate(&simplified, kind, Effort::Fast));
+        let model = Masking::build(&simplified, strips).expect("few entries");
+        check_model(&format!("{name}, {}", kind.name()), &model);
+        let again = Masking::load(&simplified, &model.arrays()).expect("nothing is damaged");
+        assert_eq!((&again.entries, &again.affected), (&model.entries, &model.affected), "{name}");
+        assert_eq!(again.arrays(), model.arrays(), "{name}");
+    }
+}
+
+fn check_model(name: &str, model: &Masking) {
+    let collapses = model.simplified.collapses();
+    let ends = || std::iter::once(0).chain(collapses.parts().step_ends.iter().copied());
+    let mut rng = fixtures::Rng::new(7);
+    let mut all: Vec<u32> = ends().collect();
+    all.extend(ends().collect::<Vec<_>>().into_iter().rev());
+    all.extend((0..60).map(|_| rng.below(collapses.records() as usize + 1) as u32));
+    let last = collapses.records();
+    all.extend([last, 0, last, last / 2, last / 2 + 3, last / 3, 0]);
+
+    let (mut cursor, mut deaf) = (model.cursor(), model.cursor());
+    let mut before = model.triangles(&cursor);
+    before.sort_unstable();
+    for lod in all.into_iter().map(Lod) {
+        let (mut log, from) = (Log::default(), cursor.lod());
+        let traffic = model.seek(&mut cursor, lod, &mut log);
+        assert_eq!(model.seek(&mut deaf, lod, &mut ()), traffic, "{name}");
+        assert_eq!(cursor.drawn_strips(model), deaf.drawn_strips(model), "{name}: {from:?} → {lod:?}");
+        let mut shown = model.triangles(&cursor);
+        let mut truth = model.simplified.triangles_at(collapses.floor(lod));
+        shown.sort_unstable();
+        truth.sort_unstable();
+        assert_eq!(shown, truth, "{name}: {from:?} → {lod:?}");
+        log.gone.sort_unstable();
+        log.came.sort_unstable();
+        let told = (log.gone, log.came);
+        assert_eq!((without(&before, &shown), without(&shown, &before)), told, "{name}: {from:?} → {lod:?}");
+        let indices: usize = cursor.drawn_strips(model).iter().map(|s| s.len()).sum();
+        assert_eq!(cursor.drawn(), indices as u64, "{name}");
+        before = shown;
+    }
+}
+
+impl Cursor {
+    fn drawn_strips<'a>(&'a self, model: &Masking) -> Vec<&'a [u32]> {
+        (0..model.strips.len()).map(|s| self.strip(model, s)).collect()
+    }
+}
+
+/// The multiset difference of two sorted lists.
+fn without(all: &[OrientedTriangle], fewer: &[OrientedTriangle]) -> Vec<OrientedTriangle> {
+    let mut fewer = fewer.iter().peekable();
+    let mut rest = Vec::new();
+    for t in all {
+        while fewer.peek().is_some_and(|f| *f < t) {
+            fewer.next();
+        }
+        if fewer.peek() == Some(&t) {
+            fewer.next();
+        } else {
+            rest.push(*t);
+        }
+    }
+    rest
+}
+
+#[test]
+fn damaged_arrays_are_refused_or_found_by_verification() {
+    let simplified = Arc::new(fixtures::random_collapse(&fixtures::icosphere(1), 1));
+    let strips = Arc::new(Strips::generate(&simplified, StripKind::Cache, Effort::Fast));
+    let array = Masking::build(&simplified, strips).expect("few entries").arrays().remove(0);
+    let reference = crate::Reference::new(&simplified).expect("a small sequence");
+    let mut loaded = 0;
+    // The first byte names the generator, on which nothing depends.
+    for bit in 8..8 * array.bytes.len() {
+        let mut damaged = array.clone();
+        damaged.bytes[bit / 8] ^= 1 << (bit % 8);
+        let Ok(model) = Masking::load(&simplified, &[damaged]) else { continue };
+        loaded += 1;
+        let checks = crate::verify(&model, &reference, &crate::VerifyOptions::default());
+        assert!(checks.iter().any(|check| !check.ok()), "bit {bit}");
+    }
+    assert!(loaded > 0);
+    assert!(Masking::load(&simplified, &[]).is_err());
+    assert!(Masking::load(&simplified, &[array.clone(), array.clone()]).is_err());
+    let renamed = Array { name: "faces".to_owned(), ..array };
+    assert!(Masking::load(&simplified, &[renamed]).is_err());
+    // A strip of 65 vertices.
+    let mut bytes = Vec::new();
+    bytes.push(0);
+    put_varint(&mut bytes, 1);
+    put_varint(&mut bytes, 65);
+    bytes.extend([0; 65]);
+    let long = Array { name: STRIPS.to_owned(), bytes };
+    assert!(matches!(Masking::load(&simplified, &[long]), Err(BuildError::Malformed { .. })));
+}
+
+#[test]
+fn the_model_is_the_same_whatever_the_threads() {
+    let simplified = Arc::new(fixtures::random_collapse(&fixtures::torus(), 4));
+    let strips = Arc::new(Strips::generate(&simplified, StripKind::Stripe, Effort::Fast));
+    let build = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        pool.install(|| Masking::build(&simplified, Arc::clone(&strips)).expect("few entries"))
+    };
+    let (one, five) = (build(1), build(5));
+    assert_eq!((one.entries, one.affected, one.starts), (five.entries, five.affected, five.starts));
+}
+
+#[test]
+fn a_hierarchy_made_to_be_slow_is_refused_quickly() {
+    // One chain of 200,000 collapses, and triangles whose corners are far apart on it.
+    let n = 200_000u32;
+    let strips: Vec<[u32; 3]> = (0..50_000).map(|i| [i, n / 2 + i, n / 2 + i + 25_000]).collect();
+    let triangles: Vec<_> = strips.iter().rev().copied().collect();
+    let mesh = Mesh::try_from(MeshParts {
+        positions: (0..n).map(|i| [i as f32, (i % 2) as f32, 0.0]).collect(),
+        vertex_submesh: vec![0; n as usize],
+        attributes: Vec::new(),
+        triangles,
+        submeshes: vec![Submesh { first_triangle: 0, triangle_count: 50_000, attributes: Vec::new() }],
+    });
+    let collapses = CollapseSequence::try_from(SequenceParts {
+        targets: (1..n).collect(),
+        step_ends: (1..n).collect(),
+        step_errors: vec![0.0; n as usize - 1],
+        step_triangles: vec![0; n as usize - 1],
+        triangles: 50_000,
+        ..SequenceParts::default()
+    });
+    let simplified = Simplified::new(mesh.expect("a mesh"), collapses.expect("a sequence")).expect("the two fit");
+    let strips: Vec<&[u32]> = strips.iter().map(|s| &s[..]).collect();
+    let refused = Masking::build(&Arc::new(simplified), Arc::new(strip_set(&strips)));
+    assert!(matches!(refused, Err(BuildError::Malformed { .. })));
+}

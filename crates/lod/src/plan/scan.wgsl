@@ -1,0 +1,36 @@
+// Exclusive prefix sums of blocks of 1024 words, in place; the sum of each block goes to `sums`. Run again over
+// `sums`, and then `scan_add`, this makes the prefix sums of any number of words in one fixed order.
+
+struct Parameters { count: u32 }
+
+@group(0) @binding(0) var<uniform> p: Parameters;
+@group(0) @binding(1) var<storage, read_write> data: array<u32>;
+@group(0) @binding(2) var<storage, read_write> sums: array<u32>;
+
+var<workgroup> upto: array<u32, 256>;
+
+@compute @workgroup_size(256)
+fn main(@builtin(workgroup_id) w: vec3<u32>, @builtin(num_workgroups) size: vec3<u32>,
+        @builtin(local_invocation_index) l: u32) {
+    let block = w.x + w.y * size.x;
+    let first = (block * 256u + l) * 4u;
+    var before: array<u32, 4>;
+    var sum = 0u;
+    for (var k = 0u; k < 4u; k++) {
+        before[k] = sum;
+        if (first + k < p.count) { sum += data[first + k]; }
+    }
+    upto[l] = sum;
+    for (var distance = 1u; distance < 256u; distance <<= 1u) {
+        workgroupBarrier();
+        var x = upto[l];
+        if (l >= distance) { x += upto[l - distance]; }
+        workgroupBarrier();
+        upto[l] = x;
+    }
+    workgroupBarrier();
+    for (var k = 0u; k < 4u; k++) {
+        if (first + k < p.count) { data[first + k] = upto[l] - sum + before[k]; }
+    }
+    if (l == 255u && block * 1024u < p.count) { sums[block] = upto[l]; }
+}

@@ -1,0 +1,35 @@
+//! At which LODs a device is compared: both ends, a grid down and up, and jumps.
+
+use lodc_mesh::{CollapseSequence, Lod, Simplified};
+
+/// Triangles that all comparisons together look at, which takes a processor that plays a graphics device some seconds.
+const AFFORDABLE: usize = 40_000_000;
+
+/// The schedule of a verification: every 0.1 % of the steps down and up and a hundred jumps, fewer (but at least 16 each)
+/// on large meshes.
+#[must_use]
+pub fn stops(simplified: &Simplified) -> Vec<Lod> {
+    let affordable = (AFFORDABLE / simplified.mesh().triangles().len().max(1)).max(16) as u32;
+    schedule(simplified.collapses(), affordable.min(1000), affordable.min(100), 1)
+}
+
+/// The LODs at which whole states are compared: LOD 0, some `grid` steps evenly spread going coarser, the last, the same
+/// going finer, and `jumps` far jumps (not rounded to steps). All steps if there are not more than `grid`.
+#[must_use]
+pub fn schedule(collapses: &CollapseSequence, grid: u32, jumps: u32, seed: u64) -> Vec<Lod> {
+    let steps = collapses.steps();
+    let stride = steps.div_ceil(grid.max(1) as usize).max(1);
+    let lod = |step: usize| if step == 0 { Lod(0) } else { collapses.step(step - 1).lod };
+    let mut down: Vec<Lod> = (0..steps).step_by(stride).map(lod).collect();
+    down.push(lod(steps));
+    let up: Vec<Lod> = down.iter().rev().skip(1).copied().collect();
+    let mut state = seed;
+    let far = (0..jumps).map(|_| {
+        // SplitMix64.
+        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut bits = (state ^ (state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        Lod((bits >> 32) as u32 % (collapses.records() + 1))
+    });
+    down.iter().copied().chain(up).chain(far).collect()
+}

@@ -1,0 +1,189 @@
+//! Strips for the models that are made of them: how they are generated, and how they are stored.
+
+use crate::bytes::{Reader, put_narrow, put_varint, width};
+use crate::{Array, BuildError};
+use lodc_mesh::{Mesh, Simplified};
+use lodc_strip::{CacheOptions, Effort, StripSet, cache, stripe};
+use std::ops::Deref;
+use std::sync::Arc;
+
+/// The strip generators.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum StripKind {
+    /// Few long strips.
+    Stripe,
+    /// Short strips that reuse a vertex cache.
+    Cache,
+}
+
+impl StripKind {
+    /// All kinds, by the number that stands for them in stored arrays.
+    pub const ALL: [Self; 2] = [Self::Stripe, Self::Cache];
+
+    /// Its name in options and reports.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Stripe => "stripe",
+            Self::Cache => "cache",
+        }
+    }
+}
+
+/// Strips and what made them.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Strips {
+    /// The generator.
+    pub kind: StripKind,
+    /// The strips, which draw exactly a mesh in collapse order.
+    pub set: StripSet,
+}
+
+impl Strips {
+    /// Strips of a mesh in collapse order. Work runs on rayon's current thread pool; the result does not depend on it.
+    #[must_use]
+    pub fn generate(simplified: &Simplified, kind: StripKind, effort: Effort) -> Self {
+        let set = match kind {
+            StripKind::Stripe => stripe(simplified.mesh(), effort),
+            StripKind::Cache => cache(simplified.mesh(), &CacheOptions { effort, ..CacheOptions::default() }),
+        };
+        Self { kind, set }
+    }
+}
+
+impl Deref for Strips {
+    type Target = StripSet;
+
+    fn deref(&self) -> &StripSet {
+        &self.set
+    }
+}
+
+/// How strips are made for models that need some.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct StripOptions {
+    /// The generator; each model has a default of its own.
+    pub kind: Option<StripKind>,
+    /// How long it may search.
+    pub effort: Effort,
+}
+
+/// The strips of one mesh, made when first asked for and shared by all models that are made of them.
+#[derive(Debug)]
+pub struct StripPool<'a> {
+    simplified: &'a Arc<Simplified>,
+    options: StripOptions,
+    made: Vec<Arc<Strips>>,
+}
+
+impl<'a> StripPool<'a> {
+    /// No strips yet.
+    #[must_use]
+    pub fn new(simplified: &'a Arc<Simplified>, options: StripOptions) -> Self {
+        Self { simplified, options, made: Vec::new() }
+    }
+
+    /// The mesh and the sequence that models are made of.
+    #[must_use]
+    pub fn simplified(&self) -> &'a Arc<Simplified> {
+        self.simplified
+    }
+
+    /// Strips by the generator of the options, or else by `default`.
+    pub fn get(&mut self, default: StripKind) -> Arc<Strips> {
+        let kind = self.options.kind.unwrap_or(default);
+        if let Some(strips) = self.made.iter().find(|strips| strips.kind == kind) {
+            return Arc::clone(strips);
+        }
+        let strips = Arc::new(Strips::generate(self.simplified, kind, self.options.effort));
+        self.made.push(Arc::clone(&strips));
+        strips
+    }
+}
+
+/// Name of the array that holds strips.
+pub(crate) const STRIPS: &str = "strips";
+
+/// The strips as an array: the generator's number (a byte), for each submesh its number of strips (varint), for each strip its length (varint), then all
+/// vertices, each as wide as the largest vertex needs.
+pub(crate) fn to_array(strips: &Strips, vertices: usize) -> Array {
+    let mut bytes = vec![strips.kind as u8];
+    for submesh in 0..strips.submesh_count() {
+        put_varint(&mut bytes, strips.submesh(submesh).len() as u32);
+    }
+    strips.iter().for_each(|strip| put_varint(&mut bytes, strip.len() as u32));
+    strips.indices().iter().for_each(|&v| put_narrow(&mut bytes, v, width(vertices)));
+    Array { name: STRIPS.to_owned(), bytes }
+}
+
+/// Strips from what [`to_array`] gave out. They need not draw the mesh: that is for verification to find.
+pub(crate) fn from_array(array: &Array, mesh: &Mesh) -> Result<Strips, BuildError> {
+    let wrong = |what: &str| BuildError::Malformed { array: STRIPS, what: what.to_owned() };
+    let short = || wrong("ends early or has a malformed number");
+    let mut reader = Reader::new(&array.bytes);
+    let kind = reader.narrow(1).and_then(|kind| StripKind::ALL.get(kind as usize));
+    let kind = *kind.ok_or_else(|| wrong("is of a generator that this version does not know"))?;
+    let mut count = 0u32;
+    let mut submesh_ends = Vec::with_capacity(mesh.submeshes().len());
+    for _ in mesh.submeshes() {
+        count = count.checked_add(reader.varint().ok_or_else(short)?).ok_or_else(short)?;
+        submesh_ends.push(count);
+    }
+    if count as usize > reader.left() {
+        return Err(short());
+    }
+    let mut end = 0u32;
+    let mut ends = Vec::with_capacity(count as usize);
+    for _ in 0..count {
+        let length = reader.varint().ok_or_else(short)?;
+        if length < 3 {
+            return Err(wrong("has a strip of fewer than three vertices"));
+        }
+        end = end.checked_add(length).ok_or_else(short)?;
+        ends.push(end);
+    }
+    let width = width(mesh.vertex_count());
+    if (end as usize).checked_mul(width) != Some(reader.left()) {
+        return Err(wrong("has another length than its strips"));
+    }
+    let mut indices = Vec::with_capacity(end as usize);
+    for _ in 0..end {
+        indices.push(reader.narrow(width).ok_or_else(short)?);
+    }
+    let set = StripSet::from_parts(indices, ends, submesh_ends).map_err(|e| wrong(&e.to_string()))?;
+    for (strip, submesh) in set.iter().zip(set.submeshes()) {
+        if strip.iter().any(|&v| mesh.vertex_submesh().get(v as usize) != Some(&submesh)) {
+            return Err(wrong("has a vertex that does not exist or belongs to another submesh"));
+        }
+    }
+    Ok(Strips { kind, set })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lodc_fixtures as fixtures;
+
+    #[test]
+    fn strips_come_back_from_their_array_and_damage_is_refused() {
+        for seed in 0..20 {
+            let simplified = fixtures::random_collapse(&fixtures::random(seed), seed);
+            let mesh = simplified.mesh();
+            for kind in [StripKind::Stripe, StripKind::Cache] {
+                let strips = Strips::generate(&simplified, kind, Effort::Fast);
+                assert_eq!(strips.check(mesh), Ok(()), "random {seed}");
+                let array = to_array(&strips, mesh.vertex_count());
+                assert_eq!(from_array(&array, mesh), Ok(strips));
+                for cut in 0..array.bytes.len() {
+                    let cut = Array { bytes: array.bytes[..cut].to_vec(), ..array.clone() };
+                    assert!(from_array(&cut, mesh).is_err(), "random {seed}");
+                }
+                let longer = Array { bytes: [&array.bytes[..], &[0]].concat(), ..array };
+                assert!(from_array(&longer, mesh).is_err());
+            }
+        }
+        let mesh = fixtures::icosphere(1);
+        let bomb = Array { name: STRIPS.to_owned(), bytes: vec![0, 0xff, 0xff, 0xff, 0xff, 0x0f] };
+        assert!(from_array(&bomb, &mesh).is_err());
+    }
+}

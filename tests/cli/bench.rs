@@ -1,0 +1,143 @@
+//! `lodc bench`: rows for everything, counts that can be worked out by hand, and documents that do not change.
+
+use crate::support::{Folder, grid, scene};
+use serde_json::Value;
+
+fn number(value: &Value, path: &str) -> f64 {
+    value.pointer(path).and_then(Value::as_f64).unwrap_or_else(|| panic!("no number at {path} in {value}"))
+}
+
+fn measured(f: &Folder, args: &[&str]) -> Value {
+    let args = ["bench", "--json", "--effort", "fast", "--rounds", "1"].iter().chain(args);
+    f.lodc(args).ends(0).json()
+}
+
+#[test]
+fn every_row_has_its_numbers_and_they_agree_with_each_other() {
+    let f = Folder::new();
+    f.file("g.obj", grid(20));
+    let report = measured(&f, &["g.obj"]);
+    assert_eq!((&report["schema_version"], &report["files"][0]["file"]), (&1.into(), &"g.obj".into()));
+    assert_eq!(number(&report, "/steps"), 0.001);
+    let object = &report["files"][0]["objects"][0];
+    // 21 × 21 vertices, 800 triangles; one record fewer than vertices, and fewer than a thousand of them.
+    let (v, triangles, records) = (441.0, 800.0, 440.0);
+    assert_eq!((number(object, "/referenced_vertices"), number(object, "/updates")), (v, records));
+    let bits = |words: f64| 32.0 * words / v;
+    let near = |path: &str, wanted: f64| {
+        let found = number(object, path);
+        assert!((found - wanted).abs() < 1e-6, "{path}: {found}, not {wanted}");
+    };
+    near("/models/triangles/bits_per_vertex/thesis", bits(3.0 * v + 3.0 * triangles));
+    near("/models/triangles/bits_per_vertex/thesis_normals", bits(6.0 * v + 3.0 * triangles));
+    let indices = number(object, "/primitives/stripe/indices");
+    near("/models/strips/bits_per_vertex/thesis", bits(3.0 * v + indices));
+    let mesh = 4.0 * v + 6.0 * triangles;
+    near("/models/progressive_mesh/bits_per_vertex/thesis", bits(mesh + 8.0 * records));
+    near("/models/progressive_mesh/bits_per_vertex/thesis_normals", bits(mesh + 14.0 * records));
+    near("/models/interactive/bits_per_vertex/thesis", bits(3.0 * v + 3.0 * triangles + records));
+    near("/models/interactive/bits_per_vertex/thesis_95", bits(3.0 * v + 3.0 * triangles + 0.95 * records));
+    near("/primitives/triangles/indices_per_triangle", 3.0);
+    near("/primitives/triangles_cache/indices", 3.0 * triangles);
+    near("/models/interactive/drawn/indices_per_triangle", 3.0);
+    near("/models/interactive/traffic/bytes_per_update", 4.0);
+    near("/models/progressive_mesh/extraction/per_progressive_mesh", 1.0);
+    assert!(object["models"]["discrete"]["extraction"].is_null() && object["models"]["discrete"]["traffic"].is_null());
+    assert!(object["models"]["progressive_mesh"]["bits_per_vertex"]["file"].is_null());
+    for (name, row) in object["models"].as_object().expect("rows") {
+        let (thesis, normals) =
+            (number(row, "/bits_per_vertex/thesis"), number(row, "/bits_per_vertex/thesis_normals"));
+        assert!(thesis > 0.0 && normals > thesis && number(row, "/bits_per_vertex/thesis_95") <= thesis, "{name}");
+        if row["baseline"] == false {
+            assert!(number(row, "/bits_per_vertex/file") > 0.0, "{name}");
+        }
+        if !row["extraction"].is_null() {
+            let [coarser, finer, mean] =
+                ["coarser", "finer", "mean"].map(|t| number(row, &format!("/extraction/{t}_us")));
+            assert!(coarser > 0.0 && finer > 0.0 && (mean - (coarser + finer) / 2.0).abs() < 1e-9, "{name}");
+            let jump = number(row, "/extraction/jump_us") / number(object, "/rebuild_us");
+            assert!((jump - number(row, "/extraction/jump_per_rebuild")).abs() < 1e-9, "{name}");
+            assert!(number(row, "/drawn/indices_per_lod") > 0.0, "{name}");
+        }
+    }
+}
+
+#[test]
+fn without_times_the_document_is_the_same_with_any_number_of_threads() {
+    let f = Folder::new();
+    f.file("g.obj", grid(12));
+    f.file("s.gltf", scene(&[1.0, 3.0], 5));
+    let run = |jobs: &str| f.lodc(["bench", "--json", "--no-times", "--jobs", jobs, "g.obj", "s.gltf"]).ends(0).out;
+    let one = run("1");
+    assert!(one == run("3"));
+    let report: Value = serde_json::from_slice(&one).expect("JSON");
+    assert_eq!(report["files"][1]["objects"].as_array().map(Vec::len), Some(2));
+    let models = &report["files"][1]["objects"][1]["models"];
+    assert!(models["interactive"]["extraction"].is_null() && models["interactive"]["traffic"].is_object());
+}
+
+#[test]
+fn a_lodc_file_and_its_source_measure_the_same() {
+    let f = Folder::new();
+    f.file("g.obj", grid(10));
+    f.lodc(["build", "g.obj", "-q"]).ends(0);
+    let [source, file] =
+        ["g.obj", "g.lodc"].map(|name| measured(&f, &["--no-times", name])["files"][0]["objects"].clone());
+    assert_eq!(source, file);
+    let chosen = measured(&f, &["--no-times", "--models", "interactive", "g.lodc"]);
+    assert!(chosen["files"][0]["objects"][0]["models"]["interactive"].is_object());
+}
+
+#[test]
+fn wider_steps_make_fewer_updates() {
+    let f = Folder::new();
+    f.file("g.obj", grid(10));
+    let updates = |steps: &str| {
+        let report = measured(&f, &["--no-times", "--steps", steps, "g.obj"]);
+        report["files"][0]["objects"][0]["updates"].as_u64()
+    };
+    assert_eq!((updates("5%"), updates("50"), updates("100%")), (Some(20), Some(2), Some(1)));
+    for wrong in ["0", "-1%", "101%", "x", "nan"] {
+        f.lodc(["bench", "g.obj", "--steps", wrong]).ends(2);
+    }
+}
+
+#[test]
+fn a_bad_input_does_not_keep_the_others_from_their_turn() {
+    let f = Folder::new();
+    f.file("bad.obj", "f 1 2 3\n");
+    f.file("none.obj", "v 0 0 0\nv 1 0 0\nf 1 1 2\n");
+    f.file("g.obj", grid(4));
+    let run = f.lodc(["bench", "--json", "--rounds", "1", "bad.obj", "none.obj", "g.obj"]).ends(3);
+    assert_eq!(run.errors(), 1, "{}", run.err);
+    let report = run.json();
+    assert!(report["files"][0]["error"].is_string() && report["files"][1]["error"].is_null());
+    assert!(number(&report, "/files/2/objects/0/models/progressive_mesh/extraction/mean_us") > 0.0);
+}
+
+#[test]
+fn people_get_tables_with_the_same_rows() {
+    let f = Folder::new();
+    f.file("g.obj", grid(6));
+    let text = f.lodc(["bench", "--rounds", "1", "g.obj"]).ends(0).text();
+    for row in ["interactive", "progressive_mesh", "discrete", "triangles", "strips", "stripe", "cache"] {
+        assert!(text.lines().any(|line| line.trim_start().starts_with(row)), "no {row} in {text}");
+    }
+}
+
+#[test]
+fn info_counts_the_same_baselines() {
+    let f = Folder::new();
+    f.file("g.obj", grid(8));
+    f.lodc(["build", "g.obj", "-q"]).ends(0);
+    let info = f.lodc(["info", "g.lodc", "--json", "--baselines"]).ends(0).json();
+    let bench = f.lodc(["bench", "g.lodc", "--json", "--no-times"]).ends(0).json();
+    let [info, bench] = [&info["objects"][0]["models"], &bench["files"][0]["objects"][0]["models"]];
+    let names = |models: &Value| models.as_object().map(|m| m.keys().cloned().collect::<Vec<_>>());
+    assert_eq!(names(info), names(bench));
+    for name in names(info).expect("rows") {
+        for key in ["thesis", "thesis_normals", "file"] {
+            assert_eq!(info[&name]["bits_per_vertex"][key], bench[&name]["bits_per_vertex"][key], "{name} {key}");
+        }
+    }
+}
