@@ -12,7 +12,21 @@ const DRAWING: &[(&str, &[&str])] = &[
     ("crates/strip", &["lodc-mesh", "rayon"]),
     ("crates/lod", &["lodc-mesh", "lodc-strip", "rayon"]),
     ("crates/gpu", &["lodc-lod", "bytemuck", "pollster", "wgpu"]),
-    ("formats", &["lodc-lod", "lodc-mesh", "bincode", "gltf", "serde", "serde_json", "xxhash-rust"]),
+    (
+        "formats",
+        &[
+            "lodc-lod",
+            "lodc-mesh",
+            "lodc-strip",
+            "bincode",
+            "gltf",
+            "png",
+            "serde",
+            "serde_json",
+            "xxhash-rust",
+            "zune-jpeg",
+        ],
+    ),
     (
         "cli",
         &[
@@ -48,6 +62,8 @@ const OWNED: &[(&str, &[&str])] = &[
     ("gltf::", &["formats/"]),
     ("bincode::", &["formats/"]),
     ("xxhash_rust::", &["formats/"]),
+    ("png::", &["formats/"]),
+    ("zune_jpeg::", &["formats/"]),
     ("wgpu::", &["crates/gpu/"]),
     ("std::fs", &["formats/", "cli/"]),
     ("std::net", &[]),

@@ -18,8 +18,13 @@ mod output;
 mod paths;
 #[path = "cli/refused.rs"]
 mod refused;
+#[cfg(feature = "gpu")]
+#[path = "cli/render.rs"]
+mod render;
 #[path = "cli/shaders.rs"]
 mod shaders;
+#[path = "cli/stream.rs"]
+mod stream;
 #[path = "cli/strips.rs"]
 mod strips;
 mod support;

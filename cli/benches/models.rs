@@ -109,7 +109,8 @@ fn jump(group: &mut BenchmarkGroup<'_, WallTime>, shape: &str, model: &impl Mode
 fn extraction(c: &mut Criterion) {
     for (name, mesh) in shapes() {
         let simplified = simplified(&mesh);
-        let baselines = Baseline::all(&simplified).expect("every sequence of a simplifier can be modelled");
+        let baselines = Baseline::all(&simplified, &pool(&simplified).get(StripKind::Stripe))
+            .expect("every sequence of a simplifier can be modelled");
         let models: Vec<AnyModel> = kinds().map(|kind| built(kind, &mut pool(&simplified))).collect();
 
         let mut group = c.benchmark_group("step_of_a_thousandth");

@@ -1,6 +1,6 @@
 //! The command line as `clap` sees it: every command, and the options all of them have.
 
-use crate::commands::{bench, build, completions, extract, info, man, shaders, strips, verify};
+use crate::commands::{bench, build, completions, extract, info, man, pack, render, shaders, strips, unpack, verify};
 use clap::{Args, Parser, Subcommand};
 
 /// Continuous level of detail: every level between a full mesh and a single point, in one verified file.
@@ -39,6 +39,12 @@ pub(crate) enum Command {
     Verify(verify::VerifyArgs),
     /// Say how far apart two meshes are, in space and in pictures
     Compare(compare::CompareArgs),
+    /// Make a picture of a mesh, or of levels of detail, with a graphics device
+    Render(render::RenderArgs),
+    /// Turn a .lodc file into a progressive stream
+    Pack(pack::PackArgs),
+    /// Turn a progressive stream, or as much as there is of it, into a mesh file
+    Unpack(unpack::UnpackArgs),
     /// Write the triangle strips of a mesh as text
     Strips(strips::StripsArgs),
     /// Write the WGSL that an engine needs to show models, and a guide to it

@@ -9,6 +9,7 @@ mod interrupt;
 mod levels;
 mod limits;
 mod memory;
+mod mesh_output;
 mod output;
 mod progress;
 mod report;
@@ -18,7 +19,7 @@ mod text;
 
 use clap::Parser;
 use cli::{Cli, Command};
-use commands::{bench, build, completions, extract, info, man, shaders, strips, verify};
+use commands::{bench, build, completions, extract, info, man, pack, render, shaders, strips, unpack, verify};
 use console::Loudness;
 use exit::{Outcome, Status};
 use std::panic;
@@ -51,6 +52,9 @@ fn run() -> Status {
         Command::Info(args) => done(info::run(args)),
         Command::Verify(args) => verify::run(args),
         Command::Compare(args) => compare::run(args),
+        Command::Render(args) => done(render::run(args)),
+        Command::Pack(args) => done(pack::run(args)),
+        Command::Unpack(args) => unpack::run(args),
         Command::Strips(args) => done(strips::run(args)),
         Command::Shaders(args) => done(shaders::run(args)),
         Command::Bench(args) => bench::run(args),

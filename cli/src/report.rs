@@ -148,6 +148,79 @@ pub(crate) struct ExtractedObject {
     pub(crate) error: f64,
 }
 
+/// `pack --json`.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct PackReport {
+    pub(crate) schema_version: u32,
+    pub(crate) input: String,
+    pub(crate) output: String,
+    pub(crate) bytes: u64,
+    /// Bytes of all that is not a growing mesh.
+    pub(crate) head_bytes: u64,
+    pub(crate) objects: Vec<PackedReport>,
+}
+
+/// One object of a stream.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct PackedReport {
+    #[serde(flatten)]
+    pub(crate) counts: ObjectCounts,
+    pub(crate) strips: Option<u64>,
+    pub(crate) bytes: u64,
+    pub(crate) bits_per_vertex: StreamBits,
+    /// What quantising may have changed.
+    pub(crate) bounds: Vec<BoundReport>,
+}
+
+/// Bits per input vertex of a stream.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(crate) struct StreamBits {
+    /// In the stream.
+    pub(crate) stream: f64,
+    /// Packages as plain words and bytes, as the thesis counts: positions only, and with normals.
+    pub(crate) packages: f64,
+    pub(crate) packages_normals: f64,
+}
+
+/// How far quantising may move something.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct BoundReport {
+    pub(crate) stream: String,
+    pub(crate) bits: u8,
+    pub(crate) coordinate: f64,
+    pub(crate) distance: f64,
+}
+
+/// `unpack --json`.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct UnpackReport {
+    pub(crate) schema_version: u32,
+    pub(crate) input: String,
+    pub(crate) output: String,
+    /// Whether the stream was complete.
+    pub(crate) whole: bool,
+    /// What is wrong with the first part that was not used; null if nothing is.
+    pub(crate) damaged: Option<String>,
+    /// Bytes of the stream that were used.
+    pub(crate) bytes: u64,
+    pub(crate) objects: Vec<UnpackedReport>,
+    pub(crate) warnings: Vec<String>,
+}
+
+/// One object of a stream: what has come, of how much.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct UnpackedReport {
+    pub(crate) name: String,
+    pub(crate) vertices: u32,
+    pub(crate) of_vertices: u32,
+    pub(crate) triangles: u32,
+    pub(crate) of_triangles: u32,
+    pub(crate) steps: u32,
+    pub(crate) of_steps: u32,
+    /// In the object's own units.
+    pub(crate) error: f64,
+}
+
 /// `verify --json`.
 #[derive(Debug, Serialize)]
 pub(crate) struct VerifyReport {

@@ -1,7 +1,7 @@
 //! From what a person asks for (a record, a share, a count, an error) to one LOD per object.
 
 use crate::exit::{Failure, Outcome};
-use clap::Args;
+use clap::{ArgMatches, Args, Command, FromArgMatches};
 use lodc_mesh::{CollapseSequence, Lod};
 
 /// Exactly one of these says which level of detail is wanted.
@@ -31,15 +31,58 @@ struct TargetArgs {
     error: Option<Target>,
 }
 
+/// The same, and none of them has to be there.
+#[derive(Clone, Debug)]
+#[cfg_attr(not(feature = "gpu"), expect(dead_code, reason = "what it is for needs a device"))]
+pub(crate) struct OptionalSelector {
+    target: TargetArgs,
+    per_object: bool,
+}
+
+#[cfg(feature = "gpu")]
+impl OptionalSelector {
+    pub(crate) fn per_object(&self) -> bool {
+        self.per_object
+    }
+    /// What was asked for, if anything.
+    pub(crate) fn target(&self) -> Option<Target> {
+        self.target.chosen()
+    }
+}
+
+impl FromArgMatches for OptionalSelector {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        Ok(Self { target: TargetArgs::from_arg_matches(matches)?, per_object: matches.get_flag("per_object") })
+    }
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
+    }
+}
+
+impl Args for OptionalSelector {
+    fn augment_args(command: Command) -> Command {
+        SelectorArgs::augment_args(command).mut_group("TargetArgs", |group| group.required(false))
+    }
+    fn augment_args_for_update(command: Command) -> Command {
+        Self::augment_args(command)
+    }
+}
+
+impl TargetArgs {
+    fn chosen(&self) -> Option<Target> {
+        let chosen = self.lod.map(Target::Lod).or(self.ratio.map(Target::Ratio));
+        chosen.or(self.triangles.map(Target::Triangles)).or(self.error)
+    }
+}
+
 impl SelectorArgs {
     pub(crate) fn per_object(&self) -> bool {
         self.per_object
     }
     /// What was asked for.
     pub(crate) fn target(&self) -> Target {
-        let t = &self.target;
-        let chosen = t.lod.map(Target::Lod).or(t.ratio.map(Target::Ratio));
-        chosen.or(t.triangles.map(Target::Triangles)).or(t.error).expect("clap demands exactly one of the group")
+        self.target.chosen().expect("clap demands exactly one of the group")
     }
 }
 
@@ -249,7 +292,8 @@ fn threshold(error: f64) -> f32 {
     if decimal(nearest) > error { nearest.next_down() } else { nearest }
 }
 
-fn ratio(text: &str) -> Result<f64, String> {
+/// A share from 0 to 1.
+pub(crate) fn ratio(text: &str) -> Result<f64, String> {
     let value: f64 = text.parse().map_err(|e| format!("{e}"))?;
     if (0.0..=1.0).contains(&value) { Ok(value) } else { Err("a share from 0 to 1, for example 0.25".to_owned()) }
 }

@@ -3,12 +3,16 @@
 //! Nothing outside this package parses or writes files. It knows no model by name: models list their arrays
 //! (`lodc_lod::any`), this package lays them out.
 
+pub mod appearance;
 mod assets;
 mod error;
 pub mod export;
 pub mod import;
 mod limits;
 pub mod lodc;
+pub mod lods;
+mod nodes;
+pub mod picture;
 mod scene;
 #[cfg(test)]
 mod testing;

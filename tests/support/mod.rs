@@ -14,6 +14,9 @@ use std::thread;
 /// The program under test.
 pub(crate) const LODC: &str = env!("CARGO_BIN_EXE_lodc");
 
+/// Keeps a layer of Mesa's Vulkan driver from writing lines of its own to standard error.
+const SILENT: [(&str, &str); 1] = [("NODEVICE_SELECT", "1")];
+
 /// A folder that is gone when the test is.
 pub(crate) struct Folder(PathBuf);
 
@@ -57,12 +60,12 @@ impl Folder {
     }
     /// Runs the program here.
     pub(crate) fn lodc<S: AsRef<OsStr>>(&self, args: impl IntoIterator<Item = S>) -> Run {
-        Run::of(Command::new(LODC).args(args).current_dir(&self.0).stdin(Stdio::null()))
+        Run::of(Command::new(LODC).args(args).current_dir(&self.0).stdin(Stdio::null()).envs(SILENT))
     }
     /// Runs the program here with something on standard input.
     pub(crate) fn lodc_with<S: AsRef<OsStr>>(&self, args: impl IntoIterator<Item = S>, stdin: &[u8]) -> Run {
         let mut command = Command::new(LODC);
-        command.args(args).current_dir(&self.0);
+        command.args(args).current_dir(&self.0).envs(SILENT);
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
         let mut child = command.spawn().expect("the program starts");
         let mut pipe = child.stdin.take().expect("a pipe was asked for");

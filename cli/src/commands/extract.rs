@@ -5,14 +5,14 @@ use crate::console::{self, Loudness, note, wants};
 use crate::exit::{Failure, Outcome, Status};
 use crate::levels::{self, ModelName};
 use crate::limits::LimitArgs;
+use crate::mesh_output::{self, FormatName, Wanted};
 use crate::output::{self, Rule, Target};
 use crate::report::{ExtractReport, ExtractedObject, SCHEMA_VERSION};
 use crate::selector::{SelectorArgs, decimal, select};
 use crate::stages::Stages;
 use crate::text::{count, distance};
 use clap::{Args, ValueEnum};
-use lodc_formats::OutputFile;
-use lodc_formats::export::{ExportFormat, ExportObject, export};
+use lodc_formats::export::ExportObject;
 use lodc_formats::lodc::{LodFile, LodObject};
 use lodc_lod::{AnyModel, ModelKind};
 use lodc_mesh::{Lod, Mesh};
@@ -66,36 +66,15 @@ impl ReplayName {
     }
 }
 
-/// Formats that can be written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum FormatName {
-    Glb,
-    Gltf,
-    Obj,
-    Ply,
-}
-
-impl FormatName {
-    fn extension(self) -> &'static str {
-        match self {
-            Self::Glb => "glb",
-            Self::Gltf => "gltf",
-            Self::Obj => "obj",
-            Self::Ply => "ply",
-        }
-    }
-    fn format(self) -> ExportFormat {
-        match self {
-            Self::Glb => ExportFormat::Glb,
-            Self::Gltf => ExportFormat::Gltf,
-            Self::Obj => ExportFormat::Obj,
-            Self::Ply => ExportFormat::Ply,
-        }
-    }
-}
-
 pub(crate) fn run(args: &ExtractArgs) -> Outcome<()> {
-    let (target, format) = target(args)?;
+    let wanted = Wanted {
+        input: &args.input,
+        output: &args.output,
+        format: args.format,
+        json: args.json,
+        depfile: args.depfile.as_deref(),
+    };
+    let (target, format) = wanted.target()?;
     let mut stages = Stages::default();
     let (file, _) = stages.run("read", || read_lodc(&args.input, args.limits.limits()))?;
     let model = model(args, &file)?;
@@ -105,13 +84,9 @@ pub(crate) fn run(args: &ExtractArgs) -> Outcome<()> {
     let files = stages.run("export", || {
         let objects: Vec<_> =
             file.objects.iter().zip(&meshes).map(|(o, mesh)| ExportObject { info: &o.info, mesh }).collect();
-        let path = match &target {
-            Target::File(path) => path.clone(),
-            Target::Stdout => PathBuf::from("stdout").with_extension(format.extension()),
-        };
-        export(&path, format.format(), &file.document, &objects)
+        mesh_output::files(&target, format, &file.document, &objects)
     })?;
-    stages.run("write", || write(&target, files))?;
+    stages.run("write", || mesh_output::write(&target, files))?;
     if let (Some(depfile), Target::File(path)) = (&args.depfile, &target) {
         output::write_depfile(depfile, &[Rule { output: path.clone(), inputs: vec![args.input.clone()] }])?;
     }
@@ -128,50 +103,6 @@ pub(crate) fn run(args: &ExtractArgs) -> Outcome<()> {
         note(&sentence(&report));
     }
     Ok(())
-}
-
-/// Where the result goes, and in which format.
-fn target(args: &ExtractArgs) -> Outcome<(Target, FormatName)> {
-    if output::is_stream(&args.output) {
-        let format = args.format.unwrap_or(FormatName::Glb);
-        if args.json {
-            return Err(Failure::usage("the mesh and the JSON do not fit one standard output"));
-        }
-        if format == FormatName::Gltf {
-            return Err(Failure::usage("a .gltf has a .bin beside it: write .glb to standard output instead"));
-        }
-        if args.depfile.is_some() {
-            return Err(Failure::usage("a dependency file needs an output file, not standard output"));
-        }
-        return Ok((Target::Stdout, format));
-    }
-    let folder = output::is_folder(&args.output);
-    let format = if folder { args.format.unwrap_or(FormatName::Glb) } else { format(args)? };
-    let inputs = std::slice::from_ref(&args.input);
-    let targets = output::targets(inputs, Some(&args.output), format.extension())?;
-    output::prepare(&targets, folder)?;
-    if let Some(depfile) = &args.depfile {
-        if output::is_stream(depfile) || *depfile == args.output || *depfile == args.input {
-            return Err(Failure::usage("the dependency file needs a name of its own"));
-        }
-        output::prepare(&[Target::File(depfile.clone())], false)?;
-    }
-    let target = targets.into_iter().next().expect("one input has one target");
-    Ok((target, format))
-}
-
-/// The format by option or by the extension of OUT.
-fn format(args: &ExtractArgs) -> Outcome<FormatName> {
-    if let Some(format) = args.format {
-        return Ok(format);
-    }
-    let extension = args.output.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-    FormatName::from_str(&extension, true).map_err(|_| {
-        Failure::usage(format!(
-            "{}: the extension names no known format: use .glb, .gltf, .obj or .ply, or say --format",
-            args.output.display()
-        ))
-    })
 }
 
 /// The model to replay; none stands for the reference.
@@ -201,14 +132,6 @@ fn meshes(objects: &[LodObject], lods: &[Lod], model: Option<ModelKind>) -> Outc
             .map_err(|e| Failure::new(Status::Bug, format!("{}: LOD {} is no mesh: {e}", object.info.name, lod.0)))
     };
     objects.par_iter().zip(lods).map(one).collect()
-}
-
-fn write(target: &Target, files: Vec<OutputFile>) -> Outcome<()> {
-    match target {
-        Target::File(_) => output::commit(&files),
-        // Standard output takes the mesh; what stands beside it (an MTL) has no place there.
-        Target::Stdout => files.into_iter().next().map_or(Ok(()), |first| console::bytes(&first.bytes)),
-    }
 }
 
 #[expect(clippy::too_many_arguments, reason = "it gathers what the steps above have found out")]

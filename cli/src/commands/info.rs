@@ -20,6 +20,7 @@ use lodc_strip::Effort;
 use serde_json::{Map, Value, json};
 use std::fmt::Write;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// Options of `info`.
 #[derive(Args, Debug)]
@@ -68,10 +69,11 @@ fn object(o: &LodObject, baselines: bool) -> Outcome<ObjectReport> {
     });
     let mut models: Map<String, Value> = o.models.iter().map(|m| (m.name().to_owned(), stored(m))).collect();
     if baselines {
-        for baseline in bench::baselines(o)? {
+        let strips = Arc::new(plain_strips(o));
+        for baseline in bench::baselines(o, &strips)? {
             models.insert(baseline.name().to_owned(), bits(&baseline.storage(), None));
         }
-        for (name, cost) in bench::plain(&o.simplified, &plain_strips(o)) {
+        for (name, cost) in bench::plain(&o.simplified, &strips) {
             models.insert(name.to_owned(), bits(&cost, None));
         }
     }

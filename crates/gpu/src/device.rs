@@ -137,6 +137,25 @@ impl Device {
         }
         Ok(())
     }
+
+    /// Whether a texture may have so many texels in a row.
+    pub(crate) fn allows_texture(&self, what: &str, texels: u32) -> Result<(), GpuError> {
+        let allowed = self.device.limits().max_texture_dimension_2d;
+        if texels <= allowed {
+            return Ok(());
+        }
+        let (needed, allowed) = (u64::from(texels), u64::from(allowed));
+        Err(GpuError::Limit { what: what.to_owned(), limit: "max_texture_dimension_2d", needed, allowed })
+    }
+
+    /// Whether a buffer that no shader sees may have so many bytes.
+    pub(crate) fn allows_buffer(&self, what: &str, needed: u64) -> Result<(), GpuError> {
+        let allowed = self.device.limits().max_buffer_size;
+        if needed <= allowed {
+            return Ok(());
+        }
+        Err(GpuError::Limit { what: what.to_owned(), limit: "max_buffer_size", needed, allowed })
+    }
 }
 
 fn rank(kind: wgpu::DeviceType) -> u8 {

@@ -4,6 +4,7 @@
 mod device;
 mod error;
 mod measure;
+pub mod picture;
 mod replay;
 mod session;
 

@@ -2,7 +2,7 @@
 
 use crate::plan::{Benchmark, Plan, PlanError, Shader};
 use crate::{
-    Array, BuildError, Changes, Interactive, Masking, Model, StorageCost, StripKind, StripPool, Strips, Traffic,
+    Array, BuildError, Changes, Interactive, Masking, Model, Speed, StorageCost, StripKind, StripPool, Strips, Traffic,
 };
 use lodc_mesh::{Lod, OrientedTriangle, Simplified};
 use std::{str::FromStr, sync::Arc};
@@ -25,7 +25,7 @@ impl ModelKind {
     /// Whether this version has the model.
     #[must_use]
     pub const fn available(self) -> bool {
-        matches!(self, Self::Masking | Self::Interactive)
+        matches!(self, Self::Speed | Self::Masking | Self::Interactive)
     }
 
     /// The generator whose strips the model is made of unless told otherwise; none if it is not made of strips.
@@ -73,6 +73,8 @@ const FOREIGN: &str = "a cursor of another model";
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub enum AnyModel {
+    /// Speed Strips.
+    Speed(Speed),
     /// Masking Strips.
     Masking(Masking),
     /// Interactive Meshes.
@@ -83,6 +85,8 @@ pub enum AnyModel {
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub enum AnyCursor {
+    /// Over Speed Strips.
+    Speed(<Speed as Model>::Cursor),
     /// Over Masking Strips.
     Masking(<Masking as Model>::Cursor),
     /// Over Interactive Meshes.
@@ -98,7 +102,7 @@ impl AnyModel {
         match kind {
             ModelKind::Interactive => Interactive::build(strips.simplified()).map(Self::Interactive),
             ModelKind::Masking => Masking::build(strips.simplified(), strips.get(StripKind::Cache)).map(Self::Masking),
-            ModelKind::Speed => Err(BuildError::NotAvailable { model: kind.name() }),
+            ModelKind::Speed => Speed::build(strips.simplified(), strips.get(StripKind::Stripe)).map(Self::Speed),
         }
     }
 
@@ -110,7 +114,7 @@ impl AnyModel {
         match kind {
             ModelKind::Interactive => Interactive::load(simplified, arrays).map(Self::Interactive),
             ModelKind::Masking => Masking::load(simplified, arrays).map(Self::Masking),
-            ModelKind::Speed => Err(BuildError::NotAvailable { model: kind.name() }),
+            ModelKind::Speed => Speed::load(simplified, arrays).map(Self::Speed),
         }
     }
 
@@ -118,6 +122,7 @@ impl AnyModel {
     #[must_use]
     pub fn kind(&self) -> ModelKind {
         match self {
+            Self::Speed(_) => ModelKind::Speed,
             Self::Masking(_) => ModelKind::Masking,
             Self::Interactive(_) => ModelKind::Interactive,
         }
@@ -127,6 +132,7 @@ impl AnyModel {
     #[must_use]
     pub fn strips(&self) -> Option<&Strips> {
         match self {
+            Self::Speed(model) => Some(model.strips()),
             Self::Masking(model) => Some(model.strips()),
             Self::Interactive(_) => None,
         }
@@ -141,6 +147,7 @@ impl AnyModel {
             return Ok(Vec::new());
         }
         match self {
+            Self::Speed(_) => Ok(Vec::new()),
             Self::Masking(_) => Ok(Vec::new()),
             Self::Interactive(model) => model.replays(stops),
         }
@@ -152,6 +159,7 @@ impl AnyModel {
     /// If the mesh is too large or too deep for any device.
     pub fn benchmark(&self) -> Result<Option<Benchmark>, PlanError> {
         match self {
+            Self::Speed(_) => Ok(None),
             Self::Masking(_) => Ok(None),
             Self::Interactive(model) => model.benchmark().map(Some),
         }
@@ -174,18 +182,21 @@ impl Model for AnyModel {
     }
     fn simplified(&self) -> &Arc<Simplified> {
         match self {
+            Self::Speed(model) => model.simplified(),
             Self::Masking(model) => model.simplified(),
             Self::Interactive(model) => model.simplified(),
         }
     }
     fn cursor(&self) -> AnyCursor {
         match self {
+            Self::Speed(model) => AnyCursor::Speed(model.cursor()),
             Self::Masking(model) => AnyCursor::Masking(model.cursor()),
             Self::Interactive(model) => AnyCursor::Interactive(model.cursor()),
         }
     }
     fn lod(&self, cursor: &AnyCursor) -> Lod {
         match (self, cursor) {
+            (Self::Speed(model), AnyCursor::Speed(cursor)) => model.lod(cursor),
             (Self::Masking(model), AnyCursor::Masking(cursor)) => model.lod(cursor),
             (Self::Interactive(model), AnyCursor::Interactive(cursor)) => model.lod(cursor),
             _ => panic!("{FOREIGN}"),
@@ -193,6 +204,7 @@ impl Model for AnyModel {
     }
     fn seek(&self, cursor: &mut AnyCursor, lod: Lod, changes: &mut impl Changes) -> Traffic {
         match (self, cursor) {
+            (Self::Speed(model), AnyCursor::Speed(cursor)) => model.seek(cursor, lod, changes),
             (Self::Masking(model), AnyCursor::Masking(cursor)) => model.seek(cursor, lod, changes),
             (Self::Interactive(model), AnyCursor::Interactive(cursor)) => model.seek(cursor, lod, changes),
             _ => panic!("{FOREIGN}"),
@@ -200,6 +212,7 @@ impl Model for AnyModel {
     }
     fn triangles(&self, cursor: &AnyCursor) -> Vec<OrientedTriangle> {
         match (self, cursor) {
+            (Self::Speed(model), AnyCursor::Speed(cursor)) => model.triangles(cursor),
             (Self::Masking(model), AnyCursor::Masking(cursor)) => model.triangles(cursor),
             (Self::Interactive(model), AnyCursor::Interactive(cursor)) => model.triangles(cursor),
             _ => panic!("{FOREIGN}"),
@@ -207,6 +220,7 @@ impl Model for AnyModel {
     }
     fn drawn(&self, cursor: &AnyCursor) -> u64 {
         match (self, cursor) {
+            (Self::Speed(model), AnyCursor::Speed(cursor)) => model.drawn(cursor),
             (Self::Masking(model), AnyCursor::Masking(cursor)) => model.drawn(cursor),
             (Self::Interactive(model), AnyCursor::Interactive(cursor)) => model.drawn(cursor),
             _ => panic!("{FOREIGN}"),
@@ -214,12 +228,14 @@ impl Model for AnyModel {
     }
     fn storage_to(&self, lod: Lod) -> StorageCost {
         match self {
+            Self::Speed(model) => model.storage_to(lod),
             Self::Masking(model) => model.storage_to(lod),
             Self::Interactive(model) => model.storage_to(lod),
         }
     }
     fn arrays(&self) -> Vec<Array> {
         match self {
+            Self::Speed(model) => model.arrays(),
             Self::Masking(model) => model.arrays(),
             Self::Interactive(model) => model.arrays(),
         }

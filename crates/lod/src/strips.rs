@@ -151,12 +151,22 @@ pub(crate) fn from_array(array: &Array, mesh: &Mesh) -> Result<Strips, BuildErro
         indices.push(reader.narrow(width).ok_or_else(short)?);
     }
     let set = StripSet::from_parts(indices, ends, submesh_ends).map_err(|e| wrong(&e.to_string()))?;
-    for (strip, submesh) in set.iter().zip(set.submeshes()) {
+    check(&set, mesh)?;
+    Ok(Strips { kind, set })
+}
+
+/// Whether strips have vertices of their own submesh only.
+pub(crate) fn check(strips: &StripSet, mesh: &Mesh) -> Result<(), BuildError> {
+    let wrong = |what: &str| Err(BuildError::Malformed { array: STRIPS, what: what.to_owned() });
+    if strips.submesh_count() != mesh.submeshes().len() {
+        return wrong("has another number of submeshes than the mesh");
+    }
+    for (strip, submesh) in strips.iter().zip(strips.submeshes()) {
         if strip.iter().any(|&v| mesh.vertex_submesh().get(v as usize) != Some(&submesh)) {
-            return Err(wrong("has a vertex that does not exist or belongs to another submesh"));
+            return wrong("has a vertex that does not exist or belongs to another submesh");
         }
     }
-    Ok(Strips { kind, set })
+    Ok(())
 }
 
 #[cfg(test)]

@@ -1,17 +1,13 @@
 //! A scene as plain meshes in one space, for formats without nodes.
 
 use super::ExportObject;
+use crate::nodes::{IDENTITY, Matrix, as_index, cofactors, local, mirrors, product, roots};
 use crate::{Document, Fault, FormatError, GltfDocument};
 use lodc_mesh::{Attribute, Mesh, Semantic};
 use serde_json::Value;
 
 /// Flattening repeats an object for every node that shows it, but not beyond this many triangles.
 const MAX_TRIANGLES: usize = 1 << 28;
-
-/// A 4×4 matrix, column by column, as glTF has it.
-pub(crate) type Matrix = [f64; 16];
-
-const IDENTITY: Matrix = [1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1.];
 
 /// An object where a node of the scene shows it.
 #[derive(Clone, Debug)]
@@ -48,10 +44,7 @@ impl Placed<'_> {
 
     /// Whether the transform turns the surface inside out, so that corners must be listed the other way round.
     pub(crate) fn mirrors(&self) -> bool {
-        self.transform.as_ref().is_some_and(|m| {
-            let c = cofactors(m);
-            (0..3).map(|row| c[row] * m[row]).sum::<f64>() < 0.0
-        })
+        self.transform.as_ref().is_some_and(mirrors)
     }
 
     /// A triangle with its corners in the order that faces outwards in the scene.
@@ -107,69 +100,6 @@ pub(crate) fn placed<'a>(document: &Document, objects: &[ExportObject<'a>]) -> R
 pub(crate) fn parse(gltf: &GltfDocument) -> Result<Value, FormatError> {
     serde_json::from_str(&gltf.json)
         .map_err(|e| FormatError::new(Fault::Malformed, "", format!("the stored glTF document is damaged: {e}")))
-}
-
-fn as_index(value: &Value) -> Option<usize> {
-    value.as_u64().and_then(|i| usize::try_from(i).ok())
-}
-
-fn roots(json: &Value, nodes: &[Value]) -> Vec<usize> {
-    let scene = &json["scenes"][as_index(&json["scene"]).unwrap_or(0)];
-    if let Some(listed) = scene["nodes"].as_array() {
-        return listed.iter().filter_map(as_index).collect();
-    }
-    if json["scenes"].is_array() {
-        return Vec::new();
-    }
-    let mut is_child = vec![false; nodes.len()];
-    for child in nodes.iter().filter_map(|n| n["children"].as_array()).flatten().filter_map(as_index) {
-        if let Some(c) = is_child.get_mut(child) {
-            *c = true;
-        }
-    }
-    (0..nodes.len()).filter(|&n| !is_child[n]).collect()
-}
-
-fn numbers<const N: usize>(value: &Value, default: [f64; N]) -> [f64; N] {
-    match value.as_array() {
-        Some(a) if a.len() == N => std::array::from_fn(|i| a[i].as_f64().unwrap_or(default[i])),
-        _ => default,
-    }
-}
-
-/// A node's own matrix (glTF 2.0, 3.5.3).
-fn local(node: &Value) -> Matrix {
-    if node["matrix"].is_array() {
-        return numbers(&node["matrix"], IDENTITY);
-    }
-    let t = numbers(&node["translation"], [0.0; 3]);
-    let [x, y, z, w] = numbers(&node["rotation"], [0.0, 0.0, 0.0, 1.0]);
-    let s = numbers(&node["scale"], [1.0; 3]);
-    let rotation = [
-        [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + z * w), 2.0 * (x * z - y * w)],
-        [2.0 * (x * y - z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z + x * w)],
-        [2.0 * (x * z + y * w), 2.0 * (y * z - x * w), 1.0 - 2.0 * (x * x + y * y)],
-    ];
-    let mut m = IDENTITY;
-    for column in 0..3 {
-        for row in 0..3 {
-            m[column * 4 + row] = rotation[column][row] * s[column];
-        }
-        m[12 + column] = t[column];
-    }
-    m
-}
-
-fn product(a: &Matrix, b: &Matrix) -> Matrix {
-    std::array::from_fn(|i| (0..4).map(|k| a[k * 4 + i % 4] * b[i / 4 * 4 + k]).sum())
-}
-
-/// Of the upper left 3×3 part, column by column.
-fn cofactors(m: &Matrix) -> [f64; 9] {
-    std::array::from_fn(|i| {
-        let at = |column: usize, row: usize| m[(i / 3 + column) % 3 * 4 + (i % 3 + row) % 3];
-        at(1, 1) * at(2, 2) - at(1, 2) * at(2, 1)
-    })
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "the formats store single precision")]

@@ -5,10 +5,8 @@ mod flatten;
 mod gltf;
 mod obj;
 mod ply;
-mod png;
 
 pub use flat_mesh::{FlatMesh, flat_mesh};
-pub use png::png;
 
 use crate::{Document, FormatError, ObjectInfo, OutputFile};
 use lodc_mesh::Mesh;

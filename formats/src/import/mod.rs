@@ -4,6 +4,7 @@ pub mod gltf;
 pub mod obj;
 mod sniff;
 
+use crate::lodc::{self, LodFile};
 use crate::{Assets, Fault, FormatError, Limits, Scene};
 use std::path::{Path, PathBuf};
 
@@ -18,17 +19,43 @@ pub struct ImportOptions {
     pub weld: f64,
 }
 
+/// A mesh file or a file of levels of detail.
+#[derive(Debug)]
+pub enum Either {
+    /// OBJ, glTF or GLB.
+    Scene(Scene),
+    /// `.lodc`.
+    Levels(LodFile),
+}
+
+/// Reads a mesh file or a `.lodc` file, `-` from standard input.
+///
+/// # Errors
+/// See [`import`].
+pub fn either(path: &Path, options: &ImportOptions) -> Result<Either, FormatError> {
+    let mut assets = Assets::new(path, &options.allowed, options.limits);
+    let bytes = assets.read_main()?;
+    if lodc::is_lodc(&bytes) {
+        return lodc::read(&bytes).map(Either::Levels).map_err(|e| e.in_file(&assets.main_name()));
+    }
+    read(bytes, path, &mut assets, options).map(Either::Scene)
+}
+
 /// Reads an asset, `-` from standard input. The format is told by content; the file's extension only helps messages.
 ///
 /// # Errors
 /// If the asset cannot be read, is malformed, unsupported, or larger than the limits. The error names the file.
 pub fn import(path: &Path, options: &ImportOptions) -> Result<Scene, FormatError> {
     let mut assets = Assets::new(path, &options.allowed, options.limits);
-    let name = assets.main_name();
     let bytes = assets.read_main()?;
+    read(bytes, path, &mut assets, options)
+}
+
+fn read(bytes: Vec<u8>, path: &Path, assets: &mut Assets, options: &ImportOptions) -> Result<Scene, FormatError> {
+    let name = assets.main_name();
     let scene = match sniff::format(&bytes, path) {
-        sniff::Sniffed::Glb | sniff::Sniffed::Gltf => gltf::import(bytes, &mut assets, options),
-        sniff::Sniffed::Obj => obj::import(bytes, &mut assets, options),
+        sniff::Sniffed::Glb | sniff::Sniffed::Gltf => gltf::import(bytes, assets, options),
+        sniff::Sniffed::Obj => obj::import(bytes, assets, options),
         sniff::Sniffed::Other(what) => {
             let what = format!("{what} cannot be read: convert it to OBJ or glTF first");
             Err(FormatError::new(Fault::Unsupported, "", what))

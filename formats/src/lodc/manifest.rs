@@ -5,7 +5,7 @@
 use super::{LodFile, LodObject};
 use crate::{Document, Fault, FormatError, ObjDocument, ObjMaterial, Source, SourceFormat};
 use lodc_lod::Model;
-use lodc_mesh::{Component, Semantic};
+use lodc_mesh::{Attribute, Component, Semantic};
 use serde::{Deserialize, Serialize};
 
 /// Bytes of a manifest; a reader refuses more, whatever the file says.
@@ -20,13 +20,13 @@ pub(super) struct Manifest {
 }
 
 #[derive(Serialize, Deserialize)]
-pub(super) enum DocumentEntry {
+pub(crate) enum DocumentEntry {
     Obj(ObjEntry),
     Gltf,
 }
 
 #[derive(Serialize, Deserialize)]
-pub(super) struct ObjEntry {
+pub(crate) struct ObjEntry {
     libraries: Vec<String>,
     materials: Vec<(String, Vec<String>)>,
 }
@@ -54,7 +54,7 @@ pub(super) struct SubmeshEntry {
 }
 
 #[derive(Serialize, Deserialize)]
-pub(super) struct AttributeEntry {
+pub(crate) struct AttributeEntry {
     semantic: SemanticEntry,
     pub(super) morph_target: Option<u32>,
     component: u8,
@@ -65,7 +65,7 @@ pub(super) struct AttributeEntry {
 }
 
 #[derive(Serialize, Deserialize)]
-enum SemanticEntry {
+pub(crate) enum SemanticEntry {
     Position,
     Normal,
     Tangent,
@@ -85,20 +85,9 @@ pub(super) struct ModelEntry {
 
 impl Manifest {
     pub(super) fn of(file: &LodFile, plans: &[Vec<bool>]) -> Self {
-        let document = match &file.document {
-            Document::Obj(obj) => DocumentEntry::Obj(ObjEntry {
-                libraries: obj.libraries.clone(),
-                materials: obj.materials.iter().map(|m| (m.name.clone(), m.lines.clone())).collect(),
-            }),
-            Document::Gltf(_) => DocumentEntry::Gltf,
-        };
-        let format = match file.source.format {
-            SourceFormat::Obj => 0,
-            SourceFormat::Gltf => 1,
-            SourceFormat::Glb => 2,
-        };
         let objects = file.objects.iter().zip(plans).map(|(o, plan)| object_entry(o, plan)).collect();
-        Self { format, content_hash: file.source.content_hash, document, objects }
+        let document = DocumentEntry::of(&file.document);
+        Self { format: format_code(file.source.format), content_hash: file.source.content_hash, document, objects }
     }
 
     pub(super) fn bytes(&self) -> Vec<u8> {
@@ -121,16 +110,40 @@ impl Manifest {
     }
 
     pub(super) fn source(&self) -> Result<Source, FormatError> {
-        let format = match self.format {
-            0 => SourceFormat::Obj,
-            1 => SourceFormat::Gltf,
-            2 => SourceFormat::Glb,
-            n => {
-                let what = format!("names source format {n}, which is not known");
-                return Err(FormatError::new(Fault::Malformed, "section MANI", what));
-            }
-        };
-        Ok(Source { format, content_hash: self.content_hash })
+        source_of(self.format, self.content_hash)
+            .map_err(|what| FormatError::new(Fault::Malformed, "section MANI", what))
+    }
+}
+
+/// The number that stands for a source's format.
+pub(crate) fn format_code(format: SourceFormat) -> u8 {
+    match format {
+        SourceFormat::Obj => 0,
+        SourceFormat::Gltf => 1,
+        SourceFormat::Glb => 2,
+    }
+}
+
+/// Where something came from, by what a file says of it.
+pub(crate) fn source_of(format: u8, content_hash: u128) -> Result<Source, String> {
+    let format = match format {
+        0 => SourceFormat::Obj,
+        1 => SourceFormat::Gltf,
+        2 => SourceFormat::Glb,
+        n => return Err(format!("names source format {n}, which is not known")),
+    };
+    Ok(Source { format, content_hash })
+}
+
+impl DocumentEntry {
+    pub(crate) fn of(document: &Document) -> Self {
+        match document {
+            Document::Obj(obj) => Self::Obj(ObjEntry {
+                libraries: obj.libraries.clone(),
+                materials: obj.materials.iter().map(|m| (m.name.clone(), m.lines.clone())).collect(),
+            }),
+            Document::Gltf(_) => Self::Gltf,
+        }
     }
 }
 
@@ -146,30 +159,7 @@ fn object_entry(object: &LodObject, plan: &[bool]) -> ObjectEntry {
             attributes: s.attributes.clone(),
         }
     });
-    let attributes = mesh.attributes().iter().zip(plan).map(|(a, &full)| AttributeEntry {
-        semantic: match &a.semantic {
-            Semantic::Position => SemanticEntry::Position,
-            Semantic::Normal => SemanticEntry::Normal,
-            Semantic::Tangent => SemanticEntry::Tangent,
-            Semantic::TexCoord(set) => SemanticEntry::TexCoord(*set),
-            Semantic::Color(set) => SemanticEntry::Color(*set),
-            Semantic::Joints(set) => SemanticEntry::Joints(*set),
-            Semantic::Weights(set) => SemanticEntry::Weights(*set),
-            Semantic::Custom(name) => SemanticEntry::Custom(name.clone()),
-        },
-        morph_target: a.morph_target,
-        component: match a.component {
-            Component::I8 => 0,
-            Component::U8 => 1,
-            Component::I16 => 2,
-            Component::U16 => 3,
-            Component::U32 => 4,
-            Component::F32 => 5,
-        },
-        components: a.components,
-        normalized: a.normalized,
-        full,
-    });
+    let attributes = mesh.attributes().iter().zip(plan).map(|(a, &full)| AttributeEntry::of(a, full));
     let models = object
         .models
         .iter()
@@ -188,6 +178,45 @@ fn object_entry(object: &LodObject, plan: &[bool]) -> ObjectEntry {
 }
 
 impl AttributeEntry {
+    pub(crate) fn of(a: &Attribute, full: bool) -> Self {
+        Self {
+            semantic: match &a.semantic {
+                Semantic::Position => SemanticEntry::Position,
+                Semantic::Normal => SemanticEntry::Normal,
+                Semantic::Tangent => SemanticEntry::Tangent,
+                Semantic::TexCoord(set) => SemanticEntry::TexCoord(*set),
+                Semantic::Color(set) => SemanticEntry::Color(*set),
+                Semantic::Joints(set) => SemanticEntry::Joints(*set),
+                Semantic::Weights(set) => SemanticEntry::Weights(*set),
+                Semantic::Custom(name) => SemanticEntry::Custom(name.clone()),
+            },
+            morph_target: a.morph_target,
+            component: match a.component {
+                Component::I8 => 0,
+                Component::U8 => 1,
+                Component::I16 => 2,
+                Component::U16 => 3,
+                Component::U32 => 4,
+                Component::F32 => 5,
+            },
+            components: a.components,
+            normalized: a.normalized,
+            full,
+        }
+    }
+
+    /// The stream without its bytes; none if this version does not know its type of components.
+    pub(crate) fn described(&self) -> Option<Attribute> {
+        Some(Attribute {
+            semantic: self.semantic(),
+            morph_target: self.morph_target,
+            component: self.component()?,
+            components: self.components,
+            normalized: self.normalized,
+            bytes: Vec::new(),
+        })
+    }
+
     pub(super) fn semantic(&self) -> Semantic {
         match &self.semantic {
             SemanticEntry::Position => Semantic::Position,

@@ -5,7 +5,7 @@ mod container;
 #[cfg(test)]
 mod golden_tests;
 mod left_out;
-mod manifest;
+pub(crate) mod manifest;
 mod object;
 mod steps;
 mod streams;
@@ -61,6 +61,12 @@ pub fn key(bytes: &[u8]) -> u128 {
 pub fn stored_bytes(model: &AnyModel) -> u64 {
     let own: usize = model.arrays().iter().map(|a| a.bytes.len()).sum();
     object::geometry_bytes(model.simplified()) + own as u64
+}
+
+/// Whether bytes claim to be a `.lodc` file.
+#[must_use]
+pub fn is_lodc(bytes: &[u8]) -> bool {
+    bytes.starts_with(b"\x89LODC")
 }
 
 /// Reads a container.

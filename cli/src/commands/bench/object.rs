@@ -19,7 +19,7 @@ pub(super) fn measure(args: &BenchArgs, prepared: &Prepared) -> Outcome<BenchObj
     let (mesh, collapses) = (object.simplified.mesh(), object.simplified.collapses());
     let stops = stops(collapses, args.steps);
     let far = collapses.lod_for_triangles(collapses.parts().triangles / 100).min(collapses.last_visible());
-    let baselines = baselines(object)?;
+    let baselines = baselines(object, stripe)?;
     let mut subjects = subjects(object, &baselines);
 
     let mut timed: Vec<(&'static str, Times)> = Vec::new();

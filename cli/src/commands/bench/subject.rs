@@ -2,9 +2,10 @@
 
 use crate::exit::{Failure, Outcome, Status};
 use lodc_formats::lodc::{LodObject, stored_bytes};
-use lodc_lod::{Baseline, Model, StorageCost, Traffic};
+use lodc_lod::{Baseline, Model, StorageCost, Strips, Traffic};
 use lodc_mesh::{Lod, Simplified};
 use lodc_strip::StripSet;
+use std::sync::Arc;
 
 /// A model with a cursor on it, whatever its kind.
 pub(super) trait Runner {
@@ -80,10 +81,11 @@ pub(crate) fn plain(simplified: &Simplified, strips: &StripSet) -> [(&'static st
     [("triangles", StorageCost::of_triangles(simplified)), ("strips", StorageCost::of_strips(simplified, strips))]
 }
 
-/// The baselines of an object.
+/// The baselines of an object, over strips of its mesh.
 ///
 /// # Errors
 /// If one cannot be made of the sequence: a bug.
-pub(crate) fn baselines(object: &LodObject) -> Outcome<Vec<Baseline>> {
-    Baseline::all(&object.simplified).map_err(|e| Failure::new(Status::Bug, format!("{}: {e}", object.info.name)))
+pub(crate) fn baselines(object: &LodObject, strips: &Arc<Strips>) -> Outcome<Vec<Baseline>> {
+    Baseline::all(&object.simplified, strips)
+        .map_err(|e| Failure::new(Status::Bug, format!("{}: {e}", object.info.name)))
 }

@@ -1,6 +1,6 @@
 //! A sheet of pictures: A, B, and how far each place of A is from B, from four sides.
 
-use lodc_formats::export::png;
+use lodc_formats::picture::{Picture as Sheet, png};
 use lodc_measure::{Bvh, Looks, Picture, Surface, Viewing, pictures};
 use rayon::prelude::*;
 
@@ -16,15 +16,15 @@ pub(super) fn draw(a: &Surface, b: &Surface, looks: Looks, hottest: f64) -> Vec<
     let grey = |p: &Picture| p.grey.iter().map(|&g| [g.max(0.0) as u8; 3]).collect();
     let rows: [Vec<Vec<[u8; 3]>>; 3] = [of_a.iter().map(grey).collect(), of_b.iter().map(grey).collect(), heat];
     let size = VIEWING.size as usize;
-    let mut rgb = Vec::with_capacity(rows.len() * cameras.len() * size * size * 3);
+    let mut rgba = Vec::with_capacity(rows.len() * cameras.len() * size * size * 4);
     for row in &rows {
         for line in 0..size {
             for picture in row {
-                rgb.extend(picture[line * size..(line + 1) * size].iter().flatten());
+                rgba.extend(picture[line * size..(line + 1) * size].iter().flat_map(|&[r, g, b]| [r, g, b, 255]));
             }
         }
     }
-    png(VIEWING.size * VIEWING.views, VIEWING.size * rows.len() as u32, &rgb)
+    png(&Sheet { width: VIEWING.size * VIEWING.views, height: VIEWING.size * rows.len() as u32, bytes: rgba })
 }
 
 /// Colours by distance: dark blue for none, through green and yellow, to red for the hottest.

@@ -5,16 +5,18 @@
 //! [`Rebuild`] is what a far jump is measured against.
 
 mod discrete;
+mod lodstrips;
 mod progressive_mesh;
 mod rebuild;
 #[cfg(test)]
 mod tests;
 
 pub use discrete::{Cursor as DiscreteCursor, Discrete, LEVELS};
+pub use lodstrips::{Cursor as LodStripsCursor, LodStrips};
 pub use progressive_mesh::{Cursor as ProgressiveMeshCursor, ProgressiveMesh};
 pub use rebuild::Rebuild;
 
-use crate::{Array, BuildError, Changes, Model, StorageCost, Traffic};
+use crate::{Array, BuildError, Changes, Model, StorageCost, Strips, Traffic};
 use lodc_mesh::{Lod, OrientedTriangle, Simplified};
 use std::sync::Arc;
 
@@ -24,6 +26,8 @@ use std::sync::Arc;
 pub enum Baseline {
     /// Progressive Meshes.
     ProgressiveMesh(ProgressiveMesh),
+    /// `LodStrips`.
+    LodStrips(LodStrips),
     /// Five discrete levels.
     Discrete(Discrete),
 }
@@ -34,18 +38,21 @@ pub enum Baseline {
 pub enum BaselineCursor {
     /// Over Progressive Meshes.
     ProgressiveMesh(ProgressiveMeshCursor),
+    /// Over `LodStrips`.
+    LodStrips(LodStripsCursor),
     /// Over five discrete levels.
     Discrete(DiscreteCursor),
 }
 
 impl Baseline {
-    /// All baselines, in the order in which reports list them.
+    /// All baselines, in the order in which reports list them, those made of strips over `strips`.
     ///
     /// # Errors
     /// If one cannot be made of this sequence.
-    pub fn all(simplified: &Arc<Simplified>) -> Result<Vec<Self>, BuildError> {
-        let progressive = ProgressiveMesh::build(simplified)?;
-        Ok(vec![Self::ProgressiveMesh(progressive), Self::Discrete(Discrete::build(simplified))])
+    pub fn all(simplified: &Arc<Simplified>, strips: &Arc<Strips>) -> Result<Vec<Self>, BuildError> {
+        let progressive = Self::ProgressiveMesh(ProgressiveMesh::build(simplified)?);
+        let lodstrips = Self::LodStrips(LodStrips::build(simplified, Arc::clone(strips))?);
+        Ok(vec![progressive, lodstrips, Self::Discrete(Discrete::build(simplified))])
     }
 
     /// Whether it shows every LOD.
@@ -59,6 +66,7 @@ impl Baseline {
     pub fn tight_bytes(&self) -> Option<u64> {
         match self {
             Self::ProgressiveMesh(model) => Some(model.tight_bytes()),
+            Self::LodStrips(model) => Some(model.tight_bytes()),
             Self::Discrete(_) => None,
         }
     }
@@ -69,12 +77,14 @@ macro_rules! each {
     ($self:ident, $model:ident => $call:expr) => {
         match $self {
             Self::ProgressiveMesh($model) => $call,
+            Self::LodStrips($model) => $call,
             Self::Discrete($model) => $call,
         }
     };
     ($self:ident, $cursor:expr, ($model:ident, $at:ident) => $call:expr) => {
         match ($self, $cursor) {
             (Self::ProgressiveMesh($model), BaselineCursor::ProgressiveMesh($at)) => $call,
+            (Self::LodStrips($model), BaselineCursor::LodStrips($at)) => $call,
             (Self::Discrete($model), BaselineCursor::Discrete($at)) => $call,
             _ => panic!("a cursor of another baseline"),
         }
@@ -93,6 +103,7 @@ impl Model for Baseline {
     fn cursor(&self) -> BaselineCursor {
         match self {
             Self::ProgressiveMesh(model) => BaselineCursor::ProgressiveMesh(model.cursor()),
+            Self::LodStrips(model) => BaselineCursor::LodStrips(model.cursor()),
             Self::Discrete(model) => BaselineCursor::Discrete(model.cursor()),
         }
     }

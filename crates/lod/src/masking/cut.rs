@@ -1,9 +1,11 @@
 //! Cutting long strips: masks have one bit for each vertex of a strip.
 
 use lodc_strip::StripSet;
+use std::cmp::Reverse;
 
-/// The same strips with those of more than `longest` (even, at least 4) vertices cut; `None` if there are none. Pieces
-/// start at even positions, so that every triangle keeps its orientation, and each repeats two vertices of the one before.
+/// The same strips with those of more than `longest` (even, at least 4) vertices cut into as few pieces as possible; `None`
+/// if there are none. Pieces start at even positions, so that every triangle keeps its orientation, and each repeats two
+/// vertices of the one before, or one where the strip turns.
 pub(super) fn cut(strips: &StripSet, longest: usize) -> Option<StripSet> {
     if strips.iter().all(|strip| strip.len() <= longest) {
         return None;
@@ -11,10 +13,12 @@ pub(super) fn cut(strips: &StripSet, longest: usize) -> Option<StripSet> {
     let (mut indices, mut ends, mut submesh_ends) = (Vec::new(), Vec::new(), Vec::new());
     for submesh in 0..strips.submesh_count() {
         for mut rest in strips.submesh(submesh).map(|s| strips.strip(s)) {
-            while rest.len() > longest {
-                indices.extend_from_slice(&rest[..longest]);
+            let pieces = (rest.len() - 2).div_ceil(longest - 2);
+            for left in (2..=pieces).rev() {
+                let step = step(rest, left, longest - 2);
+                indices.extend_from_slice(&rest[..step + 2 - usize::from(turns(rest, step))]);
                 ends.push(indices.len() as u32);
-                rest = &rest[longest - 2..];
+                rest = &rest[step..];
             }
             indices.extend_from_slice(rest);
             ends.push(indices.len() as u32);
@@ -22,4 +26,20 @@ pub(super) fn cut(strips: &StripSet, longest: usize) -> Option<StripSet> {
         submesh_ends.push(ends.len() as u32);
     }
     Some(StripSet::from_parts(indices, ends, submesh_ends).expect("ends rise to the end of everything"))
+}
+
+/// How many triangles go into the first of `pieces` pieces: an even number, such that `most` are enough for each of the
+/// others. Where the strip turns if it does, else about as many as in the others.
+fn step(strip: &[u32], pieces: usize, most: usize) -> usize {
+    let all = strip.len() - 2;
+    let even = all.div_ceil(pieces).next_multiple_of(2);
+    let least = all.saturating_sub((pieces - 1) * most).next_multiple_of(2).max(2);
+    let steps = (least..=most).step_by(2).filter(|&step| step < all);
+    steps.max_by_key(|&step| (turns(strip, step), Reverse(step.abs_diff(even)), step)).unwrap_or(even)
+}
+
+/// Whether the last of so many triangles is degenerate, so that nobody misses it.
+fn turns(strip: &[u32], triangles: usize) -> bool {
+    let [a, b, c] = [strip[triangles - 1], strip[triangles], strip[triangles + 1]];
+    triangles > 2 && (a == b || b == c || c == a)
 }

@@ -10,33 +10,28 @@ const REMEMBERED: usize = 1 << 14;
 /// Finds filters. What it remembers makes it faster, never different: a filter depends on the pattern alone.
 pub(super) struct Filters {
     search: Search,
-    known: Vec<([u128; 2], u32)>,
+    known: Vec<((u64, u64, usize), u16)>,
 }
 
 impl Filters {
     pub(super) fn new() -> Self {
-        // No pattern has the key 0: there is the length in it.
-        Self { search: Search::new(), known: vec![([0; 2], 0); REMEMBERED] }
+        // No pattern has the length 0.
+        Self { search: Search::new(), known: vec![((0, 0, 0), 0); REMEMBERED] }
     }
 
     /// The positions that are drawn: those of the shortest filter, if a bounded search finds it. 0 without live triangles.
-    pub(super) fn filter(&mut self, pattern: &Pattern) -> u64 {
-        let Some(key) = pattern.key() else { return self.find(pattern) };
+    pub(super) fn filter(&mut self, pattern: &Pattern) -> u16 {
+        let key = pattern.key();
         let slot = hash(key) % REMEMBERED;
         if self.known[slot].0 != key {
-            // A pattern that has a key has at most 24 positions.
-            self.known[slot] = (key, self.find(pattern) as u32);
+            let found = self.search.shortest(pattern, Search::LIMIT).unwrap_or_else(|| trimmed(pattern));
+            self.known[slot] = (key, found as u16);
         }
-        u64::from(self.known[slot].1)
-    }
-
-    fn find(&mut self, pattern: &Pattern) -> u64 {
-        self.search.shortest(pattern, Search::LIMIT).unwrap_or_else(|| trimmed(pattern))
+        self.known[slot].1
     }
 }
 
-fn hash([labels, places]: [u128; 2]) -> usize {
-    let fold = |n: u128| n as u64 ^ ((n >> 64) as u64).rotate_left(23);
-    let mixed = (fold(labels) ^ fold(places).rotate_left(11)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+fn hash((labels, places, length): (u64, u64, usize)) -> usize {
+    let mixed = (labels ^ places.rotate_left(11) ^ length as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     (mixed >> 40) as usize
 }

@@ -12,9 +12,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 pub(super) struct Entry {
     pub(super) record: u32,
     /// The positions that hold the vertex which the record removes.
-    pub(super) positions: u64,
+    pub(super) positions: u16,
     /// The positions that are drawn after the step of the record; 0 if no triangle is left.
-    pub(super) filter: u64,
+    pub(super) filter: u16,
 }
 
 /// The entries of all strips.
@@ -108,20 +108,43 @@ impl Follower<'_> {
                 let target = self.targets[record as usize];
                 let mut positions = 0;
                 for (at, v) in state.iter_mut().enumerate() {
-                    positions |= u64::from(*v == record) << at;
+                    positions |= u16::from(*v == record) << at;
                     *v = if *v == record { target } else { *v };
                 }
                 self.entries.push(Entry { record, positions, filter: 0 });
             }
             let filter = self.filter(state);
-            if filter == 0 {
-                return;
-            }
             self.entries[step..].iter_mut().for_each(|entry| entry.filter = filter);
+            if filter == 0 {
+                break;
+            }
         }
+        self.leave_out(first, strip.len());
     }
 
-    fn filter(&mut self, state: &[u32]) -> u64 {
+    /// Leaves out of a strip's entries the positions that no filter from there on keeps: they are not looked at again
+    /// before the cursor has gone back to where they still were. Then the entries in which nothing is left.
+    fn leave_out(&mut self, first: usize, len: usize) {
+        let mut wanted = 0;
+        for entry in self.entries[first..].iter_mut().rev() {
+            wanted |= entry.filter;
+            entry.positions &= wanted;
+        }
+        let (mut kept, mut filter) = (first, u16::MAX >> (16 - len));
+        for at in first..self.entries.len() {
+            let entry = self.entries[at];
+            let end = |entry: &Entry| self.end_of[entry.record as usize];
+            let closes = self.entries.get(at + 1).is_none_or(|next| end(next) != end(&entry));
+            if entry.positions != 0 || (closes && entry.filter != filter) {
+                filter = entry.filter;
+                self.entries[kept] = entry;
+                kept += 1;
+            }
+        }
+        self.entries.truncate(kept);
+    }
+
+    fn filter(&mut self, state: &[u32]) -> u16 {
         let place = |v: u32| self.positions.of_vertex[v as usize];
         self.filters.filter(&Pattern::new(state, place))
     }

@@ -21,10 +21,11 @@ pub struct InfoUpdate {
 pub struct InfoStrip {
     /// The strip.
     pub strip: u32,
-    /// A bit for each position, the first lowest: those that hold the removed vertex and become its target.
-    pub position_mask: u64,
+    /// A bit for each position, the first lowest: those that hold the removed vertex and become its
+    /// target. Positions that are not drawn at any coarser LOD are left out: what they hold does not matter.
+    pub position_mask: u16,
     /// The positions that are drawn at the end of the step; none if no triangle of the strip is left.
-    pub filter_mask: u64,
+    pub filter_mask: u16,
 }
 
 impl Masking {
@@ -66,7 +67,9 @@ pub(super) fn storage(model: &Masking, lod: Lod) -> StorageCost {
     let of_strip = |strip: usize| {
         let history = &model.entries[model.history(strip)];
         let entries = history.partition_point(|entry| entry.record < lod.0) as u64;
-        entries * (4 + 2 * model.strips.range(strip).len().div_ceil(8) as u64)
+        // A strip that ends needs no masks: nothing of it changes or is drawn.
+        let masked = history[..entries as usize].iter().filter(|entry| entry.filter != 0).count() as u64;
+        4 * entries + 2 * masked * model.strips.range(strip).len().div_ceil(8) as u64
     };
     let strips: u64 = (0..model.strips.len()).map(of_strip).sum();
     let primitives = 4 * model.strips.separate_indices();

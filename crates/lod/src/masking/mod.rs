@@ -5,7 +5,7 @@
 //! Filters do not depend on each other, so a far jump needs only the last one of each strip; going back, the filter is
 //! that of the strip's entry before. A strip without live triangles has no further entries.
 //!
-//! Masks are one word here, so longer strips are cut. Everything but the strips follows from them and the collapse
+//! Both masks fit into one word: strips of more than 16 vertices are cut. Everything but the strips follows from them and the collapse
 //! sequence, so that nothing else is stored in a file.
 
 mod cursor;
@@ -47,7 +47,7 @@ pub struct Masking {
 }
 
 impl Masking {
-    /// The most vertices that a strip may have: one bit of a mask for each. [`Self::build`] cuts longer ones.
+    /// The most vertices that a strip may have, so that its two masks are one word. [`Self::build`] cuts longer ones.
     pub const LONGEST_STRIP: usize = pattern::LONGEST;
 
     /// Makes the model from strips that draw the mesh of LOD 0. Parallel over strips; the same whatever the threads.
@@ -155,7 +155,8 @@ impl Model for Masking {
     fn drawn(&self, cursor: &Cursor) -> u64 {
         cursor.drawn()
     }
-    /// Strips, 1¼ words a record, and for each strip that a record changes one word and two masks of `⌈length / 8⌉` bytes.
+    /// Strips, 1¼ words a record, and for each strip that a record changes one word and two masks of `⌈length / 8⌉` bytes;
+    /// the entry that ends a strip is the word alone.
     fn storage_to(&self, lod: Lod) -> StorageCost {
         info::storage(self, self.simplified.collapses().floor(lod))
     }

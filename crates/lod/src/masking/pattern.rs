@@ -1,7 +1,7 @@
 //! What a filter depends on: which positions of a strip hold the same vertex, and which vertices are at one position.
 
-/// Longest strip that one mask covers.
-pub(super) const LONGEST: usize = 64;
+/// Longest strip that a mask covers: two masks fit into one word.
+pub(super) const LONGEST: usize = 16;
 
 /// A strip whose vertices are replaced by labels, numbered in order of first appearance. Two strips with the same
 /// pattern have the same filters.
@@ -53,7 +53,7 @@ impl Pattern {
 
     /// The whole strip.
     pub(super) fn all(&self) -> u64 {
-        u64::MAX >> (LONGEST - self.len)
+        u64::MAX >> (64 - self.len)
     }
 
     /// The triangle of three consecutive drawn labels, unless it is degenerate: corners counter-clockwise, least first.
@@ -88,14 +88,9 @@ impl Pattern {
         corners.enumerate().filter_map(|(k, corners)| self.triangle(corners, k % 2 == 1))
     }
 
-    /// The pattern as two numbers, if it is short enough for that: 5 bits a label, and the length; the same for places,
-    /// which are 0 if every label has its own.
-    pub(super) fn key(&self) -> Option<[u128; 2]> {
-        if self.len > 24 {
-            return None;
-        }
-        let pack = |numbers: &[u8]| numbers.iter().fold(0, |key, &n| key << 5 | u128::from(n));
-        let places = if self.plain { 0 } else { pack(&self.places[..self.count]) };
-        Some([pack(self.labels()) << 5 | self.len as u128, places])
+    /// The pattern as numbers, 4 bits a label: the labels, the places (0 if every label has its own) and the length.
+    pub(super) fn key(&self) -> (u64, u64, usize) {
+        let pack = |numbers: &[u8]| numbers.iter().fold(0, |key, &n| key << 4 | u64::from(n));
+        (pack(self.labels()), if self.plain { 0 } else { pack(&self.places[..self.count]) }, self.len)
     }
 }

@@ -16,6 +16,7 @@ mod primitive;
 mod scene_graph;
 pub(crate) mod schema;
 pub(crate) mod semantic;
+pub(crate) mod stored;
 pub(crate) mod uri;
 mod views;
 

@@ -4,7 +4,7 @@ use super::json::malformed;
 use crate::{Assets, Fault, FormatError};
 
 /// The bytes that a buffer's URI stands for. `data:` URIs do not touch the file system; nothing ever touches a network.
-pub(super) fn read(uri: &str, place: &str, assets: &mut Assets) -> Result<Vec<u8>, FormatError> {
+pub(crate) fn read(uri: &str, place: &str, assets: &mut Assets) -> Result<Vec<u8>, FormatError> {
     if let Some(rest) = strip_prefix_ignoring_case(uri, "data:") {
         return data(rest, place);
     }

@@ -54,6 +54,6 @@ fn strip_set(strips: &[&[u32]]) -> Strips {
 }
 
 /// A mask as the thesis prints it: the first position first.
-fn bits(mask: u64, len: usize) -> String {
+fn bits(mask: u16, len: usize) -> String {
     (0..len).map(|at| if mask >> at & 1 == 1 { '1' } else { '0' }).collect()
 }

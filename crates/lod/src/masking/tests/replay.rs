@@ -128,12 +128,12 @@ fn damaged_arrays_are_refused_or_found_by_verification() {
     assert!(Masking::load(&simplified, &[array.clone(), array.clone()]).is_err());
     let renamed = Array { name: "faces".to_owned(), ..array };
     assert!(Masking::load(&simplified, &[renamed]).is_err());
-    // A strip of 65 vertices.
+    // A strip of 17 vertices.
     let mut bytes = Vec::new();
     bytes.push(0);
     put_varint(&mut bytes, 1);
-    put_varint(&mut bytes, 65);
-    bytes.extend([0; 65]);
+    put_varint(&mut bytes, 17);
+    bytes.extend([0; 17]);
     let long = Array { name: STRIPS.to_owned(), bytes };
     assert!(matches!(Masking::load(&simplified, &[long]), Err(BuildError::Malformed { .. })));
 }

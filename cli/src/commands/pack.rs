@@ -1,0 +1,207 @@
+//! `lodc pack`: a progressive stream.
+
+use super::build::{EffortName, counts};
+use super::read::read_lodc;
+use crate::console::{self, Loudness, note, wants};
+use crate::exit::{Failure, Outcome, Status};
+use crate::limits::LimitArgs;
+use crate::output::{self, Target};
+use crate::report::{BoundReport, PackReport, PackedReport, SCHEMA_VERSION, StreamBits};
+use crate::stages::Stages;
+use crate::text::{count, distance, size};
+use clap::{Args, ValueEnum};
+use lodc_formats::lodc::{LodFile, LodObject};
+use lodc_formats::lods::{Bound, PackOptions, Packed, PackedObject, Quantize, Unpacker, pack};
+use lodc_formats::{Limits, lods};
+use lodc_lod::{AnyModel, StripKind, StripOptions, StripPool};
+use lodc_strip::StripSet;
+use rayon::prelude::*;
+use std::path::PathBuf;
+
+/// Options of `pack`.
+#[derive(Args, Debug)]
+#[command(
+    after_help = "Every prefix of a stream can be unpacked: the more of it, the finer the mesh. Without --quantize \
+                        the whole stream gives back every bit."
+)]
+pub(crate) struct PackArgs {
+    /// The .lodc file; `-` for standard input
+    input: PathBuf,
+    /// Where to write the stream; `-` for standard output
+    #[arg(short, long, value_name = "OUT")]
+    output: PathBuf,
+    /// Keep fewer bits, for example pos=16,normal=10,uv=12 (2 to 24 each); prints how far anything can move
+    #[arg(long, value_name = "KIND=BITS,…", value_parser = quantize)]
+    quantize: Option<Quantize>,
+    /// Strips that come with the triangles, if the file has none of that kind they are made
+    #[arg(long, value_enum, default_value = "cache")]
+    strips: PackStrips,
+    /// How long to search for strips
+    #[arg(long, value_enum, default_value = "default")]
+    effort: EffortName,
+    /// Print what was packed as JSON on standard output
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    limits: LimitArgs,
+}
+
+/// Which strips a stream tells.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum PackStrips {
+    /// Few long strips
+    Stripe,
+    /// Short strips that reuse a vertex cache
+    Cache,
+    /// Triangles only
+    None,
+}
+
+/// `pos=16,normal=10,uv=12`, any of them.
+fn quantize(text: &str) -> Result<Quantize, String> {
+    let mut quantize = Quantize::default();
+    for part in text.split(',') {
+        let (kind, bits) = part.split_once('=').ok_or_else(|| format!("\"{part}\" is not KIND=BITS"))?;
+        let bits = bits.parse::<u8>().ok().filter(|b| (2..=24).contains(b));
+        let bits = bits.ok_or_else(|| format!("\"{part}\": bits are a number from 2 to 24"))?;
+        let slot = match kind {
+            "pos" => &mut quantize.position,
+            "normal" => &mut quantize.normal,
+            "uv" => &mut quantize.uv,
+            _ => return Err(format!("\"{kind}\" is neither pos, normal nor uv")),
+        };
+        if slot.replace(bits).is_some() {
+            return Err(format!("\"{kind}\" is given twice"));
+        }
+    }
+    Ok(quantize)
+}
+
+pub(crate) fn run(args: &PackArgs) -> Outcome<()> {
+    let inputs = std::slice::from_ref(&args.input);
+    let targets = output::targets(inputs, Some(&args.output), "lods")?;
+    output::prepare(&targets, output::is_folder(&args.output))?;
+    let target = targets.into_iter().next().expect("one input has one target");
+    if args.json && target == Target::Stdout {
+        return Err(Failure::usage("the stream and the JSON do not fit one standard output"));
+    }
+    let mut stages = Stages::default();
+    let (file, _) = stages.run("read", || read_lodc(&args.input, args.limits.limits()))?;
+    let strips = stages.run("strips", || strips(args, &file));
+    let told: Vec<Option<&StripSet>> = strips.iter().map(Option::as_ref).collect();
+    let options = PackOptions { quantize: args.quantize.unwrap_or_default(), ..PackOptions::default() };
+    let packed = stages.run("pack", || pack(&file, &told, &options))?;
+    stages.run("check", || check(&packed))?;
+    let report = report(args, &file, &strips, &packed, &target);
+    stages.run("write", || output::write(&target, packed.bytes))?;
+    if args.json {
+        return console::json(&report);
+    }
+    if wants(Loudness::Normal) {
+        note(&text(&report));
+    }
+    Ok(())
+}
+
+/// The strips of every object: those of the file if it has some of this kind, else new ones.
+fn strips(args: &PackArgs, file: &LodFile) -> Vec<Option<StripSet>> {
+    let kind = match args.strips {
+        PackStrips::None => return vec![None; file.objects.len()],
+        PackStrips::Stripe => StripKind::Stripe,
+        PackStrips::Cache => StripKind::Cache,
+    };
+    let options = StripOptions { kind: Some(kind), effort: args.effort.into() };
+    let of = |o: &LodObject| {
+        let stored = o.models.iter().filter_map(AnyModel::strips).find(|s| s.kind == kind);
+        let set =
+            stored.map_or_else(|| StripPool::new(&o.simplified, options).get(kind).set.clone(), |s| s.set.clone());
+        Some(set)
+    };
+    file.objects.par_iter().map(of).collect()
+}
+
+/// Unpacks what was packed: an output is right, or it is not written.
+fn check(packed: &Packed) -> Outcome<()> {
+    let bug = |what: &str| Failure::new(Status::Bug, format!("the stream does not unpack: {what}"));
+    let most = Limits { file_bytes: u64::MAX, vertices: u64::MAX, triangles: u64::MAX, ..Limits::DEFAULT };
+    let mut unpacker = Unpacker::new(most);
+    unpacker.feed(&packed.bytes).map_err(|e| bug(&e.to_string()))?;
+    if unpacker.is_whole() { Ok(()) } else { Err(bug("something is missing")) }
+}
+
+fn report(
+    args: &PackArgs,
+    file: &LodFile,
+    strips: &[Option<StripSet>],
+    packed: &Packed,
+    target: &Target,
+) -> PackReport {
+    let bound = |b: &Bound| BoundReport {
+        stream: b.stream.clone(),
+        bits: b.bits,
+        coordinate: b.coordinate,
+        distance: b.distance,
+    };
+    let object = |((o, p), strips): ((&LodObject, &PackedObject), &Option<StripSet>)| {
+        let counts = counts(&o.info, &o.simplified);
+        let per_vertex = |bytes: u64| {
+            if counts.referenced_vertices == 0 { 0.0 } else { 8.0 * bytes as f64 / counts.referenced_vertices as f64 }
+        };
+        let bits_per_vertex = StreamBits {
+            stream: per_vertex(p.bytes),
+            packages: per_vertex(p.package_bytes),
+            packages_normals: per_vertex(p.package_bytes_with_normals),
+        };
+        let bounds = p.bounds.iter().map(bound).collect();
+        PackedReport {
+            counts,
+            strips: strips.as_ref().map(|s| s.len() as u64),
+            bytes: p.bytes,
+            bits_per_vertex,
+            bounds,
+        }
+    };
+    PackReport {
+        schema_version: SCHEMA_VERSION,
+        input: args.input.display().to_string(),
+        output: target.name(),
+        bytes: packed.bytes.len() as u64,
+        head_bytes: packed.head_bytes,
+        objects: file.objects.iter().zip(&packed.objects).zip(strips).map(object).collect(),
+    }
+}
+
+fn text(report: &PackReport) -> String {
+    let output = if report.output == "-" { "standard output" } else { &report.output };
+    let head = size(report.head_bytes);
+    let mut lines =
+        vec![format!("{output}: format version {}, {}, {head} of it the head", lods::VERSION, size(report.bytes))];
+    for o in &report.objects {
+        let name = crate::exit::one_line(&o.counts.name);
+        let vertices = count(o.counts.referenced_vertices, "vertex");
+        lines.push(format!("  {name}: {vertices}, {:.1} bits each", o.bits_per_vertex.stream));
+        for b in &o.bounds {
+            let (coordinate, far) = (distance(b.coordinate), distance(b.distance));
+            lines.push(format!(
+                "    {} in {} bits: off by at most {coordinate} in a coordinate, {far} in all",
+                b.stream, b.bits
+            ));
+        }
+    }
+    lines.join("\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bits_are_asked_for_by_kind() {
+        let wanted = Quantize { position: Some(16), normal: Some(10), uv: Some(12) };
+        assert_eq!(quantize("pos=16,normal=10,uv=12"), Ok(wanted));
+        assert_eq!(quantize("uv=2"), Ok(Quantize { uv: Some(2), ..Quantize::default() }));
+        for wrong in ["", "pos", "pos=", "pos=1", "pos=25", "pos=16,pos=16", "color=8", "pos=16,", "pos=-3"] {
+            assert!(quantize(wrong).is_err(), "{wrong}");
+        }
+    }
+}

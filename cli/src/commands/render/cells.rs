@@ -1,0 +1,135 @@
+//! Which levels of detail are shown, one picture each.
+
+use super::RenderArgs;
+use super::options::Colouring;
+use super::scene::{Objects, Shown};
+use crate::exit::Outcome;
+use crate::levels;
+use crate::selector::{Target, select};
+use crate::text::{count, distance};
+use lodc_formats::lodc::LodObject;
+use lodc_lod::{AnyModel, StripKind, Strips};
+use lodc_mesh::{Lod, Mesh, OrientedTriangle};
+use lodc_strip::Effort;
+use rayon::prelude::*;
+
+/// One picture: the triangles of every object.
+pub(super) struct Cell {
+    pub(super) objects: Vec<Vec<OrientedTriangle>>,
+    /// The strip of every triangle, counted over all objects, where strips are what colours mean.
+    pub(super) strips: Vec<Vec<u32>>,
+    /// Triangles of all objects.
+    pub(super) triangles: u64,
+    /// Share of the input's triangles.
+    pub(super) share: f64,
+    pub(super) error: Option<f64>,
+    pub(super) warnings: Vec<String>,
+}
+
+impl Cell {
+    /// `1,000 triangles (10.0 %)`.
+    pub(super) fn sentence(&self) -> String {
+        let share = if self.share < 1.0 { format!(" ({})", percent(self.share)) } else { String::new() };
+        format!("{}{share}", count(self.triangles, "triangle"))
+    }
+    /// Two lines under the picture.
+    pub(super) fn label(&self) -> [String; 2] {
+        let error = self.error.map(|e| format!("  error {}", distance(e))).unwrap_or_default();
+        [count(self.triangles, "triangle"), format!("{}{error}", percent(self.share))]
+    }
+}
+
+/// With three digits that count at least.
+fn percent(share: f64) -> String {
+    let percent = share * 100.0;
+    match percent {
+        100.0 => "100 %".to_owned(),
+        10.0.. => format!("{percent:.1} %"),
+        1.0.. => format!("{percent:.2} %"),
+        _ => format!("{percent:.3} %"),
+    }
+}
+
+/// The pictures that are asked for: one, or those of a contact sheet.
+///
+/// # Errors
+/// If the selection makes no sense.
+pub(super) fn chosen(args: &RenderArgs, shown: &Shown) -> Outcome<Vec<Cell>> {
+    let objects = match &shown.objects {
+        Objects::Levels(objects) => objects,
+        Objects::Meshes(meshes) => {
+            let objects: Vec<_> = meshes.iter().map(|(_, mesh)| whole(mesh)).collect();
+            let triangles = objects.iter().map(|o| o.len() as u64).sum();
+            let warnings = Vec::new();
+            return Ok(vec![Cell { objects, strips: Vec::new(), triangles, share: 1.0, error: None, warnings }]);
+        }
+    };
+    let wanted: Vec<Target> = if args.contact_sheet.is_empty() {
+        vec![args.selector.target().unwrap_or(Target::Ratio(1.0))]
+    } else {
+        args.contact_sheet.iter().map(|&share| Target::Ratio(share)).collect()
+    };
+    let strips: Option<Vec<Strips>> =
+        (args.color == Colouring::Strips).then(|| objects.par_iter().map(strips).collect());
+    let candidates = levels::candidates(objects);
+    let all: u64 = objects.iter().map(|o| o.simplified.mesh().triangles().len() as u64).sum();
+    let cell = |&target: &Target| {
+        let selection = select(&candidates, target, args.selector.per_object())?;
+        let (triangles, ids): (Vec<_>, Vec<_>) = match &strips {
+            Some(strips) => of_strips(objects, strips, &selection.lods),
+            None => {
+                let model = |o: &LodObject| o.models.first().map(AnyModel::kind);
+                let at = |(o, &lod): (&LodObject, &Lod)| levels::triangles(o, model(o), lod);
+                (objects.par_iter().zip(&selection.lods).map(at).collect(), Vec::new())
+            }
+        };
+        let live = triangles.iter().map(|t: &Vec<_>| t.len() as u64).sum();
+        Ok(Cell {
+            objects: triangles,
+            strips: ids,
+            triangles: live,
+            share: if all == 0 { 1.0 } else { live as f64 / all as f64 },
+            error: Some(selection.error),
+            warnings: selection.warnings,
+        })
+    };
+    wanted.iter().map(cell).collect()
+}
+
+/// All triangles of a mesh.
+pub(super) fn whole(mesh: &Mesh) -> Vec<OrientedTriangle> {
+    let submeshes = (0..).zip(mesh.submeshes());
+    submeshes
+        .flat_map(|(i, s)| mesh.triangles()[s.triangles()].iter().map(move |&t| OrientedTriangle::new(i, t)))
+        .collect()
+}
+
+/// The strips of the first model that is made of strips; without one, long strips made for the picture.
+fn strips(object: &LodObject) -> Strips {
+    let stored = object.models.iter().find_map(AnyModel::strips).cloned();
+    stored.unwrap_or_else(|| Strips::generate(&object.simplified, StripKind::Stripe, Effort::Default))
+}
+
+/// What is left of strips at a LOD: their triangles with every vertex resolved, and the strip of each.
+fn of_strips(objects: &[LodObject], strips: &[Strips], lods: &[Lod]) -> (Vec<Vec<OrientedTriangle>>, Vec<Vec<u32>>) {
+    let mut first = 0;
+    let mut one = |((object, strips), &lod): ((&LodObject, &Strips), &Lod)| {
+        let map = object.simplified.collapses().resolve_all(lod);
+        let positions = object.simplified.mesh().positions();
+        let at = |v: u32| lodc_mesh::position_key(positions[map[v as usize] as usize]);
+        let (mut triangles, mut ids) = (Vec::new(), Vec::new());
+        for ((number, strip), submesh) in (0..).zip(strips.iter()).zip(strips.submeshes()) {
+            for (k, w) in strip.windows(3).enumerate() {
+                let corners = if k % 2 == 0 { [w[0], w[1], w[2]] } else { [w[1], w[0], w[2]] };
+                let [a, b, c] = corners.map(at);
+                if a != b && b != c && c != a {
+                    triangles.push(OrientedTriangle::new(submesh, corners.map(|v| map[v as usize])));
+                    ids.push(first + number);
+                }
+            }
+        }
+        first += strips.len() as u32;
+        (triangles, ids)
+    };
+    objects.iter().zip(strips).zip(lods).map(&mut one).unzip()
+}

@@ -1,0 +1,147 @@
+//! `lodc render`: pictures of a mesh, or of levels of detail.
+
+#[cfg(feature = "gpu")]
+mod cells;
+#[cfg(feature = "gpu")]
+mod colours;
+#[cfg(feature = "gpu")]
+mod draw;
+#[cfg(feature = "gpu")]
+mod font;
+#[cfg(feature = "gpu")]
+mod heat;
+#[cfg(feature = "gpu")]
+mod nearest;
+#[cfg(feature = "gpu")]
+mod normals;
+mod options;
+#[cfg(feature = "gpu")]
+mod placed;
+#[cfg(feature = "gpu")]
+mod scene;
+#[cfg(feature = "gpu")]
+mod sheet;
+
+use crate::exit::{Failure, Outcome};
+use crate::gpu::{self, Device};
+use crate::limits::ImportArgs;
+use crate::output::{self, Target};
+use crate::selector::{OptionalSelector, ratio};
+use clap::Args;
+use options::{Backs, Colouring, Shading, UpAxis, View};
+use std::path::PathBuf;
+
+/// Options of `render`.
+#[derive(Args, Debug)]
+#[cfg_attr(not(feature = "gpu"), expect(dead_code, reason = "without a device there is nothing to draw with"))]
+pub(crate) struct RenderArgs {
+    /// The mesh (OBJ, glTF, GLB) or .lodc file to show; `-` for standard input
+    input: PathBuf,
+    /// Where to write the PNG; a folder; `-` for standard output
+    #[arg(short, long, value_name = "OUT")]
+    output: PathBuf,
+    #[command(flatten)]
+    selector: OptionalSelector,
+    /// Several levels of detail side by side, each a share of the triangles, 0 to 1
+    #[arg(long, value_name = "SHARES", value_delimiter = ',', value_parser = ratio, conflicts_with = "TargetArgs")]
+    contact_sheet: Vec<f64>,
+    /// Pictures in a row of a contact sheet [default: up to 4]
+    #[arg(long, value_name = "N", requires = "contact_sheet", value_parser = clap::value_parser!(u32).range(1..=64))]
+    columns: Option<u32>,
+    /// Pixels of each picture [default: 1024x768, in a contact sheet 480x360]
+    #[arg(long, value_name = "WxH", value_parser = options::size)]
+    size: Option<[u32; 2]>,
+    /// The side to show
+    #[arg(long, value_enum, default_value = "three-quarter", conflicts_with_all = ["azimuth", "elevation"])]
+    view: View,
+    /// Degrees around the upward axis: 0 is the front, 90 the side to the right of who looks at it
+    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = options::degrees)]
+    azimuth: Option<f64>,
+    /// Degrees above the horizon, -90 to 90
+    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = options::elevation)]
+    elevation: Option<f64>,
+    /// The axis that points up in the file
+    #[arg(long, value_enum, default_value = "y")]
+    up: UpAxis,
+    /// How many times larger than just fitting, 0.01 to 1000
+    #[arg(long, value_name = "FACTOR", default_value = "1", value_parser = options::zoom)]
+    zoom: f64,
+    /// Degrees between the upper and the lower edge of the picture, 1 to 150
+    #[arg(long, value_name = "DEGREES", default_value = "30", value_parser = options::field_of_view)]
+    fov: f64,
+    /// No perspective
+    #[arg(long, conflicts_with = "fov")]
+    orthographic: bool,
+    /// Normals of the file (rounded ones where it has none), or one for each triangle
+    #[arg(long, value_enum, default_value = "smooth")]
+    shading: Shading,
+    /// What colours mean
+    #[arg(long, value_enum, default_value = "material")]
+    color: Colouring,
+    /// Draw the edges of triangles
+    #[arg(long)]
+    wireframe: bool,
+    /// Behind everything: a colour as #rrggbb or #rrggbbaa, white, black, grey or transparent
+    #[arg(long, value_name = "COLOR", default_value = "white", value_parser = options::colour)]
+    background: [u8; 4],
+    /// Triangles seen from behind: as their material says, shown, hidden, or in a warning colour
+    #[arg(long, value_enum, default_value = "material")]
+    back_faces: Backs,
+    /// The folder in which the file's textures are looked for [default: where the file lies]
+    #[arg(long, value_name = "DIR")]
+    textures: Option<PathBuf>,
+    /// The GPU to use, by a part of its name
+    #[arg(long, value_name = "NAME")]
+    adapter: Option<String>,
+    #[command(flatten)]
+    import: ImportArgs,
+}
+
+pub(crate) fn run(args: &RenderArgs) -> Outcome<()> {
+    let inputs = std::slice::from_ref(&args.input);
+    let folder = output::is_folder(&args.output);
+    let targets = output::targets(inputs, Some(&args.output), "png")?;
+    output::prepare(&targets, folder)?;
+    let target = targets.into_iter().next().expect("one input has one target");
+    if args.wireframe && args.color == Colouring::Error {
+        return Err(Failure::usage("--color error divides triangles: leave --wireframe out"));
+    }
+    let device = gpu::open(args.adapter.as_deref()).map_err(|failure| {
+        let message = format!("{}: {failure}; nothing was drawn", args.input.display());
+        Failure { message, ..failure }
+    })?;
+    picture(args, &target, &device)
+}
+
+#[cfg(not(feature = "gpu"))]
+fn picture(_: &RenderArgs, _: &Target, device: &Device) -> Outcome<()> {
+    match *device {}
+}
+
+#[cfg(feature = "gpu")]
+fn picture(args: &RenderArgs, target: &Target, device: &Device) -> Outcome<()> {
+    use crate::console::{note, warning};
+    use crate::stages::Stages;
+
+    let name = args.input.display().to_string();
+    let mut stages = Stages::default();
+    let shown = scene::read(args, &mut stages)?;
+    let chosen = cells::chosen(args, &shown)?;
+    for what in shown.appearance.warnings.iter().chain(&shown.warnings).chain(chosen.iter().flat_map(|c| &c.warnings)) {
+        warning(&name, what);
+    }
+    let heat = (args.color == Colouring::Error).then(|| stages.run("measure", || heat::measure(&shown, &chosen)));
+    let pictures = stages.run("draw", || draw::pictures(args, &shown, &chosen, heat.as_ref(), device))?;
+    let picture = if args.contact_sheet.is_empty() && heat.is_none() {
+        pictures.into_iter().next().expect("there is always one")
+    } else {
+        sheet::compose(args, &chosen, heat.as_ref(), &pictures)?
+    };
+    let size = format!("{} x {} pixels", picture.width, picture.height);
+    let bytes = stages.run("encode", || lodc_formats::picture::png(&picture));
+    stages.run("write", || output::write(target, bytes))?;
+    let where_to = if *target == Target::Stdout { "standard output".to_owned() } else { target.name() };
+    let lods: Vec<String> = chosen.iter().map(cells::Cell::sentence).collect();
+    note(&format!("{where_to}: {size}, {}; {}", lods.join(", "), device.adapter()));
+    Ok(())
+}

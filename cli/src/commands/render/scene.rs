@@ -1,0 +1,95 @@
+//! What there is to show: objects, what they look like, and where they stand.
+
+use super::RenderArgs;
+use super::options::Colouring;
+use crate::commands::build::simplify_all;
+use crate::exit::{Failure, Outcome, Status};
+use crate::progress::Progress;
+use crate::stages::Stages;
+use lodc_formats::appearance::{Appearance, appearance};
+use lodc_formats::import::{Either, either};
+use lodc_formats::lodc::LodObject;
+use lodc_formats::{Assets, Document, ObjectInfo, Scene};
+use lodc_mesh::Mesh;
+use lodc_simplify::Options;
+
+/// More triangles than this, instances counted, are not drawn in one picture.
+const MOST_TRIANGLES: u64 = 1 << 26;
+
+/// An asset that can be drawn.
+pub(super) struct Shown {
+    pub(super) objects: Objects,
+    pub(super) appearance: Appearance,
+    /// What was repaired, dropped or left out while reading.
+    pub(super) warnings: Vec<String>,
+}
+
+/// Objects with levels of detail or without.
+pub(super) enum Objects {
+    Levels(Vec<LodObject>),
+    Meshes(Vec<(ObjectInfo, Mesh)>),
+}
+
+impl Objects {
+    pub(super) fn len(&self) -> usize {
+        match self {
+            Self::Levels(objects) => objects.len(),
+            Self::Meshes(objects) => objects.len(),
+        }
+    }
+    pub(super) fn mesh(&self, object: usize) -> &Mesh {
+        match self {
+            Self::Levels(objects) => objects[object].simplified.mesh(),
+            Self::Meshes(objects) => &objects[object].1,
+        }
+    }
+    pub(super) fn info(&self, object: usize) -> &ObjectInfo {
+        match self {
+            Self::Levels(objects) => &objects[object].info,
+            Self::Meshes(objects) => &objects[object].0,
+        }
+    }
+}
+
+/// Reads the input, and simplifies a mesh as `build` would if levels of detail are asked for.
+///
+/// # Errors
+/// If the input cannot be read, or there is too much to draw.
+pub(super) fn read(args: &RenderArgs, stages: &mut Stages) -> Outcome<Shown> {
+    let options = args.import.options();
+    let read = stages.run("read", || either(&args.input, &options))?;
+    let (objects, document, warnings) = match read {
+        Either::Levels(file) => (Objects::Levels(file.objects), file.document, file.left_out),
+        Either::Scene(scene) => of_scene(args, scene, stages)?,
+    };
+    let infos: Vec<&ObjectInfo> = (0..objects.len()).map(|o| objects.info(o)).collect();
+    // Only the folder of that path counts: textures are looked for there.
+    let beside = args.textures.as_ref().map_or_else(|| args.input.clone(), |folder| folder.join("-"));
+    let name = args.input.display().to_string();
+    let mut assets = Assets::new(&beside, &options.allowed, options.limits);
+    let looks = stages.run("textures", || appearance(&document, &infos, &mut assets)).map_err(|e| e.in_file(&name))?;
+    let triangles: u64 = looks.placements.iter().map(|p| objects.mesh(p.object).triangles().len() as u64).sum();
+    if triangles > MOST_TRIANGLES {
+        let message = format!("{name}: {triangles} triangles with all instances, more than {MOST_TRIANGLES}");
+        return Err(Failure::new(Status::Limit, message));
+    }
+    Ok(Shown { objects, appearance: looks, warnings })
+}
+
+fn of_scene(args: &RenderArgs, scene: Scene, stages: &mut Stages) -> Outcome<(Objects, Document, Vec<String>)> {
+    let Scene { document, objects, warnings, .. } = scene;
+    let levels = args.selector.target().is_some() || !args.contact_sheet.is_empty();
+    if !levels && args.color != Colouring::Strips {
+        let objects = objects.into_iter().map(|o| (o.info, o.mesh)).collect();
+        return Ok((Objects::Meshes(objects), document, warnings));
+    }
+    let triangles = objects.iter().map(|o| o.mesh.triangles().len() as u64).sum();
+    let name = args.input.display().to_string();
+    let limits = args.import.limits();
+    limits.check_memory(triangles).map_err(|f| Failure::new(f.status, format!("{name}: {f}")))?;
+    let progress = Progress::new(&name);
+    progress.stage("simplify");
+    let made = stages.run("simplify", || simplify_all(objects, &Options::DEFAULT, triangles, &progress));
+    let with_none = |(info, simplified)| LodObject { info, simplified, models: Vec::new() };
+    Ok((Objects::Levels(made.into_iter().map(with_none).collect()), document, warnings))
+}

@@ -1,0 +1,216 @@
+//! One picture in the making: triangles are added, then pixels come back.
+
+use super::painter::{COLOUR, DEPTH, Painter, SAMPLES};
+use super::pixels::{halved, linear};
+use super::{BackFaces, Camera, Corner, Pixels, Style};
+use crate::GpuError;
+
+/// Triangles that go to the device at once.
+const AT_ONCE: usize = 1 << 20;
+
+/// How many pixels there are for each one of the result, across and down.
+const LARGER: u32 = 2;
+
+/// Linear colour of edges.
+const WIRE: [f32; 3] = [0.01, 0.012, 0.02];
+/// Linear colour of back faces where they are marked.
+const WARNING: [f32; 3] = [0.9, 0.02, 0.45];
+
+/// A picture that is being drawn.
+pub struct Frame<'p> {
+    painter: &'p Painter<'p>,
+    size: [u32; 2],
+    colour: wgpu::TextureView,
+    depth: wgpu::TextureView,
+    resolved: wgpu::Texture,
+    shot: wgpu::BindGroup,
+    background: wgpu::Color,
+    fresh: bool,
+}
+
+impl<'p> Frame<'p> {
+    /// A picture with nothing but its background.
+    ///
+    /// # Errors
+    /// If it is larger than the device allows.
+    ///
+    /// # Panics
+    /// If it has no pixel.
+    pub fn new(painter: &'p Painter<'p>, camera: &Camera, style: &Style) -> Result<Self, GpuError> {
+        let size = style.size.map(|s| s.saturating_mul(LARGER));
+        assert!(size.iter().all(|&s| s > 0), "a picture has pixels");
+        painter.device.allows_texture("twice the picture's longer side", size[0].max(size[1]))?;
+        painter.device.allows_buffer("the picture (bytes)", u64::from(row_bytes(size[0])) * u64::from(size[1]))?;
+        let target = |label, format, samples, usage| {
+            painter.device.device.create_texture(&wgpu::TextureDescriptor {
+                label: Some(label),
+                size: extent(size),
+                mip_level_count: 1,
+                sample_count: samples,
+                dimension: wgpu::TextureDimension::D2,
+                format,
+                usage,
+                view_formats: &[],
+            })
+        };
+        let drawn = wgpu::TextureUsages::RENDER_ATTACHMENT;
+        let view = |t: &wgpu::Texture| t.create_view(&wgpu::TextureViewDescriptor::default());
+        let colour = view(&target("colour", COLOUR, SAMPLES, drawn));
+        let depth = view(&target("depth", DEPTH, SAMPLES, drawn));
+        let resolved = target("picture", COLOUR, 1, drawn | wgpu::TextureUsages::COPY_SRC);
+        let [r, g, b, a] = style.background;
+        // Targets hold premultiplied colours.
+        let light = |v: f32| f64::from(linear(v) * a);
+        let background = wgpu::Color { r: light(r), g: light(g), b: light(b), a: f64::from(a) };
+        let shot = shot(painter, camera, style);
+        painter.device.check()?;
+        Ok(Self { painter, size, colour, depth, resolved, shot, background, fresh: true })
+    }
+
+    /// Draws triangles with a paint over what is there. Of surfaces at one depth the one drawn first stays; a
+    /// `blended` one hides nothing that comes after it, so that those are drawn last and from far to near.
+    ///
+    /// # Errors
+    /// If the device fails.
+    ///
+    /// # Panics
+    /// If the painter has no such paint.
+    pub fn draw(&mut self, paint: usize, blended: bool, corners: &[Corner]) -> Result<(), GpuError> {
+        for part in corners.chunks(3 * AT_ONCE) {
+            let gpu = &self.painter.device.device;
+            let bytes: &[u8] = bytemuck::cast_slice(part);
+            let buffer = gpu.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("corners"),
+                size: bytes.len() as u64,
+                usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            });
+            self.painter.device.queue.write_buffer(&buffer, 0, bytes);
+            self.pass(false, |pass, frame| {
+                pass.set_pipeline(&frame.painter.pipelines[usize::from(blended)]);
+                pass.set_bind_group(0, &frame.shot, &[]);
+                pass.set_bind_group(1, &frame.painter.paints[paint], &[]);
+                pass.set_vertex_buffer(0, buffer.slice(..));
+                pass.draw(0..part.len() as u32, 0..1);
+            });
+            if part.len() == 3 * AT_ONCE {
+                // Large scenes wait, so that the device does not hold all of them at once.
+                self.painter.device.wait()?;
+            }
+        }
+        self.painter.device.check()
+    }
+
+    /// The finished picture.
+    ///
+    /// # Errors
+    /// If the device fails or is lost.
+    pub fn finish(mut self) -> Result<Pixels, GpuError> {
+        self.pass(true, |_, _| ());
+        let device = self.painter.device;
+        let [width, height] = self.size;
+        let row = row_bytes(width);
+        let bytes = u64::from(row) * u64::from(height);
+        let buffer = device.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("pixels"),
+            size: bytes,
+            usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let mut encoder = device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        encoder.copy_texture_to_buffer(
+            self.resolved.as_image_copy(),
+            wgpu::TexelCopyBufferInfo {
+                buffer: &buffer,
+                layout: wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row), rows_per_image: None },
+            },
+            extent(self.size),
+        );
+        device.queue.submit([encoder.finish()]);
+        let mut pixels = Pixels::default();
+        device.map(&buffer, bytes, |rows| {
+            let tight: Vec<u8> =
+                rows.chunks_exact(row as usize).flat_map(|r| &r[..4 * width as usize]).copied().collect();
+            pixels = halved(width, height, &tight);
+        })?;
+        Ok(pixels)
+    }
+
+    /// One pass over the targets; the last one leaves a picture with one sample for each pixel.
+    fn pass(&mut self, last: bool, draw: impl FnOnce(&mut wgpu::RenderPass<'_>, &Self)) {
+        let fresh = std::mem::replace(&mut self.fresh, false);
+        let device = self.painter.device;
+        let resolved = self.resolved.create_view(&wgpu::TextureViewDescriptor::default());
+        let mut encoder = device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let colour = wgpu::RenderPassColorAttachment {
+            view: &self.colour,
+            depth_slice: None,
+            resolve_target: last.then_some(&resolved),
+            ops: wgpu::Operations {
+                load: if fresh { wgpu::LoadOp::Clear(self.background) } else { wgpu::LoadOp::Load },
+                store: wgpu::StoreOp::Store,
+            },
+        };
+        let depth = wgpu::RenderPassDepthStencilAttachment {
+            view: &self.depth,
+            depth_ops: Some(wgpu::Operations {
+                load: if fresh { wgpu::LoadOp::Clear(1.0) } else { wgpu::LoadOp::Load },
+                store: wgpu::StoreOp::Store,
+            }),
+            stencil_ops: None,
+        };
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("picture"),
+            color_attachments: &[Some(colour)],
+            depth_stencil_attachment: Some(depth),
+            ..wgpu::RenderPassDescriptor::default()
+        });
+        draw(&mut pass, self);
+        drop(pass);
+        device.queue.submit([encoder.finish()]);
+    }
+}
+
+/// Bytes from row to row in a buffer that a texture is copied to.
+fn row_bytes(width: u32) -> u32 {
+    (4 * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT)
+}
+
+fn extent([width, height]: [u32; 2]) -> wgpu::Extent3d {
+    wgpu::Extent3d { width, height, depth_or_array_layers: 1 }
+}
+
+/// What the shader calls `Shot`.
+fn shot(painter: &Painter<'_>, camera: &Camera, style: &Style) -> wgpu::BindGroup {
+    let with = |v: [f32; 3], w: f32| [v[0], v[1], v[2], w];
+    let [right, up, toward] = camera.axes();
+    let back = match style.back_faces {
+        BackFaces::AsPainted => 0.0,
+        BackFaces::Shown => 1.0,
+        BackFaces::Hidden => 2.0,
+        BackFaces::Marked => 3.0,
+    };
+    let mut words: Vec<[f32; 4]> = camera.matrix().to_vec();
+    words.extend([
+        with(right, 0.0),
+        with(up, 0.0),
+        with(toward, f32::from(u8::from(camera.has_perspective()))),
+        with(camera.eye(), 1.0),
+        with(camera.world_up(), 0.0),
+        with(WIRE, style.wire * LARGER as f32),
+        with(WARNING, back),
+    ]);
+    let bytes: &[u8] = bytemuck::cast_slice(&words);
+    let buffer = painter.device.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("shot"),
+        size: bytes.len() as u64,
+        usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    });
+    painter.device.queue.write_buffer(&buffer, 0, bytes);
+    painter.device.device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some("shot"),
+        layout: &painter.shot_layout,
+        entries: &[wgpu::BindGroupEntry { binding: 0, resource: buffer.as_entire_binding() }],
+    })
+}

@@ -1,0 +1,57 @@
+//! Pictures: triangles, paints and a camera become pixels, off screen. Everything that needs no device is decided
+//! before: which triangles, where, which normals, which colours.
+//!
+//! Pictures are made at twice their size with four samples for each pixel, and made smaller in linear light. On one
+//! machine the same input gives the same bytes; drivers differ by a shade at edges.
+
+mod camera;
+mod frame;
+mod mips;
+mod painter;
+mod pixels;
+
+pub use camera::{Camera, Framing, Lens, Up};
+pub use frame::Frame;
+pub use painter::{Paint, Painter, Sampling, Texture, Wrap};
+pub use pixels::Pixels;
+
+/// A corner of a triangle. Three in a row are one, counter-clockwise from outside.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct Corner {
+    /// Relative to the camera's centre ([`Camera::centre`]), in the scene's units.
+    pub position: [f32; 3],
+    /// Of any length but zero.
+    pub normal: [f32; 3],
+    /// Texture coordinates, the first row of texels at 0.
+    pub uv: [f32; 2],
+    /// Linear colour and opacity, multiplied with those of the paint.
+    pub colour: [f32; 4],
+}
+
+/// What becomes of triangles that turn their back to the camera.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum BackFaces {
+    /// As their paint says.
+    #[default]
+    AsPainted,
+    /// All are drawn.
+    Shown,
+    /// None is drawn.
+    Hidden,
+    /// All are drawn, in a colour that warns.
+    Marked,
+}
+
+/// How a picture is drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Style {
+    /// Pixels, across and down.
+    pub size: [u32; 2],
+    /// sRGB colour and opacity behind everything, 0 to 1.
+    pub background: [f32; 4],
+    /// Back faces.
+    pub back_faces: BackFaces,
+    /// Width of the edges drawn over the triangles, in pixels; none are drawn at 0.
+    pub wire: f32,
+}

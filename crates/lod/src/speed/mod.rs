@@ -1,0 +1,166 @@
+//! Speed Strips (thesis chapter 3): static strips and one list of changes.
+//!
+//! Every record changes indices of some strips and takes repetitions out of them, so that strips get shorter as the mesh
+//! gets coarser. The list is walked in both directions. See
+//! [`RunTime`] for the arrays and [`Cursor`] for the extraction.
+
+mod apply;
+mod cursor;
+pub(crate) mod difference;
+mod edits;
+pub(crate) mod filter;
+pub(crate) mod history;
+mod ranks;
+mod run_time;
+mod stored;
+#[cfg(test)]
+mod tests;
+mod working;
+
+pub use cursor::Cursor;
+pub use history::Removal;
+pub use run_time::{LodInfo, Operation, RunTime, StripInfo};
+
+use crate::strips::{self, STRIPS};
+use crate::{Array, BuildError, Changes, Model, StorageCost, Strips, Traffic};
+use edits::Edits;
+use history::History;
+use lodc_mesh::{Lod, OrientedTriangle, PositionIds, Simplified};
+use std::sync::Arc;
+use stored::{REMOVALS, Replay, Stored};
+
+/// Speed Strips.
+#[derive(Clone, Debug)]
+pub struct Speed {
+    simplified: Arc<Simplified>,
+    strips: Arc<Strips>,
+    positions: Arc<PositionIds>,
+    /// The submesh of each strip.
+    submeshes: Vec<u32>,
+    edits: Edits,
+}
+
+impl Speed {
+    /// Makes the model of strips that draw exactly the mesh. Strips are worked on in parallel; the result does not depend
+    /// on how many threads there are.
+    ///
+    /// # Errors
+    /// If strips do not belong to the mesh, or change more often than those of any real mesh.
+    pub fn build(simplified: &Arc<Simplified>, strips: Arc<Strips>) -> Result<Self, BuildError> {
+        strips::check(&strips, simplified.mesh())?;
+        let positions = PositionIds::new(simplified.mesh().positions());
+        let histories = history::of(simplified, &strips, &positions)?;
+        Ok(Self::new(simplified, strips, positions, &histories))
+    }
+
+    /// Makes the model of what [`Model::arrays`] gave out. Every removal is replayed, so whatever is in the arrays, a
+    /// cursor stays within its strips.
+    ///
+    /// # Errors
+    /// If the arrays do not fit the mesh, the sequence or each other.
+    pub fn load(simplified: &Arc<Simplified>, arrays: &[Array]) -> Result<Self, BuildError> {
+        let [strips, removals] = arrays else { return Err(unknown(arrays)) };
+        if strips.name != STRIPS || removals.name != REMOVALS {
+            return Err(unknown(arrays));
+        }
+        let strips = strips::from_array(strips, simplified.mesh())?;
+        let stored = Stored::read(removals, strips.len())?;
+        let positions = PositionIds::new(simplified.mesh().positions());
+        let histories = history::in_parallel(&strips, |workshop, range| {
+            let mut all = History::default();
+            for strip in range {
+                let mut replay = Replay::new(stored.of(strip));
+                let history = workshop.follow(&strips, strip..strip + 1, simplified, &positions, &mut replay)?;
+                replay.finish()?;
+                stored::join(&mut all, history);
+            }
+            Ok(all)
+        })?;
+        Ok(Self::new(simplified, Arc::new(strips), positions, &histories))
+    }
+
+    fn new(simplified: &Arc<Simplified>, strips: Arc<Strips>, positions: PositionIds, histories: &[History]) -> Self {
+        let edits = Edits::merge(histories, &strips, simplified.collapses().records() as usize);
+        let submeshes = strips.submeshes().collect();
+        Self { simplified: Arc::clone(simplified), strips, positions: Arc::new(positions), submeshes, edits }
+    }
+
+    /// The strips of LOD 0.
+    #[must_use]
+    pub fn strips(&self) -> &Arc<Strips> {
+        &self.strips
+    }
+
+    /// The run-time arrays of the thesis, for the first `lod` records.
+    #[must_use]
+    pub fn run_time(&self, lod: Lod) -> RunTime {
+        RunTime::new(self, lod)
+    }
+
+    /// For each index of the strips the first LOD at which it is not drawn any more, `u32::MAX` if there is none. At any LOD
+    /// before that it is what its vertex has become. Strips die as a whole before that: [`Self::deaths`].
+    #[must_use]
+    pub fn removed_at(&self) -> &[u32] {
+        &self.edits.removed_at
+    }
+
+    /// For each strip the first LOD at which it draws nothing.
+    #[must_use]
+    pub fn deaths(&self) -> &[u32] {
+        &self.edits.deaths
+    }
+
+    fn edits(&self) -> &Edits {
+        &self.edits
+    }
+    fn positions(&self) -> &PositionIds {
+        &self.positions
+    }
+    fn submesh_of(&self, strip: usize) -> u32 {
+        self.submeshes[strip]
+    }
+}
+
+impl Model for Speed {
+    type Cursor = Cursor;
+
+    fn name(&self) -> &'static str {
+        "speed"
+    }
+    fn simplified(&self) -> &Arc<Simplified> {
+        &self.simplified
+    }
+    fn cursor(&self) -> Cursor {
+        Cursor::new(self)
+    }
+    fn lod(&self, cursor: &Cursor) -> Lod {
+        cursor.lod()
+    }
+    /// In the variant *memory* of the thesis nothing is sent; in *memory and upload* every changed strip is sent whole:
+    /// these are the bytes of the traffic.
+    fn seek(&self, cursor: &mut Cursor, lod: Lod, changes: &mut impl Changes) -> Traffic {
+        cursor.seek(self, lod, changes)
+    }
+    fn triangles(&self, cursor: &Cursor) -> Vec<OrientedTriangle> {
+        cursor.triangles(self)
+    }
+    fn drawn(&self, cursor: &Cursor) -> u64 {
+        cursor.drawn()
+    }
+    /// `3v + I` words for vertices and strip indices, and the run-time arrays (table 3.1).
+    fn storage_to(&self, lod: Lod) -> StorageCost {
+        let plain = StorageCost::of_triangles(&self.simplified);
+        let geometry = 12 * (plain.vertices + plain.fakes);
+        let structures = self.run_time(lod).bytes();
+        let primitives = 4 * self.strips.separate_indices();
+        StorageCost { positions: geometry, normals: geometry, primitives, structures, ..plain }
+    }
+    fn arrays(&self) -> Vec<Array> {
+        let vertices = self.simplified.mesh().vertex_count();
+        vec![strips::to_array(&self.strips, vertices), stored::to_array(&self.edits.removals_by_strip())]
+    }
+}
+
+fn unknown(arrays: &[Array]) -> BuildError {
+    BuildError::Arrays { given: arrays.iter().map(|a| a.name.clone()).collect() }
+}

@@ -1,0 +1,140 @@
+//! The run-time arrays as the thesis has them (3.3.2), with what overflows its bytes spelled out.
+
+use super::Speed;
+use super::history::Removal;
+use lodc_mesh::Lod;
+
+/// The largest number that a byte holds by itself; it stands for "that or more, the number follows".
+const ESCAPE: u8 = u8::MAX;
+
+/// One record. The vertex that it removes is its own number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LodInfo {
+    /// What the removed vertex becomes.
+    pub vertex: u32,
+    /// How many strips it changes. 255: that many or more, and the number is the `strip` of a [`StripInfo`] that stands
+    /// before those of the record.
+    pub strips_affected: u8,
+}
+
+/// One strip that a record changes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StripInfo {
+    /// The strip.
+    pub strip: u32,
+    /// How many operations follow for it. 255: that many or more, and the number is a word before them. 0: with this
+    /// record the strip dies.
+    pub num_ops: u8,
+}
+
+/// The arrays of a model down to some LOD.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct RunTime {
+    /// One for each record.
+    pub lods: Vec<LodInfo>,
+    /// For each record the strips that it changes, in order.
+    pub strips: Vec<StripInfo>,
+    /// For each of these the operations, by their place in the strip as it is before the record. `p ≥ 0`: the index at
+    /// `p` changes. `p < 0`: a repetition that starts at `!p` (−1 is place 0) goes, and the next word is how many elements:
+    /// positive for a vertex repetition, negative for an edge repetition. A change inside a repetition that goes
+    /// matters for refining only.
+    pub updates: Vec<i32>,
+}
+
+/// One operation of [`RunTime::updates`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Operation {
+    /// The index at this place becomes the record's target; backwards, the record's vertex.
+    Change(u32),
+    /// A repetition goes; backwards, it comes again.
+    Remove(Removal),
+}
+
+impl RunTime {
+    pub(super) fn new(model: &Speed, lod: Lod) -> Self {
+        let targets = model.simplified.collapses().targets();
+        let mut arrays = Self::default();
+        for record in 0..lod.0.min(targets.len() as u32) {
+            let strips = model.edits.affected(record..record + 1);
+            let affected = strips.len() as u32;
+            if affected >= u32::from(ESCAPE) {
+                arrays.strips.push(StripInfo { strip: affected, num_ops: 0 });
+            }
+            arrays.lods.push(LodInfo { vertex: targets[record as usize], strips_affected: byte(affected) });
+            for (&strip, operations) in strips.iter().zip(model.operations(record)) {
+                let count = operations.len() as u32;
+                arrays.strips.push(StripInfo { strip, num_ops: byte(count) });
+                if count >= u32::from(ESCAPE) {
+                    arrays.updates.push(count as i32);
+                }
+                operations.into_iter().for_each(|operation| arrays.push(operation));
+            }
+        }
+        arrays
+    }
+
+    fn push(&mut self, operation: Operation) {
+        match operation {
+            Operation::Change(place) => self.updates.push(place as i32),
+            Operation::Remove(removal) => self.updates.extend([!(removal.at as i32), removal.count]),
+        }
+    }
+
+    /// Reads the arrays back: for each record its strips with their operations, in order.
+    #[must_use]
+    pub fn records(&self) -> Vec<Vec<(u32, Vec<Operation>)>> {
+        let (mut strips, mut updates) = (self.strips.iter(), self.updates.iter().copied());
+        let mut next_strip = || *strips.next().expect("records and strips agree");
+        let mut next_word = || updates.next().expect("strips and operations agree");
+        let mut record = |lod: &LodInfo| {
+            let escaped = lod.strips_affected == ESCAPE;
+            let affected = if escaped { next_strip().strip } else { u32::from(lod.strips_affected) };
+            let mut strip = || {
+                let StripInfo { strip, num_ops } = next_strip();
+                let count = if num_ops == ESCAPE { next_word() as u32 } else { u32::from(num_ops) };
+                let mut operation = || match next_word() {
+                    p if p >= 0 => Operation::Change(p as u32),
+                    p => Operation::Remove(Removal { at: !p as u32, count: next_word() }),
+                };
+                (strip, (0..count).map(|_| operation()).collect())
+            };
+            (0..affected).map(|_| strip()).collect()
+        };
+        self.lods.iter().map(&mut record).collect()
+    }
+
+    /// What the arrays take as the thesis counts: a word and a byte for each record and each affected strip, a word for each
+    /// change, two for each repetition. What spells out an overflow is counted like the rest.
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        5 * (self.lods.len() + self.strips.len()) as u64 + 4 * self.updates.len() as u64
+    }
+}
+
+impl Speed {
+    /// What a record does to each of the strips that it changes, by place.
+    pub(super) fn operations(&self, record: u32) -> Vec<Vec<Operation>> {
+        let (mut changes, mut removals) = (self.edits.changes(record), self.edits.removals(record));
+        let of_strip = |&strip: &u32| {
+            let room = self.strips.range(strip as usize);
+            let (mine, rest) = changes.split_at(changes.partition_point(|&p| (p as usize) < room.end));
+            changes = rest;
+            let (gone, rest) = removals.split_at(removals.partition_point(|(s, _)| *s <= strip));
+            removals = rest;
+            let gone = gone.iter().map(|&(_, r)| Operation::Remove(r));
+            let changed = mine.iter().map(|p| Operation::Change(p - room.start as u32));
+            let mut operations: Vec<Operation> = gone.chain(changed).collect();
+            // Stable: a removal comes before a change at the same place.
+            operations.sort_by_key(|operation| match operation {
+                Operation::Change(place) => *place,
+                Operation::Remove(removal) => removal.at,
+            });
+            operations
+        };
+        self.edits.affected(record..record + 1).iter().map(of_strip).collect()
+    }
+}
+
+fn byte(count: u32) -> u8 {
+    u8::try_from(count).unwrap_or(ESCAPE)
+}

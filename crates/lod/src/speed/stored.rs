@@ -1,0 +1,130 @@
+//! Removals as they are stored. Index changes are not: strips and sequence tell them.
+//!
+//! For each strip in turn the number of its removals (varint), then for each removal three varints: how many of the strip's
+//! events (records that change it while it is live) lie between it and the event of the one before, or the start;
+//! where it stands in the strip before that event; and twice how many elements go, less one for an edge repetition.
+
+use super::filter::Repetition;
+use super::history::{History, Removal, Removals};
+use super::working::WorkingStrip;
+use crate::bytes::{Reader, put_varint};
+use crate::{Array, BuildError};
+
+/// Name of the array.
+pub(super) const REMOVALS: &str = "removals";
+
+/// The removals of all strips as an array.
+pub(super) fn to_array(by_strip: &[Vec<(u32, Removal)>]) -> Array {
+    let mut bytes = Vec::new();
+    for removals in by_strip {
+        put_varint(&mut bytes, removals.len() as u32);
+        let mut latest = 0;
+        for &(event, removal) in removals {
+            put_varint(&mut bytes, event - latest);
+            put_varint(&mut bytes, removal.at);
+            put_varint(&mut bytes, 2 * removal.count.unsigned_abs() - u32::from(removal.count < 0));
+            latest = event;
+        }
+    }
+    Array { name: REMOVALS.to_owned(), bytes }
+}
+
+/// Removals as read: for each strip those of its own.
+pub(super) struct Stored {
+    /// Where each strip's removals start in `removals`, and where the last one's end.
+    first: Vec<u32>,
+    removals: Vec<(u32, Removal)>,
+}
+
+impl Stored {
+    /// Reads the array of so many strips. Whether removals fit their strips is for [`Replay`] to find.
+    pub(super) fn read(array: &Array, strips: usize) -> Result<Self, BuildError> {
+        let mut reader = Reader::new(&array.bytes);
+        let short = || wrong("ends early or has a malformed number");
+        if strips > reader.left() {
+            return Err(short());
+        }
+        let mut stored = Self { first: Vec::with_capacity(strips + 1), removals: Vec::new() };
+        for _ in 0..strips {
+            stored.first.push(stored.removals.len() as u32);
+            let mut event = 0u32;
+            for _ in 0..reader.varint().ok_or_else(short)? {
+                event = reader.varint().and_then(|n| event.checked_add(n)).ok_or_else(short)?;
+                let at = reader.varint().ok_or_else(short)?;
+                let count = reader.varint().ok_or_else(short)?;
+                let count = if count % 2 == 0 { (count / 2) as i32 } else { -((count / 2) as i32) - 1 };
+                if count == 0 {
+                    return Err(wrong("has a removal of no element"));
+                }
+                stored.removals.push((event, Removal { at, count }));
+            }
+        }
+        stored.first.push(stored.removals.len() as u32);
+        if reader.left() > 0 { Err(wrong("is longer than its strips need")) } else { Ok(stored) }
+    }
+
+    /// The removals of one strip.
+    pub(super) fn of(&self, strip: usize) -> &[(u32, Removal)] {
+        &self.removals[self.first[strip] as usize..self.first[strip + 1] as usize]
+    }
+}
+
+/// Takes out of one strip what was stored for it.
+pub(super) struct Replay<'a> {
+    rest: &'a [(u32, Removal)],
+    event: u32,
+    gone: Vec<Repetition>,
+}
+
+impl<'a> Replay<'a> {
+    pub(super) fn new(removals: &'a [(u32, Removal)]) -> Self {
+        Self { rest: removals, event: 0, gone: Vec::new() }
+    }
+    /// Fails if removals are left over.
+    pub(super) fn finish(self) -> Result<(), BuildError> {
+        if self.rest.is_empty() { Ok(()) } else { Err(wrong("has removals of a strip that is dead")) }
+    }
+}
+
+impl Removals for Replay<'_> {
+    fn next(&mut self, strip: &mut WorkingStrip, _: &[u32]) -> Result<&[Repetition], BuildError> {
+        let count = self.rest.iter().take_while(|(event, _)| *event == self.event).count();
+        let (now, rest) = self.rest.split_at(count);
+        (self.rest, self.event) = (rest, self.event + 1);
+        self.gone.clear();
+        let mut free_from = 0;
+        for (_, removal) in now {
+            let period = removal.period() as u32;
+            if removal.at.checked_sub(period).is_none_or(|start| start < free_from) {
+                return Err(wrong("has removals out of order or resting on one another"));
+            }
+            let first = strip.at(removal.at).ok_or_else(|| wrong("removes what is not there"))?;
+            let (mut last, mut element) = (first, first);
+            for _ in 0..removal.len() {
+                if !strip.is_inside(element) || !strip.repeats(element, period) {
+                    return Err(wrong("removes what is no repetition"));
+                }
+                (last, element) = (element, strip.next(element));
+            }
+            free_from = removal.at + removal.len() as u32;
+            self.gone.push(Repetition { first, last, count: removal.len() as u32, period });
+        }
+        for r in &self.gone {
+            strip.unlink(r.first, r.last);
+        }
+        Ok(&self.gone)
+    }
+}
+
+fn wrong(what: &str) -> BuildError {
+    BuildError::Malformed { array: REMOVALS, what: what.to_owned() }
+}
+
+/// Joins the histories of single strips.
+pub(super) fn join(into: &mut History, more: History) {
+    into.events.extend(more.events);
+    into.changes.extend(more.changes);
+    into.removals.extend(more.removals);
+    into.removed_at.extend(more.removed_at);
+    into.deaths.extend(more.deaths);
+}

@@ -1,0 +1,118 @@
+//! Materials of an OBJ: `Kd`, `d`, `Tr` and `map_Kd`; `map_d` means that the texture's own opacity cuts.
+
+use super::pictures::Pictures;
+use super::{Appearance, Material, Opacity, Placement, TextureUse, Wrap};
+use crate::nodes::IDENTITY;
+use crate::{Assets, ObjDocument, ObjMaterial, ObjectInfo};
+
+/// What is drawn without a material: a light grey.
+const PLAIN: [f32; 4] = [0.6, 0.6, 0.6, 1.0];
+
+pub(super) fn appearance(obj: &ObjDocument, objects: &[&ObjectInfo], assets: &mut Assets) -> Appearance {
+    let mut pictures = Pictures::default();
+    let plain = Material { colour: PLAIN, double_sided: true, ..Material::default() };
+    let used = |m: &ObjMaterial| {
+        objects.iter().flat_map(|o| &o.submeshes).any(|s| s.material.as_deref() == Some(m.name.as_str()))
+    };
+    let mut materials = vec![plain.clone()];
+    // What nothing uses need not have its pictures read.
+    materials
+        .extend(obj.materials.iter().map(|m| if used(m) { material(m, &mut pictures, assets) } else { plain.clone() }));
+    let number = |name: &Option<String>| {
+        let name = name.as_ref()?;
+        obj.materials.iter().position(|m| m.name == *name).map(|i| i + 1)
+    };
+    let of = |o: &&ObjectInfo| o.submeshes.iter().map(|s| number(&s.material).unwrap_or(0)).collect();
+    let placed = |object| Placement { object, matrix: IDENTITY, joints: Vec::new(), weights: Vec::new() };
+    Appearance {
+        materials,
+        of_submesh: objects.iter().map(of).collect(),
+        pictures: pictures.list,
+        placements: (0..objects.len()).map(placed).collect(),
+        warnings: pictures.warnings,
+    }
+}
+
+fn material(source: &ObjMaterial, pictures: &mut Pictures, assets: &mut Assets) -> Material {
+    // `Kd` has no colour space of its own; programs show it as they show texels.
+    let linear = |v: f32| {
+        let v = v.clamp(0.0, 1.0);
+        if v <= 0.04045 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }
+    };
+    let mut material = Material { colour: PLAIN, double_sided: true, ..Material::default() };
+    let (mut stated, mut cut) = (false, false);
+    for line in &source.lines {
+        let (word, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
+        let numbers: Vec<f32> =
+            rest.split_whitespace().map_while(|w| w.parse().ok()).filter(|v: &f32| v.is_finite()).collect();
+        match (word, &numbers[..]) {
+            ("Kd", &[r, g, b, ..]) => {
+                material.colour[..3].copy_from_slice(&[r, g, b].map(linear));
+                stated = true;
+            }
+            ("d", &[d, ..]) => material.colour[3] = d.clamp(0.0, 1.0),
+            ("Tr", &[t, ..]) => material.colour[3] = 1.0 - t.clamp(0.0, 1.0),
+            ("map_Kd", _) => material.texture = texture(rest, pictures, assets),
+            ("map_d", _) => cut = true,
+            _ => {}
+        }
+    }
+    let black = material.colour[..3].iter().all(|&c| c == 0.0);
+    if material.texture.is_some() && (black || !stated) {
+        // Many writers leave `Kd` black or out where a texture says the colour.
+        material.colour[..3].copy_from_slice(&[1.0; 3]);
+    }
+    material.opacity = match material.colour[3] {
+        // Exporters that mean nothing by it write 0, and a thing that cannot be seen is no material.
+        0.0 => {
+            material.colour[3] = 1.0;
+            Opacity::Ignored
+        }
+        d if d < 1.0 => Opacity::Blended,
+        _ if cut => Opacity::CutOff(0.5),
+        _ => Opacity::Ignored,
+    };
+    material
+}
+
+/// `map_Kd [-option value...]... FILE`; the file's name may contain spaces.
+fn texture(rest: &str, pictures: &mut Pictures, assets: &mut Assets) -> Option<TextureUse> {
+    let mut name = rest.trim();
+    let (mut scale, mut offset, mut wrap) = ([1.0f32; 2], [0.0f32; 2], Wrap::Repeat);
+    while let Some(option) = name.strip_prefix('-') {
+        let (word, mut after) = option.split_once(char::is_whitespace)?;
+        let numbers = match word {
+            "s" | "o" | "t" => 3,
+            "mm" => 2,
+            "blendu" | "blendv" | "cc" | "clamp" | "texres" | "bm" | "boost" | "imfchan" | "type" => 1,
+            _ => break,
+        };
+        let mut values = Vec::new();
+        for i in 0..numbers {
+            after = after.trim_start();
+            let (value, tail) = after.split_once(char::is_whitespace)?;
+            // The second and third number of a vector may be missing.
+            if numbers == 3 && i > 0 && value.parse::<f32>().is_err() {
+                break;
+            }
+            values.push(value);
+            after = tail;
+        }
+        let number = |i: usize, default: f32| values.get(i).and_then(|v| v.parse().ok()).unwrap_or(default);
+        match word {
+            "s" => scale = [number(0, 1.0), number(1, 1.0)],
+            "o" => offset = [number(0, 0.0), number(1, 0.0)],
+            "clamp" if values == ["on"] => wrap = Wrap::Clamp,
+            _ => {}
+        }
+        name = after.trim_start();
+    }
+    if name.is_empty() {
+        return None;
+    }
+    let turned = name.replace('\\', "/");
+    let picture = pictures.get(&turned, name, || assets.read_reference(&turned))?;
+    // The picture's first row is the top, the texture coordinate 0 is the bottom.
+    let transform = [[scale[0], 0.0, offset[0]], [0.0, -scale[1], 1.0 - offset[1]]];
+    Some(TextureUse { picture, set: 0, transform, wrap: [wrap; 2], nearest: false })
+}

@@ -1,0 +1,85 @@
+//! Accessors and buffer views that are left in a stored document, checked again: it may come from anyone's file.
+
+use super::accessor::Accessor;
+use super::budget::Budget;
+use super::json::{self, Object, malformed};
+use super::schema;
+use super::views::{Buffers, Views};
+use crate::{FormatError, GltfDocument, Limits};
+use lodc_mesh::{Attribute, Semantic};
+use serde_json::Value;
+
+/// A stored document that is open for reading.
+pub(crate) struct Stored<'a> {
+    accessors: &'a [Option<Accessor>],
+    views: &'a Views<'a>,
+}
+
+impl Stored<'_> {
+    /// Checks a document and lets `work` read it.
+    ///
+    /// # Errors
+    /// If it is damaged, or `work` fails.
+    pub(crate) fn read<T>(
+        document: &GltfDocument,
+        limits: &Limits,
+        work: impl FnOnce(&Stored<'_>, &Value) -> Result<T, FormatError>,
+    ) -> Result<T, FormatError> {
+        let mut root = json::parse(document.json.as_bytes(), limits)?;
+        schema::check(&mut root)?;
+        let mut buffers: Buffers<'_> = vec![None; json::entries(&root, "buffers").len()];
+        if let Some(first) = buffers.first_mut() {
+            *first = Some(document.blob.as_slice().into());
+        }
+        check_length(&root, document.blob.len())?;
+        let budget = Budget::new(document.blob.len() as u64);
+        let views = Views::new(&root, &buffers, &budget)?;
+        let accessors = json::entries(&root, "accessors").enumerate();
+        let accessors = accessors.map(|(i, a)| Accessor::new(a, format!("accessors[{i}]"), &views));
+        let accessors: Vec<Option<Accessor>> = accessors.collect::<Result<_, _>>()?;
+        work(&Stored { accessors: &accessors, views: &views }, &Value::Object(root.clone()))
+    }
+
+    /// All components of all elements of an accessor, and how many components an element has.
+    ///
+    /// # Errors
+    /// If it is not there, has no bytes of its own, or they are damaged.
+    pub(crate) fn numbers(&self, accessor: usize) -> Result<(Vec<f64>, usize), FormatError> {
+        let place = format!("accessors[{accessor}]");
+        let missing = || malformed(&*place, "cannot be read");
+        let accessor = self.accessors.get(accessor).and_then(Option::as_ref).ok_or_else(missing)?;
+        let components = accessor.shape.components();
+        self.views.budget.charge(accessor.count as u64, 12 * components as u64, &place)?;
+        let reader = accessor.reader(self.views)?;
+        let mut bytes = Vec::new();
+        (0..accessor.count as u32).for_each(|i| reader.append(i, &mut bytes));
+        let stream = Attribute {
+            semantic: Semantic::Custom(String::new()),
+            morph_target: None,
+            component: accessor.component,
+            components: components as u8,
+            normalized: accessor.normalized,
+            bytes,
+        };
+        let value = |i: usize| f64::from(stream.value((i / components) as u32, i % components));
+        Ok(((0..accessor.count * components).map(value).collect(), components))
+    }
+
+    /// The bytes of a buffer view.
+    ///
+    /// # Errors
+    /// If it has none.
+    pub(crate) fn view(&self, view: usize) -> Result<Vec<u8>, FormatError> {
+        self.views.bytes(view).map(<[u8]>::to_vec)
+    }
+}
+
+/// Buffer 0 must have the bytes that its views count on.
+fn check_length(root: &Object, blob: usize) -> Result<(), FormatError> {
+    match json::entries(root, "buffers").next() {
+        Some(first) if json::required(first, "byteLength", "buffers[0]")? > blob as u64 => {
+            Err(malformed("buffers[0]", format!("says more bytes than the {blob} that there are")))
+        }
+        _ => Ok(()),
+    }
+}

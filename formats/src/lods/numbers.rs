@@ -1,0 +1,191 @@
+//! Numbers as they were written down: a float that came from text is one of few, and those can be counted.
+//!
+//! A [`System`] is a rising list of floats. Predictions are made in floats and said as distances in the list, so a
+//! number with six decimal digits costs what six digits are worth, not the 24 bits of its mantissa. Lossless: a system
+//! is used for a stream only if it has every number of the stream, bit for bit.
+
+/// A rising list of floats, numbered from the one at or above zero; −0 is number −1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum System {
+    /// Every float in the order of their bits, NaNs outermost.
+    Float,
+    /// Multiples of 10^−n, n up to 9.
+    Decimal(u8),
+    /// Numbers of n significant decimal digits, n from 1 to 7.
+    Significant(u8),
+    /// Integers: the float is the integer itself.
+    Integer,
+    /// `origin + i * step`: what `--quantize` makes.
+    Grid {
+        /// The float of number 0.
+        origin: f32,
+        /// The distance of two neighbours; above 0.
+        step: f32,
+    },
+}
+
+/// The smallest decade of a float: 10^−45 is below the smallest.
+const LEAST_DECADE: i32 = -46;
+const POWERS: [f64; 23] = [
+    1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20,
+    1e21, 1e22,
+];
+
+/// `m * 10^exponent`; correctly rounded for all but the farthest exponents, and the same everywhere for those.
+fn scaled(m: f64, exponent: i32) -> f64 {
+    let table = |n: i32| {
+        POWERS[n.min(22) as usize] * POWERS[(n - 22).clamp(0, 22) as usize] * POWERS[(n - 44).clamp(0, 22) as usize]
+    };
+    if exponent >= 0 { m * table(exponent) } else { m / table(-exponent) }
+}
+
+impl System {
+    /// The number of the float in the list that is nearest to `value`.
+    pub(super) fn index(self, value: f32) -> i32 {
+        match self {
+            Self::Float => {
+                let bits = value.to_bits() as i32;
+                if bits >= 0 { bits } else { -1 - (bits & i32::MAX) }
+            }
+            Self::Decimal(digits) => {
+                let scale = POWERS[usize::from(digits)];
+                signed(value, |v| (v * scale + 0.5) as i32)
+            }
+            Self::Significant(digits) => signed(value, |v| significant(v, i32::from(digits))),
+            Self::Integer => value as i32,
+            Self::Grid { origin, step } => {
+                ((f64::from(value) - f64::from(origin)) / f64::from(step) + 0.5).floor() as i32
+            }
+        }
+    }
+
+    /// The float of a number.
+    pub(super) fn value(self, index: i32) -> f32 {
+        // Not `-index`, so that −1 is −0.
+        let magnitude = if index < 0 { !index } else { index };
+        let value = match self {
+            Self::Float => {
+                return if index >= 0 {
+                    f32::from_bits(index as u32)
+                } else {
+                    f32::from_bits(magnitude as u32 | 1 << 31)
+                };
+            }
+            Self::Integer => return index as f32,
+            Self::Grid { origin, step } => {
+                return (f64::from(origin) + f64::from(index) * f64::from(step)) as f32;
+            }
+            Self::Decimal(digits) => f64::from(magnitude) / POWERS[usize::from(digits)],
+            Self::Significant(_) if magnitude == 0 => 0.0,
+            Self::Significant(digits) => {
+                let first = 10i32.pow(u32::from(digits) - 1);
+                let (decade, rest) = ((magnitude - 1) / (9 * first), (magnitude - 1) % (9 * first));
+                scaled(f64::from(first + rest), decade + LEAST_DECADE + 1 - i32::from(digits))
+            }
+        };
+        let value = value as f32;
+        if index < 0 { -value } else { value }
+    }
+
+    /// Whether the list has this float, bit for bit.
+    pub(super) fn has(self, value: f32) -> bool {
+        self.value(self.index(value)).to_bits() == value.to_bits()
+    }
+
+    /// The systems that have all of the numbers, for floats from a file; [`Self::Float`] is always one.
+    pub(super) fn candidates(values: impl Iterator<Item = f32> + Clone) -> Vec<Self> {
+        let has = |s: &Self| values.clone().all(|v| s.has(v));
+        let decimal = (0..=9).map(Self::Decimal).find(has);
+        let significant = (1..=7).map(Self::Significant).find(has);
+        [Some(Self::Float), decimal, significant].into_iter().flatten().collect()
+    }
+}
+
+/// Numbers a float by its magnitude, leaving room for −0.
+fn signed(value: f32, of: impl Fn(f64) -> i32) -> i32 {
+    // What is no number has no place in a list of decimals; any will do, the same everywhere.
+    if value.is_nan() {
+        return 0;
+    }
+    let magnitude = of(f64::from(value.abs()));
+    if value.is_sign_negative() { !magnitude } else { magnitude }
+}
+
+fn significant(value: f64, digits: i32) -> i32 {
+    if value == 0.0 {
+        return 0;
+    }
+    let value = value.min(f64::from(f32::MAX));
+    // The decade by the binary exponent, then put right.
+    let exponent = (value.to_bits() >> 52) as i32 - 1023;
+    let mut decade = (exponent * 1233) >> 12;
+    if scaled(1.0, decade + 1) <= value {
+        decade += 1;
+    } else if scaled(1.0, decade) > value {
+        decade -= 1;
+    }
+    let first = 10i32.pow(digits as u32 - 1);
+    let unit = decade + 1 - digits;
+    let mut m = (scaled(value, -unit) + 0.5) as i32;
+    if m >= 10 * first {
+        m = first;
+        decade += 1;
+    }
+    (decade - LEAST_DECADE) * 9 * first + m.max(first) - first + 1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::Random;
+
+    const SYSTEMS: [System; 7] = [
+        System::Float,
+        System::Decimal(0),
+        System::Decimal(6),
+        System::Significant(1),
+        System::Significant(6),
+        System::Significant(7),
+        System::Integer,
+    ];
+
+    #[test]
+    fn numbers_lead_to_floats_and_back() {
+        let mut random = Random(1);
+        for system in SYSTEMS {
+            for _ in 0..20_000 {
+                let index = random.next() as i32 >> random.below(31);
+                // Where neighbours are different floats, and no infinities.
+                let index = match system {
+                    System::Float => index >> 1,
+                    System::Significant(n) => index % (80 * 9 * 10i32.pow(u32::from(n) - 1)),
+                    _ => index % 0xff_ffff,
+                };
+                let value = system.value(index);
+                assert!(system.has(value), "{system:?} {index} {value:e}");
+                assert!(system.value(index + 1) >= value, "{system:?} does not rise at {index}");
+            }
+        }
+    }
+
+    #[test]
+    fn text_is_recognised() {
+        let has = |texts: &[&str]| {
+            let values: Vec<f32> = texts.iter().map(|t| t.parse().expect("a number")).collect();
+            System::candidates(values.into_iter())
+        };
+        assert_eq!(has(&["0.25", "-1.50", "-0", "3"]), [System::Float, System::Decimal(2), System::Significant(2)]);
+        assert_eq!(has(&["0.0378297", "0.00447467", "-1.55991e-08"]), [System::Float, System::Significant(6)]);
+        assert_eq!(has(&["0.123456789", "1e30"]), [System::Float]);
+        assert_eq!(has(&["NaN", "1"]), [System::Float]);
+    }
+
+    #[test]
+    fn predictions_of_any_value_have_a_place() {
+        for value in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::MAX, f32::MIN, f32::MIN_POSITIVE, 1e-45, -0.0] {
+            for system in SYSTEMS {
+                let _ = system.value(system.index(value));
+            }
+        }
+    }
+}

@@ -1,0 +1,150 @@
+//! Cut, damaged, longer, newer, crafted.
+
+use super::super::block::{self, Block, PREAMBLE, Parsed};
+use super::*;
+use crate::Fault;
+use crate::testing::Random;
+use lodc_fixtures as fixtures;
+
+fn small() -> (LodFile, Vec<u8>) {
+    let mesh = fixtures::coloured_cube();
+    let file = obj(vec![object("cube", fixtures::random_collapse(&mesh, 3))]);
+    let bytes = stepwise(&file).0.bytes;
+    (file, bytes)
+}
+
+#[test]
+fn a_stream_cut_anywhere_shows_its_last_whole_step() {
+    let (file, bytes) = small();
+    let ends = ends(&bytes);
+    for cut in 0..bytes.len() {
+        let unpacker = fed(&bytes[..cut]);
+        assert!(!unpacker.is_whole(), "{cut} bytes");
+        let blocks = ends.iter().filter(|&&end| end <= cut).count();
+        assert_eq!(unpacker.objects(), usize::from(blocks > 1), "{cut} bytes");
+        if unpacker.objects() > 0 {
+            // One block for the preamble, one for the head; each other is a step.
+            assert_eq!(unpacker.state(0).steps[0] as usize, blocks - 2, "{cut} bytes");
+            check(&unpacker, 0, &file.objects[0].simplified, "cut");
+            unpacker.mesh(0).expect("a mesh");
+        }
+    }
+    assert!(fed(&bytes).is_whole());
+}
+
+#[test]
+fn no_bit_can_flip_unnoticed_and_all_before_it_stays() {
+    let (file, bytes) = small();
+    let ends = ends(&bytes);
+    for bit in 0..8 * bytes.len() {
+        let mut damaged = bytes.clone();
+        damaged[bit / 8] ^= 1 << (bit % 8);
+        // More follows, as it would on a line: a length that grew does not look like a cut.
+        damaged.resize(bytes.len() + (1 << 21), 0);
+        let mut unpacker = Unpacker::new(Limits::DEFAULT);
+        let error = unpacker.feed(&damaged).expect_err("a flipped bit");
+        assert!(matches!(error.fault, Fault::Malformed | Fault::Unsupported), "bit {bit}: {error}");
+        assert_eq!(unpacker.feed(&[]), Err(error), "bit {bit}: it stays refused");
+        let sound = ends.iter().filter(|&&end| end <= bit / 8).count();
+        assert_eq!(unpacker.objects(), usize::from(sound > 1), "bit {bit}");
+        if unpacker.objects() > 0 {
+            let steps = (sound - 2).min(unpacker.state(0).steps[1] as usize);
+            assert_eq!(unpacker.state(0).steps[0] as usize, steps, "bit {bit}");
+            check(&unpacker, 0, &file.objects[0].simplified, "damaged");
+        }
+    }
+}
+
+fn refused(bytes: &[u8], what: &str) {
+    let error = Unpacker::new(Limits::DEFAULT).feed(bytes).expect_err("this must be refused");
+    assert!(error.to_string().contains(what), "{error}");
+}
+
+#[test]
+fn what_is_no_stream_is_refused_and_named() {
+    let (_, bytes) = small();
+    refused(&[&bytes[..], b"x"].concat(), "follows the end");
+    refused(b"v 0 0 0\n", "not a .lods stream");
+    let mut newer = bytes.clone();
+    newer[8] = 2;
+    refused(&newer, "newer than this program");
+    let ends = ends(&bytes);
+    // A block twice, left out, or in another's place.
+    refused(&[&bytes[..ends[3]], &bytes[ends[2]..]].concat(), "checksum");
+    refused(&[&bytes[..ends[2]], &bytes[ends[3]..]].concat(), "checksum");
+    let mut early = bytes[..ends[4]].to_vec();
+    block::put(&mut early, 4, Block { subject: 0, steps: 0, payload: &[] });
+    refused(&early, "before all has come");
+}
+
+#[test]
+fn more_than_the_limits_allow_is_refused() {
+    let (_, bytes) = small();
+    let limits = Limits { vertices: 5, ..Limits::DEFAULT };
+    let error = Unpacker::new(limits).feed(&bytes).expect_err("too many vertices");
+    assert_eq!(error.fault, Fault::Limit);
+}
+
+/// The stream with a payload changed and its checksums made right again.
+fn forged(bytes: &[u8], random: &mut Random) -> Vec<u8> {
+    let mut out = bytes[..PREAMBLE].to_vec();
+    let mut at = PREAMBLE;
+    for number in 0.. {
+        let Parsed::Block(found, length) = block::parse(&bytes[at..], number) else { break };
+        let mut payload = found.payload.to_vec();
+        let mut steps = found.steps;
+        if random.below(12) == 0 {
+            match (random.below(4), payload.len()) {
+                (0, _) => steps = steps.wrapping_add(random.below(3) as u32).wrapping_sub(1),
+                (1, _) => payload.truncate(random.below(payload.len() + 1)),
+                (_, 0) => {}
+                (_, n) => payload[random.below(n)] = random.next() as u8,
+            }
+        }
+        block::put(&mut out, number, Block { steps, payload: &payload, ..found });
+        at += length;
+    }
+    out
+}
+
+#[test]
+fn forged_blocks_do_no_harm() {
+    let mut random = Random(11);
+    let mut broken = 0;
+    for seed in 0..40 {
+        let mesh = fixtures::random(seed);
+        let objects = vec![object("random", fixtures::random_collapse(&mesh, seed))];
+        let file = if seed % 2 == 0 { obj(objects) } else { gltf(objects) };
+        let strips = strips_of(&file);
+        let options = PackOptions { block_bytes: Some([0, 60, 4096][seed as usize % 3]), ..PackOptions::default() };
+        let all: Vec<_> = strips.iter().map(Some).collect();
+        let bytes = pack(&file, &all, &options).expect("a sound file").bytes;
+        for _ in 0..150 {
+            let mut unpacker = Unpacker::new(Limits::DEFAULT);
+            broken += usize::from(unpacker.feed(&forged(&bytes, &mut random)).is_err());
+            for object in 0..unpacker.objects() {
+                // Nothing is promised of what they show; only that asking is safe.
+                let _ = unpacker.mesh(object);
+                let _ = unpacker.strips(object);
+                let _ = unpacker.state(object);
+            }
+        }
+    }
+    assert!(broken > 1000, "only {broken} were noticed");
+}
+
+#[test]
+fn a_few_bytes_cannot_ask_for_much() {
+    let (_, bytes) = small();
+    let ends = ends(&bytes);
+    // Zeros go on for ever as the likeliest things; the head promises as much as it can.
+    let mut file = obj(vec![object("grid", fixtures::random_collapse(&fixtures::coloured_cube(), 1))]);
+    file.objects.truncate(1);
+    let mut bomb = bytes[..ends[1]].to_vec();
+    for number in 1..2000 {
+        block::put(&mut bomb, number, Block { subject: 1, steps: 1, payload: &[0; 4] });
+    }
+    let mut unpacker = Unpacker::new(Limits::DEFAULT);
+    assert!(unpacker.feed(&bomb).is_err(), "more vertices than were promised");
+    assert!(unpacker.state(0).vertices[0] <= unpacker.state(0).vertices[1]);
+}

@@ -1,0 +1,93 @@
+//! A stream grows as its sequence says, at every step; what is cut, damaged or crafted does no harm.
+
+mod damage;
+mod growth;
+mod quantize;
+
+use super::{PackOptions, Packed, Unpacker, pack};
+use crate::lodc::{LodFile, LodObject};
+use crate::{Document, GltfDocument, Limits, ObjDocument, ObjectInfo, Source, SourceFormat, SubmeshInfo};
+use lodc_mesh::{Lod, OrientedTriangle, Simplified};
+use lodc_strip::{CacheOptions, Effort, StripSet, cache};
+use std::sync::Arc;
+
+fn object(name: &str, simplified: Simplified) -> LodObject {
+    let submesh = |i| SubmeshInfo { name: format!("part{i}"), material: None, document_primitive: i };
+    let info = ObjectInfo {
+        name: name.to_owned(),
+        submeshes: (0..simplified.mesh().submeshes().len() as u32).map(submesh).collect(),
+        world_scale: 2.5,
+        document_mesh: 3,
+    };
+    LodObject { info, simplified: Arc::new(simplified), models: Vec::new() }
+}
+
+fn obj(objects: Vec<LodObject>) -> LodFile {
+    LodFile {
+        source: Source { format: SourceFormat::Obj, content_hash: 77 },
+        document: Document::Obj(ObjDocument { libraries: vec!["a.mtl".to_owned()], materials: Vec::new() }),
+        objects,
+        left_out: Vec::new(),
+    }
+}
+
+fn gltf(objects: Vec<LodObject>) -> LodFile {
+    let json = r#"{"asset":{"version":"2.0"}}"#.to_owned();
+    let document = Document::Gltf(GltfDocument { json, blob: (0..200).collect() });
+    LodFile { source: Source { format: SourceFormat::Glb, content_hash: 5 }, document, ..obj(objects) }
+}
+
+fn strips_of(file: &LodFile) -> Vec<StripSet> {
+    let options = CacheOptions { effort: Effort::Fast, ..CacheOptions::default() };
+    file.objects.iter().map(|o| cache(o.simplified.mesh(), &options)).collect()
+}
+
+/// A stream with strips, a block to each step.
+fn stepwise(file: &LodFile) -> (Packed, Vec<StripSet>) {
+    let strips = strips_of(file);
+    let all: Vec<_> = strips.iter().map(Some).collect();
+    let options = PackOptions { block_bytes: Some(0), ..PackOptions::default() };
+    (pack(file, &all, &options).expect("a sound file"), strips)
+}
+
+fn fed(bytes: &[u8]) -> Unpacker {
+    let mut unpacker = Unpacker::new(Limits::DEFAULT);
+    unpacker.feed(bytes).expect("a sound stream");
+    unpacker
+}
+
+/// The triangles that an object shows, in collapse order's numbers.
+fn shown(unpacker: &Unpacker, object: usize) -> Vec<OrientedTriangle> {
+    let last = unpacker.state(object).vertices[1].saturating_sub(1);
+    let submesh = |v: u32| unpacker.vertex_submesh(object)[v as usize];
+    let triangles = unpacker.triangles(object);
+    triangles.map(|t| OrientedTriangle::new(submesh(t[0]), [last - t[0], last - t[1], last - t[2]])).collect()
+}
+
+/// Asserts that an object shows exactly what the reference says.
+fn check(unpacker: &Unpacker, object: usize, simplified: &Simplified, what: &str) {
+    let vertices = unpacker.state(object).vertices[0];
+    let all = simplified.mesh().vertex_count() as u32;
+    let mut found = shown(unpacker, object);
+    let mut wanted = if vertices == 0 { Vec::new() } else { simplified.triangles_at(Lod(all - vertices)) };
+    found.sort_unstable();
+    wanted.sort_unstable();
+    assert!(found == wanted, "{what}: {} triangles instead of {} at {vertices} vertices", found.len(), wanted.len());
+    let lod = Lod(all.saturating_sub(vertices.max(1)));
+    assert_eq!(simplified.collapses().floor(lod), lod, "{what}: not the end of a step");
+}
+
+/// Where the blocks of a stream end.
+fn ends(bytes: &[u8]) -> Vec<usize> {
+    let mut ends = vec![super::block::PREAMBLE];
+    let mut at = super::block::PREAMBLE;
+    for number in 0.. {
+        match super::block::parse(&bytes[at..], number) {
+            super::block::Parsed::Block(_, length) => at += length,
+            _ => break,
+        }
+        ends.push(at);
+    }
+    assert_eq!(at, bytes.len(), "blocks to the end");
+    ends
+}

@@ -1,0 +1,92 @@
+//! Foreign pictures: bounded in size before anything is allocated for them.
+
+use super::Picture;
+use crate::{Fault, FormatError};
+use std::io::Cursor;
+use zune_jpeg::JpegDecoder;
+use zune_jpeg::zune_core::bytestream::ZCursor;
+use zune_jpeg::zune_core::colorspace::ColorSpace;
+use zune_jpeg::zune_core::options::DecoderOptions;
+
+/// A longer side than this is refused.
+const MAX_SIDE: usize = 1 << 14;
+/// More pixels than this are refused.
+const MAX_PIXELS: u64 = 1 << 26;
+
+/// Decodes a PNG or JPEG, told apart by their first bytes. Colour profiles and orientation are not looked at, as glTF
+/// demands; values of 16 bits lose the lower half.
+///
+/// # Errors
+/// If it is neither, damaged, or larger than 16384 pixels on a side or 64 million in all.
+pub fn decode(bytes: &[u8]) -> Result<Picture, FormatError> {
+    if bytes.starts_with(b"\x89PNG") {
+        decode_png(bytes)
+    } else if bytes.starts_with(b"\xff\xd8\xff") {
+        decode_jpeg(bytes)
+    } else {
+        let known = [(&b"\xabKTX 2"[..], "a KTX2 texture"), (b"RIFF", "a WebP picture"), (b"DDS ", "a DDS texture")];
+        let known = known.into_iter().chain([(&b"GIF8"[..], "a GIF picture"), (b"BM", "a BMP picture")]);
+        let what = known.into_iter().find(|(magic, _)| bytes.starts_with(magic)).map_or("of no known kind", |k| k.1);
+        Err(FormatError::new(Fault::Unsupported, "", format!("is {what}; PNG and JPEG can be read")))
+    }
+}
+
+fn check_size(width: usize, height: usize) -> Result<(), FormatError> {
+    if width == 0 || height == 0 {
+        return Err(FormatError::new(Fault::Malformed, "", "has no pixel"));
+    }
+    if width > MAX_SIDE || height > MAX_SIDE || (width as u64) * (height as u64) > MAX_PIXELS {
+        let what = format!("has {width} x {height} pixels, more than {MAX_SIDE} on a side or {MAX_PIXELS} in all");
+        return Err(FormatError::new(Fault::Limit, "", what));
+    }
+    Ok(())
+}
+
+fn decode_png(bytes: &[u8]) -> Result<Picture, FormatError> {
+    let damaged = |e: png::DecodingError| match e {
+        png::DecodingError::LimitsExceeded => FormatError::new(Fault::Limit, "", "takes too much memory"),
+        e => FormatError::new(Fault::Malformed, "", format!("is a damaged PNG: {e}")),
+    };
+    // Room for one row and its neighbour, and for the text and profiles that nobody reads.
+    let limits = png::Limits { bytes: 16 << 20 };
+    let mut decoder = png::Decoder::new_with_limits(Cursor::new(bytes), limits);
+    decoder.set_transformations(png::Transformations::normalize_to_color8());
+    decoder.set_ignore_text_chunk(true);
+    decoder.set_ignore_iccp_chunk(true);
+    let mut reader = decoder.read_info().map_err(damaged)?;
+    let (width, height) = (reader.info().width, reader.info().height);
+    check_size(width as usize, height as usize)?;
+    let size = reader.output_buffer_size();
+    let size = size.ok_or_else(|| FormatError::new(Fault::Limit, "", "takes too much memory"))?;
+    let mut raw = vec![0; size];
+    let info = reader.next_frame(&mut raw).map_err(damaged)?;
+    raw.truncate(info.buffer_size());
+    Ok(Picture { width, height, bytes: expanded(raw, info.color_type.samples()) })
+}
+
+fn decode_jpeg(bytes: &[u8]) -> Result<Picture, FormatError> {
+    let damaged = |e: zune_jpeg::errors::DecodeErrors| {
+        FormatError::new(Fault::Malformed, "", format!("is a damaged JPEG: {e:?}"))
+    };
+    let options = DecoderOptions::default()
+        .set_max_width(MAX_SIDE)
+        .set_max_height(MAX_SIDE)
+        .jpeg_set_out_colorspace(ColorSpace::RGB);
+    let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options);
+    decoder.decode_headers().map_err(damaged)?;
+    let (width, height) = decoder.dimensions().unwrap_or_default();
+    check_size(width, height)?;
+    let raw = decoder.decode().map_err(damaged)?;
+    let samples = raw.len() / (width * height);
+    Ok(Picture { width: width as u32, height: height as u32, bytes: expanded(raw, samples) })
+}
+
+/// Grey, grey and opacity, or red, green and blue, as four bytes for each pixel.
+fn expanded(raw: Vec<u8>, samples: usize) -> Vec<u8> {
+    match samples {
+        1 => raw.iter().flat_map(|&g| [g, g, g, 255]).collect(),
+        2 => raw.as_chunks().0.iter().flat_map(|&[g, a]| [g, g, g, a]).collect(),
+        3 => raw.as_chunks().0.iter().flat_map(|&[r, g, b]| [r, g, b, 255]).collect(),
+        _ => raw,
+    }
+}

@@ -1,0 +1,203 @@
+//! `lodc render`: pictures judged by what they show and where, never by hashes.
+
+use crate::support::{Folder, Run, grid, scene};
+use lodc_formats::picture::{Picture, decode, png};
+use std::ffi::OsStr;
+
+/// Runs the program; nothing if there is no graphics device, said aloud. Where CI is set there must be one.
+fn render<S: AsRef<OsStr>>(f: &Folder, args: impl IntoIterator<Item = S>) -> Option<Run> {
+    let run = f.lodc(args);
+    if run.status == Some(6) && std::env::var_os("CI").is_none() {
+        eprintln!("SKIPPED: no graphics adapter: {}", run.err);
+        return None;
+    }
+    Some(run.ends(0))
+}
+
+fn picture(f: &Folder, name: &str) -> Picture {
+    decode(&f.read(name)).expect("a picture")
+}
+
+fn at(picture: &Picture, x: u32, y: u32) -> [u8; 4] {
+    let start = 4 * (y * picture.width + x) as usize;
+    std::array::from_fn(|c| picture.bytes[start + c])
+}
+
+/// Share of pixels that are not the white background.
+fn covered(picture: &Picture) -> f64 {
+    let pixels = picture.bytes.as_chunks::<4>().0;
+    pixels.iter().filter(|p| **p != [255; 4]).count() as f64 / pixels.len() as f64
+}
+
+/// An upright square with a texture whose quarters are red, green, blue and grey.
+fn textured(f: &Folder) {
+    let quarters = [[255, 0, 0, 255], [0, 255, 0, 255], [0, 0, 255, 255], [90, 90, 90, 255]];
+    let pixel = |i: usize| quarters[i / 8 / 4 * 2 + i % 8 / 4];
+    let texture = Picture { width: 8, height: 8, bytes: (0..64).flat_map(pixel).collect() };
+    f.file("t.png", png(&texture));
+    f.file("s.mtl", "newmtl m\nKd 1 1 1\nmap_Kd t.png\n");
+    f.file(
+        "s.obj",
+        "mtllib s.mtl\nv 0 0 0\nv 4 0 0\nv 4 4 0\nv 0 4 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nusemtl m\nf 1/1 2/2 3/3 4/4\n",
+    );
+}
+
+#[test]
+fn a_texture_is_upright_from_a_mesh_and_from_its_levels() {
+    let f = Folder::new();
+    textured(&f);
+    f.lodc(["build", "s.obj", "-q"]).ends(0);
+    for input in ["s.obj", "s.lodc"] {
+        let args = ["render", input, "-o", "s.png", "--view", "front", "--size", "80x80", "--fov", "5"];
+        let Some(_) = render(&f, args) else { return };
+        let p = picture(&f, "s.png");
+        assert_eq!((p.width, p.height), (80, 80));
+        // Light changes how bright a colour is, not which it is.
+        let strongest = |x, y| {
+            let [r, g, b, _] = at(&p, x, y);
+            let top = r.max(g).max(b);
+            (top > 100, [r, g, b].map(|c| c > top / 2 + 20))
+        };
+        assert_eq!(strongest(24, 24), (true, [true, false, false]), "{input}: upper left");
+        assert_eq!(strongest(56, 24), (true, [false, true, false]), "{input}: upper right");
+        assert_eq!(strongest(24, 56), (true, [false, false, true]), "{input}: lower left");
+        let [r, g, b, _] = at(&p, 56, 56);
+        assert!(r.abs_diff(g) < 12 && g.abs_diff(b) < 12, "{input}: lower right");
+        assert!((0.8..0.9).contains(&covered(&p)), "{input}: {}", covered(&p));
+    }
+}
+
+#[test]
+fn two_runs_write_the_same_bytes_whatever_the_threads() {
+    let f = Folder::new();
+    f.file("s.gltf", scene(&[1.0, 2.0], 6));
+    let args = |out| ["render", "s.gltf", "-o", out, "--contact-sheet", "1,0.5,0.1", "--size", "120x90", "--wireframe"];
+    let Some(_) = render(&f, args("a.png")) else { return };
+    render(&f, args("b.png"));
+    assert!(f.read("a.png") == f.read("b.png"));
+}
+
+#[test]
+fn every_option_makes_a_picture_of_something() {
+    let f = Folder::new();
+    f.file("g.obj", grid(8));
+    f.lodc(["build", "g.obj", "-q"]).ends(0);
+    let mut seen = Vec::new();
+    for options in [
+        &["--view", "top"][..],
+        &["--view", "back", "--ratio", "0.3"],
+        &["--azimuth", "-30", "--elevation", "40", "--shading", "flat"],
+        &["--color", "plain", "--wireframe"],
+        &["--color", "submesh", "--up", "z"],
+        &["--color", "strips", "--triangles", "60"],
+        &["--color", "error", "--ratio", "0.2"],
+        &["--orthographic", "--zoom", "2", "--background", "#102030"],
+        &["--lod", "30", "--back-faces", "mark"],
+    ] {
+        for input in ["g.obj", "g.lodc"] {
+            let common = ["render", input, "-o", "o.png", "--size", "100x80"];
+            let Some(_) = render(&f, common.iter().chain(options)) else { return };
+            let p = picture(&f, "o.png");
+            let background = at(&p, 0, 0);
+            let drawn = p.bytes.as_chunks::<4>().0.iter().filter(|p| **p != background).count();
+            assert!(drawn > 200, "{input} {options:?}: {drawn} pixels");
+            seen.push(p);
+        }
+    }
+    // Without levels of detail both inputs show the same triangles; the order in which they are drawn may show in a
+    // few pixels at edges.
+    let differ = |a: &Picture, b: &Picture| a.bytes.iter().zip(&b.bytes).filter(|(a, b)| a.abs_diff(**b) > 2).count();
+    assert!(differ(&seen[0], &seen[1]) < seen[0].bytes.len() / 100);
+    assert!(differ(&seen[0], &seen[2]) > seen[0].bytes.len() / 20);
+}
+
+#[test]
+fn a_contact_sheet_has_one_picture_for_each_share_and_labels_below() {
+    let f = Folder::new();
+    f.file("g.obj", grid(10));
+    let args = ["render", "g.obj", "-o", "s.png", "--contact-sheet", "1,0.5,0.2", "--size", "100x80", "--columns", "2"];
+    let Some(_) = render(&f, args) else { return };
+    let sheet = picture(&f, "s.png");
+    assert_eq!(sheet.width, 200);
+    let row = sheet.height / 2;
+    assert!(row > 80 + 18, "{row} rows hold a picture and its label");
+    let dark = |left: u32, top: u32, width: u32, height: u32| {
+        let all = (top..top + height).flat_map(|y| (left..left + width).map(move |x| (x, y)));
+        all.filter(|&(x, y)| at(&sheet, x, y) != [255; 4]).count()
+    };
+    for (left, top) in [(0, 0), (100, 0), (0, row)] {
+        assert!(dark(left, top, 100, 80) > 500, "a picture at ({left}, {top})");
+        assert!(dark(left, top + 80, 100, row - 80) > 50, "a label at ({left}, {})", top + 80);
+    }
+    assert_eq!(dark(100, row, 100, row), 0, "the place of a fourth");
+}
+
+#[test]
+fn nodes_place_objects_as_the_scene_says() {
+    let f = Folder::new();
+    // Two grids beside each other, the right one three times as large.
+    f.file("s.gltf", scene(&[1.0, 3.0], 5));
+    let args = ["render", "s.gltf", "-o", "s.png", "--view", "front", "--size", "200x100", "--orthographic"];
+    let Some(_) = render(&f, args.into_iter().chain(["--back-faces", "show"])) else { return };
+    let p = picture(&f, "s.png");
+    let columns =
+        |from: u32, to: u32| (from..to).filter(|&x| (0..p.height).any(|y| at(&p, x, y) != [255; 4])).count() as f64;
+    let (left, right) = (columns(0, 80), columns(80, 200));
+    assert!(left > 10.0 && (2.5..3.5).contains(&(right / left)), "{left} and {right} columns");
+}
+
+#[test]
+fn an_empty_mesh_is_an_empty_picture() {
+    let f = Folder::new();
+    f.file("e.obj", "v 0 0 0\n");
+    let Some(_) = render(&f, ["render", "e.obj", "-o", "e.png", "--size", "20x20", "--background", "#010203"]) else {
+        return;
+    };
+    assert!(picture(&f, "e.png").bytes.as_chunks::<4>().0.iter().all(|p| *p == [1, 2, 3, 255]));
+}
+
+#[test]
+fn a_stream_works_both_ways() {
+    let f = Folder::new();
+    let run =
+        f.lodc_with(["render", "-", "-o", "-", "--size", "32x32", "--background", "transparent"], grid(3).as_bytes());
+    if run.status == Some(6) && std::env::var_os("CI").is_none() {
+        eprintln!("SKIPPED: no graphics adapter: {}", run.err);
+        return;
+    }
+    let p = decode(&run.ends(0).out).expect("a picture");
+    assert_eq!((p.width, at(&p, 0, 0)), (32, [0; 4]));
+    assert!(p.bytes.as_chunks::<4>().0.iter().any(|p| p[3] == 255));
+}
+
+#[test]
+fn nonsense_and_trouble_are_one_line_and_leave_what_was_there() {
+    let f = Folder::new();
+    f.file("g.obj", grid(2));
+    f.file("old.png", "kept");
+    for args in [
+        &["--size", "0x5"][..],
+        &["--view", "inside"],
+        &["--view", "top", "--azimuth", "3"],
+        &["--ratio", "2"],
+        &["--ratio", "0.5", "--contact-sheet", "1"],
+        &["--contact-sheet", "1.5"],
+        &["--columns", "2"],
+        &["--zoom", "0"],
+        &["--background", "red"],
+        &["--fov", "5", "--orthographic"],
+        &["--color", "error", "--wireframe"],
+    ] {
+        f.lodc(["render", "g.obj", "-o", "old.png"].iter().chain(args)).ends(2);
+    }
+    f.lodc(["render", "g.obj", "-o", "g.obj"]).fails(2);
+    f.lodc(["render", "g.obj", "-o", "not/there.png"]).fails(4);
+    f.lodc(["render", "g.obj", "-o", "old.png", "--adapter", "no such adapter"]).fails(6);
+    let Some(run) = Some(f.lodc(["render", "missing.obj", "-o", "old.png"])).filter(|r| r.status != Some(6)) else {
+        return;
+    };
+    run.fails(3);
+    f.file("broken.lodc", b"\x89LODC and nothing more");
+    f.lodc(["render", "broken.lodc", "-o", "old.png"]).fails(3);
+    assert_eq!(f.read("old.png"), b"kept");
+}
