@@ -1,6 +1,8 @@
 //! The command line as `clap` sees it: every command, and the options all of them have.
 
-use crate::commands::{bench, build, completions, extract, info, man, pack, render, shaders, strips, unpack, verify};
+use crate::commands::{
+    bench, build, compare, completions, extract, info, man, pack, render, shaders, strips, unpack, verify,
+};
 use clap::{Args, Parser, Subcommand};
 
 /// Continuous level of detail: every level between a full mesh and a single point, in one verified file.

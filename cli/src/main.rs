@@ -19,7 +19,7 @@ mod text;
 
 use clap::Parser;
 use cli::{Cli, Command};
-use commands::{bench, build, completions, extract, info, man, pack, render, shaders, strips, unpack, verify};
+use commands::{bench, build, compare, completions, extract, info, man, pack, render, shaders, strips, unpack, verify};
 use console::Loudness;
 use exit::{Outcome, Status};
 use std::panic;

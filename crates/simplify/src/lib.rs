@@ -10,6 +10,7 @@ mod build;
 mod commit;
 mod engine;
 mod fan;
+mod gradients;
 mod heap;
 mod legality;
 mod log;
