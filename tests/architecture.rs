@@ -253,6 +253,7 @@ fn documents_that_others_refer_to_are_there() {
         "deny.toml",
         "tests/run",
         "docs/ARCHITECTURE.md",
+        "docs/ENGINE.md",
         "docs/FORMAT.md",
         "docs/GLOSSARY.md",
         "docs/THESIS.md",

@@ -12,6 +12,8 @@ pub struct Figure {
     pub runs: usize,
     /// Mean milliseconds of a run, the first time left out: that is when drivers compile.
     pub milliseconds: f64,
+    /// Bytes that a host sends for a run.
+    pub bytes: f64,
     /// Vertices looked at per second.
     pub vertices_per_second: f64,
 }
@@ -41,6 +43,7 @@ pub fn measure(device: &Device, benchmark: &Benchmark, repeats: u32) -> Result<V
             name: case.name,
             runs: case.runs.len(),
             milliseconds: fastest / 1e6 / case.runs.len().max(1) as f64,
+            bytes: case.bytes() as f64 / case.runs.len().max(1) as f64,
             vertices_per_second: case.vertices as f64 / (fastest / 1e9),
         });
     }

@@ -30,7 +30,7 @@ impl<'d> Session<'d> {
         let buffers: Vec<_> = program.buffers.iter().map(|b| upload(device, b.name, &b.contents)).collect();
         device.check()?;
         let pipelines = program.kernels.iter().map(|k| pipeline(device, k)).collect::<Result<_, _>>()?;
-        let largest = program.buffers.iter().map(|b| bytes_of(&b.contents)).max().unwrap_or(4);
+        let largest = program.buffers.iter().map(|b| bytes_of(&b.contents)).max().unwrap_or(16);
         let staging = device.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("staging"),
             size: largest.min(STAGING),
@@ -255,9 +255,9 @@ impl Device {
     }
 }
 
-/// Bytes of a buffer on the device: there is no empty one.
+/// Bytes of a buffer on the device: there is none without room for a vector of four words.
 fn bytes_of(contents: &Contents) -> u64 {
-    4 * contents.len().max(1) as u64
+    4 * contents.len().max(4) as u64
 }
 
 fn upload(device: &Device, name: &'static str, contents: &Contents) -> wgpu::Buffer {

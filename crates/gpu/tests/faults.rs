@@ -5,7 +5,7 @@
 mod support;
 
 use lodc_fixtures as fixtures;
-use lodc_gpu::replay;
+use lodc_gpu::{Device, replay};
 use lodc_lod::plan::{Contents, Plan, schedule};
 use lodc_lod::{AnyModel, Model};
 use lodc_mesh::Mesh;
@@ -13,11 +13,11 @@ use std::sync::Arc;
 use support::{device, models};
 
 /// Meshes with seams and several submeshes, in whose triangles no number is round.
-fn meshes() -> [AnyModel; 2] {
+fn everything() -> Vec<AnyModel> {
     let part = fixtures::named("machine_part").expect("a named shape");
     let odd = |mesh: &Mesh| mesh.submeshes().get(1).is_some_and(|s| s.first_triangle % 4 == 3);
     let random = (0..).map(fixtures::random).find(odd).expect("there are seeds for everything");
-    [part, random].map(|mesh| models(fixtures::random_collapse(&mesh, 1)).pop().expect("there is a model"))
+    [part, random].into_iter().flat_map(|mesh| models(fixtures::random_collapse(&mesh, 1))).collect()
 }
 
 fn plans(model: &AnyModel) -> Vec<Plan<'_>> {
@@ -25,19 +25,26 @@ fn plans(model: &AnyModel) -> Vec<Plan<'_>> {
 }
 
 /// Buffers that only hold what passes put there and that are not compared themselves: what is made of them is.
-const SCRATCH: &[&str] = &["sums of blocks", "live", "blocks"];
+const SCRATCH: &[&str] = &["sums of blocks", "live", "blocks", "values", "strips", "heads"];
 
 /// One bit of one word wrong, or a word lost, in whatever is uploaded.
 #[test]
 fn a_flipped_bit_in_any_uploaded_buffer_is_found() {
     let Some(device) = device() else { return };
-    let [model, _] = meshes();
     let mut planted = 0;
-    for which in 0..plans(&model).len() {
-        let buffers = plans(&model)[which].program.buffers.len();
+    for model in &everything()[..3] {
+        planted += flip(&device, model);
+    }
+    assert!(planted >= 60, "only {planted} faults");
+}
+
+fn flip(device: &Device, model: &AnyModel) -> usize {
+    let mut planted = 0;
+    for which in 0..plans(model).len() {
+        let buffers = plans(model)[which].program.buffers.len();
         for buffer in 0..buffers {
             for place in [0, 1, 2] {
-                let mut plan = plans(&model).swap_remove(which);
+                let mut plan = plans(model).swap_remove(which);
                 let name = plan.program.buffers[buffer].name;
                 let Contents::Words(words) = &plan.program.buffers[buffer].contents else { continue };
                 let mut damaged = words.to_vec();
@@ -45,13 +52,13 @@ fn a_flipped_bit_in_any_uploaded_buffer_is_found() {
                 // High enough for every float and low enough for every index to stay a number.
                 damaged[at] ^= 1;
                 plan.program.buffers[buffer].contents = Contents::Words(Arc::from(damaged));
-                let done = replay(&device, plan).expect("the device goes on");
+                let done = replay(device, plan).expect("the device goes on");
                 assert!(done.difference.is_some(), "word {at} of {name} is wrong and nobody sees it");
                 planted += 1;
             }
         }
     }
-    assert!(planted >= 30, "only {planted} faults");
+    planted
 }
 
 /// A kernel, a piece of it, and something else in its place.
@@ -74,17 +81,38 @@ const FAULTS: &[(&str, &str, &str)] = &[
     ("live", "middle + 1u", "middle + 2u"),
     ("live", "same(a, b) || same(b, c)", "same(a, b)"),
     ("live", "draws[5u * s + 2u] = 3u * first", "draws[5u * s + 2u] = first"),
+    // Masking Strips.
+    ("masks", "entries[5u * next] < p.lod", "entries[5u * next] <= p.lod"),
+    ("masks", "entries[5u * (next - 1u)] >= p.lod", "entries[5u * (next - 1u)] > p.lod"),
+    ("masks", "put(base, entries[5u * next + 1u], entries[5u * next]);", ""),
+    ("masks", "low = entries[5u * next - 2u]", "low = entries[5u * next + 3u]"),
+    ("masks", "count + select(0u, 1u, count > 0u)", "count"),
+    ("masks_write", "left &= left - 1u;\n            to++", "left &= left - 1u"),
+    ("masks_write", "0xffffffffu", "0xfffffffeu"),
+    ("strip_draws", "draws[5u * s + 2u] = first", "draws[5u * s + 2u] = 0u"),
+    // Speed Strips.
+    ("edits", "collapse_to[e.x]", "e.x"),
+    ("edits", "strips[base + changes[i]] = e.x", "strips[base + changes[i]] = e.x + 1u"),
+    ("edits", "read - period + k % period", "read - period"),
+    ("edits", "if (bitcast<i32>(r.y) > 0) { period = 1u; }", ""),
+    ("edits", "return write;", "return length;"),
+    ("values", "v < limit", "v <= limit"),
+    ("rewrite", "removed_at[i] > limit", "removed_at[i] >= limit"),
+    ("rewrite", "entries[middle].x < p.lod", "entries[middle].x <= p.lod"),
+    ("lengths", "heads[s].y + 1u", "heads[s].y"),
+    ("lengths", "p.lod < deaths[s]", "p.lod <= deaths[s]"),
+    ("pack", "i + 1u < end", "i + 2u < end"),
     // Views.
-    ("select", "step_ends[middle] <= lod", "step_ends[middle] < lod"),
+    ("select", "return step_of[2u * lod];", "return lod;"),
     ("select", "step_errors[middle] <= bits", "step_errors[middle] > bits"),
-    ("select", "states[3u * i] = shown", "states[3u * i] = lod"),
-    ("select", "max(r(r(cos * g.cos) - r(sin * g.sin)), 0.0)", "cos"),
+    ("select", "max(r(r(angle * half_angle) - r(other(angle) * other(half_angle))), 0.0)", "angle"),
     ("select", "square <= p.a", "square >= p.a"),
-    ("select", "step_ends[steps_at(entries[low - 1u])]", "entries[low - 1u]"),
-    ("view", "states[3u * group]);", "states[0]);"),
+    ("select", "step_of[2u * entries[low - 1u] + 1u]", "entries[low - 1u]"),
+    ("select", "ways[2u * i + 1u] = way", "ways[2u * i + 1u] = 0u"),
+    ("view", "shown[group])", "shown[0])"),
     ("view", "r(a + r(t * r(b - a)))", "r(a + r(t * b))"),
-    ("view", "if (way != 0u)", "if (way > 32768u)"),
-    ("filter_count", "same(c, a)", "false"),
+    ("view", "if (v >= lod) { return v; }", "if (v > lod) { return v; }"),
+    ("filter_count", "ca = ca && same(z, x)", "ca = false"),
     ("filter_count", "bits |= 1u << k", "bits |= 1u"),
     ("filter_write", "upto[l] - count", "upto[l]"),
     ("filter_write", "indices[to + 2u]", "indices[to + 1u]"),
@@ -96,7 +124,7 @@ const FAULTS: &[(&str, &str, &str)] = &[
 #[test]
 fn a_fault_in_any_kernel_is_found() {
     let Some(device) = device() else { return };
-    let meshes = meshes();
+    let meshes = everything();
     let mut kernels: Vec<&str> = Vec::new();
     for &(kernel, right, wrong) in FAULTS {
         let mut found = false;
@@ -128,7 +156,7 @@ fn a_fault_in_any_kernel_is_found() {
 /// Every buffer that passes write to is compared, or listed above.
 #[test]
 fn every_buffer_is_compared() {
-    for mut plan in meshes().iter().flat_map(plans) {
+    for mut plan in everything().iter().flat_map(plans) {
         let mut compared: Vec<usize> = plan.steps.by_ref().flat_map(|s| s.checks).map(|c| c.buffer.0).collect();
         compared.sort_unstable();
         for (i, buffer) in plan.program.buffers.iter().enumerate() {

@@ -43,7 +43,8 @@ impl ModelKind {
     pub const fn shaders(self) -> &'static [Shader] {
         match self {
             Self::Interactive => &crate::interactive::shaders::ALL,
-            Self::Speed | Self::Masking => &[],
+            Self::Masking => &crate::masking::SHADERS,
+            Self::Speed => &crate::speed::SHADERS,
         }
     }
 
@@ -138,7 +139,7 @@ impl AnyModel {
         }
     }
 
-    /// Its replays on a graphics device over a schedule of LODs; none if the model has none.
+    /// Its replays on a graphics device over a schedule of LODs.
     ///
     /// # Errors
     /// If the mesh is too large or too deep for any device.
@@ -147,21 +148,21 @@ impl AnyModel {
             return Ok(Vec::new());
         }
         match self {
-            Self::Speed(_) => Ok(Vec::new()),
-            Self::Masking(_) => Ok(Vec::new()),
+            Self::Speed(model) => Ok(vec![model.replay(stops.to_vec())?]),
+            Self::Masking(model) => Ok(vec![model.replay(stops.to_vec())?]),
             Self::Interactive(model) => model.replays(stops),
         }
     }
 
-    /// What to time of it on a graphics device; nothing if the model has no replay.
+    /// What to time of it on a graphics device.
     ///
     /// # Errors
     /// If the mesh is too large or too deep for any device.
-    pub fn benchmark(&self) -> Result<Option<Benchmark>, PlanError> {
+    pub fn benchmark(&self) -> Result<Benchmark, PlanError> {
         match self {
-            Self::Speed(_) => Ok(None),
-            Self::Masking(_) => Ok(None),
-            Self::Interactive(model) => model.benchmark().map(Some),
+            Self::Speed(model) => model.benchmark(),
+            Self::Masking(model) => model.benchmark(),
+            Self::Interactive(model) => model.benchmark(),
         }
     }
 

@@ -1,5 +1,6 @@
 //! `lodc bench`: storage, extraction time, bus traffic and primitives of every model and baseline (thesis 3.5, 4.5, 5.5).
 
+mod gpu;
 mod measure;
 mod object;
 mod primitives;
@@ -14,6 +15,7 @@ use super::build::{EffortName, MOST_THREADS, StripsName, simplify_all};
 use super::read::read_lodc;
 use crate::console::{self, error, warning};
 use crate::exit::{Failure, Outcome, Status};
+use crate::gpu::{Device, GpuUse};
 use crate::levels::{self, ModelName};
 use crate::limits::ImportArgs;
 use crate::output;
@@ -60,6 +62,12 @@ pub(crate) struct BenchArgs {
     /// Leave out everything that differs from run to run
     #[arg(long)]
     no_times: bool,
+    /// Also time models on a GPU, by its own clock: `require` one (plain --gpu), or take it if there is one (`auto`)
+    #[arg(long, value_name = "WHEN", num_args = 0..=1, require_equals = true, default_missing_value = "require")]
+    gpu: Option<GpuUse>,
+    /// The GPU to use, by a part of its name
+    #[arg(long, value_name = "NAME", requires = "gpu")]
+    adapter: Option<String>,
     /// Print one JSON document
     #[arg(long)]
     json: bool,
@@ -85,6 +93,7 @@ pub(crate) fn run(args: &BenchArgs) -> Outcome<Status> {
         let version = env!("CARGO_PKG_VERSION");
         return Err(Failure::usage(format!("--models {}: not yet in this version ({version})", model.kind().name())));
     }
+    let device = gpu::open(args.gpu, args.adapter.as_deref())?;
     let threads = args.jobs.map_or(0, |n| n.get().min(MOST_THREADS));
     let pool = ThreadPoolBuilder::new().num_threads(threads).build();
     let pool = pool.map_err(|e| Failure::new(Status::Limit, format!("no threads to work with: {e}")))?;
@@ -96,7 +105,7 @@ pub(crate) fn run(args: &BenchArgs) -> Outcome<Status> {
     };
     let mut worst = Status::Done;
     for input in &args.inputs {
-        let (file, status) = pool.install(|| bench_one(args, input));
+        let (file, status) = pool.install(|| bench_one(args, device.as_ref(), input));
         worst = worst.max(status);
         if !args.json && file.error.is_none() {
             console::result(text::file(&file, args.steps).trim_end())?;
@@ -110,11 +119,11 @@ pub(crate) fn run(args: &BenchArgs) -> Outcome<Status> {
 }
 
 /// One input. Whatever happens, there is a report, and the other inputs have their turn.
-fn bench_one(args: &BenchArgs, input: &Path) -> (BenchFile, Status) {
+fn bench_one(args: &BenchArgs, device: Option<&Device>, input: &Path) -> (BenchFile, Status) {
     let name = input.display().to_string();
     let measured = catch_unwind(AssertUnwindSafe(|| {
         let objects = objects(args, input)?;
-        objects.iter().map(|o| object::measure(args, o)).collect::<Outcome<Vec<_>>>()
+        objects.iter().map(|o| object::measure(args, device, o)).collect::<Outcome<Vec<_>>>()
     }));
     let failure = match measured {
         Ok(Ok(objects)) => return (BenchFile { file: name, error: None, objects }, Status::Done),

@@ -3,9 +3,10 @@
 use super::measure::{Times, counts, stops, times};
 use super::report::{BenchObject, Bits, DrawnReport, ExtractionReport, SubjectReport, TrafficReport};
 use super::subject::{Subject, baselines, plain, subjects};
-use super::{BenchArgs, Prepared, primitives};
+use super::{BenchArgs, Prepared, gpu, primitives};
 use crate::commands::build::counts as object_counts;
 use crate::exit::Outcome;
+use crate::gpu::Device;
 use lodc_lod::{StorageCost, StripKind};
 use serde::Serialize;
 use serde_json::{Map, Value};
@@ -13,8 +14,8 @@ use serde_json::{Map, Value};
 /// Measures one object.
 ///
 /// # Errors
-/// If a baseline cannot be made of its sequence: a bug.
-pub(super) fn measure(args: &BenchArgs, prepared: &Prepared) -> Outcome<BenchObject> {
+/// If a baseline cannot be made of its sequence (a bug), or a graphics device fails.
+pub(super) fn measure(args: &BenchArgs, device: Option<&Device>, prepared: &Prepared) -> Outcome<BenchObject> {
     let Prepared { object, stripe, cache } = prepared;
     let (mesh, collapses) = (object.simplified.mesh(), object.simplified.collapses());
     let stops = stops(collapses, args.steps);
@@ -66,14 +67,19 @@ pub(super) fn measure(args: &BenchArgs, prepared: &Prepared) -> Outcome<BenchObj
         (StripKind::Stripe.name(), primitives::strips(mesh, stripe)),
         (StripKind::Cache.name(), primitives::strips(mesh, cache)),
     ];
-    Ok(BenchObject {
+    let mut report = BenchObject {
         counts: object_counts(&object.info, &object.simplified),
         updates: stops.len() as u64,
         jump_lod: far.0,
         rebuild_us: rebuild,
         primitives: primitives.into_iter().map(|(name, report)| (name.to_owned(), value(&report))).collect(),
         models,
-    })
+        gpu: None,
+    };
+    if let (Some(device), false) = (device, args.no_times) {
+        gpu::measure(device, object, args.rounds.get(), &mut report)?;
+    }
+    Ok(report)
 }
 
 fn bits(subject: &Subject<'_>) -> Bits {
@@ -107,6 +113,6 @@ fn extraction(name: &str, timed: &[(&'static str, Times)], scratch: f64) -> Opti
     })
 }
 
-fn value(report: &impl Serialize) -> Value {
+pub(super) fn value(report: &impl Serialize) -> Value {
     serde_json::to_value(report).expect("a struct of numbers is JSON")
 }

@@ -37,6 +37,32 @@ pub(super) struct BenchObject {
     pub(super) primitives: Map<String, Value>,
     /// By name: models, baselines, then `triangles` and `strips` for storage.
     pub(super) models: Map<String, Value>,
+    /// Null if nothing was timed on a GPU.
+    pub(super) gpu: Option<GpuReport>,
+}
+
+/// Times on a graphics device, and the memory that it needs.
+#[derive(Debug, Default, Serialize)]
+pub(super) struct GpuReport {
+    pub(super) adapter: String,
+    /// By model and variant: words on the device for each vertex of LOD 0, positions only.
+    pub(super) words_per_vertex: Map<String, Value>,
+    /// By model and case; no cases if the device has no clock.
+    pub(super) models: Map<String, Value>,
+}
+
+/// One thing that was timed on a graphics device.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[cfg_attr(not(feature = "gpu"), expect(dead_code, reason = "made only where there is a device"))]
+pub(super) struct CaseReport {
+    /// How many updates or views.
+    pub(super) runs: u64,
+    /// Of one, on average.
+    pub(super) milliseconds: f64,
+    /// That a host sends for one.
+    pub(super) bytes: f64,
+    /// Vertices looked at.
+    pub(super) million_vertices_per_second: f64,
 }
 
 /// How the triangles of LOD 0 are handed to a graphics card.

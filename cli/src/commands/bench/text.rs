@@ -32,6 +32,12 @@ const TRAFFIC: &[Column] = &[
     ("drawn", "/drawn/indices_per_lod", 0),
     ("per triangle", "/drawn/indices_per_triangle", 3),
 ];
+const GPU: &[Column] = &[
+    ("runs", "/runs", 0),
+    ("ms", "/milliseconds", 3),
+    ("bytes sent", "/bytes", 0),
+    ("M vertices/s", "/million_vertices_per_second", 1),
+];
 const PRIMITIVES: &[Column] = &[
     ("strips", "/strips", 0),
     ("indices", "/indices", 0),
@@ -71,6 +77,18 @@ fn tables(text: &mut String, object: &BenchObject, share: f64) {
     }
     table(text, "per update, and per LOD", &object.models, TRAFFIC);
     table(text, "primitives at LOD 0", &object.primitives, PRIMITIVES);
+    let Some(gpu) = &object.gpu else { return };
+    let _ = writeln!(text, "\n  on {}", one_line(&gpu.adapter));
+    for (model, words) in &gpu.words_per_vertex {
+        let words = words.as_object().into_iter().flatten();
+        let words: Vec<_> = words.map(|(name, n)| format!("{name} {:.1}", n.as_f64().unwrap_or_default())).collect();
+        let _ = writeln!(text, "  {model}: words per vertex on the device: {}", words.join(", "));
+    }
+    for (model, cases) in &gpu.models {
+        if let Some(cases) = cases.as_object() {
+            table(text, &format!("{model}, per update"), cases, GPU);
+        }
+    }
 }
 
 /// Rows that have at least one of the columns' numbers.

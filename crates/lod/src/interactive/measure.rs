@@ -1,14 +1,11 @@
 //! What to time of Interactive Meshes on a device (thesis 5.5.4), positions only, as the thesis counts.
 
 use super::view::{Criterion, Filter, View, ViewPasses, Views};
-use super::{Continuous, Interactive, replay};
+use super::{Continuous, Counting, Interactive, replay};
 use crate::Model;
-use crate::plan::{Benchmark, Case, Pass, PlanError, Program, VertexRecords};
+use crate::plan::{Benchmark, Case, Pass, PlanError, Program, VertexRecords, sweep};
 use lodc_mesh::Lod;
 use lodc_strip::order;
-
-/// LODs of the linear sweep down; as many up (thesis 3.5.2: steps of 0.1 %).
-const SWEEP: u32 = 1000;
 
 impl Interactive {
     /// Construction, continuous extraction over the linear sweep and in jumps across the whole range, view-dependent
@@ -23,16 +20,14 @@ impl Interactive {
         let records = VertexRecords::positions(mesh);
         let mut program = Program::default();
         let base = Continuous::new(&mut program, simplified, &lists, &records)?;
+        let counting = Counting::new(&mut program, mesh, base.vertices, records.stride);
+        let continuous = program.bytes() / 4;
         let views = Views::new(simplified, lists, records);
         let dependent = ViewPasses::new(&mut program, &views, &base);
         let filter = Filter::new(&mut program, mesh, &order(mesh, 16), base.vertices, 3);
 
         let last = collapses.last().0;
-        let down =
-            (0..=SWEEP).map(|i| collapses.floor(Lod((u64::from(last) * u64::from(i) / u64::from(SWEEP)) as u32)));
-        let down: Vec<Lod> = down.collect();
-        let up = down.iter().rev().copied();
-        let sweep: Vec<Lod> = down.iter().copied().chain(up).collect();
+        let sweep = sweep(collapses);
         let touched = sweep.windows(2).map(|pair| u64::from(pair[0].max(pair[1]).0)).sum();
         let moves = |stops: &[Lod]| stops.windows(2).map(|pair| vec![base.extraction(pair[0], pair[1])]).collect();
         // One entry and nearly all of them, so that every vertex is looked at and nearly every one is rewritten.
@@ -51,12 +46,16 @@ impl Interactive {
             case("construction", vec![base.construction()], mesh.vertex_count() as u64),
             case("continuous, linear sweep", moves(&sweep), touched),
             case("continuous, whole mesh", moves(&jumps), whole),
+            case("live count", vec![vec![counting.pass()]; 8], all),
             case("view-dependent", shown, all),
             case("view-dependent, morphing", morphed, all),
             case("degenerate filter alone", vec![filter.passes(); 8], all),
             case("view-dependent, filtered", filtered, all),
         ];
-        Ok(Benchmark { program, setup: base.construction(), cases })
+        // The filter has triangles of its own: an engine keeps one copy.
+        let dependent_words = program.bytes() / 4 - 3 * mesh.triangles().len() as u64;
+        let memory = vec![("continuous", continuous), ("view-dependent", dependent_words)];
+        Ok(Benchmark { program, memory, setup: base.construction(), cases })
     }
 }
 

@@ -13,7 +13,9 @@ mod cut;
 mod filters;
 mod history;
 mod info;
+mod measure;
 mod pattern;
+mod replay;
 mod shortest;
 #[cfg(test)]
 mod tests;
@@ -21,6 +23,7 @@ mod trim;
 
 pub use cursor::Cursor;
 pub use info::{InfoStrip, InfoUpdate};
+pub use replay::SHADERS;
 
 use crate::strips::{STRIPS, from_array, to_array};
 use crate::{Array, BuildError, Changes, Model, StorageCost, Strips, Traffic};

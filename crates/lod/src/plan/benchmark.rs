@@ -11,6 +11,8 @@ pub struct Benchmark {
     pub setup: Vec<Pass>,
     /// What is timed, in order.
     pub cases: Vec<Case>,
+    /// Words on the device, by variant of the model.
+    pub memory: Vec<(&'static str, u64)>,
 }
 
 /// Some runs of one kind.
@@ -22,4 +24,12 @@ pub struct Case {
     pub runs: Vec<Vec<Pass>>,
     /// Vertices that all runs together look at.
     pub vertices: u64,
+}
+
+impl Case {
+    /// Bytes that a host sends to the device for all runs: the parameters of the passes.
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        self.runs.iter().flatten().map(|pass| 4 * pass.parameters.len() as u64).sum()
+    }
 }

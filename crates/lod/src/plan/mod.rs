@@ -4,16 +4,18 @@
 //! nothing here knows a graphics API. Every kernel stands beside its twin, the Rust code that does the same.
 
 mod benchmark;
+mod packed;
 mod program;
 mod records;
 mod scan;
 mod schedule;
 
 pub use benchmark::{Benchmark, Case};
+pub use packed::{Packed, RESTART, STRIP_DRAWS};
 pub use program::{Buffer, BufferId, Contents, Kernel, KernelId, Pass, Program, Shader, WORKGROUP};
 pub use records::VertexRecords;
 pub use scan::{SCAN, SCAN_ADD, Scan};
-pub use schedule::{schedule, stops};
+pub use schedule::{schedule, stops, sweep};
 
 use crate::Failure;
 use std::{fmt, sync::Arc};

@@ -10,7 +10,9 @@ pub(crate) mod difference;
 mod edits;
 pub(crate) mod filter;
 pub(crate) mod history;
+mod measure;
 mod ranks;
+mod replay;
 mod run_time;
 mod stored;
 #[cfg(test)]
@@ -19,6 +21,7 @@ mod working;
 
 pub use cursor::Cursor;
 pub use history::Removal;
+pub use replay::SHADERS;
 pub use run_time::{LodInfo, Operation, RunTime, StripInfo};
 
 use crate::strips::{self, STRIPS};

@@ -111,18 +111,36 @@ impl RunTime {
     }
 }
 
+/// What a record does to a strip.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Event<'a> {
+    pub(super) strip: u32,
+    /// The places of the buffer of all strips that change.
+    pub(super) changes: &'a [u32],
+    /// The repetitions that go, each with the strip.
+    pub(super) removals: &'a [(u32, Removal)],
+}
+
 impl Speed {
-    /// What a record does to each of the strips that it changes, by place.
-    pub(super) fn operations(&self, record: u32) -> Vec<Vec<Operation>> {
+    /// What a record does, strip by strip.
+    pub(super) fn events(&self, record: u32) -> impl Iterator<Item = Event<'_>> {
         let (mut changes, mut removals) = (self.edits.changes(record), self.edits.removals(record));
-        let of_strip = |&strip: &u32| {
-            let room = self.strips.range(strip as usize);
-            let (mine, rest) = changes.split_at(changes.partition_point(|&p| (p as usize) < room.end));
+        self.edits.affected(record..record + 1).iter().map(move |&strip| {
+            let end = self.strips.range(strip as usize).end;
+            let (changed, rest) = changes.split_at(changes.partition_point(|&p| (p as usize) < end));
             changes = rest;
             let (gone, rest) = removals.split_at(removals.partition_point(|(s, _)| *s <= strip));
             removals = rest;
-            let gone = gone.iter().map(|&(_, r)| Operation::Remove(r));
-            let changed = mine.iter().map(|p| Operation::Change(p - room.start as u32));
+            Event { strip, changes: changed, removals: gone }
+        })
+    }
+
+    /// What a record does to each of the strips that it changes, by place.
+    pub(super) fn operations(&self, record: u32) -> Vec<Vec<Operation>> {
+        let of_strip = |event: Event<'_>| {
+            let first = self.strips.range(event.strip as usize).start as u32;
+            let gone = event.removals.iter().map(|&(_, r)| Operation::Remove(r));
+            let changed = event.changes.iter().map(|p| Operation::Change(p - first));
             let mut operations: Vec<Operation> = gone.chain(changed).collect();
             // Stable: a removal comes before a change at the same place.
             operations.sort_by_key(|operation| match operation {
@@ -131,7 +149,7 @@ impl Speed {
             });
             operations
         };
-        self.edits.affected(record..record + 1).iter().map(of_strip).collect()
+        self.events(record).map(of_strip).collect()
     }
 }
 

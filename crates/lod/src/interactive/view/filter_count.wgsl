@@ -18,12 +18,25 @@ struct Parameters {
 
 var<workgroup> counts: array<u32, 256>;
 
-// Positions are the same if their bits are, or if both are zero of either sign.
-fn same(a: u32, b: u32) -> bool {
-    for (var c = 0u; c < 3u; c++) {
-        let x = vertices[a * p.stride + c];
-        let y = vertices[b * p.stride + c];
-        if (x != y && ((x | y) << 1u) != 0u) { return false; }
+// Coordinates are the same if their bits are, or if both are zero of either sign.
+fn same(x: u32, y: u32) -> bool { return x == y || ((x | y) << 1u) == 0u; }
+
+// Whether two corners are at one position. Most triangles are told by the first coordinate.
+fn degenerate(t: u32) -> bool {
+    let a = triangles[3u * t] * p.stride;
+    let b = triangles[3u * t + 1u] * p.stride;
+    let c = triangles[3u * t + 2u] * p.stride;
+    var ab = true;
+    var bc = true;
+    var ca = true;
+    for (var i = 0u; i < 3u; i++) {
+        let x = vertices[a + i];
+        let y = vertices[b + i];
+        let z = vertices[c + i];
+        ab = ab && same(x, y);
+        bc = bc && same(y, z);
+        ca = ca && same(z, x);
+        if (!(ab || bc || ca)) { return false; }
     }
     return true;
 }
@@ -36,12 +49,7 @@ fn main(@builtin(workgroup_id) w: vec3<u32>, @builtin(num_workgroups) size: vec3
     var bits = 0u;
     for (var k = 0u; k < 4u; k++) {
         let t = 4u * i + k;
-        if (t < p.triangles) {
-            let a = triangles[3u * t];
-            let b = triangles[3u * t + 1u];
-            let c = triangles[3u * t + 2u];
-            if (!(same(a, b) || same(b, c) || same(c, a))) { bits |= 1u << k; }
-        }
+        if (t < p.triangles && !degenerate(t)) { bits |= 1u << k; }
     }
     if (4u * i < p.triangles) { live[i] = bits; }
     counts[l] = countOneBits(bits);

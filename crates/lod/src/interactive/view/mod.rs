@@ -21,26 +21,13 @@ pub use criterion::{Criterion, View};
 pub use filter::{Filter, filtered};
 pub use passes::ViewPasses;
 pub use replay::sample;
-pub use select::State;
+pub use select::{Group, State};
 
 use super::CollapseLists;
 use crate::plan::VertexRecords;
 use exact::lerp;
 use lodc_mesh::{PositionIds, Simplified};
 use select::Parameters;
-
-/// What the selection of a group looks at.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Group {
-    /// Axis of its cone of normals.
-    pub axis: [f32; 3],
-    /// Cosine of half its angle; 0 for all directions.
-    pub cos: f32,
-    /// Its sine.
-    pub sin: f32,
-    /// One vertex of the group.
-    pub first_vertex: u32,
-}
 
 /// The view-dependent variant on the CPU: the twin of the kernels.
 #[derive(Clone, Debug)]
@@ -70,7 +57,7 @@ impl<'a> Views<'a> {
     pub fn new(simplified: &'a Simplified, lists: CollapseLists, records: VertexRecords) -> Self {
         let mesh = simplified.mesh();
         let cones = Cones::new(mesh, &PositionIds::new(mesh.positions()), simplified.collapses());
-        let groups = select::groups(&cones);
+        let groups = select::groups(&cones, mesh);
         Self { simplified, lists, records, group_of: cones.of_vertex, groups }
     }
 
@@ -85,10 +72,7 @@ impl<'a> Views<'a> {
     pub fn show(&self, view: &View) -> Shown {
         let parameters = Parameters::new(view, self.simplified);
         let (mesh, collapses) = (self.simplified.mesh(), self.simplified.collapses());
-        let state = |group: &Group| {
-            let position = mesh.positions()[group.first_vertex as usize];
-            select::state(&parameters, group, position, collapses, &self.lists)
-        };
+        let state = |group: &Group| select::state(&parameters, group, collapses, &self.lists);
         let states: Vec<State> = self.groups.iter().map(state).collect();
         let mut entries: Vec<u32> = (0..mesh.vertex_count() as u32).collect();
         let mut vertices = self.records.words.clone();

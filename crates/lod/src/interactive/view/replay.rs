@@ -53,7 +53,7 @@ impl Interactive {
         let unchanged = Step { at: "the end".to_owned(), passes: Vec::new(), checks, twin: None };
         let positions = PositionIds::new(mesh.positions());
         let locate = replay::locate(simplified, &base, (filter.triangles, filter.draws), stride);
-        let states = device.states;
+        let (groups, ways) = (device.shown, device.ways);
         let step = move |view: View| {
             let shown = twin.show(&view);
             let (indices, draws) = filtered(mesh, &triangles, &shown.vertices, stride);
@@ -61,17 +61,27 @@ impl Interactive {
             let tolerance = view.morph.then_some(Tolerance { stride, floats: 3 });
             let mut passes = device.passes(&view, &twin);
             passes.extend(filter.passes());
-            let checks = vec![
-                Expected::new(device.states, passes::words(&shown.states)),
+            let [lods, ways] = passes::words(&shown.states);
+            let mut checks = vec![
+                Expected::new(device.shown, lods),
                 Expected { tolerance, ..Expected::new(base.vertices, shown.vertices) },
                 Expected::new(filter.indices, indices),
                 Expected::new(filter.draws, draws),
             ];
+            if view.morph {
+                checks.push(Expected::new(device.ways, ways));
+            }
             Step { at: name(&view), passes, checks, twin: failure }
         };
         let steps = std::iter::once(construction).chain(views.into_iter().map(step)).chain([unchanged]);
         let locate = move |buffer, word| {
-            if buffer == states { format!("wedge group {}", word / 3) } else { locate(buffer, word) }
+            if buffer == groups {
+                format!("wedge group {word}")
+            } else if buffer == ways {
+                format!("wedge group {}", word / 2)
+            } else {
+                locate(buffer, word)
+            }
         };
         Ok(Plan {
             model: self.name(),

@@ -1,10 +1,10 @@
 //! Which LOD each wedge group gets, in the same operations as `select.wgsl`, so that the two agree bit for bit.
 
+use super::Cones;
 use super::criterion::{Criterion, View};
 use super::exact::{dot, inverse_power, rsqrt};
-use super::{Cones, Group};
 use crate::interactive::CollapseLists;
-use lodc_mesh::{CollapseSequence, Lod, Simplified};
+use lodc_mesh::{CollapseSequence, Lod, Mesh, Simplified};
 
 /// What `select.wgsl` gives each group.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -17,13 +17,37 @@ pub struct State {
     pub way: u32,
 }
 
+/// What the selection of a group looks at: six words on a device.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Group {
+    /// Where it is at LOD 0.
+    pub position: [f32; 3],
+    /// Axis of its cone of normals, times 32767.
+    pub axis: [i16; 3],
+    /// Cosine of half its angle, times 65536, rounded outwards; 0 for all directions.
+    pub cos: u16,
+    /// One vertex of the group.
+    pub first_vertex: u32,
+}
+
+impl Group {
+    /// The words.
+    #[must_use]
+    pub fn words(&self) -> [u32; 6] {
+        let [x, y, z] = self.position.map(f32::to_bits);
+        let [i, j, k] = self.axis.map(|c| u32::from(c.cast_unsigned()));
+        [x, y, z, i | j << 16, k | u32::from(self.cos) << 16, self.first_vertex]
+    }
+}
+
 /// Groups as the kernel gets them.
-pub(super) fn groups(cones: &Cones) -> Vec<Group> {
-    let group = |(cone, &first_vertex): (&super::Cone, &u32)| {
-        // Rounded outwards.
-        let cos = (cone.cos - 1e-6).max(0.0);
-        let sin = (1.0 - cos * cos).sqrt();
-        Group { axis: cone.axis.map(|c| c as f32), cos: cos as f32, sin: sin as f32, first_vertex }
+pub(super) fn groups(cones: &Cones, mesh: &Mesh) -> Vec<Group> {
+    let group = |(cone, &first_vertex): (&super::Cone, &u32)| Group {
+        position: mesh.positions()[first_vertex as usize],
+        axis: cone.axis.map(|c| (c * 32767.0).round() as i16),
+        // Outwards by more than what rounding the axis can do.
+        cos: ((cone.cos - 1e-4).max(0.0) * 65536.0) as u16,
+        first_vertex,
     };
     cones.cones.iter().zip(&cones.first_vertex).map(group).collect()
 }
@@ -58,14 +82,8 @@ impl Parameters {
 }
 
 /// The state of one group.
-pub(super) fn state(
-    p: &Parameters,
-    group: &Group,
-    position: [f32; 3],
-    collapses: &CollapseSequence,
-    lists: &CollapseLists,
-) -> State {
-    let lod = wanted(p, group, position, collapses);
+pub(super) fn state(p: &Parameters, group: &Group, collapses: &CollapseSequence, lists: &CollapseLists) -> State {
+    let lod = wanted(p, group, collapses);
     let shown = collapses.floor(Lod(lod)).0;
     let list = lists.list(group.first_vertex);
     let at = list.partition_point(|&entry| entry < shown).min(list.len() - 1);
@@ -80,8 +98,8 @@ pub(super) fn state(
     State { shown, towards, way }
 }
 
-fn wanted(p: &Parameters, g: &Group, position: [f32; 3], collapses: &CollapseSequence) -> u32 {
-    let [a, b] = p.lods;
+fn wanted(p: &Parameters, g: &Group, collapses: &CollapseSequence) -> u32 {
+    let ([a, b], position) = (p.lods, g.position);
     if p.criterion > 2 {
         let inside = (0..3).all(|i| position[i] >= p.point[i] && position[i] <= p.abc[i]);
         return if inside { a } else { b };
@@ -105,8 +123,14 @@ fn wanted(p: &Parameters, g: &Group, position: [f32; 3], collapses: &CollapseSeq
 
 /// From 0, seen edge-on somewhere in the cone, to 1, face-on everywhere.
 fn facing(g: &Group, to_eye: [f32; 3], square: f32) -> f32 {
-    let cos = (dot(g.axis, to_eye).abs() * rsqrt(square)).min(1.0);
-    let rest = (1.0 - cos * cos).max(1e-20);
-    let sin = rest * rsqrt(rest);
-    (cos * g.cos - sin * g.sin).max(0.0)
+    let axis = g.axis.map(|c| f32::from(c) * (1.0 / 32767.0));
+    let half_angle = f32::from(g.cos) * (1.0 / 65536.0);
+    let angle = (dot(axis, to_eye).abs() * rsqrt(square)).min(1.0);
+    (angle * half_angle - other(angle) * other(half_angle)).max(0.0)
+}
+
+/// The sine to a cosine, both from 0 to 1.
+fn other(cosine: f32) -> f32 {
+    let rest = (1.0 - cosine * cosine).max(1e-20);
+    rest * rsqrt(rest)
 }

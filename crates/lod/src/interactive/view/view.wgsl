@@ -6,30 +6,34 @@ struct Parameters {
     vertices: u32,
     // Words of a vertex record.
     stride: u32,
+    // 1 to interpolate positions.
+    morph: u32,
     // 0, which the compiler does not know: see `r`.
     zero: u32,
 }
 
 @group(0) @binding(0) var<uniform> p: Parameters;
 @group(0) @binding(1) var<storage, read> group_of: array<u32>;
-@group(0) @binding(2) var<storage, read> states: array<u32>;
-@group(0) @binding(3) var<storage, read> offsets: array<u32>;
-@group(0) @binding(4) var<storage, read> entries: array<u32>;
-@group(0) @binding(5) var<storage, read> source: array<u32>;
-@group(0) @binding(6) var<storage, read_write> vertices: array<u32>;
+@group(0) @binding(2) var<storage, read> shown: array<u32>;
+@group(0) @binding(3) var<storage, read> ways: array<u32>;
+@group(0) @binding(4) var<storage, read> offsets: array<u32>;
+@group(0) @binding(5) var<storage, read> entries: array<u32>;
+@group(0) @binding(6) var<storage, read> source: array<u32>;
+@group(0) @binding(7) var<storage, read_write> vertices: array<u32>;
 
 // Keeps the compiler from joining or reordering what is rounded in between.
 fn r(v: f32) -> f32 { return bitcast<f32>(bitcast<u32>(v) ^ p.zero); }
 
-// The first entry of vertex v's list, from `low` on, of at least `lod`.
-fn entry(v: u32, first: u32, lod: u32) -> u32 {
-    var low = first;
+// The first entry of vertex v's list of at least `lod`.
+fn entry(v: u32, lod: u32) -> u32 {
+    if (v >= lod) { return v; }
+    var low = offsets[v] + 1u;
     var high = offsets[v + 1u] - 1u;
     while (low < high) {
         let middle = (low + high) / 2u;
         if (entries[middle] < lod) { low = middle + 1u; } else { high = middle; }
     }
-    return low;
+    return entries[low];
 }
 
 @compute @workgroup_size(256)
@@ -39,20 +43,18 @@ fn main(@builtin(global_invocation_id) g: vec3<u32>, @builtin(num_workgroups) si
     let group = group_of[v];
     // Vertices that no triangle of LOD 0 uses are never drawn as themselves.
     if (group == 0xffffffffu) { return; }
-    let way = states[3u * group + 2u];
-    let at = entry(v, offsets[v], states[3u * group]);
-    let from_record = entries[at] * p.stride;
+    let from_record = entry(v, shown[group]) * p.stride;
     let to_record = v * p.stride;
     for (var word = 0u; word < p.stride; word++) {
         vertices[to_record + word] = source[from_record + word];
     }
-    if (way != 0u) {
-        let next = entries[entry(v, at, states[3u * group + 1u])] * p.stride;
-        let t = f32(way) * (1.0 / 65536.0);
-        for (var word = 0u; word < 3u; word++) {
-            let a = bitcast<f32>(source[from_record + word]);
-            let b = bitcast<f32>(source[next + word]);
-            vertices[to_record + word] = bitcast<u32>(r(a + r(t * r(b - a))));
-        }
+    if (p.morph == 0u) { return; }
+    let next = entry(v, ways[2u * group]) * p.stride;
+    let t = f32(ways[2u * group + 1u]) * (1.0 / 65536.0);
+    for (var word = 0u; word < 3u; word++) {
+        let a = bitcast<f32>(source[from_record + word]);
+        let b = bitcast<f32>(source[next + word]);
+        // Exactly at the entry: its bits, also those of a zero.
+        if (t != 0.0) { vertices[to_record + word] = bitcast<u32>(r(a + r(t * r(b - a)))); }
     }
 }

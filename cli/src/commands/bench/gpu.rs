@@ -1,0 +1,64 @@
+//! Timing models on a graphics device, by the device's own clock.
+
+use super::report::BenchObject;
+use crate::exit::Outcome;
+use crate::gpu::{self, Device, GpuUse};
+use lodc_formats::lodc::LodObject;
+
+/// Opens the device that was asked for; none if none was, or none is there that need not be.
+///
+/// # Errors
+/// If one is required and there is none.
+pub(super) fn open(wanted: Option<GpuUse>, adapter: Option<&str>) -> Outcome<Option<Device>> {
+    match (wanted, wanted.map(|_| gpu::open(adapter))) {
+        (_, None) => Ok(None),
+        (Some(GpuUse::Auto), Some(Err(failure))) => {
+            crate::console::note(&format!("nothing is timed on a GPU: {failure}"));
+            Ok(None)
+        }
+        (_, Some(opened)) => opened.map(Some),
+    }
+}
+
+/// Adds what the device takes for each model that it can show.
+///
+/// # Errors
+/// If the device fails or is too small.
+#[cfg(feature = "gpu")]
+pub(super) fn measure(device: &Device, object: &LodObject, rounds: u32, report: &mut BenchObject) -> Outcome<()> {
+    use super::report::{CaseReport, GpuReport};
+    use crate::exit::{Failure, Status};
+    use lodc_lod::Model;
+
+    for model in &object.models {
+        let failed = |what: String| format!("{}: {what}", object.info.name);
+        let benchmark = model.benchmark().map_err(|e| Failure::new(Status::Limit, failed(e.to_string())))?;
+        let figures = lodc_gpu::measure(device, &benchmark, rounds).map_err(|e| gpu::failure(&e))?;
+        let per_vertex = |words: u64| words as f64 / report.counts.referenced_vertices.max(1) as f64;
+        let cases = figures.iter().map(|f| {
+            let case = CaseReport {
+                runs: f.runs as u64,
+                milliseconds: f.milliseconds,
+                bytes: f.bytes,
+                million_vertices_per_second: f.vertices_per_second / 1e6,
+            };
+            (f.name.to_owned(), super::object::value(&case))
+        });
+        let report = report
+            .gpu
+            .get_or_insert_with(|| GpuReport { adapter: device.adapter().to_string(), ..GpuReport::default() });
+        let memory = benchmark.memory.iter().map(|&(name, words)| (name.to_owned(), per_vertex(words).into()));
+        report.words_per_vertex.insert(model.name().to_owned(), serde_json::Value::Object(memory.collect()));
+        report.models.insert(model.name().to_owned(), serde_json::Value::Object(cases.collect()));
+    }
+    Ok(())
+}
+
+/// There is no device.
+///
+/// # Errors
+/// Never.
+#[cfg(not(feature = "gpu"))]
+pub(super) fn measure(device: &Device, _: &LodObject, _: u32, _: &mut BenchObject) -> Outcome<()> {
+    match *device {}
+}

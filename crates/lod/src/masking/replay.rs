@@ -1,0 +1,172 @@
+//! Masking Strips on a graphics device as a [`Plan`]: masks applied and filtered copies compacted, nothing read back.
+
+use super::history::Entry;
+use super::{Cursor, Masking};
+use crate::plan::{
+    BufferId, Expected, KernelId, LONGEST_LOOP, Packed, Pass, Plan, PlanError, Program, SCAN, SCAN_ADD, STRIP_DRAWS,
+    Shader, Step,
+};
+use crate::{Model, first_difference};
+use lodc_mesh::Lod;
+
+const MASKS: Shader = Shader { name: "masks", wgsl: include_str!("masks.wgsl") };
+const MASKS_WRITE: Shader = Shader { name: "masks_write", wgsl: include_str!("masks_write.wgsl") };
+
+/// The kernels, for replay and for engines.
+pub const SHADERS: [Shader; 5] = [MASKS, SCAN, SCAN_ADD, MASKS_WRITE, STRIP_DRAWS];
+
+/// Buffers and kernels.
+#[derive(Clone, Debug)]
+pub(super) struct Device {
+    starts: BufferId,
+    firsts: BufferId,
+    entries: BufferId,
+    collapse_to: BufferId,
+    full: BufferId,
+    states: BufferId,
+    trouble: BufferId,
+    packed: Packed,
+    masks: KernelId,
+    write: KernelId,
+    strips: u32,
+}
+
+impl Device {
+    pub(super) fn new(program: &mut Program, model: &Masking) -> Result<Self, PlanError> {
+        let longest = model.firsts.windows(2).map(|pair| pair[1] - pair[0]).max().unwrap_or(0);
+        // Every entry puts some positions besides.
+        if longest > LONGEST_LOOP / 4 {
+            return Err(PlanError::TooDeep { length: longest });
+        }
+        let strips = model.strips.len();
+        let masks = |e: &Entry| u32::from(e.positions) | u32::from(e.filter) << 16;
+        let entries = model.entries.iter().flat_map(|e| [e.record, masks(e)]);
+        let starts = (0..strips).map(|s| model.strips.range(s).start).chain([model.strips.indices().len()]);
+        let states: Vec<u32> = model.firsts[..strips].iter().flat_map(|&first| [first, 0]).collect();
+        Ok(Self {
+            starts: program.words("starts", starts.map(|start| start as u32).collect::<Vec<_>>()),
+            firsts: program.words("firsts", model.firsts.as_slice()),
+            entries: program.words("entries", entries.collect::<Vec<_>>()),
+            collapse_to: program.words("collapse_to", model.simplified.collapses().targets()),
+            full: program.words("full", model.strips.indices()),
+            states: program.words("states", states),
+            trouble: program.zeros("trouble", 1),
+            packed: Packed::new(program, &model.strips),
+            masks: program.kernel(MASKS),
+            write: program.kernel(MASKS_WRITE),
+            strips: strips as u32,
+        })
+    }
+
+    /// Shows a LOD, whatever was shown before.
+    pub(super) fn passes(&self, lod: Lod) -> Vec<Pass> {
+        let masks = Pass {
+            kernel: self.masks,
+            buffers: vec![
+                self.starts,
+                self.firsts,
+                self.entries,
+                self.collapse_to,
+                self.full,
+                self.states,
+                self.packed.places,
+                self.trouble,
+            ],
+            threads: self.strips,
+            parameters: vec![self.strips, lod.0],
+        };
+        let write = Pass {
+            kernel: self.write,
+            buffers: vec![self.starts, self.full, self.states, self.packed.places, self.packed.drawn],
+            threads: self.strips,
+            parameters: vec![self.strips],
+        };
+        std::iter::once(masks).chain(self.packed.around(write)).collect()
+    }
+}
+
+impl Masking {
+    /// The model over some LODs, each compared in full: full strips, masks, packed strips and draw arguments with the CPU, and
+    /// the triangles of the CPU with the reference.
+    ///
+    /// # Errors
+    /// If a strip changes too often for a kernel.
+    pub fn replay(&self, stops: Vec<Lod>) -> Result<Plan<'_>, PlanError> {
+        let mut program = Program::default();
+        let device = Device::new(&mut program, self)?;
+        let written = [device.full, device.states];
+        let uploaded = Step { at: "upload".to_owned(), passes: Vec::new(), checks: program.uploaded(&[]), twin: None };
+        let kept =
+            Step { at: "the end".to_owned(), passes: Vec::new(), checks: program.uploaded(&written), twin: None };
+        let (full, states, drawn) = (device.full, device.states, device.packed.drawn);
+        let locate = move |buffer, word: usize| {
+            if buffer == full {
+                let strip = (0..self.strips.len()).find(|&s| self.strips.range(s).contains(&word));
+                format!("strip {} of submesh {}", strip.unwrap_or(0), self.submeshes[strip.unwrap_or(0)])
+            } else if buffer == states {
+                format!("strip {}", word / 2)
+            } else if buffer == drawn {
+                format!("index {word} of all that are drawn")
+            } else {
+                format!("word {word}")
+            }
+        };
+        let (mut cursor, mut twin) = (self.cursor(), Twin::new(self));
+        let moves = stops.into_iter().map(move |lod| self.step(&device, &mut cursor, &mut twin, lod));
+        let steps = Box::new(std::iter::once(uploaded).chain(moves).chain([kept]));
+        Ok(Plan { model: self.name(), name: "masks", program, steps, locate: Box::new(locate) })
+    }
+
+    fn step(&self, device: &Device, cursor: &mut Cursor, twin: &mut Twin, wanted: Lod) -> Step {
+        let lod = self.simplified.collapses().floor(wanted);
+        self.seek(cursor, lod, &mut ());
+        twin.seek(self, lod);
+        let truth = self.simplified.triangles_at_with(lod, &self.positions);
+        let difference = first_difference(lod, truth, self.triangles(cursor));
+        let mut checks = vec![
+            Expected::new(device.full, twin.full.clone()),
+            Expected::new(device.states, twin.states.clone()),
+            Expected::new(device.trouble, [0]),
+        ];
+        checks.extend(device.packed.expected(&self.strips, |strip| cursor.strip(self, strip)));
+        Step { at: format!("LOD {}", lod.0), passes: device.passes(lod), checks, twin: difference }
+    }
+}
+
+/// What the kernel keeps from move to move: full strips to which position masks are applied one by one.
+#[derive(Debug)]
+struct Twin {
+    full: Vec<u32>,
+    states: Vec<u32>,
+}
+
+impl Twin {
+    fn new(model: &Masking) -> Self {
+        let states = model.firsts[..model.strips.len()].iter().flat_map(|&first| [first, 0]).collect();
+        Self { full: model.strips.indices().to_vec(), states }
+    }
+
+    fn seek(&mut self, model: &Masking, lod: Lod) {
+        let targets = model.simplified.collapses().targets();
+        for strip in 0..model.strips.len() {
+            let history = model.history(strip);
+            let strip_now = &mut self.full[model.strips.range(strip)];
+            let mut put = |entry: &Entry, vertex: u32| {
+                let masked = strip_now.iter_mut().enumerate().filter(|(at, _)| entry.positions >> at & 1 == 1);
+                masked.for_each(|(_, v)| *v = vertex);
+            };
+            let mut next = self.states[2 * strip] as usize;
+            while next < history.end && model.entries[next].record < lod.0 {
+                put(&model.entries[next], targets[model.entries[next].record as usize]);
+                next += 1;
+            }
+            while next > history.start && model.entries[next - 1].record >= lod.0 {
+                next -= 1;
+                put(&model.entries[next], model.entries[next].record);
+            }
+            let whole = u16::MAX >> (16 - strip_now.len().clamp(1, 16));
+            let filter = if next > history.start { model.entries[next - 1].filter } else { whole };
+            self.states[2 * strip..][..2].copy_from_slice(&[next as u32, u32::from(filter)]);
+        }
+    }
+}

@@ -1,0 +1,190 @@
+//! Speed Strips on a graphics device, *direct*: the edits are applied by a compute pass where the strips are.
+
+use super::{Cursor, Speed};
+use crate::plan::{
+    BufferId, KernelId, LONGEST_LOOP, Packed, Pass, Plan, PlanError, Program, SCAN, SCAN_ADD, STRIP_DRAWS, Shader, Step,
+};
+use crate::{Model, first_difference};
+use lodc_mesh::Lod;
+
+const EDITS: Shader = Shader { name: "edits", wgsl: include_str!("edits.wgsl") };
+const VALUES: Shader = Shader { name: "values", wgsl: include_str!("values.wgsl") };
+const REWRITE: Shader = Shader { name: "rewrite", wgsl: include_str!("rewrite.wgsl") };
+const LENGTHS: Shader = Shader { name: "lengths", wgsl: include_str!("lengths.wgsl") };
+const PACK: Shader = Shader { name: "pack", wgsl: include_str!("pack.wgsl") };
+
+/// The kernels, for replay and for engines.
+pub const SHADERS: [Shader; 8] = [EDITS, VALUES, REWRITE, LENGTHS, SCAN, SCAN_ADD, PACK, STRIP_DRAWS];
+
+/// An entry passed costs about as much as making so many indices anew, as it does on the CPU.
+const ENTRY_COST: u64 = 6;
+
+/// Buffers and kernels.
+#[derive(Clone, Debug)]
+pub(super) struct Device {
+    starts: BufferId,
+    entries: BufferId,
+    changes: BufferId,
+    removals: BufferId,
+    collapse_to: BufferId,
+    stored: BufferId,
+    strip_of: BufferId,
+    deaths: BufferId,
+    removed_at: BufferId,
+    values: BufferId,
+    strips: BufferId,
+    heads: BufferId,
+    packed: Packed,
+    kernels: [KernelId; 5],
+    counts: [u32; 2],
+}
+
+impl Device {
+    pub(super) fn new(program: &mut Program, model: &Speed) -> Result<Self, PlanError> {
+        let set = &model.strips.set;
+        let longest = set.iter().map(<[u32]>::len).max().unwrap_or(0) as u32;
+        if longest > LONGEST_LOOP {
+            return Err(PlanError::TooDeep { length: longest });
+        }
+        let (starts, entries, changes, removals) = by_strip(model);
+        let heads = starts.chunks_exact(2).zip(set.iter()).flat_map(|(start, strip)| [start[1], strip.len() as u32]);
+        let heads: Vec<u32> = heads.collect();
+        let strip_of: Vec<u32> = (0..set.len()).flat_map(|s| set.range(s).map(move |_| s as u32)).collect();
+        Ok(Self {
+            starts: program.words("starts", starts),
+            entries: program.words("entries", entries),
+            changes: program.words("changes", changes),
+            removals: program.words("removals", removals),
+            collapse_to: program.words("collapse_to", model.simplified.collapses().targets()),
+            stored: program.words("stored", set.indices()),
+            strip_of: program.words("strip_of", strip_of),
+            deaths: program.words("deaths", model.deaths()),
+            removed_at: program.words("removed_at", model.removed_at()),
+            values: program.zeros("values", set.indices().len()),
+            strips: program.words("strips", set.indices()),
+            heads: program.words("heads", heads),
+            packed: Packed::new(program, set),
+            kernels: [EDITS, VALUES, REWRITE, LENGTHS, PACK].map(|shader| program.kernel(shader)),
+            counts: [set.len() as u32, set.indices().len() as u32],
+        })
+    }
+
+    /// Takes the strips from one LOD to another: in place if that is less work, and no strip changes so often that a kernel
+    /// may not loop that long; else anew.
+    pub(super) fn passes(&self, model: &Speed, from: Lod, to: Lod) -> Vec<Pass> {
+        let ([edits, values, rewrite, lengths, pack], [strips, indices]) = (self.kernels, self.counts);
+        let pass = |kernel, threads, buffers, parameters| Pass { kernel, buffers, threads, parameters };
+        let mut passes = if model.is_near(from, to) {
+            let buffers =
+                vec![self.starts, self.entries, self.changes, self.removals, self.collapse_to, self.strips, self.heads];
+            vec![pass(edits, strips, buffers, vec![strips, to.0])]
+        } else {
+            let turned = vec![self.stored, self.strip_of, self.deaths, self.collapse_to, self.values];
+            let anew =
+                vec![self.starts, self.entries, self.deaths, self.removed_at, self.values, self.strips, self.heads];
+            vec![pass(values, indices, turned, vec![indices, to.0]), pass(rewrite, strips, anew, vec![strips, to.0])]
+        };
+        let places = self.packed.places;
+        passes.push(pass(lengths, strips + 1, vec![self.deaths, self.heads, places], vec![strips, to.0]));
+        let write = pass(pack, strips, vec![self.starts, self.strips, places, self.packed.drawn], vec![strips]);
+        passes.extend(self.packed.around(write));
+        passes
+    }
+}
+
+/// The changes strip by strip, as kernels read them: where each strip's indices and entries start, four words for each
+/// entry, places that change, two words for each removal.
+fn by_strip(model: &Speed) -> (Vec<u32>, Vec<u32>, Vec<u32>, Vec<u32>) {
+    let (set, records) = (&model.strips.set, model.edits().records());
+    // How many entries, changes and removals each strip has; then where the next ones go.
+    let mut next = vec![[0u32; 3]; set.len() + 1];
+    for event in (0..records).flat_map(|record| model.events(record)) {
+        let [entries, changes, removals] = &mut next[event.strip as usize + 1];
+        *entries += 1;
+        *changes += event.changes.len() as u32;
+        *removals += event.removals.len() as u32;
+    }
+    for strip in 0..set.len() {
+        let before = next[strip];
+        next[strip + 1].iter_mut().zip(before).for_each(|(n, before)| *n += before);
+    }
+    let end = next[set.len()];
+    let places = (0..set.len()).map(|strip| set.range(strip).start).chain([set.indices().len()]);
+    let starts = places.zip(&next).flat_map(|(place, [first, ..])| [place as u32, *first]).collect();
+    let mut entries = vec![0; 4 * end[0] as usize];
+    let (mut changes, mut removals) = (vec![0; end[1] as usize], vec![0; 2 * end[2] as usize]);
+    for record in 0..records {
+        for event in model.events(record) {
+            let [entry, change, removal] = &mut next[event.strip as usize];
+            entries[4 * *entry as usize..][..4].copy_from_slice(&[record, *change, *removal, 0]);
+            *entry += 1;
+            for place in event.changes {
+                changes[*change as usize] = place - set.range(event.strip as usize).start as u32;
+                *change += 1;
+            }
+            for (_, gone) in event.removals {
+                removals[2 * *removal as usize..][..2].copy_from_slice(&[gone.at, gone.count.cast_unsigned()]);
+                *removal += 1;
+            }
+        }
+    }
+    entries.extend([u32::MAX, end[1], end[2], 0]);
+    (starts, entries, changes, removals)
+}
+
+impl Speed {
+    /// Whether going through the changes between two LODs is less work than making all strips anew, and no thread loops
+    /// longer than it may.
+    fn is_near(&self, from: Lod, to: Lod) -> bool {
+        let records = from.min(to).0..from.max(to).0;
+        if self.edits().affected(records.clone()).len() as u64 * ENTRY_COST > self.strips.separate_indices() {
+            return false;
+        }
+        let mut loops = vec![0u64; self.strips.len()];
+        for event in records.flat_map(|record| self.events(record)) {
+            let (strip, removals) = (event.strip as usize, event.removals.len() as u64);
+            // Every removal may move the whole strip behind it.
+            let moved = if removals > 0 { 2 * removals + self.strips.range(strip).len() as u64 } else { 0 };
+            loops[strip] += 1 + event.changes.len() as u64 + moved;
+        }
+        loops.into_iter().all(|loops| loops <= u64::from(LONGEST_LOOP))
+    }
+
+    /// The model over some LODs, each compared in full: packed strips and draw arguments with the CPU, the triangles of the
+    /// CPU with the reference.
+    ///
+    /// # Errors
+    /// If a strip is longer than a kernel may loop.
+    pub fn replay(&self, stops: Vec<Lod>) -> Result<Plan<'_>, PlanError> {
+        let mut program = Program::default();
+        let device = Device::new(&mut program, self)?;
+        let written = [device.strips, device.heads];
+        let uploaded = Step { at: "upload".to_owned(), passes: Vec::new(), checks: program.uploaded(&[]), twin: None };
+        let kept =
+            Step { at: "the end".to_owned(), passes: Vec::new(), checks: program.uploaded(&written), twin: None };
+        let (drawn, heads) = (device.packed.drawn, device.heads);
+        let locate = move |buffer, word: usize| {
+            if buffer == drawn {
+                format!("index {word} of all that are drawn")
+            } else if buffer == heads {
+                format!("strip {} of submesh {}", word / 2, self.submesh_of(word / 2))
+            } else {
+                format!("word {word}")
+            }
+        };
+        let mut cursor = self.cursor();
+        let moves = stops.into_iter().map(move |lod| self.step(&device, &mut cursor, lod));
+        let steps = Box::new(std::iter::once(uploaded).chain(moves).chain([kept]));
+        Ok(Plan { model: self.name(), name: "direct", program, steps, locate: Box::new(locate) })
+    }
+
+    fn step(&self, device: &Device, cursor: &mut Cursor, wanted: Lod) -> Step {
+        let lod = self.simplified.collapses().floor(wanted);
+        let passes = device.passes(self, cursor.lod(), lod);
+        self.seek(cursor, lod, &mut ());
+        let truth = self.simplified.triangles_at_with(lod, self.positions());
+        let twin = first_difference(lod, truth, self.triangles(cursor));
+        let checks = device.packed.expected(&self.strips, |strip| cursor.strip(strip)).to_vec();
+        Step { at: format!("LOD {}", lod.0), passes, checks, twin }
+    }
+}
