@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 const DRAWING: &[(&str, &[&str])] = &[
     ("crates/mesh", &["glam"]),
     ("crates/raster", &["glam"]),
+    ("crates/measure", &["lodc-raster", "glam", "rayon"]),
     ("crates/simplify", &["lodc-mesh", "lodc-raster", "glam", "rayon"]),
     ("crates/strip", &["lodc-mesh", "rayon"]),
     ("crates/lod", &["lodc-mesh", "lodc-strip", "rayon"]),
@@ -32,6 +33,7 @@ const DRAWING: &[(&str, &[&str])] = &[
             "lodc-formats",
             "lodc-gpu",
             "lodc-lod",
+            "lodc-measure",
             "lodc-mesh",
             "lodc-simplify",
             "lodc-strip",

@@ -1,6 +1,8 @@
 //! The command line as `clap` sees it: every command, and the options all of them have.
 
-use crate::commands::{bench, build, completions, extract, info, man, pack, render, shaders, strips, unpack, verify};
+use crate::commands::{
+    bench, build, compare, completions, extract, info, man, pack, render, shaders, strips, unpack, verify,
+};
 use clap::{Args, Parser, Subcommand};
 
 /// Continuous level of detail: every level between a full mesh and a single point, in one verified file.
@@ -37,6 +39,8 @@ pub(crate) enum Command {
     Info(info::InfoArgs),
     /// Replay every model of .lodc files against the reference
     Verify(verify::VerifyArgs),
+    /// Say how far apart two meshes are, in space and in pictures
+    Compare(compare::CompareArgs),
     /// Make a picture of a mesh, or of levels of detail, with a graphics device
     Render(render::RenderArgs),
     /// Turn a .lodc file into a progressive stream

@@ -19,7 +19,7 @@ mod text;
 
 use clap::Parser;
 use cli::{Cli, Command};
-use commands::{bench, build, completions, extract, info, man, pack, render, shaders, strips, unpack, verify};
+use commands::{bench, build, compare, completions, extract, info, man, pack, render, shaders, strips, unpack, verify};
 use console::Loudness;
 use exit::{Outcome, Status};
 use std::panic;
@@ -51,6 +51,7 @@ fn run() -> Status {
         Command::Extract(args) => done(extract::run(args)),
         Command::Info(args) => done(info::run(args)),
         Command::Verify(args) => verify::run(args),
+        Command::Compare(args) => compare::run(args),
         Command::Render(args) => done(render::run(args)),
         Command::Pack(args) => done(pack::run(args)),
         Command::Unpack(args) => unpack::run(args),

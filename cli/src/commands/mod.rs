@@ -2,6 +2,7 @@
 
 pub(crate) mod bench;
 pub(crate) mod build;
+pub(crate) mod compare;
 pub(crate) mod completions;
 pub(crate) mod extract;
 pub(crate) mod info;

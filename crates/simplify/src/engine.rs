@@ -7,7 +7,7 @@ use crate::heap::Heap;
 use crate::legality::{self, Stage};
 use crate::log::Log;
 use crate::metric::Metric;
-use crate::neighborhood::{Neighborhood, Spoke, SpokeKind};
+use crate::neighborhood::{Neighborhood, SpokeKind};
 use crate::plan::Plan;
 use crate::pool::Pool;
 use crate::wedges::Wedges;
@@ -285,6 +285,7 @@ impl<M: Metric> Engine<'_, M> {
         if with_attributes {
             self.fit_gradients(from, gradients);
         }
+        let attribute_weight = self.metric.attribute_weight();
         let here = self.mesh.position(from);
         for spokes in around.spokes.chunks(MAX_FAN) {
             for (i, spoke) in spokes.iter().enumerate() {
@@ -297,25 +298,11 @@ impl<M: Metric> Engine<'_, M> {
             for (spoke, mut cost) in spokes.iter().zip(costs.iter().copied()).filter(|(s, _)| permitted.allows(s.kind))
             {
                 if with_attributes {
-                    cost += self.attribute_cost(from, spoke, around, gradients);
+                    cost += attribute_weight * self.attribute_cost(from, spoke, around, gradients);
                 }
                 candidates.push((if cost.is_nan() { f64::INFINITY } else { cost }, spoke.group));
             }
         }
-    }
-
-    /// How far off the attributes around a group would be if it moved along a spoke. Working units to the fourth power.
-    fn attribute_cost(&self, from: u32, spoke: &Spoke, around: &Neighborhood, gradients: &[(u32, Gradient)]) -> f64 {
-        let delta = self.mesh.position(spoke.group) - self.mesh.position(from);
-        let mut cost = 0.0;
-        for (wedge, gradient) in gradients {
-            let target = around.target(&self.wedges, spoke, *wedge).unwrap_or(*wedge);
-            let [here, there] = [*wedge, target].map(|w| self.wedges.attributes_of[w as usize]);
-            cost += gradient.at(delta, self.attributes.row(here), self.attributes.row(there));
-            let [here, there] = [*wedge, target].map(|w| self.wedges.place_of[w as usize]);
-            cost += gradient.weight() * self.attributes.joint_distance_squared(here, there);
-        }
-        cost
     }
 
     /// Which spokes a group may move along at the present stage, if any.
@@ -331,27 +318,6 @@ impl<M: Metric> Engine<'_, M> {
             _ if self.options.preserve_topology => None,
             _ => Some(Permitted::Features),
         }
-    }
-
-    fn fit_gradients(&self, from: u32, gradients: &mut Vec<(u32, Gradient)>) {
-        let mut used = 0;
-        for &corner in self.mesh.star(from) {
-            let face = corner.face();
-            let wedges = self.mesh.wedges(face);
-            let wedge = wedges[corner.at()];
-            let i = gradients[..used].iter().rposition(|g| g.0 == wedge).unwrap_or_else(|| {
-                if used == gradients.len() {
-                    gradients.push((wedge, Gradient::new(self.attributes.width)));
-                }
-                gradients[used].0 = wedge;
-                gradients[used].1.clear();
-                used += 1;
-                used - 1
-            });
-            let rows = wedges.map(|w| self.attributes.row(self.wedges.attributes_of[w as usize]));
-            gradients[i].1.add_face(&self.mesh, face, corner.at(), rows);
-        }
-        gradients.truncate(used);
     }
 
     /// The known choice as it is seen now, unless it has become dearer: then others may be better.

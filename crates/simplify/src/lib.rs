@@ -10,6 +10,7 @@ mod build;
 mod commit;
 mod engine;
 mod fan;
+mod gradients;
 mod heap;
 mod legality;
 mod log;
@@ -28,7 +29,7 @@ use engine::Engine;
 use legality::Stage;
 use lodc_mesh::{CollapseSequence, Mesh, SequenceParts, Simplified};
 use log::Log;
-use metric::{Metric, QuadricMetric, Score, VisualMetric};
+use metric::{HybridMetric, Metric, QuadricMetric, Score, VisualMetric};
 
 /// What drives the collapses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -40,6 +41,8 @@ pub enum MetricKind {
     Viewpoint,
     /// Kullback–Leibler divergence between areas seen and areas in space: flat regions go first, however they are cut up.
     Divergence,
+    /// Error of the shaded surface, as far as it is seen: what a viewer would notice least goes first.
+    Hybrid,
 }
 
 /// What a simplification respects.
@@ -91,6 +94,10 @@ pub fn simplify(mesh: &Mesh, options: &Options, progress: &(dyn Fn(u64, u64) + S
     let (working, wedges) = (&built.working, &built.wedges);
     match options.metric {
         MetricKind::Quadric => run(mesh, options, QuadricMetric::new(working, wedges), built, attributes, progress),
+        MetricKind::Hybrid => {
+            let metric = HybridMetric::new(working, wedges, built.size);
+            run(mesh, options, metric, built, attributes, progress)
+        }
         MetricKind::Viewpoint => {
             let metric = VisualMetric::new(working, wedges, Score::Entropy, options.picture);
             run(mesh, options, metric, built, attributes, progress)

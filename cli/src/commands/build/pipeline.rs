@@ -47,7 +47,7 @@ pub(super) fn make(
     progress.stage("simplify");
     let Scene { source, document, objects, files_read, .. } = scene;
     let options = Options {
-        metric: args.metric.kind().unwrap_or_default(),
+        metric: args.metric.kind(),
         preserve_topology: args.preserve_topology,
         lock_border: args.lock_border,
         attributes: !args.no_attributes,

@@ -1,8 +1,10 @@
 //! What a collapse costs. A metric is one file or folder here and its entry in [`MetricKind`](crate::MetricKind).
 
+mod hybrid;
 mod quadric;
 mod visual;
 
+pub(crate) use hybrid::HybridMetric;
 pub(crate) use quadric::QuadricMetric;
 pub(crate) use visual::{Score, VisualMetric};
 
@@ -25,6 +27,11 @@ pub(crate) trait Metric: Sync {
     /// What it costs to move the group along the first lanes, as many as `costs` holds. Working units to the fourth power;
     /// not negative.
     fn costs(&self, local: &Self::Local, lanes: &Lanes, costs: &mut [f64]);
+
+    /// What the cost of attributes is multiplied by before it is added.
+    fn attribute_weight(&self) -> f64 {
+        1.0
+    }
 
     /// `from` is about to move onto `to`. May set the target's [`arrival`](crate::working::Place::arrival).
     fn collapsed(&mut self, mesh: &mut Working, from: u32, to: u32);

@@ -1,0 +1,163 @@
+//! `lodc compare`: how far apart two meshes are, in space and in pictures; with limits, a gate for pipelines.
+
+mod heatmap;
+mod report;
+
+use crate::console::{self, Loudness, note, wants};
+use crate::exit::{Failure, Outcome, Status};
+use crate::limits::ImportArgs;
+use crate::output::{self, Target};
+use crate::stages::Stages;
+use clap::Args;
+use lodc_formats::export::flat_mesh;
+use lodc_formats::import;
+use lodc_measure::{Looks, Sampling, Surface, Viewing, compare_pictures, distances, pictures};
+use rayon::ThreadPoolBuilder;
+use report::{CompareReport, ImageReport};
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+
+/// Options of `compare`.
+#[derive(Args, Debug)]
+pub(crate) struct CompareArgs {
+    /// The mesh to compare with: OBJ, glTF or GLB; `-` for standard input
+    a: PathBuf,
+    /// The mesh to be judged
+    b: PathBuf,
+    /// Print the result as JSON on standard output
+    #[arg(long)]
+    json: bool,
+    /// Write a PNG: A and B from four sides, and how far each place of A is from B
+    #[arg(long, value_name = "OUT.png")]
+    heatmap: Option<PathBuf>,
+    /// Exit 1 if the root mean square distance is greater, either way: in A's unit, or with `%` of its diagonal
+    #[arg(long, value_name = "D", value_parser = length)]
+    max_rms: Option<Length>,
+    /// Exit 1 if the largest distance found is greater, either way
+    #[arg(long, value_name = "D", value_parser = length)]
+    max_hausdorff: Option<Length>,
+    /// Exit 1 if the root mean square difference of pixels (0 to 255) is greater
+    #[arg(long, value_name = "GREY", value_parser = grey)]
+    max_image_rmse: Option<f64>,
+    /// Points spread over the area of each mesh
+    #[arg(long, value_name = "N", default_value = "200000", value_parser = clap::value_parser!(u32).range(1..=100_000_000))]
+    samples: u32,
+    /// Makes the points
+    #[arg(long, value_name = "N", default_value = "1")]
+    seed: u64,
+    /// Pictures, from all sides; 0 for none
+    #[arg(long, value_name = "N", default_value = "24", value_parser = clap::value_parser!(u32).range(0..=1000))]
+    views: u32,
+    /// Pixels across each picture
+    #[arg(long, value_name = "N", default_value = "512", value_parser = clap::value_parser!(u32).range(16..=2048))]
+    size: u32,
+    /// Look at shape only, not at normals and texture coordinates that both meshes have
+    #[arg(long)]
+    no_attributes: bool,
+    /// Threads; the result does not depend on it [default: all cores]
+    #[arg(long, value_name = "N")]
+    jobs: Option<NonZeroUsize>,
+    #[command(flatten)]
+    import: ImportArgs,
+}
+
+/// A length, possibly as a share of A's diagonal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Length {
+    value: f64,
+    of_diagonal: bool,
+}
+
+impl Length {
+    fn resolve(self, diagonal: f64) -> f64 {
+        if self.of_diagonal { self.value / 100.0 * diagonal } else { self.value }
+    }
+}
+
+fn length(text: &str) -> Result<Length, String> {
+    let (number, of_diagonal) = text.strip_suffix('%').map_or((text, false), |number| (number, true));
+    Ok(Length { value: grey(number)?, of_diagonal })
+}
+
+fn grey(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(value) if value >= 0.0 && value.is_finite() => Ok(value),
+        _ => Err("not a number that is zero or more".to_owned()),
+    }
+}
+
+pub(crate) fn run(args: &CompareArgs) -> Outcome<Status> {
+    if [&args.a, &args.b].iter().all(|path| output::is_stream(path)) {
+        return Err(Failure::usage("standard input can be read once only"));
+    }
+    let heatmap = args.heatmap.as_ref().map(|path| Target::File(path.clone()));
+    if let Some(Target::File(path)) = &heatmap {
+        if output::is_stream(path) || [&args.a, &args.b].contains(&path) {
+            return Err(Failure::usage("--heatmap needs a file of its own"));
+        }
+        output::prepare(&[Target::File(path.clone())], false)?;
+    }
+    let threads = args.jobs.map_or(0, |n| n.get().min(super::build::MOST_THREADS));
+    let pool = ThreadPoolBuilder::new().num_threads(threads).build();
+    let pool = pool.map_err(|e| Failure::new(Status::Limit, format!("no threads to work with: {e}")))?;
+    pool.install(|| compare(args, heatmap.as_ref()))
+}
+
+fn compare(args: &CompareArgs, heatmap: Option<&Target>) -> Outcome<Status> {
+    let mut stages = Stages::default();
+    let a = stages.run("import", || surface(&args.a, args))?;
+    let b = stages.run("import", || surface(&args.b, args))?;
+    let sampling = Sampling { samples: args.samples as usize, seed: args.seed, ..Sampling::DEFAULT };
+    let space = stages.run("distance", || distances(&a, &b, &sampling));
+    let looks = looks(&a, &b, args);
+    let image = (args.views > 0).then(|| {
+        let viewing = Viewing { views: args.views, size: args.size };
+        stages.run("pictures", || {
+            let cameras = viewing.cameras(&a);
+            let error = compare_pictures(&pictures(&a, &cameras, looks), &pictures(&b, &cameras, looks));
+            ImageReport::new(viewing, looks, error)
+        })
+    });
+    let mut report = CompareReport::new(a.diagonal(), [a.triangles.len(), b.triangles.len()], space, image);
+    report.check(args);
+    if let Some(target) = heatmap {
+        stages.run("heatmap", || output::write(target, heatmap::draw(&a, &b, looks, space.hausdorff[0])))?;
+    }
+    if args.json {
+        console::json(&report)?;
+    } else {
+        console::result(report.text().trim_end())?;
+    }
+    for what in &report.exceeded {
+        if wants(Loudness::Normal) {
+            note(&format!("lodc: {}: {what}", args.b.display()));
+        }
+    }
+    Ok(if report.ok { Status::Done } else { Status::Difference })
+}
+
+/// What both meshes have to be looked at with.
+fn looks(a: &Surface, b: &Surface, args: &CompareArgs) -> Looks {
+    let both = |has: fn(&Surface) -> bool| !args.no_attributes && has(a) && has(b);
+    Looks { own_normals: both(|s| !s.normals.is_empty()), checkerboard: both(|s| !s.texture.is_empty()) }
+}
+
+/// Reads a mesh as it stands in its scene.
+fn surface(path: &Path, args: &CompareArgs) -> Outcome<Surface> {
+    let scene = import::import(path, &args.import.options())?;
+    let name = path.display().to_string();
+    for warning in &scene.warnings {
+        console::warning(&name, warning);
+    }
+    let flat = flat_mesh(&scene).map_err(|e| e.in_file(&name))?;
+    if flat.triangles.is_empty() {
+        return Err(Failure::new(Status::Input, format!("{name}: has no triangles: there is nothing to compare")));
+    }
+    let vectors = |all: Vec<[f32; 3]>| all.into_iter().map(Into::into).collect();
+    Ok(Surface {
+        positions: vectors(flat.positions),
+        triangles: flat.triangles,
+        normals: vectors(flat.normals),
+        texture: flat.texture.into_iter().map(Into::into).collect(),
+    })
+}

@@ -1,0 +1,53 @@
+//! Distances between two surfaces (as Cignoni et al. 1998, Metro, measure them).
+
+use crate::bvh::Bvh;
+use crate::spread::{over_area, over_triangles};
+use crate::surface::Surface;
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// How densely surfaces are sampled.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Sampling {
+    /// Points spread over the area of each surface.
+    pub samples: usize,
+    /// Most points, on lattices over the triangles of each, that are asked besides for the largest distance.
+    pub lattice: usize,
+    /// Makes the samples.
+    pub seed: u64,
+}
+
+impl Sampling {
+    /// 200,000 samples, lattices of 300,000 points.
+    pub const DEFAULT: Self = Self { samples: 200_000, lattice: 300_000, seed: 1 };
+}
+
+/// Distances from one surface to another and back, in their unit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Distances {
+    /// The largest distance found from any point of the first to the second surface, and the other way. Sampled, so
+    /// never more than the true one.
+    pub hausdorff: [f64; 2],
+    /// Root mean square distance, over the area, from the first to the second, and the other way.
+    pub rms: [f64; 2],
+}
+
+/// Measures both ways. Without triangles on one side, distances to it are infinite; from it, zero.
+#[must_use]
+pub fn distances(a: &Surface, b: &Surface, sampling: &Sampling) -> Distances {
+    let ([to_b, from_b], [mean, mean_back]) = {
+        let (to_b, back) = (one_way(a, &Bvh::new(b), sampling), one_way(b, &Bvh::new(a), sampling));
+        ([to_b.0, back.0], [to_b.1, back.1])
+    };
+    Distances { hausdorff: [to_b, from_b], rms: [mean, mean_back] }
+}
+
+/// Largest and root mean square distance from one surface to another.
+fn one_way(from: &Surface, to: &Bvh, sampling: &Sampling) -> (f64, f64) {
+    let squares = |points: &[DVec3]| points.par_iter().map(|&p| to.distance_squared(p)).collect::<Vec<f64>>();
+    let area = squares(&over_area(from, sampling.samples, sampling.seed));
+    let lattice = squares(&over_triangles(from, sampling.lattice));
+    let largest = area.iter().chain(&lattice).copied().fold(0.0, f64::max);
+    let mean = if area.is_empty() { 0.0 } else { area.iter().sum::<f64>() / area.len() as f64 };
+    (largest.sqrt(), mean.sqrt())
+}

@@ -1,0 +1,17 @@
+//! How far two surfaces are apart: in space, by points spread over both and their distance to the other, and in pictures
+//! taken from all sides. The instrument that simplifications are judged by; it knows none of them.
+
+mod bvh;
+mod distance;
+mod picture;
+mod shading;
+mod spread;
+mod surface;
+
+pub use bvh::Bvh;
+pub use distance::{Distances, Sampling, distances};
+pub use picture::{ImageError, Looks, Picture, Viewing, compare_pictures, pictures};
+pub use surface::Surface;
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,149 @@
+//! Pictures of surfaces, and how different they look: grey, with a light at the camera, from all sides.
+
+use crate::shading::smooth;
+use crate::surface::Surface;
+use glam::{DVec3, Vec2, Vec3};
+use lodc_raster::{Camera, Fragment, Point, SUBPIXELS, Window, scan, spread_cameras};
+use rayon::prelude::*;
+
+/// Light that comes from everywhere, and what the lamp at the camera adds at most. Shares of white.
+const AMBIENT: f32 = 0.15;
+const LAMP: f32 = 0.85;
+/// Squares of the checkerboard in a unit of texture coordinates, both ways, and how dark the dark ones are.
+const SQUARES: f32 = 16.0;
+const DARK: f32 = 0.5;
+
+/// What pictures show besides shape.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Looks {
+    /// Shade with the surface's own normals, not with those of its triangles.
+    pub own_normals: bool,
+    /// Paint a checkerboard by texture coordinates: it shows where a texture is stretched or has slipped.
+    pub checkerboard: bool,
+}
+
+/// From where pictures are taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Viewing {
+    /// How many cameras, spread evenly.
+    pub views: u32,
+    /// Pixels across and down.
+    pub size: u32,
+}
+
+impl Viewing {
+    /// 24 pictures of 512 × 512 pixels.
+    pub const DEFAULT: Self = Self { views: 24, size: 512 };
+
+    /// Cameras around the middle of a surface's bounding box, as far away as its farthest corner.
+    #[must_use]
+    pub fn cameras(&self, surface: &Surface) -> Vec<Camera> {
+        let (lo, hi) = surface.bounds();
+        let center = 0.5 * (lo + hi);
+        let corners = surface.triangles.iter().flatten().map(|&v| surface.positions[v as usize].as_dvec3());
+        let radius = corners.map(|p| p.distance(center)).fold(0.0, f64::max);
+        spread_cameras(self.views, center, radius, self.size)
+    }
+}
+
+/// One picture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    /// Pixels across and down.
+    pub size: u32,
+    /// 0 (black) to 255 (white), row by row from the top; negative where nothing is.
+    pub grey: Vec<f32>,
+    /// The point that each pixel shows, where there is one.
+    pub points: Vec<DVec3>,
+}
+
+/// How different two surfaces look.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ImageError {
+    /// Root mean square difference of grey (0 to 255) over all pixels that either covers; 0 if none.
+    pub rmse: f64,
+    /// The share of those pixels that only one covers.
+    pub silhouette: f64,
+}
+
+/// Takes a picture from every camera.
+#[must_use]
+pub fn pictures(surface: &Surface, cameras: &[Camera], looks: Looks) -> Vec<Picture> {
+    let own = looks.own_normals && !surface.normals.is_empty();
+    let normals = if own {
+        surface.triangles.iter().map(|t| t.map(|v| surface.normals[v as usize])).collect()
+    } else {
+        smooth(surface)
+    };
+    let board = looks.checkerboard && !surface.texture.is_empty();
+    cameras.par_iter().map(|camera| picture(surface, &normals, board, camera)).collect()
+}
+
+/// Compares pictures taken by the same cameras.
+#[must_use]
+pub fn compare_pictures(a: &[Picture], b: &[Picture]) -> ImageError {
+    let (mut pixels, mut differ, mut sum) = (0u64, 0u64, 0.0);
+    for (x, y) in a.iter().zip(b).flat_map(|(a, b)| a.grey.iter().zip(&b.grey)) {
+        if *x >= 0.0 || *y >= 0.0 {
+            pixels += 1;
+            differ += u64::from((*x >= 0.0) != (*y >= 0.0));
+            sum += f64::from(x.max(0.0) - y.max(0.0)).powi(2);
+        }
+    }
+    if pixels == 0 {
+        return ImageError { rmse: 0.0, silhouette: 0.0 };
+    }
+    ImageError { rmse: (sum / pixels as f64).sqrt(), silhouette: differ as f64 / pixels as f64 }
+}
+
+fn picture(surface: &Surface, normals: &[[Vec3; 3]], board: bool, camera: &Camera) -> Picture {
+    let size = camera.size;
+    let points: Vec<Point> = surface.positions.iter().map(|p| camera.project(p.as_dvec3())).collect();
+    let mut front = vec![Fragment::NOTHING; (size * size) as usize];
+    for (t, triangle) in (0..).zip(&surface.triangles) {
+        scan(triangle.map(|v| points[v as usize]), Window::whole(size), |column, row, depth| {
+            let nearest = &mut front[(row * size as i32 + column) as usize];
+            *nearest = Fragment::new(t, depth).min(*nearest);
+        });
+    }
+    let mut grey = vec![-1.0; front.len()];
+    let mut shown = vec![DVec3::ZERO; front.len()];
+    for (i, fragment) in front.into_iter().enumerate().filter(|(_, f)| *f != Fragment::NOTHING) {
+        let triangle = surface.triangles[fragment.item() as usize];
+        let corners = triangle.map(|v| points[v as usize]);
+        let (column, row) = (i as u32 % size, i as u32 / size);
+        let (shares, faces_camera) = shares(corners, column, row);
+        let mix = |values: [Vec3; 3]| values[0] * shares[0] + values[1] * shares[1] + values[2] * shares[2];
+        let normal = mix(normals[fragment.item() as usize]).normalize_or_zero();
+        // What is seen from behind is lit from behind.
+        let cosine = normal.dot(camera.toward.as_vec3()) * if faces_camera { 1.0 } else { -1.0 };
+        let mut light = AMBIENT + LAMP * cosine.max(0.0);
+        if board {
+            let [u, v] = [0, 1].map(|k| {
+                let at = |c: usize| surface.texture[triangle[c] as usize][k];
+                (at(0) * shares[0] + at(1) * shares[1] + at(2) * shares[2]) * SQUARES
+            });
+            light *= if is_dark(Vec2::new(u, v)) { DARK } else { 1.0 };
+        }
+        grey[i] = 255.0 * light.min(1.0);
+        shown[i] = mix(triangle.map(|v| surface.positions[v as usize])).as_dvec3();
+    }
+    Picture { size, grey, points: shown }
+}
+
+fn is_dark(at: Vec2) -> bool {
+    let parity = |x: f32| x.floor().rem_euclid(2.0) >= 1.0;
+    parity(at.x) != parity(at.y)
+}
+
+/// A pixel centre's shares of a triangle's corners, and whether the triangle is seen from outside.
+fn shares(corners: [Point; 3], column: u32, row: u32) -> ([f32; 3], bool) {
+    let center = |pixel: u32| f64::from(pixel) * f64::from(SUBPIXELS) + f64::from(SUBPIXELS / 2);
+    let (x, y) = (center(column), center(row));
+    let [a, b, c] = corners.map(|p| (f64::from(p.x), f64::from(p.y)));
+    let area = (b.0 - a.0) * (c.1 - a.1) - (b.1 - a.1) * (c.0 - a.0);
+    let of_b = ((x - a.0) * (c.1 - a.1) - (y - a.1) * (c.0 - a.0)) / area;
+    let of_c = ((b.0 - a.0) * (y - a.1) - (b.1 - a.1) * (x - a.0)) / area;
+    // Rows run downwards, so counter-clockwise in space is clockwise here.
+    ([(1.0 - of_b - of_c) as f32, of_b as f32, of_c as f32], area < 0.0)
+}

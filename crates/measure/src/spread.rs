@@ -1,0 +1,58 @@
+//! Points spread over a surface: the same for the same seed, whatever the threads.
+
+use crate::surface::Surface;
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// Most intervals into which a triangle's edge is cut by a lattice.
+const FINEST: usize = 7;
+
+/// `count` points, one in each of as many slices of equal area.
+pub(crate) fn over_area(surface: &Surface, count: usize, seed: u64) -> Vec<DVec3> {
+    let mut sum = 0.0;
+    let sums: Vec<f64> = (0..surface.triangles.len())
+        .map(|t| {
+            let [a, b, c] = surface.corners(t);
+            sum += (b - a).cross(c - a).length();
+            sum
+        })
+        .collect();
+    if sum <= 0.0 || !sum.is_finite() {
+        return Vec::new();
+    }
+    (0..count)
+        .into_par_iter()
+        .map(|i| {
+            let unit = |k: u64| unit(seed, 3 * i as u64 + k);
+            let slice = (i as f64 + unit(0)) / count as f64 * sum;
+            let triangle = sums.partition_point(|&s| s <= slice).min(sums.len() - 1);
+            let (r, t) = (unit(1).sqrt(), unit(2));
+            let [a, b, c] = surface.corners(triangle);
+            a * (1.0 - r) + b * (r * (1.0 - t)) + c * (r * t)
+        })
+        .collect()
+}
+
+/// A regular lattice on every triangle, corners and edges included, as fine as `most` points in all allow: it finds what
+/// area samples miss on slivers. With more triangles than that, the corners of some.
+pub(crate) fn over_triangles(surface: &Surface, most: usize) -> Vec<DVec3> {
+    let triangles = surface.triangles.len();
+    let points = |k: usize| (k + 1) * (k + 2) / 2;
+    let k = (1..=FINEST).rev().find(|&k| points(k) * triangles <= most).unwrap_or(1);
+    let stride = (points(k) * triangles).div_ceil(most.max(1)).max(1);
+    let lattice = |t: usize| {
+        let [a, b, c] = surface.corners(t);
+        (0..=k).flat_map(move |i| {
+            (0..=k - i).map(move |j| (a * i as f64 + b * j as f64 + c * (k - i - j) as f64) / k as f64)
+        })
+    };
+    (0..triangles).step_by(stride).flat_map(lattice).collect()
+}
+
+/// The `i`-th number of a sequence in [0, 1) (splitmix64 as a counter).
+fn unit(seed: u64, i: u64) -> f64 {
+    let mut x = seed.wrapping_add(i.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15));
+    x = (x ^ x >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    x = (x ^ x >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+    (x ^ x >> 31).wrapping_shr(11) as f64 / (1u64 << 53) as f64
+}

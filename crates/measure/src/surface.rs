@@ -1,0 +1,39 @@
+//! A triangle surface as it stands in space.
+
+use glam::{DVec3, Vec2, Vec3};
+
+/// Triangles in one space, with what is needed to look at them. Every index is in range, or measuring panics.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Surface {
+    /// Finite positions.
+    pub positions: Vec<Vec3>,
+    /// Corners, counter-clockwise from outside.
+    pub triangles: Vec<[u32; 3]>,
+    /// One normal per position to shade with; empty if there are none.
+    pub normals: Vec<Vec3>,
+    /// One pair of texture coordinates per position; empty if there are none.
+    pub texture: Vec<Vec2>,
+}
+
+impl Surface {
+    /// A triangle's corners.
+    #[must_use]
+    pub fn corners(&self, triangle: usize) -> [DVec3; 3] {
+        self.triangles[triangle].map(|v| self.positions[v as usize].as_dvec3())
+    }
+
+    /// Least and greatest coordinates of the corners of triangles; zeros if there are none.
+    #[must_use]
+    pub fn bounds(&self) -> (DVec3, DVec3) {
+        let mut corners = self.triangles.iter().flatten().map(|&v| self.positions[v as usize].as_dvec3());
+        let Some(first) = corners.next() else { return (DVec3::ZERO, DVec3::ZERO) };
+        corners.fold((first, first), |(lo, hi), p| (lo.min(p), hi.max(p)))
+    }
+
+    /// Length of the bounding box's diagonal.
+    #[must_use]
+    pub fn diagonal(&self) -> f64 {
+        let (lo, hi) = self.bounds();
+        (hi - lo).length()
+    }
+}

@@ -1,0 +1,130 @@
+use crate::{Bvh, Looks, Sampling, Surface, Viewing, compare_pictures, distances, pictures};
+use glam::{DVec3, Vec2, Vec3};
+
+/// A sphere of `rows` × `2 rows` squares.
+fn sphere(rows: u32, radius: f32, shift: Vec3) -> Surface {
+    let columns = 2 * rows;
+    let mut s = Surface::default();
+    for i in 0..=rows {
+        for j in 0..=columns {
+            let (polar, around) =
+                (std::f32::consts::PI * i as f32 / rows as f32, std::f32::consts::TAU * j as f32 / columns as f32);
+            let n = Vec3::new(polar.sin() * around.cos(), polar.cos(), -polar.sin() * around.sin());
+            s.positions.push(n * radius + shift);
+            s.normals.push(n);
+            s.texture.push(Vec2::new(j as f32 / columns as f32, i as f32 / rows as f32));
+        }
+    }
+    let at = |i, j| i * (columns + 1) + j;
+    for i in 0..rows {
+        for j in 0..columns {
+            s.triangles.push([at(i, j), at(i + 1, j), at(i + 1, j + 1)]);
+            s.triangles.push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
+        }
+    }
+    s
+}
+
+fn square(z: f32) -> Surface {
+    let positions = [[0., 0.], [1., 0.], [1., 1.], [0., 1.]].map(|[x, y]| Vec3::new(x, y, z)).to_vec();
+    Surface { positions, triangles: vec![[0, 1, 2], [0, 2, 3]], ..Surface::default() }
+}
+
+#[test]
+fn a_surface_is_nowhere_from_itself() {
+    let s = sphere(12, 1.0, Vec3::ZERO);
+    let d = distances(&s, &s, &Sampling::DEFAULT);
+    assert!(d.hausdorff.iter().chain(&d.rms).all(|&x| x < 1e-6), "{d:?}");
+    let cameras = Viewing { views: 5, size: 64 }.cameras(&s);
+    let p = pictures(&s, &cameras, Looks::default());
+    let error = compare_pictures(&p, &p);
+    assert_eq!((error.rmse, error.silhouette), (0.0, 0.0));
+    assert!(p.iter().all(|p| p.grey.iter().any(|&g| g > 200.0)));
+}
+
+#[test]
+fn parallel_squares_are_as_far_apart_as_they_are() {
+    let d = distances(&square(0.0), &square(0.25), &Sampling::DEFAULT);
+    assert!(d.hausdorff.iter().chain(&d.rms).all(|&x| (x - 0.25).abs() < 1e-12), "{d:?}");
+}
+
+#[test]
+fn a_part_is_near_the_whole_but_not_the_whole_near_the_part() {
+    let whole = square(0.0);
+    let part = Surface { triangles: vec![[0, 1, 2]], ..whole.clone() };
+    let d = distances(&whole, &part, &Sampling::DEFAULT);
+    // The corner that is missing is half a diagonal away; squared distances over the missing half have a mean of 1/12.
+    assert!((d.hausdorff[0] - 0.5_f64.sqrt()).abs() < 1e-6, "{d:?}");
+    assert!((d.rms[0] - (1.0_f64 / 24.0).sqrt()).abs() < 1e-3, "{d:?}");
+    assert_eq!((d.hausdorff[1], d.rms[1]), (0.0, 0.0));
+}
+
+#[test]
+fn nothing_is_infinitely_far_from_something() {
+    let d = distances(&square(0.0), &Surface::default(), &Sampling::DEFAULT);
+    assert!(d.hausdorff[0].is_infinite() && d.hausdorff[1] == 0.0);
+}
+
+#[test]
+fn the_tree_finds_what_trying_every_triangle_finds() {
+    let s = sphere(9, 1.0, Vec3::new(0.3, 0.0, 0.0));
+    let tree = Bvh::new(&s);
+    let mut x = 12345u64;
+    for _ in 0..500 {
+        let mut next = || {
+            x = x.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (x >> 40) as f64 / f64::from(1 << 23) - 1.0
+        };
+        let p = DVec3::new(next(), next(), next()) * 2.0;
+        let all = (0..s.triangles.len()).map(|t| {
+            let one = Surface { triangles: vec![s.triangles[t]], ..s.clone() };
+            Bvh::new(&one).distance_squared(p)
+        });
+        assert_eq!(tree.distance_squared(p), all.fold(f64::INFINITY, f64::min));
+    }
+}
+
+#[test]
+fn the_result_does_not_depend_on_threads() {
+    let (a, b) = (sphere(8, 1.0, Vec3::ZERO), sphere(5, 1.0, Vec3::ZERO));
+    let with = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        pool.install(|| distances(&a, &b, &Sampling { samples: 5000, lattice: 5000, seed: 3 }))
+    };
+    assert_eq!(with(1), with(4));
+}
+
+#[test]
+fn coarser_spheres_look_and_are_worse_in_step() {
+    let fine = sphere(48, 1.0, Vec3::ZERO);
+    let cameras = Viewing { views: 6, size: 96 }.cameras(&fine);
+    let shown = pictures(&fine, &cameras, Looks::default());
+    let mut last = (0.0, 0.0);
+    for rows in [24, 12, 6] {
+        let coarse = sphere(rows, 1.0, Vec3::ZERO);
+        let error = compare_pictures(&shown, &pictures(&coarse, &cameras, Looks::default()));
+        let rms = distances(&fine, &coarse, &Sampling::DEFAULT).rms[0];
+        assert!(error.rmse > last.0 && rms > last.1, "{rows}: {error:?} {rms}");
+        last = (error.rmse, rms);
+    }
+}
+
+#[test]
+fn a_texture_that_slips_is_seen_on_the_checkerboard_only() {
+    let a = sphere(16, 1.0, Vec3::ZERO);
+    let slipped = Surface { texture: a.texture.iter().map(|t| *t + Vec2::new(0.02, 0.0)).collect(), ..a.clone() };
+    let cameras = Viewing { views: 4, size: 64 }.cameras(&a);
+    let error = |looks| compare_pictures(&pictures(&a, &cameras, looks), &pictures(&slipped, &cameras, looks)).rmse;
+    assert_eq!(error(Looks::default()), 0.0);
+    assert!(error(Looks { checkerboard: true, own_normals: false }) > 5.0);
+}
+
+#[test]
+fn what_is_turned_inside_out_looks_the_same_without_normals_of_its_own() {
+    let a = sphere(16, 1.0, Vec3::ZERO);
+    let inside = Surface { triangles: a.triangles.iter().map(|&[a, b, c]| [a, c, b]).collect(), ..a.clone() };
+    let cameras = Viewing { views: 3, size: 64 }.cameras(&a);
+    let looks = Looks::default();
+    let error = compare_pictures(&pictures(&a, &cameras, looks), &pictures(&inside, &cameras, looks));
+    assert!(error.rmse < 1e-3, "{error:?}");
+}

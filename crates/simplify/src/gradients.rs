@@ -1,0 +1,50 @@
+//! What a collapse does to attributes: every wedge's gradients, and what moving along a spoke would cost them.
+
+use crate::attributes::Gradient;
+use crate::engine::Engine;
+use crate::metric::Metric;
+use crate::neighborhood::{Neighborhood, Spoke};
+
+impl<M: Metric> Engine<'_, M> {
+    /// Fits the attributes around every wedge of a group.
+    pub(crate) fn fit_gradients(&self, from: u32, gradients: &mut Vec<(u32, Gradient)>) {
+        let mut used = 0;
+        for &corner in self.mesh.star(from) {
+            let face = corner.face();
+            let wedges = self.mesh.wedges(face);
+            let wedge = wedges[corner.at()];
+            let i = gradients[..used].iter().rposition(|g| g.0 == wedge).unwrap_or_else(|| {
+                if used == gradients.len() {
+                    gradients.push((wedge, Gradient::new(self.attributes.width)));
+                }
+                gradients[used].0 = wedge;
+                gradients[used].1.clear();
+                used += 1;
+                used - 1
+            });
+            let rows = wedges.map(|w| self.attributes.row(self.wedges.attributes_of[w as usize]));
+            gradients[i].1.add_face(&self.mesh, face, corner.at(), rows);
+        }
+        gradients.truncate(used);
+    }
+
+    /// How far off the attributes around a group would be if it moved along a spoke. Working units to the fourth power.
+    pub(crate) fn attribute_cost(
+        &self,
+        from: u32,
+        spoke: &Spoke,
+        around: &Neighborhood,
+        gradients: &[(u32, Gradient)],
+    ) -> f64 {
+        let delta = self.mesh.position(spoke.group) - self.mesh.position(from);
+        let mut cost = 0.0;
+        for (wedge, gradient) in gradients {
+            let target = around.target(&self.wedges, spoke, *wedge).unwrap_or(*wedge);
+            let [here, there] = [*wedge, target].map(|w| self.wedges.attributes_of[w as usize]);
+            cost += gradient.at(delta, self.attributes.row(here), self.attributes.row(there));
+            let [here, there] = [*wedge, target].map(|w| self.wedges.place_of[w as usize]);
+            cost += gradient.weight() * self.attributes.joint_distance_squared(here, there);
+        }
+        cost
+    }
+}

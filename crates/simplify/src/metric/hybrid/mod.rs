@@ -1,0 +1,137 @@
+//! The hybrid metric: a collapse costs what it adds to the error of the shaded surface, as far as anyone sees it.
+//!
+//! The input's surface is sampled. A sample remembers its place, the normal it was shaded with, and how much of it is
+//! seen (by the cameras of viewpoint metrics). Its error is the squared distance between that normal and the one that
+//! the nearest of today's faces is shaded with there (corner normals, averaged across edges below 60°), plus a share
+//! of its distance from that face: nearly the squared difference of pixels in pictures with a light at the camera. Hidden
+//! samples count for nothing, so what is hidden goes first, in the order of the quadric.
+//!
+//! Related: image-driven simplification (Lindstrom and Turk 2000) and point samples that follow the surface (Hoppe
+//! 1996); here no picture is drawn while collapsing, and a collapse is looked at in microseconds.
+
+mod patch;
+mod samples;
+mod sight;
+#[cfg(test)]
+mod tests;
+
+pub(crate) use patch::Patch;
+
+use super::{Metric, QuadricMetric};
+use crate::fan::{Facet, Lanes};
+use crate::neighborhood::FeaturePlane;
+use crate::wedges::Wedges;
+use crate::working::Working;
+use samples::Samples;
+
+/// A place this far off, as a share of the mesh's size, counts like a normal that is off by one (60°). Measured
+/// (docs/BENCHMARKS.md): 0.05 is worse at every level.
+const DISTANCE: f64 = 0.03;
+/// An attribute that is this far off, in the scale of attributes, counts like a normal that is off by one.
+const ATTRIBUTE: f64 = 0.005;
+/// No more candidates of a group than this are looked at, the geometrically cheapest ones.
+const MOST: usize = 4;
+/// Faces times candidates that are looked at, at most.
+const PATIENCE: usize = 64;
+/// What geometry and attributes count for where nothing is seen, as a share of what they count for elsewhere.
+const HIDDEN: f64 = 1e-6;
+/// Costs below zero, for collapses that improve the shading, come before this, the others after.
+const ZERO: f64 = 1e-16;
+
+pub(crate) struct HybridMetric {
+    quadric: QuadricMetric,
+    samples: Samples,
+    /// The error of each face's samples.
+    energy: Vec<f64>,
+    /// What a squared distance counts for beside a squared difference of normals.
+    distance: f32,
+    /// What the quadric counts for: it decides where nothing is seen, and in planes.
+    tie: f64,
+    /// What attributes count for beside the quadric.
+    attributes: f64,
+    /// While every rule holds.
+    awake: bool,
+    /// For commits.
+    patch: Patch,
+}
+
+impl HybridMetric {
+    /// `size` is the mesh's diagonal.
+    pub(crate) fn new(mesh: &Working, wedges: &Wedges, size: f64) -> Self {
+        let mut samples = Samples::new(mesh);
+        sight::weigh(mesh, samples.all_mut());
+        let per = |length: f64| if size > 0.0 { (length * size).powi(-2) } else { 0.0 };
+        Self {
+            quadric: QuadricMetric::new(mesh, wedges),
+            samples,
+            energy: vec![0.0; mesh.faces.len()],
+            distance: per(DISTANCE) as f32,
+            tie: per(1.0),
+            attributes: (1.0 / ATTRIBUTE).powi(2),
+            awake: false,
+            patch: Patch::default(),
+        }
+    }
+}
+
+impl Metric for HybridMetric {
+    const LOOKS: bool = true;
+    type Local = <QuadricMetric as Metric>::Local;
+    type Eye = Patch;
+
+    fn local(&self, from: u32, facets: &[Facet], features: &[FeaturePlane]) -> Self::Local {
+        self.quadric.local(from, facets, features)
+    }
+
+    fn costs(&self, local: &Self::Local, lanes: &Lanes, costs: &mut [f64]) {
+        self.quadric.costs(local, lanes, costs);
+    }
+
+    fn attribute_weight(&self) -> f64 {
+        if self.awake { self.attributes } else { 1.0 }
+    }
+
+    fn collapsed(&mut self, mesh: &mut Working, from: u32, to: u32) {
+        if self.awake {
+            let star = mesh.star(from);
+            self.patch.gather(mesh, from, &self.samples, &self.energy);
+            self.patch.move_to(mesh, star, from, to);
+            for corner in star {
+                self.samples.clear(corner.face());
+            }
+            self.patch.settle(&mut self.samples, self.distance, &mut self.energy);
+        }
+        self.quadric.collapsed(mesh, from, to);
+    }
+
+    fn error(&self, group: u32) -> f64 {
+        self.quadric.error(group)
+    }
+
+    fn is_awake(&self) -> bool {
+        self.awake
+    }
+
+    fn change(&mut self, _mesh: &Working, legal: bool) {
+        self.awake = legal;
+    }
+
+    fn look(&self, mesh: &Working, from: u32, candidates: &mut [(f64, u32)], patch: &mut Patch) {
+        let star = mesh.star(from);
+        patch.gather(mesh, from, &self.samples, &self.energy);
+        candidates.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let looked_at = (PATIENCE / star.len().max(1)).clamp(1, MOST).min(candidates.len());
+        let (near, far) = candidates.split_at_mut(looked_at);
+        let tie = self.tie * (patch.seen + HIDDEN);
+        let mut worst = 0.0;
+        for (cost, to) in near {
+            patch.move_to(mesh, star, from, *to);
+            let added = patch.energy(&self.samples, self.distance) - patch.present + tie * *cost;
+            *cost = if added >= 0.0 { ZERO + added } else { ZERO * ZERO / (ZERO - added) };
+            worst = cost.max(worst);
+        }
+        for (cost, _) in far {
+            *cost = worst + tie * *cost;
+        }
+    }
+}

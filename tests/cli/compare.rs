@@ -1,0 +1,60 @@
+//! `lodc compare`: numbers for scripts, limits for pipelines, pictures for people.
+
+use crate::support::{Folder, grid};
+
+/// The grid, lifted.
+fn lifted(n: usize, by: &str) -> String {
+    let lift = |line: &str| match line.strip_prefix("v ") {
+        Some(rest) => {
+            let mut numbers: Vec<&str> = rest.split(' ').collect();
+            numbers[2] = by;
+            format!("v {}\n", numbers.join(" "))
+        }
+        None => format!("{line}\n"),
+    };
+    grid(n).lines().map(lift).collect()
+}
+
+#[test]
+fn numbers_and_exit_statuses_are_those_of_the_distance() {
+    let f = Folder::new();
+    f.file("a.obj", lifted(4, "0"));
+    f.file("b.obj", lifted(4, "0.125"));
+    let json = f.lodc(["compare", "a.obj", "b.obj", "--json", "--views", "6", "--size", "64"]).ends(0).json();
+    for (kind, key) in [("rms", "a_to_b"), ("rms", "b_to_a"), ("hausdorff", "max"), ("hausdorff", "mean")] {
+        let found = json[kind][key].as_f64().expect("a number");
+        assert!((found - 0.125).abs() < 1e-9, "{kind} {key}: {found}");
+    }
+    assert_eq!(json["image"]["views"], 6);
+    assert!(json["image"]["silhouette"].as_f64().is_some_and(|s| s > 0.0 && s < 1.0));
+    for (limit, status) in [("0.13", 0), ("0.12", 1)] {
+        f.lodc(["compare", "a.obj", "b.obj", "--views", "0", "--max-rms", limit]).ends(status);
+        f.lodc(["compare", "a.obj", "b.obj", "--views", "0", "--max-hausdorff", limit]).ends(status);
+    }
+    f.lodc(["compare", "a.obj", "a.obj", "--max-image-rmse", "0", "--max-rms", "0%", "--size", "64"]).ends(0);
+    f.lodc(["compare", "a.obj", "b.obj", "--max-image-rmse", "0.001", "--size", "64"]).ends(1);
+}
+
+#[test]
+fn what_was_built_and_taken_out_again_is_the_same_and_coarser_is_worse() {
+    let f = Folder::new();
+    f.file("a.obj", grid(12));
+    f.lodc(["build", "a.obj", "-o", "a.lodc", "--models", "interactive", "--metric", "hybrid"]).ends(0);
+    f.lodc(["extract", "a.lodc", "--lod", "0", "-o", "same.glb"]).ends(0);
+    f.lodc(["compare", "a.obj", "same.glb", "--max-hausdorff", "1e-6%", "--views", "2", "--size", "64"]).ends(0);
+}
+
+#[test]
+fn the_heatmap_is_a_png_and_the_rest_is_refused_in_one_line() {
+    let f = Folder::new();
+    f.file("a.obj", grid(3));
+    f.file("points.obj", "v 0 0 0\n");
+    f.lodc(["compare", "a.obj", "a.obj", "--heatmap", "h.png", "--views", "0"]).ends(0);
+    assert!(f.read("h.png").starts_with(b"\x89PNG\r\n\x1a\n"));
+    f.lodc(["compare", "a.obj", "points.obj"]).fails(3);
+    f.lodc(["compare", "a.obj", "b.obj"]).fails(3);
+    for wrong in [["--max-rms", "-1"], ["--max-rms", "nan"], ["--heatmap", "a.obj"], ["--size", "4"]] {
+        f.lodc(["compare", "a.obj", "a.obj"].into_iter().chain(wrong)).fails(2);
+    }
+    f.lodc(["compare", "-", "-"]).fails(2);
+}
