@@ -10,7 +10,7 @@ mod text;
 pub(crate) use primitives::strips as strips_of;
 pub(crate) use subject::{baselines, plain};
 
-use super::build::{EffortName, MOST_THREADS, StripsName, simplify_all};
+use super::build::{EffortName, MOST_THREADS, MetricName, StripsName, not_yet, simplify_all};
 use super::read::read_lodc;
 use crate::console::{self, error, warning};
 use crate::exit::{Failure, Outcome, Status};
@@ -45,6 +45,9 @@ pub(crate) struct BenchArgs {
     /// Models to measure, separated by commas; those that a .lodc file has not are made [default: every one]
     #[arg(long, value_delimiter = ',', value_name = "MODELS")]
     models: Vec<ModelName>,
+    /// What drives the collapses of meshes (a .lodc file has its own)
+    #[arg(long, value_enum, default_value = "quadric")]
+    metric: MetricName,
     /// Strip generator of both strip models [default: stripe for speed, cache for masking]
     #[arg(long, value_enum)]
     strips: Option<StripsName>,
@@ -81,10 +84,7 @@ pub(crate) fn run(args: &BenchArgs) -> Outcome<Status> {
     if args.inputs.iter().filter(|input| output::is_stream(input)).count() > 1 {
         return Err(Failure::usage("standard input can be read once only"));
     }
-    if let Some(model) = args.models.iter().find(|model| !model.kind().available()) {
-        let version = env!("CARGO_PKG_VERSION");
-        return Err(Failure::usage(format!("--models {}: not yet in this version ({version})", model.kind().name())));
-    }
+    not_yet(&args.models, args.metric)?;
     let threads = args.jobs.map_or(0, |n| n.get().min(MOST_THREADS));
     let pool = ThreadPoolBuilder::new().num_threads(threads).build();
     let pool = pool.map_err(|e| Failure::new(Status::Limit, format!("no threads to work with: {e}")))?;
@@ -145,7 +145,11 @@ fn prepare(
     let effort = args.effort.into();
     let wanted = args.strips.map(StripsName::kind);
     let mut pool = StripPool::new(&simplified, StripOptions { kind: None, effort });
-    let [stripe, cache] = [StripKind::Stripe, StripKind::Cache].map(|kind| pool.get(kind));
+    let mut strips = |kind: StripKind| {
+        let stored = models.iter().filter_map(AnyModel::strips).find(|s| s.kind == kind);
+        stored.map_or_else(|| pool.get(kind), |s| Arc::new(s.clone()))
+    };
+    let [stripe, cache] = [strips(StripKind::Stripe), strips(StripKind::Cache)];
     let has = |models: &[AnyModel], kind: ModelKind| models.iter().any(|m| m.kind() == kind);
     let kinds = levels::chosen(&args.models);
     if !args.models.is_empty() {
@@ -175,7 +179,8 @@ fn objects(args: &BenchArgs, input: &Path) -> Outcome<Vec<Prepared>> {
     limits.check_memory(triangles).map_err(|f| Failure::new(f.status, format!("{name}: {f}")))?;
     let progress = Progress::new(&name);
     progress.stage("simplify");
-    let simplified = simplify_all(scene.objects, &Options::DEFAULT, triangles, &progress);
+    let options = Options { metric: args.metric.kind().unwrap_or_default(), ..Options::DEFAULT };
+    let simplified = simplify_all(scene.objects, &options, triangles, &progress);
     progress.stage("models");
     simplified.into_iter().map(|(info, simplified)| prepare(args, info, simplified, Vec::new())).collect()
 }

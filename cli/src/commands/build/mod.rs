@@ -72,7 +72,7 @@ pub(crate) struct BuildArgs {
 
 /// What may drive the collapses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum MetricName {
+pub(crate) enum MetricName {
     Quadric,
     Viewpoint,
     Kl,
@@ -80,7 +80,7 @@ enum MetricName {
 }
 
 impl MetricName {
-    fn kind(self) -> Option<MetricKind> {
+    pub(crate) fn kind(self) -> Option<MetricKind> {
         match self {
             Self::Quadric => Some(MetricKind::Quadric),
             Self::Viewpoint => Some(MetricKind::Viewpoint),
@@ -131,7 +131,7 @@ enum ReportFormat {
 }
 
 pub(crate) fn run(args: &BuildArgs) -> Outcome<Status> {
-    not_yet(args)?;
+    not_yet(&args.models, args.metric)?;
     let targets = output::targets(&args.inputs, args.output.as_deref(), "lodc")?;
     check_streams(args, &targets)?;
     let folder = args.inputs.len() > 1 || args.output.as_deref().is_some_and(output::is_folder);
@@ -210,15 +210,15 @@ fn build_one(args: &BuildArgs, input: &Path, target: &Target) -> (InputReport, O
 }
 
 /// What the options promise for later versions.
-fn not_yet(args: &BuildArgs) -> Outcome<()> {
+pub(crate) fn not_yet(models: &[ModelName], metric: MetricName) -> Outcome<()> {
     let refused = |option: &str, name: &str| {
         Err(Failure::usage(format!("{option} {name}: not yet in this version ({})", env!("CARGO_PKG_VERSION"))))
     };
-    if let Some(model) = args.models.iter().find(|model| !model.kind().available()) {
+    if let Some(model) = models.iter().find(|model| !model.kind().available()) {
         return refused("--models", model.kind().name());
     }
-    if args.metric.kind().is_none() {
-        return refused("--metric", args.metric.to_possible_value().as_ref().map_or("", |v| v.get_name()));
+    if metric.kind().is_none() {
+        return refused("--metric", metric.to_possible_value().as_ref().map_or("", |v| v.get_name()));
     }
     Ok(())
 }
