@@ -80,7 +80,7 @@ fn without_times_the_document_is_the_same_with_any_number_of_threads() {
 fn a_lodc_file_and_its_source_measure_the_same() {
     let f = Folder::new();
     f.file("g.obj", grid(10));
-    f.lodc(["build", "g.obj", "-q"]).ends(0);
+    f.lodc(["build", "g.obj", "-q", "--effort", "fast"]).ends(0);
     let [source, file] =
         ["g.obj", "g.lodc"].map(|name| measured(&f, &["--no-times", name])["files"][0]["objects"].clone());
     assert_eq!(source, file);

@@ -11,7 +11,7 @@ mod text;
 pub(crate) use primitives::strips as strips_of;
 pub(crate) use subject::{baselines, plain};
 
-use super::build::{EffortName, MOST_THREADS, StripsName, simplify_all};
+use super::build::{EffortName, MOST_THREADS, MetricName, StripsName, simplify_all};
 use super::read::read_lodc;
 use crate::console::{self, error, warning};
 use crate::exit::{Failure, Outcome, Status};
@@ -47,6 +47,9 @@ pub(crate) struct BenchArgs {
     /// Models to measure, separated by commas; those that a .lodc file has not are made [default: every one]
     #[arg(long, value_delimiter = ',', value_name = "MODELS")]
     models: Vec<ModelName>,
+    /// What drives the collapses of meshes (a .lodc file has its own)
+    #[arg(long, value_enum, default_value = "quadric")]
+    metric: MetricName,
     /// Strip generator of both strip models [default: stripe for speed, cache for masking]
     #[arg(long, value_enum)]
     strips: Option<StripsName>,
@@ -88,10 +91,6 @@ fn share(text: &str) -> Result<f64, String> {
 pub(crate) fn run(args: &BenchArgs) -> Outcome<Status> {
     if args.inputs.iter().filter(|input| output::is_stream(input)).count() > 1 {
         return Err(Failure::usage("standard input can be read once only"));
-    }
-    if let Some(model) = args.models.iter().find(|model| !model.kind().available()) {
-        let version = env!("CARGO_PKG_VERSION");
-        return Err(Failure::usage(format!("--models {}: not yet in this version ({version})", model.kind().name())));
     }
     let device = gpu::open(args.gpu, args.adapter.as_deref())?;
     let threads = args.jobs.map_or(0, |n| n.get().min(MOST_THREADS));
@@ -154,7 +153,11 @@ fn prepare(
     let effort = args.effort.into();
     let wanted = args.strips.map(StripsName::kind);
     let mut pool = StripPool::new(&simplified, StripOptions { kind: None, effort });
-    let [stripe, cache] = [StripKind::Stripe, StripKind::Cache].map(|kind| pool.get(kind));
+    let mut strips = |kind: StripKind| {
+        let stored = models.iter().filter_map(AnyModel::strips).find(|s| s.kind == kind);
+        stored.map_or_else(|| pool.get(kind), |s| Arc::new(s.clone()))
+    };
+    let [stripe, cache] = [strips(StripKind::Stripe), strips(StripKind::Cache)];
     let has = |models: &[AnyModel], kind: ModelKind| models.iter().any(|m| m.kind() == kind);
     let kinds = levels::chosen(&args.models);
     if !args.models.is_empty() {
@@ -184,7 +187,8 @@ fn objects(args: &BenchArgs, input: &Path) -> Outcome<Vec<Prepared>> {
     limits.check_memory(triangles).map_err(|f| Failure::new(f.status, format!("{name}: {f}")))?;
     let progress = Progress::new(&name);
     progress.stage("simplify");
-    let simplified = simplify_all(scene.objects, &Options::DEFAULT, triangles, &progress);
+    let options = Options { metric: args.metric.kind(), ..Options::DEFAULT };
+    let simplified = simplify_all(scene.objects, &options, triangles, &progress);
     progress.stage("models");
     simplified.into_iter().map(|(info, simplified)| prepare(args, info, simplified, Vec::new())).collect()
 }

@@ -72,7 +72,7 @@ pub(crate) struct BuildArgs {
 
 /// What may drive the collapses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum MetricName {
+pub(crate) enum MetricName {
     /// Distance to the surface: the quickest, and the closest in space
     Quadric,
     /// What 20 pictures tell of the mesh (viewpoint entropy): hidden parts go first
@@ -84,7 +84,7 @@ enum MetricName {
 }
 
 impl MetricName {
-    fn kind(self) -> MetricKind {
+    pub(crate) fn kind(self) -> MetricKind {
         match self {
             Self::Quadric => MetricKind::Quadric,
             Self::Viewpoint => MetricKind::Viewpoint,
@@ -135,7 +135,6 @@ enum ReportFormat {
 }
 
 pub(crate) fn run(args: &BuildArgs) -> Outcome<Status> {
-    not_yet(args)?;
     let targets = output::targets(&args.inputs, args.output.as_deref(), "lodc")?;
     check_streams(args, &targets)?;
     let folder = args.inputs.len() > 1 || args.output.as_deref().is_some_and(output::is_folder);
@@ -211,17 +210,6 @@ fn build_one(args: &BuildArgs, input: &Path, target: &Target) -> (InputReport, O
     report.status = status.code();
     report.stages = stages.into_reports();
     (report, rule, status)
-}
-
-/// What the options promise for later versions.
-fn not_yet(args: &BuildArgs) -> Outcome<()> {
-    let refused = |option: &str, name: &str| {
-        Err(Failure::usage(format!("{option} {name}: not yet in this version ({})", env!("CARGO_PKG_VERSION"))))
-    };
-    if let Some(model) = args.models.iter().find(|model| !model.kind().available()) {
-        return refused("--models", model.kind().name());
-    }
-    Ok(())
 }
 
 /// One stream holds one thing.
