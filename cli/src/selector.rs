@@ -33,11 +33,13 @@ struct TargetArgs {
 
 /// The same, and none of them has to be there.
 #[derive(Clone, Debug)]
+#[cfg_attr(not(feature = "gpu"), expect(dead_code, reason = "what it is for needs a device"))]
 pub(crate) struct OptionalSelector {
     target: TargetArgs,
     per_object: bool,
 }
 
+#[cfg(feature = "gpu")]
 impl OptionalSelector {
     pub(crate) fn per_object(&self) -> bool {
         self.per_object

@@ -95,8 +95,8 @@ fn every_option_makes_a_picture_of_something() {
         &["--lod", "30", "--back-faces", "mark"],
     ] {
         for input in ["g.obj", "g.lodc"] {
-            let args = ["render", input, "-o", "o.png", "--size", "100x80"].iter().chain(options);
-            let Some(_) = render(&f, args) else { return };
+            let common = ["render", input, "-o", "o.png", "--size", "100x80"];
+            let Some(_) = render(&f, common.iter().chain(options)) else { return };
             let p = picture(&f, "o.png");
             let background = at(&p, 0, 0);
             let drawn = p.bytes.as_chunks::<4>().0.iter().filter(|p| **p != background).count();

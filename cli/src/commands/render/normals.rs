@@ -95,7 +95,10 @@ mod tests {
     use super::super::cells::whole;
     use super::*;
 
-    fn of(name: &str) -> (Vec<OrientedTriangle>, Vec<[f64; 3]>, Vec<[[f64; 3]; 3]>) {
+    /// Triangles, positions and rounded normals of a shape.
+    type Shape = (Vec<OrientedTriangle>, Vec<[f64; 3]>, Vec<[[f64; 3]; 3]>);
+
+    fn of(name: &str) -> Shape {
         let mesh = lodc_fixtures::named(name).expect("a shape");
         let positions: Vec<[f64; 3]> = mesh.positions().iter().map(|p| p.map(f64::from)).collect();
         let triangles = whole(&mesh);

@@ -14,6 +14,7 @@ pub(super) enum View {
     ThreeQuarter,
 }
 
+#[cfg(feature = "gpu")]
 impl View {
     /// Azimuth and elevation in degrees. Left and right are those of the picture of the front.
     pub(super) fn angles(self) -> (f64, f64) {

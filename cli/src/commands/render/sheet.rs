@@ -93,7 +93,7 @@ impl Sheet {
     /// What the colours of a heat map mean: a bar, and the distances at its ends.
     fn legend(&mut self, heat: &Heat, top: usize, scale: usize, ink: [u8; 4]) {
         let across = self.0.width as usize;
-        let length = (across / scale * 3 / 5).min(400).max(1);
+        let length = (across / scale * 3 / 5).clamp(1, 400);
         let left = (across - length * scale) / 2;
         for i in 0..length {
             let [r, g, b] = super::colours::heat(i as f64 / length.max(2) as f64).map(encoded);

@@ -1,5 +1,7 @@
 //! What tests on a device share.
 
+#![allow(dead_code, reason = "every test program uses a part of this")]
+
 use lodc_gpu::{Device, GpuError};
 use lodc_lod::{AnyModel, ModelKind, StripOptions, StripPool};
 use lodc_mesh::Simplified;

@@ -64,6 +64,13 @@ impl LodStrips {
         })
     }
 
+    /// Bytes that the structure really holds, positions only: three words for each entry.
+    #[must_use]
+    pub fn tight_bytes(&self) -> u64 {
+        let words = 3 * self.simplified.mesh().vertex_count() + self.first.len() + 3 * self.entries.len();
+        4 * (words as u64 + u64::from(self.simplified.collapses().records()) + self.strips.separate_indices())
+    }
+
     /// What one strip draws at the LOD where a cursor is.
     fn drawn<'a>(&'a self, cursor: &'a Cursor, strip: usize) -> impl Iterator<Item = OrientedTriangle> + 'a {
         let live = self.deaths[strip] > cursor.lod;
@@ -166,13 +173,19 @@ impl Model for LodStrips {
         let live = (0..self.strips.len()).filter(|&strip| self.deaths[strip] > cursor.lod);
         live.map(|strip| cursor.strips[strip].len() as u64).sum()
     }
-    /// `3v + I` words for vertices and strip indices; for each record its target and where its list starts, for each entry
-    /// strip, place and repetitions.
+    /// `3v + I` words for vertices and strip indices; for each record its target and where its list starts; for each strip of
+    /// a record a word and a byte (its number and how much follows), for each change a word, for each repetition two.
     fn storage_to(&self, lod: Lod) -> StorageCost {
         let plain = StorageCost::of_triangles(&self.simplified);
         let geometry = 12 * (plain.vertices + plain.fakes);
         let records = self.simplified.collapses().floor(lod).0;
-        let structures = 8 * u64::from(records) + 12 * u64::from(self.first[records as usize]);
+        let of_record = |record| {
+            let entries = self.entries(record);
+            let strips = entries.chunk_by(|a, b| a.strip == b.strip).count() as u64;
+            let words: u64 = entries.iter().map(|e| if e.repetitions == 0 { 1 } else { 2 }).sum();
+            5 * strips + 4 * words
+        };
+        let structures = 8 * u64::from(records) + (0..records).map(of_record).sum::<u64>();
         let primitives = 4 * self.strips.separate_indices();
         StorageCost { positions: geometry, normals: geometry, primitives, structures, ..plain }
     }

@@ -66,7 +66,8 @@ impl Baseline {
     pub fn tight_bytes(&self) -> Option<u64> {
         match self {
             Self::ProgressiveMesh(model) => Some(model.tight_bytes()),
-            Self::LodStrips(_) | Self::Discrete(_) => None,
+            Self::LodStrips(model) => Some(model.tight_bytes()),
+            Self::Discrete(_) => None,
         }
     }
 }

@@ -149,7 +149,7 @@ impl Cursor {
                 let (input, shown) = (&model.strips.indices()[range], &self.shown);
                 copy(filter, drawn, |at| if input[at] < to { shown[input[at] as usize] } else { input[at] });
             } else {
-                let full = &mut self.full[range.clone()];
+                let full = &mut self.full[range];
                 move_full(model, full, strip, (!stale).then_some(next as usize), new);
                 copy(filter, drawn, |at| full[at]);
             }

@@ -1,36 +1,34 @@
-//! All changes of all strips as they are kept at run time: in order of records, each strip's chained to its next.
+//! All changes of all strips as they are kept at run time: in order of records, ready to be streamed.
+//!
+//! Strips stand one behind the other in one buffer and keep their room when they get shorter, so an index change needs no
+//! strip: it names the place in the buffer.
 
 use super::history::{History, Removal};
+use lodc_strip::StripSet;
 use std::ops::Range;
 
-/// No entry.
-pub(super) const NONE: u32 = u32::MAX;
-
-/// One record's changes of one strip.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Entry {
-    pub(super) strip: u32,
-    pub(super) record: u32,
-    /// Where its changes start; they end where the next entry's start.
-    first_change: u32,
-    first_removal: u32,
-    /// The strip's entry before this one, or [`NONE`].
-    pub(super) previous: u32,
-    /// The strip's entry after this one, or [`NONE`].
-    pub(super) next: u32,
+/// Where a record's changes start in each of the lists; they end where the next record's start.
+#[derive(Clone, Copy, Debug, Default)]
+struct Starts {
+    affected: u32,
+    changes: u32,
+    removals: u32,
+    dying: u32,
 }
 
-/// The list of changes, in order of records.
+/// The lists of changes.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Edits {
-    /// Where each record's entries start, and where the last one's end.
-    first: Vec<u32>,
-    /// The entries, and one more at the end to say where the last one's changes end.
-    entries: Vec<Entry>,
+    /// One for each record, and one more.
+    starts: Vec<Starts>,
+    /// The strips that a record changes, rising.
+    affected: Vec<u32>,
+    /// The places of the buffer that become the record's target.
     changes: Vec<u32>,
-    removals: Vec<Removal>,
-    /// Each strip's first entry, or [`NONE`].
-    head: Vec<u32>,
+    /// The repetitions that go, by strip and place, each with its strip.
+    removals: Vec<(u32, Removal)>,
+    /// The strips that die.
+    dying: Vec<u32>,
     /// For each index of the strips the first LOD without it.
     pub(super) removed_at: Vec<u32>,
     /// For each strip the first LOD at which it draws nothing.
@@ -39,19 +37,17 @@ pub(super) struct Edits {
 
 impl Edits {
     /// Puts histories of consecutive strips into the order of records (a counting sort: strips stay in order).
-    pub(super) fn merge(histories: &[History], records: usize) -> Self {
-        let mut first = vec![0u32; records + 1];
-        let events = || histories.iter().flat_map(|h| &h.events);
-        for event in events() {
-            first[event.record as usize + 1] += 1;
+    pub(super) fn merge(histories: &[History], strips: &StripSet, records: usize) -> Self {
+        let mut place = vec![0u32; records + 1];
+        for event in histories.iter().flat_map(|h| &h.events) {
+            place[event.record as usize + 1] += 1;
         }
         for k in 0..records {
-            first[k + 1] += first[k];
+            place[k + 1] += place[k];
         }
-        let count = first[records] as usize;
-        let (mut place, mut order) = (first.clone(), vec![[0u32; 4]; count]);
+        // Where each event is, and where its changes and removals start in its history.
+        let mut order = vec![[0u32; 4]; place[records] as usize];
         for (chunk, history) in histories.iter().enumerate() {
-            // With each event where its changes and removals start in its history.
             let (mut change, mut removal) = (0, 0);
             for (i, event) in history.events.iter().enumerate() {
                 let slot = &mut place[event.record as usize];
@@ -61,73 +57,80 @@ impl Edits {
                 removal += event.removals;
             }
         }
-        let mut edits = Self { first, ..Self::default() };
-        edits.entries.reserve_exact(count + 1);
+        let mut edits = Self { starts: Vec::with_capacity(records + 1), ..Self::default() };
+        edits.affected.reserve_exact(order.len());
         edits.changes.reserve_exact(histories.iter().map(|h| h.changes.len()).sum());
         edits.removals.reserve_exact(histories.iter().map(|h| h.removals.len()).sum());
         for [chunk, i, change, removal] in order {
             let history = &histories[chunk as usize];
             let event = history.events[i as usize];
-            edits.entries.push(edits.entry(event.strip, event.record));
-            edits.changes.extend_from_slice(&history.changes[change as usize..][..event.changes as usize]);
-            edits.removals.extend_from_slice(&history.removals[removal as usize..][..event.removals as usize]);
+            edits.start_records(event.record as usize + 1);
+            edits.affected.push(event.strip);
+            let first = strips.range(event.strip as usize).start as u32;
+            let changes = &history.changes[change as usize..][..event.changes as usize];
+            edits.changes.extend(changes.iter().map(|p| first + p));
+            let removals = &history.removals[removal as usize..][..event.removals as usize];
+            edits.removals.extend(removals.iter().map(|&r| (event.strip, r)));
+            if event.changes == 0 {
+                edits.dying.push(event.strip);
+            }
         }
-        edits.entries.push(edits.entry(NONE, records as u32));
+        edits.start_records(records + 1);
         edits.removed_at = histories.iter().flat_map(|h| &h.removed_at).copied().collect();
         edits.deaths = histories.iter().flat_map(|h| &h.deaths).copied().collect();
-        edits.chain();
         edits
     }
 
-    fn entry(&self, strip: u32, record: u32) -> Entry {
-        let (first_change, first_removal) = (self.changes.len() as u32, self.removals.len() as u32);
-        Entry { strip, record, first_change, first_removal, previous: NONE, next: NONE }
-    }
-
-    fn chain(&mut self) {
-        let mut latest = vec![NONE; self.deaths.len()];
-        self.head = latest.clone();
-        for e in 0..self.entries.len() - 1 {
-            let before = std::mem::replace(&mut latest[self.entries[e].strip as usize], e as u32);
-            self.entries[e].previous = before;
-            if before == NONE {
-                self.head[self.entries[e].strip as usize] = e as u32;
-            } else {
-                self.entries[before as usize].next = e as u32;
-            }
+    /// Records up to a number start where the lists end now, unless they have started before.
+    fn start_records(&mut self, count: usize) {
+        let starts = Starts {
+            affected: self.affected.len() as u32,
+            changes: self.changes.len() as u32,
+            removals: self.removals.len() as u32,
+            dying: self.dying.len() as u32,
+        };
+        if self.starts.len() < count {
+            self.starts.resize(count, starts);
         }
     }
 
-    /// The entries of some records.
-    pub(super) fn of_records(&self, records: Range<u32>) -> Range<u32> {
-        self.first[records.start as usize]..self.first[records.end as usize]
+    /// The strips that some records change: each as often as there are records that do.
+    pub(super) fn affected(&self, records: Range<u32>) -> &[u32] {
+        let [a, b] = [records.start, records.end].map(|k| self.starts[k as usize].affected as usize);
+        &self.affected[a..b]
     }
-    pub(super) fn get(&self, entry: u32) -> Entry {
-        self.entries[entry as usize]
-    }
-    /// Places that change.
-    pub(super) fn changes(&self, entry: u32) -> &[u32] {
-        let [a, b] = [entry, entry + 1].map(|e| self.entries[e as usize].first_change as usize);
+    /// The places of the buffer that a record changes.
+    pub(super) fn changes(&self, record: u32) -> &[u32] {
+        let [a, b] = [record, record + 1].map(|k| self.starts[k as usize].changes as usize);
         &self.changes[a..b]
     }
-    /// A strip's entries, in order of records.
-    pub(super) fn of_strip(&self, strip: usize) -> impl Iterator<Item = u32> {
-        let known = |entry: u32| (entry != NONE).then_some(entry);
-        std::iter::successors(known(self.head[strip]), move |&entry| known(self.entries[entry as usize].next))
-    }
-    /// All removals of a strip, each with the number of the strip's entry that makes it.
-    pub(super) fn removals_of(&self, strip: usize) -> Vec<(u32, Removal)> {
-        let mut all = Vec::new();
-        let (mut entry, mut number) = (self.head[strip], 0);
-        while entry != NONE {
-            all.extend(self.removals(entry).iter().map(|&r| (number, r)));
-            (entry, number) = (self.get(entry).next, number + 1);
-        }
-        all
-    }
-    /// Repetitions that go.
-    pub(super) fn removals(&self, entry: u32) -> &[Removal] {
-        let [a, b] = [entry, entry + 1].map(|e| self.entries[e as usize].first_removal as usize);
+    /// The repetitions that a record takes out.
+    pub(super) fn removals(&self, record: u32) -> &[(u32, Removal)] {
+        let [a, b] = [record, record + 1].map(|k| self.starts[k as usize].removals as usize);
         &self.removals[a..b]
+    }
+    /// The strips that die with a record.
+    pub(super) fn dying(&self, record: u32) -> &[u32] {
+        let [a, b] = [record, record + 1].map(|k| self.starts[k as usize].dying as usize);
+        &self.dying[a..b]
+    }
+    /// How many records there are.
+    pub(super) fn records(&self) -> u32 {
+        self.starts.len() as u32 - 1
+    }
+
+    /// For each strip its removals, each with the number of the event that makes it among those of the strip.
+    pub(super) fn removals_by_strip(&self) -> Vec<Vec<(u32, Removal)>> {
+        let mut by_strip = vec![Vec::new(); self.deaths.len()];
+        let mut events = vec![0u32; self.deaths.len()];
+        for record in 0..self.records() {
+            for &(strip, removal) in self.removals(record) {
+                by_strip[strip as usize].push((events[strip as usize], removal));
+            }
+            for &strip in self.affected(record..record + 1) {
+                events[strip as usize] += 1;
+            }
+        }
+        by_strip
     }
 }

@@ -1,7 +1,7 @@
 //! Speed Strips (thesis chapter 3): static strips and one list of changes.
 //!
 //! Every record changes indices of some strips and takes repetitions out of them, so that strips get shorter as the mesh
-//! gets coarser. The list is walked in both directions; every change of a strip is made in one visit. See
+//! gets coarser. The list is walked in both directions. See
 //! [`RunTime`] for the arrays and [`Cursor`] for the extraction.
 
 mod apply;
@@ -83,7 +83,7 @@ impl Speed {
     }
 
     fn new(simplified: &Arc<Simplified>, strips: Arc<Strips>, positions: PositionIds, histories: &[History]) -> Self {
-        let edits = Edits::merge(histories, simplified.collapses().records() as usize);
+        let edits = Edits::merge(histories, &strips, simplified.collapses().records() as usize);
         let submeshes = strips.submeshes().collect();
         Self { simplified: Arc::clone(simplified), strips, positions: Arc::new(positions), submeshes, edits }
     }
@@ -111,15 +111,6 @@ impl Speed {
     #[must_use]
     pub fn deaths(&self) -> &[u32] {
         &self.edits.deaths
-    }
-
-    /// A strip as a cursor has it: empty once it is dead.
-    ///
-    /// # Panics
-    /// If there is no such strip.
-    #[must_use]
-    pub fn strip<'a>(&self, cursor: &'a Cursor, strip: usize) -> &'a [u32] {
-        cursor.strip(self, strip)
     }
 
     fn edits(&self) -> &Edits {
@@ -157,7 +148,7 @@ impl Model for Speed {
         cursor.triangles(self)
     }
     fn drawn(&self, cursor: &Cursor) -> u64 {
-        (0..self.strips.len()).map(|strip| cursor.strip(self, strip).len() as u64).sum()
+        cursor.drawn()
     }
     /// `3v + I` words for vertices and strip indices, and the run-time arrays (table 3.1).
     fn storage_to(&self, lod: Lod) -> StorageCost {
@@ -169,8 +160,7 @@ impl Model for Speed {
     }
     fn arrays(&self) -> Vec<Array> {
         let vertices = self.simplified.mesh().vertex_count();
-        let removals = (0..self.strips.len()).map(|strip| self.edits.removals_of(strip));
-        vec![strips::to_array(&self.strips, vertices), stored::to_array(removals)]
+        vec![strips::to_array(&self.strips, vertices), stored::to_array(&self.edits.removals_by_strip())]
     }
 }
 

@@ -41,25 +41,14 @@ pub(super) struct Device {
 
 impl Device {
     pub(super) fn new(program: &mut Program, model: &Speed) -> Result<Self, PlanError> {
-        let (set, edits) = (&model.strips.set, model.edits());
+        let set = &model.strips.set;
         let longest = set.iter().map(<[u32]>::len).max().unwrap_or(0) as u32;
         if longest > LONGEST_LOOP {
             return Err(PlanError::TooDeep { length: longest });
         }
-        let (mut starts, mut entries, mut changes, mut removals) = (vec![], vec![], vec![], vec![]);
-        let mut heads = Vec::with_capacity(2 * set.len());
-        for strip in 0..set.len() {
-            let first = (entries.len() / 4) as u32;
-            starts.extend([set.range(strip).start as u32, first]);
-            heads.extend([first, set.range(strip).len() as u32]);
-            for entry in edits.of_strip(strip) {
-                entries.extend([edits.get(entry).record, changes.len() as u32, (removals.len() / 2) as u32, 0]);
-                changes.extend_from_slice(edits.changes(entry));
-                removals.extend(edits.removals(entry).iter().flat_map(|r| [r.at, r.count.cast_unsigned()]));
-            }
-        }
-        starts.extend([set.indices().len() as u32, (entries.len() / 4) as u32]);
-        entries.extend([u32::MAX, changes.len() as u32, (removals.len() / 2) as u32, 0]);
+        let (starts, entries, changes, removals) = by_strip(model);
+        let heads = starts.chunks_exact(2).zip(set.iter()).flat_map(|(start, strip)| [start[1], strip.len() as u32]);
+        let heads: Vec<u32> = heads.collect();
         let strip_of: Vec<u32> = (0..set.len()).flat_map(|s| set.range(s).map(move |_| s as u32)).collect();
         Ok(Self {
             starts: program.words("starts", starts),
@@ -103,21 +92,60 @@ impl Device {
     }
 }
 
+/// The changes strip by strip, as kernels read them: where each strip's indices and entries start, four words for each
+/// entry, places that change, two words for each removal.
+fn by_strip(model: &Speed) -> (Vec<u32>, Vec<u32>, Vec<u32>, Vec<u32>) {
+    let (set, records) = (&model.strips.set, model.edits().records());
+    // How many entries, changes and removals each strip has; then where the next ones go.
+    let mut next = vec![[0u32; 3]; set.len() + 1];
+    for event in (0..records).flat_map(|record| model.events(record)) {
+        let [entries, changes, removals] = &mut next[event.strip as usize + 1];
+        *entries += 1;
+        *changes += event.changes.len() as u32;
+        *removals += event.removals.len() as u32;
+    }
+    for strip in 0..set.len() {
+        let before = next[strip];
+        next[strip + 1].iter_mut().zip(before).for_each(|(n, before)| *n += before);
+    }
+    let end = next[set.len()];
+    let places = (0..set.len()).map(|strip| set.range(strip).start).chain([set.indices().len()]);
+    let starts = places.zip(&next).flat_map(|(place, [first, ..])| [place as u32, *first]).collect();
+    let mut entries = vec![0; 4 * end[0] as usize];
+    let (mut changes, mut removals) = (vec![0; end[1] as usize], vec![0; 2 * end[2] as usize]);
+    for record in 0..records {
+        for event in model.events(record) {
+            let [entry, change, removal] = &mut next[event.strip as usize];
+            entries[4 * *entry as usize..][..4].copy_from_slice(&[record, *change, *removal, 0]);
+            *entry += 1;
+            for place in event.changes {
+                changes[*change as usize] = place - set.range(event.strip as usize).start as u32;
+                *change += 1;
+            }
+            for (_, gone) in event.removals {
+                removals[2 * *removal as usize..][..2].copy_from_slice(&[gone.at, gone.count.cast_unsigned()]);
+                *removal += 1;
+            }
+        }
+    }
+    entries.extend([u32::MAX, end[1], end[2], 0]);
+    (starts, entries, changes, removals)
+}
+
 impl Speed {
     /// Whether going through the changes between two LODs is less work than making all strips anew, and no thread loops
     /// longer than it may.
     fn is_near(&self, from: Lod, to: Lod) -> bool {
-        let entries = self.edits().of_records(from.min(to).0..from.max(to).0);
-        if u64::from(entries.end - entries.start) * ENTRY_COST > self.strips.separate_indices() {
+        let records = from.min(to).0..from.max(to).0;
+        if self.edits().affected(records.clone()).len() as u64 * ENTRY_COST > self.strips.separate_indices() {
             return false;
         }
         let mut loops = vec![0u64; self.strips.len()];
-        for entry in entries {
-            let strip = self.edits().get(entry).strip as usize;
-            let removals = self.edits().removals(entry).len() as u64;
+        for event in records.flat_map(|record| self.events(record)) {
+            let (strip, removals) = (event.strip as usize, event.removals.len() as u64);
             // Every removal may move the whole strip behind it.
             let moved = if removals > 0 { 2 * removals + self.strips.range(strip).len() as u64 } else { 0 };
-            loops[strip] += 1 + self.edits().changes(entry).len() as u64 + moved;
+            loops[strip] += 1 + event.changes.len() as u64 + moved;
         }
         loops.into_iter().all(|loops| loops <= u64::from(LONGEST_LOOP))
     }
@@ -167,7 +195,7 @@ impl Speed {
         self.seek(cursor, lod, &mut ());
         let truth = self.simplified.triangles_at_with(lod, self.positions());
         let twin = first_difference(lod, truth, self.triangles(cursor));
-        let checks = device.packed.expected(&self.strips, |strip| self.strip(cursor, strip)).to_vec();
+        let checks = device.packed.expected(&self.strips, |strip| cursor.strip(strip)).to_vec();
         Step { at: format!("LOD {}", lod.0), counts: true, passes, checks, twin }
     }
 }

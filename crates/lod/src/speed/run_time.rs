@@ -55,15 +55,14 @@ impl RunTime {
         let targets = model.simplified.collapses().targets();
         let mut arrays = Self::default();
         for record in 0..lod.0.min(targets.len() as u32) {
-            let entries = model.edits.of_records(record..record + 1);
-            let affected = entries.end - entries.start;
+            let strips = model.edits.affected(record..record + 1);
+            let affected = strips.len() as u32;
             if affected >= u32::from(ESCAPE) {
                 arrays.strips.push(StripInfo { strip: affected, num_ops: 0 });
             }
             arrays.lods.push(LodInfo { vertex: targets[record as usize], strips_affected: byte(affected) });
-            for entry in entries {
-                let operations = model.operations(entry);
-                let (strip, count) = (model.edits.get(entry).strip, operations.len() as u32);
+            for (&strip, operations) in strips.iter().zip(model.operations(record)) {
+                let count = operations.len() as u32;
                 arrays.strips.push(StripInfo { strip, num_ops: byte(count) });
                 if count >= u32::from(ESCAPE) {
                     arrays.updates.push(count as i32);
@@ -112,18 +111,45 @@ impl RunTime {
     }
 }
 
+/// What a record does to a strip.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Event<'a> {
+    pub(super) strip: u32,
+    /// The places of the buffer of all strips that change.
+    pub(super) changes: &'a [u32],
+    /// The repetitions that go, each with the strip.
+    pub(super) removals: &'a [(u32, Removal)],
+}
+
 impl Speed {
-    /// What an entry does, by place.
-    pub(super) fn operations(&self, entry: u32) -> Vec<Operation> {
-        let changes = self.edits.changes(entry).iter().map(|&p| Operation::Change(p));
-        let removals = self.edits.removals(entry).iter().map(|&r| Operation::Remove(r));
-        let mut operations: Vec<Operation> = removals.chain(changes).collect();
-        // Stable: a removal comes before a change at the same place.
-        operations.sort_by_key(|operation| match operation {
-            Operation::Change(place) => *place,
-            Operation::Remove(removal) => removal.at,
-        });
-        operations
+    /// What a record does, strip by strip.
+    pub(super) fn events(&self, record: u32) -> impl Iterator<Item = Event<'_>> {
+        let (mut changes, mut removals) = (self.edits.changes(record), self.edits.removals(record));
+        self.edits.affected(record..record + 1).iter().map(move |&strip| {
+            let end = self.strips.range(strip as usize).end;
+            let (changed, rest) = changes.split_at(changes.partition_point(|&p| (p as usize) < end));
+            changes = rest;
+            let (gone, rest) = removals.split_at(removals.partition_point(|(s, _)| *s <= strip));
+            removals = rest;
+            Event { strip, changes: changed, removals: gone }
+        })
+    }
+
+    /// What a record does to each of the strips that it changes, by place.
+    pub(super) fn operations(&self, record: u32) -> Vec<Vec<Operation>> {
+        let of_strip = |event: Event<'_>| {
+            let first = self.strips.range(event.strip as usize).start as u32;
+            let gone = event.removals.iter().map(|&(_, r)| Operation::Remove(r));
+            let changed = event.changes.iter().map(|p| Operation::Change(p - first));
+            let mut operations: Vec<Operation> = gone.chain(changed).collect();
+            // Stable: a removal comes before a change at the same place.
+            operations.sort_by_key(|operation| match operation {
+                Operation::Change(place) => *place,
+                Operation::Remove(removal) => removal.at,
+            });
+            operations
+        };
+        self.events(record).map(of_strip).collect()
     }
 }
 

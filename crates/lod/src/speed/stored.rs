@@ -14,12 +14,12 @@ use crate::{Array, BuildError};
 pub(super) const REMOVALS: &str = "removals";
 
 /// The removals of all strips as an array.
-pub(super) fn to_array(per_strip: impl Iterator<Item = Vec<(u32, Removal)>>) -> Array {
+pub(super) fn to_array(by_strip: &[Vec<(u32, Removal)>]) -> Array {
     let mut bytes = Vec::new();
-    for removals in per_strip {
+    for removals in by_strip {
         put_varint(&mut bytes, removals.len() as u32);
         let mut latest = 0;
-        for (event, removal) in removals {
+        for &(event, removal) in removals {
             put_varint(&mut bytes, event - latest);
             put_varint(&mut bytes, removal.at);
             put_varint(&mut bytes, 2 * removal.count.unsigned_abs() - u32::from(removal.count < 0));
@@ -53,8 +53,8 @@ impl Stored {
                 let at = reader.varint().ok_or_else(short)?;
                 let count = reader.varint().ok_or_else(short)?;
                 let count = if count % 2 == 0 { (count / 2) as i32 } else { -((count / 2) as i32) - 1 };
-                if count == 0 || count < -0x3fff_ffff || count > 0x3fff_ffff {
-                    return Err(wrong("has a removal of no element or of too many"));
+                if count == 0 {
+                    return Err(wrong("has a removal of no element"));
                 }
                 stored.removals.push((event, Removal { at, count }));
             }
