@@ -11,13 +11,13 @@ struct Parameters {
 @group(0) @binding(1) var<storage, read> starts: array<u32>;
 // Where each strip's entries start, and where the last one's end.
 @group(0) @binding(2) var<storage, read> firsts: array<u32>;
-// Three words per entry: record, position mask, filter mask; the first position is the lowest bit.
-@group(0) @binding(3) var<storage, read> entries: array<u32>;
+// Two words per entry: record; position mask (low half) and filter mask (high half).
+@group(0) @binding(3) var<storage, read> entries: array<vec2<u32>>;
 @group(0) @binding(4) var<storage, read> collapse_to: array<u32>;
 // The strips at full length.
 @group(0) @binding(5) var<storage, read_write> full: array<u32>;
 // Two words per strip: the first entry that is not applied, and the filter mask.
-@group(0) @binding(6) var<storage, read_write> states: array<u32>;
+@group(0) @binding(6) var<storage, read_write> states: array<vec2<u32>>;
 // How many indices each strip draws with the restart index behind it; 0 without triangles.
 @group(0) @binding(7) var<storage, read_write> lengths: array<u32>;
 @group(0) @binding(8) var<storage, read_write> trouble: array<atomic<u32>>;
@@ -37,21 +37,20 @@ fn main(@builtin(global_invocation_id) g: vec3<u32>, @builtin(num_workgroups) si
     let base = starts[s];
     let first = firsts[s];
     let end = firsts[s + 1u];
-    var next = states[2u * s];
+    var next = states[s].x;
     if (next < first || next > end) { atomicMax(&trouble[0], s + 1u); return; }
-    while (next < end && entries[3u * next] < p.lod) {
-        put(base, entries[3u * next + 1u], collapse_to[entries[3u * next]]);
+    while (next < end && entries[next].x < p.lod) {
+        put(base, entries[next].y & 0xffffu, collapse_to[entries[next].x]);
         next++;
     }
-    while (next > first && entries[3u * (next - 1u)] >= p.lod) {
+    while (next > first && entries[next - 1u].x >= p.lod) {
         next--;
-        put(base, entries[3u * next + 1u], entries[3u * next]);
+        put(base, entries[next].y & 0xffffu, entries[next].x);
     }
-    // All positions at LOD 0. No strip has more than 32.
-    var filtered = 0xffffffffu >> (32u - (starts[s + 1u] - base));
-    if (next > first) { filtered = entries[3u * next - 1u]; }
-    states[2u * s] = next;
-    states[2u * s + 1u] = filtered;
-    let count = countOneBits(filtered);
+    // Before its first entry a strip is drawn whole.
+    var mask = (1u << (starts[s + 1u] - base)) - 1u;
+    if (next > first) { mask = entries[next - 1u].y >> 16u; }
+    states[s] = vec2<u32>(next, mask);
+    let count = countOneBits(mask);
     lengths[s] = count + select(0u, 1u, count > 0u);
 }

@@ -5,7 +5,7 @@ struct Parameters { strips: u32 }
 @group(0) @binding(0) var<uniform> p: Parameters;
 @group(0) @binding(1) var<storage, read> starts: array<u32>;
 @group(0) @binding(2) var<storage, read> full: array<u32>;
-@group(0) @binding(3) var<storage, read> states: array<u32>;
+@group(0) @binding(3) var<storage, read> states: array<vec2<u32>>;
 @group(0) @binding(4) var<storage, read> places: array<u32>;
 @group(0) @binding(5) var<storage, read_write> drawn: array<u32>;
 
@@ -15,7 +15,7 @@ fn main(@builtin(global_invocation_id) g: vec3<u32>, @builtin(num_workgroups) si
     if (s >= p.strips) { return; }
     var to = places[s];
     if (places[s + 1u] == to) { return; }
-    var left = states[2u * s + 1u];
+    var left = states[s].y;
     while (left != 0u) {
         drawn[to] = full[starts[s] + firstTrailingBit(left)];
         left &= left - 1u;

@@ -1,5 +1,6 @@
 //! Masking Strips on a graphics device as a [`Plan`]: masks applied and filtered copies compacted, nothing read back.
 
+use super::history::Entry;
 use super::{Cursor, Masking};
 use crate::plan::{
     BufferId, Expected, KernelId, LONGEST_LOOP, Packed, Pass, Plan, PlanError, Program, SCAN, SCAN_ADD, STRIP_DRAWS,
@@ -38,7 +39,8 @@ impl Device {
             return Err(PlanError::TooDeep { length: longest });
         }
         let strips = model.strips.len();
-        let entries = model.entries.iter().flat_map(|e| [e.record, u32::from(e.positions), u32::from(e.filter)]);
+        let masks = |e: &Entry| u32::from(e.positions) | u32::from(e.filter) << 16;
+        let entries = model.entries.iter().flat_map(|e| [e.record, masks(e)]);
         let starts = (0..strips).map(|s| model.strips.range(s).start).chain([model.strips.indices().len()]);
         let states: Vec<u32> = model.firsts[..strips].iter().flat_map(|&first| [first, 0]).collect();
         Ok(Self {
@@ -120,39 +122,62 @@ impl Masking {
                 format!("word {word}")
             }
         };
-        let mut cursor = self.cursor();
-        let moves = stops.into_iter().map(move |lod| self.step(&device, &mut cursor, lod));
+        let (mut cursor, mut twin) = (self.cursor(), Twin::new(self));
+        let moves = stops.into_iter().map(move |lod| self.step(&device, &mut cursor, &mut twin, lod));
         let steps = Box::new(std::iter::once(uploaded).chain(moves).chain([kept]));
         Ok(Plan { model: self.name(), name: "masks", program, steps, locate: Box::new(locate) })
     }
 
-    fn step(&self, device: &Device, cursor: &mut Cursor, wanted: Lod) -> Step {
+    fn step(&self, device: &Device, cursor: &mut Cursor, twin: &mut Twin, wanted: Lod) -> Step {
         let lod = self.simplified.collapses().floor(wanted);
         self.seek(cursor, lod, &mut ());
+        twin.seek(self, lod);
         let truth = self.simplified.triangles_at_with(lod, &self.positions);
-        let twin = first_difference(lod, truth, self.triangles(cursor));
-        let (mut full, mut states) = (self.strips.indices().to_vec(), Vec::new());
-        for strip in 0..self.strips.len() {
-            let history = self.history(strip);
-            let applied = self.entries[history.clone()].partition_point(|entry| entry.record < lod.0);
-            let filter = match applied {
-                0 => u32::MAX >> (32 - self.strips.range(strip).len().max(1)),
-                n => u32::from(self.entries[history.start + n - 1].filter),
-            };
-            states.extend([(history.start + applied) as u32, filter]);
-            let full = &mut full[self.strips.range(strip)];
-            for entry in &self.entries[history.start..history.start + applied] {
-                let target = self.simplified.collapses().targets()[entry.record as usize];
-                let changed = full.iter_mut().enumerate().filter(|(at, _)| entry.positions >> at & 1 != 0);
-                changed.for_each(|(_, v)| *v = target);
-            }
-        }
+        let difference = first_difference(lod, truth, self.triangles(cursor));
         let mut checks = vec![
-            Expected::new(device.full, full),
-            Expected::new(device.states, states),
+            Expected::new(device.full, twin.full.clone()),
+            Expected::new(device.states, twin.states.clone()),
             Expected::new(device.trouble, [0]),
         ];
         checks.extend(device.packed.expected(&self.strips, |strip| cursor.strip(self, strip)));
-        Step { at: format!("LOD {}", lod.0), counts: true, passes: device.passes(lod), checks, twin }
+        Step { at: format!("LOD {}", lod.0), counts: true, passes: device.passes(lod), checks, twin: difference }
+    }
+}
+
+/// What the kernel keeps from move to move: full strips to which position masks are applied one by one.
+#[derive(Debug)]
+struct Twin {
+    full: Vec<u32>,
+    states: Vec<u32>,
+}
+
+impl Twin {
+    fn new(model: &Masking) -> Self {
+        let states = model.firsts[..model.strips.len()].iter().flat_map(|&first| [first, 0]).collect();
+        Self { full: model.strips.indices().to_vec(), states }
+    }
+
+    fn seek(&mut self, model: &Masking, lod: Lod) {
+        let targets = model.simplified.collapses().targets();
+        for strip in 0..model.strips.len() {
+            let history = model.history(strip);
+            let strip_now = &mut self.full[model.strips.range(strip)];
+            let mut put = |entry: &Entry, vertex: u32| {
+                let masked = strip_now.iter_mut().enumerate().filter(|(at, _)| entry.positions >> at & 1 == 1);
+                masked.for_each(|(_, v)| *v = vertex);
+            };
+            let mut next = self.states[2 * strip] as usize;
+            while next < history.end && model.entries[next].record < lod.0 {
+                put(&model.entries[next], targets[model.entries[next].record as usize]);
+                next += 1;
+            }
+            while next > history.start && model.entries[next - 1].record >= lod.0 {
+                next -= 1;
+                put(&model.entries[next], model.entries[next].record);
+            }
+            let whole = u16::MAX >> (16 - strip_now.len().clamp(1, 16));
+            let filter = if next > history.start { model.entries[next - 1].filter } else { whole };
+            self.states[2 * strip..][..2].copy_from_slice(&[next as u32, u32::from(filter)]);
+        }
     }
 }
