@@ -1,11 +1,11 @@
 //! `LodStrips` (Ramos and Chover 2004, 2006): strips, and for each record a list of places that change.
 //!
-//! The ancestor of Speed Strips: the same changes of the same strips, but each entry names its strip, and entries are
+//! The ancestor of Speed Strips: the same changes and repetitions of the same strips (their dead ends stay), but each entry names its strip, and entries are
 //! applied one by one, record by record, to strips that grow and shrink by themselves.
 
-use crate::speed::Removal;
 use crate::speed::difference::{Difference, drawn};
 use crate::speed::history::{self, History};
+use crate::speed::{Kind, Removal};
 use crate::strips::check;
 use crate::{Array, BuildError, Changes, Model, StorageCost, Strips, Traffic};
 use lodc_mesh::{Lod, OrientedTriangle, PositionIds, Simplified};
@@ -16,7 +16,7 @@ use std::sync::Arc;
 struct Entry {
     strip: u32,
     place: u32,
-    /// 0: the index at `place` changes. Else so many elements go, as in [`Removal::count`].
+    /// 0: the index at `place` changes. Else a repetition goes: so many elements, of a vertex (positive) or an edge.
     repetitions: i32,
 }
 
@@ -51,7 +51,7 @@ impl LodStrips {
     pub fn build(simplified: &Arc<Simplified>, strips: Arc<Strips>) -> Result<Self, BuildError> {
         check(&strips, simplified.mesh())?;
         let positions = PositionIds::new(simplified.mesh().positions());
-        let histories = history::of(simplified, &strips, &positions)?;
+        let histories = history::of(simplified, &strips, &positions, false)?;
         let (first, entries) = by_record(&histories, simplified.collapses().records() as usize);
         Ok(Self {
             simplified: Arc::clone(simplified),
@@ -106,10 +106,9 @@ impl LodStrips {
                 strip[place] = record;
                 written += 1;
             } else {
-                let removal = Removal { at: entry.place, count: entry.repetitions };
-                let period = removal.period();
-                let pattern = [strip[place - period], strip[place - 1]];
-                strip.splice(place..place, (0..removal.len()).map(|i| pattern[i % period]));
+                let (count, period) = (entry.repetitions.unsigned_abs(), if entry.repetitions > 0 { 1 } else { 2 });
+                let pattern = [strip[place.saturating_sub(2)], strip[place - 1]];
+                strip.splice(place..place, (0..count as usize).map(|i| pattern[i % period + 2 - period]));
                 written += (strip.len() - place) as u64;
             }
         }
@@ -212,7 +211,9 @@ fn by_record(histories: &[History], records: usize) -> (Vec<u32>, Vec<Entry>) {
             let change = changes.by_ref().take(event.changes as usize);
             let mut of_event: Vec<Entry> = change.map(|&place| Entry { strip, place, repetitions: 0 }).collect();
             let gone = removals.by_ref().take(event.removals as usize);
-            let gone: Vec<Entry> = gone.map(|r| Entry { strip, place: r.at, repetitions: r.count }).collect();
+            let repetitions = |r: &Removal| if r.kind == Kind::Edge { -(r.count as i32) } else { r.count as i32 };
+            let gone = gone.map(|r| Entry { strip, place: r.at, repetitions: repetitions(r) });
+            let gone: Vec<Entry> = gone.collect();
             of_event.extend(gone.into_iter().rev());
             let slot = &mut place[event.record as usize];
             entries[*slot as usize..*slot as usize + of_event.len()].copy_from_slice(&of_event);

@@ -1,62 +1,43 @@
-//! What one record takes out of one strip, taken out and put back in one pass (thesis 3.4).
+//! Elements taken out of a strip and put back (thesis 3.4).
 
-use super::history::Removal;
+use super::history::{Kind, Removal};
 
-/// Takes repetitions out. Elements behind the first of them move once each. Returns how many elements were written.
-pub(super) fn remove(strip: &mut [u32], length: &mut u32, removals: &[(u32, Removal)]) -> u64 {
-    let Some(&(_, first)) = removals.first() else { return 0 };
-    let mut write = first.at as usize;
-    let ends = removals[1..].iter().map(|(_, r)| r.at).chain([*length]);
-    for ((_, removal), end) in removals.iter().zip(ends) {
-        let read = removal.at as usize + removal.len();
-        shift_down(strip, read, write, end as usize - read);
-        write += end as usize - read;
-    }
-    *length = write as u32;
-    (write - first.at as usize) as u64
+/// Where a strip is in the buffer of all strips.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Span {
+    /// Where its room starts; places of removals count from here.
+    pub(super) room: u32,
+    pub(super) start: u32,
+    pub(super) end: u32,
 }
 
-/// Undoes [`remove`]: repetitions come back as copies of what stands before them. From the back, so that nothing is
-/// overwritten before it has moved.
-pub(super) fn restore(strip: &mut [u32], length: &mut u32, removals: &[(u32, Removal)]) -> u64 {
-    let Some(&(_, first)) = removals.first() else { return 0 };
-    let mut read = *length as usize;
-    let mut write = read + removals.iter().map(|(_, r)| r.len()).sum::<usize>();
-    let written = write - first.at as usize;
-    *length = write as u32;
-    for (_, removal) in removals.iter().rev() {
-        let end = removal.at as usize + removal.len();
-        let count = write - end;
-        read -= count;
-        shift_up(strip, read, end, count);
-        write = removal.at as usize;
-        let period = removal.period();
-        for i in 0..removal.len() {
-            strip[write + i] = strip[read - period + i % period];
-        }
+/// Takes elements out. Returns how many others move.
+pub(super) fn remove(indices: &mut [u32], span: &mut Span, removal: Removal) -> u64 {
+    let at = span.room + removal.at;
+    if removal.kind == Kind::Front {
+        span.start += removal.count;
+        return 0;
     }
-    written as u64
+    indices.copy_within((at + removal.count) as usize..span.end as usize, at as usize);
+    span.end -= removal.count;
+    (span.end - at).into()
 }
 
-/// Most runs are short, and a call costs as much as moving some elements.
-const SHORT: usize = 16;
-
-fn shift_down(strip: &mut [u32], from: usize, to: usize, count: usize) {
-    if count < SHORT {
-        for i in 0..count {
-            strip[to + i] = strip[from + i];
-        }
-    } else {
-        strip.copy_within(from..from + count, to);
+/// Puts elements back: copies of what stands before them, or what was left at the ends. Returns how many elements are
+/// written.
+pub(super) fn restore(indices: &mut [u32], span: &mut Span, removal: Removal) -> u64 {
+    if removal.kind == Kind::Front {
+        span.start -= removal.count;
+        return 0;
     }
-}
-
-fn shift_up(strip: &mut [u32], from: usize, to: usize, count: usize) {
-    if count < SHORT {
-        for i in (0..count).rev() {
-            strip[to + i] = strip[from + i];
+    let at = (span.room + removal.at) as usize;
+    let (period, behind) = (removal.kind.period() as usize, at + removal.count as usize);
+    indices.copy_within(at..span.end as usize, behind);
+    if removal.kind != Kind::Back {
+        for i in at..behind {
+            indices[i] = indices[i - period];
         }
-    } else {
-        strip.copy_within(from..from + count, to);
     }
+    span.end += removal.count;
+    u64::from(span.end) - at as u64
 }

@@ -9,8 +9,10 @@
 //! was two to three times faster (bunny, igea).
 
 use super::Speed;
-use super::apply::{remove, restore};
+use super::apply::{Span, remove, restore};
 use super::difference::{Difference, drawn};
+use super::edits::Edits;
+use super::history::Kind;
 use crate::{Changes, Model, Traffic};
 use lodc_mesh::{Lod, OrientedTriangle};
 use std::ops::Range;
@@ -22,15 +24,11 @@ const STRIP_COST: u64 = 4;
 /// What a strip is at the moment.
 #[derive(Clone, Copy, Debug)]
 struct Head {
-    /// Where its room starts.
-    first: u32,
-    /// Elements that it has, or had when it died.
-    length: u32,
-    /// The move that counted it last.
-    counted: u32,
+    /// Where it is, or was when it died.
+    span: Span,
     /// Whether it draws anything.
     live: bool,
-    /// Whether it died in a far move, so that what it had then was never written.
+    /// Whether it was made anew, so that what had gone at its ends, or with its death, was never written.
     stale: bool,
 }
 
@@ -40,7 +38,6 @@ pub struct Cursor {
     lod: u32,
     indices: Vec<u32>,
     heads: Vec<Head>,
-    moves: u32,
     /// For far moves, what each vertex has become.
     shown: Vec<u32>,
 }
@@ -48,18 +45,15 @@ pub struct Cursor {
 impl Cursor {
     pub(super) fn new(model: &Speed) -> Self {
         let strips = model.strips();
-        let head = |s: usize| Head {
-            first: strips.range(s).start as u32,
-            length: strips.range(s).len() as u32,
-            counted: 0,
-            live: model.edits().deaths[s] > 0,
-            stale: false,
+        let head = |s: usize| {
+            let room = strips.range(s);
+            let span = Span { room: room.start as u32, start: room.start as u32, end: room.end as u32 };
+            Head { span, live: model.edits().deaths[s] > 0, stale: false }
         };
         Self {
             lod: 0,
             indices: strips.indices().to_vec(),
             heads: (0..strips.len()).map(head).collect(),
-            moves: 0,
             shown: Vec::new(),
         }
     }
@@ -73,14 +67,13 @@ impl Cursor {
     /// A strip as it is drawn: nothing, once it is dead.
     #[must_use]
     pub fn strip(&self, strip: usize) -> &[u32] {
-        let head = &self.heads[strip];
-        let length = if head.live { head.length } else { 0 };
-        &self.indices[head.first as usize..][..length as usize]
+        let Head { span, live, .. } = self.heads[strip];
+        if live { &self.indices[span.start as usize..span.end as usize] } else { &[] }
     }
 
     /// How many indices are drawn.
     pub(super) fn drawn(&self) -> u64 {
-        self.heads.iter().filter(|h| h.live).map(|h| u64::from(h.length)).sum()
+        self.heads.iter().filter(|h| h.live).map(|h| u64::from(h.span.end - h.span.start)).sum()
     }
 
     pub(super) fn triangles(&self, model: &Speed) -> Vec<OrientedTriangle> {
@@ -102,7 +95,7 @@ impl Cursor {
             self.move_to(model, to, &records, &mut traffic);
             return traffic;
         }
-        let mut strips = model.edits().affected(records.clone()).to_vec();
+        let mut strips: Vec<u32> = model.edits().affected(&records).collect();
         strips.sort_unstable();
         strips.dedup();
         let before: Vec<Vec<_>> = strips.iter().map(|&s| self.drawn_by(model, s as usize).collect()).collect();
@@ -117,78 +110,88 @@ impl Cursor {
 
     fn move_to(&mut self, model: &Speed, to: u32, records: &Range<u32>, traffic: &mut Traffic) {
         let (edits, all) = (model.edits(), self.indices.len() as u64);
-        let affected = edits.affected(records.clone());
-        let near = affected.len() as u64 * STRIP_COST <= all && {
-            let written = if to == records.end {
-                self.coarsen(model, records, STRIP_COST * all)
-            } else {
-                self.refine(model, records, STRIP_COST * all)
-            };
-            written.inspect(|&written| traffic.rewritten = written).is_some()
-        };
-        if near {
-            traffic.bytes = 4 * self.count(affected);
+        let most = STRIP_COST * all;
+        let near = if u64::from(edits.visits(records)) * STRIP_COST > all {
+            None
+        } else if to == records.end {
+            self.coarsen(edits, records, most)
         } else {
-            traffic.rewritten = self.far(model, to);
-            traffic.bytes = 4 * traffic.rewritten;
-        }
+            self.refine(model, records, most)
+        };
+        traffic.rewritten = near.unwrap_or_else(|| self.far(model, to));
+        let sent = if near.is_some() { edits.elements(records, to == records.end) } else { traffic.rewritten };
+        traffic.bytes = 4 * sent;
         self.lod = to;
     }
 
     /// Applies records. Returns how many elements were written; none if that would be more than `most`, and then the
     /// strips are at none of the LODs.
-    fn coarsen(&mut self, model: &Speed, records: &Range<u32>, most: u64) -> Option<u64> {
-        let edits = model.edits();
-        let targets = model.simplified().collapses().targets();
-        let mut written = 0;
-        for record in records.clone() {
-            let target = targets[record as usize];
-            let places = edits.changes(record);
-            for &place in places {
-                self.indices[place as usize] = target;
-            }
-            written += places.len() as u64;
-            for removals in edits.removals(record).chunk_by(|a, b| a.0 == b.0) {
-                let head = &mut self.heads[removals[0].0 as usize];
-                written += remove(&mut self.indices[head.first as usize..], &mut head.length, removals);
-            }
-            for &strip in edits.dying(record) {
-                self.heads[strip as usize].live = false;
-            }
+    fn coarsen(&mut self, edits: &Edits, records: &Range<u32>, most: u64) -> Option<u64> {
+        let run = edits.of(records);
+        let (mut done, mut written) = (0, run.places.len() as u64);
+        for gone in run.removals {
+            let next = (gone.changes - run.first_change) as usize;
+            self.write(&run.places[done..next], &run.targets[done..next]);
+            done = next;
+            written += remove(&mut self.indices, &mut self.heads[gone.strip as usize].span, gone.removal);
             if written > most {
                 return None;
             }
         }
+        self.write(&run.places[done..], &run.targets[done..]);
+        run.dying.iter().for_each(|&strip| self.heads[strip as usize].live = false);
         Some(written)
     }
 
     /// Undoes records, as [`Self::coarsen`] applies them.
     fn refine(&mut self, model: &Speed, records: &Range<u32>, most: u64) -> Option<u64> {
-        let edits = model.edits();
-        let mut written = 0;
-        for record in records.clone().rev() {
-            for &strip in edits.dying(record) {
-                let head = &mut self.heads[strip as usize];
-                head.live = true;
-                if head.stale {
-                    let collapses = model.simplified().collapses();
-                    written += self.make(model, strip as usize, record, |v| collapses.resolve(v, Lod(record)));
-                }
+        let run = model.edits().of(records);
+        let (mut left, mut written) = (run.places.len(), run.places.len() as u64);
+        for &strip in run.dying {
+            self.heads[strip as usize].live = true;
+            if self.heads[strip as usize].stale {
+                written += self.make_at(model, strip, model.edits().deaths[strip as usize] - 1);
             }
-            for removals in edits.removals(record).chunk_by(|a, b| a.0 == b.0) {
-                let head = &mut self.heads[removals[0].0 as usize];
-                written += restore(&mut self.indices[head.first as usize..], &mut head.length, removals);
+        }
+        let mut made = None;
+        for gone in run.removals.iter().rev() {
+            let next = (gone.changes - run.first_change) as usize;
+            self.write_back(&run.places[next..left], &run.vertices[next..left]);
+            left = next;
+            let at_end = matches!(gone.removal.kind, Kind::Front | Kind::Back);
+            if made == Some((gone.strip, gone.record)) {
+                continue;
             }
-            let places = edits.changes(record);
-            for &place in places {
-                self.indices[place as usize] = record;
+            if at_end && self.heads[gone.strip as usize].stale {
+                // Made as it was before the whole record: other removals of the same record are done with.
+                made = Some((gone.strip, gone.record));
+                written += self.make_at(model, gone.strip, gone.record);
+            } else {
+                written += restore(&mut self.indices, &mut self.heads[gone.strip as usize].span, gone.removal);
             }
-            written += places.len() as u64;
             if written > most {
                 return None;
             }
         }
+        self.write_back(&run.places[..left], &run.vertices[..left]);
         Some(written)
+    }
+
+    fn write(&mut self, places: &[u32], values: &[u32]) {
+        for (&place, &value) in places.iter().zip(values) {
+            self.indices[place as usize] = value;
+        }
+    }
+
+    /// Of several values for one place the first stays.
+    fn write_back(&mut self, places: &[u32], values: &[u32]) {
+        for (&place, &value) in places.iter().zip(values).rev() {
+            self.indices[place as usize] = value;
+        }
+    }
+
+    fn make_at(&mut self, model: &Speed, strip: u32, lod: u32) -> u64 {
+        self.make(model, strip as usize, lod, |v| model.simplified().collapses().resolve(v, Lod(lod)))
     }
 
     /// Makes all strips anew. Returns how many elements they have.
@@ -204,40 +207,21 @@ impl Cursor {
     /// Makes a strip anew. Returns how many elements it has.
     fn make(&mut self, model: &Speed, strip: usize, lod: u32, shown: impl Fn(u32) -> u32) -> u64 {
         let (edits, head) = (model.edits(), &mut self.heads[strip]);
-        head.live = edits.deaths[strip] > lod;
-        head.stale = !head.live;
+        (head.live, head.stale) = (edits.deaths[strip] > lod, true);
         if !head.live {
             return 0;
         }
         let room = model.strips().range(strip);
-        let elements = &mut self.indices[room.clone()];
-        let mut length = 0;
+        let start = room.start + edits.gone_at_front(room.clone(), lod);
+        let mut end = start;
         for (&vertex, &removed_at) in model.strips().indices()[room.clone()].iter().zip(&edits.removed_at[room]) {
             if removed_at > lod {
-                elements[length] = shown(vertex);
-                length += 1;
+                self.indices[end] = shown(vertex);
+                end += 1;
             }
         }
-        head.length = length as u32;
-        length as u64
-    }
-
-    /// The elements of some strips, each of which counts once.
-    fn count(&mut self, strips: &[u32]) -> u64 {
-        if self.moves == u32::MAX {
-            self.heads.iter_mut().for_each(|h| h.counted = 0);
-            self.moves = 0;
-        }
-        self.moves += 1;
-        let mut elements = 0;
-        for &strip in strips {
-            let head = &mut self.heads[strip as usize];
-            if head.live && head.counted != self.moves {
-                elements += u64::from(head.length);
-            }
-            head.counted = self.moves;
-        }
-        elements
+        (head.span.start, head.span.end) = (start as u32, end as u32);
+        (end - start) as u64
     }
 }
 

@@ -1,5 +1,6 @@
 // Speed Strips, direct (thesis 3.5.2): every strip is taken to a LOD in place, one thread per strip, by applying or undoing
-// the changes between. Twin: apply.rs. For moves past so many changes that a kernel may not loop that often, the host
+// the changes between. Twin: apply.rs, where ends come back from
+// the room in which they were left; here their values are kept. For moves past so many changes that a kernel may not loop that often, the host
 // takes `values` and `rewrite` instead.
 
 struct Parameters {
@@ -10,18 +11,24 @@ struct Parameters {
 @group(0) @binding(0) var<uniform> p: Parameters;
 // Two words per strip and one pair more: where its indices and its entries start.
 @group(0) @binding(1) var<storage, read> starts: array<vec2<u32>>;
-// Four words per entry and one entry more: record, where its changes start, where its removals start, 0.
+// Four words per entry and one entry more: record, where its changes start, where its removals start, where what goes at
+// the ends of the strip is kept among the changes.
 @group(0) @binding(2) var<storage, read> entries: array<vec4<u32>>;
 // Changes: places that get the target of the record, or the record's vertex back.
 @group(0) @binding(3) var<storage, read> changes: array<u32>;
-// Removals: where, and how many: positive for repetitions of one index, negative for those of two.
+// Removals: where, and how many: positive for repetitions of one index, negative for those of two; further from 0 by
+// AT_END for what goes at an end of the strip.
 @group(0) @binding(4) var<storage, read> removals: array<vec2<u32>>;
 @group(0) @binding(5) var<storage, read> collapse_to: array<u32>;
 @group(0) @binding(6) var<storage, read_write> strips: array<u32>;
 // Two words per strip: the first entry that is not applied, and the length.
 @group(0) @binding(7) var<storage, read_write> heads: array<vec2<u32>>;
 
-fn size_of(removal: vec2<u32>) -> u32 { return u32(abs(bitcast<i32>(removal.y))); }
+const AT_END = 0x40000000u;
+
+fn magnitude(removal: vec2<u32>) -> u32 { return u32(abs(bitcast<i32>(removal.y))); }
+fn is_end(removal: vec2<u32>) -> bool { return magnitude(removal) > AT_END; }
+fn size_of(removal: vec2<u32>) -> u32 { return magnitude(removal) & (AT_END - 1u); }
 
 fn coarsen(base: u32, length: u32, entry: u32) -> u32 {
     let e = entries[entry];
@@ -47,7 +54,11 @@ fn refine(base: u32, length: u32, entry: u32) -> u32 {
     let after = entries[entry + 1u];
     var read = length;
     var write = length;
-    for (var i = e.z; i < after.z; i++) { write += size_of(removals[i]); }
+    var kept = e.w;
+    for (var i = e.z; i < after.z; i++) {
+        write += size_of(removals[i]);
+        if (is_end(removals[i])) { kept += size_of(removals[i]); }
+    }
     let longer = write;
     // From the back, so that nothing is overwritten before it has moved.
     for (var i = after.z; i > e.z; i--) {
@@ -59,6 +70,11 @@ fn refine(base: u32, length: u32, entry: u32) -> u32 {
             strips[base + write] = strips[base + read];
         }
         write = r.x;
+        if (is_end(r)) {
+            kept -= size_of(r);
+            for (var k = 0u; k < size_of(r); k++) { strips[base + write + k] = changes[kept + k]; }
+            continue;
+        }
         var period = 2u;
         if (bitcast<i32>(r.y) > 0) { period = 1u; }
         for (var k = 0u; k < size_of(r); k++) { strips[base + write + k] = strips[base + read - period + k % period]; }

@@ -3,7 +3,7 @@
 //! A place `p` of a strip holds `strip[p]`, then what that becomes, and so on, and changes at exactly the records of
 //! these vertices. So strips need not know of each other, and all work on one touches little memory.
 
-use super::filter::{Filter, Repetition};
+use super::filter::{Filter, Leaving};
 use super::working::WorkingStrip;
 use crate::BuildError;
 use crate::strips::STRIPS;
@@ -17,32 +17,44 @@ use std::ops::Range;
 /// How many changes a strip may have per index. Real strips have about five.
 const MOST_CHANGES: usize = 300;
 
-/// A repetition that a record takes out of a strip. Refining puts it back by copying from the elements before it.
+/// How elements that went come back.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Removal {
-    /// Where its first element stands in the strip before the record.
-    pub at: u32,
-    /// How many elements go: positive for a vertex repetition (each is the one before it), negative for an edge
-    /// repetition (each is the one two before it).
-    pub count: i32,
+pub enum Kind {
+    /// A vertex repetition: each element is the one before it.
+    Vertex,
+    /// An edge repetition: each element is the one two before it.
+    Edge,
+    /// What stood before the first triangle that is drawn. It was left where it was.
+    Front,
+    /// What stood behind the last triangle that is drawn. It was left where it was.
+    Back,
 }
 
-impl Removal {
-    /// How many elements go.
+impl Kind {
+    /// All kinds, by the number that stands for them in files.
+    pub(crate) const ALL: [Self; 4] = [Self::Vertex, Self::Edge, Self::Front, Self::Back];
+
+    /// How far before it an element of a repetition finds its equal; 0 for ends.
     #[must_use]
-    pub fn len(self) -> usize {
-        self.count.unsigned_abs() as usize
+    pub const fn period(self) -> u32 {
+        match self {
+            Self::Vertex => 1,
+            Self::Edge => 2,
+            Self::Front | Self::Back => 0,
+        }
     }
-    /// Never: a removal has elements.
-    #[must_use]
-    pub fn is_empty(self) -> bool {
-        false
-    }
-    /// How far before it an element finds its equal: 1 or 2.
-    #[must_use]
-    pub fn period(self) -> usize {
-        if self.count > 0 { 1 } else { 2 }
-    }
+}
+
+/// Consecutive elements that a record takes out of a strip.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Removal {
+    /// Where the first of them stands before the record, counted from where the strip starts at LOD 0: what has gone at the
+    /// front keeps its room.
+    pub at: u32,
+    /// How many they are.
+    pub count: u32,
+    /// How they come back.
+    pub kind: Kind,
 }
 
 /// One record's changes of one strip; how many, the changes themselves stand one behind the other in [`History`].
@@ -64,6 +76,8 @@ pub(crate) struct History {
     pub(crate) removals: Vec<Removal>,
     /// For each index of the strips the first LOD without it, `u32::MAX` if it is never removed.
     pub(crate) removed_at: Vec<u32>,
+    /// For each index whether it is removed at the front of its strip.
+    pub(crate) at_front: Vec<bool>,
     /// For each strip the first LOD at which it draws nothing.
     pub(crate) deaths: Vec<u32>,
 }
@@ -77,7 +91,7 @@ pub(crate) trait Removals {
     /// A strip begins that dies with record `end`.
     fn begin(&mut self, _end: u32) {}
     /// Chooses the repetitions that one record takes out of a strip, and unlinks them.
-    fn next(&mut self, strip: &mut WorkingStrip, changed: &[u32]) -> Result<&[Repetition], BuildError>;
+    fn next(&mut self, strip: &mut WorkingStrip, changed: &[u32]) -> Result<&[Leaving], BuildError>;
 }
 
 impl Removals for Filter<'_> {
@@ -87,13 +101,13 @@ impl Removals for Filter<'_> {
     fn begin(&mut self, end: u32) {
         self.end = end;
     }
-    fn next(&mut self, strip: &mut WorkingStrip, changed: &[u32]) -> Result<&[Repetition], BuildError> {
+    fn next(&mut self, strip: &mut WorkingStrip, changed: &[u32]) -> Result<&[Leaving], BuildError> {
         self.apply(strip, changed);
         Ok(&self.gone)
     }
 }
 
-/// The history of all strips, with what the filter takes out.
+/// The history of all strips, with what the filter takes out: repetitions, and dead ends if `ends`.
 ///
 /// # Errors
 /// As [`Workshop::follow`].
@@ -101,10 +115,11 @@ pub(crate) fn of(
     simplified: &Simplified,
     strips: &StripSet,
     positions: &PositionIds,
+    ends: bool,
 ) -> Result<Vec<History>, BuildError> {
     let targets = simplified.collapses().targets();
     in_parallel(strips, |workshop, range| {
-        workshop.follow(strips, range, simplified, positions, &mut Filter::new(targets))
+        workshop.follow(strips, range, simplified, positions, &mut Filter::new(targets, ends))
     })
 }
 
@@ -167,6 +182,7 @@ impl Workshop {
         let removed_from = history.removed_at.len();
         let first_change = history.changes.len();
         history.removed_at.resize(removed_from + strip.len(), u32::MAX);
+        history.at_front.resize(removed_from + strip.len(), false);
         if removals.looks_ahead() {
             let end = self.end(strip, targets, positions);
             removals.begin(end);
@@ -194,21 +210,25 @@ impl Workshop {
             let gone = removals.next(&mut self.strip, &self.changed)?;
             let event = Event { strip: id, record, changes: self.changed.len() as u32, removals: gone.len() as u32 };
             history.events.push(event);
-            history.changes.extend(self.changed.iter().map(|&e| self.strip.rank(e)));
+            history.changes.extend(self.changed.iter().map(|&e| self.strip.place(e)));
             if history.changes.len() - first_change > MOST_CHANGES * (strip.len() + 100) {
                 let what = "would need far more changes than it has indices".to_owned();
                 return Err(BuildError::Malformed { array: STRIPS, what });
             }
             for r in gone {
-                let count = if r.period == 1 { r.count as i32 } else { -(r.count as i32) };
-                history.removals.push(Removal { at: self.strip.rank(r.first), count });
+                history.removals.push(Removal { at: self.strip.place(r.first), count: r.count, kind: r.kind });
             }
             for r in gone {
                 let mut element = r.first;
                 for _ in 0..r.count {
                     self.strip.forget(element);
-                    history.removed_at[removed_from + WorkingStrip::number(element)] = death;
+                    let index = removed_from + WorkingStrip::number(element);
+                    history.removed_at[index] = death;
+                    history.at_front[index] = r.kind == Kind::Front;
                     element = self.strip.next(element);
+                }
+                if r.kind == Kind::Front {
+                    self.strip.leave_room(r.count);
                 }
             }
         }

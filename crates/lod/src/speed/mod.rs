@@ -20,9 +20,9 @@ mod tests;
 mod working;
 
 pub use cursor::Cursor;
-pub use history::Removal;
+pub use history::{Kind, Removal};
 pub use replay::SHADERS;
-pub use run_time::{LodInfo, Operation, RunTime, StripInfo};
+pub use run_time::{AT_END, LodInfo, Operation, RunTime, StripInfo};
 
 use crate::strips::{self, STRIPS};
 use crate::{Array, BuildError, Changes, Model, StorageCost, Strips, Traffic};
@@ -52,7 +52,7 @@ impl Speed {
     pub fn build(simplified: &Arc<Simplified>, strips: Arc<Strips>) -> Result<Self, BuildError> {
         strips::check(&strips, simplified.mesh())?;
         let positions = PositionIds::new(simplified.mesh().positions());
-        let histories = history::of(simplified, &strips, &positions)?;
+        let histories = history::of(simplified, &strips, &positions, true)?;
         Ok(Self::new(simplified, strips, positions, &histories))
     }
 
@@ -83,7 +83,7 @@ impl Speed {
     }
 
     fn new(simplified: &Arc<Simplified>, strips: Arc<Strips>, positions: PositionIds, histories: &[History]) -> Self {
-        let edits = Edits::merge(histories, &strips, simplified.collapses().records() as usize);
+        let edits = Edits::merge(histories, &strips, simplified.collapses().targets());
         let submeshes = strips.submeshes().collect();
         Self { simplified: Arc::clone(simplified), strips, positions: Arc::new(positions), submeshes, edits }
     }

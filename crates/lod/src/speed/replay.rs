@@ -1,6 +1,6 @@
 //! Speed Strips on a graphics device, *direct*: the edits are applied by a compute pass where the strips are.
 
-use super::{Cursor, Speed};
+use super::{Cursor, Kind, Speed};
 use crate::plan::{
     BufferId, KernelId, LONGEST_LOOP, Packed, Pass, Plan, PlanError, Program, SCAN, SCAN_ADD, STRIP_DRAWS, Shader, Step,
 };
@@ -93,7 +93,7 @@ impl Device {
 }
 
 /// The changes strip by strip, as kernels read them: where each strip's indices and entries start, four words for each
-/// entry, places that change, two words for each removal.
+/// entry, places that change with the values behind them that ends come back with, two words for each removal.
 fn by_strip(model: &Speed) -> (Vec<u32>, Vec<u32>, Vec<u32>, Vec<u32>) {
     let (set, records) = (&model.strips.set, model.edits().records());
     // How many entries, changes and removals each strip has; then where the next ones go.
@@ -113,18 +113,31 @@ fn by_strip(model: &Speed) -> (Vec<u32>, Vec<u32>, Vec<u32>, Vec<u32>) {
     let starts = places.zip(&next).flat_map(|(place, [first, ..])| [place as u32, *first]).collect();
     let mut entries = vec![0; 4 * end[0] as usize];
     let (mut changes, mut removals) = (vec![0; end[1] as usize], vec![0; 2 * end[2] as usize]);
+    // Kernels know no room at the front: places count from where a strip starts at the time.
+    let mut room: Vec<u32> = (0..set.len()).map(|strip| set.range(strip).start as u32).collect();
     for record in 0..records {
         for event in model.events(record) {
-            let [entry, change, removal] = &mut next[event.strip as usize];
-            entries[4 * *entry as usize..][..4].copy_from_slice(&[record, *change, *removal, 0]);
+            let strip = event.strip as usize;
+            let ([entry, change, removal], first) = (&mut next[strip], set.range(strip).start as u32);
+            let kept = changes.len() as u32;
+            entries[4 * *entry as usize..][..4].copy_from_slice(&[record, *change, *removal, kept]);
             *entry += 1;
             for place in event.changes {
-                changes[*change as usize] = place - set.range(event.strip as usize).start as u32;
+                changes[*change as usize] = place - room[strip];
                 *change += 1;
             }
-            for (_, gone) in event.removals {
-                removals[2 * *removal as usize..][..2].copy_from_slice(&[gone.at, gone.count.cast_unsigned()]);
+            let mut gone_at_front = 0;
+            for gone in event.removals.iter().rev() {
+                let at = gone.removal.at - (room[strip] - first);
+                removals[2 * *removal as usize..][..2].copy_from_slice(&[at, gone.removal.word().cast_unsigned()]);
                 *removal += 1;
+                if gone.removal.kind == Kind::Front {
+                    gone_at_front = gone.removal.count;
+                }
+            }
+            room[strip] += gone_at_front;
+            if event.removals.iter().any(|gone| gone.removal.kind.period() == 0) {
+                changes.extend(ends_of(model, event.strip, record));
             }
         }
     }
@@ -132,12 +145,25 @@ fn by_strip(model: &Speed) -> (Vec<u32>, Vec<u32>, Vec<u32>, Vec<u32>) {
     (starts, entries, changes, removals)
 }
 
+/// What the elements that a record takes off the front and the back of a strip have become by then, in order.
+fn ends_of(model: &Speed, strip: u32, record: u32) -> impl Iterator<Item = u32> {
+    let room = model.strips.range(strip as usize);
+    let removed_at = &model.removed_at()[room.clone()];
+    let last_left = removed_at.iter().rposition(|&at| at > record + 1).unwrap_or(0);
+    let front = room.clone().filter(move |&i| model.edits().at_front(i));
+    let back = room.clone().skip(last_left + 1);
+    let goes = move |&i: &usize| model.removed_at()[i] == record + 1;
+    let collapses = model.simplified.collapses();
+    let became = move |i: usize| collapses.resolve(model.strips.indices()[i], Lod(record + 1));
+    front.chain(back).filter(goes).map(became)
+}
+
 impl Speed {
     /// Whether going through the changes between two LODs is less work than making all strips anew, and no thread loops
     /// longer than it may.
     fn is_near(&self, from: Lod, to: Lod) -> bool {
         let records = from.min(to).0..from.max(to).0;
-        if self.edits().affected(records.clone()).len() as u64 * ENTRY_COST > self.strips.separate_indices() {
+        if u64::from(self.edits().visits(&records)) * ENTRY_COST > self.strips.separate_indices() {
             return false;
         }
         let mut loops = vec![0u64; self.strips.len()];

@@ -1,11 +1,15 @@
 //! The run-time arrays as the thesis has them (3.3.2), with what overflows its bytes spelled out.
 
 use super::Speed;
-use super::history::Removal;
+use super::edits::Gone;
+use super::history::{Kind, Removal};
 use lodc_mesh::Lod;
 
 /// The largest number that a byte holds by itself; it stands for "that or more, the number follows".
 const ESCAPE: u8 = u8::MAX;
+
+/// Added to the number of elements that go at an end of a strip.
+pub const AT_END: i32 = 1 << 30;
 
 /// One record. The vertex that it removes is its own number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,9 +39,10 @@ pub struct RunTime {
     /// For each record the strips that it changes, in order.
     pub strips: Vec<StripInfo>,
     /// For each of these the operations, by their place in the strip as it is before the record. `p ≥ 0`: the index at
-    /// `p` changes. `p < 0`: a repetition that starts at `!p` (−1 is place 0) goes, and the next word is how many elements:
-    /// positive for a vertex repetition, negative for an edge repetition. A change inside a repetition that goes
-    /// matters for refining only.
+    /// `p` changes. `p < 0`: elements from `!p` on (−1 is place 0) go, and the next word is how many: positive for a
+    /// vertex repetition, negative for an edge repetition, [`AT_END`] more than that for the back of the strip and less for
+    /// its front. A change of an element that goes matters for refining only. Places count from where the strip starts at
+    /// LOD 0: what has gone at the front keeps its room.
     pub updates: Vec<i32>,
 }
 
@@ -46,7 +51,7 @@ pub struct RunTime {
 pub enum Operation {
     /// The index at this place becomes the record's target; backwards, the record's vertex.
     Change(u32),
-    /// A repetition goes; backwards, it comes again.
+    /// Elements go; backwards, they come again.
     Remove(Removal),
 }
 
@@ -55,13 +60,13 @@ impl RunTime {
         let targets = model.simplified.collapses().targets();
         let mut arrays = Self::default();
         for record in 0..lod.0.min(targets.len() as u32) {
-            let strips = model.edits.affected(record..record + 1);
+            let strips = model.edits.affected(&(record..record + 1));
             let affected = strips.len() as u32;
             if affected >= u32::from(ESCAPE) {
                 arrays.strips.push(StripInfo { strip: affected, num_ops: 0 });
             }
             arrays.lods.push(LodInfo { vertex: targets[record as usize], strips_affected: byte(affected) });
-            for (&strip, operations) in strips.iter().zip(model.operations(record)) {
+            for (strip, operations) in strips.zip(model.operations(record)) {
                 let count = operations.len() as u32;
                 arrays.strips.push(StripInfo { strip, num_ops: byte(count) });
                 if count >= u32::from(ESCAPE) {
@@ -76,7 +81,7 @@ impl RunTime {
     fn push(&mut self, operation: Operation) {
         match operation {
             Operation::Change(place) => self.updates.push(place as i32),
-            Operation::Remove(removal) => self.updates.extend([!(removal.at as i32), removal.count]),
+            Operation::Remove(removal) => self.updates.extend([!(removal.at as i32), removal.word()]),
         }
     }
 
@@ -94,7 +99,16 @@ impl RunTime {
                 let count = if num_ops == ESCAPE { next_word() as u32 } else { u32::from(num_ops) };
                 let mut operation = || match next_word() {
                     p if p >= 0 => Operation::Change(p as u32),
-                    p => Operation::Remove(Removal { at: !p as u32, count: next_word() }),
+                    p => {
+                        let word = next_word();
+                        let (kind, count) = match (word > 0, word.abs() > AT_END) {
+                            (true, false) => (Kind::Vertex, word.abs()),
+                            (false, false) => (Kind::Edge, word.abs()),
+                            (false, true) => (Kind::Front, word.abs() - AT_END),
+                            (true, true) => (Kind::Back, word.abs() - AT_END),
+                        };
+                        Operation::Remove(Removal { at: !p as u32, count: count as u32, kind })
+                    }
                 };
                 (strip, (0..count).map(|_| operation()).collect())
             };
@@ -104,10 +118,23 @@ impl RunTime {
     }
 
     /// What the arrays take as the thesis counts: a word and a byte for each record and each affected strip, a word for each
-    /// change, two for each repetition. What spells out an overflow is counted like the rest.
+    /// change, two for each removal. What spells out an overflow is counted like the rest.
     #[must_use]
     pub fn bytes(&self) -> u64 {
         5 * (self.lods.len() + self.strips.len()) as u64 + 4 * self.updates.len() as u64
+    }
+}
+
+impl Removal {
+    /// How many elements go, and how they come back, in the word of [`RunTime::updates`].
+    pub(super) fn word(self) -> i32 {
+        let count = self.count as i32;
+        match self.kind {
+            Kind::Vertex => count,
+            Kind::Edge => -count,
+            Kind::Front => -count - AT_END,
+            Kind::Back => count + AT_END,
+        }
     }
 }
 
@@ -117,19 +144,21 @@ pub(super) struct Event<'a> {
     pub(super) strip: u32,
     /// The places of the buffer of all strips that change.
     pub(super) changes: &'a [u32],
-    /// The repetitions that go, each with the strip.
-    pub(super) removals: &'a [(u32, Removal)],
+    /// What goes, the last place first.
+    pub(super) removals: &'a [Gone],
 }
 
 impl Speed {
     /// What a record does, strip by strip.
     pub(super) fn events(&self, record: u32) -> impl Iterator<Item = Event<'_>> {
-        let (mut changes, mut removals) = (self.edits.changes(record), self.edits.removals(record));
-        self.edits.affected(record..record + 1).iter().map(move |&strip| {
+        let record = record..record + 1;
+        let run = self.edits.of(&record);
+        let (mut changes, mut removals) = (run.places, run.removals);
+        self.edits.affected(&record).map(move |strip| {
             let end = self.strips.range(strip as usize).end;
             let (changed, rest) = changes.split_at(changes.partition_point(|&p| (p as usize) < end));
             changes = rest;
-            let (gone, rest) = removals.split_at(removals.partition_point(|(s, _)| *s <= strip));
+            let (gone, rest) = removals.split_at(removals.partition_point(|g| g.strip <= strip));
             removals = rest;
             Event { strip, changes: changed, removals: gone }
         })
@@ -139,7 +168,7 @@ impl Speed {
     pub(super) fn operations(&self, record: u32) -> Vec<Vec<Operation>> {
         let of_strip = |event: Event<'_>| {
             let first = self.strips.range(event.strip as usize).start as u32;
-            let gone = event.removals.iter().map(|&(_, r)| Operation::Remove(r));
+            let gone = event.removals.iter().map(|g| Operation::Remove(g.removal));
             let changed = event.changes.iter().map(|p| Operation::Change(p - first));
             let mut operations: Vec<Operation> = gone.chain(changed).collect();
             // Stable: a removal comes before a change at the same place.

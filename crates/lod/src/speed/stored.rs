@@ -2,10 +2,10 @@
 //!
 //! For each strip in turn the number of its removals (varint), then for each removal three varints: how many of the strip's
 //! events (records that change it while it is live) lie between it and the event of the one before, or the start;
-//! where it stands in the strip before that event; and twice how many elements go, less one for an edge repetition.
+//! where it stands before that event ([`Removal::at`]); and four times how many elements go, plus the number of their [`Kind`].
 
-use super::filter::Repetition;
-use super::history::{History, Removal, Removals};
+use super::filter::Leaving;
+use super::history::{History, Kind, Removal, Removals};
 use super::working::WorkingStrip;
 use crate::bytes::{Reader, put_varint};
 use crate::{Array, BuildError};
@@ -22,7 +22,7 @@ pub(super) fn to_array(by_strip: &[Vec<(u32, Removal)>]) -> Array {
         for &(event, removal) in removals {
             put_varint(&mut bytes, event - latest);
             put_varint(&mut bytes, removal.at);
-            put_varint(&mut bytes, 2 * removal.count.unsigned_abs() - u32::from(removal.count < 0));
+            put_varint(&mut bytes, 4 * removal.count + removal.kind as u32);
             latest = event;
         }
     }
@@ -51,12 +51,12 @@ impl Stored {
             for _ in 0..reader.varint().ok_or_else(short)? {
                 event = reader.varint().and_then(|n| event.checked_add(n)).ok_or_else(short)?;
                 let at = reader.varint().ok_or_else(short)?;
-                let count = reader.varint().ok_or_else(short)?;
-                let count = if count % 2 == 0 { (count / 2) as i32 } else { -((count / 2) as i32) - 1 };
+                let code = reader.varint().ok_or_else(short)?;
+                let (count, kind) = (code / 4, Kind::ALL[code as usize % 4]);
                 if count == 0 {
                     return Err(wrong("has a removal of no element"));
                 }
-                stored.removals.push((event, Removal { at, count }));
+                stored.removals.push((event, Removal { at, count, kind }));
             }
         }
         stored.first.push(stored.removals.len() as u32);
@@ -73,7 +73,7 @@ impl Stored {
 pub(super) struct Replay<'a> {
     rest: &'a [(u32, Removal)],
     event: u32,
-    gone: Vec<Repetition>,
+    gone: Vec<Leaving>,
 }
 
 impl<'a> Replay<'a> {
@@ -87,30 +87,41 @@ impl<'a> Replay<'a> {
 }
 
 impl Removals for Replay<'_> {
-    fn next(&mut self, strip: &mut WorkingStrip, _: &[u32]) -> Result<&[Repetition], BuildError> {
+    fn next(&mut self, strip: &mut WorkingStrip, _: &[u32]) -> Result<&[Leaving], BuildError> {
         let count = self.rest.iter().take_while(|(event, _)| *event == self.event).count();
         let (now, rest) = self.rest.split_at(count);
         (self.rest, self.event) = (rest, self.event + 1);
         self.gone.clear();
         let mut free_from = 0;
         for (_, removal) in now {
-            let period = removal.period() as u32;
+            let (kind, period) = (removal.kind, removal.kind.period());
             if removal.at.checked_sub(period).is_none_or(|start| start < free_from) {
                 return Err(wrong("has removals out of order or resting on one another"));
             }
             let first = strip.at(removal.at).ok_or_else(|| wrong("removes what is not there"))?;
             let (mut last, mut element) = (first, first);
-            for _ in 0..removal.len() {
-                if !strip.is_inside(element) || !strip.repeats(element, period) {
-                    return Err(wrong("removes what is no repetition"));
+            for _ in 0..removal.count {
+                if !strip.is_inside(element) || period > 0 && !strip.repeats(element, period) {
+                    return Err(wrong("removes what is not there or no repetition"));
                 }
                 (last, element) = (element, strip.next(element));
             }
-            free_from = removal.at + removal.len() as u32;
-            self.gone.push(Repetition { first, last, count: removal.len() as u32, period });
+            let dead = match kind {
+                Kind::Vertex | Kind::Edge => true,
+                Kind::Front => first == strip.front() && last < strip.first_drawn(),
+                Kind::Back => last == strip.back() && first > strip.last_corner(),
+            };
+            if !dead {
+                return Err(wrong("removes a drawn triangle, or from the middle as from an end"));
+            }
+            free_from = removal.at + removal.count;
+            self.gone.push(Leaving { first, last, count: removal.count, kind });
         }
-        for r in &self.gone {
-            strip.unlink(r.first, r.last);
+        for leaving in &self.gone {
+            match leaving.kind {
+                Kind::Vertex | Kind::Edge => strip.unlink_repetition(leaving.first, leaving.last),
+                Kind::Front | Kind::Back => strip.unlink(leaving.first, leaving.last),
+            }
         }
         Ok(&self.gone)
     }
@@ -126,5 +137,6 @@ pub(super) fn join(into: &mut History, more: History) {
     into.changes.extend(more.changes);
     into.removals.extend(more.removals);
     into.removed_at.extend(more.removed_at);
+    into.at_front.extend(more.at_front);
     into.deaths.extend(more.deaths);
 }

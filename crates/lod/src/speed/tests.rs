@@ -89,13 +89,13 @@ fn a_strip_and_its_operations_worked_out_by_hand() {
         &[],
     ];
     assert_eq!(shown, expected);
-    let remove = |at, count| Operation::Remove(Removal { at, count });
+    let remove = |at, count, kind| Operation::Remove(Removal { at, count, kind });
     let change = Operation::Change;
     let strip = |operations: &[Operation]| vec![(0, operations.to_vec())];
     let arrays = model.run_time(Lod(7));
     let operations = [
         strip(&[change(2)]),
-        strip(&[change(3), remove(4, -2)]),
+        strip(&[change(3), remove(4, 2, Kind::Edge)]),
         strip(&[change(2)]),
         strip(&[change(3)]),
         strip(&[change(0), change(2)]),
@@ -144,8 +144,8 @@ fn counts_that_overflow_a_byte_are_spelled_out() {
         let mut many = (false, false);
         for (record, strips) in records.iter().enumerate() {
             many.0 |= strips.len() >= 255;
-            let affected = model.edits.affected(record as u32..record as u32 + 1);
-            let expected: Vec<_> = affected.iter().copied().zip(model.operations(record as u32)).collect();
+            let affected = model.edits.affected(&(record as u32..record as u32 + 1));
+            let expected: Vec<_> = affected.zip(model.operations(record as u32)).collect();
             many.1 |= strips.iter().any(|(_, operations)| operations.len() >= 255);
             assert_eq!(*strips, expected);
         }

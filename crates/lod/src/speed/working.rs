@@ -20,6 +20,10 @@ pub(crate) struct WorkingStrip {
     drawn: u32,
     /// No triangle that starts behind this element is drawn.
     last_drawn: u32,
+    /// No triangle that starts before this element is drawn.
+    first_drawn: u32,
+    /// How many elements have gone at the front.
+    room: u32,
     ranks: Ranks,
 }
 
@@ -40,12 +44,13 @@ impl WorkingStrip {
         self.ranks.fill(count as usize);
         self.draws.clear();
         self.draws.resize(count as usize, false);
-        (self.drawn, self.last_drawn) = (0, 0);
+        (self.drawn, self.first_drawn, self.last_drawn, self.room) = (0, count, 0, 0);
         for (i, w) in strip.windows(3).enumerate() {
             let [a, b, c] = [w[0], w[1], w[2]].map(|v| positions.of_vertex[v as usize]);
             if a != b && b != c && c != a {
                 self.draws[i + EDGE as usize] = true;
                 self.drawn += 1;
+                self.first_drawn = self.first_drawn.min(i as u32 + EDGE);
                 self.last_drawn = i as u32 + EDGE;
             }
         }
@@ -88,15 +93,24 @@ impl WorkingStrip {
         let before = if period == 1 { self.previous(element) } else { self.previous(self.previous(element)) };
         self.value(element) == self.value(before)
     }
-    /// Where an element stands now; removals count once [`Self::forget`] has been called.
-    pub(crate) fn rank(&self, element: u32) -> u32 {
-        self.ranks.rank(element) - EDGE
+    /// Where an element stands now, counted from where the strip started; removals count once [`Self::forget`] has been
+    /// called.
+    pub(crate) fn place(&self, element: u32) -> u32 {
+        self.ranks.rank(element) - EDGE + self.room
     }
     /// The element that stands at a place. None if there is none.
-    pub(crate) fn at(&self, rank: u32) -> Option<u32> {
+    pub(crate) fn at(&self, place: u32) -> Option<u32> {
         let end = self.ranks.rank(self.value.len() as u32 - EDGE);
-        let rank = rank.checked_add(EDGE)?;
+        let rank = place.checked_sub(self.room)?.checked_add(EDGE)?;
         (rank < end).then(|| self.ranks.select(rank))
+    }
+    /// The first element of all.
+    pub(crate) fn front(&self) -> u32 {
+        self.next(EDGE - 1)
+    }
+    /// The last element of all.
+    pub(crate) fn back(&self) -> u32 {
+        self.previous(self.value.len() as u32 - EDGE)
     }
 
     /// An element becomes another vertex; triangles that lose their area by it die.
@@ -120,23 +134,38 @@ impl WorkingStrip {
         while self.last_drawn > 0 && !self.draws(self.last_drawn) {
             self.last_drawn = self.previous(self.last_drawn);
         }
+        while self.drawn > 0 && !self.draws(self.first_drawn) {
+            self.first_drawn = self.next(self.first_drawn);
+        }
     }
-    /// The last element with which a drawn triangle starts.
-    pub(crate) fn last_drawn(&self) -> u32 {
-        self.last_drawn
+    /// The first element with which a drawn triangle starts. There must be one.
+    pub(crate) fn first_drawn(&self) -> u32 {
+        self.first_drawn
+    }
+    /// The last corner of the last drawn triangle. There must be one.
+    pub(crate) fn last_corner(&self) -> u32 {
+        self.next(self.next(self.last_drawn))
     }
 
     /// Takes out elements `first..=last`, which must repeat the ones before them. Their triangles, the later ones of
     /// which are drawn, belong to the elements before from now on.
-    pub(crate) fn unlink(&mut self, first: u32, last: u32) {
+    pub(crate) fn unlink_repetition(&mut self, first: u32, last: u32) {
         let before = self.previous(first);
         for (to, from) in [(self.previous(before), self.previous(last)), (before, last)] {
             let drawn = std::mem::replace(&mut self.draws[from as usize], false);
             self.draws[to as usize] = drawn;
+            if self.first_drawn == from {
+                self.first_drawn = to;
+            }
             if self.last_drawn == from {
                 self.last_drawn = to;
             }
         }
+        self.unlink(first, last);
+    }
+    /// Takes out elements `first..=last`, none of which is a corner of a drawn triangle.
+    pub(crate) fn unlink(&mut self, first: u32, last: u32) {
+        let before = self.previous(first);
         let mut element = first;
         let end = self.next(last);
         while element != end {
@@ -146,7 +175,11 @@ impl WorkingStrip {
         self.next[before as usize] = end;
         self.previous[end as usize] = before;
     }
-    /// Removed elements stop counting in [`Self::rank`].
+    /// So many elements have gone at the front; others stay where they are.
+    pub(crate) fn leave_room(&mut self, count: u32) {
+        self.room += count;
+    }
+    /// A removed element stops counting in [`Self::place`].
     pub(crate) fn forget(&mut self, element: u32) {
         self.ranks.remove(element);
     }
