@@ -151,7 +151,7 @@ fn ends_of(model: &Speed, strip: u32, record: u32) -> impl Iterator<Item = u32> 
     let removed_at = &model.removed_at()[room.clone()];
     let last_left = removed_at.iter().rposition(|&at| at > record + 1).unwrap_or(0);
     let front = room.clone().filter(move |&i| model.edits().at_front(i));
-    let back = room.clone().skip(last_left + 1);
+    let back = room.skip(last_left + 1);
     let goes = move |&i: &usize| model.removed_at()[i] == record + 1;
     let collapses = model.simplified.collapses();
     let became = move |i: usize| collapses.resolve(model.strips.indices()[i], Lod(record + 1));
