@@ -5,8 +5,8 @@
 //! made anew of the stored ones. A near move that turns out to write more than a far one would becomes a far one.
 //!
 //! The thesis gathers the changes of a strip over all records of an update and makes them in one pass. With the few
-//! records of a 0.1 % step hardly any strip is met twice, and looking strips up costs more than their changes: streaming
-//! was two to three times faster (bunny, igea).
+//! records of a 0.1 % step hardly any strip is met twice, and looking strips up costs more than their changes: an
+//! earlier cursor that did so took 3.1 µs for a step on bunny and 0.27 on cow, the first one that streamed 1.0 and 0.09.
 
 use super::Speed;
 use super::apply::{Span, remove, restore};

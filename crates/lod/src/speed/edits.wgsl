@@ -1,7 +1,6 @@
 // Speed Strips, direct (thesis 3.5.2): every strip is taken to a LOD in place, one thread per strip, by applying or undoing
-// the changes between. Twin: apply.rs, where ends come back from
-// the room in which they were left; here their values are kept. For moves past so many changes that a kernel may not loop that often, the host
-// takes `values` and `rewrite` instead.
+// the changes between. Twin: apply.rs, where what goes at the ends stays in the strip's room; here its values are kept. For
+// moves past so many changes that a kernel may not loop that often, the host takes `values` and `rewrite` instead.
 
 struct Parameters {
     strips: u32,

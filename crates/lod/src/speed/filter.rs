@@ -7,8 +7,8 @@
 //! position, whether elements repeat by vertex: refining puts them back by copying.
 //!
 //! Beyond the thesis, the dead ends of a strip go, whatever they are: what stands before its first drawn triangle (an even
-//! number, again for the winding) and behind its last. They stay in their room and come back by moving the ends. Half of
-//! what is to be gained lies there (bunny: 497 bits per vertex without, 463 with).
+//! number, again for the winding) and behind its last. They stay in their room and come back by moving the ends
+//! (bunny: 497 bits per vertex without, 463 with).
 
 use super::history::Kind;
 use super::working::WorkingStrip;

@@ -136,8 +136,10 @@ fn by_strip(model: &Speed) -> (Vec<u32>, Vec<u32>, Vec<u32>, Vec<u32>) {
                 }
             }
             room[strip] += gone_at_front;
-            if event.removals.iter().any(|gone| gone.removal.kind.period() == 0) {
-                changes.extend(ends_of(model, event.strip, record));
+            for kind in event.removals.iter().rev().map(|gone| gone.removal.kind) {
+                if kind == Kind::Front || kind == Kind::Back {
+                    changes.extend(end_of(model, strip, record, kind));
+                }
             }
         }
     }
@@ -145,17 +147,17 @@ fn by_strip(model: &Speed) -> (Vec<u32>, Vec<u32>, Vec<u32>, Vec<u32>) {
     (starts, entries, changes, removals)
 }
 
-/// What the elements that a record takes off the front and the back of a strip have become by then, in order.
-fn ends_of(model: &Speed, strip: u32, record: u32) -> impl Iterator<Item = u32> {
-    let room = model.strips.range(strip as usize);
+/// What the elements that a record takes off the front or the back of a strip have become by then, in order.
+fn end_of(model: &Speed, strip: usize, record: u32, kind: Kind) -> impl Iterator<Item = u32> {
+    let (room, lod) = (model.strips.range(strip), record + 1);
     let removed_at = &model.removed_at()[room.clone()];
-    let last_left = removed_at.iter().rposition(|&at| at > record + 1).unwrap_or(0);
-    let front = room.clone().filter(move |&i| model.edits().at_front(i));
-    let back = room.skip(last_left + 1);
-    let goes = move |&i: &usize| model.removed_at()[i] == record + 1;
-    let collapses = model.simplified.collapses();
-    let became = move |i: usize| collapses.resolve(model.strips.indices()[i], Lod(record + 1));
-    front.chain(back).filter(goes).map(became)
+    // Nothing but what goes at the back is behind the last element that is left.
+    let last_left = removed_at.iter().rposition(|&at| at > lod).map_or(room.start, |i| room.start + i);
+    let goes = move |&i: &usize| {
+        let there = if kind == Kind::Front { model.edits().at_front(i) } else { i > last_left };
+        there && model.removed_at()[i] == lod
+    };
+    room.filter(goes).map(move |i| model.simplified.collapses().resolve(model.strips.indices()[i], Lod(lod)))
 }
 
 impl Speed {
