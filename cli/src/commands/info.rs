@@ -87,9 +87,10 @@ fn object(o: &LodObject, baselines: bool) -> Outcome<ObjectReport> {
     })
 }
 
-/// Long strips: those of a model that has some, or new ones.
+/// Long strips: those of a model that is made for long ones and has some, or new ones. (Others may cut them.)
 fn plain_strips(o: &LodObject) -> Strips {
-    let stored = o.models.iter().filter_map(AnyModel::strips).find(|s| s.kind == StripKind::Stripe);
+    let long = o.models.iter().filter(|m| m.kind().strips() == Some(StripKind::Stripe));
+    let stored = long.filter_map(AnyModel::strips).find(|s| s.kind == StripKind::Stripe);
     stored.cloned().unwrap_or_else(|| Strips::generate(&o.simplified, StripKind::Stripe, Effort::Default))
 }
 

@@ -153,11 +153,8 @@ fn prepare(
     let effort = args.effort.into();
     let wanted = args.strips.map(StripsName::kind);
     let mut pool = StripPool::new(&simplified, StripOptions { kind: None, effort });
-    let mut strips = |kind: StripKind| {
-        let stored = models.iter().filter_map(AnyModel::strips).find(|s| s.kind == kind);
-        stored.map_or_else(|| pool.get(kind), |s| Arc::new(s.clone()))
-    };
-    let [stripe, cache] = [strips(StripKind::Stripe), strips(StripKind::Cache)];
+    // Not those of a file: its models may have cut them, or been made with another effort.
+    let [stripe, cache] = [StripKind::Stripe, StripKind::Cache].map(|kind| pool.get(kind));
     let has = |models: &[AnyModel], kind: ModelKind| models.iter().any(|m| m.kind() == kind);
     let kinds = levels::chosen(&args.models);
     if !args.models.is_empty() {
