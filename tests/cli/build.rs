@@ -51,7 +51,7 @@ fn the_report_has_its_keys_and_counts_that_fit_together() {
     assert!(number("peak_bytes") > 0 || !cfg!(target_os = "linux"));
     assert_eq!(number("bytes"), f.read("grid.lodc").len() as u64);
     let stages: Vec<_> = one["stages"].as_array().expect("stages").iter().map(|s| s["name"].clone()).collect();
-    assert_eq!(stages, ["import", "simplify", "models", "check", "write"]);
+    assert_eq!(stages, ["import", "simplify", "strips", "models", "check", "write"]);
     assert!(one["stages"].as_array().expect("stages").iter().all(|s| s["seconds"].as_f64().is_some()));
     assert!(one["warnings"].is_array());
 }

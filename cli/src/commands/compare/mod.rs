@@ -31,13 +31,13 @@ pub(crate) struct CompareArgs {
     #[arg(long, value_name = "OUT.png")]
     heatmap: Option<PathBuf>,
     /// Exit 1 if the root mean square distance is greater, either way: in A's unit, or with `%` of its diagonal
-    #[arg(long, value_name = "D", value_parser = length)]
+    #[arg(long, value_name = "D", value_parser = length, allow_negative_numbers = true)]
     max_rms: Option<Length>,
     /// Exit 1 if the largest distance found is greater, either way
-    #[arg(long, value_name = "D", value_parser = length)]
+    #[arg(long, value_name = "D", value_parser = length, allow_negative_numbers = true)]
     max_hausdorff: Option<Length>,
     /// Exit 1 if the root mean square difference of pixels (0 to 255) is greater
-    #[arg(long, value_name = "GREY", value_parser = grey)]
+    #[arg(long, value_name = "GREY", value_parser = grey, allow_negative_numbers = true)]
     max_image_rmse: Option<f64>,
     /// Points spread over the area of each mesh
     #[arg(long, value_name = "N", default_value = "200000", value_parser = clap::value_parser!(u32).range(1..=100_000_000))]
