@@ -1,8 +1,8 @@
 //! The `.lods` stream, version 1 (docs/STREAM.md): a mesh that grows from a single vertex to what it was, as bytes come.
 //!
-//! Thesis 4.3.3. [`pack`] writes a stream; an [`Unpacker`] is fed one, piece by piece, and shows the mesh of every prefix.
+//! Thesis 4.3.3. [`pack()`] writes a stream; an [`Unpacker`] is fed one, piece by piece, and shows the mesh of every prefix.
 //! What a vertex brings is said once, by code that writes and reads alike (`record.rs`, `strips.rs`, `values.rs`); a
-//! [`Script`](script::Script) is what only a writer knows.
+//! `Script` is what only a writer knows.
 
 mod births;
 mod block;

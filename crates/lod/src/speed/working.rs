@@ -7,7 +7,7 @@ use lodc_mesh::PositionIds;
 /// values differ from each other and from every vertex.
 const EDGE: u32 = 2;
 
-/// A strip at some LOD. Elements are numbered as in the strip of LOD 0, from [`WorkingStrip::first`] on.
+/// A strip at some LOD. Elements are numbered as in the strip of LOD 0.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct WorkingStrip {
     value: Vec<u32>,
