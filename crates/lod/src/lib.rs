@@ -17,6 +17,8 @@ pub mod plan;
 pub mod speed;
 mod storage;
 mod strips;
+#[cfg(test)]
+mod testing;
 mod verify;
 
 pub use any::{AnyCursor, AnyModel, ModelKind};

@@ -1,6 +1,7 @@
 //! Interactive Meshes: examples worked by hand, and everything against the reference.
 
 use super::*;
+use crate::testing::without;
 use lodc_fixtures as fixtures;
 use lodc_mesh::{CollapseSequence, Mesh, MeshParts, SequenceParts, Submesh};
 
@@ -202,23 +203,6 @@ fn check(name: &str, simplified: &Simplified) {
         }
         before = shown;
     }
-}
-
-/// The multiset difference of two sorted lists.
-fn without(all: &[OrientedTriangle], fewer: &[OrientedTriangle]) -> Vec<OrientedTriangle> {
-    let mut fewer = fewer.iter().peekable();
-    let mut rest = Vec::new();
-    for t in all {
-        while fewer.peek().is_some_and(|f| *f < t) {
-            fewer.next();
-        }
-        if fewer.peek() == Some(&t) {
-            fewer.next();
-        } else {
-            rest.push(*t);
-        }
-    }
-    rest
 }
 
 #[test]

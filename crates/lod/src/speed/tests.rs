@@ -1,6 +1,7 @@
 //! Speed Strips: examples worked by hand, and everything against the reference.
 
 use super::*;
+use crate::testing::without;
 use crate::{StripKind, Strips};
 use lodc_fixtures as fixtures;
 use lodc_mesh::{CollapseSequence, Mesh, MeshParts, SequenceParts, Submesh};
@@ -229,23 +230,6 @@ fn check(name: &str, model: &Speed) {
 fn first(shown: &[OrientedTriangle], truth: &[OrientedTriangle]) -> String {
     let (extra, missing) = (without(shown, truth), without(truth, shown));
     format!("{} too many from {:?}, {} missing from {:?}", extra.len(), extra.first(), missing.len(), missing.first())
-}
-
-/// The multiset difference of two sorted lists.
-fn without(all: &[OrientedTriangle], fewer: &[OrientedTriangle]) -> Vec<OrientedTriangle> {
-    let mut fewer = fewer.iter().peekable();
-    let mut rest = Vec::new();
-    for t in all {
-        while fewer.peek().is_some_and(|f| *f < t) {
-            fewer.next();
-        }
-        if fewer.peek() == Some(&t) {
-            fewer.next();
-        } else {
-            rest.push(*t);
-        }
-    }
-    rest
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! Every fixture, every step, both ways, and jumps; damaged arrays; sequences made to be slow.
 
 use super::*;
+use crate::testing::without;
 use crate::{StripKind, bytes::put_varint};
 use lodc_strip::Effort;
 
@@ -88,23 +89,6 @@ impl Cursor {
     fn drawn_strips<'a>(&'a self, model: &Masking) -> Vec<&'a [u32]> {
         (0..model.strips.len()).map(|s| self.strip(model, s)).collect()
     }
-}
-
-/// The multiset difference of two sorted lists.
-fn without(all: &[OrientedTriangle], fewer: &[OrientedTriangle]) -> Vec<OrientedTriangle> {
-    let mut fewer = fewer.iter().peekable();
-    let mut rest = Vec::new();
-    for t in all {
-        while fewer.peek().is_some_and(|f| *f < t) {
-            fewer.next();
-        }
-        if fewer.peek() == Some(&t) {
-            fewer.next();
-        } else {
-            rest.push(*t);
-        }
-    }
-    rest
 }
 
 #[test]
