@@ -10,6 +10,7 @@
 mod any;
 pub mod baseline;
 mod bytes;
+mod difference;
 pub mod interactive;
 pub mod masking;
 mod model;

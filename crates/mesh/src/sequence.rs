@@ -86,7 +86,12 @@ impl CollapseSequence {
     /// How many steps are complete at `lod`.
     #[must_use]
     pub fn steps_at(&self, lod: Lod) -> usize {
-        self.0.step_ends.partition_point(|&end| end <= lod.0)
+        // Each step has a record, and all steps together have `more` besides: hardly any where there are no seams.
+        let ends = &self.0.step_ends;
+        let most = ends.len().min(lod.0 as usize);
+        let more = self.records() as usize - ends.len();
+        let least = most.min((lod.0 as usize).saturating_sub(more));
+        least + ends[least..most].partition_point(|&end| end <= lod.0)
     }
     /// The LOD that is shown for `lod`: rounded down, towards finer, to the end of a step.
     #[must_use]
@@ -154,6 +159,18 @@ impl CollapseSequence {
             map[k] = map[self.0.targets[k] as usize];
         }
         map
+    }
+    /// [`Self::resolve`] for the vertices that are gone at `lod`, the first ones; any other stands for itself. Reuses the
+    /// room of `shown`.
+    pub fn resolve_gone(&self, lod: Lod, shown: &mut Vec<u32>) {
+        let end = lod.min(self.last()).0 as usize;
+        shown.clear();
+        shown.extend_from_slice(&self.0.targets[..end]);
+        for k in (0..end).rev() {
+            if let Some(&further) = shown.get(shown[k] as usize) {
+                shown[k] = further;
+            }
+        }
     }
 }
 

@@ -87,6 +87,11 @@ pub(super) fn times(
             let (coarser, finer) = sweeps(runner.as_mut(), stops);
             best.coarser = best.coarser.min(coarser);
             best.finer = best.finer.min(finer);
+        }
+    }
+    // After the sweeps: a jump leaves work for later moves of some models.
+    for _ in 0..rounds {
+        for (runner, best) in runners.iter_mut().zip(&mut best) {
             for _ in 0..JUMPS {
                 best.jump = best.jump.min(micros(|| runner.seek(far)));
                 runner.seek(Lod(0));

@@ -3,7 +3,7 @@
 //! The ancestor of Speed Strips: the same changes and repetitions of the same strips (their dead ends stay), but each entry names its strip, and entries are
 //! applied one by one, record by record, to strips that grow and shrink by themselves.
 
-use crate::speed::difference::{Difference, drawn};
+use crate::difference::{Difference, drawn};
 use crate::speed::history::{self, History};
 use crate::speed::{Kind, Removal};
 use crate::strips::check;
@@ -129,20 +129,27 @@ impl LodStrips {
     fn move_to<C: Changes>(&self, cursor: &mut Cursor, to: u32, changes: &mut C) -> Traffic {
         let from = cursor.lod;
         let (fine, coarse) = (from.min(to), from.max(to));
-        let affected = if C::HEARD { self.affected(fine, coarse) } else { Vec::new() };
-        let before: Vec<Vec<_>> = affected.iter().map(|&s| self.drawn(cursor, s as usize).collect()).collect();
-        let rewritten: u64 = if to > from {
-            (fine..coarse).map(|record| self.coarsen(cursor, record)).sum()
-        } else {
-            (fine..coarse).rev().map(|record| self.refine(cursor, record)).sum()
+        let walk = |cursor: &mut Cursor| -> Traffic {
+            let rewritten: u64 = if to > from {
+                (fine..coarse).map(|record| self.coarsen(cursor, record)).sum()
+            } else {
+                (fine..coarse).rev().map(|record| self.refine(cursor, record)).sum()
+            };
+            cursor.lod = to;
+            Traffic { records: coarse - fine, rewritten, bytes: 4 * rewritten }
         };
-        cursor.lod = to;
+        if !C::HEARD {
+            return walk(cursor);
+        }
+        let affected = self.affected(fine, coarse);
+        let before: Vec<Vec<_>> = affected.iter().map(|&s| self.drawn(cursor, s as usize).collect()).collect();
+        let traffic = walk(cursor);
         let mut difference = Difference::default();
         for (before, strip) in before.into_iter().zip(affected) {
             difference.before(before.into_iter());
             difference.after(self.drawn(cursor, strip as usize), to > from, coarse, changes);
         }
-        Traffic { records: coarse - fine, rewritten, bytes: 4 * rewritten }
+        traffic
     }
 }
 

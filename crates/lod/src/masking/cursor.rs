@@ -1,59 +1,50 @@
 //! A cursor over Masking Strips: the strips at full length, and the filtered copies that are drawn.
 //!
-//! A small move applies or undoes the masks of the strips that it changes. A far jump resolves the vertices that its
-//! filters keep, and leaves the full strips for later.
+//! A near move streams the updates of the records passed ([`super::updates`]). A far jump looks at every strip that has
+//! changed, resolves the vertices that its filter keeps, and leaves the full strip for later.
 
-use super::{Masking, history::Entry};
+use super::Masking;
+use super::updates::{ROOM, Refiltered, whole};
+use crate::difference::{drawn, tell};
 use crate::{Changes, Traffic};
 use lodc_mesh::{Lod, OrientedTriangle};
-use lodc_strip::strip_triangles;
+use std::hint::black_box;
+use std::ops::Range;
 
-/// How many entries of a strip are looked at one by one before searching among all.
-const FEW: usize = 8;
+const LONGEST: usize = Masking::LONGEST_STRIP;
+/// Words in a cache line of most machines.
+const LINE: usize = 16;
+/// How many copies are looked at ahead.
+const BLOCK: usize = 16;
 
 /// The moving part of [`Masking`] strips.
 #[derive(Clone, Debug)]
 pub struct Cursor {
     lod: u32,
-    /// The strips at full length, where they are not stale.
-    full: Vec<u32>,
-    /// The filtered copies, each where its strip is in `full`.
-    drawn: Vec<u32>,
-    strips: Vec<State>,
+    /// For each strip [`ROOM`] words: the full strip, and its filtered copy. The first starts at a cache line, behind `lead`
+    /// words.
+    buffer: Vec<u32>,
+    lead: usize,
+    /// How many indices each filtered copy has; 0 if no triangle is left.
+    counts: Vec<u8>,
+    /// The strips whose full strip is that of another LOD, since a jump made the filtered copy without it; how many.
+    stale: Vec<bool>,
+    stale_count: usize,
     /// What each vertex that is gone has become: made for far jumps.
     shown: Vec<u32>,
-    /// All indices that are drawn.
-    indices: u64,
-    /// Triangles before and after, while somebody listens. Kept to save allocating.
-    before: Vec<OrientedTriangle>,
-    after: Vec<OrientedTriangle>,
-}
-
-/// Where a strip is.
-#[derive(Clone, Copy, Debug)]
-struct State {
-    /// The first of its entries that is not applied. That of a strip that is not drawn stays where it was.
-    next: u32,
-    /// How many indices its filtered copy has; 0 if no triangle is left.
-    drawn: u16,
-    /// Whether the full strip is that of another LOD: a jump made the filtered copy without it.
-    stale: bool,
 }
 
 impl Cursor {
     pub(super) fn new(model: &Masking) -> Self {
-        let full = model.strips.indices().to_vec();
-        let state = |s| State { next: model.firsts[s], drawn: model.strips.range(s).len() as u16, stale: false };
-        Self {
-            lod: 0,
-            drawn: full.clone(),
-            indices: full.len() as u64,
-            full,
-            strips: (0..model.strips.len()).map(state).collect(),
-            shown: Vec::new(),
-            before: Vec::new(),
-            after: Vec::new(),
+        let strips = model.strips.len();
+        let mut buffer = vec![0; ROOM * strips + LINE];
+        let lead = buffer.as_ptr().align_offset(size_of::<u32>() * LINE).min(LINE);
+        for (room, strip) in buffer[lead..].chunks_exact_mut(ROOM).zip(model.strips.iter()) {
+            room[..strip.len()].copy_from_slice(strip);
+            room[LONGEST..][..strip.len()].copy_from_slice(strip);
         }
+        let counts = model.strips.iter().map(|strip| strip.len() as u8).collect();
+        Self { lod: 0, buffer, lead, counts, stale: vec![false; strips], stale_count: 0, shown: Vec::new() }
     }
 
     pub(super) fn lod(&self) -> Lod {
@@ -61,7 +52,7 @@ impl Cursor {
     }
 
     pub(super) fn drawn(&self) -> u64 {
-        self.indices
+        self.counts.iter().map(|&count| u64::from(count)).sum()
     }
 
     /// What is drawn of a strip, as a graphics card gets it: empty if none of its triangles is left.
@@ -69,154 +60,151 @@ impl Cursor {
     /// # Panics
     /// If there is no such strip.
     #[must_use]
-    pub fn strip(&self, model: &Masking, strip: usize) -> &[u32] {
-        &self.drawn[model.strips.range(strip)][..self.strips[strip].drawn as usize]
+    pub fn strip(&self, strip: usize) -> &[u32] {
+        &self.buffer[self.lead + ROOM * strip + LONGEST..][..self.counts[strip] as usize]
     }
 
     pub(super) fn triangles(&self, model: &Masking) -> Vec<OrientedTriangle> {
         let mut triangles = Vec::with_capacity(model.simplified.collapses().triangles_at(self.lod()) as usize);
-        for strip in 0..self.strips.len() {
-            self.triangles_of(model, strip, &mut triangles);
-        }
+        (0..self.counts.len()).for_each(|strip| triangles.extend(self.drawn_by(model, strip)));
         triangles
     }
 
-    /// Appends the triangles that a strip draws.
-    fn triangles_of(&self, model: &Masking, strip: usize, triangles: &mut Vec<OrientedTriangle>) {
-        let place = |v: u32| model.positions.of_vertex[v as usize];
-        for t in strip_triangles(self.strip(model, strip)) {
-            let [a, b, c] = t.map(place);
-            if a != b && b != c && c != a {
-                triangles.push(OrientedTriangle::new(model.submeshes[strip], t));
-            }
-        }
+    fn drawn_by<'a>(&'a self, model: &'a Masking, strip: usize) -> impl Iterator<Item = OrientedTriangle> + 'a {
+        drawn(self.strip(strip), model.submeshes[strip], &model.positions)
     }
 
     pub(super) fn seek<C: Changes>(&mut self, model: &Masking, lod: Lod, changes: &mut C) -> Traffic {
         let (from, to) = (self.lod, model.simplified.collapses().floor(lod).0);
-        let (fine, coarse) = (from.min(to), from.max(to));
-        let mut rewritten = 0;
-        let passed = model.starts[fine as usize] as usize..model.starts[coarse as usize] as usize;
-        if 2 * passed.len() < self.strips.len() {
-            // A strip that several records change is brought to the end the first time.
-            for &strip in &model.affected[passed] {
-                rewritten += self.bring::<C, false>(model, strip as usize, to, changes);
-            }
-        } else {
-            self.resolve(model.simplified.collapses().targets(), to);
-            for strip in 0..self.strips.len() {
-                rewritten += self.bring::<C, true>(model, strip, to, changes);
-            }
+        let records = from.min(to)..from.max(to);
+        let traffic = |rewritten| Traffic { records: records.end - records.start, rewritten, bytes: 4 * rewritten };
+        if !C::HEARD {
+            return traffic(self.move_to(model, to, &records));
+        }
+        let mut strips = model.updates.of(&records).strips.to_vec();
+        strips.sort_unstable();
+        strips.dedup();
+        let before: Vec<Vec<_>> = strips.iter().map(|&s| self.drawn_by(model, s as usize).collect()).collect();
+        let rewritten = self.move_to(model, to, &records);
+        for (mut before, strip) in before.into_iter().zip(strips) {
+            // Two filters of a strip may draw the same triangles in different order.
+            let mut after: Vec<_> = self.drawn_by(model, strip as usize).collect();
+            tell(&mut before, &mut after, changes);
+        }
+        traffic(rewritten)
+    }
+
+    /// Returns how many indices were written, full strips apart.
+    fn move_to(&mut self, model: &Masking, to: u32, records: &Range<u32>) -> u64 {
+        let run = model.updates.of(records);
+        if run.strips.len() > self.counts.len() {
+            model.simplified.collapses().resolve_gone(Lod(to), &mut self.shown);
+            self.lod = to;
+            return (0..self.counts.len()).map(|strip| self.jump(model, strip, to, records)).sum();
+        }
+        if self.stale_count > 0 {
+            run.strips.iter().for_each(|&strip| self.refresh(model, strip as usize));
         }
         self.lod = to;
-        Traffic { records: coarse - fine, rewritten, bytes: 4 * rewritten }
+        let coarsens = to == records.end;
+        let buffer = &mut self.buffer[self.lead..];
+        if coarsens {
+            for (&place, &target) in run.places.iter().zip(run.targets) {
+                buffer[place as usize] = target;
+            }
+        } else {
+            // Of several vertices for one place the first stays.
+            for (&place, &vertex) in run.places.iter().zip(run.vertices).rev() {
+                buffer[place as usize] = vertex;
+            }
+        }
+        let mut rewritten = run.places.len() as u64;
+        for block in run.copies.chunks(BLOCK) {
+            if block.len() == BLOCK {
+                self.touch(block);
+            }
+            for copy in block {
+                // The last one of a strip on the way, in either direction.
+                let (last, filter) =
+                    if coarsens { (copy.next >= to, copy.filter) } else { (copy.since <= to, copy.before) };
+                if last {
+                    rewritten += self.copy(copy.strip as usize, filter);
+                }
+            }
+        }
+        rewritten
     }
 
-    /// Works out what every vertex that is gone at a LOD has become.
-    fn resolve(&mut self, targets: &[u32], to: u32) {
-        self.shown.resize(targets.len(), 0);
-        for record in (0..to as usize).rev() {
-            let target = targets[record];
-            self.shown[record] = if target < to { self.shown[target as usize] } else { target };
+    /// Reads a word of each cache line that some copies are going to need: all at once is faster than one after the other.
+    fn touch(&self, copies: &[Refiltered]) {
+        let lines = |copy: &Refiltered| {
+            let at = self.lead + ROOM * copy.strip as usize;
+            self.buffer[at] ^ self.buffer[at + LONGEST]
+        };
+        black_box(copies.iter().fold(0, |all, copy| all ^ lines(copy)));
+    }
+
+    /// Copies what a filter keeps of a full strip. Returns how many indices that are.
+    fn copy(&mut self, strip: usize, filter: u16) -> u64 {
+        let room = &mut self.buffer[self.lead + ROOM * strip..][..ROOM];
+        let (full, drawn) = room.split_at_mut(LONGEST);
+        let (filter, mut count) = (usize::from(filter), 0);
+        for (at, &vertex) in full.iter().enumerate() {
+            // What is not kept is overwritten by what follows, or stands behind the end.
+            drawn[count % LONGEST] = vertex;
+            count += filter >> at & 1;
+        }
+        self.counts[strip] = count as u8;
+        count as u64
+    }
+
+    /// Makes a full strip that is stale that of the LOD where the cursor is.
+    fn refresh(&mut self, model: &Masking, strip: usize) {
+        if !std::mem::take(&mut self.stale[strip]) {
+            return;
+        }
+        self.stale_count -= 1;
+        let (targets, input) = (model.simplified.collapses().targets(), model.strips.strip(strip));
+        let full = &mut self.buffer[self.lead + ROOM * strip..][..input.len()];
+        full.copy_from_slice(input);
+        for entry in model.entries[model.history(strip)].iter().take_while(|entry| entry.record < self.lod) {
+            each(entry.positions, |at| full[at] = targets[entry.record as usize]);
         }
     }
 
-    /// Brings a strip to a LOD, in a jump with the help of `shown`. Returns how many indices were drawn anew.
-    fn bring<C: Changes, const JUMP: bool>(&mut self, model: &Masking, strip: usize, to: u32, changes: &mut C) -> u64 {
-        let history = model.history(strip);
-        let State { next, drawn, stale } = self.strips[strip];
-        let Some(last) = model.entries[history.clone()].last() else { return 0 };
-        let ended = last.record < to;
-        let new = if ended { history.end } else { boundary(&model.entries, history.clone(), next as usize, to) };
-        let filter = if new == history.start { u16::MAX } else { model.entries[new - 1].filter };
-        let same = if drawn == 0 { filter == 0 } else { new == next as usize };
-        if same {
+    /// Makes the filtered copy of a strip at a LOD with the help of `shown`, if any of some records has changed it. Returns
+    /// how many indices were written.
+    fn jump(&mut self, model: &Masking, strip: usize, to: u32, records: &Range<u32>) -> u64 {
+        if model.deaths[strip] <= to {
+            // What is dead at the finer LOD already does not change.
+            if to == records.end && self.counts[strip] > 0 {
+                self.leave(strip, 0);
+            }
             return 0;
         }
-        if C::HEARD {
-            let mut before = std::mem::take(&mut self.before);
-            before.clear();
-            self.triangles_of(model, strip, &mut before);
-            self.before = before;
+        let (entries, input) = (&model.entries[model.history(strip)], model.strips.strip(strip));
+        let next = entries.partition_point(|entry| entry.record < to);
+        let before = next.checked_sub(1).map(|at| entries[at]);
+        let passed = if to == records.end { before } else { entries.get(next).copied() };
+        if !passed.is_some_and(|entry| records.contains(&entry.record)) {
+            return 0;
         }
-        let range = model.strips.range(strip);
-        let filter = filter & u16::MAX >> (16 - range.len());
-        let mut state = State { next, drawn: filter.count_ones() as u16, stale };
-        if filter != 0 {
-            state = State { next: new as u32, stale: JUMP, ..state };
-            let drawn = &mut self.drawn[range.clone()];
-            if JUMP {
-                let (input, shown) = (&model.strips.indices()[range], &self.shown);
-                copy(filter, drawn, |at| if input[at] < to { shown[input[at] as usize] } else { input[at] });
-            } else {
-                let full = &mut self.full[range];
-                move_full(model, full, strip, (!stale).then_some(next as usize), new);
-                copy(filter, drawn, |at| full[at]);
+        let filter = before.map_or(whole(input.len()), |entry| entry.filter);
+        let mut drawn = self.buffer[self.lead + ROOM * strip + LONGEST..].iter_mut();
+        each(filter, |at| {
+            if let Some(drawn) = drawn.next() {
+                *drawn = self.shown.get(input[at] as usize).copied().unwrap_or(input[at]);
             }
-        }
-        self.strips[strip] = state;
-        self.indices = self.indices - u64::from(drawn) + u64::from(state.drawn);
-        if C::HEARD {
-            let mut after = std::mem::take(&mut self.after);
-            after.clear();
-            self.triangles_of(model, strip, &mut after);
-            self.after = after;
-            self.tell(changes);
-        }
-        u64::from(state.drawn)
+        });
+        self.leave(strip, filter.count_ones() as u8);
+        u64::from(filter.count_ones())
     }
 
-    /// Tells what is in one of the two lists and not in the other, each as often.
-    fn tell(&mut self, changes: &mut impl Changes) {
-        self.before.sort_unstable();
-        self.after.sort_unstable();
-        let (mut before, mut after) = (self.before.iter().peekable(), self.after.iter().peekable());
-        while let (Some(&&b), Some(&&a)) = (before.peek(), after.peek()) {
-            if b <= a {
-                before.next();
-            }
-            if a <= b {
-                after.next();
-            }
-            match b.cmp(&a) {
-                std::cmp::Ordering::Less => changes.gone(b),
-                std::cmp::Ordering::Greater => changes.came(a),
-                std::cmp::Ordering::Equal => {}
-            }
-        }
-        before.for_each(|&t| changes.gone(t));
-        after.for_each(|&t| changes.came(t));
+    /// A strip's filtered copy is new, its full strip is not.
+    fn leave(&mut self, strip: usize, count: u8) {
+        self.counts[strip] = count;
+        self.stale_count += usize::from(!std::mem::replace(&mut self.stale[strip], true));
     }
-}
-
-/// Applies or undoes entries of a full strip until `new` is the first that is not applied. It was `next`; none if the
-/// strip is stale.
-fn move_full(model: &Masking, full: &mut [u32], strip: usize, next: Option<usize>, new: usize) {
-    let (first, targets) = (model.firsts[strip] as usize, model.simplified.collapses().targets());
-    let next = match next {
-        Some(next) if next < new || next - new <= new - first => next,
-        _ => {
-            full.copy_from_slice(model.strips.strip(strip));
-            first
-        }
-    };
-    for entry in model.entries.get(next..new).unwrap_or_default() {
-        let target = targets[entry.record as usize];
-        each(entry.positions, |at| full[at] = target);
-    }
-    for entry in model.entries.get(new..next).unwrap_or_default().iter().rev() {
-        each(entry.positions, |at| full[at] = entry.record);
-    }
-}
-
-/// Puts what is at the positions of a mask one after the other.
-fn copy(mask: u16, to: &mut [u32], from: impl Fn(usize) -> u32) {
-    let mut to = to.iter_mut();
-    each(mask, |at| {
-        if let Some(to) = to.next() {
-            *to = from(at);
-        }
-    });
 }
 
 /// Calls `f` with every position in a mask, the first first.
@@ -225,22 +213,4 @@ fn each(mut mask: u16, mut f: impl FnMut(usize)) {
         f(mask.trailing_zeros() as usize);
         mask &= mask - 1;
     }
-}
-
-/// The first entry of a strip that is not before `to`, looked for around `near`.
-fn boundary(entries: &[Entry], history: std::ops::Range<usize>, near: usize, to: u32) -> usize {
-    let (mut low, mut high) = (history.start, history.end);
-    let mut at = near;
-    for _ in 0..FEW {
-        if at < high && entries[at].record < to {
-            at += 1;
-            low = at;
-        } else if at > low && entries[at - 1].record >= to {
-            at -= 1;
-            high = at;
-        } else {
-            return at;
-        }
-    }
-    low + entries[low..high].partition_point(|entry| entry.record < to)
 }

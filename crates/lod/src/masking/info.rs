@@ -35,7 +35,7 @@ impl Masking {
         let mut ends = parts.step_ends.iter().copied().peekable();
         parts.targets.iter().enumerate().flat_map(move |(record, &vertex)| {
             let next_update = ends.next_if_eq(&(record as u32 + 1)).is_none();
-            let strips = (self.starts[record + 1] - self.starts[record]) as usize;
+            let strips = self.updates.of(&(record as u32..record as u32 + 1)).strips.len();
             (0..=strips / 255).map(move |entry| {
                 let strips_affected = (strips - 255 * entry).min(255) as u8;
                 InfoUpdate { vertex, strips_affected, next_update }
@@ -48,8 +48,7 @@ impl Masking {
     /// # Panics
     /// If there is no such record.
     pub fn info_strips(&self, record: u32) -> impl ExactSizeIterator<Item = InfoStrip> {
-        let places = self.starts[record as usize] as usize..self.starts[record as usize + 1] as usize;
-        self.affected[places].iter().map(move |&strip| {
+        self.updates.of(&(record..record + 1)).strips.iter().map(move |&strip| {
             let history = &self.entries[self.history(strip as usize)];
             let entry = history[history.partition_point(|entry| entry.record < record)];
             InfoStrip { strip, position_mask: entry.positions, filter_mask: entry.filter }
@@ -61,7 +60,7 @@ impl Masking {
 pub(super) fn storage(model: &Masking, lod: Lod) -> StorageCost {
     let plain = StorageCost::of_triangles(&model.simplified);
     let geometry = 12 * (plain.vertices + plain.fakes);
-    let counts = model.starts.windows(2).take(lod.0 as usize).map(|start| u64::from(start[1] - start[0]));
+    let counts = (0..lod.0).map(|record| model.updates.of(&(record..record + 1)).strips.len() as u64);
     // Five bytes a record, and five more whenever 255 is not enough.
     let updates: u64 = counts.map(|strips| 5 * (1 + strips / 255)).sum();
     let of_strip = |strip: usize| {

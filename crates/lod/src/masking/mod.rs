@@ -20,6 +20,7 @@ mod shortest;
 #[cfg(test)]
 mod tests;
 mod trim;
+mod updates;
 
 pub use cursor::Cursor;
 pub use info::{InfoStrip, InfoUpdate};
@@ -29,7 +30,9 @@ use crate::strips::{STRIPS, from_array, to_array};
 use crate::{Array, BuildError, Changes, Model, StorageCost, Strips, Traffic};
 use history::Entry;
 use lodc_mesh::{Lod, OrientedTriangle, PositionIds, Simplified};
+use pattern::LONGEST;
 use std::sync::Arc;
+use updates::Updates;
 
 /// Masking Strips of a mesh.
 #[derive(Clone, Debug)]
@@ -43,15 +46,15 @@ pub struct Masking {
     firsts: Vec<u32>,
     /// Strip by strip, in order of records: the entry before one is what going back needs.
     entries: Vec<Entry>,
-    /// Where each record's strips start in `affected`, and where the last one's end.
-    starts: Vec<u32>,
-    /// The strips that each record changes.
-    affected: Vec<u32>,
+    /// For each strip the first LOD at which it draws nothing.
+    deaths: Vec<u32>,
+    /// The same by record, for moves of few records.
+    updates: Updates,
 }
 
 impl Masking {
     /// The most vertices that a strip may have, so that its two masks are one word. [`Self::build`] cuts longer ones.
-    pub const LONGEST_STRIP: usize = pattern::LONGEST;
+    pub const LONGEST_STRIP: usize = LONGEST;
 
     /// Makes the model from strips that draw the mesh of LOD 0. Parallel over strips; the same whatever the threads.
     ///
@@ -66,16 +69,21 @@ impl Masking {
             array: STRIPS,
             what: "would need far more updates than it has vertices".to_owned(),
         })?;
-        let (starts, affected) = by_record(&histories, simplified.collapses().records() as usize);
+        let lengths: Vec<_> = strips.iter().map(<[u32]>::len).collect();
+        let updates = Updates::new(&histories, &lengths, simplified.collapses().targets());
+        let death = |ends: &[u32]| {
+            let last = histories.entries[ends[0] as usize..ends[1] as usize].last();
+            last.filter(|entry| entry.filter == 0).map_or(u32::MAX, |entry| entry.record + 1)
+        };
         Ok(Self {
             simplified: Arc::clone(simplified),
+            deaths: histories.firsts.windows(2).map(death).collect(),
             submeshes: strips.submeshes().collect(),
             strips,
             positions,
             firsts: histories.firsts,
             entries: histories.entries,
-            starts,
-            affected,
+            updates,
         })
     }
 
@@ -109,28 +117,6 @@ impl Masking {
     fn history(&self, strip: usize) -> std::ops::Range<usize> {
         self.firsts[strip] as usize..self.firsts[strip + 1] as usize
     }
-}
-
-/// Sorts entries by record: where each record's strips start, and the strips.
-fn by_record(histories: &history::Histories, records: usize) -> (Vec<u32>, Vec<u32>) {
-    let mut starts = vec![0; records + 2];
-    for entry in &histories.entries {
-        starts[entry.record as usize + 2] += 1;
-    }
-    for record in 1..starts.len() {
-        starts[record] += starts[record - 1];
-    }
-    let mut affected = vec![0; histories.entries.len()];
-    for (strip, ends) in histories.firsts.windows(2).enumerate() {
-        for entry in &histories.entries[ends[0] as usize..ends[1] as usize] {
-            let place = &mut starts[entry.record as usize + 1];
-            affected[*place as usize] = strip as u32;
-            *place += 1;
-        }
-    }
-    // Every start has moved on to the next one: the last is left over.
-    starts.pop();
-    (starts, affected)
 }
 
 impl Model for Masking {

@@ -139,7 +139,7 @@ impl Masking {
             Expected::new(device.states, twin.states.clone()),
             Expected::new(device.trouble, [0]),
         ];
-        checks.extend(device.packed.expected(&self.strips, |strip| cursor.strip(self, strip)));
+        checks.extend(device.packed.expected(&self.strips, |strip| cursor.strip(strip)));
         Step { at: format!("LOD {}", lod.0), counts: true, passes: device.passes(lod), checks, twin: difference }
     }
 }

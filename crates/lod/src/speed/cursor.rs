@@ -10,9 +10,9 @@
 
 use super::Speed;
 use super::apply::{Span, remove, restore};
-use super::difference::{Difference, drawn};
 use super::edits::Edits;
 use super::history::Kind;
+use crate::difference::{Difference, drawn};
 use crate::{Changes, Model, Traffic};
 use lodc_mesh::{Lod, OrientedTriangle};
 use std::ops::Range;
@@ -197,7 +197,7 @@ impl Cursor {
     /// Makes all strips anew. Returns how many elements they have.
     fn far(&mut self, model: &Speed, to: u32) -> u64 {
         let mut shown = std::mem::take(&mut self.shown);
-        resolve_below(model.simplified().collapses().targets(), to, &mut shown);
+        model.simplified().collapses().resolve_gone(Lod(to), &mut shown);
         let resolved = |v: u32| shown.get(v as usize).copied().unwrap_or(v);
         let written = (0..self.heads.len()).map(|strip| self.make(model, strip, to, resolved)).sum();
         self.shown = shown;
@@ -222,16 +222,5 @@ impl Cursor {
         }
         (head.span.start, head.span.end) = (start as u32, end as u32);
         (end - start) as u64
-    }
-}
-
-/// What each vertex below `lod` has become at it.
-fn resolve_below(targets: &[u32], lod: u32, shown: &mut Vec<u32>) {
-    shown.clear();
-    shown.extend_from_slice(&targets[..lod as usize]);
-    for k in (0..lod as usize).rev() {
-        if let Some(&further) = shown.get(shown[k] as usize) {
-            shown[k] = further;
-        }
     }
 }

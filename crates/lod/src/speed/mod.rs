@@ -6,7 +6,6 @@
 
 mod apply;
 mod cursor;
-pub(crate) mod difference;
 mod edits;
 pub(crate) mod filter;
 pub(crate) mod history;

@@ -47,7 +47,7 @@ fn check(name: &str, simplified: Simplified) {
         let model = Masking::build(&simplified, strips).expect("few entries");
         check_model(&format!("{name}, {}", kind.name()), &model);
         let again = Masking::load(&simplified, &model.arrays()).expect("nothing is damaged");
-        assert_eq!((&again.entries, &again.affected), (&model.entries, &model.affected), "{name}");
+        assert_eq!((&again.entries, &again.updates), (&model.entries, &model.updates), "{name}");
         assert_eq!(again.arrays(), model.arrays(), "{name}");
     }
 }
@@ -87,7 +87,7 @@ fn check_model(name: &str, model: &Masking) {
 
 impl Cursor {
     fn drawn_strips<'a>(&'a self, model: &Masking) -> Vec<&'a [u32]> {
-        (0..model.strips.len()).map(|s| self.strip(model, s)).collect()
+        (0..model.strips.len()).map(|s| self.strip(s)).collect()
     }
 }
 
@@ -131,7 +131,7 @@ fn the_model_is_the_same_whatever_the_threads() {
         pool.install(|| Masking::build(&simplified, Arc::clone(&strips)).expect("few entries"))
     };
     let (one, five) = (build(1), build(5));
-    assert_eq!((one.entries, one.affected, one.starts), (five.entries, five.affected, five.starts));
+    assert_eq!((one.entries, one.updates), (five.entries, five.updates));
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use crate::Changes;
 use lodc_mesh::{OrientedTriangle, PositionIds};
 use lodc_strip::strip_triangles;
+use std::cmp::Ordering;
 
 /// The triangles that a strip draws: those with an area.
 pub(crate) fn drawn<'a>(
@@ -62,4 +63,26 @@ impl Difference {
             }
         }
     }
+}
+
+/// Tells what is in one of two lists and not in the other, each as often, in whatever order the two are.
+pub(crate) fn tell(before: &mut [OrientedTriangle], after: &mut [OrientedTriangle], changes: &mut impl Changes) {
+    before.sort_unstable();
+    after.sort_unstable();
+    let (mut before, mut after) = (before.iter().peekable(), after.iter().peekable());
+    while let (Some(&&b), Some(&&a)) = (before.peek(), after.peek()) {
+        if b <= a {
+            before.next();
+        }
+        if a <= b {
+            after.next();
+        }
+        match b.cmp(&a) {
+            Ordering::Less => changes.gone(b),
+            Ordering::Greater => changes.came(a),
+            Ordering::Equal => {}
+        }
+    }
+    before.for_each(|&t| changes.gone(t));
+    after.for_each(|&t| changes.came(t));
 }
