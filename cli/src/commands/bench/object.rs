@@ -46,6 +46,7 @@ pub(super) fn measure(args: &BenchArgs, device: Option<&Device>, prepared: &Prep
             drawn: Some(DrawnReport {
                 indices_per_lod: per(moved.drawn, updates),
                 indices_per_triangle: per(moved.drawn, triangles),
+                degenerates_removed: subject.degenerates_removed,
             }),
             traffic: subject.continuous.then(|| TrafficReport {
                 bytes_per_update: per(moved.bytes, sweeps),

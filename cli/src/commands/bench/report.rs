@@ -108,6 +108,8 @@ pub(super) struct Bits {
 pub(super) struct DrawnReport {
     pub(super) indices_per_lod: f64,
     pub(super) indices_per_triangle: f64,
+    /// Share of the degenerate triangles of strips that is taken out; null but for Speed Strips.
+    pub(super) degenerates_removed: Option<f64>,
 }
 
 /// What an update sends and rewrites, on average.

@@ -2,7 +2,7 @@
 
 use crate::exit::{Failure, Outcome, Status};
 use lodc_formats::lodc::{LodObject, stored_bytes};
-use lodc_lod::{Baseline, Model, StorageCost, Strips, Traffic};
+use lodc_lod::{AnyModel, Baseline, Model, StorageCost, Strips, Traffic};
 use lodc_mesh::{Lod, Simplified};
 use lodc_strip::StripSet;
 use std::sync::Arc;
@@ -41,6 +41,8 @@ pub(super) struct Subject<'a> {
     /// Bytes in a file; of baselines, what the structure really holds where that is known.
     pub(super) file_bytes: Option<u64>,
     pub(super) tight_bytes: Option<u64>,
+    /// Of Speed Strips.
+    pub(super) degenerates_removed: Option<f64>,
     pub(super) runner: Box<dyn Runner + 'a>,
 }
 
@@ -61,13 +63,21 @@ where
         storage: [model.storage(), model.storage_to(most(model))],
         file_bytes: None,
         tight_bytes: None,
+        degenerates_removed: None,
         runner: Box::new(Run { model, cursor: model.cursor() }),
     }
 }
 
 /// Every row that has levels of detail: the models of an object, then the baselines.
 pub(super) fn subjects<'a>(object: &'a LodObject, baselines: &'a [Baseline]) -> Vec<Subject<'a>> {
-    let models = object.models.iter().map(|m| Subject { file_bytes: Some(stored_bytes(m)), ..subject(m, false) });
+    let models = object.models.iter().map(|m| Subject {
+        file_bytes: Some(stored_bytes(m)),
+        degenerates_removed: match m {
+            AnyModel::Speed(speed) => Some(speed.degenerates_removed()),
+            _ => None,
+        },
+        ..subject(m, false)
+    });
     let baselines = baselines.iter().map(|b| Subject {
         continuous: b.continuous(),
         tight_bytes: b.tight_bytes(),

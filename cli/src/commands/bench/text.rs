@@ -31,6 +31,7 @@ const TRAFFIC: &[Column] = &[
     ("rewritten", "/traffic/rewritten_per_update", 1),
     ("drawn", "/drawn/indices_per_lod", 0),
     ("per triangle", "/drawn/indices_per_triangle", 3),
+    ("less degen.", "/drawn/degenerates_removed", 2),
 ];
 const GPU: &[Column] = &[
     ("runs", "/runs", 0),

@@ -23,6 +23,7 @@ pub use history::{Kind, Removal};
 pub use replay::SHADERS;
 pub use run_time::{AT_END, LodInfo, Operation, RunTime, StripInfo};
 
+use crate::interactive::deaths::deaths;
 use crate::strips::{self, STRIPS};
 use crate::{Array, BuildError, Changes, Model, StorageCost, Strips, Traffic};
 use edits::Edits;
@@ -104,6 +105,25 @@ impl Speed {
     #[must_use]
     pub fn removed_at(&self) -> &[u32] {
         &self.edits.removed_at
+    }
+
+    /// Which share of the degenerate triangles is not drawn because repetitions and dead ends are taken out: of all that
+    /// live strips would draw over all LODs with their vertices of LOD 0. 0 if there are none. The thesis tells of about
+    /// three quarters (3.4).
+    #[must_use]
+    pub fn degenerates_removed(&self) -> f64 {
+        let lods = self.simplified.collapses().records() + 1;
+        let shown = |death: u32| u64::from(death.min(lods));
+        let alive: u64 = deaths(&self.simplified, &self.positions).into_iter().map(shown).sum();
+        let (mut whole, mut drawn) = (0, 0);
+        for (strip, &death) in self.edits.deaths.iter().enumerate() {
+            let room = self.strips.range(strip);
+            whole += (room.len() as u64 - 2) * shown(death);
+            drawn += self.edits.removed_at[room].iter().map(|&at| shown(at.min(death))).sum::<u64>();
+            drawn -= 2 * shown(death);
+        }
+        let (whole, left) = (whole.saturating_sub(alive), drawn.saturating_sub(alive));
+        if whole == 0 { 0.0 } else { 1.0 - left as f64 / whole as f64 }
     }
 
     /// For each strip the first LOD at which it draws nothing.

@@ -293,3 +293,24 @@ fn storage_counts_words_and_bytes_of_the_arrays() {
     assert!(half.structures < cost.structures && half.structures > 0);
     assert_eq!(model.storage_to(Lod(0)).structures, 0);
 }
+
+#[test]
+fn the_share_of_degenerates_removed_is_that_of_a_plain_count() {
+    for seed in 0..10 {
+        let simplified = Arc::new(fixtures::random_collapse(&fixtures::icosphere(2), seed));
+        let strips = Arc::new(Strips::generate(&simplified, StripKind::Stripe, Effort::Fast));
+        let model = Speed::build(&simplified, strips).expect("few changes");
+        let (mut cursor, mut whole, mut left) = (model.cursor(), 0, 0);
+        for lod in 0..=simplified.collapses().records() {
+            model.seek(&mut cursor, Lod(lod), &mut ());
+            let live = simplified.triangles_at(Lod(lod)).len();
+            let strips = (0..model.strips.len()).filter(|&s| !cursor.strip(s).is_empty());
+            let triangles = strips.map(|s| (model.strips.strip(s).len() - 2, cursor.strip(s).len() - 2));
+            let [all, drawn] = triangles.fold([0, 0], |[a, b], (x, y)| [a + x, b + y]);
+            whole += all - live;
+            left += drawn - live;
+        }
+        let share = 1.0 - left as f64 / whole as f64;
+        assert!(share > 0.1 && (model.degenerates_removed() - share).abs() < 1e-12, "{share}");
+    }
+}
