@@ -6,7 +6,11 @@ use lodc_fixtures as fixtures;
 use lodc_lod::{ModelKind, StripOptions, StripPool};
 use lodc_mesh::Mesh;
 
-pub(super) fn object(name: &str, mesh: &Mesh) -> LodObject {
+fn object(name: &str, mesh: &Mesh) -> LodObject {
+    object_with(name, mesh, &[ModelKind::Interactive])
+}
+
+fn object_with(name: &str, mesh: &Mesh, kinds: &[ModelKind]) -> LodObject {
     let simplified = Arc::new(fixtures::random_collapse(mesh, 1));
     let submesh = |i| SubmeshInfo {
         name: format!("part{i}"),
@@ -19,9 +23,10 @@ pub(super) fn object(name: &str, mesh: &Mesh) -> LodObject {
         world_scale: 2.5,
         document_mesh: 3,
     };
-    let model = AnyModel::build(ModelKind::Interactive, &mut StripPool::new(&simplified, StripOptions::default()))
-        .expect("triangles are in order");
-    LodObject { info, simplified, models: vec![model] }
+    let mut strips = StripPool::new(&simplified, StripOptions::default());
+    let model = |&kind| AnyModel::build(kind, &mut strips).expect("triangles are in order");
+    let models = kinds.iter().map(model).collect();
+    LodObject { info, simplified, models }
 }
 
 pub(super) fn obj_file(name: &str) -> LodFile {
@@ -42,6 +47,12 @@ pub(super) fn gltf_file(names: &[&str]) -> LodFile {
         objects: names.iter().map(|name| object(name, &fixtures::named(name).expect("a shape"))).collect(),
         left_out: vec![],
     }
+}
+
+/// A file with a mesh of several submeshes, a seam and borders, and all models of it.
+pub(super) fn all_models_file() -> LodFile {
+    let mesh = fixtures::named("machine_part").expect("a shape");
+    LodFile { objects: vec![object_with("machine_part", &mesh, &ModelKind::ALL)], ..gltf_file(&[]) }
 }
 
 fn same(a: &LodFile, b: &LodFile) {
