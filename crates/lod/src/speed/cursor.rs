@@ -150,25 +150,21 @@ impl Cursor {
         for &strip in run.dying {
             self.heads[strip as usize].live = true;
             if self.heads[strip as usize].stale {
-                written += self.make_at(model, strip, model.edits().deaths[strip as usize] - 1);
+                let lod = model.edits().deaths[strip as usize] - 1;
+                written +=
+                    self.make(model, strip as usize, lod, |v| model.simplified().collapses().resolve(v, Lod(lod)));
+                written += self.mend_ends(model, strip as usize, lod);
             }
         }
-        let mut made = None;
         for gone in run.removals.iter().rev() {
             let next = (gone.changes - run.first_change) as usize;
             self.write_back(&run.places[next..left], &run.vertices[next..left]);
             left = next;
             let at_end = matches!(gone.removal.kind, Kind::Front | Kind::Back);
-            if made == Some((gone.strip, gone.record)) {
-                continue;
-            }
             if at_end && self.heads[gone.strip as usize].stale {
-                // Made as it was before the whole record: other removals of the same record are done with.
-                made = Some((gone.strip, gone.record));
-                written += self.make_at(model, gone.strip, gone.record);
-            } else {
-                written += restore(&mut self.indices, &mut self.heads[gone.strip as usize].span, gone.removal);
+                written += self.mend_ends(model, gone.strip as usize, gone.record + 1);
             }
+            written += restore(&mut self.indices, &mut self.heads[gone.strip as usize].span, gone.removal);
             if written > most {
                 return None;
             }
@@ -190,8 +186,21 @@ impl Cursor {
         }
     }
 
-    fn make_at(&mut self, model: &Speed, strip: u32, lod: u32) -> u64 {
-        self.make(model, strip as usize, lod, |v| model.simplified().collapses().resolve(v, Lod(lod)))
+    /// Writes what has gone at the ends of a stale strip until a LOD, each element as it was left. Returns how many they are.
+    fn mend_ends(&mut self, model: &Speed, strip: usize, lod: u32) -> u64 {
+        let (edits, room) = (model.edits(), model.strips().range(strip));
+        let mut written = 0;
+        for index in room.clone() {
+            let (at, removed_at) = (edits.left_at[index], edits.removed_at[index]);
+            if at < u32::MAX && removed_at <= lod {
+                let vertex = model.strips().indices()[index];
+                self.indices[room.start + at as usize] =
+                    model.simplified().collapses().resolve(vertex, Lod(removed_at - 1));
+                written += 1;
+            }
+        }
+        self.heads[strip].stale = false;
+        written
     }
 
     /// Makes all strips anew. Returns how many elements they have.

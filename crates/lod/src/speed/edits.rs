@@ -60,6 +60,8 @@ pub(super) struct Edits {
     pub(super) removed_at: Vec<u32>,
     /// For each index whether it goes at the front of its strip.
     at_front: Vec<bool>,
+    /// For each index that goes at an end of its strip its place then; for others `u32::MAX`.
+    pub(super) left_at: Vec<u32>,
     /// For each strip the first LOD at which it draws nothing.
     pub(super) deaths: Vec<u32>,
 }
@@ -137,6 +139,7 @@ impl Edits {
         edits.start_records(records + 1);
         edits.removed_at = histories.iter().flat_map(|h| &h.removed_at).copied().collect();
         edits.at_front = histories.iter().flat_map(|h| &h.at_front).copied().collect();
+        edits.left_at = histories.iter().flat_map(|h| &h.left_at).copied().collect();
         edits.deaths = histories.iter().flat_map(|h| &h.deaths).copied().collect();
         edits
     }

@@ -78,6 +78,9 @@ pub(crate) struct History {
     pub(crate) removed_at: Vec<u32>,
     /// For each index whether it is removed at the front of its strip.
     pub(crate) at_front: Vec<bool>,
+    /// For each index that is removed at the front or back of its strip its place then, where it is left; for others
+    /// `u32::MAX`.
+    pub(crate) left_at: Vec<u32>,
     /// For each strip the first LOD at which it draws nothing.
     pub(crate) deaths: Vec<u32>,
 }
@@ -183,6 +186,7 @@ impl Workshop {
         let first_change = history.changes.len();
         history.removed_at.resize(removed_from + strip.len(), u32::MAX);
         history.at_front.resize(removed_from + strip.len(), false);
+        history.left_at.resize(removed_from + strip.len(), u32::MAX);
         if removals.looks_ahead() {
             let end = self.end(strip, targets, positions);
             removals.begin(end);
@@ -218,13 +222,15 @@ impl Workshop {
             for r in gone {
                 history.removals.push(Removal { at: self.strip.place(r.first), count: r.count, kind: r.kind });
             }
-            for r in gone {
+            let removals = &history.removals[history.removals.len() - gone.len()..];
+            for (r, at) in gone.iter().zip(removals.iter().map(|removal| removal.at)) {
                 let mut element = r.first;
-                for _ in 0..r.count {
+                for k in 0..r.count {
                     self.strip.forget(element);
                     let index = removed_from + WorkingStrip::number(element);
                     history.removed_at[index] = death;
                     history.at_front[index] = r.kind == Kind::Front;
+                    history.left_at[index] = if r.kind.period() == 0 { at + k } else { u32::MAX };
                     element = self.strip.next(element);
                 }
                 if r.kind == Kind::Front {

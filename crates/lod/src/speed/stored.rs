@@ -138,5 +138,6 @@ pub(super) fn join(into: &mut History, more: History) {
     into.removals.extend(more.removals);
     into.removed_at.extend(more.removed_at);
     into.at_front.extend(more.at_front);
+    into.left_at.extend(more.left_at);
     into.deaths.extend(more.deaths);
 }
