@@ -1,7 +1,7 @@
 //! Interactive Meshes: examples worked by hand, and everything against the reference.
 
 use super::*;
-use crate::testing::without;
+use crate::testing::{Log, check_moves};
 use lodc_fixtures as fixtures;
 use lodc_mesh::{CollapseSequence, Mesh, MeshParts, SequenceParts, Submesh};
 
@@ -116,21 +116,6 @@ fn extraction_shows_the_triangles_worked_out_by_hand() {
     }
 }
 
-#[derive(Default)]
-struct Log {
-    gone: Vec<OrientedTriangle>,
-    came: Vec<OrientedTriangle>,
-}
-
-impl Changes for Log {
-    fn gone(&mut self, triangle: OrientedTriangle) {
-        self.gone.push(triangle);
-    }
-    fn came(&mut self, triangle: OrientedTriangle) {
-        self.came.push(triangle);
-    }
-}
-
 #[test]
 fn changes_worked_out_by_hand() {
     let model = Interactive::build(&two_quads(REORDERED)).expect("triangles are in order");
@@ -171,38 +156,14 @@ fn check(name: &str, simplified: &Simplified) {
     let model = Interactive::build(&Arc::new(simplified.clone())).expect("a valid sequence");
     let collapses = simplified.collapses();
     let lists = CollapseLists::new(collapses.targets(), collapses.last(), usize::MAX).expect("a small mesh");
-    let ends = || std::iter::once(0).chain(collapses.parts().step_ends.iter().copied());
-    let mut rng = fixtures::Rng::new(7);
-    let jumps: Vec<u32> = (0..50).map(|_| rng.below(collapses.records() as usize + 1) as u32).collect();
-    let mut all: Vec<u32> = ends().collect();
-    all.extend(ends().collect::<Vec<_>>().into_iter().rev());
-    all.extend(jumps);
-
-    let (mut cursor, mut extraction) = (model.cursor(), Extraction::new(&lists));
-    let mut before = model.triangles(&cursor);
-    before.sort_unstable();
-    for lod in all.into_iter().map(Lod) {
-        let mut log = Log::default();
-        let from = model.lod(&cursor);
-        model.seek(&mut cursor, lod, &mut log);
-        let mut shown = model.triangles(&cursor);
-        let mut truth = simplified.triangles_at(collapses.floor(lod));
-        shown.sort_unstable();
-        truth.sort_unstable();
-        assert_eq!(shown, truth, "{name}: LOD {lod:?}");
-        log.gone.sort_unstable();
-        log.came.sort_unstable();
-        assert_eq!(
-            (without(&before, &shown), without(&shown, &before)),
-            (log.gone, log.came),
-            "{name}: {from:?} → {lod:?}"
-        );
-        extraction.seek(&lists, collapses.floor(lod));
+    let mut extraction = Extraction::new(&lists);
+    check_moves(name, &model, |cursor| {
+        let lod = model.lod(cursor);
+        extraction.seek(&lists, lod);
         for v in 0..simplified.mesh().vertex_count() as u32 {
-            assert_eq!(extraction.shown(&lists, v), collapses.resolve(v, collapses.floor(lod)), "{name}");
+            assert_eq!(extraction.shown(&lists, v), collapses.resolve(v, lod), "{name}");
         }
-        before = shown;
-    }
+    });
 }
 
 #[test]

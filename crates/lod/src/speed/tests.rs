@@ -1,26 +1,11 @@
 //! Speed Strips: examples worked by hand, and everything against the reference.
 
 use super::*;
-use crate::testing::without;
+use crate::testing::{Log, check_moves, first};
 use crate::{StripKind, Strips};
 use lodc_fixtures as fixtures;
 use lodc_mesh::{CollapseSequence, Mesh, MeshParts, SequenceParts, Submesh};
 use lodc_strip::{Effort, StripSet};
-
-#[derive(Default)]
-struct Log {
-    gone: Vec<OrientedTriangle>,
-    came: Vec<OrientedTriangle>,
-}
-
-impl Changes for Log {
-    fn gone(&mut self, triangle: OrientedTriangle) {
-        self.gone.push(triangle);
-    }
-    fn came(&mut self, triangle: OrientedTriangle) {
-        self.came.push(triangle);
-    }
-}
 
 fn model(simplified: &Simplified, kind: StripKind) -> Speed {
     let strips = Strips::generate(simplified, kind, Effort::Fast);
@@ -150,7 +135,7 @@ fn counts_that_overflow_a_byte_are_spelled_out() {
             many.1 |= strips.iter().any(|(_, operations)| operations.len() >= 255);
             assert_eq!(*strips, expected);
         }
-        check("pole", &model);
+        check_moves("pole", &model, |_| ());
         many
     };
     // Each triangle a strip of its own, then all in one.
@@ -182,54 +167,15 @@ fn everything_shown_and_told_equals_the_reference() {
     for &(name, make) in fixtures::ALL {
         let mesh = make();
         if mesh.triangles().len() <= 400 {
-            check(name, &model(&fixtures::random_collapse(&mesh, 1), StripKind::Stripe));
+            check_moves(name, &model(&fixtures::random_collapse(&mesh, 1), StripKind::Stripe), |_| ());
         }
     }
     for seed in 0..60 {
         let simplified = fixtures::random_collapse(&fixtures::random(seed), seed);
         for kind in [StripKind::Stripe, StripKind::Cache] {
-            check(&format!("random {seed}, {}", kind.name()), &model(&simplified, kind));
+            check_moves(&format!("random {seed}, {}", kind.name()), &model(&simplified, kind), |_| ());
         }
     }
-}
-
-/// Every step down and up, then jumps; triangles, changes and submeshes.
-fn check(name: &str, model: &Speed) {
-    let collapses = model.simplified().collapses();
-    let ends = || std::iter::once(0).chain(collapses.parts().step_ends.iter().copied());
-    let mut rng = fixtures::Rng::new(7);
-    let jumps: Vec<u32> = (0..60).map(|_| rng.below(collapses.records() as usize + 1) as u32).collect();
-    let small = collapses.parts().triangles <= 400;
-    let mut all: Vec<u32> = ends().step_by(if small { 1 } else { 37 }).collect();
-    all.extend(all.clone().into_iter().rev());
-    all.extend(jumps);
-    let mut cursor = model.cursor();
-    let mut quiet = model.cursor();
-    let mut before = model.triangles(&cursor);
-    before.sort_unstable();
-    for lod in all.into_iter().map(Lod) {
-        let mut log = Log::default();
-        let from = model.lod(&cursor);
-        let traffic = model.seek(&mut cursor, lod, &mut log);
-        assert_eq!(model.seek(&mut quiet, lod, &mut ()), traffic, "{name}: nobody listens");
-        let mut shown = model.triangles(&cursor);
-        assert!(shown == model.triangles(&quiet), "{name}: nobody listens");
-        let mut truth = model.simplified().triangles_at(collapses.floor(lod));
-        shown.sort_unstable();
-        truth.sort_unstable();
-        assert!(shown == truth, "{name}: LOD {lod:?}: {}", first(&shown, &truth));
-        log.gone.sort_unstable();
-        log.came.sort_unstable();
-        let told = (without(&before, &shown), without(&shown, &before));
-        assert!(told == (log.gone, log.came), "{name}: {from:?} → {lod:?}");
-        before = shown;
-    }
-}
-
-/// What to print of two lists that differ.
-fn first(shown: &[OrientedTriangle], truth: &[OrientedTriangle]) -> String {
-    let (extra, missing) = (without(shown, truth), without(truth, shown));
-    format!("{} too many from {:?}, {} missing from {:?}", extra.len(), extra.first(), missing.len(), missing.first())
 }
 
 #[test]

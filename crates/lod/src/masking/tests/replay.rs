@@ -1,24 +1,9 @@
 //! Every fixture, every step, both ways, and jumps; damaged arrays; sequences made to be slow.
 
 use super::*;
-use crate::testing::without;
+use crate::testing::check_moves;
 use crate::{StripKind, bytes::put_varint};
 use lodc_strip::Effort;
-
-#[derive(Default)]
-struct Log {
-    gone: Vec<OrientedTriangle>,
-    came: Vec<OrientedTriangle>,
-}
-
-impl Changes for Log {
-    fn gone(&mut self, triangle: OrientedTriangle) {
-        self.gone.push(triangle);
-    }
-    fn came(&mut self, triangle: OrientedTriangle) {
-        self.came.push(triangle);
-    }
-}
 
 #[test]
 fn everything_shown_and_told_equals_the_reference() {
@@ -45,49 +30,13 @@ fn check(name: &str, simplified: Simplified) {
     for kind in [StripKind::Stripe, StripKind::Cache] {
         let strips = Arc::new(Strips::generate(&simplified, kind, Effort::Fast));
         let model = Masking::build(&simplified, strips).expect("few entries");
-        check_model(&format!("{name}, {}", kind.name()), &model);
+        check_moves(&format!("{name}, {}", kind.name()), &model, |cursor| {
+            let indices = (0..model.strips.len()).map(|s| cursor.strip(s).len() as u64).sum();
+            assert_eq!(cursor.drawn(), indices, "{name}");
+        });
         let again = Masking::load(&simplified, &model.arrays()).expect("nothing is damaged");
         assert_eq!((&again.entries, &again.updates), (&model.entries, &model.updates), "{name}");
         assert_eq!(again.arrays(), model.arrays(), "{name}");
-    }
-}
-
-fn check_model(name: &str, model: &Masking) {
-    let collapses = model.simplified.collapses();
-    let ends = || std::iter::once(0).chain(collapses.parts().step_ends.iter().copied());
-    let mut rng = fixtures::Rng::new(7);
-    let mut all: Vec<u32> = ends().collect();
-    all.extend(ends().collect::<Vec<_>>().into_iter().rev());
-    all.extend((0..60).map(|_| rng.below(collapses.records() as usize + 1) as u32));
-    let last = collapses.records();
-    all.extend([last, 0, last, last / 2, last / 2 + 3, last / 3, 0]);
-
-    let (mut cursor, mut deaf) = (model.cursor(), model.cursor());
-    let mut before = model.triangles(&cursor);
-    before.sort_unstable();
-    for lod in all.into_iter().map(Lod) {
-        let (mut log, from) = (Log::default(), cursor.lod());
-        let traffic = model.seek(&mut cursor, lod, &mut log);
-        assert_eq!(model.seek(&mut deaf, lod, &mut ()), traffic, "{name}");
-        assert_eq!(cursor.drawn_strips(model), deaf.drawn_strips(model), "{name}: {from:?} → {lod:?}");
-        let mut shown = model.triangles(&cursor);
-        let mut truth = model.simplified.triangles_at(collapses.floor(lod));
-        shown.sort_unstable();
-        truth.sort_unstable();
-        assert_eq!(shown, truth, "{name}: {from:?} → {lod:?}");
-        log.gone.sort_unstable();
-        log.came.sort_unstable();
-        let told = (log.gone, log.came);
-        assert_eq!((without(&before, &shown), without(&shown, &before)), told, "{name}: {from:?} → {lod:?}");
-        let indices: usize = cursor.drawn_strips(model).iter().map(|s| s.len()).sum();
-        assert_eq!(cursor.drawn(), indices as u64, "{name}");
-        before = shown;
-    }
-}
-
-impl Cursor {
-    fn drawn_strips<'a>(&'a self, model: &Masking) -> Vec<&'a [u32]> {
-        (0..model.strips.len()).map(|s| self.strip(s)).collect()
     }
 }
 
