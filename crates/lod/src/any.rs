@@ -211,6 +211,13 @@ impl Model for AnyModel {
             _ => panic!("{FOREIGN}"),
         }
     }
+    fn sent(&self, from: Lod, to: Lod, traffic: Traffic) -> u64 {
+        match self {
+            Self::Speed(model) => model.sent(from, to, traffic),
+            Self::Masking(model) => model.sent(from, to, traffic),
+            Self::Interactive(model) => model.sent(from, to, traffic),
+        }
+    }
     fn triangles(&self, cursor: &AnyCursor) -> Vec<OrientedTriangle> {
         match (self, cursor) {
             (Self::Speed(model), AnyCursor::Speed(cursor)) => model.triangles(cursor),

@@ -29,6 +29,12 @@ pub trait Model {
     /// `changes` hears of exactly the triangles that go and come: no triangle that stays, none twice.
     fn seek(&self, cursor: &mut Self::Cursor, lod: Lod, changes: &mut impl Changes) -> Traffic;
 
+    /// Bytes that a program which keeps the model on a GPU sends there for a move that cost `traffic`: each rewritten element
+    /// by itself, unless a model says otherwise.
+    fn sent(&self, _from: Lod, _to: Lod, traffic: Traffic) -> u64 {
+        4 * traffic.rewritten
+    }
+
     /// The triangles shown, in the order in which they would be drawn.
     fn triangles(&self, cursor: &Self::Cursor) -> Vec<OrientedTriangle>;
 
@@ -71,8 +77,6 @@ pub struct Traffic {
     pub records: u32,
     /// Elements of the drawn data (vertices or indices) that were rewritten.
     pub rewritten: u64,
-    /// Bytes that a program which keeps the model on a GPU sends there for this move.
-    pub bytes: u64,
 }
 
 /// A named run of bytes that a model needs besides the mesh and the sequence. Numbers in it are little-endian.

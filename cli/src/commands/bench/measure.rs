@@ -36,8 +36,8 @@ pub(super) struct Counts {
 pub(super) fn counts(runner: &mut dyn Runner, stops: &[Lod]) -> Counts {
     let mut counts = Counts::default();
     let mut seek = |lod: Lod, draw: bool| {
-        let traffic = runner.seek(lod);
-        counts.bytes += traffic.bytes;
+        let (traffic, bytes) = runner.send(lod);
+        counts.bytes += bytes;
         counts.rewritten += traffic.rewritten;
         counts.drawn += if draw { runner.drawn() } else { 0 };
     };

@@ -11,6 +11,8 @@ use std::sync::Arc;
 pub(super) trait Runner {
     /// Moves the cursor; nobody listens to what changes.
     fn seek(&mut self, lod: Lod) -> Traffic;
+    /// Moves it, and says how many bytes that sends to a GPU besides.
+    fn send(&mut self, lod: Lod) -> (Traffic, u64);
     /// Indices drawn where the cursor is.
     fn drawn(&self) -> u64;
 }
@@ -23,6 +25,11 @@ struct Run<'a, M: Model> {
 impl<M: Model> Runner for Run<'_, M> {
     fn seek(&mut self, lod: Lod) -> Traffic {
         self.model.seek(&mut self.cursor, lod, &mut ())
+    }
+    fn send(&mut self, lod: Lod) -> (Traffic, u64) {
+        let from = self.model.lod(&self.cursor);
+        let traffic = self.seek(lod);
+        (traffic, self.model.sent(from, self.model.lod(&self.cursor), traffic))
     }
     fn drawn(&self) -> u64 {
         self.model.drawn(&self.cursor)

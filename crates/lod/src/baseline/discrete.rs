@@ -77,8 +77,11 @@ impl Model for Discrete {
         let [from, now] = [cursor.0, to].map(|level| &self.levels[level]);
         tell(&from.triangles, &now.triangles, changes);
         cursor.0 = to;
-        let bytes = if from.lod == now.lod { 0 } else { 4 };
-        Traffic { records: from.lod.0.abs_diff(now.lod.0), rewritten: 0, bytes }
+        Traffic { records: from.lod.0.abs_diff(now.lod.0), rewritten: 0 }
+    }
+    /// The number of the level.
+    fn sent(&self, _: Lod, _: Lod, traffic: Traffic) -> u64 {
+        if traffic.records == 0 { 0 } else { 4 }
     }
     fn triangles(&self, cursor: &Cursor) -> Vec<OrientedTriangle> {
         self.levels[cursor.0].triangles.clone()

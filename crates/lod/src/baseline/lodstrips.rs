@@ -136,7 +136,7 @@ impl LodStrips {
                 (fine..coarse).rev().map(|record| self.refine(cursor, record)).sum()
             };
             cursor.lod = to;
-            Traffic { records: coarse - fine, rewritten, bytes: 4 * rewritten }
+            Traffic { records: coarse - fine, rewritten }
         };
         if !C::HEARD {
             return walk(cursor);
@@ -168,7 +168,6 @@ impl Model for LodStrips {
     fn lod(&self, cursor: &Cursor) -> Lod {
         Lod(cursor.lod)
     }
-    /// The bytes are those of a program that sends the indices that were rewritten.
     fn seek(&self, cursor: &mut Cursor, lod: Lod, changes: &mut impl Changes) -> Traffic {
         self.move_to(cursor, self.simplified.collapses().floor(lod).0, changes)
     }

@@ -113,6 +113,9 @@ impl Model for Baseline {
     fn seek(&self, cursor: &mut BaselineCursor, lod: Lod, changes: &mut impl Changes) -> Traffic {
         each!(self, cursor, (model, at) => model.seek(at, lod, changes))
     }
+    fn sent(&self, from: Lod, to: Lod, traffic: Traffic) -> u64 {
+        each!(self, model => model.sent(from, to, traffic))
+    }
     fn triangles(&self, cursor: &BaselineCursor) -> Vec<OrientedTriangle> {
         each!(self, cursor, (model, at) => model.triangles(at))
     }

@@ -95,8 +95,7 @@ impl Cursor {
             self.report(s, deaths, &moved, to > from, (fine, coarse), changes);
         }
         self.lod = to;
-        // A GPU has the lists and does all this by itself: it is told the LOD.
-        Traffic { records: coarse - fine, rewritten: moved.len() as u64, bytes: 4 }
+        Traffic { records: coarse - fine, rewritten: moved.len() as u64 }
     }
 
     /// Tells of every triangle around the moved vertices that is live at the finer LOD, once.

@@ -103,6 +103,10 @@ impl Model for Interactive {
     fn seek(&self, cursor: &mut Cursor, lod: Lod, changes: &mut impl Changes) -> Traffic {
         cursor.seek(&self.simplified, &self.deaths, lod, changes)
     }
+    /// The number of the LOD: a GPU has the lists and does everything else by itself.
+    fn sent(&self, _: Lod, _: Lod, traffic: Traffic) -> u64 {
+        if traffic.records == 0 { 0 } else { 4 }
+    }
     fn triangles(&self, cursor: &Cursor) -> Vec<OrientedTriangle> {
         cursor.triangles(&self.simplified)
     }

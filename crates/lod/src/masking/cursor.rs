@@ -77,7 +77,7 @@ impl Cursor {
     pub(super) fn seek<C: Changes>(&mut self, model: &Masking, lod: Lod, changes: &mut C) -> Traffic {
         let (from, to) = (self.lod, model.simplified.collapses().floor(lod).0);
         let records = from.min(to)..from.max(to);
-        let traffic = |rewritten| Traffic { records: records.end - records.start, rewritten, bytes: 4 * rewritten };
+        let traffic = |rewritten| Traffic { records: records.end - records.start, rewritten };
         if !C::HEARD {
             return traffic(self.move_to(model, to, &records));
         }

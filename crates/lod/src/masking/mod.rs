@@ -134,7 +134,6 @@ impl Model for Masking {
     fn lod(&self, cursor: &Cursor) -> Lod {
         cursor.lod()
     }
-    /// The bytes of [`Traffic`] are the filtered copies of the strips that changed, whole, four for each index.
     fn seek(&self, cursor: &mut Cursor, lod: Lod, changes: &mut impl Changes) -> Traffic {
         cursor.seek(self, lod, changes)
     }

@@ -119,8 +119,6 @@ impl Cursor {
             self.refine(model, records, most)
         };
         traffic.rewritten = near.unwrap_or_else(|| self.far(model, to));
-        let sent = if near.is_some() { edits.elements(records, to == records.end) } else { traffic.rewritten };
-        traffic.bytes = 4 * sent;
         self.lod = to;
     }
 

@@ -158,10 +158,12 @@ impl Model for Speed {
     fn lod(&self, cursor: &Cursor) -> Lod {
         cursor.lod()
     }
-    /// In the variant *memory* of the thesis nothing is sent; in *memory and upload* every changed strip is sent whole:
-    /// these are the bytes of the traffic.
     fn seek(&self, cursor: &mut Cursor, lod: Lod, changes: &mut impl Changes) -> Traffic {
         cursor.seek(self, lod, changes)
+    }
+    /// Every strip that changed, whole: the variant *memory and upload* of the thesis. In its *memory* nothing is sent.
+    fn sent(&self, from: Lod, to: Lod, _: Traffic) -> u64 {
+        4 * self.edits.elements(&(from.0.min(to.0)..from.0.max(to.0)), to > from)
     }
     fn triangles(&self, cursor: &Cursor) -> Vec<OrientedTriangle> {
         cursor.triangles(self)

@@ -86,9 +86,7 @@ impl Cursor {
         } else {
             self.walk(s, r, to, &mut ())
         };
-        // Each rewritten index sent by itself, and how many are drawn: the least that could be sent.
-        let counts = if from == to { 0 } else { self.live.len() as u64 };
-        Traffic { records: from.0.abs_diff(to.0), rewritten, bytes: 4 * (rewritten + counts) }
+        Traffic { records: from.0.abs_diff(to.0), rewritten }
     }
 
     fn walk(&mut self, s: &Simplified, r: &Records, to: Lod, watch: &mut impl Watch) -> u64 {
