@@ -275,7 +275,11 @@ impl Patch {
     }
 
     /// What the part of a moved face counts for that lies where the input has nothing: beyond the extent of every sample.
+    /// In wide stars, which only inputs have, it is not looked for.
     fn foreign(&self, i: usize, samples: &Samples) -> f32 {
+        if self.moved.len() > WIDE {
+            return 0.0;
+        }
         let placed = &self.placed[i];
         let share = |at: [f32; 2]| {
             let place = placed.at(at);
