@@ -1,6 +1,7 @@
 //! `lodc compare`: numbers for scripts, limits for pipelines, pictures for people.
 
 use crate::support::{Folder, grid};
+use lodc_formats::picture::{Picture, png};
 
 /// The grid, lifted.
 fn lifted(n: usize, by: &str) -> String {
@@ -57,4 +58,44 @@ fn the_heatmap_is_a_png_and_the_rest_is_refused_in_one_line() {
         f.lodc(["compare", "a.obj", "a.obj"].into_iter().chain(wrong)).ends(2);
     }
     f.lodc(["compare", "-", "-"]).fails(2);
+}
+
+/// A square whose texture is striped red and green, which are equally bright, moved by a share of its width.
+fn striped(f: &Folder, name: &str, shift: f64) {
+    f.file(&format!("{name}.mtl"), "newmtl m\nKd 1 1 1\nmap_Kd t.png\n");
+    let [left, right] = [shift, 1.0 + shift];
+    let text = format!(
+        "mtllib {name}.mtl\nv 0 0 0\nv 4 0 0\nv 4 4 0\nv 0 4 0\n\
+         vt {left} 0\nvt {right} 0\nvt {right} 1\nvt {left} 1\nusemtl m\nf 1/1 2/2 3/3 4/4\n"
+    );
+    f.file(&format!("{name}.obj"), text);
+}
+
+#[test]
+fn a_texture_that_has_moved_is_seen() {
+    let f = Folder::new();
+    let stripe = |i: usize| if i % 16 / 4 % 2 == 0 { [200, 30, 30, 255] } else { [30, 200, 30, 255] };
+    f.file("t.png", png(&Picture { width: 16, height: 16, bytes: (0..256).flat_map(stripe).collect() }));
+    for (name, shift) in [("a", 0.0), ("moved", 0.25), ("period", 0.5)] {
+        striped(&f, name, shift);
+    }
+    f.file("plain.obj", "v 0 0 0\nv 4 0 0\nv 4 4 0\nv 0 4 0\nf 1 2 3 4\n");
+    let image = |b: &str, more: &[&str]| {
+        let all = ["compare", "a.obj", b, "--json", "--views", "6", "--size", "64", "--samples", "100"];
+        f.lodc(all.into_iter().chain(more.iter().copied())).ends(0).json()["image"].clone()
+    };
+    let rmse = |image: &serde_json::Value| image["rmse"].as_f64().expect("a number");
+    assert_eq!(image("moved.obj", &[])["textures"], true);
+    // All stripes have changed places: two of three channels differ by up to 170.
+    assert!(rmse(&image("moved.obj", &[])) > 40.0);
+    assert!(rmse(&image("period.obj", &[])) < 0.5);
+    assert_eq!(rmse(&image("a.obj", &[])), 0.0);
+    assert_eq!(rmse(&image("moved.obj", &["--no-attributes"])), 0.0);
+    let plain = image("plain.obj", &[]);
+    assert_eq!((rmse(&plain), &plain["textures"], &plain["texture"]), (0.0, &false.into(), &false.into()));
+    f.lodc(["compare", "a.obj", "moved.obj", "--max-image-rmse", "40", "--size", "64", "--heatmap", "h.png"]).ends(1);
+    // Without the picture there is a checkerboard again.
+    std::fs::remove_file(f.path().join("t.png")).expect("it is there");
+    let board = image("moved.obj", &[]);
+    assert_eq!((&board["textures"], &board["texture"]), (&false.into(), &true.into()));
 }

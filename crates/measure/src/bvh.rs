@@ -30,10 +30,15 @@ pub struct Bvh {
 }
 
 impl Bvh {
-    /// Builds the tree. Takes `O(n log² n)`.
+    /// The tree of a surface. Takes `O(n log² n)`.
     #[must_use]
     pub fn new(surface: &Surface) -> Self {
-        let corners: Vec<[DVec3; 3]> = (0..surface.triangles.len()).map(|t| surface.corners(t)).collect();
+        Self::of((0..surface.triangles.len()).map(|t| surface.corners(t)).collect())
+    }
+
+    /// The tree of triangles by their corners.
+    #[must_use]
+    pub fn of(corners: Vec<[DVec3; 3]>) -> Self {
         let mut order: Vec<u32> = (0..corners.len() as u32).collect();
         let mut nodes = Vec::new();
         if !order.is_empty() {

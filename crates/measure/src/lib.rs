@@ -7,11 +7,13 @@ mod picture;
 mod shading;
 mod spread;
 mod surface;
+mod texture;
 
 pub use bvh::Bvh;
 pub use distance::{Distances, Sampling, distances};
 pub use picture::{ImageError, Looks, Picture, Viewing, compare_pictures, pictures};
 pub use surface::Surface;
+pub use texture::{Paint, Texture, Wrap};
 
 #[cfg(test)]
 mod tests;

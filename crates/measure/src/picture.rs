@@ -1,4 +1,4 @@
-//! Pictures of surfaces, and how different they look: grey, with a light at the camera, from all sides.
+//! Pictures of surfaces, and how different they look: grey or as they are painted, with a light at the camera, from all sides.
 
 use crate::shading::smooth;
 use crate::surface::Surface;
@@ -20,6 +20,8 @@ pub struct Looks {
     pub own_normals: bool,
     /// Paint a checkerboard by texture coordinates: it shows where a texture is stretched or has slipped.
     pub checkerboard: bool,
+    /// Show the surface's paints, with their textures; else it is white.
+    pub paints: bool,
 }
 
 /// From where pictures are taken.
@@ -51,8 +53,8 @@ impl Viewing {
 pub struct Picture {
     /// Pixels across and down.
     pub size: u32,
-    /// 0 (black) to 255 (white), row by row from the top; negative where nothing is.
-    pub grey: Vec<f32>,
+    /// Red, green and blue, 0 to 255, row by row from the top; negative where nothing is.
+    pub colours: Vec<[f32; 3]>,
     /// The point that each pixel shows, where there is one.
     pub points: Vec<DVec3>,
 }
@@ -60,7 +62,7 @@ pub struct Picture {
 /// How different two surfaces look.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ImageError {
-    /// Root mean square difference of grey (0 to 255) over all pixels that either covers; 0 if none.
+    /// Root mean square difference of colours (0 to 255 each) over all pixels that either covers; 0 if none.
     pub rmse: f64,
     /// The share of those pixels that only one covers.
     pub silhouette: f64,
@@ -75,19 +77,25 @@ pub fn pictures(surface: &Surface, cameras: &[Camera], looks: Looks) -> Vec<Pict
     } else {
         smooth(surface)
     };
-    let board = looks.checkerboard && !surface.texture.is_empty();
-    cameras.par_iter().map(|camera| picture(surface, &normals, board, camera)).collect()
+    let looks = Looks {
+        checkerboard: looks.checkerboard && !surface.texture.is_empty(),
+        paints: looks.paints && !surface.paint_of.is_empty(),
+        ..looks
+    };
+    cameras.par_iter().map(|camera| picture(surface, &normals, looks, camera)).collect()
 }
 
 /// Compares pictures taken by the same cameras.
 #[must_use]
 pub fn compare_pictures(a: &[Picture], b: &[Picture]) -> ImageError {
     let (mut pixels, mut differ, mut sum) = (0u64, 0u64, 0.0);
-    for (x, y) in a.iter().zip(b).flat_map(|(a, b)| a.grey.iter().zip(&b.grey)) {
-        if *x >= 0.0 || *y >= 0.0 {
+    for (x, y) in a.iter().zip(b).flat_map(|(a, b)| a.colours.iter().zip(&b.colours)) {
+        let shown = [x, y].map(|colour| colour[0] >= 0.0);
+        if shown[0] || shown[1] {
             pixels += 1;
-            differ += u64::from((*x >= 0.0) != (*y >= 0.0));
-            sum += f64::from(x.max(0.0) - y.max(0.0)).powi(2);
+            differ += u64::from(shown[0] != shown[1]);
+            let square = |c: usize| f64::from(x[c].max(0.0) - y[c].max(0.0)).powi(2);
+            sum += (square(0) + square(1) + square(2)) / 3.0;
         }
     }
     if pixels == 0 {
@@ -96,7 +104,7 @@ pub fn compare_pictures(a: &[Picture], b: &[Picture]) -> ImageError {
     ImageError { rmse: (sum / pixels as f64).sqrt(), silhouette: differ as f64 / pixels as f64 }
 }
 
-fn picture(surface: &Surface, normals: &[[Vec3; 3]], board: bool, camera: &Camera) -> Picture {
+fn picture(surface: &Surface, normals: &[[Vec3; 3]], looks: Looks, camera: &Camera) -> Picture {
     let size = camera.size;
     let points: Vec<Point> = surface.positions.iter().map(|p| camera.project(p.as_dvec3())).collect();
     let mut front = vec![Fragment::NOTHING; (size * size) as usize];
@@ -106,29 +114,46 @@ fn picture(surface: &Surface, normals: &[[Vec3; 3]], board: bool, camera: &Camer
             *nearest = Fragment::new(t, depth).min(*nearest);
         });
     }
-    let mut grey = vec![-1.0; front.len()];
+    let mut colours = vec![[-1.0; 3]; front.len()];
     let mut shown = vec![DVec3::ZERO; front.len()];
     for (i, fragment) in front.into_iter().enumerate().filter(|(_, f)| *f != Fragment::NOTHING) {
         let triangle = surface.triangles[fragment.item() as usize];
         let corners = triangle.map(|v| points[v as usize]);
         let (column, row) = (i as u32 % size, i as u32 / size);
-        let (shares, faces_camera) = shares(corners, column, row);
+        let (shares, area) = shares(corners, column, row);
         let mix = |values: [Vec3; 3]| values[0] * shares[0] + values[1] * shares[1] + values[2] * shares[2];
         let normal = mix(normals[fragment.item() as usize]).normalize_or_zero();
-        // What is seen from behind is lit from behind.
-        let cosine = normal.dot(camera.toward.as_vec3()) * if faces_camera { 1.0 } else { -1.0 };
-        let mut light = AMBIENT + LAMP * cosine.max(0.0);
-        if board {
-            let [u, v] = [0, 1].map(|k| {
-                let at = |c: usize| surface.texture[triangle[c] as usize][k];
-                (at(0) * shares[0] + at(1) * shares[1] + at(2) * shares[2]) * SQUARES
-            });
-            light *= if is_dark(Vec2::new(u, v)) { DARK } else { 1.0 };
-        }
-        grey[i] = 255.0 * light.min(1.0);
+        // What is seen from behind is lit from behind. Rows run downwards, so counter-clockwise in space is clockwise here.
+        let cosine = normal.dot(camera.toward.as_vec3()) * if area < 0.0 { 1.0 } else { -1.0 };
+        let light = (AMBIENT + LAMP * cosine.max(0.0)).min(1.0);
+        let colour = if looks.paints {
+            painted(surface, fragment.item() as usize, shares, area)
+        } else if looks.checkerboard && is_dark(textured(surface, triangle, shares) * SQUARES) {
+            Vec3::splat(DARK)
+        } else {
+            Vec3::ONE
+        };
+        colours[i] = (colour * light * 255.0).into();
         shown[i] = mix(triangle.map(|v| surface.positions[v as usize])).as_dvec3();
     }
-    Picture { size, grey, points: shown }
+    Picture { size, colours, points: shown }
+}
+
+/// Texture coordinates at shares of a triangle's corners.
+fn textured(surface: &Surface, triangle: [u32; 3], shares: [f32; 3]) -> Vec2 {
+    let at = |c: usize| surface.texture[triangle[c] as usize] * shares[c];
+    at(0) + at(1) + at(2)
+}
+
+/// The colour of a triangle at shares of its corners. `area` is twice that of its picture, in squared subpixels.
+fn painted(surface: &Surface, t: usize, shares: [f32; 3], area: f64) -> Vec3 {
+    let paint = surface.paints[surface.paint_of[t] as usize];
+    let Some(texture) = paint.texture.map(|i| &surface.textures[i]) else { return paint.colour };
+    let triangle = surface.triangles[t];
+    let [a, b, c] = triangle.map(|v| surface.texture[v as usize]);
+    let pixels = (area.abs() / f64::from(SUBPIXELS * SUBPIXELS)) as f32;
+    let texels = (b - a).perp_dot(c - a).abs() * texture.area();
+    paint.colour * texture.at(textured(surface, triangle, shares), texels / pixels.max(f32::MIN_POSITIVE))
 }
 
 fn is_dark(at: Vec2) -> bool {
@@ -136,14 +161,13 @@ fn is_dark(at: Vec2) -> bool {
     parity(at.x) != parity(at.y)
 }
 
-/// A pixel centre's shares of a triangle's corners, and whether the triangle is seen from outside.
-fn shares(corners: [Point; 3], column: u32, row: u32) -> ([f32; 3], bool) {
+/// A pixel centre's shares of a triangle's corners, and twice the triangle's area in squared subpixels.
+fn shares(corners: [Point; 3], column: u32, row: u32) -> ([f32; 3], f64) {
     let center = |pixel: u32| f64::from(pixel) * f64::from(SUBPIXELS) + f64::from(SUBPIXELS / 2);
     let (x, y) = (center(column), center(row));
     let [a, b, c] = corners.map(|p| (f64::from(p.x), f64::from(p.y)));
     let area = (b.0 - a.0) * (c.1 - a.1) - (b.1 - a.1) * (c.0 - a.0);
     let of_b = ((x - a.0) * (c.1 - a.1) - (y - a.1) * (c.0 - a.0)) / area;
     let of_c = ((b.0 - a.0) * (y - a.1) - (b.1 - a.1) * (x - a.0)) / area;
-    // Rows run downwards, so counter-clockwise in space is clockwise here.
-    ([(1.0 - of_b - of_c) as f32, of_b as f32, of_c as f32], area < 0.0)
+    ([(1.0 - of_b - of_c) as f32, of_b as f32, of_c as f32], area)
 }

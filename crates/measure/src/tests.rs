@@ -1,4 +1,4 @@
-use crate::{Bvh, Looks, Sampling, Surface, Viewing, compare_pictures, distances, pictures};
+use crate::{Bvh, Looks, Paint, Sampling, Surface, Texture, Viewing, Wrap, compare_pictures, distances, pictures};
 use glam::{DVec3, Vec2, Vec3};
 
 /// A sphere of `rows` × `2 rows` squares.
@@ -39,7 +39,7 @@ fn a_surface_is_nowhere_from_itself() {
     let p = pictures(&s, &cameras, Looks::default());
     let error = compare_pictures(&p, &p);
     assert_eq!((error.rmse, error.silhouette), (0.0, 0.0));
-    assert!(p.iter().all(|p| p.grey.iter().any(|&g| g > 200.0)));
+    assert!(p.iter().all(|p| p.colours.iter().any(|c| c[0] > 200.0)));
 }
 
 #[test]
@@ -116,7 +116,7 @@ fn a_texture_that_slips_is_seen_on_the_checkerboard_only() {
     let cameras = Viewing { views: 4, size: 64 }.cameras(&a);
     let error = |looks| compare_pictures(&pictures(&a, &cameras, looks), &pictures(&slipped, &cameras, looks)).rmse;
     assert_eq!(error(Looks::default()), 0.0);
-    assert!(error(Looks { checkerboard: true, own_normals: false }) > 5.0);
+    assert!(error(Looks { checkerboard: true, ..Looks::default() }) > 5.0);
 }
 
 #[test]
@@ -127,4 +127,74 @@ fn what_is_turned_inside_out_looks_the_same_without_normals_of_its_own() {
     let looks = Looks::default();
     let error = compare_pictures(&pictures(&a, &cameras, looks), &pictures(&inside, &cameras, looks));
     assert!(error.rmse < 1e-3, "{error:?}");
+}
+
+/// Vertical stripes of two colours that are equally bright, four texels each.
+fn stripes() -> Texture {
+    let texel = |i: usize| if i / 4 % 2 == 0 { [200, 20, 20] } else { [20, 200, 20] };
+    Texture::new(64, (0..64 * 64).map(|i| texel(i % 64)).collect(), [Wrap::Repeat; 2])
+}
+
+#[test]
+fn a_texture_that_slips_is_seen_where_it_changes() {
+    let striped = |shift: f32| {
+        let mut s = sphere(16, 1.0, Vec3::ZERO);
+        s.texture.iter_mut().for_each(|t| t.x += shift);
+        s.paint_of = vec![0; s.triangles.len()];
+        s.paints = vec![Paint { colour: Vec3::ONE, texture: Some(0) }];
+        s.textures = vec![stripes()];
+        s
+    };
+    let a = striped(0.0);
+    let cameras = Viewing { views: 4, size: 128 }.cameras(&a);
+    let looks = Looks { paints: true, ..Looks::default() };
+    let shown = pictures(&a, &cameras, looks);
+    let error = |b: &Surface, looks| compare_pictures(&shown, &pictures(b, &cameras, looks)).rmse;
+    assert_eq!(error(&a, looks), 0.0);
+    let (little, more) = (error(&striped(1.0 / 64.0), looks), error(&striped(4.0 / 64.0), looks));
+    assert!(little > 20.0 && more > 1.5 * little, "{little} {more}");
+    // A whole period later it is the same again.
+    assert!(error(&striped(8.0 / 64.0), looks) < 0.1);
+    assert!(error(&a, Looks::default()) > 20.0);
+}
+
+#[test]
+fn textures_are_read_between_texels_and_beyond_their_edges() {
+    let two = |wrap| Texture::new(2, vec![[0; 3], [255; 3]], [wrap; 2]);
+    let at = |wrap, x: f32| two(wrap).at(Vec2::new(x, 0.5), 0.0).x;
+    for (wrap, x, value) in [
+        (Wrap::Clamp, 0.25, 0.0),
+        (Wrap::Clamp, 0.5, 0.5),
+        (Wrap::Clamp, 9.0, 1.0),
+        (Wrap::Clamp, -9.0, 0.0),
+        (Wrap::Repeat, 0.0, 0.5),
+        (Wrap::Repeat, -0.25, 1.0),
+        (Wrap::Repeat, 3.25, 0.0),
+        (Wrap::Mirror, 1.25, 1.0),
+        (Wrap::Mirror, 1.75, 0.0),
+        (Wrap::Mirror, -0.25, 0.0),
+        (Wrap::Repeat, f32::NAN, 0.5),
+    ] {
+        assert_eq!(at(wrap, x), value, "{wrap:?} {x}");
+    }
+    // Far away only the mean is left.
+    let far = stripes().at(Vec2::new(0.3, 0.7), 1e9);
+    assert!((far - Vec3::new(110.0, 110.0, 20.0) / 255.0).abs().max_element() < 0.01, "{far}");
+    assert_eq!(Texture::new(0, Vec::new(), [Wrap::Repeat; 2]).at(Vec2::ZERO, 1.0), Vec3::ONE);
+}
+
+#[test]
+fn distances_from_faces_edges_and_corners_are_right() {
+    let squared = |t: [[f64; 3]; 3], p: [f64; 3]| Bvh::of(vec![t.map(DVec3::from)]).distance_squared(p.into());
+    let t = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]];
+    for (p, expected) in [
+        ([1.0, 1.0, 3.0], 9.0),
+        ([2.0, -2.0, 0.0], 4.0),
+        ([-3.0, -4.0, 0.0], 25.0),
+        ([4.0, 4.0, 0.0], 8.0),
+        ([6.0, 0.0, 1.0], 5.0),
+    ] {
+        assert!((squared(t, p) - expected).abs() < 1e-12, "{p:?}");
+    }
+    assert_eq!(squared([[0.0; 3], [2.0, 0.0, 0.0], [1.0, 0.0, 0.0]], [1.0, 2.0, 0.0]), 4.0);
 }

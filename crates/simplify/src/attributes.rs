@@ -5,7 +5,7 @@ use glam::DVec3;
 use lodc_mesh::{Attribute, Mesh, Semantic};
 
 /// A change of the normal by one (60°) counts like a displacement by this share of the mesh's size.
-const NORMAL_LENGTH: f64 = 0.005;
+const NORMAL_LENGTH: f64 = 0.01;
 /// A change of a colour channel from none to full counts like a displacement by this share of the mesh's size.
 const COLOR_LENGTH: f64 = 0.02;
 /// A joint's weight that changes from none to full counts like a displacement by this share of the mesh's size.

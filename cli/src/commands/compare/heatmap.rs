@@ -13,8 +13,8 @@ pub(super) fn draw(a: &Surface, b: &Surface, looks: Looks, hottest: f64) -> Vec<
     let (of_a, of_b) = (pictures(a, &cameras, looks), pictures(b, &cameras, looks));
     let tree = Bvh::new(b);
     let heat: Vec<Vec<[u8; 3]>> = of_a.par_iter().map(|picture| heat(picture, &tree, hottest)).collect();
-    let grey = |p: &Picture| p.grey.iter().map(|&g| [g.max(0.0) as u8; 3]).collect();
-    let rows: [Vec<Vec<[u8; 3]>>; 3] = [of_a.iter().map(grey).collect(), of_b.iter().map(grey).collect(), heat];
+    let seen = |p: &Picture| p.colours.iter().map(|c| c.map(|v| v.max(0.0) as u8)).collect();
+    let rows: [Vec<Vec<[u8; 3]>>; 3] = [of_a.iter().map(seen).collect(), of_b.iter().map(seen).collect(), heat];
     let size = VIEWING.size as usize;
     let mut rgba = Vec::with_capacity(rows.len() * cameras.len() * size * size * 4);
     for row in &rows {
@@ -37,6 +37,6 @@ fn heat(picture: &Picture, tree: &Bvh, hottest: f64) -> Vec<[u8; 3]> {
         let part = |from: f64| ((x - from).clamp(0.0, 1.0) * 255.0) as u8;
         [part(1.0), part(0.0) - part(2.0), ((1.0 - x).clamp(0.0, 1.0) * 160.0) as u8]
     };
-    let places = picture.grey.iter().zip(&picture.points);
-    places.map(|(&grey, &place)| if grey < 0.0 { [0; 3] } else { color(tree.distance_squared(place)) }).collect()
+    let places = picture.colours.iter().zip(&picture.points);
+    places.map(|(colour, &place)| if colour[0] < 0.0 { [0; 3] } else { color(tree.distance_squared(place)) }).collect()
 }

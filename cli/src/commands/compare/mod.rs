@@ -2,6 +2,7 @@
 
 mod heatmap;
 mod report;
+mod surface;
 
 use crate::console::{self, Loudness, note, wants};
 use crate::exit::{Failure, Outcome, Status};
@@ -9,13 +10,15 @@ use crate::limits::ImportArgs;
 use crate::output::{self, Target};
 use crate::stages::Stages;
 use clap::Args;
-use lodc_formats::export::flat_mesh;
-use lodc_formats::import;
-use lodc_measure::{Looks, Sampling, Surface, Viewing, compare_pictures, distances, pictures};
+use lodc_measure::{Looks, Sampling, Viewing, compare_pictures, distances, pictures};
 use rayon::ThreadPoolBuilder;
 use report::{CompareReport, ImageReport};
 use std::num::NonZeroUsize;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
+use surface::{Shown, surface};
+
+/// Distances below this share of the diagonal are rounding: the heatmap shows none.
+const ROUNDING: f64 = 1e-6;
 
 /// Options of `compare`.
 #[derive(Args, Debug)]
@@ -51,7 +54,7 @@ pub(crate) struct CompareArgs {
     /// Pixels across each picture
     #[arg(long, value_name = "N", default_value = "512", value_parser = clap::value_parser!(u32).range(16..=2048))]
     size: u32,
-    /// Look at shape only, not at normals and texture coordinates that both meshes have
+    /// Look at shape only, not at normals, textures and texture coordinates that both meshes have
     #[arg(long)]
     no_attributes: bool,
     /// Threads; the result does not depend on it [default: all cores]
@@ -107,9 +110,10 @@ fn compare(args: &CompareArgs, heatmap: Option<&Target>) -> Outcome<Status> {
     let mut stages = Stages::default();
     let a = stages.run("import", || surface(&args.a, args))?;
     let b = stages.run("import", || surface(&args.b, args))?;
+    let looks = looks(&a, &b, args);
+    let (a, b) = (a.surface, b.surface);
     let sampling = Sampling { samples: args.samples as usize, seed: args.seed, ..Sampling::DEFAULT };
     let space = stages.run("distance", || distances(&a, &b, &sampling));
-    let looks = looks(&a, &b, args);
     let image = (args.views > 0).then(|| {
         let viewing = Viewing { views: args.views, size: args.size };
         stages.run("pictures", || {
@@ -121,7 +125,9 @@ fn compare(args: &CompareArgs, heatmap: Option<&Target>) -> Outcome<Status> {
     let mut report = CompareReport::new(a.diagonal(), [a.triangles.len(), b.triangles.len()], space, image);
     report.check(args);
     if let Some(target) = heatmap {
-        stages.run("heatmap", || output::write(target, heatmap::draw(&a, &b, looks, space.hausdorff[0])))?;
+        stages.run("heatmap", || {
+            output::write(target, heatmap::draw(&a, &b, looks, space.hausdorff[0].max(ROUNDING * a.diagonal())))
+        })?;
     }
     if args.json {
         console::json(&report)?;
@@ -137,27 +143,12 @@ fn compare(args: &CompareArgs, heatmap: Option<&Target>) -> Outcome<Status> {
 }
 
 /// What both meshes have to be looked at with.
-fn looks(a: &Surface, b: &Surface, args: &CompareArgs) -> Looks {
-    let both = |has: fn(&Surface) -> bool| !args.no_attributes && has(a) && has(b);
-    Looks { own_normals: both(|s| !s.normals.is_empty()), checkerboard: both(|s| !s.texture.is_empty()) }
-}
-
-/// Reads a mesh as it stands in its scene.
-fn surface(path: &Path, args: &CompareArgs) -> Outcome<Surface> {
-    let scene = import::import(path, &args.import.options())?;
-    let name = path.display().to_string();
-    for warning in &scene.warnings {
-        console::warning(&name, warning);
+fn looks(a: &Shown, b: &Shown, args: &CompareArgs) -> Looks {
+    let both = |has: fn(&Shown) -> bool| !args.no_attributes && has(a) && has(b);
+    let paints = both(|s| s.surface.paints.iter().any(|p| p.texture.is_some()));
+    Looks {
+        own_normals: both(|s| !s.surface.normals.is_empty()),
+        checkerboard: !paints && both(|s| s.all_textured),
+        paints,
     }
-    let flat = flat_mesh(&scene).map_err(|e| e.in_file(&name))?;
-    if flat.triangles.is_empty() {
-        return Err(Failure::new(Status::Input, format!("{name}: has no triangles: there is nothing to compare")));
-    }
-    let vectors = |all: Vec<[f32; 3]>| all.into_iter().map(Into::into).collect();
-    Ok(Surface {
-        positions: vectors(flat.positions),
-        triangles: flat.triangles,
-        normals: vectors(flat.normals),
-        texture: flat.texture.into_iter().map(Into::into).collect(),
-    })
 }

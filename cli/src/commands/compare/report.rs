@@ -50,14 +50,16 @@ impl BothWays {
 pub(super) struct ImageReport {
     views: u32,
     size: u32,
-    /// Of grey (0 to 255), over the pixels that either mesh covers.
+    /// Of red, green and blue (0 to 255), over the pixels that either mesh covers.
     rmse: f64,
     /// The share of those pixels that only one covers.
     silhouette: f64,
     /// Both meshes were shaded with normals of their own.
     normals: bool,
-    /// Both meshes wore a checkerboard by their texture coordinates.
+    /// Both meshes wore a checkerboard by their texture coordinates, having no textures.
     texture: bool,
+    /// Both meshes wore their materials' colours and textures.
+    textures: bool,
 }
 
 impl ImageReport {
@@ -69,6 +71,7 @@ impl ImageReport {
             silhouette: error.silhouette,
             normals: looks.own_normals,
             texture: looks.checkerboard,
+            textures: looks.paints,
         }
     }
 }
@@ -128,7 +131,11 @@ impl CompareReport {
                 100.0 * image.silhouette,
                 count(u64::from(image.views), "view"),
                 if image.normals { "own normals" } else { "smooth normals" },
-                if image.texture { ", checkerboard" } else { "" }
+                match (image.textures, image.texture) {
+                    (true, _) => ", textures",
+                    (_, true) => ", checkerboard",
+                    _ => "",
+                }
             );
         }
         text

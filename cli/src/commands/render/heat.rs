@@ -1,10 +1,10 @@
 //! How far a level of detail is from the input, all over its surface.
 
 use super::cells::{Cell, whole};
-use super::nearest::Nearest;
 use super::scene::Shown;
 use lodc_formats::ObjectInfo;
 use lodc_gpu::picture::Corner;
+use lodc_measure::Bvh;
 use lodc_mesh::{Mesh, OrientedTriangle};
 use rayon::prelude::*;
 
@@ -37,7 +37,7 @@ struct Field {
 pub(super) fn measure(shown: &Shown, cells: &[Cell]) -> Heat {
     let objects = shown.objects.len();
     let scale = |o: usize| if objects > 1 { world_scale(shown.objects.info(o)) } else { 1.0 };
-    let trees: Vec<Nearest> = (0..objects).into_par_iter().map(|o| tree(shown.objects.mesh(o))).collect();
+    let trees: Vec<Bvh> = (0..objects).into_par_iter().map(|o| tree(shown.objects.mesh(o))).collect();
     let field = |cell: &Cell, o: usize| field(shown.objects.mesh(o), &cell.objects[o], &trees[o], scale(o));
     let fields: Vec<Vec<Field>> =
         cells.iter().map(|cell| (0..objects).into_par_iter().map(|o| field(cell, o)).collect()).collect();
@@ -51,16 +51,16 @@ fn world_scale(info: &ObjectInfo) -> f64 {
     if info.world_scale.is_finite() { info.world_scale.abs() } else { 1.0 }
 }
 
-fn tree(mesh: &Mesh) -> Nearest {
-    let corners = |t: &OrientedTriangle| corners(mesh, t);
-    Nearest::new(whole(mesh).iter().map(corners).collect())
+fn tree(mesh: &Mesh) -> Bvh {
+    let corners = |t: &OrientedTriangle| corners(mesh, t).map(Into::into);
+    Bvh::of(whole(mesh).iter().map(corners).collect())
 }
 
 fn corners(mesh: &Mesh, t: &OrientedTriangle) -> [[f64; 3]; 3] {
     t.corners.map(|v| mesh.positions()[v as usize].map(f64::from))
 }
 
-fn field(mesh: &Mesh, triangles: &[OrientedTriangle], tree: &Nearest, scale: f64) -> Field {
+fn field(mesh: &Mesh, triangles: &[OrientedTriangle], tree: &Bvh, scale: f64) -> Field {
     let step = mesh.diagonal() * STEP;
     let wanted = |t: &OrientedTriangle| {
         let [a, b, c] = corners(mesh, t);
@@ -76,8 +76,10 @@ fn field(mesh: &Mesh, triangles: &[OrientedTriangle], tree: &Nearest, scale: f64
     }
     let distances = |(t, &k): (&OrientedTriangle, &usize)| -> Vec<f32> {
         let corners = corners(mesh, t);
-        let at = |shares: [f64; 3]| std::array::from_fn(|i| (0..3).map(|c| shares[c] * corners[c][i]).sum());
-        grid(k).map(|shares| (tree.distance(at(shares)) * scale) as f32).collect()
+        let at =
+            |shares: [f64; 3]| -> [f64; 3] { std::array::from_fn(|i| (0..3).map(|c| shares[c] * corners[c][i]).sum()) };
+        // An input without triangles has no levels with any.
+        grid(k).map(|shares| (tree.distance_squared(at(shares).into()).sqrt() * scale) as f32).collect()
     };
     let distances = triangles.par_iter().zip(&parts).map(distances).collect();
     Field { parts, distances }

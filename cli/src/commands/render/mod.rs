@@ -11,7 +11,6 @@ mod font;
 #[cfg(feature = "gpu")]
 mod heat;
 #[cfg(feature = "gpu")]
-mod nearest;
 #[cfg(feature = "gpu")]
 mod normals;
 mod options;

@@ -1,8 +1,21 @@
 //! The faces whose shading a collapse changes: those that move, and those that share a corner with them.
 
-use super::samples::{CREASE, Samples};
+use super::samples::{CREASE, Sample, Samples};
 use crate::working::{Corner, Working};
 use glam::Vec3;
+
+/// What counts for a place of the input that nothing stands for any more, beside a normal that is off by one (60°): about
+/// as much as a pixel that shows the background differs from a lit one.
+const LOST: f32 = 1.5;
+/// What counts for a place of a face where the input has nothing.
+const FOREIGN: f32 = 2.0;
+/// The input is near where a sample is nearer than this many times its extent.
+const NEAR: f32 = 1.5;
+/// A place counts for no more than this, however far away it is: a pixel can be no more than wrong.
+const WORST: f32 = 3.0;
+/// Where moved faces are looked at for that: shares of the second and third corner.
+const PLACES: [[f32; 2]; 4] =
+    [[1.0 / 3.0, 1.0 / 3.0], [2.0 / 3.0, 1.0 / 6.0], [1.0 / 6.0, 2.0 / 3.0], [1.0 / 6.0, 1.0 / 6.0]];
 
 /// Stars with more faces than this are looked at without the faces around them.
 const WIDE: usize = 32;
@@ -27,6 +40,11 @@ struct Placed {
 }
 
 impl Placed {
+    /// The place of these shares.
+    fn at(&self, [u, v]: [f32; 2]) -> Vec3 {
+        self.origin + self.edges[0] * u + self.edges[1] * v
+    }
+
     fn new(corners: [Vec3; 3]) -> (Self, Vec3) {
         let [e1, e2] = [corners[1] - corners[0], corners[2] - corners[0]];
         let n = e1.cross(e2);
@@ -93,8 +111,10 @@ impl Patch {
         self.present = 0.0;
         let (mut seen, mut area) = (0.0, 0.0);
         for &corner in star {
-            area += f64::from(mesh.faces[corner.face() as usize].area);
-            seen += samples.of(corner.face()).map(|s| f64::from(samples.get(s).weight)).sum::<f64>();
+            for s in samples.of(corner.face()).map(|s| samples.get(s)) {
+                area += f64::from(s.extent * s.extent);
+                seen += f64::from(s.weight);
+            }
             self.marks[corner.face() as usize] = self.epoch;
             self.present += energy[corner.face() as usize];
             self.samples.extend(samples.of(corner.face()));
@@ -220,6 +240,17 @@ impl Patch {
         })
     }
 
+    /// What a sample counts for by its distance from where it now lies in a moved face. Aside of its own plane there is
+    /// nothing in its place.
+    fn geometry(&self, i: usize, at: [f32; 2], squared: f32, sample: &Sample, weight_of_distance: f32) -> f32 {
+        let placed = &self.placed[i];
+        let away = sample.position - placed.at(at);
+        let along = away.dot(sample.normal);
+        let aside = (squared - along * along).max(0.0).sqrt();
+        let lost = if aside < sample.extent { aside / sample.extent } else { 1.0 };
+        (weight_of_distance * squared + LOST * lost).min(WORST)
+    }
+
     /// What the patch counts for with the star moved.
     pub(super) fn energy(&self, samples: &Samples, weight_of_distance: f32) -> f64 {
         let mut sum = 0.0;
@@ -227,16 +258,39 @@ impl Patch {
             let s = samples.get(s);
             let Some((i, at, squared)) = self.nearest(s.position) else {
                 // Nothing is left that could stand for it.
-                sum += f64::from(s.weight);
+                sum += f64::from(s.weight * LOST);
                 continue;
             };
-            let error = shading_error(&self.moved[i].shading, at, s.normal) + weight_of_distance * squared;
+            let error = shading_error(&self.moved[i].shading, at, s.normal)
+                + self.geometry(i, at, squared, s, weight_of_distance);
             sum += f64::from(s.weight * error);
         }
         for f in &self.far {
-            sum += far_energy(f.face, &self.far_shading(f), samples);
+            sum += far_energy(f.face, &self.far_shading(f), samples) + f64::from(samples.foreign(f.face));
+        }
+        for i in 0..self.moved.len() {
+            sum += f64::from(self.foreign(i, samples));
         }
         sum
+    }
+
+    /// What the part of a moved face counts for that lies where the input has nothing: beyond the extent of every sample.
+    /// In wide stars, which only inputs have, it is not looked for.
+    fn foreign(&self, i: usize, samples: &Samples) -> f32 {
+        if self.moved.len() > WIDE {
+            return 0.0;
+        }
+        let placed = &self.placed[i];
+        let share = |at: [f32; 2]| {
+            let place = placed.at(at);
+            let shares = self.samples.iter().map(|&s| {
+                let s = samples.get(s);
+                s.position.distance_squared(place) / (NEAR * NEAR * s.extent * s.extent).max(f32::MIN_POSITIVE)
+            });
+            (shares.fold(2.0, f32::min) - 1.0).max(0.0) / PLACES.len() as f32
+        };
+        let area = 0.5 * placed.edges[0].cross(placed.edges[1]).length();
+        FOREIGN * self.seen as f32 * area * PLACES.map(share).iter().sum::<f32>()
     }
 
     /// Gives the star's samples to the faces they end up with, and says what every face of the patch counts for then.
@@ -244,15 +298,19 @@ impl Patch {
         for &s in &self.samples {
             let (position, weight) = (samples.get(s).position, samples.get(s).weight);
             if let Some((i, at, squared)) = self.nearest(position) {
-                samples.put(s, self.moved[i].face, at, weight * weight_of_distance * squared);
+                let g = self.geometry(i, at, squared, samples.get(s), weight_of_distance);
+                samples.put(s, self.moved[i].face, at, weight * g);
             }
         }
-        for f in &self.moved {
+        let foreign: Vec<f32> = (0..self.moved.len()).map(|i| self.foreign(i, samples)).collect();
+        for (i, f) in self.moved.iter().enumerate() {
             samples.thin(f.face);
-            energy[f.face as usize] = far_energy(f.face, &f.shading, samples);
+            energy[f.face as usize] = far_energy(f.face, &f.shading, samples) + f64::from(foreign[i]);
+            samples.set_foreign(f.face, foreign[i]);
         }
         for f in &self.far {
-            energy[f.face as usize] = far_energy(f.face, &self.far_shading(f), samples);
+            energy[f.face as usize] =
+                far_energy(f.face, &self.far_shading(f), samples) + f64::from(samples.foreign(f.face));
         }
     }
 }

@@ -10,7 +10,9 @@ pub(super) const NONE: u32 = u32::MAX;
 pub(super) const CREASE: f32 = 0.5;
 
 /// No face keeps more samples than this; the rest are dropped and the others count for more.
-const MOST: usize = 16;
+const MOST: usize = 64;
+/// A face of the input has at most this many samples; one of mean area or less has one.
+const DENSEST: usize = 16;
 
 /// A place on the input's surface.
 #[derive(Clone, Copy, Debug)]
@@ -25,6 +27,8 @@ pub(super) struct Sample {
     pub(super) at: [f32; 2],
     /// What its distance from its face counts for.
     pub(super) distance: f32,
+    /// The size of the piece that it stands for: the square root of its area.
+    pub(super) extent: f32,
     next: u32,
 }
 
@@ -32,30 +36,54 @@ pub(super) struct Sample {
 pub(super) struct Samples {
     all: Vec<Sample>,
     first: Vec<u32>,
+    /// What each face counts for that lies where the input has nothing.
+    foreign: Vec<f32>,
 }
 
 impl Samples {
-    /// One sample in the middle of each face of the input.
+    /// Samples of each face of the input: one in its middle, more on faces that are larger than the mean.
     pub(super) fn new(mesh: &Working) -> Self {
-        let sample = |f: &Face| {
+        let total: f64 = mesh.faces.iter().map(|f| f64::from(f.area)).sum();
+        let mean = (total / mesh.faces.len().max(1) as f64) as f32;
+        let samples = |f: &Face| {
             let own = f.normal;
             let corner_normal = |g: u32| {
                 let normals = mesh.star(g).iter().map(|c| mesh.faces[c.face() as usize].normal);
                 normals.filter(|n| n.dot(own) > CREASE).sum::<Vec3>().normalize_or_zero()
             };
-            let [p, q, r] = f.groups.map(|g| mesh.position(g));
-            Sample {
-                position: ((p + q + r) / 3.0).as_vec3(),
-                normal: f.groups.map(corner_normal).into_iter().sum::<Vec3>().normalize_or_zero(),
-                weight: f.area,
-                at: [1.0 / 3.0; 2],
-                distance: 0.0,
-                next: NONE,
-            }
+            let p = f.groups.map(|g| mesh.position(g).as_vec3());
+            let normals = f.groups.map(corner_normal);
+            let count = if mean > 0.0 { ((f.area / mean) as usize).clamp(1, DENSEST) } else { 1 };
+            (0..count)
+                .map(|i| {
+                    let [u, v] = if count == 1 { [1.0 / 3.0; 2] } else { place(i, count) };
+                    let mix = |a: [Vec3; 3]| a[0] * (1.0 - u - v) + a[1] * u + a[2] * v;
+                    Sample {
+                        position: mix(p),
+                        normal: mix(normals).normalize_or_zero(),
+                        weight: f.area / count as f32,
+                        at: [u, v],
+                        distance: 0.0,
+                        extent: (f.area / count as f32).sqrt(),
+                        next: NONE,
+                    }
+                })
+                .collect::<Vec<Sample>>()
         };
-        let all: Vec<Sample> = mesh.faces.par_iter().with_min_len(1024).map(sample).collect();
-        let first = (0..all.len() as u32).collect();
-        Self { all, first }
+        let lists: Vec<Vec<Sample>> = mesh.faces.par_iter().with_min_len(1024).map(samples).collect();
+        let mut all: Vec<Sample> = Vec::with_capacity(lists.iter().map(Vec::len).sum());
+        let mut first = Vec::with_capacity(lists.len());
+        for list in lists {
+            first.push(all.len() as u32);
+            let n = list.len();
+            for (i, mut s) in list.into_iter().enumerate() {
+                if i + 1 < n {
+                    s.next = all.len() as u32 + 1;
+                }
+                all.push(s);
+            }
+        }
+        Self { all, foreign: vec![0.0; first.len()], first }
     }
 
     /// Every sample, for weighing them.
@@ -77,12 +105,22 @@ impl Samples {
         })
     }
 
+    /// What a face counts for that lies where the input has nothing.
+    pub(super) fn foreign(&self, face: u32) -> f32 {
+        self.foreign[face as usize]
+    }
+
+    /// Notes that.
+    pub(super) fn set_foreign(&mut self, face: u32, foreign: f32) {
+        self.foreign[face as usize] = foreign;
+    }
+
     /// Takes all samples from a face.
     pub(super) fn clear(&mut self, face: u32) {
         self.first[face as usize] = NONE;
     }
 
-    /// Gives a sample to a face.
+    /// Gives a sample to a face. `distance` is what its distance counts for.
     pub(super) fn put(&mut self, sample: u32, face: u32, at: [f32; 2], distance: f32) {
         let next = std::mem::replace(&mut self.first[face as usize], sample);
         let s = &mut self.all[sample as usize];
@@ -106,10 +144,20 @@ impl Samples {
             let s = &mut self.all[at as usize];
             s.weight *= scale;
             s.distance *= scale;
+            s.extent *= std::f32::consts::SQRT_2;
             let dropped = s.next;
             let next = self.all.get(dropped as usize).map_or(NONE, |d| d.next);
             self.all[at as usize].next = next;
             at = next;
         }
     }
+}
+
+/// The `i`-th of `count` places spread over a triangle, as shares of its second and third corner: evenly by area along one
+/// way, by the golden ratio along the other.
+fn place(i: usize, count: usize) -> [f32; 2] {
+    let u = (i as f32 + 0.5) / count as f32;
+    let v = (0.5 + i as f32 * 0.618_034).fract();
+    let r = u.sqrt();
+    [r * (1.0 - v), r * v]
 }
