@@ -4,6 +4,7 @@
 
 use super::fans::{Fans, OWN};
 use super::numbers::System;
+use std::hint::black_box;
 
 /// No corner, face or vertex.
 pub(super) const NONE: u32 = u32::MAX;
@@ -68,8 +69,6 @@ pub(super) struct Growth {
     pub(super) systems: Vec<System>,
     /// Channels of each vertex as numbers of their systems.
     pub(super) numbers: Vec<i32>,
-    /// The same as floats; empty where no system takes long to make floats of numbers.
-    pub(super) floats: Vec<f32>,
     /// The submesh of each vertex.
     pub(super) submesh: Vec<u32>,
     /// The next vertex of the same step and position, in a circle.
@@ -111,18 +110,6 @@ impl Growth {
     /// Gives the last vertex its values.
     pub(super) fn add_values(&mut self, index: &[i32]) {
         self.numbers.extend_from_slice(index);
-        if self.systems.iter().any(|s| s.is_slow()) {
-            self.floats.extend(index.iter().zip(&self.systems).map(|(&i, s)| s.value(i)));
-        }
-    }
-
-    /// A channel of a vertex as a float: `at` is its place among all numbers.
-    #[inline]
-    pub(super) fn float(&self, at: usize, system: System) -> f32 {
-        match self.floats.get(at) {
-            Some(&float) => float,
-            None => system.value(self.numbers[at]),
-        }
     }
 
     /// The vertices of a triangle.
@@ -146,6 +133,23 @@ impl Growth {
             Spoke { corner, a, b }
         }));
         chain && ring.first().is_some_and(|first| first.a == end)
+    }
+
+    /// Looks at what will be needed of a vertex: first where its corners are, later the triangles there and the numbers of
+    /// their vertices. So these come into the caches while something else is done. Changes nothing.
+    pub(super) fn touch(&self, vertex: u32) {
+        black_box(self.fans.count(vertex));
+    }
+
+    /// See [`Self::touch`].
+    #[inline]
+    pub(super) fn touch_numbers(&self, vertex: u32) {
+        let channels = self.channels();
+        let first = |&c: &u32| {
+            let a = self.faces[c as usize >> 2][NEXT[c as usize & 3] as usize & 3];
+            self.numbers.get(a as usize * channels).copied().unwrap_or_default()
+        };
+        black_box(self.fans.of(vertex).iter().take(OWN).fold(0, |all, c| all ^ first(c)));
     }
 
     /// What [`Self::split`] does in the usual case: a fan that closes comes apart at two of its triangles, of which the `right`

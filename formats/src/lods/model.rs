@@ -2,72 +2,38 @@
 
 use super::coder::{Coder, Symbol};
 
-/// How many bits a magnitude has, in the light of how many were expected.
+/// A signed number of which is known about how many bits it has.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Length(Symbol);
+pub(super) struct Residual(Symbol);
 
 /// The symbol of a magnitude that is as long as expected. 0 is for no bits, [`FAR`] for those too far away for a symbol.
 const EXPECTED: i32 = 10;
 const FAR: u32 = 15;
 
-/// What is known about the bits below the highest, and the sign.
-#[derive(Clone, Debug)]
-pub(super) struct Mantissa {
-    /// By how much longer than expected the magnitude is, and by the guess at its sign.
-    top: [[Symbol; 3]; 8],
-}
-
-/// Bits that a magnitude has below its highest and that are still worth a model.
-const MODELLED: u32 = 3;
-
-impl Length {
+impl Residual {
     pub(super) const NEW: Self = Self(Symbol::NEW);
 
-    /// Bits of a magnitude, 32 at most, where `expected` (32 at most) are.
+    /// A number with a magnitude of about `expected` bits (32 at most). Returns it with the bits of its magnitude.
     #[inline]
-    fn code<C: Coder>(&mut self, coder: &mut C, expected: u32, length: u32) -> u32 {
+    pub(super) fn code<C: Coder>(&mut self, coder: &mut C, expected: u32, value: i64) -> (i64, u32) {
+        let magnitude = value.unsigned_abs() as u32;
+        let length = bits(magnitude);
         let near = length as i32 - expected as i32 + EXPECTED;
         let symbol = match near {
             _ if length == 0 => 0,
             1..=14 => near as u32,
             _ => FAR,
         };
-        match coder.symbol(&mut self.0, symbol) {
-            0 => 0,
-            FAR => coder.uniform(33, length),
+        let length = match coder.symbol(&mut self.0, symbol) {
+            0 => return (0, 0),
+            FAR => coder.uniform(32, length.wrapping_sub(1)) + 1,
             near => (near as i32 - EXPECTED + expected as i32).clamp(1, 32) as u32,
-        }
-    }
-}
-
-impl Mantissa {
-    pub(super) const NEW: Self = Self { top: [[Symbol::NEW; 3]; 8] };
-
-    /// A signed number with a magnitude of about `expected` bits; `lean` (0, 1 or 2) is a guess at its sign. Returns it with
-    /// the bits of its magnitude.
-    #[inline]
-    pub(super) fn code<C: Coder>(
-        &mut self,
-        coder: &mut C,
-        length: &mut Length,
-        expected: u32,
-        lean: usize,
-        value: i64,
-    ) -> (i64, u32) {
-        let magnitude = value.unsigned_abs() as u32;
-        let length = length.code(coder, expected, bits(magnitude));
-        if length == 0 {
-            return (0, 0);
-        }
-        let distance = (length + 4).saturating_sub(expected).min(7) as usize;
-        let below = length - 1;
-        let rest = magnitude & !(1 << below);
-        let (high, low) = (below.min(MODELLED), below.saturating_sub(MODELLED));
-        let top = (rest >> low << (MODELLED - high) & 7) << 1 | u32::from(value < 0);
-        let top = coder.symbol(&mut self.top[distance][lean], top);
-        let rest = (top >> 1 >> (MODELLED - high)) << low | coder.raw(low, rest & ((1 << low) - 1));
-        let magnitude = i64::from(1 << below | rest);
-        (if top & 1 == 1 { -magnitude } else { magnitude }, length)
+        };
+        // The bits below the highest, and the sign: nothing is known of these.
+        let low = coder.raw(length - 1, magnitude & !(1 << (length - 1)));
+        let magnitude = i64::from(1 << (length - 1) | low);
+        let negative = coder.raw(1, u32::from(value < 0)) == 1;
+        (if negative { -magnitude } else { magnitude }, length)
     }
 }
 
@@ -133,15 +99,15 @@ mod tests {
     fn say<C: Coder>(coder: &mut C, random: &mut Random) -> Vec<i64> {
         // A reader does not know the truth.
         let hidden = |value: u32| if C::WRITES { value } else { 0 };
-        let (mut length, mut mantissa) = (Length::NEW, Mantissa::NEW);
+        let mut residual = Residual::NEW;
         let (mut natural, mut below) = (Natural::NEW, Below::NEW);
         let mut said = Vec::new();
         for _ in 0..5_000 {
-            let (expected, lean) = (random.below(33) as u32, random.below(3));
+            let expected = random.below(33) as u32;
             let magnitude = (random.next() >> 32 >> random.below(33)) as u32;
             let sign = if random.below(2) == 0 { 1 } else { -1 };
             let value = sign * i64::from(hidden(magnitude));
-            said.push(mantissa.code(coder, &mut length, expected, lean, value).0);
+            said.push(residual.code(coder, expected, value).0);
             said.push(i64::from(natural.code(coder, hidden((random.next() >> 32 >> random.below(33)) as u32))));
             let end = (random.next() >> 32 >> random.below(32)).max(1) as u32;
             let value = (random.next() % u64::from(end)) as u32;
@@ -150,7 +116,7 @@ mod tests {
         for edge in [0, 1, -1, i64::from(u32::MAX), -i64::from(u32::MAX)] {
             for expected in 0..33 {
                 let value = if C::WRITES { edge } else { 0 };
-                said.push(mantissa.code(coder, &mut length, expected, 0, value).0);
+                said.push(residual.code(coder, expected, value).0);
             }
         }
         said

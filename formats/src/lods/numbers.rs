@@ -103,14 +103,19 @@ impl System {
         if index < 0 { -value } else { value }
     }
 
-    /// Whether the floats of equally distant numbers are equally distant.
-    pub(super) fn is_even(self) -> bool {
-        !matches!(self, Self::Float | Self::Significant(_))
-    }
-
-    /// Whether making floats of numbers takes long.
-    pub(super) fn is_slow(self) -> bool {
-        matches!(self, Self::Significant(_))
+    /// Whether from the number `least` to the number `most` all floats are equally distant: those of one power of two or ten,
+    /// where that makes a difference.
+    #[inline]
+    pub(super) fn is_even(self, least: i32, most: i32) -> bool {
+        match self {
+            Self::Float => least >> 23 == most >> 23,
+            Self::Significant(digits) => {
+                let decade = 9 * FIRST[usize::from(digits & 7)];
+                let of = |n: i32| (if n < 0 { !n } else { n } - 1) / decade;
+                (least > 0 || most < -1) && of(least) == of(most)
+            }
+            _ => true,
+        }
     }
 
     /// Whether the list has this float, bit for bit.

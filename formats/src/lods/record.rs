@@ -66,6 +66,8 @@ pub(super) struct Object {
     /// Whether the last vertex's step goes on.
     pub(super) open: bool,
     pub(super) last_survivor: u32,
+    /// That of the step that comes next.
+    next_survivor: u32,
     /// The triangles at the survivor, the vertices around it, and whether they are one fan that closes.
     pub(super) ring: Vec<Spoke>,
     pub(super) rim: Vec<RimVertex>,
@@ -94,6 +96,7 @@ impl Object {
             packages: 0,
             open: false,
             last_survivor: 0,
+            next_survivor: 0,
             ring: Vec::new(),
             rim: Vec::new(),
             closed: false,
@@ -124,10 +127,9 @@ impl Object {
             if new == 0 {
                 self.first(&mut runs.mesh, script);
             } else {
-                self.vertex(runs, script, models)?;
+                self.vertex(runs, script, models, most)?;
             }
             let coder = &mut runs.mesh;
-            self.open = new > 0 && coder.bit(&mut models.goes_on[usize::from(self.open)], script.goes_on(new));
             self.goes_on.push(self.open);
             if !may_hold(bytes, self) {
                 return Err(Broken("says more than so few bytes may"));
@@ -166,10 +168,11 @@ impl Object {
         runs: &mut Runs<C>,
         script: &S,
         models: &mut Models,
+        most: u32,
     ) -> Result<(), Broken> {
         let coder = &mut runs.mesh;
-        let survivor = self.survivor(coder, script, models);
         let new = self.growth.vertices();
+        let survivor = if self.open { self.mate(coder, script, models) } else { self.next_survivor };
         let like = self.growth.submesh[survivor as usize];
         let submesh = if self.submeshes == 1 || coder.bit(&mut models.submesh, script.submesh(new) == like) {
             like
@@ -180,6 +183,12 @@ impl Object {
         self.survivors.push(survivor);
         self.last_survivor = survivor;
         self.growth.add_vertex(submesh);
+        let goes_on = coder.bit(&mut models.goes_on[usize::from(self.open)], script.goes_on(new));
+        if !goes_on && new + 1 < most {
+            // Said so early that a reader can have it at hand when it comes to it.
+            self.next_survivor = survivor_beside(coder, models, survivor, new + 1, script.survivor(new + 1));
+            self.growth.touch(self.next_survivor);
+        }
 
         self.closed = self.growth.ring(survivor, &mut self.ring);
         if !self.closed {
@@ -205,32 +214,35 @@ impl Object {
         if let Some(m) = mate {
             self.growth.mate[new as usize] = std::mem::replace(&mut self.growth.mate[m as usize], new);
         }
+        self.growth.touch_numbers(self.next_survivor);
+        self.open = goes_on;
         let near = Near { survivor, mate, rim: &self.near };
         self.growth.values(coder, script, &mut models.values, &self.streams, near, &mut self.found);
         Ok(())
     }
 
-    /// Where a new vertex comes from. Those of one step come from one place.
-    fn survivor<C: Coder, S: Script>(&mut self, coder: &mut C, script: &S, models: &mut Models) -> u32 {
+    /// Where a further vertex of a step comes from: mostly the survivor before, or one of its mates.
+    fn mate<C: Coder, S: Script>(&mut self, coder: &mut C, script: &S, models: &mut Models) -> u32 {
         let live = self.growth.vertices();
         let wanted = script.survivor(live);
-        if self.open {
-            // The survivor before, or one of its mates.
-            let most = 8;
-            let (mut rank, mut v) = (0, self.last_survivor);
-            while rank < most && v != wanted {
-                v = self.growth.mate[v as usize];
-                rank = if v == self.last_survivor { most } else { rank + 1 };
-            }
-            let rank = coder.symbol(&mut models.mates, rank);
-            if rank < most {
-                return (0..rank).fold(self.last_survivor, |v, _| self.growth.mate[v as usize]);
-            }
+        let most = 8;
+        let (mut rank, mut v) = (0, self.last_survivor);
+        while rank < most && v != wanted {
+            v = self.growth.mate[v as usize];
+            rank = if v == self.last_survivor { most } else { rank + 1 };
         }
-        let on =
-            if wanted >= self.last_survivor { wanted - self.last_survivor } else { wanted + live - self.last_survivor };
-        let on = models.survivor.code(coder, live, on);
-        let to_end = live - self.last_survivor;
-        if on >= to_end { on - to_end } else { self.last_survivor + on }
+        let rank = coder.symbol(&mut models.mates, rank);
+        if rank < most {
+            return (0..rank).fold(self.last_survivor, |v, _| self.growth.mate[v as usize]);
+        }
+        survivor_beside(coder, models, self.last_survivor, live, wanted)
     }
+}
+
+/// A survivor among `live` vertices, counted from another one.
+fn survivor_beside<C: Coder>(coder: &mut C, models: &mut Models, from: u32, live: u32, wanted: u32) -> u32 {
+    let on = if wanted >= from { wanted - from } else { wanted + live - from };
+    let on = models.survivor.code(coder, live, on);
+    let to_end = live - from;
+    if on >= to_end { on - to_end } else { from + on }
 }

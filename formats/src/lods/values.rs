@@ -2,7 +2,7 @@
 
 use super::coder::{Bit, Coder};
 use super::growth::Growth;
-use super::model::{Length, Mantissa, bits};
+use super::model::{Residual, bits};
 use super::script::Script;
 
 /// How the channels of a stream are predicted.
@@ -35,9 +35,7 @@ pub(super) struct ValueModels {
     again: [[Bit; 2]; STREAMS],
     was_again: [usize; STREAMS],
     /// By stream, channel and how well the channel before it was predicted.
-    bits: [[Length; 3]; STREAMS * CHANNELS],
-    /// By stream.
-    mantissa: Vec<Mantissa>,
+    residual: [[Residual; 3]; STREAMS * CHANNELS],
     /// Sixteen times the usual bits, for channels without neighbours to tell.
     usual: [u32; STREAMS * CHANNELS],
 }
@@ -47,8 +45,7 @@ impl ValueModels {
         Self {
             again: [[Bit::NEW; 2]; STREAMS],
             was_again: [0; STREAMS],
-            bits: [[Length::NEW; 3]; STREAMS * CHANNELS],
-            mantissa: vec![Mantissa::NEW; STREAMS],
+            residual: [[Residual::NEW; 3]; STREAMS * CHANNELS],
             usual: [16 * 16; STREAMS * CHANNELS],
         }
     }
@@ -128,7 +125,7 @@ impl Growth {
             if channel % CHANNELS == 0 {
                 self.guesses(near, at, smooth, &mut guesses[..(stream.channels - channel).min(CHANNELS)]);
             }
-            let Guess { number: mut guess, bits: expected, lean } = guesses[channel % CHANNELS];
+            let Guess { number: mut guess, bits: expected } = guesses[channel % CHANNELS];
             let usual = (models.usual[slot] + 8) / 16;
             let mut expected = if smooth && near.rim.len() > 1 { expected } else { usual };
             if smooth && stream.prediction == Prediction::Direction && channel == 2 {
@@ -142,8 +139,7 @@ impl Growth {
             }
             let truth = wanted.get(channel).copied().unwrap_or_default();
             let difference = i64::from(truth) - i64::from(guess);
-            let bits = &mut models.bits[slot][quality];
-            let (difference, class) = models.mantissa[set].code(coder, bits, expected.min(32), lean, difference);
+            let (difference, class) = models.residual[slot][quality].code(coder, expected.min(32), difference);
             models.usual[slot] = (models.usual[slot] * 15 + class * 16 + 8) / 16;
             quality = match class + 2 {
                 c if c < expected => 0,
@@ -166,7 +162,7 @@ impl Growth {
     fn guesses(&self, near: Near<'_>, first: usize, smooth: bool, guesses: &mut [Guess]) {
         let own = &self.numbers[near.survivor as usize * self.channels() + first..][..guesses.len()];
         for (guess, &own) in guesses.iter_mut().zip(own) {
-            *guess = Guess { number: own, bits: 0, lean: 0 };
+            *guess = Guess { number: own, bits: 0 };
         }
         match guesses.len() {
             _ if !smooth => {}
@@ -189,29 +185,17 @@ impl Growth {
                 (least[i], most[i]) = (least[i].min(numbers[i]), most[i].max(numbers[i]));
             }
         }
-        // Channels of one stream have one kind of system.
-        let even = self.systems[first].is_even();
-        let mut floats = [0.0f64; N];
-        if !even {
-            for &v in near.rim {
-                for (i, sum) in floats.iter_mut().enumerate() {
-                    *sum += f64::from(self.float(at(v) + i, self.systems[first + i]));
-                }
-            }
-        }
         for (i, guess) in guesses.iter_mut().enumerate().take(N) {
-            let own = guess.number;
             guess.bits = bits(most[i].abs_diff(least[i]));
-            if even {
-                guess.number = mean(sum[i], near.rim.len(), own);
-                guess.lean = if guess.number > own { 1 } else { 2 };
-                continue;
-            }
             let system = self.systems[first + i];
-            let mean = (floats[i] / near.rim.len() as f64) as f32;
-            if mean.is_finite() {
-                guess.lean = if mean > self.float(at(near.survivor) + i, system) { 1 } else { 2 };
-                guess.number = system.index(mean);
+            if system.is_even(least[i], most[i]) {
+                guess.number = mean(sum[i], near.rim.len(), guess.number);
+            } else {
+                let floats = near.rim.iter().map(|&v| f64::from(system.value(self.numbers[at(v) + i])));
+                let mean = (floats.sum::<f64>() / near.rim.len() as f64) as f32;
+                if mean.is_finite() {
+                    guess.number = system.index(mean);
+                }
             }
         }
     }
@@ -223,8 +207,6 @@ struct Guess {
     number: i32,
     /// Of how many bits the difference is.
     bits: u32,
-    /// Of which sign: 0 not known, 1 above the survivor's, 2 not above.
-    lean: usize,
 }
 
 /// 2^24 / n, rounded down.
