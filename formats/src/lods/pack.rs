@@ -51,7 +51,7 @@ pub struct PackedObject {
 }
 
 /// Bytes of a block unless something else is asked for. Early blocks are smaller.
-const BLOCK: u32 = 4096;
+const BLOCK: u32 = 8192;
 /// A block is not longer than this share of all before it ...
 const SHARE: usize = 8;
 /// ... or this many bytes.
