@@ -50,7 +50,7 @@ pub(crate) fn run(args: &UnpackArgs) -> Outcome<Status> {
     let mut assets = Assets::new(&args.input, &[], limits);
     let name = assets.main_name();
     let bytes = stages.run("read", || assets.read_main())?;
-    let mut unpacker = Unpacker::new(limits);
+    let mut unpacker = Unpacker::new(limits).triangles_only();
     let damaged = stages.run("unpack", || unpacker.feed(&bytes)).err().map(|e| e.in_file(&name));
     let document = usable(args, &unpacker, damaged.as_ref(), &name)?;
 

@@ -89,26 +89,33 @@ fn fields(bytes: &[u8]) -> Fields {
     let mut at = 0;
     let mut fields = [0u32; 3];
     for field in &mut fields {
-        let mut shift = 0;
-        loop {
-            let Some(&byte) = bytes.get(at) else { return Fields::Part };
-            at += 1;
-            // More than 32 bits, or a number that could be shorter.
-            if shift == 28 && byte > 15 || shift > 0 && byte == 0 {
-                return Fields::Wrong;
-            }
-            *field |= u32::from(byte & 0x7f) << shift;
-            shift += 7;
-            if byte < 0x80 {
-                break;
-            }
+        match varint(&bytes[at..]) {
+            Some(Ok((value, length))) => (*field, at) = (value, at + length),
+            Some(Err(())) => return Fields::Wrong,
+            None => return Fields::Part,
         }
     }
     Fields::Read(at, fields)
 }
 
+/// A number as [`put_varint`] writes it, and its bytes; none if it is cut short, an error if nobody would write it so.
+pub(super) fn varint(bytes: &[u8]) -> Option<Result<(u32, usize), ()>> {
+    let mut value = 0;
+    for (i, &byte) in bytes.iter().enumerate() {
+        // More than 32 bits, or a number that could be shorter.
+        if i == 4 && byte > 15 || i > 0 && byte == 0 {
+            return Some(Err(()));
+        }
+        value |= u32::from(byte & 0x7f) << (7 * i);
+        if byte < 0x80 {
+            return Some(Ok((value, i + 1)));
+        }
+    }
+    None
+}
+
 /// Seven bits to a byte, the lowest first; the highest bit says that more follow.
-fn put_varint(out: &mut Vec<u8>, mut value: u32) {
+pub(super) fn put_varint(out: &mut Vec<u8>, mut value: u32) {
     while value >= 0x80 {
         out.push(value as u8 | 0x80);
         value >>= 7;

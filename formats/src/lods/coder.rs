@@ -1,53 +1,125 @@
-//! An adaptive binary range coder: the same model code writes and reads.
+//! An adaptive entropy coder: the same model code writes and reads.
 //!
 //! Everything a stream says is said through [`Coder`]. A writer passes the truth and gets it back; a reader passes
 //! anything and gets what was written. So the code that models a stream exists once and the two sides cannot differ.
-//! (Range coding after Martin 1979, with the carry resolved as in LZMA.)
+//! What has chances is coded by asymmetric numeral systems (Duda 2013, in the range variant), from the front of a run;
+//! what has none stands as plain bits, from its end.
+
+/// Chances are parts of two to this.
+const SCALE: u32 = 15;
+const WHOLE: u16 = 1 << SCALE;
+/// The least state: below it a reader takes two more bytes.
+const LEAST: u64 = 1 << 23;
+/// Bytes of a state.
+const STATE: usize = 5;
 
 /// Fewer counts make a model quick to forget; measured on ten meshes.
-const MOST_SEEN: u16 = 160;
-/// Below this the range is too short to be divided well.
-const SHORT: u32 = 1 << 24;
+const MOST_SEEN: u8 = 160;
+/// The least chance of a bit, of 65,536: never certain, the other must stay possible.
+const CAUTION: u32 = 24;
+/// The least chance of a symbol, of [`WHOLE`].
+const FLOOR: i16 = 4;
+/// What is left to be shared out among symbols.
+const SHARED: i16 = (WHOLE - 16 * FLOOR as u16) as i16;
+
+/// 65,536 / (n + 1.6): how far the n-th observation moves a chance. The mean of what was seen at first, a sliding mean later.
+const STEPS: [u16; 256] = {
+    let mut table = [0; 256];
+    let mut n = 0;
+    while n < table.len() {
+        table[n] = (655_360 / (10 * n as u32 + 16)) as u16;
+        n += 1;
+    }
+    table
+};
 
 /// How likely a bit is to be set, learnt from those before it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bit {
     /// Of 65,536.
     chance: u16,
-    seen: u16,
+    seen: u8,
 }
 
 impl Bit {
     pub(super) const NEW: Self = Self { chance: 1 << 15, seen: 0 };
 
+    /// The chance of a set bit, of [`WHOLE`].
+    fn set(self) -> u16 {
+        self.chance >> 1
+    }
+
+    #[inline]
     fn learn(&mut self, bit: bool) {
-        // The mean of what was seen at first, a sliding mean later.
-        let step = RECIPROCAL[usize::from(self.seen)];
-        let towards = if bit { 65_535 - u32::from(self.chance) } else { u32::from(self.chance) };
-        let change = (towards * step) >> 16;
-        // Never certain: the other bit must stay possible.
-        self.chance = if bit {
-            (u32::from(self.chance) + change).min(65_535 - CAUTION)
-        } else {
-            (u32::from(self.chance) - change).max(CAUTION)
-        } as u16;
-        self.seen += u16::from(self.seen < MOST_SEEN);
+        let step = u32::from(STEPS[usize::from(self.seen)]);
+        let chance = u32::from(self.chance);
+        let more = (chance + (((65_535 - chance) * step) >> 16)).min(65_535 - CAUTION);
+        let less = (chance - ((chance * step) >> 16)).max(CAUTION);
+        self.chance = if bit { more } else { less } as u16;
+        self.seen += u8::from(self.seen < MOST_SEEN);
     }
 }
 
-/// The least chance, of 65,536.
-const CAUTION: u32 = 24;
+/// How likely each of sixteen symbols is, learnt from those before it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Symbol {
+    /// For each symbol the chance of all below it, without their [`FLOOR`]s.
+    below: [i16; 16],
+    seen: u8,
+}
 
-/// 65,536 / (n + 1.6): how far the n-th observation moves a chance.
-const RECIPROCAL: [u32; MOST_SEEN as usize + 1] = {
-    let mut table = [0; MOST_SEEN as usize + 1];
-    let mut n = 0;
-    while n < table.len() {
-        table[n] = 655_360 / (10 * n as u32 + 16);
-        n += 1;
+/// For each symbol what the chances of all below each move towards when it is seen.
+const GOALS: [[i16; 16]; 16] = {
+    let mut goals = [[0; 16]; 16];
+    let mut i = 0;
+    while i < 256 {
+        goals[i / 16][i % 16] = if i % 16 > i / 16 { SHARED } else { 0 };
+        i += 1;
     }
-    table
+    goals
 };
+
+/// A symbol model begins as if it had seen so many.
+const PRIOR: u8 = 2;
+
+impl Symbol {
+    pub(super) const NEW: Self = {
+        let mut below = [0; 16];
+        let mut i = 0;
+        while i < 16 {
+            below[i] = SHARED / 16 * i as i16;
+            i += 1;
+        }
+        Self { below, seen: PRIOR }
+    };
+
+    /// The symbol that has a place among [`WHOLE`].
+    #[inline(always)]
+    fn at(&self, slot: u16) -> usize {
+        let mut symbols = 0;
+        for (i, &below) in (0i16..).zip(&self.below) {
+            symbols += i16::from(below + FLOOR * i <= slot as i16);
+        }
+        (symbols - 1) as usize & 15
+    }
+
+    /// Where a symbol begins among [`WHOLE`], and its chance.
+    #[inline(always)]
+    fn part(&self, symbol: usize) -> (u16, u16) {
+        let start = |s: usize| (self.below[s & 15] + FLOOR * s as i16) as u16;
+        let (from, to) = (start(symbol), if symbol == 15 { WHOLE } else { start(symbol + 1) });
+        (from, to - from)
+    }
+
+    #[inline(always)]
+    fn learn(&mut self, symbol: usize) {
+        let step = STEPS[usize::from(self.seen)] as i16;
+        for (below, goal) in self.below.iter_mut().zip(&GOALS[symbol & 15]) {
+            *below += ((i32::from(goal - *below) * i32::from(step)) >> 16) as i16;
+        }
+        self.seen += u8::from(self.seen < MOST_SEEN);
+    }
+}
 
 /// Says bits, or hears them.
 pub(super) trait Coder {
@@ -55,87 +127,99 @@ pub(super) trait Coder {
     const WRITES: bool;
     /// A bit whose chances `model` knows.
     fn bit(&mut self, model: &mut Bit, bit: bool) -> bool;
-    /// Up to 16 bits without a model.
-    fn raw16(&mut self, bits: u32, value: u32) -> u32;
-
+    /// A number below 16 whose chances `model` knows.
+    fn symbol(&mut self, model: &mut Symbol, value: u32) -> u32;
     /// Up to 32 bits without a model.
-    fn raw(&mut self, bits: u32, value: u32) -> u32 {
-        if bits <= 16 {
-            return self.raw16(bits, value);
-        }
-        let high = self.raw16(bits - 16, value >> 16);
-        high << 16 | self.raw16(16, value & 0xffff)
-    }
+    fn raw(&mut self, bits: u32, value: u32) -> u32;
 
     /// A number below `end`, all equally likely. `end` is at least 1.
+    #[inline]
     fn uniform(&mut self, end: u32, value: u32) -> u32 {
         let bits = end.ilog2();
         let short = if bits == 31 { u32::MAX - end + 1 } else { (2u32 << bits) - end };
         // The first `short` numbers take one bit less than the others.
-        let (high, last) = if value < short { (value, 0) } else { ((value + short) >> 1, (value + short) & 1) };
+        let (high, last) = if value < short { (value, 0) } else { (value.wrapping_add(short) >> 1, value.wrapping_add(short) & 1) };
         let high = self.raw(bits, high);
-        if high < short { high } else { (high << 1 | self.raw16(1, last)).wrapping_sub(short) }
+        if high < short { high } else { (high << 1 | self.raw(1, last)).wrapping_sub(short) }
     }
+}
+
+/// The two runs of a block: its mesh, and where the triangles stand in strips.
+#[derive(Debug, Default)]
+pub(super) struct Runs<C> {
+    pub(super) mesh: C,
+    pub(super) strips: C,
 }
 
 /// The side that knows: makes bytes.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Encoder {
-    low: u64,
-    range: u32,
-    /// The last byte that a carry could still change, and how many 0xff follow it.
-    held: Option<u8>,
-    full: usize,
-    bytes: Vec<u8>,
+    /// Begin and chance of all that was said by models. A reader hears last what is coded first.
+    parts: Vec<(u16, u16)>,
+    /// About how many 256th of bits these take.
+    cost: u64,
+    /// Bits without models, the first being the lowest of the first.
+    bits: Vec<u8>,
+    open: u64,
+    open_bits: u32,
 }
 
 impl Encoder {
-    pub(super) fn new() -> Self {
-        Self { low: 0, range: u32::MAX, held: None, full: 0, bytes: Vec::new() }
-    }
-
     /// About how many bytes there are so far.
     pub(super) fn len(&self) -> usize {
-        self.bytes.len() + self.full + 5
+        (self.cost >> 11) as usize + self.bits.len() + STATE
     }
 
-    /// All bytes. A reader takes zeros for what is missing at the end.
-    pub(super) fn finish(mut self) -> Vec<u8> {
-        // The number in [low, low + range) with the most zeros at its end.
-        let top = self.low + u64::from(self.range) - 1;
-        let mut mask = u64::from(u32::MAX);
-        while mask > 0 && top & !mask < self.low {
-            mask >>= 1;
-        }
-        self.low = top & !mask;
-        for _ in 0..5 {
-            self.shift();
-        }
-        while self.bytes.last() == Some(&0) {
-            self.bytes.pop();
-        }
-        self.bytes
-    }
-
-    fn shift(&mut self) {
-        let carry = (self.low >> 32) as u8;
-        if carry > 0 || self.low < 0xff00_0000 {
-            if let Some(held) = self.held.replace((self.low >> 24) as u8) {
-                self.bytes.push(held.wrapping_add(carry));
+    /// All bytes: the front with what was said by models, the back with the bits without.
+    pub(super) fn finish(mut self) -> Run {
+        let mut state = LEAST;
+        let mut words: Vec<u16> = Vec::new();
+        for &(start, chance) in self.parts.iter().rev() {
+            let chance = u64::from(chance);
+            if state >= chance << (39 - SCALE) {
+                words.push(state as u16);
+                state >>= 16;
             }
-            self.bytes.extend(std::iter::repeat_n(0xffu8.wrapping_add(carry), self.full));
-            self.full = 0;
-        } else {
-            self.full += 1;
+            state = (state / chance) << SCALE | (state % chance + u64::from(start));
         }
-        self.low = self.low << 8 & 0xffff_ffff;
+        let mut front = state.to_le_bytes()[..STATE].to_vec();
+        front.extend(words.iter().rev().flat_map(|w| w.to_le_bytes()));
+        if self.parts.is_empty() && self.bits.is_empty() && self.open_bits == 0 {
+            front.clear();
+        }
+        let open = self.open.to_le_bytes();
+        self.bits.extend_from_slice(&open[..self.open_bits.div_ceil(8) as usize]);
+        self.bits.reverse();
+        Run { front, back: self.bits }
     }
 
-    fn normalise(&mut self) {
-        while self.range < SHORT {
-            self.range <<= 8;
-            self.shift();
-        }
+    #[inline]
+    fn part(&mut self, start: u16, chance: u16) {
+        self.parts.push((start, chance));
+        // The logarithm, with a straight line between powers of two.
+        let log = chance.ilog2();
+        let part = (u32::from(chance) << (SCALE - log) & u32::from(WHOLE - 1)) >> (SCALE - 8);
+        self.cost += u64::from(((SCALE - log) << 8) - part);
+    }
+}
+
+/// What an [`Encoder`] made. Anything may stand between the two ends.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Run {
+    pub(super) front: Vec<u8>,
+    pub(super) back: Vec<u8>,
+}
+
+impl Run {
+    /// The bytes, with so many of nothing in the middle.
+    pub(super) fn bytes(mut self, padding: usize) -> Vec<u8> {
+        self.front.resize(self.front.len() + padding, 0);
+        self.front.append(&mut self.back);
+        self.front
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.front.len() + self.back.len()
     }
 }
 
@@ -144,23 +228,30 @@ impl Coder for Encoder {
 
     #[inline]
     fn bit(&mut self, model: &mut Bit, bit: bool) -> bool {
-        let bound = (self.range >> 16) * u32::from(model.chance);
-        if bit {
-            self.range = bound;
-        } else {
-            self.low += u64::from(bound);
-            self.range -= bound;
-        }
+        let set = model.set();
+        if bit { self.part(0, set) } else { self.part(set, WHOLE - set) }
         model.learn(bit);
-        self.normalise();
         bit
     }
 
     #[inline]
-    fn raw16(&mut self, bits: u32, value: u32) -> u32 {
-        self.range >>= bits;
-        self.low += u64::from(self.range) * u64::from(value);
-        self.normalise();
+    fn symbol(&mut self, model: &mut Symbol, value: u32) -> u32 {
+        let symbol = value as usize & 15;
+        let (start, chance) = model.part(symbol);
+        self.part(start, chance);
+        model.learn(symbol);
+        value
+    }
+
+    #[inline]
+    fn raw(&mut self, bits: u32, value: u32) -> u32 {
+        self.open |= u64::from(value) << self.open_bits;
+        self.open_bits += bits;
+        if self.open_bits >= 32 {
+            self.bits.extend_from_slice(&(self.open as u32).to_le_bytes());
+            self.open >>= 32;
+            self.open_bits -= 32;
+        }
         value
     }
 }
@@ -168,46 +259,61 @@ impl Coder for Encoder {
 /// The side that hears: reads bytes, and zeros behind them.
 #[derive(Debug)]
 pub(super) struct Decoder<'a> {
-    code: u32,
-    range: u32,
+    state: u64,
     bytes: &'a [u8],
-    /// Bytes taken that were not there.
-    missing: usize,
+    /// Bytes taken from the front.
+    front: usize,
+    /// Bytes taken from the end, and their bits that were not asked for yet.
+    back: usize,
+    open: u64,
+    open_bits: u32,
 }
 
 impl<'a> Decoder<'a> {
     pub(super) fn new(bytes: &'a [u8]) -> Self {
-        let mut new = Self { code: 0, range: u32::MAX, bytes, missing: 0 };
-        for _ in 0..4 {
-            new.take();
+        let mut new = Self { state: LEAST, bytes, front: 0, back: 0, open: 0, open_bits: 0 };
+        if let Some(state) = bytes.get(..STATE) {
+            new.state = state.iter().rev().fold(0, |all, &byte| all << 8 | u64::from(byte));
+            new.front = STATE;
         }
         new
     }
 
-    /// Whether it has gone on far behind the end: what it hears then was never said.
+    /// Whether it has taken more than there is: what it hears then was never said.
     pub(super) fn is_lost(&self) -> bool {
-        self.missing > 5
+        self.front + self.back > self.bytes.len() + self.open_bits as usize / 8
     }
 
-    fn take(&mut self) {
-        let byte = match self.bytes.split_first() {
-            Some((&byte, rest)) => {
-                self.bytes = rest;
-                byte
-            }
-            None => {
-                self.missing += 1;
-                0
-            }
-        };
-        self.code = self.code << 8 | u32::from(byte);
+    /// Whether all that was said by models was heard, and nothing else.
+    pub(super) fn is_done(&self) -> bool {
+        self.state == LEAST && !self.is_lost()
     }
 
-    fn normalise(&mut self) {
-        while self.range < SHORT {
-            self.range <<= 8;
-            self.take();
+    #[inline]
+    fn advance(&mut self, start: u16, chance: u16, slot: u16) {
+        self.state = u64::from(chance) * (self.state >> SCALE) + u64::from(slot.wrapping_sub(start));
+        if self.state < LEAST {
+            let two = self.bytes.get(self.front..).and_then(<[u8]>::first_chunk).copied().unwrap_or_default();
+            self.state = self.state << 16 | u64::from(u16::from_le_bytes(two));
+            self.front += 2;
         }
+    }
+
+    fn slot(&self) -> u16 {
+        self.state as u16 & (WHOLE - 1)
+    }
+
+    /// Takes four bytes from the end.
+    #[inline]
+    fn fill(&mut self) {
+        let end = self.bytes.len().saturating_sub(self.back);
+        let four = match self.bytes[..end].last_chunk() {
+            Some(four) => *four,
+            None => std::array::from_fn(|i| if i + end >= 4 { self.bytes[i + end - 4] } else { 0 }),
+        };
+        self.open |= u64::from(u32::from_be_bytes(four)) << self.open_bits;
+        self.open_bits += 32;
+        self.back += 4;
     }
 }
 
@@ -216,27 +322,33 @@ impl Coder for Decoder<'_> {
 
     #[inline]
     fn bit(&mut self, model: &mut Bit, _: bool) -> bool {
-        let bound = (self.range >> 16) * u32::from(model.chance);
-        let bit = self.code < bound;
-        if bit {
-            self.range = bound;
-        } else {
-            self.code -= bound;
-            self.range -= bound;
-        }
+        let (slot, set) = (self.slot(), model.set());
+        let bit = slot < set;
+        let (start, chance) = if bit { (0, set) } else { (set, WHOLE - set) };
+        self.advance(start, chance, slot);
         model.learn(bit);
-        self.normalise();
         bit
     }
 
+    #[inline(always)]
+    fn symbol(&mut self, model: &mut Symbol, _: u32) -> u32 {
+        let slot = self.slot();
+        let symbol = model.at(slot);
+        let (start, chance) = model.part(symbol);
+        self.advance(start, chance, slot);
+        model.learn(symbol);
+        symbol as u32
+    }
+
     #[inline]
-    fn raw16(&mut self, bits: u32, _: u32) -> u32 {
-        self.range >>= bits;
-        // A crafted stream may point behind the range.
-        let value = (self.code / self.range).min((1 << bits) - 1);
-        self.code = self.code.wrapping_sub(value.wrapping_mul(self.range));
-        self.normalise();
-        value
+    fn raw(&mut self, bits: u32, _: u32) -> u32 {
+        if self.open_bits < bits {
+            self.fill();
+        }
+        let value = self.open & ((1 << bits) - 1);
+        self.open >>= bits;
+        self.open_bits -= bits;
+        value as u32
     }
 }
 
@@ -249,10 +361,13 @@ mod tests {
         // A reader does not know the truth.
         let wrong = !C::WRITES;
         let mut models = [Bit::NEW; 4];
+        let mut symbols = [Symbol::NEW; 4];
         let mut said = Vec::new();
         for i in 0..20_000 {
             let skew = [2, 10, 1000, 100_000][i % 4];
             said.push(u32::from(coder.bit(&mut models[i % 4], (random.below(skew) == 0) ^ wrong)));
+            let symbol = random.below([1, 2, 9, 16][i % 4] + usize::from(i % 1000 == 3)) as u32 & 15;
+            said.push(coder.symbol(&mut symbols[i % 4], if wrong { 0 } else { symbol }));
             let bits = random.below(33) as u32;
             let end = (1 + random.next() % u64::from(u32::MAX >> random.below(32))) as u32;
             let value = (random.next() & ((1u64 << bits) - 1)) as u32;
@@ -266,24 +381,33 @@ mod tests {
     #[test]
     fn what_is_said_is_heard() {
         for seed in 0..20 {
-            let mut encoder = Encoder::new();
+            let mut encoder = Encoder::default();
             let said = say(&mut encoder, &mut Random(seed));
-            let bytes = encoder.finish();
+            let about = encoder.len();
+            let run = encoder.finish();
+            assert!(run.len().abs_diff(about) < about / 50, "{} bytes, not {about}", run.len());
+            let bytes = run.bytes(seed as usize);
             let mut decoder = Decoder::new(&bytes);
+            assert!(!decoder.is_done(), "seed {seed}");
             let mut random = Random(seed);
             assert_eq!(say(&mut decoder, &mut random), said, "seed {seed}");
-            assert!(!decoder.is_lost(), "seed {seed}");
+            assert!(decoder.is_done(), "seed {seed}");
+            let mut decoder = Decoder::new(&bytes[..bytes.len() / 2]);
+            say(&mut decoder, &mut Random(seed));
+            assert!(!decoder.is_done(), "seed {seed}");
         }
     }
 
     #[test]
-    fn likely_bits_take_little_room() {
-        let mut encoder = Encoder::new();
-        let mut model = Bit::NEW;
-        for _ in 0..80_000 {
-            encoder.bit(&mut model, true);
+    fn likely_things_take_little_room() {
+        let mut encoder = Encoder::default();
+        let (mut bit, mut symbol) = (Bit::NEW, Symbol::NEW);
+        for _ in 0..40_000 {
+            encoder.bit(&mut bit, true);
+            encoder.symbol(&mut symbol, 7);
         }
-        assert!(encoder.finish().len() < 60);
-        assert!(Encoder::new().finish().is_empty());
+        let bytes = encoder.finish().len();
+        assert!(bytes < 200, "{bytes} bytes");
+        assert_eq!(Encoder::default().finish().len(), 0);
     }
 }

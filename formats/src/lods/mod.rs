@@ -7,6 +7,7 @@
 mod births;
 mod block;
 mod coder;
+mod fans;
 mod growth;
 mod head;
 mod layout;

@@ -1,83 +1,102 @@
 //! Which triangles of a survivor go over to the new vertex: mostly what the new triangles suggest.
 
-use super::births::Kind;
+use super::births::Shape;
 use super::coder::{Bit, Coder};
-use super::growth::Spoke;
+use super::growth::{Born, Kind, Spoke};
 use super::record::Object;
-use super::script::{Birth, Script};
+use super::script::Script;
 
 /// What is known about triangles that go over.
 #[derive(Clone, Debug)]
 pub(super) struct MoveModels {
-    /// All go as expected; all go although nothing is expected.
-    all: [[Bit; 2]; 2],
-    one: [[[Bit; 3]; 4]; 2],
+    /// By what is expected (0 to 3), and what the triangle before does.
+    one: [[Bit; 3]; 4],
 }
 
 impl MoveModels {
-    pub(super) const NEW: Self = Self { all: [[Bit::NEW; 2]; 2], one: [[[Bit::NEW; 3]; 4]; 2] };
+    pub(super) const NEW: Self = Self { one: [[Bit::NEW; 3]; 4] };
 }
+
+/// What is expected of a triangle: these two bits, not known if none is set, contradictory if both are.
+const STAYS: u8 = 1;
+const GOES: u8 = 2;
 
 impl Object {
     /// Which triangles of the survivor go over: into `self.moves`, as the ring has them.
-    pub(super) fn moving<C: Coder, S: Script>(&mut self, coder: &mut C, script: &S, models: &mut MoveModels, new: u32) {
-        let mut expected = std::mem::take(&mut self.expected);
-        expect(&self.ring, &self.births, self.last_survivor, &mut expected);
-        self.say_moves(coder, script, models, new, &expected);
-        self.expected = expected;
-    }
-
-    fn say_moves<C: Coder, S: Script>(
+    pub(super) fn moving<C: Coder, S: Script>(
         &mut self,
         coder: &mut C,
         script: &S,
         models: &mut MoveModels,
         new: u32,
-        expected: &[u8],
-    ) {
-        let n = self.ring.len();
+        shape: Shape,
+    ) -> Result<(), super::Broken> {
         self.moves.clear();
-        if n == 0 {
-            return;
-        }
-        let sure = expected.iter().all(|e| matches!(e, 1 | 2));
-        if sure {
-            let right = (self.ring.iter().zip(expected)).all(|(s, &e)| script.moves(s.corner, new) == (e == 2));
-            if coder.bit(&mut models.all[0][usize::from(self.open)], right) {
-                self.moves.extend(expected.iter().map(|&e| e == 2));
-                return;
+        match shape {
+            Shape::None => self.moves.resize(self.ring.len(), true),
+            Shape::Other => {
+                expect(&self.ring, &self.births, &mut self.expected);
+                let mut before = 0;
+                for (spoke, &e) in self.ring.iter().zip(&self.expected) {
+                    let model = &mut models.one[usize::from(e)][before];
+                    let moves = coder.bit(model, script.moves(spoke.corner, new));
+                    before = 1 + usize::from(moves);
+                    self.moves.push(moves);
+                }
             }
-        } else if self.births.is_empty() {
-            // Nothing comes: all go over, as with a vertex that was made for a seam, or none do.
-            let all = self.ring.iter().all(|s| script.moves(s.corner, new));
-            if coder.bit(&mut models.all[1][usize::from(self.open)], all) {
-                self.moves.resize(n, true);
-                return;
+            // A writer has seen what is expected.
+            _ => {
+                if !C::WRITES {
+                    expect(&self.ring, &self.births, &mut self.expected);
+                }
+                if self.expected.iter().any(|e| !matches!(*e, STAYS | GOES)) {
+                    return Err(super::Broken("has triangles that neither stay nor go"));
+                }
+                self.moves.extend(self.expected.iter().map(|&e| e == GOES));
             }
         }
-        let mut before = 0;
-        for (spoke, &e) in self.ring.iter().zip(expected) {
-            let model = &mut models.one[usize::from(sure)][usize::from(e)][before];
-            let moves = coder.bit(model, script.moves(spoke.corner, new));
-            before = 1 + usize::from(moves);
-            self.moves.push(moves);
+        Ok(())
+    }
+
+    /// What [`expect`] finds in the usual case, at once: two triangles come into a fan that closes. What stays begins with the
+    /// triangle beyond the right one, what goes with that beyond the left one.
+    pub(super) fn arcs(&self, shape: Shape) -> Option<[usize; 2]> {
+        match (&self.births[..], shape) {
+            ([right, left], Shape::Both) if self.closed => {
+                let arcs = [right, left].map(|b| b.beyond[0] as usize);
+                (arcs[0] != arcs[1]).then_some(arcs)
+            }
+            _ => None,
         }
+    }
+
+    /// Whether a shape other than [`Shape::Other`] tells what goes over, `self.births` being there: for a writer.
+    pub(super) fn goes_as_expected<S: Script>(&mut self, script: &S, new: u32, shape: Shape) -> bool {
+        let goes = |s: &Spoke| script.moves(s.corner, new);
+        if shape == Shape::None {
+            return self.ring.iter().all(goes);
+        }
+        expect(&self.ring, &self.births, &mut self.expected);
+        let known = |(s, &e): (&Spoke, &u8)| matches!(e, STAYS | GOES) && goes(s) == (e == GOES);
+        self.ring.iter().zip(&self.expected).all(known)
     }
 }
 
-/// For each triangle around the survivor whether it goes over: 0 not known, 1 stays, 2 goes, 3 contradictory.
-fn expect(ring: &[Spoke], births: &[Birth], survivor: u32, expected: &mut Vec<u8>) {
+/// For each triangle around the survivor whether it goes over.
+fn expect(ring: &[Spoke], births: &[Born], expected: &mut Vec<u8>) {
     expected.clear();
     expected.resize(ring.len(), 0);
-    for &birth in births {
+    for birth in births {
         // A triangle right of the new edge lies between one that stays and one that goes, one left of it too.
-        let (x, follows, precedes) = match Kind::of(birth, survivor) {
-            Kind::Right => (birth.next, 1, 2),
-            Kind::Left => (birth.after, 2, 1),
+        let fates = match birth.kind {
+            Kind::Right => [STAYS, GOES],
+            Kind::Left => [GOES, STAYS],
             Kind::Apart => continue,
         };
-        for (spoke, e) in ring.iter().zip(expected.iter_mut()) {
-            *e |= if spoke.a == x { follows } else { 0 } | if spoke.b == x { precedes } else { 0 };
+        for (at, fate) in birth.beyond.into_iter().zip(fates) {
+            if let Some(e) = expected.get_mut(at as usize) {
+                *e |= fate;
+            }
         }
     }
     // Triangles with a common edge that no new one parts go together.

@@ -31,16 +31,31 @@ const POWERS: [f64; 23] = [
     1e21, 1e22,
 ];
 
+/// The least number of n digits.
+const FIRST: [i32; 8] = [1, 1, 10, 100, 1_000, 10_000, 100_000, 1_000_000];
+
+/// Powers of ten; those beyond 10^22 are products.
+const TENS: [f64; 67] = {
+    let mut tens = [1.0; 67];
+    let mut n = 0;
+    while n < tens.len() {
+        let (a, b) = if n > 44 { (22, 22) } else if n > 22 { (22, n - 22) } else { (n, 0) };
+        tens[n] = POWERS[a] * POWERS[b] * POWERS[n - a - b];
+        n += 1;
+    }
+    tens
+};
+
 /// `m * 10^exponent`; correctly rounded for all but the farthest exponents, and the same everywhere for those.
+#[inline]
 fn scaled(m: f64, exponent: i32) -> f64 {
-    let table = |n: i32| {
-        POWERS[n.min(22) as usize] * POWERS[(n - 22).clamp(0, 22) as usize] * POWERS[(n - 44).clamp(0, 22) as usize]
-    };
-    if exponent >= 0 { m * table(exponent) } else { m / table(-exponent) }
+    let ten = TENS[exponent.unsigned_abs().min(66) as usize];
+    if exponent >= 0 { m * ten } else { m / ten }
 }
 
 impl System {
     /// The number of the float in the list that is nearest to `value`.
+    #[inline]
     pub(super) fn index(self, value: f32) -> i32 {
         match self {
             Self::Float => {
@@ -60,6 +75,7 @@ impl System {
     }
 
     /// The float of a number.
+    #[inline]
     pub(super) fn value(self, index: i32) -> f32 {
         // Not `-index`, so that −1 is −0.
         let magnitude = if index < 0 { !index } else { index };
@@ -78,13 +94,28 @@ impl System {
             Self::Decimal(digits) => f64::from(magnitude) / POWERS[usize::from(digits)],
             Self::Significant(_) if magnitude == 0 => 0.0,
             Self::Significant(digits) => {
-                let first = 10i32.pow(u32::from(digits) - 1);
+                let first = FIRST[usize::from(digits & 7)];
                 let (decade, rest) = ((magnitude - 1) / (9 * first), (magnitude - 1) % (9 * first));
                 scaled(f64::from(first + rest), decade + LEAST_DECADE + 1 - i32::from(digits))
             }
         };
         let value = value as f32;
         if index < 0 { -value } else { value }
+    }
+
+    /// Whether from the number `least` to the number `most` all floats are equally distant: those of one power of two or ten,
+    /// where that makes a difference.
+    #[inline]
+    pub(super) fn is_even(self, least: i32, most: i32) -> bool {
+        match self {
+            Self::Float => least >> 23 == most >> 23,
+            Self::Significant(digits) => {
+                let decade = 9 * FIRST[usize::from(digits & 7)];
+                let of = |n: i32| (if n < 0 { !n } else { n } - 1) / decade;
+                (least > 0 || most < -1) && of(least) == of(most)
+            }
+            _ => true,
+        }
     }
 
     /// Whether the list has this float, bit for bit.
@@ -124,7 +155,7 @@ fn significant(value: f64, digits: i32) -> i32 {
     } else if scaled(1.0, decade) > value {
         decade -= 1;
     }
-    let first = 10i32.pow(digits as u32 - 1);
+    let first = FIRST[digits as usize & 7];
     let unit = decade + 1 - digits;
     let mut m = (scaled(value, -unit) + 0.5) as i32;
     if m >= 10 * first {

@@ -1,7 +1,7 @@
 //! Writing a stream: the head, then steps in the order of their errors, cut into blocks.
 
 use super::block::{self, Block, MAGIC};
-use super::coder::Encoder;
+use super::coder::{Encoder, Runs};
 use super::growth::Growth;
 use super::head::{Head, Promise};
 use super::layout::Layout;
@@ -51,7 +51,7 @@ pub struct PackedObject {
 }
 
 /// Bytes of a block unless something else is asked for. Early blocks are smaller.
-const BLOCK: u32 = 4096;
+const BLOCK: u32 = 8192;
 /// A block is not longer than this share of all before it ...
 const SHARE: usize = 8;
 /// ... or this many bytes.
@@ -165,22 +165,31 @@ impl Writing<'_> {
 
     /// The next steps, about `target` bytes of them. `before` is how many bytes of the stream there are.
     fn block(&mut self, models: &mut Models, target: usize, before: usize) -> Result<(u32, Vec<u8>), FormatError> {
-        let mut coder = Encoder::new();
+        let mut runs = Runs::<Encoder>::default();
         let mut steps = 0;
         loop {
             let vertices = self.vertices();
-            let step = self.object.step(&mut coder, &self.script, models, vertices, usize::MAX);
+            let step = self.object.step(&mut runs, &self.script, models, vertices, usize::MAX);
             step.expect("the writer knows what it says");
             steps += 1;
-            if coder.len() >= target || self.object.growth.vertices() == vertices {
+            if runs.mesh.len() + runs.strips.len() >= target || self.object.growth.vertices() == vertices {
                 break;
             }
         }
-        let mut payload = coder.finish();
+        let Runs { mesh, strips } = runs;
+        let (mesh, strips) = (mesh.finish(), strips.finish());
         // What costs next to nothing is padded, so that a reader can refuse what would cost nothing at all.
-        while !may_hold(before + payload.len(), &self.object) {
-            payload.resize(payload.len() + 64, 0);
+        let mut padding = 0;
+        while !may_hold(before + mesh.len() + padding + strips.len(), &self.object) {
+            padding += 64;
         }
+        let mesh = mesh.bytes(padding);
+        let mut payload = Vec::with_capacity(mesh.len() + strips.len() + 5);
+        if self.object.order.is_some() {
+            block::put_varint(&mut payload, mesh.len() as u32);
+        }
+        payload.extend(mesh);
+        payload.extend(strips.bytes(0));
         if payload.len() > block::LARGEST {
             return Err(too_large("a single step has more than 16 MiB"));
         }

@@ -81,7 +81,7 @@ pub(super) struct Known {
     index: Vec<i32>,
     births: Vec<Birth>,
     first_birth: Vec<u32>,
-    /// The final vertex of each corner of each face.
+    /// The final vertex of each corner of each face; the fourth is nobody's.
     ends: Vec<u32>,
     /// Every vertex with all that come out of it is a run of numbers.
     run: Vec<(u32, u32)>,
@@ -142,10 +142,11 @@ impl Known {
             first_birth[v] += first_birth[v - 1];
         }
         let run = runs(&survivors);
-        let mut ends = Vec::with_capacity(3 * order.len());
+        let mut ends = Vec::with_capacity(4 * order.len());
         for &t in &order {
             let (corners, turn) = (mesh.triangles()[t as usize], born[t as usize].turn);
             ends.extend((0..3).map(|c| arrival(corners[(turn + c) % 3])));
+            ends.push(NONE);
         }
         let strips = match strips {
             Some(strips) => Some(Drawn::new(simplified, strips, &order)?),
@@ -172,7 +173,8 @@ impl Script for Known {
     }
     fn moves(&self, corner: u32, new: u32) -> bool {
         let (from, to) = self.run[new as usize];
-        (from..to).contains(&self.run[self.ends[corner as usize] as usize].0)
+        let end = self.ends[corner as usize];
+        (from..to).contains(&self.run[end as usize].0)
     }
     fn index(&self, new: u32) -> &[i32] {
         &self.index[new as usize * self.channels..][..self.channels]

@@ -1,7 +1,6 @@
 //! Text and other small things of a stream's head, packed: every byte in the light of the one before it.
 
-use super::coder::{Coder, Decoder, Encoder};
-use super::model::Tree;
+use super::coder::{Coder, Decoder, Encoder, Symbol};
 
 /// How much more text than bytes there may be: what says the same again and again is not worth more.
 const MOST: usize = 64;
@@ -9,9 +8,9 @@ const FREE: usize = 1 << 16;
 
 /// Packs bytes; not, if they would be too easy.
 pub(super) fn pack(text: &[u8]) -> Option<Vec<u8>> {
-    let mut encoder = Encoder::new();
+    let mut encoder = Encoder::default();
     say(&mut encoder, text, text.len());
-    let packed = encoder.finish();
+    let packed = encoder.finish().bytes(0);
     may_be(text.len(), packed.len()).then_some(packed)
 }
 
@@ -22,7 +21,7 @@ pub(super) fn unpack(packed: &[u8], length: usize) -> Option<Vec<u8>> {
     }
     let mut decoder = Decoder::new(packed);
     let text = say(&mut decoder, &[], length);
-    (!decoder.is_lost()).then_some(text)
+    decoder.is_done().then_some(text)
 }
 
 fn may_be(length: usize, packed: usize) -> bool {
@@ -30,12 +29,15 @@ fn may_be(length: usize, packed: usize) -> bool {
 }
 
 fn say<C: Coder>(coder: &mut C, text: &[u8], length: usize) -> Vec<u8> {
-    let mut models = vec![Tree::<256>::NEW; 256];
+    // The upper half of a byte by the byte before it, the lower half by the upper one too.
+    let mut models = vec![[Symbol::NEW; 17]; 256];
     let mut said = Vec::with_capacity(length);
     let mut before = 0;
     for i in 0..length {
         let byte = text.get(i).copied().unwrap_or_default();
-        let byte = models[usize::from(before)].code(coder, u32::from(byte)) as u8;
+        let models = &mut models[usize::from(before)];
+        let high = coder.symbol(&mut models[16], u32::from(byte >> 4));
+        let byte = (high << 4 | coder.symbol(&mut models[high as usize], u32::from(byte & 15))) as u8;
         said.push(byte);
         before = byte;
     }

@@ -1,7 +1,7 @@
 //! Reading a stream as it comes in: fed with bytes, it shows at any time the mesh of the last whole block.
 
 use super::block::{self, Block, MAGIC, PREAMBLE, Parsed};
-use super::coder::Decoder;
+use super::coder::{Decoder, Runs};
 use super::growth::Growth;
 use super::head::{Head, Promise};
 use super::record::{Models, Object};
@@ -39,6 +39,8 @@ pub struct Unpacker {
     growing: Vec<Growing>,
     models: Box<Models>,
     whole: bool,
+    /// Whether strips are passed over.
+    plain: bool,
     failed: Option<FormatError>,
 }
 
@@ -75,8 +77,16 @@ impl Unpacker {
             growing: Vec::new(),
             models: Box::new(Models::new()),
             whole: false,
+            plain: false,
             failed: None,
         }
+    }
+
+    /// The same without strips, before it is fed anything: they are passed over, which is quicker.
+    #[must_use]
+    pub fn triangles_only(mut self) -> Self {
+        self.plain = true;
+        self
     }
 
     /// Takes the next bytes of the stream and all whole blocks that they complete. Not more than one block is kept
@@ -248,7 +258,7 @@ impl Unpacker {
         let growing = |p: &Promise| {
             let growth = Growth::new(p.layout.systems.clone());
             Growing {
-                object: Object::new(growth, p.layout.streams.clone(), p.submeshes.len() as u32, p.strips),
+                object: Object::new(growth, p.layout.streams.clone(), p.submeshes.len() as u32, p.strips && !self.plain),
                 steps: 0,
             }
         };
@@ -276,12 +286,16 @@ impl Unpacker {
             return Err("has no steps, or more than were promised");
         }
         let bytes = self.taken as usize + block.payload.len();
-        let mut coder = Decoder::new(block.payload);
-        for _ in 0..block.steps {
-            let step = growing.object.step(&mut coder, &Unknown, &mut self.models, promise.vertices, bytes);
+        let (mesh, strips) = parted(block.payload, promise.strips).ok_or("has a part that is longer than it")?;
+        let mut runs = Runs { mesh: Decoder::new(mesh), strips: Decoder::new(strips) };
+        for i in 1..=block.steps {
+            let step = growing.object.step(&mut runs, &Unknown, &mut self.models, promise.vertices, bytes);
             let what = match step {
                 Err(broken) => Some(broken.0),
-                Ok(()) if coder.is_lost() => Some("ends before its steps do"),
+                Ok(()) if runs.mesh.is_lost() || runs.strips.is_lost() => Some("ends before its steps do"),
+                Ok(()) if i == block.steps && !(runs.mesh.is_done() && (self.plain || runs.strips.is_done())) => {
+                    Some("does not end with its steps")
+                }
                 Ok(()) if growing.object.growth.faces() > promise.triangles => {
                     Some("has more triangles than were promised")
                 }
@@ -295,6 +309,15 @@ impl Unpacker {
         }
         Ok(())
     }
+}
+
+/// The two runs of a payload; the second is empty if there are no strips.
+fn parted(payload: &[u8], strips: bool) -> Option<(&[u8], &[u8])> {
+    if !strips {
+        return Some((payload, &[]));
+    }
+    let (mesh, length) = block::varint(payload)?.ok()?;
+    payload[length..].split_at_checked(mesh as usize)
 }
 
 /// Whether the first bytes are all there, and those of a stream.
@@ -324,7 +347,7 @@ fn parts(promise: &Promise, growth: &Growth) -> MeshParts {
         let mut bytes = Vec::with_capacity(vertices as usize * a.stride());
         for v in 0..vertices {
             for c in stream.first..stream.first + stream.channels {
-                promise.layout.put(a.component, c, growth.numbers[at(v) + c].0, &mut bytes);
+                promise.layout.put(a.component, c, growth.numbers[at(v) + c], &mut bytes);
             }
         }
         Attribute { bytes, ..a.described() }
@@ -340,7 +363,7 @@ fn parts(promise: &Promise, growth: &Growth) -> MeshParts {
         submesh
     };
     MeshParts {
-        positions: (0..vertices).map(|v| std::array::from_fn(|c| growth.numbers[at(v) + c].1)).collect(),
+        positions: (0..vertices).map(|v| std::array::from_fn(|c| promise.layout.systems[c].value(growth.numbers[at(v) + c]))).collect(),
         vertex_submesh: growth.submesh.iter().rev().copied().collect(),
         attributes: promise.attributes.iter().zip(&promise.layout.streams[1..]).map(attribute).collect(),
         submeshes: promise.submeshes.iter().zip(&sorted).map(submesh).collect(),

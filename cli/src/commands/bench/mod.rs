@@ -5,6 +5,7 @@ mod measure;
 mod object;
 mod primitives;
 mod report;
+mod stream;
 mod subject;
 mod text;
 
@@ -71,6 +72,9 @@ pub(crate) struct BenchArgs {
     /// The GPU to use, by a part of its name
     #[arg(long, value_name = "NAME", requires = "gpu")]
     adapter: Option<String>,
+    /// Also pack each object as a progressive stream: its size, its speed, and how far its prefixes are from the whole
+    #[arg(long)]
+    streams: bool,
     /// Print one JSON document
     #[arg(long)]
     json: bool,

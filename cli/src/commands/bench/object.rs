@@ -3,7 +3,7 @@
 use super::measure::{Times, counts, stops, times};
 use super::report::{BenchObject, Bits, DrawnReport, ExtractionReport, SubjectReport, TrafficReport};
 use super::subject::{Subject, baselines, plain, subjects};
-use super::{BenchArgs, Prepared, gpu, primitives};
+use super::{BenchArgs, Prepared, gpu, primitives, stream};
 use crate::commands::build::counts as object_counts;
 use crate::exit::Outcome;
 use crate::gpu::Device;
@@ -76,6 +76,7 @@ pub(super) fn measure(args: &BenchArgs, device: Option<&Device>, prepared: &Prep
         primitives: primitives.into_iter().map(|(name, report)| (name.to_owned(), value(&report))).collect(),
         models,
         gpu: None,
+        stream: if args.streams { Some(stream::measure(args, prepared)?) } else { None },
     };
     if let (Some(device), false) = (device, args.no_times) {
         gpu::measure(device, object, args.rounds.get(), &mut report)?;

@@ -39,6 +39,50 @@ pub(super) struct BenchObject {
     pub(super) models: Map<String, Value>,
     /// Null if nothing was timed on a GPU.
     pub(super) gpu: Option<GpuReport>,
+    /// Null if streams were not asked for.
+    pub(super) stream: Option<StreamReport>,
+}
+
+/// An object as a progressive stream. Bits are per vertex of LOD 0, without the stream's head.
+#[derive(Debug, Serialize)]
+pub(super) struct StreamReport {
+    /// Of the lossless stream with strips, its head included.
+    pub(super) bytes: u64,
+    pub(super) lossless: f64,
+    pub(super) lossless_strips: f64,
+    /// Positions in 16 bits, normals in 10, texture coordinates in 12.
+    pub(super) quantized_strips: f64,
+    /// The same packages as plain words and bytes (thesis, table 4.3), with positions only and with normals.
+    pub(super) packages: f64,
+    pub(super) packages_normals: f64,
+    /// Null if nothing was timed.
+    pub(super) speed: Option<StreamSpeed>,
+    /// Of the lossless stream with strips.
+    pub(super) prefixes: Vec<PrefixReport>,
+}
+
+/// How long a stream takes on one thread, in memory: triangles only, from and to an index list.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(super) struct StreamSpeed {
+    pub(super) encode_ms: f64,
+    pub(super) decode_ms: f64,
+    pub(super) encode_million_triangles_per_second: f64,
+    pub(super) decode_million_triangles_per_second: f64,
+    /// From a stream with strips, which are passed over.
+    pub(super) decode_past_strips_million_triangles_per_second: f64,
+}
+
+/// What the first bytes of a stream show.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(super) struct PrefixReport {
+    pub(super) percent: u32,
+    pub(super) bytes: u64,
+    pub(super) triangles: u64,
+    /// In percent of the diagonal, the greater of both ways; null as all that follows while there are no triangles.
+    pub(super) rms: Option<f64>,
+    pub(super) hausdorff: Option<f64>,
+    /// Root mean square difference of grey (0 to 255) over 24 pictures.
+    pub(super) image: Option<f64>,
 }
 
 /// Times on a graphics device, and the memory that it needs.

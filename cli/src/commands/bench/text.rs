@@ -1,6 +1,6 @@
 //! The tables of `bench` for people.
 
-use super::report::{BenchFile, BenchObject};
+use super::report::{BenchFile, BenchObject, PrefixReport, StreamReport};
 use crate::exit::one_line;
 use crate::text::{count, grouped};
 use serde_json::{Map, Value};
@@ -38,6 +38,13 @@ const GPU: &[Column] = &[
     ("ms", "/milliseconds", 3),
     ("bytes sent", "/bytes", 0),
     ("M vertices/s", "/million_vertices_per_second", 1),
+];
+const PREFIXES: &[Column] = &[
+    ("bytes", "/bytes", 0),
+    ("triangles", "/triangles", 0),
+    ("RMS %", "/rms", 4),
+    ("Hausdorff %", "/hausdorff", 3),
+    ("image", "/image", 2),
 ];
 const PRIMITIVES: &[Column] = &[
     ("strips", "/strips", 0),
@@ -78,6 +85,9 @@ fn tables(text: &mut String, object: &BenchObject, share: f64) {
     }
     table(text, "per update, and per LOD", &object.models, TRAFFIC);
     table(text, "primitives at LOD 0", &object.primitives, PRIMITIVES);
+    if let Some(stream) = &object.stream {
+        streams(text, stream);
+    }
     let Some(gpu) = &object.gpu else { return };
     let _ = writeln!(text, "\n  on {}", one_line(&gpu.adapter));
     for (model, words) in &gpu.words_per_vertex {
@@ -90,6 +100,25 @@ fn tables(text: &mut String, object: &BenchObject, share: f64) {
             table(text, &format!("{model}, per update"), cases, GPU);
         }
     }
+}
+
+fn streams(text: &mut String, stream: &StreamReport) {
+    let StreamReport { lossless, lossless_strips, quantized_strips, packages, packages_normals, .. } = stream;
+    let _ = writeln!(
+        text,
+        "\n  stream, bits per vertex: {lossless:.1}, with strips {lossless_strips:.1}, in 16 bits {quantized_strips:.1}; as \
+         packages {packages:.0}, with normals {packages_normals:.0}"
+    );
+    if let Some(speed) = stream.speed {
+        let (encode, decode) = (speed.encode_million_triangles_per_second, speed.decode_million_triangles_per_second);
+        let past = speed.decode_past_strips_million_triangles_per_second;
+        let _ = writeln!(
+            text,
+            "  encoded {encode:.2}, decoded {decode:.2}, past strips {past:.2} million triangles per second"
+        );
+    }
+    let row = |p: &PrefixReport| (format!("{} %", p.percent), super::object::value(p));
+    table(text, "of the stream's bytes", &stream.prefixes.iter().map(row).collect(), PREFIXES);
 }
 
 /// Rows that have at least one of the columns' numbers.

@@ -166,5 +166,5 @@ fn the_bytes_are_those_of_version_1() {
     let objects = ["torus", "machine_part", "striped_sphere"]
         .map(|name| object(name, fixtures::random_collapse(&fixtures::named(name).expect("a shape"), 1)));
     let hash = xxhash_rust::xxh3::xxh3_64(&stepwise(&gltf(objects.into())).0.bytes);
-    assert_eq!((super::super::VERSION, hash), (1, 0xab87_8e25_39fd_f362), "{hash:#x}");
+    assert_eq!((super::super::VERSION, hash), (1, 0x7ddb_7c32_996c_b39f), "{hash:#x}");
 }
