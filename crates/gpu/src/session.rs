@@ -10,7 +10,7 @@ const STAGING: u64 = 32 << 20;
 
 /// A program on a device.
 pub struct Session<'d> {
-    device: &'d Device,
+    pub(crate) device: &'d Device,
     names: Vec<&'static str>,
     pub(crate) buffers: Vec<wgpu::Buffer>,
     lengths: Vec<usize>,
@@ -59,80 +59,55 @@ impl<'d> Session<'d> {
     /// # Errors
     /// If a pass needs more than the device allows, or the device fails.
     pub fn run(&mut self, passes: &[Pass]) -> Result<(), GpuError> {
-        self.submit(passes, None)?;
+        self.submit(passes)?;
         self.device.wait()
     }
 
-    /// Runs passes and says how many nanoseconds the device worked on them; none if it has no clock.
-    ///
-    /// # Errors
-    /// As [`Self::run`].
-    pub fn timed(&mut self, passes: &[Pass]) -> Result<Option<f64>, GpuError> {
-        if !self.device.has_clock() {
-            return self.run(passes).map(|()| None);
-        }
-        let gpu = &self.device.device;
-        let queries =
-            gpu.create_query_set(&wgpu::QuerySetDescriptor { label: None, ty: wgpu::QueryType::Timestamp, count: 2 });
-        let make = |usage| {
-            gpu.create_buffer(&wgpu::BufferDescriptor { label: None, size: 16, usage, mapped_at_creation: false })
-        };
-        let resolved = make(wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC);
-        let readable = make(wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST);
-        self.submit(passes, Some(&queries))?;
-        let mut encoder = gpu.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        encoder.resolve_query_set(&queries, 0..2, &resolved, 0);
-        encoder.copy_buffer_to_buffer(&resolved, 0, &readable, 0, 16);
-        self.device.queue.submit([encoder.finish()]);
-        let mut ticks = [0u64; 2];
-        self.device.map(&readable, 16, |bytes| {
-            for (tick, b) in ticks.iter_mut().zip(bytes.chunks_exact(8)) {
-                *tick = u64::from_le_bytes(b.try_into().expect("chunks are eight bytes long"));
-            }
-        })?;
-        let period = f64::from(self.device.queue.get_timestamp_period());
-        Ok(Some(ticks[1].saturating_sub(ticks[0]) as f64 * period))
-    }
-
-    fn submit(&mut self, passes: &[Pass], queries: Option<&wgpu::QuerySet>) -> Result<(), GpuError> {
-        let gpu = &self.device.device;
-        let parameters = self.parameters(passes);
-        let mut encoder = gpu.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        {
-            let timestamp_writes = queries.map(|query_set| wgpu::ComputePassTimestampWrites {
-                query_set,
-                beginning_of_pass_write_index: Some(0),
-                end_of_pass_write_index: Some(1),
-            });
-            let mut compute =
-                encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: None, timestamp_writes });
-            for (i, pass) in passes.iter().enumerate() {
-                let Some((x, y)) = self.groups(pass)? else { continue };
-                let pipeline = &self.pipelines[pass.kernel.0];
-                let uniform = wgpu::BufferBinding {
-                    buffer: &parameters,
-                    offset: SLOT * i as u64,
-                    size: std::num::NonZeroU64::new(SLOT),
-                };
-                let mut entries =
-                    vec![wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::Buffer(uniform) }];
-                entries.extend(pass.buffers.iter().zip(1..).map(|(b, binding)| wgpu::BindGroupEntry {
-                    binding,
-                    resource: self.buffers[b.0].as_entire_binding(),
-                }));
-                let layout = pipeline.get_bind_group_layout(0);
-                let group = gpu.create_bind_group(&wgpu::BindGroupDescriptor {
-                    label: None,
-                    layout: &layout,
-                    entries: &entries,
-                });
-                compute.set_pipeline(pipeline);
-                compute.set_bind_group(0, &group, &[]);
-                compute.dispatch_workgroups(x, y, 1);
-            }
-        }
+    fn submit(&mut self, passes: &[Pass]) -> Result<(), GpuError> {
+        let mut encoder = self.device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        self.encode(&mut encoder, passes, None)?;
         self.device.queue.submit([encoder.finish()]);
         self.device.check()
+    }
+
+    /// Adds passes to what is submitted next, between two time stamps if there is room for them: the set, and the first
+    /// of the two.
+    pub(crate) fn encode(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        passes: &[Pass],
+        clock: Option<(&wgpu::QuerySet, u32)>,
+    ) -> Result<(), GpuError> {
+        let gpu = &self.device.device;
+        let parameters = self.parameters(passes);
+        let timestamp_writes = clock.map(|(query_set, first)| wgpu::ComputePassTimestampWrites {
+            query_set,
+            beginning_of_pass_write_index: Some(first),
+            end_of_pass_write_index: Some(first + 1),
+        });
+        let mut compute = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: None, timestamp_writes });
+        for (i, pass) in passes.iter().enumerate() {
+            let Some((x, y)) = self.groups(pass)? else { continue };
+            let pipeline = &self.pipelines[pass.kernel.0];
+            let uniform = wgpu::BufferBinding {
+                buffer: &parameters,
+                offset: SLOT * i as u64,
+                size: std::num::NonZeroU64::new(SLOT),
+            };
+            let mut entries =
+                vec![wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::Buffer(uniform) }];
+            entries.extend(pass.buffers.iter().zip(1..).map(|(b, binding)| wgpu::BindGroupEntry {
+                binding,
+                resource: self.buffers[b.0].as_entire_binding(),
+            }));
+            let layout = pipeline.get_bind_group_layout(0);
+            let group =
+                gpu.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout: &layout, entries: &entries });
+            compute.set_pipeline(pipeline);
+            compute.set_bind_group(0, &group, &[]);
+            compute.dispatch_workgroups(x, y, 1);
+        }
+        Ok(())
     }
 
     /// The parameters of all passes, each in a slot of its own.
@@ -272,7 +247,8 @@ fn upload(device: &Device, name: &'static str, contents: &Contents) -> wgpu::Buf
             | wgpu::BufferUsages::COPY_SRC
             | wgpu::BufferUsages::COPY_DST
             | wgpu::BufferUsages::INDIRECT
-            | wgpu::BufferUsages::INDEX,
+            | wgpu::BufferUsages::INDEX
+            | wgpu::BufferUsages::VERTEX,
         mapped_at_creation: false,
     });
     if let Some(words) = words {
@@ -282,16 +258,30 @@ fn upload(device: &Device, name: &'static str, contents: &Contents) -> wgpu::Buf
 }
 
 fn pipeline(device: &Device, kernel: &Kernel) -> Result<wgpu::ComputePipeline, GpuError> {
+    let allowed = device.device.limits().max_storage_buffers_per_shader_stage;
+    let needed = kernel.wgsl.matches("var<storage").count() as u64;
+    if needed > u64::from(allowed) {
+        return Err(GpuError::Limit {
+            what: format!("the kernel {} (storage buffers)", kernel.name),
+            limit: "max_storage_buffers_per_shader_stage",
+            needed,
+            allowed: u64::from(allowed),
+        });
+    }
     let module = device.device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some(kernel.name),
         source: wgpu::ShaderSource::Wgsl(kernel.wgsl.as_str().into()),
     });
+    let constants: Vec<(&str, f64)> = kernel.constants.iter().map(|&(name, value)| (name, f64::from(value))).collect();
     let pipeline = device.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
         label: Some(kernel.name),
         layout: None,
         module: &module,
         entry_point: Some("main"),
-        compilation_options: wgpu::PipelineCompilationOptions::default(),
+        compilation_options: wgpu::PipelineCompilationOptions {
+            constants: &constants,
+            ..wgpu::PipelineCompilationOptions::default()
+        },
         cache: None,
     });
     device.check().map(|()| pipeline)

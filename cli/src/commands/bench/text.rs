@@ -38,6 +38,7 @@ const GPU: &[Column] = &[
     ("bytes sent", "/bytes", 0),
     ("M vertices/s", "/million_vertices_per_second", 1),
 ];
+const MEMORY: &[Column] = &[("positions", "/positions", 1), ("and normals", "/normals", 1)];
 const PRIMITIVES: &[Column] = &[
     ("strips", "/strips", 0),
     ("indices", "/indices", 0),
@@ -78,11 +79,11 @@ fn tables(text: &mut String, object: &BenchObject, share: f64) {
     table(text, "per update, and per LOD", &object.models, TRAFFIC);
     table(text, "primitives at LOD 0", &object.primitives, PRIMITIVES);
     let Some(gpu) = &object.gpu else { return };
-    let _ = writeln!(text, "\n  on {}", one_line(&gpu.adapter));
+    let _ = writeln!(text, "\n  on {}, by the clock of the {}", one_line(&gpu.adapter), gpu.clock);
     for (model, words) in &gpu.words_per_vertex {
-        let words = words.as_object().into_iter().flatten();
-        let words: Vec<_> = words.map(|(name, n)| format!("{name} {:.1}", n.as_f64().unwrap_or_default())).collect();
-        let _ = writeln!(text, "  {model}: words per vertex on the device: {}", words.join(", "));
+        if let Some(variants) = words.as_object() {
+            table(text, &format!("{model}, words per vertex"), variants, MEMORY);
+        }
     }
     for (model, cases) in &gpu.models {
         if let Some(cases) = cases.as_object() {

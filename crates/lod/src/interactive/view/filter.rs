@@ -12,7 +12,7 @@ pub struct Filter {
     vertices: BufferId,
     submeshes: BufferId,
     live: BufferId,
-    blocks: BufferId,
+    places: BufferId,
     /// Corners of the triangles that are drawn.
     pub indices: BufferId,
     /// Arguments of one indirect draw per submesh.
@@ -21,7 +21,7 @@ pub struct Filter {
     write: KernelId,
     arguments: KernelId,
     scan: Scan,
-    sizes: [u32; 3],
+    sizes: [u32; 2],
 }
 
 impl Filter {
@@ -29,46 +29,47 @@ impl Filter {
     /// `stride` words.
     pub fn new(program: &mut Program, mesh: &Mesh, triangles: &[[u32; 3]], vertices: BufferId, stride: usize) -> Self {
         let ranges: Vec<u32> = mesh.submeshes().iter().flat_map(|s| [s.first_triangle, s.triangle_count]).collect();
-        // The last block is empty: after the prefix sums it holds the number of all.
-        let count = triangles.len().div_ceil(1024) + 1;
-        let blocks = program.zeros("blocks", count);
+        let eights = triangles.len().div_ceil(8);
+        // Filled up with triangles that are never drawn.
+        let mut padded = triangles.as_flattened().to_vec();
+        padded.resize(24 * eights, 0);
+        // The last place is the number of all.
+        let places = program.zeros("places", eights + 1);
         Self {
-            triangles: program.words("triangles", triangles.as_flattened()),
+            triangles: program.words("triangles", padded),
             vertices,
             submeshes: program.words("submeshes", ranges),
-            live: program.zeros("live", triangles.len().div_ceil(4)),
-            blocks,
+            live: program.zeros("live", eights),
+            places,
             indices: program.zeros("indices", 3 * triangles.len()),
             draws: program.zeros("draws", 5 * mesh.submeshes().len()),
-            count: program.kernel(shaders::FILTER_COUNT),
+            count: program.kernel_with(shaders::FILTER_COUNT, &[("stride", stride as u32)]),
             write: program.kernel(shaders::FILTER_WRITE),
             arguments: program.kernel(shaders::FILTER_DRAWS),
-            scan: Scan::new(program, blocks, count),
-            sizes: [triangles.len() as u32, stride as u32, mesh.submeshes().len() as u32],
+            scan: Scan::new(program, places, eights + 1),
+            sizes: [eights as u32, mesh.submeshes().len() as u32],
         }
     }
 
     /// The passes.
     #[must_use]
     pub fn passes(&self) -> Vec<Pass> {
-        let [triangles, stride, submeshes] = self.sizes;
-        // Prefix sums work in place: what the last run left in the empty block at the end is its total.
-        let threads = triangles.div_ceil(4);
+        let [eights, submeshes] = self.sizes;
         let count = Pass {
             kernel: self.count,
-            buffers: vec![self.triangles, self.vertices, self.live, self.blocks],
-            threads,
-            parameters: vec![triangles, stride],
+            buffers: vec![self.triangles, self.vertices, self.live, self.places],
+            threads: eights + 1,
+            parameters: vec![eights],
         };
         let write = Pass {
             kernel: self.write,
-            buffers: vec![self.triangles, self.live, self.blocks, self.indices],
-            threads,
-            parameters: vec![triangles],
+            buffers: vec![self.triangles, self.live, self.places, self.indices],
+            threads: eights,
+            parameters: vec![eights],
         };
         let arguments = Pass {
             kernel: self.arguments,
-            buffers: vec![self.submeshes, self.live, self.blocks, self.draws],
+            buffers: vec![self.submeshes, self.live, self.places, self.draws],
             threads: submeshes,
             parameters: vec![submeshes],
         };
