@@ -1,7 +1,8 @@
 //! A program on a device: its buffers, its kernels, running passes and reading words back.
 
 use crate::{Device, GpuError};
-use lodc_lod::plan::{BufferId, Contents, Kernel, Pass, Program, WORKGROUP};
+use lodc_lod::plan::{BufferId, Contents, Kernel, KernelId, Pass, Program, WORKGROUP};
+use std::cell::OnceCell;
 
 /// Bytes between the parameters of two passes in the one uniform buffer: what every device accepts as an offset.
 const SLOT: u64 = 256;
@@ -14,22 +15,23 @@ pub struct Session<'d> {
     names: Vec<&'static str>,
     pub(crate) buffers: Vec<wgpu::Buffer>,
     lengths: Vec<usize>,
-    pipelines: Vec<wgpu::ComputePipeline>,
+    kernels: Vec<Kernel>,
+    /// Made when they are first used.
+    pipelines: Vec<OnceCell<wgpu::ComputePipeline>>,
     staging: wgpu::Buffer,
 }
 
 impl<'d> Session<'d> {
-    /// Makes buffers and kernels.
+    /// Makes buffers.
     ///
     /// # Errors
-    /// If a buffer is larger than the device allows, a kernel is not accepted, or memory runs out.
+    /// If a buffer is larger than the device allows, or memory runs out.
     pub fn new(device: &'d Device, program: &Program) -> Result<Self, GpuError> {
         for b in &program.buffers {
             device.allows(b.name, bytes_of(&b.contents))?;
         }
         let buffers: Vec<_> = program.buffers.iter().map(|b| upload(device, b.name, &b.contents)).collect();
         device.check()?;
-        let pipelines = program.kernels.iter().map(|k| pipeline(device, k)).collect::<Result<_, _>>()?;
         let largest = program.buffers.iter().map(|b| bytes_of(&b.contents)).max().unwrap_or(16);
         let staging = device.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("staging"),
@@ -43,7 +45,8 @@ impl<'d> Session<'d> {
             names: program.buffers.iter().map(|b| b.name).collect(),
             lengths: program.buffers.iter().map(|b| b.contents.len()).collect(),
             buffers,
-            pipelines,
+            kernels: program.kernels.clone(),
+            pipelines: program.kernels.iter().map(|_| OnceCell::new()).collect(),
             staging,
         })
     }
@@ -57,7 +60,7 @@ impl<'d> Session<'d> {
     /// Runs passes, one after the other, and waits for them.
     ///
     /// # Errors
-    /// If a pass needs more than the device allows, or the device fails.
+    /// If a pass needs more than the device allows, a kernel is not accepted, or the device fails.
     pub fn run(&mut self, passes: &[Pass]) -> Result<(), GpuError> {
         self.submit(passes)?;
         self.device.wait()
@@ -88,7 +91,7 @@ impl<'d> Session<'d> {
         let mut compute = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: None, timestamp_writes });
         for (i, pass) in passes.iter().enumerate() {
             let Some((x, y)) = self.groups(pass)? else { continue };
-            let pipeline = &self.pipelines[pass.kernel.0];
+            let pipeline = self.pipeline(pass.kernel)?;
             let uniform = wgpu::BufferBinding {
                 buffer: &parameters,
                 offset: SLOT * i as u64,
@@ -96,10 +99,12 @@ impl<'d> Session<'d> {
             };
             let mut entries =
                 vec![wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::Buffer(uniform) }];
-            entries.extend(pass.buffers.iter().zip(1..).map(|(b, binding)| wgpu::BindGroupEntry {
-                binding,
-                resource: self.buffers[b.0].as_entire_binding(),
-            }));
+            entries.extend(
+                pass.buffers.iter().zip(1..).map(|(b, binding)| wgpu::BindGroupEntry {
+                    binding,
+                    resource: self.buffers[b.0].as_entire_binding(),
+                }),
+            );
             let layout = pipeline.get_bind_group_layout(0);
             let group =
                 gpu.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout: &layout, entries: &entries });
@@ -108,6 +113,15 @@ impl<'d> Session<'d> {
             compute.dispatch_workgroups(x, y, 1);
         }
         Ok(())
+    }
+
+    fn pipeline(&self, kernel: KernelId) -> Result<&wgpu::ComputePipeline, GpuError> {
+        let cell = &self.pipelines[kernel.0];
+        if let Some(made) = cell.get() {
+            return Ok(made);
+        }
+        let made = pipeline(self.device, &self.kernels[kernel.0])?;
+        Ok(cell.get_or_init(|| made))
     }
 
     /// The parameters of all passes, each in a slot of its own.

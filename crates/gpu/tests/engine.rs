@@ -22,7 +22,8 @@ impl Engine {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
         let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()));
         // WebGPU's defaults are enough.
-        let device = pollster::block_on(adapter.expect("an adapter").request_device(&wgpu::DeviceDescriptor::default()));
+        let device =
+            pollster::block_on(adapter.expect("an adapter").request_device(&wgpu::DeviceDescriptor::default()));
         let (device, queue) = device.expect("a device");
         Self { device, queue }
     }
@@ -37,7 +38,14 @@ impl Engine {
         self.words(&vec![0; count])
     }
 
-    fn run(&self, file: &str, constants: &[(&str, f64)], threads: usize, parameters: &[u32], buffers: &[&wgpu::Buffer]) {
+    fn run(
+        &self,
+        file: &str,
+        constants: &[(&str, f64)],
+        threads: usize,
+        parameters: &[u32],
+        buffers: &[&wgpu::Buffer],
+    ) {
         let text = ModelKind::Interactive.shaders().iter().find(|s| s.name == file).expect("a file").wgsl;
         let module = self.device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some(file),
@@ -229,7 +237,7 @@ fn every_file_is_a_shader_by_itself() {
     for shader in ModelKind::ALL.into_iter().flat_map(ModelKind::shaders) {
         let source = wgpu::ShaderSource::Wgsl(shader.wgsl.into());
         let label = Some(shader.name);
-        engine.device.create_shader_module(wgpu::ShaderModuleDescriptor { label, source });
+        let _ = engine.device.create_shader_module(wgpu::ShaderModuleDescriptor { label, source });
     }
     assert!(pollster::block_on(refused.pop()).is_none());
 }

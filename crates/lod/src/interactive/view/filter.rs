@@ -12,7 +12,8 @@ pub struct Filter {
     vertices: BufferId,
     submeshes: BufferId,
     live: BufferId,
-    places: BufferId,
+    /// Prefix sums of triangles that are drawn, by eights.
+    pub places: BufferId,
     /// Corners of the triangles that are drawn.
     pub indices: BufferId,
     /// Arguments of one indirect draw per submesh.
@@ -77,23 +78,38 @@ impl Filter {
     }
 }
 
-/// The same on the CPU: corners of the triangles that are drawn, and the arguments of the draws.
+/// What the filter leaves.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Filtered {
+    /// Corners of the triangles that are drawn.
+    pub indices: Vec<u32>,
+    /// Arguments of one draw per submesh, five words each.
+    pub draws: Vec<u32>,
+    /// How many triangles are drawn before every eighth, and of all.
+    pub places: Vec<u32>,
+}
+
+/// The same on the CPU.
 #[must_use]
-pub fn filtered(mesh: &Mesh, triangles: &[[u32; 3]], vertices: &[u32], stride: usize) -> (Vec<u32>, Vec<u32>) {
+pub fn filtered(mesh: &Mesh, triangles: &[[u32; 3]], vertices: &[u32], stride: usize) -> Filtered {
     let key = |v: u32| {
         let at = v as usize * stride;
         position_key([vertices[at], vertices[at + 1], vertices[at + 2]].map(f32::from_bits))
     };
-    let (mut indices, mut draws) = (Vec::new(), Vec::new());
+    let mut left = Filtered::default();
     for submesh in mesh.submeshes() {
-        let first = indices.len();
-        for t in &triangles[submesh.triangles()] {
-            let [a, b, c] = t.map(key);
+        let first = left.indices.len() as u32;
+        for t in submesh.triangles() {
+            if t % 8 == 0 {
+                left.places.push(left.indices.len() as u32 / 3);
+            }
+            let [a, b, c] = triangles[t].map(key);
             if a != b && b != c && c != a {
-                indices.extend(t);
+                left.indices.extend(triangles[t]);
             }
         }
-        draws.extend([(indices.len() - first) as u32, 1, first as u32, 0, 0]);
+        left.draws.extend([left.indices.len() as u32 - first, 1, first, 0, 0]);
     }
-    (indices, draws)
+    left.places.push(left.indices.len() as u32 / 3);
+    left
 }

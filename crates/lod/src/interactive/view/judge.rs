@@ -56,8 +56,9 @@ impl Views<'_> {
 
     fn drawn(&self, indices: &[u32], shown: &Shown) -> Vec<OrientedTriangle> {
         let submesh = self.simplified.mesh().vertex_submesh();
-        let triangle =
-            |t: &[u32]| OrientedTriangle::new(submesh[t[0] as usize], [t[0], t[1], t[2]].map(|v| shown.states[v as usize].entry));
+        let triangle = |t: &[u32]| {
+            OrientedTriangle::new(submesh[t[0] as usize], [t[0], t[1], t[2]].map(|v| shown.states[v as usize].entry))
+        };
         indices.chunks_exact(3).map(triangle).collect()
     }
 

@@ -18,7 +18,7 @@ mod tests;
 
 pub use cones::{Cone, Cones};
 pub use criterion::{Criterion, View};
-pub use filter::{Filter, filtered};
+pub use filter::{Filter, Filtered, filtered};
 pub use passes::ViewPasses;
 pub use replay::sample;
 pub use select::{Point, State};

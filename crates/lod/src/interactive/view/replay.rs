@@ -42,16 +42,18 @@ impl Interactive {
         let device = ViewPasses::new(&mut program, &twin, source, vertices);
         let filter = Filter::new(&mut program, mesh, &triangles, vertices, stride);
         let positions = PositionIds::new(mesh.positions());
-        let locate = replay::locate(simplified, [vertices, source], Vec::new(), [filter.triangles, filter.draws], stride);
+        let locate =
+            replay::locate(simplified, [vertices, source], Vec::new(), [filter.triangles, filter.draws], stride);
         let step = move |view: View| {
             let shown = twin.show(&view);
-            let (indices, draws) = filtered(mesh, &triangles, &shown.vertices, stride);
-            let twin_differs = twin.judge(&view, &shown, &indices, &positions);
+            let left = filtered(mesh, &triangles, &shown.vertices, stride);
+            let twin_differs = twin.judge(&view, &shown, &left.indices, &positions);
             let tolerance = view.morph.then_some(Tolerance { stride, floats: 3 });
             let checks = vec![
                 Expected { tolerance, ..Expected::new(vertices, shown.vertices) },
-                Expected::new(filter.indices, indices),
-                Expected::new(filter.draws, draws),
+                Expected::new(filter.places, left.places),
+                Expected::new(filter.indices, left.indices),
+                Expected::new(filter.draws, left.draws),
             ];
             let passes = std::iter::once(device.pass(&view, &twin)).chain(filter.passes()).collect();
             Step { at: name(&view), counts: true, passes, checks, twin: twin_differs }

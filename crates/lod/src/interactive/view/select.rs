@@ -126,13 +126,7 @@ impl Parameters {
 }
 
 /// The state of one vertex.
-pub(super) fn state(
-    p: &Parameters,
-    vertex: u32,
-    point: &Point,
-    links: &[[u32; 2]],
-    by_error: &ByError,
-) -> State {
+pub(super) fn state(p: &Parameters, vertex: u32, point: &Point, links: &[[u32; 2]], by_error: &ByError) -> State {
     let lod = wanted(p, point, by_error);
     let (mut entry, mut came) = (vertex, 0);
     while links[entry as usize][1] <= lod {

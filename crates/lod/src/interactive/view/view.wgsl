@@ -31,6 +31,7 @@ struct Parameters {
 @group(0) @binding(1) var<storage, read> points: array<vec4<u32>>;
 // What each vertex becomes, and the LOD at which it has: the end of the step.
 @group(0) @binding(2) var<storage, read> links: array<vec2<u32>>;
+const ERRORS = 7168u;
 // The coarsest LOD for each error from the lowest on, 512 of them from one power of two to the next.
 @group(0) @binding(3) var<storage, read> by_error: array<u32>;
 // Records of the mesh, and as they are drawn.
@@ -78,7 +79,7 @@ fn wanted(here: vec4<u32>) -> u32 {
     let apart = square >= 1e-30;
     if (criterion == 1u) {
         let error = bitcast<u32>(r(r(square * rsqrt(square)) * p.a)) >> 14u;
-        let lod = by_error[clamp(error, p.lowest, p.lowest + arrayLength(&by_error) - 1u) - p.lowest];
+        let lod = by_error[clamp(error, p.lowest, p.lowest + ERRORS - 1u) - p.lowest];
         return select(0u, lod, apart);
     }
     let span = p.lod_b - p.lod_a;
