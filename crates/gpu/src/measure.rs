@@ -5,8 +5,8 @@ use crate::{Device, GpuError, Session};
 use lodc_lod::plan::{Benchmark, Case};
 use std::time::{Duration, Instant};
 
-/// A benchmark is not gone through again once it has taken so long.
-const ENOUGH: Duration = Duration::from_secs(20);
+/// A case is not repeated once it has taken so long.
+const ENOUGH: Duration = Duration::from_secs(4);
 
 /// How long one case took.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,11 +15,12 @@ pub struct Figure {
     pub name: &'static str,
     /// Runs that were timed.
     pub runs: usize,
-    /// Mean milliseconds of a run, the first time left out: that is when drivers compile.
+    /// Mean milliseconds of a run. The first time is left out, because drivers compile then, unless it took so long that this
+    /// does not matter.
     pub milliseconds: f64,
     /// Bytes that a host sends for a run.
     pub bytes: f64,
-    /// Vertices looked at per second; none for draws.
+    /// Vertices looked at per second; none for draws and where none need be.
     pub vertices_per_second: Option<f64>,
 }
 
@@ -34,20 +35,21 @@ pub fn measure(device: &Device, benchmark: &Benchmark, repeats: u32) -> Result<V
     let canvases: Vec<Option<Canvas>> = (benchmark.cases.iter())
         .map(|case| case.drawn.as_ref().map(|drawn| Canvas::new(&session, drawn)).transpose())
         .collect::<Result<_, _>>()?;
-    let mut fastest = vec![f64::INFINITY; benchmark.cases.len()];
-    let start = Instant::now();
+    let mut taken = vec![(Duration::ZERO, f64::INFINITY); benchmark.cases.len()];
     for round in 0..=repeats.max(1) {
-        if round > 1 && start.elapsed() > ENOUGH {
-            break;
-        }
-        for ((case, canvas), fastest) in benchmark.cases.iter().zip(&canvases).zip(&mut fastest) {
+        for ((case, canvas), (spent, fastest)) in benchmark.cases.iter().zip(&canvases).zip(&mut taken) {
+            if *spent > ENOUGH {
+                continue;
+            }
+            let start = Instant::now();
             let nanoseconds = session.timed(&case.runs, canvas.as_ref())?;
-            if round > 0 {
+            *spent += start.elapsed();
+            if round > 0 || *spent > ENOUGH {
                 *fastest = fastest.min(nanoseconds);
             }
         }
     }
-    Ok(benchmark.cases.iter().zip(fastest).map(|(case, nanoseconds)| figure(case, nanoseconds)).collect())
+    Ok(benchmark.cases.iter().zip(taken).map(|(case, (_, nanoseconds))| figure(case, nanoseconds)).collect())
 }
 
 fn figure(case: &Case, nanoseconds: f64) -> Figure {
@@ -57,6 +59,6 @@ fn figure(case: &Case, nanoseconds: f64) -> Figure {
         runs: case.runs.len(),
         milliseconds: nanoseconds / 1e6 / runs,
         bytes: case.bytes() as f64 / runs,
-        vertices_per_second: case.drawn.is_none().then(|| case.vertices as f64 / (nanoseconds / 1e9)),
+        vertices_per_second: (case.vertices > 0).then(|| case.vertices as f64 / (nanoseconds / 1e9)),
     }
 }

@@ -71,7 +71,7 @@ pub(super) struct CaseReport {
     pub(super) milliseconds: f64,
     /// That a host sends for one.
     pub(super) bytes: f64,
-    /// Vertices looked at; null for draws.
+    /// Vertices looked at; null for draws and where none need be.
     pub(super) million_vertices_per_second: Option<f64>,
 }
 

@@ -2,6 +2,7 @@
 
 use super::{Speed, replay::Device};
 use crate::plan::{Benchmark, Case, DRAWS, Memory, PlanError, Program, SWEEP, VertexRecords, sweep};
+use lodc_mesh::Lod;
 
 impl Speed {
     /// The linear sweep over all LODs, down and up, and draws on the way.
@@ -22,6 +23,8 @@ impl Speed {
         let drawing = device.packed().drawing(positions, mesh.bounds());
         let cases = vec![
             Case::new("direct, linear sweep", runs, vertices),
+            // What has to be done however little changes.
+            Case::new("direct, standing still", vec![device.passes(self, Lod(0), Lod(0)); 8], 0),
             Case::drawing("draw, over the LODs", moves(DRAWS).0, drawing),
         ];
         let (positions, normals) = program.words_with_normals(mesh.vertex_count());
