@@ -24,7 +24,7 @@ fn simplified(mesh: &Mesh) -> Arc<Simplified> {
 }
 
 fn kinds() -> impl Iterator<Item = ModelKind> {
-    ModelKind::ALL.into_iter().filter(|kind| kind.available())
+    ModelKind::ALL.into_iter()
 }
 
 fn built(kind: ModelKind, strips: &mut StripPool<'_>) -> AnyModel {

@@ -43,3 +43,31 @@ pub(crate) fn failure(error: &lodc_gpu::GpuError) -> Failure {
     let status = if matches!(error, GpuError::Limit { .. }) { Status::Limit } else { Status::NoGpu };
     Failure::new(status, error.to_string())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[cfg(not(feature = "gpu"))]
+    #[test]
+    fn without_the_feature_it_is_said_so_with_status_6() {
+        let Err(refused) = open(None);
+        assert!(refused.status == Status::NoGpu && refused.message.contains("without the feature gpu"));
+    }
+
+    #[cfg(feature = "gpu")]
+    #[test]
+    fn a_limit_of_the_device_is_status_5_and_has_its_name() {
+        use lodc_gpu::GpuError;
+        let limit = GpuError::Limit {
+            what: "vertices (bytes)".to_owned(),
+            limit: "max_storage_buffer_binding_size",
+            needed: 2,
+            allowed: 1,
+        };
+        let refused = failure(&limit);
+        assert_eq!(refused.status, Status::Limit);
+        assert!(refused.message.contains("max_storage_buffer_binding_size"), "{}", refused.message);
+        assert_eq!(failure(&GpuError::OutOfMemory).status, Status::NoGpu);
+    }
+}

@@ -28,11 +28,9 @@ impl ModelName {
     }
 }
 
-/// The kinds that were asked for, in the order of files; all that this version has if none was named.
+/// The kinds that were asked for, in the order of files; all if none was named.
 pub(crate) fn chosen(names: &[ModelName]) -> Vec<ModelKind> {
-    let wanted = |kind: &ModelKind| {
-        if names.is_empty() { kind.available() } else { names.iter().any(|name| name.kind() == *kind) }
-    };
+    let wanted = |kind: &ModelKind| names.is_empty() || names.iter().any(|name| name.kind() == *kind);
     ModelKind::ALL.into_iter().filter(wanted).collect()
 }
 

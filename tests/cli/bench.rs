@@ -141,3 +141,39 @@ fn info_counts_the_same_baselines() {
         }
     }
 }
+
+/// What does not depend on the clock: which cases there are, and the memory, worked out by hand.
+#[test]
+fn a_device_is_timed_in_every_model_and_its_memory_counted() {
+    let f = Folder::new();
+    f.file("g.obj", grid(20));
+    let run = f.lodc(["bench", "g.obj", "--json", "--effort", "fast", "--rounds", "1", "--gpu"]);
+    if run.status == Some(6) && std::env::var_os("CI").is_none() {
+        eprintln!("SKIPPED: no graphics adapter: {}", run.err);
+        return;
+    }
+    let report = run.ends(0).json();
+    let gpu = &report["files"][0]["objects"][0]["gpu"];
+    assert!(gpu["adapter"].is_string() && (gpu["clock"] == "device" || gpu["clock"] == "host"), "{gpu}");
+    for (model, cases, others) in [("speed", 1, 2), ("masking", 1, 2), ("interactive", 9, 2)] {
+        let timed = gpu["models"][model].as_object().expect("cases").values();
+        assert!(
+            timed.clone().all(|case| number(case, "/milliseconds") > 0.0 && number(case, "/bytes") > 0.0),
+            "{model}"
+        );
+        let passes = timed.filter(|case| case["million_vertices_per_second"].is_number()).count();
+        assert!(passes >= cases, "{model}: {passes}");
+        assert_eq!(gpu["models"][model].as_object().map(|all| all.len() - passes), Some(others), "{model}");
+    }
+    let words = |path: &str| 441.0 * number(&gpu["words_per_vertex"], path);
+    let (v, f) = (441.0, 800.0);
+    // Points, links, records and triangles, and the LODs by error; the attributes' source only if there are any.
+    let near = |found: f64, wanted: f64| assert!((found - wanted).abs() < 1e-6, "{found}, not {wanted}");
+    near(words("/interactive/view-dependent/positions"), 9.0 * v + 3.0 * f + 7168.0);
+    near(words("/interactive/view-dependent/normals"), 18.0 * v + 3.0 * f + 7168.0);
+    // Two copies of the records have a normal more.
+    let continuous = words("/interactive/continuous/positions");
+    near(words("/interactive/continuous/normals"), continuous + 6.0 * v);
+    assert!(continuous > 9.0 * v + 3.0 * f && continuous < 30.0 * v, "{continuous}");
+    near(words("/masking/masks/normals"), words("/masking/masks/positions") + 3.0 * v);
+}

@@ -29,6 +29,9 @@ fn covered(picture: &Picture) -> f64 {
     pixels.iter().filter(|p| **p != [255; 4]).count() as f64 / pixels.len() as f64
 }
 
+/// A JPEG of 16 × 16 pixels whose quarters are red, green, blue and grey.
+const QUARTERS: &[u8] = include_bytes!("quarters.jpg");
+
 /// An upright square with a texture whose quarters are red, green, blue and grey.
 fn textured(f: &Folder) {
     let quarters = [[255, 0, 0, 255], [0, 255, 0, 255], [0, 0, 255, 255], [90, 90, 90, 255]];
@@ -64,6 +67,25 @@ fn a_texture_is_upright_from_a_mesh_and_from_its_levels() {
         let [r, g, b, _] = at(&p, 56, 56);
         assert!(r.abs_diff(g) < 12 && g.abs_diff(b) < 12, "{input}: lower right");
         assert!((0.8..0.9).contains(&covered(&p)), "{input}: {}", covered(&p));
+    }
+}
+
+#[test]
+fn a_jpeg_is_a_texture() {
+    let f = Folder::new();
+    textured(&f);
+    f.file("t.jpg", QUARTERS);
+    f.file("s.mtl", "newmtl m\nKd 1 1 1\nmap_Kd t.jpg\n");
+    f.lodc(["build", "s.obj", "-q"]).ends(0);
+    for input in ["s.obj", "s.lodc"] {
+        let args = ["render", input, "-o", "s.png", "--view", "front", "--size", "80x80", "--fov", "5"];
+        let Some(run) = render(&f, args) else { return };
+        assert!(!run.err.contains("texture"), "{}", run.err);
+        let p = picture(&f, "s.png");
+        let strongest = |x, y| (0..3).max_by_key(|&c| at(&p, x, y)[c]);
+        assert_eq!([strongest(24, 24), strongest(56, 24), strongest(24, 56)], [Some(0), Some(1), Some(2)], "{input}");
+        let [r, g, b, _] = at(&p, 56, 56);
+        assert!(r.abs_diff(g) < 12 && g.abs_diff(b) < 12 && r < 150, "{input}: lower right");
     }
 }
 

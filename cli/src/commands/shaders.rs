@@ -26,7 +26,7 @@ pub(crate) fn run(args: &ShadersArgs) -> Outcome<()> {
         return Err(Failure::usage("several files do not fit one standard output: name a folder"));
     }
     // Models share kernels: each is written once.
-    let shaders = ModelKind::ALL.into_iter().filter(|kind| kind.available()).flat_map(|kind| kind.shaders());
+    let shaders = ModelKind::ALL.into_iter().flat_map(|kind| kind.shaders());
     let texts: BTreeMap<String, &str> = shaders.map(|s| (format!("{}.wgsl", s.name), s.wgsl)).collect();
     let guide = std::iter::once(("ENGINE.md".to_owned(), GUIDE));
     let files: Vec<OutputFile> = (texts.into_iter().chain(guide))

@@ -26,6 +26,15 @@ impl std::fmt::Display for Adapter {
     }
 }
 
+/// Limits to ask for that are below an adapter's, to see on small meshes what happens to large ones.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Lowered {
+    /// `max_storage_buffer_binding_size`.
+    pub binding_bytes: Option<u64>,
+    /// `max_compute_workgroups_per_dimension`.
+    pub workgroups_per_dimension: Option<u32>,
+}
+
 /// An open device.
 pub struct Device {
     adapter: Adapter,
@@ -42,6 +51,14 @@ impl Device {
     /// # Errors
     /// If there is no such adapter, or it gives no device.
     pub fn open(wanted: Option<&str>) -> Result<Self, GpuError> {
+        Self::open_with(wanted, &Lowered::default())
+    }
+
+    /// As [`Self::open`], with limits below the adapter's.
+    ///
+    /// # Errors
+    /// As [`Self::open`].
+    pub fn open_with(wanted: Option<&str>, lowered: &Lowered) -> Result<Self, GpuError> {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
         let mut adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()));
         if adapters.is_empty() {
@@ -63,10 +80,10 @@ impl Device {
                 adapters.swap_remove(found)
             }
         };
-        Self::of(&adapter)
+        Self::of(&adapter, lowered)
     }
 
-    fn of(adapter: &wgpu::Adapter) -> Result<Self, GpuError> {
+    fn of(adapter: &wgpu::Adapter, lowered: &Lowered) -> Result<Self, GpuError> {
         let info = adapter.get_info();
         let described = Adapter {
             name: info.name,
@@ -74,11 +91,16 @@ impl Device {
             backend: info.backend.to_str(),
             software: info.device_type == wgpu::DeviceType::Cpu,
         };
+        // Without asking, WebGPU's small defaults apply.
+        let mut required_limits = adapter.limits();
+        let binding = &mut required_limits.max_storage_buffer_binding_size;
+        *binding = lowered.binding_bytes.map_or(*binding, |bytes| bytes.min(*binding));
+        let groups = &mut required_limits.max_compute_workgroups_per_dimension;
+        *groups = lowered.workgroups_per_dimension.map_or(*groups, |most| most.min(*groups));
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("lodc"),
             required_features: adapter.features() & wgpu::Features::TIMESTAMP_QUERY,
-            // Without asking, WebGPU's small defaults apply.
-            required_limits: adapter.limits(),
+            required_limits,
             ..wgpu::DeviceDescriptor::default()
         };
         let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
@@ -105,10 +127,11 @@ impl Device {
         &self.adapter
     }
 
-    /// Whether the device can say how long passes take.
+    /// Whether the device can say how long passes take. Software can not, whatever it claims: Mesa's lavapipe takes the time
+    /// stamps of a submission when it is over, all at once.
     #[must_use]
     pub fn has_clock(&self) -> bool {
-        self.device.features().contains(wgpu::Features::TIMESTAMP_QUERY)
+        !self.adapter.software && self.device.features().contains(wgpu::Features::TIMESTAMP_QUERY)
     }
 
     /// Waits until everything submitted is done.

@@ -2,13 +2,15 @@
 //! bit for bit, and draws pictures. It knows no model.
 
 mod device;
+mod draw;
 mod error;
 mod measure;
 pub mod picture;
 mod replay;
 mod session;
+mod timer;
 
-pub use device::{Adapter, Device};
+pub use device::{Adapter, Device, Lowered};
 pub use error::GpuError;
 pub use measure::{Figure, measure};
 pub use replay::{Difference, Replayed, replay};

@@ -1,7 +1,12 @@
-//! Timing passes by the device's own clock.
+//! Timing passes and draws by the device's own clock.
 
+use crate::draw::Canvas;
 use crate::{Device, GpuError, Session};
-use lodc_lod::plan::Benchmark;
+use lodc_lod::plan::{Benchmark, Case};
+use std::time::{Duration, Instant};
+
+/// A case is not repeated once it has taken so long.
+const ENOUGH: Duration = Duration::from_secs(4);
 
 /// How long one case took.
 #[derive(Clone, Debug, PartialEq)]
@@ -10,42 +15,50 @@ pub struct Figure {
     pub name: &'static str,
     /// Runs that were timed.
     pub runs: usize,
-    /// Mean milliseconds of a run, the first time left out: that is when drivers compile.
+    /// Mean milliseconds of a run. The first time is left out, because drivers compile then, unless it took so long that this
+    /// does not matter.
     pub milliseconds: f64,
     /// Bytes that a host sends for a run.
     pub bytes: f64,
-    /// Vertices looked at per second.
-    pub vertices_per_second: f64,
+    /// Vertices looked at per second; none for draws and where none need be.
+    pub vertices_per_second: Option<f64>,
 }
 
-/// Times every case of a benchmark `repeats` times and takes the fastest; nothing if the device has no clock.
+/// Times every case of a benchmark up to `repeats` times, all in turn, and takes the fastest of each. A device without a
+/// clock is timed by the host's, from submitting to being done.
 ///
 /// # Errors
 /// If the device cannot run it.
 pub fn measure(device: &Device, benchmark: &Benchmark, repeats: u32) -> Result<Vec<Figure>, GpuError> {
     let mut session = Session::new(device, &benchmark.program)?;
     session.run(&benchmark.setup)?;
-    let mut figures = Vec::new();
-    for case in &benchmark.cases {
-        for passes in &case.runs {
-            session.run(passes)?;
-        }
-        let mut fastest = f64::INFINITY;
-        for _ in 0..repeats.max(1) {
-            let mut nanoseconds = 0.0;
-            for passes in &case.runs {
-                let Some(time) = session.timed(passes)? else { return Ok(Vec::new()) };
-                nanoseconds += time;
+    let canvases: Vec<Option<Canvas>> = (benchmark.cases.iter())
+        .map(|case| case.drawn.as_ref().map(|drawn| Canvas::new(&session, drawn)).transpose())
+        .collect::<Result<_, _>>()?;
+    let mut taken = vec![(Duration::ZERO, f64::INFINITY); benchmark.cases.len()];
+    for round in 0..=repeats.max(1) {
+        for ((case, canvas), (spent, fastest)) in benchmark.cases.iter().zip(&canvases).zip(&mut taken) {
+            if *spent > ENOUGH {
+                continue;
             }
-            fastest = fastest.min(nanoseconds);
+            let start = Instant::now();
+            let nanoseconds = session.timed(&case.runs, canvas.as_ref())?;
+            *spent += start.elapsed();
+            if round > 0 || *spent > ENOUGH {
+                *fastest = fastest.min(nanoseconds);
+            }
         }
-        figures.push(Figure {
-            name: case.name,
-            runs: case.runs.len(),
-            milliseconds: fastest / 1e6 / case.runs.len().max(1) as f64,
-            bytes: case.bytes() as f64 / case.runs.len().max(1) as f64,
-            vertices_per_second: case.vertices as f64 / (fastest / 1e9),
-        });
     }
-    Ok(figures)
+    Ok(benchmark.cases.iter().zip(taken).map(|(case, (_, nanoseconds))| figure(case, nanoseconds)).collect())
+}
+
+fn figure(case: &Case, nanoseconds: f64) -> Figure {
+    let runs = case.runs.len().max(1) as f64;
+    Figure {
+        name: case.name,
+        runs: case.runs.len(),
+        milliseconds: nanoseconds / 1e6 / runs,
+        bytes: case.bytes() as f64 / runs,
+        vertices_per_second: (case.vertices > 0).then(|| case.vertices as f64 / (nanoseconds / 1e9)),
+    }
 }

@@ -1,7 +1,8 @@
 //! A program on a device: its buffers, its kernels, running passes and reading words back.
 
 use crate::{Device, GpuError};
-use lodc_lod::plan::{BufferId, Contents, Kernel, Pass, Program, WORKGROUP};
+use lodc_lod::plan::{BufferId, Contents, Kernel, KernelId, Pass, Program, WORKGROUP};
+use std::cell::OnceCell;
 
 /// Bytes between the parameters of two passes in the one uniform buffer: what every device accepts as an offset.
 const SLOT: u64 = 256;
@@ -10,26 +11,27 @@ const STAGING: u64 = 32 << 20;
 
 /// A program on a device.
 pub struct Session<'d> {
-    device: &'d Device,
+    pub(crate) device: &'d Device,
     names: Vec<&'static str>,
     pub(crate) buffers: Vec<wgpu::Buffer>,
     lengths: Vec<usize>,
-    pipelines: Vec<wgpu::ComputePipeline>,
+    kernels: Vec<Kernel>,
+    /// Made when they are first used.
+    pipelines: Vec<OnceCell<wgpu::ComputePipeline>>,
     staging: wgpu::Buffer,
 }
 
 impl<'d> Session<'d> {
-    /// Makes buffers and kernels.
+    /// Makes buffers.
     ///
     /// # Errors
-    /// If a buffer is larger than the device allows, a kernel is not accepted, or memory runs out.
+    /// If a buffer is larger than the device allows, or memory runs out.
     pub fn new(device: &'d Device, program: &Program) -> Result<Self, GpuError> {
         for b in &program.buffers {
             device.allows(b.name, bytes_of(&b.contents))?;
         }
         let buffers: Vec<_> = program.buffers.iter().map(|b| upload(device, b.name, &b.contents)).collect();
         device.check()?;
-        let pipelines = program.kernels.iter().map(|k| pipeline(device, k)).collect::<Result<_, _>>()?;
         let largest = program.buffers.iter().map(|b| bytes_of(&b.contents)).max().unwrap_or(16);
         let staging = device.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("staging"),
@@ -43,7 +45,8 @@ impl<'d> Session<'d> {
             names: program.buffers.iter().map(|b| b.name).collect(),
             lengths: program.buffers.iter().map(|b| b.contents.len()).collect(),
             buffers,
-            pipelines,
+            kernels: program.kernels.clone(),
+            pipelines: program.kernels.iter().map(|_| OnceCell::new()).collect(),
             staging,
         })
     }
@@ -57,82 +60,68 @@ impl<'d> Session<'d> {
     /// Runs passes, one after the other, and waits for them.
     ///
     /// # Errors
-    /// If a pass needs more than the device allows, or the device fails.
+    /// If a pass needs more than the device allows, a kernel is not accepted, or the device fails.
     pub fn run(&mut self, passes: &[Pass]) -> Result<(), GpuError> {
-        self.submit(passes, None)?;
+        self.submit(passes)?;
         self.device.wait()
     }
 
-    /// Runs passes and says how many nanoseconds the device worked on them; none if it has no clock.
-    ///
-    /// # Errors
-    /// As [`Self::run`].
-    pub fn timed(&mut self, passes: &[Pass]) -> Result<Option<f64>, GpuError> {
-        if !self.device.has_clock() {
-            return self.run(passes).map(|()| None);
-        }
-        let gpu = &self.device.device;
-        let queries =
-            gpu.create_query_set(&wgpu::QuerySetDescriptor { label: None, ty: wgpu::QueryType::Timestamp, count: 2 });
-        let make = |usage| {
-            gpu.create_buffer(&wgpu::BufferDescriptor { label: None, size: 16, usage, mapped_at_creation: false })
-        };
-        let resolved = make(wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC);
-        let readable = make(wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST);
-        self.submit(passes, Some(&queries))?;
-        let mut encoder = gpu.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        encoder.resolve_query_set(&queries, 0..2, &resolved, 0);
-        encoder.copy_buffer_to_buffer(&resolved, 0, &readable, 0, 16);
-        self.device.queue.submit([encoder.finish()]);
-        let mut ticks = [0u64; 2];
-        self.device.map(&readable, 16, |bytes| {
-            for (tick, b) in ticks.iter_mut().zip(bytes.chunks_exact(8)) {
-                *tick = u64::from_le_bytes(b.try_into().expect("chunks are eight bytes long"));
-            }
-        })?;
-        let period = f64::from(self.device.queue.get_timestamp_period());
-        Ok(Some(ticks[1].saturating_sub(ticks[0]) as f64 * period))
-    }
-
-    fn submit(&mut self, passes: &[Pass], queries: Option<&wgpu::QuerySet>) -> Result<(), GpuError> {
-        let gpu = &self.device.device;
-        let parameters = self.parameters(passes);
-        let mut encoder = gpu.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        {
-            let timestamp_writes = queries.map(|query_set| wgpu::ComputePassTimestampWrites {
-                query_set,
-                beginning_of_pass_write_index: Some(0),
-                end_of_pass_write_index: Some(1),
-            });
-            let mut compute =
-                encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: None, timestamp_writes });
-            for (i, pass) in passes.iter().enumerate() {
-                let Some((x, y)) = self.groups(pass)? else { continue };
-                let pipeline = &self.pipelines[pass.kernel.0];
-                let uniform = wgpu::BufferBinding {
-                    buffer: &parameters,
-                    offset: SLOT * i as u64,
-                    size: std::num::NonZeroU64::new(SLOT),
-                };
-                let mut entries =
-                    vec![wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::Buffer(uniform) }];
-                entries.extend(pass.buffers.iter().zip(1..).map(|(b, binding)| wgpu::BindGroupEntry {
-                    binding,
-                    resource: self.buffers[b.0].as_entire_binding(),
-                }));
-                let layout = pipeline.get_bind_group_layout(0);
-                let group = gpu.create_bind_group(&wgpu::BindGroupDescriptor {
-                    label: None,
-                    layout: &layout,
-                    entries: &entries,
-                });
-                compute.set_pipeline(pipeline);
-                compute.set_bind_group(0, &group, &[]);
-                compute.dispatch_workgroups(x, y, 1);
-            }
-        }
+    fn submit(&mut self, passes: &[Pass]) -> Result<(), GpuError> {
+        let mut encoder = self.device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        self.encode(&mut encoder, passes, None)?;
         self.device.queue.submit([encoder.finish()]);
         self.device.check()
+    }
+
+    /// Adds passes to what is submitted next, between two time stamps if there is room for them: the set, and the first
+    /// of the two.
+    pub(crate) fn encode(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        passes: &[Pass],
+        clock: Option<(&wgpu::QuerySet, u32)>,
+    ) -> Result<(), GpuError> {
+        let gpu = &self.device.device;
+        let parameters = self.parameters(passes);
+        let timestamp_writes = clock.map(|(query_set, first)| wgpu::ComputePassTimestampWrites {
+            query_set,
+            beginning_of_pass_write_index: Some(first),
+            end_of_pass_write_index: Some(first + 1),
+        });
+        let mut compute = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: None, timestamp_writes });
+        for (i, pass) in passes.iter().enumerate() {
+            let Some((x, y)) = self.groups(pass)? else { continue };
+            let pipeline = self.pipeline(pass.kernel)?;
+            let uniform = wgpu::BufferBinding {
+                buffer: &parameters,
+                offset: SLOT * i as u64,
+                size: std::num::NonZeroU64::new(SLOT),
+            };
+            let mut entries =
+                vec![wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::Buffer(uniform) }];
+            entries.extend(
+                pass.buffers.iter().zip(1..).map(|(b, binding)| wgpu::BindGroupEntry {
+                    binding,
+                    resource: self.buffers[b.0].as_entire_binding(),
+                }),
+            );
+            let layout = pipeline.get_bind_group_layout(0);
+            let group =
+                gpu.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout: &layout, entries: &entries });
+            compute.set_pipeline(pipeline);
+            compute.set_bind_group(0, &group, &[]);
+            compute.dispatch_workgroups(x, y, 1);
+        }
+        Ok(())
+    }
+
+    fn pipeline(&self, kernel: KernelId) -> Result<&wgpu::ComputePipeline, GpuError> {
+        let cell = &self.pipelines[kernel.0];
+        if let Some(made) = cell.get() {
+            return Ok(made);
+        }
+        let made = pipeline(self.device, &self.kernels[kernel.0])?;
+        Ok(cell.get_or_init(|| made))
     }
 
     /// The parameters of all passes, each in a slot of its own.
@@ -272,7 +261,8 @@ fn upload(device: &Device, name: &'static str, contents: &Contents) -> wgpu::Buf
             | wgpu::BufferUsages::COPY_SRC
             | wgpu::BufferUsages::COPY_DST
             | wgpu::BufferUsages::INDIRECT
-            | wgpu::BufferUsages::INDEX,
+            | wgpu::BufferUsages::INDEX
+            | wgpu::BufferUsages::VERTEX,
         mapped_at_creation: false,
     });
     if let Some(words) = words {
@@ -282,16 +272,30 @@ fn upload(device: &Device, name: &'static str, contents: &Contents) -> wgpu::Buf
 }
 
 fn pipeline(device: &Device, kernel: &Kernel) -> Result<wgpu::ComputePipeline, GpuError> {
+    let allowed = device.device.limits().max_storage_buffers_per_shader_stage;
+    let needed = kernel.wgsl.matches("var<storage").count() as u64;
+    if needed > u64::from(allowed) {
+        return Err(GpuError::Limit {
+            what: format!("the kernel {} (storage buffers)", kernel.name),
+            limit: "max_storage_buffers_per_shader_stage",
+            needed,
+            allowed: u64::from(allowed),
+        });
+    }
     let module = device.device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some(kernel.name),
         source: wgpu::ShaderSource::Wgsl(kernel.wgsl.as_str().into()),
     });
+    let constants: Vec<(&str, f64)> = kernel.constants.iter().map(|&(name, value)| (name, f64::from(value))).collect();
     let pipeline = device.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
         label: Some(kernel.name),
         layout: None,
         module: &module,
         entry_point: Some("main"),
-        compilation_options: wgpu::PipelineCompilationOptions::default(),
+        compilation_options: wgpu::PipelineCompilationOptions {
+            constants: &constants,
+            ..wgpu::PipelineCompilationOptions::default()
+        },
         cache: None,
     });
     device.check().map(|()| pipeline)

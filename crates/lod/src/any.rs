@@ -7,7 +7,7 @@ use crate::{
 use lodc_mesh::{Lod, OrientedTriangle, Simplified};
 use std::{str::FromStr, sync::Arc};
 
-/// The kinds of models, whether this version has them or not.
+/// The kinds of models.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum ModelKind {
     /// Speed Strips (thesis chapter 3).
@@ -21,12 +21,6 @@ pub enum ModelKind {
 impl ModelKind {
     /// All kinds, in the order in which files and reports list them.
     pub const ALL: [Self; 3] = [Self::Speed, Self::Masking, Self::Interactive];
-
-    /// Whether this version has the model.
-    #[must_use]
-    pub const fn available(self) -> bool {
-        matches!(self, Self::Speed | Self::Masking | Self::Interactive)
-    }
 
     /// The generator whose strips the model is made of unless told otherwise; none if it is not made of strips.
     #[must_use]
@@ -98,7 +92,7 @@ impl AnyModel {
     /// Builds a model, of strips from the pool if it is made of strips.
     ///
     /// # Errors
-    /// If this version does not have it, or it cannot be made of this sequence.
+    /// If it cannot be made of this sequence.
     pub fn build(kind: ModelKind, strips: &mut StripPool<'_>) -> Result<Self, BuildError> {
         match kind {
             ModelKind::Interactive => Interactive::build(strips.simplified()).map(Self::Interactive),
@@ -110,7 +104,7 @@ impl AnyModel {
     /// Makes a model of what [`Model::arrays`] gave out.
     ///
     /// # Errors
-    /// If this version does not have it, or the arrays do not fit the sequence.
+    /// If the arrays do not fit the sequence.
     pub fn load(kind: ModelKind, simplified: &Arc<Simplified>, arrays: &[Array]) -> Result<Self, BuildError> {
         match kind {
             ModelKind::Interactive => Interactive::load(simplified, arrays).map(Self::Interactive),

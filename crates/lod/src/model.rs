@@ -99,11 +99,6 @@ pub enum BuildError {
         /// The triangle, as an index into the mesh.
         triangle: usize,
     },
-    /// This version does not have the model.
-    NotAvailable {
-        /// Its name.
-        model: &'static str,
-    },
     /// A stored array does not fit the mesh, the sequence or itself.
     Malformed {
         /// Name of the array.
@@ -124,7 +119,6 @@ impl fmt::Display for BuildError {
             Self::TriangleOrder { submesh, triangle } => {
                 write!(f, "triangle {triangle} of submesh {submesh} stands behind one that disappears before it")
             }
-            Self::NotAvailable { model } => write!(f, "this version does not have the model {model}"),
             Self::Malformed { array, what } => write!(f, "the array \"{array}\" {what}"),
             Self::Arrays { given } => write!(f, "the model does not have the arrays [{}]", given.join(", ")),
         }

@@ -81,7 +81,7 @@ pub(super) fn read(
     let mut models = Vec::new();
     let mut index = 0;
     for model in entry.models {
-        let kind = model.name.parse::<ModelKind>().ok().filter(|kind| kind.available());
+        let kind = model.name.parse::<ModelKind>().ok();
         let mut stored = Vec::new();
         for name in model.arrays {
             if kind.is_some() {

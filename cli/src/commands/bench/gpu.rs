@@ -26,7 +26,7 @@ pub(super) fn open(wanted: Option<GpuUse>, adapter: Option<&str>) -> Outcome<Opt
 /// If the device fails or is too small.
 #[cfg(feature = "gpu")]
 pub(super) fn measure(device: &Device, object: &LodObject, rounds: u32, report: &mut BenchObject) -> Outcome<()> {
-    use super::report::{CaseReport, GpuReport};
+    use super::report::{CaseReport, GpuReport, MemoryReport};
     use crate::exit::{Failure, Status};
     use lodc_lod::Model;
 
@@ -40,14 +40,18 @@ pub(super) fn measure(device: &Device, object: &LodObject, rounds: u32, report: 
                 runs: f.runs as u64,
                 milliseconds: f.milliseconds,
                 bytes: f.bytes,
-                million_vertices_per_second: f.vertices_per_second / 1e6,
+                million_vertices_per_second: f.vertices_per_second.map(|n| n / 1e6),
             };
             (f.name.to_owned(), super::object::value(&case))
         });
         let report = report
             .gpu
             .get_or_insert_with(|| GpuReport { adapter: device.adapter().to_string(), ..GpuReport::default() });
-        let memory = benchmark.memory.iter().map(|&(name, words)| (name.to_owned(), per_vertex(words).into()));
+        report.clock = if device.has_clock() { "device" } else { "host" };
+        let memory = benchmark.memory.iter().map(|m| {
+            let words = MemoryReport { positions: per_vertex(m.positions), normals: per_vertex(m.normals) };
+            (m.variant.to_owned(), super::object::value(&words))
+        });
         report.words_per_vertex.insert(model.name().to_owned(), serde_json::Value::Object(memory.collect()));
         report.models.insert(model.name().to_owned(), serde_json::Value::Object(cases.collect()));
     }

@@ -89,10 +89,20 @@ pub(super) struct PrefixReport {
 #[derive(Debug, Default, Serialize)]
 pub(super) struct GpuReport {
     pub(super) adapter: String,
-    /// By model and variant: words on the device for each vertex of LOD 0, positions only.
+    /// Whose clock: `device` (time stamps around passes) or `host` (from submitting to being done).
+    pub(super) clock: &'static str,
+    /// By model and variant: words on the device for each vertex of LOD 0.
     pub(super) words_per_vertex: Map<String, Value>,
-    /// By model and case; no cases if the device has no clock.
+    /// By model and case.
     pub(super) models: Map<String, Value>,
+}
+
+/// Words on a device for each vertex of LOD 0.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[cfg_attr(not(feature = "gpu"), expect(dead_code, reason = "made only where there is a device"))]
+pub(super) struct MemoryReport {
+    pub(super) positions: f64,
+    pub(super) normals: f64,
 }
 
 /// One thing that was timed on a graphics device.
@@ -105,8 +115,8 @@ pub(super) struct CaseReport {
     pub(super) milliseconds: f64,
     /// That a host sends for one.
     pub(super) bytes: f64,
-    /// Vertices looked at.
-    pub(super) million_vertices_per_second: f64,
+    /// Vertices looked at; null for draws and where none need be.
+    pub(super) million_vertices_per_second: Option<f64>,
 }
 
 /// How the triangles of LOD 0 are handed to a graphics card.

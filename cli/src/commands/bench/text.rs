@@ -46,6 +46,7 @@ const PREFIXES: &[Column] = &[
     ("Hausdorff %", "/hausdorff", 3),
     ("image", "/image", 2),
 ];
+const MEMORY: &[Column] = &[("positions", "/positions", 1), ("and normals", "/normals", 1)];
 const PRIMITIVES: &[Column] = &[
     ("strips", "/strips", 0),
     ("indices", "/indices", 0),
@@ -89,11 +90,11 @@ fn tables(text: &mut String, object: &BenchObject, share: f64) {
         streams(text, stream);
     }
     let Some(gpu) = &object.gpu else { return };
-    let _ = writeln!(text, "\n  on {}", one_line(&gpu.adapter));
+    let _ = writeln!(text, "\n  on {}, by the clock of the {}", one_line(&gpu.adapter), gpu.clock);
     for (model, words) in &gpu.words_per_vertex {
-        let words = words.as_object().into_iter().flatten();
-        let words: Vec<_> = words.map(|(name, n)| format!("{name} {:.1}", n.as_f64().unwrap_or_default())).collect();
-        let _ = writeln!(text, "  {model}: words per vertex on the device: {}", words.join(", "));
+        if let Some(variants) = words.as_object() {
+            table(text, &format!("{model}, words per vertex"), variants, MEMORY);
+        }
     }
     for (model, cases) in &gpu.models {
         if let Some(cases) = cases.as_object() {

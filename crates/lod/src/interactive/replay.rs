@@ -51,10 +51,7 @@ impl Continuous {
     ) -> Result<Self, PlanError> {
         let mesh = simplified.mesh();
         let vertices = mesh.vertex_count();
-        let longest = (0..vertices as u32).map(|v| lists.range(v).len() as u32).max().unwrap_or(0);
-        if longest > LONGEST_LOOP {
-            return Err(PlanError::TooDeep { length: longest });
-        }
+        let longest = shallow(lists)?;
         let sizes = Sizes {
             vertices: vertices as u32,
             coarsest: simplified.collapses().records(),
@@ -137,18 +134,14 @@ impl Interactive {
         let counting = Counting::new(&mut program, mesh, device.vertices, records.stride);
         let mut made = program.uploaded(&[]);
         made.extend(device.constructed(&lists));
-        let construction = Step {
-            at: "construction".to_owned(),
-            counts: false,
-            passes: device.construction(),
-            checks: made,
-            twin: None,
-        };
+        let construction = Step { passes: device.construction(), ..Step::look("construction", made) };
         // What extraction must not write to is looked at again at the end.
         let mut kept = program.uploaded(&[device.vertices]);
         kept.extend([Expected::new(device.offsets, lists.offsets()), Expected::new(device.entries, lists.entries())]);
-        let unchanged = Step { at: "the end".to_owned(), counts: false, passes: Vec::new(), checks: kept, twin: None };
-        let locate = locate(simplified, &device, (counting.triangles, counting.draws), records.stride);
+        let unchanged = Step::look("the end", kept);
+        let words = vec![device.current, device.offsets, device.collapse_to];
+        let whole = [device.vertices, device.source];
+        let locate = locate(simplified, whole, words, [counting.triangles, counting.draws], records.stride);
         let mut twin = Twin {
             model: self,
             positions: PositionIds::new(mesh.positions()),
@@ -170,6 +163,15 @@ pub(super) fn lists(simplified: &Simplified) -> Result<CollapseLists, PlanError>
     let collapses = simplified.collapses();
     CollapseLists::new(collapses.targets(), collapses.last(), u32::MAX as usize / 4)
         .map_err(|ListsTooLong { entries }| PlanError::TooLarge { what: "the collapse lists", words: entries })
+}
+
+/// The length of the longest list.
+///
+/// # Errors
+/// If a kernel may not loop that often.
+pub(super) fn shallow(lists: &CollapseLists) -> Result<u32, PlanError> {
+    let longest = lists.offsets().windows(2).map(|pair| pair[1] - pair[0]).max().unwrap_or(0);
+    if longest > LONGEST_LOOP { Err(PlanError::TooDeep { length: longest }) } else { Ok(longest) }
 }
 
 /// The same work on the CPU.
@@ -211,7 +213,7 @@ impl Twin<'_> {
             Expected::new(self.counting.draws, draws),
             Expected::new(self.device.trouble, [0]),
         ];
-        Step { at: format!("LOD {}", lod.0), counts: true, passes, checks, twin }
+        Step::show(lod, passes, checks, twin)
     }
 
     fn judge(&self, lod: Lod, triangles: Vec<OrientedTriangle>) -> Option<Failure> {
@@ -220,14 +222,15 @@ impl Twin<'_> {
     }
 }
 
-/// Names the vertex or submesh of a word, and the first triangle that has the vertex.
+/// Names the vertex, triangle or submesh of a word, and the first triangle that has the vertex. `records` have `stride` words
+/// for each vertex, `words` one.
 pub(super) fn locate(
     simplified: &Simplified,
-    device: &Continuous,
-    (triangle_words, draws): (BufferId, BufferId),
+    records: [BufferId; 2],
+    words: Vec<BufferId>,
+    [triangle_words, draws]: [BufferId; 2],
     stride: usize,
 ) -> impl Fn(BufferId, usize) -> String + use<> {
-    let device = device.clone();
     let triangles: Arc<[[u32; 3]]> = simplified.mesh().triangles().into();
     let submeshes: Vec<_> = simplified.mesh().submeshes().iter().map(|s| s.triangles()).collect();
     move |buffer, word| {
@@ -235,9 +238,9 @@ pub(super) fn locate(
             return format!("submesh {}", word / 5);
         } else if buffer == triangle_words {
             return format!("triangle {}", word / 3);
-        } else if buffer == device.vertices || buffer == device.source {
+        } else if records.contains(&buffer) {
             word / stride
-        } else if buffer == device.current || buffer == device.offsets || buffer == device.collapse_to {
+        } else if words.contains(&buffer) {
             word
         } else {
             return format!("word {word}");

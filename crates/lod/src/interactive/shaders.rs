@@ -10,8 +10,6 @@ pub(super) const LISTS_FILL: Shader = Shader { name: "lists_fill", wgsl: include
 pub(super) const EXTRACT: Shader = Shader { name: "extract", wgsl: include_str!("extract.wgsl") };
 /// Live triangles.
 pub(super) const LIVE: Shader = Shader { name: "live", wgsl: include_str!("live.wgsl") };
-/// View-dependent: a LOD for each wedge group.
-pub(super) const SELECT: Shader = Shader { name: "select", wgsl: include_str!("view/select.wgsl") };
 /// View-dependent extraction.
 pub(super) const VIEW: Shader = Shader { name: "view", wgsl: include_str!("view/view.wgsl") };
 /// Degenerate filter: which triangles are drawn.
@@ -22,5 +20,5 @@ pub(super) const FILTER_WRITE: Shader = Shader { name: "filter_write", wgsl: inc
 pub(super) const FILTER_DRAWS: Shader = Shader { name: "filter_draws", wgsl: include_str!("view/filter_draws.wgsl") };
 
 /// All that an engine needs, in the order in which it needs them.
-pub const ALL: [Shader; 11] =
-    [LISTS_LENGTH, SCAN, SCAN_ADD, LISTS_FILL, EXTRACT, LIVE, SELECT, VIEW, FILTER_COUNT, FILTER_WRITE, FILTER_DRAWS];
+pub const ALL: [Shader; 10] =
+    [LISTS_LENGTH, SCAN, SCAN_ADD, LISTS_FILL, EXTRACT, LIVE, VIEW, FILTER_COUNT, FILTER_WRITE, FILTER_DRAWS];

@@ -32,6 +32,11 @@ pub(super) struct Device {
 }
 
 impl Device {
+    /// The strips as they are drawn.
+    pub(super) fn packed(&self) -> &Packed {
+        &self.packed
+    }
+
     pub(super) fn new(program: &mut Program, model: &Masking) -> Result<Self, PlanError> {
         let longest = model.firsts.windows(2).map(|pair| pair[1] - pair[0]).max().unwrap_or(0);
         // Every entry puts some positions besides.
@@ -94,21 +99,6 @@ impl Masking {
     pub fn replay(&self, stops: Vec<Lod>) -> Result<Plan<'_>, PlanError> {
         let mut program = Program::default();
         let device = Device::new(&mut program, self)?;
-        let written = [device.full, device.states];
-        let uploaded = Step {
-            at: "upload".to_owned(),
-            counts: false,
-            passes: Vec::new(),
-            checks: program.uploaded(&[]),
-            twin: None,
-        };
-        let kept = Step {
-            at: "the end".to_owned(),
-            counts: false,
-            passes: Vec::new(),
-            checks: program.uploaded(&written),
-            twin: None,
-        };
         let (full, states, drawn) = (device.full, device.states, device.packed.drawn);
         let locate = move |buffer, word: usize| {
             if buffer == full {
@@ -124,8 +114,7 @@ impl Masking {
         };
         let (mut cursor, mut twin) = (self.cursor(), Twin::new(self));
         let moves = stops.into_iter().map(move |lod| self.step(&device, &mut cursor, &mut twin, lod));
-        let steps = Box::new(std::iter::once(uploaded).chain(moves).chain([kept]));
-        Ok(Plan { model: self.name(), name: "masks", program, steps, locate: Box::new(locate) })
+        Ok(Plan::of_moves([self.name(), "masks"], program, &[full, states], moves, locate))
     }
 
     fn step(&self, device: &Device, cursor: &mut Cursor, twin: &mut Twin, wanted: Lod) -> Step {
@@ -140,7 +129,7 @@ impl Masking {
             Expected::new(device.trouble, [0]),
         ];
         checks.extend(device.packed.expected(&self.strips, |strip| cursor.strip(strip)));
-        Step { at: format!("LOD {}", lod.0), counts: true, passes: device.passes(lod), checks, twin: difference }
+        Step::show(lod, device.passes(lod), checks, difference)
     }
 }
 

@@ -10,14 +10,15 @@ mod records;
 mod scan;
 mod schedule;
 
-pub use benchmark::{Benchmark, Case};
+pub use benchmark::{Benchmark, Case, Drawn, Memory};
 pub use packed::{Packed, RESTART, STRIP_DRAWS};
 pub use program::{Buffer, BufferId, Contents, Kernel, KernelId, Pass, Program, Shader, WORKGROUP};
 pub use records::VertexRecords;
 pub use scan::{SCAN, SCAN_ADD, Scan};
-pub use schedule::{schedule, stops, sweep};
+pub use schedule::{DRAWS, SWEEP, schedule, stops, sweep};
 
 use crate::Failure;
+use lodc_mesh::Lod;
 use std::{fmt, sync::Arc};
 
 /// What to run and what to expect. Steps are made one by one, because all expectations of a large mesh together would
@@ -35,8 +36,25 @@ pub struct Plan<'a> {
     pub locate: Box<dyn Fn(BufferId, usize) -> String + 'a>,
 }
 
+impl<'a> Plan<'a> {
+    /// A plan of `moves`, between a look at what was uploaded and one at what no pass may have written to: all of that but
+    /// `written`.
+    pub fn of_moves(
+        [model, name]: [&'static str; 2],
+        program: Program,
+        written: &[BufferId],
+        moves: impl Iterator<Item = Step> + 'a,
+        locate: impl Fn(BufferId, usize) -> String + 'a,
+    ) -> Self {
+        let uploaded = Step::look("upload", program.uploaded(&[]));
+        let kept = Step::look("the end", program.uploaded(written));
+        let steps = Box::new(std::iter::once(uploaded).chain(moves).chain([kept]));
+        Self { model, name, program, steps, locate: Box::new(locate) }
+    }
+}
+
 /// Some passes, and what must be in the buffers after them.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Step {
     /// Where this is, for messages.
     pub at: String,
@@ -48,6 +66,20 @@ pub struct Step {
     pub checks: Vec<Expected>,
     /// What is wrong with the twin itself: it is compared with the reference before a device is compared with it.
     pub twin: Option<Failure>,
+}
+
+impl Step {
+    /// Shows a LOD; `twin` is what is wrong with it on the CPU.
+    #[must_use]
+    pub fn show(lod: Lod, passes: Vec<Pass>, checks: Vec<Expected>, twin: Option<Failure>) -> Self {
+        Self { at: format!("LOD {}", lod.0), counts: true, passes, checks, twin }
+    }
+
+    /// Runs nothing and looks whether buffers hold what they should.
+    #[must_use]
+    pub fn look(at: &str, checks: Vec<Expected>) -> Self {
+        Self { at: at.to_owned(), checks, ..Self::default() }
+    }
 }
 
 /// Words that a buffer must hold.

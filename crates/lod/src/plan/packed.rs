@@ -1,6 +1,6 @@
 //! Strips as they are drawn at once: one behind the other, each closed by a restart index, those without triangles left out.
 
-use super::{BufferId, Expected, KernelId, Pass, Program, Scan, Shader};
+use super::{BufferId, Drawn, Expected, KernelId, Pass, Program, Scan, Shader};
 use lodc_strip::StripSet;
 
 /// Draw arguments of packed strips.
@@ -52,6 +52,13 @@ impl Packed {
             parameters: vec![self.count],
         };
         self.scan.passes().into_iter().chain([write, arguments]).collect()
+    }
+
+    /// How they are drawn, with positions in `vertices`.
+    #[must_use]
+    pub fn drawing(&self, vertices: BufferId, bounds: ([f32; 3], [f32; 3])) -> Drawn {
+        let count = self.count as usize;
+        Drawn { vertices, stride: 3, indices: self.drawn, strips: true, draws: self.draws, count, bounds }
     }
 
     /// What must come out if these strips are drawn, given strip by strip.

@@ -62,6 +62,8 @@ pub struct Kernel {
     pub name: &'static str,
     /// The text.
     pub wgsl: String,
+    /// Values of its pipeline-overridable constants.
+    pub constants: Vec<(&'static str, u32)>,
 }
 
 /// Threads in a workgroup of every kernel: what every device allows.
@@ -110,9 +112,17 @@ impl Program {
     }
     /// Adds a kernel, or finds it if it is there.
     pub fn kernel(&mut self, shader: Shader) -> KernelId {
-        let known = self.kernels.iter().position(|k| k.name == shader.name);
+        self.kernel_with(shader, &[])
+    }
+    /// Adds a kernel with values of its pipeline-overridable constants, or finds it if it is there.
+    pub fn kernel_with(&mut self, shader: Shader, constants: &[(&'static str, u32)]) -> KernelId {
+        let known = self.kernels.iter().position(|k| k.name == shader.name && k.constants == constants);
         KernelId(known.unwrap_or_else(|| {
-            self.kernels.push(Kernel { name: shader.name, wgsl: shader.wgsl.to_owned() });
+            self.kernels.push(Kernel {
+                name: shader.name,
+                wgsl: shader.wgsl.to_owned(),
+                constants: constants.to_vec(),
+            });
             self.kernels.len() - 1
         }))
     }
@@ -126,9 +136,14 @@ impl Program {
         };
         buffers.filter_map(expected).collect()
     }
-    /// Bytes of all buffers together.
+    /// Words of all buffers together.
     #[must_use]
-    pub fn bytes(&self) -> u64 {
-        self.buffers.iter().map(|b| 4 * b.contents.len() as u64).sum()
+    pub fn size(&self) -> u64 {
+        self.buffers.iter().map(|b| b.contents.len() as u64).sum()
+    }
+    /// Words of all buffers together, as they are and with a normal for each of so many vertices.
+    #[must_use]
+    pub fn words_with_normals(&self, vertices: usize) -> (u64, u64) {
+        (self.size(), self.size() + 3 * vertices as u64)
     }
 }

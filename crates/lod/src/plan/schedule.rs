@@ -34,13 +34,16 @@ pub fn schedule(collapses: &CollapseSequence, grid: u32, jumps: u32, seed: u64) 
     down.iter().copied().chain(up).chain(far).collect()
 }
 
-/// LODs of the linear sweep down; as many up (thesis 3.5.2: steps of 0.1 %).
-const SWEEP: u32 = 1000;
+/// Updates of the thesis's linear sweep down (3.5.2: steps of 0.1 %); as many up.
+pub const SWEEP: u32 = 1000;
 
-/// The linear sweep of the thesis's measurements: all LODs in steps of 0.1 %, coarser and then finer again.
+/// Updates between draws that are timed.
+pub const DRAWS: u32 = 10;
+
+/// A linear sweep over all LODs in so many updates, coarser and then finer again, LOD 0 at both ends.
 #[must_use]
-pub fn sweep(collapses: &CollapseSequence) -> Vec<Lod> {
-    let lod = |i: u32| (u64::from(collapses.records()) * u64::from(i) / u64::from(SWEEP)) as u32;
-    let down: Vec<Lod> = (0..=SWEEP).map(|i| collapses.floor(Lod(lod(i)))).collect();
-    down.iter().copied().chain(down.iter().rev().copied()).collect()
+pub fn sweep(collapses: &CollapseSequence, updates: u32) -> Vec<Lod> {
+    let lod = |i: u32| (u64::from(collapses.records()) * u64::from(i) / u64::from(updates)) as u32;
+    let down: Vec<Lod> = (0..=updates).map(|i| collapses.floor(Lod(lod(i)))).collect();
+    down.iter().copied().chain(down.iter().rev().skip(1).copied()).collect()
 }

@@ -1,21 +1,34 @@
 //! What to time of Speed Strips on a device.
 
 use super::{Speed, replay::Device};
-use crate::plan::{Benchmark, Case, PlanError, Program, sweep};
+use crate::plan::{Benchmark, Case, DRAWS, Memory, PlanError, Program, SWEEP, VertexRecords, sweep};
+use lodc_mesh::Lod;
 
 impl Speed {
-    /// The linear sweep over all LODs, down and up.
+    /// The linear sweep over all LODs, down and up, and draws on the way.
     ///
     /// # Errors
     /// If a strip is longer than a kernel may loop.
     pub fn benchmark(&self) -> Result<Benchmark, PlanError> {
+        let mesh = self.simplified.mesh();
         let mut program = Program::default();
         let device = Device::new(&mut program, self)?;
-        let stops = sweep(self.simplified.collapses());
-        let vertices = stops.windows(2).map(|pair| u64::from(pair[0].max(pair[1]).0)).sum();
-        let runs = stops.windows(2).map(|pair| device.passes(self, pair[0], pair[1])).collect();
-        let memory = vec![("direct", program.bytes() / 4 + 3 * self.simplified.mesh().vertex_count() as u64)];
-        let cases = vec![Case { name: "direct, linear sweep", runs, vertices }];
+        let positions = program.words("positions", VertexRecords::positions(mesh).words);
+        let moves = |updates| {
+            let stops = sweep(self.simplified.collapses(), updates);
+            let runs = stops.windows(2).map(|pair| device.passes(self, pair[0], pair[1])).collect();
+            (runs, stops.windows(2).map(|pair| u64::from(pair[0].max(pair[1]).0)).sum())
+        };
+        let (runs, vertices) = moves(SWEEP);
+        let drawing = device.packed().drawing(positions, mesh.bounds());
+        let cases = vec![
+            Case::new("direct, linear sweep", runs, vertices),
+            // What has to be done however little changes.
+            Case::new("direct, standing still", vec![device.passes(self, Lod(0), Lod(0)); 8], 0),
+            Case::drawing("draw, over the LODs", moves(DRAWS).0, drawing),
+        ];
+        let (positions, normals) = program.words_with_normals(mesh.vertex_count());
+        let memory = vec![Memory { variant: "direct", positions, normals }];
         Ok(Benchmark { program, setup: Vec::new(), cases, memory })
     }
 }

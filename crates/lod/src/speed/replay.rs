@@ -40,6 +40,11 @@ pub(super) struct Device {
 }
 
 impl Device {
+    /// The strips as they are drawn.
+    pub(super) fn packed(&self) -> &Packed {
+        &self.packed
+    }
+
     pub(super) fn new(program: &mut Program, model: &Speed) -> Result<Self, PlanError> {
         let set = &model.strips.set;
         let longest = set.iter().map(<[u32]>::len).max().unwrap_or(0) as u32;
@@ -186,22 +191,7 @@ impl Speed {
     pub fn replay(&self, stops: Vec<Lod>) -> Result<Plan<'_>, PlanError> {
         let mut program = Program::default();
         let device = Device::new(&mut program, self)?;
-        let written = [device.strips, device.heads];
-        let uploaded = Step {
-            at: "upload".to_owned(),
-            counts: false,
-            passes: Vec::new(),
-            checks: program.uploaded(&[]),
-            twin: None,
-        };
-        let kept = Step {
-            at: "the end".to_owned(),
-            counts: false,
-            passes: Vec::new(),
-            checks: program.uploaded(&written),
-            twin: None,
-        };
-        let (drawn, heads) = (device.packed.drawn, device.heads);
+        let (drawn, heads, strips) = (device.packed.drawn, device.heads, device.strips);
         let locate = move |buffer, word: usize| {
             if buffer == drawn {
                 format!("index {word} of all that are drawn")
@@ -213,8 +203,7 @@ impl Speed {
         };
         let mut cursor = self.cursor();
         let moves = stops.into_iter().map(move |lod| self.step(&device, &mut cursor, lod));
-        let steps = Box::new(std::iter::once(uploaded).chain(moves).chain([kept]));
-        Ok(Plan { model: self.name(), name: "direct", program, steps, locate: Box::new(locate) })
+        Ok(Plan::of_moves([self.name(), "direct"], program, &[strips, heads], moves, locate))
     }
 
     fn step(&self, device: &Device, cursor: &mut Cursor, wanted: Lod) -> Step {
@@ -224,6 +213,6 @@ impl Speed {
         let truth = self.simplified.triangles_at_with(lod, self.positions());
         let twin = first_difference(lod, truth, self.triangles(cursor));
         let checks = device.packed.expected(&self.strips, |strip| cursor.strip(strip)).to_vec();
-        Step { at: format!("LOD {}", lod.0), counts: true, passes, checks, twin }
+        Step::show(lod, passes, checks, twin)
     }
 }

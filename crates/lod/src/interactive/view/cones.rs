@@ -66,8 +66,6 @@ impl Cone {
 pub struct Cones {
     /// The group of each vertex; `u32::MAX` for fake vertices, which are no corners of LOD 0.
     pub of_vertex: Vec<u32>,
-    /// The first vertex of each group.
-    pub first_vertex: Vec<u32>,
     /// A cone for each group.
     pub cones: Vec<Cone>,
 }
@@ -84,14 +82,13 @@ impl Cones {
             used[groups.of_vertex[v as usize] as usize] = true;
         }
         let mut number = vec![u32::MAX; groups.len()];
-        let (mut first_vertex, mut kept) = (Vec::new(), Vec::new());
+        let mut kept = Vec::new();
         for g in (0..groups.len()).filter(|&g| used[g]) {
-            number[g] = first_vertex.len() as u32;
-            first_vertex.push(groups.first_vertex[g]);
+            number[g] = kept.len() as u32;
             kept.push(cones[g].unwrap_or(Cone::OPEN));
         }
         let of_vertex = groups.of_vertex.iter().map(|&g| number[g as usize]).collect();
-        Self { of_vertex, first_vertex, cones: kept }
+        Self { of_vertex, cones: kept }
     }
 }
 

@@ -16,7 +16,8 @@ pub enum Criterion {
         /// The coarser LOD.
         face: Lod,
     },
-    /// The coarsest LOD whose stored error, at the group's distance from the eye, covers at most `slope` of that distance.
+    /// The coarsest LOD whose stored error, at the group's distance from the eye, covers at most `slope` of that distance,
+    /// or one that is finer by less than 0.2 % of the error.
     ScreenError {
         /// Where the surface is looked at from.
         eye: [f32; 3],

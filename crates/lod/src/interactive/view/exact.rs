@@ -3,13 +3,13 @@
 //! Division, square roots and trigonometry are only approximately fixed by WGSL, and its compilers may rearrange what they
 //! can see through. So the kernels use what is here, with every result passed through a barrier.
 
-/// One over the square root of a positive normal number, to about 23 bits: three steps of Newton's method from the
-/// usual estimate by bits.
+/// One over the square root of a positive normal number, to about 17 bits: two steps of Newton's method from the usual
+/// estimate by bits.
 #[must_use]
 pub fn rsqrt(x: f32) -> f32 {
     let mut y = f32::from_bits(0x5f37_59df - (x.to_bits() >> 1));
     let half = 0.5 * x;
-    for _ in 0..3 {
+    for _ in 0..2 {
         let square = half * y * y;
         y *= 1.5 - square;
     }
@@ -50,7 +50,7 @@ mod tests {
         for i in 1..10_000u32 {
             let x = i as f32 * 0.37 * f32::from_bits((100 + i % 55) << 23);
             let y = f64::from(rsqrt(x));
-            assert!((y * f64::from(x).sqrt() - 1.0).abs() < 4e-7, "{x}");
+            assert!((y * f64::from(x).sqrt() - 1.0).abs() < 5e-6, "{x}");
         }
     }
 

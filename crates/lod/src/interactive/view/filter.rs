@@ -12,7 +12,8 @@ pub struct Filter {
     vertices: BufferId,
     submeshes: BufferId,
     live: BufferId,
-    blocks: BufferId,
+    /// Prefix sums of triangles that are drawn, by eights.
+    pub places: BufferId,
     /// Corners of the triangles that are drawn.
     pub indices: BufferId,
     /// Arguments of one indirect draw per submesh.
@@ -21,7 +22,7 @@ pub struct Filter {
     write: KernelId,
     arguments: KernelId,
     scan: Scan,
-    sizes: [u32; 3],
+    sizes: [u32; 2],
 }
 
 impl Filter {
@@ -29,46 +30,47 @@ impl Filter {
     /// `stride` words.
     pub fn new(program: &mut Program, mesh: &Mesh, triangles: &[[u32; 3]], vertices: BufferId, stride: usize) -> Self {
         let ranges: Vec<u32> = mesh.submeshes().iter().flat_map(|s| [s.first_triangle, s.triangle_count]).collect();
-        // The last block is empty: after the prefix sums it holds the number of all.
-        let count = triangles.len().div_ceil(1024) + 1;
-        let blocks = program.zeros("blocks", count);
+        let eights = triangles.len().div_ceil(8);
+        // Filled up with triangles that are never drawn.
+        let mut padded = triangles.as_flattened().to_vec();
+        padded.resize(24 * eights, 0);
+        // The last place is the number of all.
+        let places = program.zeros("places", eights + 1);
         Self {
-            triangles: program.words("triangles", triangles.as_flattened()),
+            triangles: program.words("triangles", padded),
             vertices,
             submeshes: program.words("submeshes", ranges),
-            live: program.zeros("live", triangles.len().div_ceil(4)),
-            blocks,
+            live: program.zeros("live", eights),
+            places,
             indices: program.zeros("indices", 3 * triangles.len()),
             draws: program.zeros("draws", 5 * mesh.submeshes().len()),
-            count: program.kernel(shaders::FILTER_COUNT),
+            count: program.kernel_with(shaders::FILTER_COUNT, &[("stride", stride as u32)]),
             write: program.kernel(shaders::FILTER_WRITE),
             arguments: program.kernel(shaders::FILTER_DRAWS),
-            scan: Scan::new(program, blocks, count),
-            sizes: [triangles.len() as u32, stride as u32, mesh.submeshes().len() as u32],
+            scan: Scan::new(program, places, eights + 1),
+            sizes: [eights as u32, mesh.submeshes().len() as u32],
         }
     }
 
     /// The passes.
     #[must_use]
     pub fn passes(&self) -> Vec<Pass> {
-        let [triangles, stride, submeshes] = self.sizes;
-        // Prefix sums work in place: what the last run left in the empty block at the end is its total.
-        let threads = triangles.div_ceil(4);
+        let [eights, submeshes] = self.sizes;
         let count = Pass {
             kernel: self.count,
-            buffers: vec![self.triangles, self.vertices, self.live, self.blocks],
-            threads,
-            parameters: vec![triangles, stride],
+            buffers: vec![self.triangles, self.vertices, self.live, self.places],
+            threads: eights + 1,
+            parameters: vec![eights],
         };
         let write = Pass {
             kernel: self.write,
-            buffers: vec![self.triangles, self.live, self.blocks, self.indices],
-            threads,
-            parameters: vec![triangles],
+            buffers: vec![self.triangles, self.live, self.places, self.indices],
+            threads: eights,
+            parameters: vec![eights],
         };
         let arguments = Pass {
             kernel: self.arguments,
-            buffers: vec![self.submeshes, self.live, self.blocks, self.draws],
+            buffers: vec![self.submeshes, self.live, self.places, self.draws],
             threads: submeshes,
             parameters: vec![submeshes],
         };
@@ -76,23 +78,38 @@ impl Filter {
     }
 }
 
-/// The same on the CPU: corners of the triangles that are drawn, and the arguments of the draws.
+/// What the filter leaves.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Filtered {
+    /// Corners of the triangles that are drawn.
+    pub indices: Vec<u32>,
+    /// Arguments of one draw per submesh, five words each.
+    pub draws: Vec<u32>,
+    /// How many triangles are drawn before every eighth, and of all.
+    pub places: Vec<u32>,
+}
+
+/// The same on the CPU.
 #[must_use]
-pub fn filtered(mesh: &Mesh, triangles: &[[u32; 3]], vertices: &[u32], stride: usize) -> (Vec<u32>, Vec<u32>) {
+pub fn filtered(mesh: &Mesh, triangles: &[[u32; 3]], vertices: &[u32], stride: usize) -> Filtered {
     let key = |v: u32| {
         let at = v as usize * stride;
         position_key([vertices[at], vertices[at + 1], vertices[at + 2]].map(f32::from_bits))
     };
-    let (mut indices, mut draws) = (Vec::new(), Vec::new());
+    let mut left = Filtered::default();
     for submesh in mesh.submeshes() {
-        let first = indices.len();
-        for t in &triangles[submesh.triangles()] {
-            let [a, b, c] = t.map(key);
+        let first = left.indices.len() as u32;
+        for t in submesh.triangles() {
+            if t % 8 == 0 {
+                left.places.push(left.indices.len() as u32 / 3);
+            }
+            let [a, b, c] = triangles[t].map(key);
             if a != b && b != c && c != a {
-                indices.extend(t);
+                left.indices.extend(triangles[t]);
             }
         }
-        draws.extend([(indices.len() - first) as u32, 1, first as u32, 0, 0]);
+        left.draws.extend([left.indices.len() as u32 - first, 1, first, 0, 0]);
     }
-    (indices, draws)
+    left.places.push(left.indices.len() as u32 / 3);
+    left
 }

@@ -1,62 +1,54 @@
-// Degenerate filter, first of three: which triangles are drawn. One thread looks at four, one workgroup at 1024. Twin:
-// filter.rs. A triangle is not drawn if two of its corners are drawn at one position, which is so exactly if they share
-// the entry they show, the one they move towards, and how far they are.
+// Degenerate filter, first of three: which triangles are drawn. One thread looks at eight. Twin: filter.rs. A triangle is
+// not drawn if two of its corners are drawn at one position, which is so exactly if they share the entry they show, the one
+// they move towards, and how far they are.
+
+// Words of a vertex record; the first three are the position.
+override stride: u32 = 3u;
 
 struct Parameters {
-    triangles: u32,
-    // Words of a vertex record; the first three are the position.
-    stride: u32,
+    // Number of triangles, divided by eight and rounded up.
+    eights: u32,
 }
 
 @group(0) @binding(0) var<uniform> p: Parameters;
-@group(0) @binding(1) var<storage, read> triangles: array<u32>;
+// Eight triangles are six vectors; the last ones are filled up with zeros, which no triangle that is drawn has.
+@group(0) @binding(1) var<storage, read> triangles: array<vec4<u32>>;
 @group(0) @binding(2) var<storage, read> vertices: array<u32>;
-// Four bits per thread.
+// A bit for each of a thread's triangles.
 @group(0) @binding(3) var<storage, read_write> live: array<u32>;
-// Live triangles per workgroup.
-@group(0) @binding(4) var<storage, read_write> blocks: array<u32>;
-
-var<workgroup> counts: array<u32, 256>;
+// Their number, and 0 behind the last: after the prefix sums, where each thread's triangles go, and how many there are.
+@group(0) @binding(4) var<storage, read_write> places: array<u32>;
 
 // Coordinates are the same if their bits are, or if both are zero of either sign.
-fn same(x: u32, y: u32) -> bool { return x == y || ((x | y) << 1u) == 0u; }
+fn same(x: vec3<u32>, y: vec3<u32>) -> vec3<bool> { return (x == y) | (((x | y) << vec3<u32>(1u)) == vec3<u32>(0u)); }
 
-// Whether two corners are at one position. Most triangles are told by the first coordinate.
-fn degenerate(t: u32) -> bool {
-    let a = triangles[3u * t] * p.stride;
-    let b = triangles[3u * t + 1u] * p.stride;
-    let c = triangles[3u * t + 2u] * p.stride;
-    var ab = true;
-    var bc = true;
-    var ca = true;
+// 1 unless two corners are at one position. Most triangles are told by the first coordinate.
+fn drawn(t: vec3<u32>) -> u32 {
+    let at = t * stride;
+    var equal = vec3<bool>(true);
     for (var i = 0u; i < 3u; i++) {
-        let x = vertices[a + i];
-        let y = vertices[b + i];
-        let z = vertices[c + i];
-        ab = ab && same(x, y);
-        bc = bc && same(y, z);
-        ca = ca && same(z, x);
-        if (!(ab || bc || ca)) { return false; }
+        let c = vec3<u32>(vertices[at.x + i], vertices[at.y + i], vertices[at.z + i]);
+        equal = equal & same(c, c.yzx);
+        if (!any(equal)) { return 1u; }
     }
-    return true;
+    return 0u;
+}
+
+fn four(first: u32) -> u32 {
+    let a = triangles[first];
+    let b = triangles[first + 1u];
+    let c = triangles[first + 2u];
+    return drawn(a.xyz) | drawn(vec3<u32>(a.w, b.xy)) << 1u | drawn(vec3<u32>(b.zw, c.x)) << 2u | drawn(c.yzw) << 3u;
 }
 
 @compute @workgroup_size(256)
-fn main(@builtin(workgroup_id) w: vec3<u32>, @builtin(num_workgroups) size: vec3<u32>,
-        @builtin(local_invocation_index) l: u32) {
-    let block = w.x + w.y * size.x;
-    let i = block * 256u + l;
+fn main(@builtin(global_invocation_id) g: vec3<u32>, @builtin(num_workgroups) size: vec3<u32>) {
+    let i = g.x + g.y * size.x * 256u;
+    if (i > p.eights) { return; }
     var bits = 0u;
-    for (var k = 0u; k < 4u; k++) {
-        let t = 4u * i + k;
-        if (t < p.triangles && !degenerate(t)) { bits |= 1u << k; }
+    if (i < p.eights) {
+        bits = four(6u * i) | four(6u * i + 3u) << 4u;
+        live[i] = bits;
     }
-    if (4u * i < p.triangles) { live[i] = bits; }
-    counts[l] = countOneBits(bits);
-    for (var half = 128u; half > 0u; half >>= 1u) {
-        workgroupBarrier();
-        if (l < half) { counts[l] += counts[l + half]; }
-    }
-    workgroupBarrier();
-    if (l == 0u && block * 1024u < p.triangles) { blocks[block] = counts[0]; }
+    places[i] = countOneBits(bits);
 }

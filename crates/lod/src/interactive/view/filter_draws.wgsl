@@ -6,18 +6,16 @@ struct Parameters { submeshes: u32 }
 // First triangle and number of triangles of each submesh.
 @group(0) @binding(1) var<storage, read> submeshes: array<vec2<u32>>;
 @group(0) @binding(2) var<storage, read> live: array<u32>;
-@group(0) @binding(3) var<storage, read> blocks: array<u32>;
+@group(0) @binding(3) var<storage, read> places: array<u32>;
 // Five words per submesh: index count, instance count, first index, base vertex, first instance.
 @group(0) @binding(4) var<storage, read_write> draws: array<u32>;
 
 // How many triangles before this one are drawn.
 fn before(triangle: u32) -> u32 {
-    let block = triangle / 1024u;
-    var count = blocks[block];
-    for (var i = 256u * block; i < triangle / 4u; i++) { count += countOneBits(live[i]); }
-    let rest = triangle % 4u;
-    if (rest != 0u) { count += countOneBits(live[triangle / 4u] & ((1u << rest) - 1u)); }
-    return count;
+    let count = places[triangle / 8u];
+    let rest = triangle % 8u;
+    if (rest == 0u) { return count; }
+    return count + countOneBits(live[triangle / 8u] & ((1u << rest) - 1u));
 }
 
 @compute @workgroup_size(256)

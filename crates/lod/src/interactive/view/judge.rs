@@ -13,7 +13,7 @@ type Edge = (Key, Key, bool, [u32; 2]);
 
 impl Views<'_> {
     /// The first thing that is wrong with what a view shows: without morphing, each triangle of LOD 0 with every corner
-    /// resolved at its own group's LOD by the plain sequence (and at one LOD everywhere, the reference itself); always,
+    /// resolved at its own LOD by the plain sequence (and at one LOD everywhere, the reference itself); always,
     /// that no edge lies open that the input's border does not explain.
     pub(super) fn judge(
         &self,
@@ -22,16 +22,17 @@ impl Views<'_> {
         indices: &[u32],
         positions: &PositionIds,
     ) -> Option<Failure> {
-        let mesh = self.simplified.mesh();
-        let coarsest = Lod(shown.states.iter().map(|s| s.shown).max().unwrap_or(0));
+        let (mesh, collapses) = (self.simplified.mesh(), self.simplified.collapses());
+        let corners = || mesh.triangles().as_flattened().iter().map(|&v| shown.states[v as usize].lod);
+        let coarsest = collapses.floor(Lod(corners().max().unwrap_or(0)));
         if !view.morph {
-            let drawn = self.drawn(indices, &shown.entries);
+            let drawn = self.drawn(indices, shown);
             let mut truth = Vec::with_capacity(drawn.len());
             for (s, submesh) in mesh.submeshes().iter().enumerate() {
                 for t in &mesh.triangles()[submesh.triangles()] {
                     let corners = t.map(|v| {
-                        let lod = shown.states[self.group_of[v as usize] as usize].shown;
-                        self.simplified.collapses().resolve(v, Lod(lod))
+                        let lod = collapses.floor(Lod(shown.states[v as usize].lod));
+                        collapses.resolve(v, lod)
                     });
                     let [a, b, c] = corners.map(|v| positions.of_vertex[v as usize]);
                     if a != b && b != c && c != a {
@@ -39,7 +40,7 @@ impl Views<'_> {
                     }
                 }
             }
-            let same = shown.states.iter().all(|s| s.shown == coarsest.0);
+            let same = corners().all(|lod| collapses.floor(Lod(lod)) == coarsest);
             if same
                 && let Some(failure) =
                     first_difference(coarsest, self.simplified.triangles_at_with(coarsest, positions), drawn.clone())
@@ -53,10 +54,11 @@ impl Views<'_> {
         self.torn(shown, indices).map(|(edge, surplus)| Failure::Torn { lod: coarsest, edge, surplus })
     }
 
-    fn drawn(&self, indices: &[u32], entries: &[u32]) -> Vec<OrientedTriangle> {
+    fn drawn(&self, indices: &[u32], shown: &Shown) -> Vec<OrientedTriangle> {
         let submesh = self.simplified.mesh().vertex_submesh();
-        let triangle =
-            |t: &[u32]| OrientedTriangle::new(submesh[t[0] as usize], [t[0], t[1], t[2]].map(|v| entries[v as usize]));
+        let triangle = |t: &[u32]| {
+            OrientedTriangle::new(submesh[t[0] as usize], [t[0], t[1], t[2]].map(|v| shown.states[v as usize].entry))
+        };
         indices.chunks_exact(3).map(triangle).collect()
     }
 

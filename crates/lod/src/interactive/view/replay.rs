@@ -1,8 +1,8 @@
 //! Views as a [`Plan`]: all criteria from seeded eyes, with and without morphing.
 
-use super::{Criterion, Filter, View, ViewPasses, Views, filtered, passes};
+use super::{Criterion, Filter, View, ViewPasses, Views, filtered};
 use crate::Model;
-use crate::interactive::{Continuous, Interactive, replay};
+use crate::interactive::{Interactive, replay};
 use crate::plan::{Expected, Plan, PlanError, Program, Step, Tolerance, VertexRecords};
 use lodc_mesh::{CollapseSequence, Lod, PositionIds};
 use lodc_strip::order;
@@ -23,74 +23,43 @@ impl Interactive {
         Ok(vec![self.continuous(stops.to_vec())?, self.views(views, order(mesh, CACHE))?])
     }
 
-    /// The view-dependent variant over some views, each compared in full: states of groups, drawn records, compacted
-    /// triangles and draw arguments with the twin; what the twin shows with the plain sequence, and that it does not tear.
-    /// `triangles` are those of the mesh, submesh by submesh, in the order in which they shall be drawn.
+    /// The view-dependent variant over some views, each compared in full: drawn records, compacted triangles and draw
+    /// arguments with the twin; what the twin shows with the plain sequence, and that it does not tear. `triangles` are
+    /// those of the mesh, submesh by submesh, in the order in which they shall be drawn.
     ///
     /// # Errors
-    /// If the mesh is too large or its lists too long.
+    /// If the mesh is too large or collapses too deep.
     pub fn views(&self, views: Vec<View>, triangles: Vec<[u32; 3]>) -> Result<Plan<'_>, PlanError> {
         let simplified = self.simplified().as_ref();
         let mesh = simplified.mesh();
-        let lists = replay::lists(simplified)?;
+        replay::shallow(&replay::lists(simplified)?)?;
         let records = VertexRecords::whole(mesh)?;
-        let mut program = Program::default();
-        let base = Continuous::new(&mut program, simplified, &lists, &records)?;
         let stride = records.stride;
-        let twin = Views::new(simplified, lists, records);
-        let device = ViewPasses::new(&mut program, &twin, &base);
-        let filter = Filter::new(&mut program, mesh, &triangles, base.vertices, stride);
-        let construction = Step {
-            at: "construction".to_owned(),
-            counts: false,
-            passes: base.construction(),
-            checks: program.uploaded(&[]).into_iter().chain(base.constructed(&twin.lists)).collect(),
-            twin: None,
-        };
-        // What no pass may write to is looked at again at the end.
-        let kept =
-            [Expected::new(base.offsets, twin.lists.offsets()), Expected::new(base.entries, twin.lists.entries())];
-        let checks = program.uploaded(&[base.vertices]).into_iter().chain(kept).collect();
-        let unchanged = Step { at: "the end".to_owned(), counts: false, passes: Vec::new(), checks, twin: None };
+        let mut program = Program::default();
+        let source = program.words("source", records.words.as_slice());
+        let vertices = program.words("vertices", records.words.as_slice());
+        let twin = Views::new(simplified, records);
+        let device = ViewPasses::new(&mut program, &twin, source, vertices);
+        let filter = Filter::new(&mut program, mesh, &triangles, vertices, stride);
         let positions = PositionIds::new(mesh.positions());
-        let locate = replay::locate(simplified, &base, (filter.triangles, filter.draws), stride);
-        let (groups, ways) = (device.shown, device.ways);
+        let locate =
+            replay::locate(simplified, [vertices, source], Vec::new(), [filter.triangles, filter.draws], stride);
         let step = move |view: View| {
             let shown = twin.show(&view);
-            let (indices, draws) = filtered(mesh, &triangles, &shown.vertices, stride);
-            let failure = twin.judge(&view, &shown, &indices, &positions);
+            let left = filtered(mesh, &triangles, &shown.vertices, stride);
+            let twin_differs = twin.judge(&view, &shown, &left.indices, &positions);
             let tolerance = view.morph.then_some(Tolerance { stride, floats: 3 });
-            let mut passes = device.passes(&view, &twin);
-            passes.extend(filter.passes());
-            let [lods, ways] = passes::words(&shown.states);
-            let mut checks = vec![
-                Expected::new(device.shown, lods),
-                Expected { tolerance, ..Expected::new(base.vertices, shown.vertices) },
-                Expected::new(filter.indices, indices),
-                Expected::new(filter.draws, draws),
+            let checks = vec![
+                Expected { tolerance, ..Expected::new(vertices, shown.vertices) },
+                Expected::new(filter.places, left.places),
+                Expected::new(filter.indices, left.indices),
+                Expected::new(filter.draws, left.draws),
             ];
-            if view.morph {
-                checks.push(Expected::new(device.ways, ways));
-            }
-            Step { at: name(&view), counts: true, passes, checks, twin: failure }
+            let passes = std::iter::once(device.pass(&view, &twin)).chain(filter.passes()).collect();
+            Step { at: name(&view), counts: true, passes, checks, twin: twin_differs }
         };
-        let steps = std::iter::once(construction).chain(views.into_iter().map(step)).chain([unchanged]);
-        let locate = move |buffer, word| {
-            if buffer == groups {
-                format!("wedge group {word}")
-            } else if buffer == ways {
-                format!("wedge group {}", word / 2)
-            } else {
-                locate(buffer, word)
-            }
-        };
-        Ok(Plan {
-            model: self.name(),
-            name: "view-dependent",
-            program,
-            steps: Box::new(steps),
-            locate: Box::new(locate),
-        })
+        let moves = views.into_iter().map(step);
+        Ok(Plan::of_moves([self.name(), "view-dependent"], program, &[vertices], moves, locate))
     }
 }
 

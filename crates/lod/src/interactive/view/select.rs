@@ -1,55 +1,99 @@
-//! Which LOD each wedge group gets, in the same operations as `select.wgsl`, so that the two agree bit for bit.
+//! Which LOD each vertex gets, in the same operations as `view.wgsl`, so that the two agree bit for bit.
 
-use super::Cones;
 use super::criterion::{Criterion, View};
 use super::exact::{dot, inverse_power, rsqrt};
-use crate::interactive::CollapseLists;
+use super::{Cone, Cones};
 use lodc_mesh::{CollapseSequence, Lod, Mesh, Simplified};
 
-/// What `select.wgsl` gives each group.
+/// Where a vertex is between the steps in which it moves.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct State {
-    /// The LOD that is shown: the end of a step, or 0.
-    pub shown: u32,
-    /// The end of the step in which the group moves next; `shown` if it does not move or nothing is interpolated.
-    pub towards: u32,
-    /// How far it is on the way there, in 1/65536.
+    /// The LOD that it chose; what is shown is that of the end of the step before.
+    pub lod: u32,
+    /// The vertex that is shown.
+    pub entry: u32,
+    /// What that becomes next; itself if it is the last.
+    pub next: u32,
+    /// How far it is on the way there, in 1/65536; 0 without morphing.
     pub way: u32,
 }
 
-/// What the selection of a group looks at: six words on a device.
+/// What the selection of a vertex looks at, the same for all vertices of a wedge group: four words on a device.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Group {
+pub struct Point {
     /// Where it is at LOD 0.
     pub position: [f32; 3],
-    /// Axis of its cone of normals, times 32767.
-    pub axis: [i16; 3],
-    /// Cosine of half its angle, times 65536, rounded outwards; 0 for all directions.
-    pub cos: u16,
-    /// One vertex of the group.
-    pub first_vertex: u32,
+    /// The axis of its cone of normals; only the direction counts.
+    pub axis: [i8; 3],
+    /// Sine of half the cone's angle, times 255, rounded outwards; 255 for all directions.
+    pub sine: u8,
 }
 
-impl Group {
+impl Point {
+    fn new(position: [f32; 3], cone: &Cone) -> Self {
+        let largest = cone.axis.iter().fold(0.0f64, |largest, c| largest.max(c.abs()));
+        let axis = cone.axis.map(|c| (c * 127.0 / largest).round() as i8);
+        let rounded = axis.map(f64::from);
+        let length = rounded.iter().map(|c| c * c).sum::<f64>().sqrt();
+        let off = rounded.iter().zip(cone.axis).map(|(a, b)| a * b / length).sum::<f64>().clamp(-1.0, 1.0);
+        // The cone around the rounded axis that holds this one; a little more for the arithmetic on devices.
+        let angle = cone.cos.clamp(-1.0, 1.0).acos() + off.acos() + 1e-4;
+        let narrow = angle < std::f64::consts::FRAC_PI_2;
+        let sine = if narrow { (angle.sin() * 255.0).ceil().min(255.0) as u8 } else { 255 };
+        Self { position, axis, sine }
+    }
+
     /// The words.
     #[must_use]
-    pub fn words(&self) -> [u32; 6] {
+    pub fn words(&self) -> [u32; 4] {
         let [x, y, z] = self.position.map(f32::to_bits);
-        let [i, j, k] = self.axis.map(|c| u32::from(c.cast_unsigned()));
-        [x, y, z, i | j << 16, k | u32::from(self.cos) << 16, self.first_vertex]
+        let [i, j, k] = self.axis.map(i8::cast_unsigned);
+        [x, y, z, u32::from_le_bytes([i, j, k, self.sine])]
     }
 }
 
-/// Groups as the kernel gets them.
-pub(super) fn groups(cones: &Cones, mesh: &Mesh) -> Vec<Group> {
-    let group = |(cone, &first_vertex): (&super::Cone, &u32)| Group {
-        position: mesh.positions()[first_vertex as usize],
-        axis: cone.axis.map(|c| (c * 32767.0).round() as i16),
-        // Outwards by more than what rounding the axis can do.
-        cos: ((cone.cos - 1e-4).max(0.0) * 65536.0) as u16,
-        first_vertex,
-    };
-    cones.cones.iter().zip(&cones.first_vertex).map(group).collect()
+/// Vertices as the kernel gets them. Those of no group have an open cone.
+pub(super) fn points(cones: &Cones, mesh: &Mesh) -> Vec<Point> {
+    let cone = |group: u32| cones.cones.get(group as usize).unwrap_or(&Cone::OPEN);
+    mesh.positions().iter().zip(&cones.of_vertex).map(|(&position, &group)| Point::new(position, cone(group))).collect()
+}
+
+/// What each vertex becomes, and the LOD at which it has: the end of the step. The last one stays for good.
+pub(super) fn links(collapses: &CollapseSequence) -> Vec<[u32; 2]> {
+    let parts = collapses.parts();
+    let mut links = Vec::with_capacity(parts.targets.len() + 1);
+    for &end in &parts.step_ends {
+        links.extend((links.len()..end as usize).map(|record| [parts.targets[record], end]));
+    }
+    links.push([links.len() as u32, u32::MAX]);
+    links
+}
+
+/// LODs by error, so that a device needs no search: errors that differ by less than about 0.2 % share an entry, the LOD for
+/// the smallest of them.
+#[derive(Clone, Debug)]
+pub(super) struct ByError {
+    /// The first entry's error: the upper 18 bits of a float.
+    pub(super) lowest: u32,
+    /// The coarsest LOD of each; the first for whatever is smaller, the last for whatever is larger than all errors.
+    pub(super) lods: Vec<u32>,
+}
+
+impl ByError {
+    /// Errors of 14 powers of two are told apart; smaller ones count as none.
+    const COUNT: u32 = 14 * 512;
+
+    pub(super) fn new(collapses: &CollapseSequence) -> Self {
+        let largest = collapses.parts().step_errors.last().map_or(0, |e| e.to_bits() >> 14);
+        let lowest = (largest + 2).saturating_sub(Self::COUNT);
+        let error = |i: u32| if i == 0 { 0.0 } else { f32::from_bits((lowest + i) << 14) };
+        Self { lowest, lods: (0..Self::COUNT).map(|i| collapses.lod_for_error(error(i)).0).collect() }
+    }
+
+    fn at(&self, error: f32) -> u32 {
+        let key = (error.to_bits() >> 14).clamp(self.lowest, self.lowest + Self::COUNT - 1);
+        self.lods[(key - self.lowest) as usize]
+    }
 }
 
 /// A view in the numbers that the kernel is given.
@@ -71,7 +115,7 @@ impl Parameters {
         let of = |criterion, point, lods, abc| Self { criterion, lods, point, scale, abc, morph: view.morph };
         match view.criterion {
             Criterion::Silhouette { eye, edge, face } => of(0, eye, lods(edge.min(face), face), [0.0; 3]),
-            Criterion::ScreenError { eye, slope } => of(1, eye, [0; 2], [slope / scale, 0.0, 0.0]),
+            Criterion::ScreenError { eye, slope } => of(1, eye, [0; 2], [(slope / scale).max(0.0), 0.0, 0.0]),
             Criterion::Sphere { centre, radius, inside, outside } => {
                 let scaled = radius * scale;
                 of(2, centre, lods(inside, outside), [scaled * scaled, 0.0, 0.0])
@@ -81,25 +125,25 @@ impl Parameters {
     }
 }
 
-/// The state of one group.
-pub(super) fn state(p: &Parameters, group: &Group, collapses: &CollapseSequence, lists: &CollapseLists) -> State {
-    let lod = wanted(p, group, collapses);
-    let shown = collapses.floor(Lod(lod)).0;
-    let list = lists.list(group.first_vertex);
-    let at = list.partition_point(|&entry| entry < shown).min(list.len() - 1);
-    if !p.morph || list[at] >= collapses.records() {
-        return State { shown, towards: shown, way: 0 };
+/// The state of one vertex.
+pub(super) fn state(p: &Parameters, vertex: u32, point: &Point, links: &[[u32; 2]], by_error: &ByError) -> State {
+    let lod = wanted(p, point, by_error);
+    let (mut entry, mut came) = (vertex, 0);
+    while links[entry as usize][1] <= lod {
+        [entry, came] = links[entry as usize];
     }
-    let end_after = |record: u32| collapses.parts().step_ends[collapses.steps_at(Lod(record))];
-    let came = if at > 0 { end_after(list[at - 1]) } else { 0 };
-    let towards = end_after(list[at]);
-    let shift = 16 - (towards - came).leading_zeros().min(16);
-    let way = ((((lod - came) >> shift) << 16) / ((towards - came) >> shift)).min(65535);
-    State { shown, towards, way }
+    let [next, leaves] = links[entry as usize];
+    let way = if p.morph {
+        let shift = 16 - (leaves - came).leading_zeros().min(16);
+        ((((lod - came) >> shift) << 16) / ((leaves - came) >> shift)).min(65535)
+    } else {
+        0
+    };
+    State { lod, entry, next, way }
 }
 
-fn wanted(p: &Parameters, g: &Group, collapses: &CollapseSequence) -> u32 {
-    let ([a, b], position) = (p.lods, g.position);
+fn wanted(p: &Parameters, at: &Point, by_error: &ByError) -> u32 {
+    let ([a, b], position) = (p.lods, at.position);
     if p.criterion > 2 {
         let inside = (0..3).all(|i| position[i] >= p.point[i] && position[i] <= p.abc[i]);
         return if inside { a } else { b };
@@ -114,23 +158,71 @@ fn wanted(p: &Parameters, g: &Group, collapses: &CollapseSequence) -> u32 {
         return if p.criterion == 0 { a } else { 0 };
     }
     if p.criterion == 1 {
-        let error = square * rsqrt(square) * p.abc[0];
-        return collapses.lod_for_error(error).0;
+        return by_error.at(square * rsqrt(square) * p.abc[0]);
     }
     let span = b - a;
-    a + ((facing(g, d, square) * span as f32) as u32).min(span)
+    a + ((facing(at, d, square) * span as f32) as u32).min(span)
 }
 
 /// From 0, seen edge-on somewhere in the cone, to 1, face-on everywhere.
-fn facing(g: &Group, to_eye: [f32; 3], square: f32) -> f32 {
-    let axis = g.axis.map(|c| f32::from(c) * (1.0 / 32767.0));
-    let half_angle = f32::from(g.cos) * (1.0 / 65536.0);
-    let angle = (dot(axis, to_eye).abs() * rsqrt(square)).min(1.0);
-    (angle * half_angle - other(angle) * other(half_angle)).max(0.0)
+fn facing(at: &Point, to_eye: [f32; 3], square: f32) -> f32 {
+    let axis = at.axis.map(f32::from);
+    let sine = f32::from(at.sine) * (1.0 / 255.0);
+    let angle = (dot(axis, to_eye).abs() * rsqrt(dot(axis, axis) * square)).min(1.0);
+    (angle * other(sine) - other(angle) * sine).max(0.0)
 }
 
-/// The sine to a cosine, both from 0 to 1.
+/// The sine to a cosine and the other way round, both from 0 to 1.
 fn other(cosine: f32) -> f32 {
     let rest = (1.0 - cosine * cosine).max(1e-20);
     rest * rsqrt(rest)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_find_the_lod_that_is_allowed_and_nearly_the_coarsest() {
+        let mesh = lodc_fixtures::icosphere(3);
+        let simplified = lodc_fixtures::random_collapse(&mesh, 1);
+        let collapses = simplified.collapses();
+        let by_error = ByError::new(collapses);
+        let largest = *collapses.parts().step_errors.last().expect("steps");
+        for i in 0..5000 {
+            let error = largest * 1.2 * (i as f32 / 5000.0).powi(3);
+            let found = by_error.at(error);
+            assert!(found <= collapses.lod_for_error(error).0, "{error}");
+            if error > largest / 8000.0 {
+                assert!(found >= collapses.lod_for_error(error * (1.0 - 1.0 / 511.0)).0, "{error}");
+            }
+        }
+        assert_eq!(by_error.at(f32::MAX), collapses.last().0);
+        assert_eq!(by_error.at(0.0), collapses.lod_for_error(0.0).0);
+    }
+
+    #[test]
+    fn rounded_cones_hold_what_the_cones_hold() {
+        let mut state = 1u64;
+        let mut unit = || {
+            state = state.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(0x1405_7b7e_f767_814f);
+            (state >> 40) as f64 / 8_388_608.0 - 1.0
+        };
+        let mut narrowest = 255;
+        for _ in 0..2000 {
+            let axis: [f64; 3] = std::array::from_fn(|_| unit());
+            let length = axis.iter().map(|c| c * c).sum::<f64>().sqrt();
+            let angle = 1.6 * unit().abs().powi(3);
+            let cone = Cone { axis: axis.map(|c| c / length), cos: angle.cos().max(0.0) };
+            let point = Point::new([0.0; 3], &cone);
+            let rounded = point.axis.map(f64::from);
+            let length = rounded.iter().map(|c| c * c).sum::<f64>().sqrt();
+            let off = rounded.iter().zip(cone.axis).map(|(a, b)| a * b / length).sum::<f64>().min(1.0).acos();
+            let half_angle = (f64::from(point.sine) / 255.0).asin();
+            assert!(point.sine == 255 || half_angle >= angle + off, "{cone:?}: {point:?}");
+            assert!(angle > 1.5 || half_angle < angle + 0.1, "{cone:?}: {point:?}");
+            narrowest = narrowest.min(point.sine);
+        }
+        assert!(narrowest < 5, "{narrowest}");
+    }
 }

@@ -6,8 +6,7 @@ use lodc_fixtures as fixtures;
 use lodc_mesh::Lod;
 
 fn views_of(simplified: &Simplified) -> Views<'_> {
-    let lists = lists(simplified).expect("a small mesh");
-    Views::new(simplified, lists, VertexRecords::whole(simplified.mesh()).expect("a small mesh"))
+    Views::new(simplified, VertexRecords::whole(simplified.mesh()).expect("a small mesh"))
 }
 
 fn everything(check: impl Fn(&str, &Simplified)) {
@@ -33,8 +32,8 @@ fn views_show_what_the_sequence_says_and_never_tear() {
         let positions = PositionIds::new(mesh.positions());
         for view in sample(simplified.collapses(), mesh.bounds(), 8, 3) {
             let shown = views.show(&view);
-            let (indices, _) = filtered(mesh, mesh.triangles(), &shown.vertices, views.records.stride);
-            assert_eq!(views.judge(&view, &shown, &indices, &positions), None, "{name}: {view:?}");
+            let left = filtered(mesh, mesh.triangles(), &shown.vertices, views.records.stride);
+            assert_eq!(views.judge(&view, &shown, &left.indices, &positions), None, "{name}: {view:?}");
         }
     });
 }
@@ -49,9 +48,8 @@ fn a_wedge_that_goes_its_own_way_is_a_tear() {
     let wedge = simplified.mesh().triangles()[0][0] as usize;
     let coarse = simplified.collapses().resolve(wedge as u32, simplified.collapses().last());
     shown.vertices[wedge * views.records.stride..][..3].copy_from_slice(&views.records.at(coarse)[..3]);
-    let (indices, _) =
-        filtered(simplified.mesh(), simplified.mesh().triangles(), &shown.vertices, views.records.stride);
-    assert!(views.torn(&shown, &indices).is_some());
+    let left = filtered(simplified.mesh(), simplified.mesh().triangles(), &shown.vertices, views.records.stride);
+    assert!(views.torn(&shown, &left.indices).is_some());
 }
 
 #[test]
@@ -79,20 +77,21 @@ fn cones_bound_the_normals_of_all_that_collapses_into_a_group() {
 fn morphing_starts_at_the_entry_and_stays_before_the_next() {
     let simplified = fixtures::random_collapse(&fixtures::icosphere(2), 1);
     let views = views_of(&simplified);
+    let lists = lists(&simplified).expect("a small mesh");
     for lod in 0..simplified.collapses().records() {
         let view = |morph| View { criterion: Criterion::everywhere(Lod(lod)), morph };
         let (still, moving) = (views.show(&view(false)), views.show(&view(true)));
-        assert_eq!(still.entries, moving.entries);
-        for (v, state) in moving.states.iter().enumerate() {
-            let first = views.groups[v].first_vertex as usize;
-            let list = views.lists.list(first as u32);
-            let at = list.iter().position(|&e| e == moving.entries[first]).expect("an entry of the list");
+        for (v, (state, still)) in moving.states.iter().zip(&still.states).enumerate() {
+            assert_eq!(state.entry, still.entry);
+            let list = lists.list(v as u32);
+            let at = list.iter().position(|&e| e == state.entry).expect("an entry of the list");
             let ends =
                 |record: u32| simplified.collapses().parts().step_ends[simplified.collapses().steps_at(Lod(record))];
             if at + 1 == list.len() {
-                assert_eq!(state.way, 0);
+                assert_eq!(state.next, state.entry);
                 continue;
             }
+            assert_eq!(state.next, list[at + 1]);
             let came = if at == 0 { 0 } else { ends(list[at - 1]) };
             let share = f64::from(lod - came) / f64::from(ends(list[at]) - came);
             assert!((f64::from(state.way) / 65536.0 - share).abs() < 1e-4, "LOD {lod}: {state:?}");
@@ -108,10 +107,10 @@ fn a_region_is_fine_inside_and_coarse_outside() {
     let coarse = simplified.collapses().floor(Lod(simplified.collapses().records() * 9 / 10));
     let criterion = Criterion::Region { low: [-2.0, -2.0, 0.0], high: [2.0; 3], inside: Lod(0), outside: coarse };
     let shown = views.show(&View { criterion, morph: false });
-    for (v, &entry) in shown.entries.iter().enumerate() {
+    for (v, state) in shown.states.iter().enumerate() {
         let inside = simplified.mesh().positions()[v][2] >= 0.0;
         let lod = if inside { Lod(0) } else { coarse };
-        assert_eq!(entry, simplified.collapses().resolve(v as u32, lod));
+        assert_eq!(state.entry, simplified.collapses().resolve(v as u32, lod));
     }
 }
 
@@ -122,13 +121,14 @@ fn the_outline_is_fine_and_the_middle_coarse() {
     let last = simplified.collapses().last();
     let criterion = Criterion::Silhouette { eye: [0.0, 0.0, 100.0], edge: Lod(0), face: last };
     let shown = views.show(&View { criterion, morph: false });
-    for (group, state) in views.groups.iter().zip(&shown.states) {
-        let cos = f32::from(group.axis[2].unsigned_abs()) / 32767.0;
+    for (point, state) in views.points.iter().zip(&shown.states) {
+        let length = point.axis.iter().map(|&c| f32::from(c).powi(2)).sum::<f32>().sqrt();
+        let cos = f32::from(point.axis[2]).abs() / length;
         if cos < 0.05 {
-            assert!(state.shown < last.0 / 5, "{group:?}: {state:?}");
+            assert!(state.lod < last.0 / 5, "{point:?}: {state:?}");
         }
-        if group.cos > 64_500 && cos > 0.98 {
-            assert!(state.shown > last.0 * 4 / 5, "{group:?}: {state:?}");
+        if point.sine < 45 && cos > 0.99 {
+            assert!(state.lod > last.0 * 4 / 5, "{point:?}: {state:?}");
         }
     }
 }

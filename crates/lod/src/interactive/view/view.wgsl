@@ -1,63 +1,124 @@
-// The view-dependent extraction pass (thesis 5.3, algorithm 6), one thread per vertex: shows the first entry of the
-// collapse list of at least the group's LOD, and moves its position towards the entry at which the group's next step
-// leads. Twin: view/mod.rs.
+// The view-dependent extraction pass (thesis 5.3, algorithm 6), one thread per vertex: chooses a LOD, shows what the vertex
+// has become by then, and with `morph` moves it towards where its next collapse leads. Twin: select.rs and mod.rs.
+// All vertices of a wedge group have one position and one cone here, so they choose the same LOD and nothing tears.
+
+// Constants of a pipeline: compilers leave out what is not asked for.
+// 0: outline, 1: error on the screen, 2: sphere, 3: box.
+override criterion: u32 = 0u;
+override morph: bool = false;
+// Words of a vertex record.
+override stride: u32 = 3u;
 
 struct Parameters {
     vertices: u32,
-    // Words of a vertex record.
-    stride: u32,
-    // 1 to interpolate positions.
-    morph: u32,
+    // Screen: upper 18 bits of the smallest error that counts, as of a float.
+    lowest: u32,
+    // Outline: the LODs where the surface is seen edge-on and face-on. Regions: inside and outside.
+    lod_a: u32,
+    lod_b: u32,
+    // The eye, or a sphere's centre, or a box's lowest corner.
+    x: f32, y: f32, z: f32,
+    // A power of two that brings lengths near 1.
+    scale: f32,
+    // Screen: allowed error per scaled distance. Sphere: squared scaled radius. Box: its highest corner.
+    a: f32, b: f32, c: f32,
     // 0, which the compiler does not know: see `r`.
     zero: u32,
 }
 
 @group(0) @binding(0) var<uniform> p: Parameters;
-@group(0) @binding(1) var<storage, read> group_of: array<u32>;
-@group(0) @binding(2) var<storage, read> shown: array<u32>;
-@group(0) @binding(3) var<storage, read> ways: array<u32>;
-@group(0) @binding(4) var<storage, read> offsets: array<u32>;
-@group(0) @binding(5) var<storage, read> entries: array<u32>;
-@group(0) @binding(6) var<storage, read> source: array<u32>;
-@group(0) @binding(7) var<storage, read_write> vertices: array<u32>;
+// Position, and a cone of normals: its axis, of any length, and the sine of half its angle times 255, 8 bits each.
+@group(0) @binding(1) var<storage, read> points: array<vec4<u32>>;
+// What each vertex becomes, and the LOD at which it has: the end of the step.
+@group(0) @binding(2) var<storage, read> links: array<vec2<u32>>;
+const ERRORS = 7168u;
+// The coarsest LOD for each error from the lowest on, 512 of them from one power of two to the next.
+@group(0) @binding(3) var<storage, read> by_error: array<u32>;
+// Records of the mesh, and as they are drawn.
+@group(0) @binding(4) var<storage, read> source: array<u32>;
+@group(0) @binding(5) var<storage, read_write> vertices: array<u32>;
 
 // Keeps the compiler from joining or reordering what is rounded in between.
 fn r(v: f32) -> f32 { return bitcast<f32>(bitcast<u32>(v) ^ p.zero); }
 
-// The first entry of vertex v's list of at least `lod`.
-fn entry(v: u32, lod: u32) -> u32 {
-    if (v >= lod) { return v; }
-    var low = offsets[v] + 1u;
-    var high = offsets[v + 1u] - 1u;
-    while (low < high) {
-        let middle = (low + high) / 2u;
-        if (entries[middle] < lod) { low = middle + 1u; } else { high = middle; }
+fn dot3(a: vec3<f32>, b: vec3<f32>) -> f32 { return r(r(r(a.x * b.x) + r(a.y * b.y)) + r(a.z * b.z)); }
+
+// One step of Newton's method.
+fn nearer(y: f32, half: f32) -> f32 { return r(y * r(1.5 - r(r(half * y) * y))); }
+
+fn rsqrt(x: f32) -> f32 {
+    let half = r(0.5 * x);
+    return nearer(nearer(bitcast<f32>(0x5f3759dfu - (bitcast<u32>(x) >> 1u)), half), half);
+}
+
+// The sine to a cosine and the other way round, both from 0 to 1.
+fn other(cosine: f32) -> f32 {
+    let rest = max(r(1.0 - r(cosine * cosine)), 1e-20);
+    return r(rest * rsqrt(rest));
+}
+
+// From 0, seen edge-on somewhere in the cone, to 1, face-on everywhere.
+fn facing(cone: u32, to_eye: vec3<f32>, square: f32) -> f32 {
+    let axis = vec3<f32>(f32(i32(cone << 24u) >> 24u), f32(i32(cone << 16u) >> 24u), f32(i32(cone << 8u) >> 24u));
+    let sine = r(f32(cone >> 24u) * (1.0 / 255.0));
+    let angle = min(r(abs(dot3(axis, to_eye)) * rsqrt(r(dot3(axis, axis) * square))), 1.0);
+    return max(r(r(angle * other(sine)) - r(other(angle) * sine)), 0.0);
+}
+
+fn wanted(here: vec4<u32>) -> u32 {
+    let position = bitcast<vec3<f32>>(here.xyz);
+    if (criterion == 3u) {
+        let inside = position.x >= p.x && position.y >= p.y && position.z >= p.z
+            && position.x <= p.a && position.y <= p.b && position.z <= p.c;
+        return select(p.lod_b, p.lod_a, inside);
     }
-    return entries[low];
+    let d = vec3<f32>(r(r(p.x - position.x) * p.scale), r(r(p.y - position.y) * p.scale), r(r(p.z - position.z) * p.scale));
+    let square = dot3(d, d);
+    if (criterion == 2u) { return select(p.lod_b, p.lod_a, square <= p.a); }
+    // In the eye: as fine as can be.
+    let apart = square >= 1e-30;
+    if (criterion == 1u) {
+        let error = bitcast<u32>(r(r(square * rsqrt(square)) * p.a)) >> 14u;
+        let lod = by_error[clamp(error, p.lowest, p.lowest + ERRORS - 1u) - p.lowest];
+        return select(0u, lod, apart);
+    }
+    let span = p.lod_b - p.lod_a;
+    return p.lod_a + select(0u, min(u32(r(facing(here.w, d, square) * f32(span))), span), apart);
 }
 
 @compute @workgroup_size(256)
 fn main(@builtin(global_invocation_id) g: vec3<u32>, @builtin(num_workgroups) size: vec3<u32>) {
     let v = g.x + g.y * size.x * 256u;
     if (v >= p.vertices) { return; }
-    let group = group_of[v];
-    // Vertices that no triangle of LOD 0 uses are never drawn as themselves.
-    if (group == 0xffffffffu) { return; }
-    let from_record = entry(v, shown[group]) * p.stride;
-    let to_record = v * p.stride;
-    vertices[to_record] = source[from_record];
-    vertices[to_record + 1u] = source[from_record + 1u];
-    vertices[to_record + 2u] = source[from_record + 2u];
-    for (var word = 3u; word < p.stride; word++) {
-        vertices[to_record + word] = source[from_record + word];
+    let lod = wanted(points[v]);
+    // As far as the collapses go whose steps are over.
+    var at = v;
+    var came = 0u;
+    while (at < lod) {
+        let link = links[at];
+        if (link.y > lod) { break; }
+        at = link.x;
+        came = link.y;
     }
-    if (p.morph == 0u) { return; }
-    let next = entry(v, ways[2u * group]) * p.stride;
-    let t = f32(ways[2u * group + 1u]) * (1.0 / 65536.0);
-    for (var word = 0u; word < 3u; word++) {
-        let a = bitcast<f32>(source[from_record + word]);
-        let b = bitcast<f32>(source[next + word]);
-        // Exactly at the entry: its bits, also those of a zero.
-        if (t != 0.0) { vertices[to_record + word] = bitcast<u32>(r(a + r(t * r(b - a)))); }
+    var position = points[at].xyz;
+    if (morph) {
+        // Between the step that brought the vertex here and the one that takes it away. Integers, because division of
+        // integers is exact; both fit 16 bits after the shift.
+        let next = links[at];
+        let shift = 16u - min(16u, countLeadingZeros(next.y - came));
+        let way = min((((lod - came) >> shift) << 16u) / ((next.y - came) >> shift), 65535u);
+        let t = f32(way) * (1.0 / 65536.0);
+        let a = bitcast<vec3<f32>>(position);
+        let b = bitcast<vec3<f32>>(points[next.x].xyz);
+        let moved = vec3<f32>(r(a.x + r(t * r(b.x - a.x))), r(a.y + r(t * r(b.y - a.y))), r(a.z + r(t * r(b.z - a.z))));
+        // Exactly where it was: its bits, also those of a zero.
+        position = select(bitcast<vec3<u32>>(moved), position, t == 0.0);
     }
+    let to_record = v * stride;
+    vertices[to_record] = position.x;
+    vertices[to_record + 1u] = position.y;
+    vertices[to_record + 2u] = position.z;
+    // Whatever else a record has.
+    let from_record = at * stride;
+    for (var word = 3u; word < stride; word++) { vertices[to_record + word] = source[from_record + word]; }
 }
