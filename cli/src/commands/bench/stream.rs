@@ -103,7 +103,7 @@ fn prefixes(bytes: &[u8]) -> Result<Vec<PrefixReport>, FormatError> {
     };
     let Some(whole) = shown(bytes)?.map(surface) else { return Ok(Vec::new()) };
     let diagonal = whole.diagonal();
-    let (cameras, looks) = (Viewing::DEFAULT.cameras(&whole), Looks { own_normals: false, checkerboard: false });
+    let (cameras, looks) = (Viewing::DEFAULT.cameras(&whole), Looks::default());
     let taken = pictures(&whole, &cameras, looks);
     let report = |percent: u32| {
         let cut = (bytes.len() as u64 * u64::from(percent)).div_ceil(100);
