@@ -31,7 +31,7 @@ fn check(name: &str, simplified: Simplified) {
         let strips = Arc::new(Strips::generate(&simplified, kind, Effort::Fast));
         let model = Masking::build(&simplified, strips).expect("few entries");
         check_moves(&format!("{name}, {}", kind.name()), &model, |cursor| {
-            let indices = (0..model.strips.len()).map(|s| cursor.strip(s).len() as u64).sum();
+            let indices: u64 = (0..model.strips.len()).map(|s| cursor.strip(s).len() as u64).sum();
             assert_eq!(cursor.drawn(), indices, "{name}");
         });
         let again = Masking::load(&simplified, &model.arrays()).expect("nothing is damaged");
