@@ -3,7 +3,7 @@
 use crate::draw::Canvas;
 use crate::{Device, GpuError, Session};
 use lodc_lod::plan::{Benchmark, Case};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// A case is not repeated once it has taken so long.
 const ENOUGH: Duration = Duration::from_secs(4);
@@ -25,11 +25,16 @@ pub struct Figure {
 }
 
 /// Times every case of a benchmark up to `repeats` times, all in turn, and takes the fastest of each. A device without a
-/// clock is timed by the host's, from submitting to being done.
+/// clock is timed by the host's, from submitting to being done. `now` is the host's clock, from any start.
 ///
 /// # Errors
 /// If the device cannot run it.
-pub fn measure(device: &Device, benchmark: &Benchmark, repeats: u32) -> Result<Vec<Figure>, GpuError> {
+pub fn measure(
+    device: &Device,
+    benchmark: &Benchmark,
+    repeats: u32,
+    now: &dyn Fn() -> Duration,
+) -> Result<Vec<Figure>, GpuError> {
     let mut session = Session::new(device, &benchmark.program)?;
     session.run(&benchmark.setup)?;
     let canvases: Vec<Option<Canvas>> = (benchmark.cases.iter())
@@ -41,9 +46,9 @@ pub fn measure(device: &Device, benchmark: &Benchmark, repeats: u32) -> Result<V
             if *spent > ENOUGH {
                 continue;
             }
-            let start = Instant::now();
-            let nanoseconds = session.timed(&case.runs, canvas.as_ref())?;
-            *spent += start.elapsed();
+            let start = now();
+            let nanoseconds = session.timed(&case.runs, canvas.as_ref(), now)?;
+            *spent += now().saturating_sub(start);
             if round > 0 || *spent > ENOUGH {
                 *fastest = fastest.min(nanoseconds);
             }

@@ -3,7 +3,10 @@
 use crate::draw::Canvas;
 use crate::{Device, GpuError, Session};
 use lodc_lod::plan::Pass;
-use std::time::Instant;
+use std::time::Duration;
+
+/// The host's clock, from any start.
+type Now<'n> = &'n dyn Fn() -> Duration;
 
 /// Runs that are submitted at once: submitting takes longer than a small run does.
 const BATCH: usize = 256;
@@ -14,13 +17,13 @@ impl Session<'_> {
     ///
     /// # Errors
     /// As [`Session::run`].
-    pub(crate) fn timed(&mut self, runs: &[Vec<Pass>], canvas: Option<&Canvas>) -> Result<f64, GpuError> {
+    pub(crate) fn timed(&mut self, runs: &[Vec<Pass>], canvas: Option<&Canvas>, now: Now<'_>) -> Result<f64, GpuError> {
         let mut nanoseconds = 0.0;
         for batch in runs.chunks(BATCH) {
             nanoseconds += match (self.device.has_clock(), canvas) {
                 (true, _) => self.timed_batch(batch, canvas)?,
-                (false, None) => self.timed_by_host(batch)?,
-                (false, Some(canvas)) => self.draws_timed_by_host(batch, canvas)?,
+                (false, None) => self.timed_by_host(batch, now)?,
+                (false, Some(canvas)) => self.draws_timed_by_host(batch, canvas, now)?,
             };
         }
         Ok(nanoseconds)
@@ -44,35 +47,35 @@ impl Session<'_> {
     }
 
     /// All runs in one go, so that submitting counts once.
-    fn timed_by_host(&mut self, runs: &[Vec<Pass>]) -> Result<f64, GpuError> {
+    fn timed_by_host(&mut self, runs: &[Vec<Pass>], now: Now<'_>) -> Result<f64, GpuError> {
         let mut encoder = self.device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         for passes in runs {
             self.encode(&mut encoder, passes, None)?;
         }
-        self.submitted(encoder)
+        self.submitted(encoder, now)
     }
 
-    fn draws_timed_by_host(&mut self, runs: &[Vec<Pass>], canvas: &Canvas) -> Result<f64, GpuError> {
+    fn draws_timed_by_host(&mut self, runs: &[Vec<Pass>], canvas: &Canvas, now: Now<'_>) -> Result<f64, GpuError> {
         let mut nanoseconds = 0.0;
         for passes in runs {
             self.run(passes)?;
             let mut encoder = self.device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
             canvas.encode(self, &mut encoder, None);
-            nanoseconds += self.submitted(encoder)?;
+            nanoseconds += self.submitted(encoder, now)?;
         }
         Ok(nanoseconds)
     }
 
     /// Nanoseconds from submitting to being done.
-    fn submitted(&self, encoder: wgpu::CommandEncoder) -> Result<f64, GpuError> {
+    fn submitted(&self, encoder: wgpu::CommandEncoder, now: Now<'_>) -> Result<f64, GpuError> {
         let commands = encoder.finish();
         // Uploads of parameters are not what is timed.
         self.device.queue.submit([]);
         self.device.wait()?;
-        let start = Instant::now();
+        let start = now();
         self.device.queue.submit([commands]);
         self.device.wait()?;
-        Ok(start.elapsed().as_nanos() as f64)
+        Ok(now().saturating_sub(start).as_nanos() as f64)
     }
 }
 

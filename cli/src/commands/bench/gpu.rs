@@ -29,11 +29,14 @@ pub(super) fn measure(device: &Device, object: &LodObject, rounds: u32, report: 
     use super::report::{CaseReport, GpuReport, MemoryReport};
     use crate::exit::{Failure, Status};
     use lodc_lod::Model;
+    use std::time::Instant;
 
+    let start = Instant::now();
     for model in &object.models {
         let failed = |what: String| format!("{}: {what}", object.info.name);
         let benchmark = model.benchmark().map_err(|e| Failure::new(Status::Limit, failed(e.to_string())))?;
-        let figures = lodc_gpu::measure(device, &benchmark, rounds).map_err(|e| gpu::failure(&e))?;
+        let figures =
+            lodc_gpu::measure(device, &benchmark, rounds, &|| start.elapsed()).map_err(|e| gpu::failure(&e))?;
         let per_vertex = |words: u64| words as f64 / report.counts.referenced_vertices.max(1) as f64;
         let cases = figures.iter().map(|f| {
             let case = CaseReport {
