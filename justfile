@@ -28,6 +28,22 @@ ci:
 bench:
     cargo bench -p lodc --bench pipeline --bench models
 
+# Four models of the corpus (folder: LODC_CORPUS) at 5 % by two metrics: contact sheets, distances and image errors in target/study
+study: build
+    #!/usr/bin/env bash
+    set -euo pipefail
+    mkdir -p target/study
+    for model in gltf/bevy/FlightHelmet/FlightHelmet.gltf gltf/khronos/DamagedHelmet/DamagedHelmet.gltf \
+        gltf/khronos/2CylinderEngine.glb ugly/fordFocus.obj; do
+        for metric in quadric hybrid; do
+            out="target/study/$(basename "${model%.*}").$metric"
+            target/release/lodc build "$LODC_CORPUS/$model" -o "$out.lodc" --metric "$metric" --models interactive -q
+            target/release/lodc render "$out.lodc" -o "$out.png" --contact-sheet 1,0.05
+            target/release/lodc extract "$out.lodc" --ratio 0.05 -o "$out.glb" -q
+            target/release/lodc compare -q "$LODC_CORPUS/$model" "$out.glb" | tee "$out.txt"
+        done
+    done
+
 # Write the fixture files again
 fixtures:
     cargo run --release -p lodc-fixtures --features files --bin generate -- fixtures

@@ -74,7 +74,7 @@ fn striped(f: &Folder, name: &str, shift: f64) {
 #[test]
 fn a_texture_that_has_moved_is_seen() {
     let f = Folder::new();
-    let stripe = |i: usize| if i % 16 / 4 % 2 == 0 { [200, 30, 30, 255] } else { [30, 200, 30, 255] };
+    let stripe = |i: usize| if (i % 16 / 4).is_multiple_of(2) { [200, 30, 30, 255] } else { [30, 200, 30, 255] };
     f.file("t.png", png(&Picture { width: 16, height: 16, bytes: (0..256).flat_map(stripe).collect() }));
     for (name, shift) in [("a", 0.0), ("moved", 0.25), ("period", 0.5)] {
         striped(&f, name, shift);

@@ -33,16 +33,16 @@ impl Bvh {
     /// The tree of a surface. Takes `O(n log² n)`.
     #[must_use]
     pub fn new(surface: &Surface) -> Self {
-        Self::of((0..surface.triangles.len()).map(|t| surface.corners(t)).collect())
+        Self::of(&(0..surface.triangles.len()).map(|t| surface.corners(t)).collect::<Vec<_>>())
     }
 
     /// The tree of triangles by their corners.
     #[must_use]
-    pub fn of(corners: Vec<[DVec3; 3]>) -> Self {
+    pub fn of(corners: &[[DVec3; 3]]) -> Self {
         let mut order: Vec<u32> = (0..corners.len() as u32).collect();
         let mut nodes = Vec::new();
         if !order.is_empty() {
-            build(&corners, &mut order, 0, &mut nodes);
+            build(corners, &mut order, 0, &mut nodes);
         }
         Self { nodes, triangles: order.into_iter().map(|t| corners[t as usize]).collect() }
     }

@@ -131,7 +131,7 @@ fn what_is_turned_inside_out_looks_the_same_without_normals_of_its_own() {
 
 /// Vertical stripes of two colours that are equally bright, four texels each.
 fn stripes() -> Texture {
-    let texel = |i: usize| if i / 4 % 2 == 0 { [200, 20, 20] } else { [20, 200, 20] };
+    let texel = |i: usize| if (i / 4).is_multiple_of(2) { [200, 20, 20] } else { [20, 200, 20] };
     Texture::new(64, (0..64 * 64).map(|i| texel(i % 64)).collect(), [Wrap::Repeat; 2])
 }
 
@@ -185,7 +185,7 @@ fn textures_are_read_between_texels_and_beyond_their_edges() {
 
 #[test]
 fn distances_from_faces_edges_and_corners_are_right() {
-    let squared = |t: [[f64; 3]; 3], p: [f64; 3]| Bvh::of(vec![t.map(DVec3::from)]).distance_squared(p.into());
+    let squared = |t: [[f64; 3]; 3], p: [f64; 3]| Bvh::of(&[t.map(DVec3::from)]).distance_squared(p.into());
     let t = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]];
     for (p, expected) in [
         ([1.0, 1.0, 3.0], 9.0),

@@ -53,7 +53,7 @@ fn world_scale(info: &ObjectInfo) -> f64 {
 
 fn tree(mesh: &Mesh) -> Bvh {
     let corners = |t: &OrientedTriangle| corners(mesh, t).map(Into::into);
-    Bvh::of(whole(mesh).iter().map(corners).collect())
+    Bvh::of(&whole(mesh).iter().map(corners).collect::<Vec<_>>())
 }
 
 fn corners(mesh: &Mesh, t: &OrientedTriangle) -> [[f64; 3]; 3] {
