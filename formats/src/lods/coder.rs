@@ -138,7 +138,8 @@ pub(super) trait Coder {
         let bits = end.ilog2();
         let short = if bits == 31 { u32::MAX - end + 1 } else { (2u32 << bits) - end };
         // The first `short` numbers take one bit less than the others.
-        let (high, last) = if value < short { (value, 0) } else { (value.wrapping_add(short) >> 1, value.wrapping_add(short) & 1) };
+        let (high, last) =
+            if value < short { (value, 0) } else { (value.wrapping_add(short) >> 1, value.wrapping_add(short) & 1) };
         let high = self.raw(bits, high);
         if high < short { high } else { (high << 1 | self.raw(1, last)).wrapping_sub(short) }
     }
@@ -229,7 +230,11 @@ impl Coder for Encoder {
     #[inline]
     fn bit(&mut self, model: &mut Bit, bit: bool) -> bool {
         let set = model.set();
-        if bit { self.part(0, set) } else { self.part(set, WHOLE - set) }
+        if bit {
+            self.part(0, set)
+        } else {
+            self.part(set, WHOLE - set)
+        }
         model.learn(bit);
         bit
     }

@@ -165,7 +165,8 @@ impl Growth {
     ) -> bool {
         let n = ring.len();
         let on = |i: usize| if i + 1 == n { 0 } else { i + 1 };
-        let (goes, stays) = if left < right { (right - left, n + left - right) } else { (n + right - left, left - right) };
+        let (goes, stays) =
+            if left < right { (right - left, n + left - right) } else { (n + right - left, left - right) };
         let first = 4 * self.faces();
         if goes + 2 > OWN || stays + 2 > OWN || self.fans.count(from) as usize > OWN {
             return false;

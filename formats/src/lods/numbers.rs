@@ -39,7 +39,13 @@ const TENS: [f64; 67] = {
     let mut tens = [1.0; 67];
     let mut n = 0;
     while n < tens.len() {
-        let (a, b) = if n > 44 { (22, 22) } else if n > 22 { (22, n - 22) } else { (n, 0) };
+        let (a, b) = if n > 44 {
+            (22, 22)
+        } else if n > 22 {
+            (22, n - 22)
+        } else {
+            (n, 0)
+        };
         tens[n] = POWERS[a] * POWERS[b] * POWERS[n - a - b];
         n += 1;
     }

@@ -206,7 +206,11 @@ impl Object {
             self.near.extend(self.rim.iter().map(|r| r.vertex));
         }
         // Lists of corners into which those of new triangles are put.
-        self.work += self.births.iter().map(|b| u64::from(self.growth.fans.count(b.next).max(self.growth.fans.count(b.after)))).sum::<u64>();
+        self.work += self
+            .births
+            .iter()
+            .map(|b| u64::from(self.growth.fans.count(b.next).max(self.growth.fans.count(b.after))))
+            .sum::<u64>();
         self.places(&mut runs.strips, script, &mut models.places)?;
 
         let same = |v: u32| script.index(v).get(..3) == script.index(new).get(..3);

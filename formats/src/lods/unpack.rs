@@ -258,7 +258,12 @@ impl Unpacker {
         let growing = |p: &Promise| {
             let growth = Growth::new(p.layout.systems.clone());
             Growing {
-                object: Object::new(growth, p.layout.streams.clone(), p.submeshes.len() as u32, p.strips && !self.plain),
+                object: Object::new(
+                    growth,
+                    p.layout.streams.clone(),
+                    p.submeshes.len() as u32,
+                    p.strips && !self.plain,
+                ),
                 steps: 0,
             }
         };
@@ -363,7 +368,9 @@ fn parts(promise: &Promise, growth: &Growth) -> MeshParts {
         submesh
     };
     MeshParts {
-        positions: (0..vertices).map(|v| std::array::from_fn(|c| promise.layout.systems[c].value(growth.numbers[at(v) + c]))).collect(),
+        positions: (0..vertices)
+            .map(|v| std::array::from_fn(|c| promise.layout.systems[c].value(growth.numbers[at(v) + c])))
+            .collect(),
         vertex_submesh: growth.submesh.iter().rev().copied().collect(),
         attributes: promise.attributes.iter().zip(&promise.layout.streams[1..]).map(attribute).collect(),
         submeshes: promise.submeshes.iter().zip(&sorted).map(submesh).collect(),

@@ -80,9 +80,8 @@ impl Growth {
                 (0, Some(mate)) => Some(mate),
                 _ => None,
             };
-            let own = |v: u32| {
-                self.numbers[v as usize * self.channels() + stream.first..][..stream.channels].iter().copied()
-            };
+            let own =
+                |v: u32| self.numbers[v as usize * self.channels() + stream.first..][..stream.channels].iter().copied();
             let wanted = if C::WRITES { &truth[stream.first..][..stream.channels] } else { &[] };
             if let Some(mate) = copied {
                 found.extend(own(mate));

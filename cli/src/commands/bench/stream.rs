@@ -66,7 +66,8 @@ pub(super) fn measure(args: &BenchArgs, prepared: &Prepared) -> Outcome<StreamRe
 
 /// The object as a file of its own.
 fn alone(object: &LodObject) -> LodFile {
-    let object = LodObject { info: object.info.clone(), simplified: Arc::clone(&object.simplified), models: Vec::new() };
+    let object =
+        LodObject { info: object.info.clone(), simplified: Arc::clone(&object.simplified), models: Vec::new() };
     LodFile {
         source: Source { format: SourceFormat::Obj, content_hash: 0 },
         document: Document::Obj(ObjDocument::default()),
@@ -114,7 +115,14 @@ fn prefixes(bytes: &[u8]) -> Result<Vec<PrefixReport>, FormatError> {
         let space = distances(&whole, &part, &SAMPLING);
         let share = |d: [f64; 2]| Some(100.0 * d[0].max(d[1]) / diagonal);
         let image = Some(compare_pictures(&taken, &pictures(&part, &cameras, looks)).rmse);
-        Ok(PrefixReport { percent, bytes: cut, triangles, rms: share(space.rms), hausdorff: share(space.hausdorff), image })
+        Ok(PrefixReport {
+            percent,
+            bytes: cut,
+            triangles,
+            rms: share(space.rms),
+            hausdorff: share(space.hausdorff),
+            image,
+        })
     };
     SHARES.into_iter().map(report).collect()
 }
