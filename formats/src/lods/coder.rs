@@ -230,11 +230,8 @@ impl Coder for Encoder {
     #[inline]
     fn bit(&mut self, model: &mut Bit, bit: bool) -> bool {
         let set = model.set();
-        if bit {
-            self.part(0, set)
-        } else {
-            self.part(set, WHOLE - set)
-        }
+        let (start, chance) = if bit { (0, set) } else { (set, WHOLE - set) };
+        self.part(start, chance);
         model.learn(bit);
         bit
     }

@@ -147,10 +147,10 @@ impl Growth {
             };
             // What no writer says wraps.
             let index = (i64::from(guess) + difference) as i32;
-            if stream.prediction == Prediction::Direction {
-                if let Some(l) = length.get_mut(channel) {
-                    *l = f64::from(self.systems[at].value(index));
-                }
+            if stream.prediction == Prediction::Direction
+                && let Some(l) = length.get_mut(channel)
+            {
+                *l = f64::from(self.systems[at].value(index));
             }
             found.push(index);
         }

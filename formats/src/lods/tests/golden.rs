@@ -49,7 +49,7 @@ fn golden_streams_are_read_and_written_as_ever() {
         for (i, o) in file.objects.iter().enumerate() {
             assert_eq!(unpacker.info(i), &o.info, "{name}");
             check(&unpacker, i, &o.simplified, name);
-            super::growth::same_mesh(&unpacker, i, o.simplified.mesh(), name);
+            growth::same_mesh(&unpacker, i, o.simplified.mesh(), name);
         }
         let strips: Vec<_> = (0..file.objects.len()).map(|i| strips(&unpacker, i)).collect();
         assert!(packed(&file, &strips) == bytes, "{name} is written otherwise than it was");
