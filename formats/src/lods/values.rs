@@ -1,6 +1,7 @@
 //! Positions and attributes of a new vertex, told as differences from what its neighbours suggest.
 
-use super::coder::{Bit, Coder};
+use super::chances::Bit;
+use super::coder::Coder;
 use super::growth::Growth;
 use super::model::{Residual, bits};
 use super::script::Script;
