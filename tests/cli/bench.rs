@@ -77,6 +77,32 @@ fn without_times_the_document_is_the_same_with_any_number_of_threads() {
 }
 
 #[test]
+fn streams_are_measured_where_they_are_asked_for() {
+    let f = Folder::new();
+    f.file("g.obj", grid(30));
+    assert!(measured(&f, &["g.obj", "--no-times"])["files"][0]["objects"][0]["stream"].is_null());
+    let report = measured(&f, &["g.obj", "--streams"]);
+    let stream = &report["files"][0]["objects"][0]["stream"];
+    let bits =
+        ["lossless", "lossless_strips", "packages", "packages_normals"].map(|key| number(stream, &format!("/{key}")));
+    assert!(bits.is_sorted() && bits[0] > 0.0, "{bits:?}");
+    assert!(number(stream, "/quantized_strips") > 0.0);
+    assert!(
+        number(stream, "/speed/decode_ms") > 0.0 && number(stream, "/speed/encode_million_triangles_per_second") > 0.0
+    );
+    let prefixes = stream["prefixes"].as_array().expect("prefixes");
+    assert_eq!(prefixes.iter().map(|p| number(p, "/percent")).collect::<Vec<_>>(), [1.0, 2.0, 5.0, 10.0, 25.0, 50.0]);
+    let triangles: Vec<f64> = prefixes.iter().map(|p| number(p, "/triangles")).collect();
+    assert!(triangles.is_sorted() && triangles[5] > 0.0 && triangles[5] < 1800.0, "{triangles:?}");
+    let (half, bytes) = (number(&prefixes[5], "/bytes"), number(stream, "/bytes"));
+    assert!((2.0 * half - bytes).abs() <= 2.0, "{half} of {bytes} bytes");
+    let last = &prefixes[5];
+    assert!(number(last, "/hausdorff") >= number(last, "/rms") && number(last, "/image") >= 0.0);
+    let run = || f.lodc(["bench", "--json", "--no-times", "--streams", "--effort", "fast", "g.obj"]).ends(0).out;
+    assert!(run() == run());
+}
+
+#[test]
 fn a_lodc_file_and_its_source_measure_the_same() {
     let f = Folder::new();
     f.file("g.obj", grid(10));

@@ -1,7 +1,7 @@
 //! Numbers as bytes in stored arrays: variable-length, or as wide as the largest needs. Reading trusts nothing.
 
 /// Appends a number, seven bits a byte, the lowest first; all bytes but the last have their top bit set (LEB128).
-pub(crate) fn put_varint(out: &mut Vec<u8>, mut number: u32) {
+pub fn put_varint(out: &mut Vec<u8>, mut number: u32) {
     while number >= 0x80 {
         out.push(number as u8 | 0x80);
         number >>= 7;
@@ -10,7 +10,8 @@ pub(crate) fn put_varint(out: &mut Vec<u8>, mut number: u32) {
 }
 
 /// Bytes for a number below `count`: 1 to 4.
-pub(crate) fn width(count: usize) -> usize {
+#[must_use]
+pub fn width(count: usize) -> usize {
     match count {
         0..=0x100 => 1,
         0x101..=0x1_0000 => 2,

@@ -9,7 +9,7 @@
 
 mod any;
 pub mod baseline;
-mod bytes;
+pub mod bytes;
 mod difference;
 pub mod interactive;
 pub mod masking;

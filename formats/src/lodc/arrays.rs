@@ -18,16 +18,6 @@ pub(super) fn put_f32s(out: &mut Vec<u8>, values: &[f32]) {
     }
 }
 
-/// Bytes for each number below `count`: 1 to 4.
-pub(super) fn index_width(count: usize) -> usize {
-    match count {
-        0..=0x100 => 1,
-        0x101..=0x1_0000 => 2,
-        0x1_0001..=0x100_0000 => 3,
-        _ => 4,
-    }
-}
-
 /// `width` bytes for each value: 1 to 4, chosen by the caller so that every value fits.
 pub(super) fn put_narrow(out: &mut Vec<u8>, values: &[u32], width: usize) {
     out.reserve(width * values.len());

@@ -22,13 +22,13 @@ fn submesh_width(submeshes: usize) -> usize {
 
 /// Bytes for each number of a vertex in a file that is read: version 1 has four always.
 fn stored_width(container: &Container<'_>, vertices: usize) -> usize {
-    if container.version() == 1 { 4 } else { arrays::index_width(vertices) }
+    if container.version() == 1 { 4 } else { lodc_lod::bytes::width(vertices) }
 }
 
 /// Bytes of the sections that every model needs.
 pub(super) fn geometry_bytes(simplified: &Simplified) -> u64 {
     let (mesh, sequence) = (simplified.mesh(), simplified.collapses().parts());
-    let index = arrays::index_width(mesh.vertex_count());
+    let index = lodc_lod::bytes::width(mesh.vertex_count());
     let vertices = (12 + submesh_width(mesh.submeshes().len())) * mesh.vertex_count();
     let triangles = 3 * index * mesh.triangles().len();
     let records = index * sequence.targets.len() + sequence.targets.len().div_ceil(8);
@@ -45,7 +45,7 @@ pub(super) fn write<'a>(writer: &mut Writer<'a>, number: u32, object: &'a LodObj
     if width > 0 {
         section(tag::VERTEX_SUBMESH, Box::new(move |out| arrays::put_narrow(out, mesh.vertex_submesh(), width)));
     }
-    let index = arrays::index_width(mesh.vertex_count());
+    let index = lodc_lod::bytes::width(mesh.vertex_count());
     section(tag::TRIANGLES, Box::new(move |out| arrays::put_narrow(out, mesh.triangles().as_flattened(), index)));
     section(tag::TARGETS, Box::new(move |out| arrays::put_narrow(out, &sequence.targets, index)));
     section(tag::JOINED, Box::new(|out| out.extend(steps::joined(sequence.targets.len(), &sequence.step_ends))));

@@ -1,6 +1,7 @@
 //! Steps in few bits: one for each record, and mostly one byte for each triangle count.
 
 use super::arrays;
+use lodc_lod::bytes::put_varint;
 
 /// Marks a number of lost triangles that stands behind the bytes in full.
 const ESCAPE: u8 = u8::MAX;
@@ -79,12 +80,7 @@ pub(super) fn error_growth(step_errors: &[f32]) -> Vec<u8> {
     for error in step_errors {
         // Adding zero makes 0 of −0, the only error whose bits would not grow.
         let bits = (error + 0.0).to_bits();
-        let mut growth = bits - std::mem::replace(&mut before, bits);
-        while growth >= 0x80 {
-            bytes.push(growth as u8 | 0x80);
-            growth >>= 7;
-        }
-        bytes.push(growth as u8);
+        put_varint(&mut bytes, bits - std::mem::replace(&mut before, bits));
     }
     bytes
 }

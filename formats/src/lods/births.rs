@@ -1,7 +1,8 @@
 //! The triangles that come with a vertex, told by how they are reached from its survivor.
 
 use super::Broken;
-use super::coder::{Bit, Coder, Symbol};
+use super::chances::{Bit, Symbol};
+use super::coder::Coder;
 use super::growth::{Born, Kind, NONE, RimVertex};
 use super::model::Natural;
 use super::record::Object;

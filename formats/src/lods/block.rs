@@ -1,5 +1,6 @@
 //! Blocks: what a stream is cut into, each with checksums of its own.
 
+use lodc_lod::bytes::put_varint;
 use xxhash_rust::xxh3::xxh3_64_with_seed;
 
 /// First bytes of a stream. Not text, not valid UTF-8, and damaged by a transfer that changes line ends.
@@ -98,7 +99,7 @@ fn fields(bytes: &[u8]) -> Fields {
     Fields::Read(at, fields)
 }
 
-/// A number as [`put_varint`] writes it, and its bytes; none if it is cut short, an error if nobody would write it so.
+/// A number as `put_varint` writes it, and its bytes; none if it is cut short, an error if nobody would write it so.
 pub(super) fn varint(bytes: &[u8]) -> Option<Result<(u32, usize), ()>> {
     let mut value = 0;
     for (i, &byte) in bytes.iter().enumerate() {
@@ -112,15 +113,6 @@ pub(super) fn varint(bytes: &[u8]) -> Option<Result<(u32, usize), ()>> {
         }
     }
     None
-}
-
-/// Seven bits to a byte, the lowest first; the highest bit says that more follow.
-pub(super) fn put_varint(out: &mut Vec<u8>, mut value: u32) {
-    while value >= 0x80 {
-        out.push(value as u8 | 0x80);
-        value >>= 7;
-    }
-    out.push(value as u8);
 }
 
 #[cfg(test)]

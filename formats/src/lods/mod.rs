@@ -6,6 +6,7 @@
 
 mod births;
 mod block;
+mod chances;
 mod coder;
 mod fans;
 mod growth;

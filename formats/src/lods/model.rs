@@ -1,6 +1,7 @@
 //! Numbers made of modelled symbols and plain bits.
 
-use super::coder::{Coder, Symbol};
+use super::chances::Symbol;
+use super::coder::Coder;
 
 /// A signed number of which is known about how many bits it has.
 #[derive(Clone, Copy, Debug)]

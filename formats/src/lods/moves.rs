@@ -1,7 +1,8 @@
 //! Which triangles of a survivor go over to the new vertex: mostly what the new triangles suggest.
 
 use super::births::Shape;
-use super::coder::{Bit, Coder};
+use super::chances::Bit;
+use super::coder::Coder;
 use super::growth::{Born, Kind, Spoke};
 use super::record::Object;
 use super::script::Script;

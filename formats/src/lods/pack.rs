@@ -186,7 +186,7 @@ impl Writing<'_> {
         let mesh = mesh.bytes(padding);
         let mut payload = Vec::with_capacity(mesh.len() + strips.len() + 5);
         if self.object.order.is_some() {
-            block::put_varint(&mut payload, mesh.len() as u32);
+            lodc_lod::bytes::put_varint(&mut payload, mesh.len() as u32);
         }
         payload.extend(mesh);
         payload.extend(strips.bytes(0));

@@ -3,7 +3,8 @@
 //! Thesis 4.3.3's UpdatePackage. Written once for both sides (see `coder.rs`).
 
 use super::births::BirthModels;
-use super::coder::{Bit, Coder, Runs, Symbol};
+use super::chances::{Bit, Symbol};
+use super::coder::{Coder, Runs};
 use super::growth::{Born, Growth, RimVertex, Spoke, rim};
 use super::model::{Below, Natural};
 use super::moves::MoveModels;

@@ -5,7 +5,8 @@
 //! masks over full strips instead, most of whose positions show nothing yet).
 
 use super::Broken;
-use super::coder::{Bit, Coder};
+use super::chances::Bit;
+use super::coder::Coder;
 use super::growth::{Growth, NONE};
 use super::script::{Place, Script};
 use lodc_strip::StripSet;

@@ -1,6 +1,7 @@
 //! Text and other small things of a stream's head, packed: every byte in the light of the one before it.
 
-use super::coder::{Coder, Decoder, Encoder, Symbol};
+use super::chances::Symbol;
+use super::coder::{Coder, Decoder, Encoder};
 
 /// How much more text than bytes there may be: what says the same again and again is not worth more.
 const MOST: usize = 64;

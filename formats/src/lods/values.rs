@@ -1,6 +1,7 @@
 //! Positions and attributes of a new vertex, told as differences from what its neighbours suggest.
 
-use super::coder::{Bit, Coder};
+use super::chances::Bit;
+use super::coder::Coder;
 use super::growth::Growth;
 use super::model::{Residual, bits};
 use super::script::Script;
@@ -147,10 +148,10 @@ impl Growth {
             };
             // What no writer says wraps.
             let index = (i64::from(guess) + difference) as i32;
-            if stream.prediction == Prediction::Direction {
-                if let Some(l) = length.get_mut(channel) {
-                    *l = f64::from(self.systems[at].value(index));
-                }
+            if stream.prediction == Prediction::Direction
+                && let Some(l) = length.get_mut(channel)
+            {
+                *l = f64::from(self.systems[at].value(index));
             }
             found.push(index);
         }

@@ -101,13 +101,13 @@ fn prefixes(bytes: &[u8]) -> Result<Vec<PrefixReport>, FormatError> {
         unpacker.feed(bytes)?;
         (unpacker.objects() > 0).then(|| unpacker.mesh(0).map(|(mesh, _)| mesh)).transpose()
     };
-    let Some(whole) = shown(bytes)?.map(surface) else { return Ok(Vec::new()) };
+    let Some(whole) = shown(bytes)?.as_ref().map(surface) else { return Ok(Vec::new()) };
     let diagonal = whole.diagonal();
     let (cameras, looks) = (Viewing::DEFAULT.cameras(&whole), Looks::default());
     let taken = pictures(&whole, &cameras, looks);
     let report = |percent: u32| {
         let cut = (bytes.len() as u64 * u64::from(percent)).div_ceil(100);
-        let part = shown(&bytes[..cut as usize])?.map(surface).filter(|s| !s.triangles.is_empty());
+        let part = shown(&bytes[..cut as usize])?.as_ref().map(surface).filter(|s| !s.triangles.is_empty());
         let triangles = part.as_ref().map_or(0, |s| s.triangles.len()) as u64;
         let Some(part) = part.filter(|_| diagonal > 0.0) else {
             return Ok(PrefixReport { percent, bytes: cut, triangles, rms: None, hausdorff: None, image: None });
@@ -127,7 +127,7 @@ fn prefixes(bytes: &[u8]) -> Result<Vec<PrefixReport>, FormatError> {
     SHARES.into_iter().map(report).collect()
 }
 
-fn surface(mesh: Mesh) -> Surface {
+fn surface(mesh: &Mesh) -> Surface {
     Surface {
         positions: mesh.positions().iter().map(|&p| p.into()).collect(),
         triangles: mesh.triangles().to_vec(),

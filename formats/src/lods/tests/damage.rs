@@ -133,6 +133,40 @@ fn forged_blocks_do_no_harm() {
     assert!(broken > 1000, "only {broken} were noticed");
 }
 
+/// What the fuzz target `lods` does, with seeds.
+#[test]
+fn bytes_that_change_anywhere_do_no_harm() {
+    let mut random = Random(12);
+    let mut sound = 0;
+    for seed in 0..20 {
+        let file = gltf(vec![object("random", fixtures::random_collapse(&fixtures::random(seed), seed))]);
+        let strips = strips_of(&file);
+        let all: Vec<_> = strips.iter().map(Some).collect();
+        let bytes = pack(&file, &all, &PackOptions::default()).expect("a sound file").bytes;
+        for _ in 0..300 {
+            let mut changed = bytes.clone();
+            for _ in 0..=random.below(4) {
+                let at = random.below(changed.len());
+                match random.below(3) {
+                    0 => changed[at] = random.next() as u8,
+                    1 => changed[at] ^= 1 << random.below(8),
+                    _ => drop(changed.drain(at..(at + random.below(9)).min(changed.len()))),
+                }
+            }
+            let changed = super::super::repaired(&changed);
+            let mut unpacker = Unpacker::new(Limits { vertices: 1 << 20, triangles: 1 << 20, ..Limits::DEFAULT });
+            sound += usize::from(changed.chunks(1 + random.below(500)).all(|piece| unpacker.feed(piece).is_ok()));
+            for object in 0..unpacker.objects() {
+                let _ = unpacker.mesh(object);
+                let _ = unpacker.strips(object);
+                let state = unpacker.state(object);
+                assert!(state.vertices[0] <= state.vertices[1] && state.vertices[0] <= 1 << 20);
+            }
+        }
+    }
+    assert!(sound < 3000, "{sound} of 6000 were taken for sound");
+}
+
 #[test]
 fn a_few_bytes_cannot_ask_for_much() {
     let (_, bytes) = small();

@@ -50,7 +50,7 @@ fn same_sequence(unpacker: &Unpacker, object: usize, simplified: &Simplified) {
 }
 
 /// All that the mesh has and a triangle uses, bit for bit.
-fn same_mesh(unpacker: &Unpacker, object: usize, mesh: &Mesh, what: &str) {
+pub(super) fn same_mesh(unpacker: &Unpacker, object: usize, mesh: &Mesh, what: &str) {
     let (grown, cleaning) = unpacker.mesh(object).expect("a mesh");
     assert_eq!(cleaning.degenerate_triangles, 0, "{what}");
     let triangles = |m: &Mesh| {

@@ -1,6 +1,7 @@
 //! A stream grows as its sequence says, at every step; what is cut, damaged or crafted does no harm.
 
 mod damage;
+mod golden;
 mod growth;
 mod quantize;
 

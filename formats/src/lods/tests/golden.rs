@@ -1,0 +1,83 @@
+//! Streams of every version that ever was stay readable, and are written as they were: `fixtures/golden/lods1/`.
+//!
+//! They are made of the golden `.lodc` files by
+//! `cargo test -p lodc-formats make_golden_streams -- --ignored`.
+
+use super::*;
+use std::path::PathBuf;
+
+const NAMES: [&str; 3] = ["cube_and_part", "skinned_tube", "triangle"];
+
+fn golden(name: &str) -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../fixtures/golden").join(name)
+}
+
+fn source(name: &str) -> LodFile {
+    let bytes = std::fs::read(golden(&format!("v2/{name}.lodc"))).expect("a golden file");
+    crate::lodc::read(&bytes).expect("a golden file")
+}
+
+fn stream(name: &str) -> Vec<u8> {
+    std::fs::read(golden(&format!("lods1/{name}.lods"))).expect("a golden stream")
+}
+
+fn packed(file: &LodFile, strips: &[StripSet]) -> Vec<u8> {
+    let strips: Vec<_> = strips.iter().map(Some).collect();
+    pack(file, &strips, &PackOptions::default()).expect("a sound file").bytes
+}
+
+/// The strips of an object with its vertices in collapse order, as a writer needs them.
+fn strips(unpacker: &Unpacker, object: usize) -> StripSet {
+    let told = unpacker.strips(object).expect("strips were told");
+    let last = unpacker.state(object).vertices[1] - 1;
+    let (mut indices, mut ends) = (Vec::new(), Vec::new());
+    for strip in told.iter() {
+        indices.extend(strip.iter().map(|&v| last - v));
+        ends.push(indices.len() as u32);
+    }
+    let submesh_ends = (0..told.submesh_count()).map(|s| told.submesh(s).end as u32).collect();
+    StripSet::from_parts(indices, ends, submesh_ends).expect("strips as they were")
+}
+
+#[test]
+fn golden_streams_are_read_and_written_as_ever() {
+    for name in NAMES {
+        let (file, bytes) = (source(name), stream(name));
+        let unpacker = fed(&bytes);
+        assert!(unpacker.is_whole());
+        assert_eq!((unpacker.document(), unpacker.source()), (Some(&file.document), Some(&file.source)), "{name}");
+        for (i, o) in file.objects.iter().enumerate() {
+            assert_eq!(unpacker.info(i), &o.info, "{name}");
+            check(&unpacker, i, &o.simplified, name);
+            growth::same_mesh(&unpacker, i, o.simplified.mesh(), name);
+        }
+        let strips: Vec<_> = (0..file.objects.len()).map(|i| strips(&unpacker, i)).collect();
+        assert!(packed(&file, &strips) == bytes, "{name} is written otherwise than it was");
+    }
+}
+
+#[test]
+fn passing_over_strips_changes_nothing_else() {
+    for name in NAMES {
+        let bytes = stream(name);
+        let mut plain = Unpacker::new(Limits::DEFAULT).triangles_only();
+        plain.feed(&bytes).expect("a sound stream");
+        let whole = fed(&bytes);
+        assert!(plain.is_whole() && whole.is_whole());
+        for i in 0..whole.objects() {
+            assert_eq!((plain.strips(i).is_some(), whole.strips(i).is_some()), (false, true), "{name}");
+            assert_eq!(plain.mesh(i), whole.mesh(i), "{name}");
+        }
+    }
+}
+
+#[test]
+#[ignore = "writes the golden streams; only for a new version of the format"]
+fn make_golden_streams() {
+    std::fs::create_dir_all(golden("lods1")).expect("a folder");
+    for name in NAMES {
+        let file = source(name);
+        let strips = strips_of(&file);
+        std::fs::write(golden(&format!("lods1/{name}.lods")), packed(&file, &strips)).expect("a file");
+    }
+}
