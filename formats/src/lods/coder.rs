@@ -121,16 +121,8 @@ impl Coder for Encoder {
     #[inline]
     fn bit(&mut self, model: &mut Bit, bit: bool) -> bool {
         let set = model.set();
-<<<<<<< HEAD
-        if bit {
-            self.part(0, set)
-        } else {
-            self.part(set, WHOLE - set)
-        }
-=======
         let (start, chance) = if bit { (0, set) } else { (set, WHOLE - set) };
         self.part(start, chance);
->>>>>>> i6
         model.learn(bit);
         bit
     }
