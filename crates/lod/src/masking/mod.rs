@@ -6,7 +6,8 @@
 //! that of the strip's entry before. A strip without live triangles has no further entries.
 //!
 //! Both masks fit into one word: strips of more than 16 vertices are cut. Everything but the strips follows from them and the collapse
-//! sequence, so that nothing else is stored in a file.
+//! sequence, so that nothing else is stored in a file. In memory it is there twice: strip by strip for jumps, and by record for near
+//! moves.
 
 mod cursor;
 mod cut;
