@@ -43,9 +43,39 @@ pub struct SequenceParts {
     pub first_topology_change: Option<Lod>,
 }
 
+/// Records between two entries of the index of step ends.
+const STRIDE: usize = 32;
+
 /// A valid collapse sequence.
 #[derive(Clone, Debug, PartialEq)]
-pub struct CollapseSequence(SequenceParts);
+pub struct CollapseSequence(SequenceParts, StepIndex);
+
+/// How many steps are complete at every [`STRIDE`]th LOD, so that the step of a LOD is found in a few reads.
+#[derive(Clone, Debug, PartialEq)]
+struct StepIndex(Vec<u32>);
+
+impl StepIndex {
+    fn new(step_ends: &[u32], records: usize) -> Self {
+        let mut steps = 0;
+        let mut complete = |lod: usize| {
+            while step_ends.get(steps).is_some_and(|&end| end as usize <= lod) {
+                steps += 1;
+            }
+            steps as u32
+        };
+        // The last entry is all of them.
+        Self((0..records / STRIDE + 2).map(|i| complete((STRIDE * i).min(records))).collect())
+    }
+
+    /// How many steps are complete at a LOD, not beyond the last.
+    fn complete(&self, step_ends: &[u32], lod: usize) -> usize {
+        let [below, above] = [self.0[lod / STRIDE], self.0[lod / STRIDE + 1]].map(|n| n as usize);
+        // Each step has a record at least: no more steps than records, and all others have yet to come.
+        let (passed, left) = (lod % STRIDE, STRIDE - lod % STRIDE);
+        let (least, most) = (below.max(above.saturating_sub(left)), above.min(below + passed));
+        least + step_ends[least..most].partition_point(|&end| end as usize <= lod)
+    }
+}
 
 impl CollapseSequence {
     /// Number of records, one fewer than there are vertices.
@@ -86,12 +116,7 @@ impl CollapseSequence {
     /// How many steps are complete at `lod`.
     #[must_use]
     pub fn steps_at(&self, lod: Lod) -> usize {
-        // Each step has a record, and all steps together have `more` besides: hardly any where there are no seams.
-        let ends = &self.0.step_ends;
-        let most = ends.len().min(lod.0 as usize);
-        let more = self.records() as usize - ends.len();
-        let least = most.min((lod.0 as usize).saturating_sub(more));
-        least + ends[least..most].partition_point(|&end| end <= lod.0)
+        self.1.complete(&self.0.step_ends, lod.min(self.last()).0 as usize)
     }
     /// The LOD that is shown for `lod`: rounded down, towards finer, to the end of a step.
     #[must_use]
@@ -197,7 +222,8 @@ impl TryFrom<SequenceParts> for CollapseSequence {
         if end as usize != records || p.last_legal_lod.0 > end || p.first_topology_change.is_some_and(|l| l.0 > end) {
             return Err(SequenceError::Step { step: steps });
         }
-        Ok(Self(p))
+        let index = StepIndex::new(&p.step_ends, records);
+        Ok(Self(p, index))
     }
 }
 

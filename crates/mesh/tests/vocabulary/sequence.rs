@@ -35,6 +35,36 @@ fn a_level_is_shown_at_the_step_before_it() {
     assert_eq!((s.records(), s.steps(), s.last()), (6, 4, Lod(6)));
 }
 
+/// Steps of one record, of two, of many, and mixtures, at every LOD and beyond the last.
+#[test]
+fn steps_are_found_as_by_counting_them() {
+    let lengths: [fn(u32) -> u32; 6] =
+        [|_| 1, |_| 2, |_| 100, |i| 1 + i % 2, |i| 1 + u32::from(i % 40 == 39) * 70, |i| 1 + i * i % 13];
+    for length in lengths {
+        for records in [1, 31, 32, 33, 64, 700] {
+            let mut step_ends = Vec::new();
+            while step_ends.last().is_none_or(|&end| end < records) {
+                let end = step_ends.last().copied().unwrap_or(0) + length(step_ends.len() as u32);
+                step_ends.push(end.min(records));
+            }
+            let steps = step_ends.len();
+            let parts = SequenceParts {
+                targets: (1..=records).collect(),
+                step_ends: step_ends.clone(),
+                step_errors: vec![0.0; steps],
+                step_triangles: vec![0; steps],
+                ..SequenceParts::default()
+            };
+            let s = CollapseSequence::try_from(parts).expect("a valid sequence");
+            for lod in 0..records + 70 {
+                let complete = step_ends.iter().filter(|&&end| end <= lod).count();
+                assert_eq!(s.steps_at(Lod(lod)), complete, "LOD {lod} of {records}");
+                assert_eq!(s.floor(Lod(lod)).0, step_ends[..complete].last().copied().unwrap_or(0));
+            }
+        }
+    }
+}
+
 #[test]
 fn levels_are_found_by_triangles_and_by_error() {
     let s = sequence();
@@ -58,6 +88,9 @@ fn vertices_resolve_through_chains_up_to_the_level() {
     assert_eq!(at(6), [6; 7]);
     for lod in 0..=6 {
         assert_eq!(s.resolve_all(Lod(lod)), at(lod));
+        let mut gone = vec![7; 9];
+        s.resolve_gone(Lod(lod), &mut gone);
+        assert_eq!(gone, at(lod)[..lod as usize]);
     }
 }
 
