@@ -52,6 +52,8 @@ pub(crate) struct HybridMetric {
     attributes: f64,
     /// While every rule holds.
     awake: bool,
+    /// How far what is seen has come to be from the last star that moved, if that was looked at.
+    moved: Option<f64>,
     /// For commits.
     patch: Patch,
 }
@@ -70,6 +72,7 @@ impl HybridMetric {
             tie: per(1.0),
             attributes: (1.0 / ATTRIBUTE).powi(2),
             awake: false,
+            moved: None,
             patch: Patch::default(),
         }
     }
@@ -93,6 +96,7 @@ impl Metric for HybridMetric {
     }
 
     fn collapsed(&mut self, mesh: &mut Working, from: u32, to: u32) {
+        self.moved = None;
         if self.awake {
             let star = mesh.star(from);
             self.patch.gather(mesh, from, &self.samples, &self.energy);
@@ -100,13 +104,15 @@ impl Metric for HybridMetric {
             for corner in star {
                 self.samples.clear(corner.face());
             }
-            self.patch.settle(&mut self.samples, self.distance, &mut self.energy);
+            self.moved = Some(self.patch.settle(&mut self.samples, self.distance, &mut self.energy));
         }
         self.quadric.collapsed(mesh, from, to);
     }
 
+    /// The root mean square distance of what is seen, while that is looked at. Levels of several objects are chosen by it: what
+    /// nobody sees must not keep one object fine while others go.
     fn error(&self, group: u32) -> f64 {
-        self.quadric.error(group)
+        self.moved.unwrap_or_else(|| self.quadric.error(group))
     }
 
     fn is_awake(&self) -> bool {

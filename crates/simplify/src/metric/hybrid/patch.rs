@@ -293,11 +293,15 @@ impl Patch {
         FOREIGN * self.seen as f32 * area * PLACES.map(share).iter().sum::<f32>()
     }
 
-    /// Gives the star's samples to the faces they end up with, and says what every face of the patch counts for then.
-    pub(super) fn settle(&self, samples: &mut Samples, weight_of_distance: f32, energy: &mut [f64]) {
+    /// Gives the star's samples to the faces they end up with, and says what every face of the patch counts for then. Returns
+    /// the root mean square distance of samples from their faces, as far as they are seen; 0 if none is.
+    pub(super) fn settle(&self, samples: &mut Samples, weight_of_distance: f32, energy: &mut [f64]) -> f64 {
+        let (mut sum, mut seen) = (0.0, 0.0);
         for &s in &self.samples {
             let (position, weight) = (samples.get(s).position, samples.get(s).weight);
             if let Some((i, at, squared)) = self.nearest(position) {
+                sum += f64::from(weight) * f64::from(squared);
+                seen += f64::from(weight);
                 let g = self.geometry(i, at, squared, samples.get(s), weight_of_distance);
                 samples.put(s, self.moved[i].face, at, weight * g);
             }
@@ -312,6 +316,7 @@ impl Patch {
             energy[f.face as usize] =
                 far_energy(f.face, &self.far_shading(f), samples) + f64::from(samples.foreign(f.face));
         }
+        if seen > 0.0 { (sum / seen).sqrt() } else { 0.0 }
     }
 }
 
