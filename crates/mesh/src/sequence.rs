@@ -179,10 +179,9 @@ impl CollapseSequence {
     /// [`Self::resolve`] for all vertices at once, in linear time.
     #[must_use]
     pub fn resolve_all(&self, lod: Lod) -> Vec<u32> {
-        let mut map: Vec<u32> = (0..=self.records()).collect();
-        for k in (0..lod.min(self.last()).0 as usize).rev() {
-            map[k] = map[self.0.targets[k] as usize];
-        }
+        let mut map = Vec::with_capacity(self.records() as usize + 1);
+        self.resolve_gone(lod, &mut map);
+        map.extend(map.len() as u32..=self.records());
         map
     }
     /// [`Self::resolve`] for the vertices that are gone at `lod`, the first ones; any other stands for itself. Reuses the
