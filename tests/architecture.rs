@@ -1,9 +1,11 @@
-//! The drawing in `docs/ARCHITECTURE.md` is true: arrows point down, and each package keeps to what it owns.
+//! The drawing in `docs/ARCHITECTURE.md` is true: arrows point down, and each package keeps to what
+//! it owns.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Every package with what it may use, lowest first. A package may only use packages above it in this list.
+/// Every package with what it may use, lowest first. A package may only use packages above it in
+/// this list.
 const DRAWING: &[(&str, &[&str])] = &[
     ("crates/mesh", &["glam"]),
     ("crates/raster", &["glam"]),
@@ -47,12 +49,14 @@ const DRAWING: &[(&str, &[&str])] = &[
             "serde_json",
         ],
     ),
-    // Beside the drawing: shapes for tests. Its generator writes them with the project's own exporters.
+    // Beside the drawing: shapes for tests. Its generator writes them with the project's own
+    // exporters.
     ("fixtures", &["lodc-formats", "lodc-mesh"]),
 ];
 
 /// Tests and benchmarks may also use these, sideways.
-const FOR_TESTS: &[&str] = &["lodc-fixtures", "lodc-mesh", "lodc-simplify", "criterion", "rayon", "xxhash-rust"];
+const FOR_TESTS: &[&str] =
+    &["lodc-fixtures", "lodc-mesh", "lodc-simplify", "criterion", "rayon", "xxhash-rust"];
 
 /// Files of more than 400 lines, each with the reason.
 const LONG_FILES: &[(&str, &str)] = &[];
@@ -79,11 +83,15 @@ const OWNED: &[(&str, &[&str])] = &[
     ("mul_add", &[]),
 ];
 
-/// Names of models, and where they may stand: the closed list, the models themselves, and options of the program.
+/// Names of models, and where they may stand: the closed list, the models themselves, and options
+/// of the program.
 const MODELS: &[&str] = &["Interactive", "SpeedStrips", "MaskingStrips", "Speed,", "Masking,"];
 
 fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the package lies in the workspace").to_owned()
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .parent()
+        .expect("the package lies in the workspace")
+        .to_owned()
 }
 
 fn read(path: &Path) -> String {
@@ -96,7 +104,10 @@ fn dependencies(manifest: &str, section: &str) -> Vec<String> {
     let mut names = Vec::new();
     for line in manifest.lines().map(str::trim) {
         if let Some(header) = line.strip_prefix('[') {
-            assert!(!header.starts_with("target."), "a dependency for one system only is not in the drawing: {line}");
+            assert!(
+                !header.starts_with("target."),
+                "a dependency for one system only is not in the drawing: {line}"
+            );
             inside = header.trim_end_matches(']') == section;
         } else if inside
             && !line.starts_with('#')
@@ -112,7 +123,8 @@ fn dependencies(manifest: &str, section: &str) -> Vec<String> {
 fn sources() -> BTreeMap<String, String> {
     let root = root();
     let mut found = BTreeMap::new();
-    let mut folders: Vec<PathBuf> = ["crates", "cli", "formats", "fixtures", "tests"].map(|f| root.join(f)).to_vec();
+    let mut folders: Vec<PathBuf> =
+        ["crates", "cli", "formats", "fixtures", "tests"].map(|f| root.join(f)).to_vec();
     while let Some(folder) = folders.pop() {
         for entry in std::fs::read_dir(&folder).expect("folders of the workspace can be listed") {
             let path = entry.expect("entries can be read").path();
@@ -120,7 +132,11 @@ fn sources() -> BTreeMap<String, String> {
             if path.is_dir() && name != "target" {
                 folders.push(path);
             } else if path.extension().is_some_and(|e| e == "rs") {
-                let name = path.strip_prefix(&root).expect("below the root").to_string_lossy().replace('\\', "/");
+                let name = path
+                    .strip_prefix(&root)
+                    .expect("below the root")
+                    .to_string_lossy()
+                    .replace('\\', "/");
                 found.insert(name, read(&path));
             }
         }
@@ -146,8 +162,13 @@ fn code(text: &str) -> String {
 fn dependencies_are_those_of_the_drawing() {
     let root = root();
     let members = read(&root.join("Cargo.toml"));
-    let members = members.split_once("members = [").and_then(|(_, rest)| rest.split_once(']')).expect("members").0;
-    let members: Vec<&str> = members.split(',').map(|m| m.trim().trim_matches('"')).filter(|m| !m.is_empty()).collect();
+    let members = members
+        .split_once("members = [")
+        .and_then(|(_, rest)| rest.split_once(']'))
+        .expect("members")
+        .0;
+    let members: Vec<&str> =
+        members.split(',').map(|m| m.trim().trim_matches('"')).filter(|m| !m.is_empty()).collect();
     let drawn: Vec<&str> = DRAWING.iter().map(|(folder, _)| *folder).collect();
     for member in &members {
         assert!(drawn.contains(member), "{member} is not in the drawing");
@@ -155,16 +176,28 @@ fn dependencies_are_those_of_the_drawing() {
     let mut lower: Vec<String> = Vec::new();
     for (folder, allowed) in DRAWING.iter().filter(|(folder, _)| members.contains(folder)) {
         let manifest = read(&root.join(folder).join("Cargo.toml"));
-        for name in dependencies(&manifest, "dependencies").iter().chain(&dependencies(&manifest, "build-dependencies"))
+        for name in dependencies(&manifest, "dependencies")
+            .iter()
+            .chain(&dependencies(&manifest, "build-dependencies"))
         {
-            assert!(allowed.contains(&name.as_str()), "{folder} uses {name}, which the drawing does not allow");
-            assert!(!name.starts_with("lodc-") || lower.contains(name), "{folder} uses {name}, which is not below it");
+            assert!(
+                allowed.contains(&name.as_str()),
+                "{folder} uses {name}, which the drawing does not allow"
+            );
+            assert!(
+                !name.starts_with("lodc-") || lower.contains(name),
+                "{folder} uses {name}, which is not below it"
+            );
         }
         for name in dependencies(&manifest, "dev-dependencies") {
             let known = FOR_TESTS.contains(&name.as_str()) || allowed.contains(&name.as_str());
             assert!(known, "tests of {folder} use {name}");
         }
-        let name = manifest.split_once("name = \"").and_then(|(_, rest)| rest.split_once('"')).expect("a name").0;
+        let name = manifest
+            .split_once("name = \"")
+            .and_then(|(_, rest)| rest.split_once('"'))
+            .expect("a name")
+            .0;
         lower.push(name.to_owned());
     }
 }
@@ -173,18 +206,32 @@ fn dependencies_are_those_of_the_drawing() {
 fn every_version_is_pinned_in_one_place() {
     let root = root();
     let workspace = read(&root.join("Cargo.toml"));
-    let listed =
-        workspace.split_once("[workspace.dependencies]").and_then(|(_, rest)| rest.split_once("[workspace.lints"));
-    for line in listed.expect("a list of dependencies").0.lines().filter(|l| l.contains('=') && !l.starts_with('#')) {
+    let listed = workspace
+        .split_once("[workspace.dependencies]")
+        .and_then(|(_, rest)| rest.split_once("[workspace.lints"));
+    for line in listed
+        .expect("a list of dependencies")
+        .0
+        .lines()
+        .filter(|l| l.contains('=') && !l.starts_with('#'))
+    {
         assert!(line.contains("path = ") || line.contains("\"="), "not pinned: {line}");
     }
     for (folder, _) in DRAWING {
-        let Ok(manifest) = std::fs::read_to_string(root.join(folder).join("Cargo.toml")) else { continue };
-        assert!(manifest.contains("[lints]\nworkspace = true"), "{folder} does not take the workspace's lints");
+        let Ok(manifest) = std::fs::read_to_string(root.join(folder).join("Cargo.toml")) else {
+            continue;
+        };
+        assert!(
+            manifest.contains("[lints]\nworkspace = true"),
+            "{folder} does not take the workspace's lints"
+        );
         let sections = manifest.split("dependencies]").skip(1);
         for line in sections.flat_map(|s| s.split("\n[").next().unwrap_or_default().lines()) {
             let silent = line.is_empty() || line.starts_with('#');
-            assert!(silent || line.contains("workspace = true"), "{folder} states a version itself: {line}");
+            assert!(
+                silent || line.contains("workspace = true"),
+                "{folder} states a version itself: {line}"
+            );
         }
     }
 }
@@ -208,10 +255,16 @@ fn models_are_named_in_one_list_and_in_their_own_folders() {
     let may = |path: &str| path.starts_with("crates/lod/src/") || path.starts_with("cli/src/");
     let mut offenders = Vec::new();
     for (path, text) in sources().iter().filter(|(path, _)| !is_test(path) && !may(path)) {
-        offenders.extend(MODELS.iter().filter(|m| code(text).contains(**m)).map(|m| format!("{path} names {m}")));
+        offenders.extend(
+            MODELS.iter().filter(|m| code(text).contains(**m)).map(|m| format!("{path} names {m}")),
+        );
     }
-    for (path, text) in sources().iter().filter(|(path, _)| path.starts_with("crates/lod/src/") && !is_test(path)) {
-        let own = path.contains("/interactive/") || path.ends_with("/any.rs") || path.ends_with("/src/lib.rs");
+    for (path, text) in
+        sources().iter().filter(|(path, _)| path.starts_with("crates/lod/src/") && !is_test(path))
+    {
+        let own = path.contains("/interactive/")
+            || path.ends_with("/any.rs")
+            || path.ends_with("/src/lib.rs");
         if !own && code(text).contains("Interactive") {
             offenders.push(format!("{path} names a model"));
         }
@@ -224,7 +277,10 @@ fn files_are_short_or_say_why_not() {
     let sources = sources();
     for (path, text) in &sources {
         let (lines, listed) = (text.lines().count(), LONG_FILES.iter().any(|(p, _)| p == path));
-        assert!(lines <= 400 || listed, "{path} has {lines} lines: divide it, or list it with the reason");
+        assert!(
+            lines <= 400 || listed,
+            "{path} has {lines} lines: divide it, or list it with the reason"
+        );
         assert!(lines > 400 || !listed, "{path} is listed as long and is not");
     }
     let mut lengths: Vec<usize> = sources.values().map(|text| text.lines().count()).collect();
@@ -237,7 +293,8 @@ fn files_are_short_or_say_why_not() {
 #[test]
 fn every_file_says_what_it_is_for() {
     // A module of tests beside the file it tests needs no words.
-    let silent = |(path, text): &(String, String)| !text.starts_with("//! ") && !path.ends_with("tests.rs");
+    let silent =
+        |(path, text): &(String, String)| !text.starts_with("//! ") && !path.ends_with("tests.rs");
     let without: Vec<String> = sources().into_iter().filter(silent).map(|(path, _)| path).collect();
     assert!(without.is_empty(), "{without:#?}");
 }
@@ -263,13 +320,19 @@ fn documents_that_others_refer_to_are_there() {
     let missing: Vec<&str> = wanted.into_iter().filter(|name| !root.join(name).is_file()).collect();
     assert!(missing.is_empty(), "{missing:?}");
     // Anything that is named in backticks as a file below docs/, crates/ or formats/ exists.
-    for document in wanted.iter().filter(|name| name.ends_with(".md") && !name.ends_with("CHANGELOG.md")) {
+    for document in
+        wanted.iter().filter(|name| name.ends_with(".md") && !name.ends_with("CHANGELOG.md"))
+    {
         let text = read(&root.join(document));
         for name in text.split('`').skip(1).step_by(2) {
-            let path =
-                ["docs/", "crates/", "formats/", "cli/", "fixtures/", "tests/"].iter().any(|f| name.starts_with(f));
+            let path = ["docs/", "crates/", "formats/", "cli/", "fixtures/", "tests/"]
+                .iter()
+                .any(|f| name.starts_with(f));
             let plain = !name.contains(|c: char| c.is_whitespace() || "*<>{}…:".contains(c));
-            assert!(!path || !plain || root.join(name).exists(), "{document} names {name}, which is not there");
+            assert!(
+                !path || !plain || root.join(name).exists(),
+                "{document} names {name}, which is not there"
+            );
         }
     }
 }

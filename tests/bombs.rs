@@ -1,7 +1,7 @@
 //! Small files that ask for much: refused soon, and without taking the memory they ask for.
 //!
-//! Promised are 64 MiB plus twice the file; memory is the system's high-water mark of the process. Times differ with the
-//! machine, so they are printed when something else fails, not judged.
+//! Promised are 64 MiB plus twice the file; memory is the system's high-water mark of the process.
+//! Times differ with the machine, so they are printed when something else fails, not judged.
 
 #![expect(clippy::print_stderr, reason = "a test that is left out says so aloud")]
 
@@ -29,15 +29,26 @@ struct Taken {
 impl Taken {
     /// Looks at a running process; what can be read of one that has just ended is kept from before.
     fn look(&mut self, process: u32) {
-        let read = |file: &str| std::fs::read_to_string(format!("/proc/{process}/{file}")).unwrap_or_default();
-        if let Some(line) = read("status").lines().find_map(|l| l.strip_prefix("VmHWM:").map(str::to_owned)) {
-            let kibibytes: u64 = line.trim().trim_end_matches("kB").trim().parse().expect("a number");
+        let read = |file: &str| {
+            std::fs::read_to_string(format!("/proc/{process}/{file}")).unwrap_or_default()
+        };
+        if let Some(line) =
+            read("status").lines().find_map(|l| l.strip_prefix("VmHWM:").map(str::to_owned))
+        {
+            let kibibytes: u64 =
+                line.trim().trim_end_matches("kB").trim().parse().expect("a number");
             self.memory = self.memory.max(kibibytes << 10);
         }
-        // After the name in brackets: state is the first field, user and system time the 12th and 13th, in 1/100 s.
+        // After the name in brackets: state is the first field, user and system time the 12th and
+        // 13th, in 1/100 s.
         let stat = read("stat");
         if let Some((_, fields)) = stat.rsplit_once(')') {
-            let ticks: u32 = fields.split_whitespace().skip(11).take(2).filter_map(|t| t.parse::<u32>().ok()).sum();
+            let ticks: u32 = fields
+                .split_whitespace()
+                .skip(11)
+                .take(2)
+                .filter_map(|t| t.parse::<u32>().ok())
+                .sum();
             self.processor = self.processor.max(f64::from(ticks) / 100.0);
         }
     }
@@ -49,7 +60,11 @@ impl Range {
         let size = self.0.join(name).metadata().expect("the bomb is there").len();
         let mut command = Command::new(LODC);
         command.args(args).current_dir(self.0.path()).stdin(Stdio::null());
-        let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program starts");
+        let mut child = command
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("the program starts");
         let (start, mut taken) = (Instant::now(), Taken::default());
         while child.try_wait().expect("it can be asked").is_none() {
             taken.look(child.id());
@@ -115,22 +130,29 @@ fn gltf_counts_strides_and_sparse_data_are_compared_with_the_bytes() {
     for count in [1u64 << 62, u64::MAX, 1 << 31, 1 << 28, 1 << 24] {
         let accessor = format!(r#"{{"componentType":5126,"count":{count},"type":"VEC3"}}"#);
         range.build("zeros.gltf", gltf(&accessor, "", 3));
-        let accessor = format!(r#"{{"bufferView":0,"componentType":5126,"count":{count},"type":"VEC3"}}"#);
+        let accessor =
+            format!(r#"{{"bufferView":0,"componentType":5126,"count":{count},"type":"VEC3"}}"#);
         range.build("count.gltf", gltf(&accessor, view, 96));
         let sparse = r#""indices":{"bufferView":0,"componentType":5125},"values":{"bufferView":0}"#;
-        let accessor =
-            format!(r#"{{"componentType":5126,"count":9,"type":"VEC3","sparse":{{"count":{count},{sparse}}}}}"#);
+        let accessor = format!(
+            r#"{{"componentType":5126,"count":9,"type":"VEC3","sparse":{{"count":{count},{sparse}}}}}"#
+        );
         range.build("sparse.gltf", gltf(&accessor, view, 96));
     }
-    for (stride, count) in [(1u64 << 40, 3u64), (4, 24), (0, 3), (1, 96), (u64::MAX, 2), (252, 1 << 40)] {
+    for (stride, count) in
+        [(1u64 << 40, 3u64), (4, 24), (0, 3), (1, 96), (u64::MAX, 2), (252, 1 << 40)]
+    {
         let view = format!(r#"{{"buffer":0,"byteLength":96,"byteStride":{stride}}}"#);
-        let accessor = format!(r#"{{"bufferView":0,"componentType":5126,"count":{count},"type":"VEC3"}}"#);
+        let accessor =
+            format!(r#"{{"bufferView":0,"componentType":5126,"count":{count},"type":"VEC3"}}"#);
         range.build("stride.gltf", gltf(&accessor, &view, 96));
     }
     // Each accessor by itself is within bounds.
     let many = vec![r#"{"componentType":5126,"count":1000000,"type":"VEC3"}"#; 1000].join(",");
-    let primitives: Vec<String> = (0..1000).map(|i| format!(r#"{{"attributes":{{"POSITION":{i}}}}}"#)).collect();
-    let text = gltf(&many, "", 3).replace(r#"{"attributes":{"POSITION":0}}"#, &primitives.join(","));
+    let primitives: Vec<String> =
+        (0..1000).map(|i| format!(r#"{{"attributes":{{"POSITION":{i}}}}}"#)).collect();
+    let text =
+        gltf(&many, "", 3).replace(r#"{"attributes":{"POSITION":0}}"#, &primitives.join(","));
     range.build("many_zeros.gltf", text);
 }
 
@@ -142,15 +164,24 @@ fn json_is_not_followed_into_the_deep_or_round_in_circles() {
         range.build(name, format!(r#"{{"asset":{{"version":"2.0"}},"extras":{nested}}}"#));
     }
     range.build("open.gltf", "{\"a\":".repeat(4 << 20));
-    range.build("wide.gltf", format!(r#"{{"asset":{{"version":"2.0"}},"extras":[{}1]}}"#, "1,".repeat(6 << 20)));
+    range.build(
+        "wide.gltf",
+        format!(r#"{{"asset":{{"version":"2.0"}},"extras":[{}1]}}"#, "1,".repeat(6 << 20)),
+    );
     for (name, nodes) in [
         ("itself.gltf", r#"{"children":[0]}"#.to_owned()),
         ("two.gltf", r#"{"children":[1]},{"children":[0]}"#.to_owned()),
         // Each shown twice by the one before: a billion billion instances, if that were a tree.
-        ("doubling.gltf", (1..60).map(|i| format!(r#"{{"children":[{i},{i}]}},"#)).collect::<String>() + "{}"),
+        (
+            "doubling.gltf",
+            (1..60).map(|i| format!(r#"{{"children":[{i},{i}]}},"#)).collect::<String>() + "{}",
+        ),
         (
             "long.gltf",
-            (1..=50_000).map(|i| format!(r#"{{"children":[{}]}}"#, i % 50_000)).collect::<Vec<_>>().join(","),
+            (1..=50_000)
+                .map(|i| format!(r#"{{"children":[{}]}}"#, i % 50_000))
+                .collect::<Vec<_>>()
+                .join(","),
         ),
     ] {
         let scene = r#""asset":{"version":"2.0"},"scenes":[{"nodes":[0]}]"#;
@@ -174,11 +205,13 @@ fn a_line_without_end_is_given_up() {
 
 /// Makes the checksums right again, so that what lies behind them is met.
 fn repaired(mut bytes: Vec<u8>) -> Vec<u8> {
-    let number = |bytes: &[u8], at: usize| u64::from_le_bytes(std::array::from_fn(|i| bytes[at + i]));
+    let number =
+        |bytes: &[u8], at: usize| u64::from_le_bytes(std::array::from_fn(|i| bytes[at + i]));
     let count = u32::from_le_bytes(std::array::from_fn(|i| bytes[12 + i])) as usize;
     let table_end = count.saturating_mul(40).saturating_add(32).min(bytes.len());
     for entry in (32..table_end).step_by(40).filter(|e| e + 40 <= table_end) {
-        let (start, length) = (number(&bytes, entry + 16) as usize, number(&bytes, entry + 24) as usize);
+        let (start, length) =
+            (number(&bytes, entry + 16) as usize, number(&bytes, entry + 24) as usize);
         let content = start.checked_add(length).and_then(|end| bytes.get(start..end));
         if let Some(checksum) = content.map(xxh3_64) {
             bytes[entry + 32..entry + 40].copy_from_slice(&checksum.to_le_bytes());
@@ -199,7 +232,8 @@ fn counts_in_a_lodc_file_are_compared_with_its_bytes() {
     let good = range.0.read("good.lodc");
     assert_eq!(repaired(good.clone()), good, "the checksums are understood");
     let manifest = u64::from_le_bytes(std::array::from_fn(|i| good[48 + i])) as usize;
-    let manifest_end = manifest + u64::from_le_bytes(std::array::from_fn(|i| good[56 + i])) as usize;
+    let manifest_end =
+        manifest + u64::from_le_bytes(std::array::from_fn(|i| good[56 + i])) as usize;
     let mut places: Vec<usize> = vec![12, 16, 32 + 16, 32 + 24, 72 + 16, 72 + 24];
     places.extend((manifest..manifest_end - 8).step_by(5));
     let mut refused = String::new();

@@ -1,4 +1,5 @@
-//! Real meshes that nobody here made: the sound ones build, verify and extract; the broken ones end as promised.
+//! Real meshes that nobody here made: the sound ones build, verify and extract; the broken ones end
+//! as promised.
 
 #![expect(clippy::print_stderr, reason = "a test that is left out says so aloud")]
 
@@ -11,7 +12,8 @@ use std::thread;
 use std::time::Instant;
 use support::{Folder, REFUSED, Run, corpus, manifest};
 
-/// Above this many triangles a mesh is verified at every thousandth step and extracted once: the test has to end.
+/// Above this many triangles a mesh is verified at every thousandth step and extracted once: the
+/// test has to end.
 const LARGE: u64 = 200_000;
 
 /// Does something with every mesh of the corpus, on all cores, largest first.
@@ -30,7 +32,10 @@ fn for_each(corpus: &Path, check: impl Fn(&Folder, &str) -> Result<(), String> +
                     let Some((path, _)) = next else { break };
                     let start = Instant::now();
                     if let Err(what) = check(&folder, &path) {
-                        failures.lock().expect("no worker panics with the list").push(format!("{path}: {what}"));
+                        failures
+                            .lock()
+                            .expect("no worker panics with the list")
+                            .push(format!("{path}: {what}"));
                     }
                     if start.elapsed().as_secs() >= 20 {
                         eprintln!("{path}: {:.0} s", start.elapsed().as_secs_f64());
@@ -64,7 +69,11 @@ fn check(folder: &Folder, corpus: &Path, path: &str) -> Result<(), String> {
     ended(&run, wanted, "build")?;
     if run.status != Some(0) {
         let errors = run.err.lines().count();
-        return if errors == 1 { Ok(()) } else { Err(format!("{errors} lines of error: {}", run.err)) };
+        return if errors == 1 {
+            Ok(())
+        } else {
+            Err(format!("{errors} lines of error: {}", run.err))
+        };
     }
     let report = run.json();
     let triangles = report["inputs"][0]["triangles"].as_u64().ok_or("no count of triangles")?;
@@ -75,10 +84,12 @@ fn check(folder: &Folder, corpus: &Path, path: &str) -> Result<(), String> {
     ended(&run, &[0], "verify").map_err(|e| format!("{e}{}", run.text()))?;
     for ratio in [0.5, 0.25, 0.1, 0.05, 0.01].into_iter().take(if large { 1 } else { 5 }) {
         let text = ratio.to_string();
-        let run = folder.lodc(["extract", "m.lodc", "--ratio", &text, "-o", "m.glb", "--json", "-q"]);
+        let run =
+            folder.lodc(["extract", "m.lodc", "--ratio", &text, "-o", "m.glb", "--json", "-q"]);
         ended(&run, &[0], &format!("extract at {ratio}"))?;
         let report = run.json();
-        let (got, most) = (report["triangles"].as_u64().unwrap_or(u64::MAX), (ratio * triangles as f64) as u64);
+        let (got, most) =
+            (report["triangles"].as_u64().unwrap_or(u64::MAX), (ratio * triangles as f64) as u64);
         let stopped = report["warnings"].as_array().is_some_and(|w| !w.is_empty());
         if got > most && !stopped {
             return Err(format!("{got} triangles at {ratio}, more than {most}, without a warning"));

@@ -1,4 +1,5 @@
-//! The committed fixture files are what the generator writes; good ones import, and `x_` ones are refused as they should.
+//! The committed fixture files are what the generator writes; good ones import, and `x_` ones are
+//! refused as they should.
 
 use lodc_fixtures::files::{self, HOSTILE};
 use lodc_formats::import::{ImportOptions, import};
@@ -46,7 +47,8 @@ fn good_files_import_with_every_triangle_of_their_shape() {
             continue;
         }
         let shape = lodc_fixtures::named(stem).expect("files are called like their shapes");
-        let scene = import(&folder().join(&name), &ImportOptions::default()).unwrap_or_else(|e| panic!("{e}"));
+        let scene = import(&folder().join(&name), &ImportOptions::default())
+            .unwrap_or_else(|e| panic!("{e}"));
         assert_eq!(scene.objects.len(), 1, "{name}");
         let mesh = &scene.objects[0].mesh;
         assert_eq!(mesh.triangles().len(), shape.triangles().len(), "{name}");
@@ -54,8 +56,11 @@ fn good_files_import_with_every_triangle_of_their_shape() {
         assert_eq!(mesh.bounds(), shape.bounds(), "{name}");
         if extension != "obj" {
             let semantics = |m: &lodc_mesh::Mesh| {
-                let mut s: Vec<_> =
-                    m.attributes().iter().map(|a| (a.semantic.clone(), a.morph_target, a.component.size())).collect();
+                let mut s: Vec<_> = m
+                    .attributes()
+                    .iter()
+                    .map(|a| (a.semantic.clone(), a.morph_target, a.component.size()))
+                    .collect();
                 s.sort();
                 s
             };
@@ -77,7 +82,10 @@ fn hostile_files_are_refused_for_their_own_reason() {
             Err(e) => {
                 let (fault, message) = (format!("{:?}", e.fault), e.to_string());
                 let said = message.to_lowercase().contains(hostile.message);
-                if !hostile.faults.contains(&fault.as_str()) || !said || message.lines().count() != 1 {
+                if !hostile.faults.contains(&fault.as_str())
+                    || !said
+                    || message.lines().count() != 1
+                {
                     wrong.push(format!("{}: {fault}: {message}", hostile.name));
                 }
             }

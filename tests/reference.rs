@@ -1,5 +1,6 @@
-//! The heart of the tests: what the simplifier makes obeys every rule at every step, and every model shows the
-//! reference answer wherever a cursor is sent. On all named shapes and on many random meshes.
+//! The heart of the tests: what the simplifier makes obeys every rule at every step, and every
+//! model shows the reference answer wherever a cursor is sent. On all named shapes and on many
+//! random meshes.
 
 use lodc_fixtures::{ALL, Rng, check_rules, random, random_collapse};
 use lodc_lod::{AnyModel, Changes, Model, ModelKind, StripOptions, StripPool};
@@ -20,11 +21,15 @@ fn made(mesh: &Mesh, options: &Options) -> Simplified {
 }
 
 fn with_threads(threads: usize, mesh: &Mesh) -> Simplified {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads can be started");
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .expect("threads can be started");
     pool.install(|| made(mesh, &Options::DEFAULT))
 }
 
-/// All failures of a family of cases together: one look shows whether they have something in common.
+/// All failures of a family of cases together: one look shows whether they have something in
+/// common.
 fn none(what: &str, failures: &[String]) {
     let shown = failures.iter().take(20).map(String::as_str).collect::<Vec<_>>().join("\n  ");
     assert!(failures.is_empty(), "{} {what}:\n  {shown}", failures.len());
@@ -74,7 +79,8 @@ fn the_number_of_threads_changes_nothing() {
 
 #[test]
 fn closed_shapes_lose_next_to_nothing_before_they_must() {
-    // Flat sides divided into many triangles go down to the triangles that a cube needs without any error.
+    // Flat sides divided into many triangles go down to the triangles that a cube needs without any
+    // error.
     let cube = lodc_fixtures::named("coloured_cube").expect("a shape");
     let s = made(&cube, &Options { attributes: false, ..Options::DEFAULT });
     let lod = s.collapses().lod_for_triangles(12);
@@ -94,14 +100,15 @@ impl Changes for Books {
     }
 }
 
-/// Sends a cursor of every model to both ends and to random levels, and compares what it shows, and what it said had
-/// changed, with the reference.
+/// Sends a cursor of every model to both ends and to random levels, and compares what it shows, and
+/// what it said had changed, with the reference.
 fn check_models(s: Simplified, seeks: usize, seed: u64) -> Result<(), String> {
     let s = Arc::new(s);
     let mut rng = Rng::new(seed);
     let mut strips = StripPool::new(&s, StripOptions::default());
     for kind in ModelKind::ALL {
-        let model = AnyModel::build(kind, &mut strips).map_err(|e| format!("{}: {e}", kind.name()))?;
+        let model =
+            AnyModel::build(kind, &mut strips).map_err(|e| format!("{}: {e}", kind.name()))?;
         let mut cursor = model.cursor();
         let mut books = Books(BTreeMap::new());
         model.triangles(&cursor).into_iter().for_each(|t| books.came(t));
@@ -112,7 +119,9 @@ fn check_models(s: Simplified, seeks: usize, seed: u64) -> Result<(), String> {
                 0 => last,
                 1 => 0,
                 2 => u32::MAX,
-                n if n % 3 == 0 => model.lod(&cursor).0.saturating_add_signed(rng.below(9) as i32 - 4),
+                n if n % 3 == 0 => {
+                    model.lod(&cursor).0.saturating_add_signed(rng.below(9) as i32 - 4)
+                }
                 _ => rng.below(last as usize + 2) as u32,
             };
             model.seek(&mut cursor, Lod(lod), &mut books);
@@ -132,7 +141,11 @@ fn check_models(s: Simplified, seeks: usize, seed: u64) -> Result<(), String> {
                 return Err(format!("{place}: stands at {}", model.lod(&cursor).0));
             }
             if got != want {
-                return Err(format!("{place}: {} triangles instead of {}, or others", got.len(), want.len()));
+                return Err(format!(
+                    "{place}: {} triangles instead of {}, or others",
+                    got.len(),
+                    want.len()
+                ));
             }
             if booked != want {
                 return Err(format!("{place}: what went and came does not add up"));
@@ -147,7 +160,10 @@ fn every_model_shows_the_reference_on_named_shapes() {
     let mut failures = Vec::new();
     for (name, make) in ALL {
         let mesh = make();
-        for (how, s) in [("simplified", made(&mesh, &Options::DEFAULT)), ("arbitrary", random_collapse(&mesh, 77))] {
+        for (how, s) in [
+            ("simplified", made(&mesh, &Options::DEFAULT)),
+            ("arbitrary", random_collapse(&mesh, 77)),
+        ] {
             if let Err(e) = check_models(s, 40, 1) {
                 failures.push(format!("{name}, {how}: {e}"));
             }
@@ -161,7 +177,11 @@ fn every_model_shows_the_reference_on_random_meshes_and_arbitrary_sequences() {
     let mut failures = Vec::new();
     for seed in 0..300 {
         let mesh = random(seed);
-        let s = if seed % 3 == 0 { made(&mesh, &Options::DEFAULT) } else { random_collapse(&mesh, seed) };
+        let s = if seed % 3 == 0 {
+            made(&mesh, &Options::DEFAULT)
+        } else {
+            random_collapse(&mesh, seed)
+        };
         if let Err(e) = check_models(s, 60, seed) {
             failures.push(format!("random mesh {seed}: {e}"));
         }

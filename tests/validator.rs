@@ -13,8 +13,13 @@ use support::{Folder, REFUSED, corpus, grid, manifest};
 /// Runs the validator on GLB files; errors by file name. None, said aloud, if it is not installed.
 fn errors(folder: &Folder, names: &[String]) -> Option<BTreeMap<String, Vec<String>>> {
     let Some(validator) = std::env::var_os("LODC_VALIDATOR") else {
-        assert!(std::env::var_os("CI").is_none(), "LODC_VALIDATOR must name the glTF validator where CI is set");
-        eprintln!("SKIPPED: LODC_VALIDATOR does not name an installed gltf-validator (tests/run installs it)");
+        assert!(
+            std::env::var_os("CI").is_none(),
+            "LODC_VALIDATOR must name the glTF validator where CI is set"
+        );
+        eprintln!(
+            "SKIPPED: LODC_VALIDATOR does not name an installed gltf-validator (tests/run installs it)"
+        );
         return None;
     };
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/validate.js");
@@ -37,15 +42,28 @@ fn exports_of_valid_gltf_files_are_valid_at_every_level() {
     let folder = Folder::new();
     let mut names = Vec::new();
     for (path, facts) in manifest(&corpus) {
-        // Images were left out of the corpus on purpose: that they cannot be opened is no fault of the mesh.
+        // Images were left out of the corpus on purpose: that they cannot be opened is no fault of
+        // the mesh.
         let only_images = |e: &Value| e == "IO_ERROR";
-        let valid = facts["khronos_validator_errors"].as_array().is_some_and(|all| all.iter().all(only_images));
+        let valid = facts["khronos_validator_errors"]
+            .as_array()
+            .is_some_and(|all| all.iter().all(only_images));
         let refused = REFUSED.iter().any(|(name, _)| *name == path);
-        if !valid || refused || path.contains("/invalid/") || facts["triangles"].as_u64() > Some(200_000) {
+        if !valid
+            || refused
+            || path.contains("/invalid/")
+            || facts["triangles"].as_u64() > Some(200_000)
+        {
             continue;
         }
         let input = corpus.join(&path);
-        let run = folder.lodc(["build".as_ref(), input.as_os_str(), "-o".as_ref(), "m.lodc".as_ref(), "-q".as_ref()]);
+        let run = folder.lodc([
+            "build".as_ref(),
+            input.as_os_str(),
+            "-o".as_ref(),
+            "m.lodc".as_ref(),
+            "-q".as_ref(),
+        ]);
         run.ends(0);
         for ratio in ["1", "0.25", "0.01"] {
             let name = format!("{}@{ratio}.glb", path.replace(['/', ' '], "_"));
@@ -55,7 +73,8 @@ fn exports_of_valid_gltf_files_are_valid_at_every_level() {
     }
     assert!(names.len() > 100, "only {} exports", names.len());
     let Some(errors) = errors(&folder, &names) else { return };
-    let bad: Vec<_> = errors.iter().filter(|(_, e)| e.iter().any(|code| code != "IO_ERROR")).collect();
+    let bad: Vec<_> =
+        errors.iter().filter(|(_, e)| e.iter().any(|code| code != "IO_ERROR")).collect();
     assert!(bad.is_empty(), "{} of {} are invalid: {bad:#?}", bad.len(), names.len());
 }
 

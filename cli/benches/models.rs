@@ -1,8 +1,9 @@
 //! Strips and models, each beside a baseline of the same run: `cargo bench -p lodc --bench models`.
 //!
-//! Strips against sorting the triangles for a cache; making a model against simplifying the mesh; a step of 0.1 % of the
-//! LODs, there and back, against Progressive Meshes; a jump from LOD 0 to 1 % against making the index list from
-//! scratch. Throughput is in triangles of the input, or in records passed, per second.
+//! Strips against sorting the triangles for a cache; making a model against simplifying the mesh; a
+//! step of 0.1 % of the LODs, there and back, against Progressive Meshes; a jump from LOD 0 to 1 %
+//! against making the index list from scratch. Throughput is in triangles of the input, or in
+//! records passed, per second.
 
 use criterion::{BenchmarkGroup, BenchmarkId, Criterion, Throughput, measurement::WallTime};
 use lodc_lod::baseline::{Baseline, Rebuild};
@@ -16,7 +17,10 @@ use std::time::Duration;
 
 /// Closed without attributes; with seams, poles, normals and texture coordinates.
 fn shapes() -> Vec<(&'static str, Mesh)> {
-    vec![("icosphere_20k", lodc_fixtures::icosphere(5)), ("uv_sphere_32k", lodc_fixtures::uv_sphere(180, 90))]
+    vec![
+        ("icosphere_20k", lodc_fixtures::icosphere(5)),
+        ("uv_sphere_32k", lodc_fixtures::uv_sphere(180, 90)),
+    ]
 }
 
 fn simplified(mesh: &Mesh) -> Arc<Simplified> {
@@ -76,7 +80,8 @@ fn construction(c: &mut Criterion) {
 fn steps(group: &mut BenchmarkGroup<'_, WallTime>, shape: &str, model: &impl Model) {
     let collapses = model.simplified().collapses();
     let records = collapses.records();
-    let [near, far] = [records / 2, records / 2 + records / 1000].map(|lod| collapses.floor(Lod(lod)));
+    let [near, far] =
+        [records / 2, records / 2 + records / 1000].map(|lod| collapses.floor(Lod(lod)));
     let mut cursor = model.cursor();
     model.seek(&mut cursor, near, &mut ());
     group.throughput(Throughput::Elements(2 * u64::from(far.0 - near.0)));
@@ -111,7 +116,8 @@ fn extraction(c: &mut Criterion) {
         let simplified = simplified(&mesh);
         let baselines = Baseline::all(&simplified, &pool(&simplified).get(StripKind::Stripe))
             .expect("every sequence of a simplifier can be modelled");
-        let models: Vec<AnyModel> = kinds().map(|kind| built(kind, &mut pool(&simplified))).collect();
+        let models: Vec<AnyModel> =
+            kinds().map(|kind| built(kind, &mut pool(&simplified))).collect();
 
         let mut group = c.benchmark_group("step_of_a_thousandth");
         baselines.iter().filter(|b| b.continuous()).for_each(|b| steps(&mut group, name, b));
@@ -122,7 +128,9 @@ fn extraction(c: &mut Criterion) {
         group.throughput(Throughput::Elements(mesh.triangles().len() as u64));
         let mut rebuild = Rebuild::new(&simplified);
         let far = simplified.collapses().lod_for_triangles(mesh.triangles().len() as u32 / 100);
-        group.bench_function(BenchmarkId::new("baseline_rebuild", name), |b| b.iter(|| rebuild.at(far).len()));
+        group.bench_function(BenchmarkId::new("baseline_rebuild", name), |b| {
+            b.iter(|| rebuild.at(far).len())
+        });
         baselines.iter().filter(|b| b.continuous()).for_each(|b| jump(&mut group, name, b));
         models.iter().for_each(|m| jump(&mut group, name, m));
         group.finish();
@@ -132,7 +140,9 @@ fn extraction(c: &mut Criterion) {
 fn main() {
     // Ten samples of each: all of it takes less than a minute.
     let times = |c: Criterion| {
-        c.sample_size(10).warm_up_time(Duration::from_millis(200)).measurement_time(Duration::from_millis(800))
+        c.sample_size(10)
+            .warm_up_time(Duration::from_millis(200))
+            .measurement_time(Duration::from_millis(800))
     };
     let mut criterion = times(Criterion::default()).configure_from_args();
     strips(&mut criterion);

@@ -1,7 +1,9 @@
-//! The stages of the program, one after another, each beside what it can at best cost: `cargo bench -p lodc`.
+//! The stages of the program, one after another, each beside what it can at best cost: `cargo bench
+//! -p lodc`.
 //!
-//! Import against a checksum of the text, reading against a checksum of the file, writing against copying it, extraction
-//! against copying the triangles. Throughput is in triangles of the input per second.
+//! Import against a checksum of the text, reading against a checksum of the file, writing against
+//! copying it, extraction against copying the triangles. Throughput is in triangles of the input
+//! per second.
 
 use criterion::{BenchmarkId, Criterion, Throughput};
 use lodc_formats::export::{ExportFormat, ExportObject, export};
@@ -37,15 +39,19 @@ fn info(mesh: &Mesh) -> ObjectInfo {
 fn file(mesh: &Mesh, format: ExportFormat) -> Vec<u8> {
     let document = Document::Obj(ObjDocument { libraries: Vec::new(), materials: Vec::new() });
     let object = ExportObject { info: &info(mesh), mesh };
-    let files = export(Path::new("shape"), format, &document, &[object]).expect("a shape can be exported");
+    let files =
+        export(Path::new("shape"), format, &document, &[object]).expect("a shape can be exported");
     files.into_iter().next().expect("there is a main file").bytes
 }
 
 fn built(mesh: &Mesh) -> LodFile {
     let simplified = Arc::new(simplify(mesh, &Options::DEFAULT, &|_, _| ()));
     let models = vec![
-        AnyModel::build(ModelKind::Interactive, &mut StripPool::new(&simplified, StripOptions::default()))
-            .expect("triangles are in order"),
+        AnyModel::build(
+            ModelKind::Interactive,
+            &mut StripPool::new(&simplified, StripOptions::default()),
+        )
+        .expect("triangles are in order"),
     ];
     LodFile {
         source: Source { format: SourceFormat::Obj, content_hash: 0 },
@@ -68,9 +74,12 @@ fn imports(c: &mut Criterion) {
             group.bench_function(BenchmarkId::new(extension, name), |b| {
                 b.iter(|| import(black_box(&path), &ImportOptions::default()).expect("sound"));
             });
-            group.bench_function(BenchmarkId::new(format!("floor_checksum_{extension}"), name), |b| {
-                b.iter(|| xxh3_128(black_box(&bytes)));
-            });
+            group.bench_function(
+                BenchmarkId::new(format!("floor_checksum_{extension}"), name),
+                |b| {
+                    b.iter(|| xxh3_128(black_box(&bytes)));
+                },
+            );
         }
     }
     group.finish();
@@ -82,9 +91,12 @@ fn simplification(c: &mut Criterion) {
     for (name, mesh) in shapes() {
         group.throughput(Throughput::Elements(mesh.triangles().len() as u64));
         // Down to a single vertex, on one thread.
-        let threads = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("one thread can be had");
+        let threads =
+            rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("one thread can be had");
         group.bench_function(BenchmarkId::new("whole_sequence", name), |b| {
-            b.iter(|| threads.install(|| simplify(black_box(&mesh), &Options::DEFAULT, &|_, _| ())));
+            b.iter(|| {
+                threads.install(|| simplify(black_box(&mesh), &Options::DEFAULT, &|_, _| ()))
+            });
         });
     }
     group.finish();
@@ -98,14 +110,21 @@ fn files_and_levels(c: &mut Criterion) {
 
         let mut group = c.benchmark_group("write");
         group.throughput(Throughput::Elements(triangles));
-        group.bench_function(BenchmarkId::new("lodc", name), |b| b.iter(|| write(black_box(&file))));
-        group.bench_function(BenchmarkId::new("floor_copy", name), |b| b.iter(|| black_box(&bytes).clone()));
+        group
+            .bench_function(BenchmarkId::new("lodc", name), |b| b.iter(|| write(black_box(&file))));
+        group.bench_function(BenchmarkId::new("floor_copy", name), |b| {
+            b.iter(|| black_box(&bytes).clone())
+        });
         group.finish();
 
         let mut group = c.benchmark_group("read");
         group.throughput(Throughput::Elements(triangles));
-        group.bench_function(BenchmarkId::new("lodc", name), |b| b.iter(|| read(black_box(&bytes)).expect("sound")));
-        group.bench_function(BenchmarkId::new("floor_checksum", name), |b| b.iter(|| xxh3_128(black_box(&bytes))));
+        group.bench_function(BenchmarkId::new("lodc", name), |b| {
+            b.iter(|| read(black_box(&bytes)).expect("sound"))
+        });
+        group.bench_function(BenchmarkId::new("floor_checksum", name), |b| {
+            b.iter(|| xxh3_128(black_box(&bytes)))
+        });
         group.finish();
 
         let object = &file.objects[0];
@@ -124,7 +143,8 @@ fn files_and_levels(c: &mut Criterion) {
             });
         }
         // What a viewer does between two pictures: a hundredth of the records, there and back.
-        let [near, far] = [25, 26].map(|share| collapses.floor(Lod(collapses.records() / 100 * share)));
+        let [near, far] =
+            [25, 26].map(|share| collapses.floor(Lod(collapses.records() / 100 * share)));
         let mut cursor = model.cursor();
         model.seek(&mut cursor, near, &mut ());
         group.throughput(Throughput::Elements(2 * u64::from(far.0 - near.0)));
@@ -141,7 +161,9 @@ fn files_and_levels(c: &mut Criterion) {
 fn main() {
     // Ten samples of each: all of it takes less than three minutes.
     let times = |c: Criterion| {
-        c.sample_size(10).warm_up_time(Duration::from_millis(200)).measurement_time(Duration::from_millis(800))
+        c.sample_size(10)
+            .warm_up_time(Duration::from_millis(200))
+            .measurement_time(Duration::from_millis(800))
     };
     let mut criterion = times(Criterion::default()).configure_from_args();
     imports(&mut criterion);

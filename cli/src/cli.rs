@@ -1,15 +1,19 @@
 //! The command line as `clap` sees it: every command, and the options all of them have.
 
 use crate::commands::{
-    bench, build, compare, completions, extract, info, man, pack, render, shaders, strips, unpack, verify,
+    bench, build, compare, completions, extract, info, man, pack, render, shaders, strips, unpack,
+    verify,
 };
 use clap::{Args, Parser, Subcommand};
 
-/// Continuous level of detail: every level between a full mesh and a single point, in one verified file.
+/// Continuous level of detail: every level between a full mesh and a single point, in one verified
+/// file.
 #[derive(Debug, Parser)]
 #[command(name = "lodc", version, propagate_version = true, arg_required_else_help = true)]
-#[command(after_help = "Exit status: 0 done, 1 a check found a difference, 2 wrong usage, 3 bad input, 4 output not \
-                        written, 5 a limit was reached, 6 no usable GPU, 70 a bug.")]
+#[command(
+    after_help = "Exit status: 0 done, 1 a check found a difference, 2 wrong usage, 3 bad input, 4 output not \
+                        written, 5 a limit was reached, 6 no usable GPU, 70 a bug."
+)]
 pub(crate) struct Cli {
     #[command(subcommand)]
     pub(crate) command: Command,

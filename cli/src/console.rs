@@ -17,7 +17,8 @@ pub(crate) enum Loudness {
     Verbose,
 }
 
-// Set once at the start; a global because warnings arise everywhere and there is one standard error.
+// Set once at the start; a global because warnings arise everywhere and there is one standard
+// error.
 static LOUDNESS: AtomicU8 = AtomicU8::new(Loudness::Normal as u8);
 
 /// Chooses how much is said.
@@ -77,11 +78,13 @@ pub(crate) fn result(text: &str) -> Outcome<()> {
 /// # Errors
 /// If standard output cannot be written.
 pub(crate) fn json(document: &impl serde::Serialize) -> Outcome<()> {
-    let text = serde_json::to_string_pretty(document).expect("report structs have string keys and finite numbers");
+    let text = serde_json::to_string_pretty(document)
+        .expect("report structs have string keys and finite numbers");
     result(&text)
 }
 
-/// Writes an output file's bytes to standard output. Here a closed pipe is a failure: the reader got half a file.
+/// Writes an output file's bytes to standard output. Here a closed pipe is a failure: the reader
+/// got half a file.
 ///
 /// # Errors
 /// If not all bytes could be written.

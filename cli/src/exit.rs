@@ -62,7 +62,9 @@ pub(crate) fn one_line(text: &str) -> String {
 impl From<FormatError> for Failure {
     fn from(error: FormatError) -> Self {
         let status = match error.fault {
-            Fault::Unreadable | Fault::Malformed | Fault::Unsupported | Fault::Forbidden => Status::Input,
+            Fault::Unreadable | Fault::Malformed | Fault::Unsupported | Fault::Forbidden => {
+                Status::Input
+            }
             Fault::Limit => Status::Limit,
             Fault::NotWritten => Status::Output,
         };

@@ -40,7 +40,8 @@ pub(crate) fn open(_: Option<&str>) -> Result<Device, Failure> {
 #[cfg(feature = "gpu")]
 pub(crate) fn failure(error: &lodc_gpu::GpuError) -> Failure {
     use lodc_gpu::GpuError;
-    let status = if matches!(error, GpuError::Limit { .. }) { Status::Limit } else { Status::NoGpu };
+    let status =
+        if matches!(error, GpuError::Limit { .. }) { Status::Limit } else { Status::NoGpu };
     Failure::new(status, error.to_string())
 }
 
@@ -52,7 +53,9 @@ mod tests {
     #[test]
     fn without_the_feature_it_is_said_so_with_status_6() {
         let Err(refused) = open(None);
-        assert!(refused.status == Status::NoGpu && refused.message.contains("without the feature gpu"));
+        assert!(
+            refused.status == Status::NoGpu && refused.message.contains("without the feature gpu")
+        );
     }
 
     #[cfg(feature = "gpu")]

@@ -17,7 +17,9 @@ pub(crate) fn committing() -> MutexGuard<'static, ()> {
 pub(crate) fn install() -> Outcome<()> {
     ctrlc::set_handler(|| {
         let _whole = committing();
-        crate::console::error(&"interrupted; files already complete were kept, nothing partial was left");
+        crate::console::error(
+            &"interrupted; files already complete were kept, nothing partial was left",
+        );
         std::process::exit(130);
     })
     .map_err(|e| Failure::new(Status::Bug, format!("no handler for interruptions: {e}")))

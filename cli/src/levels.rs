@@ -30,16 +30,23 @@ impl ModelName {
 
 /// The kinds that were asked for, in the order of files; all if none was named.
 pub(crate) fn chosen(names: &[ModelName]) -> Vec<ModelKind> {
-    let wanted = |kind: &ModelKind| names.is_empty() || names.iter().any(|name| name.kind() == *kind);
+    let wanted =
+        |kind: &ModelKind| names.is_empty() || names.iter().any(|name| name.kind() == *kind);
     ModelKind::ALL.into_iter().filter(wanted).collect()
 }
 
 /// The models of an object, in the order of `kinds`.
 ///
 /// # Errors
-/// If a model cannot be made of the sequence: a bug, since every sequence that a simplifier makes can be modelled.
-pub(crate) fn models(strips: &mut StripPool<'_>, kinds: &[ModelKind]) -> Result<Vec<AnyModel>, String> {
-    let mut build = |&kind: &ModelKind| AnyModel::build(kind, strips).map_err(|e| format!("{}: {e}", kind.name()));
+/// If a model cannot be made of the sequence: a bug, since every sequence that a simplifier makes
+/// can be modelled.
+pub(crate) fn models(
+    strips: &mut StripPool<'_>,
+    kinds: &[ModelKind],
+) -> Result<Vec<AnyModel>, String> {
+    let mut build = |&kind: &ModelKind| {
+        AnyModel::build(kind, strips).map_err(|e| format!("{}: {e}", kind.name()))
+    };
     kinds.iter().map(&mut build).collect()
 }
 
@@ -58,7 +65,8 @@ pub(crate) fn self_check(object: &LodObject) -> Result<(), String> {
     let positions = PositionIds::new(simplified.mesh().positions());
     let mut cursors: Vec<_> = object.models.iter().map(AnyModel::cursor).collect();
     for lod in stops {
-        let reference: TriangleHash = simplified.triangles_at_with(lod, &positions).into_iter().collect();
+        let reference: TriangleHash =
+            simplified.triangles_at_with(lod, &positions).into_iter().collect();
         for (model, cursor) in object.models.iter().zip(&mut cursors) {
             model.seek(cursor, lod, &mut ());
             if model.triangles(cursor).into_iter().collect::<TriangleHash>() != reference {
@@ -75,7 +83,11 @@ pub(crate) fn self_check(object: &LodObject) -> Result<(), String> {
 }
 
 /// The triangles of an object at a LOD, by a model or, without one, by the reference.
-pub(crate) fn triangles(object: &LodObject, model: Option<ModelKind>, lod: Lod) -> Vec<OrientedTriangle> {
+pub(crate) fn triangles(
+    object: &LodObject,
+    model: Option<ModelKind>,
+    lod: Lod,
+) -> Vec<OrientedTriangle> {
     match object.models.iter().find(|m| Some(m.kind()) == model) {
         Some(model) => model.triangles_at(lod),
         None => object.simplified.triangles_at(lod),
@@ -101,7 +113,8 @@ pub(crate) fn table(collapses: &CollapseSequence) -> Vec<Lod> {
     let triangles = f64::from(collapses.parts().triangles);
     let wanted = TABLE.iter().map(|share| collapses.lod_for_triangles((share * triangles) as u32));
     let visible = collapses.last_visible();
-    let mut lods: Vec<Lod> = std::iter::once(Lod(0)).chain(wanted.map(|l| l.min(visible))).chain([visible]).collect();
+    let mut lods: Vec<Lod> =
+        std::iter::once(Lod(0)).chain(wanted.map(|l| l.min(visible))).chain([visible]).collect();
     lods.sort_unstable();
     lods.dedup();
     lods

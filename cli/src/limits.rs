@@ -25,7 +25,11 @@ pub(crate) struct ImportArgs {
 
 impl ImportArgs {
     pub(crate) fn options(&self) -> ImportOptions {
-        ImportOptions { limits: self.limits.limits(), allowed: self.allow_path.clone(), weld: self.weld }
+        ImportOptions {
+            limits: self.limits.limits(),
+            allowed: self.allow_path.clone(),
+            weld: self.weld,
+        }
     }
     pub(crate) fn limits(&self) -> &LimitArgs {
         &self.limits
@@ -69,7 +73,8 @@ impl LimitArgs {
         }
     }
 
-    /// Refuses a mesh whose simplification would not fit into memory, before the system kills the process for it.
+    /// Refuses a mesh whose simplification would not fit into memory, before the system kills the
+    /// process for it.
     ///
     /// # Errors
     /// If more is needed than there is, or than `--limit-memory` allows.
@@ -92,18 +97,23 @@ impl LimitArgs {
 
 fn weld(text: &str) -> Result<f64, String> {
     let value: f64 = text.parse().map_err(|e| format!("{e}"))?;
-    if (0.0..1.0).contains(&value) { Ok(value) } else { Err("a share of the diagonal, from 0 to below 1".to_owned()) }
+    if (0.0..1.0).contains(&value) {
+        Ok(value)
+    } else {
+        Err("a share of the diagonal, from 0 to below 1".to_owned())
+    }
 }
 
 /// A count or size with an optional power of 1024: `123`, `64K`, `2G`.
 fn size(text: &str) -> Result<u64, String> {
-    let (digits, shift) = match text.char_indices().next_back().map(|(i, c)| (i, c.to_ascii_uppercase())) {
-        Some((i, 'K')) => (&text[..i], 10),
-        Some((i, 'M')) => (&text[..i], 20),
-        Some((i, 'G')) => (&text[..i], 30),
-        Some((i, 'T')) => (&text[..i], 40),
-        _ => (text, 0),
-    };
+    let (digits, shift) =
+        match text.char_indices().next_back().map(|(i, c)| (i, c.to_ascii_uppercase())) {
+            Some((i, 'K')) => (&text[..i], 10),
+            Some((i, 'M')) => (&text[..i], 20),
+            Some((i, 'G')) => (&text[..i], 30),
+            Some((i, 'T')) => (&text[..i], 40),
+            _ => (text, 0),
+        };
     let number: u64 = digits.parse().map_err(|e| format!("{e}"))?;
     number.checked_mul(1 << shift).ok_or_else(|| "too large".to_owned())
 }

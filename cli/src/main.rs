@@ -1,4 +1,5 @@
-//! The `lodc` program: commands to functions, results to exit statuses. Everything else is in the libraries.
+//! The `lodc` program: commands to functions, results to exit statuses. Everything else is in the
+//! libraries.
 
 mod cli;
 mod commands;
@@ -19,7 +20,10 @@ mod text;
 
 use clap::Parser;
 use cli::{Cli, Command};
-use commands::{bench, build, compare, completions, extract, info, man, pack, render, shaders, strips, unpack, verify};
+use commands::{
+    bench, build, compare, completions, extract, info, man, pack, render, shaders, strips, unpack,
+    verify,
+};
 use console::Loudness;
 use exit::{Outcome, Status};
 use std::panic;
@@ -69,9 +73,13 @@ fn run() -> Status {
 
 /// One line instead of a back-trace. The work itself is caught further up, with status 70.
 fn report_panic(info: &panic::PanicHookInfo<'_>) {
-    let place = info.location().map(|l| format!(" at {}:{}", l.file(), l.line())).unwrap_or_default();
+    let place =
+        info.location().map(|l| format!(" at {}:{}", l.file(), l.line())).unwrap_or_default();
     let payload = info.payload();
-    let text = payload.downcast_ref::<&str>().copied().or(payload.downcast_ref::<String>().map(String::as_str));
+    let text = payload
+        .downcast_ref::<&str>()
+        .copied()
+        .or(payload.downcast_ref::<String>().map(String::as_str));
     let what = exit::one_line(text.unwrap_or("no reason given"));
     console::error(&format_args!(
         "internal error{place}: {what}; this is a bug of lodc {}: please report it with the input",

@@ -1,4 +1,5 @@
-//! How much memory the process has used and the machine has. Measurements: never part of an output file.
+//! How much memory the process has used and the machine has. Measurements: never part of an output
+//! file.
 
 use std::fs;
 
@@ -15,7 +16,8 @@ pub(crate) fn peak_bytes() -> u64 {
 /// Bytes of memory that this process may use: the machine's, or less if its control group says so.
 pub(crate) fn available_bytes() -> Option<u64> {
     let machine = kibibytes("/proc/meminfo", "MemTotal:");
-    let group = fs::read_to_string("/sys/fs/cgroup/memory.max").ok().and_then(|t| t.trim().parse().ok());
+    let group =
+        fs::read_to_string("/sys/fs/cgroup/memory.max").ok().and_then(|t| t.trim().parse().ok());
     machine.into_iter().chain(group).min()
 }
 

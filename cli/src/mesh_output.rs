@@ -56,10 +56,14 @@ impl Wanted<'_> {
                 return Err(Failure::usage("the mesh and the JSON do not fit one standard output"));
             }
             if format == FormatName::Gltf {
-                return Err(Failure::usage("a .gltf has a .bin beside it: write .glb to standard output instead"));
+                return Err(Failure::usage(
+                    "a .gltf has a .bin beside it: write .glb to standard output instead",
+                ));
             }
             if self.depfile.is_some() {
-                return Err(Failure::usage("a dependency file needs an output file, not standard output"));
+                return Err(Failure::usage(
+                    "a dependency file needs an output file, not standard output",
+                ));
             }
             return Ok((Target::Stdout, format));
         }
@@ -83,7 +87,8 @@ impl Wanted<'_> {
         if let Some(format) = self.format {
             return Ok(format);
         }
-        let extension = self.output.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+        let extension =
+            self.output.extension().unwrap_or_default().to_string_lossy().to_lowercase();
         FormatName::from_str(&extension, true).map_err(|_| {
             Failure::usage(format!(
                 "{}: the extension names no known format: use .glb, .gltf, .obj or .ply, or say --format",
@@ -118,6 +123,8 @@ pub(crate) fn write(target: &Target, files: Vec<OutputFile>) -> Outcome<()> {
     match target {
         Target::File(_) => output::commit(&files),
         // Standard output takes the mesh; what stands beside it (an MTL) has no place there.
-        Target::Stdout => files.into_iter().next().map_or(Ok(()), |first| console::bytes(&first.bytes)),
+        Target::Stdout => {
+            files.into_iter().next().map_or(Ok(()), |first| console::bytes(&first.bytes))
+        }
     }
 }

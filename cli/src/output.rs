@@ -30,22 +30,31 @@ pub(crate) fn is_stream(path: &Path) -> bool {
     path.as_os_str() == "-"
 }
 
-/// Where each input's result goes. `out` is a file for one input, a folder for several or if it is one already (or ends
-/// with a slash); without it results stand beside the inputs.
+/// Where each input's result goes. `out` is a file for one input, a folder for several or if it is
+/// one already (or ends with a slash); without it results stand beside the inputs.
 ///
 /// # Errors
 /// If two results would have one name, or a result would replace an input.
-pub(crate) fn targets(inputs: &[PathBuf], out: Option<&Path>, extension: &str) -> Outcome<Vec<Target>> {
+pub(crate) fn targets(
+    inputs: &[PathBuf],
+    out: Option<&Path>,
+    extension: &str,
+) -> Outcome<Vec<Target>> {
     let targets: Vec<Target> = match out {
         Some(out) if is_stream(out) => {
             if inputs.len() > 1 {
-                return Err(Failure::usage("several results do not fit one standard output: name a folder"));
+                return Err(Failure::usage(
+                    "several results do not fit one standard output: name a folder",
+                ));
             }
             vec![Target::Stdout; inputs.len()]
         }
         Some(out) if inputs.len() > 1 || is_folder(out) => {
             if out.exists() && !out.is_dir() {
-                return Err(Failure::usage(format!("{}: several inputs need a folder, this is a file", out.display())));
+                return Err(Failure::usage(format!(
+                    "{}: several inputs need a folder, this is a file",
+                    out.display()
+                )));
             }
             // `.` would only make names longer.
             let out = if out == Path::new(".") { Path::new("") } else { out };
@@ -53,9 +62,14 @@ pub(crate) fn targets(inputs: &[PathBuf], out: Option<&Path>, extension: &str) -
         }
         Some(out) => vec![Target::File(out.to_owned())],
         None if inputs.iter().any(|input| is_stream(input)) => {
-            return Err(Failure::usage("standard input has no place beside it: name the output with -o"));
+            return Err(Failure::usage(
+                "standard input has no place beside it: name the output with -o",
+            ));
         }
-        None => inputs.iter().map(|input| Target::File(input.with_file_name(named(input, extension)))).collect(),
+        None => inputs
+            .iter()
+            .map(|input| Target::File(input.with_file_name(named(input, extension))))
+            .collect(),
     };
     let mut taken = BTreeMap::new();
     for (target, input) in targets.iter().zip(inputs) {
@@ -68,8 +82,13 @@ pub(crate) fn targets(inputs: &[PathBuf], out: Option<&Path>, extension: &str) -
                 input.display()
             )));
         }
-        if let Some(input) = inputs.iter().find(|input| !is_stream(input) && place(input) == place(path)) {
-            return Err(Failure::usage(format!("{}: the output would replace the input", input.display())));
+        if let Some(input) =
+            inputs.iter().find(|input| !is_stream(input) && place(input) == place(path))
+        {
+            return Err(Failure::usage(format!(
+                "{}: the output would replace the input",
+                input.display()
+            )));
         }
     }
     Ok(targets)
@@ -82,7 +101,11 @@ pub(crate) fn is_folder(out: &Path) -> bool {
 
 /// The name of a result for an input.
 pub(crate) fn named(input: &Path, extension: &str) -> PathBuf {
-    let stem = if is_stream(input) { "stdin".into() } else { input.file_stem().unwrap_or_default().to_owned() };
+    let stem = if is_stream(input) {
+        "stdin".into()
+    } else {
+        input.file_stem().unwrap_or_default().to_owned()
+    };
     // Not `with_extension`: a stem such as `part.v2` keeps its dot.
     let mut name = stem;
     name.push(".");
@@ -90,7 +113,8 @@ pub(crate) fn named(input: &Path, extension: &str) -> PathBuf {
     name.into()
 }
 
-/// The identity of a path: its folder as the system knows it, and its name. Good enough for files that do not exist.
+/// The identity of a path: its folder as the system knows it, and its name. Good enough for files
+/// that do not exist.
 fn place(path: &Path) -> PathBuf {
     if let Ok(whole) = path.canonicalize() {
         return whole;
@@ -136,8 +160,8 @@ fn not_written(path: &Path, why: &str) -> Failure {
 /// # Errors
 /// If one cannot be written.
 pub(crate) fn commit(files: &[OutputFile]) -> Outcome<()> {
-    // Opening a pipe that nobody reads waits for ever, so there an interruption must get through; it leaves nothing
-    // behind either, since pipes and devices are written to directly.
+    // Opening a pipe that nobody reads waits for ever, so there an interruption must get through;
+    // it leaves nothing behind either, since pipes and devices are written to directly.
     let special = |f: &OutputFile| f.path.metadata().is_ok_and(|m| !m.is_file());
     let _whole = (!files.iter().any(special)).then(interrupt::committing);
     Ok(write_all(files)?)

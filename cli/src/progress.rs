@@ -17,7 +17,9 @@ impl Progress {
         }
         let bar = ProgressBar::with_draw_target(Some(1), ProgressDrawTarget::stderr_with_hz(10));
         // No colours at all, so NO_COLOR has nothing to switch off.
-        let style = ProgressStyle::with_template("{prefix} {msg:<9} {bar:30} {percent:>3} % {elapsed} (left: {eta})");
+        let style = ProgressStyle::with_template(
+            "{prefix} {msg:<9} {bar:30} {percent:>3} % {elapsed} (left: {eta})",
+        );
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
         bar.set_prefix(input.to_owned());
         bar.enable_steady_tick(Duration::from_millis(200));

@@ -1,4 +1,5 @@
-//! The JSON documents. Their keys are a contract with scripts (docs/CLI.md): more may be added, none may change.
+//! The JSON documents. Their keys are a contract with scripts (docs/CLI.md): more may be added,
+//! none may change.
 
 use serde::Serialize;
 
@@ -251,7 +252,8 @@ pub(crate) struct CheckReport {
     pub(crate) adapter: Option<String>,
     /// LODs compared.
     pub(crate) lods: u64,
-    /// LODs of these at which whole meshes were compared triangle by triangle, not only their hashes.
+    /// LODs of these at which whole meshes were compared triangle by triangle, not only their
+    /// hashes.
     pub(crate) full: u64,
     /// Null if the check was skipped.
     pub(crate) ok: Option<bool>,

@@ -26,7 +26,8 @@ struct TargetArgs {
     /// The finest LOD with at most N triangles
     #[arg(long, value_name = "N")]
     triangles: Option<u64>,
-    /// The coarsest LOD whose error is at most E, in the mesh's units (E%: of the bounding box's diagonal)
+    /// The coarsest LOD whose error is at most E, in the mesh's units (E%: of the bounding box's
+    /// diagonal)
     #[arg(long, value_name = "E", value_parser = bound)]
     error: Option<Target>,
 }
@@ -52,7 +53,10 @@ impl OptionalSelector {
 
 impl FromArgMatches for OptionalSelector {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
-        Ok(Self { target: TargetArgs::from_arg_matches(matches)?, per_object: matches.get_flag("per_object") })
+        Ok(Self {
+            target: TargetArgs::from_arg_matches(matches)?,
+            per_object: matches.get_flag("per_object"),
+        })
     }
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
         *self = Self::from_arg_matches(matches)?;
@@ -123,11 +127,16 @@ pub(crate) struct Selection {
     pub(crate) warnings: Vec<String>,
 }
 
-/// Chooses one LOD per object. Several objects are met by one threshold in world units, unless `per_object`.
+/// Chooses one LOD per object. Several objects are met by one threshold in world units, unless
+/// `per_object`.
 ///
 /// # Errors
 /// If a record number is asked of several objects at once.
-pub(crate) fn select(objects: &[Candidate<'_>], target: Target, per_object: bool) -> Outcome<Selection> {
+pub(crate) fn select(
+    objects: &[Candidate<'_>],
+    target: Target,
+    per_object: bool,
+) -> Outcome<Selection> {
     let mut chosen = Selection::default();
     if objects.len() <= 1 || per_object {
         for object in objects {
@@ -166,7 +175,10 @@ fn alone(object: &Candidate<'_>, target: Target, warnings: &mut Vec<String>) -> 
     };
     let visible = c.last_visible();
     if wanted > visible {
-        warnings.push(format!("{}: stopped at LOD {}, the last that has a triangle", object.name, visible.0));
+        warnings.push(format!(
+            "{}: stopped at LOD {}, the last that has a triangle",
+            object.name, visible.0
+        ));
     }
     wanted.min(visible)
 }
@@ -189,8 +201,8 @@ fn together(objects: &[Candidate<'_>], target: Target, chosen: &mut Selection) -
     Ok(())
 }
 
-/// The diagonal that percentages refer to: an object's own for one object, that of the largest as the scene shows it for
-/// several.
+/// The diagonal that percentages refer to: an object's own for one object, that of the largest as
+/// the scene shows it for several.
 pub(crate) fn scene_diagonal(objects: &[Candidate<'_>]) -> f64 {
     match objects {
         [one] => one.diagonal,
@@ -209,10 +221,13 @@ fn within_error(objects: &[Candidate<'_>], error: f64, chosen: &mut Selection) {
     warn_of_stopped(stopped, objects.len(), chosen);
 }
 
-/// The finest state of the scene, walking the steps of all objects in order of their world error, that has at most
-/// `budget` triangles. Among steps of one error, those of earlier objects come first.
+/// The finest state of the scene, walking the steps of all objects in order of their world error,
+/// that has at most `budget` triangles. Among steps of one error, those of earlier objects come
+/// first.
 fn within_triangles(objects: &[Candidate<'_>], budget: u64, chosen: &mut Selection) {
-    let at = |error: Option<f64>| -> Vec<Lod> { objects.iter().map(|o| visible_lod(o, error)).collect() };
+    let at = |error: Option<f64>| -> Vec<Lod> {
+        objects.iter().map(|o| visible_lod(o, error)).collect()
+    };
     let total = |lods: &[Lod]| -> u64 {
         objects.iter().zip(lods).map(|(o, &lod)| u64::from(o.collapses.triangles_at(lod))).sum()
     };
@@ -220,11 +235,16 @@ fn within_triangles(objects: &[Candidate<'_>], budget: u64, chosen: &mut Selecti
     if total(&chosen.lods) <= budget {
         return;
     }
-    // Non-negative floats sort like their bits, so the smallest sufficient error is found in 64 halvings.
+    // Non-negative floats sort like their bits, so the smallest sufficient error is found in 64
+    // halvings.
     let (mut low, mut high) = (0, f64::INFINITY.to_bits());
     while low < high {
         let middle = low + (high - low) / 2;
-        if total(&at(Some(f64::from_bits(middle)))) <= budget { high = middle } else { low = middle + 1 }
+        if total(&at(Some(f64::from_bits(middle)))) <= budget {
+            high = middle
+        } else {
+            low = middle + 1
+        }
     }
     let error = f64::from_bits(low);
     chosen.lods = at((low > 0).then(|| f64::from_bits(low - 1)));
@@ -234,7 +254,9 @@ fn within_triangles(objects: &[Candidate<'_>], budget: u64, chosen: &mut Selecti
             break;
         }
         let live = u64::from(o.collapses.triangles_at(chosen.lods[lod]));
-        let enough = o.collapses.lod_for_triangles(u32::try_from(live.saturating_sub(excess)).unwrap_or(u32::MAX));
+        let enough = o
+            .collapses
+            .lod_for_triangles(u32::try_from(live.saturating_sub(excess)).unwrap_or(u32::MAX));
         chosen.lods[lod] = enough.min(visible_lod(o, Some(error)));
     }
     let left = total(&chosen.lods);
@@ -254,11 +276,14 @@ fn within_triangles(objects: &[Candidate<'_>], budget: u64, chosen: &mut Selecti
 
 fn warn_of_stopped(stopped: usize, of: usize, chosen: &mut Selection) {
     if stopped > 0 {
-        chosen.warnings.push(format!("{stopped} of {of} objects stopped at their last LOD that has a triangle"));
+        chosen.warnings.push(format!(
+            "{stopped} of {of} objects stopped at their last LOD that has a triangle"
+        ));
     }
 }
 
-/// The coarsest LOD of an object whose world error is at most `error` and that is still visible; LOD 0 without a bound.
+/// The coarsest LOD of an object whose world error is at most `error` and that is still visible;
+/// LOD 0 without a bound.
 fn visible_lod(o: &Candidate<'_>, error: Option<f64>) -> Lod {
     let Some(error) = error else { return Lod(0) };
     let parts = o.collapses.parts();
@@ -277,11 +302,13 @@ fn scale(o: &Candidate<'_>) -> f64 {
 }
 
 fn share(ratio: f64, triangles: u64) -> u32 {
-    // Counts stay below 2^53, where f64 is exact; the cast truncates, which is the floor of the contract.
+    // Counts stay below 2^53, where f64 is exact; the cast truncates, which is the floor of the
+    // contract.
     (ratio * triangles as f64) as u32
 }
 
-/// An error as the number that its shortest decimal form stands for: what reports print and people type.
+/// An error as the number that its shortest decimal form stands for: what reports print and people
+/// type.
 pub(crate) fn decimal(error: f32) -> f64 {
     error.to_string().parse().unwrap_or_else(|_| f64::from(error))
 }
@@ -295,7 +322,11 @@ fn threshold(error: f64) -> f32 {
 /// A share from 0 to 1.
 pub(crate) fn ratio(text: &str) -> Result<f64, String> {
     let value: f64 = text.parse().map_err(|e| format!("{e}"))?;
-    if (0.0..=1.0).contains(&value) { Ok(value) } else { Err("a share from 0 to 1, for example 0.25".to_owned()) }
+    if (0.0..=1.0).contains(&value) {
+        Ok(value)
+    } else {
+        Err("a share from 0 to 1, for example 0.25".to_owned())
+    }
 }
 
 fn bound(text: &str) -> Result<Target, String> {

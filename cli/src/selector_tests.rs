@@ -43,7 +43,9 @@ fn one_object_is_met_as_the_contract_says() {
 fn an_object_with_triangles_never_comes_back_empty_except_by_record() {
     let c = sequence(10, &[(0.1, 8), (0.4, 2), (0.8, 0)]);
     let o = [object(&c, 1.0)];
-    for target in [Target::Ratio(0.0), Target::Triangles(0), Target::Triangles(1), Target::Error(9.0)] {
+    for target in
+        [Target::Ratio(0.0), Target::Triangles(0), Target::Triangles(1), Target::Error(9.0)]
+    {
         let chosen = select(&o, target, false).expect("a target that fits");
         assert_eq!(chosen.lods, [Lod(2)], "{target:?}");
         assert_eq!(chosen.warnings.len(), 1, "{target:?}");

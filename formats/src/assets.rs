@@ -17,11 +17,17 @@ pub struct Assets {
 }
 
 impl Assets {
-    /// An asset whose main file is `main`, or standard input if that is `-` (which then has no folder of its own).
-    /// `allowed` are further folders that may be read.
+    /// An asset whose main file is `main`, or standard input if that is `-` (which then has no
+    /// folder of its own). `allowed` are further folders that may be read.
     #[must_use]
     pub fn new(main: &Path, allowed: &[PathBuf], limits: Limits) -> Self {
-        Self { main: main.to_owned(), allowed: allowed.to_owned(), limits, total: 0, read: Vec::new() }
+        Self {
+            main: main.to_owned(),
+            allowed: allowed.to_owned(),
+            limits,
+            total: 0,
+            read: Vec::new(),
+        }
     }
     /// The limits in force.
     #[must_use]
@@ -64,12 +70,13 @@ impl Assets {
         self.read_file(&path, path.clone()).map_err(|e| e.in_file(&name))
     }
 
-    /// Reads a file that the asset refers to by a path relative to its folder (percent-decoding is the caller's).
+    /// Reads a file that the asset refers to by a path relative to its folder (percent-decoding is
+    /// the caller's).
     ///
     /// # Errors
-    /// [`Fault::Forbidden`] if the reference has a scheme or a NUL, or leads out of the allowed folders, be it by name
-    /// or through a symbolic link; else if the file is not there, not a regular file, or too large. The error names
-    /// the reference as its file.
+    /// [`Fault::Forbidden`] if the reference has a scheme or a NUL, or leads out of the allowed
+    /// folders, be it by name or through a symbolic link; else if the file is not there, not a
+    /// regular file, or too large. The error names the reference as its file.
     pub fn read_reference(&mut self, reference: &str) -> Result<Vec<u8>, FormatError> {
         let (real, named) = self.resolve(reference).map_err(|e| e.in_file(reference))?;
         self.read_file(&real, named).map_err(|e| e.in_file(reference))
@@ -82,26 +89,35 @@ impl Assets {
             return forbidden("a file name cannot contain NUL");
         }
         if has_scheme(reference) {
-            return forbidden("only files beside the asset are read, never an address with a scheme or drive");
+            return forbidden(
+                "only files beside the asset are read, never an address with a scheme or drive",
+            );
         }
         let relative = Path::new(reference);
         if relative.file_name().is_none() {
             return Err(FormatError::new(Fault::Unreadable, "", "does not name a file"));
         }
         if self.is_stdin() && relative.is_relative() {
-            return forbidden("what comes from standard input has no folder to read other files from");
+            return forbidden(
+                "what comes from standard input has no folder to read other files from",
+            );
         }
         let folder = match self.main.parent() {
             Some(parent) if parent != Path::new("") => parent,
             _ => Path::new("."),
         };
         let own = if self.is_stdin() { None } else { folder.canonicalize().ok() };
-        let roots: Vec<PathBuf> =
-            own.iter().cloned().chain(self.allowed.iter().filter_map(|a| a.canonicalize().ok())).collect();
+        let roots: Vec<PathBuf> = own
+            .iter()
+            .cloned()
+            .chain(self.allowed.iter().filter_map(|a| a.canonicalize().ok()))
+            .collect();
         let inside = |path: &Path| roots.iter().any(|root| path.starts_with(root));
-        let outside = "leads out of the asset's own folder (--allow-path FOLDER permits another one)";
+        let outside =
+            "leads out of the asset's own folder (--allow-path FOLDER permits another one)";
 
-        // By name first, so that not even the existence of anything outside is asked about; then by what it really is.
+        // By name first, so that not even the existence of anything outside is asked about; then by
+        // what it really is.
         let absolute = own.unwrap_or_default().join(relative);
         if !normalised(&absolute).is_some_and(|path| inside(&path)) {
             return forbidden(outside);
@@ -110,12 +126,14 @@ impl Assets {
         if !inside(&real) {
             return forbidden(outside);
         }
-        let named = if folder == Path::new(".") { relative.to_owned() } else { folder.join(relative) };
+        let named =
+            if folder == Path::new(".") { relative.to_owned() } else { folder.join(relative) };
         Ok((real, named))
     }
 
     fn read_file(&mut self, path: &Path, named: PathBuf) -> Result<Vec<u8>, FormatError> {
-        // Asked before opening, because opening a FIFO waits for a writer and opening a device may do anything.
+        // Asked before opening, because opening a FIFO waits for a writer and opening a device may
+        // do anything.
         require_regular(&std::fs::metadata(path).map_err(|e| unreadable(&e))?)?;
         let mut file = open(path).map_err(|e| unreadable(&e))?;
         // Asked again of what was really opened.
@@ -144,8 +162,13 @@ impl Assets {
         FormatError::new(Fault::Limit, "", what)
     }
 
-    /// Reads to the end, but never more than there is room for: a size in a directory is only a hint.
-    fn read_bounded(&mut self, source: &mut dyn Read, expected: u64) -> Result<Vec<u8>, FormatError> {
+    /// Reads to the end, but never more than there is room for: a size in a directory is only a
+    /// hint.
+    fn read_bounded(
+        &mut self,
+        source: &mut dyn Read,
+        expected: u64,
+    ) -> Result<Vec<u8>, FormatError> {
         let room = self.room();
         let mut bytes = Vec::new();
         // One byte more than expected lets the end be seen without growing.
@@ -153,9 +176,13 @@ impl Assets {
         if bytes.try_reserve_exact(capacity).is_err() {
             return Err(FormatError::new(Fault::Limit, "", "not enough memory to read it"));
         }
-        source.take(room.saturating_add(1)).read_to_end(&mut bytes).map_err(|e| match e.kind() {
-            io::ErrorKind::OutOfMemory => FormatError::new(Fault::Limit, "", "not enough memory to read it"),
-            _ => unreadable(&e),
+        source.take(room.saturating_add(1)).read_to_end(&mut bytes).map_err(|e| {
+            match e.kind() {
+                io::ErrorKind::OutOfMemory => {
+                    FormatError::new(Fault::Limit, "", "not enough memory to read it")
+                }
+                _ => unreadable(&e),
+            }
         })?;
         if bytes.len() as u64 > room {
             return Err(self.too_large());
@@ -194,7 +221,8 @@ fn open(path: &Path) -> io::Result<File> {
     OpenOptions::new().read(true).open(path)
 }
 
-/// Whether a reference starts like `http:`, `file:`, `data:` or `C:` (RFC 3986, 3.1; a drive letter looks the same).
+/// Whether a reference starts like `http:`, `file:`, `data:` or `C:` (RFC 3986, 3.1; a drive letter
+/// looks the same).
 fn has_scheme(reference: &str) -> bool {
     reference.split_once(':').is_some_and(|(scheme, _)| {
         scheme.starts_with(|c: char| c.is_ascii_alphabetic())

@@ -1,7 +1,7 @@
 //! Every foreign byte of lodc: meshes in and out, the `.lodc` container and the `.lods` stream.
 //!
-//! Nothing outside this package parses or writes files. It knows no model by name: models list their arrays
-//! (`lodc_lod::any`), this package lays them out.
+//! Nothing outside this package parses or writes files. It knows no model by name: models list
+//! their arrays (`lodc_lod::any`), this package lays them out.
 
 pub mod appearance;
 mod assets;
@@ -22,6 +22,7 @@ pub use assets::Assets;
 pub use error::{Fault, FormatError};
 pub use limits::Limits;
 pub use scene::{
-    Document, GltfDocument, ObjDocument, ObjMaterial, ObjectInfo, Scene, SceneObject, Source, SourceFormat, SubmeshInfo,
+    Document, GltfDocument, ObjDocument, ObjMaterial, ObjectInfo, Scene, SceneObject, Source,
+    SourceFormat, SubmeshInfo,
 };
 pub use write::{OutputFile, write_all};

@@ -6,7 +6,8 @@ use serde_json::Value;
 pub(crate) type Matrix = [f64; 16];
 
 /// Nothing moves.
-pub(crate) const IDENTITY: Matrix = [1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1.];
+pub(crate) const IDENTITY: Matrix =
+    [1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1.];
 
 /// An index into one of the document's lists.
 pub(crate) fn as_index(value: &Value) -> Option<usize> {
@@ -23,7 +24,9 @@ pub(crate) fn roots(json: &Value, nodes: &[Value]) -> Vec<usize> {
         return Vec::new();
     }
     let mut is_child = vec![false; nodes.len()];
-    for child in nodes.iter().filter_map(|n| n["children"].as_array()).flatten().filter_map(as_index) {
+    for child in
+        nodes.iter().filter_map(|n| n["children"].as_array()).flatten().filter_map(as_index)
+    {
         if let Some(c) = is_child.get_mut(child) {
             *c = true;
         }

@@ -104,8 +104,9 @@ pub struct ObjMaterial {
 /// The rest of a glTF.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct GltfDocument {
-    /// The JSON document. Primitives that are objects' submeshes have no `indices` and no `attributes` or `targets`
-    /// accessors any more; everything else is as it was, its buffer views pointing into `blob` (buffer 0).
+    /// The JSON document. Primitives that are objects' submeshes have no `indices` and no
+    /// `attributes` or `targets` accessors any more; everything else is as it was, its buffer views
+    /// pointing into `blob` (buffer 0).
     pub json: String,
     /// The bytes that remaining buffer views refer to.
     pub blob: Vec<u8>,

@@ -1,8 +1,8 @@
 //! Output files appear whole or not at all.
 //!
-//! Each is written to a temporary file beside its target, synced, and renamed when all are complete. A temporary file
-//! is locked for as long as its writer lives, so a later run can tell what a killed one has left behind (and removes
-//! it) from what another is still writing.
+//! Each is written to a temporary file beside its target, synced, and renamed when all are
+//! complete. A temporary file is locked for as long as its writer lives, so a later run can tell
+//! what a killed one has left behind (and removes it) from what another is still writing.
 
 use crate::{Fault, FormatError};
 use std::fs::{self, File, OpenOptions};
@@ -20,9 +20,9 @@ pub struct OutputFile {
     pub bytes: Vec<u8>,
 }
 
-/// Writes files beside their targets, syncs them, then renames them into place, the first file last: it is the one
-/// that refers to the others. Their folders must exist. A target that is a link is replaced where it leads; one that is
-/// a device or a pipe is written to directly.
+/// Writes files beside their targets, syncs them, then renames them into place, the first file
+/// last: it is the one that refers to the others. Their folders must exist. A target that is a link
+/// is replaced where it leads; one that is a device or a pipe is written to directly.
 ///
 /// # Errors
 /// If one cannot be written; then none of the targets has changed where the system allows that.
@@ -44,7 +44,8 @@ pub fn write_all(files: &[OutputFile]) -> Result<(), FormatError> {
         done.push(next);
     }
     for folder in done.iter().filter_map(|d| d.target.parent()) {
-        // What stands there is complete either way: this only makes the new name survive a power failure.
+        // What stands there is complete either way: this only makes the new name survive a power
+        // failure.
         let _ = File::open(folder).and_then(|f| f.sync_all());
     }
     Ok(())
@@ -59,10 +60,12 @@ fn system() -> io::Result<()> {
 use tests::faults::system;
 
 fn not_written(path: &Path, error: &io::Error) -> FormatError {
-    FormatError::new(Fault::NotWritten, "", format!("cannot be written: {error}")).in_file(&path.display().to_string())
+    FormatError::new(Fault::NotWritten, "", format!("cannot be written: {error}"))
+        .in_file(&path.display().to_string())
 }
 
-/// A complete temporary file that waits for its rename. Dropping it removes the temporary files that are left.
+/// A complete temporary file that waits for its rename. Dropping it removes the temporary files
+/// that are left.
 #[derive(Debug)]
 struct Pending {
     target: PathBuf,
@@ -85,7 +88,8 @@ impl Pending {
             Ok(m) => (file.path.canonicalize()?, Some(m.permissions())),
             Err(_) => (file.path.clone(), None),
         };
-        let name = target.file_name().ok_or_else(|| io::Error::other("that is not the name of a file"))?;
+        let name =
+            target.file_name().ok_or_else(|| io::Error::other("that is not the name of a file"))?;
         let folder = match target.parent() {
             Some(p) if p != Path::new("") => p,
             _ => Path::new("."),
@@ -105,7 +109,8 @@ impl Pending {
     fn commit(&mut self, keep_old: bool) -> io::Result<()> {
         let Some(temporary) = &self.temporary else { return Ok(()) };
         if keep_old {
-            // A second name for the old file. Where there are no hard links there is no way back, which is allowed.
+            // A second name for the old file. Where there are no hard links there is no way back,
+            // which is allowed.
             let backup = temporary.path.with_extension("old");
             match system().and_then(|()| fs::hard_link(&self.target, &backup)) {
                 Ok(()) => self.backup = Some(backup),
@@ -119,11 +124,14 @@ impl Pending {
         Ok(())
     }
 
-    /// Puts back what stood at the target. Best effort: the failure that led here is the one to report.
+    /// Puts back what stood at the target. Best effort: the failure that led here is the one to
+    /// report.
     fn undo(mut self) {
         match self.backup.take() {
             Some(old) => drop(system().and_then(|()| fs::rename(old, &self.target))),
-            None if self.replaced_nothing => drop(system().and_then(|()| fs::remove_file(&self.target))),
+            None if self.replaced_nothing => {
+                drop(system().and_then(|()| fs::remove_file(&self.target)))
+            }
             None => {}
         }
     }
@@ -151,10 +159,12 @@ impl Temporary {
         loop {
             let n = NEXT.fetch_add(1, Ordering::Relaxed);
             let path = folder.join(format!("{prefix}{}-{n}.tmp", std::process::id()));
-            match system().and_then(|()| OpenOptions::new().write(true).create_new(true).open(&path)) {
+            match system()
+                .and_then(|()| OpenOptions::new().write(true).create_new(true).open(&path))
+            {
                 Ok(file) => {
-                    // Taken already: another run saw the file before it was locked and is about to remove it.
-                    // Locks not known here: then nobody removes anything either.
+                    // Taken already: another run saw the file before it was locked and is about to
+                    // remove it. Locks not known here: then nobody removes anything either.
                     if matches!(file.try_lock(), Err(fs::TryLockError::WouldBlock)) {
                         continue;
                     }
@@ -180,7 +190,8 @@ impl Drop for Temporary {
     }
 }
 
-/// Removes what killed runs left for the same target: files of our naming whose writer no longer holds the lock.
+/// Removes what killed runs left for the same target: files of our naming whose writer no longer
+/// holds the lock.
 fn remove_stale(folder: &Path, prefix: &str) {
     let Ok(entries) = fs::read_dir(folder) else { return };
     for entry in entries.flatten() {
@@ -194,8 +205,9 @@ fn remove_stale(folder: &Path, prefix: &str) {
             continue;
         }
         let path = entry.path();
-        // Held while the file goes, so that its writer, should it live, cannot take it for its own meanwhile.
-        // An old file kept for undoing has no lock itself; its writer's temporary file has.
+        // Held while the file goes, so that its writer, should it live, cannot take it for its own
+        // meanwhile. An old file kept for undoing has no lock itself; its writer's temporary file
+        // has.
         let lock = if name.ends_with(".old") { path.with_extension("tmp") } else { path.clone() };
         match File::open(lock) {
             Ok(file) if file.try_lock().is_ok() => drop(fs::remove_file(path)),

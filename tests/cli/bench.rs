@@ -1,10 +1,14 @@
-//! `lodc bench`: rows for everything, counts that can be worked out by hand, and documents that do not change.
+//! `lodc bench`: rows for everything, counts that can be worked out by hand, and documents that do
+//! not change.
 
 use crate::support::{Folder, grid, scene};
 use serde_json::Value;
 
 fn number(value: &Value, path: &str) -> f64 {
-    value.pointer(path).and_then(Value::as_f64).unwrap_or_else(|| panic!("no number at {path} in {value}"))
+    value
+        .pointer(path)
+        .and_then(Value::as_f64)
+        .unwrap_or_else(|| panic!("no number at {path} in {value}"))
 }
 
 fn measured(f: &Folder, args: &[&str]) -> Value {
@@ -17,10 +21,14 @@ fn every_row_has_its_numbers_and_they_agree_with_each_other() {
     let f = Folder::new();
     f.file("g.obj", grid(20));
     let report = measured(&f, &["g.obj"]);
-    assert_eq!((&report["schema_version"], &report["files"][0]["file"]), (&1.into(), &"g.obj".into()));
+    assert_eq!(
+        (&report["schema_version"], &report["files"][0]["file"]),
+        (&1.into(), &"g.obj".into())
+    );
     assert_eq!(number(&report, "/steps"), 0.001);
     let object = &report["files"][0]["objects"][0];
-    // 21 × 21 vertices, 800 triangles; one record fewer than vertices, and fewer than a thousand of them.
+    // 21 × 21 vertices, 800 triangles; one record fewer than vertices, and fewer than a thousand of
+    // them.
     let (v, triangles, records) = (441.0, 800.0, 440.0);
     assert_eq!((number(object, "/referenced_vertices"), number(object, "/updates")), (v, records));
     let bits = |words: f64| 32.0 * words / v;
@@ -36,25 +44,39 @@ fn every_row_has_its_numbers_and_they_agree_with_each_other() {
     near("/models/progressive_mesh/bits_per_vertex/thesis", bits(mesh + 8.0 * records));
     near("/models/progressive_mesh/bits_per_vertex/thesis_normals", bits(mesh + 14.0 * records));
     near("/models/interactive/bits_per_vertex/thesis", bits(3.0 * v + 3.0 * triangles + records));
-    near("/models/interactive/bits_per_vertex/thesis_95", bits(3.0 * v + 3.0 * triangles + 0.95 * records));
+    near(
+        "/models/interactive/bits_per_vertex/thesis_95",
+        bits(3.0 * v + 3.0 * triangles + 0.95 * records),
+    );
     near("/primitives/triangles/indices_per_triangle", 3.0);
     near("/primitives/triangles_cache/indices", 3.0 * triangles);
     near("/models/interactive/drawn/indices_per_triangle", 3.0);
     near("/models/interactive/traffic/bytes_per_update", 4.0);
     near("/models/progressive_mesh/extraction/per_progressive_mesh", 1.0);
-    assert!(object["models"]["discrete"]["extraction"].is_null() && object["models"]["discrete"]["traffic"].is_null());
+    assert!(
+        object["models"]["discrete"]["extraction"].is_null()
+            && object["models"]["discrete"]["traffic"].is_null()
+    );
     assert!(object["models"]["progressive_mesh"]["bits_per_vertex"]["file"].is_null());
     for (name, row) in object["models"].as_object().expect("rows") {
-        let (thesis, normals) =
-            (number(row, "/bits_per_vertex/thesis"), number(row, "/bits_per_vertex/thesis_normals"));
-        assert!(thesis > 0.0 && normals > thesis && number(row, "/bits_per_vertex/thesis_95") <= thesis, "{name}");
+        let (thesis, normals) = (
+            number(row, "/bits_per_vertex/thesis"),
+            number(row, "/bits_per_vertex/thesis_normals"),
+        );
+        assert!(
+            thesis > 0.0 && normals > thesis && number(row, "/bits_per_vertex/thesis_95") <= thesis,
+            "{name}"
+        );
         if row["baseline"] == false {
             assert!(number(row, "/bits_per_vertex/file") > 0.0, "{name}");
         }
         if !row["extraction"].is_null() {
             let [coarser, finer, mean] =
                 ["coarser", "finer", "mean"].map(|t| number(row, &format!("/extraction/{t}_us")));
-            assert!(coarser > 0.0 && finer > 0.0 && (mean - (coarser + finer) / 2.0).abs() < 1e-9, "{name}");
+            assert!(
+                coarser > 0.0 && finer > 0.0 && (mean - (coarser + finer) / 2.0).abs() < 1e-9,
+                "{name}"
+            );
             let jump = number(row, "/extraction/jump_us") / number(object, "/rebuild_us");
             assert!((jump - number(row, "/extraction/jump_per_rebuild")).abs() < 1e-9, "{name}");
             assert!(number(row, "/drawn/indices_per_lod") > 0.0, "{name}");
@@ -67,13 +89,18 @@ fn without_times_the_document_is_the_same_with_any_number_of_threads() {
     let f = Folder::new();
     f.file("g.obj", grid(12));
     f.file("s.gltf", scene(&[1.0, 3.0], 5));
-    let run = |jobs: &str| f.lodc(["bench", "--json", "--no-times", "--jobs", jobs, "g.obj", "s.gltf"]).ends(0).out;
+    let run = |jobs: &str| {
+        f.lodc(["bench", "--json", "--no-times", "--jobs", jobs, "g.obj", "s.gltf"]).ends(0).out
+    };
     let one = run("1");
     assert!(one == run("3"));
     let report: Value = serde_json::from_slice(&one).expect("JSON");
     assert_eq!(report["files"][1]["objects"].as_array().map(Vec::len), Some(2));
     let models = &report["files"][1]["objects"][1]["models"];
-    assert!(models["interactive"]["extraction"].is_null() && models["interactive"]["traffic"].is_object());
+    assert!(
+        models["interactive"]["extraction"].is_null()
+            && models["interactive"]["traffic"].is_object()
+    );
 }
 
 #[test]
@@ -83,22 +110,30 @@ fn streams_are_measured_where_they_are_asked_for() {
     assert!(measured(&f, &["g.obj", "--no-times"])["files"][0]["objects"][0]["stream"].is_null());
     let report = measured(&f, &["g.obj", "--streams"]);
     let stream = &report["files"][0]["objects"][0]["stream"];
-    let bits =
-        ["lossless", "lossless_strips", "packages", "packages_normals"].map(|key| number(stream, &format!("/{key}")));
+    let bits = ["lossless", "lossless_strips", "packages", "packages_normals"]
+        .map(|key| number(stream, &format!("/{key}")));
     assert!(bits.is_sorted() && bits[0] > 0.0, "{bits:?}");
     assert!(number(stream, "/quantized_strips") > 0.0);
     assert!(
-        number(stream, "/speed/decode_ms") > 0.0 && number(stream, "/speed/encode_million_triangles_per_second") > 0.0
+        number(stream, "/speed/decode_ms") > 0.0
+            && number(stream, "/speed/encode_million_triangles_per_second") > 0.0
     );
     let prefixes = stream["prefixes"].as_array().expect("prefixes");
-    assert_eq!(prefixes.iter().map(|p| number(p, "/percent")).collect::<Vec<_>>(), [1.0, 2.0, 5.0, 10.0, 25.0, 50.0]);
+    assert_eq!(
+        prefixes.iter().map(|p| number(p, "/percent")).collect::<Vec<_>>(),
+        [1.0, 2.0, 5.0, 10.0, 25.0, 50.0]
+    );
     let triangles: Vec<f64> = prefixes.iter().map(|p| number(p, "/triangles")).collect();
     assert!(triangles.is_sorted() && triangles[5] > 0.0 && triangles[5] < 1800.0, "{triangles:?}");
     let (half, bytes) = (number(&prefixes[5], "/bytes"), number(stream, "/bytes"));
     assert!((2.0 * half - bytes).abs() <= 2.0, "{half} of {bytes} bytes");
     let last = &prefixes[5];
     assert!(number(last, "/hausdorff") >= number(last, "/rms") && number(last, "/image") >= 0.0);
-    let run = || f.lodc(["bench", "--json", "--no-times", "--streams", "--effort", "fast", "g.obj"]).ends(0).out;
+    let run = || {
+        f.lodc(["bench", "--json", "--no-times", "--streams", "--effort", "fast", "g.obj"])
+            .ends(0)
+            .out
+    };
     assert!(run() == run());
 }
 
@@ -107,8 +142,8 @@ fn a_lodc_file_and_its_source_measure_the_same() {
     let f = Folder::new();
     f.file("g.obj", grid(10));
     f.lodc(["build", "g.obj", "-q", "--effort", "fast"]).ends(0);
-    let [source, file] =
-        ["g.obj", "g.lodc"].map(|name| measured(&f, &["--no-times", name])["files"][0]["objects"].clone());
+    let [source, file] = ["g.obj", "g.lodc"]
+        .map(|name| measured(&f, &["--no-times", name])["files"][0]["objects"].clone());
     assert_eq!(source, file);
     let chosen = measured(&f, &["--no-times", "--models", "interactive", "g.lodc"]);
     assert!(chosen["files"][0]["objects"][0]["models"]["interactive"].is_object());
@@ -146,7 +181,9 @@ fn people_get_tables_with_the_same_rows() {
     let f = Folder::new();
     f.file("g.obj", grid(6));
     let text = f.lodc(["bench", "--rounds", "1", "g.obj"]).ends(0).text();
-    for row in ["interactive", "progressive_mesh", "discrete", "triangles", "strips", "stripe", "cache"] {
+    for row in
+        ["interactive", "progressive_mesh", "discrete", "triangles", "strips", "stripe", "cache"]
+    {
         assert!(text.lines().any(|line| line.trim_start().starts_with(row)), "no {row} in {text}");
     }
 }
@@ -163,7 +200,10 @@ fn info_counts_the_same_baselines() {
     assert_eq!(names(info), names(bench));
     for name in names(info).expect("rows") {
         for key in ["thesis", "thesis_normals", "file"] {
-            assert_eq!(info[&name]["bits_per_vertex"][key], bench[&name]["bits_per_vertex"][key], "{name} {key}");
+            assert_eq!(
+                info[&name]["bits_per_vertex"][key], bench[&name]["bits_per_vertex"][key],
+                "{name} {key}"
+            );
         }
     }
 }
@@ -180,21 +220,32 @@ fn a_device_is_timed_in_every_model_and_its_memory_counted() {
     }
     let report = run.ends(0).json();
     let gpu = &report["files"][0]["objects"][0]["gpu"];
-    assert!(gpu["adapter"].is_string() && (gpu["clock"] == "device" || gpu["clock"] == "host"), "{gpu}");
+    assert!(
+        gpu["adapter"].is_string() && (gpu["clock"] == "device" || gpu["clock"] == "host"),
+        "{gpu}"
+    );
     for (model, cases, others) in [("speed", 1, 2), ("masking", 1, 2), ("interactive", 9, 2)] {
         let timed = gpu["models"][model].as_object().expect("cases").values();
         assert!(
-            timed.clone().all(|case| number(case, "/milliseconds") > 0.0 && number(case, "/bytes") > 0.0),
+            timed
+                .clone()
+                .all(|case| number(case, "/milliseconds") > 0.0 && number(case, "/bytes") > 0.0),
             "{model}"
         );
         let passes = timed.filter(|case| case["million_vertices_per_second"].is_number()).count();
         assert!(passes >= cases, "{model}: {passes}");
-        assert_eq!(gpu["models"][model].as_object().map(|all| all.len() - passes), Some(others), "{model}");
+        assert_eq!(
+            gpu["models"][model].as_object().map(|all| all.len() - passes),
+            Some(others),
+            "{model}"
+        );
     }
     let words = |path: &str| 441.0 * number(&gpu["words_per_vertex"], path);
     let (v, f) = (441.0, 800.0);
-    // Points, links, records and triangles, and the LODs by error; the attributes' source only if there are any.
-    let near = |found: f64, wanted: f64| assert!((found - wanted).abs() < 1e-6, "{found}, not {wanted}");
+    // Points, links, records and triangles, and the LODs by error; the attributes' source only if
+    // there are any.
+    let near =
+        |found: f64, wanted: f64| assert!((found - wanted).abs() < 1e-6, "{found}, not {wanted}");
     near(words("/interactive/view-dependent/positions"), 9.0 * v + 3.0 * f + 7168.0);
     near(words("/interactive/view-dependent/normals"), 18.0 * v + 3.0 * f + 7168.0);
     // Two copies of the records have a normal more.

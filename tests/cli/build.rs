@@ -9,7 +9,16 @@ fn a_first_call_ends_with_a_summary_and_a_hint_that_works() {
     f.file("grid.obj", grid(12));
     let run = f.lodc(["build", "grid.obj"]).ends(0);
     assert!(run.out.is_empty(), "standard output is for results");
-    for part in ["288 triangles", "169 vertices", "1 submesh", "fake", "last legal LOD", "50 %", "1 %", "KiB"] {
+    for part in [
+        "288 triangles",
+        "169 vertices",
+        "1 submesh",
+        "fake",
+        "last legal LOD",
+        "50 %",
+        "1 %",
+        "KiB",
+    ] {
         assert!(run.err.contains(part), "{part} in\n{}", run.err);
     }
     let hint = run.err.lines().find_map(|l| l.trim().strip_prefix("next: lodc ")).expect("a hint");
@@ -50,9 +59,12 @@ fn the_report_has_its_keys_and_counts_that_fit_together() {
     assert!(number("steps") <= number("records") && number("last_legal_lod") <= number("records"));
     assert!(number("peak_bytes") > 0 || !cfg!(target_os = "linux"));
     assert_eq!(number("bytes"), f.read("grid.lodc").len() as u64);
-    let stages: Vec<_> = one["stages"].as_array().expect("stages").iter().map(|s| s["name"].clone()).collect();
+    let stages: Vec<_> =
+        one["stages"].as_array().expect("stages").iter().map(|s| s["name"].clone()).collect();
     assert_eq!(stages, ["import", "simplify", "strips", "models", "check", "write"]);
-    assert!(one["stages"].as_array().expect("stages").iter().all(|s| s["seconds"].as_f64().is_some()));
+    assert!(
+        one["stages"].as_array().expect("stages").iter().all(|s| s["seconds"].as_f64().is_some())
+    );
     assert!(one["warnings"].is_array());
 }
 
@@ -62,15 +74,32 @@ fn a_bad_input_does_not_stop_the_others_and_the_worst_status_counts() {
     f.file("good.obj", grid(3));
     f.file("bad.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n");
     f.file("worse.glb", "glTF");
-    let args = ["build", "bad.obj", "good.obj", "worse.glb", "missing.obj", "-o", "out", "--report", "json"];
+    let args = [
+        "build",
+        "bad.obj",
+        "good.obj",
+        "worse.glb",
+        "missing.obj",
+        "-o",
+        "out",
+        "--report",
+        "json",
+    ];
     let run = f.lodc(args).ends(3);
     let report = run.json();
-    let statuses: Vec<_> = report["inputs"].as_array().expect("inputs").iter().map(|i| i["status"].clone()).collect();
+    let statuses: Vec<_> =
+        report["inputs"].as_array().expect("inputs").iter().map(|i| i["status"].clone()).collect();
     assert_eq!(statuses, [3, 0, 3, 3]);
-    assert!(report["inputs"][0]["error"].as_str().is_some_and(|e| e.contains("bad.obj") && e.contains("line 4")));
+    assert!(
+        report["inputs"][0]["error"]
+            .as_str()
+            .is_some_and(|e| e.contains("bad.obj") && e.contains("line 4"))
+    );
     assert_eq!(run.errors(), 3, "{}", run.err);
-    let made: Vec<_> =
-        std::fs::read_dir(f.join("out")).expect("made").map(|e| e.expect("an entry").file_name()).collect();
+    let made: Vec<_> = std::fs::read_dir(f.join("out"))
+        .expect("made")
+        .map(|e| e.expect("an entry").file_name())
+        .collect();
     assert_eq!(made, ["good.lodc"]);
 }
 
@@ -78,9 +107,13 @@ fn a_bad_input_does_not_stop_the_others_and_the_worst_status_counts() {
 fn a_limit_ends_with_5_and_says_which() {
     let f = Folder::new();
     f.file("grid.obj", grid(10));
-    for limit in
-        ["--limit-file-bytes", "--limit-total-bytes", "--limit-vertices", "--limit-triangles", "--limit-memory"]
-    {
+    for limit in [
+        "--limit-file-bytes",
+        "--limit-total-bytes",
+        "--limit-vertices",
+        "--limit-triangles",
+        "--limit-memory",
+    ] {
         let run = f.lodc(["build", "grid.obj", limit, "100"]).fails(5);
         assert!(run.err.contains("grid.obj"), "{}", run.err);
     }
@@ -111,8 +144,12 @@ fn streams_go_in_and_out() {
     let info = f.lodc_with(["info", "-", "--json"], &piped.out).ends(0).json();
     assert_eq!(info["objects"][0]["triangles"], 50);
     f.lodc_with(["verify", "-"], &piped.out).ends(0);
-    let mesh =
-        f.lodc_with(["extract", "-", "-o", "-", "--format", "obj", "--triangles", "10", "-q"], &piped.out).ends(0);
+    let mesh = f
+        .lodc_with(
+            ["extract", "-", "-o", "-", "--format", "obj", "--triangles", "10", "-q"],
+            &piped.out,
+        )
+        .ends(0);
     assert_eq!(mesh.text().lines().filter(|l| l.starts_with("f ")).count(), 10);
     let glb = f.lodc(["extract", "a.lodc", "-o", "-", "--ratio", "1"]).ends(0);
     assert_eq!(&glb.out[..4], b"glTF");

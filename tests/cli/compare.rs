@@ -21,8 +21,13 @@ fn numbers_and_exit_statuses_are_those_of_the_distance() {
     let f = Folder::new();
     f.file("a.obj", lifted(4, "0"));
     f.file("b.obj", lifted(4, "0.125"));
-    let json = f.lodc(["compare", "a.obj", "b.obj", "--json", "--views", "6", "--size", "64"]).ends(0).json();
-    for (kind, key) in [("rms", "a_to_b"), ("rms", "b_to_a"), ("hausdorff", "max"), ("hausdorff", "mean")] {
+    let json = f
+        .lodc(["compare", "a.obj", "b.obj", "--json", "--views", "6", "--size", "64"])
+        .ends(0)
+        .json();
+    for (kind, key) in
+        [("rms", "a_to_b"), ("rms", "b_to_a"), ("hausdorff", "max"), ("hausdorff", "mean")]
+    {
         let found = json[kind][key].as_f64().expect("a number");
         assert!((found - 0.125).abs() < 1e-9, "{kind} {key}: {found}");
     }
@@ -30,9 +35,21 @@ fn numbers_and_exit_statuses_are_those_of_the_distance() {
     assert!(json["image"]["silhouette"].as_f64().is_some_and(|s| s > 0.0 && s < 1.0));
     for (limit, status) in [("0.13", 0), ("0.12", 1)] {
         f.lodc(["compare", "a.obj", "b.obj", "--views", "0", "--max-rms", limit]).ends(status);
-        f.lodc(["compare", "a.obj", "b.obj", "--views", "0", "--max-hausdorff", limit]).ends(status);
+        f.lodc(["compare", "a.obj", "b.obj", "--views", "0", "--max-hausdorff", limit])
+            .ends(status);
     }
-    f.lodc(["compare", "a.obj", "a.obj", "--max-image-rmse", "0", "--max-rms", "0%", "--size", "64"]).ends(0);
+    f.lodc([
+        "compare",
+        "a.obj",
+        "a.obj",
+        "--max-image-rmse",
+        "0",
+        "--max-rms",
+        "0%",
+        "--size",
+        "64",
+    ])
+    .ends(0);
     f.lodc(["compare", "a.obj", "b.obj", "--max-image-rmse", "0.001", "--size", "64"]).ends(1);
 }
 
@@ -40,9 +57,21 @@ fn numbers_and_exit_statuses_are_those_of_the_distance() {
 fn what_was_built_and_taken_out_again_is_the_same_and_coarser_is_worse() {
     let f = Folder::new();
     f.file("a.obj", grid(12));
-    f.lodc(["build", "a.obj", "-o", "a.lodc", "--models", "interactive", "--metric", "hybrid"]).ends(0);
+    f.lodc(["build", "a.obj", "-o", "a.lodc", "--models", "interactive", "--metric", "hybrid"])
+        .ends(0);
     f.lodc(["extract", "a.lodc", "--lod", "0", "-o", "same.glb"]).ends(0);
-    f.lodc(["compare", "a.obj", "same.glb", "--max-hausdorff", "1e-6%", "--views", "2", "--size", "64"]).ends(0);
+    f.lodc([
+        "compare",
+        "a.obj",
+        "same.glb",
+        "--max-hausdorff",
+        "1e-6%",
+        "--views",
+        "2",
+        "--size",
+        "64",
+    ])
+    .ends(0);
 }
 
 #[test]
@@ -54,13 +83,16 @@ fn the_heatmap_is_a_png_and_the_rest_is_refused_in_one_line() {
     assert!(f.read("h.png").starts_with(b"\x89PNG\r\n\x1a\n"));
     f.lodc(["compare", "a.obj", "points.obj"]).fails(3);
     f.lodc(["compare", "a.obj", "b.obj"]).fails(3);
-    for wrong in [["--max-rms", "-1"], ["--max-rms", "nan"], ["--heatmap", "a.obj"], ["--size", "4"]] {
+    for wrong in
+        [["--max-rms", "-1"], ["--max-rms", "nan"], ["--heatmap", "a.obj"], ["--size", "4"]]
+    {
         f.lodc(["compare", "a.obj", "a.obj"].into_iter().chain(wrong)).ends(2);
     }
     f.lodc(["compare", "-", "-"]).fails(2);
 }
 
-/// A square whose texture is striped red and green, which are equally bright, moved by a share of its width.
+/// A square whose texture is striped red and green, which are equally bright, moved by a share of
+/// its width.
 fn striped(f: &Folder, name: &str, shift: f64) {
     f.file(&format!("{name}.mtl"), "newmtl m\nKd 1 1 1\nmap_Kd t.png\n");
     let [left, right] = [shift, 1.0 + shift];
@@ -74,14 +106,20 @@ fn striped(f: &Folder, name: &str, shift: f64) {
 #[test]
 fn a_texture_that_has_moved_is_seen() {
     let f = Folder::new();
-    let stripe = |i: usize| if (i % 16 / 4).is_multiple_of(2) { [200, 30, 30, 255] } else { [30, 200, 30, 255] };
-    f.file("t.png", png(&Picture { width: 16, height: 16, bytes: (0..256).flat_map(stripe).collect() }));
+    let stripe = |i: usize| {
+        if (i % 16 / 4).is_multiple_of(2) { [200, 30, 30, 255] } else { [30, 200, 30, 255] }
+    };
+    f.file(
+        "t.png",
+        png(&Picture { width: 16, height: 16, bytes: (0..256).flat_map(stripe).collect() }),
+    );
     for (name, shift) in [("a", 0.0), ("moved", 0.25), ("period", 0.5)] {
         striped(&f, name, shift);
     }
     f.file("plain.obj", "v 0 0 0\nv 4 0 0\nv 4 4 0\nv 0 4 0\nf 1 2 3 4\n");
     let image = |b: &str, more: &[&str]| {
-        let all = ["compare", "a.obj", b, "--json", "--views", "6", "--size", "64", "--samples", "100"];
+        let all =
+            ["compare", "a.obj", b, "--json", "--views", "6", "--size", "64", "--samples", "100"];
         f.lodc(all.into_iter().chain(more.iter().copied())).ends(0).json()["image"].clone()
     };
     let rmse = |image: &serde_json::Value| image["rmse"].as_f64().expect("a number");
@@ -92,8 +130,22 @@ fn a_texture_that_has_moved_is_seen() {
     assert_eq!(rmse(&image("a.obj", &[])), 0.0);
     assert_eq!(rmse(&image("moved.obj", &["--no-attributes"])), 0.0);
     let plain = image("plain.obj", &[]);
-    assert_eq!((rmse(&plain), &plain["textures"], &plain["texture"]), (0.0, &false.into(), &false.into()));
-    f.lodc(["compare", "a.obj", "moved.obj", "--max-image-rmse", "40", "--size", "64", "--heatmap", "h.png"]).ends(1);
+    assert_eq!(
+        (rmse(&plain), &plain["textures"], &plain["texture"]),
+        (0.0, &false.into(), &false.into())
+    );
+    f.lodc([
+        "compare",
+        "a.obj",
+        "moved.obj",
+        "--max-image-rmse",
+        "40",
+        "--size",
+        "64",
+        "--heatmap",
+        "h.png",
+    ])
+    .ends(1);
     // Without the picture there is a checkerboard again.
     std::fs::remove_file(f.path().join("t.png")).expect("it is there");
     let board = image("moved.obj", &[]);

@@ -15,13 +15,21 @@ fn the_bytes_depend_on_neither_threads_nor_surroundings() {
             let elsewhere = f.join(&format!("elsewhere {i}"));
             std::fs::create_dir_all(&elsewhere).expect("a folder");
             let (zone, language) =
-                [("UTC", "C"), ("Asia/Tokyo", "de_DE.UTF-8"), ("America/Lima", "tr_TR.UTF-8")][i % 3];
+                [("UTC", "C"), ("Asia/Tokyo", "de_DE.UTF-8"), ("America/Lima", "tr_TR.UTF-8")]
+                    [i % 3];
             let mut command = Command::new(LODC);
-            command.arg("build").arg(&input).args(["-o", "out.lodc", "--jobs", jobs, "-q"]).current_dir(&elsewhere);
+            command
+                .arg("build")
+                .arg(&input)
+                .args(["-o", "out.lodc", "--jobs", jobs, "-q"])
+                .current_dir(&elsewhere);
             command.env("TZ", zone).env("LANG", language).env("LC_ALL", language);
             Run::of(&mut command).ends(0);
             let bytes = std::fs::read(elsewhere.join("out.lodc")).expect("the output");
-            assert!(seen.is_none_or(|first| first == bytes), "{name} with {jobs} jobs, {zone}, {language}");
+            assert!(
+                seen.is_none_or(|first| first == bytes),
+                "{name} with {jobs} jobs, {zone}, {language}"
+            );
             seen = Some(bytes);
         }
     }
@@ -35,7 +43,8 @@ fn the_bytes_do_not_depend_on_the_name_of_the_folder_or_the_output() {
     f.lodc(["build", "one/g.obj", "-q"]).ends(0);
     f.lodc(["build", "two/g.obj", "-o", "other.lodc", "-q"]).ends(0);
     assert_eq!(f.read("one/g.lodc"), f.read("other.lodc"));
-    let to = |name: &str| f.lodc(["extract", "other.lodc", "--ratio", "0.4", "-o", name, "-q"]).ends(0);
+    let to =
+        |name: &str| f.lodc(["extract", "other.lodc", "--ratio", "0.4", "-o", name, "-q"]).ends(0);
     to("a.glb");
     to("b.glb");
     assert_eq!(f.read("a.glb"), f.read("b.glb"));

@@ -20,7 +20,9 @@ fn every_selector_keeps_its_promise() {
     let f = built("g.obj", &grid(16));
     assert_eq!(extracted(&f, &["--lod", "0"])["triangles"], 512);
     assert_eq!(extracted(&f, &["--ratio", "1"])["triangles"], 512);
-    for (selector, most) in [(["--ratio", "0.25"], 128), (["--ratio", "0.1"], 51), (["--triangles", "77"], 77)] {
+    for (selector, most) in
+        [(["--ratio", "0.25"], 128), (["--ratio", "0.1"], 51), (["--triangles", "77"], 77)]
+    {
         let got = extracted(&f, &selector);
         let triangles = got["triangles"].as_u64().expect("a count");
         assert!(triangles <= most && triangles > most * 9 / 10, "{selector:?} gave {triangles}");
@@ -47,7 +49,9 @@ fn the_report_has_its_keys() {
 #[test]
 fn an_object_with_triangles_never_comes_back_empty() {
     let f = built("g.obj", &grid(6));
-    for selector in [["--ratio", "0"], ["--triangles", "0"], ["--error", "1e30"], ["--error", "500%"]] {
+    for selector in
+        [["--ratio", "0"], ["--triangles", "0"], ["--error", "1e30"], ["--error", "500%"]]
+    {
         let args = ["extract", "m.lodc", "-o", "out.obj", "--json"];
         let run = f.lodc(args.iter().chain(&selector)).ends(0);
         assert!(run.json()["triangles"].as_u64() > Some(0), "{selector:?}");
@@ -70,7 +74,9 @@ fn every_format_is_told_by_its_extension_and_every_model_gives_the_same_triangle
         assert_eq!(sorted_faces(&f.read(&name)), sorted_faces(&f.read("o.obj")), "{model}");
     }
     f.lodc(["build", "g.obj", "-o", "one.lodc", "--models", "interactive"]).ends(0);
-    let run = f.lodc(["extract", "one.lodc", "--ratio", "0.3", "--model", "speed", "-o", "o.obj"]).fails(2);
+    let run = f
+        .lodc(["extract", "one.lodc", "--ratio", "0.3", "--model", "speed", "-o", "o.obj"])
+        .fails(2);
     assert!(run.err.contains("interactive"), "says what there is: {}", run.err);
 }
 
@@ -86,7 +92,8 @@ fn sorted_faces(obj: &[u8]) -> Vec<Vec<String>> {
         .filter_map(|l| l.strip_prefix("f "))
         .map(|l| {
             let mut corners: Vec<_> = l.split_whitespace().map(corner).collect();
-            let first = (0..corners.len()).min_by_key(|&i| &corners[i]).expect("a face has corners");
+            let first =
+                (0..corners.len()).min_by_key(|&i| &corners[i]).expect("a face has corners");
             corners.rotate_left(first);
             corners
         })
@@ -132,15 +139,28 @@ fn info_has_its_keys_and_a_table_that_falls() {
     assert_eq!(info["source"]["format"], "gltf");
     assert!(!info.to_string().contains("s.gltf"), "never a path");
     for object in info["objects"].as_array().expect("objects") {
-        for key in ["name", "vertices", "referenced_vertices", "triangles", "submeshes", "fakes", "records", "steps"] {
+        for key in [
+            "name",
+            "vertices",
+            "referenced_vertices",
+            "triangles",
+            "submeshes",
+            "fakes",
+            "records",
+            "steps",
+        ] {
             assert!(object.get(key).is_some_and(|v| !v.is_null()), "{key} in {object}");
         }
         assert!(object["last_legal_lod"].is_u64() && object["strips"].is_object());
         let lods = object["lods"].as_array().expect("a table");
         assert!(lods.len() >= 5);
-        let rows = lods.iter().map(|l| (l["lod"].as_u64(), l["triangles"].as_u64(), l["error"].as_f64()));
+        let rows =
+            lods.iter().map(|l| (l["lod"].as_u64(), l["triangles"].as_u64(), l["error"].as_f64()));
         let rows: Vec<_> = rows.collect();
-        assert!(rows.windows(2).all(|w| w[0].0 < w[1].0 && w[0].1 >= w[1].1 && w[0].2 <= w[1].2), "{rows:?}");
+        assert!(
+            rows.windows(2).all(|w| w[0].0 < w[1].0 && w[0].1 >= w[1].1 && w[0].2 <= w[1].2),
+            "{rows:?}"
+        );
         let bits = &object["models"]["interactive"]["bits_per_vertex"];
         for key in ["thesis", "thesis_normals", "file"] {
             assert!(bits[key].as_f64() > Some(0.0), "{key} in {bits}");
@@ -149,7 +169,10 @@ fn info_has_its_keys_and_a_table_that_falls() {
     let with = f.lodc(["info", "m.lodc", "--json", "--baselines"]).ends(0).json();
     assert!(with["objects"][0]["models"]["triangles"]["bits_per_vertex"]["file"].is_null());
     let text = f.lodc(["info", "m.lodc"]).ends(0).text();
-    assert!(text.contains("grid0") && text.contains("grid1") && text.contains("interactive"), "{text}");
+    assert!(
+        text.contains("grid0") && text.contains("grid1") && text.contains("interactive"),
+        "{text}"
+    );
 }
 
 #[test]

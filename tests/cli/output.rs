@@ -29,11 +29,20 @@ fn output_that_cannot_be_written_is_4() {
     f.lodc(["build", "good.obj", "-q"]).ends(0);
     f.lodc(["extract", "good.lodc", "--ratio", "1", "-o", "missing/a.glb"]).fails(4);
     if cfg!(target_os = "linux") {
-        let full = || Stdio::from(std::fs::File::options().write(true).open("/dev/full").expect("/dev/full"));
-        for args in [vec!["info", "good.lodc"], vec!["build", "good.obj", "-o", "-", "-q"], vec!["verify", "good.lodc"]]
-        {
-            let output =
-                Command::new(LODC).args(&args).current_dir(f.path()).stdout(full()).output().expect("it starts");
+        let full = || {
+            Stdio::from(std::fs::File::options().write(true).open("/dev/full").expect("/dev/full"))
+        };
+        for args in [
+            vec!["info", "good.lodc"],
+            vec!["build", "good.obj", "-o", "-", "-q"],
+            vec!["verify", "good.lodc"],
+        ] {
+            let output = Command::new(LODC)
+                .args(&args)
+                .current_dir(f.path())
+                .stdout(full())
+                .output()
+                .expect("it starts");
             assert_eq!(output.status.code(), Some(4), "{args:?}");
         }
     }
@@ -46,7 +55,10 @@ fn a_read_only_folder_is_4_and_keeps_its_file() {
     let f = Folder::new();
     f.file("good.obj", grid(3));
     f.file("locked/good.lodc", "precious");
-    let mode = |m| std::fs::set_permissions(f.join("locked"), std::fs::Permissions::from_mode(m)).expect("my folder");
+    let mode = |m| {
+        std::fs::set_permissions(f.join("locked"), std::fs::Permissions::from_mode(m))
+            .expect("my folder")
+    };
     mode(0o555);
     if std::fs::write(f.join("locked/probe"), "").is_ok() {
         // The superuser writes everywhere.
@@ -63,9 +75,12 @@ fn a_reader_that_leaves_early_is_no_error() {
     let f = Folder::new();
     f.file("good.obj", grid(3));
     f.lodc(["build", "good.obj", "-q"]).ends(0);
-    for args in
-        [vec!["info", "good.lodc"], vec!["info", "good.lodc", "--json"], vec!["completions", "bash"], vec!["--help"]]
-    {
+    for args in [
+        vec!["info", "good.lodc"],
+        vec!["info", "good.lodc", "--json"],
+        vec!["completions", "bash"],
+        vec!["--help"],
+    ] {
         let mut command = Command::new(LODC);
         command.args(&args).current_dir(f.path()).stdout(Stdio::piped()).stderr(Stdio::piped());
         let mut child = command.spawn().expect("it starts");
@@ -108,7 +123,11 @@ fn a_killed_build_leaves_the_old_file_or_the_new_one() {
     eprintln!("killed 48 builds: {kept} kept the old file, {replaced} had the new one");
     assert!(kept > 0, "no build was killed before it was done");
     f.lodc(["build", "g.obj", "-q"]).ends(0);
-    assert_eq!(f.names(), ["g.lodc", "g.obj", "new.lodc"], "the next run removes what killed ones left");
+    assert_eq!(
+        f.names(),
+        ["g.lodc", "g.obj", "new.lodc"],
+        "the next run removes what killed ones left"
+    );
 }
 
 #[cfg(unix)]
@@ -119,10 +138,17 @@ fn an_interrupted_build_leaves_nothing_partial() {
     f.file("g.lodc", "precious");
     for signal in ["-INT", "-TERM"] {
         let mut command = Command::new(LODC);
-        command.args(["build", "g.obj"]).current_dir(f.path()).stdin(Stdio::null()).stderr(Stdio::piped());
+        command
+            .args(["build", "g.obj"])
+            .current_dir(f.path())
+            .stdin(Stdio::null())
+            .stderr(Stdio::piped());
         let mut child = command.spawn().expect("it starts");
         std::thread::sleep(Duration::from_millis(40));
-        let sent = Command::new("kill").args([signal, &child.id().to_string()]).status().expect("kill is there");
+        let sent = Command::new("kill")
+            .args([signal, &child.id().to_string()])
+            .status()
+            .expect("kill is there");
         assert!(sent.success());
         let mut err = String::new();
         child.stderr.take().expect("a pipe").read_to_string(&mut err).expect("text");

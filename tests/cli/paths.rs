@@ -34,7 +34,10 @@ fn trap() -> Folder {
     #[cfg(unix)]
     {
         std::os::unix::fs::symlink(f.join("secret.bin"), f.join("asset/link.bin")).expect("a link");
-        let made = std::process::Command::new("mkfifo").arg(f.join("asset/pipe")).status().expect("mkfifo is there");
+        let made = std::process::Command::new("mkfifo")
+            .arg(f.join("asset/pipe"))
+            .status()
+            .expect("mkfifo is there");
         assert!(made.success());
     }
     f
@@ -96,7 +99,8 @@ fn textures_are_named_and_never_opened() {
         let mut scene: serde_json::Value = serde_json::from_str(&scene(&[1.0], 2)).expect("sound");
         scene["images"] = serde_json::json!([{"uri": way}]);
         scene["textures"] = serde_json::json!([{"source": 0}]);
-        scene["materials"] = serde_json::json!([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}]);
+        scene["materials"] =
+            serde_json::json!([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}]);
         f.file("asset/b.gltf", scene.to_string());
         for input in ["asset/a.obj", "asset/b.gltf"] {
             let built = quickly(&f, &["build", input, "-o", "x.lodc", "--depfile", "deps.d", "-q"]);
@@ -112,7 +116,10 @@ fn textures_are_named_and_never_opened() {
                 let bytes = f.read(name);
                 let holds = |text: &str| bytes.windows(text.len()).any(|w| w == text.as_bytes());
                 assert!(!holds(canary) && !holds("root:"), "{way} came into {name}");
-                assert!(name != "deps.d" || !(holds("secret") || holds("passwd")), "{way} was read for {name}");
+                assert!(
+                    name != "deps.d" || !(holds("secret") || holds("passwd")),
+                    "{way} was read for {name}"
+                );
             }
         }
     }
@@ -152,7 +159,10 @@ fn no_material_library_leads_out_of_the_folder_and_a_missing_one_stops_nothing()
         f.file("asset/a.obj", format!("mtllib {way}\nusemtl m\n{}", grid(2)));
         let run = quickly(&f, &["build", "asset/a.obj", "--depfile", "deps.d"]);
         assert!(matches!(run.status, Some(0 | 3)), "{way}: {}", run.err);
-        assert!(!f.join("deps.d").exists_with("secret") && !f.join("deps.d").exists_with("passwd"), "{way}");
+        assert!(
+            !f.join("deps.d").exists_with("secret") && !f.join("deps.d").exists_with("passwd"),
+            "{way}"
+        );
         assert!(!run.err.contains("root:"), "{way}: {}", run.err);
         assert!(run.err.contains("warning") || run.status == Some(3), "{way}: {}", run.err);
     }

@@ -1,4 +1,5 @@
-//! Every committed file that must be refused is refused by the program: status, one line, no trace of a panic.
+//! Every committed file that must be refused is refused by the program: status, one line, no trace
+//! of a panic.
 
 use crate::support::{Folder, Run};
 use std::path::{Path, PathBuf};
@@ -21,7 +22,9 @@ fn refused(run: &Run, name: &str, what: &str) -> Result<(), String> {
         && lines.len() == 1
         && lines[0].starts_with("lodc: ")
         && lines[0].contains(name)
-        && !["panicked", "internal error", "RUST_BACKTRACE"].iter().any(|word| run.err.contains(word))
+        && !["panicked", "internal error", "RUST_BACKTRACE"]
+            .iter()
+            .any(|word| run.err.contains(word))
         && run.out.is_empty();
     if fair { Ok(()) } else { Err(format!("{what} {name}: {run:?}")) }
 }
@@ -52,7 +55,15 @@ fn one_bad_input_does_not_stop_the_others() {
     let f = Folder::new();
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fixtures");
     let at = |name: &str| folder.join(name).to_string_lossy().into_owned();
-    let run = f.lodc(["build", &at("x_nan.obj"), &at("cube.obj"), &at("x_count_2_62.gltf"), "-o", "out/", "-q"]);
+    let run = f.lodc([
+        "build",
+        &at("x_nan.obj"),
+        &at("cube.obj"),
+        &at("x_count_2_62.gltf"),
+        "-o",
+        "out/",
+        "-q",
+    ]);
     assert!(matches!(run.status, Some(3 | 5)), "{run:?}");
     assert_eq!(run.errors(), 2, "{}", run.err);
     assert!(f.has("out/cube.lodc") && !f.has("out/x_nan.lodc"));

@@ -4,7 +4,8 @@ use crate::support::{Folder, Run, grid, scene};
 use lodc_formats::picture::{Picture, decode, png};
 use std::ffi::OsStr;
 
-/// Runs the program; nothing if there is no graphics device, said aloud. Where CI is set there must be one.
+/// Runs the program; nothing if there is no graphics device, said aloud. Where CI is set there must
+/// be one.
 fn render<S: AsRef<OsStr>>(f: &Folder, args: impl IntoIterator<Item = S>) -> Option<Run> {
     let run = f.lodc(args);
     if run.status == Some(6) && std::env::var_os("CI").is_none() {
@@ -51,7 +52,8 @@ fn a_texture_is_upright_from_a_mesh_and_from_its_levels() {
     textured(&f);
     f.lodc(["build", "s.obj", "-q"]).ends(0);
     for input in ["s.obj", "s.lodc"] {
-        let args = ["render", input, "-o", "s.png", "--view", "front", "--size", "80x80", "--fov", "5"];
+        let args =
+            ["render", input, "-o", "s.png", "--view", "front", "--size", "80x80", "--fov", "5"];
         let Some(_) = render(&f, args) else { return };
         let p = picture(&f, "s.png");
         assert_eq!((p.width, p.height), (80, 80));
@@ -78,12 +80,17 @@ fn a_jpeg_is_a_texture() {
     f.file("s.mtl", "newmtl m\nKd 1 1 1\nmap_Kd t.jpg\n");
     f.lodc(["build", "s.obj", "-q"]).ends(0);
     for input in ["s.obj", "s.lodc"] {
-        let args = ["render", input, "-o", "s.png", "--view", "front", "--size", "80x80", "--fov", "5"];
+        let args =
+            ["render", input, "-o", "s.png", "--view", "front", "--size", "80x80", "--fov", "5"];
         let Some(run) = render(&f, args) else { return };
         assert!(!run.err.contains("texture"), "{}", run.err);
         let p = picture(&f, "s.png");
         let strongest = |x, y| (0..3).max_by_key(|&c| at(&p, x, y)[c]);
-        assert_eq!([strongest(24, 24), strongest(56, 24), strongest(24, 56)], [Some(0), Some(1), Some(2)], "{input}");
+        assert_eq!(
+            [strongest(24, 24), strongest(56, 24), strongest(24, 56)],
+            [Some(0), Some(1), Some(2)],
+            "{input}"
+        );
         let [r, g, b, _] = at(&p, 56, 56);
         assert!(r.abs_diff(g) < 12 && g.abs_diff(b) < 12 && r < 150, "{input}: lower right");
     }
@@ -93,7 +100,19 @@ fn a_jpeg_is_a_texture() {
 fn two_runs_write_the_same_bytes_whatever_the_threads() {
     let f = Folder::new();
     f.file("s.gltf", scene(&[1.0, 2.0], 6));
-    let args = |out| ["render", "s.gltf", "-o", out, "--contact-sheet", "1,0.5,0.1", "--size", "120x90", "--wireframe"];
+    let args = |out| {
+        [
+            "render",
+            "s.gltf",
+            "-o",
+            out,
+            "--contact-sheet",
+            "1,0.5,0.1",
+            "--size",
+            "120x90",
+            "--wireframe",
+        ]
+    };
     let Some(_) = render(&f, args("a.png")) else { return };
     render(&f, args("b.png"));
     assert!(f.read("a.png") == f.read("b.png"));
@@ -126,9 +145,11 @@ fn every_option_makes_a_picture_of_something() {
             seen.push(p);
         }
     }
-    // Without levels of detail both inputs show the same triangles; the order in which they are drawn may show in a
-    // few pixels at edges.
-    let differ = |a: &Picture, b: &Picture| a.bytes.iter().zip(&b.bytes).filter(|(a, b)| a.abs_diff(**b) > 2).count();
+    // Without levels of detail both inputs show the same triangles; the order in which they are
+    // drawn may show in a few pixels at edges.
+    let differ = |a: &Picture, b: &Picture| {
+        a.bytes.iter().zip(&b.bytes).filter(|(a, b)| a.abs_diff(**b) > 2).count()
+    };
     assert!(differ(&seen[0], &seen[1]) < seen[0].bytes.len() / 100);
     assert!(differ(&seen[0], &seen[2]) > seen[0].bytes.len() / 20);
 }
@@ -137,7 +158,18 @@ fn every_option_makes_a_picture_of_something() {
 fn a_contact_sheet_has_one_picture_for_each_share_and_labels_below() {
     let f = Folder::new();
     f.file("g.obj", grid(10));
-    let args = ["render", "g.obj", "-o", "s.png", "--contact-sheet", "1,0.5,0.2", "--size", "100x80", "--columns", "2"];
+    let args = [
+        "render",
+        "g.obj",
+        "-o",
+        "s.png",
+        "--contact-sheet",
+        "1,0.5,0.2",
+        "--size",
+        "100x80",
+        "--columns",
+        "2",
+    ];
     let Some(_) = render(&f, args) else { return };
     let sheet = picture(&f, "s.png");
     assert_eq!(sheet.width, 200);
@@ -159,11 +191,22 @@ fn nodes_place_objects_as_the_scene_says() {
     let f = Folder::new();
     // Two grids beside each other, the right one three times as large.
     f.file("s.gltf", scene(&[1.0, 3.0], 5));
-    let args = ["render", "s.gltf", "-o", "s.png", "--view", "front", "--size", "200x100", "--orthographic"];
+    let args = [
+        "render",
+        "s.gltf",
+        "-o",
+        "s.png",
+        "--view",
+        "front",
+        "--size",
+        "200x100",
+        "--orthographic",
+    ];
     let Some(_) = render(&f, args.into_iter().chain(["--back-faces", "show"])) else { return };
     let p = picture(&f, "s.png");
-    let columns =
-        |from: u32, to: u32| (from..to).filter(|&x| (0..p.height).any(|y| at(&p, x, y) != [255; 4])).count() as f64;
+    let columns = |from: u32, to: u32| {
+        (from..to).filter(|&x| (0..p.height).any(|y| at(&p, x, y) != [255; 4])).count() as f64
+    };
     let (left, right) = (columns(0, 80), columns(80, 200));
     assert!(left > 10.0 && (2.5..3.5).contains(&(right / left)), "{left} and {right} columns");
 }
@@ -172,7 +215,10 @@ fn nodes_place_objects_as_the_scene_says() {
 fn an_empty_mesh_is_an_empty_picture() {
     let f = Folder::new();
     f.file("e.obj", "v 0 0 0\n");
-    let Some(_) = render(&f, ["render", "e.obj", "-o", "e.png", "--size", "20x20", "--background", "#010203"]) else {
+    let Some(_) = render(
+        &f,
+        ["render", "e.obj", "-o", "e.png", "--size", "20x20", "--background", "#010203"],
+    ) else {
         return;
     };
     assert!(picture(&f, "e.png").bytes.as_chunks::<4>().0.iter().all(|p| *p == [1, 2, 3, 255]));
@@ -181,8 +227,10 @@ fn an_empty_mesh_is_an_empty_picture() {
 #[test]
 fn a_stream_works_both_ways() {
     let f = Folder::new();
-    let run =
-        f.lodc_with(["render", "-", "-o", "-", "--size", "32x32", "--background", "transparent"], grid(3).as_bytes());
+    let run = f.lodc_with(
+        ["render", "-", "-o", "-", "--size", "32x32", "--background", "transparent"],
+        grid(3).as_bytes(),
+    );
     if run.status == Some(6) && std::env::var_os("CI").is_none() {
         eprintln!("SKIPPED: no graphics adapter: {}", run.err);
         return;
@@ -215,7 +263,9 @@ fn nonsense_and_trouble_are_one_line_and_leave_what_was_there() {
     f.lodc(["render", "g.obj", "-o", "g.obj"]).fails(2);
     f.lodc(["render", "g.obj", "-o", "not/there.png"]).fails(4);
     f.lodc(["render", "g.obj", "-o", "old.png", "--adapter", "no such adapter"]).fails(6);
-    let Some(run) = Some(f.lodc(["render", "missing.obj", "-o", "old.png"])).filter(|r| r.status != Some(6)) else {
+    let Some(run) =
+        Some(f.lodc(["render", "missing.obj", "-o", "old.png"])).filter(|r| r.status != Some(6))
+    else {
         return;
     };
     run.fails(3);

@@ -48,7 +48,10 @@ fn a_prefix_is_a_mesh_and_a_note_unless_the_whole_is_wanted() {
         f.file("part.lods", &stream[..stream.len() * tenth / 10]);
         let run = f.lodc(["unpack", "part.lods", "-o", "part.obj", "--json"]).ends(0);
         let report = run.json();
-        assert_eq!((&report["whole"], &report["damaged"]), (&false.into(), &serde_json::Value::Null));
+        assert_eq!(
+            (&report["whole"], &report["damaged"]),
+            (&false.into(), &serde_json::Value::Null)
+        );
         let shown = report["objects"][0]["triangles"].as_u64().expect("a number");
         assert!(shown >= before && shown < 288, "{shown} triangles after {tenth} tenths");
         assert_eq!(triangles(&f.read("part.obj")).len() as u64, shown);
@@ -90,12 +93,16 @@ fn streams_go_through_pipes() {
 #[test]
 fn quantising_says_how_far_things_move() {
     let f = folder();
-    let report = f.lodc(["pack", "g.lodc", "-o", "q.lods", "--quantize", "pos=3", "--json"]).ends(0).json();
+    let report =
+        f.lodc(["pack", "g.lodc", "-o", "q.lods", "--quantize", "pos=3", "--json"]).ends(0).json();
     let object = &report["objects"][0];
     let bound = object["bounds"][0]["coordinate"].as_f64().expect("a bound");
     // Half of one of seven steps over twelve units.
     assert!((bound - 12.0 / 14.0).abs() < 1e-5, "{bound}");
-    assert!(object["bits_per_vertex"]["stream"].as_f64() < object["bits_per_vertex"]["packages"].as_f64());
+    assert!(
+        object["bits_per_vertex"]["stream"].as_f64()
+            < object["bits_per_vertex"]["packages"].as_f64()
+    );
     assert!(f.read("q.lods").len() < f.read("g.lods").len());
     f.lodc(["unpack", "q.lods", "--whole", "-o", "q.obj"]).ends(0);
     f.lodc(["pack", "g.lodc", "-o", "q.lods", "--quantize", "pos=99"]).ends(2);

@@ -2,7 +2,8 @@
 
 use crate::support::{Folder, grid};
 
-/// The oriented triangles of the output, smallest corner first, sorted; and what kinds of lines there were.
+/// The oriented triangles of the output, smallest corner first, sorted; and what kinds of lines
+/// there were.
 fn drawn(text: &str) -> (Vec<[u32; 3]>, String) {
     let mut triangles = Vec::new();
     let mut kinds = String::new();
@@ -19,7 +20,8 @@ fn drawn(text: &str) -> (Vec<[u32; 3]>, String) {
         }
     }
     triangles.retain(|[a, b, c]| a != b && b != c && c != a);
-    let first = |[a, b, c]: [u32; 3]| [[a, b, c], [b, c, a], [c, a, b]].into_iter().min().expect("three");
+    let first =
+        |[a, b, c]: [u32; 3]| [[a, b, c], [b, c, a], [c, a, b]].into_iter().min().expect("three");
     let mut triangles: Vec<_> = triangles.into_iter().map(first).collect();
     triangles.sort_unstable();
     (triangles, kinds)
@@ -43,12 +45,18 @@ fn every_generator_draws_the_triangles_by_the_numbers_of_the_file() {
     f.file("a.obj", obj);
     for (strips, kinds) in [("stripe", "s"), ("cache", "s"), ("list", "l")] {
         for effort in ["fast", "default", "thorough"] {
-            let run = f.lodc(["strips", "a.obj", "-o", "-", "--strips", strips, "--effort", effort]).ends(0);
+            let run = f
+                .lodc(["strips", "a.obj", "-o", "-", "--strips", strips, "--effort", effort])
+                .ends(0);
             let (triangles, lines) = drawn(&run.text());
             assert_eq!(triangles, wanted, "{strips} {effort}");
-            // The search for long strips and the list need one line; how many strips suit a cache is not promised.
+            // The search for long strips and the list need one line; how many strips suit a cache
+            // is not promised.
             let one = strips != "cache";
-            assert!(lines.replace(kinds, "").is_empty() && (lines.len() == 1 || !one), "{strips} {effort}: {lines}");
+            assert!(
+                lines.replace(kinds, "").is_empty() && (lines.len() == 1 || !one),
+                "{strips} {effort}: {lines}"
+            );
         }
     }
 }
@@ -58,7 +66,11 @@ fn the_text_does_not_depend_on_threads() {
     let f = Folder::new();
     f.file("g.obj", grid(90));
     for strips in ["stripe", "cache", "list"] {
-        let with = |jobs| f.lodc(["strips", "g.obj", "-o", "-", "--strips", strips, "--jobs", jobs, "-q"]).ends(0).out;
+        let with = |jobs| {
+            f.lodc(["strips", "g.obj", "-o", "-", "--strips", strips, "--jobs", jobs, "-q"])
+                .ends(0)
+                .out
+        };
         assert!(with("1") == with("3"), "{strips}");
     }
 }
@@ -68,7 +80,12 @@ fn strips_refuse_what_makes_no_sense_and_keep_what_was_there() {
     let f = Folder::new();
     f.file("a.obj", grid(2));
     f.file("old.strips", "kept");
-    for args in [["--cache-size", "3"], ["--index-price", "-1"], ["--index-price", "NaN"], ["--strips", "best"]] {
+    for args in [
+        ["--cache-size", "3"],
+        ["--index-price", "-1"],
+        ["--index-price", "NaN"],
+        ["--strips", "best"],
+    ] {
         f.lodc(["strips", "a.obj", "-o", "old.strips"].into_iter().chain(args)).ends(2);
     }
     f.file("broken.obj", "v 1 2\n");

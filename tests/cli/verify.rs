@@ -15,7 +15,11 @@ fn a_sound_file_passes_every_check_and_its_source_is_recognised() {
     let f = built();
     let run = f.lodc(["verify", "g.lodc", "--source", "g.obj"]).ends(0);
     assert!(run.text().lines().count() >= 3, "{}", run.text());
-    assert!(run.text().lines().all(|l| l.starts_with("g.lodc: ") && l.contains(": ok, ")), "{}", run.text());
+    assert!(
+        run.text().lines().all(|l| l.starts_with("g.lodc: ") && l.contains(": ok, ")),
+        "{}",
+        run.text()
+    );
     let report = f.lodc(["verify", "g.lodc", "--json", "--stride", "3"]).ends(0).json();
     assert_eq!((&report["schema_version"], &report["ok"]), (&1.into(), &true.into()));
     let checks = report["files"][0]["checks"].as_array().expect("checks");
@@ -91,14 +95,23 @@ fn a_gpu_that_is_required_and_not_there_is_6_and_never_a_pass() {
     let f = built();
     for gpu in ["--gpu", "--gpu=require"] {
         let run = without_gpu(&f, &["verify", "g.lodc", gpu]).ends(6);
-        assert!(run.text().is_empty() && run.err.contains("GPU") && run.errors() == 1, "{}", run.err);
+        assert!(
+            run.text().is_empty() && run.err.contains("GPU") && run.errors() == 1,
+            "{}",
+            run.err
+        );
     }
     let report = without_gpu(&f, &["verify", "g.lodc", "--gpu=auto", "--json"]).ends(0).json();
     let checks = report["files"][0]["checks"].as_array().expect("checks");
     let gpu = checks.iter().find(|c| c["device"] == "gpu").expect("it is reported");
     assert!(gpu["ok"].is_null() && gpu["skipped"].is_string(), "{gpu}");
-    assert!(without_gpu(&f, &["verify", "g.lodc", "--gpu=auto"]).ends(0).text().contains("skipped"));
-    assert_eq!(f.lodc(["verify", "g.lodc", "--gpu", "--adapter", "no such adapter"]).status, Some(6));
+    assert!(
+        without_gpu(&f, &["verify", "g.lodc", "--gpu=auto"]).ends(0).text().contains("skipped")
+    );
+    assert_eq!(
+        f.lodc(["verify", "g.lodc", "--gpu", "--adapter", "no such adapter"]).status,
+        Some(6)
+    );
     f.lodc(["verify", "g.lodc", "--adapter", "any"]).ends(2);
 }
 
@@ -118,7 +131,11 @@ fn a_gpu_shows_what_the_cpu_shows() {
         let checks = report["files"][file]["checks"].as_array().expect("checks");
         let gpu: Vec<_> = checks.iter().filter(|c| c["device"] == "gpu").collect();
         assert!(gpu.len() >= objects, "{report}");
-        assert!(gpu.iter().all(|c| c["ok"] == true && c["adapter"].is_string() && c["lods"].as_u64() > Some(10)));
+        assert!(
+            gpu.iter().all(|c| c["ok"] == true
+                && c["adapter"].is_string()
+                && c["lods"].as_u64() > Some(10))
+        );
     }
 }
 
@@ -127,7 +144,10 @@ fn junit_holds_the_same_checks() {
     let f = built();
     f.lodc(["verify", "g.lodc", "--junit", "r.xml", "-q"]).ends(0);
     let xml = String::from_utf8(f.read("r.xml")).expect("text");
-    assert!(xml.starts_with("<?xml") && xml.contains("failures=\"0\"") && xml.contains("<testcase"), "{xml}");
+    assert!(
+        xml.starts_with("<?xml") && xml.contains("failures=\"0\"") && xml.contains("<testcase"),
+        "{xml}"
+    );
     f.lodc(["verify", "g.lodc", "--source", "missing.obj", "--junit", "r.xml", "-q"]).ends(3);
     assert!(String::from_utf8(f.read("r.xml")).expect("text").contains("errors=\"1\""));
 }

@@ -53,17 +53,24 @@ impl Folder {
     /// Names of everything inside, sorted.
     pub(crate) fn names(&self) -> Vec<String> {
         let entries = fs::read_dir(&self.0).expect("the folder is there");
-        let mut names: Vec<_> =
-            entries.map(|e| e.expect("an entry").file_name().to_string_lossy().into_owned()).collect();
+        let mut names: Vec<_> = entries
+            .map(|e| e.expect("an entry").file_name().to_string_lossy().into_owned())
+            .collect();
         names.sort();
         names
     }
     /// Runs the program here.
     pub(crate) fn lodc<S: AsRef<OsStr>>(&self, args: impl IntoIterator<Item = S>) -> Run {
-        Run::of(Command::new(LODC).args(args).current_dir(&self.0).stdin(Stdio::null()).envs(SILENT))
+        Run::of(
+            Command::new(LODC).args(args).current_dir(&self.0).stdin(Stdio::null()).envs(SILENT),
+        )
     }
     /// Runs the program here with something on standard input.
-    pub(crate) fn lodc_with<S: AsRef<OsStr>>(&self, args: impl IntoIterator<Item = S>, stdin: &[u8]) -> Run {
+    pub(crate) fn lodc_with<S: AsRef<OsStr>>(
+        &self,
+        args: impl IntoIterator<Item = S>,
+        stdin: &[u8],
+    ) -> Run {
         let mut command = Command::new(LODC);
         command.args(args).current_dir(&self.0).envs(SILENT);
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
@@ -95,7 +102,11 @@ pub(crate) struct Run {
 
 impl From<Output> for Run {
     fn from(o: Output) -> Self {
-        Self { status: o.status.code(), out: o.stdout, err: String::from_utf8_lossy(&o.stderr).into_owned() }
+        Self {
+            status: o.status.code(),
+            out: o.stdout,
+            err: String::from_utf8_lossy(&o.stderr).into_owned(),
+        }
     }
 }
 
@@ -153,7 +164,8 @@ pub(crate) const REFUSED: &[(&str, &str)] = &[
 /// Every mesh of the corpus with what its manifest says, sorted by path.
 pub(crate) fn manifest(corpus: &Path) -> Vec<(String, Value)> {
     let text = fs::read(corpus.join("manifest.json")).expect("the manifest can be read");
-    let all: serde_json::Map<String, Value> = serde_json::from_slice(&text).expect("the manifest is JSON");
+    let all: serde_json::Map<String, Value> =
+        serde_json::from_slice(&text).expect("the manifest is JSON");
     let mut all: Vec<_> = all.into_iter().collect();
     all.sort_by(|a, b| a.0.cmp(&b.0));
     all

@@ -82,16 +82,24 @@ pub(crate) fn run(args: &ExtractArgs) -> Outcome<()> {
     let chosen = select(&candidates, args.selector.target(), args.selector.per_object())?;
     let meshes = stages.run("extract", || meshes(&file.objects, &chosen.lods, model))?;
     let files = stages.run("export", || {
-        let objects: Vec<_> =
-            file.objects.iter().zip(&meshes).map(|(o, mesh)| ExportObject { info: &o.info, mesh }).collect();
+        let objects: Vec<_> = file
+            .objects
+            .iter()
+            .zip(&meshes)
+            .map(|(o, mesh)| ExportObject { info: &o.info, mesh })
+            .collect();
         mesh_output::files(&target, format, &file.document, &objects)
     })?;
     stages.run("write", || mesh_output::write(&target, files))?;
     if let (Some(depfile), Target::File(path)) = (&args.depfile, &target) {
-        output::write_depfile(depfile, &[Rule { output: path.clone(), inputs: vec![args.input.clone()] }])?;
+        output::write_depfile(
+            depfile,
+            &[Rule { output: path.clone(), inputs: vec![args.input.clone()] }],
+        )?;
     }
 
-    let report = report(args, &file, &chosen.lods, &meshes, chosen.error, chosen.warnings, model, &target);
+    let report =
+        report(args, &file, &chosen.lods, &meshes, chosen.error, chosen.warnings, model, &target);
     let input = args.input.display().to_string();
     for warning in &report.warnings {
         console::warning(&input, warning);
@@ -107,7 +115,8 @@ pub(crate) fn run(args: &ExtractArgs) -> Outcome<()> {
 
 /// The model to replay; none stands for the reference.
 fn model(args: &ExtractArgs, file: &LodFile) -> Outcome<Option<ModelKind>> {
-    let stored = || file.objects.first().into_iter().flat_map(|o| o.models.iter().map(AnyModel::kind));
+    let stored =
+        || file.objects.first().into_iter().flat_map(|o| o.models.iter().map(AnyModel::kind));
     let Some(name) = args.model else { return Ok(stored().next()) };
     let Some(wanted) = name.model().map(ModelName::kind) else { return Ok(None) };
     if file.objects.is_empty() || stored().any(|kind| kind == wanted) {
@@ -125,11 +134,12 @@ fn model(args: &ExtractArgs, file: &LodFile) -> Outcome<Option<ModelKind>> {
 fn meshes(objects: &[LodObject], lods: &[Lod], model: Option<ModelKind>) -> Outcome<Vec<Mesh>> {
     let one = |(object, &lod): (&LodObject, &Lod)| {
         let live = levels::triangles(object, model, lod);
-        object
-            .simplified
-            .mesh()
-            .extract(&live)
-            .map_err(|e| Failure::new(Status::Bug, format!("{}: LOD {} is no mesh: {e}", object.info.name, lod.0)))
+        object.simplified.mesh().extract(&live).map_err(|e| {
+            Failure::new(
+                Status::Bug,
+                format!("{}: LOD {} is no mesh: {e}", object.info.name, lod.0),
+            )
+        })
     };
     objects.par_iter().zip(lods).map(one).collect()
 }
@@ -171,7 +181,9 @@ fn report(
 }
 
 fn sentence(report: &ExtractReport) -> String {
-    let lod = report.lod.map_or_else(|| format!("{} objects", report.objects.len()), |lod| format!("LOD {lod}"));
+    let lod = report
+        .lod
+        .map_or_else(|| format!("{} objects", report.objects.len()), |lod| format!("LOD {lod}"));
     let output = if report.output == "-" { "standard output" } else { &report.output };
     format!(
         "{output}: {lod}, {}, {}, error {}",

@@ -8,7 +8,8 @@ use crate::exit::Outcome;
 use crate::levels;
 use crate::limits::LimitArgs;
 use crate::report::{
-    BitsPerVertex, InfoReport, LodReport, ModelReport, ObjectCounts, ObjectReport, SCHEMA_VERSION, SourceReport,
+    BitsPerVertex, InfoReport, LodReport, ModelReport, ObjectCounts, ObjectReport, SCHEMA_VERSION,
+    SourceReport,
 };
 use crate::selector::decimal;
 use crate::text::{count, distance, grouped, size};
@@ -30,7 +31,8 @@ pub(crate) struct InfoArgs {
     /// Print one JSON document
     #[arg(long)]
     json: bool,
-    /// Count other structures too, for comparison: they are made for this and take a while on large meshes
+    /// Count other structures too, for comparison: they are made for this and take a while on large
+    /// meshes
     #[arg(long)]
     baselines: bool,
     #[command(flatten)]
@@ -67,7 +69,8 @@ fn object(o: &LodObject, baselines: bool) -> Outcome<ObjectReport> {
         triangles: collapses.triangles_at(lod),
         error: decimal(collapses.error_at(lod)),
     });
-    let mut models: Map<String, Value> = o.models.iter().map(|m| (m.name().to_owned(), stored(m))).collect();
+    let mut models: Map<String, Value> =
+        o.models.iter().map(|m| (m.name().to_owned(), stored(m))).collect();
     if baselines {
         let strips = Arc::new(plain_strips(o));
         for baseline in bench::baselines(o, &strips)? {
@@ -87,11 +90,14 @@ fn object(o: &LodObject, baselines: bool) -> Outcome<ObjectReport> {
     })
 }
 
-/// Long strips: those of a model that is made for long ones and has some, or new ones. (Others may cut them.)
+/// Long strips: those of a model that is made for long ones and has some, or new ones. (Others may
+/// cut them.)
 fn plain_strips(o: &LodObject) -> Strips {
     let long = o.models.iter().filter(|m| m.kind().strips() == Some(StripKind::Stripe));
     let stored = long.filter_map(AnyModel::strips).find(|s| s.kind == StripKind::Stripe);
-    stored.cloned().unwrap_or_else(|| Strips::generate(&o.simplified, StripKind::Stripe, Effort::Default))
+    stored
+        .cloned()
+        .unwrap_or_else(|| Strips::generate(&o.simplified, StripKind::Stripe, Effort::Default))
 }
 
 /// Strips that are stored, by their generator.
@@ -148,7 +154,8 @@ fn text(name: &str, report: &InfoReport) -> String {
         }
         for (model, cost) in &o.models {
             let bits = &cost["bits_per_vertex"];
-            let number = |key: &str| bits[key].as_f64().map_or("-".to_owned(), |b| format!("{b:.1}"));
+            let number =
+                |key: &str| bits[key].as_f64().map_or("-".to_owned(), |b| format!("{b:.1}"));
             let _ = writeln!(
                 text,
                 "  {model}: bits per vertex {} (thesis), {} (with normals), {} (in this file)",

@@ -23,6 +23,8 @@ pub(crate) fn run(args: &ManArgs) -> Outcome<()> {
         },
     };
     let mut text = Vec::new();
-    clap_mangen::Man::new(page).render(&mut text).map_err(|e| Failure::new(Status::Bug, e.to_string()))?;
+    clap_mangen::Man::new(page)
+        .render(&mut text)
+        .map_err(|e| Failure::new(Status::Bug, e.to_string()))?;
     console::result(String::from_utf8_lossy(&text).trim_end())
 }

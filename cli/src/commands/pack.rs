@@ -30,7 +30,8 @@ pub(crate) struct PackArgs {
     /// Where to write the stream; `-` for standard output
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
-    /// Keep fewer bits, for example pos=16,normal=10,uv=12 (2 to 24 each); prints how far anything can move
+    /// Keep fewer bits, for example pos=16,normal=10,uv=12 (2 to 24 each); prints how far anything
+    /// can move
     #[arg(long, value_name = "KIND=BITS,…", value_parser = quantize)]
     quantize: Option<Quantize>,
     /// Strips that come with the triangles, if the file has none of that kind they are made
@@ -61,7 +62,8 @@ enum PackStrips {
 fn quantize(text: &str) -> Result<Quantize, String> {
     let mut quantize = Quantize::default();
     for part in text.split(',') {
-        let (kind, bits) = part.split_once('=').ok_or_else(|| format!("\"{part}\" is not KIND=BITS"))?;
+        let (kind, bits) =
+            part.split_once('=').ok_or_else(|| format!("\"{part}\" is not KIND=BITS"))?;
         let bits = bits.parse::<u8>().ok().filter(|b| (2..=24).contains(b));
         let bits = bits.ok_or_else(|| format!("\"{part}\": bits are a number from 2 to 24"))?;
         let slot = match kind {
@@ -89,7 +91,8 @@ pub(crate) fn run(args: &PackArgs) -> Outcome<()> {
     let (file, _) = stages.run("read", || read_lodc(&args.input, args.limits.limits()))?;
     let strips = stages.run("strips", || strips(args, &file));
     let told: Vec<Option<&StripSet>> = strips.iter().map(Option::as_ref).collect();
-    let options = PackOptions { quantize: args.quantize.unwrap_or_default(), ..PackOptions::default() };
+    let options =
+        PackOptions { quantize: args.quantize.unwrap_or_default(), ..PackOptions::default() };
     let packed = stages.run("pack", || pack(&file, &told, &options))?;
     stages.run("check", || check(&packed))?;
     let report = report(args, &file, &strips, &packed, &target);
@@ -113,8 +116,10 @@ fn strips(args: &PackArgs, file: &LodFile) -> Vec<Option<StripSet>> {
     let options = StripOptions { kind: Some(kind), effort: args.effort.into() };
     let of = |o: &LodObject| {
         let stored = o.models.iter().filter_map(AnyModel::strips).find(|s| s.kind == kind);
-        let set =
-            stored.map_or_else(|| StripPool::new(&o.simplified, options).get(kind).set.clone(), |s| s.set.clone());
+        let set = stored.map_or_else(
+            || StripPool::new(&o.simplified, options).get(kind).set.clone(),
+            |s| s.set.clone(),
+        );
         Some(set)
     };
     file.objects.par_iter().map(of).collect()
@@ -123,7 +128,8 @@ fn strips(args: &PackArgs, file: &LodFile) -> Vec<Option<StripSet>> {
 /// Unpacks what was packed: an output is right, or it is not written.
 fn check(packed: &Packed) -> Outcome<()> {
     let bug = |what: &str| Failure::new(Status::Bug, format!("the stream does not unpack: {what}"));
-    let most = Limits { file_bytes: u64::MAX, vertices: u64::MAX, triangles: u64::MAX, ..Limits::DEFAULT };
+    let most =
+        Limits { file_bytes: u64::MAX, vertices: u64::MAX, triangles: u64::MAX, ..Limits::DEFAULT };
     let mut unpacker = Unpacker::new(most);
     unpacker.feed(&packed.bytes).map_err(|e| bug(&e.to_string()))?;
     if unpacker.is_whole() { Ok(()) } else { Err(bug("something is missing")) }
@@ -145,7 +151,11 @@ fn report(
     let object = |((o, p), strips): ((&LodObject, &PackedObject), &Option<StripSet>)| {
         let counts = counts(&o.info, &o.simplified);
         let per_vertex = |bytes: u64| {
-            if counts.referenced_vertices == 0 { 0.0 } else { 8.0 * bytes as f64 / counts.referenced_vertices as f64 }
+            if counts.referenced_vertices == 0 {
+                0.0
+            } else {
+                8.0 * bytes as f64 / counts.referenced_vertices as f64
+            }
         };
         let bits_per_vertex = StreamBits {
             stream: per_vertex(p.bytes),
@@ -174,8 +184,11 @@ fn report(
 fn text(report: &PackReport) -> String {
     let output = if report.output == "-" { "standard output" } else { &report.output };
     let head = size(report.head_bytes);
-    let mut lines =
-        vec![format!("{output}: format version {}, {}, {head} of it the head", lods::VERSION, size(report.bytes))];
+    let mut lines = vec![format!(
+        "{output}: format version {}, {}, {head} of it the head",
+        lods::VERSION,
+        size(report.bytes)
+    )];
     for o in &report.objects {
         let name = crate::exit::one_line(&o.counts.name);
         let vertices = count(o.counts.referenced_vertices, "vertex");
@@ -200,7 +213,9 @@ mod tests {
         let wanted = Quantize { position: Some(16), normal: Some(10), uv: Some(12) };
         assert_eq!(quantize("pos=16,normal=10,uv=12"), Ok(wanted));
         assert_eq!(quantize("uv=2"), Ok(Quantize { uv: Some(2), ..Quantize::default() }));
-        for wrong in ["", "pos", "pos=", "pos=1", "pos=25", "pos=16,pos=16", "color=8", "pos=16,", "pos=-3"] {
+        for wrong in
+            ["", "pos", "pos=", "pos=1", "pos=25", "pos=16,pos=16", "color=8", "pos=16,", "pos=-3"]
+        {
             assert!(quantize(wrong).is_err(), "{wrong}");
         }
     }

@@ -6,7 +6,8 @@ use lodc_formats::lodc::{LodFile, read};
 use lodc_formats::{Assets, Limits};
 use std::path::Path;
 
-/// Reads a container from a file, or from standard input if that is `-`. Warns of what this version does not know.
+/// Reads a container from a file, or from standard input if that is `-`. Warns of what this version
+/// does not know.
 ///
 /// # Errors
 /// If it cannot be read or is damaged.

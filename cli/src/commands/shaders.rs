@@ -27,10 +27,14 @@ pub(crate) fn run(args: &ShadersArgs) -> Outcome<()> {
     }
     // Models share kernels: each is written once.
     let shaders = ModelKind::ALL.into_iter().flat_map(|kind| kind.shaders());
-    let texts: BTreeMap<String, &str> = shaders.map(|s| (format!("{}.wgsl", s.name), s.wgsl)).collect();
+    let texts: BTreeMap<String, &str> =
+        shaders.map(|s| (format!("{}.wgsl", s.name), s.wgsl)).collect();
     let guide = std::iter::once(("ENGINE.md".to_owned(), GUIDE));
     let files: Vec<OutputFile> = (texts.into_iter().chain(guide))
-        .map(|(name, text)| OutputFile { path: args.output.join(name), bytes: text.as_bytes().to_vec() })
+        .map(|(name, text)| OutputFile {
+            path: args.output.join(name),
+            bytes: text.as_bytes().to_vec(),
+        })
         .collect();
     let targets: Vec<Target> = files.iter().map(|file| Target::File(file.path.clone())).collect();
     output::prepare(&targets, true)?;

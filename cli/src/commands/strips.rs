@@ -17,9 +17,11 @@ use std::path::PathBuf;
 
 /// Options of `strips`.
 #[derive(Args, Debug)]
-#[command(after_help = "Every line of the output is `s` and the vertices of a strip, or `l` and the vertices of a \
+#[command(
+    after_help = "Every line of the output is `s` and the vertices of a strip, or `l` and the vertices of a \
                         triangle list; vertices are numbered from 0: for an OBJ in the order of its `v` \
-                        lines, for glTF as loaded, one mesh after the other.")]
+                        lines, for glTF as loaded, one mesh after the other."
+)]
 pub(crate) struct StripsArgs {
     /// The mesh to read: OBJ, glTF or GLB; `-` for standard input
     input: PathBuf,
@@ -35,7 +37,8 @@ pub(crate) struct StripsArgs {
     /// How many vertices the cache holds that `cache` and `list` are made for
     #[arg(long, value_name = "N", default_value = "16", value_parser = clap::value_parser!(u32).range(4..=64))]
     cache_size: u32,
-    /// How many fetched vertices an index is worth to `cache`: more makes fewer indices, less fewer misses
+    /// How many fetched vertices an index is worth to `cache`: more makes fewer indices, less fewer
+    /// misses
     #[arg(long, value_name = "PRICE", default_value = "1", value_parser = price)]
     index_price: f32,
     /// Threads; the output does not depend on it [default: all cores]
@@ -75,7 +78,8 @@ pub(crate) fn run(args: &StripsArgs) -> Outcome<()> {
     output::prepare(&targets, output::is_folder(&args.output))?;
     let threads = args.jobs.map_or(0, |n| n.get().min(super::build::MOST_THREADS));
     let pool = ThreadPoolBuilder::new().num_threads(threads).build();
-    let pool = pool.map_err(|e| Failure::new(Status::Limit, format!("no threads to work with: {e}")))?;
+    let pool =
+        pool.map_err(|e| Failure::new(Status::Limit, format!("no threads to work with: {e}")))?;
     pool.install(|| targets.iter().try_for_each(|target| make(args, target)))
 }
 
@@ -96,7 +100,9 @@ fn make(args: &StripsArgs, target: &Target) -> Outcome<()> {
     let mut base = 0;
     for object in &scene.objects {
         let mesh = &object.mesh;
-        let number = |v: u32| object.source_positions.get(v as usize).map_or(base + u64::from(v), |&p| u64::from(p));
+        let number = |v: u32| {
+            object.source_positions.get(v as usize).map_or(base + u64::from(v), |&p| u64::from(p))
+        };
         if args.strips == Generator::List {
             let list = stages.run("strips", || order(mesh, args.cache_size));
             totals.add(mesh, args.cache_size, list.as_flattened());
@@ -125,15 +131,22 @@ impl StripsArgs {
         if self.strips == Generator::Stripe {
             return stripe(mesh, effort);
         }
-        cache(mesh, &CacheOptions { cache_size: self.cache_size, index_price: self.index_price, effort })
+        cache(
+            mesh,
+            &CacheOptions { cache_size: self.cache_size, index_price: self.index_price, effort },
+        )
     }
 }
 
 impl Totals {
     fn add(&mut self, mesh: &Mesh, size: u32, indices: &[u32]) {
         self.indices += indices.len() as u64;
-        self.misses +=
-            measure(indices.iter().copied(), mesh.vertex_count(), CacheModel { size, ..CacheModel::default() }).misses;
+        self.misses += measure(
+            indices.iter().copied(),
+            mesh.vertex_count(),
+            CacheModel { size, ..CacheModel::default() },
+        )
+        .misses;
     }
     fn text(&self, input: &str) -> String {
         let per = |n: u64| n as f64 / self.triangles.max(1) as f64;

@@ -42,8 +42,13 @@ pub(crate) struct UnpackArgs {
 }
 
 pub(crate) fn run(args: &UnpackArgs) -> Outcome<Status> {
-    let wanted =
-        Wanted { input: &args.input, output: &args.output, format: args.format, json: args.json, depfile: None };
+    let wanted = Wanted {
+        input: &args.input,
+        output: &args.output,
+        format: args.format,
+        json: args.json,
+        depfile: None,
+    };
     let (target, format) = wanted.target()?;
     let mut stages = Stages::default();
     let limits = args.limits.limits();
@@ -60,13 +65,16 @@ pub(crate) fn run(args: &UnpackArgs) -> Outcome<Status> {
         let (mesh, cleaning) = unpacker.mesh(object).map_err(|e| e.in_file(&name))?;
         if cleaning.degenerate_triangles > 0 {
             let triangles = count(cleaning.degenerate_triangles as u64, "triangle");
-            warnings
-                .push(format!("{}: {triangles} without area after quantising left out", unpacker.info(object).name));
+            warnings.push(format!(
+                "{}: {triangles} without area after quantising left out",
+                unpacker.info(object).name
+            ));
         }
         meshes.push(mesh);
     }
-    let objects: Vec<_> =
-        (meshes.iter().enumerate()).map(|(i, mesh)| ExportObject { info: unpacker.info(i), mesh }).collect();
+    let objects: Vec<_> = (meshes.iter().enumerate())
+        .map(|(i, mesh)| ExportObject { info: unpacker.info(i), mesh })
+        .collect();
     let files = stages.run("export", || mesh_output::files(&target, format, document, &objects))?;
     stages.run("write", || mesh_output::write(&target, files))?;
 
@@ -102,7 +110,12 @@ fn usable<'a>(
     if args.whole && !unpacker.is_whole() {
         return Err(Failure::new(Status::Input, format!("{name}: the stream is not complete")));
     }
-    let early = || Failure::new(Status::Input, format!("{name}: the stream ends before there is anything to show"));
+    let early = || {
+        Failure::new(
+            Status::Input,
+            format!("{name}: the stream ends before there is anything to show"),
+        )
+    };
     unpacker.document().ok_or_else(early)
 }
 
@@ -115,10 +128,20 @@ fn report(
 ) -> UnpackReport {
     let object = |i: usize| {
         let state = unpacker.state(i);
-        let ([vertices, of_vertices], [triangles, of_triangles]) = (state.vertices, state.triangles);
+        let ([vertices, of_vertices], [triangles, of_triangles]) =
+            (state.vertices, state.triangles);
         let [steps, of_steps] = state.steps;
         let (name, error) = (unpacker.info(i).name.clone(), decimal(state.error));
-        UnpackedReport { name, vertices, of_vertices, triangles, of_triangles, steps, of_steps, error }
+        UnpackedReport {
+            name,
+            vertices,
+            of_vertices,
+            triangles,
+            of_triangles,
+            steps,
+            of_steps,
+            error,
+        }
     };
     UnpackReport {
         schema_version: SCHEMA_VERSION,
@@ -134,7 +157,9 @@ fn report(
 
 fn sentence(report: &UnpackReport) -> String {
     let output = if report.output == "-" { "standard output" } else { &report.output };
-    let sum = |of: fn(&UnpackedReport) -> u32| report.objects.iter().map(|o| u64::from(of(o))).sum::<u64>();
+    let sum = |of: fn(&UnpackedReport) -> u32| {
+        report.objects.iter().map(|o| u64::from(of(o))).sum::<u64>()
+    };
     let (triangles, all) = (sum(|o| o.triangles), sum(|o| o.of_triangles));
     let worst = report.objects.iter().map(|o| o.error).fold(0.0, f64::max);
     let bytes = size(report.bytes);

@@ -26,7 +26,8 @@ impl std::fmt::Display for Adapter {
     }
 }
 
-/// Limits to ask for that are below an adapter's, to see on small meshes what happens to large ones.
+/// Limits to ask for that are below an adapter's, to see on small meshes what happens to large
+/// ones.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Lowered {
     /// `max_storage_buffer_binding_size`.
@@ -45,8 +46,9 @@ pub struct Device {
 }
 
 impl Device {
-    /// Opens the adapter with `wanted` in its name (whatever the case), or else the most capable one. Which graphics APIs
-    /// are looked at can be limited with the environment variable `WGPU_BACKEND` (`vulkan`, `metal`, `dx12`).
+    /// Opens the adapter with `wanted` in its name (whatever the case), or else the most capable
+    /// one. Which graphics APIs are looked at can be limited with the environment variable
+    /// `WGPU_BACKEND` (`vulkan`, `metal`, `dx12`).
     ///
     /// # Errors
     /// If there is no such adapter, or it gives no device.
@@ -59,12 +61,16 @@ impl Device {
     /// # Errors
     /// As [`Self::open`].
     pub fn open_with(wanted: Option<&str>, lowered: &Lowered) -> Result<Self, GpuError> {
-        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
+        let instance =
+            wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
         let mut adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()));
         if adapters.is_empty() {
             let options = wgpu::RequestAdapterOptions::default();
-            let why = pollster::block_on(instance.request_adapter(&options)).err().map(|e| e.to_string());
-            return Err(GpuError::NoAdapter { why: why.unwrap_or_else(|| "none was found".to_owned()) });
+            let why =
+                pollster::block_on(instance.request_adapter(&options)).err().map(|e| e.to_string());
+            return Err(GpuError::NoAdapter {
+                why: why.unwrap_or_else(|| "none was found".to_owned()),
+            });
         }
         // A stable sort: among equals the system's own order decides.
         adapters.sort_by_key(|a| rank(a.get_info().device_type));
@@ -103,17 +109,23 @@ impl Device {
             required_limits,
             ..wgpu::DeviceDescriptor::default()
         };
-        let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
-            .map_err(|e| GpuError::Refused { adapter: described.name.clone(), why: e.to_string() })?;
+        let (device, queue) =
+            pollster::block_on(adapter.request_device(&descriptor)).map_err(|e| {
+                GpuError::Refused { adapter: described.name.clone(), why: e.to_string() }
+            })?;
         let error = Arc::new(Mutex::new(None));
         let slot = Arc::clone(&error);
-        // Left alone, an error would panic. The first one is the cause; what follows are consequences.
+        // Left alone, an error would panic. The first one is the cause; what follows are
+        // consequences.
         device.on_uncaptured_error(Arc::new(move |e: wgpu::Error| {
             let said = match e {
                 wgpu::Error::OutOfMemory { .. } => GpuError::OutOfMemory,
-                wgpu::Error::Validation { description, .. } | wgpu::Error::Internal { description, .. } => {
+                wgpu::Error::Validation { description, .. }
+                | wgpu::Error::Internal { description, .. } => {
                     // Explanations come on several lines.
-                    GpuError::Invalid { why: description.split_whitespace().collect::<Vec<_>>().join(" ") }
+                    GpuError::Invalid {
+                        why: description.split_whitespace().collect::<Vec<_>>().join(" "),
+                    }
                 }
             };
             slot.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(said);
@@ -127,8 +139,8 @@ impl Device {
         &self.adapter
     }
 
-    /// Whether the device can say how long passes take. Software can not, whatever it claims: Mesa's lavapipe takes the time
-    /// stamps of a submission when it is over, all at once.
+    /// Whether the device can say how long passes take. Software can not, whatever it claims:
+    /// Mesa's lavapipe takes the time stamps of a submission when it is over, all at once.
     #[must_use]
     pub fn has_clock(&self) -> bool {
         !self.adapter.software && self.device.features().contains(wgpu::Features::TIMESTAMP_QUERY)
@@ -155,7 +167,12 @@ impl Device {
         ];
         for (limit, allowed) in allowed {
             if bytes > allowed {
-                return Err(GpuError::Limit { what: format!("{what} (bytes)"), limit, needed: bytes, allowed });
+                return Err(GpuError::Limit {
+                    what: format!("{what} (bytes)"),
+                    limit,
+                    needed: bytes,
+                    allowed,
+                });
             }
         }
         Ok(())
@@ -168,7 +185,12 @@ impl Device {
             return Ok(());
         }
         let (needed, allowed) = (u64::from(texels), u64::from(allowed));
-        Err(GpuError::Limit { what: what.to_owned(), limit: "max_texture_dimension_2d", needed, allowed })
+        Err(GpuError::Limit {
+            what: what.to_owned(),
+            limit: "max_texture_dimension_2d",
+            needed,
+            allowed,
+        })
     }
 
     /// Whether a buffer that no shader sees may have so many bytes.

@@ -1,4 +1,5 @@
-//! Drawing what kernels have made, as an engine does it: indexed indirect draws of flat-shaded triangles or strips.
+//! Drawing what kernels have made, as an engine does it: indexed indirect draws of flat-shaded
+//! triangles or strips.
 
 use crate::{GpuError, Session};
 use lodc_lod::plan::Drawn;
@@ -54,13 +55,17 @@ impl Canvas {
         let group = gpu.create_bind_group(&wgpu::BindGroupDescriptor {
             label: None,
             layout: &pipeline.get_bind_group_layout(0),
-            entries: &[wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::Buffer(resource) }],
+            entries: &[wgpu::BindGroupEntry {
+                binding: 0,
+                resource: wgpu::BindingResource::Buffer(resource),
+            }],
         });
         session.device.check()?;
         Ok(Self { drawn: *drawn, pipeline, group, colour: target(COLOUR), depth: target(DEPTH) })
     }
 
-    /// Draws into a fresh picture, between two time stamps if there is room for them: the set, and the first of the two.
+    /// Draws into a fresh picture, between two time stamps if there is room for them: the set, and
+    /// the first of the two.
     pub(crate) fn encode(
         &self,
         session: &Session<'_>,
@@ -73,11 +78,17 @@ impl Canvas {
                 view: &self.colour,
                 depth_slice: None,
                 resolve_target: None,
-                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Store },
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
+                    store: wgpu::StoreOp::Store,
+                },
             })],
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
                 view: &self.depth,
-                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(1.0), store: wgpu::StoreOp::Discard }),
+                depth_ops: Some(wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(1.0),
+                    store: wgpu::StoreOp::Discard,
+                }),
                 stencil_ops: None,
             }),
             timestamp_writes: clock.map(|(query_set, first)| wgpu::RenderPassTimestampWrites {
@@ -90,7 +101,10 @@ impl Canvas {
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, &self.group, &[]);
         pass.set_vertex_buffer(0, session.buffers[drawn.vertices.0].slice(..));
-        pass.set_index_buffer(session.buffers[drawn.indices.0].slice(..), wgpu::IndexFormat::Uint32);
+        pass.set_index_buffer(
+            session.buffers[drawn.indices.0].slice(..),
+            wgpu::IndexFormat::Uint32,
+        );
         for draw in 0..drawn.count {
             pass.draw_indexed_indirect(&session.buffers[drawn.draws.0], 20 * draw as u64);
         }

@@ -54,14 +54,24 @@ impl fmt::Display for GpuError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::NoAdapter { why } => {
-                write!(f, "no graphics adapter: {why} (on Debian, mesa-vulkan-drivers has one that needs no hardware)")
+                write!(
+                    f,
+                    "no graphics adapter: {why} (on Debian, mesa-vulkan-drivers has one that needs no hardware)"
+                )
             }
             Self::NoMatch { wanted, available } => {
-                write!(f, "no graphics adapter is called {wanted:?}; there are: {}", available.join(", "))
+                write!(
+                    f,
+                    "no graphics adapter is called {wanted:?}; there are: {}",
+                    available.join(", ")
+                )
             }
             Self::Refused { adapter, why } => write!(f, "{adapter} gives no device: {why}"),
             Self::Limit { what, limit, needed, allowed } => {
-                write!(f, "{what} needs {needed}, and the graphics device allows {allowed} ({limit})")
+                write!(
+                    f,
+                    "{what} needs {needed}, and the graphics device allows {allowed} ({limit})"
+                )
             }
             Self::Invalid { why } => write!(f, "the graphics device refuses: {why}"),
             Self::OutOfMemory => write!(f, "the graphics device has no memory left"),

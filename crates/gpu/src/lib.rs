@@ -1,5 +1,5 @@
-//! The only package that sees a graphics device: it runs any [`Plan`](lodc_lod::plan::Plan), compares what comes back
-//! bit for bit, and draws pictures. It knows no model.
+//! The only package that sees a graphics device: it runs any [`Plan`](lodc_lod::plan::Plan),
+//! compares what comes back bit for bit, and draws pictures. It knows no model.
 
 mod device;
 mod draw;

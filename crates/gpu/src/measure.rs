@@ -15,8 +15,8 @@ pub struct Figure {
     pub name: &'static str,
     /// Runs that were timed.
     pub runs: usize,
-    /// Mean milliseconds of a run. The first time is left out, because drivers compile then, unless it took so long that this
-    /// does not matter.
+    /// Mean milliseconds of a run. The first time is left out, because drivers compile then, unless
+    /// it took so long that this does not matter.
     pub milliseconds: f64,
     /// Bytes that a host sends for a run.
     pub bytes: f64,
@@ -24,8 +24,9 @@ pub struct Figure {
     pub vertices_per_second: Option<f64>,
 }
 
-/// Times every case of a benchmark up to `repeats` times, all in turn, and takes the fastest of each. A device without a
-/// clock is timed by the host's, from submitting to being done. `now` is the host's clock, from any start.
+/// Times every case of a benchmark up to `repeats` times, all in turn, and takes the fastest of
+/// each. A device without a clock is timed by the host's, from submitting to being done. `now` is
+/// the host's clock, from any start.
 ///
 /// # Errors
 /// If the device cannot run it.
@@ -42,7 +43,9 @@ pub fn measure(
         .collect::<Result<_, _>>()?;
     let mut taken = vec![(Duration::ZERO, f64::INFINITY); benchmark.cases.len()];
     for round in 0..=repeats.max(1) {
-        for ((case, canvas), (spent, fastest)) in benchmark.cases.iter().zip(&canvases).zip(&mut taken) {
+        for ((case, canvas), (spent, fastest)) in
+            benchmark.cases.iter().zip(&canvases).zip(&mut taken)
+        {
             if *spent > ENOUGH {
                 continue;
             }
@@ -54,7 +57,12 @@ pub fn measure(
             }
         }
     }
-    Ok(benchmark.cases.iter().zip(taken).map(|(case, (_, nanoseconds))| figure(case, nanoseconds)).collect())
+    Ok(benchmark
+        .cases
+        .iter()
+        .zip(taken)
+        .map(|(case, (_, nanoseconds))| figure(case, nanoseconds))
+        .collect())
 }
 
 fn figure(case: &Case, nanoseconds: f64) -> Figure {
@@ -64,6 +72,7 @@ fn figure(case: &Case, nanoseconds: f64) -> Figure {
         runs: case.runs.len(),
         milliseconds: nanoseconds / 1e6 / runs,
         bytes: case.bytes() as f64 / runs,
-        vertices_per_second: (case.vertices > 0).then(|| case.vertices as f64 / (nanoseconds / 1e9)),
+        vertices_per_second: (case.vertices > 0)
+            .then(|| case.vertices as f64 / (nanoseconds / 1e9)),
     }
 }

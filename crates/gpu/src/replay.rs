@@ -50,12 +50,17 @@ pub fn replay(device: &Device, plan: Plan<'_>) -> Result<Replayed, GpuError> {
     let mut session = Session::new(device, &plan.program)?;
     let mut done = Replayed::default();
     for step in plan.steps {
-        done.difference = step.twin.as_ref().map(|failure| format!("the CPU differs from the reference: {failure}"));
+        done.difference = step
+            .twin
+            .as_ref()
+            .map(|failure| format!("the CPU differs from the reference: {failure}"));
         if done.difference.is_some() {
             break;
         }
         session.run(&step.passes)?;
-        if let Some((check, word, found)) = first_difference(&mut session, &step.checks, !device.adapter().software)? {
+        if let Some((check, word, found)) =
+            first_difference(&mut session, &step.checks, !device.adapter().software)?
+        {
             let buffer = step.checks[check].buffer;
             let at = step.checks[check].first + word;
             let difference = Difference {
@@ -89,9 +94,11 @@ fn first_difference(
         if expected != words {
             let tolerance = checks[check].tolerance.filter(|_| hardware);
             let differs = |i: usize| {
-                expected[i] != words[i] && !tolerance.is_some_and(|t| tolerated(t, start + i, expected[i], words[i]))
+                expected[i] != words[i]
+                    && !tolerance.is_some_and(|t| tolerated(t, start + i, expected[i], words[i]))
             };
-            difference = (0..words.len()).find(|&i| differs(i)).map(|i| (check, start + i, words[i]));
+            difference =
+                (0..words.len()).find(|&i| differs(i)).map(|i| (check, start + i, words[i]));
         }
         difference.is_none()
     })?;

@@ -4,7 +4,8 @@ use crate::{Device, GpuError};
 use lodc_lod::plan::{BufferId, Contents, Kernel, KernelId, Pass, Program, WORKGROUP};
 use std::cell::OnceCell;
 
-/// Bytes between the parameters of two passes in the one uniform buffer: what every device accepts as an offset.
+/// Bytes between the parameters of two passes in the one uniform buffer: what every device accepts
+/// as an offset.
 const SLOT: u64 = 256;
 /// Bytes that are read back at once.
 const STAGING: u64 = 32 << 20;
@@ -30,7 +31,8 @@ impl<'d> Session<'d> {
         for b in &program.buffers {
             device.allows(b.name, bytes_of(&b.contents))?;
         }
-        let buffers: Vec<_> = program.buffers.iter().map(|b| upload(device, b.name, &b.contents)).collect();
+        let buffers: Vec<_> =
+            program.buffers.iter().map(|b| upload(device, b.name, &b.contents)).collect();
         device.check()?;
         let largest = program.buffers.iter().map(|b| bytes_of(&b.contents)).max().unwrap_or(16);
         let staging = device.device.create_buffer(&wgpu::BufferDescriptor {
@@ -67,14 +69,15 @@ impl<'d> Session<'d> {
     }
 
     fn submit(&mut self, passes: &[Pass]) -> Result<(), GpuError> {
-        let mut encoder = self.device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut encoder =
+            self.device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         self.encode(&mut encoder, passes, None)?;
         self.device.queue.submit([encoder.finish()]);
         self.device.check()
     }
 
-    /// Adds passes to what is submitted next, between two time stamps if there is room for them: the set, and the first
-    /// of the two.
+    /// Adds passes to what is submitted next, between two time stamps if there is room for them:
+    /// the set, and the first of the two.
     pub(crate) fn encode(
         &self,
         encoder: &mut wgpu::CommandEncoder,
@@ -88,7 +91,8 @@ impl<'d> Session<'d> {
             beginning_of_pass_write_index: Some(first),
             end_of_pass_write_index: Some(first + 1),
         });
-        let mut compute = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: None, timestamp_writes });
+        let mut compute = encoder
+            .begin_compute_pass(&wgpu::ComputePassDescriptor { label: None, timestamp_writes });
         for (i, pass) in passes.iter().enumerate() {
             let Some((x, y)) = self.groups(pass)? else { continue };
             let pipeline = self.pipeline(pass.kernel)?;
@@ -97,17 +101,20 @@ impl<'d> Session<'d> {
                 offset: SLOT * i as u64,
                 size: std::num::NonZeroU64::new(SLOT),
             };
-            let mut entries =
-                vec![wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::Buffer(uniform) }];
-            entries.extend(
-                pass.buffers.iter().zip(1..).map(|(b, binding)| wgpu::BindGroupEntry {
-                    binding,
-                    resource: self.buffers[b.0].as_entire_binding(),
-                }),
-            );
+            let mut entries = vec![wgpu::BindGroupEntry {
+                binding: 0,
+                resource: wgpu::BindingResource::Buffer(uniform),
+            }];
+            entries.extend(pass.buffers.iter().zip(1..).map(|(b, binding)| wgpu::BindGroupEntry {
+                binding,
+                resource: self.buffers[b.0].as_entire_binding(),
+            }));
             let layout = pipeline.get_bind_group_layout(0);
-            let group =
-                gpu.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout: &layout, entries: &entries });
+            let group = gpu.create_bind_group(&wgpu::BindGroupDescriptor {
+                label: None,
+                layout: &layout,
+                entries: &entries,
+            });
             compute.set_pipeline(pipeline);
             compute.set_bind_group(0, &group, &[]);
             compute.dispatch_workgroups(x, y, 1);
@@ -128,7 +135,10 @@ impl<'d> Session<'d> {
     fn parameters(&self, passes: &[Pass]) -> wgpu::Buffer {
         let mut words = vec![0u32; SLOT as usize / 4 * passes.len().max(1)];
         for (slot, pass) in words.chunks_mut(SLOT as usize / 4).zip(passes) {
-            debug_assert!(pass.parameters.len() <= Pass::MOST_PARAMETERS, "a pass has too many parameters");
+            debug_assert!(
+                pass.parameters.len() <= Pass::MOST_PARAMETERS,
+                "a pass has too many parameters"
+            );
             slot[..pass.parameters.len()].copy_from_slice(&pass.parameters);
         }
         let buffer = self.device.device.create_buffer(&wgpu::BufferDescriptor {
@@ -162,7 +172,11 @@ impl<'d> Session<'d> {
     /// # Errors
     /// If the device fails.
     pub fn write(&mut self, buffer: BufferId, first: usize, words: &[u32]) -> Result<(), GpuError> {
-        self.device.queue.write_buffer(&self.buffers[buffer.0], 4 * first as u64, bytemuck::cast_slice(words));
+        self.device.queue.write_buffer(
+            &self.buffers[buffer.0],
+            4 * first as u64,
+            bytemuck::cast_slice(words),
+        );
         self.device.check()
     }
 
@@ -180,8 +194,9 @@ impl<'d> Session<'d> {
         Ok(words)
     }
 
-    /// Shows ranges of buffers (buffer, first word, number of words) piece by piece, several at once where they fit: the
-    /// number of the range, the word in it at which the piece starts, the piece. Ends early if `see` returns false.
+    /// Shows ranges of buffers (buffer, first word, number of words) piece by piece, several at
+    /// once where they fit: the number of the range, the word in it at which the piece starts, the
+    /// piece. Ends early if `see` returns false.
     ///
     /// # Errors
     /// If the device fails.
@@ -193,18 +208,29 @@ impl<'d> Session<'d> {
         let room = (self.staging.size() / 4) as usize;
         let mut pieces: Vec<(usize, usize, usize)> = Vec::new();
         for (range, &(_, _, words)) in ranges.iter().enumerate() {
-            pieces.extend((0..words).step_by(room).map(|start| (range, start, room.min(words - start))));
+            pieces.extend(
+                (0..words).step_by(room).map(|start| (range, start, room.min(words - start))),
+            );
         }
         let mut rest = pieces.as_slice();
         while !rest.is_empty() {
             let (mut used, mut batch) = (0, 0);
-            let mut encoder = self.device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            let mut encoder = self
+                .device
+                .device
+                .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
             while batch < rest.len() && used + rest[batch].2 <= room {
                 let (range, start, words) = rest[batch];
                 let (buffer, first, _) = ranges[range];
                 let from = 4 * (first + start) as u64;
                 let (from_buffer, size) = (&self.buffers[buffer.0], 4 * words as u64);
-                encoder.copy_buffer_to_buffer(from_buffer, from, &self.staging, 4 * used as u64, size);
+                encoder.copy_buffer_to_buffer(
+                    from_buffer,
+                    from,
+                    &self.staging,
+                    4 * used as u64,
+                    size,
+                );
                 used += words;
                 batch += 1;
             }
@@ -228,8 +254,14 @@ impl<'d> Session<'d> {
 }
 
 impl Device {
-    /// Lets `see` look at the first bytes of a buffer that can be mapped, once everything submitted is done.
-    pub(crate) fn map(&self, buffer: &wgpu::Buffer, bytes: u64, see: impl FnOnce(&[u8])) -> Result<(), GpuError> {
+    /// Lets `see` look at the first bytes of a buffer that can be mapped, once everything submitted
+    /// is done.
+    pub(crate) fn map(
+        &self,
+        buffer: &wgpu::Buffer,
+        bytes: u64,
+        see: impl FnOnce(&[u8]),
+    ) -> Result<(), GpuError> {
         if bytes == 0 {
             return self.wait();
         }
@@ -286,7 +318,8 @@ fn pipeline(device: &Device, kernel: &Kernel) -> Result<wgpu::ComputePipeline, G
         label: Some(kernel.name),
         source: wgpu::ShaderSource::Wgsl(kernel.wgsl.as_str().into()),
     });
-    let constants: Vec<(&str, f64)> = kernel.constants.iter().map(|&(name, value)| (name, f64::from(value))).collect();
+    let constants: Vec<(&str, f64)> =
+        kernel.constants.iter().map(|&(name, value)| (name, f64::from(value))).collect();
     let pipeline = device.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
         label: Some(kernel.name),
         layout: None,

@@ -12,12 +12,17 @@ type Now<'n> = &'n dyn Fn() -> Duration;
 const BATCH: usize = 256;
 
 impl Session<'_> {
-    /// Nanoseconds that the device worked on the passes of all runs, or, with a canvas, on drawing after each of them. By the
-    /// host's clock if the device has none.
+    /// Nanoseconds that the device worked on the passes of all runs, or, with a canvas, on drawing
+    /// after each of them. By the host's clock if the device has none.
     ///
     /// # Errors
     /// As [`Session::run`].
-    pub(crate) fn timed(&mut self, runs: &[Vec<Pass>], canvas: Option<&Canvas>, now: Now<'_>) -> Result<f64, GpuError> {
+    pub(crate) fn timed(
+        &mut self,
+        runs: &[Vec<Pass>],
+        canvas: Option<&Canvas>,
+        now: Now<'_>,
+    ) -> Result<f64, GpuError> {
         let mut nanoseconds = 0.0;
         for batch in runs.chunks(BATCH) {
             nanoseconds += match (self.device.has_clock(), canvas) {
@@ -29,9 +34,14 @@ impl Session<'_> {
         Ok(nanoseconds)
     }
 
-    fn timed_batch(&mut self, runs: &[Vec<Pass>], canvas: Option<&Canvas>) -> Result<f64, GpuError> {
+    fn timed_batch(
+        &mut self,
+        runs: &[Vec<Pass>],
+        canvas: Option<&Canvas>,
+    ) -> Result<f64, GpuError> {
         let clock = Clock::new(self.device, 2 * runs.len() as u32);
-        let mut encoder = self.device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut encoder =
+            self.device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         for (ticks, passes) in (0..).step_by(2).zip(runs) {
             match canvas {
                 None => self.encode(&mut encoder, passes, Some((&clock.queries, ticks)))?,
@@ -48,18 +58,27 @@ impl Session<'_> {
 
     /// All runs in one go, so that submitting counts once.
     fn timed_by_host(&mut self, runs: &[Vec<Pass>], now: Now<'_>) -> Result<f64, GpuError> {
-        let mut encoder = self.device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut encoder =
+            self.device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         for passes in runs {
             self.encode(&mut encoder, passes, None)?;
         }
         self.submitted(encoder, now)
     }
 
-    fn draws_timed_by_host(&mut self, runs: &[Vec<Pass>], canvas: &Canvas, now: Now<'_>) -> Result<f64, GpuError> {
+    fn draws_timed_by_host(
+        &mut self,
+        runs: &[Vec<Pass>],
+        canvas: &Canvas,
+        now: Now<'_>,
+    ) -> Result<f64, GpuError> {
         let mut nanoseconds = 0.0;
         for passes in runs {
             self.run(passes)?;
-            let mut encoder = self.device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            let mut encoder = self
+                .device
+                .device
+                .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
             canvas.encode(self, &mut encoder, None);
             nanoseconds += self.submitted(encoder, now)?;
         }
@@ -92,7 +111,12 @@ impl Clock {
         let gpu = &device.device;
         let make = |usage| {
             let size = 8 * u64::from(count);
-            gpu.create_buffer(&wgpu::BufferDescriptor { label: None, size, usage, mapped_at_creation: false })
+            gpu.create_buffer(&wgpu::BufferDescriptor {
+                label: None,
+                size,
+                usage,
+                mapped_at_creation: false,
+            })
         };
         Self {
             queries: gpu.create_query_set(&wgpu::QuerySetDescriptor {
@@ -108,7 +132,13 @@ impl Clock {
 
     fn resolve(&self, encoder: &mut wgpu::CommandEncoder) {
         encoder.resolve_query_set(&self.queries, 0..self.count, &self.resolved, 0);
-        encoder.copy_buffer_to_buffer(&self.resolved, 0, &self.readable, 0, 8 * u64::from(self.count));
+        encoder.copy_buffer_to_buffer(
+            &self.resolved,
+            0,
+            &self.readable,
+            0,
+            8 * u64::from(self.count),
+        );
     }
 
     /// Nanoseconds of all pairs together.

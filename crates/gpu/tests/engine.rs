@@ -1,4 +1,5 @@
-//! docs/ENGINE.md, followed to the letter by a host that has nothing but wgpu, the WGSL files and what a `.lodc` holds.
+//! docs/ENGINE.md, followed to the letter by a host that has nothing but wgpu, the WGSL files and
+//! what a `.lodc` holds.
 
 #![expect(clippy::print_stderr, reason = "a test that is left out says so aloud")]
 
@@ -19,17 +20,22 @@ struct Engine {
 
 impl Engine {
     fn new() -> Self {
-        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
-        let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()));
+        let instance =
+            wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
+        let adapter =
+            pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()));
         // WebGPU's defaults are enough.
-        let device =
-            pollster::block_on(adapter.expect("an adapter").request_device(&wgpu::DeviceDescriptor::default()));
+        let device = pollster::block_on(
+            adapter.expect("an adapter").request_device(&wgpu::DeviceDescriptor::default()),
+        );
         let (device, queue) = device.expect("a device");
         Self { device, queue }
     }
 
     fn words(&self, words: &[u32]) -> wgpu::Buffer {
-        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::UNIFORM;
+        let usage = wgpu::BufferUsages::STORAGE
+            | wgpu::BufferUsages::COPY_SRC
+            | wgpu::BufferUsages::UNIFORM;
         let contents = bytemuck::cast_slice(words);
         self.device.create_buffer_init(&BufferInitDescriptor { label: None, contents, usage })
     }
@@ -46,7 +52,8 @@ impl Engine {
         parameters: &[u32],
         buffers: &[&wgpu::Buffer],
     ) {
-        let text = ModelKind::Interactive.shaders().iter().find(|s| s.name == file).expect("a file").wgsl;
+        let text =
+            ModelKind::Interactive.shaders().iter().find(|s| s.name == file).expect("a file").wgsl;
         let module = self.device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some(file),
             source: wgpu::ShaderSource::Wgsl(text.into()),
@@ -56,21 +63,26 @@ impl Engine {
             layout: None,
             module: &module,
             entry_point: Some("main"),
-            compilation_options: wgpu::PipelineCompilationOptions { constants, ..Default::default() },
+            compilation_options: wgpu::PipelineCompilationOptions {
+                constants,
+                ..Default::default()
+            },
             cache: None,
         });
         let mut padded = parameters.to_vec();
         padded.resize(parameters.len().next_multiple_of(4), 0);
         let parameters = self.words(&padded);
         let bound = std::iter::once(&parameters).chain(buffers.iter().copied()).zip(0..);
-        let entries: Vec<_> =
-            bound.map(|(b, binding)| wgpu::BindGroupEntry { binding, resource: b.as_entire_binding() }).collect();
+        let entries: Vec<_> = bound
+            .map(|(b, binding)| wgpu::BindGroupEntry { binding, resource: b.as_entire_binding() })
+            .collect();
         let group = self.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: None,
             layout: &pipeline.get_bind_group_layout(0),
             entries: &entries,
         });
-        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut encoder =
+            self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
         pass.set_pipeline(&pipeline);
         pass.set_bind_group(0, &group, &[]);
@@ -93,9 +105,14 @@ impl Engine {
     fn read(&self, buffer: &wgpu::Buffer) -> Vec<u32> {
         let usage = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
         let size = buffer.size();
-        let readable =
-            self.device.create_buffer(&wgpu::BufferDescriptor { label: None, size, usage, mapped_at_creation: false });
-        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let readable = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: None,
+            size,
+            usage,
+            mapped_at_creation: false,
+        });
+        let mut encoder =
+            self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         encoder.copy_buffer_to_buffer(buffer, 0, &readable, 0, size);
         self.queue.submit([encoder.finish()]);
         readable.slice(..).map_async(wgpu::MapMode::Read, |_| {});
@@ -105,10 +122,15 @@ impl Engine {
     }
 }
 
-/// Triangles by submesh as the bytes of their corners, turned so that the smallest is first, sorted.
+/// Triangles by submesh as the bytes of their corners, turned so that the smallest is first,
+/// sorted.
 type Picture<'a> = Vec<(usize, [&'a [u32]; 3])>;
 
-fn picture<'a>(triangles: impl Iterator<Item = (usize, [u32; 3])>, records: &'a [u32], stride: usize) -> Picture<'a> {
+fn picture<'a>(
+    triangles: impl Iterator<Item = (usize, [u32; 3])>,
+    records: &'a [u32],
+    stride: usize,
+) -> Picture<'a> {
     let mut picture: Picture<'a> = triangles
         .map(|(submesh, t)| {
             let mut corners = t.map(|v| &records[v as usize * stride..][..stride]);
@@ -134,11 +156,16 @@ fn drawn<'a>(draws: &[u32], indices: &[u32], records: &'a [u32], stride: usize) 
 
 fn truth<'a>(simplified: &Simplified, lod: Lod, records: &'a VertexRecords) -> Picture<'a> {
     let triangles = simplified.triangles_at(lod);
-    picture(triangles.iter().map(|t| (t.submesh as usize, t.corners)), &records.words, records.stride)
+    picture(
+        triangles.iter().map(|t| (t.submesh as usize, t.corners)),
+        &records.words,
+        records.stride,
+    )
 }
 
 fn sample() -> (Simplified, VertexRecords) {
-    let simplified = fixtures::random_collapse(&fixtures::named("machine_part").expect("a named shape"), 1);
+    let simplified =
+        fixtures::random_collapse(&fixtures::named("machine_part").expect("a named shape"), 1);
     let records = VertexRecords::whole(simplified.mesh()).expect("a small mesh");
     (simplified, records)
 }
@@ -150,9 +177,12 @@ fn the_guide_leads_to_every_lod() {
     }
     let engine = Engine::new();
     let (simplified, records) = sample();
-    let (mesh, collapses, stride) = (simplified.mesh(), simplified.collapses(), records.stride as u32);
+    let (mesh, collapses, stride) =
+        (simplified.mesh(), simplified.collapses(), records.stride as u32);
     let (v, last) = (mesh.vertex_count(), collapses.records());
-    let longest = |v: u32| (0..).scan(v, |v, _| (*v < last).then(|| *v = collapses.targets()[*v as usize])).count();
+    let longest = |v: u32| {
+        (0..).scan(v, |v, _| (*v < last).then(|| *v = collapses.targets()[*v as usize])).count()
+    };
     let lengths: Vec<usize> = (0..v as u32).map(|v| 1 + longest(v)).collect();
 
     let (source, vertices) = (engine.words(&records.words), engine.words(&records.words));
@@ -160,12 +190,19 @@ fn the_guide_leads_to_every_lod() {
     let collapse_to = engine.words(collapses.targets());
     let (offsets, current, trouble) = (engine.zeros(v + 1), engine.zeros(v), engine.zeros(1));
     let entries = engine.zeros(lengths.iter().sum());
-    let ranges: Vec<u32> = mesh.submeshes().iter().flat_map(|s| [s.first_triangle, s.triangle_count]).collect();
+    let ranges: Vec<u32> =
+        mesh.submeshes().iter().flat_map(|s| [s.first_triangle, s.triangle_count]).collect();
     let (submeshes, draws) = (engine.words(&ranges), engine.zeros(5 * ranges.len() / 2));
     let count = ranges.len() as u32 / 2;
 
     let longest = *lengths.iter().max().expect("vertices") as u32;
-    engine.run("lists_length", &[], v + 1, &[v as u32, last, longest], &[&collapse_to, &offsets, &trouble]);
+    engine.run(
+        "lists_length",
+        &[],
+        v + 1,
+        &[v as u32, last, longest],
+        &[&collapse_to, &offsets, &trouble],
+    );
     engine.scan(&offsets, v + 1);
     engine.run("lists_fill", &[], v, &[v as u32], &[&collapse_to, &offsets, &entries, &current]);
 
@@ -175,7 +212,13 @@ fn the_guide_leads_to_every_lod() {
         let touched = old.max(new);
         let buffers = [&offsets, &entries, &source, &current, &vertices, &trouble];
         engine.run("extract", &[], touched as usize, &[touched, new, stride], &buffers);
-        engine.run("live", &[], count as usize, &[count, stride], &[&submeshes, &triangles, &vertices, &draws]);
+        engine.run(
+            "live",
+            &[],
+            count as usize,
+            &[count, stride],
+            &[&submeshes, &triangles, &vertices, &draws],
+        );
         old = new;
         let (records_drawn, draws) = (engine.read(&vertices), engine.read(&draws));
         let shown = drawn(&draws, mesh.triangles().as_flattened(), &records_drawn, records.stride);
@@ -203,8 +246,10 @@ fn the_guide_leads_to_views() {
     padded.resize(padded.len().next_multiple_of(24), 0);
     let eights = f.div_ceil(8);
     let triangles = engine.words(&padded);
-    let (live, places, indices) = (engine.zeros(eights), engine.zeros(eights + 1), engine.zeros(3 * f));
-    let ranges: Vec<u32> = mesh.submeshes().iter().flat_map(|s| [s.first_triangle, s.triangle_count]).collect();
+    let (live, places, indices) =
+        (engine.zeros(eights), engine.zeros(eights + 1), engine.zeros(3 * f));
+    let ranges: Vec<u32> =
+        mesh.submeshes().iter().flat_map(|s| [s.first_triangle, s.triangle_count]).collect();
     let (submeshes, draws) = (engine.words(&ranges), engine.zeros(5 * ranges.len() / 2));
     let count = ranges.len() / 2;
 
@@ -217,10 +262,22 @@ fn the_guide_leads_to_views() {
         let buffers = [&points, &links, &by_error, &source, &vertices];
         engine.run("view", &constants, v, &parameters, &buffers);
         let (eight, constants) = ([eights as u32], [("stride", stride as f64)]);
-        engine.run("filter_count", &constants, eights + 1, &eight, &[&triangles, &vertices, &live, &places]);
+        engine.run(
+            "filter_count",
+            &constants,
+            eights + 1,
+            &eight,
+            &[&triangles, &vertices, &live, &places],
+        );
         engine.scan(&places, eights + 1);
         engine.run("filter_write", &[], eights, &eight, &[&triangles, &live, &places, &indices]);
-        engine.run("filter_draws", &[], count, &[count as u32], &[&submeshes, &live, &places, &draws]);
+        engine.run(
+            "filter_draws",
+            &[],
+            count,
+            &[count as u32],
+            &[&submeshes, &live, &places, &draws],
+        );
         let (records_drawn, indices) = (engine.read(&vertices), engine.read(&indices));
         let shown = drawn(&engine.read(&draws), &indices, &records_drawn, stride);
         assert!(shown == truth(&simplified, lod, &records), "LOD {}", lod.0);

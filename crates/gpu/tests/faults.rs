@@ -1,4 +1,5 @@
-//! A verification that cannot fail proves nothing: every planted fault is found, in every buffer and every kernel.
+//! A verification that cannot fail proves nothing: every planted fault is found, in every buffer
+//! and every kernel.
 
 #![expect(clippy::print_stderr, reason = "a test that is left out says so aloud")]
 
@@ -17,14 +18,18 @@ fn everything() -> Vec<AnyModel> {
     let part = fixtures::named("machine_part").expect("a named shape");
     let odd = |mesh: &Mesh| mesh.submeshes().get(1).is_some_and(|s| s.first_triangle % 8 == 7);
     let random = (0..).map(fixtures::random).find(odd).expect("there are seeds for everything");
-    [part, random].into_iter().flat_map(|mesh| models(fixtures::random_collapse(&mesh, 1))).collect()
+    [part, random]
+        .into_iter()
+        .flat_map(|mesh| models(fixtures::random_collapse(&mesh, 1)))
+        .collect()
 }
 
 fn plans(model: &AnyModel) -> Vec<Plan<'_>> {
     model.replays(&schedule(model.simplified().collapses(), 12, 6, 1)).expect("a small mesh")
 }
 
-/// Buffers that only hold what passes put there and that are not compared themselves: what is made of them is.
+/// Buffers that only hold what passes put there and that are not compared themselves: what is made
+/// of them is.
 const SCRATCH: &[&str] = &["sums of blocks", "live", "values", "strips", "heads"];
 
 /// One bit of one word wrong, or a word lost, in whatever is uploaded.
@@ -46,14 +51,19 @@ fn flip(device: &Device, model: &AnyModel) -> usize {
             for place in [0, 1, 2] {
                 let mut plan = plans(model).swap_remove(which);
                 let name = plan.program.buffers[buffer].name;
-                let Contents::Words(words) = &plan.program.buffers[buffer].contents else { continue };
+                let Contents::Words(words) = &plan.program.buffers[buffer].contents else {
+                    continue;
+                };
                 let mut damaged = words.to_vec();
                 let at = (damaged.len() - 1) * place / 2;
                 // High enough for every float and low enough for every index to stay a number.
                 damaged[at] ^= 1;
                 plan.program.buffers[buffer].contents = Contents::Words(Arc::from(damaged));
                 let done = replay(device, plan).expect("the device goes on");
-                assert!(done.difference.is_some(), "word {at} of {name} is wrong and nobody sees it");
+                assert!(
+                    done.difference.is_some(),
+                    "word {at} of {name} is wrong and nobody sees it"
+                );
                 planted += 1;
             }
         }
@@ -73,8 +83,16 @@ const FAULTS: &[(&str, &str, &str)] = &[
     ("scan", "upto[l] - sum + before[k]", "upto[l] + before[k]"),
     // Continuous extraction.
     ("extract", "v >= p.touched", "v + 1u >= p.touched"),
-    ("extract", "while (at < last && entries[at] < p.lod)", "if (at < last && entries[at] < p.lod)"),
-    ("extract", "while (at > first && entries[at - 1u] >= p.lod)", "while (at > first && entries[at - 1u] > p.lod)"),
+    (
+        "extract",
+        "while (at < last && entries[at] < p.lod)",
+        "if (at < last && entries[at] < p.lod)",
+    ),
+    (
+        "extract",
+        "while (at > first && entries[at - 1u] >= p.lod)",
+        "while (at > first && entries[at - 1u] > p.lod)",
+    ),
     ("extract", "while (at > first && entries[at - 1u] >= p.lod) { at--; }", ""),
     ("extract", "current[v] = at;", ""),
     ("extract", "word < p.stride", "word < 4u"),
@@ -102,7 +120,7 @@ const FAULTS: &[(&str, &str, &str)] = &[
     ("rewrite", "removed_at[i] > limit", "removed_at[i] >= limit"),
     ("rewrite", "entries[middle].x < p.lod", "entries[middle].x <= p.lod"),
     ("lengths", "heads[s].y + 1u", "heads[s].y"),
-    ("lengths", "p.lod < deaths[s]", "p.lod <= deaths[s]"),
+    ("lengths", "p.lod < removal_lods[s]", "p.lod <= removal_lods[s]"),
     ("pack", "i + 1u < end", "i + 2u < end"),
     // Views.
     ("view", "if (link.y > lod) { break; }", ""),
@@ -155,7 +173,8 @@ fn a_fault_in_any_kernel_is_found() {
         }
     }
     assert!(unseen.is_empty(), "nobody sees {unseen:?}");
-    // No kernel is left without a fault (adding up needs more than one block, which another test has).
+    // No kernel is left without a fault (adding up needs more than one block, which another test
+    // has).
     for plan in meshes.iter().flat_map(plans) {
         for kernel in &plan.program.kernels {
             assert!(
@@ -171,7 +190,8 @@ fn a_fault_in_any_kernel_is_found() {
 #[test]
 fn every_buffer_is_compared() {
     for mut plan in everything().iter().flat_map(plans) {
-        let mut compared: Vec<usize> = plan.steps.by_ref().flat_map(|s| s.checks).map(|c| c.buffer.0).collect();
+        let mut compared: Vec<usize> =
+            plan.steps.by_ref().flat_map(|s| s.checks).map(|c| c.buffer.0).collect();
         compared.sort_unstable();
         for (i, buffer) in plan.program.buffers.iter().enumerate() {
             let name = buffer.name;

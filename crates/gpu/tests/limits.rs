@@ -16,18 +16,22 @@ fn lowered(lowered: &Lowered) -> Option<Device> {
 /// Replays every model; the first error, or whether all was well.
 fn all(device: &Device, models: &[AnyModel]) -> Result<(), GpuError> {
     for model in models {
-        for plan in model.replays(&schedule(model.simplified().collapses(), 6, 2, 1)).expect("a small mesh") {
+        for plan in
+            model.replays(&schedule(model.simplified().collapses(), 6, 2, 1)).expect("a small mesh")
+        {
             assert_eq!(replay(device, plan)?.difference, None, "{}", model.name());
         }
     }
     Ok(())
 }
 
-/// 3 × 3 workgroups have 2304 threads, and 642 vertices, 1280 triangles or their strips make up to eight workgroups in rows.
+/// 3 × 3 workgroups have 2304 threads, and 642 vertices, 1280 triangles or their strips make up to
+/// eight workgroups in rows.
 #[test]
 fn passes_with_too_many_workgroups_for_a_row_take_several() {
     let models = models(fixtures::random_collapse(&fixtures::icosphere(3), 1));
-    let lowered = |most| lowered(&Lowered { workgroups_per_dimension: Some(most), ..Lowered::default() });
+    let lowered =
+        |most| lowered(&Lowered { workgroups_per_dimension: Some(most), ..Lowered::default() });
     let Some(device) = lowered(3) else { return };
     all(&device, &models).expect("several rows");
     // With one there is no room left: nothing is cut off, and the limit has its name.

@@ -1,11 +1,13 @@
-//! Pictures of a few triangles, judged by what must be where: never by hashes, which differ from driver to driver.
+//! Pictures of a few triangles, judged by what must be where: never by hashes, which differ from
+//! driver to driver.
 
 #![expect(clippy::print_stderr, reason = "a test that is left out says so aloud")]
 
 mod support;
 
 use lodc_gpu::picture::{
-    BackFaces, Camera, Corner, Frame, Framing, Lens, Paint, Painter, Pixels, Sampling, Style, Texture, Up, Wrap,
+    BackFaces, Camera, Corner, Frame, Framing, Lens, Paint, Painter, Pixels, Sampling, Style,
+    Texture, Up, Wrap,
 };
 use lodc_gpu::{Device, GpuError};
 use support::device;
@@ -14,7 +16,8 @@ const WHITE: [f32; 4] = [1.0; 4];
 const RED: [f32; 4] = [1.0, 0.0, 0.0, 1.0];
 const GREEN: [f32; 4] = [0.0, 1.0, 0.0, 1.0];
 
-/// Two triangles that fill the square from -1 to 1 at some depth, texture coordinates from its upper left corner.
+/// Two triangles that fill the square from -1 to 1 at some depth, texture coordinates from its
+/// upper left corner.
 fn square(z: f32, colour: [f32; 4]) -> Vec<Corner> {
     let at = |x: f32, y: f32| Corner {
         position: [x, y, z],
@@ -31,14 +34,26 @@ fn turned(corners: &[Corner]) -> Vec<Corner> {
 }
 
 fn style() -> Style {
-    Style { size: [64, 48], background: [0.0, 0.0, 1.0, 1.0], back_faces: BackFaces::AsPainted, wire: 0.0 }
+    Style {
+        size: [64, 48],
+        background: [0.0, 0.0, 1.0, 1.0],
+        back_faces: BackFaces::AsPainted,
+        wire: 0.0,
+    }
 }
 
 /// Squares of an unlit paint, seen from the front without perspective.
-fn draw(device: &Device, style: &Style, paint: &Paint, textures: Vec<Texture>, parts: &[Vec<Corner>]) -> Pixels {
+fn draw(
+    device: &Device,
+    style: &Style,
+    paint: &Paint,
+    textures: Vec<Texture>,
+    parts: &[Vec<Corner>],
+) -> Pixels {
     let paint = Paint { unlit: true, ..*paint };
     let painter = Painter::new(device, textures, &[paint]).expect("small textures");
-    let framing = Framing { up: Up::Y, azimuth: 0.0, elevation: 0.0, lens: Lens::Orthographic, zoom: 1.0 };
+    let framing =
+        Framing { up: Up::Y, azimuth: 0.0, elevation: 0.0, lens: Lens::Orthographic, zoom: 1.0 };
     let points = [[-1.0, -1.0, -1.0], [1.0, 1.0, 1.0]];
     let aspect = f64::from(style.size[0]) / f64::from(style.size[1]);
     let camera = Camera::around(&points, &framing, aspect);
@@ -65,10 +80,14 @@ fn two_runs_give_the_same_bytes() {
     let Some(device) = device() else { return };
     let slanted: Vec<Corner> = square(0.0, WHITE)
         .into_iter()
-        .map(|c| Corner { position: [c.position[0], c.position[1] * 0.7 + c.position[0] * 0.2, c.position[0]], ..c })
+        .map(|c| Corner {
+            position: [c.position[0], c.position[1] * 0.7 + c.position[0] * 0.2, c.position[0]],
+            ..c
+        })
         .collect();
     let style = Style { wire: 1.0, ..style() };
-    let run = || draw(&device, &style, &Paint::default(), Vec::new(), std::slice::from_ref(&slanted));
+    let run =
+        || draw(&device, &style, &Paint::default(), Vec::new(), std::slice::from_ref(&slanted));
     assert!(run() == run());
 }
 
@@ -77,7 +96,10 @@ fn nearer_squares_hide_farther_ones_in_any_order() {
     let Some(device) = device() else { return };
     let (near, far) = (square(0.5, RED), square(-0.5, GREEN));
     for parts in [[near.clone(), far.clone()], [far, near]] {
-        assert_eq!(draw(&device, &style(), &Paint::default(), Vec::new(), &parts).at(32, 24), [255, 0, 0, 255]);
+        assert_eq!(
+            draw(&device, &style(), &Paint::default(), Vec::new(), &parts).at(32, 24),
+            [255, 0, 0, 255]
+        );
     }
 }
 
@@ -92,11 +114,13 @@ fn back_faces_follow_their_paint_or_the_option() {
         (true, BackFaces::Hidden, false),
     ] {
         let paint = Paint { double_sided, ..Paint::default() };
-        let middle = draw(&device, &Style { back_faces, ..style() }, &paint, Vec::new(), &back).at(32, 24);
+        let middle =
+            draw(&device, &Style { back_faces, ..style() }, &paint, Vec::new(), &back).at(32, 24);
         assert_eq!(middle == [255, 0, 0, 255], shown, "{double_sided} {back_faces:?}: {middle:?}");
     }
     let marked = Style { back_faces: BackFaces::Marked, ..style() };
-    let front = draw(&device, &marked, &Paint::default(), Vec::new(), &[square(0.0, GREEN)]).at(32, 24);
+    let front =
+        draw(&device, &marked, &Paint::default(), Vec::new(), &[square(0.0, GREEN)]).at(32, 24);
     assert_eq!(front, [0, 255, 0, 255]);
     let [r, g, b, _] = draw(&device, &marked, &Paint::default(), Vec::new(), &back).at(32, 24);
     assert!(r > 200 && g < 80 && b > 100, "{r} {g} {b}");
@@ -106,14 +130,18 @@ fn back_faces_follow_their_paint_or_the_option() {
 fn a_texture_stands_upright_and_keeps_its_colours() {
     let Some(device) = device() else { return };
     // A middle grey survives both ways through linear light; the upper row is red and grey.
-    let bytes = [[255, 0, 0, 255], [128, 128, 128, 255], [0, 255, 0, 255], [10, 20, 30, 255]].concat();
+    let bytes =
+        [[255, 0, 0, 255], [128, 128, 128, 255], [0, 255, 0, 255], [10, 20, 30, 255]].concat();
     let sampling = Sampling { wrap: [Wrap::Clamp; 2], nearest: true };
     let texture = Texture { width: 2, height: 2, bytes, sampling };
     let paint = Paint { texture: Some(0), ..Paint::default() };
     let picture = draw(&device, &style(), &paint, vec![texture], &[square(0.0, WHITE)]);
     let near = |[x, y]: [u32; 2], wanted: [u8; 3]| {
         let got = picture.at(x, y);
-        assert!((0..3).all(|c| got[c].abs_diff(wanted[c]) <= 1), "({x}, {y}): {got:?}, not {wanted:?}");
+        assert!(
+            (0..3).all(|c| got[c].abs_diff(wanted[c]) <= 1),
+            "({x}, {y}): {got:?}, not {wanted:?}"
+        );
     };
     near([20, 12], [255, 0, 0]);
     near([44, 12], [128, 128, 128]);
@@ -125,10 +153,17 @@ fn a_texture_stands_upright_and_keeps_its_colours() {
 fn opacity_cuts_blends_or_does_not_matter() {
     let Some(device) = device() else { return };
     let half = [square(0.0, [1.0, 0.0, 0.0, 0.5])];
-    let middle = |paint: Paint, style: &Style| draw(&device, style, &paint, Vec::new(), &half).at(32, 24);
+    let middle =
+        |paint: Paint, style: &Style| draw(&device, style, &paint, Vec::new(), &half).at(32, 24);
     assert_eq!(middle(Paint::default(), &style()), [255, 0, 0, 255]);
-    assert_eq!(middle(Paint { cut_off: Some(0.6), ..Paint::default() }, &style()), [0, 0, 255, 255]);
-    assert_eq!(middle(Paint { cut_off: Some(0.4), ..Paint::default() }, &style()), [255, 0, 0, 255]);
+    assert_eq!(
+        middle(Paint { cut_off: Some(0.6), ..Paint::default() }, &style()),
+        [0, 0, 255, 255]
+    );
+    assert_eq!(
+        middle(Paint { cut_off: Some(0.4), ..Paint::default() }, &style()),
+        [255, 0, 0, 255]
+    );
     let blended = Paint { blended: true, ..Paint::default() };
     // Half the light of each: 188 of 255 in sRGB.
     let [r, g, b, a] = middle(blended, &style());
@@ -154,7 +189,8 @@ fn edges_are_drawn_and_the_middle_stays() {
 fn a_picture_that_the_device_cannot_hold_is_a_limit() {
     let Some(device) = device() else { return };
     let painter = Painter::new(&device, Vec::new(), &[Paint::default()]).expect("one paint");
-    let framing = Framing { up: Up::Y, azimuth: 0.0, elevation: 0.0, lens: Lens::Orthographic, zoom: 1.0 };
+    let framing =
+        Framing { up: Up::Y, azimuth: 0.0, elevation: 0.0, lens: Lens::Orthographic, zoom: 1.0 };
     let camera = Camera::around(&[], &framing, 1.0);
     let refused = Frame::new(&painter, &camera, &Style { size: [1 << 20, 1], ..style() }).err();
     assert!(matches!(refused, Some(GpuError::Limit { .. })), "{refused:?}");

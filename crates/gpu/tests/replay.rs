@@ -32,7 +32,12 @@ fn every_shape_is_the_same_on_a_device() {
         }
     }
     for seed in 0..20 {
-        check(&device, &format!("random {seed}"), fixtures::random_collapse(&fixtures::random(seed), seed), 20);
+        check(
+            &device,
+            &format!("random {seed}"),
+            fixtures::random_collapse(&fixtures::random(seed), seed),
+            20,
+        );
     }
 }
 

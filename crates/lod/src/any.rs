@@ -2,7 +2,8 @@
 
 use crate::plan::{Benchmark, Plan, PlanError, Shader};
 use crate::{
-    Array, BuildError, Changes, Interactive, Masking, Model, Speed, StorageCost, StripKind, StripPool, Strips, Traffic,
+    Array, BuildError, Changes, Interactive, Masking, Model, Speed, StorageCost, StripKind,
+    StripPool, Strips, Traffic,
 };
 use lodc_mesh::{Lod, OrientedTriangle, Simplified};
 use std::{str::FromStr, sync::Arc};
@@ -22,7 +23,8 @@ impl ModelKind {
     /// All kinds, in the order in which files and reports list them.
     pub const ALL: [Self; 3] = [Self::Speed, Self::Masking, Self::Interactive];
 
-    /// The generator whose strips the model is made of unless told otherwise; none if it is not made of strips.
+    /// The generator whose strips the model is made of unless told otherwise; none if it is not
+    /// made of strips.
     #[must_use]
     pub const fn strips(self) -> Option<StripKind> {
         match self {
@@ -95,9 +97,15 @@ impl AnyModel {
     /// If it cannot be made of this sequence.
     pub fn build(kind: ModelKind, strips: &mut StripPool<'_>) -> Result<Self, BuildError> {
         match kind {
-            ModelKind::Interactive => Interactive::build(strips.simplified()).map(Self::Interactive),
-            ModelKind::Masking => Masking::build(strips.simplified(), strips.get(StripKind::Cache)).map(Self::Masking),
-            ModelKind::Speed => Speed::build(strips.simplified(), strips.get(StripKind::Stripe)).map(Self::Speed),
+            ModelKind::Interactive => {
+                Interactive::build(strips.simplified()).map(Self::Interactive)
+            }
+            ModelKind::Masking => {
+                Masking::build(strips.simplified(), strips.get(StripKind::Cache)).map(Self::Masking)
+            }
+            ModelKind::Speed => {
+                Speed::build(strips.simplified(), strips.get(StripKind::Stripe)).map(Self::Speed)
+            }
         }
     }
 
@@ -105,7 +113,11 @@ impl AnyModel {
     ///
     /// # Errors
     /// If the arrays do not fit the sequence.
-    pub fn load(kind: ModelKind, simplified: &Arc<Simplified>, arrays: &[Array]) -> Result<Self, BuildError> {
+    pub fn load(
+        kind: ModelKind,
+        simplified: &Arc<Simplified>,
+        arrays: &[Array],
+    ) -> Result<Self, BuildError> {
         match kind {
             ModelKind::Interactive => Interactive::load(simplified, arrays).map(Self::Interactive),
             ModelKind::Masking => Masking::load(simplified, arrays).map(Self::Masking),
@@ -201,7 +213,9 @@ impl Model for AnyModel {
         match (self, cursor) {
             (Self::Speed(model), AnyCursor::Speed(cursor)) => model.seek(cursor, lod, changes),
             (Self::Masking(model), AnyCursor::Masking(cursor)) => model.seek(cursor, lod, changes),
-            (Self::Interactive(model), AnyCursor::Interactive(cursor)) => model.seek(cursor, lod, changes),
+            (Self::Interactive(model), AnyCursor::Interactive(cursor)) => {
+                model.seek(cursor, lod, changes)
+            }
             _ => panic!("{FOREIGN}"),
         }
     }

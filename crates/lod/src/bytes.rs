@@ -1,6 +1,8 @@
-//! Numbers as bytes in stored arrays: variable-length, or as wide as the largest needs. Reading trusts nothing.
+//! Numbers as bytes in stored arrays: variable-length, or as wide as the largest needs. Reading
+//! trusts nothing.
 
-/// Appends a number, seven bits a byte, the lowest first; all bytes but the last have their top bit set (LEB128).
+/// Appends a number, seven bits a byte, the lowest first; all bytes but the last have their top bit
+/// set (LEB128).
 pub fn put_varint(out: &mut Vec<u8>, mut number: u32) {
     while number >= 0x80 {
         out.push(number as u8 | 0x80);
@@ -25,8 +27,8 @@ pub(crate) fn put_narrow(out: &mut Vec<u8>, number: u32, width: usize) {
     out.extend_from_slice(&number.to_le_bytes()[..width]);
 }
 
-/// Reads numbers off the front of bytes. `None` where they end, or where a number is written in another way than
-/// the writer's.
+/// Reads numbers off the front of bytes. `None` where they end, or where a number is written in
+/// another way than the writer's.
 #[derive(Clone, Debug)]
 pub(crate) struct Reader<'a> {
     rest: &'a [u8],
@@ -76,7 +78,8 @@ mod tests {
 
     #[test]
     fn numbers_come_back_and_nothing_else_is_taken() {
-        let numbers = [0, 1, 127, 128, 300, 16_383, 16_384, 0x1f_ffff, 0x20_0000, u32::MAX - 1, u32::MAX];
+        let numbers =
+            [0, 1, 127, 128, 300, 16_383, 16_384, 0x1f_ffff, 0x20_0000, u32::MAX - 1, u32::MAX];
         let mut bytes = Vec::new();
         numbers.iter().for_each(|&n| put_varint(&mut bytes, n));
         let mut reader = Reader::new(&bytes);

@@ -32,8 +32,9 @@ impl Difference {
         self.before.extend(triangles);
     }
 
-    /// Tells what the move did. A triangle changes with it exactly if one of its corners at the finer LOD is a vertex that is
-    /// gone at the coarser one; the others keep their order, so they are found again one after the other.
+    /// Tells what the move did. A triangle changes with it exactly if one of its corners at the
+    /// finer LOD is a vertex that is gone at the coarser one; the others keep their order, so they
+    /// are found again one after the other.
     pub(crate) fn after(
         &mut self,
         triangles: impl Iterator<Item = OrientedTriangle>,
@@ -43,7 +44,8 @@ impl Difference {
     ) {
         self.after.clear();
         self.after.extend(triangles);
-        let (fine, other) = if coarsens { (&self.before, &self.after) } else { (&self.after, &self.before) };
+        let (fine, other) =
+            if coarsens { (&self.before, &self.after) } else { (&self.after, &self.before) };
         let moves = |t: &&OrientedTriangle| t.corners.iter().any(|&v| v < coarse);
         let mut stays = fine.iter().filter(|t| !moves(t)).peekable();
         for &t in fine.iter().filter(moves) {
@@ -65,8 +67,13 @@ impl Difference {
     }
 }
 
-/// Tells what is in one of two lists and not in the other, each as often, in whatever order the two are.
-pub(crate) fn tell(before: &mut [OrientedTriangle], after: &mut [OrientedTriangle], changes: &mut impl Changes) {
+/// Tells what is in one of two lists and not in the other, each as often, in whatever order the two
+/// are.
+pub(crate) fn tell(
+    before: &mut [OrientedTriangle],
+    after: &mut [OrientedTriangle],
+    changes: &mut impl Changes,
+) {
     before.sort_unstable();
     after.sort_unstable();
     let (mut before, mut after) = (before.iter().peekable(), after.iter().peekable());

@@ -1,11 +1,12 @@
 //! Continuous level-of-detail models and their replay against the reference.
 //!
-//! A [`Model`] is immutable and storable; what moves lives in its `Cursor`. [`AnyModel`] is the closed list of models:
-//! a new one is one folder here and its line in `any.rs`. [`verify`](verify()) compares any of them with the reference
-//! answer at every step; a [`Reference`] also checks the facts stored with a collapse sequence.
+//! A [`Model`] is immutable and storable; what moves lives in its `Cursor`. [`AnyModel`] is the
+//! closed list of models: a new one is one folder here and its line in `any.rs`.
+//! [`verify`](verify()) compares any of them with the reference answer at every step; a
+//! [`Reference`] also checks the facts stored with a collapse sequence.
 //!
-//! This package knows nothing of files, graphics devices or metrics: models list their arrays ([`Array`]) and
-//! `lodc-formats` lays them out.
+//! This package knows nothing of files, graphics devices or metrics: models list their arrays
+//! ([`Array`]) and `lodc-formats` lays them out.
 
 mod any;
 pub mod baseline;

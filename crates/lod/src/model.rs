@@ -4,8 +4,8 @@ use crate::StorageCost;
 use lodc_mesh::{Lod, OrientedTriangle, Simplified};
 use std::{fmt, sync::Arc};
 
-/// A multiresolution model of one mesh. It is immutable and storable; a cursor holds the current LOD and whatever has
-/// to change with it.
+/// A multiresolution model of one mesh. It is immutable and storable; a cursor holds the current
+/// LOD and whatever has to change with it.
 ///
 /// At the end of every step, whichever way a cursor came there, a model shows exactly
 /// [`Simplified::triangles_at`] that LOD.
@@ -25,12 +25,13 @@ pub trait Model {
     /// Where a cursor is: always the end of a step, or 0.
     fn lod(&self, cursor: &Self::Cursor) -> Lod;
 
-    /// Moves a cursor to the LOD shown for `lod` (rounded down to the end of a step), finer or coarser, near or far.
-    /// `changes` hears of exactly the triangles that go and come: no triangle that stays, none twice.
+    /// Moves a cursor to the LOD shown for `lod` (rounded down to the end of a step), finer or
+    /// coarser, near or far. `changes` hears of exactly the triangles that go and come: no triangle
+    /// that stays, none twice.
     fn seek(&self, cursor: &mut Self::Cursor, lod: Lod, changes: &mut impl Changes) -> Traffic;
 
-    /// Bytes that a program which keeps the model on a GPU sends there for a move that cost `traffic`: each rewritten element
-    /// by itself, unless a model says otherwise.
+    /// Bytes that a program which keeps the model on a GPU sends there for a move that cost
+    /// `traffic`: each rewritten element by itself, unless a model says otherwise.
     fn sent(&self, _from: Lod, _to: Lod, traffic: Traffic) -> u64 {
         4 * traffic.rewritten
     }
@@ -38,7 +39,8 @@ pub trait Model {
     /// The triangles shown, in the order in which they would be drawn.
     fn triangles(&self, cursor: &Self::Cursor) -> Vec<OrientedTriangle>;
 
-    /// How many indices are drawn: three for each triangle, or all those of the strips as they are now.
+    /// How many indices are drawn: three for each triangle, or all those of the strips as they are
+    /// now.
     fn drawn(&self, cursor: &Self::Cursor) -> u64;
 
     /// What storing the model takes.
@@ -46,7 +48,8 @@ pub trait Model {
         self.storage_to(self.simplified().collapses().last())
     }
 
-    /// What storing it takes if LODs coarser than the one shown for `lod` are never wanted (thesis eq. 5.5 stops at 95 %).
+    /// What storing it takes if LODs coarser than the one shown for `lod` are never wanted (thesis
+    /// eq. 5.5 stops at 95 %).
     fn storage_to(&self, lod: Lod) -> StorageCost;
 
     /// What has to be stored besides the mesh and the sequence.
@@ -79,7 +82,8 @@ pub struct Traffic {
     pub rewritten: u64,
 }
 
-/// A named run of bytes that a model needs besides the mesh and the sequence. Numbers in it are little-endian.
+/// A named run of bytes that a model needs besides the mesh and the sequence. Numbers in it are
+/// little-endian.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Array {
     /// Its name, unique within the model.
@@ -117,10 +121,15 @@ impl fmt::Display for BuildError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::TriangleOrder { submesh, triangle } => {
-                write!(f, "triangle {triangle} of submesh {submesh} stands behind one that disappears before it")
+                write!(
+                    f,
+                    "triangle {triangle} of submesh {submesh} stands behind one that disappears before it"
+                )
             }
             Self::Malformed { array, what } => write!(f, "the array \"{array}\" {what}"),
-            Self::Arrays { given } => write!(f, "the model does not have the arrays [{}]", given.join(", ")),
+            Self::Arrays { given } => {
+                write!(f, "the model does not have the arrays [{}]", given.join(", "))
+            }
         }
     }
 }

@@ -3,8 +3,9 @@
 use lodc_mesh::Simplified;
 use lodc_strip::StripSet;
 
-/// What storing a model takes, in bytes: geometry, triangles or strips, and the model's own structures. Attributes other
-/// than normals are left out, as in the thesis; what a file really holds is counted by `lodc-formats`.
+/// What storing a model takes, in bytes: geometry, triangles or strips, and the model's own
+/// structures. Attributes other than normals are left out, as in the thesis; what a file really
+/// holds is counted by `lodc-formats`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct StorageCost {
     /// Vertices that triangles of LOD 0 use: the `v` of the thesis's tables.
@@ -28,10 +29,18 @@ impl StorageCost {
         let fakes = simplified.fakes() as u64;
         let vertices = simplified.mesh().vertex_count() as u64 - fakes;
         let primitives = 12 * simplified.mesh().triangles().len() as u64;
-        Self { vertices, fakes, positions: 12 * vertices, normals: 12 * vertices, primitives, structures: 0 }
+        Self {
+            vertices,
+            fakes,
+            positions: 12 * vertices,
+            normals: 12 * vertices,
+            primitives,
+            structures: 0,
+        }
     }
 
-    /// The mesh of LOD 0 as plain strips, each drawn by itself: `3v + I` words for `I` strip indices.
+    /// The mesh of LOD 0 as plain strips, each drawn by itself: `3v + I` words for `I` strip
+    /// indices.
     #[must_use]
     pub fn of_strips(simplified: &Simplified, strips: &StripSet) -> Self {
         Self { primitives: 4 * strips.separate_indices(), ..Self::of_triangles(simplified) }
@@ -63,7 +72,10 @@ impl StorageCost {
 
     /// Any number of bytes as bits per vertex of LOD 0; 0 without vertices.
     #[must_use]
-    #[expect(clippy::cast_precision_loss, reason = "a ratio for people; counts stay far below 2^53")]
+    #[expect(
+        clippy::cast_precision_loss,
+        reason = "a ratio for people; counts stay far below 2^53"
+    )]
     pub fn bits_per_vertex(&self, bytes: u64) -> f64 {
         if self.vertices == 0 { 0.0 } else { 8.0 * bytes as f64 / self.vertices as f64 }
     }

@@ -40,12 +40,15 @@ pub struct Strips {
 }
 
 impl Strips {
-    /// Strips of a mesh in collapse order. Work runs on rayon's current thread pool; the result does not depend on it.
+    /// Strips of a mesh in collapse order. Work runs on rayon's current thread pool; the result
+    /// does not depend on it.
     #[must_use]
     pub fn generate(simplified: &Simplified, kind: StripKind, effort: Effort) -> Self {
         let set = match kind {
             StripKind::Stripe => stripe(simplified.mesh(), effort),
-            StripKind::Cache => cache(simplified.mesh(), &CacheOptions { effort, ..CacheOptions::default() }),
+            StripKind::Cache => {
+                cache(simplified.mesh(), &CacheOptions { effort, ..CacheOptions::default() })
+            }
         };
         Self { kind, set }
     }
@@ -68,7 +71,8 @@ pub struct StripOptions {
     pub effort: Effort,
 }
 
-/// The strips of one mesh, made when first asked for and shared by all models that are made of them.
+/// The strips of one mesh, made when first asked for and shared by all models that are made of
+/// them.
 #[derive(Debug)]
 pub struct StripPool<'a> {
     simplified: &'a Arc<Simplified>,
@@ -104,8 +108,9 @@ impl<'a> StripPool<'a> {
 /// Name of the array that holds strips.
 pub(crate) const STRIPS: &str = "strips";
 
-/// The strips as an array: the generator's number (a byte), for each submesh its number of strips (varint), for each strip its length (varint), then all
-/// vertices, each as wide as the largest vertex needs.
+/// The strips as an array: the generator's number (a byte), for each submesh its number of strips
+/// (varint), for each strip its length (varint), then all vertices, each as wide as the largest
+/// vertex needs.
 pub(crate) fn to_array(strips: &Strips, vertices: usize) -> Array {
     let mut bytes = vec![strips.kind as u8];
     for submesh in 0..strips.submesh_count() {
@@ -116,7 +121,8 @@ pub(crate) fn to_array(strips: &Strips, vertices: usize) -> Array {
     Array { name: STRIPS.to_owned(), bytes }
 }
 
-/// Strips from what [`to_array`] gave out. They need not draw the mesh: that is for verification to find.
+/// Strips from what [`to_array`] gave out. They need not draw the mesh: that is for verification to
+/// find.
 pub(crate) fn from_array(array: &Array, mesh: &Mesh) -> Result<Strips, BuildError> {
     let wrong = |what: &str| BuildError::Malformed { array: STRIPS, what: what.to_owned() };
     let short = || wrong("ends early or has a malformed number");
@@ -150,7 +156,8 @@ pub(crate) fn from_array(array: &Array, mesh: &Mesh) -> Result<Strips, BuildErro
     for _ in 0..end {
         indices.push(reader.narrow(width).ok_or_else(short)?);
     }
-    let set = StripSet::from_parts(indices, ends, submesh_ends).map_err(|e| wrong(&e.to_string()))?;
+    let set =
+        StripSet::from_parts(indices, ends, submesh_ends).map_err(|e| wrong(&e.to_string()))?;
     check(&set, mesh)?;
     Ok(Strips { kind, set })
 }

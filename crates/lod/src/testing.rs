@@ -20,9 +20,9 @@ impl Changes for Log {
     }
 }
 
-/// Walks over every step down and up, on a small mesh, then jumps, then takes small steps from where a jump leads. What is
-/// shown and told must equal the reference, and moving without a listener must do the same. `also` looks at the cursor
-/// after every move.
+/// Walks over every step down and up, on a small mesh, then jumps, then takes small steps from
+/// where a jump leads. What is shown and told must equal the reference, and moving without a
+/// listener must do the same. `also` looks at the cursor after every move.
 pub(crate) fn check_moves<M: Model>(name: &str, model: &M, mut also: impl FnMut(&M::Cursor)) {
     let collapses = model.simplified().collapses();
     let every = if collapses.parts().triangles <= 2_500 { 1 } else { 37 };
@@ -42,7 +42,11 @@ pub(crate) fn check_moves<M: Model>(name: &str, model: &M, mut also: impl FnMut(
     for lod in stops.into_iter().map(Lod) {
         let (mut log, from) = (Log::default(), model.lod(&cursor));
         let traffic = model.seek(&mut cursor, lod, &mut log);
-        assert_eq!(model.seek(&mut deaf, lod, &mut ()), traffic, "{name}: {from:?} → {lod:?}, nobody listens");
+        assert_eq!(
+            model.seek(&mut deaf, lod, &mut ()),
+            traffic,
+            "{name}: {from:?} → {lod:?}, nobody listens"
+        );
         assert_eq!(model.lod(&cursor), collapses.floor(lod), "{name}: {from:?} → {lod:?}");
         let mut shown = model.triangles(&cursor);
         assert!(shown == model.triangles(&deaf), "{name}: {from:?} → {lod:?}, nobody listens");
@@ -62,11 +66,20 @@ pub(crate) fn check_moves<M: Model>(name: &str, model: &M, mut also: impl FnMut(
 /// What to print of two sorted lists that differ.
 pub(crate) fn first(shown: &[OrientedTriangle], truth: &[OrientedTriangle]) -> String {
     let (extra, missing) = (without(shown, truth), without(truth, shown));
-    format!("{} too many from {:?}, {} missing from {:?}", extra.len(), extra.first(), missing.len(), missing.first())
+    format!(
+        "{} too many from {:?}, {} missing from {:?}",
+        extra.len(),
+        extra.first(),
+        missing.len(),
+        missing.first()
+    )
 }
 
 /// The multiset difference of two sorted lists.
-pub(crate) fn without(all: &[OrientedTriangle], fewer: &[OrientedTriangle]) -> Vec<OrientedTriangle> {
+pub(crate) fn without(
+    all: &[OrientedTriangle],
+    fewer: &[OrientedTriangle],
+) -> Vec<OrientedTriangle> {
     let mut fewer = fewer.iter().peekable();
     let mut rest = Vec::new();
     for t in all {

@@ -1,17 +1,24 @@
-//! A mesh too large for full comparisons everywhere: simplified for real, then verified at every step.
+//! A mesh too large for full comparisons everywhere: simplified for real, then verified at every
+//! step.
 
-use lodc_lod::{AnyModel, Check, ModelKind, Reference, StripOptions, StripPool, VerifyOptions, verify};
+use lodc_lod::{
+    AnyModel, Check, ModelKind, Reference, StripOptions, StripPool, VerifyOptions, verify,
+};
 use lodc_simplify::{Options, simplify};
 use std::sync::Arc;
 
 #[expect(clippy::print_stdout, reason = "what the large test is for is its time")]
 fn simplify_and_verify(subdivisions: u32) {
-    let simplified = Arc::new(simplify(&lodc_fixtures::icosphere(subdivisions), &Options::DEFAULT, &|_, _| ()));
+    let simplified =
+        Arc::new(simplify(&lodc_fixtures::icosphere(subdivisions), &Options::DEFAULT, &|_, _| ()));
     let start = std::time::Instant::now();
     let reference = Reference::new(&simplified).expect("a real sequence");
     let followed = start.elapsed();
-    let model = AnyModel::build(ModelKind::Interactive, &mut StripPool::new(&simplified, StripOptions::default()))
-        .expect("triangles are in order");
+    let model = AnyModel::build(
+        ModelKind::Interactive,
+        &mut StripPool::new(&simplified, StripOptions::default()),
+    )
+    .expect("triangles are in order");
     let checks = verify(&model, &reference, &VerifyOptions::default());
     println!(
         "{} triangles, {} steps: reference {followed:.2?}, in all {:.2?}",

@@ -1,10 +1,13 @@
 //! Verification finds every kind of damage, and cries wolf at nothing.
 //!
-//! The damage is done to what is stored (a mesh and a sequence that are still valid by themselves); the model is that of
-//! the damaged file, or the one made before the damage. Damage to what a model shows is in `verify/tests.rs`.
+//! The damage is done to what is stored (a mesh and a sequence that are still valid by themselves);
+//! the model is that of the damaged file, or the one made before the damage. Damage to what a model
+//! shows is in `verify/tests.rs`.
 
 use lodc_fixtures as fixtures;
-use lodc_lod::{AnyModel, Check, Failure, ModelKind, Reference, StripOptions, StripPool, VerifyOptions, verify};
+use lodc_lod::{
+    AnyModel, Check, Failure, ModelKind, Reference, StripOptions, StripPool, VerifyOptions, verify,
+};
 use lodc_mesh::{CollapseSequence, Mesh, MeshParts, SequenceParts, Simplified};
 use std::sync::Arc;
 
@@ -16,7 +19,11 @@ fn checks(stored: &Simplified, model_of: &Simplified) -> Option<Vec<Check>> {
     let model_of = Arc::new(model_of.clone());
     let mut strips = StripPool::new(&model_of, StripOptions::default());
     let model = AnyModel::build(ModelKind::Interactive, &mut strips).ok()?;
-    checks.extend(verify(&model, &reference, &VerifyOptions { jumps: 10, ..VerifyOptions::default() }));
+    checks.extend(verify(
+        &model,
+        &reference,
+        &VerifyOptions { jumps: 10, ..VerifyOptions::default() },
+    ));
     Some(checks)
 }
 
@@ -30,7 +37,8 @@ struct Stored {
     sequence: SequenceParts,
 }
 
-/// One kind of damage: its name, what it does (false: not possible here), and whether the model was made before it.
+/// One kind of damage: its name, what it does (false: not possible here), and whether the model was
+/// made before it.
 type Kind = (&'static str, fn(&mut Stored, &mut fixtures::Rng) -> bool, bool);
 
 /// A triangle of LOD 0.
@@ -56,7 +64,9 @@ const KINDS: &[Kind] = &[
             let new = rng.below(s.mesh.positions.len()) as u32;
             let submesh = |v: u32| s.mesh.vertex_submesh[v as usize];
             let fits = submesh(old) == submesh(new)
-                && s.mesh.triangles[t].iter().all(|&v| s.mesh.positions[v as usize] != s.mesh.positions[new as usize]);
+                && s.mesh.triangles[t]
+                    .iter()
+                    .all(|&v| s.mesh.positions[v as usize] != s.mesh.positions[new as usize]);
             s.mesh.triangles[t][corner] = new;
             fits
         },
@@ -86,7 +96,8 @@ const KINDS: &[Kind] = &[
         "a vertex moved off the others of its position",
         |s, rng| {
             let p = s.mesh.positions.clone();
-            let twins: Vec<usize> = (0..p.len()).filter(|&v| p.iter().filter(|q| **q == p[v]).count() > 1).collect();
+            let twins: Vec<usize> =
+                (0..p.len()).filter(|&v| p.iter().filter(|q| **q == p[v]).count() > 1).collect();
             let Some(&v) = twins.get(rng.below(twins.len().max(1))) else { return false };
             s.mesh.positions[v][0] += 0.37;
             true
@@ -184,8 +195,9 @@ const KINDS: &[Kind] = &[
             let k = rng.below(s.sequence.targets.len() / 2);
             let target = s.sequence.targets[k] as usize;
             let p = &s.mesh.positions;
-            let other = (k + 1..p.len())
-                .find(|&v| p[v] == p[target] && s.mesh.vertex_submesh[v] != s.mesh.vertex_submesh[target]);
+            let other = (k + 1..p.len()).find(|&v| {
+                p[v] == p[target] && s.mesh.vertex_submesh[v] != s.mesh.vertex_submesh[target]
+            });
             s.sequence.targets[k] = other.unwrap_or(target) as u32;
             other.is_some() && s.mesh.triangles.as_flattened().contains(&(k as u32))
         },
@@ -195,7 +207,8 @@ const KINDS: &[Kind] = &[
         "a crack: one wedge of a group stays behind for a step",
         |s, rng| {
             let ends = s.sequence.step_ends.clone();
-            let long: Vec<usize> = (1..ends.len() / 2).filter(|&i| ends[i] - ends[i - 1] > 1).collect();
+            let long: Vec<usize> =
+                (1..ends.len() / 2).filter(|&i| ends[i] - ends[i - 1] > 1).collect();
             let Some(&i) = long.get(rng.below(long.len().max(1))) else { return false };
             let k = ends[i - 1] as usize;
             s.sequence.targets[k] = ends[i];
@@ -207,7 +220,8 @@ const KINDS: &[Kind] = &[
 ];
 
 fn rebuilt(s: Stored) -> Option<Simplified> {
-    let (mesh, sequence) = (Mesh::try_from(s.mesh).ok()?, CollapseSequence::try_from(s.sequence).ok()?);
+    let (mesh, sequence) =
+        (Mesh::try_from(s.mesh).ok()?, CollapseSequence::try_from(s.sequence).ok()?);
     Simplified::new(mesh, sequence).ok()
 }
 
@@ -232,7 +246,8 @@ fn shows_the_same(a: &Simplified, b: &Simplified) -> bool {
 #[test]
 fn every_kind_of_damage_is_found() {
     let shapes = [fixtures::uv_sphere(12, 8), fixtures::machine_part(), fixtures::striped_sphere()];
-    let originals: Vec<Simplified> = (5..).zip(&shapes).map(|(seed, m)| fixtures::random_collapse(m, seed)).collect();
+    let originals: Vec<Simplified> =
+        (5..).zip(&shapes).map(|(seed, m)| fixtures::random_collapse(m, seed)).collect();
     assert!(KINDS.len() >= 12);
     let mut missed = Vec::new();
     for &(name, damage, when) in KINDS {
@@ -241,7 +256,8 @@ fn every_kind_of_damage_is_found() {
         for _ in 0..200 {
             for original in &originals {
                 let (mesh, sequence) = original.clone().into_parts();
-                let mut stored = Stored { mesh: mesh.into_parts(), sequence: sequence.into_parts() };
+                let mut stored =
+                    Stored { mesh: mesh.into_parts(), sequence: sequence.into_parts() };
                 if tried >= 20 || !damage(&mut stored, &mut rng) {
                     continue;
                 }

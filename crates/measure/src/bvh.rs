@@ -66,7 +66,8 @@ impl Bvh {
                 }
                 continue;
             }
-            let mut children = [at + 1, node.first].map(|c| (self.nodes[c as usize].distance_squared(p), c));
+            let mut children =
+                [at + 1, node.first].map(|c| (self.nodes[c as usize].distance_squared(p), c));
             // The nearer one is opened first, so it is put down last.
             if children[0].0 < children[1].0 {
                 children.swap(0, 1);
@@ -103,7 +104,8 @@ fn build(corners: &[[DVec3; 3]], order: &mut [u32], first: u32, nodes: &mut Vec<
     build(corners, far, first + half as u32, nodes);
 }
 
-/// The squared distance from a point to a triangle: to its plane if the foot lies inside, else to its nearest edge.
+/// The squared distance from a point to a triangle: to its plane if the foot lies inside, else to
+/// its nearest edge.
 fn to_triangle(p: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
     let (ab, ac, ap) = (b - a, c - a, p - a);
     let n = ab.cross(ac);

@@ -11,7 +11,8 @@ use rayon::prelude::*;
 pub struct Sampling {
     /// Points spread over the area of each surface.
     pub samples: usize,
-    /// Most points, on lattices over the triangles of each, that are asked besides for the largest distance.
+    /// Most points, on lattices over the triangles of each, that are asked besides for the largest
+    /// distance.
     pub lattice: usize,
     /// Makes the samples.
     pub seed: u64,
@@ -25,8 +26,8 @@ impl Sampling {
 /// Distances from one surface to another and back, in their unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Distances {
-    /// The largest distance found from any point of the first to the second surface, and the other way. Sampled, so
-    /// never more than the true one.
+    /// The largest distance found from any point of the first to the second surface, and the other
+    /// way. Sampled, so never more than the true one.
     pub hausdorff: [f64; 2],
     /// Root mean square distance, over the area, from the first to the second, and the other way.
     pub rms: [f64; 2],
@@ -44,7 +45,8 @@ pub fn distances(a: &Surface, b: &Surface, sampling: &Sampling) -> Distances {
 
 /// Largest and root mean square distance from one surface to another.
 fn one_way(from: &Surface, to: &Bvh, sampling: &Sampling) -> (f64, f64) {
-    let squares = |points: &[DVec3]| points.par_iter().map(|&p| to.distance_squared(p)).collect::<Vec<f64>>();
+    let squares =
+        |points: &[DVec3]| points.par_iter().map(|&p| to.distance_squared(p)).collect::<Vec<f64>>();
     let area = squares(&over_area(from, sampling.samples, sampling.seed));
     let lattice = squares(&over_triangles(from, sampling.lattice));
     let largest = area.iter().chain(&lattice).copied().fold(0.0, f64::max);

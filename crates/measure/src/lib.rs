@@ -1,5 +1,6 @@
-//! How far two surfaces are apart: in space, by points spread over both and their distance to the other, and in pictures
-//! taken from all sides. The instrument that simplifications are judged by; it knows none of them.
+//! How far two surfaces are apart: in space, by points spread over both and their distance to the
+//! other, and in pictures taken from all sides. The instrument that simplifications are judged by;
+//! it knows none of them.
 
 mod bvh;
 mod distance;

@@ -1,4 +1,5 @@
-//! Pictures of surfaces, and how different they look: grey or as they are painted, with a light at the camera, from all sides.
+//! Pictures of surfaces, and how different they look: grey or as they are painted, with a light at
+//! the camera, from all sides.
 
 use crate::shading::smooth;
 use crate::surface::Surface;
@@ -9,7 +10,8 @@ use rayon::prelude::*;
 /// Light that comes from everywhere, and what the lamp at the camera adds at most. Shares of white.
 const AMBIENT: f32 = 0.15;
 const LAMP: f32 = 0.85;
-/// Squares of the checkerboard in a unit of texture coordinates, both ways, and how dark the dark ones are.
+/// Squares of the checkerboard in a unit of texture coordinates, both ways, and how dark the dark
+/// ones are.
 const SQUARES: f32 = 16.0;
 const DARK: f32 = 0.5;
 
@@ -18,7 +20,8 @@ const DARK: f32 = 0.5;
 pub struct Looks {
     /// Shade with the surface's own normals, not with those of its triangles.
     pub own_normals: bool,
-    /// Paint a checkerboard by texture coordinates: it shows where a texture is stretched or has slipped.
+    /// Paint a checkerboard by texture coordinates: it shows where a texture is stretched or has
+    /// slipped.
     pub checkerboard: bool,
     /// Show the surface's paints, with their textures; else it is white.
     pub paints: bool,
@@ -42,7 +45,8 @@ impl Viewing {
     pub fn cameras(&self, surface: &Surface) -> Vec<Camera> {
         let (lo, hi) = surface.bounds();
         let center = 0.5 * (lo + hi);
-        let corners = surface.triangles.iter().flatten().map(|&v| surface.positions[v as usize].as_dvec3());
+        let corners =
+            surface.triangles.iter().flatten().map(|&v| surface.positions[v as usize].as_dvec3());
         let radius = corners.map(|p| p.distance(center)).fold(0.0, f64::max);
         spread_cameras(self.views, center, radius, self.size)
     }
@@ -62,7 +66,8 @@ pub struct Picture {
 /// How different two surfaces look.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ImageError {
-    /// Root mean square difference of colours (0 to 255 each) over all pixels that either covers; 0 if none.
+    /// Root mean square difference of colours (0 to 255 each) over all pixels that either covers; 0
+    /// if none.
     pub rmse: f64,
     /// The share of those pixels that only one covers.
     pub silhouette: f64,
@@ -106,7 +111,8 @@ pub fn compare_pictures(a: &[Picture], b: &[Picture]) -> ImageError {
 
 fn picture(surface: &Surface, normals: &[[Vec3; 3]], looks: Looks, camera: &Camera) -> Picture {
     let size = camera.size;
-    let points: Vec<Point> = surface.positions.iter().map(|p| camera.project(p.as_dvec3())).collect();
+    let points: Vec<Point> =
+        surface.positions.iter().map(|p| camera.project(p.as_dvec3())).collect();
     let mut front = vec![Fragment::NOTHING; (size * size) as usize];
     for (t, triangle) in (0..).zip(&surface.triangles) {
         scan(triangle.map(|v| points[v as usize]), Window::whole(size), |column, row, depth| {
@@ -121,9 +127,12 @@ fn picture(surface: &Surface, normals: &[[Vec3; 3]], looks: Looks, camera: &Came
         let corners = triangle.map(|v| points[v as usize]);
         let (column, row) = (i as u32 % size, i as u32 / size);
         let (shares, area) = shares(corners, column, row);
-        let mix = |values: [Vec3; 3]| values[0] * shares[0] + values[1] * shares[1] + values[2] * shares[2];
+        let mix = |values: [Vec3; 3]| {
+            values[0] * shares[0] + values[1] * shares[1] + values[2] * shares[2]
+        };
         let normal = mix(normals[fragment.item() as usize]).normalize_or_zero();
-        // What is seen from behind is lit from behind. Rows run downwards, so counter-clockwise in space is clockwise here.
+        // What is seen from behind is lit from behind. Rows run downwards, so counter-clockwise in
+        // space is clockwise here.
         let cosine = normal.dot(camera.toward.as_vec3()) * if area < 0.0 { 1.0 } else { -1.0 };
         let light = (AMBIENT + LAMP * cosine.max(0.0)).min(1.0);
         let colour = if looks.paints {
@@ -145,7 +154,8 @@ fn textured(surface: &Surface, triangle: [u32; 3], shares: [f32; 3]) -> Vec2 {
     at(0) + at(1) + at(2)
 }
 
-/// The colour of a triangle at shares of its corners. `area` is twice that of its picture, in squared subpixels.
+/// The colour of a triangle at shares of its corners. `area` is twice that of its picture, in
+/// squared subpixels.
 fn painted(surface: &Surface, t: usize, shares: [f32; 3], area: f64) -> Vec3 {
     let paint = surface.paints[surface.paint_of[t] as usize];
     let Some(texture) = paint.texture.map(|i| &surface.textures[i]) else { return paint.colour };
@@ -153,7 +163,8 @@ fn painted(surface: &Surface, t: usize, shares: [f32; 3], area: f64) -> Vec3 {
     let [a, b, c] = triangle.map(|v| surface.texture[v as usize]);
     let pixels = (area.abs() / f64::from(SUBPIXELS * SUBPIXELS)) as f32;
     let texels = (b - a).perp_dot(c - a).abs() * texture.area();
-    paint.colour * texture.at(textured(surface, triangle, shares), texels / pixels.max(f32::MIN_POSITIVE))
+    paint.colour
+        * texture.at(textured(surface, triangle, shares), texels / pixels.max(f32::MIN_POSITIVE))
 }
 
 fn is_dark(at: Vec2) -> bool {
@@ -161,7 +172,8 @@ fn is_dark(at: Vec2) -> bool {
     parity(at.x) != parity(at.y)
 }
 
-/// A pixel centre's shares of a triangle's corners, and twice the triangle's area in squared subpixels.
+/// A pixel centre's shares of a triangle's corners, and twice the triangle's area in squared
+/// subpixels.
 fn shares(corners: [Point; 3], column: u32, row: u32) -> ([f32; 3], f64) {
     let center = |pixel: u32| f64::from(pixel) * f64::from(SUBPIXELS) + f64::from(SUBPIXELS / 2);
     let (x, y) = (center(column), center(row));

@@ -6,11 +6,13 @@ use glam::Vec3;
 /// Edges between faces that are further apart than this (60°, as its cosine) stay sharp.
 const CREASE: f32 = 0.5;
 
-/// One normal for every corner of every triangle: the mean of the unit normals of all triangles that are reached around
-/// the corner's position without crossing a sharp edge or a border. Positions are one if they are equal.
+/// One normal for every corner of every triangle: the mean of the unit normals of all triangles
+/// that are reached around the corner's position without crossing a sharp edge or a border.
+/// Positions are one if they are equal.
 pub(crate) fn smooth(surface: &Surface) -> Vec<[Vec3; 3]> {
     let place = places(&surface.positions);
-    let corners: Vec<[u32; 3]> = surface.triangles.iter().map(|t| t.map(|v| place[v as usize])).collect();
+    let corners: Vec<[u32; 3]> =
+        surface.triangles.iter().map(|t| t.map(|v| place[v as usize])).collect();
     let own: Vec<Vec3> = (0..corners.len())
         .map(|t| {
             let [a, b, c] = surface.corners(t);
@@ -38,7 +40,9 @@ pub(crate) fn smooth(surface: &Surface) -> Vec<[Vec3; 3]> {
                 sum += own[t as usize];
                 for (u, taken) in fan.iter_mut().filter(|f| !f.1) {
                     let share = |g: &u32| *g != p as u32 && corners[t as usize].contains(g);
-                    if own[t as usize].dot(own[*u as usize]) > CREASE && corners[*u as usize].iter().any(share) {
+                    if own[t as usize].dot(own[*u as usize]) > CREASE
+                        && corners[*u as usize].iter().any(share)
+                    {
                         *taken = true;
                         open.push(*u);
                     }

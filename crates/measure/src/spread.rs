@@ -33,8 +33,9 @@ pub(crate) fn over_area(surface: &Surface, count: usize, seed: u64) -> Vec<DVec3
         .collect()
 }
 
-/// A regular lattice on every triangle, corners and edges included, as fine as `most` points in all allow: it finds what
-/// area samples miss on slivers. With more triangles than that, the corners of some.
+/// A regular lattice on every triangle, corners and edges included, as fine as `most` points in all
+/// allow: it finds what area samples miss on slivers. With more triangles than that, the corners of
+/// some.
 pub(crate) fn over_triangles(surface: &Surface, most: usize) -> Vec<DVec3> {
     let triangles = surface.triangles.len();
     let points = |k: usize| (k + 1) * (k + 2) / 2;
@@ -43,7 +44,8 @@ pub(crate) fn over_triangles(surface: &Surface, most: usize) -> Vec<DVec3> {
     let lattice = |t: usize| {
         let [a, b, c] = surface.corners(t);
         (0..=k).flat_map(move |i| {
-            (0..=k - i).map(move |j| (a * i as f64 + b * j as f64 + c * (k - i - j) as f64) / k as f64)
+            (0..=k - i)
+                .map(move |j| (a * i as f64 + b * j as f64 + c * (k - i - j) as f64) / k as f64)
         })
     };
     (0..triangles).step_by(stride).flat_map(lattice).collect()

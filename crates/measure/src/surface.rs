@@ -3,7 +3,8 @@
 use crate::texture::{Paint, Texture};
 use glam::{DVec3, Vec2, Vec3};
 
-/// Triangles in one space, with what is needed to look at them. Every index is in range, or measuring panics.
+/// Triangles in one space, with what is needed to look at them. Every index is in range, or
+/// measuring panics.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Surface {
     /// Finite positions.
@@ -32,7 +33,8 @@ impl Surface {
     /// Least and greatest coordinates of the corners of triangles; zeros if there are none.
     #[must_use]
     pub fn bounds(&self) -> (DVec3, DVec3) {
-        let mut corners = self.triangles.iter().flatten().map(|&v| self.positions[v as usize].as_dvec3());
+        let mut corners =
+            self.triangles.iter().flatten().map(|&v| self.positions[v as usize].as_dvec3());
         let Some(first) = corners.next() else { return (DVec3::ZERO, DVec3::ZERO) };
         corners.fold((first, first), |(lo, hi), p| (lo.min(p), hi.max(p)))
     }

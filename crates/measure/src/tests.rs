@@ -1,4 +1,7 @@
-use crate::{Bvh, Looks, Paint, Sampling, Surface, Texture, Viewing, Wrap, compare_pictures, distances, pictures};
+use crate::{
+    Bvh, Looks, Paint, Sampling, Surface, Texture, Viewing, Wrap, compare_pictures, distances,
+    pictures,
+};
 use glam::{DVec3, Vec2, Vec3};
 
 /// A sphere of `rows` × `2 rows` squares.
@@ -7,8 +10,10 @@ fn sphere(rows: u32, radius: f32, shift: Vec3) -> Surface {
     let mut s = Surface::default();
     for i in 0..=rows {
         for j in 0..=columns {
-            let (polar, around) =
-                (std::f32::consts::PI * i as f32 / rows as f32, std::f32::consts::TAU * j as f32 / columns as f32);
+            let (polar, around) = (
+                std::f32::consts::PI * i as f32 / rows as f32,
+                std::f32::consts::TAU * j as f32 / columns as f32,
+            );
             let n = Vec3::new(polar.sin() * around.cos(), polar.cos(), -polar.sin() * around.sin());
             s.positions.push(n * radius + shift);
             s.normals.push(n);
@@ -26,7 +31,8 @@ fn sphere(rows: u32, radius: f32, shift: Vec3) -> Surface {
 }
 
 fn square(z: f32) -> Surface {
-    let positions = [[0., 0.], [1., 0.], [1., 1.], [0., 1.]].map(|[x, y]| Vec3::new(x, y, z)).to_vec();
+    let positions =
+        [[0., 0.], [1., 0.], [1., 1.], [0., 1.]].map(|[x, y]| Vec3::new(x, y, z)).to_vec();
     Surface { positions, triangles: vec![[0, 1, 2], [0, 2, 3]], ..Surface::default() }
 }
 
@@ -53,7 +59,8 @@ fn a_part_is_near_the_whole_but_not_the_whole_near_the_part() {
     let whole = square(0.0);
     let part = Surface { triangles: vec![[0, 1, 2]], ..whole.clone() };
     let d = distances(&whole, &part, &Sampling::DEFAULT);
-    // The corner that is missing is half a diagonal away; squared distances over the missing half have a mean of 1/12.
+    // The corner that is missing is half a diagonal away; squared distances over the missing half
+    // have a mean of 1/12.
     assert!((d.hausdorff[0] - 0.5_f64.sqrt()).abs() < 1e-6, "{d:?}");
     assert!((d.rms[0] - (1.0_f64 / 24.0).sqrt()).abs() < 1e-3, "{d:?}");
     assert_eq!((d.hausdorff[1], d.rms[1]), (0.0, 0.0));
@@ -112,9 +119,14 @@ fn coarser_spheres_look_and_are_worse_in_step() {
 #[test]
 fn a_texture_that_slips_is_seen_on_the_checkerboard_only() {
     let a = sphere(16, 1.0, Vec3::ZERO);
-    let slipped = Surface { texture: a.texture.iter().map(|t| *t + Vec2::new(0.02, 0.0)).collect(), ..a.clone() };
+    let slipped = Surface {
+        texture: a.texture.iter().map(|t| *t + Vec2::new(0.02, 0.0)).collect(),
+        ..a.clone()
+    };
     let cameras = Viewing { views: 4, size: 64 }.cameras(&a);
-    let error = |looks| compare_pictures(&pictures(&a, &cameras, looks), &pictures(&slipped, &cameras, looks)).rmse;
+    let error = |looks| {
+        compare_pictures(&pictures(&a, &cameras, looks), &pictures(&slipped, &cameras, looks)).rmse
+    };
     assert_eq!(error(Looks::default()), 0.0);
     assert!(error(Looks { checkerboard: true, ..Looks::default() }) > 5.0);
 }
@@ -122,10 +134,14 @@ fn a_texture_that_slips_is_seen_on_the_checkerboard_only() {
 #[test]
 fn what_is_turned_inside_out_looks_the_same_without_normals_of_its_own() {
     let a = sphere(16, 1.0, Vec3::ZERO);
-    let inside = Surface { triangles: a.triangles.iter().map(|&[a, b, c]| [a, c, b]).collect(), ..a.clone() };
+    let inside = Surface {
+        triangles: a.triangles.iter().map(|&[a, b, c]| [a, c, b]).collect(),
+        ..a.clone()
+    };
     let cameras = Viewing { views: 3, size: 64 }.cameras(&a);
     let looks = Looks::default();
-    let error = compare_pictures(&pictures(&a, &cameras, looks), &pictures(&inside, &cameras, looks));
+    let error =
+        compare_pictures(&pictures(&a, &cameras, looks), &pictures(&inside, &cameras, looks));
     assert!(error.rmse < 1e-3, "{error:?}");
 }
 
@@ -185,7 +201,8 @@ fn textures_are_read_between_texels_and_beyond_their_edges() {
 
 #[test]
 fn distances_from_faces_edges_and_corners_are_right() {
-    let squared = |t: [[f64; 3]; 3], p: [f64; 3]| Bvh::of(&[t.map(DVec3::from)]).distance_squared(p.into());
+    let squared =
+        |t: [[f64; 3]; 3], p: [f64; 3]| Bvh::of(&[t.map(DVec3::from)]).distance_squared(p.into());
     let t = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]];
     for (p, expected) in [
         ([1.0, 1.0, 3.0], 9.0),

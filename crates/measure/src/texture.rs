@@ -26,7 +26,8 @@ pub enum Wrap {
     Clamp,
 }
 
-/// A picture that can be read at any place and size. Texture coordinates 0 to 1 span it, with its first row at 0.
+/// A picture that can be read at any place and size. Texture coordinates 0 to 1 span it, with its
+/// first row at 0.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Texture {
     /// The picture, and what is left of it each time it is halved.
@@ -67,7 +68,8 @@ impl Texture {
         (width * height) as f32
     }
 
-    /// The colour at a place, 0 to 1, if a pixel is as large as `texels` of the picture. Linear between texels and between sizes.
+    /// The colour at a place, 0 to 1, if a pixel is as large as `texels` of the picture. Linear
+    /// between texels and between sizes.
     #[must_use]
     pub fn at(&self, place: Vec2, texels: f32) -> Vec3 {
         let (mut level, mut left) = (0, texels);
@@ -91,9 +93,13 @@ impl Level {
         let mean = |x: usize, y: usize| {
             let at = |dx: usize, dy: usize| self.texel(2 * x + dx, 2 * y + dy);
             let four = [at(0, 0), at(1, 0), at(0, 1), at(1, 1)];
-            [0, 1, 2].map(|c| (four.iter().map(|t| u32::from(t[c])).sum::<u32>().midpoint(3) / 2) as u8)
+            [0, 1, 2]
+                .map(|c| (four.iter().map(|t| u32::from(t[c])).sum::<u32>().midpoint(3) / 2) as u8)
         };
-        let texels = (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| (x, y))).map(|(x, y)| mean(x, y)).collect();
+        let texels = (0..size[1])
+            .flat_map(|y| (0..size[0]).map(move |x| (x, y)))
+            .map(|(x, y)| mean(x, y))
+            .collect();
         Self { size, texels }
     }
 
@@ -103,7 +109,8 @@ impl Level {
 
     fn at(&self, place: Vec2, wrap: [Wrap; 2]) -> Vec3 {
         let [x, y] = [0, 1].map(|k| along(place[k], self.size[k], wrap[k]));
-        let texel = |i: usize, j: usize| Vec3::from(self.texel(x.0[i], y.0[j]).map(f32::from)) / 255.0;
+        let texel =
+            |i: usize, j: usize| Vec3::from(self.texel(x.0[i], y.0[j]).map(f32::from)) / 255.0;
         let row = |j: usize| texel(0, j).lerp(texel(1, j), x.1);
         row(0).lerp(row(1), y.1)
     }

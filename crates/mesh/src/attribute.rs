@@ -3,7 +3,8 @@
 /// What a stream of vertex data means.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Semantic {
-    /// The position in its source format, present only where that is not three `f32` (quantised meshes).
+    /// The position in its source format, present only where that is not three `f32` (quantised
+    /// meshes).
     Position,
     /// Surface normal.
     Normal,
@@ -50,13 +51,14 @@ impl Component {
     }
 }
 
-/// One stream: `stride()` bytes for every vertex of the mesh, tightly packed. Vertices of submeshes that do not use
-/// the stream hold zeros.
+/// One stream: `stride()` bytes for every vertex of the mesh, tightly packed. Vertices of submeshes
+/// that do not use the stream hold zeros.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Attribute {
     /// What the stream means.
     pub semantic: Semantic,
-    /// `Some(t)`: the stream holds the deltas of morph target `t` for this semantic (`Position` included).
+    /// `Some(t)`: the stream holds the deltas of morph target `t` for this semantic (`Position`
+    /// included).
     pub morph_target: Option<u32>,
     /// Type of the components.
     pub component: Component,
@@ -75,8 +77,8 @@ impl Attribute {
         self.component.size() * usize::from(self.components)
     }
 
-    /// Whether the stream says where a vertex is, at rest or moved by joints and morph targets. A vertex that takes
-    /// another's place takes these streams from it.
+    /// Whether the stream says where a vertex is, at rest or moved by joints and morph targets. A
+    /// vertex that takes another's place takes these streams from it.
     #[must_use]
     pub fn is_spatial(&self) -> bool {
         matches!(self.semantic, Semantic::Position | Semantic::Joints(_) | Semantic::Weights(_))
@@ -100,8 +102,13 @@ impl Attribute {
             Component::U8 => unit(f32::from(b[0]), 255.0),
             Component::I16 => unit(f32::from(i16::from_le_bytes([b[0], b[1]])), 32767.0),
             Component::U16 => unit(f32::from(u16::from_le_bytes([b[0], b[1]])), 65535.0),
-            #[expect(clippy::cast_precision_loss, reason = "an attribute as a number is approximate by nature")]
-            Component::U32 => unit(u32::from_le_bytes([b[0], b[1], b[2], b[3]]) as f32, u32::MAX as f32),
+            #[expect(
+                clippy::cast_precision_loss,
+                reason = "an attribute as a number is approximate by nature"
+            )]
+            Component::U32 => {
+                unit(u32::from_le_bytes([b[0], b[1], b[2], b[3]]) as f32, u32::MAX as f32)
+            }
             Component::F32 => f32::from_le_bytes([b[0], b[1], b[2], b[3]]),
         }
     }

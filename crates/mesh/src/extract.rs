@@ -3,23 +3,27 @@
 use crate::{Mesh, MeshError, MeshParts, OrientedTriangle, Submesh};
 
 impl Mesh {
-    /// The mesh that `triangles` make: only the vertices they use, in the order of this mesh, with their attributes
-    /// bit for bit. Every submesh is kept, also one without triangles; within a submesh triangles keep their order.
+    /// The mesh that `triangles` make: only the vertices they use, in the order of this mesh, with
+    /// their attributes bit for bit. Every submesh is kept, also one without triangles; within a
+    /// submesh triangles keep their order.
     ///
     /// # Errors
-    /// If a triangle names a submesh or vertex that this mesh does not have, mixes submeshes or is degenerate.
+    /// If a triangle names a submesh or vertex that this mesh does not have, mixes submeshes or is
+    /// degenerate.
     pub fn extract(&self, triangles: &[OrientedTriangle]) -> Result<Self, MeshError> {
         let mut new_index = vec![u32::MAX; self.vertex_count()];
         let mut counts = vec![0u32; self.submeshes().len()];
         for (triangle, t) in triangles.iter().enumerate() {
-            let count =
-                counts.get_mut(t.submesh as usize).ok_or(MeshError::SubmeshRange { submesh: t.submesh as usize })?;
+            let count = counts
+                .get_mut(t.submesh as usize)
+                .ok_or(MeshError::SubmeshRange { submesh: t.submesh as usize })?;
             *count += 1;
             for v in t.corners {
                 *new_index.get_mut(v as usize).ok_or(MeshError::IndexOutOfRange { triangle })? = 0;
             }
         }
-        let sources: Vec<u32> = (0..new_index.len() as u32).filter(|&v| new_index[v as usize] == 0).collect();
+        let sources: Vec<u32> =
+            (0..new_index.len() as u32).filter(|&v| new_index[v as usize] == 0).collect();
         for (new, &old) in sources.iter().enumerate() {
             new_index[old as usize] = new as u32;
         }
@@ -27,7 +31,8 @@ impl Mesh {
         let mut first_triangle = 0;
         let submeshes: Vec<Submesh> = (self.submeshes().iter().zip(&counts))
             .map(|(s, &triangle_count)| {
-                let submesh = Submesh { first_triangle, triangle_count, attributes: s.attributes.clone() };
+                let submesh =
+                    Submesh { first_triangle, triangle_count, attributes: s.attributes.clone() };
                 first_triangle += triangle_count;
                 submesh
             })
@@ -42,7 +47,11 @@ impl Mesh {
         Self::try_from(MeshParts {
             positions: sources.iter().map(|&v| self.positions()[v as usize]).collect(),
             vertex_submesh: sources.iter().map(|&v| self.vertex_submesh()[v as usize]).collect(),
-            attributes: self.attributes().iter().map(|a| a.gathered(sources.iter().copied())).collect(),
+            attributes: self
+                .attributes()
+                .iter()
+                .map(|a| a.gathered(sources.iter().copied()))
+                .collect(),
             triangles: sorted,
             submeshes,
         })
@@ -55,7 +64,8 @@ mod tests {
     use crate::{Attribute, Component, Semantic};
 
     fn two_submeshes() -> Mesh {
-        let square = |x: f32| [[x, 0.0, 0.0], [x + 1.0, 0.0, 0.0], [x + 1.0, 1.0, 0.0], [x, 1.0, 0.0]];
+        let square =
+            |x: f32| [[x, 0.0, 0.0], [x + 1.0, 0.0, 0.0], [x + 1.0, 1.0, 0.0], [x, 1.0, 0.0]];
         Mesh::try_from(MeshParts {
             positions: [square(0.0), square(2.0)].concat(),
             vertex_submesh: vec![0, 0, 0, 0, 1, 1, 1, 1],
@@ -78,7 +88,9 @@ mod tests {
 
     #[test]
     fn extraction_keeps_used_vertices_in_order_and_empty_submeshes() {
-        let level = two_submeshes().extract(&[OrientedTriangle::new(1, [6, 7, 4])]).expect("triangles of the mesh");
+        let level = two_submeshes()
+            .extract(&[OrientedTriangle::new(1, [6, 7, 4])])
+            .expect("triangles of the mesh");
         assert_eq!(level.positions(), [[2.0, 0.0, 0.0], [3.0, 1.0, 0.0], [2.0, 1.0, 0.0]]);
         assert_eq!(level.triangles(), [[0, 1, 2]]);
         assert_eq!(level.attributes()[0].bytes, [14, 16, 17]);
@@ -90,7 +102,9 @@ mod tests {
     fn extraction_groups_triangles_by_submesh() {
         let wanted = [(1, [4, 5, 6]), (0, [0, 2, 3]), (1, [4, 6, 7]), (0, [0, 1, 2])];
         let mesh = two_submeshes();
-        let level = mesh.extract(&wanted.map(|(s, t)| OrientedTriangle::new(s, t))).expect("triangles of the mesh");
+        let level = mesh
+            .extract(&wanted.map(|(s, t)| OrientedTriangle::new(s, t)))
+            .expect("triangles of the mesh");
         assert_eq!(level.triangles(), [[0, 2, 3], [0, 1, 2], [4, 5, 6], [4, 6, 7]]);
         assert_eq!(level.positions(), mesh.positions());
     }
@@ -98,7 +112,9 @@ mod tests {
     #[test]
     fn extraction_of_foreign_triangles_is_refused() {
         let mesh = two_submeshes();
-        let refused = |submesh, corners| mesh.extract(&[OrientedTriangle { submesh, corners }]).expect_err("foreign");
+        let refused = |submesh, corners| {
+            mesh.extract(&[OrientedTriangle { submesh, corners }]).expect_err("foreign")
+        };
         assert_eq!(refused(2, [0, 1, 2]), MeshError::SubmeshRange { submesh: 2 });
         assert_eq!(refused(0, [0, 1, 8]), MeshError::IndexOutOfRange { triangle: 0 });
         assert_eq!(refused(0, [0, 1, 6]), MeshError::SharedVertex { triangle: 0 });

@@ -1,4 +1,5 @@
-//! Wedge groups: the vertices at one position whose triangles hang together there. The unit of collapse.
+//! Wedge groups: the vertices at one position whose triangles hang together there. The unit of
+//! collapse.
 
 use crate::{Mesh, PositionIds};
 
@@ -12,12 +13,14 @@ pub struct WedgeGroups {
 }
 
 impl WedgeGroups {
-    /// Finds the groups: at each position, vertices are joined if their triangles share an edge at that position,
-    /// edges being compared by position. Two objects that touch only in a point stay two groups.
+    /// Finds the groups: at each position, vertices are joined if their triangles share an edge at
+    /// that position, edges being compared by position. Two objects that touch only in a point stay
+    /// two groups.
     #[must_use]
     pub fn new(mesh: &Mesh, positions: &PositionIds) -> Self {
         let mut parent: Vec<u32> = (0..mesh.vertex_count() as u32).collect();
-        // Most meshes have one vertex per position: nothing to join there, so those corners are left out.
+        // Most meshes have one vertex per position: nothing to join there, so those corners are
+        // left out.
         let mut vertices_at = vec![0u32; positions.len()];
         for &p in &positions.of_vertex {
             vertices_at[p as usize] += 1;

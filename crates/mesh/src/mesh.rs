@@ -10,7 +10,8 @@ pub struct Submesh {
     pub first_triangle: u32,
     /// How many triangles it has.
     pub triangle_count: u32,
-    /// Which of the mesh's attribute streams its vertices have, as indices into [`Mesh::attributes`].
+    /// Which of the mesh's attribute streams its vertices have, as indices into
+    /// [`Mesh::attributes`].
     pub attributes: Vec<u32>,
 }
 
@@ -39,19 +40,20 @@ pub struct MeshParts {
 }
 
 impl MeshParts {
-    /// Drops what takes no part in a level of detail: triangles with two corners at one position, then vertices that
-    /// no triangle uses. Says how many.
+    /// Drops what takes no part in a level of detail: triangles with two corners at one position,
+    /// then vertices that no triangle uses. Says how many.
     ///
     /// # Panics
-    /// If a triangle names a vertex that is not there, a submesh a triangle that is not there, or a stream has too few
-    /// bytes: whoever reads a file checks that first.
+    /// If a triangle names a vertex that is not there, a submesh a triangle that is not there, or a
+    /// stream has too few bytes: whoever reads a file checks that first.
     pub fn clean(&mut self) -> Cleaning {
         crate::clean::clean(self)
     }
 }
 
-/// A triangle mesh. Holding one means: positions are finite, indices are in range, no triangle has two corners at one
-/// position, every vertex belongs to one submesh and every stream has bytes for every vertex.
+/// A triangle mesh. Holding one means: positions are finite, indices are in range, no triangle has
+/// two corners at one position, every vertex belongs to one submesh and every stream has bytes for
+/// every vertex.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mesh(MeshParts);
 
@@ -117,18 +119,27 @@ impl TryFrom<MeshParts> for Mesh {
         if vertices > limit || parts.triangles.len() > limit {
             return Err(MeshError::TooLarge { vertices, triangles: parts.triangles.len() });
         }
-        if let Some(vertex) = parts.positions.iter().position(|p| p.iter().any(|c| !c.is_finite())) {
+        if let Some(vertex) = parts.positions.iter().position(|p| p.iter().any(|c| !c.is_finite()))
+        {
             return Err(MeshError::NotFinite { vertex });
         }
         if parts.vertex_submesh.len() != vertices {
-            return Err(MeshError::VertexSubmesh { vertex: parts.vertex_submesh.len().min(vertices) });
+            return Err(MeshError::VertexSubmesh {
+                vertex: parts.vertex_submesh.len().min(vertices),
+            });
         }
-        if let Some(vertex) = parts.vertex_submesh.iter().position(|&s| s as usize >= parts.submeshes.len()) {
+        if let Some(vertex) =
+            parts.vertex_submesh.iter().position(|&s| s as usize >= parts.submeshes.len())
+        {
             return Err(MeshError::VertexSubmesh { vertex });
         }
         for (attribute, a) in parts.attributes.iter().enumerate() {
             if !(1..=16).contains(&a.components) || a.bytes.len() != vertices * a.stride() {
-                return Err(MeshError::AttributeLength { attribute, bytes: a.bytes.len(), vertices });
+                return Err(MeshError::AttributeLength {
+                    attribute,
+                    bytes: a.bytes.len(),
+                    vertices,
+                });
             }
         }
         let mut next = 0;
@@ -225,16 +236,31 @@ impl fmt::Display for MeshError {
             Self::TooLarge { vertices, triangles } => {
                 write!(f, "{vertices} vertices and {triangles} triangles are more than 2^30")
             }
-            Self::NotFinite { vertex } => write!(f, "vertex {vertex} has a coordinate that is not a finite number"),
+            Self::NotFinite { vertex } => {
+                write!(f, "vertex {vertex} has a coordinate that is not a finite number")
+            }
             Self::VertexSubmesh { vertex } => write!(f, "vertex {vertex} has no valid submesh"),
             Self::AttributeLength { attribute, bytes, vertices } => {
-                write!(f, "attribute {attribute} has {bytes} bytes, which do not fit {vertices} vertices")
+                write!(
+                    f,
+                    "attribute {attribute} has {bytes} bytes, which do not fit {vertices} vertices"
+                )
             }
-            Self::SubmeshRange { submesh } => write!(f, "submesh {submesh} does not follow the one before it"),
-            Self::SubmeshAttribute { submesh } => write!(f, "submesh {submesh} names an attribute that is not there"),
-            Self::IndexOutOfRange { triangle } => write!(f, "triangle {triangle} names a vertex that is not there"),
-            Self::SharedVertex { triangle } => write!(f, "triangle {triangle} uses a vertex of another submesh"),
-            Self::Degenerate { triangle } => write!(f, "triangle {triangle} has two corners at one position"),
+            Self::SubmeshRange { submesh } => {
+                write!(f, "submesh {submesh} does not follow the one before it")
+            }
+            Self::SubmeshAttribute { submesh } => {
+                write!(f, "submesh {submesh} names an attribute that is not there")
+            }
+            Self::IndexOutOfRange { triangle } => {
+                write!(f, "triangle {triangle} names a vertex that is not there")
+            }
+            Self::SharedVertex { triangle } => {
+                write!(f, "triangle {triangle} uses a vertex of another submesh")
+            }
+            Self::Degenerate { triangle } => {
+                write!(f, "triangle {triangle} has two corners at one position")
+            }
         }
     }
 }

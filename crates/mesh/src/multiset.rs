@@ -1,7 +1,8 @@
 //! Comparing meshes as multisets of oriented triangles: exactly, and by an order-independent hash.
 
-/// A triangle of a submesh whose corners are rotated so that the smallest comes first: equal exactly if the oriented
-/// triangles are. (The corners are different vertices, as those of live triangles always are.)
+/// A triangle of a submesh whose corners are rotated so that the smallest comes first: equal
+/// exactly if the oriented triangles are. (The corners are different vertices, as those of live
+/// triangles always are.)
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct OrientedTriangle {
     /// The submesh.
@@ -25,8 +26,9 @@ impl OrientedTriangle {
     }
 }
 
-/// A multiset of oriented triangles as the wrapping sum of their 128-bit hashes: triangles can be added and taken
-/// away in any order. Equal multisets have equal sums; unequal ones collide with probability 2⁻¹²⁸ or so.
+/// A multiset of oriented triangles as the wrapping sum of their 128-bit hashes: triangles can be
+/// added and taken away in any order. Equal multisets have equal sums; unequal ones collide with
+/// probability 2⁻¹²⁸ or so.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct TriangleHash(u128);
 
@@ -52,12 +54,15 @@ impl FromIterator<OrientedTriangle> for TriangleHash {
 fn hash(t: OrientedTriangle) -> u128 {
     let a = u64::from(t.submesh) << 32 | u64::from(t.corners[0]);
     let b = u64::from(t.corners[1]) << 32 | u64::from(t.corners[2]);
-    let half =
-        |seed: u64| mix(mix(a ^ seed).wrapping_add(b).wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ seed.rotate_left(17));
+    let half = |seed: u64| {
+        mix(mix(a ^ seed).wrapping_add(b).wrapping_mul(0x9e37_79b9_7f4a_7c15)
+            ^ seed.rotate_left(17))
+    };
     u128::from(half(0x243f_6a88_85a3_08d3)) << 64 | u128::from(half(0x1319_8a2e_0370_7344))
 }
 
-/// A bijection of 64 bits in which every input bit moves half of the output (the finaliser of SplitMix64).
+/// A bijection of 64 bits in which every input bit moves half of the output (the finaliser of
+/// SplitMix64).
 fn mix(mut x: u64) -> u64 {
     x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);

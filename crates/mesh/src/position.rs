@@ -17,14 +17,15 @@ pub struct PositionIds {
 }
 
 impl PositionIds {
-    /// Numbers the positions of some vertices. Linear time and open addressing: this runs on every mesh.
+    /// Numbers the positions of some vertices. Linear time and open addressing: this runs on every
+    /// mesh.
     #[must_use]
     pub fn new(positions: &[[f32; 3]]) -> Self {
         Self::by_hashing(positions).unwrap_or_else(|| Self::by_sorting(positions))
     }
 
-    /// None if far more slots had to be looked at than chance explains: positions chosen so that their hashes collide
-    /// would make this quadratic.
+    /// None if far more slots had to be looked at than chance explains: positions chosen so that
+    /// their hashes collide would make this quadratic.
     fn by_hashing(positions: &[[f32; 3]]) -> Option<Self> {
         const EMPTY: u32 = u32::MAX;
         let mut patience = 16 * positions.len() + 1024;
@@ -97,7 +98,8 @@ fn index(i: usize) -> u32 {
 
 fn hash(key: [u32; 3]) -> usize {
     let mut h = u64::from(key[0]) | u64::from(key[1]) << 32;
-    h = (h ^ u64::from(key[2]).wrapping_mul(0x9e37_79b9_7f4a_7c15)).wrapping_mul(0xff51_afd7_ed55_8ccd);
+    h = (h ^ u64::from(key[2]).wrapping_mul(0x9e37_79b9_7f4a_7c15))
+        .wrapping_mul(0xff51_afd7_ed55_8ccd);
     h ^= h >> 32;
     h = h.wrapping_mul(0xc4ce_b9fe_1a85_ec53);
     (h ^ (h >> 29)) as usize

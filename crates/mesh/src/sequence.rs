@@ -1,9 +1,9 @@
 //! The collapse sequence: what a simplifier writes and every model reads.
 //!
-//! Vertices are numbered in the order in which they disappear. Record `k` removes vertex `k`, which becomes
-//! `targets[k] > k`; the last vertex stays. LOD `k` is the mesh after the first `k` records: LOD 0 is the input,
-//! `records()` the single vertex. Consecutive records of one half-edge collapse make a *step*; a LOD is shown at step
-//! ends only. (Thesis 3.2.1, 4.2.1 and 5.2.)
+//! Vertices are numbered in the order in which they disappear. Record `k` removes vertex `k`, which
+//! becomes `targets[k] > k`; the last vertex stays. LOD `k` is the mesh after the first `k`
+//! records: LOD 0 is the input, `records()` the single vertex. Consecutive records of one half-edge
+//! collapse make a *step*; a LOD is shown at step ends only. (Thesis 3.2.1, 4.2.1 and 5.2.)
 
 use std::fmt;
 
@@ -16,7 +16,8 @@ pub struct Lod(pub u32);
 pub struct Step {
     /// The LOD after the step.
     pub lod: Lod,
-    /// Object-space error of that LOD in the mesh's units; never smaller than that of the step before.
+    /// Object-space error of that LOD in the mesh's units; never smaller than that of the step
+    /// before.
     pub error: f32,
     /// Triangles that are left.
     pub triangles: u32,
@@ -35,7 +36,8 @@ pub struct SequenceParts {
     pub step_triangles: Vec<u32>,
     /// Triangles at LOD 0.
     pub triangles: u32,
-    /// The last LOD reached without breaking a rule of legality (the terminal phase comes after it).
+    /// The last LOD reached without breaking a rule of legality (the terminal phase comes after
+    /// it).
     pub last_legal_lod: Lod,
     /// How many steps changed the topology before the terminal phase.
     pub topology_changes: u32,
@@ -50,7 +52,8 @@ const STRIDE: usize = 32;
 #[derive(Clone, Debug, PartialEq)]
 pub struct CollapseSequence(SequenceParts, StepIndex);
 
-/// How many steps are complete at every [`STRIDE`]th LOD, so that the step of a LOD is found in a few reads.
+/// How many steps are complete at every [`STRIDE`]th LOD, so that the step of a LOD is found in a
+/// few reads.
 #[derive(Clone, Debug, PartialEq)]
 struct StepIndex(Vec<u32>);
 
@@ -70,7 +73,8 @@ impl StepIndex {
     /// How many steps are complete at a LOD, not beyond the last.
     fn complete(&self, step_ends: &[u32], lod: usize) -> usize {
         let [below, above] = [self.0[lod / STRIDE], self.0[lod / STRIDE + 1]].map(|n| n as usize);
-        // Each step has a record at least: no more steps than records, and all others have yet to come.
+        // Each step has a record at least: no more steps than records, and all others have yet to
+        // come.
         let (passed, left) = (lod % STRIDE, STRIDE - lod % STRIDE);
         let (least, most) = (below.max(above.saturating_sub(left)), above.min(below + passed));
         least + step_ends[least..most].partition_point(|&end| end as usize <= lod)
@@ -91,7 +95,20 @@ impl CollapseSequence {
     /// One step, counted from 0.
     #[must_use]
     pub fn step(&self, i: usize) -> Step {
-        Step { lod: Lod(self.0.step_ends[i]), error: self.0.step_errors[i], triangles: self.0.step_triangles[i] }
+        Step {
+            lod: Lod(self.0.step_ends[i]),
+            error: self.0.step_errors[i],
+            triangles: self.0.step_triangles[i],
+        }
+    }
+    /// For each record the LOD at the end of its step: the first LOD shown without its vertex.
+    #[must_use]
+    pub fn step_ends_by_record(&self) -> Vec<u32> {
+        let mut ends = Vec::with_capacity(self.0.targets.len());
+        for &end in &self.0.step_ends {
+            ends.resize(end as usize, end);
+        }
+        ends
     }
     /// What each vertex becomes.
     #[must_use]
@@ -184,8 +201,8 @@ impl CollapseSequence {
         map.extend(map.len() as u32..=self.records());
         map
     }
-    /// [`Self::resolve`] for the vertices that are gone at `lod`, the first ones; any other stands for itself. Reuses the
-    /// room of `shown`.
+    /// [`Self::resolve`] for the vertices that are gone at `lod`, the first ones; any other stands
+    /// for itself. Reuses the room of `shown`.
     pub fn resolve_gone(&self, lod: Lod, shown: &mut Vec<u32>) {
         let end = lod.min(self.last()).0 as usize;
         shown.clear();
@@ -203,7 +220,9 @@ impl TryFrom<SequenceParts> for CollapseSequence {
 
     fn try_from(p: SequenceParts) -> Result<Self, SequenceError> {
         let records = p.targets.len();
-        if let Some(record) = (0..records).find(|&k| p.targets[k] as usize <= k || p.targets[k] as usize > records) {
+        if let Some(record) =
+            (0..records).find(|&k| p.targets[k] as usize <= k || p.targets[k] as usize > records)
+        {
             return Err(SequenceError::Target { record });
         }
         let steps = p.step_ends.len();
@@ -216,9 +235,13 @@ impl TryFrom<SequenceParts> for CollapseSequence {
             if !rises || !p.step_errors[step].is_finite() || p.step_triangles[step] > triangles {
                 return Err(SequenceError::Step { step });
             }
-            (end, error, triangles) = (p.step_ends[step], p.step_errors[step], p.step_triangles[step]);
+            (end, error, triangles) =
+                (p.step_ends[step], p.step_errors[step], p.step_triangles[step]);
         }
-        if end as usize != records || p.last_legal_lod.0 > end || p.first_topology_change.is_some_and(|l| l.0 > end) {
+        if end as usize != records
+            || p.last_legal_lod.0 > end
+            || p.first_topology_change.is_some_and(|l| l.0 > end)
+        {
             return Err(SequenceError::Step { step: steps });
         }
         let index = StepIndex::new(&p.step_ends, records);
@@ -237,8 +260,8 @@ pub enum SequenceError {
     },
     /// Steps have different numbers of ends, errors and triangle counts.
     Lengths,
-    /// A step does not follow the one before it: its end or error falls, its triangles rise, or the last step does not
-    /// end with the last record.
+    /// A step does not follow the one before it: its end or error falls, its triangles rise, or the
+    /// last step does not end with the last record.
     Step {
         /// The step.
         step: usize,
@@ -249,7 +272,9 @@ impl fmt::Display for SequenceError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Target { record } => write!(f, "record {record} does not lead to a later vertex"),
-            Self::Lengths => write!(f, "steps have different numbers of ends, errors and triangle counts"),
+            Self::Lengths => {
+                write!(f, "steps have different numbers of ends, errors and triangle counts")
+            }
             Self::Step { step } => write!(f, "step {step} does not follow the one before it"),
         }
     }

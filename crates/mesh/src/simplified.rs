@@ -1,11 +1,12 @@
 //! A mesh in collapse order with its sequence, and the reference answer: which triangles a LOD has.
 
-use crate::{CollapseSequence, Lod, Mesh, OrientedTriangle, PositionIds};
+use crate::{CollapseSequence, Lod, Mesh, OrientedTriangle, PositionIds, is_degenerate};
 use std::fmt;
 
-/// What a simplifier makes: the mesh, its vertices in the order in which they disappear (fake vertices included, which
-/// no triangle of LOD 0 uses), and the sequence. Within each submesh the triangle that dies first comes last, so the
-/// live triangles of a submesh are always the first ones.
+/// What a simplifier makes: the mesh, its vertices in the order in which they disappear (fake
+/// vertices included, which no triangle of LOD 0 uses), and the sequence. Within each submesh the
+/// triangle that dies first comes last, so the live triangles of a submesh are always the first
+/// ones.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Simplified {
     mesh: Mesh,
@@ -22,9 +23,13 @@ impl Simplified {
         if vertices != records + 1 && !(vertices == 0 && records == 0) {
             return Err(SimplifiedError::Records { vertices, records });
         }
-        let (mesh_triangles, sequence_triangles) = (mesh.triangles().len(), collapses.parts().triangles as usize);
+        let (mesh_triangles, sequence_triangles) =
+            (mesh.triangles().len(), collapses.parts().triangles as usize);
         if mesh_triangles != sequence_triangles {
-            return Err(SimplifiedError::Triangles { mesh: mesh_triangles, sequence: sequence_triangles });
+            return Err(SimplifiedError::Triangles {
+                mesh: mesh_triangles,
+                sequence: sequence_triangles,
+            });
         }
         Ok(Self { mesh, collapses })
     }
@@ -52,8 +57,9 @@ impl Simplified {
         }
         used.iter().filter(|&&u| !u).count()
     }
-    /// The reference answer: the input triangles with every vertex resolved, those with two corners at one position
-    /// dropped. Naive on purpose; everything else is judged by it. `lod` is taken as it is, not rounded to a step.
+    /// The reference answer: the input triangles with every vertex resolved, those with two corners
+    /// at one position dropped. Naive on purpose; everything else is judged by it. `lod` is taken
+    /// as it is, not rounded to a step.
     #[must_use]
     pub fn triangles_at(&self, lod: Lod) -> Vec<OrientedTriangle> {
         self.triangles_at_with(lod, &PositionIds::new(self.mesh.positions()))
@@ -66,8 +72,7 @@ impl Simplified {
         for (submesh, s) in self.mesh.submeshes().iter().enumerate() {
             for t in &self.mesh.triangles()[s.triangles()] {
                 let corners = t.map(|v| map[v as usize]);
-                let [a, b, c] = corners.map(|v| positions.of_vertex[v as usize]);
-                if a != b && b != c && c != a {
+                if !is_degenerate(corners.map(|v| positions.of_vertex[v as usize])) {
                     live.push(OrientedTriangle::new(submesh as u32, corners));
                 }
             }
@@ -99,7 +104,9 @@ pub enum SimplifiedError {
 impl fmt::Display for SimplifiedError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Records { vertices, records } => write!(f, "{records} records do not fit {vertices} vertices"),
+            Self::Records { vertices, records } => {
+                write!(f, "{records} records do not fit {vertices} vertices")
+            }
             Self::Triangles { mesh, sequence } => {
                 write!(f, "the mesh has {mesh} triangles, the sequence starts with {sequence}")
             }

@@ -3,9 +3,9 @@
 use crate::{MeshParts, Semantic, position_key};
 use std::collections::BTreeMap;
 
-/// Snaps every position to the first earlier one within `tolerance` (mesh units), if there is one. Returns how many
-/// vertices moved. Attributes are left alone; raw position streams follow. Triangles that lose their area are left
-/// for [`MeshParts::clean`].
+/// Snaps every position to the first earlier one within `tolerance` (mesh units), if there is one.
+/// Returns how many vertices moved. Attributes are left alone; raw position streams follow.
+/// Triangles that lose their area are left for [`MeshParts::clean`].
 pub fn weld_positions(parts: &mut MeshParts, tolerance: f64) -> usize {
     if tolerance.is_nan() || tolerance <= 0.0 {
         return 0;
@@ -13,17 +13,23 @@ pub fn weld_positions(parts: &mut MeshParts, tolerance: f64) -> usize {
     let cell = |p: [f32; 3]| p.map(|c| (f64::from(c) / tolerance).floor());
     let key = |c: [f64; 3]| c.map(|x| (x + 0.0).to_bits());
     let near = |a: [f32; 3], b: [f32; 3]| {
-        (0..3).map(|i| (f64::from(a[i]) - f64::from(b[i])).powi(2)).sum::<f64>() <= tolerance * tolerance
+        (0..3).map(|i| (f64::from(a[i]) - f64::from(b[i])).powi(2)).sum::<f64>()
+            <= tolerance * tolerance
     };
     let raw: Vec<usize> = (0..parts.attributes.len())
-        .filter(|&a| parts.attributes[a].semantic == Semantic::Position && parts.attributes[a].morph_target.is_none())
+        .filter(|&a| {
+            parts.attributes[a].semantic == Semantic::Position
+                && parts.attributes[a].morph_target.is_none()
+        })
         .collect();
-    // A raw position can only be taken over from a vertex whose submesh stores it in the same stream.
+    // A raw position can only be taken over from a vertex whose submesh stores it in the same
+    // stream.
     let has = |parts: &MeshParts, v: u32, stream: usize| {
         let submesh = parts.submeshes.get(parts.vertex_submesh[v as usize] as usize);
         submesh.is_some_and(|s| s.attributes.contains(&(stream as u32)))
     };
-    // Snapped vertices stand at a kept one, so no two kept ones are near each other and a cell holds only a few.
+    // Snapped vertices stand at a kept one, so no two kept ones are near each other and a cell
+    // holds only a few.
     let mut kept: BTreeMap<[u64; 3], Vec<u32>> = BTreeMap::new();
     let mut moved = 0;
     for v in 0..parts.positions.len() as u32 {
@@ -35,7 +41,8 @@ pub fn weld_positions(parts: &mut MeshParts, tolerance: f64) -> usize {
             .filter(|&u| near(parts.positions[u as usize], p))
             .collect();
         earlier.sort_unstable();
-        let follows = |u: &u32| raw.iter().all(|&stream| !has(parts, v, stream) || has(parts, *u, stream));
+        let follows =
+            |u: &u32| raw.iter().all(|&stream| !has(parts, v, stream) || has(parts, *u, stream));
         if earlier.is_empty() {
             kept.entry(key(home)).or_default().push(v);
         } else if let Some(u) = earlier.into_iter().find(follows) {

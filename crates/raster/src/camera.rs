@@ -1,4 +1,5 @@
-//! Orthographic cameras spread around a sphere: those that drive a metric, and others that judge what came of it.
+//! Orthographic cameras spread around a sphere: those that drive a metric, and others that judge
+//! what came of it.
 
 use glam::DVec3;
 
@@ -40,8 +41,8 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// A camera that sees the sphere of `radius` about `center` from the direction `toward` (a unit vector), filling 95 % of
-    /// `size` pixels across.
+    /// A camera that sees the sphere of `radius` about `center` from the direction `toward` (a unit
+    /// vector), filling 95 % of `size` pixels across.
     #[must_use]
     pub fn new(toward: DVec3, center: DVec3, radius: f64, size: u32) -> Self {
         let upward = if toward.y.abs() < 0.95 { DVec3::Y } else { DVec3::X };
@@ -56,7 +57,9 @@ impl Camera {
     pub fn project(&self, point: DVec3) -> Point {
         let p = (point - self.center) * self.scale;
         let half = 0.5 * f64::from(self.size);
-        let snap = |pixels: f64, steps: f64| (pixels.clamp(-FURTHEST, FURTHEST) * steps + 0.5).floor() as i32;
+        let snap = |pixels: f64, steps: f64| {
+            (pixels.clamp(-FURTHEST, FURTHEST) * steps + 0.5).floor() as i32
+        };
         Point {
             x: snap(half + p.dot(self.right), f64::from(SUBPIXELS)),
             y: snap(half - p.dot(self.up), f64::from(SUBPIXELS)),
@@ -65,8 +68,8 @@ impl Camera {
     }
 }
 
-/// The 20 cameras of viewpoint metrics: corners of a dodecahedron (Castelló et al. 2007), turned so that none of them looks
-/// along an axis, a diagonal or a plane of symmetry of what people model.
+/// The 20 cameras of viewpoint metrics: corners of a dodecahedron (Castelló et al. 2007), turned so
+/// that none of them looks along an axis, a diagonal or a plane of symmetry of what people model.
 #[must_use]
 pub fn metric_cameras(center: DVec3, radius: f64, size: u32) -> Vec<Camera> {
     let golden = f64::midpoint(1.0, 5.0_f64.sqrt());
@@ -82,16 +85,20 @@ pub fn metric_cameras(center: DVec3, radius: f64, size: u32) -> Vec<Camera> {
     corners.into_iter().map(|c| Camera::new(turned(c).normalize(), center, radius, size)).collect()
 }
 
-/// Turns a vector by a fixed rotation without any symmetry: two Householder mirrors in planes of no importance.
+/// Turns a vector by a fixed rotation without any symmetry: two Householder mirrors in planes of no
+/// importance.
 fn turned(v: DVec3) -> DVec3 {
-    let mirrored = |v: DVec3, across: DVec3| v - across * (2.0 * v.dot(across) / across.length_squared());
+    let mirrored =
+        |v: DVec3, across: DVec3| v - across * (2.0 * v.dot(across) / across.length_squared());
     mirrored(mirrored(v, DVec3::new(0.31, 0.83, 0.47)), DVec3::new(0.72, 0.19, 0.65))
 }
 
-/// `count` cameras spread evenly over the sphere (a Fibonacci lattice), none of them one of [`metric_cameras`].
+/// `count` cameras spread evenly over the sphere (a Fibonacci lattice), none of them one of
+/// [`metric_cameras`].
 #[must_use]
 pub fn spread_cameras(count: u32, center: DVec3, radius: f64, size: u32) -> Vec<Camera> {
-    // Cosine and sine of π (1 + √5), by which each point turns on from the one before: no library's sine is asked.
+    // Cosine and sine of π (1 + √5), by which each point turns on from the one before: no library's
+    // sine is asked.
     let (cos, sin) = (-0.737_368_878_078_320_3, -0.675_490_294_261_523_2);
     // Half a step to begin with.
     let (mut x, mut y) = (0.362_374_890_080_479_8, -0.932_032_423_813_227_7);

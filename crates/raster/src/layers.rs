@@ -1,4 +1,5 @@
-//! Everything behind every pixel of one picture, sorted by depth: what is seen, and what would be without it.
+//! Everything behind every pixel of one picture, sorted by depth: what is seen, and what would be
+//! without it.
 
 /// What of an item lies at a pixel: items at one depth are sorted by number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -44,7 +45,11 @@ impl Layers {
     /// Nothing behind any of so many pixels.
     #[must_use]
     pub fn new(pixels: usize) -> Self {
-        Self { heads: vec![Node { fragment: Fragment::NOTHING, next: END }; pixels], nodes: Vec::new(), free: END }
+        Self {
+            heads: vec![Node { fragment: Fragment::NOTHING, next: END }; pixels],
+            nodes: Vec::new(),
+            free: END,
+        }
     }
 
     /// Puts a fragment behind a pixel.
@@ -103,7 +108,11 @@ impl Layers {
 
     /// Where the number of the node after `before` stands, `END` being the head.
     fn link(&mut self, pixel: usize, before: u32) -> &mut u32 {
-        if before == END { &mut self.heads[pixel].next } else { &mut self.nodes[before as usize].next }
+        if before == END {
+            &mut self.heads[pixel].next
+        } else {
+            &mut self.nodes[before as usize].next
+        }
     }
 
     /// What is seen at a pixel.

@@ -14,7 +14,8 @@ fn point(state: &mut u64, range: u64) -> Point {
     Point { x: next(), y: next(), z: next() }
 }
 
-/// Whether a pixel centre is inside, by asking every edge with exact arithmetic; on an edge nobody knows.
+/// Whether a pixel centre is inside, by asking every edge with exact arithmetic; on an edge nobody
+/// knows.
 fn contains(corners: [Point; 3], column: i32, row: i32) -> Option<bool> {
     let (x, y) = (i128::from(column) * 256 + 128, i128::from(row) * 256 + 128);
     let mut signs = [0, 1, 2].map(|i| {
@@ -40,7 +41,10 @@ fn a_triangle_covers_the_centres_inside_it_and_no_others() {
             scan(corners, Window::whole(16), |x, y, z| {
                 assert!(!std::mem::replace(&mut seen[y as usize][x as usize], true), "twice");
                 let depths = corners.map(|p| p.z);
-                assert!(depths.iter().any(|&d| d <= z + 1) && depths.iter().any(|&d| d >= z - 1), "{z} {depths:?}");
+                assert!(
+                    depths.iter().any(|&d| d <= z + 1) && depths.iter().any(|&d| d >= z - 1),
+                    "{z} {depths:?}"
+                );
             });
             for (y, row) in (0..).zip(&seen) {
                 for (x, &seen) in (0..).zip(row) {
@@ -63,8 +67,15 @@ fn a_fan_covers_every_centre_once_even_when_edges_run_through_centres() {
         if round % 2 == 0 {
             hub = snap(hub);
         }
-        let rim =
-            [(-1000, -1000), (1700, -1000), (5000, -1000), (5000, 2000), (5000, 5000), (-1000, 5000), (-1000, 800)];
+        let rim = [
+            (-1000, -1000),
+            (1700, -1000),
+            (5000, -1000),
+            (5000, 2000),
+            (5000, 5000),
+            (-1000, 5000),
+            (-1000, 800),
+        ];
         let rim = rim.map(|(x, y)| Point { x, y, z: 0 });
         let mut count = [0; 256];
         for i in 0..rim.len() {

@@ -1,4 +1,5 @@
-//! Which pixel centres a triangle covers, decided in integers (Pineda 1988, with the top-left rule).
+//! Which pixel centres a triangle covers, decided in integers (Pineda 1988, with the top-left
+//! rule).
 
 use crate::camera::{Point, SUBPIXELS};
 
@@ -33,7 +34,8 @@ impl Window {
         if lo.0 > hi.0 {
             return Self::default();
         }
-        // The first centre at or after the least, and after the last centre at or before the greatest.
+        // The first centre at or after the least, and after the last centre at or before the
+        // greatest.
         let half = SUBPIXELS / 2;
         Self {
             left: self.left.max((lo.0 + half - 1).div_euclid(SUBPIXELS)),
@@ -83,7 +85,8 @@ impl Edge {
     fn new(a: Point, b: Point, x: i64, y: i64) -> Self {
         let (dx, dy) = (i64::from(b.x) - i64::from(a.x), i64::from(b.y) - i64::from(a.y));
         let value = dx * (y - i64::from(a.y)) - dy * (x - i64::from(a.x));
-        // With the inner side at the right hand going along, an edge that goes up is left, one that goes right is top.
+        // With the inner side at the right hand going along, an edge that goes up is left, one that
+        // goes right is top.
         let owns = dy < 0 || dy == 0 && dx > 0;
         let step = i64::from(SUBPIXELS);
         Self { value, right: -dy * step, down: dx * step, bias: if owns { 0 } else { -1 } }
@@ -107,16 +110,18 @@ impl Edge {
         match self.right {
             0 if value < 0 => (first, first - 1),
             0 => (first, last),
-            right if right > 0 => {
-                (first.max((-value).div_euclid(right) + i64::from((-value).rem_euclid(right) > 0)), last)
-            }
+            right if right > 0 => (
+                first.max((-value).div_euclid(right) + i64::from((-value).rem_euclid(right) > 0)),
+                last,
+            ),
             right => (first, last.min(value.div_euclid(-right))),
         }
     }
 }
 
-/// Calls `visit(column, row, depth)` for every pixel of `window` whose centre lies in the triangle, whichever side of it is
-/// seen. Two triangles that share an edge share no pixel there and leave none out. Depth is in [`Point::z`]'s unit.
+/// Calls `visit(column, row, depth)` for every pixel of `window` whose centre lies in the triangle,
+/// whichever side of it is seen. Two triangles that share an edge share no pixel there and leave
+/// none out. Depth is in [`Point::z`]'s unit.
 #[inline]
 pub fn scan(corners: [Point; 3], window: Window, mut visit: impl FnMut(i32, i32, i32)) {
     let [a, mut b, mut c] = corners;
@@ -139,10 +144,12 @@ pub fn scan(corners: [Point; 3], window: Window, mut visit: impl FnMut(i32, i32,
     let (x, y) = (center(window.left), center(window.top));
     // Each edge weighs the corner opposite to it.
     let mut edges = [Edge::new(b, c, x, y), Edge::new(c, a, x, y), Edge::new(a, b, x, y)];
-    // Everything below is a whole number less than 2^53 in pictures of up to 512 pixels, so no order of sums matters.
+    // Everything below is a whole number less than 2^53 in pictures of up to 512 pixels, so no
+    // order of sums matters.
     let share = 1.0 / area as f64;
     let depths = [a, b, c].map(|p| f64::from(p.z));
-    let weighed = |w: [i64; 3]| w[0] as f64 * depths[0] + w[1] as f64 * depths[1] + w[2] as f64 * depths[2];
+    let weighed =
+        |w: [i64; 3]| w[0] as f64 * depths[0] + w[1] as f64 * depths[1] + w[2] as f64 * depths[2];
     let step = weighed(edges.map(|e| e.right));
     for row in window.top..window.bottom {
         let [mut first, mut last] = [0, i64::from(window.right) - i64::from(window.left) - 1];

@@ -6,11 +6,14 @@ use lodc_mesh::{Attribute, Mesh, Semantic};
 
 /// A change of the normal by one (60°) counts like a displacement by this share of the mesh's size.
 const NORMAL_LENGTH: f64 = 0.01;
-/// A change of a colour channel from none to full counts like a displacement by this share of the mesh's size.
+/// A change of a colour channel from none to full counts like a displacement by this share of the
+/// mesh's size.
 const COLOR_LENGTH: f64 = 0.02;
-/// A joint's weight that changes from none to full counts like a displacement by this share of the mesh's size.
+/// A joint's weight that changes from none to full counts like a displacement by this share of the
+/// mesh's size.
 const JOINT_LENGTH: f64 = 0.01;
-/// A texture that shifts along the surface by some length counts like a displacement by this share of it.
+/// A texture that shifts along the surface by some length counts like a displacement by this share
+/// of it.
 const TEXTURE_SHARE: f64 = 0.1;
 
 /// The non-spatial attributes of every vertex, scaled to working units.
@@ -33,8 +36,12 @@ impl Attributes {
         for a in mesh.attributes().iter().filter(|a| a.morph_target.is_none()) {
             let components = usize::from(a.components);
             match a.semantic {
-                Semantic::Normal => columns.extend((0..components.min(3)).map(|c| (a, c, NORMAL_LENGTH * size))),
-                Semantic::Color(_) => columns.extend((0..components.min(4)).map(|c| (a, c, COLOR_LENGTH * size))),
+                Semantic::Normal => {
+                    columns.extend((0..components.min(3)).map(|c| (a, c, NORMAL_LENGTH * size)))
+                }
+                Semantic::Color(_) => {
+                    columns.extend((0..components.min(4)).map(|c| (a, c, COLOR_LENGTH * size)))
+                }
                 Semantic::TexCoord(set) if components >= 2 => {
                     if set == 0 && texture.is_none() {
                         texture = Some(columns.len());
@@ -52,7 +59,13 @@ impl Attributes {
                 if value.is_finite() { value as f32 } else { 0.0 }
             }));
         }
-        Self { width: columns.len(), rows, texture, joints: joints(mesh), joint_scale: JOINT_LENGTH * size }
+        Self {
+            width: columns.len(),
+            rows,
+            texture,
+            joints: joints(mesh),
+            joint_scale: JOINT_LENGTH * size,
+        }
     }
 
     /// No attributes: every vertex is like every other.
@@ -73,7 +86,11 @@ impl Attributes {
 
     /// Squared difference of two vertices, in squared working units.
     pub(crate) fn distance_squared(&self, a: u32, b: u32) -> f64 {
-        self.row(a).iter().zip(self.row(b)).map(|(x, y)| (f64::from(*x) - f64::from(*y)).powi(2)).sum()
+        self.row(a)
+            .iter()
+            .zip(self.row(b))
+            .map(|(x, y)| (f64::from(*x) - f64::from(*y)).powi(2))
+            .sum()
     }
 
     /// Squared difference of two vertices' skinning weights, in squared working units.
@@ -118,7 +135,9 @@ fn texture_length(a: &Attribute, working: &Working, vertex_of_wedge: &[u32]) -> 
 }
 
 fn joints(mesh: &Mesh) -> Vec<[(u32, f32); 4]> {
-    let find = |semantic: &Semantic| mesh.attributes().iter().filter(|a| a.semantic == *semantic).collect::<Vec<_>>();
+    let find = |semantic: &Semantic| {
+        mesh.attributes().iter().filter(|a| a.semantic == *semantic).collect::<Vec<_>>()
+    };
     let (joints, weights) = (find(&Semantic::Joints(0)), find(&Semantic::Weights(0)));
     if joints.is_empty() || weights.is_empty() {
         return Vec::new();
@@ -127,7 +146,11 @@ fn joints(mesh: &Mesh) -> Vec<[(u32, f32); 4]> {
         .map(|v| {
             let mut list = [(0, 0.0); 4];
             for (j, w) in joints.iter().zip(&weights) {
-                for (c, slot) in list.iter_mut().enumerate().take(usize::from(j.components.min(w.components)).min(4)) {
+                for (c, slot) in list
+                    .iter_mut()
+                    .enumerate()
+                    .take(usize::from(j.components.min(w.components)).min(4))
+                {
                     let weight = w.value(v, c);
                     if weight > 0.0 && weight.is_finite() {
                         *slot = (j.value(v, c) as u32, weight);
@@ -139,8 +162,9 @@ fn joints(mesh: &Mesh) -> Vec<[(u32, f32); 4]> {
         .collect()
 }
 
-/// The attribute function around one wedge: how far off a straight continuation the attributes would be if the wedge
-/// moved. A vertex-centred quadric over position and attributes together (Hoppe 1999), refitted to the current faces.
+/// The attribute function around one wedge: how far off a straight continuation the attributes
+/// would be if the wedge moved. A vertex-centred quadric over position and attributes together
+/// (Hoppe 1999), refitted to the current faces.
 pub(crate) struct Gradient {
     weight: f64,
     a: crate::quadric::Symmetric,
@@ -164,12 +188,14 @@ impl Gradient {
         self.slopes.fill(DVec3::ZERO);
     }
 
-    /// Adds a face at whose corner `at` the wedge is. `rows` are the attributes at its three corners.
+    /// Adds a face at whose corner `at` the wedge is. `rows` are the attributes at its three
+    /// corners.
     pub(crate) fn add_face(&mut self, mesh: &Working, face: u32, at: usize, rows: [&[f32]; 3]) {
         let f = &mesh.faces[face as usize];
         let area = f64::from(f.area);
         let p = mesh.position(f.groups[at]);
-        let (e1, e2) = (mesh.position(f.groups[next(at)]) - p, mesh.position(f.groups[previous(at)]) - p);
+        let (e1, e2) =
+            (mesh.position(f.groups[next(at)]) - p, mesh.position(f.groups[previous(at)]) - p);
         let n = e1.cross(e2);
         let nn = n.length_squared();
         if nn <= 0.0 {
@@ -186,8 +212,8 @@ impl Gradient {
         }
     }
 
-    /// Area-weighted squared distance between the attributes at `delta` from the wedge, continued from each of its
-    /// faces, and `there`.
+    /// Area-weighted squared distance between the attributes at `delta` from the wedge, continued
+    /// from each of its faces, and `there`.
     #[inline]
     pub(crate) fn at(&self, delta: DVec3, here: &[f32], there: &[f32]) -> f64 {
         let mut sum = delta.dot(crate::quadric::times(&self.a, delta));

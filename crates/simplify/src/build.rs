@@ -1,4 +1,5 @@
-//! From a mesh to the working mesh: groups along a space-filling curve, coordinates scaled, corners classified.
+//! From a mesh to the working mesh: groups along a space-filling curve, coordinates scaled, corners
+//! classified.
 
 use crate::neighborhood::Neighborhood;
 use crate::wedges::Wedges;
@@ -53,19 +54,28 @@ pub(crate) fn build(mesh: &Mesh) -> Built {
     for &v in &groups.first_vertex {
         groups_at[positions.of_vertex[v as usize] as usize] += 1;
     }
-    let position_id: Vec<u32> = first_vertex.clone().map(|v| positions.of_vertex[v as usize]).collect();
+    let position_id: Vec<u32> =
+        first_vertex.clone().map(|v| positions.of_vertex[v as usize]).collect();
     let places = first_vertex
         .map(|v| Vec3::from(mesh.positions()[v as usize].map(|c| (f64::from(c) * scale) as f32)))
         .map(|position| Place { position, arrival: 0.0 })
         .collect();
-    let flags = position_id.iter().map(|&id| if groups_at[id as usize] > 1 { SHARED_POSITION } else { 0 }).collect();
+    let flags = position_id
+        .iter()
+        .map(|&id| if groups_at[id as usize] > 1 { SHARED_POSITION } else { 0 })
+        .collect();
 
     let group_of = |v: u32| group_rank[groups.of_vertex[v as usize] as usize];
     let order = faces_by_group(mesh, group_of);
     let triangle = |t: u32| mesh.triangles()[t as usize];
     let faces = order
         .iter()
-        .map(|&t| Face { groups: triangle(t).map(group_of), normal: Vec3::ZERO, area: 0.0, triangle: t })
+        .map(|&t| Face {
+            groups: triangle(t).map(group_of),
+            normal: Vec3::ZERO,
+            area: 0.0,
+            triangle: t,
+        })
         .collect();
     // With one vertex at each position no group ever gets a second wedge.
     let corners = if positions.len() == mesh.vertex_count() {
@@ -90,10 +100,16 @@ fn along_curve(mesh: &Mesh, groups: &WedgeGroups) -> Vec<u32> {
     let cells = if extent > 0.0 { f64::from((1 << 21) - 1) / extent } else { 0.0 };
     let code = |v: u32| {
         let p = mesh.positions()[v as usize];
-        (0..3).map(|i| spread(((f64::from(p[i]) - f64::from(lo[i])) * cells) as u64) << i).fold(0, |a, b| a | b)
+        (0..3)
+            .map(|i| spread(((f64::from(p[i]) - f64::from(lo[i])) * cells) as u64) << i)
+            .fold(0, |a, b| a | b)
     };
-    let mut keyed: Vec<(u64, u32)> =
-        groups.first_vertex.par_iter().zip(0..groups.len() as u32).map(|(&v, g)| (code(v), g)).collect();
+    let mut keyed: Vec<(u64, u32)> = groups
+        .first_vertex
+        .par_iter()
+        .zip(0..groups.len() as u32)
+        .map(|(&v, g)| (code(v), g))
+        .collect();
     keyed.par_sort_unstable();
     keyed.into_iter().map(|(_, g)| g).collect()
 }
@@ -113,7 +129,8 @@ fn spread(x: u64) -> u64 {
     x
 }
 
-/// Triangles sorted by the least of their groups, so that faces that are neighbours in space are so in memory.
+/// Triangles sorted by the least of their groups, so that faces that are neighbours in space are so
+/// in memory.
 fn faces_by_group(mesh: &Mesh, group_of: impl Fn(u32) -> u32) -> Vec<u32> {
     let least = |t: &[u32; 3]| t.map(&group_of).into_iter().min().unwrap_or(0) as usize;
     let mut start = vec![0u32; mesh.vertex_count() + 1];

@@ -8,8 +8,15 @@ use crate::working::{OPEN, SEAM, SHARED_POSITION, Working};
 use lodc_mesh::Lod;
 
 impl<M: Metric> Engine<'_, M> {
-    /// Moves `from` onto `to` and writes it down. Leaves in `serial.stale` the groups whose faces changed.
-    pub(crate) fn commit(&mut self, from: u32, to: u32, changes_topology: bool, serial: &mut Serial<M::Eye>) {
+    /// Moves `from` onto `to` and writes it down. Leaves in `serial.stale` the groups whose faces
+    /// changed.
+    pub(crate) fn commit(
+        &mut self,
+        from: u32,
+        to: u32,
+        changes_topology: bool,
+        serial: &mut Serial<M::Eye>,
+    ) {
         serial.epoch += 1;
         serial.stale.clear();
         serial.first_time(from);
@@ -114,7 +121,9 @@ impl<M: Metric> Engine<'_, M> {
     /// Joins what is left: points without faces, in order, those of one submesh first.
     pub(crate) fn join_points(&mut self) {
         let mut left: Vec<(u32, u32)> = (0..self.mesh.places.len() as u32)
-            .filter_map(|g| self.wedges.of_group(g).next().map(|w| (self.wedges.submesh[w as usize], g)))
+            .filter_map(|g| {
+                self.wedges.of_group(g).next().map(|w| (self.wedges.submesh[w as usize], g))
+            })
             .collect();
         left.sort_unstable();
         let error = self.log.step_errors.last().copied().unwrap_or(0.0);

@@ -1,4 +1,5 @@
-//! The collapse loop: rank every group, then always commit the cheapest legal collapse, down to one vertex.
+//! The collapse loop: rank every group, then always commit the cheapest legal collapse, down to one
+//! vertex.
 
 use crate::Options;
 use crate::attributes::{Attributes, Gradient};
@@ -123,8 +124,13 @@ impl<M: Metric> Engine<'_, M> {
         (self.wedges, self.log)
     }
 
-    /// Collapses while there is something to collapse: true when there is not, false when prices change their meaning.
-    fn run_stage(&mut self, serial: &mut Serial<M::Eye>, progress: &(dyn Fn(u64, u64) + Sync)) -> bool {
+    /// Collapses while there is something to collapse: true when there is not, false when prices
+    /// change their meaning.
+    fn run_stage(
+        &mut self,
+        serial: &mut Serial<M::Eye>,
+        progress: &(dyn Fn(u64, u64) + Sync),
+    ) -> bool {
         let groups = self.mesh.places.len() as u32;
         let this = &*self;
         let mut best: Vec<Choice> = (0..groups)
@@ -136,7 +142,9 @@ impl<M: Metric> Engine<'_, M> {
         while let Some((from, key)) = heap.pop() {
             self.warm(&heap, &best);
             let known = best[from as usize];
-            let Some((choice, changes_topology)) = self.settle(from, known, serial) else { continue };
+            let Some((choice, changes_topology)) = self.settle(from, known, serial) else {
+                continue;
+            };
             best[from as usize] = choice;
             if choice.cost > key && choice.cost > heap.least() {
                 heap.set(from, choice.cost);
@@ -154,7 +162,8 @@ impl<M: Metric> Engine<'_, M> {
         true
     }
 
-    /// Reads what the next collapses will need, so that it is on its way from memory while this one is computed.
+    /// Reads what the next collapses will need, so that it is on its way from memory while this one
+    /// is computed.
     fn warm(&self, heap: &Heap, best: &[Choice]) {
         let mut sum = 0;
         for (i, group) in heap.upcoming().enumerate() {
@@ -172,7 +181,13 @@ impl<M: Metric> Engine<'_, M> {
     }
 
     /// Ranks again what a commit onto `to` may have changed.
-    fn refresh(&mut self, to: u32, best: &mut [Choice], heap: &mut Heap, serial: &mut Serial<M::Eye>) {
+    fn refresh(
+        &mut self,
+        to: u32,
+        best: &mut [Choice],
+        heap: &mut Heap,
+        serial: &mut Serial<M::Eye>,
+    ) {
         if self.metric.is_awake() {
             self.look_again(best, heap, serial);
             return;
@@ -192,7 +207,8 @@ impl<M: Metric> Engine<'_, M> {
                 }
             });
         }
-        // Around the target nothing moved but its own history, and that only grew: only those bound for it care.
+        // Around the target nothing moved but its own history, and that only grew: only those bound
+        // for it care.
         self.mesh.each_neighbour(to, |g| {
             if best[g as usize].to == to && serial.first_time(g) {
                 serial.outer.push(g);
@@ -207,14 +223,21 @@ impl<M: Metric> Engine<'_, M> {
         serial.outer.clear();
     }
 
-    /// Whether a group is to be ranked again although a neighbour moves. Hubs with hundreds of neighbours are looked at
-    /// after some of them moved, else a fan would take quadratic time; legality is always asked anew.
+    /// Whether a group is to be ranked again although a neighbour moves. Hubs with hundreds of
+    /// neighbours are looked at after some of them moved, else a fan would take quadratic time;
+    /// legality is always asked anew.
     pub(crate) fn is_due(&self, group: u32) -> bool {
         let faces = self.mesh.star(group).len();
         faces < HUB || faces % (faces / 16).next_power_of_two() < 2
     }
 
-    fn rerank(&mut self, g: u32, best: &mut [Choice], heap: &mut Heap, scratch: &mut Scratch<M::Eye>) {
+    fn rerank(
+        &mut self,
+        g: u32,
+        best: &mut [Choice],
+        heap: &mut Heap,
+        scratch: &mut Scratch<M::Eye>,
+    ) {
         self.set_restricted(g, false);
         best[g as usize] = self.rank(g, scratch);
         if best[g as usize].cost.is_nan() {
@@ -232,7 +255,8 @@ impl<M: Metric> Engine<'_, M> {
         }
     }
 
-    /// The cheapest collapse of a group, legality and prices left aside: never more than the true cost.
+    /// The cheapest collapse of a group, legality and prices left aside: never more than the true
+    /// cost.
     pub(crate) fn rank(&self, from: u32, scratch: &mut Scratch<M::Eye>) -> Choice {
         let mut best = (f64::INFINITY, u32::MAX);
         if self.is_plain(from) && scratch.fan.gather(&self.mesh, from) {
@@ -258,7 +282,8 @@ impl<M: Metric> Engine<'_, M> {
         Choice { cost: if best.1 == u32::MAX { f32::NAN } else { as_key(best.0) }, to: best.1 }
     }
 
-    /// Whether a group has a closed fan of faces, none of them at a border or seam, and no attributes to mind.
+    /// Whether a group has a closed fan of faces, none of them at a border or seam, and no
+    /// attributes to mind.
     fn is_plain(&self, group: u32) -> bool {
         self.attributes.is_empty() && !self.mesh.has(group, OPEN | SEAM) && !self.metric.is_awake()
     }
@@ -295,7 +320,8 @@ impl<M: Metric> Engine<'_, M> {
             }
             let costs = &mut fan.costs[..spokes.len()];
             self.metric.costs(&local, &fan.lanes, costs);
-            for (spoke, mut cost) in spokes.iter().zip(costs.iter().copied()).filter(|(s, _)| permitted.allows(s.kind))
+            for (spoke, mut cost) in
+                spokes.iter().zip(costs.iter().copied()).filter(|(s, _)| permitted.allows(s.kind))
             {
                 if with_attributes {
                     cost += attribute_weight * self.attribute_cost(from, spoke, around, gradients);
@@ -321,7 +347,12 @@ impl<M: Metric> Engine<'_, M> {
     }
 
     /// The known choice as it is seen now, unless it has become dearer: then others may be better.
-    fn look_closer(&self, from: u32, known: Choice, scratch: &mut Scratch<M::Eye>) -> Option<Choice> {
+    fn look_closer(
+        &self,
+        from: u32,
+        known: Choice,
+        scratch: &mut Scratch<M::Eye>,
+    ) -> Option<Choice> {
         self.price_geometry(from, scratch);
         let Scratch { candidates, eye, .. } = scratch;
         let mut one = [*candidates.iter().find(|c| c.1 == known.to)?];
@@ -331,7 +362,12 @@ impl<M: Metric> Engine<'_, M> {
     }
 
     /// The cheapest legal collapse of a group with its price, and whether it changes the topology.
-    fn settle(&mut self, from: u32, known: Choice, serial: &mut Serial<M::Eye>) -> Option<(Choice, bool)> {
+    fn settle(
+        &mut self,
+        from: u32,
+        known: Choice,
+        serial: &mut Serial<M::Eye>,
+    ) -> Option<(Choice, bool)> {
         let wedges_matter = self.mesh.has(from, SEAM) || self.attributes.texture.is_some();
         if !wedges_matter {
             match self.judge(from, known.to, &mut serial.legality) {

@@ -1,4 +1,5 @@
-//! A group's star gathered into small arrays, so that all its collapses are priced in one straight loop.
+//! A group's star gathered into small arrays, so that all its collapses are priced in one straight
+//! loop.
 
 use crate::neighborhood::{FeaturePlane, fold_plane};
 use crate::working::{Working, next};
@@ -25,7 +26,8 @@ pub(crate) struct Lanes {
     pub(crate) arrival: [f64; MAX_FAN],
 }
 
-/// A closed fan of at most [`MAX_FAN`] faces around a group. Neighbour `i` is the next corner of face `i`.
+/// A closed fan of at most [`MAX_FAN`] faces around a group. Neighbour `i` is the next corner of
+/// face `i`.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Fan {
     pub(crate) len: usize,
@@ -77,8 +79,11 @@ impl Fan {
         }
         let star = mesh.star(group);
         for (i, &neighbour) in self.neighbours[..self.len].iter().enumerate() {
-            // The face on the other side of this spoke is the one for which the neighbour is the corner before.
-            let Some(j) = star.iter().position(|&c| mesh.others(c)[1] == neighbour) else { continue };
+            // The face on the other side of this spoke is the one for which the neighbour is the
+            // corner before.
+            let Some(j) = star.iter().position(|&c| mesh.others(c)[1] == neighbour) else {
+                continue;
+            };
             let edge = DVec3::new(self.lanes.x[i], self.lanes.y[i], self.lanes.z[i]);
             planes.extend(fold_plane(facets[i].normal, facets[j].normal, edge));
         }

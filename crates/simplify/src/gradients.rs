@@ -1,4 +1,5 @@
-//! What a collapse does to attributes: every wedge's gradients, and what moving along a spoke would cost them.
+//! What a collapse does to attributes: every wedge's gradients, and what moving along a spoke would
+//! cost them.
 
 use crate::attributes::Gradient;
 use crate::engine::Engine;
@@ -28,7 +29,8 @@ impl<M: Metric> Engine<'_, M> {
         gradients.truncate(used);
     }
 
-    /// How far off the attributes around a group would be if it moved along a spoke. Working units to the fourth power.
+    /// How far off the attributes around a group would be if it moved along a spoke. Working units
+    /// to the fourth power.
     pub(crate) fn attribute_cost(
         &self,
         from: u32,

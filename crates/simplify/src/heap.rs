@@ -1,10 +1,11 @@
-//! An indexed 4-ary heap: the cheapest group first, ties by index, with the cost of any group changeable in place.
+//! An indexed 4-ary heap: the cheapest group first, ties by index, with the cost of any group
+//! changeable in place.
 
 const ABSENT: u32 = u32::MAX;
 const ARITY: usize = 4;
 
-/// Groups ordered by cost. Cost and group share one integer (costs are not negative, so their bits order as they do),
-/// which makes a comparison one instruction and the order total.
+/// Groups ordered by cost. Cost and group share one integer (costs are not negative, so their bits
+/// order as they do), which makes a comparison one instruction and the order total.
 pub(crate) struct Heap {
     keys: Vec<u64>,
     slot: Vec<u32>,
@@ -23,7 +24,9 @@ impl Heap {
     pub(crate) fn new(costs: impl ExactSizeIterator<Item = f32>) -> Self {
         let mut slot = vec![ABSENT; costs.len()];
         let mut keys: Vec<u64> = Vec::with_capacity(costs.len());
-        keys.extend((0..).zip(costs).filter(|(_, cost)| !cost.is_nan()).map(|(g, cost)| key(g, cost)));
+        keys.extend(
+            (0..).zip(costs).filter(|(_, cost)| !cost.is_nan()).map(|(g, cost)| key(g, cost)),
+        );
         for (i, &k) in keys.iter().enumerate() {
             slot[group_of(k) as usize] = i as u32;
         }
@@ -101,8 +104,11 @@ impl Heap {
         let k = self.keys[i];
         loop {
             let first = ARITY * i + 1;
-            let children = &self.keys[first.min(self.keys.len())..(first + ARITY).min(self.keys.len())];
-            let Some((child, &least)) = children.iter().enumerate().min_by_key(|&(_, &c)| c) else { break };
+            let children =
+                &self.keys[first.min(self.keys.len())..(first + ARITY).min(self.keys.len())];
+            let Some((child, &least)) = children.iter().enumerate().min_by_key(|&(_, &c)| c) else {
+                break;
+            };
             if least >= k {
                 break;
             }

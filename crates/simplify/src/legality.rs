@@ -1,4 +1,5 @@
-//! Which collapses are legal (algorithmic rules: Dey et al. for the link condition; thresholds measured).
+//! Which collapses are legal (algorithmic rules: Dey et al. for the link condition; thresholds
+//! measured).
 
 use crate::engine::Engine;
 use crate::metric::Metric;
@@ -8,14 +9,16 @@ use glam::DVec3;
 
 /// The most neighbours a group may get from a legal collapse.
 const MAX_VALENCE: usize = 24;
-/// A face's normal may turn by at most this cosine in one collapse (75.5°). With zero, flips add up over steps.
+/// A face's normal may turn by at most this cosine in one collapse (75.5°). With zero, flips add up
+/// over steps.
 const MIN_TURN: f64 = 0.25;
 /// A face's area must stay above this share of its longest edge squared.
 const MIN_AREA: f64 = 1e-12;
 /// What a collapse that changes the topology costs, as a multiple of its geometric cost.
 const TOPOLOGY_PRICE: f64 = 16.0;
 
-/// What may still not be broken. Each stage drops one rule; all but the first are the terminal phase.
+/// What may still not be broken. Each stage drops one rule; all but the first are the terminal
+/// phase.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Stage {
     /// Every rule holds.
@@ -31,7 +34,8 @@ pub(crate) enum Stage {
 }
 
 impl Stage {
-    pub(crate) const ALL: [Self; 5] = [Self::Legal, Self::Valence, Self::Flips, Self::Seams, Self::Links];
+    pub(crate) const ALL: [Self; 5] =
+        [Self::Legal, Self::Valence, Self::Flips, Self::Seams, Self::Links];
 }
 
 /// A legal collapse.
@@ -73,7 +77,10 @@ impl<M: Metric> Engine<'_, M> {
         if self.stage < Stage::Flips && !keeps_orientation(mesh, from, to) {
             return None;
         }
-        Some(Verdict { price: if changes_topology { TOPOLOGY_PRICE } else { 1.0 }, changes_topology })
+        Some(Verdict {
+            price: if changes_topology { TOPOLOGY_PRICE } else { 1.0 },
+            changes_topology,
+        })
     }
 }
 
@@ -91,7 +98,9 @@ impl<M: Metric> Engine<'_, M> {
             }
             let wedges = self.mesh.wedges(corner.face());
             let here = wedges[corner.at()];
-            let Ok(target) = plan.wedges.binary_search_by_key(&here, |p| p.wedge) else { return true };
+            let Ok(target) = plan.wedges.binary_search_by_key(&here, |p| p.wedge) else {
+                return true;
+            };
             let target = plan.wedges[target].target;
             if target == u32::MAX {
                 return true;
@@ -118,15 +127,20 @@ fn keeps_orientation(mesh: &Working, from: u32, to: u32) -> bool {
         if old == DVec3::ZERO {
             return true;
         }
-        let longest = ahead.length_squared().max(behind.length_squared()).max((ahead - behind).length_squared());
+        let longest = ahead
+            .length_squared()
+            .max(behind.length_squared())
+            .max((ahead - behind).length_squared());
         // Squared throughout: n is twice the area long.
         let (turn, area) = (n.dot(old), n.length_squared());
-        turn > 0.0 && turn * turn > MIN_TURN * MIN_TURN * area && area > (2.0 * MIN_AREA * longest).powi(2)
+        turn > 0.0
+            && turn * turn > MIN_TURN * MIN_TURN * area
+            && area > (2.0 * MIN_AREA * longest).powi(2)
     })
 }
 
-/// The link condition: collapsing the edge keeps the surface's topology exactly if the groups next to both ends are
-/// those opposite the edge, and no face would come to lie on another.
+/// The link condition: collapsing the edge keeps the surface's topology exactly if the groups next
+/// to both ends are those opposite the edge, and no face would come to lie on another.
 struct Link {
     holds: bool,
     shared_faces: usize,
@@ -178,14 +192,18 @@ impl Link {
                 }
             }
         }
-        let manifold = (1..=2).contains(&shared_faces) && in_both == apexes && apexes == shared_faces;
+        let manifold =
+            (1..=2).contains(&shared_faces) && in_both == apexes && apexes == shared_faces;
         let vanishes = star.len() == shared_faces && mesh.star(to).len() == shared_faces;
         let doubles = || {
             star.iter().any(|&corner| {
                 let [g, h] = others(corner);
                 marks[g as usize] == common
                     && marks[h as usize] == common
-                    && mesh.star(g).iter().any(|&c| others(c).contains(&h) && others(c).contains(&to))
+                    && mesh
+                        .star(g)
+                        .iter()
+                        .any(|&c| others(c).contains(&h) && others(c).contains(&to))
             })
         };
         Self { holds: manifold && !vanishes && !doubles(), shared_faces }

@@ -1,9 +1,10 @@
 //! Half-edge simplification over wedge groups, driven by a metric, down to a single vertex.
 //!
-//! A *wedge group* (the vertices at one position whose triangles hang together) moves onto a neighbouring group as a
-//! whole, so no crack can open. Every vertex of the group gets a target there: along the chosen edge (*true*), along
-//! the edges beside it in other wedges and submeshes (*twin*), or a new vertex (*fake*) where there is none.
-//! (Thesis 3.2.1 and 4.2.1; rules of legality and metrics: see [`MetricKind`] and `legality`.)
+//! A *wedge group* (the vertices at one position whose triangles hang together) moves onto a
+//! neighbouring group as a whole, so no crack can open. Every vertex of the group gets a target
+//! there: along the chosen edge (*true*), along the edges beside it in other wedges and submeshes
+//! (*twin*), or a new vertex (*fake*) where there is none. (Thesis 3.2.1 and 4.2.1; rules of
+//! legality and metrics: see [`MetricKind`] and `legality`.)
 
 mod attributes;
 mod build;
@@ -37,11 +38,14 @@ pub enum MetricKind {
     /// Distance to planes, refitted to the current surface, with a small accumulated term.
     #[default]
     Quadric,
-    /// Viewpoint entropy over 20 pictures (thesis 3.2.1): what is hidden goes first, then what covers few pixels.
+    /// Viewpoint entropy over 20 pictures (thesis 3.2.1): what is hidden goes first, then what
+    /// covers few pixels.
     Viewpoint,
-    /// Kullback–Leibler divergence between areas seen and areas in space: flat regions go first, however they are cut up.
+    /// Kullback–Leibler divergence between areas seen and areas in space: flat regions go first,
+    /// however they are cut up.
     Divergence,
-    /// Error of the shaded surface, as far as it is seen: what a viewer would notice least goes first.
+    /// Error of the shaded surface, as far as it is seen: what a viewer would notice least goes
+    /// first.
     Hybrid,
 }
 
@@ -56,7 +60,8 @@ pub struct Options {
     pub lock_border: bool,
     /// Whether attributes take part in the cost.
     pub attributes: bool,
-    /// Pixels across the pictures that viewpoint metrics look at, 8 to 1024. Time grows with its square.
+    /// Pixels across the pictures that viewpoint metrics look at, 8 to 1024. Time grows with its
+    /// square.
     pub picture: u32,
 }
 
@@ -77,12 +82,17 @@ impl Default for Options {
     }
 }
 
-/// Simplifies a mesh down to one vertex. `progress` is told (steps done, groups in all) now and then. The result does
-/// not depend on the number of threads of the rayon pool it runs in.
+/// Simplifies a mesh down to one vertex. `progress` is told (steps done, groups in all) now and
+/// then. The result does not depend on the number of threads of the rayon pool it runs in.
 #[must_use]
-pub fn simplify(mesh: &Mesh, options: &Options, progress: &(dyn Fn(u64, u64) + Sync)) -> Simplified {
+pub fn simplify(
+    mesh: &Mesh,
+    options: &Options,
+    progress: &(dyn Fn(u64, u64) + Sync),
+) -> Simplified {
     if mesh.vertex_count() == 0 {
-        let empty = CollapseSequence::try_from(SequenceParts::default()).expect("an empty sequence is valid");
+        let empty = CollapseSequence::try_from(SequenceParts::default())
+            .expect("an empty sequence is valid");
         return Simplified::new(mesh.clone(), empty).expect("no vertices need no records");
     }
     let built = build::build(mesh);
@@ -93,7 +103,9 @@ pub fn simplify(mesh: &Mesh, options: &Options, progress: &(dyn Fn(u64, u64) + S
     };
     let (working, wedges) = (&built.working, &built.wedges);
     match options.metric {
-        MetricKind::Quadric => run(mesh, options, QuadricMetric::new(working, wedges), built, attributes, progress),
+        MetricKind::Quadric => {
+            run(mesh, options, QuadricMetric::new(working, wedges), built, attributes, progress)
+        }
         MetricKind::Hybrid => {
             let metric = HybridMetric::new(working, wedges, built.size);
             run(mesh, options, metric, built, attributes, progress)

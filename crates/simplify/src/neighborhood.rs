@@ -1,4 +1,5 @@
-//! What surrounds a group: its spokes (edges to other groups), and which of them are borders or seams.
+//! What surrounds a group: its spokes (edges to other groups), and which of them are borders or
+//! seams.
 
 use crate::fan::Facet;
 use crate::wedges::Wedges;
@@ -76,7 +77,12 @@ impl Neighborhood {
             self.facets.push(Facet { normal: f.normal, area: f.area });
             let (groups, corners) = (&f.groups, mesh.wedges(face));
             for end in [next(at), previous(at)] {
-                self.entries.push(Entry { group: groups[end], here: corners[at], there: corners[end], face });
+                self.entries.push(Entry {
+                    group: groups[end],
+                    here: corners[at],
+                    there: corners[end],
+                    face,
+                });
             }
         }
         self.entries.sort_unstable();
@@ -105,7 +111,11 @@ impl Neighborhood {
                 SpokeKind::Seam => {
                     self.seams += 1;
                     let submesh = |e: &Entry| wedges.submesh[e.here as usize];
-                    if faces.iter().all(|e| submesh(e) == submesh(&first)) { SEAM_WEIGHT } else { MATERIAL_WEIGHT }
+                    if faces.iter().all(|e| submesh(e) == submesh(&first)) {
+                        SEAM_WEIGHT
+                    } else {
+                        MATERIAL_WEIGHT
+                    }
                 }
             };
             if weight > 0.0 {
@@ -125,19 +135,21 @@ impl Neighborhood {
         }
     }
 
-    /// The wedge that `wedge` becomes if the group moves along `spoke`: the one it shares a face with there, or the one
-    /// that a wedge with the same attributes shares a face with.
+    /// The wedge that `wedge` becomes if the group moves along `spoke`: the one it shares a face
+    /// with there, or the one that a wedge with the same attributes shares a face with.
     pub(crate) fn target(&self, wedges: &Wedges, spoke: &Spoke, wedge: u32) -> Option<u32> {
         let faces = &self.entries[spoke.entries.0 as usize..spoke.entries.1 as usize];
         let first = faces.partition_point(|e| e.here < wedge);
         let same = faces.get(first).filter(|e| e.here == wedge);
         let class = wedges.class[wedge as usize];
-        same.or_else(|| faces.iter().take(64).find(|e| wedges.class[e.here as usize] == class)).map(|e| e.there)
+        same.or_else(|| faces.iter().take(64).find(|e| wedges.class[e.here as usize] == class))
+            .map(|e| e.there)
     }
 }
 
-/// The plane along an edge whose two faces fold back on each other. The rim of a thin shape (an ear, a horn, a blade)
-/// is like a border: moving inwards stays near the planes of both sides, but eats the shape.
+/// The plane along an edge whose two faces fold back on each other. The rim of a thin shape (an
+/// ear, a horn, a blade) is like a border: moving inwards stays near the planes of both sides, but
+/// eats the shape.
 pub(crate) fn fold_plane(m: Vec3, n: Vec3, edge: DVec3) -> Option<FeaturePlane> {
     let (m, n) = (m.as_dvec3(), n.as_dvec3());
     let fold = -m.dot(n);

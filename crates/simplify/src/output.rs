@@ -1,11 +1,19 @@
-//! From a finished log to a [`Simplified`]: vertices in the order in which they went, triangles last to die first.
+//! From a finished log to a [`Simplified`]: vertices in the order in which they went, triangles
+//! last to die first.
 
 use crate::log::Log;
 use crate::wedges::Wedges;
 use lodc_mesh::{CollapseSequence, Mesh, MeshParts, SequenceParts, Simplified};
 
-/// `wedge_of` names the wedge of each vertex of the input, `error_scale` turns working units into the mesh's.
-pub(crate) fn output(input: &Mesh, wedges: &Wedges, wedge_of: &[u32], log: Log, error_scale: f64) -> Simplified {
+/// `wedge_of` names the wedge of each vertex of the input, `error_scale` turns working units into
+/// the mesh's.
+pub(crate) fn output(
+    input: &Mesh,
+    wedges: &Wedges,
+    wedge_of: &[u32],
+    log: Log,
+    error_scale: f64,
+) -> Simplified {
     let mut new_index = vec![u32::MAX; log.order.len()];
     for (new, &w) in (0u32..).zip(&log.order) {
         new_index[w as usize] = new;
@@ -15,18 +23,19 @@ pub(crate) fn output(input: &Mesh, wedges: &Wedges, wedge_of: &[u32], log: Log, 
     let place = |w: u32| wedges.place_of[w as usize];
     let look = |w: u32| wedges.attributes_of[w as usize];
     let submesh = |w: u32| wedges.submesh[w as usize];
-    // A fake's place may belong to a submesh without some stream; then its own attributes' vertex has to do.
-    let streams_of = |vertex: u32| &input.submeshes()[input.vertex_submesh()[vertex as usize] as usize].attributes;
+    // A fake's place may belong to a submesh without some stream; then its own attributes' vertex
+    // has to do.
+    let streams_of = |vertex: u32| {
+        &input.submeshes()[input.vertex_submesh()[vertex as usize] as usize].attributes
+    };
     let attributes = input
         .attributes()
         .iter()
         .zip(0u32..)
         .map(|(a, i)| {
-            a.gathered(
-                log.order
-                    .iter()
-                    .map(|&w| if a.is_spatial() && streams_of(place(w)).contains(&i) { place(w) } else { look(w) }),
-            )
+            a.gathered(log.order.iter().map(|&w| {
+                if a.is_spatial() && streams_of(place(w)).contains(&i) { place(w) } else { look(w) }
+            }))
         })
         .collect();
 
@@ -45,16 +54,21 @@ pub(crate) fn output(input: &Mesh, wedges: &Wedges, wedge_of: &[u32], log: Log, 
     let collapses = SequenceParts {
         targets,
         step_ends: log.step_ends,
-        step_errors: log.step_errors.iter().map(|&e| (e * error_scale).min(f64::from(f32::MAX)) as f32).collect(),
+        step_errors: log
+            .step_errors
+            .iter()
+            .map(|&e| (e * error_scale).min(f64::from(f32::MAX)) as f32)
+            .collect(),
         step_triangles: log.step_triangles,
         triangles: input.triangles().len() as u32,
         last_legal_lod: log.last_legal,
         topology_changes: log.topology_changes,
         first_topology_change: log.first_topology_change,
     };
-    let mesh = Mesh::try_from(mesh).expect("the input's vertices and triangles in another order are still a mesh");
-    let collapses =
-        CollapseSequence::try_from(collapses).expect("the log is written in order, targets outlive sources");
+    let mesh = Mesh::try_from(mesh)
+        .expect("the input's vertices and triangles in another order are still a mesh");
+    let collapses = CollapseSequence::try_from(collapses)
+        .expect("the log is written in order, targets outlive sources");
     Simplified::new(mesh, collapses).expect("every wedge but the last has one record")
 }
 
@@ -62,7 +76,9 @@ pub(crate) fn output(input: &Mesh, wedges: &Wedges, wedge_of: &[u32], log: Log, 
 fn last_to_die_first(input: &Mesh, death: &[u32]) -> Vec<u32> {
     // Two passes of a counting sort over the LODs: by death, then by submesh.
     let last = death.iter().copied().max().unwrap_or(0);
-    let by_death = counting_sort(0..death.len() as u32, death.len(), last as usize + 1, |t| last - death[t as usize]);
+    let by_death = counting_sort(0..death.len() as u32, death.len(), last as usize + 1, |t| {
+        last - death[t as usize]
+    });
     let mut submesh_of = vec![0u32; death.len()];
     for (i, s) in (0..).zip(input.submeshes()) {
         submesh_of[s.triangles()].fill(i);
@@ -70,7 +86,9 @@ fn last_to_die_first(input: &Mesh, death: &[u32]) -> Vec<u32> {
     if input.submeshes().len() <= 1 {
         return by_death;
     }
-    counting_sort(by_death.iter().copied(), death.len(), input.submeshes().len(), |t| submesh_of[t as usize])
+    counting_sort(by_death.iter().copied(), death.len(), input.submeshes().len(), |t| {
+        submesh_of[t as usize]
+    })
 }
 
 /// Items in order of a key below `keys`; items of equal keys keep their order.

@@ -1,4 +1,5 @@
-//! What a collapse does to every wedge of the group: true and twin edges, reuse, and fakes (thesis 4.2.1).
+//! What a collapse does to every wedge of the group: true and twin edges, reuse, and fakes (thesis
+//! 4.2.1).
 
 use crate::engine::Engine;
 use crate::legality::Stage;
@@ -6,11 +7,12 @@ use crate::metric::Metric;
 use crate::working::{SEAM, next, previous};
 
 const NONE: u32 = u32::MAX;
-/// A wedge without an edge to the target takes an existing wedge there if their attributes differ by less than this
-/// share of the mesh's size.
+/// A wedge without an edge to the target takes an existing wedge there if their attributes differ
+/// by less than this share of the mesh's size.
 const ALIKE: f64 = 2e-3;
 
-/// No more wedges than this are asked whether they can be used again: real meshes have a handful in one place.
+/// No more wedges than this are asked whether they can be used again: real meshes have a handful in
+/// one place.
 const MANY: usize = 1024;
 
 /// One wedge of the moving group.
@@ -53,7 +55,9 @@ impl<M: Metric> Engine<'_, M> {
         for &corner in self.mesh.star(from) {
             let groups = &self.mesh.faces[corner.face() as usize].groups;
             let wedges = self.mesh.wedges(corner.face());
-            let end = [next(corner.at()), previous(corner.at())].into_iter().find(|&end| groups[end] == to);
+            let end = [next(corner.at()), previous(corner.at())]
+                .into_iter()
+                .find(|&end| groups[end] == to);
             plan.wedges.push(PlannedWedge {
                 wedge: wedges[corner.at()],
                 target: end.map_or(NONE, |end| wedges[end]),
@@ -69,7 +73,10 @@ impl<M: Metric> Engine<'_, M> {
             if distinct > 0 && plan.wedges[distinct - 1].wedge == p.wedge {
                 let known = plan.wedges[distinct - 1];
                 let class = |w: u32| self.wedges.class[w as usize];
-                if known.target != NONE && p.target != NONE && class(known.target) != class(p.target) {
+                if known.target != NONE
+                    && p.target != NONE
+                    && class(known.target) != class(p.target)
+                {
                     plan.ambiguous = true;
                 }
                 plan.wedges[distinct - 1].target = self.nearer(p.wedge, known.target, p.target);
@@ -91,18 +98,23 @@ impl<M: Metric> Engine<'_, M> {
     fn plan_smooth(&self, from: u32, to: u32, plan: &mut Plan) {
         let shared = || {
             self.mesh.star(from).iter().find_map(|&corner| {
-                let end = self.mesh.faces[corner.face() as usize].groups.iter().position(|&g| g == to)?;
+                let end =
+                    self.mesh.faces[corner.face() as usize].groups.iter().position(|&g| g == to)?;
                 let wedges = self.mesh.wedges(corner.face());
                 Some((wedges[corner.at()], wedges[end]))
             })
         };
-        let (wedge, target) =
-            if self.mesh.one_wedge_each() { (from, to) } else { shared().expect("a collapse follows an edge") };
+        let (wedge, target) = if self.mesh.one_wedge_each() {
+            (from, to)
+        } else {
+            shared().expect("a collapse follows an edge")
+        };
         plan.wedges.push(PlannedWedge { wedge, target, fake: false, live: true });
         plan.truth = target;
     }
 
-    /// The one of two wedges (one may be `NONE`) whose attributes are closer to `wedge`'s, ties to the smaller index.
+    /// The one of two wedges (one may be `NONE`) whose attributes are closer to `wedge`'s, ties to
+    /// the smaller index.
     fn nearer(&self, wedge: u32, a: u32, b: u32) -> u32 {
         if a == NONE || a == b {
             return b;
@@ -125,11 +137,14 @@ impl<M: Metric> Engine<'_, M> {
     }
 
     fn find_other_targets(&self, from: u32, to: u32, plan: &mut Plan) {
-        // The true edge's target: that of the first wedge that has one. Every collapse follows an edge, so there is one.
+        // The true edge's target: that of the first wedge that has one. Every collapse follows an
+        // edge, so there is one.
         plan.truth = plan.wedges.iter().find(|p| p.target != NONE).map_or(NONE, |p| p.target);
         plan.twins.clear();
         let class = |w: u32| self.wedges.class[w as usize];
-        plan.twins.extend(plan.wedges.iter().filter(|p| p.target != NONE).map(|p| (class(p.wedge), p.target)));
+        plan.twins.extend(
+            plan.wedges.iter().filter(|p| p.target != NONE).map(|p| (class(p.wedge), p.target)),
+        );
         plan.twins.sort_by_key(|twin| twin.0);
         for p in plan.wedges.iter_mut().filter(|p| p.target == NONE) {
             let first = plan.twins.partition_point(|twin| twin.0 < class(p.wedge));
@@ -143,18 +158,28 @@ impl<M: Metric> Engine<'_, M> {
         let known = plan.wedges.len();
         for wedge in self.wedges.of_group(from) {
             if plan.wedges[..known].binary_search_by_key(&wedge, |p| p.wedge).is_err() {
-                plan.wedges.push(PlannedWedge { wedge, target: plan.truth, fake: false, live: false });
+                plan.wedges.push(PlannedWedge {
+                    wedge,
+                    target: plan.truth,
+                    fake: false,
+                    live: false,
+                });
             }
         }
         plan.wedges.sort_unstable_by_key(|p| p.wedge);
     }
 
-    /// A wedge at `to` that can stand for `wedge` although they share no face: same submesh, and the same attributes,
-    /// nearly the same, or in the last stages the most similar ones.
+    /// A wedge at `to` that can stand for `wedge` although they share no face: same submesh, and
+    /// the same attributes, nearly the same, or in the last stages the most similar ones.
     fn reusable(&self, wedge: u32, to: u32) -> Option<u32> {
         let submesh = self.wedges.submesh[wedge as usize];
         let mut best: Option<(f64, u32)> = None;
-        for t in self.wedges.of_group(to).take(MANY).filter(|&t| self.wedges.submesh[t as usize] == submesh) {
+        for t in self
+            .wedges
+            .of_group(to)
+            .take(MANY)
+            .filter(|&t| self.wedges.submesh[t as usize] == submesh)
+        {
             if self.wedges.alike(self.input, wedge, t) {
                 return Some(t);
             }
@@ -163,7 +188,8 @@ impl<M: Metric> Engine<'_, M> {
                 best = Some((distance, t));
             }
         }
-        let limit = if self.stage < Stage::Seams { (ALIKE * self.size).powi(2) } else { f64::INFINITY };
+        let limit =
+            if self.stage < Stage::Seams { (ALIKE * self.size).powi(2) } else { f64::INFINITY };
         best.filter(|&(d, _)| d <= limit && !self.attributes.is_empty()).map(|(_, t)| t)
     }
 }

@@ -1,4 +1,5 @@
-//! Ranking many groups at once, for metrics whose prices take long: buffers for every thread, and the loop over them.
+//! Ranking many groups at once, for metrics whose prices take long: buffers for every thread, and
+//! the loop over them.
 
 use crate::engine::{Choice, Engine, Scratch, Serial};
 use crate::heap::Heap;
@@ -33,9 +34,14 @@ impl<E: Default> Pool<E> {
 }
 
 impl<M: Metric> Engine<'_, M> {
-    /// Ranks again what a commit changed, all groups at once. What changed elsewhere, by having been hidden or
-    /// uncovered, is noticed when its turn comes.
-    pub(crate) fn look_again(&mut self, best: &mut [Choice], heap: &mut Heap, serial: &mut Serial<M::Eye>) {
+    /// Ranks again what a commit changed, all groups at once. What changed elsewhere, by having
+    /// been hidden or uncovered, is noticed when its turn comes.
+    pub(crate) fn look_again(
+        &mut self,
+        best: &mut [Choice],
+        heap: &mut Heap,
+        serial: &mut Serial<M::Eye>,
+    ) {
         let stale = std::mem::take(&mut serial.stale);
         let mut due: Vec<u32> = stale.iter().copied().filter(|&g| self.is_due(g)).collect();
         if self.restricted > 0 {

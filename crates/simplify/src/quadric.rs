@@ -1,8 +1,10 @@
-//! Quadric error in vertex-centred form (Garland and Heckbert 1997, rewritten so that nothing cancels).
+//! Quadric error in vertex-centred form (Garland and Heckbert 1997, rewritten so that nothing
+//! cancels).
 //!
-//! A quadric belongs to a point and is stored relative to it: `Q(δ) = δᵀAδ + 2b·δ + c` is the weighted sum of squared
-//! distances of the point moved by `δ` to the planes it stands for. A new quadric has planes through its own point
-//! only, so `b` and `c` start as zero and there is no large number to subtract from another.
+//! A quadric belongs to a point and is stored relative to it: `Q(δ) = δᵀAδ + 2b·δ + c` is the
+//! weighted sum of squared distances of the point moved by `δ` to the planes it stands for. A new
+//! quadric has planes through its own point only, so `b` and `c` start as zero and there is no
+//! large number to subtract from another.
 
 use glam::DVec3;
 

@@ -15,7 +15,8 @@ fn run_with(mesh: &Mesh, options: Options) -> Simplified {
 /// A flat grid of `n` × `n` squares, plain positions.
 fn grid(n: u32) -> Mesh {
     let row = n + 1;
-    let positions: Vec<[f32; 3]> = (0..row * row).map(|i| [(i % row) as f32, (i / row) as f32, 0.0]).collect();
+    let positions: Vec<[f32; 3]> =
+        (0..row * row).map(|i| [(i % row) as f32, (i / row) as f32, 0.0]).collect();
     let mut triangles = Vec::new();
     for i in (0..row * n).filter(|i| i % row < n) {
         triangles.push([i, i + 1, i + row]);
@@ -25,10 +26,20 @@ fn grid(n: u32) -> Mesh {
 }
 
 fn plain(positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Mesh {
-    let submeshes = vec![Submesh { first_triangle: 0, triangle_count: triangles.len() as u32, attributes: Vec::new() }];
+    let submeshes = vec![Submesh {
+        first_triangle: 0,
+        triangle_count: triangles.len() as u32,
+        attributes: Vec::new(),
+    }];
     let vertex_submesh = vec![0; positions.len()];
-    Mesh::try_from(MeshParts { positions, vertex_submesh, triangles, submeshes, attributes: Vec::new() })
-        .expect("a mesh made by hand")
+    Mesh::try_from(MeshParts {
+        positions,
+        vertex_submesh,
+        triangles,
+        submeshes,
+        attributes: Vec::new(),
+    })
+    .expect("a mesh made by hand")
 }
 
 #[test]
@@ -63,8 +74,12 @@ fn a_flat_square_goes_down_to_two_triangles_without_error() {
     let two = s.collapses().lod_for_triangles(2);
     assert_eq!(s.collapses().triangles_at(two), 2);
     assert!(s.collapses().error_at(two) < 1e-6, "error {}", s.collapses().error_at(two));
-    let corners: Vec<[f32; 3]> =
-        s.triangles_at(two).iter().flat_map(|t| t.corners).map(|v| s.mesh().positions()[v as usize]).collect();
+    let corners: Vec<[f32; 3]> = s
+        .triangles_at(two)
+        .iter()
+        .flat_map(|t| t.corners)
+        .map(|v| s.mesh().positions()[v as usize])
+        .collect();
     for corner in [[0.0, 0.0, 0.0], [12.0, 0.0, 0.0], [0.0, 12.0, 0.0], [12.0, 12.0, 0.0]] {
         assert!(corners.contains(&corner), "{corner:?} is gone");
     }
@@ -81,7 +96,8 @@ fn the_inner_of_two_coarse_levels_never_costs_less_error() {
 
 #[test]
 fn a_thin_blade_keeps_its_length() {
-    // A flat double-sided blade whose sides are almost one plane: memoryless costs alone would eat it from its tip.
+    // A flat double-sided blade whose sides are almost one plane: memoryless costs alone would eat
+    // it from its tip.
     let n = 40;
     let mut positions = Vec::new();
     for i in 0..=n {
@@ -99,8 +115,12 @@ fn a_thin_blade_keeps_its_length() {
     triangles.extend([[0, 1, 2], [0, 2, 3], [end, end + 2, end + 1], [end, end + 3, end + 2]]);
     let s = run(&plain(positions, triangles));
     let lod = s.collapses().lod_for_triangles(16);
-    let xs: Vec<f32> =
-        s.triangles_at(lod).iter().flat_map(|t| t.corners).map(|v| s.mesh().positions()[v as usize][0]).collect();
+    let xs: Vec<f32> = s
+        .triangles_at(lod)
+        .iter()
+        .flat_map(|t| t.corners)
+        .map(|v| s.mesh().positions()[v as usize][0])
+        .collect();
     assert_eq!(xs.iter().copied().fold(f32::MIN, f32::max), n as f32);
     assert_eq!(xs.iter().copied().fold(f32::MAX, f32::min), 0.0);
 }
@@ -109,7 +129,8 @@ fn a_thin_blade_keeps_its_length() {
 fn threads_do_not_change_the_result() {
     let mesh = shapes::machine_part();
     let with = |threads| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a small pool");
+        let pool =
+            rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a small pool");
         pool.install(|| run(&mesh))
     };
     let one = with(1);
@@ -127,7 +148,9 @@ fn scaling_by_a_power_of_two_changes_errors_only() {
     }
     let (small, large) = (run(&mesh), run(&Mesh::try_from(parts).expect("a larger torus")));
     assert_eq!(small.collapses().targets(), large.collapses().targets());
-    for (s, l) in small.collapses().parts().step_errors.iter().zip(&large.collapses().parts().step_errors) {
+    for (s, l) in
+        small.collapses().parts().step_errors.iter().zip(&large.collapses().parts().step_errors)
+    {
         assert!((s * 1024.0 - l).abs() <= l * 1e-5, "{s} {l}");
     }
 }
@@ -155,10 +178,18 @@ fn seams_cost_no_fakes_on_a_sphere_and_its_texture_never_turns_over() {
     let mesh = shapes::uv_sphere(24, 12);
     let s = run(&mesh);
     assert_eq!(s.fakes(), 0);
-    let texture = mesh.attributes().iter().position(|a| a.semantic == Semantic::TexCoord(0)).expect("textured");
+    let texture = mesh
+        .attributes()
+        .iter()
+        .position(|a| a.semantic == Semantic::TexCoord(0))
+        .expect("textured");
     let texture = &s.mesh().attributes()[texture];
     let lod = s.collapses().floor(s.collapses().parts().last_legal_lod);
-    for step in (0..s.collapses().steps()).map(|i| s.collapses().step(i).lod).filter(|&l| l <= lod).chain([Lod(0)]) {
+    for step in (0..s.collapses().steps())
+        .map(|i| s.collapses().step(i).lod)
+        .filter(|&l| l <= lod)
+        .chain([Lod(0)])
+    {
         for t in s.triangles_at(step) {
             let [a, b, c] = t.corners.map(|v| [texture.value(v, 0), texture.value(v, 1)]);
             let area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
@@ -193,16 +224,24 @@ fn extreme_coordinates_do_no_harm() {
 
 #[test]
 fn groups_that_come_to_share_a_position_lose_no_vertex() {
-    // Two vertices at one position whose triangles do not hang together there; moving the end of the ring onto one of
-    // them gives a triangle with both.
+    // Two vertices at one position whose triangles do not hang together there; moving the end of
+    // the ring onto one of them gives a triangle with both.
     for seed in 0..300 {
         let mut rng = shapes::Rng::new(seed);
-        let positions: Vec<[f32; 3]> =
-            (0..12).map(|_| [rng.below(3) as f32, rng.below(2) as f32, rng.below(2) as f32]).collect();
-        let triangles: Vec<[u32; 3]> = (0..10).map(|_| [0; 3].map(|_| rng.below(12) as u32)).collect();
-        let submeshes = vec![Submesh { first_triangle: 0, triangle_count: 10, attributes: Vec::new() }];
-        let mut parts =
-            MeshParts { positions, vertex_submesh: vec![0; 12], triangles, submeshes, attributes: Vec::new() };
+        let positions: Vec<[f32; 3]> = (0..12)
+            .map(|_| [rng.below(3) as f32, rng.below(2) as f32, rng.below(2) as f32])
+            .collect();
+        let triangles: Vec<[u32; 3]> =
+            (0..10).map(|_| [0; 3].map(|_| rng.below(12) as u32)).collect();
+        let submeshes =
+            vec![Submesh { first_triangle: 0, triangle_count: 10, attributes: Vec::new() }];
+        let mut parts = MeshParts {
+            positions,
+            vertex_submesh: vec![0; 12],
+            triangles,
+            submeshes,
+            attributes: Vec::new(),
+        };
         parts.clean();
         let mesh = Mesh::try_from(parts).expect("cleaned");
         shapes::check_rules(&mesh, &run(&mesh)).unwrap_or_else(|e| panic!("seed {seed}: {e}"));

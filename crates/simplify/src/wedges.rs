@@ -1,11 +1,12 @@
-//! The wedges of every group: which vertices are there, where their data comes from, and which are alike.
+//! The wedges of every group: which vertices are there, where their data comes from, and which are
+//! alike.
 
 use lodc_mesh::{Mesh, Semantic};
 
 pub(crate) const NONE: u32 = u32::MAX;
 
-/// All wedges, originals first, fakes after them. A fake is where one vertex's position data meets another's
-/// attributes, so two numbers say all about it.
+/// All wedges, originals first, fakes after them. A fake is where one vertex's position data meets
+/// another's attributes, so two numbers say all about it.
 pub(crate) struct Wedges {
     /// The input vertex whose position, joints, weights and morph position deltas the wedge has.
     pub(crate) place_of: Vec<u32>,
@@ -19,9 +20,11 @@ pub(crate) struct Wedges {
 }
 
 impl Wedges {
-    /// `vertex_of` names the input vertex of each wedge; wedges of a group are consecutive: `bounds[g]..bounds[g + 1]`.
+    /// `vertex_of` names the input vertex of each wedge; wedges of a group are consecutive:
+    /// `bounds[g]..bounds[g + 1]`.
     pub(crate) fn new(mesh: &Mesh, vertex_of: Vec<u32>, bounds: &[u32]) -> Self {
-        let submesh: Vec<u32> = vertex_of.iter().map(|&v| mesh.vertex_submesh()[v as usize]).collect();
+        let submesh: Vec<u32> =
+            vertex_of.iter().map(|&v| mesh.vertex_submesh()[v as usize]).collect();
         let mut class: Vec<u32> = (0..vertex_of.len() as u32).collect();
         let mut next = vec![NONE; vertex_of.len()];
         let mut first = vec![NONE; bounds.len() - 1];
@@ -86,15 +89,18 @@ impl Wedges {
         self.first[group as usize] = NONE;
     }
 
-    /// Whether two wedges have the same attributes, bit for bit, besides those that say where they are.
+    /// Whether two wedges have the same attributes, bit for bit, besides those that say where they
+    /// are.
     pub(crate) fn alike(&self, mesh: &Mesh, a: u32, b: u32) -> bool {
         self.submesh[a as usize] == self.submesh[b as usize]
             && same_attributes(mesh, self.attributes_of[a as usize], self.attributes_of[b as usize])
     }
 }
 
-/// Tangents do not count: they follow from normals and texture coordinates, and exporters make them anew for each face.
+/// Tangents do not count: they follow from normals and texture coordinates, and exporters make them
+/// anew for each face.
 fn same_attributes(mesh: &Mesh, a: u32, b: u32) -> bool {
-    let compared = mesh.attributes().iter().filter(|s| !s.is_spatial() && s.semantic != Semantic::Tangent);
+    let compared =
+        mesh.attributes().iter().filter(|s| !s.is_spatial() && s.semantic != Semantic::Tangent);
     a == b || compared.into_iter().all(|s| s.at(a) == s.at(b))
 }

@@ -1,7 +1,8 @@
 //! The mesh while it is being simplified: groups, faces and stars in flat arrays.
 //!
-//! Everything here is indexed by *group* (a wedge group), *face* (a triangle of the input) or *wedge* (a vertex). Groups
-//! are numbered along a space-filling curve, so neighbours in space are neighbours in memory.
+//! Everything here is indexed by *group* (a wedge group), *face* (a triangle of the input) or
+//! *wedge* (a vertex). Groups are numbered along a space-filling curve, so neighbours in space are
+//! neighbours in memory.
 
 use glam::{DVec3, Vec3};
 
@@ -83,7 +84,8 @@ pub(crate) struct Working {
     pub(crate) places: Vec<Place>,
     pub(crate) flags: Vec<u8>,
     pub(crate) faces: Vec<Face>,
-    /// The wedge at each corner of each face; empty where every group has one wedge, with the group's number.
+    /// The wedge at each corner of each face; empty where every group has one wedge, with the
+    /// group's number.
     wedges: Vec<[u32; 3]>,
     /// Each group's position, as a number shared by the groups there.
     pub(crate) position_id: Vec<u32>,
@@ -169,7 +171,10 @@ impl Working {
 
     /// The live faces, each once, in the order of the groups at their first corners.
     pub(crate) fn live(&self) -> impl Iterator<Item = u32> + '_ {
-        (0..self.places.len() as u32).flat_map(|g| self.star(g)).filter(|c| c.at() == 0).map(|c| c.face())
+        (0..self.places.len() as u32)
+            .flat_map(|g| self.star(g))
+            .filter(|c| c.at() == 0)
+            .map(|c| c.face())
     }
 
     /// The groups at a face's other two corners.
@@ -179,7 +184,8 @@ impl Working {
         [groups[next(corner.at())], groups[previous(corner.at())]]
     }
 
-    /// Visits the groups next to a group, each once if its star is a closed fan, else some of them twice.
+    /// Visits the groups next to a group, each once if its star is a closed fan, else some of them
+    /// twice.
     #[inline]
     pub(crate) fn each_neighbour(&self, group: u32, mut visit: impl FnMut(u32)) {
         // In a closed fan every neighbour is the next corner of exactly one face.
@@ -209,9 +215,8 @@ impl Working {
         0.5 * (b - a).cross(c - a).length()
     }
 
-    /// Moves all of `from`'s faces to `to`. Faces that lose a corner die: they leave every star, and `died` is told their
-    /// triangles.
-    /// Faces that live get new planes.
+    /// Moves all of `from`'s faces to `to`. Faces that lose a corner die: they leave every star,
+    /// and `died` is told their triangles. Faces that live get new planes.
     pub(crate) fn merge(&mut self, from: u32, to: u32, mut died: impl FnMut(u32)) {
         let from_star = std::mem::take(&mut self.stars[from as usize]);
         let incoming = from_star.start as usize..(from_star.start + from_star.len) as usize;
@@ -274,9 +279,11 @@ impl Working {
         self.stars[to as usize] = star;
     }
 
-    /// Takes many faces, given by one corner each, out of the stars at their other corners: one pass over each star.
+    /// Takes many faces, given by one corner each, out of the stars at their other corners: one
+    /// pass over each star.
     fn leave_all(&mut self, corners: std::ops::Range<usize>) {
-        let mut groups: Vec<u32> = corners.clone().flat_map(|i| self.others(self.arena[i])).collect();
+        let mut groups: Vec<u32> =
+            corners.clone().flat_map(|i| self.others(self.arena[i])).collect();
         groups.sort_unstable();
         groups.dedup();
         let mut dead: Vec<u32> = corners.map(|i| self.arena[i].face()).collect();

@@ -3,11 +3,11 @@
 /// No triangle.
 pub(crate) const NONE: u32 = u32::MAX;
 
-/// The neighbours of each triangle: slot `e` stands for the edge from corner `e` to corner `e + 1`, and holds the
-/// neighbour there with its own slot, as [`code`], or [`NONE`].
+/// The neighbours of each triangle: slot `e` stands for the edge from corner `e` to corner `e + 1`,
+/// and holds the neighbour there with its own slot, as [`code`], or [`NONE`].
 ///
-/// Two triangles are neighbours only if they run through their edge in opposite directions. Where several do, they are
-/// paired off one to one, so that the relation is always symmetric.
+/// Two triangles are neighbours only if they run through their edge in opposite directions. Where
+/// several do, they are paired off one to one, so that the relation is always symmetric.
 pub(crate) type Neighbours = Vec<[u32; 3]>;
 
 /// A slot of a triangle in one word. Meshes have less than 2³⁰ triangles.
@@ -25,8 +25,8 @@ pub(crate) fn is_degenerate([a, b, c]: [u32; 3]) -> bool {
     a == b || b == c || c == a
 }
 
-/// Finds all neighbours. Half-edges are gathered at their smaller vertex and sorted there, so that even a vertex that
-/// every triangle uses costs no more than a sort.
+/// Finds all neighbours. Half-edges are gathered at their smaller vertex and sorted there, so that
+/// even a vertex that every triangle uses costs no more than a sort.
 pub(crate) fn neighbours(triangles: &[[u32; 3]], vertex_count: usize) -> Neighbours {
     let mut first = vec![0u32; vertex_count + 1];
     let edges = |t: [u32; 3]| [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])];

@@ -1,4 +1,5 @@
-//! What the local searches share: a seeded generator and the rule that lets a search climb a little.
+//! What the local searches share: a seeded generator and the rule that lets a search climb a
+//! little.
 
 /// A small generator of pseudo-random numbers (SplitMix64): the same everywhere.
 #[derive(Clone, Debug)]
@@ -22,7 +23,8 @@ pub(crate) fn below(bits: u64, n: usize) -> usize {
     (((bits >> 32) * n as u64) >> 32) as usize
 }
 
-/// e⁻ˣ for x ≥ 0 to about a thousandth, by products and quotients only: the same bits on every machine.
+/// e⁻ˣ for x ≥ 0 to about a thousandth, by products and quotients only: the same bits on every
+/// machine.
 pub(crate) fn exp_minus(x: f64) -> f64 {
     let mut p = 1.0 / (1.0 + x / 4096.0 + x * x / (2.0 * 4096.0 * 4096.0));
     for _ in 0..12 {

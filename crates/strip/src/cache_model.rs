@@ -35,7 +35,8 @@ pub struct CacheStatistics {
 }
 
 impl CacheStatistics {
-    /// Average cache miss ratio: misses per triangle, from 0.5 (ideal, large closed meshes) to 3. Zero without triangles.
+    /// Average cache miss ratio: misses per triangle, from 0.5 (ideal, large closed meshes) to 3.
+    /// Zero without triangles.
     #[must_use]
     pub fn acmr(&self, triangles: usize) -> f64 {
         if triangles == 0 { 0.0 } else { self.misses as f64 / triangles as f64 }
@@ -47,15 +48,21 @@ impl CacheStatistics {
     }
 }
 
-/// Sends a stream of indices through a cache that starts empty. `vertex_count` is more than every index.
+/// Sends a stream of indices through a cache that starts empty. `vertex_count` is more than every
+/// index.
 ///
 /// # Panics
 /// If an index is not below `vertex_count`.
-pub fn measure(stream: impl IntoIterator<Item = u32>, vertex_count: usize, model: CacheModel) -> CacheStatistics {
+pub fn measure(
+    stream: impl IntoIterator<Item = u32>,
+    vertex_count: usize,
+    model: CacheModel,
+) -> CacheStatistics {
     let mut statistics = CacheStatistics::default();
     match model.kind {
         CacheKind::Fifo => {
-            // The number of the miss that fetched a vertex, from 1: it is gone once `size` more have followed.
+            // The number of the miss that fetched a vertex, from 1: it is gone once `size` more
+            // have followed.
             let mut fetched = vec![0u64; vertex_count];
             for v in stream {
                 let v = v as usize;

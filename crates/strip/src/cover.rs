@@ -1,18 +1,22 @@
 //! A cover of triangles by paths through their common edges: strips before they are written down.
 //!
-//! Following a path, each inner triangle turns left or right. Two inner triangles in a row that turn the same way need a
-//! *swap*: one repeated index. A path of n triangles becomes n + 2 indices and one more per swap.
+//! Following a path, each inner triangle turns left or right. Two inner triangles in a row that
+//! turn the same way need a *swap*: one repeated index. A path of n triangles becomes n + 2 indices
+//! and one more per swap.
 
 use crate::adjacency::{NONE, Neighbours, code, decode};
 
-/// A triangle with its three neighbours (as codes) and, as bits, which of them follow or precede it in its path.
+/// A triangle with its three neighbours (as codes) and, as bits, which of them follow or precede it
+/// in its path.
 pub(crate) type Node = [u32; 4];
 
 /// Where the bits of a path stand in a [`Node`].
 pub(crate) const LINKS: usize = 3;
 
-/// By links and one linked slot: the way from that slot to the other linked one, 1 or 2 corners on; 0 at an end.
-const WAY: [[u32; 4]; 8] = [[0; 4], [0; 4], [0; 4], [1, 2, 0, 0], [0; 4], [2, 0, 1, 0], [0, 1, 2, 0], [0; 4]];
+/// By links and one linked slot: the way from that slot to the other linked one, 1 or 2 corners on;
+/// 0 at an end.
+const WAY: [[u32; 4]; 8] =
+    [[0; 4], [0; 4], [0; 4], [1, 2, 0, 0], [0; 4], [2, 0, 1, 0], [0, 1, 2, 0], [0; 4]];
 
 /// Paths that cover all triangles, each once.
 #[derive(Clone, Debug, Default)]
@@ -54,8 +58,8 @@ impl Cover {
     pub(crate) fn would_swap(&self, way: u32, u: u32, f: u32) -> bool {
         way + WAY[(self.links(u) | 1 << f) as usize][f as usize] == 3
     }
-    /// Writes the path that starts at an end: its triangles and the slot through which each is left, as codes. The last
-    /// code has slot 3.
+    /// Writes the path that starts at an end: its triangles and the slot through which each is
+    /// left, as codes. The last code has slot 3.
     pub(crate) fn path(&self, start: u32, path: &mut Vec<u32>) {
         path.clear();
         let links = self.links(start);
@@ -103,7 +107,12 @@ impl Cover {
         }
     }
     /// Appends the indices of a path from its first triangle.
-    pub(crate) fn write_forward(&self, path: &[u32], triangles: &[[u32; 3]], indices: &mut Vec<u32>) {
+    pub(crate) fn write_forward(
+        &self,
+        path: &[u32],
+        triangles: &[[u32; 3]],
+        indices: &mut Vec<u32>,
+    ) {
         write_path(path, triangles, |t, slot| self.neighbour(t, slot), indices);
     }
 }
@@ -131,7 +140,8 @@ pub(crate) fn write_path(
         let t = triangles[t as usize];
         let new = t[(entered as usize + 2) % 3];
         if leave != 3 {
-            // The edge to leave by has the new corner and one of the last two. If that is the older, it must come again.
+            // The edge to leave by has the new corner and one of the last two. If that is the
+            // older, it must come again.
             let (a, b) = (t[leave as usize], t[(leave as usize + 1) % 3]);
             let kept = if a == new { b } else { a };
             if kept == before {

@@ -1,11 +1,12 @@
-//! What drawing order generators know: which triangles are left at each vertex, and what a first-in first-out cache holds.
+//! What drawing order generators know: which triangles are left at each vertex, and what a first-in
+//! first-out cache holds.
 //!
 //! All of it can be taken back, so that a generator can try before it draws.
 
 use crate::adjacency::is_degenerate;
 
-/// How many entries of a vertex's list of triangles are looked at. Surfaces have about six; a vertex with a million
-/// shows a few at a time.
+/// How many entries of a vertex's list of triangles are looked at. Surfaces have about six; a
+/// vertex with a million shows a few at a time.
 const LOOK: usize = 24;
 
 /// A vertex.
@@ -42,7 +43,8 @@ pub(crate) struct Front<'a> {
     /// Vertices to go back to when nothing in the cache has triangles left.
     behind: Vec<u32>,
     pub(crate) done: Vec<bool>,
-    /// Vertices fetched since the last [`Front::keep`] or [`Front::undo`], with when they were fetched before.
+    /// Vertices fetched since the last [`Front::keep`] or [`Front::undo`], with when they were
+    /// fetched before.
     before: Vec<(u32, u32)>,
     /// Triangles drawn since then.
     pub(crate) drawn: Vec<u32>,
@@ -96,9 +98,11 @@ impl<'a> Front<'a> {
         let v = self.history[miss];
         (self.vertices[v as usize].left > 0).then_some(v)
     }
-    /// A bounded part of a vertex's triangles, beginning with the first that is not done: a range for [`Front::incident`].
+    /// A bounded part of a vertex's triangles, beginning with the first that is not done: a range
+    /// for [`Front::incident`].
     pub(crate) fn left(&mut self, v: u32) -> std::ops::Range<usize> {
-        let (mut first, last) = (self.first_left[v as usize] as usize, self.last[v as usize] as usize);
+        let (mut first, last) =
+            (self.first_left[v as usize] as usize, self.last[v as usize] as usize);
         while first < last && self.done[self.incident[first] as usize] {
             first += 1;
         }

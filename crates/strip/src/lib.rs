@@ -1,9 +1,10 @@
 //! Triangle strips and triangle orders: what they draw, generators, vertex-cache models.
 //!
-//! [`stripe()`] makes few long strips, [`cache()`] short strips that reuse a vertex cache, [`order()`] a triangle list for
-//! vertex caches. Every generator draws exactly the oriented triangles of the mesh, whatever the mesh: edges with many
-//! triangles, contradicting windings and doubled triangles only end strips earlier. Results depend on the mesh and the
-//! options alone, not on the number of threads.
+//! [`stripe()`] makes few long strips, [`cache()`] short strips that reuse a vertex cache,
+//! [`order()`] a triangle list for vertex caches. Every generator draws exactly the oriented
+//! triangles of the mesh, whatever the mesh: edges with many triangles, contradicting windings and
+//! doubled triangles only end strips earlier. Results depend on the mesh and the options alone, not
+//! on the number of threads.
 
 mod adjacency;
 mod anneal;

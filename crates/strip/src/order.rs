@@ -1,5 +1,5 @@
-//! Triangle order for vertex caches: fan after fan, each about the cached vertex where that pays most (after Lin and
-//! Yu 2006, with the weights of our own).
+//! Triangle order for vertex caches: fan after fan, each about the cached vertex where that pays
+//! most (after Lin and Yu 2006, with the weights of our own).
 
 use crate::front::{Front, Touch};
 use lodc_mesh::Mesh;
@@ -13,11 +13,13 @@ const FINISHED: f32 = 0.2;
 const TRIANGLE: f32 = 0.5;
 /// Per place in the cache: those that have to leave first have their turn first.
 const AGE: f32 = 0.1;
-/// So many vertices are tried, those that have to leave first. More gain nothing that can be measured.
+/// So many vertices are tried, those that have to leave first. More gain nothing that can be
+/// measured.
 const TRIED: usize = 6;
 
-/// The mesh's triangles in an order in which a first-in first-out cache of `cache_size` vertices (4 to 64; the nearest
-/// of those otherwise) seldom fetches a vertex twice. Triangles stay in their submesh, and corners in their order.
+/// The mesh's triangles in an order in which a first-in first-out cache of `cache_size` vertices (4
+/// to 64; the nearest of those otherwise) seldom fetches a vertex twice. Triangles stay in their
+/// submesh, and corners in their order.
 #[must_use]
 pub fn order(mesh: &Mesh, cache_size: u32) -> Vec<[u32; 3]> {
     let triangles = mesh.triangles();

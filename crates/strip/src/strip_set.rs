@@ -4,10 +4,12 @@ use lodc_mesh::{Mesh, OrientedTriangle};
 use std::fmt;
 use std::ops::Range;
 
-/// Triangle strips of a mesh, submesh by submesh; a strip never crosses from one submesh to another.
+/// Triangle strips of a mesh, submesh by submesh; a strip never crosses from one submesh to
+/// another.
 ///
-/// A strip `s` draws the triangles `s[k], s[k + 1], s[k + 2]`, every second one (odd `k`) with its first two corners
-/// exchanged. One that names a vertex twice is drawn by nobody: repeating a vertex is how a strip turns.
+/// A strip `s` draws the triangles `s[k], s[k + 1], s[k + 2]`, every second one (odd `k`) with its
+/// first two corners exchanged. One that names a vertex twice is drawn by nobody: repeating a
+/// vertex is how a strip turns.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct StripSet {
     indices: Vec<u32>,
@@ -18,7 +20,8 @@ pub struct StripSet {
 }
 
 impl StripSet {
-    /// Strips for `submeshes` submeshes from strips in any order, each with its submesh. Within a submesh the order is kept.
+    /// Strips for `submeshes` submeshes from strips in any order, each with its submesh. Within a
+    /// submesh the order is kept.
     pub(crate) fn new(submeshes: usize, strips: &[(u32, Range<usize>)], indices: &[u32]) -> Self {
         let mut sorted: Vec<&(u32, Range<usize>)> = strips.iter().collect();
         sorted.sort_by_key(|(submesh, _)| *submesh);
@@ -33,13 +36,19 @@ impl StripSet {
         }
         set
     }
-    /// Puts strips together that were taken apart: all vertices, where each strip ends among them, and where each
-    /// submesh's strips end among the strips.
+    /// Puts strips together that were taken apart: all vertices, where each strip ends among them,
+    /// and where each submesh's strips end among the strips.
     ///
     /// # Errors
     /// If ends fall, or the last ones are not the ends of everything.
-    pub fn from_parts(indices: Vec<u32>, ends: Vec<u32>, submesh_ends: Vec<u32>) -> Result<Self, StripSetError> {
-        let rises = |ends: &[u32], all: usize| ends.is_sorted() && ends.last().map_or(0, |&e| e as usize) == all;
+    pub fn from_parts(
+        indices: Vec<u32>,
+        ends: Vec<u32>,
+        submesh_ends: Vec<u32>,
+    ) -> Result<Self, StripSetError> {
+        let rises = |ends: &[u32], all: usize| {
+            ends.is_sorted() && ends.last().map_or(0, |&e| e as usize) == all
+        };
         if rises(&ends, indices.len()) && rises(&submesh_ends, ends.len()) {
             Ok(Self { indices, ends, submesh_ends })
         } else {
@@ -123,10 +132,12 @@ impl StripSet {
             strips.map(move |t| OrientedTriangle::new(submesh as u32, t))
         })
     }
-    /// Proves that the strips draw exactly the mesh's oriented triangles, each as often as it is there.
+    /// Proves that the strips draw exactly the mesh's oriented triangles, each as often as it is
+    /// there.
     ///
     /// # Errors
-    /// The first triangle that is drawn too often or not often enough, in order of submesh and corners.
+    /// The first triangle that is drawn too often or not often enough, in order of submesh and
+    /// corners.
     pub fn check(&self, mesh: &Mesh) -> Result<(), StripSetError> {
         if self.submesh_count() != mesh.submeshes().len() {
             let (found, wanted) = (self.submesh_count(), mesh.submeshes().len());
@@ -135,7 +146,11 @@ impl StripSet {
         let mut drawn: Vec<OrientedTriangle> = self.triangles().collect();
         let mut wanted: Vec<OrientedTriangle> = Vec::with_capacity(mesh.triangles().len());
         for (i, submesh) in mesh.submeshes().iter().enumerate() {
-            wanted.extend(mesh.triangles()[submesh.triangles()].iter().map(|&t| OrientedTriangle::new(i as u32, t)));
+            wanted.extend(
+                mesh.triangles()[submesh.triangles()]
+                    .iter()
+                    .map(|&t| OrientedTriangle::new(i as u32, t)),
+            );
         }
         drawn.sort_unstable();
         wanted.sort_unstable();
@@ -153,7 +168,8 @@ impl StripSet {
 /// The triangles that a strip draws, with their orientation.
 pub fn strip_triangles(strip: &[u32]) -> impl Iterator<Item = [u32; 3]> {
     let windows = strip.windows(3).enumerate();
-    let turned = windows.map(|(k, w)| if k % 2 == 0 { [w[0], w[1], w[2]] } else { [w[1], w[0], w[2]] });
+    let turned =
+        windows.map(|(k, w)| if k % 2 == 0 { [w[0], w[1], w[2]] } else { [w[1], w[0], w[2]] });
     turned.filter(|&t| !crate::adjacency::is_degenerate(t))
 }
 
@@ -180,9 +196,15 @@ impl fmt::Display for StripSetError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Ends => f.write_str("strips that do not end where they should"),
-            Self::Submeshes { found, wanted } => write!(f, "strips of {found} submeshes for a mesh of {wanted}"),
-            Self::Extra(t) => write!(f, "triangle {:?} of submesh {} is drawn too often", t.corners, t.submesh),
-            Self::Missing(t) => write!(f, "triangle {:?} of submesh {} is not drawn", t.corners, t.submesh),
+            Self::Submeshes { found, wanted } => {
+                write!(f, "strips of {found} submeshes for a mesh of {wanted}")
+            }
+            Self::Extra(t) => {
+                write!(f, "triangle {:?} of submesh {} is drawn too often", t.corners, t.submesh)
+            }
+            Self::Missing(t) => {
+                write!(f, "triangle {:?} of submesh {} is not drawn", t.corners, t.submesh)
+            }
         }
     }
 }

@@ -1,6 +1,8 @@
 use crate::adjacency::{NONE, code, decode, neighbours};
 use crate::anneal::exp_minus;
-use crate::{CacheKind, CacheModel, CacheStatistics, StripSet, StripSetError, measure, strip_triangles};
+use crate::{
+    CacheKind, CacheModel, CacheStatistics, StripSet, StripSetError, measure, strip_triangles,
+};
 use lodc_fixtures as fixtures;
 use lodc_mesh::OrientedTriangle;
 
@@ -35,16 +37,24 @@ fn a_check_finds_what_is_missing_turned_or_too_much() {
     assert_eq!(strips(&[&a, &b]).check(&mesh), Ok(()));
     assert_eq!(strips(&[&b, &a]).check(&mesh), Ok(()));
     assert_eq!(strips(&[&a]).check(&mesh), Err(StripSetError::Missing(of(&b).max(of(&a)))));
-    assert!(matches!(strips(&[&a, &b, &b]).check(&mesh), Err(StripSetError::Extra(t)) if t == of(&b)));
+    assert!(
+        matches!(strips(&[&a, &b, &b]).check(&mesh), Err(StripSetError::Extra(t)) if t == of(&b))
+    );
     let turned = [a[1], a[0], a[2]];
     assert!(strips(&[&turned, &b]).check(&mesh).is_err());
-    assert_eq!(StripSet::default().check(&mesh), Err(StripSetError::Submeshes { found: 0, wanted: 1 }));
+    assert_eq!(
+        StripSet::default().check(&mesh),
+        Err(StripSetError::Submeshes { found: 0, wanted: 1 })
+    );
 }
 
 #[test]
 fn strips_are_sorted_by_submesh_and_keep_their_order_there() {
     let set = StripSet::new(3, &[(2, 0..3), (0, 3..6), (2, 6..9)], &[0, 1, 2, 3, 4, 5, 6, 7, 8]);
-    assert_eq!(set.iter().map(<[u32]>::to_vec).collect::<Vec<_>>(), [[3, 4, 5], [0, 1, 2], [6, 7, 8]]);
+    assert_eq!(
+        set.iter().map(<[u32]>::to_vec).collect::<Vec<_>>(),
+        [[3, 4, 5], [0, 1, 2], [6, 7, 8]]
+    );
     assert_eq!((set.submesh(0), set.submesh(1), set.submesh(2)), (0..1, 1..1, 1..3));
 }
 

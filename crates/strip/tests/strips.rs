@@ -37,7 +37,12 @@ fn grid(n: u32) -> Mesh {
     let cells = (0..n).flat_map(|y| (0..n).map(move |x| (x, y)));
     mesh(
         cells
-            .flat_map(|(x, y)| [[at(x, y), at(x + 1, y), at(x, y + 1)], [at(x + 1, y), at(x + 1, y + 1), at(x, y + 1)]])
+            .flat_map(|(x, y)| {
+                [
+                    [at(x, y), at(x + 1, y), at(x, y + 1)],
+                    [at(x + 1, y), at(x + 1, y + 1), at(x, y + 1)],
+                ]
+            })
             .collect(),
     )
 }
@@ -46,19 +51,30 @@ fn check(name: &str, mesh: &Mesh) {
     for (generator, make) in generators() {
         let strips = make(mesh);
         strips.check(mesh).unwrap_or_else(|e| panic!("{name}, {generator}: {e}"));
-        assert!(strips.iter().all(|s| s.len() >= 3), "{name}, {generator}: a strip without a triangle");
+        assert!(
+            strips.iter().all(|s| s.len() >= 3),
+            "{name}, {generator}: a strip without a triangle"
+        );
         let most = mesh.triangles().len() as u64 * 3;
-        assert!(strips.separate_indices() <= most, "{name}, {generator}: more indices than a list has");
+        assert!(
+            strips.separate_indices() <= most,
+            "{name}, {generator}: more indices than a list has"
+        );
     }
     let sorted = |triangles: &[[u32; 3]]| {
         let mut all: Vec<_> = Vec::new();
         for (i, s) in mesh.submeshes().iter().enumerate() {
-            all.extend(triangles[s.triangles()].iter().map(|&t| OrientedTriangle::new(i as u32, t)));
+            all.extend(
+                triangles[s.triangles()].iter().map(|&t| OrientedTriangle::new(i as u32, t)),
+            );
         }
         all.sort_unstable();
         all
     };
-    assert!(sorted(&order(mesh, 16)) == sorted(mesh.triangles()), "{name}: order changed the triangles");
+    assert!(
+        sorted(&order(mesh, 16)) == sorted(mesh.triangles()),
+        "{name}: order changed the triangles"
+    );
 }
 
 #[test]
@@ -77,7 +93,8 @@ fn random_meshes_are_drawn_exactly() {
 
 #[test]
 fn random_triangles_over_few_vertices_are_drawn_exactly() {
-    // Every edge has many triangles, with both windings, and many triangles are there several times.
+    // Every edge has many triangles, with both windings, and many triangles are there several
+    // times.
     for seed in 0..60 {
         let mut rng = fixtures::Rng::new(seed);
         let vertices = 4 + rng.below(12);
@@ -95,12 +112,19 @@ fn random_triangles_over_few_vertices_are_drawn_exactly() {
 #[test]
 fn a_band_is_one_strip_without_repetitions() {
     for n in [1u32, 2, 3, 4, 50, 51] {
-        let band = (0..n).map(|i| if i % 2 == 0 { [i, i + 1, i + 2] } else { [i + 1, i, i + 2] }).collect();
+        let band = (0..n)
+            .map(|i| if i % 2 == 0 { [i, i + 1, i + 2] } else { [i + 1, i, i + 2] })
+            .collect();
         let band = mesh(band);
         let strips = stripe(&band, Effort::Default);
         strips.check(&band).expect("exact");
-        // An even number of triangles can be wound so that the strip must begin at its other end; it never needs more.
-        assert_eq!((strips.len(), strips.separate_indices()), (1, u64::from(n) + 2), "{n} triangles");
+        // An even number of triangles can be wound so that the strip must begin at its other end;
+        // it never needs more.
+        assert_eq!(
+            (strips.len(), strips.separate_indices()),
+            (1, u64::from(n) + 2),
+            "{n} triangles"
+        );
     }
 }
 
@@ -127,7 +151,8 @@ fn strips_do_not_depend_on_the_number_of_threads() {
     // Large enough for many regions.
     let mesh = grid(160);
     let with = |threads: usize, effort: Effort| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a few threads");
+        let pool =
+            rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a few threads");
         let options = CacheOptions { effort, ..CacheOptions::default() };
         pool.install(|| (stripe(&mesh, effort), cache(&mesh, &options)))
     };
@@ -143,9 +168,10 @@ fn strips_do_not_depend_on_the_number_of_threads() {
 fn a_vertex_of_every_triangle_takes_no_longer() {
     let n = 200_000;
     let fan = mesh((0..n).map(|i| [0, 1 + i, 1 + (i + 1) % n]).collect());
-    for strips in
-        [stripe(&fan, Effort::Fast), cache(&fan, &CacheOptions { effort: Effort::Fast, ..Default::default() })]
-    {
+    for strips in [
+        stripe(&fan, Effort::Fast),
+        cache(&fan, &CacheOptions { effort: Effort::Fast, ..Default::default() }),
+    ] {
         strips.check(&fan).expect("exact");
     }
     assert_eq!(order(&fan, 16).len(), n as usize);
@@ -154,9 +180,12 @@ fn a_vertex_of_every_triangle_takes_no_longer() {
 #[test]
 fn an_edge_of_every_triangle_takes_no_longer() {
     let n = 200_000u32;
-    let book = mesh((0..n).map(|i| if i % 3 == 0 { [0, 1, 2 + i] } else { [1, 0, 2 + i] }).collect());
+    let book =
+        mesh((0..n).map(|i| if i % 3 == 0 { [0, 1, 2 + i] } else { [1, 0, 2 + i] }).collect());
     stripe(&book, Effort::Fast).check(&book).expect("exact");
-    cache(&book, &CacheOptions { effort: Effort::Fast, ..Default::default() }).check(&book).expect("exact");
+    cache(&book, &CacheOptions { effort: Effort::Fast, ..Default::default() })
+        .check(&book)
+        .expect("exact");
 }
 
 #[test]
@@ -165,15 +194,21 @@ fn strips_are_short_and_misses_few_on_a_smooth_surface() {
     let triangles = sphere.triangles().len();
     let per = |n: u64| n as f64 / triangles as f64;
     let misses = |indices: &[u32]| {
-        measure(indices.iter().copied(), sphere.vertex_count(), CacheModel::default()).acmr(triangles)
+        measure(indices.iter().copied(), sphere.vertex_count(), CacheModel::default())
+            .acmr(triangles)
     };
     let long = |effort| per(stripe(&sphere, effort).separate_indices());
     assert!(long(Effort::Fast) < 1.16 && long(Effort::Default) < 1.12);
     let short = |effort| cache(&sphere, &CacheOptions { effort, ..CacheOptions::default() });
-    for (effort, most_indices, most_misses) in [(Effort::Fast, 1.42, 0.66), (Effort::Default, 1.36, 0.66)] {
+    for (effort, most_indices, most_misses) in
+        [(Effort::Fast, 1.42, 0.66), (Effort::Default, 1.36, 0.66)]
+    {
         let strips = short(effort);
         let (indices, misses) = (per(strips.separate_indices()), misses(strips.indices()));
-        assert!(indices < most_indices && misses < most_misses, "{effort:?}: {indices} indices, {misses} misses");
+        assert!(
+            indices < most_indices && misses < most_misses,
+            "{effort:?}: {indices} indices, {misses} misses"
+        );
     }
     let list = misses(order(&sphere, 16).as_flattened());
     assert!(list < 0.62, "list: {list} misses");
@@ -185,7 +220,10 @@ fn the_price_of_an_index_trades_indices_against_misses() {
     let at = |index_price| {
         let strips = cache(&sphere, &CacheOptions { index_price, ..CacheOptions::default() });
         let stream = strips.indices().iter().copied();
-        (strips.separate_indices(), measure(stream, sphere.vertex_count(), CacheModel::default()).misses)
+        (
+            strips.separate_indices(),
+            measure(stream, sphere.vertex_count(), CacheModel::default()).misses,
+        )
     };
     let (cheap, dear) = (at(0.1), at(10.0));
     assert!(cheap.0 > dear.0 && cheap.1 < dear.1, "{cheap:?} {dear:?}");

@@ -1,4 +1,5 @@
-//! What the targets of foreign formats share: a file in memory-backed storage, imported and exported.
+//! What the targets of foreign formats share: a file in memory-backed storage, imported and
+//! exported.
 
 use lodc_formats::export::{ExportFormat, ExportObject, export};
 use lodc_formats::import::{ImportOptions, import};

@@ -1,5 +1,5 @@
-//! Bytes as a `.lods` stream: whatever comes, in whatever pieces, can be looked at. Checksums are made right on the way, so
-//! that what lies behind them is tested too.
+//! Bytes as a `.lods` stream: whatever comes, in whatever pieces, can be looked at. Checksums are
+//! made right on the way, so that what lies behind them is tested too.
 
 #![no_main]
 

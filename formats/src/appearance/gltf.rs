@@ -7,7 +7,8 @@ use crate::import::gltf::stored::Stored;
 use crate::nodes::as_index;
 use crate::{Assets, FormatError, GltfDocument, ObjectInfo};
 
-/// What the colour of a mesh without a material is: glTF says white, which leaves no room for light.
+/// What the colour of a mesh without a material is: glTF says white, which leaves no room for
+/// light.
 const PLAIN: [f32; 4] = [0.6, 0.6, 0.6, 1.0];
 
 pub(super) fn appearance(
@@ -18,13 +19,15 @@ pub(super) fn appearance(
     let limits = *assets.limits();
     Stored::read(document, &limits, |stored, json| {
         let meshes: Vec<usize> = objects.iter().map(|o| o.document_mesh as usize).collect();
-        let placements = placement::placements(json, &meshes, &|accessor| stored.numbers(accessor))?;
+        let placements =
+            placement::placements(json, &meshes, &|accessor| stored.numbers(accessor))?;
         let number = |object: &ObjectInfo, primitive: u32| {
             let mesh = &json["meshes"][object.document_mesh as usize];
             as_index(&mesh["primitives"][primitive as usize]["material"]).map_or(0, |m| m + 1)
         };
-        let of =
-            |o: &&ObjectInfo| -> Vec<usize> { o.submeshes.iter().map(|s| number(o, s.document_primitive)).collect() };
+        let of = |o: &&ObjectInfo| -> Vec<usize> {
+            o.submeshes.iter().map(|s| number(o, s.document_primitive)).collect()
+        };
         let of_submesh: Vec<Vec<usize>> = objects.iter().map(of).collect();
         let view = |index| stored.view(index);
         let mut reader = Reader { json, pictures: Pictures::default(), assets, view: &view };

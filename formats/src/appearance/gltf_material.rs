@@ -1,4 +1,5 @@
-//! Base colours of glTF materials (glTF 2.0, 3.9), of the older specular-glossiness ones, and their textures.
+//! Base colours of glTF materials (glTF 2.0, 3.9), of the older specular-glossiness ones, and their
+//! textures.
 
 use super::pictures::Pictures;
 use super::{Material, Opacity, TextureUse, Wrap};
@@ -51,7 +52,8 @@ impl Reader<'_> {
         let picture = self.picture(as_index(&texture["source"]))?;
         let moved = &info["extensions"]["KHR_texture_transform"];
         let set = as_index(&moved["texCoord"]).or(as_index(&info["texCoord"])).unwrap_or(0);
-        let sampler = as_index(&texture["sampler"]).map_or(&Value::Null, |s| &self.json["samplers"][s]);
+        let sampler =
+            as_index(&texture["sampler"]).map_or(&Value::Null, |s| &self.json["samplers"][s]);
         let wrap = |key: &str| match sampler[key].as_u64() {
             Some(33071) => Wrap::Clamp,
             Some(33648) => Wrap::Mirror,
@@ -70,7 +72,11 @@ impl Reader<'_> {
         let Some(image) = image else {
             let extensions = "in a format that an extension names";
             self.pictures.get("", extensions, || {
-                Err(FormatError::new(crate::Fault::Unsupported, "", "a texture without a PNG or JPEG"))
+                Err(FormatError::new(
+                    crate::Fault::Unsupported,
+                    "",
+                    "a texture without a PNG or JPEG",
+                ))
             });
             return None;
         };
@@ -78,11 +84,15 @@ impl Reader<'_> {
         let place = format!("images[{image}]");
         let name = source["name"].as_str().unwrap_or(&place);
         let Self { pictures, assets, view, .. } = self;
-        pictures.get(&place, name, || match (source["uri"].as_str(), as_index(&source["bufferView"])) {
-            (Some(uri), _) => uri::read(uri, &place, assets),
-            (None, Some(index)) => view(index),
-            (None, None) => {
-                Err(FormatError::new(crate::Fault::Malformed, place.clone(), "has neither uri nor bufferView"))
+        pictures.get(&place, name, || {
+            match (source["uri"].as_str(), as_index(&source["bufferView"])) {
+                (Some(uri), _) => uri::read(uri, &place, assets),
+                (None, Some(index)) => view(index),
+                (None, None) => Err(FormatError::new(
+                    crate::Fault::Malformed,
+                    place.clone(),
+                    "has neither uri nor bufferView",
+                )),
             }
         })
     }

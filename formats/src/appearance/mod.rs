@@ -1,5 +1,5 @@
-//! What a scene looks like: base colours and textures of its submeshes, and where its nodes stand. For pictures only;
-//! nothing here is needed to simplify or to write a scene again.
+//! What a scene looks like: base colours and textures of its submeshes, and where its nodes stand.
+//! For pictures only; nothing here is needed to simplify or to write a scene again.
 
 mod gltf;
 mod gltf_material;
@@ -44,7 +44,13 @@ pub struct Material {
 
 impl Default for Material {
     fn default() -> Self {
-        Self { colour: [1.0; 4], texture: None, double_sided: false, opacity: Opacity::Ignored, unlit: false }
+        Self {
+            colour: [1.0; 4],
+            texture: None,
+            double_sided: false,
+            opacity: Opacity::Ignored,
+            unlit: false,
+        }
     }
 }
 
@@ -67,7 +73,8 @@ pub struct TextureUse {
     pub picture: usize,
     /// Set of texture coordinates.
     pub set: u32,
-    /// From the mesh's texture coordinates to the picture's, whose first row is at 0: two rows of factors and a shift.
+    /// From the mesh's texture coordinates to the picture's, whose first row is at 0: two rows of
+    /// factors and a shift.
     pub transform: [[f32; 3]; 2],
     /// What is beyond the edges, across and down.
     pub wrap: [Wrap; 2],
@@ -92,7 +99,8 @@ pub enum Wrap {
 pub struct Placement {
     /// Index of the object.
     pub object: usize,
-    /// From the object's space to the scene's, column by column. Where there are joints, they say it instead.
+    /// From the object's space to the scene's, column by column. Where there are joints, they say
+    /// it instead.
     pub matrix: [f64; 16],
     /// The matrix of every joint at rest, if the object is skinned.
     pub joints: Vec<[f64; 16]>,
@@ -100,8 +108,8 @@ pub struct Placement {
     pub weights: Vec<f64>,
 }
 
-/// Reads what a scene looks like. Pictures are read from where `assets` has its main file; one that cannot be had is a
-/// warning.
+/// Reads what a scene looks like. Pictures are read from where `assets` has its main file; one that
+/// cannot be had is a warning.
 ///
 /// # Errors
 /// If the stored document is damaged, or instances together are too many.

@@ -1,4 +1,5 @@
-//! Materials of an OBJ: `Kd`, `d`, `Tr` and `map_Kd`; `map_d` means that the texture's own opacity cuts.
+//! Materials of an OBJ: `Kd`, `d`, `Tr` and `map_Kd`; `map_d` means that the texture's own opacity
+//! cuts.
 
 use super::pictures::Pictures;
 use super::{Appearance, Material, Opacity, Placement, TextureUse, Wrap};
@@ -8,22 +9,34 @@ use crate::{Assets, ObjDocument, ObjMaterial, ObjectInfo};
 /// What is drawn without a material: a light grey.
 const PLAIN: [f32; 4] = [0.6, 0.6, 0.6, 1.0];
 
-pub(super) fn appearance(obj: &ObjDocument, objects: &[&ObjectInfo], assets: &mut Assets) -> Appearance {
+pub(super) fn appearance(
+    obj: &ObjDocument,
+    objects: &[&ObjectInfo],
+    assets: &mut Assets,
+) -> Appearance {
     let mut pictures = Pictures::default();
     let plain = Material { colour: PLAIN, double_sided: true, ..Material::default() };
     let used = |m: &ObjMaterial| {
-        objects.iter().flat_map(|o| &o.submeshes).any(|s| s.material.as_deref() == Some(m.name.as_str()))
+        objects
+            .iter()
+            .flat_map(|o| &o.submeshes)
+            .any(|s| s.material.as_deref() == Some(m.name.as_str()))
     };
     let mut materials = vec![plain.clone()];
     // What nothing uses need not have its pictures read.
-    materials
-        .extend(obj.materials.iter().map(|m| if used(m) { material(m, &mut pictures, assets) } else { plain.clone() }));
+    materials.extend(
+        obj.materials
+            .iter()
+            .map(|m| if used(m) { material(m, &mut pictures, assets) } else { plain.clone() }),
+    );
     let number = |name: &Option<String>| {
         let name = name.as_ref()?;
         obj.materials.iter().position(|m| m.name == *name).map(|i| i + 1)
     };
-    let of = |o: &&ObjectInfo| o.submeshes.iter().map(|s| number(&s.material).unwrap_or(0)).collect();
-    let placed = |object| Placement { object, matrix: IDENTITY, joints: Vec::new(), weights: Vec::new() };
+    let of =
+        |o: &&ObjectInfo| o.submeshes.iter().map(|s| number(&s.material).unwrap_or(0)).collect();
+    let placed =
+        |object| Placement { object, matrix: IDENTITY, joints: Vec::new(), weights: Vec::new() };
     Appearance {
         materials,
         of_submesh: objects.iter().map(of).collect(),
@@ -43,8 +56,11 @@ fn material(source: &ObjMaterial, pictures: &mut Pictures, assets: &mut Assets) 
     let (mut stated, mut cut) = (false, false);
     for line in &source.lines {
         let (word, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
-        let numbers: Vec<f32> =
-            rest.split_whitespace().map_while(|w| w.parse().ok()).filter(|v: &f32| v.is_finite()).collect();
+        let numbers: Vec<f32> = rest
+            .split_whitespace()
+            .map_while(|w| w.parse().ok())
+            .filter(|v: &f32| v.is_finite())
+            .collect();
         match (word, &numbers[..]) {
             ("Kd", &[r, g, b, ..]) => {
                 material.colour[..3].copy_from_slice(&[r, g, b].map(linear));
@@ -63,7 +79,8 @@ fn material(source: &ObjMaterial, pictures: &mut Pictures, assets: &mut Assets) 
         material.colour[..3].copy_from_slice(&[1.0; 3]);
     }
     material.opacity = match material.colour[3] {
-        // Exporters that mean nothing by it write 0, and a thing that cannot be seen is no material.
+        // Exporters that mean nothing by it write 0, and a thing that cannot be seen is no
+        // material.
         0.0 => {
             material.colour[3] = 1.0;
             Opacity::Ignored
@@ -84,7 +101,8 @@ fn texture(rest: &str, pictures: &mut Pictures, assets: &mut Assets) -> Option<T
         let numbers = match word {
             "s" | "o" | "t" => 3,
             "mm" => 2,
-            "blendu" | "blendv" | "cc" | "clamp" | "texres" | "bm" | "boost" | "imfchan" | "type" => 1,
+            "blendu" | "blendv" | "cc" | "clamp" | "texres" | "bm" | "boost" | "imfchan"
+            | "type" => 1,
             _ => break,
         };
         let mut values = Vec::new();
@@ -98,7 +116,8 @@ fn texture(rest: &str, pictures: &mut Pictures, assets: &mut Assets) -> Option<T
             values.push(value);
             after = tail;
         }
-        let number = |i: usize, default: f32| values.get(i).and_then(|v| v.parse().ok()).unwrap_or(default);
+        let number =
+            |i: usize, default: f32| values.get(i).and_then(|v| v.parse().ok()).unwrap_or(default);
         match word {
             "s" => scale = [number(0, 1.0), number(1, 1.0)],
             "o" => offset = [number(0, 0.0), number(1, 0.0)],

@@ -19,7 +19,8 @@ pub(super) struct Pictures {
 }
 
 impl Pictures {
-    /// The picture of this key, read if it has not been asked for before. `name` is what a warning calls it.
+    /// The picture of this key, read if it has not been asked for before. `name` is what a warning
+    /// calls it.
     pub(super) fn get(
         &mut self,
         key: &str,

@@ -1,4 +1,5 @@
-//! Where the nodes of a glTF stand: world matrices, joints at rest, weights of morph targets, instances.
+//! Where the nodes of a glTF stand: world matrices, joints at rest, weights of morph targets,
+//! instances.
 
 use super::Placement;
 use crate::nodes::{IDENTITY, Matrix, as_index, local, product, roots};
@@ -11,8 +12,8 @@ const MOST: usize = 1 << 20;
 /// Reads numbers of an accessor: all components of all elements, and how many components there are.
 pub(super) type Numbers<'a> = dyn Fn(usize) -> Result<(Vec<f64>, usize), FormatError> + 'a;
 
-/// Every object for each node of the default scene that shows it; all as they are if no node shows any. `meshes` says
-/// which of the document's meshes each object is.
+/// Every object for each node of the default scene that shows it; all as they are if no node shows
+/// any. `meshes` says which of the document's meshes each object is.
 pub(super) fn placements(
     document: &Value,
     meshes: &[usize],
@@ -36,8 +37,11 @@ pub(super) fn placements(
         if objects.is_empty() {
             continue;
         }
-        let weights = [&node["weights"], &document["meshes"][mesh]["weights"]].into_iter().find_map(Value::as_array);
-        let weights: Vec<f64> = weights.into_iter().flatten().map(|w| w.as_f64().unwrap_or(0.0)).collect();
+        let weights = [&node["weights"], &document["meshes"][mesh]["weights"]]
+            .into_iter()
+            .find_map(Value::as_array);
+        let weights: Vec<f64> =
+            weights.into_iter().flatten().map(|w| w.as_f64().unwrap_or(0.0)).collect();
         let joints = match as_index(&node["skin"]) {
             Some(skin) => joints(&document["skins"][skin], &world, read)?,
             None => Vec::new(),
@@ -45,15 +49,29 @@ pub(super) fn placements(
         for instance in instances(&node["extensions"]["EXT_mesh_gpu_instancing"], read)? {
             for &object in &objects {
                 let matrix = product(&world[index], &instance);
-                out.push(Placement { object, matrix, joints: joints.clone(), weights: weights.clone() });
+                out.push(Placement {
+                    object,
+                    matrix,
+                    joints: joints.clone(),
+                    weights: weights.clone(),
+                });
             }
             if out.len() > MOST {
-                return Err(FormatError::new(Fault::Limit, "nodes", format!("show more than {MOST} instances")));
+                return Err(FormatError::new(
+                    Fault::Limit,
+                    "nodes",
+                    format!("show more than {MOST} instances"),
+                ));
             }
         }
     }
     if out.is_empty() {
-        let plain = |object| Placement { object, matrix: IDENTITY, joints: Vec::new(), weights: Vec::new() };
+        let plain = |object| Placement {
+            object,
+            matrix: IDENTITY,
+            joints: Vec::new(),
+            weights: Vec::new(),
+        };
         out.extend((0..meshes.len()).map(plain));
     }
     Ok(out)
@@ -63,11 +81,18 @@ pub(super) fn placements(
 fn worlds(nodes: &[Value]) -> Vec<Matrix> {
     let mut is_child = vec![false; nodes.len()];
     let children = |node: &Value| -> Vec<usize> {
-        node["children"].as_array().into_iter().flatten().filter_map(as_index).filter(|&c| c < nodes.len()).collect()
+        node["children"]
+            .as_array()
+            .into_iter()
+            .flatten()
+            .filter_map(as_index)
+            .filter(|&c| c < nodes.len())
+            .collect()
     };
     nodes.iter().flat_map(children).for_each(|c| is_child[c] = true);
     let mut world = vec![None; nodes.len()];
-    let mut open: Vec<(usize, Matrix)> = (0..nodes.len()).filter(|&n| !is_child[n]).map(|n| (n, IDENTITY)).collect();
+    let mut open: Vec<(usize, Matrix)> =
+        (0..nodes.len()).filter(|&n| !is_child[n]).map(|n| (n, IDENTITY)).collect();
     while let Some((index, parent)) = open.pop() {
         if world[index].is_some() {
             continue;
@@ -88,7 +113,8 @@ fn joints(skin: &Value, world: &[Matrix], read: &Numbers<'_>) -> Result<Vec<Matr
     let listed = skin["joints"].as_array().into_iter().flatten();
     let joint = |(i, joint): (usize, &Value)| {
         let world = as_index(joint).and_then(|j| world.get(j)).unwrap_or(&IDENTITY);
-        let bind = inverse.get(16 * i..16 * i + 16).map_or(IDENTITY, |m| std::array::from_fn(|k| m[k]));
+        let bind =
+            inverse.get(16 * i..16 * i + 16).map_or(IDENTITY, |m| std::array::from_fn(|k| m[k]));
         product(world, &bind)
     };
     Ok(listed.enumerate().map(joint).collect())
@@ -101,15 +127,25 @@ fn instances(extension: &Value, read: &Numbers<'_>) -> Result<Vec<Matrix>, Forma
         return Ok(vec![IDENTITY]);
     }
     let mut columns: Vec<(&str, Vec<f64>, usize)> = Vec::new();
-    for (name, key) in [("TRANSLATION", "translation"), ("ROTATION", "rotation"), ("SCALE", "scale")] {
+    for (name, key) in
+        [("TRANSLATION", "translation"), ("ROTATION", "rotation"), ("SCALE", "scale")]
+    {
         if let Some(accessor) = as_index(&attributes[name]) {
             let (numbers, components) = read(accessor)?;
             columns.push((key, numbers, components));
         }
     }
-    let count = columns.iter().map(|(_, numbers, components)| numbers.len() / components).min().unwrap_or(1);
+    let count = columns
+        .iter()
+        .map(|(_, numbers, components)| numbers.len() / components)
+        .min()
+        .unwrap_or(1);
     if count > MOST {
-        return Err(FormatError::new(Fault::Limit, "nodes", format!("show more than {MOST} instances")));
+        return Err(FormatError::new(
+            Fault::Limit,
+            "nodes",
+            format!("show more than {MOST} instances"),
+        ));
     }
     let one = |i: usize| {
         let mut node = json!({});

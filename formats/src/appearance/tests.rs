@@ -4,8 +4,17 @@ use crate::testing::Scratch;
 use crate::{GltfDocument, Limits, ObjDocument, ObjMaterial, SubmeshInfo};
 
 fn info(mesh: u32, material: Option<&str>) -> ObjectInfo {
-    let submesh = SubmeshInfo { name: String::new(), material: material.map(str::to_owned), document_primitive: 0 };
-    ObjectInfo { name: "o".to_owned(), submeshes: vec![submesh], world_scale: 1.0, document_mesh: mesh }
+    let submesh = SubmeshInfo {
+        name: String::new(),
+        material: material.map(str::to_owned),
+        document_primitive: 0,
+    };
+    ObjectInfo {
+        name: "o".to_owned(),
+        submeshes: vec![submesh],
+        world_scale: 1.0,
+        document_mesh: mesh,
+    }
 }
 
 fn red() -> Vec<u8> {
@@ -13,13 +22,21 @@ fn red() -> Vec<u8> {
 }
 
 fn of_mtl(lines: &[&str], folder: &Scratch) -> Appearance {
-    let material = ObjMaterial { name: "m".to_owned(), lines: lines.iter().map(|l| (*l).to_owned()).collect() };
+    let material = ObjMaterial {
+        name: "m".to_owned(),
+        lines: lines.iter().map(|l| (*l).to_owned()).collect(),
+    };
     let document = Document::Obj(ObjDocument { libraries: Vec::new(), materials: vec![material] });
     let mut assets = Assets::new(&folder.path("a.obj"), &[], Limits::DEFAULT);
     appearance(&document, &[&info(0, Some("m"))], &mut assets).expect("nothing can fail")
 }
 
-fn of_gltf(json: &str, blob: Vec<u8>, meshes: &[u32], folder: &Scratch) -> Result<Appearance, FormatError> {
+fn of_gltf(
+    json: &str,
+    blob: Vec<u8>,
+    meshes: &[u32],
+    folder: &Scratch,
+) -> Result<Appearance, FormatError> {
     let document = Document::Gltf(GltfDocument { json: json.to_owned(), blob });
     let infos: Vec<ObjectInfo> = meshes.iter().map(|&m| info(m, None)).collect();
     let mut assets = Assets::new(&folder.path("a.gltf"), &[], Limits::DEFAULT);
@@ -32,10 +49,17 @@ fn an_mtl_gives_colours_opacity_and_textures() {
     folder.write("in a/te xture.png", &red());
     let looks = of_mtl(&["Kd 1 0.5 0", "d 0.25"], &folder);
     let material = &looks.materials[looks.of_submesh[0][0]];
-    assert!(material.colour[0] == 1.0 && (material.colour[1] - 0.214).abs() < 1e-3 && material.colour[3] == 0.25);
-    assert!(material.opacity == Opacity::Blended && material.double_sided && material.texture.is_none());
+    assert!(
+        material.colour[0] == 1.0
+            && (material.colour[1] - 0.214).abs() < 1e-3
+            && material.colour[3] == 0.25
+    );
+    assert!(
+        material.opacity == Opacity::Blended && material.double_sided && material.texture.is_none()
+    );
 
-    let looks = of_mtl(&["Kd 0 0 0", "map_Kd -s 2 3 -clamp on -o 0.5 0 0 in a\\te xture.png"], &folder);
+    let looks =
+        of_mtl(&["Kd 0 0 0", "map_Kd -s 2 3 -clamp on -o 0.5 0 0 in a\\te xture.png"], &folder);
     let material = &looks.materials[looks.of_submesh[0][0]];
     let texture = material.texture.expect("a texture");
     assert_eq!(material.colour, [1.0; 4], "a black that a texture paints over");
@@ -60,7 +84,11 @@ fn textures_that_cannot_be_had_are_warnings_and_none_is_read_from_elsewhere() {
     ] {
         let looks = of_mtl(&[line], &inner);
         assert!(looks.pictures.is_empty() && looks.materials[1].texture.is_none(), "{line}");
-        assert!(looks.warnings.len() == 1 && looks.warnings[0].contains(word), "{line}: {:?}", looks.warnings);
+        assert!(
+            looks.warnings.len() == 1 && looks.warnings[0].contains(word),
+            "{line}: {:?}",
+            looks.warnings
+        );
     }
 }
 
@@ -89,7 +117,10 @@ fn a_gltf_material_is_read_with_its_sampler_and_transform() {
     let looks = of_gltf(&json.to_string(), blob, &[0], &folder).expect("a document");
     let material = &looks.materials[looks.of_submesh[0][0]];
     assert_eq!(material.colour, [0.5, 0.25, 1.0, 0.75]);
-    assert_eq!((material.opacity, material.double_sided, material.unlit), (Opacity::CutOff(0.25), true, true));
+    assert_eq!(
+        (material.opacity, material.double_sided, material.unlit),
+        (Opacity::CutOff(0.25), true, true)
+    );
     let wanted = TextureUse {
         picture: 0,
         set: 1,
@@ -121,7 +152,11 @@ fn nodes_joints_weights_and_instances_say_where_objects_are() {
     let objects: Vec<usize> = placements.iter().map(|p| p.object).collect();
     assert_eq!(objects, [0, 1, 2, 2]);
     assert_eq!((moved(&placements[0]), &placements[0].weights[..]), ([1.0, 0.0, 0.0], &[0.5][..]));
-    assert_eq!(placements[1].joints[0][12..15], [-1.0, 7.0, 0.0], "the joint, whatever the node says");
+    assert_eq!(
+        placements[1].joints[0][12..15],
+        [-1.0, 7.0, 0.0],
+        "the joint, whatever the node says"
+    );
     assert_eq!((moved(&placements[2]), moved(&placements[3])), ([0.0, 0.0, 2.0], [0.0, 0.0, 4.0]));
 }
 

@@ -26,7 +26,10 @@ fn files_of_the_own_folder_are_read_and_listed_once() {
     assert_eq!(assets.read_reference("sub/inner.mtl").expect("inner"), b"inner");
     assert_eq!(assets.read_reference("./sub/../sub/inner.mtl").expect("dots inside"), b"inner");
     assert_eq!(assets.read_reference("sub/inner.mtl").expect("inner again"), b"inner");
-    assert_eq!(assets.files_read()[..2], [scratch.path("asset/main.obj"), scratch.path("asset/sub/inner.mtl")]);
+    assert_eq!(
+        assets.files_read()[..2],
+        [scratch.path("asset/main.obj"), scratch.path("asset/sub/inner.mtl")]
+    );
     assert_eq!(assets.files_read().len(), 3);
 }
 
@@ -63,7 +66,9 @@ fn things_that_are_not_files_are_unreadable() {
         let error = asset(&scratch).read_reference(reference).expect_err(reference);
         assert_ne!(error.fault, Fault::Limit, "{reference}: {error}");
     }
-    let folder = Assets::new(&scratch.path("asset"), &[], Limits::DEFAULT).read_main().expect_err("a folder");
+    let folder = Assets::new(&scratch.path("asset"), &[], Limits::DEFAULT)
+        .read_main()
+        .expect_err("a folder");
     assert_eq!(folder.fault, Fault::Unreadable);
 }
 
@@ -81,19 +86,30 @@ fn links_out_and_special_files_give_no_byte() {
         let error = asset(&scratch).read_reference(reference).expect_err(reference);
         assert_eq!(error.fault, Fault::Forbidden, "{reference}: {error}");
     }
-    assert_eq!(asset(&scratch).read_reference("loop.mtl").expect_err("a loop").fault, Fault::Unreadable);
+    assert_eq!(
+        asset(&scratch).read_reference("loop.mtl").expect_err("a loop").fault,
+        Fault::Unreadable
+    );
     assert_eq!(asset(&scratch).read_reference("inside.mtl").expect("a link inside"), b"inner");
 
     let allowed = [PathBuf::from("/dev")];
     let mut with_devices = Assets::new(&scratch.path("asset/main.obj"), &allowed, Limits::DEFAULT);
-    assert_eq!(with_devices.read_reference("zero.mtl").expect_err("a device").fault, Fault::Unreadable);
-    let device = Assets::new(Path::new("/dev/zero"), &[], Limits::DEFAULT).read_main().expect_err("a device");
+    assert_eq!(
+        with_devices.read_reference("zero.mtl").expect_err("a device").fault,
+        Fault::Unreadable
+    );
+    let device = Assets::new(Path::new("/dev/zero"), &[], Limits::DEFAULT)
+        .read_main()
+        .expect_err("a device");
     assert_eq!(device.fault, Fault::Unreadable);
 
     let fifo = scratch.path("asset/fifo.mtl");
     match std::process::Command::new("mkfifo").arg(&fifo).status() {
         Ok(status) if status.success() => {
-            assert_eq!(asset(&scratch).read_reference("fifo.mtl").expect_err("a FIFO").fault, Fault::Unreadable);
+            assert_eq!(
+                asset(&scratch).read_reference("fifo.mtl").expect_err("a FIFO").fault,
+                Fault::Unreadable
+            );
             let main = Assets::new(&fifo, &[], Limits::DEFAULT).read_main().expect_err("a FIFO");
             assert_eq!(main.fault, Fault::Unreadable);
         }
@@ -109,14 +125,20 @@ fn allowed_folders_may_be_read_by_any_path() {
     assert_eq!(assets.read_reference("../asset-other/near.mtl").expect("allowed"), b"near");
     let absolute = scratch.path("asset-other/near.mtl").display().to_string();
     assert_eq!(assets.read_reference(&absolute).expect("allowed"), b"near");
-    assert_eq!(assets.read_reference("../secret.mtl").expect_err("not allowed").fault, Fault::Forbidden);
+    assert_eq!(
+        assets.read_reference("../secret.mtl").expect_err("not allowed").fault,
+        Fault::Forbidden
+    );
 }
 
 #[test]
 fn sizes_are_limited_for_one_file_and_for_all() {
     let scratch = layout("assets-limits");
     let main = scratch.path("asset/main.obj");
-    assert_eq!(Assets::new(&main, &[], limits(3, 100)).read_main().expect_err("4 > 3").fault, Fault::Limit);
+    assert_eq!(
+        Assets::new(&main, &[], limits(3, 100)).read_main().expect_err("4 > 3").fault,
+        Fault::Limit
+    );
     assert!(Assets::new(&main, &[], limits(4, 4)).read_main().is_ok());
     let mut assets = Assets::new(&main, &[], limits(100, 8));
     assets.read_main().expect("4 of 8");

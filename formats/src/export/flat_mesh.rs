@@ -14,7 +14,8 @@ pub struct FlatMesh {
     pub triangles: Vec<[u32; 3]>,
     /// One normal per position; empty unless every submesh has them.
     pub normals: Vec<[f32; 3]>,
-    /// One pair of texture coordinates per position, zeros where a submesh has none; empty if none has any.
+    /// One pair of texture coordinates per position, zeros where a submesh has none; empty if none
+    /// has any.
     pub texture: Vec<[f32; 2]>,
     /// Whether every submesh has texture coordinates.
     pub all_textured: bool,
@@ -22,16 +23,22 @@ pub struct FlatMesh {
     pub submesh_of: Vec<[u32; 2]>,
 }
 
-/// Flattens a scene. A mesh that several nodes show is repeated. `set` says which texture coordinates an object's submesh
-/// is read with.
+/// Flattens a scene. A mesh that several nodes show is repeated. `set` says which texture
+/// coordinates an object's submesh is read with.
 ///
 /// # Errors
 /// If its instances together are too large.
-pub fn flat_mesh(scene: &Scene, set: &dyn Fn(usize, usize) -> u32) -> Result<FlatMesh, FormatError> {
-    let objects: Vec<_> = scene.objects.iter().map(|o| ExportObject { info: &o.info, mesh: &o.mesh }).collect();
+pub fn flat_mesh(
+    scene: &Scene,
+    set: &dyn Fn(usize, usize) -> u32,
+) -> Result<FlatMesh, FormatError> {
+    let objects: Vec<_> =
+        scene.objects.iter().map(|o| ExportObject { info: &o.info, mesh: &o.mesh }).collect();
     let placed = flatten::placed(&scene.document, &objects)?;
     // What is placed borrows from the scene, so an object is known by where it is.
-    let number = |p: &Placed<'_>| objects.iter().position(|o| std::ptr::eq(o.info, p.object.info)).unwrap_or(0);
+    let number = |p: &Placed<'_>| {
+        objects.iter().position(|o| std::ptr::eq(o.info, p.object.info)).unwrap_or(0)
+    };
     let numbers: Vec<usize> = placed.iter().map(number).collect();
     let has = |semantic: &dyn Fn(usize, usize) -> Semantic| -> Vec<bool> {
         let submeshes = |(p, &o): (&Placed<'_>, &usize)| {
@@ -45,7 +52,8 @@ pub fn flat_mesh(scene: &Scene, set: &dyn Fn(usize, usize) -> u32) -> Result<Fla
     let normals = has(&|_, _| Semantic::Normal).into_iter().all(|found| found);
     let textured = has(&texture_set);
     let texture = textured.contains(&true);
-    let mut flat = FlatMesh { all_textured: texture && !textured.contains(&false), ..FlatMesh::default() };
+    let mut flat =
+        FlatMesh { all_textured: texture && !textured.contains(&false), ..FlatMesh::default() };
     for (p, &o) in placed.iter().zip(&numbers) {
         let (mesh, first, mirrors) = (p.object.mesh, flat.positions.len() as u32, p.mirrors());
         for (v, &submesh) in (0..).zip(mesh.vertex_submesh()) {
@@ -56,13 +64,15 @@ pub fn flat_mesh(scene: &Scene, set: &dyn Fn(usize, usize) -> u32) -> Result<Fla
             }
             if texture {
                 let stream = of(texture_set(o, submesh as usize));
-                flat.texture.push(stream.map_or([0.0; 2], |s| [component(s, v, 0), component(s, v, 1)]));
+                flat.texture
+                    .push(stream.map_or([0.0; 2], |s| [component(s, v, 0), component(s, v, 1)]));
             }
         }
         for (s, submesh) in (0..).zip(mesh.submeshes()) {
             flat.submesh_of.extend(submesh.triangles().map(|_| [o as u32, s]));
         }
-        flat.triangles.extend(mesh.triangles().iter().map(|&t| p.corners(t, mirrors).map(|v| first + v)));
+        flat.triangles
+            .extend(mesh.triangles().iter().map(|&t| p.corners(t, mirrors).map(|v| first + v)));
     }
     Ok(flat)
 }

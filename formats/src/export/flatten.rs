@@ -26,23 +26,29 @@ impl Placed<'_> {
         let p = self.object.mesh.positions()[vertex as usize];
         let Some(m) = &self.transform else { return p };
         let p = p.map(f64::from);
-        std::array::from_fn(|row| finite(m[row] * p[0] + m[4 + row] * p[1] + m[8 + row] * p[2] + m[12 + row]))
+        std::array::from_fn(|row| {
+            finite(m[row] * p[0] + m[4 + row] * p[1] + m[8 + row] * p[2] + m[12 + row])
+        })
     }
 
-    /// A vertex's normal in the scene: as it is in the file where nothing moves, of length one otherwise.
+    /// A vertex's normal in the scene: as it is in the file where nothing moves, of length one
+    /// otherwise.
     pub(crate) fn normal(&self, stream: &Attribute, vertex: u32) -> [f32; 3] {
         let n: [f32; 3] = std::array::from_fn(|i| component(stream, vertex, i));
         let Some(m) = &self.transform else { return n };
         let n = n.map(f64::from);
-        // Cofactors are the inverse transpose times the determinant: no division, and its sign is put right below.
+        // Cofactors are the inverse transpose times the determinant: no division, and its sign is
+        // put right below.
         let c = cofactors(m);
         let sign = if self.mirrors() { -1.0 } else { 1.0 };
-        let v: [f64; 3] = std::array::from_fn(|row| sign * (0..3).map(|k| c[k * 3 + row] * n[k]).sum::<f64>());
+        let v: [f64; 3] =
+            std::array::from_fn(|row| sign * (0..3).map(|k| c[k * 3 + row] * n[k]).sum::<f64>());
         let length = v.iter().map(|x| x * x).sum::<f64>().sqrt();
         if length > 0.0 { v.map(|x| finite(x / length)) } else { n.map(finite) }
     }
 
-    /// Whether the transform turns the surface inside out, so that corners must be listed the other way round.
+    /// Whether the transform turns the surface inside out, so that corners must be listed the other
+    /// way round.
     pub(crate) fn mirrors(&self) -> bool {
         self.transform.as_ref().is_some_and(mirrors)
     }
@@ -53,14 +59,21 @@ impl Placed<'_> {
     }
 }
 
-/// Every object of an OBJ as it is; every object of a glTF for each node of the default scene that shows it (its nodes
-/// all, if the file has no scene), and one that no node shows as it is. A skinned object stands as it was modelled: its
-/// joints, not its node, would move it.
+/// Every object of an OBJ as it is; every object of a glTF for each node of the default scene that
+/// shows it (its nodes all, if the file has no scene), and one that no node shows as it is. A
+/// skinned object stands as it was modelled: its joints, not its node, would move it.
 ///
 /// # Errors
 /// If the document's JSON is damaged or the instances together are too large.
-pub(crate) fn placed<'a>(document: &Document, objects: &[ExportObject<'a>]) -> Result<Vec<Placed<'a>>, FormatError> {
-    let plain = |object: &ExportObject<'a>| Placed { object: *object, name: object.info.name.clone(), transform: None };
+pub(crate) fn placed<'a>(
+    document: &Document,
+    objects: &[ExportObject<'a>],
+) -> Result<Vec<Placed<'a>>, FormatError> {
+    let plain = |object: &ExportObject<'a>| Placed {
+        object: *object,
+        name: object.info.name.clone(),
+        transform: None,
+    };
     let Document::Gltf(gltf) = document else { return Ok(objects.iter().map(plain).collect()) };
     let json = parse(gltf)?;
     let nodes = json["nodes"].as_array().map(Vec::as_slice).unwrap_or_default();
@@ -68,7 +81,8 @@ pub(crate) fn placed<'a>(document: &Document, objects: &[ExportObject<'a>]) -> R
     let mut visited = vec![false; nodes.len()];
     let mut out: Vec<Placed<'a>> = Vec::new();
     let mut triangles = 0;
-    let mut open: Vec<(usize, Matrix)> = roots(&json, nodes).into_iter().rev().map(|n| (n, IDENTITY)).collect();
+    let mut open: Vec<(usize, Matrix)> =
+        roots(&json, nodes).into_iter().rev().map(|n| (n, IDENTITY)).collect();
     while let Some((index, parent)) = open.pop() {
         let Some(node) = nodes.get(index) else { continue };
         if std::mem::replace(&mut visited[index], true) {
@@ -79,27 +93,35 @@ pub(crate) fn placed<'a>(document: &Document, objects: &[ExportObject<'a>]) -> R
             open.extend(children.iter().rev().filter_map(as_index).map(|child| (child, world)));
         }
         let Some(mesh) = as_index(&node["mesh"]) else { continue };
-        for (object, shown) in objects.iter().zip(&mut shown).filter(|(o, _)| o.info.document_mesh as usize == mesh) {
+        for (object, shown) in
+            objects.iter().zip(&mut shown).filter(|(o, _)| o.info.document_mesh as usize == mesh)
+        {
             *shown = true;
             triangles += object.mesh.triangles().len();
             if triangles > MAX_TRIANGLES {
-                let what =
-                    format!("its instances have more than {MAX_TRIANGLES} triangles together: write a glTF instead");
+                let what = format!(
+                    "its instances have more than {MAX_TRIANGLES} triangles together: write a glTF instead"
+                );
                 return Err(FormatError::new(Fault::Limit, "", what));
             }
-            let stays = world == IDENTITY || !node["skin"].is_null() || world.iter().any(|x| !x.is_finite());
+            let stays = world == IDENTITY
+                || !node["skin"].is_null()
+                || world.iter().any(|x| !x.is_finite());
             let name = node["name"].as_str().unwrap_or(&object.info.name).to_owned();
             out.push(Placed { object: *object, name, transform: (!stays).then_some(world) });
         }
     }
-    out.extend(objects.iter().zip(shown).filter(|(_, shown)| !shown).map(|(object, _)| plain(object)));
+    out.extend(
+        objects.iter().zip(shown).filter(|(_, shown)| !shown).map(|(object, _)| plain(object)),
+    );
     Ok(out)
 }
 
 /// The document's JSON.
 pub(crate) fn parse(gltf: &GltfDocument) -> Result<Value, FormatError> {
-    serde_json::from_str(&gltf.json)
-        .map_err(|e| FormatError::new(Fault::Malformed, "", format!("the stored glTF document is damaged: {e}")))
+    serde_json::from_str(&gltf.json).map_err(|e| {
+        FormatError::new(Fault::Malformed, "", format!("the stored glTF document is damaged: {e}"))
+    })
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "the formats store single precision")]
@@ -113,9 +135,15 @@ pub(crate) fn component(stream: &Attribute, vertex: u32, i: usize) -> f32 {
 }
 
 /// The stream of a submesh with this meaning, at rest.
-pub(crate) fn stream<'a>(mesh: &'a Mesh, submesh: usize, semantic: &Semantic) -> Option<&'a Attribute> {
+pub(crate) fn stream<'a>(
+    mesh: &'a Mesh,
+    submesh: usize,
+    semantic: &Semantic,
+) -> Option<&'a Attribute> {
     let attributes = mesh.submeshes()[submesh].attributes.iter();
-    attributes.map(|&a| &mesh.attributes()[a as usize]).find(|a| a.semantic == *semantic && a.morph_target.is_none())
+    attributes
+        .map(|&a| &mesh.attributes()[a as usize])
+        .find(|a| a.semantic == *semantic && a.morph_target.is_none())
 }
 
 #[cfg(test)]

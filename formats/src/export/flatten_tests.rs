@@ -3,7 +3,8 @@ use crate::{ObjDocument, ObjectInfo, SubmeshInfo};
 use lodc_mesh::{Component, MeshParts, Submesh};
 
 pub(crate) fn triangle() -> Mesh {
-    let normals = [[0f32, 0.0, 1.0]; 3].as_flattened().iter().flat_map(|c| c.to_le_bytes()).collect();
+    let normals =
+        [[0f32, 0.0, 1.0]; 3].as_flattened().iter().flat_map(|c| c.to_le_bytes()).collect();
     let uvs = [0.25f32, 0.25, 1.0, 0.0, 0.0, 1.0].iter().flat_map(|c| c.to_le_bytes()).collect();
     let stream = |semantic, components, bytes| Attribute {
         semantic,
@@ -16,7 +17,10 @@ pub(crate) fn triangle() -> Mesh {
     Mesh::try_from(MeshParts {
         positions: vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
         vertex_submesh: vec![0; 3],
-        attributes: vec![stream(Semantic::Normal, 3, normals), stream(Semantic::TexCoord(0), 2, uvs)],
+        attributes: vec![
+            stream(Semantic::Normal, 3, normals),
+            stream(Semantic::TexCoord(0), 2, uvs),
+        ],
         triangles: vec![[0, 1, 2]],
         submeshes: vec![Submesh { first_triangle: 0, triangle_count: 1, attributes: vec![0, 1] }],
     })
@@ -25,7 +29,12 @@ pub(crate) fn triangle() -> Mesh {
 
 pub(crate) fn info(mesh: u32) -> ObjectInfo {
     let submesh = SubmeshInfo { name: String::new(), material: None, document_primitive: 0 };
-    ObjectInfo { name: format!("mesh{mesh}"), submeshes: vec![submesh], world_scale: 1.0, document_mesh: mesh }
+    ObjectInfo {
+        name: format!("mesh{mesh}"),
+        submeshes: vec![submesh],
+        world_scale: 1.0,
+        document_mesh: mesh,
+    }
 }
 
 pub(crate) fn gltf(json: &str) -> Document {
@@ -50,7 +59,11 @@ fn nodes_of_the_default_scene_place_and_repeat_objects() {
     assert!(near(placed[0].position(1), [0.0, 2.0, 5.0]), "{:?}", placed[0].position(1));
     assert!(near(placed[0].position(2), [-3.0, 0.0, 5.0]));
     assert_eq!(placed[1].position(1), [8.0, 0.0, 0.0]);
-    assert_eq!(placed[2].position(1), [1.0, 0.0, 0.0], "an object that no node shows stands as it is");
+    assert_eq!(
+        placed[2].position(1),
+        [1.0, 0.0, 0.0],
+        "an object that no node shows stands as it is"
+    );
 }
 
 #[test]
@@ -64,7 +77,8 @@ fn mirrors_turn_triangles_and_never_normals_inside_out() {
         (r#""scale":[0.001,1000,5]"#, false, [0.0, 0.0, 1.0]),
         (r#""rotation":[1,0,0,0]"#, false, [0.0, 0.0, -1.0]),
     ] {
-        let placed = placed(&gltf(&format!(r#"{{"nodes":[{{"mesh":0,{node}}}]}}"#)), &objects).expect("placed");
+        let placed = placed(&gltf(&format!(r#"{{"nodes":[{{"mesh":0,{node}}}]}}"#)), &objects)
+            .expect("placed");
         let p = &placed[0];
         assert_eq!(p.mirrors(), mirrors, "{node}");
         assert_eq!(p.normal(&mesh.attributes()[0], 0), normal, "{node}");
@@ -95,7 +109,10 @@ fn damaged_node_graphs_end() {
 #[test]
 fn objects_of_an_obj_stay_bit_for_bit() {
     let (mesh, info) = (triangle(), info(0));
-    let placed = placed(&Document::Obj(ObjDocument::default()), &[ExportObject { info: &info, mesh: &mesh }]);
+    let placed = placed(
+        &Document::Obj(ObjDocument::default()),
+        &[ExportObject { info: &info, mesh: &mesh }],
+    );
     let placed = placed.expect("placed");
     assert!(placed[0].transform.is_none() && !placed[0].mirrors());
 }

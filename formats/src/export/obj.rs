@@ -24,7 +24,8 @@ pub(super) fn export(
     let library = path.with_extension("mtl");
     let has_library = !materials.text.is_empty() && path.as_os_str() != "-";
     if has_library {
-        let name = library.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+        let name =
+            library.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
         line(&mut text, "mtllib", &name);
     }
     let mut writer = Writer {
@@ -66,7 +67,8 @@ impl Writer {
         self.numbers.clear();
         self.numbers.resize(mesh.vertex_count(), [0; 3]);
         let mut label = String::new();
-        for (i, (submesh, submesh_info)) in mesh.submeshes().iter().zip(&info.submeshes).enumerate() {
+        for (i, (submesh, submesh_info)) in mesh.submeshes().iter().zip(&info.submeshes).enumerate()
+        {
             if submesh.triangle_count == 0 {
                 continue;
             }
@@ -102,7 +104,9 @@ impl Writer {
                 if numbers[0] == 0 {
                     let position = placed.position(vertex);
                     let components = color.map_or(0, |c| usize::from(c.components).clamp(3, 4));
-                    let channel = |i| color.filter(|_| i < components).map_or(0.0, |c| component(c, vertex, i));
+                    let channel = |i| {
+                        color.filter(|_| i < components).map_or(0.0, |c| component(c, vertex, i))
+                    };
                     let rgba: [f32; 4] = std::array::from_fn(channel);
                     let key = (position.map(f32::to_bits), rgba.map(f32::to_bits));
                     let values = position.iter().chain(&rgba[..components]);
@@ -113,11 +117,18 @@ impl Writer {
                             uvw[1] = 1.0 - uvw[1];
                         }
                         let count = usize::from(s.components).clamp(2, 3);
-                        numbers[1] = number(&mut self.vt, uvw.map(f32::to_bits), &mut self.text, "vt", &uvw[..count]);
+                        numbers[1] = number(
+                            &mut self.vt,
+                            uvw.map(f32::to_bits),
+                            &mut self.text,
+                            "vt",
+                            &uvw[..count],
+                        );
                     }
                     if let Some(s) = normal {
                         let n = placed.normal(s, vertex);
-                        numbers[2] = number(&mut self.vn, n.map(f32::to_bits), &mut self.text, "vn", &n);
+                        numbers[2] =
+                            number(&mut self.vn, n.map(f32::to_bits), &mut self.text, "vn", &n);
                     }
                 }
                 corner(&mut faces, *numbers);
@@ -191,7 +202,8 @@ fn line(text: &mut Vec<u8>, word: &str, name: &str) {
     text.push(b'\n');
 }
 
-/// A name as one line that reads back as itself: no line ends, no `#` by itself, no backslash at the end.
+/// A name as one line that reads back as itself: no line ends, no `#` by itself, no backslash at
+/// the end.
 fn clean(name: &str) -> String {
     let one_line: String = name.chars().map(|c| if c.is_control() { '_' } else { c }).collect();
     let mut out = one_line.trim().to_owned();
@@ -219,7 +231,10 @@ impl Materials {
                 let mut text = Vec::new();
                 for material in &obj.materials {
                     line(&mut text, "newmtl", &clean(&material.name));
-                    material.lines.iter().for_each(|l| line(&mut text, &l.replace(['\n', '\r'], " "), ""));
+                    material
+                        .lines
+                        .iter()
+                        .for_each(|l| line(&mut text, &l.replace(['\n', '\r'], " "), ""));
                 }
                 Ok(Self { text, of_primitive: BTreeMap::new() })
             }
@@ -245,14 +260,16 @@ impl Materials {
             line(&mut text, "newmtl", &name);
             names.push(name);
             let pbr = &material["pbrMetallicRoughness"];
-            let factor: [f64; 4] =
-                std::array::from_fn(|k| pbr["baseColorFactor"][k].as_f64().filter(|f| f.is_finite()).unwrap_or(1.0));
+            let factor: [f64; 4] = std::array::from_fn(|k| {
+                pbr["baseColorFactor"][k].as_f64().filter(|f| f.is_finite()).unwrap_or(1.0)
+            });
             line(&mut text, &format!("Kd {} {} {}", factor[0], factor[1], factor[2]), "");
             if material["alphaMode"].as_str() == Some("BLEND") {
                 line(&mut text, &format!("d {}", factor[3]), "");
             }
             let index = |v: &Value| v.as_u64().and_then(|i| usize::try_from(i).ok());
-            let source = index(&pbr["baseColorTexture"]["index"]).and_then(|t| index(&json["textures"][t]["source"]));
+            let source = index(&pbr["baseColorTexture"]["index"])
+                .and_then(|t| index(&json["textures"][t]["source"]));
             let uri = source.and_then(|s| json["images"][s]["uri"].as_str());
             if let Some(uri) = uri.filter(|u| !u.starts_with("data:")) {
                 line(&mut text, "map_Kd", &clean(&uri.replace("%20", " ")));
@@ -261,7 +278,9 @@ impl Materials {
         let mut of_primitive = BTreeMap::new();
         for (m, mesh) in list(&json["meshes"]).iter().enumerate() {
             for (p, primitive) in list(&mesh["primitives"]).iter().enumerate() {
-                let material = primitive["material"].as_u64().and_then(|i| names.get(usize::try_from(i).ok()?));
+                let material = primitive["material"]
+                    .as_u64()
+                    .and_then(|i| names.get(usize::try_from(i).ok()?));
                 if let Some(name) = material {
                     of_primitive.insert((m, p), name.clone());
                 }

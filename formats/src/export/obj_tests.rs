@@ -5,14 +5,16 @@ use crate::testing::{Random, Scratch, corpus};
 use crate::{Scene, write_all};
 use lodc_mesh::Mesh;
 
-/// Per material: the triangles as bytes of all corners, rotated and sorted so that equal multisets are equal lists.
+/// Per material: the triangles as bytes of all corners, rotated and sorted so that equal multisets
+/// are equal lists.
 fn triangles(scene: &Scene) -> BTreeMap<Option<String>, Vec<[Vec<u8>; 3]>> {
     let mut out: BTreeMap<_, Vec<_>> = BTreeMap::new();
     for object in &scene.objects {
         let mesh: &Mesh = &object.mesh;
         for (submesh, info) in mesh.submeshes().iter().zip(&object.info.submeshes) {
             let corner = |v: u32| {
-                let mut bytes: Vec<u8> = mesh.positions()[v as usize].iter().flat_map(|c| c.to_le_bytes()).collect();
+                let mut bytes: Vec<u8> =
+                    mesh.positions()[v as usize].iter().flat_map(|c| c.to_le_bytes()).collect();
                 for &a in &submesh.attributes {
                     bytes.extend_from_slice(mesh.attributes()[a as usize].at(v));
                 }
@@ -32,7 +34,8 @@ fn triangles(scene: &Scene) -> BTreeMap<Option<String>, Vec<[Vec<u8>; 3]>> {
 }
 
 fn written(scene: &Scene, path: &Path) -> Vec<OutputFile> {
-    let objects: Vec<_> = scene.objects.iter().map(|o| ExportObject { info: &o.info, mesh: &o.mesh }).collect();
+    let objects: Vec<_> =
+        scene.objects.iter().map(|o| ExportObject { info: &o.info, mesh: &o.mesh }).collect();
     export(path, &scene.document, &objects).expect("exported")
 }
 
@@ -46,7 +49,10 @@ fn same(before: &Scene, after: &Scene, what: &str) {
     assert!(triangles(before) == triangles(after), "{what}: triangles differ");
     let names = |s: &Scene| -> Vec<_> {
         let visible = s.objects[0].info.submeshes.iter().zip(s.objects[0].mesh.submeshes());
-        visible.filter(|(_, m)| m.triangle_count > 0).map(|(i, _)| (i.name.clone(), i.material.clone())).collect()
+        visible
+            .filter(|(_, m)| m.triangle_count > 0)
+            .map(|(i, _)| (i.name.clone(), i.material.clone()))
+            .collect()
     };
     assert_eq!(names(before), names(after), "{what}");
     match (&before.document, &after.document) {
@@ -78,16 +84,32 @@ fn every_real_obj_comes_back_exactly() {
 fn every_bit_of_strange_values_comes_back() {
     let scratch = Scratch::new("obj-strange");
     let mut random = Random(17);
-    let mut source =
-        String::from("o only\nv -0 0 1e-45 1 nan -0\nv 3.4028235e38 1e-38 -1 0 0 0\nvn inf -inf -0\nvt nan 1e-7 3\n");
+    let mut source = String::from(
+        "o only\nv -0 0 1e-45 1 nan -0\nv 3.4028235e38 1e-38 -1 0 0 0\nvn inf -inf -0\nvt nan 1e-7 3\n",
+    );
     for _ in 0..500 {
         let mut value = || {
             let x = f32::from_bits((random.next() >> 32) as u32);
             if x.is_finite() { x } else { 0.5 }
         };
-        source += &format!("v {:e} {:e} {:e} {:e} {:e} {:e}\n", value(), value(), value(), value(), value(), value());
-        source +=
-            &format!("vt {:e} {:e} {:e}\nvn {:e} {:e} {:e}\n", value(), value(), value(), value(), value(), value());
+        source += &format!(
+            "v {:e} {:e} {:e} {:e} {:e} {:e}\n",
+            value(),
+            value(),
+            value(),
+            value(),
+            value(),
+            value()
+        );
+        source += &format!(
+            "vt {:e} {:e} {:e}\nvn {:e} {:e} {:e}\n",
+            value(),
+            value(),
+            value(),
+            value(),
+            value(),
+            value()
+        );
     }
     source += "usemtl a # b\nf 1/1/1 2/1/1 3/2/2\nusemtl\ng loose\nf 1 2 3\nusemtl c#d\ng x y\n";
     for i in 3..490 {
@@ -103,7 +125,8 @@ fn every_bit_of_strange_values_comes_back() {
 fn the_library_is_written_beside_the_file_and_never_to_standard_output() {
     let (mesh, info) = (triangle(), info(0));
     let objects = [ExportObject { info: &info, mesh: &mesh }];
-    let materials = vec![crate::ObjMaterial { name: "red".to_owned(), lines: vec!["Kd 1 0 0".to_owned()] }];
+    let materials =
+        vec![crate::ObjMaterial { name: "red".to_owned(), lines: vec!["Kd 1 0 0".to_owned()] }];
     let document = Document::Obj(crate::ObjDocument { libraries: Vec::new(), materials });
     let files = export(Path::new("some/out file.obj"), &document, &objects).expect("exported");
     assert_eq!(files[1].path, Path::new("some/out file.mtl"));
@@ -111,7 +134,8 @@ fn the_library_is_written_beside_the_file_and_never_to_standard_output() {
     assert!(files[0].bytes.starts_with(b"# lodc\nmtllib out file.mtl\no mesh0\n"));
     let files = export(Path::new("-"), &document, &objects).expect("exported");
     assert!(files.len() == 1 && !files[0].bytes.windows(6).any(|w| w == b"mtllib"));
-    let bare = export(Path::new("x.obj"), &Document::Obj(crate::ObjDocument::default()), &objects).expect("exported");
+    let bare = export(Path::new("x.obj"), &Document::Obj(crate::ObjDocument::default()), &objects)
+        .expect("exported");
     assert_eq!(bare.len(), 1);
 }
 
@@ -125,9 +149,13 @@ fn gltf_scenes_become_objects_with_simple_materials() {
         "textures":[{"source":0}],"images":[{"uri":"a%20b.png"}],
         "meshes":[{"primitives":[{"material":1}]}]}"#,
     );
-    let files = export(Path::new("x.obj"), &document, &[ExportObject { info: &info, mesh: &mesh }]).expect("exported");
+    let files = export(Path::new("x.obj"), &document, &[ExportObject { info: &info, mesh: &mesh }])
+        .expect("exported");
     let text = |i: usize| String::from_utf8(files[i].bytes.clone()).expect("text");
-    assert_eq!(text(1), "newmtl m\nKd 1 1 1\nnewmtl m_material1\nKd 0.5 0.25 1\nd 0.75\nmap_Kd a b.png\n");
+    assert_eq!(
+        text(1),
+        "newmtl m\nKd 1 1 1\nnewmtl m_material1\nKd 0.5 0.25 1\nd 0.75\nmap_Kd a b.png\n"
+    );
     let expected = "# lodc\nmtllib x.mtl\no a_b\nv 0 0 0\nvt 0.25 0.75\nvn 0 0 1\nv 1 0 0\nvt 1 1\nv 0 1 0\nvt 0 0\n\
         usemtl m_material1\nf 1/1/1 2/2/1 3/3/1\no mesh0\nv -1 0 0\nf 1/1/1 3/3/1 4/2/1\n";
     assert_eq!(text(0), expected);

@@ -21,24 +21,35 @@ pub(super) fn export(
     let vertices: usize = placed.iter().map(|p| p.object.mesh.vertex_count()).sum();
     let triangles: usize = placed.iter().map(|p| p.object.mesh.triangles().len()).sum();
     if i32::try_from(vertices).is_err() {
-        return Err(FormatError::new(Fault::Unsupported, "", format!("{vertices} vertices are too many for a PLY")));
+        return Err(FormatError::new(
+            Fault::Unsupported,
+            "",
+            format!("{vertices} vertices are too many for a PLY"),
+        ));
     }
     let has = |semantic: Semantic| {
         let mut meshes = placed.iter().map(|p| p.object.mesh);
         meshes.any(|m| (0..m.submeshes().len()).any(|s| stream(m, s, &semantic).is_some()))
     };
-    let (normals, uvs, colors) = (has(Semantic::Normal), has(Semantic::TexCoord(0)), has(Semantic::Color(0)));
+    let (normals, uvs, colors) =
+        (has(Semantic::Normal), has(Semantic::TexCoord(0)), has(Semantic::Color(0)));
 
-    let mut header = format!("ply\nformat binary_little_endian 1.0\ncomment lodc\nelement vertex {vertices}\n");
+    let mut header =
+        format!("ply\nformat binary_little_endian 1.0\ncomment lodc\nelement vertex {vertices}\n");
     let mut declare = |kind: &str, names: &[&str]| {
-        names.iter().for_each(|name| writeln!(header, "property {kind} {name}").expect("a String takes everything"));
+        names.iter().for_each(|name| {
+            writeln!(header, "property {kind} {name}").expect("a String takes everything")
+        });
     };
     declare("float", &["x", "y", "z"]);
     declare("float", if normals { &["nx", "ny", "nz"] } else { &[] });
     declare("float", if uvs { &["s", "t"] } else { &[] });
     declare("uchar", if colors { &["red", "green", "blue"] } else { &[] });
-    write!(header, "element face {triangles}\nproperty list uchar int vertex_indices\nend_header\n")
-        .expect("a String takes everything");
+    write!(
+        header,
+        "element face {triangles}\nproperty list uchar int vertex_indices\nend_header\n"
+    )
+    .expect("a String takes everything");
 
     let stride = 12 + usize::from(normals) * 12 + usize::from(uvs) * 8 + usize::from(colors) * 3;
     let mut bytes = header.into_bytes();
@@ -46,7 +57,10 @@ pub(super) fn export(
     for p in &placed {
         let mesh = p.object.mesh;
         let streams: Vec<_> = (0..mesh.submeshes().len())
-            .map(|s| [Semantic::Normal, Semantic::TexCoord(0), Semantic::Color(0)].map(|x| stream(mesh, s, &x)))
+            .map(|s| {
+                [Semantic::Normal, Semantic::TexCoord(0), Semantic::Color(0)]
+                    .map(|x| stream(mesh, s, &x))
+            })
             .collect();
         for (vertex, &submesh) in mesh.vertex_submesh().iter().enumerate() {
             let (vertex, [normal, uv, color]) = (vertex as u32, streams[submesh as usize]);
@@ -56,11 +70,15 @@ pub(super) fn export(
                 normal.map_or([0.0; 3], |s| p.normal(s, vertex)).into_iter().for_each(&mut put);
             }
             if uvs {
-                let [u, v] = uv.map_or([0.0; 2], |s| [component(s, vertex, 0), component(s, vertex, 1)]);
-                [u, if top_left && uv.is_some() { 1.0 - v } else { v }].into_iter().for_each(&mut put);
+                let [u, v] =
+                    uv.map_or([0.0; 2], |s| [component(s, vertex, 0), component(s, vertex, 1)]);
+                [u, if top_left && uv.is_some() { 1.0 - v } else { v }]
+                    .into_iter()
+                    .for_each(&mut put);
             }
             if colors {
-                let rgb = color.map_or([1.0; 3], |s| std::array::from_fn(|i| component(s, vertex, i)));
+                let rgb =
+                    color.map_or([1.0; 3], |s| std::array::from_fn(|i| component(s, vertex, i)));
                 bytes.extend(rgb.map(byte));
             }
         }
@@ -80,7 +98,11 @@ pub(super) fn export(
 }
 
 /// A fraction as a byte, to nearest; what is no number is black.
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to the range of a byte")]
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "clamped to the range of a byte"
+)]
 fn byte(x: f32) -> u8 {
     (x.clamp(0.0, 1.0) * 255.0).round() as u8
 }

@@ -6,7 +6,8 @@ use crate::export::flatten::tests::{gltf, info, triangle};
 fn the_file_is_laid_out_as_its_header_says() {
     let (mesh, info) = (triangle(), info(0));
     let document = Document::Obj(ObjDocument::default());
-    let files = export(Path::new("x.ply"), &document, &[ExportObject { info: &info, mesh: &mesh }]).expect("exported");
+    let files = export(Path::new("x.ply"), &document, &[ExportObject { info: &info, mesh: &mesh }])
+        .expect("exported");
     let bytes = &files[0].bytes;
     let header = "ply\nformat binary_little_endian 1.0\ncomment lodc\nelement vertex 3\nproperty float x\n\
         property float y\nproperty float z\nproperty float nx\nproperty float ny\nproperty float nz\nproperty float s\n\
@@ -14,7 +15,8 @@ fn the_file_is_laid_out_as_its_header_says() {
     assert!(bytes.starts_with(header.as_bytes()));
     let body = &bytes[header.len()..];
     assert_eq!(body.len(), 3 * 32 + 13);
-    let floats: Vec<f32> = body[32..64].chunks(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
+    let floats: Vec<f32> =
+        body[32..64].chunks(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
     assert_eq!(floats, [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0]);
     assert_eq!(body[96..], [3, 0, 0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0]);
 }
@@ -23,7 +25,8 @@ fn the_file_is_laid_out_as_its_header_says() {
 fn instances_follow_each_other_and_mirrored_ones_are_turned() {
     let (mesh, info) = (triangle(), info(0));
     let document = gltf(r#"{"nodes":[{"mesh":0},{"mesh":0,"scale":[-1,1,1]}]}"#);
-    let files = export(Path::new("x.ply"), &document, &[ExportObject { info: &info, mesh: &mesh }]).expect("exported");
+    let files = export(Path::new("x.ply"), &document, &[ExportObject { info: &info, mesh: &mesh }])
+        .expect("exported");
     let bytes = &files[0].bytes;
     assert_eq!(
         bytes[bytes.len() - 26..],
@@ -39,6 +42,7 @@ fn colours_are_bytes_to_nearest() {
 
 #[test]
 fn a_scene_without_triangles_is_an_empty_list() {
-    let files = export(Path::new("x.ply"), &Document::Obj(ObjDocument::default()), &[]).expect("exported");
+    let files =
+        export(Path::new("x.ply"), &Document::Obj(ObjDocument::default()), &[]).expect("exported");
     assert!(String::from_utf8_lossy(&files[0].bytes).contains("element vertex 0\n"));
 }

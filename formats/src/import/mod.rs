@@ -15,7 +15,8 @@ pub struct ImportOptions {
     pub limits: Limits,
     /// Folders besides the asset's own that may be read.
     pub allowed: Vec<PathBuf>,
-    /// Weld positions closer than this share of the bounding box's diagonal; 0 joins identical positions only.
+    /// Weld positions closer than this share of the bounding box's diagonal; 0 joins identical
+    /// positions only.
     pub weld: f64,
 }
 
@@ -41,17 +42,24 @@ pub fn either(path: &Path, options: &ImportOptions) -> Result<Either, FormatErro
     read(bytes, path, &mut assets, options).map(Either::Scene)
 }
 
-/// Reads an asset, `-` from standard input. The format is told by content; the file's extension only helps messages.
+/// Reads an asset, `-` from standard input. The format is told by content; the file's extension
+/// only helps messages.
 ///
 /// # Errors
-/// If the asset cannot be read, is malformed, unsupported, or larger than the limits. The error names the file.
+/// If the asset cannot be read, is malformed, unsupported, or larger than the limits. The error
+/// names the file.
 pub fn import(path: &Path, options: &ImportOptions) -> Result<Scene, FormatError> {
     let mut assets = Assets::new(path, &options.allowed, options.limits);
     let bytes = assets.read_main()?;
     read(bytes, path, &mut assets, options)
 }
 
-fn read(bytes: Vec<u8>, path: &Path, assets: &mut Assets, options: &ImportOptions) -> Result<Scene, FormatError> {
+fn read(
+    bytes: Vec<u8>,
+    path: &Path,
+    assets: &mut Assets,
+    options: &ImportOptions,
+) -> Result<Scene, FormatError> {
     let name = assets.main_name();
     let scene = match sniff::format(&bytes, path) {
         sniff::Sniffed::Glb | sniff::Sniffed::Gltf => gltf::import(bytes, assets, options),

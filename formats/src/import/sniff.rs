@@ -54,7 +54,8 @@ pub(super) fn format(bytes: &[u8], path: &Path) -> Sniffed {
     if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
         return Sniffed::Other("text in UTF-16");
     }
-    let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
+    let extension =
+        path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
     match extension.as_str() {
         "stl" => Sniffed::Other("an STL file"),
         "ply" => Sniffed::Other("a PLY file"),
@@ -94,7 +95,9 @@ mod tests {
             (b"\0\0\0\0", "a.STL", "STL"),
             (b"\xff\xfev\0", "a.obj", "UTF-16"),
         ] {
-            let Sniffed::Other(what) = format(bytes, Path::new(path)) else { panic!("{name} not recognised") };
+            let Sniffed::Other(what) = format(bytes, Path::new(path)) else {
+                panic!("{name} not recognised")
+            };
             assert!(what.contains(name), "{what}");
         }
     }

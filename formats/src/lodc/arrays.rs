@@ -1,4 +1,5 @@
-//! Arrays of numbers as little-endian bytes: on little-endian machines the loops below are plain copies.
+//! Arrays of numbers as little-endian bytes: on little-endian machines the loops below are plain
+//! copies.
 
 use crate::{Fault, FormatError};
 
@@ -31,12 +32,19 @@ pub(super) fn f32s(bytes: &[u8], place: impl Fn() -> String) -> Result<Vec<f32>,
     Ok(words(bytes).map(f32::from_bits).collect())
 }
 
-pub(super) fn f32_triples(bytes: &[u8], place: impl Fn() -> String) -> Result<Vec<[f32; 3]>, FormatError> {
+pub(super) fn f32_triples(
+    bytes: &[u8],
+    place: impl Fn() -> String,
+) -> Result<Vec<[f32; 3]>, FormatError> {
     whole(bytes, 12, place)?;
     Ok(bytes.chunks_exact(12).map(|b| triple(b).map(f32::from_bits)).collect())
 }
 
-pub(super) fn narrow(bytes: &[u8], width: usize, place: impl Fn() -> String) -> Result<Vec<u32>, FormatError> {
+pub(super) fn narrow(
+    bytes: &[u8],
+    width: usize,
+    place: impl Fn() -> String,
+) -> Result<Vec<u32>, FormatError> {
     whole(bytes, width, place)?;
     Ok(bytes.chunks_exact(width).map(value).collect())
 }
@@ -47,7 +55,8 @@ pub(super) fn narrow_triples(
     place: impl Fn() -> String,
 ) -> Result<Vec<[u32; 3]>, FormatError> {
     whole(bytes, 3 * width, place)?;
-    let entry = |b: &[u8]| [value(&b[..width]), value(&b[width..2 * width]), value(&b[2 * width..])];
+    let entry =
+        |b: &[u8]| [value(&b[..width]), value(&b[width..2 * width]), value(&b[2 * width..])];
     Ok(bytes.chunks_exact(3 * width).map(entry).collect())
 }
 

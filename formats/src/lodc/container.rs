@@ -6,7 +6,8 @@ use crate::{Fault, FormatError};
 use std::collections::BTreeMap;
 use xxhash_rust::xxh3::xxh3_64;
 
-/// First bytes of a file. Not text, not valid UTF-8, and damaged by a transfer that changes line ends.
+/// First bytes of a file. Not text, not valid UTF-8, and damaged by a transfer that changes line
+/// ends.
 const MAGIC: [u8; 8] = *b"\x89LODC\r\n\x1a";
 const HEADER: usize = 32;
 /// Bytes of the header before its checksum.
@@ -65,7 +66,8 @@ pub(super) fn place(tag: Tag, object: u32, index: u32) -> String {
     }
 }
 
-/// A file whose header, table and checksums are right, and whose sections lie one after another without gaps.
+/// A file whose header, table and checksums are right, and whose sections lie one after another
+/// without gaps.
 pub(super) struct Container<'a> {
     version: u32,
     /// Sections of known kinds that nobody has taken yet, and whether they are required.
@@ -88,47 +90,71 @@ impl<'a> Container<'a> {
             return Err(malformed("this is not a .lodc file".to_owned()));
         }
         if bytes.len() < HEADER {
-            return Err(malformed(format!("the file ends after {} bytes, within its header", bytes.len())));
+            return Err(malformed(format!(
+                "the file ends after {} bytes, within its header",
+                bytes.len()
+            )));
         }
-        let (version, count, length, checksum) = (u32_at(8), u32_at(12) as usize, u64_at(16), u64_at(24));
+        let (version, count, length, checksum) =
+            (u32_at(8), u32_at(12) as usize, u64_at(16), u64_at(24));
         if version > VERSION {
-            let what = format!("version {version} is newer than this program, which reads up to version {VERSION}");
+            let what = format!(
+                "version {version} is newer than this program, which reads up to version {VERSION}"
+            );
             return Err(FormatError::new(Fault::Unsupported, "header", what));
         }
         if version == 0 {
             return Err(malformed("there is no version 0".to_owned()));
         }
         if (bytes.len() as u64) < length {
-            return Err(malformed(format!("the file is cut off: {} of {length} bytes are there", bytes.len())));
+            return Err(malformed(format!(
+                "the file is cut off: {} of {length} bytes are there",
+                bytes.len()
+            )));
         }
         if bytes.len() as u64 > length {
             let more = bytes.len() as u64 - length;
             return Err(malformed(format!("{more} bytes follow the end of the file at {length}")));
         }
-        let fits = count.checked_mul(ENTRY).and_then(|n| n.checked_add(HEADER)).filter(|&end| end <= bytes.len());
+        let fits = count
+            .checked_mul(ENTRY)
+            .and_then(|n| n.checked_add(HEADER))
+            .filter(|&end| end <= bytes.len());
         let Some(table_end) = fits else {
-            return Err(malformed(format!("a table of {count} sections does not fit into {length} bytes")));
+            return Err(malformed(format!(
+                "a table of {count} sections does not fit into {length} bytes"
+            )));
         };
         if header_checksum(bytes, table_end) != checksum {
-            return Err(malformed("the header or the section table is damaged (checksum)".to_owned()));
+            return Err(malformed(
+                "the header or the section table is damaged (checksum)".to_owned(),
+            ));
         }
 
         let (mut sections, mut unknown) = (BTreeMap::new(), Vec::new());
         let mut end = table_end;
         for entry in (HEADER..table_end).step_by(ENTRY) {
-            let id: Id = (std::array::from_fn(|i| bytes[entry + i]), u32_at(entry + 8), u32_at(entry + 12));
+            let id: Id =
+                (std::array::from_fn(|i| bytes[entry + i]), u32_at(entry + 8), u32_at(entry + 12));
             let flags = u32_at(entry + 4);
-            let (offset, length, checksum) = (u64_at(entry + 16), u64_at(entry + 24), u64_at(entry + 32));
+            let (offset, length, checksum) =
+                (u64_at(entry + 16), u64_at(entry + 24), u64_at(entry + 32));
             let place = || place(id.0, id.1, id.2);
             let malformed = |what: String| FormatError::new(Fault::Malformed, place(), what);
             let start = end.next_multiple_of(ALIGN) as u64;
             if offset != start {
-                let how = if offset < start { "overlaps what is before it" } else { "leaves a gap before it" };
+                let how = if offset < start {
+                    "overlaps what is before it"
+                } else {
+                    "leaves a gap before it"
+                };
                 return Err(malformed(format!("starts at {offset}, not at {start}: it {how}")));
             }
             let stop = offset.checked_add(length).filter(|&stop| stop <= bytes.len() as u64);
             let Some(stop) = stop else {
-                return Err(malformed(format!("{length} bytes at {offset} do not fit into the file")));
+                return Err(malformed(format!(
+                    "{length} bytes at {offset} do not fit into the file"
+                )));
             };
             let content = &bytes[offset as usize..stop as usize];
             if bytes[end..offset as usize].iter().any(|&b| b != 0) {
@@ -139,11 +165,16 @@ impl<'a> Container<'a> {
             }
             end = stop as usize;
             if flags & !REQUIRED != 0 {
-                return Err(FormatError::new(Fault::Unsupported, place(), format!("has unknown flags {flags:#x}")));
+                return Err(FormatError::new(
+                    Fault::Unsupported,
+                    place(),
+                    format!("has unknown flags {flags:#x}"),
+                ));
             }
             if !tag::KNOWN.contains(&id.0) {
                 if flags & REQUIRED != 0 {
-                    let what = "is required, and this program does not know it: a newer one is needed";
+                    let what =
+                        "is required, and this program does not know it: a newer one is needed";
                     return Err(FormatError::new(Fault::Unsupported, place(), what));
                 }
                 unknown.push(id);
@@ -158,8 +189,14 @@ impl<'a> Container<'a> {
     }
 
     /// A section that has to be there.
-    pub(super) fn take(&mut self, tag: Tag, object: u32, index: u32) -> Result<&'a [u8], FormatError> {
-        let missing = || FormatError::new(Fault::Malformed, place(tag, object, index), "is missing");
+    pub(super) fn take(
+        &mut self,
+        tag: Tag,
+        object: u32,
+        index: u32,
+    ) -> Result<&'a [u8], FormatError> {
+        let missing =
+            || FormatError::new(Fault::Malformed, place(tag, object, index), "is missing");
         self.sections.remove(&(tag, object, index)).map(|(content, _)| content).ok_or_else(missing)
     }
 
@@ -171,7 +208,9 @@ impl<'a> Container<'a> {
     /// Every required section must have been taken. Names the others that were not.
     pub(super) fn finish(self, left_out: &mut LeftOut) -> Result<(), FormatError> {
         let nothing = "belongs to nothing that the manifest names";
-        if let Some(((tag, object, index), _)) = self.sections.iter().find(|(_, (_, required))| *required) {
+        if let Some(((tag, object, index), _)) =
+            self.sections.iter().find(|(_, (_, required))| *required)
+        {
             return Err(FormatError::new(Fault::Malformed, place(*tag, *object, *index), nothing));
         }
         let unknown = self.unknown.into_iter().map(|id| (id, "is not known to this version"));
@@ -201,12 +240,24 @@ pub(super) struct Writer<'a> {
 
 impl<'a> Writer<'a> {
     /// A section without which the file cannot be understood. `content` appends its bytes.
-    pub(super) fn required(&mut self, tag: Tag, object: u32, index: u32, content: impl FnOnce(&mut Vec<u8>) + 'a) {
+    pub(super) fn required(
+        &mut self,
+        tag: Tag,
+        object: u32,
+        index: u32,
+        content: impl FnOnce(&mut Vec<u8>) + 'a,
+    ) {
         self.sections.push(((tag, object, index), REQUIRED, Box::new(content)));
     }
 
     /// A section that a reader may skip.
-    pub(super) fn optional(&mut self, tag: Tag, object: u32, index: u32, content: impl FnOnce(&mut Vec<u8>) + 'a) {
+    pub(super) fn optional(
+        &mut self,
+        tag: Tag,
+        object: u32,
+        index: u32,
+        content: impl FnOnce(&mut Vec<u8>) + 'a,
+    ) {
         self.sections.push(((tag, object, index), 0, Box::new(content)));
     }
 
@@ -238,8 +289,8 @@ impl<'a> Writer<'a> {
     }
 }
 
-/// Makes checksums right again after bytes were changed, as far as the table can be followed: for tests that have to
-/// get past them.
+/// Makes checksums right again after bytes were changed, as far as the table can be followed: for
+/// tests that have to get past them.
 #[cfg(test)]
 pub(super) fn repair_checksums(bytes: &mut [u8]) {
     if bytes.len() < HEADER {
@@ -248,7 +299,8 @@ pub(super) fn repair_checksums(bytes: &mut [u8]) {
     let count = u32::from_le_bytes(std::array::from_fn(|i| bytes[12 + i])) as usize;
     let table_end = (HEADER + count.saturating_mul(ENTRY)).min(bytes.len());
     for entry in (HEADER..table_end).step_by(ENTRY).filter(|entry| entry + ENTRY <= table_end) {
-        let u64_at = |at: usize| u64::from_le_bytes(std::array::from_fn(|i| bytes[at + i])) as usize;
+        let u64_at =
+            |at: usize| u64::from_le_bytes(std::array::from_fn(|i| bytes[at + i])) as usize;
         let (start, length) = (u64_at(entry + 16), u64_at(entry + 24));
         if let Some(content) = start.checked_add(length).and_then(|stop| bytes.get(start..stop)) {
             let checksum = xxh3_64(content).to_le_bytes();

@@ -1,7 +1,8 @@
-//! Files of every version that ever was stay readable: `fixtures/golden/`, with the facts that they must give.
+//! Files of every version that ever was stay readable: `fixtures/golden/`, with the facts that they
+//! must give.
 //!
-//! The files are made once, by `cargo test -p lodc-formats make_golden_files -- --ignored`, and not again unless the
-//! format changes together with its version.
+//! The files are made once, by `cargo test -p lodc-formats make_golden_files -- --ignored`, and not
+//! again unless the format changes together with its version.
 
 use super::tests::{all_models_file, gltf_file, obj_file};
 use super::*;
@@ -17,14 +18,20 @@ fn golden(version: u32) -> PathBuf {
     root().join(format!("fixtures/golden/v{version}"))
 }
 
-/// What a file must give: one line for the file, one for each object. `tests/read_lodc.py` prints the same.
+/// What a file must give: one line for the file, one for each object. `tests/read_lodc.py` prints
+/// the same.
 fn facts(name: &str, bytes: &[u8]) -> String {
     let file = read(bytes).expect("a golden file");
     let format = format!("{:?}", file.source.format).to_lowercase();
-    let mut text = format!("{name} {format} {:032x} objects {}\n", file.source.content_hash, file.objects.len());
+    let mut text = format!(
+        "{name} {format} {:032x} objects {}\n",
+        file.source.content_hash,
+        file.objects.len()
+    );
     for o in &file.objects {
         let (mesh, collapses) = (o.simplified.mesh(), o.simplified.collapses());
-        let attributes: u64 = mesh.attributes().iter().flat_map(|a| &a.bytes).map(|&b| u64::from(b)).sum();
+        let attributes: u64 =
+            mesh.attributes().iter().flat_map(|a| &a.bytes).map(|&b| u64::from(b)).sum();
         let half = collapses.lod_for_triangles(mesh.triangles().len() as u32 / 2);
         let _ = writeln!(
             text,
@@ -64,13 +71,19 @@ fn golden_files_give_their_facts_and_the_same_bytes_again() {
         let files = files(version);
         assert_eq!(files.len(), if version == 1 { 3 } else { 4 });
         let all: String = files.iter().map(|(name, bytes)| facts(name, bytes)).collect();
-        assert_eq!(all, std::fs::read_to_string(golden(version).join("facts.txt")).expect("the facts"));
+        assert_eq!(
+            all,
+            std::fs::read_to_string(golden(version).join("facts.txt")).expect("the facts")
+        );
         for (name, bytes) in files {
             let again = write(&read(&bytes).expect("a golden file"));
             if version == VERSION {
                 assert!(again == bytes, "{name} is written otherwise than it was");
             } else {
-                let (old, new) = (read(&bytes).expect("a golden file"), read(&again).expect("a file just written"));
+                let (old, new) = (
+                    read(&bytes).expect("a golden file"),
+                    read(&again).expect("a file just written"),
+                );
                 for (old, new) in old.objects.iter().zip(&new.objects) {
                     assert_eq!(old.simplified, new.simplified, "{name} of version {version}");
                 }

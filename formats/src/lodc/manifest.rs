@@ -1,6 +1,8 @@
-//! The manifest: everything small, in bincode's legacy encoding (fixed-width little-endian integers).
+//! The manifest: everything small, in bincode's legacy encoding (fixed-width little-endian
+//! integers).
 //!
-//! These types are the file format: they are not those of the scene, so that the scene can change and the file not.
+//! These types are the file format: they are not those of the scene, so that the scene can change
+//! and the file not.
 
 use super::{LodFile, LodObject};
 use crate::{Document, Fault, FormatError, ObjDocument, ObjMaterial, Source, SourceFormat};
@@ -60,7 +62,8 @@ pub(crate) struct AttributeEntry {
     component: u8,
     pub(super) components: u8,
     pub(super) normalized: bool,
-    /// Whether the section has bytes for all vertices, not only for those of submeshes that have the stream.
+    /// Whether the section has bytes for all vertices, not only for those of submeshes that have
+    /// the stream.
     pub(super) full: bool,
 }
 
@@ -85,23 +88,36 @@ pub(super) struct ModelEntry {
 
 impl Manifest {
     pub(super) fn of(file: &LodFile, plans: &[Vec<bool>]) -> Self {
-        let objects = file.objects.iter().zip(plans).map(|(o, plan)| object_entry(o, plan)).collect();
+        let objects =
+            file.objects.iter().zip(plans).map(|(o, plan)| object_entry(o, plan)).collect();
         let document = DocumentEntry::of(&file.document);
-        Self { format: format_code(file.source.format), content_hash: file.source.content_hash, document, objects }
+        Self {
+            format: format_code(file.source.format),
+            content_hash: file.source.content_hash,
+            document,
+            objects,
+        }
     }
 
     pub(super) fn bytes(&self) -> Vec<u8> {
-        bincode::serde::encode_to_vec(self, bincode::config::legacy()).expect("plain data can be written to memory")
+        bincode::serde::encode_to_vec(self, bincode::config::legacy())
+            .expect("plain data can be written to memory")
     }
 
     pub(super) fn read(bytes: &[u8]) -> Result<Self, FormatError> {
         let place = "section MANI";
         if bytes.len() > LIMIT {
-            return Err(FormatError::new(Fault::Limit, place, format!("has more than {LIMIT} bytes")));
+            return Err(FormatError::new(
+                Fault::Limit,
+                place,
+                format!("has more than {LIMIT} bytes"),
+            ));
         }
         let config = bincode::config::legacy().with_limit::<LIMIT>();
         let (manifest, used) = bincode::serde::decode_from_slice::<Self, _>(bytes, config)
-            .map_err(|e| FormatError::new(Fault::Malformed, place, format!("cannot be decoded: {e}")))?;
+            .map_err(|e| {
+                FormatError::new(Fault::Malformed, place, format!("cannot be decoded: {e}"))
+            })?;
         if used != bytes.len() {
             let what = format!("{} bytes are left over", bytes.len() - used);
             return Err(FormatError::new(Fault::Malformed, place, what));
@@ -140,7 +156,11 @@ impl DocumentEntry {
         match document {
             Document::Obj(obj) => Self::Obj(ObjEntry {
                 libraries: obj.libraries.clone(),
-                materials: obj.materials.iter().map(|m| (m.name.clone(), m.lines.clone())).collect(),
+                materials: obj
+                    .materials
+                    .iter()
+                    .map(|m| (m.name.clone(), m.lines.clone()))
+                    .collect(),
             }),
             Document::Gltf(_) => Self::Gltf,
         }
@@ -159,11 +179,12 @@ fn object_entry(object: &LodObject, plan: &[bool]) -> ObjectEntry {
             attributes: s.attributes.clone(),
         }
     });
-    let attributes = mesh.attributes().iter().zip(plan).map(|(a, &full)| AttributeEntry::of(a, full));
-    let models = object
-        .models
-        .iter()
-        .map(|m| ModelEntry { name: m.name().to_owned(), arrays: m.arrays().into_iter().map(|a| a.name).collect() });
+    let attributes =
+        mesh.attributes().iter().zip(plan).map(|(a, &full)| AttributeEntry::of(a, full));
+    let models = object.models.iter().map(|m| ModelEntry {
+        name: m.name().to_owned(),
+        arrays: m.arrays().into_iter().map(|a| a.name).collect(),
+    });
     ObjectEntry {
         name: object.info.name.clone(),
         world_scale: object.info.world_scale,
@@ -246,7 +267,8 @@ impl AttributeEntry {
 
 impl From<ObjEntry> for ObjDocument {
     fn from(entry: ObjEntry) -> Self {
-        let materials = entry.materials.into_iter().map(|(name, lines)| ObjMaterial { name, lines }).collect();
+        let materials =
+            entry.materials.into_iter().map(|(name, lines)| ObjMaterial { name, lines }).collect();
         Self { libraries: entry.libraries, materials }
     }
 }

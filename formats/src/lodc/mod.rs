@@ -33,8 +33,8 @@ pub struct LodFile {
     pub document: Document,
     /// The objects.
     pub objects: Vec<LodObject>,
-    /// What a reader left out because this version does not know it: one line for each, up to twenty. Empty in a file to be written;
-    /// writing a file that was read leaves it out for good.
+    /// What a reader left out because this version does not know it: one line for each, up to
+    /// twenty. Empty in a file to be written; writing a file that was read leaves it out for good.
     pub left_out: Vec<String>,
 }
 
@@ -55,8 +55,9 @@ pub fn key(bytes: &[u8]) -> u128 {
     xxhash_rust::xxh3::xxh3_128(bytes)
 }
 
-/// How many bytes of a file a model needs: positions, submeshes of vertices, triangles, collapse sequence and its own
-/// arrays. Attribute streams, padding, the table and the manifest are left out.
+/// How many bytes of a file a model needs: positions, submeshes of vertices, triangles, collapse
+/// sequence and its own arrays. Attribute streams, padding, the table and the manifest are left
+/// out.
 #[must_use]
 pub fn stored_bytes(model: &AnyModel) -> u64 {
     let own: usize = model.arrays().iter().map(|a| a.bytes.len()).sum();
@@ -81,8 +82,9 @@ pub fn read(bytes: &[u8]) -> Result<LodFile, FormatError> {
         DocumentEntry::Obj(obj) => Document::Obj(obj.into()),
         DocumentEntry::Gltf => {
             let json = container.take(tag::DOCUMENT_JSON, SCENE, 0)?;
-            let json = std::str::from_utf8(json)
-                .map_err(|e| FormatError::new(Fault::Malformed, "section DJSN", format!("is not UTF-8: {e}")))?;
+            let json = std::str::from_utf8(json).map_err(|e| {
+                FormatError::new(Fault::Malformed, "section DJSN", format!("is not UTF-8: {e}"))
+            })?;
             let blob = container.take(tag::DOCUMENT_BLOB, SCENE, 0)?.to_vec();
             Document::Gltf(GltfDocument { json: json.to_owned(), blob })
         }
@@ -91,7 +93,9 @@ pub fn read(bytes: &[u8]) -> Result<LodFile, FormatError> {
     let mut left_out = LeftOut::default();
     let objects = (0..)
         .zip(manifest.objects)
-        .map(|(number, entry)| object::read(&mut container, number, entry, &mut zeros, &mut left_out))
+        .map(|(number, entry)| {
+            object::read(&mut container, number, entry, &mut zeros, &mut left_out)
+        })
         .collect::<Result<_, _>>()?;
     container.finish(&mut left_out)?;
     Ok(LodFile { source, document, objects, left_out: left_out.into_lines() })
@@ -101,12 +105,15 @@ pub fn read(bytes: &[u8]) -> Result<LodFile, FormatError> {
 #[must_use]
 pub fn write(file: &LodFile) -> Vec<u8> {
     let mut zeros = ZeroBudget::default();
-    let plans: Vec<_> = file.objects.iter().map(|o| streams::plan(o.simplified.mesh(), &mut zeros)).collect();
+    let plans: Vec<_> =
+        file.objects.iter().map(|o| streams::plan(o.simplified.mesh(), &mut zeros)).collect();
     let manifest = Manifest::of(file, &plans).bytes();
     let mut writer = Writer::default();
     writer.required(tag::MANIFEST, SCENE, 0, |out| out.extend_from_slice(&manifest));
     if let Document::Gltf(gltf) = &file.document {
-        writer.required(tag::DOCUMENT_JSON, SCENE, 0, |out| out.extend_from_slice(gltf.json.as_bytes()));
+        writer.required(tag::DOCUMENT_JSON, SCENE, 0, |out| {
+            out.extend_from_slice(gltf.json.as_bytes())
+        });
         writer.required(tag::DOCUMENT_BLOB, SCENE, 0, |out| out.extend_from_slice(&gltf.blob));
     }
     for ((number, object), plan) in (0..).zip(&file.objects).zip(&plans) {

@@ -7,10 +7,13 @@ use super::streams::{self, ZeroBudget};
 use super::{LodObject, arrays, steps};
 use crate::{Fault, FormatError, ObjectInfo, SubmeshInfo};
 use lodc_lod::{AnyModel, Array, Model, ModelKind};
-use lodc_mesh::{Attribute, CollapseSequence, Lod, Mesh, MeshParts, SequenceParts, Simplified, Submesh};
+use lodc_mesh::{
+    Attribute, CollapseSequence, Lod, Mesh, MeshParts, SequenceParts, Simplified, Submesh,
+};
 use std::sync::Arc;
 
-/// Bytes for each entry of `VSUB`: the fewest that hold the last submesh's number; 0 if there is only one.
+/// Bytes for each entry of `VSUB`: the fewest that hold the last submesh's number; 0 if there is
+/// only one.
 fn submesh_width(submeshes: usize) -> usize {
     match submeshes {
         0..=1 => 0,
@@ -37,29 +40,52 @@ pub(super) fn geometry_bytes(simplified: &Simplified) -> u64 {
     (vertices + triangles + records + errors + lost) as u64
 }
 
-pub(super) fn write<'a>(writer: &mut Writer<'a>, number: u32, object: &'a LodObject, plan: &'a [bool]) {
+pub(super) fn write<'a>(
+    writer: &mut Writer<'a>,
+    number: u32,
+    object: &'a LodObject,
+    plan: &'a [bool],
+) {
     let (mesh, sequence) = (object.simplified.mesh(), object.simplified.collapses().parts());
     let mut section = |tag, content: Content<'a>| writer.required(tag, number, 0, content);
     section(tag::POSITIONS, Box::new(|out| arrays::put_f32s(out, mesh.positions().as_flattened())));
     let width = submesh_width(mesh.submeshes().len());
     if width > 0 {
-        section(tag::VERTEX_SUBMESH, Box::new(move |out| arrays::put_narrow(out, mesh.vertex_submesh(), width)));
+        section(
+            tag::VERTEX_SUBMESH,
+            Box::new(move |out| arrays::put_narrow(out, mesh.vertex_submesh(), width)),
+        );
     }
     let index = lodc_lod::bytes::width(mesh.vertex_count());
-    section(tag::TRIANGLES, Box::new(move |out| arrays::put_narrow(out, mesh.triangles().as_flattened(), index)));
+    section(
+        tag::TRIANGLES,
+        Box::new(move |out| arrays::put_narrow(out, mesh.triangles().as_flattened(), index)),
+    );
     section(tag::TARGETS, Box::new(move |out| arrays::put_narrow(out, &sequence.targets, index)));
-    section(tag::JOINED, Box::new(|out| out.extend(steps::joined(sequence.targets.len(), &sequence.step_ends))));
-    section(tag::STEP_ERRORS, Box::new(|out| out.extend(steps::error_growth(&sequence.step_errors))));
+    section(
+        tag::JOINED,
+        Box::new(|out| out.extend(steps::joined(sequence.targets.len(), &sequence.step_ends))),
+    );
+    section(
+        tag::STEP_ERRORS,
+        Box::new(|out| out.extend(steps::error_growth(&sequence.step_errors))),
+    );
     section(
         tag::STEP_TRIANGLES,
-        Box::new(|out| out.extend(steps::lost_triangles(sequence.triangles, &sequence.step_triangles))),
+        Box::new(|out| {
+            out.extend(steps::lost_triangles(sequence.triangles, &sequence.step_triangles))
+        }),
     );
     for (i, &full) in plan.iter().enumerate() {
-        writer.required(tag::ATTRIBUTE, number, i as u32, move |out| streams::put(out, mesh, i, full));
+        writer.required(tag::ATTRIBUTE, number, i as u32, move |out| {
+            streams::put(out, mesh, i, full)
+        });
     }
     let model_arrays = object.models.iter().flat_map(Model::arrays);
     for (index, array) in (0..).zip(model_arrays) {
-        writer.optional(tag::MODEL_ARRAY, number, index, move |out| out.extend_from_slice(&array.bytes));
+        writer.optional(tag::MODEL_ARRAY, number, index, move |out| {
+            out.extend_from_slice(&array.bytes)
+        });
     }
 }
 
@@ -72,7 +98,10 @@ pub(super) fn read(
 ) -> Result<LodObject, FormatError> {
     let wrong = |what: String| FormatError::new(Fault::Malformed, format!("object {number}"), what);
     if !(entry.world_scale.is_finite() && entry.world_scale > 0.0) {
-        return Err(wrong(format!("is shown at a scale of {}, which is not a number above 0", entry.world_scale)));
+        return Err(wrong(format!(
+            "is shown at a scale of {}, which is not a number above 0",
+            entry.world_scale
+        )));
     }
     let mesh = read_mesh(container, number, &entry, zeros)?;
     let collapses = read_sequence(container, number, &entry, &mesh)?;
@@ -85,7 +114,10 @@ pub(super) fn read(
         let mut stored = Vec::new();
         for name in model.arrays {
             if kind.is_some() {
-                stored.push(Array { name, bytes: container.take(tag::MODEL_ARRAY, number, index)?.to_vec() });
+                stored.push(Array {
+                    name,
+                    bytes: container.take(tag::MODEL_ARRAY, number, index)?.to_vec(),
+                });
             } else {
                 container.skip(tag::MODEL_ARRAY, number, index);
             }
@@ -95,11 +127,15 @@ pub(super) fn read(
             if models.iter().any(|m: &AnyModel| m.kind() == kind) {
                 return Err(wrong(format!("the model {} is there twice", kind.name())));
             }
-            models.push(AnyModel::load(kind, &simplified, &stored).map_err(|e| wrong(e.to_string()))?);
+            models.push(
+                AnyModel::load(kind, &simplified, &stored).map_err(|e| wrong(e.to_string()))?,
+            );
         } else {
             left_out.tell(|| {
                 let name = shortened(&model.name);
-                format!("object {number}: the model \"{name}\" is not in this version and was left out")
+                format!(
+                    "object {number}: the model \"{name}\" is not in this version and was left out"
+                )
             });
         }
     }
@@ -107,7 +143,11 @@ pub(super) fn read(
     let info = ObjectInfo {
         name: entry.name,
         submeshes: submeshes
-            .map(|s| SubmeshInfo { name: s.name, material: s.material, document_primitive: s.document_primitive })
+            .map(|s| SubmeshInfo {
+                name: s.name,
+                material: s.material,
+                document_primitive: s.document_primitive,
+            })
             .collect(),
         world_scale: entry.world_scale,
         document_mesh: entry.document_mesh,
@@ -122,7 +162,8 @@ fn read_mesh(
     zeros: &mut ZeroBudget,
 ) -> Result<Mesh, FormatError> {
     let at = |tag: Tag| move || place(tag, number, 0);
-    let positions = arrays::f32_triples(container.take(tag::POSITIONS, number, 0)?, at(tag::POSITIONS))?;
+    let positions =
+        arrays::f32_triples(container.take(tag::POSITIONS, number, 0)?, at(tag::POSITIONS))?;
     let vertex_submesh = match submesh_width(entry.submeshes.len()) {
         0 => vec![0; positions.len()],
         width => {
@@ -136,12 +177,17 @@ fn read_mesh(
     let mut first = 0u32;
     let mut submeshes = Vec::with_capacity(entry.submeshes.len());
     for s in &entry.submeshes {
-        let submesh = Submesh { first_triangle: first, triangle_count: s.triangles, attributes: s.attributes.clone() };
+        let submesh = Submesh {
+            first_triangle: first,
+            triangle_count: s.triangles,
+            attributes: s.attributes.clone(),
+        };
         // A sum that overflows is no run of triangles either, which the mesh finds out.
         first = first.saturating_add(s.triangles);
         submeshes.push(submesh);
     }
-    // Which submeshes have each stream, turned round: asking every submesh for every stream could take very long.
+    // Which submeshes have each stream, turned round: asking every submesh for every stream could
+    // take very long.
     let mut users = vec![Vec::new(); entry.attributes.len()];
     for (submesh, s) in submeshes.iter().enumerate() {
         for &a in &s.attributes {
@@ -186,7 +232,8 @@ fn read_stream(
         normalized: entry.normalized,
         bytes: Vec::new(),
     };
-    attribute.bytes = streams::get(stored, attribute.stride(), entry.full, has, vertex_submesh, zeros, place)?;
+    attribute.bytes =
+        streams::get(stored, attribute.stride(), entry.full, has, vertex_submesh, zeros, place)?;
     Ok(attribute)
 }
 
@@ -197,9 +244,12 @@ fn read_sequence(
     mesh: &Mesh,
 ) -> Result<CollapseSequence, FormatError> {
     let at = |tag: Tag| move || place(tag, number, 0);
-    let wrong = |tag: Tag| move |what: String| FormatError::new(Fault::Malformed, place(tag, number, 0), what);
+    let wrong = |tag: Tag| {
+        move |what: String| FormatError::new(Fault::Malformed, place(tag, number, 0), what)
+    };
     let width = stored_width(container, mesh.vertex_count());
-    let targets = arrays::narrow(container.take(tag::TARGETS, number, 0)?, width, at(tag::TARGETS))?;
+    let targets =
+        arrays::narrow(container.take(tag::TARGETS, number, 0)?, width, at(tag::TARGETS))?;
     let bits = container.take(tag::JOINED, number, 0)?;
     let step_ends = steps::step_ends(bits, targets.len()).map_err(wrong(tag::JOINED))?;
     let stored = container.take(tag::STEP_ERRORS, number, 0)?;
@@ -211,7 +261,8 @@ fn read_sequence(
     let lost = container.take(tag::STEP_TRIANGLES, number, 0)?;
     // A mesh has fewer than 2^30 triangles.
     let triangles = mesh.triangles().len() as u32;
-    let step_triangles = steps::step_triangles(lost, step_ends.len(), triangles).map_err(wrong(tag::STEP_TRIANGLES))?;
+    let step_triangles = steps::step_triangles(lost, step_ends.len(), triangles)
+        .map_err(wrong(tag::STEP_TRIANGLES))?;
     CollapseSequence::try_from(SequenceParts {
         targets,
         step_ends,

@@ -6,8 +6,8 @@ use lodc_lod::bytes::put_varint;
 /// Marks a number of lost triangles that stands behind the bytes in full.
 const ESCAPE: u8 = u8::MAX;
 
-/// One bit for each record, the lowest of a byte first: 1 if the next record belongs to the same step (the thesis's
-/// `next_update`).
+/// One bit for each record, the lowest of a byte first: 1 if the next record belongs to the same
+/// step (the thesis's `next_update`).
 pub(super) fn joined(records: usize, step_ends: &[u32]) -> Vec<u8> {
     let mut bits = vec![0xff; records / 8];
     if !records.is_multiple_of(8) {
@@ -35,10 +35,12 @@ pub(super) fn step_ends(bits: &[u8], records: usize) -> Result<Vec<u32>, String>
     Ok((0..records).filter(|&k| !joined(k)).map(|k| k as u32 + 1).collect())
 }
 
-/// How many triangles each step loses: a byte each, 255 standing for a number that follows behind all the bytes.
+/// How many triangles each step loses: a byte each, 255 standing for a number that follows behind
+/// all the bytes.
 pub(super) fn lost_triangles(triangles: u32, step_triangles: &[u32]) -> Vec<u8> {
     let mut before = triangles;
-    let lost: Vec<u32> = step_triangles.iter().map(|&after| std::mem::replace(&mut before, after) - after).collect();
+    let lost: Vec<u32> =
+        step_triangles.iter().map(|&after| std::mem::replace(&mut before, after) - after).collect();
     let mut bytes: Vec<u8> = lost.iter().map(|&n| n.min(u32::from(ESCAPE)) as u8).collect();
     let many: Vec<u32> = lost.into_iter().filter(|&n| n >= u32::from(ESCAPE)).collect();
     arrays::put_u32s(&mut bytes, &many);
@@ -46,7 +48,11 @@ pub(super) fn lost_triangles(triangles: u32, step_triangles: &[u32]) -> Vec<u8> 
 }
 
 /// The live triangles after each step.
-pub(super) fn step_triangles(bytes: &[u8], steps: usize, triangles: u32) -> Result<Vec<u32>, String> {
+pub(super) fn step_triangles(
+    bytes: &[u8],
+    steps: usize,
+    triangles: u32,
+) -> Result<Vec<u32>, String> {
     let Some((short, long)) = bytes.split_at_checked(steps) else {
         return Err(format!("{} bytes are not one for each of {steps} steps", bytes.len()));
     };
@@ -60,9 +66,13 @@ pub(super) fn step_triangles(bytes: &[u8], steps: usize, triangles: u32) -> Resu
     for (step, &byte) in short.iter().enumerate() {
         let lost = if byte == ESCAPE { long.next().unwrap_or_default() } else { u32::from(byte) };
         if byte == ESCAPE && lost < u32::from(ESCAPE) {
-            return Err(format!("step {step} says {lost} in five bytes, which is not the shortest way"));
+            return Err(format!(
+                "step {step} says {lost} in five bytes, which is not the shortest way"
+            ));
         }
-        left = left.checked_sub(lost).ok_or_else(|| format!("step {step} loses {lost} of {left} triangles"))?;
+        left = left
+            .checked_sub(lost)
+            .ok_or_else(|| format!("step {step} loses {lost} of {left} triangles"))?;
         after.push(left);
     }
     // The last LOD is one vertex.
@@ -72,8 +82,9 @@ pub(super) fn step_triangles(bytes: &[u8], steps: usize, triangles: u32) -> Resu
     Ok(after)
 }
 
-/// The errors after the steps, which never fall: how much the number that their bits are grows from step to step, seven
-/// bits a byte, the lowest first, all bytes but a number's last with their top bit set.
+/// The errors after the steps, which never fall: how much the number that their bits are grows from
+/// step to step, seven bits a byte, the lowest first, all bytes but a number's last with their top
+/// bit set.
 pub(super) fn error_growth(step_errors: &[f32]) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(2 * step_errors.len());
     let mut before = 0;
@@ -102,10 +113,14 @@ pub(super) fn step_errors(bytes: &[u8], steps: usize) -> Result<Vec<f32>, String
             continue;
         }
         if byte == 0 && shift > 0 {
-            return Err(format!("step {} has a number that is not written in the shortest way", errors.len()));
+            return Err(format!(
+                "step {} has a number that is not written in the shortest way",
+                errors.len()
+            ));
         }
         let grown = u32::try_from(growth).ok().and_then(|growth| bits.checked_add(growth));
-        bits = grown.ok_or_else(|| format!("the error of step {} is out of range", errors.len()))?;
+        bits =
+            grown.ok_or_else(|| format!("the error of step {} is out of range", errors.len()))?;
         errors.push(f32::from_bits(bits));
         (growth, shift) = (0, 0);
     }
@@ -121,7 +136,8 @@ mod tests {
 
     #[test]
     fn errors_come_back_bit_for_bit_and_other_spellings_are_refused() {
-        let errors = [0.0, 0.0, f32::MIN_POSITIVE / 4.0, 1e-20, 0.5, 0.5, 0.500_000_06, 3e7, f32::MAX];
+        let errors =
+            [0.0, 0.0, f32::MIN_POSITIVE / 4.0, 1e-20, 0.5, 0.5, 0.500_000_06, 3e7, f32::MAX];
         let bytes = error_growth(&errors);
         let again = step_errors(&bytes, errors.len()).expect("what was written");
         assert!(again.iter().zip(&errors).all(|(a, b)| a.to_bits() == b.to_bits()));

@@ -3,7 +3,8 @@
 use crate::{Fault, FormatError};
 use lodc_mesh::{Attribute, Mesh};
 
-/// How many zero bytes streams may leave out. Without this bound a small file could ask for any amount of memory.
+/// How many zero bytes streams may leave out. Without this bound a small file could ask for any
+/// amount of memory.
 #[derive(Debug, Default)]
 pub(super) struct ZeroBudget {
     left_out: u64,
@@ -21,7 +22,8 @@ impl ZeroBudget {
 
     /// Whether so many more zeros can be left out.
     pub(super) fn take(&mut self, zeros: u64) -> bool {
-        let fits = self.left_out.saturating_add(zeros) <= Self::FREE.saturating_add(self.stored.saturating_mul(2));
+        let fits = self.left_out.saturating_add(zeros)
+            <= Self::FREE.saturating_add(self.stored.saturating_mul(2));
         if fits {
             self.left_out += zeros;
         }
@@ -60,7 +62,9 @@ pub(super) fn put(out: &mut Vec<u8>, mesh: &Mesh, stream: usize, full: bool) {
         return;
     }
     let has = has_stream(mesh, stream);
-    for (bytes, &submesh) in attribute.bytes.chunks_exact(attribute.stride()).zip(mesh.vertex_submesh()) {
+    for (bytes, &submesh) in
+        attribute.bytes.chunks_exact(attribute.stride()).zip(mesh.vertex_submesh())
+    {
         if has[submesh as usize] {
             out.extend_from_slice(bytes);
         }
@@ -85,7 +89,8 @@ pub(super) fn get(
     let has = |submesh: u32| has.get(submesh as usize).copied().unwrap_or_default();
     let present = vertex_submesh.iter().filter(|&&s| has(s)).count();
     if stored.len() as u64 != present as u64 * stride as u64 {
-        let what = format!("{} bytes are not {stride} for each of {present} vertices", stored.len());
+        let what =
+            format!("{} bytes are not {stride} for each of {present} vertices", stored.len());
         return Err(FormatError::new(Fault::Malformed, place(), what));
     }
     let all = vertex_submesh.len() as u64 * stride as u64;

@@ -30,10 +30,14 @@ fn object_with(name: &str, mesh: &Mesh, kinds: &[ModelKind]) -> LodObject {
 }
 
 pub(super) fn obj_file(name: &str) -> LodFile {
-    let materials = vec![ObjMaterial { name: "red".to_owned(), lines: vec!["Kd 1 0 0".to_owned()] }];
+    let materials =
+        vec![ObjMaterial { name: "red".to_owned(), lines: vec!["Kd 1 0 0".to_owned()] }];
     LodFile {
         source: Source { format: SourceFormat::Obj, content_hash: 0x0123_4567_89ab_cdef },
-        document: Document::Obj(ObjDocument { libraries: vec!["shapes.mtl".to_owned()], materials }),
+        document: Document::Obj(ObjDocument {
+            libraries: vec!["shapes.mtl".to_owned()],
+            materials,
+        }),
         objects: vec![object(name, &fixtures::named(name).expect("a shape"))],
         left_out: vec![],
     }
@@ -44,7 +48,10 @@ pub(super) fn gltf_file(names: &[&str]) -> LodFile {
     LodFile {
         source: Source { format: SourceFormat::Glb, content_hash: u128::MAX },
         document: Document::Gltf(GltfDocument { json, blob: (0..37).collect() }),
-        objects: names.iter().map(|name| object(name, &fixtures::named(name).expect("a shape"))).collect(),
+        objects: names
+            .iter()
+            .map(|name| object(name, &fixtures::named(name).expect("a shape")))
+            .collect(),
         left_out: vec![],
     }
 }
@@ -95,7 +102,8 @@ fn sections_are_aligned_and_geometry_takes_no_more_than_is_needed() {
     let bytes = write(&file);
     let v = file.objects[0].simplified.mesh().vertex_count() as u64;
     let stored = stored_bytes(&file.objects[0].models[0]);
-    // Ten words, and five bytes and a bit for the step: error, triangles lost, last of its step or not.
+    // Ten words, and five bytes and a bit for the step: error, triangles lost, last of its step or
+    // not.
     assert!(stored <= 45 * v + v / 8 + 1, "{stored} bytes for {v} vertices");
     assert!((bytes.len() as u64) < stored + 1500, "{} bytes", bytes.len());
     for entry in bytes[32..].chunks(40).take(bytes[12].into()) {
@@ -115,7 +123,9 @@ fn streams_are_stored_only_for_submeshes_that_have_them() {
             components: 4,
             normalized: false,
             bytes: (0..vertices)
-                .flat_map(|v| [if parts.vertex_submesh[v] as usize == i { v as u8 | 1 } else { 0 }; 16])
+                .flat_map(|v| {
+                    [if parts.vertex_submesh[v] as usize == i { v as u8 | 1 } else { 0 }; 16]
+                })
                 .collect(),
         };
         let number = parts.attributes.len() as u32;
@@ -136,14 +146,22 @@ fn streams_are_stored_only_for_submeshes_that_have_them() {
 
 #[test]
 fn every_single_bit_flip_is_detected() {
-    let names = ["machine_part", "skinned_tube_u8", "machine_part", "quantised_torus", "morphing_sphere", "uv_sphere"];
+    let names = [
+        "machine_part",
+        "skinned_tube_u8",
+        "machine_part",
+        "quantised_torus",
+        "morphing_sphere",
+        "uv_sphere",
+    ];
     let bytes = write(&gltf_file(&names));
     assert!((48 << 10..160 << 10).contains(&bytes.len()), "{} bytes", bytes.len());
     let table = 32 + 40 * u32::from_le_bytes(std::array::from_fn(|i| bytes[12 + i])) as usize;
     let mut flipped = bytes.clone();
     for bit in 0..8 * bytes.len() {
         flipped[bit / 8] ^= 1 << (bit % 8);
-        // Nothing is read before the container is: what it refuses, `read` refuses. That is tried for some.
+        // Nothing is read before the container is: what it refuses, `read` refuses. That is tried
+        // for some.
         assert!(Container::read(&flipped).is_err(), "bit {bit}");
         if bit < 8 * table || bit % 97 == 0 {
             assert!(read(&flipped).is_err(), "bit {bit}");
@@ -195,7 +213,8 @@ const SECOND: usize = FIRST + 40;
 
 #[test]
 fn sections_that_are_unknown_are_skipped_or_refused_as_they_ask() {
-    // DBLB becomes something else: its place in the manifest is then empty, if it could be skipped at all.
+    // DBLB becomes something else: its place in the manifest is then empty, if it could be skipped
+    // at all.
     let third = SECOND + 40;
     fails(&crafted(|b| set(b, third, *b"ZZZZ")), Fault::Unsupported, "section ZZZZ: is required");
     let skipped = crafted(|b| {
@@ -203,7 +222,11 @@ fn sections_that_are_unknown_are_skipped_or_refused_as_they_ask() {
         set(b, third + 4, 0u32.to_le_bytes());
     });
     fails(&skipped, Fault::Malformed, "section DBLB: is missing");
-    fails(&crafted(|b| set(b, third + 4, 3u32.to_le_bytes())), Fault::Unsupported, "unknown flags 0x3");
+    fails(
+        &crafted(|b| set(b, third + 4, 3u32.to_le_bytes())),
+        Fault::Unsupported,
+        "unknown flags 0x3",
+    );
 
     // A whole file with one unknown section more.
     let file = gltf_file(&["cube"]);
@@ -212,7 +235,9 @@ fn sections_that_are_unknown_are_skipped_or_refused_as_they_ask() {
     let mut writer = Writer::default();
     writer.required(tag::MANIFEST, SCENE, 0, |out| out.extend_from_slice(&manifest));
     writer.optional(*b"ZZZZ", SCENE, 0, |out| out.extend_from_slice(b"from the future"));
-    writer.required(tag::DOCUMENT_JSON, SCENE, 0, |out| out.extend_from_slice(br#"{"asset":{"version":"2.0"}}"#));
+    writer.required(tag::DOCUMENT_JSON, SCENE, 0, |out| {
+        out.extend_from_slice(br#"{"asset":{"version":"2.0"}}"#)
+    });
     writer.required(tag::DOCUMENT_BLOB, SCENE, 0, |out| out.extend(0..37));
     object::write(&mut writer, 0, &file.objects[0], &plan);
     writer.optional(tag::MODEL_ARRAY, 0, 5, |out| out.push(7));
@@ -233,7 +258,10 @@ fn models_of_later_versions_are_left_out_and_their_sections_skipped() {
     container::repair_checksums(&mut bytes);
     let file = read(&bytes).expect("unknown models are no error");
     assert!(file.objects[0].models.is_empty());
-    assert_eq!(file.left_out, ["object 0: the model \"imaginative\" is not in this version and was left out"]);
+    assert_eq!(
+        file.left_out,
+        ["object 0: the model \"imaginative\" is not in this version and was left out"]
+    );
 }
 
 #[test]
@@ -243,7 +271,10 @@ fn what_is_left_out_is_told_in_bounded_space() {
         left_out.tell(|| i.to_string());
     }
     let lines = left_out.into_lines();
-    assert_eq!((lines.len(), lines[19].as_str(), lines[20].as_str()), (21, "19", "980 things more were left out"));
+    assert_eq!(
+        (lines.len(), lines[19].as_str(), lines[20].as_str()),
+        (21, "19", "980 things more were left out")
+    );
     assert_eq!(left_out::shortened(&"é\n".repeat(10_000)), format!("{}…", "é\\n".repeat(30)));
 }
 
@@ -263,7 +294,8 @@ fn scales_that_are_no_positive_number_are_refused() {
 #[test]
 fn a_sequence_that_ends_with_triangles_left_is_refused() {
     let mut bytes = write(&obj_file("cube"));
-    let entry = (32..).step_by(40).find(|&e| bytes[e..].starts_with(b"STRI")).expect("the section's entry");
+    let entry =
+        (32..).step_by(40).find(|&e| bytes[e..].starts_with(b"STRI")).expect("the section's entry");
     let u64_at = |at: usize| u64::from_le_bytes(std::array::from_fn(|i| bytes[at + i])) as usize;
     let (start, length) = (u64_at(entry + 16), u64_at(entry + 24));
     let killer = (start..start + length).rfind(|&i| bytes[i] > 0).expect("a step that kills");
@@ -274,7 +306,9 @@ fn a_sequence_that_ends_with_triangles_left_is_refused() {
 
 #[test]
 fn crafted_tables_are_refused_by_name() {
-    let offset_of = |entry: usize, bytes: &[u8]| u64::from_le_bytes(std::array::from_fn(|i| bytes[entry + 16 + i]));
+    let offset_of = |entry: usize, bytes: &[u8]| {
+        u64::from_le_bytes(std::array::from_fn(|i| bytes[entry + 16 + i]))
+    };
     let overlap = crafted(|b| {
         let offset = offset_of(SECOND, b) - 16;
         set(b, SECOND + 16, offset.to_le_bytes());
@@ -286,7 +320,11 @@ fn crafted_tables_are_refused_by_name() {
     });
     fails(&gap, Fault::Malformed, "leaves a gap");
     for huge in [1u64 << 40, u64::MAX, u64::MAX - 15] {
-        fails(&crafted(|b| set(b, SECOND + 24, huge.to_le_bytes())), Fault::Malformed, "do not fit into the file");
+        fails(
+            &crafted(|b| set(b, SECOND + 24, huge.to_le_bytes())),
+            Fault::Malformed,
+            "do not fit into the file",
+        );
         fails(&crafted(|b| set(b, SECOND + 16, huge.to_le_bytes())), Fault::Malformed, "starts at");
         fails(&crafted(|b| set(b, 16, huge.to_le_bytes())), Fault::Malformed, "cut off");
     }
@@ -296,7 +334,8 @@ fn crafted_tables_are_refused_by_name() {
 
 #[test]
 fn counts_in_the_manifest_that_are_too_large_are_refused_without_allocating() {
-    // Format, content hash and the kind of document come before the count of objects and the length of a name.
+    // Format, content hash and the kind of document come before the count of objects and the length
+    // of a name.
     let bytes = write(&gltf_file(&["cube"]));
     let start = u64::from_le_bytes(std::array::from_fn(|i| bytes[FIRST + 16 + i])) as usize;
     let objects = start + 1 + 16 + 4;
@@ -319,7 +358,8 @@ fn streams_that_leave_out_too_many_zeros_are_refused() {
 
 #[test]
 fn mutations_that_pass_the_checksums_never_panic() {
-    let originals = [write(&gltf_file(&["machine_part", "cube"])), write(&obj_file("skinned_tube_u8"))];
+    let originals =
+        [write(&gltf_file(&["machine_part", "cube"])), write(&obj_file("skinned_tube_u8"))];
     let mut rng = fixtures::Rng::new(2024);
     let mut read_whole = 0;
     for round in 0..20_000 {
@@ -355,7 +395,9 @@ fn mutations_that_pass_the_checksums_never_panic() {
                 // What can be read can be used.
                 for model in &o.models {
                     let mut cursor = model.cursor();
-                    for lod in [o.simplified.collapses().last(), lodc_mesh::Lod(7), lodc_mesh::Lod(0)] {
+                    for lod in
+                        [o.simplified.collapses().last(), lodc_mesh::Lod(7), lodc_mesh::Lod(0)]
+                    {
                         model.seek(&mut cursor, lod, &mut ());
                         let _ = o.simplified.mesh().extract(&model.triangles(&cursor));
                     }
@@ -363,7 +405,10 @@ fn mutations_that_pass_the_checksums_never_panic() {
             }
         }
     }
-    assert!(read_whole > 1000, "only {read_whole} mutations got past the reader: the test reaches nothing");
+    assert!(
+        read_whole > 1000,
+        "only {read_whole} mutations got past the reader: the test reaches nothing"
+    );
 }
 
 #[test]

@@ -14,8 +14,8 @@ const RIM: usize = 16;
 /// The most triangles that come with one vertex in few bits.
 const MANY: u32 = 15;
 
-/// What is usual, in one symbol: a triangle on each side of the edge, on one side, or none at all; and what goes over is as
-/// expected (everything, if nothing comes).
+/// What is usual, in one symbol: a triangle on each side of the edge, on one side, or none at all;
+/// and what goes over is as expected (everything, if nothing comes).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Shape {
     Both = 0,
@@ -150,7 +150,8 @@ impl Object {
         RimVertex { vertex: self.ring[i].a, beyond: [i as u32, before as u32] }
     }
 
-    /// Adds a triangle that comes. `told` is the corner that is neither the new vertex nor the survivor.
+    /// Adds a triangle that comes. `told` is the corner that is neither the new vertex nor the
+    /// survivor.
     fn born(&mut self, told: u32, place: Option<usize>, kind: Kind, survivor: u32) {
         let beyond = place.map_or([NONE; 2], |p| self.on_place(p).beyond);
         let (next, after) = if kind == Kind::Right { (told, survivor) } else { (survivor, told) };
@@ -161,8 +162,14 @@ impl Object {
     fn sound(&self, from: usize, new: u32) -> Result<(), Broken> {
         let submesh = &self.growth.submesh;
         for b in &self.births[from..] {
-            let foreign = |v: u32| self.submeshes > 1 && submesh[v as usize] != submesh[new as usize];
-            if b.next == b.after || b.next == new || b.after == new || foreign(b.next) || foreign(b.after) {
+            let foreign =
+                |v: u32| self.submeshes > 1 && submesh[v as usize] != submesh[new as usize];
+            if b.next == b.after
+                || b.next == new
+                || b.after == new
+                || foreign(b.next)
+                || foreign(b.after)
+            {
                 return Err(Broken("has a triangle that cannot be"));
             }
         }
@@ -221,7 +228,8 @@ impl Object {
         Ok(())
     }
 
-    /// A corner of a new triangle: one of the vertices around the survivor, or any. Returns its place around it too.
+    /// A corner of a new triangle: one of the vertices around the survivor, or any. Returns its
+    /// place around it too.
     fn corner<C: Coder>(
         &mut self,
         coder: &mut C,
@@ -239,7 +247,8 @@ impl Object {
         (self.on_place(place).vertex, Some(place))
     }
 
-    /// A place on the rim, which is not empty. `right` is where the triangle right of the new edge lies.
+    /// A place on the rim, which is not empty. `right` is where the triangle right of the new edge
+    /// lies.
     fn on_rim<C: Coder>(
         &mut self,
         coder: &mut C,
@@ -252,7 +261,11 @@ impl Object {
         // Counted from the other triangle, if there is one: so many triangles go over.
         let from = right.unwrap_or(0);
         let on = |place: usize| if place >= n { place - n } else { place };
-        let far = if C::WRITES { on(self.place_on_rim(wanted).unwrap_or(0) + n - from) as u32 } else { 0 };
+        let far = if C::WRITES {
+            on(self.place_on_rim(wanted).unwrap_or(0) + n - from) as u32
+        } else {
+            0
+        };
         let far = if n <= RIM {
             let set = if right.is_none() { 0 } else { 1 + usize::from(self.closed) };
             // Only a writer of nonsense goes further than there are vertices.
@@ -275,7 +288,8 @@ impl Object {
         let mut sibling = NONE;
         for (face, birth) in (first..).zip(&self.births) {
             let face_of = |i: u32| self.ring.get(i as usize).map_or(NONE, |s| s.face());
-            // The triangles beyond the two edges that were one before: that which stays, and that which goes.
+            // The triangles beyond the two edges that were one before: that which stays, and that
+            // which goes.
             let [a, b] = birth.beyond.map(face_of);
             let beyond = if birth.kind == Kind::Right { [a, b] } else { [b, a] };
             let explicit = order.place(coder, script, models, [beyond[0], beyond[1], sibling])?;

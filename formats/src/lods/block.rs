@@ -3,7 +3,8 @@
 use lodc_lod::bytes::put_varint;
 use xxhash_rust::xxh3::xxh3_64_with_seed;
 
-/// First bytes of a stream. Not text, not valid UTF-8, and damaged by a transfer that changes line ends.
+/// First bytes of a stream. Not text, not valid UTF-8, and damaged by a transfer that changes line
+/// ends.
 pub(super) const MAGIC: [u8; 8] = *b"\x89LODS\r\n\x1a";
 /// Bytes before the first block: [`MAGIC`] and the version.
 pub(super) const PREAMBLE: usize = 12;
@@ -51,7 +52,9 @@ pub(super) fn parse(bytes: &[u8], number: u64) -> Parsed<'_> {
     let (at, [length, subject, steps]) = match fields(bytes) {
         Fields::Read(at, fields) => (at, fields),
         Fields::Part => return Parsed::Part,
-        Fields::Wrong => return Parsed::Damaged("has a number that is not written as it should be"),
+        Fields::Wrong => {
+            return Parsed::Damaged("has a number that is not written as it should be");
+        }
     };
     let check = xxh3_64_with_seed(&bytes[..at], number);
     let Some(written) = bytes.get(at..at + HEAD_CHECK) else { return Parsed::Part };
@@ -70,7 +73,8 @@ pub(super) fn parse(bytes: &[u8], number: u64) -> Parsed<'_> {
     Parsed::Block(Block { subject, steps, payload }, start + length as usize)
 }
 
-/// A block whatever its checksums, and its bytes in all; one that is cut short ends where it is cut.
+/// A block whatever its checksums, and its bytes in all; one that is cut short ends where it is
+/// cut.
 pub(super) fn believed(bytes: &[u8]) -> Option<(Block<'_>, usize)> {
     let Fields::Read(at, [length, subject, steps]) = fields(bytes) else { return None };
     let start = at + HEAD_CHECK + BODY_CHECK;
@@ -99,7 +103,8 @@ fn fields(bytes: &[u8]) -> Fields {
     Fields::Read(at, fields)
 }
 
-/// A number as `put_varint` writes it, and its bytes; none if it is cut short, an error if nobody would write it so.
+/// A number as `put_varint` writes it, and its bytes; none if it is cut short, an error if nobody
+/// would write it so.
 pub(super) fn varint(bytes: &[u8]) -> Option<Result<(u32, usize), ()>> {
     let mut value = 0;
     for (i, &byte) in bytes.iter().enumerate() {

@@ -13,7 +13,8 @@ const FLOOR: i16 = 4;
 /// What is left to be shared out among symbols.
 const SHARED: i16 = (WHOLE - 16 * FLOOR as u16) as i16;
 
-/// 65,536 / (n + 1.6): how far the n-th observation moves a chance. The mean of what was seen at first, a sliding mean later.
+/// 65,536 / (n + 1.6): how far the n-th observation moves a chance. The mean of what was seen at
+/// first, a sliding mean later.
 const STEPS: [u16; 256] = {
     let mut table = [0; 256];
     let mut n = 0;

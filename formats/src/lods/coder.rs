@@ -1,9 +1,10 @@
 //! An adaptive entropy coder: the same model code writes and reads.
 //!
-//! Everything a stream says is said through [`Coder`]. A writer passes the truth and gets it back; a reader passes
-//! anything and gets what was written. So the code that models a stream exists once and the two sides cannot differ.
-//! What has chances is coded by asymmetric numeral systems (Duda 2013, in the range variant), from the front of a run;
-//! what has none stands as plain bits, from its end.
+//! Everything a stream says is said through [`Coder`]. A writer passes the truth and gets it back;
+//! a reader passes anything and gets what was written. So the code that models a stream exists once
+//! and the two sides cannot differ. What has chances is coded by asymmetric numeral systems (Duda
+//! 2013, in the range variant), from the front of a run; what has none stands as plain bits, from
+//! its end.
 
 use super::chances::{Bit, SCALE, Symbol, WHOLE};
 
@@ -29,8 +30,11 @@ pub(super) trait Coder {
         let bits = end.ilog2();
         let short = if bits == 31 { u32::MAX - end + 1 } else { (2u32 << bits) - end };
         // The first `short` numbers take one bit less than the others.
-        let (high, last) =
-            if value < short { (value, 0) } else { (value.wrapping_add(short) >> 1, value.wrapping_add(short) & 1) };
+        let (high, last) = if value < short {
+            (value, 0)
+        } else {
+            (value.wrapping_add(short) >> 1, value.wrapping_add(short) & 1)
+        };
         let high = self.raw(bits, high);
         if high < short { high } else { (high << 1 | self.raw(1, last)).wrapping_sub(short) }
     }
@@ -184,9 +188,15 @@ impl<'a> Decoder<'a> {
 
     #[inline]
     fn advance(&mut self, start: u16, chance: u16, slot: u16) {
-        self.state = u64::from(chance) * (self.state >> SCALE) + u64::from(slot.wrapping_sub(start));
+        self.state =
+            u64::from(chance) * (self.state >> SCALE) + u64::from(slot.wrapping_sub(start));
         if self.state < LEAST {
-            let two = self.bytes.get(self.front..).and_then(<[u8]>::first_chunk).copied().unwrap_or_default();
+            let two = self
+                .bytes
+                .get(self.front..)
+                .and_then(<[u8]>::first_chunk)
+                .copied()
+                .unwrap_or_default();
             self.state = self.state << 16 | u64::from(u16::from_le_bytes(two));
             self.front += 2;
         }
@@ -259,7 +269,8 @@ mod tests {
         for i in 0..20_000 {
             let skew = [2, 10, 1000, 100_000][i % 4];
             said.push(u32::from(coder.bit(&mut models[i % 4], (random.below(skew) == 0) ^ wrong)));
-            let symbol = random.below([1, 2, 9, 16][i % 4] + usize::from(i % 1000 == 3)) as u32 & 15;
+            let symbol =
+                random.below([1, 2, 9, 16][i % 4] + usize::from(i % 1000 == 3)) as u32 & 15;
             said.push(coder.symbol(&mut symbols[i % 4], if wrong { 0 } else { symbol }));
             let bits = random.below(33) as u32;
             let end = (1 + random.next() % u64::from(u32::MAX >> random.below(32))) as u32;

@@ -1,4 +1,5 @@
-//! Lists of a few corners for each vertex, side by side in memory: a vertex is looked at in one place.
+//! Lists of a few corners for each vertex, side by side in memory: a vertex is looked at in one
+//! place.
 
 /// Corners that a vertex holds itself; more are kept elsewhere.
 pub(super) const OWN: usize = 11;
@@ -66,7 +67,8 @@ impl Fans {
         self.lists[vertex as usize].count
     }
 
-    /// The place for so many corners of a vertex, which has and will have no more than [`OWN`]. All have to be said anew.
+    /// The place for so many corners of a vertex, which has and will have no more than [`OWN`]. All
+    /// have to be said anew.
     #[inline]
     pub(super) fn own(&mut self, vertex: u32, count: usize) -> &mut [u32; OWN] {
         let list = &mut self.lists[vertex as usize];
@@ -80,9 +82,10 @@ impl Fans {
         let list = &mut self.lists[vertex as usize];
         let count = list.count as usize;
         let place = |corners: &[u32]| match beside {
-            Some((other, behind)) => {
-                corners.iter().position(|&c| c == other).map_or(corners.len(), |i| i + usize::from(behind))
-            }
+            Some((other, behind)) => corners
+                .iter()
+                .position(|&c| c == other)
+                .map_or(corners.len(), |i| i + usize::from(behind)),
             None => corners.len(),
         };
         match (count < OWN, beside) {

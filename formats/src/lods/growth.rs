@@ -1,4 +1,5 @@
-//! The mesh while it grows: vertices in order of arrival, live triangles, and which triangles meet at each vertex.
+//! The mesh while it grows: vertices in order of arrival, live triangles, and which triangles meet
+//! at each vertex.
 //!
 //! Both sides of a stream keep one; what is said is said in terms of it.
 
@@ -46,8 +47,8 @@ pub(super) struct Born {
     pub(super) next: u32,
     pub(super) after: u32,
     pub(super) kind: Kind,
-    /// Which triangles of the ring lie beyond the edges that were one before, [`NONE`] if none or not known: that with the
-    /// told corner as its `a`, and that with it as its `b`.
+    /// Which triangles of the ring lie beyond the edges that were one before, [`NONE`] if none or
+    /// not known: that with the told corner as its `a`, and that with it as its `b`.
     pub(super) beyond: [u32; 2],
 }
 
@@ -65,7 +66,8 @@ pub(super) enum Kind {
 /// A mesh that grows from a single vertex.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Growth {
-    /// What each vertex is made of: position, then attributes; one system of numbers for each channel.
+    /// What each vertex is made of: position, then attributes; one system of numbers for each
+    /// channel.
     pub(super) systems: Vec<System>,
     /// Channels of each vertex as numbers of their systems.
     pub(super) numbers: Vec<i32>,
@@ -118,7 +120,8 @@ impl Growth {
         [x, y, z]
     }
 
-    /// The triangles at a vertex, in the order of its corners. Says whether they are one fan that closes.
+    /// The triangles at a vertex, in the order of its corners. Says whether they are one fan that
+    /// closes.
     #[inline]
     pub(super) fn ring(&self, vertex: u32, ring: &mut Vec<Spoke>) -> bool {
         ring.clear();
@@ -135,8 +138,9 @@ impl Growth {
         chain && ring.first().is_some_and(|first| first.a == end)
     }
 
-    /// Looks at what will be needed of a vertex: first where its corners are, later the triangles there and the numbers of
-    /// their vertices. So these come into the caches while something else is done. Changes nothing.
+    /// Looks at what will be needed of a vertex: first where its corners are, later the triangles
+    /// there and the numbers of their vertices. So these come into the caches while something else
+    /// is done. Changes nothing.
     pub(super) fn touch(&self, vertex: u32) {
         black_box(self.fans.count(vertex));
     }
@@ -152,9 +156,9 @@ impl Growth {
         black_box(self.fans.of(vertex).iter().take(OWN).fold(0, |all, c| all ^ first(c)));
     }
 
-    /// What [`Self::split`] does in the usual case: a fan that closes comes apart at two of its triangles, of which the `right`
-    /// one is the first to stay and the `left` one the first to go. `near` becomes the vertices around `to`. Not done where lists
-    /// are long.
+    /// What [`Self::split`] does in the usual case: a fan that closes comes apart at two of its
+    /// triangles, of which the `right` one is the first to stay and the `left` one the first to go.
+    /// `near` becomes the vertices around `to`. Not done where lists are long.
     #[inline]
     pub(super) fn part(
         &mut self,
@@ -165,8 +169,11 @@ impl Growth {
     ) -> bool {
         let n = ring.len();
         let on = |i: usize| if i + 1 == n { 0 } else { i + 1 };
-        let (goes, stays) =
-            if left < right { (right - left, n + left - right) } else { (n + right - left, left - right) };
+        let (goes, stays) = if left < right {
+            (right - left, n + left - right)
+        } else {
+            (n + right - left, left - right)
+        };
         let first = 4 * self.faces();
         if goes + 2 > OWN || stays + 2 > OWN || self.fans.count(from) as usize > OWN {
             return false;
@@ -197,8 +204,9 @@ impl Growth {
         true
     }
 
-    /// Gives the triangles of `from` that move to `to`, adds those that are born, and puts all corners into the order of
-    /// fans, as far as that follows (docs/STREAM.md, "Corner list"). `around` becomes the triangles at `to`.
+    /// Gives the triangles of `from` that move to `to`, adds those that are born, and puts all
+    /// corners into the order of fans, as far as that follows (docs/STREAM.md, "Corner list").
+    /// `around` becomes the triangles at `to`.
     pub(super) fn split(
         &mut self,
         [from, to]: [u32; 2],
@@ -216,7 +224,9 @@ impl Growth {
         around.clear();
         stay.extend(numbered().filter(|(_, b)| b.kind == Kind::Right).map(|(i, _)| corner(i, 2)));
         let turn = turned(ring, moves);
-        for (spoke, &moved) in ring[turn..].iter().zip(&moves[turn..]).chain(ring[..turn].iter().zip(moves)) {
+        for (spoke, &moved) in
+            ring[turn..].iter().zip(&moves[turn..]).chain(ring[..turn].iter().zip(moves))
+        {
             if moved {
                 go.push(spoke.corner);
                 around.push(*spoke);
@@ -246,15 +256,16 @@ impl Growth {
     }
 }
 
-/// The corner beside which a new triangle's corner at the told vertex belongs, and whether it comes behind it.
+/// The corner beside which a new triangle's corner at the told vertex belongs, and whether it comes
+/// behind it.
 fn neighbour(ring: &[Spoke], born: &Born) -> Option<(u32, bool)> {
     let at = |i: u32| ring.get(i as usize);
     let behind = at(born.beyond[0]).map(|s| (s.corner_a(), true));
     behind.or_else(|| at(born.beyond[1]).map(|s| (s.corner_b(), false)))
 }
 
-/// Where to begin with a ring that closes, so that what goes and what stays are each in one piece: at the end's triangles that
-/// share the first one's fate.
+/// Where to begin with a ring that closes, so that what goes and what stays are each in one piece:
+/// at the end's triangles that share the first one's fate.
 fn turned(ring: &[Spoke], moves: &[bool]) -> usize {
     match (ring, moves) {
         ([first, .., last], [begins, ..]) if last.b == first.a => {
@@ -269,12 +280,13 @@ fn turned(ring: &[Spoke], moves: &[bool]) -> usize {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct RimVertex {
     pub(super) vertex: u32,
-    /// Which triangles of the ring have it as their `a`, and as their `b`; [`NONE`] at the ends of a fan.
+    /// Which triangles of the ring have it as their `a`, and as their `b`; [`NONE`] at the ends of
+    /// a fan.
     pub(super) beyond: [u32; 2],
 }
 
-/// The vertices around a ring, in its order, each fan's once. Fans are told apart by where a triangle does not begin with the
-/// vertex that the one before it ends with.
+/// The vertices around a ring, in its order, each fan's once. Fans are told apart by where a
+/// triangle does not begin with the vertex that the one before it ends with.
 pub(super) fn rim(ring: &[Spoke], rim: &mut Vec<RimVertex>) {
     rim.clear();
     let mut fan = 0;
@@ -326,13 +338,18 @@ mod tests {
     fn fans_stay_in_order() {
         let growth = split();
         let (mut ring, mut found) = (Vec::new(), Vec::new());
-        // Those of vertices 3 and 6 were not in order before: what comes is put beside its neighbour.
+        // Those of vertices 3 and 6 were not in order before: what comes is put beside its
+        // neighbour.
         let closed = [(0, &[7, 3, 4, 5, 6][..], true), (7, &[6, 1, 2, 3, 0], true)];
         let open = [(3, &[7, 2, 4, 0, 7][..], false), (6, &[0, 5, 1, 7, 0], false)];
         for (vertex, rim_of, closes) in closed.into_iter().chain(open) {
             assert_eq!(growth.ring(vertex, &mut ring), closes, "around {vertex}");
             rim(&ring, &mut found);
-            assert_eq!(found.iter().map(|r| r.vertex).collect::<Vec<_>>(), rim_of, "around {vertex}");
+            assert_eq!(
+                found.iter().map(|r| r.vertex).collect::<Vec<_>>(),
+                rim_of,
+                "around {vertex}"
+            );
         }
     }
 

@@ -85,7 +85,8 @@ impl Head {
             objects: self.objects.iter().map(object_entry).collect(),
         };
         let config = bincode::config::legacy();
-        let mut small = bincode::serde::encode_to_vec(&entry, config).expect("plain data can be written to memory");
+        let mut small = bincode::serde::encode_to_vec(&entry, config)
+            .expect("plain data can be written to memory");
         let entries = small.len();
         let mut blob: &[u8] = &[];
         if let Document::Gltf(gltf) = &self.document {
@@ -130,18 +131,26 @@ impl Head {
             return Err(malformed("has bytes left over"));
         }
         let document = match entry.document {
-            DocumentEntry::Obj(obj) if json.is_empty() && blob.is_empty() => Document::Obj(obj.into()),
+            DocumentEntry::Obj(obj) if json.is_empty() && blob.is_empty() => {
+                Document::Obj(obj.into())
+            }
             DocumentEntry::Obj(_) => return Err(malformed("has a glTF document for an OBJ")),
             DocumentEntry::Gltf => {
-                let json = std::str::from_utf8(json).map_err(|_| malformed("has JSON that is not UTF-8"))?;
+                let json = std::str::from_utf8(json)
+                    .map_err(|_| malformed("has JSON that is not UTF-8"))?;
                 Document::Gltf(GltfDocument { json: json.to_owned(), blob: blob.to_vec() })
             }
         };
-        let source = source_of(entry.format, entry.content_hash).map_err(|what| malformed(&what))?;
+        let source =
+            source_of(entry.format, entry.content_hash).map_err(|what| malformed(&what))?;
         let objects: Vec<_> = entry.objects.into_iter().map(promise).collect::<Result<_, _>>()?;
         let sum = |of: fn(&Promise) -> u32| objects.iter().map(|o| u64::from(of(o))).sum::<u64>();
         if sum(|o| o.vertices) > limits.vertices || sum(|o| o.triangles) > limits.triangles {
-            return Err(FormatError::new(Fault::Limit, "head", "promises more vertices or triangles than the limit"));
+            return Err(FormatError::new(
+                Fault::Limit,
+                "head",
+                "promises more vertices or triangles than the limit",
+            ));
         }
         Ok(Self { source, document, objects })
     }
@@ -160,8 +169,12 @@ fn object_entry(o: &Promise) -> ObjectEntry {
         System::Significant(n) => SystemEntry::Significant(n),
         System::Integer => SystemEntry::Integer,
         System::Grid { step, .. } => {
-            let origin = |s: &System| if let System::Grid { origin, .. } = s { *origin } else { 0.0 };
-            SystemEntry::Grid { origins: o.layout.systems[s.first..][..s.channels].iter().map(origin).collect(), step }
+            let origin =
+                |s: &System| if let System::Grid { origin, .. } = s { *origin } else { 0.0 };
+            SystemEntry::Grid {
+                origins: o.layout.systems[s.first..][..s.channels].iter().map(origin).collect(),
+                step,
+            }
         }
     });
     ObjectEntry {
@@ -197,9 +210,13 @@ fn promise(entry: ObjectEntry) -> Result<Promise, FormatError> {
         let all: Option<Vec<System>> = match entry {
             SystemEntry::Float => Some(vec![System::Float; stream.channels]),
             SystemEntry::Decimal(n @ 0..=9) => Some(vec![System::Decimal(n); stream.channels]),
-            SystemEntry::Significant(n @ 1..=7) => Some(vec![System::Significant(n); stream.channels]),
+            SystemEntry::Significant(n @ 1..=7) => {
+                Some(vec![System::Significant(n); stream.channels])
+            }
             SystemEntry::Integer => Some(vec![System::Integer; stream.channels]),
-            SystemEntry::Grid { origins, step } if origins.len() == stream.channels && step > 0.0 => {
+            SystemEntry::Grid { origins, step }
+                if origins.len() == stream.channels && step > 0.0 =>
+            {
                 Some(origins.into_iter().map(|origin| System::Grid { origin, step }).collect())
             }
             _ => None,
@@ -207,13 +224,17 @@ fn promise(entry: ObjectEntry) -> Result<Promise, FormatError> {
         let all = all.filter(|s| floats != matches!(s[0], System::Integer));
         systems.extend(all.ok_or_else(|| wrong("has a system of numbers that cannot be"))?);
     }
-    let submesh = |s: &SubmeshEntry| Submesh { attributes: s.attributes.clone(), ..Submesh::default() };
+    let submesh =
+        |s: &SubmeshEntry| Submesh { attributes: s.attributes.clone(), ..Submesh::default() };
     let submeshes: Vec<Submesh> = entry.submeshes.iter().map(submesh).collect();
     if submeshes.is_empty() && entry.vertices > 0 {
         return Err(wrong("has vertices without a submesh"));
     }
-    let info =
-        |s: SubmeshEntry| SubmeshInfo { name: s.name, material: s.material, document_primitive: s.document_primitive };
+    let info = |s: SubmeshEntry| SubmeshInfo {
+        name: s.name,
+        material: s.material,
+        document_primitive: s.document_primitive,
+    };
     let info = ObjectInfo {
         name: entry.name,
         submeshes: entry.submeshes.into_iter().map(info).collect(),

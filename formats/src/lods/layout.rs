@@ -1,10 +1,12 @@
-//! What a vertex of an object is made of: streams, their channels, and the numbers that stand for bytes.
+//! What a vertex of an object is made of: streams, their channels, and the numbers that stand for
+//! bytes.
 
 use super::numbers::System;
 use super::values::{Prediction, Stream};
 use lodc_mesh::{Attribute, Component, Mesh, Semantic, Simplified};
 
-/// The systems of numbers of an object's streams: positions first, then its attributes. One for each channel.
+/// The systems of numbers of an object's streams: positions first, then its attributes. One for
+/// each channel.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Layout {
     pub(super) systems: Vec<System>,
@@ -12,17 +14,22 @@ pub(super) struct Layout {
 }
 
 impl Layout {
-    /// Streams of a mesh with such attributes, their channels numbered; systems are still to be chosen.
+    /// Streams of a mesh with such attributes, their channels numbered; systems are still to be
+    /// chosen.
     pub(super) fn streams(attributes: &[Attribute]) -> Vec<Stream> {
         let mut first = 3;
         let mut streams = vec![Stream { first: 0, channels: 3, prediction: Prediction::Smooth }];
         for a in attributes {
             let channels = usize::from(a.components);
             let prediction = match (&a.semantic, a.morph_target) {
-                (Semantic::Normal | Semantic::Tangent, None) if a.component == Component::F32 && channels >= 3 => {
+                (Semantic::Normal | Semantic::Tangent, None)
+                    if a.component == Component::F32 && channels >= 3 =>
+                {
                     Prediction::Direction
                 }
-                (Semantic::Joints(_) | Semantic::Weights(_) | Semantic::Custom(_), _) => Prediction::Survivor,
+                (Semantic::Joints(_) | Semantic::Weights(_) | Semantic::Custom(_), _) => {
+                    Prediction::Survivor
+                }
                 _ => Prediction::Smooth,
             };
             streams.push(Stream { first, channels, prediction });
@@ -68,7 +75,13 @@ impl Layout {
     }
 
     /// Appends the bytes that a channel's number stands for.
-    pub(super) fn put(&self, component: Component, channel: usize, index: i32, bytes: &mut Vec<u8>) {
+    pub(super) fn put(
+        &self,
+        component: Component,
+        channel: usize,
+        index: i32,
+        bytes: &mut Vec<u8>,
+    ) {
         match component {
             Component::F32 => bytes.extend(self.systems[channel].value(index).to_le_bytes()),
             _ => bytes.extend_from_slice(&index.to_le_bytes()[..component.size()]),
@@ -94,14 +107,25 @@ fn integer(a: &Attribute, vertex: u32, channel: usize) -> i32 {
 }
 
 /// The system that has all numbers of a stream and in which neighbours lie closest together.
-fn best(simplified: &Simplified, channels: usize, value: impl Fn(u32, usize) -> f32 + Copy) -> System {
+fn best(
+    simplified: &Simplified,
+    channels: usize,
+    value: impl Fn(u32, usize) -> f32 + Copy,
+) -> System {
     let vertices = simplified.mesh().vertex_count() as u32;
     let values = (0..vertices).flat_map(move |v| (0..channels).map(move |c| value(v, c)));
     let targets = simplified.collapses().targets();
     let bits = |system: &System| -> u64 {
         let pairs = (0..).zip(targets);
         let far = |(v, &t): (u32, &u32)| {
-            let far = |c| u64::from(33 - system.index(value(v, c)).abs_diff(system.index(value(t, c))).leading_zeros());
+            let far = |c| {
+                u64::from(
+                    33 - system
+                        .index(value(v, c))
+                        .abs_diff(system.index(value(t, c)))
+                        .leading_zeros(),
+                )
+            };
             (0..channels).map(far).sum::<u64>()
         };
         pairs.map(far).sum()

@@ -1,8 +1,9 @@
-//! The `.lods` stream, version 1 (docs/STREAM.md): a mesh that grows from a single vertex to what it was, as bytes come.
+//! The `.lods` stream, version 1 (docs/STREAM.md): a mesh that grows from a single vertex to what
+//! it was, as bytes come.
 //!
-//! Thesis 4.3.3. [`pack()`] writes a stream; an [`Unpacker`] is fed one, piece by piece, and shows the mesh of every prefix.
-//! What a vertex brings is said once, by code that writes and reads alike (`record.rs`, `strips.rs`, `values.rs`); a
-//! `Script` is what only a writer knows.
+//! Thesis 4.3.3. [`pack()`] writes a stream; an [`Unpacker`] is fed one, piece by piece, and shows
+//! the mesh of every prefix. What a vertex brings is said once, by code that writes and reads alike
+//! (`record.rs`, `strips.rs`, `values.rs`); a `Script` is what only a writer knows.
 
 mod births;
 mod block;
@@ -33,7 +34,8 @@ pub use unpack::{State, Unpacker};
 /// The version that this program writes, and the newest that it reads.
 pub const VERSION: u32 = 1;
 
-/// Bytes with the checksums that they should have as a stream: for tests with forged streams, and for fuzzing.
+/// Bytes with the checksums that they should have as a stream: for tests with forged streams, and
+/// for fuzzing.
 #[doc(hidden)]
 #[must_use]
 pub fn repaired(bytes: &[u8]) -> Vec<u8> {
@@ -64,11 +66,13 @@ fn error_value(code: u32) -> f32 {
     f32::from_bits(code << ERROR_BITS).min(f32::MAX)
 }
 
-/// Whether so many bytes of a stream may have made so large an object with so much work. Real ones take a hundredth of it;
-/// without a bound a few bytes could ask for any amount of memory and time.
+/// Whether so many bytes of a stream may have made so large an object with so much work. Real ones
+/// take a hundredth of it; without a bound a few bytes could ask for any amount of memory and time.
 fn may_hold(bytes: usize, object: &record::Object) -> bool {
     let growth = &object.growth;
-    let size = growth.numbers.len() as u64 + 8 * u64::from(growth.vertices()) + 8 * u64::from(growth.faces());
+    let size = growth.numbers.len() as u64
+        + 8 * u64::from(growth.vertices())
+        + 8 * u64::from(growth.faces());
     let bytes = bytes as u64;
     let most = |free: u64, each: u64| free.saturating_add(bytes.saturating_mul(each));
     size <= most(1 << 20, 1024) && object.work <= most(1 << 26, 1 << 16)

@@ -7,16 +7,23 @@ use super::coder::Coder;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Residual(Symbol);
 
-/// The symbol of a magnitude that is as long as expected. 0 is for no bits, [`FAR`] for those too far away for a symbol.
+/// The symbol of a magnitude that is as long as expected. 0 is for no bits, [`FAR`] for those too
+/// far away for a symbol.
 const EXPECTED: i32 = 10;
 const FAR: u32 = 15;
 
 impl Residual {
     pub(super) const NEW: Self = Self(Symbol::NEW);
 
-    /// A number with a magnitude of about `expected` bits (32 at most). Returns it with the bits of its magnitude.
+    /// A number with a magnitude of about `expected` bits (32 at most). Returns it with the bits of
+    /// its magnitude.
     #[inline]
-    pub(super) fn code<C: Coder>(&mut self, coder: &mut C, expected: u32, value: i64) -> (i64, u32) {
+    pub(super) fn code<C: Coder>(
+        &mut self,
+        coder: &mut C,
+        expected: u32,
+        value: i64,
+    ) -> (i64, u32) {
         let magnitude = value.unsigned_abs() as u32;
         let length = bits(magnitude);
         let near = length as i32 - expected as i32 + EXPECTED;
@@ -81,7 +88,11 @@ impl Below {
         }
         let half = 1 << (length - 1);
         let rest = value.wrapping_sub(half);
-        half + if shorter == 0 { coder.uniform(end - half, rest) } else { coder.raw(length - 1, rest) }
+        half + if shorter == 0 {
+            coder.uniform(end - half, rest)
+        } else {
+            coder.raw(length - 1, rest)
+        }
     }
 }
 
@@ -109,7 +120,9 @@ mod tests {
             let sign = if random.below(2) == 0 { 1 } else { -1 };
             let value = sign * i64::from(hidden(magnitude));
             said.push(residual.code(coder, expected, value).0);
-            said.push(i64::from(natural.code(coder, hidden((random.next() >> 32 >> random.below(33)) as u32))));
+            said.push(i64::from(
+                natural.code(coder, hidden((random.next() >> 32 >> random.below(33)) as u32)),
+            ));
             let end = (random.next() >> 32 >> random.below(32)).max(1) as u32;
             let value = (random.next() % u64::from(end)) as u32;
             said.push(i64::from(below.code(coder, end, hidden(value))));

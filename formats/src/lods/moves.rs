@@ -18,7 +18,8 @@ impl MoveModels {
     pub(super) const NEW: Self = Self { one: [[Bit::NEW; 3]; 4] };
 }
 
-/// What is expected of a triangle: these two bits, not known if none is set, contradictory if both are.
+/// What is expected of a triangle: these two bits, not known if none is set, contradictory if both
+/// are.
 const STAYS: u8 = 1;
 const GOES: u8 = 2;
 
@@ -59,8 +60,9 @@ impl Object {
         Ok(())
     }
 
-    /// What [`expect`] finds in the usual case, at once: two triangles come into a fan that closes. What stays begins with the
-    /// triangle beyond the right one, what goes with that beyond the left one.
+    /// What [`expect`] finds in the usual case, at once: two triangles come into a fan that closes.
+    /// What stays begins with the triangle beyond the right one, what goes with that beyond the
+    /// left one.
     pub(super) fn arcs(&self, shape: Shape) -> Option<[usize; 2]> {
         match (&self.births[..], shape) {
             ([right, left], Shape::Both) if self.closed => {
@@ -71,8 +73,14 @@ impl Object {
         }
     }
 
-    /// Whether a shape other than [`Shape::Other`] tells what goes over, `self.births` being there: for a writer.
-    pub(super) fn goes_as_expected<S: Script>(&mut self, script: &S, new: u32, shape: Shape) -> bool {
+    /// Whether a shape other than [`Shape::Other`] tells what goes over, `self.births` being there:
+    /// for a writer.
+    pub(super) fn goes_as_expected<S: Script>(
+        &mut self,
+        script: &S,
+        new: u32,
+        shape: Shape,
+    ) -> bool {
         let goes = |s: &Spoke| script.moves(s.corner, new);
         if shape == Shape::None {
             return self.ring.iter().all(goes);
@@ -88,7 +96,8 @@ fn expect(ring: &[Spoke], births: &[Born], expected: &mut Vec<u8>) {
     expected.clear();
     expected.resize(ring.len(), 0);
     for birth in births {
-        // A triangle right of the new edge lies between one that stays and one that goes, one left of it too.
+        // A triangle right of the new edge lies between one that stays and one that goes, one left
+        // of it too.
         let fates = match birth.kind {
             Kind::Right => [STAYS, GOES],
             Kind::Left => [GOES, STAYS],

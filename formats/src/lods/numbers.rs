@@ -1,8 +1,10 @@
-//! Numbers as they were written down: a float that came from text is one of few, and those can be counted.
+//! Numbers as they were written down: a float that came from text is one of few, and those can be
+//! counted.
 //!
-//! A [`System`] is a rising list of floats. Predictions are made in floats and said as distances in the list, so a
-//! number with six decimal digits costs what six digits are worth, not the 24 bits of its mantissa. Lossless: a system
-//! is used for a stream only if it has every number of the stream, bit for bit.
+//! A [`System`] is a rising list of floats. Predictions are made in floats and said as distances in
+//! the list, so a number with six decimal digits costs what six digits are worth, not the 24 bits
+//! of its mantissa. Lossless: a system is used for a stream only if it has every number of the
+//! stream, bit for bit.
 
 /// A rising list of floats, numbered from the one at or above zero; −0 is number −1.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,8 +29,8 @@ pub(super) enum System {
 /// The smallest decade of a float: 10^−45 is below the smallest.
 const LEAST_DECADE: i32 = -46;
 const POWERS: [f64; 23] = [
-    1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20,
-    1e21, 1e22,
+    1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16,
+    1e17, 1e18, 1e19, 1e20, 1e21, 1e22,
 ];
 
 /// The least number of n digits.
@@ -52,7 +54,8 @@ const TENS: [f64; 67] = {
     tens
 };
 
-/// `m * 10^exponent`; correctly rounded for all but the farthest exponents, and the same everywhere for those.
+/// `m * 10^exponent`; correctly rounded for all but the farthest exponents, and the same everywhere
+/// for those.
 #[inline]
 fn scaled(m: f64, exponent: i32) -> f64 {
     let ten = TENS[exponent.unsigned_abs().min(66) as usize];
@@ -109,8 +112,8 @@ impl System {
         if index < 0 { -value } else { value }
     }
 
-    /// Whether from the number `least` to the number `most` all floats are equally distant: those of one power of two or ten,
-    /// where that makes a difference.
+    /// Whether from the number `least` to the number `most` all floats are equally distant: those
+    /// of one power of two or ten, where that makes a difference.
     #[inline]
     pub(super) fn is_even(self, least: i32, most: i32) -> bool {
         match self {
@@ -129,7 +132,8 @@ impl System {
         self.value(self.index(value)).to_bits() == value.to_bits()
     }
 
-    /// The systems that have all of the numbers, for floats from a file; [`Self::Float`] is always one.
+    /// The systems that have all of the numbers, for floats from a file; [`Self::Float`] is always
+    /// one.
     pub(super) fn candidates(values: &(impl Iterator<Item = f32> + Clone)) -> Vec<Self> {
         let has = |s: &Self| values.clone().all(|v| s.has(v));
         let decimal = (0..=9).map(Self::Decimal).find(has);
@@ -211,15 +215,30 @@ mod tests {
             let values: Vec<f32> = texts.iter().map(|t| t.parse().expect("a number")).collect();
             System::candidates(&values.into_iter())
         };
-        assert_eq!(has(&["0.25", "-1.50", "-0", "3"]), [System::Float, System::Decimal(2), System::Significant(2)]);
-        assert_eq!(has(&["0.0378297", "0.00447467", "-1.55991e-08"]), [System::Float, System::Significant(6)]);
+        assert_eq!(
+            has(&["0.25", "-1.50", "-0", "3"]),
+            [System::Float, System::Decimal(2), System::Significant(2)]
+        );
+        assert_eq!(
+            has(&["0.0378297", "0.00447467", "-1.55991e-08"]),
+            [System::Float, System::Significant(6)]
+        );
         assert_eq!(has(&["0.123456789", "1e30"]), [System::Float]);
         assert_eq!(has(&["NaN", "1"]), [System::Float]);
     }
 
     #[test]
     fn predictions_of_any_value_have_a_place() {
-        for value in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::MAX, f32::MIN, f32::MIN_POSITIVE, 1e-45, -0.0] {
+        for value in [
+            f32::NAN,
+            f32::INFINITY,
+            f32::NEG_INFINITY,
+            f32::MAX,
+            f32::MIN,
+            f32::MIN_POSITIVE,
+            1e-45,
+            -0.0,
+        ] {
             for system in SYSTEMS {
                 let _ = system.value(system.index(value));
             }

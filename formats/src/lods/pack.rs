@@ -41,8 +41,8 @@ pub struct Packed {
 pub struct PackedObject {
     /// Bytes of its blocks.
     pub bytes: u64,
-    /// Bytes that the same packages would take as plain words and bytes, positions only: the thesis's accounting
-    /// (table 4.3), what names the survivor and the strips included.
+    /// Bytes that the same packages would take as plain words and bytes, positions only: the
+    /// thesis's accounting (table 4.3), what names the survivor and the strips included.
     pub package_bytes: u64,
     /// The same with normals: three words more for each vertex.
     pub package_bytes_with_normals: u64,
@@ -70,7 +70,11 @@ struct Writing<'a> {
 ///
 /// # Errors
 /// If strips do not draw their object, or something is larger than the format allows.
-pub fn pack(file: &LodFile, strips: &[Option<&StripSet>], options: &PackOptions) -> Result<Packed, FormatError> {
+pub fn pack(
+    file: &LodFile,
+    strips: &[Option<&StripSet>],
+    options: &PackOptions,
+) -> Result<Packed, FormatError> {
     let mut objects = Vec::new();
     let mut promises = Vec::new();
     let mut bounds = Vec::new();
@@ -81,8 +85,11 @@ pub fn pack(file: &LodFile, strips: &[Option<&StripSet>], options: &PackOptions)
         objects.push(writing);
         bounds.push(bound);
     }
-    let head = Head { source: file.source.clone(), document: file.document.clone(), objects: promises };
-    let payload = head.bytes().ok_or_else(|| too_large("the scene without its meshes has more than 4 GiB"))?;
+    let head =
+        Head { source: file.source.clone(), document: file.document.clone(), objects: promises };
+    let payload = head
+        .bytes()
+        .ok_or_else(|| too_large("the scene without its meshes has more than 4 GiB"))?;
 
     let mut out = MAGIC.to_vec();
     out.extend(VERSION.to_le_bytes());
@@ -95,7 +102,8 @@ pub fn pack(file: &LodFile, strips: &[Option<&StripSet>], options: &PackOptions)
     let head_bytes = out.len() as u64;
     let most = options.block_bytes.unwrap_or(BLOCK) as usize;
     let mut models = Box::new(Models::new());
-    // The object whose mesh is farthest from what it will be comes next, the first of those that are alike.
+    // The object whose mesh is farthest from what it will be comes next, the first of those that
+    // are alike.
     let mut queue: BinaryHeap<(u64, Reverse<usize>)> = BinaryHeap::new();
     queue.extend(objects.iter().enumerate().filter_map(|(i, w)| Some((w.error()?, Reverse(i)))));
     while let Some((_, Reverse(next))) = queue.pop() {
@@ -125,11 +133,24 @@ fn begin<'a>(
     let errors = (0..=last).map(|new| error_code(sequence.error_at(Lod(last - new)))).collect();
     let (index, channels) = (layout.index(mesh), layout.systems.len());
     let script = Known::new(simplified, index, channels, errors, strips).ok_or_else(|| {
-        FormatError::new(Fault::Malformed, format!("object \"{}\"", o.info.name), "its strips do not draw its mesh")
+        FormatError::new(
+            Fault::Malformed,
+            format!("object \"{}\"", o.info.name),
+            "its strips do not draw its mesh",
+        )
     })?;
     let growth = Growth::new(layout.systems.clone());
-    let object = Object::new(growth, layout.streams.clone(), mesh.submeshes().len() as u32, strips.is_some());
-    let submesh = |s: &lodc_mesh::Submesh| lodc_mesh::Submesh { first_triangle: 0, triangle_count: 0, ..s.clone() };
+    let object = Object::new(
+        growth,
+        layout.streams.clone(),
+        mesh.submeshes().len() as u32,
+        strips.is_some(),
+    );
+    let submesh = |s: &lodc_mesh::Submesh| lodc_mesh::Submesh {
+        first_triangle: 0,
+        triangle_count: 0,
+        ..s.clone()
+    };
     let vertices = mesh.vertex_count() as u32;
     let promise = Promise {
         info: o.info.clone(),
@@ -142,7 +163,11 @@ fn begin<'a>(
         steps: if vertices == 0 { 0 } else { sequence.steps() as u32 + 1 },
         strips: strips.is_some(),
     };
-    Ok((promise, Writing { simplified, script, object, scale: o.info.world_scale, bytes: 0 }, bounds))
+    Ok((
+        promise,
+        Writing { simplified, script, object, scale: o.info.world_scale, bytes: 0 },
+        bounds,
+    ))
 }
 
 impl Writing<'_> {
@@ -150,7 +175,8 @@ impl Writing<'_> {
         self.simplified.mesh().vertex_count() as u32
     }
 
-    /// How far off the mesh that grew so far is, in the scene's units, as a number that rises with it; none if it is there.
+    /// How far off the mesh that grew so far is, in the scene's units, as a number that rises with
+    /// it; none if it is there.
     fn error(&self) -> Option<u64> {
         let here = self.object.growth.vertices();
         if here == self.vertices() {
@@ -163,8 +189,14 @@ impl Writing<'_> {
         Some((f64::from(error) * self.scale + 0.0).to_bits())
     }
 
-    /// The next steps, about `target` bytes of them. `before` is how many bytes of the stream there are.
-    fn block(&mut self, models: &mut Models, target: usize, before: usize) -> Result<(u32, Vec<u8>), FormatError> {
+    /// The next steps, about `target` bytes of them. `before` is how many bytes of the stream there
+    /// are.
+    fn block(
+        &mut self,
+        models: &mut Models,
+        target: usize,
+        before: usize,
+    ) -> Result<(u32, Vec<u8>), FormatError> {
         let mut runs = Runs::<Encoder>::default();
         let mut steps = 0;
         loop {
@@ -172,13 +204,16 @@ impl Writing<'_> {
             let step = self.object.step(&mut runs, &self.script, models, vertices, usize::MAX);
             step.expect("the writer knows what it says");
             steps += 1;
-            if runs.mesh.len() + runs.strips.len() >= target || self.object.growth.vertices() == vertices {
+            if runs.mesh.len() + runs.strips.len() >= target
+                || self.object.growth.vertices() == vertices
+            {
                 break;
             }
         }
         let Runs { mesh, strips } = runs;
         let (mesh, strips) = (mesh.finish(), strips.finish());
-        // What costs next to nothing is padded, so that a reader can refuse what would cost nothing at all.
+        // What costs next to nothing is padded, so that a reader can refuse what would cost nothing
+        // at all.
         let mut padding = 0;
         while !may_hold(before + mesh.len() + padding + strips.len(), &self.object) {
             padding += 64;

@@ -41,14 +41,24 @@ impl Quantize {
             if a.component != Component::F32 || a.morph_target.is_some() {
                 continue;
             }
-            let all: Vec<f32> = a.bytes.chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
+            let all: Vec<f32> = a
+                .bytes
+                .chunks_exact(4)
+                .map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]]))
+                .collect();
             let span = range(all.chunks_exact(channels), channels);
             let unit = span.iter().all(|(lo, hi)| *lo >= -1.0 && *hi <= 1.0);
             let whole = vec![(-1.0, 1.0); channels];
             bounds.extend(match (&a.semantic, self.normal, self.uv) {
-                (Semantic::Normal, Some(bits), _) if unit => grid(layout, i + 1, bits, &whole, "normal".to_owned()),
-                (Semantic::Tangent, Some(bits), _) if unit => grid(layout, i + 1, bits, &whole, "tangent".to_owned()),
-                (Semantic::TexCoord(set), _, Some(bits)) => grid(layout, i + 1, bits, &span, format!("uv {set}")),
+                (Semantic::Normal, Some(bits), _) if unit => {
+                    grid(layout, i + 1, bits, &whole, "normal".to_owned())
+                }
+                (Semantic::Tangent, Some(bits), _) if unit => {
+                    grid(layout, i + 1, bits, &whole, "tangent".to_owned())
+                }
+                (Semantic::TexCoord(set), _, Some(bits)) => {
+                    grid(layout, i + 1, bits, &span, format!("uv {set}"))
+                }
                 _ => None,
             });
         }
@@ -56,7 +66,8 @@ impl Quantize {
     }
 }
 
-/// The least and greatest number of each channel. Nothing comes back for numbers that are not finite.
+/// The least and greatest number of each channel. Nothing comes back for numbers that are not
+/// finite.
 fn range<'a>(values: impl Iterator<Item = &'a [f32]>, channels: usize) -> Vec<(f32, f32)> {
     let mut range = vec![(f32::INFINITY, f32::NEG_INFINITY); channels];
     for v in values {
@@ -67,7 +78,13 @@ fn range<'a>(values: impl Iterator<Item = &'a [f32]>, channels: usize) -> Vec<(f
     range
 }
 
-fn grid(layout: &mut Layout, stream: usize, bits: u8, range: &[(f32, f32)], name: String) -> Option<Bound> {
+fn grid(
+    layout: &mut Layout,
+    stream: usize,
+    bits: u8,
+    range: &[(f32, f32)],
+    name: String,
+) -> Option<Bound> {
     let stream = &layout.streams[stream];
     let side = range.iter().map(|(lo, hi)| f64::from(*hi) - f64::from(*lo)).fold(0.0, f64::max);
     let symmetric = range.iter().all(|&r| r == (-1.0, 1.0));

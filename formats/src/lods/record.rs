@@ -1,4 +1,5 @@
-//! One vertex after another: where each comes from, the triangles that come with it, those that go over to it.
+//! One vertex after another: where each comes from, the triangles that come with it, those that go
+//! over to it.
 //!
 //! Thesis 4.3.3's UpdatePackage. Written once for both sides (see `coder.rs`).
 
@@ -61,15 +62,17 @@ pub(super) struct Object {
     pub(super) error: u32,
     /// Spokes looked at: a measure of work.
     pub(super) work: u64,
-    /// Bytes that the packages would take as plain words and bytes, without the vertices themselves: the survivor (4),
-    /// flags and counts (1), a bit for each triangle that may go over, and for each that comes a corner and a strip.
+    /// Bytes that the packages would take as plain words and bytes, without the vertices
+    /// themselves: the survivor (4), flags and counts (1), a bit for each triangle that may go
+    /// over, and for each that comes a corner and a strip.
     pub(super) packages: u64,
     /// Whether the last vertex's step goes on.
     pub(super) open: bool,
     pub(super) last_survivor: u32,
     /// That of the step that comes next.
     next_survivor: u32,
-    /// The triangles at the survivor, the vertices around it, and whether they are one fan that closes.
+    /// The triangles at the survivor, the vertices around it, and whether they are one fan that
+    /// closes.
     pub(super) ring: Vec<Spoke>,
     pub(super) rim: Vec<RimVertex>,
     pub(super) closed: bool,
@@ -110,8 +113,8 @@ impl Object {
         }
     }
 
-    /// Says one step: its vertices, then the error of the mesh that shows them. There will be `most` vertices, and so many
-    /// bytes are there that tell of them.
+    /// Says one step: its vertices, then the error of the mesh that shows them. There will be
+    /// `most` vertices, and so many bytes are there that tell of them.
     pub(super) fn step<C: Coder, S: Script>(
         &mut self,
         runs: &mut Runs<C>,
@@ -138,14 +141,19 @@ impl Object {
             if !self.open {
                 let error = script.error(new);
                 let fall = self.error.wrapping_sub(error);
-                let fall = if coder.bit(&mut models.falls, fall != 0) { models.fall.code(coder, fall) } else { 0 };
+                let fall = if coder.bit(&mut models.falls, fall != 0) {
+                    models.fall.code(coder, fall)
+                } else {
+                    0
+                };
                 self.error = self.error.wrapping_sub(fall);
                 return Ok(());
             }
         }
     }
 
-    /// Makes a whole of an object that broke within a step: it may look wrong, but it can be looked at.
+    /// Makes a whole of an object that broke within a step: it may look wrong, but it can be looked
+    /// at.
     pub(super) fn mend(&mut self) {
         let growth = &mut self.growth;
         growth.numbers.resize(growth.vertices() as usize * growth.channels(), 0);
@@ -173,13 +181,15 @@ impl Object {
     ) -> Result<(), Broken> {
         let coder = &mut runs.mesh;
         let new = self.growth.vertices();
-        let survivor = if self.open { self.mate(coder, script, models) } else { self.next_survivor };
+        let survivor =
+            if self.open { self.mate(coder, script, models) } else { self.next_survivor };
         let like = self.growth.submesh[survivor as usize];
-        let submesh = if self.submeshes == 1 || coder.bit(&mut models.submesh, script.submesh(new) == like) {
-            like
-        } else {
-            coder.uniform(self.submeshes, script.submesh(new))
-        };
+        let submesh =
+            if self.submeshes == 1 || coder.bit(&mut models.submesh, script.submesh(new) == like) {
+                like
+            } else {
+                coder.uniform(self.submeshes, script.submesh(new))
+            };
         let mate = self.open.then(|| new - 1);
         self.survivors.push(survivor);
         self.last_survivor = survivor;
@@ -187,7 +197,8 @@ impl Object {
         let goes_on = coder.bit(&mut models.goes_on[usize::from(self.open)], script.goes_on(new));
         if !goes_on && new + 1 < most {
             // Said so early that a reader can have it at hand when it comes to it.
-            self.next_survivor = survivor_beside(coder, models, survivor, new + 1, script.survivor(new + 1));
+            self.next_survivor =
+                survivor_beside(coder, models, survivor, new + 1, script.survivor(new + 1));
             self.growth.touch(self.next_survivor);
         }
 
@@ -199,9 +210,17 @@ impl Object {
         self.packages += 5 + self.ring.len().div_ceil(8) as u64;
         let shape = self.births(coder, script, &mut models.births, survivor)?;
         let arcs = self.arcs(shape);
-        if !arcs.is_some_and(|arcs| self.growth.part([survivor, new], &self.ring, arcs, &mut self.near)) {
+        if !arcs
+            .is_some_and(|arcs| self.growth.part([survivor, new], &self.ring, arcs, &mut self.near))
+        {
             self.moving(coder, script, &mut models.moves, new, shape)?;
-            self.growth.split([survivor, new], &self.ring, &self.moves, &self.births, &mut self.around);
+            self.growth.split(
+                [survivor, new],
+                &self.ring,
+                &self.moves,
+                &self.births,
+                &mut self.around,
+            );
             rim(&self.around, &mut self.rim);
             self.near.clear();
             self.near.extend(self.rim.iter().map(|r| r.vertex));
@@ -217,7 +236,8 @@ impl Object {
         let same = |v: u32| script.index(v).get(..3) == script.index(new).get(..3);
         let mate = mate.filter(|&m| coder.bit(&mut models.same_place, same(m)));
         if let Some(m) = mate {
-            self.growth.mate[new as usize] = std::mem::replace(&mut self.growth.mate[m as usize], new);
+            self.growth.mate[new as usize] =
+                std::mem::replace(&mut self.growth.mate[m as usize], new);
         }
         self.growth.touch_numbers(self.next_survivor);
         self.open = goes_on;
@@ -226,7 +246,8 @@ impl Object {
         Ok(())
     }
 
-    /// Where a further vertex of a step comes from: mostly the survivor before, or one of its mates.
+    /// Where a further vertex of a step comes from: mostly the survivor before, or one of its
+    /// mates.
     fn mate<C: Coder, S: Script>(&mut self, coder: &mut C, script: &S, models: &mut Models) -> u32 {
         let live = self.growth.vertices();
         let wanted = script.survivor(live);
@@ -245,7 +266,13 @@ impl Object {
 }
 
 /// A survivor among `live` vertices, counted from another one.
-fn survivor_beside<C: Coder>(coder: &mut C, models: &mut Models, from: u32, live: u32, wanted: u32) -> u32 {
+fn survivor_beside<C: Coder>(
+    coder: &mut C,
+    models: &mut Models,
+    from: u32,
+    live: u32,
+    wanted: u32,
+) -> u32 {
     let on = if wanted >= from { wanted - from } else { wanted + live - from };
     let on = models.survivor.code(coder, live, on);
     let to_end = live - from;

@@ -1,6 +1,7 @@
 //! What a writer knows: the whole growth, worked out beforehand from the collapse sequence.
 //!
-//! Vertices are numbered by arrival here: the last one left is 0, the first to disappear comes last.
+//! Vertices are numbered by arrival here: the last one left is 0, the first to disappear comes
+//! last.
 
 use super::growth::NONE;
 use lodc_mesh::{PositionIds, Simplified};
@@ -99,8 +100,8 @@ struct Drawn {
 }
 
 impl Known {
-    /// `index` has the numbers of all vertices by arrival, `errors` what is said of the error when a vertex has come.
-    /// Nothing comes back if the strips do not draw the mesh.
+    /// `index` has the numbers of all vertices by arrival, `errors` what is said of the error when
+    /// a vertex has come. Nothing comes back if the strips do not draw the mesh.
     pub(super) fn new(
         simplified: &Simplified,
         index: Vec<i32>,
@@ -153,7 +154,19 @@ impl Known {
             None => None,
         };
         let submesh = mesh.vertex_submesh().iter().rev().copied().collect();
-        Some(Self { survivors, goes_on, submesh, channels, index, births, first_birth, ends, run, errors, strips })
+        Some(Self {
+            survivors,
+            goes_on,
+            submesh,
+            channels,
+            index,
+            births,
+            first_birth,
+            ends,
+            run,
+            errors,
+            strips,
+        })
     }
 }
 
@@ -182,7 +195,8 @@ impl Script for Known {
     fn place(&self, face: u32, strips: u32, strip_of: &dyn Fn(u32) -> u32) -> Place {
         let Some(drawn) = &self.strips else { return Unknown.place(face, strips, strip_of) };
         let (after, before) = (drawn.previous[face as usize], drawn.next[face as usize]);
-        let same = |other: u32| other != NONE && drawn.strip[other as usize] == drawn.strip[face as usize];
+        let same =
+            |other: u32| other != NONE && drawn.strip[other as usize] == drawn.strip[face as usize];
         let strip = if same(after) {
             strip_of(after)
         } else if same(before) {
@@ -219,7 +233,8 @@ fn births(simplified: &Simplified) -> Vec<Born> {
         let mut corners: [u32; 3] = triangle;
         loop {
             let first = corners[0].min(corners[1]).min(corners[2]);
-            // Two corners at the last vertex are at one position, so a live triangle has an earlier one.
+            // Two corners at the last vertex are at one position, so a live triangle has an earlier
+            // one.
             let end = end_of[first as usize];
             let before = corners;
             for v in &mut corners {
@@ -230,7 +245,10 @@ fn births(simplified: &Simplified) -> Vec<Born> {
             let [a, b, c] = corners.map(|v| positions[v as usize]);
             if a == b || b == c || c == a {
                 let turn = (0..3).find(|&i| before[i] == first).unwrap_or_default();
-                return Born { corners: std::array::from_fn(|i| last - before[(turn + i) % 3]), turn };
+                return Born {
+                    corners: std::array::from_fn(|i| last - before[(turn + i) % 3]),
+                    turn,
+                };
             }
         }
     };
@@ -257,7 +275,8 @@ fn runs(survivors: &[u32]) -> Vec<(u32, u32)> {
 }
 
 impl Drawn {
-    /// `order` says which triangle of the mesh each face is. None if the strips do not draw the mesh.
+    /// `order` says which triangle of the mesh each face is. None if the strips do not draw the
+    /// mesh.
     fn new(simplified: &Simplified, strips: &StripSet, order: &[u32]) -> Option<Self> {
         let mesh = simplified.mesh();
         // Triangles of the mesh and of the strips by what they are.
@@ -274,7 +293,9 @@ impl Drawn {
         let mut sequence: Vec<u32> = (0..drawn.len() as u32).collect();
         sequence.sort_by_key(|&i| (drawn[i as usize].0, i));
         own.sort_unstable();
-        if own.len() != drawn.len() || sequence.iter().zip(&own).any(|(&i, o)| drawn[i as usize].0 != o.0) {
+        if own.len() != drawn.len()
+            || sequence.iter().zip(&own).any(|(&i, o)| drawn[i as usize].0 != o.0)
+        {
             return None;
         }
         let mut face_of = vec![0; order.len()];

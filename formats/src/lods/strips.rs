@@ -1,8 +1,9 @@
 //! Strips while the mesh grows: all live triangles in the order of drawing, cut into strips.
 //!
-//! A strip is a sequence of triangles. At any time its live ones, in its order, are what is drawn of it; at the end that
-//! is the strip itself. So all that a new triangle brings is its place in this order (the thesis's StripPackage sends
-//! masks over full strips instead, most of whose positions show nothing yet).
+//! A strip is a sequence of triangles. At any time its live ones, in its order, are what is drawn
+//! of it; at the end that is the strip itself. So all that a new triangle brings is its place in
+//! this order (the thesis's StripPackage sends masks over full strips instead, most of whose
+//! positions show nothing yet).
 
 use super::Broken;
 use super::chances::Bit;
@@ -29,7 +30,8 @@ pub(super) struct Order {
 #[derive(Clone, Debug)]
 pub(super) struct PlaceModels {
     between: [Bit; 3],
-    /// By neighbour, side, whether the strip goes on there, and whether the other neighbour is in that strip.
+    /// By neighbour, side, whether the strip goes on there, and whether the other neighbour is in
+    /// that strip.
     beside: [[[[Bit; 2]; 2]; 2]; 3],
     new: [Bit; 4],
     strip: [[Bit; 2]; 3],
@@ -68,8 +70,8 @@ impl Order {
         a != NONE && b != NONE && self.strip(a) == self.strip(b)
     }
 
-    /// Says where a new triangle stands, and puts it there. `around` are up to three neighbours. Returns whether these
-    /// were not enough to say it.
+    /// Says where a new triangle stands, and puts it there. `around` are up to three neighbours.
+    /// Returns whether these were not enough to say it.
     pub(super) fn place<C: Coder, S: Script>(
         &mut self,
         coder: &mut C,
@@ -127,7 +129,9 @@ impl Order {
                 }
             }
         }
-        let context = usize::from(around[0] != NONE) + usize::from(around[1] != NONE) + usize::from(around[2] != NONE);
+        let context = usize::from(around[0] != NONE)
+            + usize::from(around[1] != NONE)
+            + usize::from(around[2] != NONE);
         if coder.bit(&mut models.new[context], wanted.strip == self.strips()) {
             let (after, explicit) = self.new_strip(coder, models, around, wanted.after);
             return Ok((Place { after, strip: self.strips() }, explicit));
@@ -135,7 +139,8 @@ impl Order {
         if self.next.is_empty() {
             return Err(Broken("has a triangle that joins no strip"));
         }
-        let after = coder.uniform(self.next.len() as u32 + 1, wanted.after.wrapping_add(1)).wrapping_sub(1);
+        let after =
+            coder.uniform(self.next.len() as u32 + 1, wanted.after.wrapping_add(1)).wrapping_sub(1);
         let before = self.next_of(after);
         if self.same(after, before) {
             return Ok((Place { after, strip: self.strip(after) }, true));
@@ -149,7 +154,8 @@ impl Order {
         }
     }
 
-    /// The triangle after which a new strip begins: the last of another strip, or none. And whether it had to be named.
+    /// The triangle after which a new strip begins: the last of another strip, or none. And whether
+    /// it had to be named.
     fn new_strip<C: Coder>(
         &self,
         coder: &mut C,
@@ -209,7 +215,8 @@ impl Order {
             if !self.same(face, next) {
                 write(&strip, &mut indices, &mut ends);
                 strip.clear();
-                submesh_ends[growth.submesh[growth.face(face)[0] as usize] as usize] = ends.len() as u32;
+                submesh_ends[growth.submesh[growth.face(face)[0] as usize] as usize] =
+                    ends.len() as u32;
             }
             face = next;
         }
@@ -220,8 +227,8 @@ impl Order {
     }
 }
 
-/// Appends the indices of a sequence of triangles, as one strip if each shares the right edge with the next, else as
-/// several.
+/// Appends the indices of a sequence of triangles, as one strip if each shares the right edge with
+/// the next, else as several.
 fn write(triangles: &[[u32; 3]], indices: &mut Vec<u32>, ends: &mut Vec<u32>) {
     let mut rest = triangles;
     while !rest.is_empty() {
@@ -231,16 +238,19 @@ fn write(triangles: &[[u32; 3]], indices: &mut Vec<u32>, ends: &mut Vec<u32>) {
     }
 }
 
-/// How two triangles meet: the corner of the first before their common edge, and that of the second opposite of it.
+/// How two triangles meet: the corner of the first before their common edge, and that of the second
+/// opposite of it.
 type Link = (usize, usize);
 
 /// All ways in which two triangles meet; mostly one.
 fn links(from: [u32; 3], to: [u32; 3]) -> impl Iterator<Item = Link> {
-    let meets = move |&(i, j): &Link| from[i] == to[(j + 2) % 3] && from[(i + 1) % 3] == to[(j + 1) % 3];
+    let meets =
+        move |&(i, j): &Link| from[i] == to[(j + 2) % 3] && from[(i + 1) % 3] == to[(j + 1) % 3];
     (0..9).map(|i| (i / 3, i % 3)).filter(meets)
 }
 
-/// The vertex that the edge into a triangle and the edge out of it have in common, if they are not the same edge.
+/// The vertex that the edge into a triangle and the edge out of it have in common, if they are not
+/// the same edge.
 fn pivot(t: [u32; 3], opposite: usize, leave: usize) -> Option<u32> {
     match (leave + 3 - opposite) % 3 {
         0 => Some(t[(leave + 1) % 3]),
@@ -249,10 +259,12 @@ fn pivot(t: [u32; 3], opposite: usize, leave: usize) -> Option<u32> {
     }
 }
 
-/// Appends the longest strip that the first triangles make, in the fewest indices, and says how many triangles that are.
+/// Appends the longest strip that the first triangles make, in the fewest indices, and says how
+/// many triangles that are.
 ///
-/// A strip that goes round the same vertex twice in a row has to name it again. Where two triangles have several common
-/// edges, the ways through are compared: each keeps the cheapest way to every link (Viterbi 1967).
+/// A strip that goes round the same vertex twice in a row has to name it again. Where two triangles
+/// have several common edges, the ways through are compared: each keeps the cheapest way to every
+/// link (Viterbi 1967).
 fn one_strip(triangles: &[[u32; 3]], indices: &mut Vec<u32>) -> usize {
     // For each link its cost so far, the vertex it turned around, and which link came before it.
     let mut ways: Vec<Vec<(Link, u32, u32, usize)>> = Vec::new();

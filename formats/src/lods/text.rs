@@ -1,9 +1,11 @@
-//! Text and other small things of a stream's head, packed: every byte in the light of the one before it.
+//! Text and other small things of a stream's head, packed: every byte in the light of the one
+//! before it.
 
 use super::chances::Symbol;
 use super::coder::{Coder, Decoder, Encoder};
 
-/// How much more text than bytes there may be: what says the same again and again is not worth more.
+/// How much more text than bytes there may be: what says the same again and again is not worth
+/// more.
 const MOST: usize = 64;
 const FREE: usize = 1 << 16;
 
@@ -38,7 +40,8 @@ fn say<C: Coder>(coder: &mut C, text: &[u8], length: usize) -> Vec<u8> {
         let byte = text.get(i).copied().unwrap_or_default();
         let models = &mut models[usize::from(before)];
         let high = coder.symbol(&mut models[16], u32::from(byte >> 4));
-        let byte = (high << 4 | coder.symbol(&mut models[high as usize], u32::from(byte & 15))) as u8;
+        let byte =
+            (high << 4 | coder.symbol(&mut models[high as usize], u32::from(byte & 15))) as u8;
         said.push(byte);
         before = byte;
     }
@@ -51,7 +54,8 @@ mod tests {
 
     #[test]
     fn text_comes_back_and_takes_less_room() {
-        let text = r#"{"asset":{"version":"2.0"},"meshes":[{"primitives":[{"material":0}]}]}"#.repeat(20);
+        let text =
+            r#"{"asset":{"version":"2.0"},"meshes":[{"primitives":[{"material":0}]}]}"#.repeat(20);
         let packed = pack(text.as_bytes()).expect("it is no bomb");
         assert!(packed.len() < text.len() / 2, "{} of {}", packed.len(), text.len());
         assert_eq!(unpack(&packed, text.len()).as_deref(), Some(text.as_bytes()));

@@ -1,4 +1,5 @@
-//! Reading a stream as it comes in: fed with bytes, it shows at any time the mesh of the last whole block.
+//! Reading a stream as it comes in: fed with bytes, it shows at any time the mesh of the last whole
+//! block.
 
 use super::block::{self, Block, MAGIC, PREAMBLE, Parsed};
 use super::coder::{Decoder, Runs};
@@ -59,7 +60,8 @@ pub struct State {
     pub triangles: [u32; 2],
     /// Steps that have come, of how many.
     pub steps: [u32; 2],
-    /// Object-space error of the mesh that is there, in the mesh's units, rounded up by at most one sixteenth.
+    /// Object-space error of the mesh that is there, in the mesh's units, rounded up by at most one
+    /// sixteenth.
     pub error: f32,
 }
 
@@ -89,12 +91,12 @@ impl Unpacker {
         self
     }
 
-    /// Takes the next bytes of the stream and all whole blocks that they complete. Not more than one block is kept
-    /// besides the meshes.
+    /// Takes the next bytes of the stream and all whole blocks that they complete. Not more than
+    /// one block is kept besides the meshes.
     ///
     /// # Errors
-    /// If the stream is damaged there, crafted or too new: then everything before stays, and every further call says the
-    /// same.
+    /// If the stream is damaged there, crafted or too new: then everything before stays, and every
+    /// further call says the same.
     pub fn feed(&mut self, bytes: &[u8]) -> Result<(), FormatError> {
         if let Some(failed) = &self.failed {
             return Err(failed.clone());
@@ -163,9 +165,9 @@ impl Unpacker {
         }
     }
 
-    /// The triangles that an object shows now, in order of arrival: what is there stays in its place
-    /// when more comes, only corners change. Vertices are numbered by arrival too: vertex `i` here is vertex
-    /// `vertices − 1 − i` of the object in collapse order.
+    /// The triangles that an object shows now, in order of arrival: what is there stays in its
+    /// place when more comes, only corners change. Vertices are numbered by arrival too: vertex `i`
+    /// here is vertex `vertices − 1 − i` of the object in collapse order.
     #[must_use]
     pub fn triangles(&self, object: usize) -> impl ExactSizeIterator<Item = [u32; 3]> {
         let growth = &self.growing[object].object.growth;
@@ -190,23 +192,30 @@ impl Unpacker {
         &self.growing[object].object.goes_on
     }
 
-    /// The strips that an object shows now, by arrival of their vertices, in the order of drawing; none if the stream does
-    /// not tell strips. While triangles are missing a strip may be shown in several pieces.
+    /// The strips that an object shows now, by arrival of their vertices, in the order of drawing;
+    /// none if the stream does not tell strips. While triangles are missing a strip may be shown in
+    /// several pieces.
     #[must_use]
     pub fn strips(&self, object: usize) -> Option<StripSet> {
         let growth = &self.growing[object].object.growth;
-        self.growing[object].object.order.as_ref()?.draw(growth, self.promise(object).submeshes.len())
+        self.growing[object]
+            .object
+            .order
+            .as_ref()?
+            .draw(growth, self.promise(object).submeshes.len())
     }
 
-    /// The mesh that an object shows now: its vertices in collapse order, its triangles by arrival, as a mesh of its own
-    /// without vertices that no triangle uses. [`Cleaning`] says what else was left out, which only quantising can make.
+    /// The mesh that an object shows now: its vertices in collapse order, its triangles by arrival,
+    /// as a mesh of its own without vertices that no triangle uses. [`Cleaning`] says what else was
+    /// left out, which only quantising can make.
     ///
     /// # Errors
     /// If a crafted stream says something that is no mesh.
     pub fn mesh(&self, object: usize) -> Result<(Mesh, Cleaning), FormatError> {
         let mut parts = self.parts(object);
         let cleaning = parts.clean();
-        let wrong = |what: String| FormatError::new(Fault::Malformed, format!("object {object}"), what);
+        let wrong =
+            |what: String| FormatError::new(Fault::Malformed, format!("object {object}"), what);
         Ok((Mesh::try_from(parts).map_err(|e| wrong(e.to_string()))?, cleaning))
     }
 
@@ -228,7 +237,8 @@ impl Unpacker {
         }
         while self.done < waiting.len() {
             let number = self.blocks;
-            let wrong = |what: &str| FormatError::new(Fault::Malformed, format!("block {number}"), what);
+            let wrong =
+                |what: &str| FormatError::new(Fault::Malformed, format!("block {number}"), what);
             if self.whole {
                 return Err(wrong("follows the end of the stream"));
             }
@@ -276,29 +286,42 @@ impl Unpacker {
         let promises = self.head.as_ref().map(|h| &h.objects[..]).unwrap_or_default();
         let Some(number) = (block.subject as usize).checked_sub(1) else {
             let complete = |(g, p): (&Growing, &Promise)| {
-                g.steps == p.steps && g.object.growth.vertices() == p.vertices && g.object.growth.faces() == p.triangles
+                g.steps == p.steps
+                    && g.object.growth.vertices() == p.vertices
+                    && g.object.growth.faces() == p.triangles
             };
-            if block.steps != 0 || !block.payload.is_empty() || !self.growing.iter().zip(promises).all(complete) {
+            if block.steps != 0
+                || !block.payload.is_empty()
+                || !self.growing.iter().zip(promises).all(complete)
+            {
                 return Err("ends the stream before all has come");
             }
             self.whole = true;
             return Ok(());
         };
-        let Some((growing, promise)) = self.growing.get_mut(number).zip(promises.get(number)) else {
+        let Some((growing, promise)) = self.growing.get_mut(number).zip(promises.get(number))
+        else {
             return Err("belongs to an object that is not there");
         };
         if block.steps == 0 || block.steps > promise.steps - growing.steps {
             return Err("has no steps, or more than were promised");
         }
         let bytes = self.taken as usize + block.payload.len();
-        let (mesh, strips) = parted(block.payload, promise.strips).ok_or("has a part that is longer than it")?;
+        let (mesh, strips) =
+            parted(block.payload, promise.strips).ok_or("has a part that is longer than it")?;
         let mut runs = Runs { mesh: Decoder::new(mesh), strips: Decoder::new(strips) };
         for i in 1..=block.steps {
-            let step = growing.object.step(&mut runs, &Unknown, &mut self.models, promise.vertices, bytes);
+            let step =
+                growing.object.step(&mut runs, &Unknown, &mut self.models, promise.vertices, bytes);
             let what = match step {
                 Err(broken) => Some(broken.0),
-                Ok(()) if runs.mesh.is_lost() || runs.strips.is_lost() => Some("ends before its steps do"),
-                Ok(()) if i == block.steps && !(runs.mesh.is_done() && (self.plain || runs.strips.is_done())) => {
+                Ok(()) if runs.mesh.is_lost() || runs.strips.is_lost() => {
+                    Some("ends before its steps do")
+                }
+                Ok(())
+                    if i == block.steps
+                        && !(runs.mesh.is_done() && (self.plain || runs.strips.is_done())) =>
+                {
                     Some("does not end with its steps")
                 }
                 Ok(()) if growing.object.growth.faces() > promise.triangles => {
@@ -337,7 +360,9 @@ fn preamble(bytes: &[u8]) -> Result<bool, FormatError> {
         VERSION => Ok(true),
         0 => Err(malformed("version 0 never was".to_owned())),
         v => {
-            let what = format!("version {v} is newer than this program, which reads up to version {VERSION}");
+            let what = format!(
+                "version {v} is newer than this program, which reads up to version {VERSION}"
+            );
             Err(FormatError::new(Fault::Unsupported, "header", what))
         }
     }
@@ -359,20 +384,32 @@ fn parts(promise: &Promise, growth: &Growth) -> MeshParts {
     };
     let mut sorted: Vec<Vec<[u32; 3]>> = vec![Vec::new(); promise.submeshes.len()];
     for t in (0..growth.faces()).map(|f| growth.face(f)) {
-        sorted[growth.submesh[t[0] as usize] as usize].push([last - t[0], last - t[1], last - t[2]]);
+        sorted[growth.submesh[t[0] as usize] as usize].push([
+            last - t[0],
+            last - t[1],
+            last - t[2],
+        ]);
     }
     let mut first_triangle = 0;
     let submesh = |(s, triangles): (&Submesh, &Vec<[u32; 3]>)| {
-        let submesh = Submesh { first_triangle, triangle_count: triangles.len() as u32, ..s.clone() };
+        let submesh =
+            Submesh { first_triangle, triangle_count: triangles.len() as u32, ..s.clone() };
         first_triangle += triangles.len() as u32;
         submesh
     };
     MeshParts {
         positions: (0..vertices)
-            .map(|v| std::array::from_fn(|c| promise.layout.systems[c].value(growth.numbers[at(v) + c])))
+            .map(|v| {
+                std::array::from_fn(|c| promise.layout.systems[c].value(growth.numbers[at(v) + c]))
+            })
             .collect(),
         vertex_submesh: growth.submesh.iter().rev().copied().collect(),
-        attributes: promise.attributes.iter().zip(&promise.layout.streams[1..]).map(attribute).collect(),
+        attributes: promise
+            .attributes
+            .iter()
+            .zip(&promise.layout.streams[1..])
+            .map(attribute)
+            .collect(),
         submeshes: promise.submeshes.iter().zip(&sorted).map(submesh).collect(),
         triangles: sorted.concat(),
     }

@@ -81,8 +81,11 @@ impl Growth {
                 (0, Some(mate)) => Some(mate),
                 _ => None,
             };
-            let own =
-                |v: u32| self.numbers[v as usize * self.channels() + stream.first..][..stream.channels].iter().copied();
+            let own = |v: u32| {
+                self.numbers[v as usize * self.channels() + stream.first..][..stream.channels]
+                    .iter()
+                    .copied()
+            };
             let wanted = if C::WRITES { &truth[stream.first..][..stream.channels] } else { &[] };
             if let Some(mate) = copied {
                 found.extend(own(mate));
@@ -91,7 +94,10 @@ impl Growth {
             let set = s.min(STREAMS) % STREAMS;
             if s > 0 {
                 let was = models.was_again[set];
-                let is = coder.bit(&mut models.again[set][was], wanted.iter().copied().eq(own(near.survivor)));
+                let is = coder.bit(
+                    &mut models.again[set][was],
+                    wanted.iter().copied().eq(own(near.survivor)),
+                );
                 models.was_again[set] = usize::from(is);
                 if is {
                     found.extend(own(near.survivor));
@@ -123,7 +129,12 @@ impl Growth {
             let slot = set * CHANNELS + channel.min(CHANNELS - 1);
             let at = stream.first + channel;
             if channel % CHANNELS == 0 {
-                self.guesses(near, at, smooth, &mut guesses[..(stream.channels - channel).min(CHANNELS)]);
+                self.guesses(
+                    near,
+                    at,
+                    smooth,
+                    &mut guesses[..(stream.channels - channel).min(CHANNELS)],
+                );
             }
             let Guess { number: mut guess, bits: expected } = guesses[channel % CHANNELS];
             let usual = (models.usual[slot] + 8) / 16;
@@ -139,7 +150,8 @@ impl Growth {
             }
             let truth = wanted.get(channel).copied().unwrap_or_default();
             let difference = i64::from(truth) - i64::from(guess);
-            let (difference, class) = models.residual[slot][quality].code(coder, expected.min(32), difference);
+            let (difference, class) =
+                models.residual[slot][quality].code(coder, expected.min(32), difference);
             models.usual[slot] = (models.usual[slot] * 15 + class * 16 + 8) / 16;
             quality = match class + 2 {
                 c if c < expected => 0,
@@ -157,10 +169,12 @@ impl Growth {
         }
     }
 
-    /// What the vertices around suggest for some channels, from number `first` on; or the survivor's numbers.
+    /// What the vertices around suggest for some channels, from number `first` on; or the
+    /// survivor's numbers.
     #[inline]
     fn guesses(&self, near: Near<'_>, first: usize, smooth: bool, guesses: &mut [Guess]) {
-        let own = &self.numbers[near.survivor as usize * self.channels() + first..][..guesses.len()];
+        let own =
+            &self.numbers[near.survivor as usize * self.channels() + first..][..guesses.len()];
         for (guess, &own) in guesses.iter_mut().zip(own) {
             *guess = Guess { number: own, bits: 0 };
         }
@@ -191,7 +205,8 @@ impl Growth {
             if system.is_even(least[i], most[i]) {
                 guess.number = mean(sum[i], near.rim.len(), guess.number);
             } else {
-                let floats = near.rim.iter().map(|&v| f64::from(system.value(self.numbers[at(v) + i])));
+                let floats =
+                    near.rim.iter().map(|&v| f64::from(system.value(self.numbers[at(v) + i])));
                 let mean = (floats.sum::<f64>() / near.rim.len() as f64) as f32;
                 if mean.is_finite() {
                     guess.number = system.index(mean);

@@ -13,8 +13,8 @@ const MAX_SIDE: usize = 1 << 14;
 /// More pixels than this are refused.
 const MAX_PIXELS: u64 = 1 << 26;
 
-/// Decodes a PNG or JPEG, told apart by their first bytes. Colour profiles and orientation are not looked at, as glTF
-/// demands; values of 16 bits lose the lower half.
+/// Decodes a PNG or JPEG, told apart by their first bytes. Colour profiles and orientation are not
+/// looked at, as glTF demands; values of 16 bits lose the lower half.
 ///
 /// # Errors
 /// If it is neither, damaged, or larger than 16384 pixels on a side or 64 million in all.
@@ -24,10 +24,22 @@ pub fn decode(bytes: &[u8]) -> Result<Picture, FormatError> {
     } else if bytes.starts_with(b"\xff\xd8\xff") {
         decode_jpeg(bytes)
     } else {
-        let known = [(&b"\xabKTX 2"[..], "a KTX2 texture"), (b"RIFF", "a WebP picture"), (b"DDS ", "a DDS texture")];
-        let known = known.into_iter().chain([(&b"GIF8"[..], "a GIF picture"), (b"BM", "a BMP picture")]);
-        let what = known.into_iter().find(|(magic, _)| bytes.starts_with(magic)).map_or("of no known kind", |k| k.1);
-        Err(FormatError::new(Fault::Unsupported, "", format!("is {what}; PNG and JPEG can be read")))
+        let known = [
+            (&b"\xabKTX 2"[..], "a KTX2 texture"),
+            (b"RIFF", "a WebP picture"),
+            (b"DDS ", "a DDS texture"),
+        ];
+        let known =
+            known.into_iter().chain([(&b"GIF8"[..], "a GIF picture"), (b"BM", "a BMP picture")]);
+        let what = known
+            .into_iter()
+            .find(|(magic, _)| bytes.starts_with(magic))
+            .map_or("of no known kind", |k| k.1);
+        Err(FormatError::new(
+            Fault::Unsupported,
+            "",
+            format!("is {what}; PNG and JPEG can be read"),
+        ))
     }
 }
 
@@ -36,7 +48,9 @@ fn check_size(width: usize, height: usize) -> Result<(), FormatError> {
         return Err(FormatError::new(Fault::Malformed, "", "has no pixel"));
     }
     if width > MAX_SIDE || height > MAX_SIDE || (width as u64) * (height as u64) > MAX_PIXELS {
-        let what = format!("has {width} x {height} pixels, more than {MAX_SIDE} on a side or {MAX_PIXELS} in all");
+        let what = format!(
+            "has {width} x {height} pixels, more than {MAX_SIDE} on a side or {MAX_PIXELS} in all"
+        );
         return Err(FormatError::new(Fault::Limit, "", what));
     }
     Ok(())
@@ -44,7 +58,9 @@ fn check_size(width: usize, height: usize) -> Result<(), FormatError> {
 
 fn decode_png(bytes: &[u8]) -> Result<Picture, FormatError> {
     let damaged = |e: png::DecodingError| match e {
-        png::DecodingError::LimitsExceeded => FormatError::new(Fault::Limit, "", "takes too much memory"),
+        png::DecodingError::LimitsExceeded => {
+            FormatError::new(Fault::Limit, "", "takes too much memory")
+        }
         e => FormatError::new(Fault::Malformed, "", format!("is a damaged PNG: {e}")),
     };
     // Room for one row and its neighbour, and for the text and profiles that nobody reads.

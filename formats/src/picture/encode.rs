@@ -14,7 +14,8 @@ pub fn png(picture: &Picture) -> Vec<u8> {
     encoder.set_color(if opaque { ::png::ColorType::Rgb } else { ::png::ColorType::Rgba });
     encoder.set_depth(::png::BitDepth::Eight);
     encoder.set_source_srgb(::png::SrgbRenderingIntent::RelativeColorimetric);
-    let mut writer = encoder.write_header().expect("a picture has pixels, and memory takes what is written");
+    let mut writer =
+        encoder.write_header().expect("a picture has pixels, and memory takes what is written");
     let data: Vec<u8> = if opaque {
         picture.bytes.as_chunks::<4>().0.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect()
     } else {

@@ -3,7 +3,9 @@ use crate::Fault;
 
 /// A picture in which every pixel is different.
 fn coloured(width: u32, height: u32, opaque: bool) -> Picture {
-    let pixel = |i: u32| [(i * 7) as u8, (i * 31) as u8, (i * 101) as u8, if opaque { 255 } else { (i * 3) as u8 }];
+    let pixel = |i: u32| {
+        [(i * 7) as u8, (i * 31) as u8, (i * 101) as u8, if opaque { 255 } else { (i * 3) as u8 }]
+    };
     Picture { width, height, bytes: (0..width * height).flat_map(pixel).collect() }
 }
 
@@ -20,8 +22,18 @@ fn a_png_comes_back_as_it_was() {
 #[test]
 fn every_kind_of_png_is_read() {
     for (colour, depth, data, wanted) in [
-        (::png::ColorType::Grayscale, ::png::BitDepth::One, vec![0b1000_0000], [[255, 255, 255, 255], [0, 0, 0, 255]]),
-        (::png::ColorType::GrayscaleAlpha, ::png::BitDepth::Eight, vec![9, 8, 7, 6], [[9, 9, 9, 8], [7, 7, 7, 6]]),
+        (
+            ::png::ColorType::Grayscale,
+            ::png::BitDepth::One,
+            vec![0b1000_0000],
+            [[255, 255, 255, 255], [0, 0, 0, 255]],
+        ),
+        (
+            ::png::ColorType::GrayscaleAlpha,
+            ::png::BitDepth::Eight,
+            vec![9, 8, 7, 6],
+            [[9, 9, 9, 8], [7, 7, 7, 6]],
+        ),
         (
             ::png::ColorType::Rgb,
             ::png::BitDepth::Sixteen,

@@ -9,8 +9,9 @@ fn output(path: PathBuf, bytes: &[u8]) -> OutputFile {
 
 fn names(scratch: &Scratch) -> Vec<String> {
     let entries = fs::read_dir(scratch.path("")).expect("the folder");
-    let mut names: Vec<_> =
-        entries.map(|e| e.expect("an entry").file_name().into_string().expect("our names")).collect();
+    let mut names: Vec<_> = entries
+        .map(|e| e.expect("an entry").file_name().into_string().expect("our names"))
+        .collect();
     names.sort();
     names
 }
@@ -27,7 +28,8 @@ fn prefix(name: &str) -> String {
 fn files_are_written_and_replaced_and_nothing_else_is_left() {
     let scratch = Scratch::new("write-plain");
     for bytes in [&b"first"[..], b"second", b""] {
-        write_all(&[output(scratch.path("a.gltf"), bytes), output(scratch.path("a.bin"), b"bin")]).expect("written");
+        write_all(&[output(scratch.path("a.gltf"), bytes), output(scratch.path("a.bin"), b"bin")])
+            .expect("written");
         assert_eq!(read(&scratch, "a.gltf"), bytes);
         assert_eq!(names(&scratch), ["a.bin", "a.gltf"]);
     }
@@ -38,13 +40,15 @@ fn a_failure_leaves_the_old_files() {
     let scratch = Scratch::new("write-fail");
     scratch.write("a.gltf", b"old");
     scratch.write("a.bin/file", b"in the way");
-    let error = write_all(&[output(scratch.path("a.gltf"), b"new"), output(scratch.path("a.bin"), b"new")]);
+    let error =
+        write_all(&[output(scratch.path("a.gltf"), b"new"), output(scratch.path("a.bin"), b"new")]);
     let error = error.expect_err("a folder is in the way");
     assert_eq!(error.fault, Fault::NotWritten);
     assert!(error.file.ends_with("a.bin"), "{error}");
     assert_eq!(read(&scratch, "a.gltf"), b"old");
     assert_eq!(names(&scratch), ["a.bin", "a.gltf"]);
-    let missing = write_all(&[output(scratch.path("no/such/folder/x"), b"x")]).expect_err("no folder");
+    let missing =
+        write_all(&[output(scratch.path("no/such/folder/x"), b"x")]).expect_err("no folder");
     assert_eq!(missing.fault, Fault::NotWritten);
 }
 
@@ -52,12 +56,16 @@ fn a_failure_leaves_the_old_files() {
 fn a_rename_that_fails_takes_the_earlier_ones_back() {
     let scratch = Scratch::new("write-undo");
     scratch.write("a.bin", b"old");
-    let write =
-        |name: &str| Pending::write(&output(scratch.path(name), b"new")).expect("written").expect("not a device");
+    let write = |name: &str| {
+        Pending::write(&output(scratch.path(name), b"new")).expect("written").expect("not a device")
+    };
     let (mut replaced, mut added, mut failing) = (write("a.bin"), write("b.bin"), write("a.gltf"));
     replaced.commit(true).expect("renamed");
     added.commit(true).expect("renamed");
-    assert_eq!((read(&scratch, "a.bin"), read(&scratch, "b.bin")), (b"new".to_vec(), b"new".to_vec()));
+    assert_eq!(
+        (read(&scratch, "a.bin"), read(&scratch, "b.bin")),
+        (b"new".to_vec(), b"new".to_vec())
+    );
     fs::create_dir(scratch.path("a.gltf")).expect("a folder in the way, made at the last moment");
     failing.commit(true).expect_err("a folder is in the way");
     added.undo();

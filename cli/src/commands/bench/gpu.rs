@@ -25,7 +25,12 @@ pub(super) fn open(wanted: Option<GpuUse>, adapter: Option<&str>) -> Outcome<Opt
 /// # Errors
 /// If the device fails or is too small.
 #[cfg(feature = "gpu")]
-pub(super) fn measure(device: &Device, object: &LodObject, rounds: u32, report: &mut BenchObject) -> Outcome<()> {
+pub(super) fn measure(
+    device: &Device,
+    object: &LodObject,
+    rounds: u32,
+    report: &mut BenchObject,
+) -> Outcome<()> {
     use super::report::{CaseReport, GpuReport, MemoryReport};
     use crate::exit::{Failure, Status};
     use lodc_lod::Model;
@@ -34,10 +39,12 @@ pub(super) fn measure(device: &Device, object: &LodObject, rounds: u32, report: 
     let start = Instant::now();
     for model in &object.models {
         let failed = |what: String| format!("{}: {what}", object.info.name);
-        let benchmark = model.benchmark().map_err(|e| Failure::new(Status::Limit, failed(e.to_string())))?;
-        let figures =
-            lodc_gpu::measure(device, &benchmark, rounds, &|| start.elapsed()).map_err(|e| gpu::failure(&e))?;
-        let per_vertex = |words: u64| words as f64 / report.counts.referenced_vertices.max(1) as f64;
+        let benchmark =
+            model.benchmark().map_err(|e| Failure::new(Status::Limit, failed(e.to_string())))?;
+        let figures = lodc_gpu::measure(device, &benchmark, rounds, &|| start.elapsed())
+            .map_err(|e| gpu::failure(&e))?;
+        let per_vertex =
+            |words: u64| words as f64 / report.counts.referenced_vertices.max(1) as f64;
         let cases = figures.iter().map(|f| {
             let case = CaseReport {
                 runs: f.runs as u64,
@@ -47,15 +54,19 @@ pub(super) fn measure(device: &Device, object: &LodObject, rounds: u32, report: 
             };
             (f.name.to_owned(), super::object::value(&case))
         });
-        let report = report
-            .gpu
-            .get_or_insert_with(|| GpuReport { adapter: device.adapter().to_string(), ..GpuReport::default() });
+        let report = report.gpu.get_or_insert_with(|| GpuReport {
+            adapter: device.adapter().to_string(),
+            ..GpuReport::default()
+        });
         report.clock = if device.has_clock() { "device" } else { "host" };
         let memory = benchmark.memory.iter().map(|m| {
-            let words = MemoryReport { positions: per_vertex(m.positions), normals: per_vertex(m.normals) };
+            let words =
+                MemoryReport { positions: per_vertex(m.positions), normals: per_vertex(m.normals) };
             (m.variant.to_owned(), super::object::value(&words))
         });
-        report.words_per_vertex.insert(model.name().to_owned(), serde_json::Value::Object(memory.collect()));
+        report
+            .words_per_vertex
+            .insert(model.name().to_owned(), serde_json::Value::Object(memory.collect()));
         report.models.insert(model.name().to_owned(), serde_json::Value::Object(cases.collect()));
     }
     Ok(())

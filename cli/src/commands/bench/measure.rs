@@ -1,4 +1,5 @@
-//! How long moves take, and what they send and draw: linear sweeps over all LODs, down and up (thesis 3.5.2).
+//! How long moves take, and what they send and draw: linear sweeps over all LODs, down and up
+//! (thesis 3.5.2).
 
 use super::subject::Runner;
 use lodc_lod::baseline::Rebuild;
@@ -6,16 +7,19 @@ use lodc_mesh::{CollapseSequence, Lod, Simplified};
 use std::hint::black_box;
 use std::time::Instant;
 
-/// A measurement shorter than this is repeated until it is not: clocks and interruptions would blur it.
+/// A measurement shorter than this is repeated until it is not: clocks and interruptions would blur
+/// it.
 const SHORTEST: f64 = 0.01;
 /// Jumps of each round; each is timed by itself.
 const JUMPS: u32 = 5;
 
-/// Where a sweep stops on its way down: every `share` of the LODs, the last one included, LOD 0 not.
+/// Where a sweep stops on its way down: every `share` of the LODs, the last one included, LOD 0
+/// not.
 pub(super) fn stops(collapses: &CollapseSequence, share: f64) -> Vec<Lod> {
     let records = f64::from(collapses.records());
     let count = (1.0 / share).round().clamp(1.0, 1e6);
-    let mut stops: Vec<Lod> = (1..=count as u64).map(|i| Lod((records * i as f64 / count).round() as u32)).collect();
+    let mut stops: Vec<Lod> =
+        (1..=count as u64).map(|i| Lod((records * i as f64 / count).round() as u32)).collect();
     stops.dedup();
     stops.retain(|&lod| lod > Lod(0));
     stops
@@ -69,8 +73,8 @@ impl Times {
     }
 }
 
-/// Times everybody in turn, round after round, so that a busy machine is busy for all of them. Also what it takes to
-/// make the far LOD's index list from scratch.
+/// Times everybody in turn, round after round, so that a busy machine is busy for all of them. Also
+/// what it takes to make the far LOD's index list from scratch.
 pub(super) fn times(
     runners: &mut [&mut Box<dyn Runner + '_>],
     simplified: &Simplified,

@@ -1,4 +1,5 @@
-//! `lodc bench`: storage, extraction time, bus traffic and primitives of every model and baseline (thesis 3.5, 4.5, 5.5).
+//! `lodc bench`: storage, extraction time, bus traffic and primitives of every model and baseline
+//! (thesis 3.5, 4.5, 5.5).
 
 mod gpu;
 mod measure;
@@ -45,7 +46,8 @@ pub(crate) struct BenchArgs {
     /// Meshes (OBJ, glTF, GLB), or .lodc files with their models as they are
     #[arg(required = true)]
     inputs: Vec<PathBuf>,
-    /// Models to measure, separated by commas; those that a .lodc file has not are made [default: every one]
+    /// Models to measure, separated by commas; those that a .lodc file has not are made [default:
+    /// every one]
     #[arg(long, value_delimiter = ',', value_name = "MODELS")]
     models: Vec<ModelName>,
     /// What drives the collapses of meshes (a .lodc file has its own)
@@ -66,13 +68,15 @@ pub(crate) struct BenchArgs {
     /// Leave out everything that differs from run to run
     #[arg(long)]
     no_times: bool,
-    /// Also time models on a GPU, by its own clock: `require` one (plain --gpu), or take it if there is one (`auto`)
+    /// Also time models on a GPU, by its own clock: `require` one (plain --gpu), or take it if
+    /// there is one (`auto`)
     #[arg(long, value_name = "WHEN", num_args = 0..=1, require_equals = true, default_missing_value = "require")]
     gpu: Option<GpuUse>,
     /// The GPU to use, by a part of its name
     #[arg(long, value_name = "NAME", requires = "gpu")]
     adapter: Option<String>,
-    /// Also pack each object as a progressive stream: its size, its speed, and how far its prefixes are from the whole
+    /// Also pack each object as a progressive stream: its size, its speed, and how far its prefixes
+    /// are from the whole
     #[arg(long)]
     streams: bool,
     /// Print one JSON document
@@ -99,7 +103,8 @@ pub(crate) fn run(args: &BenchArgs) -> Outcome<Status> {
     let device = gpu::open(args.gpu, args.adapter.as_deref())?;
     let threads = args.jobs.map_or(0, |n| n.get().min(MOST_THREADS));
     let pool = ThreadPoolBuilder::new().num_threads(threads).build();
-    let pool = pool.map_err(|e| Failure::new(Status::Limit, format!("no threads to work with: {e}")))?;
+    let pool =
+        pool.map_err(|e| Failure::new(Status::Limit, format!("no threads to work with: {e}")))?;
     let mut report = BenchReport {
         schema_version: SCHEMA_VERSION,
         tool_version: env!("CARGO_PKG_VERSION"),
@@ -178,7 +183,11 @@ fn prepare(
 fn objects(args: &BenchArgs, input: &Path) -> Outcome<Vec<Prepared>> {
     if input.extension().is_some_and(|e| e.eq_ignore_ascii_case("lodc")) {
         let (file, _) = read_lodc(input, args.import.options().limits)?;
-        return file.objects.into_iter().map(|o| prepare(args, o.info, o.simplified, o.models)).collect();
+        return file
+            .objects
+            .into_iter()
+            .map(|o| prepare(args, o.info, o.simplified, o.models))
+            .collect();
     }
     let scene = import::import(input, &args.import.options())?;
     let name = input.display().to_string();
@@ -191,5 +200,8 @@ fn objects(args: &BenchArgs, input: &Path) -> Outcome<Vec<Prepared>> {
     let options = Options { metric: args.metric.kind(), ..Options::DEFAULT };
     let simplified = simplify_all(scene.objects, &options, triangles, &progress);
     progress.stage("models");
-    simplified.into_iter().map(|(info, simplified)| prepare(args, info, simplified, Vec::new())).collect()
+    simplified
+        .into_iter()
+        .map(|(info, simplified)| prepare(args, info, simplified, Vec::new()))
+        .collect()
 }

@@ -1,7 +1,9 @@
 //! All measurements of one object.
 
 use super::measure::{Times, counts, stops, times};
-use super::report::{BenchObject, Bits, DrawnReport, ExtractionReport, SubjectReport, TrafficReport};
+use super::report::{
+    BenchObject, Bits, DrawnReport, ExtractionReport, SubjectReport, TrafficReport,
+};
 use super::subject::{Subject, baselines, plain, subjects};
 use super::{BenchArgs, Prepared, gpu, primitives, stream};
 use crate::commands::build::counts as object_counts;
@@ -15,21 +17,29 @@ use serde_json::{Map, Value};
 ///
 /// # Errors
 /// If a baseline cannot be made of its sequence (a bug), or a graphics device fails.
-pub(super) fn measure(args: &BenchArgs, device: Option<&Device>, prepared: &Prepared) -> Outcome<BenchObject> {
+pub(super) fn measure(
+    args: &BenchArgs,
+    device: Option<&Device>,
+    prepared: &Prepared,
+) -> Outcome<BenchObject> {
     let Prepared { object, stripe, cache } = prepared;
     let (mesh, collapses) = (object.simplified.mesh(), object.simplified.collapses());
     let stops = stops(collapses, args.steps);
-    let far = collapses.lod_for_triangles(collapses.parts().triangles / 100).min(collapses.last_visible());
+    let far = collapses
+        .lod_for_triangles(collapses.parts().triangles / 100)
+        .min(collapses.last_visible());
     let baselines = baselines(object, stripe)?;
     let mut subjects = subjects(object, &baselines);
 
     let mut timed: Vec<(&'static str, Times)> = Vec::new();
     let mut rebuild = None;
     if !args.no_times && !stops.is_empty() {
-        let continuous: Vec<&mut Subject<'_>> = subjects.iter_mut().filter(|s| s.continuous).collect();
+        let continuous: Vec<&mut Subject<'_>> =
+            subjects.iter_mut().filter(|s| s.continuous).collect();
         let names: Vec<_> = continuous.iter().map(|s| s.name).collect();
         let mut runners: Vec<_> = continuous.into_iter().map(|s| &mut s.runner).collect();
-        let (best, scratch) = times(&mut runners, &object.simplified, &stops, far, args.rounds.get());
+        let (best, scratch) =
+            times(&mut runners, &object.simplified, &stops, far, args.rounds.get());
         timed = names.into_iter().zip(best).collect();
         rebuild = Some(scratch);
     }
@@ -58,7 +68,13 @@ pub(super) fn measure(args: &BenchArgs, device: Option<&Device>, prepared: &Prep
     }
     for (name, cost) in plain(&object.simplified, stripe) {
         let bits_per_vertex = of_cost([cost, cost], None, None);
-        let row = SubjectReport { baseline: true, bits_per_vertex, drawn: None, traffic: None, extraction: None };
+        let row = SubjectReport {
+            baseline: true,
+            bits_per_vertex,
+            drawn: None,
+            traffic: None,
+            extraction: None,
+        };
         models.insert(name.to_owned(), value(&row));
     }
 
@@ -73,7 +89,10 @@ pub(super) fn measure(args: &BenchArgs, device: Option<&Device>, prepared: &Prep
         updates: stops.len() as u64,
         jump_lod: far.0,
         rebuild_us: rebuild,
-        primitives: primitives.into_iter().map(|(name, report)| (name.to_owned(), value(&report))).collect(),
+        primitives: primitives
+            .into_iter()
+            .map(|(name, report)| (name.to_owned(), value(&report)))
+            .collect(),
         models,
         gpu: None,
         stream: if args.streams { Some(stream::measure(args, prepared)?) } else { None },
@@ -100,7 +119,11 @@ fn of_cost([all, most]: [StorageCost; 2], file: Option<u64>, tight: Option<u64>)
     }
 }
 
-fn extraction(name: &str, timed: &[(&'static str, Times)], scratch: f64) -> Option<ExtractionReport> {
+fn extraction(
+    name: &str,
+    timed: &[(&'static str, Times)],
+    scratch: f64,
+) -> Option<ExtractionReport> {
     let of = |wanted: &str| timed.iter().find(|(name, _)| *name == wanted).map(|(_, times)| times);
     let own = of(name)?;
     let per = |baseline: &str| of(baseline).map(|other| own.mean() / other.mean());

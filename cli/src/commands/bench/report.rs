@@ -52,7 +52,8 @@ pub(super) struct StreamReport {
     pub(super) lossless_strips: f64,
     /// Positions in 16 bits, normals in 10, texture coordinates in 12.
     pub(super) quantized_strips: f64,
-    /// The same packages as plain words and bytes (thesis, table 4.3), with positions only and with normals.
+    /// The same packages as plain words and bytes (thesis, table 4.3), with positions only and with
+    /// normals.
     pub(super) packages: f64,
     pub(super) packages_normals: f64,
     /// Null if nothing was timed.
@@ -78,7 +79,8 @@ pub(super) struct PrefixReport {
     pub(super) percent: u32,
     pub(super) bytes: u64,
     pub(super) triangles: u64,
-    /// In percent of the diagonal, the greater of both ways; null as all that follows while there are no triangles.
+    /// In percent of the diagonal, the greater of both ways; null as all that follows while there
+    /// are no triangles.
     pub(super) rms: Option<f64>,
     pub(super) hausdorff: Option<f64>,
     /// Root mean square difference of grey (0 to 255) over 24 pictures.

@@ -1,4 +1,5 @@
-//! An object as a progressive stream: its size, how fast it is written and read, and what a part of it looks like.
+//! An object as a progressive stream: its size, how fast it is written and read, and what a part of
+//! it looks like.
 
 use super::report::{PrefixReport, StreamReport, StreamSpeed};
 use super::{BenchArgs, Prepared};
@@ -27,7 +28,11 @@ pub(super) fn measure(args: &BenchArgs, prepared: &Prepared) -> Outcome<StreamRe
     let file = alone(object);
     let bug = |e: FormatError| Failure::new(Status::Bug, format!("{}: {e}", object.info.name));
     let packed = |strips: Option<&StripSet>, bits: Option<u8>| {
-        let quantize = Quantize { position: bits, normal: bits.map(|b| b.min(10)), uv: bits.map(|b| b.min(12)) };
+        let quantize = Quantize {
+            position: bits,
+            normal: bits.map(|b| b.min(10)),
+            uv: bits.map(|b| b.min(12)),
+        };
         pack(&file, &[strips], &PackOptions { quantize, ..PackOptions::default() }).map_err(bug)
     };
     let strips = &cache.set;
@@ -39,7 +44,8 @@ pub(super) fn measure(args: &BenchArgs, prepared: &Prepared) -> Outcome<StreamRe
         None
     } else {
         let one = ThreadPoolBuilder::new().num_threads(1).build();
-        let one = one.map_err(|e| Failure::new(Status::Limit, format!("no thread to work with: {e}")))?;
+        let one =
+            one.map_err(|e| Failure::new(Status::Limit, format!("no thread to work with: {e}")))?;
         let encode = one.install(|| best(args, || packed(None, None).map(|p| p.bytes.len())))?;
         let decode = one.install(|| best(args, || index_list(&plain.bytes).map_err(bug)))?;
         let decode_strips = one.install(|| best(args, || index_list(&whole.bytes).map_err(bug)))?;
@@ -66,8 +72,11 @@ pub(super) fn measure(args: &BenchArgs, prepared: &Prepared) -> Outcome<StreamRe
 
 /// The object as a file of its own.
 fn alone(object: &LodObject) -> LodFile {
-    let object =
-        LodObject { info: object.info.clone(), simplified: Arc::clone(&object.simplified), models: Vec::new() };
+    let object = LodObject {
+        info: object.info.clone(),
+        simplified: Arc::clone(&object.simplified),
+        models: Vec::new(),
+    };
     LodFile {
         source: Source { format: SourceFormat::Obj, content_hash: 0 },
         document: Document::Obj(ObjDocument::default()),
@@ -107,10 +116,20 @@ fn prefixes(bytes: &[u8]) -> Result<Vec<PrefixReport>, FormatError> {
     let taken = pictures(&whole, &cameras, looks);
     let report = |percent: u32| {
         let cut = (bytes.len() as u64 * u64::from(percent)).div_ceil(100);
-        let part = shown(&bytes[..cut as usize])?.as_ref().map(surface).filter(|s| !s.triangles.is_empty());
+        let part = shown(&bytes[..cut as usize])?
+            .as_ref()
+            .map(surface)
+            .filter(|s| !s.triangles.is_empty());
         let triangles = part.as_ref().map_or(0, |s| s.triangles.len()) as u64;
         let Some(part) = part.filter(|_| diagonal > 0.0) else {
-            return Ok(PrefixReport { percent, bytes: cut, triangles, rms: None, hausdorff: None, image: None });
+            return Ok(PrefixReport {
+                percent,
+                bytes: cut,
+                triangles,
+                rms: None,
+                hausdorff: None,
+                image: None,
+            });
         };
         let space = distances(&whole, &part, &SAMPLING);
         let share = |d: [f64; 2]| Some(100.0 * d[0].max(d[1]) / diagonal);

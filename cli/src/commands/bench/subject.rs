@@ -94,8 +94,14 @@ pub(super) fn subjects<'a>(object: &'a LodObject, baselines: &'a [Baseline]) -> 
 }
 
 /// What has no levels of detail: plain triangles, and plain strips drawn one by one.
-pub(crate) fn plain(simplified: &Simplified, strips: &StripSet) -> [(&'static str, StorageCost); 2] {
-    [("triangles", StorageCost::of_triangles(simplified)), ("strips", StorageCost::of_strips(simplified, strips))]
+pub(crate) fn plain(
+    simplified: &Simplified,
+    strips: &StripSet,
+) -> [(&'static str, StorageCost); 2] {
+    [
+        ("triangles", StorageCost::of_triangles(simplified)),
+        ("strips", StorageCost::of_strips(simplified, strips)),
+    ]
 }
 
 /// The baselines of an object, over strips of its mesh.

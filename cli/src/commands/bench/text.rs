@@ -82,7 +82,10 @@ fn tables(text: &mut String, object: &BenchObject, share: f64) {
     table(text, &format!("µs per update of {percent} %"), &object.models, EXTRACTION);
     if let Some(scratch) = object.rebuild_us {
         let lod = grouped(u64::from(object.jump_lod));
-        let _ = writeln!(text, "  (jump: LOD 0 to {lod}, 1 % of the triangles; from scratch {scratch:.1} µs)");
+        let _ = writeln!(
+            text,
+            "  (jump: LOD 0 to {lod}, 1 % of the triangles; from scratch {scratch:.1} µs)"
+        );
     }
     table(text, "per update, and per LOD", &object.models, TRAFFIC);
     table(text, "primitives at LOD 0", &object.primitives, PRIMITIVES);
@@ -104,14 +107,22 @@ fn tables(text: &mut String, object: &BenchObject, share: f64) {
 }
 
 fn streams(text: &mut String, stream: &StreamReport) {
-    let StreamReport { lossless, lossless_strips, quantized_strips, packages, packages_normals, .. } = stream;
+    let StreamReport {
+        lossless,
+        lossless_strips,
+        quantized_strips,
+        packages,
+        packages_normals,
+        ..
+    } = stream;
     let _ = writeln!(
         text,
         "\n  stream, bits per vertex: {lossless:.1}, with strips {lossless_strips:.1}, in 16 bits {quantized_strips:.1}; as \
          packages {packages:.0}, with normals {packages_normals:.0}"
     );
     if let Some(speed) = stream.speed {
-        let (encode, decode) = (speed.encode_million_triangles_per_second, speed.decode_million_triangles_per_second);
+        let (encode, decode) =
+            (speed.encode_million_triangles_per_second, speed.decode_million_triangles_per_second);
         let past = speed.decode_past_strips_million_triangles_per_second;
         let _ = writeln!(
             text,
@@ -125,7 +136,8 @@ fn streams(text: &mut String, stream: &StreamReport) {
 /// Rows that have at least one of the columns' numbers.
 fn table(text: &mut String, title: &str, rows: &Map<String, Value>, columns: &[Column]) {
     let number = |row: &Value, path: &str| row.pointer(path).and_then(Value::as_f64);
-    let rows: Vec<_> = rows.iter().filter(|(_, row)| columns.iter().any(|c| number(row, c.1).is_some())).collect();
+    let rows: Vec<_> =
+        rows.iter().filter(|(_, row)| columns.iter().any(|c| number(row, c.1).is_some())).collect();
     if rows.is_empty() {
         return;
     }

@@ -33,7 +33,8 @@ pub(crate) struct BuildArgs {
     /// Meshes to read: OBJ, glTF or GLB; `-` for standard input
     #[arg(required = true)]
     inputs: Vec<PathBuf>,
-    /// A file for one input, a folder for several; `-` for standard output [default: beside the input, as .lodc]
+    /// A file for one input, a folder for several; `-` for standard output [default: beside the
+    /// input, as .lodc]
     #[arg(short, long, value_name = "OUT")]
     output: Option<PathBuf>,
     /// Structures to write, separated by commas [default: every one that this version has]
@@ -141,10 +142,14 @@ pub(crate) fn run(args: &BuildArgs) -> Outcome<Status> {
     output::prepare(&targets, folder)?;
     let threads = args.jobs.map_or(0, |n| n.get().min(MOST_THREADS));
     let pool = ThreadPoolBuilder::new().num_threads(threads).build();
-    let pool = pool.map_err(|e| Failure::new(Status::Limit, format!("no threads to work with: {e}")))?;
+    let pool =
+        pool.map_err(|e| Failure::new(Status::Limit, format!("no threads to work with: {e}")))?;
 
-    let mut report =
-        BuildReport { schema_version: SCHEMA_VERSION, tool_version: env!("CARGO_PKG_VERSION"), inputs: vec![] };
+    let mut report = BuildReport {
+        schema_version: SCHEMA_VERSION,
+        tool_version: env!("CARGO_PKG_VERSION"),
+        inputs: vec![],
+    };
     let mut rules = Vec::new();
     let mut worst = Status::Done;
     for (input, target) in args.inputs.iter().zip(&targets) {
@@ -165,15 +170,24 @@ pub(crate) fn run(args: &BuildArgs) -> Outcome<Status> {
     Ok(worst)
 }
 
-/// One input from bytes to bytes. Whatever happens, there is a report, and the other inputs have their turn.
-fn build_one(args: &BuildArgs, input: &Path, target: &Target) -> (InputReport, Option<Rule>, Status) {
-    let mut report =
-        InputReport { input: input.display().to_string(), output: target.name(), ..InputReport::default() };
+/// One input from bytes to bytes. Whatever happens, there is a report, and the other inputs have
+/// their turn.
+fn build_one(
+    args: &BuildArgs,
+    input: &Path,
+    target: &Target,
+) -> (InputReport, Option<Rule>, Status) {
+    let mut report = InputReport {
+        input: input.display().to_string(),
+        output: target.name(),
+        ..InputReport::default()
+    };
     let mut stages = Stages::default();
     let progress = Progress::new(&report.input);
     crate::memory::reset_peak();
-    let made =
-        catch_unwind(AssertUnwindSafe(|| pipeline::make(args, input, target, &mut stages, &progress, &mut report)));
+    let made = catch_unwind(AssertUnwindSafe(|| {
+        pipeline::make(args, input, target, &mut stages, &progress, &mut report)
+    }));
     drop(progress);
     report.peak_bytes = crate::memory::peak_bytes();
     for warning in &report.warnings {
@@ -189,7 +203,8 @@ fn build_one(args: &BuildArgs, input: &Path, target: &Target) -> (InputReport, O
             (Status::Done, rule)
         }
         Ok(Err(failure)) => {
-            // An error in a file that the input refers to names that file; with several inputs both are needed.
+            // An error in a file that the input refers to names that file; with several inputs both
+            // are needed.
             let named = failure.status != Status::Input || failure.message.contains(&report.input);
             let named = named || output::is_stream(input);
             let failure = if named {
@@ -225,9 +240,13 @@ fn check_streams(args: &BuildArgs, targets: &[Target]) -> Outcome<()> {
     if to_stdout || output::is_stream(depfile) {
         return Err(Failure::usage("a dependency file needs files, not standard output"));
     }
-    let others = targets.iter().map(Target::name).chain(args.inputs.iter().map(|i| i.display().to_string()));
+    let others =
+        targets.iter().map(Target::name).chain(args.inputs.iter().map(|i| i.display().to_string()));
     if others.into_iter().any(|other| other == depfile.display().to_string()) {
-        return Err(Failure::usage(format!("{}: named both as dependency file and as mesh", depfile.display())));
+        return Err(Failure::usage(format!(
+            "{}: named both as dependency file and as mesh",
+            depfile.display()
+        )));
     }
     output::prepare(&[Target::File(depfile.clone())], false)
 }

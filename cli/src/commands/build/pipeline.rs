@@ -53,13 +53,18 @@ pub(super) fn make(
         attributes: !args.no_attributes,
         ..Options::DEFAULT
     };
-    let simplified = stages.run("simplify", || simplify_all(objects, &options, triangles, progress));
+    let simplified =
+        stages.run("simplify", || simplify_all(objects, &options, triangles, progress));
 
     let kinds = levels::chosen(&args.models);
     report.models = kinds.iter().map(|kind| kind.name()).collect();
-    let bug = |what: String| Failure::new(Status::Bug, format!("{}: {what}; nothing was written", input.display()));
-    let options = StripOptions { kind: args.strips.map(StripsName::kind), effort: args.effort.into() };
-    let mut pools: Vec<StripPool<'_>> = simplified.iter().map(|(_, s)| StripPool::new(s, options)).collect();
+    let bug = |what: String| {
+        Failure::new(Status::Bug, format!("{}: {what}; nothing was written", input.display()))
+    };
+    let options =
+        StripOptions { kind: args.strips.map(StripsName::kind), effort: args.effort.into() };
+    let mut pools: Vec<StripPool<'_>> =
+        simplified.iter().map(|(_, s)| StripPool::new(s, options)).collect();
     if kinds.iter().any(|kind| kind.strips().is_some()) {
         progress.stage("strips");
         let generate = |pool: &mut StripPool<'_>| {
@@ -69,7 +74,8 @@ pub(super) fn make(
     }
     progress.stage("models");
     let models = |pool: &mut StripPool<'_>| levels::models(pool, &kinds);
-    let models: Result<Vec<_>, String> = stages.run("models", || pools.par_iter_mut().map(models).collect());
+    let models: Result<Vec<_>, String> =
+        stages.run("models", || pools.par_iter_mut().map(models).collect());
     let models = models.map_err(bug)?;
     drop(pools);
     let with_models = |((info, simplified), models)| LodObject { info, simplified, models };
@@ -116,7 +122,8 @@ pub(crate) fn simplify_all(
 
 fn fill_in(report: &mut InputReport, objects: &[LodObject]) {
     report.objects = objects.iter().map(|o| counts(&o.info, &o.simplified)).collect();
-    let sum = |of: fn(&crate::report::ObjectCounts) -> u64| Some(report.objects.iter().map(of).sum());
+    let sum =
+        |of: fn(&crate::report::ObjectCounts) -> u64| Some(report.objects.iter().map(of).sum());
     let sums = [
         sum(|o| o.vertices),
         sum(|o| o.referenced_vertices),

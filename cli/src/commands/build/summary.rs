@@ -19,7 +19,8 @@ fn text(made: &Made, output: &Output, seconds: f64) -> String {
     let objects = &made.file.objects;
     let counts: Vec<_> = objects.iter().map(|o| super::counts(&o.info, &o.simplified)).collect();
     let sum = |of: fn(&crate::report::ObjectCounts) -> u64| counts.iter().map(of).sum::<u64>();
-    let (referenced, triangles, fakes) = (sum(|c| c.referenced_vertices), sum(|c| c.triangles), sum(|c| c.fakes));
+    let (referenced, triangles, fakes) =
+        (sum(|c| c.referenced_vertices), sum(|c| c.triangles), sum(|c| c.fakes));
     let mut text = String::new();
     // Writing to a string cannot fail.
     let _ = writeln!(
@@ -39,7 +40,8 @@ fn text(made: &Made, output: &Output, seconds: f64) -> String {
         percent(fakes, referenced)
     );
     if let [one] = counts.as_slice() {
-        let legal = objects[0].simplified.collapses().triangles_at(lodc_mesh::Lod(one.last_legal_lod));
+        let legal =
+            objects[0].simplified.collapses().triangles_at(lodc_mesh::Lod(one.last_legal_lod));
         let _ = writeln!(
             text,
             "  last legal LOD {} of {} ({} left)",
@@ -54,7 +56,12 @@ fn text(made: &Made, output: &Output, seconds: f64) -> String {
         && triangles > 0
     {
         let half = path.with_extension("10percent.glb");
-        let _ = writeln!(text, "  next: lodc extract {} --ratio 0.1 -o {}", quoted(path), quoted(&half));
+        let _ = writeln!(
+            text,
+            "  next: lodc extract {} --ratio 0.1 -o {}",
+            quoted(path),
+            quoted(&half)
+        );
     }
     text
 }
@@ -69,8 +76,15 @@ fn table(text: &mut String, made: &Made) {
     let diagonal = scene_diagonal(&candidates);
     let _ = writeln!(text, "     share   triangles       error   of the diagonal");
     for share in TABLE {
-        let Ok(Selection { lods, error, .. }) = select(&candidates, Target::Ratio(share), false) else { continue };
-        let left: u64 = candidates.iter().zip(&lods).map(|(c, &l)| u64::from(c.collapses.triangles_at(l))).sum();
+        let Ok(Selection { lods, error, .. }) = select(&candidates, Target::Ratio(share), false)
+        else {
+            continue;
+        };
+        let left: u64 = candidates
+            .iter()
+            .zip(&lods)
+            .map(|(c, &l)| u64::from(c.collapses.triangles_at(l)))
+            .sum();
         let _ = writeln!(
             text,
             "    {:4.0} %{:>12}{:>12}{:12.3} %",

@@ -12,19 +12,29 @@ pub(super) fn draw(a: &Surface, b: &Surface, looks: Looks, hottest: f64) -> Vec<
     let cameras = VIEWING.cameras(a);
     let (of_a, of_b) = (pictures(a, &cameras, looks), pictures(b, &cameras, looks));
     let tree = Bvh::new(b);
-    let heat: Vec<Vec<[u8; 3]>> = of_a.par_iter().map(|picture| heat(picture, &tree, hottest)).collect();
+    let heat: Vec<Vec<[u8; 3]>> =
+        of_a.par_iter().map(|picture| heat(picture, &tree, hottest)).collect();
     let seen = |p: &Picture| p.colours.iter().map(|c| c.map(|v| v.max(0.0) as u8)).collect();
-    let rows: [Vec<Vec<[u8; 3]>>; 3] = [of_a.iter().map(seen).collect(), of_b.iter().map(seen).collect(), heat];
+    let rows: [Vec<Vec<[u8; 3]>>; 3] =
+        [of_a.iter().map(seen).collect(), of_b.iter().map(seen).collect(), heat];
     let size = VIEWING.size as usize;
     let mut rgba = Vec::with_capacity(rows.len() * cameras.len() * size * size * 4);
     for row in &rows {
         for line in 0..size {
             for picture in row {
-                rgba.extend(picture[line * size..(line + 1) * size].iter().flat_map(|&[r, g, b]| [r, g, b, 255]));
+                rgba.extend(
+                    picture[line * size..(line + 1) * size]
+                        .iter()
+                        .flat_map(|&[r, g, b]| [r, g, b, 255]),
+                );
             }
         }
     }
-    png(&Sheet { width: VIEWING.size * VIEWING.views, height: VIEWING.size * rows.len() as u32, bytes: rgba })
+    png(&Sheet {
+        width: VIEWING.size * VIEWING.views,
+        height: VIEWING.size * rows.len() as u32,
+        bytes: rgba,
+    })
 }
 
 /// Colours by distance: dark blue for none, through green and yellow, to red for the hottest.
@@ -38,5 +48,11 @@ fn heat(picture: &Picture, tree: &Bvh, hottest: f64) -> Vec<[u8; 3]> {
         [part(1.0), part(0.0) - part(2.0), ((1.0 - x).clamp(0.0, 1.0) * 160.0) as u8]
     };
     let places = picture.colours.iter().zip(&picture.points);
-    places.map(|(colour, &place)| if colour[0] < 0.0 { [0; 3] } else { color(tree.distance_squared(place)) }).collect()
+    places
+        .map(
+            |(colour, &place)| {
+                if colour[0] < 0.0 { [0; 3] } else { color(tree.distance_squared(place)) }
+            },
+        )
+        .collect()
 }

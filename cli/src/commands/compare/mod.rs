@@ -1,4 +1,5 @@
-//! `lodc compare`: how far apart two meshes are, in space and in pictures; with limits, a gate for pipelines.
+//! `lodc compare`: how far apart two meshes are, in space and in pictures; with limits, a gate for
+//! pipelines.
 
 mod heatmap;
 mod report;
@@ -33,7 +34,8 @@ pub(crate) struct CompareArgs {
     /// Write a PNG: A and B from four sides, and how far each place of A is from B
     #[arg(long, value_name = "OUT.png")]
     heatmap: Option<PathBuf>,
-    /// Exit 1 if the root mean square distance is greater, either way: in A's unit, or with `%` of its diagonal
+    /// Exit 1 if the root mean square distance is greater, either way: in A's unit, or with `%` of
+    /// its diagonal
     #[arg(long, value_name = "D", value_parser = length, allow_negative_numbers = true)]
     max_rms: Option<Length>,
     /// Exit 1 if the largest distance found is greater, either way
@@ -78,7 +80,8 @@ impl Length {
 }
 
 fn length(text: &str) -> Result<Length, String> {
-    let (number, of_diagonal) = text.strip_suffix('%').map_or((text, false), |number| (number, true));
+    let (number, of_diagonal) =
+        text.strip_suffix('%').map_or((text, false), |number| (number, true));
     Ok(Length { value: grey(number)?, of_diagonal })
 }
 
@@ -102,7 +105,8 @@ pub(crate) fn run(args: &CompareArgs) -> Outcome<Status> {
     }
     let threads = args.jobs.map_or(0, |n| n.get().min(super::build::MOST_THREADS));
     let pool = ThreadPoolBuilder::new().num_threads(threads).build();
-    let pool = pool.map_err(|e| Failure::new(Status::Limit, format!("no threads to work with: {e}")))?;
+    let pool =
+        pool.map_err(|e| Failure::new(Status::Limit, format!("no threads to work with: {e}")))?;
     pool.install(|| compare(args, heatmap.as_ref()))
 }
 
@@ -112,21 +116,27 @@ fn compare(args: &CompareArgs, heatmap: Option<&Target>) -> Outcome<Status> {
     let b = stages.run("import", || surface(&args.b, args))?;
     let looks = looks(&a, &b, args);
     let (a, b) = (a.surface, b.surface);
-    let sampling = Sampling { samples: args.samples as usize, seed: args.seed, ..Sampling::DEFAULT };
+    let sampling =
+        Sampling { samples: args.samples as usize, seed: args.seed, ..Sampling::DEFAULT };
     let space = stages.run("distance", || distances(&a, &b, &sampling));
     let image = (args.views > 0).then(|| {
         let viewing = Viewing { views: args.views, size: args.size };
         stages.run("pictures", || {
             let cameras = viewing.cameras(&a);
-            let error = compare_pictures(&pictures(&a, &cameras, looks), &pictures(&b, &cameras, looks));
+            let error =
+                compare_pictures(&pictures(&a, &cameras, looks), &pictures(&b, &cameras, looks));
             ImageReport::new(viewing, looks, error)
         })
     });
-    let mut report = CompareReport::new(a.diagonal(), [a.triangles.len(), b.triangles.len()], space, image);
+    let mut report =
+        CompareReport::new(a.diagonal(), [a.triangles.len(), b.triangles.len()], space, image);
     report.check(args);
     if let Some(target) = heatmap {
         stages.run("heatmap", || {
-            output::write(target, heatmap::draw(&a, &b, looks, space.hausdorff[0].max(ROUNDING * a.diagonal())))
+            output::write(
+                target,
+                heatmap::draw(&a, &b, looks, space.hausdorff[0].max(ROUNDING * a.diagonal())),
+            )
         })?;
     }
     if args.json {

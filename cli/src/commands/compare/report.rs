@@ -77,7 +77,12 @@ impl ImageReport {
 }
 
 impl CompareReport {
-    pub(super) fn new(diagonal: f64, [a, b]: [usize; 2], space: Distances, image: Option<ImageReport>) -> Self {
+    pub(super) fn new(
+        diagonal: f64,
+        [a, b]: [usize; 2],
+        space: Distances,
+        image: Option<ImageReport>,
+    ) -> Self {
         Self {
             schema_version: SCHEMA_VERSION,
             ok: true,
@@ -92,12 +97,19 @@ impl CompareReport {
 
     /// Compares with the limits given.
     pub(super) fn check(&mut self, args: &CompareArgs) {
-        let lengths = [("rms", self.rms.max, args.max_rms), ("hausdorff", self.hausdorff.max, args.max_hausdorff)];
+        let lengths = [
+            ("rms", self.rms.max, args.max_rms),
+            ("hausdorff", self.hausdorff.max, args.max_hausdorff),
+        ];
         for (name, found, limit) in lengths {
             if let Some(limit) = limit.map(|l| l.resolve(self.diagonal))
                 && found > limit
             {
-                self.exceeded.push(format!("{name} distance {} is more than {}", distance(found), distance(limit)));
+                self.exceeded.push(format!(
+                    "{name} distance {} is more than {}",
+                    distance(found),
+                    distance(limit)
+                ));
             }
         }
         if let (Some(image), Some(limit)) = (&self.image, args.max_image_rmse)
@@ -120,8 +132,12 @@ impl CompareReport {
             )
         };
         let (a, b) = (self.triangles.a as u64, self.triangles.b as u64);
-        let mut text =
-            format!("A: {}, diagonal {}; B: {}\n", count(a, "triangle"), distance(self.diagonal), count(b, "triangle"));
+        let mut text = format!(
+            "A: {}, diagonal {}; B: {}\n",
+            count(a, "triangle"),
+            distance(self.diagonal),
+            count(b, "triangle")
+        );
         text += &line("rms", &self.rms);
         text += &line("hausdorff", &self.hausdorff);
         if let Some(image) = &self.image {

@@ -34,11 +34,17 @@ pub(super) fn surface(path: &Path, args: &CompareArgs) -> Outcome<Shown> {
     for warning in &looks.warnings {
         console::warning(&name, warning);
     }
-    let material = |object: usize, submesh: usize| looks.of_submesh.get(object)?.get(submesh).copied();
-    let texture = |object: usize, submesh: usize| looks.materials[material(object, submesh)?].texture;
-    let flat = flat_mesh(&scene, &|o, s| texture(o, s).map_or(0, |t| t.set)).map_err(|e| e.in_file(&name))?;
+    let material =
+        |object: usize, submesh: usize| looks.of_submesh.get(object)?.get(submesh).copied();
+    let texture =
+        |object: usize, submesh: usize| looks.materials[material(object, submesh)?].texture;
+    let flat = flat_mesh(&scene, &|o, s| texture(o, s).map_or(0, |t| t.set))
+        .map_err(|e| e.in_file(&name))?;
     if flat.triangles.is_empty() {
-        return Err(Failure::new(Status::Input, format!("{name}: has no triangles: there is nothing to compare")));
+        return Err(Failure::new(
+            Status::Input,
+            format!("{name}: has no triangles: there is nothing to compare"),
+        ));
     }
     let vectors = |all: Vec<[f32; 3]>| all.into_iter().map(Into::into).collect();
     let mut surface = Surface {
@@ -71,7 +77,8 @@ fn paint(surface: &mut Surface, submesh_of: &[[u32; 2]], looks: &Appearance) {
                 })
             });
             let [r, g, b, _] = m.colour;
-            // Colours are linear, texels are not: a root is near enough to sRGB, and the same on every machine.
+            // Colours are linear, texels are not: a root is near enough to sRGB, and the same on
+            // every machine.
             Paint { colour: [r, g, b].map(f32::sqrt).into(), texture }
         })
         .collect();
@@ -82,7 +89,8 @@ fn paint(surface: &mut Surface, submesh_of: &[[u32; 2]], looks: &Appearance) {
     };
     let texture = |u: &TextureUse| {
         let picture = &looks.pictures[u.picture];
-        let texels = picture.bytes.as_chunks::<4>().0.iter().map(|&[r, g, b, _]| [r, g, b]).collect();
+        let texels =
+            picture.bytes.as_chunks::<4>().0.iter().map(|&[r, g, b, _]| [r, g, b]).collect();
         Texture::new(picture.width as usize, texels, u.wrap.map(wrap))
     };
     surface.textures = uses.iter().map(texture).collect();
@@ -95,7 +103,8 @@ fn paint(surface: &mut Surface, submesh_of: &[[u32; 2]], looks: &Appearance) {
         for &v in triangle {
             if !std::mem::replace(&mut placed[v as usize], true) {
                 let at = surface.texture[v as usize];
-                surface.texture[v as usize] = texture.transform.map(|[x, y, shift]| x * at.x + y * at.y + shift).into();
+                surface.texture[v as usize] =
+                    texture.transform.map(|[x, y, shift]| x * at.x + y * at.y + shift).into();
             }
         }
     }

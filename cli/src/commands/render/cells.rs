@@ -29,7 +29,8 @@ pub(super) struct Cell {
 impl Cell {
     /// `1,000 triangles (10.0 %)`.
     pub(super) fn sentence(&self) -> String {
-        let share = if self.share < 1.0 { format!(" ({})", percent(self.share)) } else { String::new() };
+        let share =
+            if self.share < 1.0 { format!(" ({})", percent(self.share)) } else { String::new() };
         format!("{}{share}", count(self.triangles, "triangle"))
     }
     /// Two lines under the picture.
@@ -61,7 +62,14 @@ pub(super) fn chosen(args: &RenderArgs, shown: &Shown) -> Outcome<Vec<Cell>> {
             let objects: Vec<_> = meshes.iter().map(|(_, mesh)| whole(mesh)).collect();
             let triangles = objects.iter().map(|o| o.len() as u64).sum();
             let warnings = Vec::new();
-            return Ok(vec![Cell { objects, strips: Vec::new(), triangles, share: 1.0, error: None, warnings }]);
+            return Ok(vec![Cell {
+                objects,
+                strips: Vec::new(),
+                triangles,
+                share: 1.0,
+                error: None,
+                warnings,
+            }]);
         }
     };
     let wanted: Vec<Target> = if args.contact_sheet.is_empty() {
@@ -100,18 +108,27 @@ pub(super) fn chosen(args: &RenderArgs, shown: &Shown) -> Outcome<Vec<Cell>> {
 pub(super) fn whole(mesh: &Mesh) -> Vec<OrientedTriangle> {
     let submeshes = (0..).zip(mesh.submeshes());
     submeshes
-        .flat_map(|(i, s)| mesh.triangles()[s.triangles()].iter().map(move |&t| OrientedTriangle::new(i, t)))
+        .flat_map(|(i, s)| {
+            mesh.triangles()[s.triangles()].iter().map(move |&t| OrientedTriangle::new(i, t))
+        })
         .collect()
 }
 
-/// The strips of the first model that is made of strips; without one, long strips made for the picture.
+/// The strips of the first model that is made of strips; without one, long strips made for the
+/// picture.
 fn strips(object: &LodObject) -> Strips {
     let stored = object.models.iter().find_map(AnyModel::strips).cloned();
-    stored.unwrap_or_else(|| Strips::generate(&object.simplified, StripKind::Stripe, Effort::Default))
+    stored
+        .unwrap_or_else(|| Strips::generate(&object.simplified, StripKind::Stripe, Effort::Default))
 }
 
-/// What is left of strips at a LOD: their triangles with every vertex resolved, and the strip of each.
-fn of_strips(objects: &[LodObject], strips: &[Strips], lods: &[Lod]) -> (Vec<Vec<OrientedTriangle>>, Vec<Vec<u32>>) {
+/// What is left of strips at a LOD: their triangles with every vertex resolved, and the strip of
+/// each.
+fn of_strips(
+    objects: &[LodObject],
+    strips: &[Strips],
+    lods: &[Lod],
+) -> (Vec<Vec<OrientedTriangle>>, Vec<Vec<u32>>) {
     let mut first = 0;
     let mut one = |((object, strips), &lod): ((&LodObject, &Strips), &Lod)| {
         let map = object.simplified.collapses().resolve_all(lod);
@@ -123,7 +140,8 @@ fn of_strips(objects: &[LodObject], strips: &[Strips], lods: &[Lod]) -> (Vec<Vec
                 let corners = if k % 2 == 0 { [w[0], w[1], w[2]] } else { [w[1], w[0], w[2]] };
                 let [a, b, c] = corners.map(at);
                 if a != b && b != c && c != a {
-                    triangles.push(OrientedTriangle::new(submesh, corners.map(|v| map[v as usize])));
+                    triangles
+                        .push(OrientedTriangle::new(submesh, corners.map(|v| map[v as usize])));
                     ids.push(first + number);
                 }
             }

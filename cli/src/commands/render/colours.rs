@@ -27,7 +27,9 @@ pub(super) fn heat(share: f64) -> [f32; 3] {
     let at = share.clamp(0.0, 1.0) * (STOPS.len() - 1) as f64;
     let below = (at as usize).min(STOPS.len() - 2);
     let part = (at - below as f64) as f32;
-    std::array::from_fn(|c| linear(STOPS[below][c] + part * (STOPS[below + 1][c] - STOPS[below][c])))
+    std::array::from_fn(|c| {
+        linear(STOPS[below][c] + part * (STOPS[below + 1][c] - STOPS[below][c]))
+    })
 }
 
 /// The light of an sRGB value from 0 to 1 (IEC 61966-2-1).
@@ -37,7 +39,8 @@ pub(super) fn linear(v: f32) -> f32 {
 
 /// The sRGB value of light, in a byte.
 pub(super) fn encoded(light: f32) -> u8 {
-    let v = if light <= 0.003_130_8 { light * 12.92 } else { 1.055 * light.powf(1.0 / 2.4) - 0.055 };
+    let v =
+        if light <= 0.003_130_8 { light * 12.92 } else { 1.055 * light.powf(1.0 / 2.4) - 0.055 };
     (v.clamp(0.0, 1.0) * 255.0 + 0.5) as u8
 }
 

@@ -35,9 +35,12 @@ pub(super) fn pictures(
 ) -> Outcome<Vec<Picture>> {
     let (paints, textures) = paints(args, shown);
     let painter = Painter::new(device, textures, &paints).map_err(|e| failure(&e))?;
-    let size = args.size.unwrap_or(if args.contact_sheet.is_empty() { [1024, 768] } else { [480, 360] });
-    let points: Vec<PositionIds> =
-        (0..shown.objects.len()).into_par_iter().map(|o| PositionIds::new(shown.objects.mesh(o).positions())).collect();
+    let size =
+        args.size.unwrap_or(if args.contact_sheet.is_empty() { [1024, 768] } else { [480, 360] });
+    let points: Vec<PositionIds> = (0..shown.objects.len())
+        .into_par_iter()
+        .map(|o| PositionIds::new(shown.objects.mesh(o).positions()))
+        .collect();
     let camera = camera(args, shown, f64::from(size[0]) / f64::from(size[1]));
     let style = Style {
         size,
@@ -56,7 +59,8 @@ pub(super) fn pictures(
         for placement in &shown.appearance.placements {
             let o = placement.object;
             let heat = heat.map(|heat| (heat, number));
-            let part = Part { args, shown, placement, cell, heat, points: &points[o], camera: &camera };
+            let part =
+                Part { args, shown, placement, cell, heat, points: &points[o], camera: &camera };
             for (paint, corners) in part.corners(paints.len() - 1) {
                 if paints[paint].blended {
                     let triples = corners.as_chunks::<3>().0;
@@ -93,7 +97,9 @@ fn paints(args: &RenderArgs, shown: &Shown) -> (Vec<Paint>, Vec<Texture>) {
     let mut uses: Vec<TextureUse> = Vec::new();
     let mut paint = |material: &Material| {
         let texture = material.texture.map(|wanted| {
-            let same = |u: &TextureUse| (u.picture, u.wrap, u.nearest) == (wanted.picture, wanted.wrap, wanted.nearest);
+            let same = |u: &TextureUse| {
+                (u.picture, u.wrap, u.nearest) == (wanted.picture, wanted.wrap, wanted.nearest)
+            };
             uses.iter().position(same).unwrap_or_else(|| {
                 uses.push(wanted);
                 uses.len() - 1
@@ -178,7 +184,8 @@ impl Part<'_> {
         let triangles = &self.cell.objects[object];
         let smooth_shading = self.args.shading == Shading::Smooth;
         let placed = placed(mesh, self.placement, smooth_shading);
-        let looks: Vec<Look<'_>> = (0..mesh.submeshes().len()).map(|s| self.look(mesh, s, matte)).collect();
+        let looks: Vec<Look<'_>> =
+            (0..mesh.submeshes().len()).map(|s| self.look(mesh, s, matte)).collect();
         let made: Vec<[[f64; 3]; 3]> = if smooth_shading {
             smooth(triangles, &placed.positions, self.points)
         } else {
@@ -188,8 +195,9 @@ impl Part<'_> {
         let triangle = |(t, tri): (usize, &OrientedTriangle)| {
             let look = &looks[tri.submesh as usize];
             let fixed = strips.map(|ids| distinct(ids[t])).or(look.fixed);
-            let corners: [Corner; 3] =
-                std::array::from_fn(|k| self.corner(&placed, look, fixed, tri.corners[k], made[t][k]));
+            let corners: [Corner; 3] = std::array::from_fn(|k| {
+                self.corner(&placed, look, fixed, tri.corners[k], made[t][k])
+            });
             let mut corners = match self.heat {
                 Some((heat, cell)) => heat.parts(cell, object, t, &corners),
                 None => corners.to_vec(),
@@ -201,7 +209,9 @@ impl Part<'_> {
         };
         let mut runs: Vec<(usize, Vec<Corner>)> = Vec::new();
         let mut first = 0;
-        for run in triangles.chunk_by(|a, b| looks[a.submesh as usize].paint == looks[b.submesh as usize].paint) {
+        for run in triangles
+            .chunk_by(|a, b| looks[a.submesh as usize].paint == looks[b.submesh as usize].paint)
+        {
             let corners = run.par_iter().enumerate().map(|(i, tri)| triangle((first + i, tri)));
             runs.push((looks[run[0].submesh as usize].paint, corners.flatten_iter().collect()));
             first += run.len();
@@ -213,7 +223,8 @@ impl Part<'_> {
         let object = self.placement.object;
         let normals = stream(mesh, submesh, &Semantic::Normal).is_some();
         if self.args.color != Colouring::Material {
-            let before: usize = (0..object).map(|o| self.shown.objects.mesh(o).submeshes().len()).sum();
+            let before: usize =
+                (0..object).map(|o| self.shown.objects.mesh(o).submeshes().len()).sum();
             let fixed = match self.args.color {
                 Colouring::Submesh => distinct((before + submesh) as u32),
                 _ => PLAIN,
@@ -227,10 +238,18 @@ impl Part<'_> {
         Look { paint, normals, uv, colour, fixed: None }
     }
 
-    fn corner(&self, placed: &Placed, look: &Look<'_>, fixed: Option<[f32; 3]>, v: u32, made: [f64; 3]) -> Corner {
+    fn corner(
+        &self,
+        placed: &Placed,
+        look: &Look<'_>,
+        fixed: Option<[f32; 3]>,
+        v: u32,
+        made: [f64; 3],
+    ) -> Corner {
         let p = placed.positions[v as usize];
         let own = placed.normals[v as usize];
-        let usable = look.normals && own.iter().all(|c| c.is_finite()) && own.iter().any(|c| c.abs() > 1e-6);
+        let usable =
+            look.normals && own.iter().all(|c| c.is_finite()) && own.iter().any(|c| c.abs() > 1e-6);
         let smooth_shading = self.args.shading == Shading::Smooth;
         let normal = if smooth_shading && usable { own } else { made.map(|c| c as f32) };
         let component = |a: &Attribute, i: usize, default: f32| {
@@ -239,13 +258,17 @@ impl Part<'_> {
         };
         let colour = match (fixed, look.colour) {
             (Some([r, g, b]), _) => [r, g, b, 1.0],
-            (None, Some(stream)) => std::array::from_fn(|i| component(stream, i, 1.0).clamp(0.0, 1.0)),
+            (None, Some(stream)) => {
+                std::array::from_fn(|i| component(stream, i, 1.0).clamp(0.0, 1.0))
+            }
             (None, None) => [1.0; 4],
         };
         Corner {
             position: std::array::from_fn(|i| (p[i] - self.camera.centre[i]) as f32),
             normal,
-            uv: look.uv.map_or([0.0; 2], |stream| std::array::from_fn(|i| component(stream, i, 0.0))),
+            uv: look
+                .uv
+                .map_or([0.0; 2], |stream| std::array::from_fn(|i| component(stream, i, 0.0))),
             colour,
         }
     }

@@ -11,7 +11,10 @@ type Glyph = [u8; HEIGHT];
 /// The rows of a letter; a box for one that is not in the alphabet.
 pub(super) fn glyph(c: char) -> Glyph {
     let found = LETTERS.iter().find(|(letter, _)| *letter == c);
-    found.map_or([0b11111, 0b10001, 0b10001, 0b10001, 0b10001, 0b10001, 0b11111, 0, 0], |(_, rows)| *rows)
+    found.map_or(
+        [0b11111, 0b10001, 0b10001, 0b10001, 0b10001, 0b10001, 0b11111, 0, 0],
+        |(_, rows)| *rows,
+    )
 }
 
 #[rustfmt::skip]

@@ -33,17 +33,23 @@ struct Field {
     distances: Vec<Vec<f32>>,
 }
 
-/// Measures every cell. Vertices of a level are vertices of the input, so that what lies between them is what counts.
+/// Measures every cell. Vertices of a level are vertices of the input, so that what lies between
+/// them is what counts.
 pub(super) fn measure(shown: &Shown, cells: &[Cell]) -> Heat {
     let objects = shown.objects.len();
     let scale = |o: usize| if objects > 1 { world_scale(shown.objects.info(o)) } else { 1.0 };
-    let trees: Vec<Bvh> = (0..objects).into_par_iter().map(|o| tree(shown.objects.mesh(o))).collect();
-    let field = |cell: &Cell, o: usize| field(shown.objects.mesh(o), &cell.objects[o], &trees[o], scale(o));
-    let fields: Vec<Vec<Field>> =
-        cells.iter().map(|cell| (0..objects).into_par_iter().map(|o| field(cell, o)).collect()).collect();
+    let trees: Vec<Bvh> =
+        (0..objects).into_par_iter().map(|o| tree(shown.objects.mesh(o))).collect();
+    let field =
+        |cell: &Cell, o: usize| field(shown.objects.mesh(o), &cell.objects[o], &trees[o], scale(o));
+    let fields: Vec<Vec<Field>> = cells
+        .iter()
+        .map(|cell| (0..objects).into_par_iter().map(|o| field(cell, o)).collect())
+        .collect();
     let all = fields.iter().flatten().flat_map(|f| f.distances.iter().flatten());
     let largest = f64::from(all.fold(0.0f32, |l, d| l.max(*d)));
-    let diagonal = (0..objects).map(|o| shown.objects.mesh(o).diagonal() * scale(o)).fold(0.0, f64::max);
+    let diagonal =
+        (0..objects).map(|o| shown.objects.mesh(o).diagonal() * scale(o)).fold(0.0, f64::max);
     Heat { fields, largest, diagonal }
 }
 
@@ -64,7 +70,8 @@ fn field(mesh: &Mesh, triangles: &[OrientedTriangle], tree: &Bvh, scale: f64) ->
     let step = mesh.diagonal() * STEP;
     let wanted = |t: &OrientedTriangle| {
         let [a, b, c] = corners(mesh, t);
-        let longest = [(a, b), (b, c), (c, a)].map(|(p, q)| (0..3).map(|i| (p[i] - q[i]).powi(2)).sum::<f64>());
+        let longest = [(a, b), (b, c), (c, a)]
+            .map(|(p, q)| (0..3).map(|i| (p[i] - q[i]).powi(2)).sum::<f64>());
         let longest = longest.into_iter().fold(0.0, f64::max).sqrt();
         if step > 0.0 { ((longest / step).ceil() as usize).clamp(1, MOST) } else { 1 }
     };
@@ -76,10 +83,13 @@ fn field(mesh: &Mesh, triangles: &[OrientedTriangle], tree: &Bvh, scale: f64) ->
     }
     let distances = |(t, &k): (&OrientedTriangle, &usize)| -> Vec<f32> {
         let corners = corners(mesh, t);
-        let at =
-            |shares: [f64; 3]| -> [f64; 3] { std::array::from_fn(|i| (0..3).map(|c| shares[c] * corners[c][i]).sum()) };
+        let at = |shares: [f64; 3]| -> [f64; 3] {
+            std::array::from_fn(|i| (0..3).map(|c| shares[c] * corners[c][i]).sum())
+        };
         // An input without triangles has no levels with any.
-        grid(k).map(|shares| (tree.distance_squared(at(shares).into()).sqrt() * scale) as f32).collect()
+        grid(k)
+            .map(|shares| (tree.distance_squared(at(shares).into()).sqrt() * scale) as f32)
+            .collect()
     };
     let distances = triangles.par_iter().zip(&parts).map(distances).collect();
     Field { parts, distances }
@@ -98,16 +108,26 @@ fn grid(k: usize) -> impl Iterator<Item = [f64; 3]> {
 
 impl Heat {
     /// A triangle of a cell in parts, each corner with the colour of its distance.
-    pub(super) fn parts(&self, cell: usize, object: usize, t: usize, corners: &[Corner; 3]) -> Vec<Corner> {
+    pub(super) fn parts(
+        &self,
+        cell: usize,
+        object: usize,
+        t: usize,
+        corners: &[Corner; 3],
+    ) -> Vec<Corner> {
         let field = &self.fields[cell][object];
         let k = field.parts[t];
         let places: Vec<Corner> = grid(k)
             .zip(&field.distances[t])
             .map(|(shares, &distance)| {
-                let [r, g, b] =
-                    super::colours::heat(if self.largest > 0.0 { f64::from(distance) / self.largest } else { 0.0 });
-                let mix =
-                    |of: &dyn Fn(&Corner) -> f32| -> f32 { (0..3).map(|c| shares[c] as f32 * of(&corners[c])).sum() };
+                let [r, g, b] = super::colours::heat(if self.largest > 0.0 {
+                    f64::from(distance) / self.largest
+                } else {
+                    0.0
+                });
+                let mix = |of: &dyn Fn(&Corner) -> f32| -> f32 {
+                    (0..3).map(|c| shares[c] as f32 * of(&corners[c])).sum()
+                };
                 Corner {
                     position: std::array::from_fn(|i| mix(&|c| c.position[i])),
                     normal: std::array::from_fn(|i| mix(&|c| c.normal[i])),
@@ -138,7 +158,11 @@ mod tests {
 
     #[test]
     fn the_parts_of_a_triangle_cover_it_once() {
-        let at = |x: f32, y: f32| Corner { position: [x, y, 0.0], normal: [0.0, 0.0, 1.0], ..Corner::default() };
+        let at = |x: f32, y: f32| Corner {
+            position: [x, y, 0.0],
+            normal: [0.0, 0.0, 1.0],
+            ..Corner::default()
+        };
         let corners = [at(0.0, 0.0), at(6.0, 0.0), at(0.0, 6.0)];
         for k in [1, 2, 5] {
             let distances = grid(k).map(|shares| shares[0] as f32).collect();
@@ -170,7 +194,10 @@ mod tests {
             let score = |v: &u32| at(&mesh.positions()[*v as usize]);
             all.max_by(|a, b| score(a).total_cmp(&score(b))).expect("corners")
         };
-        let inner = OrientedTriangle::new(0, [corner([1., 1., 1.]), corner([-1., -1., 1.]), corner([-1., 1., -1.])]);
+        let inner = OrientedTriangle::new(
+            0,
+            [corner([1., 1., 1.]), corner([-1., -1., 1.]), corner([-1., 1., -1.])],
+        );
         let inside = field(&mesh, &[inner], &tree, 2.0);
         let largest = inside.distances[0].iter().fold(0.0f32, |l, d| l.max(*d));
         let side = mesh.diagonal() as f32 / 3.0f32.sqrt();

@@ -125,11 +125,19 @@ fn picture(args: &RenderArgs, target: &Target, device: &Device) -> Outcome<()> {
     let mut stages = Stages::default();
     let shown = scene::read(args, &mut stages)?;
     let chosen = cells::chosen(args, &shown)?;
-    for what in shown.appearance.warnings.iter().chain(&shown.warnings).chain(chosen.iter().flat_map(|c| &c.warnings)) {
+    for what in shown
+        .appearance
+        .warnings
+        .iter()
+        .chain(&shown.warnings)
+        .chain(chosen.iter().flat_map(|c| &c.warnings))
+    {
         warning(&name, what);
     }
-    let heat = (args.color == Colouring::Error).then(|| stages.run("measure", || heat::measure(&shown, &chosen)));
-    let pictures = stages.run("draw", || draw::pictures(args, &shown, &chosen, heat.as_ref(), device))?;
+    let heat = (args.color == Colouring::Error)
+        .then(|| stages.run("measure", || heat::measure(&shown, &chosen)));
+    let pictures =
+        stages.run("draw", || draw::pictures(args, &shown, &chosen, heat.as_ref(), device))?;
     let picture = if args.contact_sheet.is_empty() && heat.is_none() {
         pictures.into_iter().next().expect("there is always one")
     } else {
@@ -138,7 +146,8 @@ fn picture(args: &RenderArgs, target: &Target, device: &Device) -> Outcome<()> {
     let size = format!("{} x {} pixels", picture.width, picture.height);
     let bytes = stages.run("encode", || lodc_formats::picture::png(&picture));
     stages.run("write", || output::write(target, bytes))?;
-    let where_to = if *target == Target::Stdout { "standard output".to_owned() } else { target.name() };
+    let where_to =
+        if *target == Target::Stdout { "standard output".to_owned() } else { target.name() };
     let lods: Vec<String> = chosen.iter().map(cells::Cell::sentence).collect();
     note(&format!("{where_to}: {size}, {}; {}", lods.join(", "), device.adapter()));
     Ok(())

@@ -1,11 +1,13 @@
-//! Normals for corners that the file gives none: rounded over gentle edges, kept apart at sharp ones.
+//! Normals for corners that the file gives none: rounded over gentle edges, kept apart at sharp
+//! ones.
 
 use lodc_mesh::{OrientedTriangle, PositionIds};
 use rayon::prelude::*;
 
 /// Cosine of the angle between two triangles from which an edge counts as sharp: 50 degrees.
 const SHARP: f64 = 0.642_787_609_686_539_3;
-/// Around a position with more triangles than this all are averaged, sharp edges or not: time would grow as a square.
+/// Around a position with more triangles than this all are averaged, sharp edges or not: time would
+/// grow as a square.
 const CROWD: usize = 256;
 
 /// A normal of length one of every triangle; zero where it has no area.
@@ -70,7 +72,8 @@ impl Around {
 /// Twice the area along the normal.
 fn area(t: &OrientedTriangle, positions: &[[f64; 3]]) -> [f64; 3] {
     let [a, b, c] = t.corners.map(|v| positions[v as usize]);
-    let (u, v): ([f64; 3], [f64; 3]) = (std::array::from_fn(|i| b[i] - a[i]), std::array::from_fn(|i| c[i] - a[i]));
+    let (u, v): ([f64; 3], [f64; 3]) =
+        (std::array::from_fn(|i| b[i] - a[i]), std::array::from_fn(|i| c[i] - a[i]));
     [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
 }
 

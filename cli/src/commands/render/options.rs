@@ -81,7 +81,11 @@ pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
 
 fn between(text: &str, low: f64, high: f64) -> Result<f64, String> {
     let value: f64 = text.parse().map_err(|e| format!("{e}"))?;
-    if (low..=high).contains(&value) { Ok(value) } else { Err(format!("a number from {low} to {high}")) }
+    if (low..=high).contains(&value) {
+        Ok(value)
+    } else {
+        Err(format!("a number from {low} to {high}"))
+    }
 }
 
 pub(super) fn degrees(text: &str) -> Result<f64, String> {
@@ -109,8 +113,12 @@ pub(super) fn colour(text: &str) -> Result<[u8; 4], String> {
         "transparent" => return Ok([0; 4]),
         _ => {}
     }
-    let wrong = || "a colour as #rrggbb or #rrggbbaa, or white, black, grey, transparent".to_owned();
-    let digits = text.strip_prefix('#').filter(|d| d.bytes().all(|b| b.is_ascii_hexdigit())).ok_or_else(wrong)?;
+    let wrong =
+        || "a colour as #rrggbb or #rrggbbaa, or white, black, grey, transparent".to_owned();
+    let digits = text
+        .strip_prefix('#')
+        .filter(|d| d.bytes().all(|b| b.is_ascii_hexdigit()))
+        .ok_or_else(wrong)?;
     let value = u32::from_str_radix(digits, 16).map_err(|_| wrong())?;
     match digits.len() {
         6 => Ok((value << 8 | 0xff).to_be_bytes()),

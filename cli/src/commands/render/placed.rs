@@ -1,4 +1,5 @@
-//! The vertices of an object where a scene shows it: moved by a node, or by joints, and by morph targets before.
+//! The vertices of an object where a scene shows it: moved by a node, or by joints, and by morph
+//! targets before.
 
 use lodc_formats::appearance::Placement;
 use lodc_mesh::{Attribute, Mesh, Semantic};
@@ -24,7 +25,11 @@ pub(super) fn placed(mesh: &Mesh, placement: &Placement, normals: bool) -> Place
     let joints: Vec<Affine> = placement.joints.iter().map(rows).collect();
     let vertices = 0..mesh.vertex_count() as u32;
     let place = |v: u32| {
-        let matrix = if joints.is_empty() { node } else { streams.blended(mesh, v, &joints).unwrap_or(node) };
+        let matrix = if joints.is_empty() {
+            node
+        } else {
+            streams.blended(mesh, v, &joints).unwrap_or(node)
+        };
         let position = apply(&matrix, streams.position(mesh, v), 1.0);
         let normal = match streams.normal(mesh, v) {
             Some(n) if normals => turned(&matrix, n).map(|c| c as f32),
@@ -42,7 +47,8 @@ struct Streams<'a> {
     normals: Vec<Option<&'a Attribute>>,
     /// For each submesh, joints and weights of every set.
     joints: Vec<Vec<[&'a Attribute; 2]>>,
-    /// For each submesh, moves of positions and of normals by morph targets, with how much of them counts.
+    /// For each submesh, moves of positions and of normals by morph targets, with how much of them
+    /// counts.
     moves: Vec<[Vec<(f64, &'a Attribute)>; 2]>,
 }
 
@@ -51,11 +57,16 @@ impl<'a> Streams<'a> {
         let submeshes = 0..mesh.submeshes().len();
         let find = |s: usize, semantic: Semantic| stream(mesh, s, &semantic);
         let sets = |s: usize| {
-            (0..).map_while(|set| Some([find(s, Semantic::Joints(set))?, find(s, Semantic::Weights(set))?])).collect()
+            (0..)
+                .map_while(|set| {
+                    Some([find(s, Semantic::Joints(set))?, find(s, Semantic::Weights(set))?])
+                })
+                .collect()
         };
         let moves = |s: usize| {
             [Semantic::Position, Semantic::Normal].map(|semantic| {
-                let weight = |a: &Attribute| placement.weights.get(a.morph_target? as usize).copied();
+                let weight =
+                    |a: &Attribute| placement.weights.get(a.morph_target? as usize).copied();
                 let all = attributes(mesh, s).filter(|a| a.semantic == semantic);
                 all.filter_map(|a| Some((weight(a)?, a))).filter(|(w, _)| *w != 0.0).collect()
             })
@@ -85,7 +96,10 @@ impl<'a> Streams<'a> {
             for i in 0..usize::from(joint.components.min(weight.components)) {
                 let w = f64::from(weight.value(v, i));
                 // A joint that is not there moves nothing.
-                let Some(matrix) = joints.get(joint.value(v, i) as usize).filter(|_| w != 0.0) else { continue };
+                let Some(matrix) = joints.get(joint.value(v, i) as usize).filter(|_| w != 0.0)
+                else {
+                    continue;
+                };
                 whole += w;
                 for (row, add) in sum.iter_mut().zip(matrix) {
                     row.iter_mut().zip(add).for_each(|(s, a)| *s += w * a);
@@ -105,12 +119,18 @@ fn attributes(mesh: &Mesh, submesh: usize) -> impl Iterator<Item = &Attribute> {
 }
 
 /// The stream of a submesh with this meaning, at rest.
-pub(super) fn stream<'a>(mesh: &'a Mesh, submesh: usize, semantic: &Semantic) -> Option<&'a Attribute> {
+pub(super) fn stream<'a>(
+    mesh: &'a Mesh,
+    submesh: usize,
+    semantic: &Semantic,
+) -> Option<&'a Attribute> {
     attributes(mesh, submesh).find(|a| a.semantic == *semantic && a.morph_target.is_none())
 }
 
 fn vector(stream: &Attribute, v: u32) -> [f64; 3] {
-    std::array::from_fn(|i| if i < usize::from(stream.components) { f64::from(stream.value(v, i)) } else { 0.0 })
+    std::array::from_fn(|i| {
+        if i < usize::from(stream.components) { f64::from(stream.value(v, i)) } else { 0.0 }
+    })
 }
 
 fn moved(p: [f64; 3], moves: &[(f64, &Attribute)], v: u32) -> [f64; 3] {
@@ -136,16 +156,20 @@ fn apply(m: &Affine, p: [f64; 3], w: f64) -> [f64; 3] {
 /// A normal by the inverse transpose, up to its length: by cofactors, which need no division.
 fn turned(m: &Affine, n: [f64; 3]) -> [f64; 3] {
     let at = |r: usize, c: usize| m[r % 3][c % 3];
-    let cofactor = |r: usize, c: usize| at(r + 1, c + 1) * at(r + 2, c + 2) - at(r + 1, c + 2) * at(r + 2, c + 1);
+    let cofactor = |r: usize, c: usize| {
+        at(r + 1, c + 1) * at(r + 2, c + 2) - at(r + 1, c + 2) * at(r + 2, c + 1)
+    };
     let sign = if determinant(m) < 0.0 { -1.0 } else { 1.0 };
-    let v: [f64; 3] = std::array::from_fn(|r| sign * (0..3).map(|c| cofactor(r, c) * n[c]).sum::<f64>());
+    let v: [f64; 3] =
+        std::array::from_fn(|r| sign * (0..3).map(|c| cofactor(r, c) * n[c]).sum::<f64>());
     let size = v.iter().fold(0.0f64, |s, c| s.max(c.abs()));
     if size > 0.0 && size.is_finite() { v.map(|c| c / size) } else { n }
 }
 
 fn determinant(m: &Affine) -> f64 {
     let [a, b, c] = [m[0], m[1], m[2]];
-    a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) + a[2] * (b[0] * c[1] - b[1] * c[0])
+    a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0])
+        + a[2] * (b[0] * c[1] - b[1] * c[0])
 }
 
 #[cfg(test)]
@@ -183,11 +207,19 @@ mod tests {
         let positions = placed(&mesh, &there, true).positions;
         // All joints move alike, so that weights do not matter; the node does not count.
         for (p, q) in mesh.positions().iter().zip(&positions) {
-            assert!((f64::from(p[0]) + 3.0 - q[0]).abs() < 1e-9 && (f64::from(p[1]) - q[1]).abs() < 1e-9);
+            assert!(
+                (f64::from(p[0]) + 3.0 - q[0]).abs() < 1e-9
+                    && (f64::from(p[1]) - q[1]).abs() < 1e-9
+            );
         }
         let mesh = lodc_fixtures::named("morphing_sphere").expect("a shape");
         let at = |weights: Vec<f64>| {
-            placed(&mesh, &Placement { object: 0, matrix: node(0.0), joints: Vec::new(), weights }, false).positions
+            placed(
+                &mesh,
+                &Placement { object: 0, matrix: node(0.0), joints: Vec::new(), weights },
+                false,
+            )
+            .positions
         };
         let (rest, half, full) = (at(vec![0.0; 4]), at(vec![0.5]), at(vec![1.0]));
         assert_ne!(rest, full);

@@ -64,19 +64,28 @@ pub(super) fn read(args: &RenderArgs, stages: &mut Stages) -> Outcome<Shown> {
     };
     let infos: Vec<&ObjectInfo> = (0..objects.len()).map(|o| objects.info(o)).collect();
     // Only the folder of that path counts: textures are looked for there.
-    let beside = args.textures.as_ref().map_or_else(|| args.input.clone(), |folder| folder.join("-"));
+    let beside =
+        args.textures.as_ref().map_or_else(|| args.input.clone(), |folder| folder.join("-"));
     let name = args.input.display().to_string();
     let mut assets = Assets::new(&beside, &options.allowed, options.limits);
-    let looks = stages.run("textures", || appearance(&document, &infos, &mut assets)).map_err(|e| e.in_file(&name))?;
-    let triangles: u64 = looks.placements.iter().map(|p| objects.mesh(p.object).triangles().len() as u64).sum();
+    let looks = stages
+        .run("textures", || appearance(&document, &infos, &mut assets))
+        .map_err(|e| e.in_file(&name))?;
+    let triangles: u64 =
+        looks.placements.iter().map(|p| objects.mesh(p.object).triangles().len() as u64).sum();
     if triangles > MOST_TRIANGLES {
-        let message = format!("{name}: {triangles} triangles with all instances, more than {MOST_TRIANGLES}");
+        let message =
+            format!("{name}: {triangles} triangles with all instances, more than {MOST_TRIANGLES}");
         return Err(Failure::new(Status::Limit, message));
     }
     Ok(Shown { objects, appearance: looks, warnings })
 }
 
-fn of_scene(args: &RenderArgs, scene: Scene, stages: &mut Stages) -> Outcome<(Objects, Document, Vec<String>)> {
+fn of_scene(
+    args: &RenderArgs,
+    scene: Scene,
+    stages: &mut Stages,
+) -> Outcome<(Objects, Document, Vec<String>)> {
     let Scene { document, objects, warnings, .. } = scene;
     let levels = args.selector.target().is_some() || !args.contact_sheet.is_empty();
     if !levels && args.color != Colouring::Strips {
@@ -89,7 +98,8 @@ fn of_scene(args: &RenderArgs, scene: Scene, stages: &mut Stages) -> Outcome<(Ob
     limits.check_memory(triangles).map_err(|f| Failure::new(f.status, format!("{name}: {f}")))?;
     let progress = Progress::new(&name);
     progress.stage("simplify");
-    let made = stages.run("simplify", || simplify_all(objects, &Options::DEFAULT, triangles, &progress));
+    let made =
+        stages.run("simplify", || simplify_all(objects, &Options::DEFAULT, triangles, &progress));
     let with_none = |(info, simplified)| LodObject { info, simplified, models: Vec::new() };
     Ok((Objects::Levels(made.into_iter().map(with_none).collect()), document, warnings))
 }

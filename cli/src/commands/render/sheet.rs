@@ -22,10 +22,12 @@ pub(super) fn compose(
     heat: Option<&Heat>,
     pictures: &[Picture],
 ) -> Outcome<Picture> {
-    let (width, height) = pictures.first().map_or((0, 0), |p| (p.width as usize, p.height as usize));
+    let (width, height) =
+        pictures.first().map_or((0, 0), |p| (p.width as usize, p.height as usize));
     let count = pictures.len();
     // Rows of at most four, as even as can be.
-    let columns = args.columns.map_or_else(|| count.div_ceil(count.div_ceil(4)), |c| (c as usize).min(count));
+    let columns =
+        args.columns.map_or_else(|| count.div_ceil(count.div_ceil(4)), |c| (c as usize).min(count));
     let scale = (width / 240).max(1);
     let line = (HEIGHT + 2) * scale;
     let below = 2 * line + 6 * scale;
@@ -33,7 +35,9 @@ pub(super) fn compose(
     let rows = count.div_ceil(columns) * (height + below);
     let (across, down) = (columns * width, rows + legend);
     if (across as u64) * (down as u64) > MOST_PIXELS {
-        let message = format!("a contact sheet of {across} x {down} pixels is too large: use a smaller --size");
+        let message = format!(
+            "a contact sheet of {across} x {down} pixels is too large: use a smaller --size"
+        );
         return Err(Failure::new(Status::Limit, message));
     }
     let mut sheet = Sheet::new(across, down, args.background);
@@ -62,7 +66,11 @@ struct Sheet(Picture);
 
 impl Sheet {
     fn new(width: usize, height: usize, colour: [u8; 4]) -> Self {
-        Self(Picture { width: width as u32, height: height as u32, bytes: colour.repeat(width * height) })
+        Self(Picture {
+            width: width as u32,
+            height: height as u32,
+            bytes: colour.repeat(width * height),
+        })
     }
 
     fn put(&mut self, picture: &Picture, x: usize, y: usize) {
@@ -74,7 +82,15 @@ impl Sheet {
     }
 
     /// Writes a line in the middle of a column; what does not fit is cut off.
-    fn write(&mut self, text: &str, left: usize, width: usize, top: usize, scale: usize, ink: [u8; 4]) {
+    fn write(
+        &mut self,
+        text: &str,
+        left: usize,
+        width: usize,
+        top: usize,
+        scale: usize,
+        ink: [u8; 4],
+    ) {
         let step = (WIDTH + 1) * scale;
         let length = (text.chars().count() * step).saturating_sub(scale);
         let start = left + width.saturating_sub(length) / 2;
@@ -102,7 +118,8 @@ impl Sheet {
             }
         }
         let share = if heat.diagonal > 0.0 { heat.largest / heat.diagonal * 100.0 } else { 0.0 };
-        let text = format!("distance 0 to {} ({share:.3} % of the diagonal)", distance(heat.largest));
+        let text =
+            format!("distance 0 to {} ({share:.3} % of the diagonal)", distance(heat.largest));
         self.write(&text, 0, across, top + (HEIGHT + 4) * scale, scale, ink);
     }
 

@@ -18,8 +18,9 @@ pub(super) fn models(file: &LodFile, stride: u32) -> Outcome<Vec<CheckReport>> {
 
 fn object(object: &LodObject, options: &VerifyOptions) -> Outcome<Vec<CheckReport>> {
     let name = &object.info.name;
-    let reference = Reference::new(&object.simplified)
-        .map_err(|e| Failure::new(Status::Limit, format!("{name}: {e}; nothing more was verified")))?;
+    let reference = Reference::new(&object.simplified).map_err(|e| {
+        Failure::new(Status::Limit, format!("{name}: {e}; nothing more was verified"))
+    })?;
     let mut checks: Vec<_> = reference.checks().iter().map(|c| report(name, c)).collect();
     for model in &object.models {
         checks.extend(verify(model, &reference, options).iter().map(|c| report(name, c)));
@@ -38,12 +39,19 @@ fn report(object: &str, check: &Check) -> CheckReport {
         full: check.full,
         ok: Some(check.ok()),
         skipped: None,
-        first_difference: check.failure.as_ref().map(|failure| format!("{}: {failure}", check.model)),
+        first_difference: check
+            .failure
+            .as_ref()
+            .map(|failure| format!("{}: {failure}", check.model)),
     }
 }
 
 /// LOD 0 against the mesh it was made from.
-pub(super) fn source(file: &LodFile, source: &Path, options: &ImportOptions) -> Outcome<CheckReport> {
+pub(super) fn source(
+    file: &LodFile,
+    source: &Path,
+    options: &ImportOptions,
+) -> Outcome<CheckReport> {
     let scene = import(source, options)?;
     let difference = if scene.objects.len() == file.objects.len() {
         scene.objects.iter().zip(&file.objects).find_map(|(source, stored)| {
@@ -51,7 +59,11 @@ pub(super) fn source(file: &LodFile, source: &Path, options: &ImportOptions) -> 
             what.map(|what| format!("{}: {what}", stored.info.name))
         })
     } else {
-        Some(format!("the source has {} objects, the file {}", scene.objects.len(), file.objects.len()))
+        Some(format!(
+            "the source has {} objects, the file {}",
+            scene.objects.len(),
+            file.objects.len()
+        ))
     };
     Ok(CheckReport {
         object: None,

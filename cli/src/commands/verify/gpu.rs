@@ -21,7 +21,9 @@ pub(super) fn open(wanted: Option<GpuUse>, adapter: Option<&str>) -> Outcome<Opt
         Ok(device) => Ok(Some(Gpu::Device(Box::new(device)))),
         Err(failure) if wanted == GpuUse::Auto => Ok(Some(Gpu::Skipped(failure.message))),
         Err(failure) => {
-            let message = format!("a GPU was required, and there is none to use: {failure}; nothing was verified");
+            let message = format!(
+                "a GPU was required, and there is none to use: {failure}; nothing was verified"
+            );
             Err(Failure { message, ..failure })
         }
     }
@@ -33,13 +35,21 @@ pub(super) fn open(wanted: Option<GpuUse>, adapter: Option<&str>) -> Outcome<Opt
 /// If the device fails, or a limit is reached on a device that was required.
 pub(super) fn checks(file: &LodFile, gpu: &Gpu, wanted: GpuUse) -> Outcome<Vec<CheckReport>> {
     match gpu {
-        Gpu::Skipped(why) => Ok(vec![CheckReport { skipped: Some(why.clone()), ..blank(None, "all", "replay", None) }]),
+        Gpu::Skipped(why) => Ok(vec![CheckReport {
+            skipped: Some(why.clone()),
+            ..blank(None, "all", "replay", None)
+        }]),
         Gpu::Device(device) => on_device(file, device, wanted),
     }
 }
 
 /// A check about which nothing is known yet.
-fn blank(object: Option<&str>, model: &'static str, check: &'static str, adapter: Option<String>) -> CheckReport {
+fn blank(
+    object: Option<&str>,
+    model: &'static str,
+    check: &'static str,
+    adapter: Option<String>,
+) -> CheckReport {
     CheckReport {
         object: object.map(str::to_owned),
         model,
@@ -72,7 +82,8 @@ fn on_device(file: &LodFile, device: &Device, wanted: GpuUse) -> Outcome<Vec<Che
         let stops = plan::stops(&object.simplified);
         for model in &object.models {
             let report = |check| blank(Some(name), model.name(), check, adapter.clone());
-            // Where a device was only asked for if there is one, what it is too small for is left out, aloud.
+            // Where a device was only asked for if there is one, what it is too small for is left
+            // out, aloud.
             let too_much = |failure: Failure, check| match wanted {
                 GpuUse::Auto if failure.status == Status::Limit => {
                     Ok(CheckReport { skipped: Some(failure.message), ..report(check) })
@@ -93,7 +104,9 @@ fn on_device(file: &LodFile, device: &Device, wanted: GpuUse) -> Outcome<Vec<Che
                         lods: done.lods,
                         full: done.lods,
                         ok: Some(done.difference.is_none()),
-                        first_difference: done.difference.map(|d| format!("{}, {check}: {d}", model.name())),
+                        first_difference: done
+                            .difference
+                            .map(|d| format!("{}, {check}: {d}", model.name())),
                         ..report(check)
                     },
                     Err(e) => too_much(gpu::failure(&e), check)?,

@@ -34,13 +34,17 @@ pub(super) fn xml(report: &VerifyReport) -> String {
         }
         for check in &file.checks {
             let object = check.object.as_deref().unwrap_or("file");
-            let title = escaped(&format!("{object}: {}, {}, {}", check.model, check.check, check.device));
+            let title =
+                escaped(&format!("{object}: {}, {}, {}", check.model, check.check, check.device));
             let verdict = match (&check.first_difference, &check.skipped) {
                 (Some(what), _) => format!("<failure message=\"{}\"/>", escaped(what)),
                 (None, Some(why)) => format!("<skipped message=\"{}\"/>", escaped(why)),
                 (None, None) => String::new(),
             };
-            let _ = writeln!(xml, "    <testcase classname=\"{name}\" name=\"{title}\">{verdict}</testcase>");
+            let _ = writeln!(
+                xml,
+                "    <testcase classname=\"{name}\" name=\"{title}\">{verdict}</testcase>"
+            );
         }
         xml.push_str("  </testsuite>\n");
     }
@@ -84,8 +88,11 @@ mod tests {
             skipped: skipped.map(str::to_owned),
             first_difference: first_difference.map(str::to_owned),
         };
-        let checks =
-            vec![check(Some(true), None, None), check(None, Some("why"), None), check(Some(false), None, Some("<x>"))];
+        let checks = vec![
+            check(Some(true), None, None),
+            check(None, Some("why"), None),
+            check(Some(false), None, Some("<x>")),
+        ];
         let file = FileReport { file: "f".to_owned(), ok: false, checks, error: None };
         let text = xml(&VerifyReport { schema_version: 1, ok: false, files: vec![file] });
         assert!(text.contains("a&lt;b&gt;&amp;&quot;c?: interactive, random jumps, cpu"), "{text}");

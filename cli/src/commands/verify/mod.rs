@@ -31,7 +31,8 @@ pub(crate) struct VerifyArgs {
     /// Check every N-th step instead of every step
     #[arg(long, value_name = "N", default_value = "1")]
     stride: NonZeroU32,
-    /// Also replay on a GPU and compare: `require` one (plain --gpu), or take it if there is one (`auto`)
+    /// Also replay on a GPU and compare: `require` one (plain --gpu), or take it if there is one
+    /// (`auto`)
     #[arg(long, value_name = "WHEN", num_args = 0..=1, require_equals = true, default_missing_value = "require")]
     gpu: Option<GpuUse>,
     /// The GPU to use, by a part of its name
@@ -76,7 +77,9 @@ pub(crate) fn run(args: &VerifyArgs) -> Outcome<Status> {
 
 fn check_junit(args: &VerifyArgs) -> Outcome<()> {
     let Some(junit) = &args.junit else { return Ok(()) };
-    if output::is_stream(junit) || args.inputs.iter().chain(&args.source).any(|other| other == junit) {
+    if output::is_stream(junit)
+        || args.inputs.iter().chain(&args.source).any(|other| other == junit)
+    {
         return Err(Failure::usage("--junit needs a file of its own"));
     }
     output::prepare(&[Target::File(junit.clone())], false)
@@ -99,7 +102,10 @@ fn verify_one(args: &VerifyArgs, gpu: Option<&Gpu>, input: &Path) -> (FileReport
         // The panic hook has said what and where.
         Err(_) => Failure::new(Status::Bug, "internal error"),
     };
-    (FileReport { file: name, ok: false, checks: vec![], error: Some(failure.message) }, failure.status)
+    (
+        FileReport { file: name, ok: false, checks: vec![], error: Some(failure.message) },
+        failure.status,
+    )
 }
 
 fn check(args: &VerifyArgs, gpu: Option<&Gpu>, input: &Path) -> Outcome<Vec<CheckReport>> {
@@ -134,7 +140,10 @@ fn print(file: &FileReport) -> Outcome<()> {
         } else {
             String::new()
         };
-        let device = check.adapter.as_deref().map_or(check.device.to_owned(), |a| format!("{} {a}", check.device));
+        let device = check
+            .adapter
+            .as_deref()
+            .map_or(check.device.to_owned(), |a| format!("{} {a}", check.device));
         let line = format!(
             "{}:{object} {}, {}, {device}: {verdict}, {}{full}{reason}",
             file.file,

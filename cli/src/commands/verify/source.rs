@@ -2,12 +2,15 @@
 
 use lodc_mesh::{Attribute, Mesh, OrientedTriangle};
 
-/// Compares two meshes submesh by submesh as multisets of oriented triangles of attribute bytes; the order of vertices
-/// and triangles does not matter. Says what differs first.
+/// Compares two meshes submesh by submesh as multisets of oriented triangles of attribute bytes;
+/// the order of vertices and triangles does not matter. Says what differs first.
 pub(super) fn first_difference(source: &Mesh, stored: &Mesh) -> Option<String> {
     let submeshes = [source, stored].map(|mesh| mesh.submeshes().len());
     if submeshes[0] != submeshes[1] {
-        return Some(format!("the source has {} submeshes, the file {}", submeshes[0], submeshes[1]));
+        return Some(format!(
+            "the source has {} submeshes, the file {}",
+            submeshes[0], submeshes[1]
+        ));
     }
     (0..submeshes[0]).find_map(|submesh| {
         submesh_difference(source, stored, submesh).map(|what| format!("submesh {submesh}: {what}"))
@@ -18,7 +21,9 @@ fn submesh_difference(source: &Mesh, stored: &Mesh, submesh: usize) -> Option<St
     let meshes = [source, stored];
     let streams = meshes.map(|mesh| streams(mesh, submesh));
     if streams[0].iter().map(|a| a.described()).ne(streams[1].iter().map(|a| a.described())) {
-        let names = streams.map(|all| all.iter().map(|a| format!("{:?}", a.semantic)).collect::<Vec<_>>().join(", "));
+        let names = streams.map(|all| {
+            all.iter().map(|a| format!("{:?}", a.semantic)).collect::<Vec<_>>().join(", ")
+        });
         return Some(format!("the source has the streams [{}], the file [{}]", names[0], names[1]));
     }
     let counts = meshes.map(|mesh| mesh.submeshes()[submesh].triangle_count);
@@ -29,7 +34,8 @@ fn submesh_difference(source: &Mesh, stored: &Mesh, submesh: usize) -> Option<St
     let triangles = [0, 1].map(|side| {
         let range = meshes[side].submeshes()[submesh].triangles();
         let all = meshes[side].triangles()[range].iter();
-        let mut all: Vec<_> = all.map(|t| OrientedTriangle::new(0, t.map(|v| numbers[side][v as usize]))).collect();
+        let mut all: Vec<_> =
+            all.map(|t| OrientedTriangle::new(0, t.map(|v| numbers[side][v as usize]))).collect();
         all.sort_unstable();
         all
     });
@@ -38,10 +44,16 @@ fn submesh_difference(source: &Mesh, stored: &Mesh, submesh: usize) -> Option<St
     let missing = triangles[0][at] < triangles[1][at];
     let (side, triangle) = if missing { (0, triangles[0][at]) } else { (1, triangles[1][at]) };
     let corners = triangle.corners.map(|number| {
-        let vertex = numbers[side].iter().position(|&n| n == number).expect("every number is that of a vertex");
+        let vertex = numbers[side]
+            .iter()
+            .position(|&n| n == number)
+            .expect("every number is that of a vertex");
         meshes[side].positions()[vertex]
     });
-    Some(format!("the triangle {corners:?} is only in the {}", if missing { "source" } else { "file" }))
+    Some(format!(
+        "the triangle {corners:?} is only in the {}",
+        if missing { "source" } else { "file" }
+    ))
 }
 
 /// The streams of a submesh, in an order that does not depend on how the mesh lists them.

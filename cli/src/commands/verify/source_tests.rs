@@ -42,5 +42,7 @@ fn the_last_bit_of_a_position_or_an_attribute_is_seen() {
 #[test]
 fn a_doubled_triangle_in_place_of_another_is_seen() {
     let mesh = shape("cube");
-    assert!(first_difference(&mesh, &changed(&mesh, |p| p.triangles[1] = p.triangles[0])).is_some());
+    assert!(
+        first_difference(&mesh, &changed(&mesh, |p| p.triangles[1] = p.triangles[0])).is_some()
+    );
 }

@@ -24,7 +24,8 @@ pub enum Lens {
 pub struct Framing {
     /// The upward axis.
     pub up: Up,
-    /// Degrees around the upward axis: 0 sees the front, 90 the thing's left side (its `+x` for `Up::Y`).
+    /// Degrees around the upward axis: 0 sees the front, 90 the thing's left side (its `+x` for
+    /// `Up::Y`).
     pub azimuth: f64,
     /// Degrees above the horizon, -90 to 90.
     pub elevation: f64,
@@ -44,7 +45,8 @@ pub struct Camera {
     up: Up,
     /// The camera, relative to the centre, along its axes.
     eye: [f64; 3],
-    /// Half the extent of the picture across and down, at distance 1 from the eye or, without perspective, anywhere.
+    /// Half the extent of the picture across and down, at distance 1 from the eye or, without
+    /// perspective, anywhere.
     half: [f64; 2],
     perspective: bool,
     /// Distances from the eye between which everything lies.
@@ -60,13 +62,18 @@ impl Camera {
     pub fn around(points: &[[f64; 3]], framing: &Framing, aspect: f64) -> Self {
         let axes = axes(framing);
         let bounds = |of: &dyn Fn(&[f64; 3]) -> f64| {
-            points.iter().map(of).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)))
+            points
+                .iter()
+                .map(of)
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)))
         };
         let middle: [f64; 3] = std::array::from_fn(|i| {
             let (low, high) = bounds(&|p| p[i]);
             if low <= high { low / 2.0 + high / 2.0 } else { 0.0 }
         });
-        let along = |p: &[f64; 3], axis: usize| -> f64 { (0..3).map(|i| (p[i] - middle[i]) * axes[axis][i]).sum() };
+        let along = |p: &[f64; 3], axis: usize| -> f64 {
+            (0..3).map(|i| (p[i] - middle[i]) * axes[axis][i]).sum()
+        };
         let (near, far) = bounds(&|p| along(p, 2));
         let size = (0..3).map(|a| bounds(&|p| along(p, a))).map(|(l, h)| h - l).fold(0.0, f64::max);
         let size = if size > 0.0 && size.is_finite() { size } else { 1.0 };
@@ -85,8 +92,8 @@ impl Camera {
             Lens::Perspective(degrees) => {
                 let tangent = (degrees.to_radians() / 2.0).tan();
                 camera.half = [tangent * aspect, tangent];
-                // Of points at one depth, those at the edges of the picture decide; the distance follows from both
-                // sides together, the eye's place across from their difference.
+                // Of points at one depth, those at the edges of the picture decide; the distance
+                // follows from both sides together, the eye's place across from their difference.
                 let mut distance = f64::NEG_INFINITY;
                 for a in 0..2 {
                     let t = camera.half[a] * free;
@@ -97,7 +104,8 @@ impl Camera {
                         distance = distance.max((high - low) / (2.0 * t));
                     }
                 }
-                let distance = if distance.is_finite() { distance } else { 0.0 }.max(far + size * 0.01);
+                let distance =
+                    if distance.is_finite() { distance } else { 0.0 }.max(far + size * 0.01);
                 // Nearer makes larger; what lies in front of the eye's new place is cut off.
                 camera.eye[2] = distance;
                 camera.half = camera.half.map(|h| h / framing.zoom);
@@ -122,7 +130,8 @@ impl Camera {
         camera
     }
 
-    /// From positions relative to the centre to the device's clip space, column by column. Depth grows from 0 to 1.
+    /// From positions relative to the centre to the device's clip space, column by column. Depth
+    /// grows from 0 to 1.
     pub(super) fn matrix(&self) -> [[f32; 4]; 4] {
         let [near, far] = self.depth;
         let shift: [f64; 3] = std::array::from_fn(|a| -self.eye[a]);
@@ -195,14 +204,17 @@ mod tests {
     fn seen(camera: &Camera, p: [f64; 3]) -> [f64; 3] {
         let m = camera.matrix();
         let p: [f64; 3] = std::array::from_fn(|i| p[i] - camera.centre[i]);
-        let at = |r: usize| (0..3).map(|c| f64::from(m[c][r]) * p[c]).sum::<f64>() + f64::from(m[3][r]);
+        let at =
+            |r: usize| (0..3).map(|c| f64::from(m[c][r]) * p[c]).sum::<f64>() + f64::from(m[3][r]);
         [at(0) / at(3), at(1) / at(3), at(2) / at(3)]
     }
 
     fn every(check: impl Fn(&Framing)) {
         for lens in [Lens::Perspective(30.0), Lens::Perspective(90.0), Lens::Orthographic] {
             for up in [Up::Y, Up::Z] {
-                for (azimuth, elevation) in [(0.0, 0.0), (35.0, 20.0), (200.0, -70.0), (0.0, 90.0), (90.0, -90.0)] {
+                for (azimuth, elevation) in
+                    [(0.0, 0.0), (35.0, 20.0), (200.0, -70.0), (0.0, 90.0), (90.0, -90.0)]
+                {
                     check(&Framing { up, azimuth, elevation, lens, zoom: 1.0 });
                 }
             }
@@ -212,16 +224,26 @@ mod tests {
     #[test]
     fn everything_fits_and_touches_the_margin() {
         let points: Vec<[f64; 3]> = (0..8)
-            .map(|i| [f64::from(i & 1) * 7.0 + 100.0, f64::from(i >> 1 & 1) * 2.0, f64::from(i >> 2) * 3.0])
+            .map(|i| {
+                [
+                    f64::from(i & 1) * 7.0 + 100.0,
+                    f64::from(i >> 1 & 1) * 2.0,
+                    f64::from(i >> 2) * 3.0,
+                ]
+            })
             .collect();
         every(|framing| {
             for aspect in [0.5, 1.0, 2.5] {
                 let camera = Camera::around(&points, framing, aspect);
-                let edge = points.iter().map(|&p| seen(&camera, p)).fold(0.0f64, |edge, [x, y, z]| {
-                    assert!((0.0..=1.0).contains(&z), "{framing:?}: depth {z}");
-                    edge.max(x.abs()).max(y.abs())
-                });
-                assert!((edge - (1.0 - 2.0 * MARGIN)).abs() < 1e-4, "{framing:?}, {aspect}: {edge}");
+                let edge =
+                    points.iter().map(|&p| seen(&camera, p)).fold(0.0f64, |edge, [x, y, z]| {
+                        assert!((0.0..=1.0).contains(&z), "{framing:?}: depth {z}");
+                        edge.max(x.abs()).max(y.abs())
+                    });
+                assert!(
+                    (edge - (1.0 - 2.0 * MARGIN)).abs() < 1e-4,
+                    "{framing:?}, {aspect}: {edge}"
+                );
             }
         });
     }
@@ -229,7 +251,13 @@ mod tests {
     #[test]
     fn nearer_points_have_less_depth_and_up_is_up() {
         let points = [[0.0, 0.0, 0.0], [1.0, 1.0, 1.0]];
-        let framing = Framing { up: Up::Y, azimuth: 0.0, elevation: 0.0, lens: Lens::Perspective(40.0), zoom: 1.0 };
+        let framing = Framing {
+            up: Up::Y,
+            azimuth: 0.0,
+            elevation: 0.0,
+            lens: Lens::Perspective(40.0),
+            zoom: 1.0,
+        };
         let camera = Camera::around(&points, &framing, 1.0);
         assert!(seen(&camera, [0.0, 0.0, 1.0])[2] < seen(&camera, [0.0, 0.0, 0.0])[2]);
         assert!(seen(&camera, [1.0, 0.0, 0.0])[0] > 0.0 && seen(&camera, [0.0, 1.0, 0.0])[1] > 0.0);
@@ -238,7 +266,8 @@ mod tests {
         assert!(seen(&side, [0.0, 0.0, 1.0])[0] < 0.0);
         let cad = Camera::around(&points, &Framing { up: Up::Z, ..framing }, 1.0);
         assert!(
-            seen(&cad, [0.0, 0.0, 1.0])[1] > 0.0 && seen(&cad, [0.0, 0.0, 0.0])[2] < seen(&cad, [0.0, 1.0, 0.0])[2]
+            seen(&cad, [0.0, 0.0, 1.0])[1] > 0.0
+                && seen(&cad, [0.0, 0.0, 0.0])[2] < seen(&cad, [0.0, 1.0, 0.0])[2]
         );
     }
 
@@ -247,7 +276,10 @@ mod tests {
         every(|framing| {
             for points in [&[][..], &[[3.0, 4.0, 5.0]]] {
                 let camera = Camera::around(points, framing, 1.5);
-                assert!(camera.matrix().as_flattened().iter().all(|v| v.is_finite()), "{framing:?}");
+                assert!(
+                    camera.matrix().as_flattened().iter().all(|v| v.is_finite()),
+                    "{framing:?}"
+                );
             }
         });
     }

@@ -40,7 +40,10 @@ impl<'p> Frame<'p> {
         let size = style.size.map(|s| s.saturating_mul(LARGER));
         assert!(size.iter().all(|&s| s > 0), "a picture has pixels");
         painter.device.allows_texture("twice the picture's longer side", size[0].max(size[1]))?;
-        painter.device.allows_buffer("the picture (bytes)", u64::from(row_bytes(size[0])) * u64::from(size[1]))?;
+        painter.device.allows_buffer(
+            "the picture (bytes)",
+            u64::from(row_bytes(size[0])) * u64::from(size[1]),
+        )?;
         let target = |label, format, samples, usage| {
             painter.device.device.create_texture(&wgpu::TextureDescriptor {
                 label: Some(label),
@@ -67,15 +70,21 @@ impl<'p> Frame<'p> {
         Ok(Self { painter, size, colour, depth, resolved, shot, background, fresh: true })
     }
 
-    /// Draws triangles with a paint over what is there. Of surfaces at one depth the one drawn first stays; a
-    /// `blended` one hides nothing that comes after it, so that those are drawn last and from far to near.
+    /// Draws triangles with a paint over what is there. Of surfaces at one depth the one drawn
+    /// first stays; a `blended` one hides nothing that comes after it, so that those are drawn last
+    /// and from far to near.
     ///
     /// # Errors
     /// If the device fails.
     ///
     /// # Panics
     /// If the painter has no such paint.
-    pub fn draw(&mut self, paint: usize, blended: bool, corners: &[Corner]) -> Result<(), GpuError> {
+    pub fn draw(
+        &mut self,
+        paint: usize,
+        blended: bool,
+        corners: &[Corner],
+    ) -> Result<(), GpuError> {
         for part in corners.chunks(3 * AT_ONCE) {
             let gpu = &self.painter.device.device;
             let bytes: &[u8] = bytemuck::cast_slice(part);
@@ -117,20 +126,28 @@ impl<'p> Frame<'p> {
             usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
-        let mut encoder = device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut encoder =
+            device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         encoder.copy_texture_to_buffer(
             self.resolved.as_image_copy(),
             wgpu::TexelCopyBufferInfo {
                 buffer: &buffer,
-                layout: wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row), rows_per_image: None },
+                layout: wgpu::TexelCopyBufferLayout {
+                    offset: 0,
+                    bytes_per_row: Some(row),
+                    rows_per_image: None,
+                },
             },
             extent(self.size),
         );
         device.queue.submit([encoder.finish()]);
         let mut pixels = Pixels::default();
         device.map(&buffer, bytes, |rows| {
-            let tight: Vec<u8> =
-                rows.chunks_exact(row as usize).flat_map(|r| &r[..4 * width as usize]).copied().collect();
+            let tight: Vec<u8> = rows
+                .chunks_exact(row as usize)
+                .flat_map(|r| &r[..4 * width as usize])
+                .copied()
+                .collect();
             pixels = halved(width, height, &tight);
         })?;
         Ok(pixels)
@@ -141,7 +158,8 @@ impl<'p> Frame<'p> {
         let fresh = std::mem::replace(&mut self.fresh, false);
         let device = self.painter.device;
         let resolved = self.resolved.create_view(&wgpu::TextureViewDescriptor::default());
-        let mut encoder = device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut encoder =
+            device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let colour = wgpu::RenderPassColorAttachment {
             view: &self.colour,
             depth_slice: None,

@@ -1,4 +1,5 @@
-//! Smaller and smaller copies of a texture, averaged in linear light; the device has no fixed way to make them.
+//! Smaller and smaller copies of a texture, averaged in linear light; the device has no fixed way
+//! to make them.
 
 use super::pixels::{encoded, linear_table};
 
@@ -16,15 +17,18 @@ pub(super) fn levels(width: u32, height: u32, bytes: Vec<u8>) -> Vec<(u32, u32, 
     }
 }
 
-/// One level further. With an odd number of texels the last one counts into the neighbour on its left or above.
+/// One level further. With an odd number of texels the last one counts into the neighbour on its
+/// left or above.
 fn half(width: u32, height: u32, bytes: &[u8], linear: &[f32; 256]) -> (u32, u32, Vec<u8>) {
     let (w, h) = ((width / 2).max(1), (height / 2).max(1));
     let mut out = Vec::with_capacity(4 * w as usize * h as usize);
     // The texels of the old row or column that a new one is made of.
-    let span = |i: u32, new: u32, old: u32| if i + 1 == new { 2 * i..old } else { 2 * i..2 * i + 2 };
+    let span =
+        |i: u32, new: u32, old: u32| if i + 1 == new { 2 * i..old } else { 2 * i..2 * i + 2 };
     for y in 0..h {
         for x in 0..w {
-            let (mut sum, mut weight, mut plain, mut texels) = ([0.0f32; 3], 0.0f32, [0.0f32; 3], 0.0f32);
+            let (mut sum, mut weight, mut plain, mut texels) =
+                ([0.0f32; 3], 0.0f32, [0.0f32; 3], 0.0f32);
             for oy in span(y, h, height) {
                 for ox in span(x, w, width) {
                     let start = 4 * (oy as usize * width as usize + ox as usize);
@@ -39,7 +43,8 @@ fn half(width: u32, height: u32, bytes: &[u8], linear: &[f32; 256]) -> (u32, u32
                 }
             }
             // What cannot be seen must not bleed into what can.
-            let colour = if weight > 0.0 { sum.map(|c| c / weight) } else { plain.map(|c| c / texels) };
+            let colour =
+                if weight > 0.0 { sum.map(|c| c / weight) } else { plain.map(|c| c / texels) };
             out.extend(colour.map(encoded));
             out.push((weight / texels * 255.0 + 0.5) as u8);
         }
@@ -57,7 +62,10 @@ mod tests {
             let all = levels(w, h, vec![200; 4 * (w * h) as usize]);
             assert_eq!(all.len() as u32, 32 - w.max(h).leading_zeros());
             assert_eq!(all.last().map(|l| (l.0, l.1)), Some((1, 1)));
-            assert!(all.iter().all(|(w, h, b)| b.len() as u32 == 4 * w * h && b.iter().all(|&v| v == 200)));
+            assert!(
+                all.iter()
+                    .all(|(w, h, b)| b.len() as u32 == 4 * w * h && b.iter().all(|&v| v == 200))
+            );
         }
     }
 

@@ -1,8 +1,9 @@
-//! Pictures: triangles, paints and a camera become pixels, off screen. Everything that needs no device is decided
-//! before: which triangles, where, which normals, which colours.
+//! Pictures: triangles, paints and a camera become pixels, off screen. Everything that needs no
+//! device is decided before: which triangles, where, which normals, which colours.
 //!
-//! Pictures are made at twice their size with four samples for each pixel, and made smaller in linear light. On one
-//! machine the same input gives the same bytes; drivers differ by a shade at edges.
+//! Pictures are made at twice their size with four samples for each pixel, and made smaller in
+//! linear light. On one machine the same input gives the same bytes; drivers differ by a shade at
+//! edges.
 
 mod camera;
 mod frame;

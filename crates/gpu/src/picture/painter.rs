@@ -10,7 +10,8 @@ pub struct Paint {
     pub colour: [f32; 4],
     /// Index of its texture among those given to [`Painter::new`], multiplied with the colour.
     pub texture: Option<usize>,
-    /// From the corners' texture coordinates to those of the texture: two rows of factors and a shift.
+    /// From the corners' texture coordinates to those of the texture: two rows of factors and a
+    /// shift.
     pub uv: [[f32; 3]; 2],
     /// Whether triangles that turn their back are drawn.
     pub double_sided: bool,
@@ -93,8 +94,13 @@ impl<'d> Painter<'d> {
     /// If a texture is larger than the device allows, or the device fails.
     ///
     /// # Panics
-    /// If a paint names a texture that is not there, or a texture has another number of bytes than its size says.
-    pub fn new(device: &'d Device, textures: Vec<Texture>, paints: &[Paint]) -> Result<Self, GpuError> {
+    /// If a paint names a texture that is not there, or a texture has another number of bytes than
+    /// its size says.
+    pub fn new(
+        device: &'d Device,
+        textures: Vec<Texture>,
+        paints: &[Paint],
+    ) -> Result<Self, GpuError> {
         let gpu = &device.device;
         let uniform = wgpu::BindingType::Buffer {
             ty: wgpu::BufferBindingType::Uniform,
@@ -109,9 +115,11 @@ impl<'d> Painter<'d> {
         let shot_layout = layout(gpu, "shot", &[uniform]);
         let sampler = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
         let paint_layout = layout(gpu, "paint", &[uniform, texture, sampler]);
-        let pipelines = [false, true].map(|blended| pipeline(gpu, &[&shot_layout, &paint_layout], blended));
+        let pipelines =
+            [false, true].map(|blended| pipeline(gpu, &[&shot_layout, &paint_layout], blended));
 
-        let blank = Texture { width: 1, height: 1, bytes: vec![255; 4], sampling: Sampling::default() };
+        let blank =
+            Texture { width: 1, height: 1, bytes: vec![255; 4], sampling: Sampling::default() };
         let mut views = Vec::with_capacity(textures.len() + 1);
         for texture in textures.into_iter().chain([blank]) {
             views.push(upload(device, texture)?);
@@ -136,10 +144,17 @@ fn layout(gpu: &wgpu::Device, label: &str, entries: &[wgpu::BindingType]) -> wgp
             count: None,
         })
         .collect();
-    gpu.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
+    gpu.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label: Some(label),
+        entries: &entries,
+    })
 }
 
-fn pipeline(gpu: &wgpu::Device, layouts: &[&wgpu::BindGroupLayout], blended: bool) -> wgpu::RenderPipeline {
+fn pipeline(
+    gpu: &wgpu::Device,
+    layouts: &[&wgpu::BindGroupLayout],
+    blended: bool,
+) -> wgpu::RenderPipeline {
     let module = gpu.create_shader_module(wgpu::include_wgsl!("picture.wgsl"));
     let layouts: Vec<_> = layouts.iter().map(|l| Some(*l)).collect();
     let layout = gpu.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
@@ -187,7 +202,10 @@ fn pipeline(gpu: &wgpu::Device, layouts: &[&wgpu::BindGroupLayout], blended: boo
     })
 }
 
-fn upload(device: &Device, texture: Texture) -> Result<(wgpu::TextureView, wgpu::Sampler), GpuError> {
+fn upload(
+    device: &Device,
+    texture: Texture,
+) -> Result<(wgpu::TextureView, wgpu::Sampler), GpuError> {
     let Texture { width, height, bytes, sampling } = texture;
     device.allows_texture("a texture", width.max(height))?;
     let levels = mips::levels(width, height, bytes);
@@ -210,7 +228,11 @@ fn upload(device: &Device, texture: Texture) -> Result<(wgpu::TextureView, wgpu:
                 aspect: wgpu::TextureAspect::All,
             },
             bytes,
-            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * width), rows_per_image: Some(*height) },
+            wgpu::TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: Some(4 * width),
+                rows_per_image: Some(*height),
+            },
             wgpu::Extent3d { width: *width, height: *height, depth_or_array_layers: 1 },
         );
     }
@@ -223,7 +245,11 @@ fn upload(device: &Device, texture: Texture) -> Result<(wgpu::TextureView, wgpu:
         label: Some("texture"),
         address_mode_u: across,
         address_mode_v: down,
-        mag_filter: if sampling.nearest { wgpu::FilterMode::Nearest } else { wgpu::FilterMode::Linear },
+        mag_filter: if sampling.nearest {
+            wgpu::FilterMode::Nearest
+        } else {
+            wgpu::FilterMode::Linear
+        },
         min_filter: wgpu::FilterMode::Linear,
         mipmap_filter: wgpu::MipmapFilterMode::Linear,
         ..wgpu::SamplerDescriptor::default()
@@ -240,7 +266,12 @@ fn bind(
 ) -> wgpu::BindGroup {
     let row = |r: [f32; 3]| [r[0], r[1], r[2], 0.0];
     let flag = |b: bool| f32::from(u8::from(b));
-    let flags = [paint.cut_off.unwrap_or(-1.0), flag(paint.double_sided), flag(paint.unlit), flag(paint.blended)];
+    let flags = [
+        paint.cut_off.unwrap_or(-1.0),
+        flag(paint.double_sided),
+        flag(paint.unlit),
+        flag(paint.blended),
+    ];
     let buffer = device.device.create_buffer(&wgpu::BufferDescriptor {
         label: Some("paint"),
         size: PAINT_BYTES,

@@ -10,7 +10,8 @@ struct Shot {
     world_up: vec4<f32>,
     // Colour of edges and, in w, their width in pixels of this picture.
     wire: vec4<f32>,
-    // Colour of back faces, and what becomes of them: 0 as painted, 1 shown, 2 hidden, 3 this colour.
+    // Colour of back faces, and what becomes of them: 0 as painted, 1 shown, 2 hidden, 3 this
+    // colour.
     back: vec4<f32>,
 }
 
@@ -19,7 +20,8 @@ struct Paint {
     // Two rows: from texture coordinates to those of this paint.
     u: vec4<f32>,
     v: vec4<f32>,
-    // Cut-off of opacity (below 0: none), and whether back faces are drawn, light does not matter, opacity counts.
+    // Cut-off of opacity (below 0: none), and whether back faces are drawn, light does not matter,
+    // opacity counts.
     flags: vec4<f32>,
 }
 
@@ -57,7 +59,8 @@ fn vertex(
     return out;
 }
 
-// A key lamp at the upper left, a weak one at the right, light from the sky and some from the ground.
+// A key lamp at the upper left, a weak one at the right, light from the sky and some from the
+// ground.
 fn lit(albedo: vec3<f32>, normal: vec3<f32>, toward_eye: vec3<f32>) -> vec3<f32> {
     let key = normalize(0.9 * shot.toward.xyz + 0.75 * shot.up.xyz - 0.6 * shot.right.xyz);
     let fill = normalize(0.6 * shot.toward.xyz + 0.05 * shot.up.xyz + 0.9 * shot.right.xyz);
@@ -102,7 +105,8 @@ fn fragment(in: Varying, @builtin(front_facing) front: bool) -> @location(0) vec
         shown = lit(colour.rgb, normal, toward_eye);
     }
     if (shot.wire.w > 0.0) {
-        // Distance from the nearest edge in pixels. Where triangles are hardly larger than the line, it fades.
+        // Distance from the nearest edge in pixels. Where triangles are hardly larger than the
+        // line, it fades.
         let away = in.corner / max(spread, vec3<f32>(1e-6));
         let nearest = min(away.x, min(away.y, away.z));
         let half_width = 0.5 * shot.wire.w;

@@ -30,8 +30,8 @@ impl Pixels {
     }
 }
 
-/// Halves a picture of premultiplied colours, whose width and height are even, in linear light; the result is not
-/// premultiplied any more.
+/// Halves a picture of premultiplied colours, whose width and height are even, in linear light; the
+/// result is not premultiplied any more.
 pub(super) fn halved(width: u32, height: u32, rows: &[u8]) -> Pixels {
     let linear = linear_table();
     let (w, h) = (width as usize / 2, height as usize / 2);
@@ -69,7 +69,11 @@ pub(super) fn linear(v: f32) -> f32 {
 
 /// The sRGB value of light, in a byte.
 pub(super) fn encoded(light: f32) -> u8 {
-    quantised(if light <= 0.003_130_8 { light * 12.92 } else { 1.055 * light.powf(1.0 / 2.4) - 0.055 })
+    quantised(if light <= 0.003_130_8 {
+        light * 12.92
+    } else {
+        1.055 * light.powf(1.0 / 2.4) - 0.055
+    })
 }
 
 fn quantised(v: f32) -> u8 {

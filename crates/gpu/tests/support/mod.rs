@@ -23,5 +23,8 @@ pub(crate) fn device() -> Option<Device> {
 pub(crate) fn models(simplified: Simplified) -> Vec<AnyModel> {
     let simplified = Arc::new(simplified);
     let mut strips = StripPool::new(&simplified, StripOptions::default());
-    ModelKind::ALL.into_iter().map(|kind| AnyModel::build(kind, &mut strips).expect("a valid sequence")).collect()
+    ModelKind::ALL
+        .into_iter()
+        .map(|kind| AnyModel::build(kind, &mut strips).expect("a valid sequence"))
+        .collect()
 }

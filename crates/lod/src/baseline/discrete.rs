@@ -1,4 +1,5 @@
-//! Discrete levels of detail: five meshes, each with 25 % fewer triangles than the one before (thesis table 3.1).
+//! Discrete levels of detail: five meshes, each with 25 % fewer triangles than the one before
+//! (thesis table 3.1).
 
 use crate::{Array, Changes, Model, StorageCost, Traffic};
 use lodc_mesh::{Lod, OrientedTriangle, PositionIds, Simplified};
@@ -9,8 +10,9 @@ pub const LEVELS: usize = 5;
 
 /// Five meshes out of one sequence, each complete in itself.
 ///
-/// Other than a continuous model it shows five LODs only. A cursor sent to any other LOD shows the finest of the five
-/// that has at most the detail asked for; beyond the coarsest of them it stays there.
+/// Other than a continuous model it shows five LODs only. A cursor sent to any other LOD shows the
+/// finest of the five that has at most the detail asked for; beyond the coarsest of them it stays
+/// there.
 #[derive(Clone, Debug)]
 pub struct Discrete {
     simplified: Arc<Simplified>,
@@ -31,7 +33,8 @@ struct Level {
 pub struct Cursor(usize);
 
 impl Discrete {
-    /// Takes the levels out of a sequence: the finest LODs with at most ¾, ¾², ¾³ and ¾⁴ of the triangles.
+    /// Takes the levels out of a sequence: the finest LODs with at most ¾, ¾², ¾³ and ¾⁴ of the
+    /// triangles.
     #[must_use]
     pub fn build(simplified: &Arc<Simplified>) -> Self {
         let (mesh, collapses) = (simplified.mesh(), simplified.collapses());
@@ -89,7 +92,8 @@ impl Model for Discrete {
     fn drawn(&self, cursor: &Cursor) -> u64 {
         3 * self.levels[cursor.0].triangles.len() as u64
     }
-    /// Five meshes, each with vertices and triangles of its own: `Σ 3v + 3f` words, 3.05 times the triangles alone.
+    /// Five meshes, each with vertices and triangles of its own: `Σ 3v + 3f` words, 3.05 times the
+    /// triangles alone.
     fn storage_to(&self, _: Lod) -> StorageCost {
         let plain = StorageCost::of_triangles(&self.simplified);
         let geometry = 12 * self.levels.iter().map(|l| l.vertices).sum::<u64>();

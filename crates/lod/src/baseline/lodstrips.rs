@@ -1,7 +1,9 @@
-//! `LodStrips` (Ramos and Chover 2004, 2006): strips, and for each record a list of places that change.
+//! `LodStrips` (Ramos and Chover 2004, 2006): strips, and for each record a list of places that
+//! change.
 //!
-//! The ancestor of Speed Strips: the same changes and repetitions of the same strips (their dead ends stay), but each entry names its strip, and entries are
-//! applied one by one, record by record, to strips that grow and shrink by themselves.
+//! The ancestor of Speed Strips: the same changes and repetitions of the same strips (their dead
+//! ends stay), but each entry names its strip, and entries are applied one by one, record by
+//! record, to strips that grow and shrink by themselves.
 
 use crate::difference::{Difference, drawn};
 use crate::speed::history::{self, History};
@@ -16,7 +18,8 @@ use std::sync::Arc;
 struct Entry {
     strip: u32,
     place: u32,
-    /// 0: the index at `place` changes. Else a repetition goes: so many elements, of a vertex (positive) or an edge.
+    /// 0: the index at `place` changes. Else a repetition goes: so many elements, of a vertex
+    /// (positive) or an edge.
     repetitions: i32,
 }
 
@@ -29,10 +32,11 @@ pub struct LodStrips {
     /// The submesh of each strip.
     submeshes: Vec<u32>,
     /// For each strip the first LOD at which it draws nothing.
-    deaths: Vec<u32>,
+    removal_lods: Vec<u32>,
     /// Where each record's entries start, and where the last one's end.
     first: Vec<u32>,
-    /// In the order in which coarsening applies them: of each strip changes first, then what goes, from the back.
+    /// In the order in which coarsening applies them: of each strip changes first, then what goes,
+    /// from the back.
     entries: Vec<Entry>,
 }
 
@@ -58,7 +62,7 @@ impl LodStrips {
             submeshes: strips.submeshes().collect(),
             strips,
             positions: Arc::new(positions),
-            deaths: histories.iter().flat_map(|h| &h.deaths).copied().collect(),
+            removal_lods: histories.iter().flat_map(|h| &h.removal_lods).copied().collect(),
             first,
             entries,
         })
@@ -67,19 +71,27 @@ impl LodStrips {
     /// Bytes that the structure really holds, positions only: three words for each entry.
     #[must_use]
     pub fn tight_bytes(&self) -> u64 {
-        let words = 3 * self.simplified.mesh().vertex_count() + self.first.len() + 3 * self.entries.len();
-        4 * (words as u64 + u64::from(self.simplified.collapses().records()) + self.strips.separate_indices())
+        let words =
+            3 * self.simplified.mesh().vertex_count() + self.first.len() + 3 * self.entries.len();
+        4 * (words as u64
+            + u64::from(self.simplified.collapses().records())
+            + self.strips.separate_indices())
     }
 
     /// What one strip draws at the LOD where a cursor is.
-    fn drawn<'a>(&'a self, cursor: &'a Cursor, strip: usize) -> impl Iterator<Item = OrientedTriangle> + 'a {
-        let live = self.deaths[strip] > cursor.lod;
+    fn drawn<'a>(
+        &'a self,
+        cursor: &'a Cursor,
+        strip: usize,
+    ) -> impl Iterator<Item = OrientedTriangle> + 'a {
+        let live = self.removal_lods[strip] > cursor.lod;
         let elements: &[u32] = if live { &cursor.strips[strip] } else { &[] };
         drawn(elements, self.submeshes[strip], &self.positions)
     }
 
     fn entries(&self, record: u32) -> &[Entry] {
-        &self.entries[self.first[record as usize] as usize..self.first[record as usize + 1] as usize]
+        &self.entries
+            [self.first[record as usize] as usize..self.first[record as usize + 1] as usize]
     }
 
     fn coarsen(&self, cursor: &mut Cursor, record: u32) -> u64 {
@@ -106,9 +118,13 @@ impl LodStrips {
                 strip[place] = record;
                 written += 1;
             } else {
-                let (count, period) = (entry.repetitions.unsigned_abs(), if entry.repetitions > 0 { 1 } else { 2 });
+                let (count, period) =
+                    (entry.repetitions.unsigned_abs(), if entry.repetitions > 0 { 1 } else { 2 });
                 let pattern = [strip[place.saturating_sub(2)], strip[place - 1]];
-                strip.splice(place..place, (0..count as usize).map(|i| pattern[i % period + 2 - period]));
+                strip.splice(
+                    place..place,
+                    (0..count as usize).map(|i| pattern[i % period + 2 - period]),
+                );
                 written += (strip.len() - place) as u64;
             }
         }
@@ -117,10 +133,11 @@ impl LodStrips {
 
     /// The strips that some records change.
     fn affected(&self, fine: u32, coarse: u32) -> Vec<u32> {
-        let entries = &self.entries[self.first[fine as usize] as usize..self.first[coarse as usize] as usize];
+        let entries =
+            &self.entries[self.first[fine as usize] as usize..self.first[coarse as usize] as usize];
         let mut strips: Vec<u32> = entries.iter().map(|e| e.strip).collect();
-        let died = |s: &u32| (fine + 1..=coarse).contains(&self.deaths[*s as usize]);
-        strips.extend((0..self.deaths.len() as u32).filter(died));
+        let died = |s: &u32| (fine + 1..=coarse).contains(&self.removal_lods[*s as usize]);
+        strips.extend((0..self.removal_lods.len() as u32).filter(died));
         strips.sort_unstable();
         strips.dedup();
         strips
@@ -142,7 +159,8 @@ impl LodStrips {
             return walk(cursor);
         }
         let affected = self.affected(fine, coarse);
-        let before: Vec<Vec<_>> = affected.iter().map(|&s| self.drawn(cursor, s as usize).collect()).collect();
+        let before: Vec<Vec<_>> =
+            affected.iter().map(|&s| self.drawn(cursor, s as usize).collect()).collect();
         let traffic = walk(cursor);
         let mut difference = Difference::default();
         for (before, strip) in before.into_iter().zip(affected) {
@@ -175,11 +193,12 @@ impl Model for LodStrips {
         (0..self.strips.len()).flat_map(|strip| self.drawn(cursor, strip)).collect()
     }
     fn drawn(&self, cursor: &Cursor) -> u64 {
-        let live = (0..self.strips.len()).filter(|&strip| self.deaths[strip] > cursor.lod);
+        let live = (0..self.strips.len()).filter(|&strip| self.removal_lods[strip] > cursor.lod);
         live.map(|strip| cursor.strips[strip].len() as u64).sum()
     }
-    /// `3v + I` words for vertices and strip indices; for each record its target and where its list starts; for each strip of
-    /// a record a word and a byte (its number and how much follows), for each change a word, for each repetition two.
+    /// `3v + I` words for vertices and strip indices; for each record its target and where its list
+    /// starts; for each strip of a record a word and a byte (its number and how much follows), for
+    /// each change a word, for each repetition two.
     fn storage_to(&self, lod: Lod) -> StorageCost {
         let plain = StorageCost::of_triangles(&self.simplified);
         let geometry = 12 * (plain.vertices + plain.fakes);
@@ -215,9 +234,11 @@ fn by_record(histories: &[History], records: usize) -> (Vec<u32>, Vec<Entry>) {
         for event in &history.events {
             let strip = event.strip;
             let change = changes.by_ref().take(event.changes as usize);
-            let mut of_event: Vec<Entry> = change.map(|&place| Entry { strip, place, repetitions: 0 }).collect();
+            let mut of_event: Vec<Entry> =
+                change.map(|&place| Entry { strip, place, repetitions: 0 }).collect();
             let gone = removals.by_ref().take(event.removals as usize);
-            let repetitions = |r: &Removal| if r.kind == Kind::Edge { -(r.count as i32) } else { r.count as i32 };
+            let repetitions =
+                |r: &Removal| if r.kind == Kind::Edge { -(r.count as i32) } else { r.count as i32 };
             let gone = gone.map(|r| Entry { strip, place: r.at, repetitions: repetitions(r) });
             let gone: Vec<Entry> = gone.collect();
             of_event.extend(gone.into_iter().rev());

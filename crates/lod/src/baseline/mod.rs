@@ -1,8 +1,9 @@
-//! What the models are measured against, over the same sequence (thesis tables 3.1 to 3.4, 4.2, 4.3, 5.1).
+//! What the models are measured against, over the same sequence (thesis tables 3.1 to 3.4, 4.2,
+//! 4.3, 5.1).
 //!
-//! Baselines are models too and are held to the same reference, but they are never stored in a file. [`Baseline`] is their
-//! closed list. Plain triangles and plain strips, which have no levels of detail, are in [`StorageCost`].
-//! [`Rebuild`] is what a far jump is measured against.
+//! Baselines are models too and are held to the same reference, but they are never stored in a
+//! file. [`Baseline`] is their closed list. Plain triangles and plain strips, which have no levels
+//! of detail, are in [`StorageCost`]. [`Rebuild`] is what a far jump is measured against.
 
 mod discrete;
 mod lodstrips;
@@ -49,7 +50,10 @@ impl Baseline {
     ///
     /// # Errors
     /// If one cannot be made of this sequence.
-    pub fn all(simplified: &Arc<Simplified>, strips: &Arc<Strips>) -> Result<Vec<Self>, BuildError> {
+    pub fn all(
+        simplified: &Arc<Simplified>,
+        strips: &Arc<Strips>,
+    ) -> Result<Vec<Self>, BuildError> {
         let progressive = Self::ProgressiveMesh(ProgressiveMesh::build(simplified)?);
         let lodstrips = Self::LodStrips(LodStrips::build(simplified, Arc::clone(strips))?);
         Ok(vec![progressive, lodstrips, Self::Discrete(Discrete::build(simplified))])
@@ -61,7 +65,8 @@ impl Baseline {
         !matches!(self, Self::Discrete(_))
     }
 
-    /// Bytes that the structure really holds, positions only, where that differs from what the thesis counts.
+    /// Bytes that the structure really holds, positions only, where that differs from what the
+    /// thesis counts.
     #[must_use]
     pub fn tight_bytes(&self) -> Option<u64> {
         match self {

@@ -2,8 +2,9 @@
 
 use lodc_mesh::{Lod, PositionIds, Simplified};
 
-/// Makes index lists from scratch. It is the reference answer ([`Simplified::triangles_at`]) with everything prepared
-/// that does not depend on the LOD and nothing allocated, so a jump that is faster does better than starting again.
+/// Makes index lists from scratch. It is the reference answer ([`Simplified::triangles_at`]) with
+/// everything prepared that does not depend on the LOD and nothing allocated, so a jump that is
+/// faster does better than starting again.
 #[derive(Clone, Debug)]
 pub struct Rebuild<'a> {
     simplified: &'a Simplified,
@@ -26,7 +27,8 @@ impl<'a> Rebuild<'a> {
         }
     }
 
-    /// The live triangles at the LOD shown for `lod`, three vertices each, in the order of the mesh.
+    /// The live triangles at the LOD shown for `lod`, three vertices each, in the order of the
+    /// mesh.
     pub fn at(&mut self, lod: Lod) -> &[u32] {
         let collapses = self.simplified.collapses();
         let end = collapses.floor(lod).0 as usize;

@@ -7,12 +7,15 @@ use lodc_mesh::{Mesh, TriangleHash};
 use lodc_simplify::{Options, simplify};
 use lodc_strip::Effort;
 
-/// Small shapes and random meshes under sequences that no metric would make, larger ones under real ones.
+/// Small shapes and random meshes under sequences that no metric would make, larger ones under real
+/// ones.
 fn sequences() -> impl Iterator<Item = (String, Arc<Simplified>)> {
     let shapes = fixtures::ALL.iter().map(|&(name, make)| (name.to_owned(), make()));
     let random = (0..60).map(|seed| (format!("random {seed}"), fixtures::random(seed)));
-    let arbitrary = shapes.chain(random).enumerate().filter(|(_, (_, mesh))| mesh.triangles().len() <= 400);
-    let arbitrary = arbitrary.map(|(seed, (name, mesh))| (name, fixtures::random_collapse(&mesh, seed as u64)));
+    let arbitrary =
+        shapes.chain(random).enumerate().filter(|(_, (_, mesh))| mesh.triangles().len() <= 400);
+    let arbitrary =
+        arbitrary.map(|(seed, (name, mesh))| (name, fixtures::random_collapse(&mesh, seed as u64)));
     let real = fixtures::ALL.iter().map(|&(name, make)| (name.to_owned(), real(&make())));
     arbitrary.chain(real).map(|(name, simplified)| (name, Arc::new(simplified)))
 }
@@ -66,8 +69,18 @@ fn jumps_tell_of_exactly_the_triangles_that_go_and_come() {
                 let traffic = model.seek(&mut cursor, lod, &mut told);
                 let sent = model.sent(from, model.lod(&cursor), traffic);
                 let after = model.triangles(&cursor);
-                assert_eq!(told.0, after.iter().copied().collect(), "{name}: {} at {lod:?}", model.name());
-                assert_eq!(told.1, differing(&before, &after), "{name}: {} at {lod:?}", model.name());
+                assert_eq!(
+                    told.0,
+                    after.iter().copied().collect(),
+                    "{name}: {} at {lod:?}",
+                    model.name()
+                );
+                assert_eq!(
+                    told.1,
+                    differing(&before, &after),
+                    "{name}: {} at {lod:?}",
+                    model.name()
+                );
                 if matches!(model, Baseline::LodStrips(_)) {
                     // What a strip draws besides is dead, and nothing is sent for one that dies.
                     assert!(model.drawn(&cursor) >= after.len() as u64);
@@ -83,9 +96,12 @@ fn jumps_tell_of_exactly_the_triangles_that_go_and_come() {
 
 /// How many triangles two multisets do not share.
 fn differing(a: &[OrientedTriangle], b: &[OrientedTriangle]) -> u64 {
-    let mut all: Vec<(OrientedTriangle, i64)> = a.iter().map(|&t| (t, 1)).chain(b.iter().map(|&t| (t, -1))).collect();
+    let mut all: Vec<(OrientedTriangle, i64)> =
+        a.iter().map(|&t| (t, 1)).chain(b.iter().map(|&t| (t, -1))).collect();
     all.sort_unstable();
-    let sums = all.chunk_by(|x, y| x.0 == y.0).map(|same| same.iter().map(|x| x.1).sum::<i64>().unsigned_abs());
+    let sums = all
+        .chunk_by(|x, y| x.0 == y.0)
+        .map(|same| same.iter().map(|x| x.1).sum::<i64>().unsigned_abs());
     sums.sum()
 }
 
@@ -110,7 +126,8 @@ fn discrete_levels_equal_the_reference_at_theirs() {
         }
         for &lod in &lods {
             model.seek(&mut cursor, lod, &mut ());
-            let difference = first_difference(lod, simplified.triangles_at(lod), model.triangles(&cursor));
+            let difference =
+                first_difference(lod, simplified.triangles_at(lod), model.triangles(&cursor));
             assert_eq!(difference, None, "{name}");
         }
     }
@@ -134,8 +151,14 @@ fn rebuilding_gives_the_reference() {
             let lod = collapses.floor(Lod(rng.below(collapses.records() as usize + 1) as u32));
             let submesh = |v: u32| simplified.mesh().vertex_submesh()[v as usize];
             let triangles = rebuild.at(lod).chunks_exact(3);
-            let triangles = triangles.map(|t| OrientedTriangle::new(submesh(t[0]), [t[0], t[1], t[2]])).collect();
-            assert_eq!(first_difference(lod, simplified.triangles_at(lod), triangles), None, "{name}");
+            let triangles = triangles
+                .map(|t| OrientedTriangle::new(submesh(t[0]), [t[0], t[1], t[2]]))
+                .collect();
+            assert_eq!(
+                first_difference(lod, simplified.triangles_at(lod), triangles),
+                None,
+                "{name}"
+            );
         }
     }
 }
@@ -165,7 +188,10 @@ fn progressive_meshes_take_24_words_per_vertex_and_30_with_normals() {
     near(words(&model.storage()), (positions / v, (positions + normals) / v));
     let lod = simplified.collapses().floor(Lod(simplified.collapses().records() / 2));
     let cut = model.storage_to(lod);
-    assert_eq!(model.storage().structures - cut.structures, 32 * u64::from(simplified.collapses().records() - lod.0));
+    assert_eq!(
+        model.storage().structures - cut.structures,
+        32 * u64::from(simplified.collapses().records() - lod.0)
+    );
     // One fan for nearly every record: at the very end there are some without triangles.
     assert!(model.tight_bytes() as f64 / (4.0 * v) < 23.0);
     assert!(model.tight_bytes() as f64 / (4.0 * v) > 22.0);
@@ -178,7 +204,11 @@ fn discrete_levels_take_three_times_the_triangles() {
     near(words(&plain), ((9.0 * v - 12.0) / v, (12.0 * v - 12.0) / v));
     let discrete = Discrete::build(&simplified).storage();
     let shrinking: f64 = (0..LEVELS as i32).map(|i| 0.75f64.powi(i)).sum();
-    assert!((discrete.thesis() / plain.thesis() - shrinking).abs() < 0.01, "{}", discrete.thesis() / plain.thesis());
+    assert!(
+        (discrete.thesis() / plain.thesis() - shrinking).abs() < 0.01,
+        "{}",
+        discrete.thesis() / plain.thesis()
+    );
 }
 
 #[test]
@@ -186,7 +216,10 @@ fn plain_strips_take_three_words_per_vertex_and_one_per_index() {
     let (simplified, v) = closed();
     let strips = Strips::generate(&simplified, StripKind::Stripe, Effort::Fast);
     let i = strips.separate_indices() as f64;
-    near(words(&StorageCost::of_strips(&simplified, &strips)), ((3.0 * v + i) / v, (6.0 * v + i) / v));
+    near(
+        words(&StorageCost::of_strips(&simplified, &strips)),
+        ((3.0 * v + i) / v, (6.0 * v + i) / v),
+    );
 }
 
 #[test]

@@ -1,11 +1,12 @@
 //! A cursor over an Interactive Mesh that works in proportion to what changes.
 //!
-//! The extraction pass of the thesis looks at all vertices below the LOD, which suits a GPU and a frame; walking through
-//! every one of 500,000 steps that way would be quadratic. A cursor therefore keeps, for every vertex that is still
-//! there, the list of the input vertices that it stands for. A record moves the whole list of its vertex to the end of
-//! its target's; a vertex whose last triangle dies leaves its list. Both take constant time and are undone exactly,
-//! because finer LODs undo them in the opposite order (Knuth's *dancing links*). So a move costs what its records
-//! and the triangles around the vertices they move cost.
+//! The extraction pass of the thesis looks at all vertices below the LOD, which suits a GPU and a
+//! frame; walking through every one of 500,000 steps that way would be quadratic. A cursor
+//! therefore keeps, for every vertex that is still there, the list of the input vertices that it
+//! stands for. A record moves the whole list of its vertex to the end of its target's; a vertex
+//! whose last triangle dies leaves its list. Both take constant time and are undone exactly,
+//! because finer LODs undo them in the opposite order (Knuth's *dancing links*). So a move costs
+//! what its records and the triangles around the vertices they move cost.
 
 use super::{index::Index, links::Links};
 use crate::{Changes, Traffic};
@@ -15,9 +16,11 @@ use lodc_mesh::{Lod, OrientedTriangle, Simplified};
 #[derive(Clone, Debug)]
 pub struct Cursor {
     lod: u32,
-    /// What each vertex of the input is shown as. Only good for vertices that still have live triangles.
+    /// What each vertex of the input is shown as. Only good for vertices that still have live
+    /// triangles.
     shown: Vec<u32>,
-    /// During a move, what the coarser of its two LODs shows. Only good for vertices that the move rewrites.
+    /// During a move, what the coarser of its two LODs shows. Only good for vertices that the move
+    /// rewrites.
     coarser: Vec<u32>,
     /// How many triangles of each submesh are drawn.
     live: Vec<u32>,
@@ -30,9 +33,9 @@ pub struct Cursor {
 }
 
 impl Cursor {
-    pub(super) fn new(simplified: &Simplified, deaths: &[u32]) -> Self {
+    pub(super) fn new(simplified: &Simplified, removal_lods: &[u32]) -> Self {
         let vertices = simplified.mesh().vertex_count() as u32;
-        let index = Index::new(simplified, deaths);
+        let index = Index::new(simplified, removal_lods);
         Self {
             lod: 0,
             shown: (0..vertices).collect(),
@@ -55,22 +58,34 @@ impl Cursor {
 
     pub(super) fn triangles(&self, simplified: &Simplified) -> Vec<OrientedTriangle> {
         let mut triangles = Vec::with_capacity(self.index.triangles.len() - self.dead_triangles);
-        for (s, (submesh, &live)) in simplified.mesh().submeshes().iter().zip(&self.live).enumerate() {
+        for (s, (submesh, &live)) in
+            simplified.mesh().submeshes().iter().zip(&self.live).enumerate()
+        {
             let drawn = &simplified.mesh().triangles()[submesh.triangles()][..live as usize];
-            triangles.extend(drawn.iter().map(|t| OrientedTriangle::new(s as u32, t.map(|v| self.shown[v as usize]))));
+            triangles.extend(
+                drawn
+                    .iter()
+                    .map(|t| OrientedTriangle::new(s as u32, t.map(|v| self.shown[v as usize]))),
+            );
         }
         triangles
     }
 
-    pub(super) fn seek(&mut self, s: &Simplified, deaths: &[u32], lod: Lod, changes: &mut impl Changes) -> Traffic {
+    pub(super) fn seek(
+        &mut self,
+        s: &Simplified,
+        removal_lods: &[u32],
+        lod: Lod,
+        changes: &mut impl Changes,
+    ) -> Traffic {
         let (from, to) = (self.lod, s.collapses().floor(lod).0);
         let (fine, coarse) = (from.min(to), from.max(to));
         if from == to {
             return Traffic::default();
         }
-        // At the finer of the two LODs, the lists of the records between them hold exactly the vertices that move.
-        // Either way `shown` is what the finer LOD shows and `coarser` what the coarser one does when it comes to
-        // telling of changes.
+        // At the finer of the two LODs, the lists of the records between them hold exactly the
+        // vertices that move. Either way `shown` is what the finer LOD shows and `coarser` what the
+        // coarser one does when it comes to telling of changes.
         let moved;
         if to > from {
             moved = self.links.members(fine..coarse);
@@ -78,13 +93,13 @@ impl Cursor {
             for &v in &moved {
                 self.coarser[v as usize] = hops[(self.shown[v as usize] - fine) as usize];
             }
-            self.report(s, deaths, &moved, to > from, (fine, coarse), changes);
+            self.report(s, removal_lods, &moved, to > from, (fine, coarse), changes);
             for &v in &moved {
                 self.shown[v as usize] = self.coarser[v as usize];
             }
-            self.apply(s, deaths, fine, coarse);
+            self.apply(s, removal_lods, fine, coarse);
         } else {
-            self.revert(s, deaths, fine, coarse);
+            self.revert(s, removal_lods, fine, coarse);
             moved = self.links.members(fine..coarse);
             for &v in &moved {
                 self.coarser[v as usize] = self.shown[v as usize];
@@ -92,7 +107,7 @@ impl Cursor {
             for record in fine..coarse {
                 self.links.for_each(record, |v| self.shown[v as usize] = record);
             }
-            self.report(s, deaths, &moved, to > from, (fine, coarse), changes);
+            self.report(s, removal_lods, &moved, to > from, (fine, coarse), changes);
         }
         self.lod = to;
         Traffic { records: coarse - fine, rewritten: moved.len() as u64 }
@@ -102,7 +117,7 @@ impl Cursor {
     fn report(
         &self,
         s: &Simplified,
-        deaths: &[u32],
+        removal_lods: &[u32],
         moved: &[u32],
         coarsens: bool,
         (fine, coarse): (u32, u32),
@@ -112,7 +127,7 @@ impl Cursor {
         for &v in moved {
             let submesh = s.mesh().vertex_submesh()[v as usize];
             for &t in self.index.incident(v) {
-                if deaths[t as usize] <= fine {
+                if removal_lods[t as usize] <= fine {
                     break;
                 }
                 let corners = s.mesh().triangles()[t as usize];
@@ -121,8 +136,9 @@ impl Cursor {
                     continue;
                 }
                 let finer = OrientedTriangle::new(submesh, corners.map(|c| self.shown[c as usize]));
-                let coarser = (deaths[t as usize] > coarse).then(|| {
-                    let shown = corners.map(|c| if moves(c) { &self.coarser } else { &self.shown }[c as usize]);
+                let coarser = (removal_lods[t as usize] > coarse).then(|| {
+                    let shown = corners
+                        .map(|c| if moves(c) { &self.coarser } else { &self.shown }[c as usize]);
                     OrientedTriangle::new(submesh, shown)
                 });
                 if coarsens {
@@ -136,19 +152,20 @@ impl Cursor {
         }
     }
 
-    /// Applies records to the lists and counts. A vertex or triangle that dies at LOD `k + 1` goes with record `k`.
-    fn apply(&mut self, s: &Simplified, deaths: &[u32], fine: u32, coarse: u32) {
+    /// Applies records to the lists and counts. A vertex or triangle that dies at LOD `k + 1` goes
+    /// with record `k`.
+    fn apply(&mut self, s: &Simplified, removal_lods: &[u32], fine: u32, coarse: u32) {
         for record in fine..coarse {
             self.links.splice(record, s.collapses().targets()[record as usize]);
             while let Some(&v) = self.index.vertices.get(self.dead_vertices)
-                && self.index.vertex_death(deaths, v) == record + 1
+                && self.index.vertex_removal_lod(removal_lods, v) == record + 1
             {
                 self.links.unlink(v);
                 self.dead_vertices += 1;
             }
         }
         while let Some(&t) = self.index.triangles.get(self.dead_triangles)
-            && deaths[t as usize] <= coarse
+            && removal_lods[t as usize] <= coarse
         {
             self.live[submesh_of(s, t)] -= 1;
             self.dead_triangles += 1;
@@ -156,20 +173,20 @@ impl Cursor {
     }
 
     /// Undoes [`Self::apply`], in exactly the opposite order.
-    fn revert(&mut self, s: &Simplified, deaths: &[u32], fine: u32, coarse: u32) {
+    fn revert(&mut self, s: &Simplified, removal_lods: &[u32], fine: u32, coarse: u32) {
         for record in (fine..coarse).rev() {
             while let Some(&v) = self.index.vertices[..self.dead_vertices].last()
-                && self.index.vertex_death(deaths, v) == record + 1
+                && self.index.vertex_removal_lod(removal_lods, v) == record + 1
             {
                 self.links.relink(v);
                 self.dead_vertices -= 1;
                 // While it was dead, nobody kept this.
-                self.shown[v as usize] = self.index.shown_at_death[self.dead_vertices];
+                self.shown[v as usize] = self.index.shown_at_removal[self.dead_vertices];
             }
             self.links.unsplice(record);
         }
         while let Some(&t) = self.index.triangles[..self.dead_triangles].last()
-            && deaths[t as usize] > fine
+            && removal_lods[t as usize] > fine
         {
             self.live[submesh_of(s, t)] += 1;
             self.dead_triangles -= 1;

@@ -1,9 +1,11 @@
-//! The continuous extraction pass (thesis 5.2.3, algorithm 5): every vertex moves along its collapse list.
+//! The continuous extraction pass (thesis 5.2.3, algorithm 5): every vertex moves along its
+//! collapse list.
 
 use super::CollapseLists;
 use lodc_mesh::Lod;
 
-/// A LOD as the extraction pass keeps it: for every vertex the *current collapse*, a pointer into the collapse lists.
+/// A LOD as the extraction pass keeps it: for every vertex the *current collapse*, a pointer into
+/// the collapse lists.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Extraction {
     lod: u32,
@@ -17,10 +19,11 @@ impl Extraction {
         Self { lod: 0, current: lists.offsets()[..lists.vertices()].to_vec() }
     }
 
-    /// Moves to `lod`. Only vertices below the larger of the two LODs are looked at, and of those only the ones whose
-    /// entry changes are rewritten. Refining is coarsening with the sign turned round. The loop along the list is what
-    /// the thesis's algorithm lacks: without it a jump over several collapses of one vertex shows the first of them.
-    /// Returns how many vertices were rewritten.
+    /// Moves to `lod`. Only vertices below the larger of the two LODs are looked at, and of those
+    /// only the ones whose entry changes are rewritten. Refining is coarsening with the sign turned
+    /// round. The loop along the list is what the thesis's algorithm lacks: without it a jump over
+    /// several collapses of one vertex shows the first of them. Returns how many vertices were
+    /// rewritten.
     pub fn seek(&mut self, lists: &CollapseLists, lod: Lod) -> u32 {
         let mut rewritten = 0;
         let touched = self.lod.max(lod.0).min(lists.vertices() as u32);

@@ -1,6 +1,7 @@
-// The continuous extraction pass (thesis 5.2.3, algorithm 5): every vertex moves along its collapse list to the first
-// entry of at least `lod`, coarser or finer, and shows that entry's record. Twin: extract.rs.
-// Vertices from max(old LOD, new LOD) on show themselves before and after: no thread is needed for them.
+// The continuous extraction pass (thesis 5.2.3, algorithm 5): every vertex moves along its collapse
+// list to the first entry of at least `lod`, coarser or finer, and shows that entry's record. Twin:
+// extract.rs. Vertices from max(old LOD, new LOD) on show themselves before and after: no thread is
+// needed for them.
 
 struct Parameters {
     // max(old LOD, new LOD), at most the number of vertices.

@@ -1,8 +1,9 @@
-//! What a cursor looks up and never changes: which triangles a vertex has, and in which order things die.
+//! What a cursor looks up and never changes: which triangles a vertex has, and in which order
+//! things die.
 
 use lodc_mesh::Simplified;
 
-/// Triangles by vertex and by death, vertices by death.
+/// Triangles by vertex and by removal_lod, vertices by removal_lod.
 #[derive(Clone, Debug)]
 pub(super) struct Index {
     /// Where each vertex's triangles start in `incident`, and where the last one's end.
@@ -14,14 +15,14 @@ pub(super) struct Index {
     /// All vertices that triangles use, the first to lose its last triangle first.
     pub(super) vertices: Vec<u32>,
     /// What each of `vertices` is shown as when it loses its last triangle.
-    pub(super) shown_at_death: Vec<u32>,
+    pub(super) shown_at_removal: Vec<u32>,
 }
 
 impl Index {
-    pub(super) fn new(simplified: &Simplified, deaths: &[u32]) -> Self {
+    pub(super) fn new(simplified: &Simplified, removal_lods: &[u32]) -> Self {
         let mesh = simplified.mesh();
         let levels = simplified.collapses().records() as usize + 1;
-        let triangles = sorted_by(deaths.len(), levels, |t| deaths[t]);
+        let triangles = sorted_by(removal_lods.len(), levels, |t| removal_lods[t]);
         let mut first = vec![0; mesh.vertex_count() + 1];
         for &v in mesh.triangles().as_flattened() {
             first[v as usize + 1] += 1;
@@ -30,30 +31,34 @@ impl Index {
             first[v + 1] += first[v];
         }
         let mut place = first.clone();
-        let mut incident = vec![0; 3 * deaths.len()];
+        let mut incident = vec![0; 3 * removal_lods.len()];
         for &t in triangles.iter().rev() {
             for v in mesh.triangles()[t as usize] {
                 incident[place[v as usize] as usize] = t;
                 place[v as usize] += 1;
             }
         }
-        let mut index = Self { first, incident, triangles, vertices: Vec::new(), shown_at_death: Vec::new() };
+        let mut index =
+            Self { first, incident, triangles, vertices: Vec::new(), shown_at_removal: Vec::new() };
         // Death 0 stands for vertices without triangles: they are left out.
-        index.vertices = sorted_by(mesh.vertex_count(), levels, |v| index.vertex_death(deaths, v as u32));
+        index.vertices = sorted_by(mesh.vertex_count(), levels, |v| {
+            index.vertex_removal_lod(removal_lods, v as u32)
+        });
         let unused = index.vertices.partition_point(|&v| index.incident(v).is_empty());
         index.vertices.drain(..unused);
-        index.shown_at_death = index.resolve_at_death(simplified.collapses().targets(), deaths);
+        index.shown_at_removal =
+            index.resolve_at_removal(simplified.collapses().targets(), removal_lods);
         index
     }
 
-    /// Union-find with path halving: deaths rise, so every shortcut stays good.
-    fn resolve_at_death(&self, targets: &[u32], deaths: &[u32]) -> Vec<u32> {
+    /// Union-find with path halving: removal_lods rise, so every shortcut stays good.
+    fn resolve_at_removal(&self, targets: &[u32], removal_lods: &[u32]) -> Vec<u32> {
         let mut hop = targets.to_vec();
         let resolve = |&vertex: &u32| {
-            let (mut v, death) = (vertex, self.vertex_death(deaths, vertex));
-            while v < death {
+            let (mut v, removal_lod) = (vertex, self.vertex_removal_lod(removal_lods, vertex));
+            while v < removal_lod {
                 let next = hop[v as usize];
-                if next < death {
+                if next < removal_lod {
                     hop[v as usize] = hop[next as usize];
                 }
                 v = next;
@@ -65,12 +70,13 @@ impl Index {
 
     /// The triangles of LOD 0 around a vertex, the longest-lived first.
     pub(super) fn incident(&self, vertex: u32) -> &[u32] {
-        &self.incident[self.first[vertex as usize] as usize..self.first[vertex as usize + 1] as usize]
+        &self.incident
+            [self.first[vertex as usize] as usize..self.first[vertex as usize + 1] as usize]
     }
 
     /// The LOD at which a vertex's last triangle dies, 0 if it has none.
-    pub(super) fn vertex_death(&self, deaths: &[u32], vertex: u32) -> u32 {
-        self.incident(vertex).first().map_or(0, |&t| deaths[t as usize])
+    pub(super) fn vertex_removal_lod(&self, removal_lods: &[u32], vertex: u32) -> u32 {
+        self.incident(vertex).first().map_or(0, |&t| removal_lods[t as usize])
     }
 }
 

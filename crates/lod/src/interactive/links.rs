@@ -1,10 +1,11 @@
-//! For every vertex that is still there, the list of input vertices it stands for: joined and cut in constant time.
+//! For every vertex that is still there, the list of input vertices it stands for: joined and cut
+//! in constant time.
 
 use std::ops::Range;
 
-/// Circular doubly linked lists, one per vertex. Element `v` is the input vertex `v`; element `n + v` is the head of the
-/// list of vertex `v`. What is taken out keeps its own links, so that putting things back in the opposite order
-/// restores everything.
+/// Circular doubly linked lists, one per vertex. Element `v` is the input vertex `v`; element `n +
+/// v` is the head of the list of vertex `v`. What is taken out keeps its own links, so that putting
+/// things back in the opposite order restores everything.
 #[derive(Clone, Debug)]
 pub(super) struct Links {
     vertices: u32,

@@ -1,9 +1,11 @@
-//! The construction pass (thesis 5.2.2): collapse lists, made of `collapse_to` when a model is loaded.
+//! The construction pass (thesis 5.2.2): collapse lists, made of `collapse_to` when a model is
+//! loaded.
 
 use lodc_mesh::Lod;
 use std::{fmt, ops::Range};
 
-/// For every vertex what it is, what it becomes, what that becomes, and so on, one list behind the other.
+/// For every vertex what it is, what it becomes, what that becomes, and so on, one list behind the
+/// other.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CollapseLists {
     /// Where each vertex's list starts in `entries`, and where the last one ends.
@@ -13,13 +15,14 @@ pub struct CollapseLists {
 }
 
 impl CollapseLists {
-    /// Makes the lists for LODs down to `coarsest`: each ends with its first entry of at least that number. `last()` of
-    /// the sequence gives the whole lists; a program that never shows coarse LODs saves most of their size (the thesis's
-    /// 5·v holds down to 95 % of the vertices).
+    /// Makes the lists for LODs down to `coarsest`: each ends with its first entry of at least that
+    /// number. `last()` of the sequence gives the whole lists; a program that never shows coarse
+    /// LODs saves most of their size (the thesis's 5·v holds down to 95 % of the vertices).
     ///
     /// # Errors
-    /// If all lists together would have more than `most` entries, or 2³². Lists of real meshes have fewer than ten
-    /// entries on average, but a sequence can be made for which they grow with the square of its length.
+    /// If all lists together would have more than `most` entries, or 2³². Lists of real meshes have
+    /// fewer than ten entries on average, but a sequence can be made for which they grow with the
+    /// square of its length.
     pub fn new(collapse_to: &[u32], coarsest: Lod, most: usize) -> Result<Self, ListsTooLong> {
         let ends = |v: usize| v >= collapse_to.len() || v >= coarsest.0 as usize;
         let mut length = vec![1u32; collapse_to.len() + 1];
@@ -45,7 +48,8 @@ impl CollapseLists {
             entries[first] = v as u32;
             if !ends(v) {
                 let target = collapse_to[v] as usize;
-                entries.copy_within(offsets[target] as usize..offsets[target + 1] as usize, first + 1);
+                entries
+                    .copy_within(offsets[target] as usize..offsets[target + 1] as usize, first + 1);
             }
         }
         Ok(Self { offsets, entries })
@@ -71,8 +75,8 @@ impl CollapseLists {
     pub fn range(&self, vertex: u32) -> Range<usize> {
         self.offsets[vertex as usize] as usize..self.offsets[vertex as usize + 1] as usize
     }
-    /// A vertex's list: itself, then what it becomes one collapse after the other. (The thesis prints lists without the
-    /// vertex itself.)
+    /// A vertex's list: itself, then what it becomes one collapse after the other. (The thesis
+    /// prints lists without the vertex itself.)
     #[must_use]
     pub fn list(&self, vertex: u32) -> &[u32] {
         &self.entries[self.range(vertex)]

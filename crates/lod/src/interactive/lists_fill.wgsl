@@ -1,5 +1,5 @@
-// Construction pass, second half (thesis 5.2.2): every vertex writes its collapse list: itself, what it becomes, what that
-// becomes, and so on. Twin: lists.rs.
+// Construction pass, second half (thesis 5.2.2): every vertex writes its collapse list: itself,
+// what it becomes, what that becomes, and so on. Twin: lists.rs.
 
 struct Parameters { vertices: u32 }
 

@@ -1,5 +1,5 @@
-// Construction pass, first half (thesis 5.2.2): how long each vertex's collapse list is. Twin: lists.rs.
-// Prefix sums of the lengths are where the lists start.
+// Construction pass, first half (thesis 5.2.2): how long each vertex's collapse list is. Twin:
+// lists.rs. Prefix sums of the lengths are where the lists start.
 
 struct Parameters {
     vertices: u32,

@@ -1,4 +1,5 @@
-//! How many triangles are drawn, counted on a device. The CPU knows it from the deaths ([`Interactive::live`]).
+//! How many triangles are drawn, counted on a device. The CPU knows it from the removal_lods
+//! ([`Interactive::live`]).
 //!
 //! [`Interactive::live`]: super::Interactive::live
 
@@ -23,7 +24,8 @@ pub struct Counting {
 impl Counting {
     /// Prepares counting by the positions of `vertices`, records of `stride` words.
     pub fn new(program: &mut Program, mesh: &Mesh, vertices: BufferId, stride: usize) -> Self {
-        let ranges: Vec<u32> = mesh.submeshes().iter().flat_map(|s| [s.first_triangle, s.triangle_count]).collect();
+        let ranges: Vec<u32> =
+            mesh.submeshes().iter().flat_map(|s| [s.first_triangle, s.triangle_count]).collect();
         Self {
             submeshes: program.words("submeshes", ranges),
             triangles: program.words("triangles", mesh.triangles().as_flattened()),

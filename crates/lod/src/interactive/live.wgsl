@@ -1,6 +1,7 @@
-// How many triangles of each submesh are drawn, as arguments of an indexed indirect draw. Live triangles are the first of
-// their submesh, so their number is found by bisection, one thread per submesh: a triangle is dead if two of its
-// corners are drawn at one position. Nothing is stored for this and nothing is read back.
+// How many triangles of each submesh are drawn, as arguments of an indexed indirect draw. Live
+// triangles are the first of their submesh, so their number is found by bisection, one thread per
+// submesh: a triangle is dead if two of its corners are drawn at one position. Nothing is stored
+// for this and nothing is read back.
 
 struct Parameters {
     submeshes: u32,

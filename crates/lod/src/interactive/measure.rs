@@ -1,15 +1,19 @@
-//! What to time of Interactive Meshes on a device (thesis 5.5.4), positions only, as the thesis counts.
+//! What to time of Interactive Meshes on a device (thesis 5.5.4), positions only, as the thesis
+//! counts.
 
 use super::view::{Criterion, Filter, View, ViewPasses, Views};
 use super::{CollapseLists, Continuous, Counting, Interactive, replay};
 use crate::Model;
-use crate::plan::{Benchmark, Case, DRAWS, Drawn, Memory, Pass, PlanError, Program, SWEEP, VertexRecords, sweep};
+use crate::plan::{
+    Benchmark, Case, DRAWS, Drawn, Memory, Pass, PlanError, Program, SWEEP, VertexRecords, sweep,
+};
 use lodc_mesh::{Lod, Mesh, Simplified};
 use lodc_strip::order;
 
 impl Interactive {
-    /// Construction, continuous extraction over the linear sweep and in jumps across the whole range, view-dependent
-    /// extraction from eight eyes with and without the filter, the filter alone, and draws.
+    /// Construction, continuous extraction over the linear sweep and in jumps across the whole
+    /// range, view-dependent extraction from eight eyes with and without the filter, the filter
+    /// alone, and draws.
     ///
     /// # Errors
     /// If the mesh is too large or its lists too long.
@@ -27,25 +31,32 @@ impl Interactive {
         let filter = Filter::new(&mut program, mesh, &order(mesh, 16), base.vertices, 3);
 
         let last = collapses.last().0;
-        let moves = |stops: &[Lod]| stops.windows(2).map(|pair| vec![base.extraction(pair[0], pair[1])]).collect();
+        let moves = |stops: &[Lod]| {
+            stops.windows(2).map(|pair| vec![base.extraction(pair[0], pair[1])]).collect()
+        };
         let steps = sweep(collapses, SWEEP);
         let touched = steps.windows(2).map(|pair| u64::from(pair[0].max(pair[1]).0)).sum();
-        // One entry and nearly all of them, so that every vertex is looked at and nearly every one is rewritten.
+        // One entry and nearly all of them, so that every vertex is looked at and nearly every one
+        // is rewritten.
         let coarse = collapses.floor(Lod((u64::from(last) * 99 / 100) as u32));
         let jumps: Vec<Lod> = (0..9).map(|i| if i % 2 == 0 { Lod(0) } else { coarse }).collect();
         let whole = 8 * u64::from(coarse.0);
         let stops = sweep(collapses, DRAWS);
-        let shown = stops.windows(2).map(|pair| vec![base.extraction(pair[0], pair[1]), counting.pass()]).collect();
+        let shown = stops
+            .windows(2)
+            .map(|pair| vec![base.extraction(pair[0], pair[1]), counting.pass()])
+            .collect();
 
         let around = eyes(mesh.bounds());
-        let views_by = |criterion: &dyn Fn([f32; 3]) -> Criterion, morph, filtered: bool| -> Vec<Vec<Pass>> {
-            let passes = |eye| {
-                let view = dependent.pass(&View { criterion: criterion(eye), morph }, &views);
-                let filter = if filtered { filter.passes() } else { Vec::new() };
-                std::iter::once(view).chain(filter).collect()
+        let views_by =
+            |criterion: &dyn Fn([f32; 3]) -> Criterion, morph, filtered: bool| -> Vec<Vec<Pass>> {
+                let passes = |eye| {
+                    let view = dependent.pass(&View { criterion: criterion(eye), morph }, &views);
+                    let filter = if filtered { filter.passes() } else { Vec::new() };
+                    std::iter::once(view).chain(filter).collect()
+                };
+                around.iter().map(|&eye| passes(eye)).collect()
             };
-            around.iter().map(|&eye| passes(eye)).collect()
-        };
         let outline = |eye| Criterion::Silhouette { eye, edge: Lod(0), face: coarse };
         // One pixel of a thousand.
         let error = |eye| Criterion::ScreenError { eye, slope: Criterion::slope(1.0, 1000.0, 0.5) };
@@ -64,13 +75,21 @@ impl Interactive {
             Case::new("continuous, linear sweep", moves(&steps), touched),
             Case::new("continuous, whole mesh", moves(&jumps), whole),
             Case::new("live count", vec![vec![counting.pass()]; 8], all),
-            Case::drawing("draw, over the LODs", shown, drawing(counting.triangles, counting.draws)),
+            Case::drawing(
+                "draw, over the LODs",
+                shown,
+                drawing(counting.triangles, counting.draws),
+            ),
             Case::new("view-dependent", views_by(&outline, false, false), all),
             Case::new("view-dependent, morphing", views_by(&outline, true, false), all),
             Case::new("view-dependent, error", views_by(&error, false, false), all),
             Case::new("degenerate filter alone", vec![filter.passes(); 8], all),
             Case::new("view-dependent, filtered", views_by(&outline, false, true), all),
-            Case::drawing("draw, filtered", views_by(&outline, false, true), drawing(filter.indices, filter.draws)),
+            Case::drawing(
+                "draw, filtered",
+                views_by(&outline, false, true),
+                drawing(filter.indices, filter.draws),
+            ),
             // Views leave no pointers: back to LOD 0.
             Case::new("all to LOD 0", vec![vec![dependent.pass(&everything(), &views)]], all / 8),
         ];
@@ -88,7 +107,10 @@ fn memory(simplified: &Simplified, lists: &CollapseLists) -> Result<Vec<Memory>,
     let mesh = simplified.mesh();
     let words = |stride, variant: &dyn Fn(&mut Program, VertexRecords) -> Result<(), PlanError>| {
         let mut program = Program::default();
-        variant(&mut program, VertexRecords { stride, words: vec![0; stride * mesh.vertex_count()] })?;
+        variant(
+            &mut program,
+            VertexRecords { stride, words: vec![0; stride * mesh.vertex_count()] },
+        )?;
         Ok(program.size())
     };
     let continuous = |program: &mut Program, records: VertexRecords| {
@@ -99,7 +121,8 @@ fn memory(simplified: &Simplified, lists: &CollapseLists) -> Result<Vec<Memory>,
     let filter = |program: &mut Program, mesh: &Mesh, records: VertexRecords, filtered| {
         let stride = records.stride;
         // Positions are in the points: only other attributes are read from the records.
-        let source = program.zeros("source", if stride > 3 { stride * mesh.vertex_count() } else { 0 });
+        let source =
+            program.zeros("source", if stride > 3 { stride * mesh.vertex_count() } else { 0 });
         let vertices = program.zeros("vertices", stride * mesh.vertex_count());
         ViewPasses::new(program, &Views::new(simplified, records), source, vertices);
         if filtered {

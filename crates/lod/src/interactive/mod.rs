@@ -1,11 +1,11 @@
 //! Interactive Meshes (thesis chapter 5): one word per vertex, `collapse_to`, on top of the mesh.
 //!
-//! Vertices stand in collapse order and the triangles of a submesh in reverse order of their disappearance, so a LOD is
-//! a prefix of each submesh's triangles with every vertex replaced by what it has become. Nothing else is stored: the
-//! `collapse_to` list is the sequence's own targets.
+//! Vertices stand in collapse order and the triangles of a submesh in reverse order of their
+//! disappearance, so a LOD is a prefix of each submesh's triangles with every vertex replaced by
+//! what it has become. Nothing else is stored: the `collapse_to` list is the sequence's own
+//! targets.
 
 mod cursor;
-pub(crate) mod deaths;
 mod extract;
 mod index;
 mod links;
@@ -33,24 +33,29 @@ use std::sync::Arc;
 pub struct Interactive {
     simplified: Arc<Simplified>,
     /// The LOD from which on each triangle is not drawn; never rising within a submesh.
-    deaths: Vec<u32>,
+    removal_lods: Vec<u32>,
 }
 
 impl Interactive {
-    /// Makes the model. Near-linear in the mesh: the LOD at which each triangle dies is worked out once, so that the
-    /// live prefix of a submesh is known at any LOD without searching.
+    /// Makes the model. Near-linear in the mesh: the LOD at which each triangle dies is worked out
+    /// once, so that the live prefix of a submesh is known at any LOD without searching.
     ///
     /// # Errors
     /// If the triangles of a submesh do not stand in reverse order of their disappearance.
     pub fn build(simplified: &Arc<Simplified>) -> Result<Self, BuildError> {
         let positions = PositionIds::new(simplified.mesh().positions());
-        let deaths = deaths::deaths(simplified, &positions);
+        let removal_lods = lodc_mesh::removal_lods(simplified, &positions);
         for (submesh, s) in simplified.mesh().submeshes().iter().enumerate() {
-            if let Some(i) = deaths[s.triangles()].windows(2).position(|pair| pair[0] < pair[1]) {
-                return Err(BuildError::TriangleOrder { submesh, triangle: s.first_triangle as usize + i + 1 });
+            if let Some(i) =
+                removal_lods[s.triangles()].windows(2).position(|pair| pair[0] < pair[1])
+            {
+                return Err(BuildError::TriangleOrder {
+                    submesh,
+                    triangle: s.first_triangle as usize + i + 1,
+                });
             }
         }
-        Ok(Self { simplified: Arc::clone(simplified), deaths })
+        Ok(Self { simplified: Arc::clone(simplified), removal_lods })
     }
 
     /// Makes the model of what [`Model::arrays`] gave out: nothing, so this is [`Self::build`].
@@ -73,15 +78,15 @@ impl Interactive {
 
     /// For each triangle the LOD from which on it is not drawn.
     #[must_use]
-    pub fn deaths(&self) -> &[u32] {
-        &self.deaths
+    pub fn removal_lods(&self) -> &[u32] {
+        &self.removal_lods
     }
 
     /// How many triangles of a submesh are drawn at `lod`: they are its first ones.
     #[must_use]
     pub fn live(&self, submesh: usize, lod: Lod) -> u32 {
         let triangles = self.simplified.mesh().submeshes()[submesh].triangles();
-        self.deaths[triangles].partition_point(|&death| death > lod.0) as u32
+        self.removal_lods[triangles].partition_point(|&removal_lod| removal_lod > lod.0) as u32
     }
 }
 
@@ -95,13 +100,13 @@ impl Model for Interactive {
         &self.simplified
     }
     fn cursor(&self) -> Cursor {
-        Cursor::new(&self.simplified, &self.deaths)
+        Cursor::new(&self.simplified, &self.removal_lods)
     }
     fn lod(&self, cursor: &Cursor) -> Lod {
         cursor.lod()
     }
     fn seek(&self, cursor: &mut Cursor, lod: Lod, changes: &mut impl Changes) -> Traffic {
-        cursor.seek(&self.simplified, &self.deaths, lod, changes)
+        cursor.seek(&self.simplified, &self.removal_lods, lod, changes)
     }
     /// The number of the LOD: a GPU has the lists and does everything else by itself.
     fn sent(&self, _: Lod, _: Lod, traffic: Traffic) -> u64 {
@@ -113,7 +118,8 @@ impl Model for Interactive {
     fn drawn(&self, cursor: &Cursor) -> u64 {
         cursor.drawn()
     }
-    /// `3v + 3f + L` words (eq. 5.2: 10·v for a closed mesh), `L` counting the records down to `lod`.
+    /// `3v + 3f + L` words (eq. 5.2: 10·v for a closed mesh), `L` counting the records down to
+    /// `lod`.
     fn storage_to(&self, lod: Lod) -> StorageCost {
         let plain = StorageCost::of_triangles(&self.simplified);
         let geometry = 12 * (plain.vertices + plain.fakes);

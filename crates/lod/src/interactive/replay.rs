@@ -1,8 +1,10 @@
-//! Interactive Meshes on a graphics device: construction, continuous extraction and live counts as a [`Plan`].
+//! Interactive Meshes on a graphics device: construction, continuous extraction and live counts as
+//! a [`Plan`].
 
 use super::{CollapseLists, Counting, Extraction, Interactive, ListsTooLong, shaders};
 use crate::plan::{
-    BufferId, Expected, KernelId, LONGEST_LOOP, Pass, Plan, PlanError, Program, Scan, Step, VertexRecords,
+    BufferId, Expected, KernelId, LONGEST_LOOP, Pass, Plan, PlanError, Program, Scan, Step,
+    VertexRecords,
 };
 use crate::{Failure, Model, first_difference};
 use lodc_mesh::{Lod, OrientedTriangle, PositionIds, Simplified};
@@ -100,7 +102,14 @@ impl Continuous {
         let touched = from.max(to).0.min(self.sizes.vertices);
         Pass {
             kernel: self.extract,
-            buffers: vec![self.offsets, self.entries, self.source, self.current, self.vertices, self.trouble],
+            buffers: vec![
+                self.offsets,
+                self.entries,
+                self.source,
+                self.current,
+                self.vertices,
+                self.trouble,
+            ],
             threads: touched,
             parameters: vec![touched, to.0, self.sizes.stride],
         }
@@ -119,8 +128,8 @@ impl Continuous {
 }
 
 impl Interactive {
-    /// The continuous variant over some LODs, each compared in full: collapse pointers, drawn records and draw arguments
-    /// with the twin, the twin's triangles with the reference.
+    /// The continuous variant over some LODs, each compared in full: collapse pointers, drawn
+    /// records and draw arguments with the twin, the twin's triangles with the reference.
     ///
     /// # Errors
     /// If the mesh is too large or its lists too long.
@@ -134,14 +143,19 @@ impl Interactive {
         let counting = Counting::new(&mut program, mesh, device.vertices, records.stride);
         let mut made = program.uploaded(&[]);
         made.extend(device.constructed(&lists));
-        let construction = Step { passes: device.construction(), ..Step::look("construction", made) };
+        let construction =
+            Step { passes: device.construction(), ..Step::look("construction", made) };
         // What extraction must not write to is looked at again at the end.
         let mut kept = program.uploaded(&[device.vertices]);
-        kept.extend([Expected::new(device.offsets, lists.offsets()), Expected::new(device.entries, lists.entries())]);
+        kept.extend([
+            Expected::new(device.offsets, lists.offsets()),
+            Expected::new(device.entries, lists.entries()),
+        ]);
         let unchanged = Step::look("the end", kept);
         let words = vec![device.current, device.offsets, device.collapse_to];
         let whole = [device.vertices, device.source];
-        let locate = locate(simplified, whole, words, [counting.triangles, counting.draws], records.stride);
+        let locate =
+            locate(simplified, whole, words, [counting.triangles, counting.draws], records.stride);
         let mut twin = Twin {
             model: self,
             positions: PositionIds::new(mesh.positions()),
@@ -154,15 +168,25 @@ impl Interactive {
         };
         let moves = stops.into_iter().map(move |lod| twin.step(lod));
         let steps = std::iter::once(construction).chain(moves).chain([unchanged]);
-        Ok(Plan { model: self.name(), name: "continuous", program, steps: Box::new(steps), locate: Box::new(locate) })
+        Ok(Plan {
+            model: self.name(),
+            name: "continuous",
+            program,
+            steps: Box::new(steps),
+            locate: Box::new(locate),
+        })
     }
 }
 
 /// The full collapse lists of a sequence.
 pub(super) fn lists(simplified: &Simplified) -> Result<CollapseLists, PlanError> {
     let collapses = simplified.collapses();
-    CollapseLists::new(collapses.targets(), collapses.last(), u32::MAX as usize / 4)
-        .map_err(|ListsTooLong { entries }| PlanError::TooLarge { what: "the collapse lists", words: entries })
+    CollapseLists::new(collapses.targets(), collapses.last(), u32::MAX as usize / 4).map_err(
+        |ListsTooLong { entries }| PlanError::TooLarge {
+            what: "the collapse lists",
+            words: entries,
+        },
+    )
 }
 
 /// The length of the longest list.
@@ -193,8 +217,9 @@ impl Twin<'_> {
         let passes = vec![self.device.extraction(self.lod, lod), self.counting.pass()];
         self.extraction.seek(&self.lists, lod);
         self.lod = lod;
-        let shown: Vec<u32> =
-            (0..self.lists.vertices() as u32).map(|v| self.extraction.shown(&self.lists, v)).collect();
+        let shown: Vec<u32> = (0..self.lists.vertices() as u32)
+            .map(|v| self.extraction.shown(&self.lists, v))
+            .collect();
         let mut vertices = Vec::with_capacity(self.records.words.len());
         for &v in &shown {
             vertices.extend_from_slice(self.records.at(v));
@@ -204,7 +229,9 @@ impl Twin<'_> {
             let live = self.model.live(s, lod);
             draws.extend([3 * live, 1, 3 * submesh.first_triangle, 0, 0]);
             let drawn = &simplified.mesh().triangles()[submesh.triangles()][..live as usize];
-            triangles.extend(drawn.iter().map(|t| OrientedTriangle::new(s as u32, t.map(|v| shown[v as usize]))));
+            triangles.extend(
+                drawn.iter().map(|t| OrientedTriangle::new(s as u32, t.map(|v| shown[v as usize]))),
+            );
         }
         let twin = self.judge(lod, triangles);
         let checks = vec![
@@ -222,8 +249,8 @@ impl Twin<'_> {
     }
 }
 
-/// Names the vertex, triangle or submesh of a word, and the first triangle that has the vertex. `records` have `stride` words
-/// for each vertex, `words` one.
+/// Names the vertex, triangle or submesh of a word, and the first triangle that has the vertex.
+/// `records` have `stride` words for each vertex, `words` one.
 pub(super) fn locate(
     simplified: &Simplified,
     records: [BufferId; 2],

@@ -5,7 +5,8 @@ use crate::testing::{Log, check_moves};
 use lodc_fixtures as fixtures;
 use lodc_mesh::{CollapseSequence, Mesh, MeshParts, SequenceParts, Submesh};
 
-/// Two quads side by side, already in collapse order, with triangles in reverse order of their disappearance:
+/// Two quads side by side, already in collapse order, with triangles in reverse order of their
+/// disappearance:
 ///
 /// ```text
 ///  3---1---5      record  collapse  kills        then left
@@ -17,7 +18,9 @@ use lodc_mesh::{CollapseSequence, Mesh, MeshParts, SequenceParts, Submesh};
 /// ```
 fn two_quads(triangles: [[u32; 3]; 4]) -> Arc<Simplified> {
     let mesh = Mesh::try_from(MeshParts {
-        positions: [[1, 0], [1, 1], [0, 0], [0, 1], [2, 0], [2, 1]].map(|[x, y]| [x as f32, y as f32, 0.0]).to_vec(),
+        positions: [[1, 0], [1, 1], [0, 0], [0, 1], [2, 0], [2, 1]]
+            .map(|[x, y]| [x as f32, y as f32, 0.0])
+            .to_vec(),
         vertex_submesh: vec![0; 6],
         attributes: Vec::new(),
         triangles: triangles.to_vec(),
@@ -31,10 +34,14 @@ fn two_quads(triangles: [[u32; 3]; 4]) -> Arc<Simplified> {
         triangles: 4,
         ..SequenceParts::default()
     });
-    Arc::new(Simplified::new(mesh.expect("a mesh"), collapses.expect("a sequence")).expect("the two fit"))
+    Arc::new(
+        Simplified::new(mesh.expect("a mesh"), collapses.expect("a sequence"))
+            .expect("the two fit"),
+    )
 }
 
-/// What comes of fig. 5.4: vertices in the order in which they go, triangles in the opposite of the order in which they go.
+/// What comes of fig. 5.4: vertices in the order in which they go, triangles in the opposite of the
+/// order in which they go.
 const REORDERED: [[u32; 3]; 4] = [[0, 5, 1], [0, 4, 5], [2, 1, 3], [2, 0, 1]];
 
 fn triangles(list: &[[u32; 3]]) -> Vec<OrientedTriangle> {
@@ -53,7 +60,9 @@ fn a_collapse_list_follows_the_hierarchy_and_the_lod_picks_its_entry() {
     assert_eq!(lists.list(38), [38, 49]);
     assert_eq!(lists.list(49), [49]);
     let mut extraction = Extraction::new(&lists);
-    for (lod, entry) in [(0, 18), (18, 18), (19, 38), (38, 38), (39, 49), (49, 49), (30, 38), (49, 49), (5, 18)] {
+    for (lod, entry) in
+        [(0, 18), (18, 18), (19, 38), (38, 38), (39, 49), (49, 49), (30, 38), (49, 49), (5, 18)]
+    {
         extraction.seek(&lists, Lod(lod));
         assert_eq!(extraction.shown(&lists, 18), entry, "LOD {lod}");
     }
@@ -64,7 +73,8 @@ fn lists_cut_at_a_lod_are_shorter_and_good_down_to_it() {
     let simplified = fixtures::random_collapse(&fixtures::icosphere(2), 3);
     let targets = simplified.collapses().targets();
     let coarsest = simplified.collapses().floor(Lod(targets.len() as u32 / 20));
-    let whole = CollapseLists::new(targets, simplified.collapses().last(), usize::MAX).expect("a small mesh");
+    let whole = CollapseLists::new(targets, simplified.collapses().last(), usize::MAX)
+        .expect("a small mesh");
     let cut = CollapseLists::new(targets, coarsest, usize::MAX).expect("a small mesh");
     assert!(cut.entries().len() < whole.entries().len());
     let mut extraction = Extraction::new(&cut);
@@ -77,14 +87,15 @@ fn lists_cut_at_a_lod_are_shorter_and_good_down_to_it() {
 #[test]
 fn lists_that_grow_with_the_square_are_refused_before_they_are_made() {
     let chain: Vec<u32> = (1..=1_000_000).collect();
-    let refused = CollapseLists::new(&chain, Lod(1_000_000), 100_000_000).expect_err("far too long");
+    let refused =
+        CollapseLists::new(&chain, Lod(1_000_000), 100_000_000).expect_err("far too long");
     assert_eq!(refused.entries, 1_000_001 * 1_000_002 / 2);
 }
 
 #[test]
 fn triangles_die_in_the_order_worked_out_by_hand() {
     let model = Interactive::build(&two_quads(REORDERED)).expect("triangles are in order");
-    assert_eq!(model.deaths(), [4, 3, 2, 1]);
+    assert_eq!(model.removal_lods(), [4, 3, 2, 1]);
     assert_eq!((0..=5).map(|lod| model.live(0, Lod(lod))).collect::<Vec<_>>(), [4, 3, 2, 1, 0, 0]);
 }
 
@@ -95,7 +106,8 @@ fn triangles_out_of_order_are_refused() {
     assert_eq!(refused, BuildError::TriangleOrder { submesh: 0, triangle: 2 });
 }
 
-/// After the thesis's fig. 5.7: the prefix of the triangles, each corner replaced by its list's entry.
+/// After the thesis's fig. 5.7: the prefix of the triangles, each corner replaced by its list's
+/// entry.
 #[test]
 fn extraction_shows_the_triangles_worked_out_by_hand() {
     let model = Interactive::build(&two_quads(REORDERED)).expect("triangles are in order");
@@ -127,7 +139,8 @@ fn changes_worked_out_by_hand() {
         log.came.sort_unstable();
         (log.gone, log.came, traffic.records, traffic.rewritten)
     };
-    let (fine, coarse) = (triangles(&[[2, 0, 1], [0, 4, 5], [0, 5, 1]]), triangles(&[[2, 4, 5], [2, 5, 1]]));
+    let (fine, coarse) =
+        (triangles(&[[2, 0, 1], [0, 4, 5], [0, 5, 1]]), triangles(&[[2, 4, 5], [2, 5, 1]]));
     assert_eq!(move_to(1), (fine.clone(), coarse.clone(), 1, 1));
     assert_eq!(move_to(0), (coarse, fine, 1, 1));
     // Straight down to one triangle: what came and went in between is not told.
@@ -137,7 +150,8 @@ fn changes_worked_out_by_hand() {
     assert_eq!(move_to(0), (one, all, 3, 3));
 }
 
-/// Every fixture under an arbitrary sequence: every step, both ways, and jumps; triangles, changes, and the list pass.
+/// Every fixture under an arbitrary sequence: every step, both ways, and jumps; triangles, changes,
+/// and the list pass.
 #[test]
 fn everything_shown_and_told_equals_the_reference() {
     for &(name, make) in fixtures::ALL {
@@ -155,7 +169,8 @@ fn everything_shown_and_told_equals_the_reference() {
 fn check(name: &str, simplified: &Simplified) {
     let model = Interactive::build(&Arc::new(simplified.clone())).expect("a valid sequence");
     let collapses = simplified.collapses();
-    let lists = CollapseLists::new(collapses.targets(), collapses.last(), usize::MAX).expect("a small mesh");
+    let lists = CollapseLists::new(collapses.targets(), collapses.last(), usize::MAX)
+        .expect("a small mesh");
     let mut extraction = Extraction::new(&lists);
     check_moves(name, &model, |cursor| {
         let lod = model.lod(cursor);
@@ -186,9 +201,13 @@ fn a_hierarchy_made_to_be_slow_is_still_built_quickly() {
         vertex_submesh: vec![0; n as usize],
         attributes: Vec::new(),
         triangles: (0..50_000).rev().map(|i| [i, n / 2 + i, n / 2 + i + 25_000]).collect(),
-        submeshes: vec![Submesh { first_triangle: 0, triangle_count: 50_000, attributes: Vec::new() }],
+        submeshes: vec![Submesh {
+            first_triangle: 0,
+            triangle_count: 50_000,
+            attributes: Vec::new(),
+        }],
     });
-    let deaths = |i: u32| n / 2 + i;
+    let removal_lods = |i: u32| n / 2 + i;
     let collapses = CollapseSequence::try_from(SequenceParts {
         targets: (1..n).collect(),
         step_ends: (1..n).collect(),
@@ -197,8 +216,9 @@ fn a_hierarchy_made_to_be_slow_is_still_built_quickly() {
         triangles: 50_000,
         ..SequenceParts::default()
     });
-    let simplified = Simplified::new(mesh.expect("a mesh"), collapses.expect("a sequence")).expect("the two fit");
+    let simplified = Simplified::new(mesh.expect("a mesh"), collapses.expect("a sequence"))
+        .expect("the two fit");
     let model = Interactive::build(&Arc::new(simplified)).expect("triangles are in order");
-    assert_eq!(model.deaths()[0], deaths(49_999));
-    assert_eq!(model.deaths()[49_999], deaths(0));
+    assert_eq!(model.removal_lods()[0], removal_lods(49_999));
+    assert_eq!(model.removal_lods()[49_999], removal_lods(0));
 }

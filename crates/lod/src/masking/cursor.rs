@@ -1,7 +1,8 @@
 //! A cursor over Masking Strips: the strips at full length, and the filtered copies that are drawn.
 //!
-//! A near move streams the updates of the records passed ([`super::updates`]). A far jump looks at every strip that has
-//! changed, resolves the vertices that its filter keeps, and leaves the full strip for later.
+//! A near move streams the updates of the records passed ([`super::updates`]). A far jump looks at
+//! every strip that has changed, resolves the vertices that its filter keeps, and leaves the full
+//! strip for later.
 
 use super::Masking;
 use super::updates::{ROOM, Refiltered, whole};
@@ -21,13 +22,14 @@ const BLOCK: usize = 16;
 #[derive(Clone, Debug)]
 pub struct Cursor {
     lod: u32,
-    /// For each strip [`ROOM`] words: the full strip, and its filtered copy. The first starts at a cache line, behind `lead`
-    /// words.
+    /// For each strip [`ROOM`] words: the full strip, and its filtered copy. The first starts at a
+    /// cache line, behind `lead` words.
     buffer: Vec<u32>,
     lead: usize,
     /// How many indices each filtered copy has; 0 if no triangle is left.
     counts: Vec<u8>,
-    /// The strips whose full strip is that of another LOD, since a jump made the filtered copy without it; how many.
+    /// The strips whose full strip is that of another LOD, since a jump made the filtered copy
+    /// without it; how many.
     stale: Vec<bool>,
     stale_count: usize,
     /// What each vertex that is gone has become: made for far jumps.
@@ -44,7 +46,15 @@ impl Cursor {
             room[LONGEST..][..strip.len()].copy_from_slice(strip);
         }
         let counts = model.strips.iter().map(|strip| strip.len() as u8).collect();
-        Self { lod: 0, buffer, lead, counts, stale: vec![false; strips], stale_count: 0, shown: Vec::new() }
+        Self {
+            lod: 0,
+            buffer,
+            lead,
+            counts,
+            stale: vec![false; strips],
+            stale_count: 0,
+            shown: Vec::new(),
+        }
     }
 
     pub(super) fn lod(&self) -> Lod {
@@ -55,7 +65,8 @@ impl Cursor {
         self.counts.iter().map(|&count| u64::from(count)).sum()
     }
 
-    /// What is drawn of a strip, as a graphics card gets it: empty if none of its triangles is left.
+    /// What is drawn of a strip, as a graphics card gets it: empty if none of its triangles is
+    /// left.
     ///
     /// # Panics
     /// If there is no such strip.
@@ -65,16 +76,26 @@ impl Cursor {
     }
 
     pub(super) fn triangles(&self, model: &Masking) -> Vec<OrientedTriangle> {
-        let mut triangles = Vec::with_capacity(model.simplified.collapses().triangles_at(self.lod()) as usize);
+        let mut triangles =
+            Vec::with_capacity(model.simplified.collapses().triangles_at(self.lod()) as usize);
         (0..self.counts.len()).for_each(|strip| triangles.extend(self.drawn_by(model, strip)));
         triangles
     }
 
-    fn drawn_by<'a>(&'a self, model: &'a Masking, strip: usize) -> impl Iterator<Item = OrientedTriangle> + 'a {
+    fn drawn_by<'a>(
+        &'a self,
+        model: &'a Masking,
+        strip: usize,
+    ) -> impl Iterator<Item = OrientedTriangle> + 'a {
         drawn(self.strip(strip), model.submeshes[strip], &model.positions)
     }
 
-    pub(super) fn seek<C: Changes>(&mut self, model: &Masking, lod: Lod, changes: &mut C) -> Traffic {
+    pub(super) fn seek<C: Changes>(
+        &mut self,
+        model: &Masking,
+        lod: Lod,
+        changes: &mut C,
+    ) -> Traffic {
         let (from, to) = (self.lod, model.simplified.collapses().floor(lod).0);
         let records = from.min(to)..from.max(to);
         let traffic = |rewritten| Traffic { records: records.end - records.start, rewritten };
@@ -84,7 +105,8 @@ impl Cursor {
         let mut strips = model.updates.of(&records).strips.to_vec();
         strips.sort_unstable();
         strips.dedup();
-        let before: Vec<Vec<_>> = strips.iter().map(|&s| self.drawn_by(model, s as usize).collect()).collect();
+        let before: Vec<Vec<_>> =
+            strips.iter().map(|&s| self.drawn_by(model, s as usize).collect()).collect();
         let rewritten = self.move_to(model, to, &records);
         for (mut before, strip) in before.into_iter().zip(strips) {
             // Two filters of a strip may draw the same triangles in different order.
@@ -125,8 +147,11 @@ impl Cursor {
             }
             for copy in block {
                 // The last one of a strip on the way, in either direction.
-                let (last, filter) =
-                    if coarsens { (copy.next >= to, copy.filter) } else { (copy.since <= to, copy.before) };
+                let (last, filter) = if coarsens {
+                    (copy.next >= to, copy.filter)
+                } else {
+                    (copy.since <= to, copy.before)
+                };
                 if last {
                     rewritten += self.copy(copy.strip as usize, filter);
                 }
@@ -135,7 +160,8 @@ impl Cursor {
         rewritten
     }
 
-    /// Reads a word of each cache line that some copies are going to need: all at once is faster than one after the other.
+    /// Reads a word of each cache line that some copies are going to need: all at once is faster
+    /// than one after the other.
     fn touch(&self, copies: &[Refiltered]) {
         let lines = |copy: &Refiltered| {
             let at = self.lead + ROOM * copy.strip as usize;
@@ -167,15 +193,17 @@ impl Cursor {
         let (targets, input) = (model.simplified.collapses().targets(), model.strips.strip(strip));
         let full = &mut self.buffer[self.lead + ROOM * strip..][..input.len()];
         full.copy_from_slice(input);
-        for entry in model.entries[model.history(strip)].iter().take_while(|entry| entry.record < self.lod) {
+        for entry in
+            model.entries[model.history(strip)].iter().take_while(|entry| entry.record < self.lod)
+        {
             each(entry.positions, |at| full[at] = targets[entry.record as usize]);
         }
     }
 
-    /// Makes the filtered copy of a strip at a LOD with the help of `shown`, if any of some records has changed it. Returns
-    /// how many indices were written.
+    /// Makes the filtered copy of a strip at a LOD with the help of `shown`, if any of some records
+    /// has changed it. Returns how many indices were written.
     fn jump(&mut self, model: &Masking, strip: usize, to: u32, records: &Range<u32>) -> u64 {
-        if model.deaths[strip] <= to {
+        if model.removal_lods[strip] <= to {
             // What is dead at the finer LOD already does not change.
             if to == records.end && self.counts[strip] > 0 {
                 self.leave(strip, 0);

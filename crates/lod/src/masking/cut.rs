@@ -3,9 +3,10 @@
 use lodc_strip::StripSet;
 use std::cmp::Reverse;
 
-/// The same strips with those of more than `longest` (even, at least 4) vertices cut into as few pieces as possible; `None`
-/// if there are none. Pieces start at even positions, so that every triangle keeps its orientation, and each repeats two
-/// vertices of the one before, or one where the strip turns.
+/// The same strips with those of more than `longest` (even, at least 4) vertices cut into as few
+/// pieces as possible; `None` if there are none. Pieces start at even positions, so that every
+/// triangle keeps its orientation, and each repeats two vertices of the one before, or one where
+/// the strip turns.
 pub(super) fn cut(strips: &StripSet, longest: usize) -> Option<StripSet> {
     if strips.iter().all(|strip| strip.len() <= longest) {
         return None;
@@ -25,17 +26,23 @@ pub(super) fn cut(strips: &StripSet, longest: usize) -> Option<StripSet> {
         }
         submesh_ends.push(ends.len() as u32);
     }
-    Some(StripSet::from_parts(indices, ends, submesh_ends).expect("ends rise to the end of everything"))
+    Some(
+        StripSet::from_parts(indices, ends, submesh_ends)
+            .expect("ends rise to the end of everything"),
+    )
 }
 
-/// How many triangles go into the first of `pieces` pieces: an even number, such that `most` are enough for each of the
-/// others. Where the strip turns if it does, else about as many as in the others.
+/// How many triangles go into the first of `pieces` pieces: an even number, such that `most` are
+/// enough for each of the others. Where the strip turns if it does, else about as many as in the
+/// others.
 fn step(strip: &[u32], pieces: usize, most: usize) -> usize {
     let all = strip.len() - 2;
     let even = all.div_ceil(pieces).next_multiple_of(2);
     let least = all.saturating_sub((pieces - 1) * most).next_multiple_of(2).max(2);
     let steps = (least..=most).step_by(2).filter(|&step| step < all);
-    steps.max_by_key(|&step| (turns(strip, step), Reverse(step.abs_diff(even)), step)).unwrap_or(even)
+    steps
+        .max_by_key(|&step| (turns(strip, step), Reverse(step.abs_diff(even)), step))
+        .unwrap_or(even)
 }
 
 /// Whether the last of so many triangles is degenerate, so that nobody misses it.

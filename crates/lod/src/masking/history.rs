@@ -1,4 +1,5 @@
-//! What happens to each strip: which of its positions every record changes, and what is drawn of it then.
+//! What happens to each strip: which of its positions every record changes, and what is drawn of it
+//! then.
 
 use super::filters::Filters;
 use super::pattern::Pattern;
@@ -29,10 +30,15 @@ pub(super) struct Histories {
 /// Strips worked on at a time by one thread.
 const BLOCK: usize = 1024;
 
-/// Follows every strip by itself. A strip has no entries after the step in which its last triangle dies.
+/// Follows every strip by itself. A strip has no entries after the step in which its last triangle
+/// dies.
 ///
 /// `None` if there would be far more entries than any sensible sequence makes.
-pub(super) fn histories(simplified: &Simplified, strips: &StripSet, positions: &PositionIds) -> Option<Histories> {
+pub(super) fn histories(
+    simplified: &Simplified,
+    strips: &StripSet,
+    positions: &PositionIds,
+) -> Option<Histories> {
     let end_of = ends(simplified);
     let targets = simplified.collapses().targets();
     // Real sequences make about two entries for each index.
@@ -40,7 +46,8 @@ pub(super) fn histories(simplified: &Simplified, strips: &StripSet, positions: &
     let entries = AtomicU64::new(0);
     let blocks: Vec<_> = (0..strips.len().div_ceil(BLOCK)).collect();
     let blocks = blocks.into_par_iter().map_init(Filters::new, |filters, block| {
-        let mut follower = Follower { targets, end_of: &end_of, positions, filters, entries: Vec::new() };
+        let mut follower =
+            Follower { targets, end_of: &end_of, positions, filters, entries: Vec::new() };
         let mut counts = Vec::with_capacity(BLOCK);
         for strip in block * BLOCK..strips.len().min((block + 1) * BLOCK) {
             let before = follower.entries.len();
@@ -122,8 +129,9 @@ impl Follower<'_> {
         self.leave_out(first, strip.len());
     }
 
-    /// Leaves out of a strip's entries the positions that no filter from there on keeps: they are not looked at again
-    /// before the cursor has gone back to where they still were. Then the entries in which nothing is left.
+    /// Leaves out of a strip's entries the positions that no filter from there on keeps: they are
+    /// not looked at again before the cursor has gone back to where they still were. Then the
+    /// entries in which nothing is left.
     fn leave_out(&mut self, first: usize, len: usize) {
         let mut wanted = 0;
         for entry in self.entries[first..].iter_mut().rev() {

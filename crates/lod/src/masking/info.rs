@@ -4,8 +4,8 @@ use super::Masking;
 use crate::StorageCost;
 use lodc_mesh::Lod;
 
-/// One entry of the thesis's list of records. A record that changes 255 strips or more has several: one that has 255 is
-/// continued by the next.
+/// One entry of the thesis's list of records. A record that changes 255 strips or more has several:
+/// one that has 255 is continued by the next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct InfoUpdate {
     /// What the removed vertex becomes. (Which one is removed is the number of the record.)
@@ -22,9 +22,11 @@ pub struct InfoStrip {
     /// The strip.
     pub strip: u32,
     /// A bit for each position, the first lowest: those that hold the removed vertex and become its
-    /// target. Positions that are not drawn at any coarser LOD are left out: what they hold does not matter.
+    /// target. Positions that are not drawn at any coarser LOD are left out: what they hold does
+    /// not matter.
     pub position_mask: u16,
-    /// The positions that are drawn at the end of the step; none if no triangle of the strip is left.
+    /// The positions that are drawn at the end of the step; none if no triangle of the strip is
+    /// left.
     pub filter_mask: u16,
 }
 
@@ -43,7 +45,8 @@ impl Masking {
         })
     }
 
-    /// What a record does to the strips, in order of strips. Takes the logarithm of a strip's entries for each.
+    /// What a record does to the strips, in order of strips. Takes the logarithm of a strip's
+    /// entries for each.
     ///
     /// # Panics
     /// If there is no such record.
@@ -56,21 +59,30 @@ impl Masking {
     }
 }
 
-/// What the tables take down to the end of a step: vertices and strips are those of the whole model.
+/// What the tables take down to the end of a step: vertices and strips are those of the whole
+/// model.
 pub(super) fn storage(model: &Masking, lod: Lod) -> StorageCost {
     let plain = StorageCost::of_triangles(&model.simplified);
     let geometry = 12 * (plain.vertices + plain.fakes);
-    let counts = (0..lod.0).map(|record| model.updates.of(&(record..record + 1)).strips.len() as u64);
+    let counts =
+        (0..lod.0).map(|record| model.updates.of(&(record..record + 1)).strips.len() as u64);
     // Five bytes a record, and five more whenever 255 is not enough.
     let updates: u64 = counts.map(|strips| 5 * (1 + strips / 255)).sum();
     let of_strip = |strip: usize| {
         let history = &model.entries[model.history(strip)];
         let entries = history.partition_point(|entry| entry.record < lod.0) as u64;
         // A strip that ends needs no masks: nothing of it changes or is drawn.
-        let masked = history[..entries as usize].iter().filter(|entry| entry.filter != 0).count() as u64;
+        let masked =
+            history[..entries as usize].iter().filter(|entry| entry.filter != 0).count() as u64;
         4 * entries + 2 * masked * model.strips.range(strip).len().div_ceil(8) as u64
     };
     let strips: u64 = (0..model.strips.len()).map(of_strip).sum();
     let primitives = 4 * model.strips.separate_indices();
-    StorageCost { positions: geometry, normals: geometry, primitives, structures: updates + strips, ..plain }
+    StorageCost {
+        positions: geometry,
+        normals: geometry,
+        primitives,
+        structures: updates + strips,
+        ..plain
+    }
 }

@@ -1,5 +1,6 @@
-// Masking Strips (thesis 4.2.2): applies or undoes the position masks between two LODs, one thread per strip, and chooses the
-// filter mask. Twin: cursor.rs. Of a jump only the last filter counts; going back, that of the entry before does.
+// Masking Strips (thesis 4.2.2): applies or undoes the position masks between two LODs, one thread
+// per strip, and chooses the filter mask. Twin: cursor.rs. Of a jump only the last filter counts;
+// going back, that of the entry before does.
 
 struct Parameters {
     strips: u32,

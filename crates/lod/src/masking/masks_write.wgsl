@@ -1,4 +1,5 @@
-// Masking Strips: writes the filtered copy of every strip to its place, one thread per strip. Twin: cursor.rs.
+// Masking Strips: writes the filtered copy of every strip to its place, one thread per strip. Twin:
+// cursor.rs.
 
 struct Parameters { strips: u32 }
 

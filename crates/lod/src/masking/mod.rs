@@ -1,13 +1,15 @@
-//! Masking Strips (thesis chapter 4): strips of constant length, of which every level of detail draws a filtered copy.
+//! Masking Strips (thesis chapter 4): strips of constant length, of which every level of detail
+//! draws a filtered copy.
 //!
-//! Each record has a *position mask* for every strip that holds its vertex: the positions that become its target. A
-//! *filter mask* says which positions of the strip are drawn after it: the fewest that draw exactly its live triangles.
-//! Filters do not depend on each other, so a far jump needs only the last one of each strip; going back, the filter is
-//! that of the strip's entry before. A strip without live triangles has no further entries.
+//! Each record has a *position mask* for every strip that holds its vertex: the positions that
+//! become its target. A *filter mask* says which positions of the strip are drawn after it: the
+//! fewest that draw exactly its live triangles. Filters do not depend on each other, so a far jump
+//! needs only the last one of each strip; going back, the filter is that of the strip's entry
+//! before. A strip without live triangles has no further entries.
 //!
-//! Both masks fit into one word: strips of more than 16 vertices are cut. Everything but the strips follows from them and the collapse
-//! sequence, so that nothing else is stored in a file. In memory it is there twice: strip by strip for jumps, and by record for near
-//! moves.
+//! Both masks fit into one word: strips of more than 16 vertices are cut. Everything but the strips
+//! follows from them and the collapse sequence, so that nothing else is stored in a file. In memory
+//! it is there twice: strip by strip for jumps, and by record for near moves.
 
 mod cursor;
 mod cut;
@@ -48,37 +50,42 @@ pub struct Masking {
     /// Strip by strip, in order of records: the entry before one is what going back needs.
     entries: Vec<Entry>,
     /// For each strip the first LOD at which it draws nothing.
-    deaths: Vec<u32>,
+    removal_lods: Vec<u32>,
     /// The same by record, for moves of few records.
     updates: Updates,
 }
 
 impl Masking {
-    /// The most vertices that a strip may have, so that its two masks are one word. [`Self::build`] cuts longer ones.
+    /// The most vertices that a strip may have, so that its two masks are one word. [`Self::build`]
+    /// cuts longer ones.
     pub const LONGEST_STRIP: usize = LONGEST;
 
-    /// Makes the model from strips that draw the mesh of LOD 0. Parallel over strips; the same whatever the threads.
+    /// Makes the model from strips that draw the mesh of LOD 0. Parallel over strips; the same
+    /// whatever the threads.
     ///
     /// # Errors
     /// If the sequence changes strips so often that the model would be far larger than the mesh
     /// ([`BuildError::Malformed`]): no sequence of a simplifier does.
     pub fn build(simplified: &Arc<Simplified>, strips: Arc<Strips>) -> Result<Self, BuildError> {
-        let cut = cut::cut(&strips, Self::LONGEST_STRIP).map(|set| Strips { kind: strips.kind, set });
+        let cut =
+            cut::cut(&strips, Self::LONGEST_STRIP).map(|set| Strips { kind: strips.kind, set });
         let strips = cut.map_or(strips, Arc::new);
         let positions = PositionIds::new(simplified.mesh().positions());
-        let histories = history::histories(simplified, &strips, &positions).ok_or_else(|| BuildError::Malformed {
-            array: STRIPS,
-            what: "would need far more updates than it has vertices".to_owned(),
+        let histories = history::histories(simplified, &strips, &positions).ok_or_else(|| {
+            BuildError::Malformed {
+                array: STRIPS,
+                what: "would need far more updates than it has vertices".to_owned(),
+            }
         })?;
         let lengths: Vec<_> = strips.iter().map(<[u32]>::len).collect();
         let updates = Updates::new(&histories, &lengths, simplified.collapses().targets());
-        let death = |ends: &[u32]| {
+        let removal_lod = |ends: &[u32]| {
             let last = histories.entries[ends[0] as usize..ends[1] as usize].last();
             last.filter(|entry| entry.filter == 0).map_or(u32::MAX, |entry| entry.record + 1)
         };
         Ok(Self {
             simplified: Arc::clone(simplified),
-            deaths: histories.firsts.windows(2).map(death).collect(),
+            removal_lods: histories.firsts.windows(2).map(removal_lod).collect(),
             submeshes: strips.submeshes().collect(),
             strips,
             positions,
@@ -91,11 +98,13 @@ impl Masking {
     /// Makes the model of what [`Model::arrays`] gave out: the strips.
     ///
     /// # Errors
-    /// If the array is damaged, has a strip of more than [`Self::LONGEST_STRIP`] vertices or is not the only one; and as
-    /// [`Self::build`].
+    /// If the array is damaged, has a strip of more than [`Self::LONGEST_STRIP`] vertices or is not
+    /// the only one; and as [`Self::build`].
     pub fn load(simplified: &Arc<Simplified>, arrays: &[Array]) -> Result<Self, BuildError> {
         let [array] = arrays else {
-            return Err(BuildError::Arrays { given: arrays.iter().map(|a| a.name.clone()).collect() });
+            return Err(BuildError::Arrays {
+                given: arrays.iter().map(|a| a.name.clone()).collect(),
+            });
         };
         if array.name != STRIPS {
             return Err(BuildError::Arrays { given: vec![array.name.clone()] });
@@ -144,8 +153,8 @@ impl Model for Masking {
     fn drawn(&self, cursor: &Cursor) -> u64 {
         cursor.drawn()
     }
-    /// Strips, 1¼ words a record, and for each strip that a record changes one word and two masks of `⌈length / 8⌉` bytes;
-    /// the entry that ends a strip is the word alone.
+    /// Strips, 1¼ words a record, and for each strip that a record changes one word and two masks
+    /// of `⌈length / 8⌉` bytes; the entry that ends a strip is the word alone.
     fn storage_to(&self, lod: Lod) -> StorageCost {
         info::storage(self, self.simplified.collapses().floor(lod))
     }

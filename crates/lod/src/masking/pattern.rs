@@ -1,10 +1,11 @@
-//! What a filter depends on: which positions of a strip hold the same vertex, and which vertices are at one position.
+//! What a filter depends on: which positions of a strip hold the same vertex, and which vertices
+//! are at one position.
 
 /// Longest strip that a mask covers: two masks fit into one word.
 pub(super) const LONGEST: usize = 16;
 
-/// A strip whose vertices are replaced by labels, numbered in order of first appearance. Two strips with the same
-/// pattern have the same filters.
+/// A strip whose vertices are replaced by labels, numbered in order of first appearance. Two strips
+/// with the same pattern have the same filters.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Pattern {
     len: usize,
@@ -19,9 +20,16 @@ pub(super) struct Pattern {
 }
 
 impl Pattern {
-    /// The pattern of a strip of 3 to [`LONGEST`] vertices. `place` names the point in space at which a vertex is.
+    /// The pattern of a strip of 3 to [`LONGEST`] vertices. `place` names the point in space at
+    /// which a vertex is.
     pub(super) fn new(strip: &[u32], place: impl Fn(u32) -> u32) -> Self {
-        let mut pattern = Self { len: strip.len(), labels: [0; LONGEST], places: [0; LONGEST], count: 0, plain: true };
+        let mut pattern = Self {
+            len: strip.len(),
+            labels: [0; LONGEST],
+            places: [0; LONGEST],
+            count: 0,
+            plain: true,
+        };
         let (mut vertices, mut points) = ([0; LONGEST], [0; LONGEST]);
         for (at, &v) in strip.iter().enumerate() {
             let known = vertices[..pattern.count].iter().position(|&w| w == v);
@@ -56,7 +64,8 @@ impl Pattern {
         u64::MAX >> (64 - self.len)
     }
 
-    /// The triangle of three consecutive drawn labels, unless it is degenerate: corners counter-clockwise, least first.
+    /// The triangle of three consecutive drawn labels, unless it is degenerate: corners
+    /// counter-clockwise, least first.
     pub(super) fn triangle(&self, [a, b, c]: [u8; 3], odd: bool) -> Option<[u8; 3]> {
         let [x, y, z] = [a, b, c].map(|label| self.place(label));
         if x == y || y == z || z == x {
@@ -88,9 +97,14 @@ impl Pattern {
         corners.enumerate().filter_map(|(k, corners)| self.triangle(corners, k % 2 == 1))
     }
 
-    /// The pattern as numbers, 4 bits a label: the labels, the places (0 if every label has its own) and the length.
+    /// The pattern as numbers, 4 bits a label: the labels, the places (0 if every label has its
+    /// own) and the length.
     pub(super) fn key(&self) -> (u64, u64, usize) {
         let pack = |numbers: &[u8]| numbers.iter().fold(0, |key, &n| key << 4 | u64::from(n));
-        (pack(self.labels()), if self.plain { 0 } else { pack(&self.places[..self.count]) }, self.len)
+        (
+            pack(self.labels()),
+            if self.plain { 0 } else { pack(&self.places[..self.count]) },
+            self.len,
+        )
     }
 }

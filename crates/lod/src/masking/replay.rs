@@ -1,10 +1,11 @@
-//! Masking Strips on a graphics device as a [`Plan`]: masks applied and filtered copies compacted, nothing read back.
+//! Masking Strips on a graphics device as a [`Plan`]: masks applied and filtered copies compacted,
+//! nothing read back.
 
 use super::history::Entry;
 use super::{Cursor, Masking};
 use crate::plan::{
-    BufferId, Expected, KernelId, LONGEST_LOOP, Packed, Pass, Plan, PlanError, Program, SCAN, SCAN_ADD, STRIP_DRAWS,
-    Shader, Step,
+    BufferId, Expected, KernelId, LONGEST_LOOP, Packed, Pass, Plan, PlanError, Program, SCAN,
+    SCAN_ADD, STRIP_DRAWS, Shader, Step,
 };
 use crate::{Model, first_difference};
 use lodc_mesh::Lod;
@@ -46,8 +47,10 @@ impl Device {
         let strips = model.strips.len();
         let masks = |e: &Entry| u32::from(e.positions) | u32::from(e.filter) << 16;
         let entries = model.entries.iter().flat_map(|e| [e.record, masks(e)]);
-        let starts = (0..strips).map(|s| model.strips.range(s).start).chain([model.strips.indices().len()]);
-        let states: Vec<u32> = model.firsts[..strips].iter().flat_map(|&first| [first, 0]).collect();
+        let starts =
+            (0..strips).map(|s| model.strips.range(s).start).chain([model.strips.indices().len()]);
+        let states: Vec<u32> =
+            model.firsts[..strips].iter().flat_map(|&first| [first, 0]).collect();
         Ok(Self {
             starts: program.words("starts", starts.map(|start| start as u32).collect::<Vec<_>>()),
             firsts: program.words("firsts", model.firsts.as_slice()),
@@ -82,7 +85,13 @@ impl Device {
         };
         let write = Pass {
             kernel: self.write,
-            buffers: vec![self.starts, self.full, self.states, self.packed.places, self.packed.drawn],
+            buffers: vec![
+                self.starts,
+                self.full,
+                self.states,
+                self.packed.places,
+                self.packed.drawn,
+            ],
             threads: self.strips,
             parameters: vec![self.strips],
         };
@@ -91,8 +100,8 @@ impl Device {
 }
 
 impl Masking {
-    /// The model over some LODs, each compared in full: full strips, masks, packed strips and draw arguments with the CPU, and
-    /// the triangles of the CPU with the reference.
+    /// The model over some LODs, each compared in full: full strips, masks, packed strips and draw
+    /// arguments with the CPU, and the triangles of the CPU with the reference.
     ///
     /// # Errors
     /// If a strip changes too often for a kernel.
@@ -103,7 +112,11 @@ impl Masking {
         let locate = move |buffer, word: usize| {
             if buffer == full {
                 let strip = (0..self.strips.len()).find(|&s| self.strips.range(s).contains(&word));
-                format!("strip {} of submesh {}", strip.unwrap_or(0), self.submeshes[strip.unwrap_or(0)])
+                format!(
+                    "strip {} of submesh {}",
+                    strip.unwrap_or(0),
+                    self.submeshes[strip.unwrap_or(0)]
+                )
             } else if buffer == states {
                 format!("strip {}", word / 2)
             } else if buffer == drawn {
@@ -113,7 +126,8 @@ impl Masking {
             }
         };
         let (mut cursor, mut twin) = (self.cursor(), Twin::new(self));
-        let moves = stops.into_iter().map(move |lod| self.step(&device, &mut cursor, &mut twin, lod));
+        let moves =
+            stops.into_iter().map(move |lod| self.step(&device, &mut cursor, &mut twin, lod));
         Ok(Plan::of_moves([self.name(), "masks"], program, &[full, states], moves, locate))
     }
 
@@ -133,7 +147,8 @@ impl Masking {
     }
 }
 
-/// What the kernel keeps from move to move: full strips to which position masks are applied one by one.
+/// What the kernel keeps from move to move: full strips to which position masks are applied one by
+/// one.
 #[derive(Debug)]
 struct Twin {
     full: Vec<u32>,
@@ -142,7 +157,8 @@ struct Twin {
 
 impl Twin {
     fn new(model: &Masking) -> Self {
-        let states = model.firsts[..model.strips.len()].iter().flat_map(|&first| [first, 0]).collect();
+        let states =
+            model.firsts[..model.strips.len()].iter().flat_map(|&first| [first, 0]).collect();
         Self { full: model.strips.indices().to_vec(), states }
     }
 
@@ -152,7 +168,10 @@ impl Twin {
             let history = model.history(strip);
             let strip_now = &mut self.full[model.strips.range(strip)];
             let mut put = |entry: &Entry, vertex: u32| {
-                let masked = strip_now.iter_mut().enumerate().filter(|(at, _)| entry.positions >> at & 1 == 1);
+                let masked = strip_now
+                    .iter_mut()
+                    .enumerate()
+                    .filter(|(at, _)| entry.positions >> at & 1 == 1);
                 masked.for_each(|(_, v)| *v = vertex);
             };
             let mut next = self.states[2 * strip] as usize;

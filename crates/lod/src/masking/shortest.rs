@@ -1,11 +1,12 @@
 //! The shortest filter: the fewest positions of a strip that draw exactly its live triangles.
 //!
-//! Drawn in order, every kept position after the second either draws a live triangle or is *wasted*: it makes a
-//! degenerate one. All filters draw the same triangles, so the shortest is the one that wastes least. States (last two
-//! labels, parity, triangles left) are searched in layers of equal waste; of the same state only the one that ends at the
-//! earliest position matters, since whatever can follow the later one can follow it too. A state is given up as soon as
-//! a triangle that is left cannot be drawn any more: one of its corners does not come again, and is not among the last
-//! two. Results depend on nothing but the pattern.
+//! Drawn in order, every kept position after the second either draws a live triangle or is
+//! *wasted*: it makes a degenerate one. All filters draw the same triangles, so the shortest is the
+//! one that wastes least. States (last two labels, parity, triangles left) are searched in layers
+//! of equal waste; of the same state only the one that ends at the earliest position matters, since
+//! whatever can follow the later one can follow it too. A state is given up as soon as a triangle
+//! that is left cannot be drawn any more: one of its corners does not come again, and is not among
+//! the last two. Results depend on nothing but the pattern.
 
 use super::pattern::{LONGEST, Pattern};
 
@@ -48,7 +49,8 @@ struct Node {
 }
 
 impl Search {
-    /// States that one search may keep. Real strips need some tens; strips made to be hard get another filter.
+    /// States that one search may keep. Real strips need some tens; strips made to be hard get
+    /// another filter.
     pub(super) const LIMIT: usize = SLOTS / 2;
 
     pub(super) fn new() -> Self {
@@ -66,8 +68,8 @@ impl Search {
         }
     }
 
-    /// The positions of a shortest filter; 0 if no triangle is live. `None` if more than `limit` states would have to be
-    /// looked at.
+    /// The positions of a shortest filter; 0 if no triangle is live. `None` if more than `limit`
+    /// states would have to be looked at.
     pub(super) fn shortest(&mut self, pattern: &Pattern, limit: usize) -> Option<u64> {
         self.triangles.clear();
         self.triangles.extend(pattern.drawn(pattern.all()));
@@ -148,7 +150,8 @@ impl Search {
                 let mut parent = NONE;
                 if odd {
                     // Any vertex at the place of either makes the first triangle degenerate.
-                    let mates = self.mates[pattern.place(p) as usize] | self.mates[pattern.place(q) as usize];
+                    let mates = self.mates[pattern.place(p) as usize]
+                        | self.mates[pattern.place(q) as usize];
                     let at = mates.trailing_zeros() as u8;
                     let label = pattern.labels()[at as usize];
                     parent = self.nodes.len() as u32;
@@ -189,7 +192,14 @@ impl Search {
             let then = after(self.positions[next as usize], at);
             if then != 0 {
                 let left = left & !(1 << bit);
-                let node = Node { left, parent, p: q, q: next, at: then.trailing_zeros() as u8, odd: !odd };
+                let node = Node {
+                    left,
+                    parent,
+                    p: q,
+                    q: next,
+                    at: then.trailing_zeros() as u8,
+                    odd: !odd,
+                };
                 let added = self.add(node);
                 if left == 0 {
                     return added;
@@ -243,9 +253,11 @@ impl Search {
             let t = self.triangles[tight.trailing_zeros() as usize];
             tight &= tight - 1;
             let missing = |v: u8| after(self.positions[v as usize], node.at) == 0;
-            // A corner that does not come again must be one of the last two; and the older of them is of use only in
-            // the very next triangle, which has both.
-            let fine = t.into_iter().all(|v| !missing(v) || v == node.q || v == node.p && t.contains(&node.q));
+            // A corner that does not come again must be one of the last two; and the older of them
+            // is of use only in the very next triangle, which has both.
+            let fine = t
+                .into_iter()
+                .all(|v| !missing(v) || v == node.q || v == node.p && t.contains(&node.q));
             if !fine {
                 return false;
             }
@@ -261,9 +273,14 @@ impl Search {
     /// Where the best node of a node's state is, or belongs.
     fn slot(&self, node: &Node) -> usize {
         let state = |n: &Node| (n.left, n.p, n.q, n.odd);
-        let bits = node.left ^ u64::from(node.p) << 49 ^ u64::from(node.q) << 56 ^ u64::from(node.odd) << 63;
+        let bits = node.left
+            ^ u64::from(node.p) << 49
+            ^ u64::from(node.q) << 56
+            ^ u64::from(node.odd) << 63;
         let mut slot = (bits.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 32) as usize % SLOTS;
-        while self.slots[slot] != NONE && state(&self.nodes[self.slots[slot] as usize]) != state(node) {
+        while self.slots[slot] != NONE
+            && state(&self.nodes[self.slots[slot] as usize]) != state(node)
+        {
             slot = (slot + 1) % SLOTS;
         }
         slot

@@ -1,15 +1,18 @@
-//! A filter that is found quickly, not always the shortest: for strips whose shortest filter is too hard to find.
+//! A filter that is found quickly, not always the shortest: for strips whose shortest filter is too
+//! hard to find.
 //!
-//! The patterns of the thesis (4.2.2): triangles that share an edge follow each other directly, those that share a vertex or
-//! nothing are connected by the fewest degenerate triangles that the strip has there, and both ends are trimmed.
+//! The patterns of the thesis (4.2.2): triangles that share an edge follow each other directly,
+//! those that share a vertex or nothing are connected by the fewest degenerate triangles that the
+//! strip has there, and both ends are trimmed.
 
 use super::pattern::Pattern;
 
-/// The positions of a filter that draws exactly the live triangles; 0 if there are none. Looks at each position at most
-/// as often as there are positions.
+/// The positions of a filter that draws exactly the live triangles; 0 if there are none. Looks at
+/// each position at most as often as there are positions.
 pub(super) fn trimmed(pattern: &Pattern) -> u64 {
     let labels = pattern.labels();
-    let live = |k: usize| pattern.triangle([labels[k], labels[k + 1], labels[k + 2]], false).is_some();
+    let live =
+        |k: usize| pattern.triangle([labels[k], labels[k + 1], labels[k + 2]], false).is_some();
     let Some(first) = (0..labels.len() - 2).find(|&k| live(k)) else { return 0 };
     let last = (0..labels.len() - 2).rfind(|&k| live(k)).unwrap_or(first);
     // An even number goes from the start, so that everything keeps its orientation.
@@ -20,8 +23,8 @@ pub(super) fn trimmed(pattern: &Pattern) -> u64 {
     kept.iter().fold(0, |mask, &at| mask | 1 << at)
 }
 
-/// The first two neighbours that can go: they are in no triangle, nor is one drawn when what is before them meets what
-/// is after them.
+/// The first two neighbours that can go: they are in no triangle, nor is one drawn when what is
+/// before them meets what is after them.
 fn superfluous_pair(pattern: &Pattern, kept: &[usize]) -> Option<usize> {
     let label = |i: usize| pattern.labels()[kept[i]];
     let drawn = |i: [usize; 3], first: usize| pattern.triangle(i.map(label), first % 2 == 1);

@@ -1,14 +1,16 @@
 //! What records do to strips, in the order of records, ready to be streamed by near moves.
 //!
-//! Positions of full strips never move, so what a record writes is a list of places, whatever their strips. Where it leaves a
-//! strip's filter as it was (three updates of five), the filtered copy is mended at single places as well. Only
-//! where the filter changes is the strip copied anew, and only once in a move.
+//! Positions of full strips never move, so what a record writes is a list of places, whatever their
+//! strips. Where it leaves a strip's filter as it was (three updates of five), the filtered copy is
+//! mended at single places as well. Only where the filter changes is the strip copied anew, and
+//! only once in a move.
 
 use super::LONGEST;
 use super::history::{Entry, Histories};
 use std::ops::Range;
 
-/// The room of a strip in a cursor's buffer: as many words for the full strip, then as many for its filtered copy.
+/// The room of a strip in a cursor's buffer: as many words for the full strip, then as many for its
+/// filtered copy.
 pub(super) const ROOM: usize = 2 * LONGEST;
 
 /// Where a record's share of each list starts; it ends where the next record's starts.
@@ -63,7 +65,8 @@ impl Updates {
         let mut updates = Self { starts: Vec::with_capacity(targets.len() + 1), ..Self::default() };
         updates.strips.reserve_exact(histories.entries.len());
         // The filter of each strip, since when, and which of the copies made it so.
-        let mut latest: Vec<_> = lengths.iter().map(|&length| (whole(length), 0, usize::MAX)).collect();
+        let mut latest: Vec<_> =
+            lengths.iter().map(|&length| (whole(length), 0, usize::MAX)).collect();
         for (strip, entry) in by_record(histories, targets.len()) {
             updates.start_records(entry.record as usize + 1);
             updates.strips.push(strip);
@@ -98,7 +101,8 @@ impl Updates {
 
     /// Records up to a number start where the lists end now, unless they have started before.
     fn start_records(&mut self, count: usize) {
-        let [strips, writes, copies] = [self.strips.len(), self.places.len(), self.copies.len()].map(|n| n as u32);
+        let [strips, writes, copies] =
+            [self.strips.len(), self.places.len(), self.copies.len()].map(|n| n as u32);
         if self.starts.len() < count {
             self.starts.resize(count, Starts { strips, writes, copies });
         }

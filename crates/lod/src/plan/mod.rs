@@ -1,7 +1,8 @@
 //! Replay on a graphics device as plain data: words, WGSL, and what must come out.
 //!
-//! A model that can live on a graphics device says so by making a [`Plan`]. `lodc-gpu` runs any plan and knows no model;
-//! nothing here knows a graphics API. Every kernel stands beside its twin, the Rust code that does the same.
+//! A model that can live on a graphics device says so by making a [`Plan`]. `lodc-gpu` runs any
+//! plan and knows no model; nothing here knows a graphics API. Every kernel stands beside its twin,
+//! the Rust code that does the same.
 
 mod benchmark;
 mod packed;
@@ -21,8 +22,8 @@ use crate::Failure;
 use lodc_mesh::Lod;
 use std::{fmt, sync::Arc};
 
-/// What to run and what to expect. Steps are made one by one, because all expectations of a large mesh together would
-/// not fit into memory.
+/// What to run and what to expect. Steps are made one by one, because all expectations of a large
+/// mesh together would not fit into memory.
 pub struct Plan<'a> {
     /// The model, as reports name it.
     pub model: &'static str,
@@ -37,8 +38,8 @@ pub struct Plan<'a> {
 }
 
 impl<'a> Plan<'a> {
-    /// A plan of `moves`, between a look at what was uploaded and one at what no pass may have written to: all of that but
-    /// `written`.
+    /// A plan of `moves`, between a look at what was uploaded and one at what no pass may have
+    /// written to: all of that but `written`.
     pub fn of_moves(
         [model, name]: [&'static str; 2],
         program: Program,
@@ -64,7 +65,8 @@ pub struct Step {
     pub passes: Vec<Pass>,
     /// Compared word by word.
     pub checks: Vec<Expected>,
-    /// What is wrong with the twin itself: it is compared with the reference before a device is compared with it.
+    /// What is wrong with the twin itself: it is compared with the reference before a device is
+    /// compared with it.
     pub twin: Option<Failure>,
 }
 
@@ -95,8 +97,8 @@ pub struct Expected {
     pub tolerance: Option<Tolerance>,
 }
 
-/// Which words are results of floating-point arithmetic. Adapters that are software must agree in them bit for bit, too;
-/// of hardware WGSL does not demand it.
+/// Which words are results of floating-point arithmetic. Adapters that are software must agree in
+/// them bit for bit, too; of hardware WGSL does not demand it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Tolerance {
     /// Words of a record.
@@ -135,7 +137,10 @@ impl fmt::Display for PlanError {
         match self {
             Self::TooLarge { what, words } => write!(f, "{what} would take {words} words"),
             Self::TooDeep { length } => {
-                write!(f, "a vertex collapses {length} times, more than the {LONGEST_LOOP} a kernel may loop")
+                write!(
+                    f,
+                    "a vertex collapses {length} times, more than the {LONGEST_LOOP} a kernel may loop"
+                )
             }
         }
     }
@@ -143,5 +148,6 @@ impl fmt::Display for PlanError {
 
 impl std::error::Error for PlanError {}
 
-/// How often a kernel may loop. Mesa's lavapipe silently leaves all loops of an invocation after 65,535 rounds.
+/// How often a kernel may loop. Mesa's lavapipe silently leaves all loops of an invocation after
+/// 65,535 rounds.
 pub const LONGEST_LOOP: u32 = 60_000;

@@ -1,10 +1,12 @@
-//! Strips as they are drawn at once: one behind the other, each closed by a restart index, those without triangles left out.
+//! Strips as they are drawn at once: one behind the other, each closed by a restart index, those
+//! without triangles left out.
 
 use super::{BufferId, Drawn, Expected, KernelId, Pass, Program, Scan, Shader};
 use lodc_strip::StripSet;
 
 /// Draw arguments of packed strips.
-pub const STRIP_DRAWS: Shader = Shader { name: "strip_draws", wgsl: include_str!("strip_draws.wgsl") };
+pub const STRIP_DRAWS: Shader =
+    Shader { name: "strip_draws", wgsl: include_str!("strip_draws.wgsl") };
 
 /// The index that closes a strip.
 pub const RESTART: u32 = u32::MAX;
@@ -13,8 +15,8 @@ pub const RESTART: u32 = u32::MAX;
 #[derive(Clone, Debug)]
 pub struct Packed {
     submeshes: BufferId,
-    /// One word per strip and one more: a pass writes the length of each with its restart index, or 0; prefix sums make
-    /// it the place of each.
+    /// One word per strip and one more: a pass writes the length of each with its restart index, or
+    /// 0; prefix sums make it the place of each.
     pub places: BufferId,
     /// The packed strips.
     pub drawn: BufferId,
@@ -29,7 +31,8 @@ impl Packed {
     /// Makes room for strips that are never longer than these.
     pub fn new(program: &mut Program, strips: &StripSet) -> Self {
         let ranges = (0..strips.submesh_count()).map(|s| strips.submesh(s));
-        let ranges: Vec<u32> = ranges.flat_map(|range| [range.start as u32, range.len() as u32]).collect();
+        let ranges: Vec<u32> =
+            ranges.flat_map(|range| [range.start as u32, range.len() as u32]).collect();
         let places = program.zeros("places", strips.len() + 1);
         Self {
             submeshes: program.words("submeshes", ranges),
@@ -42,7 +45,8 @@ impl Packed {
         }
     }
 
-    /// What comes between the pass that writes lengths and `write`, which writes strips to their places; and what follows.
+    /// What comes between the pass that writes lengths and `write`, which writes strips to their
+    /// places; and what follows.
     #[must_use]
     pub fn around(&self, write: Pass) -> Vec<Pass> {
         let arguments = Pass {
@@ -58,11 +62,23 @@ impl Packed {
     #[must_use]
     pub fn drawing(&self, vertices: BufferId, bounds: ([f32; 3], [f32; 3])) -> Drawn {
         let count = self.count as usize;
-        Drawn { vertices, stride: 3, indices: self.drawn, strips: true, draws: self.draws, count, bounds }
+        Drawn {
+            vertices,
+            stride: 3,
+            indices: self.drawn,
+            strips: true,
+            draws: self.draws,
+            count,
+            bounds,
+        }
     }
 
     /// What must come out if these strips are drawn, given strip by strip.
-    pub fn expected<'a>(&self, set: &StripSet, drawn: impl Fn(usize) -> &'a [u32]) -> [Expected; 3] {
+    pub fn expected<'a>(
+        &self,
+        set: &StripSet,
+        drawn: impl Fn(usize) -> &'a [u32],
+    ) -> [Expected; 3] {
         let (mut indices, mut places, mut draws) = (Vec::new(), vec![0], Vec::new());
         for submesh in 0..set.submesh_count() {
             let first = indices.len() as u32;
@@ -76,6 +92,10 @@ impl Packed {
             }
             draws.extend([indices.len() as u32 - first, 1, first, 0, 0]);
         }
-        [Expected::new(self.drawn, indices), Expected::new(self.places, places), Expected::new(self.draws, draws)]
+        [
+            Expected::new(self.drawn, indices),
+            Expected::new(self.places, places),
+            Expected::new(self.draws, draws),
+        ]
     }
 }

@@ -54,8 +54,8 @@ pub struct Shader {
     pub wgsl: &'static str,
 }
 
-/// A compute shader with the entry point `main`, 256 threads to a workgroup. Binding 0 is a uniform buffer with a pass's
-/// parameters, bindings 1, 2, … are its buffers.
+/// A compute shader with the entry point `main`, 256 threads to a workgroup. Binding 0 is a uniform
+/// buffer with a pass's parameters, bindings 1, 2, … are its buffers.
 #[derive(Clone, Debug)]
 pub struct Kernel {
     /// The name of its file, without the extension.
@@ -69,8 +69,8 @@ pub struct Kernel {
 /// Threads in a workgroup of every kernel: what every device allows.
 pub const WORKGROUP: u32 = 256;
 
-/// One kernel over one range of threads. A kernel may be run with up to 1023 threads more than there are, and in two
-/// dimensions, so each thread numbers itself and looks whether it is needed.
+/// One kernel over one range of threads. A kernel may be run with up to 1023 threads more than
+/// there are, and in two dimensions, so each thread numbers itself and looks whether it is needed.
 #[derive(Clone, Debug)]
 pub struct Pass {
     /// What to run.
@@ -116,7 +116,8 @@ impl Program {
     }
     /// Adds a kernel with values of its pipeline-overridable constants, or finds it if it is there.
     pub fn kernel_with(&mut self, shader: Shader, constants: &[(&'static str, u32)]) -> KernelId {
-        let known = self.kernels.iter().position(|k| k.name == shader.name && k.constants == constants);
+        let known =
+            self.kernels.iter().position(|k| k.name == shader.name && k.constants == constants);
         KernelId(known.unwrap_or_else(|| {
             self.kernels.push(Kernel {
                 name: shader.name,
@@ -126,7 +127,8 @@ impl Program {
             self.kernels.len() - 1
         }))
     }
-    /// What must be in every buffer that something is uploaded to, except those that passes write to.
+    /// What must be in every buffer that something is uploaded to, except those that passes write
+    /// to.
     #[must_use]
     pub fn uploaded(&self, written: &[BufferId]) -> Vec<Expected> {
         let buffers = (0..self.buffers.len()).map(BufferId).filter(|id| !written.contains(id));

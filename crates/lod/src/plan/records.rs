@@ -3,8 +3,9 @@
 use super::PlanError;
 use lodc_mesh::Mesh;
 
-/// All vertices of a mesh as records of equal length: the position (three words), then every attribute stream, each
-/// filled up to whole words. Bytes are those of the mesh; nothing is converted.
+/// All vertices of a mesh as records of equal length: the position (three words), then every
+/// attribute stream, each filled up to whole words. Bytes are those of the mesh; nothing is
+/// converted.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct VertexRecords {
     /// Words per vertex, at least 3.

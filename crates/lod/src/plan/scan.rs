@@ -1,4 +1,5 @@
-//! Prefix sums on a device, for any number of words and in one fixed order: what ordered compaction is made of.
+//! Prefix sums on a device, for any number of words and in one fixed order: what ordered compaction
+//! is made of.
 
 use super::{BufferId, KernelId, Pass, Program, Shader};
 
@@ -46,7 +47,12 @@ impl Scan {
     pub fn passes(&self) -> Vec<Pass> {
         let pass = |kernel, pair: &[(BufferId, usize)], threads: usize| {
             let count = pair[0].1 as u32;
-            Pass { kernel, buffers: vec![pair[0].0, pair[1].0], threads: threads as u32, parameters: vec![count] }
+            Pass {
+                kernel,
+                buffers: vec![pair[0].0, pair[1].0],
+                threads: threads as u32,
+                parameters: vec![count],
+            }
         };
         let down = self.levels.windows(2).map(|pair| pass(self.block, pair, pair[0].1.div_ceil(4)));
         // One block has nothing before it.

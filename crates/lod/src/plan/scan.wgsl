@@ -1,5 +1,6 @@
-// Exclusive prefix sums of blocks of 1024 words, in place; the sum of each block goes to `sums`. Run again over
-// `sums`, and then `scan_add`, this makes the prefix sums of any number of words in one fixed order.
+// Exclusive prefix sums of blocks of 1024 words, in place; the sum of each block goes to `sums`.
+// Run again over `sums`, and then `scan_add`, this makes the prefix sums of any number of words in
+// one fixed order.
 
 struct Parameters { count: u32 }
 

@@ -1,4 +1,5 @@
-// Second half of prefix sums of more than 1024 words: every block is raised by what all blocks before it hold.
+// Second half of prefix sums of more than 1024 words: every block is raised by what all blocks
+// before it hold.
 
 struct Parameters { count: u32 }
 

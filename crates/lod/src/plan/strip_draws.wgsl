@@ -1,4 +1,5 @@
-// Arguments of one indirect draw per submesh for strips that stand one behind the other, each closed by a restart index.
+// Arguments of one indirect draw per submesh for strips that stand one behind the other, each
+// closed by a restart index.
 
 struct Parameters { submeshes: u32 }
 

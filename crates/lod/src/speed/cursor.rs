@@ -1,12 +1,15 @@
-//! A cursor over Speed Strips: the strips of one LOD, each at the start of the room that it has at LOD 0.
+//! A cursor over Speed Strips: the strips of one LOD, each at the start of the room that it has at
+//! LOD 0.
 //!
-//! A move takes one of two ways. *Near*: the changes of the records passed are streamed, in order. *Far*: no change is
-//! looked at; an element that is not removed at a LOD holds what its vertex of LOD 0 has become, so all strips are
-//! made anew of the stored ones. A near move that turns out to write more than a far one would becomes a far one.
+//! A move takes one of two ways. *Near*: the changes of the records passed are streamed, in order.
+//! *Far*: no change is looked at; an element that is not removed at a LOD holds what its vertex of
+//! LOD 0 has become, so all strips are made anew of the stored ones. A near move that turns out to
+//! write more than a far one would becomes a far one.
 //!
-//! The thesis gathers the changes of a strip over all records of an update and makes them in one pass. With the few
-//! records of a 0.1 % step hardly any strip is met twice, and looking strips up costs more than their changes: an
-//! earlier cursor that did so took 3.1 µs for a step on bunny and 0.27 on cow, the first one that streamed 1.0 and 0.09.
+//! The thesis gathers the changes of a strip over all records of an update and makes them in one
+//! pass. With the few records of a 0.1 % step hardly any strip is met twice, and looking strips up
+//! costs more than their changes: an earlier cursor that did so took 3.1 µs for a step on bunny and
+//! 0.27 on cow, the first one that streamed 1.0 and 0.09.
 
 use super::Speed;
 use super::apply::{Span, remove, restore};
@@ -17,8 +20,8 @@ use crate::{Changes, Model, Traffic};
 use lodc_mesh::{Lod, OrientedTriangle};
 use std::ops::Range;
 
-/// One record's changes of one strip cost about as much as making so many elements of LOD 0 anew (measured on bunny and cow:
-/// 10 ns against 1.5 to 5 ns).
+/// One record's changes of one strip cost about as much as making so many elements of LOD 0 anew
+/// (measured on bunny and cow: 10 ns against 1.5 to 5 ns).
 const STRIP_COST: u64 = 4;
 
 /// What a strip is at the moment.
@@ -28,7 +31,8 @@ struct Head {
     span: Span,
     /// Whether it draws anything.
     live: bool,
-    /// Whether it was made anew, so that what had gone at its ends, or with its death, was never written.
+    /// Whether it was made anew, so that what had gone at its ends, or with its removal_lod, was never
+    /// written.
     stale: bool,
 }
 
@@ -47,8 +51,9 @@ impl Cursor {
         let strips = model.strips();
         let head = |s: usize| {
             let room = strips.range(s);
-            let span = Span { room: room.start as u32, start: room.start as u32, end: room.end as u32 };
-            Head { span, live: model.edits().deaths[s] > 0, stale: false }
+            let span =
+                Span { room: room.start as u32, start: room.start as u32, end: room.end as u32 };
+            Head { span, live: model.edits().removal_lods[s] > 0, stale: false }
         };
         Self {
             lod: 0,
@@ -80,7 +85,11 @@ impl Cursor {
         (0..self.heads.len()).flat_map(|strip| self.drawn_by(model, strip)).collect()
     }
 
-    fn drawn_by<'a>(&'a self, model: &'a Speed, strip: usize) -> impl Iterator<Item = OrientedTriangle> + 'a {
+    fn drawn_by<'a>(
+        &'a self,
+        model: &'a Speed,
+        strip: usize,
+    ) -> impl Iterator<Item = OrientedTriangle> + 'a {
         drawn(self.strip(strip), model.submesh_of(strip), model.positions())
     }
 
@@ -98,7 +107,8 @@ impl Cursor {
         let mut strips: Vec<u32> = model.edits().affected(&records).collect();
         strips.sort_unstable();
         strips.dedup();
-        let before: Vec<Vec<_>> = strips.iter().map(|&s| self.drawn_by(model, s as usize).collect()).collect();
+        let before: Vec<Vec<_>> =
+            strips.iter().map(|&s| self.drawn_by(model, s as usize).collect()).collect();
         self.move_to(model, to, &records, &mut traffic);
         let mut difference = Difference::default();
         for (before, strip) in before.into_iter().zip(strips) {
@@ -122,8 +132,8 @@ impl Cursor {
         self.lod = to;
     }
 
-    /// Applies records. Returns how many elements were written; none if that would be more than `most`, and then the
-    /// strips are at none of the LODs.
+    /// Applies records. Returns how many elements were written; none if that would be more than
+    /// `most`, and then the strips are at none of the LODs.
     fn coarsen(&mut self, edits: &Edits, records: &Range<u32>, most: u64) -> Option<u64> {
         let run = edits.of(records);
         let (mut done, mut written) = (0, run.places.len() as u64);
@@ -131,7 +141,8 @@ impl Cursor {
             let next = (gone.changes - run.first_change) as usize;
             self.write(&run.places[done..next], &run.targets[done..next]);
             done = next;
-            written += remove(&mut self.indices, &mut self.heads[gone.strip as usize].span, gone.removal);
+            written +=
+                remove(&mut self.indices, &mut self.heads[gone.strip as usize].span, gone.removal);
             if written > most {
                 return None;
             }
@@ -148,9 +159,10 @@ impl Cursor {
         for &strip in run.dying {
             self.heads[strip as usize].live = true;
             if self.heads[strip as usize].stale {
-                let lod = model.edits().deaths[strip as usize] - 1;
-                written +=
-                    self.make(model, strip as usize, lod, |v| model.simplified().collapses().resolve(v, Lod(lod)));
+                let lod = model.edits().removal_lods[strip as usize] - 1;
+                written += self.make(model, strip as usize, lod, |v| {
+                    model.simplified().collapses().resolve(v, Lod(lod))
+                });
                 written += self.mend_ends(model, strip as usize, lod);
             }
         }
@@ -162,7 +174,8 @@ impl Cursor {
             if at_end && self.heads[gone.strip as usize].stale {
                 written += self.mend_ends(model, gone.strip as usize, gone.record + 1);
             }
-            written += restore(&mut self.indices, &mut self.heads[gone.strip as usize].span, gone.removal);
+            written +=
+                restore(&mut self.indices, &mut self.heads[gone.strip as usize].span, gone.removal);
             if written > most {
                 return None;
             }
@@ -184,7 +197,8 @@ impl Cursor {
         }
     }
 
-    /// Writes what has gone at the ends of a stale strip until a LOD, each element as it was left. Returns how many they are.
+    /// Writes what has gone at the ends of a stale strip until a LOD, each element as it was left.
+    /// Returns how many they are.
     fn mend_ends(&mut self, model: &Speed, strip: usize, lod: u32) -> u64 {
         let (edits, room) = (model.edits(), model.strips().range(strip));
         let mut written = 0;
@@ -206,7 +220,8 @@ impl Cursor {
         let mut shown = std::mem::take(&mut self.shown);
         model.simplified().collapses().resolve_gone(Lod(to), &mut shown);
         let resolved = |v: u32| shown.get(v as usize).copied().unwrap_or(v);
-        let written = (0..self.heads.len()).map(|strip| self.make(model, strip, to, resolved)).sum();
+        let written =
+            (0..self.heads.len()).map(|strip| self.make(model, strip, to, resolved)).sum();
         self.shown = shown;
         written
     }
@@ -214,14 +229,16 @@ impl Cursor {
     /// Makes a strip anew. Returns how many elements it has.
     fn make(&mut self, model: &Speed, strip: usize, lod: u32, shown: impl Fn(u32) -> u32) -> u64 {
         let (edits, head) = (model.edits(), &mut self.heads[strip]);
-        (head.live, head.stale) = (edits.deaths[strip] > lod, true);
+        (head.live, head.stale) = (edits.removal_lods[strip] > lod, true);
         if !head.live {
             return 0;
         }
         let room = model.strips().range(strip);
         let start = room.start + edits.gone_at_front(room.clone(), lod);
         let mut end = start;
-        for (&vertex, &removed_at) in model.strips().indices()[room.clone()].iter().zip(&edits.removed_at[room]) {
+        for (&vertex, &removed_at) in
+            model.strips().indices()[room.clone()].iter().zip(&edits.removed_at[room])
+        {
             if removed_at > lod {
                 self.indices[end] = shown(vertex);
                 end += 1;

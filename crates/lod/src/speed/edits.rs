@@ -1,8 +1,9 @@
-//! All changes of all strips as they are kept at run time: in order of records, ready to be streamed.
+//! All changes of all strips as they are kept at run time: in order of records, ready to be
+//! streamed.
 //!
-//! Strips stand one behind the other in one buffer and keep their room when they get shorter, so an index change needs no
-//! strip: it is a place in the buffer and what to write there. Whatever a move needs is a few runs of such lists, without a
-//! look at single records.
+//! Strips stand one behind the other in one buffer and keep their room when they get shorter, so an
+//! index change needs no strip: it is a place in the buffer and what to write there. Whatever a
+//! move needs is a few runs of such lists, without a look at single records.
 
 use super::history::{History, Removal};
 use lodc_strip::StripSet;
@@ -63,7 +64,7 @@ pub(super) struct Edits {
     /// For each index that goes at an end of its strip its place then; for others `u32::MAX`.
     pub(super) left_at: Vec<u32>,
     /// For each strip the first LOD at which it draws nothing.
-    pub(super) deaths: Vec<u32>,
+    pub(super) removal_lods: Vec<u32>,
 }
 
 /// What some consecutive records do.
@@ -79,7 +80,8 @@ pub(super) struct Run<'a> {
 }
 
 impl Edits {
-    /// Puts histories of consecutive strips into the order of records (a counting sort: strips stay in order).
+    /// Puts histories of consecutive strips into the order of records (a counting sort: strips stay
+    /// in order).
     pub(super) fn merge(histories: &[History], strips: &StripSet, targets: &[u32]) -> Self {
         let records = targets.len();
         let mut place = vec![0u32; records + 1];
@@ -126,9 +128,19 @@ impl Edits {
             edits.removals.extend(removals.iter().rev().map(gone));
             let (entry, before) = (edits.affected.len() as u32, length[event.strip as usize]);
             let previous = std::mem::replace(&mut latest[event.strip as usize], entry);
-            let after = if places.is_empty() { 0 } else { before - removals.iter().map(|r| r.count).sum::<u32>() };
+            let after = if places.is_empty() {
+                0
+            } else {
+                before - removals.iter().map(|r| r.count).sum::<u32>()
+            };
             length[event.strip as usize] = after;
-            edits.affected.push(Affected { strip: event.strip, previous, next: u32::MAX, before, after });
+            edits.affected.push(Affected {
+                strip: event.strip,
+                previous,
+                next: u32::MAX,
+                before,
+                after,
+            });
             if let Some(previous) = edits.affected.get_mut(previous as usize) {
                 previous.next = entry;
             }
@@ -140,7 +152,7 @@ impl Edits {
         edits.removed_at = histories.iter().flat_map(|h| &h.removed_at).copied().collect();
         edits.at_front = histories.iter().flat_map(|h| &h.at_front).copied().collect();
         edits.left_at = histories.iter().flat_map(|h| &h.left_at).copied().collect();
-        edits.deaths = histories.iter().flat_map(|h| &h.deaths).copied().collect();
+        edits.removal_lods = histories.iter().flat_map(|h| &h.removal_lods).copied().collect();
         edits
     }
 
@@ -195,12 +207,15 @@ impl Edits {
         self.entries(records).len() as u32
     }
     /// The strips that some records change, by record: each as often as there are records that do.
-    pub(super) fn affected<'a>(&'a self, records: &Range<u32>) -> impl ExactSizeIterator<Item = u32> + use<'a> {
+    pub(super) fn affected<'a>(
+        &'a self,
+        records: &Range<u32>,
+    ) -> impl ExactSizeIterator<Item = u32> + use<'a> {
         let entries = self.entries(records);
         self.affected[entries.start as usize..entries.end as usize].iter().map(|e| e.strip)
     }
-    /// How many elements the strips that some records change have together, before them or after them. Each counts once:
-    /// with its first or last entry among these.
+    /// How many elements the strips that some records change have together, before them or after
+    /// them. Each counts once: with its first or last entry among these.
     pub(super) fn elements(&self, records: &Range<u32>, after: bool) -> u64 {
         let range = self.entries(records);
         let entries = &self.affected[range.start as usize..range.end as usize];
@@ -212,10 +227,11 @@ impl Edits {
         counts.map(u64::from).sum()
     }
 
-    /// For each strip its removals, each with the number of the event that makes it among those of the strip.
+    /// For each strip its removals, each with the number of the event that makes it among those of
+    /// the strip.
     pub(super) fn removals_by_strip(&self) -> Vec<Vec<(u32, Removal)>> {
-        let mut by_strip = vec![Vec::new(); self.deaths.len()];
-        let mut events = vec![0u32; self.deaths.len()];
+        let mut by_strip = vec![Vec::new(); self.removal_lods.len()];
+        let mut events = vec![0u32; self.removal_lods.len()];
         for record in 0..self.records() {
             let record = record..record + 1;
             for gone in self.of(&record).removals.iter().rev() {

@@ -1,6 +1,7 @@
-// Speed Strips, direct (thesis 3.5.2): every strip is taken to a LOD in place, one thread per strip, by applying or undoing
-// the changes between. Twin: apply.rs, where what goes at the ends stays in the strip's room; here its values are kept. For
-// moves past so many changes that a kernel may not loop that often, the host takes `values` and `rewrite` instead.
+// Speed Strips, direct (thesis 3.5.2): every strip is taken to a LOD in place, one thread per
+// strip, by applying or undoing the changes between. Twin: apply.rs, where what goes at the ends
+// stays in the strip's room; here its values are kept. For moves past so many changes that a kernel
+// may not loop that often, the host takes `values` and `rewrite` instead.
 
 struct Parameters {
     strips: u32,
@@ -10,13 +11,13 @@ struct Parameters {
 @group(0) @binding(0) var<uniform> p: Parameters;
 // Two words per strip and one pair more: where its indices and its entries start.
 @group(0) @binding(1) var<storage, read> starts: array<vec2<u32>>;
-// Four words per entry and one entry more: record, where its changes start, where its removals start, where what goes at
-// the ends of the strip is kept among the changes.
+// Four words per entry and one entry more: record, where its changes start, where its removals
+// start, where what goes at the ends of the strip is kept among the changes.
 @group(0) @binding(2) var<storage, read> entries: array<vec4<u32>>;
 // Changes: places that get the target of the record, or the record's vertex back.
 @group(0) @binding(3) var<storage, read> changes: array<u32>;
-// Removals: where, and how many: positive for repetitions of one index, negative for those of two; further from 0 by
-// AT_END for what goes at an end of the strip.
+// Removals: where, and how many: positive for repetitions of one index, negative for those of two;
+// further from 0 by AT_END for what goes at an end of the strip.
 @group(0) @binding(4) var<storage, read> removals: array<vec2<u32>>;
 @group(0) @binding(5) var<storage, read> collapse_to: array<u32>;
 @group(0) @binding(6) var<storage, read_write> strips: array<u32>;

@@ -1,14 +1,16 @@
-//! Which repetitions a record takes out of a strip (thesis 3.3.3), with the winding of everything else kept.
+//! Which repetitions a record takes out of a strip (thesis 3.3.3), with the winding of everything
+//! else kept.
 //!
-//! The thesis has two filters: a vertex repetition `a a (a)+` keeps two, an edge repetition `a b (a b)+` keeps one pair.
-//! Taking out an even number of elements keeps the side of every later triangle, so the edge filter is always right,
-//! and so is the vertex filter two at a time. A single element of `a a a` or `x a a x` turns over what is behind it. It
-//! goes together with another one if no triangle is drawn between the two. Whether a triangle is drawn is asked by
+//! The thesis has two filters: a vertex repetition `a a (a)+` keeps two, an edge repetition `a b (a
+//! b)+` keeps one pair. Taking out an even number of elements keeps the side of every later
+//! triangle, so the edge filter is always right, and so is the vertex filter two at a time. A
+//! single element of `a a a` or `x a a x` turns over what is behind it. It goes together with
+//! another one if no triangle is drawn between the two. Whether a triangle is drawn is asked by
 //! position, whether elements repeat by vertex: refining puts them back by copying.
 //!
-//! Beyond the thesis, the dead ends of a strip go, whatever they are: what stands before its first drawn triangle (an even
-//! number, again for the winding) and behind its last. They stay in their room and come back by moving the ends
-//! (bunny: 497 bits per vertex without, 463 with).
+//! Beyond the thesis, the dead ends of a strip go, whatever they are: what stands before its first
+//! drawn triangle (an even number, again for the winding) and behind its last. They stay in their
+//! room and come back by moving the ends (bunny: 497 bits per vertex without, 463 with).
 
 use super::history::Kind;
 use super::working::WorkingStrip;
@@ -16,8 +18,9 @@ use super::working::WorkingStrip;
 /// How far from a change partners of a single element are looked for.
 const REACH: usize = 12;
 
-/// How many changes a removal must spare. It takes two words itself and a change one, so this is where storage breaks even
-/// (bunny and cow: 2 to 4 give the same size within one percent; it is removals that take time, changes hardly do).
+/// How many changes a removal must spare. It takes two words itself and a change one, so this is
+/// where storage breaks even (bunny and cow: 2 to 4 give the same size within one percent; it is
+/// removals that take time, changes hardly do).
 const LEAST: u32 = 3;
 
 /// Consecutive elements that go.
@@ -61,8 +64,8 @@ impl<'a> Filter<'a> {
         }
     }
 
-    /// Takes repetitions around changed elements out of a strip. Afterwards `gone` has them in order; they neither
-    /// touch nor rest on one another.
+    /// Takes repetitions around changed elements out of a strip. Afterwards `gone` has them in
+    /// order; they neither touch nor rest on one another.
     pub(crate) fn apply(&mut self, strip: &mut WorkingStrip, changed: &[u32]) {
         self.gone.clear();
         if self.ends {
@@ -136,7 +139,9 @@ impl<'a> Filter<'a> {
                 && self.worth(strip, e, e) >= LEAST
             {
                 if let Some(partner) = waiting {
-                    if strip.previous(strip.previous(e)) > partner && self.is_free(strip, partner, partner) {
+                    if strip.previous(strip.previous(e)) > partner
+                        && self.is_free(strip, partner, partner)
+                    {
                         self.take(strip, partner, partner, 1);
                         self.take(strip, e, e, 1);
                     }
@@ -191,14 +196,24 @@ impl<'a> Filter<'a> {
             e = strip.next(e);
             same &= strip.repeats(e, 1);
         }
-        self.gone.push(Leaving { first, last, count, kind: if same { Kind::Vertex } else { Kind::Edge } });
+        self.gone.push(Leaving {
+            first,
+            last,
+            count,
+            kind: if same { Kind::Vertex } else { Kind::Edge },
+        });
         strip.unlink_repetition(first, last);
     }
 }
 
-/// Whether the elements that meet when a repeating one goes make no triangle: by vertex, so that they never will.
+/// Whether the elements that meet when a repeating one goes make no triangle: by vertex, so that
+/// they never will.
 fn is_harmless(strip: &WorkingStrip, element: u32) -> bool {
     let (before, after) = (strip.previous(element), strip.next(element));
     let [a, b, c] = [strip.previous(before), before, after].map(|e| strip.value(e));
-    !strip.is_inside(strip.previous(before)) || !strip.is_inside(after) || a == b || b == c || c == a
+    !strip.is_inside(strip.previous(before))
+        || !strip.is_inside(after)
+        || a == b
+        || b == c
+        || c == a
 }

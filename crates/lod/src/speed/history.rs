@@ -1,7 +1,9 @@
-//! The history of strips, each by itself: what every record changes in it, until it draws nothing any more.
+//! The history of strips, each by itself: what every record changes in it, until it draws nothing
+//! any more.
 //!
-//! A place `p` of a strip holds `strip[p]`, then what that becomes, and so on, and changes at exactly the records of
-//! these vertices. So strips need not know of each other, and all work on one touches little memory.
+//! A place `p` of a strip holds `strip[p]`, then what that becomes, and so on, and changes at
+//! exactly the records of these vertices. So strips need not know of each other, and all work on
+//! one touches little memory.
 
 use super::filter::{Filter, Leaving};
 use super::working::WorkingStrip;
@@ -48,8 +50,8 @@ impl Kind {
 /// Consecutive elements that a record takes out of a strip.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Removal {
-    /// Where the first of them stands before the record, counted from where the strip starts at LOD 0: what has gone at the
-    /// front keeps its room.
+    /// Where the first of them stands before the record, counted from where the strip starts at LOD
+    /// 0: what has gone at the front keeps its room.
     pub at: u32,
     /// How many they are.
     pub count: u32,
@@ -57,7 +59,8 @@ pub struct Removal {
     pub kind: Kind,
 }
 
-/// One record's changes of one strip; how many, the changes themselves stand one behind the other in [`History`].
+/// One record's changes of one strip; how many, the changes themselves stand one behind the other
+/// in [`History`].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Event {
     pub(crate) strip: u32,
@@ -66,8 +69,8 @@ pub(crate) struct Event {
     pub(crate) removals: u32,
 }
 
-/// What happens to some consecutive strips, strip by strip, each in order of records. The event without changes is the
-/// one with which a strip dies.
+/// What happens to some consecutive strips, strip by strip, each in order of records. The event
+/// without changes is the one with which a strip dies.
 #[derive(Debug, Default)]
 pub(crate) struct History {
     pub(crate) events: Vec<Event>,
@@ -78,11 +81,11 @@ pub(crate) struct History {
     pub(crate) removed_at: Vec<u32>,
     /// For each index whether it is removed at the front of its strip.
     pub(crate) at_front: Vec<bool>,
-    /// For each index that is removed at the front or back of its strip its place then, where it is left; for others
-    /// `u32::MAX`.
+    /// For each index that is removed at the front or back of its strip its place then, where it is
+    /// left; for others `u32::MAX`.
     pub(crate) left_at: Vec<u32>,
     /// For each strip the first LOD at which it draws nothing.
-    pub(crate) deaths: Vec<u32>,
+    pub(crate) removal_lods: Vec<u32>,
 }
 
 /// Where removals come from: the filter, or a file.
@@ -94,7 +97,8 @@ pub(crate) trait Removals {
     /// A strip begins that dies with record `end`.
     fn begin(&mut self, _end: u32) {}
     /// Chooses the repetitions that one record takes out of a strip, and unlinks them.
-    fn next(&mut self, strip: &mut WorkingStrip, changed: &[u32]) -> Result<&[Leaving], BuildError>;
+    fn next(&mut self, strip: &mut WorkingStrip, changed: &[u32])
+    -> Result<&[Leaving], BuildError>;
 }
 
 impl Removals for Filter<'_> {
@@ -104,7 +108,11 @@ impl Removals for Filter<'_> {
     fn begin(&mut self, end: u32) {
         self.end = end;
     }
-    fn next(&mut self, strip: &mut WorkingStrip, changed: &[u32]) -> Result<&[Leaving], BuildError> {
+    fn next(
+        &mut self,
+        strip: &mut WorkingStrip,
+        changed: &[u32],
+    ) -> Result<&[Leaving], BuildError> {
         self.apply(strip, changed);
         Ok(&self.gone)
     }
@@ -167,7 +175,14 @@ impl Workshop {
     ) -> Result<History, BuildError> {
         let mut history = History::default();
         for strip in range {
-            self.follow_one(strip as u32, strips.strip(strip), simplified, positions, removals, &mut history)?;
+            self.follow_one(
+                strip as u32,
+                strips.strip(strip),
+                simplified,
+                positions,
+                removals,
+                &mut history,
+            )?;
         }
         Ok(history)
     }
@@ -192,11 +207,11 @@ impl Workshop {
             removals.begin(end);
         }
         self.start(strip, positions);
-        let mut death = 0;
+        let mut removal_lod = 0;
         while self.strip.is_live() {
             let record = self.take_next();
             let Some(&target) = targets.get(record as usize) else {
-                death = u32::MAX;
+                removal_lod = u32::MAX;
                 break;
             };
             for &element in &self.changed {
@@ -206,13 +221,18 @@ impl Workshop {
                 self.strip.settle(element, positions);
                 self.queue.push(Reverse((target, element)));
             }
-            death = record + 1;
+            removal_lod = record + 1;
             if !self.strip.is_live() {
                 history.events.push(Event { strip: id, record, changes: 0, removals: 0 });
                 break;
             }
             let gone = removals.next(&mut self.strip, &self.changed)?;
-            let event = Event { strip: id, record, changes: self.changed.len() as u32, removals: gone.len() as u32 };
+            let event = Event {
+                strip: id,
+                record,
+                changes: self.changed.len() as u32,
+                removals: gone.len() as u32,
+            };
             history.events.push(event);
             history.changes.extend(self.changed.iter().map(|&e| self.strip.place(e)));
             if history.changes.len() - first_change > MOST_CHANGES * (strip.len() + 100) {
@@ -220,7 +240,11 @@ impl Workshop {
                 return Err(BuildError::Malformed { array: STRIPS, what });
             }
             for r in gone {
-                history.removals.push(Removal { at: self.strip.place(r.first), count: r.count, kind: r.kind });
+                history.removals.push(Removal {
+                    at: self.strip.place(r.first),
+                    count: r.count,
+                    kind: r.kind,
+                });
             }
             let removals = &history.removals[history.removals.len() - gone.len()..];
             for (r, at) in gone.iter().zip(removals.iter().map(|removal| removal.at)) {
@@ -228,7 +252,7 @@ impl Workshop {
                 for k in 0..r.count {
                     self.strip.forget(element);
                     let index = removed_from + WorkingStrip::number(element);
-                    history.removed_at[index] = death;
+                    history.removed_at[index] = removal_lod;
                     history.at_front[index] = r.kind == Kind::Front;
                     history.left_at[index] = if r.kind.period() == 0 { at + k } else { u32::MAX };
                     element = self.strip.next(element);
@@ -238,7 +262,7 @@ impl Workshop {
                 }
             }
         }
-        history.deaths.push(death);
+        history.removal_lods.push(removal_lod);
         Ok(())
     }
 
@@ -268,7 +292,8 @@ impl Workshop {
         end
     }
 
-    /// Puts the elements of the next vertex to disappear into `changed`, and says which it is. A live strip has one.
+    /// Puts the elements of the next vertex to disappear into `changed`, and says which it is. A
+    /// live strip has one.
     fn take_next(&mut self) -> u32 {
         self.changed.clear();
         let mut vertex = u32::MAX;

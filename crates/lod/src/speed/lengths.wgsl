@@ -1,4 +1,5 @@
-// Speed Strips: how many indices each strip draws with the restart index behind it; 0 once it is dead.
+// Speed Strips: how many indices each strip draws with the restart index behind it; 0 once it is
+// dead.
 
 struct Parameters {
     strips: u32,
@@ -6,7 +7,7 @@ struct Parameters {
 }
 
 @group(0) @binding(0) var<uniform> p: Parameters;
-@group(0) @binding(1) var<storage, read> deaths: array<u32>;
+@group(0) @binding(1) var<storage, read> removal_lods: array<u32>;
 @group(0) @binding(2) var<storage, read> heads: array<vec2<u32>>;
 @group(0) @binding(3) var<storage, read_write> lengths: array<u32>;
 
@@ -16,6 +17,6 @@ fn main(@builtin(global_invocation_id) g: vec3<u32>, @builtin(num_workgroups) si
     // One more than there are strips: after the prefix sums it says where the last one ends.
     if (s > p.strips) { return; }
     var length = 0u;
-    if (s < p.strips && p.lod < deaths[s]) { length = heads[s].y + 1u; }
+    if (s < p.strips && p.lod < removal_lods[s]) { length = heads[s].y + 1u; }
     lengths[s] = length;
 }

@@ -1,7 +1,9 @@
 //! What to time of Speed Strips on a device.
 
 use super::{Speed, replay::Device};
-use crate::plan::{Benchmark, Case, DRAWS, Memory, PlanError, Program, SWEEP, VertexRecords, sweep};
+use crate::plan::{
+    Benchmark, Case, DRAWS, Memory, PlanError, Program, SWEEP, VertexRecords, sweep,
+};
 use lodc_mesh::Lod;
 
 impl Speed {

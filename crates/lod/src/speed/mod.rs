@@ -1,8 +1,8 @@
 //! Speed Strips (thesis chapter 3): static strips and one list of changes.
 //!
-//! Every record changes indices of some strips and takes repetitions out of them, so that strips get shorter as the mesh
-//! gets coarser. The list is walked in both directions. See
-//! [`RunTime`] for the arrays and [`Cursor`] for the extraction.
+//! Every record changes indices of some strips and takes repetitions out of them, so that strips
+//! get shorter as the mesh gets coarser. The list is walked in both directions. See [`RunTime`] for
+//! the arrays and [`Cursor`] for the extraction.
 
 mod apply;
 mod cursor;
@@ -23,11 +23,11 @@ pub use history::{Kind, Removal};
 pub use replay::SHADERS;
 pub use run_time::{AT_END, LodInfo, Operation, RunTime, StripInfo};
 
-use crate::interactive::deaths::deaths;
 use crate::strips::{self, STRIPS};
 use crate::{Array, BuildError, Changes, Model, StorageCost, Strips, Traffic};
 use edits::Edits;
 use history::History;
+use lodc_mesh::removal_lods;
 use lodc_mesh::{Lod, OrientedTriangle, PositionIds, Simplified};
 use std::sync::Arc;
 use stored::{REMOVALS, Replay, Stored};
@@ -44,8 +44,8 @@ pub struct Speed {
 }
 
 impl Speed {
-    /// Makes the model of strips that draw exactly the mesh. Strips are worked on in parallel; the result does not depend
-    /// on how many threads there are.
+    /// Makes the model of strips that draw exactly the mesh. Strips are worked on in parallel; the
+    /// result does not depend on how many threads there are.
     ///
     /// # Errors
     /// If strips do not belong to the mesh, or change more often than those of any real mesh.
@@ -56,8 +56,8 @@ impl Speed {
         Ok(Self::new(simplified, strips, positions, &histories))
     }
 
-    /// Makes the model of what [`Model::arrays`] gave out. Every removal is replayed, so whatever is in the arrays, a
-    /// cursor stays within its strips.
+    /// Makes the model of what [`Model::arrays`] gave out. Every removal is replayed, so whatever
+    /// is in the arrays, a cursor stays within its strips.
     ///
     /// # Errors
     /// If the arrays do not fit the mesh, the sequence or each other.
@@ -73,7 +73,13 @@ impl Speed {
             let mut all = History::default();
             for strip in range {
                 let mut replay = Replay::new(stored.of(strip));
-                let history = workshop.follow(&strips, strip..strip + 1, simplified, &positions, &mut replay)?;
+                let history = workshop.follow(
+                    &strips,
+                    strip..strip + 1,
+                    simplified,
+                    &positions,
+                    &mut replay,
+                )?;
                 replay.finish()?;
                 stored::join(&mut all, history);
             }
@@ -82,10 +88,21 @@ impl Speed {
         Ok(Self::new(simplified, Arc::new(strips), positions, &histories))
     }
 
-    fn new(simplified: &Arc<Simplified>, strips: Arc<Strips>, positions: PositionIds, histories: &[History]) -> Self {
+    fn new(
+        simplified: &Arc<Simplified>,
+        strips: Arc<Strips>,
+        positions: PositionIds,
+        histories: &[History],
+    ) -> Self {
         let edits = Edits::merge(histories, &strips, simplified.collapses().targets());
         let submeshes = strips.submeshes().collect();
-        Self { simplified: Arc::clone(simplified), strips, positions: Arc::new(positions), submeshes, edits }
+        Self {
+            simplified: Arc::clone(simplified),
+            strips,
+            positions: Arc::new(positions),
+            submeshes,
+            edits,
+        }
     }
 
     /// The strips of LOD 0.
@@ -100,27 +117,32 @@ impl Speed {
         RunTime::new(self, lod)
     }
 
-    /// For each index of the strips the first LOD at which it is not drawn any more, `u32::MAX` if there is none. At any LOD
-    /// before that it is what its vertex has become. Strips die as a whole before that: [`Self::deaths`].
+    /// For each index of the strips the first LOD at which it is not drawn any more, `u32::MAX` if
+    /// there is none. At any LOD before that it is what its vertex has become. Strips die as a
+    /// whole before that: [`Self::removal_lods`].
     #[must_use]
     pub fn removed_at(&self) -> &[u32] {
         &self.edits.removed_at
     }
 
-    /// Which share of the degenerate triangles is not drawn because repetitions and dead ends are taken out: of all that
-    /// live strips would draw over all LODs with their vertices of LOD 0. 0 if there are none. The thesis tells of about
-    /// three quarters (3.4).
+    /// Which share of the degenerate triangles is not drawn because repetitions and dead ends are
+    /// taken out: of all that live strips would draw over all LODs with their vertices of LOD 0. 0
+    /// if there are none. The thesis tells of about three quarters (3.4).
     #[must_use]
     pub fn degenerates_removed(&self) -> f64 {
         let lods = self.simplified.collapses().records() + 1;
-        let shown = |death: u32| u64::from(death.min(lods));
-        let alive: u64 = deaths(&self.simplified, &self.positions).into_iter().map(shown).sum();
+        let shown = |removal_lod: u32| u64::from(removal_lod.min(lods));
+        let alive: u64 =
+            removal_lods(&self.simplified, &self.positions).into_iter().map(shown).sum();
         let (mut whole, mut drawn) = (0, 0);
-        for (strip, &death) in self.edits.deaths.iter().enumerate() {
+        for (strip, &removal_lod) in self.edits.removal_lods.iter().enumerate() {
             let room = self.strips.range(strip);
-            whole += (room.len() as u64 - 2) * shown(death);
-            drawn += self.edits.removed_at[room].iter().map(|&at| shown(at.min(death))).sum::<u64>();
-            drawn -= 2 * shown(death);
+            whole += (room.len() as u64 - 2) * shown(removal_lod);
+            drawn += self.edits.removed_at[room]
+                .iter()
+                .map(|&at| shown(at.min(removal_lod)))
+                .sum::<u64>();
+            drawn -= 2 * shown(removal_lod);
         }
         let (whole, left) = (whole.saturating_sub(alive), drawn.saturating_sub(alive));
         if whole == 0 { 0.0 } else { 1.0 - left as f64 / whole as f64 }
@@ -128,8 +150,8 @@ impl Speed {
 
     /// For each strip the first LOD at which it draws nothing.
     #[must_use]
-    pub fn deaths(&self) -> &[u32] {
-        &self.edits.deaths
+    pub fn removal_lods(&self) -> &[u32] {
+        &self.edits.removal_lods
     }
 
     fn edits(&self) -> &Edits {
@@ -161,7 +183,8 @@ impl Model for Speed {
     fn seek(&self, cursor: &mut Cursor, lod: Lod, changes: &mut impl Changes) -> Traffic {
         cursor.seek(self, lod, changes)
     }
-    /// Every strip that changed, whole: the variant *memory and upload* of the thesis. In its *memory* nothing is sent.
+    /// Every strip that changed, whole: the variant *memory and upload* of the thesis. In its
+    /// *memory* nothing is sent.
     fn sent(&self, from: Lod, to: Lod, _: Traffic) -> u64 {
         4 * self.edits.elements(&(from.0.min(to.0)..from.0.max(to.0)), to > from)
     }
@@ -181,7 +204,10 @@ impl Model for Speed {
     }
     fn arrays(&self) -> Vec<Array> {
         let vertices = self.simplified.mesh().vertex_count();
-        vec![strips::to_array(&self.strips, vertices), stored::to_array(&self.edits.removals_by_strip())]
+        vec![
+            strips::to_array(&self.strips, vertices),
+            stored::to_array(&self.edits.removals_by_strip()),
+        ]
     }
 }
 

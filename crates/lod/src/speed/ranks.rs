@@ -1,4 +1,5 @@
-//! Which elements of a strip are left, and which is the n-th of them: a binary indexed tree (Fenwick 1994).
+//! Which elements of a strip are left, and which is the n-th of them: a binary indexed tree
+//! (Fenwick 1994).
 
 /// Counts of what is left among the first elements.
 #[derive(Clone, Debug, Default)]

@@ -1,8 +1,10 @@
-//! Speed Strips on a graphics device, *direct*: the edits are applied by a compute pass where the strips are.
+//! Speed Strips on a graphics device, *direct*: the edits are applied by a compute pass where the
+//! strips are.
 
 use super::{Cursor, Kind, Speed};
 use crate::plan::{
-    BufferId, KernelId, LONGEST_LOOP, Packed, Pass, Plan, PlanError, Program, SCAN, SCAN_ADD, STRIP_DRAWS, Shader, Step,
+    BufferId, KernelId, LONGEST_LOOP, Packed, Pass, Plan, PlanError, Program, SCAN, SCAN_ADD,
+    STRIP_DRAWS, Shader, Step,
 };
 use crate::{Model, first_difference};
 use lodc_mesh::Lod;
@@ -14,7 +16,8 @@ const LENGTHS: Shader = Shader { name: "lengths", wgsl: include_str!("lengths.wg
 const PACK: Shader = Shader { name: "pack", wgsl: include_str!("pack.wgsl") };
 
 /// The kernels, for replay and for engines.
-pub const SHADERS: [Shader; 8] = [EDITS, VALUES, REWRITE, LENGTHS, SCAN, SCAN_ADD, PACK, STRIP_DRAWS];
+pub const SHADERS: [Shader; 8] =
+    [EDITS, VALUES, REWRITE, LENGTHS, SCAN, SCAN_ADD, PACK, STRIP_DRAWS];
 
 /// An entry passed costs about as much as making so many indices anew, as it does on the CPU.
 const ENTRY_COST: u64 = 6;
@@ -29,7 +32,7 @@ pub(super) struct Device {
     collapse_to: BufferId,
     stored: BufferId,
     strip_of: BufferId,
-    deaths: BufferId,
+    removal_lods: BufferId,
     removed_at: BufferId,
     values: BufferId,
     strips: BufferId,
@@ -52,9 +55,13 @@ impl Device {
             return Err(PlanError::TooDeep { length: longest });
         }
         let (starts, entries, changes, removals) = by_strip(model);
-        let heads = starts.chunks_exact(2).zip(set.iter()).flat_map(|(start, strip)| [start[1], strip.len() as u32]);
+        let heads = starts
+            .chunks_exact(2)
+            .zip(set.iter())
+            .flat_map(|(start, strip)| [start[1], strip.len() as u32]);
         let heads: Vec<u32> = heads.collect();
-        let strip_of: Vec<u32> = (0..set.len()).flat_map(|s| set.range(s).map(move |_| s as u32)).collect();
+        let strip_of: Vec<u32> =
+            (0..set.len()).flat_map(|s| set.range(s).map(move |_| s as u32)).collect();
         Ok(Self {
             starts: program.words("starts", starts),
             entries: program.words("entries", entries),
@@ -63,7 +70,7 @@ impl Device {
             collapse_to: program.words("collapse_to", model.simplified.collapses().targets()),
             stored: program.words("stored", set.indices()),
             strip_of: program.words("strip_of", strip_of),
-            deaths: program.words("deaths", model.deaths()),
+            removal_lods: program.words("removal_lods", model.removal_lods()),
             removed_at: program.words("removed_at", model.removed_at()),
             values: program.zeros("values", set.indices().len()),
             strips: program.words("strips", set.indices()),
@@ -74,31 +81,62 @@ impl Device {
         })
     }
 
-    /// Takes the strips from one LOD to another: in place if that is less work, and no strip changes so often that a kernel
-    /// may not loop that long; else anew.
+    /// Takes the strips from one LOD to another: in place if that is less work, and no strip
+    /// changes so often that a kernel may not loop that long; else anew.
     pub(super) fn passes(&self, model: &Speed, from: Lod, to: Lod) -> Vec<Pass> {
-        let ([edits, values, rewrite, lengths, pack], [strips, indices]) = (self.kernels, self.counts);
-        let pass = |kernel, threads, buffers, parameters| Pass { kernel, buffers, threads, parameters };
+        let ([edits, values, rewrite, lengths, pack], [strips, indices]) =
+            (self.kernels, self.counts);
+        let pass =
+            |kernel, threads, buffers, parameters| Pass { kernel, buffers, threads, parameters };
         let mut passes = if model.is_near(from, to) {
-            let buffers =
-                vec![self.starts, self.entries, self.changes, self.removals, self.collapse_to, self.strips, self.heads];
+            let buffers = vec![
+                self.starts,
+                self.entries,
+                self.changes,
+                self.removals,
+                self.collapse_to,
+                self.strips,
+                self.heads,
+            ];
             vec![pass(edits, strips, buffers, vec![strips, to.0])]
         } else {
-            let turned = vec![self.stored, self.strip_of, self.deaths, self.collapse_to, self.values];
-            let anew =
-                vec![self.starts, self.entries, self.deaths, self.removed_at, self.values, self.strips, self.heads];
-            vec![pass(values, indices, turned, vec![indices, to.0]), pass(rewrite, strips, anew, vec![strips, to.0])]
+            let turned =
+                vec![self.stored, self.strip_of, self.removal_lods, self.collapse_to, self.values];
+            let anew = vec![
+                self.starts,
+                self.entries,
+                self.removal_lods,
+                self.removed_at,
+                self.values,
+                self.strips,
+                self.heads,
+            ];
+            vec![
+                pass(values, indices, turned, vec![indices, to.0]),
+                pass(rewrite, strips, anew, vec![strips, to.0]),
+            ]
         };
         let places = self.packed.places;
-        passes.push(pass(lengths, strips + 1, vec![self.deaths, self.heads, places], vec![strips, to.0]));
-        let write = pass(pack, strips, vec![self.starts, self.strips, places, self.packed.drawn], vec![strips]);
+        passes.push(pass(
+            lengths,
+            strips + 1,
+            vec![self.removal_lods, self.heads, places],
+            vec![strips, to.0],
+        ));
+        let write = pass(
+            pack,
+            strips,
+            vec![self.starts, self.strips, places, self.packed.drawn],
+            vec![strips],
+        );
         passes.extend(self.packed.around(write));
         passes
     }
 }
 
-/// The changes strip by strip, as kernels read them: where each strip's indices and entries start, four words for each
-/// entry, places that change with the values behind them that ends come back with, two words for each removal.
+/// The changes strip by strip, as kernels read them: where each strip's indices and entries start,
+/// four words for each entry, places that change with the values behind them that ends come back
+/// with, two words for each removal.
 fn by_strip(model: &Speed) -> (Vec<u32>, Vec<u32>, Vec<u32>, Vec<u32>) {
     let (set, records) = (&model.strips.set, model.edits().records());
     // How many entries, changes and removals each strip has; then where the next ones go.
@@ -115,7 +153,8 @@ fn by_strip(model: &Speed) -> (Vec<u32>, Vec<u32>, Vec<u32>, Vec<u32>) {
     }
     let end = next[set.len()];
     let places = (0..set.len()).map(|strip| set.range(strip).start).chain([set.indices().len()]);
-    let starts = places.zip(&next).flat_map(|(place, [first, ..])| [place as u32, *first]).collect();
+    let starts =
+        places.zip(&next).flat_map(|(place, [first, ..])| [place as u32, *first]).collect();
     let mut entries = vec![0; 4 * end[0] as usize];
     let (mut changes, mut removals) = (vec![0; end[1] as usize], vec![0; 2 * end[2] as usize]);
     // Kernels know no room at the front: places count from where a strip starts at the time.
@@ -123,7 +162,8 @@ fn by_strip(model: &Speed) -> (Vec<u32>, Vec<u32>, Vec<u32>, Vec<u32>) {
     for record in 0..records {
         for event in model.events(record) {
             let strip = event.strip as usize;
-            let ([entry, change, removal], first) = (&mut next[strip], set.range(strip).start as u32);
+            let ([entry, change, removal], first) =
+                (&mut next[strip], set.range(strip).start as u32);
             let kept = changes.len() as u32;
             entries[4 * *entry as usize..][..4].copy_from_slice(&[record, *change, *removal, kept]);
             *entry += 1;
@@ -134,7 +174,8 @@ fn by_strip(model: &Speed) -> (Vec<u32>, Vec<u32>, Vec<u32>, Vec<u32>) {
             let mut gone_at_front = 0;
             for gone in event.removals.iter().rev() {
                 let at = gone.removal.at - (room[strip] - first);
-                removals[2 * *removal as usize..][..2].copy_from_slice(&[at, gone.removal.word().cast_unsigned()]);
+                removals[2 * *removal as usize..][..2]
+                    .copy_from_slice(&[at, gone.removal.word().cast_unsigned()]);
                 *removal += 1;
                 if gone.removal.kind == Kind::Front {
                     gone_at_front = gone.removal.count;
@@ -152,22 +193,25 @@ fn by_strip(model: &Speed) -> (Vec<u32>, Vec<u32>, Vec<u32>, Vec<u32>) {
     (starts, entries, changes, removals)
 }
 
-/// What the elements that a record takes off the front or the back of a strip have become by then, in order.
+/// What the elements that a record takes off the front or the back of a strip have become by then,
+/// in order.
 fn end_of(model: &Speed, strip: usize, record: u32, kind: Kind) -> impl Iterator<Item = u32> {
     let (room, lod) = (model.strips.range(strip), record + 1);
     let removed_at = &model.removed_at()[room.clone()];
     // Nothing but what goes at the back is behind the last element that is left.
-    let last_left = removed_at.iter().rposition(|&at| at > lod).map_or(room.start, |i| room.start + i);
+    let last_left =
+        removed_at.iter().rposition(|&at| at > lod).map_or(room.start, |i| room.start + i);
     let goes = move |&i: &usize| {
         let there = if kind == Kind::Front { model.edits().at_front(i) } else { i > last_left };
         there && model.removed_at()[i] == lod
     };
-    room.filter(goes).map(move |i| model.simplified.collapses().resolve(model.strips.indices()[i], Lod(lod)))
+    room.filter(goes)
+        .map(move |i| model.simplified.collapses().resolve(model.strips.indices()[i], Lod(lod)))
 }
 
 impl Speed {
-    /// Whether going through the changes between two LODs is less work than making all strips anew, and no thread loops
-    /// longer than it may.
+    /// Whether going through the changes between two LODs is less work than making all strips anew,
+    /// and no thread loops longer than it may.
     fn is_near(&self, from: Lod, to: Lod) -> bool {
         let records = from.min(to).0..from.max(to).0;
         if u64::from(self.edits().visits(&records)) * ENTRY_COST > self.strips.separate_indices() {
@@ -177,14 +221,15 @@ impl Speed {
         for event in records.flat_map(|record| self.events(record)) {
             let (strip, removals) = (event.strip as usize, event.removals.len() as u64);
             // Every removal may move the whole strip behind it.
-            let moved = if removals > 0 { 2 * removals + self.strips.range(strip).len() as u64 } else { 0 };
+            let moved =
+                if removals > 0 { 2 * removals + self.strips.range(strip).len() as u64 } else { 0 };
             loops[strip] += 1 + event.changes.len() as u64 + moved;
         }
         loops.into_iter().all(|loops| loops <= u64::from(LONGEST_LOOP))
     }
 
-    /// The model over some LODs, each compared in full: packed strips and draw arguments with the CPU, the triangles of the
-    /// CPU with the reference.
+    /// The model over some LODs, each compared in full: packed strips and draw arguments with the
+    /// CPU, the triangles of the CPU with the reference.
     ///
     /// # Errors
     /// If a strip is longer than a kernel may loop.

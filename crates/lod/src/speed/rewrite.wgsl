@@ -1,5 +1,5 @@
-// Speed Strips, far moves, second half: every strip anew, without the indices that are removed at the LOD, one thread per
-// strip. Twin: `fill` in cursor.rs.
+// Speed Strips, far moves, second half: every strip anew, without the indices that are removed at
+// the LOD, one thread per strip. Twin: `fill` in cursor.rs.
 
 struct Parameters {
     strips: u32,
@@ -9,7 +9,7 @@ struct Parameters {
 @group(0) @binding(0) var<uniform> p: Parameters;
 @group(0) @binding(1) var<storage, read> starts: array<vec2<u32>>;
 @group(0) @binding(2) var<storage, read> entries: array<vec4<u32>>;
-@group(0) @binding(3) var<storage, read> deaths: array<u32>;
+@group(0) @binding(3) var<storage, read> removal_lods: array<u32>;
 // For each index the first LOD without it.
 @group(0) @binding(4) var<storage, read> removed_at: array<u32>;
 @group(0) @binding(5) var<storage, read> values: array<u32>;
@@ -21,7 +21,7 @@ fn main(@builtin(global_invocation_id) g: vec3<u32>, @builtin(num_workgroups) si
     let s = g.x + g.y * size.x * 256u;
     if (s >= p.strips) { return; }
     var limit = p.lod;
-    if (p.lod >= deaths[s]) { limit = max(deaths[s], 1u) - 1u; }
+    if (p.lod >= removal_lods[s]) { limit = max(removal_lods[s], 1u) - 1u; }
     var write = starts[s].x;
     for (var i = starts[s].x; i < starts[s + 1u].x; i++) {
         if (removed_at[i] > limit) {

@@ -5,7 +5,8 @@ use super::edits::Gone;
 use super::history::{Kind, Removal};
 use lodc_mesh::Lod;
 
-/// The largest number that a byte holds by itself; it stands for "that or more, the number follows".
+/// The largest number that a byte holds by itself; it stands for "that or more, the number
+/// follows".
 const ESCAPE: u8 = u8::MAX;
 
 /// Added to the number of elements that go at an end of a strip.
@@ -16,8 +17,8 @@ pub const AT_END: i32 = 1 << 30;
 pub struct LodInfo {
     /// What the removed vertex becomes.
     pub vertex: u32,
-    /// How many strips it changes. 255: that many or more, and the number is the `strip` of a [`StripInfo`] that stands
-    /// before those of the record.
+    /// How many strips it changes. 255: that many or more, and the number is the `strip` of a
+    /// [`StripInfo`] that stands before those of the record.
     pub strips_affected: u8,
 }
 
@@ -26,8 +27,8 @@ pub struct LodInfo {
 pub struct StripInfo {
     /// The strip.
     pub strip: u32,
-    /// How many operations follow for it. 255: that many or more, and the number is a word before them. 0: with this
-    /// record the strip dies.
+    /// How many operations follow for it. 255: that many or more, and the number is a word before
+    /// them. 0: with this record the strip dies.
     pub num_ops: u8,
 }
 
@@ -38,11 +39,12 @@ pub struct RunTime {
     pub lods: Vec<LodInfo>,
     /// For each record the strips that it changes, in order.
     pub strips: Vec<StripInfo>,
-    /// For each of these the operations, by their place in the strip as it is before the record. `p ≥ 0`: the index at
-    /// `p` changes. `p < 0`: elements from `!p` on (−1 is place 0) go, and the next word is how many: positive for a
-    /// vertex repetition, negative for an edge repetition, [`AT_END`] more than that for the back of the strip and less for
-    /// its front. A change of an element that goes matters for refining only. Places count from where the strip starts at
-    /// LOD 0: what has gone at the front keeps its room.
+    /// For each of these the operations, by their place in the strip as it is before the record. `p
+    /// ≥ 0`: the index at `p` changes. `p < 0`: elements from `!p` on (−1 is place 0) go, and the
+    /// next word is how many: positive for a vertex repetition, negative for an edge repetition,
+    /// [`AT_END`] more than that for the back of the strip and less for its front. A change of an
+    /// element that goes matters for refining only. Places count from where the strip starts at LOD
+    /// 0: what has gone at the front keeps its room.
     pub updates: Vec<i32>,
 }
 
@@ -65,7 +67,10 @@ impl RunTime {
             if affected >= u32::from(ESCAPE) {
                 arrays.strips.push(StripInfo { strip: affected, num_ops: 0 });
             }
-            arrays.lods.push(LodInfo { vertex: targets[record as usize], strips_affected: byte(affected) });
+            arrays.lods.push(LodInfo {
+                vertex: targets[record as usize],
+                strips_affected: byte(affected),
+            });
             for (strip, operations) in strips.zip(model.operations(record)) {
                 let count = operations.len() as u32;
                 arrays.strips.push(StripInfo { strip, num_ops: byte(count) });
@@ -81,7 +86,9 @@ impl RunTime {
     fn push(&mut self, operation: Operation) {
         match operation {
             Operation::Change(place) => self.updates.push(place as i32),
-            Operation::Remove(removal) => self.updates.extend([!(removal.at as i32), removal.word()]),
+            Operation::Remove(removal) => {
+                self.updates.extend([!(removal.at as i32), removal.word()])
+            }
         }
     }
 
@@ -93,7 +100,8 @@ impl RunTime {
         let mut next_word = || updates.next().expect("strips and operations agree");
         let mut record = |lod: &LodInfo| {
             let escaped = lod.strips_affected == ESCAPE;
-            let affected = if escaped { next_strip().strip } else { u32::from(lod.strips_affected) };
+            let affected =
+                if escaped { next_strip().strip } else { u32::from(lod.strips_affected) };
             let mut strip = || {
                 let StripInfo { strip, num_ops } = next_strip();
                 let count = if num_ops == ESCAPE { next_word() as u32 } else { u32::from(num_ops) };
@@ -117,8 +125,9 @@ impl RunTime {
         self.lods.iter().map(&mut record).collect()
     }
 
-    /// What the arrays take as the thesis counts: a word and a byte for each record and each affected strip, a word for each
-    /// change, two for each removal. What spells out an overflow is counted like the rest.
+    /// What the arrays take as the thesis counts: a word and a byte for each record and each
+    /// affected strip, a word for each change, two for each removal. What spells out an overflow is
+    /// counted like the rest.
     #[must_use]
     pub fn bytes(&self) -> u64 {
         5 * (self.lods.len() + self.strips.len()) as u64 + 4 * self.updates.len() as u64
@@ -156,7 +165,8 @@ impl Speed {
         let (mut changes, mut removals) = (run.places, run.removals);
         self.edits.affected(&record).map(move |strip| {
             let end = self.strips.range(strip as usize).end;
-            let (changed, rest) = changes.split_at(changes.partition_point(|&p| (p as usize) < end));
+            let (changed, rest) =
+                changes.split_at(changes.partition_point(|&p| (p as usize) < end));
             changes = rest;
             let (gone, rest) = removals.split_at(removals.partition_point(|g| g.strip <= strip));
             removals = rest;

@@ -1,8 +1,9 @@
 //! Removals as they are stored. Index changes are not: strips and sequence tell them.
 //!
-//! For each strip in turn the number of its removals (varint), then for each removal three varints: how many of the strip's
-//! events (records that change it while it is live) lie between it and the event of the one before, or the start;
-//! where it stands before that event ([`Removal::at`]); and four times how many elements go, plus the number of their [`Kind`].
+//! For each strip in turn the number of its removals (varint), then for each removal three varints:
+//! how many of the strip's events (records that change it while it is live) lie between it and the
+//! event of the one before, or the start; where it stands before that event ([`Removal::at`]); and
+//! four times how many elements go, plus the number of their [`Kind`].
 
 use super::filter::Leaving;
 use super::history::{History, Kind, Removal, Removals};
@@ -37,7 +38,8 @@ pub(super) struct Stored {
 }
 
 impl Stored {
-    /// Reads the array of so many strips. Whether removals fit their strips is for [`Replay`] to find.
+    /// Reads the array of so many strips. Whether removals fit their strips is for [`Replay`] to
+    /// find.
     pub(super) fn read(array: &Array, strips: usize) -> Result<Self, BuildError> {
         let mut reader = Reader::new(&array.bytes);
         let short = || wrong("ends early or has a malformed number");
@@ -82,7 +84,11 @@ impl<'a> Replay<'a> {
     }
     /// Fails if removals are left over.
     pub(super) fn finish(self) -> Result<(), BuildError> {
-        if self.rest.is_empty() { Ok(()) } else { Err(wrong("has removals of a strip that is dead")) }
+        if self.rest.is_empty() {
+            Ok(())
+        } else {
+            Err(wrong("has removals of a strip that is dead"))
+        }
     }
 }
 
@@ -139,5 +145,5 @@ pub(super) fn join(into: &mut History, more: History) {
     into.removed_at.extend(more.removed_at);
     into.at_front.extend(more.at_front);
     into.left_at.extend(more.left_at);
-    into.deaths.extend(more.deaths);
+    into.removal_lods.extend(more.removal_lods);
 }

@@ -25,7 +25,11 @@ fn strip_of(points: &[[i32; 2]], strip: &[u32], targets: &[u32]) -> Speed {
         vertex_submesh: vec![0; points.len()],
         attributes: Vec::new(),
         triangles,
-        submeshes: vec![Submesh { first_triangle: 0, triangle_count: count, attributes: Vec::new() }],
+        submeshes: vec![Submesh {
+            first_triangle: 0,
+            triangle_count: count,
+            attributes: Vec::new(),
+        }],
     });
     let records = targets.len();
     let collapses = CollapseSequence::try_from(SequenceParts {
@@ -36,12 +40,15 @@ fn strip_of(points: &[[i32; 2]], strip: &[u32], targets: &[u32]) -> Speed {
         triangles: count,
         ..SequenceParts::default()
     });
-    let simplified = Simplified::new(mesh.expect("a mesh"), collapses.expect("a sequence")).expect("the two fit");
-    let strips = StripSet::from_parts(strip.to_vec(), vec![strip.len() as u32], vec![1]).expect("one strip");
+    let simplified = Simplified::new(mesh.expect("a mesh"), collapses.expect("a sequence"))
+        .expect("the two fit");
+    let strips =
+        StripSet::from_parts(strip.to_vec(), vec![strip.len() as u32], vec![1]).expect("one strip");
     Speed::build(&Arc::new(simplified), any(strips)).expect("a strip of the mesh")
 }
 
-/// After fig. 2.5: the strip a b c d e f of the thesis, drawn by vertices that go in the order 0, 1, …
+/// After fig. 2.5: the strip a b c d e f of the thesis, drawn by vertices that go in the order 0,
+/// 1, …
 ///
 /// ```text
 ///  5---1---3---7
@@ -65,7 +72,8 @@ fn a_strip_and_its_operations_worked_out_by_hand() {
         &[4, 5, 2, 1, 2, 3, 6, 7],
         // 1 → 3: place 3 changes, and 2 3 2 3 is an edge repetition.
         &[4, 5, 2, 3, 6, 7],
-        // 2 → 4, 3 → 5: 4 5 4 5 is another, but taking it out costs more than the one change that is to come.
+        // 2 → 4, 3 → 5: 4 5 4 5 is another, but taking it out costs more than the one change that
+        // is to come.
         &[4, 5, 4, 3, 6, 7],
         &[4, 5, 4, 5, 6, 7],
         // 4 → 5: 5 5 5 5 6 7 still draws 5 6 7.
@@ -91,7 +99,7 @@ fn a_strip_and_its_operations_worked_out_by_hand() {
     assert_eq!(arrays.records(), operations);
     assert_eq!(arrays.updates, [2, 3, !4, -2, 2, 3, 0, 2]);
     assert_eq!(arrays.bytes(), 5 * (7 + 6) + 4 * 8);
-    assert_eq!(model.deaths(), [6]);
+    assert_eq!(model.removal_lods(), [6]);
     let never = u32::MAX;
     assert_eq!(model.removed_at(), [never, never, never, never, 2, 2, never, never]);
     for lod in (0..7).rev() {
@@ -104,7 +112,8 @@ fn a_strip_and_its_operations_worked_out_by_hand() {
 #[test]
 fn a_vertex_repetition_goes_only_with_a_partner() {
     for seed in 0..200 {
-        let model = model(&fixtures::random_collapse(&fixtures::random(seed), seed), StripKind::Stripe);
+        let model =
+            model(&fixtures::random_collapse(&fixtures::random(seed), seed), StripKind::Stripe);
         let mut cursor = model.cursor();
         for lod in 0..=model.simplified().collapses().records() {
             model.seek(&mut cursor, Lod(lod), &mut ());
@@ -117,13 +126,15 @@ fn a_vertex_repetition_goes_only_with_a_partner() {
     }
 }
 
-/// A pole of valence 1,000: its record changes more strips, or one strip at more places, than a byte can count.
+/// A pole of valence 1,000: its record changes more strips, or one strip at more places, than a
+/// byte can count.
 #[test]
 fn counts_that_overflow_a_byte_are_spelled_out() {
     let simplified = fixtures::random_collapse(&fixtures::pole(1000), 3);
     let (mut many_strips, mut many_operations) = (false, false);
     let fan = |strips: &mut dyn FnMut() -> StripSet| {
-        let model = Speed::build(&Arc::new(simplified.clone()), any(strips())).expect("strips of the mesh");
+        let model =
+            Speed::build(&Arc::new(simplified.clone()), any(strips())).expect("strips of the mesh");
         let arrays = model.run_time(simplified.collapses().last());
         let records = arrays.records();
         assert_eq!(records.len(), simplified.collapses().records() as usize);
@@ -142,7 +153,8 @@ fn counts_that_overflow_a_byte_are_spelled_out() {
     let triangles = simplified.mesh().triangles();
     let ends: Vec<u32> = (1..=triangles.len() as u32).map(|i| 3 * i).collect();
     let count = ends.len() as u32;
-    let single = StripSet::from_parts(triangles.as_flattened().to_vec(), ends, vec![count]).expect("triangles");
+    let single = StripSet::from_parts(triangles.as_flattened().to_vec(), ends, vec![count])
+        .expect("triangles");
     many_strips |= fan(&mut || single.clone()).0;
     let mut long: Vec<u32> = Vec::new();
     for &[a, b, c] in triangles {
@@ -167,13 +179,21 @@ fn everything_shown_and_told_equals_the_reference() {
     for &(name, make) in fixtures::ALL {
         let mesh = make();
         if mesh.triangles().len() <= 400 {
-            check_moves(name, &model(&fixtures::random_collapse(&mesh, 1), StripKind::Stripe), |_| ());
+            check_moves(
+                name,
+                &model(&fixtures::random_collapse(&mesh, 1), StripKind::Stripe),
+                |_| (),
+            );
         }
     }
     for seed in 0..60 {
         let simplified = fixtures::random_collapse(&fixtures::random(seed), seed);
         for kind in [StripKind::Stripe, StripKind::Cache] {
-            check_moves(&format!("random {seed}, {}", kind.name()), &model(&simplified, kind), |_| ());
+            check_moves(
+                &format!("random {seed}, {}", kind.name()),
+                &model(&simplified, kind),
+                |_| (),
+            );
         }
     }
 }
@@ -188,7 +208,10 @@ fn arrays_come_back_and_damage_is_refused_or_harmless() {
         let last = simplified.collapses().last();
         assert_eq!(loaded.arrays(), arrays);
         assert_eq!(loaded.run_time(last), built.run_time(last));
-        assert_eq!((loaded.removed_at(), loaded.deaths()), (built.removed_at(), built.deaths()));
+        assert_eq!(
+            (loaded.removed_at(), loaded.removal_lods()),
+            (built.removed_at(), built.removal_lods())
+        );
         for which in 0..2 {
             let damaged = |bytes: Vec<u8>| {
                 let mut arrays = arrays.clone();
@@ -197,20 +220,34 @@ fn arrays_come_back_and_damage_is_refused_or_harmless() {
             };
             let bytes = &arrays[which].bytes;
             for cut in 0..bytes.len() {
-                assert!(damaged(bytes[..cut].to_vec()).is_err(), "random {seed}: {cut} bytes of array {which}");
+                assert!(
+                    damaged(bytes[..cut].to_vec()).is_err(),
+                    "random {seed}: {cut} bytes of array {which}"
+                );
             }
             assert!(damaged([&bytes[..], &[0]].concat()).is_err());
             for bit in 0..8 * bytes.len() {
                 let mut flipped = bytes.clone();
                 flipped[bit / 8] ^= 1 << (bit % 8);
-                // What is accepted may be a wrong picture, which is for verification to find; it can be walked.
+                // What is accepted may be a wrong picture, which is for verification to find; it
+                // can be walked.
                 if let Ok(model) = damaged(flipped) {
                     let mut cursor = model.cursor();
-                    for lod in [last, Lod(0), Lod(last.0 / 2), last, Lod(last.0 / 3), Lod(last.0 / 2), Lod(0)] {
+                    for lod in [
+                        last,
+                        Lod(0),
+                        Lod(last.0 / 2),
+                        last,
+                        Lod(last.0 / 3),
+                        Lod(last.0 / 2),
+                        Lod(0),
+                    ] {
                         model.seek(&mut cursor, lod, &mut Log::default());
                     }
                     (1..=last.0).for_each(|lod| _ = model.seek(&mut cursor, Lod(lod), &mut ()));
-                    (0..last.0).rev().for_each(|lod| _ = model.seek(&mut cursor, Lod(lod), &mut ()));
+                    (0..last.0)
+                        .rev()
+                        .for_each(|lod| _ = model.seek(&mut cursor, Lod(lod), &mut ()));
                     assert_eq!(model.arrays().len(), 2);
                 }
             }
@@ -233,7 +270,8 @@ fn threads_do_not_matter() {
 fn storage_counts_words_and_bytes_of_the_arrays() {
     let simplified = fixtures::random_collapse(&fixtures::icosphere(2), 1);
     let model = model(&simplified, StripKind::Stripe);
-    let (cost, half) = (model.storage(), model.storage_to(Lod(simplified.collapses().records() / 2)));
+    let (cost, half) =
+        (model.storage(), model.storage_to(Lod(simplified.collapses().records() / 2)));
     assert_eq!(cost.primitives, 4 * model.strips().separate_indices());
     assert_eq!(cost.positions, 12 * simplified.mesh().vertex_count() as u64);
     assert!(half.structures < cost.structures && half.structures > 0);
@@ -251,7 +289,8 @@ fn the_share_of_degenerates_removed_is_that_of_a_plain_count() {
             model.seek(&mut cursor, Lod(lod), &mut ());
             let live = simplified.triangles_at(Lod(lod)).len();
             let strips = (0..model.strips.len()).filter(|&s| !cursor.strip(s).is_empty());
-            let triangles = strips.map(|s| (model.strips.strip(s).len() - 2, cursor.strip(s).len() - 2));
+            let triangles =
+                strips.map(|s| (model.strips.strip(s).len() - 2, cursor.strip(s).len() - 2));
             let [all, drawn] = triangles.fold([0, 0], |[a, b], (x, y)| [a + x, b + y]);
             whole += all - live;
             left += drawn - live;

@@ -1,5 +1,5 @@
-// Speed Strips, far moves, first half: what every index of the strips of LOD 0 has become, one thread per index. A dead
-// strip stays as it was when it died.
+// Speed Strips, far moves, first half: what every index of the strips of LOD 0 has become, one
+// thread per index. A dead strip stays as it was when it died.
 
 struct Parameters {
     indices: u32,
@@ -10,7 +10,7 @@ struct Parameters {
 @group(0) @binding(1) var<storage, read> stored: array<u32>;
 @group(0) @binding(2) var<storage, read> strip_of: array<u32>;
 // For each strip the first LOD at which it draws nothing.
-@group(0) @binding(3) var<storage, read> deaths: array<u32>;
+@group(0) @binding(3) var<storage, read> removal_lods: array<u32>;
 @group(0) @binding(4) var<storage, read> collapse_to: array<u32>;
 @group(0) @binding(5) var<storage, read_write> values: array<u32>;
 
@@ -18,9 +18,9 @@ struct Parameters {
 fn main(@builtin(global_invocation_id) g: vec3<u32>, @builtin(num_workgroups) size: vec3<u32>) {
     let i = g.x + g.y * size.x * 256u;
     if (i >= p.indices) { return; }
-    let death = deaths[strip_of[i]];
+    let removal_lod = removal_lods[strip_of[i]];
     var limit = p.lod;
-    if (p.lod >= death) { limit = max(death, 1u) - 1u; }
+    if (p.lod >= removal_lod) { limit = max(removal_lod, 1u) - 1u; }
     var v = stored[i];
     while (v < limit) { v = collapse_to[v]; }
     values[i] = v;

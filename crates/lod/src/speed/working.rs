@@ -1,10 +1,11 @@
-//! One strip while its history is worked out: a linked list, so that removing an element costs the same anywhere.
+//! One strip while its history is worked out: a linked list, so that removing an element costs the
+//! same anywhere.
 
 use super::ranks::Ranks;
 use lodc_mesh::PositionIds;
 
-/// Elements that stand before and behind the strip, so that nobody has to ask whether there is a neighbour. Their
-/// values differ from each other and from every vertex.
+/// Elements that stand before and behind the strip, so that nobody has to ask whether there is a
+/// neighbour. Their values differ from each other and from every vertex.
 const EDGE: u32 = 2;
 
 /// A strip at some LOD. Elements are numbered as in the strip of LOD 0.
@@ -14,7 +15,8 @@ pub(crate) struct WorkingStrip {
     previous: Vec<u32>,
     next: Vec<u32>,
     left: Vec<bool>,
-    /// Whether the triangle that starts at each element is drawn. Once it is not, it never is again.
+    /// Whether the triangle that starts at each element is drawn. Once it is not, it never is
+    /// again.
     draws: Vec<bool>,
     /// How many are.
     drawn: u32,
@@ -90,11 +92,15 @@ impl WorkingStrip {
     }
     /// Whether an element is the same vertex as the one `period` before it.
     pub(crate) fn repeats(&self, element: u32, period: u32) -> bool {
-        let before = if period == 1 { self.previous(element) } else { self.previous(self.previous(element)) };
+        let before = if period == 1 {
+            self.previous(element)
+        } else {
+            self.previous(self.previous(element))
+        };
         self.value(element) == self.value(before)
     }
-    /// Where an element stands now, counted from where the strip started; removals count once [`Self::forget`] has been
-    /// called.
+    /// Where an element stands now, counted from where the strip started; removals count once
+    /// [`Self::forget`] has been called.
     pub(crate) fn place(&self, element: u32) -> u32 {
         self.ranks.rank(element) - EDGE + self.room
     }
@@ -147,8 +153,8 @@ impl WorkingStrip {
         self.next(self.next(self.last_drawn))
     }
 
-    /// Takes out elements `first..=last`, which must repeat the ones before them. Their triangles, the later ones of
-    /// which are drawn, belong to the elements before from now on.
+    /// Takes out elements `first..=last`, which must repeat the ones before them. Their triangles,
+    /// the later ones of which are drawn, belong to the elements before from now on.
     pub(crate) fn unlink_repetition(&mut self, first: u32, last: u32) {
         let before = self.previous(first);
         for (to, from) in [(self.previous(before), self.previous(last)), (before, last)] {

@@ -1,16 +1,18 @@
 //! The boundary of a mesh as a sum of oriented position-edges.
 //!
-//! The boundary of a set of oriented triangles is the formal sum of their edges, `a→b` being minus `b→a`. A map of
-//! positions carries the boundary of a mesh to the boundary of its image, so the boundary of every LOD must be the image
-//! of LOD 0's: nothing for a closed mesh. Where it is not, the mesh is torn.
+//! The boundary of a set of oriented triangles is the formal sum of their edges, `a→b` being minus
+//! `b→a`. A map of positions carries the boundary of a mesh to the boundary of its image, so the
+//! boundary of every LOD must be the image of LOD 0's: nothing for a closed mesh. Where it is not,
+//! the mesh is torn.
 
 use lodc_mesh::{Mesh, PositionIds};
 
 /// An edge from one position to another.
 type Edge = [u32; 2];
 
-/// Linear functional over formal sums of edges with values drawn at random: a sum that is zero has value zero, any other
-/// misses it with probability 2⁻⁶⁴. So a running sum needs one number, not a table.
+/// Linear functional over formal sums of edges with values drawn at random: a sum that is zero has
+/// value zero, any other misses it with probability 2⁻⁶⁴. So a running sum needs one number, not a
+/// table.
 pub(super) fn value([a, b]: Edge) -> u64 {
     let mut x = u64::from(a.min(b)) << 32 | u64::from(a.max(b));
     x = (x ^ (x >> 30) ^ 0x5851_f42d_4c95_7f2d).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -29,8 +31,8 @@ pub(super) fn edges([a, b, c]: [u32; 3]) -> [Edge; 3] {
     [[a, b], [b, c], [c, a]]
 }
 
-/// The boundary of a mesh: pairs of vertices, one for each position-edge that does not cancel out, repeated if it is
-/// used several times too often.
+/// The boundary of a mesh: pairs of vertices, one for each position-edge that does not cancel out,
+/// repeated if it is used several times too often.
 pub(super) fn boundary(mesh: &Mesh, positions: &PositionIds) -> Vec<[u32; 2]> {
     // Position-edge with its smaller end first, its direction, the vertices.
     let mut all: Vec<(Edge, bool, [u32; 2])> = Vec::with_capacity(3 * mesh.triangles().len());
@@ -43,10 +45,15 @@ pub(super) fn boundary(mesh: &Mesh, positions: &PositionIds) -> Vec<[u32; 2]> {
     all.sort_unstable();
     let mut rest = Vec::new();
     for edge in all.chunk_by(|a, b| a.0 == b.0) {
-        // Backwards ones come first. What is left over of the more frequent direction is the boundary.
+        // Backwards ones come first. What is left over of the more frequent direction is the
+        // boundary.
         let backwards = edge.partition_point(|e| !e.1);
         let forwards = edge.len() - backwards;
-        let left = if forwards > backwards { &edge[2 * backwards..] } else { &edge[..backwards - forwards] };
+        let left = if forwards > backwards {
+            &edge[2 * backwards..]
+        } else {
+            &edge[..backwards - forwards]
+        };
         rest.extend(left.iter().map(|e| e.2));
     }
     rest
@@ -57,6 +64,9 @@ pub(super) fn first_rest(terms: impl Iterator<Item = (Edge, i64)>) -> Option<(Ed
     let oriented = |([a, b], n): (Edge, i64)| if a <= b { ([a, b], n) } else { ([b, a], -n) };
     let mut terms: Vec<(Edge, i64)> = terms.filter(|([a, b], _)| a != b).map(oriented).collect();
     terms.sort_unstable();
-    let mut sums = terms.chunk_by(|a, b| a.0 == b.0).map(|run| (run[0].0, run.iter().map(|t| t.1).sum::<i64>()));
-    sums.find(|&(_, sum)| sum != 0).map(|(edge, sum)| if sum > 0 { (edge, sum) } else { ([edge[1], edge[0]], -sum) })
+    let mut sums = terms
+        .chunk_by(|a, b| a.0 == b.0)
+        .map(|run| (run[0].0, run.iter().map(|t| t.1).sum::<i64>()));
+    sums.find(|&(_, sum)| sum != 0)
+        .map(|(edge, sum)| if sum > 0 { (edge, sum) } else { ([edge[1], edge[0]], -sum) })
 }

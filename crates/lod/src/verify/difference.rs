@@ -82,8 +82,9 @@ pub enum Failure {
         /// How many more triangles use it in this direction than should.
         surplus: i64,
     },
-    /// A vertex that no triangle of LOD 0 uses was not made by a collapse as it should be: no record leads to it, or the
-    /// first that does has no true edge whose target has the same place, joints and weights.
+    /// A vertex that no triangle of LOD 0 uses was not made by a collapse as it should be: no
+    /// record leads to it, or the first that does has no true edge whose target has the same place,
+    /// joints and weights.
     Fake {
         /// The vertex.
         vertex: u32,
@@ -99,24 +100,44 @@ impl fmt::Display for Failure {
         match self {
             Self::Missing { lod, triangle: t } => triangle(f, "missing", lod, t),
             Self::Extra { lod, triangle: t } => triangle(f, "extra", lod, t),
-            Self::Changes { lod } => write!(f, "the changes told on the way to LOD {} do not add up", lod.0),
-            Self::Stopped { wanted, shown } => write!(f, "LOD {} is shown where {} was asked for", shown.0, wanted.0),
-            Self::Reference { lod } => write!(f, "two ways to work out the reference disagree at LOD {}", lod.0),
+            Self::Changes { lod } => {
+                write!(f, "the changes told on the way to LOD {} do not add up", lod.0)
+            }
+            Self::Stopped { wanted, shown } => {
+                write!(f, "LOD {} is shown where {} was asked for", shown.0, wanted.0)
+            }
+            Self::Reference { lod } => {
+                write!(f, "two ways to work out the reference disagree at LOD {}", lod.0)
+            }
             Self::TriangleCount { lod, stored, counted } => {
                 write!(f, "LOD {} has {counted} triangles, {stored} are stored", lod.0)
             }
-            Self::Returned { lod, triangle } => write!(f, "triangle {triangle}, dead before, returns at LOD {}", lod.0),
-            Self::TriangleOrder { triangle } => write!(f, "triangle {triangle} stands behind one that dies before it"),
+            Self::Returned { lod, triangle } => {
+                write!(f, "triangle {triangle}, dead before, returns at LOD {}", lod.0)
+            }
+            Self::TriangleOrder { triangle } => {
+                write!(f, "triangle {triangle} stands behind one that dies before it")
+            }
             Self::Apart { lod, record } => {
-                write!(f, "record {record} leaves or reaches another position than its step at LOD {}", lod.0)
+                write!(
+                    f,
+                    "record {record} leaves or reaches another position than its step at LOD {}",
+                    lod.0
+                )
             }
             Self::Submesh { lod, triangle } => {
                 write!(f, "triangle {triangle} gets a vertex of another submesh at LOD {}", lod.0)
             }
             Self::Torn { lod, edge: [a, b], surplus } => {
-                write!(f, "the mesh is torn at LOD {}: edge {a:?} to {b:?} has a surplus of {surplus}", lod.0)
+                write!(
+                    f,
+                    "the mesh is torn at LOD {}: edge {a:?} to {b:?} has a surplus of {surplus}",
+                    lod.0
+                )
             }
-            Self::Fake { vertex } => write!(f, "vertex {vertex}, unused at LOD 0, is not made by a collapse"),
+            Self::Fake { vertex } => {
+                write!(f, "vertex {vertex}, unused at LOD 0, is not made by a collapse")
+            }
         }
     }
 }
@@ -136,7 +157,9 @@ pub fn first_difference(
     shown.sort_unstable();
     let i = (0..truth.len().max(shown.len())).find(|&i| truth.get(i) != shown.get(i))?;
     Some(match (truth.get(i), shown.get(i)) {
-        (Some(&t), Some(&s)) if t.cmp(&s) == Ordering::Greater => Failure::Extra { lod, triangle: s },
+        (Some(&t), Some(&s)) if t.cmp(&s) == Ordering::Greater => {
+            Failure::Extra { lod, triangle: s }
+        }
         (Some(&triangle), _) => Failure::Missing { lod, triangle },
         (None, s) => Failure::Extra { lod, triangle: *s.expect("one of the two is longer than i") },
     })

@@ -3,7 +3,8 @@
 use super::{Check, Failure};
 use lodc_mesh::{Lod, PositionIds, Simplified};
 
-/// Whether every step moves one position onto one position, and every fake is made by a step that belongs there.
+/// Whether every step moves one position onto one position, and every fake is made by a step that
+/// belongs there.
 pub(super) fn check(simplified: &Simplified, positions: &PositionIds) -> [Check; 2] {
     let sequence = simplified.collapses();
     let mut apart = None;
@@ -50,7 +51,8 @@ impl<'a> Fakes<'a> {
         let targets = &self.simplified.collapses().targets()[start as usize..end as usize];
         let lost = (start..end).find(|&k| !self.there[k as usize]);
         let sorted = |new: bool| {
-            let mut some: Vec<u32> = targets.iter().copied().filter(|&t| self.there[t as usize] != new).collect();
+            let mut some: Vec<u32> =
+                targets.iter().copied().filter(|&t| self.there[t as usize] != new).collect();
             some.sort_unstable();
             some.dedup();
             some
@@ -58,7 +60,8 @@ impl<'a> Fakes<'a> {
         let (new, old) = (sorted(true), sorted(false));
         // Nobody makes so many fakes in one step, except to make this slow.
         let affordable = new.len().saturating_mul(old.len()) <= 1_000_000;
-        let misplaced = new.into_iter().find(|&f| affordable && !old.iter().any(|&t| self.same_place(f, t)));
+        let misplaced =
+            new.into_iter().find(|&f| affordable && !old.iter().any(|&t| self.same_place(f, t)));
         if let Some(vertex) = lost.or(misplaced) {
             self.failure.get_or_insert(Failure::Fake { vertex });
         }
@@ -67,14 +70,17 @@ impl<'a> Fakes<'a> {
         }
     }
 
-    /// Whether two vertices at one position are also moved alike by joints and morph targets, as far as both can be.
+    /// Whether two vertices at one position are also moved alike by joints and morph targets, as
+    /// far as both can be.
     fn same_place(&self, a: u32, b: u32) -> bool {
         let mesh = self.simplified.mesh();
         let has = |v: u32, stream: u32| {
-            mesh.submeshes()[mesh.vertex_submesh()[v as usize] as usize].attributes.contains(&stream)
+            mesh.submeshes()[mesh.vertex_submesh()[v as usize] as usize]
+                .attributes
+                .contains(&stream)
         };
-        (0..)
-            .zip(mesh.attributes())
-            .all(|(i, stream)| !stream.is_spatial() || !has(a, i) || !has(b, i) || stream.at(a) == stream.at(b))
+        (0..).zip(mesh.attributes()).all(|(i, stream)| {
+            !stream.is_spatial() || !has(a, i) || !has(b, i) || stream.at(a) == stream.at(b)
+        })
     }
 }

@@ -1,9 +1,10 @@
 //! Following every triangle through every record, in proportion to what is to be seen of it.
 //!
-//! Each vertex has the list of the corners (of live triangles, and of LOD 0's boundary edges) that have become it; a
-//! record hands the list on. What is dead is not moved any more: [`Ties`] tells if its corners ever part, and only then
-//! everything is worked out anew. (Otherwise meshes of many pieces would be quadratic: in the end the dead triangles of
-//! all pieces hang on one vertex, which moves once for every piece.)
+//! Each vertex has the list of the corners (of live triangles, and of LOD 0's boundary edges) that
+//! have become it; a record hands the list on. What is dead is not moved any more: [`Ties`] tells
+//! if its corners ever part, and only then everything is worked out anew. (Otherwise meshes of many
+//! pieces would be quadratic: in the end the dead triangles of all pieces hang on one vertex, which
+//! moves once for every piece.)
 
 use super::boundary::{boundary, edges, first_rest, value};
 use super::ties::Ties;
@@ -17,21 +18,23 @@ pub(super) struct Follower<'a> {
     simplified: &'a Simplified,
     positions: PositionIds,
     ties: Ties,
-    /// Whether all vertices of a step can still be taken for one group. Until something comes apart.
+    /// Whether all vertices of a step can still be taken for one group. Until something comes
+    /// apart.
     one_group: bool,
     /// The corners of each triangle, as they were when it died if it did.
     corners: Vec<[u32; 3]>,
     /// How many steps were done when each triangle died.
-    death: Vec<u32>,
+    removal_lod: Vec<u32>,
     border_of_input: Vec<[u32; 2]>,
     /// What has become of the boundary of LOD 0.
     border: Vec<[u32; 2]>,
-    /// How often each boundary edge counts. 0 once it has no length any more or was added to another one.
+    /// How often each boundary edge counts. 0 once it has no length any more or was added to
+    /// another one.
     weight: Vec<i64>,
     /// The step in which each triangle, then each boundary edge, was last touched.
     touched_in: Vec<u32>,
-    /// First and last corner of each vertex's list, and the corner after each. Corners are numbered: three for each
-    /// triangle, then two for each boundary edge.
+    /// First and last corner of each vertex's list, and the corner after each. Corners are
+    /// numbered: three for each triangle, then two for each boundary edge.
     first: Vec<u32>,
     last: Vec<u32>,
     next: Vec<u32>,
@@ -62,12 +65,13 @@ impl<'a> Follower<'a> {
     pub(super) fn new(simplified: &'a Simplified) -> Self {
         let positions = PositionIds::new(simplified.mesh().positions());
         let border = boundary(simplified.mesh(), &positions);
-        let (triangles, vertices) = (simplified.mesh().triangles().len(), simplified.mesh().vertex_count());
+        let (triangles, vertices) =
+            (simplified.mesh().triangles().len(), simplified.mesh().vertex_count());
         let mut follower = Self {
             ties: Ties::new(&[], 0, &positions),
             one_group: true,
             corners: simplified.mesh().triangles().to_vec(),
-            death: vec![NONE; triangles],
+            removal_lod: vec![NONE; triangles],
             weight: vec![1; border.len()],
             touched_in: vec![NONE; triangles + border.len()],
             first: vec![NONE; vertices],
@@ -100,7 +104,8 @@ impl<'a> Follower<'a> {
 
     /// Applies the records of one step.
     pub(super) fn step(&mut self, step: usize) -> Result<(), TooMuchWork> {
-        let (targets, ends) = (self.simplified.collapses().targets(), &self.simplified.collapses().parts().step_ends);
+        let (targets, ends) =
+            (self.simplified.collapses().targets(), &self.simplified.collapses().parts().step_ends);
         let (start, end) = (if step == 0 { 0 } else { ends[step - 1] }, ends[step]);
         if self.ties.step(targets, start..end, self.one_group) {
             for record in start..end {
@@ -115,7 +120,8 @@ impl<'a> Follower<'a> {
         }
         let stored = self.simplified.collapses().step(step).triangles;
         if stored != self.live && self.found.count.is_none() {
-            self.found.count = Some(Failure::TriangleCount { lod: Lod(end), stored, counted: self.live });
+            self.found.count =
+                Some(Failure::TriangleCount { lod: Lod(end), stored, counted: self.live });
         }
         if self.tear != 0 && self.found.torn.is_none() {
             self.found.torn = self.find_tear(Lod(end));
@@ -123,7 +129,8 @@ impl<'a> Follower<'a> {
         Ok(())
     }
 
-    /// Hands the corners of a record's vertex on to its target. Those of what is dead are left behind.
+    /// Hands the corners of a record's vertex on to its target. Those of what is dead are left
+    /// behind.
     fn record(&mut self, record: u32, target: u32, step: u32) {
         let triangles = self.corners.len();
         let mut corner = self.first[record as usize];
@@ -144,7 +151,7 @@ impl<'a> Follower<'a> {
                 }
             } else {
                 let (triangle, place) = (corner as usize / 3, corner as usize % 3);
-                if self.death[triangle] == NONE {
+                if self.removal_lod[triangle] == NONE {
                     if self.touched_in[triangle] != step {
                         self.touched_in[triangle] = step;
                         self.triangles_touched.push(triangle as u32);
@@ -174,14 +181,18 @@ impl<'a> Follower<'a> {
         self.last.fill(NONE);
         let triangles = self.corners.len();
         for triangle in 0..triangles {
-            if self.death[triangle] == NONE {
-                (0..3).for_each(|place| self.append(self.corners[triangle][place], (3 * triangle + place) as u32));
+            if self.removal_lod[triangle] == NONE {
+                (0..3).for_each(|place| {
+                    self.append(self.corners[triangle][place], (3 * triangle + place) as u32)
+                });
             }
         }
         for edge in 0..self.border.len() {
             if self.weight[edge] != 0 {
                 let first = 3 * triangles + 2 * edge;
-                (0..2).for_each(|place| self.append(self.border[edge][place], (first + place) as u32));
+                (0..2).for_each(|place| {
+                    self.append(self.border[edge][place], (first + place) as u32)
+                });
             }
         }
     }
@@ -206,7 +217,7 @@ impl<'a> Follower<'a> {
         let [p, q, r] = self.at(corners);
         if p == q || q == r || r == p {
             self.live -= 1;
-            self.death[triangle] = step;
+            self.removal_lod[triangle] = step;
             // The tie of one vertex with itself never parts.
             let forever = a == b || b == c || c == a;
             if !forever {
@@ -230,8 +241,9 @@ impl<'a> Follower<'a> {
         self.tear = self.tear.wrapping_add(self.rim(triangle));
     }
 
-    /// Boundary edges that have become the same, up to direction, are added to one of them: dead pieces then have no
-    /// boundary left that would have to be moved. `touched` are in none of the sums.
+    /// Boundary edges that have become the same, up to direction, are added to one of them: dead
+    /// pieces then have no boundary left that would have to be moved. `touched` are in none of the
+    /// sums.
     fn settle_border(&mut self, touched: &mut Vec<u32>) {
         touched.retain(|&edge| {
             let [a, b] = self.border[edge as usize];
@@ -262,26 +274,31 @@ impl<'a> Follower<'a> {
         self.edges_between = edges;
     }
 
-    /// Works everything out from LOD 0, without what was taken for granted before something came apart.
+    /// Works everything out from LOD 0, without what was taken for granted before something came
+    /// apart.
     fn start_anew(&mut self, step: u32, lod: Lod) {
         let collapses = self.simplified.collapses();
         let map = collapses.resolve_all(lod);
-        // Sequences with thousands of wrong records come here a few times. One made to come here often is given up.
+        // Sequences with thousands of wrong records come here a few times. One made to come here
+        // often is given up.
         self.moves += 4 * (self.next.len() as u64 + map.len() as u64);
         self.one_group = false;
         self.ties = Ties::new(collapses.targets(), lod.0, &self.positions);
         (self.hash, self.live, self.tear) = (TriangleHash::default(), self.corners.len() as u32, 0);
         for triangle in 0..self.corners.len() {
-            self.corners[triangle] = self.simplified.mesh().triangles()[triangle].map(|v| map[v as usize]);
-            let before = std::mem::replace(&mut self.death[triangle], NONE);
+            self.corners[triangle] =
+                self.simplified.mesh().triangles()[triangle].map(|v| map[v as usize]);
+            let before = std::mem::replace(&mut self.removal_lod[triangle], NONE);
             self.settle_triangle(triangle, step, lod);
             if before == NONE {
                 continue;
             }
-            if self.death[triangle] == NONE {
-                self.found.returned.get_or_insert(Failure::Returned { lod, triangle: triangle as u32 });
+            if self.removal_lod[triangle] == NONE {
+                self.found
+                    .returned
+                    .get_or_insert(Failure::Returned { lod, triangle: triangle as u32 });
             } else {
-                self.death[triangle] = before;
+                self.removal_lod[triangle] = before;
             }
         }
         self.border = self.border_of_input.iter().map(|e| e.map(|v| map[v as usize])).collect();
@@ -295,7 +312,8 @@ impl<'a> Follower<'a> {
     }
 
     fn submesh(&self, triangle: usize) -> u32 {
-        self.simplified.mesh().vertex_submesh()[self.simplified.mesh().triangles()[triangle][0] as usize]
+        self.simplified.mesh().vertex_submesh()
+            [self.simplified.mesh().triangles()[triangle][0] as usize]
     }
 
     fn oriented(&self, triangle: usize) -> OrientedTriangle {
@@ -313,19 +331,22 @@ impl<'a> Follower<'a> {
 
     /// Works the sum out in full to name an edge.
     fn find_tear(&self, lod: Lod) -> Option<Failure> {
-        let live = (0..self.corners.len()).filter(|&t| self.death[t] == NONE);
+        let live = (0..self.corners.len()).filter(|&t| self.removal_lod[t] == NONE);
         let shown = live.flat_map(|t| edges(self.at(self.corners[t]))).map(|e| (e, 1));
         let map = self.simplified.collapses().resolve_all(lod);
         let image = self.border_of_input.iter().map(|e| (self.at(e.map(|v| map[v as usize])), -1));
         let (edge, surplus) = first_rest(shown.chain(image))?;
-        let point = |p: u32| self.simplified.mesh().positions()[self.positions.first_vertex[p as usize] as usize];
+        let point = |p: u32| {
+            self.simplified.mesh().positions()[self.positions.first_vertex[p as usize] as usize]
+        };
         Some(Failure::Torn { lod, edge: edge.map(point), surplus })
     }
 
-    /// Within a submesh, triangles must stand in reverse order of their death.
+    /// Within a submesh, triangles must stand in reverse order of their removal_lod.
     fn out_of_order(&self) -> Option<Failure> {
         self.simplified.mesh().submeshes().iter().find_map(|s| {
-            let i = self.death[s.triangles()].windows(2).position(|pair| pair[0] < pair[1])?;
+            let i =
+                self.removal_lod[s.triangles()].windows(2).position(|pair| pair[0] < pair[1])?;
             Some(Failure::TriangleOrder { triangle: s.first_triangle + i as u32 + 1 })
         })
     }

@@ -1,10 +1,11 @@
 //! Verification of any model against the reference, at every step and in near-linear time.
 //!
-//! Comparing whole meshes at every step is quadratic. So every step is compared by an order-independent hash, kept
-//! incrementally on both sides: by what the model says changed, and by [`Reference`], which follows the triangles by
-//! itself. At a schedule of stops (both ends, a grid down and up, seeded jumps) the triangles themselves are compared
-//! with [`Simplified::triangles_at`](lodc_mesh::Simplified::triangles_at), which also catches a model that misreports
-//! its changes, and a reference that followed wrongly.
+//! Comparing whole meshes at every step is quadratic. So every step is compared by an
+//! order-independent hash, kept incrementally on both sides: by what the model says changed, and by
+//! [`Reference`], which follows the triangles by itself. At a schedule of stops (both ends, a grid
+//! down and up, seeded jumps) the triangles themselves are compared with
+//! [`Simplified::triangles_at`](lodc_mesh::Simplified::triangles_at), which also catches a model
+//! that misreports its changes, and a reference that followed wrongly.
 
 mod boundary;
 mod difference;
@@ -26,8 +27,9 @@ use lodc_mesh::{Lod, OrientedTriangle, PositionIds, TriangleHash};
 pub struct VerifyOptions {
     /// Compare at every `stride`-th step (0 means 1). The last step is always compared.
     pub stride: u32,
-    /// Full comparisons on the way down, and as many on the way up, if the mesh is too large for one at every step.
-    /// Fewer, but at least [`Self::FEWEST`], on meshes of more than some hundred thousand triangles.
+    /// Full comparisons on the way down, and as many on the way up, if the mesh is too large for
+    /// one at every step. Fewer, but at least [`Self::FEWEST`], on meshes of more than some hundred
+    /// thousand triangles.
     pub full_stops: u32,
     /// Random jumps, each followed by a full comparison. Fewer where there are fewer full stops.
     pub jumps: u32,
@@ -39,8 +41,8 @@ impl VerifyOptions {
     /// Full comparisons that no size of a mesh makes fewer.
     pub const FEWEST: u32 = 16;
 
-    /// How many of `wanted` full comparisons a mesh of so many triangles gets: all together look at some fifty million
-    /// triangles, which takes a few seconds.
+    /// How many of `wanted` full comparisons a mesh of so many triangles gets: all together look at
+    /// some fifty million triangles, which takes a few seconds.
     fn affordable(wanted: u32, triangles: usize) -> u32 {
         let affordable = u32::try_from(50_000_000 / triangles.max(1)).unwrap_or(u32::MAX);
         wanted.min(affordable.max(Self::FEWEST))
@@ -62,7 +64,8 @@ pub struct Check {
     pub name: &'static str,
     /// At how many LODs.
     pub lods: u64,
-    /// At how many of them whole meshes were compared, triangle by triangle. At the others sums of hashes were.
+    /// At how many of them whole meshes were compared, triangle by triangle. At the others sums of
+    /// hashes were.
     pub full: u64,
     /// The first thing that is wrong.
     pub failure: Option<Failure>,
@@ -76,11 +79,20 @@ impl Check {
     }
 }
 
-/// Compares a model with the reference at every step going coarser, at every step going finer, and after random jumps.
-/// `reference` must have been made of the simplification that the model was built from.
+/// Compares a model with the reference at every step going coarser, at every step going finer, and
+/// after random jumps. `reference` must have been made of the simplification that the model was
+/// built from.
 #[must_use]
-pub fn verify<M: Model>(model: &M, reference: &Reference<'_>, options: &VerifyOptions) -> Vec<Check> {
-    let judge = Judge { model, reference, positions: PositionIds::new(model.simplified().mesh().positions()) };
+pub fn verify<M: Model>(
+    model: &M,
+    reference: &Reference<'_>,
+    options: &VerifyOptions,
+) -> Vec<Check> {
+    let judge = Judge {
+        model,
+        reference,
+        positions: PositionIds::new(model.simplified().mesh().positions()),
+    };
     let steps = reference.steps();
     let stride = options.stride.max(1) as usize;
     let mut down: Vec<usize> = (0..=steps).step_by(stride).collect();
@@ -92,7 +104,9 @@ pub fn verify<M: Model>(model: &M, reference: &Reference<'_>, options: &VerifyOp
     let full = match (steps + 1).saturating_mul(triangles) {
         // Up to here a full comparison everywhere takes about a second.
         0..=8_000_000 => 1,
-        _ => down.len().div_ceil(VerifyOptions::affordable(options.full_stops, triangles).max(1) as usize),
+        _ => down
+            .len()
+            .div_ceil(VerifyOptions::affordable(options.full_stops, triangles).max(1) as usize),
     };
     let mut cursor = model.cursor();
     let mut shown: TriangleHash = model.triangles(&cursor).into_iter().collect();
@@ -137,7 +151,8 @@ impl<M: Model> Judge<'_, M> {
             let agrees = *shown == self.reference.hash(step);
             if !agrees || i % full == 0 || i + 1 == stops.len() {
                 check.full += 1;
-                check.failure = self.compare(cursor, step).or((!agrees).then_some(Failure::Changes { lod }));
+                check.failure =
+                    self.compare(cursor, step).or((!agrees).then_some(Failure::Changes { lod }));
             }
             check.lods += 1;
             if check.failure.is_some() {
@@ -148,9 +163,18 @@ impl<M: Model> Judge<'_, M> {
     }
 
     fn jumps(&self, cursor: &mut M::Cursor, options: &VerifyOptions) -> Check {
-        let mut check = Check { model: self.model.name(), name: "random jumps", lods: 0, full: 0, failure: None };
+        let mut check = Check {
+            model: self.model.name(),
+            name: "random jumps",
+            lods: 0,
+            full: 0,
+            failure: None,
+        };
         let mut state = options.seed;
-        for _ in 0..VerifyOptions::affordable(options.jumps, self.model.simplified().mesh().triangles().len()) {
+        for _ in 0..VerifyOptions::affordable(
+            options.jumps,
+            self.model.simplified().mesh().triangles().len(),
+        ) {
             // Any record may be asked for; the model has to round down to a step. (SplitMix64.)
             state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
             let mut bits = (state ^ (state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

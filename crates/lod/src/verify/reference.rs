@@ -16,8 +16,8 @@ pub struct Reference<'a> {
     checks: Vec<Check>,
 }
 
-/// A sequence moves so many corners of live triangles that following them would take very long. Real ones move each
-/// about ten times.
+/// A sequence moves so many corners of live triangles that following them would take very long.
+/// Real ones move each about ten times.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TooMuchWork {
     /// The LOD at which it became too much.
@@ -33,7 +33,8 @@ impl fmt::Display for TooMuchWork {
 impl std::error::Error for TooMuchWork {}
 
 impl<'a> Reference<'a> {
-    /// Follows all triangles from LOD 0 to the last. Time in proportion to how often corners of live triangles move.
+    /// Follows all triangles from LOD 0 to the last. Time in proportion to how often corners of
+    /// live triangles move.
     ///
     /// # Errors
     /// If that is more than some hundred times per corner.
@@ -51,8 +52,9 @@ impl<'a> Reference<'a> {
         Ok(Self { simplified, hashes, checks })
     }
 
-    /// What was found out about the sequence itself: stored triangle counts, order of triangles, tears, dead triangles
-    /// that return, submeshes, steps that do not move one position onto one position, fakes out of place.
+    /// What was found out about the sequence itself: stored triangle counts, order of triangles,
+    /// tears, dead triangles that return, submeshes, steps that do not move one position onto one
+    /// position, fakes out of place.
     #[must_use]
     pub fn checks(&self) -> &[Check] {
         &self.checks

@@ -1,7 +1,9 @@
 //! Verification passes what is right and names what is wrong.
 
 use super::*;
-use crate::{AnyModel, Array, Interactive, ModelKind, StorageCost, StripOptions, StripPool, Traffic};
+use crate::{
+    AnyModel, Array, Interactive, ModelKind, StorageCost, StripOptions, StripPool, Traffic,
+};
 use lodc_fixtures as fixtures;
 use lodc_mesh::{CollapseSequence, SequenceParts, Simplified};
 use std::sync::Arc;
@@ -14,8 +16,11 @@ fn verify_all(simplified: &Simplified) -> Vec<Check> {
     let simplified = Arc::new(simplified.clone());
     let reference = Reference::new(&simplified).expect("a sequence of ordinary length");
     let mut checks = reference.checks().to_vec();
-    let model = AnyModel::build(ModelKind::Interactive, &mut StripPool::new(&simplified, StripOptions::default()))
-        .expect("triangles are in order");
+    let model = AnyModel::build(
+        ModelKind::Interactive,
+        &mut StripPool::new(&simplified, StripOptions::default()),
+    )
+    .expect("triangles are in order");
     checks.extend(verify(&model, &reference, &VerifyOptions::default()));
     checks
 }
@@ -39,7 +44,11 @@ fn long_meshes_are_compared_in_full_at_a_schedule_and_by_hash_everywhere() {
     let reference = Reference::new(&simplified).expect("a sequence of ordinary length");
     let model = Interactive::build(&simplified).expect("triangles are in order");
     for stride in [0, 1, 7, u32::MAX] {
-        let checks = verify(&model, &reference, &VerifyOptions { stride, jumps: 5, ..VerifyOptions::default() });
+        let checks = verify(
+            &model,
+            &reference,
+            &VerifyOptions { stride, jumps: 5, ..VerifyOptions::default() },
+        );
         assert!(checks.iter().all(Check::ok));
         let steps = reference.steps() as u64;
         let wanted = match stride {
@@ -84,7 +93,9 @@ impl Model for Defective {
     fn seek(&self, cursor: &mut Self::Cursor, lod: Lod, changes: &mut impl Changes) -> Traffic {
         let from = self.lod(cursor);
         match self.1 {
-            Defect::TellsTooLittle if lod >= self.2 => return self.0.seek(&mut cursor.0, lod, &mut ()),
+            Defect::TellsTooLittle if lod >= self.2 => {
+                return self.0.seek(&mut cursor.0, lod, &mut ());
+            }
             Defect::StopsShort if lod >= self.2 => return Traffic::default(),
             Defect::ForgetsToRefine => cursor.1 = lod < from && lod <= self.2,
             _ => {}
@@ -99,7 +110,10 @@ impl Model for Defective {
             Defect::Doubles if defective => triangles.extend(triangles.first().copied()),
             Defect::Flips if defective => {
                 if let Some(t) = triangles.first_mut() {
-                    *t = OrientedTriangle::new(t.submesh, [t.corners[0], t.corners[2], t.corners[1]]);
+                    *t = OrientedTriangle::new(
+                        t.submesh,
+                        [t.corners[0], t.corners[2], t.corners[1]],
+                    );
                 }
             }
             Defect::ForgetsToRefine if cursor.1 => drop(triangles.pop()),
@@ -124,18 +138,39 @@ fn every_defect_of_a_model_is_found_at_its_first_lod() {
     let reference = Reference::new(&simplified).expect("a sequence of ordinary length");
     let from = simplified.collapses().floor(Lod(40));
     let failures = |defect| -> Vec<Option<Failure>> {
-        let model = Defective(Interactive::build(&simplified).expect("triangles are in order"), defect, from);
-        verify(&model, &reference, &VerifyOptions::default()).into_iter().map(|c| c.failure).collect()
+        let model = Defective(
+            Interactive::build(&simplified).expect("triangles are in order"),
+            defect,
+            from,
+        );
+        verify(&model, &reference, &VerifyOptions::default())
+            .into_iter()
+            .map(|c| c.failure)
+            .collect()
     };
-    assert!(matches!(failures(Defect::Drops)[0], Some(Failure::Missing { lod, .. }) if lod == from));
-    assert!(matches!(failures(Defect::Doubles)[0], Some(Failure::Extra { lod, .. }) if lod == from));
+    assert!(
+        matches!(failures(Defect::Drops)[0], Some(Failure::Missing { lod, .. }) if lod == from)
+    );
+    assert!(
+        matches!(failures(Defect::Doubles)[0], Some(Failure::Extra { lod, .. }) if lod == from)
+    );
     let flipped = failures(Defect::Flips);
-    assert!(matches!(flipped[0], Some(Failure::Missing { lod, .. } | Failure::Extra { lod, .. }) if lod == from));
-    assert!(matches!(failures(Defect::TellsTooLittle)[0], Some(Failure::Changes { lod }) if lod == from));
-    assert!(matches!(failures(Defect::StopsShort)[0], Some(Failure::Stopped { wanted, .. }) if wanted == from));
+    assert!(
+        matches!(flipped[0], Some(Failure::Missing { lod, .. } | Failure::Extra { lod, .. }) if lod == from)
+    );
+    assert!(
+        matches!(failures(Defect::TellsTooLittle)[0], Some(Failure::Changes { lod }) if lod == from)
+    );
+    assert!(
+        matches!(failures(Defect::StopsShort)[0], Some(Failure::Stopped { wanted, .. }) if wanted == from)
+    );
     let refined = failures(Defect::ForgetsToRefine);
     assert_eq!(refined[0], None);
-    assert!(matches!(refined[1], Some(Failure::Missing { lod, .. }) if lod == from), "{:?}", refined[1]);
+    assert!(
+        matches!(refined[1], Some(Failure::Missing { lod, .. }) if lod == from),
+        "{:?}",
+        refined[1]
+    );
 }
 
 /// A sequence with something changed.
@@ -163,7 +198,8 @@ fn a_wrong_triangle_count_is_named() {
 
 #[test]
 fn a_vertex_that_leaves_its_seam_tears_the_mesh() {
-    // A wedge of a seam goes elsewhere than the others: its step's targets are apart, and the mesh tears there.
+    // A wedge of a seam goes elsewhere than the others: its step's targets are apart, and the mesh
+    // tears there.
     let simplified = sphere();
     let positions = PositionIds::new(simplified.mesh().positions());
     let parts = simplified.collapses().parts();
@@ -177,14 +213,18 @@ fn a_vertex_that_leaves_its_seam_tears_the_mesh() {
     let (record, lod) = (parts.step_ends[step] - 1, Lod(parts.step_ends[step]));
     let other = (record + 1..simplified.mesh().vertex_count() as u32)
         .find(|&v| {
-            positions.of_vertex[v as usize] != positions.of_vertex[parts.targets[record as usize] as usize]
+            positions.of_vertex[v as usize]
+                != positions.of_vertex[parts.targets[record as usize] as usize]
                 && positions.of_vertex[v as usize] != positions.of_vertex[record as usize]
         })
         .expect("another position");
     let torn = changed(&simplified, |parts| parts.targets[record as usize] = other);
     let found = failures(&torn);
     assert!(found.contains(&Failure::Apart { lod, record }), "{found:?}");
-    assert!(found.iter().any(|f| matches!(f, Failure::Torn { lod: l, .. } if *l == lod)), "{found:?}");
+    assert!(
+        found.iter().any(|f| matches!(f, Failure::Torn { lod: l, .. } if *l == lod)),
+        "{found:?}"
+    );
 }
 
 #[test]
@@ -209,11 +249,16 @@ fn a_wrong_target_never_passes() {
         let wrong = changed(&simplified, |parts| parts.targets[record] = target as u32);
         let reference = Reference::new(&wrong).expect("a sequence of ordinary length");
         let same = (0..=truth.steps()).all(|step| truth.hash(step) == reference.hash(step));
-        // What is shown is other than before: a model of the sequence as it was does not pass. (One wedge instead of
-        // another of the same position may change nothing that is shown.)
-        let model = Interactive::build(&Arc::new(simplified.clone())).expect("triangles are in order");
+        // What is shown is other than before: a model of the sequence as it was does not pass. (One
+        // wedge instead of another of the same position may change nothing that is shown.)
+        let model =
+            Interactive::build(&Arc::new(simplified.clone())).expect("triangles are in order");
         let checks = verify(&model, &reference, &VerifyOptions::default());
-        assert_eq!(checks[..2].iter().all(Check::ok), same, "record {record} to {target}: {checks:?}");
+        assert_eq!(
+            checks[..2].iter().all(Check::ok),
+            same,
+            "record {record} to {target}: {checks:?}"
+        );
         caught += usize::from(!same);
     }
     assert!(caught > 200, "only {caught} of 300 changes were visible");
@@ -223,10 +268,15 @@ fn a_wrong_target_never_passes() {
 fn the_reference_follows_any_sequence_whatever_comes_apart_in_it() {
     let mut rng = fixtures::Rng::new(12);
     let mut returned = 0;
-    for (seed, mesh) in [fixtures::uv_sphere(8, 5), fixtures::machine_part(), fixtures::bow_tie()].iter().enumerate() {
+    for (seed, mesh) in [fixtures::uv_sphere(8, 5), fixtures::machine_part(), fixtures::bow_tie()]
+        .iter()
+        .enumerate()
+    {
         let simplified = fixtures::random_collapse(mesh, seed as u64);
-        let (positions, records) =
-            (PositionIds::new(simplified.mesh().positions()), simplified.collapses().records() as usize);
+        let (positions, records) = (
+            PositionIds::new(simplified.mesh().positions()),
+            simplified.collapses().records() as usize,
+        );
         for _ in 0..40 {
             let wrong = changed(&simplified, |parts| {
                 for _ in 0..=rng.below(4) {
@@ -240,8 +290,11 @@ fn the_reference_follows_any_sequence_whatever_comes_apart_in_it() {
                     wrong.triangles_at_with(reference.lod(step), &positions).into_iter().collect();
                 assert_eq!(reference.hash(step), truth, "after {step} steps");
             }
-            returned +=
-                reference.checks().iter().filter(|c| matches!(c.failure, Some(Failure::Returned { .. }))).count();
+            returned += reference
+                .checks()
+                .iter()
+                .filter(|c| matches!(c.failure, Some(Failure::Returned { .. })))
+                .count();
         }
     }
     assert!(returned > 5, "only {returned} sequences in which a dead triangle returns");
@@ -268,7 +321,11 @@ fn a_dead_triangle_that_returns_is_named() {
         vertex_submesh: vec![0; 6],
         attributes: Vec::new(),
         triangles: vec![[0, 1, 5]],
-        submeshes: vec![lodc_mesh::Submesh { first_triangle: 0, triangle_count: 1, attributes: Vec::new() }],
+        submeshes: vec![lodc_mesh::Submesh {
+            first_triangle: 0,
+            triangle_count: 1,
+            attributes: Vec::new(),
+        }],
     });
     let collapses = CollapseSequence::try_from(SequenceParts {
         targets: vec![2, 3, 4, 5, 5],
@@ -278,7 +335,8 @@ fn a_dead_triangle_that_returns_is_named() {
         triangles: 1,
         ..SequenceParts::default()
     });
-    let simplified = Simplified::new(mesh.expect("a mesh"), collapses.expect("a sequence")).expect("the two fit");
+    let simplified = Simplified::new(mesh.expect("a mesh"), collapses.expect("a sequence"))
+        .expect("the two fit");
     assert!(failures(&simplified).contains(&Failure::Returned { lod: Lod(3), triangle: 0 }));
 }
 
@@ -287,7 +345,8 @@ fn a_first_difference_is_one_of_the_two() {
     let t = |a| OrientedTriangle::new(0, [a, a + 1, a + 2]);
     let lod = Lod(0);
     assert_eq!(first_difference(lod, vec![t(1), t(2)], vec![t(2), t(1)]), None);
-    let (missing, extra) = (Failure::Missing { lod, triangle: t(2) }, Failure::Extra { lod, triangle: t(2) });
+    let (missing, extra) =
+        (Failure::Missing { lod, triangle: t(2) }, Failure::Extra { lod, triangle: t(2) });
     assert_eq!(first_difference(lod, vec![t(1), t(2)], vec![t(1)]), Some(missing.clone()));
     assert_eq!(first_difference(lod, vec![t(1)], vec![t(1), t(2)]), Some(extra.clone()));
     assert_eq!(first_difference(lod, vec![t(2), t(3)], vec![t(3)]), Some(missing.clone()));
@@ -304,7 +363,11 @@ fn a_sequence_made_to_be_slow_is_given_up() {
         vertex_submesh: vec![0; 2 * n as usize],
         attributes: Vec::new(),
         triangles: (n..2 * n - 1).map(|i| [0, i, i + 1]).collect(),
-        submeshes: vec![lodc_mesh::Submesh { first_triangle: 0, triangle_count: n - 1, attributes: Vec::new() }],
+        submeshes: vec![lodc_mesh::Submesh {
+            first_triangle: 0,
+            triangle_count: n - 1,
+            attributes: Vec::new(),
+        }],
     });
     let last = 2 * n - 1;
     let collapses = CollapseSequence::try_from(SequenceParts {
@@ -315,12 +378,14 @@ fn a_sequence_made_to_be_slow_is_given_up() {
         triangles: n - 1,
         ..SequenceParts::default()
     });
-    let simplified = Simplified::new(mesh.expect("a mesh"), collapses.expect("a sequence")).expect("the two fit");
+    let simplified = Simplified::new(mesh.expect("a mesh"), collapses.expect("a sequence"))
+        .expect("the two fit");
     assert!(Reference::new(&simplified).is_err());
 }
 
-/// `n` shards of two triangles with a seam between them. Each shrinks to a point of two vertices, then all points are
-/// joined one after the other: the two vertices that stand for all before them move once for every shard.
+/// `n` shards of two triangles with a seam between them. Each shrinks to a point of two vertices,
+/// then all points are joined one after the other: the two vertices that stand for all before them
+/// move once for every shard.
 ///
 /// ```text
 ///      b·e            record            step        what for
@@ -361,7 +426,11 @@ fn shards(n: u32) -> Simplified {
             .map(|i| [b(i) + 1, c(i) + 1, d(i)])
             .chain((0..n).rev().map(|i| [a(i), c(i), b(i)]))
             .collect(),
-        submeshes: vec![lodc_mesh::Submesh { first_triangle: 0, triangle_count: triangles, attributes: Vec::new() }],
+        submeshes: vec![lodc_mesh::Submesh {
+            first_triangle: 0,
+            triangle_count: triangles,
+            attributes: Vec::new(),
+        }],
     });
     let collapses = CollapseSequence::try_from(SequenceParts {
         targets,
@@ -383,7 +452,10 @@ fn many_pieces_that_end_on_one_vertex_are_no_work() {
         }
         if n == 5000 {
             let full: Vec<_> = checks.iter().rev().take(3).rev().map(|c| c.full).collect();
-            assert!((100..=101).contains(&full[0]) && full[1] == full[0] && full[2] == 100, "{full:?}");
+            assert!(
+                (100..=101).contains(&full[0]) && full[1] == full[0] && full[2] == 100,
+                "{full:?}"
+            );
         }
     }
 }

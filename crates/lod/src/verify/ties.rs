@@ -1,8 +1,8 @@
 //! Which vertices have to stay together because something is dead while they are.
 //!
-//! A triangle with two corners at one position is dead for as long as those two corners stay together, wherever they go.
-//! So nothing that is dead needs to be moved: it is enough to know that no set of vertices tied that way ever comes
-//! apart. Sets only grow, which makes this union-find.
+//! A triangle with two corners at one position is dead for as long as those two corners stay
+//! together, wherever they go. So nothing that is dead needs to be moved: it is enough to know that
+//! no set of vertices tied that way ever comes apart. Sets only grow, which makes this union-find.
 
 use lodc_mesh::PositionIds;
 use std::ops::Range;
@@ -18,7 +18,8 @@ pub(super) struct Ties {
 }
 
 impl Ties {
-    /// The sets after the records before `lod`, with nothing tied yet: every vertex with all that have become it.
+    /// The sets after the records before `lod`, with nothing tied yet: every vertex with all that
+    /// have become it.
     pub(super) fn new(targets: &[u32], lod: u32, positions: &PositionIds) -> Self {
         let vertices = positions.of_vertex.len() as u32;
         let mut ties = Self {
@@ -43,8 +44,8 @@ impl Ties {
         v
     }
 
-    /// Two vertices at one position have to stay together from now on. Says whether they can: whether the sets that they
-    /// belong to are at one position.
+    /// Two vertices at one position have to stay together from now on. Says whether they can:
+    /// whether the sets that they belong to are at one position.
     pub(super) fn tie(&mut self, a: u32, b: u32) -> bool {
         let (a, b) = (self.set(a), self.set(b));
         if a == b {
@@ -61,8 +62,8 @@ impl Ties {
         together
     }
 
-    /// Applies the records of a step. False if a set comes apart. If the step is known to be one move of one group, its
-    /// vertices are tied to each other as well.
+    /// Applies the records of a step. False if a set comes apart. If the step is known to be one
+    /// move of one group, its vertices are tied to each other as well.
     pub(super) fn step(&mut self, targets: &[u32], records: Range<u32>, one_group: bool) -> bool {
         for record in records.clone() {
             let set = self.set(record) as usize;
@@ -117,13 +118,18 @@ mod tests {
         let positions = at(&[0, 1, 2, 3, 4, 5]);
         let targets = [3, 2, 5, 4, 5];
         for lod in 0..=5 {
-            let (mut made, mut stepped) = (Ties::new(&targets, lod, &positions), Ties::new(&targets, 0, &positions));
+            let (mut made, mut stepped) =
+                (Ties::new(&targets, lod, &positions), Ties::new(&targets, 0, &positions));
             for record in 0..lod {
                 assert!(stepped.step(&targets, record..record + 1, false));
             }
             for v in 0..6 {
                 for w in 0..6 {
-                    assert_eq!(made.set(v) == made.set(w), stepped.set(v) == stepped.set(w), "LOD {lod}");
+                    assert_eq!(
+                        made.set(v) == made.set(w),
+                        stepped.set(v) == stepped.set(w),
+                        "LOD {lod}"
+                    );
                 }
             }
         }

@@ -4,7 +4,14 @@ use lodc_mesh::{Attribute, Component, Semantic};
 
 fn stream(component: Component, components: u8, normalized: bool, bytes: &[u8]) -> Attribute {
     let semantic = Semantic::Custom("_X".to_owned());
-    Attribute { semantic, morph_target: None, component, components, normalized, bytes: bytes.to_vec() }
+    Attribute {
+        semantic,
+        morph_target: None,
+        component,
+        components,
+        normalized,
+        bytes: bytes.to_vec(),
+    }
 }
 
 #[test]
@@ -48,7 +55,10 @@ fn plain_integers_and_floats_are_themselves() {
 #[test]
 fn components_are_little_endian_and_in_order() {
     let a = stream(Component::U16, 2, false, &[1, 0, 0, 1, 2, 0, 0, 2]);
-    assert_eq!([a.value(0, 0), a.value(0, 1), a.value(1, 0), a.value(1, 1)], [1.0, 256.0, 2.0, 512.0]);
+    assert_eq!(
+        [a.value(0, 0), a.value(0, 1), a.value(1, 0), a.value(1, 1)],
+        [1.0, 256.0, 2.0, 512.0]
+    );
 }
 
 #[test]
@@ -67,7 +77,11 @@ fn what_moves_a_vertex_is_spatial_and_nothing_else() {
     };
     assert!(of(Semantic::Position, None) && of(Semantic::Position, Some(1)));
     assert!(of(Semantic::Joints(1), None) && of(Semantic::Weights(0), None));
-    assert!(!of(Semantic::Normal, None) && !of(Semantic::Normal, Some(0)) && !of(Semantic::Tangent, Some(0)));
+    assert!(
+        !of(Semantic::Normal, None)
+            && !of(Semantic::Normal, Some(0))
+            && !of(Semantic::Tangent, Some(0))
+    );
     assert!(!of(Semantic::TexCoord(0), None) && !of(Semantic::Color(0), None));
     assert!(!of(Semantic::Custom("POSITION".to_owned()), None));
 }

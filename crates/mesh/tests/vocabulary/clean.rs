@@ -5,7 +5,10 @@ use lodc_mesh::{Attribute, Cleaning, Component, Mesh, Semantic, Submesh};
 
 #[test]
 fn degenerate_triangles_go_by_position_not_by_index() {
-    let mut p = parts(&[CORNERS[0], CORNERS[1], CORNERS[2], [1.0, -0.0, 0.0]], &[[0, 1, 2], [1, 3, 2], [0, 0, 2]]);
+    let mut p = parts(
+        &[CORNERS[0], CORNERS[1], CORNERS[2], [1.0, -0.0, 0.0]],
+        &[[0, 1, 2], [1, 3, 2], [0, 0, 2]],
+    );
     assert_eq!(p.clean(), Cleaning { degenerate_triangles: 2, unreferenced_vertices: 1 });
     assert_eq!(p.triangles, [[0, 1, 2]]);
     assert_eq!(p.positions.len(), 3);
@@ -25,7 +28,11 @@ fn the_rest_moves_up_with_its_submesh_and_attributes() {
     let mut p = parts(&[CORNERS, CORNERS].concat(), &[[0, 0, 1], [1, 2, 3], [5, 5, 6], [7, 6, 5]]);
     p.vertex_submesh = vec![0, 0, 0, 0, 1, 1, 1, 1];
     p.submeshes = [(0, 2), (2, 2)]
-        .map(|(first_triangle, triangle_count)| Submesh { first_triangle, triangle_count, attributes: vec![0] })
+        .map(|(first_triangle, triangle_count)| Submesh {
+            first_triangle,
+            triangle_count,
+            attributes: vec![0],
+        })
         .to_vec();
     p.attributes.push(Attribute {
         semantic: Semantic::Color(0),

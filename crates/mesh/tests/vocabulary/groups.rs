@@ -9,8 +9,8 @@ fn groups(mesh: &Mesh) -> (PositionIds, WedgeGroups) {
     (positions, groups)
 }
 
-/// The definition: at one position, two corners are joined if their triangles share an edge there; corners of one
-/// vertex are joined; and so on until nothing changes.
+/// The definition: at one position, two corners are joined if their triangles share an edge there;
+/// corners of one vertex are joined; and so on until nothing changes.
 fn by_definition(mesh: &Mesh, positions: &PositionIds) -> Vec<u32> {
     let place = |v: u32| positions.of_vertex[v as usize];
     let mut name: Vec<u32> = (0..mesh.vertex_count() as u32).collect();
@@ -20,7 +20,9 @@ fn by_definition(mesh: &Mesh, positions: &PositionIds) -> Vec<u32> {
             for t in mesh.triangles() {
                 for &v in s {
                     for &w in t {
-                        let other = |&x: &u32| place(x) != place(v) && t.iter().any(|&y| place(x) == place(y));
+                        let other = |&x: &u32| {
+                            place(x) != place(v) && t.iter().any(|&y| place(x) == place(y))
+                        };
                         if place(v) == place(w) && s.iter().any(other) {
                             let least = name[v as usize].min(name[w as usize]);
                             (name[v as usize], name[w as usize]) = (least, least);
@@ -38,10 +40,15 @@ fn by_definition(mesh: &Mesh, positions: &PositionIds) -> Vec<u32> {
 fn check(what: &str, mesh: &Mesh) {
     let (positions, groups) = groups(mesh);
     let wanted = by_definition(mesh, &positions);
-    let found: Vec<u32> = groups.of_vertex.iter().map(|&g| groups.first_vertex[g as usize]).collect();
+    let found: Vec<u32> =
+        groups.of_vertex.iter().map(|&g| groups.first_vertex[g as usize]).collect();
     assert_eq!(found, wanted, "{what}");
     assert!(groups.first_vertex.is_sorted(), "{what}: groups are numbered by their first vertex");
-    assert_eq!(groups.len(), groups.of_vertex.iter().max().map_or(0, |&m| m as usize + 1), "{what}");
+    assert_eq!(
+        groups.len(),
+        groups.of_vertex.iter().max().map_or(0, |&m| m as usize + 1),
+        "{what}"
+    );
     assert_eq!(groups.is_empty(), mesh.vertex_count() == 0);
 }
 
@@ -109,12 +116,14 @@ fn all_leaves_on_an_edge_are_one_group_at_its_ends() {
     let corners: Vec<u32> = parts.triangles.as_flattened().to_vec();
     parts.positions = corners.iter().map(|&v| parts.positions[v as usize]).collect();
     parts.vertex_submesh = vec![0; corners.len()];
-    parts.triangles = (0..corners.len() as u32 / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+    parts.triangles =
+        (0..corners.len() as u32 / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
     assert_eq!(counts(&Mesh::try_from(parts).expect("a soup is a mesh")), (30, 12, 12));
 }
 
 #[test]
 fn vertices_without_triangles_are_groups_of_their_own() {
-    let mesh = Mesh::try_from(crate::parts(&[[0.0; 3], [0.0; 3], [1.0; 3]], &[])).expect("points are a mesh");
+    let mesh = Mesh::try_from(crate::parts(&[[0.0; 3], [0.0; 3], [1.0; 3]], &[]))
+        .expect("points are a mesh");
     assert_eq!(counts(&mesh), (3, 2, 3));
 }

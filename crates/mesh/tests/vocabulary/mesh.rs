@@ -22,14 +22,35 @@ fn every_rule_names_its_first_offender() {
     assert_eq!(refused(|p| p.vertex_submesh.push(0)), MeshError::VertexSubmesh { vertex: 4 });
     assert_eq!(refused(|p| p.vertex_submesh[1] = 1), MeshError::VertexSubmesh { vertex: 1 });
     assert_eq!(refused(|p| p.triangles[1][2] = 4), MeshError::IndexOutOfRange { triangle: 1 });
-    assert_eq!(refused(|p| p.triangles[1][2] = u32::MAX), MeshError::IndexOutOfRange { triangle: 1 });
+    assert_eq!(
+        refused(|p| p.triangles[1][2] = u32::MAX),
+        MeshError::IndexOutOfRange { triangle: 1 }
+    );
     assert_eq!(refused(|p| p.triangles[0][2] = 1), MeshError::Degenerate { triangle: 0 });
-    assert_eq!(refused(|p| p.positions[2] = [1.0, -0.0, 0.0]), MeshError::Degenerate { triangle: 0 });
-    assert_eq!(refused(|p| p.submeshes[0].first_triangle = 1), MeshError::SubmeshRange { submesh: 0 });
-    assert_eq!(refused(|p| p.submeshes[0].triangle_count = 1), MeshError::SubmeshRange { submesh: 1 });
-    assert_eq!(refused(|p| p.submeshes[0].triangle_count = 3), MeshError::SubmeshRange { submesh: 0 });
-    assert_eq!(refused(|p| p.submeshes[0].triangle_count = u32::MAX), MeshError::SubmeshRange { submesh: 0 });
-    assert_eq!(refused(|p| p.submeshes[0].attributes = vec![0]), MeshError::SubmeshAttribute { submesh: 0 });
+    assert_eq!(
+        refused(|p| p.positions[2] = [1.0, -0.0, 0.0]),
+        MeshError::Degenerate { triangle: 0 }
+    );
+    assert_eq!(
+        refused(|p| p.submeshes[0].first_triangle = 1),
+        MeshError::SubmeshRange { submesh: 0 }
+    );
+    assert_eq!(
+        refused(|p| p.submeshes[0].triangle_count = 1),
+        MeshError::SubmeshRange { submesh: 1 }
+    );
+    assert_eq!(
+        refused(|p| p.submeshes[0].triangle_count = 3),
+        MeshError::SubmeshRange { submesh: 0 }
+    );
+    assert_eq!(
+        refused(|p| p.submeshes[0].triangle_count = u32::MAX),
+        MeshError::SubmeshRange { submesh: 0 }
+    );
+    assert_eq!(
+        refused(|p| p.submeshes[0].attributes = vec![0]),
+        MeshError::SubmeshAttribute { submesh: 0 }
+    );
 }
 
 #[test]

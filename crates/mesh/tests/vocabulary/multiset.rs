@@ -13,7 +13,10 @@ fn some(n: usize, seed: u64) -> Vec<OrientedTriangle> {
     (0..n)
         .map(|_| {
             let first = rng.below(1000) as u32;
-            OrientedTriangle::new(rng.below(3) as u32, [first, first + 1 + rng.below(5) as u32, first + 9])
+            OrientedTriangle::new(
+                rng.below(3) as u32,
+                [first, first + 1 + rng.below(5) as u32, first + 9],
+            )
         })
         .collect()
 }

@@ -1,4 +1,5 @@
-//! Positions: equal bit for bit, zeros folded, numbered in order of appearance; no input makes it slow.
+//! Positions: equal bit for bit, zeros folded, numbered in order of appearance; no input makes it
+//! slow.
 
 use lodc_fixtures::Rng;
 use lodc_mesh::{PositionIds, position_key};
@@ -51,7 +52,8 @@ fn positions_made_to_collide_are_numbered_all_the_same_and_in_time() {
     let mut positions = Vec::new();
     while positions.len() < 200_000 {
         let z = rng.unit();
-        let mixed = 0x3f80_0000_3f80_0000 ^ u64::from(z.to_bits()).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        let mixed =
+            0x3f80_0000_3f80_0000 ^ u64::from(z.to_bits()).wrapping_mul(0x9e37_79b9_7f4a_7c15);
         let p = [f32::from_bits(mixed as u32), f32::from_bits((mixed >> 32) as u32), z];
         if p.iter().all(|c| c.is_finite()) {
             positions.push(p);

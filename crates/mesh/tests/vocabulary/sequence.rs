@@ -38,8 +38,14 @@ fn a_level_is_shown_at_the_step_before_it() {
 /// Steps of one record, of two, of many, and mixtures, at every LOD and beyond the last.
 #[test]
 fn steps_are_found_as_by_counting_them() {
-    let lengths: [fn(u32) -> u32; 6] =
-        [|_| 1, |_| 2, |_| 100, |i| 1 + i % 2, |i| 1 + u32::from(i % 40 == 39) * 70, |i| 1 + i * i % 13];
+    let lengths: [fn(u32) -> u32; 6] = [
+        |_| 1,
+        |_| 2,
+        |_| 100,
+        |i| 1 + i % 2,
+        |i| 1 + u32::from(i % 40 == 39) * 70,
+        |i| 1 + i * i % 13,
+    ];
     for length in lengths {
         for records in [1, 31, 32, 33, 64, 700] {
             let mut step_ends = Vec::new();
@@ -70,7 +76,8 @@ fn levels_are_found_by_triangles_and_by_error() {
     let s = sequence();
     let by_triangles: Vec<u32> = (0..10).map(|n| s.lod_for_triangles(n).0).collect();
     assert_eq!(by_triangles, [6, 6, 5, 5, 5, 5, 2, 2, 0, 0]);
-    let by_error = [0.0, 0.49, 0.5, 0.9, 1.0, 3.9, 4.0, f32::INFINITY].map(|e| s.lod_for_error(e).0);
+    let by_error =
+        [0.0, 0.49, 0.5, 0.9, 1.0, 3.9, 4.0, f32::INFINITY].map(|e| s.lod_for_error(e).0);
     assert_eq!(by_error, [0, 0, 3, 3, 5, 5, 6, 6]);
     assert_eq!(s.lod_for_error(f32::NAN), Lod(0));
     assert_eq!(s.last_visible(), Lod(5));
@@ -127,14 +134,20 @@ fn every_rule_names_its_first_offender() {
     assert_eq!(refused(&|p| p.step_ends[3] = 7), SequenceError::Step { step: 4 });
     assert_eq!(refused(&|p| p.targets.push(7)), SequenceError::Step { step: 4 });
     assert_eq!(refused(&|p| p.last_legal_lod = Lod(7)), SequenceError::Step { step: 4 });
-    assert_eq!(refused(&|p| p.first_topology_change = Some(Lod(7))), SequenceError::Step { step: 4 });
+    assert_eq!(
+        refused(&|p| p.first_topology_change = Some(Lod(7))),
+        SequenceError::Step { step: 4 }
+    );
     assert!(refused(&|p| p.targets[4] = 3).to_string().contains("record 4"));
 }
 
 #[test]
 fn nothing_is_a_sequence() {
     let s = CollapseSequence::try_from(SequenceParts::default()).expect("nothing breaks no rule");
-    assert_eq!((s.records(), s.last_visible(), s.lod_for_triangles(0), s.floor(Lod(3))), (0, Lod(0), Lod(0), Lod(0)));
+    assert_eq!(
+        (s.records(), s.last_visible(), s.lod_for_triangles(0), s.floor(Lod(3))),
+        (0, Lod(0), Lod(0), Lod(0))
+    );
     assert_eq!(s.resolve_all(Lod(5)), [0]);
 }
 

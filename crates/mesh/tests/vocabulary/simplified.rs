@@ -1,9 +1,12 @@
 //! The reference answer, worked by hand on a strip of four triangles with a seam.
 
 use crate::parts;
-use lodc_mesh::{CollapseSequence, Lod, Mesh, OrientedTriangle, SequenceParts, Simplified, SimplifiedError};
+use lodc_mesh::{
+    CollapseSequence, Lod, Mesh, OrientedTriangle, SequenceParts, Simplified, SimplifiedError,
+};
 
-/// Five points in a row of squares cut in half; the point in the middle of the bottom has two wedges (0 and 1).
+/// Five points in a row of squares cut in half; the point in the middle of the bottom has two
+/// wedges (0 and 1).
 ///
 /// ```text
 ///   2 --- 5 --- 6        triangles 2: (0 5 2)  1: (3 0 2)
@@ -12,10 +15,20 @@ use lodc_mesh::{CollapseSequence, Lod, Mesh, OrientedTriangle, SequenceParts, Si
 /// ```
 fn strip() -> (Mesh, SequenceParts) {
     let at = |x: f32, y: f32| [x, y, 0.0];
-    let positions = [at(1.0, 0.0), at(1.0, 0.0), at(0.0, 1.0), at(0.0, 0.0), at(2.0, 0.0), at(1.0, 1.0), at(2.0, 1.0)];
-    let mesh = Mesh::try_from(parts(&positions, &[[4, 6, 1], [6, 5, 1], [0, 5, 2], [3, 0, 2]])).expect("a valid mesh");
+    let positions = [
+        at(1.0, 0.0),
+        at(1.0, 0.0),
+        at(0.0, 1.0),
+        at(0.0, 0.0),
+        at(2.0, 0.0),
+        at(1.0, 1.0),
+        at(2.0, 1.0),
+    ];
+    let mesh = Mesh::try_from(parts(&positions, &[[4, 6, 1], [6, 5, 1], [0, 5, 2], [3, 0, 2]]))
+        .expect("a valid mesh");
     let sequence = SequenceParts {
-        // Both wedges go to the left end: wedge 0 along its edge, wedge 1 with it; then the rest, one by one.
+        // Both wedges go to the left end: wedge 0 along its edge, wedge 1 with it; then the rest,
+        // one by one.
         targets: vec![3, 3, 5, 5, 6, 6],
         step_ends: vec![2, 3, 4, 5, 6],
         step_errors: vec![0.0; 5],
@@ -28,7 +41,8 @@ fn strip() -> (Mesh, SequenceParts) {
 
 fn simplified() -> Simplified {
     let (mesh, sequence) = strip();
-    Simplified::new(mesh, CollapseSequence::try_from(sequence).expect("a valid sequence")).expect("they fit")
+    Simplified::new(mesh, CollapseSequence::try_from(sequence).expect("a valid sequence"))
+        .expect("they fit")
 }
 
 #[test]
@@ -54,7 +68,8 @@ fn the_reference_is_what_a_hand_finds() {
 
 #[test]
 fn a_triangle_between_wedges_of_one_position_is_dead() {
-    // Vertices 1 and 2 share a position but no index; once 0 has gone to 1, a triangle has corners 1, 2, 3.
+    // Vertices 1 and 2 share a position but no index; once 0 has gone to 1, a triangle has corners
+    // 1, 2, 3.
     let positions = [[0.0, 1.0, 0.0], [0.0; 3], [0.0; 3], [1.0, 0.0, 0.0]];
     let mesh = Mesh::try_from(parts(&positions, &[[0, 2, 3]])).expect("a valid mesh");
     let sequence = SequenceParts {
@@ -65,7 +80,8 @@ fn a_triangle_between_wedges_of_one_position_is_dead() {
         triangles: 1,
         ..SequenceParts::default()
     };
-    let s = Simplified::new(mesh, sequence.try_into().expect("a valid sequence")).expect("they fit");
+    let s =
+        Simplified::new(mesh, sequence.try_into().expect("a valid sequence")).expect("they fit");
     assert_eq!(s.triangles_at(Lod(0)), [OrientedTriangle::new(0, [0, 2, 3])]);
     assert!(s.triangles_at(Lod(1)).is_empty());
     assert_eq!(s.fakes(), 1);
@@ -75,7 +91,8 @@ fn a_triangle_between_wedges_of_one_position_is_dead() {
 fn sizes_that_do_not_match_are_refused() {
     let (mesh, sequence) = strip();
     let refused = |p: SequenceParts| {
-        Simplified::new(mesh.clone(), CollapseSequence::try_from(p).expect("a valid sequence")).expect_err("no match")
+        Simplified::new(mesh.clone(), CollapseSequence::try_from(p).expect("a valid sequence"))
+            .expect_err("no match")
     };
     let other = SequenceParts { triangles: 5, ..sequence.clone() };
     assert_eq!(refused(other), SimplifiedError::Triangles { mesh: 4, sequence: 5 });
@@ -87,7 +104,8 @@ fn sizes_that_do_not_match_are_refused() {
 
 #[test]
 fn nothing_simplifies_to_nothing() {
-    let none = CollapseSequence::try_from(SequenceParts::default()).expect("nothing breaks no rule");
+    let none =
+        CollapseSequence::try_from(SequenceParts::default()).expect("nothing breaks no rule");
     let s = Simplified::new(lodc_fixtures::empty(), none).expect("they fit");
     assert!(s.triangles_at(Lod(0)).is_empty() && s.triangles_at(Lod(9)).is_empty());
     assert_eq!(s.fakes(), 0);
@@ -101,7 +119,11 @@ fn live_triangles_come_first_in_arbitrary_sequences() {
         for i in (0..s.collapses().steps()).step_by(7) {
             let step = s.collapses().step(i);
             assert_eq!(s.triangles_at_with(step.lod, &positions), s.triangles_at(step.lod));
-            assert_eq!(s.triangles_at(step.lod).len(), step.triangles as usize, "seed {seed}, step {i}");
+            assert_eq!(
+                s.triangles_at(step.lod).len(),
+                step.triangles as usize,
+                "seed {seed}, step {i}"
+            );
         }
     }
 }

@@ -6,7 +6,10 @@ use lodc_mesh::{Attribute, Component, Semantic, Submesh, weld_positions};
 
 #[test]
 fn positions_within_the_tolerance_become_the_first_of_them() {
-    let mut p = parts(&[[0.0; 3], [0.9, 0.0, 0.0], [1.8, 0.0, 0.0], [2.6, 0.0, 0.0], [-0.5, 0.5, 0.5]], &[]);
+    let mut p = parts(
+        &[[0.0; 3], [0.9, 0.0, 0.0], [1.8, 0.0, 0.0], [2.6, 0.0, 0.0], [-0.5, 0.5, 0.5]],
+        &[],
+    );
     assert_eq!(weld_positions(&mut p, 1.0), 3);
     // The third is near the second, but that has gone to the first: chains do not drag.
     assert_eq!(p.positions, [[0.0; 3], [0.0; 3], [1.8, 0.0, 0.0], [1.8, 0.0, 0.0], [0.0; 3]]);
@@ -21,20 +24,27 @@ fn no_tolerance_moves_nothing() {
     }
     // Zeros of both signs are one position already: their bytes stay.
     assert_eq!(weld_positions(&mut p, 1e-40), 0);
-    assert!(p.positions.iter().zip(&before.positions).all(|(a, b)| a.map(f32::to_bits) == b.map(f32::to_bits)));
+    assert!(
+        p.positions
+            .iter()
+            .zip(&before.positions)
+            .all(|(a, b)| a.map(f32::to_bits) == b.map(f32::to_bits))
+    );
 }
 
 #[test]
 fn welding_is_what_comparing_all_pairs_finds() {
     let mut rng = Rng::new(3);
     for size in [1.0f32, 100.0, 1e-6] {
-        let points: Vec<[f32; 3]> = (0..300).map(|_| std::array::from_fn(|_| (rng.unit() - 0.5) * size)).collect();
+        let points: Vec<[f32; 3]> =
+            (0..300).map(|_| std::array::from_fn(|_| (rng.unit() - 0.5) * size)).collect();
         let tolerance = 0.1 * f64::from(size);
         let mut wanted: Vec<[f32; 3]> = Vec::new();
         let mut kept: Vec<[f32; 3]> = Vec::new();
         for &p in &points {
             let near = |q: &&[f32; 3]| {
-                (0..3).map(|i| (f64::from(p[i]) - f64::from(q[i])).powi(2)).sum::<f64>() <= tolerance * tolerance
+                (0..3).map(|i| (f64::from(p[i]) - f64::from(q[i])).powi(2)).sum::<f64>()
+                    <= tolerance * tolerance
             };
             let target = kept.iter().find(near).copied().unwrap_or_else(|| {
                 kept.push(p);
@@ -69,7 +79,11 @@ fn raw_positions_follow_where_the_stream_is_shared() {
     p.vertex_submesh = vec![0, 0, 1, 2];
     assert_eq!(weld_positions(&mut p, 4.0), 3);
     assert_eq!(p.positions, [[10.0; 3]; 4]);
-    assert_eq!(p.attributes[0].bytes, [10, 10, 0, 10], "followed, not in the stream, followed across submeshes");
+    assert_eq!(
+        p.attributes[0].bytes,
+        [10, 10, 0, 10],
+        "followed, not in the stream, followed across submeshes"
+    );
     assert_eq!(p.attributes[1].bytes, [10, 11, 0, 12], "other attributes stay");
 }
 
@@ -86,7 +100,10 @@ fn a_raw_position_that_cannot_follow_keeps_its_vertex_where_it_is() {
     }];
     p.submeshes = vec![Submesh::default(), Submesh { attributes: vec![0], ..Submesh::default() }];
     p.vertex_submesh = vec![0, 1];
-    assert_eq!((weld_positions(&mut p, 4.0), p.positions[1], p.attributes[0].bytes[1]), (0, [11.0; 3], 11));
+    assert_eq!(
+        (weld_positions(&mut p, 4.0), p.positions[1], p.attributes[0].bytes[1]),
+        (0, [11.0; 3], 11)
+    );
 }
 
 #[test]

@@ -1,4 +1,5 @@
-//! What a collapse costs. A metric is one file or folder here and its entry in [`MetricKind`](crate::MetricKind).
+//! What a collapse costs. A metric is one file or folder here and its entry in
+//! [`MetricKind`](crate::MetricKind).
 
 mod hybrid;
 mod quadric;
@@ -12,9 +13,11 @@ use crate::fan::{Facet, Lanes};
 use crate::neighborhood::FeaturePlane;
 use crate::working::Working;
 
-/// The price of moving a group onto a neighbour. Pricing is pure, so it runs in parallel; committing is serial.
+/// The price of moving a group onto a neighbour. Pricing is pure, so it runs in parallel;
+/// committing is serial.
 pub(crate) trait Metric: Sync {
-    /// Whether it can look: see more than a group's planes. What only looking needs costs the others nothing.
+    /// Whether it can look: see more than a group's planes. What only looking needs costs the
+    /// others nothing.
     const LOOKS: bool = false;
     /// What is common to all collapses of one group.
     type Local;
@@ -24,8 +27,8 @@ pub(crate) trait Metric: Sync {
     /// Looks at a group: the faces of its star, and the planes of features through it.
     fn local(&self, from: u32, facets: &[Facet], features: &[FeaturePlane]) -> Self::Local;
 
-    /// What it costs to move the group along the first lanes, as many as `costs` holds. Working units to the fourth power;
-    /// not negative.
+    /// What it costs to move the group along the first lanes, as many as `costs` holds. Working
+    /// units to the fourth power; not negative.
     fn costs(&self, local: &Self::Local, lanes: &Lanes, costs: &mut [f64]);
 
     /// What the cost of attributes is multiplied by before it is added.
@@ -33,7 +36,8 @@ pub(crate) trait Metric: Sync {
         1.0
     }
 
-    /// `from` is about to move onto `to`. May set the target's [`arrival`](crate::working::Place::arrival).
+    /// `from` is about to move onto `to`. May set the target's
+    /// [`arrival`](crate::working::Place::arrival).
     fn collapsed(&mut self, mesh: &mut Working, from: u32, to: u32);
 
     /// How far the surface at `group` is from the surface it stands for, in working units.
@@ -44,7 +48,8 @@ pub(crate) trait Metric: Sync {
         false
     }
 
-    /// Asked after every collapse while every rule holds: whether prices should from now on, or no longer, be what is seen.
+    /// Asked after every collapse while every rule holds: whether prices should from now on, or no
+    /// longer, be what is seen.
     fn wants_change(&self, _mesh: &Working) -> bool {
         false
     }
@@ -53,5 +58,12 @@ pub(crate) trait Metric: Sync {
     fn change(&mut self, _mesh: &Working, _legal: bool) {}
 
     /// Replaces the prices of `from`'s candidates (cost and target), which come in no order.
-    fn look(&self, _mesh: &Working, _from: u32, _candidates: &mut [(f64, u32)], _eye: &mut Self::Eye) {}
+    fn look(
+        &self,
+        _mesh: &Working,
+        _from: u32,
+        _candidates: &mut [(f64, u32)],
+        _eye: &mut Self::Eye,
+    ) {
+    }
 }

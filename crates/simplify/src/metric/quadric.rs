@@ -1,9 +1,11 @@
-//! The quadric metric: distance to the planes of the *current* surface, with a small accumulated term.
+//! The quadric metric: distance to the planes of the *current* surface, with a small accumulated
+//! term.
 //!
-//! The main term refits the quadric of a group to the faces around it each time it is asked (memoryless
-//! simplification, Lindstrom and Turk 1998), which on scans is clearly better than accumulated quadrics (Garland and
-//! Heckbert 1997). On thin shapes it forgets what has been lost already; a share of the accumulated quadrics repairs
-//! that, and they also give the reported error.
+//! The main term refits the quadric of a group to the faces around it each time it is asked
+//! (memoryless simplification, Lindstrom and Turk 1998), which on scans is clearly better than
+//! accumulated quadrics (Garland and Heckbert 1997). On thin shapes it forgets what has been lost
+//! already; a share of the accumulated quadrics repairs that, and they also give the reported
+//! error.
 
 use super::Metric;
 use crate::fan::{Facet, Lanes};
@@ -52,7 +54,8 @@ impl QuadricMetric {
                 surface[g as usize].add_plane(f.normal.as_dvec3(), f64::from(f.area));
             }
         }
-        let mut metric = Self { surface, border: Vec::new(), border_of: vec![NONE; mesh.places.len()] };
+        let mut metric =
+            Self { surface, border: Vec::new(), border_of: vec![NONE; mesh.places.len()] };
         let mut around = Neighborhood::default();
         for g in (0..mesh.places.len() as u32).filter(|&g| mesh.has(g, OPEN)) {
             around.look(mesh, wedges, g);
@@ -97,10 +100,14 @@ impl Metric for QuadricMetric {
     #[inline]
     fn costs(&self, local: &Local, lanes: &Lanes, costs: &mut [f64]) {
         let Local { a: [xx, xy, xz, yy, yz, zz], b, c } = *local;
-        let (xy, xz, yz, bx, by, bz) = (2.0 * xy, 2.0 * xz, 2.0 * yz, 2.0 * b.x, 2.0 * b.y, 2.0 * b.z);
+        let (xy, xz, yz, bx, by, bz) =
+            (2.0 * xy, 2.0 * xz, 2.0 * yz, 2.0 * b.x, 2.0 * b.y, 2.0 * b.z);
         let lanes = lanes.x.iter().zip(&lanes.y).zip(&lanes.z).zip(&lanes.arrival);
         for (cost, (((&x, &y), &z), &arrival)) in costs.iter_mut().zip(lanes) {
-            let moved = x * (xx * x + xy * y + xz * z + bx) + y * (yy * y + yz * z + by) + z * (zz * z + bz) + c;
+            let moved = x * (xx * x + xy * y + xz * z + bx)
+                + y * (yy * y + yz * z + by)
+                + z * (zz * z + bz)
+                + c;
             *cost = moved.max(0.0) + arrival;
         }
     }

@@ -1,8 +1,10 @@
-//! The first strips for a vertex cache: after each strip, every strip that could begin at a cached vertex is tried.
+//! The first strips for a vertex cache: after each strip, every strip that could begin at a cached
+//! vertex is tried.
 //!
-//! Candidates run straight (without swaps), up to a length. Each prefix of each is judged by what it fetches, by its
-//! indices, by the vertices it finishes and by those it throws out of the cache although they will be needed again.
-//! All bookkeeping is by counters, so a step of a candidate costs a few nanoseconds whatever the size of the mesh.
+//! Candidates run straight (without swaps), up to a length. Each prefix of each is judged by what
+//! it fetches, by its indices, by the vertices it finishes and by those it throws out of the cache
+//! although they will be needed again. All bookkeeping is by counters, so a step of a candidate
+//! costs a few nanoseconds whatever the size of the mesh.
 
 use crate::adjacency::decode;
 use crate::cover::{Cover, is_none};
@@ -108,7 +110,8 @@ impl Greedy<'_> {
         }
         best
     }
-    /// Runs along a candidate, keeps its best prefix if it is better than the best so far, and takes everything back.
+    /// Runs along a candidate, keeps its best prefix if it is better than the best so far, and
+    /// takes everything back.
     fn simulate(&mut self, start: u32, leave: u32, best: &mut Option<Candidate>) {
         let w = self.weights;
         let t = self.front.triangles[start as usize];
@@ -130,8 +133,8 @@ impl Greedy<'_> {
         }
         self.front.undo();
     }
-    /// The triangle behind a code as the `n`-th of a straight strip, counted from 0; the slot through which the strip
-    /// leaves it, and its new corner.
+    /// The triangle behind a code as the `n`-th of a straight strip, counted from 0; the slot
+    /// through which the strip leaves it, and its new corner.
     fn step(&self, next: u32, n: usize) -> (u32, u32, u32) {
         let (u, entered) = decode(next);
         let leave = (entered + if n % 2 == 1 { 2 } else { 1 }) % 3;

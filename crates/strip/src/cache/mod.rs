@@ -1,4 +1,5 @@
-//! Strips of bounded length for a vertex cache: a greedy pass, then a local search on short stretches of the drawing order.
+//! Strips of bounded length for a vertex cache: a greedy pass, then a local search on short
+//! stretches of the drawing order.
 
 mod greedy;
 mod paths;
@@ -15,9 +16,11 @@ use window::Search;
 /// What cache-aware strips are made for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CacheOptions {
-    /// How many vertices the cache holds (first in, first out). Values outside 4 to 64 are taken as the nearest of those.
+    /// How many vertices the cache holds (first in, first out). Values outside 4 to 64 are taken as
+    /// the nearest of those.
     pub cache_size: u32,
-    /// How many fetched vertices one index is worth: more makes longer strips, less makes fewer misses.
+    /// How many fetched vertices one index is worth: more makes longer strips, less makes fewer
+    /// misses.
     pub index_price: f32,
     /// How long to search.
     pub effort: Effort,
@@ -29,7 +32,8 @@ impl Default for CacheOptions {
     }
 }
 
-/// Makes short strips that draw exactly the mesh and ask a vertex cache for few vertices that it does not hold.
+/// Makes short strips that draw exactly the mesh and ask a vertex cache for few vertices that it
+/// does not hold.
 #[must_use]
 pub fn cache(mesh: &Mesh, options: &CacheOptions) -> StripSet {
     let triangles = mesh.triangles();
@@ -68,7 +72,14 @@ fn searches(effort: Effort) -> &'static [Search] {
 }
 
 fn weights(effort: Effort) -> Weights {
-    let all = Weights { index: 0.12, evicted: 0.28, finished: 0.56, triangle: 0.87, longest: 20, cached: 2 };
+    let all = Weights {
+        index: 0.12,
+        evicted: 0.28,
+        finished: 0.56,
+        triangle: 0.87,
+        longest: 20,
+        cached: 2,
+    };
     match effort {
         Effort::Fast => Weights { longest: 14, ..all },
         Effort::Default => all,

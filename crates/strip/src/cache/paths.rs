@@ -3,7 +3,8 @@
 use crate::adjacency::{Neighbours, code, decode};
 use crate::cover::write_path;
 
-/// A strip: its triangles with the slot through which each is left (3 at the end), and its vertices.
+/// A strip: its triangles with the slot through which each is left (3 at the end), and its
+/// vertices.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Strip {
     pub(crate) path: Vec<u32>,
@@ -19,7 +20,12 @@ pub(crate) struct Surface {
 impl Surface {
     pub(crate) fn indices(&self, path: &[u32]) -> Vec<u32> {
         let mut indices = Vec::with_capacity(path.len() + 4);
-        write_path(path, &self.triangles, |t, slot| self.neighbours[t as usize][slot as usize], &mut indices);
+        write_path(
+            path,
+            &self.triangles,
+            |t, slot| self.neighbours[t as usize][slot as usize],
+            &mut indices,
+        );
         indices
     }
     /// The same triangles from the other end.

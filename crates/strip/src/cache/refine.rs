@@ -58,13 +58,15 @@ pub(crate) fn refine(
             length += path.len();
         }
         let mut head: Vec<u32> = head.into_iter().rev().flatten().collect();
-        let mut tail: Vec<u32> = paths[end..].iter().take(TAIL).flat_map(written).take(TAIL).collect();
+        let mut tail: Vec<u32> =
+            paths[end..].iter().take(TAIL).flat_map(written).take(TAIL).collect();
 
         let mut vertices: Vec<u32> = all.iter().flat_map(|&t| triangles[t as usize]).collect();
         vertices.extend(head.iter().chain(&tail));
         vertices.sort_unstable();
         vertices.dedup();
-        let local = |v: u32| vertices.binary_search(&v).expect("gathered from the same triangles") as u32;
+        let local =
+            |v: u32| vertices.binary_search(&v).expect("gathered from the same triangles") as u32;
         head.iter_mut().chain(&mut tail).for_each(|v| *v = local(*v));
         let near = |c: u32| {
             if is_none(c) {
@@ -75,12 +77,18 @@ pub(crate) fn refine(
         };
         let surface = Surface {
             triangles: all.iter().map(|&t| triangles[t as usize].map(local)).collect(),
-            neighbours: all.iter().map(|&t| [0, 1, 2].map(|slot| near(cover.neighbour(t, slot)))).collect(),
+            neighbours: all
+                .iter()
+                .map(|&t| [0, 1, 2].map(|slot| near(cover.neighbour(t, slot))))
+                .collect(),
         };
         let mut strips: Vec<Strip> = paths[start..end]
             .iter()
             .map(|path| {
-                let path = path.iter().map(|&c| code(place[decode(c).0 as usize], decode(c).1)).collect::<Vec<_>>();
+                let path = path
+                    .iter()
+                    .map(|&c| code(place[decode(c).0 as usize], decode(c).1))
+                    .collect::<Vec<_>>();
                 Strip { indices: surface.indices(&path), path }
             })
             .collect();
@@ -108,7 +116,14 @@ fn improve(
     search: &Search,
     random: &mut Random,
 ) {
-    let vertices = surface.triangles.iter().flatten().chain(head).chain(tail).max().map_or(0, |&v| v as usize + 1);
+    let vertices = surface
+        .triangles
+        .iter()
+        .flatten()
+        .chain(head)
+        .chain(tail)
+        .max()
+        .map_or(0, |&v| v as usize + 1);
     let mut fifo = Fifo::new(vertices, size);
     let mut strip_of = vec![u32::MAX; surface.triangles.len()];
     let mut done: Vec<Strip> = Vec::new();
@@ -134,7 +149,14 @@ fn improve(
             before.extend(head);
         }
         before.extend(done[from..].iter().flat_map(|s| &s.indices));
-        let after = waiting.iter().take(TAIL).flat_map(|s| &s.indices).chain(tail).take(TAIL).copied().collect();
+        let after = waiting
+            .iter()
+            .take(TAIL)
+            .flat_map(|s| &s.indices)
+            .chain(tail)
+            .take(TAIL)
+            .copied()
+            .collect();
         let parts = (surface, &mut fifo, &mut *random, strip_of.as_mut_slice());
         stretch = Window::new(parts, price, stretch, &before, after).search(&half);
         if waiting.is_empty() {

@@ -1,6 +1,6 @@
-//! Local search on a stretch of the drawing order: strips are joined, cut, moved, turned, or take triangles from others,
-//! with simulated annealing. What a change costs is counted by sending the changed stretch through the cache again, until
-//! the cache holds what it held before.
+//! Local search on a stretch of the drawing order: strips are joined, cut, moved, turned, or take
+//! triangles from others, with simulated annealing. What a change costs is counted by sending the
+//! changed stretch through the cache again, until the cache holds what it held before.
 
 use super::paths::{Strip, Surface};
 use crate::adjacency::decode;
@@ -67,7 +67,8 @@ pub(crate) struct Window<'a> {
     strips: Vec<Strip>,
     unused: Vec<u32>,
     sequence: Vec<u32>,
-    /// Vertices fetched so far, and how many before each strip of the sequence, and before the tail, and in all.
+    /// Vertices fetched so far, and how many before each strip of the sequence, and before the
+    /// tail, and in all.
     history: Vec<u32>,
     marks: Vec<usize>,
     /// What is drawn after the stretch.
@@ -80,7 +81,12 @@ pub(crate) struct Window<'a> {
 
 impl<'a> Window<'a> {
     pub(crate) fn new(
-        (surface, fifo, random, strip_of): (&'a Surface, &'a mut Fifo, &'a mut Random, &'a mut [u32]),
+        (surface, fifo, random, strip_of): (
+            &'a Surface,
+            &'a mut Fifo,
+            &'a mut Random,
+            &'a mut [u32],
+        ),
         price: f32,
         strips: Vec<Strip>,
         head: &[u32],
@@ -233,7 +239,8 @@ impl<'a> Window<'a> {
         let other = self.path(b);
         let k = other.iter().position(|&c| decode(c).0 == y)?;
         // What follows y, or what comes before it, goes along.
-        let forward = if other.len() == 1 { true } else { k == 0 || (k + 1 < other.len() && bits & 8 == 0) };
+        let forward =
+            if other.len() == 1 { true } else { k == 0 || (k + 1 < other.len() && bits & 8 == 0) };
         let (part, rest) = if forward {
             let (rest, part) = cut(other, k);
             (part, rest)
@@ -273,9 +280,13 @@ impl<'a> Window<'a> {
         let (old, new) = (&self.sequence, &self.trial);
         let first = old.iter().zip(new).take_while(|(a, b)| a == b).count();
         let most = old.len().min(new.len()) - first;
-        let same = old.iter().rev().zip(new.iter().rev()).take(most).take_while(|(a, b)| a == b).count();
+        let same =
+            old.iter().rev().zip(new.iter().rev()).take(most).take_while(|(a, b)| a == b).count();
         let count = |sequence: &[u32]| -> usize {
-            sequence[first..sequence.len() - same].iter().map(|&s| self.strips[s as usize].indices.len()).sum()
+            sequence[first..sequence.len() - same]
+                .iter()
+                .map(|&s| self.strips[s as usize].indices.len())
+                .sum()
         };
         let indices = count(new) as f32 - count(old) as f32;
 
@@ -290,7 +301,9 @@ impl<'a> Window<'a> {
         let mut joins = None;
         for i in first..=new.len() {
             let was = (i as isize + shift) as usize;
-            if i + same >= new.len() && ends_alike(&self.fresh, &self.history[..self.marks[was]], size) {
+            if i + same >= new.len()
+                && ends_alike(&self.fresh, &self.history[..self.marks[was]], size)
+            {
                 joins = Some(was);
                 break;
             }
@@ -302,7 +315,9 @@ impl<'a> Window<'a> {
         let joins = joins.unwrap_or(old.len() + 1);
         let misses = end as f32 - self.marks[joins] as f32;
         let delta = f64::from(misses + self.price * indices);
-        if delta > 0.0 && (self.random.bits() >> 32) as f64 >= exp_minus(delta / temperature) * 4_294_967_296.0 {
+        if delta > 0.0
+            && (self.random.bits() >> 32) as f64 >= exp_minus(delta / temperature) * 4_294_967_296.0
+        {
             return false;
         }
         let moved = end as isize - self.marks[joins] as isize;

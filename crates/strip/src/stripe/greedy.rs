@@ -1,4 +1,5 @@
-//! The local phase of Stripe: always continue with the neighbour that has the fewest neighbours left.
+//! The local phase of Stripe: always continue with the neighbour that has the fewest neighbours
+//! left.
 
 use crate::adjacency::decode;
 use crate::cover::{Cover, is_none};
@@ -8,7 +9,8 @@ const SWAP: u32 = 2;
 
 /// Links triangles to strips, starting each at the triangle with the fewest neighbours left.
 pub(crate) fn cover(cover: &mut Cover) {
-    let mut greedy = Greedy { buckets: Default::default(), free: vec![0; cover.nodes.len()], cover };
+    let mut greedy =
+        Greedy { buckets: Default::default(), free: vec![0; cover.nodes.len()], cover };
     // Pushed in reverse, so that the first triangle lies on top.
     for t in (0..greedy.free.len() as u32).rev() {
         let n = &greedy.cover.nodes[t as usize][..3];
@@ -29,7 +31,8 @@ const TAKEN: u8 = u8::MAX;
 
 struct Greedy<'a> {
     cover: &'a mut Cover,
-    /// Triangles by how many neighbours they have left. Outdated entries are skipped when they surface.
+    /// Triangles by how many neighbours they have left. Outdated entries are skipped when they
+    /// surface.
     buckets: [Vec<u32>; 4],
     free: Vec<u8>,
 }
@@ -97,6 +100,10 @@ impl Greedy<'_> {
     }
     /// The fewest neighbours left of any neighbour.
     fn ahead(&self, t: u32) -> u8 {
-        (0..3).filter_map(|slot| self.free_neighbour(t, slot)).map(|u| self.free[u as usize]).min().unwrap_or(0)
+        (0..3)
+            .filter_map(|slot| self.free_neighbour(t, slot))
+            .map(|u| self.free[u as usize])
+            .min()
+            .unwrap_or(0)
     }
 }

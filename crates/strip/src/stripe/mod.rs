@@ -1,4 +1,5 @@
-//! Few long strips: the local heuristics of Stripe (Evans, Skiena, Varshney 1996), then tunnelling by local search.
+//! Few long strips: the local heuristics of Stripe (Evans, Skiena, Varshney 1996), then tunnelling
+//! by local search.
 
 mod greedy;
 mod regions;
@@ -11,9 +12,9 @@ use lodc_mesh::Mesh;
 
 /// Makes few long strips that draw exactly the mesh.
 ///
-/// Judge them by indices per triangle: 1.1 to 1.2 on scanned surfaces. For vertex caches they are no better than any
-/// other order that follows the surface; [`crate::cache()`] makes strips for those. Work on several regions runs on
-/// rayon's current thread pool.
+/// Judge them by indices per triangle: 1.1 to 1.2 on scanned surfaces. For vertex caches they are
+/// no better than any other order that follows the surface; [`crate::cache()`] makes strips for
+/// those. Work on several regions runs on rayon's current thread pool.
 #[must_use]
 pub fn stripe(mesh: &Mesh, effort: Effort) -> StripSet {
     let triangles = mesh.triangles();
@@ -42,9 +43,10 @@ fn schedule(effort: Effort) -> &'static [search::Round] {
     }
 }
 
-/// Measured on three scans: two indices are what a strip costs by itself, three with a restart index. Starting with
-/// three would freeze early, ending with it costs nothing.
-const FAST: &[search::Round] = &[search::Round { proposals: 1.5, warm: 0.25, cold: 0.15, strip: 2 }];
+/// Measured on three scans: two indices are what a strip costs by itself, three with a restart
+/// index. Starting with three would freeze early, ending with it costs nothing.
+const FAST: &[search::Round] =
+    &[search::Round { proposals: 1.5, warm: 0.25, cold: 0.15, strip: 2 }];
 const DEFAULT: &[search::Round] = &[
     search::Round { proposals: 9.0, warm: 0.6, cold: 0.4, strip: 2 },
     search::Round { proposals: 9.0, warm: 0.4, cold: 0.2, strip: 2 },

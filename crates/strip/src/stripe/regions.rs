@@ -1,8 +1,9 @@
 //! The local search on one region after another, or on several at once.
 //!
-//! A region is a number of whole strips that lie together. Strips of one region are joined and divided among themselves
-//! only: so regions are independent, no strip can close into a ring through another region, and the result is the same for
-//! any number of threads. Each round divides the surface in another way, which heals the borders of the last one.
+//! A region is a number of whole strips that lie together. Strips of one region are joined and
+//! divided among themselves only: so regions are independent, no strip can close into a ring
+//! through another region, and the result is the same for any number of threads. Each round divides
+//! the surface in another way, which heals the borders of the last one.
 
 use super::search::{Round, search};
 use crate::adjacency::{NONE, code, decode};
@@ -53,8 +54,8 @@ fn gather(cover: &Cover, order: &[u32], place: &[u32], start: usize, end: usize)
     Cover { nodes: nodes.collect() }
 }
 
-/// All triangles, region by region and strip by strip, and where each region ends. Regions grow over the surface from
-/// strip to strip; each round starts at another place and with another size.
+/// All triangles, region by region and strip by strip, and where each region ends. Regions grow
+/// over the surface from strip to strip; each round starts at another place and with another size.
 fn divide(cover: &Cover, round: usize) -> (Vec<u32>, Vec<usize>) {
     let n = cover.nodes.len();
     let mut order = Vec::with_capacity(n);

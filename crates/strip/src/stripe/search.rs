@@ -1,6 +1,6 @@
-//! Local search on a cover by paths, with simulated annealing: joining two strips, dividing one, and *tunnelling* — an end
-//! is linked to a neighbour inside a strip, which lets go of one of its own links there (Stewart 2001, made aware of
-//! what swaps cost).
+//! Local search on a cover by paths, with simulated annealing: joining two strips, dividing one,
+//! and *tunnelling* — an end is linked to a neighbour inside a strip, which lets go of one of its
+//! own links there (Stewart 2001, made aware of what swaps cost).
 
 use crate::adjacency::{code, decode};
 use crate::anneal::{Random, below, exp_minus};
@@ -29,8 +29,9 @@ const STAGES: usize = 64;
 const CHANGES: u64 = 16;
 /// … this many divide a strip …
 const DIVIDE: u64 = 1;
-/// … and this many link two triangles anywhere, the others an end. What the two make is ends, which cost a little and then
-/// wander until they meet others: without that, swaps far from any end would stay for ever.
+/// … and this many link two triangles anywhere, the others an end. What the two make is ends, which
+/// cost a little and then wander until they meet others: without that, swaps far from any end would
+/// stay for ever.
 const ANYWHERE: u64 = 6;
 
 /// Improves a cover.
@@ -40,7 +41,14 @@ pub(crate) fn search(cover: &mut Cover, round: &Round, seed: u64) {
     for (i, &t) in ends.iter().enumerate() {
         place[t as usize] = i as u32;
     }
-    let mut search = Search { cover, ends, place, random: Random::new(seed), likely: [0; 12], strip: round.strip };
+    let mut search = Search {
+        cover,
+        ends,
+        place,
+        random: Random::new(seed),
+        likely: [0; 12],
+        strip: round.strip,
+    };
     let proposals = (search.cover.nodes.len() as f64 * round.proposals) as usize;
     for stage in 0..STAGES {
         let share = stage as f64 / (STAGES - 1) as f64;
@@ -123,11 +131,16 @@ impl Search<'_> {
     fn given(&self, t: u32, second: bool) -> Option<(u32, u32)> {
         let links = self.cover.links(t);
         (links.count_ones() == 2).then(|| {
-            let slot = if second { (links & (links - 1)).trailing_zeros() } else { links.trailing_zeros() };
+            let slot = if second {
+                (links & (links - 1)).trailing_zeros()
+            } else {
+                links.trailing_zeros()
+            };
             (slot, decode(self.cover.neighbour(t, slot)).0)
         })
     }
-    /// Tries to link a triangle to a neighbour. Each of them gives up one of its links if it has two.
+    /// Tries to link a triangle to a neighbour. Each of them gives up one of its links if it has
+    /// two.
     fn link(&mut self, x: u32, slot: u32, choice: u64, bits: u64) {
         let (y, _) = decode(self.cover.neighbour(x, slot));
         let from_x = self.given(x, choice & 64 != 0);
@@ -177,7 +190,8 @@ impl Search<'_> {
         }
         swaps
     }
-    /// Whether the new link at a slot of x closes a ring: whether the way from x, away from the link, comes back.
+    /// Whether the new link at a slot of x closes a ring: whether the way from x, away from the
+    /// link, comes back.
     fn closes(&self, x: u32, slot: u32) -> bool {
         let back = code(x, slot);
         let (mut at, mut leave) = (x, self.cover.other(x, slot));

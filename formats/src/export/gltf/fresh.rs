@@ -1,4 +1,5 @@
-//! A glTF document for what did not come from glTF: one mesh and node per object, one material per OBJ material.
+//! A glTF document for what did not come from glTF: one mesh and node per object, one material per
+//! OBJ material.
 
 use super::super::ExportObject;
 use crate::import::gltf::json::Object;
@@ -17,7 +18,8 @@ pub(super) fn document(obj: &ObjDocument, objects: &[ExportObject<'_>]) -> Objec
             Some(material) => json!({ "material": material }),
             None => json!({}),
         };
-        let primitives: Vec<Value> = object.info.submeshes.iter().map(|s| primitive(s.material.as_ref())).collect();
+        let primitives: Vec<Value> =
+            object.info.submeshes.iter().map(|s| primitive(s.material.as_ref())).collect();
         json!({ "name": object.info.name, "primitives": primitives })
     };
     let node = |i: usize| json!({ "name": objects[i].info.name, "mesh": i });
@@ -47,10 +49,15 @@ fn material(material: &ObjMaterial, images: &mut Vec<String>) -> Value {
     let mut texture = None;
     for line in &material.lines {
         let (key, rest) = line.trim().split_once(char::is_whitespace).unwrap_or((line.trim(), ""));
-        let numbers: Vec<f64> =
-            rest.split_whitespace().map_while(|w| w.parse().ok()).filter(|n: &f64| n.is_finite()).collect();
+        let numbers: Vec<f64> = rest
+            .split_whitespace()
+            .map_while(|w| w.parse().ok())
+            .filter(|n: &f64| n.is_finite())
+            .collect();
         match (key, &numbers[..]) {
-            ("Kd", &[r, g, b, ..]) => color[..3].copy_from_slice(&[r, g, b].map(|c| c.clamp(0.0, 1.0))),
+            ("Kd", &[r, g, b, ..]) => {
+                color[..3].copy_from_slice(&[r, g, b].map(|c| c.clamp(0.0, 1.0)))
+            }
             ("Kd", &[grey]) => color[..3].fill(grey.clamp(0.0, 1.0)),
             ("Ke", &[r, g, b, ..]) => emissive = [r, g, b].map(|c| c.clamp(0.0, 1.0)),
             ("d", &[alpha, ..]) => color[3] = alpha.clamp(0.0, 1.0),
@@ -81,7 +88,8 @@ fn material(material: &ObjMaterial, images: &mut Vec<String>) -> Value {
     out
 }
 
-/// The file of a `map_` statement as a URI: what follows its options. None for paths that no relative URI can name.
+/// The file of a `map_` statement as a URI: what follows its options. None for paths that no
+/// relative URI can name.
 fn file_name(rest: &str) -> Option<String> {
     let mut words = rest.trim();
     while words.starts_with('-') {
@@ -89,7 +97,8 @@ fn file_name(rest: &str) -> Option<String> {
         let arguments = match option {
             "-o" | "-s" | "-t" => 3,
             "-mm" => 2,
-            "-blendu" | "-blendv" | "-boost" | "-texres" | "-clamp" | "-bm" | "-imfchan" | "-type" | "-cc" => 1,
+            "-blendu" | "-blendv" | "-boost" | "-texres" | "-clamp" | "-bm" | "-imfchan"
+            | "-type" | "-cc" => 1,
             _ => 0,
         };
         words = after.trim_start();
@@ -109,7 +118,8 @@ fn file_name(rest: &str) -> Option<String> {
     Some(path.split('/').map(percent_encoded).collect::<Vec<_>>().join("/"))
 }
 
-/// A mesh as glTF wants it: texture coordinates from the top down, normals of unit length, colours from 0 to 1.
+/// A mesh as glTF wants it: texture coordinates from the top down, normals of unit length, colours
+/// from 0 to 1.
 pub(super) fn adapted(mesh: &Mesh) -> Mesh {
     let mut parts = mesh.clone().into_parts();
     for a in parts.attributes.iter_mut().filter(|a| a.component == Component::F32) {

@@ -16,8 +16,8 @@ const MAGIC: u32 = 0x4654_6c67;
 const JSON: u32 = 0x4e4f_534a;
 const BIN: u32 = 0x004e_4942;
 
-/// Makes one `.glb`, or a `.gltf` and the `.bin` beside it. Primitives without triangles are left out, and meshes
-/// without primitives with them: their nodes stay.
+/// Makes one `.glb`, or a `.gltf` and the `.bin` beside it. Primitives without triangles are left
+/// out, and meshes without primitives with them: their nodes stay.
 pub(super) fn export(
     path: &Path,
     binary: bool,
@@ -25,7 +25,9 @@ pub(super) fn export(
     objects: &[ExportObject<'_>],
 ) -> Result<Vec<OutputFile>, FormatError> {
     let (mut root, mut blob) = match document {
-        Document::Gltf(gltf) => (json::parse(gltf.json.as_bytes(), &Limits::DEFAULT)?, gltf.blob.clone()),
+        Document::Gltf(gltf) => {
+            (json::parse(gltf.json.as_bytes(), &Limits::DEFAULT)?, gltf.blob.clone())
+        }
         Document::Obj(obj) => (fresh::document(obj, objects), Vec::new()),
     };
     // The document may come from a file that someone made up.
@@ -38,14 +40,20 @@ pub(super) fn export(
             Document::Obj(_) => i,
         };
         if object.info.submeshes.len() != object.mesh.submeshes().len() {
-            return Err(json::malformed(&*object.info.name, "has other submeshes than its description"));
+            return Err(json::malformed(
+                &*object.info.name,
+                "has other submeshes than its description",
+            ));
         }
         let foreign = matches!(document, Document::Obj(_)).then(|| fresh::adapted(object.mesh));
         let mut numbering = writer.numbering(foreign.as_ref().unwrap_or(object.mesh));
         for (s, info) in object.info.submeshes.iter().enumerate() {
             let number = if foreign.is_some() { s } else { info.document_primitive as usize };
             let primitive = primitive_mut(&mut root, mesh, number).ok_or_else(|| {
-                json::malformed(format!("meshes[{mesh}].primitives[{number}]"), "is not in the document")
+                json::malformed(
+                    format!("meshes[{mesh}].primitives[{number}]"),
+                    "is not in the document",
+                )
             })?;
             if !numbering.primitive(s, primitive)? {
                 empty.push((mesh, number));
@@ -69,7 +77,13 @@ fn glb(path: &Path, root: &Object, blob: &[u8]) -> Result<OutputFile, FormatErro
     let chunk = if blob.is_empty() { 0 } else { 8 + padded };
     let length = 12 + 8 + text.len() + chunk;
     let word = |n: usize| {
-        let too_large = || FormatError::new(Fault::Limit, "", "larger than the 4 GiB of a GLB: write .gltf instead");
+        let too_large = || {
+            FormatError::new(
+                Fault::Limit,
+                "",
+                "larger than the 4 GiB of a GLB: write .gltf instead",
+            )
+        };
         u32::try_from(n).map_err(|_| too_large())
     };
     let mut bytes = Vec::with_capacity(length);
@@ -89,8 +103,13 @@ fn glb(path: &Path, root: &Object, blob: &[u8]) -> Result<OutputFile, FormatErro
 fn gltf(path: &Path, mut root: Object, blob: Vec<u8>) -> Vec<OutputFile> {
     let beside = path.with_extension("bin");
     if !blob.is_empty() {
-        let name = beside.file_name().map(|n| uri::percent_encoded(&n.to_string_lossy())).unwrap_or_default();
-        if let Some(buffer) = root.get_mut("buffers").and_then(|b| b.get_mut(0)).and_then(Value::as_object_mut) {
+        let name = beside
+            .file_name()
+            .map(|n| uri::percent_encoded(&n.to_string_lossy()))
+            .unwrap_or_default();
+        if let Some(buffer) =
+            root.get_mut("buffers").and_then(|b| b.get_mut(0)).and_then(Value::as_object_mut)
+        {
             buffer.insert("uri".to_owned(), name.into());
         }
     }

@@ -9,8 +9,13 @@ use lodc_mesh::{Attribute, Component, Mesh, MeshParts, Semantic, Submesh};
 use serde_json::{Value, json};
 use std::path::Path;
 
-fn written(document: &Document, objects: &[(&ObjectInfo, &Mesh)], format: ExportFormat) -> Vec<OutputFile> {
-    let objects: Vec<ExportObject<'_>> = objects.iter().map(|&(info, mesh)| ExportObject { info, mesh }).collect();
+fn written(
+    document: &Document,
+    objects: &[(&ObjectInfo, &Mesh)],
+    format: ExportFormat,
+) -> Vec<OutputFile> {
+    let objects: Vec<ExportObject<'_>> =
+        objects.iter().map(|&(info, mesh)| ExportObject { info, mesh }).collect();
     export(Path::new("out/a b.glb"), format, document, &objects).expect("it can be written")
 }
 
@@ -51,7 +56,9 @@ fn every_model_comes_back_exactly_and_an_independent_reader_agrees() {
     let mut checked = 0;
     for part in ["gltf", "paper", "ugly/trimesh"] {
         for path in files_below(&folder.join(part)) {
-            let Ok(scene) = crate::import::import(&path, &ImportOptions::default()) else { continue };
+            let Ok(scene) = crate::import::import(&path, &ImportOptions::default()) else {
+                continue;
+            };
             if !matches!(scene.document, Document::Gltf(_)) {
                 continue;
             }
@@ -63,7 +70,11 @@ fn every_model_comes_back_exactly_and_an_independent_reader_agrees() {
             let back = again(&file);
             assert_eq!(back.objects.len(), scene.objects.len(), "{path:?}");
             for (a, b) in scene.objects.iter().zip(&back.objects) {
-                assert!(exact_triangles(&a.mesh) == exact_triangles(&b.mesh), "{path:?} {}", a.info.name);
+                assert!(
+                    exact_triangles(&a.mesh) == exact_triangles(&b.mesh),
+                    "{path:?} {}",
+                    a.info.name
+                );
                 assert_eq!((&a.info.name, a.info.world_scale), (&b.info.name, b.info.world_scale));
             }
             // Writing what was read again changes nothing any more.
@@ -83,7 +94,9 @@ fn independent_triangles(file: &[u8]) -> Option<usize> {
         let reader = primitive.reader(|_| blob);
         let indices: Vec<u32> = reader.read_indices()?.into_u32().collect();
         let positions = primitive.get(&::gltf::Semantic::Positions)?.count();
-        if primitive.mode() != ::gltf::mesh::Mode::Triangles || indices.iter().any(|&i| i as usize >= positions) {
+        if primitive.mode() != ::gltf::mesh::Mode::Triangles
+            || indices.iter().any(|&i| i as usize >= positions)
+        {
             return None;
         }
         triangles += indices.len() / 3;
@@ -110,11 +123,17 @@ fn indices_are_never_8_bits_and_grow_at_65535_vertices() {
     for (vertices, component) in [(3, 5123), (65_535, 5123), (65_536, 5125)] {
         let mut b = Builder::default();
         let p = b.zigzag(vertices);
-        let root = b.with_meshes(&json!([{ "primitives": [{ "attributes": { "POSITION": p }, "mode": 5 }] }]));
+        let root = b.with_meshes(
+            &json!([{ "primitives": [{ "attributes": { "POSITION": p }, "mode": 5 }] }]),
+        );
         let left = json_of(&glb(&sound(&root)));
         let primitive = &left["meshes"][0]["primitives"][0];
         let indices = &left["accessors"][primitive["indices"].as_u64().expect("indices") as usize];
-        assert_eq!((&indices["componentType"], primitive.get("mode")), (&json!(component), None), "{vertices}");
+        assert_eq!(
+            (&indices["componentType"], primitive.get("mode")),
+            (&json!(component), None),
+            "{vertices}"
+        );
     }
 }
 
@@ -124,14 +143,22 @@ fn narrow_attributes_are_padded_and_positions_have_bounds_in_their_own_type() {
     let p = b.data(5121, "VEC3", 3, &[0, 0, 7, 9, 0, 7, 0, 5, 7]);
     let color = b.data(5121, "VEC3", 3, &[1, 2, 3, 4, 5, 6, 7, 8, 9]);
     b.accessors[color]["normalized"] = json!(true);
-    let root = b.with_meshes(&json!([{ "primitives": [{ "attributes": { "COLOR_0": color, "POSITION": p } }] }]));
+    let root = b.with_meshes(
+        &json!([{ "primitives": [{ "attributes": { "COLOR_0": color, "POSITION": p } }] }]),
+    );
     let file = glb(&sound(&root));
     let left = json_of(&file);
     for view in left["bufferViews"].as_array().expect("views") {
-        assert_eq!(view["byteStride"].as_u64().unwrap_or(4) % 4 + view["byteOffset"].as_u64().unwrap_or(0) % 4, 0);
+        assert_eq!(
+            view["byteStride"].as_u64().unwrap_or(4) % 4
+                + view["byteOffset"].as_u64().unwrap_or(0) % 4,
+            0
+        );
         assert!(view["target"] == json!(34962) || view.get("byteStride").is_none());
     }
-    let position = left["meshes"][0]["primitives"][0]["attributes"]["POSITION"].as_u64().expect("positions") as usize;
+    let position = left["meshes"][0]["primitives"][0]["attributes"]["POSITION"]
+        .as_u64()
+        .expect("positions") as usize;
     assert_eq!(left["accessors"][position]["max"], json!([9, 5, 7]));
     assert_eq!(left["accessors"][position]["min"], json!([0, 0, 7]));
 }
@@ -150,7 +177,8 @@ fn primitives_and_meshes_without_triangles_leave_a_sound_scene() {
         { "mesh": 1, "skin": 0, "weights": [1], "name": "n" }, { "mesh": 2 }, { "mesh": 0 },
     ]);
     root["skins"] = json!([{ "joints": [2] }]);
-    let channel = |node: u32| json!({ "sampler": 0, "target": { "node": node, "path": "weights" } });
+    let channel =
+        |node: u32| json!({ "sampler": 0, "target": { "node": node, "path": "weights" } });
     let pointer = |pointer: &str| json!({ "sampler": 0, "target": { "path": "pointer", "extensions": { "KHR_animation_pointer": { "pointer": pointer } } } });
     let sampler = json!({ "input": times, "output": times });
     root["animations"] = json!([
@@ -159,16 +187,21 @@ fn primitives_and_meshes_without_triangles_leave_a_sound_scene() {
     ]);
     let scene = sound(&root);
     // The first mesh loses its first primitive, the second mesh everything.
-    let meshes: Vec<Mesh> = (0..3).map(|m| thinned(&scene.objects[m].mesh, |t| m != 1 && (m != 0 || t > 0))).collect();
+    let meshes: Vec<Mesh> =
+        (0..3).map(|m| thinned(&scene.objects[m].mesh, |t| m != 1 && (m != 0 || t > 0))).collect();
     let objects: Vec<_> = scene.objects.iter().zip(&meshes).map(|(o, m)| (&o.info, m)).collect();
     let file = written(&scene.document, &objects, ExportFormat::Glb).remove(0).bytes;
     let left = json_of(&file);
-    let names: Vec<_> = left["meshes"].as_array().expect("meshes").iter().map(|m| m["name"].clone()).collect();
+    let names: Vec<_> =
+        left["meshes"].as_array().expect("meshes").iter().map(|m| m["name"].clone()).collect();
     assert_eq!(names, [json!("two"), json!("last")]);
     assert_eq!(left["meshes"][0]["primitives"].as_array().map(Vec::len), Some(1));
     assert_eq!(left["nodes"], json!([{ "name": "n" }, { "mesh": 1 }, { "mesh": 0 }]));
     assert_eq!(left["animations"].as_array().map(Vec::len), Some(1));
-    assert_eq!(left["animations"][0]["channels"], json!([channel(1), pointer("/meshes/1/weights")]));
+    assert_eq!(
+        left["animations"][0]["channels"],
+        json!([channel(1), pointer("/meshes/1/weights")])
+    );
     assert_eq!(again(&file).objects.len(), 2);
 }
 
@@ -176,11 +209,15 @@ fn primitives_and_meshes_without_triangles_leave_a_sound_scene() {
 fn a_gltf_names_its_bin_file_and_reads_back_from_disk() {
     let mut b = Builder::default();
     let p = b.zigzag(4);
-    let scene = sound(&b.with_meshes(&json!([{ "primitives": [{ "attributes": { "POSITION": p }, "mode": 5 }] }])));
+    let scene =
+        sound(&b.with_meshes(
+            &json!([{ "primitives": [{ "attributes": { "POSITION": p }, "mode": 5 }] }]),
+        ));
     let scratch = Scratch::new("gltf-export");
     let objects = [ExportObject { info: &scene.objects[0].info, mesh: &scene.objects[0].mesh }];
     let path = scratch.path("a b ❤.gltf");
-    let files = export(&path, ExportFormat::Gltf, &scene.document, &objects).expect("it can be written");
+    let files =
+        export(&path, ExportFormat::Gltf, &scene.document, &objects).expect("it can be written");
     assert_eq!(files.len(), 2);
     for file in &files {
         std::fs::write(&file.path, &file.bytes).expect("written");
@@ -209,10 +246,22 @@ fn obj_like() -> (ObjDocument, ObjectInfo, Mesh) {
         triangles: vec![[0, 1, 2]],
         submeshes: vec![Submesh { first_triangle: 0, triangle_count: 1, attributes: vec![0, 1] }],
     };
-    let lines = ["Kd 0.5 0.25 2", "d 0.5", "map_Kd -s 1 1 1 -blendu on tex\\my map.png", "nonsense", "Ke 0 0 0"];
+    let lines = [
+        "Kd 0.5 0.25 2",
+        "d 0.5",
+        "map_Kd -s 1 1 1 -blendu on tex\\my map.png",
+        "nonsense",
+        "Ke 0 0 0",
+    ];
     let material = ObjMaterial { name: "m".to_owned(), lines: lines.map(str::to_owned).to_vec() };
-    let submesh = SubmeshInfo { name: "g".to_owned(), material: Some("m".to_owned()), document_primitive: 0 };
-    let info = ObjectInfo { name: "thing".to_owned(), submeshes: vec![submesh], world_scale: 1.0, document_mesh: 0 };
+    let submesh =
+        SubmeshInfo { name: "g".to_owned(), material: Some("m".to_owned()), document_primitive: 0 };
+    let info = ObjectInfo {
+        name: "thing".to_owned(),
+        submeshes: vec![submesh],
+        world_scale: 1.0,
+        document_mesh: 0,
+    };
     let document = ObjDocument { libraries: Vec::new(), materials: vec![material] };
     (document, info, Mesh::try_from(parts).expect("a triangle"))
 }
@@ -220,16 +269,21 @@ fn obj_like() -> (ObjDocument, ObjectInfo, Mesh) {
 #[test]
 fn what_came_from_obj_gets_a_scene_materials_and_the_conventions_of_gltf() {
     let (document, info, mesh) = obj_like();
-    let file = written(&Document::Obj(document), &[(&info, &mesh)], ExportFormat::Glb).remove(0).bytes;
+    let file =
+        written(&Document::Obj(document), &[(&info, &mesh)], ExportFormat::Glb).remove(0).bytes;
     let left = json_of(&file);
     let pbr = &left["materials"][0]["pbrMetallicRoughness"];
     assert_eq!(pbr["baseColorFactor"], json!([0.5, 0.25, 1.0, 0.5]));
     assert_eq!(left["materials"][0]["alphaMode"], json!("BLEND"));
     assert_eq!(left["images"], json!([{ "uri": "tex/my%20map.png" }]));
-    assert_eq!((&left["asset"]["generator"], &left["scenes"]), (&json!("lodc"), &json!([{ "nodes": [0] }])));
+    assert_eq!(
+        (&left["asset"]["generator"], &left["scenes"]),
+        (&json!("lodc"), &json!([{ "nodes": [0] }]))
+    );
     let back = again(&file);
     let mesh = &back.objects[0].mesh;
-    let values = |stream: usize| (0..3).map(|v| mesh.attributes()[stream].value(v, 1)).collect::<Vec<f32>>();
+    let values =
+        |stream: usize| (0..3).map(|v| mesh.attributes()[stream].value(v, 1)).collect::<Vec<f32>>();
     assert_eq!(values(0), [0.75, 0.75, 0.0]);
     let z = (0..3).map(|v| mesh.attributes()[1].value(v, 2)).collect::<Vec<f32>>();
     assert_eq!(z, [1.0; 3]);
@@ -240,7 +294,8 @@ fn what_came_from_obj_gets_a_scene_materials_and_the_conventions_of_gltf() {
 fn a_document_that_does_not_fit_its_objects_is_refused() {
     let mut b = Builder::default();
     let p = b.zigzag(3);
-    let scene = sound(&b.with_meshes(&json!([{ "primitives": [{ "attributes": { "POSITION": p } }] }])));
+    let scene =
+        sound(&b.with_meshes(&json!([{ "primitives": [{ "attributes": { "POSITION": p } }] }])));
     let mut info = scene.objects[0].info.clone();
     info.document_mesh = 7;
     let objects = [ExportObject { info: &info, mesh: &scene.objects[0].mesh }];

@@ -44,12 +44,14 @@ impl Writer {
         Numbering { writer: self, mesh, number: vec![u32::MAX; mesh.vertex_count()] }
     }
 
-    /// Puts accessors, buffer views and the buffer into the document, and the data behind what `blob` holds.
+    /// Puts accessors, buffer views and the buffer into the document, and the data behind what
+    /// `blob` holds.
     pub(super) fn finish(self, root: &mut Object, blob: &mut Vec<u8>) {
         let mut views = Vec::with_capacity(self.groups.len());
         for group in self.groups {
             blob.resize(blob.len().next_multiple_of(4), 0);
-            let mut view = json!({ "buffer": 0, "byteOffset": blob.len(), "byteLength": group.bytes.len() });
+            let mut view =
+                json!({ "buffer": 0, "byteOffset": blob.len(), "byteLength": group.bytes.len() });
             if group.target == ARRAY_BUFFER {
                 view["byteStride"] = group.stride.into();
             }
@@ -99,7 +101,11 @@ impl Writer {
             16 => ("MAT4", 4),
             n => {
                 let what = format!("glTF has no type of {n} components");
-                return Err(FormatError::new(Fault::Unsupported, semantic::to_name(&a.semantic), what));
+                return Err(FormatError::new(
+                    Fault::Unsupported,
+                    semantic::to_name(&a.semantic),
+                    what,
+                ));
             }
         };
         let shape = Shape { columns, rows: usize::from(a.components) / columns };
@@ -141,7 +147,9 @@ impl Writer {
         let component = if short { Component::U16 } else { Component::U32 };
         let (view, bytes) = self.group(ELEMENT_ARRAY_BUFFER, component.size());
         let offset = bytes.len();
-        bytes.extend(indices.iter().flat_map(|i| i.to_le_bytes().into_iter().take(component.size())));
+        bytes.extend(
+            indices.iter().flat_map(|i| i.to_le_bytes().into_iter().take(component.size())),
+        );
         let mut accessor = json!({ "bufferView": view });
         if offset > 0 {
             accessor["byteOffset"] = offset.into();
@@ -163,9 +171,13 @@ pub(super) struct Numbering<'w> {
 }
 
 impl Numbering<'_> {
-    /// Puts the triangles of a submesh into a primitive; false if there are none. Vertices stand in the order in which
-    /// triangles first use them; those that none uses are left out.
-    pub(super) fn primitive(&mut self, submesh: usize, primitive: &mut Object) -> Result<bool, FormatError> {
+    /// Puts the triangles of a submesh into a primitive; false if there are none. Vertices stand in
+    /// the order in which triangles first use them; those that none uses are left out.
+    pub(super) fn primitive(
+        &mut self,
+        submesh: usize,
+        primitive: &mut Object,
+    ) -> Result<bool, FormatError> {
         let mesh = self.mesh;
         let submesh = &mesh.submeshes()[submesh];
         if submesh.triangle_count == 0 {
@@ -196,7 +208,12 @@ impl Numbering<'_> {
                 None => attributes.insert(name, accessor),
                 Some(t) => match targets.get_mut(t as usize) {
                     Some(target) => target.insert(name, accessor),
-                    None => return Err(malformed(name, format!("belongs to morph target {t}, which is not there"))),
+                    None => {
+                        return Err(malformed(
+                            name,
+                            format!("belongs to morph target {t}, which is not there"),
+                        ));
+                    }
                 },
             };
         }
@@ -204,7 +221,8 @@ impl Numbering<'_> {
         primitive.insert("attributes".to_owned(), Value::Object(attributes));
         primitive.insert("indices".to_owned(), indices);
         if declared > 0 {
-            primitive.insert("targets".to_owned(), targets.into_iter().map(Value::Object).collect());
+            primitive
+                .insert("targets".to_owned(), targets.into_iter().map(Value::Object).collect());
         }
         Ok(true)
     }
@@ -221,7 +239,8 @@ fn floats(positions: &[[f32; 3]]) -> Attribute {
     }
 }
 
-/// Smallest and largest of each component as they are stored: integers stay integers even where they mean fractions.
+/// Smallest and largest of each component as they are stored: integers stay integers even where
+/// they mean fractions.
 fn bounds(a: &Attribute, vertices: &[u32]) -> (Vec<Value>, Vec<Value>) {
     let mut one = Attribute { normalized: false, ..a.described() };
     let mut lo = vec![f32::INFINITY; usize::from(a.components)];
@@ -235,7 +254,9 @@ fn bounds(a: &Attribute, vertices: &[u32]) -> (Vec<Value>, Vec<Value>) {
             hi[c] = hi[c].max(value);
         }
     }
-    let number = |v: f32| if a.component == Component::F32 { f64::from(v).into() } else { Value::from(v as i64) };
+    let number = |v: f32| {
+        if a.component == Component::F32 { f64::from(v).into() } else { Value::from(v as i64) }
+    };
     (lo.into_iter().map(number).collect(), hi.into_iter().map(number).collect())
 }
 

@@ -34,7 +34,8 @@ impl Shape {
     pub(crate) const fn components(self) -> usize {
         self.columns * self.rows
     }
-    /// Bytes from one column to the next: columns of matrices start at multiples of four (glTF 2.0, 3.6.2.4).
+    /// Bytes from one column to the next: columns of matrices start at multiples of four (glTF 2.0,
+    /// 3.6.2.4).
     pub(crate) const fn column_stride(self, component: Component) -> usize {
         let bytes = self.rows * component.size();
         if self.columns == 1 { bytes } else { bytes.next_multiple_of(4) }
@@ -87,19 +88,29 @@ struct Sparse {
 }
 
 impl Accessor {
-    /// Reads and checks the description, no data. `None` for a type or component type that glTF does not know: such an
-    /// accessor can be kept, but not read.
-    pub(super) fn new(object: &Object, place: String, views: &Views<'_>) -> Result<Option<Self>, FormatError> {
-        let name = object.get("type").and_then(Value::as_str).ok_or_else(|| malformed(&*place, "has no `type`"))?;
+    /// Reads and checks the description, no data. `None` for a type or component type that glTF
+    /// does not know: such an accessor can be kept, but not read.
+    pub(super) fn new(
+        object: &Object,
+        place: String,
+        views: &Views<'_>,
+    ) -> Result<Option<Self>, FormatError> {
+        let name = object
+            .get("type")
+            .and_then(Value::as_str)
+            .ok_or_else(|| malformed(&*place, "has no `type`"))?;
         let number = required(object, "componentType", &place)?;
         let count = required(object, "count", &place)?;
         if count == 0 {
             return Err(malformed(place, "count must be at least 1"));
         }
-        let (Some(shape), Some(component)) = (Shape::from_name(name), component(number)) else { return Ok(None) };
+        let (Some(shape), Some(component)) = (Shape::from_name(name), component(number)) else {
+            return Ok(None);
+        };
         // A vertex number is 32 bits wide and its largest value is reserved.
         let count = usize::try_from(count).ok().filter(|&c| c < u32::MAX as usize);
-        let count = count.ok_or_else(|| malformed(&*place, "count is larger than any index can be"))?;
+        let count =
+            count.ok_or_else(|| malformed(&*place, "count is larger than any index can be"))?;
         let normalized = object.get("normalized").and_then(Value::as_bool).unwrap_or(false);
         let offset = optional(object, "byteOffset", &place)?;
         let view = optional(object, "bufferView", &place)?.map(|v| v as usize);
@@ -119,13 +130,16 @@ impl Accessor {
                     ));
                 }
                 let offset = offset.unwrap_or(0);
-                fits(offset, stride, count, last, views.len(view)).map_err(|what| malformed(&*place, what))?;
+                fits(offset, stride, count, last, views.len(view))
+                    .map_err(|what| malformed(&*place, what))?;
                 Some((view, offset as usize, stride))
             }
         };
         let sparse = match object.get("sparse").and_then(Value::as_object) {
             None => None,
-            Some(sparse) => Some(Sparse::new(sparse, &format!("{place}.sparse"), count, size, views)?),
+            Some(sparse) => {
+                Some(Sparse::new(sparse, &format!("{place}.sparse"), count, size, views)?)
+            }
         };
         Ok(Some(Self { shape, component, normalized, count, place, data, sparse }))
     }
@@ -177,7 +191,10 @@ impl Sparse {
             ));
         }
         let part = |key: &str| {
-            object.get(key).and_then(Value::as_object).ok_or_else(|| malformed(place, format!("has no `{key}`")))
+            object
+                .get(key)
+                .and_then(Value::as_object)
+                .ok_or_else(|| malformed(place, format!("has no `{key}`")))
         };
         let located = |key: &str, size: usize| -> Result<(usize, usize), FormatError> {
             let place = format!("{place}.{key}");
@@ -187,39 +204,62 @@ impl Sparse {
             if views.stride(view).is_some() {
                 return Err(malformed(place, "sparse data must not have a byteStride"));
             }
-            fits(offset, size, count as usize, size, views.len(view)).map_err(|what| malformed(&*place, what))?;
+            fits(offset, size, count as usize, size, views.len(view))
+                .map_err(|what| malformed(&*place, what))?;
             Ok((view, offset as usize))
         };
         let number = required(part("indices")?, "componentType", &format!("{place}.indices"))?;
-        let index = component(number).filter(|c| matches!(c, Component::U8 | Component::U16 | Component::U32));
-        let index =
-            index.ok_or_else(|| malformed(format!("{place}.indices"), "componentType is not an unsigned integer"))?;
+        let index = component(number)
+            .filter(|c| matches!(c, Component::U8 | Component::U16 | Component::U32));
+        let index = index.ok_or_else(|| {
+            malformed(format!("{place}.indices"), "componentType is not an unsigned integer")
+        })?;
         let (view, offset) = located("indices", index.size())?;
-        Ok(Self { count: count as usize, indices: (view, offset, index), values: located("values", size)? })
+        Ok(Self {
+            count: count as usize,
+            indices: (view, offset, index),
+            values: located("values", size)?,
+        })
     }
 
-    fn read_indices(&self, views: &Views<'_>, count: usize, place: &str) -> Result<Vec<u32>, FormatError> {
+    fn read_indices(
+        &self,
+        views: &Views<'_>,
+        count: usize,
+        place: &str,
+    ) -> Result<Vec<u32>, FormatError> {
         let (view, offset, component) = self.indices;
         views.budget.charge(self.count as u64, 4, place)?;
         let bytes = &views.bytes(view)?[offset..][..self.count * component.size()];
         let indices: Vec<u32> = bytes.chunks_exact(component.size()).map(unsigned).collect();
         let rising = indices.windows(2).all(|w| w[0] < w[1]);
         if !rising || indices.last().is_some_and(|&i| i as usize >= count) {
-            return Err(malformed(format!("{place}.sparse.indices"), "must rise and stay below the accessor's count"));
+            return Err(malformed(
+                format!("{place}.sparse.indices"),
+                "must rise and stay below the accessor's count",
+            ));
         }
         Ok(indices)
     }
 }
 
-/// Whether `count` elements from `offset` on fit into `length` bytes; after the last one there need not be the padding
-/// that a matrix's last column has.
-fn fits(offset: u64, stride: usize, count: usize, size: usize, length: usize) -> Result<(), String> {
+/// Whether `count` elements from `offset` on fit into `length` bytes; after the last one there need
+/// not be the padding that a matrix's last column has.
+fn fits(
+    offset: u64,
+    stride: usize,
+    count: usize,
+    size: usize,
+    length: usize,
+) -> Result<(), String> {
     let last = (count as u64 - 1).checked_mul(stride as u64);
     let end = last.and_then(|last| offset.checked_add(last)?.checked_add(size as u64));
     if end.is_some_and(|end| end <= length as u64) {
         return Ok(());
     }
-    Err(format!("{count} elements of {size} bytes from byte {offset} on do not fit the buffer view of {length} bytes"))
+    Err(format!(
+        "{count} elements of {size} bytes from byte {offset} on do not fit the buffer view of {length} bytes"
+    ))
 }
 
 /// Reads the elements of one accessor, tightly packed.

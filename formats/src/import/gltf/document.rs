@@ -1,4 +1,5 @@
-//! What is left of a document when its triangles are gone: everything else, its buffer views compacted into one blob.
+//! What is left of a document when its triangles are gone: everything else, its buffer views
+//! compacted into one blob.
 
 use super::extensions::{self, DRACO, MESHOPT};
 use super::json::{self, Object, integer};
@@ -9,8 +10,9 @@ use super::views::Views;
 use crate::{FormatError, GltfDocument};
 use serde_json::Value;
 
-/// Takes the given primitives' geometry (mesh, primitive) out of a document and compacts the rest. Nothing is
-/// renumbered while an unknown extension might point to it; then old geometry stays behind.
+/// Takes the given primitives' geometry (mesh, primitive) out of a document and compacts the rest.
+/// Nothing is renumbered while an unknown extension might point to it; then old geometry stays
+/// behind.
 pub(super) fn remainder(
     mut root: Object,
     stripped: &[(usize, usize)],
@@ -24,12 +26,16 @@ pub(super) fn remainder(
         outlines += usize::from(primitive::strip(primitive));
     }
     if outlines > 0 {
-        warnings.push(format!("outlines or n-gons of {outlines} primitives dropped: they name the old triangles"));
+        warnings.push(format!(
+            "outlines or n-gons of {outlines} primitives dropped: they name the old triangles"
+        ));
     }
     drop_draco(&mut root);
     let mut kept: Vec<usize> = (0..before.views.len()).collect();
     if let Some(name) = extensions::opaque(&root) {
-        warnings.push(format!("the extension {name} is unknown and may refer to old data, which stays in the file"));
+        warnings.push(format!(
+            "the extension {name} is unknown and may refer to old data, which stays in the file"
+        ));
     } else {
         let after = Used::of(&mut root);
         // What nothing pointed to from the start may be meant for someone else.
@@ -53,10 +59,13 @@ fn primitive_mut(root: &mut Object, mesh: usize, primitive: usize) -> Option<&mu
     mesh.get_mut("primitives")?.as_array_mut()?.get_mut(primitive)?.as_object_mut()
 }
 
-/// Compressed primitives have been refused, so wherever the extension is left the uncompressed data is there too.
+/// Compressed primitives have been refused, so wherever the extension is left the uncompressed data
+/// is there too.
 fn drop_draco(root: &mut Object) {
     for mesh in root.get_mut("meshes").and_then(Value::as_array_mut).into_iter().flatten() {
-        for primitive in mesh.get_mut("primitives").and_then(Value::as_array_mut).into_iter().flatten() {
+        for primitive in
+            mesh.get_mut("primitives").and_then(Value::as_array_mut).into_iter().flatten()
+        {
             if let Some(primitive) = primitive.as_object_mut() {
                 json::remove_extension(primitive, DRACO);
             }
@@ -65,7 +74,8 @@ fn drop_draco(root: &mut Object) {
     extensions::forget(root, DRACO);
 }
 
-/// Which accessors and buffer views something refers to; what an unused accessor refers to does not count.
+/// Which accessors and buffer views something refers to; what an unused accessor refers to does not
+/// count.
 struct Used {
     accessors: Vec<bool>,
     views: Vec<bool>,
@@ -78,7 +88,9 @@ impl Used {
         let index = |v: &Value| integer(v).map_or(usize::MAX, |i| i as usize);
         references(root, Pool::Accessors, &mut |v, _| accessors[index(v)] = true);
         references(root, Pool::BufferViews, &mut |v, place| {
-            let accessor = place.strip_prefix("accessors[").and_then(|p| p.split_once(']')?.0.parse::<usize>().ok());
+            let accessor = place
+                .strip_prefix("accessors[")
+                .and_then(|p| p.split_once(']')?.0.parse::<usize>().ok());
             if accessor.is_none_or(|a| accessors[a]) {
                 views[index(v)] = true;
             }
@@ -87,19 +99,21 @@ impl Used {
     }
 }
 
-/// Lays the kept views out in one buffer, the document's first; after it come buffers that have no bytes, if a view
-/// still needs them. Overlapping views stay overlapping, so the blob is never larger than what it is made from; offsets
-/// keep their remainder by 4.
+/// Lays the kept views out in one buffer, the document's first; after it come buffers that have no
+/// bytes, if a view still needs them. Overlapping views stay overlapping, so the blob is never
+/// larger than what it is made from; offsets keep their remainder by 4.
 fn compact(root: &mut Object, kept: &[usize], views: &Views<'_>) -> Result<Vec<u8>, FormatError> {
     let mut blob: Vec<u8> = Vec::new();
     let mut located = vec![(0, 0); kept.len()];
-    let mut plain: Vec<usize> = (0..kept.len()).filter(|&i| !views.is_compressed(kept[i])).collect();
+    let mut plain: Vec<usize> =
+        (0..kept.len()).filter(|&i| !views.is_compressed(kept[i])).collect();
     plain.sort_by_key(|&i| {
         let (buffer, range) = views.range(kept[i]);
         (buffer, range.start, range.end)
     });
     let mut placeholders: Vec<usize> = Vec::new();
-    // The run of overlapping views being laid out: buffer, first byte, end, and where it begins in the blob.
+    // The run of overlapping views being laid out: buffer, first byte, end, and where it begins in
+    // the blob.
     let mut run: Option<(usize, usize, usize, usize)> = None;
     for i in plain {
         let (buffer, range) = views.range(kept[i]);
@@ -160,15 +174,17 @@ fn compact(root: &mut Object, kept: &[usize], views: &Views<'_>) -> Result<Vec<u
     Ok(blob)
 }
 
-/// Images in base 64 become bytes of the blob: a third smaller, and what a GLB should have. One that cannot be decoded
-/// stays as it is.
+/// Images in base 64 become bytes of the blob: a third smaller, and what a GLB should have. One
+/// that cannot be decoded stays as it is.
 fn embed_data_images(root: &mut Object, blob: &mut Vec<u8>) {
     let first = Pool::BufferViews.len(root);
     let mut added = Vec::new();
     for image in root.get_mut("images").and_then(Value::as_array_mut).into_iter().flatten() {
         let Some(image) = image.as_object_mut() else { continue };
         let decoded = image.get("uri").and_then(Value::as_str).and_then(uri::decoded_data);
-        let Some((media_type, bytes)) = decoded.filter(|(_, bytes)| !bytes.is_empty()) else { continue };
+        let Some((media_type, bytes)) = decoded.filter(|(_, bytes)| !bytes.is_empty()) else {
+            continue;
+        };
         if !image.contains_key("mimeType") {
             if !matches!(&*media_type, "image/png" | "image/jpeg") {
                 continue;
@@ -178,11 +194,14 @@ fn embed_data_images(root: &mut Object, blob: &mut Vec<u8>) {
         image.shift_remove("uri");
         image.insert("bufferView".to_owned(), (first + added.len()).into());
         blob.resize(blob.len().next_multiple_of(4), 0);
-        added.push(serde_json::json!({ "buffer": 0, "byteOffset": blob.len(), "byteLength": bytes.len() }));
+        added.push(
+            serde_json::json!({ "buffer": 0, "byteOffset": blob.len(), "byteLength": bytes.len() }),
+        );
         blob.extend(bytes);
     }
     if !added.is_empty()
-        && let Value::Array(views) = root.entry("bufferViews").or_insert_with(|| Value::Array(Vec::new()))
+        && let Value::Array(views) =
+            root.entry("bufferViews").or_insert_with(|| Value::Array(Vec::new()))
     {
         views.extend(added);
     }

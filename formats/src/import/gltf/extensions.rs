@@ -11,12 +11,13 @@ pub(super) const DRACO: &str = "KHR_draco_mesh_compression";
 /// Instances of a mesh: read for the scale at which it is shown.
 pub(super) const INSTANCING: &str = "EXT_mesh_gpu_instancing";
 
-/// Extensions of a primitive that count its vertices or triangles, which change: dropped from primitives with
-/// triangles.
-pub(super) const DROPPED_FROM_PRIMITIVES: [&str; 3] = [DRACO, "CESIUM_primitive_outline", "FB_ngon_encoding"];
+/// Extensions of a primitive that count its vertices or triangles, which change: dropped from
+/// primitives with triangles.
+pub(super) const DROPPED_FROM_PRIMITIVES: [&str; 3] =
+    [DRACO, "CESIUM_primitive_outline", "FB_ngon_encoding"];
 
-/// Extensions that can be required without a reader of triangles having to know them, and in whose objects no number
-/// is the index of an accessor or buffer view that `schema` does not list.
+/// Extensions that can be required without a reader of triangles having to know them, and in whose
+/// objects no number is the index of an accessor or buffer view that `schema` does not list.
 const HARMLESS: [&str; 22] = [
     "KHR_mesh_quantization",
     "EXT_meshopt_compression",
@@ -58,8 +59,8 @@ fn is_harmless(name: &str) -> bool {
     HARMLESS.contains(&name) || HARMLESS_PREFIXES.iter().any(|p| name.starts_with(p))
 }
 
-/// Refuses glTF versions other than 2, and required extensions that nobody here knows. Draco is decided later, when
-/// it is known whether there is a fallback.
+/// Refuses glTF versions other than 2, and required extensions that nobody here knows. Draco is
+/// decided later, when it is known whether there is a fallback.
 pub(super) fn check(root: &Object) -> Result<(), FormatError> {
     let asset = root.get("asset").and_then(Value::as_object);
     let asset = asset.ok_or_else(|| malformed("asset", "is missing: not a glTF 2.0 document"))?;
@@ -69,18 +70,27 @@ pub(super) fn check(root: &Object) -> Result<(), FormatError> {
         return Err(malformed("asset.version", format!("`{version}` is not a version")));
     };
     let minimum = asset.get("minVersion").and_then(Value::as_str).map(numbers);
-    let unsupported = |place: &str, what: String| Err(FormatError::new(Fault::Unsupported, place, what));
+    let unsupported =
+        |place: &str, what: String| Err(FormatError::new(Fault::Unsupported, place, what));
     match minimum {
-        _ if major != 2 => return unsupported("asset.version", format!("glTF {major}.{minor}, only 2.0 is read")),
+        _ if major != 2 => {
+            return unsupported("asset.version", format!("glTF {major}.{minor}, only 2.0 is read"));
+        }
         Some(None) => return Err(malformed("asset.minVersion", "is not a version")),
         Some(Some(needed)) if needed > (2, 0) => {
-            return unsupported("asset.minVersion", format!("needs glTF {}.{}, only 2.0 is read", needed.0, needed.1));
+            return unsupported(
+                "asset.minVersion",
+                format!("needs glTF {}.{}, only 2.0 is read", needed.0, needed.1),
+            );
         }
         _ => {}
     }
     for name in list(root, "extensionsRequired").iter().filter_map(Value::as_str) {
         if name != DRACO && !is_harmless(name) {
-            return unsupported("extensionsRequired", format!("the extension {name} is required, but not supported"));
+            return unsupported(
+                "extensionsRequired",
+                format!("the extension {name} is required, but not supported"),
+            );
         }
     }
     Ok(())
@@ -92,8 +102,9 @@ fn numbers(version: &str) -> Option<(u32, u32)> {
     Some((digits(major)?, digits(minor)?))
 }
 
-/// The first extension that might point to accessors or buffer views in a way nobody here knows: one that is not
-/// known and has a whole number somewhere. While there is one, nothing must be renumbered.
+/// The first extension that might point to accessors or buffer views in a way nobody here knows:
+/// one that is not known and has a whole number somewhere. While there is one, nothing must be
+/// renumbered.
 pub(super) fn opaque(root: &Object) -> Option<String> {
     root.iter().find_map(|(key, value)| opaque_below(key, value))
 }
@@ -102,7 +113,10 @@ pub(super) fn opaque(root: &Object) -> Option<String> {
 fn opaque_below(key: &str, value: &Value) -> Option<String> {
     match value {
         Value::Object(members) if key == "extensions" => members.iter().find_map(|(name, body)| {
-            if !is_harmless(name) && !DROPPED_FROM_PRIMITIVES.contains(&name.as_str()) && has_whole_number(body) {
+            if !is_harmless(name)
+                && !DROPPED_FROM_PRIMITIVES.contains(&name.as_str())
+                && has_whole_number(body)
+            {
                 return Some(name.clone());
             }
             opaque_below("", body)

@@ -26,12 +26,17 @@ pub(super) fn is_glb(bytes: &[u8]) -> bool {
 
 /// Finds the chunks of a GLB.
 pub(super) fn split(bytes: &[u8]) -> Result<Chunks, FormatError> {
-    let word = |at: usize| bytes.get(at..at + 4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]));
+    let word =
+        |at: usize| bytes.get(at..at + 4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]));
     let (Some(version), Some(length)) = (word(4), word(8)) else {
         return Err(malformed("header", "the file ends inside the GLB header"));
     };
     if version != 2 {
-        return Err(FormatError::new(Fault::Unsupported, "header", format!("GLB version {version}, only 2 is read")));
+        return Err(FormatError::new(
+            Fault::Unsupported,
+            "header",
+            format!("GLB version {version}, only 2 is read"),
+        ));
     }
     let length = length as usize;
     if length < 12 || length > bytes.len() {
@@ -51,8 +56,9 @@ pub(super) fn split(bytes: &[u8]) -> Result<Chunks, FormatError> {
         };
         let start = at + 8;
         let end = start.checked_add(size as usize).filter(|&end| end <= length);
-        let end =
-            end.ok_or_else(|| malformed(place(), format!("says {size} bytes, but only {} are left", length - start)))?;
+        let end = end.ok_or_else(|| {
+            malformed(place(), format!("says {size} bytes, but only {} are left", length - start))
+        })?;
         match kind {
             JSON if json.is_some() => return Err(malformed(place(), "a second JSON chunk")),
             JSON if number == 0 => json = Some(start..end),
@@ -91,7 +97,10 @@ mod tests {
     fn chunks_are_found_and_unknown_ones_counted() {
         let file = glb(&[(JSON, b"{}  "), (BIN, b"1234"), (7, b"abcd")]);
         let chunks = split(&file).expect("a sound GLB");
-        assert_eq!((&file[chunks.json], chunks.bin.map(|r| &file[r])), (&b"{}  "[..], Some(&b"1234"[..])));
+        assert_eq!(
+            (&file[chunks.json], chunks.bin.map(|r| &file[r])),
+            (&b"{}  "[..], Some(&b"1234"[..]))
+        );
         assert_eq!(chunks.warnings.len(), 1);
     }
 
@@ -115,9 +124,11 @@ mod tests {
 
     #[test]
     fn chunks_twice_or_in_the_wrong_order_are_refused() {
-        for chunks in
-            [vec![(JSON, &b"{}"[..]), (JSON, b"{}")], vec![(BIN, b"1")], vec![(JSON, b"{}"), (BIN, b""), (BIN, b"")]]
-        {
+        for chunks in [
+            vec![(JSON, &b"{}"[..]), (JSON, b"{}")],
+            vec![(BIN, b"1")],
+            vec![(JSON, b"{}"), (BIN, b""), (BIN, b"")],
+        ] {
             assert!(split(&glb(&chunks)).is_err());
         }
         assert!(split(&glb(&[])).is_err());

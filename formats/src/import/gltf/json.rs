@@ -1,4 +1,5 @@
-//! The JSON of a glTF: checked before it is parsed, and read through small accessors that never panic.
+//! The JSON of a glTF: checked before it is parsed, and read through small accessors that never
+//! panic.
 
 use crate::{Fault, FormatError, Limits};
 use serde_json::{Map, Value};
@@ -23,7 +24,10 @@ pub(crate) fn parse(text: &[u8], limits: &Limits) -> Result<Object, FormatError>
     match serde_json::from_slice(text) {
         Ok(Value::Object(root)) => Ok(root),
         Ok(_) => Err(malformed("", "the JSON document is not an object")),
-        Err(e) => Err(malformed(format!("line {} column {}", e.line(), e.column()), format!("not valid JSON: {e}"))),
+        Err(e) => Err(malformed(
+            format!("line {} column {}", e.line(), e.column()),
+            format!("not valid JSON: {e}"),
+        )),
     }
 }
 
@@ -47,7 +51,11 @@ fn scan(text: &[u8], limits: &Limits) -> Result<(), FormatError> {
                 depth += 1;
                 values += 1;
                 if depth > limits.json_depth.min(PARSER_DEPTH) {
-                    return Err(FormatError::new(Fault::Limit, "", format!("JSON nested deeper than {depth} levels")));
+                    return Err(FormatError::new(
+                        Fault::Limit,
+                        "",
+                        format!("JSON nested deeper than {depth} levels"),
+                    ));
                 }
             }
             b']' | b'}' => depth = depth.saturating_sub(1),
@@ -55,7 +63,11 @@ fn scan(text: &[u8], limits: &Limits) -> Result<(), FormatError> {
             _ => {}
         }
         if values > VALUES {
-            return Err(FormatError::new(Fault::Limit, "", format!("JSON of more than {VALUES} values")));
+            return Err(FormatError::new(
+                Fault::Limit,
+                "",
+                format!("JSON of more than {VALUES} values"),
+            ));
         }
     }
     Ok(())
@@ -68,8 +80,13 @@ pub(crate) fn integer(value: &Value) -> Option<u64> {
 }
 
 /// The member `key`, which must be a whole number if it is there.
-pub(crate) fn optional(object: &Object, key: &str, place: &str) -> Result<Option<u64>, FormatError> {
-    let number = |v| integer(v).ok_or_else(|| malformed(format!("{place}.{key}"), "must be a whole number"));
+pub(crate) fn optional(
+    object: &Object,
+    key: &str,
+    place: &str,
+) -> Result<Option<u64>, FormatError> {
+    let number =
+        |v| integer(v).ok_or_else(|| malformed(format!("{place}.{key}"), "must be a whole number"));
     object.get(key).map(number).transpose()
 }
 
@@ -79,7 +96,10 @@ pub(crate) fn required(object: &Object, key: &str, place: &str) -> Result<u64, F
 }
 
 /// The objects of the top-level array `key`; none if there is no such array.
-pub(crate) fn entries<'a>(root: &'a Object, key: &str) -> impl ExactSizeIterator<Item = &'a Object> {
+pub(crate) fn entries<'a>(
+    root: &'a Object,
+    key: &str,
+) -> impl ExactSizeIterator<Item = &'a Object> {
     static EMPTY: std::sync::LazyLock<Object> = std::sync::LazyLock::new(Object::new);
     list(root, key).iter().map(|v| v.as_object().unwrap_or(&EMPTY))
 }

@@ -1,8 +1,9 @@
 //! glTF 2.0 and GLB.
 //!
-//! The document stays a tree of JSON values, so that everything that is not a triangle comes out as it went in; what
-//! is read from it is checked against a table (`schema`) first. Limits of what foreign bytes can do: JSON nesting and
-//! size (`json`), paths (`uri`, [`Assets`]), ranges (`views`, `accessor`), memory in all (`budget`).
+//! The document stays a tree of JSON values, so that everything that is not a triangle comes out as
+//! it went in; what is read from it is checked against a table (`schema`) first. Limits of what
+//! foreign bytes can do: JSON nesting and size (`json`), paths (`uri`, [`Assets`]), ranges
+//! (`views`, `accessor`), memory in all (`budget`).
 
 mod accessor;
 mod budget;
@@ -23,7 +24,10 @@ mod views;
 pub(crate) use accessor::{Shape, component_number};
 
 use super::ImportOptions;
-use crate::{Assets, Document, FormatError, ObjectInfo, Scene, SceneObject, Source, SourceFormat, SubmeshInfo};
+use crate::{
+    Assets, Document, FormatError, ObjectInfo, Scene, SceneObject, Source, SourceFormat,
+    SubmeshInfo,
+};
 use accessor::Accessor;
 use budget::Budget;
 use json::{Object, entries, list};
@@ -37,8 +41,15 @@ use views::Views;
 ///
 /// # Errors
 /// See [`super::import`].
-#[expect(clippy::needless_pass_by_value, reason = "importers have one signature, and others consume their bytes")]
-pub(crate) fn import(bytes: Vec<u8>, assets: &mut Assets, options: &ImportOptions) -> Result<Scene, FormatError> {
+#[expect(
+    clippy::needless_pass_by_value,
+    reason = "importers have one signature, and others consume their bytes"
+)]
+pub(crate) fn import(
+    bytes: Vec<u8>,
+    assets: &mut Assets,
+    options: &ImportOptions,
+) -> Result<Scene, FormatError> {
     let mut warnings = Vec::new();
     let (format, text, chunk) = if glb::is_glb(&bytes) {
         let chunks = glb::split(&bytes)?;
@@ -100,8 +111,13 @@ fn read_objects(
     let (mut other, mut no_position) = (0, 0);
     for (m, mesh) in entries(root, "meshes").enumerate() {
         let (mut primitives, mut numbers): (Vec<Primitive>, Vec<u32>) = (Vec::new(), Vec::new());
-        for (p, object) in list(mesh, "primitives").iter().filter_map(Value::as_object).enumerate() {
-            match primitive::read(object, format!("meshes[{m}].primitives[{p}]"), reading.accessors)? {
+        for (p, object) in list(mesh, "primitives").iter().filter_map(Value::as_object).enumerate()
+        {
+            match primitive::read(
+                object,
+                format!("meshes[{m}].primitives[{p}]"),
+                reading.accessors,
+            )? {
                 Read::Triangles(primitive) => {
                     primitives.push(primitive);
                     numbers.push(p as u32);
@@ -111,7 +127,10 @@ fn read_objects(
             }
         }
         let Some((triangles, kept)) = reading.object(&primitives)? else { continue };
-        let name = mesh.get("name").and_then(Value::as_str).map_or_else(|| format!("mesh{m}"), str::to_owned);
+        let name = mesh
+            .get("name")
+            .and_then(Value::as_str)
+            .map_or_else(|| format!("mesh{m}"), str::to_owned);
         objects.push(scene_object(name, m, triangles, kept.iter().map(|&k| numbers[k]), scales[m]));
     }
     let counts = &reading.counts;
@@ -121,13 +140,22 @@ fn read_objects(
         }
     };
     tell("triangles with two corners at one position dropped", counts.degenerate);
-    tell("vertices that no triangle uses dropped", reading.unused_vertices() + counts.lonely_vertices);
+    tell(
+        "vertices that no triangle uses dropped",
+        reading.unused_vertices() + counts.lonely_vertices,
+    );
     tell("vertices moved onto others by welding", counts.welded);
-    tell("corners after the last whole triangle of their primitive dropped", counts.leftover_corners);
+    tell(
+        "corners after the last whole triangle of their primitive dropped",
+        counts.leftover_corners,
+    );
     tell("attribute values that are not finite numbers, kept as they are", counts.not_finite);
     tell("primitives of points or lines, passed through unchanged", other);
     tell("primitives without positions, passed through unchanged", no_position);
-    tell("primitives without a triangle of any area, passed through unchanged", counts.only_degenerate);
+    tell(
+        "primitives without a triangle of any area, passed through unchanged",
+        counts.only_degenerate,
+    );
     Ok(objects)
 }
 
@@ -138,7 +166,11 @@ fn scene_object(
     primitives: impl Iterator<Item = u32>,
     world_scale: f64,
 ) -> SceneObject {
-    let submesh = |document_primitive| SubmeshInfo { name: String::new(), material: None, document_primitive };
+    let submesh = |document_primitive| SubmeshInfo {
+        name: String::new(),
+        material: None,
+        document_primitive,
+    };
     let submeshes = primitives.map(submesh).collect();
     let info = ObjectInfo { name, submeshes, world_scale, document_mesh: document_mesh as u32 };
     SceneObject { info, mesh, source_positions: Vec::new() }

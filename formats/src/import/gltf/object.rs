@@ -37,7 +37,8 @@ pub(super) struct Counts {
     pub(super) not_finite: usize,
 }
 
-/// Gives the vertices that a primitive uses consecutive numbers, in time that depends on its corners alone.
+/// Gives the vertices that a primitive uses consecutive numbers, in time that depends on its
+/// corners alone.
 #[derive(Debug, Default)]
 pub(super) struct Numbering {
     epoch: u32,
@@ -46,7 +47,12 @@ pub(super) struct Numbering {
 
 impl Numbering {
     /// Replaces every vertex by its number; returns the vertices in the order of their numbers.
-    fn number(&mut self, corners: &mut [u32], vertices: usize, budget: &Budget) -> Result<Vec<u32>, FormatError> {
+    fn number(
+        &mut self,
+        corners: &mut [u32],
+        vertices: usize,
+        budget: &Budget,
+    ) -> Result<Vec<u32>, FormatError> {
         if self.seen.len() < vertices {
             budget.charge((vertices - self.seen.len()) as u64, 8, "")?;
             self.seen.resize(vertices, (0, 0));
@@ -66,7 +72,12 @@ impl Numbering {
 }
 
 impl<'a> Reading<'a> {
-    pub(super) fn new(accessors: &'a [Option<Accessor>], views: &'a Views<'a>, limits: Limits, weld: f64) -> Self {
+    pub(super) fn new(
+        accessors: &'a [Option<Accessor>],
+        views: &'a Views<'a>,
+        limits: Limits,
+        weld: f64,
+    ) -> Self {
         Self {
             accessors,
             views,
@@ -81,9 +92,13 @@ impl<'a> Reading<'a> {
         }
     }
 
-    /// Reads the primitives of one mesh. Returns the mesh and which of the primitives are its submeshes: not those
-    /// in which no triangle has an area. `None` if there is no triangle at all.
-    pub(super) fn object(&mut self, primitives: &[Primitive]) -> Result<Option<(Mesh, Vec<usize>)>, FormatError> {
+    /// Reads the primitives of one mesh. Returns the mesh and which of the primitives are its
+    /// submeshes: not those in which no triangle has an area. `None` if there is no triangle at
+    /// all.
+    pub(super) fn object(
+        &mut self,
+        primitives: &[Primitive],
+    ) -> Result<Option<(Mesh, Vec<usize>)>, FormatError> {
         let mut parts = MeshParts::default();
         for primitive in primitives {
             self.add(primitive, &mut parts)?;
@@ -109,16 +124,21 @@ impl<'a> Reading<'a> {
         if kept.is_empty() {
             return Ok(None);
         }
-        let place =
-            |e: &dyn std::fmt::Display| malformed(primitives.first().map_or("", |p| p.place.as_str()), e.to_string());
+        let place = |e: &dyn std::fmt::Display| {
+            malformed(primitives.first().map_or("", |p| p.place.as_str()), e.to_string())
+        };
         Ok(Some((Mesh::try_from(parts).map_err(|e| place(&e))?, kept)))
     }
 
     fn add(&mut self, primitive: &Primitive, parts: &mut MeshParts) -> Result<(), FormatError> {
         let (place, budget, views) = (primitive.place.as_str(), self.views.budget, self.views);
         let accessors = self.accessors;
-        let get =
-            |a: usize| accessors.get(a).and_then(Option::as_ref).ok_or_else(|| malformed(place, "unknown accessor"));
+        let get = |a: usize| {
+            accessors
+                .get(a)
+                .and_then(Option::as_ref)
+                .ok_or_else(|| malformed(place, "unknown accessor"))
+        };
         let position = get(primitive.position)?;
         let mut corners = primitive.corners(position.count, accessors, views)?;
         let triangles = primitive.triangle_count(corners.len());
@@ -161,11 +181,20 @@ impl<'a> Reading<'a> {
             }
             used.push(stream as u32);
         }
-        parts.submeshes.push(Submesh { first_triangle, triangle_count: triangles as u32, attributes: used });
+        parts.submeshes.push(Submesh {
+            first_triangle,
+            triangle_count: triangles as u32,
+            attributes: used,
+        });
         Ok(())
     }
 
-    fn mark_used(&mut self, accessor: usize, count: usize, corners: &[u32]) -> Result<(), FormatError> {
+    fn mark_used(
+        &mut self,
+        accessor: usize,
+        count: usize,
+        corners: &[u32],
+    ) -> Result<(), FormatError> {
         if !self.used.contains_key(&accessor) {
             self.views.budget.charge(count as u64 / 64 + 1, 8, "")?;
             self.used.insert(accessor, vec![0; count / 64 + 1]);
@@ -197,7 +226,10 @@ impl SubmeshSizes {
     fn of(parts: &MeshParts) -> Self {
         let mut vertices = vec![0; parts.submeshes.len()];
         parts.vertex_submesh.iter().for_each(|&s| vertices[s as usize] += 1);
-        Self { triangles: parts.submeshes.iter().map(|s| s.triangle_count as usize).collect(), vertices }
+        Self {
+            triangles: parts.submeshes.iter().map(|s| s.triangle_count as usize).collect(),
+            vertices,
+        }
     }
 }
 
@@ -257,7 +289,11 @@ fn described(semantic: &Semantic, morph_target: Option<u32>, accessor: &Accessor
     }
 }
 
-fn extend_with_zeros(a: &mut Attribute, vertices: usize, budget: &Budget) -> Result<(), FormatError> {
+fn extend_with_zeros(
+    a: &mut Attribute,
+    vertices: usize,
+    budget: &Budget,
+) -> Result<(), FormatError> {
     let wanted = vertices * a.stride();
     budget.charge((wanted - a.bytes.len()) as u64, 1, "")?;
     a.bytes.resize(wanted, 0);
@@ -265,29 +301,37 @@ fn extend_with_zeros(a: &mut Attribute, vertices: usize, budget: &Budget) -> Res
 }
 
 fn not_finite(bytes: &[u8]) -> usize {
-    bytes.chunks_exact(4).filter(|b| !f32::from_le_bytes([b[0], b[1], b[2], b[3]]).is_finite()).count()
+    bytes
+        .chunks_exact(4)
+        .filter(|b| !f32::from_le_bytes([b[0], b[1], b[2], b[3]]).is_finite())
+        .count()
 }
 
 fn diagonal(positions: &[[f32; 3]]) -> f64 {
     let side = |i: usize| {
-        let (lo, hi) = positions.iter().fold((f32::MAX, f32::MIN), |(lo, hi), p| (lo.min(p[i]), hi.max(p[i])));
+        let (lo, hi) =
+            positions.iter().fold((f32::MAX, f32::MIN), |(lo, hi), p| (lo.min(p[i]), hi.max(p[i])));
         f64::from(hi) - f64::from(lo)
     };
     if positions.is_empty() { 0.0 } else { (0..3).map(|i| side(i).powi(2)).sum::<f64>().sqrt() }
 }
 
-/// Drops submeshes without triangles, and streams that no submesh is left to use. Returns which submeshes stay.
+/// Drops submeshes without triangles, and streams that no submesh is left to use. Returns which
+/// submeshes stay.
 fn drop_empty_submeshes(parts: &mut MeshParts) -> Vec<usize> {
-    let kept: Vec<usize> = (0..parts.submeshes.len()).filter(|&s| parts.submeshes[s].triangle_count > 0).collect();
+    let kept: Vec<usize> =
+        (0..parts.submeshes.len()).filter(|&s| parts.submeshes[s].triangle_count > 0).collect();
     if kept.len() == parts.submeshes.len() {
         return kept;
     }
     // Vertices are already gone from submeshes without triangles.
     for s in &mut parts.vertex_submesh {
-        *s = kept.binary_search(&(*s as usize)).expect("a vertex is in a submesh with triangles") as u32;
+        *s = kept.binary_search(&(*s as usize)).expect("a vertex is in a submesh with triangles")
+            as u32;
     }
     parts.submeshes = kept.iter().map(|&s| std::mem::take(&mut parts.submeshes[s])).collect();
-    let used = |stream: usize| parts.submeshes.iter().any(|s| s.attributes.contains(&(stream as u32)));
+    let used =
+        |stream: usize| parts.submeshes.iter().any(|s| s.attributes.contains(&(stream as u32)));
     let streams: Vec<usize> = (0..parts.attributes.len()).filter(|&a| used(a)).collect();
     parts.attributes = streams.iter().map(|&a| parts.attributes[a].clone()).collect();
     for stream in parts.submeshes.iter_mut().flat_map(|s| &mut s.attributes) {

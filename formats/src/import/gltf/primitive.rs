@@ -35,12 +35,21 @@ pub(super) enum Read {
 }
 
 /// Reads which accessors a primitive has, and checks that they can be what they are used for.
-pub(super) fn read(object: &Object, place: String, accessors: &[Option<Accessor>]) -> Result<Read, FormatError> {
+pub(super) fn read(
+    object: &Object,
+    place: String,
+    accessors: &[Option<Accessor>],
+) -> Result<Read, FormatError> {
     let mode = optional(object, "mode", &place)?.unwrap_or(4);
     match mode {
         0..=3 => return Ok(Read::Other),
         4..=6 => {}
-        _ => return Err(malformed(format!("{place}.mode"), format!("{mode} is not a mode from 0 to 6"))),
+        _ => {
+            return Err(malformed(
+                format!("{place}.mode"),
+                format!("{mode} is not a mode from 0 to 6"),
+            ));
+        }
     }
     let attributes = object.get("attributes").and_then(Value::as_object);
     let attributes = attributes.ok_or_else(|| malformed(&*place, "has no `attributes`"))?;
@@ -48,9 +57,11 @@ pub(super) fn read(object: &Object, place: String, accessors: &[Option<Accessor>
     let Some(position) = attributes.get("POSITION").map(index) else { return Ok(Read::NoPosition) };
     let indices = object.get("indices").map(index);
     if json::extension(object, DRACO).is_some() {
-        let there = |a: usize| accessors.get(a).and_then(Option::as_ref).is_some_and(Accessor::has_data);
+        let there =
+            |a: usize| accessors.get(a).and_then(Option::as_ref).is_some_and(Accessor::has_data);
         if !there(position) || indices.is_some_and(|i| !there(i)) {
-            let what = format!("is compressed with {DRACO}, which is not supported: decompress it first");
+            let what =
+                format!("is compressed with {DRACO}, which is not supported: decompress it first");
             return Err(FormatError::new(Fault::Unsupported, place, what));
         }
     }
@@ -83,7 +94,9 @@ pub(super) fn read(object: &Object, place: String, accessors: &[Option<Accessor>
             ));
         }
     }
-    streams.retain(|(s, target, a)| *s != Semantic::Position || target.is_some() || !is_plain(accessors, *a));
+    streams.retain(|(s, target, a)| {
+        *s != Semantic::Position || target.is_some() || !is_plain(accessors, *a)
+    });
     Ok(Read::Triangles(Primitive { place, mode, indices, position, streams }))
 }
 
@@ -112,7 +125,8 @@ impl Primitive {
                 && matches!(a.component, Component::U8 | Component::U16 | Component::U32)
                 && !a.normalized
         });
-        let accessor = accessor.ok_or_else(|| malformed(place(), "must be a SCALAR of unsigned integers"))?;
+        let accessor =
+            accessor.ok_or_else(|| malformed(place(), "must be a SCALAR of unsigned integers"))?;
         let reader = accessor.reader(views)?;
         views.budget.charge(accessor.count as u64, 4, &self.place)?;
         let size = accessor.component.size();
@@ -124,10 +138,16 @@ impl Primitive {
             reader.append(i as u32, &mut bytes);
             let v = unsigned(&bytes);
             if v == restart {
-                return Err(malformed(place(), format!("element {i} is {v}, which glTF reserves for restarts")));
+                return Err(malformed(
+                    place(),
+                    format!("element {i} is {v}, which glTF reserves for restarts"),
+                ));
             }
             if v >= end {
-                return Err(malformed(place(), format!("element {i} is {v}, but there are {end} vertices")));
+                return Err(malformed(
+                    place(),
+                    format!("element {i} is {v}, but there are {end} vertices"),
+                ));
             }
             corners.push(v);
         }
@@ -156,8 +176,8 @@ impl Primitive {
     }
 }
 
-/// Takes the geometry of a primitive out of the document; morph targets leave their number behind. Says whether an
-/// extension went that told something besides.
+/// Takes the geometry of a primitive out of the document; morph targets leave their number behind.
+/// Says whether an extension went that told something besides.
 pub(super) fn strip(object: &mut Object) -> bool {
     object.insert("attributes".to_owned(), Value::Object(Object::new()));
     object.shift_remove("indices");

@@ -27,7 +27,9 @@ fn forest(root: &Object) -> Result<Forest, FormatError> {
     for (i, node) in entries(root, "nodes").enumerate() {
         for child in children(node) {
             if let Some(other) = parent[child].replace(i) {
-                let what = format!("is a child of nodes[{other}] and of nodes[{i}]: the scene is not a tree");
+                let what = format!(
+                    "is a child of nodes[{other}] and of nodes[{i}]: the scene is not a tree"
+                );
                 return Err(malformed(format!("nodes[{child}]"), what));
             }
         }
@@ -43,7 +45,10 @@ fn forest(root: &Object) -> Result<Forest, FormatError> {
         let mut reached = vec![false; nodes];
         order.iter().for_each(|&i| reached[i] = true);
         let node = reached.iter().position(|r| !r).unwrap_or(0);
-        return Err(malformed(format!("nodes[{node}]"), "is its own ancestor: the nodes form a loop"));
+        return Err(malformed(
+            format!("nodes[{node}]"),
+            "is its own ancestor: the nodes form a loop",
+        ));
     }
     Ok(Forest { order, parent })
 }
@@ -56,10 +61,11 @@ fn index(object: &Object, key: &str) -> Option<usize> {
     object.get(key).and_then(integer).map(|i| i as usize)
 }
 
-/// The largest scale at which a node of the default scene (of any scene if there is no default one, or of the whole
-/// file if there are no scenes) shows each mesh: the largest singular value of the node's world matrix; for skinned
-/// meshes of any joint's skinning matrix at rest; for instanced ones times their largest scale. 1 for meshes that
-/// nothing shows. Fails if the nodes are no forest.
+/// The largest scale at which a node of the default scene (of any scene if there is no default one,
+/// or of the whole file if there are no scenes) shows each mesh: the largest singular value of the
+/// node's world matrix; for skinned meshes of any joint's skinning matrix at rest; for instanced
+/// ones times their largest scale. 1 for meshes that nothing shows. Fails if the nodes are no
+/// forest.
 pub(super) fn world_scales(
     root: &Object,
     accessors: &[Option<Accessor>],
@@ -107,7 +113,8 @@ fn visible(root: &Object, forest: &Forest) -> Vec<usize> {
 }
 
 fn local(node: &Object) -> Linear {
-    let numbers = |key: &str| -> Vec<f64> { list(node, key).iter().filter_map(Value::as_f64).collect() };
+    let numbers =
+        |key: &str| -> Vec<f64> { list(node, key).iter().filter_map(Value::as_f64).collect() };
     if let [a, b, c, _, d, e, f, _, g, h, i, ..] = numbers("matrix")[..] {
         return [[a, b, c], [d, e, f], [g, h, i]];
     }
@@ -135,8 +142,8 @@ fn product(a: &Linear, b: &Linear) -> Linear {
     b.map(|column| std::array::from_fn(|row| (0..3).map(|k| a[k][row] * column[k]).sum()))
 }
 
-/// The factor by which a transformation stretches at most: the root of the largest eigenvalue of its Gram matrix,
-/// found by Jacobi's rotations.
+/// The factor by which a transformation stretches at most: the root of the largest eigenvalue of
+/// its Gram matrix, found by Jacobi's rotations.
 fn singular_value(m: &Linear) -> f64 {
     let size = m.iter().flatten().fold(0.0f64, |s, v| s.max(v.abs()));
     if size == 0.0 || !size.is_finite() {
@@ -175,7 +182,9 @@ fn skinned(
 ) -> Result<f64, FormatError> {
     let Some(skin) = entries(root, "skins").nth(skin) else { return Ok(1.0) };
     let inverse = match index(skin, "inverseBindMatrices").and_then(|a| accessors[a].as_ref()) {
-        Some(a) if a.shape.components() == 16 && a.component == Component::F32 => Some((a.count, a.reader(views)?)),
+        Some(a) if a.shape.components() == 16 && a.component == Component::F32 => {
+            Some((a.count, a.reader(views)?))
+        }
         _ => None,
     };
     let mut largest = 0.0f64;
@@ -186,7 +195,9 @@ fn skinned(
             bytes.clear();
             reader.append(i as u32, &mut bytes);
             let v = |k: usize| {
-                bytes.get(4 * k..4 * k + 4).map_or(0.0, |b| f64::from(f32::from_le_bytes([b[0], b[1], b[2], b[3]])))
+                bytes
+                    .get(4 * k..4 * k + 4)
+                    .map_or(0.0, |b| f64::from(f32::from_le_bytes([b[0], b[1], b[2], b[3]])))
             };
             m = product(&m, &std::array::from_fn(|c| std::array::from_fn(|r| v(4 * c + r))));
         }
@@ -196,7 +207,11 @@ fn skinned(
 }
 
 /// The largest scale of any instance in any direction.
-fn instances(extension: &Object, accessors: &[Option<Accessor>], views: &Views<'_>) -> Result<f64, FormatError> {
+fn instances(
+    extension: &Object,
+    accessors: &[Option<Accessor>],
+    views: &Views<'_>,
+) -> Result<f64, FormatError> {
     let scale = extension.get("attributes").and_then(|a| a.get("SCALE")).and_then(integer);
     let Some(accessor) = scale.and_then(|a| accessors[a as usize].as_ref()) else { return Ok(1.0) };
     if accessor.component != Component::F32 || !accessor.has_data() {
@@ -221,13 +236,19 @@ mod tests {
 
     #[test]
     fn the_singular_value_is_the_largest_stretch() {
-        let turned = local(json_object(r#"{"rotation":[0.5,0.5,0.5,0.5],"scale":[2,-7,3]}"#).as_object().expect("one"));
+        let turned = local(
+            json_object(r#"{"rotation":[0.5,0.5,0.5,0.5],"scale":[2,-7,3]}"#)
+                .as_object()
+                .expect("one"),
+        );
         assert!((singular_value(&turned) - 7.0).abs() < 1e-12);
         // A shear stretches more than its longest column: the golden ratio.
         let shear = [[1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         assert!((singular_value(&shear) - (1.0 + 5.0f64.sqrt()) / 2.0).abs() < 1e-12);
         assert_eq!(singular_value(&[[0.0; 3]; 3]), 0.0);
-        assert!((singular_value(&IDENTITY.map(|c| c.map(|v| v * 1e200))) / 1e200 - 1.0).abs() < 1e-12);
+        assert!(
+            (singular_value(&IDENTITY.map(|c| c.map(|v| v * 1e200))) / 1e200 - 1.0).abs() < 1e-12
+        );
     }
 
     #[test]
@@ -241,7 +262,10 @@ mod tests {
             assert!(forest(root.as_object().expect("one")).is_err(), "{nodes}");
         }
         let root = json_object(r#"{"nodes":[{},{"children":[0,2]},{}]}"#);
-        assert_eq!(forest(root.as_object().expect("one")).map(|f| f.order).ok(), Some(vec![1, 0, 2]));
+        assert_eq!(
+            forest(root.as_object().expect("one")).map(|f| f.order).ok(),
+            Some(vec![1, 0, 2])
+        );
     }
 
     fn json_object(text: &str) -> Value {

@@ -1,4 +1,5 @@
-//! What the members of a glTF document are: one table for checking types, resolving references and renumbering them.
+//! What the members of a glTF document are: one table for checking types, resolving references and
+//! renumbering them.
 
 use super::json::{Object, integer, malformed};
 use crate::FormatError;
@@ -61,7 +62,9 @@ impl Pool {
 
     /// How many entries the document has.
     pub(crate) fn len(self, root: &Object) -> usize {
-        let lights = |root: &Object| root.get("extensions")?.get("KHR_lights_punctual")?.get("lights").cloned();
+        let lights = |root: &Object| {
+            root.get("extensions")?.get("KHR_lights_punctual")?.get("lights").cloned()
+        };
         match self {
             Self::Lights => lights(root).and_then(|v| v.as_array().map(Vec::len)).unwrap_or(0),
             _ => root.get(self.name()).and_then(Value::as_array).map_or(0, Vec::len),
@@ -83,8 +86,8 @@ enum Kind {
 
 use Kind::{Flag, Index, Number, Numbers, Object as Obj, Text, Whole};
 
-/// Path → kind. `[]` means every element of an array, `{}` every member of an object. A member that is not there is
-/// no error here. Only what this package reads or what others point to is listed.
+/// Path → kind. `[]` means every element of an array, `{}` every member of an object. A member that
+/// is not there is no error here. Only what this package reads or what others point to is listed.
 const TABLE: &[(&str, Kind)] = &[
     ("asset", Obj),
     ("asset.version", Text),
@@ -133,8 +136,14 @@ const TABLE: &[(&str, Kind)] = &[
     ("meshes[].primitives[].attributes{}", Index(Pool::Accessors)),
     ("meshes[].primitives[].targets[]{}", Index(Pool::Accessors)),
     ("meshes[].primitives[].material", Index(Pool::Materials)),
-    ("meshes[].primitives[].extensions.KHR_draco_mesh_compression.bufferView", Index(Pool::BufferViews)),
-    ("meshes[].primitives[].extensions.KHR_materials_variants.mappings[].material", Index(Pool::Materials)),
+    (
+        "meshes[].primitives[].extensions.KHR_draco_mesh_compression.bufferView",
+        Index(Pool::BufferViews),
+    ),
+    (
+        "meshes[].primitives[].extensions.KHR_materials_variants.mappings[].material",
+        Index(Pool::Materials),
+    ),
     ("meshes[].primitives[].extensions.CESIUM_primitive_outline.indices", Index(Pool::Accessors)),
     ("materials[]", Obj),
     ("materials[].extensions{}", Obj),
@@ -186,19 +195,39 @@ const TABLE: &[(&str, Kind)] = &[
     ("buffers[]", Obj),
     ("buffers[].extensions{}", Obj),
     ("buffers[].uri", Text),
-    ("extensions.EXT_structural_metadata.propertyTables[].properties{}.values", Index(Pool::BufferViews)),
-    ("extensions.EXT_structural_metadata.propertyTables[].properties{}.arrayOffsets", Index(Pool::BufferViews)),
-    ("extensions.EXT_structural_metadata.propertyTables[].properties{}.stringOffsets", Index(Pool::BufferViews)),
-    ("extensions.EXT_feature_metadata.featureTables{}.properties{}.bufferView", Index(Pool::BufferViews)),
-    ("extensions.EXT_feature_metadata.featureTables{}.properties{}.arrayOffsetBufferView", Index(Pool::BufferViews)),
-    ("extensions.EXT_feature_metadata.featureTables{}.properties{}.stringOffsetBufferView", Index(Pool::BufferViews)),
+    (
+        "extensions.EXT_structural_metadata.propertyTables[].properties{}.values",
+        Index(Pool::BufferViews),
+    ),
+    (
+        "extensions.EXT_structural_metadata.propertyTables[].properties{}.arrayOffsets",
+        Index(Pool::BufferViews),
+    ),
+    (
+        "extensions.EXT_structural_metadata.propertyTables[].properties{}.stringOffsets",
+        Index(Pool::BufferViews),
+    ),
+    (
+        "extensions.EXT_feature_metadata.featureTables{}.properties{}.bufferView",
+        Index(Pool::BufferViews),
+    ),
+    (
+        "extensions.EXT_feature_metadata.featureTables{}.properties{}.arrayOffsetBufferView",
+        Index(Pool::BufferViews),
+    ),
+    (
+        "extensions.EXT_feature_metadata.featureTables{}.properties{}.stringOffsetBufferView",
+        Index(Pool::BufferViews),
+    ),
     ("extensions.KHR_audio_emitter.audio[].bufferView", Index(Pool::BufferViews)),
     ("extensions.MSFT_audio_emitter.clips[].bufferView", Index(Pool::BufferViews)),
 ];
 
 /// Checks that everything listed has the right type and that every reference leads somewhere.
 pub(crate) fn check(root: &mut Object) -> Result<(), FormatError> {
-    for pool in Pool::ALL.into_iter().map(Pool::name).filter(|&n| n != "lights").chain(["animations"]) {
+    for pool in
+        Pool::ALL.into_iter().map(Pool::name).filter(|&n| n != "lights").chain(["animations"])
+    {
         if root.get(pool).is_some_and(|v| !v.is_array()) {
             return Err(malformed(pool, "must be an array"));
         }
@@ -210,7 +239,8 @@ pub(crate) fn check(root: &mut Object) -> Result<(), FormatError> {
     Ok(())
 }
 
-/// Calls `visit` for every reference into `pool` and the place where it stands. The document has been checked.
+/// Calls `visit` for every reference into `pool` and the place where it stands. The document has
+/// been checked.
 pub(crate) fn references(root: &mut Object, pool: Pool, visit: &mut dyn FnMut(&mut Value, &str)) {
     for (path, kind) in TABLE {
         if matches!(kind, Index(p) if *p == pool) {
@@ -223,8 +253,8 @@ pub(crate) fn references(root: &mut Object, pool: Pool, visit: &mut dyn FnMut(&m
     }
 }
 
-/// Drops the entries of a pool that are not kept and renumbers all references to the others. Nothing may refer to
-/// what is dropped. An array without entries goes as a whole.
+/// Drops the entries of a pool that are not kept and renumbers all references to the others.
+/// Nothing may refer to what is dropped. An array without entries goes as a whole.
 pub(crate) fn retain(root: &mut Object, pool: Pool, kept: &[bool]) {
     let mut next = 0u64;
     let number = |&k: &bool| {
@@ -247,7 +277,12 @@ pub(crate) fn retain(root: &mut Object, pool: Pool, kept: &[bool]) {
     }
 }
 
-fn check_one(value: &Value, kind: Kind, lengths: &[usize; 13], place: &str) -> Result<(), FormatError> {
+fn check_one(
+    value: &Value,
+    kind: Kind,
+    lengths: &[usize; 13],
+    place: &str,
+) -> Result<(), FormatError> {
     let finite = |v: &Value| v.as_f64().is_some_and(f64::is_finite);
     let (fits, expected) = match kind {
         Obj => (value.is_object(), "an object".to_owned()),
@@ -284,7 +319,12 @@ fn walk_root(root: &mut Object, path: &str, visit: &mut Visit<'_>) -> Result<(),
 }
 
 /// `path` starts with a member's name.
-fn walk_member(object: &mut Object, path: &str, place: &mut String, visit: &mut Visit<'_>) -> Result<(), FormatError> {
+fn walk_member(
+    object: &mut Object,
+    path: &str,
+    place: &mut String,
+    visit: &mut Visit<'_>,
+) -> Result<(), FormatError> {
     let end = path.find(['.', '[', '{']).unwrap_or(path.len());
     let Some(value) = object.get_mut(&path[..end]) else { return Ok(()) };
     let before = place.len();
@@ -298,17 +338,26 @@ fn walk_member(object: &mut Object, path: &str, place: &mut String, visit: &mut 
 }
 
 /// `path` is what follows a value: nothing, `.member…`, `[]…` or `{}…`.
-fn walk_value(value: &mut Value, path: &str, place: &mut String, visit: &mut Visit<'_>) -> Result<(), FormatError> {
+fn walk_value(
+    value: &mut Value,
+    path: &str,
+    place: &mut String,
+    visit: &mut Visit<'_>,
+) -> Result<(), FormatError> {
     let before = place.len();
     if let Some(rest) = path.strip_prefix("[]") {
-        let Value::Array(elements) = value else { return Err(malformed(place.as_str(), "must be an array")) };
+        let Value::Array(elements) = value else {
+            return Err(malformed(place.as_str(), "must be an array"));
+        };
         for (i, element) in elements.iter_mut().enumerate() {
             write!(place, "[{i}]").expect("a string takes everything");
             walk_value(element, rest, place, visit)?;
             place.truncate(before);
         }
     } else if let Some(rest) = path.strip_prefix("{}") {
-        let Value::Object(members) = value else { return Err(malformed(place.as_str(), "must be an object")) };
+        let Value::Object(members) = value else {
+            return Err(malformed(place.as_str(), "must be an object"));
+        };
         for (name, member) in members.iter_mut() {
             place.push('.');
             place.push_str(name);
@@ -316,7 +365,9 @@ fn walk_value(value: &mut Value, path: &str, place: &mut String, visit: &mut Vis
             place.truncate(before);
         }
     } else if let Some(rest) = path.strip_prefix('.') {
-        let Value::Object(members) = value else { return Err(malformed(place.as_str(), "must be an object")) };
+        let Value::Object(members) = value else {
+            return Err(malformed(place.as_str(), "must be an object"));
+        };
         walk_member(members, rest, place, visit)?;
     } else {
         visit(value, place)?;

@@ -1,4 +1,5 @@
-//! Accessors and buffer views that are left in a stored document, checked again: it may come from anyone's file.
+//! Accessors and buffer views that are left in a stored document, checked again: it may come from
+//! anyone's file.
 
 use super::accessor::Accessor;
 use super::budget::Budget;

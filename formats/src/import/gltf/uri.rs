@@ -3,7 +3,8 @@
 use super::json::malformed;
 use crate::{Assets, Fault, FormatError};
 
-/// The bytes that a buffer's URI stands for. `data:` URIs do not touch the file system; nothing ever touches a network.
+/// The bytes that a buffer's URI stands for. `data:` URIs do not touch the file system; nothing
+/// ever touches a network.
 pub(crate) fn read(uri: &str, place: &str, assets: &mut Assets) -> Result<Vec<u8>, FormatError> {
     if let Some(rest) = strip_prefix_ignoring_case(uri, "data:") {
         return data(rest, place);
@@ -11,7 +12,8 @@ pub(crate) fn read(uri: &str, place: &str, assets: &mut Assets) -> Result<Vec<u8
     let path = percent_decoded(uri)
         .and_then(|bytes| String::from_utf8(bytes).ok())
         .ok_or_else(|| malformed(place, "the URI is not percent-encoded UTF-8"))?;
-    // Both spellings: an encoded colon must not hide a scheme from the check, nor an encoded name be taken for one.
+    // Both spellings: an encoded colon must not hide a scheme from the check, nor an encoded name
+    // be taken for one.
     if let Some(scheme) = scheme(uri) {
         let what = format!("`{scheme}:` addresses are never read: put the file beside the asset");
         return Err(FormatError::new(Fault::Forbidden, place, what));
@@ -38,13 +40,15 @@ fn scheme(uri: &str) -> Option<&str> {
 
 /// RFC 2397; a media type of any kind is accepted.
 fn data(rest: &str, place: &str) -> Result<Vec<u8>, FormatError> {
-    let (header, body) = rest.split_once(',').ok_or_else(|| malformed(place, "a data URI without a comma"))?;
+    let (header, body) =
+        rest.split_once(',').ok_or_else(|| malformed(place, "a data URI without a comma"))?;
     let base64 = header.rsplit(';').next().is_some_and(|last| last.eq_ignore_ascii_case("base64"));
     let bytes = if base64 { base64_decoded(body.as_bytes()) } else { percent_decoded(body) };
     bytes.ok_or_else(|| malformed(place, "the data URI cannot be decoded"))
 }
 
-/// The media type and the bytes of a `data:` URI; none if it is something else or cannot be decoded.
+/// The media type and the bytes of a `data:` URI; none if it is something else or cannot be
+/// decoded.
 pub(super) fn decoded_data(uri: &str) -> Option<(String, Vec<u8>)> {
     let rest = strip_prefix_ignoring_case(uri, "data:")?;
     let media_type = rest.split([';', ',']).next()?.to_ascii_lowercase();
@@ -84,7 +88,10 @@ pub(crate) fn percent_encoded(name: &str) -> String {
 pub(crate) fn base64_decoded(text: &[u8]) -> Option<Vec<u8>> {
     let end = text.iter().rposition(|&b| b != b'=').map_or(0, |i| i + 1);
     let (body, padding) = text.split_at(end);
-    if padding.len() > 2 || (!padding.is_empty() && !text.len().is_multiple_of(4)) || body.len() % 4 == 1 {
+    if padding.len() > 2
+        || (!padding.is_empty() && !text.len().is_multiple_of(4))
+        || body.len() % 4 == 1
+    {
         return None;
     }
     let mut out = Vec::with_capacity(body.len() / 4 * 3 + 2);
@@ -116,8 +123,14 @@ mod tests {
 
     #[test]
     fn base64_of_every_remainder_decodes_padded_or_not() {
-        for (text, bytes) in [("", ""), ("TQ==", "M"), ("TWE=", "Ma"), ("TWFu", "Man"), ("TWE", "Ma"), ("TQ", "M")] {
-            assert_eq!(base64_decoded(text.as_bytes()).as_deref(), Some(bytes.as_bytes()), "{text}");
+        for (text, bytes) in
+            [("", ""), ("TQ==", "M"), ("TWE=", "Ma"), ("TWFu", "Man"), ("TWE", "Ma"), ("TQ", "M")]
+        {
+            assert_eq!(
+                base64_decoded(text.as_bytes()).as_deref(),
+                Some(bytes.as_bytes()),
+                "{text}"
+            );
         }
         assert_eq!(base64_decoded(b"_-8="), base64_decoded(b"/+8="));
     }

@@ -26,16 +26,20 @@ pub(super) fn read_buffers<'a>(
         if length == 0 {
             return Err(malformed(place, "byteLength must be at least 1"));
         }
-        let bytes: Option<std::borrow::Cow<'a, [u8]>> = match buffer.get("uri").and_then(Value::as_str) {
-            _ if is_fallback(buffer) => None,
-            Some(uri) => Some(uri::read(uri, &format!("{place}.uri"), assets)?.into()),
-            None if i == 0 => chunk.map(Into::into),
-            None => None,
-        };
+        let bytes: Option<std::borrow::Cow<'a, [u8]>> =
+            match buffer.get("uri").and_then(Value::as_str) {
+                _ if is_fallback(buffer) => None,
+                Some(uri) => Some(uri::read(uri, &format!("{place}.uri"), assets)?.into()),
+                None if i == 0 => chunk.map(Into::into),
+                None => None,
+            };
         if let Some(bytes) = &bytes
             && (bytes.len() as u64) < length
         {
-            return Err(malformed(place, format!("says {length} bytes, but there are {}", bytes.len())));
+            return Err(malformed(
+                place,
+                format!("says {length} bytes, but there are {}", bytes.len()),
+            ));
         }
         buffers.push(bytes);
     }
@@ -69,11 +73,17 @@ pub(super) struct Views<'a> {
 
 impl<'a> Views<'a> {
     /// Checks every buffer view; decodes none yet.
-    pub(super) fn new(root: &Object, buffers: &'a Buffers<'a>, budget: &'a Budget) -> Result<Self, FormatError> {
-        let lengths: Vec<u64> =
-            entries(root, "buffers").map(|b| optional(b, "byteLength", "").ok().flatten().unwrap_or(0)).collect();
+    pub(super) fn new(
+        root: &Object,
+        buffers: &'a Buffers<'a>,
+        budget: &'a Budget,
+    ) -> Result<Self, FormatError> {
+        let lengths: Vec<u64> = entries(root, "buffers")
+            .map(|b| optional(b, "byteLength", "").ok().flatten().unwrap_or(0))
+            .collect();
         let views = entries(root, "bufferViews").enumerate();
-        let views = views.map(|(i, view)| read_view(view, &format!("bufferViews[{i}]"), buffers, &lengths));
+        let views =
+            views.map(|(i, view)| read_view(view, &format!("bufferViews[{i}]"), buffers, &lengths));
         Ok(Self { buffers, views: views.collect::<Result<_, _>>()?, budget })
     }
 
@@ -108,7 +118,8 @@ impl<'a> Views<'a> {
         let view = &self.views[index];
         let place = || format!("bufferViews[{index}]");
         let buffer = self.buffers[view.buffer].as_deref();
-        let buffer = buffer.ok_or_else(|| malformed(place(), format!("buffers[{}] has no bytes", view.buffer)))?;
+        let buffer = buffer
+            .ok_or_else(|| malformed(place(), format!("buffers[{}] has no bytes", view.buffer)))?;
         // Checked against the buffer's stated length, which is not more than it has.
         let raw = &buffer[view.range.clone()];
         let Some(layout) = &view.compressed else { return Ok(raw) };
@@ -117,13 +128,19 @@ impl<'a> Views<'a> {
         }
         // Twice: indices are decoded to 32 bits before they are narrowed.
         self.budget.charge(layout.count as u64, 2 * layout.stride.max(4) as u64, &place())?;
-        let decoded = meshopt::decode(layout, raw)
-            .map_err(|what| malformed(place(), format!("compressed data cannot be decoded: {what}")))?;
+        let decoded = meshopt::decode(layout, raw).map_err(|what| {
+            malformed(place(), format!("compressed data cannot be decoded: {what}"))
+        })?;
         Ok(view.decoded.get_or_init(|| decoded))
     }
 }
 
-fn read_view(view: &Object, place: &str, buffers: &Buffers<'_>, lengths: &[u64]) -> Result<View, FormatError> {
+fn read_view(
+    view: &Object,
+    place: &str,
+    buffers: &Buffers<'_>,
+    lengths: &[u64],
+) -> Result<View, FormatError> {
     let range = |object: &Object, place: &str| -> Result<(usize, Range<usize>), FormatError> {
         let buffer = required(object, "buffer", place)? as usize;
         let offset = optional(object, "byteOffset", place)?.unwrap_or(0);
@@ -131,11 +148,15 @@ fn read_view(view: &Object, place: &str, buffers: &Buffers<'_>, lengths: &[u64])
         if length == 0 {
             return Err(malformed(place, "byteLength must be at least 1"));
         }
-        // A buffer without bytes may claim any length: nothing is allocated for it, and reading it is refused.
+        // A buffer without bytes may claim any length: nothing is allocated for it, and reading it
+        // is refused.
         let limit = lengths.get(buffer).copied().unwrap_or(0);
         match offset.checked_add(length) {
             Some(end) if end <= limit => Ok((buffer, offset as usize..end as usize)),
-            _ => Err(malformed(place, format!("{offset} + {length} bytes do not fit buffers[{buffer}] of {limit}"))),
+            _ => Err(malformed(
+                place,
+                format!("{offset} + {length} bytes do not fit buffers[{buffer}] of {limit}"),
+            )),
         }
     };
     let (buffer, plain) = range(view, place)?;
@@ -145,20 +166,38 @@ fn read_view(view: &Object, place: &str, buffers: &Buffers<'_>, lengths: &[u64])
     }
     let stride = stride.map(|s| s as usize);
     let Some((name, packed)) = extensions::meshopt(view) else {
-        return Ok(View { buffer, range: plain, stride, compressed: None, decoded: OnceCell::new() });
+        return Ok(View {
+            buffer,
+            range: plain,
+            stride,
+            compressed: None,
+            decoded: OnceCell::new(),
+        });
     };
     let place = format!("{place}.extensions.{name}");
     let (buffer, packed_range) = range(packed, &place)?;
     let layout = layout(packed, &place)?;
-    // The uncompressed size is what accessors are checked against; it must be a size that memory can have.
+    // The uncompressed size is what accessors are checked against; it must be a size that memory
+    // can have.
     if layout.count.checked_mul(layout.stride) != Some(plain.len()) {
-        let what = format!("{} elements of {} bytes are not byteLength {}", layout.count, layout.stride, plain.len());
+        let what = format!(
+            "{} elements of {} bytes are not byteLength {}",
+            layout.count,
+            layout.stride,
+            plain.len()
+        );
         return Err(malformed(place, what));
     }
     if buffers[buffer].is_none() {
         return Err(malformed(place, format!("buffers[{buffer}] has no bytes")));
     }
-    Ok(View { buffer, range: packed_range, stride, compressed: Some(layout), decoded: OnceCell::new() })
+    Ok(View {
+        buffer,
+        range: packed_range,
+        stride,
+        compressed: Some(layout),
+        decoded: OnceCell::new(),
+    })
 }
 
 fn layout(packed: &Object, place: &str) -> Result<Layout, FormatError> {

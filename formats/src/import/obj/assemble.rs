@@ -1,4 +1,5 @@
-//! Faces to submeshes: triangulated, one vertex for each different corner, one submesh for each material.
+//! Faces to submeshes: triangulated, one vertex for each different corner, one submesh for each
+//! material.
 
 use super::parse::{NONE, Parsed};
 use super::triangulate::{Triangulator, newell};
@@ -41,7 +42,8 @@ fn runs_by_material(parsed: &Parsed) -> (Vec<Vec<u32>>, Vec<u32>) {
     let mut submesh_of = vec![NONE; parsed.materials.len() + 1];
     let (mut runs_of, mut materials): (Vec<Vec<u32>>, Vec<u32>) = Default::default();
     for (i, run) in parsed.runs.iter().enumerate() {
-        let slot = if run.material == NONE { parsed.materials.len() } else { run.material as usize };
+        let slot =
+            if run.material == NONE { parsed.materials.len() } else { run.material as usize };
         if submesh_of[slot] == NONE {
             submesh_of[slot] = materials.len() as u32;
             materials.push(run.material);
@@ -74,11 +76,15 @@ struct Builder<'a> {
 
 impl<'a> Builder<'a> {
     fn new(parsed: &'a Parsed, seed: u64) -> Self {
-        let texcoord = first_equal(if parsed.corner_t.is_empty() { 0 } else { parsed.texcoords.len() }, seed, |i| {
-            let i = i as usize;
-            let [u, v] = parsed.texcoords[i].map(f32::to_bits);
-            [u, v, parsed.texcoords_w.get(i).map_or(0, |w| w.to_bits())]
-        });
+        let texcoord = first_equal(
+            if parsed.corner_t.is_empty() { 0 } else { parsed.texcoords.len() },
+            seed,
+            |i| {
+                let i = i as usize;
+                let [u, v] = parsed.texcoords[i].map(f32::to_bits);
+                [u, v, parsed.texcoords_w.get(i).map_or(0, |w| w.to_bits())]
+            },
+        );
         let normals = if parsed.corner_n.is_empty() { 0 } else { parsed.normals.len() };
         let normal = first_equal(normals, seed, |i| parsed.normals[i as usize].map(f32::to_bits));
         Self {
@@ -98,7 +104,9 @@ impl<'a> Builder<'a> {
 
     fn faces(&self, run: u32) -> std::ops::Range<usize> {
         let runs = &self.parsed.runs;
-        let end = runs.get(run as usize + 1).map_or(self.parsed.face_ends.len(), |next| next.first_face as usize);
+        let end = runs
+            .get(run as usize + 1)
+            .map_or(self.parsed.face_ends.len(), |next| next.first_face as usize);
         runs[run as usize].first_face as usize..end
     }
 
@@ -112,7 +120,9 @@ impl<'a> Builder<'a> {
         let first_triangle = self.out.parts.triangles.len() as u32;
         let has = |list: &[u32]| {
             !list.is_empty()
-                && runs.iter().any(|&r| self.faces(r).any(|f| list[self.corners(f)].iter().any(|&i| i != NONE)))
+                && runs.iter().any(|&r| {
+                    self.faces(r).any(|f| list[self.corners(f)].iter().any(|&i| i != NONE))
+                })
         };
         let (has_texcoords, has_normals) = (has(&self.parsed.corner_t), has(&self.parsed.corner_n));
         self.unique.clear();
@@ -137,13 +147,21 @@ impl<'a> Builder<'a> {
         self.out.submeshes.push(SubmeshInfo { name, material, document_primitive: submesh });
     }
 
-    fn face(&mut self, face: usize, has: [bool; 2], polygon: &mut Vec<[f32; 3]>, vertices: &mut Vec<u32>) {
+    fn face(
+        &mut self,
+        face: usize,
+        has: [bool; 2],
+        polygon: &mut Vec<[f32; 3]>,
+        vertices: &mut Vec<u32>,
+    ) {
         let parsed = self.parsed;
         let corners = self.corners(face);
         let lacks_normal = has[1] && parsed.corner_n[corners.clone()].contains(&NONE);
         polygon.clear();
         if corners.len() > 3 || lacks_normal {
-            polygon.extend(parsed.corner_v[corners.clone()].iter().map(|&v| parsed.positions[v as usize]));
+            polygon.extend(
+                parsed.corner_v[corners.clone()].iter().map(|&v| parsed.positions[v as usize]),
+            );
         }
         let made_normal = (parsed.normals.len() + self.made_normals.len()) as u32;
         if lacks_normal {
@@ -195,7 +213,8 @@ impl<'a> Builder<'a> {
         vertex
     }
 
-    /// The names of the groups with this material; several are joined as an OBJ's `g` would list them.
+    /// The names of the groups with this material; several are joined as an OBJ's `g` would list
+    /// them.
     fn label(&mut self, runs: &[u32]) -> String {
         const MOST_BYTES: usize = 1000;
         let mut seen = BTreeSet::new();
@@ -203,7 +222,11 @@ impl<'a> Builder<'a> {
         for &run in runs {
             let label = self.parsed.runs[run as usize].label;
             // The name of the only object is the name of the whole.
-            let text = self.parsed.labels.get(label as usize).filter(|&l| self.parsed.objects != [l.as_str()]);
+            let text = self
+                .parsed
+                .labels
+                .get(label as usize)
+                .filter(|&l| self.parsed.objects != [l.as_str()]);
             if !seen.insert(text) {
                 continue;
             }
@@ -246,11 +269,14 @@ impl<'a> Builder<'a> {
             numbers[1] = push(Semantic::Normal, 3, stream(vertices.iter().map(normal)));
         }
         if self.uses[0] {
-            let uv = |k: &[u32; 3]| parsed.texcoords.get(k[1] as usize).copied().unwrap_or_default();
+            let uv =
+                |k: &[u32; 3]| parsed.texcoords.get(k[1] as usize).copied().unwrap_or_default();
             numbers[0] = if parsed.texcoords_w.is_empty() {
                 push(Semantic::TexCoord(0), 2, stream(vertices.iter().map(uv)))
             } else {
-                let w = |k: &[u32; 3]| parsed.texcoords_w.get(k[1] as usize).copied().unwrap_or_default();
+                let w = |k: &[u32; 3]| {
+                    parsed.texcoords_w.get(k[1] as usize).copied().unwrap_or_default()
+                };
                 let uvw = vertices.iter().map(|k| [uv(k)[0], uv(k)[1], w(k)]);
                 push(Semantic::TexCoord(0), 3, stream(uvw))
             };

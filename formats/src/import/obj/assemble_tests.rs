@@ -11,7 +11,8 @@ fn build(source: &str) -> Assembled {
 }
 
 fn floats(a: &Assembled, semantic: &Semantic) -> Vec<f32> {
-    let attribute = a.parts.attributes.iter().find(|x| x.semantic == *semantic).expect("the stream");
+    let attribute =
+        a.parts.attributes.iter().find(|x| x.semantic == *semantic).expect("the stream");
     attribute.bytes.chunks(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect()
 }
 
@@ -19,7 +20,9 @@ const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 
 #[test]
 fn corners_with_equal_values_share_a_vertex_and_others_do_not() {
-    let a = build(&format!("{SQUARE}vt 0 0\nvt 0 0\nvt 1 1\nf 1/1 2/1 3/1\nf 1/2 3/2 4/1\nf 1/3 2/1 4/2\n"));
+    let a = build(&format!(
+        "{SQUARE}vt 0 0\nvt 0 0\nvt 1 1\nf 1/1 2/1 3/1\nf 1/2 3/2 4/1\nf 1/3 2/1 4/2\n"
+    ));
     assert_eq!(a.parts.positions.len(), 5);
     assert_eq!(a.parts.triangles, [[0, 1, 2], [0, 2, 3], [4, 1, 3]]);
     // Two positions with equal coordinates stay two vertices.
@@ -32,27 +35,42 @@ fn one_submesh_per_material_in_order_of_first_use() {
     let a = build(&format!(
         "{SQUARE}vn 0 0 1\nusemtl unused\nusemtl red\ng left\nf 1 2 3\nusemtl\ng right\nf 1//1 2//1 3//1 4//1\nusemtl red\ng left\nf 1 3 4\n"
     ));
-    let submeshes: Vec<_> =
-        a.parts.submeshes.iter().map(|s| (s.first_triangle, s.triangle_count, s.attributes.len())).collect();
+    let submeshes: Vec<_> = a
+        .parts
+        .submeshes
+        .iter()
+        .map(|s| (s.first_triangle, s.triangle_count, s.attributes.len()))
+        .collect();
     assert_eq!(submeshes, [(0, 2, 0), (2, 2, 1)]);
-    let names: Vec<_> =
-        a.submeshes.iter().map(|s| (s.name.as_str(), s.material.as_deref(), s.document_primitive)).collect();
+    let names: Vec<_> = a
+        .submeshes
+        .iter()
+        .map(|s| (s.name.as_str(), s.material.as_deref(), s.document_primitive))
+        .collect();
     assert_eq!(names, [("left", Some("red"), 0), ("right", None, 1)]);
     assert_eq!((a.joined_labels, a.polygons), (0, 1));
     assert_eq!(a.parts.vertex_submesh, [0, 0, 0, 0, 1, 1, 1, 1]);
-    assert_eq!(floats(&a, &Semantic::Normal)[..12], [0.0; 12], "vertices of other submeshes hold zeros");
+    assert_eq!(
+        floats(&a, &Semantic::Normal)[..12],
+        [0.0; 12],
+        "vertices of other submeshes hold zeros"
+    );
 }
 
 #[test]
 fn groups_that_share_a_material_keep_their_names() {
     let a = build(&format!("{SQUARE}g one\nf 1 2 3\ng two\nf 1 3 4\ng one\nf 1 2 4\n"));
-    assert_eq!((a.submeshes.len(), a.submeshes[0].name.as_str(), a.joined_labels), (1, "one two", 2));
+    assert_eq!(
+        (a.submeshes.len(), a.submeshes[0].name.as_str(), a.joined_labels),
+        (1, "one two", 2)
+    );
     assert_eq!(a.submeshes[0].material, None);
 }
 
 #[test]
 fn missing_texture_coordinates_and_normals_are_filled_and_counted() {
-    let a = build(&format!("{SQUARE}vt 5 6\nvn 1 0 0\nf 1/1/1 2/1/1 3/1/1\nf 1 3 4\nf 2/1 3/1/1 4\n"));
+    let a =
+        build(&format!("{SQUARE}vt 5 6\nvn 1 0 0\nf 1/1/1 2/1/1 3/1/1\nf 1 3 4\nf 2/1 3/1/1 4\n"));
     assert_eq!((a.filled_texcoords, a.filled_normals), (4, 2));
     let (uv, normals) = (floats(&a, &Semantic::TexCoord(0)), floats(&a, &Semantic::Normal));
     let corner = |t: usize, c: usize| a.parts.triangles[t][c] as usize;
@@ -78,7 +96,11 @@ fn every_bit_of_a_stream_survives() {
     let a = build("v -0 1e-45 3.4028235e38\nv 1 0 0\nv 0 1 0\nvn nan -inf -0\nf 1//1 2//1 3//1\n");
     assert_eq!(a.parts.positions[0].map(f32::to_bits), [0x8000_0000, 1, 0x7f7f_ffff]);
     let normals = floats(&a, &Semantic::Normal);
-    assert!(normals[0].is_nan() && normals[1] == f32::NEG_INFINITY && normals[2].to_bits() == 0x8000_0000);
+    assert!(
+        normals[0].is_nan()
+            && normals[1] == f32::NEG_INFINITY
+            && normals[2].to_bits() == 0x8000_0000
+    );
 }
 
 #[test]

@@ -1,4 +1,5 @@
-//! Statements of a text format: lines that may be continued, with comments, in any convention for line ends.
+//! Statements of a text format: lines that may be continued, with comments, in any convention for
+//! line ends.
 
 use crate::{Fault, FormatError};
 
@@ -18,7 +19,14 @@ impl<'a> Lines<'a> {
     /// The statements of `bytes`, none longer than `limit`.
     pub(super) fn new(bytes: &'a [u8], limit: u64) -> Self {
         let at = if bytes.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 };
-        Self { bytes, at, line: 1, start: at, statement_line: 1, limit: usize::try_from(limit).unwrap_or(usize::MAX) }
+        Self {
+            bytes,
+            at,
+            line: 1,
+            start: at,
+            statement_line: 1,
+            limit: usize::try_from(limit).unwrap_or(usize::MAX),
+        }
     }
 
     /// The line on which the current statement starts, counted from 1.
@@ -63,14 +71,15 @@ impl<'a> Lines<'a> {
         if self.bytes.get(first) == Some(&b'#') || first - self.start > self.limit {
             return None;
         }
-        while self.bytes.get(self.at).is_some_and(|b| !b.is_ascii_whitespace()) && !self.continued() {
+        while self.bytes.get(self.at).is_some_and(|b| !b.is_ascii_whitespace()) && !self.continued()
+        {
             self.at += 1;
         }
         (self.at > first).then(|| &self.bytes[first..self.at])
     }
 
-    /// The rest of the current statement as text. A `#` is part of it unless it stands alone between spaces: names
-    /// like `Object #2` are common.
+    /// The rest of the current statement as text. A `#` is part of it unless it stands alone
+    /// between spaces: names like `Object #2` are common.
     pub(super) fn rest(&mut self) -> String {
         let mut words: Vec<u8> = Vec::new();
         self.skip_spaces();
@@ -98,7 +107,11 @@ impl<'a> Lines<'a> {
 
     fn check_length(&self) -> Result<(), FormatError> {
         if self.at - self.start > self.limit {
-            return Err(FormatError::new(Fault::Limit, self.place(), format!("longer than {} bytes", self.limit)));
+            return Err(FormatError::new(
+                Fault::Limit,
+                self.place(),
+                format!("longer than {} bytes", self.limit),
+            ));
         }
         Ok(())
     }
@@ -133,9 +146,11 @@ impl<'a> Lines<'a> {
     }
 }
 
-/// Bytes as text: UTF-8, or Latin-1 where they are not that, so that different names stay different.
+/// Bytes as text: UTF-8, or Latin-1 where they are not that, so that different names stay
+/// different.
 pub(super) fn text(bytes: &[u8]) -> String {
-    std::str::from_utf8(bytes).map_or_else(|_| bytes.iter().map(|&b| char::from(b)).collect(), str::to_owned)
+    std::str::from_utf8(bytes)
+        .map_or_else(|_| bytes.iter().map(|&b| char::from(b)).collect(), str::to_owned)
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Wavefront OBJ and MTL.
 //!
-//! One file is one object. Its submeshes are its materials, in order of first use; the faces without a material are a
-//! submesh of their own.
+//! One file is one object. Its submeshes are its materials, in order of first use; the faces
+//! without a material are a submesh of their own.
 
 mod assemble;
 mod lines;
@@ -15,7 +15,10 @@ mod triangulate;
 mod unique;
 
 use super::ImportOptions;
-use crate::{Assets, Document, Fault, FormatError, ObjDocument, ObjectInfo, Scene, SceneObject, Source, SourceFormat};
+use crate::{
+    Assets, Document, Fault, FormatError, ObjDocument, ObjectInfo, Scene, SceneObject, Source,
+    SourceFormat,
+};
 use lodc_mesh::{Attribute, Component, Mesh, MeshParts, Semantic};
 use xxhash_rust::xxh3::xxh3_128;
 
@@ -23,7 +26,11 @@ use xxhash_rust::xxh3::xxh3_128;
 ///
 /// # Errors
 /// See [`super::import`].
-pub(crate) fn import(bytes: Vec<u8>, assets: &mut Assets, options: &ImportOptions) -> Result<Scene, FormatError> {
+pub(crate) fn import(
+    bytes: Vec<u8>,
+    assets: &mut Assets,
+    options: &ImportOptions,
+) -> Result<Scene, FormatError> {
     if bytes.is_empty() {
         return Err(FormatError::new(Fault::Malformed, "", "the file is empty"));
     }
@@ -45,10 +52,13 @@ pub(crate) fn import(bytes: Vec<u8>, assets: &mut Assets, options: &ImportOption
     drop(parsed);
 
     let mut parts = std::mem::take(&mut assembled.parts);
-    let source_positions = tidy_numbered(&mut parts, assembled.source_positions, options.weld, &mut warnings);
-    let mesh = Mesh::try_from(parts).map_err(|e| FormatError::new(Fault::Limit, "", e.to_string()))?;
+    let source_positions =
+        tidy_numbered(&mut parts, assembled.source_positions, options.weld, &mut warnings);
+    let mesh =
+        Mesh::try_from(parts).map_err(|e| FormatError::new(Fault::Limit, "", e.to_string()))?;
     let name = if name.is_empty() { "mesh0".to_owned() } else { name };
-    let info = ObjectInfo { name, submeshes: assembled.submeshes, world_scale: 1.0, document_mesh: 0 };
+    let info =
+        ObjectInfo { name, submeshes: assembled.submeshes, world_scale: 1.0, document_mesh: 0 };
     Ok(Scene {
         source: Source { format: SourceFormat::Obj, content_hash },
         document: Document::Obj(ObjDocument { libraries, materials: materials.list }),
@@ -59,7 +69,12 @@ pub(crate) fn import(bytes: Vec<u8>, assets: &mut Assets, options: &ImportOption
 }
 
 /// [`tidy`], with a number for each vertex; returns those of the vertices that stay.
-fn tidy_numbered(parts: &mut MeshParts, numbers: Vec<u32>, weld: f64, warnings: &mut Vec<String>) -> Vec<u32> {
+fn tidy_numbered(
+    parts: &mut MeshParts,
+    numbers: Vec<u32>,
+    weld: f64,
+    warnings: &mut Vec<String>,
+) -> Vec<u32> {
     // As a stream of no submesh, the numbers go wherever their vertices go.
     parts.attributes.push(Attribute {
         semantic: Semantic::Custom(String::new()),
@@ -84,8 +99,10 @@ fn tidy(parts: &mut MeshParts, weld: f64, warnings: &mut Vec<String>) {
     }
     let cleaning = parts.clean();
     if cleaning.degenerate_triangles > 0 {
-        warnings
-            .push(format!("{} triangles with two corners at one position were dropped", cleaning.degenerate_triangles));
+        warnings.push(format!(
+            "{} triangles with two corners at one position were dropped",
+            cleaning.degenerate_triangles
+        ));
     }
     if parts.triangles.is_empty() {
         warnings.push("there is no triangle: nothing to simplify".to_owned());
@@ -95,7 +112,8 @@ fn tidy(parts: &mut MeshParts, weld: f64, warnings: &mut Vec<String>) {
 fn diagonal(positions: &[[f32; 3]]) -> f64 {
     let extent = |i: usize| {
         let values = positions.iter().map(|p| f64::from(p[i]));
-        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), c| (l.min(c), h.max(c)));
+        let (low, high) =
+            values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), c| (l.min(c), h.max(c)));
         if high > low { high - low } else { 0.0 }
     };
     (0..3).map(|i| extent(i).powi(2)).sum::<f64>().sqrt()

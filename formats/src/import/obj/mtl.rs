@@ -16,8 +16,8 @@ pub(super) struct Materials {
 }
 
 impl Materials {
-    /// Reads the libraries that an OBJ names. One that is missing or may not be read is a warning: the shape does not
-    /// depend on it.
+    /// Reads the libraries that an OBJ names. One that is missing or may not be read is a warning:
+    /// the shape does not depend on it.
     ///
     /// # Errors
     /// If a limit is reached.
@@ -31,7 +31,9 @@ impl Materials {
                     }
                 }
                 Err(e) if e.fault == Fault::Limit => return Err(e),
-                Err(e) => materials.warnings.push(format!("the material library was not read: {e}")),
+                Err(e) => {
+                    materials.warnings.push(format!("the material library was not read: {e}"))
+                }
             }
         }
         Ok(materials)
@@ -67,17 +69,20 @@ impl Materials {
         }
         self.list.extend(current);
         if repeated > 0 {
-            self.warnings
-                .push(format!("{library}: {repeated} materials are defined more than once, the first one holds"));
+            self.warnings.push(format!(
+                "{library}: {repeated} materials are defined more than once, the first one holds"
+            ));
         }
         if stray > 0 {
-            self.warnings.push(format!("{library}: {stray} lines before the first material were left out"));
+            self.warnings
+                .push(format!("{library}: {stray} lines before the first material were left out"));
         }
         Ok(())
     }
 }
 
-/// Finds a library: under the name as it stands, with backslashes turned, or else as a list of names.
+/// Finds a library: under the name as it stands, with backslashes turned, or else as a list of
+/// names.
 fn find(library: &str, assets: &mut Assets) -> Result<Vec<Vec<u8>>, FormatError> {
     let turned = library.replace('\\', "/");
     let mut read = |name: &str| match assets.read_reference(name) {

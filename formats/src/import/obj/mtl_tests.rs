@@ -37,7 +37,8 @@ fn continued_lines_and_other_encodings_are_read() {
 
 #[test]
 fn a_library_of_absurd_size_is_a_limit() {
-    let error = Materials::default().parse("a.mtl", &vec![b'\n'; MAX_BYTES + 1]).expect_err("too large");
+    let error =
+        Materials::default().parse("a.mtl", &vec![b'\n'; MAX_BYTES + 1]).expect_err("too large");
     assert_eq!((error.fault, error.file.as_str()), (Fault::Limit, "a.mtl"));
 }
 
@@ -51,10 +52,17 @@ fn damaged_libraries_give_materials_without_line_ends_or_a_limit() {
         let m = parse(&source);
         for material in &m.list {
             let texts = material.lines.iter().chain([&material.name]);
-            assert!(texts.clone().all(|t| !t.contains(['\n', '\r'])), "round {round}: {material:?}");
+            assert!(
+                texts.clone().all(|t| !t.contains(['\n', '\r'])),
+                "round {round}: {material:?}"
+            );
             let kept: usize = texts.map(String::len).sum();
             // A byte that is no UTF-8 becomes a character of three.
-            assert!(kept <= 3 * source.len() + 8, "round {round}: {kept} bytes of {}", source.len());
+            assert!(
+                kept <= 3 * source.len() + 8,
+                "round {round}: {kept} bytes of {}",
+                source.len()
+            );
         }
         sizes[m.list.len().min(7)] += 1;
     }

@@ -48,12 +48,21 @@ pub(super) fn warn(parsed: &Parsed, assembled: &Assembled, warnings: &mut Vec<St
     tell(notes.lines, "line elements were left out");
     tell(notes.points, "point elements were left out");
     tell(notes.free_form, "free-form curves and surfaces were left out");
-    tell(notes.extra_values, "lines have more numbers than their meaning needs, the last ones were left out");
+    tell(
+        notes.extra_values,
+        "lines have more numbers than their meaning needs, the last ones were left out",
+    );
     tell(notes.weights, "positions have a weight, which was left out");
     if !parsed.colors.is_empty() {
-        tell(notes.uncolored, "positions without a colour beside others that have one were made white");
+        tell(
+            notes.uncolored,
+            "positions without a colour beside others that have one were made white",
+        );
     }
-    tell(notes.unknown, &format!("lines are no OBJ statements and were left out, like `{}`", notes.unknown_first));
+    tell(
+        notes.unknown,
+        &format!("lines are no OBJ statements and were left out, like `{}`", notes.unknown_first),
+    );
 
     let mut tell = |count: u64, what: &str| {
         if count > 0 {
@@ -61,12 +70,18 @@ pub(super) fn warn(parsed: &Parsed, assembled: &Assembled, warnings: &mut Vec<St
         }
     };
     tell(assembled.polygons, "polygons were triangulated");
-    tell(assembled.imperfect_polygons, "of these cross themselves or turn back: their triangles may overlap");
+    tell(
+        assembled.imperfect_polygons,
+        "of these cross themselves or turn back: their triangles may overlap",
+    );
     tell(
         assembled.filled_texcoords,
         "corners without texture coordinates beside others that have them were given (0, 0)",
     );
-    tell(assembled.filled_normals, "faces without normals beside others that have them were given their own");
+    tell(
+        assembled.filled_normals,
+        "faces without normals beside others that have them were given their own",
+    );
     tell(
         assembled.joined_labels,
         "groups share a material with others: they are kept as one submesh with all their names",
@@ -74,11 +89,22 @@ pub(super) fn warn(parsed: &Parsed, assembled: &Assembled, warnings: &mut Vec<St
 }
 
 /// Says which materials no library has.
-pub(super) fn warn_undefined(assembled: &Assembled, list: &[ObjMaterial], warnings: &mut Vec<String>) {
+pub(super) fn warn_undefined(
+    assembled: &Assembled,
+    list: &[ObjMaterial],
+    warnings: &mut Vec<String>,
+) {
     let defined: BTreeSet<&str> = list.iter().map(|m| m.name.as_str()).collect();
-    let mut missing = assembled.submeshes.iter().filter_map(|s| s.material.as_deref()).filter(|m| !defined.contains(m));
+    let mut missing = assembled
+        .submeshes
+        .iter()
+        .filter_map(|s| s.material.as_deref())
+        .filter(|m| !defined.contains(m));
     if let Some(first) = missing.next() {
         let count = 1 + missing.count();
-        warnings.push(format!("{count} materials are used but not defined (first `{}`)", first.escape_debug()));
+        warnings.push(format!(
+            "{count} materials are used but not defined (first `{}`)",
+            first.escape_debug()
+        ));
     }
 }

@@ -1,17 +1,18 @@
 //! Numbers in text, correctly rounded.
 
-/// A decimal number as the nearest `f32`, ties to even; `nan` and `inf` in any case are numbers too.
+/// A decimal number as the nearest `f32`, ties to even; `nan` and `inf` in any case are numbers
+/// too.
 pub(super) fn float(token: &[u8]) -> Option<f32> {
     fast_float(token).or_else(|| slow_float(token))
 }
 
-/// The common case: at most 19 digits and a small exponent, rounded once to `f64` and once to `f32`. The two roundings
-/// give the nearest `f32` unless the first one landed exactly half-way between two of them, which is then left to
-/// the slow way, as is everything unusual.
+/// The common case: at most 19 digits and a small exponent, rounded once to `f64` and once to
+/// `f32`. The two roundings give the nearest `f32` unless the first one landed exactly half-way
+/// between two of them, which is then left to the slow way, as is everything unusual.
 fn fast_float(token: &[u8]) -> Option<f32> {
     const POWERS: [f64; 23] = [
-        1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19,
-        1e20, 1e21, 1e22,
+        1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16,
+        1e17, 1e18, 1e19, 1e20, 1e21, 1e22,
     ];
     let (negative, digits) = match token {
         [b'-', rest @ ..] => (true, rest),
@@ -51,7 +52,8 @@ fn fast_float(token: &[u8]) -> Option<f32> {
     let exact = mantissa as f64;
     let value = if exponent < 0 { exact / power } else { exact * power };
     let half_way = value.to_bits() & 0x1fff_ffff == 0x1000_0000;
-    let ordinary = value == 0.0 || (f64::from(f32::MIN_POSITIVE)..f64::from(f32::MAX)).contains(&value);
+    let ordinary =
+        value == 0.0 || (f64::from(f32::MIN_POSITIVE)..f64::from(f32::MAX)).contains(&value);
     #[expect(clippy::cast_possible_truncation, reason = "rounding is the purpose")]
     (ordinary && !half_way).then(|| if negative { -(value as f32) } else { value as f32 })
 }
@@ -62,15 +64,21 @@ fn slow_float(token: &[u8]) -> Option<f32> {
         return Some(value);
     }
     // Seen in real files: a sign that stands before the exponent's letter, `3.1+e2`.
-    if let Some(at) = text.find(['e', 'E']).filter(|&at| at >= 2 && matches!(token[at - 1], b'+' | b'-')) {
+    if let Some(at) =
+        text.find(['e', 'E']).filter(|&at| at >= 2 && matches!(token[at - 1], b'+' | b'-'))
+    {
         let (mantissa, sign, power) = (&text[..at - 1], &text[at - 1..at], &text[at + 1..]);
         let plain = !mantissa.is_empty() && power.bytes().all(|b| b.is_ascii_digit());
         return if plain { format!("{mantissa}e{sign}{power}").parse().ok() } else { None };
     }
-    // What some run-time libraries print instead of NaN and infinity: `-nan(ind)`, `1.#QNAN`, `-1.#IND00`, `1.#INF`.
+    // What some run-time libraries print instead of NaN and infinity: `-nan(ind)`, `1.#QNAN`,
+    // `-1.#IND00`, `1.#INF`.
     let lower = text.to_ascii_lowercase();
     let unsigned = lower.trim_start_matches(['-', '+']);
-    if unsigned.starts_with("nan(") || unsigned.starts_with("1.#qnan") || unsigned.starts_with("1.#ind") {
+    if unsigned.starts_with("nan(")
+        || unsigned.starts_with("1.#qnan")
+        || unsigned.starts_with("1.#ind")
+    {
         return Some(f32::NAN);
     }
     unsigned.starts_with("1.#inf").then_some(f32::INFINITY)
@@ -118,14 +126,23 @@ mod tests {
             };
             let expected: f32 = text.parse().expect(&text);
             let got = float(text.as_bytes()).expect(&text);
-            assert!(got.to_bits() == expected.to_bits() || got.is_nan() && expected.is_nan(), "{text}: {got}");
+            assert!(
+                got.to_bits() == expected.to_bits() || got.is_nan() && expected.is_nan(),
+                "{text}: {got}"
+            );
         }
     }
 
     #[test]
     fn values_half_way_between_two_floats_go_to_even() {
         // 16777217 = 2^24 + 1 is half-way; so are these seen through a double rounding.
-        for text in ["16777217", "16777219", "1.00000005960464477539062", "16777217.0000000001", "9007199791611905"] {
+        for text in [
+            "16777217",
+            "16777219",
+            "1.00000005960464477539062",
+            "16777217.0000000001",
+            "9007199791611905",
+        ] {
             let expected: f32 = text.parse().expect(text);
             assert_eq!(float(text.as_bytes()).expect(text).to_bits(), expected.to_bits(), "{text}");
         }
@@ -147,14 +164,19 @@ mod tests {
             ("1.#INF", f32::INFINITY),
             ("00000000000000000000000001", 1.0),
         ] {
-            assert_eq!(float(text.as_bytes()).map(f32::to_bits), Some(f32::to_bits(value)), "{text}");
+            assert_eq!(
+                float(text.as_bytes()).map(f32::to_bits),
+                Some(f32::to_bits(value)),
+                "{text}"
+            );
         }
         for text in ["nan", "NaN", "-nan(ind)", "-1.#IND00"] {
             assert!(float(text.as_bytes()).is_some_and(f32::is_nan), "{text}");
         }
-        for text in
-            ["", "-", "+", ".", "1,5", "0x10", "1e", "e5", "1.2.3", "1_0", "abc", "+e2", "--1", "1+e", "\u{661}"]
-        {
+        for text in [
+            "", "-", "+", ".", "1,5", "0x10", "1e", "e5", "1.2.3", "1_0", "abc", "+e2", "--1",
+            "1+e", "\u{661}",
+        ] {
             assert_eq!(float(text.as_bytes()), None, "{text}");
         }
     }

@@ -1,7 +1,7 @@
 //! The statements of an OBJ as arrays.
 //!
-//! A parser of our own and not a crate: it reads the file's bytes in place (no normalised copy, no line map), keeps
-//! indices as the file has them, and knows the line of everything it refuses.
+//! A parser of our own and not a crate: it reads the file's bytes in place (no normalised copy, no
+//! line map), keeps indices as the file has them, and knows the line of everything it refuses.
 
 use super::lines::Lines;
 use super::notes::Notes;
@@ -61,11 +61,20 @@ pub(super) fn parse(bytes: &[u8], limits: &Limits) -> Result<Parsed, FormatError
     let mut parser = Parser::new(bytes, limits, None);
     parser.run()?;
     let totals = parser.totals();
-    let out_of_range = parser.largest.iter().zip(totals).any(|(&largest, total)| largest.is_some_and(|i| i >= total));
+    let out_of_range = parser
+        .largest
+        .iter()
+        .zip(totals)
+        .any(|(&largest, total)| largest.is_some_and(|i| i >= total));
     if out_of_range {
-        // A face may come before its vertices, so this shows at the end only. Rare enough to look for the line anew.
+        // A face may come before its vertices, so this shows at the end only. Rare enough to look
+        // for the line anew.
         Parser::new(bytes, limits, Some(totals)).run()?;
-        return Err(FormatError::new(Fault::Malformed, "", "a face uses a vertex that is not there"));
+        return Err(FormatError::new(
+            Fault::Malformed,
+            "",
+            "a face uses a vertex that is not there",
+        ));
     }
     let known = parser.known;
     let mut parsed = parser.parsed;
@@ -143,14 +152,18 @@ impl<'a> Parser<'a> {
                 b"mtllib" => self.library()?,
                 b"l" => self.parsed.notes.lines.add(self.lines.number()),
                 b"p" => self.parsed.notes.points.add(self.lines.number()),
-                b"s" | b"vp" | b"bevel" | b"c_interp" | b"d_interp" | b"lod" | b"mg" | b"shadow_obj" | b"trace_obj"
-                | b"usemap" | b"maplib" | b"cstype" | b"deg" | b"bmat" | b"step" | b"ctech" | b"stech" | b"parm"
-                | b"trim" | b"hole" | b"scrv" | b"sp" | b"end" | b"con" => {}
-                b"curv" | b"curv2" | b"surf" => self.parsed.notes.free_form.add(self.lines.number()),
+                b"s" | b"vp" | b"bevel" | b"c_interp" | b"d_interp" | b"lod" | b"mg"
+                | b"shadow_obj" | b"trace_obj" | b"usemap" | b"maplib" | b"cstype" | b"deg"
+                | b"bmat" | b"step" | b"ctech" | b"stech" | b"parm" | b"trim" | b"hole"
+                | b"scrv" | b"sp" | b"end" | b"con" => {}
+                b"curv" | b"curv2" | b"surf" => {
+                    self.parsed.notes.free_form.add(self.lines.number())
+                }
                 other => {
                     self.known -= 1;
                     if self.parsed.notes.unknown.times == 0 {
-                        self.parsed.notes.unknown_first = super::lines::text(&other[..other.len().min(20)]);
+                        self.parsed.notes.unknown_first =
+                            super::lines::text(&other[..other.len().min(20)]);
                     }
                     self.parsed.notes.unknown.add(self.lines.number());
                 }
@@ -257,7 +270,11 @@ impl<'a> Parser<'a> {
             return Ok(());
         }
         if p.runs.last().is_none_or(|r| (r.material, r.label) != (self.material, self.label)) {
-            let run = Run { first_face: p.face_ends.len() as u32, material: self.material, label: self.label };
+            let run = Run {
+                first_face: p.face_ends.len() as u32,
+                material: self.material,
+                label: self.label,
+            };
             p.runs.push(run);
         }
         p.face_ends.push(end as u32);
@@ -269,14 +286,19 @@ impl<'a> Parser<'a> {
         let corner = self.parsed.corner_v.len();
         for (kind, so_far) in self.totals().into_iter().enumerate() {
             let part = parts.next().unwrap_or_default();
-            let index = if part.is_empty() && kind > 0 { NONE } else { self.index(token, part, kind, so_far)? };
+            let index = if part.is_empty() && kind > 0 {
+                NONE
+            } else {
+                self.index(token, part, kind, so_far)?
+            };
             let p = &mut self.parsed;
             let list = match kind {
                 0 => &mut p.corner_v,
                 1 => &mut p.corner_t,
                 _ => &mut p.corner_n,
             };
-            // The lists of texture coordinates and normals start with the first corner that has one.
+            // The lists of texture coordinates and normals start with the first corner that has
+            // one.
             if index != NONE || !list.is_empty() {
                 if list.len() < corner {
                     list.resize(corner, NONE);
@@ -287,7 +309,13 @@ impl<'a> Parser<'a> {
         Ok(())
     }
 
-    fn index(&mut self, token: &[u8], part: &[u8], kind: usize, so_far: u32) -> Result<u32, FormatError> {
+    fn index(
+        &mut self,
+        token: &[u8],
+        part: &[u8],
+        kind: usize,
+        so_far: u32,
+    ) -> Result<u32, FormatError> {
         let what = ["position", "texture coordinates", "normal"][kind];
         let Some(number) = integer(part) else {
             return Err(self.malformed(format!("`{}` is not a corner of a face", shown(token))));
@@ -307,7 +335,10 @@ impl<'a> Parser<'a> {
                 let there = if number < 0 { so_far } else { total };
                 Err(self.malformed(match there {
                     NONE => format!("`{}`: there is no {what} {number}", shown(token)),
-                    _ => format!("`{}`: there is no {what} {number}, only {there} of them", shown(token)),
+                    _ => format!(
+                        "`{}`: there is no {what} {number}, only {there} of them",
+                        shown(token)
+                    ),
                 }))
             }
         }
@@ -315,14 +346,20 @@ impl<'a> Parser<'a> {
 
     fn use_material(&mut self) {
         let name = self.lines.rest();
-        self.material =
-            if name.is_empty() { NONE } else { intern(&mut self.material_index, &mut self.parsed.materials, name) };
+        self.material = if name.is_empty() {
+            NONE
+        } else {
+            intern(&mut self.material_index, &mut self.parsed.materials, name)
+        };
     }
 
     fn group(&mut self) {
         let name = self.lines.rest();
-        self.label =
-            if name.is_empty() { self.object } else { intern(&mut self.label_index, &mut self.parsed.labels, name) };
+        self.label = if name.is_empty() {
+            self.object
+        } else {
+            intern(&mut self.label_index, &mut self.parsed.labels, name)
+        };
     }
 
     fn object(&mut self) {

@@ -75,12 +75,16 @@ fn something_else_entirely_is_not_an_obj() {
     }
     assert!(read("# only comments\n").positions.is_empty());
     let p = read(&format!("hello\n{THREE}world\n"));
-    assert_eq!((p.notes.unknown.times, p.notes.unknown.line, p.notes.unknown_first.as_str()), (2, 1, "hello"));
+    assert_eq!(
+        (p.notes.unknown.times, p.notes.unknown.line, p.notes.unknown_first.as_str()),
+        (2, 1, "hello")
+    );
 }
 
 #[test]
 fn positions_may_have_weights_and_colours() {
-    let p = read("v 0 0 0 1\nv 0 0 0 2\nv 0 0 0 9 9\nv 1 2 3 .1 .2 .3\nv 1 2 3 .1 .2 .3 .4\nv 1 1 1\n");
+    let p =
+        read("v 0 0 0 1\nv 0 0 0 2\nv 0 0 0 9 9\nv 1 2 3 .1 .2 .3\nv 1 2 3 .1 .2 .3 .4\nv 1 1 1\n");
     assert_eq!(p.notes.weights.times, 1);
     assert_eq!((p.notes.extra_values.times, p.notes.extra_values.line), (1, 3));
     assert_eq!(p.colors[3..], [[0.1, 0.2, 0.3, 1.0], [0.1, 0.2, 0.3, 0.4], [1.0; 4]]);
@@ -93,7 +97,10 @@ fn positions_may_have_weights_and_colours() {
 fn a_third_texture_coordinate_is_kept_if_it_says_anything() {
     assert!(read("vt 1 2 0\nvt 3 4\nvt 5\n").texcoords_w.is_empty());
     let p = read("vt 1\nvt 3 4 7\nvt 5 6\n");
-    assert_eq!((p.texcoords, p.texcoords_w), (vec![[1.0, 0.0], [3.0, 4.0], [5.0, 6.0]], vec![0.0, 7.0, 0.0]));
+    assert_eq!(
+        (p.texcoords, p.texcoords_w),
+        (vec![[1.0, 0.0], [3.0, 4.0], [5.0, 6.0]], vec![0.0, 7.0, 0.0])
+    );
 }
 
 #[test]

@@ -16,28 +16,38 @@ const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
 
 #[test]
 fn one_file_is_one_object_named_after_its_only_object_or_the_file() {
-    let name =
-        |source: &str| import_text("dir/stem.obj", source.as_bytes()).expect(source).objects[0].info.name.clone();
+    let name = |source: &str| {
+        import_text("dir/stem.obj", source.as_bytes()).expect(source).objects[0].info.name.clone()
+    };
     assert_eq!(name(TRIANGLE), "stem");
     assert_eq!(name(&format!("o cube\n{TRIANGLE}")), "cube");
     assert_eq!(name(&format!("o a\n{TRIANGLE}o b\nf 1 2 3\n")), "stem");
     let scene = import_text("-", TRIANGLE.as_bytes()).expect("standard input");
     assert_eq!((scene.objects.len(), scene.objects[0].info.name.as_str()), (1, "mesh0"));
-    assert_eq!(scene.source, Source { format: SourceFormat::Obj, content_hash: xxh3_128(TRIANGLE.as_bytes()) });
+    assert_eq!(
+        scene.source,
+        Source { format: SourceFormat::Obj, content_hash: xxh3_128(TRIANGLE.as_bytes()) }
+    );
 }
 
 #[test]
 fn the_only_objects_name_is_not_a_groups_name() {
     let scene = import_text("x.obj", format!("o whole\n{TRIANGLE}").as_bytes()).expect("valid");
     assert_eq!(scene.objects[0].info.submeshes[0].name, "");
-    let scene = import_text("x.obj", format!("o a\n{TRIANGLE}o b\nusemtl m\nf 1 2 3\n").as_bytes()).expect("valid");
+    let scene = import_text("x.obj", format!("o a\n{TRIANGLE}o b\nusemtl m\nf 1 2 3\n").as_bytes())
+        .expect("valid");
     let names: Vec<_> = scene.objects[0].info.submeshes.iter().map(|s| s.name.as_str()).collect();
     assert_eq!(names, ["a", "b"]);
 }
 
 #[test]
 fn files_without_triangles_are_legal_and_say_so() {
-    for source in ["# nothing\n", "v 0 0 0\nv 1 1 1\n", "v 0 0 0\nv 1 0 0\np 1\nl 1 2\n", "v 0 0 0\nf 1 1 1\n"] {
+    for source in [
+        "# nothing\n",
+        "v 0 0 0\nv 1 1 1\n",
+        "v 0 0 0\nv 1 0 0\np 1\nl 1 2\n",
+        "v 0 0 0\nf 1 1 1\n",
+    ] {
         let scene = import_text("x.obj", source.as_bytes()).expect(source);
         assert_eq!(scene.objects[0].mesh.triangles().len(), 0, "{source}");
         assert!(warned(&scene, "nothing to simplify"), "{source}");
@@ -76,13 +86,16 @@ fn libraries_are_read_from_the_own_folder_only() {
     let read = |libraries: &str| {
         let source = format!("{libraries}usemtl red\n{TRIANGLE}");
         scratch.write("asset/main.obj", source.as_bytes());
-        crate::import::import(&scratch.path("asset/main.obj"), &ImportOptions::default()).expect(libraries)
+        crate::import::import(&scratch.path("asset/main.obj"), &ImportOptions::default())
+            .expect(libraries)
     };
     let names = |scene: &Scene| match &scene.document {
         Document::Obj(d) => d.materials.iter().map(|m| m.name.clone()).collect::<Vec<_>>(),
         Document::Gltf(_) => Vec::new(),
     };
-    for found in ["mtllib sub/a b.mtl\n", "mtllib sub\\a b.mtl\n", "mtllib ./sub/../sub/a b.mtl # it\n"] {
+    for found in
+        ["mtllib sub/a b.mtl\n", "mtllib sub\\a b.mtl\n", "mtllib ./sub/../sub/a b.mtl # it\n"]
+    {
         let scene = read(found);
         assert_eq!(names(&scene), ["red"], "{found}: {:?}", scene.warnings);
         assert_eq!(scene.files_read.len(), 2, "{found}");
@@ -110,7 +123,11 @@ fn libraries_are_read_from_the_own_folder_only() {
         assert!(!names(&scene).contains(&"secret".to_owned()), "{lost}");
         assert!(warned(&scene, "was not read"), "{lost}: {:?}", scene.warnings);
         assert!(warned(&scene, "1 materials are used but not defined (first `red`)"), "{lost}");
-        assert!(scene.files_read.iter().all(|f| f.starts_with(scratch.path("asset"))), "{:?}", scene.files_read);
+        assert!(
+            scene.files_read.iter().all(|f| f.starts_with(scratch.path("asset"))),
+            "{:?}",
+            scene.files_read
+        );
     }
     assert_eq!(names(&read("mtllib c.mtl\nmtllib sub/a b.mtl\n")), ["blue", "red"]);
     scratch.write("asset/d.mtl", b"newmtl red\n");
@@ -138,14 +155,18 @@ fn real_files_have_the_counts_that_others_found() {
         }
         files += 1;
         let scene = scene.unwrap_or_else(|e| panic!("{e}"));
-        let parsed = parse::parse(&std::fs::read(&path).expect(file), &crate::Limits::DEFAULT).expect(file);
+        let parsed =
+            parse::parse(&std::fs::read(&path).expect(file), &crate::Limits::DEFAULT).expect(file);
         let assembled = assemble::assemble(&parsed, 0);
-        let check = |key: &str, found: usize| assert_eq!(expected(&manifest, file, key), found as u64, "{file}: {key}");
+        let check = |key: &str, found: usize| {
+            assert_eq!(expected(&manifest, file, key), found as u64, "{file}: {key}")
+        };
         check("vertices", parsed.positions.len());
         check("normals", parsed.normals.len());
         check("texcoords", parsed.texcoords.len());
         check("polygons", parsed.face_ends.len());
-        // The manifest's own parser does not know the continued lines of this file: three corners of each are missing.
+        // The manifest's own parser does not know the continued lines of this file: three corners
+        // of each are missing.
         if file.ends_with("wallhole.obj") {
             assert_eq!((parsed.corner_v.len(), assembled.parts.triangles.len()), (92, 66));
             continue;
@@ -164,7 +185,9 @@ fn real_files_have_the_counts_that_others_found() {
 #[test]
 fn render_vertices_of_the_thesis_models_are_as_published() {
     let Some(folder) = corpus() else { return };
-    for (file, vertices, submeshes) in [("cow", 2904, 1), ("bunny", 34834, 1), ("cessna", 9531, 5), ("spot", 3225, 1)] {
+    for (file, vertices, submeshes) in
+        [("cow", 2904, 1), ("bunny", 34834, 1), ("cessna", 9531, 5), ("spot", 3225, 1)]
+    {
         let path = folder.join(format!("paper/{file}.obj"));
         let scene = crate::import::import(&path, &ImportOptions::default()).expect(file);
         let mesh = &scene.objects[0].mesh;
@@ -183,7 +206,8 @@ fn colours_with_nan_are_kept() {
 const SEED_OBJ: &str = "# seed\nmtllib a.mtl\no box\nv 0 0 0\nv 1 0 0 1\nv 1 1 0 .5 .5 .5\nv 0 1 0 1 0 0 .5\nvt 0 0\nvt 1 0 .5\nvt 1\n\
     vn 0 0 1\nvn nan 0 1e-3\nusemtl red\ng one two\ns off\nf 1 2 3\nf 1/1 2/2 3/3 4/1\nf -4//-1 -3//-2 -2//-1\nf 1/1/1 2/2/2 \\\n 3/3/1\n\
     usemtl blue\nl 1 2\np 1\nf 4 3 2 1 2 3 4\n";
-pub(super) const SEED_MTL: &str = "newmtl red\nKd 1 0 0\nmap_Kd -s 1 1 x.png\nnewmtl blue \\\n one\n\nd 0.5\n";
+pub(super) const SEED_MTL: &str =
+    "newmtl red\nKd 1 0 0\nmap_Kd -s 1 1 x.png\nnewmtl blue \\\n one\n\nd 0.5\n";
 
 /// Changes a text the way damaged and hostile files are: by words, numbers, lines and bytes.
 pub(super) fn mutated(source: &str, random: &mut Random) -> Vec<u8> {
@@ -228,7 +252,8 @@ pub(super) fn mutated(source: &str, random: &mut Random) -> Vec<u8> {
                 lines.insert(j, copy);
             }
             3..=5 => {
-                let mut words: Vec<Vec<u8>> = lines[i].split(|&b| b == b' ').map(<[u8]>::to_vec).collect();
+                let mut words: Vec<Vec<u8>> =
+                    lines[i].split(|&b| b == b' ').map(<[u8]>::to_vec).collect();
                 let at = random.below(words.len());
                 words[at] = WORDS[random.below(WORDS.len())].as_bytes().to_vec();
                 lines[i] = words.join(&b' ');

@@ -1,7 +1,8 @@
-//! Polygons to triangles: a fan where that is right, otherwise ear clipping in the plane that fits best.
+//! Polygons to triangles: a fan where that is right, otherwise ear clipping in the plane that fits
+//! best.
 //!
-//! Ear clipping after G. H. Meisters, "Polygons have ears" (1975). A polygon of n corners always gives n − 2
-//! triangles, whatever it looks like, and always the same ones.
+//! Ear clipping after G. H. Meisters, "Polygons have ears" (1975). A polygon of n corners always
+//! gives n − 2 triangles, whatever it looks like, and always the same ones.
 
 /// The corners of each triangle, as indices into the polygon.
 type Triangles = Vec<[u32; 3]>;
@@ -17,7 +18,8 @@ pub(super) struct Triangulator {
     is_reflex: Vec<bool>,
     /// Whether a corner stands in `reflex`, be it rightly or no longer.
     is_listed: Vec<bool>,
-    /// Tests of a point against a triangle that are left. A polygon that needs more is finished as a fan.
+    /// Tests of a point against a triangle that are left. A polygon that needs more is finished as
+    /// a fan.
     budget: u64,
     /// The result.
     triangles: Triangles,
@@ -56,10 +58,12 @@ impl Triangulator {
         &self.triangles
     }
 
-    /// Drops the axis in which the polygon's normal (Newell's) is largest: that keeps orientation, and is exact.
+    /// Drops the axis in which the polygon's normal (Newell's) is largest: that keeps orientation,
+    /// and is exact.
     fn project(&mut self, corners: &[[f32; 3]]) {
         let normal = newell(corners);
-        let axis = (0..3).fold(0, |best, i| if normal[i].abs() > normal[best].abs() { i } else { best });
+        let axis =
+            (0..3).fold(0, |best, i| if normal[i].abs() > normal[best].abs() { i } else { best });
         let (mut u, mut v) = ((axis + 1) % 3, (axis + 2) % 3);
         if normal[axis] < 0.0 {
             (u, v) = (v, u);
@@ -143,7 +147,8 @@ impl Triangulator {
         }
         let mut i = 0;
         while let Some(&r) = self.reflex.get(i) {
-            // Corners that were clipped or became convex are struck from the list when they are met.
+            // Corners that were clipped or became convex are struck from the list when they are
+            // met.
             if !self.is_reflex[r as usize] {
                 self.is_listed[r as usize] = false;
                 self.reflex.swap_remove(i);
@@ -165,7 +170,11 @@ impl Triangulator {
             return false; // the two sides of a slit to a hole meet there
         }
         let sides = [self.area(t[0], t[1], r), self.area(t[1], t[2], r), self.area(t[2], t[0], r)];
-        if tolerance == Tolerance::Strict { sides.iter().all(|&s| s >= 0.0) } else { sides.iter().all(|&s| s > 0.0) }
+        if tolerance == Tolerance::Strict {
+            sides.iter().all(|&s| s >= 0.0)
+        } else {
+            sides.iter().all(|&s| s > 0.0)
+        }
     }
 }
 
@@ -174,7 +183,9 @@ pub(super) fn newell(corners: &[[f32; 3]]) -> [f64; 3] {
     let mut normal = [0.0; 3];
     let Some(&origin) = corners.first() else { return normal };
     // Relative to a corner: far from the origin the products would lose the polygon's own size.
-    let relative = |p: [f32; 3]| -> [f64; 3] { std::array::from_fn(|i| f64::from(p[i]) - f64::from(origin[i])) };
+    let relative = |p: [f32; 3]| -> [f64; 3] {
+        std::array::from_fn(|i| f64::from(p[i]) - f64::from(origin[i]))
+    };
     for (i, &a) in corners.iter().enumerate() {
         let (a, b) = (relative(a), relative(corners[(i + 1) % corners.len()]));
         for (k, sum) in normal.iter_mut().enumerate() {

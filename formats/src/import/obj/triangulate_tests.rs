@@ -58,13 +58,17 @@ fn random_stars_combs_and_spirals_are_covered_exactly_once() {
             let r = 1.0 + angle + width;
             [r * angle.cos(), r * angle.sin()]
         };
-        let spiral: Vec<_> = (0..n).map(|i| arm(i, 1.0)).chain((0..n).rev().map(|i| arm(i, 0.0))).collect();
+        let spiral: Vec<_> =
+            (0..n).map(|i| arm(i, 1.0)).chain((0..n).rev().map(|i| arm(i, 0.0))).collect();
         for (kind, mut points) in [("star", star), ("comb", comb), ("spiral", spiral)] {
             if round % 2 == 1 {
                 points.reverse();
             }
             let (_, total, parts) = check(&points);
-            assert!((total - parts).abs() <= 1e-9 * total, "{kind} of {n}, round {round}: {total} {parts}");
+            assert!(
+                (total - parts).abs() <= 1e-9 * total,
+                "{kind} of {n}, round {round}: {total} {parts}"
+            );
         }
     }
 }
@@ -82,23 +86,43 @@ fn corners_on_a_line_give_no_flat_triangle_where_that_can_be_avoided() {
 
 #[test]
 fn a_hole_reached_by_a_slit_stays_a_hole() {
-    let points = [[0f32, 0.], [9., 0.], [9., 9.], [0., 9.], [0., 0.], [3., 3.], [3., 6.], [6., 6.], [6., 3.], [3., 3.]];
+    let points = [
+        [0f32, 0.],
+        [9., 0.],
+        [9., 9.],
+        [0., 9.],
+        [0., 0.],
+        [3., 3.],
+        [3., 6.],
+        [6., 6.],
+        [6., 3.],
+        [3., 3.],
+    ];
     let (_, total, parts) = check(&points);
     assert_eq!((total, parts), (2.0 * 72.0, 2.0 * 72.0));
 }
 
 #[test]
 fn polygons_without_sense_still_give_their_triangles() {
-    let pentagram: Vec<_> = (0..5).map(|i| (i as f32 * 2.0 * std::f32::consts::TAU / 5.0).sin_cos().into()).collect();
+    let pentagram: Vec<_> =
+        (0..5).map(|i| (i as f32 * 2.0 * std::f32::consts::TAU / 5.0).sin_cos().into()).collect();
     check(&pentagram);
     check(&[[1., 1.]; 7]);
     check(&[[0., 0.], [1., 0.], [2., 0.], [3., 0.], [1., 0.]]);
     check(&[[0., 0.], [1., 1.], [1., 0.], [0., 1.]]);
-    check(&[[f32::MAX, 0.], [-f32::MAX, f32::MAX], [0., -f32::MAX], [1., 1.], [f32::MIN_POSITIVE, 0.]]);
+    check(&[
+        [f32::MAX, 0.],
+        [-f32::MAX, f32::MAX],
+        [0., -f32::MAX],
+        [1., 1.],
+        [f32::MIN_POSITIVE, 0.],
+    ]);
     let mut random = Random(5);
     for _ in 0..500 {
         let n = 4 + random.below(12);
-        check(&(0..n).map(|_| [random.below(4) as f32, random.below(4) as f32]).collect::<Vec<_>>());
+        check(
+            &(0..n).map(|_| [random.below(4) as f32, random.below(4) as f32]).collect::<Vec<_>>(),
+        );
     }
 }
 
@@ -117,8 +141,9 @@ fn polygons_in_any_plane_keep_their_side() {
 #[test]
 fn a_hostile_polygon_ends_soon() {
     let n = 200_000;
-    let points: Vec<[f32; 3]> =
-        (0..n).map(|i| [i as f32, if i % 2 == 0 { 0.0 } else { 1.0 + (i % 7) as f32 }, 0.0]).collect();
+    let points: Vec<[f32; 3]> = (0..n)
+        .map(|i| [i as f32, if i % 2 == 0 { 0.0 } else { 1.0 + (i % 7) as f32 }, 0.0])
+        .collect();
     let start = std::time::Instant::now();
     assert_eq!(Triangulator::default().triangulate(&points).len(), n - 2);
     assert!(start.elapsed().as_secs() < 20, "{:?}", start.elapsed());

@@ -1,7 +1,7 @@
 //! Numbering different keys in order of first appearance.
 
-/// An open-addressing table over keys that are kept elsewhere. Its hash is seeded from the file's content, so that no
-/// file can be made to collide; the numbering does not depend on it.
+/// An open-addressing table over keys that are kept elsewhere. Its hash is seeded from the file's
+/// content, so that no file can be made to collide; the numbering does not depend on it.
 #[derive(Debug)]
 pub(super) struct Unique {
     table: Vec<u32>,
@@ -24,8 +24,14 @@ impl Unique {
         self.used = 0;
     }
 
-    /// The number of `key`, given to it before or now: then it is `next`. `key_of` tells the key of an earlier number.
-    pub(super) fn number(&mut self, key: [u32; 3], next: u32, key_of: impl Fn(u32) -> [u32; 3]) -> u32 {
+    /// The number of `key`, given to it before or now: then it is `next`. `key_of` tells the key of
+    /// an earlier number.
+    pub(super) fn number(
+        &mut self,
+        key: [u32; 3],
+        next: u32,
+        key_of: impl Fn(u32) -> [u32; 3],
+    ) -> u32 {
         if self.used * 3 >= self.table.len() * 2 {
             let old = std::mem::take(&mut self.table);
             self.table.resize(old.len() * 2, EMPTY);
@@ -77,10 +83,13 @@ mod tests {
     #[test]
     fn keys_are_numbered_as_they_come_whatever_the_seed() {
         let mut random = Random(3);
-        let keys: Vec<[u32; 3]> =
-            (0..5000).map(|_| [random.below(9) as u32, random.below(9) as u32, random.below(9) as u32]).collect();
-        let naive: Vec<u32> =
-            keys.iter().map(|k| keys.iter().position(|other| other == k).expect("itself") as u32).collect();
+        let keys: Vec<[u32; 3]> = (0..5000)
+            .map(|_| [random.below(9) as u32, random.below(9) as u32, random.below(9) as u32])
+            .collect();
+        let naive: Vec<u32> = keys
+            .iter()
+            .map(|k| keys.iter().position(|other| other == k).expect("itself") as u32)
+            .collect();
         for seed in [0, 1, u64::MAX] {
             assert_eq!(first_equal(keys.len(), seed, |i| keys[i as usize]), naive);
         }

@@ -116,7 +116,10 @@ fn forged_blocks_do_no_harm() {
         let objects = vec![object("random", fixtures::random_collapse(&mesh, seed))];
         let file = if seed % 2 == 0 { obj(objects) } else { gltf(objects) };
         let strips = strips_of(&file);
-        let options = PackOptions { block_bytes: Some([0, 60, 4096][seed as usize % 3]), ..PackOptions::default() };
+        let options = PackOptions {
+            block_bytes: Some([0, 60, 4096][seed as usize % 3]),
+            ..PackOptions::default()
+        };
         let all: Vec<_> = strips.iter().map(Some).collect();
         let bytes = pack(&file, &all, &options).expect("a sound file").bytes;
         for _ in 0..150 {
@@ -139,7 +142,8 @@ fn bytes_that_change_anywhere_do_no_harm() {
     let mut random = Random(12);
     let mut sound = 0;
     for seed in 0..20 {
-        let file = gltf(vec![object("random", fixtures::random_collapse(&fixtures::random(seed), seed))]);
+        let file =
+            gltf(vec![object("random", fixtures::random_collapse(&fixtures::random(seed), seed))]);
         let strips = strips_of(&file);
         let all: Vec<_> = strips.iter().map(Some).collect();
         let bytes = pack(&file, &all, &PackOptions::default()).expect("a sound file").bytes;
@@ -154,8 +158,11 @@ fn bytes_that_change_anywhere_do_no_harm() {
                 }
             }
             let changed = super::super::repaired(&changed);
-            let mut unpacker = Unpacker::new(Limits { vertices: 1 << 20, triangles: 1 << 20, ..Limits::DEFAULT });
-            sound += usize::from(changed.chunks(1 + random.below(500)).all(|piece| unpacker.feed(piece).is_ok()));
+            let mut unpacker =
+                Unpacker::new(Limits { vertices: 1 << 20, triangles: 1 << 20, ..Limits::DEFAULT });
+            sound += usize::from(
+                changed.chunks(1 + random.below(500)).all(|piece| unpacker.feed(piece).is_ok()),
+            );
             for object in 0..unpacker.objects() {
                 let _ = unpacker.mesh(object);
                 let _ = unpacker.strips(object);
@@ -172,7 +179,8 @@ fn a_few_bytes_cannot_ask_for_much() {
     let (_, bytes) = small();
     let ends = ends(&bytes);
     // Zeros go on for ever as the likeliest things; the head promises as much as it can.
-    let mut file = obj(vec![object("grid", fixtures::random_collapse(&fixtures::coloured_cube(), 1))]);
+    let mut file =
+        obj(vec![object("grid", fixtures::random_collapse(&fixtures::coloured_cube(), 1))]);
     file.objects.truncate(1);
     let mut bomb = bytes[..ends[1]].to_vec();
     for number in 1..2000 {

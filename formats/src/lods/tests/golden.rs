@@ -1,4 +1,5 @@
-//! Streams of every version that ever was stay readable, and are written as they were: `fixtures/golden/lods1/`.
+//! Streams of every version that ever was stay readable, and are written as they were:
+//! `fixtures/golden/lods1/`.
 //!
 //! They are made of the golden `.lodc` files by
 //! `cargo test -p lodc-formats make_golden_streams -- --ignored`.
@@ -45,7 +46,11 @@ fn golden_streams_are_read_and_written_as_ever() {
         let (file, bytes) = (source(name), stream(name));
         let unpacker = fed(&bytes);
         assert!(unpacker.is_whole());
-        assert_eq!((unpacker.document(), unpacker.source()), (Some(&file.document), Some(&file.source)), "{name}");
+        assert_eq!(
+            (unpacker.document(), unpacker.source()),
+            (Some(&file.document), Some(&file.source)),
+            "{name}"
+        );
         for (i, o) in file.objects.iter().enumerate() {
             assert_eq!(unpacker.info(i), &o.info, "{name}");
             check(&unpacker, i, &o.simplified, name);
@@ -65,7 +70,11 @@ fn passing_over_strips_changes_nothing_else() {
         let whole = fed(&bytes);
         assert!(plain.is_whole() && whole.is_whole());
         for i in 0..whole.objects() {
-            assert_eq!((plain.strips(i).is_some(), whole.strips(i).is_some()), (false, true), "{name}");
+            assert_eq!(
+                (plain.strips(i).is_some(), whole.strips(i).is_some()),
+                (false, true),
+                "{name}"
+            );
             assert_eq!(plain.mesh(i), whole.mesh(i), "{name}");
         }
     }
@@ -78,6 +87,7 @@ fn make_golden_streams() {
     for name in NAMES {
         let file = source(name);
         let strips = strips_of(&file);
-        std::fs::write(golden(&format!("lods1/{name}.lods")), packed(&file, &strips)).expect("a file");
+        std::fs::write(golden(&format!("lods1/{name}.lods")), packed(&file, &strips))
+            .expect("a file");
     }
 }

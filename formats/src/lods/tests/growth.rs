@@ -18,11 +18,18 @@ fn grows(file: &LodFile, what: &str) {
             let drawn = unpacker.strips(i).expect("strips were told");
             let mut drawn: Vec<_> = drawn.triangles().collect();
             let last = unpacker.state(i).vertices[1].saturating_sub(1);
-            drawn.iter_mut().for_each(|t| *t = OrientedTriangle::new(t.submesh, t.corners.map(|v| last - v)));
+            drawn
+                .iter_mut()
+                .for_each(|t| *t = OrientedTriangle::new(t.submesh, t.corners.map(|v| last - v)));
             drawn.sort_unstable();
             let mut shown = shown(&unpacker, i);
             shown.sort_unstable();
-            assert!(drawn == shown, "{what}: strips draw {} of {} triangles", drawn.len(), shown.len());
+            assert!(
+                drawn == shown,
+                "{what}: strips draw {} of {} triangles",
+                drawn.len(),
+                shown.len()
+            );
         }
     }
     assert!(unpacker.is_whole());
@@ -39,12 +46,16 @@ fn grows(file: &LodFile, what: &str) {
 fn same_sequence(unpacker: &Unpacker, object: usize, simplified: &Simplified) {
     let SequenceParts { targets, step_ends, .. } = simplified.collapses().parts();
     let last = simplified.collapses().records();
-    let mut survivors: Vec<u32> = unpacker.survivors(object).iter().skip(1).map(|&s| last - s).collect();
+    let mut survivors: Vec<u32> =
+        unpacker.survivors(object).iter().skip(1).map(|&s| last - s).collect();
     survivors.reverse();
     assert_eq!(&survivors, targets);
     let goes_on = unpacker.goes_on(object);
-    let mut ends: Vec<u32> =
-        (1..=last).rev().filter(|&new| !goes_on[new as usize - 1]).map(|new| last - new + 1).collect();
+    let mut ends: Vec<u32> = (1..=last)
+        .rev()
+        .filter(|&new| !goes_on[new as usize - 1])
+        .map(|new| last - new + 1)
+        .collect();
     ends.dedup();
     assert_eq!(&ends, step_ends);
 }
@@ -55,12 +66,14 @@ pub(super) fn same_mesh(unpacker: &Unpacker, object: usize, mesh: &Mesh, what: &
     assert_eq!(cleaning.degenerate_triangles, 0, "{what}");
     let triangles = |m: &Mesh| {
         let all = (0..).zip(m.submeshes()).flat_map(|(i, s)| s.triangles().map(move |t| (i, t)));
-        let mut all: Vec<_> = all.map(|(i, t)| OrientedTriangle::new(i, m.triangles()[t])).collect();
+        let mut all: Vec<_> =
+            all.map(|(i, t)| OrientedTriangle::new(i, m.triangles()[t])).collect();
         all.sort_unstable();
         all
     };
     let wanted = mesh.extract(&triangles(mesh)).expect("triangles of the mesh");
-    let bits = |m: &Mesh| m.positions().as_flattened().iter().map(|c| c.to_bits()).collect::<Vec<_>>();
+    let bits =
+        |m: &Mesh| m.positions().as_flattened().iter().map(|c| c.to_bits()).collect::<Vec<_>>();
     assert!(bits(&grown) == bits(&wanted), "{what}: positions");
     assert!(grown.attributes() == wanted.attributes(), "{what}: attributes");
     assert_eq!(grown.submeshes(), wanted.submeshes(), "{what}");
@@ -81,7 +94,12 @@ fn same_strips(unpacker: &Unpacker, object: usize, strips: &StripSet, what: &str
         let was = strip_triangles(strip).map(|t| OrientedTriangle::new(0, t));
         let is = strip_triangles(grown).map(|t| OrientedTriangle::new(0, t.map(|v| last - v)));
         assert!(was.eq(is), "{what}: strip {i}");
-        assert!(grown.len() <= strip.len(), "{what}: strip {i} takes {} indices, not {}", grown.len(), strip.len());
+        assert!(
+            grown.len() <= strip.len(),
+            "{what}: strip {i} takes {} indices, not {}",
+            grown.len(),
+            strip.len()
+        );
     }
 }
 
@@ -89,7 +107,10 @@ fn same_strips(unpacker: &Unpacker, object: usize, strips: &StripSet, what: &str
 fn every_shape_grows_by_any_sequence() {
     for (name, make) in fixtures::ALL {
         for seed in 0..3 {
-            grows(&obj(vec![object(name, fixtures::random_collapse(&make(), seed))]), &format!("{name}, seed {seed}"));
+            grows(
+                &obj(vec![object(name, fixtures::random_collapse(&make(), seed))]),
+                &format!("{name}, seed {seed}"),
+            );
         }
     }
 }
@@ -97,7 +118,8 @@ fn every_shape_grows_by_any_sequence() {
 #[test]
 fn every_shape_grows_as_it_was_simplified() {
     for (name, make) in fixtures::ALL {
-        let simplified = lodc_simplify::simplify(&make(), &lodc_simplify::Options::DEFAULT, &|_, _| {});
+        let simplified =
+            lodc_simplify::simplify(&make(), &lodc_simplify::Options::DEFAULT, &|_, _| {});
         grows(&obj(vec![object(name, simplified)]), name);
     }
 }
@@ -106,8 +128,12 @@ fn every_shape_grows_as_it_was_simplified() {
 fn random_meshes_grow() {
     for seed in 0..300 {
         let mesh = fixtures::random(seed);
-        grows(&obj(vec![object("random", fixtures::random_collapse(&mesh, seed))]), &format!("random {seed}"));
-        let simplified = lodc_simplify::simplify(&mesh, &lodc_simplify::Options::DEFAULT, &|_, _| {});
+        grows(
+            &obj(vec![object("random", fixtures::random_collapse(&mesh, seed))]),
+            &format!("random {seed}"),
+        );
+        let simplified =
+            lodc_simplify::simplify(&mesh, &lodc_simplify::Options::DEFAULT, &|_, _| {});
         grows(&obj(vec![object("random", simplified)]), &format!("random {seed}, simplified"));
     }
 }
@@ -128,7 +154,8 @@ fn a_scene_of_many_objects_grows_together() {
 fn blocks_of_any_size_and_pieces_of_any_length_are_one_mesh() {
     let file = obj(vec![object("torus", fixtures::random_collapse(&fixtures::torus(), 1))]);
     for block_bytes in [Some(0), Some(100), None] {
-        let packed = pack(&file, &[], &PackOptions { block_bytes, ..PackOptions::default() }).expect("a sound file");
+        let packed = pack(&file, &[], &PackOptions { block_bytes, ..PackOptions::default() })
+            .expect("a sound file");
         for piece in [1, 2, 7, 1000] {
             let mut unpacker = Unpacker::new(Limits::DEFAULT);
             packed.bytes.chunks(piece).for_each(|p| unpacker.feed(p).expect("a sound stream"));
@@ -141,7 +168,11 @@ fn blocks_of_any_size_and_pieces_of_any_length_are_one_mesh() {
 
 #[test]
 fn errors_fall_and_are_rounded_up_a_little() {
-    let simplified = lodc_simplify::simplify(&fixtures::icosphere(3), &lodc_simplify::Options::DEFAULT, &|_, _| {});
+    let simplified = lodc_simplify::simplify(
+        &fixtures::icosphere(3),
+        &lodc_simplify::Options::DEFAULT,
+        &|_, _| {},
+    );
     let file = obj(vec![object("sphere", simplified)]);
     let (packed, _) = stepwise(&file);
     for end in ends(&packed.bytes) {
@@ -150,7 +181,10 @@ fn errors_fall_and_are_rounded_up_a_little() {
             continue;
         }
         let state = unpacker.state(0);
-        let exact = file.objects[0].simplified.collapses().error_at(Lod(state.vertices[1] - state.vertices[0]));
+        let exact = file.objects[0]
+            .simplified
+            .collapses()
+            .error_at(Lod(state.vertices[1] - state.vertices[0]));
         assert!(
             state.error >= exact && state.error <= exact * 1.0625 + f32::MIN_POSITIVE,
             "{} for {exact}",
@@ -159,12 +193,13 @@ fn errors_fall_and_are_rounded_up_a_little() {
     }
 }
 
-/// Bytes are a contract: they change with the version number and STREAM.md, or because the strips or sequences that go in
-/// are others.
+/// Bytes are a contract: they change with the version number and STREAM.md, or because the strips
+/// or sequences that go in are others.
 #[test]
 fn the_bytes_are_those_of_version_1() {
-    let objects = ["torus", "machine_part", "striped_sphere"]
-        .map(|name| object(name, fixtures::random_collapse(&fixtures::named(name).expect("a shape"), 1)));
+    let objects = ["torus", "machine_part", "striped_sphere"].map(|name| {
+        object(name, fixtures::random_collapse(&fixtures::named(name).expect("a shape"), 1))
+    });
     let hash = xxhash_rust::xxh3::xxh3_64(&stepwise(&gltf(objects.into())).0.bytes);
     assert_eq!((super::super::VERSION, hash), (1, 0x7ddb_7c32_996c_b39f), "{hash:#x}");
 }

@@ -1,4 +1,5 @@
-//! A stream grows as its sequence says, at every step; what is cut, damaged or crafted does no harm.
+//! A stream grows as its sequence says, at every step; what is cut, damaged or crafted does no
+//! harm.
 
 mod damage;
 mod golden;
@@ -7,13 +8,16 @@ mod quantize;
 
 use super::{PackOptions, Packed, Unpacker, pack};
 use crate::lodc::{LodFile, LodObject};
-use crate::{Document, GltfDocument, Limits, ObjDocument, ObjectInfo, Source, SourceFormat, SubmeshInfo};
+use crate::{
+    Document, GltfDocument, Limits, ObjDocument, ObjectInfo, Source, SourceFormat, SubmeshInfo,
+};
 use lodc_mesh::{Lod, OrientedTriangle, Simplified};
 use lodc_strip::{CacheOptions, Effort, StripSet, cache};
 use std::sync::Arc;
 
 fn object(name: &str, simplified: Simplified) -> LodObject {
-    let submesh = |i| SubmeshInfo { name: format!("part{i}"), material: None, document_primitive: i };
+    let submesh =
+        |i| SubmeshInfo { name: format!("part{i}"), material: None, document_primitive: i };
     let info = ObjectInfo {
         name: name.to_owned(),
         submeshes: (0..simplified.mesh().submeshes().len() as u32).map(submesh).collect(),
@@ -26,7 +30,10 @@ fn object(name: &str, simplified: Simplified) -> LodObject {
 fn obj(objects: Vec<LodObject>) -> LodFile {
     LodFile {
         source: Source { format: SourceFormat::Obj, content_hash: 77 },
-        document: Document::Obj(ObjDocument { libraries: vec!["a.mtl".to_owned()], materials: Vec::new() }),
+        document: Document::Obj(ObjDocument {
+            libraries: vec!["a.mtl".to_owned()],
+            materials: Vec::new(),
+        }),
         objects,
         left_out: Vec::new(),
     }
@@ -35,7 +42,11 @@ fn obj(objects: Vec<LodObject>) -> LodFile {
 fn gltf(objects: Vec<LodObject>) -> LodFile {
     let json = r#"{"asset":{"version":"2.0"}}"#.to_owned();
     let document = Document::Gltf(GltfDocument { json, blob: (0..200).collect() });
-    LodFile { source: Source { format: SourceFormat::Glb, content_hash: 5 }, document, ..obj(objects) }
+    LodFile {
+        source: Source { format: SourceFormat::Glb, content_hash: 5 },
+        document,
+        ..obj(objects)
+    }
 }
 
 fn strips_of(file: &LodFile) -> Vec<StripSet> {
@@ -62,7 +73,9 @@ fn shown(unpacker: &Unpacker, object: usize) -> Vec<OrientedTriangle> {
     let last = unpacker.state(object).vertices[1].saturating_sub(1);
     let submesh = |v: u32| unpacker.vertex_submesh(object)[v as usize];
     let triangles = unpacker.triangles(object);
-    triangles.map(|t| OrientedTriangle::new(submesh(t[0]), [last - t[0], last - t[1], last - t[2]])).collect()
+    triangles
+        .map(|t| OrientedTriangle::new(submesh(t[0]), [last - t[0], last - t[1], last - t[2]]))
+        .collect()
 }
 
 /// Asserts that an object shows exactly what the reference says.
@@ -70,10 +83,16 @@ fn check(unpacker: &Unpacker, object: usize, simplified: &Simplified, what: &str
     let vertices = unpacker.state(object).vertices[0];
     let all = simplified.mesh().vertex_count() as u32;
     let mut found = shown(unpacker, object);
-    let mut wanted = if vertices == 0 { Vec::new() } else { simplified.triangles_at(Lod(all - vertices)) };
+    let mut wanted =
+        if vertices == 0 { Vec::new() } else { simplified.triangles_at(Lod(all - vertices)) };
     found.sort_unstable();
     wanted.sort_unstable();
-    assert!(found == wanted, "{what}: {} triangles instead of {} at {vertices} vertices", found.len(), wanted.len());
+    assert!(
+        found == wanted,
+        "{what}: {} triangles instead of {} at {vertices} vertices",
+        found.len(),
+        wanted.len()
+    );
     let lod = Lod(all.saturating_sub(vertices.max(1)));
     assert_eq!(simplified.collapses().floor(lod), lod, "{what}: not the end of a step");
 }

@@ -12,7 +12,8 @@ fn numbers_move_no_farther_than_the_bound() {
         let file = obj(vec![object(name, simplified)]);
         for bits in [4, 10, 16] {
             let quantize = Quantize { position: Some(bits), normal: Some(bits), uv: Some(bits) };
-            let packed = pack(&file, &[], &PackOptions { quantize, ..PackOptions::default() }).expect("a sound file");
+            let packed = pack(&file, &[], &PackOptions { quantize, ..PackOptions::default() })
+                .expect("a sound file");
             let unpacker = fed(&packed.bytes);
             assert!(unpacker.is_whole());
             let mesh = file.objects[0].simplified.mesh();
@@ -22,7 +23,11 @@ fn numbers_move_no_farther_than_the_bound() {
             for (a, b) in mesh.positions().iter().zip(&grown.positions) {
                 for c in 0..3 {
                     let moved = (f64::from(a[c]) - f64::from(b[c])).abs();
-                    assert!(moved <= position.coordinate, "{name}, {bits} bits: {moved} for {}", position.coordinate);
+                    assert!(
+                        moved <= position.coordinate,
+                        "{name}, {bits} bits: {moved} for {}",
+                        position.coordinate
+                    );
                 }
             }
             for (i, a) in mesh.attributes().iter().enumerate() {
@@ -31,11 +36,16 @@ fn numbers_move_no_farther_than_the_bound() {
                     Semantic::TexCoord(0) => "uv 0",
                     _ => "",
                 };
-                let bound = bound(name).filter(|_| a.component == Component::F32).map_or(0.0, |b| b.coordinate);
+                let bound = bound(name)
+                    .filter(|_| a.component == Component::F32)
+                    .map_or(0.0, |b| b.coordinate);
                 for v in 0..mesh.vertex_count() as u32 {
                     for c in 0..usize::from(a.components) {
                         let moved = (a.value(v, c) - grown.attributes[i].value(v, c)).abs();
-                        assert!(f64::from(moved) <= bound, "{name}, {bits} bits: {moved} for {bound}");
+                        assert!(
+                            f64::from(moved) <= bound,
+                            "{name}, {bits} bits: {moved} for {bound}"
+                        );
                     }
                 }
             }
@@ -47,7 +57,8 @@ fn numbers_move_no_farther_than_the_bound() {
 fn triangles_that_quantising_flattens_are_counted() {
     let file = obj(vec![object("sphere", fixtures::random_collapse(&fixtures::icosphere(3), 1))]);
     let quantize = Quantize { position: Some(3), ..Quantize::default() };
-    let packed = pack(&file, &[], &PackOptions { quantize, ..PackOptions::default() }).expect("a sound file");
+    let packed = pack(&file, &[], &PackOptions { quantize, ..PackOptions::default() })
+        .expect("a sound file");
     let (mesh, cleaning) = fed(&packed.bytes).mesh(0).expect("a mesh");
     assert!(cleaning.degenerate_triangles > 0);
     assert_eq!(mesh.triangles().len() + cleaning.degenerate_triangles, 1280);

@@ -1,4 +1,5 @@
-//! The n-th call of the system fails, for every n until nothing fails any more; then every two of them.
+//! The n-th call of the system fails, for every n until nothing fails any more; then every two of
+//! them.
 
 use super::{names, output, read};
 use crate::Fault;
@@ -16,7 +17,11 @@ thread_local! {
 pub(in crate::write) fn system() -> io::Result<()> {
     CALLS.with_borrow_mut(|(calls, failing)| {
         *calls += 1;
-        if failing.contains(calls) { Err(io::Error::other(format!("call {calls} fails"))) } else { Ok(()) }
+        if failing.contains(calls) {
+            Err(io::Error::other(format!("call {calls} fails")))
+        } else {
+            Ok(())
+        }
     })
 }
 
@@ -44,11 +49,12 @@ fn outputs(scratch: &Scratch, existing: &[bool]) -> Vec<OutputFile> {
     existing.iter().enumerate().map(one).collect()
 }
 
-/// Which files are there, complete: `Some(true)` new, `Some(false)` old, none if there is none. Nothing else may be,
-/// but for old files that could not be put back: the next run removes those.
+/// Which files are there, complete: `Some(true)` new, `Some(false)` old, none if there is none.
+/// Nothing else may be, but for old files that could not be put back: the next run removes those.
 fn state(scratch: &Scratch, files: usize, way_back_fails: bool, what: &str) -> Vec<Option<bool>> {
     let left = names(scratch);
-    let known = |name: &String| name.ends_with(".out") || (way_back_fails && name.ends_with(".old"));
+    let known =
+        |name: &String| name.ends_with(".out") || (way_back_fails && name.ends_with(".old"));
     assert!(left.iter().all(known), "{what}: {left:?}");
     let one = |i| {
         let name = format!("{i}.out");
@@ -62,13 +68,15 @@ fn state(scratch: &Scratch, files: usize, way_back_fails: bool, what: &str) -> V
 }
 
 /// One file, new or replaced; three of which some are.
-const SITUATIONS: &[&[bool]] = &[&[false], &[true], &[true, true, true], &[false, true, false], &[false, false]];
+const SITUATIONS: &[&[bool]] =
+    &[&[false], &[true], &[true, true, true], &[false, true, false], &[false, false]];
 
 #[test]
 fn whichever_call_fails_all_old_files_stand_or_all_new_ones() {
     for existing in SITUATIONS {
         let scratch = Scratch::new("write-faults");
-        let before: Vec<Option<bool>> = existing.iter().map(|&there| there.then_some(false)).collect();
+        let before: Vec<Option<bool>> =
+            existing.iter().map(|&there| there.then_some(false)).collect();
         let after = vec![Some(true); existing.len()];
         let mut failed = 0;
         for n in 1.. {
@@ -79,12 +87,21 @@ fn whichever_call_fails_all_old_files_stand_or_all_new_ones() {
                 Err(e) => {
                     assert_eq!(e.fault, Fault::NotWritten, "{what}: {e}");
                     assert_eq!(e.to_string().lines().count(), 1, "{what}: {e}");
-                    assert!(files.iter().any(|f| e.file == f.path.display().to_string()), "{what}: {e}");
-                    assert_eq!(state(&scratch, existing.len(), false, &what), before, "{what}: {e}");
+                    assert!(
+                        files.iter().any(|f| e.file == f.path.display().to_string()),
+                        "{what}: {e}"
+                    );
+                    assert_eq!(
+                        state(&scratch, existing.len(), false, &what),
+                        before,
+                        "{what}: {e}"
+                    );
                     failed += 1;
                 }
                 // Not every failure matters: a second name for the old file is a help, not a need.
-                Ok(()) => assert_eq!(state(&scratch, existing.len(), false, &what), after, "{what}"),
+                Ok(()) => {
+                    assert_eq!(state(&scratch, existing.len(), false, &what), after, "{what}")
+                }
             }
             if calls < n {
                 break;
@@ -100,7 +117,8 @@ fn whichever_call_fails_all_old_files_stand_or_all_new_ones() {
 fn whichever_two_calls_fail_no_file_is_torn_or_lost() {
     for existing in SITUATIONS {
         let scratch = Scratch::new("write-two-faults");
-        let ((), most) = with_failing(&[], || write_all(&outputs(&scratch, existing)).expect("nothing fails"));
+        let ((), most) =
+            with_failing(&[], || write_all(&outputs(&scratch, existing)).expect("nothing fails"));
         for first in 1..=most {
             // The way back makes further calls.
             for second in first + 1..=2 * most {

@@ -1,6 +1,7 @@
 //! Which triangle lies across each edge: the neighbour pointers, as opposite half-edges.
 //!
-//! Half-edge `3t + c` leads from corner `c` of triangle `t` to the next one; corner and half-edge share the number.
+//! Half-edge `3t + c` leads from corner `c` of triangle `t` to the next one; corner and half-edge
+//! share the number.
 
 use lodc_mesh::{Mesh, PositionIds};
 use rayon::prelude::*;
@@ -18,8 +19,9 @@ pub(super) fn previous(half_edge: u32) -> u32 {
     if half_edge.is_multiple_of(3) { half_edge + 2 } else { half_edge - 1 }
 }
 
-/// For each half-edge the one across it, [`NONE`] at borders. Edges are compared by position, so surfaces hang together
-/// across seams and submeshes; where more than two triangles share an edge, they are paired by number.
+/// For each half-edge the one across it, [`NONE`] at borders. Edges are compared by position, so
+/// surfaces hang together across seams and submeshes; where more than two triangles share an edge,
+/// they are paired by number.
 pub(super) fn opposites(mesh: &Mesh, positions: &PositionIds) -> Vec<u32> {
     let corners = mesh.triangles().as_flattened();
     let ends = |h: u32| [h, next(h)].map(|c| positions.of_vertex[corners[c as usize] as usize]);

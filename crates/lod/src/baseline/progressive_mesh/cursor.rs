@@ -58,26 +58,34 @@ impl Cursor {
 
     pub(super) fn triangles(&self, simplified: &Simplified) -> Vec<OrientedTriangle> {
         let mut triangles = Vec::with_capacity(self.drawn() as usize / 3);
-        for (s, (submesh, &live)) in (0..).zip(simplified.mesh().submeshes().iter().zip(&self.live)) {
+        for (s, (submesh, &live)) in (0..).zip(simplified.mesh().submeshes().iter().zip(&self.live))
+        {
             let drawn = submesh.first_triangle..submesh.first_triangle + live;
             triangles.extend(drawn.map(|t| OrientedTriangle::new(s, corners(&self.faces, t))));
         }
         triangles
     }
 
-    pub(super) fn seek<C: Changes>(&mut self, s: &Simplified, r: &Records, lod: Lod, changes: &mut C) -> Traffic {
+    pub(super) fn seek<C: Changes>(
+        &mut self,
+        s: &Simplified,
+        r: &Records,
+        lod: Lod,
+        changes: &mut C,
+    ) -> Traffic {
         let (from, to) = (self.lod(s), s.collapses().floor(lod));
         let rewritten = if C::HEARD {
             let mut touched = std::mem::take(&mut self.touched);
-            touched.stamp.resize(r.deaths.len(), 0);
+            touched.stamp.resize(r.removal_lods.len(), 0);
             touched.now += 1;
             let rewritten = self.walk(s, r, to, &mut touched);
             for (triangle, before) in touched.before.drain(..) {
-                let (submesh, death) = (submesh_of(s, triangle), r.deaths[triangle as usize]);
-                if death > from.0 {
+                let (submesh, removal_lod) =
+                    (submesh_of(s, triangle), r.removal_lods[triangle as usize]);
+                if removal_lod > from.0 {
                     changes.gone(OrientedTriangle::new(submesh, before));
                 }
-                if death > to.0 {
+                if removal_lod > to.0 {
                     changes.came(OrientedTriangle::new(submesh, corners(&self.faces, triangle)));
                 }
             }
@@ -96,7 +104,8 @@ impl Cursor {
         let mut here = end_of(s, self.steps);
         while here < to.0 {
             let end = ends[self.steps];
-            rewritten += self.faces.collapse(r, self.steps, here..end, |v| targets[v as usize], watch);
+            rewritten +=
+                self.faces.collapse(r, self.steps, here..end, |v| targets[v as usize], watch);
             self.steps += 1;
             here = end;
         }
@@ -113,11 +122,11 @@ impl Cursor {
     /// Moves the end of the drawn triangles of each submesh.
     fn count(&mut self, s: &Simplified, r: &Records, lod: Lod) {
         for (live, submesh) in self.live.iter_mut().zip(s.mesh().submeshes()) {
-            let deaths = &r.deaths[submesh.triangles()];
-            while *live > 0 && deaths[*live as usize - 1] <= lod.0 {
+            let removal_lods = &r.removal_lods[submesh.triangles()];
+            while *live > 0 && removal_lods[*live as usize - 1] <= lod.0 {
                 *live -= 1;
             }
-            while deaths.get(*live as usize).is_some_and(|&death| death > lod.0) {
+            while removal_lods.get(*live as usize).is_some_and(|&removal_lod| removal_lod > lod.0) {
                 *live += 1;
             }
         }

@@ -28,8 +28,8 @@ impl Faces {
         Self { corners: mesh.triangles().as_flattened().to_vec(), opposite: opposite.to_vec() }
     }
 
-    /// One step coarser: rewrites the fans of its records, then takes the dying triangles out from between their
-    /// neighbours. Returns how many corners were rewritten.
+    /// One step coarser: rewrites the fans of its records, then takes the dying triangles out from
+    /// between their neighbours. Returns how many corners were rewritten.
     pub(super) fn collapse(
         &mut self,
         r: &Records,
@@ -56,8 +56,15 @@ impl Faces {
     }
 
     /// Undoes [`Self::collapse`].
-    pub(super) fn split(&mut self, r: &Records, step: usize, records: Range<u32>, watch: &mut impl Watch) -> u64 {
-        // A dead triangle still points at its neighbours; taken in the opposite order they are the right ones.
+    pub(super) fn split(
+        &mut self,
+        r: &Records,
+        step: usize,
+        records: Range<u32>,
+        watch: &mut impl Watch,
+    ) -> u64 {
+        // A dead triangle still points at its neighbours; taken in the opposite order they are the
+        // right ones.
         for &edge in r.lost_in(step).iter().rev() {
             watch.changes(self, edge / 3);
             for h in [next(edge), previous(edge)] {

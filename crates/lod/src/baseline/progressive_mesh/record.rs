@@ -1,8 +1,9 @@
-//! Making the records: one walk down the whole sequence, writing down what each edge collapse changes.
+//! Making the records: one walk down the whole sequence, writing down what each edge collapse
+//! changes.
 
 use super::connect::{NONE, next, opposites, previous};
 use super::moving::Faces;
-use crate::interactive::deaths::deaths;
+use lodc_mesh::removal_lods;
 use lodc_mesh::{PositionIds, Simplified};
 
 /// Some consecutive corners around a vertex: those that one side of a vertex split takes over.
@@ -19,32 +20,32 @@ pub(super) struct Fan {
 pub(super) struct Records {
     /// The half-edge across each half-edge at LOD 0.
     pub(super) opposite: Vec<u32>,
-    /// Where each record's fans start in `fans`, and where the last one's end. On a surface a record has one fan, or
-    /// none if all its triangles die.
+    /// Where each record's fans start in `fans`, and where the last one's end. On a surface a
+    /// record has one fan, or none if all its triangles die.
     pub(super) first_fan: Vec<u32>,
     pub(super) fans: Vec<Fan>,
-    /// The edge that each triangle loses when it dies, in the order of death.
+    /// The edge that each triangle loses when it dies, in the order of removal_lod.
     pub(super) collapsed: Vec<u32>,
     /// How many of `collapsed` are lost by the end of each step.
     pub(super) lost: Vec<u32>,
     /// For each triangle the LOD from which on it is not drawn.
-    pub(super) deaths: Vec<u32>,
+    pub(super) removal_lods: Vec<u32>,
 }
 
 impl Records {
     pub(super) fn new(simplified: &Simplified) -> Self {
         let mesh = simplified.mesh();
         let positions = PositionIds::new(mesh.positions());
-        let deaths = deaths(simplified, &positions);
-        let mut by_death: Vec<u32> = (0..deaths.len() as u32).collect();
-        by_death.sort_by_key(|&t| deaths[t as usize]);
+        let removal_lods = removal_lods(simplified, &positions);
+        let mut by_removal: Vec<u32> = (0..removal_lods.len() as u32).collect();
+        by_removal.sort_by_key(|&t| removal_lods[t as usize]);
         let records = Self {
             opposite: opposites(mesh, &positions),
             first_fan: vec![0],
             fans: Vec::new(),
-            collapsed: Vec::with_capacity(deaths.len()),
+            collapsed: Vec::with_capacity(removal_lods.len()),
             lost: Vec::with_capacity(simplified.collapses().steps()),
-            deaths,
+            removal_lods,
         };
         let faces = Faces::new(mesh, &records.opposite);
         Walk {
@@ -55,7 +56,7 @@ impl Records {
             faces,
             records,
         }
-        .all(&by_death)
+        .all(&by_removal)
     }
 }
 
@@ -73,7 +74,8 @@ impl Records {
     }
 }
 
-/// The corners that show each vertex, as lists that are joined in constant time. Dead triangles leave late.
+/// The corners that show each vertex, as lists that are joined in constant time. Dead triangles
+/// leave late.
 struct Around {
     first: Vec<u32>,
     last: Vec<u32>,
@@ -83,8 +85,11 @@ struct Around {
 impl Around {
     fn new(mesh: &lodc_mesh::Mesh) -> Self {
         let (vertices, corners) = (mesh.vertex_count(), mesh.triangles().as_flattened());
-        let mut around =
-            Self { first: vec![NONE; vertices], last: vec![NONE; vertices], next: vec![NONE; corners.len()] };
+        let mut around = Self {
+            first: vec![NONE; vertices],
+            last: vec![NONE; vertices],
+            next: vec![NONE; corners.len()],
+        };
         for (corner, &v) in corners.iter().enumerate() {
             around.push(v, corner as u32);
         }
@@ -124,19 +129,21 @@ struct Walk<'a> {
 }
 
 impl Walk<'_> {
-    fn all(mut self, by_death: &[u32]) -> Records {
+    fn all(mut self, by_removal: &[u32]) -> Records {
         let mut corners = Vec::new();
         let (mut start, mut lost) = (0, 0);
         for &end in &self.simplified.collapses().parts().step_ends {
             for record in start..end {
                 self.around.take(record, &mut corners);
-                corners.retain(|&c| self.records.deaths[c as usize / 3] > end);
+                corners.retain(|&c| self.records.removal_lods[c as usize / 3] > end);
                 self.fans(record, &corners);
                 let target = self.target(record, end);
                 corners.iter().for_each(|&c| self.around.push(target, c));
             }
-            let dying = lost + by_death[lost..].partition_point(|&t| self.records.deaths[t as usize] <= end);
-            for &t in &by_death[lost..dying] {
+            let dying = lost
+                + by_removal[lost..]
+                    .partition_point(|&t| self.records.removal_lods[t as usize] <= end);
+            for &t in &by_removal[lost..dying] {
                 let edge = self.collapsed_edge(t, end);
                 self.records.collapsed.push(edge);
             }
@@ -190,7 +197,9 @@ impl Walk<'_> {
 
     /// The edge of a triangle whose ends come to be at one position.
     fn collapsed_edge(&self, triangle: u32, end: u32) -> u32 {
-        let at = |c: u32| self.positions.of_vertex[self.target(self.faces.corners[c as usize], end) as usize];
+        let at = |c: u32| {
+            self.positions.of_vertex[self.target(self.faces.corners[c as usize], end) as usize]
+        };
         (3 * triangle..3 * triangle + 3)
             .find(|&c| at(c) == at(next(c)))
             .expect("a dying triangle has two corners at one position")

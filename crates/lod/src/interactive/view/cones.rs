@@ -1,7 +1,8 @@
-//! For every wedge group a cone of normals that bounds those of all faces around it and around whatever collapses into it.
+//! For every wedge group a cone of normals that bounds those of all faces around it and around
+//! whatever collapses into it.
 //!
-//! All wedges of a position take their LOD from one cone, so they move together and nothing tears. (The thesis takes each
-//! vertex's own normal, and wedges have different ones.)
+//! All wedges of a position take their LOD from one cone, so they move together and nothing tears.
+//! (The thesis takes each vertex's own normal, and wedges have different ones.)
 
 use lodc_mesh::{CollapseSequence, Mesh, PositionIds, WedgeGroups};
 
@@ -30,7 +31,8 @@ impl Cone {
         self.cos <= 0.0 || dot(self.axis, direction) >= self.cos - 1e-9
     }
 
-    /// Cosine of the largest angle between an axis and a direction of the cone; negative if that is more than 90°.
+    /// Cosine of the largest angle between an axis and a direction of the cone; negative if that is
+    /// more than 90°.
     fn reach(&self, axis: [f64; 3]) -> f64 {
         let cos = dot(axis, self.axis).clamp(-1.0, 1.0);
         if cos <= 0.0 { -1.0 } else { cos * self.cos - (1.0 - cos * cos).sqrt() * self.sin() }
@@ -51,17 +53,23 @@ impl Cone {
         let far = |a: Self, b: Self| {
             let along = dot(a.axis, b.axis);
             let away = normalised(std::array::from_fn(|i| a.axis[i] * along - b.axis[i]));
-            away.map(|away| std::array::from_fn::<f64, 3, _>(|i| a.axis[i] * a.cos + away[i] * a.sin()))
+            away.map(|away| {
+                std::array::from_fn::<f64, 3, _>(|i| a.axis[i] * a.cos + away[i] * a.sin())
+            })
         };
         let axis = match (far(self, other), far(other, self)) {
             (Some(a), Some(b)) => normalised(std::array::from_fn(|i| a[i] + b[i])),
             _ => Some(self.axis),
         };
-        axis.map_or(Self::OPEN, |axis| Self { axis, cos: self.reach(axis).min(other.reach(axis)).max(0.0) })
+        axis.map_or(Self::OPEN, |axis| Self {
+            axis,
+            cos: self.reach(axis).min(other.reach(axis)).max(0.0),
+        })
     }
 }
 
-/// The group of each vertex that a triangle of LOD 0 uses, numbered densely, and a cone for each group.
+/// The group of each vertex that a triangle of LOD 0 uses, numbered densely, and a cone for each
+/// group.
 #[derive(Clone, Debug)]
 pub struct Cones {
     /// The group of each vertex; `u32::MAX` for fake vertices, which are no corners of LOD 0.
@@ -111,11 +119,14 @@ fn faces(mesh: &Mesh, groups: &WedgeGroups) -> Vec<Option<Cone>> {
     let axes: Vec<_> = sums.into_iter().map(normalised).collect();
     let mut cos = vec![1.0f64; axes.len()];
     each(&mut |g, n| cos[g] = cos[g].min(axes[g].map_or(0.0, |axis| dot(axis, n))));
-    let cone = |g: usize| axes[g].filter(|_| cos[g] > 0.0).map_or(Cone::OPEN, |axis| Cone { axis, cos: cos[g] });
+    let cone = |g: usize| {
+        axes[g].filter(|_| cos[g] > 0.0).map_or(Cone::OPEN, |axis| Cone { axis, cos: cos[g] })
+    };
     (0..axes.len()).map(|g| any[g].then(|| cone(g))).collect()
 }
 
-/// Records come in order, so whatever collapses into a group has done so before the group itself goes.
+/// Records come in order, so whatever collapses into a group has done so before the group itself
+/// goes.
 fn gather(cones: &mut [Option<Cone>], groups: &WedgeGroups, collapses: &CollapseSequence) {
     let mut first = 0;
     let mut pairs = Vec::new();
@@ -123,11 +134,14 @@ fn gather(cones: &mut [Option<Cone>], groups: &WedgeGroups, collapses: &Collapse
         pairs.clear();
         for record in first..end {
             let target = collapses.targets()[record as usize];
-            pairs.push((groups.of_vertex[record as usize] as usize, groups.of_vertex[target as usize] as usize));
+            pairs.push((
+                groups.of_vertex[record as usize] as usize,
+                groups.of_vertex[target as usize] as usize,
+            ));
         }
         first = end;
-        // Several wedges, one pair of groups. Fakes are groups by themselves here: whatever leaves for one position is
-        // passed on to every group that it reaches.
+        // Several wedges, one pair of groups. Fakes are groups by themselves here: whatever leaves
+        // for one position is passed on to every group that it reaches.
         let leaving = pairs.iter().filter_map(|&(from, _)| cones[from]).reduce(Cone::around);
         if let Some(leaving) = leaving {
             pairs.sort_unstable_by_key(|&(_, to)| to);
@@ -142,7 +156,8 @@ fn gather(cones: &mut [Option<Cone>], groups: &WedgeGroups, collapses: &Collapse
 /// The unit normal of a triangle; none without area.
 pub(super) fn normal(mesh: &Mesh, triangle: [u32; 3]) -> Option<[f64; 3]> {
     let [a, b, c] = triangle.map(|v| mesh.positions()[v as usize].map(f64::from));
-    let (u, v): ([f64; 3], [f64; 3]) = (std::array::from_fn(|i| b[i] - a[i]), std::array::from_fn(|i| c[i] - a[i]));
+    let (u, v): ([f64; 3], [f64; 3]) =
+        (std::array::from_fn(|i| b[i] - a[i]), std::array::from_fn(|i| c[i] - a[i]));
     normalised([u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]])
 }
 

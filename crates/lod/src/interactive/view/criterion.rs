@@ -5,9 +5,9 @@ use lodc_mesh::Lod;
 /// What the LOD of a wedge group depends on. Positions and lengths are in the mesh's units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Criterion {
-    /// The angle between the group's cone of normals and the direction to the eye (thesis 5.3, algorithm 6): `edge` where
-    /// a normal of the cone may be perpendicular to it, so that the outline keeps its detail, up to `face` where all are
-    /// parallel, linear in the cosine between.
+    /// The angle between the group's cone of normals and the direction to the eye (thesis 5.3,
+    /// algorithm 6): `edge` where a normal of the cone may be perpendicular to it, so that the
+    /// outline keeps its detail, up to `face` where all are parallel, linear in the cosine between.
     Silhouette {
         /// Where the surface is looked at from.
         eye: [f32; 3],
@@ -16,8 +16,8 @@ pub enum Criterion {
         /// The coarser LOD.
         face: Lod,
     },
-    /// The coarsest LOD whose stored error, at the group's distance from the eye, covers at most `slope` of that distance,
-    /// or one that is finer by less than 0.2 % of the error.
+    /// The coarsest LOD whose stored error, at the group's distance from the eye, covers at most
+    /// `slope` of that distance, or one that is finer by less than 0.2 % of the error.
     ScreenError {
         /// Where the surface is looked at from.
         eye: [f32; 3],
@@ -49,8 +49,8 @@ pub enum Criterion {
 }
 
 impl Criterion {
-    /// The slope for [`Self::ScreenError`] at which an error covers `pixels` of a picture that is `height` pixels high and
-    /// shows a vertical angle with this tangent of its half.
+    /// The slope for [`Self::ScreenError`] at which an error covers `pixels` of a picture that is
+    /// `height` pixels high and shows a vertical angle with this tangent of its half.
     #[must_use]
     pub fn slope(pixels: f32, height: f32, tan_half_angle: f32) -> f32 {
         pixels * 2.0 * tan_half_angle / height

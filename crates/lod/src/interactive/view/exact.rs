@@ -1,10 +1,12 @@
-//! Arithmetic that comes out the same on every device: additions and multiplications of `f32` in a fixed order, and bits.
+//! Arithmetic that comes out the same on every device: additions and multiplications of `f32` in a
+//! fixed order, and bits.
 //!
-//! Division, square roots and trigonometry are only approximately fixed by WGSL, and its compilers may rearrange what they
-//! can see through. So the kernels use what is here, with every result passed through a barrier.
+//! Division, square roots and trigonometry are only approximately fixed by WGSL, and its compilers
+//! may rearrange what they can see through. So the kernels use what is here, with every result
+//! passed through a barrier.
 
-/// One over the square root of a positive normal number, to about 17 bits: two steps of Newton's method from the usual
-/// estimate by bits.
+/// One over the square root of a positive normal number, to about 17 bits: two steps of Newton's
+/// method from the usual estimate by bits.
 #[must_use]
 pub fn rsqrt(x: f32) -> f32 {
     let mut y = f32::from_bits(0x5f37_59df - (x.to_bits() >> 1));
@@ -28,7 +30,8 @@ pub fn lerp(a: f32, b: f32, t: f32) -> f32 {
     a + t * (b - a)
 }
 
-/// The largest power of two that is not larger than one over a positive number: scaling by it is exact.
+/// The largest power of two that is not larger than one over a positive number: scaling by it is
+/// exact.
 #[must_use]
 pub fn inverse_power(x: f64) -> f32 {
     let mut power = 1.0f32;

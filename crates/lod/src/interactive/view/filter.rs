@@ -1,4 +1,5 @@
-//! The degenerate filter: ordered compaction of the triangles that are drawn (the thesis uses a geometry shader).
+//! The degenerate filter: ordered compaction of the triangles that are drawn (the thesis uses a
+//! geometry shader).
 
 use crate::interactive::shaders;
 use crate::plan::{BufferId, KernelId, Pass, Program, Scan};
@@ -26,10 +27,17 @@ pub struct Filter {
 }
 
 impl Filter {
-    /// Prepares filtering `triangles` (submesh by submesh, in any order within) by the positions of `vertices`, records of
-    /// `stride` words.
-    pub fn new(program: &mut Program, mesh: &Mesh, triangles: &[[u32; 3]], vertices: BufferId, stride: usize) -> Self {
-        let ranges: Vec<u32> = mesh.submeshes().iter().flat_map(|s| [s.first_triangle, s.triangle_count]).collect();
+    /// Prepares filtering `triangles` (submesh by submesh, in any order within) by the positions of
+    /// `vertices`, records of `stride` words.
+    pub fn new(
+        program: &mut Program,
+        mesh: &Mesh,
+        triangles: &[[u32; 3]],
+        vertices: BufferId,
+        stride: usize,
+    ) -> Self {
+        let ranges: Vec<u32> =
+            mesh.submeshes().iter().flat_map(|s| [s.first_triangle, s.triangle_count]).collect();
         let eights = triangles.len().div_ceil(8);
         // Filled up with triangles that are never drawn.
         let mut padded = triangles.as_flattened().to_vec();

@@ -1,6 +1,6 @@
-// Degenerate filter, first of three: which triangles are drawn. One thread looks at eight. Twin: filter.rs. A triangle is
-// not drawn if two of its corners are drawn at one position, which is so exactly if they share the entry they show, the one
-// they move towards, and how far they are.
+// Degenerate filter, first of three: which triangles are drawn. One thread looks at eight. Twin:
+// filter.rs. A triangle is not drawn if two of its corners are drawn at one position, which is so
+// exactly if they share the entry they show, the one they move towards, and how far they are.
 
 // Words of a vertex record; the first three are the position.
 override stride: u32 = 3u;
@@ -11,12 +11,14 @@ struct Parameters {
 }
 
 @group(0) @binding(0) var<uniform> p: Parameters;
-// Eight triangles are six vectors; the last ones are filled up with zeros, which no triangle that is drawn has.
+// Eight triangles are six vectors; the last ones are filled up with zeros, which no triangle that
+// is drawn has.
 @group(0) @binding(1) var<storage, read> triangles: array<vec4<u32>>;
 @group(0) @binding(2) var<storage, read> vertices: array<u32>;
 // A bit for each of a thread's triangles.
 @group(0) @binding(3) var<storage, read_write> live: array<u32>;
-// Their number, and 0 behind the last: after the prefix sums, where each thread's triangles go, and how many there are.
+// Their number, and 0 behind the last: after the prefix sums, where each thread's triangles go, and
+// how many there are.
 @group(0) @binding(4) var<storage, read_write> places: array<u32>;
 
 // Coordinates are the same if their bits are, or if both are zero of either sign.

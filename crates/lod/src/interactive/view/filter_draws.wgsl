@@ -1,4 +1,5 @@
-// Degenerate filter, last of three: the arguments of one indirect draw per submesh. Twin: filter.rs.
+// Degenerate filter, last of three: the arguments of one indirect draw per submesh. Twin:
+// filter.rs.
 
 struct Parameters { submeshes: u32 }
 

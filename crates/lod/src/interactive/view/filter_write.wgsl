@@ -1,5 +1,5 @@
-// Degenerate filter, second of three: writes the corners of the triangles that are drawn, in their order, to where the
-// prefix sums say. One thread has eight. Twin: filter.rs.
+// Degenerate filter, second of three: writes the corners of the triangles that are drawn, in their
+// order, to where the prefix sums say. One thread has eight. Twin: filter.rs.
 
 struct Parameters {
     // Number of triangles, divided by eight and rounded up.

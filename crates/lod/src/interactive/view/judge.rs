@@ -12,9 +12,10 @@ type Key = [u32; 3];
 type Edge = (Key, Key, bool, [u32; 2]);
 
 impl Views<'_> {
-    /// The first thing that is wrong with what a view shows: without morphing, each triangle of LOD 0 with every corner
-    /// resolved at its own LOD by the plain sequence (and at one LOD everywhere, the reference itself); always,
-    /// that no edge lies open that the input's border does not explain.
+    /// The first thing that is wrong with what a view shows: without morphing, each triangle of LOD
+    /// 0 with every corner resolved at its own LOD by the plain sequence (and at one LOD
+    /// everywhere, the reference itself); always, that no edge lies open that the input's border
+    /// does not explain.
     pub(super) fn judge(
         &self,
         view: &View,
@@ -23,7 +24,8 @@ impl Views<'_> {
         positions: &PositionIds,
     ) -> Option<Failure> {
         let (mesh, collapses) = (self.simplified.mesh(), self.simplified.collapses());
-        let corners = || mesh.triangles().as_flattened().iter().map(|&v| shown.states[v as usize].lod);
+        let corners =
+            || mesh.triangles().as_flattened().iter().map(|&v| shown.states[v as usize].lod);
         let coarsest = collapses.floor(Lod(corners().max().unwrap_or(0)));
         if !view.morph {
             let drawn = self.drawn(indices, shown);
@@ -42,8 +44,11 @@ impl Views<'_> {
             }
             let same = corners().all(|lod| collapses.floor(Lod(lod)) == coarsest);
             if same
-                && let Some(failure) =
-                    first_difference(coarsest, self.simplified.triangles_at_with(coarsest, positions), drawn.clone())
+                && let Some(failure) = first_difference(
+                    coarsest,
+                    self.simplified.triangles_at_with(coarsest, positions),
+                    drawn.clone(),
+                )
             {
                 return Some(failure);
             }
@@ -51,18 +56,26 @@ impl Views<'_> {
                 return Some(failure);
             }
         }
-        self.torn(shown, indices).map(|(edge, surplus)| Failure::Torn { lod: coarsest, edge, surplus })
+        self.torn(shown, indices).map(|(edge, surplus)| Failure::Torn {
+            lod: coarsest,
+            edge,
+            surplus,
+        })
     }
 
     fn drawn(&self, indices: &[u32], shown: &Shown) -> Vec<OrientedTriangle> {
         let submesh = self.simplified.mesh().vertex_submesh();
         let triangle = |t: &[u32]| {
-            OrientedTriangle::new(submesh[t[0] as usize], [t[0], t[1], t[2]].map(|v| shown.states[v as usize].entry))
+            OrientedTriangle::new(
+                submesh[t[0] as usize],
+                [t[0], t[1], t[2]].map(|v| shown.states[v as usize].entry),
+            )
         };
         indices.chunks_exact(3).map(triangle).collect()
     }
 
-    /// An edge that is used more often in one direction than in the other, and not because the input has a border there.
+    /// An edge that is used more often in one direction than in the other, and not because the
+    /// input has a border there.
     pub(super) fn torn(&self, shown: &Shown, indices: &[u32]) -> Option<([[f32; 3]; 2], i64)> {
         let stride = self.records.stride;
         let at = |words: &[u32], v: u32| -> Key {
@@ -70,7 +83,8 @@ impl Views<'_> {
             position_key([words[at], words[at + 1], words[at + 2]].map(f32::from_bits))
         };
         let mesh = self.simplified.mesh();
-        // Every edge of LOD 0 counts once with its place in the view, every edge drawn counts once the other way.
+        // Every edge of LOD 0 counts once with its place in the view, every edge drawn counts once
+        // the other way.
         let mut edges: Vec<(Key, Key, i64)> = Vec::new();
         let mut add = |a: Key, b: Key, sign: i64| match a.cmp(&b) {
             std::cmp::Ordering::Less => edges.push((a, b, sign)),
@@ -85,11 +99,14 @@ impl Views<'_> {
                 add(at(&shown.vertices, t[i]), at(&shown.vertices, t[(i + 1) % 3]), 1);
             }
         }
-        surplus(&mut edges).first().map(|&(a, b, n)| ([a.map(f32::from_bits), b.map(f32::from_bits)], n))
+        surplus(&mut edges)
+            .first()
+            .map(|&(a, b, n)| ([a.map(f32::from_bits), b.map(f32::from_bits)], n))
     }
 }
 
-/// Directed edges of triangles that no edge in the opposite direction answers, as pairs of vertices.
+/// Directed edges of triangles that no edge in the opposite direction answers, as pairs of
+/// vertices.
 fn border(triangles: &[[u32; 3]], key: impl Fn(u32) -> Key) -> Vec<[u32; 2]> {
     let mut edges: Vec<Edge> = Vec::with_capacity(3 * triangles.len());
     for t in triangles {
@@ -103,7 +120,8 @@ fn border(triangles: &[[u32; 3]], key: impl Fn(u32) -> Key) -> Vec<[u32; 2]> {
     let mut open = Vec::new();
     for same in edges.chunk_by(|x, y| (x.0, x.1) == (y.0, y.1)) {
         let (there, back): (Vec<&Edge>, Vec<&Edge>) = same.iter().partition(|e| e.2);
-        let (more, fewer) = if there.len() > back.len() { (there, back.len()) } else { (back, there.len()) };
+        let (more, fewer) =
+            if there.len() > back.len() { (there, back.len()) } else { (back, there.len()) };
         open.extend(more.into_iter().skip(fewer).map(|e| e.3));
     }
     open
@@ -113,5 +131,7 @@ fn border(triangles: &[[u32; 3]], key: impl Fn(u32) -> Key) -> Vec<[u32; 2]> {
 fn surplus(edges: &mut [(Key, Key, i64)]) -> Vec<(Key, Key, i64)> {
     edges.sort_unstable();
     let sums = edges.chunk_by(|x, y| (x.0, x.1) == (y.0, y.1));
-    sums.map(|same| (same[0].0, same[0].1, same.iter().map(|e| e.2).sum())).filter(|e| e.2 != 0).collect()
+    sums.map(|same| (same[0].0, same[0].1, same.iter().map(|e| e.2).sum()))
+        .filter(|e| e.2 != 0)
+        .collect()
 }

@@ -1,9 +1,11 @@
-//! View-dependent Interactive Meshes (thesis 5.3): a LOD for every wedge group, geomorphing, and a degenerate filter.
+//! View-dependent Interactive Meshes (thesis 5.3): a LOD for every wedge group, geomorphing, and a
+//! degenerate filter.
 //!
-//! The surface cannot tear. All vertices of a wedge group choose by the same position and the same cone of normals, so they
-//! get one LOD, rounded to the end of a step, and at the end of a step a group is at one position. So a view is a map from positions to positions, applied to the triangles of LOD 0,
-//! and such a map cannot make an edge that two triangles shared a border. The same holds between steps, because what
-//! is interpolated, and how far, is the group's too.
+//! The surface cannot tear. All vertices of a wedge group choose by the same position and the same
+//! cone of normals, so they get one LOD, rounded to the end of a step, and at the end of a step a
+//! group is at one position. So a view is a map from positions to positions, applied to the
+//! triangles of LOD 0, and such a map cannot make an edge that two triangles shared a border. The
+//! same holds between steps, because what is interpolated, and how far, is the group's too.
 
 mod cones;
 mod criterion;

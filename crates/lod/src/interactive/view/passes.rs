@@ -20,15 +20,23 @@ pub struct ViewPasses {
 }
 
 impl ViewPasses {
-    /// Uploads what the kernel reads, but for `source`, the records of the mesh; it writes to `vertices`.
-    pub fn new(program: &mut Program, views: &Views<'_>, source: BufferId, vertices: BufferId) -> Self {
+    /// Uploads what the kernel reads, but for `source`, the records of the mesh; it writes to
+    /// `vertices`.
+    pub fn new(
+        program: &mut Program,
+        views: &Views<'_>,
+        source: BufferId,
+        vertices: BufferId,
+    ) -> Self {
         let stride = views.records.stride as u32;
         let points: Vec<u32> = views.points.iter().flat_map(Point::words).collect();
         let mut kernel = |criterion, morph| {
-            let constants = [("criterion", criterion as u32), ("morph", morph as u32), ("stride", stride)];
+            let constants =
+                [("criterion", criterion as u32), ("morph", morph as u32), ("stride", stride)];
             program.kernel_with(shaders::VIEW, &constants)
         };
-        let kernels = std::array::from_fn(|criterion| std::array::from_fn(|morph| kernel(criterion, morph)));
+        let kernels =
+            std::array::from_fn(|criterion| std::array::from_fn(|morph| kernel(criterion, morph)));
         Self {
             points: program.words("points", points),
             links: program.words("links", views.links.as_flattened()),

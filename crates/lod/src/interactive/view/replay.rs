@@ -11,8 +11,8 @@ use lodc_strip::order;
 const CACHE: u32 = 16;
 
 impl Interactive {
-    /// Everything that runs on a device: the continuous variant over some LODs, and the view-dependent one over a sample
-    /// of views, fewer on large meshes.
+    /// Everything that runs on a device: the continuous variant over some LODs, and the
+    /// view-dependent one over a sample of views, fewer on large meshes.
     ///
     /// # Errors
     /// If the mesh is too large or its lists too long.
@@ -23,9 +23,10 @@ impl Interactive {
         Ok(vec![self.continuous(stops.to_vec())?, self.views(views, order(mesh, CACHE))?])
     }
 
-    /// The view-dependent variant over some views, each compared in full: drawn records, compacted triangles and draw
-    /// arguments with the twin; what the twin shows with the plain sequence, and that it does not tear. `triangles` are
-    /// those of the mesh, submesh by submesh, in the order in which they shall be drawn.
+    /// The view-dependent variant over some views, each compared in full: drawn records, compacted
+    /// triangles and draw arguments with the twin; what the twin shows with the plain sequence, and
+    /// that it does not tear. `triangles` are those of the mesh, submesh by submesh, in the order
+    /// in which they shall be drawn.
     ///
     /// # Errors
     /// If the mesh is too large or collapses too deep.
@@ -42,8 +43,13 @@ impl Interactive {
         let device = ViewPasses::new(&mut program, &twin, source, vertices);
         let filter = Filter::new(&mut program, mesh, &triangles, vertices, stride);
         let positions = PositionIds::new(mesh.positions());
-        let locate =
-            replay::locate(simplified, [vertices, source], Vec::new(), [filter.triangles, filter.draws], stride);
+        let locate = replay::locate(
+            simplified,
+            [vertices, source],
+            Vec::new(),
+            [filter.triangles, filter.draws],
+            stride,
+        );
         let step = move |view: View| {
             let shown = twin.show(&view);
             let left = filtered(mesh, &triangles, &shown.vertices, stride);
@@ -55,7 +61,8 @@ impl Interactive {
                 Expected::new(filter.indices, left.indices),
                 Expected::new(filter.draws, left.draws),
             ];
-            let passes = std::iter::once(device.pass(&view, &twin)).chain(filter.passes()).collect();
+            let passes =
+                std::iter::once(device.pass(&view, &twin)).chain(filter.passes()).collect();
             Step { at: name(&view), counts: true, passes, checks, twin: twin_differs }
         };
         let moves = views.into_iter().map(step);
@@ -67,16 +74,27 @@ fn name(view: &View) -> String {
     let morph = if view.morph { " with morphing" } else { "" };
     match view.criterion {
         Criterion::Silhouette { eye, .. } => format!("silhouette from {eye:?}{morph}"),
-        Criterion::ScreenError { eye, slope } => format!("screen error {slope} from {eye:?}{morph}"),
-        Criterion::Sphere { centre, radius, .. } => format!("sphere of {radius} at {centre:?}{morph}"),
-        Criterion::Region { inside, outside, .. } => format!("LOD {} in a box, {} outside{morph}", inside.0, outside.0),
+        Criterion::ScreenError { eye, slope } => {
+            format!("screen error {slope} from {eye:?}{morph}")
+        }
+        Criterion::Sphere { centre, radius, .. } => {
+            format!("sphere of {radius} at {centre:?}{morph}")
+        }
+        Criterion::Region { inside, outside, .. } => {
+            format!("LOD {} in a box, {} outside{morph}", inside.0, outside.0)
+        }
     }
 }
 
-/// Views for a verification: one LOD everywhere at some LODs, and `rounds` seeded views by each criterion, every second one
-/// with morphing.
+/// Views for a verification: one LOD everywhere at some LODs, and `rounds` seeded views by each
+/// criterion, every second one with morphing.
 #[must_use]
-pub fn sample(collapses: &CollapseSequence, bounds: ([f32; 3], [f32; 3]), rounds: u32, seed: u64) -> Vec<View> {
+pub fn sample(
+    collapses: &CollapseSequence,
+    bounds: ([f32; 3], [f32; 3]),
+    rounds: u32,
+    seed: u64,
+) -> Vec<View> {
     let mut state = seed;
     let mut unit = || {
         // SplitMix64, 24 bits of it.
@@ -104,10 +122,20 @@ pub fn sample(collapses: &CollapseSequence, bounds: ([f32; 3], [f32; 3]), rounds
             Criterion::Silhouette { eye, edge: fine, face: coarse },
             Criterion::ScreenError { eye, slope },
             Criterion::Sphere { centre, radius: 0.5 * reach, inside: a, outside: b },
-            Criterion::Region { low: corner, high: corner.map(|c| c + reach), inside: b, outside: a },
+            Criterion::Region {
+                low: corner,
+                high: corner.map(|c| c + reach),
+                inside: b,
+                outside: a,
+            },
         ];
         let morph = |i: usize| (i + round as usize) % 2 == 1;
-        views.extend(criteria.into_iter().enumerate().map(|(i, criterion)| View { criterion, morph: morph(i) }));
+        views.extend(
+            criteria
+                .into_iter()
+                .enumerate()
+                .map(|(i, criterion)| View { criterion, morph: morph(i) }),
+        );
     }
     views
 }

@@ -1,4 +1,5 @@
-//! Which LOD each vertex gets, in the same operations as `view.wgsl`, so that the two agree bit for bit.
+//! Which LOD each vertex gets, in the same operations as `view.wgsl`, so that the two agree bit for
+//! bit.
 
 use super::criterion::{Criterion, View};
 use super::exact::{dot, inverse_power, rsqrt};
@@ -18,7 +19,8 @@ pub struct State {
     pub way: u32,
 }
 
-/// What the selection of a vertex looks at, the same for all vertices of a wedge group: four words on a device.
+/// What the selection of a vertex looks at, the same for all vertices of a wedge group: four words
+/// on a device.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
     /// Where it is at LOD 0.
@@ -35,8 +37,14 @@ impl Point {
         let axis = cone.axis.map(|c| (c * 127.0 / largest).round() as i8);
         let rounded = axis.map(f64::from);
         let length = rounded.iter().map(|c| c * c).sum::<f64>().sqrt();
-        let off = rounded.iter().zip(cone.axis).map(|(a, b)| a * b / length).sum::<f64>().clamp(-1.0, 1.0);
-        // The cone around the rounded axis that holds this one; a little more for the arithmetic on devices.
+        let off = rounded
+            .iter()
+            .zip(cone.axis)
+            .map(|(a, b)| a * b / length)
+            .sum::<f64>()
+            .clamp(-1.0, 1.0);
+        // The cone around the rounded axis that holds this one; a little more for the arithmetic on
+        // devices.
         let angle = cone.cos.clamp(-1.0, 1.0).acos() + off.acos() + 1e-4;
         let narrow = angle < std::f64::consts::FRAC_PI_2;
         let sine = if narrow { (angle.sin() * 255.0).ceil().min(255.0) as u8 } else { 255 };
@@ -55,10 +63,15 @@ impl Point {
 /// Vertices as the kernel gets them. Those of no group have an open cone.
 pub(super) fn points(cones: &Cones, mesh: &Mesh) -> Vec<Point> {
     let cone = |group: u32| cones.cones.get(group as usize).unwrap_or(&Cone::OPEN);
-    mesh.positions().iter().zip(&cones.of_vertex).map(|(&position, &group)| Point::new(position, cone(group))).collect()
+    mesh.positions()
+        .iter()
+        .zip(&cones.of_vertex)
+        .map(|(&position, &group)| Point::new(position, cone(group)))
+        .collect()
 }
 
-/// What each vertex becomes, and the LOD at which it has: the end of the step. The last one stays for good.
+/// What each vertex becomes, and the LOD at which it has: the end of the step. The last one stays
+/// for good.
 pub(super) fn links(collapses: &CollapseSequence) -> Vec<[u32; 2]> {
     let parts = collapses.parts();
     let mut links = Vec::with_capacity(parts.targets.len() + 1);
@@ -69,13 +82,14 @@ pub(super) fn links(collapses: &CollapseSequence) -> Vec<[u32; 2]> {
     links
 }
 
-/// LODs by error, so that a device needs no search: errors that differ by less than about 0.2 % share an entry, the LOD for
-/// the smallest of them.
+/// LODs by error, so that a device needs no search: errors that differ by less than about 0.2 %
+/// share an entry, the LOD for the smallest of them.
 #[derive(Clone, Debug)]
 pub(super) struct ByError {
     /// The first entry's error: the upper 18 bits of a float.
     pub(super) lowest: u32,
-    /// The coarsest LOD of each; the first for whatever is smaller, the last for whatever is larger than all errors.
+    /// The coarsest LOD of each; the first for whatever is smaller, the last for whatever is larger
+    /// than all errors.
     pub(super) lods: Vec<u32>,
 }
 
@@ -87,7 +101,10 @@ impl ByError {
         let largest = collapses.parts().step_errors.last().map_or(0, |e| e.to_bits() >> 14);
         let lowest = (largest + 2).saturating_sub(Self::COUNT);
         let error = |i: u32| if i == 0 { 0.0 } else { f32::from_bits((lowest + i) << 14) };
-        Self { lowest, lods: (0..Self::COUNT).map(|i| collapses.lod_for_error(error(i)).0).collect() }
+        Self {
+            lowest,
+            lods: (0..Self::COUNT).map(|i| collapses.lod_for_error(error(i)).0).collect(),
+        }
     }
 
     fn at(&self, error: f32) -> u32 {
@@ -112,21 +129,40 @@ impl Parameters {
         let scale = inverse_power(simplified.mesh().diagonal().max(1e-30));
         let last = simplified.collapses().last();
         let lods = |a: Lod, b: Lod| [a.min(last).0, b.min(last).0];
-        let of = |criterion, point, lods, abc| Self { criterion, lods, point, scale, abc, morph: view.morph };
+        let of = |criterion, point, lods, abc| Self {
+            criterion,
+            lods,
+            point,
+            scale,
+            abc,
+            morph: view.morph,
+        };
         match view.criterion {
-            Criterion::Silhouette { eye, edge, face } => of(0, eye, lods(edge.min(face), face), [0.0; 3]),
-            Criterion::ScreenError { eye, slope } => of(1, eye, [0; 2], [(slope / scale).max(0.0), 0.0, 0.0]),
+            Criterion::Silhouette { eye, edge, face } => {
+                of(0, eye, lods(edge.min(face), face), [0.0; 3])
+            }
+            Criterion::ScreenError { eye, slope } => {
+                of(1, eye, [0; 2], [(slope / scale).max(0.0), 0.0, 0.0])
+            }
             Criterion::Sphere { centre, radius, inside, outside } => {
                 let scaled = radius * scale;
                 of(2, centre, lods(inside, outside), [scaled * scaled, 0.0, 0.0])
             }
-            Criterion::Region { low, high, inside, outside } => of(3, low, lods(inside, outside), high),
+            Criterion::Region { low, high, inside, outside } => {
+                of(3, low, lods(inside, outside), high)
+            }
         }
     }
 }
 
 /// The state of one vertex.
-pub(super) fn state(p: &Parameters, vertex: u32, point: &Point, links: &[[u32; 2]], by_error: &ByError) -> State {
+pub(super) fn state(
+    p: &Parameters,
+    vertex: u32,
+    point: &Point,
+    links: &[[u32; 2]],
+    by_error: &ByError,
+) -> State {
     let lod = wanted(p, point, by_error);
     let (mut entry, mut came) = (vertex, 0);
     while links[entry as usize][1] <= lod {
@@ -217,7 +253,13 @@ mod tests {
             let point = Point::new([0.0; 3], &cone);
             let rounded = point.axis.map(f64::from);
             let length = rounded.iter().map(|c| c * c).sum::<f64>().sqrt();
-            let off = rounded.iter().zip(cone.axis).map(|(a, b)| a * b / length).sum::<f64>().min(1.0).acos();
+            let off = rounded
+                .iter()
+                .zip(cone.axis)
+                .map(|(a, b)| a * b / length)
+                .sum::<f64>()
+                .min(1.0)
+                .acos();
             let half_angle = (f64::from(point.sine) / 255.0).asin();
             assert!(point.sine == 255 || half_angle >= angle + off, "{cone:?}: {point:?}");
             assert!(angle > 1.5 || half_angle < angle + 0.1, "{cone:?}: {point:?}");

@@ -33,7 +33,11 @@ fn views_show_what_the_sequence_says_and_never_tear() {
         for view in sample(simplified.collapses(), mesh.bounds(), 8, 3) {
             let shown = views.show(&view);
             let left = filtered(mesh, mesh.triangles(), &shown.vertices, views.records.stride);
-            assert_eq!(views.judge(&view, &shown, &left.indices, &positions), None, "{name}: {view:?}");
+            assert_eq!(
+                views.judge(&view, &shown, &left.indices, &positions),
+                None,
+                "{name}: {view:?}"
+            );
         }
     });
 }
@@ -41,14 +45,21 @@ fn views_show_what_the_sequence_says_and_never_tear() {
 /// A vertex that takes its own LOD instead of its group's tears the mesh, and the judge sees it.
 #[test]
 fn a_wedge_that_goes_its_own_way_is_a_tear() {
-    let simplified = fixtures::random_collapse(&fixtures::named("faceted_sphere").expect("a named shape"), 1);
+    let simplified =
+        fixtures::random_collapse(&fixtures::named("faceted_sphere").expect("a named shape"), 1);
     let views = views_of(&simplified);
     let view = View { criterion: Criterion::everywhere(Lod(0)), morph: false };
     let mut shown = views.show(&view);
     let wedge = simplified.mesh().triangles()[0][0] as usize;
     let coarse = simplified.collapses().resolve(wedge as u32, simplified.collapses().last());
-    shown.vertices[wedge * views.records.stride..][..3].copy_from_slice(&views.records.at(coarse)[..3]);
-    let left = filtered(simplified.mesh(), simplified.mesh().triangles(), &shown.vertices, views.records.stride);
+    shown.vertices[wedge * views.records.stride..][..3]
+        .copy_from_slice(&views.records.at(coarse)[..3]);
+    let left = filtered(
+        simplified.mesh(),
+        simplified.mesh().triangles(),
+        &shown.vertices,
+        views.records.stride,
+    );
     assert!(views.torn(&shown, &left.indices).is_some());
 }
 
@@ -65,7 +76,10 @@ fn cones_bound_the_normals_of_all_that_collapses_into_a_group() {
                 for &entry in lists.list(v) {
                     let group = cones.of_vertex[entry as usize] as usize;
                     if let Some(cone) = cones.cones.get(group) {
-                        assert!(cone.contains(normal), "{name}: {t:?} at {entry}: {cone:?} {normal:?}");
+                        assert!(
+                            cone.contains(normal),
+                            "{name}: {t:?} at {entry}: {cone:?} {normal:?}"
+                        );
                     }
                 }
             }
@@ -85,8 +99,10 @@ fn morphing_starts_at_the_entry_and_stays_before_the_next() {
             assert_eq!(state.entry, still.entry);
             let list = lists.list(v as u32);
             let at = list.iter().position(|&e| e == state.entry).expect("an entry of the list");
-            let ends =
-                |record: u32| simplified.collapses().parts().step_ends[simplified.collapses().steps_at(Lod(record))];
+            let ends = |record: u32| {
+                simplified.collapses().parts().step_ends
+                    [simplified.collapses().steps_at(Lod(record))]
+            };
             if at + 1 == list.len() {
                 assert_eq!(state.next, state.entry);
                 continue;
@@ -105,7 +121,12 @@ fn a_region_is_fine_inside_and_coarse_outside() {
     let simplified = fixtures::random_collapse(&fixtures::icosphere(2), 1);
     let views = views_of(&simplified);
     let coarse = simplified.collapses().floor(Lod(simplified.collapses().records() * 9 / 10));
-    let criterion = Criterion::Region { low: [-2.0, -2.0, 0.0], high: [2.0; 3], inside: Lod(0), outside: coarse };
+    let criterion = Criterion::Region {
+        low: [-2.0, -2.0, 0.0],
+        high: [2.0; 3],
+        inside: Lod(0),
+        outside: coarse,
+    };
     let shown = views.show(&View { criterion, morph: false });
     for (v, state) in shown.states.iter().enumerate() {
         let inside = simplified.mesh().positions()[v][2] >= 0.0;

@@ -1,6 +1,7 @@
-// The view-dependent extraction pass (thesis 5.3, algorithm 6), one thread per vertex: chooses a LOD, shows what the vertex
-// has become by then, and with `morph` moves it towards where its next collapse leads. Twin: select.rs and mod.rs.
-// All vertices of a wedge group have one position and one cone here, so they choose the same LOD and nothing tears.
+// The view-dependent extraction pass (thesis 5.3, algorithm 6), one thread per vertex: chooses a
+// LOD, shows what the vertex has become by then, and with `morph` moves it towards where its next
+// collapse leads. Twin: select.rs and mod.rs. All vertices of a wedge group have one position and
+// one cone here, so they choose the same LOD and nothing tears.
 
 // Constants of a pipeline: compilers leave out what is not asked for.
 // 0: outline, 1: error on the screen, 2: sphere, 3: box.
@@ -20,19 +21,22 @@ struct Parameters {
     x: f32, y: f32, z: f32,
     // A power of two that brings lengths near 1.
     scale: f32,
-    // Screen: allowed error per scaled distance. Sphere: squared scaled radius. Box: its highest corner.
+    // Screen: allowed error per scaled distance. Sphere: squared scaled radius. Box: its highest
+    // corner.
     a: f32, b: f32, c: f32,
     // 0, which the compiler does not know: see `r`.
     zero: u32,
 }
 
 @group(0) @binding(0) var<uniform> p: Parameters;
-// Position, and a cone of normals: its axis, of any length, and the sine of half its angle times 255, 8 bits each.
+// Position, and a cone of normals: its axis, of any length, and the sine of half its angle times
+// 255, 8 bits each.
 @group(0) @binding(1) var<storage, read> points: array<vec4<u32>>;
 // What each vertex becomes, and the LOD at which it has: the end of the step.
 @group(0) @binding(2) var<storage, read> links: array<vec2<u32>>;
 const ERRORS = 7168u;
-// The coarsest LOD for each error from the lowest on, 512 of them from one power of two to the next.
+// The coarsest LOD for each error from the lowest on, 512 of them from one power of two to the
+// next.
 @group(0) @binding(3) var<storage, read> by_error: array<u32>;
 // Records of the mesh, and as they are drawn.
 @group(0) @binding(4) var<storage, read> source: array<u32>;
@@ -102,8 +106,8 @@ fn main(@builtin(global_invocation_id) g: vec3<u32>, @builtin(num_workgroups) si
     }
     var position = points[at].xyz;
     if (morph) {
-        // Between the step that brought the vertex here and the one that takes it away. Integers, because division of
-        // integers is exact; both fit 16 bits after the shift.
+        // Between the step that brought the vertex here and the one that takes it away. Integers,
+        // because division of integers is exact; both fit 16 bits after the shift.
         let next = links[at];
         let shift = 16u - min(16u, countLeadingZeros(next.y - came));
         let way = min((((lod - came) >> shift) << 16u) / ((next.y - came) >> shift), 65535u);

@@ -1,4 +1,5 @@
-//! Filters: examples, all subsequences of small strips, patterns in disguise, and what is not the shortest.
+//! Filters: examples, all subsequences of small strips, patterns in disguise, and what is not the
+//! shortest.
 
 use super::super::{filters::Filters, pattern::Pattern, shortest::Search, trim::trimmed};
 use super::*;
@@ -38,7 +39,8 @@ fn choose(strip: &[u32], mask: u64) -> Vec<u32> {
 /// The fewest positions that draw the same, by trying all subsequences.
 fn brute_force(strip: &[u32], place: impl Fn(u32) -> u32 + Copy) -> u32 {
     let wanted = naive(strip, place);
-    let masks = (0..1u64 << strip.len()).filter(|&mask| naive(&choose(strip, mask), place) == wanted);
+    let masks =
+        (0..1u64 << strip.len()).filter(|&mask| naive(&choose(strip, mask), place) == wanted);
     masks.map(u64::count_ones).min().expect("the whole strip draws what it draws")
 }
 
@@ -46,7 +48,10 @@ fn brute_force(strip: &[u32], place: impl Fn(u32) -> u32 + Copy) -> u32 {
 fn filters_worked_out_by_hand() {
     let all = |strip: &[u32]| {
         let pattern = plain(strip);
-        bits(Search::new().shortest(&pattern, Search::LIMIT).expect("a small strip") as u16, strip.len())
+        bits(
+            Search::new().shortest(&pattern, Search::LIMIT).expect("a small strip") as u16,
+            strip.len(),
+        )
     };
     // Nothing to leave out; nothing left to draw.
     assert_eq!(all(&[1, 2, 3, 4]), "1111");
@@ -112,8 +117,9 @@ fn strips_around_hubs_draw_exactly_their_triangles_however_they_are_filtered() {
         // Fans around few hubs, or bands.
         let hubs = 1 + rng.below(3) as u32;
         let fan = rng.one_in(2);
-        let mut strip: Vec<u32> =
-            (0..len as u32).map(|k| if fan && k % 2 == 0 { 1000 + k / 5 % hubs } else { k }).collect();
+        let mut strip: Vec<u32> = (0..len as u32)
+            .map(|k| if fan && k % 2 == 0 { 1000 + k / 5 % hubs } else { k })
+            .collect();
         for _ in 0..rng.below(len) {
             let at = rng.below(len - 1);
             let (from, to) = (strip[at], strip[at + 1]);

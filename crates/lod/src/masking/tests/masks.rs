@@ -1,4 +1,5 @@
-//! Masks of small strips, worked out by hand in the manner of the thesis's figure 4.5; overflow; cutting; storage.
+//! Masks of small strips, worked out by hand in the manner of the thesis's figure 4.5; overflow;
+//! cutting; storage.
 
 use super::*;
 
@@ -22,8 +23,10 @@ fn masks_worked_out_by_hand() {
         };
         model.info_strips(record).map(of).collect::<Vec<_>>()
     };
-    let mask = |strip: u32, position: &str, filter: &str| (strip, position.to_owned(), filter.to_owned());
-    // 2 1 2 3 4 5 6: the first triangle is gone, what is left starts at an odd place and needs one index to turn.
+    let mask =
+        |strip: u32, position: &str, filter: &str| (strip, position.to_owned(), filter.to_owned());
+    // 2 1 2 3 4 5 6: the first triangle is gone, what is left starts at an odd place and needs one
+    // index to turn.
     let [(0, position, filter)] = &masks(0)[..] else { panic!("{:?}", masks(0)) };
     assert_eq!((position.as_str(), filter.matches('1').count()), ("1000000", 7));
     // 2 3 2 3 4 5 6: an edge repeated, two indices less.
@@ -46,10 +49,18 @@ fn masks_worked_out_by_hand() {
 fn the_tables_of_the_thesis_are_enough_to_go_both_ways() {
     for seed in 0..20 {
         let simplified = Arc::new(fixtures::random_collapse(&fixtures::random(seed), seed));
-        let strips = Arc::new(Strips::generate(&simplified, crate::StripKind::Cache, lodc_strip::Effort::Fast));
+        let strips = Arc::new(Strips::generate(
+            &simplified,
+            crate::StripKind::Cache,
+            lodc_strip::Effort::Fast,
+        ));
         let model = Masking::build(&simplified, strips).expect("few entries");
         let updates: Vec<_> = model.info_updates().collect();
-        assert_eq!(updates.len(), simplified.collapses().records() as usize, "no record of these is continued");
+        assert_eq!(
+            updates.len(),
+            simplified.collapses().records() as usize,
+            "no record of these is continued"
+        );
         let mut full: Vec<Vec<u32>> = model.strips().iter().map(<[u32]>::to_vec).collect();
         let mut cursor = model.cursor();
         for (record, update) in updates.iter().enumerate() {
@@ -67,7 +78,8 @@ fn the_tables_of_the_thesis_are_enough_to_go_both_ways() {
             model.seek(&mut cursor, Lod(record as u32 + 1), &mut ());
             for info in model.info_strips(record as u32) {
                 let full = &full[info.strip as usize];
-                let chosen = (0..full.len()).filter(|at| info.filter_mask >> at & 1 == 1).map(|at| full[at]);
+                let chosen =
+                    (0..full.len()).filter(|at| info.filter_mask >> at & 1 == 1).map(|at| full[at]);
                 assert_eq!(chosen.collect::<Vec<_>>(), cursor.strip(info.strip as usize));
             }
         }
@@ -80,7 +92,8 @@ fn a_record_that_changes_more_than_255_strips_is_continued() {
     let strips: Vec<[u32; 3]> = (0..1000).map(|k| [0, 2 * k + 1, 2 * k + 2]).collect();
     let strips: Vec<&[u32]> = strips.iter().map(|s| &s[..]).collect();
     let model = model(2001, &[2000; 2000], &strips);
-    let updates: Vec<_> = model.info_updates().take(5).map(|u| (u.vertex, u.strips_affected)).collect();
+    let updates: Vec<_> =
+        model.info_updates().take(5).map(|u| (u.vertex, u.strips_affected)).collect();
     assert_eq!(updates, [(2000, 255), (2000, 255), (2000, 255), (2000, 235), (2000, 1)]);
     assert_eq!(model.info_strips(0).len(), 1000);
     let all: usize = model.info_updates().map(|u| usize::from(u.strips_affected)).sum();
@@ -122,7 +135,8 @@ fn strips_are_cut_where_they_turn() {
         assert!(short.triangles().eq(set.triangles()), "{strip:?}");
         assert_eq!(short.len(), (len as usize - 2).div_ceil(14), "{strip:?}");
     }
-    // Triangles 10 and 13 are degenerate. After an even number of them only the first of the two can be the last.
+    // Triangles 10 and 13 are degenerate. After an even number of them only the first of the two
+    // can be the last.
     let strip = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 9, 12, 13, 14, 13, 16, 17];
     let short = cut::cut(&strip_set(&[&strip]), 16).expect("a long strip");
     assert_eq!(short.iter().collect::<Vec<_>>(), [&strip[..11], &strip[10..]]);
@@ -137,5 +151,17 @@ fn nothing_is_drawn_without_triangles_and_never_more_than_strips() {
         (lod, model.drawn(&cursor), 3 * model.triangles(&cursor).len())
     });
     let drawn: Vec<_> = drawn.collect();
-    assert_eq!(drawn, [(0, 10, 18), (1, 10, 15), (2, 8, 12), (3, 5, 6), (4, 3, 3), (5, 0, 0), (6, 0, 0), (7, 0, 0)]);
+    assert_eq!(
+        drawn,
+        [
+            (0, 10, 18),
+            (1, 10, 15),
+            (2, 8, 12),
+            (3, 5, 6),
+            (4, 3, 3),
+            (5, 0, 0),
+            (6, 0, 0),
+            (7, 0, 0)
+        ]
+    );
 }

@@ -9,7 +9,8 @@ use lodc_fixtures as fixtures;
 use lodc_mesh::{CollapseSequence, Mesh, MeshParts, SequenceParts, Submesh};
 use lodc_strip::StripSet;
 
-/// A flat mesh of one submesh with its vertices already in collapse order, one record a step, and strips that draw it.
+/// A flat mesh of one submesh with its vertices already in collapse order, one record a step, and
+/// strips that draw it.
 fn model(vertices: u32, targets: &[u32], strips: &[&[u32]]) -> Masking {
     let set = strip_set(strips);
     let triangles: Vec<_> = set.triangles().map(|t| t.corners).collect();
@@ -17,7 +18,11 @@ fn model(vertices: u32, targets: &[u32], strips: &[&[u32]]) -> Masking {
         positions: (0..vertices).map(|v| [v as f32, (v * v) as f32, 0.0]).collect(),
         vertex_submesh: vec![0; vertices as usize],
         attributes: Vec::new(),
-        submeshes: vec![Submesh { first_triangle: 0, triangle_count: triangles.len() as u32, attributes: Vec::new() }],
+        submeshes: vec![Submesh {
+            first_triangle: 0,
+            triangle_count: triangles.len() as u32,
+            attributes: Vec::new(),
+        }],
         triangles,
     })
     .expect("a mesh");
@@ -49,7 +54,8 @@ fn strip_set(strips: &[&[u32]]) -> Strips {
         *end += strip.len() as u32;
         Some(*end)
     });
-    let set = StripSet::from_parts(strips.concat(), ends.collect(), vec![strips.len() as u32]).expect("ends rise");
+    let set = StripSet::from_parts(strips.concat(), ends.collect(), vec![strips.len() as u32])
+        .expect("ends rise");
     Strips { kind: crate::StripKind::Cache, set }
 }
 

@@ -21,7 +21,11 @@ fn everything_shown_and_told_equals_the_reference() {
 
 #[test]
 fn a_pole_with_a_thousand_neighbours_is_shown_as_it_is() {
-    let simplified = lodc_simplify::simplify(&fixtures::pole(1000), &lodc_simplify::Options::DEFAULT, &|_, _| ());
+    let simplified = lodc_simplify::simplify(
+        &fixtures::pole(1000),
+        &lodc_simplify::Options::DEFAULT,
+        &|_, _| (),
+    );
     check("pole", simplified);
 }
 
@@ -94,7 +98,11 @@ fn a_hierarchy_made_to_be_slow_is_refused_quickly() {
         vertex_submesh: vec![0; n as usize],
         attributes: Vec::new(),
         triangles,
-        submeshes: vec![Submesh { first_triangle: 0, triangle_count: 50_000, attributes: Vec::new() }],
+        submeshes: vec![Submesh {
+            first_triangle: 0,
+            triangle_count: 50_000,
+            attributes: Vec::new(),
+        }],
     });
     let collapses = CollapseSequence::try_from(SequenceParts {
         targets: (1..n).collect(),
@@ -104,7 +112,8 @@ fn a_hierarchy_made_to_be_slow_is_refused_quickly() {
         triangles: 50_000,
         ..SequenceParts::default()
     });
-    let simplified = Simplified::new(mesh.expect("a mesh"), collapses.expect("a sequence")).expect("the two fit");
+    let simplified = Simplified::new(mesh.expect("a mesh"), collapses.expect("a sequence"))
+        .expect("the two fit");
     let strips: Vec<&[u32]> = strips.iter().map(|s| &s[..]).collect();
     let refused = Masking::build(&Arc::new(simplified), Arc::new(strip_set(&strips)));
     assert!(matches!(refused, Err(BuildError::Malformed { .. })));

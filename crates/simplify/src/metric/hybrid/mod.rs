@@ -1,14 +1,17 @@
-//! The hybrid metric: a collapse costs what it adds to the error of the shaded surface, as far as anyone sees it.
+//! The hybrid metric: a collapse costs what it adds to the error of the shaded surface, as far as
+//! anyone sees it.
 //!
-//! The input's surface is sampled. A sample remembers its place, the normal it was shaded with, and how much of it is
-//! seen (by the cameras of viewpoint metrics). Its error is the squared distance between that normal and the one that
-//! the nearest of today's faces is shaded with there (corner normals, averaged across edges below 60°), plus a share
-//! of its distance from that face, and more if nothing is left in its place: nearly the squared difference of pixels in
-//! pictures with a light at the camera. Faces that come to lie where the input has nothing count too. Hidden samples count
-//! for nothing, so what is hidden goes first, in the order of the quadric.
+//! The input's surface is sampled. A sample remembers its place, the normal it was shaded with, and
+//! how much of it is seen (by the cameras of viewpoint metrics). Its error is the squared distance
+//! between that normal and the one that the nearest of today's faces is shaded with there (corner
+//! normals, averaged across edges below 60°), plus a share of its distance from that face, and more
+//! if nothing is left in its place: nearly the squared difference of pixels in pictures with a
+//! light at the camera. Faces that come to lie where the input has nothing count too. Hidden
+//! samples count for nothing, so what is hidden goes first, in the order of the quadric.
 //!
-//! Related: image-driven simplification (Lindstrom and Turk 2000) and point samples that follow the surface (Hoppe
-//! 1996); here no picture is drawn while collapsing, and a collapse is looked at in microseconds.
+//! Related: image-driven simplification (Lindstrom and Turk 2000) and point samples that follow the
+//! surface (Hoppe 1996); here no picture is drawn while collapsing, and a collapse is looked at in
+//! microseconds.
 
 mod patch;
 mod samples;
@@ -25,16 +28,18 @@ use crate::wedges::Wedges;
 use crate::working::Working;
 use samples::Samples;
 
-/// A place this far off, as a share of the mesh's size, counts like a normal that is off by one (60°). Measured
-/// (docs/BENCHMARKS.md): 0.02 to 0.05 hardly differ.
+/// A place this far off, as a share of the mesh's size, counts like a normal that is off by one
+/// (60°). Measured (docs/BENCHMARKS.md): 0.02 to 0.05 hardly differ.
 const DISTANCE: f64 = 0.025;
-/// An attribute that is this far off, in the scale of attributes, counts like a normal that is off by one.
+/// An attribute that is this far off, in the scale of attributes, counts like a normal that is off
+/// by one.
 const ATTRIBUTE: f64 = 0.005;
 /// No more candidates of a group than this are looked at, the geometrically cheapest ones.
 const MOST: usize = 4;
 /// Faces times candidates that are looked at, at most.
 const PATIENCE: usize = 64;
-/// What geometry and attributes count for where nothing is seen, as a share of what they count for elsewhere.
+/// What geometry and attributes count for where nothing is seen, as a share of what they count for
+/// elsewhere.
 const HIDDEN: f64 = 1e-6;
 /// Costs below zero, for collapses that improve the shading, come before this, the others after.
 const ZERO: f64 = 1e-16;
@@ -104,13 +109,14 @@ impl Metric for HybridMetric {
             for corner in star {
                 self.samples.clear(corner.face());
             }
-            self.moved = Some(self.patch.settle(&mut self.samples, self.distance, &mut self.energy));
+            self.moved =
+                Some(self.patch.settle(&mut self.samples, self.distance, &mut self.energy));
         }
         self.quadric.collapsed(mesh, from, to);
     }
 
-    /// The root mean square distance of what is seen, while that is looked at. Levels of several objects are chosen by it: what
-    /// nobody sees must not keep one object fine while others go.
+    /// The root mean square distance of what is seen, while that is looked at. Levels of several
+    /// objects are chosen by it: what nobody sees must not keep one object fine while others go.
     fn error(&self, group: u32) -> f64 {
         self.moved.unwrap_or_else(|| self.quadric.error(group))
     }

@@ -1,11 +1,12 @@
-//! The faces whose shading a collapse changes: those that move, and those that share a corner with them.
+//! The faces whose shading a collapse changes: those that move, and those that share a corner with
+//! them.
 
 use super::samples::{CREASE, Sample, Samples};
 use crate::working::{Corner, Working};
 use glam::Vec3;
 
-/// What counts for a place of the input that nothing stands for any more, beside a normal that is off by one (60°): about
-/// as much as a pixel that shows the background differs from a lit one.
+/// What counts for a place of the input that nothing stands for any more, beside a normal that is
+/// off by one (60°): about as much as a pixel that shows the background differs from a lit one.
 const LOST: f32 = 1.5;
 /// What counts for a place of a face where the input has nothing.
 const FOREIGN: f32 = 2.0;
@@ -14,8 +15,12 @@ const NEAR: f32 = 1.5;
 /// A place counts for no more than this, however far away it is: a pixel can be no more than wrong.
 const WORST: f32 = 3.0;
 /// Where moved faces are looked at for that: shares of the second and third corner.
-const PLACES: [[f32; 2]; 4] =
-    [[1.0 / 3.0, 1.0 / 3.0], [2.0 / 3.0, 1.0 / 6.0], [1.0 / 6.0, 2.0 / 3.0], [1.0 / 6.0, 1.0 / 6.0]];
+const PLACES: [[f32; 2]; 4] = [
+    [1.0 / 3.0, 1.0 / 3.0],
+    [2.0 / 3.0, 1.0 / 6.0],
+    [1.0 / 6.0, 2.0 / 3.0],
+    [1.0 / 6.0, 1.0 / 6.0],
+];
 
 /// Stars with more faces than this are looked at without the faces around them.
 const WIDE: usize = 32;
@@ -178,7 +183,8 @@ impl Patch {
         let corners = f.groups.map(|g| self.vertex(g));
         let shading = [0, 1, 2].map(|c| match corners[c] {
             u32::MAX => {
-                let normals = mesh.star(f.groups[c]).iter().map(|c| mesh.faces[c.face() as usize].normal);
+                let normals =
+                    mesh.star(f.groups[c]).iter().map(|c| mesh.faces[c.face() as usize].normal);
                 smooth(normals, f.normal)
             }
             vertex => smooth(self.fixed_at(vertex).iter().copied(), f.normal),
@@ -240,9 +246,16 @@ impl Patch {
         })
     }
 
-    /// What a sample counts for by its distance from where it now lies in a moved face. Aside of its own plane there is
-    /// nothing in its place.
-    fn geometry(&self, i: usize, at: [f32; 2], squared: f32, sample: &Sample, weight_of_distance: f32) -> f32 {
+    /// What a sample counts for by its distance from where it now lies in a moved face. Aside of
+    /// its own plane there is nothing in its place.
+    fn geometry(
+        &self,
+        i: usize,
+        at: [f32; 2],
+        squared: f32,
+        sample: &Sample,
+        weight_of_distance: f32,
+    ) -> f32 {
         let placed = &self.placed[i];
         let away = sample.position - placed.at(at);
         let along = away.dot(sample.normal);
@@ -266,7 +279,8 @@ impl Patch {
             sum += f64::from(s.weight * error);
         }
         for f in &self.far {
-            sum += far_energy(f.face, &self.far_shading(f), samples) + f64::from(samples.foreign(f.face));
+            sum += far_energy(f.face, &self.far_shading(f), samples)
+                + f64::from(samples.foreign(f.face));
         }
         for i in 0..self.moved.len() {
             sum += f64::from(self.foreign(i, samples));
@@ -274,8 +288,8 @@ impl Patch {
         sum
     }
 
-    /// What the part of a moved face counts for that lies where the input has nothing: beyond the extent of every sample.
-    /// In wide stars, which only inputs have, it is not looked for.
+    /// What the part of a moved face counts for that lies where the input has nothing: beyond the
+    /// extent of every sample. In wide stars, which only inputs have, it is not looked for.
     fn foreign(&self, i: usize, samples: &Samples) -> f32 {
         if self.moved.len() > WIDE {
             return 0.0;
@@ -285,7 +299,8 @@ impl Patch {
             let place = placed.at(at);
             let shares = self.samples.iter().map(|&s| {
                 let s = samples.get(s);
-                s.position.distance_squared(place) / (NEAR * NEAR * s.extent * s.extent).max(f32::MIN_POSITIVE)
+                s.position.distance_squared(place)
+                    / (NEAR * NEAR * s.extent * s.extent).max(f32::MIN_POSITIVE)
             });
             (shares.fold(2.0, f32::min) - 1.0).max(0.0) / PLACES.len() as f32
         };
@@ -293,9 +308,15 @@ impl Patch {
         FOREIGN * self.seen as f32 * area * PLACES.map(share).iter().sum::<f32>()
     }
 
-    /// Gives the star's samples to the faces they end up with, and says what every face of the patch counts for then. Returns
-    /// the root mean square distance of samples from their faces, as far as they are seen; 0 if none is.
-    pub(super) fn settle(&self, samples: &mut Samples, weight_of_distance: f32, energy: &mut [f64]) -> f64 {
+    /// Gives the star's samples to the faces they end up with, and says what every face of the
+    /// patch counts for then. Returns the root mean square distance of samples from their faces, as
+    /// far as they are seen; 0 if none is.
+    pub(super) fn settle(
+        &self,
+        samples: &mut Samples,
+        weight_of_distance: f32,
+        energy: &mut [f64],
+    ) -> f64 {
         let (mut sum, mut seen) = (0.0, 0.0);
         for &s in &self.samples {
             let (position, weight) = (samples.get(s).position, samples.get(s).weight);
@@ -309,12 +330,13 @@ impl Patch {
         let foreign: Vec<f32> = (0..self.moved.len()).map(|i| self.foreign(i, samples)).collect();
         for (i, f) in self.moved.iter().enumerate() {
             samples.thin(f.face);
-            energy[f.face as usize] = far_energy(f.face, &f.shading, samples) + f64::from(foreign[i]);
+            energy[f.face as usize] =
+                far_energy(f.face, &f.shading, samples) + f64::from(foreign[i]);
             samples.set_foreign(f.face, foreign[i]);
         }
         for f in &self.far {
-            energy[f.face as usize] =
-                far_energy(f.face, &self.far_shading(f), samples) + f64::from(samples.foreign(f.face));
+            energy[f.face as usize] = far_energy(f.face, &self.far_shading(f), samples)
+                + f64::from(samples.foreign(f.face));
         }
         if seen > 0.0 { (sum / seen).sqrt() } else { 0.0 }
     }

@@ -41,7 +41,8 @@ pub(super) struct Samples {
 }
 
 impl Samples {
-    /// Samples of each face of the input: one in its middle, more on faces that are larger than the mean.
+    /// Samples of each face of the input: one in its middle, more on faces that are larger than the
+    /// mean.
     pub(super) fn new(mesh: &Working) -> Self {
         let total: f64 = mesh.faces.iter().map(|f| f64::from(f.area)).sum();
         let mean = (total / mesh.faces.len().max(1) as f64) as f32;
@@ -70,7 +71,8 @@ impl Samples {
                 })
                 .collect::<Vec<Sample>>()
         };
-        let lists: Vec<Vec<Sample>> = mesh.faces.par_iter().with_min_len(1024).map(samples).collect();
+        let lists: Vec<Vec<Sample>> =
+            mesh.faces.par_iter().with_min_len(1024).map(samples).collect();
         let mut all: Vec<Sample> = Vec::with_capacity(lists.iter().map(Vec::len).sum());
         let mut first = Vec::with_capacity(lists.len());
         for list in lists {
@@ -127,7 +129,8 @@ impl Samples {
         (s.at, s.distance, s.next) = (at, distance, next);
     }
 
-    /// Drops every other sample of a face that has too many. Those that stay take over the weight of those that go.
+    /// Drops every other sample of a face that has too many. Those that stay take over the weight
+    /// of those that go.
     pub(super) fn thin(&mut self, face: u32) {
         if self.of(face).count() <= MOST {
             return;
@@ -153,8 +156,8 @@ impl Samples {
     }
 }
 
-/// The `i`-th of `count` places spread over a triangle, as shares of its second and third corner: evenly by area along one
-/// way, by the golden ratio along the other.
+/// The `i`-th of `count` places spread over a triangle, as shares of its second and third corner:
+/// evenly by area along one way, by the golden ratio along the other.
 fn place(i: usize, count: usize) -> [f32; 2] {
     let u = (i as f32 + 0.5) / count as f32;
     let v = (0.5 + i as f32 * 0.618_034).fract();

@@ -8,23 +8,27 @@ use rayon::prelude::*;
 
 /// Pixels across the pictures that say what is hidden.
 const SIZE: u32 = 512;
-/// A sample is seen if it is at most this far behind what is seen around it, in the depth unit of cameras: half a pixel.
+/// A sample is seen if it is at most this far behind what is seen around it, in the depth unit of
+/// cameras: half a pixel.
 const TOLERANCE: i32 = 512;
 
-/// Multiplies every sample's weight by the part of it that is seen, on average over all directions, as a share of what is
-/// seen of a face with nothing before it.
+/// Multiplies every sample's weight by the part of it that is seen, on average over all directions,
+/// as a share of what is seen of a face with nothing before it.
 pub(super) fn weigh(mesh: &Working, samples: &mut [Sample]) {
     let points = || mesh.places.iter().map(|p| p.position.as_dvec3());
-    let (lo, hi) = points().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)));
+    let (lo, hi) =
+        points().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)));
     let center = 0.5 * (lo + hi);
     let radius = points().map(|p| p.distance(center)).fold(0.0, f64::max);
     let cameras = metric_cameras(center, radius, SIZE);
-    let pictures: Vec<Vec<i32>> = cameras.par_iter().map(|camera| farthest_around(&depths(mesh, camera))).collect();
+    let pictures: Vec<Vec<i32>> =
+        cameras.par_iter().map(|camera| farthest_around(&depths(mesh, camera))).collect();
     let views = cameras.len() as f32;
     samples.par_iter_mut().with_min_len(1024).for_each(|s| {
         let seen = |(camera, picture): (&Camera, &Vec<i32>)| {
             let p = camera.project(s.position.as_dvec3());
-            let pixel = (p.y.div_euclid(SUBPIXELS) * SIZE as i32 + p.x.div_euclid(SUBPIXELS)) as usize;
+            let pixel =
+                (p.y.div_euclid(SUBPIXELS) * SIZE as i32 + p.x.div_euclid(SUBPIXELS)) as usize;
             let is_seen = p.z <= picture[pixel].saturating_add(TOLERANCE);
             if is_seen { s.normal.dot(camera.toward.as_vec3()).abs() } else { 0.0 }
         };
@@ -46,7 +50,8 @@ fn depths(mesh: &Working, camera: &Camera) -> Vec<i32> {
     depths
 }
 
-/// The greatest depth at every pixel and those around it: what slopes is not taken for hidden by its own neighbourhood.
+/// The greatest depth at every pixel and those around it: what slopes is not taken for hidden by
+/// its own neighbourhood.
 fn farthest_around(depths: &[i32]) -> Vec<i32> {
     let size = SIZE as usize;
     let around = |pixel: usize, step: usize, at: usize, source: &[i32]| {

@@ -1,4 +1,5 @@
-//! What the hybrid metric promises: rules hold, hidden things go first, errors it remembers are those it would measure.
+//! What the hybrid metric promises: rules hold, hidden things go first, errors it remembers are
+//! those it would measure.
 
 use super::{HybridMetric, Patch};
 use crate::build::build;
@@ -28,7 +29,11 @@ fn of_nested_spheres_the_inner_ones_go_first() {
     let mesh = shapes::nested_spheres();
     let length = |p: [f32; 3]| p.iter().map(|c| c * c).sum::<f32>().sqrt();
     let is_outer = |p: [f32; 3]| length(p) > 0.9;
-    let outer = mesh.triangles().iter().filter(|t| t.iter().all(|&v| is_outer(mesh.positions()[v as usize]))).count();
+    let outer = mesh
+        .triangles()
+        .iter()
+        .filter(|t| t.iter().all(|&v| is_outer(mesh.positions()[v as usize])))
+        .count();
     assert!(outer > 0 && outer < mesh.triangles().len());
     let simplified = run(&mesh);
     let lod = simplified.collapses().lod_for_triangles(outer as u32);
@@ -36,7 +41,8 @@ fn of_nested_spheres_the_inner_ones_go_first() {
     let position = |v: u32| simplified.mesh().positions()[v as usize];
     assert_eq!(left.len(), outer);
     assert!(left.iter().all(|t| t.corners.iter().all(|&v| is_outer(position(v)))));
-    // Nobody saw them, so no error has come of it: in a scene they go before what is seen of other objects.
+    // Nobody saw them, so no error has come of it: in a scene they go before what is seen of other
+    // objects.
     assert!(simplified.collapses().error_at(lod) < 1e-6);
 }
 
@@ -48,14 +54,16 @@ fn no_web_is_spun_across_a_hoop() {
         let [a, b, c] = corners.map(at);
         0.5 * (b - a).cross(c - a).length()
     };
-    let whole: f32 = mesh.triangles().iter().map(|t| area(t.map(|v| mesh.positions()[v as usize]))).sum();
+    let whole: f32 =
+        mesh.triangles().iter().map(|t| area(t.map(|v| mesh.positions()[v as usize]))).sum();
     let simplified = run(&mesh);
     let lod = simplified.collapses().lod_for_triangles(48);
     let positions = simplified.mesh().positions();
     let left = simplified.triangles_at(lod);
     assert!(left.len() > 40);
     let area: f32 = left.iter().map(|t| area(t.corners.map(|v| positions[v as usize]))).sum();
-    // A few chords are wide; a metric that asks only what becomes of the input's places more than doubles the area.
+    // A few chords are wide; a metric that asks only what becomes of the input's places more than
+    // doubles the area.
     assert!(area < 1.6 * whole, "{area} of {whole}");
 }
 
@@ -102,7 +110,10 @@ fn a_commit_costs_what_the_look_said() {
             let said = candidates[0].0;
             let expected = if added >= 0.0 { added } else { 0.0 };
             // Thinning changes what is remembered, not what was said; there are few samples yet.
-            assert!((said - expected).abs() <= 0.02 * expected.abs() + 1e-5, "said {said}, was {added}");
+            assert!(
+                (said - expected).abs() <= 0.02 * expected.abs() + 1e-5,
+                "said {said}, was {added}"
+            );
             looked_at += 1;
         }
     }

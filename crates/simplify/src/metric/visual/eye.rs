@@ -19,7 +19,8 @@ pub(crate) struct Eye {
     /// For each face: the epoch in which it was in the star looked at.
     marks: Vec<u32>,
     epoch: u32,
-    /// For each pixel of the window: what is seen without the star, and the nearest of the moved star before that.
+    /// For each pixel of the window: what is seen without the star, and the nearest of the moved
+    /// star before that.
     base: Vec<Fragment>,
     moved: Vec<Fragment>,
     /// Pixels of the window where the star is seen, and which face of it.
@@ -122,8 +123,15 @@ impl Eye {
 }
 
 impl VisualMetric {
-    /// See [`Metric::look`](crate::metric::Metric::look): the sum over all views of how much the score changes.
-    pub(crate) fn see(&self, mesh: &Working, from: u32, candidates: &mut [(f64, u32)], eye: &mut Eye) {
+    /// See [`Metric::look`](crate::metric::Metric::look): the sum over all views of how much the
+    /// score changes.
+    pub(crate) fn see(
+        &self,
+        mesh: &Working,
+        from: u32,
+        candidates: &mut [(f64, u32)],
+        eye: &mut Eye,
+    ) {
         let star = mesh.star(from);
         eye.prepare(mesh.faces.len(), star);
         let looked_at = (PATIENCE / star.len().max(1)).clamp(1, MOST);
@@ -144,7 +152,9 @@ impl VisualMetric {
                 eye.compare(view, window, mesh, from, to);
                 eye.seen[i] += match self.score {
                     Score::Entropy => self.entropy_change(view, eye),
-                    Score::Divergence => self.divergence_change(view, self.divergences[v], star, i, eye),
+                    Score::Divergence => {
+                        self.divergence_change(view, self.divergences[v], star, i, eye)
+                    }
                 };
             }
         }
@@ -171,7 +181,14 @@ impl VisualMetric {
     }
 
     /// `|KL' − KL|` of one view; `now` is its sum.
-    fn divergence_change(&self, view: &View, now: f64, star: &[Corner], i: usize, eye: &mut Eye) -> f64 {
+    fn divergence_change(
+        &self,
+        view: &View,
+        now: f64,
+        star: &[Corner],
+        i: usize,
+        eye: &mut Eye,
+    ) -> f64 {
         let background = eye.change.len() - 1;
         let uncovered = std::mem::take(&mut eye.change[background]);
         let mut sum = now;
@@ -179,7 +196,8 @@ impl VisualMetric {
             let face = corner.face() as usize;
             let pixels = view.area(corner.face());
             let by = std::mem::take(&mut eye.change[face]);
-            sum += self.term(pixels.wrapping_add_signed(by), area) - self.term(pixels, self.areas[face]);
+            sum += self.term(pixels.wrapping_add_signed(by), area)
+                - self.term(pixels, self.areas[face]);
         }
         for &item in eye.changed.iter().filter(|&&item| item != BACKGROUND) {
             let by = std::mem::take(&mut eye.change[item as usize]);
@@ -192,7 +210,8 @@ impl VisualMetric {
     }
 }
 
-/// The logarithm of the area in space of every face around `from`, for each candidate after its collapse.
+/// The logarithm of the area in space of every face around `from`, for each candidate after its
+/// collapse.
 fn measure(mesh: &Working, from: u32, candidates: &[(f64, u32)], areas: &mut Vec<f64>) {
     areas.clear();
     for &(_, to) in candidates {

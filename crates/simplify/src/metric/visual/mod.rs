@@ -1,12 +1,14 @@
-//! Viewpoint metrics: a collapse costs what it changes in pictures from all sides (thesis 3.2.1 and 4.2.1; Castelló et
-//! al. 2007), `C = Σ_v |H_v − H'_v|`, with the quadric where nothing that is seen changes.
+//! Viewpoint metrics: a collapse costs what it changes in pictures from all sides (thesis 3.2.1 and
+//! 4.2.1; Castelló et al. 2007), `C = Σ_v |H_v − H'_v|`, with the quadric where nothing that is
+//! seen changes.
 //!
-//! Every camera keeps the sorted list of everything behind each of its pixels, so that looking at a collapse is exact,
-//! occlusion included, without drawing anything but the faces that move. All areas are integers and stay those of
-//! a picture drawn afresh. What is hidden changes no picture and goes first.
+//! Every camera keeps the sorted list of everything behind each of its pixels, so that looking at a
+//! collapse is exact, occlusion included, without drawing anything but the faces that move. All
+//! areas are integers and stay those of a picture drawn afresh. What is hidden changes no picture
+//! and goes first.
 //!
-//! Where faces are smaller than pixels there is nothing to count: as long as there is more than one face for every
-//! eight pixels covered (all views together), the quadric alone decides.
+//! Where faces are smaller than pixels there is nothing to count: as long as there is more than one
+//! face for every eight pixels covered (all views together), the quadric alone decides.
 
 mod eye;
 mod score;
@@ -86,7 +88,10 @@ impl VisualMetric {
     /// Brings every view up to a collapse that is about to happen.
     fn redraw(&mut self, mesh: &Working, from: u32, to: u32) {
         if self.score == Score::Entropy {
-            self.views.par_iter_mut().with_min_len(10).for_each(|view| view.collapse(mesh, from, to, |_, _, _| {}));
+            self.views
+                .par_iter_mut()
+                .with_min_len(10)
+                .for_each(|view| view.collapse(mesh, from, to, |_, _, _| {}));
             return;
         }
         let star = mesh.star(from);
@@ -96,17 +101,20 @@ impl VisualMetric {
         };
         let new: Vec<f64> = star.iter().map(|c| moved(c.face())).collect();
         let (table, areas) = (&self.table, &self.areas);
-        self.views.par_iter_mut().zip(&mut self.divergences).with_min_len(10).for_each(|(view, sum)| {
-            view.collapse(mesh, from, to, |item, before, after| {
-                if item != BACKGROUND {
-                    let pixels = f64::from(after) - f64::from(before);
-                    *sum += table.at(after) - table.at(before) - pixels * areas[item as usize];
+        self.views.par_iter_mut().zip(&mut self.divergences).with_min_len(10).for_each(
+            |(view, sum)| {
+                view.collapse(mesh, from, to, |item, before, after| {
+                    if item != BACKGROUND {
+                        let pixels = f64::from(after) - f64::from(before);
+                        *sum += table.at(after) - table.at(before) - pixels * areas[item as usize];
+                    }
+                });
+                for (corner, new) in star.iter().zip(&new) {
+                    *sum -=
+                        f64::from(view.area(corner.face())) * (new - areas[corner.face() as usize]);
                 }
-            });
-            for (corner, new) in star.iter().zip(&new) {
-                *sum -= f64::from(view.area(corner.face())) * (new - areas[corner.face() as usize]);
-            }
-        });
+            },
+        );
         for (corner, new) in star.iter().zip(new) {
             self.areas[corner.face() as usize] = new;
         }
@@ -116,7 +124,8 @@ impl VisualMetric {
 /// All cameras, around the sphere about the middle of the bounding box.
 fn cameras(mesh: &Working, size: u32) -> Vec<Camera> {
     let points = || mesh.places.iter().map(|p| p.position.as_dvec3());
-    let (lo, hi) = points().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)));
+    let (lo, hi) =
+        points().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)));
     let center = 0.5 * (lo + hi);
     let radius = points().map(|p| p.distance(center)).fold(0.0, f64::max);
     metric_cameras(center, radius, size)
@@ -128,7 +137,9 @@ fn covered(mesh: &Working, camera: &Camera) -> u64 {
     let mut seen = vec![false; (size * size) as usize];
     for face in mesh.live() {
         let corners = mesh.faces[face as usize].groups.map(|g| camera.project(mesh.position(g)));
-        scan(corners, Window::whole(size), |column, row, _| seen[(row * size as i32 + column) as usize] = true);
+        scan(corners, Window::whole(size), |column, row, _| {
+            seen[(row * size as i32 + column) as usize] = true
+        });
     }
     seen.into_iter().filter(|&s| s).count() as u64
 }

@@ -1,9 +1,10 @@
 //! What a picture says about a mesh, as one number per view, from the pixels that each face covers.
 //!
-//! Viewpoint entropy (Vázquez et al. 2001): `H = log₂ N − (1/N) Σ f(aᵢ)` with `f(a) = a log₂ a` over all faces and the
-//! background, `N` pixels in all. Kullback–Leibler divergence of what is seen from what is there (Castelló et al.):
-//! `KL = (1/a) Σ aᵢ log₂(aᵢ/Aᵢ) − log₂ a + log₂ A`, with the areas `Aᵢ` in space, the background left out. Both change
-//! by a sum over the faces that change.
+//! Viewpoint entropy (Vázquez et al. 2001): `H = log₂ N − (1/N) Σ f(aᵢ)` with `f(a) = a log₂ a`
+//! over all faces and the background, `N` pixels in all. Kullback–Leibler divergence of what is
+//! seen from what is there (Castelló et al.): `KL = (1/a) Σ aᵢ log₂(aᵢ/Aᵢ) − log₂ a + log₂ A`, with
+//! the areas `Aᵢ` in space, the background left out. Both change by a sum over the faces that
+//! change.
 
 /// Which number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -23,7 +23,10 @@ fn check(metric: &VisualMetric, mesh: &Working, what: &str) {
     }
     for (view, &sum) in metric.views.iter().zip(&metric.divergences) {
         let fresh = metric.divergence(mesh, view);
-        assert!((sum - fresh).abs() <= 1e-6 * fresh.abs().max(1.0), "{what}: {sum}, afresh {fresh}");
+        assert!(
+            (sum - fresh).abs() <= 1e-6 * fresh.abs().max(1.0),
+            "{what}: {sum}, afresh {fresh}"
+        );
     }
     for face in mesh.live().filter(|_| metric.score == Score::Divergence) {
         let fresh = log_area(mesh.area_of(mesh.faces[face as usize].groups));
@@ -76,7 +79,12 @@ fn score_of(mesh: &Working, camera: &Camera, score: Score) -> f64 {
     let all = f64::from(view.pixels());
     let covered = all - f64::from(background[0]);
     if score == Score::Entropy {
-        return areas.iter().filter(|&&a| a > 0).map(|&a| f64::from(a) / all).map(|p| -p * p.log2()).sum();
+        return areas
+            .iter()
+            .filter(|&&a| a > 0)
+            .map(|&a| f64::from(a) / all)
+            .map(|p| -p * p.log2())
+            .sum();
     }
     let live = mesh.live().filter(|&f| faces[f as usize] > 0);
     live.map(|f| {
@@ -89,14 +97,17 @@ fn score_of(mesh: &Working, camera: &Camera, score: Score) -> f64 {
 #[test]
 fn a_look_says_what_a_collapse_changes() {
     let mut looked_at = 0;
-    for (name, mesh) in
-        [("terrain", shapes::terrain()), ("icosphere", shapes::icosphere(2)), ("part", shapes::machine_part())]
-    {
+    for (name, mesh) in [
+        ("terrain", shapes::terrain()),
+        ("icosphere", shapes::icosphere(2)),
+        ("part", shapes::machine_part()),
+    ] {
         for score in [Score::Entropy, Score::Divergence] {
             let built = build(&mesh);
             let mut metric = VisualMetric::new(&built.working, &built.wedges, score, SIZE);
             metric.open(&built.working);
-            let before: Vec<f64> = metric.cameras.iter().map(|c| score_of(&built.working, c, score)).collect();
+            let before: Vec<f64> =
+                metric.cameras.iter().map(|c| score_of(&built.working, c, score)).collect();
             for from in (0..built.working.places.len() as u32).step_by(17) {
                 let Some(&corner) = built.working.star(from).first() else { continue };
                 let mut candidates = built.working.others(corner).map(|to| (0.0, to));
@@ -149,7 +160,10 @@ fn of_nested_spheres_the_inner_one_goes_first() {
     let outermost = (0..mesh.vertex_count() as u32).map(radius).fold(0.0, f32::max);
     let is_inner = |v: &u32| radius(*v) < 0.9 * outermost;
     let inner = mesh.triangles().iter().filter(|t| t.iter().any(is_inner)).count();
-    assert!(inner > 0 && inner < mesh.triangles().len(), "the fixture has an inner and an outer sphere");
+    assert!(
+        inner > 0 && inner < mesh.triangles().len(),
+        "the fixture has an inner and an outer sphere"
+    );
     for metric in VISUAL {
         let simplified = run(&mesh, metric);
         let positions = simplified.mesh().positions();
@@ -159,15 +173,20 @@ fn of_nested_spheres_the_inner_one_goes_first() {
         let lod = simplified.collapses().lod_for_triangles(outer as u32);
         let left = simplified.triangles_at(lod);
         assert_eq!(left.len(), outer, "{metric:?}");
-        assert!(left.iter().all(|t| t.corners.iter().all(|&v| length(v) >= 0.9 * outermost)), "{metric:?}");
+        assert!(
+            left.iter().all(|t| t.corners.iter().all(|&v| length(v) >= 0.9 * outermost)),
+            "{metric:?}"
+        );
     }
 }
 
 #[test]
 fn flat_regions_cost_no_divergence() {
-    // A cube whose sides are cut into many squares: all that is not an edge may go without a change.
+    // A cube whose sides are cut into many squares: all that is not an edge may go without a
+    // change.
     let simplified = run(&shapes::machine_part(), MetricKind::Divergence);
-    let few = simplified.collapses().lod_for_triangles(simplified.collapses().parts().triangles / 2);
+    let few =
+        simplified.collapses().lod_for_triangles(simplified.collapses().parts().triangles / 2);
     let error = f64::from(simplified.collapses().error_at(few)) / simplified.mesh().diagonal();
     assert!(error < 0.05, "{error}");
 }
@@ -177,7 +196,8 @@ fn the_result_does_not_depend_on_threads() {
     for metric in VISUAL {
         let mesh = shapes::machine_part();
         let with = |threads| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+            let pool =
+                rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
             pool.install(|| run(&mesh, metric))
         };
         let one = with(1);

@@ -1,4 +1,5 @@
-//! One camera's picture of the mesh while it is being simplified, exact to the pixel after every collapse.
+//! One camera's picture of the mesh while it is being simplified, exact to the pixel after every
+//! collapse.
 
 use crate::working::{Corner, Working};
 use lodc_raster::{Camera, Fragment, Layers, Point, Window, scan};
@@ -99,9 +100,16 @@ impl View {
         self.layers.behind(pixel).find(|f| !left_out(f.item())).unwrap_or(Fragment::NOTHING)
     }
 
-    /// Calls `visit` with column, row and fragment of everything that a face would cover with its corners at `groups`.
+    /// Calls `visit` with column, row and fragment of everything that a face would cover with its
+    /// corners at `groups`.
     #[inline]
-    pub(crate) fn cover(&self, groups: [u32; 3], face: u32, window: Window, mut visit: impl FnMut(i32, i32, Fragment)) {
+    pub(crate) fn cover(
+        &self,
+        groups: [u32; 3],
+        face: u32,
+        window: Window,
+        mut visit: impl FnMut(i32, i32, Fragment),
+    ) {
         let corners = groups.map(|g| self.points[g as usize]);
         scan(corners, window, |column, row, depth| visit(column, row, Fragment::new(face, depth)));
     }
@@ -117,12 +125,20 @@ impl View {
     fn erase(&mut self, groups: [u32; 3], face: u32) {
         let corners = groups.map(|g| self.points[g as usize]);
         let (size, layers) = (self.size as i32, &mut self.layers);
-        scan(corners, Window::whole(self.size), |column, row, _| layers.remove((row * size + column) as usize, face));
+        scan(corners, Window::whole(self.size), |column, row, _| {
+            layers.remove((row * size + column) as usize, face)
+        });
     }
 
-    /// `from`'s faces move to `to`; those that hold both go. `changed` is told of every item whose area
-    /// changes, with the areas before and after, pixel by pixel.
-    pub(crate) fn collapse(&mut self, mesh: &Working, from: u32, to: u32, mut changed: impl FnMut(u32, u32, u32)) {
+    /// `from`'s faces move to `to`; those that hold both go. `changed` is told of every item whose
+    /// area changes, with the areas before and after, pixel by pixel.
+    pub(crate) fn collapse(
+        &mut self,
+        mesh: &Working,
+        from: u32,
+        to: u32,
+        mut changed: impl FnMut(u32, u32, u32),
+    ) {
         let star = mesh.star(from);
         let window = self.window(mesh, star);
         let mut before = std::mem::take(&mut self.before);
@@ -143,8 +159,11 @@ impl View {
                 i += 1;
                 if old != new {
                     for (item, by) in [(old, -1), (new, 1)] {
-                        let area =
-                            if item == BACKGROUND { &mut self.background } else { &mut self.area[item as usize] };
+                        let area = if item == BACKGROUND {
+                            &mut self.background
+                        } else {
+                            &mut self.area[item as usize]
+                        };
                         let before = std::mem::replace(area, area.wrapping_add_signed(by));
                         changed(item, before, *area);
                     }

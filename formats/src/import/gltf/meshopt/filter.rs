@@ -1,4 +1,5 @@
-//! The filters that turn decoded attributes into what the accessors mean. Rounding as the specification has it.
+//! The filters that turn decoded attributes into what the accessors mean. Rounding as the
+//! specification has it.
 
 use super::Filter;
 
@@ -8,14 +9,22 @@ pub(super) fn apply(filter: Filter, stride: usize, bytes: &mut [u8]) {
     match filter {
         Filter::None => {}
         Filter::Exponential => bytes.chunks_exact_mut(4).for_each(exponential),
-        Filter::Quaternion => bytes.chunks_exact_mut(8).for_each(|b| store16(b, quaternion(load16(b)))),
-        Filter::Octahedral if narrow => bytes.chunks_exact_mut(4).for_each(|b| store8(b, octahedral(load8(b), 127.0))),
-        Filter::Octahedral => bytes.chunks_exact_mut(8).for_each(|b| store16(b, octahedral(load16(b), 32767.0))),
+        Filter::Quaternion => {
+            bytes.chunks_exact_mut(8).for_each(|b| store16(b, quaternion(load16(b))))
+        }
+        Filter::Octahedral if narrow => {
+            bytes.chunks_exact_mut(4).for_each(|b| store8(b, octahedral(load8(b), 127.0)))
+        }
+        Filter::Octahedral => {
+            bytes.chunks_exact_mut(8).for_each(|b| store16(b, octahedral(load16(b), 32767.0)))
+        }
         Filter::Color if narrow => bytes.chunks_exact_mut(4).for_each(|b| {
             let q = color(load8(b).map(|v| v & 255), 8);
             b.copy_from_slice(&q.map(|v| v as u8));
         }),
-        Filter::Color => bytes.chunks_exact_mut(8).for_each(|b| store16(b, color(load16(b).map(|v| v & 65535), 16))),
+        Filter::Color => bytes
+            .chunks_exact_mut(8)
+            .for_each(|b| store16(b, color(load16(b).map(|v| v & 65535), 16))),
     }
 }
 
@@ -31,7 +40,8 @@ fn octahedral([x, y, one, w]: [i32; 4], largest: f32) -> [i32; 4] {
     [nearest(x * scale), nearest(y * scale), nearest(z * scale), w]
 }
 
-/// Three components, and in the fourth their scale with the index of the one left out in its two lowest bits.
+/// Three components, and in the fourth their scale with the index of the one left out in its two
+/// lowest bits.
 fn quaternion([x, y, z, w]: [i32; 4]) -> [i32; 4] {
     let scale = std::f32::consts::FRAC_1_SQRT_2 / (w | 3) as f32;
     let (x, y, z) = (x as f32 * scale, y as f32 * scale, z as f32 * scale);

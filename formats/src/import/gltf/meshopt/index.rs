@@ -1,4 +1,5 @@
-//! The two index codecs: triangles through a cache of recent edges and vertices, and plain sequences of deltas.
+//! The two index codecs: triangles through a cache of recent edges and vertices, and plain
+//! sequences of deltas.
 
 /// Decodes a triangle list of `count` indices, a multiple of 3. Bitstream versions 0 and 1.
 pub(super) fn triangles(count: usize, bytes: &[u8]) -> Result<Vec<u32>, &'static str> {
@@ -106,9 +107,11 @@ impl Decoder<'_> {
         Ok(self.last)
     }
 
-    /// A triangle that shares no recent edge. Per corner: 0 a fresh index, 15 a free one, else a recent one.
+    /// A triangle that shares no recent edge. Per corner: 0 a fresh index, 15 a free one, else a
+    /// recent one.
     fn corners(&mut self, codes: [usize; 3]) -> Result<[u32; 3], &'static str> {
-        // All corners are looked up before any is remembered, and free ones stand after the codes in the data.
+        // All corners are looked up before any is remembered, and free ones stand after the codes
+        // in the data.
         let mut corners = codes.map(|code| match code {
             0 => self.fresh(),
             15 => 0,
@@ -117,7 +120,8 @@ impl Decoder<'_> {
         for (corner, _) in corners.iter_mut().zip(codes).filter(|(_, code)| *code == 15) {
             *corner = self.free()?;
         }
-        for (&corner, _) in corners.iter().zip(codes).filter(|(_, code)| *code == 0 || *code == 15) {
+        for (&corner, _) in corners.iter().zip(codes).filter(|(_, code)| *code == 0 || *code == 15)
+        {
             self.recent.push_vertex(corner);
         }
         Ok(corners)

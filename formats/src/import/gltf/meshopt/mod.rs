@@ -1,5 +1,5 @@
-//! The compression of EXT_meshopt_compression and KHR_meshopt_compression, decoded. Source: the published
-//! specification of the extension (bitstream and filters); nothing here trusts a byte.
+//! The compression of EXT_meshopt_compression and KHR_meshopt_compression, decoded. Source: the
+//! published specification of the extension (bitstream and filters); nothing here trusts a byte.
 
 mod filter;
 mod index;
@@ -51,14 +51,18 @@ impl Layout {
             (Mode::Attributes, Filter::None | Filter::Exponential) => {
                 self.stride > 0 && self.stride <= 256 && self.stride.is_multiple_of(4)
             }
-            (Mode::Attributes, Filter::Octahedral | Filter::Color) => self.stride == 4 || self.stride == 8,
+            (Mode::Attributes, Filter::Octahedral | Filter::Color) => {
+                self.stride == 4 || self.stride == 8
+            }
             (Mode::Attributes, Filter::Quaternion) => self.stride == 8,
             (_, Filter::None) => self.stride == 2 || self.stride == 4,
             _ => return Err("a filter on indices"),
         };
         match self.mode {
             _ if !stride => Err("the stride does not fit mode and filter"),
-            Mode::Triangles if !self.count.is_multiple_of(3) => Err("the count is not a multiple of 3"),
+            Mode::Triangles if !self.count.is_multiple_of(3) => {
+                Err("the count is not a multiple of 3")
+            }
             _ => Ok(()),
         }
     }
@@ -75,8 +79,12 @@ pub(super) fn decode(layout: &Layout, bytes: &[u8]) -> Result<Vec<u8>, &'static 
             filter::apply(layout.filter, layout.stride, &mut out);
             Ok(out)
         }
-        Mode::Triangles => index::triangles(layout.count, bytes).and_then(|i| narrowed(&i, layout.stride)),
-        Mode::Indices => index::sequence(layout.count, bytes).and_then(|i| narrowed(&i, layout.stride)),
+        Mode::Triangles => {
+            index::triangles(layout.count, bytes).and_then(|i| narrowed(&i, layout.stride))
+        }
+        Mode::Indices => {
+            index::sequence(layout.count, bytes).and_then(|i| narrowed(&i, layout.stride))
+        }
     }
 }
 

@@ -5,8 +5,7 @@ use crate::testing::Random;
 
 const V0: &str = "a01f0002060a0e12161a1e22262a2e32363a3e42464a4e52565a5e62666a6e72767affff00007e82868a8e92969a1f00040c141c242c343c444c545c646c747c848c949ca4acb4bcc4ccd4dce4ecf4ffff0000fcfbf3ebe3dbd3cb1f0006121e2a36424e5a66727e8a96a2aebac6d2deeaf6fdf1e5d9cdc1b5a99d91ffff000085796d6155493d311f0008182838485868788898a8b8c8d8e8f8f7e7d7c7b7a7978777675747372717ffff000007081828384858681f000a1e32465a6e8296aabed2e6faf1ddc9b5a18d7965513d29150112263a4e62ffff0000768a9eb2c6daeefd1f000c243c546c849cb4cce4fcebd3bba38b735b432b13041c344c647c94acc4dcffff0000f4f3dbc3ab937b631f000e2a46627e9ab6d2eef5d9bda185694d311506223e5a7692aecae6fde1c5a9ffdf00008d7155391d1a361f001030507090b0d0f0efcfaf8f6f4f2f0f1030507090b0d0f0efcfaf8f6f4f2fffff00000f1030507090b0d00000000000000000000000000000000000000000000000000011223344556677";
 const V1: &str = "a1979a00585858585858585858585858585858585858585858585858585858585858585858585858585858152aaaaaaaaaaaaaaaaaaa00002a0ddddddddddddddddddddddddddddddddddddddd000000002a04444444444444444444444444444444444444440000000000000000000000000000000000000000ffff0000803f0100";
-const TRIANGLES: &str =
-    "e1f010001000100010001000100010001000100010ffffffe807e107ae013f89011b007687566778a9866589689801690000";
+const TRIANGLES: &str = "e1f010001000100010001000100010001000100010ffffffe807e107ae013f89011b007687566778a9866589689801690000";
 const INDICES: &str = "d1000404000208020404000208020404000208020404000208020404000208020404000208020404000208020404000208020404000208020404000208d10f46e70c48e90c3600000000";
 
 fn bytes(hex: &str) -> Vec<u8> {
@@ -16,14 +15,16 @@ fn bytes(hex: &str) -> Vec<u8> {
 
 /// A strip, then two triangles far from everything.
 fn indices() -> Vec<u32> {
-    let strip = (0..20).flat_map(|i| if i % 2 == 1 { [i + 1, i, i + 2] } else { [i, i + 1, i + 2] });
+    let strip =
+        (0..20).flat_map(|i| if i % 2 == 1 { [i + 1, i, i + 2] } else { [i, i + 1, i + 2] });
     strip.chain([500, 3, 90, 21, 500, 7]).collect()
 }
 
 /// Each stream, how it is laid out, and what is in it.
 fn pinned() -> Vec<(Vec<u8>, Layout, Vec<u8>)> {
     let layout = |mode, count, stride| Layout { mode, filter: Filter::None, count, stride };
-    let squares = (0..40u32).flat_map(|i| (0..8u32).map(move |k| (i * i * (k + 1) + k * 17) as u8)).collect();
+    let squares =
+        (0..40u32).flat_map(|i| (0..8u32).map(move |k| (i * i * (k + 1) + k * 17) as u8)).collect();
     let rows = (0..40u16).flat_map(|i| {
         let float = (1.0 + f32::from(i) / 64.0).to_le_bytes();
         [&(i * 300).to_le_bytes()[..], &(65535 - i * 7).to_le_bytes(), &float].concat()
@@ -63,7 +64,8 @@ fn pinned_streams_decode_to_what_was_encoded() {
 fn prefixes_extra_bytes_and_next_versions_are_refused() {
     for (stream, layout, _) in pinned() {
         for end in 0..stream.len() {
-            // The table of a triangle stream stands at its end, so that a prefix can happen to be another stream.
+            // The table of a triangle stream stands at its end, so that a prefix can happen to be
+            // another stream.
             let other = layout.mode == Mode::Triangles && end > 40;
             assert!(other || decode(&layout, &stream[..end]).is_err(), "{layout:?} {end}");
         }
@@ -147,7 +149,10 @@ fn quaternions_get_their_largest_component_back() {
     for largest in 0..4 {
         let mut expected = [0; 4];
         expected[largest] = 32767;
-        assert_eq!(filtered(Filter::Quaternion, 8, &wide([0, 0, 0, 32764 | largest as i16])), wide(expected));
+        assert_eq!(
+            filtered(Filter::Quaternion, 8, &wide([0, 0, 0, 32764 | largest as i16])),
+            wide(expected)
+        );
     }
     let halves = filtered(Filter::Quaternion, 8, &wide([23170, 0, 0, 32767]));
     assert_eq!(halves, wide([16384, 0, 0, 28377]));

@@ -1,5 +1,5 @@
-//! The attribute codec, bitstream versions 0 and 1: blocks of vertices, each byte of the element a plane of its own,
-//! groups of 16 deltas with 0 to 8 bits each.
+//! The attribute codec, bitstream versions 0 and 1: blocks of vertices, each byte of the element a
+//! plane of its own, groups of 16 deltas with 0 to 8 bits each.
 
 const GROUP: usize = 16;
 const BLOCK_BYTES: usize = 8192;
@@ -16,14 +16,16 @@ pub(super) fn decode(count: usize, stride: usize, bytes: &[u8]) -> Result<Vec<u8
         Some(_) => return Err("not an attribute stream of version 0 or 1"),
         None => return Err("no bytes"),
     };
-    // The tail, at the very end, holds the element before the first one and, since version 1, a mode per 4 bytes.
+    // The tail, at the very end, holds the element before the first one and, since version 1, a
+    // mode per 4 bytes.
     let tail = stride + if version == 1 { stride / 4 } else { 0 };
     let padded = tail.max(if version == 1 { 24 } else { 32 });
     let tail_at = bytes.len().checked_sub(padded).filter(|&at| at >= 1).ok_or("too short")?;
     let mut data = Reader { bytes: &bytes[1..tail_at] };
     let start = bytes.len() - tail;
     let mut last: Vec<u8> = bytes[start..start + stride].to_vec();
-    let channels: Vec<u8> = if version == 1 { bytes[start + stride..].to_vec() } else { vec![0; stride / 4] };
+    let channels: Vec<u8> =
+        if version == 1 { bytes[start + stride..].to_vec() } else { vec![0; stride / 4] };
 
     let block = (BLOCK_BYTES / stride / GROUP * GROUP).min(BLOCK_VERTICES);
     // Before allocating: even a block of nothing but zeros takes this many bytes.
@@ -73,7 +75,9 @@ fn integrate<'a>(
             1 => {
                 let half = |k: usize| {
                     let d = u16::from_le_bytes([d[k], d[k + 1]]);
-                    u16::from_le_bytes([p[k], p[k + 1]]).wrapping_add(d >> 1 ^ (d & 1).wrapping_neg()).to_le_bytes()
+                    u16::from_le_bytes([p[k], p[k + 1]])
+                        .wrapping_add(d >> 1 ^ (d & 1).wrapping_neg())
+                        .to_le_bytes()
                 };
                 let (low, high) = (half(0), half(2));
                 [low[0], low[1], high[0], high[1]]
@@ -121,7 +125,8 @@ impl<'a> Reader<'a> {
         let per_byte = usize::from(8 / bits);
         for (i, value) in group.iter_mut().enumerate() {
             // Single bits are packed from the lowest up, the others from the highest down.
-            let place = if bits == 1 { i % 8 } else { (per_byte - 1 - i % per_byte) * usize::from(bits) };
+            let place =
+                if bits == 1 { i % 8 } else { (per_byte - 1 - i % per_byte) * usize::from(bits) };
             let small = packed[i / per_byte] >> place & sentinel;
             *value = if small == sentinel { self.take(1)?[0] } else { small };
         }

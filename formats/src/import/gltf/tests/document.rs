@@ -5,14 +5,17 @@ use crate::Fault;
 use crate::import::ImportOptions;
 use serde_json::{Value, json};
 
-/// A triangle, an animation and an image, in this order of accessors and views: triangle, times, values, image.
+/// A triangle, an animation and an image, in this order of accessors and views: triangle, times,
+/// values, image.
 fn animated() -> Value {
     let mut b = Builder::default();
     let p = b.zigzag(3);
     let times = b.floats("SCALAR", 1, &[0.0, 1.0]);
     let values = b.floats("VEC3", 3, &[0.0; 6]);
     let image = b.view(b"not really a picture");
-    let mut root = b.with_meshes(&json!([{ "primitives": [{ "attributes": { "POSITION": p }, "material": 0 }] }]));
+    let mut root = b.with_meshes(
+        &json!([{ "primitives": [{ "attributes": { "POSITION": p }, "material": 0 }] }]),
+    );
     root["animations"] = json!([{
         "samplers": [{ "input": times, "output": values }],
         "channels": [{ "sampler": 0, "target": { "node": 0, "path": "translation" } }],
@@ -61,7 +64,8 @@ fn views_that_overlap_do_not_multiply() {
     for i in 0..200u64 {
         b.views.push(json!({ "buffer": 0, "byteOffset": at + i, "byteLength": 800 }));
     }
-    let scene = sound(&b.with_meshes(&json!([{ "primitives": [{ "attributes": { "POSITION": p } }] }])));
+    let scene =
+        sound(&b.with_meshes(&json!([{ "primitives": [{ "attributes": { "POSITION": p } }] }])));
     assert_eq!(gltf(&scene).blob.len(), 1000);
     let left = parsed(&scene);
     assert_eq!(left["bufferViews"][200]["byteOffset"], json!(199));
@@ -69,8 +73,7 @@ fn views_that_overlap_do_not_multiply() {
 
 #[test]
 fn members_keep_their_order_and_numbers_their_spelling() {
-    let text =
-        r#"{"zebra":1.50e+3,"asset":{"version":"2.0","extras":{"b":1.0,"a":-0.0}},"apple":100000000000000000000000}"#;
+    let text = r#"{"zebra":1.50e+3,"asset":{"version":"2.0","extras":{"b":1.0,"a":-0.0}},"apple":100000000000000000000000}"#;
     let scene = read_bytes(text.as_bytes(), &ImportOptions::default()).expect("sound");
     let mut expected = text.to_owned();
     // The only liberty: an exponent is written one way.
@@ -86,12 +89,16 @@ fn points_lines_and_triangles_without_area_pass_through_unchanged() {
     let lines = json!({ "attributes": { "POSITION": p }, "mode": 1 });
     let flat = json!({ "attributes": { "POSITION": p }, "indices": i });
     let solid = json!({ "attributes": { "POSITION": p }, "mode": 5 });
-    let root = b.with_meshes(&json!([{ "primitives": [lines, flat, solid] }, { "primitives": [flat] }]));
+    let root =
+        b.with_meshes(&json!([{ "primitives": [lines, flat, solid] }, { "primitives": [flat] }]));
     let scene = sound(&root);
     assert_eq!(scene.objects.len(), 1);
     assert_eq!(scene.objects[0].info.submeshes[0].document_primitive, 2);
     let left = parsed(&scene);
-    assert_eq!((&left["meshes"][0]["primitives"][0], &left["meshes"][1]["primitives"][0]), (&lines, &flat));
+    assert_eq!(
+        (&left["meshes"][0]["primitives"][0], &left["meshes"][1]["primitives"][0]),
+        (&lines, &flat)
+    );
     assert_eq!(scene.warnings.len(), 2, "{:?}", scene.warnings);
 }
 
@@ -111,16 +118,30 @@ fn images_in_data_uris_become_bytes_and_names_stay() {
 #[test]
 fn versions_and_required_extensions_decide_what_is_read() {
     let with = |asset: Value, required: Value| {
-        read(&json!({ "asset": asset, "extensionsRequired": required })).map(|_| ()).map_err(|e| (e.fault, e.place))
+        read(&json!({ "asset": asset, "extensionsRequired": required }))
+            .map(|_| ())
+            .map_err(|e| (e.fault, e.place))
     };
     let unsupported = |place: &str| Err((Fault::Unsupported, place.to_owned()));
     assert_eq!(with(json!({ "version": "2.9", "minVersion": "2.0" }), json!([])), Ok(()));
-    assert_eq!(with(json!({ "version": "2.9" }), json!(["KHR_materials_unlit", "KHR_texture_basisu"])), Ok(()));
+    assert_eq!(
+        with(json!({ "version": "2.9" }), json!(["KHR_materials_unlit", "KHR_texture_basisu"])),
+        Ok(())
+    );
     assert_eq!(with(json!({ "version": "1.0" }), json!([])), unsupported("asset.version"));
     assert_eq!(with(json!({ "version": "3.0" }), json!([])), unsupported("asset.version"));
-    assert_eq!(with(json!({ "version": "2.1", "minVersion": "2.1" }), json!([])), unsupported("asset.minVersion"));
-    assert_eq!(with(json!({ "version": "2.0" }), json!(["X_new_geometry"])), unsupported("extensionsRequired"));
-    assert_eq!(with(json!({ "version": "2" }), json!([])), Err((Fault::Malformed, "asset.version".to_owned())));
+    assert_eq!(
+        with(json!({ "version": "2.1", "minVersion": "2.1" }), json!([])),
+        unsupported("asset.minVersion")
+    );
+    assert_eq!(
+        with(json!({ "version": "2.0" }), json!(["X_new_geometry"])),
+        unsupported("extensionsRequired")
+    );
+    assert_eq!(
+        with(json!({ "version": "2" }), json!([])),
+        Err((Fault::Malformed, "asset.version".to_owned()))
+    );
 }
 
 #[test]

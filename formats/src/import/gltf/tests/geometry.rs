@@ -19,11 +19,14 @@ fn strips_turn_every_other_triangle_and_fans_share_their_first_corner() {
     let with_mode = |mode: u32| {
         let mut b = Builder::default();
         let p = b.zigzag(5);
-        b.with_meshes(&json!([{ "primitives": [{ "attributes": { "POSITION": p }, "mode": mode }] }]))
+        b.with_meshes(
+            &json!([{ "primitives": [{ "attributes": { "POSITION": p }, "mode": mode }] }]),
+        )
     };
     assert_eq!(x(&with_mode(5)), [[0.0, 1.0, 2.0], [1.0, 3.0, 2.0], [2.0, 3.0, 4.0]]);
     assert_eq!(x(&with_mode(4)), [[0.0, 1.0, 2.0]]);
-    // The first and third corner of the fan's last triangle lie on the line through all even ones, but none coincide.
+    // The first and third corner of the fan's last triangle lie on the line through all even ones,
+    // but none coincide.
     assert_eq!(x(&with_mode(6)), [[1.0, 2.0, 0.0], [2.0, 3.0, 0.0], [3.0, 4.0, 0.0]]);
 }
 
@@ -32,8 +35,10 @@ fn indices_of_every_width_read_the_same_and_stitches_are_dropped() {
     for (component, size) in [(5121, 1), (5123, 2), (5125, 4)] {
         let mut b = Builder::default();
         let p = b.zigzag(6);
-        let bytes: Vec<u8> =
-            [0u32, 1, 2, 2, 3, 3, 4, 5].iter().flat_map(|i| i.to_le_bytes().into_iter().take(size)).collect();
+        let bytes: Vec<u8> = [0u32, 1, 2, 2, 3, 3, 4, 5]
+            .iter()
+            .flat_map(|i| i.to_le_bytes().into_iter().take(size))
+            .collect();
         let i = b.data(component, "SCALAR", 8, &bytes);
         let root =
             b.with_meshes(&json!([{ "primitives": [{ "attributes": { "POSITION": p }, "indices": i, "mode": 5 }] }]));
@@ -64,7 +69,8 @@ fn interleaved_and_offset_data_are_read_at_their_stride() {
     let rows: Vec<u8> = (0..3u8)
         .flat_map(|i| {
             let p = [f32::from(i), f32::from(i % 2), 0.0];
-            [vec![9; 4], p.iter().flat_map(|c| c.to_le_bytes()).collect(), vec![i, i + 10, 0, 0]].concat()
+            [vec![9; 4], p.iter().flat_map(|c| c.to_le_bytes()).collect(), vec![i, i + 10, 0, 0]]
+                .concat()
         })
         .collect();
     let view = b.view(&rows);
@@ -74,8 +80,9 @@ fn interleaved_and_offset_data_are_read_at_their_stride() {
     let uv = b.accessor(
         json!({ "bufferView": view, "byteOffset": 16, "componentType": 5121, "normalized": true, "count": 3, "type": "VEC2" }),
     );
-    let scene =
-        sound(&b.with_meshes(&json!([{ "primitives": [{ "attributes": { "POSITION": p, "TEXCOORD_0": uv } }] }])));
+    let scene = sound(&b.with_meshes(
+        &json!([{ "primitives": [{ "attributes": { "POSITION": p, "TEXCOORD_0": uv } }] }]),
+    ));
     let mesh = &scene.objects[0].mesh;
     assert_eq!(mesh.positions()[2], [2.0, 0.0, 0.0]);
     let a = &mesh.attributes()[0];
@@ -90,18 +97,24 @@ fn interleaved_and_offset_data_are_read_at_their_stride() {
 fn sparse_accessors_replace_elements_with_and_without_a_view_below() {
     for below in [true, false] {
         let mut b = Builder::default();
-        let p =
-            if below { b.zigzag(4) } else { b.accessor(json!({ "componentType": 5126, "count": 4, "type": "VEC3" })) };
+        let p = if below {
+            b.zigzag(4)
+        } else {
+            b.accessor(json!({ "componentType": 5126, "count": 4, "type": "VEC3" }))
+        };
         let at = b.view(&[1, 2, 3]);
-        let values: Vec<u8> =
-            [7.0f32, 0.0, 0.0, 7.0, 1.0, 0.0, 8.0, 1.0, 0.0].iter().flat_map(|v| v.to_le_bytes()).collect();
+        let values: Vec<u8> = [7.0f32, 0.0, 0.0, 7.0, 1.0, 0.0, 8.0, 1.0, 0.0]
+            .iter()
+            .flat_map(|v| v.to_le_bytes())
+            .collect();
         let values = b.view(&values);
         b.accessors[p]["sparse"] = json!({
             "count": 3, "indices": { "bufferView": at, "componentType": 5121 }, "values": { "bufferView": values },
         });
         let i = b.indices(&[1, 2, 3, 0, 1, 2]);
-        let scene =
-            sound(&b.with_meshes(&json!([{ "primitives": [{ "attributes": { "POSITION": p }, "indices": i }] }])));
+        let scene = sound(&b.with_meshes(
+            &json!([{ "primitives": [{ "attributes": { "POSITION": p }, "indices": i }] }]),
+        ));
         let expected = [[7.0, 0.0, 0.0], [7.0, 1.0, 0.0], [8.0, 1.0, 0.0]];
         assert_eq!(corners(&scene.objects[0].mesh)[0], expected);
         assert_eq!(corners(&scene.objects[0].mesh)[1][0], [0.0; 3]);
@@ -111,8 +124,10 @@ fn sparse_accessors_replace_elements_with_and_without_a_view_below() {
 #[test]
 fn quantised_positions_are_kept_as_they_are_and_read_as_numbers() {
     let mut b = Builder::default();
-    let bytes: Vec<u8> =
-        [0i16, 0, 0, 0, 32767, 0, 0, 0, -32768, 0, 0, 0].iter().flat_map(|v| v.to_le_bytes()).collect();
+    let bytes: Vec<u8> = [0i16, 0, 0, 0, 32767, 0, 0, 0, -32768, 0, 0, 0]
+        .iter()
+        .flat_map(|v| v.to_le_bytes())
+        .collect();
     let view = b.view(&bytes);
     b.views[view]["byteStride"] = json!(8);
     let p = b
@@ -139,10 +154,15 @@ fn primitives_share_streams_of_one_format_and_morph_targets_are_streams() {
     let short = b.data(5123, "VEC2", 3, &[1, 0, 2, 0, 3, 0, 4, 0, 5, 0, 6, 0]);
     b.accessors[short]["normalized"] = json!(true);
     let primitive = |uv: usize| json!({ "attributes": { "POSITION": p, "TEXCOORD_3": uv, "_PART": p }, "targets": [{ "POSITION": p }, { "POSITION": p }] });
-    let root = b.with_meshes(&json!([{ "primitives": [primitive(uv), primitive(short), primitive(uv)] }]));
+    let root =
+        b.with_meshes(&json!([{ "primitives": [primitive(uv), primitive(short), primitive(uv)] }]));
     let scene = sound(&root);
     let mesh = &scene.objects[0].mesh;
-    let streams: Vec<_> = mesh.attributes().iter().map(|a| (a.semantic.clone(), a.morph_target, a.component)).collect();
+    let streams: Vec<_> = mesh
+        .attributes()
+        .iter()
+        .map(|a| (a.semantic.clone(), a.morph_target, a.component))
+        .collect();
     let custom = Semantic::Custom("_PART".to_owned());
     assert_eq!(
         streams,
@@ -178,11 +198,17 @@ fn vertices_shared_by_primitives_are_split_and_only_unused_ones_counted() {
 fn coordinates_that_are_not_finite_are_refused_only_where_they_are_used() {
     let with_last = |used: u16| {
         let mut b = Builder::default();
-        let p = b.floats("VEC3", 3, &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, f32::NAN, 0.0, 0.0]);
+        let p =
+            b.floats("VEC3", 3, &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, f32::NAN, 0.0, 0.0]);
         let i = b.indices(&[0, 1, used]);
-        b.with_meshes(&json!([{ "primitives": [{ "attributes": { "POSITION": p }, "indices": i }] }]))
+        b.with_meshes(
+            &json!([{ "primitives": [{ "attributes": { "POSITION": p }, "indices": i }] }]),
+        )
     };
-    assert_eq!(place(&with_last(3)), (Fault::Malformed, "meshes[0].primitives[0].attributes.POSITION".to_owned()));
+    assert_eq!(
+        place(&with_last(3)),
+        (Fault::Malformed, "meshes[0].primitives[0].attributes.POSITION".to_owned())
+    );
     assert_eq!(sound(&with_last(2)).objects.len(), 1);
 }
 
@@ -192,7 +218,10 @@ fn welding_joins_near_positions_and_says_so() {
     let p = b.floats(
         "VEC3",
         3,
-        &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1e-6, 0.0, 1.0, 1e-6, 0.0, 1.0, 1.0, 0.0],
+        &[
+            0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1e-6, 0.0, 1.0, 1e-6, 0.0, 1.0, 1.0,
+            0.0,
+        ],
     );
     let root = b.with_meshes(&json!([{ "primitives": [{ "attributes": { "POSITION": p } }] }]));
     let options = ImportOptions { weld: 1e-3, ..ImportOptions::default() };
@@ -203,7 +232,8 @@ fn welding_joins_near_positions_and_says_so() {
 
 #[test]
 fn compressed_streams_decode_to_what_the_extension_says() {
-    // A version 0 attribute stream of four equal elements: a zero header per byte plane, then the tail.
+    // A version 0 attribute stream of four equal elements: a zero header per byte plane, then the
+    // tail.
     let element = [0, 0, 128, 63, 0, 0, 0, 0, 0, 0, 0, 0];
     let mut stream = vec![0xa0];
     stream.extend([0; 12]);
@@ -215,10 +245,13 @@ fn compressed_streams_decode_to_what_the_extension_says() {
     b.views[packed] = json!({ "buffer": 0, "byteLength": 48, "byteStride": 12, "extensions": { "EXT_meshopt_compression": {
         "buffer": 0, "byteOffset": at, "byteLength": stream.len(), "byteStride": 12, "count": 4, "mode": "ATTRIBUTES",
     } } });
-    let uv = b.accessor(json!({ "bufferView": packed, "componentType": 5126, "count": 4, "type": "VEC3" }));
+    let uv = b.accessor(
+        json!({ "bufferView": packed, "componentType": 5126, "count": 4, "type": "VEC3" }),
+    );
     let p = b.zigzag(4);
-    let mut root =
-        b.with_meshes(&json!([{ "primitives": [{ "attributes": { "POSITION": p, "_X": uv }, "mode": 5 }] }]));
+    let mut root = b.with_meshes(
+        &json!([{ "primitives": [{ "attributes": { "POSITION": p, "_X": uv }, "mode": 5 }] }]),
+    );
     root["extensionsRequired"] = json!(["EXT_meshopt_compression"]);
     let scene = sound(&root);
     assert_eq!(scene.objects[0].mesh.attributes()[0].at(3), element);
@@ -229,11 +262,13 @@ fn compressed_streams_decode_to_what_the_extension_says() {
 fn draco_is_refused_by_name_unless_the_plain_data_is_there() {
     let draco = |plain: bool| {
         let mut b = Builder::default();
-        let p =
-            if plain { b.zigzag(3) } else { b.accessor(json!({ "componentType": 5126, "count": 3, "type": "VEC3" })) };
+        let p = if plain {
+            b.zigzag(3)
+        } else {
+            b.accessor(json!({ "componentType": 5126, "count": 3, "type": "VEC3" }))
+        };
         let packed = b.view(&[1, 2, 3, 4]);
-        let extension =
-            json!({ "KHR_draco_mesh_compression": { "bufferView": packed, "attributes": { "POSITION": 0 } } });
+        let extension = json!({ "KHR_draco_mesh_compression": { "bufferView": packed, "attributes": { "POSITION": 0 } } });
         let mut root =
             b.with_meshes(&json!([{ "primitives": [{ "attributes": { "POSITION": p }, "extensions": extension }] }]));
         root["extensionsUsed"] = json!(["KHR_draco_mesh_compression"]);
@@ -248,14 +283,23 @@ fn draco_is_refused_by_name_unless_the_plain_data_is_there() {
 
 #[test]
 fn known_attributes_of_the_wrong_shape_are_refused() {
-    for (name, kind) in
-        [("NORMAL", "VEC2"), ("TANGENT", "VEC3"), ("TEXCOORD_0", "VEC3"), ("JOINTS_0", "VEC4"), ("WEIGHTS_0", "VEC2")]
-    {
+    for (name, kind) in [
+        ("NORMAL", "VEC2"),
+        ("TANGENT", "VEC3"),
+        ("TEXCOORD_0", "VEC3"),
+        ("JOINTS_0", "VEC4"),
+        ("WEIGHTS_0", "VEC2"),
+    ] {
         let mut b = Builder::default();
         let p = b.zigzag(3);
         let a = b.accessor(json!({ "componentType": 5126, "count": 3, "type": kind }));
-        let root = b.with_meshes(&json!([{ "primitives": [{ "attributes": { "POSITION": p, name: a } }] }]));
-        assert_eq!(place(&root), (Fault::Malformed, format!("meshes[0].primitives[0].attributes.{name}")));
+        let root = b.with_meshes(
+            &json!([{ "primitives": [{ "attributes": { "POSITION": p, name: a } }] }]),
+        );
+        assert_eq!(
+            place(&root),
+            (Fault::Malformed, format!("meshes[0].primitives[0].attributes.{name}"))
+        );
     }
 }
 
@@ -276,7 +320,9 @@ fn the_world_scale_is_the_largest_over_nodes_skins_and_instances() {
     root["skins"] = json!([{ "joints": [0] }]);
     root["scenes"] = json!([{ "nodes": [0, 4] }, { "nodes": [3] }]);
     root["scene"] = json!(0);
-    let scales = |root: &Value| -> Vec<f64> { sound(root).objects.iter().map(|o| o.info.world_scale).collect() };
+    let scales = |root: &Value| -> Vec<f64> {
+        sound(root).objects.iter().map(|o| o.info.world_scale).collect()
+    };
     let near = |a: Vec<f64>, b: [f64; 4]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-9);
     assert!(near(scales(&root), [6.0, 10.0, 2.0, 1.0]));
     root.as_object_mut().expect("an object").remove("scene");

@@ -26,9 +26,14 @@ fn one_primitive(mut b: Builder, accessor: Value) -> Value {
 
 #[test]
 fn counts_that_no_file_can_have_are_refused_before_memory_is_taken() {
-    for count in
-        [json!(1u64 << 62), json!(u64::MAX), json!(u32::MAX), json!(1e300), json!(3_000_000_000u64), json!(500_000_000)]
-    {
+    for count in [
+        json!(1u64 << 62),
+        json!(u64::MAX),
+        json!(u32::MAX),
+        json!(1e300),
+        json!(3_000_000_000u64),
+        json!(500_000_000),
+    ] {
         for with_view in [false, true] {
             let mut b = Builder::default();
             let mut accessor = json!({ "componentType": 5126, "count": count, "type": "VEC3" });
@@ -54,13 +59,13 @@ fn offsets_and_strides_that_overflow_are_refused() {
         let mut b = Builder::default();
         let view = b.view(&[0; 64]);
         b.views[view][key] = json!(value);
-        let accessor = json!({ "bufferView": view, "componentType": 5126, "count": 3, "type": "VEC3" });
+        let accessor =
+            json!({ "bufferView": view, "componentType": 5126, "count": 3, "type": "VEC3" });
         assert_eq!(refused(&one_primitive(b, accessor)), Fault::Malformed, "{key} {value}");
     }
     let mut b = Builder::default();
     let view = b.view(&[0; 64]);
-    let accessor =
-        json!({ "bufferView": view, "byteOffset": u64::MAX - 8, "componentType": 5126, "count": 3, "type": "VEC3" });
+    let accessor = json!({ "bufferView": view, "byteOffset": u64::MAX - 8, "componentType": 5126, "count": 3, "type": "VEC3" });
     assert_eq!(refused(&one_primitive(b, accessor)), Fault::Malformed);
 }
 
@@ -71,9 +76,13 @@ fn sparse_counts_and_indices_are_bounded_by_the_accessor() {
         let at = b.view(indices);
         let values = b.view(&[0; 64]);
         let sparse = json!({ "count": count, "indices": { "bufferView": at, "componentType": 5121 }, "values": { "bufferView": values } });
-        refused(&one_primitive(b, json!({ "componentType": 5126, "count": 3, "type": "VEC3", "sparse": sparse })))
+        refused(&one_primitive(
+            b,
+            json!({ "componentType": 5126, "count": 3, "type": "VEC3", "sparse": sparse }),
+        ))
     };
-    for (count, indices) in [(4, &[0, 1, 2, 3][..]), (u64::MAX, &[0]), (0, &[0]), (2, &[1, 1]), (2, &[2, 1]), (1, &[3])]
+    for (count, indices) in
+        [(4, &[0, 1, 2, 3][..]), (u64::MAX, &[0]), (0, &[0]), (2, &[1, 1]), (2, &[2, 1]), (1, &[3])]
     {
         assert_eq!(with(count, indices), Fault::Malformed, "{count} {indices:?}");
     }
@@ -84,13 +93,15 @@ fn many_primitives_over_the_same_bytes_reach_a_limit() {
     let mut b = Builder::default();
     let n = 20_000;
     let p = b.zigzag(n);
-    let primitives: Vec<Value> = (0..2_000).map(|_| json!({ "attributes": { "POSITION": p }, "mode": 5 })).collect();
+    let primitives: Vec<Value> =
+        (0..2_000).map(|_| json!({ "attributes": { "POSITION": p }, "mode": 5 })).collect();
     let meshes: Vec<Value> = primitives.iter().map(|p| json!({ "primitives": [p] })).collect();
     assert_eq!(refused(&b.with_meshes(&json!(meshes))), Fault::Limit);
 
     let mut b = Builder::default();
     let p = b.zigzag(n);
-    let attributes: serde_json::Map<String, Value> = (0..2_000).map(|i| (format!("_{i}"), json!(p))).collect();
+    let attributes: serde_json::Map<String, Value> =
+        (0..2_000).map(|i| (format!("_{i}"), json!(p))).collect();
     let mut primitive = json!({ "attributes": attributes, "mode": 5 });
     primitive["attributes"]["POSITION"] = json!(p);
     assert_eq!(refused(&b.with_meshes(&json!([{ "primitives": [primitive] }]))), Fault::Limit);
@@ -113,12 +124,12 @@ fn compressed_views_cannot_unpack_to_more_than_their_bytes_allow() {
         };
         let view = b.view(&stream);
         let packed = json!({ "buffer": 0, "byteLength": 400, "byteStride": stride, "count": count, "mode": mode });
-        b.views[view] =
-            json!({ "buffer": 1, "byteLength": count * stride, "extensions": { "EXT_meshopt_compression": packed } });
-        let mut root =
-            one_primitive(b, json!({ "bufferView": view, "componentType": 5126, "count": 3, "type": "VEC3" }));
-        let fallback =
-            json!({ "byteLength": count * stride, "extensions": { "EXT_meshopt_compression": { "fallback": true } } });
+        b.views[view] = json!({ "buffer": 1, "byteLength": count * stride, "extensions": { "EXT_meshopt_compression": packed } });
+        let mut root = one_primitive(
+            b,
+            json!({ "bufferView": view, "componentType": 5126, "count": 3, "type": "VEC3" }),
+        );
+        let fallback = json!({ "byteLength": count * stride, "extensions": { "EXT_meshopt_compression": { "fallback": true } } });
         root["buffers"].as_array_mut().expect("buffers").push(fallback);
         let fault = refused(&root);
         assert!(matches!(fault, Fault::Malformed | Fault::Limit), "{mode} {fault:?}");
@@ -134,8 +145,12 @@ fn deep_and_wide_json_is_refused_before_it_is_parsed() {
         assert_eq!(e.fault, Fault::Limit);
     }
     let wide = format!("{{\"a\":[{}1]}}", "1,".repeat(5 << 20));
-    assert_eq!(quickly(|| read_bytes(wide.as_bytes(), &options)).map(|_| ()).map_err(|e| e.fault), Err(Fault::Limit));
-    // As deep as the limit and the parser allow: no stack runs out, and brackets in strings do not count.
+    assert_eq!(
+        quickly(|| read_bytes(wide.as_bytes(), &options)).map(|_| ()).map_err(|e| e.fault),
+        Err(Fault::Limit)
+    );
+    // As deep as the limit and the parser allow: no stack runs out, and brackets in strings do not
+    // count.
     let fair = format!(
         r#"{{"asset":{{"version":"2.0"}},"x":{}{},"y":"{}\"["}}"#,
         "[".repeat(100),
@@ -155,7 +170,8 @@ fn raised_limits_do_not_reach_the_stack() {
 
 #[test]
 fn node_loops_long_chains_and_crowds_end_quickly() {
-    let chain: Vec<Value> = (0..100_000).map(|i| json!({ "children": [(i + 1) % 100_000] })).collect();
+    let chain: Vec<Value> =
+        (0..100_000).map(|i| json!({ "children": [(i + 1) % 100_000] })).collect();
     let mut root = json!({ "asset": { "version": "2.0" }, "nodes": chain });
     assert_eq!(refused(&root), Fault::Malformed);
     root["nodes"][99_999] = json!({});
@@ -166,11 +182,17 @@ fn node_loops_long_chains_and_crowds_end_quickly() {
 fn limits_on_vertices_and_triangles_are_kept() {
     let mut b = Builder::default();
     let p = b.zigzag(100);
-    let root = b.with_meshes(&json!([{ "primitives": [{ "attributes": { "POSITION": p }, "mode": 5 }] }])).to_string();
+    let root = b
+        .with_meshes(&json!([{ "primitives": [{ "attributes": { "POSITION": p }, "mode": 5 }] }]))
+        .to_string();
     for (vertices, triangles, sound) in [(100, 98, true), (99, 98, false), (100, 97, false)] {
         let limits = Limits { vertices, triangles, ..Limits::DEFAULT };
-        let result = read_bytes(root.as_bytes(), &ImportOptions { limits, ..ImportOptions::default() });
-        assert_eq!(result.map(|_| ()).map_err(|e| e.fault), if sound { Ok(()) } else { Err(Fault::Limit) });
+        let result =
+            read_bytes(root.as_bytes(), &ImportOptions { limits, ..ImportOptions::default() });
+        assert_eq!(
+            result.map(|_| ()).map_err(|e| e.fault),
+            if sound { Ok(()) } else { Err(Fault::Limit) }
+        );
     }
 }
 
@@ -181,9 +203,12 @@ fn uris_lead_nowhere_but_beside_the_asset() {
     scratch.write("asset/inside file.bin", &[0; 64]);
     let outside = scratch.path("secret.bin").display().to_string();
     let import = |uri: &str| {
-        let root = json!({ "asset": { "version": "2.0" }, "buffers": [{ "byteLength": 64, "uri": uri }] });
+        let root =
+            json!({ "asset": { "version": "2.0" }, "buffers": [{ "byteLength": 64, "uri": uri }] });
         scratch.write("asset/test.gltf", root.to_string().as_bytes());
-        quickly(|| crate::import::import(&scratch.path("asset/test.gltf"), &ImportOptions::default()))
+        quickly(|| {
+            crate::import::import(&scratch.path("asset/test.gltf"), &ImportOptions::default())
+        })
     };
     for uri in [
         "../secret.bin",
@@ -207,7 +232,10 @@ fn uris_lead_nowhere_but_beside_the_asset() {
         "..",
     ] {
         let e = import(uri).expect_err(uri);
-        assert!(matches!(e.fault, Fault::Forbidden | Fault::Malformed | Fault::Unreadable), "{uri}: {e}");
+        assert!(
+            matches!(e.fault, Fault::Forbidden | Fault::Malformed | Fault::Unreadable),
+            "{uri}: {e}"
+        );
     }
     let scene = import("inside%20file.bin").expect("beside the asset");
     assert_eq!(scene.files_read.len(), 2);
@@ -222,7 +250,8 @@ fn the_content_hash_covers_the_main_file_and_every_buffer_file() {
             json!({ "asset": { "version": "2.0" }, "buffers": [{ "byteLength": 2, "uri": "a.bin" }] }).to_string();
         scratch.write("test.gltf", root.as_bytes());
         scratch.write("a.bin", &[1, 2, last]);
-        let scene = crate::import::import(&scratch.path("test.gltf"), &ImportOptions::default()).expect("sound");
+        let scene = crate::import::import(&scratch.path("test.gltf"), &ImportOptions::default())
+            .expect("sound");
         let expected = xxhash_rust::xxh3::xxh3_128(&[root.as_bytes(), &[1, 2, last]].concat());
         assert_eq!(scene.source.content_hash, expected);
         expected

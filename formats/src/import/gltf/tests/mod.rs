@@ -13,7 +13,8 @@ use lodc_mesh::Mesh;
 use serde_json::{Value, json};
 use std::path::Path;
 
-/// A document under construction: every piece of data gets a buffer view and an accessor of its own.
+/// A document under construction: every piece of data gets a buffer view and an accessor of its
+/// own.
 #[derive(Debug, Default)]
 pub(crate) struct Builder {
     pub(crate) buffer: Vec<u8>,
@@ -24,7 +25,9 @@ pub(crate) struct Builder {
 impl Builder {
     pub(crate) fn view(&mut self, bytes: &[u8]) -> usize {
         self.buffer.resize(self.buffer.len().next_multiple_of(4), 0);
-        self.views.push(json!({ "buffer": 0, "byteOffset": self.buffer.len(), "byteLength": bytes.len() }));
+        self.views.push(
+            json!({ "buffer": 0, "byteOffset": self.buffer.len(), "byteLength": bytes.len() }),
+        );
         self.buffer.extend_from_slice(bytes);
         self.views.len() - 1
     }
@@ -34,7 +37,9 @@ impl Builder {
     }
     pub(crate) fn data(&mut self, component: u32, kind: &str, count: usize, bytes: &[u8]) -> usize {
         let view = self.view(bytes);
-        self.accessor(json!({ "bufferView": view, "componentType": component, "count": count, "type": kind }))
+        self.accessor(
+            json!({ "bufferView": view, "componentType": component, "count": count, "type": kind }),
+        )
     }
     pub(crate) fn floats(&mut self, kind: &str, components: usize, values: &[f32]) -> usize {
         let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
@@ -51,13 +56,15 @@ impl Builder {
     }
     /// The document with these meshes, each shown by one node.
     pub(crate) fn with_meshes(self, meshes: &Value) -> Value {
-        let nodes: Vec<Value> = (0..meshes.as_array().map_or(0, Vec::len)).map(|m| json!({ "mesh": m })).collect();
+        let nodes: Vec<Value> =
+            (0..meshes.as_array().map_or(0, Vec::len)).map(|m| json!({ "mesh": m })).collect();
         let mut root = json!({
             "asset": { "version": "2.0" }, "meshes": meshes, "nodes": nodes,
             "accessors": self.accessors, "bufferViews": self.views,
         });
         if !self.buffer.is_empty() {
-            root["buffers"] = json!([{ "byteLength": self.buffer.len(), "uri": data_uri(&self.buffer) }]);
+            root["buffers"] =
+                json!([{ "byteLength": self.buffer.len(), "uri": data_uri(&self.buffer) }]);
         }
         root
     }
@@ -67,7 +74,8 @@ pub(crate) fn data_uri(bytes: &[u8]) -> String {
     let alphabet = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     let mut out = "data:application/octet-stream;base64,".to_owned();
     for group in bytes.chunks(3) {
-        let word = group.iter().fold(0u32, |w, &b| w << 8 | u32::from(b)) << (8 * (3 - group.len()));
+        let word =
+            group.iter().fold(0u32, |w, &b| w << 8 | u32::from(b)) << (8 * (3 - group.len()));
         for i in 0..4 {
             let letter = char::from(alphabet[(word >> (18 - 6 * i) & 63) as usize]);
             out.push(if i <= group.len() { letter } else { '=' });
@@ -77,7 +85,11 @@ pub(crate) fn data_uri(bytes: &[u8]) -> String {
 }
 
 pub(crate) fn read_bytes(bytes: &[u8], options: &ImportOptions) -> Result<Scene, FormatError> {
-    import(bytes.to_vec(), &mut Assets::new(Path::new("/nowhere/test.gltf"), &[], Limits::DEFAULT), options)
+    import(
+        bytes.to_vec(),
+        &mut Assets::new(Path::new("/nowhere/test.gltf"), &[], Limits::DEFAULT),
+        options,
+    )
 }
 
 pub(crate) fn read(root: &Value) -> Result<Scene, FormatError> {
@@ -99,11 +111,14 @@ pub(crate) fn parsed(scene: &Scene) -> Value {
     serde_json::from_str(&gltf(scene).json).expect("the document is JSON")
 }
 
-/// Per submesh the sorted triangles, each corner as the bytes of its position and all its attributes.
+/// Per submesh the sorted triangles, each corner as the bytes of its position and all its
+/// attributes.
 pub(crate) fn exact_triangles(mesh: &Mesh) -> Vec<Vec<[Vec<u8>; 3]>> {
     let corner = |submesh: usize, v: u32| {
-        let mut bytes: Vec<u8> = mesh.positions()[v as usize].iter().flat_map(|c| c.to_le_bytes()).collect();
-        let streams = mesh.submeshes()[submesh].attributes.iter().map(|&a| &mesh.attributes()[a as usize]);
+        let mut bytes: Vec<u8> =
+            mesh.positions()[v as usize].iter().flat_map(|c| c.to_le_bytes()).collect();
+        let streams =
+            mesh.submeshes()[submesh].attributes.iter().map(|&a| &mesh.attributes()[a as usize]);
         let mut streams: Vec<String> = streams
             .map(|a| {
                 let bytes = a.at(v);

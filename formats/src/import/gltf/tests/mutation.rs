@@ -1,4 +1,5 @@
-//! Seeded damage of sound files: whatever comes out, it comes out quickly, as a scene or as an error.
+//! Seeded damage of sound files: whatever comes out, it comes out quickly, as a scene or as an
+//! error.
 
 use super::{Builder, read_bytes};
 use crate::export::{ExportFormat, ExportObject, export};
@@ -31,17 +32,17 @@ fn seed_document() -> Value {
     let packed = b.view(&stream);
     let at = b.views[packed]["byteOffset"].clone();
     let packing = json!({ "buffer": 0, "byteOffset": at, "byteLength": stream.len(), "byteStride": 8, "count": 6, "mode": "ATTRIBUTES", "filter": "OCTAHEDRAL" });
-    b.views[packed] =
-        json!({ "buffer": 0, "byteLength": 48, "byteStride": 8, "extensions": { "EXT_meshopt_compression": packing } });
+    b.views[packed] = json!({ "buffer": 0, "byteLength": 48, "byteStride": 8, "extensions": { "EXT_meshopt_compression": packing } });
     let normal = b.accessor(
         json!({ "bufferView": packed, "componentType": 5122, "normalized": true, "count": 6, "type": "VEC3" }),
     );
-    let attributes =
-        json!({ "POSITION": p, "TEXCOORD_0": uv, "JOINTS_0": joints, "WEIGHTS_0": weights, "NORMAL": normal });
-    let primitive = json!({ "attributes": attributes, "indices": i, "targets": [{ "POSITION": morph }] });
+    let attributes = json!({ "POSITION": p, "TEXCOORD_0": uv, "JOINTS_0": joints, "WEIGHTS_0": weights, "NORMAL": normal });
+    let primitive =
+        json!({ "attributes": attributes, "indices": i, "targets": [{ "POSITION": morph }] });
     let plain = json!({ "attributes": { "POSITION": p }, "mode": 5, "material": 0 });
-    let mut root =
-        b.with_meshes(&json!([{ "primitives": [primitive, plain], "weights": [0.5] }, { "primitives": [plain] }]));
+    let mut root = b.with_meshes(
+        &json!([{ "primitives": [primitive, plain], "weights": [0.5] }, { "primitives": [plain] }]),
+    );
     root["nodes"] = json!([
         { "mesh": 0, "skin": 0, "children": [1, 2], "scale": [1, 2, 3] },
         { "mesh": 1, "matrix": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1] },
@@ -86,7 +87,9 @@ fn places(value: &Value, path: &mut Vec<String>, out: &mut Vec<Vec<String>>) {
     };
     match value {
         Value::Array(a) => a.iter().enumerate().for_each(|(i, v)| below(i.to_string(), v)),
-        Value::Object(o) => o.iter().for_each(|(k, v)| below(k.replace('~', "~0").replace('/', "~1"), v)),
+        Value::Object(o) => {
+            o.iter().for_each(|(k, v)| below(k.replace('~', "~0").replace('/', "~1"), v))
+        }
         _ => {}
     }
 }
@@ -123,7 +126,9 @@ fn damaged_json_values_never_panic() {
         let mut root = seed.clone();
         for _ in 0..=random.below(3) {
             let path = &all[random.below(all.len())];
-            if let Some(value) = root.pointer_mut(&path.iter().map(|p| format!("/{p}")).collect::<String>()) {
+            if let Some(value) =
+                root.pointer_mut(&path.iter().map(|p| format!("/{p}")).collect::<String>())
+            {
                 *value = strange(&mut random, value);
             }
         }
@@ -135,10 +140,12 @@ fn damaged_json_values_never_panic() {
 
 #[test]
 fn damaged_glb_bytes_never_panic() {
-    let scene = read_bytes(seed_document().to_string().as_bytes(), &ImportOptions::default()).expect("sound");
+    let scene = read_bytes(seed_document().to_string().as_bytes(), &ImportOptions::default())
+        .expect("sound");
     let objects: Vec<ExportObject<'_>> =
         scene.objects.iter().map(|o| ExportObject { info: &o.info, mesh: &o.mesh }).collect();
-    let files = export(Path::new("x.glb"), ExportFormat::Glb, &scene.document, &objects).expect("sound");
+    let files =
+        export(Path::new("x.glb"), ExportFormat::Glb, &scene.document, &objects).expect("sound");
     for case in 0..CASES {
         let mut random = Random(case ^ 0x5eed);
         let mut bytes = files[0].bytes.clone();

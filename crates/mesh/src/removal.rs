@@ -1,31 +1,29 @@
-//! At which LOD each triangle dies: worked out when a model is made, not stored.
+//! The removal LOD of each triangle: derived from the collapse sequence, not stored.
 
-use lodc_mesh::{PositionIds, Simplified};
+use crate::{PositionIds, Simplified, is_degenerate};
 
-/// How many steps of one triangle's corners are followed one by one. Real triangles need about ten; beyond this, which
-/// takes a sequence made to be slow, the rest is found by bisection.
+/// How many steps of one triangle's corners are followed one by one. Real triangles need about ten;
+/// beyond this, which takes a sequence made to be slow, the rest is found by bisection.
 const WALK: u32 = 200;
 
-/// For each triangle the first end of a step at which two of its corners are at one position.
+/// Returns for each triangle its removal LOD: the first step end at which two of its corners share a
+/// position.
 ///
-/// Follows the corners through their collapses, all three together, step by step.
-pub(crate) fn deaths(simplified: &Simplified, positions: &PositionIds) -> Vec<u32> {
+/// Follows the corners through their collapses, all three together, step by step. Near-linear for
+/// any sequence.
+#[must_use]
+pub fn removal_lods(simplified: &Simplified, positions: &PositionIds) -> Vec<u32> {
     let targets = simplified.collapses().targets();
     let step_ends = &simplified.collapses().parts().step_ends;
-    let mut end_of = Vec::with_capacity(targets.len());
-    for &end in step_ends {
-        end_of.resize(end as usize, end);
-    }
-    let dead = |corners: [u32; 3]| {
-        let [a, b, c] = corners.map(|v| positions.of_vertex[v as usize]);
-        a == b || b == c || c == a
-    };
+    let end_of = simplified.collapses().step_ends_by_record();
+    let dead = |corners: [u32; 3]| is_degenerate(corners.map(|v| positions.of_vertex[v as usize]));
     let mut jumps = None;
-    let death = |&triangle: &[u32; 3]| {
+    let removal_lod = |&triangle: &[u32; 3]| {
         let mut corners: [u32; 3] = triangle;
         for _ in 0..WALK {
             let first = corners[0].min(corners[1]).min(corners[2]);
-            // Two corners at the last vertex are at one position, so a live triangle has an earlier one.
+            // Two corners at the last vertex are at one position, so a live triangle has an earlier
+            // one.
             let lod = end_of[first as usize];
             for v in &mut corners {
                 while *v < lod {
@@ -37,14 +35,15 @@ pub(crate) fn deaths(simplified: &Simplified, positions: &PositionIds) -> Vec<u3
             }
         }
         let jumps = jumps.get_or_insert_with(|| Jumps::new(targets));
-        let step = step_ends.partition_point(|&end| !dead(triangle.map(|v| jumps.resolve(targets, v, end))));
+        let step = step_ends
+            .partition_point(|&end| !dead(triangle.map(|v| jumps.resolve(targets, v, end))));
         step_ends[step]
     };
-    simplified.mesh().triangles().iter().map(death).collect()
+    simplified.mesh().triangles().iter().map(removal_lod).collect()
 }
 
-/// For each vertex one further vertex down its chain of collapses, chosen so that any chain is walked in a logarithmic
-/// number of moves (the skew-binary jump pointers of Myers 1983).
+/// For each vertex one further vertex down its chain of collapses, chosen so that any chain is
+/// walked in a logarithmic number of moves (the skew-binary jump pointers of Myers 1983).
 struct Jumps(Vec<u32>);
 
 impl Jumps {
@@ -80,7 +79,8 @@ mod tests {
     fn jumps_lead_where_single_collapses_lead() {
         for spread in [1, 2, 7, 300] {
             let last = 300u32;
-            let targets: Vec<u32> = (0..last).map(|v| (v + 1 + v * 7919 % spread).min(last)).collect();
+            let targets: Vec<u32> =
+                (0..last).map(|v| (v + 1 + v * 7919 % spread).min(last)).collect();
             let jumps = Jumps::new(&targets);
             for v in 0..=last {
                 for lod in 0..=last {
