@@ -30,6 +30,7 @@ use engine::Engine;
 use legality::Stage;
 use lodc_mesh::{CollapseSequence, Mesh, SequenceParts, Simplified};
 use log::Log;
+pub use metric::{Checkerboard, SurfaceColours};
 use metric::{HybridMetric, Metric, QuadricMetric, Score, VisualMetric};
 
 /// What drives the collapses.
@@ -90,6 +91,17 @@ pub fn simplify(
     options: &Options,
     progress: &(dyn Fn(u64, u64) + Sync),
 ) -> Simplified {
+    simplify_coloured(mesh, options, &Checkerboard::new(mesh), progress)
+}
+
+/// The same for a surface whose colours are known: metrics that see it see them.
+#[must_use]
+pub fn simplify_coloured(
+    mesh: &Mesh,
+    options: &Options,
+    colours: &dyn SurfaceColours,
+    progress: &(dyn Fn(u64, u64) + Sync),
+) -> Simplified {
     if mesh.vertex_count() == 0 {
         let empty = CollapseSequence::try_from(SequenceParts::default())
             .expect("an empty sequence is valid");
@@ -107,7 +119,7 @@ pub fn simplify(
             run(mesh, options, QuadricMetric::new(working, wedges), built, attributes, progress)
         }
         MetricKind::Hybrid => {
-            let metric = HybridMetric::new(working, wedges, built.size);
+            let metric = HybridMetric::new(mesh, colours, working, wedges, built.size);
             run(mesh, options, metric, built, attributes, progress)
         }
         MetricKind::Viewpoint => {

@@ -5,6 +5,7 @@ mod hybrid;
 mod quadric;
 mod visual;
 
+pub use hybrid::{Checkerboard, SurfaceColours};
 pub(crate) use hybrid::HybridMetric;
 pub(crate) use quadric::QuadricMetric;
 pub(crate) use visual::{Score, VisualMetric};

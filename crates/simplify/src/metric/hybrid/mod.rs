@@ -13,12 +13,17 @@
 //! surface (Hoppe 1996); here no picture is drawn while collapsing, and a collapse is looked at in
 //! microseconds.
 
+mod appearance;
+mod colours;
+mod knob;
 mod patch;
+mod pixel;
 mod samples;
 #[cfg(test)]
 mod tests;
 mod visibility;
 
+pub use colours::{Checkerboard, SurfaceColours};
 pub(crate) use patch::Patch;
 
 use super::{Metric, QuadricMetric};
@@ -26,6 +31,9 @@ use crate::fan::{Facet, Lanes};
 use crate::neighborhood::FeaturePlane;
 use crate::wedges::Wedges;
 use crate::working::Working;
+use appearance::Appearance;
+use knob::knob;
+use lodc_mesh::Mesh;
 use samples::Samples;
 
 /// A place this far off, as a share of the mesh's size, counts like a normal that is off by one
@@ -44,7 +52,8 @@ const HIDDEN: f64 = 1e-6;
 /// Costs below zero, for collapses that improve the shading, come before this, the others after.
 const ZERO: f64 = 1e-16;
 
-pub(crate) struct HybridMetric {
+pub(crate) struct HybridMetric<'a> {
+    appearance: Appearance<'a>,
     quadric: QuadricMetric,
     samples: Samples,
     /// The error of each face's samples.
@@ -63,19 +72,28 @@ pub(crate) struct HybridMetric {
     patch: Patch,
 }
 
-impl HybridMetric {
+impl<'a> HybridMetric<'a> {
     /// `size` is the mesh's diagonal.
-    pub(crate) fn new(mesh: &Working, wedges: &Wedges, size: f64) -> Self {
-        let mut samples = Samples::new(mesh);
+    pub(crate) fn new(
+        input: &Mesh,
+        colours: &'a dyn SurfaceColours,
+        mesh: &Working,
+        wedges: &Wedges,
+        size: f64,
+    ) -> Self {
+        let appearance = Appearance::new(input, colours);
+        let pixel = (size / 512.0).powi(2) as f32 * knob(7, 1.0);
+        let mut samples = Samples::new(mesh, wedges, &appearance, pixel);
         visibility::weigh(mesh, samples.all_mut());
         let per = |length: f64| if size > 0.0 { (length * size).powi(-2) } else { 0.0 };
         Self {
+            appearance,
             quadric: QuadricMetric::new(mesh, wedges),
             samples,
             energy: vec![0.0; mesh.faces.len()],
-            distance: per(DISTANCE) as f32,
-            tie: per(1.0),
-            attributes: (1.0 / ATTRIBUTE).powi(2),
+            distance: per(f64::from(knob(4, DISTANCE as f32))) as f32,
+            tie: per(1.0) * f64::from(knob(6, 1.0)),
+            attributes: f64::from(knob(5, 40000.0)),
             awake: false,
             moved: None,
             patch: Patch::default(),
@@ -83,7 +101,7 @@ impl HybridMetric {
     }
 }
 
-impl Metric for HybridMetric {
+impl Metric for HybridMetric<'_> {
     const REPRICES: bool = true;
     type Local = <QuadricMetric as Metric>::Local;
     type ViewScratch = Patch;
@@ -104,13 +122,13 @@ impl Metric for HybridMetric {
         self.moved = None;
         if self.awake {
             let star = mesh.star(from);
-            self.patch.gather(mesh, from, &self.samples, &self.energy);
-            self.patch.move_to(mesh, star, from, to);
+            self.patch.gather(mesh, &self.appearance, from, &self.samples, &self.energy);
+            self.patch.move_to(mesh, wedges, &self.appearance, from, to);
             for corner in star {
                 self.samples.clear(corner.face());
             }
             self.moved =
-                Some(self.patch.settle(&mut self.samples, self.distance, &mut self.energy));
+                Some(self.patch.settle(&mut self.samples, &self.appearance, self.distance, &mut self.energy));
         }
         self.quadric.collapsed(mesh, wedges, from, to);
     }
@@ -132,21 +150,21 @@ impl Metric for HybridMetric {
     fn reprice(
         &self,
         mesh: &Working,
-        _wedges: &Wedges,
+        wedges: &Wedges,
         from: u32,
         candidates: &mut [(f64, u32)],
         patch: &mut Patch,
     ) {
         let star = mesh.star(from);
-        patch.gather(mesh, from, &self.samples, &self.energy);
+        patch.gather(mesh, &self.appearance, from, &self.samples, &self.energy);
         candidates.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        let looked_at = (PATIENCE / star.len().max(1)).clamp(1, MOST).min(candidates.len());
+        let looked_at = (PATIENCE / star.len().max(1)).clamp(1, knob(10, MOST as f32) as usize).min(candidates.len());
         let (near, far) = candidates.split_at_mut(looked_at);
         let tie = self.tie * (patch.seen + HIDDEN);
         let mut worst = 0.0;
         for (cost, to) in near {
-            patch.move_to(mesh, star, from, *to);
-            let added = patch.energy(&self.samples, self.distance) - patch.present + tie * *cost;
+            patch.move_to(mesh, wedges, &self.appearance, from, *to);
+            let added = patch.energy(&self.samples, &self.appearance, self.distance) - patch.present + tie * *cost;
             *cost = if added >= 0.0 { ZERO + added } else { ZERO * ZERO / (ZERO - added) };
             worst = cost.max(worst);
         }

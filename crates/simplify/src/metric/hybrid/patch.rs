@@ -1,8 +1,12 @@
 //! The faces whose shading a collapse changes: those that move, and those that share a corner with
 //! them.
 
-use super::samples::{CREASE, Sample, Samples};
-use crate::working::{Corner, Working};
+use super::appearance::{Appearance, Colour};
+use super::knob::knob;
+use super::pixel::shading_error;
+use super::samples::{CREASE, Sample, Samples, mix, mix2};
+use crate::wedges::Wedges;
+use crate::working::Working;
 use glam::Vec3;
 
 /// What counts for a place of the input that nothing stands for any more, beside a normal that is
@@ -33,6 +37,9 @@ struct Shaded {
     corners: [u32; 3],
     normal: Vec3,
     shading: [Vec3; 3],
+    submesh: u32,
+    /// Texture coordinates of its corners.
+    texture: [[f32; 2]; 3],
 }
 
 /// Where a moved face lies, so that samples find their place in it.
@@ -42,6 +49,8 @@ struct Placed {
     edges: [Vec3; 2],
     /// The dual basis of the edges.
     dual: [Vec3; 2],
+    /// Inverse squared lengths of the edges from the origin and of the third; zero if it has none.
+    inverse: [f32; 3],
 }
 
 impl Placed {
@@ -53,24 +62,38 @@ impl Placed {
     fn new(corners: [Vec3; 3]) -> (Self, Vec3) {
         let [e1, e2] = [corners[1] - corners[0], corners[2] - corners[0]];
         let n = e1.cross(e2);
-        let nn = n.length_squared();
-        let inverse = if nn > 0.0 { 1.0 / nn } else { 0.0 };
+        let invert = |x: f32| if x > 0.0 { 1.0 / x } else { 0.0 };
+        let inverse = invert(n.length_squared());
         let dual = [e2.cross(n) * inverse, n.cross(e1) * inverse];
-        (Self { origin: corners[0], edges: [e1, e2], dual }, n * inverse.sqrt())
+        let lengths = [e1, e2, e2 - e1].map(|e| invert(e.length_squared()));
+        let placed = Self { origin: corners[0], edges: [e1, e2], dual, inverse: lengths };
+        (placed, n * inverse.sqrt())
     }
 
-    /// The nearest place in the face, nearly: shares of two corners, and the squared distance.
+    /// The nearest place in the triangle: shares of two corners, and the squared distance.
     #[inline]
     fn locate(&self, point: Vec3) -> ([f32; 2], f32) {
         let r = point - self.origin;
-        let (mut u, mut v) = (r.dot(self.dual[0]), r.dot(self.dual[1]));
-        let w = 1.0 - u - v;
-        if u < 0.0 || v < 0.0 || w < 0.0 {
-            (u, v) = (u.max(0.0), v.max(0.0));
-            let scale = 1.0 / (u + v + w.max(0.0));
-            (u, v) = (u * scale, v * scale);
+        let (u, v) = (r.dot(self.dual[0]), r.dot(self.dual[1]));
+        let inside = u >= 0.0 && v >= 0.0 && u + v <= 1.0 && self.dual[0] != Vec3::ZERO;
+        let at = if inside { [u, v] } else { self.on_edge(r) };
+        (at, (self.edges[0] * at[0] + self.edges[1] * at[1] - r).length_squared())
+    }
+
+    /// The nearest place on the triangle's edges to a point, given from the origin.
+    fn on_edge(&self, r: Vec3) -> [f32; 2] {
+        let [e1, e2] = self.edges;
+        let s = (r.dot(e1) * self.inverse[0]).clamp(0.0, 1.0);
+        let t = (r.dot(e2) * self.inverse[1]).clamp(0.0, 1.0);
+        let w = ((r - e1).dot(e2 - e1) * self.inverse[2]).clamp(0.0, 1.0);
+        let mut best = ([s, 0.0], (e1 * s - r).length_squared());
+        for at in [[0.0, t], [1.0 - w, w]] {
+            let squared = (e1 * at[0] + e2 * at[1] - r).length_squared();
+            if squared < best.1 {
+                best = (at, squared);
+            }
         }
-        ([u, v], (self.edges[0] * u + self.edges[1] * v - r).length_squared())
+        best.0
     }
 }
 
@@ -92,6 +115,8 @@ pub(crate) struct Patch {
     /// Faces of the star that move, and where to.
     moved: Vec<Shaded>,
     placed: Vec<Placed>,
+    /// Wedges of the group that moves, and those at the target that they share a face with.
+    targets: Vec<(u32, u32)>,
     /// Samples of the star.
     pub(super) samples: Vec<u32>,
     /// What the whole patch counts for at present.
@@ -100,17 +125,24 @@ pub(crate) struct Patch {
     pub(super) seen: f64,
 }
 
-/// What a sample counts for if shaded with these corner normals.
+/// The cosine between a sample's normal and the one it is shaded with at a place of a face.
 #[inline]
-fn shading_error(shading: &[Vec3; 3], at: [f32; 2], normal: Vec3) -> f32 {
-    let n = shading[0] * (1.0 - at[0] - at[1]) + shading[1] * at[0] + shading[2] * at[1];
+fn cosine(shading: &[Vec3; 3], at: [f32; 2], normal: Vec3) -> f32 {
+    let n = mix(shading, at);
     let length = n.length();
-    if length > 0.0 { (n / length).distance_squared(normal) } else { 1.0 }
+    if length > 0.0 { n.dot(normal) / length } else { 0.5 }
 }
 
 impl Patch {
     /// Gathers what is around a group. `energy` is what each face counts for at present.
-    pub(super) fn gather(&mut self, mesh: &Working, from: u32, samples: &Samples, energy: &[f64]) {
+    pub(super) fn gather(
+        &mut self,
+        mesh: &Working,
+        appearance: &Appearance<'_>,
+        from: u32,
+        samples: &Samples,
+        energy: &[f64],
+    ) {
         let star = mesh.star(from);
         self.start(mesh);
         self.present = 0.0;
@@ -131,6 +163,9 @@ impl Patch {
             }
         }
         self.seen = if area > seen { seen / area } else { 1.0 };
+        if appearance.has_normals() {
+            return;
+        }
         for i in 0..self.ring.len() {
             self.fixed_start.push(self.fixed.len() as u32);
             for &corner in mesh.star(self.ring[i]) {
@@ -189,7 +224,14 @@ impl Patch {
             }
             vertex => smooth(self.fixed_at(vertex).iter().copied(), f.normal),
         });
-        self.far.push(Shaded { face, corners, normal: f.normal, shading });
+        self.far.push(Shaded {
+            face,
+            corners,
+            normal: f.normal,
+            shading,
+            submesh: 0,
+            texture: [[0.0; 2]; 3],
+        });
     }
 
     fn fixed_at(&self, vertex: u32) -> &[Vec3] {
@@ -198,10 +240,18 @@ impl Patch {
     }
 
     /// Moves the star to `to` and shades what moves.
-    pub(super) fn move_to(&mut self, mesh: &Working, star: &[Corner], from: u32, to: u32) {
+    pub(super) fn move_to(
+        &mut self,
+        mesh: &Working,
+        wedges: &Wedges,
+        appearance: &Appearance<'_>,
+        from: u32,
+        to: u32,
+    ) {
         self.moved.clear();
         self.placed.clear();
-        for &corner in star {
+        self.find_targets(mesh, from, to);
+        for &corner in mesh.star(from) {
             let face = corner.face();
             let groups = mesh.faces[face as usize].groups;
             if groups.contains(&to) {
@@ -210,8 +260,21 @@ impl Patch {
             let groups = groups.map(|g| if g == from { to } else { g });
             let (placed, normal) = Placed::new(groups.map(|g| mesh.places[g as usize].position));
             let corners = groups.map(|g| self.vertex(g));
-            self.moved.push(Shaded { face, corners, normal, shading: [normal; 3] });
+            let mut own = mesh.wedges(face);
+            let submesh = wedges.submesh[own[0] as usize];
+            own[corner.at()] = self.target(wedges, own[corner.at()]);
+            let vertices = own.map(|w| wedges.attributes_of[w as usize]);
+            let shading = if appearance.has_normals() {
+                vertices.map(|v| appearance.normal(v))
+            } else {
+                [normal; 3]
+            };
+            let texture = vertices.map(|v| appearance.place(v));
+            self.moved.push(Shaded { face, corners, normal, shading, submesh, texture });
             self.placed.push(placed);
+        }
+        if appearance.has_normals() {
+            return;
         }
         for i in 0..self.moved.len() {
             let own = self.moved[i];
@@ -220,6 +283,32 @@ impl Patch {
                 (fixed + self.moving_at(vertex, own.normal)).normalize_or_zero()
             });
         }
+    }
+
+    /// Finds the wedges that lose a face between `from` and `to`, and their counterparts.
+    fn find_targets(&mut self, mesh: &Working, from: u32, to: u32) {
+        self.targets.clear();
+        if mesh.one_wedge_each() {
+            self.targets.push((from, to));
+            return;
+        }
+        for &corner in mesh.star(from) {
+            let face = corner.face();
+            let groups = mesh.faces[face as usize].groups;
+            if let Some(end) = groups.iter().position(|&g| g == to) {
+                let wedges = mesh.wedges(face);
+                self.targets.push((wedges[corner.at()], wedges[end]));
+            }
+        }
+    }
+
+    /// The wedge that shows the attributes of a wedge after the move: one that it shares a face
+    /// with, or a wedge with the same attributes, or itself where it will be a fake.
+    fn target(&self, wedges: &Wedges, wedge: u32) -> u32 {
+        let class = wedges.class[wedge as usize];
+        let same = self.targets.iter().find(|t| t.0 == wedge);
+        same.or_else(|| self.targets.iter().find(|t| wedges.class[t.0 as usize] == class))
+            .map_or(wedge, |t| t.1)
     }
 
     /// The sum of the normals of moved faces at a vertex that are shaded together with `own`.
@@ -261,20 +350,38 @@ impl Patch {
         let along = away.dot(sample.normal);
         let aside = (squared - along * along).max(0.0).sqrt();
         let lost = if aside < sample.extent { aside / sample.extent } else { 1.0 };
-        (weight_of_distance * squared + LOST * lost).min(WORST)
+        let worst = knob(3, WORST);
+        let linear = squared.sqrt() * (knob(9, 0.0) * weight_of_distance.sqrt() + knob(16, 0.0) * sample.curvature);
+        (weight_of_distance * squared + linear + knob(0, LOST) * lost).min(worst) * (knob(14, 0.0) + (1.0 - knob(14, 0.0)) * sample.colour.power())
+    }
+
+    /// The colour of a moved face where a sample lies in it.
+    #[inline]
+    fn colour(&self, i: usize, at: [f32; 2], sample: &Sample, appearance: &Appearance<'_>) -> Colour {
+        if !appearance.is_textured() {
+            return sample.colour;
+        }
+        let f = &self.moved[i];
+        appearance.colour(f.submesh, mix2(&f.texture, at), sample.footprint)
     }
 
     /// What the patch counts for with the star moved.
-    pub(super) fn energy(&self, samples: &Samples, weight_of_distance: f32) -> f64 {
+    pub(super) fn energy(
+        &self,
+        samples: &Samples,
+        appearance: &Appearance<'_>,
+        weight_of_distance: f32,
+    ) -> f64 {
         let mut sum = 0.0;
         for &s in &self.samples {
             let s = samples.get(s);
             let Some((i, at, squared)) = self.nearest(s.position) else {
                 // Nothing is left that could stand for it.
-                sum += f64::from(s.weight * LOST);
+                sum += f64::from(s.weight * knob(15, LOST) * s.colour.power());
                 continue;
             };
-            let error = shading_error(&self.moved[i].shading, at, s.normal)
+            let shown = self.colour(i, at, s, appearance);
+            let error = shading_error(cosine(&self.moved[i].shading, at, s.normal), s.colour, shown)
                 + self.geometry(i, at, squared, s, weight_of_distance);
             sum += f64::from(s.weight * error);
         }
@@ -295,17 +402,18 @@ impl Patch {
             return 0.0;
         }
         let placed = &self.placed[i];
+        let near = knob(2, NEAR);
         let share = |at: [f32; 2]| {
             let place = placed.at(at);
             let shares = self.samples.iter().map(|&s| {
                 let s = samples.get(s);
                 s.position.distance_squared(place)
-                    / (NEAR * NEAR * s.extent * s.extent).max(f32::MIN_POSITIVE)
+                    / (near * near * s.extent * s.extent).max(f32::MIN_POSITIVE)
             });
             (shares.fold(2.0, f32::min) - 1.0).max(0.0) / PLACES.len() as f32
         };
         let area = 0.5 * placed.edges[0].cross(placed.edges[1]).length();
-        FOREIGN * self.seen as f32 * area * PLACES.map(share).iter().sum::<f32>()
+        knob(1, FOREIGN) * self.seen as f32 * area * PLACES.map(share).iter().sum::<f32>()
     }
 
     /// Gives the star's samples to the faces they end up with, and says what every face of the
@@ -314,17 +422,19 @@ impl Patch {
     pub(super) fn settle(
         &self,
         samples: &mut Samples,
+        appearance: &Appearance<'_>,
         weight_of_distance: f32,
         energy: &mut [f64],
     ) -> f64 {
         let (mut sum, mut seen) = (0.0, 0.0);
         for &s in &self.samples {
-            let (position, weight) = (samples.get(s).position, samples.get(s).weight);
-            if let Some((i, at, squared)) = self.nearest(position) {
-                sum += f64::from(weight) * f64::from(squared);
-                seen += f64::from(weight);
-                let g = self.geometry(i, at, squared, samples.get(s), weight_of_distance);
-                samples.put(s, self.moved[i].face, at, weight * g);
+            let sample = *samples.get(s);
+            if let Some((i, at, squared)) = self.nearest(sample.position) {
+                sum += f64::from(sample.weight) * f64::from(squared);
+                seen += f64::from(sample.weight);
+                let g = self.geometry(i, at, squared, &sample, weight_of_distance);
+                let shown = self.colour(i, at, &sample, appearance);
+                samples.put(s, self.moved[i].face, at, sample.weight * g, shown);
             }
         }
         let foreign: Vec<f32> = (0..self.moved.len()).map(|i| self.foreign(i, samples)).collect();
@@ -346,7 +456,8 @@ impl Patch {
 fn far_energy(face: u32, shading: &[Vec3; 3], samples: &Samples) -> f64 {
     let error = |s| {
         let s = samples.get(s);
-        f64::from(s.weight * shading_error(shading, s.at, s.normal) + s.distance)
+        let shading = shading_error(cosine(shading, s.at, s.normal), s.colour, s.shown);
+        f64::from(s.weight * shading + s.distance)
     };
     samples.of(face).map(error).sum()
 }

@@ -1,6 +1,9 @@
 //! Samples of the input's surface, each kept with the face that stands for its place now.
 
-use crate::working::{Face, Working};
+use super::appearance::{Appearance, Colour};
+use super::knob::knob;
+use crate::wedges::Wedges;
+use crate::working::Working;
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -21,6 +24,13 @@ pub(super) struct Sample {
     pub(super) position: Vec3,
     /// The unit normal that the input is shaded with there.
     pub(super) normal: Vec3,
+    /// The colour of the input there, and of the face that stands for it now.
+    pub(super) colour: Colour,
+    pub(super) shown: Colour,
+    /// Mean convex curvature of the input there: the inverse of a radius in working units.
+    pub(super) curvature: f32,
+    /// The area of texture space that a pixel covers there.
+    pub(super) footprint: f32,
     /// The area it stands for, as far as it is seen.
     pub(super) weight: f32,
     /// Where it lies in its face: shares of the second and third corner.
@@ -42,37 +52,25 @@ pub(super) struct Samples {
 
 impl Samples {
     /// Samples of each face of the input: one in its middle, more on faces that are larger than the
-    /// mean.
-    pub(super) fn new(mesh: &Working) -> Self {
+    /// mean. `pixel` is the area of a pixel in squared working units.
+    pub(super) fn new(
+        mesh: &Working,
+        wedges: &Wedges,
+        appearance: &Appearance<'_>,
+        pixel: f32,
+    ) -> Self {
         let total: f64 = mesh.faces.iter().map(|f| f64::from(f.area)).sum();
-        let mean = (total / mesh.faces.len().max(1) as f64) as f32;
-        let samples = |f: &Face| {
-            let own = f.normal;
-            let corner_normal = |g: u32| {
-                let normals = mesh.star(g).iter().map(|c| mesh.faces[c.face() as usize].normal);
-                normals.filter(|n| n.dot(own) > CREASE).sum::<Vec3>().normalize_or_zero()
-            };
-            let p = f.groups.map(|g| mesh.position(g).as_vec3());
-            let normals = f.groups.map(corner_normal);
-            let count = if mean > 0.0 { ((f.area / mean) as usize).clamp(1, DENSEST) } else { 1 };
-            (0..count)
-                .map(|i| {
-                    let [u, v] = if count == 1 { [1.0 / 3.0; 2] } else { place(i, count) };
-                    let mix = |a: [Vec3; 3]| a[0] * (1.0 - u - v) + a[1] * u + a[2] * v;
-                    Sample {
-                        position: mix(p),
-                        normal: mix(normals).normalize_or_zero(),
-                        weight: f.area / count as f32,
-                        at: [u, v],
-                        distance: 0.0,
-                        extent: (f.area / count as f32).sqrt(),
-                        next: NONE,
-                    }
-                })
-                .collect::<Vec<Sample>>()
-        };
-        let lists: Vec<Vec<Sample>> =
-            mesh.faces.par_iter().with_min_len(1024).map(samples).collect();
+        let dense = (knob(12, 0.0) / mesh.faces.len().max(1) as f32).clamp(1.0, knob(13, 8.0));
+        let mean = (total / mesh.faces.len().max(1) as f64) as f32 / dense;
+        let lists: Vec<Vec<Sample>> = (0..mesh.faces.len() as u32)
+            .into_par_iter()
+            .with_min_len(1024)
+            .map(|face| {
+                let area = mesh.faces[face as usize].area;
+                let count = if mean > 0.0 { ((area / mean) as usize).clamp(1, DENSEST) } else { 1 };
+                samples_of_face(mesh, wedges, appearance, pixel, face, count)
+            })
+            .collect();
         let mut all: Vec<Sample> = Vec::with_capacity(lists.iter().map(Vec::len).sum());
         let mut first = Vec::with_capacity(lists.len());
         for list in lists {
@@ -123,16 +121,16 @@ impl Samples {
     }
 
     /// Gives a sample to a face. `distance` is what its distance counts for.
-    pub(super) fn put(&mut self, sample: u32, face: u32, at: [f32; 2], distance: f32) {
+    pub(super) fn put(&mut self, sample: u32, face: u32, at: [f32; 2], distance: f32, shown: Colour) {
         let next = std::mem::replace(&mut self.first[face as usize], sample);
         let s = &mut self.all[sample as usize];
-        (s.at, s.distance, s.next) = (at, distance, next);
+        (s.at, s.distance, s.shown, s.next) = (at, distance, shown, next);
     }
 
     /// Drops every other sample of a face that has too many. Those that stay take over the weight
     /// of those that go.
     pub(super) fn thin(&mut self, face: u32) {
-        if self.of(face).count() <= MOST {
+        if self.of(face).count() <= knob(11, MOST as f32) as usize {
             return;
         }
         let (mut all, mut kept) = (0.0, 0.0);
@@ -154,6 +152,80 @@ impl Samples {
             at = next;
         }
     }
+}
+
+/// `count` samples of one face of the input.
+fn samples_of_face(
+    mesh: &Working,
+    wedges: &Wedges,
+    appearance: &Appearance<'_>,
+    pixel: f32,
+    face: u32,
+    count: usize,
+) -> Vec<Sample> {
+    let f = &mesh.faces[face as usize];
+    let corners = mesh.wedges(face);
+    let vertices = corners.map(|w| wedges.attributes_of[w as usize]);
+    let submesh = wedges.submesh[corners[0] as usize];
+    let smooth_normal = |g: u32| {
+        let normals = mesh.star(g).iter().map(|c| mesh.faces[c.face() as usize].normal);
+        normals.filter(|n| n.dot(f.normal) > CREASE).sum::<Vec3>().normalize_or_zero()
+    };
+    let normals = if appearance.has_normals() {
+        vertices.map(|v| appearance.normal(v))
+    } else {
+        f.groups.map(smooth_normal)
+    };
+    let p = f.groups.map(|g| mesh.position(g).as_vec3());
+    let curvature = convex_curvature(mesh, f.groups, &p);
+    let places = vertices.map(|v| appearance.place(v));
+    let [b, c] = [1, 2].map(|i| [0, 1].map(|k| places[i][k] - places[0][k]));
+    let in_texture = 0.5 * (b[0] * c[1] - b[1] * c[0]).abs();
+    let footprint = if f.area > 0.0 { in_texture / f.area * pixel } else { 0.0 };
+    (0..count)
+        .map(|i| {
+            let at = if count == 1 { [1.0 / 3.0; 2] } else { place(i, count) };
+            let colour = appearance.colour(submesh, mix2(&places, at), footprint);
+            Sample {
+                position: mix(&p, at),
+                normal: mix(&normals, at).normalize_or_zero(),
+                colour,
+                shown: colour,
+                curvature,
+                footprint,
+                weight: f.area / count as f32,
+                at,
+                distance: 0.0,
+                extent: (f.area / count as f32).sqrt(),
+                next: NONE,
+            }
+        })
+        .collect()
+}
+
+/// The mean over a face's edges of the curvature along them, where they bulge outwards: how far the
+/// area-weighted normals at their ends are apart, per length.
+fn convex_curvature(mesh: &Working, groups: [u32; 3], p: &[Vec3; 3]) -> f32 {
+    let normals = groups.map(|g| {
+        let faces = mesh.star(g).iter().map(|c| &mesh.faces[c.face() as usize]);
+        faces.map(|f| f.normal * f.area).sum::<Vec3>().normalize_or_zero()
+    });
+    let along = |i: usize, j: usize| {
+        let edge = p[j] - p[i];
+        let length = edge.length_squared();
+        if length > 0.0 { ((normals[j] - normals[i]).dot(edge) / length).max(0.0) } else { 0.0 }
+    };
+    (along(0, 1) + along(1, 2) + along(2, 0)) / 3.0
+}
+
+/// Values at shares of the second and third corner.
+pub(super) fn mix(corners: &[Vec3; 3], [u, v]: [f32; 2]) -> Vec3 {
+    corners[0] * (1.0 - u - v) + corners[1] * u + corners[2] * v
+}
+
+/// Texture coordinates there.
+pub(super) fn mix2(corners: &[[f32; 2]; 3], [u, v]: [f32; 2]) -> [f32; 2] {
+    [0, 1].map(|k| corners[0][k] * (1.0 - u - v) + corners[1][k] * u + corners[2][k] * v)
 }
 
 /// The `i`-th of `count` places spread over a triangle, as shares of its second and third corner:

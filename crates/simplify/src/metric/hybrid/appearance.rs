@@ -1,0 +1,102 @@
+//! What vertices of the input look like: the normals and texture coordinates that renderers read.
+
+use super::colours::SurfaceColours;
+use glam::Vec3;
+use lodc_mesh::{Attribute, Mesh, Semantic};
+
+/// Normals and texture coordinates of every vertex of the input, and the colours behind them.
+pub(super) struct Appearance<'a> {
+    /// Empty if the mesh is shaded with the normals of its triangles.
+    normals: Vec<Vec3>,
+    /// Empty if no submesh is coloured by texture coordinates.
+    texture: Vec<[f32; 2]>,
+    colours: &'a dyn SurfaceColours,
+}
+
+impl<'a> Appearance<'a> {
+    /// Reads the streams that are shown: normals if every submesh with triangles has them, and for
+    /// each submesh the texture coordinates that its colours are read with.
+    pub(super) fn new(mesh: &Mesh, colours: &'a dyn SurfaceColours) -> Self {
+        let stream = |submesh: u32, semantic: &Semantic| -> Option<&Attribute> {
+            let found = mesh.submeshes()[submesh as usize].attributes.iter();
+            found
+                .map(|&a| &mesh.attributes()[a as usize])
+                .find(|a| a.semantic == *semantic && a.morph_target.is_none())
+        };
+        let shown = || (0..mesh.submeshes().len() as u32)
+            .filter(|&s| !mesh.submeshes()[s as usize].triangles().is_empty());
+        let vertices = || (0u32..).zip(mesh.vertex_submesh());
+        let has_normals = shown().all(|s| {
+            stream(s, &Semantic::Normal).is_some_and(|a| a.components >= 3)
+        });
+        let normal = |(v, &s): (u32, &u32)| {
+            stream(s, &Semantic::Normal).map_or(Vec3::ZERO, |a| {
+                let n = Vec3::from([0, 1, 2].map(|c| a.value(v, c)));
+                if n.is_finite() { n.normalize_or_zero() } else { Vec3::ZERO }
+            })
+        };
+        let coordinates: Vec<Option<&Attribute>> = (0..mesh.submeshes().len() as u32)
+            .map(|s| stream(s, &Semantic::TexCoord(colours.set(s)?)).filter(|a| a.components >= 2))
+            .collect();
+        let place = |(v, &s): (u32, &u32)| {
+            coordinates[s as usize].map_or([0.0; 2], |a| {
+                [0, 1].map(|c| a.value(v, c)).map(|x| if x.is_finite() { x } else { 0.0 })
+            })
+        };
+        Self {
+            normals: if has_normals { vertices().map(normal).collect() } else { Vec::new() },
+            texture: if coordinates.iter().any(Option::is_some) {
+                vertices().map(place).collect()
+            } else {
+                Vec::new()
+            },
+            colours,
+        }
+    }
+
+    /// Whether shading reads normals of vertices, not of faces.
+    pub(super) fn has_normals(&self) -> bool {
+        !self.normals.is_empty()
+    }
+
+    /// The unit normal of a vertex, or zero if it has none.
+    pub(super) fn normal(&self, vertex: u32) -> Vec3 {
+        self.normals[vertex as usize]
+    }
+
+    /// The texture coordinates of a vertex.
+    pub(super) fn place(&self, vertex: u32) -> [f32; 2] {
+        self.texture.get(vertex as usize).copied().unwrap_or_default()
+    }
+
+    /// Whether a submesh's colour varies with texture coordinates.
+    pub(super) fn is_textured(&self) -> bool {
+        !self.texture.is_empty()
+    }
+
+    /// The colour of a submesh at texture coordinates, averaged over an area of texture space.
+    pub(super) fn colour(&self, submesh: u32, at: [f32; 2], footprint: f32) -> Colour {
+        Colour::new(self.colours.at(submesh, at, footprint))
+    }
+}
+
+/// Red, green and blue as shown, in 255ths.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Colour([u8; 3]);
+
+impl Colour {
+    fn new(shares: [f32; 3]) -> Self {
+        Self(shares.map(|c| (c.clamp(0.0, 1.0) * 255.0 + 0.5) as u8))
+    }
+
+    /// The channels, 0 to 1.
+    pub(super) fn channels(self) -> [f32; 3] {
+        self.0.map(|c| f32::from(c) * (1.0 / 255.0))
+    }
+
+    /// The mean square of the channels.
+    pub(super) fn power(self) -> f32 {
+        let squares = self.0.map(|c| u32::from(c) * u32::from(c));
+        squares.iter().sum::<u32>() as f32 * (1.0 / (3.0 * 255.0 * 255.0))
+    }
+}
