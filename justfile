@@ -61,3 +61,11 @@ picture: build
 # Draw the picture of the packages again (docs/packages.svg)
 drawing:
     UPDATE=1 cargo test -p lodc --test architecture picture
+
+# lodc beside OpenMesh, meshoptimizer and others on one mesh (made on the spot without one)
+peers *words:
+    tests/peers/run {{words}}
+
+# Draw the plots of docs/BENCHMARKS.md from docs/benchmarks/*.csv
+plots:
+    python3 tests/plots.py

@@ -78,6 +78,7 @@ fn the_tour_is_true() {
     let true_text = answered(&text, &folder);
     if std::env::var_os("UPDATE").is_some() {
         fs::write(&path, &true_text).expect("the README can be written");
+        return;
     }
     for (shown, printed) in text.lines().zip(true_text.lines()) {
         assert_eq!(shown, printed, "README.md shows something else: `just tour` writes it anew");
