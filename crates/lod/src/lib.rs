@@ -1,7 +1,8 @@
 //! The three continuous level-of-detail models.
 //!
-//! [`AnyModel`] is the closed list of models: a new one is one folder here and its line in `any.rs`.
-//! What a model is, [`Model`](lodc_model::Model) says; how one is verified, `lodc-verify`.
+//! [`AnyModel`] is the closed list of models: a new one is one folder here and its line in
+//! `any.rs`. What a model is, [`Model`](lodc_model::Model) says; how one is verified,
+//! `lodc-verify`.
 //!
 //! This package knows nothing of files, graphics devices or metrics: models list their arrays
 //! ([`Array`](lodc_model::Array)) and `lodc-formats` lays them out; they describe their work on a

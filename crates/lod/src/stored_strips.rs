@@ -21,8 +21,8 @@ pub(crate) fn to_array(strips: &Strips, vertices: usize) -> Array {
     Array { name: STRIPS.to_owned(), bytes }
 }
 
-/// Reads strips from what [`to_array`] gave out. They need not draw the mesh: that is for verification to
-/// find.
+/// Reads strips from what [`to_array`] gave out. They need not draw the mesh: that is for
+/// verification to find.
 pub(crate) fn from_array(array: &Array, mesh: &Mesh) -> Result<Strips, BuildError> {
     let wrong = |what: &str| BuildError::Malformed { array: STRIPS, what: what.to_owned() };
     let short = || wrong("ends early or has a malformed number");

@@ -41,10 +41,8 @@ impl fmt::Display for BuildError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::TriangleOrder { submesh, triangle } => {
-                write!(
-                    f,
-                    "triangle {triangle} of submesh {submesh} stands behind one that disappears before it"
-                )
+                write!(f, "triangle {triangle} of submesh {submesh} stands behind one ")?;
+                f.write_str("that disappears before it")
             }
             Self::Malformed { array, what } => write!(f, "the array \"{array}\" {what}"),
             Self::Arrays { given } => {

@@ -25,10 +25,8 @@ impl fmt::Display for PlanError {
         match self {
             Self::TooLarge { what, words } => write!(f, "{what} would take {words} words"),
             Self::TooDeep { length } => {
-                write!(
-                    f,
-                    "a vertex collapses {length} times, more than the {LONGEST_LOOP} a kernel may loop"
-                )
+                write!(f, "a vertex collapses {length} times, ")?;
+                write!(f, "more than the {LONGEST_LOOP} a kernel may loop")
             }
         }
     }

@@ -42,8 +42,8 @@ pub struct Removal {
     pub kind: Kind,
 }
 
-/// The number of changes that one record makes to one strip. The changes themselves stand one behind
-/// the other in [`History`].
+/// The number of changes that one record makes to one strip. The changes themselves stand one
+/// behind the other in [`History`].
 #[derive(Clone, Copy, Debug)]
 pub struct Event {
     /// The strip.

@@ -1,5 +1,5 @@
-//! Tracing strips through a collapse sequence, each by itself: what every record changes in a strip,
-//! until it draws nothing any more.
+//! Tracing strips through a collapse sequence, each by itself: what every record changes in a
+//! strip, until it draws nothing any more.
 //!
 //! A place `p` of a strip holds `strip[p]`, then what that becomes, and so on, and changes at
 //! exactly the records of these vertices. So strips need not know of each other, and all work on
