@@ -15,7 +15,7 @@ impl<M: Metric> Engine<'_, M> {
         from: u32,
         to: u32,
         changes_topology: bool,
-        serial: &mut Serial<M::Eye>,
+        serial: &mut Serial<M::ViewScratch>,
     ) {
         serial.epoch += 1;
         serial.stale.clear();
@@ -33,7 +33,7 @@ impl<M: Metric> Engine<'_, M> {
         let lod = self.log.order.len() as u32;
 
         self.set_restricted(from, false);
-        self.metric.collapsed(&mut self.mesh, from, to);
+        self.metric.collapsed(&mut self.mesh, &self.wedges, from, to);
         let death = &mut self.log.death;
         self.mesh.merge(from, to, |triangle| death[triangle as usize] = lod);
         let inherited = self.mesh.flags[from as usize] & (OPEN | SEAM);
@@ -59,7 +59,7 @@ impl<M: Metric> Engine<'_, M> {
     }
 
     /// Two corners of one triangle at one position: their groups are one group from now on.
-    fn unite_position(&mut self, to: u32, lod: u32, serial: &mut Serial<M::Eye>) {
+    fn unite_position(&mut self, to: u32, lod: u32, serial: &mut Serial<M::ViewScratch>) {
         let position = self.mesh.position_id[to as usize];
         let twin = |mesh: &Working| {
             mesh.star(to).iter().find_map(|&corner| {
@@ -76,7 +76,7 @@ impl<M: Metric> Engine<'_, M> {
                     }
                 }
             }
-            self.metric.collapsed(&mut self.mesh, other, to);
+            self.metric.collapsed(&mut self.mesh, &self.wedges, other, to);
             let death = &mut self.log.death;
             self.mesh.merge(other, to, |triangle| death[triangle as usize] = lod);
             self.wedges.merge_groups(other, to);
