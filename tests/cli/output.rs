@@ -56,7 +56,7 @@ fn a_read_only_folder_is_4_and_keeps_its_file() {
     f.file("good.obj", grid(3));
     f.file("locked/good.lodc", "precious");
     let mode = |m| {
-        std::fs::set_permissions(f.join("locked"), std::fs::Permissions::from_mode(m))
+        std::fs::set_permissions(f.join("locked"), std::fs::Permissions::from_mode(m));
             .expect("my folder")
     };
     mode(0o555);
