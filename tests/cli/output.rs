@@ -56,8 +56,8 @@ fn a_read_only_folder_is_4_and_keeps_its_file() {
     f.file("good.obj", grid(3));
     f.file("locked/good.lodc", "precious");
     let mode = |m| {
-        std::fs::set_permissions(f.join("locked"), std::fs::Permissions::from_mode(m));
-            .expect("my folder")
+        std::fs::set_permissions(f.join("locked"), std::fs::Permissions::from_mode(m))
+            .expect("my folder");
     };
     mode(0o555);
     if std::fs::write(f.join("locked/probe"), "").is_ok() {
