@@ -118,7 +118,8 @@ impl<M: Metric> Engine<'_, M> {
         self.wedges.clear_group(from);
     }
 
-    /// Joins what is left: points without faces, in order, those of one submesh first.
+    /// Joins the points that are left without faces: those of one submesh first, all of them onto
+    /// the last one, so that none passes through another.
     pub(crate) fn join_points(&mut self) {
         let mut left: Vec<(u32, u32)> = (0..self.mesh.places.len() as u32)
             .filter_map(|g| {
@@ -126,26 +127,22 @@ impl<M: Metric> Engine<'_, M> {
             })
             .collect();
         left.sort_unstable();
+        let Some(survivor) = left.last().and_then(|&(_, g)| self.wedges.of_group(g).last()) else {
+            return;
+        };
         let error = self.log.step_errors.last().copied().unwrap_or(0.0);
-        for (i, &(_, g)) in left.iter().enumerate() {
-            let wedges: Vec<u32> = self.wedges.of_group(g).collect();
-            let survivor = left.get(i + 1).and_then(|&(_, h)| self.wedges.of_group(h).next());
-            let ends = match survivor {
-                Some(_) => &wedges[..],
-                None => &wedges[..wedges.len() - 1],
-            };
-            for (j, &w) in ends.iter().enumerate() {
-                self.log.order.push(w);
-                self.log.targets.push(survivor.unwrap_or_else(|| wedges[j + 1]));
+        for &(_, g) in &left {
+            let before = self.log.order.len();
+            for wedge in self.wedges.of_group(g).filter(|&w| w != survivor) {
+                self.log.order.push(wedge);
+                self.log.targets.push(survivor);
             }
-            if !ends.is_empty() {
+            if self.log.order.len() > before {
                 self.log.step_ends.push(self.log.order.len() as u32);
                 self.log.step_errors.push(error);
                 self.log.step_triangles.push(0);
             }
-            if survivor.is_none() {
-                self.log.order.extend(wedges.last());
-            }
         }
+        self.log.order.push(survivor);
     }
 }
