@@ -12,6 +12,7 @@ mod limits;
 mod memory;
 mod mesh_output;
 mod output;
+mod paints;
 mod progress;
 mod report;
 mod selector;

@@ -199,7 +199,7 @@ fn objects(args: &BenchArgs, input: &Path) -> Outcome<Vec<Prepared>> {
     let progress = Progress::new(&name);
     progress.stage("simplify");
     let options = Options { metric: args.metric.kind(), ..Options::DEFAULT };
-    let simplified = simplify_all(scene.objects, &options, triangles, &progress);
+    let simplified = simplify_all(scene.objects, &options, None, triangles, &progress);
     progress.stage("models");
     simplified
         .into_iter()

@@ -4,13 +4,15 @@ use super::{BuildArgs, StripsName, counts};
 use crate::exit::{Failure, Outcome, Status};
 use crate::levels;
 use crate::output::{self, Target};
+use crate::paints::Paints;
 use crate::progress::Progress;
 use crate::report::InputReport;
 use crate::stages::Stages;
+use lodc_formats::appearance::appearance;
 use lodc_formats::lodc::{LodFile, LodObject, write};
-use lodc_formats::{Scene, SceneObject, import};
+use lodc_formats::{Assets, ObjectInfo, Scene, SceneObject, import};
 use lodc_mesh::Simplified;
-use lodc_simplify::{Options, simplify};
+use lodc_simplify::{MetricKind, Options, simplify, simplify_coloured};
 use lodc_strip::{StripOptions, StripPool};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
@@ -45,7 +47,8 @@ pub(super) fn make(
         .map_err(|f| Failure::new(f.status, format!("{}: {f}", input.display())))?;
 
     progress.stage("simplify");
-    let Scene { source, document, objects, files_read, .. } = scene;
+    let paints = paints(args, input, &scene, report)?;
+    let Scene { source, document, objects, mut files_read, .. } = scene;
     let options = Options {
         metric: args.metric.kind(),
         preserve_topology: args.preserve_topology,
@@ -53,8 +56,14 @@ pub(super) fn make(
         attributes: !args.no_attributes,
         ..Options::DEFAULT
     };
+    let painted = paints.as_ref().map(|(paints, _)| paints).filter(|p| p.has_textures());
     let simplified =
-        stages.run("simplify", || simplify_all(objects, &options, triangles, progress));
+        stages.run("simplify", || simplify_all(objects, &options, painted, triangles, progress));
+    for read in paints.into_iter().flat_map(|(_, files)| files) {
+        if !files_read.contains(&read) {
+            files_read.push(read);
+        }
+    }
 
     let kinds = levels::chosen(&args.models);
     report.models = kinds.iter().map(|kind| kind.name()).collect();
@@ -96,15 +105,36 @@ pub(super) fn make(
     Ok(Made { file, bytes, files_read })
 }
 
-/// Simplifies every object, several at once.
+/// The colours of a scene and the files they are in, if the metric sees them.
+fn paints(
+    args: &BuildArgs,
+    input: &Path,
+    scene: &Scene,
+    report: &mut InputReport,
+) -> Outcome<Option<(Paints, Vec<PathBuf>)>> {
+    if args.no_attributes || args.metric.kind() != MetricKind::Hybrid {
+        return Ok(None);
+    }
+    let options = args.import.options();
+    let infos: Vec<&ObjectInfo> = scene.objects.iter().map(|o| &o.info).collect();
+    let mut assets = Assets::new(input, &options.allowed, options.limits);
+    let looks = appearance(&scene.document, &infos, &mut assets)
+        .map_err(|e| e.in_file(&input.display().to_string()))?;
+    report.warnings.extend_from_slice(&looks.warnings);
+    Ok(Some((Paints::new(&looks), assets.files_read().to_vec())))
+}
+
+/// Simplifies every object, several at once. `paints` are the scene's colours, where the metric
+/// sees them and they vary.
 pub(crate) fn simplify_all(
     objects: Vec<SceneObject>,
     options: &Options,
+    paints: Option<&Paints>,
     triangles: u64,
     progress: &Progress,
-) -> Vec<(lodc_formats::ObjectInfo, Arc<Simplified>)> {
+) -> Vec<(ObjectInfo, Arc<Simplified>)> {
     let total = AtomicU64::new(0);
-    let one = |object: SceneObject| {
+    let one = |(number, object): (usize, SceneObject)| {
         // Objects weigh in by their triangles; each says how many of its groups are gone.
         let weight = object.mesh.triangles().len() as u64;
         let before = AtomicU64::new(0);
@@ -114,10 +144,13 @@ pub(crate) fn simplify_all(
             let done = total.fetch_add(now.saturating_sub(last), Ordering::Relaxed);
             progress.at(done, triangles);
         };
-        let simplified = simplify(&object.mesh, options, &told);
+        let simplified = match paints {
+            Some(p) => simplify_coloured(&object.mesh, options, &p.of_object(number), &told),
+            None => simplify(&object.mesh, options, &told),
+        };
         (object.info, Arc::new(simplified))
     };
-    objects.into_par_iter().map(one).collect()
+    objects.into_par_iter().enumerate().map(one).collect()
 }
 
 fn fill_in(report: &mut InputReport, objects: &[LodObject]) {

@@ -3,10 +3,11 @@
 use super::CompareArgs;
 use crate::console;
 use crate::exit::{Failure, Outcome, Status};
-use lodc_formats::appearance::{self, Appearance, TextureUse, appearance};
+use crate::paints::Paints;
+use lodc_formats::appearance::{Appearance, appearance};
 use lodc_formats::export::flat_mesh;
 use lodc_formats::{Assets, ObjectInfo, import};
-use lodc_measure::{Paint, Surface, Texture, Wrap};
+use lodc_measure::Surface;
 use std::path::Path;
 
 /// What is compared.
@@ -63,37 +64,8 @@ pub(super) fn surface(path: &Path, args: &CompareArgs) -> Outcome<Shown> {
 /// Gives every triangle the paint of its submesh, and every vertex the place in its picture.
 fn paint(surface: &mut Surface, submesh_of: &[[u32; 2]], looks: &Appearance) {
     let material = |[o, s]: [u32; 2]| looks.of_submesh[o as usize][s as usize];
-    // A picture may be read in several ways; each is a texture.
-    let mut uses: Vec<TextureUse> = Vec::new();
-    surface.paints = looks
-        .materials
-        .iter()
-        .map(|m| {
-            let texture = m.texture.map(|wanted| {
-                let same = |u: &TextureUse| (u.picture, u.wrap) == (wanted.picture, wanted.wrap);
-                uses.iter().position(same).unwrap_or_else(|| {
-                    uses.push(wanted);
-                    uses.len() - 1
-                })
-            });
-            let [r, g, b, _] = m.colour;
-            // Colours are linear, texels are not: a root is near enough to sRGB, and the same on
-            // every machine.
-            Paint { colour: [r, g, b].map(f32::sqrt).into(), texture }
-        })
-        .collect();
-    let wrap = |w: appearance::Wrap| match w {
-        appearance::Wrap::Repeat => Wrap::Repeat,
-        appearance::Wrap::Mirror => Wrap::Mirror,
-        appearance::Wrap::Clamp => Wrap::Clamp,
-    };
-    let texture = |u: &TextureUse| {
-        let picture = &looks.pictures[u.picture];
-        let texels =
-            picture.bytes.as_chunks::<4>().0.iter().map(|&[r, g, b, _]| [r, g, b]).collect();
-        Texture::new(picture.width as usize, texels, u.wrap.map(wrap))
-    };
-    surface.textures = uses.iter().map(texture).collect();
+    let Paints { paints, textures, .. } = Paints::new(looks);
+    (surface.paints, surface.textures) = (paints, textures);
     let mut placed = vec![false; surface.positions.len()];
     for (triangle, &submesh) in surface.triangles.iter().zip(submesh_of) {
         let material = material(submesh);

@@ -98,8 +98,8 @@ fn of_scene(
     limits.check_memory(triangles).map_err(|f| Failure::new(f.status, format!("{name}: {f}")))?;
     let progress = Progress::new(&name);
     progress.stage("simplify");
-    let made =
-        stages.run("simplify", || simplify_all(objects, &Options::DEFAULT, triangles, &progress));
+    let made = stages
+        .run("simplify", || simplify_all(objects, &Options::DEFAULT, None, triangles, &progress));
     let with_none = |(info, simplified)| LodObject { info, simplified, models: Vec::new() };
     Ok((Objects::Levels(made.into_iter().map(with_none).collect()), document, warnings))
 }

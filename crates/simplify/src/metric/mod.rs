@@ -5,8 +5,8 @@ mod hybrid;
 mod quadric;
 mod visual;
 
-pub use hybrid::{Checkerboard, SurfaceColours};
 pub(crate) use hybrid::HybridMetric;
+pub use hybrid::{Checkerboard, SurfaceColours};
 pub(crate) use quadric::QuadricMetric;
 pub(crate) use visual::{Score, VisualMetric};
 

@@ -1,4 +1,4 @@
-//! What vertices of the input look like: the normals and texture coordinates that renderers read.
+//! The look of the input's vertices: the normals and texture coordinates that renderers read.
 
 use super::colours::SurfaceColours;
 use glam::Vec3;
@@ -23,12 +23,13 @@ impl<'a> Appearance<'a> {
                 .map(|&a| &mesh.attributes()[a as usize])
                 .find(|a| a.semantic == *semantic && a.morph_target.is_none())
         };
-        let shown = || (0..mesh.submeshes().len() as u32)
-            .filter(|&s| !mesh.submeshes()[s as usize].triangles().is_empty());
+        let shown = || {
+            (0..mesh.submeshes().len() as u32)
+                .filter(|&s| !mesh.submeshes()[s as usize].triangles().is_empty())
+        };
         let vertices = || (0u32..).zip(mesh.vertex_submesh());
-        let has_normals = shown().all(|s| {
-            stream(s, &Semantic::Normal).is_some_and(|a| a.components >= 3)
-        });
+        let has_normals =
+            shown().all(|s| stream(s, &Semantic::Normal).is_some_and(|a| a.components >= 3));
         let normal = |(v, &s): (u32, &u32)| {
             stream(s, &Semantic::Normal).map_or(Vec3::ZERO, |a| {
                 let n = Vec3::from([0, 1, 2].map(|c| a.value(v, c)));
@@ -65,7 +66,7 @@ impl<'a> Appearance<'a> {
     }
 
     /// The texture coordinates of a vertex.
-    pub(super) fn place(&self, vertex: u32) -> [f32; 2] {
+    pub(super) fn coordinates(&self, vertex: u32) -> [f32; 2] {
         self.texture.get(vertex as usize).copied().unwrap_or_default()
     }
 
@@ -85,7 +86,8 @@ impl<'a> Appearance<'a> {
 pub(super) struct Colour([u8; 3]);
 
 impl Colour {
-    fn new(shares: [f32; 3]) -> Self {
+    /// Rounds channels from 0 to 1; others are clamped.
+    pub(super) fn new(shares: [f32; 3]) -> Self {
         Self(shares.map(|c| (c.clamp(0.0, 1.0) * 255.0 + 0.5) as u8))
     }
 

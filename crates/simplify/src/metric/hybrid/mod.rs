@@ -1,24 +1,27 @@
-//! The hybrid metric: a collapse costs what it adds to the error of the shaded surface, as far as
-//! anyone sees it.
+//! The hybrid metric: the cost of a collapse is the error that it adds to pictures of the surface.
 //!
-//! The input's surface is sampled. A sample remembers its place, the normal it was shaded with, and
-//! how much of it is seen (by the cameras of viewpoint metrics). Its error is the squared distance
-//! between that normal and the one that the nearest of today's faces is shaded with there (corner
-//! normals, averaged across edges below 60°), plus a share of its distance from that face, and more
-//! if nothing is left in its place: nearly the squared difference of pixels in pictures with a
-//! light at the camera. Faces that come to lie where the input has nothing count too. Hidden
-//! samples count for nothing, so what is hidden goes first, in the order of the quadric.
+//! The input's surface is sampled. A sample keeps its position, the normal and the colour that the
+//! input shows there, and its visible share (over the cameras of viewpoint metrics). Its error is
+//! the expected squared difference of pixels, with a light at the camera, between that and what the
+//! nearest of the current triangles shows in its place: normals and texture coordinates of vertices
+//! where the mesh has them, else normals of faces averaged across edges below 60°. To that come its
+//! distance (silhouettes move by it, where the surface is curved), a place that nothing covers any
+//! more, and faces that come to lie where the input has nothing. Hidden samples weigh nothing, so
+//! hidden parts are removed first, in the order of the quadric.
 //!
-//! Related: image-driven simplification (Lindstrom and Turk 2000) and point samples that follow the
-//! surface (Hoppe 1996); here no picture is drawn while collapsing, and a collapse is looked at in
-//! microseconds.
+//! Related: image-driven simplification (Lindstrom and Turk 2000), appearance-preserving
+//! simplification (Cohen, Olano and Manocha 1998) and point samples that follow the surface (Hoppe
+//! 1996). No picture is drawn while collapsing: pricing a collapse takes microseconds.
 
 mod appearance;
 mod colours;
-mod knob;
+mod energy;
 mod patch;
 mod pixel;
+mod placed;
 mod samples;
+#[cfg(test)]
+mod seen_tests;
 #[cfg(test)]
 mod tests;
 mod visibility;
@@ -32,48 +35,49 @@ use crate::neighborhood::FeaturePlane;
 use crate::wedges::Wedges;
 use crate::working::Working;
 use appearance::Appearance;
-use knob::knob;
 use lodc_mesh::Mesh;
+use patch::Source;
 use samples::Samples;
 
-/// A place this far off, as a share of the mesh's size, counts like a normal that is off by one
-/// (60°). Measured (docs/BENCHMARKS.md): 0.02 to 0.05 hardly differ.
+/// A distance of this share of the mesh's size has the energy of a normal that is off by one (60°).
+/// Measured: 0.02 to 0.05 hardly differ.
 const DISTANCE: f64 = 0.025;
-/// An attribute that is this far off, in the scale of attributes, counts like a normal that is off
-/// by one.
-const ATTRIBUTE: f64 = 0.005;
-/// No more candidates of a group than this are looked at, the geometrically cheapest ones.
-const MOST: usize = 4;
-/// Faces times candidates that are looked at, at most.
-const PATIENCE: usize = 64;
-/// What geometry and attributes count for where nothing is seen, as a share of what they count for
-/// elsewhere.
+/// Weight of attributes beside the quadric. What is seen of them is in the samples; joints and
+/// whatever is not shown count by this.
+const ATTRIBUTES: f64 = 100.0;
+/// Pixels across a picture of the mesh: texels are averaged over one.
+const PIXELS: f64 = 512.0;
+/// The most candidates of a group that are repriced, the geometrically cheapest ones.
+const MAX_CANDIDATES: usize = 4;
+/// The most faces times candidates that are repriced.
+const MAX_FACES_PRICED: usize = 64;
+/// Weight of geometry and attributes where nothing is visible, as a share of that elsewhere.
 const HIDDEN: f64 = 1e-6;
-/// Costs below zero, for collapses that improve the shading, come before this, the others after.
+/// Costs below zero, of collapses that improve the look, are mapped to less than this, the others to
+/// more.
 const ZERO: f64 = 1e-16;
 
+/// See the module.
 pub(crate) struct HybridMetric<'a> {
     appearance: Appearance<'a>,
     quadric: QuadricMetric,
     samples: Samples,
     /// The error of each face's samples.
     energy: Vec<f64>,
-    /// What a squared distance counts for beside a squared difference of normals.
-    distance: f32,
-    /// What the quadric counts for: it decides where nothing is seen, and in planes.
-    tie: f64,
-    /// What attributes count for beside the quadric.
-    attributes: f64,
-    /// While every rule holds.
-    awake: bool,
-    /// How far what is seen has come to be from the last star that moved, if that was looked at.
+    /// The energy of a squared distance of one.
+    distance_weight: f32,
+    /// Weight of the quadric: it decides where nothing is visible, and in planes.
+    tie_weight: f64,
+    /// Set in the legal phase.
+    active: bool,
+    /// Distance of the visible samples of the last star that moved, if it was repriced.
     moved: Option<f64>,
-    /// For commits.
+    /// Buffers for commits.
     patch: Patch,
 }
 
 impl<'a> HybridMetric<'a> {
-    /// `size` is the mesh's diagonal.
+    /// Samples a mesh and sees what is visible. `size` is the mesh's diagonal in working units.
     pub(crate) fn new(
         input: &Mesh,
         colours: &'a dyn SurfaceColours,
@@ -82,19 +86,18 @@ impl<'a> HybridMetric<'a> {
         size: f64,
     ) -> Self {
         let appearance = Appearance::new(input, colours);
-        let pixel = (size / 512.0).powi(2) as f32 * knob(7, 1.0);
+        let pixel = (size / PIXELS).powi(2) as f32;
         let mut samples = Samples::new(mesh, wedges, &appearance, pixel);
-        visibility::weigh(mesh, samples.all_mut());
+        visibility::weigh(mesh, &mut samples);
         let per = |length: f64| if size > 0.0 { (length * size).powi(-2) } else { 0.0 };
         Self {
             appearance,
             quadric: QuadricMetric::new(mesh, wedges),
             samples,
             energy: vec![0.0; mesh.faces.len()],
-            distance: per(f64::from(knob(4, DISTANCE as f32))) as f32,
-            tie: per(1.0) * f64::from(knob(6, 1.0)),
-            attributes: f64::from(knob(5, 40000.0)),
-            awake: false,
+            distance_weight: per(DISTANCE) as f32,
+            tie_weight: per(1.0),
+            active: false,
             moved: None,
             patch: Patch::default(),
         }
@@ -115,36 +118,36 @@ impl Metric for HybridMetric<'_> {
     }
 
     fn attribute_weight(&self) -> f64 {
-        if self.awake { self.attributes } else { 1.0 }
+        if self.active { ATTRIBUTES } else { 1.0 }
     }
 
     fn collapsed(&mut self, mesh: &mut Working, wedges: &Wedges, from: u32, to: u32) {
         self.moved = None;
-        if self.awake {
-            let star = mesh.star(from);
-            self.patch.gather(mesh, &self.appearance, from, &self.samples, &self.energy);
-            self.patch.move_to(mesh, wedges, &self.appearance, from, to);
-            for corner in star {
-                self.samples.clear(corner.face());
+        if self.active {
+            let Self { appearance, samples, energy, patch, .. } = self;
+            let source = Source { mesh, wedges, appearance, samples, energy };
+            patch.gather(&source, from);
+            patch.move_to(&source, from, to);
+            for corner in mesh.star(from) {
+                samples.clear(corner.face());
             }
-            self.moved =
-                Some(self.patch.settle(&mut self.samples, &self.appearance, self.distance, &mut self.energy));
+            self.moved = Some(patch.settle(samples, appearance, self.distance_weight, energy));
         }
         self.quadric.collapsed(mesh, wedges, from, to);
     }
 
-    /// The root mean square distance of what is seen, while that is looked at. Levels of several
-    /// objects are chosen by it: what nobody sees must not keep one object fine while others go.
+    /// The root mean square distance of what is visible, where it was repriced. Levels of several
+    /// objects are chosen by it: hidden parts must not keep one object fine while others go.
     fn error(&self, group: u32) -> f64 {
         self.moved.unwrap_or_else(|| self.quadric.error(group))
     }
 
     fn is_active(&self) -> bool {
-        self.awake
+        self.active
     }
 
     fn toggle(&mut self, _mesh: &Working, legal: bool) {
-        self.awake = legal;
+        self.active = legal;
     }
 
     fn reprice(
@@ -155,16 +158,20 @@ impl Metric for HybridMetric<'_> {
         candidates: &mut [(f64, u32)],
         patch: &mut Patch,
     ) {
-        let star = mesh.star(from);
-        patch.gather(mesh, &self.appearance, from, &self.samples, &self.energy);
+        let Self { appearance, samples, energy, .. } = self;
+        let source = Source { mesh, wedges, appearance, samples, energy };
+        patch.gather(&source, from);
         candidates.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        let looked_at = (PATIENCE / star.len().max(1)).clamp(1, knob(10, MOST as f32) as usize).min(candidates.len());
-        let (near, far) = candidates.split_at_mut(looked_at);
-        let tie = self.tie * (patch.seen + HIDDEN);
+        let priced = (MAX_FACES_PRICED / mesh.star(from).len().max(1))
+            .clamp(1, MAX_CANDIDATES)
+            .min(candidates.len());
+        let (near, far) = candidates.split_at_mut(priced);
+        let tie = self.tie_weight * (patch.visible + HIDDEN);
         let mut worst = 0.0;
         for (cost, to) in near {
-            patch.move_to(mesh, wedges, &self.appearance, from, *to);
-            let added = patch.energy(&self.samples, &self.appearance, self.distance) - patch.present + tie * *cost;
+            patch.move_to(&source, from, *to);
+            let moved = patch.energy(samples, appearance, self.distance_weight);
+            let added = moved - patch.current_energy + tie * *cost;
             *cost = if added >= 0.0 { ZERO + added } else { ZERO * ZERO / (ZERO - added) };
             worst = cost.max(worst);
         }

@@ -1,160 +1,86 @@
-//! The faces whose shading a collapse changes: those that move, and those that share a corner with
-//! them.
+//! The faces whose look a collapse changes: those that move, and those that share a corner with
+//! them and are shaded together.
 
-use super::appearance::{Appearance, Colour};
-use super::knob::knob;
-use super::pixel::shading_error;
-use super::samples::{CREASE, Sample, Samples, mix, mix2};
+use super::appearance::Appearance;
+use super::placed::Placed;
+use super::samples::{CREASE, MAX_AVERAGED, Samples};
 use crate::wedges::Wedges;
 use crate::working::Working;
 use glam::Vec3;
+use lodc_mesh::NONE;
 
-/// What counts for a place of the input that nothing stands for any more, beside a normal that is
-/// off by one (60°): about as much as a pixel that shows the background differs from a lit one.
-const LOST: f32 = 1.5;
-/// What counts for a place of a face where the input has nothing.
-const FOREIGN: f32 = 2.0;
-/// The input is near where a sample is nearer than this many times its extent.
-const NEAR: f32 = 1.5;
-/// A place counts for no more than this, however far away it is: a pixel can be no more than wrong.
-const WORST: f32 = 3.0;
-/// Where moved faces are looked at for that: shares of the second and third corner.
-const PLACES: [[f32; 2]; 4] = [
-    [1.0 / 3.0, 1.0 / 3.0],
-    [2.0 / 3.0, 1.0 / 6.0],
-    [1.0 / 6.0, 2.0 / 3.0],
-    [1.0 / 6.0, 1.0 / 6.0],
-];
+/// Stars with more faces than this are priced without the faces around them.
+pub(super) const WIDE: usize = 32;
 
-/// Stars with more faces than this are looked at without the faces around them.
-const WIDE: usize = 32;
-
-/// A face with the normals that it is shaded with.
+/// A face with the normals and texture coordinates of its corners.
 #[derive(Clone, Copy, Debug)]
-struct Shaded {
-    face: u32,
-    /// Its corners, as vertices of the patch; `u32::MAX` for those that are none.
+pub(super) struct Shaded {
+    pub(super) face: u32,
+    /// Its corners, as vertices of the patch; `NONE` for those that are none.
     corners: [u32; 3],
     normal: Vec3,
-    shading: [Vec3; 3],
-    submesh: u32,
-    /// Texture coordinates of its corners.
-    texture: [[f32; 2]; 3],
+    pub(super) shading: [Vec3; 3],
+    pub(super) submesh: u32,
+    /// Texture coordinates of the corners.
+    pub(super) texture: [[f32; 2]; 3],
 }
 
-/// Where a moved face lies, so that samples find their place in it.
-#[derive(Clone, Copy, Debug)]
-struct Placed {
-    origin: Vec3,
-    edges: [Vec3; 2],
-    /// The dual basis of the edges.
-    dual: [Vec3; 2],
-    /// Inverse squared lengths of the edges from the origin and of the third; zero if it has none.
-    inverse: [f32; 3],
-}
-
-impl Placed {
-    /// The place of these shares.
-    fn at(&self, [u, v]: [f32; 2]) -> Vec3 {
-        self.origin + self.edges[0] * u + self.edges[1] * v
-    }
-
-    fn new(corners: [Vec3; 3]) -> (Self, Vec3) {
-        let [e1, e2] = [corners[1] - corners[0], corners[2] - corners[0]];
-        let n = e1.cross(e2);
-        let invert = |x: f32| if x > 0.0 { 1.0 / x } else { 0.0 };
-        let inverse = invert(n.length_squared());
-        let dual = [e2.cross(n) * inverse, n.cross(e1) * inverse];
-        let lengths = [e1, e2, e2 - e1].map(|e| invert(e.length_squared()));
-        let placed = Self { origin: corners[0], edges: [e1, e2], dual, inverse: lengths };
-        (placed, n * inverse.sqrt())
-    }
-
-    /// The nearest place in the triangle: shares of two corners, and the squared distance.
-    #[inline]
-    fn locate(&self, point: Vec3) -> ([f32; 2], f32) {
-        let r = point - self.origin;
-        let (u, v) = (r.dot(self.dual[0]), r.dot(self.dual[1]));
-        let inside = u >= 0.0 && v >= 0.0 && u + v <= 1.0 && self.dual[0] != Vec3::ZERO;
-        let at = if inside { [u, v] } else { self.on_edge(r) };
-        (at, (self.edges[0] * at[0] + self.edges[1] * at[1] - r).length_squared())
-    }
-
-    /// The nearest place on the triangle's edges to a point, given from the origin.
-    fn on_edge(&self, r: Vec3) -> [f32; 2] {
-        let [e1, e2] = self.edges;
-        let s = (r.dot(e1) * self.inverse[0]).clamp(0.0, 1.0);
-        let t = (r.dot(e2) * self.inverse[1]).clamp(0.0, 1.0);
-        let w = ((r - e1).dot(e2 - e1) * self.inverse[2]).clamp(0.0, 1.0);
-        let mut best = ([s, 0.0], (e1 * s - r).length_squared());
-        for at in [[0.0, t], [1.0 - w, w]] {
-            let squared = (e1 * at[0] + e2 * at[1] - r).length_squared();
-            if squared < best.1 {
-                best = (at, squared);
-            }
-        }
-        best.0
-    }
+/// The state that a patch is cut from.
+#[derive(Clone, Copy)]
+pub(super) struct Source<'a> {
+    pub(super) mesh: &'a Working,
+    pub(super) wedges: &'a Wedges,
+    pub(super) appearance: &'a Appearance<'a>,
+    pub(super) samples: &'a Samples,
+    /// The error of each face's samples.
+    pub(super) energy: &'a [f64],
 }
 
 /// Buffers of one thread, and the patch that they hold.
 #[derive(Default)]
 pub(crate) struct Patch {
-    /// For each group: the epoch in which it was a vertex of the patch, and which.
+    /// For each group: the epoch in which it was a vertex of the patch, and its number there.
     vertex_of: Vec<(u32, u32)>,
     /// For each face: the epoch in which it was in the patch.
     marks: Vec<u32>,
     epoch: u32,
     /// The groups next to the one that moves.
     ring: Vec<u32>,
-    /// For each of them, where the normals of its faces that stay begin.
+    /// For each of them, the start of its range in `fixed`.
     fixed_start: Vec<u32>,
+    /// Normals of the faces around the ring that stay.
     fixed: Vec<Vec3>,
     /// Faces around the star. Their shading holds the part that stays, not yet of unit length.
-    far: Vec<Shaded>,
-    /// Faces of the star that move, and where to.
-    moved: Vec<Shaded>,
-    placed: Vec<Placed>,
+    pub(super) surrounding: Vec<Shaded>,
+    /// Faces of the star that move, and their new places.
+    pub(super) moved: Vec<Shaded>,
+    pub(super) placed: Vec<Placed>,
     /// Wedges of the group that moves, and those at the target that they share a face with.
     targets: Vec<(u32, u32)>,
     /// Samples of the star.
     pub(super) samples: Vec<u32>,
-    /// What the whole patch counts for at present.
-    pub(super) present: f64,
-    /// How much of the star is seen: 0 nothing, 1 as much as of a face with nothing before it.
-    pub(super) seen: f64,
-}
-
-/// The cosine between a sample's normal and the one it is shaded with at a place of a face.
-#[inline]
-fn cosine(shading: &[Vec3; 3], at: [f32; 2], normal: Vec3) -> f32 {
-    let n = mix(shading, at);
-    let length = n.length();
-    if length > 0.0 { n.dot(normal) / length } else { 0.5 }
+    /// The energy of the whole patch before the move.
+    pub(super) current_energy: f64,
+    /// The visible share of the star: 1 for a closed surface with nothing in front of it.
+    pub(super) visible: f64,
 }
 
 impl Patch {
-    /// Gathers what is around a group. `energy` is what each face counts for at present.
-    pub(super) fn gather(
-        &mut self,
-        mesh: &Working,
-        appearance: &Appearance<'_>,
-        from: u32,
-        samples: &Samples,
-        energy: &[f64],
-    ) {
-        let star = mesh.star(from);
+    /// Gathers the star of a group and, where shading is that of faces, the faces around it.
+    pub(super) fn gather(&mut self, source: &Source<'_>, from: u32) {
+        let Source { mesh, samples, energy, .. } = *source;
         self.start(mesh);
-        self.present = 0.0;
-        let (mut seen, mut area) = (0.0, 0.0);
-        for &corner in star {
-            for s in samples.of(corner.face()).map(|s| samples.get(s)) {
+        self.current_energy = 0.0;
+        let (mut visible, mut area) = (0.0, 0.0);
+        for &corner in mesh.star(from) {
+            let face = corner.face();
+            for s in samples.of(face).map(|s| samples.get(s)) {
                 area += f64::from(s.extent * s.extent);
-                seen += f64::from(s.weight);
+                visible += f64::from(s.weight);
             }
-            self.marks[corner.face() as usize] = self.epoch;
-            self.present += energy[corner.face() as usize];
-            self.samples.extend(samples.of(corner.face()));
+            self.marks[face as usize] = self.epoch;
+            self.current_energy += energy[face as usize];
+            self.samples.extend(samples.of(face));
             for g in mesh.others(corner) {
                 if self.vertex_of[g as usize].0 != self.epoch {
                     self.vertex_of[g as usize] = (self.epoch, self.ring.len() as u32);
@@ -162,13 +88,18 @@ impl Patch {
                 }
             }
         }
-        self.seen = if area > seen { seen / area } else { 1.0 };
-        if appearance.has_normals() {
-            return;
+        self.visible = if area > visible { visible / area } else { 1.0 };
+        if !source.appearance.has_normals() {
+            self.gather_surrounding(source, from);
         }
+    }
+
+    /// Gathers the normals that stay around the ring, and the faces that are shaded with them.
+    fn gather_surrounding(&mut self, source: &Source<'_>, from: u32) {
+        let Source { mesh, energy, .. } = *source;
         for i in 0..self.ring.len() {
             self.fixed_start.push(self.fixed.len() as u32);
-            for &corner in mesh.star(self.ring[i]) {
+            for &corner in mesh.star(self.ring[i]).iter().take(MAX_AVERAGED) {
                 let f = &mesh.faces[corner.face() as usize];
                 if !f.groups.contains(&from) {
                     self.fixed.push(f.normal);
@@ -176,16 +107,16 @@ impl Patch {
             }
         }
         self.fixed_start.push(self.fixed.len() as u32);
-        if star.len() > WIDE {
+        if mesh.star(from).len() > WIDE {
             return;
         }
         for i in 0..self.ring.len() {
-            for &corner in mesh.star(self.ring[i]) {
+            for &corner in mesh.star(self.ring[i]).iter().take(MAX_AVERAGED) {
                 let face = corner.face();
                 if self.marks[face as usize] != self.epoch {
                     self.marks[face as usize] = self.epoch;
-                    self.present += energy[face as usize];
-                    self.add_far(mesh, face);
+                    self.current_energy += energy[face as usize];
+                    self.add_surrounding(mesh, face);
                 }
             }
         }
@@ -204,33 +135,33 @@ impl Patch {
         self.ring.clear();
         self.fixed_start.clear();
         self.fixed.clear();
-        self.far.clear();
+        self.surrounding.clear();
         self.samples.clear();
     }
 
     fn vertex(&self, group: u32) -> u32 {
         let (epoch, vertex) = self.vertex_of[group as usize];
-        if epoch == self.epoch { vertex } else { u32::MAX }
+        if epoch == self.epoch { vertex } else { NONE }
     }
 
-    fn add_far(&mut self, mesh: &Working, face: u32) {
+    fn add_surrounding(&mut self, mesh: &Working, face: u32) {
         let f = &mesh.faces[face as usize];
         let corners = f.groups.map(|g| self.vertex(g));
         let shading = [0, 1, 2].map(|c| match corners[c] {
-            u32::MAX => {
-                let normals =
-                    mesh.star(f.groups[c]).iter().map(|c| mesh.faces[c.face() as usize].normal);
-                smooth(normals, f.normal)
+            NONE => {
+                let faces = mesh.star(f.groups[c]).iter().take(MAX_AVERAGED);
+                smooth(faces.map(|c| mesh.faces[c.face() as usize].normal), f.normal)
             }
             vertex => smooth(self.fixed_at(vertex).iter().copied(), f.normal),
         });
-        self.far.push(Shaded {
+        let (submesh, texture) = (0, [[0.0; 2]; 3]);
+        self.surrounding.push(Shaded {
             face,
             corners,
             normal: f.normal,
             shading,
-            submesh: 0,
-            texture: [[0.0; 2]; 3],
+            submesh,
+            texture,
         });
     }
 
@@ -239,15 +170,9 @@ impl Patch {
         &self.fixed[start[0] as usize..start[1] as usize]
     }
 
-    /// Moves the star to `to` and shades what moves.
-    pub(super) fn move_to(
-        &mut self,
-        mesh: &Working,
-        wedges: &Wedges,
-        appearance: &Appearance<'_>,
-        from: u32,
-        to: u32,
-    ) {
+    /// Moves the star to `to` and shades its faces.
+    pub(super) fn move_to(&mut self, source: &Source<'_>, from: u32, to: u32) {
+        let Source { mesh, wedges, appearance, .. } = *source;
         self.moved.clear();
         self.placed.clear();
         self.find_targets(mesh, from, to);
@@ -269,13 +194,17 @@ impl Patch {
             } else {
                 [normal; 3]
             };
-            let texture = vertices.map(|v| appearance.place(v));
+            let texture = vertices.map(|v| appearance.coordinates(v));
             self.moved.push(Shaded { face, corners, normal, shading, submesh, texture });
             self.placed.push(placed);
         }
-        if appearance.has_normals() {
-            return;
+        if !appearance.has_normals() {
+            self.shade_moved();
         }
+    }
+
+    /// Shades the moved faces with the normals of the faces around their corners.
+    fn shade_moved(&mut self) {
         for i in 0..self.moved.len() {
             let own = self.moved[i];
             self.moved[i].shading = own.corners.map(|vertex| {
@@ -302,13 +231,13 @@ impl Patch {
         }
     }
 
-    /// The wedge that shows the attributes of a wedge after the move: one that it shares a face
-    /// with, or a wedge with the same attributes, or itself where it will be a fake.
+    /// The wedge whose attributes stand for those of a wedge after the move: one that it shares a
+    /// face with, the counterpart of a wedge with the same attributes, or, for a fake, itself.
     fn target(&self, wedges: &Wedges, wedge: u32) -> u32 {
         let class = wedges.class[wedge as usize];
         let same = self.targets.iter().find(|t| t.0 == wedge);
-        same.or_else(|| self.targets.iter().find(|t| wedges.class[t.0 as usize] == class))
-            .map_or(wedge, |t| t.1)
+        let alike = || self.targets.iter().find(|t| wedges.class[t.0 as usize] == class);
+        same.or_else(alike).map_or(wedge, |t| t.1)
     }
 
     /// The sum of the normals of moved faces at a vertex that are shaded together with `own`.
@@ -316,150 +245,13 @@ impl Patch {
         smooth(self.moved.iter().filter(|f| f.corners.contains(&vertex)).map(|f| f.normal), own)
     }
 
-    /// The moved face that is nearest to a sample, where in it, and the squared distance.
-    fn nearest(&self, point: Vec3) -> Option<(usize, [f32; 2], f32)> {
-        let mut best: Option<(usize, [f32; 2], f32)> = None;
-        for (i, placed) in self.placed.iter().enumerate() {
-            let (at, squared) = placed.locate(point);
-            if best.is_none_or(|b| squared < b.2) {
-                best = Some((i, at, squared));
-            }
-        }
-        best
-    }
-
-    fn far_shading(&self, f: &Shaded) -> [Vec3; 3] {
+    /// The normals that a face around the star is shaded with after the move.
+    pub(super) fn surrounding_shading(&self, f: &Shaded) -> [Vec3; 3] {
         [0, 1, 2].map(|c| match f.corners[c] {
-            u32::MAX => f.shading[c].normalize_or_zero(),
+            NONE => f.shading[c].normalize_or_zero(),
             vertex => (f.shading[c] + self.moving_at(vertex, f.normal)).normalize_or_zero(),
         })
     }
-
-    /// What a sample counts for by its distance from where it now lies in a moved face. Aside of
-    /// its own plane there is nothing in its place.
-    fn geometry(
-        &self,
-        i: usize,
-        at: [f32; 2],
-        squared: f32,
-        sample: &Sample,
-        weight_of_distance: f32,
-    ) -> f32 {
-        let placed = &self.placed[i];
-        let away = sample.position - placed.at(at);
-        let along = away.dot(sample.normal);
-        let aside = (squared - along * along).max(0.0).sqrt();
-        let lost = if aside < sample.extent { aside / sample.extent } else { 1.0 };
-        let worst = knob(3, WORST);
-        let linear = squared.sqrt() * (knob(9, 0.0) * weight_of_distance.sqrt() + knob(16, 0.0) * sample.curvature);
-        (weight_of_distance * squared + linear + knob(0, LOST) * lost).min(worst) * (knob(14, 0.0) + (1.0 - knob(14, 0.0)) * sample.colour.power())
-    }
-
-    /// The colour of a moved face where a sample lies in it.
-    #[inline]
-    fn colour(&self, i: usize, at: [f32; 2], sample: &Sample, appearance: &Appearance<'_>) -> Colour {
-        if !appearance.is_textured() {
-            return sample.colour;
-        }
-        let f = &self.moved[i];
-        appearance.colour(f.submesh, mix2(&f.texture, at), sample.footprint)
-    }
-
-    /// What the patch counts for with the star moved.
-    pub(super) fn energy(
-        &self,
-        samples: &Samples,
-        appearance: &Appearance<'_>,
-        weight_of_distance: f32,
-    ) -> f64 {
-        let mut sum = 0.0;
-        for &s in &self.samples {
-            let s = samples.get(s);
-            let Some((i, at, squared)) = self.nearest(s.position) else {
-                // Nothing is left that could stand for it.
-                sum += f64::from(s.weight * knob(15, LOST) * s.colour.power());
-                continue;
-            };
-            let shown = self.colour(i, at, s, appearance);
-            let error = shading_error(cosine(&self.moved[i].shading, at, s.normal), s.colour, shown)
-                + self.geometry(i, at, squared, s, weight_of_distance);
-            sum += f64::from(s.weight * error);
-        }
-        for f in &self.far {
-            sum += far_energy(f.face, &self.far_shading(f), samples)
-                + f64::from(samples.foreign(f.face));
-        }
-        for i in 0..self.moved.len() {
-            sum += f64::from(self.foreign(i, samples));
-        }
-        sum
-    }
-
-    /// What the part of a moved face counts for that lies where the input has nothing: beyond the
-    /// extent of every sample. In wide stars, which only inputs have, it is not looked for.
-    fn foreign(&self, i: usize, samples: &Samples) -> f32 {
-        if self.moved.len() > WIDE {
-            return 0.0;
-        }
-        let placed = &self.placed[i];
-        let near = knob(2, NEAR);
-        let share = |at: [f32; 2]| {
-            let place = placed.at(at);
-            let shares = self.samples.iter().map(|&s| {
-                let s = samples.get(s);
-                s.position.distance_squared(place)
-                    / (near * near * s.extent * s.extent).max(f32::MIN_POSITIVE)
-            });
-            (shares.fold(2.0, f32::min) - 1.0).max(0.0) / PLACES.len() as f32
-        };
-        let area = 0.5 * placed.edges[0].cross(placed.edges[1]).length();
-        knob(1, FOREIGN) * self.seen as f32 * area * PLACES.map(share).iter().sum::<f32>()
-    }
-
-    /// Gives the star's samples to the faces they end up with, and says what every face of the
-    /// patch counts for then. Returns the root mean square distance of samples from their faces, as
-    /// far as they are seen; 0 if none is.
-    pub(super) fn settle(
-        &self,
-        samples: &mut Samples,
-        appearance: &Appearance<'_>,
-        weight_of_distance: f32,
-        energy: &mut [f64],
-    ) -> f64 {
-        let (mut sum, mut seen) = (0.0, 0.0);
-        for &s in &self.samples {
-            let sample = *samples.get(s);
-            if let Some((i, at, squared)) = self.nearest(sample.position) {
-                sum += f64::from(sample.weight) * f64::from(squared);
-                seen += f64::from(sample.weight);
-                let g = self.geometry(i, at, squared, &sample, weight_of_distance);
-                let shown = self.colour(i, at, &sample, appearance);
-                samples.put(s, self.moved[i].face, at, sample.weight * g, shown);
-            }
-        }
-        let foreign: Vec<f32> = (0..self.moved.len()).map(|i| self.foreign(i, samples)).collect();
-        for (i, f) in self.moved.iter().enumerate() {
-            samples.thin(f.face);
-            energy[f.face as usize] =
-                far_energy(f.face, &f.shading, samples) + f64::from(foreign[i]);
-            samples.set_foreign(f.face, foreign[i]);
-        }
-        for f in &self.far {
-            energy[f.face as usize] = far_energy(f.face, &self.far_shading(f), samples)
-                + f64::from(samples.foreign(f.face));
-        }
-        if seen > 0.0 { (sum / seen).sqrt() } else { 0.0 }
-    }
-}
-
-/// What a face counts for whose samples know where they are.
-fn far_energy(face: u32, shading: &[Vec3; 3], samples: &Samples) -> f64 {
-    let error = |s| {
-        let s = samples.get(s);
-        let shading = shading_error(cosine(shading, s.at, s.normal), s.colour, s.shown);
-        f64::from(s.weight * shading + s.distance)
-    };
-    samples.of(face).map(error).sum()
 }
 
 /// The sum of the normals that are shaded together with `own`.

@@ -2,27 +2,67 @@
 
 use super::appearance::Colour;
 
-/// Ambient light beside the lamp at the camera: 0.15 / 0.85.
+/// Ambient light relative to the lamp at the camera: 0.15 / 0.85.
 const AMBIENT: f32 = 0.176_470_6;
-/// The error of a white place that shows the background: the mean of (0.15 + 0.85 cos)² over all
-/// views that see it, in the unit of [`shading_error`].
-pub(super) const UNCOVERED: f32 = 4.0 * AMBIENT * AMBIENT + 16.0 / 3.0 * AMBIENT + 2.0;
+/// The largest error of a place in white: it shows the background. The mean of (0.15 + 0.85 cos)²
+/// over all views that see it, in the unit of [`shading_error`].
+const MAX_SHADING: f32 = 4.0 * AMBIENT * AMBIENT + 16.0 / 3.0 * AMBIENT + 2.0;
+/// Error of a place that nothing covers. Less than the background's, since most often another part
+/// of the surface is behind it. Measured.
+pub(super) const UNCOVERED: f32 = 1.5;
+/// The largest error by distance and cover: a pixel can be no more than wrong.
+pub(super) const MAX_GEOMETRY: f32 = 3.0;
 
 /// The mean of ((a + l n·v) c − (a + l n'·v) c')² over all views v that see a place, weighted by its
 /// projected area: `cosine` is n·n', a = 0.15 and l = 0.85 the light. In units of l²/4, so that equal
 /// white colours with normals that differ by a small d give d².
 #[inline]
 pub(super) fn shading_error(cosine: f32, was: Colour, now: Colour) -> f32 {
-    let t = cosine;
     if was == now {
-        let turned = 1.0 - t;
-        return (was.power() * turned * (2.0 + turned)).min(UNCOVERED * was.power());
+        let turned = 1.0 - cosine;
+        return (turned * (2.0 + turned)).min(MAX_SHADING) * was.power();
     }
+    let t = cosine;
     let (c, d) = (was.channels(), now.channels());
     let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     let (cc, dd, cd) = (dot(c, c), dot(d, d), dot(c, d));
     let ambient = 4.0 * AMBIENT * AMBIENT * (cc + dd - 2.0 * cd)
         + 16.0 / 3.0 * AMBIENT * (cc - (1.0 + t) * cd + t * dd);
     let lamp = 2.0 * cc + dd * (1.0 + t * t) - 4.0 * t * cd;
-    ((ambient + lamp) / 3.0).clamp(0.0, UNCOVERED * cc.max(dd) / 3.0)
+    ((ambient + lamp) / 3.0).clamp(0.0, MAX_SHADING * cc.max(dd) / 3.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::shading_error;
+    use crate::metric::hybrid::appearance::Colour;
+    use glam::Vec3;
+
+    #[test]
+    fn it_is_the_mean_over_views() {
+        // Numerically, over a hemisphere of views, weighted by the cosine.
+        let mean = |n: Vec3, c: f32, d: f32| {
+            let (mut sum, mut weight) = (0.0, 0.0);
+            for i in 0..200 {
+                let z = (i as f32 + 0.5) / 200.0;
+                for j in 0..64 {
+                    let turn = std::f32::consts::TAU * j as f32 / 64.0;
+                    let r = (1.0 - z * z).sqrt();
+                    let v = Vec3::new(r * turn.cos(), r * turn.sin(), z);
+                    let seen = (0.15 + 0.85 * z) * c - (0.15 + 0.85 * n.dot(v)) * d;
+                    sum += z * seen * seen;
+                    weight += z;
+                }
+            }
+            sum / weight / (0.85 * 0.85 / 4.0)
+        };
+        for (cosine, c, d) in
+            [(0.9_f32, 1.0, 1.0), (0.8, 0.6, 0.6), (0.7, 1.0, 0.4), (1.0, 0.2, 0.8)]
+        {
+            let n = Vec3::new((1.0 - cosine * cosine).sqrt(), 0.0, cosine);
+            let said = shading_error(cosine, Colour::new([c; 3]), Colour::new([d; 3]));
+            let expected = mean(n, c, d);
+            assert!((said - expected).abs() < 0.02 * expected + 0.01, "{said}, not {expected}");
+        }
+    }
 }

@@ -1,21 +1,23 @@
 //! Samples of the input's surface, each kept with the face that stands for its place now.
 
 use super::appearance::{Appearance, Colour};
-use super::knob::knob;
 use crate::wedges::Wedges;
 use crate::working::Working;
 use glam::Vec3;
+use lodc_mesh::NONE;
 use rayon::prelude::*;
-
-pub(super) const NONE: u32 = u32::MAX;
 
 /// Faces further apart than this (60°, as its cosine) are shaded as if an edge were between them.
 pub(super) const CREASE: f32 = 0.5;
 
-/// No face keeps more samples than this; the rest are dropped and the others count for more.
-const MOST: usize = 64;
+/// The most samples of one face; beyond, every other one is dropped and the rest weigh more.
+const MAX_SAMPLES_PER_FACE: usize = 64;
 /// A face of the input has at most this many samples; one of mean area or less has one.
 const DENSEST: usize = 16;
+/// Meshes with fewer faces than this have as many samples as if they had so many.
+const ENOUGH: f64 = 16_000.0;
+/// Normals are averaged over at most this many faces, so that hubs take no quadratic time.
+pub(super) const MAX_AVERAGED: usize = 64;
 
 /// A place on the input's surface.
 #[derive(Clone, Copy, Debug)]
@@ -31,12 +33,12 @@ pub(super) struct Sample {
     pub(super) curvature: f32,
     /// The area of texture space that a pixel covers there.
     pub(super) footprint: f32,
-    /// The area it stands for, as far as it is seen.
+    /// The area it stands for, times its visible share.
     pub(super) weight: f32,
-    /// Where it lies in its face: shares of the second and third corner.
+    /// Its place in its face: shares of the second and third corner.
     pub(super) at: [f32; 2],
-    /// What its distance from its face counts for.
-    pub(super) distance: f32,
+    /// The weighted error by its distance from its face.
+    pub(super) geometric: f32,
     /// The size of the piece that it stands for: the square root of its area.
     pub(super) extent: f32,
     next: u32,
@@ -46,8 +48,8 @@ pub(super) struct Sample {
 pub(super) struct Samples {
     all: Vec<Sample>,
     first: Vec<u32>,
-    /// What each face counts for that lies where the input has nothing.
-    foreign: Vec<f32>,
+    /// The energy of each face's part that lies where the input has nothing.
+    spurious: Vec<f32>,
 }
 
 impl Samples {
@@ -60,15 +62,20 @@ impl Samples {
         pixel: f32,
     ) -> Self {
         let total: f64 = mesh.faces.iter().map(|f| f64::from(f.area)).sum();
-        let dense = (knob(12, 0.0) / mesh.faces.len().max(1) as f32).clamp(1.0, knob(13, 8.0));
-        let mean = (total / mesh.faces.len().max(1) as f64) as f32 / dense;
+        let faces = mesh.faces.len().max(1) as f64;
+        let mean = (total / faces.max(ENOUGH)) as f32;
+        let normals: Vec<Vec3> = (0..mesh.places.len() as u32)
+            .into_par_iter()
+            .with_min_len(1024)
+            .map(|g| area_normal(mesh, g))
+            .collect();
         let lists: Vec<Vec<Sample>> = (0..mesh.faces.len() as u32)
             .into_par_iter()
             .with_min_len(1024)
             .map(|face| {
                 let area = mesh.faces[face as usize].area;
                 let count = if mean > 0.0 { ((area / mean) as usize).clamp(1, DENSEST) } else { 1 };
-                samples_of_face(mesh, wedges, appearance, pixel, face, count)
+                samples_of_face(mesh, wedges, appearance, &normals, pixel, face, count)
             })
             .collect();
         let mut all: Vec<Sample> = Vec::with_capacity(lists.iter().map(Vec::len).sum());
@@ -83,12 +90,28 @@ impl Samples {
                 all.push(s);
             }
         }
-        Self { all, foreign: vec![0.0; first.len()], first }
+        Self { all, spurious: vec![0.0; first.len()], first }
     }
 
-    /// Every sample, for weighing them.
-    pub(super) fn all_mut(&mut self) -> &mut [Sample] {
-        &mut self.all
+    /// Multiplies the weight of every sample of the input by a factor of its position and of the
+    /// unit normal of its face.
+    pub(super) fn scale_weights(
+        &mut self,
+        mesh: &Working,
+        factor: impl Fn(Vec3, Vec3) -> f32 + Sync,
+    ) {
+        // Samples still lie face by face.
+        let first = &self.first;
+        self.all.par_iter_mut().enumerate().with_min_len(1024).for_each(|(i, s)| {
+            let face = first.partition_point(|&start| start as usize <= i) - 1;
+            s.weight *= factor(s.position, mesh.faces[face].normal);
+        });
+    }
+
+    /// The sum of all weights, in squared working units.
+    #[cfg(test)]
+    pub(super) fn weight(&self) -> f32 {
+        self.all.iter().map(|s| s.weight).sum()
     }
 
     pub(super) fn get(&self, sample: u32) -> &Sample {
@@ -105,14 +128,14 @@ impl Samples {
         })
     }
 
-    /// What a face counts for that lies where the input has nothing.
-    pub(super) fn foreign(&self, face: u32) -> f32 {
-        self.foreign[face as usize]
+    /// The energy of a face's part that lies where the input has nothing.
+    pub(super) fn spurious(&self, face: u32) -> f32 {
+        self.spurious[face as usize]
     }
 
-    /// Notes that.
-    pub(super) fn set_foreign(&mut self, face: u32, foreign: f32) {
-        self.foreign[face as usize] = foreign;
+    /// Stores that energy.
+    pub(super) fn set_spurious(&mut self, face: u32, spurious: f32) {
+        self.spurious[face as usize] = spurious;
     }
 
     /// Takes all samples from a face.
@@ -120,17 +143,24 @@ impl Samples {
         self.first[face as usize] = NONE;
     }
 
-    /// Gives a sample to a face. `distance` is what its distance counts for.
-    pub(super) fn put(&mut self, sample: u32, face: u32, at: [f32; 2], distance: f32, shown: Colour) {
+    /// Gives a sample to a face, with its error by distance and the colour that it shows now.
+    pub(super) fn put(
+        &mut self,
+        sample: u32,
+        face: u32,
+        at: [f32; 2],
+        geometric: f32,
+        shown: Colour,
+    ) {
         let next = std::mem::replace(&mut self.first[face as usize], sample);
         let s = &mut self.all[sample as usize];
-        (s.at, s.distance, s.shown, s.next) = (at, distance, shown, next);
+        (s.at, s.geometric, s.shown, s.next) = (at, geometric, shown, next);
     }
 
     /// Drops every other sample of a face that has too many. Those that stay take over the weight
     /// of those that go.
     pub(super) fn thin(&mut self, face: u32) {
-        if self.of(face).count() <= knob(11, MOST as f32) as usize {
+        if self.of(face).count() <= MAX_SAMPLES_PER_FACE {
             return;
         }
         let (mut all, mut kept) = (0.0, 0.0);
@@ -144,7 +174,7 @@ impl Samples {
         while at != NONE {
             let s = &mut self.all[at as usize];
             s.weight *= scale;
-            s.distance *= scale;
+            s.geometric *= scale;
             s.extent *= std::f32::consts::SQRT_2;
             let dropped = s.next;
             let next = self.all.get(dropped as usize).map_or(NONE, |d| d.next);
@@ -159,6 +189,7 @@ fn samples_of_face(
     mesh: &Working,
     wedges: &Wedges,
     appearance: &Appearance<'_>,
+    area_normals: &[Vec3],
     pixel: f32,
     face: u32,
     count: usize,
@@ -168,7 +199,8 @@ fn samples_of_face(
     let vertices = corners.map(|w| wedges.attributes_of[w as usize]);
     let submesh = wedges.submesh[corners[0] as usize];
     let smooth_normal = |g: u32| {
-        let normals = mesh.star(g).iter().map(|c| mesh.faces[c.face() as usize].normal);
+        let faces = mesh.star(g).iter().take(MAX_AVERAGED);
+        let normals = faces.map(|c| mesh.faces[c.face() as usize].normal);
         normals.filter(|n| n.dot(f.normal) > CREASE).sum::<Vec3>().normalize_or_zero()
     };
     let normals = if appearance.has_normals() {
@@ -177,15 +209,15 @@ fn samples_of_face(
         f.groups.map(smooth_normal)
     };
     let p = f.groups.map(|g| mesh.position(g).as_vec3());
-    let curvature = convex_curvature(mesh, f.groups, &p);
-    let places = vertices.map(|v| appearance.place(v));
+    let curvature = convex_curvature(f.groups.map(|g| area_normals[g as usize]), &p);
+    let places = vertices.map(|v| appearance.coordinates(v));
     let [b, c] = [1, 2].map(|i| [0, 1].map(|k| places[i][k] - places[0][k]));
     let in_texture = 0.5 * (b[0] * c[1] - b[1] * c[0]).abs();
     let footprint = if f.area > 0.0 { in_texture / f.area * pixel } else { 0.0 };
     (0..count)
         .map(|i| {
             let at = if count == 1 { [1.0 / 3.0; 2] } else { place(i, count) };
-            let colour = appearance.colour(submesh, mix2(&places, at), footprint);
+            let colour = appearance.colour(submesh, mix_coordinates(&places, at), footprint);
             Sample {
                 position: mix(&p, at),
                 normal: mix(&normals, at).normalize_or_zero(),
@@ -195,7 +227,7 @@ fn samples_of_face(
                 footprint,
                 weight: f.area / count as f32,
                 at,
-                distance: 0.0,
+                geometric: 0.0,
                 extent: (f.area / count as f32).sqrt(),
                 next: NONE,
             }
@@ -203,13 +235,15 @@ fn samples_of_face(
         .collect()
 }
 
-/// The mean over a face's edges of the curvature along them, where they bulge outwards: how far the
-/// area-weighted normals at their ends are apart, per length.
-fn convex_curvature(mesh: &Working, groups: [u32; 3], p: &[Vec3; 3]) -> f32 {
-    let normals = groups.map(|g| {
-        let faces = mesh.star(g).iter().map(|c| &mesh.faces[c.face() as usize]);
-        faces.map(|f| f.normal * f.area).sum::<Vec3>().normalize_or_zero()
-    });
+/// The unit mean of the normals around a group, by area; zero if they cancel.
+fn area_normal(mesh: &Working, group: u32) -> Vec3 {
+    let faces = mesh.star(group).iter().map(|c| &mesh.faces[c.face() as usize]);
+    faces.map(|f| f.normal * f.area).sum::<Vec3>().normalize_or_zero()
+}
+
+/// The mean curvature along a face's edges where they bulge outwards: the difference of the normals
+/// at their ends, per length.
+fn convex_curvature(normals: [Vec3; 3], p: &[Vec3; 3]) -> f32 {
     let along = |i: usize, j: usize| {
         let edge = p[j] - p[i];
         let length = edge.length_squared();
@@ -224,7 +258,7 @@ pub(super) fn mix(corners: &[Vec3; 3], [u, v]: [f32; 2]) -> Vec3 {
 }
 
 /// Texture coordinates there.
-pub(super) fn mix2(corners: &[[f32; 2]; 3], [u, v]: [f32; 2]) -> [f32; 2] {
+pub(super) fn mix_coordinates(corners: &[[f32; 2]; 3], [u, v]: [f32; 2]) -> [f32; 2] {
     [0, 1].map(|k| corners[0][k] * (1.0 - u - v) + corners[1][k] * u + corners[2][k] * v)
 }
 

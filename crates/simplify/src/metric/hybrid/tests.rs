@@ -1,7 +1,7 @@
 //! What the hybrid metric promises: rules hold, hidden things go first, errors it remembers are
 //! those it would measure.
 
-use super::{HybridMetric, Patch};
+use super::{Checkerboard, HybridMetric, Patch};
 use crate::build::build;
 use crate::metric::Metric;
 use crate::{MetricKind, Options, simplify};
@@ -81,9 +81,10 @@ fn what_is_flat_is_free() {
 fn a_commit_costs_what_the_look_said() {
     let mut looked_at = 0;
     for mesh in [shapes::icosphere(3), shapes::terrain(), shapes::torus(), shapes::machine_part()] {
+        let colours = Checkerboard::new(&mesh);
         let built = build(&mesh);
         let mut working = built.working;
-        let mut metric = HybridMetric::new(&working, &built.wedges, built.size);
+        let mut metric = HybridMetric::new(&mesh, &colours, &working, &built.wedges, built.size);
         metric.toggle(&working, true);
         let mut random = shapes::Rng::new(5);
         for _ in 0..60 {

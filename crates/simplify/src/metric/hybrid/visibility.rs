@@ -1,20 +1,20 @@
-//! How much of each sample is seen: by 20 cameras, behind nothing.
+//! The visible share of each sample, over 20 cameras.
 
-use super::samples::Sample;
+use super::samples::Samples;
 use crate::working::Working;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use lodc_raster::{Camera, SUBPIXELS, Window, metric_cameras, scan};
 use rayon::prelude::*;
 
 /// Pixels across the pictures that say what is hidden.
 const SIZE: u32 = 512;
-/// A sample is seen if it is at most this far behind what is seen around it, in the depth unit of
-/// cameras: half a pixel.
+/// A sample is visible if it is at most this far behind the nearest surface around it, in the depth
+/// unit of cameras: half a pixel. So faces that coincide do not hide each other.
 const TOLERANCE: i32 = 512;
 
-/// Multiplies every sample's weight by the part of it that is seen, on average over all directions,
-/// as a share of what is seen of a face with nothing before it.
-pub(super) fn weigh(mesh: &Working, samples: &mut [Sample]) {
+/// Multiplies every sample's weight by its visible share: the mean projected area that is seen, 1 for
+/// one side of a surface with nothing in front of it. Both sides of a face are seen.
+pub(super) fn weigh(mesh: &Working, samples: &mut Samples) {
     let points = || mesh.places.iter().map(|p| p.position.as_dvec3());
     let (lo, hi) =
         points().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)));
@@ -24,17 +24,22 @@ pub(super) fn weigh(mesh: &Working, samples: &mut [Sample]) {
     let pictures: Vec<Vec<i32>> =
         cameras.par_iter().map(|camera| farthest_around(&depths(mesh, camera))).collect();
     let views = cameras.len() as f32;
-    samples.par_iter_mut().with_min_len(1024).for_each(|s| {
+    samples.scale_weights(mesh, |position, normal| {
         let seen = |(camera, picture): (&Camera, &Vec<i32>)| {
-            let p = camera.project(s.position.as_dvec3());
+            let p = camera.project(position.as_dvec3());
             let pixel =
                 (p.y.div_euclid(SUBPIXELS) * SIZE as i32 + p.x.div_euclid(SUBPIXELS)) as usize;
             let is_seen = p.z <= picture[pixel].saturating_add(TOLERANCE);
-            if is_seen { s.normal.dot(camera.toward.as_vec3()).abs() } else { 0.0 }
+            if is_seen { projected_share(normal, camera) } else { 0.0 }
         };
         // A plane is seen from half of all directions, on average at a cosine of one half.
-        s.weight *= cameras.iter().zip(&pictures).map(seen).sum::<f32>() * 4.0 / views;
+        cameras.iter().zip(&pictures).map(seen).sum::<f32>() * 4.0 / views
     });
+}
+
+/// The share of a face's area that a camera sees.
+fn projected_share(normal: Vec3, camera: &Camera) -> f32 {
+    normal.dot(camera.toward.as_vec3()).abs()
 }
 
 /// The least depth at every pixel.

@@ -1,0 +1,170 @@
+//! Properties of what is seen: loose pieces, doubled faces, cards, texture coordinates.
+
+use super::SurfaceColours;
+use super::samples::Samples;
+use super::{Appearance, Checkerboard, visibility};
+use crate::build::build;
+use crate::{MetricKind, Options, simplify, simplify_coloured};
+use glam::Vec3;
+use lodc_fixtures as shapes;
+use lodc_mesh::{Attribute, Component, Mesh, MeshParts, Semantic, Simplified, Submesh};
+
+const HYBRID: Options = Options { metric: MetricKind::Hybrid, ..Options::DEFAULT };
+
+fn mesh(
+    positions: Vec<[f32; 3]>,
+    triangles: Vec<[u32; 3]>,
+    texture: Option<Vec<[f32; 2]>>,
+) -> Mesh {
+    let attributes: Vec<Attribute> = texture
+        .into_iter()
+        .map(|values| Attribute {
+            semantic: Semantic::TexCoord(0),
+            morph_target: None,
+            component: Component::F32,
+            components: 2,
+            normalized: false,
+            bytes: values.iter().flatten().flat_map(|x| x.to_le_bytes()).collect(),
+        })
+        .collect();
+    let submesh = Submesh {
+        first_triangle: 0,
+        triangle_count: triangles.len() as u32,
+        attributes: (0..attributes.len() as u32).collect(),
+    };
+    Mesh::try_from(MeshParts {
+        vertex_submesh: vec![0; positions.len()],
+        positions,
+        attributes,
+        triangles,
+        submeshes: vec![submesh],
+    })
+    .expect("a valid mesh")
+}
+
+/// A grid of `n` by `n` squares over the unit square: positions and triangles.
+fn grid(n: u32) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
+    let at = |i: u32| i as f32 / n as f32;
+    let positions = (0..=n).flat_map(|y| (0..=n).map(move |x| [at(x), at(y), 0.0])).collect();
+    let square = |x: u32, y: u32| {
+        let a = y * (n + 1) + x;
+        [[a, a + 1, a + n + 2], [a, a + n + 2, a + n + 1]]
+    };
+    (positions, (0..n).flat_map(|y| (0..n).flat_map(move |x| square(x, y))).collect())
+}
+
+/// The area of the triangles of a level that satisfy a condition on their corners.
+fn area(simplified: &Simplified, triangles: u32, is_counted: impl Fn([Vec3; 3]) -> bool) -> f32 {
+    let lod = simplified.collapses().lod_for_triangles(triangles);
+    let corners = simplified
+        .triangles_at(lod)
+        .into_iter()
+        .map(|t| t.corners.map(|v| Vec3::from(simplified.mesh().positions()[v as usize])));
+    corners.filter(|c| is_counted(*c)).map(|[a, b, c]| 0.5 * (b - a).cross(c - a).length()).sum()
+}
+
+#[test]
+fn loose_quads_go_one_by_one() {
+    let quad = |i: u32| {
+        let (x, y) = ((i % 20) as f32, (i / 20) as f32);
+        [[x, y, 0.0], [x + 0.5, y, 0.0], [x + 0.5, y + 0.5, 0.0], [x, y + 0.5, 0.0]]
+    };
+    let positions = (0..300).flat_map(quad).collect();
+    let triangles = (0..300).flat_map(|i| [[0, 1, 2], [0, 2, 3]].map(|t| t.map(|v| 4 * i + v)));
+    let simplified = simplify(&mesh(positions, triangles.collect(), None), &HYBRID, &|_, _| {});
+    let whole = area(&simplified, 600, |_| true);
+    for left in [540, 450, 300, 150, 60] {
+        let share = area(&simplified, left, |_| true) / whole;
+        let fair = left as f32 / 600.0;
+        assert!(share > fair - 0.02, "{share} of the area in {left} of 600 triangles");
+    }
+}
+
+#[test]
+fn a_seat_of_doubled_faces_stays_covered() {
+    // A square seat, both sides as faces of their own, beside a sphere that takes most triangles.
+    let (seat, faces) = grid(6);
+    let ball = shapes::icosphere(3);
+    let mut positions = seat.clone();
+    positions.extend(&seat);
+    let mut triangles = faces.clone();
+    triangles.extend(faces.iter().map(|t| [t[2] + 49, t[1] + 49, t[0] + 49]));
+    let first = positions.len() as u32;
+    positions.extend(
+        ball.positions().iter().map(|p| [p[0] * 0.3 + 0.5, p[1] * 0.3 + 0.5, p[2] * 0.3 + 1.0]),
+    );
+    triangles.extend(ball.triangles().iter().map(|t| t.map(|v| v + first)));
+    let simplified = simplify(&mesh(positions, triangles, None), &HYBRID, &|_, _| {});
+    for left in [400, 100, 40] {
+        let seat = area(&simplified, left, |c| c.iter().all(|p| p.z == 0.0));
+        assert!(seat > 0.95, "{left} triangles: {seat} of the seat's two sides");
+    }
+}
+
+#[test]
+fn a_card_is_seen_from_both_sides() {
+    let (positions, triangles) = grid(8);
+    let mesh = mesh(positions, triangles, None);
+    let built = build(&mesh);
+    let colours = Checkerboard::new(&mesh);
+    let appearance = Appearance::new(&mesh, &colours);
+    let mut samples = Samples::new(&built.working, &built.wedges, &appearance, 1e-6);
+    let before = samples.weight();
+    visibility::weigh(&built.working, &mut samples);
+    let after = samples.weight();
+    // A closed surface is seen from one side: half of all directions. A card is seen from all.
+    assert!(after > 1.8 * before, "{after} of {before}");
+}
+
+/// A sharp border between two charts.
+struct TwoCharts;
+
+impl SurfaceColours for TwoCharts {
+    fn set(&self, _submesh: u32) -> Option<u32> {
+        Some(0)
+    }
+    fn at(&self, _submesh: u32, [u, _]: [f32; 2], _footprint: f32) -> [f32; 3] {
+        if u < 0.5 { [1.0, 0.1, 0.1] } else { [0.1, 0.1, 1.0] }
+    }
+}
+
+/// The share of the unit square that shows the wrong one of two charts.
+fn bled(simplified: &Simplified, triangles: u32, texture: &dyn Fn([f32; 3]) -> f32) -> f32 {
+    let mesh = simplified.mesh();
+    let lod = simplified.collapses().lod_for_triangles(triangles);
+    let levels = simplified.triangles_at(lod);
+    let (mut wrong, mut all) = (0, 0);
+    for i in 0..2500 {
+        let p = Vec3::new((i % 50) as f32 / 50.0 + 0.01, (i / 50) as f32 / 50.0 + 0.01, 0.0);
+        for t in &levels {
+            let [a, b, c] = t.corners.map(|v| Vec3::from(mesh.positions()[v as usize]));
+            let whole = (b - a).cross(c - a).z;
+            let shares = [(c - b).cross(p - b).z, (a - c).cross(p - c).z, (b - a).cross(p - a).z];
+            let shares = shares.map(|s| s / whole);
+            if shares.iter().all(|&s| s >= 0.0) {
+                let u = |k: usize| mesh.attributes()[0].value(t.corners[k], 0) * shares[k];
+                all += 1;
+                wrong += u32::from((u(0) + u(1) + u(2) < 0.5) != (texture(p.to_array()) < 0.5));
+                break;
+            }
+        }
+    }
+    assert!(all > 2400, "only {all} places are covered");
+    wrong as f32 / all as f32
+}
+
+#[test]
+fn charts_do_not_bleed() {
+    // The square is flat, so nothing but its colours says which vertices matter.
+    let (positions, triangles) = grid(24);
+    let wavy = |p: [f32; 3]| {
+        let bend = p[1] * (1.0 - p[1]);
+        0.5 + 4.0 * (p[0] - 0.3 - bend) * (0.2 + (p[0] - 0.3 - bend).abs())
+    };
+    let texture = positions.iter().map(|&p| [wavy(p), p[1]]).collect();
+    let mesh = mesh(positions, triangles, Some(texture));
+    let seen = simplify_coloured(&mesh, &HYBRID, &TwoCharts, &|_, _| {});
+    let blind = simplify(&mesh, &Options { attributes: false, ..Options::DEFAULT }, &|_, _| {});
+    let (with, without) = (bled(&seen, 60, &wavy), bled(&blind, 60, &wavy));
+    assert!(with < 0.02 && with < 0.5 * without, "{with} with colours, {without} without");
+}
