@@ -119,6 +119,7 @@ pub fn simplify_coloured(
             run(mesh, options, QuadricMetric::new(working, wedges), built, attributes, progress)
         }
         MetricKind::Hybrid => {
+            let colours = options.attributes.then_some(colours);
             let metric = HybridMetric::new(mesh, colours, working, wedges, built.size);
             run(mesh, options, metric, built, attributes, progress)
         }

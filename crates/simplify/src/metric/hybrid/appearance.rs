@@ -10,10 +10,15 @@ pub(super) struct Appearance<'a> {
     normals: Vec<Vec3>,
     /// Empty if no submesh is coloured by texture coordinates.
     texture: Vec<[f32; 2]>,
-    colours: &'a dyn SurfaceColours,
+    colours: Option<&'a dyn SurfaceColours>,
 }
 
 impl<'a> Appearance<'a> {
+    /// The look of a shape alone: white, with the normals of its triangles.
+    pub(super) fn of_shape() -> Self {
+        Self { normals: Vec::new(), texture: Vec::new(), colours: None }
+    }
+
     /// Reads the streams that are shown: normals if every submesh with triangles has them, and for
     /// each submesh the texture coordinates that its colours are read with.
     pub(super) fn new(mesh: &Mesh, colours: &'a dyn SurfaceColours) -> Self {
@@ -51,7 +56,7 @@ impl<'a> Appearance<'a> {
             } else {
                 Vec::new()
             },
-            colours,
+            colours: Some(colours),
         }
     }
 
@@ -77,7 +82,8 @@ impl<'a> Appearance<'a> {
 
     /// The colour of a submesh at texture coordinates, averaged over an area of texture space.
     pub(super) fn colour(&self, submesh: u32, at: [f32; 2], footprint: f32) -> Colour {
-        Colour::new(self.colours.at(submesh, at, footprint))
+        let white = [1.0; 3];
+        Colour::new(self.colours.map_or(white, |c| c.at(submesh, at, footprint)))
     }
 }
 

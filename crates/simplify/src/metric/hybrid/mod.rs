@@ -77,15 +77,16 @@ pub(crate) struct HybridMetric<'a> {
 }
 
 impl<'a> HybridMetric<'a> {
-    /// Samples a mesh and sees what is visible. `size` is the mesh's diagonal in working units.
+    /// Samples a mesh and its visibility. Without `colours`, and then without normals of vertices,
+    /// the shape alone is seen. `size` is the mesh's diagonal in working units.
     pub(crate) fn new(
         input: &Mesh,
-        colours: &'a dyn SurfaceColours,
+        colours: Option<&'a dyn SurfaceColours>,
         mesh: &Working,
         wedges: &Wedges,
         size: f64,
     ) -> Self {
-        let appearance = Appearance::new(input, colours);
+        let appearance = colours.map_or_else(Appearance::of_shape, |c| Appearance::new(input, c));
         let pixel = (size / PIXELS).powi(2) as f32;
         let mut samples = Samples::new(mesh, wedges, &appearance, pixel);
         visibility::weigh(mesh, &mut samples);

@@ -84,7 +84,8 @@ fn a_commit_costs_what_the_look_said() {
         let colours = Checkerboard::new(&mesh);
         let built = build(&mesh);
         let mut working = built.working;
-        let mut metric = HybridMetric::new(&mesh, &colours, &working, &built.wedges, built.size);
+        let mut metric =
+            HybridMetric::new(&mesh, Some(&colours), &working, &built.wedges, built.size);
         metric.toggle(&working, true);
         let mut random = shapes::Rng::new(5);
         for _ in 0..60 {

@@ -2,12 +2,12 @@
 //! 4.2.1; Castelló et al. 2007), `C = Σ_v |H_v − H'_v|`, with the quadric where nothing that is
 //! seen changes.
 //!
-//! Every camera keeps the sorted list of everything behind each of its pixels, so that looking at a
+//! Every camera keeps the sorted list of everything behind each of its pixels, so that pricing a
 //! collapse is exact, occlusion included, without drawing anything but the faces that move. All
-//! areas are integers and stay those of a picture drawn afresh. What is hidden changes no picture
+//! areas are integers and stay those of a picture drawn afresh. Hidden parts change no picture
 //! and goes first.
 //!
-//! Where faces are smaller than pixels there is nothing to count: as long as there is more than one
+//! Faces smaller than pixels give nothing to count: as long as there is more than one
 //! face for every eight pixels covered (all views together), the quadric alone decides.
 
 mod reprice;
@@ -30,7 +30,7 @@ use rayon::prelude::*;
 use score::{Table, log_area};
 use view::{BACKGROUND, View};
 
-/// Covered pixels, of all views together, that a face needs so that what is seen can be priced.
+/// Covered pixels, of all views together, that a face needs for visual pricing.
 const PIXELS_PER_FACE: u64 = 8;
 
 pub(crate) struct VisualMetric {
@@ -44,9 +44,9 @@ pub(crate) struct VisualMetric {
     areas: Vec<f64>,
     /// `Σ aᵢ log₂(aᵢ/Aᵢ)` of each view.
     divergences: Vec<f64>,
-    /// With so many faces, or fewer, what is seen decides.
+    /// Number of faces up to which pricing is visual.
     limit: u64,
-    asleep_for_good: bool,
+    finished: bool,
 }
 
 impl VisualMetric {
@@ -64,7 +64,7 @@ impl VisualMetric {
             areas: Vec::new(),
             divergences: Vec::new(),
             limit: covered / PIXELS_PER_FACE,
-            asleep_for_good: false,
+            finished: false,
         }
     }
 
@@ -131,14 +131,14 @@ fn cameras(mesh: &Working, size: u32) -> Vec<Camera> {
     metric_cameras(center, radius, size)
 }
 
-/// How many pixels of a picture are covered.
+/// The number of covered pixels of a picture.
 fn covered(mesh: &Working, camera: &Camera) -> u64 {
     let size = camera.size;
     let mut seen = vec![false; (size * size) as usize];
     for face in mesh.live() {
         let corners = mesh.faces[face as usize].groups.map(|g| camera.project(mesh.position(g)));
         scan(corners, Window::whole(size), |column, row, _| {
-            seen[(row * size as i32 + column) as usize] = true
+            seen[(row * size as i32 + column) as usize] = true;
         });
     }
     seen.into_iter().filter(|&s| s).count() as u64
@@ -178,7 +178,7 @@ impl Metric for VisualMetric {
     }
 
     fn should_toggle(&self, mesh: &Working) -> bool {
-        !self.is_active() && !self.asleep_for_good && u64::from(mesh.live_faces) <= self.limit
+        !self.is_active() && !self.finished && u64::from(mesh.live_faces) <= self.limit
     }
 
     fn toggle(&mut self, mesh: &Working, legal: bool) {
@@ -188,7 +188,7 @@ impl Metric for VisualMetric {
             }
         } else {
             self.views = Vec::new();
-            self.asleep_for_good = true;
+            self.finished = true;
         }
     }
 

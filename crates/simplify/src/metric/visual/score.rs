@@ -1,4 +1,4 @@
-//! What a picture says about a mesh, as one number per view, from the pixels that each face covers.
+//! Scores of a mesh in a picture, one number per view, from the pixels that each face covers.
 //!
 //! Viewpoint entropy (Vázquez et al. 2001): `H = log₂ N − (1/N) Σ f(aᵢ)` with `f(a) = a log₂ a`
 //! over all faces and the background, `N` pixels in all. Kullback–Leibler divergence of what is

@@ -7,9 +7,9 @@ use lodc_raster::{Camera, Fragment, Layers, Point, Window, scan};
 /// The background, as an item.
 pub(crate) const BACKGROUND: u32 = u32::MAX;
 
-/// What one camera sees.
+/// The picture of one camera.
 pub(crate) struct View {
-    /// Where each group appears.
+    /// The place of each group in the picture.
     points: Vec<Point>,
     layers: Layers,
     size: u32,
@@ -126,11 +126,11 @@ impl View {
         let corners = groups.map(|g| self.points[g as usize]);
         let (size, layers) = (self.size as i32, &mut self.layers);
         scan(corners, Window::whole(self.size), |column, row, _| {
-            layers.remove((row * size + column) as usize, face)
+            layers.remove((row * size + column) as usize, face);
         });
     }
 
-    /// `from`'s faces move to `to`; those that hold both go. `changed` is told of every item whose
+    /// `from`'s faces move to `to`; those that hold both go. `changed` is called for every item whose
     /// area changes, with the areas before and after, pixel by pixel.
     pub(crate) fn collapse(
         &mut self,
