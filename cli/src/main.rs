@@ -7,6 +7,7 @@ mod console;
 mod exit;
 mod gpu;
 mod interrupt;
+mod kinds;
 mod levels;
 mod limits;
 mod memory;

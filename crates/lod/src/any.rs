@@ -43,7 +43,17 @@ impl ModelKind {
         }
     }
 
-    /// Its name in options, files and reports.
+    /// One line of help.
+    #[must_use]
+    pub const fn help(self) -> &'static str {
+        match self {
+            Self::Speed => "Speed Strips",
+            Self::Masking => "Masking Strips",
+            Self::Interactive => "Interactive Meshes",
+        }
+    }
+
+    /// The name in options, files and reports.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {

@@ -49,6 +49,37 @@ pub enum MetricKind {
     Hybrid,
 }
 
+impl MetricKind {
+    /// All metrics, in the order in which help lists them.
+    pub const ALL: [Self; 4] = [Self::Quadric, Self::Viewpoint, Self::Divergence, Self::Hybrid];
+
+    /// The name in options.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Quadric => "quadric",
+            Self::Viewpoint => "viewpoint",
+            Self::Divergence => "kl",
+            Self::Hybrid => "hybrid",
+        }
+    }
+
+    /// One line of help.
+    #[must_use]
+    pub const fn help(self) -> &'static str {
+        match self {
+            Self::Quadric => "Distance to the surface: the quickest, and the closest in space",
+            Self::Viewpoint => {
+                "What 20 pictures tell of the mesh (viewpoint entropy): hidden parts go first"
+            }
+            Self::Divergence => {
+                "What 20 pictures show against what is there (Kullback-Leibler divergence)"
+            }
+            Self::Hybrid => "Error of the shaded surface where it is seen: looks best",
+        }
+    }
+}
+
 /// What a simplification respects.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {

@@ -38,10 +38,10 @@ impl StripKind {
 
     /// Makes strips that draw exactly the mesh.
     #[must_use]
-    pub fn generate(self, mesh: &Mesh, effort: Effort) -> StripSet {
+    pub fn generate(self, mesh: &Mesh, options: &CacheOptions) -> StripSet {
         match self {
-            Self::Stripe => stripe(mesh, effort),
-            Self::Cache => cache(mesh, &CacheOptions { effort, ..CacheOptions::default() }),
+            Self::Stripe => stripe(mesh, options.effort),
+            Self::Cache => cache(mesh, options),
         }
     }
 }
@@ -60,7 +60,8 @@ impl Strips {
     /// result does not depend on it.
     #[must_use]
     pub fn generate(simplified: &Simplified, kind: StripKind, effort: Effort) -> Self {
-        Self { kind, set: kind.generate(simplified.mesh(), effort) }
+        let options = CacheOptions { effort, ..CacheOptions::default() };
+        Self { kind, set: kind.generate(simplified.mesh(), &options) }
     }
 }
 

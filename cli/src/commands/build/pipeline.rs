@@ -1,6 +1,6 @@
 //! The stages of one build: import, simplify, models, check, write.
 
-use super::{BuildArgs, StripsName, counts};
+use super::{BuildArgs, counts};
 use crate::exit::{Failure, Outcome, Status};
 use crate::levels;
 use crate::output::{self, Target};
@@ -47,7 +47,7 @@ pub(super) fn make(
     progress.stage("simplify");
     let Scene { source, document, objects, files_read, .. } = scene;
     let options = Options {
-        metric: args.metric.kind(),
+        metric: args.metric,
         preserve_topology: args.preserve_topology,
         lock_border: args.lock_border,
         attributes: !args.no_attributes,
@@ -61,8 +61,7 @@ pub(super) fn make(
     let bug = |what: String| {
         Failure::new(Status::Bug, format!("{}: {what}; nothing was written", input.display()))
     };
-    let options =
-        StripOptions { kind: args.strips.map(StripsName::kind), effort: args.effort.into() };
+    let options = StripOptions { kind: args.strips, effort: args.effort };
     let mut pools: Vec<StripPool<'_>> =
         simplified.iter().map(|(_, s)| StripPool::new(s, options)).collect();
     if kinds.iter().any(|kind| kind.strips().is_some()) {
