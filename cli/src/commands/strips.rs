@@ -19,27 +19,32 @@ use std::path::PathBuf;
 /// Options of `strips`.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "Every line of the output is `s` and the vertices of a strip, or `l` and the vertices of a \
-                        triangle list; vertices are numbered from 0: for an OBJ in the order of its `v` \
-                        lines, for glTF as loaded, one mesh after the other."
+    after_help = "Every line of the output is `s` and the vertices of a strip, or `l` and the \
+                  vertices of a triangle list; vertices are numbered from 0: for an OBJ in the \
+                  order of its `v` lines, for glTF as loaded, one mesh after the other."
 )]
 pub(crate) struct StripsArgs {
     /// The mesh to read: OBJ, glTF or GLB; `-` for standard input
     input: PathBuf,
-    /// Where to write the strips; `-` for standard output
+    /// File for the strips; `-` for standard output
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
     /// Few long strips, strips that reuse a vertex cache, or a triangle list that does
     #[arg(long, value_parser = generators(), default_value = StripKind::Stripe.name())]
     strips: Choice<StripKind>,
-    /// How long to search
+    /// Time that the search may take
     #[arg(long, value_parser = parser::<Effort>(), default_value = Effort::default().name())]
     effort: Effort,
-    /// How many vertices the cache holds that `cache` and `list` are made for
-    #[arg(long, value_name = "N", default_value = "16", value_parser = clap::value_parser!(u32).range(4..=64))]
+    /// Number of vertices the cache holds that `cache` and `list` are made for
+    #[arg(
+        long,
+        value_name = "N",
+        default_value = "16",
+        value_parser = clap::value_parser!(u32).range(4..=64)
+    )]
     cache_size: u32,
-    /// How many fetched vertices an index is worth to `cache`: more makes fewer indices, less fewer
-    /// misses
+    /// Number of fetched vertices an index is worth to `cache`: more makes fewer indices, less
+    /// fewer misses
     #[arg(long, value_name = "PRICE", default_value = "1", value_parser = price)]
     index_price: f32,
     /// Threads; the output does not depend on it [default: all cores]
@@ -61,7 +66,7 @@ fn price(text: &str) -> Result<f32, String> {
     }
 }
 
-/// What was drawn in all, for the note at the end.
+/// The sums over all objects, for the note at the end.
 #[derive(Default)]
 struct Totals {
     triangles: u64,

@@ -60,7 +60,7 @@ impl Baseline {
         Ok(vec![progressive, lodstrips, Self::Discrete(Discrete::build(simplified))])
     }
 
-    /// Whether it shows every LOD.
+    /// Returns whether it shows every LOD.
     #[must_use]
     pub fn continuous(&self) -> bool {
         !matches!(self, Self::Discrete(_))

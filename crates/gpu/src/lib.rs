@@ -10,7 +10,7 @@ mod replay;
 mod session;
 mod timer;
 
-pub use device::{Adapter, Device, Lowered};
+pub use device::{Adapter, Device, LimitOverrides};
 pub use error::GpuError;
 pub use measure::{Figure, measure};
 pub use replay::{Difference, Replayed, replay};

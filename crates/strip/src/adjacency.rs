@@ -20,7 +20,7 @@ pub(crate) fn decode(code: u32) -> (u32, u32) {
     (code >> 2, code & 3)
 }
 
-/// Whether a triangle names a vertex twice: such a one draws nothing.
+/// Returns whether a triangle names a vertex twice: such a one draws nothing.
 pub(crate) fn is_degenerate([a, b, c]: [u32; 3]) -> bool {
     a == b || b == c || c == a
 }

@@ -1,6 +1,7 @@
 //! The time that a generator may take.
 
-/// The time that a generator may take. Figures are seconds per million triangles on one core, roughly.
+/// The time that a generator may take. Figures are seconds per million triangles on one core,
+/// roughly.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Effort {
     /// About half a second: one greedy pass and little more.

@@ -73,12 +73,12 @@ impl Deref for Strips {
     }
 }
 
-/// How strips are made for models that need some.
+/// The making of strips for models that need some.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct StripOptions {
     /// The generator; each model has a default of its own.
     pub kind: Option<StripKind>,
-    /// How long it may search.
+    /// The time that it may take.
     pub effort: Effort,
 }
 

@@ -27,7 +27,7 @@ pub use view::{ShownView, check_view};
 use lodc_mesh::{Lod, OrientedTriangle, PositionIds, SplitMix64, TriangleHash};
 use lodc_model::{Changes, Model};
 
-/// How thoroughly to verify.
+/// The thoroughness of a verification.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct VerifyOptions {
     /// Compare at every `stride`-th step (0 means 1). The last step is always compared.
@@ -38,7 +38,7 @@ pub struct VerifyOptions {
     pub full_stops: u32,
     /// Random jumps, each followed by a full comparison. Fewer where there are fewer full stops.
     pub jumps: u32,
-    /// Where the jumps lead.
+    /// The seed of the jumps' targets.
     pub seed: u64,
 }
 
@@ -46,8 +46,8 @@ impl VerifyOptions {
     /// Full comparisons that no size of a mesh makes fewer.
     pub const FEWEST: u32 = 16;
 
-    /// How many of `wanted` full comparisons a mesh of so many triangles gets: all together look at
-    /// some fifty million triangles, which takes a few seconds.
+    /// Returns the number of of `wanted` full comparisons a mesh of so many triangles gets: all
+    /// together look at some fifty million triangles, which takes a few seconds.
     fn affordable(wanted: u32, triangles: usize) -> u32 {
         let affordable = u32::try_from(50_000_000 / triangles.max(1)).unwrap_or(u32::MAX);
         wanted.min(affordable.max(Self::FEWEST))

@@ -41,8 +41,8 @@ use std::sync::Arc;
 /// Options of `bench`.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "Times are the best of several rounds in which everything takes turns; they differ from run to \
-                        run. Everything else does not."
+    after_help = "Times are the best of several rounds in which everything takes turns; they \
+                  differ from run to run. Everything else does not."
 )]
 pub(crate) struct BenchArgs {
     /// Meshes (OBJ, glTF, GLB), or .lodc files with their models as they are
@@ -52,12 +52,16 @@ pub(crate) struct BenchArgs {
     /// every one]
     #[arg(long, value_delimiter = ',', value_name = "MODELS", value_parser = parser::<ModelKind>())]
     models: Vec<ModelKind>,
-    /// What drives the collapses of meshes (a .lodc file has its own)
-    #[arg(long, value_parser = parser::<MetricKind>(), default_value = MetricKind::default().name())]
+    /// Metric that drives the collapses of meshes (a .lodc file has its own)
+    #[arg(
+        long,
+        value_parser = parser::<MetricKind>(),
+        default_value = MetricKind::default().name()
+    )]
     metric: MetricKind,
     #[arg(long, value_parser = parser::<StripKind>(), help = strips_help())]
     strips: Option<StripKind>,
-    /// How long strip generation may search
+    /// Time that strip generation may take
     #[arg(long, value_parser = parser::<Effort>(), default_value = Effort::default().name())]
     effort: Effort,
     /// Share of the LODs from one update to the next, in percent
@@ -71,8 +75,14 @@ pub(crate) struct BenchArgs {
     no_times: bool,
     /// Also time models on a GPU, by its own clock: `require` one (plain --gpu), or take it if
     /// there is one (`auto`)
-    #[arg(long, value_name = "WHEN", num_args = 0..=1, require_equals = true, default_missing_value = "require")]
-    gpu: Option<GpuUse>,
+    #[arg(
+        long,
+        value_name = "WHEN",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "require"
+    )]
+    pub(crate) gpu: Option<GpuUse>,
     /// The GPU to use, by a part of its name
     #[arg(long, value_name = "NAME", requires = "gpu")]
     adapter: Option<String>,

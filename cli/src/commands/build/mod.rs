@@ -41,7 +41,11 @@ pub(crate) struct BuildArgs {
     #[arg(long, value_delimiter = ',', value_name = "MODELS", value_parser = parser::<ModelKind>())]
     models: Vec<ModelKind>,
     /// What drives the collapses
-    #[arg(long, value_parser = parser::<MetricKind>(), default_value = MetricKind::default().name())]
+    #[arg(
+        long,
+        value_parser = parser::<MetricKind>(),
+        default_value = MetricKind::default().name()
+    )]
     metric: MetricKind,
     /// No change of topology before the terminal phase
     #[arg(long)]

@@ -102,7 +102,7 @@ fn everything() -> View {
     View { criterion: Criterion::everywhere(Lod(0)), morph: false }
 }
 
-/// What the variants take, each by itself.
+/// Returns the memory of the variants, each by itself.
 fn memory(simplified: &Simplified, lists: &CollapseLists) -> Result<Vec<Memory>, PlanError> {
     let mesh = simplified.mesh();
     let words = |stride, variant: &dyn Fn(&mut Program, VertexRecords) -> Result<(), PlanError>| {

@@ -46,7 +46,7 @@ pub struct Masking {
     positions: PositionIds,
     /// The submesh of each strip.
     submeshes: Vec<u32>,
-    /// Where each strip's entries start, and where the last one's end.
+    /// Start of each strip's entries, and end of the last one's.
     firsts: Vec<u32>,
     /// Strip by strip, in order of records: the entry before one is what going back needs.
     entries: Vec<Entry>,
@@ -124,7 +124,7 @@ impl Masking {
         &self.strips
     }
 
-    /// Where a strip's entries are.
+    /// Returns the place of a strip's entries.
     fn history(&self, strip: usize) -> std::ops::Range<usize> {
         self.firsts[strip] as usize..self.firsts[strip + 1] as usize
     }

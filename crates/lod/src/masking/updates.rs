@@ -13,7 +13,7 @@ use std::ops::Range;
 /// filtered copy.
 pub(super) const ROOM: usize = 2 * LONGEST;
 
-/// Where a record's share of each list starts; it ends where the next record's starts.
+/// Start of a record's share of each list; it ends where the next record's starts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Starts {
     strips: u32,
@@ -43,13 +43,13 @@ pub(super) struct Updates {
     strips: Vec<u32>,
     /// Places of a cursor's buffer that are written.
     places: Vec<u32>,
-    /// What is written there, and what it was: the vertex that the record removes.
+    /// The target that is written there, and the vertex that the record removes.
     targets: Vec<u32>,
     vertices: Vec<u32>,
     copies: Vec<Refiltered>,
 }
 
-/// What some consecutive records do.
+/// The changes of some consecutive records.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Run<'a> {
     pub(super) strips: &'a [u32],
@@ -108,7 +108,7 @@ impl Updates {
         }
     }
 
-    /// What some records do.
+    /// Returns the changes of some records.
     pub(super) fn of(&self, records: &Range<u32>) -> Run<'_> {
         let [a, b] = [records.start, records.end].map(|k| self.starts[k as usize]);
         let writes = a.writes as usize..b.writes as usize;

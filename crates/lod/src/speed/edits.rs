@@ -9,7 +9,7 @@ use crate::trace::{History, Removal};
 use lodc_strip::StripSet;
 use std::ops::Range;
 
-/// Where a record's entries start in each of the lists; they end where the next record's start.
+/// Start of a record's entries in each of the lists; they end where the next record's start.
 #[derive(Clone, Copy, Debug, Default)]
 struct Starts {
     affected: u32,
@@ -25,7 +25,7 @@ struct Affected {
     /// Its entry before this one and after it; `u32::MAX` for none.
     previous: u32,
     next: u32,
-    /// How long it is before and after the record, 0 if it is dead.
+    /// Its length before and after the record, 0 if it is dead.
     before: u32,
     after: u32,
 }
@@ -36,7 +36,7 @@ pub(super) struct Gone {
     pub(super) strip: u32,
     pub(super) record: u32,
     pub(super) removal: Removal,
-    /// How many changes, of all records, come before it.
+    /// Number of changes, of all records, come before it.
     pub(super) changes: u32,
 }
 
@@ -49,16 +49,16 @@ pub(super) struct Edits {
     affected: Vec<Affected>,
     /// The places of the buffer that change, by record, then place.
     places: Vec<u32>,
-    /// What each of them becomes.
+    /// The target of each of them.
     targets: Vec<u32>,
-    /// What each of them was: the vertex that the record removes.
+    /// The vertex that the record removes, which each of them was.
     vertices: Vec<u32>,
     /// By record, then strip, the last place first: so that one does not move the next.
     removals: Vec<Gone>,
     /// The strips that die, by record.
     dying: Vec<u32>,
     /// For each index of the strips the first LOD without it.
-    pub(super) removed_at: Vec<u32>,
+    pub(super) index_removal_lods: Vec<u32>,
     /// For each index whether it goes at the front of its strip.
     at_front: Vec<bool>,
     /// For each index that goes at an end of its strip its place then; for others `u32::MAX`.
@@ -67,10 +67,10 @@ pub(super) struct Edits {
     pub(super) removal_lods: Vec<u32>,
 }
 
-/// What some consecutive records do.
+/// The changes of some consecutive records.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Run<'a> {
-    /// How many changes come before the first of these.
+    /// Number of changes come before the first of these.
     pub(super) first_change: u32,
     pub(super) places: &'a [u32],
     pub(super) targets: &'a [u32],
@@ -149,7 +149,8 @@ impl Edits {
             }
         }
         edits.start_records(records + 1);
-        edits.removed_at = histories.iter().flat_map(|h| &h.removed_at).copied().collect();
+        edits.index_removal_lods =
+            histories.iter().flat_map(|h| &h.index_removal_lods).copied().collect();
         edits.at_front = histories.iter().flat_map(|h| &h.at_front).copied().collect();
         edits.left_at = histories.iter().flat_map(|h| &h.left_at).copied().collect();
         edits.removal_lods = histories.iter().flat_map(|h| &h.removal_lods).copied().collect();
@@ -169,12 +170,12 @@ impl Edits {
         }
     }
 
-    /// How many records there are.
+    /// Returns the number of records.
     pub(super) fn records(&self) -> u32 {
         self.starts.len() as u32 - 1
     }
 
-    /// What some records do.
+    /// Returns the changes of some records.
     pub(super) fn of(&self, records: &Range<u32>) -> Run<'_> {
         let [a, b] = [records.start, records.end].map(|k| self.starts[k as usize]);
         let changes = a.changes as usize..b.changes as usize;
@@ -188,13 +189,13 @@ impl Edits {
         }
     }
 
-    /// How many elements have gone at the front of a strip, given its room, at a LOD.
+    /// Returns the number of elements have gone at the front of a strip, given its room, at a LOD.
     pub(super) fn gone_at_front(&self, room: Range<usize>, lod: u32) -> usize {
-        let removed = self.removed_at[room.clone()].iter().zip(&self.at_front[room]);
+        let removed = self.index_removal_lods[room.clone()].iter().zip(&self.at_front[room]);
         removed.take_while(|(at, _)| **at <= lod).filter(|(_, front)| **front).count()
     }
 
-    /// Whether an index goes at the front of its strip.
+    /// Returns whether an index goes at the front of its strip.
     pub(super) fn at_front(&self, index: usize) -> bool {
         self.at_front[index]
     }
@@ -202,7 +203,7 @@ impl Edits {
     fn entries(&self, records: &Range<u32>) -> Range<u32> {
         self.starts[records.start as usize].affected..self.starts[records.end as usize].affected
     }
-    /// How often some records change a strip.
+    /// Counts how often some records change a strip.
     pub(super) fn visits(&self, records: &Range<u32>) -> u32 {
         self.entries(records).len() as u32
     }
@@ -214,8 +215,8 @@ impl Edits {
         let entries = self.entries(records);
         self.affected[entries.start as usize..entries.end as usize].iter().map(|e| e.strip)
     }
-    /// How many elements the strips that some records change have together, before them or after
-    /// them. Each counts once: with its first or last entry among these.
+    /// Returns the number of elements the strips that some records change have together, before
+    /// them or after them. Each counts once: with its first or last entry among these.
     pub(super) fn elements(&self, records: &Range<u32>, after: bool) -> u64 {
         let range = self.entries(records);
         let entries = &self.affected[range.start as usize..range.end as usize];

@@ -13,16 +13,16 @@ use greedy::Weights;
 use lodc_mesh::Mesh;
 use window::Search;
 
-/// What cache-aware strips are made for.
+/// Options of cache-aware strips.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CacheOptions {
-    /// How many vertices the cache holds (first in, first out). Values outside 4 to 64 are taken as
-    /// the nearest of those.
+    /// Number of vertices the cache holds (first in, first out). Values outside 4 to 64 are taken
+    /// as the nearest of those.
     pub cache_size: u32,
-    /// How many fetched vertices one index is worth: more makes longer strips, less makes fewer
+    /// Number of fetched vertices one index is worth: more makes longer strips, less makes fewer
     /// misses.
     pub index_price: f32,
-    /// How long to search.
+    /// The time that the search may take.
     pub effort: Effort,
 }
 

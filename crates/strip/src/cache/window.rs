@@ -7,7 +7,7 @@ use crate::adjacency::decode;
 use crate::anneal::{Random, below, exp_minus};
 use crate::cover::is_none;
 
-/// How long and how hot to search.
+/// The length and the temperatures of a search.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Search {
     /// Changes to try, per triangle.
@@ -20,9 +20,9 @@ pub(crate) struct Search {
     pub(crate) cold: f64,
 }
 
-/// How far a strip moves in one change, in strips.
+/// The farthest that a strip moves in one change, in strips.
 const FAR: usize = 6;
-/// How often the temperature falls.
+/// The number of temperatures.
 const STAGES: usize = 16;
 
 /// The cache at some point: when each vertex was fetched last.
@@ -59,7 +59,7 @@ pub(crate) struct Window<'a> {
     pub(crate) surface: &'a Surface,
     pub(crate) fifo: &'a mut Fifo,
     pub(crate) random: &'a mut Random,
-    /// What an index is worth.
+    /// The price of an index, in fetched vertices.
     pub(crate) price: f32,
     /// The strip of each triangle of the surface; `u32::MAX` outside of this stretch.
     pub(crate) strip_of: &'a mut [u32],
@@ -71,7 +71,7 @@ pub(crate) struct Window<'a> {
     /// tail, and in all.
     history: Vec<u32>,
     marks: Vec<usize>,
-    /// What is drawn after the stretch.
+    /// Indices that are drawn after the stretch.
     tail: Vec<u32>,
     // Kept between changes to save allocations.
     trial: Vec<u32>,
@@ -275,7 +275,7 @@ impl<'a> Window<'a> {
         }
         Some(made)
     }
-    /// Whether the trial sequence is accepted. If so, the history is that of the trial.
+    /// Returns whether the trial sequence is accepted. If so, the history is that of the trial.
     fn improves(&mut self, temperature: f64) -> bool {
         let (old, new) = (&self.sequence, &self.trial);
         let first = old.iter().zip(new).take_while(|(a, b)| a == b).count();
@@ -329,7 +329,7 @@ impl<'a> Window<'a> {
     }
 }
 
-/// Whether two caches hold the same vertices in the same order.
+/// Returns whether two caches hold the same vertices in the same order.
 fn ends_alike(a: &[u32], b: &[u32], size: usize) -> bool {
     let tail = |h: &'_ [u32]| h.len().saturating_sub(size);
     a[tail(a)..] == b[tail(b)..]

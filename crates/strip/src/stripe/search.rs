@@ -22,7 +22,7 @@ pub(crate) struct Round {
 /// A strip longer than this is not followed to see whether it would close: that change is not made.
 const LONGEST_WALK: usize = 4096;
 
-/// How often the temperature falls during a round.
+/// The number of temperatures of a round.
 const STAGES: usize = 64;
 
 /// Of so many changes…
@@ -65,7 +65,7 @@ struct Search<'a> {
     ends: Vec<u32>,
     place: Vec<u32>,
     random: Random,
-    /// How likely a change for the worse is accepted, by indices, in units of 2⁻³².
+    /// The probability that a change for the worse is accepted, by indices, in units of 2⁻³².
     likely: [u64; 12],
     strip: i32,
 }
@@ -190,8 +190,8 @@ impl Search<'_> {
         }
         swaps
     }
-    /// Whether the new link at a slot of x closes a ring: whether the way from x, away from the
-    /// link, comes back.
+    /// Returns whether the new link at a slot of x closes a ring: whether the way from x, away from
+    /// the link, comes back.
     fn closes(&self, x: u32, slot: u32) -> bool {
         let back = code(x, slot);
         let (mut at, mut leave) = (x, self.cover.other(x, slot));

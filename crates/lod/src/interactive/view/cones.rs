@@ -25,7 +25,7 @@ impl Cone {
         (1.0 - self.cos * self.cos).max(0.0).sqrt()
     }
 
-    /// Whether it has a unit vector, give or take rounding.
+    /// Returns whether it has a unit vector, give or take rounding.
     #[must_use]
     pub fn contains(&self, direction: [f64; 3]) -> bool {
         self.cos <= 0.0 || dot(self.axis, direction) >= self.cos - 1e-9

@@ -40,7 +40,7 @@ pub struct Views<'a> {
     by_error: ByError,
 }
 
-/// What one view shows.
+/// The content of one view.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shown {
     /// The state of each vertex.
@@ -87,13 +87,14 @@ impl<'a> Views<'a> {
         Self { simplified, records, points: select::points(&cones, mesh), links, by_error }
     }
 
-    /// What vertices choose by.
+    /// Returns the input of each vertex's selection.
     #[must_use]
     pub fn points(&self) -> &[Point] {
         &self.points
     }
 
-    /// What each vertex becomes, and the LOD at which it has; the last one itself and `u32::MAX`.
+    /// Returns the target of each vertex and the LOD from which on it is shown; of the last one
+    /// itself and [`NONE`](lodc_mesh::NONE).
     #[must_use]
     pub fn links(&self) -> &[[u32; 2]] {
         &self.links
@@ -105,7 +106,7 @@ impl<'a> Views<'a> {
         (&self.by_error.lods, self.by_error.lowest)
     }
 
-    /// What a view shows.
+    /// Returns the vertices of a view.
     #[must_use]
     pub fn show(&self, view: &View) -> Shown {
         let parameters = Parameters::new(view, self.simplified);
