@@ -4,7 +4,8 @@
 //! turn the same way need a *swap*: one repeated index. A path of n triangles becomes n + 2 indices
 //! and one more per swap.
 
-use crate::adjacency::{NONE, Neighbours, code, decode};
+use crate::adjacency::{Neighbours, code, decode};
+use lodc_mesh::{Mesh, NONE};
 
 /// A triangle with its three neighbours (as codes) and, as bits, which of them follow or precede it
 /// in its path.
@@ -155,7 +156,7 @@ pub(crate) fn write_path(
 }
 
 /// The submesh of every triangle in a mesh's order of triangles.
-pub(crate) fn submesh_of(mesh: &lodc_mesh::Mesh) -> Vec<u32> {
+pub(crate) fn submesh_of(mesh: &Mesh) -> Vec<u32> {
     let mut of = Vec::with_capacity(mesh.triangles().len());
     for (i, submesh) in mesh.submeshes().iter().enumerate() {
         of.resize(submesh.triangles().end, i as u32);

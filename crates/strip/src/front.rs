@@ -3,7 +3,7 @@
 //!
 //! All of it can be taken back, so that a generator can try before it draws.
 
-use crate::adjacency::is_degenerate;
+use lodc_mesh::is_degenerate;
 
 /// Number of entries of a vertex's list of triangles are looked at. Surfaces have about six; a
 /// vertex with a million shows a few at a time.

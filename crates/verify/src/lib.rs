@@ -6,6 +6,19 @@
 //! down and up, seeded jumps) the triangles themselves are compared with
 //! [`Simplified::triangles_at`](lodc_mesh::Simplified::triangles_at), which also catches a model
 //! that misreports its changes, and a reference that followed wrongly.
+//!
+//! ```
+//! use lodc_lod::Interactive;
+//! use lodc_verify::{Reference, VerifyOptions, verify};
+//! use std::sync::Arc;
+//!
+//! let simplified = Arc::new(lodc_fixtures::random_collapse(&lodc_fixtures::cube(), 1));
+//! let model = Interactive::build(&simplified)?;
+//! let reference = Reference::new(&simplified)?;
+//! let checks = verify(&model, &reference, &VerifyOptions::default());
+//! assert!(checks.iter().chain(reference.checks()).all(|check| check.ok()));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod boundary;
 mod check;

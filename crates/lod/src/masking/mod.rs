@@ -31,7 +31,7 @@ pub use replay::SHADERS;
 
 use crate::stored_strips::{STRIPS, from_array, to_array};
 use history::Entry;
-use lodc_mesh::{Lod, OrientedTriangle, PositionIds, Simplified};
+use lodc_mesh::{Lod, NONE, OrientedTriangle, PositionIds, Simplified};
 use lodc_model::{Array, BuildError, Changes, Model, StorageCost, Traffic};
 use lodc_strip::Strips;
 use pattern::LONGEST;
@@ -82,7 +82,7 @@ impl Masking {
         let updates = Updates::new(&histories, &lengths, simplified.collapses().targets());
         let removal_lod = |ends: &[u32]| {
             let last = histories.entries[ends[0] as usize..ends[1] as usize].last();
-            last.filter(|entry| entry.filter == 0).map_or(u32::MAX, |entry| entry.record + 1)
+            last.filter(|entry| entry.filter == 0).map_or(NONE, |entry| entry.record + 1)
         };
         Ok(Self {
             simplified: Arc::clone(simplified),

@@ -9,8 +9,8 @@
 //! the last two. Results depend on nothing but the pattern.
 
 use super::pattern::{LONGEST, Pattern};
+use lodc_mesh::NONE;
 
-const NONE: u32 = u32::MAX;
 const SLOTS: usize = 1 << 14;
 
 /// The working memory of searches, used again and again.

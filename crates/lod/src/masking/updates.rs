@@ -7,6 +7,7 @@
 
 use super::LONGEST;
 use super::history::{Entry, Histories};
+use lodc_mesh::NONE;
 use std::ops::Range;
 
 /// The room of a strip in a cursor's buffer: as many words for the full strip, then as many for its
@@ -25,7 +26,7 @@ struct Starts {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Refiltered {
     pub(super) strip: u32,
-    /// The record with which the strip's filter changes again, `u32::MAX` for none.
+    /// The record with which the strip's filter changes again, [`NONE`] for none.
     pub(super) next: u32,
     /// The LOD from which on the filter was `before`.
     pub(super) since: u32,
@@ -79,7 +80,7 @@ impl Updates {
                     copy.next = entry.record;
                 }
                 latest[strip as usize] = (filter, entry.record + 1, updates.copies.len());
-                updates.copies.push(Refiltered { strip, next: u32::MAX, since, filter, before });
+                updates.copies.push(Refiltered { strip, next: NONE, since, filter, before });
             }
         }
         updates.start_records(targets.len() + 1);

@@ -15,7 +15,7 @@ use super::Speed;
 use super::apply::{Span, remove, restore};
 use super::edits::Edits;
 use crate::trace::Kind;
-use lodc_mesh::{Lod, OrientedTriangle};
+use lodc_mesh::{Lod, NONE, OrientedTriangle};
 use lodc_model::Difference;
 use lodc_model::{Changes, Model, Traffic};
 use lodc_strip::live_triangles;
@@ -205,7 +205,7 @@ impl Cursor {
         let mut written = 0;
         for index in room.clone() {
             let (at, index_removal_lods) = (edits.left_at[index], edits.index_removal_lods[index]);
-            if at < u32::MAX && index_removal_lods <= lod {
+            if at != NONE && index_removal_lods <= lod {
                 let vertex = model.strips().indices()[index];
                 self.indices[room.start + at as usize] =
                     model.simplified().collapses().resolve(vertex, Lod(index_removal_lods - 1));

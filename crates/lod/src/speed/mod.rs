@@ -110,7 +110,7 @@ impl Speed {
         RunTime::new(self, lod)
     }
 
-    /// For each index of the strips the first LOD at which it is not drawn any more, `u32::MAX` if
+    /// For each index of the strips the first LOD at which it is not drawn any more, [`NONE`](lodc_mesh::NONE) if
     /// there is none. At any LOD before that it is what its vertex has become. Strips die as a
     /// whole before that: [`Self::removal_lods`].
     #[must_use]

@@ -2,7 +2,7 @@
 //! strips are.
 
 use super::{Cursor, Kind, Speed};
-use lodc_mesh::Lod;
+use lodc_mesh::{Lod, NONE};
 use lodc_model::Model;
 use lodc_plan::{
     BufferId, KernelId, LONGEST_LOOP, Packed, Pass, Plan, PlanError, Program, SCAN, SCAN_ADD,
@@ -190,7 +190,7 @@ fn by_strip(model: &Speed) -> (Vec<u32>, Vec<u32>, Vec<u32>, Vec<u32>) {
             }
         }
     }
-    entries.extend([u32::MAX, end[1], end[2], 0]);
+    entries.extend([NONE, end[1], end[2], 0]);
     (starts, entries, changes, removals)
 }
 

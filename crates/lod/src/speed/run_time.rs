@@ -1,7 +1,7 @@
 //! The run-time arrays as the thesis has them (3.3.2), with what overflows its bytes spelled out.
 
 use super::Speed;
-use super::edits::Gone;
+use super::edits::Removed;
 use crate::trace::{Kind, Removal};
 use lodc_mesh::Lod;
 
@@ -155,7 +155,7 @@ pub(super) struct Event<'a> {
     /// The places of the buffer of all strips that change.
     pub(super) changes: &'a [u32],
     /// The removals, the last place first.
-    pub(super) removals: &'a [Gone],
+    pub(super) removals: &'a [Removed],
 }
 
 impl Speed {

@@ -11,6 +11,7 @@ use crate::cover::{Cover, submesh_of};
 use crate::{Effort, StripSet};
 use greedy::Weights;
 use lodc_mesh::Mesh;
+use refine::{Drawing, Goal, refine};
 use window::Search;
 
 /// Options of cache-aware strips.
@@ -51,7 +52,9 @@ pub fn cache(mesh: &Mesh, options: &CacheOptions) -> StripSet {
         .collect();
     // Anything that is not a sensible price would only spoil comparisons.
     let price = if options.index_price >= 0.0 { options.index_price.min(100.0) } else { 0.0 };
-    let refined = refine::refine(&paths, triangles, &cover, size, price, searches(options.effort));
+    let drawing = Drawing { paths: &paths, triangles, cover: &cover };
+    let searches = searches(options.effort);
+    let refined = refine(&drawing, &Goal { cache_size: size, index_price: price, searches });
     let submesh = submesh_of(mesh);
     let mut indices = Vec::with_capacity(triangles.len() * 3 / 2);
     let mut strips = Vec::with_capacity(order.len());

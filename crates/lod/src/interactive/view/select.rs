@@ -4,7 +4,7 @@
 use super::criterion::{Criterion, View};
 use super::deterministic_math::{dot, inverse_power, rsqrt};
 use super::{Cone, Cones};
-use lodc_mesh::{CollapseSequence, Lod, Mesh, Simplified};
+use lodc_mesh::{CollapseSequence, Lod, Mesh, NONE, Simplified};
 
 /// The state of a vertex between the steps in which it moves.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -78,7 +78,7 @@ pub(super) fn links(collapses: &CollapseSequence) -> Vec<[u32; 2]> {
     for &end in &parts.step_ends {
         links.extend((links.len()..end as usize).map(|record| [parts.targets[record], end]));
     }
-    links.push([links.len() as u32, u32::MAX]);
+    links.push([links.len() as u32, NONE]);
     links
 }
 
