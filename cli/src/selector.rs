@@ -188,8 +188,8 @@ fn together(objects: &[Candidate<'_>], target: Target, chosen: &mut Selection) -
     match target {
         Target::Lod(_) => {
             return Err(Failure::usage(format!(
-                "--lod counts the records of one object, and there are {}: add --per-object, or use \
-                 --ratio, --triangles or --error",
+                "--lod counts the records of one object, and there are {}: add --per-object, \
+                 or use --ratio, --triangles or --error",
                 objects.len()
             )));
         }

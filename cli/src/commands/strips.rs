@@ -35,7 +35,7 @@ pub(crate) struct StripsArgs {
     /// Time that the search may take
     #[arg(long, value_parser = parser::<Effort>(), default_value = Effort::default().name())]
     effort: Effort,
-    /// Number of vertices the cache holds that `cache` and `list` are made for
+    /// Number of vertices that the cache of `cache` and `list` holds
     #[arg(
         long,
         value_name = "N",

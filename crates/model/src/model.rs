@@ -39,8 +39,8 @@ pub trait Model {
     /// The triangles shown, in the order in which they would be drawn.
     fn triangles(&self, cursor: &Self::Cursor) -> Vec<OrientedTriangle>;
 
-    /// Returns the number of indices are drawn: three for each triangle, or all those of the strips
-    /// as they are now.
+    /// Returns the number of indices that are drawn: three for each triangle, or all those of the
+    /// strips as they are now.
     fn drawn(&self, cursor: &Self::Cursor) -> u64;
 
     /// Returns the storage of the model.

@@ -5,7 +5,7 @@
 
 use lodc_mesh::is_degenerate;
 
-/// Number of entries of a vertex's list of triangles are looked at. Surfaces have about six; a
+/// Number of entries of a vertex's list of triangles that are looked at. Surfaces have about six; a
 /// vertex with a million shows a few at a time.
 const LOOK: usize = 24;
 

@@ -15,7 +15,7 @@ pub struct StripSet {
     indices: Vec<u32>,
     /// End of each strip.
     ends: Vec<u32>,
-    /// Number of strips there are up to the end of each submesh.
+    /// Number of strips up to the end of each submesh.
     submesh_ends: Vec<u32>,
 }
 
@@ -115,12 +115,12 @@ impl StripSet {
     pub fn submesh_count(&self) -> usize {
         self.submesh_ends.len()
     }
-    /// Returns the number of indices are drawn if every strip is a call of its own.
+    /// Returns the number of indices that are drawn if every strip is a call of its own.
     #[must_use]
     pub fn separate_indices(&self) -> u64 {
         self.indices.len() as u64
     }
-    /// Returns the number of indices one buffer has with a restart index between strips.
+    /// Returns the number of indices of one buffer with a restart index between strips.
     #[must_use]
     pub fn restart_indices(&self) -> u64 {
         (self.indices.len() + self.len().saturating_sub(1)) as u64

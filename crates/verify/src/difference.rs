@@ -79,7 +79,7 @@ pub enum Failure {
         lod: Lod,
         /// Ends of an edge that should cancel out and does not.
         edge: [[f32; 3]; 2],
-        /// Number of more triangles use it in this direction than should.
+        /// The number of triangles too many that use it in this direction.
         surplus: i64,
     },
     /// A vertex that no triangle of LOD 0 uses was not made by a collapse as it should be: no

@@ -59,7 +59,7 @@ impl VerifyOptions {
     /// Full comparisons that no size of a mesh makes fewer.
     pub const FEWEST: u32 = 16;
 
-    /// Returns the number of of `wanted` full comparisons a mesh of so many triangles gets: all
+    /// Returns the number of `wanted` full comparisons that a mesh of so many triangles gets: all
     /// together look at some fifty million triangles, which takes a few seconds.
     fn affordable(wanted: u32, triangles: usize) -> u32 {
         let affordable = u32::try_from(50_000_000 / triangles.max(1)).unwrap_or(u32::MAX);
@@ -82,7 +82,7 @@ pub fn verify<M: Model>(
     reference: &Reference<'_>,
     options: &VerifyOptions,
 ) -> Vec<Check> {
-    let judge = Judge {
+    let compared = Comparison {
         model,
         reference,
         positions: PositionIds::new(model.simplified().mesh().positions()),
@@ -105,19 +105,19 @@ pub fn verify<M: Model>(
     let mut cursor = model.cursor();
     let mut shown: TriangleHash = model.triangles(&cursor).into_iter().collect();
     vec![
-        judge.sweep("fine to coarse", &mut cursor, &mut shown, &down, full),
-        judge.sweep("coarse to fine", &mut cursor, &mut shown, &up, full),
-        judge.jumps(&mut cursor, options),
+        compared.sweep("fine to coarse", &mut cursor, &mut shown, &down, full),
+        compared.sweep("coarse to fine", &mut cursor, &mut shown, &up, full),
+        compared.jumps(&mut cursor, options),
     ]
 }
 
-struct Judge<'a, M> {
+struct Comparison<'a, M> {
     model: &'a M,
     reference: &'a Reference<'a>,
     positions: PositionIds,
 }
 
-/// Follows a model by what it says changes.
+/// Listener that follows a model by the changes that it reports.
 struct Follow<'a>(&'a mut TriangleHash);
 
 impl Changes for Follow<'_> {
@@ -129,7 +129,7 @@ impl Changes for Follow<'_> {
     }
 }
 
-impl<M: Model> Judge<'_, M> {
+impl<M: Model> Comparison<'_, M> {
     fn sweep(
         &self,
         name: &'static str,

@@ -41,7 +41,7 @@ pub(super) struct Tracker<'a> {
     one_group: bool,
     /// The corners of each triangle, as they were when it died if it did.
     corners: Vec<[u32; 3]>,
-    /// Number of steps were done when each triangle died.
+    /// Number of steps that were done when each triangle died.
     removal_lod: Vec<u32>,
     border_of_input: Vec<[u32; 2]>,
     /// The image of the boundary of LOD 0.
@@ -60,7 +60,7 @@ pub(super) struct Tracker<'a> {
     live: u32,
     /// Value of the boundary of the live triangles minus the image of LOD 0's boundary.
     tear: u64,
-    /// Number of corners were moved.
+    /// Number of corners that were moved.
     moves: u64,
     /// The triangles and edges touched in the current step.
     triangles_touched: Vec<u32>,

@@ -18,7 +18,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// What a build made.
-pub(super) struct Made {
+pub(super) struct BuildOutput {
     pub(super) file: LodFile,
     /// Bytes of the file.
     pub(super) bytes: usize,
@@ -33,7 +33,7 @@ pub(super) fn make(
     stages: &mut Stages,
     progress: &Progress,
     report: &mut InputReport,
-) -> Outcome<Made> {
+) -> Outcome<BuildOutput> {
     progress.stage("import");
     let scene = stages.run("import", || import::import(input, &args.import.options()))?;
     report.warnings.clone_from(&scene.warnings);
@@ -92,7 +92,7 @@ pub(super) fn make(
         output::write(target, bytes).map(|()| length)
     })?;
     report.bytes = Some(bytes as u64);
-    Ok(Made { file, bytes, files_read })
+    Ok(BuildOutput { file, bytes, files_read })
 }
 
 /// Simplifies every object, several at once.

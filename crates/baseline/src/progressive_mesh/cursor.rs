@@ -11,7 +11,7 @@ pub struct Cursor {
     /// Steps that are done.
     steps: usize,
     faces: Faces,
-    /// Number of triangles of each submesh are drawn: its first ones.
+    /// Number of triangles of each submesh that are drawn: its first ones.
     live: Vec<u32>,
     touched: Touched,
 }

@@ -26,7 +26,7 @@ pub(super) struct Records {
     pub(super) fans: Vec<Fan>,
     /// The edge that each triangle loses when it dies, in the order of removal_lod.
     pub(super) collapsed: Vec<u32>,
-    /// Number of of `collapsed` are lost by the end of each step.
+    /// Number of those in `collapsed` that are lost by the end of each step.
     pub(super) lost: Vec<u32>,
     /// For each triangle the LOD from which on it is not drawn.
     pub(super) removal_lods: Vec<u32>,

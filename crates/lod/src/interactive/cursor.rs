@@ -22,7 +22,7 @@ pub struct Cursor {
     /// During a move, what the coarser of its two LODs shows. Only good for vertices that the move
     /// rewrites.
     coarser: Vec<u32>,
-    /// Number of triangles of each submesh are drawn.
+    /// Number of triangles of each submesh that are drawn.
     live: Vec<u32>,
     links: Links,
     index: Index,

@@ -82,7 +82,7 @@ impl Interactive {
         &self.removal_lods
     }
 
-    /// Returns the number of triangles of a submesh are drawn at `lod`: they are its first ones.
+    /// Returns the number of triangles of a submesh that are drawn at `lod`: its first ones.
     #[must_use]
     pub fn live(&self, submesh: usize, lod: Lod) -> u32 {
         let triangles = self.simplified.mesh().submeshes()[submesh].triangles();

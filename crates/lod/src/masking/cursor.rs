@@ -16,7 +16,7 @@ use std::ops::Range;
 const LONGEST: usize = Masking::LONGEST_STRIP;
 /// Words in a cache line of most machines.
 const LINE: usize = 16;
-/// Number of copies are looked at ahead.
+/// Number of copies that are looked at ahead.
 const BLOCK: usize = 16;
 
 /// The moving part of [`Masking`] strips.

@@ -32,7 +32,7 @@ pub(super) fn cut(strips: &StripSet, longest: usize) -> Option<StripSet> {
     )
 }
 
-/// Returns the number of triangles go into the first of `pieces` pieces: an even number, such that
+/// Returns the number of triangles of the first of `pieces` pieces: an even number, such that
 /// `most` are enough for each of the others. Where the strip turns if it does, else about as many
 /// as in the others.
 fn step(strip: &[u32], pieces: usize, most: usize) -> usize {

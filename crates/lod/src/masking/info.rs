@@ -10,7 +10,7 @@ use lodc_model::StorageCost;
 pub struct InfoUpdate {
     /// The target of the removed vertex, whose number is that of the record.
     pub vertex: u32,
-    /// Number of strips are changed.
+    /// Number of strips that are changed.
     pub strips_affected: u8,
     /// True if the next record belongs to the same step.
     pub next_update: bool,

@@ -77,7 +77,7 @@ impl Cursor {
         if live { &self.indices[span.start as usize..span.end as usize] } else { &[] }
     }
 
-    /// Returns the number of indices are drawn.
+    /// Returns the number of indices that are drawn.
     pub(super) fn drawn(&self) -> u64 {
         self.heads.iter().filter(|h| h.live).map(|h| u64::from(h.span.end - h.span.start)).sum()
     }

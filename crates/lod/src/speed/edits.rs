@@ -37,7 +37,7 @@ pub(super) struct Removed {
     pub(super) strip: u32,
     pub(super) record: u32,
     pub(super) removal: Removal,
-    /// Number of changes, of all records, come before it.
+    /// Number of changes, of all records, before it.
     pub(super) changes: u32,
 }
 
@@ -71,7 +71,7 @@ pub(super) struct Edits {
 /// The changes of some consecutive records.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Run<'a> {
-    /// Number of changes come before the first of these.
+    /// Number of changes before the first of these.
     pub(super) first_change: u32,
     pub(super) places: &'a [u32],
     pub(super) targets: &'a [u32],
@@ -233,7 +233,7 @@ impl Edits {
         }
     }
 
-    /// Returns the number of elements have gone at the front of a strip, given its room, at a LOD.
+    /// Returns the number of elements removed at the front of a strip, given its room, at a LOD.
     pub(super) fn gone_at_front(&self, room: Range<usize>, lod: u32) -> usize {
         let removed = self.index_removal_lods[room.clone()].iter().zip(&self.at_front[room]);
         removed.take_while(|(at, _)| **at <= lod).filter(|(_, front)| **front).count()
@@ -259,7 +259,7 @@ impl Edits {
         let entries = self.entries(records);
         self.affected[entries.start as usize..entries.end as usize].iter().map(|e| e.strip)
     }
-    /// Returns the number of elements the strips that some records change have together, before
+    /// Returns the number of elements of all strips that some records change, before
     /// them or after them. Each counts once: with its first or last entry among these.
     pub(super) fn elements(&self, records: &Range<u32>, after: bool) -> u64 {
         let range = self.entries(records);

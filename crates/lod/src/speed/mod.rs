@@ -110,9 +110,9 @@ impl Speed {
         RunTime::new(self, lod)
     }
 
-    /// For each index of the strips the first LOD at which it is not drawn any more, [`NONE`](lodc_mesh::NONE) if
-    /// there is none. At any LOD before that it is what its vertex has become. Strips die as a
-    /// whole before that: [`Self::removal_lods`].
+    /// For each index of the strips the first LOD at which it is not drawn any more,
+    /// [`NONE`](lodc_mesh::NONE) if there is none. At any LOD before that it is what its vertex has
+    /// become. Strips die as a whole before that: [`Self::removal_lods`].
     #[must_use]
     pub fn index_removal_lods(&self) -> &[u32] {
         &self.edits.index_removal_lods

@@ -27,8 +27,8 @@ pub struct LodInfo {
 pub struct StripInfo {
     /// The strip.
     pub strip: u32,
-    /// Number of operations follow for it. 255: that many or more, and the number is a word before
-    /// them. 0: with this record the strip dies.
+    /// Number of operations that follow for it. 255: that many or more, and the number is a word
+    /// before them. 0: with this record the strip dies.
     pub num_ops: u8,
 }
 
@@ -135,7 +135,7 @@ impl RunTime {
 }
 
 impl Removal {
-    /// Returns the number of elements go, and how they come back, in the word of
+    /// Returns the number of removed elements and the way in which they come back, in the word of
     /// [`RunTime::updates`].
     pub(super) fn word(self) -> i32 {
         let count = self.count as i32;

@@ -43,7 +43,8 @@ impl<'a> Filter<'a> {
         Self { removed: Vec::new(), targets, ends, end: NONE }
     }
 
-    /// Returns the number of changes of a strip are spared if some elements go, up to [`LEAST`].
+    /// Returns the number of changes of a strip that are spared if some elements go, up to
+    /// [`LEAST`].
     fn worth(&self, strip: &WorkingStrip, first: u32, last: u32) -> u32 {
         let (mut e, mut worth) = (first, 0);
         loop {

@@ -51,9 +51,9 @@ pub struct Event {
     pub strip: u32,
     /// The record.
     pub record: u32,
-    /// Number of of its indices change.
+    /// Number of its indices that change.
     pub changes: u32,
-    /// Number of runs of elements are removed.
+    /// Number of runs of elements that are removed.
     pub removals: u32,
 }
 

@@ -34,7 +34,7 @@ pub(crate) struct WorkingStrip {
     last_drawn: u32,
     /// No triangle that starts before this element is drawn.
     first_drawn: u32,
-    /// Number of elements have gone at the front.
+    /// Number of elements removed at the front.
     room: u32,
     ranks: Ranks,
 }

@@ -23,7 +23,7 @@ pub(crate) struct Weights {
     pub(crate) triangle: f32,
     /// Longest strip, in triangles.
     pub(crate) longest: usize,
-    /// Number of corners of the first triangle must be in the cache.
+    /// Number of corners of the first triangle that must be in the cache.
     pub(crate) cached: usize,
 }
 

@@ -65,7 +65,7 @@ impl Criterion {
 
 /// A view: a criterion, and whether vertices move smoothly between LODs.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct View {
+pub struct ViewQuery {
     /// The rule.
     pub criterion: Criterion,
     /// True if positions are interpolated between the steps in which a group moves.

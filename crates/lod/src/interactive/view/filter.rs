@@ -93,7 +93,7 @@ pub struct Filtered {
     pub indices: Vec<u32>,
     /// Arguments of one draw per submesh, five words each.
     pub draws: Vec<u32>,
-    /// Number of triangles are drawn before every eighth, and of all.
+    /// Number of triangles that are drawn before every eighth, and of all.
     pub places: Vec<u32>,
 }
 

@@ -18,7 +18,7 @@ mod select;
 mod tests;
 
 pub use cones::{Cone, Cones};
-pub use criterion::{Criterion, View};
+pub use criterion::{Criterion, ViewQuery};
 pub use filter::{Filter, Filtered, filtered};
 pub use passes::ViewPasses;
 pub use replay::sample;
@@ -57,7 +57,7 @@ impl Shown {
         &self,
         simplified: &Simplified,
         positions: &PositionIds,
-        view: &View,
+        view: &ViewQuery,
         indices: &[u32],
         stride: usize,
     ) -> Option<Failure> {
@@ -108,7 +108,7 @@ impl<'a> Views<'a> {
 
     /// Returns the vertices of a view.
     #[must_use]
-    pub fn show(&self, view: &View) -> Shown {
+    pub fn show(&self, view: &ViewQuery) -> Shown {
         let parameters = Parameters::new(view, self.simplified);
         let state = |(v, point)| select::state(&parameters, v, point, &self.links, &self.by_error);
         let states: Vec<State> = (0..).zip(&self.points).map(state).collect();

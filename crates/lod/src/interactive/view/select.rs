@@ -1,7 +1,7 @@
 //! Which LOD each vertex gets, in the same operations as `view.wgsl`, so that the two agree bit for
 //! bit.
 
-use super::criterion::{Criterion, View};
+use super::criterion::{Criterion, ViewQuery};
 use super::deterministic_math::{dot, inverse_power, rsqrt};
 use super::{Cone, Cones};
 use lodc_mesh::{CollapseSequence, Lod, Mesh, NONE, Simplified};
@@ -125,7 +125,7 @@ pub(super) struct Parameters {
 }
 
 impl Parameters {
-    pub(super) fn new(view: &View, simplified: &Simplified) -> Self {
+    pub(super) fn new(view: &ViewQuery, simplified: &Simplified) -> Self {
         let scale = inverse_power(simplified.mesh().diagonal().max(1e-30));
         let last = simplified.collapses().last();
         let lods = |a: Lod, b: Lod| [a.min(last).0, b.min(last).0];
