@@ -8,7 +8,7 @@ use clap::ValueEnum;
 #[cfg(all(unix, feature = "gpu"))]
 use std::path::Path;
 
-/// Whether a graphics device must be there.
+/// Demand for a graphics device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum GpuUse {
     Auto,

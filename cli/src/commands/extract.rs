@@ -26,7 +26,7 @@ use std::path::PathBuf;
 pub(crate) struct ExtractArgs {
     /// The .lodc file; `-` for standard input
     input: PathBuf,
-    /// Where to write: .glb, .gltf, .obj or .ply; a folder; `-` for standard output
+    /// Output: .glb, .gltf, .obj or .ply; a folder; `-` for standard output
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
     #[command(flatten)]

@@ -26,16 +26,16 @@ use std::path::PathBuf;
 pub(crate) struct StripsArgs {
     /// The mesh to read: OBJ, glTF or GLB; `-` for standard input
     input: PathBuf,
-    /// File for the strips; `-` for standard output
+    /// Output file for the strips; `-` for standard output
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
     /// Few long strips, strips that reuse a vertex cache, or a triangle list that does
     #[arg(long, value_parser = generators(), default_value = StripKind::Stripe.name())]
     strips: Choice<StripKind>,
-    /// Time that the search may take
+    /// Effort of the search
     #[arg(long, value_parser = parser::<Effort>(), default_value = Effort::default().name())]
     effort: Effort,
-    /// Number of vertices that the cache of `cache` and `list` holds
+    /// Vertices in the cache that `cache` and `list` are made for
     #[arg(
         long,
         value_name = "N",
@@ -43,8 +43,8 @@ pub(crate) struct StripsArgs {
         value_parser = clap::value_parser!(u32).range(4..=64)
     )]
     cache_size: u32,
-    /// Number of fetched vertices an index is worth to `cache`: more makes fewer indices, less
-    /// fewer misses
+    /// Fetched vertices that an index is worth to `cache`: more makes fewer indices, less fewer
+    /// misses
     #[arg(long, value_name = "PRICE", default_value = "1", value_parser = price)]
     index_price: f32,
     /// Threads; the output does not depend on it [default: all cores]

@@ -69,11 +69,9 @@ impl MetricKind {
     pub const fn help(self) -> &'static str {
         match self {
             Self::Quadric => "Distance to the surface: the quickest, and the closest in space",
-            Self::Viewpoint => {
-                "What 20 pictures tell of the mesh (viewpoint entropy): hidden parts go first"
-            }
+            Self::Viewpoint => "Viewpoint entropy over 20 pictures: hidden parts go first",
             Self::Divergence => {
-                "What 20 pictures show against what is there (Kullback-Leibler divergence)"
+                "Kullback-Leibler divergence between visible and actual areas over 20 pictures"
             }
             Self::Hybrid => "Error of the shaded surface where it is seen: looks best",
         }

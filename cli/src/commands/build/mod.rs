@@ -40,7 +40,7 @@ pub(crate) struct BuildArgs {
     /// Structures to write, separated by commas [default: every one that this version has]
     #[arg(long, value_delimiter = ',', value_name = "MODELS", value_parser = parser::<ModelKind>())]
     models: Vec<ModelKind>,
-    /// What drives the collapses
+    /// Metric that drives the collapses
     #[arg(
         long,
         value_parser = parser::<MetricKind>(),
@@ -58,7 +58,7 @@ pub(crate) struct BuildArgs {
     no_attributes: bool,
     #[arg(long, value_parser = parser::<StripKind>(), help = strips_help())]
     strips: Option<StripKind>,
-    /// How long strip generation may search
+    /// Effort of strip generation
     #[arg(long, value_parser = parser::<Effort>(), default_value = Effort::default().name())]
     effort: Effort,
     /// Threads; the output does not depend on it [default: all cores]

@@ -32,7 +32,7 @@ struct Head {
     span: Span,
     /// True if it draws anything.
     live: bool,
-    /// True if it was made anew, so that what had gone at its ends, or with its removal_lod, was
+    /// True if it was made anew, so that what had gone at its ends, or when it died, was
     /// never written.
     stale: bool,
 }
