@@ -5,6 +5,8 @@
 mod circles;
 #[path = "architecture/drawing.rs"]
 mod drawing;
+#[path = "architecture/pages.rs"]
+mod pages;
 #[path = "architecture/scan.rs"]
 mod scan;
 #[path = "architecture/shape.rs"]
