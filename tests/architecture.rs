@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 const DRAWING: &[(&str, &[&str])] = &[
     ("crates/mesh", &["glam"]),
     ("crates/raster", &["glam"]),
+    ("crates/scene", &["lodc-mesh", "glam", "rayon"]),
     ("crates/measure", &["lodc-raster", "glam", "rayon"]),
     ("crates/simplify", &["lodc-mesh", "lodc-raster", "glam", "rayon"]),
     ("crates/strip", &["lodc-mesh", "rayon"]),
