@@ -4,17 +4,20 @@
 
 mod bvh;
 mod distance;
+mod field;
 mod picture;
-mod shading;
+mod scene;
 mod spread;
 mod surface;
 mod texture;
 
 pub use bvh::Bvh;
 pub use distance::{Distances, Sampling, distances};
+pub use field::DistanceField;
 pub use picture::{ImageError, Looks, Picture, Viewing, compare_pictures, pictures};
+pub use scene::SceneSurface;
 pub use surface::Surface;
-pub use texture::{Paint, Texture, Wrap};
+pub use texture::Pyramid;
 
 #[cfg(test)]
 mod tests;

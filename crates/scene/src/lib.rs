@@ -30,17 +30,25 @@
 //! ```
 
 mod graph;
+mod image;
+mod material;
+mod normals;
 mod placement;
 mod pose;
 mod posed;
 mod scale;
+mod srgb;
 mod transform;
 
 pub use graph::{Graph, Node, Skin};
+pub use image::Image;
+pub use material::{AlphaMode, Appearance, Material, Texture, Wrap};
+pub use normals::{flat_normals, smooth_normals};
 pub use placement::{Arrangement, Placement};
 pub use pose::Pose;
 pub use posed::{PosedVertices, posed, stream};
 pub use scale::{ObjectInScene, object_in_scene, placement_scales, representative};
+pub use srgb::{to_linear, to_srgb};
 pub use transform::{
     LocalTransform, Transform, largest_stretch, transform_from_columns, transform_normal,
 };

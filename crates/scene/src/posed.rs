@@ -13,8 +13,8 @@ pub struct PosedVertices {
     /// One per vertex; always finite.
     pub positions: Vec<DVec3>,
     /// Normals of the file, of any length; zero where a vertex has none.
-    pub normals: Vec<Vec3>,
-    /// Whether the surface is turned inside out, so that the corners of its triangles must be taken
+    pub normals: Vec<DVec3>,
+    /// True if the surface is turned inside out, so that the corners of its triangles must be taken
     /// the other way round.
     pub mirrored: bool,
 }
@@ -29,14 +29,14 @@ pub fn posed(mesh: &Mesh, placement: &Placement) -> PosedVertices {
         // A position that overflows is drawn anywhere, but must not spoil cameras and bounds.
         let position = if position.is_finite() { position } else { DVec3::ZERO };
         let normal = streams.normal(mesh, v).map(|n| transform_normal(&transform.matrix3, n));
-        (position, normal.map_or(Vec3::ZERO, |n| n.as_vec3()))
+        (position, normal.unwrap_or(DVec3::ZERO))
     };
     let vertices = mesh.vertex_count() as u32;
     let (positions, normals) = (0..vertices).into_par_iter().map(place).unzip();
     PosedVertices { positions, normals, mirrored: mirrored(mesh, placement, &streams) }
 }
 
-/// Whether the transforms of most vertices mirror.
+/// Returns true if the transforms of most vertices mirror.
 fn mirrored(mesh: &Mesh, placement: &Placement, streams: &Streams<'_>) -> bool {
     if placement.joints.is_empty() {
         return placement.transform.matrix3.determinant() < 0.0;

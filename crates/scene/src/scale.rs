@@ -80,7 +80,7 @@ pub fn placement_scales<'a>(
 struct LeadingJoints {
     /// Rising.
     joints: Vec<usize>,
-    /// Whether some vertex has no weight.
+    /// True if some vertex has no weight.
     unweighted: bool,
 }
 
@@ -112,7 +112,7 @@ impl LeadingJoints {
         present.map(|&j| largest_stretch(&skin[j].matrix3)).fold(0.0, f64::max)
     }
 
-    /// Whether some vertex may follow the node: it has no weight, or for a joint that is not there.
+    /// Returns true if some vertex may follow the node: it has no weight, or for a joint that is not there.
     fn misses_some(&self, skin: &[Transform]) -> bool {
         self.unweighted || self.joints.last().is_some_and(|&j| j >= skin.len())
     }

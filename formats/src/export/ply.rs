@@ -1,9 +1,10 @@
 //! Stanford PLY, binary little-endian: one list of vertices, one list of triangles.
 
 use super::ExportObject;
-use super::flatten::{self, component, stream};
+use super::flatten::{self, component};
 use crate::{Document, Fault, FormatError, OutputFile};
 use lodc_mesh::Semantic;
+use lodc_scene::stream;
 use std::fmt::Write;
 use std::path::Path;
 
@@ -54,8 +55,9 @@ pub(super) fn export(
     let stride = 12 + usize::from(normals) * 12 + usize::from(uvs) * 8 + usize::from(colors) * 3;
     let mut bytes = header.into_bytes();
     bytes.reserve(vertices * stride + triangles * 13);
+    let (mut first, mut faces) = (0u32, Vec::with_capacity(triangles * 13));
     for p in &placed {
-        let mesh = p.object.mesh;
+        let (mesh, vertices) = (p.object.mesh, p.vertices());
         let streams: Vec<_> = (0..mesh.submeshes().len())
             .map(|s| {
                 [Semantic::Normal, Semantic::TexCoord(0), Semantic::Color(0)]
@@ -65,9 +67,12 @@ pub(super) fn export(
         for (vertex, &submesh) in mesh.vertex_submesh().iter().enumerate() {
             let (vertex, [normal, uv, color]) = (vertex as u32, streams[submesh as usize]);
             let mut put = |x: f32| bytes.extend_from_slice(&x.to_le_bytes());
-            p.position(vertex).into_iter().for_each(&mut put);
+            vertices.position(vertex).into_iter().for_each(&mut put);
             if normals {
-                normal.map_or([0.0; 3], |s| p.normal(s, vertex)).into_iter().for_each(&mut put);
+                normal
+                    .map_or([0.0; 3], |s| vertices.normal(s, vertex))
+                    .into_iter()
+                    .for_each(&mut put);
             }
             if uvs {
                 let [u, v] =
@@ -82,18 +87,15 @@ pub(super) fn export(
                 bytes.extend(rgb.map(byte));
             }
         }
-    }
-    let mut first = 0;
-    for p in &placed {
-        let mirrors = p.mirrors();
-        for &triangle in p.object.mesh.triangles() {
-            bytes.push(3);
-            for corner in p.corners(triangle, mirrors) {
-                bytes.extend_from_slice(&(first + corner).to_le_bytes());
+        for &triangle in mesh.triangles() {
+            faces.push(3);
+            for corner in vertices.corners(triangle) {
+                faces.extend_from_slice(&(first + corner).to_le_bytes());
             }
         }
-        first += p.object.mesh.vertex_count() as u32;
+        first += mesh.vertex_count() as u32;
     }
+    bytes.extend_from_slice(&faces);
     Ok(vec![OutputFile { path: path.to_owned(), bytes }])
 }
 
