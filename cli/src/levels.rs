@@ -1,6 +1,5 @@
 //! The models by name, and the triangles that one of them shows at a LOD.
 
-use crate::selector::Candidate;
 use clap::ValueEnum;
 use lodc_formats::lodc::LodObject;
 use lodc_lod::{AnyModel, ModelKind};
@@ -94,17 +93,6 @@ pub(crate) fn triangles(
         Some(model) => model.triangles_at(lod),
         None => object.simplified.triangles_at(lod),
     }
-}
-
-/// Objects as the selector sees them.
-pub(crate) fn candidates(objects: &[LodObject]) -> Vec<Candidate<'_>> {
-    let seen = objects.iter().map(|o| Candidate {
-        name: &o.info.name,
-        collapses: o.simplified.collapses(),
-        scale: o.info.world_scale,
-        diagonal: o.simplified.mesh().diagonal(),
-    });
-    seen.collect()
 }
 
 /// Shares of the triangles at which tables show a LOD.

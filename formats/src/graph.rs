@@ -5,6 +5,7 @@ use crate::import::gltf::stored::Stored;
 use crate::{Document, Fault, FormatError, Limits, ObjectInfo};
 use lodc_scene::{Graph, LocalTransform, Node, Skin, Transform, transform_from_columns};
 use serde_json::Value;
+use std::collections::BTreeMap;
 
 /// More instances than this in one document are refused.
 const MAX_INSTANCES: usize = 1 << 22;
@@ -40,11 +41,9 @@ pub(crate) fn gltf_graph(
     meshes: &[u32],
     read: &Numbers<'_>,
 ) -> Result<Graph, FormatError> {
-    let mut objects_of: Vec<Vec<u32>> = vec![Vec::new(); entries(root, "meshes").len()];
+    let mut objects_of: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
     for (object, &mesh) in (0..).zip(meshes) {
-        if let Some(objects) = objects_of.get_mut(mesh as usize) {
-            objects.push(object);
-        }
+        objects_of.entry(mesh).or_default().push(object);
     }
     let meshes: Vec<&Object> = entries(root, "meshes").collect();
     let mut instances = 0;
@@ -58,7 +57,7 @@ pub(crate) fn gltf_graph(
             name: source.get("name").and_then(Value::as_str).unwrap_or_default().to_owned(),
             local: local(source),
             children: indices(source, "children"),
-            objects: mesh.and_then(|m| objects_of.get(m)).cloned().unwrap_or_default(),
+            objects: mesh.and_then(|m| objects_of.get(&(m as u32))).cloned().unwrap_or_default(),
             skin: index(source, "skin").map(|s| s as u32),
             weights: weights.into_iter().flatten().map(weight).collect(),
             instances: extension(source, INSTANCING)
@@ -152,3 +151,7 @@ fn instances(extension: &Object, read: &Numbers<'_>) -> Result<Vec<Transform>, F
     };
     Ok((0..count).map(one).collect())
 }
+
+#[cfg(test)]
+#[path = "graph_tests.rs"]
+mod tests;

@@ -16,7 +16,7 @@ const LAMP: f32 = 0.85;
 const SQUARES: f32 = 16.0;
 const DARK: f32 = 0.5;
 
-/// What pictures show besides shape.
+/// The looks that pictures show besides shape.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Looks {
     /// Shade with the surface's own normals, not with those of its triangles.
@@ -31,7 +31,7 @@ pub struct Looks {
 /// From where pictures are taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Viewing {
-    /// How many cameras, spread evenly.
+    /// Number of cameras, spread evenly.
     pub views: u32,
     /// Pixels across and down.
     pub size: u32,
@@ -64,7 +64,7 @@ pub struct Picture {
     pub points: Vec<DVec3>,
 }
 
-/// How different two surfaces look.
+/// The difference of two surfaces in pictures.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ImageError {
     /// Root mean square difference of colours (0 to 255 each) over all pixels that either covers; 0

@@ -25,7 +25,7 @@ impl Pyramid {
         self.levels[0].width as f32 * self.levels[0].height as f32
     }
 
-    /// Returns the colour at a place, sRGB values from 0 to 1, if a pixel of the picture is as large
+    /// Returns the colour at a place, sRGB values from 0 to 1, for a pixel of a picture as large
     /// as `texels` of the image. Linear between texels and between sizes.
     #[must_use]
     pub fn at(&self, place: Vec2, texels: f32, wrap: [Wrap; 2]) -> Vec3 {

@@ -1,5 +1,5 @@
-//! Where the objects of a scene stand, how they are posed, and what they look like: plain data that
-//! importers fill, and the few computations that everything that shows or measures a scene shares.
+//! Scenes as plain data: where objects stand, how they are posed, and what they look like. Importers
+//! fill it; everything that shows or measures a scene shares its few computations.
 //!
 //! A [`Graph`] has nodes, skins and the roots of the default scene. A [`Pose`] says how its nodes
 //! stand relative to their parents and how much of each morph target is blended in;

@@ -18,7 +18,7 @@ pub struct Placement {
     /// The skinning matrix of every joint (world transform times inverse bind matrix; glTF 2.0,
     /// 3.7.3); empty without a skin.
     pub joints: Arc<[Transform]>,
-    /// How much of each morph target is blended in.
+    /// The weight of each morph target.
     pub weights: Arc<[f64]>,
 }
 
@@ -71,7 +71,7 @@ impl Arrangement {
 }
 
 impl Graph {
-    /// How many placements the default scene has, if it shows anything.
+    /// Number of placements of the default scene, if it shows anything.
     #[must_use]
     pub fn placement_count(&self) -> usize {
         let count = |&n: &u32| {

@@ -112,7 +112,8 @@ impl LeadingJoints {
         present.map(|&j| largest_stretch(&skin[j].matrix3)).fold(0.0, f64::max)
     }
 
-    /// Returns true if some vertex may follow the node: it has no weight, or for a joint that is not there.
+    /// Returns true if some vertex may follow the node: without weight, or for a joint that is not
+    /// there.
     fn misses_some(&self, skin: &[Transform]) -> bool {
         self.unweighted || self.joints.last().is_some_and(|&j| j >= skin.len())
     }

@@ -1,4 +1,5 @@
-//! The looks of a scene: base colours and textures of its submeshes. For pictures only; nothing here is needed to simplify or to write a scene again.
+//! The looks of a scene: base colours and textures of its submeshes. For pictures only;
+//! nothing here is needed to simplify or to write a scene again.
 
 mod gltf;
 mod gltf_material;

@@ -5,7 +5,7 @@ use super::pictures::Pictures;
 use crate::{Assets, ObjDocument, ObjMaterial, ObjectInfo};
 use lodc_scene::{AlphaMode, Appearance, Material, Texture, Wrap, to_linear};
 
-/// What is drawn without a material: a light grey.
+/// Linear colour without a material: a light grey.
 const PLAIN: [f32; 4] = [0.6, 0.6, 0.6, 1.0];
 
 pub(super) fn appearance(

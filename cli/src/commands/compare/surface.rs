@@ -1,4 +1,4 @@
-//! What is compared: a scene as the default scene shows it.
+//! The surfaces that are compared: scenes as their default scenes show them.
 
 use super::CompareArgs;
 use crate::console;

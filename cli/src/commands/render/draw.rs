@@ -126,19 +126,19 @@ struct Part<'a> {
     shown: &'a Shown,
     placement: &'a Placement,
     cell: &'a Cell,
-    /// Where distances are what colours mean, those of this cell.
+    /// The distances of this cell, if colours mean distances.
     heat: Option<(&'a Heat, usize)>,
     points: &'a PositionIds,
     camera: &'a Camera,
 }
 
-/// What a submesh gives its corners.
+/// The looks that a submesh gives its corners.
 struct Look<'a> {
     material: usize,
     normals: bool,
     uv: Option<&'a Attribute>,
     colour: Option<&'a Attribute>,
-    /// What all of it is coloured with, where colours stand for something.
+    /// The one colour of all of it, if colours stand for something.
     fixed: Option<[f32; 3]>,
 }
 

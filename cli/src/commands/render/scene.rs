@@ -1,4 +1,4 @@
-//! What there is to show: objects, what they look like, and where they stand.
+//! The things to show: objects, what they look like, and where they stand.
 
 use super::RenderArgs;
 use super::options::Colouring;
@@ -22,10 +22,11 @@ const MAX_PLACEMENTS: usize = 1 << 20;
 /// An asset that can be drawn.
 pub(super) struct Shown {
     pub(super) objects: Objects,
+    pub(super) document: Document,
     pub(super) appearance: Appearance,
-    /// Where objects are shown.
+    /// The placements of objects.
     pub(super) arrangement: Arrangement,
-    /// What was repaired, dropped or left out while reading.
+    /// Repairs, drops and omissions while reading.
     pub(super) warnings: Vec<String>,
 }
 
@@ -92,7 +93,7 @@ pub(super) fn read(args: &RenderArgs, stages: &mut Stages) -> Outcome<Shown> {
             format!("{name}: {triangles} triangles with all instances, more than {MAX_TRIANGLES}");
         return Err(Failure::new(Status::Limit, message));
     }
-    Ok(Shown { objects, appearance: looks, arrangement, warnings })
+    Ok(Shown { objects, document, appearance: looks, arrangement, warnings })
 }
 
 fn of_scene(

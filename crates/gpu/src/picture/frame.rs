@@ -9,7 +9,7 @@ use lodc_scene::{Image, to_linear};
 /// Triangles that go to the device at once.
 const AT_ONCE: usize = 1 << 20;
 
-/// How many pixels there are for each one of the result, across and down.
+/// Number of pixels for each one of the result, across and down.
 const LARGER: u32 = 2;
 
 /// Linear colour of edges.
@@ -199,7 +199,7 @@ fn extent([width, height]: [u32; 2]) -> wgpu::Extent3d {
     wgpu::Extent3d { width, height, depth_or_array_layers: 1 }
 }
 
-/// What the shader calls `Shot`.
+/// The `Shot` of the shader.
 fn shot(painter: &Painter<'_>, camera: &Camera, style: &Style) -> wgpu::BindGroup {
     let with = |v: [f32; 3], w: f32| [v[0], v[1], v[2], w];
     let [right, up, toward] = camera.axes();

@@ -1,4 +1,4 @@
-//! What pictures of one scene share on a device: pipelines, materials and their textures.
+//! The resources that pictures of one scene share on a device: pipelines, materials and their textures.
 
 use crate::{Device, GpuError};
 use lodc_scene::{AlphaMode, Image, Material, Texture, Wrap};
