@@ -26,8 +26,11 @@ pub(crate) fn seen_areas(parts: &[Part]) -> Vec<Vec<f64>> {
     let center = 0.5 * (lo + hi);
     let radius = corners().map(|p| p.distance(center)).fold(0.0, f64::max);
     let mut pixels = vec![0u32; count];
+    // The length of a pixel's side, the same for all cameras.
+    let mut pixel = 0.0;
     if radius > 0.0 && radius.is_finite() {
         let cameras = spread_cameras(VIEWS, center, radius, SIZE);
+        pixel = 1.0 / cameras[0].scale;
         // A few pictures at a time: each has a depth for every pixel.
         for views in cameras.chunks(4) {
             let fronts: Vec<Vec<Fragment>> = views.par_iter().map(|c| picture(parts, c)).collect();
@@ -36,9 +39,7 @@ pub(crate) fn seen_areas(parts: &[Part]) -> Vec<Vec<f64>> {
             }
         }
     }
-    // A picture spans the diameter of the sphere around the scene.
-    let side = 2.0 * radius / f64::from(SIZE);
-    let area = 4.0 * side * side / f64::from(VIEWS);
+    let area = 4.0 * pixel * pixel / f64::from(VIEWS);
     let mut first = 0;
     let mut of_part = |part: &Part| -> Vec<f64> {
         let range = first..first + part.triangles.len();
