@@ -1,9 +1,9 @@
 //! Colours that stand for numbers.
 
-/// The colour of a share: from 0 (dark blue) over green and yellow to 1 (dark red), in sRGB. The
-/// map is Turbo (Mikhailov 2019), which tells neighbouring values apart better than a rainbow.
+/// The colour of a share: from 0 (blue) over green, yellow and orange to 1 (red), in sRGB. The
+/// scheme is Spectral (Harrower and Brewer 2003), reversed.
 pub(crate) fn heat(share: f64) -> [u8; 3] {
-    let colorous::Color { r, g, b } = colorous::TURBO.eval_continuous(share.clamp(0.0, 1.0));
+    let colorous::Color { r, g, b } = colorous::SPECTRAL.eval_continuous(1.0 - share.clamp(0.0, 1.0));
     [r, g, b]
 }
 
