@@ -3,7 +3,8 @@
 /// The colour of a share: from 0 (blue) over green, yellow and orange to 1 (red), in sRGB. The
 /// scheme is Spectral (Harrower and Brewer 2003), reversed.
 pub(crate) fn heat(share: f64) -> [u8; 3] {
-    let colorous::Color { r, g, b } = colorous::SPECTRAL.eval_continuous(1.0 - share.clamp(0.0, 1.0));
+    let colorous::Color { r, g, b } =
+        colorous::SPECTRAL.eval_continuous(1.0 - share.clamp(0.0, 1.0));
     [r, g, b]
 }
 

@@ -50,7 +50,7 @@ impl OptionalSelector {
     pub(crate) fn per_object(&self) -> bool {
         self.per_object
     }
-    /// The target that was asked for, if any.
+    /// Returns the level asked for, if any.
     pub(crate) fn target(&self) -> Option<Target> {
         self.target.chosen()
     }
@@ -89,7 +89,7 @@ impl SelectorArgs {
     pub(crate) fn per_object(&self) -> bool {
         self.per_object
     }
-    /// The target that was asked for.
+    /// Returns the level asked for.
     pub(crate) fn target(&self) -> Target {
         self.target.chosen().expect("clap demands exactly one of the group")
     }

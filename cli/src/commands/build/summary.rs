@@ -1,6 +1,6 @@
 //! The summary that is printed after a build.
 
-use super::pipeline::Made;
+use super::pipeline::BuildOutput;
 use crate::console::{Loudness, note, wants};
 use crate::levels::TABLE;
 use crate::output::Target as Output;
@@ -11,13 +11,13 @@ use lodc_select::{Selection, Target, scene_diagonal};
 use std::fmt::Write;
 
 /// Prints the summary on standard error, unless `-q`.
-pub(super) fn print(made: &Made, output: &Output, seconds: f64) {
+pub(super) fn print(made: &BuildOutput, output: &Output, seconds: f64) {
     if wants(Loudness::Normal) {
         note(text(made, output, seconds).trim_end());
     }
 }
 
-fn text(made: &Made, output: &Output, seconds: f64) -> String {
+fn text(made: &BuildOutput, output: &Output, seconds: f64) -> String {
     let objects = &made.file.objects;
     let counts: Vec<_> = objects.iter().map(|o| super::counts(&o.info, &o.simplified)).collect();
     let sum = |of: fn(&crate::report::ObjectCounts) -> u64| counts.iter().map(of).sum::<u64>();
@@ -68,7 +68,7 @@ fn text(made: &Made, output: &Output, seconds: f64) -> String {
     text
 }
 
-fn table(text: &mut String, made: &Made) {
+fn table(text: &mut String, made: &BuildOutput) {
     let objects = &made.file.objects;
     let Ok(choice) = Choice::new(objects, &made.file.document, &Limits::DEFAULT) else { return };
     let candidates = choice.candidates();
