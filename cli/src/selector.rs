@@ -96,13 +96,13 @@ impl SelectorArgs {
 }
 
 /// Objects to choose levels of detail for, and the scene that shows them.
-pub(crate) struct Choice<'a> {
+pub(crate) struct SceneLevels<'a> {
     objects: &'a [LodObject],
     scene: Arrangement,
     losses: OnceLock<Vec<Vec<f64>>>,
 }
 
-impl<'a> Choice<'a> {
+impl<'a> SceneLevels<'a> {
     /// # Errors
     /// If the stored document is damaged.
     pub(crate) fn new(

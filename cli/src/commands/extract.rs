@@ -9,7 +9,7 @@ use crate::limits::LimitArgs;
 use crate::mesh_output::{self, FormatName, Wanted};
 use crate::output::{self, Rule, Target};
 use crate::report::{ExtractReport, ExtractedObject, SCHEMA_VERSION};
-use crate::selector::{Choice, SelectorArgs};
+use crate::selector::{SceneLevels, SelectorArgs};
 use crate::stages::Stages;
 use crate::text::{count, distance};
 use clap::Args;
@@ -65,7 +65,7 @@ pub(crate) fn run(args: &ExtractArgs) -> Outcome<()> {
     let mut stages = Stages::default();
     let (file, _) = stages.run("read", || read_lodc(&args.input, args.limits.limits()))?;
     let model = model(args, &file)?;
-    let choice = Choice::new(&file.objects, &file.document, &args.limits.limits())?;
+    let choice = SceneLevels::new(&file.objects, &file.document, &args.limits.limits())?;
     let chosen = stages
         .run("select", || choice.select(args.selector.target(), args.selector.per_object()))?;
     let meshes = stages.run("extract", || meshes(&file.objects, &chosen.lods, model))?;
