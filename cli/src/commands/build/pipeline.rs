@@ -120,7 +120,7 @@ fn paints(
     let looks = appearance(&scene.document, &infos, &mut assets)
         .map_err(|e| e.in_file(&input.display().to_string()))?;
     report.warnings.extend_from_slice(&looks.warnings);
-    Ok(Some((Paints::new(&looks), assets.files_read().to_vec())))
+    Ok(Some((Paints::new(looks), assets.files_read().to_vec())))
 }
 
 /// Simplifies every object, several at once. `paints` are the scene's colours, where the metric

@@ -14,6 +14,8 @@ const NEAR: f32 = 1.5;
 /// and a surface of mean convex curvature H and area A shows 2 H A d of it, in the unit of its own
 /// projected area. The factor is measured.
 const SILHOUETTE: f32 = 6.0;
+/// Squared distance, in squared extents, by which a face that turns its back comes later.
+const TURNED: f32 = 0.25;
 /// Places of moved faces that are tested for input nearby: shares of the second and third corner.
 const PLACES: [[f32; 2]; 4] = [
     [1.0 / 3.0, 1.0 / 3.0],
@@ -45,7 +47,7 @@ impl Patch {
         let mut sum = 0.0;
         for &s in &self.samples {
             let s = samples.get(s);
-            let Some(place) = self.nearest(s.position) else {
+            let Some(place) = self.nearest(s) else {
                 // Nothing is left that could stand for it.
                 sum += f64::from(s.weight * UNCOVERED);
                 continue;
@@ -79,7 +81,7 @@ impl Patch {
         let (mut sum, mut visible) = (0.0, 0.0);
         for &s in &self.samples {
             let sample = *samples.get(s);
-            if let Some(place) = self.nearest(sample.position) {
+            if let Some(place) = self.nearest(&sample) {
                 sum += f64::from(sample.weight) * f64::from(place.squared);
                 visible += f64::from(sample.weight);
                 let geometric = self.geometric_error(place, &sample, distance_weight);
@@ -102,16 +104,20 @@ impl Patch {
         if visible > 0.0 { (sum / visible).sqrt() } else { 0.0 }
     }
 
-    /// The place of the moved faces that is nearest to a point.
-    fn nearest(&self, point: Vec3) -> Option<Place> {
-        let mut best: Option<Place> = None;
+    /// The place of the moved faces that is nearest to a sample. A face that turns its back to it
+    /// comes after one nearly as near that does not: where faces coincide, each keeps its samples.
+    fn nearest(&self, sample: &Sample) -> Option<Place> {
+        let mut best: Option<(Place, f32)> = None;
+        let turned = TURNED * sample.extent * sample.extent;
         for (face, placed) in self.placed.iter().enumerate() {
-            let (at, squared) = placed.locate(point);
-            if best.is_none_or(|b| squared < b.squared) {
-                best = Some(Place { face, at, squared });
+            let (at, squared) = placed.locate(sample.position);
+            let is_turned = self.moved[face].normal.dot(sample.normal) < 0.0;
+            let key = squared + if is_turned { turned } else { 0.0 };
+            if best.is_none_or(|b| key < b.1) {
+                best = Some((Place { face, at, squared }, key));
             }
         }
-        best
+        best.map(|b| b.0)
     }
 
     /// The error of a sample by its distance from its place. Beside its own plane nothing covers it.

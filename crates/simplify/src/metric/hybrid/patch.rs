@@ -18,7 +18,7 @@ pub(super) struct Shaded {
     pub(super) face: u32,
     /// Its corners, as vertices of the patch; `NONE` for those that are none.
     corners: [u32; 3],
-    normal: Vec3,
+    pub(super) normal: Vec3,
     pub(super) shading: [Vec3; 3],
     pub(super) submesh: u32,
     /// Texture coordinates of the corners.
