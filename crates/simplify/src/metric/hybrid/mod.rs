@@ -21,11 +21,8 @@ mod tests;
 
 pub(crate) use patch::Patch;
 
-use super::{Metric, QuadricMetric};
-use crate::fan::{Facet, Lanes};
-use crate::neighborhood::FeaturePlane;
-use crate::wedges::Wedges;
-use crate::working::Working;
+use super::Reprice;
+use crate::working::WorkingMesh;
 use samples::Samples;
 
 /// A place this far off, as a share of the mesh's size, counts like a normal that is off by one
@@ -45,7 +42,6 @@ const HIDDEN: f64 = 1e-6;
 const ZERO: f64 = 1e-16;
 
 pub(crate) struct HybridMetric {
-    quadric: QuadricMetric,
     samples: Samples,
     /// The error of each face's samples.
     energy: Vec<f64>,
@@ -65,12 +61,11 @@ pub(crate) struct HybridMetric {
 
 impl HybridMetric {
     /// `size` is the mesh's diagonal.
-    pub(crate) fn new(mesh: &Working, wedges: &Wedges, size: f64) -> Self {
+    pub(crate) fn new(mesh: &WorkingMesh, size: f64) -> Self {
         let mut samples = Samples::new(mesh);
         sight::weigh(mesh, samples.all_mut());
         let per = |length: f64| if size > 0.0 { (length * size).powi(-2) } else { 0.0 };
         Self {
-            quadric: QuadricMetric::new(mesh, wedges),
             samples,
             energy: vec![0.0; mesh.faces.len()],
             distance: per(DISTANCE) as f32,
@@ -83,24 +78,14 @@ impl HybridMetric {
     }
 }
 
-impl Metric for HybridMetric {
-    const LOOKS: bool = true;
-    type Local = <QuadricMetric as Metric>::Local;
-    type Eye = Patch;
-
-    fn local(&self, from: u32, facets: &[Facet], features: &[FeaturePlane]) -> Self::Local {
-        self.quadric.local(from, facets, features)
-    }
-
-    fn costs(&self, local: &Self::Local, lanes: &Lanes, costs: &mut [f64]) {
-        self.quadric.costs(local, lanes, costs);
-    }
+impl Reprice for HybridMetric {
+    type Scratch = Patch;
 
     fn attribute_weight(&self) -> f64 {
         if self.awake { self.attributes } else { 1.0 }
     }
 
-    fn collapsed(&mut self, mesh: &mut Working, from: u32, to: u32) {
+    fn collapse(&mut self, mesh: &WorkingMesh, from: u32, to: u32) {
         self.moved = None;
         if self.awake {
             let star = mesh.star(from);
@@ -112,24 +97,33 @@ impl Metric for HybridMetric {
             self.moved =
                 Some(self.patch.settle(&mut self.samples, self.distance, &mut self.energy));
         }
-        self.quadric.collapsed(mesh, from, to);
     }
 
     /// The root mean square distance of what is seen, while that is looked at. Levels of several
     /// objects are chosen by it: what nobody sees must not keep one object fine while others go.
-    fn error(&self, group: u32) -> f64 {
-        self.moved.unwrap_or_else(|| self.quadric.error(group))
+    fn error(&self) -> Option<f64> {
+        self.moved
     }
 
-    fn is_awake(&self) -> bool {
+    fn is_active(&self) -> bool {
         self.awake
     }
 
-    fn change(&mut self, _mesh: &Working, legal: bool) {
+    fn should_toggle(&self, _mesh: &WorkingMesh) -> bool {
+        false
+    }
+
+    fn toggle(&mut self, _mesh: &WorkingMesh, legal: bool) {
         self.awake = legal;
     }
 
-    fn look(&self, mesh: &Working, from: u32, candidates: &mut [(f64, u32)], patch: &mut Patch) {
+    fn reprice(
+        &self,
+        mesh: &WorkingMesh,
+        from: u32,
+        candidates: &mut [(f64, u32)],
+        patch: &mut Patch,
+    ) {
         let star = mesh.star(from);
         patch.gather(mesh, from, &self.samples, &self.energy);
         candidates.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
