@@ -91,7 +91,7 @@ impl<M: Reprice> Commit<'_, M> {
     /// Moves `from`'s faces and quadrics.
     fn merge(&mut self, from: u32, to: u32) {
         let Self { region, metric, log, .. } = self;
-        metric.collapse(&region.mesh, from, to);
+        metric.collapsed(&region.mesh, &region.wedges, from, to);
         region.quadrics.merge(&mut region.mesh, from, to);
         region.mesh.merge(from, to, |triangle| log.dead.push(triangle));
         region.mesh.add_flags(from, DEAD);

@@ -21,7 +21,7 @@ pub(crate) struct Engine<'a, M: Reprice> {
     metric: &'a mut M,
     rules: Rules,
     log: CollapseLog,
-    state: LoopState<M::Scratch>,
+    state: LoopState<M::ViewScratch>,
 }
 
 /// Buffers of the loop.
@@ -117,7 +117,7 @@ impl<'a, M: Reprice> Engine<'a, M> {
     pub(crate) fn rank_all(&mut self) {
         let own = self.region.own() as u32;
         let pricer = self.pricer();
-        let rank = |scratch: &mut Scratch<M::Scratch>, g: u32| pricer.rank(g, scratch);
+        let rank = |scratch: &mut Scratch<M::ViewScratch>, g: u32| pricer.rank(g, scratch);
         let choices = (0..own)
             .into_par_iter()
             .with_min_len(if M::REPRICES { 64 } else { 4096 })

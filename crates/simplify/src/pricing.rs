@@ -55,7 +55,7 @@ pub(crate) struct Pricer<'a, M> {
 impl<M: Reprice> Pricer<'_, M> {
     /// The cheapest collapse of a group.
     #[inline]
-    pub(crate) fn rank(&self, from: u32, scratch: &mut Scratch<M::Scratch>) -> Choice {
+    pub(crate) fn rank(&self, from: u32, scratch: &mut Scratch<M::ViewScratch>) -> Choice {
         // By far the most common case.
         if self.is_plain(from) {
             let quadric = &self.region.quadrics.surface[from as usize];
@@ -66,7 +66,7 @@ impl<M: Reprice> Pricer<'_, M> {
         self.rank_all(from, scratch)
     }
 
-    fn rank_all(&self, from: u32, scratch: &mut Scratch<M::Scratch>) -> Choice {
+    fn rank_all(&self, from: u32, scratch: &mut Scratch<M::ViewScratch>) -> Choice {
         self.price_all(from, scratch);
         let mut best = (f64::INFINITY, NONE);
         for &(cost, to) in &scratch.candidates {
@@ -87,16 +87,17 @@ impl<M: Reprice> Pricer<'_, M> {
     }
 
     /// Prices all collapses of a group, as the metric sees them.
-    pub(crate) fn price_all(&self, from: u32, scratch: &mut Scratch<M::Scratch>) {
+    pub(crate) fn price_all(&self, from: u32, scratch: &mut Scratch<M::ViewScratch>) {
         self.price_geometry(from, scratch);
         if self.metric.is_active() {
             let Scratch { candidates, repricing, .. } = scratch;
-            self.metric.reprice(&self.region.mesh, from, candidates, repricing);
+            let Region { mesh, wedges, .. } = self.region;
+            self.metric.reprice(mesh, wedges, from, candidates, repricing);
         }
     }
 
     /// Prices all collapses of a group by the quadric and attributes.
-    fn price_geometry(&self, from: u32, scratch: &mut Scratch<M::Scratch>) {
+    fn price_geometry(&self, from: u32, scratch: &mut Scratch<M::ViewScratch>) {
         let Scratch { around, gradients, candidates, .. } = scratch;
         candidates.clear();
         let Region { mesh, wedges, quadrics, .. } = self.region;
@@ -145,12 +146,13 @@ impl<M: Reprice> Pricer<'_, M> {
         &self,
         from: u32,
         known: Choice,
-        scratch: &mut Scratch<M::Scratch>,
+        scratch: &mut Scratch<M::ViewScratch>,
     ) -> Option<Choice> {
         self.price_geometry(from, scratch);
         let Scratch { candidates, repricing, .. } = scratch;
         let mut one = [*candidates.iter().find(|c| c.1 == known.to)?];
-        self.metric.reprice(&self.region.mesh, from, &mut one, repricing);
+        let Region { mesh, wedges, .. } = self.region;
+        self.metric.reprice(mesh, wedges, from, &mut one, repricing);
         let cost = scaled(one[0].0);
         (cost <= known.cost).then_some(Choice { cost, ..known })
     }

@@ -47,7 +47,7 @@ impl<M: Reprice> Selector<'_, M> {
         &self,
         from: u32,
         known: Choice,
-        buffers: &mut SelectionBuffers<M::Scratch>,
+        buffers: &mut SelectionBuffers<M::ViewScratch>,
     ) -> Option<LegalCollapse> {
         buffers.refused = false;
         self.confirm(from, known, buffers).or_else(|| self.search(from, buffers))
@@ -63,7 +63,7 @@ impl<M: Reprice> Selector<'_, M> {
         &self,
         from: u32,
         known: Choice,
-        buffers: &mut SelectionBuffers<M::Scratch>,
+        buffers: &mut SelectionBuffers<M::ViewScratch>,
     ) -> Option<LegalCollapse> {
         let is_planned = self.wedges_matter(from);
         let verdict = self.check(from, known.to, buffers)?;
@@ -88,7 +88,7 @@ impl<M: Reprice> Selector<'_, M> {
     fn search(
         &self,
         from: u32,
-        buffers: &mut SelectionBuffers<M::Scratch>,
+        buffers: &mut SelectionBuffers<M::ViewScratch>,
     ) -> Option<LegalCollapse> {
         let is_planned = self.wedges_matter(from);
         self.pricer.price_all(from, &mut buffers.scratch);
@@ -136,7 +136,7 @@ impl<M: Reprice> Selector<'_, M> {
         &self,
         from: u32,
         to: u32,
-        buffers: &mut SelectionBuffers<M::Scratch>,
+        buffers: &mut SelectionBuffers<M::ViewScratch>,
     ) -> Option<Verdict> {
         self.rules.check(&self.pricer.region.mesh, from, to, &mut buffers.marks)
     }
@@ -155,7 +155,7 @@ impl<M: Reprice> Selector<'_, M> {
     }
 
     /// Plans a collapse. False if that is refused.
-    fn try_plan(&self, from: u32, to: u32, buffers: &mut SelectionBuffers<M::Scratch>) -> bool {
+    fn try_plan(&self, from: u32, to: u32, buffers: &mut SelectionBuffers<M::ViewScratch>) -> bool {
         let planner = self.planner();
         planner.plan(from, to, &mut buffers.tried);
         let Planner { mesh, wedges, attributes, .. } = planner;

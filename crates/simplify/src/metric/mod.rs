@@ -10,6 +10,7 @@ pub(crate) use hybrid::HybridMetric;
 pub(crate) use quadric::{MEMORY, Quadrics, TIE_WEIGHT};
 pub(crate) use visual::{Score, VisualMetric};
 
+use crate::wedges::Wedges;
 use crate::working::WorkingMesh;
 
 /// Prices collapses anew that the quadric has priced. Pricing is pure, so it runs in parallel;
@@ -18,7 +19,7 @@ pub(crate) trait Reprice: Sync {
     /// Whether it ever does.
     const REPRICES: bool = true;
     /// Buffers of one thread.
-    type Scratch: Default + Send;
+    type ViewScratch: Default + Send;
 
     /// Whether it does at present.
     fn is_active(&self) -> bool;
@@ -38,13 +39,15 @@ pub(crate) trait Reprice: Sync {
     fn reprice(
         &self,
         mesh: &WorkingMesh,
+        wedges: &Wedges,
         from: u32,
         candidates: &mut [(f64, u32)],
-        scratch: &mut Self::Scratch,
+        scratch: &mut Self::ViewScratch,
     );
 
-    /// Follows a collapse that is about to happen.
-    fn collapse(&mut self, mesh: &WorkingMesh, from: u32, to: u32);
+    /// Updates the metric for the collapse of `from` onto `to`. The faces of `from` have their new
+    /// wedges already, but their groups are the old ones.
+    fn collapsed(&mut self, mesh: &WorkingMesh, wedges: &Wedges, from: u32, to: u32);
 
     /// The error of the last collapse in working units, if it is not the quadric's.
     fn error(&self) -> Option<f64> {
@@ -57,7 +60,7 @@ pub(crate) struct QuadricOnly;
 
 impl Reprice for QuadricOnly {
     const REPRICES: bool = false;
-    type Scratch = ();
+    type ViewScratch = ();
 
     fn is_active(&self) -> bool {
         false
@@ -66,6 +69,6 @@ impl Reprice for QuadricOnly {
         false
     }
     fn toggle(&mut self, _mesh: &WorkingMesh, _legal: bool) {}
-    fn reprice(&self, _: &WorkingMesh, _: u32, _: &mut [(f64, u32)], (): &mut ()) {}
-    fn collapse(&mut self, _mesh: &WorkingMesh, _from: u32, _to: u32) {}
+    fn reprice(&self, _: &WorkingMesh, _: &Wedges, _: u32, _: &mut [(f64, u32)], (): &mut ()) {}
+    fn collapsed(&mut self, _: &WorkingMesh, _: &Wedges, _: u32, _: u32) {}
 }

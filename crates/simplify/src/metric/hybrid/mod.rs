@@ -15,13 +15,14 @@
 
 mod patch;
 mod samples;
-mod sight;
 #[cfg(test)]
 mod tests;
+mod visibility;
 
 pub(crate) use patch::Patch;
 
 use super::Reprice;
+use crate::wedges::Wedges;
 use crate::working::WorkingMesh;
 use samples::Samples;
 
@@ -63,7 +64,7 @@ impl HybridMetric {
     /// `size` is the mesh's diagonal.
     pub(crate) fn new(mesh: &WorkingMesh, size: f64) -> Self {
         let mut samples = Samples::new(mesh);
-        sight::weigh(mesh, samples.all_mut());
+        visibility::weigh(mesh, samples.all_mut());
         let per = |length: f64| if size > 0.0 { (length * size).powi(-2) } else { 0.0 };
         Self {
             samples,
@@ -79,13 +80,13 @@ impl HybridMetric {
 }
 
 impl Reprice for HybridMetric {
-    type Scratch = Patch;
+    type ViewScratch = Patch;
 
     fn attribute_weight(&self) -> f64 {
         if self.awake { self.attributes } else { 1.0 }
     }
 
-    fn collapse(&mut self, mesh: &WorkingMesh, from: u32, to: u32) {
+    fn collapsed(&mut self, mesh: &WorkingMesh, _wedges: &Wedges, from: u32, to: u32) {
         self.moved = None;
         if self.awake {
             let star = mesh.star(from);
@@ -120,6 +121,7 @@ impl Reprice for HybridMetric {
     fn reprice(
         &self,
         mesh: &WorkingMesh,
+        _wedges: &Wedges,
         from: u32,
         candidates: &mut [(f64, u32)],
         patch: &mut Patch,

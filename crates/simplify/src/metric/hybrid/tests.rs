@@ -83,7 +83,7 @@ fn a_commit_costs_what_the_look_said() {
     let mut looked_at = 0;
     for mesh in [shapes::icosphere(3), shapes::terrain(), shapes::torus(), shapes::machine_part()] {
         let input = Input::new(&mesh);
-        let mut working = Region::whole(&input, false).mesh;
+        let Region { mesh: mut working, wedges, .. } = Region::whole(&input, false);
         working.keep_facets();
         let mut metric = HybridMetric::new(&working, input.size);
         metric.toggle(&working, true);
@@ -93,9 +93,9 @@ fn a_commit_costs_what_the_look_said() {
             let Some(&corner) = working.star(from).first() else { continue };
             let to = working.others(corner)[random.below(2)];
             let mut candidates = [(0.0, to)];
-            metric.reprice(&working, from, &mut candidates, &mut Patch::default());
+            metric.reprice(&working, &wedges, from, &mut candidates, &mut Patch::default());
             let before: f64 = metric.energy.iter().sum();
-            metric.collapse(&working, from, to);
+            metric.collapsed(&working, &wedges, from, to);
             let alive_before = working.live_faces;
             let mut gone = Vec::new();
             for c in working.star(from) {

@@ -10,16 +10,17 @@
 //! Where faces are smaller than pixels there is nothing to count: as long as there is more than one
 //! face for every eight pixels covered (all views together), the quadric alone decides.
 
-mod eye;
+mod reprice;
 mod score;
 #[cfg(test)]
 mod tests;
 mod view;
 
-pub(crate) use eye::Eye;
+pub(crate) use reprice::ViewScratch;
 pub(crate) use score::Score;
 
 use super::Reprice;
+use crate::wedges::Wedges;
 use crate::working::WorkingMesh;
 use glam::DVec3;
 use lodc_raster::{Camera, Window, metric_cameras, scan};
@@ -145,9 +146,9 @@ fn divergence(sum: f64, covered: u32, table: &Table) -> f64 {
 }
 
 impl Reprice for VisualMetric {
-    type Scratch = Eye;
+    type ViewScratch = ViewScratch;
 
-    fn collapse(&mut self, mesh: &WorkingMesh, from: u32, to: u32) {
+    fn collapsed(&mut self, mesh: &WorkingMesh, _wedges: &Wedges, from: u32, to: u32) {
         if self.is_active() {
             self.redraw(mesh, from, to);
         }
@@ -172,7 +173,14 @@ impl Reprice for VisualMetric {
         }
     }
 
-    fn reprice(&self, mesh: &WorkingMesh, from: u32, candidates: &mut [(f64, u32)], eye: &mut Eye) {
-        self.see(mesh, from, candidates, eye);
+    fn reprice(
+        &self,
+        mesh: &WorkingMesh,
+        _wedges: &Wedges,
+        from: u32,
+        candidates: &mut [(f64, u32)],
+        scratch: &mut ViewScratch,
+    ) {
+        self.see(mesh, from, candidates, scratch);
     }
 }

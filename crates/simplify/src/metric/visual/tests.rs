@@ -37,7 +37,7 @@ fn check(metric: &VisualMetric, mesh: &WorkingMesh, what: &str) {
 
 /// Collapses at random edges, legal or not, and compares now and then.
 fn collapse_at_random(mesh: &Mesh, seed: u64, score: Score, what: &str) {
-    let mut working = Region::whole(&Input::new(mesh), false).mesh;
+    let Region { mesh: mut working, wedges, .. } = Region::whole(&Input::new(mesh), false);
     if working.faces.is_empty() {
         return;
     }
@@ -49,7 +49,7 @@ fn collapse_at_random(mesh: &Mesh, seed: u64, score: Score, what: &str) {
         let from = random.below(working.places.len()) as u32;
         let Some(&corner) = working.star(from).first() else { continue };
         let to = working.others(corner)[random.below(2)];
-        metric.collapse(&working, from, to);
+        metric.collapsed(&working, &wedges, from, to);
         working.merge(from, to, |_| {});
         commits += 1;
         if commits % 16 == 0 || working.live_faces < 8 {
@@ -103,8 +103,8 @@ fn a_look_says_what_a_collapse_changes() {
         ("part", shapes::machine_part()),
     ] {
         for score in [Score::Entropy, Score::Divergence] {
-            let whole = || Region::whole(&Input::new(&mesh), false).mesh;
-            let working = whole();
+            let whole = || Region::whole(&Input::new(&mesh), false);
+            let Region { mesh: working, wedges, .. } = whole();
             let mut metric = VisualMetric::new(&working, score, SIZE);
             metric.open(&working);
             let before: Vec<f64> =
@@ -112,9 +112,15 @@ fn a_look_says_what_a_collapse_changes() {
             for from in (0..working.places.len() as u32).step_by(17) {
                 let Some(&corner) = working.star(from).first() else { continue };
                 let mut candidates = working.others(corner).map(|to| (0.0, to));
-                metric.reprice(&working, from, &mut candidates, &mut super::Eye::default());
+                metric.reprice(
+                    &working,
+                    &wedges,
+                    from,
+                    &mut candidates,
+                    &mut super::ViewScratch::default(),
+                );
                 for (cost, to) in candidates {
-                    let mut later = whole();
+                    let mut later = whole().mesh;
                     later.merge(from, to, |_| {});
                     let after = metric.cameras.iter().map(|c| score_of(&later, c, score));
                     let expected: f64 = before.iter().zip(after).map(|(b, a)| (a - b).abs()).sum();
