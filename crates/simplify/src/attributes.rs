@@ -21,7 +21,7 @@ pub(crate) struct Attributes {
     /// Numbers per vertex.
     pub(crate) width: usize,
     rows: Vec<f32>,
-    /// Where the first texture coordinates stand in a row.
+    /// Column of the first texture coordinates in a row.
     pub(crate) texture: Option<usize>,
     /// Up to four joints of each vertex and their weights, if the mesh is skinned.
     joints: Vec<[(u32, f32); 4]>,
@@ -74,7 +74,7 @@ impl Attributes {
         Self { width: 0, rows: Vec::new(), texture: None, joints: Vec::new(), joint_scale: 0.0 }
     }
 
-    /// Whether there is nothing to compare.
+    /// Returns whether there is nothing to compare.
     pub(crate) fn is_empty(&self) -> bool {
         self.width == 0 && self.joints.is_empty()
     }

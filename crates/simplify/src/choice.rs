@@ -2,7 +2,7 @@
 
 use lodc_mesh::NONE;
 
-/// What a cost is multiplied by before it becomes a key: everything that a mesh of `f32` can cost
+/// Factor of a cost before it becomes a key: everything that a mesh of `f32` can cost
 /// fits `f32` then.
 pub(crate) const COST_SCALE: f32 = 1e12;
 

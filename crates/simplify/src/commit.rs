@@ -36,7 +36,7 @@ impl Touched {
         std::mem::replace(&mut self.marks[group as usize], self.epoch) != self.epoch
     }
 
-    /// Whether a group has been marked since the last commit.
+    /// Returns whether a group has been marked since the last commit.
     #[inline]
     pub(crate) fn is_marked(&self, group: u32) -> bool {
         self.marks[group as usize] == self.epoch
@@ -50,7 +50,7 @@ impl Touched {
     }
 }
 
-/// What committing changes.
+/// Everything that a commit changes.
 pub(crate) struct Commit<'a, M> {
     pub(crate) context: &'a Context<'a>,
     pub(crate) region: &'a mut Region,

@@ -1,11 +1,11 @@
-//! What all regions share while they are being simplified.
+//! The context that all regions share while they are being simplified.
 
 use crate::attributes::Attributes;
 use crate::input::Input;
 use crate::options::Options;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// What all regions read.
+/// The data that all regions read.
 pub(crate) struct Context<'a> {
     pub(crate) input: &'a Input<'a>,
     pub(crate) options: Options,
@@ -13,7 +13,7 @@ pub(crate) struct Context<'a> {
 }
 
 impl Context<'_> {
-    /// Whether wedges are groups, and nothing about them is compared.
+    /// Returns whether wedges are groups, and nothing about them is compared.
     pub(crate) fn is_bare(&self) -> bool {
         self.input.one_wedge_each() && self.attributes.is_empty()
     }

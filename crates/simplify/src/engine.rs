@@ -33,11 +33,11 @@ struct LoopState<S> {
     touched: Touched,
     /// Groups to be ranked again.
     due: Vec<u32>,
-    /// How many groups are flagged as restricted.
+    /// Number of groups that are flagged as restricted.
     restricted: u32,
 }
 
-/// Which groups a queue takes.
+/// The groups that a queue takes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Queue {
     /// Those that cost at most this and are not locked. What is refused waits for the next round.
@@ -283,7 +283,7 @@ impl<'a, M: Reprice> Engine<'a, M> {
         }
     }
 
-    /// Whether a group is to be ranked again although a neighbour moves. Hubs with hundreds of
+    /// Returns whether a group is to be ranked again although a neighbour moves. Hubs with hundreds of
     /// neighbours are ranked after some of them moved, else a fan would take quadratic time;
     /// legality is always checked anew.
     fn is_due(&self, group: u32) -> bool {

@@ -9,7 +9,7 @@ use crate::working::{
 };
 use lodc_mesh::NONE;
 
-/// Where a group lives: a region, and its number there.
+/// The region of a group, and its number there.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Home {
     pub(crate) region: u32,
@@ -21,7 +21,7 @@ impl Home {
     pub(crate) const NONE: Self = Self { region: NONE, group: NONE };
 }
 
-/// What a group takes along.
+/// Flags that a group takes along.
 const KEPT_FLAGS: u8 = OPEN | SEAM | SHARED_POSITION | RESTRICTED;
 /// Spare room in each star.
 const SLACK: u32 = 2;
@@ -60,7 +60,7 @@ struct Gathering<'a> {
     wedges: Table,
     bare: bool,
     one_wedge_each: bool,
-    /// Whether groups may share positions.
+    /// True if groups may share positions.
     shared: bool,
 }
 

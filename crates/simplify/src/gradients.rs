@@ -38,7 +38,7 @@ impl WedgeAttributes<'_> {
         gradients.truncate(used);
     }
 
-    /// How far off the attributes around a group would be if it moved along an edge. Working units
+    /// Error of the attributes around a group if it moved along an edge. Working units
     /// to the fourth power.
     pub(crate) fn cost(
         &self,

@@ -21,7 +21,7 @@ pub(crate) struct Input<'a> {
     first_vertex: Vec<u32>,
     /// Each group's position, as a number; empty if no two groups share one.
     pub(crate) position_id: Vec<u32>,
-    /// Whether another group is at the same position, for each position.
+    /// For each position: true if several groups are there.
     shared: Vec<bool>,
     /// None if every group has one wedge, with the group's number.
     lists: Option<WedgeLists>,
@@ -77,12 +77,12 @@ impl<'a> Input<'a> {
         self.mesh.vertex_count()
     }
 
-    /// Whether every group has one wedge, with the group's number.
+    /// Returns whether every group has one wedge, with the group's number.
     pub(crate) fn one_wedge_each(&self) -> bool {
         self.lists.is_none()
     }
 
-    /// Whether some group has several wedges.
+    /// Returns whether some group has several wedges.
     pub(crate) fn may_have_seams(&self) -> bool {
         self.wedges() > self.groups()
     }
@@ -105,7 +105,7 @@ impl<'a> Input<'a> {
         }
     }
 
-    /// All there is to say about a wedge.
+    /// Returns the data of a wedge.
     pub(crate) fn wedge(&self, id: u32) -> Wedge {
         let vertex = self.vertex_of()[id as usize];
         Wedge {
@@ -117,19 +117,19 @@ impl<'a> Input<'a> {
         }
     }
 
-    /// Where a group is, in working units.
+    /// Position of a group in working units.
     pub(crate) fn place(&self, group: u32) -> GroupPosition {
         let p = self.position(group as usize);
         let position = Vec3::from(p.map(|c| (f64::from(c) * self.scale) as f32));
         GroupPosition { position, target_cost: 0.0 }
     }
 
-    /// Where a group is, in the mesh's units.
+    /// Position of a group in the mesh's units.
     pub(crate) fn position(&self, group: usize) -> [f32; 3] {
         self.mesh.positions()[self.first_vertex[group] as usize]
     }
 
-    /// Whether another group starts at the same position.
+    /// Returns whether another group starts at the same position.
     pub(crate) fn shares_position(&self, group: u32) -> bool {
         self.position_id.get(group as usize).is_some_and(|&p| self.shared[p as usize])
     }

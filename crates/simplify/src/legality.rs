@@ -1,4 +1,4 @@
-//! Which collapses are legal (algorithmic rules: Dey et al. for the link condition; thresholds
+//! The legality of collapses (algorithmic rules: Dey et al. for the link condition; thresholds
 //! measured).
 
 use crate::attributes::Attributes;
@@ -16,10 +16,10 @@ const MAX_VALENCE: usize = 24;
 const MIN_TURN: f64 = 0.25;
 /// A face's area must stay above this share of its longest edge squared.
 const MIN_AREA: f64 = 1e-12;
-/// What a collapse that changes the topology costs, as a multiple of its geometric cost.
+/// Price of a collapse that changes the topology, as a multiple of its geometric cost.
 const TOPOLOGY_PRICE: f64 = 16.0;
 
-/// What may still not be broken. Each stage drops one rule; all but the first are the terminal
+/// The rules that may not be broken. Each stage drops one rule; all but the first are the terminal
 /// phase.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Stage {
@@ -58,7 +58,7 @@ pub(crate) struct Rules {
 }
 
 impl Rules {
-    /// Whether `from` may move onto its neighbour `to`, and at what price.
+    /// Returns the price of moving `from` onto its neighbour `to`, or none if that is illegal.
     pub(crate) fn check(
         self,
         mesh: &WorkingMesh,
@@ -96,15 +96,15 @@ impl Rules {
     }
 }
 
-/// Whether `from` has too many faces for `to`, whatever they share: that is no more than the faces
+/// Returns whether `from` has too many faces for `to`, whatever they share: no more than the faces
 /// at `to`.
 fn is_overcrowded(mesh: &WorkingMesh, from: u32, to: u32) -> bool {
     let at_to = mesh.valence(to);
     mesh.valence(from).saturating_sub(at_to) > at_to.max(MAX_VALENCE)
 }
 
-/// Whether the collapse would also move a group onto `to` that belongs to another region: one at
-/// the same position.
+/// Returns whether the collapse would also move a locked group onto `to`: one at the same
+/// position.
 fn meets_locked_twin(mesh: &WorkingMesh, from: u32, to: u32) -> bool {
     let position = mesh.position_id[to as usize];
     mesh.star(from)
@@ -113,7 +113,7 @@ fn meets_locked_twin(mesh: &WorkingMesh, from: u32, to: u32) -> bool {
         .any(|g| g != to && mesh.position_id[g as usize] == position && mesh.has(g, LOCKED))
 }
 
-/// Whether no face around `from` turns its texture over when `from` moves to `to` as planned.
+/// Returns whether no face around `from` turns its texture over in the planned collapse.
 pub(crate) fn keeps_texture(
     mesh: &WorkingMesh,
     wedges: &Wedges,
@@ -140,8 +140,8 @@ pub(crate) fn keeps_texture(
     })
 }
 
-/// Whether no face around `from` turns too far or loses its area when `from` moves to where `to`
-/// is.
+/// Returns whether no face around `from` turns too far or loses its area when `from` moves to the
+/// position of `to`.
 fn keeps_orientation(mesh: &WorkingMesh, from: u32, to: u32) -> bool {
     let (here, there) = (mesh.position(from), mesh.position(to));
     mesh.star(from).iter().all(|&corner| {
@@ -150,7 +150,8 @@ fn keeps_orientation(mesh: &WorkingMesh, from: u32, to: u32) -> bool {
     })
 }
 
-/// Whether the triangle of a moving corner, `ahead` and `behind` keeps its orientation and an area.
+/// Returns whether the triangle of a moving corner, `ahead` and `behind` keeps orientation and
+/// area.
 #[inline]
 fn stays_upright(here: DVec3, there: DVec3, ahead: DVec3, behind: DVec3) -> bool {
     let old = (ahead - here).cross(behind - here);

@@ -10,9 +10,9 @@ pub(crate) struct Step {
     pub(crate) stamp: f32,
     /// In working units.
     pub(crate) error: f32,
-    /// Where its records end.
+    /// End of its records.
     records: u32,
-    /// Where its dead triangles end.
+    /// End of its dead triangles.
     deaths: u32,
     pub(crate) changes_topology: bool,
 }
@@ -23,7 +23,7 @@ pub(crate) struct CollapseLog {
     pub(crate) steps: Vec<Step>,
     /// Wedges that disappear.
     pub(crate) wedges: Vec<u32>,
-    /// What each becomes.
+    /// The wedge that each becomes.
     pub(crate) targets: Vec<u32>,
     /// Triangles that die.
     pub(crate) dead: Vec<u32>,
@@ -68,7 +68,7 @@ impl CollapseLog {
 pub(crate) struct FinalLog {
     /// Wedges in the order in which they disappear.
     pub(crate) order: Vec<u32>,
-    /// What each becomes.
+    /// The wedge that each becomes.
     pub(crate) targets: Vec<u32>,
     pub(crate) step_ends: Vec<u32>,
     /// In working units, never falling.

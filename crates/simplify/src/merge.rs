@@ -25,6 +25,9 @@ impl WorkingMesh {
                 self.faces[face as usize].groups[corner.at()] = to;
                 self.update_facet(face);
                 self.set_ahead(behind, face, to);
+                if self.has(to, HUB) && (self.has(ahead, HUB) || self.has(behind, HUB)) {
+                    self.hub_epoch += 1;
+                }
                 self.arena[kept] = corner;
                 kept += 1;
                 continue;
@@ -81,6 +84,7 @@ impl WorkingMesh {
     /// Makes a group a hub: from now on its faces know their places in its star.
     pub(crate) fn make_hub(&mut self, group: u32) {
         self.add_flags(group, HUB | OPEN);
+        self.hub_epoch += 1;
         self.hub_slots.resize(self.faces.len(), [0; 3]);
         self.number_slots(group, 0);
     }
@@ -94,7 +98,7 @@ impl WorkingMesh {
         }
     }
 
-    /// Where a face stands in the star of a group, which is at its corner `at`.
+    /// Slot of a face in the star of the group at its corner `at`.
     #[inline]
     fn slot_of(&self, group: u32, face: u32, at: usize) -> Option<usize> {
         if self.has(group, HUB) {

@@ -27,7 +27,7 @@ impl Curve {
         Self { origin: lo.map(|c| c - shift * extent), cells }
     }
 
-    /// Where a point lies along the curve.
+    /// Position of a point along the curve.
     fn code(&self, p: [f32; 3]) -> u64 {
         let cell = |i: usize| ((f64::from(p[i]) - self.origin[i]) * self.cells) as u64;
         spread(cell(0)) | spread(cell(1)) << 1 | spread(cell(2)) << 2

@@ -75,7 +75,7 @@ impl<const N: usize> OneRing<N> {
         Self { len, x, y, z, target_cost, cx, cy, cz }
     }
 
-    /// Whether two consecutive faces are more than 90° apart.
+    /// Returns whether two consecutive faces are more than 90° apart.
     #[inline]
     fn is_folded(&self) -> bool {
         let mut folded = BVec4A::FALSE;
@@ -186,4 +186,44 @@ fn price<const N: usize>(
         }
     }
     Choice { cost: f32::from_bits((best >> 32) as u32), to: best as u32 }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::input::Input;
+    use crate::metric::Quadrics;
+    use crate::neighborhood::Neighborhood;
+    use crate::region::Region;
+    use crate::working::OPEN;
+
+    #[test]
+    fn four_at_a_time_cost_what_one_by_one_costs() {
+        let mut compared = 0;
+        for mesh in [lodc_fixtures::icosphere(3), lodc_fixtures::machine_part()] {
+            let region = Region::whole(&Input::new(&mesh), false);
+            let Region { mesh, wedges, quadrics, .. } = &region;
+            let mut around = Neighborhood::default();
+            for g in (0..region.own() as u32).filter(|&g| !mesh.has(g, OPEN)) {
+                let quadric = &quadrics.surface[g as usize];
+                let Some(choice) = super::cheapest(mesh, quadric, g) else { continue };
+                around.gather(mesh, wedges, g);
+                let planes: Vec<_> = around.planes.drain(..).collect();
+                if around.seams > 0 {
+                    continue;
+                }
+                let refitted = Quadrics::refit(quadrics, g, &around.facets, &planes);
+                let cost = |to: u32| {
+                    let delta = mesh.position(to) - mesh.position(g);
+                    refitted.cost(delta, mesh.places[to as usize].target_cost)
+                };
+                let best = around.edges.iter().map(|e| cost(e.group)).fold(f64::INFINITY, f64::min);
+                let found = cost(choice.to);
+                assert!(found <= best * 1.0001 + 1e-18, "{g}: found {found}, best {best}");
+                let said = f64::from(choice.cost) * 1e-12;
+                assert!((said - found).abs() <= 1e-3 * found + 1e-16, "{g}: {said}, {found}");
+                compared += 1;
+            }
+        }
+        assert!(compared > 300, "{compared}");
+    }
 }

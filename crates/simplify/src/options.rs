@@ -1,6 +1,6 @@
-//! What a simplification respects.
+//! Options of a simplification.
 
-/// What drives the collapses.
+/// The metric that orders collapses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum MetricKind {
     /// Distance to planes, refitted to the current surface, with a small accumulated term.
@@ -17,16 +17,16 @@ pub enum MetricKind {
     Hybrid,
 }
 
-/// What a simplification respects.
+/// Options of a simplification.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
-    /// What drives the collapses.
+    /// The metric that orders collapses.
     pub metric: MetricKind,
     /// No topology change before the terminal phase.
     pub preserve_topology: bool,
     /// Border vertices stay until the terminal phase.
     pub lock_border: bool,
-    /// Whether attributes take part in the cost.
+    /// True if attributes take part in the cost.
     pub attributes: bool,
     /// Pixels across the pictures that viewpoint metrics look at, 8 to 1024. Time grows with its
     /// square.

@@ -7,7 +7,7 @@ use crate::region::Region;
 use lodc_mesh::{CollapseSequence, Mesh, MeshParts, SequenceParts, Simplified};
 use rayon::prelude::*;
 
-/// Where the data of every wedge of the whole mesh comes from.
+/// The sources of the data of every wedge of the whole mesh.
 pub(crate) struct Sources<'a> {
     input: &'a Input<'a>,
     /// The input vertices of the fakes' positions and attributes.

@@ -1,4 +1,4 @@
-//! What a collapse does to every wedge of the group: true and twin edges, reuse, and fakes (thesis
+//! The plan of a collapse for every wedge of the group: true and twin edges, reuse, and fakes (thesis
 //! 4.2.1).
 
 use crate::attributes::Attributes;
@@ -18,15 +18,15 @@ const MAX_REUSED: usize = 1024;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PlannedWedge {
     pub(crate) wedge: u32,
-    /// What it becomes; `u32::MAX` means a fake.
+    /// Its target; `u32::MAX` means a fake.
     pub(crate) target: u32,
-    /// Whether that is a fake.
+    /// True if that is a fake.
     pub(crate) fake: bool,
-    /// Whether it has faces that stay.
+    /// True if it has faces that stay.
     live: bool,
 }
 
-/// What becomes of all wedges of one group.
+/// The targets of all wedges of one group.
 #[derive(Default)]
 pub(crate) struct WedgePlan {
     /// In order of their numbers.
@@ -35,7 +35,7 @@ pub(crate) struct WedgePlan {
     pub(crate) truth: u32,
     /// Classes of wedges with an edge to the target, and the wedge there.
     twins: Vec<(u32, u32)>,
-    /// How many fakes it takes.
+    /// Number of fakes that it takes.
     pub(crate) fakes: u32,
     /// A wedge had edges to several wedges of the target: a seam ends here.
     pub(crate) ambiguous: bool,
@@ -48,14 +48,14 @@ impl WedgePlan {
         self.ambiguous = false;
     }
 
-    /// What a wedge of the moving group becomes; `NONE` means a fake.
+    /// Returns the target of a wedge of the moving group; `NONE` means a fake.
     pub(crate) fn target(&self, wedge: u32) -> Option<u32> {
         let at = self.wedges.binary_search_by_key(&wedge, |p| p.wedge).ok()?;
         Some(self.wedges[at].target)
     }
 }
 
-/// What planning reads.
+/// The data that planning reads.
 #[derive(Clone, Copy)]
 pub(crate) struct Planner<'a> {
     pub(crate) input: &'a Mesh,

@@ -44,7 +44,7 @@ impl Permitted {
     }
 }
 
-/// What pricing reads.
+/// The data that pricing reads.
 pub(crate) struct Pricer<'a, M> {
     pub(crate) context: &'a Context<'a>,
     pub(crate) region: &'a Region,
@@ -77,7 +77,7 @@ impl<M: Reprice> Pricer<'_, M> {
         if best.1 == NONE { Choice::NONE } else { Choice::new(best.0, best.1) }
     }
 
-    /// Whether a group has a closed fan of faces, none of them at a border or seam, and no
+    /// Returns whether a group has a closed fan of faces, none of them at a border or seam, and no
     /// attributes to price.
     #[inline]
     fn is_plain(&self, group: u32) -> bool {
@@ -125,7 +125,7 @@ impl<M: Reprice> Pricer<'_, M> {
         }
     }
 
-    /// Which edges a group may move along at the present stage, if any.
+    /// Returns the kinds of edges that a group may move along at the present stage, if any.
     fn permitted(&self, around: &Neighborhood) -> Option<Permitted> {
         if self.stage >= Stage::Seams {
             return Some(Permitted::All);

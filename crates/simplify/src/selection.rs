@@ -8,7 +8,7 @@ use crate::plan::{Planner, WedgePlan};
 use crate::pricing::{Pricer, Scratch};
 use crate::working::{HUB_VALENCE, SEAM};
 
-/// How much dearer each fake makes a collapse.
+/// Price of each fake, as a multiple of the geometric cost.
 const FAKE_PRICE: f64 = 8.0;
 /// Faces times candidates that are checked at a time: of a hub only the cheapest candidates.
 const MAX_CHECKED_FACES: usize = 1 << 14;
@@ -18,7 +18,7 @@ const MAX_CHECKED_FACES: usize = 1 << 14;
 pub(crate) struct LegalCollapse {
     pub(crate) choice: Choice,
     pub(crate) changes_topology: bool,
-    /// Whether [`SelectionBuffers::plan`] holds its plan.
+    /// True if [`SelectionBuffers::plan`] holds its plan.
     pub(crate) is_planned: bool,
 }
 
@@ -31,11 +31,11 @@ pub(crate) struct SelectionBuffers<S> {
     tried: WedgePlan,
     /// The plan of the selected collapse.
     pub(crate) plan: WedgePlan,
-    /// Whether a collapse of the group was refused, or made dearer.
+    /// True if a collapse of the group was refused, or made dearer.
     pub(crate) refused: bool,
 }
 
-/// What selecting reads.
+/// The data that selecting reads.
 pub(crate) struct Selector<'a, M> {
     pub(crate) pricer: Pricer<'a, M>,
     pub(crate) rules: Rules,
@@ -53,7 +53,7 @@ impl<M: Reprice> Selector<'_, M> {
         self.confirm(from, known, buffers).or_else(|| self.search(from, buffers))
     }
 
-    /// Whether wedges decide about legality and price.
+    /// Returns whether wedges decide about legality and price.
     fn wedges_matter(&self, from: u32) -> bool {
         self.pricer.region.mesh.has(from, SEAM) || self.pricer.context.attributes.texture.is_some()
     }
@@ -141,7 +141,7 @@ impl<M: Reprice> Selector<'_, M> {
         self.rules.check(&self.pricer.region.mesh, from, to, &mut buffers.marks)
     }
 
-    /// What planning reads.
+    /// The data that planning reads.
     pub(crate) fn planner(&self) -> Planner<'_> {
         let Pricer { context, region, .. } = &self.pricer;
         Planner {

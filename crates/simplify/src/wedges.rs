@@ -5,7 +5,7 @@ use lodc_mesh::{Mesh, NONE, Semantic};
 /// The wedges of one region, originals first, fakes after them. A fake is where one vertex's
 /// position data meets another's attributes, so two numbers say all about it.
 ///
-/// Where every group has one wedge and nothing is compared, all lists are empty: wedge and group
+/// If every group has one wedge and nothing is compared, all lists are empty: wedge and group
 /// have the same number.
 #[derive(Default)]
 pub(crate) struct Wedges {
@@ -20,11 +20,11 @@ pub(crate) struct Wedges {
     class: Vec<u32>,
     first: Vec<u32>,
     next: Vec<u32>,
-    /// How many wedges are no fakes of this round.
+    /// Number of wedges that are no fakes of this round.
     numbered: usize,
 }
 
-/// What there is to say about one wedge.
+/// The data of one wedge.
 #[derive(Clone, Copy)]
 pub(crate) struct Wedge {
     /// Its number in the whole mesh.
@@ -37,12 +37,12 @@ pub(crate) struct Wedge {
 }
 
 impl Wedges {
-    /// Whether wedges are groups, and no lists are kept.
+    /// Returns whether wedges are groups, and no lists are kept.
     pub(crate) fn is_bare(&self) -> bool {
         self.ids.is_empty()
     }
 
-    /// All there is to say about a wedge. Not for bare lists.
+    /// Returns the data of a wedge. Not for bare lists.
     pub(crate) fn wedge(&self, w: u32) -> Wedge {
         let w = w as usize;
         Wedge {
@@ -94,7 +94,7 @@ impl Wedges {
         })
     }
 
-    /// Whether a group has one wedge only.
+    /// Returns whether a group has one wedge only.
     pub(crate) fn is_single(&self, group: u32) -> bool {
         if self.is_bare() {
             return true;
@@ -117,7 +117,7 @@ impl Wedges {
         w
     }
 
-    /// How many fakes were made since the last numbering.
+    /// Returns the number of fakes since the last numbering.
     pub(crate) fn new_fakes(&self) -> usize {
         self.ids.len() - self.numbered
     }
@@ -147,7 +147,7 @@ impl Wedges {
         }
     }
 
-    /// Whether two wedges have the same attributes, bit for bit, besides those that say where they
+    /// Compares two wedges' attributes, bit for bit, besides those that say where they
     /// are.
     pub(crate) fn alike(&self, mesh: &Mesh, a: u32, b: u32) -> bool {
         let source = |w: u32| self.attribute_source[w as usize];

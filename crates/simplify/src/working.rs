@@ -24,7 +24,7 @@ impl Corner {
     pub(crate) fn face(self) -> u32 {
         self.packed >> 2
     }
-    /// Which corner of the face: 0, 1 or 2.
+    /// The corner of the face: 0, 1 or 2.
     #[inline]
     pub(crate) fn at(self) -> usize {
         (self.packed & 3) as usize
@@ -74,7 +74,7 @@ impl Facet {
     }
 }
 
-/// Where a group's corners lie in the arena.
+/// The range of a group's corners in the arena.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Star {
     pub(crate) start: u32,
@@ -82,7 +82,7 @@ pub(crate) struct Star {
     pub(crate) capacity: u32,
 }
 
-/// What neighbours read of a group: four to a cache line.
+/// The data of a group that neighbours read: four to a cache line.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C)]
 pub(crate) struct GroupPosition {
@@ -139,6 +139,8 @@ pub(crate) struct WorkingMesh {
     pub(crate) arena: Vec<Corner>,
     /// The places of faces in the stars at their corners, where those are hubs; empty without hubs.
     pub(crate) hub_slots: Vec<[u32; 3]>,
+    /// Rises whenever two hubs may have come to share a face.
+    pub(crate) hub_epoch: u32,
     /// Room for a star that is being put together.
     pub(crate) joined: Vec<Corner>,
     pub(crate) live_faces: u32,
@@ -181,7 +183,7 @@ impl WorkingMesh {
         }
     }
 
-    /// Whether every group has one wedge, with the group's number.
+    /// Returns whether every group has one wedge, with the group's number.
     pub(crate) fn one_wedge_each(&self) -> bool {
         self.wedges.is_empty()
     }

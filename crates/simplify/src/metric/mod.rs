@@ -1,4 +1,4 @@
-//! What a collapse costs. The quadric prices every collapse; a visual metric may price it anew by
+//! The cost of collapses. The quadric prices every collapse; a visual metric may price it anew by
 //! what is seen. A metric is one file or folder here and its entry in
 //! [`MetricKind`](crate::MetricKind).
 
@@ -16,12 +16,12 @@ use crate::working::WorkingMesh;
 /// Prices collapses anew that the quadric has priced. Pricing is pure, so it runs in parallel;
 /// committing is serial.
 pub(crate) trait Reprice: Sync {
-    /// Whether it ever does.
+    /// False if it never does.
     const REPRICES: bool = true;
     /// Buffers of one thread.
     type ViewScratch: Default + Send;
 
-    /// Whether it does at present.
+    /// Returns whether it does at present.
     fn is_active(&self) -> bool;
 
     /// Returns whether pricing should toggle. Called after each collapse of the legal phase.
@@ -30,7 +30,7 @@ pub(crate) trait Reprice: Sync {
     /// Starts or ends pricing. `legal` says that every rule holds.
     fn toggle(&mut self, mesh: &WorkingMesh, legal: bool);
 
-    /// What the cost of attributes is multiplied by before it is added.
+    /// Factor of the attributes' cost before it is added.
     fn attribute_weight(&self) -> f64 {
         1.0
     }

@@ -138,7 +138,7 @@ impl Quadrics {
         }
     }
 
-    /// How far the surface at `group` is from the surface it stands for, in working units.
+    /// Distance of the surface at `group` from the surface it stands for, in working units.
     pub(crate) fn error(&self, group: u32) -> f64 {
         let border = self.border(group).map_or(0.0, Quadric::distance);
         self.surface[group as usize].distance().max(border)
