@@ -38,10 +38,10 @@ impl Attributes {
             let components = usize::from(a.components);
             match a.semantic {
                 Semantic::Normal => {
-                    columns.extend((0..components.min(3)).map(|c| (a, c, NORMAL_LENGTH * size)))
+                    columns.extend((0..components.min(3)).map(|c| (a, c, NORMAL_LENGTH * size)));
                 }
                 Semantic::Color(_) => {
-                    columns.extend((0..components.min(4)).map(|c| (a, c, COLOR_LENGTH * size)))
+                    columns.extend((0..components.min(4)).map(|c| (a, c, COLOR_LENGTH * size)));
                 }
                 Semantic::TexCoord(set) if components >= 2 => {
                     if set == 0 && texture.is_none() {

@@ -100,23 +100,17 @@ impl<'a, M: Reprice> Engine<'a, M> {
         self.log
     }
 
-    fn pricer(&self) -> Pricer<'_, M> {
-        Pricer {
-            context: self.context,
-            region: self.region,
-            metric: self.metric,
-            stage: self.rules.stage,
-        }
-    }
-
-    fn selector(&self) -> Selector<'_, M> {
-        Selector { pricer: self.pricer(), rules: self.rules }
+    /// The parts that pricing and selecting read, and the buffers that they write.
+    fn parts(&mut self) -> (Selector<'_, M>, &mut LoopState<M::ViewScratch>) {
+        let Self { context, region, metric, rules, state, .. } = self;
+        let pricer = Pricer { context, region, metric: &**metric, stage: rules.stage };
+        (Selector { pricer, rules: *rules }, state)
     }
 
     /// Ranks every group.
     pub(crate) fn rank_all(&mut self) {
         let own = self.region.own() as u32;
-        let pricer = self.pricer();
+        let (Selector { pricer, .. }, _) = self.parts();
         let rank = |scratch: &mut Scratch<M::ViewScratch>, g: u32| pricer.rank(g, scratch);
         let choices = (0..own)
             .into_par_iter()
@@ -180,30 +174,33 @@ impl<'a, M: Reprice> Engine<'a, M> {
 
     /// The cheapest legal collapse of a group.
     fn select_legal_collapse(&mut self, from: u32) -> Option<LegalCollapse> {
-        let mut buffers = std::mem::take(&mut self.state.selection);
         let known = self.region.choices[from as usize];
-        let selected = self.selector().select(from, known, &mut buffers);
-        if buffers.refused {
+        let (selector, state) = self.parts();
+        let selected = selector.select(from, known, &mut state.selection);
+        if self.state.selection.refused {
             self.set_restricted(from, true);
         }
-        self.state.selection = buffers;
         selected
     }
 
     /// Commits a collapse, planned before or now.
     fn commit(&mut self, from: u32, legal: LegalCollapse) {
-        let mut plan = std::mem::take(&mut self.state.selection.plan);
         if !legal.is_planned {
+            let (selector, state) = self.parts();
+            let plan = &mut state.selection.plan;
             plan.clear();
-            if !self.region.wedges.is_bare() {
-                self.selector().planner().plan(from, legal.choice.to, &mut plan);
+            if !selector.pricer.region.wedges.is_bare() {
+                selector.planner().plan(from, legal.choice.to, plan);
             }
         }
         self.set_restricted(from, false);
         let Self { context, region, metric, log, state, .. } = self;
-        let (metric, touched) = (&mut **metric, &mut state.touched);
-        Commit { context, region, metric, log, touched }.run(from, legal, &mut plan);
-        self.state.selection.plan = plan;
+        let LoopState { selection, touched, .. } = state;
+        Commit { context, region, metric: &mut **metric, log, touched }.run(
+            from,
+            legal,
+            &mut selection.plan,
+        );
     }
 
     /// Ranks again what a commit onto `to` may have changed.
@@ -262,7 +259,8 @@ impl<'a, M: Reprice> Engine<'a, M> {
         for &g in due {
             self.set_restricted(g, false);
         }
-        let (pricer, pool) = (self.pricer(), &self.state.pool);
+        let (Selector { pricer, .. }, state) = self.parts();
+        let pool = &state.pool;
         let rank = |&g: &u32| pool.with(|scratch| pricer.rank(g, scratch));
         let choices: Vec<Choice> = due.par_iter().with_max_len(1).map(rank).collect();
         for (&g, choice) in due.iter().zip(choices) {
@@ -294,9 +292,8 @@ impl<'a, M: Reprice> Engine<'a, M> {
     fn rerank(&mut self, g: u32) {
         self.set_restricted(g, false);
         self.region.mesh.clear_flags(g, STALE);
-        let mut scratch = std::mem::take(&mut self.state.selection.scratch);
-        let choice = self.pricer().rank(g, &mut scratch);
-        self.state.selection.scratch = scratch;
+        let (Selector { pricer, .. }, state) = self.parts();
+        let choice = pricer.rank(g, &mut state.selection.scratch);
         self.region.choices[g as usize] = choice;
     }
 

@@ -164,24 +164,23 @@ fn price<const N: usize>(
     }
     let (weights, area) = ring.weights();
     let mut sums = ring.accumulated(quadric, &folds, area);
-    for f in 0..N {
-        let (cx, cy, cz, w) = (ring.cx[f], ring.cy[f], ring.cz[f], weights[f]);
-        for lane in 0..4 {
-            if 4 * f + lane >= ring.len {
-                break;
-            }
-            let pick = |v: Vec4| Vec4::splat(v[lane]);
-            let (a, b, c, w) = (pick(cx), pick(cy), pick(cz), pick(w));
-            for t in 0..N {
-                let distance = a * ring.x[t] + b * ring.y[t] + c * ring.z[t];
-                sums[t] += distance * w * distance;
+    for (f, weights) in weights.iter().enumerate() {
+        let (cx, cy, cz) = (ring.cx[f], ring.cy[f], ring.cz[f]);
+        let faces = cx.to_array().into_iter().zip(cy.to_array()).zip(cz.to_array());
+        let faces = faces.zip(weights.to_array()).take(ring.len - (4 * f).min(ring.len));
+        for (((cx, cy), cz), weight) in faces {
+            let (cx, cy, cz) = (Vec4::splat(cx), Vec4::splat(cy), Vec4::splat(cz));
+            let weight = Vec4::splat(weight);
+            for (t, sum) in sums.iter_mut().enumerate() {
+                let distance = cx * ring.x[t] + cy * ring.y[t] + cz * ring.z[t];
+                *sum += distance * weight * distance;
             }
         }
     }
     let mut best = u64::MAX;
-    for t in 0..N {
-        let costs = ((sums[t] + ring.target_cost[t]) * COST_SCALE).min(Vec4::splat(f32::MAX));
-        for (cost, corner) in costs.to_array().into_iter().zip(star.iter().skip(4 * t)) {
+    for ((sums, target_cost), corners) in sums.iter().zip(ring.target_cost).zip(star.chunks(4)) {
+        let costs = ((*sums + target_cost) * COST_SCALE).min(Vec4::splat(f32::MAX));
+        for (cost, corner) in costs.to_array().into_iter().zip(corners) {
             best = best.min(u64::from(cost.to_bits()) << 32 | u64::from(corner.ahead));
         }
     }

@@ -212,3 +212,60 @@ impl Planner<'_> {
         best.filter(|&(d, _)| d <= limit && !self.attributes.is_empty()).map(|(_, t)| t)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::input::Input;
+    use crate::region::Region;
+
+    /// Plans all collapses of groups on the seam of a sphere: (target is on the seam, wedges,
+    /// distinct targets, fakes).
+    fn plans() -> Vec<(bool, usize, usize, u32)> {
+        let sphere = lodc_fixtures::uv_sphere(16, 8);
+        let input = Input::new(&sphere);
+        let region = Region::whole(&input, false);
+        let Region { mesh, wedges, .. } = &region;
+        let attributes = Attributes::new(&sphere, input.scale, input.size);
+        let planner = Planner {
+            input: &sphere,
+            mesh,
+            wedges,
+            attributes: &attributes,
+            takes_any: false,
+            size: input.size,
+        };
+        let count = |g: u32| wedges.of_group(g).count();
+        let mut found = Vec::new();
+        for from in (0..region.own() as u32).filter(|&g| count(g) == 2) {
+            mesh.each_neighbour(from, |to| {
+                let mut plan = WedgePlan::default();
+                planner.plan(from, to, &mut plan);
+                let mut targets: Vec<u32> = plan.wedges.iter().map(|p| p.target).collect();
+                targets.sort_unstable();
+                targets.dedup();
+                // Poles have a wedge for every triangle.
+                if count(to) <= 2 {
+                    found.push((count(to) == 2, plan.wedges.len(), targets.len(), plan.fakes));
+                }
+            });
+        }
+        found
+    }
+
+    #[test]
+    fn along_a_seam_every_wedge_has_its_own_target() {
+        let along: Vec<_> = plans().into_iter().filter(|p| p.0).collect();
+        assert!(along.len() >= 8);
+        assert!(
+            along.iter().all(|&(_, wedges, targets, fakes)| (wedges, targets, fakes) == (2, 2, 0))
+        );
+    }
+
+    #[test]
+    fn off_a_seam_the_wedge_without_an_edge_becomes_a_fake() {
+        let off: Vec<_> = plans().into_iter().filter(|p| !p.0).collect();
+        assert!(off.len() >= 16);
+        assert!(off.iter().all(|&(_, wedges, _, fakes)| (wedges, fakes) == (2, 1)));
+    }
+}

@@ -69,7 +69,7 @@ impl Wedges {
     /// Makes consecutive wedges those of the next group.
     pub(crate) fn push_group(&mut self, wedges: std::ops::Range<u32>) {
         self.first.push(if wedges.is_empty() { NONE } else { wedges.start });
-        for w in wedges.clone().skip(1) {
+        for w in wedges.skip(1) {
             self.next[w as usize - 1] = w;
         }
     }

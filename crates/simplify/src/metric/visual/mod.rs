@@ -134,7 +134,7 @@ fn covered(mesh: &WorkingMesh, camera: &Camera) -> u64 {
     for face in mesh.live() {
         let corners = mesh.faces[face as usize].groups.map(|g| camera.project(mesh.position(g)));
         scan(corners, Window::whole(size), |column, row, _| {
-            seen[(row * size as i32 + column) as usize] = true
+            seen[(row * size as i32 + column) as usize] = true;
         });
     }
     seen.into_iter().filter(|&s| s).count() as u64

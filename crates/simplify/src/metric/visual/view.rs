@@ -126,7 +126,7 @@ impl View {
         let corners = groups.map(|g| self.points[g as usize]);
         let (size, layers) = (self.size as i32, &mut self.layers);
         scan(corners, Window::whole(self.size), |column, row, _| {
-            layers.remove((row * size + column) as usize, face)
+            layers.remove((row * size + column) as usize, face);
         });
     }
 
