@@ -14,6 +14,11 @@ use crate::selection::{LegalCollapse, SelectionBuffers, Selector};
 use crate::working::{HUB_VALENCE, LOCKED, RESTRICTED, STALE};
 use rayon::prelude::*;
 
+/// Restricted groups next to a group with more faces than this wait until the queue is empty.
+const MAX_WALKED: usize = 32;
+/// The queue is filled again if the share of groups that collapsed since is at least one in so many.
+const REFILL_PART: usize = 64;
+
 /// The simplification of one region.
 pub(crate) struct Engine<'a, M: Reprice> {
     context: &'a Context<'a>,
@@ -59,7 +64,7 @@ impl<'a, M: Reprice> Engine<'a, M> {
             pool: ScratchPool::new(M::REPRICES),
             ..LoopState::default()
         };
-        let rules = Rules { stage, preserve_topology };
+        let rules = Rules { stage, preserve_topology, unites: true };
         Self { context, region, metric, rules, log: CollapseLog::default(), state }
     }
 
@@ -73,11 +78,14 @@ impl<'a, M: Reprice> Engine<'a, M> {
                 self.metric.toggle(&self.region.mesh, stage == Stage::Legal);
             }
             while self.region.mesh.live_faces > 0 {
+                let (before, faces) = (self.log.steps.len(), self.region.mesh.live_faces as usize);
                 self.rank_all();
-                if self.run_queue(Queue::All, progress) {
+                if !self.run_queue(Queue::All, progress) {
+                    self.metric.toggle(&self.region.mesh, stage == Stage::Legal);
+                } else if (self.log.steps.len() - before) * REFILL_PART <= faces {
+                    // What is still refused stays so: hardly anything has changed.
                     break;
                 }
-                self.metric.toggle(&self.region.mesh, stage == Stage::Legal);
             }
             if stage == Stage::Legal {
                 legal = self.log.steps.len();
@@ -89,6 +97,7 @@ impl<'a, M: Reprice> Engine<'a, M> {
 
     /// Collapses what costs at most `limit`, as far as it is this region's alone.
     pub(crate) fn run_round(mut self, limit: f32, progress: &Progress<'_>) -> CollapseLog {
+        self.rules.unites = false;
         for group in 0..self.region.own() as u32 {
             let choice = self.region.choices[group as usize];
             let restricted = self.region.mesh.has(group, RESTRICTED);
@@ -227,6 +236,9 @@ impl<'a, M: Reprice> Engine<'a, M> {
     fn add_restricted(&mut self, due: &mut Vec<u32>) {
         let Self { region, state, .. } = self;
         for i in 0..due.len() {
+            if region.mesh.valence(due[i]) > MAX_WALKED {
+                continue;
+            }
             region.mesh.each_neighbour(due[i], |other| {
                 if region.mesh.has(other, RESTRICTED) && state.touched.first_time(other) {
                     due.push(other);

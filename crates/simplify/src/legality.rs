@@ -5,7 +5,7 @@ use crate::attributes::Attributes;
 use crate::link::{Link, Marks};
 use crate::plan::WedgePlan;
 use crate::wedges::Wedges;
-use crate::working::{LOCKED, SHARED_POSITION, WorkingMesh, next, previous};
+use crate::working::{SHARED_POSITION, WorkingMesh, next, previous};
 use glam::DVec3;
 use lodc_mesh::NONE;
 
@@ -55,6 +55,9 @@ pub(crate) struct Rules {
     pub(crate) stage: Stage,
     /// No topology change before the last stage.
     pub(crate) preserve_topology: bool,
+    /// Groups that come to share a position and a face may be united. Not in a region: what they
+    /// have in common may be another region's.
+    pub(crate) unites: bool,
 }
 
 impl Rules {
@@ -88,7 +91,7 @@ impl Rules {
         if self.stage < Stage::Flips && !keeps_orientation(mesh, from, to) {
             return None;
         }
-        if mesh.has(to, SHARED_POSITION) && meets_locked_twin(mesh, from, to) {
+        if !self.unites && mesh.has(to, SHARED_POSITION) && meets_twin(mesh, from, to) {
             return None;
         }
         let price = if changes_topology { TOPOLOGY_PRICE } else { 1.0 };
@@ -103,14 +106,11 @@ fn is_overcrowded(mesh: &WorkingMesh, from: u32, to: u32) -> bool {
     mesh.valence(from).saturating_sub(at_to) > at_to.max(MAX_VALENCE)
 }
 
-/// Returns whether the collapse would also move a locked group onto `to`: one at the same
-/// position.
-fn meets_locked_twin(mesh: &WorkingMesh, from: u32, to: u32) -> bool {
+/// Returns whether the collapse would also move another group onto `to`: one at the same position.
+fn meets_twin(mesh: &WorkingMesh, from: u32, to: u32) -> bool {
     let position = mesh.position_id[to as usize];
-    mesh.star(from)
-        .iter()
-        .flat_map(|&c| mesh.others(c))
-        .any(|g| g != to && mesh.position_id[g as usize] == position && mesh.has(g, LOCKED))
+    let mut others = mesh.star(from).iter().flat_map(|&c| mesh.others(c));
+    others.any(|g| g != to && mesh.position_id[g as usize] == position)
 }
 
 /// Returns whether no face around `from` turns its texture over in the planned collapse.

@@ -112,6 +112,35 @@ fn regions_cost_hardly_more_error_than_the_exact_order() {
     }
 }
 
+/// Points of a circle, slightly waved.
+fn circle(n: u32) -> impl Iterator<Item = [f32; 3]> {
+    (0..n).map(move |i| {
+        let a = i as f32 / n as f32 * std::f32::consts::TAU;
+        [a.cos(), a.sin(), 0.02 * (a * 9.0).sin()]
+    })
+}
+
+#[test]
+fn hubs_obey_the_rules() {
+    let n = 300;
+    let poles = [[0.0, 0.0, 0.3], [0.0, 0.0, -0.3]];
+    let positions: Vec<[f32; 3]> = poles.into_iter().chain(circle(n)).collect();
+    let rim = |i: u32| (2 + i, 2 + (i + 1) % n);
+    let fan = (0..n).map(|i| [0, rim(i).0, rim(i).1]);
+    let other = (0..n).map(|i| [1, rim(i).1, rim(i).0]);
+    let edge: Vec<[u32; 3]> = (0..n).map(|i| [0, 1, rim(i).0]).collect();
+    let bipyramid: Vec<[u32; 3]> = fan.clone().chain(other).collect();
+    for (name, triangles) in [("fan", fan.collect()), ("edge", edge), ("bipyramid", bipyramid)] {
+        let mesh = plain(positions.clone(), triangles);
+        for region in [TINY_REGION, usize::MAX / 8] {
+            let simplified = simplify_in(&mesh, &Options::DEFAULT, region, &|_, _| {});
+            if let Err(broken) = shapes::check_rules(&mesh, &simplified) {
+                panic!("{name}, regions of {region}: {broken}");
+            }
+        }
+    }
+}
+
 #[test]
 fn a_flat_square_goes_down_to_two_triangles_without_error() {
     let s = run(&grid(12));
