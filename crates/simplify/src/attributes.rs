@@ -29,8 +29,8 @@ pub(crate) struct Attributes {
 }
 
 impl Attributes {
-    /// Reads what takes part in the cost. `scale` turns mesh units into working units, `size` is the
-    /// mesh's diagonal in those.
+    /// Reads what takes part in the cost. `scale` turns mesh units into working units; `size` is
+    /// the mesh's diagonal in those.
     pub(crate) fn new(mesh: &Mesh, scale: f64, size: f64) -> Self {
         let mut columns: Vec<(&Attribute, usize, f64)> = Vec::new();
         let mut texture = None;

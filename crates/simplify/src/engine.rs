@@ -16,7 +16,7 @@ use rayon::prelude::*;
 
 /// Restricted groups next to a group with more faces than this wait until the queue is empty.
 const MAX_WALKED: usize = 32;
-/// The queue is filled again if the share of groups that collapsed since is at least one in so many.
+/// The queue is filled again if at least one in so many groups collapsed since.
 const REFILL_PART: usize = 64;
 
 /// The simplification of one region.
@@ -293,7 +293,7 @@ impl<'a, M: Reprice> Engine<'a, M> {
         }
     }
 
-    /// Returns whether a group is to be ranked again although a neighbour moves. Hubs with hundreds of
+    /// Returns whether a group is to be ranked again after a neighbour moved. Hubs with hundreds of
     /// neighbours are ranked after some of them moved, else a fan would take quadratic time;
     /// legality is always checked anew.
     fn is_due(&self, group: u32) -> bool {

@@ -60,7 +60,7 @@ pub fn simplify(
     simplify_in(mesh, options, rounds::REGION, progress)
 }
 
-/// The same in regions of about so many groups; with all groups in one, in the exact order of costs.
+/// The same in regions of about so many groups. One region for all keeps the exact order of costs.
 fn simplify_in(
     mesh: &Mesh,
     options: &Options,

@@ -119,14 +119,9 @@ impl Neighborhood {
             };
             if weight > 0.0 {
                 let edge = mesh.position(first.group) - mesh.position(group);
-                for e in faces {
-                    let normal = self.facets[e.slot as usize].normal.as_dvec3().cross(edge);
-                    let length = normal.length();
-                    if length > 0.0 {
-                        let weight = weight * edge.length_squared();
-                        self.planes.push(FeaturePlane { normal: normal / length, weight });
-                    }
-                }
+                let normals = faces.iter().map(|e| self.facets[e.slot as usize].normal.as_dvec3());
+                let weight = weight * edge.length_squared();
+                self.planes.extend(normals.filter_map(|n| plane_along(n, edge, weight)));
             }
             let entries = (start as u32, (start + run) as u32);
             self.edges.push(IncidentEdge { group: first.group, kind, entries });
@@ -144,6 +139,13 @@ impl Neighborhood {
         same.or_else(|| faces.iter().take(64).find(|e| wedges.class(e.here) == class))
             .map(|e| e.there)
     }
+}
+
+/// The plane along an edge, upright on a face there; none if the face has no area.
+fn plane_along(face_normal: DVec3, edge: DVec3, weight: f64) -> Option<FeaturePlane> {
+    let normal = face_normal.cross(edge);
+    let length = normal.length();
+    (length > 0.0).then(|| FeaturePlane { normal: normal / length, weight })
 }
 
 /// The plane along an edge whose two faces fold back on each other. The rim of a thin shape (an

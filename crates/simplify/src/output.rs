@@ -99,12 +99,10 @@ pub(crate) fn output(input: &Input<'_>, sources: &Sources<'_>, log: FinalLog) ->
         triangles,
         submeshes: mesh.submeshes().to_vec(),
     };
-    let error_scale = 1.0 / input.scale;
-    let in_mesh_units = |&e: &f32| (f64::from(e) * error_scale).min(f64::from(f32::MAX)) as f32;
     let collapses = SequenceParts {
         targets,
         step_ends: log.step_ends,
-        step_errors: log.step_errors.iter().map(in_mesh_units).collect(),
+        step_errors: log.step_errors.iter().map(|&e| in_mesh_units(e, input.scale)).collect(),
         step_triangles: log.step_triangles,
         triangles: mesh.triangles().len() as u32,
         last_legal_lod: log.last_legal,
@@ -116,6 +114,11 @@ pub(crate) fn output(input: &Input<'_>, sources: &Sources<'_>, log: FinalLog) ->
     let collapses = CollapseSequence::try_from(collapses)
         .expect("the log is written in order, targets outlive sources");
     Simplified::new(mesh, collapses).expect("every wedge but the last has one record")
+}
+
+/// An error in the mesh's units.
+fn in_mesh_units(error: f32, scale: f64) -> f32 {
+    (f64::from(error) / scale).min(f64::from(f32::MAX)) as f32
 }
 
 /// The input's triangles, within each submesh the last to die first, ties in the input's order.

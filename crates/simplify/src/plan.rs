@@ -1,5 +1,5 @@
-//! The plan of a collapse for every wedge of the group: true and twin edges, reuse, and fakes (thesis
-//! 4.2.1).
+//! The plan of a collapse for every wedge of the group: true and twin edges, reuse, and fakes
+//! (thesis 4.2.1).
 
 use crate::attributes::Attributes;
 use crate::wedges::Wedges;
