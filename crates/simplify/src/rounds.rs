@@ -23,7 +23,7 @@ pub(crate) const REGION: usize = 2048;
 /// With fewer groups than so many regions have, one region takes them all.
 pub(crate) const FEWEST: usize = 4;
 /// The share of live groups whose cost is within the limit of a round.
-const SHARE: f64 = 0.5;
+const SHARE: f64 = 0.35;
 /// If a round collapses less than this share of the groups, the next one takes more.
 const LEAST_PROGRESS: f64 = 0.02;
 /// About how many costs are sampled for a limit.
