@@ -1,6 +1,7 @@
 //! The look of the input's vertices: the normals and texture coordinates that renderers read.
 
 use super::colours::SurfaceColours;
+use crate::wedges::Wedges;
 use glam::Vec3;
 use lodc_mesh::{Attribute, Mesh, Semantic};
 
@@ -85,6 +86,11 @@ impl<'a> Appearance<'a> {
         let white = [1.0; 3];
         Colour::new(self.colours.map_or(white, |c| c.at(submesh, at, footprint)))
     }
+}
+
+/// The vertex of the input whose attributes a wedge has. Bare wedges have none to be read.
+pub(super) fn attribute_vertex(wedges: &Wedges, wedge: u32) -> u32 {
+    if wedges.is_bare() { 0 } else { wedges.wedge(wedge).attribute_source }
 }
 
 /// Red, green and blue as shown, in 255ths.

@@ -29,11 +29,9 @@ mod visibility;
 pub use colours::{Checkerboard, SurfaceColours};
 pub(crate) use patch::Patch;
 
-use super::{Metric, QuadricMetric};
-use crate::fan::{Facet, Lanes};
-use crate::neighborhood::FeaturePlane;
+use super::Reprice;
 use crate::wedges::Wedges;
-use crate::working::Working;
+use crate::working::WorkingMesh;
 use appearance::Appearance;
 use lodc_mesh::Mesh;
 use patch::Source;
@@ -60,7 +58,6 @@ const ZERO: f64 = 1e-16;
 /// See the module.
 pub(crate) struct HybridMetric<'a> {
     appearance: Appearance<'a>,
-    quadric: QuadricMetric,
     samples: Samples,
     /// The error of each face's samples.
     energy: Vec<f64>,
@@ -82,7 +79,7 @@ impl<'a> HybridMetric<'a> {
     pub(crate) fn new(
         input: &Mesh,
         colours: Option<&'a dyn SurfaceColours>,
-        mesh: &Working,
+        mesh: &WorkingMesh,
         wedges: &Wedges,
         size: f64,
     ) -> Self {
@@ -93,7 +90,6 @@ impl<'a> HybridMetric<'a> {
         let per = |length: f64| if size > 0.0 { (length * size).powi(-2) } else { 0.0 };
         Self {
             appearance,
-            quadric: QuadricMetric::new(mesh, wedges),
             samples,
             energy: vec![0.0; mesh.faces.len()],
             distance_weight: per(DISTANCE) as f32,
@@ -105,24 +101,14 @@ impl<'a> HybridMetric<'a> {
     }
 }
 
-impl Metric for HybridMetric<'_> {
-    const REPRICES: bool = true;
-    type Local = <QuadricMetric as Metric>::Local;
+impl Reprice for HybridMetric<'_> {
     type ViewScratch = Patch;
-
-    fn local(&self, from: u32, facets: &[Facet], features: &[FeaturePlane]) -> Self::Local {
-        self.quadric.local(from, facets, features)
-    }
-
-    fn costs(&self, local: &Self::Local, lanes: &Lanes, costs: &mut [f64]) {
-        self.quadric.costs(local, lanes, costs);
-    }
 
     fn attribute_weight(&self) -> f64 {
         if self.active { ATTRIBUTES } else { 1.0 }
     }
 
-    fn collapsed(&mut self, mesh: &mut Working, wedges: &Wedges, from: u32, to: u32) {
+    fn collapsed(&mut self, mesh: &WorkingMesh, wedges: &Wedges, from: u32, to: u32) {
         self.moved = None;
         if self.active {
             let Self { appearance, samples, energy, patch, .. } = self;
@@ -134,26 +120,29 @@ impl Metric for HybridMetric<'_> {
             }
             self.moved = Some(patch.settle(samples, appearance, self.distance_weight, energy));
         }
-        self.quadric.collapsed(mesh, wedges, from, to);
     }
 
     /// The root mean square distance of what is visible, where it was repriced. Levels of several
     /// objects are chosen by it: hidden parts must not keep one object fine while others go.
-    fn error(&self, group: u32) -> f64 {
-        self.moved.unwrap_or_else(|| self.quadric.error(group))
+    fn error(&self) -> Option<f64> {
+        self.moved
     }
 
     fn is_active(&self) -> bool {
         self.active
     }
 
-    fn toggle(&mut self, _mesh: &Working, legal: bool) {
+    fn should_toggle(&self, _mesh: &WorkingMesh) -> bool {
+        false
+    }
+
+    fn toggle(&mut self, _mesh: &WorkingMesh, legal: bool) {
         self.active = legal;
     }
 
     fn reprice(
         &self,
-        mesh: &Working,
+        mesh: &WorkingMesh,
         wedges: &Wedges,
         from: u32,
         candidates: &mut [(f64, u32)],

@@ -1,11 +1,11 @@
 //! The faces whose look a collapse changes: those that move, and those that share a corner with
 //! them and are shaded together.
 
-use super::appearance::Appearance;
+use super::appearance::{Appearance, attribute_vertex};
 use super::placed::Placed;
 use super::samples::{CREASE, MAX_AVERAGED, Samples};
 use crate::wedges::Wedges;
-use crate::working::Working;
+use crate::working::WorkingMesh;
 use glam::Vec3;
 use lodc_mesh::NONE;
 
@@ -28,7 +28,7 @@ pub(super) struct Shaded {
 /// The state that a patch is cut from.
 #[derive(Clone, Copy)]
 pub(super) struct Source<'a> {
-    pub(super) mesh: &'a Working,
+    pub(super) mesh: &'a WorkingMesh,
     pub(super) wedges: &'a Wedges,
     pub(super) appearance: &'a Appearance<'a>,
     pub(super) samples: &'a Samples,
@@ -102,7 +102,7 @@ impl Patch {
             for &corner in mesh.star(self.ring[i]).iter().take(MAX_AVERAGED) {
                 let f = &mesh.faces[corner.face() as usize];
                 if !f.groups.contains(&from) {
-                    self.fixed.push(f.normal);
+                    self.fixed.push(mesh.normal(corner.face()));
                 }
             }
         }
@@ -122,7 +122,7 @@ impl Patch {
         }
     }
 
-    fn start(&mut self, mesh: &Working) {
+    fn start(&mut self, mesh: &WorkingMesh) {
         if self.marks.len() < mesh.faces.len() {
             self.marks.resize(mesh.faces.len(), 0);
             self.vertex_of.resize(mesh.places.len(), (0, 0));
@@ -144,25 +144,18 @@ impl Patch {
         if epoch == self.epoch { vertex } else { NONE }
     }
 
-    fn add_surrounding(&mut self, mesh: &Working, face: u32) {
-        let f = &mesh.faces[face as usize];
+    fn add_surrounding(&mut self, mesh: &WorkingMesh, face: u32) {
+        let (f, normal) = (&mesh.faces[face as usize], mesh.normal(face));
         let corners = f.groups.map(|g| self.vertex(g));
         let shading = [0, 1, 2].map(|c| match corners[c] {
             NONE => {
                 let faces = mesh.star(f.groups[c]).iter().take(MAX_AVERAGED);
-                smooth(faces.map(|c| mesh.faces[c.face() as usize].normal), f.normal)
+                smooth(faces.map(|c| mesh.normal(c.face())), normal)
             }
-            vertex => smooth(self.fixed_at(vertex).iter().copied(), f.normal),
+            vertex => smooth(self.fixed_at(vertex).iter().copied(), normal),
         });
         let (submesh, texture) = (0, [[0.0; 2]; 3]);
-        self.surrounding.push(Shaded {
-            face,
-            corners,
-            normal: f.normal,
-            shading,
-            submesh,
-            texture,
-        });
+        self.surrounding.push(Shaded { face, corners, normal, shading, submesh, texture });
     }
 
     fn fixed_at(&self, vertex: u32) -> &[Vec3] {
@@ -186,9 +179,9 @@ impl Patch {
             let (placed, normal) = Placed::new(groups.map(|g| mesh.places[g as usize].position));
             let corners = groups.map(|g| self.vertex(g));
             let mut own = mesh.wedges(face);
-            let submesh = wedges.submesh[own[0] as usize];
+            let submesh = wedges.submesh(own[0]);
             own[corner.at()] = self.target(wedges, own[corner.at()]);
-            let vertices = own.map(|w| wedges.attributes_of[w as usize]);
+            let vertices = own.map(|w| attribute_vertex(wedges, w));
             let shading = if appearance.has_normals() {
                 vertices.map(|v| appearance.normal(v))
             } else {
@@ -215,7 +208,7 @@ impl Patch {
     }
 
     /// Finds the wedges that lose a face between `from` and `to`, and their counterparts.
-    fn find_targets(&mut self, mesh: &Working, from: u32, to: u32) {
+    fn find_targets(&mut self, mesh: &WorkingMesh, from: u32, to: u32) {
         self.targets.clear();
         if mesh.one_wedge_each() {
             self.targets.push((from, to));
@@ -234,9 +227,9 @@ impl Patch {
     /// The wedge whose attributes stand for those of a wedge after the move: one that it shares a
     /// face with, the counterpart of a wedge with the same attributes, or, for a fake, itself.
     fn target(&self, wedges: &Wedges, wedge: u32) -> u32 {
-        let class = wedges.class[wedge as usize];
+        let class = wedges.class(wedge);
         let same = self.targets.iter().find(|t| t.0 == wedge);
-        let alike = || self.targets.iter().find(|t| wedges.class[t.0 as usize] == class);
+        let alike = || self.targets.iter().find(|t| wedges.class(t.0) == class);
         same.or_else(alike).map_or(wedge, |t| t.1)
     }
 

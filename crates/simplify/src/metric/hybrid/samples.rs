@@ -1,8 +1,8 @@
 //! Samples of the input's surface, each kept with the face that stands for its place now.
 
-use super::appearance::{Appearance, Colour};
+use super::appearance::{Appearance, Colour, attribute_vertex};
 use crate::wedges::Wedges;
-use crate::working::Working;
+use crate::working::WorkingMesh;
 use glam::Vec3;
 use lodc_mesh::NONE;
 use rayon::prelude::*;
@@ -56,12 +56,12 @@ impl Samples {
     /// Samples of each face of the input: one in its middle, more on faces that are larger than the
     /// mean. `pixel` is the area of a pixel in squared working units.
     pub(super) fn new(
-        mesh: &Working,
+        mesh: &WorkingMesh,
         wedges: &Wedges,
         appearance: &Appearance<'_>,
         pixel: f32,
     ) -> Self {
-        let total: f64 = mesh.faces.iter().map(|f| f64::from(f.area)).sum();
+        let total: f64 = (0..mesh.faces.len() as u32).map(|f| f64::from(mesh.facet(f).area)).sum();
         let faces = mesh.faces.len().max(1) as f64;
         let mean = (total / faces.max(ENOUGH)) as f32;
         let normals: Vec<Vec3> = (0..mesh.places.len() as u32)
@@ -73,7 +73,7 @@ impl Samples {
             .into_par_iter()
             .with_min_len(1024)
             .map(|face| {
-                let area = mesh.faces[face as usize].area;
+                let area = mesh.facet(face).area;
                 let count = if mean > 0.0 { ((area / mean) as usize).clamp(1, DENSEST) } else { 1 };
                 samples_of_face(mesh, wedges, appearance, &normals, pixel, face, count)
             })
@@ -97,14 +97,14 @@ impl Samples {
     /// unit normal of its face.
     pub(super) fn scale_weights(
         &mut self,
-        mesh: &Working,
+        mesh: &WorkingMesh,
         factor: impl Fn(Vec3, Vec3) -> f32 + Sync,
     ) {
         // Samples still lie face by face.
         let first = &self.first;
         self.all.par_iter_mut().enumerate().with_min_len(1024).for_each(|(i, s)| {
             let face = first.partition_point(|&start| start as usize <= i) - 1;
-            s.weight *= factor(s.position, mesh.faces[face].normal);
+            s.weight *= factor(s.position, mesh.normal(face as u32));
         });
     }
 
@@ -186,7 +186,7 @@ impl Samples {
 
 /// `count` samples of one face of the input.
 fn samples_of_face(
-    mesh: &Working,
+    mesh: &WorkingMesh,
     wedges: &Wedges,
     appearance: &Appearance<'_>,
     area_normals: &[Vec3],
@@ -195,13 +195,14 @@ fn samples_of_face(
     count: usize,
 ) -> Vec<Sample> {
     let f = &mesh.faces[face as usize];
+    let facet = mesh.facet(face);
     let corners = mesh.wedges(face);
-    let vertices = corners.map(|w| wedges.attributes_of[w as usize]);
-    let submesh = wedges.submesh[corners[0] as usize];
+    let vertices = corners.map(|w| attribute_vertex(wedges, w));
+    let submesh = wedges.submesh(corners[0]);
     let smooth_normal = |g: u32| {
         let faces = mesh.star(g).iter().take(MAX_AVERAGED);
-        let normals = faces.map(|c| mesh.faces[c.face() as usize].normal);
-        normals.filter(|n| n.dot(f.normal) > CREASE).sum::<Vec3>().normalize_or_zero()
+        let normals = faces.map(|c| mesh.normal(c.face()));
+        normals.filter(|n| n.dot(facet.normal) > CREASE).sum::<Vec3>().normalize_or_zero()
     };
     let normals = if appearance.has_normals() {
         vertices.map(|v| appearance.normal(v))
@@ -213,7 +214,7 @@ fn samples_of_face(
     let places = vertices.map(|v| appearance.coordinates(v));
     let [b, c] = [1, 2].map(|i| [0, 1].map(|k| places[i][k] - places[0][k]));
     let in_texture = 0.5 * (b[0] * c[1] - b[1] * c[0]).abs();
-    let footprint = if f.area > 0.0 { in_texture / f.area * pixel } else { 0.0 };
+    let footprint = if facet.area > 0.0 { in_texture / facet.area * pixel } else { 0.0 };
     (0..count)
         .map(|i| {
             let at = if count == 1 { [1.0 / 3.0; 2] } else { place(i, count) };
@@ -225,10 +226,10 @@ fn samples_of_face(
                 shown: colour,
                 curvature,
                 footprint,
-                weight: f.area / count as f32,
+                weight: facet.area / count as f32,
                 at,
                 geometric: 0.0,
-                extent: (f.area / count as f32).sqrt(),
+                extent: (facet.area / count as f32).sqrt(),
                 next: NONE,
             }
         })
@@ -236,8 +237,8 @@ fn samples_of_face(
 }
 
 /// The unit mean of the normals around a group, by area; zero if they cancel.
-fn area_normal(mesh: &Working, group: u32) -> Vec3 {
-    let faces = mesh.star(group).iter().map(|c| &mesh.faces[c.face() as usize]);
+fn area_normal(mesh: &WorkingMesh, group: u32) -> Vec3 {
+    let faces = mesh.star(group).iter().map(|c| mesh.facet(c.face()));
     faces.map(|f| f.normal * f.area).sum::<Vec3>().normalize_or_zero()
 }
 

@@ -3,7 +3,8 @@
 use super::SurfaceColours;
 use super::samples::Samples;
 use super::{Appearance, Checkerboard, visibility};
-use crate::build::build;
+use crate::input::Input;
+use crate::region::Region;
 use crate::{MetricKind, Options, simplify, simplify_coloured};
 use glam::Vec3;
 use lodc_fixtures as shapes;
@@ -105,12 +106,14 @@ fn a_seat_of_doubled_faces_stays_covered() {
 fn a_card_is_seen_from_both_sides() {
     let (positions, triangles) = grid(8);
     let mesh = mesh(positions, triangles, None);
-    let built = build(&mesh);
+    let input = Input::new(&mesh);
+    let mut region = Region::whole(&input, false);
+    region.mesh.keep_facets();
     let colours = Checkerboard::new(&mesh);
     let appearance = Appearance::new(&mesh, &colours);
-    let mut samples = Samples::new(&built.working, &built.wedges, &appearance, 1e-6);
+    let mut samples = Samples::new(&region.mesh, &region.wedges, &appearance, 1e-6);
     let before = samples.weight();
-    visibility::weigh(&built.working, &mut samples);
+    visibility::weigh(&region.mesh, &mut samples);
     let after = samples.weight();
     // A closed surface is seen from one side: half of all directions. A card is seen from all.
     assert!(after > 1.8 * before, "{after} of {before}");

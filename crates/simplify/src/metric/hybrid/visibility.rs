@@ -1,7 +1,7 @@
 //! The visible share of each sample, over 20 cameras.
 
 use super::samples::Samples;
-use crate::working::Working;
+use crate::working::WorkingMesh;
 use glam::{DVec3, Vec3};
 use lodc_raster::{Camera, SUBPIXELS, Window, metric_cameras, scan};
 use rayon::prelude::*;
@@ -14,7 +14,7 @@ const TOLERANCE: i32 = 512;
 
 /// Multiplies every sample's weight by its visible share: the mean projected area that is seen, 1 for
 /// one side of a surface with nothing in front of it. Both sides of a face are seen.
-pub(super) fn weigh(mesh: &Working, samples: &mut Samples) {
+pub(super) fn weigh(mesh: &WorkingMesh, samples: &mut Samples) {
     let points = || mesh.places.iter().map(|p| p.position.as_dvec3());
     let (lo, hi) =
         points().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)));
@@ -43,7 +43,7 @@ fn projected_share(normal: Vec3, camera: &Camera) -> f32 {
 }
 
 /// The least depth at every pixel.
-fn depths(mesh: &Working, camera: &Camera) -> Vec<i32> {
+fn depths(mesh: &WorkingMesh, camera: &Camera) -> Vec<i32> {
     let mut depths = vec![i32::MAX; (SIZE * SIZE) as usize];
     for f in &mesh.faces {
         let corners = f.groups.map(|g| camera.project(mesh.position(g)));

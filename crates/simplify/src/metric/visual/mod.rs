@@ -2,12 +2,12 @@
 //! 4.2.1; Castelló et al. 2007), `C = Σ_v |H_v − H'_v|`, with the quadric where nothing that is
 //! seen changes.
 //!
-//! Every camera keeps the sorted list of everything behind each of its pixels, so that pricing a
+//! Every camera keeps the sorted list of everything behind each of its pixels, so that looking at a
 //! collapse is exact, occlusion included, without drawing anything but the faces that move. All
-//! areas are integers and stay those of a picture drawn afresh. Hidden parts change no picture
+//! areas are integers and stay those of a picture drawn afresh. What is hidden changes no picture
 //! and goes first.
 //!
-//! Faces smaller than pixels give nothing to count: as long as there is more than one
+//! Where faces are smaller than pixels there is nothing to count: as long as there is more than one
 //! face for every eight pixels covered (all views together), the quadric alone decides.
 
 mod reprice;
@@ -19,22 +19,19 @@ mod view;
 pub(crate) use reprice::ViewScratch;
 pub(crate) use score::Score;
 
-use super::{Metric, QuadricMetric};
-use crate::fan::{Facet, Lanes};
-use crate::neighborhood::FeaturePlane;
+use super::Reprice;
 use crate::wedges::Wedges;
-use crate::working::Working;
+use crate::working::WorkingMesh;
 use glam::DVec3;
 use lodc_raster::{Camera, Window, metric_cameras, scan};
 use rayon::prelude::*;
 use score::{Table, log_area};
 use view::{BACKGROUND, View};
 
-/// Covered pixels, of all views together, that a face needs for visual pricing.
+/// Covered pixels, of all views together, that a face needs so that what is seen can be priced.
 const PIXELS_PER_FACE: u64 = 8;
 
 pub(crate) struct VisualMetric {
-    quadric: QuadricMetric,
     score: Score,
     cameras: Vec<Camera>,
     /// Empty while the quadric decides.
@@ -44,19 +41,18 @@ pub(crate) struct VisualMetric {
     areas: Vec<f64>,
     /// `Σ aᵢ log₂(aᵢ/Aᵢ)` of each view.
     divergences: Vec<f64>,
-    /// Number of faces up to which pricing is visual.
+    /// With so many faces, or fewer, what is seen decides.
     limit: u64,
-    finished: bool,
+    asleep_for_good: bool,
 }
 
 impl VisualMetric {
     /// `size` is the number of pixels across each picture.
-    pub(crate) fn new(mesh: &Working, wedges: &Wedges, score: Score, size: u32) -> Self {
+    pub(crate) fn new(mesh: &WorkingMesh, score: Score, size: u32) -> Self {
         let size = size.clamp(8, 1024);
         let cameras = cameras(mesh, size);
         let covered: u64 = cameras.par_iter().map(|camera| covered(mesh, camera)).sum();
         Self {
-            quadric: QuadricMetric::new(mesh, wedges),
             score,
             cameras,
             views: Vec::new(),
@@ -64,11 +60,11 @@ impl VisualMetric {
             areas: Vec::new(),
             divergences: Vec::new(),
             limit: covered / PIXELS_PER_FACE,
-            finished: false,
+            asleep_for_good: false,
         }
     }
 
-    fn open(&mut self, mesh: &Working) {
+    fn open(&mut self, mesh: &WorkingMesh) {
         self.views = self.cameras.par_iter().map(|camera| View::new(mesh, camera)).collect();
         if self.score == Score::Divergence {
             self.areas = mesh.faces.par_iter().map(|f| log_area(mesh.area_of(f.groups))).collect();
@@ -77,7 +73,7 @@ impl VisualMetric {
     }
 
     /// `Σ aᵢ log₂(aᵢ/Aᵢ)` of a view.
-    fn divergence(&self, mesh: &Working, view: &View) -> f64 {
+    fn divergence(&self, mesh: &WorkingMesh, view: &View) -> f64 {
         mesh.live().map(|face| self.term(view.area(face), self.areas[face as usize])).sum()
     }
 
@@ -86,7 +82,7 @@ impl VisualMetric {
     }
 
     /// Brings every view up to a collapse that is about to happen.
-    fn redraw(&mut self, mesh: &Working, from: u32, to: u32) {
+    fn redraw(&mut self, mesh: &WorkingMesh, from: u32, to: u32) {
         if self.score == Score::Entropy {
             self.views
                 .par_iter_mut()
@@ -122,7 +118,7 @@ impl VisualMetric {
 }
 
 /// All cameras, around the sphere about the middle of the bounding box.
-fn cameras(mesh: &Working, size: u32) -> Vec<Camera> {
+fn cameras(mesh: &WorkingMesh, size: u32) -> Vec<Camera> {
     let points = || mesh.places.iter().map(|p| p.position.as_dvec3());
     let (lo, hi) =
         points().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)));
@@ -131,8 +127,8 @@ fn cameras(mesh: &Working, size: u32) -> Vec<Camera> {
     metric_cameras(center, radius, size)
 }
 
-/// The number of covered pixels of a picture.
-fn covered(mesh: &Working, camera: &Camera) -> u64 {
+/// How many pixels of a picture are covered.
+fn covered(mesh: &WorkingMesh, camera: &Camera) -> u64 {
     let size = camera.size;
     let mut seen = vec![false; (size * size) as usize];
     for face in mesh.live() {
@@ -149,52 +145,37 @@ fn divergence(sum: f64, covered: u32, table: &Table) -> f64 {
     if covered == 0 { 0.0 } else { (sum - table.at(covered)) / f64::from(covered) }
 }
 
-impl Metric for VisualMetric {
-    const REPRICES: bool = true;
-    type Local = <QuadricMetric as Metric>::Local;
+impl Reprice for VisualMetric {
     type ViewScratch = ViewScratch;
 
-    fn local(&self, from: u32, facets: &[Facet], features: &[FeaturePlane]) -> Self::Local {
-        self.quadric.local(from, facets, features)
-    }
-
-    fn costs(&self, local: &Self::Local, lanes: &Lanes, costs: &mut [f64]) {
-        self.quadric.costs(local, lanes, costs);
-    }
-
-    fn collapsed(&mut self, mesh: &mut Working, wedges: &Wedges, from: u32, to: u32) {
+    fn collapsed(&mut self, mesh: &WorkingMesh, _wedges: &Wedges, from: u32, to: u32) {
         if self.is_active() {
             self.redraw(mesh, from, to);
         }
-        self.quadric.collapsed(mesh, wedges, from, to);
-    }
-
-    fn error(&self, group: u32) -> f64 {
-        self.quadric.error(group)
     }
 
     fn is_active(&self) -> bool {
         !self.views.is_empty()
     }
 
-    fn should_toggle(&self, mesh: &Working) -> bool {
-        !self.is_active() && !self.finished && u64::from(mesh.live_faces) <= self.limit
+    fn should_toggle(&self, mesh: &WorkingMesh) -> bool {
+        !self.is_active() && !self.asleep_for_good && u64::from(mesh.live_faces) <= self.limit
     }
 
-    fn toggle(&mut self, mesh: &Working, legal: bool) {
+    fn toggle(&mut self, mesh: &WorkingMesh, legal: bool) {
         if legal {
             if self.should_toggle(mesh) {
                 self.open(mesh);
             }
         } else {
             self.views = Vec::new();
-            self.finished = true;
+            self.asleep_for_good = true;
         }
     }
 
     fn reprice(
         &self,
-        mesh: &Working,
+        mesh: &WorkingMesh,
         _wedges: &Wedges,
         from: u32,
         candidates: &mut [(f64, u32)],

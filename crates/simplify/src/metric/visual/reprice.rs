@@ -1,33 +1,33 @@
-//! Prices of collapses that have not happened: the change of every picture by each.
+//! Looking at collapses that have not happened: what each would change in every picture.
 
 use super::score::{Score, log_area};
 use super::view::{BACKGROUND, View};
 use super::{VisualMetric, divergence};
-use crate::working::{Corner, Working};
+use crate::working::{Corner, WorkingMesh};
 use lodc_raster::{Fragment, Window};
 
-/// The most faces times candidates that are priced, the geometrically cheapest candidates first.
-const MAX_FACES_PRICED: usize = 64;
-/// The most candidates that are priced.
-const MAX_CANDIDATES: usize = 8;
-/// Weight of geometry beside the change of pictures: it decides where none changes.
+/// Faces times candidates that are looked at; beyond, only the geometrically cheapest are.
+const PATIENCE: usize = 64;
+/// No more candidates than this are looked at.
+const MOST: usize = 8;
+/// What geometry counts for beside what is seen: it decides where nothing is.
 pub(crate) const TIE: f64 = 1e-6;
 
 /// Buffers of one thread.
 #[derive(Default)]
 pub(crate) struct ViewScratch {
-    /// For each face: the epoch in which it was in the star that is priced.
+    /// For each face: the epoch in which it was in the star looked at.
     marks: Vec<u32>,
     epoch: u32,
-    /// For each pixel of the window: the front without the star, and the nearest of the moved
+    /// For each pixel of the window: what is seen without the star, and the nearest of the moved
     /// star before that.
     base: Vec<Fragment>,
     moved: Vec<Fragment>,
-    /// Pixels of the window where the star is in front, and its face there.
+    /// Pixels of the window where the star is seen, and which face of it.
     star_seen: Vec<(u32, u32)>,
-    /// Pixels of the window that the moved star covers.
+    /// Pixels of the window where the moved star is.
     covered: Vec<u32>,
-    /// For each item that changes, the number of pixels gained.
+    /// For each item that changes: by how many pixels.
     change: Vec<i32>,
     changed: Vec<u32>,
     /// Logarithms of the areas in space of the moved star, candidate by candidate.
@@ -51,7 +51,7 @@ impl ViewScratch {
         }
     }
 
-    /// Gathers the fronts of a window without the star, and the pixels where the star is in front.
+    /// Notes what is seen in a window without the star, and where the star is seen now.
     fn gather(&mut self, view: &View, window: Window) {
         self.base.clear();
         self.base.resize(window.len(), Fragment::NOTHING);
@@ -72,8 +72,8 @@ impl ViewScratch {
         self.moved.resize(window.len(), Fragment::NOTHING);
     }
 
-    /// Fills `change` with the pixels that each item loses or gains if the star moves as given.
-    fn compare(&mut self, view: &View, window: Window, mesh: &Working, from: u32, to: u32) {
+    /// Fills `change` with what the picture loses and gains if the star moves as given.
+    fn compare(&mut self, view: &View, window: Window, mesh: &WorkingMesh, from: u32, to: u32) {
         let Self { base, moved, covered, star_seen, change, changed, .. } = self;
         let width = window.width() as i32;
         covered.clear();
@@ -127,16 +127,16 @@ impl VisualMetric {
     /// the score changes.
     pub(crate) fn see(
         &self,
-        mesh: &Working,
+        mesh: &WorkingMesh,
         from: u32,
         candidates: &mut [(f64, u32)],
         scratch: &mut ViewScratch,
     ) {
         let star = mesh.star(from);
         scratch.prepare(mesh.faces.len(), star);
-        let priced = (MAX_FACES_PRICED / star.len().max(1)).clamp(1, MAX_CANDIDATES);
+        let looked_at = (PATIENCE / star.len().max(1)).clamp(1, MOST);
         candidates.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        let (near, far) = candidates.split_at_mut(priced.min(candidates.len()));
+        let (near, far) = candidates.split_at_mut(looked_at.min(candidates.len()));
         scratch.seen.clear();
         scratch.seen.resize(near.len(), 0.0);
         if self.score == Score::Divergence {
@@ -212,7 +212,7 @@ impl VisualMetric {
 
 /// The logarithm of the area in space of every face around `from`, for each candidate after its
 /// collapse.
-fn measure(mesh: &Working, from: u32, candidates: &[(f64, u32)], areas: &mut Vec<f64>) {
+fn measure(mesh: &WorkingMesh, from: u32, candidates: &[(f64, u32)], areas: &mut Vec<f64>) {
     areas.clear();
     for &(_, to) in candidates {
         for corner in mesh.star(from) {
