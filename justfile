@@ -47,3 +47,7 @@ study: build
 # Write the fixture files again
 fixtures:
     cargo run --release -p lodc-fixtures --features files --bin generate -- fixtures
+
+# Draw the picture of the packages again (docs/packages.svg)
+drawing:
+    UPDATE=1 cargo test -p lodc --test architecture picture

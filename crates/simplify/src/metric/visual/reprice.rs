@@ -15,7 +15,7 @@ pub(crate) const TIE: f64 = 1e-6;
 
 /// Buffers of one thread.
 #[derive(Default)]
-pub(crate) struct Eye {
+pub(crate) struct ViewScratch {
     /// For each face: the epoch in which it was in the star looked at.
     marks: Vec<u32>,
     epoch: u32,
@@ -35,7 +35,7 @@ pub(crate) struct Eye {
     seen: Vec<f64>,
 }
 
-impl Eye {
+impl ViewScratch {
     fn prepare(&mut self, faces: usize, star: &[Corner]) {
         if self.marks.len() < faces {
             self.marks.resize(faces, 0);
@@ -123,43 +123,43 @@ impl Eye {
 }
 
 impl VisualMetric {
-    /// See [`Metric::look`](crate::metric::Metric::look): the sum over all views of how much the
+    /// See [`Metric::reprice`](crate::metric::Metric::reprice): the sum over all views of how much the
     /// score changes.
     pub(crate) fn see(
         &self,
         mesh: &Working,
         from: u32,
         candidates: &mut [(f64, u32)],
-        eye: &mut Eye,
+        scratch: &mut ViewScratch,
     ) {
         let star = mesh.star(from);
-        eye.prepare(mesh.faces.len(), star);
+        scratch.prepare(mesh.faces.len(), star);
         let looked_at = (PATIENCE / star.len().max(1)).clamp(1, MOST);
         candidates.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let (near, far) = candidates.split_at_mut(looked_at.min(candidates.len()));
-        eye.seen.clear();
-        eye.seen.resize(near.len(), 0.0);
+        scratch.seen.clear();
+        scratch.seen.resize(near.len(), 0.0);
         if self.score == Score::Divergence {
-            measure(mesh, from, near, &mut eye.areas);
+            measure(mesh, from, near, &mut scratch.areas);
         }
         for (v, view) in self.views.iter().enumerate() {
             let window = view.window(mesh, star);
             if window.is_empty() {
                 continue;
             }
-            eye.gather(view, window);
+            scratch.gather(view, window);
             for (i, &(_, to)) in near.iter().enumerate() {
-                eye.compare(view, window, mesh, from, to);
-                eye.seen[i] += match self.score {
-                    Score::Entropy => self.entropy_change(view, eye),
+                scratch.compare(view, window, mesh, from, to);
+                scratch.seen[i] += match self.score {
+                    Score::Entropy => self.entropy_change(view, scratch),
                     Score::Divergence => {
-                        self.divergence_change(view, self.divergences[v], star, i, eye)
+                        self.divergence_change(view, self.divergences[v], star, i, scratch)
                     }
                 };
             }
         }
         let mut worst = 0.0;
-        for (candidate, &seen) in near.iter_mut().zip(&eye.seen) {
+        for (candidate, &seen) in near.iter_mut().zip(&scratch.seen) {
             candidate.0 = seen + TIE * candidate.0;
             worst = candidate.0.max(worst);
         }
@@ -169,11 +169,11 @@ impl VisualMetric {
     }
 
     /// `|H' − H|` of one view.
-    fn entropy_change(&self, view: &View, eye: &mut Eye) -> f64 {
-        let background = eye.change.len() - 1;
+    fn entropy_change(&self, view: &View, scratch: &mut ViewScratch) -> f64 {
+        let background = scratch.change.len() - 1;
         let mut sum = 0.0;
-        for &item in &eye.changed {
-            let by = std::mem::take(&mut eye.change[(item as usize).min(background)]);
+        for &item in &scratch.changed {
+            let by = std::mem::take(&mut scratch.change[(item as usize).min(background)]);
             let area = view.area(item);
             sum += self.table.at(area.wrapping_add_signed(by)) - self.table.at(area);
         }
@@ -187,20 +187,20 @@ impl VisualMetric {
         now: f64,
         star: &[Corner],
         i: usize,
-        eye: &mut Eye,
+        scratch: &mut ViewScratch,
     ) -> f64 {
-        let background = eye.change.len() - 1;
-        let uncovered = std::mem::take(&mut eye.change[background]);
+        let background = scratch.change.len() - 1;
+        let uncovered = std::mem::take(&mut scratch.change[background]);
         let mut sum = now;
-        for (corner, &area) in star.iter().zip(&eye.areas[i * star.len()..]) {
+        for (corner, &area) in star.iter().zip(&scratch.areas[i * star.len()..]) {
             let face = corner.face() as usize;
             let pixels = view.area(corner.face());
-            let by = std::mem::take(&mut eye.change[face]);
+            let by = std::mem::take(&mut scratch.change[face]);
             sum += self.term(pixels.wrapping_add_signed(by), area)
                 - self.term(pixels, self.areas[face]);
         }
-        for &item in eye.changed.iter().filter(|&&item| item != BACKGROUND) {
-            let by = std::mem::take(&mut eye.change[item as usize]);
+        for &item in scratch.changed.iter().filter(|&&item| item != BACKGROUND) {
+            let by = std::mem::take(&mut scratch.change[item as usize]);
             let (pixels, area) = (view.area(item), self.areas[item as usize]);
             sum += self.term(pixels.wrapping_add_signed(by), area) - self.term(pixels, area);
         }
