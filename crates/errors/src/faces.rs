@@ -175,6 +175,7 @@ impl Faces {
     }
 }
 
+#[inline]
 fn next(faces: &mut [Face], corner: u32) -> &mut u32 {
     &mut faces[corner as usize / 3].next[corner as usize % 3]
 }
@@ -186,9 +187,11 @@ pub(crate) struct Level<'a> {
 }
 
 impl Triangles for Level<'_> {
+    #[inline]
     fn corners(&self, triangle: u32) -> [DVec3; 3] {
         self.input.at(self.faces[triangle as usize].points)
     }
+    #[inline]
     fn is_live(&self, triangle: u32) -> bool {
         self.faces[triangle as usize].live
     }

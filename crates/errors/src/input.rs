@@ -77,23 +77,33 @@ impl Input {
     }
 
     /// Returns the place of a point.
+    #[inline]
     pub(crate) fn place(&self, point: u32) -> DVec3 {
-        DVec3::from(self.places[point as usize].map(f64::from))
+        wide(self.places[point as usize])
     }
 
     /// Returns the places of three points.
-    pub(crate) fn at(&self, points: [u32; 3]) -> [DVec3; 3] {
-        points.map(|p| self.place(p))
+    #[inline]
+    pub(crate) fn at(&self, [a, b, c]: [u32; 3]) -> [DVec3; 3] {
+        [self.place(a), self.place(b), self.place(c)]
     }
 }
 
 impl Triangles for Input {
+    #[inline]
     fn corners(&self, triangle: u32) -> [DVec3; 3] {
         self.at(self.triangles[triangle as usize])
     }
+    #[inline]
     fn is_live(&self, _: u32) -> bool {
         true
     }
+}
+
+/// Returns a place with the precision of computations.
+#[inline]
+pub(crate) fn wide([x, y, z]: [f32; 3]) -> DVec3 {
+    DVec3::new(f64::from(x), f64::from(y), f64::from(z))
 }
 
 /// Returns a power of two near the diagonal of the bounding box of some points, and the diagonal;
@@ -101,7 +111,7 @@ impl Triangles for Input {
 fn size(points: impl Iterator<Item = [f32; 3]>) -> (f64, f64) {
     let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     for p in points {
-        let p = DVec3::from(p.map(f64::from));
+        let p = wide(p);
         (low, high) = (low.min(p), high.max(p));
     }
     let diagonal = (high - low).length();

@@ -52,7 +52,8 @@ impl<T: Triangles> Refine<'_, T> {
             return;
         }
         self.bound = self.bound.max(nearest.squared);
-        let radius = corners.map(|c| (c - middle).length_squared());
+        let [a, b, c] = corners;
+        let radius = [(a - middle), (b - middle), (c - middle)].map(DVec3::length_squared);
         let radius = radius[0].max(radius[1]).max(radius[2]).sqrt();
         let most = nearest.squared.sqrt() + radius;
         if most * most <= self.allowed() || nearest.triangle != near

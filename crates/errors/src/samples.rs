@@ -1,7 +1,7 @@
 //! Points of the input that travel along: each is tied to the face that it was found nearest to.
 
 use crate::faces::Face;
-use crate::input::Input;
+use crate::input::{Input, wide};
 use crate::triangle;
 use glam::DVec3;
 use lodc_mesh::{NONE, SplitMix64};
@@ -31,8 +31,9 @@ pub(crate) struct Sample {
 }
 
 impl Sample {
+    #[inline]
     pub(crate) fn place(&self) -> DVec3 {
-        DVec3::from(self.place.map(f64::from))
+        wide(self.place)
     }
 }
 

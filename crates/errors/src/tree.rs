@@ -24,19 +24,30 @@ struct Bounds {
 impl Bounds {
     const EMPTY: Self = Self { low: [f32::INFINITY; 3], high: [f32::NEG_INFINITY; 3] };
 
+    #[inline]
     fn distance_squared(&self, p: DVec3) -> f64 {
-        let low = DVec3::from(self.low.map(f64::from));
-        let high = DVec3::from(self.high.map(f64::from));
-        (low - p).max(p - high).max(DVec3::ZERO).length_squared()
+        let outside = |x: f64, low: f32, high: f32| {
+            let below = f64::from(low) - x;
+            let above = x - f64::from(high);
+            let out = if below > above { below } else { above };
+            if out > 0.0 { out } else { 0.0 }
+        };
+        let x = outside(p.x, self.low[0], self.high[0]);
+        let y = outside(p.y, self.low[1], self.high[1]);
+        let z = outside(p.z, self.low[2], self.high[2]);
+        x * x + y * y + z * z
     }
 
     /// Takes a point in. Returns whether the box grew.
     fn include(&mut self, p: [f32; 3]) -> bool {
         let mut grew = false;
-        for ((low, high), x) in self.low.iter_mut().zip(&mut self.high).zip(p) {
-            grew |= x < *low || x > *high;
-            *low = low.min(x);
-            *high = high.max(x);
+        for (axis, x) in p.into_iter().enumerate() {
+            if x < self.low[axis] {
+                (self.low[axis], grew) = (x, true);
+            }
+            if x > self.high[axis] {
+                (self.high[axis], grew) = (x, true);
+            }
         }
         grew
     }
@@ -62,6 +73,7 @@ impl Nearest {
     pub(crate) const NOTHING: Self = Self { squared: f64::INFINITY, triangle: NONE };
 
     /// Takes a triangle if it is nearer.
+    #[inline]
     pub(crate) fn offer(&mut self, squared: f64, triangle: u32) {
         if squared < self.squared {
             *self = Self { squared, triangle };
@@ -191,16 +203,19 @@ impl<T: Triangles> Search<'_, T> {
                 self.leaf(i);
                 continue;
             }
-            let mut children = [2 * i, 2 * i + 1].map(|c| (boxes[c].distance_squared(self.p), c));
+            let mut near = (boxes[2 * i].distance_squared(self.p), 2 * i);
+            let mut far = (boxes[2 * i + 1].distance_squared(self.p), 2 * i + 1);
             // The nearer one is opened first, so it is put down last.
-            if children[0].0 < children[1].0 {
-                children.swap(0, 1);
+            if far.0 < near.0 {
+                (near, far) = (far, near);
             }
-            for child in children {
-                if child.0 < self.nearest.squared {
-                    open[depth] = child;
-                    depth += 1;
-                }
+            if far.0 < self.nearest.squared {
+                open[depth] = far;
+                depth += 1;
+            }
+            if near.0 < self.nearest.squared {
+                open[depth] = near;
+                depth += 1;
             }
         }
     }

@@ -4,6 +4,7 @@ use glam::DVec3;
 
 /// Returns the squared distance from a point to a triangle, which may be degenerate (closest point
 /// by regions, Ericson 2005, section 5.1.5).
+#[inline]
 pub(crate) fn distance_squared(p: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
     let (ab, ac, ap) = (b - a, c - a, p - a);
     let (d1, d2) = (ab.dot(ap), ac.dot(ap));
@@ -39,6 +40,7 @@ pub(crate) fn distance_squared(p: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
     height * height / area
 }
 
+#[inline]
 fn to_edge(p: DVec3, a: DVec3, b: DVec3) -> f64 {
     let (ab, ap) = (b - a, p - a);
     let length = ab.length_squared();
@@ -47,6 +49,7 @@ fn to_edge(p: DVec3, a: DVec3, b: DVec3) -> f64 {
 }
 
 /// Returns the centroid of a triangle.
+#[inline]
 pub(crate) fn centroid([a, b, c]: [DVec3; 3]) -> DVec3 {
     (a + b + c) * (1.0 / 3.0)
 }
