@@ -23,13 +23,18 @@ const DRAWING: &[(&str, &[&str])] = &[
     ("crates/measure", &["lodc-raster", "glam", "rayon"]),
     ("crates/simplify", &["lodc-mesh", "lodc-raster", "glam", "rayon"]),
     ("crates/strip", &["lodc-mesh", "rayon"]),
-    ("crates/lod", &["lodc-mesh", "lodc-strip", "rayon"]),
-    ("crates/gpu", &["lodc-lod", "bytemuck", "pollster", "wgpu"]),
+    ("crates/model", &["lodc-mesh"]),
+    ("crates/verify", &["lodc-mesh", "lodc-model"]),
+    ("crates/plan", &["lodc-mesh", "lodc-strip"]),
+    ("crates/lod", &["lodc-mesh", "lodc-model", "lodc-plan", "lodc-strip", "lodc-verify", "rayon"]),
+    ("crates/baseline", &["lodc-lod", "lodc-mesh", "lodc-model", "lodc-strip", "rayon"]),
+    ("crates/gpu", &["lodc-plan", "bytemuck", "pollster", "wgpu"]),
     (
         "formats",
         &[
             "lodc-lod",
             "lodc-mesh",
+            "lodc-model",
             "lodc-strip",
             "bincode",
             "gltf",
@@ -43,13 +48,17 @@ const DRAWING: &[(&str, &[&str])] = &[
     (
         "cli",
         &[
+            "lodc-baseline",
             "lodc-formats",
             "lodc-gpu",
             "lodc-lod",
             "lodc-measure",
             "lodc-mesh",
+            "lodc-model",
+            "lodc-plan",
             "lodc-simplify",
             "lodc-strip",
+            "lodc-verify",
             "clap",
             "clap_complete",
             "clap_mangen",
@@ -62,12 +71,22 @@ const DRAWING: &[(&str, &[&str])] = &[
     ),
     // Beside the drawing: shapes for tests. Its generator writes them with the project's own
     // exporters.
-    ("fixtures", &["lodc-formats", "lodc-mesh"]),
+    ("fixtures", &["lodc-formats", "lodc-mesh", "lodc-model"]),
 ];
 
 /// Tests and benchmarks may also use these, sideways.
-const FOR_TESTS: &[&str] =
-    &["lodc-fixtures", "lodc-mesh", "lodc-simplify", "criterion", "rayon", "xxhash-rust"];
+const FOR_TESTS: &[&str] = &[
+    "lodc-fixtures",
+    "lodc-lod",
+    "lodc-mesh",
+    "lodc-model",
+    "lodc-simplify",
+    "lodc-strip",
+    "lodc-verify",
+    "criterion",
+    "rayon",
+    "xxhash-rust",
+];
 
 /// A word in code, and the only places that may use it.
 const OWNED: &[(&str, &[&str])] = &[
