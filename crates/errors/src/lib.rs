@@ -12,37 +12,13 @@ mod input;
 mod pass;
 mod refine;
 mod samples;
+mod step_errors;
 mod tree;
 mod triangle;
 
+pub use step_errors::StepErrors;
+
 use lodc_mesh::Simplified;
-
-/// Distances from LOD 0 after each step, in the mesh's units. They never fall; infinite once a mesh
-/// that had triangles has none left.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct StepErrors {
-    /// An upper bound of the Hausdorff distance between both surfaces, up to what sampling can
-    /// know.
-    pub error: Vec<f32>,
-    /// The root mean square distance over the area, the larger of both ways, as far as it has come.
-    pub rms: Vec<f32>,
-}
-
-impl StepErrors {
-    fn with_capacity(steps: usize) -> Self {
-        Self { error: Vec::with_capacity(steps), rms: Vec::with_capacity(steps) }
-    }
-
-    fn push(&mut self, error: f64, rms: f64) {
-        let after = |list: &[f32], x: f64| {
-            let nearest = x as f32;
-            let above = if f64::from(nearest) < x { nearest.next_up() } else { nearest };
-            list.last().map_or(above, |&before| above.max(before))
-        };
-        self.error.push(after(&self.error, error));
-        self.rms.push(after(&self.rms, rms));
-    }
-}
 
 /// Measures every step of a sequence. `shown` is the surface that is compared: a place for each
 /// vertex of the mesh, in the mesh's units, all finite.
@@ -57,3 +33,6 @@ pub fn measure(simplified: &Simplified, shown: &[[f32; 3]]) -> StepErrors {
     let input = input::Input::new(simplified, shown);
     pass::Pass::new(&input).run(simplified)
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,7 +1,7 @@
 //! The pass over all steps: an error that never falls, raised where a sample or a new face is
 //! farther.
 
-use crate::StepErrors;
+use crate::step_errors::StepErrors;
 use crate::faces::{Changes, Faces};
 use crate::input::Input;
 use crate::refine::{FLOOR, Refine};

@@ -67,6 +67,13 @@ pub fn stored_bytes(model: &AnyModel) -> u64 {
     object::geometry_bytes(model.simplified()) + own as u64
 }
 
+/// Returns the version that a file says it is of; none if it is too short to say.
+#[must_use]
+pub fn version(bytes: &[u8]) -> Option<u32> {
+    let version = bytes.get(8..12)?.try_into().ok()?;
+    Some(u32::from_le_bytes(version))
+}
+
 /// Whether bytes claim to be a `.lodc` file.
 #[must_use]
 pub fn is_lodc(bytes: &[u8]) -> bool {

@@ -151,7 +151,7 @@ pub(super) fn read(
     let info = ObjectInfo {
         name: entry.name,
         submeshes: submeshes
-            .map(|s| SubmeshInfo {
+            .map(|Record(s)| SubmeshInfo {
                 name: s.name,
                 material: s.material,
                 document_primitive: s.document_primitive,

@@ -1,7 +1,7 @@
 //! Records of the manifest with their length in front: a reader passes over fields that it does not
 //! know.
 
-use serde::de::{Error as _, SeqAccess, Visitor};
+use serde::de::{SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::DeserializeOwned, ser::Error as _};
 use std::fmt;
 use std::marker::PhantomData;
@@ -56,7 +56,7 @@ impl<'de, T: DeserializeOwned> Visitor<'de> for RecordVisitor<T> {
         while let Some(byte) = seq.next_element()? {
             bytes.push(byte);
         }
-        self.visit_bytes(&bytes).map_err(A::Error::custom)
+        self.visit_bytes(&bytes)
     }
 }
 
