@@ -315,6 +315,7 @@ fn documents_that_others_refer_to_are_there() {
     let root = root();
     let wanted = [
         "README.md",
+        "CONTRIBUTING.md",
         "LICENSE-MIT",
         "LICENSE-APACHE",
         "justfile",

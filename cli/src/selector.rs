@@ -287,9 +287,9 @@ fn within_triangles(objects: &[Candidate<'_>], budget: u64, chosen: &mut Selecti
     while low < high {
         let middle = low + (high - low) / 2;
         if total(&at(Some(f64::from_bits(middle)))) <= budget {
-            high = middle
+            high = middle;
         } else {
-            low = middle + 1
+            low = middle + 1;
         }
     }
     let error = f64::from_bits(low);

@@ -4,8 +4,8 @@ use super::{DRAWING, dependencies, read, root};
 use std::fmt::Write as _;
 
 const BOX: (usize, usize) = (200, 46);
-const GAP: (usize, usize) = (18, 44);
-const MARGIN: usize = 16;
+const GAP: (usize, usize) = (18, 56);
+const MARGIN: usize = 44;
 const LINE: usize = 33;
 
 /// A package as it is drawn.
@@ -79,6 +79,13 @@ fn lines(text: &str) -> Vec<String> {
     lines
 }
 
+/// A way past the rows between two packages, along a lane at the side of the picture.
+fn around(from: (usize, usize), to: (usize, usize), lane: usize, side: usize) -> String {
+    let (out, back) = (from.0 + 6 * lane, to.0 + 6 * lane);
+    let (below, above) = (from.1 + 8 + 4 * lane, to.1 - 10 - 4 * lane);
+    format!("M{out} {}V{below}H{side}V{above}H{back}V{}", from.1, to.1)
+}
+
 fn picture() -> String {
     let packages = packages();
     let rows = packages.iter().map(|p| p.row + 1).max().unwrap_or(0);
@@ -100,17 +107,32 @@ fn picture() -> String {
          markerHeight=\"7\" refX=\"6\" refY=\"3\" orient=\"auto\"><path d=\"M0 0L6 3L0 6z\" \
          fill=\"#667\"/></marker></defs>\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n"
     );
+    let mut lanes = [0, 0];
     for of in 0..packages.len() {
-        let (x, y) = corner(of);
         for to in direct(&packages, of) {
-            let (tx, ty) = corner(to);
-            let (x, y, tx) = (x + BOX.0 / 2, y + BOX.1, tx + BOX.0 / 2);
-            let middle = (y + ty) / 2;
+            let (start, end) = (corner(of), corner(to));
+            let from = (start.0 + BOX.0 / 2, start.1 + BOX.1);
+            let to = (end.0 + BOX.0 / 2, end.1 - 2);
+            let path = if end.1 - start.1 == BOX.1 + GAP.1 {
+                let middle = (from.1 + to.1) / 2;
+                format!(
+                    "M{} {}C{} {middle} {} {middle} {} {}",
+                    from.0, from.1, from.0, to.0, to.0, to.1
+                )
+            } else {
+                let right = from.0 + to.0 > width;
+                lanes[usize::from(right)] += 1;
+                let lane = lanes[usize::from(right)];
+                around(
+                    from,
+                    to,
+                    lane,
+                    if right { width - MARGIN + 5 * lane } else { MARGIN - 5 * lane },
+                )
+            };
             let _ = writeln!(
                 svg,
-                "<path d=\"M{x} {y}C{x} {middle} {tx} {middle} {tx} {}\" fill=\"none\" \
-                 stroke=\"#667\" marker-end=\"url(#tip)\"/>",
-                ty - 2
+                "<path d=\"{path}\" fill=\"none\" stroke=\"#667\" marker-end=\"url(#tip)\"/>"
             );
         }
     }
