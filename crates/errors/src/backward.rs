@@ -14,7 +14,7 @@ const SAMPLES: usize = 24;
 /// Neighbours whose triangle of the input is tried.
 const NEIGHBOURS: usize = 8;
 
-/// Barycentric coordinates asked besides where few faces are left, and very few.
+/// Barycentric coordinates asked besides on large faces and where few are left, and very few.
 const FEW: [[f64; 3]; 3] = [[0.6, 0.2, 0.2], [0.2, 0.6, 0.2], [0.2, 0.2, 0.6]];
 const VERY_FEW: [[f64; 3]; 12] = [
     [0.8, 0.1, 0.1],
@@ -42,6 +42,7 @@ impl Pass<'_> {
             }
         }
         let skip = self.is_covered_disc();
+        self.stat[7] += u64::from(skip);
         for i in 0..self.changes.changed.len() {
             let (t, corners) = (self.changes.changed[i], self.corners[i]);
             let mean = self.samples.mean_square(&self.faces.all[t as usize]);
@@ -54,6 +55,7 @@ impl Pass<'_> {
     /// samples are well within the bound: then its faces are as near to the input as these are to
     /// them.
     fn is_covered_disc(&mut self) -> bool {
+        if std::env::var("NOSKIP").is_ok() { return false; }
         let changes = &self.changes;
         let (touched, changed) = (&changes.touched, &changes.changed);
         let [target] = changes.targets[..] else { return false };
@@ -83,14 +85,15 @@ impl Pass<'_> {
             })
     }
 
-    /// Whether less than one in `share` faces is left.
+    /// Returns whether no more than one in `share` faces is left, or so few that it does not matter.
     fn is_coarse(&self, share: u32) -> bool {
-        self.faces.live <= self.input.triangles.len() as u32 / share
+        self.faces.live <= (self.input.triangles.len() as u32 / share).max(64)
     }
 
     /// Asks points of a changed face. Returns the squared distance of its centroid, or an upper
     /// bound of it unless `exact`.
     fn ask_face(&mut self, i: usize, t: u32, corners: [DVec3; 3], exact: bool) -> f64 {
+        self.stat[4] += 1;
         let mut ask = Ask { pass: self, i, t, corners, is_hot: false };
         let middle = ask.point(centroid(corners), exact);
         let points = ask.pass.faces.all[t as usize].points;
@@ -100,9 +103,10 @@ impl Pass<'_> {
                 ask.point((corners[k] + corners[(k + 1) % 3]) * 0.5, false);
             }
         }
-        let more: &[&[[f64; 3]]] = if ask.pass.is_coarse(32) || ask.pass.faces.live <= 64 {
+        let large = f64::from(area(corners)) / ask.pass.mean_area;
+        let more: &[&[[f64; 3]]] = if large > 32.0 || ask.pass.is_coarse(32) {
             &[&FEW, &VERY_FEW]
-        } else if ask.pass.is_coarse(8) {
+        } else if large > 8.0 || ask.pass.is_coarse(8) {
             &[&FEW]
         } else {
             &[]
@@ -163,12 +167,14 @@ impl Ask<'_, '_> {
     /// enough unless `exact`.
     fn point(&mut self, p: DVec3, exact: bool) -> f64 {
         let enough = self.pass.enough();
+        self.pass.stat[5] += 1;
         let hint = match self.guess(p, enough) {
             Ok(squared) if !exact => return squared,
             Ok(_) => self.pass.faces.all[self.t as usize].near,
             Err(hint) => hint,
         };
         let pass = &mut *self.pass;
+        pass.stat[6] += 1;
         let mut nearest = Nearest::NOTHING;
         let stop = if exact { 0.0 } else { enough };
         let patience = patience(pass.work, pass.input);
@@ -199,12 +205,14 @@ impl Ask<'_, '_> {
         let mut nearest = Nearest::NOTHING;
         for s in pass.samples.of(&pass.faces.all[self.t as usize]).take(SAMPLES) {
             let sample = &pass.samples.all[s as usize];
-            nearest.offer((p - sample.place()).length_squared(), sample.source);
+            nearest.offer((p - sample.place()).length_squared(), s);
             if nearest.squared <= enough {
                 return Ok(nearest.squared);
             }
         }
         if nearest.triangle != NONE {
+            let sample = &pass.samples.all[nearest.triangle as usize];
+            nearest.triangle = sample.sources(input).as_slice()[0];
             let squared = distance_squared(p, input.corners(nearest.triangle));
             if squared <= enough {
                 pass.faces.all[self.t as usize].near = nearest.triangle;

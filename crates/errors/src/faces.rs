@@ -4,6 +4,10 @@ use crate::input::Input;
 use crate::tree::{Tree, Triangles, morton_order};
 use glam::DVec3;
 use lodc_mesh::{NONE, is_degenerate};
+use std::ops::Range;
+
+/// Faces around a vertex that are read ahead.
+const FAN: usize = 7;
 
 /// A face of the current level: all that a step reads of it in one cache line.
 #[derive(Clone, Debug)]
@@ -80,6 +84,30 @@ impl Faces {
         }
         let live = all.len() as u32;
         Self { all, ends, live, tree: input.tree.clone(), in_tree: live }
+    }
+
+    /// Reads what the steps of some records will need: their faces lie anywhere in memory, and many
+    /// reads that do not wait for each other take little longer than one.
+    /// `touch` reads a sample.
+    pub(crate) fn read_ahead(
+        &self,
+        input: &Input,
+        records: Range<u32>,
+        touch: impl Fn(u32) -> u32,
+    ) {
+        let mut corners: Vec<u32> = records.map(|v| self.ends[v as usize][0]).collect();
+        let mut word = 0;
+        for _ in 0..FAN {
+            for corner in &mut corners {
+                let Some(face) = self.all.get(*corner as usize / 3) else { continue };
+                word ^= touch(face.first_sample) ^ self.tree.touch(*corner / 3);
+                for point in face.points {
+                    word ^= input.places[point as usize][0].to_bits();
+                }
+                *corner = face.next[*corner as usize % 3];
+            }
+        }
+        std::hint::black_box(word);
     }
 
     /// Applies a step: the vertices `moves` turn into others. `step` numbers steps from 1.

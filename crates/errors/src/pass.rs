@@ -25,9 +25,19 @@ const TRIED: usize = 48;
 /// Points asked in one refinement.
 const QUERIES: u32 = 150;
 
+/// Records that are read ahead at once.
+const READ_AHEAD: u32 = 16;
+
 /// Work for each input triangle, in faces touched, samples placed and boxes opened, after which the
-/// pass gives up: then the diagonal bounds all errors. Real meshes need less than a hundredth.
-const WORK_PER_TRIANGLE: u64 = 20_000;
+/// pass gives up: then the diagonal bounds all errors. Real meshes need less than a seventh.
+const WORK_PER_TRIANGLE: u64 = 2_000;
+
+/// Work that any mesh may take besides.
+const FREE_WORK: u64 = 20_000_000;
+
+/// Boxes that one search may open: many, and few once a tenth of the work is done. A search that
+/// ends early gives distances that are too large, never too small.
+const PATIENCE: [u32; 2] = [20_000, 64];
 
 pub(crate) struct Pass<'a> {
     pub(crate) input: &'a Input,
@@ -39,12 +49,15 @@ pub(crate) struct Pass<'a> {
     /// The squared bound.
     pub(crate) bound: f64,
     near_enough: f64,
+    /// The mean area of the triangles of the input.
+    pub(crate) mean_area: f64,
     pub(crate) queries: u64,
     pub(crate) work: u64,
     /// The step that is followed, counted from 1.
     pub(crate) step: u32,
     /// For each point the last step that asked an edge to it.
     pub(crate) asked: Vec<u32>,
+    pub(crate) stat: [u64; 9],
     taken: Vec<(u32, u32)>,
     doubtful: Vec<u32>,
     /// Sum of area times mean squared distance over live faces, and of areas.
@@ -60,6 +73,7 @@ impl<'a> Pass<'a> {
         let samples = Samples::new(input, &mut faces.all);
         Self {
             input,
+            mean_area: samples.weight / faces.all.len().max(1) as f64,
             back: [0.0, samples.weight],
             faces,
             samples,
@@ -71,6 +85,7 @@ impl<'a> Pass<'a> {
             work: 0,
             step: 0,
             asked: vec![0; input.places.len()],
+            stat: [0; 9],
             taken: vec![],
             doubtful: vec![],
         }
@@ -82,13 +97,18 @@ impl<'a> Pass<'a> {
         let (targets, ends) = (sequence.targets(), &sequence.parts().step_ends);
         let all = self.input.triangles.len() as u64;
         let mut errors = StepErrors::with_capacity(ends.len());
-        let most = WORK_PER_TRIANGLE * all + 100_000_000;
-        let (mut first, mut rms, mut gone) = (0, 0.0f64, 0u32);
+        let most = WORK_PER_TRIANGLE * all + FREE_WORK;
+        let (mut first, mut ahead, mut rms, mut gone) = (0, 0, 0.0f64, 0u32);
         for (step, &end) in (1u32..).zip(ends) {
-            let late = self.queries > 4_000 + 2 * all * u64::from(step) / ends.len() as u64;
+            let late = self.queries > 4_000.min(4 * all) + 2 * all * u64::from(step) / ends.len() as u64;
             self.near_enough = if late { NEAR_ENOUGH_LATE } else { NEAR_ENOUGH };
             let moves = (first..end).map(|k| (k, targets[k as usize]));
             self.step = step;
+            if end > ahead {
+                let to = (end + READ_AHEAD).min(targets.len() as u32);
+                self.faces.read_ahead(self.input, ahead..to, |s| self.samples.touch(s));
+                ahead = to;
+            }
             self.faces.apply(self.input, step, moves, &mut self.changes);
             gone += u32::from(!self.changes.touched.is_empty());
             first = end;
@@ -100,6 +120,7 @@ impl<'a> Pass<'a> {
             } else if self.work > most {
                 errors.push(self.input.diagonal * self.input.unit, self.input.diagonal * self.input.unit);
             } else {
+                self.stat[0]+=1;
                 if !self.changes.touched.is_empty() {
                     self.follow();
                 }
@@ -108,6 +129,7 @@ impl<'a> Pass<'a> {
                 errors.push(error * self.input.unit, rms.min(error) * self.input.unit);
             }
         }
+        eprintln!("steps {} placed/f {:.2} global/f {:.3} doubtful {} q {:.3}/f facesback/f {:.2} asked/f {:.2} search/f {:.3} skipped {} work/f {:.1} born/f {:.2}", self.stat[0], self.stat[1] as f64/all as f64, self.stat[2] as f64/all as f64, self.stat[3], self.queries as f64/all as f64, self.stat[4] as f64/all as f64, self.stat[5] as f64/all as f64, self.stat[6] as f64/all as f64, self.stat[7], self.work as f64/all as f64, self.stat[8] as f64/all as f64);
         errors
     }
 
@@ -134,6 +156,7 @@ impl<'a> Pass<'a> {
             self.samples.take(&mut self.faces.all, t, &mut taken);
         }
         self.work += taken.len() as u64;
+        self.stat[1] += taken.len() as u64;
         for &(number, own) in &taken {
             let p = self.samples.all[number as usize].place();
             let nearest = self.nearest_face(p, own, self.bound * 0.25);
@@ -173,7 +196,8 @@ impl<'a> Pass<'a> {
                 if nearest.squared <= near.max(FLOOR) || nearest.triangle == NONE {
                     continue;
                 }
-                let sample = Sample::new(p.to_array().map(|x| x as f32), t, NONE, 0.0);
+                let sample = Sample::inside(p.to_array().map(|x| x as f32), t, 0.0);
+                self.stat[8] += 1;
                 let number = self.samples.add(&mut self.faces.all, nearest.triangle, sample);
                 self.samples.set(number, nearest.squared);
                 if nearest.squared > self.enough() {
@@ -188,12 +212,13 @@ impl<'a> Pass<'a> {
     fn refine_doubtful(&mut self) {
         for i in 0..self.doubtful.len() {
             let sample = &mut self.samples.all[self.doubtful[i] as usize];
-            let (point, source) = (sample.point, sample.source);
+            let sources = sample.sources(self.input);
             let enough = (self.bound * self.near_enough * self.near_enough).max(FLOOR);
             if f64::from(sample.squared) <= enough {
                 continue;
             }
             sample.refined = sample.squared;
+            self.stat[3] += 1;
             let (level, tree) = self.faces.level(self.input);
             let mut refine = Refine {
                 triangles: &level,
@@ -203,11 +228,7 @@ impl<'a> Pass<'a> {
                 patience: patience(self.work, self.input),
                 opened: 0,
             };
-            let around = match point {
-                NONE => std::slice::from_ref(&source),
-                point => self.input.around.row(point),
-            };
-            for &t in around {
+            for &t in sources.as_slice() {
                 if refine.left == 0 {
                     break;
                 }
@@ -238,6 +259,7 @@ impl<'a> Pass<'a> {
         }
         let enough = self.enough();
         if nearest.squared > enough {
+            self.stat[2] += 1;
             let (level, tree) = self.faces.level(self.input);
             let (hint, patience) = (nearest.triangle, patience(self.work, self.input));
             self.work += u64::from(tree.search(&level, p, hint, enough, patience, &mut nearest));
@@ -272,7 +294,8 @@ impl<'a> Pass<'a> {
     }
 }
 
-/// Boxes that one search may open: many, and few once the work is too much.
+/// Returns how many boxes one search may open after some work.
 pub(crate) fn patience(work: u64, input: &Input) -> u32 {
-    if work > WORK_PER_TRIANGLE / 10 * input.triangles.len() as u64 + 20_000_000 { 64 } else { 20_000 }
+    let most = WORK_PER_TRIANGLE * input.triangles.len() as u64 + FREE_WORK;
+    PATIENCE[usize::from(work > most / 10)]
 }

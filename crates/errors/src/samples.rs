@@ -12,16 +12,16 @@ const KEPT: usize = 16;
 /// Most samples put on a large triangle besides its corners.
 const MOST_INSIDE: f64 = 24.0;
 
-/// A point of the input.
+/// A point of the input, half a cache line.
 #[derive(Clone, Debug)]
+#[repr(align(32))]
 pub(crate) struct Sample {
     place: [f32; 3],
     /// The next sample of the same face.
     next: u32,
-    /// A triangle of the input that it lies on.
-    pub(crate) source: u32,
-    /// The point that it is; [`NONE`] for places inside triangles.
-    pub(crate) point: u32,
+    /// Where it comes from: twice the point that it is, or twice the triangle that it lies in, plus
+    /// 1.
+    origin: u32,
     /// Squared distance to its face.
     pub(crate) squared: f32,
     /// The squared distance at which the input around it was looked at more closely.
@@ -34,6 +34,34 @@ impl Sample {
     #[inline]
     pub(crate) fn place(&self) -> DVec3 {
         wide(self.place)
+    }
+
+    /// Returns the triangles of the input that it lies on.
+    pub(crate) fn sources<'a>(&self, input: &'a Input) -> Sources<'a> {
+        let which = self.origin / 2;
+        if self.origin % 2 == 0 {
+            Sources::Around(input.around.row(which))
+        } else {
+            Sources::Inside(which)
+        }
+    }
+}
+
+/// Triangles that a sample lies on.
+pub(crate) enum Sources<'a> {
+    /// Those around a point.
+    Around(&'a [u32]),
+    /// One that it lies inside of.
+    Inside(u32),
+}
+
+impl Sources<'_> {
+    /// Returns the triangles.
+    pub(crate) fn as_slice(&self) -> &[u32] {
+        match self {
+            Self::Around(row) => row,
+            Self::Inside(triangle) => std::slice::from_ref(triangle),
+        }
     }
 }
 
@@ -71,7 +99,7 @@ impl Samples {
             let around = input.around.row(point);
             if let Some(&t) = around.first() {
                 let weight = around.iter().map(|&t| shares[t as usize]).sum();
-                samples.add(faces, t, Sample::new(place, t, point, weight));
+                samples.add(faces, t, Sample::at_point(place, point, weight));
             }
         }
         let mut random = SplitMix64::new(7);
@@ -84,7 +112,7 @@ impl Samples {
                 }
                 let p = a + (b - a) * u + (c - a) * v;
                 let place = p.to_array().map(|x| x as f32);
-                samples.add(faces, t, Sample::new(place, t, NONE, shares[t as usize]));
+                samples.add(faces, t, Sample::inside(place, t, shares[t as usize]));
             }
         }
         samples
@@ -119,6 +147,12 @@ impl Samples {
         let squared = squared as f32;
         self.sum += f64::from(s.weight) * (f64::from(squared) - f64::from(s.squared));
         s.squared = squared;
+    }
+
+    /// Returns a word of a sample, to have it read.
+    #[inline]
+    pub(crate) fn touch(&self, sample: u32) -> u32 {
+        self.all.get(sample as usize).map_or(0, |s| s.next)
     }
 
     /// The samples of a face.
@@ -186,8 +220,17 @@ impl Samples {
 }
 
 impl Sample {
-    pub(crate) fn new(place: [f32; 3], source: u32, point: u32, weight: f32) -> Self {
-        Self { place, next: NONE, source, point, squared: 0.0, refined: 0.0, weight }
+    fn new(place: [f32; 3], origin: u32, weight: f32) -> Self {
+        Self { place, next: NONE, origin, squared: 0.0, refined: 0.0, weight }
+    }
+
+    fn at_point(place: [f32; 3], point: u32, weight: f32) -> Self {
+        Self::new(place, 2 * point, weight)
+    }
+
+    /// A sample inside a triangle of the input.
+    pub(crate) fn inside(place: [f32; 3], triangle: u32, weight: f32) -> Self {
+        Self::new(place, 2 * triangle + 1, weight)
     }
 }
 

@@ -202,11 +202,10 @@ fn places_count_and_not_positions() {
     // One card, folded where it is shown: half of it stands upright.
     let card = sequence(&SQUARE, &HALVES, &[1, 2, 3]);
     let mut shown = SQUARE;
-    shown[3] = [0.0, 0.0, 1.0];
-    let errors = measure(&card, &shown);
-    assert!(near(errors.error[0], (2.0f64 / 3.0).sqrt() / 2.0) || errors.error[0] > 0.4);
-    let [flat, folded] = [measured(&card), errors].map(|e| e.error[0]);
-    assert!(flat != folded);
+    shown[3] = [0.0, 0.0, 3.0];
+    let [flat, folded] = [measured(&card), measure(&card, &shown)].map(|e| e.error[0]);
+    // The corner at the origin is off by its distance to the line from (1, 0, 0) to (0, 0, 3).
+    assert!(near(flat, 0.5f64.sqrt()) && near(folded, 3.0 / 10.0f64.sqrt()), "{flat} {folded}");
 }
 
 #[test]
@@ -259,7 +258,7 @@ fn a_hub_that_moves_in_every_step_ends_in_a_bound_that_needs_no_work() {
 
 #[test]
 fn many_triangles_on_one_edge_take_no_quadratic_time() {
-    let n = 50_000;
+    let n = 20_000;
     let page = |i: u32| [(i % 251) as f32, 0.5, (i / 251) as f32 + 0.5];
     let mut positions: Vec<[f32; 3]> = (0..n).map(page).collect();
     positions.extend([[0.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);

@@ -119,6 +119,13 @@ impl Tree {
         &self.order
     }
 
+    /// Returns a word of a triangle's leaf, to have it read.
+    #[inline]
+    pub(crate) fn touch(&self, triangle: u32) -> u32 {
+        let leaf = self.first_leaf + self.place[triangle as usize] as usize / LEAF;
+        self.boxes.get(leaf).map_or(0, |b| b.low[0].to_bits())
+    }
+
     /// Makes room for a new corner of a triangle.
     pub(crate) fn grow(&mut self, triangle: u32, p: [f32; 3]) {
         let place = self.place[triangle as usize];
