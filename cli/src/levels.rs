@@ -20,7 +20,7 @@ pub(crate) enum ModelName {
 }
 
 impl ModelName {
-    /// What the library calls it.
+    /// The library's kind of that name.
     pub(crate) fn kind(self) -> ModelKind {
         match self {
             Self::Speed => ModelKind::Speed,

@@ -49,7 +49,7 @@ impl OptionalSelector {
     pub(crate) fn per_object(&self) -> bool {
         self.per_object
     }
-    /// What was asked for, if anything.
+    /// The target that was asked for, if any.
     pub(crate) fn target(&self) -> Option<Target> {
         self.target.chosen()
     }
@@ -88,13 +88,13 @@ impl SelectorArgs {
     pub(crate) fn per_object(&self) -> bool {
         self.per_object
     }
-    /// What was asked for.
+    /// The target that was asked for.
     pub(crate) fn target(&self) -> Target {
         self.target.chosen().expect("clap demands exactly one of the group")
     }
 }
 
-/// What is wanted.
+/// The wanted level.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Target {
     /// This many records applied.
@@ -124,7 +124,7 @@ pub(crate) struct Candidate<'a> {
     pub(crate) diagonal: f64,
 }
 
-/// What was chosen.
+/// The chosen levels.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Selection {
     /// One per object; always the end of a step.
@@ -134,7 +134,7 @@ pub(crate) struct Selection {
     /// The largest root mean square distance of an object, in the same units; none if it was not
     /// measured.
     pub(crate) rms: Option<f64>,
-    /// Where the request could not be met in full.
+    /// Warnings about requests that could not be met in full.
     pub(crate) warnings: Vec<String>,
 }
 

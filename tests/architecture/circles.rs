@@ -171,7 +171,7 @@ enum Start {
     ReExport,
 }
 
-/// Where paths of more than one word begin.
+/// Beginnings of paths of more than one word.
 fn starts_of_paths(text: &str) -> Vec<(usize, Start)> {
     let mut found = Vec::new();
     let mut before = ' ';

@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// What a build made.
+/// The result of a build.
 pub(super) struct Made {
     pub(super) file: LodFile,
     /// Bytes of the file.

@@ -32,8 +32,8 @@ struct Head {
     span: Span,
     /// Whether it draws anything.
     live: bool,
-    /// Whether it was made anew, so that what had gone at its ends, or with its removal_lod, was never
-    /// written.
+    /// Whether it was made anew, so that what had gone at its ends, or with its removal_lod, was
+    /// never written.
     stale: bool,
 }
 

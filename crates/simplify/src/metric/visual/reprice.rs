@@ -123,8 +123,8 @@ impl ViewScratch {
 }
 
 impl VisualMetric {
-    /// See [`Metric::reprice`](crate::metric::Metric::reprice): the sum over all views of how much the
-    /// score changes.
+    /// See [`Metric::reprice`](crate::metric::Metric::reprice): the sum over all views of how much
+    /// the score changes.
     pub(crate) fn see(
         &self,
         mesh: &Working,
