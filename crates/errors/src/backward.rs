@@ -14,6 +14,13 @@ const SAMPLES: usize = 24;
 /// Neighbours whose triangle of the input is tried.
 const NEIGHBOURS: usize = 8;
 
+/// Area of a large face, and of a very large one, in mean areas of the input.
+const LARGE: f64 = 8.0;
+const VERY_LARGE: f64 = 32.0;
+
+/// Samples that say enough of a large face.
+const ENOUGH_SAMPLES: u32 = 4;
+
 /// Barycentric coordinates asked besides on large faces and where few are left, and very few.
 const FEW: [[f64; 3]; 3] = [[0.6, 0.2, 0.2], [0.2, 0.6, 0.2], [0.2, 0.2, 0.6]];
 const VERY_FEW: [[f64; 3]; 12] = [
@@ -42,7 +49,6 @@ impl Pass<'_> {
             }
         }
         let skip = self.is_covered_disc();
-        self.stat[7] += u64::from(skip);
         for i in 0..self.changes.changed.len() {
             let (t, corners) = (self.changes.changed[i], self.corners[i]);
             let mean = self.samples.mean_square(&self.faces.all[t as usize]);
@@ -53,9 +59,8 @@ impl Pass<'_> {
 
     /// Returns whether a single fan of faces became a smaller one with the same rim, and all its
     /// samples are well within the bound: then its faces are as near to the input as these are to
-    /// them.
-    fn is_covered_disc(&mut self) -> bool {
-        if std::env::var("NOSKIP").is_ok() { return false; }
+    /// them. Large faces need some samples for that.
+    fn is_covered_disc(&self) -> bool {
         let changes = &self.changes;
         let (touched, changed) = (&changes.touched, &changes.changed);
         let [target] = changes.targets[..] else { return false };
@@ -78,11 +83,12 @@ impl Pass<'_> {
             && rim.chunks_exact(2).all(|pair| pair[0] == pair[1])
             && rim.windows(3).all(|three| three[0] != three[2]);
         let near = (self.bound * 0.25) as f32;
-        paired
-            && changed.iter().all(|&t| {
-                let face = &self.faces.all[t as usize];
-                self.samples.of(face).all(|s| self.samples.all[s as usize].squared <= near)
-            })
+        let is_covered = |(&t, &corners): (&u32, &[DVec3; 3])| {
+            let face = &self.faces.all[t as usize];
+            (face.samples >= ENOUGH_SAMPLES || f64::from(area(corners)) <= LARGE * self.mean_area)
+                && self.samples.of(face).all(|s| self.samples.all[s as usize].squared <= near)
+        };
+        paired && changed.iter().zip(&self.corners).all(is_covered)
     }
 
     /// Returns whether no more than one in `share` faces is left, or so few that it does not matter.
@@ -93,7 +99,6 @@ impl Pass<'_> {
     /// Asks points of a changed face. Returns the squared distance of its centroid, or an upper
     /// bound of it unless `exact`.
     fn ask_face(&mut self, i: usize, t: u32, corners: [DVec3; 3], exact: bool) -> f64 {
-        self.stat[4] += 1;
         let mut ask = Ask { pass: self, i, t, corners, is_hot: false };
         let middle = ask.point(centroid(corners), exact);
         let points = ask.pass.faces.all[t as usize].points;
@@ -104,9 +109,9 @@ impl Pass<'_> {
             }
         }
         let large = f64::from(area(corners)) / ask.pass.mean_area;
-        let more: &[&[[f64; 3]]] = if large > 32.0 || ask.pass.is_coarse(32) {
+        let more: &[&[[f64; 3]]] = if large > VERY_LARGE || ask.pass.is_coarse(32) {
             &[&FEW, &VERY_FEW]
-        } else if large > 8.0 || ask.pass.is_coarse(8) {
+        } else if large > LARGE || ask.pass.is_coarse(8) {
             &[&FEW]
         } else {
             &[]
@@ -167,14 +172,12 @@ impl Ask<'_, '_> {
     /// enough unless `exact`.
     fn point(&mut self, p: DVec3, exact: bool) -> f64 {
         let enough = self.pass.enough();
-        self.pass.stat[5] += 1;
         let hint = match self.guess(p, enough) {
             Ok(squared) if !exact => return squared,
             Ok(_) => self.pass.faces.all[self.t as usize].near,
             Err(hint) => hint,
         };
         let pass = &mut *self.pass;
-        pass.stat[6] += 1;
         let mut nearest = Nearest::NOTHING;
         let stop = if exact { 0.0 } else { enough };
         let patience = patience(pass.work, pass.input);

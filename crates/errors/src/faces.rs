@@ -57,10 +57,10 @@ pub(crate) struct Changes {
 }
 
 impl Faces {
-    pub(crate) fn new(input: &Input) -> Self {
+    pub(crate) fn new(input: &Input, wedges: &[[u32; 3]]) -> Self {
         let mut ends = vec![[NONE; 2]; input.point_of.len()];
         let mut all = Vec::with_capacity(input.triangles.len());
-        for (t, (points, wedges)) in (0..).zip(input.triangles.iter().zip(&input.wedges)) {
+        for (t, (points, wedges)) in (0..).zip(input.triangles.iter().zip(wedges)) {
             all.push(Face {
                 points: *points,
                 next: [NONE; 3],
@@ -129,6 +129,7 @@ impl Faces {
             if is_degenerate(points.map(|p| input.positions[p as usize])) {
                 self.all[t as usize].live = false;
                 self.live -= 1;
+                self.tree.remove(t, |t| self.all[t as usize].live);
                 continue;
             }
             changes.changed.push(t);
@@ -144,14 +145,7 @@ impl Faces {
         }
     }
 
-    fn move_vertex(
-        &mut self,
-        input: &Input,
-        step: u32,
-        from: u32,
-        to: u32,
-        changes: &mut Changes,
-    ) {
+    fn move_vertex(&mut self, input: &Input, step: u32, from: u32, to: u32, changes: &mut Changes) {
         let (old, new) = (input.point_of[from as usize], input.point_of[to as usize]);
         if old != new && changes.targets.last() != Some(&new) {
             changes.targets.push(new);

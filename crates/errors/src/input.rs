@@ -17,8 +17,6 @@ pub(crate) struct Input {
     pub(crate) positions: Vec<u32>,
     /// The corners of each triangle, as points, along a Morton curve.
     pub(crate) triangles: Vec<[u32; 3]>,
-    /// The same, as vertices of the mesh.
-    pub(crate) wedges: Vec<[u32; 3]>,
     /// The point of each vertex.
     pub(crate) point_of: Vec<u32>,
     /// The triangles around each point.
@@ -32,8 +30,9 @@ pub(crate) struct Input {
 }
 
 impl Input {
-    /// Numbers a mesh that is shown with its vertices at `shown`.
-    pub(crate) fn new(simplified: &Simplified, shown: &[[f32; 3]]) -> Self {
+    /// Numbers a mesh that is shown with its vertices at `shown`. Returns besides the corners of
+    /// each triangle as vertices of the mesh.
+    pub(crate) fn new(simplified: &Simplified, shown: &[[f32; 3]]) -> (Self, Vec<[u32; 3]>) {
         let mesh = simplified.mesh();
         let points = Points::new(mesh.positions(), shown);
         let raw = |t: u32| mesh.triangles()[t as usize].map(|v| shown[v as usize]);
@@ -63,17 +62,8 @@ impl Input {
         let corner = (0..).zip(&triangles).flat_map(|(t, corners)| corners.map(|p| (p, t)));
         let around = Csr::new(places.len(), corner);
         let diagonal = diagonal * scale;
-        Self {
-            places,
-            positions,
-            triangles,
-            wedges,
-            point_of,
-            around,
-            tree,
-            unit: size,
-            diagonal,
-        }
+        let unit = size;
+        (Self { places, positions, triangles, point_of, around, tree, unit, diagonal }, wedges)
     }
 
     /// Returns the place of a point.
@@ -138,8 +128,7 @@ impl Points {
         }
         let (positions, places) = (PositionIds::new(positions), PositionIds::new(shown));
         let mut order: Vec<u32> = (0..shown.len() as u32).collect();
-        let key =
-            |v: u32| (positions.of_vertex[v as usize], places.of_vertex[v as usize]);
+        let key = |v: u32| (positions.of_vertex[v as usize], places.of_vertex[v as usize]);
         order.sort_unstable_by_key(|&v| (key(v), v));
         let (mut of_vertex, mut first_vertex) = (vec![0; shown.len()], Vec::<u32>::new());
         for v in order {

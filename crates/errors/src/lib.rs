@@ -30,8 +30,8 @@ use lodc_mesh::Simplified;
 #[must_use]
 pub fn measure(simplified: &Simplified, shown: &[[f32; 3]]) -> StepErrors {
     assert_eq!(shown.len(), simplified.mesh().vertex_count(), "a place for each vertex");
-    let input = input::Input::new(simplified, shown);
-    pass::Pass::new(&input).run(simplified)
+    let (input, wedges) = input::Input::new(simplified, shown);
+    pass::Pass::new(&input, wedges).run(simplified)
 }
 
 #[cfg(test)]

@@ -1,11 +1,11 @@
 //! The pass over all steps: an error that never falls, raised where a sample or a new face is
 //! farther.
 
-use crate::step_errors::StepErrors;
 use crate::faces::{Changes, Faces};
 use crate::input::Input;
 use crate::refine::{FLOOR, Refine};
 use crate::samples::{Sample, Samples, area};
+use crate::step_errors::StepErrors;
 use crate::tree::Nearest;
 use crate::triangle::distance_squared;
 use glam::DVec3;
@@ -28,12 +28,12 @@ const QUERIES: u32 = 150;
 /// Records that are read ahead at once.
 const READ_AHEAD: u32 = 16;
 
-/// Work for each input triangle, in faces touched, samples placed and boxes opened, after which the
-/// pass gives up: then the diagonal bounds all errors. Real meshes need less than a seventh.
-const WORK_PER_TRIANGLE: u64 = 2_000;
+/// Work for each input triangle, in faces touched, distances to faces and boxes opened, after which
+/// the pass gives up: then the diagonal bounds all errors. Real meshes need less than a third.
+const WORK_PER_TRIANGLE: u64 = 1_000;
 
 /// Work that any mesh may take besides.
-const FREE_WORK: u64 = 20_000_000;
+const FREE_WORK: u64 = 10_000_000;
 
 /// Boxes that one search may open: many, and few once a tenth of the work is done. A search that
 /// ends early gives distances that are too large, never too small.
@@ -57,7 +57,6 @@ pub(crate) struct Pass<'a> {
     pub(crate) step: u32,
     /// For each point the last step that asked an edge to it.
     pub(crate) asked: Vec<u32>,
-    pub(crate) stat: [u64; 9],
     taken: Vec<(u32, u32)>,
     doubtful: Vec<u32>,
     /// Sum of area times mean squared distance over live faces, and of areas.
@@ -65,8 +64,10 @@ pub(crate) struct Pass<'a> {
 }
 
 impl<'a> Pass<'a> {
-    pub(crate) fn new(input: &'a Input) -> Self {
-        let mut faces = Faces::new(input);
+    /// Starts at LOD 0. `wedges` has the corners of its triangles as vertices of the mesh.
+    pub(crate) fn new(input: &'a Input, wedges: Vec<[u32; 3]>) -> Self {
+        let mut faces = Faces::new(input, &wedges);
+        drop(wedges);
         for face in &mut faces.all {
             face.area = area(input.at(face.points));
         }
@@ -85,7 +86,6 @@ impl<'a> Pass<'a> {
             work: 0,
             step: 0,
             asked: vec![0; input.places.len()],
-            stat: [0; 9],
             taken: vec![],
             doubtful: vec![],
         }
@@ -100,7 +100,15 @@ impl<'a> Pass<'a> {
         let most = WORK_PER_TRIANGLE * all + FREE_WORK;
         let (mut first, mut ahead, mut rms, mut gone) = (0, 0, 0.0f64, 0u32);
         for (step, &end) in (1u32..).zip(ends) {
-            let late = self.queries > 4_000.min(4 * all) + 2 * all * u64::from(step) / ends.len() as u64;
+            if self.work > most {
+                let left = sequence.parts().step_triangles[step as usize - 1] > 0;
+                let diagonal = self.input.diagonal * self.input.unit;
+                let error = if left { diagonal } else { f64::INFINITY };
+                errors.push(error, error);
+                continue;
+            }
+            let late =
+                self.queries > 4_000.min(4 * all) + 2 * all * u64::from(step) / ends.len() as u64;
             self.near_enough = if late { NEAR_ENOUGH_LATE } else { NEAR_ENOUGH };
             let moves = (first..end).map(|k| (k, targets[k as usize]));
             self.step = step;
@@ -117,10 +125,7 @@ impl<'a> Pass<'a> {
                 errors.push(0.0, 0.0);
             } else if self.faces.live == 0 {
                 errors.push(f64::INFINITY, f64::INFINITY);
-            } else if self.work > most {
-                errors.push(self.input.diagonal * self.input.unit, self.input.diagonal * self.input.unit);
             } else {
-                self.stat[0]+=1;
                 if !self.changes.touched.is_empty() {
                     self.follow();
                 }
@@ -129,7 +134,6 @@ impl<'a> Pass<'a> {
                 errors.push(error * self.input.unit, rms.min(error) * self.input.unit);
             }
         }
-        eprintln!("steps {} placed/f {:.2} global/f {:.3} doubtful {} q {:.3}/f facesback/f {:.2} asked/f {:.2} search/f {:.3} skipped {} work/f {:.1} born/f {:.2}", self.stat[0], self.stat[1] as f64/all as f64, self.stat[2] as f64/all as f64, self.stat[3], self.queries as f64/all as f64, self.stat[4] as f64/all as f64, self.stat[5] as f64/all as f64, self.stat[6] as f64/all as f64, self.stat[7], self.work as f64/all as f64, self.stat[8] as f64/all as f64);
         errors
     }
 
@@ -156,7 +160,6 @@ impl<'a> Pass<'a> {
             self.samples.take(&mut self.faces.all, t, &mut taken);
         }
         self.work += taken.len() as u64;
-        self.stat[1] += taken.len() as u64;
         for &(number, own) in &taken {
             let p = self.samples.all[number as usize].place();
             let nearest = self.nearest_face(p, own, self.bound * 0.25);
@@ -197,7 +200,6 @@ impl<'a> Pass<'a> {
                     continue;
                 }
                 let sample = Sample::inside(p.to_array().map(|x| x as f32), t, 0.0);
-                self.stat[8] += 1;
                 let number = self.samples.add(&mut self.faces.all, nearest.triangle, sample);
                 self.samples.set(number, nearest.squared);
                 if nearest.squared > self.enough() {
@@ -218,7 +220,6 @@ impl<'a> Pass<'a> {
                 continue;
             }
             sample.refined = sample.squared;
-            self.stat[3] += 1;
             let (level, tree) = self.faces.level(self.input);
             let mut refine = Refine {
                 triangles: &level,
@@ -254,12 +255,12 @@ impl<'a> Pass<'a> {
                 break;
             }
             if t != own {
+                self.work += 1;
                 nearest.offer(distance_squared(p, *corners), t);
             }
         }
         let enough = self.enough();
         if nearest.squared > enough {
-            self.stat[2] += 1;
             let (level, tree) = self.faces.level(self.input);
             let (hint, patience) = (nearest.triangle, patience(self.work, self.input));
             self.work += u64::from(tree.search(&level, p, hint, enough, patience, &mut nearest));

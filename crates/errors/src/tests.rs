@@ -35,8 +35,11 @@ fn sequence(positions: &[[f32; 3]], triangles: &[[u32; 3]], targets: &[u32]) -> 
     let bare = Simplified::new(mesh.clone(), bare).expect("they fit");
     let ids = PositionIds::new(positions);
     let left = |lod| bare.triangles_at_with(Lod(lod), &ids).len() as u32;
-    let step_triangles =
-        if records < 1000 { (1..=records as u32).map(left).collect() } else { vec![0; records] };
+    // Long sequences of these tests lose a triangle in each step.
+    let one_less = |lod| (triangles.len() as u32).saturating_sub(lod);
+    let step_triangles = (1..=records as u32)
+        .map(|lod| if records < 1000 { left(lod) } else { one_less(lod) })
+        .collect();
     let collapses = CollapseSequence::try_from(SequenceParts { step_triangles, ..parts });
     Simplified::new(mesh, collapses.expect("a sequence")).expect("they fit")
 }
@@ -226,7 +229,8 @@ fn fan(n: u32) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
         // The rim is a square: no sines are needed.
         let t = 4.0 * i as f32 / (n + 1) as f32;
         let (side, t) = (t as u32, t.fract());
-        [[t, 0.0, 0.0], [1.0, t, 0.0], [1.0 - t, 1.0, 0.0], [0.0, 1.0 - t, 0.0]][side.min(3) as usize]
+        [[t, 0.0, 0.0], [1.0, t, 0.0], [1.0 - t, 1.0, 0.0], [0.0, 1.0 - t, 0.0]]
+            [side.min(3) as usize]
     };
     let mut positions: Vec<[f32; 3]> = (0..=n).map(rim).collect();
     positions.push([0.5, 0.5, 0.1]);
@@ -246,7 +250,7 @@ fn large_fans_take_no_quadratic_time_while_their_middle_stays() {
 #[test]
 fn a_hub_that_moves_in_every_step_ends_in_a_bound_that_needs_no_work() {
     // The middle goes first and takes the whole fan along the rim.
-    let n = 30_000;
+    let n = 10_000;
     let (mut positions, triangles) = fan(n);
     positions.rotate_right(1);
     let triangles: Vec<[u32; 3]> =
@@ -263,7 +267,8 @@ fn many_triangles_on_one_edge_take_no_quadratic_time() {
     let mut positions: Vec<[f32; 3]> = (0..n).map(page).collect();
     positions.extend([[0.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
     let triangles: Vec<[u32; 3]> = (0..n).map(|i| [i, n, n + 1]).collect();
-    let targets: Vec<u32> = (0..n).map(|i| if i + 1 < n { i + 1 } else { n }).chain([n + 1]).collect();
+    let targets: Vec<u32> =
+        (0..n).map(|i| if i + 1 < n { i + 1 } else { n }).chain([n + 1]).collect();
     let errors = measured(&sequence(&positions, &triangles, &targets));
     assert!(errors.error[n as usize / 2] > 50.0);
 }

@@ -38,6 +38,10 @@ impl Bounds {
         x * x + y * y + z * z
     }
 
+    fn is_empty(&self) -> bool {
+        self.low[0] > self.high[0]
+    }
+
     /// Takes a point in. Returns whether the box grew.
     fn include(&mut self, p: [f32; 3]) -> bool {
         let mut grew = false;
@@ -81,7 +85,7 @@ impl Nearest {
     }
 }
 
-/// A tree. Boxes only grow; triangles that died are passed over.
+/// A tree. Boxes only grow, until all of their triangles have died; dead ones are passed over.
 #[derive(Clone, Debug)]
 pub(crate) struct Tree {
     /// The triangles in the order of leaves.
@@ -138,6 +142,25 @@ impl Tree {
         }
     }
 
+    /// Closes the boxes that hold no live triangle any more, after one has died.
+    pub(crate) fn remove(&mut self, triangle: u32, is_live: impl Fn(u32) -> bool) {
+        let place = self.place[triangle as usize];
+        if place == NONE {
+            return;
+        }
+        let leaf = place as usize / LEAF;
+        let end = (LEAF * (leaf + 1)).min(self.order.len());
+        if self.order[LEAF * leaf..end].iter().any(|&t| is_live(t)) {
+            return;
+        }
+        let mut i = self.first_leaf + leaf;
+        self.boxes[i] = Bounds::EMPTY;
+        while i > 1 && self.boxes[i ^ 1].is_empty() {
+            i /= 2;
+            self.boxes[i] = Bounds::EMPTY;
+        }
+    }
+
     /// Looks for a triangle nearer than `nearest`, from the leaf of `hint` upwards, and stops at
     /// the first within the squared distance `enough`, or when it has opened `patience` boxes.
     /// Returns how many it has opened.
@@ -177,7 +200,7 @@ struct Search<'a, T> {
 
 impl<T: Triangles> Search<'_, T> {
     fn is_done(&self) -> bool {
-        self.nearest.squared <= self.enough || self.left == 0
+        self.nearest.squared <= self.enough || self.left == 0 && self.nearest.triangle != NONE
     }
 
     fn leaf(&mut self, i: usize) {
