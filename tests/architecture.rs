@@ -5,6 +5,8 @@
 mod circles;
 #[path = "architecture/drawing.rs"]
 mod drawing;
+#[path = "architecture/pages.rs"]
+mod pages;
 #[path = "architecture/scan.rs"]
 mod scan;
 #[path = "architecture/shape.rs"]
@@ -24,6 +26,7 @@ const DRAWING: &[(&str, &[&str])] = &[
     ("crates/errors", &["lodc-measure", "lodc-mesh", "glam"]),
     ("crates/simplify", &["lodc-mesh", "lodc-raster", "glam", "rayon"]),
     ("crates/strip", &["lodc-mesh", "rayon"]),
+    ("crates/progressive", &["lodc-mesh", "lodc-strip"]),
     ("crates/model", &["lodc-mesh"]),
     ("crates/verify", &["lodc-mesh", "lodc-model"]),
     ("crates/plan", &["lodc-mesh", "lodc-strip"]),
@@ -36,6 +39,7 @@ const DRAWING: &[(&str, &[&str])] = &[
             "lodc-lod",
             "lodc-mesh",
             "lodc-model",
+            "lodc-progressive",
             "lodc-strip",
             "bincode",
             "gltf",
@@ -185,7 +189,9 @@ fn has_extension(path: &Path, extensions: &[&str]) -> bool {
 
 fn is_test(path: &str) -> bool {
     path.starts_with("tests/")
-        || ["/tests/", "/benches/", "/fuzz/", "fixtures/"].iter().any(|part| path.contains(part))
+        || ["/tests/", "/benches/", "/examples/", "/fuzz/", "fixtures/"]
+            .iter()
+            .any(|part| path.contains(part))
         || ["tests.rs", "testing.rs"].iter().any(|end| path.ends_with(end))
 }
 

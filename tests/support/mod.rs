@@ -14,8 +14,9 @@ use std::thread;
 /// The program under test.
 pub(crate) const LODC: &str = env!("CARGO_BIN_EXE_lodc");
 
-/// Keeps a layer of Mesa's Vulkan driver from writing lines of its own to standard error.
-const SILENT: [(&str, &str); 1] = [("NODEVICE_SELECT", "1")];
+/// Missing on a server, where Mesa's Vulkan driver would write lines of its own to standard error
+/// if the program did not see to it.
+const MISSING: &str = "XDG_RUNTIME_DIR";
 
 /// A folder that is gone when the test is.
 pub(crate) struct Folder(PathBuf);
@@ -62,7 +63,11 @@ impl Folder {
     /// Runs the program here.
     pub(crate) fn lodc<S: AsRef<OsStr>>(&self, args: impl IntoIterator<Item = S>) -> Run {
         Run::of(
-            Command::new(LODC).args(args).current_dir(&self.0).stdin(Stdio::null()).envs(SILENT),
+            Command::new(LODC)
+                .args(args)
+                .current_dir(&self.0)
+                .stdin(Stdio::null())
+                .env_remove(MISSING),
         )
     }
     /// Runs the program here with something on standard input.
@@ -72,7 +77,7 @@ impl Folder {
         stdin: &[u8],
     ) -> Run {
         let mut command = Command::new(LODC);
-        command.args(args).current_dir(&self.0).envs(SILENT);
+        command.args(args).current_dir(&self.0).env_remove(MISSING);
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
         let mut child = command.spawn().expect("the program starts");
         let mut pipe = child.stdin.take().expect("a pipe was asked for");
@@ -209,17 +214,25 @@ pub(crate) fn scene(scales: &[f32], n: usize) -> String {
     let numbers: Vec<usize> = (0..scales.len()).collect();
     let nodes: Vec<_> = numbers
         .iter()
-        .map(|&i| serde_json::json!({"mesh": i, "scale": vec![scales[i]; 3], "translation": [20.0 * i as f32, 0.0, 0.0]}))
+        .map(|&i| {
+            let at = [20.0 * i as f32, 0.0, 0.0];
+            serde_json::json!({"mesh": i, "scale": vec![scales[i]; 3], "translation": at})
+        })
         .collect();
     let meshes: Vec<_> = numbers
         .iter()
-        .map(|i| serde_json::json!({"name": format!("grid{i}"), "primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}))
+        .map(|i| {
+            let primitive = serde_json::json!({"attributes": {"POSITION": 0}, "indices": 1});
+            serde_json::json!({"name": format!("grid{i}"), "primitives": [primitive]})
+        })
         .collect();
     let uri = format!("data:application/octet-stream;base64,{}", base64(&bytes));
     serde_json::json!({
-        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": numbers}], "nodes": nodes, "meshes": meshes,
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": numbers}],
+        "nodes": nodes, "meshes": meshes,
         "accessors": [
-            {"bufferView": 0, "componentType": 5126, "count": (n + 1) * (n + 1), "type": "VEC3", "min": [0, 0, 0], "max": [n, n, 4]},
+            {"bufferView": 0, "componentType": 5126, "count": (n + 1) * (n + 1), "type": "VEC3",
+             "min": [0, 0, 0], "max": [n, n, 4]},
             {"bufferView": 1, "componentType": 5125, "count": indices.len(), "type": "SCALAR"}],
         "bufferViews": [
             {"buffer": 0, "byteOffset": 0, "byteLength": positions},

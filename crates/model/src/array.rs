@@ -27,7 +27,7 @@ pub enum BuildError {
     Malformed {
         /// Name of the array.
         array: &'static str,
-        /// What is wrong with it.
+        /// The fault.
         what: String,
     },
     /// The stored arrays are not the ones that the model has.
