@@ -12,6 +12,10 @@ const KEPT: usize = 16;
 /// Most samples put on a large triangle besides its corners.
 const MOST_INSIDE: f64 = 24.0;
 
+/// Samples that a mesh of few triangles gets in all, and most on one of its triangles.
+const FEWEST: f64 = 1000.0;
+const MOST_OF_FEW: f64 = 64.0;
+
 /// A point of the input, half a cache line.
 #[derive(Clone, Debug)]
 #[repr(align(32))]
@@ -233,11 +237,18 @@ impl Sample {
     }
 }
 
-/// Sets the areas of all faces and returns for each how many samples go inside it.
+/// Returns for each face how many samples go inside it.
 fn inside(faces: &[Face]) -> Vec<u8> {
-    let mean = faces.iter().map(|f| f64::from(f.area)).sum::<f64>() / faces.len().max(1) as f64;
+    let all: f64 = faces.iter().map(|f| f64::from(f.area)).sum();
+    let mean = all / faces.len().max(1) as f64;
     let many = |area: f64| {
-        if area > 3.0 * mean { (area / (2.0 * mean)).min(MOST_INSIDE) as u8 } else { 0 }
+        let large = if area > 3.0 * mean { (area / (2.0 * mean)).min(MOST_INSIDE) } else { 0.0 };
+        let few = if (faces.len() as f64) < FEWEST && all > 0.0 {
+            (FEWEST * area / all).min(MOST_OF_FEW)
+        } else {
+            0.0
+        };
+        large.max(few) as u8
     };
     faces.iter().map(|f| many(f64::from(f.area))).collect()
 }
