@@ -29,7 +29,7 @@ use std::path::PathBuf;
 pub(crate) struct PackArgs {
     /// The .lodc file; `-` for standard input
     input: PathBuf,
-    /// Where to write the stream; `-` for standard output
+    /// Output file for the stream; `-` for standard output
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
     /// Keep fewer bits, for example pos=16,normal=10,uv=12 (2 to 24 each); prints how far anything
@@ -39,7 +39,7 @@ pub(crate) struct PackArgs {
     /// Strips to stream with the triangles; made if the file has none of that kind
     #[arg(long, value_parser = stream_strips(), default_value = StripKind::Cache.name())]
     strips: Choice<StripKind>,
-    /// How long to search for strips
+    /// Effort of the search for strips
     #[arg(long, value_parser = parser::<Effort>(), default_value = Effort::default().name())]
     effort: Effort,
     /// Print what was packed as JSON on standard output

@@ -1,5 +1,5 @@
-//! What the models are measured against, over the same sequence (thesis tables 3.1 to 3.4, 4.2,
-//! 4.3, 5.1).
+//! Structures that models are measured against, over the same sequence (thesis tables 3.1 to 3.4,
+//! 4.2, 4.3, 5.1).
 //!
 //! Baselines are models too and are held to the same reference, but they are never stored in a
 //! file. [`Baseline`] is their closed list. Plain triangles and plain strips, which have no levels

@@ -1,4 +1,4 @@
-//! What can go wrong on a graphics device, by whose fault it is.
+//! Errors of a graphics device, by whose fault they are.
 
 use std::fmt;
 

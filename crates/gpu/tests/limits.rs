@@ -1,4 +1,4 @@
-//! What happens to meshes that are too large, on small ones: limits are lowered.
+//! Meshes that are too large are refused; small ones stand in for them under lowered limits.
 
 #![expect(clippy::print_stderr, reason = "a test that is left out says so aloud")]
 

@@ -1,4 +1,4 @@
-//! What models give to files: named runs of bytes, and what can be wrong with them.
+//! Arrays that models give to files: named runs of bytes, and their errors.
 
 use std::fmt;
 

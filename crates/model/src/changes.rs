@@ -1,4 +1,4 @@
-//! Which triangles a move of a cursor removes and adds.
+//! Triangles that a move of a cursor removes and adds.
 
 use lodc_mesh::OrientedTriangle;
 use std::cmp::Ordering;

@@ -1,4 +1,4 @@
-//! What every multiresolution model is: the traits of models and cursors, and what they exchange.
+//! Multiresolution models: the traits of models and cursors, and what they exchange.
 //!
 //! A [`Model`] is immutable and storable; what moves is its [`Model::Cursor`]. A move reports the
 //! triangles that it removes and adds to a [`Changes`]. What a model needs besides the mesh and the

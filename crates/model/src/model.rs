@@ -1,4 +1,4 @@
-//! What every multiresolution model is: an immutable thing that cursors move over.
+//! A multiresolution model: an immutable thing that cursors move over.
 
 use crate::{Array, Changes, StorageCost};
 use lodc_mesh::{Lod, OrientedTriangle, Simplified};

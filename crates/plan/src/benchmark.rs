@@ -1,4 +1,4 @@
-//! What to time on a device.
+//! Cases to time on a device.
 
 use crate::program::{BufferId, Pass, Program};
 

@@ -1,4 +1,4 @@
-//! What no device can do.
+//! Errors of plans that no device can run.
 
 use std::fmt;
 

@@ -1,4 +1,4 @@
-//! Which triangles meet at which edges, in near-linear time for any mesh.
+//! Triangles that meet at edges, in near-linear time for any mesh.
 
 use lodc_mesh::{NONE, is_degenerate};
 

@@ -1,4 +1,4 @@
-//! What the local searches share: a seeded generator and the rule that lets a search climb a
+//! Tools of the local searches: a seeded generator and the rule that lets a search climb a
 //! little.
 
 use lodc_mesh::SplitMix64;

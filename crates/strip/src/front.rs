@@ -1,4 +1,4 @@
-//! What drawing order generators know: which triangles are left at each vertex, and what a first-in
+//! State of generators of drawing orders: the triangles left at each vertex, and what a first-in
 //! first-out cache holds.
 //!
 //! All of it can be taken back, so that a generator can try before it draws.

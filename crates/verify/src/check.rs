@@ -1,4 +1,4 @@
-//! What a check came to.
+//! Results of checks.
 
 use crate::difference::Failure;
 

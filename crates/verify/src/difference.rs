@@ -1,4 +1,4 @@
-//! What can be wrong, said exactly.
+//! Differences from the reference, stated exactly.
 
 use lodc_mesh::{Lod, OrientedTriangle};
 use std::{cmp::Ordering, fmt};
@@ -9,21 +9,21 @@ use std::{cmp::Ordering, fmt};
 pub enum Failure {
     /// A triangle of the reference is not shown, or too few times.
     Missing {
-        /// Where.
+        /// The LOD.
         lod: Lod,
         /// The triangle.
         triangle: OrientedTriangle,
     },
     /// A triangle is shown that the reference does not have, or too many times.
     Extra {
-        /// Where.
+        /// The LOD.
         lod: Lod,
         /// The triangle.
         triangle: OrientedTriangle,
     },
     /// The right triangles are shown, but the changes reported on the way do not lead to them.
     Changes {
-        /// Where.
+        /// The LOD.
         lod: Lod,
     },
     /// A cursor stands elsewhere than asked.
@@ -35,7 +35,7 @@ pub enum Failure {
     },
     /// The two independent ways to work out the reference disagree: a bug of this program.
     Reference {
-        /// Where.
+        /// The LOD.
         lod: Lod,
     },
     /// A step's stored number of live triangles is wrong.
@@ -49,7 +49,7 @@ pub enum Failure {
     },
     /// A dead triangle has area again.
     Returned {
-        /// Where.
+        /// The LOD.
         lod: Lod,
         /// The triangle, as an index into the mesh.
         triangle: u32,
@@ -68,14 +68,14 @@ pub enum Failure {
     },
     /// A corner of a live triangle has become a vertex of another submesh.
     Submesh {
-        /// Where.
+        /// The LOD.
         lod: Lod,
         /// The triangle, as an index into the mesh.
         triangle: u32,
     },
     /// The mesh tears, or its border moves off the image of LOD 0's border.
     Torn {
-        /// Where.
+        /// The LOD.
         lod: Lod,
         /// Ends of an edge that should cancel out and does not.
         edge: [[f32; 3]; 2],

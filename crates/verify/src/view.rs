@@ -1,4 +1,4 @@
-//! What must hold of any view-dependent level of detail: the right triangles, and no tear.
+//! Checks of view-dependent levels of detail: the right triangles, and no tear.
 
 use crate::boundary::{boundary, edges, first_rest};
 use crate::difference::{Failure, first_difference};

@@ -1,4 +1,4 @@
-//! How long moves take, and what they send and draw: linear sweeps over all LODs, down and up
+//! Times of moves, and what they send and draw: linear sweeps over all LODs, down and up
 //! (thesis 3.5.2).
 
 use super::subject::Runner;

@@ -1,4 +1,4 @@
-//! What is measured: models and baselines, each with a cursor on it, as one list.
+//! Subjects of measurement: models and baselines, each with a cursor on it, as one list.
 
 use crate::exit::{Failure, Outcome, Status};
 use lodc_baseline::Baseline;

@@ -1,4 +1,4 @@
-//! What a cursor looks up and never changes: which triangles a vertex has, and in which order
+//! Tables that a cursor reads and never changes: the triangles of a vertex, and the order in which
 //! things die.
 
 use lodc_mesh::Simplified;

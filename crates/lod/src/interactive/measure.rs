@@ -1,4 +1,4 @@
-//! What to time of Interactive Meshes on a device (thesis 5.5.4), positions only, as the thesis
+//! Cases of Interactive Meshes to time on a device (thesis 5.5.4), positions only, as the thesis
 //! counts.
 
 use super::view::{Criterion, Filter, ViewPasses, ViewQuery, Views};

@@ -1,4 +1,4 @@
-//! What happens to each strip: which of its positions every record changes, and what is drawn of it
+//! History of each strip: the positions that every record changes, and what is drawn of it
 //! then.
 
 use super::filters::Filters;

@@ -1,5 +1,5 @@
-//! What a filter depends on: which positions of a strip hold the same vertex, and which vertices
-//! are at one position.
+//! Pattern that a filter depends on: positions of a strip that hold the same vertex, and vertices
+//! that are at one position.
 
 /// Longest strip that a mask covers: two masks fit into one word.
 pub(super) const LONGEST: usize = 16;

@@ -1,4 +1,4 @@
-//! What records do to strips, in the order of records, ready to be streamed by near moves.
+//! Updates of strips in the order of records, ready to be streamed by near moves.
 //!
 //! Positions of full strips never move, so what a record writes is a list of places, whatever their
 //! strips. Where it leaves a strip's filter as it was (three updates of five), the filtered copy is

@@ -1,4 +1,4 @@
-//! Which repetitions a record takes out of a strip (thesis 3.3.3), with the winding of everything
+//! Repetitions that a record takes out of a strip (thesis 3.3.3), with the winding of everything
 //! else kept.
 //!
 //! The thesis has two filters: a vertex repetition `a a (a)+` keeps two, an edge repetition `a b (a

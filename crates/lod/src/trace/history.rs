@@ -1,4 +1,4 @@
-//! What happens to strips: changes and removals in order of records.
+//! Histories of strips: changes and removals in order of records.
 
 use lodc_mesh::NONE;
 

@@ -1,4 +1,4 @@
-//! Which elements of a strip are left, and which is the n-th of them: a binary indexed tree
+//! Ranks of the elements of a strip that are left: a binary indexed tree
 //! (Fenwick 1994).
 
 /// Counts of what is left among the first elements.

@@ -1,4 +1,4 @@
-//! What decides how fine each part of the surface is.
+//! Criteria that decide how fine each part of the surface is.
 
 use lodc_mesh::Lod;
 

@@ -1,5 +1,5 @@
-//! Which LOD each vertex gets, in the same operations as `view.wgsl`, so that the two agree bit for
-//! bit.
+//! Selection of a LOD for each vertex, in the same operations as `view.wgsl`, so that the two agree
+//! bit for bit.
 
 use super::criterion::{Criterion, ViewQuery};
 use super::deterministic_math::{dot, inverse_power, rsqrt};
