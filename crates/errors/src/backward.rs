@@ -1,6 +1,6 @@
 //! The other way: how far new faces are from the input.
 
-use crate::pass::{Pass, patience};
+use crate::pass::{DEPTH, Pass, patience};
 use crate::refine::Refine;
 use crate::samples::area;
 use crate::tree::{Nearest, Triangles};
@@ -145,6 +145,7 @@ impl Pass<'_> {
             triangles: self.input,
             tree: &self.input.tree,
             bound: self.bound,
+            depth: DEPTH,
             left: many,
             patience: patience(self.work, self.input),
             opened: 0,

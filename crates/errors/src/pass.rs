@@ -22,8 +22,13 @@ const NEAR_ENOUGH_LATE: f64 = 0.95;
 /// Changed faces that a sample is tried on before the tree is asked.
 const TRIED: usize = 48;
 
-/// Points asked in one refinement.
+/// Points asked in one refinement, and halvings of a triangle for it.
 const QUERIES: u32 = 150;
+pub(crate) const DEPTH: u32 = 9;
+
+/// Triangles of a mesh that is searched as a whole after every step.
+const EXHAUSTIVE: usize = 100;
+const EXHAUSTIVE_QUERIES: u32 = 10_000;
 
 /// Records that are read ahead at once.
 const READ_AHEAD: u32 = 16;
@@ -150,6 +155,28 @@ impl<'a> Pass<'a> {
             self.samples.thin(&mut self.faces.all, self.changes.changed[i]);
         }
         self.measure_back();
+        if self.input.triangles.len() <= EXHAUSTIVE {
+            self.refine_all();
+        }
+    }
+
+    /// Searches the whole input and all changed faces by branch and bound.
+    fn refine_all(&mut self) {
+        let Self { input, faces, corners, .. } = self;
+        let (level, tree) = faces.level(input);
+        let patience = PATIENCE[0];
+        let (bound, depth, left, opened) = (self.bound, 2 * DEPTH, EXHAUSTIVE_QUERIES, 0);
+        let mut refine = Refine { triangles: &level, tree, bound, depth, left, patience, opened };
+        for &t in &input.triangles {
+            refine.triangle(input.at(t), NONE);
+        }
+        let (triangles, tree) = (*input, &input.tree);
+        let bound = refine.bound;
+        let mut refine = Refine { triangles, tree, bound, depth, left, patience, opened };
+        for &face in corners.iter() {
+            refine.triangle(face, NONE);
+        }
+        self.bound = refine.bound;
     }
 
     /// Finds the nearest face for the samples of all faces that were touched.
@@ -225,6 +252,7 @@ impl<'a> Pass<'a> {
                 triangles: &level,
                 tree,
                 bound: self.bound,
+                depth: DEPTH,
                 left: QUERIES,
                 patience: patience(self.work, self.input),
                 opened: 0,

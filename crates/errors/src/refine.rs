@@ -11,15 +11,14 @@ pub(crate) const FLOOR: f64 = 3.0e-27;
 /// Relative excess over the bound that is not looked for, squared.
 const TOLERANCE: f64 = 1.03 * 1.03;
 
-/// Most halvings of a triangle.
-const DEPTH: u32 = 9;
-
 /// A search for points farther than a bound.
 pub(crate) struct Refine<'a, T> {
     pub(crate) triangles: &'a T,
     pub(crate) tree: &'a Tree,
     /// The squared bound; rises to what is found.
     pub(crate) bound: f64,
+    /// Most halvings of a triangle.
+    pub(crate) depth: u32,
     /// Points that may still be asked.
     pub(crate) left: u32,
     /// Boxes that one search may open.
@@ -58,7 +57,7 @@ impl<T: Triangles> Refine<'_, T> {
         let most = nearest.squared.sqrt() + radius;
         if most * most <= self.allowed()
             || nearest.triangle != near && self.is_within(corners, nearest.triangle)
-            || depth == DEPTH
+            || depth == self.depth
         {
             return;
         }

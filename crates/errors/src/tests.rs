@@ -84,7 +84,8 @@ fn check(name: &str, simplified: &Simplified, every: usize) -> f64 {
         let [largest, _] = sampled(simplified, at.lod, step as u64);
         assert!(
             largest <= 1.05 * stated + 1e-6 * size,
-            "{name}: step {step} states {stated} and is {largest} away"
+            "{name}: step {step} states {stated} and is {largest} away; {} triangles",
+            simplified.mesh().triangles().len()
         );
         if largest > 1e-3 * size {
             log += (stated / largest).ln();
