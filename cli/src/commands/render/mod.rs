@@ -37,8 +37,7 @@ pub(crate) struct RenderArgs {
     #[arg(
         long,
         value_name = "SHARES",
-        value_delimiter = ',
-        ',
+        value_delimiter = ',',
         value_parser = ratio,
         conflicts_with = "TargetArgs"
     )]
