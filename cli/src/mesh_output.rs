@@ -91,7 +91,8 @@ impl Wanted<'_> {
             self.output.extension().unwrap_or_default().to_string_lossy().to_lowercase();
         FormatName::from_str(&extension, true).map_err(|_| {
             Failure::usage(format!(
-                "{}: the extension names no known format: use .glb, .gltf, .obj or .ply, or say --format",
+                "{}: the extension names no known format: use .glb, .gltf, .obj or .ply, or say \
+                 --format",
                 self.output.display()
             ))
         })

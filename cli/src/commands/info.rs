@@ -109,7 +109,11 @@ fn strips(o: &LodObject) -> Map<String, Value> {
     let mut all = Map::new();
     for strips in o.models.iter().filter_map(AnyModel::strips) {
         let report = bench::strips_of(o.simplified.mesh(), strips);
-        let value = json!({"strips": report.strips, "indices": report.indices, "acmr_fifo16": report.acmr_fifo16});
+        let value = json!({
+            "strips": report.strips,
+            "indices": report.indices,
+            "acmr_fifo16": report.acmr_fifo16,
+        });
         all.entry(strips.kind.name()).or_insert(value);
     }
     all
