@@ -7,6 +7,7 @@ mod obj;
 mod ply;
 
 pub use flat_mesh::{FlatMesh, flat_mesh};
+pub use gltf::{ChainObject, ChainShape, export_chain};
 
 use crate::{Document, FormatError, ObjectInfo, OutputFile};
 use lodc_mesh::Mesh;
