@@ -21,6 +21,7 @@ const DRAWING: &[(&str, &[&str])] = &[
     ("crates/mesh", &["glam"]),
     ("crates/raster", &["glam"]),
     ("crates/measure", &["lodc-raster", "glam", "rayon"]),
+    ("crates/errors", &["lodc-measure", "lodc-mesh", "glam"]),
     ("crates/simplify", &["lodc-mesh", "lodc-raster", "glam", "rayon"]),
     ("crates/strip", &["lodc-mesh", "rayon"]),
     ("crates/model", &["lodc-mesh"]),
@@ -49,6 +50,7 @@ const DRAWING: &[(&str, &[&str])] = &[
         "cli",
         &[
             "lodc-baseline",
+            "lodc-errors",
             "lodc-formats",
             "lodc-gpu",
             "lodc-lod",

@@ -30,6 +30,10 @@ struct TargetArgs {
     /// diagonal)
     #[arg(long, value_name = "E", value_parser = bound)]
     error: Option<Target>,
+    /// The coarsest LOD whose root mean square distance from the input is at most E (or E%, as
+    /// above)
+    #[arg(long, value_name = "E", value_parser = rms_bound)]
+    rms: Option<Target>,
 }
 
 /// The same, and none of them has to be there.
@@ -76,7 +80,7 @@ impl Args for OptionalSelector {
 impl TargetArgs {
     fn chosen(&self) -> Option<Target> {
         let chosen = self.lod.map(Target::Lod).or(self.ratio.map(Target::Ratio));
-        chosen.or(self.triangles.map(Target::Triangles)).or(self.error)
+        chosen.or(self.triangles.map(Target::Triangles)).or(self.error).or(self.rms)
     }
 }
 
@@ -103,6 +107,10 @@ pub(crate) enum Target {
     Error(f64),
     /// At most this share of the bounding box's diagonal.
     ErrorShare(f64),
+    /// At most this root mean square distance, in the units of errors.
+    Rms(f64),
+    /// At most this share of the bounding box's diagonal as root mean square distance.
+    RmsShare(f64),
 }
 
 /// An object to choose a LOD for.
@@ -123,6 +131,9 @@ pub(crate) struct Selection {
     pub(crate) lods: Vec<Lod>,
     /// The largest error of an object: in mesh units for one object, in world units for several.
     pub(crate) error: f64,
+    /// The largest root mean square distance of an object, in the same units; none if it was not
+    /// measured.
+    pub(crate) rms: Option<f64>,
     /// Warnings about requests that could not be met in full.
     pub(crate) warnings: Vec<String>,
 }
@@ -131,12 +142,14 @@ pub(crate) struct Selection {
 /// `per_object`.
 ///
 /// # Errors
-/// If a record number is asked of several objects at once.
+/// If a record number is asked of several objects at once, or a root mean square distance where
+/// none was measured.
 pub(crate) fn select(
     objects: &[Candidate<'_>],
     target: Target,
     per_object: bool,
 ) -> Outcome<Selection> {
+    check_measured(objects, target)?;
     let mut chosen = Selection::default();
     if objects.len() <= 1 || per_object {
         for object in objects {
@@ -152,7 +165,24 @@ pub(crate) fn select(
         .zip(&chosen.lods)
         .map(|(o, &lod)| decimal(o.collapses.error_at(lod)) * if world { scale(o) } else { 1.0 });
     chosen.error = errors.fold(0.0, f64::max);
+    let rms = objects.iter().zip(&chosen.lods).map(|(o, &lod)| {
+        Some(decimal(o.collapses.rms_at(lod)?) * if world { scale(o) } else { 1.0 })
+    });
+    chosen.rms = rms.collect::<Option<Vec<f64>>>().map(|all| all.into_iter().fold(0.0, f64::max));
     Ok(chosen)
+}
+
+/// Refuses to choose by a distance that was not measured.
+fn check_measured(objects: &[Candidate<'_>], target: Target) -> Outcome<()> {
+    let by_rms = matches!(target, Target::Rms(_) | Target::RmsShare(_));
+    match objects.iter().find(|o| by_rms && !o.collapses.is_measured()) {
+        Some(o) => Err(Failure::usage(format!(
+            "{}: has errors that are estimates, and no root mean square distances: build it again \
+             for --rms, or use --error",
+            o.name
+        ))),
+        None => Ok(()),
+    }
 }
 
 fn alone(object: &Candidate<'_>, target: Target, warnings: &mut Vec<String>) -> Lod {
@@ -170,8 +200,10 @@ fn alone(object: &Candidate<'_>, target: Target, warnings: &mut Vec<String>) -> 
         }
         Target::Ratio(r) => c.lod_for_triangles(share(r, u64::from(c.parts().triangles))),
         Target::Triangles(n) => c.lod_for_triangles(u32::try_from(n).unwrap_or(u32::MAX)),
-        Target::Error(e) => c.lod_for_error(threshold(e)),
-        Target::ErrorShare(s) => c.lod_for_error(threshold(s * object.diagonal)),
+        Target::Error(e) => by_error(c, e),
+        Target::ErrorShare(s) => by_error(c, s * object.diagonal),
+        Target::Rms(e) => lod_for_rms(c, e),
+        Target::RmsShare(s) => lod_for_rms(c, s * object.diagonal),
     };
     let visible = c.last_visible();
     if wanted > visible {
@@ -193,8 +225,10 @@ fn together(objects: &[Candidate<'_>], target: Target, chosen: &mut Selection) -
                 objects.len()
             )));
         }
-        Target::Error(e) => within_error(objects, e, chosen),
-        Target::ErrorShare(s) => within_error(objects, s * scene_diagonal(objects), chosen),
+        Target::Error(e) => within(objects, e, by_error, chosen),
+        Target::ErrorShare(s) => within(objects, s * scene_diagonal(objects), by_error, chosen),
+        Target::Rms(e) => within(objects, e, lod_for_rms, chosen),
+        Target::RmsShare(s) => within(objects, s * scene_diagonal(objects), lod_for_rms, chosen),
         Target::Ratio(r) => within_triangles(objects, u64::from(share(r, all)), chosen),
         Target::Triangles(n) => within_triangles(objects, n, chosen),
     }
@@ -210,10 +244,22 @@ pub(crate) fn scene_diagonal(objects: &[Candidate<'_>]) -> f64 {
     }
 }
 
-fn within_error(objects: &[Candidate<'_>], error: f64, chosen: &mut Selection) {
+/// Finds the coarsest LOD within a distance.
+type ByDistance = fn(&CollapseSequence, f64) -> Lod;
+
+fn by_error(collapses: &CollapseSequence, error: f64) -> Lod {
+    collapses.lod_for_error(threshold(error))
+}
+
+fn lod_for_rms(collapses: &CollapseSequence, rms: f64) -> Lod {
+    collapses.lod_for_rms(threshold(rms)).expect("checked before: it is measured")
+}
+
+/// Takes each object's coarsest LOD within a distance in world units.
+fn within(objects: &[Candidate<'_>], distance: f64, find: ByDistance, chosen: &mut Selection) {
     let mut stopped = 0;
     for o in objects {
-        let wanted = o.collapses.lod_for_error(threshold(error / scale(o)));
+        let wanted = find(o.collapses, distance / scale(o));
         let visible = o.collapses.last_visible();
         stopped += usize::from(wanted > visible);
         chosen.lods.push(wanted.min(visible));
@@ -336,6 +382,15 @@ fn bound(text: &str) -> Result<Target, String> {
         return Err("a distance of at least 0, or a percentage such as 0.5%".to_owned());
     }
     Ok(if percent { Target::ErrorShare(value / 100.0) } else { Target::Error(value) })
+}
+
+/// A bound of the root mean square distance.
+fn rms_bound(text: &str) -> Result<Target, String> {
+    Ok(match bound(text)? {
+        Target::ErrorShare(share) => Target::RmsShare(share),
+        Target::Error(rms) => Target::Rms(rms),
+        other => other,
+    })
 }
 
 #[cfg(test)]

@@ -59,6 +59,7 @@ pub(crate) fn output(
             .iter()
             .map(|&e| (e * error_scale).min(f64::from(f32::MAX)) as f32)
             .collect(),
+        step_rms: vec![],
         step_triangles: log.step_triangles,
         triangles: input.triangles().len() as u32,
         last_legal_lod: log.last_legal,

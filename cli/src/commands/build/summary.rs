@@ -74,9 +74,9 @@ fn table(text: &mut String, made: &Made) {
         return;
     }
     let diagonal = scene_diagonal(&candidates);
-    let _ = writeln!(text, "     share   triangles       error   of the diagonal");
+    let _ = writeln!(text, "     share   triangles       error   of the diagonal         rms");
     for share in TABLE {
-        let Ok(Selection { lods, error, .. }) = select(&candidates, Target::Ratio(share), false)
+        let Ok(Selection { lods, error, rms, .. }) = select(&candidates, Target::Ratio(share), false)
         else {
             continue;
         };
@@ -87,11 +87,12 @@ fn table(text: &mut String, made: &Made) {
             .sum();
         let _ = writeln!(
             text,
-            "    {:4.0} %{:>12}{:>12}{:12.3} %",
+            "    {:4.0} %{:>12}{:>12}{:16.3} %{:>12}",
             share * 100.0,
             grouped(left),
             distance(error),
-            if diagonal > 0.0 { error / diagonal * 100.0 } else { 0.0 }
+            if diagonal > 0.0 { error / diagonal * 100.0 } else { 0.0 },
+            rms.map_or("-".to_owned(), distance)
         );
     }
 }
