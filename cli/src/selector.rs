@@ -159,17 +159,42 @@ pub(crate) fn select(
     } else {
         together(objects, target, &mut chosen)?;
     }
-    let world = objects.len() > 1;
-    let errors = objects
-        .iter()
-        .zip(&chosen.lods)
-        .map(|(o, &lod)| decimal(o.collapses.error_at(lod)) * if world { scale(o) } else { 1.0 });
-    chosen.error = errors.fold(0.0, f64::max);
-    let rms = objects.iter().zip(&chosen.lods).map(|(o, &lod)| {
-        Some(decimal(o.collapses.rms_at(lod)?) * if world { scale(o) } else { 1.0 })
-    });
-    chosen.rms = rms.collect::<Option<Vec<f64>>>().map(|all| all.into_iter().fold(0.0, f64::max));
+    chosen.measure(objects);
     Ok(chosen)
+}
+
+/// Chooses as [`select`] does, but no LOD coarser than the one that `cap` (an error) allows.
+///
+/// # Errors
+/// As [`select`].
+pub(crate) fn select_capped(
+    objects: &[Candidate<'_>],
+    target: Target,
+    per_object: bool,
+    cap: Option<Target>,
+) -> Outcome<Selection> {
+    let mut chosen = select(objects, target, per_object)?;
+    if let Some(cap) = cap {
+        let most = select(objects, cap, per_object)?;
+        for (lod, most) in chosen.lods.iter_mut().zip(most.lods) {
+            *lod = most.min(*lod);
+        }
+        chosen.measure(objects);
+    }
+    Ok(chosen)
+}
+
+impl Selection {
+    /// Sets the error and the root mean square distance to those of the chosen LODs.
+    fn measure(&mut self, objects: &[Candidate<'_>]) {
+        let unit = |o: &Candidate<'_>| if objects.len() > 1 { scale(o) } else { 1.0 };
+        let pairs = || objects.iter().zip(&self.lods);
+        let errors = pairs().map(|(o, &lod)| decimal(o.collapses.error_at(lod)) * unit(o));
+        let rms = pairs().map(|(o, &lod)| Some(decimal(o.collapses.rms_at(lod)?) * unit(o)));
+        let rms: Option<Vec<f64>> = rms.collect();
+        self.error = errors.fold(0.0, f64::max);
+        self.rms = rms.map(|all| all.into_iter().fold(0.0, f64::max));
+    }
 }
 
 /// Refuses to choose by a distance that was not measured.
@@ -375,7 +400,7 @@ pub(crate) fn ratio(text: &str) -> Result<f64, String> {
     }
 }
 
-fn bound(text: &str) -> Result<Target, String> {
+pub(crate) fn bound(text: &str) -> Result<Target, String> {
     let (number, percent) = text.strip_suffix('%').map_or((text, false), |number| (number, true));
     let value: f64 = number.trim().parse().map_err(|e| format!("{e}"))?;
     if !value.is_finite() || value < 0.0 {
