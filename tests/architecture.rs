@@ -23,6 +23,7 @@ const DRAWING: &[(&str, &[&str])] = &[
     ("crates/measure", &["lodc-raster", "glam", "rayon"]),
     ("crates/errors", &["lodc-measure", "lodc-mesh", "glam"]),
     ("crates/simplify", &["lodc-mesh", "lodc-raster", "glam", "rayon"]),
+    ("crates/refit", &["lodc-mesh", "glam", "rayon"]),
     ("crates/strip", &["lodc-mesh", "rayon"]),
     ("crates/model", &["lodc-mesh"]),
     ("crates/verify", &["lodc-mesh", "lodc-model"]),
@@ -58,6 +59,7 @@ const DRAWING: &[(&str, &[&str])] = &[
             "lodc-mesh",
             "lodc-model",
             "lodc-plan",
+            "lodc-refit",
             "lodc-simplify",
             "lodc-strip",
             "lodc-verify",
@@ -80,6 +82,7 @@ const DRAWING: &[(&str, &[&str])] = &[
 const FOR_TESTS: &[&str] = &[
     "lodc-fixtures",
     "lodc-lod",
+    "lodc-measure",
     "lodc-mesh",
     "lodc-model",
     "lodc-simplify",

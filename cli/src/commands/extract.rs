@@ -35,6 +35,9 @@ pub(crate) struct ExtractArgs {
     /// The format, where OUT does not tell [default: glb]
     #[arg(long, value_enum)]
     format: Option<FormatName>,
+    /// Move the vertices of the level to where they fit the input best
+    #[arg(long)]
+    refit: bool,
     /// Print what was extracted as JSON on standard output
     #[arg(long)]
     json: bool,
@@ -80,7 +83,10 @@ pub(crate) fn run(args: &ExtractArgs) -> Outcome<()> {
     let model = model(args, &file)?;
     let candidates = levels::candidates(&file.objects);
     let chosen = select(&candidates, args.selector.target(), args.selector.per_object())?;
-    let meshes = stages.run("extract", || meshes(&file.objects, &chosen.lods, model))?;
+    let meshes = stages.run("extract", || match args.refit {
+        true => Ok(refitted(&file.objects, &chosen.lods)),
+        false => meshes(&file.objects, &chosen.lods, model),
+    })?;
     let files = stages.run("export", || {
         let objects: Vec<_> = file
             .objects
@@ -142,6 +148,13 @@ fn meshes(objects: &[LodObject], lods: &[Lod], model: Option<ModelKind>) -> Outc
         })
     };
     objects.par_iter().zip(lods).map(one).collect()
+}
+
+fn refitted(objects: &[LodObject], lods: &[Lod]) -> Vec<Mesh> {
+    let one = |(object, &lod): (&LodObject, &Lod)| {
+        lodc_refit::refit(&object.simplified, lod, &lodc_refit::Options::DEFAULT)
+    };
+    objects.iter().zip(lods).map(one).collect()
 }
 
 fn report(
