@@ -1,8 +1,8 @@
 //! The command line as `clap` sees it: every command, and the options all of them have.
 
 use crate::commands::{
-    bench, build, chain, compare, completions, extract, info, man, pack, render, shaders, strips, unpack,
-    verify,
+    bench, build, chain, compare, completions, extract, info, man, pack, render, shaders, strips,
+    unpack, verify,
 };
 use clap::{Args, Parser, Subcommand};
 

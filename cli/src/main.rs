@@ -21,8 +21,8 @@ mod text;
 use clap::Parser;
 use cli::{Cli, Command};
 use commands::{
-    bench, build, chain, compare, completions, extract, info, man, pack, render, shaders, strips, unpack,
-    verify,
+    bench, build, chain, compare, completions, extract, info, man, pack, render, shaders, strips,
+    unpack, verify,
 };
 use console::Loudness;
 use exit::{Outcome, Status};

@@ -104,8 +104,7 @@ pub(crate) fn run(args: &ExtractArgs) -> Outcome<()> {
         )?;
     }
 
-    let report =
-        report(args, &file, &meshes, chosen, model, &target);
+    let report = report(args, &file, &meshes, chosen, model, &target);
     let input = args.input.display().to_string();
     for warning in &report.warnings {
         console::warning(&input, warning);

@@ -116,14 +116,7 @@ impl Faces {
         }
     }
 
-    fn move_vertex(
-        &mut self,
-        input: &Input,
-        step: u32,
-        from: u32,
-        to: u32,
-        changes: &mut Changes,
-    ) {
+    fn move_vertex(&mut self, input: &Input, step: u32, from: u32, to: u32, changes: &mut Changes) {
         let (old, new) = (input.point_of[from as usize], input.point_of[to as usize]);
         if old != new && changes.targets.last() != Some(&new) {
             changes.targets.push(new);

@@ -63,17 +63,7 @@ impl Input {
         let corner = (0..).zip(&triangles).flat_map(|(t, corners)| corners.map(|p| (p, t)));
         let around = Csr::new(places.len(), corner);
         let diagonal = diagonal * scale;
-        Self {
-            places,
-            positions,
-            triangles,
-            wedges,
-            point_of,
-            around,
-            tree,
-            unit: size,
-            diagonal,
-        }
+        Self { places, positions, triangles, wedges, point_of, around, tree, unit: size, diagonal }
     }
 
     /// Returns the place of a point.
@@ -138,8 +128,7 @@ impl Points {
         }
         let (positions, places) = (PositionIds::new(positions), PositionIds::new(shown));
         let mut order: Vec<u32> = (0..shown.len() as u32).collect();
-        let key =
-            |v: u32| (positions.of_vertex[v as usize], places.of_vertex[v as usize]);
+        let key = |v: u32| (positions.of_vertex[v as usize], places.of_vertex[v as usize]);
         order.sort_unstable_by_key(|&v| (key(v), v));
         let (mut of_vertex, mut first_vertex) = (vec![0; shown.len()], Vec::<u32>::new());
         for v in order {

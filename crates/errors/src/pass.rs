@@ -1,11 +1,11 @@
 //! The pass over all steps: an error that never falls, raised where a sample or a new face is
 //! farther.
 
-use crate::step_errors::StepErrors;
 use crate::faces::{Changes, Faces};
 use crate::input::Input;
 use crate::refine::{FLOOR, Refine};
 use crate::samples::{Sample, Samples, area};
+use crate::step_errors::StepErrors;
 use crate::tree::Nearest;
 use crate::triangle::distance_squared;
 use glam::DVec3;
@@ -98,7 +98,10 @@ impl<'a> Pass<'a> {
             } else if self.faces.live == 0 {
                 errors.push(f64::INFINITY, f64::INFINITY);
             } else if self.work > most {
-                errors.push(self.input.diagonal * self.input.unit, self.input.diagonal * self.input.unit);
+                errors.push(
+                    self.input.diagonal * self.input.unit,
+                    self.input.diagonal * self.input.unit,
+                );
             } else {
                 if !self.changes.touched.is_empty() {
                     self.follow();
@@ -274,5 +277,9 @@ impl<'a> Pass<'a> {
 
 /// Boxes that one search may open: many, and few once the work is too much.
 pub(crate) fn patience(work: u64, input: &Input) -> u32 {
-    if work > WORK_PER_TRIANGLE / 10 * input.triangles.len() as u64 + 20_000_000 { 64 } else { 20_000 }
+    if work > WORK_PER_TRIANGLE / 10 * input.triangles.len() as u64 + 20_000_000 {
+        64
+    } else {
+        20_000
+    }
 }

@@ -56,8 +56,8 @@ impl<T: Triangles> Refine<'_, T> {
         let radius = [(a - middle), (b - middle), (c - middle)].map(DVec3::length_squared);
         let radius = radius[0].max(radius[1]).max(radius[2]).sqrt();
         let most = nearest.squared.sqrt() + radius;
-        if most * most <= self.allowed() || nearest.triangle != near
-            && self.is_within(corners, nearest.triangle)
+        if most * most <= self.allowed()
+            || nearest.triangle != near && self.is_within(corners, nearest.triangle)
             || depth == DEPTH
         {
             return;

@@ -63,9 +63,8 @@ impl Samples {
             kept: vec![],
             scratch: vec![],
         };
-        let share = |t: u32| {
-            f64::from(faces[t as usize].area) / (3.0 + f64::from(inside[t as usize]))
-        };
+        let share =
+            |t: u32| f64::from(faces[t as usize].area) / (3.0 + f64::from(inside[t as usize]));
         let shares: Vec<f32> = (0..faces.len() as u32).map(|t| share(t) as f32).collect();
         for (point, &place) in (0..).zip(&input.places) {
             let around = input.around.row(point);
@@ -166,8 +165,8 @@ impl Samples {
                 let gone = self.all[all[i] as usize].clone();
                 let kept = &mut self.all[self.kept[number as usize] as usize];
                 kept.weight += gone.weight;
-                self.sum += f64::from(gone.weight)
-                    * (f64::from(kept.squared) - f64::from(gone.squared));
+                self.sum +=
+                    f64::from(gone.weight) * (f64::from(kept.squared) - f64::from(gone.squared));
             }
         }
         faces[face as usize].first_sample = NONE;

@@ -227,7 +227,8 @@ fn fan(n: u32) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
         // The rim is a square: no sines are needed.
         let t = 4.0 * i as f32 / (n + 1) as f32;
         let (side, t) = (t as u32, t.fract());
-        [[t, 0.0, 0.0], [1.0, t, 0.0], [1.0 - t, 1.0, 0.0], [0.0, 1.0 - t, 0.0]][side.min(3) as usize]
+        [[t, 0.0, 0.0], [1.0, t, 0.0], [1.0 - t, 1.0, 0.0], [0.0, 1.0 - t, 0.0]]
+            [side.min(3) as usize]
     };
     let mut positions: Vec<[f32; 3]> = (0..=n).map(rim).collect();
     positions.push([0.5, 0.5, 0.1]);
@@ -264,7 +265,8 @@ fn many_triangles_on_one_edge_take_no_quadratic_time() {
     let mut positions: Vec<[f32; 3]> = (0..n).map(page).collect();
     positions.extend([[0.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
     let triangles: Vec<[u32; 3]> = (0..n).map(|i| [i, n, n + 1]).collect();
-    let targets: Vec<u32> = (0..n).map(|i| if i + 1 < n { i + 1 } else { n }).chain([n + 1]).collect();
+    let targets: Vec<u32> =
+        (0..n).map(|i| if i + 1 < n { i + 1 } else { n }).chain([n + 1]).collect();
     let errors = measured(&sequence(&positions, &triangles, &targets));
     assert!(errors.error[n as usize / 2] > 50.0);
 }

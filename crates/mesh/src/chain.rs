@@ -37,8 +37,7 @@ impl Simplified {
         };
         let mut levels: Vec<LevelTriangles> = lods.iter().map(by_submesh).collect();
 
-        let mut used: Vec<u32> =
-            levels.iter().flatten().flatten().flatten().copied().collect();
+        let mut used: Vec<u32> = levels.iter().flatten().flatten().flatten().copied().collect();
         used.sort_unstable_by(|a, b| b.cmp(a));
         used.dedup();
         let number = |v: u32| used.partition_point(|&u| u > v) as u32;

@@ -90,12 +90,8 @@ pub(super) struct ModelEntry {
 
 impl Manifest {
     pub(super) fn of(file: &LodFile, plans: &[Vec<bool>]) -> Self {
-        let objects = file
-            .objects
-            .iter()
-            .zip(plans)
-            .map(|(o, plan)| Record(object_entry(o, plan)))
-            .collect();
+        let objects =
+            file.objects.iter().zip(plans).map(|(o, plan)| Record(object_entry(o, plan))).collect();
         let document = DocumentEntry::of(&file.document);
         Self {
             format: format_code(file.source.format),

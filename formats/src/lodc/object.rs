@@ -268,7 +268,9 @@ fn read_sequence(
     };
     // Errors without these are estimates, as in all files of versions 1 and 2.
     let step_rms = match container.take_optional(tag::STEP_RMS, number, 0) {
-        Some(stored) => steps::step_errors(stored, step_ends.len()).map_err(wrong(tag::STEP_RMS))?,
+        Some(stored) => {
+            steps::step_errors(stored, step_ends.len()).map_err(wrong(tag::STEP_RMS))?
+        }
         None => vec![],
     };
     let lost = container.take(tag::STEP_TRIANGLES, number, 0)?;

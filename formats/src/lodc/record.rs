@@ -2,7 +2,9 @@
 //! know.
 
 use serde::de::{SeqAccess, Visitor};
-use serde::{Deserialize, Deserializer, Serialize, Serializer, de::DeserializeOwned, ser::Error as _};
+use serde::{
+    Deserialize, Deserializer, Serialize, Serializer, de::DeserializeOwned, ser::Error as _,
+};
 use std::fmt;
 use std::marker::PhantomData;
 use std::ops::Deref;
@@ -88,7 +90,10 @@ mod tests {
         assert_eq!((read.len(), used), (2, bytes.len()));
         assert_eq!(read[1].0, Known { known: 2, name: "n".to_owned() });
         // A number of records, then the length of the first, then its fields.
-        assert_eq!(bytes[..24], [2, 0, 0, 0, 0, 0, 0, 0, 45, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0]);
+        assert_eq!(
+            bytes[..24],
+            [2, 0, 0, 0, 0, 0, 0, 0, 45, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0]
+        );
     }
 
     #[test]

@@ -76,7 +76,8 @@ fn table(text: &mut String, made: &Made) {
     let diagonal = scene_diagonal(&candidates);
     let _ = writeln!(text, "     share   triangles       error   of the diagonal         rms");
     for share in TABLE {
-        let Ok(Selection { lods, error, rms, .. }) = select(&candidates, Target::Ratio(share), false)
+        let Ok(Selection { lods, error, rms, .. }) =
+            select(&candidates, Target::Ratio(share), false)
         else {
             continue;
         };

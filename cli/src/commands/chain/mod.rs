@@ -108,12 +108,7 @@ fn write_depfile(args: &ChainArgs, made: &Files, asset: &Asset) -> Outcome<()> {
     output::write_depfile(depfile, &rules)
 }
 
-fn report(
-    args: &ChainArgs,
-    levels: &[Level],
-    made: &Files,
-    warnings: Vec<String>,
-) -> Outcome<()> {
+fn report(args: &ChainArgs, levels: &[Level], made: &Files, warnings: Vec<String>) -> Outcome<()> {
     let report = ChainReport {
         schema_version: SCHEMA_VERSION,
         input: args.input.display().to_string(),

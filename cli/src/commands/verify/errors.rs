@@ -68,7 +68,11 @@ fn first_difference(simplified: &Simplified, lods: &[Lod]) -> Option<String> {
     let places = simplified.mesh().positions();
     let surface = |lod: Lod| Surface {
         positions: places.iter().map(|&p| p.into()).collect(),
-        triangles: simplified.triangles_at_with(lod, &positions).iter().map(|t| t.corners).collect(),
+        triangles: simplified
+            .triangles_at_with(lod, &positions)
+            .iter()
+            .map(|t| t.corners)
+            .collect(),
         ..Surface::default()
     };
     let input = surface(Lod(0));
