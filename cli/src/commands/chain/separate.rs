@@ -7,6 +7,7 @@ use crate::mesh_output;
 use crate::output::Target;
 use lodc_formats::export::ExportObject;
 use lodc_formats::lodc::LodObject;
+use lodc_measure::{Sampling, Surface, distances};
 use lodc_mesh::{Lod, Mesh};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
@@ -22,6 +23,9 @@ pub(super) fn files(
         let one = |(o, &lod): (&LodObject, &Lod)| mesh(args, o, lod);
         let meshes: Vec<Mesh> =
             asset.objects.par_iter().zip(&level.lods).map(one).collect::<Outcome<_>>()?;
+        if args.refit {
+            measure(asset, &meshes, level);
+        }
         level.vertices = meshes.iter().map(|m| m.vertex_count() as u64).sum();
         let objects: Vec<ExportObject<'_>> = asset
             .objects
@@ -35,6 +39,30 @@ pub(super) fn files(
         of_level.push(path);
     }
     Ok(Files { files, of_level })
+}
+
+/// Replaces the errors of a level by those of its refitted meshes: the stored ones are of the
+/// vertices where they were.
+fn measure(asset: &Asset, meshes: &[Mesh], level: &mut Level) {
+    let several = asset.objects.len() > 1;
+    let one = |(o, mesh): (&LodObject, &Mesh)| {
+        let unit = if several { o.info.world_scale } else { 1.0 };
+        let [from, to] = [o.simplified.mesh(), mesh].map(surface);
+        let found = distances(&from, &to, &Sampling::DEFAULT);
+        let larger = |pair: [f64; 2]| unit * pair[0].max(pair[1]);
+        (larger(found.hausdorff), larger(found.rms))
+    };
+    let found = asset.objects.iter().zip(meshes).map(one);
+    let (error, rms) = found.fold((0.0, 0.0), |a: (f64, f64), b| (a.0.max(b.0), a.1.max(b.1)));
+    (level.error, level.rms) = (error, Some(rms));
+}
+
+fn surface(mesh: &Mesh) -> Surface {
+    Surface {
+        positions: mesh.positions().iter().map(|&p| p.into()).collect(),
+        triangles: mesh.triangles().to_vec(),
+        ..Surface::default()
+    }
 }
 
 /// `part.glb` becomes `part_LOD2.glb`.
