@@ -27,6 +27,7 @@ const DRAWING: &[(&str, &[&str])] = &[
     ("crates/errors", &["lodc-measure", "lodc-mesh", "glam"]),
     ("crates/select", &["lodc-mesh", "lodc-raster", "lodc-scene", "glam", "rayon"]),
     ("crates/simplify", &["lodc-mesh", "lodc-raster", "glam", "rayon"]),
+    ("crates/refit", &["lodc-mesh", "glam", "rayon"]),
     ("crates/strip", &["lodc-mesh", "rayon"]),
     ("crates/progressive", &["lodc-mesh", "lodc-strip"]),
     ("crates/model", &["lodc-mesh"]),
@@ -65,6 +66,7 @@ const DRAWING: &[(&str, &[&str])] = &[
             "lodc-mesh",
             "lodc-model",
             "lodc-plan",
+            "lodc-refit",
             "lodc-scene",
             "lodc-select",
             "lodc-simplify",
@@ -91,6 +93,7 @@ const DRAWING: &[(&str, &[&str])] = &[
 const FOR_TESTS: &[&str] = &[
     "lodc-fixtures",
     "lodc-lod",
+    "lodc-measure",
     "lodc-mesh",
     "lodc-model",
     "lodc-simplify",

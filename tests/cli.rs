@@ -6,6 +6,8 @@
 mod bench;
 #[path = "cli/build.rs"]
 mod build;
+#[path = "cli/chain.rs"]
+mod chain;
 #[path = "cli/compare.rs"]
 mod compare;
 #[path = "cli/determinism.rs"]

@@ -1,8 +1,8 @@
 //! The command line as `clap` sees it: every command, and the options all of them have.
 
 use crate::commands::{
-    bench, build, compare, completions, extract, info, man, pack, render, shaders, strips, unpack,
-    verify,
+    bench, build, chain, compare, completions, extract, info, man, pack, render, shaders, strips,
+    unpack, verify,
 };
 use clap::{Args, Parser, Subcommand};
 
@@ -37,6 +37,8 @@ pub(crate) enum Command {
     Build(build::BuildArgs),
     /// Take one level of detail out of a .lodc file
     Extract(extract::ExtractArgs),
+    /// Write a few levels for engines: one file over one vertex buffer, or a file each
+    Chain(chain::ChainArgs),
     /// Show what is inside a .lodc file
     Info(info::InfoArgs),
     /// Replay every model of .lodc files against the reference

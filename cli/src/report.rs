@@ -64,6 +64,49 @@ pub(crate) struct ObjectCounts {
     pub(crate) first_topology_change: Option<u32>,
 }
 
+/// `chain --json`.
+#[derive(Debug, Serialize)]
+pub(crate) struct ChainReport {
+    pub(crate) schema_version: u32,
+    pub(crate) input: String,
+    pub(crate) outputs: Vec<OutputReport>,
+    /// The finest first.
+    pub(crate) levels: Vec<ChainLevel>,
+    pub(crate) warnings: Vec<String>,
+}
+
+/// A file that was written.
+#[derive(Debug, Serialize)]
+pub(crate) struct OutputReport {
+    pub(crate) path: String,
+    pub(crate) bytes: u64,
+}
+
+impl From<&lodc_formats::OutputFile> for OutputReport {
+    fn from(file: &lodc_formats::OutputFile) -> Self {
+        Self { path: file.path.display().to_string(), bytes: file.bytes.len() as u64 }
+    }
+}
+
+/// One level of a chain.
+#[derive(Debug, Serialize)]
+pub(crate) struct ChainLevel {
+    /// From 0, the finest.
+    pub(crate) level: usize,
+    /// The LOD; null if several objects each have their own.
+    pub(crate) lod: Option<u32>,
+    pub(crate) triangles: u64,
+    /// Vertices that the level needs: a prefix of the vertex buffers where levels share them.
+    pub(crate) vertices: u64,
+    /// The largest error of an object, as `extract --json` has it; null if infinite.
+    pub(crate) error: Option<f64>,
+    pub(crate) rms: Option<f64>,
+    /// The distance that the level was chosen for; null unless pixels were asked for.
+    pub(crate) distance: Option<f64>,
+    /// The file with the level.
+    pub(crate) output: String,
+}
+
 /// `info --json`.
 #[derive(Debug, Serialize)]
 pub(crate) struct InfoReport {

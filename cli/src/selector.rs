@@ -158,6 +158,18 @@ impl<'a> SceneLevels<'a> {
         })
     }
 
+    /// Chooses as [`Self::select`] does, but no level coarser than `cap`, an error, allows.
+    ///
+    /// # Errors
+    /// As [`Self::select`].
+    pub(crate) fn select_capped(&self, target: Target, cap: Option<Target>) -> Outcome<Selection> {
+        let mut chosen = self.select(target, false)?;
+        if let Some(cap) = cap {
+            chosen.cap(&self.candidates(), &self.select(cap, false)?);
+        }
+        Ok(chosen)
+    }
+
     /// Refuses to choose by a distance that was not measured.
     fn check_measured(&self, target: Target) -> Outcome<()> {
         let by_rms = matches!(target, Target::Rms(_) | Target::RmsShare(_));
@@ -183,7 +195,7 @@ pub(crate) fn ratio(text: &str) -> Result<f64, String> {
     }
 }
 
-fn bound(text: &str) -> Result<Target, String> {
+pub(crate) fn bound(text: &str) -> Result<Target, String> {
     let (number, percent) = text.strip_suffix('%').map_or((text, false), |number| (number, true));
     let value: f64 = number.trim().parse().map_err(|e| format!("{e}"))?;
     if !value.is_finite() || value < 0.0 {

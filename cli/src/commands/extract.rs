@@ -38,6 +38,9 @@ pub(crate) struct ExtractArgs {
     /// The format, where OUT does not tell [default: glb]
     #[arg(long, value_enum)]
     format: Option<FormatName>,
+    /// Move the vertices of the level to where they fit the input best
+    #[arg(long)]
+    refit: bool,
     /// Print what was extracted as JSON on standard output
     #[arg(long)]
     json: bool,
@@ -68,7 +71,10 @@ pub(crate) fn run(args: &ExtractArgs) -> Outcome<()> {
     let choice = SceneLevels::new(&file.objects, &file.document, &args.limits.limits())?;
     let chosen = stages
         .run("select", || choice.select(args.selector.target(), args.selector.per_object()))?;
-    let meshes = stages.run("extract", || meshes(&file.objects, &chosen.lods, model))?;
+    let meshes = stages.run("extract", || match args.refit {
+        true => Ok(refitted(&file.objects, &chosen.lods)),
+        false => meshes(&file.objects, &chosen.lods, model),
+    })?;
     let files = stages.run("export", || {
         let objects: Vec<_> = file
             .objects
@@ -116,6 +122,13 @@ fn model(args: &ExtractArgs, file: &LodFile) -> Outcome<Option<ModelKind>> {
         wanted.name(),
         has.join(", ")
     )))
+}
+
+fn refitted(objects: &[LodObject], lods: &[Lod]) -> Vec<Mesh> {
+    let one = |(object, &lod): (&LodObject, &Lod)| {
+        lodc_refit::refit(&object.simplified, lod, &lodc_refit::Options::DEFAULT)
+    };
+    objects.iter().zip(lods).map(one).collect()
 }
 
 fn meshes(objects: &[LodObject], lods: &[Lod], model: Option<ModelKind>) -> Outcome<Vec<Mesh>> {

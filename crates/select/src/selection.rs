@@ -89,17 +89,30 @@ pub fn select<L: AsRef<[Vec<f64>]>>(
     } else {
         together(objects, target, losses, &mut chosen)?;
     }
-    let world = objects.len() > 1;
-    let errors = objects
-        .iter()
-        .zip(&chosen.lods)
-        .map(|(o, &lod)| decimal(o.collapses.error_at(lod)) * if world { scale(o) } else { 1.0 });
-    chosen.error = errors.fold(0.0, f64::max);
-    let rms = objects.iter().zip(&chosen.lods).map(|(o, &lod)| {
-        Some(decimal(o.collapses.rms_at(lod)?) * if world { scale(o) } else { 1.0 })
-    });
-    chosen.rms = rms.collect::<Option<Vec<f64>>>().map(|all| all.into_iter().fold(0.0, f64::max));
+    chosen.measure(objects);
     Ok(chosen)
+}
+
+impl Selection {
+    /// Takes no level coarser than that of `cap`, a selection over the same objects.
+    pub fn cap(&mut self, objects: &[Candidate<'_>], cap: &Self) {
+        for (lod, &most) in self.lods.iter_mut().zip(&cap.lods) {
+            *lod = most.min(*lod);
+        }
+        self.measure(objects);
+    }
+
+    /// Sets the error and the root mean square distance to those of the chosen levels.
+    fn measure(&mut self, objects: &[Candidate<'_>]) {
+        let unit = |o: &Candidate<'_>| if objects.len() > 1 { scale(o) } else { 1.0 };
+        let pairs = || objects.iter().zip(&self.lods);
+        let errors = pairs().map(|(o, &lod)| decimal(o.collapses.error_at(lod)) * unit(o));
+        let error = errors.fold(0.0, f64::max);
+        let rms = pairs().map(|(o, &lod)| Some(decimal(o.collapses.rms_at(lod)?) * unit(o)));
+        let rms: Option<Vec<f64>> = rms.collect();
+        self.rms = rms.map(|all| all.into_iter().fold(0.0, f64::max));
+        self.error = error;
+    }
 }
 
 fn alone(object: &Candidate<'_>, target: Target, warnings: &mut Vec<String>) -> Lod {
