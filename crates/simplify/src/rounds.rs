@@ -20,8 +20,10 @@ use rayon::prelude::*;
 
 /// Groups of a region, about: what collapsing them reads fits the second-level cache.
 pub(crate) const REGION: usize = 2048;
-/// With fewer groups than so many regions have, one region takes them all.
-pub(crate) const FEWEST: usize = 4;
+/// A mesh of fewer groups than so many regions have is one region: borders would lie everywhere.
+pub(crate) const FEWEST: usize = 16;
+/// When fewer groups than so many regions have are left, one region takes them all.
+const FEWEST_LEFT: usize = 4;
 /// The share of live groups whose cost is within the limit of a round.
 const SHARE: f64 = 0.35;
 /// If a round collapses less than this share of the groups, the next one takes more.
@@ -51,7 +53,7 @@ pub(crate) fn simplify(
     for round in 0.. {
         let collapsed = rounds.run(share, sources, progress);
         let least = (LEAST_PROGRESS * (rounds.live + collapsed) as f64) as usize;
-        if rounds.live < FEWEST * size || collapsed <= least && share >= 1.0 {
+        if rounds.live < FEWEST_LEFT * size || collapsed <= least && share >= 1.0 {
             break;
         }
         share = if collapsed <= least { (2.0 * share).min(1.0) } else { SHARE };
