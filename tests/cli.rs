@@ -6,10 +6,14 @@
 mod bench;
 #[path = "cli/build.rs"]
 mod build;
+#[path = "cli/chain.rs"]
+mod chain;
 #[path = "cli/compare.rs"]
 mod compare;
 #[path = "cli/determinism.rs"]
 mod determinism;
+#[path = "cli/errors.rs"]
+mod errors;
 #[path = "cli/extract.rs"]
 mod extract;
 #[path = "cli/output.rs"]

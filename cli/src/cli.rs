@@ -1,8 +1,8 @@
 //! The command line as `clap` sees it: every command, and the options all of them have.
 
 use crate::commands::{
-    bench, build, compare, completions, extract, info, man, pack, render, shaders, strips, unpack,
-    verify,
+    bench, build, chain, compare, completions, extract, info, man, pack, render, shaders, strips,
+    unpack, verify,
 };
 use clap::{Args, Parser, Subcommand};
 
@@ -10,10 +10,8 @@ use clap::{Args, Parser, Subcommand};
 /// file.
 #[derive(Debug, Parser)]
 #[command(name = "lodc", version, propagate_version = true, arg_required_else_help = true)]
-#[command(
-    after_help = "Exit status: 0 done, 1 a check found a difference, 2 wrong usage, 3 bad input, 4 output not \
-                        written, 5 a limit was reached, 6 no usable GPU, 70 a bug."
-)]
+#[command(after_help = "Exit status: 0 done, 1 a check found a difference, 2 wrong usage, \
+                  3 bad input, 4 output not written, 5 a limit was reached, 6 no usable GPU, 70 a bug.")]
 pub(crate) struct Cli {
     #[command(subcommand)]
     pub(crate) command: Command,
@@ -39,6 +37,8 @@ pub(crate) enum Command {
     Build(build::BuildArgs),
     /// Take one level of detail out of a .lodc file
     Extract(extract::ExtractArgs),
+    /// Write a few levels for engines: one file over one vertex buffer, or a file each
+    Chain(chain::ChainArgs),
     /// Show what is inside a .lodc file
     Info(info::InfoArgs),
     /// Replay every model of .lodc files against the reference

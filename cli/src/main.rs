@@ -24,8 +24,8 @@ mod text;
 use clap::Parser;
 use cli::{Cli, Command};
 use commands::{
-    bench, build, compare, completions, extract, info, man, pack, render, shaders, strips, unpack,
-    verify,
+    bench, build, chain, compare, completions, extract, info, man, pack, render, shaders, strips,
+    unpack, verify,
 };
 use console::Loudness;
 use exit::{Outcome, Status};
@@ -59,6 +59,7 @@ fn run() -> Status {
     let outcome = interrupt::install().and_then(|()| match &cli.command {
         Command::Build(args) => build::run(args),
         Command::Extract(args) => done(extract::run(args)),
+        Command::Chain(args) => done(chain::run(args)),
         Command::Info(args) => done(info::run(args)),
         Command::Verify(args) => verify::run(args),
         Command::Compare(args) => compare::run(args),

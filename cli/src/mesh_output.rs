@@ -18,6 +18,20 @@ pub(crate) enum FormatName {
 }
 
 impl FormatName {
+    /// Returns the format that a path's extension names.
+    ///
+    /// # Errors
+    /// If it names none.
+    pub(crate) fn by_extension(path: &Path) -> Outcome<Self> {
+        let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+        Self::from_str(&extension, true).map_err(|_| {
+            Failure::usage(format!(
+                "{}: the extension names no known format: use .glb, .gltf, .obj or .ply, or say \
+                 --format",
+                path.display()
+            ))
+        })
+    }
     fn extension(self) -> &'static str {
         match self {
             Self::Glb => "glb",
@@ -84,17 +98,7 @@ impl Wanted<'_> {
 
     /// The format by option or by the extension of OUT.
     fn by_name(&self) -> Outcome<FormatName> {
-        if let Some(format) = self.format {
-            return Ok(format);
-        }
-        let extension =
-            self.output.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-        FormatName::from_str(&extension, true).map_err(|_| {
-            Failure::usage(format!(
-                "{}: the extension names no known format: use .glb, .gltf, .obj or .ply, or say --format",
-                self.output.display()
-            ))
-        })
+        self.format.map_or_else(|| FormatName::by_extension(self.output), Ok)
     }
 }
 

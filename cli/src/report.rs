@@ -64,6 +64,49 @@ pub(crate) struct ObjectCounts {
     pub(crate) first_topology_change: Option<u32>,
 }
 
+/// `chain --json`.
+#[derive(Debug, Serialize)]
+pub(crate) struct ChainReport {
+    pub(crate) schema_version: u32,
+    pub(crate) input: String,
+    pub(crate) outputs: Vec<OutputReport>,
+    /// The finest first.
+    pub(crate) levels: Vec<ChainLevel>,
+    pub(crate) warnings: Vec<String>,
+}
+
+/// A file that was written.
+#[derive(Debug, Serialize)]
+pub(crate) struct OutputReport {
+    pub(crate) path: String,
+    pub(crate) bytes: u64,
+}
+
+impl From<&lodc_formats::OutputFile> for OutputReport {
+    fn from(file: &lodc_formats::OutputFile) -> Self {
+        Self { path: file.path.display().to_string(), bytes: file.bytes.len() as u64 }
+    }
+}
+
+/// One level of a chain.
+#[derive(Debug, Serialize)]
+pub(crate) struct ChainLevel {
+    /// From 0, the finest.
+    pub(crate) level: usize,
+    /// The LOD; null if several objects each have their own.
+    pub(crate) lod: Option<u32>,
+    pub(crate) triangles: u64,
+    /// Vertices that the level needs: a prefix of the vertex buffers where levels share them.
+    pub(crate) vertices: u64,
+    /// The largest error of an object, as `extract --json` has it; null if infinite.
+    pub(crate) error: Option<f64>,
+    pub(crate) rms: Option<f64>,
+    /// The distance that the level was chosen for; null unless pixels were asked for.
+    pub(crate) distance: Option<f64>,
+    /// The file with the level.
+    pub(crate) output: String,
+}
+
 /// `info --json`.
 #[derive(Debug, Serialize)]
 pub(crate) struct InfoReport {
@@ -89,6 +132,8 @@ pub(crate) struct ObjectReport {
     pub(crate) counts: ObjectCounts,
     pub(crate) world_scale: f64,
     pub(crate) diagonal: f64,
+    /// `measured`, or `estimate` in files before version 3.
+    pub(crate) errors: &'static str,
     pub(crate) lods: Vec<LodReport>,
     /// Strips by generator; empty until the file has strip models.
     pub(crate) strips: serde_json::Map<String, serde_json::Value>,
@@ -102,6 +147,8 @@ pub(crate) struct LodReport {
     pub(crate) lod: u32,
     pub(crate) triangles: u32,
     pub(crate) error: f64,
+    /// Null if it was not measured.
+    pub(crate) rms: Option<f64>,
 }
 
 /// Storage cost of one model.
@@ -131,6 +178,9 @@ pub(crate) struct ExtractReport {
     pub(crate) vertices: u64,
     /// The largest error of an object: in mesh units for one object, in world units for several.
     pub(crate) error: f64,
+    /// The largest root mean square distance of an object, in the same units; null if it was not
+    /// measured.
+    pub(crate) rms: Option<f64>,
     pub(crate) output: String,
     pub(crate) input: String,
     pub(crate) model: &'static str,
@@ -147,6 +197,8 @@ pub(crate) struct ExtractedObject {
     pub(crate) vertices: u64,
     /// In the object's own units.
     pub(crate) error: f64,
+    /// In the object's own units; null if it was not measured.
+    pub(crate) rms: Option<f64>,
 }
 
 /// `pack --json`.

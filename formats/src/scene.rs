@@ -15,7 +15,7 @@ pub enum SourceFormat {
     Glb,
 }
 
-/// Where a scene came from; never a path, so that output does not depend on the folder.
+/// Origin of a scene; never a path, so that output does not depend on the folder.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Source {
     /// Its format.
@@ -27,13 +27,13 @@ pub struct Source {
 /// An imported asset.
 #[derive(Clone, Debug)]
 pub struct Scene {
-    /// Where it came from.
+    /// Its origin.
     pub source: Source,
     /// Everything that is not a triangle mesh.
     pub document: Document,
     /// One object per glTF mesh with triangles, or one per OBJ.
     pub objects: Vec<SceneObject>,
-    /// What was repaired, dropped or left alone: one line each, with counts.
+    /// Repairs, and what was dropped or left alone: one line each, with counts.
     pub warnings: Vec<String>,
     /// Every file that was read, for dependency files.
     pub files_read: Vec<PathBuf>,
@@ -50,7 +50,7 @@ pub struct SceneObject {
     pub source_positions: Vec<u32>,
 }
 
-/// What is known of an object besides its mesh.
+/// Description of an object besides its mesh.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ObjectInfo {
     /// Its name in the file, or `mesh0`, `mesh1`, … or the OBJ's file stem.
@@ -63,7 +63,7 @@ pub struct ObjectInfo {
     pub document_mesh: u32,
 }
 
-/// What is known of a submesh besides its triangles.
+/// Description of a submesh besides its triangles.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SubmeshInfo {
     /// OBJ: the group or object name; glTF: empty.

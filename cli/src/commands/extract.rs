@@ -18,7 +18,7 @@ use lodc_formats::export::ExportObject;
 use lodc_formats::lodc::{LodFile, LodObject};
 use lodc_lod::{AnyModel, ModelKind};
 use lodc_mesh::{Lod, Mesh};
-use lodc_select::decimal;
+use lodc_select::{Selection, decimal};
 use rayon::prelude::*;
 use std::path::PathBuf;
 
@@ -38,6 +38,9 @@ pub(crate) struct ExtractArgs {
     /// The format, where OUT does not tell [default: glb]
     #[arg(long, value_enum)]
     format: Option<FormatName>,
+    /// Move the vertices of the level to where they fit the input best
+    #[arg(long)]
+    refit: bool,
     /// Print what was extracted as JSON on standard output
     #[arg(long)]
     json: bool,
@@ -68,7 +71,10 @@ pub(crate) fn run(args: &ExtractArgs) -> Outcome<()> {
     let choice = SceneLevels::new(&file.objects, &file.document, &args.limits.limits())?;
     let chosen = stages
         .run("select", || choice.select(args.selector.target(), args.selector.per_object()))?;
-    let meshes = stages.run("extract", || meshes(&file.objects, &chosen.lods, model))?;
+    let meshes = stages.run("extract", || match args.refit {
+        true => Ok(refitted(&file.objects, &chosen.lods)),
+        false => meshes(&file.objects, &chosen.lods, model),
+    })?;
     let files = stages.run("export", || {
         let objects: Vec<_> = file
             .objects
@@ -86,8 +92,7 @@ pub(crate) fn run(args: &ExtractArgs) -> Outcome<()> {
         )?;
     }
 
-    let report =
-        report(args, &file, &chosen.lods, &meshes, chosen.error, chosen.warnings, model, &target);
+    let report = report(args, &file, &meshes, chosen, model, &target);
     let input = args.input.display().to_string();
     for warning in &report.warnings {
         console::warning(&input, warning);
@@ -119,6 +124,13 @@ fn model(args: &ExtractArgs, file: &LodFile) -> Outcome<Option<ModelKind>> {
     )))
 }
 
+fn refitted(objects: &[LodObject], lods: &[Lod]) -> Vec<Mesh> {
+    let one = |(object, &lod): (&LodObject, &Lod)| {
+        lodc_refit::refit(&object.simplified, lod, &lodc_refit::Options::DEFAULT)
+    };
+    objects.iter().zip(lods).map(one).collect()
+}
+
 fn meshes(objects: &[LodObject], lods: &[Lod], model: Option<ModelKind>) -> Outcome<Vec<Mesh>> {
     let one = |(object, &lod): (&LodObject, &Lod)| {
         let live = levels::triangles(object, model, lod);
@@ -132,14 +144,11 @@ fn meshes(objects: &[LodObject], lods: &[Lod], model: Option<ModelKind>) -> Outc
     objects.par_iter().zip(lods).map(one).collect()
 }
 
-#[expect(clippy::too_many_arguments, reason = "it gathers what the steps above have found out")]
 fn report(
     args: &ExtractArgs,
     file: &LodFile,
-    lods: &[Lod],
     meshes: &[Mesh],
-    error: f64,
-    warnings: Vec<String>,
+    chosen: Selection,
     model: Option<ModelKind>,
     target: &Target,
 ) -> ExtractReport {
@@ -149,22 +158,24 @@ fn report(
         triangles: mesh.triangles().len() as u64,
         vertices: mesh.vertex_count() as u64,
         error: decimal(object.simplified.collapses().error_at(lod)),
+        rms: object.simplified.collapses().rms_at(lod).map(decimal),
     };
-    let objects: Vec<_> = file.objects.iter().zip(lods).zip(meshes).map(object).collect();
+    let objects: Vec<_> = file.objects.iter().zip(&chosen.lods).zip(meshes).map(object).collect();
     ExtractReport {
         schema_version: SCHEMA_VERSION,
-        lod: match lods {
+        lod: match chosen.lods[..] {
             [one] => Some(one.0),
             _ => None,
         },
         triangles: objects.iter().map(|o| o.triangles).sum(),
         vertices: objects.iter().map(|o| o.vertices).sum(),
-        error,
+        error: chosen.error,
+        rms: chosen.rms,
         output: target.name(),
         input: args.input.display().to_string(),
         model: model.map_or("reference", ModelKind::name),
         objects,
-        warnings,
+        warnings: chosen.warnings,
     }
 }
 

@@ -1,7 +1,9 @@
 //! One module per command: its options and what it does.
 
+mod asset;
 pub(crate) mod bench;
 pub(crate) mod build;
+pub(crate) mod chain;
 pub(crate) mod compare;
 pub(crate) mod completions;
 pub(crate) mod extract;

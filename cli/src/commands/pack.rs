@@ -23,8 +23,8 @@ use std::path::PathBuf;
 /// Options of `pack`.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "Every prefix of a stream can be unpacked: the more of it, the finer the mesh. Without --quantize \
-                        the whole stream gives back every bit."
+    after_help = "Every prefix of a stream can be unpacked: the more of it, the finer the mesh. \
+                  Without --quantize the whole stream gives back every bit."
 )]
 pub(crate) struct PackArgs {
     /// The .lodc file; `-` for standard input

@@ -19,8 +19,8 @@ use std::path::PathBuf;
 /// Options of `unpack`.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "A stream that ends early is a normal case: what has come is a complete mesh. One that is damaged \
-                        gives the part before the damage and ends with status 3."
+    after_help = "A stream that ends early is a normal case: what has come is a complete mesh. \
+                  One that is damaged gives the part before the damage and ends with status 3."
 )]
 pub(crate) struct UnpackArgs {
     /// The .lods stream, or any prefix of one; `-` for standard input
@@ -173,7 +173,8 @@ fn sentence(report: &UnpackReport) -> String {
     }
     let (triangles, all) = (grouped(triangles), grouped(all));
     format!(
-        "{output}: {triangles} of {all} triangles, error {}: the stream ends after {bytes} that can be used",
+        "{output}: {triangles} of {all} triangles, error {}: the stream ends after {bytes} that can \
+         be used",
         distance(worst)
     )
 }

@@ -6,7 +6,7 @@ use crate::surface::Surface;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// How densely surfaces are sampled.
+/// Density of samples on surfaces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sampling {
     /// Points spread over the area of each surface.

@@ -7,6 +7,7 @@
 //! Terms (vertex, position, wedge group, record, step, LOD) are defined in `docs/GLOSSARY.md`.
 
 mod attribute;
+mod chain;
 mod clean;
 mod csr;
 mod extract;
@@ -23,6 +24,7 @@ mod simplified;
 mod weld;
 
 pub use attribute::{Attribute, Component, Semantic};
+pub use chain::{Chain, LevelTriangles};
 pub use clean::Cleaning;
 pub use csr::Csr;
 pub use groups::WedgeGroups;

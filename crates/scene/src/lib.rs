@@ -1,11 +1,11 @@
-//! Scenes as plain data: where objects stand, how they are posed, and what they look like. Importers
-//! fill it; everything that shows or measures a scene shares its few computations.
+//! Scenes as plain data: where objects stand, how they are posed, and what they look like.
+//! Importers fill it; everything that shows or measures a scene shares its few computations.
 //!
 //! A [`Graph`] has nodes, skins and the roots of the default scene. A [`Pose`] says how its nodes
 //! stand relative to their parents and how much of each morph target is blended in;
-//! [`Graph::rest_pose`] is the one of the file. Together they give an
-//! [`Arrangement`] of [`Placement`]s: an object, the transform of the node that shows it, its joints'
-//! matrices and its morph weights.
+//! [`Graph::rest_pose`] is the one of the file. Together they give an [`Arrangement`] of
+//! [`Placement`]s: an object, the transform of the node that shows it, its joints' matrices and its
+//! morph weights.
 //!
 //! The *surface of a scene* is what the default scene shows in its rest pose. Errors, pictures,
 //! comparisons and world scales all mean this surface.

@@ -103,6 +103,7 @@ pub(crate) fn output(input: &Input<'_>, sources: &Sources<'_>, log: FinalLog) ->
         targets,
         step_ends: log.step_ends,
         step_errors: log.step_errors.iter().map(|&e| in_mesh_units(e, input.scale)).collect(),
+        step_rms: vec![],
         step_triangles: log.step_triangles,
         triangles: mesh.triangles().len() as u32,
         last_legal_lod: log.last_legal,

@@ -31,7 +31,7 @@ pub use cache::{CacheOptions, cache};
 pub use cache_model::{CacheKind, CacheModel, CacheStatistics, measure};
 pub use effort::Effort;
 pub use kind::{StripKind, StripOptions, StripPool, Strips};
-pub use order::order;
+pub use order::{order, order_list};
 pub use strip_set::{StripSet, StripSetError, live_triangles, strip_triangles};
 pub use stripe::stripe;
 

@@ -22,8 +22,22 @@ const TRIED: usize = 6;
 /// submesh, and corners in their order.
 #[must_use]
 pub fn order(mesh: &Mesh, cache_size: u32) -> Vec<[u32; 3]> {
-    let triangles = mesh.triangles();
-    let mut front = Front::new(triangles, mesh.vertex_count(), cache_size.clamp(4, 64));
+    let mut order = sequence(mesh.triangles(), mesh.vertex_count(), cache_size);
+    let submesh = crate::cover::submesh_of(mesh);
+    order.sort_by_key(|&t| submesh[t as usize]);
+    order.iter().map(|&t| mesh.triangles()[t as usize]).collect()
+}
+
+/// [`order`] for a list of triangles over `vertices` vertices.
+#[must_use]
+pub fn order_list(triangles: &[[u32; 3]], vertices: usize, cache_size: u32) -> Vec<[u32; 3]> {
+    let order = sequence(triangles, vertices, cache_size);
+    order.into_iter().map(|t| triangles[t as usize]).collect()
+}
+
+/// The numbers of triangles in the order in which they are drawn.
+fn sequence(triangles: &[[u32; 3]], vertices: usize, cache_size: u32) -> Vec<u32> {
+    let mut front = Front::new(triangles, vertices, cache_size.clamp(4, 64));
     let mut order: Vec<u32> = Vec::with_capacity(triangles.len());
     let mut cursor = 0;
     let mut fan = Vec::new();
@@ -68,9 +82,7 @@ pub fn order(mesh: &Mesh, cache_size: u32) -> Vec<[u32; 3]> {
         fan.extend(front.left(v).map(|i| front.incident(i)).filter(|&t| !front.done[t as usize]));
         draw_fan(&mut front, &mut fan, &mut order);
     }
-    let submesh = crate::cover::submesh_of(mesh);
-    order.sort_by_key(|&t| submesh[t as usize]);
-    order.iter().map(|&t| triangles[t as usize]).collect()
+    order
 }
 
 /// Draws the triangles of a fan, each time the one that needs the fewest vertices.

@@ -5,6 +5,8 @@ mod gltf;
 mod obj;
 mod ply;
 
+pub use gltf::{ChainObject, ChainShape, export_chain};
+
 use crate::{Document, FormatError, ObjectInfo, OutputFile};
 use lodc_mesh::Mesh;
 use std::path::Path;

@@ -1,5 +1,6 @@
-//! The stages of one build: import, simplify, models, check, write.
+//! The stages of one build: import, simplify, errors, strips, models, check, write.
 
+use super::errors::{SimplifiedObjects, measure_all};
 use super::{BuildArgs, counts};
 use crate::exit::{Failure, Outcome, Status};
 use crate::levels;
@@ -11,7 +12,6 @@ use crate::stages::Stages;
 use lodc_formats::appearance::appearance;
 use lodc_formats::lodc::{LodFile, LodObject, write};
 use lodc_formats::{Assets, ObjectInfo, Scene, SceneObject, import};
-use lodc_mesh::Simplified;
 use lodc_simplify::{MetricKind, Options, simplify, simplify_coloured};
 use lodc_strip::{StripOptions, StripPool};
 use rayon::prelude::*;
@@ -64,6 +64,8 @@ pub(super) fn make(
             files_read.push(read);
         }
     }
+    progress.stage("errors");
+    let simplified = stages.run("errors", || measure_all(simplified));
 
     let kinds = levels::chosen(&args.models);
     report.models = kinds.iter().map(|kind| kind.name()).collect();
@@ -131,7 +133,7 @@ pub(crate) fn simplify_all(
     paints: Option<&Paints>,
     triangles: u64,
     progress: &Progress,
-) -> Vec<(ObjectInfo, Arc<Simplified>)> {
+) -> SimplifiedObjects {
     let total = AtomicU64::new(0);
     let one = |(number, object): (usize, SceneObject)| {
         // Objects weigh in by their triangles; each says how many of its groups are gone.

@@ -45,16 +45,31 @@ pub(crate) struct CompareArgs {
     #[arg(long, value_name = "GREY", value_parser = grey, allow_negative_numbers = true)]
     max_image_rmse: Option<f64>,
     /// Points spread over the area of each mesh
-    #[arg(long, value_name = "N", default_value = "200000", value_parser = clap::value_parser!(u32).range(1..=100_000_000))]
+    #[arg(
+        long,
+        value_name = "N",
+        default_value = "200000",
+        value_parser = clap::value_parser!(u32).range(1..=100_000_000)
+    )]
     samples: u32,
     /// Makes the points
     #[arg(long, value_name = "N", default_value = "1")]
     seed: u64,
     /// Pictures, from all sides; 0 for none
-    #[arg(long, value_name = "N", default_value = "24", value_parser = clap::value_parser!(u32).range(0..=1000))]
+    #[arg(
+        long,
+        value_name = "N",
+        default_value = "24",
+        value_parser = clap::value_parser!(u32).range(0..=1000)
+    )]
     views: u32,
     /// Pixels across each picture
-    #[arg(long, value_name = "N", default_value = "512", value_parser = clap::value_parser!(u32).range(16..=2048))]
+    #[arg(
+        long,
+        value_name = "N",
+        default_value = "512",
+        value_parser = clap::value_parser!(u32).range(16..=2048)
+    )]
     size: u32,
     /// Look at shape only, not at normals, textures and texture coordinates that both meshes have
     #[arg(long)]

@@ -1,4 +1,4 @@
-//! What `compare` says: numbers for scripts and for people, and which limits they exceed.
+//! Results of `compare`: numbers for scripts and for people, and which limits they exceed.
 
 use super::CompareArgs;
 use crate::report::SCHEMA_VERSION;
@@ -45,7 +45,7 @@ impl BothWays {
     }
 }
 
-/// How different two meshes look.
+/// Image differences between two meshes.
 #[derive(Debug, Serialize)]
 pub(super) struct ImageReport {
     views: u32,

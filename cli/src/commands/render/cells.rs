@@ -124,7 +124,7 @@ fn strips(object: &LodObject) -> Strips {
         .unwrap_or_else(|| Strips::generate(&object.simplified, StripKind::Stripe, Effort::Default))
 }
 
-/// What is left of strips at a LOD: their triangles with every vertex resolved, and the strip of
+/// Remains of strips at a LOD: their triangles with every vertex resolved, and the strip of
 /// each.
 fn of_strips(
     objects: &[LodObject],

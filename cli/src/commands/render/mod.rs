@@ -28,16 +28,27 @@ use std::path::PathBuf;
 pub(crate) struct RenderArgs {
     /// The mesh (OBJ, glTF, GLB) or .lodc file to show; `-` for standard input
     input: PathBuf,
-    /// Where to write the PNG; a folder; `-` for standard output
+    /// Output PNG; a folder; `-` for standard output
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
     #[command(flatten)]
     selector: OptionalSelector,
     /// Several levels of detail side by side, each a share of the triangles, 0 to 1
-    #[arg(long, value_name = "SHARES", value_delimiter = ',', value_parser = ratio, conflicts_with = "TargetArgs")]
+    #[arg(
+        long,
+        value_name = "SHARES",
+        value_delimiter = ',',
+        value_parser = ratio,
+        conflicts_with = "TargetArgs"
+    )]
     contact_sheet: Vec<f64>,
     /// Pictures in a row of a contact sheet [default: up to 4]
-    #[arg(long, value_name = "N", requires = "contact_sheet", value_parser = clap::value_parser!(u32).range(1..=64))]
+    #[arg(
+        long,
+        value_name = "N",
+        requires = "contact_sheet",
+        value_parser = clap::value_parser!(u32).range(1..=64)
+    )]
     columns: Option<u32>,
     /// Leave out the text below the pictures of a contact sheet, and the meaning of error colours
     #[arg(long)]
@@ -46,22 +57,42 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "WxH", value_parser = options::size)]
     size: Option<[u32; 2]>,
     /// The side to show
-    #[arg(long, value_enum, default_value = "three-quarter", conflicts_with_all = ["azimuth", "elevation"])]
+    #[arg(
+        long,
+        value_enum,
+        default_value = "three-quarter",
+        conflicts_with_all = ["azimuth", "elevation"]
+    )]
     view: View,
     /// Degrees around the upward axis: 0 is the front, 90 the side to the right of who looks at it
-    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = options::degrees)]
+    #[arg(
+        long,
+        value_name = "DEGREES",
+        allow_negative_numbers = true,
+        value_parser = options::degrees
+    )]
     azimuth: Option<f64>,
     /// Degrees above the horizon, -90 to 90
-    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = options::elevation)]
+    #[arg(
+        long,
+        value_name = "DEGREES",
+        allow_negative_numbers = true,
+        value_parser = options::elevation
+    )]
     elevation: Option<f64>,
     /// The axis that points up in the file
     #[arg(long, value_enum, default_value = "y")]
     up: UpAxis,
-    /// How many times larger than just fitting, 0.01 to 1000
+    /// Zoom: 1 just fits; 0.01 to 1000
     #[arg(long, value_name = "FACTOR", default_value = "1", value_parser = options::zoom)]
     zoom: f64,
     /// Degrees between the upper and the lower edge of the picture, 1 to 150
-    #[arg(long, value_name = "DEGREES", default_value = "30", value_parser = options::field_of_view)]
+    #[arg(
+        long,
+        value_name = "DEGREES",
+        default_value = "30",
+        value_parser = options::field_of_view
+    )]
     fov: f64,
     /// No perspective
     #[arg(long, conflicts_with = "fov")]
@@ -69,7 +100,7 @@ pub(crate) struct RenderArgs {
     /// Normals of the file (rounded ones where it has none), or one for each triangle
     #[arg(long, value_enum, default_value = "smooth")]
     shading: Shading,
-    /// What colours mean
+    /// Meaning of colours
     #[arg(long, value_enum, default_value = "material")]
     color: Colouring,
     /// Draw the edges of triangles

@@ -44,7 +44,7 @@ pub(super) enum Shading {
     Flat,
 }
 
-/// What colours mean.
+/// Meanings of colours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum Colouring {
     /// Base colours, textures and vertex colours of the file
@@ -59,7 +59,7 @@ pub(super) enum Colouring {
     Error,
 }
 
-/// What becomes of back faces.
+/// Treatment of back faces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum Backs {
     Material,

@@ -1,4 +1,4 @@
-//! Where a picture is taken from: a direction, and the distance at which everything just fits.
+//! Camera of a picture: a direction, and the distance at which everything just fits.
 
 /// The direction that a picture calls up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -10,7 +10,7 @@ pub enum Up {
     Z,
 }
 
-/// How the depth of the scene becomes a flat picture.
+/// Projection of the scene's depth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Lens {
     /// With this angle between the upper and the lower edge, in degrees, above 0 and below 180.
@@ -19,7 +19,7 @@ pub enum Lens {
     Orthographic,
 }
 
-/// Which side a picture shows and how much of it.
+/// The side that a picture shows, and how much of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Framing {
     /// The upward axis.
@@ -31,14 +31,14 @@ pub struct Framing {
     pub elevation: f64,
     /// The lens.
     pub lens: Lens,
-    /// How many times larger than just fitting.
+    /// Zoom: 1 just fits.
     pub zoom: f64,
 }
 
 /// A camera in the space of a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
-    /// What corners are relative to, in the space of the scene.
+    /// Origin of corners, in the space of the scene.
     pub centre: [f64; 3],
     /// Right, up, and towards the camera.
     axes: [[f64; 3]; 3],
@@ -160,7 +160,7 @@ impl Camera {
         self.axes.map(|axis| axis.map(|v| v as f32))
     }
 
-    /// Where the sky is.
+    /// Direction of the sky.
     pub(super) fn world_up(&self) -> [f32; 3] {
         match self.up {
             Up::Y => [0.0, 1.0, 0.0],
@@ -173,12 +173,12 @@ impl Camera {
         std::array::from_fn(|i| (0..3).map(|a| self.axes[a][i] * self.eye[a]).sum::<f64>() as f32)
     }
 
-    /// Whether it has perspective.
+    /// True if it has perspective.
     pub(super) fn has_perspective(&self) -> bool {
         self.perspective
     }
 
-    /// How far a point relative to the centre is in front of the eye, for sorting.
+    /// Returns the depth of a point relative to the centre, for sorting.
     #[must_use]
     pub fn distance(&self, p: [f32; 3]) -> f32 {
         let toward = self.axes[2];

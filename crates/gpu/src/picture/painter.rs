@@ -1,4 +1,5 @@
-//! The resources that pictures of one scene share on a device: pipelines, materials and their textures.
+//! The resources that pictures of one scene share on a device: pipelines, materials and their
+//! textures.
 
 use crate::{Device, GpuError};
 use lodc_scene::{AlphaMode, Image, Material, Texture, Wrap};
@@ -100,7 +101,9 @@ fn pipeline(
     let corners = wgpu::VertexBufferLayout {
         array_stride: size_of::<super::Corner>() as u64,
         step_mode: wgpu::VertexStepMode::Vertex,
-        attributes: &wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x2, 3 => Float32x4],
+        attributes: &wgpu::vertex_attr_array![
+            0 => Float32x3, 1 => Float32x3, 2 => Float32x2, 3 => Float32x4
+        ],
     };
     gpu.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some("picture"),

@@ -1,6 +1,7 @@
 //! The vocabulary crate, seen from outside: every promise of its documentation.
 
 mod attribute;
+mod chain;
 mod clean;
 mod groups;
 mod mesh;

@@ -1,28 +1,27 @@
 //! A glTF document for what did not come from glTF: one mesh and node per object, one material per
 //! OBJ material.
 
-use super::super::ExportObject;
 use crate::import::gltf::json::Object;
 use crate::import::gltf::uri::percent_encoded;
-use crate::{ObjDocument, ObjMaterial};
+use crate::{ObjDocument, ObjMaterial, ObjectInfo};
 use lodc_mesh::{Attribute, Component, Mesh, Semantic};
 use serde_json::{Value, json};
 
 /// A document whose primitives have no geometry yet.
-pub(super) fn document(obj: &ObjDocument, objects: &[ExportObject<'_>]) -> Object {
+pub(super) fn document(obj: &ObjDocument, objects: &[&ObjectInfo]) -> Object {
     let mut images: Vec<String> = Vec::new();
     let materials: Vec<Value> = obj.materials.iter().map(|m| material(m, &mut images)).collect();
     let number = |name: &str| obj.materials.iter().position(|m| m.name == name);
-    let mesh = |object: &ExportObject<'_>| {
+    let mesh = |object: &&ObjectInfo| {
         let primitive = |name: Option<&String>| match name.and_then(|n| number(n)) {
             Some(material) => json!({ "material": material }),
             None => json!({}),
         };
         let primitives: Vec<Value> =
-            object.info.submeshes.iter().map(|s| primitive(s.material.as_ref())).collect();
-        json!({ "name": object.info.name, "primitives": primitives })
+            object.submeshes.iter().map(|s| primitive(s.material.as_ref())).collect();
+        json!({ "name": object.name, "primitives": primitives })
     };
-    let node = |i: usize| json!({ "name": objects[i].info.name, "mesh": i });
+    let node = |i: usize| json!({ "name": objects[i].name, "mesh": i });
     let mut root = Object::new();
     let mut put = |key: &str, values: Vec<Value>| {
         if !values.is_empty() {

@@ -1,5 +1,6 @@
 //! glTF 2.0 and GLB: the document as it was, its triangles at one level of detail.
 
+mod chain;
 mod fresh;
 mod prune;
 mod writer;
@@ -7,10 +8,13 @@ mod writer;
 use super::ExportObject;
 use crate::import::gltf::json::{self, Object};
 use crate::import::gltf::{schema, uri};
-use crate::{Document, Fault, FormatError, Limits, OutputFile};
+use crate::{Document, Fault, FormatError, Limits, ObjectInfo, OutputFile, SubmeshInfo};
+use lodc_mesh::Mesh;
 use serde_json::Value;
 use std::path::Path;
 use writer::Writer;
+
+pub use chain::{ChainObject, ChainShape, export_chain};
 
 const MAGIC: u32 = 0x4654_6c67;
 const JSON: u32 = 0x4e4f_534a;
@@ -24,38 +28,23 @@ pub(super) fn export(
     document: &Document,
     objects: &[ExportObject<'_>],
 ) -> Result<Vec<OutputFile>, FormatError> {
-    let (mut root, mut blob) = match document {
-        Document::Gltf(gltf) => {
-            (json::parse(gltf.json.as_bytes(), &Limits::DEFAULT)?, gltf.blob.clone())
-        }
-        Document::Obj(obj) => (fresh::document(obj, objects), Vec::new()),
-    };
-    // The document may come from a file that someone made up.
-    schema::check(&mut root)?;
+    let infos: Vec<&ObjectInfo> = objects.iter().map(|o| o.info).collect();
+    let (mut root, mut blob) = source_document(document, &infos)?;
     let mut writer = Writer::new(&root);
     let mut empty = Vec::new();
     for (i, object) in objects.iter().enumerate() {
-        let mesh = match document {
-            Document::Gltf(_) => object.info.document_mesh as usize,
-            Document::Obj(_) => i,
-        };
+        let mesh = document_mesh(document, object.info, i);
         if object.info.submeshes.len() != object.mesh.submeshes().len() {
             return Err(json::malformed(
                 &*object.info.name,
                 "has other submeshes than its description",
             ));
         }
-        let foreign = matches!(document, Document::Obj(_)).then(|| fresh::adapted(object.mesh));
-        let mut numbering = writer.numbering(foreign.as_ref().unwrap_or(object.mesh));
+        let adapted = adapted(document, object.mesh);
+        let mut numbering = writer.numbering(adapted.as_ref().unwrap_or(object.mesh));
         for (s, info) in object.info.submeshes.iter().enumerate() {
-            let number = if foreign.is_some() { s } else { info.document_primitive as usize };
-            let primitive = primitive_mut(&mut root, mesh, number).ok_or_else(|| {
-                json::malformed(
-                    format!("meshes[{mesh}].primitives[{number}]"),
-                    "is not in the document",
-                )
-            })?;
-            if !numbering.primitive(s, primitive)? {
+            let number = document_primitive(document, info, s);
+            if !numbering.primitive(s, submesh_primitive(&mut root, mesh, number)?)? {
                 empty.push((mesh, number));
             }
         }
@@ -65,7 +54,54 @@ pub(super) fn export(
     if binary { glb(path, &root, &blob).map(|file| vec![file]) } else { Ok(gltf(path, root, blob)) }
 }
 
-fn primitive_mut(root: &mut Object, mesh: usize, primitive: usize) -> Option<&mut Object> {
+/// The document that geometry goes into, and the bytes that it refers to already.
+fn source_document(
+    document: &Document,
+    objects: &[&ObjectInfo],
+) -> Result<(Object, Vec<u8>), FormatError> {
+    let (mut root, blob) = match document {
+        Document::Gltf(gltf) => {
+            (json::parse(gltf.json.as_bytes(), &Limits::DEFAULT)?, gltf.blob.clone())
+        }
+        Document::Obj(obj) => (fresh::document(obj, objects), Vec::new()),
+    };
+    // The document may come from a file that someone made up.
+    schema::check(&mut root)?;
+    Ok((root, blob))
+}
+
+/// The number of an object's mesh in the document.
+fn document_mesh(document: &Document, info: &ObjectInfo, object: usize) -> usize {
+    match document {
+        Document::Gltf(_) => info.document_mesh as usize,
+        Document::Obj(_) => object,
+    }
+}
+
+/// The number of a submesh's primitive in its mesh.
+fn document_primitive(document: &Document, info: &SubmeshInfo, submesh: usize) -> usize {
+    match document {
+        Document::Gltf(_) => info.document_primitive as usize,
+        Document::Obj(_) => submesh,
+    }
+}
+
+/// The mesh as glTF wants it, where it did not come from glTF.
+fn adapted(document: &Document, mesh: &Mesh) -> Option<Mesh> {
+    matches!(document, Document::Obj(_)).then(|| fresh::adapted(mesh))
+}
+
+fn submesh_primitive(
+    root: &mut Object,
+    mesh: usize,
+    primitive: usize,
+) -> Result<&mut Object, FormatError> {
+    find_primitive(root, mesh, primitive).ok_or_else(|| {
+        json::malformed(format!("meshes[{mesh}].primitives[{primitive}]"), "is not in the document")
+    })
+}
+
+fn find_primitive(root: &mut Object, mesh: usize, primitive: usize) -> Option<&mut Object> {
     let mesh = root.get_mut("meshes")?.as_array_mut()?.get_mut(mesh)?;
     mesh.get_mut("primitives")?.as_array_mut()?.get_mut(primitive)?.as_object_mut()
 }

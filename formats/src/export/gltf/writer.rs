@@ -175,11 +175,11 @@ impl Numbering<'_> {
     /// the order in which triangles first use them; those that none uses are left out.
     pub(super) fn primitive(
         &mut self,
-        submesh: usize,
+        number: usize,
         primitive: &mut Object,
     ) -> Result<bool, FormatError> {
         let mesh = self.mesh;
-        let submesh = &mesh.submeshes()[submesh];
+        let submesh = &mesh.submeshes()[number];
         if submesh.triangle_count == 0 {
             return Ok(false);
         }
@@ -193,16 +193,31 @@ impl Numbering<'_> {
             }
             indices.push(*number);
         }
+        self.attributes(number, &vertices, primitive)?;
+        let indices = self.indices(&indices, vertices.len());
+        primitive.insert("indices".to_owned(), indices);
+        Ok(true)
+    }
+
+    /// Puts the streams of a submesh into a primitive, `vertices` in the given order.
+    pub(super) fn attributes(
+        &mut self,
+        submesh: usize,
+        vertices: &[u32],
+        primitive: &mut Object,
+    ) -> Result<(), FormatError> {
+        let mesh = self.mesh;
+        let submesh = &mesh.submeshes()[submesh];
         let mut attributes = Object::new();
         let declared = primitive.get("targets").and_then(Value::as_array).map_or(0, Vec::len);
         let mut targets: Vec<Object> = vec![Object::new(); declared];
         let streams = || submesh.attributes.iter().map(|&a| &mesh.attributes()[a as usize]);
         if !streams().any(|a| a.semantic == Semantic::Position && a.morph_target.is_none()) {
             let positions = floats(mesh.positions());
-            attributes.insert("POSITION".to_owned(), self.writer.stream(&positions, &vertices)?);
+            attributes.insert("POSITION".to_owned(), self.writer.stream(&positions, vertices)?);
         }
         for a in streams() {
-            let accessor = self.writer.stream(a, &vertices)?;
+            let accessor = self.writer.stream(a, vertices)?;
             let name = semantic::to_name(&a.semantic);
             match a.morph_target {
                 None => attributes.insert(name, accessor),
@@ -217,14 +232,17 @@ impl Numbering<'_> {
                 },
             };
         }
-        let indices = self.writer.indices(&indices, vertices.len());
         primitive.insert("attributes".to_owned(), Value::Object(attributes));
-        primitive.insert("indices".to_owned(), indices);
         if declared > 0 {
-            primitive
-                .insert("targets".to_owned(), targets.into_iter().map(Value::Object).collect());
+            let targets = targets.into_iter().map(Value::Object).collect();
+            primitive.insert("targets".to_owned(), targets);
         }
-        Ok(true)
+        Ok(())
+    }
+
+    /// An accessor of indices into as many vertices.
+    pub(super) fn indices(&mut self, indices: &[u32], vertices: usize) -> Value {
+        self.writer.indices(indices, vertices)
     }
 }
 

@@ -1,0 +1,67 @@
+//! All levels in one file, over one vertex buffer.
+
+use super::levels::Level;
+use super::{Asset, ChainArgs, Files, FormatName};
+use crate::exit::{Failure, Outcome, Status};
+use lodc_formats::export::{ChainObject, ChainShape, export_chain};
+use lodc_formats::lodc::LodObject;
+use lodc_mesh::{Chain, Lod};
+use lodc_strip::order_list;
+use rayon::prelude::*;
+
+/// Vertices in the cache that indices are ordered for.
+const CACHE: u32 = 16;
+
+pub(super) fn files(
+    args: &ChainArgs,
+    format: FormatName,
+    asset: &Asset,
+    levels: &mut [Level],
+) -> Outcome<Files> {
+    let lods = |object: usize| -> Vec<Lod> { levels.iter().map(|l| l.lods[object]).collect() };
+    let chains: Vec<Chain> = (0..asset.objects.len())
+        .into_par_iter()
+        .map(|o| chain(&asset.objects[o], &lods(o)))
+        .collect::<Outcome<_>>()?;
+    let coverages: Vec<Vec<f64>> =
+        asset.objects.iter().enumerate().map(|(o, object)| coverage(object, &lods(o))).collect();
+    for (k, level) in levels.iter_mut().enumerate() {
+        level.vertices = chains.iter().map(|c| u64::from(c.prefixes[k])).sum();
+    }
+    let objects: Vec<ChainObject<'_>> = (asset.objects.iter().zip(&chains).zip(coverages))
+        .map(|((o, chain), coverage)| ChainObject {
+            info: &o.info,
+            mesh: &chain.mesh,
+            levels: chain.levels.clone(),
+            coverage,
+        })
+        .collect();
+    let shape = if args.index_ranges { ChainShape::IndexRanges } else { ChainShape::Nodes };
+    let binary = format == FormatName::Glb;
+    let files = export_chain(&args.output, binary, &asset.document, &objects, shape)?;
+    Ok(Files { files, of_level: vec![args.output.clone(); levels.len()] })
+}
+
+/// The levels of an object, each in an order for vertex caches.
+fn chain(object: &LodObject, lods: &[Lod]) -> Outcome<Chain> {
+    let mut chain = object.simplified.chain(lods).map_err(|e| {
+        Failure::new(Status::Bug, format!("{}: its levels are no mesh: {e}", object.info.name))
+    })?;
+    for (level, &prefix) in chain.levels.iter_mut().zip(&chain.prefixes) {
+        for triangles in level {
+            *triangles = order_list(triangles, prefix as usize, CACHE);
+        }
+    }
+    Ok(chain)
+}
+
+/// Share of the screen below which the next level suits: where its error falls below a pixel of
+/// 1,080. The share is that of the bounding box's diagonal, squared.
+fn coverage(object: &LodObject, lods: &[Lod]) -> Vec<f64> {
+    let diagonal = object.simplified.mesh().diagonal();
+    let next = lods.iter().skip(1).map(|&lod| {
+        let error = f64::from(object.simplified.collapses().error_at(lod));
+        if error > 0.0 { (diagonal / (1080.0 * error)).powi(2).min(1.0) } else { 1.0 }
+    });
+    next.chain([0.0]).collect()
+}

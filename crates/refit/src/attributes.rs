@@ -1,0 +1,90 @@
+//! Attributes at the new places: taken from the input's surface, each within its own chart.
+
+use crate::blend::blend;
+use crate::charts::{Continuity, charts};
+use crate::level::Level;
+use crate::nearest::Tree;
+use glam::DVec3;
+use lodc_mesh::{Attribute, Csr, Mesh, MeshParts, NONE, Semantic};
+use rayon::prelude::*;
+
+/// Where a vertex takes its attributes from: corners of the input, by weight.
+pub(crate) type Source = Option<([u32; 3], [f64; 3])>;
+
+/// Returns the level with its points at `positions` and its attributes as the input has them there.
+///
+/// A vertex looks for the nearest place in its own chart, in which texture coordinates, colours
+/// and normals are continuous. It keeps what it has where that is farther than it moved. Positions
+/// come as `f32`: a stream that held them quantised is left out.
+pub(crate) fn resample(input: &Mesh, level: &Level, positions: &[DVec3]) -> MeshParts {
+    let sources = sources(input, level, positions);
+    let mut parts = level.mesh.clone().into_parts();
+    for (p, &point) in parts.positions.iter_mut().zip(&level.point_of) {
+        *p = positions[point as usize].as_vec3().to_array();
+    }
+    for (stream, from) in parts.attributes.iter_mut().zip(input.attributes()) {
+        blend(stream, from, &sources);
+    }
+    crate::skin::blend(&mut parts, input, &sources);
+    drop_quantised_positions(&mut parts);
+    parts
+}
+
+fn sources(input: &Mesh, level: &Level, positions: &[DVec3]) -> Vec<Source> {
+    let chart = charts(input, Continuity::Shading);
+    let mut chart_of = vec![NONE; level.mesh.vertex_count()];
+    for (t, &source) in level.mesh.triangles().iter().zip(&level.source) {
+        for &v in t {
+            let own = &mut chart_of[v as usize];
+            *own = (*own).min(chart[source as usize]);
+        }
+    }
+    let moved = |v: usize| {
+        let point = level.point_of[v] as usize;
+        positions[point].distance_squared(level.points[point])
+    };
+    let rows = input.vertex_count();
+    let triangles = Csr::new(rows, chart.iter().zip(0..).map(|(&c, t)| (c, t)));
+    let movers = (0..chart_of.len()).filter(|&v| moved(v) > 0.0 && chart_of[v] != NONE);
+    let movers: Vec<(u32, u32)> = movers.map(|v| (chart_of[v], v as u32)).collect();
+    let movers = Csr::new(rows, movers.into_iter());
+
+    let point = |v: u32| DVec3::from_array(input.positions()[v as usize].map(f64::from));
+    let in_chart = |c: u32| -> Vec<(u32, Source)> {
+        let own = triangles.row(c);
+        let corners = own.iter().map(|&t| input.triangles()[t as usize].map(point));
+        let tree = Tree::new(&corners.collect::<Vec<_>>());
+        let find = |&v: &u32| {
+            let p = positions[level.point_of[v as usize] as usize];
+            let found = tree.nearest(p, NONE).filter(|n| n.squared <= moved(v as usize));
+            let corners = |t: u32| input.triangles()[own[t as usize] as usize];
+            (v, found.map(|n| (corners(n.triangle), n.barycentric)))
+        };
+        movers.row(c).par_iter().map(find).collect()
+    };
+    let used: Vec<u32> = (0..rows as u32).filter(|&c| !movers.row(c).is_empty()).collect();
+    let found: Vec<Vec<(u32, Source)>> = used.into_par_iter().map(in_chart).collect();
+    let mut sources = vec![None; level.mesh.vertex_count()];
+    for (v, source) in found.into_iter().flatten() {
+        sources[v as usize] = source;
+    }
+    sources
+}
+
+fn drop_quantised_positions(parts: &mut MeshParts) {
+    let stays = |a: &Attribute| a.semantic != Semantic::Position || a.morph_target.is_some();
+    let mut next = 0;
+    let new_index: Vec<Option<u32>> = (parts.attributes.iter())
+        .map(|a| {
+            stays(a).then(|| {
+                next += 1;
+                next - 1
+            })
+        })
+        .collect();
+    parts.attributes.retain(stays);
+    for submesh in &mut parts.submeshes {
+        let kept = submesh.attributes.iter().filter_map(|&a| new_index[a as usize]);
+        submesh.attributes = kept.collect();
+    }
+}

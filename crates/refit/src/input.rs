@@ -1,0 +1,93 @@
+//! The input as a refit sees it: a tree over its triangles, samples on them, and its curves.
+
+use crate::charts::{Continuity, charts, curves};
+use crate::fit::{at, segment_tree};
+use crate::nearest::Tree;
+use crate::quadrature::for_ratio;
+use glam::DVec3;
+use lodc_mesh::{Mesh, PositionIds};
+
+/// What stays the same over all iterations.
+pub(crate) struct Input {
+    /// Unit normals of the triangles; zero for those without area.
+    pub(crate) normals: Vec<DVec3>,
+    pub(crate) tree: Tree,
+    /// The tree of the curves (each a segment), and the two points of Gauss's rule on each.
+    pub(crate) curve_tree: Tree,
+    pub(crate) curve_points: Vec<DVec3>,
+    /// Half the length of the curve that each of `curve_points` stands for.
+    pub(crate) curve_lengths: Vec<f64>,
+    /// Charts as far as texture coordinates and colours go.
+    pub(crate) chart: Vec<u32>,
+    pub(crate) area: f64,
+    /// Length of the bounding box's diagonal.
+    pub(crate) diagonal: f64,
+    segments: Vec<[DVec3; 2]>,
+    corners: Vec<[DVec3; 3]>,
+    areas: Vec<f64>,
+    rule: crate::quadrature::Rule,
+}
+
+impl Input {
+    pub(crate) fn new(mesh: &Mesh, level_triangles: usize) -> Self {
+        let point = |v: u32| DVec3::from_array(mesh.positions()[v as usize].map(f64::from));
+        let corners: Vec<[DVec3; 3]> = mesh.triangles().iter().map(|t| t.map(point)).collect();
+        let crosses = corners.iter().map(|[a, b, c]| (*b - *a).cross(*c - *a));
+        let (normals, areas): (Vec<DVec3>, Vec<f64>) =
+            crosses.map(|n| (n.normalize_or_zero(), n.length() / 2.0)).unzip();
+        let chart = charts(mesh, Continuity::Texture);
+        let ids = PositionIds::new(mesh.positions());
+        let faces: Vec<[u32; 3]> =
+            mesh.triangles().iter().map(|t| t.map(|v| ids.of_vertex[v as usize])).collect();
+        let sides = curves(&faces, &chart);
+        let segment = |&side: &u32| {
+            let (t, k) = (corners[side as usize / 3], side as usize % 3);
+            [t[k], t[(k + 1) % 3]]
+        };
+        let segments: Vec<[DVec3; 2]> = sides.iter().map(segment).collect();
+        // The two points of Gauss's rule.
+        let gauss = 0.5 - 0.5 / 3f64.sqrt();
+        let curve_points = segments
+            .iter()
+            .flat_map(|[a, b]| [gauss, 1.0 - gauss].map(|t| a.lerp(*b, t)))
+            .collect();
+        let curve_lengths = segments.iter().flat_map(|[a, b]| [a.distance(*b) / 2.0; 2]).collect();
+        Self {
+            tree: Tree::new(&corners),
+            curve_tree: segment_tree(&segments),
+            curve_points,
+            curve_lengths,
+            chart,
+            area: areas.iter().sum(),
+            diagonal: mesh.diagonal(),
+            rule: for_ratio(corners.len(), level_triangles),
+            normals,
+            segments,
+            corners,
+            areas,
+        }
+    }
+
+    /// How many samples there are on the triangles.
+    pub(crate) fn samples(&self) -> usize {
+        self.rule.len() * self.corners.len()
+    }
+
+    /// A sample, and its share of the whole area.
+    pub(crate) fn sample(&self, i: usize) -> (DVec3, f64) {
+        let (triangle, ([u, v, w], share)) = (i / self.rule.len(), self.rule[i % self.rule.len()]);
+        let [a, b, c] = self.corners[triangle];
+        (a * u + b * v + c * w, self.areas[triangle] * share / self.area)
+    }
+
+    /// The point of a triangle with given barycentric coordinates.
+    pub(crate) fn at(&self, triangle: usize, barycentric: [f64; 3]) -> DVec3 {
+        at(self.corners[triangle], barycentric)
+    }
+
+    /// The point of a curve at `t`, from 0 to 1.
+    pub(crate) fn on_curve(&self, curve: usize, t: f64) -> DVec3 {
+        let [a, b] = self.segments[curve];
+        a.lerp(b, t)
+    }
+}

@@ -1,0 +1,89 @@
+//! A level of detail as unknowns: one position for all vertices that share one.
+
+use glam::DVec3;
+use lodc_mesh::{Lod, Mesh, NONE, OrientedTriangle, PositionIds, Simplified, is_degenerate};
+
+/// The triangles of a level and the positions that a refit may move.
+#[derive(Clone, Debug)]
+pub(crate) struct Level {
+    /// The level as a mesh of its own, where the simplifier left it.
+    pub(crate) mesh: Mesh,
+    /// For each triangle of `mesh` the triangle of LOD 0 that it was.
+    pub(crate) source: Vec<u32>,
+    /// For each vertex of `mesh` its point.
+    pub(crate) point_of: Vec<u32>,
+    /// Positions, each once.
+    pub(crate) points: Vec<DVec3>,
+    /// The triangles by points.
+    pub(crate) faces: Vec<[u32; 3]>,
+    /// The edges by points, the smaller first.
+    pub(crate) edges: Vec<[u32; 2]>,
+    /// For each face the edges from its corners 0, 1 and 2 to the next.
+    pub(crate) face_edges: Vec<[u32; 3]>,
+}
+
+impl Level {
+    pub(crate) fn new(simplified: &Simplified, lod: Lod) -> Self {
+        let (input, map) = (simplified.mesh(), simplified.collapses().resolve_all(lod));
+        let positions = PositionIds::new(input.positions());
+        let (mut source, mut triangles) = (Vec::new(), Vec::new());
+        for (submesh, s) in input.submeshes().iter().enumerate() {
+            for t in s.triangles() {
+                let corners = input.triangles()[t].map(|v| map[v as usize]);
+                if !is_degenerate(corners.map(|v| positions.of_vertex[v as usize])) {
+                    source.push(t as u32);
+                    triangles.push(OrientedTriangle::new(submesh as u32, corners));
+                }
+            }
+        }
+        let mesh = input.extract(&triangles).expect("triangles of a level are valid");
+        let ids = PositionIds::new(mesh.positions());
+        let mut points = vec![DVec3::ZERO; ids.len()];
+        for (&id, &p) in ids.of_vertex.iter().zip(mesh.positions()) {
+            points[id as usize] = DVec3::from_array(p.map(f64::from));
+        }
+        let point_of = ids.of_vertex;
+        let faces: Vec<[u32; 3]> =
+            mesh.triangles().iter().map(|t| t.map(|v| point_of[v as usize])).collect();
+        let (edges, face_edges) = edges(&faces);
+        Self { mesh, source, point_of, points, faces, edges, face_edges }
+    }
+
+    /// The corners of all faces with the points at `positions`.
+    pub(crate) fn corners(&self, positions: &[DVec3]) -> Vec<[DVec3; 3]> {
+        self.faces.iter().map(|f| f.map(|p| positions[p as usize])).collect()
+    }
+
+    /// The mean length of the edges at each point.
+    pub(crate) fn edge_lengths(&self, positions: &[DVec3]) -> Vec<f64> {
+        let mut sums = vec![(0.0, 0.0); positions.len()];
+        for &[a, b] in &self.edges {
+            let length = positions[a as usize].distance(positions[b as usize]);
+            for p in [a, b] {
+                let sum: &mut (f64, f64) = &mut sums[p as usize];
+                *sum = (sum.0 + length, sum.1 + 1.0);
+            }
+        }
+        sums.into_iter().map(|(sum, n)| sum / f64::max(n, 1.0)).collect()
+    }
+}
+
+/// The undirected edges of faces, and for each face the numbers of its three.
+fn edges(faces: &[[u32; 3]]) -> (Vec<[u32; 2]>, Vec<[u32; 3]>) {
+    let mut sides: Vec<([u32; 2], u32)> = Vec::with_capacity(3 * faces.len());
+    for (i, f) in faces.iter().enumerate() {
+        for k in 0..3 {
+            let (a, b) = (f[k], f[(k + 1) % 3]);
+            sides.push(([a.min(b), a.max(b)], (3 * i + k) as u32));
+        }
+    }
+    sides.sort_unstable();
+    let (mut edges, mut face_edges) = (Vec::new(), vec![[NONE; 3]; faces.len()]);
+    for (edge, side) in sides {
+        if edges.last() != Some(&edge) {
+            edges.push(edge);
+        }
+        face_edges[side as usize / 3][side as usize % 3] = edges.len() as u32 - 1;
+    }
+    (edges, face_edges)
+}

@@ -1,0 +1,57 @@
+//! Fixed sample points on triangles, with their shares of the area (Dunavant 1985).
+
+/// A rule: barycentric coordinates and the share of the triangle's area of each point.
+pub(crate) type Rule = &'static [([f64; 3], f64)];
+
+const A: f64 = 0.445_948_490_915_965;
+const B: f64 = 0.091_576_213_509_771;
+const WEIGHT_A: f64 = 0.223_381_589_678_011;
+const WEIGHT_B: f64 = 0.109_951_743_655_322;
+
+/// The centroid: exact for linear functions.
+const ONE: Rule = &[([1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0], 1.0)];
+
+/// Three points: exact for quadratic functions.
+const THREE: Rule = &[
+    ([2.0 / 3.0, 1.0 / 6.0, 1.0 / 6.0], 1.0 / 3.0),
+    ([1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0], 1.0 / 3.0),
+    ([1.0 / 6.0, 1.0 / 6.0, 2.0 / 3.0], 1.0 / 3.0),
+];
+
+/// Six points: exact for polynomials of degree 4.
+pub(crate) const SIX: Rule = &[
+    ([1.0 - 2.0 * A, A, A], WEIGHT_A),
+    ([A, 1.0 - 2.0 * A, A], WEIGHT_A),
+    ([A, A, 1.0 - 2.0 * A], WEIGHT_A),
+    ([1.0 - 2.0 * B, B, B], WEIGHT_B),
+    ([B, 1.0 - 2.0 * B, B], WEIGHT_B),
+    ([B, B, 1.0 - 2.0 * B], WEIGHT_B),
+];
+
+/// The rule for the input's triangles: the more of them there are to one of the level, the fewer
+/// points each needs.
+pub(crate) fn for_ratio(input: usize, level: usize) -> Rule {
+    match input / level.max(1) {
+        0..3 => SIX,
+        3..10 => THREE,
+        _ => ONE,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shares_add_up_and_moments_are_exact() {
+        for (rule, degree) in [(ONE, 1), (THREE, 2), (SIX, 4)] {
+            assert!((rule.iter().map(|r| r.1).sum::<f64>() - 1.0).abs() < 1e-12);
+            for n in 1..=degree {
+                // The mean of the n-th power of one barycentric coordinate is 2 / ((n + 1)(n + 2)).
+                let mean: f64 = rule.iter().map(|(b, share)| share * b[0].powi(n)).sum();
+                let exact = 2.0 / f64::from((n + 1) * (n + 2));
+                assert!((mean - exact).abs() < 1e-12, "degree {n} of {}", rule.len());
+            }
+        }
+    }
+}

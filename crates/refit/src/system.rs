@@ -1,0 +1,209 @@
+//! The normal equations of one least-squares step, and their solution by conjugate gradients.
+
+use glam::DVec3;
+
+/// A symmetric 3 × 3 matrix: xx, xy, xz, yy, yz, zz.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Symmetric([f64; 6]);
+
+impl Symmetric {
+    /// `share` of the projection onto the unit vector `u`, and `rest` of the identity.
+    pub(crate) fn projection(u: DVec3, share: f64, rest: f64) -> Self {
+        let s = u * share;
+        Self([
+            s.x * u.x + rest,
+            s.x * u.y,
+            s.x * u.z,
+            s.y * u.y + rest,
+            s.y * u.z,
+            s.z * u.z + rest,
+        ])
+    }
+
+    fn add(&mut self, other: &Self, factor: f64) {
+        for (a, b) in self.0.iter_mut().zip(other.0) {
+            *a += factor * b;
+        }
+    }
+
+    fn add_diagonal(&mut self, value: f64) {
+        for i in [0, 3, 5] {
+            self.0[i] += value;
+        }
+    }
+
+    fn trace(&self) -> f64 {
+        self.0[0] + self.0[3] + self.0[5]
+    }
+
+    pub(crate) fn times(&self, v: DVec3) -> DVec3 {
+        let [xx, xy, xz, yy, yz, zz] = self.0;
+        DVec3::new(
+            xx * v.x + xy * v.y + xz * v.z,
+            xy * v.x + yy * v.y + yz * v.z,
+            xz * v.x + yz * v.y + zz * v.z,
+        )
+    }
+
+    /// Returns the inverse, or zero for a matrix that has none.
+    fn inverse(&self) -> Self {
+        let [xx, xy, xz, yy, yz, zz] = self.0;
+        let (c0, c1, c2) = (yy * zz - yz * yz, xz * yz - xy * zz, xy * yz - xz * yy);
+        let determinant = xx * c0 + xy * c1 + xz * c2;
+        if determinant <= 0.0 || !determinant.is_finite() {
+            return Self::default();
+        }
+        let cofactors = [c0, c1, c2, xx * zz - xz * xz, xy * xz - xx * yz, xx * yy - xy * xy];
+        Self(cofactors.map(|c| c / determinant))
+    }
+}
+
+/// One point of one surface tied to a point of the other.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Tie {
+    /// The face of the level that the point lies on.
+    pub(crate) face: u32,
+    /// Where on it.
+    pub(crate) barycentric: [f64; 3],
+    /// From the input's point to the level's.
+    pub(crate) residual: DVec3,
+    /// Unit direction in which the distance counts in full.
+    pub(crate) direction: DVec3,
+    /// Share of the whole area.
+    pub(crate) weight: f64,
+}
+
+/// Share of a distance that counts along the surface, so that vertices do not drift.
+const ALONG: f64 = 0.01;
+/// Damping, as a share of a vertex's own stiffness.
+const DAMPING: f64 = 0.01;
+/// Most steps of conjugate gradients, and the share of the residual at which they end.
+const MOST_STEPS: usize = 20;
+const RESIDUAL: f64 = 1e-3;
+
+/// A sparse symmetric system of one 3 × 3 block per vertex and per edge.
+#[derive(Clone, Debug)]
+pub(crate) struct System<'a> {
+    faces: &'a [[u32; 3]],
+    face_edges: &'a [[u32; 3]],
+    edges: &'a [[u32; 2]],
+    diagonal: Vec<Symmetric>,
+    off_diagonal: Vec<Symmetric>,
+    gradient: Vec<DVec3>,
+}
+
+impl<'a> System<'a> {
+    pub(crate) fn new(
+        vertices: usize,
+        faces: &'a [[u32; 3]],
+        face_edges: &'a [[u32; 3]],
+        edges: &'a [[u32; 2]],
+    ) -> Self {
+        Self {
+            faces,
+            face_edges,
+            edges,
+            diagonal: vec![Symmetric::default(); vertices],
+            off_diagonal: vec![Symmetric::default(); edges.len()],
+            gradient: vec![DVec3::ZERO; vertices],
+        }
+    }
+
+    /// Adds the squared distance of a tie.
+    pub(crate) fn add(&mut self, tie: &Tie) {
+        let (u, r) = (tie.direction, tie.residual);
+        let block = Symmetric::projection(u, 1.0 - ALONG, ALONG);
+        let pull = u * ((1.0 - ALONG) * r.dot(u)) + r * ALONG;
+        let face = tie.face as usize;
+        for k in 0..3 {
+            let vertex = self.faces[face][k] as usize;
+            let share = tie.weight * tie.barycentric[k];
+            self.gradient[vertex] += pull * share;
+            self.diagonal[vertex].add(&block, share * tie.barycentric[k]);
+            let edge = self.face_edges[face][k] as usize;
+            self.off_diagonal[edge].add(&block, share * tie.barycentric[(k + 1) % 3]);
+        }
+    }
+
+    /// Returns the moves that lower the sum of squared distances most (Levenberg's damping, then
+    /// block-Jacobi conjugate gradients).
+    pub(crate) fn solve(mut self) -> Vec<DVec3> {
+        let vertices = self.diagonal.len();
+        let stiffness: Vec<f64> = self.diagonal.iter().map(|b| b.trace() / 3.0).collect();
+        let mean = stiffness.iter().sum::<f64>() / vertices.max(1) as f64;
+        for (block, own) in self.diagonal.iter_mut().zip(&stiffness) {
+            block.add_diagonal(DAMPING * own.max(0.1 * mean));
+        }
+        let inverse: Vec<Symmetric> = self.diagonal.iter().map(Symmetric::inverse).collect();
+        let precondition = |r: &[DVec3]| -> Vec<DVec3> {
+            inverse.iter().zip(r).map(|(m, &r)| m.times(r)).collect()
+        };
+        let mut x = vec![DVec3::ZERO; vertices];
+        let mut r: Vec<DVec3> = self.gradient.iter().map(|&g| -g).collect();
+        let mut z = precondition(&r);
+        let mut p = z.clone();
+        let mut rz = dot(&r, &z);
+        let enough = rz * RESIDUAL * RESIDUAL;
+        for _ in 0..MOST_STEPS {
+            if rz <= enough {
+                break;
+            }
+            let q = self.times(&p);
+            let alpha = rz / dot(&p, &q);
+            for i in 0..vertices {
+                x[i] += p[i] * alpha;
+                r[i] -= q[i] * alpha;
+            }
+            z = precondition(&r);
+            let next = dot(&r, &z);
+            for i in 0..vertices {
+                p[i] = z[i] + p[i] * (next / rz);
+            }
+            rz = next;
+        }
+        x
+    }
+
+    fn times(&self, p: &[DVec3]) -> Vec<DVec3> {
+        let mut q: Vec<DVec3> = self.diagonal.iter().zip(p).map(|(m, &p)| m.times(p)).collect();
+        for (block, &[a, b]) in self.off_diagonal.iter().zip(self.edges) {
+            q[a as usize] += block.times(p[b as usize]);
+            q[b as usize] += block.times(p[a as usize]);
+        }
+        q
+    }
+}
+
+fn dot(a: &[DVec3], b: &[DVec3]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a.dot(*b)).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_inverse_undoes_its_matrix() {
+        let mut m = Symmetric::projection(DVec3::new(0.6, 0.0, 0.8), 2.0, 0.1);
+        m.add(&Symmetric::projection(DVec3::Y, 1.0, 0.0), 3.0);
+        let v = DVec3::new(1.0, -2.0, 0.5);
+        assert!((m.inverse().times(m.times(v)) - v).length() < 1e-12);
+        assert_eq!(Symmetric::default().inverse(), Symmetric::default());
+    }
+
+    #[test]
+    fn a_face_follows_a_plane_that_is_shifted() {
+        // Ties at the corners of one face ask for a shift by 0.25 along z.
+        let (faces, face_edges, edges) = ([[0, 1, 2]], [[0, 1, 2]], [[0, 1], [1, 2], [0, 2]]);
+        let mut system = System::new(3, &faces, &face_edges, &edges);
+        for k in 0..3 {
+            let mut barycentric = [0.0; 3];
+            barycentric[k] = 1.0;
+            let residual = DVec3::new(0.0, 0.0, -0.25);
+            system.add(&Tie { face: 0, barycentric, residual, direction: DVec3::Z, weight: 1.0 });
+        }
+        for x in system.solve() {
+            assert!((x - DVec3::new(0.0, 0.0, 0.25)).length() < 0.01, "{x}");
+        }
+    }
+}
