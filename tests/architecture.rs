@@ -25,6 +25,7 @@ const DRAWING: &[(&str, &[&str])] = &[
             "png",
             "serde",
             "serde_json",
+            "tobj",
             "xxhash-rust",
             "zune-jpeg",
         ],
@@ -64,6 +65,7 @@ const LONG_FILES: &[(&str, &str)] = &[];
 /// A word in code, and the only places that may use it.
 const OWNED: &[(&str, &[&str])] = &[
     ("gltf::", &["formats/"]),
+    ("tobj::", &["formats/"]),
     ("bincode::", &["formats/"]),
     ("xxhash_rust::", &["formats/"]),
     ("png::", &["formats/"]),

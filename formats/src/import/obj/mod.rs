@@ -4,6 +4,8 @@
 //! without a material are a submesh of their own.
 
 mod assemble;
+mod feed;
+mod guard;
 mod lines;
 mod mtl;
 mod notes;
@@ -13,6 +15,8 @@ mod parse;
 mod tests;
 mod triangulate;
 mod unique;
+
+pub(crate) use mtl::meaning;
 
 use super::ImportOptions;
 use crate::{
