@@ -47,3 +47,25 @@ study: build
 # Write the fixture files again
 fixtures:
     cargo run --release -p lodc-fixtures --features files --bin generate -- fixtures
+
+# Write the answers of the README's tour anew
+tour:
+    UPDATE=1 cargo test -p lodc --test cli readme
+
+# Draw the README's picture again (docs/levels.png; needs a graphics device)
+picture: build
+    cargo run --release -p lodc-fixtures --example shell -- target/shell.obj
+    target/release/lodc render target/shell.obj --contact-sheet 1,0.1,0.03,0.01 --size 240x300 \
+        --shading flat --azimuth 20 --elevation 12 -o docs/levels.png
+
+# Draw the picture of the packages again (docs/packages.svg)
+drawing:
+    UPDATE=1 cargo test -p lodc --test architecture picture
+
+# lodc beside OpenMesh, meshoptimizer and others on one mesh (made on the spot without one)
+peers *words:
+    tests/peers/run {{words}}
+
+# Draw the plots of docs/BENCHMARKS.md from docs/benchmarks/*.csv
+plots:
+    python3 tests/plots.py

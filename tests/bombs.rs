@@ -14,10 +14,10 @@ use std::time::{Duration, Instant};
 use support::{Folder, LODC};
 use xxhash_rust::xxh3::{Xxh3, xxh3_64};
 
-/// Where a bomb is put, and what a run of the program on it took.
+/// A bomb's file, and what a run of the program on it took.
 struct Range(Folder);
 
-/// What a run took, as far as the system says.
+/// Cost of a run, as far as the system says.
 #[derive(Debug, Default)]
 struct Taken {
     /// Largest resident size in bytes.

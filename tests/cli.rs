@@ -16,6 +16,8 @@ mod extract;
 mod output;
 #[path = "cli/paths.rs"]
 mod paths;
+#[path = "cli/readme.rs"]
+mod readme;
 #[path = "cli/refused.rs"]
 mod refused;
 #[cfg(feature = "gpu")]

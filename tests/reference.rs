@@ -3,9 +3,11 @@
 //! random meshes.
 
 use lodc_fixtures::{ALL, Rng, check_rules, random, random_collapse};
-use lodc_lod::{AnyModel, Changes, Model, ModelKind, StripOptions, StripPool};
+use lodc_lod::{AnyModel, ModelKind};
 use lodc_mesh::{Lod, Mesh, OrientedTriangle, Simplified};
+use lodc_model::{Changes, Model};
 use lodc_simplify::{Options, simplify};
+use lodc_strip::{StripOptions, StripPool};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -92,10 +94,10 @@ fn closed_shapes_lose_next_to_nothing_before_they_must() {
 struct Books(BTreeMap<OrientedTriangle, i64>);
 
 impl Changes for Books {
-    fn gone(&mut self, t: OrientedTriangle) {
+    fn removed(&mut self, t: OrientedTriangle) {
         *self.0.entry(t).or_default() -= 1;
     }
-    fn came(&mut self, t: OrientedTriangle) {
+    fn added(&mut self, t: OrientedTriangle) {
         *self.0.entry(t).or_default() += 1;
     }
 }
@@ -111,7 +113,7 @@ fn check_models(s: Simplified, seeks: usize, seed: u64) -> Result<(), String> {
             AnyModel::build(kind, &mut strips).map_err(|e| format!("{}: {e}", kind.name()))?;
         let mut cursor = model.cursor();
         let mut books = Books(BTreeMap::new());
-        model.triangles(&cursor).into_iter().for_each(|t| books.came(t));
+        model.triangles(&cursor).into_iter().for_each(|t| books.added(t));
         let last = s.collapses().last().0;
         for seek in 0..seeks {
             // Past the last level, too: that is the last level.

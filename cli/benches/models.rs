@@ -6,11 +6,13 @@
 //! records passed, per second.
 
 use criterion::{BenchmarkGroup, BenchmarkId, Criterion, Throughput, measurement::WallTime};
-use lodc_lod::baseline::{Baseline, Rebuild};
-use lodc_lod::{AnyModel, Model, ModelKind, StripKind, StripOptions, StripPool, Strips};
+use lodc_baseline::{Baseline, Rebuild};
+use lodc_lod::{AnyModel, ModelKind};
 use lodc_mesh::{Lod, Mesh, Simplified};
+use lodc_model::Model;
 use lodc_simplify::{Options, simplify};
 use lodc_strip::{Effort, order};
+use lodc_strip::{StripKind, StripOptions, StripPool, Strips};
 use std::hint::black_box;
 use std::sync::Arc;
 use std::time::Duration;

@@ -32,7 +32,7 @@ pub(crate) struct CommonArgs {
     pub(crate) verbose: bool,
 }
 
-/// What to do.
+/// The command and its options.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Turn OBJ, glTF or GLB files into .lodc files

@@ -5,7 +5,7 @@ use std::fmt::Display;
 use std::io::{self, ErrorKind, Write};
 use std::sync::atomic::{AtomicU8, Ordering};
 
-/// How much is said on standard error.
+/// Verbosity of messages on standard error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]
 pub(crate) enum Loudness {
@@ -26,7 +26,7 @@ pub(crate) fn set_loudness(loudness: Loudness) {
     LOUDNESS.store(loudness as u8, Ordering::Relaxed);
 }
 
-/// Whether messages of this loudness are wanted.
+/// Returns whether messages of this loudness are wanted.
 pub(crate) fn wants(loudness: Loudness) -> bool {
     LOUDNESS.load(Ordering::Relaxed) >= loudness as u8
 }

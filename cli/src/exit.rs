@@ -3,7 +3,7 @@
 use lodc_formats::{Fault, FormatError};
 use std::fmt;
 
-/// What the process tells its caller. The numbers are part of the command line's contract.
+/// Exit status of the process. The numbers are part of the command line's contract.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]
 pub(crate) enum Status {

@@ -6,7 +6,7 @@ pub(crate) use lodc_gpu::Device;
 use crate::exit::{Failure, Status};
 use clap::ValueEnum;
 
-/// Whether a graphics device must be there.
+/// Demand for a graphics device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum GpuUse {
     Auto,

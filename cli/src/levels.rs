@@ -3,8 +3,10 @@
 use crate::selector::Candidate;
 use clap::ValueEnum;
 use lodc_formats::lodc::LodObject;
-use lodc_lod::{AnyModel, Model, ModelKind, StripPool};
+use lodc_lod::{AnyModel, ModelKind};
 use lodc_mesh::{CollapseSequence, Lod, OrientedTriangle, PositionIds, TriangleHash};
+use lodc_model::Model;
+use lodc_strip::StripPool;
 
 /// A structure that `--models` and `--model` may name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -18,7 +20,7 @@ pub(crate) enum ModelName {
 }
 
 impl ModelName {
-    /// What the library calls it.
+    /// The library's kind of that name.
     pub(crate) fn kind(self) -> ModelKind {
         match self {
             Self::Speed => ModelKind::Speed,

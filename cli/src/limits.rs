@@ -10,7 +10,7 @@ use std::path::PathBuf;
 /// Bytes that a build needs per input triangle, at most (measured; docs/BENCHMARKS.md).
 const BUILD_BYTES_PER_TRIANGLE: u64 = 400;
 
-/// How inputs are read: shared by every command that reads a mesh.
+/// Options of reading inputs, shared by every command that reads a mesh.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct ImportArgs {
     /// Join positions closer than EPS times the bounding box's diagonal (0: identical ones only)

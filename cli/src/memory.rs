@@ -1,4 +1,4 @@
-//! How much memory the process has used and the machine has. Measurements: never part of an output
+//! Memory that the process has used and that the machine has. Measurements: never part of an output
 //! file.
 
 use std::fs;

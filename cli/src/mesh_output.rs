@@ -36,19 +36,19 @@ impl FormatName {
     }
 }
 
-/// What was asked for.
+/// The output as it was asked for.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Wanted<'a> {
     pub(crate) input: &'a Path,
     pub(crate) output: &'a Path,
     pub(crate) format: Option<FormatName>,
-    /// Whether standard output is taken by JSON.
+    /// True if standard output is taken by JSON.
     pub(crate) json: bool,
     pub(crate) depfile: Option<&'a Path>,
 }
 
 impl Wanted<'_> {
-    /// Where the result goes, and in which format.
+    /// Returns the target of the result and its format.
     pub(crate) fn target(&self) -> Outcome<(Target, FormatName)> {
         if output::is_stream(self.output) {
             let format = self.format.unwrap_or(FormatName::Glb);

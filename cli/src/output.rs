@@ -1,4 +1,4 @@
-//! Where results go: file, folder or standard output; whole or not at all; and dependency files.
+//! Targets of results: file, folder or standard output; whole or not at all; and dependency files.
 
 use crate::exit::{Failure, Outcome, Status};
 use crate::{console, interrupt};
@@ -6,7 +6,7 @@ use lodc_formats::{OutputFile, write_all};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Where one result goes.
+/// Target of one result.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Target {
     /// `-`.
@@ -25,13 +25,13 @@ impl Target {
     }
 }
 
-/// Whether a path stands for standard input or output.
+/// Returns whether a path stands for standard input or output.
 pub(crate) fn is_stream(path: &Path) -> bool {
     path.as_os_str() == "-"
 }
 
-/// Where each input's result goes. `out` is a file for one input, a folder for several or if it is
-/// one already (or ends with a slash); without it results stand beside the inputs.
+/// Returns the target of each input's result. `out` is a file for one input, a folder for several
+/// or if it is one already (or ends with a slash); without it results stand beside the inputs.
 ///
 /// # Errors
 /// If two results would have one name, or a result would replace an input.
@@ -94,7 +94,7 @@ pub(crate) fn targets(
     Ok(targets)
 }
 
-/// Whether results belong inside.
+/// Returns whether results belong inside.
 pub(crate) fn is_folder(out: &Path) -> bool {
     out.is_dir() || out.as_os_str().to_string_lossy().ends_with(['/', std::path::MAIN_SEPARATOR])
 }

@@ -45,7 +45,7 @@ pub(crate) struct StageReport {
     pub(crate) seconds: f64,
 }
 
-/// What an object is made of.
+/// Counts of an object's elements.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct ObjectCounts {
     pub(crate) name: String,
@@ -75,7 +75,7 @@ pub(crate) struct InfoReport {
     pub(crate) objects: Vec<ObjectReport>,
 }
 
-/// Where a file came from; never a path.
+/// Origin of a file; never a path.
 #[derive(Debug, Serialize)]
 pub(crate) struct SourceReport {
     pub(crate) format: &'static str,
@@ -104,7 +104,7 @@ pub(crate) struct LodReport {
     pub(crate) error: f64,
 }
 
-/// What one model costs.
+/// Storage cost of one model.
 #[derive(Debug, Serialize)]
 pub(crate) struct ModelReport {
     pub(crate) bits_per_vertex: BitsPerVertex,
@@ -117,7 +117,7 @@ pub(crate) struct BitsPerVertex {
     pub(crate) thesis: f64,
     /// The same with normals.
     pub(crate) thesis_normals: f64,
-    /// What this model takes in the file; null if it is not stored.
+    /// Bits per vertex of this model in the file; null if it is not stored.
     pub(crate) file: Option<f64>,
 }
 
@@ -169,7 +169,7 @@ pub(crate) struct PackedReport {
     pub(crate) strips: Option<u64>,
     pub(crate) bytes: u64,
     pub(crate) bits_per_vertex: StreamBits,
-    /// What quantising may have changed.
+    /// Largest changes that quantising may have made.
     pub(crate) bounds: Vec<BoundReport>,
 }
 
@@ -183,7 +183,7 @@ pub(crate) struct StreamBits {
     pub(crate) packages_normals: f64,
 }
 
-/// How far quantising may move something.
+/// Largest change of one stream by quantising.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct BoundReport {
     pub(crate) stream: String,
@@ -198,9 +198,9 @@ pub(crate) struct UnpackReport {
     pub(crate) schema_version: u32,
     pub(crate) input: String,
     pub(crate) output: String,
-    /// Whether the stream was complete.
+    /// True if the stream was complete.
     pub(crate) whole: bool,
-    /// What is wrong with the first part that was not used; null if nothing is.
+    /// Fault of the first part that was not used; null if there is none.
     pub(crate) damaged: Option<String>,
     /// Bytes of the stream that were used.
     pub(crate) bytes: u64,
@@ -246,7 +246,7 @@ pub(crate) struct CheckReport {
     pub(crate) object: Option<String>,
     /// The model; `sequence` for facts stored with the collapse sequence, `source` for `--source`.
     pub(crate) model: &'static str,
-    /// What was checked.
+    /// Name of the check.
     pub(crate) check: &'static str,
     pub(crate) device: &'static str,
     pub(crate) adapter: Option<String>,

@@ -45,7 +45,7 @@ impl OptionalSelector {
     pub(crate) fn per_object(&self) -> bool {
         self.per_object
     }
-    /// What was asked for, if anything.
+    /// The target that was asked for, if any.
     pub(crate) fn target(&self) -> Option<Target> {
         self.target.chosen()
     }
@@ -84,13 +84,13 @@ impl SelectorArgs {
     pub(crate) fn per_object(&self) -> bool {
         self.per_object
     }
-    /// What was asked for.
+    /// The target that was asked for.
     pub(crate) fn target(&self) -> Target {
         self.target.chosen().expect("clap demands exactly one of the group")
     }
 }
 
-/// What is wanted.
+/// The wanted level.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Target {
     /// This many records applied.
@@ -116,14 +116,14 @@ pub(crate) struct Candidate<'a> {
     pub(crate) diagonal: f64,
 }
 
-/// What was chosen.
+/// The chosen levels.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Selection {
     /// One per object; always the end of a step.
     pub(crate) lods: Vec<Lod>,
     /// The largest error of an object: in mesh units for one object, in world units for several.
     pub(crate) error: f64,
-    /// Where the request could not be met in full.
+    /// Warnings about requests that could not be met in full.
     pub(crate) warnings: Vec<String>,
 }
 
@@ -241,9 +241,9 @@ fn within_triangles(objects: &[Candidate<'_>], budget: u64, chosen: &mut Selecti
     while low < high {
         let middle = low + (high - low) / 2;
         if total(&at(Some(f64::from_bits(middle)))) <= budget {
-            high = middle
+            high = middle;
         } else {
-            low = middle + 1
+            low = middle + 1;
         }
     }
     let error = f64::from_bits(low);

@@ -1,4 +1,4 @@
-//! How long each stage took.
+//! Durations of stages.
 
 use crate::console::detail;
 use crate::memory;

@@ -208,7 +208,8 @@ fn info_counts_the_same_baselines() {
     }
 }
 
-/// What does not depend on the clock: which cases there are, and the memory, worked out by hand.
+/// The parts that do not depend on the clock: which cases there are, and the memory, worked out by
+/// hand.
 #[test]
 fn a_device_is_timed_in_every_model_and_its_memory_counted() {
     let f = Folder::new();

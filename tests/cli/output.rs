@@ -57,7 +57,7 @@ fn a_read_only_folder_is_4_and_keeps_its_file() {
     f.file("locked/good.lodc", "precious");
     let mode = |m| {
         std::fs::set_permissions(f.join("locked"), std::fs::Permissions::from_mode(m))
-            .expect("my folder")
+            .expect("my folder");
     };
     mode(0o555);
     if std::fs::write(f.join("locked/probe"), "").is_ok() {

@@ -185,7 +185,7 @@ fn names_cannot_forge_messages() {
     assert!(!run.err.contains('\u{1b}'), "{}", run.err);
 }
 
-/// Whether a file exists and has this text in it.
+/// Returns whether a file exists and has this text in it.
 trait ExistsWith {
     fn exists_with(&self, text: &str) -> bool;
 }

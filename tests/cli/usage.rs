@@ -1,4 +1,4 @@
-//! What is refused before any work, and what helps people.
+//! Misuse that is refused before any work, and the help for it.
 
 use crate::support::{Folder, grid};
 

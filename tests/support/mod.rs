@@ -91,7 +91,7 @@ impl Drop for Folder {
     }
 }
 
-/// What a run of the program gave.
+/// Result of a run of the program.
 #[derive(Debug)]
 pub(crate) struct Run {
     /// The exit status; none if a signal ended it.

@@ -24,7 +24,7 @@ use std::path::PathBuf;
 pub(crate) struct ExtractArgs {
     /// The .lodc file; `-` for standard input
     input: PathBuf,
-    /// Where to write: .glb, .gltf, .obj or .ply; a folder; `-` for standard output
+    /// Output: .glb, .gltf, .obj or .ply; a folder; `-` for standard output
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
     #[command(flatten)]
@@ -45,7 +45,7 @@ pub(crate) struct ExtractArgs {
     limits: LimitArgs,
 }
 
-/// What may be replayed.
+/// Structures that can be replayed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum ReplayName {
     Speed,

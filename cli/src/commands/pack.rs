@@ -13,8 +13,9 @@ use clap::{Args, ValueEnum};
 use lodc_formats::lodc::{LodFile, LodObject};
 use lodc_formats::lods::{Bound, PackOptions, Packed, PackedObject, Quantize, Unpacker, pack};
 use lodc_formats::{Limits, lods};
-use lodc_lod::{AnyModel, StripKind, StripOptions, StripPool};
+use lodc_lod::AnyModel;
 use lodc_strip::StripSet;
+use lodc_strip::{StripKind, StripOptions, StripPool};
 use rayon::prelude::*;
 use std::path::PathBuf;
 

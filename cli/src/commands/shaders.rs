@@ -10,7 +10,7 @@ use lodc_lod::ModelKind;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-/// What stands beside the shaders.
+/// The page that is written beside the shaders.
 const GUIDE: &str = include_str!("../../../docs/ENGINE.md");
 
 /// Options of `shaders`.

@@ -25,19 +25,19 @@ use std::path::PathBuf;
 pub(crate) struct StripsArgs {
     /// The mesh to read: OBJ, glTF or GLB; `-` for standard input
     input: PathBuf,
-    /// Where to write the strips; `-` for standard output
+    /// Output file for the strips; `-` for standard output
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
     /// Few long strips, strips that reuse a vertex cache, or a triangle list that does
     #[arg(long, value_enum, default_value = "stripe")]
     strips: Generator,
-    /// How long to search
+    /// Effort of the search
     #[arg(long, value_enum, default_value = "default")]
     effort: EffortName,
-    /// How many vertices the cache holds that `cache` and `list` are made for
+    /// Vertices in the cache that `cache` and `list` are made for
     #[arg(long, value_name = "N", default_value = "16", value_parser = clap::value_parser!(u32).range(4..=64))]
     cache_size: u32,
-    /// How many fetched vertices an index is worth to `cache`: more makes fewer indices, less fewer
+    /// Fetched vertices that an index is worth to `cache`: more makes fewer indices, less fewer
     /// misses
     #[arg(long, value_name = "PRICE", default_value = "1", value_parser = price)]
     index_price: f32,
@@ -48,7 +48,7 @@ pub(crate) struct StripsArgs {
     import: ImportArgs,
 }
 
-/// What makes the output.
+/// Generators of the output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Generator {
     Stripe,
@@ -63,7 +63,7 @@ fn price(text: &str) -> Result<f32, String> {
     }
 }
 
-/// What was drawn in all, for the note at the end.
+/// Totals over all strips, for the note at the end.
 #[derive(Default)]
 struct Totals {
     triangles: u64,

@@ -25,7 +25,7 @@ use std::path::PathBuf;
 pub(crate) struct UnpackArgs {
     /// The .lods stream, or any prefix of one; `-` for standard input
     input: PathBuf,
-    /// Where to write: .glb, .gltf, .obj or .ply; a folder; `-` for standard output
+    /// Output: .glb, .gltf, .obj or .ply; a folder; `-` for standard output
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
     /// Only a complete stream will do

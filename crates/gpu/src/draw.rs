@@ -2,7 +2,7 @@
 //! triangles or strips.
 
 use crate::{GpuError, Session};
-use lodc_lod::plan::Drawn;
+use lodc_plan::Drawn;
 use std::num::NonZeroU64;
 
 /// Pixels across and down.

@@ -1,4 +1,4 @@
-//! The only package that sees a graphics device: it runs any [`Plan`](lodc_lod::plan::Plan),
+//! The only package that sees a graphics device: it runs any [`Plan`](lodc_plan::Plan),
 //! compares what comes back bit for bit, and draws pictures. It knows no model.
 
 mod device;

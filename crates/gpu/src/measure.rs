@@ -2,7 +2,7 @@
 
 use crate::draw::Canvas;
 use crate::{Device, GpuError, Session};
-use lodc_lod::plan::{Benchmark, Case};
+use lodc_plan::{Benchmark, Case};
 use std::time::Duration;
 
 /// A case is not repeated once it has taken so long.

@@ -1,7 +1,7 @@
 //! Running a plan and finding the first word that is not what it should be.
 
 use crate::{Device, GpuError, Session};
-use lodc_lod::plan::{Expected, Plan, Tolerance};
+use lodc_plan::{Expected, Plan, Tolerance};
 use std::fmt;
 
 /// What a plan came to.

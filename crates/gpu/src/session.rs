@@ -1,7 +1,7 @@
 //! A program on a device: its buffers, its kernels, running passes and reading words back.
 
 use crate::{Device, GpuError};
-use lodc_lod::plan::{BufferId, Contents, Kernel, KernelId, Pass, Program, WORKGROUP};
+use lodc_plan::{BufferId, Contents, Kernel, KernelId, Pass, Program, WORKGROUP};
 use std::cell::OnceCell;
 
 /// Bytes between the parameters of two passes in the one uniform buffer: what every device accepts

@@ -2,7 +2,7 @@
 
 use crate::draw::Canvas;
 use crate::{Device, GpuError, Session};
-use lodc_lod::plan::Pass;
+use lodc_plan::Pass;
 use std::time::Duration;
 
 /// The host's clock, from any start.

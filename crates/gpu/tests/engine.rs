@@ -8,8 +8,8 @@ mod support;
 use lodc_fixtures as fixtures;
 use lodc_lod::ModelKind;
 use lodc_lod::interactive::view::{Point, Views};
-use lodc_lod::plan::VertexRecords;
 use lodc_mesh::{Lod, Simplified};
+use lodc_plan::VertexRecords;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 
 /// The host of an engine.

@@ -7,9 +7,10 @@ mod support;
 
 use lodc_fixtures as fixtures;
 use lodc_gpu::{Device, replay};
-use lodc_lod::plan::{Contents, Plan, schedule};
-use lodc_lod::{AnyModel, Model};
+use lodc_lod::AnyModel;
 use lodc_mesh::Mesh;
+use lodc_model::Model;
+use lodc_plan::{Contents, Plan, schedule};
 use std::sync::Arc;
 use support::{device, models};
 

@@ -6,7 +6,9 @@ mod support;
 
 use lodc_fixtures as fixtures;
 use lodc_gpu::{Device, GpuError, Lowered, replay};
-use lodc_lod::{AnyModel, Model, plan::schedule};
+use lodc_lod::AnyModel;
+use lodc_model::Model;
+use lodc_plan::schedule;
 use support::{device, models};
 
 fn lowered(lowered: &Lowered) -> Option<Device> {

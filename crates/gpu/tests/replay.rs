@@ -6,8 +6,9 @@ mod support;
 
 use lodc_fixtures as fixtures;
 use lodc_gpu::{Device, replay};
-use lodc_lod::{Model, plan};
 use lodc_mesh::Simplified;
+use lodc_model::Model;
+use lodc_plan as plan;
 use support::{device, models};
 
 fn check(device: &Device, name: &str, simplified: Simplified, grid: u32) {

@@ -1,11 +1,10 @@
 //! The closed list of models: the one place that names them all.
 
-use crate::plan::{Benchmark, Plan, PlanError, Shader};
-use crate::{
-    Array, BuildError, Changes, Interactive, Masking, Model, Speed, StorageCost, StripKind,
-    StripPool, Strips, Traffic,
-};
+use crate::{Interactive, Masking, Speed};
 use lodc_mesh::{Lod, OrientedTriangle, Simplified};
+use lodc_model::{Array, BuildError, Changes, Model, StorageCost, Traffic};
+use lodc_plan::{Benchmark, Plan, PlanError, Shader};
+use lodc_strip::{StripKind, StripPool, Strips};
 use std::{str::FromStr, sync::Arc};
 
 /// The kinds of models.

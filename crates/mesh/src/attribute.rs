@@ -1,6 +1,6 @@
 //! Vertex attributes as they came in: raw bytes with a meaning, given back bit for bit.
 
-/// What a stream of vertex data means.
+/// Meaning of a stream of vertex data.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Semantic {
     /// The position in its source format, present only where that is not three `f32` (quantised
@@ -55,7 +55,7 @@ impl Component {
 /// that do not use the stream hold zeros.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Attribute {
-    /// What the stream means.
+    /// Meaning of the stream.
     pub semantic: Semantic,
     /// `Some(t)`: the stream holds the deltas of morph target `t` for this semantic (`Position`
     /// included).
@@ -64,7 +64,7 @@ pub struct Attribute {
     pub component: Component,
     /// Components per vertex, 1 to 16.
     pub components: u8,
-    /// Whether integers stand for fractions (glTF 2.0, 3.6.2.2).
+    /// True if integers stand for fractions (glTF 2.0, 3.6.2.2).
     pub normalized: bool,
     /// The bytes, `stride() * vertices` of them.
     pub bytes: Vec<u8>,
@@ -77,7 +77,7 @@ impl Attribute {
         self.component.size() * usize::from(self.components)
     }
 
-    /// Whether the stream says where a vertex is, at rest or moved by joints and morph targets. A
+    /// Returns whether the stream places a vertex, at rest or moved by joints and morph targets. A
     /// vertex that takes another's place takes these streams from it.
     #[must_use]
     pub fn is_spatial(&self) -> bool {

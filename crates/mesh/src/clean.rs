@@ -2,7 +2,7 @@
 
 use crate::{MeshParts, position_key};
 
-/// What [`MeshParts::clean`] dropped.
+/// Counts of what [`MeshParts::clean`] dropped.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Cleaning {
     /// Triangles with two corners at one position.

@@ -52,7 +52,7 @@ impl Csr {
         self.offsets.len().saturating_sub(1)
     }
 
-    /// Where the values of a row stand.
+    /// Range of a row's values.
     #[must_use]
     pub fn range(&self, row: u32) -> Range<usize> {
         self.offsets[row as usize] as usize..self.offsets[row as usize + 1] as usize

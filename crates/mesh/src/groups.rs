@@ -62,7 +62,7 @@ impl WedgeGroups {
         self.first_vertex.len()
     }
 
-    /// Whether there are none.
+    /// Returns whether there are none.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.first_vertex.is_empty()

@@ -8,9 +8,9 @@ use std::fmt;
 pub struct Submesh {
     /// Its first triangle.
     pub first_triangle: u32,
-    /// How many triangles it has.
+    /// Number of its triangles.
     pub triangle_count: u32,
-    /// Which of the mesh's attribute streams its vertices have, as indices into
+    /// Attribute streams that its vertices have, as indices into
     /// [`Mesh::attributes`].
     pub attributes: Vec<u32>,
 }
@@ -24,7 +24,7 @@ impl Submesh {
     }
 }
 
-/// What a mesh is made of, before it is known to be valid.
+/// Parts of a mesh before they are known to be valid.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MeshParts {
     /// One per vertex.

@@ -85,7 +85,7 @@ impl PositionIds {
         self.first_vertex.len()
     }
 
-    /// Whether there are none.
+    /// Returns whether there are none.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.first_vertex.is_empty()

@@ -2,12 +2,12 @@
 
 use crate::{PositionIds, Simplified, is_degenerate};
 
-/// How many steps of one triangle's corners are followed one by one. Real triangles need about ten;
-/// beyond this, which takes a sequence made to be slow, the rest is found by bisection.
+/// Number of steps of one triangle's corners that are followed one by one. Real triangles need
+/// about ten; beyond this, which takes a sequence made to be slow, the rest is found by bisection.
 const WALK: u32 = 200;
 
-/// Returns for each triangle its removal LOD: the first step end at which two of its corners share a
-/// position.
+/// Returns for each triangle its removal LOD: the first step end at which two of its corners share
+/// a position.
 ///
 /// Follows the corners through their collapses, all three together, step by step. Near-linear for
 /// any sequence.

@@ -7,7 +7,7 @@
 
 use std::fmt;
 
-/// How many records have been applied. 0 is the full mesh; larger is coarser.
+/// Number of records applied. 0 is the full mesh; larger is coarser.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Lod(pub u32);
 
@@ -23,7 +23,7 @@ pub struct Step {
     pub triangles: u32,
 }
 
-/// What a collapse sequence is made of, before it is known to be valid.
+/// Parts of a collapse sequence before they are known to be valid.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SequenceParts {
     /// The vertex that each record's vertex becomes; one fewer than there are vertices.
@@ -39,7 +39,7 @@ pub struct SequenceParts {
     /// The last LOD reached without breaking a rule of legality (the terminal phase comes after
     /// it).
     pub last_legal_lod: Lod,
-    /// How many steps changed the topology before the terminal phase.
+    /// Number of steps that changed the topology before the terminal phase.
     pub topology_changes: u32,
     /// The first LOD after such a step.
     pub first_topology_change: Option<Lod>,
@@ -52,7 +52,7 @@ const STRIDE: usize = 32;
 #[derive(Clone, Debug, PartialEq)]
 pub struct CollapseSequence(SequenceParts, StepIndex);
 
-/// How many steps are complete at every [`STRIDE`]th LOD, so that the step of a LOD is found in a
+/// Number of complete steps at every [`STRIDE`]th LOD, so that the step of a LOD is found in a
 /// few reads.
 #[derive(Clone, Debug, PartialEq)]
 struct StepIndex(Vec<u32>);
@@ -70,7 +70,7 @@ impl StepIndex {
         Self((0..records / STRIDE + 2).map(|i| complete((STRIDE * i).min(records))).collect())
     }
 
-    /// How many steps are complete at a LOD, not beyond the last.
+    /// Returns the number of complete steps at a LOD, which is not beyond the last.
     fn complete(&self, step_ends: &[u32], lod: usize) -> usize {
         let [below, above] = [self.0[lod / STRIDE], self.0[lod / STRIDE + 1]].map(|n| n as usize);
         // Each step has a record at least: no more steps than records, and all others have yet to
@@ -110,7 +110,7 @@ impl CollapseSequence {
         }
         ends
     }
-    /// What each vertex becomes.
+    /// Target of each record's vertex.
     #[must_use]
     pub fn targets(&self) -> &[u32] {
         &self.0.targets
@@ -130,7 +130,7 @@ impl CollapseSequence {
     pub fn last(&self) -> Lod {
         Lod(self.records())
     }
-    /// How many steps are complete at `lod`.
+    /// Number of complete steps at `lod`.
     #[must_use]
     pub fn steps_at(&self, lod: Lod) -> usize {
         self.1.complete(&self.0.step_ends, lod.min(self.last()).0 as usize)

@@ -3,7 +3,7 @@
 use crate::{CollapseSequence, Lod, Mesh, OrientedTriangle, PositionIds, is_degenerate};
 use std::fmt;
 
-/// What a simplifier makes: the mesh, its vertices in the order in which they disappear (fake
+/// Result of a simplifier: the mesh, its vertices in the order in which they disappear (fake
 /// vertices included, which no triangle of LOD 0 uses), and the sequence. Within each submesh the
 /// triangle that dies first comes last, so the live triangles of a submesh are always the first
 /// ones.

@@ -12,7 +12,7 @@ const FILLED: f64 = 0.95;
 /// Nothing seen is further out than this many pixels; what is, is moved to there.
 const FURTHEST: f64 = 131_072.0;
 
-/// Where a point is in a picture.
+/// Place of a point in a picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Point {
     /// In 256ths of a pixel, from the left edge.
@@ -32,7 +32,7 @@ pub struct Camera {
     pub right: DVec3,
     /// Unit vector to the top of the picture.
     pub up: DVec3,
-    /// What the middle of the picture shows.
+    /// Point in the middle of the picture.
     pub center: DVec3,
     /// Pixels per unit of length.
     pub scale: f64,
@@ -52,7 +52,7 @@ impl Camera {
         Self { toward, right, up, center, scale, size }
     }
 
-    /// Where a point appears, snapped to the grid.
+    /// Projects a point and snaps it to the grid.
     #[must_use]
     pub fn project(&self, point: DVec3) -> Point {
         let p = (point - self.center) * self.scale;

@@ -1,7 +1,7 @@
 //! Everything behind every pixel of one picture, sorted by depth: what is seen, and what would be
 //! without it.
 
-/// What of an item lies at a pixel: items at one depth are sorted by number.
+/// One item at a pixel: items at one depth are sorted by number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Fragment(u64);
 
@@ -106,7 +106,7 @@ impl Layers {
         node
     }
 
-    /// Where the number of the node after `before` stands, `END` being the head.
+    /// Slot of the number of the node after `before`, `END` being the head.
     fn link(&mut self, pixel: usize, before: u32) -> &mut u32 {
         if before == END {
             &mut self.heads[pixel].next
@@ -115,14 +115,14 @@ impl Layers {
         }
     }
 
-    /// What is seen at a pixel.
+    /// Returns the item seen at a pixel.
     #[must_use]
     #[inline]
     pub fn front(&self, pixel: usize) -> Fragment {
         self.heads[pixel].fragment
     }
 
-    /// What is seen at consecutive pixels.
+    /// Returns the items seen at consecutive pixels.
     #[inline]
     pub fn fronts(&self, first: usize, count: usize) -> impl Iterator<Item = Fragment> + '_ {
         self.heads[first..first + count].iter().map(|node| node.fragment)

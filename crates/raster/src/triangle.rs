@@ -1,4 +1,4 @@
-//! Which pixel centres a triangle covers, decided in integers (Pineda 1988, with the top-left
+//! Pixel centres that a triangle covers, decided in integers (Pineda 1988, with the top-left
 //! rule).
 
 use crate::camera::{Point, SUBPIXELS};
@@ -45,7 +45,7 @@ impl Window {
         }
     }
 
-    /// Whether there is no pixel in it.
+    /// Returns whether there is no pixel in it.
     #[must_use]
     pub fn is_empty(self) -> bool {
         self.left >= self.right || self.top >= self.bottom

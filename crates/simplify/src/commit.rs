@@ -15,7 +15,7 @@ impl<M: Metric> Engine<'_, M> {
         from: u32,
         to: u32,
         changes_topology: bool,
-        serial: &mut Serial<M::Eye>,
+        serial: &mut Serial<M::ViewScratch>,
     ) {
         serial.epoch += 1;
         serial.stale.clear();
@@ -33,7 +33,7 @@ impl<M: Metric> Engine<'_, M> {
         let lod = self.log.order.len() as u32;
 
         self.set_restricted(from, false);
-        self.metric.collapsed(&mut self.mesh, from, to);
+        self.metric.collapsed(&mut self.mesh, &self.wedges, from, to);
         let death = &mut self.log.death;
         self.mesh.merge(from, to, |triangle| death[triangle as usize] = lod);
         let inherited = self.mesh.flags[from as usize] & (OPEN | SEAM);
@@ -59,7 +59,7 @@ impl<M: Metric> Engine<'_, M> {
     }
 
     /// Two corners of one triangle at one position: their groups are one group from now on.
-    fn unite_position(&mut self, to: u32, lod: u32, serial: &mut Serial<M::Eye>) {
+    fn unite_position(&mut self, to: u32, lod: u32, serial: &mut Serial<M::ViewScratch>) {
         let position = self.mesh.position_id[to as usize];
         let twin = |mesh: &Working| {
             mesh.star(to).iter().find_map(|&corner| {
@@ -76,7 +76,7 @@ impl<M: Metric> Engine<'_, M> {
                     }
                 }
             }
-            self.metric.collapsed(&mut self.mesh, other, to);
+            self.metric.collapsed(&mut self.mesh, &self.wedges, other, to);
             let death = &mut self.log.death;
             self.mesh.merge(other, to, |triangle| death[triangle as usize] = lod);
             self.wedges.merge_groups(other, to);
@@ -118,7 +118,8 @@ impl<M: Metric> Engine<'_, M> {
         self.wedges.clear_group(from);
     }
 
-    /// Joins what is left: points without faces, in order, those of one submesh first.
+    /// Joins the points that are left without faces: those of one submesh first, all of them onto
+    /// the last one, so that none passes through another.
     pub(crate) fn join_points(&mut self) {
         let mut left: Vec<(u32, u32)> = (0..self.mesh.places.len() as u32)
             .filter_map(|g| {
@@ -126,26 +127,22 @@ impl<M: Metric> Engine<'_, M> {
             })
             .collect();
         left.sort_unstable();
+        let Some(survivor) = left.last().and_then(|&(_, g)| self.wedges.of_group(g).last()) else {
+            return;
+        };
         let error = self.log.step_errors.last().copied().unwrap_or(0.0);
-        for (i, &(_, g)) in left.iter().enumerate() {
-            let wedges: Vec<u32> = self.wedges.of_group(g).collect();
-            let survivor = left.get(i + 1).and_then(|&(_, h)| self.wedges.of_group(h).next());
-            let ends = match survivor {
-                Some(_) => &wedges[..],
-                None => &wedges[..wedges.len() - 1],
-            };
-            for (j, &w) in ends.iter().enumerate() {
-                self.log.order.push(w);
-                self.log.targets.push(survivor.unwrap_or_else(|| wedges[j + 1]));
+        for &(_, g) in &left {
+            let before = self.log.order.len();
+            for wedge in self.wedges.of_group(g).filter(|&w| w != survivor) {
+                self.log.order.push(wedge);
+                self.log.targets.push(survivor);
             }
-            if !ends.is_empty() {
+            if self.log.order.len() > before {
                 self.log.step_ends.push(self.log.order.len() as u32);
                 self.log.step_errors.push(error);
                 self.log.step_triangles.push(0);
             }
-            if survivor.is_none() {
-                self.log.order.extend(wedges.last());
-            }
         }
+        self.log.order.push(survivor);
     }
 }

@@ -40,7 +40,7 @@ pub(crate) struct Scratch<E> {
     /// Candidates of one group: cost and target.
     candidates: Vec<(f64, u32)>,
     fan: Fan,
-    eye: E,
+    view: E,
 }
 
 /// Buffers of the serial loop.
@@ -102,15 +102,15 @@ impl<M: Metric> Engine<'_, M> {
     /// Runs all stages, then joins the points that are left.
     pub(crate) fn run(&mut self, progress: &(dyn Fn(u64, u64) + Sync)) {
         let groups = self.mesh.places.len();
-        let pool = if M::LOOKS { Pool::new() } else { Pool::default() };
+        let pool = if M::REPRICES { Pool::new() } else { Pool::default() };
         let mut serial = Serial { marks: vec![0; groups], pool, ..Serial::default() };
         for stage in Stage::ALL {
             self.stage = stage;
-            if M::LOOKS {
-                self.metric.change(&self.mesh, stage == Stage::Legal);
+            if M::REPRICES {
+                self.metric.toggle(&self.mesh, stage == Stage::Legal);
             }
             while self.mesh.live_faces > 0 && !self.run_stage(&mut serial, progress) {
-                self.metric.change(&self.mesh, stage == Stage::Legal);
+                self.metric.toggle(&self.mesh, stage == Stage::Legal);
             }
             if stage == Stage::Legal {
                 self.log.last_legal = Lod(self.log.order.len() as u32);
@@ -128,15 +128,15 @@ impl<M: Metric> Engine<'_, M> {
     /// change their meaning.
     fn run_stage(
         &mut self,
-        serial: &mut Serial<M::Eye>,
+        serial: &mut Serial<M::ViewScratch>,
         progress: &(dyn Fn(u64, u64) + Sync),
     ) -> bool {
         let groups = self.mesh.places.len() as u32;
         let this = &*self;
         let mut best: Vec<Choice> = (0..groups)
             .into_par_iter()
-            .with_min_len(if M::LOOKS { 64 } else { 1024 })
-            .map_init(Scratch::<M::Eye>::default, |scratch, g| this.rank(g, scratch))
+            .with_min_len(if M::REPRICES { 64 } else { 1024 })
+            .map_init(Scratch::<M::ViewScratch>::default, |scratch, g| this.rank(g, scratch))
             .collect();
         let mut heap = Heap::new(best.iter().map(|c| c.cost));
         while let Some((from, key)) = heap.pop() {
@@ -152,10 +152,10 @@ impl<M: Metric> Engine<'_, M> {
             }
             self.commit(from, choice.to, changes_topology, serial);
             self.refresh(choice.to, &mut best, &mut heap, serial);
-            if self.log.step_ends.len().is_multiple_of(if M::LOOKS { 64 } else { 4096 }) {
+            if self.log.step_ends.len().is_multiple_of(if M::REPRICES { 64 } else { 4096 }) {
                 progress(self.log.step_ends.len() as u64, u64::from(groups));
             }
-            if M::LOOKS && self.metric.wants_change(&self.mesh) {
+            if M::REPRICES && self.metric.should_toggle(&self.mesh) {
                 return false;
             }
         }
@@ -186,9 +186,9 @@ impl<M: Metric> Engine<'_, M> {
         to: u32,
         best: &mut [Choice],
         heap: &mut Heap,
-        serial: &mut Serial<M::Eye>,
+        serial: &mut Serial<M::ViewScratch>,
     ) {
-        if self.metric.is_awake() {
+        if self.metric.is_active() {
             self.look_again(best, heap, serial);
             return;
         }
@@ -236,7 +236,7 @@ impl<M: Metric> Engine<'_, M> {
         g: u32,
         best: &mut [Choice],
         heap: &mut Heap,
-        scratch: &mut Scratch<M::Eye>,
+        scratch: &mut Scratch<M::ViewScratch>,
     ) {
         self.set_restricted(g, false);
         best[g as usize] = self.rank(g, scratch);
@@ -257,7 +257,7 @@ impl<M: Metric> Engine<'_, M> {
 
     /// The cheapest collapse of a group, legality and prices left aside: never more than the true
     /// cost.
-    pub(crate) fn rank(&self, from: u32, scratch: &mut Scratch<M::Eye>) -> Choice {
+    pub(crate) fn rank(&self, from: u32, scratch: &mut Scratch<M::ViewScratch>) -> Choice {
         let mut best = (f64::INFINITY, u32::MAX);
         if self.is_plain(from) && scratch.fan.gather(&self.mesh, from) {
             // By far the most common case.
@@ -285,19 +285,25 @@ impl<M: Metric> Engine<'_, M> {
     /// Whether a group has a closed fan of faces, none of them at a border or seam, and no
     /// attributes to mind.
     fn is_plain(&self, group: u32) -> bool {
-        self.attributes.is_empty() && !self.mesh.has(group, OPEN | SEAM) && !self.metric.is_awake()
+        self.attributes.is_empty() && !self.mesh.has(group, OPEN | SEAM) && !self.metric.is_active()
     }
 
     /// Prices every collapse of a group that borders and seams permit.
-    fn price_all(&self, from: u32, scratch: &mut Scratch<M::Eye>) {
+    fn price_all(&self, from: u32, scratch: &mut Scratch<M::ViewScratch>) {
         self.price_geometry(from, scratch);
-        if self.metric.is_awake() {
-            self.metric.look(&self.mesh, from, &mut scratch.candidates, &mut scratch.eye);
+        if self.metric.is_active() {
+            self.metric.reprice(
+                &self.mesh,
+                &self.wedges,
+                from,
+                &mut scratch.candidates,
+                &mut scratch.view,
+            );
         }
     }
 
     /// What they cost without looking.
-    fn price_geometry(&self, from: u32, scratch: &mut Scratch<M::Eye>) {
+    fn price_geometry(&self, from: u32, scratch: &mut Scratch<M::ViewScratch>) {
         let Scratch { around, gradients, candidates, fan, .. } = scratch;
         candidates.clear();
         if self.mesh.star(from).is_empty() {
@@ -351,12 +357,12 @@ impl<M: Metric> Engine<'_, M> {
         &self,
         from: u32,
         known: Choice,
-        scratch: &mut Scratch<M::Eye>,
+        scratch: &mut Scratch<M::ViewScratch>,
     ) -> Option<Choice> {
         self.price_geometry(from, scratch);
-        let Scratch { candidates, eye, .. } = scratch;
+        let Scratch { candidates, view, .. } = scratch;
         let mut one = [*candidates.iter().find(|c| c.1 == known.to)?];
-        self.metric.look(&self.mesh, from, &mut one, eye);
+        self.metric.reprice(&self.mesh, &self.wedges, from, &mut one, view);
         let cost = as_key(one[0].0);
         (cost <= known.cost).then_some(Choice { cost, ..known })
     }
@@ -366,13 +372,13 @@ impl<M: Metric> Engine<'_, M> {
         &mut self,
         from: u32,
         known: Choice,
-        serial: &mut Serial<M::Eye>,
+        serial: &mut Serial<M::ViewScratch>,
     ) -> Option<(Choice, bool)> {
         let wedges_matter = self.mesh.has(from, SEAM) || self.attributes.texture.is_some();
         if !wedges_matter {
             match self.judge(from, known.to, &mut serial.legality) {
                 Some(verdict) if verdict.price <= 1.0 => {
-                    if !self.metric.is_awake() {
+                    if !self.metric.is_active() {
                         return Some((known, verdict.changes_topology));
                     }
                     if let Some(choice) = self.look_closer(from, known, &mut serial.scratch) {

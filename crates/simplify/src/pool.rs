@@ -40,7 +40,7 @@ impl<M: Metric> Engine<'_, M> {
         &mut self,
         best: &mut [Choice],
         heap: &mut Heap,
-        serial: &mut Serial<M::Eye>,
+        serial: &mut Serial<M::ViewScratch>,
     ) {
         let stale = std::mem::take(&mut serial.stale);
         let mut due: Vec<u32> = stale.iter().copied().filter(|&g| self.is_due(g)).collect();

@@ -247,3 +247,24 @@ fn groups_that_come_to_share_a_position_lose_no_vertex() {
         shapes::check_rules(&mesh, &run(&mesh)).unwrap_or_else(|e| panic!("seed {seed}: {e}"));
     }
 }
+
+#[test]
+fn points_that_are_left_over_join_the_last_one_directly() {
+    // Separate triangles: each ends as a point of its own, which nothing but the last step joins.
+    let n = 60;
+    let corner = |i: u32| [(i / 3) as f32 * 4.0 + (i % 3) as f32, (i % 2) as f32, 0.0];
+    let positions = (0..3 * n).map(corner).collect();
+    let triangles = (0..n).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+    let s = run(&plain(positions, triangles));
+    let targets = s.collapses().targets();
+    let length = |mut v: u32| {
+        let mut steps = 0;
+        while let Some(&target) = targets.get(v as usize) {
+            v = target;
+            steps += 1;
+        }
+        steps
+    };
+    let longest = (0..3 * n).map(length).max();
+    assert!(longest <= Some(3), "two collapses within a triangle, one onto the last: {longest:?}");
+}

@@ -13,6 +13,7 @@ mod cache_model;
 mod cover;
 mod effort;
 mod front;
+mod kind;
 mod order;
 mod strip_set;
 mod stripe;
@@ -20,8 +21,9 @@ mod stripe;
 pub use cache::{CacheOptions, cache};
 pub use cache_model::{CacheKind, CacheModel, CacheStatistics, measure};
 pub use effort::Effort;
+pub use kind::{StripKind, StripOptions, StripPool, Strips};
 pub use order::order;
-pub use strip_set::{StripSet, StripSetError, strip_triangles};
+pub use strip_set::{StripSet, StripSetError, live_triangles, strip_triangles};
 pub use stripe::stripe;
 
 #[cfg(test)]

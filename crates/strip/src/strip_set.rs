@@ -1,6 +1,6 @@
 //! Strips as a graphics card reads them, and what they draw.
 
-use lodc_mesh::{Mesh, OrientedTriangle};
+use lodc_mesh::{Mesh, OrientedTriangle, PositionIds, is_degenerate};
 use std::fmt;
 use std::ops::Range;
 
@@ -170,7 +170,17 @@ pub fn strip_triangles(strip: &[u32]) -> impl Iterator<Item = [u32; 3]> {
     let windows = strip.windows(3).enumerate();
     let turned =
         windows.map(|(k, w)| if k % 2 == 0 { [w[0], w[1], w[2]] } else { [w[1], w[0], w[2]] });
-    turned.filter(|&t| !crate::adjacency::is_degenerate(t))
+    turned.filter(|&t| !is_degenerate(t))
+}
+
+/// The triangles with an area that a strip draws: those whose corners are at three positions.
+pub fn live_triangles<'a>(
+    strip: &'a [u32],
+    submesh: u32,
+    positions: &'a PositionIds,
+) -> impl Iterator<Item = OrientedTriangle> + 'a {
+    let has_area = |t: &[u32; 3]| !is_degenerate(t.map(|v| positions.of_vertex[v as usize]));
+    strip_triangles(strip).filter(has_area).map(move |t| OrientedTriangle::new(submesh, t))
 }
 
 /// How strips differ from the mesh they should draw.

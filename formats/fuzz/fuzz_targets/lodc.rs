@@ -4,7 +4,7 @@
 
 use libfuzzer_sys::fuzz_target;
 use lodc_formats::lodc::{read, write};
-use lodc_lod::Model;
+use lodc_model::Model;
 use lodc_mesh::Lod;
 
 fuzz_target!(|bytes: &[u8]| {

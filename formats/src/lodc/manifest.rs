@@ -6,8 +6,8 @@
 
 use super::{LodFile, LodObject};
 use crate::{Document, Fault, FormatError, ObjDocument, ObjMaterial, Source, SourceFormat};
-use lodc_lod::Model;
 use lodc_mesh::{Attribute, Component, Semantic};
+use lodc_model::Model;
 use serde::{Deserialize, Serialize};
 
 /// Bytes of a manifest; a reader refuses more, whatever the file says.

@@ -6,10 +6,11 @@ use super::manifest::{AttributeEntry, ObjectEntry};
 use super::streams::{self, ZeroBudget};
 use super::{LodObject, arrays, steps};
 use crate::{Fault, FormatError, ObjectInfo, SubmeshInfo};
-use lodc_lod::{AnyModel, Array, Model, ModelKind};
+use lodc_lod::{AnyModel, ModelKind};
 use lodc_mesh::{
     Attribute, CollapseSequence, Lod, Mesh, MeshParts, SequenceParts, Simplified, Submesh,
 };
+use lodc_model::{Array, Model};
 use std::sync::Arc;
 
 /// Bytes for each entry of `VSUB`: the fewest that hold the last submesh's number; 0 if there is
@@ -25,13 +26,13 @@ fn submesh_width(submeshes: usize) -> usize {
 
 /// Bytes for each number of a vertex in a file that is read: version 1 has four always.
 fn stored_width(container: &Container<'_>, vertices: usize) -> usize {
-    if container.version() == 1 { 4 } else { lodc_lod::bytes::width(vertices) }
+    if container.version() == 1 { 4 } else { lodc_model::bytes::width(vertices) }
 }
 
 /// Bytes of the sections that every model needs.
 pub(super) fn geometry_bytes(simplified: &Simplified) -> u64 {
     let (mesh, sequence) = (simplified.mesh(), simplified.collapses().parts());
-    let index = lodc_lod::bytes::width(mesh.vertex_count());
+    let index = lodc_model::bytes::width(mesh.vertex_count());
     let vertices = (12 + submesh_width(mesh.submeshes().len())) * mesh.vertex_count();
     let triangles = 3 * index * mesh.triangles().len();
     let records = index * sequence.targets.len() + sequence.targets.len().div_ceil(8);
@@ -56,7 +57,7 @@ pub(super) fn write<'a>(
             Box::new(move |out| arrays::put_narrow(out, mesh.vertex_submesh(), width)),
         );
     }
-    let index = lodc_lod::bytes::width(mesh.vertex_count());
+    let index = lodc_model::bytes::width(mesh.vertex_count());
     section(
         tag::TRIANGLES,
         Box::new(move |out| arrays::put_narrow(out, mesh.triangles().as_flattened(), index)),

@@ -1,7 +1,7 @@
 //! Steps in few bits: one for each record, and mostly one byte for each triangle count.
 
 use super::arrays;
-use lodc_lod::bytes::put_varint;
+use lodc_mesh::put_leb128;
 
 /// Marks a number of lost triangles that stands behind the bytes in full.
 const ESCAPE: u8 = u8::MAX;
@@ -91,7 +91,7 @@ pub(super) fn error_growth(step_errors: &[f32]) -> Vec<u8> {
     for error in step_errors {
         // Adding zero makes 0 of −0, the only error whose bits would not grow.
         let bits = (error + 0.0).to_bits();
-        put_varint(&mut bytes, bits - std::mem::replace(&mut before, bits));
+        put_leb128(&mut bytes, u64::from(bits - std::mem::replace(&mut before, bits)));
     }
     bytes
 }

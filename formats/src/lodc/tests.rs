@@ -3,8 +3,9 @@
 use super::*;
 use crate::{ObjDocument, ObjMaterial, SourceFormat, SubmeshInfo};
 use lodc_fixtures as fixtures;
-use lodc_lod::{ModelKind, StripOptions, StripPool};
+use lodc_lod::ModelKind;
 use lodc_mesh::Mesh;
+use lodc_strip::{StripOptions, StripPool};
 
 fn object(name: &str, mesh: &Mesh) -> LodObject {
     object_with(name, mesh, &[ModelKind::Interactive])

@@ -1,6 +1,6 @@
 //! Blocks: what a stream is cut into, each with checksums of its own.
 
-use lodc_lod::bytes::put_varint;
+use lodc_mesh::put_leb128;
 use xxhash_rust::xxh3::xxh3_64_with_seed;
 
 /// First bytes of a stream. Not text, not valid UTF-8, and damaged by a transfer that changes line
@@ -38,7 +38,7 @@ pub(super) enum Parsed<'a> {
 pub(super) fn put(out: &mut Vec<u8>, number: u64, block: Block<'_>) {
     let start = out.len();
     for n in [block.payload.len() as u32, block.subject, block.steps] {
-        put_varint(out, n);
+        put_leb128(out, n.into());
     }
     let check = xxh3_64_with_seed(&out[start..], number);
     out.extend_from_slice(&check.to_le_bytes()[..HEAD_CHECK]);

@@ -221,7 +221,7 @@ impl Writing<'_> {
         let mesh = mesh.bytes(padding);
         let mut payload = Vec::with_capacity(mesh.len() + strips.len() + 5);
         if self.object.order.is_some() {
-            lodc_lod::bytes::put_varint(&mut payload, mesh.len() as u32);
+            lodc_mesh::put_leb128(&mut payload, mesh.len() as u64);
         }
         payload.extend(mesh);
         payload.extend(strips.bytes(0));

@@ -33,7 +33,7 @@ pub(super) fn measure(
 ) -> Outcome<()> {
     use super::report::{CaseReport, GpuReport, MemoryReport};
     use crate::exit::{Failure, Status};
-    use lodc_lod::Model;
+    use lodc_model::Model;
     use std::time::Instant;
 
     let start = Instant::now();

@@ -2,7 +2,7 @@
 //! (thesis 3.5.2).
 
 use super::subject::Runner;
-use lodc_lod::baseline::Rebuild;
+use lodc_baseline::Rebuild;
 use lodc_mesh::{CollapseSequence, Lod, Simplified};
 use std::hint::black_box;
 use std::time::Instant;

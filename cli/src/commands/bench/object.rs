@@ -9,7 +9,8 @@ use super::{BenchArgs, Prepared, gpu, primitives, stream};
 use crate::commands::build::counts as object_counts;
 use crate::exit::Outcome;
 use crate::gpu::Device;
-use lodc_lod::{StorageCost, StripKind};
+use lodc_model::StorageCost;
+use lodc_strip::StripKind;
 use serde::Serialize;
 use serde_json::{Map, Value};
 

@@ -1,10 +1,13 @@
 //! What is measured: models and baselines, each with a cursor on it, as one list.
 
 use crate::exit::{Failure, Outcome, Status};
+use lodc_baseline::Baseline;
 use lodc_formats::lodc::{LodObject, stored_bytes};
-use lodc_lod::{AnyModel, Baseline, Model, StorageCost, Strips, Traffic};
+use lodc_lod::AnyModel;
 use lodc_mesh::{Lod, Simplified};
+use lodc_model::{Model, StorageCost, Traffic};
 use lodc_strip::StripSet;
+use lodc_strip::Strips;
 use std::sync::Arc;
 
 /// A model with a cursor on it, whatever its kind.
@@ -100,7 +103,7 @@ pub(crate) fn plain(
 ) -> [(&'static str, StorageCost); 2] {
     [
         ("triangles", StorageCost::of_triangles(simplified)),
-        ("strips", StorageCost::of_strips(simplified, strips)),
+        ("strips", StorageCost::of_strips(simplified, strips.separate_indices())),
     ]
 }
 

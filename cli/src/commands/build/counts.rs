@@ -1,4 +1,4 @@
-//! What an object is made of, as reports show it.
+//! Counts of an object's elements, as reports show them.
 
 use crate::report::ObjectCounts;
 use lodc_formats::ObjectInfo;

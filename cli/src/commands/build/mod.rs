@@ -16,9 +16,9 @@ use crate::progress::Progress;
 use crate::report::{BuildReport, InputReport, SCHEMA_VERSION};
 use crate::stages::Stages;
 use clap::{Args, ValueEnum};
-use lodc_lod::StripKind;
 use lodc_simplify::MetricKind;
 use lodc_strip::Effort;
+use lodc_strip::StripKind;
 use rayon::ThreadPoolBuilder;
 use std::num::NonZeroUsize;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -40,7 +40,7 @@ pub(crate) struct BuildArgs {
     /// Structures to write, separated by commas [default: every one that this version has]
     #[arg(long, value_delimiter = ',', value_name = "MODELS")]
     models: Vec<ModelName>,
-    /// What drives the collapses
+    /// Metric that drives the collapses
     #[arg(long, value_enum, default_value = "quadric")]
     metric: MetricName,
     /// No change of topology before the terminal phase
@@ -55,7 +55,7 @@ pub(crate) struct BuildArgs {
     /// Strip generator of both strip models [default: stripe for speed, cache for masking]
     #[arg(long, value_enum)]
     strips: Option<StripsName>,
-    /// How long strip generation may search
+    /// Effort of strip generation
     #[arg(long, value_enum, default_value = "default")]
     effort: EffortName,
     /// Threads; the output does not depend on it [default: all cores]
@@ -71,14 +71,14 @@ pub(crate) struct BuildArgs {
     import: ImportArgs,
 }
 
-/// What may drive the collapses.
+/// The metrics by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum MetricName {
     /// Distance to the surface: the quickest, and the closest in space
     Quadric,
-    /// What 20 pictures tell of the mesh (viewpoint entropy): hidden parts go first
+    /// Viewpoint entropy over 20 pictures: hidden parts go first
     Viewpoint,
-    /// What 20 pictures show against what is there (Kullback-Leibler divergence)
+    /// Kullback-Leibler divergence between visible and actual areas over 20 pictures
     Kl,
     /// Error of the shaded surface where it is seen: looks best
     Hybrid,
@@ -111,7 +111,7 @@ impl StripsName {
     }
 }
 
-/// How long strip generation may search.
+/// Efforts of strip generation by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum EffortName {
     Fast,

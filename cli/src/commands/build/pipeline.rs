@@ -9,15 +9,15 @@ use crate::report::InputReport;
 use crate::stages::Stages;
 use lodc_formats::lodc::{LodFile, LodObject, write};
 use lodc_formats::{Scene, SceneObject, import};
-use lodc_lod::{StripOptions, StripPool};
 use lodc_mesh::Simplified;
 use lodc_simplify::{Options, simplify};
+use lodc_strip::{StripOptions, StripPool};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// What a build made.
+/// The result of a build.
 pub(super) struct Made {
     pub(super) file: LodFile,
     /// Bytes of the file.

@@ -1,4 +1,4 @@
-//! What a person is told after a build.
+//! The summary that is printed after a build.
 
 use super::pipeline::Made;
 use crate::console::{Loudness, note, wants};

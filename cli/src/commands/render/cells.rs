@@ -8,9 +8,10 @@ use crate::levels;
 use crate::selector::{Target, select};
 use crate::text::{count, distance};
 use lodc_formats::lodc::LodObject;
-use lodc_lod::{AnyModel, StripKind, Strips};
+use lodc_lod::AnyModel;
 use lodc_mesh::{Lod, Mesh, OrientedTriangle};
 use lodc_strip::Effort;
+use lodc_strip::{StripKind, Strips};
 use rayon::prelude::*;
 
 /// One picture: the triangles of every object.

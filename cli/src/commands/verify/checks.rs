@@ -5,7 +5,7 @@ use crate::exit::{Failure, Outcome, Status};
 use crate::report::CheckReport;
 use lodc_formats::import::{ImportOptions, import};
 use lodc_formats::lodc::{LodFile, LodObject};
-use lodc_lod::{Check, Reference, VerifyOptions, verify};
+use lodc_verify::{Check, Reference, VerifyOptions, verify};
 use rayon::prelude::*;
 use std::path::Path;
 

@@ -73,7 +73,8 @@ fn on_device(_: &LodFile, device: &Device, _: GpuUse) -> Outcome<Vec<CheckReport
 fn on_device(file: &LodFile, device: &Device, wanted: GpuUse) -> Outcome<Vec<CheckReport>> {
     use crate::exit::Status;
     use lodc_gpu::replay;
-    use lodc_lod::{Model, plan};
+    use lodc_model::Model;
+    use lodc_plan as plan;
 
     let adapter = Some(device.adapter().to_string());
     let mut reports = Vec::new();

@@ -1,4 +1,4 @@
-//! What `--source` must see and what it must not mind.
+//! Differences that `--source` must find, and those that it must accept.
 
 use super::first_difference;
 use lodc_fixtures::{ALL, random_collapse};

@@ -3,8 +3,9 @@
 #![allow(dead_code, reason = "every test program uses a part of this")]
 
 use lodc_gpu::{Device, GpuError};
-use lodc_lod::{AnyModel, ModelKind, StripOptions, StripPool};
+use lodc_lod::{AnyModel, ModelKind};
 use lodc_mesh::Simplified;
+use lodc_strip::{StripOptions, StripPool};
 use std::sync::Arc;
 
 /// A device, or none said aloud. Where CI is set there must be one.

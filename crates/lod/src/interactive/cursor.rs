@@ -9,8 +9,8 @@
 //! what its records and the triangles around the vertices they move cost.
 
 use super::{index::Index, links::Links};
-use crate::{Changes, Traffic};
 use lodc_mesh::{Lod, OrientedTriangle, Simplified};
+use lodc_model::{Changes, Traffic};
 
 /// The moving part of an [`Interactive`](super::Interactive) mesh.
 #[derive(Clone, Debug)]
@@ -142,11 +142,11 @@ impl Cursor {
                     OrientedTriangle::new(submesh, shown)
                 });
                 if coarsens {
-                    changes.gone(finer);
-                    coarser.into_iter().for_each(|t| changes.came(t));
+                    changes.removed(finer);
+                    coarser.into_iter().for_each(|t| changes.added(t));
                 } else {
-                    coarser.into_iter().for_each(|t| changes.gone(t));
-                    changes.came(finer);
+                    coarser.into_iter().for_each(|t| changes.removed(t));
+                    changes.added(finer);
                 }
             }
         }

@@ -4,8 +4,8 @@
 //! [`Interactive::live`]: super::Interactive::live
 
 use super::shaders;
-use crate::plan::{BufferId, KernelId, Pass, Program};
 use lodc_mesh::Mesh;
+use lodc_plan::{BufferId, KernelId, Pass, Program};
 
 /// Buffers and the kernel of the count.
 #[derive(Clone, Debug)]

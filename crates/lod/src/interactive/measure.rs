@@ -3,11 +3,11 @@
 
 use super::view::{Criterion, Filter, View, ViewPasses, Views};
 use super::{CollapseLists, Continuous, Counting, Interactive, replay};
-use crate::Model;
-use crate::plan::{
+use lodc_mesh::{Lod, Mesh, Simplified};
+use lodc_model::Model;
+use lodc_plan::{
     Benchmark, Case, DRAWS, Drawn, Memory, Pass, PlanError, Program, SWEEP, VertexRecords, sweep,
 };
-use lodc_mesh::{Lod, Mesh, Simplified};
 use lodc_strip::order;
 
 impl Interactive {

@@ -24,8 +24,8 @@ pub use lists::{CollapseLists, ListsTooLong};
 pub use live::Counting;
 pub use replay::Continuous;
 
-use crate::{Array, BuildError, Changes, Model, StorageCost, Traffic};
 use lodc_mesh::{Lod, OrientedTriangle, PositionIds, Simplified};
+use lodc_model::{Array, BuildError, Changes, Model, StorageCost, Traffic};
 use std::sync::Arc;
 
 /// An Interactive Mesh.

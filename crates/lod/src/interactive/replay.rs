@@ -2,12 +2,13 @@
 //! a [`Plan`].
 
 use super::{CollapseLists, Counting, Extraction, Interactive, ListsTooLong, shaders};
-use crate::plan::{
+use lodc_mesh::{Lod, OrientedTriangle, PositionIds, Simplified};
+use lodc_model::Model;
+use lodc_plan::{
     BufferId, Expected, KernelId, LONGEST_LOOP, Pass, Plan, PlanError, Program, Scan, Step,
     VertexRecords,
 };
-use crate::{Failure, Model, first_difference};
-use lodc_mesh::{Lod, OrientedTriangle, PositionIds, Simplified};
+use lodc_verify::{Failure, first_difference};
 use std::sync::Arc;
 
 /// Buffers and kernels of the continuous variant.
@@ -240,7 +241,7 @@ impl Twin<'_> {
             Expected::new(self.counting.draws, draws),
             Expected::new(self.device.trouble, [0]),
         ];
-        Step::show(lod, passes, checks, twin)
+        Step::show(lod, passes, checks, twin.map(|t| t.to_string()))
     }
 
     fn judge(&self, lod: Lod, triangles: Vec<OrientedTriangle>) -> Option<Failure> {

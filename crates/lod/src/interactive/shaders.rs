@@ -1,6 +1,6 @@
 //! The kernels of Interactive Meshes, for replay and for engines (docs/ENGINE.md).
 
-use crate::plan::{SCAN, SCAN_ADD, Shader};
+use lodc_plan::{SCAN, SCAN_ADD, Shader};
 
 /// Construction: lengths of collapse lists.
 pub(super) const LISTS_LENGTH: Shader =

@@ -1,8 +1,8 @@
 //! Interactive Meshes: examples worked by hand, and everything against the reference.
 
 use super::*;
-use crate::testing::{Log, check_moves};
 use lodc_fixtures as fixtures;
+use lodc_fixtures::{ChangeLog, check_moves};
 use lodc_mesh::{CollapseSequence, Mesh, MeshParts, SequenceParts, Submesh};
 
 /// Two quads side by side, already in collapse order, with triangles in reverse order of their
@@ -133,11 +133,11 @@ fn changes_worked_out_by_hand() {
     let model = Interactive::build(&two_quads(REORDERED)).expect("triangles are in order");
     let mut cursor = model.cursor();
     let mut move_to = |lod| {
-        let mut log = Log::default();
+        let mut log = ChangeLog::default();
         let traffic = model.seek(&mut cursor, Lod(lod), &mut log);
-        log.gone.sort_unstable();
-        log.came.sort_unstable();
-        (log.gone, log.came, traffic.records, traffic.rewritten)
+        log.removed.sort_unstable();
+        log.added.sort_unstable();
+        (log.removed, log.added, traffic.records, traffic.rewritten)
     };
     let (fine, coarse) =
         (triangles(&[[2, 0, 1], [0, 4, 5], [0, 5, 1]]), triangles(&[[2, 4, 5], [2, 5, 1]]));

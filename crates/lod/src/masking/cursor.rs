@@ -6,9 +6,10 @@
 
 use super::Masking;
 use super::updates::{ROOM, Refiltered, whole};
-use crate::difference::{drawn, tell};
-use crate::{Changes, Traffic};
 use lodc_mesh::{Lod, OrientedTriangle};
+use lodc_model::report_difference;
+use lodc_model::{Changes, Traffic};
+use lodc_strip::live_triangles;
 use std::hint::black_box;
 use std::ops::Range;
 
@@ -87,7 +88,7 @@ impl Cursor {
         model: &'a Masking,
         strip: usize,
     ) -> impl Iterator<Item = OrientedTriangle> + 'a {
-        drawn(self.strip(strip), model.submeshes[strip], &model.positions)
+        live_triangles(self.strip(strip), model.submeshes[strip], &model.positions)
     }
 
     pub(super) fn seek<C: Changes>(
@@ -111,7 +112,7 @@ impl Cursor {
         for (mut before, strip) in before.into_iter().zip(strips) {
             // Two filters of a strip may draw the same triangles in different order.
             let mut after: Vec<_> = self.drawn_by(model, strip as usize).collect();
-            tell(&mut before, &mut after, changes);
+            report_difference(&mut before, &mut after, changes);
         }
         traffic(rewritten)
     }

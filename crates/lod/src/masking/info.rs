@@ -1,8 +1,8 @@
 //! The tables of the thesis (4.2.1), and what they take to store.
 
 use super::Masking;
-use crate::StorageCost;
 use lodc_mesh::Lod;
+use lodc_model::StorageCost;
 
 /// One entry of the thesis's list of records. A record that changes 255 strips or more has several:
 /// one that has 255 is continued by the next.

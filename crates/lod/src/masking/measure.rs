@@ -1,10 +1,8 @@
 //! What to time of Masking Strips on a device.
 
 use super::{Masking, replay::Device};
-use crate::plan::{
-    Benchmark, Case, DRAWS, Memory, PlanError, Program, SWEEP, VertexRecords, sweep,
-};
 use lodc_mesh::Lod;
+use lodc_plan::{Benchmark, Case, DRAWS, Memory, PlanError, Program, SWEEP, VertexRecords, sweep};
 
 impl Masking {
     /// The linear sweep over all LODs, down and up, and draws on the way.

@@ -29,10 +29,11 @@ pub use cursor::Cursor;
 pub use info::{InfoStrip, InfoUpdate};
 pub use replay::SHADERS;
 
-use crate::strips::{STRIPS, from_array, to_array};
-use crate::{Array, BuildError, Changes, Model, StorageCost, Strips, Traffic};
+use crate::stored_strips::{STRIPS, from_array, to_array};
 use history::Entry;
 use lodc_mesh::{Lod, OrientedTriangle, PositionIds, Simplified};
+use lodc_model::{Array, BuildError, Changes, Model, StorageCost, Traffic};
+use lodc_strip::Strips;
 use pattern::LONGEST;
 use std::sync::Arc;
 use updates::Updates;

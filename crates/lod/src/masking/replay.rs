@@ -3,12 +3,13 @@
 
 use super::history::Entry;
 use super::{Cursor, Masking};
-use crate::plan::{
+use lodc_mesh::Lod;
+use lodc_model::Model;
+use lodc_plan::{
     BufferId, Expected, KernelId, LONGEST_LOOP, Packed, Pass, Plan, PlanError, Program, SCAN,
     SCAN_ADD, STRIP_DRAWS, Shader, Step,
 };
-use crate::{Model, first_difference};
-use lodc_mesh::Lod;
+use lodc_verify::first_difference;
 
 const MASKS: Shader = Shader { name: "masks", wgsl: include_str!("masks.wgsl") };
 const MASKS_WRITE: Shader = Shader { name: "masks_write", wgsl: include_str!("masks_write.wgsl") };
@@ -143,7 +144,7 @@ impl Masking {
             Expected::new(device.trouble, [0]),
         ];
         checks.extend(device.packed.expected(&self.strips, |strip| cursor.strip(strip)));
-        Step::show(lod, device.passes(lod), checks, difference)
+        Step::show(lod, device.passes(lod), checks, difference.map(|d| d.to_string()))
     }
 }
 

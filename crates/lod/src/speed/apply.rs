@@ -1,6 +1,6 @@
 //! Elements taken out of a strip and put back (thesis 3.4).
 
-use super::history::{Kind, Removal};
+use crate::trace::{Kind, Removal};
 
 /// Where a strip is in the buffer of all strips.
 #[derive(Clone, Copy, Debug)]

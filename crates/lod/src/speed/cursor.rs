@@ -14,10 +14,11 @@
 use super::Speed;
 use super::apply::{Span, remove, restore};
 use super::edits::Edits;
-use super::history::Kind;
-use crate::difference::{Difference, drawn};
-use crate::{Changes, Model, Traffic};
+use crate::trace::Kind;
 use lodc_mesh::{Lod, OrientedTriangle};
+use lodc_model::Difference;
+use lodc_model::{Changes, Model, Traffic};
+use lodc_strip::live_triangles;
 use std::ops::Range;
 
 /// One record's changes of one strip cost about as much as making so many elements of LOD 0 anew
@@ -31,8 +32,8 @@ struct Head {
     span: Span,
     /// Whether it draws anything.
     live: bool,
-    /// Whether it was made anew, so that what had gone at its ends, or with its removal_lod, was never
-    /// written.
+    /// Whether it was made anew, so that what had gone at its ends, or with its removal_lod, was
+    /// never written.
     stale: bool,
 }
 
@@ -90,7 +91,7 @@ impl Cursor {
         model: &'a Speed,
         strip: usize,
     ) -> impl Iterator<Item = OrientedTriangle> + 'a {
-        drawn(self.strip(strip), model.submesh_of(strip), model.positions())
+        live_triangles(self.strip(strip), model.submesh_of(strip), model.positions())
     }
 
     pub(super) fn seek<C: Changes>(&mut self, model: &Speed, lod: Lod, changes: &mut C) -> Traffic {

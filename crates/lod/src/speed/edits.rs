@@ -5,7 +5,7 @@
 //! index change needs no strip: it is a place in the buffer and what to write there. Whatever a
 //! move needs is a few runs of such lists, without a look at single records.
 
-use super::history::{History, Removal};
+use crate::trace::{History, Removal};
 use lodc_strip::StripSet;
 use std::ops::Range;
 

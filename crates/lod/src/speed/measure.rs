@@ -1,10 +1,8 @@
 //! What to time of Speed Strips on a device.
 
 use super::{Speed, replay::Device};
-use crate::plan::{
-    Benchmark, Case, DRAWS, Memory, PlanError, Program, SWEEP, VertexRecords, sweep,
-};
 use lodc_mesh::Lod;
+use lodc_plan::{Benchmark, Case, DRAWS, Memory, PlanError, Program, SWEEP, VertexRecords, sweep};
 
 impl Speed {
     /// The linear sweep over all LODs, down and up, and draws on the way.

@@ -7,28 +7,25 @@
 mod apply;
 mod cursor;
 mod edits;
-pub(crate) mod filter;
-pub(crate) mod history;
 mod measure;
-mod ranks;
 mod replay;
 mod run_time;
 mod stored;
 #[cfg(test)]
 mod tests;
-mod working;
 
+pub use crate::trace::{Kind, Removal};
 pub use cursor::Cursor;
-pub use history::{Kind, Removal};
 pub use replay::SHADERS;
 pub use run_time::{AT_END, LodInfo, Operation, RunTime, StripInfo};
 
-use crate::strips::{self, STRIPS};
-use crate::{Array, BuildError, Changes, Model, StorageCost, Strips, Traffic};
+use crate::stored_strips::{self, STRIPS, check_submeshes};
+use crate::trace::{self, History, Source};
 use edits::Edits;
-use history::History;
 use lodc_mesh::removal_lods;
 use lodc_mesh::{Lod, OrientedTriangle, PositionIds, Simplified};
+use lodc_model::{Array, BuildError, Changes, Model, StorageCost, Traffic};
+use lodc_strip::Strips;
 use std::sync::Arc;
 use stored::{REMOVALS, Replay, Stored};
 
@@ -50,9 +47,9 @@ impl Speed {
     /// # Errors
     /// If strips do not belong to the mesh, or change more often than those of any real mesh.
     pub fn build(simplified: &Arc<Simplified>, strips: Arc<Strips>) -> Result<Self, BuildError> {
-        strips::check(&strips, simplified.mesh())?;
+        check_submeshes(&strips, simplified.mesh())?;
         let positions = PositionIds::new(simplified.mesh().positions());
-        let histories = history::of(simplified, &strips, &positions, true)?;
+        let histories = trace::histories(simplified, &strips, &positions, true)?;
         Ok(Self::new(simplified, strips, positions, &histories))
     }
 
@@ -66,22 +63,18 @@ impl Speed {
         if strips.name != STRIPS || removals.name != REMOVALS {
             return Err(unknown(arrays));
         }
-        let strips = strips::from_array(strips, simplified.mesh())?;
+        let strips = stored_strips::from_array(strips, simplified.mesh())?;
         let stored = Stored::read(removals, strips.len())?;
         let positions = PositionIds::new(simplified.mesh().positions());
-        let histories = history::in_parallel(&strips, |workshop, range| {
+        let targets = simplified.collapses().targets();
+        let source = Source { targets, strips: &strips, positions: &positions };
+        let histories = trace::in_parallel(&source, |tracer, range| {
             let mut all = History::default();
             for strip in range {
                 let mut replay = Replay::new(stored.of(strip));
-                let history = workshop.follow(
-                    &strips,
-                    strip..strip + 1,
-                    simplified,
-                    &positions,
-                    &mut replay,
-                )?;
+                let history = tracer.trace(&source, strip..strip + 1, &mut replay)?;
                 replay.finish()?;
-                stored::join(&mut all, history);
+                all.append(history);
             }
             Ok(all)
         })?;
@@ -205,7 +198,7 @@ impl Model for Speed {
     fn arrays(&self) -> Vec<Array> {
         let vertices = self.simplified.mesh().vertex_count();
         vec![
-            strips::to_array(&self.strips, vertices),
+            stored_strips::to_array(&self.strips, vertices),
             stored::to_array(&self.edits.removals_by_strip()),
         ]
     }

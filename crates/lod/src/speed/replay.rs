@@ -2,12 +2,13 @@
 //! strips are.
 
 use super::{Cursor, Kind, Speed};
-use crate::plan::{
+use lodc_mesh::Lod;
+use lodc_model::Model;
+use lodc_plan::{
     BufferId, KernelId, LONGEST_LOOP, Packed, Pass, Plan, PlanError, Program, SCAN, SCAN_ADD,
     STRIP_DRAWS, Shader, Step,
 };
-use crate::{Model, first_difference};
-use lodc_mesh::Lod;
+use lodc_verify::first_difference;
 
 const EDITS: Shader = Shader { name: "edits", wgsl: include_str!("edits.wgsl") };
 const VALUES: Shader = Shader { name: "values", wgsl: include_str!("values.wgsl") };
@@ -258,6 +259,6 @@ impl Speed {
         let truth = self.simplified.triangles_at_with(lod, self.positions());
         let twin = first_difference(lod, truth, self.triangles(cursor));
         let checks = device.packed.expected(&self.strips, |strip| cursor.strip(strip)).to_vec();
-        Step::show(lod, passes, checks, twin)
+        Step::show(lod, passes, checks, twin.map(|t| t.to_string()))
     }
 }

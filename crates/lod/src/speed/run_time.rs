@@ -2,7 +2,7 @@
 
 use super::Speed;
 use super::edits::Gone;
-use super::history::{Kind, Removal};
+use crate::trace::{Kind, Removal};
 use lodc_mesh::Lod;
 
 /// The largest number that a byte holds by itself; it stands for "that or more, the number

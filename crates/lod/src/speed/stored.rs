@@ -5,11 +5,10 @@
 //! event of the one before, or the start; where it stands before that event ([`Removal::at`]); and
 //! four times how many elements go, plus the number of their [`Kind`].
 
-use super::filter::Leaving;
-use super::history::{History, Kind, Removal, Removals};
-use super::working::WorkingStrip;
-use crate::bytes::{Reader, put_varint};
-use crate::{Array, BuildError};
+use crate::trace::{Kind, Leaving, Removal, Removals, WorkingStrip};
+use lodc_mesh::put_leb128;
+use lodc_model::bytes::Reader;
+use lodc_model::{Array, BuildError};
 
 /// Name of the array.
 pub(super) const REMOVALS: &str = "removals";
@@ -18,12 +17,12 @@ pub(super) const REMOVALS: &str = "removals";
 pub(super) fn to_array(by_strip: &[Vec<(u32, Removal)>]) -> Array {
     let mut bytes = Vec::new();
     for removals in by_strip {
-        put_varint(&mut bytes, removals.len() as u32);
+        put_leb128(&mut bytes, removals.len() as u64);
         let mut latest = 0;
         for &(event, removal) in removals {
-            put_varint(&mut bytes, event - latest);
-            put_varint(&mut bytes, removal.at);
-            put_varint(&mut bytes, 4 * removal.count + removal.kind as u32);
+            put_leb128(&mut bytes, u64::from(event - latest));
+            put_leb128(&mut bytes, u64::from(removal.at));
+            put_leb128(&mut bytes, u64::from(4 * removal.count + removal.kind as u32));
             latest = event;
         }
     }
@@ -93,6 +92,8 @@ impl<'a> Replay<'a> {
 }
 
 impl Removals for Replay<'_> {
+    const LOOKS_AHEAD: bool = false;
+
     fn next(&mut self, strip: &mut WorkingStrip, _: &[u32]) -> Result<&[Leaving], BuildError> {
         let count = self.rest.iter().take_while(|(event, _)| *event == self.event).count();
         let (now, rest) = self.rest.split_at(count);
@@ -135,15 +136,4 @@ impl Removals for Replay<'_> {
 
 fn wrong(what: &str) -> BuildError {
     BuildError::Malformed { array: REMOVALS, what: what.to_owned() }
-}
-
-/// Joins the histories of single strips.
-pub(super) fn join(into: &mut History, more: History) {
-    into.events.extend(more.events);
-    into.changes.extend(more.changes);
-    into.removals.extend(more.removals);
-    into.removed_at.extend(more.removed_at);
-    into.at_front.extend(more.at_front);
-    into.left_at.extend(more.left_at);
-    into.removal_lods.extend(more.removal_lods);
 }

@@ -1,11 +1,11 @@
 //! Speed Strips: examples worked by hand, and everything against the reference.
 
 use super::*;
-use crate::testing::{Log, check_moves, first};
-use crate::{StripKind, Strips};
 use lodc_fixtures as fixtures;
+use lodc_fixtures::{ChangeLog, check_moves, first_difference};
 use lodc_mesh::{CollapseSequence, Mesh, MeshParts, SequenceParts, Submesh};
 use lodc_strip::{Effort, StripSet};
+use lodc_strip::{StripKind, Strips};
 
 fn model(simplified: &Simplified, kind: StripKind) -> Speed {
     let strips = Strips::generate(simplified, kind, Effort::Fast);
@@ -121,7 +121,7 @@ fn a_vertex_repetition_goes_only_with_a_partner() {
             let mut truth = model.simplified().triangles_at(model.lod(&cursor));
             shown.sort_unstable();
             truth.sort_unstable();
-            assert!(shown == truth, "seed {seed}, LOD {lod}: {}", first(&shown, &truth));
+            assert!(shown == truth, "seed {seed}, LOD {lod}: {}", first_difference(&shown, &truth));
         }
     }
 }
@@ -242,7 +242,7 @@ fn arrays_come_back_and_damage_is_refused_or_harmless() {
                         Lod(last.0 / 2),
                         Lod(0),
                     ] {
-                        model.seek(&mut cursor, lod, &mut Log::default());
+                        model.seek(&mut cursor, lod, &mut ChangeLog::default());
                     }
                     (1..=last.0).for_each(|lod| _ = model.seek(&mut cursor, Lod(lod), &mut ()));
                     (0..last.0)

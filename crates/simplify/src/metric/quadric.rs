@@ -74,7 +74,7 @@ impl QuadricMetric {
 
 impl Metric for QuadricMetric {
     type Local = Local;
-    type Eye = ();
+    type ViewScratch = ();
 
     fn local(&self, from: u32, facets: &[Facet], features: &[FeaturePlane]) -> Local {
         let mut a = [0.0; 6];
@@ -112,7 +112,7 @@ impl Metric for QuadricMetric {
         }
     }
 
-    fn collapsed(&mut self, mesh: &mut Working, from: u32, to: u32) {
+    fn collapsed(&mut self, mesh: &mut Working, _wedges: &Wedges, from: u32, to: u32) {
         let delta = mesh.position(to) - mesh.position(from);
         let moved = self.surface[from as usize].transported(delta);
         self.surface[to as usize].add(&moved);

@@ -2,8 +2,8 @@
 //! geometry shader).
 
 use crate::interactive::shaders;
-use crate::plan::{BufferId, KernelId, Pass, Program, Scan};
 use lodc_mesh::{Mesh, position_key};
+use lodc_plan::{BufferId, KernelId, Pass, Program, Scan};
 
 /// Buffers and kernels of the filter.
 #[derive(Clone, Debug)]

@@ -9,9 +9,8 @@
 
 mod cones;
 mod criterion;
-pub mod exact;
+pub mod deterministic_math;
 mod filter;
-mod judge;
 mod passes;
 mod replay;
 mod select;
@@ -25,9 +24,10 @@ pub use passes::ViewPasses;
 pub use replay::sample;
 pub use select::{Point, State};
 
-use crate::plan::VertexRecords;
-use exact::lerp;
-use lodc_mesh::{PositionIds, Simplified};
+use deterministic_math::lerp;
+use lodc_mesh::{Lod, PositionIds, Simplified};
+use lodc_plan::VertexRecords;
+use lodc_verify::{Failure, ShownView, check_view};
 use select::{ByError, Parameters};
 
 /// The view-dependent variant on the CPU: the twin of the kernels.
@@ -47,6 +47,33 @@ pub struct Shown {
     pub states: Vec<State>,
     /// The records that are drawn.
     pub vertices: Vec<u32>,
+}
+
+impl Shown {
+    /// Returns the first thing that is wrong with what is shown, `indices` being the triangles that
+    /// are drawn and `stride` the words of a record.
+    #[must_use]
+    pub fn check(
+        &self,
+        simplified: &Simplified,
+        positions: &PositionIds,
+        view: &View,
+        indices: &[u32],
+        stride: usize,
+    ) -> Option<Failure> {
+        let lods: Vec<Lod> = self.states.iter().map(|state| Lod(state.lod)).collect();
+        let vertices: Vec<u32> = self.states.iter().map(|state| state.entry).collect();
+        let place = |record: &[u32]| [record[0], record[1], record[2]].map(f32::from_bits);
+        let places: Vec<[f32; 3]> = self.vertices.chunks_exact(stride).map(place).collect();
+        let shown = ShownView {
+            lods: &lods,
+            vertices: &vertices,
+            places: &places,
+            indices,
+            morphs: view.morph,
+        };
+        check_view(simplified, positions, &shown)
+    }
 }
 
 impl<'a> Views<'a> {

@@ -3,7 +3,7 @@
 use super::select::Parameters;
 use super::{Point, View, Views};
 use crate::interactive::shaders;
-use crate::plan::{BufferId, KernelId, Pass, Program};
+use lodc_plan::{BufferId, KernelId, Pass, Program};
 
 /// Buffers and kernels of the view-dependent variant.
 #[derive(Clone, Debug)]

@@ -1,10 +1,10 @@
 //! Views as a [`Plan`]: all criteria from seeded eyes, with and without morphing.
 
 use super::{Criterion, Filter, View, ViewPasses, Views, filtered};
-use crate::Model;
 use crate::interactive::{Interactive, replay};
-use crate::plan::{Expected, Plan, PlanError, Program, Step, Tolerance, VertexRecords};
-use lodc_mesh::{CollapseSequence, Lod, PositionIds};
+use lodc_mesh::{CollapseSequence, Lod, PositionIds, SplitMix64};
+use lodc_model::Model;
+use lodc_plan::{Expected, Plan, PlanError, Program, Step, Tolerance, VertexRecords};
 use lodc_strip::order;
 
 /// Entries of the vertex cache that triangles are ordered for.
@@ -53,7 +53,7 @@ impl Interactive {
         let step = move |view: View| {
             let shown = twin.show(&view);
             let left = filtered(mesh, &triangles, &shown.vertices, stride);
-            let twin_differs = twin.judge(&view, &shown, &left.indices, &positions);
+            let wrong = shown.check(simplified, &positions, &view, &left.indices, stride);
             let tolerance = view.morph.then_some(Tolerance { stride, floats: 3 });
             let checks = vec![
                 Expected { tolerance, ..Expected::new(vertices, shown.vertices) },
@@ -63,7 +63,13 @@ impl Interactive {
             ];
             let passes =
                 std::iter::once(device.pass(&view, &twin)).chain(filter.passes()).collect();
-            Step { at: name(&view), counts: true, passes, checks, twin: twin_differs }
+            Step {
+                at: name(&view),
+                counts: true,
+                passes,
+                checks,
+                twin: wrong.map(|w| w.to_string()),
+            }
         };
         let moves = views.into_iter().map(step);
         Ok(Plan::of_moves([self.name(), "view-dependent"], program, &[vertices], moves, locate))
@@ -95,14 +101,8 @@ pub fn sample(
     rounds: u32,
     seed: u64,
 ) -> Vec<View> {
-    let mut state = seed;
-    let mut unit = || {
-        // SplitMix64, 24 bits of it.
-        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut bits = (state ^ (state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        (bits >> 40) as f32 / 16_777_216.0
-    };
+    let mut random = SplitMix64::new(seed);
+    let mut unit = || random.unit();
     let (low, high) = bounds;
     let size = (0..3).map(|i| high[i] - low[i]).fold(1e-6, f32::max);
     let last = collapses.last().0;

@@ -2,7 +2,7 @@
 //! bit.
 
 use super::criterion::{Criterion, View};
-use super::exact::{dot, inverse_power, rsqrt};
+use super::deterministic_math::{dot, inverse_power, rsqrt};
 use super::{Cone, Cones};
 use lodc_mesh::{CollapseSequence, Lod, Mesh, Simplified};
 

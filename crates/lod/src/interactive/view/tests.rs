@@ -34,7 +34,7 @@ fn views_show_what_the_sequence_says_and_never_tear() {
             let shown = views.show(&view);
             let left = filtered(mesh, mesh.triangles(), &shown.vertices, views.records.stride);
             assert_eq!(
-                views.judge(&view, &shown, &left.indices, &positions),
+                shown.check(simplified, &positions, &view, &left.indices, views.records.stride),
                 None,
                 "{name}: {view:?}"
             );
@@ -42,7 +42,7 @@ fn views_show_what_the_sequence_says_and_never_tear() {
     });
 }
 
-/// A vertex that takes its own LOD instead of its group's tears the mesh, and the judge sees it.
+/// A vertex that takes its own LOD instead of its group's tears the mesh, and verification sees it.
 #[test]
 fn a_wedge_that_goes_its_own_way_is_a_tear() {
     let simplified =
@@ -60,7 +60,9 @@ fn a_wedge_that_goes_its_own_way_is_a_tear() {
         &shown.vertices,
         views.records.stride,
     );
-    assert!(views.torn(&shown, &left.indices).is_some());
+    let positions = PositionIds::new(simplified.mesh().positions());
+    let wrong = shown.check(&simplified, &positions, &view, &left.indices, views.records.stride);
+    assert!(matches!(wrong, Some(Failure::Torn { .. })), "{wrong:?}");
 }
 
 #[test]

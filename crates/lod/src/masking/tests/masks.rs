@@ -51,7 +51,7 @@ fn the_tables_of_the_thesis_are_enough_to_go_both_ways() {
         let simplified = Arc::new(fixtures::random_collapse(&fixtures::random(seed), seed));
         let strips = Arc::new(Strips::generate(
             &simplified,
-            crate::StripKind::Cache,
+            lodc_strip::StripKind::Cache,
             lodc_strip::Effort::Fast,
         ));
         let model = Masking::build(&simplified, strips).expect("few entries");

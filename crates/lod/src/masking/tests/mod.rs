@@ -56,7 +56,7 @@ fn strip_set(strips: &[&[u32]]) -> Strips {
     });
     let set = StripSet::from_parts(strips.concat(), ends.collect(), vec![strips.len() as u32])
         .expect("ends rise");
-    Strips { kind: crate::StripKind::Cache, set }
+    Strips { kind: lodc_strip::StripKind::Cache, set }
 }
 
 /// A mask as the thesis prints it: the first position first.

@@ -1,9 +1,10 @@
 //! Every fixture, every step, both ways, and jumps; damaged arrays; sequences made to be slow.
 
 use super::*;
-use crate::testing::check_moves;
-use crate::{StripKind, bytes::put_varint};
+use lodc_fixtures::check_moves;
+use lodc_mesh::put_leb128;
 use lodc_strip::Effort;
+use lodc_strip::StripKind;
 
 #[test]
 fn everything_shown_and_told_equals_the_reference() {
@@ -49,7 +50,7 @@ fn damaged_arrays_are_refused_or_found_by_verification() {
     let simplified = Arc::new(fixtures::random_collapse(&fixtures::icosphere(1), 1));
     let strips = Arc::new(Strips::generate(&simplified, StripKind::Cache, Effort::Fast));
     let array = Masking::build(&simplified, strips).expect("few entries").arrays().remove(0);
-    let reference = crate::Reference::new(&simplified).expect("a small sequence");
+    let reference = lodc_verify::Reference::new(&simplified).expect("a small sequence");
     let mut loaded = 0;
     // The first byte names the generator, on which nothing depends.
     for bit in 8..8 * array.bytes.len() {
@@ -57,7 +58,8 @@ fn damaged_arrays_are_refused_or_found_by_verification() {
         damaged.bytes[bit / 8] ^= 1 << (bit % 8);
         let Ok(model) = Masking::load(&simplified, &[damaged]) else { continue };
         loaded += 1;
-        let checks = crate::verify(&model, &reference, &crate::VerifyOptions::default());
+        let checks =
+            lodc_verify::verify(&model, &reference, &lodc_verify::VerifyOptions::default());
         assert!(checks.iter().any(|check| !check.ok()), "bit {bit}");
     }
     assert!(loaded > 0);
@@ -68,8 +70,8 @@ fn damaged_arrays_are_refused_or_found_by_verification() {
     // A strip of 17 vertices.
     let mut bytes = Vec::new();
     bytes.push(0);
-    put_varint(&mut bytes, 1);
-    put_varint(&mut bytes, 17);
+    put_leb128(&mut bytes, 1);
+    put_leb128(&mut bytes, 17);
     bytes.extend([0; 17]);
     let long = Array { name: STRIPS.to_owned(), bytes };
     assert!(matches!(Masking::load(&simplified, &[long]), Err(BuildError::Malformed { .. })));

@@ -15,9 +15,9 @@
 
 mod patch;
 mod samples;
-mod sight;
 #[cfg(test)]
 mod tests;
+mod visibility;
 
 pub(crate) use patch::Patch;
 
@@ -67,7 +67,7 @@ impl HybridMetric {
     /// `size` is the mesh's diagonal.
     pub(crate) fn new(mesh: &Working, wedges: &Wedges, size: f64) -> Self {
         let mut samples = Samples::new(mesh);
-        sight::weigh(mesh, samples.all_mut());
+        visibility::weigh(mesh, samples.all_mut());
         let per = |length: f64| if size > 0.0 { (length * size).powi(-2) } else { 0.0 };
         Self {
             quadric: QuadricMetric::new(mesh, wedges),
@@ -84,9 +84,9 @@ impl HybridMetric {
 }
 
 impl Metric for HybridMetric {
-    const LOOKS: bool = true;
+    const REPRICES: bool = true;
     type Local = <QuadricMetric as Metric>::Local;
-    type Eye = Patch;
+    type ViewScratch = Patch;
 
     fn local(&self, from: u32, facets: &[Facet], features: &[FeaturePlane]) -> Self::Local {
         self.quadric.local(from, facets, features)
@@ -100,7 +100,7 @@ impl Metric for HybridMetric {
         if self.awake { self.attributes } else { 1.0 }
     }
 
-    fn collapsed(&mut self, mesh: &mut Working, from: u32, to: u32) {
+    fn collapsed(&mut self, mesh: &mut Working, wedges: &Wedges, from: u32, to: u32) {
         self.moved = None;
         if self.awake {
             let star = mesh.star(from);
@@ -112,7 +112,7 @@ impl Metric for HybridMetric {
             self.moved =
                 Some(self.patch.settle(&mut self.samples, self.distance, &mut self.energy));
         }
-        self.quadric.collapsed(mesh, from, to);
+        self.quadric.collapsed(mesh, wedges, from, to);
     }
 
     /// The root mean square distance of what is seen, while that is looked at. Levels of several
@@ -121,15 +121,22 @@ impl Metric for HybridMetric {
         self.moved.unwrap_or_else(|| self.quadric.error(group))
     }
 
-    fn is_awake(&self) -> bool {
+    fn is_active(&self) -> bool {
         self.awake
     }
 
-    fn change(&mut self, _mesh: &Working, legal: bool) {
+    fn toggle(&mut self, _mesh: &Working, legal: bool) {
         self.awake = legal;
     }
 
-    fn look(&self, mesh: &Working, from: u32, candidates: &mut [(f64, u32)], patch: &mut Patch) {
+    fn reprice(
+        &self,
+        mesh: &Working,
+        _wedges: &Wedges,
+        from: u32,
+        candidates: &mut [(f64, u32)],
+        patch: &mut Patch,
+    ) {
         let star = mesh.star(from);
         patch.gather(mesh, from, &self.samples, &self.energy);
         candidates.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));

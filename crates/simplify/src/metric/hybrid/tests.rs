@@ -84,16 +84,16 @@ fn a_commit_costs_what_the_look_said() {
         let built = build(&mesh);
         let mut working = built.working;
         let mut metric = HybridMetric::new(&working, &built.wedges, built.size);
-        metric.change(&working, true);
+        metric.toggle(&working, true);
         let mut random = shapes::Rng::new(5);
         for _ in 0..60 {
             let from = random.below(working.places.len()) as u32;
             let Some(&corner) = working.star(from).first() else { continue };
             let to = working.others(corner)[random.below(2)];
             let mut candidates = [(0.0, to)];
-            metric.look(&working, from, &mut candidates, &mut Patch::default());
+            metric.reprice(&working, &built.wedges, from, &mut candidates, &mut Patch::default());
             let before: f64 = metric.energy.iter().sum();
-            metric.collapsed(&mut working, from, to);
+            metric.collapsed(&mut working, &built.wedges, from, to);
             let alive_before = working.live_faces;
             let mut gone = Vec::new();
             for c in working.star(from) {

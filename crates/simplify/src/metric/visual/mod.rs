@@ -10,13 +10,13 @@
 //! Where faces are smaller than pixels there is nothing to count: as long as there is more than one
 //! face for every eight pixels covered (all views together), the quadric alone decides.
 
-mod eye;
+mod reprice;
 mod score;
 #[cfg(test)]
 mod tests;
 mod view;
 
-pub(crate) use eye::Eye;
+pub(crate) use reprice::ViewScratch;
 pub(crate) use score::Score;
 
 use super::{Metric, QuadricMetric};
@@ -150,9 +150,9 @@ fn divergence(sum: f64, covered: u32, table: &Table) -> f64 {
 }
 
 impl Metric for VisualMetric {
-    const LOOKS: bool = true;
+    const REPRICES: bool = true;
     type Local = <QuadricMetric as Metric>::Local;
-    type Eye = Eye;
+    type ViewScratch = ViewScratch;
 
     fn local(&self, from: u32, facets: &[Facet], features: &[FeaturePlane]) -> Self::Local {
         self.quadric.local(from, facets, features)
@@ -162,28 +162,28 @@ impl Metric for VisualMetric {
         self.quadric.costs(local, lanes, costs);
     }
 
-    fn collapsed(&mut self, mesh: &mut Working, from: u32, to: u32) {
-        if self.is_awake() {
+    fn collapsed(&mut self, mesh: &mut Working, wedges: &Wedges, from: u32, to: u32) {
+        if self.is_active() {
             self.redraw(mesh, from, to);
         }
-        self.quadric.collapsed(mesh, from, to);
+        self.quadric.collapsed(mesh, wedges, from, to);
     }
 
     fn error(&self, group: u32) -> f64 {
         self.quadric.error(group)
     }
 
-    fn is_awake(&self) -> bool {
+    fn is_active(&self) -> bool {
         !self.views.is_empty()
     }
 
-    fn wants_change(&self, mesh: &Working) -> bool {
-        !self.is_awake() && !self.asleep_for_good && u64::from(mesh.live_faces) <= self.limit
+    fn should_toggle(&self, mesh: &Working) -> bool {
+        !self.is_active() && !self.asleep_for_good && u64::from(mesh.live_faces) <= self.limit
     }
 
-    fn change(&mut self, mesh: &Working, legal: bool) {
+    fn toggle(&mut self, mesh: &Working, legal: bool) {
         if legal {
-            if self.wants_change(mesh) {
+            if self.should_toggle(mesh) {
                 self.open(mesh);
             }
         } else {
@@ -192,7 +192,14 @@ impl Metric for VisualMetric {
         }
     }
 
-    fn look(&self, mesh: &Working, from: u32, candidates: &mut [(f64, u32)], eye: &mut Eye) {
-        self.see(mesh, from, candidates, eye);
+    fn reprice(
+        &self,
+        mesh: &Working,
+        _wedges: &Wedges,
+        from: u32,
+        candidates: &mut [(f64, u32)],
+        scratch: &mut ViewScratch,
+    ) {
+        self.see(mesh, from, candidates, scratch);
     }
 }

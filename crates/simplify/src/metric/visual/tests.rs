@@ -49,7 +49,7 @@ fn collapse_at_random(mesh: &Mesh, seed: u64, score: Score, what: &str) {
         let from = random.below(working.places.len()) as u32;
         let Some(&corner) = working.star(from).first() else { continue };
         let to = working.others(corner)[random.below(2)];
-        metric.collapsed(&mut working, from, to);
+        metric.collapsed(&mut working, &built.wedges, from, to);
         working.merge(from, to, |_| {});
         commits += 1;
         if commits % 16 == 0 || working.live_faces < 8 {
@@ -111,7 +111,13 @@ fn a_look_says_what_a_collapse_changes() {
             for from in (0..built.working.places.len() as u32).step_by(17) {
                 let Some(&corner) = built.working.star(from).first() else { continue };
                 let mut candidates = built.working.others(corner).map(|to| (0.0, to));
-                metric.look(&built.working, from, &mut candidates, &mut super::Eye::default());
+                metric.reprice(
+                    &built.working,
+                    &built.wedges,
+                    from,
+                    &mut candidates,
+                    &mut super::ViewScratch::default(),
+                );
                 for (cost, to) in candidates {
                     let mut later = build(&mesh).working;
                     later.merge(from, to, |_| {});

@@ -1,0 +1,143 @@
+//! A cursor over a Progressive Mesh: edge collapses and vertex splits, one after the other.
+
+use super::moving::{Faces, Watch};
+use super::record::Records;
+use lodc_mesh::{Lod, OrientedTriangle, Simplified};
+use lodc_model::{Changes, Traffic};
+
+/// The moving part of a [`ProgressiveMesh`](super::ProgressiveMesh).
+#[derive(Clone, Debug)]
+pub struct Cursor {
+    /// Steps that are done.
+    steps: usize,
+    faces: Faces,
+    /// How many triangles of each submesh are drawn: its first ones.
+    live: Vec<u32>,
+    touched: Touched,
+}
+
+/// What triangles were before a move changed them; empty while nobody listens.
+#[derive(Clone, Debug, Default)]
+struct Touched {
+    /// The move that last changed each triangle.
+    stamp: Vec<u32>,
+    now: u32,
+    before: Vec<(u32, [u32; 3])>,
+}
+
+impl Watch for Touched {
+    fn changes(&mut self, faces: &Faces, triangle: u32) {
+        if std::mem::replace(&mut self.stamp[triangle as usize], self.now) != self.now {
+            self.before.push((triangle, corners(faces, triangle)));
+        }
+    }
+}
+
+fn corners(faces: &Faces, triangle: u32) -> [u32; 3] {
+    let first = 3 * triangle as usize;
+    [faces.corners[first], faces.corners[first + 1], faces.corners[first + 2]]
+}
+
+impl Cursor {
+    pub(super) fn new(simplified: &Simplified, records: &Records) -> Self {
+        Self {
+            steps: 0,
+            faces: Faces::new(simplified.mesh(), &records.opposite),
+            live: simplified.mesh().submeshes().iter().map(|s| s.triangle_count).collect(),
+            touched: Touched::default(),
+        }
+    }
+
+    pub(super) fn lod(&self, simplified: &Simplified) -> Lod {
+        Lod(end_of(simplified, self.steps))
+    }
+
+    pub(super) fn drawn(&self) -> u64 {
+        3 * self.live.iter().map(|&l| u64::from(l)).sum::<u64>()
+    }
+
+    pub(super) fn triangles(&self, simplified: &Simplified) -> Vec<OrientedTriangle> {
+        let mut triangles = Vec::with_capacity(self.drawn() as usize / 3);
+        for (s, (submesh, &live)) in (0..).zip(simplified.mesh().submeshes().iter().zip(&self.live))
+        {
+            let drawn = submesh.first_triangle..submesh.first_triangle + live;
+            triangles.extend(drawn.map(|t| OrientedTriangle::new(s, corners(&self.faces, t))));
+        }
+        triangles
+    }
+
+    pub(super) fn seek<C: Changes>(
+        &mut self,
+        s: &Simplified,
+        r: &Records,
+        lod: Lod,
+        changes: &mut C,
+    ) -> Traffic {
+        let (from, to) = (self.lod(s), s.collapses().floor(lod));
+        let rewritten = if C::HEARD {
+            let mut touched = std::mem::take(&mut self.touched);
+            touched.stamp.resize(r.removal_lods.len(), 0);
+            touched.now += 1;
+            let rewritten = self.walk(s, r, to, &mut touched);
+            for (triangle, before) in touched.before.drain(..) {
+                let (submesh, removal_lod) =
+                    (submesh_of(s, triangle), r.removal_lods[triangle as usize]);
+                if removal_lod > from.0 {
+                    changes.removed(OrientedTriangle::new(submesh, before));
+                }
+                if removal_lod > to.0 {
+                    changes.added(OrientedTriangle::new(submesh, corners(&self.faces, triangle)));
+                }
+            }
+            self.touched = touched;
+            rewritten
+        } else {
+            self.walk(s, r, to, &mut ())
+        };
+        Traffic { records: from.0.abs_diff(to.0), rewritten }
+    }
+
+    fn walk(&mut self, s: &Simplified, r: &Records, to: Lod, watch: &mut impl Watch) -> u64 {
+        let targets = s.collapses().targets();
+        let ends = &s.collapses().parts().step_ends;
+        let mut rewritten = 0;
+        let mut here = end_of(s, self.steps);
+        while here < to.0 {
+            let end = ends[self.steps];
+            rewritten +=
+                self.faces.collapse(r, self.steps, here..end, |v| targets[v as usize], watch);
+            self.steps += 1;
+            here = end;
+        }
+        while here > to.0 {
+            self.steps -= 1;
+            let start = end_of(s, self.steps);
+            rewritten += self.faces.split(r, self.steps, start..here, watch);
+            here = start;
+        }
+        self.count(s, r, to);
+        rewritten
+    }
+
+    /// Moves the end of the drawn triangles of each submesh.
+    fn count(&mut self, s: &Simplified, r: &Records, lod: Lod) {
+        for (live, submesh) in self.live.iter_mut().zip(s.mesh().submeshes()) {
+            let removal_lods = &r.removal_lods[submesh.triangles()];
+            while *live > 0 && removal_lods[*live as usize - 1] <= lod.0 {
+                *live -= 1;
+            }
+            while removal_lods.get(*live as usize).is_some_and(|&removal_lod| removal_lod > lod.0) {
+                *live += 1;
+            }
+        }
+    }
+}
+
+/// The LOD after some steps.
+fn end_of(simplified: &Simplified, steps: usize) -> u32 {
+    if steps == 0 { 0 } else { simplified.collapses().parts().step_ends[steps - 1] }
+}
+
+fn submesh_of(s: &Simplified, triangle: u32) -> u32 {
+    s.mesh().vertex_submesh()[s.mesh().triangles()[triangle as usize][0] as usize]
+}

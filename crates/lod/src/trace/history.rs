@@ -1,0 +1,100 @@
+//! What happens to strips: changes and removals in order of records.
+
+use lodc_mesh::NONE;
+
+/// How removed elements come back.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// A vertex repetition: each element is the one before it.
+    Vertex,
+    /// An edge repetition: each element is the one two before it.
+    Edge,
+    /// What stood before the first triangle that is drawn. It was left where it was.
+    Front,
+    /// What stood behind the last triangle that is drawn. It was left where it was.
+    Back,
+}
+
+impl Kind {
+    /// All kinds, by the number that stands for them in files.
+    pub const ALL: [Self; 4] = [Self::Vertex, Self::Edge, Self::Front, Self::Back];
+
+    /// How far before it an element of a repetition finds its equal; 0 for ends.
+    #[must_use]
+    pub const fn period(self) -> u32 {
+        match self {
+            Self::Vertex => 1,
+            Self::Edge => 2,
+            Self::Front | Self::Back => 0,
+        }
+    }
+}
+
+/// Consecutive elements that a record takes out of a strip.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Removal {
+    /// Where the first of them stands before the record, counted from where the strip starts at LOD
+    /// 0: what has gone at the front keeps its room.
+    pub at: u32,
+    /// How many they are.
+    pub count: u32,
+    /// How they come back.
+    pub kind: Kind,
+}
+
+/// The number of changes that one record makes to one strip. The changes themselves stand one
+/// behind the other in [`History`].
+#[derive(Clone, Copy, Debug)]
+pub struct Event {
+    /// The strip.
+    pub strip: u32,
+    /// The record.
+    pub record: u32,
+    /// How many of its indices change.
+    pub changes: u32,
+    /// How many runs of elements are removed.
+    pub removals: u32,
+}
+
+/// What happens to some consecutive strips, strip by strip, each in order of records. The event
+/// without changes is the one with which a strip dies.
+#[derive(Debug, Default)]
+pub struct History {
+    /// One for each strip and record that changes it.
+    pub events: Vec<Event>,
+    /// Places of a strip, as before the record, that change.
+    pub changes: Vec<u32>,
+    /// What is removed.
+    pub removals: Vec<Removal>,
+    /// For each index of the strips the first LOD without it, [`NONE`] if it is never removed.
+    pub removed_at: Vec<u32>,
+    /// For each index whether it is removed at the front of its strip.
+    pub at_front: Vec<bool>,
+    /// For each index that is removed at the front or back of its strip its place then, where it is
+    /// left; for others [`NONE`].
+    pub left_at: Vec<u32>,
+    /// For each strip the first LOD at which it draws nothing.
+    pub removal_lods: Vec<u32>,
+}
+
+impl History {
+    /// Makes room for a strip of so many indices. Returns where they start.
+    pub(crate) fn begin_strip(&mut self, indices: usize) -> usize {
+        let first = self.removed_at.len();
+        self.removed_at.resize(first + indices, NONE);
+        self.at_front.resize(first + indices, false);
+        self.left_at.resize(first + indices, NONE);
+        first
+    }
+
+    /// Appends the history of further strips.
+    pub fn append(&mut self, more: Self) {
+        self.events.extend(more.events);
+        self.changes.extend(more.changes);
+        self.removals.extend(more.removals);
+        self.removed_at.extend(more.removed_at);
+        self.at_front.extend(more.at_front);
+        self.left_at.extend(more.left_at);
+        self.removal_lods.extend(more.removal_lods);
+    }
+}

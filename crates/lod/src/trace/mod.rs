@@ -1,0 +1,39 @@
+//! Tracing strips through a collapse sequence, each by itself: what every record changes in a
+//! strip, until it draws nothing any more.
+//!
+//! A place `p` of a strip holds `strip[p]`, then what that becomes, and so on, and changes at
+//! exactly the records of these vertices. So strips need not know of each other, and all work on
+//! one touches little memory.
+
+mod filter;
+mod history;
+mod ranks;
+mod tracer;
+mod working;
+
+pub use history::{Event, History, Kind, Removal};
+pub(crate) use tracer::{Removals, Source, in_parallel};
+pub(crate) use working::{Leaving, WorkingStrip};
+
+use filter::Filter;
+use lodc_mesh::{PositionIds, Simplified};
+use lodc_model::BuildError;
+use lodc_strip::StripSet;
+
+/// Traces all strips, taking out repetitions and, if `ends`, dead ends. Parallel over runs of
+/// strips; the result does not depend on the threads.
+///
+/// # Errors
+/// If strips change more often than those of any real mesh.
+pub fn histories(
+    simplified: &Simplified,
+    strips: &StripSet,
+    positions: &PositionIds,
+    ends: bool,
+) -> Result<Vec<History>, BuildError> {
+    let targets = simplified.collapses().targets();
+    let source = Source { targets, strips, positions };
+    in_parallel(&source, |tracer, range| {
+        tracer.trace(&source, range, &mut Filter::new(targets, ends))
+    })
+}

@@ -1,0 +1,223 @@
+//! The walk of one strip through the records that change it.
+
+use super::history::{Event, History, Kind, Removal};
+use super::working::{Leaving, WorkingStrip};
+use crate::stored_strips::STRIPS;
+use lodc_mesh::{NONE, PositionIds};
+use lodc_model::BuildError;
+use lodc_strip::StripSet;
+use rayon::prelude::*;
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+use std::ops::Range;
+
+/// How many changes a strip may have per index. Real strips have about five.
+const MOST_CHANGES: usize = 300;
+
+/// What is traced.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Source<'a> {
+    /// The collapse target of each record.
+    pub(crate) targets: &'a [u32],
+    pub(crate) strips: &'a StripSet,
+    pub(crate) positions: &'a PositionIds,
+}
+
+/// Where removals come from: the filter, or a file.
+pub(crate) trait Removals {
+    /// Whether [`Self::begin`] is wanted.
+    const LOOKS_AHEAD: bool;
+    /// Begins a strip that dies with record `end`.
+    fn begin(&mut self, _end: u32) {}
+    /// Chooses the repetitions that one record takes out of a strip, and unlinks them.
+    ///
+    /// # Errors
+    /// If what is stored does not fit the strip.
+    fn next(&mut self, strip: &mut WorkingStrip, changed: &[u32])
+    -> Result<&[Leaving], BuildError>;
+}
+
+/// Works on runs of strips in parallel. The runs depend on the strips alone.
+///
+/// # Errors
+/// As `work`.
+pub(crate) fn in_parallel<T: Send>(
+    source: &Source<'_>,
+    work: impl Fn(&mut StripTracer, Range<usize>) -> Result<T, BuildError> + Sync,
+) -> Result<Vec<T>, BuildError> {
+    const INDICES: usize = 1 << 14;
+    let strips = source.strips;
+    let (mut runs, mut first, mut indices) = (Vec::new(), 0, 0);
+    for (i, strip) in strips.iter().enumerate() {
+        indices += strip.len();
+        if indices >= INDICES || i + 1 == strips.len() {
+            runs.push(first..i + 1);
+            (first, indices) = (i + 1, 0);
+        }
+    }
+    runs.into_par_iter().map_init(StripTracer::default, |tracer, run| work(tracer, run)).collect()
+}
+
+/// Follows strips through the records that change them; used for many strips, to allocate once.
+#[derive(Debug, Default)]
+pub(crate) struct StripTracer {
+    strip: WorkingStrip,
+    /// Vertices with the elements that hold them, the next to disappear first.
+    queue: BinaryHeap<Reverse<(u32, u32)>>,
+    /// The elements that the latest record changed.
+    changed: Vec<u32>,
+}
+
+/// The next vertex of a strip to disappear.
+struct Collapse {
+    record: u32,
+    /// False for the last vertex of all, which never disappears.
+    happens: bool,
+}
+
+impl StripTracer {
+    /// Traces some strips.
+    ///
+    /// # Errors
+    /// If `removals` fails, or strips change more often than those of any real mesh.
+    pub(crate) fn trace(
+        &mut self,
+        source: &Source<'_>,
+        range: Range<usize>,
+        removals: &mut impl Removals,
+    ) -> Result<History, BuildError> {
+        let mut history = History::default();
+        for strip in range {
+            self.trace_strip(source, strip, removals, &mut history)?;
+        }
+        Ok(history)
+    }
+
+    fn trace_strip<R: Removals>(
+        &mut self,
+        source: &Source<'_>,
+        id: usize,
+        removals: &mut R,
+        history: &mut History,
+    ) -> Result<(), BuildError> {
+        let strip = source.strips.strip(id);
+        if R::LOOKS_AHEAD {
+            removals.begin(self.last_record(source, strip));
+        }
+        let most_changes = history.changes.len() + most_changes(strip);
+        let first_index = history.begin_strip(strip.len());
+        self.start(strip, source.positions);
+        let mut removal_lod = 0;
+        while self.strip.is_live() {
+            let Collapse { record, happens } = self.collapse_next(source);
+            if !happens {
+                removal_lod = NONE;
+                break;
+            }
+            removal_lod = record + 1;
+            let mut event = Event { strip: id as u32, record, changes: 0, removals: 0 };
+            if self.strip.is_live() {
+                let removed = removals.next(&mut self.strip, &self.changed)?;
+                event.changes = self.changed.len() as u32;
+                event.removals = removed.len() as u32;
+                history.changes.extend(self.changed.iter().map(|&e| self.strip.place(e)));
+                if history.changes.len() > most_changes {
+                    let what = "would need far more changes than it has indices".to_owned();
+                    return Err(BuildError::Malformed { array: STRIPS, what });
+                }
+                write_down(&mut self.strip, removed, removal_lod, first_index, history);
+            }
+            history.events.push(event);
+        }
+        history.removal_lods.push(removal_lod);
+        Ok(())
+    }
+
+    fn start(&mut self, strip: &[u32], positions: &PositionIds) {
+        self.strip.start(strip, positions);
+        self.queue.clear();
+        self.queue.extend((0..).zip(strip).map(|(i, &v)| Reverse((v, WorkingStrip::element(i)))));
+    }
+
+    /// The record with which a strip dies: the last one that matters to it.
+    fn last_record(&mut self, source: &Source<'_>, strip: &[u32]) -> u32 {
+        self.start(strip, source.positions);
+        let (mut last, mut changes) = (0, 0);
+        // Beyond this the strip is refused anyway.
+        while self.strip.is_live() && changes <= most_changes(strip) {
+            let Collapse { record, happens } = self.collapse_next(source);
+            (last, changes) = (record, changes + self.changed.len());
+            if !happens {
+                break;
+            }
+        }
+        last
+    }
+
+    /// Collapses the next vertex of the strip to disappear; `changed` has its elements then. A live
+    /// strip has one.
+    fn collapse_next(&mut self, source: &Source<'_>) -> Collapse {
+        let record = self.take_next();
+        let Some(&target) = source.targets.get(record as usize) else {
+            return Collapse { record, happens: false };
+        };
+        for &element in &self.changed {
+            self.strip.change(element, target);
+        }
+        for &element in &self.changed {
+            self.strip.settle(element, source.positions);
+            self.queue.push(Reverse((target, element)));
+        }
+        Collapse { record, happens: true }
+    }
+
+    /// Puts the elements of the next vertex to disappear into `changed` and returns the vertex.
+    fn take_next(&mut self) -> u32 {
+        self.changed.clear();
+        let mut vertex = NONE;
+        while let Some(&Reverse((v, element))) = self.queue.peek() {
+            if self.strip.is_left(element) {
+                if !self.changed.is_empty() && v != vertex {
+                    break;
+                }
+                vertex = v;
+                self.changed.push(element);
+            }
+            self.queue.pop();
+        }
+        vertex
+    }
+}
+
+/// How many changes a strip may have.
+fn most_changes(strip: &[u32]) -> usize {
+    MOST_CHANGES * (strip.len() + 100)
+}
+
+/// Adds what a record removes to the history of the strip whose first index is `first_index`.
+fn write_down(
+    strip: &mut WorkingStrip,
+    removed: &[Leaving],
+    lod: u32,
+    first_index: usize,
+    history: &mut History,
+) {
+    let first_removal = history.removals.len();
+    for r in removed {
+        history.removals.push(Removal { at: strip.place(r.first), count: r.count, kind: r.kind });
+    }
+    for (r, removal) in removed.iter().zip(&history.removals[first_removal..]) {
+        let mut element = r.first;
+        for k in 0..r.count {
+            strip.forget(element);
+            let index = first_index + WorkingStrip::number(element);
+            history.removed_at[index] = lod;
+            history.at_front[index] = r.kind == Kind::Front;
+            history.left_at[index] = if r.kind.period() == 0 { removal.at + k } else { NONE };
+            element = strip.next(element);
+        }
+        if r.kind == Kind::Front {
+            strip.leave_room(r.count);
+        }
+    }
+}

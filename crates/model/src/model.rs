@@ -1,0 +1,66 @@
+//! What every multiresolution model is: an immutable thing that cursors move over.
+
+use crate::{Array, Changes, StorageCost};
+use lodc_mesh::{Lod, OrientedTriangle, Simplified};
+use std::sync::Arc;
+
+/// A multiresolution model of one mesh. It is immutable and storable; a cursor holds the current
+/// LOD and whatever has to change with it.
+///
+/// At the end of every step, whichever way a cursor came there, a model shows exactly
+/// [`Simplified::triangles_at`] that LOD.
+pub trait Model {
+    /// The moving part.
+    type Cursor;
+
+    /// What the model is called in options, files and reports.
+    fn name(&self) -> &'static str;
+
+    /// The mesh and the collapse sequence that this is a model of.
+    fn simplified(&self) -> &Arc<Simplified>;
+
+    /// A new cursor at LOD 0.
+    fn cursor(&self) -> Self::Cursor;
+
+    /// Where a cursor is: always the end of a step, or 0.
+    fn lod(&self, cursor: &Self::Cursor) -> Lod;
+
+    /// Moves a cursor to the LOD shown for `lod` (rounded down to the end of a step), finer or
+    /// coarser, near or far. `changes` hears of exactly the triangles that go and come: no triangle
+    /// that stays, none twice.
+    fn seek(&self, cursor: &mut Self::Cursor, lod: Lod, changes: &mut impl Changes) -> Traffic;
+
+    /// Bytes that a program which keeps the model on a GPU sends there for a move that cost
+    /// `traffic`: each rewritten element by itself, unless a model says otherwise.
+    fn sent(&self, _from: Lod, _to: Lod, traffic: Traffic) -> u64 {
+        4 * traffic.rewritten
+    }
+
+    /// The triangles shown, in the order in which they would be drawn.
+    fn triangles(&self, cursor: &Self::Cursor) -> Vec<OrientedTriangle>;
+
+    /// How many indices are drawn: three for each triangle, or all those of the strips as they are
+    /// now.
+    fn drawn(&self, cursor: &Self::Cursor) -> u64;
+
+    /// What storing the model takes.
+    fn storage(&self) -> StorageCost {
+        self.storage_to(self.simplified().collapses().last())
+    }
+
+    /// What storing it takes if LODs coarser than the one shown for `lod` are never wanted (thesis
+    /// eq. 5.5 stops at 95 %).
+    fn storage_to(&self, lod: Lod) -> StorageCost;
+
+    /// What has to be stored besides the mesh and the sequence.
+    fn arrays(&self) -> Vec<Array>;
+}
+
+/// What one move of a cursor cost.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Traffic {
+    /// Records that were passed.
+    pub records: u32,
+    /// Elements of the drawn data (vertices or indices) that were rewritten.
+    pub rewritten: u64,
+}

@@ -1,0 +1,79 @@
+//! What to time on a device.
+
+use crate::program::{BufferId, Pass, Program};
+
+/// A program and the cases in which it is timed.
+#[derive(Clone, Debug)]
+pub struct Benchmark {
+    /// Buffers and kernels.
+    pub program: Program,
+    /// Run once, before anything is timed.
+    pub setup: Vec<Pass>,
+    /// What is timed, in order. Each ends with the state that it starts from.
+    pub cases: Vec<Case>,
+    /// What the variants of the model take.
+    pub memory: Vec<Memory>,
+}
+
+/// Some runs of one kind.
+#[derive(Clone, Debug)]
+pub struct Case {
+    /// What is timed.
+    pub name: &'static str,
+    /// One after the other; each is timed by itself.
+    pub runs: Vec<Vec<Pass>>,
+    /// Vertices that all runs together look at.
+    pub vertices: u64,
+    /// If set, not the passes are timed but drawing what they have made.
+    pub drawn: Option<Drawn>,
+}
+
+impl Case {
+    /// Passes that are timed.
+    #[must_use]
+    pub fn new(name: &'static str, runs: Vec<Vec<Pass>>, vertices: u64) -> Self {
+        Self { name, runs, vertices, drawn: None }
+    }
+
+    /// Drawing that is timed, after the passes of each run.
+    #[must_use]
+    pub fn drawing(name: &'static str, runs: Vec<Vec<Pass>>, drawn: Drawn) -> Self {
+        Self { name, runs, vertices: 0, drawn: Some(drawn) }
+    }
+
+    /// Bytes that a host sends to the device for all runs: the parameters of the passes.
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        self.runs.iter().flatten().map(|pass| 4 * pass.parameters.len() as u64).sum()
+    }
+}
+
+/// What is drawn: indexed triangles, by indirect draws.
+#[derive(Clone, Copy, Debug)]
+pub struct Drawn {
+    /// Vertex records that start with a position.
+    pub vertices: BufferId,
+    /// Words of a record.
+    pub stride: usize,
+    /// The index buffer.
+    pub indices: BufferId,
+    /// Whether it holds strips, closed by restart indices; else triangles.
+    pub strips: bool,
+    /// Five words for each draw.
+    pub draws: BufferId,
+    /// How many draws.
+    pub count: usize,
+    /// Lowest and highest corner of what is drawn.
+    pub bounds: ([f32; 3], [f32; 3]),
+}
+
+/// What a variant of a model takes on a device, in words.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Memory {
+    /// The variant.
+    pub variant: &'static str,
+    /// With positions only.
+    pub positions: u64,
+    /// With positions and normals.
+    pub normals: u64,
+}

@@ -1,0 +1,39 @@
+//! What no device can do.
+
+use std::fmt;
+
+/// Why there is no plan for a mesh.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum PlanError {
+    /// A buffer would be larger than words can be numbered.
+    TooLarge {
+        /// What would be in it.
+        what: &'static str,
+        /// How many words.
+        words: u64,
+    },
+    /// A chain of collapses is longer than a kernel may loop on every device.
+    TooDeep {
+        /// Its length.
+        length: u32,
+    },
+}
+
+impl fmt::Display for PlanError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::TooLarge { what, words } => write!(f, "{what} would take {words} words"),
+            Self::TooDeep { length } => {
+                write!(f, "a vertex collapses {length} times, ")?;
+                write!(f, "more than the {LONGEST_LOOP} a kernel may loop")
+            }
+        }
+    }
+}
+
+impl std::error::Error for PlanError {}
+
+/// How often a kernel may loop. Mesa's lavapipe silently leaves all loops of an invocation after
+/// 65,535 rounds.
+pub const LONGEST_LOOP: u32 = 60_000;

@@ -1,0 +1,26 @@
+//! Work on a graphics device as plain data: words, WGSL, and what must come out.
+//!
+//! A model that can live on a graphics device says so by making a [`Plan`]. `lodc-gpu` runs any
+//! plan and knows no model; nothing here knows a graphics API. Every kernel stands beside its twin,
+//! the Rust code that does the same.
+
+mod benchmark;
+mod error;
+mod packed;
+mod plan;
+mod program;
+mod records;
+mod scan;
+mod schedule;
+
+pub use benchmark::{Benchmark, Case, Drawn, Memory};
+pub use error::{LONGEST_LOOP, PlanError};
+pub use packed::{Packed, RESTART, STRIP_DRAWS};
+pub use plan::{Plan, Step};
+pub use program::{
+    Buffer, BufferId, Contents, Expected, Kernel, KernelId, Pass, Program, Shader, Tolerance,
+    WORKGROUP,
+};
+pub use records::VertexRecords;
+pub use scan::{SCAN, SCAN_ADD, Scan};
+pub use schedule::{DRAWS, SWEEP, schedule, stops, sweep};

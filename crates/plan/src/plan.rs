@@ -1,0 +1,66 @@
+//! A replay: what to run on a device, and what must come out.
+
+use crate::program::{BufferId, Expected, Pass, Program};
+use lodc_mesh::Lod;
+
+/// What to run and what to expect. Steps are made one by one, because all expectations of a large
+/// mesh together would not fit into memory.
+pub struct Plan<'a> {
+    /// The model, as reports name it.
+    pub model: &'static str,
+    /// What is checked.
+    pub name: &'static str,
+    /// Buffers and kernels.
+    pub program: Program,
+    /// What to do, in order.
+    pub steps: Box<dyn Iterator<Item = Step> + 'a>,
+    /// Says which part of the mesh a word of a buffer belongs to.
+    pub locate: Box<dyn Fn(BufferId, usize) -> String + 'a>,
+}
+
+impl<'a> Plan<'a> {
+    /// A plan of `moves`, between a look at what was uploaded and one at what no pass may have
+    /// written to: all of that but `written`.
+    pub fn of_moves(
+        [model, name]: [&'static str; 2],
+        program: Program,
+        written: &[BufferId],
+        moves: impl Iterator<Item = Step> + 'a,
+        locate: impl Fn(BufferId, usize) -> String + 'a,
+    ) -> Self {
+        let uploaded = Step::look("upload", program.uploaded(&[]));
+        let kept = Step::look("the end", program.uploaded(written));
+        let steps = Box::new(std::iter::once(uploaded).chain(moves).chain([kept]));
+        Self { model, name, program, steps, locate: Box::new(locate) }
+    }
+}
+
+/// Some passes, and what must be in the buffers after them.
+#[derive(Clone, Debug, Default)]
+pub struct Step {
+    /// Where this is, for messages.
+    pub at: String,
+    /// Whether this is a LOD or a view, as reports count them; else it prepares or cleans up.
+    pub counts: bool,
+    /// Run in order; each sees what the ones before it wrote.
+    pub passes: Vec<Pass>,
+    /// Compared word by word.
+    pub checks: Vec<Expected>,
+    /// What is wrong with the twin itself: it is compared with the reference before a device is
+    /// compared with it.
+    pub twin: Option<String>,
+}
+
+impl Step {
+    /// Shows a LOD; `twin` is what is wrong with it on the CPU.
+    #[must_use]
+    pub fn show(lod: Lod, passes: Vec<Pass>, checks: Vec<Expected>, twin: Option<String>) -> Self {
+        Self { at: format!("LOD {}", lod.0), counts: true, passes, checks, twin }
+    }
+
+    /// Runs nothing and looks whether buffers hold what they should.
+    #[must_use]
+    pub fn look(at: &str, checks: Vec<Expected>) -> Self {
+        Self { at: at.to_owned(), checks, ..Self::default() }
+    }
+}

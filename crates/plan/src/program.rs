@@ -1,0 +1,180 @@
+//! Buffers and kernels, named by numbers that passes refer to.
+
+use std::sync::Arc;
+
+/// A buffer of a [`Program`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct BufferId(pub usize);
+
+/// A kernel of a [`Program`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct KernelId(pub usize);
+
+/// A run of 32-bit words on the device.
+#[derive(Clone, Debug)]
+pub struct Buffer {
+    /// What is in it, for messages.
+    pub name: &'static str,
+    /// What it holds at the start.
+    pub contents: Contents,
+}
+
+/// What a buffer holds at the start.
+#[derive(Clone, Debug)]
+pub enum Contents {
+    /// These words.
+    Words(Arc<[u32]>),
+    /// So many zeros.
+    Zeros(usize),
+}
+
+impl Contents {
+    /// Number of words.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Words(words) => words.len(),
+            Self::Zeros(len) => *len,
+        }
+    }
+    /// Whether there are none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+/// The text of a kernel, as an engine may take it too.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shader {
+    /// The name of its file, without the extension.
+    pub name: &'static str,
+    /// The text.
+    pub wgsl: &'static str,
+}
+
+/// A compute shader with the entry point `main`, 256 threads to a workgroup. Binding 0 is a uniform
+/// buffer with a pass's parameters, bindings 1, 2, … are its buffers.
+#[derive(Clone, Debug)]
+pub struct Kernel {
+    /// The name of its file, without the extension.
+    pub name: &'static str,
+    /// The text.
+    pub wgsl: String,
+    /// Values of its pipeline-overridable constants.
+    pub constants: Vec<(&'static str, u32)>,
+}
+
+/// Threads in a workgroup of every kernel: what every device allows.
+pub const WORKGROUP: u32 = 256;
+
+/// One kernel over one range of threads. A kernel may be run with up to 1023 threads more than
+/// there are, and in two dimensions, so each thread numbers itself and looks whether it is needed.
+#[derive(Clone, Debug)]
+pub struct Pass {
+    /// What to run.
+    pub kernel: KernelId,
+    /// What its bindings 1, 2, … are.
+    pub buffers: Vec<BufferId>,
+    /// How many threads.
+    pub threads: u32,
+    /// Words of the uniform buffer, at most [`Self::MOST_PARAMETERS`].
+    pub parameters: Vec<u32>,
+}
+
+impl Pass {
+    /// Words that the uniform buffer of a pass has room for.
+    pub const MOST_PARAMETERS: usize = 60;
+}
+
+/// Words that a buffer must hold.
+#[derive(Clone, Debug)]
+pub struct Expected {
+    /// The buffer.
+    pub buffer: BufferId,
+    /// They start at this word of it.
+    pub first: usize,
+    /// The words.
+    pub words: Arc<[u32]>,
+    /// Floats in them that may be off by one unit in the last place on hardware.
+    pub tolerance: Option<Tolerance>,
+}
+
+/// Which words are results of floating-point arithmetic. Adapters that are software must agree in
+/// them bit for bit, too; of hardware WGSL does not demand it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Tolerance {
+    /// Words of a record.
+    pub stride: usize,
+    /// The first so many words of each are computed; the others are copies.
+    pub floats: usize,
+}
+
+impl Expected {
+    /// A buffer from its first word on.
+    pub fn new(buffer: BufferId, words: impl Into<Arc<[u32]>>) -> Self {
+        Self { buffer, first: 0, words: words.into(), tolerance: None }
+    }
+}
+
+/// Buffers and kernels.
+#[derive(Clone, Debug, Default)]
+pub struct Program {
+    /// All buffers.
+    pub buffers: Vec<Buffer>,
+    /// All kernels.
+    pub kernels: Vec<Kernel>,
+}
+
+impl Program {
+    /// Adds a buffer with something in it.
+    pub fn words(&mut self, name: &'static str, words: impl Into<Arc<[u32]>>) -> BufferId {
+        self.buffer(name, Contents::Words(words.into()))
+    }
+    /// Adds a buffer of zeros.
+    pub fn zeros(&mut self, name: &'static str, len: usize) -> BufferId {
+        self.buffer(name, Contents::Zeros(len))
+    }
+    fn buffer(&mut self, name: &'static str, contents: Contents) -> BufferId {
+        self.buffers.push(Buffer { name, contents });
+        BufferId(self.buffers.len() - 1)
+    }
+    /// Adds a kernel, or finds it if it is there.
+    pub fn kernel(&mut self, shader: Shader) -> KernelId {
+        self.kernel_with(shader, &[])
+    }
+    /// Adds a kernel with values of its pipeline-overridable constants, or finds it if it is there.
+    pub fn kernel_with(&mut self, shader: Shader, constants: &[(&'static str, u32)]) -> KernelId {
+        let known =
+            self.kernels.iter().position(|k| k.name == shader.name && k.constants == constants);
+        KernelId(known.unwrap_or_else(|| {
+            self.kernels.push(Kernel {
+                name: shader.name,
+                wgsl: shader.wgsl.to_owned(),
+                constants: constants.to_vec(),
+            });
+            self.kernels.len() - 1
+        }))
+    }
+    /// What must be in every buffer that something is uploaded to, except those that passes write
+    /// to.
+    #[must_use]
+    pub fn uploaded(&self, written: &[BufferId]) -> Vec<Expected> {
+        let buffers = (0..self.buffers.len()).map(BufferId).filter(|id| !written.contains(id));
+        let expected = |id: BufferId| match &self.buffers[id.0].contents {
+            Contents::Words(words) => Some(Expected::new(id, Arc::clone(words))),
+            Contents::Zeros(_) => None,
+        };
+        buffers.filter_map(expected).collect()
+    }
+    /// Words of all buffers together.
+    #[must_use]
+    pub fn size(&self) -> u64 {
+        self.buffers.iter().map(|b| b.contents.len() as u64).sum()
+    }
+    /// Words of all buffers together, as they are and with a normal for each of so many vertices.
+    #[must_use]
+    pub fn words_with_normals(&self, vertices: usize) -> (u64, u64) {
+        (self.size(), self.size() + 3 * vertices as u64)
+    }
+}

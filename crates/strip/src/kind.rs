@@ -1,0 +1,116 @@
+//! The closed list of strip generators, and strips that remember what made them.
+
+use crate::{CacheOptions, Effort, StripSet, cache, stripe};
+use lodc_mesh::{Mesh, Simplified};
+use std::ops::Deref;
+use std::sync::Arc;
+
+/// A strip generator.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum StripKind {
+    /// Few long strips.
+    Stripe,
+    /// Short strips that reuse a vertex cache.
+    Cache,
+}
+
+impl StripKind {
+    /// All kinds, by the number that stands for them in stored arrays.
+    pub const ALL: [Self; 2] = [Self::Stripe, Self::Cache];
+
+    /// The name in options and reports.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Stripe => "stripe",
+            Self::Cache => "cache",
+        }
+    }
+
+    /// One line of help.
+    #[must_use]
+    pub const fn help(self) -> &'static str {
+        match self {
+            Self::Stripe => "Few long strips",
+            Self::Cache => "Short strips that reuse a vertex cache",
+        }
+    }
+
+    /// Makes strips that draw exactly the mesh.
+    #[must_use]
+    pub fn generate(self, mesh: &Mesh, effort: Effort) -> StripSet {
+        match self {
+            Self::Stripe => stripe(mesh, effort),
+            Self::Cache => cache(mesh, &CacheOptions { effort, ..CacheOptions::default() }),
+        }
+    }
+}
+
+/// Strips and what made them.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Strips {
+    /// The generator.
+    pub kind: StripKind,
+    /// The strips, which draw exactly a mesh in collapse order.
+    pub set: StripSet,
+}
+
+impl Strips {
+    /// Makes strips of a mesh in collapse order. Work runs on rayon's current thread pool; the
+    /// result does not depend on it.
+    #[must_use]
+    pub fn generate(simplified: &Simplified, kind: StripKind, effort: Effort) -> Self {
+        Self { kind, set: kind.generate(simplified.mesh(), effort) }
+    }
+}
+
+impl Deref for Strips {
+    type Target = StripSet;
+
+    fn deref(&self) -> &StripSet {
+        &self.set
+    }
+}
+
+/// How strips are made for models that need some.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct StripOptions {
+    /// The generator; each model has a default of its own.
+    pub kind: Option<StripKind>,
+    /// How long it may search.
+    pub effort: Effort,
+}
+
+/// The strips of one mesh, made when first asked for and shared by all models that are made of
+/// them.
+#[derive(Debug)]
+pub struct StripPool<'a> {
+    simplified: &'a Arc<Simplified>,
+    options: StripOptions,
+    made: Vec<Arc<Strips>>,
+}
+
+impl<'a> StripPool<'a> {
+    /// Starts without strips.
+    #[must_use]
+    pub fn new(simplified: &'a Arc<Simplified>, options: StripOptions) -> Self {
+        Self { simplified, options, made: Vec::new() }
+    }
+
+    /// The mesh and the sequence that models are made of.
+    #[must_use]
+    pub fn simplified(&self) -> &'a Arc<Simplified> {
+        self.simplified
+    }
+
+    /// Returns strips by the generator of the options, or else by `default`.
+    pub fn get(&mut self, default: StripKind) -> Arc<Strips> {
+        let kind = self.options.kind.unwrap_or(default);
+        if let Some(strips) = self.made.iter().find(|strips| strips.kind == kind) {
+            return Arc::clone(strips);
+        }
+        let strips = Arc::new(Strips::generate(self.simplified, kind, self.options.effort));
+        self.made.push(Arc::clone(&strips));
+        strips
+    }
+}

@@ -1,0 +1,186 @@
+//! Verification of any model against the reference, at every step and in near-linear time.
+//!
+//! Comparing whole meshes at every step is quadratic. So every step is compared by an
+//! order-independent hash, kept incrementally on both sides: by what the model says changed, and by
+//! [`Reference`], which follows the triangles by itself. At a schedule of stops (both ends, a grid
+//! down and up, seeded jumps) the triangles themselves are compared with
+//! [`Simplified::triangles_at`](lodc_mesh::Simplified::triangles_at), which also catches a model
+//! that misreports its changes, and a reference that followed wrongly.
+
+mod boundary;
+mod check;
+mod difference;
+mod facts;
+mod reference;
+#[cfg(test)]
+mod tests;
+mod ties;
+mod track;
+mod view;
+
+pub use check::Check;
+pub use difference::{Failure, first_difference};
+pub use reference::Reference;
+pub use track::TooMuchWork;
+pub use view::{ShownView, check_view};
+
+use lodc_mesh::{Lod, OrientedTriangle, PositionIds, SplitMix64, TriangleHash};
+use lodc_model::{Changes, Model};
+
+/// How thoroughly to verify.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct VerifyOptions {
+    /// Compare at every `stride`-th step (0 means 1). The last step is always compared.
+    pub stride: u32,
+    /// Full comparisons on the way down, and as many on the way up, if the mesh is too large for
+    /// one at every step. Fewer, but at least [`Self::FEWEST`], on meshes of more than some hundred
+    /// thousand triangles.
+    pub full_stops: u32,
+    /// Random jumps, each followed by a full comparison. Fewer where there are fewer full stops.
+    pub jumps: u32,
+    /// Where the jumps lead.
+    pub seed: u64,
+}
+
+impl VerifyOptions {
+    /// Full comparisons that no size of a mesh makes fewer.
+    pub const FEWEST: u32 = 16;
+
+    /// How many of `wanted` full comparisons a mesh of so many triangles gets: all together look at
+    /// some fifty million triangles, which takes a few seconds.
+    fn affordable(wanted: u32, triangles: usize) -> u32 {
+        let affordable = u32::try_from(50_000_000 / triangles.max(1)).unwrap_or(u32::MAX);
+        wanted.min(affordable.max(Self::FEWEST))
+    }
+}
+
+impl Default for VerifyOptions {
+    fn default() -> Self {
+        Self { stride: 1, full_stops: 100, jumps: 100, seed: 1 }
+    }
+}
+
+/// Compares a model with the reference at every step going coarser, at every step going finer, and
+/// after random jumps. `reference` must have been made of the simplification that the model was
+/// built from.
+#[must_use]
+pub fn verify<M: Model>(
+    model: &M,
+    reference: &Reference<'_>,
+    options: &VerifyOptions,
+) -> Vec<Check> {
+    let judge = Judge {
+        model,
+        reference,
+        positions: PositionIds::new(model.simplified().mesh().positions()),
+    };
+    let steps = reference.steps();
+    let stride = options.stride.max(1) as usize;
+    let mut down: Vec<usize> = (0..=steps).step_by(stride).collect();
+    if down.last() != Some(&steps) {
+        down.push(steps);
+    }
+    let up: Vec<usize> = down.iter().rev().copied().collect();
+    let triangles = model.simplified().mesh().triangles().len();
+    let full = match (steps + 1).saturating_mul(triangles) {
+        // Up to here a full comparison everywhere takes about a second.
+        0..=8_000_000 => 1,
+        _ => down
+            .len()
+            .div_ceil(VerifyOptions::affordable(options.full_stops, triangles).max(1) as usize),
+    };
+    let mut cursor = model.cursor();
+    let mut shown: TriangleHash = model.triangles(&cursor).into_iter().collect();
+    vec![
+        judge.sweep("fine to coarse", &mut cursor, &mut shown, &down, full),
+        judge.sweep("coarse to fine", &mut cursor, &mut shown, &up, full),
+        judge.jumps(&mut cursor, options),
+    ]
+}
+
+struct Judge<'a, M> {
+    model: &'a M,
+    reference: &'a Reference<'a>,
+    positions: PositionIds,
+}
+
+/// Follows a model by what it says changes.
+struct Follow<'a>(&'a mut TriangleHash);
+
+impl Changes for Follow<'_> {
+    fn removed(&mut self, triangle: OrientedTriangle) {
+        self.0.remove(triangle);
+    }
+    fn added(&mut self, triangle: OrientedTriangle) {
+        self.0.add(triangle);
+    }
+}
+
+impl<M: Model> Judge<'_, M> {
+    fn sweep(
+        &self,
+        name: &'static str,
+        cursor: &mut M::Cursor,
+        shown: &mut TriangleHash,
+        stops: &[usize],
+        full: usize,
+    ) -> Check {
+        let mut check = Check { model: self.model.name(), name, lods: 0, full: 0, failure: None };
+        for (i, &step) in stops.iter().enumerate() {
+            let lod = self.reference.lod(step);
+            self.model.seek(cursor, lod, &mut Follow(shown));
+            let agrees = *shown == self.reference.hash(step);
+            if !agrees || i % full == 0 || i + 1 == stops.len() {
+                check.full += 1;
+                check.failure =
+                    self.compare(cursor, step).or((!agrees).then_some(Failure::Changes { lod }));
+            }
+            check.lods += 1;
+            if check.failure.is_some() {
+                break;
+            }
+        }
+        check
+    }
+
+    fn jumps(&self, cursor: &mut M::Cursor, options: &VerifyOptions) -> Check {
+        let mut check = Check {
+            model: self.model.name(),
+            name: "random jumps",
+            lods: 0,
+            full: 0,
+            failure: None,
+        };
+        let mut random = SplitMix64::new(options.seed);
+        for _ in 0..VerifyOptions::affordable(
+            options.jumps,
+            self.model.simplified().mesh().triangles().len(),
+        ) {
+            // Any record may be asked for; the model has to round down to a step.
+            let collapses = self.model.simplified().collapses();
+            let lod = Lod((random.bits() >> 32) as u32 % (collapses.records() + 1));
+            self.model.seek(cursor, lod, &mut ());
+            check.lods += 1;
+            check.full += 1;
+            check.failure = self.compare(cursor, collapses.steps_at(lod));
+            if check.failure.is_some() {
+                break;
+            }
+        }
+        check
+    }
+
+    /// The full comparison: the triangles themselves, with nothing carried over from other LODs.
+    fn compare(&self, cursor: &M::Cursor, step: usize) -> Option<Failure> {
+        let wanted = self.reference.lod(step);
+        let shown = self.model.lod(cursor);
+        if shown != wanted {
+            return Some(Failure::Stopped { wanted, shown });
+        }
+        let truth = self.model.simplified().triangles_at_with(wanted, &self.positions);
+        if truth.iter().copied().collect::<TriangleHash>() != self.reference.hash(step) {
+            return Some(Failure::Reference { lod: wanted });
+        }
+        first_difference(wanted, truth, self.model.triangles(cursor))
+    }
+}

@@ -1,0 +1,64 @@
+//! The reference, kept incrementally: every triangle is followed through every record by itself.
+//!
+//! Shares no code with any model: see `track.rs` for how.
+
+use crate::check::Check;
+use crate::facts;
+use crate::track::{TooMuchWork, Tracker};
+use lodc_mesh::{Lod, Simplified, TriangleHash};
+
+/// The hash of the reference at every step, and whatever is wrong with the sequence itself.
+#[derive(Clone, Debug)]
+pub struct Reference<'a> {
+    simplified: &'a Simplified,
+    /// At LOD 0 and after each step.
+    hashes: Vec<TriangleHash>,
+    checks: Vec<Check>,
+}
+
+impl<'a> Reference<'a> {
+    /// Follows all triangles from LOD 0 to the last. Time in proportion to how often corners of
+    /// live triangles move.
+    ///
+    /// # Errors
+    /// If that is more than some hundred times per corner.
+    pub fn new(simplified: &'a Simplified) -> Result<Self, TooMuchWork> {
+        let mut tracker = Tracker::new(simplified);
+        let mut hashes = Vec::with_capacity(simplified.collapses().steps() + 1);
+        hashes.push(tracker.hash());
+        for step in 0..simplified.collapses().steps() {
+            tracker.step(step)?;
+            hashes.push(tracker.hash());
+        }
+        let positions = tracker.positions().clone();
+        let mut checks = tracker.finish();
+        checks.extend(facts::check(simplified, &positions));
+        Ok(Self { simplified, hashes, checks })
+    }
+
+    /// What was found out about the sequence itself: stored triangle counts, order of triangles,
+    /// tears, dead triangles that return, submeshes, steps that do not move one position onto one
+    /// position, fakes out of place.
+    #[must_use]
+    pub fn checks(&self) -> &[Check] {
+        &self.checks
+    }
+
+    /// Number of steps.
+    #[must_use]
+    pub fn steps(&self) -> usize {
+        self.hashes.len() - 1
+    }
+
+    /// The LOD after so many steps.
+    #[must_use]
+    pub fn lod(&self, steps: usize) -> Lod {
+        if steps == 0 { Lod(0) } else { self.simplified.collapses().step(steps - 1).lod }
+    }
+
+    /// The hash of the triangles after so many steps.
+    #[must_use]
+    pub fn hash(&self, steps: usize) -> TriangleHash {
+        self.hashes[steps]
+    }
+}

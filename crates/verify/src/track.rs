@@ -1,0 +1,385 @@
+//! Tracking every triangle through every record, in proportion to what is to be seen of it.
+//!
+//! Each vertex has the list of the corners (of live triangles, and of LOD 0's boundary edges) that
+//! have become it; a record hands the list on. What is dead is not moved any more: [`Ties`] tells
+//! if its corners ever part, and only then everything is worked out anew. (Otherwise meshes of many
+//! pieces would be quadratic: in the end the dead triangles of all pieces hang on one vertex, which
+//! moves once for every piece.)
+
+use crate::boundary::{boundary, edges, first_rest, value};
+use crate::check::Check;
+use crate::difference::Failure;
+use crate::ties::Ties;
+use lodc_mesh::{
+    Lod, NONE, OrientedTriangle, PositionIds, Simplified, TriangleHash, is_degenerate,
+};
+use std::fmt;
+
+/// A sequence moves so many corners of live triangles that following them would take very long.
+/// Real ones move each about ten times.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TooMuchWork {
+    /// The LOD at which it became too much.
+    pub lod: Lod,
+}
+
+impl fmt::Display for TooMuchWork {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "up to LOD {} corners move more often than can be verified", self.lod.0)
+    }
+}
+
+impl std::error::Error for TooMuchWork {}
+
+/// The live triangles and the border as they are after some steps.
+pub(super) struct Tracker<'a> {
+    simplified: &'a Simplified,
+    positions: PositionIds,
+    ties: Ties,
+    /// Whether all vertices of a step can still be taken for one group. Until something comes
+    /// apart.
+    one_group: bool,
+    /// The corners of each triangle, as they were when it died if it did.
+    corners: Vec<[u32; 3]>,
+    /// How many steps were done when each triangle died.
+    removal_lod: Vec<u32>,
+    border_of_input: Vec<[u32; 2]>,
+    /// What has become of the boundary of LOD 0.
+    border: Vec<[u32; 2]>,
+    /// How often each boundary edge counts. 0 once it has no length any more or was added to
+    /// another one.
+    weight: Vec<i64>,
+    /// The step in which each triangle, then each boundary edge, was last touched.
+    touched_in: Vec<u32>,
+    /// First and last corner of each vertex's list, and the corner after each. Corners are
+    /// numbered: three for each triangle, then two for each boundary edge.
+    first: Vec<u32>,
+    last: Vec<u32>,
+    next: Vec<u32>,
+    hash: TriangleHash,
+    live: u32,
+    /// Value of the boundary of the live triangles minus the image of LOD 0's boundary.
+    tear: u64,
+    /// How many corners were moved.
+    moves: u64,
+    /// What was touched in the current step.
+    triangles_touched: Vec<u32>,
+    border_touched: Vec<u32>,
+    /// For sorting touched boundary edges: empty in between, kept to save allocating.
+    edges_between: Vec<([u32; 2], usize)>,
+    found: Found,
+}
+
+/// The first of every kind of failure.
+#[derive(Default)]
+struct Found {
+    count: Option<Failure>,
+    returned: Option<Failure>,
+    submesh: Option<Failure>,
+    torn: Option<Failure>,
+}
+
+impl<'a> Tracker<'a> {
+    pub(super) fn new(simplified: &'a Simplified) -> Self {
+        let positions = PositionIds::new(simplified.mesh().positions());
+        let border = boundary(simplified.mesh(), &positions);
+        let (triangles, vertices) =
+            (simplified.mesh().triangles().len(), simplified.mesh().vertex_count());
+        let mut tracker = Self {
+            ties: Ties::new(&[], 0, &positions),
+            one_group: true,
+            corners: simplified.mesh().triangles().to_vec(),
+            removal_lod: vec![NONE; triangles],
+            weight: vec![1; border.len()],
+            touched_in: vec![NONE; triangles + border.len()],
+            first: vec![NONE; vertices],
+            last: vec![NONE; vertices],
+            next: vec![NONE; 3 * triangles + 2 * border.len()],
+            hash: simplified.triangles_at_with(Lod(0), &positions).into_iter().collect(),
+            live: triangles as u32,
+            tear: 0,
+            moves: 0,
+            triangles_touched: Vec::new(),
+            border_touched: Vec::new(),
+            edges_between: Vec::new(),
+            found: Found::default(),
+            simplified,
+            positions,
+            border: border.clone(),
+            border_of_input: border,
+        };
+        tracker.list_corners();
+        tracker
+    }
+
+    pub(super) fn hash(&self) -> TriangleHash {
+        self.hash
+    }
+
+    pub(super) fn positions(&self) -> &PositionIds {
+        &self.positions
+    }
+
+    /// Applies the records of one step.
+    pub(super) fn step(&mut self, step: usize) -> Result<(), TooMuchWork> {
+        let (targets, ends) =
+            (self.simplified.collapses().targets(), &self.simplified.collapses().parts().step_ends);
+        let (start, end) = (if step == 0 { 0 } else { ends[step - 1] }, ends[step]);
+        if self.ties.step(targets, start..end, self.one_group) {
+            for record in start..end {
+                self.record(record, targets[record as usize], step as u32);
+            }
+            self.settle(step as u32, Lod(end));
+        } else {
+            self.start_anew(step as u32, Lod(end));
+        }
+        if self.moves > 200 * (self.next.len() as u64 + 10_000) {
+            return Err(TooMuchWork { lod: Lod(end) });
+        }
+        let stored = self.simplified.collapses().step(step).triangles;
+        if stored != self.live && self.found.count.is_none() {
+            self.found.count =
+                Some(Failure::TriangleCount { lod: Lod(end), stored, counted: self.live });
+        }
+        if self.tear != 0 && self.found.torn.is_none() {
+            self.found.torn = self.find_tear(Lod(end));
+        }
+        Ok(())
+    }
+
+    /// Hands the corners of a record's vertex on to its target. Those of what is dead are left
+    /// behind.
+    fn record(&mut self, record: u32, target: u32, step: u32) {
+        let triangles = self.corners.len();
+        let mut corner = self.first[record as usize];
+        while corner != NONE {
+            let following = self.next[corner as usize];
+            self.moves += 1;
+            if corner as usize >= 3 * triangles {
+                let at = corner as usize - 3 * triangles;
+                let (edge, place) = (at / 2, at % 2);
+                if self.weight[edge] != 0 {
+                    if self.touched_in[triangles + edge] != step {
+                        self.touched_in[triangles + edge] = step;
+                        self.border_touched.push(edge as u32);
+                        self.tear = self.tear.wrapping_add(self.share(edge));
+                    }
+                    self.border[edge][place] = target;
+                    self.append(target, corner);
+                }
+            } else {
+                let (triangle, place) = (corner as usize / 3, corner as usize % 3);
+                if self.removal_lod[triangle] == NONE {
+                    if self.touched_in[triangle] != step {
+                        self.touched_in[triangle] = step;
+                        self.triangles_touched.push(triangle as u32);
+                        self.hash.remove(self.oriented(triangle));
+                        self.tear = self.tear.wrapping_sub(self.rim(triangle));
+                    }
+                    self.corners[triangle][place] = target;
+                    self.append(target, corner);
+                }
+            }
+            corner = following;
+        }
+    }
+
+    /// Puts a corner at the end of a vertex's list.
+    fn append(&mut self, vertex: u32, corner: u32) {
+        match std::mem::replace(&mut self.last[vertex as usize], corner) {
+            NONE => self.first[vertex as usize] = corner,
+            end => self.next[end as usize] = corner,
+        }
+        self.next[corner as usize] = NONE;
+    }
+
+    /// Lists the corners of everything that is live.
+    fn list_corners(&mut self) {
+        self.first.fill(NONE);
+        self.last.fill(NONE);
+        let triangles = self.corners.len();
+        for triangle in 0..triangles {
+            if self.removal_lod[triangle] == NONE {
+                (0..3).for_each(|place| {
+                    self.append(self.corners[triangle][place], (3 * triangle + place) as u32)
+                });
+            }
+        }
+        for edge in 0..self.border.len() {
+            if self.weight[edge] != 0 {
+                let first = 3 * triangles + 2 * edge;
+                (0..2).for_each(|place| {
+                    self.append(self.border[edge][place], (first + place) as u32)
+                });
+            }
+        }
+    }
+
+    /// Puts what was touched back into the sums, or buries it.
+    fn settle(&mut self, step: u32, lod: Lod) {
+        let mut touched = std::mem::take(&mut self.triangles_touched);
+        for triangle in touched.drain(..) {
+            self.settle_triangle(triangle as usize, step, lod);
+        }
+        self.triangles_touched = touched;
+        let mut touched = std::mem::take(&mut self.border_touched);
+        self.settle_border(&mut touched);
+        touched.clear();
+        self.border_touched = touched;
+    }
+
+    /// `triangle` is live as far as is known, and in none of the sums.
+    fn settle_triangle(&mut self, triangle: usize, step: u32, lod: Lod) {
+        let corners = self.corners[triangle];
+        let [a, b, c] = corners;
+        let [p, q, r] = self.at(corners);
+        if is_degenerate([p, q, r]) {
+            self.live -= 1;
+            self.removal_lod[triangle] = step;
+            // The tie of one vertex with itself never parts.
+            let forever = is_degenerate(corners);
+            if !forever {
+                let (a, b) = if p == q {
+                    (a, b)
+                } else if q == r {
+                    (b, c)
+                } else {
+                    (c, a)
+                };
+                self.ties.tie(a, b);
+            }
+            return;
+        }
+        let submesh = self.simplified.mesh().vertex_submesh();
+        let own = self.submesh(triangle);
+        if corners.iter().any(|&v| submesh[v as usize] != own) {
+            self.found.submesh.get_or_insert(Failure::Submesh { lod, triangle: triangle as u32 });
+        }
+        self.hash.add(self.oriented(triangle));
+        self.tear = self.tear.wrapping_add(self.rim(triangle));
+    }
+
+    /// Boundary edges that have become the same, up to direction, are added to one of them: dead
+    /// pieces then have no boundary left that would have to be moved. `touched` are in none of the
+    /// sums.
+    fn settle_border(&mut self, touched: &mut Vec<u32>) {
+        touched.retain(|&edge| {
+            let [a, b] = self.border[edge as usize];
+            let flat = self.positions.of_vertex[a as usize] == self.positions.of_vertex[b as usize];
+            if flat {
+                self.ties.tie(a, b);
+                self.weight[edge as usize] = 0;
+            }
+            !flat
+        });
+        let mut edges = std::mem::take(&mut self.edges_between);
+        edges.extend(touched.iter().map(|&edge| {
+            let [a, b] = self.border[edge as usize].map(|v| self.ties.set(v));
+            ([a.min(b), a.max(b)], edge as usize)
+        }));
+        edges.sort_unstable();
+        for run in edges.chunk_by(|x, y| x.0 == y.0) {
+            let kept = run[0].1;
+            let head = self.ties.set(self.border[kept][0]);
+            for &(_, other) in &run[1..] {
+                let weight = std::mem::take(&mut self.weight[other]);
+                let along = self.ties.set(self.border[other][0]) == head;
+                self.weight[kept] += if along { weight } else { -weight };
+            }
+            self.tear = self.tear.wrapping_sub(self.share(kept));
+        }
+        edges.clear();
+        self.edges_between = edges;
+    }
+
+    /// Works everything out from LOD 0, without what was taken for granted before something came
+    /// apart.
+    fn start_anew(&mut self, step: u32, lod: Lod) {
+        let collapses = self.simplified.collapses();
+        let map = collapses.resolve_all(lod);
+        // Sequences with thousands of wrong records come here a few times. One made to come here
+        // often is given up.
+        self.moves += 4 * (self.next.len() as u64 + map.len() as u64);
+        self.one_group = false;
+        self.ties = Ties::new(collapses.targets(), lod.0, &self.positions);
+        (self.hash, self.live, self.tear) = (TriangleHash::default(), self.corners.len() as u32, 0);
+        for triangle in 0..self.corners.len() {
+            self.corners[triangle] =
+                self.simplified.mesh().triangles()[triangle].map(|v| map[v as usize]);
+            let before = std::mem::replace(&mut self.removal_lod[triangle], NONE);
+            self.settle_triangle(triangle, step, lod);
+            if before == NONE {
+                continue;
+            }
+            if self.removal_lod[triangle] == NONE {
+                self.found
+                    .returned
+                    .get_or_insert(Failure::Returned { lod, triangle: triangle as u32 });
+            } else {
+                self.removal_lod[triangle] = before;
+            }
+        }
+        self.border = self.border_of_input.iter().map(|e| e.map(|v| map[v as usize])).collect();
+        self.weight.fill(1);
+        self.settle_border(&mut (0..self.border.len() as u32).collect());
+        self.list_corners();
+    }
+
+    fn at<const N: usize>(&self, vertices: [u32; N]) -> [u32; N] {
+        vertices.map(|v| self.positions.of_vertex[v as usize])
+    }
+
+    fn submesh(&self, triangle: usize) -> u32 {
+        self.simplified.mesh().vertex_submesh()
+            [self.simplified.mesh().triangles()[triangle][0] as usize]
+    }
+
+    fn oriented(&self, triangle: usize) -> OrientedTriangle {
+        OrientedTriangle::new(self.submesh(triangle), self.corners[triangle])
+    }
+
+    fn rim(&self, triangle: usize) -> u64 {
+        edges(self.at(self.corners[triangle])).into_iter().map(value).fold(0, u64::wrapping_add)
+    }
+
+    /// What a boundary edge adds to the value of the boundary's image.
+    fn share(&self, edge: usize) -> u64 {
+        value(self.at(self.border[edge])).wrapping_mul(self.weight[edge] as u64)
+    }
+
+    /// Works the sum out in full to name an edge.
+    fn find_tear(&self, lod: Lod) -> Option<Failure> {
+        let live = (0..self.corners.len()).filter(|&t| self.removal_lod[t] == NONE);
+        let shown = live.flat_map(|t| edges(self.at(self.corners[t]))).map(|e| (e, 1));
+        let map = self.simplified.collapses().resolve_all(lod);
+        let image = self.border_of_input.iter().map(|e| (self.at(e.map(|v| map[v as usize])), -1));
+        let (edge, surplus) = first_rest(shown.chain(image))?;
+        let point = |p: u32| {
+            self.simplified.mesh().positions()[self.positions.first_vertex[p as usize] as usize]
+        };
+        Some(Failure::Torn { lod, edge: edge.map(point), surplus })
+    }
+
+    /// Within a submesh, triangles must stand in reverse order of their removal_lod.
+    fn out_of_order(&self) -> Option<Failure> {
+        self.simplified.mesh().submeshes().iter().find_map(|s| {
+            let i =
+                self.removal_lod[s.triangles()].windows(2).position(|pair| pair[0] < pair[1])?;
+            Some(Failure::TriangleOrder { triangle: s.first_triangle + i as u32 + 1 })
+        })
+    }
+
+    /// What was found out on the way.
+    pub(super) fn finish(self) -> Vec<Check> {
+        let lods = self.simplified.collapses().steps() as u64 + 1;
+        let order = self.out_of_order();
+        let check = |name, failure| Check { model: "sequence", name, lods, full: 0, failure };
+        vec![
+            check("stored triangle counts", self.found.count),
+            check("no tear", self.found.torn),
+            check("no triangle returns", self.found.returned),
+            check("corners stay in their submesh", self.found.submesh),
+            check("order of triangles", order),
+        ]
+    }
+}

@@ -1,0 +1,96 @@
+//! What must hold of any view-dependent level of detail: the right triangles, and no tear.
+
+use crate::boundary::{boundary, edges, first_rest};
+use crate::difference::{Failure, first_difference};
+use lodc_mesh::{Lod, OrientedTriangle, PositionIds, Simplified, is_degenerate};
+
+/// What a model shows if every vertex of LOD 0 chooses a LOD of its own. All lists but `indices`
+/// have one entry for each vertex.
+#[derive(Clone, Copy, Debug)]
+pub struct ShownView<'a> {
+    /// The LOD that a vertex chose.
+    pub lods: &'a [Lod],
+    /// The vertex that it is shown as.
+    pub vertices: &'a [u32],
+    /// Where it is drawn.
+    pub places: &'a [[f32; 3]],
+    /// The triangles that are drawn, three vertices of LOD 0 each.
+    pub indices: &'a [u32],
+    /// Whether vertices are drawn between two places. What they are shown as is not compared then.
+    pub morphs: bool,
+}
+
+/// Returns the first thing that is wrong with a view.
+///
+/// Without morphing each triangle of LOD 0 is compared with every corner resolved at its own LOD by
+/// the plain sequence (and, where all corners are at one LOD, with the reference itself). Whatever
+/// the view, no edge may lie open that the border of LOD 0 does not explain.
+#[must_use]
+pub fn check_view(
+    simplified: &Simplified,
+    positions: &PositionIds,
+    view: &ShownView<'_>,
+) -> Option<Failure> {
+    let corners = simplified.mesh().triangles().as_flattened();
+    let lod = |v: u32| simplified.collapses().floor(view.lods[v as usize]);
+    let coarsest = corners.iter().map(|&v| lod(v)).max().unwrap_or(Lod(0));
+    let uniform = || corners.iter().all(|&v| lod(v) == coarsest);
+    let compared = || {
+        let drawn = drawn(simplified, view);
+        let reference = uniform().then(|| {
+            let truth = simplified.triangles_at_with(coarsest, positions);
+            first_difference(coarsest, truth, drawn.clone())
+        });
+        reference
+            .flatten()
+            .or_else(|| first_difference(coarsest, resolved(simplified, positions, &lod), drawn))
+    };
+    let wrong = if view.morphs { None } else { compared() };
+    wrong.or_else(|| torn(simplified, positions, view, coarsest))
+}
+
+/// The triangles of LOD 0 with every corner at its own LOD: those with an area.
+fn resolved(
+    simplified: &Simplified,
+    positions: &PositionIds,
+    lod: &impl Fn(u32) -> Lod,
+) -> Vec<OrientedTriangle> {
+    let (mesh, collapses) = (simplified.mesh(), simplified.collapses());
+    let mut live = Vec::with_capacity(mesh.triangles().len());
+    for (s, submesh) in mesh.submeshes().iter().enumerate() {
+        for triangle in &mesh.triangles()[submesh.triangles()] {
+            let corners = triangle.map(|v| collapses.resolve(v, lod(v)));
+            if !is_degenerate(corners.map(|v| positions.of_vertex[v as usize])) {
+                live.push(OrientedTriangle::new(s as u32, corners));
+            }
+        }
+    }
+    live
+}
+
+fn drawn(simplified: &Simplified, view: &ShownView<'_>) -> Vec<OrientedTriangle> {
+    let submesh = simplified.mesh().vertex_submesh();
+    let triangle = |t: &[u32]| {
+        let corners = [t[0], t[1], t[2]].map(|v| view.vertices[v as usize]);
+        OrientedTriangle::new(submesh[t[0] as usize], corners)
+    };
+    view.indices.chunks_exact(3).map(triangle).collect()
+}
+
+/// An edge that is drawn more often in one direction than in the other, and not because the input
+/// has a border there.
+fn torn(
+    simplified: &Simplified,
+    positions: &PositionIds,
+    view: &ShownView<'_>,
+    lod: Lod,
+) -> Option<Failure> {
+    let drawn_at = PositionIds::new(view.places);
+    let place = |v: u32| drawn_at.of_vertex[v as usize];
+    let border = boundary(simplified.mesh(), positions);
+    let border = border.into_iter().map(|edge| (edge.map(place), -1));
+    let triangles = view.indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]].map(place));
+    let (edge, surplus) = first_rest(triangles.flat_map(edges).map(|e| (e, 1)).chain(border))?;
+    let point = |p: u32| view.places[drawn_at.first_vertex[p as usize] as usize];
+    Some(Failure::Torn { lod, edge: edge.map(point), surplus })
+}
