@@ -11,6 +11,7 @@ mod mtl;
 mod notes;
 mod number;
 mod parse;
+mod parsed;
 #[cfg(test)]
 mod tests;
 mod triangulate;
