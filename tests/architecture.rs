@@ -5,6 +5,8 @@
 mod circles;
 #[path = "architecture/drawing.rs"]
 mod drawing;
+#[path = "architecture/pages.rs"]
+mod pages;
 #[path = "architecture/scan.rs"]
 mod scan;
 #[path = "architecture/shape.rs"]
@@ -23,6 +25,7 @@ const DRAWING: &[(&str, &[&str])] = &[
     ("crates/measure", &["lodc-raster", "glam", "rayon"]),
     ("crates/simplify", &["lodc-mesh", "lodc-raster", "glam", "rayon"]),
     ("crates/strip", &["lodc-mesh", "rayon"]),
+    ("crates/progressive", &["lodc-mesh", "lodc-strip"]),
     ("crates/model", &["lodc-mesh"]),
     ("crates/verify", &["lodc-mesh", "lodc-model"]),
     ("crates/plan", &["lodc-mesh", "lodc-strip"]),
@@ -35,6 +38,7 @@ const DRAWING: &[(&str, &[&str])] = &[
             "lodc-lod",
             "lodc-mesh",
             "lodc-model",
+            "lodc-progressive",
             "lodc-strip",
             "bincode",
             "gltf",

@@ -107,7 +107,8 @@ fn gltf(accessors: &str, views: &str, zeros: usize) -> String {
     format!(
         r#"{{"asset":{{"version":"2.0"}},"scenes":[{{"nodes":[0]}}],"nodes":[{{"mesh":0}}],
         "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}}}}]}}],"accessors":[{accessors}],
-        "bufferViews":[{views}],"buffers":[{{"byteLength":{zeros},"uri":"data:application/octet-stream;base64,{data}"}}]}}"#
+        "bufferViews":[{views}],"buffers":[{{"byteLength":{zeros},
+        "uri":"data:application/octet-stream;base64,{data}"}}]}}"#
     )
 }
 
@@ -135,7 +136,8 @@ fn gltf_counts_strides_and_sparse_data_are_compared_with_the_bytes() {
         range.build("count.gltf", gltf(&accessor, view, 96));
         let sparse = r#""indices":{"bufferView":0,"componentType":5125},"values":{"bufferView":0}"#;
         let accessor = format!(
-            r#"{{"componentType":5126,"count":9,"type":"VEC3","sparse":{{"count":{count},{sparse}}}}}"#
+            r#"{{"componentType":5126,"count":9,"type":"VEC3",
+            "sparse":{{"count":{count},{sparse}}}}}"#
         );
         range.build("sparse.gltf", gltf(&accessor, view, 96));
     }

@@ -1,4 +1,5 @@
-// Validates the GLB files of a list: node validate.js VALIDATOR LIST.json. Prints {file: [error codes]}.
+// Validates the GLB files of a list: node validate.js VALIDATOR LIST.json.
+// Prints {file: [error codes]}.
 const fs = require("fs");
 const [validatorPath, list] = process.argv.slice(2);
 const validator = require(validatorPath);

@@ -11,12 +11,12 @@ const LONG_FILES_LEFT: usize = 6;
 const MOST_LINES_OF_A_FUNCTION: usize = 60;
 
 /// Functions that are longer and are left. The number only falls.
-const LONG_FUNCTIONS_LEFT: usize = 28;
+const LONG_FUNCTIONS_LEFT: usize = 27;
 
 const MOST_COLUMNS: usize = 100;
 
 /// Lines that are wider and are left. The number only falls.
-const WIDE_LINES_LEFT: usize = 143;
+const WIDE_LINES_LEFT: usize = 125;
 
 #[test]
 fn files_are_short() {

@@ -5,13 +5,13 @@ use super::{read, root, sources, sources_of};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Pairs of a file and a retired word in it that are left. The number only falls.
-const RETIRED_LEFT: usize = 220;
+const RETIRED_LEFT: usize = 190;
 
 /// Openings of doc comments that say nothing about what an item is.
 const OPENINGS: &[&str] = &["What", "Whether", "How", "Where", "Which"];
 
 /// Comments with such openings that are left. The number only falls.
-const OPENINGS_LEFT: usize = 660;
+const OPENINGS_LEFT: usize = 655;
 
 fn glossary() -> String {
     read(&root().join("docs/GLOSSARY.md"))

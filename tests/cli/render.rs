@@ -42,7 +42,8 @@ fn textured(f: &Folder) {
     f.file("s.mtl", "newmtl m\nKd 1 1 1\nmap_Kd t.png\n");
     f.file(
         "s.obj",
-        "mtllib s.mtl\nv 0 0 0\nv 4 0 0\nv 4 4 0\nv 0 4 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nusemtl m\nf 1/1 2/2 3/3 4/4\n",
+        "mtllib s.mtl\nv 0 0 0\nv 4 0 0\nv 4 4 0\nv 0 4 0\n\
+         vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nusemtl m\nf 1/1 2/2 3/3 4/4\n",
     );
 }
 

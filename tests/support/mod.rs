@@ -209,17 +209,25 @@ pub(crate) fn scene(scales: &[f32], n: usize) -> String {
     let numbers: Vec<usize> = (0..scales.len()).collect();
     let nodes: Vec<_> = numbers
         .iter()
-        .map(|&i| serde_json::json!({"mesh": i, "scale": vec![scales[i]; 3], "translation": [20.0 * i as f32, 0.0, 0.0]}))
+        .map(|&i| {
+            let at = [20.0 * i as f32, 0.0, 0.0];
+            serde_json::json!({"mesh": i, "scale": vec![scales[i]; 3], "translation": at})
+        })
         .collect();
     let meshes: Vec<_> = numbers
         .iter()
-        .map(|i| serde_json::json!({"name": format!("grid{i}"), "primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}))
+        .map(|i| {
+            let primitive = serde_json::json!({"attributes": {"POSITION": 0}, "indices": 1});
+            serde_json::json!({"name": format!("grid{i}"), "primitives": [primitive]})
+        })
         .collect();
     let uri = format!("data:application/octet-stream;base64,{}", base64(&bytes));
     serde_json::json!({
-        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": numbers}], "nodes": nodes, "meshes": meshes,
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": numbers}],
+        "nodes": nodes, "meshes": meshes,
         "accessors": [
-            {"bufferView": 0, "componentType": 5126, "count": (n + 1) * (n + 1), "type": "VEC3", "min": [0, 0, 0], "max": [n, n, 4]},
+            {"bufferView": 0, "componentType": 5126, "count": (n + 1) * (n + 1), "type": "VEC3",
+             "min": [0, 0, 0], "max": [n, n, 4]},
             {"bufferView": 1, "componentType": 5125, "count": indices.len(), "type": "SCALAR"}],
         "bufferViews": [
             {"buffer": 0, "byteOffset": 0, "byteLength": positions},

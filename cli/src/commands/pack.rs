@@ -11,7 +11,7 @@ use crate::stages::Stages;
 use crate::text::{count, distance, size};
 use clap::{Args, ValueEnum};
 use lodc_formats::lodc::{LodFile, LodObject};
-use lodc_formats::lods::{Bound, PackOptions, Packed, PackedObject, Quantize, Unpacker, pack};
+use lodc_formats::lods::{ErrorBound, PackOptions, Packed, PackedObject, Quantize, Unpacker, pack};
 use lodc_formats::{Limits, lods};
 use lodc_lod::AnyModel;
 use lodc_strip::StripSet;
@@ -35,7 +35,7 @@ pub(crate) struct PackArgs {
     /// can move
     #[arg(long, value_name = "KIND=BITS,…", value_parser = quantize)]
     quantize: Option<Quantize>,
-    /// Strips that come with the triangles, if the file has none of that kind they are made
+    /// Strips to stream with the triangles; made if the file has none of that kind
     #[arg(long, value_enum, default_value = "cache")]
     strips: PackStrips,
     /// How long to search for strips
@@ -48,7 +48,7 @@ pub(crate) struct PackArgs {
     limits: LimitArgs,
 }
 
-/// Which strips a stream tells.
+/// The strips of a stream.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum PackStrips {
     /// Few long strips
@@ -59,7 +59,7 @@ enum PackStrips {
     None,
 }
 
-/// `pos=16,normal=10,uv=12`, any of them.
+/// Parses a list such as `pos=16,normal=10,uv=12`.
 fn quantize(text: &str) -> Result<Quantize, String> {
     let mut quantize = Quantize::default();
     for part in text.split(',') {
@@ -91,10 +91,10 @@ pub(crate) fn run(args: &PackArgs) -> Outcome<()> {
     let mut stages = Stages::default();
     let (file, _) = stages.run("read", || read_lodc(&args.input, args.limits.limits()))?;
     let strips = stages.run("strips", || strips(args, &file));
-    let told: Vec<Option<&StripSet>> = strips.iter().map(Option::as_ref).collect();
+    let coded: Vec<Option<&StripSet>> = strips.iter().map(Option::as_ref).collect();
     let options =
         PackOptions { quantize: args.quantize.unwrap_or_default(), ..PackOptions::default() };
-    let packed = stages.run("pack", || pack(&file, &told, &options))?;
+    let packed = stages.run("pack", || pack(&file, &coded, &options))?;
     stages.run("check", || check(&packed))?;
     let report = report(args, &file, &strips, &packed, &target);
     stages.run("write", || output::write(&target, packed.bytes))?;
@@ -107,7 +107,7 @@ pub(crate) fn run(args: &PackArgs) -> Outcome<()> {
     Ok(())
 }
 
-/// The strips of every object: those of the file if it has some of this kind, else new ones.
+/// Returns the strips of every object: those of the file if it has any of this kind, else new ones.
 fn strips(args: &PackArgs, file: &LodFile) -> Vec<Option<StripSet>> {
     let kind = match args.strips {
         PackStrips::None => return vec![None; file.objects.len()],
@@ -126,14 +126,14 @@ fn strips(args: &PackArgs, file: &LodFile) -> Vec<Option<StripSet>> {
     file.objects.par_iter().map(of).collect()
 }
 
-/// Unpacks what was packed: an output is right, or it is not written.
+/// Unpacks what was packed, so that no wrong output is written.
 fn check(packed: &Packed) -> Outcome<()> {
     let bug = |what: &str| Failure::new(Status::Bug, format!("the stream does not unpack: {what}"));
     let most =
         Limits { file_bytes: u64::MAX, vertices: u64::MAX, triangles: u64::MAX, ..Limits::DEFAULT };
     let mut unpacker = Unpacker::new(most);
     unpacker.feed(&packed.bytes).map_err(|e| bug(&e.to_string()))?;
-    if unpacker.is_whole() { Ok(()) } else { Err(bug("something is missing")) }
+    if unpacker.is_complete() { Ok(()) } else { Err(bug("something is missing")) }
 }
 
 fn report(
@@ -143,7 +143,7 @@ fn report(
     packed: &Packed,
     target: &Target,
 ) -> PackReport {
-    let bound = |b: &Bound| BoundReport {
+    let bound = |b: &ErrorBound| BoundReport {
         stream: b.stream.clone(),
         bits: b.bits,
         coordinate: b.coordinate,

@@ -31,7 +31,7 @@ pub(crate) struct UnpackArgs {
     /// Only a complete stream will do
     #[arg(long)]
     whole: bool,
-    /// The format, where OUT does not tell [default: glb]
+    /// The format, if the name of OUT does not say [default: glb]
     #[arg(long, value_enum)]
     format: Option<FormatName>,
     /// Print what was unpacked as JSON on standard output
@@ -57,21 +57,10 @@ pub(crate) fn run(args: &UnpackArgs) -> Outcome<Status> {
     let bytes = stages.run("read", || assets.read_main())?;
     let mut unpacker = Unpacker::new(limits).triangles_only();
     let damaged = stages.run("unpack", || unpacker.feed(&bytes)).err().map(|e| e.in_file(&name));
-    let document = usable(args, &unpacker, damaged.as_ref(), &name)?;
+    let document = document(args, &unpacker, damaged.as_ref(), &name)?;
 
     let mut warnings = Vec::new();
-    let mut meshes: Vec<Mesh> = Vec::new();
-    for object in 0..unpacker.objects() {
-        let (mesh, cleaning) = unpacker.mesh(object).map_err(|e| e.in_file(&name))?;
-        if cleaning.degenerate_triangles > 0 {
-            let triangles = count(cleaning.degenerate_triangles as u64, "triangle");
-            warnings.push(format!(
-                "{}: {triangles} without area after quantising left out",
-                unpacker.info(object).name
-            ));
-        }
-        meshes.push(mesh);
-    }
+    let meshes = meshes(&unpacker, &mut warnings).map_err(|e| e.in_file(&name))?;
     let objects: Vec<_> = (meshes.iter().enumerate())
         .map(|(i, mesh)| ExportObject { info: unpacker.info(i), mesh })
         .collect();
@@ -97,8 +86,25 @@ pub(crate) fn run(args: &UnpackArgs) -> Outcome<Status> {
     }
 }
 
-/// The document, if something can be written at all.
-fn usable<'a>(
+/// Returns the mesh of each object so far.
+fn meshes(unpacker: &Unpacker, warnings: &mut Vec<String>) -> Result<Vec<Mesh>, FormatError> {
+    let mut meshes = Vec::new();
+    for object in 0..unpacker.objects() {
+        let (mesh, cleaning) = unpacker.mesh(object)?;
+        if cleaning.degenerate_triangles > 0 {
+            let triangles = count(cleaning.degenerate_triangles as u64, "triangle");
+            warnings.push(format!(
+                "{}: {triangles} without area after quantising left out",
+                unpacker.info(object).name
+            ));
+        }
+        meshes.push(mesh);
+    }
+    Ok(meshes)
+}
+
+/// Returns the document; an error if nothing can be written.
+fn document<'a>(
     args: &UnpackArgs,
     unpacker: &'a Unpacker,
     damaged: Option<&FormatError>,
@@ -107,7 +113,7 @@ fn usable<'a>(
     if let (Some(error), true) = (damaged, args.whole || unpacker.document().is_none()) {
         return Err(Failure::from(error.clone()));
     }
-    if args.whole && !unpacker.is_whole() {
+    if args.whole && !unpacker.is_complete() {
         return Err(Failure::new(Status::Input, format!("{name}: the stream is not complete")));
     }
     let early = || {
@@ -127,27 +133,26 @@ fn report(
     target: &Target,
 ) -> UnpackReport {
     let object = |i: usize| {
-        let state = unpacker.state(i);
-        let ([vertices, of_vertices], [triangles, of_triangles]) =
-            (state.vertices, state.triangles);
-        let [steps, of_steps] = state.steps;
-        let (name, error) = (unpacker.info(i).name.clone(), decimal(state.error));
+        let progress = unpacker.progress(i);
+        let [vertices, of_vertices] = progress.vertices;
+        let [triangles, of_triangles] = progress.triangles;
+        let [steps, of_steps] = progress.steps;
         UnpackedReport {
-            name,
+            name: unpacker.info(i).name.clone(),
             vertices,
             of_vertices,
             triangles,
             of_triangles,
             steps,
             of_steps,
-            error,
+            error: decimal(progress.error),
         }
     };
     UnpackReport {
         schema_version: SCHEMA_VERSION,
         input: args.input.display().to_string(),
         output: target.name(),
-        whole: unpacker.is_whole(),
+        whole: unpacker.is_complete(),
         damaged: damaged.map(ToString::to_string),
         bytes: unpacker.bytes(),
         objects: (0..unpacker.objects()).map(object).collect(),

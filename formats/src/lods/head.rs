@@ -1,38 +1,27 @@
-//! The first block: what there is besides growing meshes (docs/STREAM.md, section 3).
+//! The first block: everything but vertices and triangles (docs/STREAM.md, "The head").
 
-use super::layout::Layout;
-use super::numbers::System;
-use super::text;
 use crate::lodc::manifest::{AttributeEntry, DocumentEntry, format_code, source_of};
 use crate::{Document, Fault, FormatError, GltfDocument, Limits, ObjectInfo, Source, SubmeshInfo};
-use lodc_mesh::{Attribute, Submesh};
+use lodc_mesh::{Attribute, Component, Submesh};
+use lodc_progressive::{MeshHeader, NumberSystem, Stream, VertexLayout, text_codec};
 use serde::{Deserialize, Serialize};
 
 /// Bytes of the entries; a reader refuses more.
 const LIMIT: usize = 256 << 20;
 
-/// Everything but the growing meshes.
+/// Everything but vertices and triangles.
 #[derive(Clone, Debug)]
 pub(super) struct Head {
     pub(super) source: Source,
     pub(super) document: Document,
-    pub(super) objects: Vec<Promise>,
+    pub(super) objects: Vec<ObjectHeader>,
 }
 
-/// What an object will be.
+/// An object without vertices and triangles.
 #[derive(Clone, Debug)]
-pub(super) struct Promise {
+pub(super) struct ObjectHeader {
     pub(super) info: ObjectInfo,
-    /// Without triangles yet.
-    pub(super) submeshes: Vec<Submesh>,
-    /// Without bytes.
-    pub(super) attributes: Vec<Attribute>,
-    pub(super) layout: Layout,
-    pub(super) vertices: u32,
-    pub(super) triangles: u32,
-    pub(super) steps: u32,
-    /// Whether its strips are told.
-    pub(super) strips: bool,
+    pub(super) mesh: MeshHeader,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -50,7 +39,7 @@ struct ObjectEntry {
     document_mesh: u32,
     submeshes: Vec<SubmeshEntry>,
     attributes: Vec<AttributeEntry>,
-    /// The system of positions, then of each attribute.
+    /// The number system of positions, then of each attribute.
     systems: Vec<SystemEntry>,
     vertices: u32,
     triangles: u32,
@@ -76,8 +65,8 @@ enum SystemEntry {
 }
 
 impl Head {
-    /// The payload of the first block. None if it would be too long.
-    pub(super) fn bytes(&self) -> Option<Vec<u8>> {
+    /// Returns the payload of the first block; `None` if it would be too long.
+    pub(super) fn to_bytes(&self) -> Option<Vec<u8>> {
         let entry = HeadEntry {
             format: format_code(self.source.format),
             content_hash: self.source.content_hash,
@@ -93,10 +82,10 @@ impl Head {
             small.extend_from_slice(gltf.json.as_bytes());
             blob = &gltf.blob;
         }
-        let packed = text::pack(&small);
-        let is_packed = packed.is_some();
-        let stored = packed.unwrap_or_else(|| small.clone());
-        let mut out = vec![u8::from(is_packed)];
+        let encoded = text_codec::encode(&small);
+        let is_encoded = encoded.is_some();
+        let stored = encoded.unwrap_or_else(|| small.clone());
+        let mut out = vec![u8::from(is_encoded)];
         for n in [entries, small.len(), stored.len()] {
             out.extend(u32::try_from(n).ok()?.to_le_bytes());
         }
@@ -105,130 +94,188 @@ impl Head {
         (out.len() <= u32::MAX as usize).then_some(out)
     }
 
-    /// Reads a payload.
-    pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<Self, FormatError> {
-        let malformed = |what: &str| FormatError::new(Fault::Malformed, "head", what);
-        let cut = || malformed("is too short for what it should hold");
-        let (&[packed], rest) = bytes.split_first_chunk().ok_or_else(cut)?;
-        let mut numbers = [0; 3];
-        let mut rest = rest;
-        for n in &mut numbers {
-            let (four, more) = rest.split_first_chunk().ok_or_else(cut)?;
-            (*n, rest) = (u32::from_le_bytes(*four) as usize, more);
-        }
-        let [entries, small, stored] = numbers;
-        let (stored, blob) = rest.split_at_checked(stored).ok_or_else(cut)?;
-        let small = match packed {
-            0 if stored.len() == small => stored.to_vec(),
-            1 => text::unpack(stored, small).ok_or_else(|| malformed("cannot be unpacked"))?,
-            _ => return Err(malformed("is packed in a way that is not known")),
-        };
-        let (entries, json) = small.split_at_checked(entries).ok_or_else(cut)?;
+    /// Parses the payload of the first block.
+    pub(super) fn parse(bytes: &[u8], limits: &Limits) -> Result<Self, FormatError> {
+        let sections = Sections::split(bytes)?;
+        let (entries, json) = sections.texts()?;
         let config = bincode::config::legacy().with_limit::<LIMIT>();
-        let (entry, used) = bincode::serde::decode_from_slice::<HeadEntry, _>(entries, config)
+        let (entry, used) = bincode::serde::decode_from_slice::<HeadEntry, _>(&entries, config)
             .map_err(|e| malformed(&format!("cannot be decoded: {e}")))?;
         if used != entries.len() {
             return Err(malformed("has bytes left over"));
         }
-        let document = match entry.document {
-            DocumentEntry::Obj(obj) if json.is_empty() && blob.is_empty() => {
-                Document::Obj(obj.into())
-            }
-            DocumentEntry::Obj(_) => return Err(malformed("has a glTF document for an OBJ")),
-            DocumentEntry::Gltf => {
-                let json = std::str::from_utf8(json)
-                    .map_err(|_| malformed("has JSON that is not UTF-8"))?;
-                Document::Gltf(GltfDocument { json: json.to_owned(), blob: blob.to_vec() })
-            }
-        };
+        let document = document(entry.document, json, sections.blob)?;
         let source =
             source_of(entry.format, entry.content_hash).map_err(|what| malformed(&what))?;
-        let objects: Vec<_> = entry.objects.into_iter().map(promise).collect::<Result<_, _>>()?;
-        let sum = |of: fn(&Promise) -> u32| objects.iter().map(|o| u64::from(of(o))).sum::<u64>();
-        if sum(|o| o.vertices) > limits.vertices || sum(|o| o.triangles) > limits.triangles {
-            return Err(FormatError::new(
-                Fault::Limit,
-                "head",
-                "promises more vertices or triangles than the limit",
-            ));
+        let objects: Vec<_> =
+            entry.objects.into_iter().map(object_header).collect::<Result<_, _>>()?;
+        let sum = |of: fn(&MeshHeader) -> u32| -> u64 {
+            objects.iter().map(|o: &ObjectHeader| u64::from(of(&o.mesh))).sum()
+        };
+        if sum(|m| m.vertices) > limits.vertices || sum(|m| m.triangles) > limits.triangles {
+            let what = "announces more vertices or triangles than the limit";
+            return Err(FormatError::new(Fault::Limit, PLACE, what));
         }
         Ok(Self { source, document, objects })
     }
 }
 
-fn object_entry(o: &Promise) -> ObjectEntry {
-    let submeshes = o.info.submeshes.iter().zip(&o.submeshes).map(|(info, s)| SubmeshEntry {
+const PLACE: &str = "head";
+
+fn malformed(what: &str) -> FormatError {
+    FormatError::new(Fault::Malformed, PLACE, what)
+}
+
+/// The parts of the first block's payload.
+struct Sections<'a> {
+    encoded: bool,
+    /// Bytes of the entries, and of these and the JSON.
+    entries: usize,
+    text: usize,
+    stored: &'a [u8],
+    blob: &'a [u8],
+}
+
+impl<'a> Sections<'a> {
+    fn split(bytes: &'a [u8]) -> Result<Self, FormatError> {
+        let short = || malformed("is too short for what it should hold");
+        let (&[flag], mut rest) = bytes.split_first_chunk().ok_or_else(short)?;
+        let mut numbers = [0; 3];
+        for n in &mut numbers {
+            let (four, more) = rest.split_first_chunk().ok_or_else(short)?;
+            (*n, rest) = (u32::from_le_bytes(*four) as usize, more);
+        }
+        let [entries, text, stored] = numbers;
+        let (stored, blob) = rest.split_at_checked(stored).ok_or_else(short)?;
+        if flag > 1 || flag == 0 && stored.len() != text || entries > text {
+            return Err(malformed("is stored in a way that is not known"));
+        }
+        Ok(Self { encoded: flag == 1, entries, text, stored, blob })
+    }
+
+    /// Returns the entries and the JSON.
+    fn texts(&self) -> Result<(Vec<u8>, Vec<u8>), FormatError> {
+        let mut entries = if self.encoded {
+            text_codec::decode(self.stored, self.text)
+                .ok_or_else(|| malformed("cannot be unpacked"))?
+        } else {
+            self.stored.to_vec()
+        };
+        let json = entries.split_off(self.entries);
+        Ok((entries, json))
+    }
+}
+
+fn document(entry: DocumentEntry, json: Vec<u8>, blob: &[u8]) -> Result<Document, FormatError> {
+    match entry {
+        DocumentEntry::Obj(obj) if json.is_empty() && blob.is_empty() => {
+            Ok(Document::Obj(obj.into()))
+        }
+        DocumentEntry::Obj(_) => Err(malformed("has a glTF document for an OBJ")),
+        DocumentEntry::Gltf => {
+            let json =
+                String::from_utf8(json).map_err(|_| malformed("has JSON that is not UTF-8"))?;
+            Ok(Document::Gltf(GltfDocument { json, blob: blob.to_vec() }))
+        }
+    }
+}
+
+fn object_entry(o: &ObjectHeader) -> ObjectEntry {
+    let ObjectHeader { info, mesh } = o;
+    let submeshes = info.submeshes.iter().zip(&mesh.submeshes).map(|(info, s)| SubmeshEntry {
         name: info.name.clone(),
         material: info.material.clone(),
         document_primitive: info.document_primitive,
         attributes: s.attributes.clone(),
     });
-    let systems = o.layout.streams.iter().map(|s| match o.layout.systems[s.first] {
-        System::Float => SystemEntry::Float,
-        System::Decimal(n) => SystemEntry::Decimal(n),
-        System::Significant(n) => SystemEntry::Significant(n),
-        System::Integer => SystemEntry::Integer,
-        System::Grid { step, .. } => {
-            let origin =
-                |s: &System| if let System::Grid { origin, .. } = s { *origin } else { 0.0 };
-            SystemEntry::Grid {
-                origins: o.layout.systems[s.first..][..s.channels].iter().map(origin).collect(),
-                step,
-            }
-        }
-    });
     ObjectEntry {
-        name: o.info.name.clone(),
-        world_scale: o.info.world_scale,
-        document_mesh: o.info.document_mesh,
+        name: info.name.clone(),
+        world_scale: info.world_scale,
+        document_mesh: info.document_mesh,
         submeshes: submeshes.collect(),
-        attributes: o.attributes.iter().map(|a| AttributeEntry::of(a, true)).collect(),
-        systems: systems.collect(),
-        vertices: o.vertices,
-        triangles: o.triangles,
-        steps: o.steps,
-        strips: o.strips,
+        attributes: mesh.attributes.iter().map(|a| AttributeEntry::of(a, true)).collect(),
+        systems: mesh.layout.streams.iter().map(|s| system_entry(&mesh.layout, s)).collect(),
+        vertices: mesh.vertices,
+        triangles: mesh.triangles,
+        steps: mesh.steps,
+        strips: mesh.strips,
     }
 }
 
-fn promise(entry: ObjectEntry) -> Result<Promise, FormatError> {
-    let wrong = |what: &str| FormatError::new(Fault::Malformed, "head", what);
+fn system_entry(layout: &VertexLayout, stream: &Stream) -> SystemEntry {
+    let systems = &layout.systems[stream.first..][..stream.channels];
+    match systems[0] {
+        NumberSystem::Float => SystemEntry::Float,
+        NumberSystem::Decimal(n) => SystemEntry::Decimal(n),
+        NumberSystem::Significant(n) => SystemEntry::Significant(n),
+        NumberSystem::Integer => SystemEntry::Integer,
+        NumberSystem::Grid { step, .. } => {
+            let origin = |s: &NumberSystem| match s {
+                NumberSystem::Grid { origin, .. } => *origin,
+                _ => 0.0,
+            };
+            SystemEntry::Grid { origins: systems.iter().map(origin).collect(), step }
+        }
+    }
+}
+
+/// Returns the systems of a stream's channels; `None` if there is no such system.
+fn stream_systems(
+    entry: SystemEntry,
+    channels: usize,
+    component: Component,
+) -> Option<Vec<NumberSystem>> {
+    let system = match entry {
+        SystemEntry::Float => NumberSystem::Float,
+        SystemEntry::Decimal(n @ 0..=9) => NumberSystem::Decimal(n),
+        SystemEntry::Significant(n @ 1..=7) => NumberSystem::Significant(n),
+        SystemEntry::Integer => NumberSystem::Integer,
+        SystemEntry::Grid { origins, step }
+            if component == Component::F32 && origins.len() == channels && step > 0.0 =>
+        {
+            let grid = |origin| NumberSystem::Grid { origin, step };
+            return Some(origins.into_iter().map(grid).collect());
+        }
+        _ => return None,
+    };
+    let is_integer = matches!(system, NumberSystem::Integer);
+    (is_integer != (component == Component::F32)).then(|| vec![system; channels])
+}
+
+fn vertex_layout(
+    entries: Vec<SystemEntry>,
+    attributes: &[Attribute],
+) -> Result<VertexLayout, FormatError> {
+    let streams = VertexLayout::streams(attributes);
+    if entries.len() != streams.len() {
+        return Err(malformed("does not have one system of numbers for each stream"));
+    }
+    let components = std::iter::once(Component::F32).chain(attributes.iter().map(|a| a.component));
+    let mut systems = Vec::new();
+    for ((stream, component), entry) in streams.iter().zip(components).zip(entries) {
+        let channels = stream_systems(entry, stream.channels, component);
+        systems
+            .extend(channels.ok_or_else(|| malformed("has a system of numbers that cannot be"))?);
+    }
+    Ok(VertexLayout { systems, streams })
+}
+
+fn object_header(entry: ObjectEntry) -> Result<ObjectHeader, FormatError> {
     if !(entry.world_scale.is_finite() && entry.world_scale > 0.0) {
-        return Err(wrong("has an object whose scale is not a number above 0"));
+        return Err(malformed("has an object whose scale is not a number above 0"));
     }
     let attributes: Vec<Attribute> = (entry.attributes.iter())
         .map(|a| a.described().filter(|a| (1..=16).contains(&a.components)))
         .collect::<Option<_>>()
-        .ok_or_else(|| wrong("has an attribute with components of an unknown type or number"))?;
-    let streams = Layout::streams(&attributes);
-    if entry.systems.len() != streams.len() {
-        return Err(wrong("does not have one system of numbers for each stream"));
-    }
-    let mut systems = Vec::new();
-    for ((i, stream), entry) in streams.iter().enumerate().zip(entry.systems) {
-        let floats = i == 0 || attributes[i - 1].component == lodc_mesh::Component::F32;
-        let all: Option<Vec<System>> = match entry {
-            SystemEntry::Float => Some(vec![System::Float; stream.channels]),
-            SystemEntry::Decimal(n @ 0..=9) => Some(vec![System::Decimal(n); stream.channels]),
-            SystemEntry::Significant(n @ 1..=7) => {
-                Some(vec![System::Significant(n); stream.channels])
-            }
-            SystemEntry::Integer => Some(vec![System::Integer; stream.channels]),
-            SystemEntry::Grid { origins, step }
-                if origins.len() == stream.channels && step > 0.0 =>
-            {
-                Some(origins.into_iter().map(|origin| System::Grid { origin, step }).collect())
-            }
-            _ => None,
-        };
-        let all = all.filter(|s| floats != matches!(s[0], System::Integer));
-        systems.extend(all.ok_or_else(|| wrong("has a system of numbers that cannot be"))?);
-    }
+        .ok_or_else(|| {
+            malformed("has an attribute with components of an unknown type or number")
+        })?;
+    let layout = vertex_layout(entry.systems, &attributes)?;
     let submesh =
         |s: &SubmeshEntry| Submesh { attributes: s.attributes.clone(), ..Submesh::default() };
     let submeshes: Vec<Submesh> = entry.submeshes.iter().map(submesh).collect();
     if submeshes.is_empty() && entry.vertices > 0 {
-        return Err(wrong("has vertices without a submesh"));
+        return Err(malformed("has vertices without a submesh"));
     }
     let info = |s: SubmeshEntry| SubmeshInfo {
         name: s.name,
@@ -241,14 +288,14 @@ fn promise(entry: ObjectEntry) -> Result<Promise, FormatError> {
         world_scale: entry.world_scale,
         document_mesh: entry.document_mesh,
     };
-    Ok(Promise {
-        info,
+    let mesh = MeshHeader {
         submeshes,
         attributes,
-        layout: Layout { systems, streams },
+        layout,
         vertices: entry.vertices,
         triangles: entry.triangles,
         steps: entry.steps,
         strips: entry.strips,
-    })
+    };
+    Ok(ObjectHeader { info, mesh })
 }

@@ -100,7 +100,7 @@ fn best<T>(args: &BenchArgs, work: impl Fn() -> Outcome<T>) -> Outcome<f64> {
 fn index_list(bytes: &[u8]) -> Result<Vec<[u32; 3]>, FormatError> {
     let mut unpacker = Unpacker::new(Limits::DEFAULT).triangles_only();
     unpacker.feed(bytes)?;
-    Ok(unpacker.triangles(0).collect())
+    Ok(unpacker.decoder(0).triangles().collect())
 }
 
 /// How far the meshes of prefixes are from the whole, in space and in pictures; shape only.

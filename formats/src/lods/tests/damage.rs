@@ -19,17 +19,17 @@ fn a_stream_cut_anywhere_shows_its_last_whole_step() {
     let ends = ends(&bytes);
     for cut in 0..bytes.len() {
         let unpacker = fed(&bytes[..cut]);
-        assert!(!unpacker.is_whole(), "{cut} bytes");
+        assert!(!unpacker.is_complete(), "{cut} bytes");
         let blocks = ends.iter().filter(|&&end| end <= cut).count();
         assert_eq!(unpacker.objects(), usize::from(blocks > 1), "{cut} bytes");
         if unpacker.objects() > 0 {
             // One block for the preamble, one for the head; each other is a step.
-            assert_eq!(unpacker.state(0).steps[0] as usize, blocks - 2, "{cut} bytes");
+            assert_eq!(unpacker.progress(0).steps[0] as usize, blocks - 2, "{cut} bytes");
             check(&unpacker, 0, &file.objects[0].simplified, "cut");
             unpacker.mesh(0).expect("a mesh");
         }
     }
-    assert!(fed(&bytes).is_whole());
+    assert!(fed(&bytes).is_complete());
 }
 
 #[test]
@@ -48,8 +48,8 @@ fn no_bit_can_flip_unnoticed_and_all_before_it_stays() {
         let sound = ends.iter().filter(|&&end| end <= bit / 8).count();
         assert_eq!(unpacker.objects(), usize::from(sound > 1), "bit {bit}");
         if unpacker.objects() > 0 {
-            let steps = (sound - 2).min(unpacker.state(0).steps[1] as usize);
-            assert_eq!(unpacker.state(0).steps[0] as usize, steps, "bit {bit}");
+            let steps = (sound - 2).min(unpacker.progress(0).steps[1] as usize);
+            assert_eq!(unpacker.progress(0).steps[0] as usize, steps, "bit {bit}");
             check(&unpacker, 0, &file.objects[0].simplified, "damaged");
         }
     }
@@ -61,7 +61,7 @@ fn refused(bytes: &[u8], what: &str) {
 }
 
 #[test]
-fn what_is_no_stream_is_refused_and_named() {
+fn other_files_are_refused_by_name() {
     let (_, bytes) = small();
     refused(&[&bytes[..], b"x"].concat(), "follows the end");
     refused(b"v 0 0 0\n", "not a .lods stream");
@@ -73,8 +73,8 @@ fn what_is_no_stream_is_refused_and_named() {
     refused(&[&bytes[..ends[3]], &bytes[ends[2]..]].concat(), "checksum");
     refused(&[&bytes[..ends[2]], &bytes[ends[3]..]].concat(), "checksum");
     let mut early = bytes[..ends[4]].to_vec();
-    block::put(&mut early, 4, Block { subject: 0, steps: 0, payload: &[] });
-    refused(&early, "before all has come");
+    block::put(&mut early, 4, Block { tag: 0, steps: 0, payload: &[] });
+    refused(&early, "before every object is complete");
 }
 
 #[test]
@@ -110,7 +110,7 @@ fn forged(bytes: &[u8], random: &mut Random) -> Vec<u8> {
 #[test]
 fn forged_blocks_do_no_harm() {
     let mut random = Random(11);
-    let mut broken = 0;
+    let mut refused = 0;
     for seed in 0..40 {
         let mesh = fixtures::random(seed);
         let objects = vec![object("random", fixtures::random_collapse(&mesh, seed))];
@@ -124,19 +124,19 @@ fn forged_blocks_do_no_harm() {
         let bytes = pack(&file, &all, &options).expect("a sound file").bytes;
         for _ in 0..150 {
             let mut unpacker = Unpacker::new(Limits::DEFAULT);
-            broken += usize::from(unpacker.feed(&forged(&bytes, &mut random)).is_err());
+            refused += usize::from(unpacker.feed(&forged(&bytes, &mut random)).is_err());
             for object in 0..unpacker.objects() {
-                // Nothing is promised of what they show; only that asking is safe.
+                // They may show anything, but must not panic.
                 let _ = unpacker.mesh(object);
                 let _ = unpacker.strips(object);
-                let _ = unpacker.state(object);
+                let _ = unpacker.progress(object);
             }
         }
     }
-    assert!(broken > 1000, "only {broken} were noticed");
+    assert!(refused > 1000, "only {refused} were noticed");
 }
 
-/// What the fuzz target `lods` does, with seeds.
+/// The fuzz target `lods`, with seeds.
 #[test]
 fn bytes_that_change_anywhere_do_no_harm() {
     let mut random = Random(12);
@@ -157,7 +157,7 @@ fn bytes_that_change_anywhere_do_no_harm() {
                     _ => drop(changed.drain(at..(at + random.below(9)).min(changed.len()))),
                 }
             }
-            let changed = super::super::repaired(&changed);
+            let changed = super::super::with_valid_checksums(&changed);
             let mut unpacker =
                 Unpacker::new(Limits { vertices: 1 << 20, triangles: 1 << 20, ..Limits::DEFAULT });
             sound += usize::from(
@@ -166,7 +166,7 @@ fn bytes_that_change_anywhere_do_no_harm() {
             for object in 0..unpacker.objects() {
                 let _ = unpacker.mesh(object);
                 let _ = unpacker.strips(object);
-                let state = unpacker.state(object);
+                let state = unpacker.progress(object);
                 assert!(state.vertices[0] <= state.vertices[1] && state.vertices[0] <= 1 << 20);
             }
         }
@@ -178,15 +178,15 @@ fn bytes_that_change_anywhere_do_no_harm() {
 fn a_few_bytes_cannot_ask_for_much() {
     let (_, bytes) = small();
     let ends = ends(&bytes);
-    // Zeros go on for ever as the likeliest things; the head promises as much as it can.
+    // Zeros go on for ever as the likeliest things; the head announces as much as it can.
     let mut file =
         obj(vec![object("grid", fixtures::random_collapse(&fixtures::coloured_cube(), 1))]);
     file.objects.truncate(1);
     let mut bomb = bytes[..ends[1]].to_vec();
     for number in 1..2000 {
-        block::put(&mut bomb, number, Block { subject: 1, steps: 1, payload: &[0; 4] });
+        block::put(&mut bomb, number, Block { tag: 1, steps: 1, payload: &[0; 4] });
     }
     let mut unpacker = Unpacker::new(Limits::DEFAULT);
-    assert!(unpacker.feed(&bomb).is_err(), "more vertices than were promised");
-    assert!(unpacker.state(0).vertices[0] <= unpacker.state(0).vertices[1]);
+    assert!(unpacker.feed(&bomb).is_err(), "more vertices than its header says");
+    assert!(unpacker.progress(0).vertices[0] <= unpacker.progress(0).vertices[1]);
 }

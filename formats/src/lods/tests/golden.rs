@@ -29,14 +29,14 @@ fn packed(file: &LodFile, strips: &[StripSet]) -> Vec<u8> {
 
 /// The strips of an object with its vertices in collapse order, as a writer needs them.
 fn strips(unpacker: &Unpacker, object: usize) -> StripSet {
-    let told = unpacker.strips(object).expect("strips were told");
-    let last = unpacker.state(object).vertices[1] - 1;
+    let coded = unpacker.strips(object).expect("strips are coded");
+    let last = unpacker.progress(object).vertices[1] - 1;
     let (mut indices, mut ends) = (Vec::new(), Vec::new());
-    for strip in told.iter() {
+    for strip in coded.iter() {
         indices.extend(strip.iter().map(|&v| last - v));
         ends.push(indices.len() as u32);
     }
-    let submesh_ends = (0..told.submesh_count()).map(|s| told.submesh(s).end as u32).collect();
+    let submesh_ends = (0..coded.submesh_count()).map(|s| coded.submesh(s).end as u32).collect();
     StripSet::from_parts(indices, ends, submesh_ends).expect("strips as they were")
 }
 
@@ -45,7 +45,7 @@ fn golden_streams_are_read_and_written_as_ever() {
     for name in NAMES {
         let (file, bytes) = (source(name), stream(name));
         let unpacker = fed(&bytes);
-        assert!(unpacker.is_whole());
+        assert!(unpacker.is_complete());
         assert_eq!(
             (unpacker.document(), unpacker.source()),
             (Some(&file.document), Some(&file.source)),
@@ -54,7 +54,7 @@ fn golden_streams_are_read_and_written_as_ever() {
         for (i, o) in file.objects.iter().enumerate() {
             assert_eq!(unpacker.info(i), &o.info, "{name}");
             check(&unpacker, i, &o.simplified, name);
-            growth::same_mesh(&unpacker, i, o.simplified.mesh(), name);
+            every_step::same_mesh(&unpacker, i, o.simplified.mesh(), name);
         }
         let strips: Vec<_> = (0..file.objects.len()).map(|i| strips(&unpacker, i)).collect();
         assert!(packed(&file, &strips) == bytes, "{name} is written otherwise than it was");
@@ -68,7 +68,7 @@ fn passing_over_strips_changes_nothing_else() {
         let mut plain = Unpacker::new(Limits::DEFAULT).triangles_only();
         plain.feed(&bytes).expect("a sound stream");
         let whole = fed(&bytes);
-        assert!(plain.is_whole() && whole.is_whole());
+        assert!(plain.is_complete() && whole.is_complete());
         for i in 0..whole.objects() {
             assert_eq!(
                 (plain.strips(i).is_some(), whole.strips(i).is_some()),

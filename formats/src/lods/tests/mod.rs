@@ -1,9 +1,8 @@
-//! A stream grows as its sequence says, at every step; what is cut, damaged or crafted does no
-//! harm.
+//! Streams follow their sequence at every step; cut, damaged or crafted ones do no harm.
 
 mod damage;
+mod every_step;
 mod golden;
-mod growth;
 mod quantize;
 
 use super::{PackOptions, Packed, Unpacker, pack};
@@ -68,19 +67,19 @@ fn fed(bytes: &[u8]) -> Unpacker {
     unpacker
 }
 
-/// The triangles that an object shows, in collapse order's numbers.
+/// The triangles of an object, with vertices in collapse order.
 fn shown(unpacker: &Unpacker, object: usize) -> Vec<OrientedTriangle> {
-    let last = unpacker.state(object).vertices[1].saturating_sub(1);
-    let submesh = |v: u32| unpacker.vertex_submesh(object)[v as usize];
-    let triangles = unpacker.triangles(object);
+    let last = unpacker.progress(object).vertices[1].saturating_sub(1);
+    let submesh = |v: u32| unpacker.decoder(object).vertex_submesh()[v as usize];
+    let triangles = unpacker.decoder(object).triangles();
     triangles
         .map(|t| OrientedTriangle::new(submesh(t[0]), [last - t[0], last - t[1], last - t[2]]))
         .collect()
 }
 
-/// Asserts that an object shows exactly what the reference says.
+/// Asserts that an object has exactly the triangles of the reference.
 fn check(unpacker: &Unpacker, object: usize, simplified: &Simplified, what: &str) {
-    let vertices = unpacker.state(object).vertices[0];
+    let vertices = unpacker.progress(object).vertices[0];
     let all = simplified.mesh().vertex_count() as u32;
     let mut found = shown(unpacker, object);
     let mut wanted =
@@ -97,7 +96,7 @@ fn check(unpacker: &Unpacker, object: usize, simplified: &Simplified, what: &str
     assert_eq!(simplified.collapses().floor(lod), lod, "{what}: not the end of a step");
 }
 
-/// Where the blocks of a stream end.
+/// Returns the end of the preamble and of each block of a stream.
 fn ends(bytes: &[u8]) -> Vec<usize> {
     let mut ends = vec![super::block::PREAMBLE];
     let mut at = super::block::PREAMBLE;

@@ -1,4 +1,4 @@
-//! What quantising costs stays within what is said.
+//! Quantisation errors stay within their bounds.
 
 use super::super::Quantize;
 use super::*;
@@ -15,12 +15,12 @@ fn numbers_move_no_farther_than_the_bound() {
             let packed = pack(&file, &[], &PackOptions { quantize, ..PackOptions::default() })
                 .expect("a sound file");
             let unpacker = fed(&packed.bytes);
-            assert!(unpacker.is_whole());
+            assert!(unpacker.is_complete());
             let mesh = file.objects[0].simplified.mesh();
-            let grown = unpacker.parts(0);
+            let decoded = unpacker.mesh_parts(0);
             let bound = |stream: &str| packed.objects[0].bounds.iter().find(|b| b.stream == stream);
             let position = bound("position").expect("positions were quantised");
-            for (a, b) in mesh.positions().iter().zip(&grown.positions) {
+            for (a, b) in mesh.positions().iter().zip(&decoded.positions) {
                 for c in 0..3 {
                     let moved = (f64::from(a[c]) - f64::from(b[c])).abs();
                     assert!(
@@ -41,7 +41,7 @@ fn numbers_move_no_farther_than_the_bound() {
                     .map_or(0.0, |b| b.coordinate);
                 for v in 0..mesh.vertex_count() as u32 {
                     for c in 0..usize::from(a.components) {
-                        let moved = (a.value(v, c) - grown.attributes[i].value(v, c)).abs();
+                        let moved = (a.value(v, c) - decoded.attributes[i].value(v, c)).abs();
                         assert!(
                             f64::from(moved) <= bound,
                             "{name}, {bits} bits: {moved} for {bound}"

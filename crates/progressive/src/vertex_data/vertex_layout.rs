@@ -1,22 +1,43 @@
-//! What a vertex of an object is made of: streams, their channels, and the numbers that stand for
-//! bytes.
+//! The layout of a vertex: streams, their channels and number systems.
 
-use super::numbers::System;
-use super::values::{Prediction, Stream};
+use crate::vertex_data::number_system::NumberSystem;
 use lodc_mesh::{Attribute, Component, Mesh, Semantic, Simplified};
 
-/// The systems of numbers of an object's streams: positions first, then its attributes. One for
-/// each channel.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Layout {
-    pub(super) systems: Vec<System>,
-    pub(super) streams: Vec<Stream>,
+/// The prediction of the channels of a stream.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Prediction {
+    /// By the mean over the link of the new vertex.
+    Smooth,
+    /// Like [`Self::Smooth`], as a unit vector: the third channel follows from the first two.
+    Direction,
+    /// By the parent's value.
+    Parent,
 }
 
-impl Layout {
-    /// Streams of a mesh with such attributes, their channels numbered; systems are still to be
-    /// chosen.
-    pub(super) fn streams(attributes: &[Attribute]) -> Vec<Stream> {
+/// A stream of a vertex: its position or one of its attributes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Stream {
+    /// First of its channels among all channels of a vertex.
+    pub first: usize,
+    /// Number of its channels.
+    pub channels: usize,
+    /// Their prediction.
+    pub prediction: Prediction,
+}
+
+/// The streams of an object's vertices, positions first, and the number system of each channel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct VertexLayout {
+    /// One for each channel of a vertex.
+    pub systems: Vec<NumberSystem>,
+    /// Positions, then the attributes in their order.
+    pub streams: Vec<Stream>,
+}
+
+impl VertexLayout {
+    /// Returns the streams of a mesh with such attributes.
+    #[must_use]
+    pub fn streams(attributes: &[Attribute]) -> Vec<Stream> {
         let mut first = 3;
         let mut streams = vec![Stream { first: 0, channels: 3, prediction: Prediction::Smooth }];
         for a in attributes {
@@ -28,7 +49,7 @@ impl Layout {
                     Prediction::Direction
                 }
                 (Semantic::Joints(_) | Semantic::Weights(_) | Semantic::Custom(_), _) => {
-                    Prediction::Survivor
+                    Prediction::Parent
                 }
                 _ => Prediction::Smooth,
             };
@@ -38,8 +59,9 @@ impl Layout {
         streams
     }
 
-    /// Chooses for every stream the system in which it is told most briefly.
-    pub(super) fn choose(simplified: &Simplified) -> Self {
+    /// Chooses for every stream the number system with the shortest residuals.
+    #[must_use]
+    pub fn choose(simplified: &Simplified) -> Self {
         let mesh = simplified.mesh();
         let streams = Self::streams(mesh.attributes());
         let positions = |v: u32, c: usize| mesh.positions()[v as usize][c];
@@ -48,34 +70,35 @@ impl Layout {
             let channels = usize::from(a.components);
             let system = match a.component {
                 Component::F32 => best(simplified, channels, |v, c| float(a, v, c)),
-                _ => System::Integer,
+                _ => NumberSystem::Integer,
             };
             systems.extend(std::iter::repeat_n(system, channels));
         }
         Self { systems, streams }
     }
 
-    /// The numbers of all vertices, by arrival: the last vertex first.
-    pub(super) fn index(&self, mesh: &Mesh) -> Vec<i32> {
+    /// Returns the indices of all channels of all vertices, in stream order: the last vertex of the
+    /// collapse order first.
+    pub(crate) fn indices(&self, mesh: &Mesh) -> Vec<i32> {
         let vertices = mesh.vertex_count();
-        let mut index = Vec::with_capacity(vertices * self.systems.len());
+        let mut indices = Vec::with_capacity(vertices * self.systems.len());
         for v in (0..vertices as u32).rev() {
             let position = mesh.positions()[v as usize];
-            index.extend(position.iter().zip(&self.systems).map(|(&p, s)| s.index(p)));
+            indices.extend(position.iter().zip(&self.systems).map(|(&p, s)| s.index(p)));
             for (a, stream) in mesh.attributes().iter().zip(&self.streams[1..]) {
                 for c in 0..stream.channels {
-                    index.push(match a.component {
+                    indices.push(match a.component {
                         Component::F32 => self.systems[stream.first + c].index(float(a, v, c)),
                         _ => integer(a, v, c),
                     });
                 }
             }
         }
-        index
+        indices
     }
 
-    /// Appends the bytes that a channel's number stands for.
-    pub(super) fn put(
+    /// Appends the bytes of an attribute's channel with this index.
+    pub(crate) fn append(
         &self,
         component: Component,
         channel: usize,
@@ -106,29 +129,25 @@ fn integer(a: &Attribute, vertex: u32, channel: usize) -> i32 {
     }
 }
 
-/// The system that has all numbers of a stream and in which neighbours lie closest together.
+/// Returns the number system that holds all values of a stream and in which each vertex is closest
+/// to the one it collapses onto, by the sum of the bit lengths of their distances.
 fn best(
     simplified: &Simplified,
     channels: usize,
     value: impl Fn(u32, usize) -> f32 + Copy,
-) -> System {
+) -> NumberSystem {
     let vertices = simplified.mesh().vertex_count() as u32;
     let values = (0..vertices).flat_map(move |v| (0..channels).map(move |c| value(v, c)));
     let targets = simplified.collapses().targets();
-    let bits = |system: &System| -> u64 {
-        let pairs = (0..).zip(targets);
-        let far = |(v, &t): (u32, &u32)| {
-            let far = |c| {
-                u64::from(
-                    33 - system
-                        .index(value(v, c))
-                        .abs_diff(system.index(value(t, c)))
-                        .leading_zeros(),
-                )
-            };
-            (0..channels).map(far).sum::<u64>()
+    let total_bits = |system: &NumberSystem| -> u64 {
+        let collapses = (0..).zip(targets);
+        let bits = |(v, &target): (u32, &u32)| {
+            let index = |v, c| system.index(value(v, c));
+            let distance = |c| index(v, c).abs_diff(index(target, c));
+            (0..channels).map(|c| u64::from(33 - distance(c).leading_zeros())).sum::<u64>()
         };
-        pairs.map(far).sum()
+        collapses.map(bits).sum()
     };
-    System::candidates(&values).into_iter().min_by_key(bits).unwrap_or(System::Float)
+    let candidates = NumberSystem::candidates(&values);
+    candidates.into_iter().min_by_key(total_bits).unwrap_or(NumberSystem::Float)
 }

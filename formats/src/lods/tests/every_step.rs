@@ -1,12 +1,12 @@
-//! What grows is what was: at every step, of every shape, by any sequence.
+//! Every step of a stream shows its level of detail, for any shape and sequence.
 
 use super::*;
 use lodc_fixtures as fixtures;
 use lodc_mesh::{Mesh, SequenceParts};
 use lodc_strip::strip_triangles;
 
-/// Grows a file's objects step by step and compares everything.
-fn grows(file: &LodFile, what: &str) {
+/// Decodes a file's objects step by step and compares everything.
+fn check_every_step(file: &LodFile, what: &str) {
     let (packed, strips) = stepwise(file);
     let mut unpacker = Unpacker::new(Limits::DEFAULT);
     let mut at = 0;
@@ -15,9 +15,9 @@ fn grows(file: &LodFile, what: &str) {
         at = end;
         for (i, o) in file.objects.iter().enumerate().take(unpacker.objects()) {
             check(&unpacker, i, &o.simplified, what);
-            let drawn = unpacker.strips(i).expect("strips were told");
+            let drawn = unpacker.strips(i).expect("strips are coded");
             let mut drawn: Vec<_> = drawn.triangles().collect();
-            let last = unpacker.state(i).vertices[1].saturating_sub(1);
+            let last = unpacker.progress(i).vertices[1].saturating_sub(1);
             drawn
                 .iter_mut()
                 .for_each(|t| *t = OrientedTriangle::new(t.submesh, t.corners.map(|v| last - v)));
@@ -32,7 +32,7 @@ fn grows(file: &LodFile, what: &str) {
             );
         }
     }
-    assert!(unpacker.is_whole());
+    assert!(unpacker.is_complete());
     assert_eq!(unpacker.document(), Some(&file.document));
     assert_eq!(unpacker.source(), Some(&file.source));
     for (i, o) in file.objects.iter().enumerate() {
@@ -46,14 +46,14 @@ fn grows(file: &LodFile, what: &str) {
 fn same_sequence(unpacker: &Unpacker, object: usize, simplified: &Simplified) {
     let SequenceParts { targets, step_ends, .. } = simplified.collapses().parts();
     let last = simplified.collapses().records();
-    let mut survivors: Vec<u32> =
-        unpacker.survivors(object).iter().skip(1).map(|&s| last - s).collect();
-    survivors.reverse();
-    assert_eq!(&survivors, targets);
-    let goes_on = unpacker.goes_on(object);
+    let mut parents: Vec<u32> =
+        unpacker.decoder(object).parents().iter().skip(1).map(|&s| last - s).collect();
+    parents.reverse();
+    assert_eq!(&parents, targets);
+    let continues = unpacker.decoder(object).continues();
     let mut ends: Vec<u32> = (1..=last)
         .rev()
-        .filter(|&new| !goes_on[new as usize - 1])
+        .filter(|&new| !continues[new as usize - 1])
         .map(|new| last - new + 1)
         .collect();
     ends.dedup();
@@ -62,7 +62,7 @@ fn same_sequence(unpacker: &Unpacker, object: usize, simplified: &Simplified) {
 
 /// All that the mesh has and a triangle uses, bit for bit.
 pub(super) fn same_mesh(unpacker: &Unpacker, object: usize, mesh: &Mesh, what: &str) {
-    let (grown, cleaning) = unpacker.mesh(object).expect("a mesh");
+    let (decoded, cleaning) = unpacker.mesh(object).expect("a mesh");
     assert_eq!(cleaning.degenerate_triangles, 0, "{what}");
     let triangles = |m: &Mesh| {
         let all = (0..).zip(m.submeshes()).flat_map(|(i, s)| s.triangles().map(move |t| (i, t)));
@@ -74,40 +74,40 @@ pub(super) fn same_mesh(unpacker: &Unpacker, object: usize, mesh: &Mesh, what: &
     let wanted = mesh.extract(&triangles(mesh)).expect("triangles of the mesh");
     let bits =
         |m: &Mesh| m.positions().as_flattened().iter().map(|c| c.to_bits()).collect::<Vec<_>>();
-    assert!(bits(&grown) == bits(&wanted), "{what}: positions");
-    assert!(grown.attributes() == wanted.attributes(), "{what}: attributes");
-    assert_eq!(grown.submeshes(), wanted.submeshes(), "{what}");
-    assert_eq!(grown.vertex_submesh(), wanted.vertex_submesh(), "{what}");
-    assert!(triangles(&grown) == triangles(&wanted), "{what}: triangles");
+    assert!(bits(&decoded) == bits(&wanted), "{what}: positions");
+    assert!(decoded.attributes() == wanted.attributes(), "{what}: attributes");
+    assert_eq!(decoded.submeshes(), wanted.submeshes(), "{what}");
+    assert_eq!(decoded.vertex_submesh(), wanted.vertex_submesh(), "{what}");
+    assert!(triangles(&decoded) == triangles(&wanted), "{what}: triangles");
 }
 
 /// The same strips, each drawing the same triangles one after the other, in no more indices.
 fn same_strips(unpacker: &Unpacker, object: usize, strips: &StripSet, what: &str) {
-    let grown = unpacker.strips(object).expect("strips were told");
-    let last = unpacker.state(object).vertices[1].saturating_sub(1);
-    assert_eq!(grown.submesh_count(), strips.submesh_count(), "{what}");
-    assert_eq!(grown.len(), strips.len(), "{what}");
+    let decoded = unpacker.strips(object).expect("strips are coded");
+    let last = unpacker.progress(object).vertices[1].saturating_sub(1);
+    assert_eq!(decoded.submesh_count(), strips.submesh_count(), "{what}");
+    assert_eq!(decoded.len(), strips.len(), "{what}");
     for s in 0..strips.submesh_count() {
-        assert_eq!(grown.submesh(s), strips.submesh(s), "{what}");
+        assert_eq!(decoded.submesh(s), strips.submesh(s), "{what}");
     }
-    for (i, (grown, strip)) in grown.iter().zip(strips.iter()).enumerate() {
+    for (i, (decoded, strip)) in decoded.iter().zip(strips.iter()).enumerate() {
         let was = strip_triangles(strip).map(|t| OrientedTriangle::new(0, t));
-        let is = strip_triangles(grown).map(|t| OrientedTriangle::new(0, t.map(|v| last - v)));
+        let is = strip_triangles(decoded).map(|t| OrientedTriangle::new(0, t.map(|v| last - v)));
         assert!(was.eq(is), "{what}: strip {i}");
         assert!(
-            grown.len() <= strip.len(),
+            decoded.len() <= strip.len(),
             "{what}: strip {i} takes {} indices, not {}",
-            grown.len(),
+            decoded.len(),
             strip.len()
         );
     }
 }
 
 #[test]
-fn every_shape_grows_by_any_sequence() {
+fn every_shape_is_decoded_by_any_sequence() {
     for (name, make) in fixtures::ALL {
         for seed in 0..3 {
-            grows(
+            check_every_step(
                 &obj(vec![object(name, fixtures::random_collapse(&make(), seed))]),
                 &format!("{name}, seed {seed}"),
             );
@@ -116,38 +116,41 @@ fn every_shape_grows_by_any_sequence() {
 }
 
 #[test]
-fn every_shape_grows_as_it_was_simplified() {
+fn every_shape_is_decoded_as_it_was_simplified() {
     for (name, make) in fixtures::ALL {
         let simplified =
             lodc_simplify::simplify(&make(), &lodc_simplify::Options::DEFAULT, &|_, _| {});
-        grows(&obj(vec![object(name, simplified)]), name);
+        check_every_step(&obj(vec![object(name, simplified)]), name);
     }
 }
 
 #[test]
-fn random_meshes_grow() {
+fn random_meshes_are_decoded() {
     for seed in 0..300 {
         let mesh = fixtures::random(seed);
-        grows(
+        check_every_step(
             &obj(vec![object("random", fixtures::random_collapse(&mesh, seed))]),
             &format!("random {seed}"),
         );
         let simplified =
             lodc_simplify::simplify(&mesh, &lodc_simplify::Options::DEFAULT, &|_, _| {});
-        grows(&obj(vec![object("random", simplified)]), &format!("random {seed}, simplified"));
+        check_every_step(
+            &obj(vec![object("random", simplified)]),
+            &format!("random {seed}, simplified"),
+        );
     }
 }
 
 #[test]
-fn a_scene_of_many_objects_grows_together() {
+fn objects_of_a_scene_take_turns() {
     let names = ["torus", "empty", "coloured_cube", "triangle", "machine_part"];
     let objects = names.iter().map(|name| {
         let mesh = fixtures::named(name).expect("a shape");
         object(name, lodc_simplify::simplify(&mesh, &lodc_simplify::Options::DEFAULT, &|_, _| {}))
     });
     let file = gltf(objects.collect());
-    grows(&file, "scene");
-    grows(&gltf(Vec::new()), "nothing");
+    check_every_step(&file, "scene");
+    check_every_step(&gltf(Vec::new()), "nothing");
 }
 
 #[test]
@@ -159,7 +162,7 @@ fn blocks_of_any_size_and_pieces_of_any_length_are_one_mesh() {
         for piece in [1, 2, 7, 1000] {
             let mut unpacker = Unpacker::new(Limits::DEFAULT);
             packed.bytes.chunks(piece).for_each(|p| unpacker.feed(p).expect("a sound stream"));
-            assert!(unpacker.is_whole());
+            assert!(unpacker.is_complete());
             same_mesh(&unpacker, 0, file.objects[0].simplified.mesh(), "torus");
             assert!(unpacker.strips(0).is_none());
         }
@@ -177,10 +180,10 @@ fn errors_fall_and_are_rounded_up_a_little() {
     let (packed, _) = stepwise(&file);
     for end in ends(&packed.bytes) {
         let unpacker = fed(&packed.bytes[..end]);
-        if unpacker.objects() == 0 || unpacker.state(0).vertices[0] == 0 {
+        if unpacker.objects() == 0 || unpacker.progress(0).vertices[0] == 0 {
             continue;
         }
-        let state = unpacker.state(0);
+        let state = unpacker.progress(0);
         let exact = file.objects[0]
             .simplified
             .collapses()

@@ -1,10 +1,10 @@
-//! Fewer bits than the mesh has: streams on a regular grid, with what that may cost.
+//! Quantisation: streams on a regular grid, with bounds of the error.
 
-use super::layout::Layout;
-use super::numbers::System;
+use crate::vertex_data::number_system::NumberSystem;
+use crate::vertex_data::vertex_layout::VertexLayout;
 use lodc_mesh::{Component, Mesh, Semantic};
 
-/// Bits for each number of a kind of stream; none keeps all of them. From 2 to 24.
+/// Bits per value for each kind of stream, from 2 to 24; `None` keeps the values as they are.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Quantize {
     /// Positions: the longest side of an object's bounding box has 2^n − 1 steps.
@@ -15,22 +15,23 @@ pub struct Quantize {
     pub uv: Option<u8>,
 }
 
-/// What the grid of one stream may change.
+/// A bound of the quantisation error of one stream.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Bound {
-    /// Which stream: `position`, `normal`, `tangent` or `uv` and its set.
+pub struct ErrorBound {
+    /// Name of the stream: `position`, `normal`, `tangent`, or `uv` and its set.
     pub stream: String,
-    /// Bits for each number.
+    /// Bits per value.
     pub bits: u8,
-    /// No coordinate changes by more than this, in the stream's units.
+    /// Greatest change of a coordinate, in the stream's units.
     pub coordinate: f64,
-    /// No point moves farther than this.
+    /// Greatest distance that a point moves.
     pub distance: f64,
 }
 
 impl Quantize {
-    /// Puts streams of a layout on grids. Says what each may cost.
-    pub(super) fn apply(&self, mesh: &Mesh, layout: &mut Layout) -> Vec<Bound> {
+    /// Puts streams of a layout on grids. Returns a bound of the error of each.
+    #[must_use = "the error bounds are for the user"]
+    pub fn apply(&self, mesh: &Mesh, layout: &mut VertexLayout) -> Vec<ErrorBound> {
         let mut bounds = Vec::new();
         if let Some(bits) = self.position {
             let values = mesh.positions().iter().map(|p| &p[..]);
@@ -66,8 +67,7 @@ impl Quantize {
     }
 }
 
-/// The least and greatest number of each channel. Nothing comes back for numbers that are not
-/// finite.
+/// Returns the least and greatest value of each channel; NaN for a channel that is not finite.
 fn range<'a>(values: impl Iterator<Item = &'a [f32]>, channels: usize) -> Vec<(f32, f32)> {
     let mut range = vec![(f32::INFINITY, f32::NEG_INFINITY); channels];
     for v in values {
@@ -78,13 +78,15 @@ fn range<'a>(values: impl Iterator<Item = &'a [f32]>, channels: usize) -> Vec<(f
     range
 }
 
+/// Puts one stream on a grid of `bits` over `range`. Returns `None`, and changes nothing, if the
+/// range is not finite or its step not a normal float.
 fn grid(
-    layout: &mut Layout,
+    layout: &mut VertexLayout,
     stream: usize,
     bits: u8,
     range: &[(f32, f32)],
     name: String,
-) -> Option<Bound> {
+) -> Option<ErrorBound> {
     let stream = &layout.streams[stream];
     let side = range.iter().map(|(lo, hi)| f64::from(*hi) - f64::from(*lo)).fold(0.0, f64::max);
     let symmetric = range.iter().all(|&r| r == (-1.0, 1.0));
@@ -95,11 +97,11 @@ fn grid(
         return None;
     }
     for (system, (lo, _)) in layout.systems[stream.first..].iter_mut().zip(range) {
-        *system = System::Grid { origin: *lo, step };
+        *system = NumberSystem::Grid { origin: *lo, step };
     }
-    // Half a step, and the rounding of the sum to a float.
+    // Half a step, and the rounding of the sum to f32.
     let far = range.iter().map(|(lo, hi)| lo.abs().max(hi.abs())).fold(0.0, f32::max);
     let coordinate = f64::from(step) / 2.0 + f64::from(far) * f64::from(f32::EPSILON);
     let distance = coordinate * (stream.channels as f64).sqrt();
-    Some(Bound { stream: name, bits, coordinate, distance })
+    Some(ErrorBound { stream: name, bits, coordinate, distance })
 }

@@ -1,42 +1,43 @@
-//! Numbers as they were written down: a float that came from text is one of few, and those can be
-//! counted.
+//! Number systems: rising lists of floats in which the values of a stream are counted.
 //!
-//! A [`System`] is a rising list of floats. Predictions are made in floats and said as distances in
-//! the list, so a number with six decimal digits costs what six digits are worth, not the 24 bits
-//! of its mantissa. Lossless: a system is used for a stream only if it has every number of the
-//! stream, bit for bit.
+//! A float that came from text is one of few. Predictions are made in floats and residuals are
+//! distances in the list, so a number with six decimal digits costs what six digits are worth, not
+//! the 24 bits of its mantissa. Lossless: a system is used for a stream only if it holds every
+//! value of the stream, bit for bit.
 
-/// A rising list of floats, numbered from the one at or above zero; −0 is number −1.
+/// A rising list of floats, indexed from the one at or above zero; −0 has index −1.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum System {
-    /// Every float in the order of their bits, NaNs outermost.
+pub enum NumberSystem {
+    /// All floats in the order of their bits, NaNs outermost.
     Float,
     /// Multiples of 10^−n, n up to 9.
     Decimal(u8),
-    /// Numbers of n significant decimal digits, n from 1 to 7.
+    /// Numbers with n significant decimal digits, n from 1 to 7.
     Significant(u8),
-    /// Integers: the float is the integer itself.
+    /// Integers: the index is the value itself.
     Integer,
-    /// `origin + i * step`: what `--quantize` makes.
+    /// `origin + i * step`: a quantisation grid.
     Grid {
-        /// The float of number 0.
+        /// The float at index 0.
         origin: f32,
-        /// The distance of two neighbours; above 0.
+        /// The distance between neighbours, above 0.
         step: f32,
     },
 }
 
-/// The smallest decade of a float: 10^−45 is below the smallest.
+/// Below the decade of the smallest float, which is about 1.4 × 10^−45.
 const LEAST_DECADE: i32 = -46;
+
+/// The powers of ten that are exact in `f64`.
 const POWERS: [f64; 23] = [
     1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16,
     1e17, 1e18, 1e19, 1e20, 1e21, 1e22,
 ];
 
-/// The least number of n digits.
+/// The smallest number with n digits.
 const FIRST: [i32; 8] = [1, 1, 10, 100, 1_000, 10_000, 100_000, 1_000_000];
 
-/// Powers of ten; those beyond 10^22 are products.
+/// Powers of ten: 10^22 times the rest beyond 10^22.
 const TENS: [f64; 67] = {
     let mut tens = [1.0; 67];
     let mut n = 0;
@@ -54,18 +55,19 @@ const TENS: [f64; 67] = {
     tens
 };
 
-/// `m * 10^exponent`; correctly rounded for all but the farthest exponents, and the same everywhere
-/// for those.
+/// Returns `m * 10^exponent`: correctly rounded for all but the largest exponents, and the same on
+/// every machine for those.
 #[inline]
 fn scaled(m: f64, exponent: i32) -> f64 {
     let ten = TENS[exponent.unsigned_abs().min(66) as usize];
     if exponent >= 0 { m * ten } else { m / ten }
 }
 
-impl System {
-    /// The number of the float in the list that is nearest to `value`.
+impl NumberSystem {
+    /// Returns the index of the float in the list that is nearest to `value`.
     #[inline]
-    pub(super) fn index(self, value: f32) -> i32 {
+    #[must_use]
+    pub fn index(self, value: f32) -> i32 {
         match self {
             Self::Float => {
                 let bits = value.to_bits() as i32;
@@ -83,9 +85,10 @@ impl System {
         }
     }
 
-    /// The float of a number.
+    /// Returns the float at an index.
     #[inline]
-    pub(super) fn value(self, index: i32) -> f32 {
+    #[must_use]
+    pub fn value(self, index: i32) -> f32 {
         // Not `-index`, so that −1 is −0.
         let magnitude = if index < 0 { !index } else { index };
         let value = match self {
@@ -112,10 +115,11 @@ impl System {
         if index < 0 { -value } else { value }
     }
 
-    /// Whether from the number `least` to the number `most` all floats are equally distant: those
-    /// of one power of two or ten, where that makes a difference.
+    /// Returns whether the floats from index `least` to `most` are known to be evenly spaced, so
+    /// that their mean is the mean of the indices: within one power of two or ten, where that
+    /// matters.
     #[inline]
-    pub(super) fn is_even(self, least: i32, most: i32) -> bool {
+    pub(crate) fn is_evenly_spaced(self, least: i32, most: i32) -> bool {
         match self {
             Self::Float => least >> 23 == most >> 23,
             Self::Significant(digits) => {
@@ -127,24 +131,25 @@ impl System {
         }
     }
 
-    /// Whether the list has this float, bit for bit.
-    pub(super) fn has(self, value: f32) -> bool {
+    /// Returns whether the list holds this float, bit for bit.
+    #[must_use]
+    pub fn contains(self, value: f32) -> bool {
         self.value(self.index(value)).to_bits() == value.to_bits()
     }
 
-    /// The systems that have all of the numbers, for floats from a file; [`Self::Float`] is always
-    /// one.
-    pub(super) fn candidates(values: &(impl Iterator<Item = f32> + Clone)) -> Vec<Self> {
-        let has = |s: &Self| values.clone().all(|v| s.has(v));
-        let decimal = (0..=9).map(Self::Decimal).find(has);
-        let significant = (1..=7).map(Self::Significant).find(has);
+    /// Returns the systems that hold all of the values; [`Self::Float`] is always one.
+    pub(crate) fn candidates(values: &(impl Iterator<Item = f32> + Clone)) -> Vec<Self> {
+        let holds_all = |s: &Self| values.clone().all(|v| s.contains(v));
+        let decimal = (0..=9).map(Self::Decimal).find(holds_all);
+        let significant = (1..=7).map(Self::Significant).find(holds_all);
         [Some(Self::Float), decimal, significant].into_iter().flatten().collect()
     }
 }
 
-/// Numbers a float by its magnitude, leaving room for −0.
+/// Returns the index of a float from that of its magnitude; −0 has one of its own.
 fn signed(value: f32, of: impl Fn(f64) -> i32) -> i32 {
-    // What is no number has no place in a list of decimals; any will do, the same everywhere.
+    // NaN is in no list of decimals. A prediction may be one: any index will do, if it is the same
+    // on every machine.
     if value.is_nan() {
         return 0;
     }
@@ -152,12 +157,13 @@ fn signed(value: f32, of: impl Fn(f64) -> i32) -> i32 {
     if value.is_sign_negative() { !magnitude } else { magnitude }
 }
 
+/// Returns the index of a magnitude among the numbers with `digits` significant digits.
 fn significant(value: f64, digits: i32) -> i32 {
     if value == 0.0 {
         return 0;
     }
     let value = value.min(f64::from(f32::MAX));
-    // The decade by the binary exponent, then put right.
+    // An estimate of the decade from the binary exponent, then corrected.
     let exponent = (value.to_bits() >> 52) as i32 - 1023;
     let mut decade = (exponent * 1233) >> 12;
     if scaled(1.0, decade + 1) <= value {
@@ -178,57 +184,57 @@ fn significant(value: f64, digits: i32) -> i32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::Random;
+    use lodc_mesh::SplitMix64;
 
-    const SYSTEMS: [System; 7] = [
-        System::Float,
-        System::Decimal(0),
-        System::Decimal(6),
-        System::Significant(1),
-        System::Significant(6),
-        System::Significant(7),
-        System::Integer,
+    const SYSTEMS: [NumberSystem; 7] = [
+        NumberSystem::Float,
+        NumberSystem::Decimal(0),
+        NumberSystem::Decimal(6),
+        NumberSystem::Significant(1),
+        NumberSystem::Significant(6),
+        NumberSystem::Significant(7),
+        NumberSystem::Integer,
     ];
 
     #[test]
-    fn numbers_lead_to_floats_and_back() {
-        let mut random = Random(1);
+    fn indices_lead_to_floats_and_back() {
+        let mut random = SplitMix64::new(1);
         for system in SYSTEMS {
             for _ in 0..20_000 {
-                let index = random.next() as i32 >> random.below(31);
-                // Where neighbours are different floats, and no infinities.
+                let index = random.bits() as i32 >> random.below(31);
+                // Where neighbours differ as floats and none is infinite.
                 let index = match system {
-                    System::Float => index >> 1,
-                    System::Significant(n) => index % (80 * 9 * 10i32.pow(u32::from(n) - 1)),
+                    NumberSystem::Float => index >> 1,
+                    NumberSystem::Significant(n) => index % (80 * 9 * 10i32.pow(u32::from(n) - 1)),
                     _ => index % 0xff_ffff,
                 };
                 let value = system.value(index);
-                assert!(system.has(value), "{system:?} {index} {value:e}");
+                assert!(system.contains(value), "{system:?} {index} {value:e}");
                 assert!(system.value(index + 1) >= value, "{system:?} does not rise at {index}");
             }
         }
     }
 
     #[test]
-    fn text_is_recognised() {
-        let has = |texts: &[&str]| {
+    fn numbers_from_text_are_recognised() {
+        let candidates = |texts: &[&str]| {
             let values: Vec<f32> = texts.iter().map(|t| t.parse().expect("a number")).collect();
-            System::candidates(&values.into_iter())
+            NumberSystem::candidates(&values.into_iter())
         };
         assert_eq!(
-            has(&["0.25", "-1.50", "-0", "3"]),
-            [System::Float, System::Decimal(2), System::Significant(2)]
+            candidates(&["0.25", "-1.50", "-0", "3"]),
+            [NumberSystem::Float, NumberSystem::Decimal(2), NumberSystem::Significant(2)]
         );
         assert_eq!(
-            has(&["0.0378297", "0.00447467", "-1.55991e-08"]),
-            [System::Float, System::Significant(6)]
+            candidates(&["0.0378297", "0.00447467", "-1.55991e-08"]),
+            [NumberSystem::Float, NumberSystem::Significant(6)]
         );
-        assert_eq!(has(&["0.123456789", "1e30"]), [System::Float]);
-        assert_eq!(has(&["NaN", "1"]), [System::Float]);
+        assert_eq!(candidates(&["0.123456789", "1e30"]), [NumberSystem::Float]);
+        assert_eq!(candidates(&["NaN", "1"]), [NumberSystem::Float]);
     }
 
     #[test]
-    fn predictions_of_any_value_have_a_place() {
+    fn any_value_has_a_nearest_index() {
         for value in [
             f32::NAN,
             f32::INFINITY,

@@ -1,0 +1,113 @@
+//! Integers of unknown size: an adaptive symbol for the bit length, plain bits for the rest.
+
+use crate::entropy::adaptive_probability::AdaptiveSymbol;
+use crate::entropy::coder::Coder;
+
+/// Code of a signed residual whose bit length can be estimated.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ResidualCode(pub(crate) AdaptiveSymbol);
+
+/// Symbol of a magnitude as long as expected. 0 stands for a residual of 0.
+const EXPECTED_LENGTH: i32 = 10;
+/// Symbol of a length too far from the expected one: it follows as a plain number.
+const ESCAPE: u32 = 15;
+
+/// A residual and the bit length of its magnitude.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct CodedResidual {
+    pub(crate) value: i64,
+    pub(crate) bits: u32,
+}
+
+impl ResidualCode {
+    pub(crate) const NEW: Self = Self(AdaptiveSymbol::NEW);
+
+    /// Codes a residual whose magnitude is estimated to have `expected` bits, at most 32.
+    #[inline]
+    pub(crate) fn code<C: Coder>(
+        &mut self,
+        coder: &mut C,
+        expected: u32,
+        value: i64,
+    ) -> CodedResidual {
+        let magnitude = value.unsigned_abs() as u32;
+        let length = bit_length(magnitude);
+        let relative = length as i32 - expected as i32 + EXPECTED_LENGTH;
+        let symbol = match relative {
+            _ if length == 0 => 0,
+            1..=14 => relative as u32,
+            _ => ESCAPE,
+        };
+        let length = match coder.symbol(&mut self.0, symbol) {
+            0 => return CodedResidual { value: 0, bits: 0 },
+            ESCAPE => coder.uniform(32, length.wrapping_sub(1)) + 1,
+            symbol => (symbol as i32 - EXPECTED_LENGTH + expected as i32).clamp(1, 32) as u32,
+        };
+        // The bits below the highest, and the sign, are equally likely to be set or not.
+        let low = coder.raw(length - 1, magnitude & !(1 << (length - 1)));
+        let magnitude = i64::from(1 << (length - 1) | low);
+        let negative = coder.raw(1, u32::from(value < 0)) == 1;
+        CodedResidual { value: if negative { -magnitude } else { magnitude }, bits: length }
+    }
+}
+
+/// Code of a natural number of any size: an Elias gamma code whose length is adaptive.
+#[derive(Clone, Debug)]
+pub(crate) struct GammaCode {
+    /// Bit length div 4.
+    pub(crate) length_high: AdaptiveSymbol,
+    /// Bit length mod 4, by its upper part.
+    pub(crate) length_low: [AdaptiveSymbol; 9],
+}
+
+impl GammaCode {
+    pub(crate) const NEW: Self =
+        Self { length_high: AdaptiveSymbol::NEW, length_low: [AdaptiveSymbol::NEW; 9] };
+
+    pub(crate) fn code<C: Coder>(&mut self, coder: &mut C, value: u32) -> u32 {
+        let length = bit_length(value);
+        let high = coder.symbol(&mut self.length_high, length >> 2).min(8);
+        let low = coder.symbol(&mut self.length_low[high as usize], length & 3) & 3;
+        let length = (high << 2 | low).min(32);
+        if length <= 1 {
+            return length;
+        }
+        let below = length - 1;
+        1 << below | coder.raw(below, value & ((1 << below) - 1))
+    }
+}
+
+/// Code of a number below a known bound: how many bits it is shorter than the bound, adaptively.
+#[derive(Clone, Debug)]
+pub(crate) struct BoundedCode(pub(crate) AdaptiveSymbol);
+
+impl BoundedCode {
+    pub(crate) const NEW: Self = Self(AdaptiveSymbol::NEW);
+
+    /// Codes a number below `end`, which is at least 1.
+    pub(crate) fn code<C: Coder>(&mut self, coder: &mut C, end: u32, value: u32) -> u32 {
+        let longest = bit_length(end - 1);
+        let saved = (longest - bit_length(value).min(longest)).min(15);
+        let saved = coder.symbol(&mut self.0, saved);
+        let length = longest.saturating_sub(saved);
+        if saved == 15 {
+            return coder.raw(length, value);
+        }
+        if length <= 1 {
+            return length;
+        }
+        let half = 1 << (length - 1);
+        let rest = value.wrapping_sub(half);
+        half + if saved == 0 {
+            coder.uniform(end - half, rest)
+        } else {
+            coder.raw(length - 1, rest)
+        }
+    }
+}
+
+/// Returns the number of bits of a number without leading zeros: 0 for 0.
+#[inline]
+pub(crate) fn bit_length(value: u32) -> u32 {
+    u32::BITS - value.leading_zeros()
+}

@@ -1,0 +1,43 @@
+//! What a decoder must know of an object before its first vertex.
+
+use crate::vertex_data::vertex_layout::VertexLayout;
+use lodc_mesh::{Attribute, Simplified, Submesh};
+
+/// The header of an object: everything but its vertices and triangles.
+#[derive(Clone, Debug)]
+pub struct MeshHeader {
+    /// The submeshes, without triangles.
+    pub submeshes: Vec<Submesh>,
+    /// The attributes, without bytes.
+    pub attributes: Vec<Attribute>,
+    /// The streams of a vertex and their number systems.
+    pub layout: VertexLayout,
+    /// Vertices at the end of the stream.
+    pub vertices: u32,
+    /// Triangles at the end of the stream.
+    pub triangles: u32,
+    /// Steps: one for the first vertex, one for each collapse.
+    pub steps: u32,
+    /// True if strip positions are coded.
+    pub strips: bool,
+}
+
+impl MeshHeader {
+    /// The header of a simplified mesh.
+    #[must_use]
+    pub fn new(simplified: &Simplified, layout: VertexLayout, strips: bool) -> Self {
+        let mesh = simplified.mesh();
+        let submesh = |s: &Submesh| Submesh { first_triangle: 0, triangle_count: 0, ..s.clone() };
+        let vertices = mesh.vertex_count() as u32;
+        let collapses = simplified.collapses().steps() as u32;
+        Self {
+            submeshes: mesh.submeshes().iter().map(submesh).collect(),
+            attributes: mesh.attributes().iter().map(Attribute::described).collect(),
+            layout,
+            vertices,
+            triangles: mesh.triangles().len() as u32,
+            steps: if vertices == 0 { 0 } else { collapses + 1 },
+            strips,
+        }
+    }
+}

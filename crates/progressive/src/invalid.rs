@@ -1,0 +1,17 @@
+//! The error of a decoder.
+
+use std::error::Error;
+use std::fmt;
+
+/// Why a stream cannot be decoded: a damaged or crafted stream, never one that an encoder wrote.
+/// The message follows the name of the place, such as "block 7".
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct InvalidStream(pub &'static str);
+
+impl fmt::Display for InvalidStream {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.0)
+    }
+}
+
+impl Error for InvalidStream {}

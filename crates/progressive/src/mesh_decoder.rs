@@ -1,0 +1,232 @@
+//! The decoder of one object, which can be asked for its mesh after any step.
+
+use crate::entropy::coder::Substreams;
+use crate::entropy::decoder::Decoder;
+use crate::error_code::error_value;
+use crate::header::MeshHeader;
+use crate::invalid::InvalidStream;
+use crate::source::split_source::DecoderSource;
+use crate::strips::indices::strip_set;
+use crate::vertex_data::vertex_layout::Stream;
+use crate::vertex_split::contexts::Contexts;
+use crate::vertex_split::object_codec::{ObjectCodec, StepLimits};
+use lodc_mesh::{Attribute, MeshParts, Submesh};
+use lodc_strip::StripSet;
+
+/// Decodes the steps of one object.
+///
+/// Vertices and triangles are numbered in stream order: those that are there keep their numbers
+/// when more come, only corners change. Vertex `i` is vertex `n − 1 − i` of the `n` vertices that
+/// the object has in collapse order.
+#[derive(Clone, Debug)]
+pub struct MeshDecoder {
+    header: MeshHeader,
+    codec: ObjectCodec,
+    steps: u32,
+    skips_strips: bool,
+}
+
+/// Some consecutive steps of an object as a block holds them.
+#[derive(Clone, Copy, Debug)]
+pub struct StepBlock<'a> {
+    /// Number of steps.
+    pub steps: u32,
+    /// The substream of vertex splits.
+    pub splits: &'a [u8],
+    /// The substream of strip positions.
+    pub strips: &'a [u8],
+    /// Bytes of the stream up to the end of this block: what it decodes to is bounded by them.
+    pub bytes: usize,
+}
+
+impl MeshDecoder {
+    /// A decoder before the first step.
+    #[must_use]
+    pub fn new(header: MeshHeader) -> Self {
+        let strips = header.strips;
+        Self::with_strips(header, strips)
+    }
+
+    /// A decoder that skips strip positions, which is faster.
+    #[must_use]
+    pub fn triangles_only(header: MeshHeader) -> Self {
+        Self::with_strips(header, false)
+    }
+
+    fn with_strips(header: MeshHeader, strips: bool) -> Self {
+        let submeshes = header.submeshes.len() as u32;
+        let codec = ObjectCodec::new(header.layout.clone(), submeshes, strips);
+        Self { skips_strips: !strips, header, codec, steps: 0 }
+    }
+
+    /// Decodes a block. After an error the decoder has the steps before the faulty one, and what
+    /// could be decoded of that.
+    ///
+    /// # Errors
+    /// If the block cannot be what an encoder wrote after the blocks before it.
+    pub fn decode(
+        &mut self,
+        contexts: &mut Contexts,
+        block: StepBlock<'_>,
+    ) -> Result<(), InvalidStream> {
+        if block.steps == 0 || block.steps > self.header.steps - self.steps {
+            return Err(InvalidStream("has no steps, or more than the header says"));
+        }
+        let mut coders =
+            Substreams { splits: Decoder::new(block.splits), strips: Decoder::new(block.strips) };
+        let limits = StepLimits { vertices: self.header.vertices, bytes: block.bytes };
+        for remaining in (0..block.steps).rev() {
+            let step = self.codec.code_step(&mut coders, &DecoderSource, contexts, limits);
+            let checked = step.and_then(|()| self.check_step(&coders, remaining == 0));
+            if let Err(e) = checked {
+                self.codec.complete_values();
+                return Err(e);
+            }
+            self.steps += 1;
+        }
+        Ok(())
+    }
+
+    fn check_step(
+        &self,
+        coders: &Substreams<Decoder<'_>>,
+        is_last: bool,
+    ) -> Result<(), InvalidStream> {
+        let Substreams { splits, strips } = coders;
+        if splits.is_exhausted() || strips.is_exhausted() {
+            return Err(InvalidStream("ends before its steps do"));
+        }
+        let strips_finished = self.skips_strips || strips.is_finished();
+        if is_last && !(splits.is_finished() && strips_finished) {
+            return Err(InvalidStream("does not end with its steps"));
+        }
+        if self.triangle_count() > self.header.triangles {
+            return Err(InvalidStream("has more triangles than the header says"));
+        }
+        Ok(())
+    }
+
+    /// The header, known before the first step.
+    #[must_use]
+    pub fn header(&self) -> &MeshHeader {
+        &self.header
+    }
+
+    /// Returns whether everything that the header says has been decoded.
+    #[must_use]
+    pub fn is_complete(&self) -> bool {
+        self.steps == self.header.steps
+            && self.vertex_count() == self.header.vertices
+            && self.triangle_count() == self.header.triangles
+    }
+
+    /// Steps decoded so far.
+    #[must_use]
+    pub fn steps(&self) -> u32 {
+        self.steps
+    }
+
+    /// Vertices decoded so far.
+    #[must_use]
+    pub fn vertex_count(&self) -> u32 {
+        self.codec.mesh.vertex_count()
+    }
+
+    /// Triangles decoded so far.
+    #[must_use]
+    pub fn triangle_count(&self) -> u32 {
+        self.codec.mesh.face_count()
+    }
+
+    /// Object-space error of the mesh so far, in its units; at most 1/16 above the true one.
+    #[must_use]
+    pub fn error(&self) -> f32 {
+        error_value(self.codec.error_code)
+    }
+
+    /// The triangles so far.
+    #[must_use]
+    pub fn triangles(&self) -> impl ExactSizeIterator<Item = [u32; 3]> {
+        (0..self.triangle_count()).map(|f| self.codec.mesh.face(f))
+    }
+
+    /// The submesh of each vertex.
+    #[must_use]
+    pub fn vertex_submesh(&self) -> &[u32] {
+        &self.codec.mesh.submesh
+    }
+
+    /// The parent of each vertex, the vertex that it split off; 0 for the first.
+    #[must_use]
+    pub fn parents(&self) -> &[u32] {
+        &self.codec.parents
+    }
+
+    /// For each vertex whether its step continues with the next one.
+    #[must_use]
+    pub fn continues(&self) -> &[bool] {
+        &self.codec.continues
+    }
+
+    /// The strips that draw the mesh so far, in drawing order; `None` if the stream has none or
+    /// they are skipped. While triangles are missing, what will be one strip may be several.
+    #[must_use]
+    pub fn strips(&self) -> Option<StripSet> {
+        strip_set(self.codec.strips.as_ref()?, &self.codec.mesh, self.header.submeshes.len())
+    }
+
+    /// The mesh so far with all its vertices, in collapse order, and its triangles in stream order.
+    /// It may be no valid mesh: quantisation can make triangles degenerate.
+    #[must_use]
+    pub fn mesh_parts(&self) -> MeshParts {
+        let last = self.vertex_count().wrapping_sub(1);
+        let mut by_submesh: Vec<Vec<[u32; 3]>> = vec![Vec::new(); self.header.submeshes.len()];
+        for t in self.triangles() {
+            let submesh = self.vertex_submesh()[t[0] as usize];
+            by_submesh[submesh as usize].push(t.map(|v| last - v));
+        }
+        let mut first_triangle = 0;
+        let submesh = |(s, triangles): (&Submesh, &Vec<[u32; 3]>)| {
+            let triangle_count = triangles.len() as u32;
+            let submesh = Submesh { first_triangle, triangle_count, ..s.clone() };
+            first_triangle += triangle_count;
+            submesh
+        };
+        let streams = &self.header.layout.streams;
+        let attributes = self.header.attributes.iter().zip(&streams[1..]);
+        MeshParts {
+            positions: self.vertices().map(|v| self.position(v)).collect(),
+            vertex_submesh: self.vertex_submesh().iter().rev().copied().collect(),
+            attributes: attributes.map(|(a, stream)| self.attribute(a, stream)).collect(),
+            submeshes: self.header.submeshes.iter().zip(&by_submesh).map(submesh).collect(),
+            triangles: by_submesh.concat(),
+        }
+    }
+
+    /// All vertices in collapse order, by their numbers in stream order.
+    fn vertices(&self) -> impl Iterator<Item = u32> {
+        (0..self.vertex_count()).rev()
+    }
+
+    /// The indices of all channels of a vertex.
+    fn indices(&self, vertex: u32) -> &[i32] {
+        let channels = self.codec.values.channels();
+        &self.codec.values.indices[vertex as usize * channels..][..channels]
+    }
+
+    fn position(&self, vertex: u32) -> [f32; 3] {
+        let (systems, indices) = (&self.header.layout.systems, self.indices(vertex));
+        std::array::from_fn(|c| systems[c].value(indices[c]))
+    }
+
+    fn attribute(&self, attribute: &Attribute, stream: &Stream) -> Attribute {
+        let mut bytes = Vec::with_capacity(self.vertex_count() as usize * attribute.stride());
+        for v in self.vertices() {
+            let indices = &self.indices(v)[stream.first..][..stream.channels];
+            for (channel, &index) in (stream.first..).zip(indices) {
+                self.header.layout.append(attribute.component, channel, index, &mut bytes);
+            }
+        }
+        Attribute { bytes, ..attribute.described() }
+    }
+}

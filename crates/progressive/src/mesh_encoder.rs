@@ -1,0 +1,118 @@
+//! The encoder of one object.
+
+use crate::entropy::coder::Substreams;
+use crate::entropy::encoder::Encoder;
+use crate::header::MeshHeader;
+use crate::source::encoder_source::EncoderSource;
+use crate::source::strip_neighbors::StripMismatch;
+use crate::vertex_data::vertex_layout::VertexLayout;
+use crate::vertex_split::contexts::Contexts;
+use crate::vertex_split::object_codec::{ObjectCodec, StepLimits};
+use lodc_mesh::{Lod, Simplified};
+use lodc_strip::StripSet;
+
+/// Encodes the steps of one object, coarse to fine.
+pub struct MeshEncoder<'a> {
+    simplified: &'a Simplified,
+    source: EncoderSource,
+    codec: ObjectCodec,
+    header: MeshHeader,
+}
+
+/// Some consecutive steps of an object, encoded.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct EncodedSteps {
+    /// Number of steps.
+    pub steps: u32,
+    /// The substream of vertex splits.
+    pub splits: Vec<u8>,
+    /// The substream of strip positions; empty if none are coded.
+    pub strips: Vec<u8>,
+}
+
+/// The size of a block, and its place in the stream.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BlockTarget {
+    /// Bytes after which no further step is added.
+    pub bytes: usize,
+    /// Bytes of the stream before this block.
+    pub before: usize,
+}
+
+/// Padding that is added at once.
+const PADDING: usize = 64;
+
+impl<'a> MeshEncoder<'a> {
+    /// Prepares a mesh, with the strips that draw it if strip positions are to be coded.
+    ///
+    /// # Errors
+    /// If the strips do not draw the mesh.
+    pub fn new(
+        simplified: &'a Simplified,
+        layout: VertexLayout,
+        strips: Option<&StripSet>,
+    ) -> Result<Self, StripMismatch> {
+        let source = EncoderSource::new(simplified, &layout, strips)?;
+        let submeshes = simplified.mesh().submeshes().len() as u32;
+        let codec = ObjectCodec::new(layout.clone(), submeshes, strips.is_some());
+        let header = MeshHeader::new(simplified, layout, strips.is_some());
+        Ok(Self { simplified, source, codec, header })
+    }
+
+    /// The header that a decoder needs before the first block.
+    #[must_use]
+    pub fn header(&self) -> &MeshHeader {
+        &self.header
+    }
+
+    /// Number of vertices encoded so far.
+    #[must_use]
+    pub fn vertices(&self) -> u32 {
+        self.codec.mesh.vertex_count()
+    }
+
+    /// Returns whether all steps are encoded.
+    #[must_use]
+    pub fn is_complete(&self) -> bool {
+        self.vertices() == self.header.vertices
+    }
+
+    /// Object-space error of the mesh that is encoded so far.
+    #[must_use]
+    pub fn error(&self) -> f32 {
+        let lod = Lod(self.header.vertices.saturating_sub(self.vertices().max(1)));
+        self.simplified.collapses().error_at(lod)
+    }
+
+    /// Encodes the next steps, at least one; the object must not be complete.
+    pub fn encode(&mut self, contexts: &mut Contexts, target: BlockTarget) -> EncodedSteps {
+        let limits = StepLimits { vertices: self.header.vertices, bytes: usize::MAX };
+        let mut coders = Substreams::<Encoder>::default();
+        let mut steps = 0;
+        loop {
+            let step = self.codec.code_step(&mut coders, &self.source, contexts, limits);
+            step.expect("an encoder's source has only valid splits");
+            steps += 1;
+            let bytes = coders.splits.len() + coders.strips.len();
+            if bytes >= target.bytes || self.is_complete() {
+                break;
+            }
+        }
+        let (splits, strips) = (coders.splits.finish(), coders.strips.finish());
+        // Splits that cost next to nothing are padded, so that a decoder can refuse those that
+        // would cost nothing at all.
+        let mut padding = 0;
+        let bytes = target.before + splits.len() + strips.len();
+        while !self.codec.cost().is_within_budget(bytes + padding) {
+            padding += PADDING;
+        }
+        EncodedSteps { steps, splits: splits.into_bytes(padding), strips: strips.into_bytes(0) }
+    }
+
+    /// Bytes of the thesis's packages for the steps so far: their plain words and bytes, positions
+    /// only (table 4.3), with what names the parent and the strips.
+    #[must_use]
+    pub fn package_bytes(&self) -> u64 {
+        self.codec.package_bytes + 12 * u64::from(self.vertices())
+    }
+}

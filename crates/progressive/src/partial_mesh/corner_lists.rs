@@ -1,0 +1,170 @@
+//! Lists of a few corners for each vertex, inline in one array so that a vertex takes one access.
+
+/// Corners that a vertex holds inline; longer lists are allocated.
+pub(crate) const INLINE_CORNERS: usize = 11;
+
+#[derive(Clone, Copy, Debug)]
+struct List {
+    count: u32,
+    /// The corners. If there are more than fit, the first is the index of a long list.
+    inline: [u32; INLINE_CORNERS],
+}
+
+/// The place in a list at which a corner is inserted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Insertion {
+    /// After another corner.
+    After(u32),
+    /// Before another corner.
+    Before(u32),
+    /// At the end.
+    Last,
+}
+
+impl Insertion {
+    /// Returns the index in `corners`: the end if the other corner is not there.
+    fn index(self, corners: &[u32]) -> usize {
+        let (other, after) = match self {
+            Self::After(other) => (other, 1),
+            Self::Before(other) => (other, 0),
+            Self::Last => return corners.len(),
+        };
+        corners.iter().position(|&c| c == other).map_or(corners.len(), |i| i + after)
+    }
+}
+
+/// The corners of all vertices.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct CornerLists {
+    lists: Vec<List>,
+    /// Lists that do not fit inline, and the indices of unused ones.
+    long: Vec<Vec<u32>>,
+    unused: Vec<u32>,
+}
+
+impl CornerLists {
+    /// Adds a vertex without corners.
+    pub(crate) fn add_vertex(&mut self) {
+        self.lists.push(List { count: 0, inline: [0; INLINE_CORNERS] });
+    }
+
+    /// Returns the corners of a vertex.
+    #[inline]
+    pub(crate) fn of(&self, vertex: u32) -> &[u32] {
+        let list = &self.lists[vertex as usize];
+        match list.inline.get(..list.count as usize) {
+            Some(inline) => inline,
+            None => &self.long[list.inline[0] as usize],
+        }
+    }
+
+    /// Returns the number of corners of a vertex.
+    pub(crate) fn count(&self, vertex: u32) -> u32 {
+        self.lists[vertex as usize].count
+    }
+
+    /// Replaces the corners of a vertex.
+    #[inline]
+    pub(crate) fn set(&mut self, vertex: u32, corners: &[u32]) {
+        let list = &mut self.lists[vertex as usize];
+        let was_long = list.count as usize > INLINE_CORNERS;
+        list.count = corners.len() as u32;
+        if corners.len() <= INLINE_CORNERS {
+            let long = list.inline[0];
+            list.inline[..corners.len()].copy_from_slice(corners);
+            if was_long {
+                self.long[long as usize] = Vec::new();
+                self.unused.push(long);
+            }
+            return;
+        }
+        if !was_long {
+            list.inline[0] = self.unused.pop().unwrap_or_else(|| {
+                self.long.push(Vec::new());
+                self.long.len() as u32 - 1
+            });
+        }
+        let long = &mut self.long[list.inline[0] as usize];
+        long.clear();
+        long.extend_from_slice(corners);
+    }
+
+    /// Returns the inline list of a vertex, now of `count` corners that the caller sets. Neither
+    /// the old nor the new list may be longer than [`INLINE_CORNERS`].
+    #[inline]
+    pub(crate) fn reset_inline(&mut self, vertex: u32, count: usize) -> &mut [u32; INLINE_CORNERS] {
+        let list = &mut self.lists[vertex as usize];
+        list.count = count as u32;
+        &mut list.inline
+    }
+
+    /// Inserts a corner into the list of a vertex.
+    #[inline]
+    pub(crate) fn insert(&mut self, vertex: u32, corner: u32, insertion: Insertion) {
+        let list = &mut self.lists[vertex as usize];
+        let count = list.count as usize;
+        match (count < INLINE_CORNERS, insertion) {
+            (true, Insertion::After(other)) => {
+                // The common case: the search from the end moves the later corners on its way.
+                let mut at = count;
+                while at > 0 && list.inline[at - 1] != other {
+                    list.inline[at] = list.inline[at - 1];
+                    at -= 1;
+                }
+                list.inline[at] = corner;
+                list.count += 1;
+            }
+            (true, _) => {
+                let at = insertion.index(&list.inline[..count]);
+                list.inline.copy_within(at..count, at + 1);
+                list.inline[at] = corner;
+                list.count += 1;
+            }
+            (false, _) if count > INLINE_CORNERS => {
+                let long = &mut self.long[list.inline[0] as usize];
+                long.insert(insertion.index(long), corner);
+                list.count += 1;
+            }
+            _ => {
+                let mut long = list.inline.to_vec();
+                long.insert(insertion.index(&long), corner);
+                self.set(vertex, &long);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lodc_mesh::SplitMix64;
+
+    #[test]
+    fn lists_behave_like_vectors() {
+        let mut random = SplitMix64::new(4);
+        let mut lists = CornerLists::default();
+        let mut reference: Vec<Vec<u32>> = vec![Vec::new(); 20];
+        (0..20).for_each(|_| lists.add_vertex());
+        for corner in 0..20_000 {
+            let vertex = random.below(20);
+            let list = &mut reference[vertex];
+            if random.below(40) == 0 {
+                list.truncate(random.below(30));
+                lists.set(vertex as u32, list);
+            }
+            let insertion = if list.is_empty() || random.below(3) == 0 {
+                Insertion::Last
+            } else {
+                let other = list[random.below(list.len())];
+                if random.below(2) == 0 {
+                    Insertion::After(other)
+                } else {
+                    Insertion::Before(other)
+                }
+            };
+            list.insert(insertion.index(list), corner);
+            lists.insert(vertex as u32, corner, insertion);
+            assert_eq!(lists.of(vertex as u32), list);
+        }
+    }
+}

@@ -1,0 +1,39 @@
+//! The mesh so far: connectivity that vertex splits refine, alike on both sides of a stream.
+//!
+//! # Corners, stars and links
+//!
+//! A corner is a vertex of a triangle. Each vertex has a list of its corners; seen from it, the
+//! triangles of that list are its *star*. Each triangle (v, a, b) of the star, counter-clockwise,
+//! has one edge a → b opposite v; these edges form the *link* of v.
+//!
+//! ```text
+//!           q <----- p             star of v, by its corner list:
+//!          / \     / ^               0: (v, s, p)   1: (v, p, q)
+//!         /   \ 1 /   \              2: (v, q, r)
+//!        v  2  \ /  0  \
+//!       r ----- v ----- s          link of v: s -> p -> q -> r
+//!
+//!   link vertex   outgoing edge in    incoming edge in
+//!       s            triangle 0             -
+//!       p            triangle 1         triangle 0
+//!       q            triangle 2         triangle 1
+//!       r                -              triangle 2
+//! ```
+//!
+//! A star is one or several fans. A fan goes on as long as the next triangle's `a` is the one's
+//! `b`. It is closed if its last `b` is its first `a`; then it has no vertex twice. The link lists
+//! the vertices of fan after fan and so may name a vertex more than once.
+//!
+//! # Splits
+//!
+//! A vertex split inserts a vertex beside its *parent*. Some triangles of the parent's star are
+//! transferred to the new vertex: their corner at the parent moves there. New triangles fill the
+//! gap between the two. See the front page of this package for the figure.
+
+pub(crate) mod corner_lists;
+pub(crate) mod mesh;
+pub(crate) mod new_triangle;
+pub(crate) mod split;
+pub(crate) mod star;
+#[cfg(test)]
+mod tests;

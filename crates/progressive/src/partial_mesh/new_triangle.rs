@@ -1,0 +1,56 @@
+//! A triangle that a vertex split adds.
+
+use lodc_mesh::NONE;
+
+/// The position of a new triangle relative to the split edge, which joins new vertex and parent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Side {
+    /// Left of it: (new, apex, parent). The apex is Hoppe's v_l.
+    Left = 0,
+    /// Right of it: (new, parent, apex). The apex is Hoppe's v_r.
+    Right = 1,
+    /// The parent is no corner of it.
+    Detached = 2,
+}
+
+impl Side {
+    /// Returns the side of the triangle (new, next, previous).
+    pub(crate) fn of(next: u32, previous: u32, parent: u32) -> Self {
+        if previous == parent {
+            Self::Left
+        } else if next == parent {
+            Self::Right
+        } else {
+            Self::Detached
+        }
+    }
+
+    /// Orders what stands at the outgoing and at the incoming link edge of an apex: first that of
+    /// the triangle which the parent is expected to keep, then that of the transferred one.
+    pub(crate) fn kept_first<T>(self, [outgoing, incoming]: [T; 2]) -> [T; 2] {
+        match self {
+            Self::Left => [outgoing, incoming],
+            Self::Right | Self::Detached => [incoming, outgoing],
+        }
+    }
+}
+
+/// A triangle that a vertex split adds: (new, next, previous), counter-clockwise.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct NewTriangle {
+    pub(crate) next: u32,
+    pub(crate) previous: u32,
+    pub(crate) side: Side,
+    /// Indices in the parent's star of the triangles beside the apex: the one whose link edge
+    /// starts there, and the one whose link edge ends there. [`NONE`] if there is none, or if the
+    /// apex was not coded as a vertex of the link.
+    pub(crate) outgoing: u32,
+    pub(crate) incoming: u32,
+}
+
+impl NewTriangle {
+    /// A triangle without known neighbours in the parent's star.
+    pub(crate) fn unconnected(next: u32, previous: u32, side: Side) -> Self {
+        Self { next, previous, side, outgoing: NONE, incoming: NONE }
+    }
+}

@@ -1,0 +1,62 @@
+//! The triangles and vertices around a vertex.
+
+use lodc_mesh::NONE;
+
+/// For each corner of a triangle the next one, counter-clockwise. A corner is four times the
+/// triangle plus 0, 1 or 2; the fourth entry only makes masked accesses safe.
+pub(crate) const NEXT: [u32; 4] = [1, 2, 0, 0];
+
+/// A triangle seen from one of its corners, at vertex v: (v, a, b) counter-clockwise.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct StarFace {
+    /// The corner at v.
+    pub(crate) corner: u32,
+    pub(crate) a: u32,
+    pub(crate) b: u32,
+}
+
+impl StarFace {
+    pub(crate) fn face(self) -> u32 {
+        self.corner >> 2
+    }
+
+    pub(crate) fn corner_a(self) -> u32 {
+        self.corner & !3 | NEXT[self.corner as usize & 3]
+    }
+
+    pub(crate) fn corner_b(self) -> u32 {
+        self.corner & !3 | NEXT[NEXT[self.corner as usize & 3] as usize & 3]
+    }
+}
+
+/// A vertex of the link of another one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct LinkVertex {
+    pub(crate) vertex: u32,
+    /// Index in the star of the triangle whose link edge starts here (of which this is `a`);
+    /// [`NONE`] at the end of an open fan.
+    pub(crate) outgoing: u32,
+    /// Index in the star of the triangle whose link edge ends here (of which this is `b`); [`NONE`]
+    /// at the beginning of an open fan.
+    pub(crate) incoming: u32,
+}
+
+/// Collects the link of a vertex from its star, fan after fan.
+pub(crate) fn collect_link(star: &[StarFace], link: &mut Vec<LinkVertex>) {
+    link.clear();
+    let mut fan = 0;
+    for (i, face) in star.iter().enumerate() {
+        let incoming = if i > fan { i as u32 - 1 } else { NONE };
+        link.push(LinkVertex { vertex: face.a, outgoing: i as u32, incoming });
+        let continues = star.get(i + 1).is_some_and(|next| next.a == face.b);
+        if !continues {
+            if face.b == star[fan].a {
+                let first = link.len() - 1 - (i - fan);
+                link[first].incoming = i as u32;
+            } else {
+                link.push(LinkVertex { vertex: face.b, outgoing: NONE, incoming: i as u32 });
+            }
+            fan = i + 1;
+        }
+    }
+}

@@ -1,0 +1,162 @@
+//! The source of an encoder: all splits of an object, derived from its collapse sequence.
+//!
+//! The stream runs backwards through the sequence: vertex `i` here is vertex `last − i` there.
+
+use crate::error_code::error_code;
+use crate::partial_mesh::new_triangle::Side;
+use crate::source::first_appearance::{FirstAppearance, first_appearances};
+use crate::source::split_source::{DecoderSource, SourceTriangle, SplitSource, StripPosition};
+use crate::source::strip_neighbors::{StripMismatch, StripNeighbors};
+use crate::vertex_data::vertex_layout::VertexLayout;
+use lodc_mesh::{Csr, Lod, NONE, Simplified};
+use lodc_strip::StripSet;
+use std::ops::Range;
+
+/// All splits of a simplified mesh.
+pub(crate) struct EncoderSource {
+    parents: Vec<u32>,
+    continues: Vec<bool>,
+    submesh: Vec<u32>,
+    channels: usize,
+    /// The indices of all channels of all vertices.
+    indices: Vec<i32>,
+    triangles: Vec<SourceTriangle>,
+    /// For each vertex its triangles in `triangles`, and the end.
+    first_triangle: Vec<u32>,
+    /// The vertex of LOD 0 at each corner of each triangle; the fourth is unused.
+    final_vertices: Vec<u32>,
+    /// For each vertex the numbers of it and of all vertices that split off it, directly or not: an
+    /// interval, because they are numbered in preorder.
+    subtree: Vec<Range<u32>>,
+    error_codes: Vec<u32>,
+    strips: Option<StripNeighbors>,
+}
+
+impl EncoderSource {
+    /// Derives the splits. Fails if `strips` do not draw the mesh.
+    pub(crate) fn new(
+        simplified: &Simplified,
+        layout: &VertexLayout,
+        strips: Option<&StripSet>,
+    ) -> Result<Self, StripMismatch> {
+        let (mesh, collapses) = (simplified.mesh(), simplified.collapses());
+        let vertices = mesh.vertex_count();
+        let last = collapses.records();
+        let targets = collapses.targets().iter().rev().map(|&t| last - t);
+        let parents: Vec<u32> = std::iter::once(0).chain(targets).take(vertices).collect();
+        let appearances = first_appearances(simplified);
+        let order = coding_order(&appearances, &parents);
+        let entries = order.iter().map(|&t| (appearances[t as usize].vertices[0], t));
+        let by_vertex = Csr::new(vertices, entries);
+        let triangle = |&t: &u32| {
+            let [_, next, previous] = appearances[t as usize].vertices;
+            SourceTriangle { next, previous }
+        };
+        let final_corners = |&t: &u32| {
+            let (vertices, rotation) =
+                (mesh.triangles()[t as usize], appearances[t as usize].rotation);
+            let corner = |c| if c < 3 { last - vertices[(rotation + c) % 3] } else { NONE };
+            [corner(0), corner(1), corner(2), corner(3)]
+        };
+        let strips = match strips {
+            Some(strips) => Some(StripNeighbors::new(mesh, strips, &order)?),
+            None => None,
+        };
+        let error = |new| error_code(collapses.error_at(Lod(last - new)));
+        Ok(Self {
+            subtree: subtrees(&parents),
+            continues: continues(simplified),
+            submesh: mesh.vertex_submesh().iter().rev().copied().collect(),
+            channels: layout.systems.len(),
+            indices: layout.indices(mesh),
+            triangles: order.iter().map(triangle).collect(),
+            first_triangle: by_vertex.offsets,
+            final_vertices: order.iter().flat_map(final_corners).collect(),
+            error_codes: (0..=last).map(error).collect(),
+            parents,
+            strips,
+        })
+    }
+}
+
+impl SplitSource for EncoderSource {
+    fn parent(&self, new: u32) -> u32 {
+        self.parents[new as usize]
+    }
+    fn continues(&self, new: u32) -> bool {
+        self.continues[new as usize]
+    }
+    fn submesh(&self, new: u32) -> u32 {
+        self.submesh[new as usize]
+    }
+    fn new_triangles(&self, new: u32) -> &[SourceTriangle] {
+        let [from, to] = [new, new + 1].map(|v| self.first_triangle[v as usize] as usize);
+        &self.triangles[from..to]
+    }
+    fn is_transferred(&self, corner: u32, new: u32) -> bool {
+        let vertex = self.final_vertices[corner as usize];
+        self.subtree[new as usize].contains(&self.subtree[vertex as usize].start)
+    }
+    fn indices(&self, new: u32) -> &[i32] {
+        &self.indices[new as usize * self.channels..][..self.channels]
+    }
+    fn strip_position(
+        &self,
+        face: u32,
+        strips: u32,
+        strip_of: &dyn Fn(u32) -> u32,
+    ) -> StripPosition {
+        match &self.strips {
+            Some(neighbors) => neighbors.position(face, strips, strip_of),
+            None => DecoderSource.strip_position(face, strips, strip_of),
+        }
+    }
+    fn error_code(&self, new: u32) -> u32 {
+        self.error_codes[new as usize]
+    }
+}
+
+/// Returns for each vertex whether its step continues with the next one.
+fn continues(simplified: &Simplified) -> Vec<bool> {
+    let collapses = simplified.collapses();
+    let last = collapses.records();
+    let mut continues = vec![true; simplified.mesh().vertex_count()];
+    for &end in std::iter::once(&0).chain(&collapses.parts().step_ends) {
+        // The first record of a step is the last vertex that comes with it.
+        if let Some(c) = continues.get_mut((last - end.min(last)) as usize) {
+            *c = false;
+        }
+    }
+    continues
+}
+
+/// Returns the triangles of the mesh in stream order: by vertex, then by side of the split edge.
+fn coding_order(appearances: &[FirstAppearance], parents: &[u32]) -> Vec<u32> {
+    let mut order: Vec<u32> = (0..appearances.len() as u32).collect();
+    order.sort_by_key(|&t| {
+        let [v, next, previous] = appearances[t as usize].vertices;
+        let side = Side::of(next, previous, parents[v as usize]);
+        (v, side as u32, next, previous, t)
+    });
+    order
+}
+
+/// Numbers the vertices in preorder of the tree of splits and returns the interval of each subtree.
+fn subtrees(parents: &[u32]) -> Vec<Range<u32>> {
+    let mut size = vec![1u32; parents.len()];
+    for v in (1..parents.len()).rev() {
+        size[parents[v] as usize] += size[v];
+    }
+    let mut subtrees: Vec<Range<u32>> = Vec::with_capacity(parents.len());
+    // For each vertex the number of its next child.
+    let mut free = vec![0u32; parents.len()];
+    for v in 0..parents.len() {
+        let start = if v == 0 { 0 } else { free[parents[v] as usize] };
+        if v > 0 {
+            free[parents[v] as usize] = start + size[v];
+        }
+        subtrees.push(start..start + size[v]);
+        free[v] = start + 1;
+    }
+    subtrees
+}

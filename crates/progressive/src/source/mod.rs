@@ -1,0 +1,8 @@
+//! What an encoder knows and a decoder does not: the next vertex split, asked for piece by piece.
+
+pub(crate) mod encoder_source;
+pub(crate) mod first_appearance;
+pub(crate) mod split_source;
+pub(crate) mod strip_neighbors;
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,77 @@
+//! The interface to the splits of an object, and the side that knows none of them.
+
+use lodc_mesh::NONE;
+
+/// A triangle that comes with a vertex: its two other corners, (new, next, previous)
+/// counter-clockwise.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub(crate) struct SourceTriangle {
+    pub(crate) next: u32,
+    pub(crate) previous: u32,
+}
+
+/// The position of a new triangle in the drawing order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct StripPosition {
+    /// The live triangle drawn before it, or [`NONE`].
+    pub(crate) after: u32,
+    /// Its strip, in the order of first triangles; the number of strips for a new one.
+    pub(crate) strip: u32,
+}
+
+/// The splits of an object. Vertices and triangles are numbered in stream order. The answers of a
+/// decoder's source are passed to the coder, which ignores them.
+pub(crate) trait SplitSource {
+    /// Returns the vertex that a new one splits off.
+    fn parent(&self, new: u32) -> u32;
+    /// Returns whether the step continues after a vertex.
+    fn continues(&self, new: u32) -> bool;
+    /// Returns the submesh of a vertex.
+    fn submesh(&self, new: u32) -> u32;
+    /// Returns the triangles that come with a vertex.
+    fn new_triangles(&self, new: u32) -> &[SourceTriangle];
+    /// Returns whether a corner of a live triangle is transferred to a new vertex.
+    fn is_transferred(&self, corner: u32, new: u32) -> bool;
+    /// Returns the indices of all channels of a vertex; none for a decoder.
+    fn indices(&self, new: u32) -> &[i32];
+    /// Returns where a new triangle is drawn, given the number of strips and the strip of each live
+    /// triangle.
+    fn strip_position(
+        &self,
+        face: u32,
+        strips: u32,
+        strip_of: &dyn Fn(u32) -> u32,
+    ) -> StripPosition;
+    /// Returns the code of the error after the step that ends with a vertex.
+    fn error_code(&self, new: u32) -> u32;
+}
+
+/// The source of a decoder: it knows nothing.
+pub(crate) struct DecoderSource;
+
+impl SplitSource for DecoderSource {
+    fn parent(&self, _: u32) -> u32 {
+        0
+    }
+    fn continues(&self, _: u32) -> bool {
+        false
+    }
+    fn submesh(&self, _: u32) -> u32 {
+        0
+    }
+    fn new_triangles(&self, _: u32) -> &[SourceTriangle] {
+        &[]
+    }
+    fn is_transferred(&self, _: u32, _: u32) -> bool {
+        false
+    }
+    fn indices(&self, _: u32) -> &[i32] {
+        &[]
+    }
+    fn strip_position(&self, _: u32, _: u32, _: &dyn Fn(u32) -> u32) -> StripPosition {
+        StripPosition { after: NONE, strip: 0 }
+    }
+    fn error_code(&self, _: u32) -> u32 {
+        0
+    }
+}

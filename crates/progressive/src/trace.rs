@@ -1,0 +1,217 @@
+//! A trace of every coded value of a small stream, compared with the one in `docs/STREAM.md`.
+
+use crate::entropy::adaptive_probability::{AdaptiveBit, AdaptiveSymbol};
+use crate::entropy::coder::{Coder, Substreams};
+use crate::entropy::decoder::Decoder;
+use crate::entropy::integer_codes::{BoundedCode, GammaCode, ResidualCode};
+use crate::source::split_source::DecoderSource;
+use crate::strips::position_code::StripContexts;
+use crate::vertex_data::number_system::NumberSystem;
+use crate::vertex_data::vertex_layout::VertexLayout;
+use crate::vertex_split::contexts::Contexts;
+use crate::vertex_split::object_codec::{ObjectCodec, StepLimits};
+use lodc_mesh::take_leb128;
+use std::cell::RefCell;
+use std::fmt::Write as _;
+
+const STREAM: &[u8] = include_bytes!("../../../fixtures/golden/lods1/triangle.lods");
+const PAGE: &str = include_str!("../../../docs/STREAM.md");
+
+/// The name of each context by its address, and how many bytes the contexts take that have one.
+#[derive(Default)]
+struct Names {
+    by_address: Vec<(usize, String)>,
+    bytes: usize,
+}
+
+impl Names {
+    fn add<T>(&mut self, context: &T, name: String) {
+        self.by_address.push((std::ptr::from_ref(context) as usize, name));
+        self.bytes += size_of::<T>();
+    }
+
+    fn symbols(&mut self, contexts: &[AdaptiveSymbol], name: &str) {
+        (0..).zip(contexts).for_each(|(i, c): (u32, _)| self.add(c, format!("{name}[{i}]")));
+    }
+
+    fn bits(&mut self, contexts: &[AdaptiveBit], name: &str) {
+        (0..).zip(contexts).for_each(|(i, c): (u32, _)| self.add(c, format!("{name}[{i}]")));
+    }
+
+    fn gamma(&mut self, code: &GammaCode, name: &str) {
+        self.add(&code.length_high, format!("{name}.high"));
+        self.symbols(&code.length_low, &format!("{name}.low"));
+    }
+
+    /// Names every context as docs/STREAM.md does.
+    fn of(c: &Contexts) -> Self {
+        let mut names = Self::default();
+        let BoundedCode(parent) = &c.parent;
+        names.add(parent, "parent".to_owned());
+        names.add(&c.wedge_distance, "wedge_distance".to_owned());
+        names.add(&c.same_submesh, "same_submesh".to_owned());
+        names.add(&c.same_position, "same_position".to_owned());
+        names.bits(&c.continues, "continues");
+        names.add(&c.error_falls, "error_falls".to_owned());
+        names.gamma(&c.error_drop, "error_drop");
+        for (i, by_size) in c.triangles.pattern.iter().enumerate() {
+            for (j, by_closed) in by_size.iter().enumerate() {
+                names.symbols(by_closed, &format!("pattern[{i}][{j}]"));
+            }
+        }
+        names.symbols(&c.triangles.count, "count");
+        names.gamma(&c.triangles.more, "more");
+        for (i, by_number) in c.triangles.side.iter().enumerate() {
+            for (j, [detached, left]) in by_number.iter().enumerate() {
+                names.add(detached, format!("detached[{i}][{j}]"));
+                names.add(left, format!("left[{i}][{j}]"));
+            }
+        }
+        names.bits(&c.triangles.in_link, "in_link");
+        for (i, by_origin) in c.triangles.place.iter().enumerate() {
+            names.symbols(by_origin, &format!("place[{i}]"));
+        }
+        for (i, by_expected) in c.transfer.transferred.iter().enumerate() {
+            names.bits(by_expected, &format!("transferred[{i}]"));
+        }
+        for (i, repeats) in c.values.repeats.iter().enumerate() {
+            names.bits(repeats, &format!("repeats[{i}]"));
+        }
+        for (i, residual) in c.values.residual.iter().enumerate() {
+            for (j, ResidualCode(context)) in residual.iter().enumerate() {
+                names.add(context, format!("residual[{}][{}][{j}]", i / 4, i % 4));
+            }
+        }
+        names.strips(&c.strips);
+        names
+    }
+
+    fn strips(&mut self, c: &StripContexts) {
+        self.add(&c.between, "between".to_owned());
+        for (i, by_candidate) in c.beside.iter().enumerate() {
+            for (j, by_side) in by_candidate.iter().enumerate() {
+                for (k, by_inside) in by_side.iter().enumerate() {
+                    self.bits(by_inside, &format!("beside[{i}][{j}][{k}]"));
+                }
+            }
+        }
+        self.bits(&c.new_strip, "new_strip");
+        for (i, by_candidate) in c.beside_strip.iter().enumerate() {
+            self.bits(by_candidate, &format!("beside_strip[{i}]"));
+        }
+        self.add(&c.second, "second".to_owned());
+    }
+
+    fn name(&self, address: usize) -> &str {
+        self.by_address.iter().find(|n| n.0 == address).map_or("unnamed", |n| &n.1)
+    }
+}
+
+/// A decoder that writes down what it decodes.
+struct Tracer<'a> {
+    decoder: Decoder<'a>,
+    names: &'a Names,
+    lines: &'a RefCell<String>,
+}
+
+impl Tracer<'_> {
+    fn line(&self, what: &str, value: u32) {
+        let _ = writeln!(self.lines.borrow_mut(), "  {what:<28} {value}");
+    }
+}
+
+impl Coder for Tracer<'_> {
+    const ENCODES: bool = false;
+
+    fn bit(&mut self, context: &mut AdaptiveBit, bit: bool) -> bool {
+        let name = self.names.name(std::ptr::from_ref(context) as usize);
+        let bit = self.decoder.bit(context, bit);
+        self.line(&format!("bit {name}"), u32::from(bit));
+        bit
+    }
+
+    fn symbol(&mut self, context: &mut AdaptiveSymbol, value: u32) -> u32 {
+        let name = self.names.name(std::ptr::from_ref(context) as usize);
+        let symbol = self.decoder.symbol(context, value);
+        self.line(&format!("symbol {name}"), symbol);
+        symbol
+    }
+
+    fn raw(&mut self, bits: u32, value: u32) -> u32 {
+        let value = self.decoder.raw(bits, value);
+        self.line(&format!("raw({bits})"), value);
+        value
+    }
+
+    fn uniform(&mut self, end: u32, value: u32) -> u32 {
+        let value = self.decoder.uniform(end, value);
+        self.line(&format!("uniform({end})"), value);
+        value
+    }
+}
+
+/// The blocks of steps of a stream with one object: their steps and payloads.
+fn step_blocks() -> Vec<(u32, &'static [u8])> {
+    let mut rest = &STREAM[12..];
+    let mut blocks = Vec::new();
+    while !rest.is_empty() {
+        let mut field = || take_leb128(&mut rest, u64::from(u32::MAX)).expect("a number") as u32;
+        let [length, tag, steps] = [field(), field(), field()];
+        let (payload, more) = rest[6..].split_at(length as usize);
+        rest = more;
+        if tag > 0 {
+            blocks.push((steps, payload));
+        }
+    }
+    blocks
+}
+
+#[test]
+fn the_page_has_the_trace_of_a_golden_stream() {
+    // The head of this stream: three floats in system 1 with no decimals, and nothing else.
+    let layout = VertexLayout {
+        systems: vec![NumberSystem::Decimal(0); 3],
+        streams: VertexLayout::streams(&[]),
+    };
+    let mut contexts = Box::new(Contexts::new());
+    let names = Names::of(&contexts);
+    let lines = RefCell::new(String::new());
+    let mut codec = ObjectCodec::new(layout, 1, true);
+    for (steps, payload) in step_blocks() {
+        let mut rest = payload;
+        let length = take_leb128(&mut rest, 1 << 20).expect("a length") as usize;
+        let (splits, strips) = rest.split_at(length);
+        let _ = writeln!(lines.borrow_mut(), "block of {steps} steps");
+        for (name, bytes) in [("splits", splits), ("strips", strips)] {
+            let hex: Vec<String> = bytes.iter().map(|b| format!("{b:02x}")).collect();
+            let _ = writeln!(lines.borrow_mut(), "{name} {}", hex.join(" "));
+        }
+        let tracer = |bytes| Tracer { decoder: Decoder::new(bytes), names: &names, lines: &lines };
+        let mut coders = Substreams { splits: tracer(splits), strips: tracer(strips) };
+        for _ in 0..steps {
+            let step = codec.mesh.vertex_count();
+            let _ = writeln!(lines.borrow_mut(), "step, from vertex {step} on");
+            let limits = StepLimits { vertices: 3, bytes: STREAM.len() };
+            let coded = codec.code_step(&mut coders, &DecoderSource, &mut contexts, limits);
+            coded.expect("a golden stream");
+        }
+        assert!(coders.splits.decoder.is_finished() && coders.strips.decoder.is_finished());
+    }
+    let lines = lines.into_inner();
+    assert!(PAGE.contains(&lines), "docs/STREAM.md lacks this trace:\n{lines}");
+}
+
+#[test]
+fn every_context_is_named_and_on_the_page() {
+    let contexts = Box::new(Contexts::new());
+    let names = Names::of(&contexts);
+    let states = size_of_val(&contexts.values)
+        - size_of_val(&contexts.values.repeats)
+        - size_of_val(&contexts.values.residual);
+    let all = size_of::<Contexts>() - states;
+    assert!(names.bytes <= all && all - names.bytes < 16, "{} of {all} bytes", names.bytes);
+    for (_, name) in &names.by_address {
+        let name = name.split(['[', '.']).next().unwrap_or_default();
+        assert!(PAGE.contains(&format!("| `{name}` |")), "docs/STREAM.md has no context {name}");
+    }
+}

@@ -1,0 +1,57 @@
+//! All contexts of a stream: the adaptive probabilities that its objects share.
+
+use crate::entropy::adaptive_probability::{AdaptiveBit, AdaptiveSymbol};
+use crate::entropy::integer_codes::{BoundedCode, GammaCode};
+use crate::strips::position_code::StripContexts;
+use crate::vertex_data::values::ValueContexts;
+use crate::vertex_split::corner_transfer::TransferContexts;
+use crate::vertex_split::new_triangles::TriangleContexts;
+
+/// The contexts of a stream. They go on from block to block and from object to object.
+/// `docs/STREAM.md` has a table of them.
+#[derive(Clone, Debug)]
+pub struct Contexts {
+    /// Distance to the parent.
+    pub(crate) parent: BoundedCode,
+    /// Distance along the circle of wedges to the parent.
+    pub(crate) wedge_distance: AdaptiveSymbol,
+    /// The submesh is the parent's.
+    pub(crate) same_submesh: AdaptiveBit,
+    pub(crate) triangles: TriangleContexts,
+    pub(crate) transfer: TransferContexts,
+    /// The position is that of the vertex before.
+    pub(crate) same_position: AdaptiveBit,
+    /// By whether the step continued with this vertex: it continues with the next.
+    pub(crate) continues: [AdaptiveBit; 2],
+    /// The error falls.
+    pub(crate) error_falls: AdaptiveBit,
+    pub(crate) error_drop: GammaCode,
+    pub(crate) values: ValueContexts,
+    pub(crate) strips: StripContexts,
+}
+
+impl Contexts {
+    /// The contexts at the beginning of a stream.
+    #[must_use]
+    pub fn new() -> Self {
+        Self {
+            parent: BoundedCode::NEW,
+            wedge_distance: AdaptiveSymbol::NEW,
+            same_submesh: AdaptiveBit::NEW,
+            triangles: TriangleContexts::NEW,
+            transfer: TransferContexts::NEW,
+            same_position: AdaptiveBit::NEW,
+            continues: [AdaptiveBit::NEW; 2],
+            error_falls: AdaptiveBit::NEW,
+            error_drop: GammaCode::NEW,
+            values: ValueContexts::new(),
+            strips: StripContexts::NEW,
+        }
+    }
+}
+
+impl Default for Contexts {
+    fn default() -> Self {
+        Self::new()
+    }
+}

@@ -1,0 +1,16 @@
+//! Coding of vertex splits: one step after another, each some vertices with their triangles.
+//!
+//! Thesis 4.3.3, UpdatePackage. The order in which the parts of a split are coded:
+//!
+//! ```text
+//!  step   = vertex, vertex, ... , error
+//!  vertex = parent | submesh | continues | next parent | pattern | new triangles
+//!           | corner transfer | same position | values        (strip positions: other substream)
+//! ```
+
+pub(crate) mod budget;
+pub(crate) mod contexts;
+pub(crate) mod corner_transfer;
+pub(crate) mod neighborhood;
+pub(crate) mod new_triangles;
+pub(crate) mod object_codec;

@@ -1,0 +1,97 @@
+//! The surroundings of one vertex split: the parent's star and link, and the triangles that come.
+
+use crate::invalid::InvalidStream;
+use crate::partial_mesh::mesh::PartialMesh;
+use crate::partial_mesh::new_triangle::{NewTriangle, Side};
+use crate::partial_mesh::star::{LinkVertex, StarFace, collect_link};
+
+/// A vertex of the parent's link, by its place there, if it is in the link.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Apex {
+    pub(crate) vertex: u32,
+    pub(crate) place: Option<usize>,
+}
+
+/// The surroundings of the split at hand.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct SplitNeighborhood {
+    pub(crate) new: u32,
+    pub(crate) parent: u32,
+    /// True if the step continued with this vertex.
+    pub(crate) continued: bool,
+    /// The parent's star, and whether it is a single closed fan.
+    pub(crate) star: Vec<StarFace>,
+    pub(crate) closed: bool,
+    /// The parent's link; unused if the star is closed, whose link follows from it.
+    link: Vec<LinkVertex>,
+    pub(crate) triangles: Vec<NewTriangle>,
+    /// The expected transfer of each triangle of the star, see `corner_transfer`.
+    pub(crate) expected: Vec<u8>,
+    /// For each triangle of the star: it is transferred.
+    pub(crate) transfer: Vec<bool>,
+}
+
+impl SplitNeighborhood {
+    /// Starts a split.
+    pub(crate) fn start(&mut self, mesh: &PartialMesh, new: u32, parent: u32, continued: bool) {
+        (self.new, self.parent, self.continued) = (new, parent, continued);
+        self.closed = mesh.collect_star(parent, &mut self.star);
+        if !self.closed {
+            collect_link(&self.star, &mut self.link);
+        }
+        self.triangles.clear();
+    }
+
+    /// Returns the number of vertices in the parent's link.
+    #[inline]
+    pub(crate) fn link_len(&self) -> usize {
+        if self.closed { self.star.len() } else { self.link.len() }
+    }
+
+    /// Returns the vertex at a place of the parent's link.
+    #[inline]
+    pub(crate) fn link_vertex(&self, place: usize) -> LinkVertex {
+        if !self.closed {
+            return self.link[place];
+        }
+        let incoming = if place == 0 { self.star.len() } else { place } - 1;
+        LinkVertex { vertex: self.star[place].a, outgoing: place as u32, incoming: incoming as u32 }
+    }
+
+    /// Returns the first place of a vertex in the parent's link.
+    pub(crate) fn link_place(&self, vertex: u32) -> Option<usize> {
+        (0..self.link_len()).position(|i| self.link_vertex(i).vertex == vertex)
+    }
+
+    /// Adds a triangle at the split edge.
+    pub(crate) fn add_triangle(&mut self, side: Side, apex: Apex) {
+        let (next, previous) = match side {
+            Side::Left => (apex.vertex, self.parent),
+            _ => (self.parent, apex.vertex),
+        };
+        let mut triangle = NewTriangle::unconnected(next, previous, side);
+        if let Some(place) = apex.place {
+            let link = self.link_vertex(place);
+            (triangle.outgoing, triangle.incoming) = (link.outgoing, link.incoming);
+        }
+        self.triangles.push(triangle);
+    }
+
+    /// Returns an error if a new triangle, from number `from` on, is degenerate or spans submeshes.
+    /// `submesh` has the submesh of each vertex if there are several.
+    pub(crate) fn check_triangles(
+        &self,
+        from: usize,
+        submesh: Option<&[u32]>,
+    ) -> Result<(), InvalidStream> {
+        let new = self.new;
+        let is_other = |v: u32| submesh.is_some_and(|s| s[v as usize] != s[new as usize]);
+        for t in &self.triangles[from..] {
+            let degenerate = t.next == t.previous || t.next == new || t.previous == new;
+            if degenerate || is_other(t.next) || is_other(t.previous) {
+                return Err(InvalidStream("has a degenerate triangle or one across submeshes"));
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,258 @@
+//! The triangles that come with a vertex, coded by the places of their corners in the parent's
+//! link.
+
+use crate::entropy::adaptive_probability::{AdaptiveBit, AdaptiveSymbol};
+use crate::entropy::coder::Coder;
+use crate::entropy::integer_codes::GammaCode;
+use crate::invalid::InvalidStream;
+use crate::partial_mesh::new_triangle::{NewTriangle, Side};
+use crate::source::split_source::{SourceTriangle, SplitSource};
+use crate::vertex_split::corner_transfer::TransferRule;
+use crate::vertex_split::neighborhood::{Apex, SplitNeighborhood};
+
+/// Links of up to so many vertices have contexts of their own; in longer ones places are uniform.
+const MAX_LINK_CONTEXTS: usize = 16;
+/// The symbol of a number of triangles that does not fit a symbol.
+const COUNT_ESCAPE: u32 = 15;
+/// The most triangles that a split may add.
+const MAX_TRIANGLES: usize = 1 << 20;
+
+/// The common forms of a split, in one symbol.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum SplitPattern {
+    /// A left and a right triangle; the transfer is implied.
+    Both = 0,
+    /// A left triangle; the transfer is implied.
+    Left = 1,
+    /// A right triangle; the transfer is implied.
+    Right = 2,
+    /// No triangle; the whole star is transferred.
+    Empty = 3,
+    /// Any triangles and any transfer, each coded by itself.
+    General = 4,
+}
+
+impl SplitPattern {
+    /// Returns the pattern of a symbol; all others are general too.
+    fn of_symbol(symbol: u32) -> Self {
+        match symbol {
+            0 => Self::Both,
+            1 => Self::Left,
+            2 => Self::Right,
+            3 => Self::Empty,
+            _ => Self::General,
+        }
+    }
+
+    /// Returns how the transfer of triangles is coded.
+    pub(crate) fn transfer_rule(self) -> TransferRule {
+        match self {
+            Self::Empty => TransferRule::All,
+            Self::General => TransferRule::Coded,
+            Self::Both | Self::Left | Self::Right => TransferRule::Implied,
+        }
+    }
+}
+
+/// Contexts of new triangles.
+#[derive(Clone, Debug)]
+pub(crate) struct TriangleContexts {
+    /// By the size of the star (up to 3), whether it is closed, and whether the step continued.
+    pub(crate) pattern: [[[AdaptiveSymbol; 2]; 2]; 4],
+    /// By whether the step continued.
+    pub(crate) count: [AdaptiveSymbol; 2],
+    pub(crate) more: GammaCode,
+    /// By number (up to 2) and side of the triangle before (3: none): detached, and else left.
+    pub(crate) side: [[[AdaptiveBit; 2]; 4]; 3],
+    /// By the size of the link, up to 3.
+    pub(crate) in_link: [AdaptiveBit; 4],
+    /// By how the place is counted, and the size of the link.
+    pub(crate) place: [[AdaptiveSymbol; MAX_LINK_CONTEXTS + 1]; 3],
+}
+
+impl TriangleContexts {
+    pub(crate) const NEW: Self = Self {
+        pattern: [[[AdaptiveSymbol::NEW; 2]; 2]; 4],
+        count: [AdaptiveSymbol::NEW; 2],
+        more: GammaCode::NEW,
+        side: [[[AdaptiveBit::NEW; 2]; 4]; 3],
+        in_link: [AdaptiveBit::NEW; 4],
+        place: [[AdaptiveSymbol::NEW; MAX_LINK_CONTEXTS + 1]; 3],
+    };
+}
+
+/// The coding of the triangles of one split.
+pub(crate) struct TriangleCode<'a, C> {
+    pub(crate) coder: &'a mut C,
+    pub(crate) contexts: &'a mut TriangleContexts,
+    pub(crate) split: &'a mut SplitNeighborhood,
+    /// The submesh of each vertex if there are several.
+    pub(crate) submesh: Option<&'a [u32]>,
+    /// Bytes that the coded corners take in the thesis's packages.
+    pub(crate) package_bytes: u64,
+}
+
+impl<C: Coder> TriangleCode<'_, C> {
+    /// Codes the triangles into `split.triangles`.
+    pub(crate) fn code<S: SplitSource>(
+        &mut self,
+        source: &S,
+    ) -> Result<SplitPattern, InvalidStream> {
+        let triangles = source.new_triangles(self.split.new);
+        let pattern = if C::ENCODES { self.choose_pattern(source) } else { SplitPattern::General };
+        let size = self.split.star.len().min(3);
+        let [closed, continued] = [self.split.closed, self.split.continued].map(usize::from);
+        let context = &mut self.contexts.pattern[size][closed][continued];
+        let pattern = SplitPattern::of_symbol(self.coder.symbol(context, pattern as u32));
+        self.split.triangles.clear();
+        match pattern {
+            SplitPattern::Empty => {}
+            SplitPattern::General => self.code_general(triangles)?,
+            SplitPattern::Both | SplitPattern::Left | SplitPattern::Right => {
+                self.code_sides(triangles, pattern)?;
+            }
+        }
+        Ok(pattern)
+    }
+
+    /// Returns the pattern of an encoder's split.
+    fn choose_pattern<S: SplitSource>(&mut self, source: &S) -> SplitPattern {
+        let split = &mut *self.split;
+        let triangles = source.new_triangles(split.new);
+        let parent = split.parent;
+        let side = |t: &SourceTriangle| Side::of(t.next, t.previous, parent);
+        let pattern = match triangles {
+            [] => SplitPattern::Empty,
+            [t] if side(t) == Side::Left => SplitPattern::Left,
+            [t] if side(t) == Side::Right => SplitPattern::Right,
+            [t, u] if (side(t), side(u)) == (Side::Left, Side::Right) => SplitPattern::Both,
+            _ => return SplitPattern::General,
+        };
+        split.triangles.clear();
+        for t in triangles {
+            let vertex = if side(t) == Side::Left { t.next } else { t.previous };
+            let place = split.link_place(vertex);
+            if place.is_none() {
+                return SplitPattern::General;
+            }
+            split.add_triangle(side(t), Apex { vertex, place });
+        }
+        if split.follows_rule(source, pattern.transfer_rule()) {
+            pattern
+        } else {
+            SplitPattern::General
+        }
+    }
+
+    /// Codes one triangle on each side of the split edge, or on one.
+    fn code_sides(
+        &mut self,
+        wanted: &[SourceTriangle],
+        pattern: SplitPattern,
+    ) -> Result<(), InvalidStream> {
+        if self.split.link_len() == 0 {
+            return Err(InvalidStream("has a triangle at a split edge whose parent has none"));
+        }
+        let wanted = |i: usize| wanted.get(i).copied().unwrap_or_default();
+        let mut left = None;
+        if pattern != SplitPattern::Right {
+            let apex = self.code_link_apex(wanted(0).next, None);
+            left = apex.place;
+            self.split.add_triangle(Side::Left, apex);
+        }
+        if pattern != SplitPattern::Left {
+            let i = usize::from(pattern == SplitPattern::Both);
+            let apex = self.code_link_apex(wanted(i).previous, left);
+            self.split.add_triangle(Side::Right, apex);
+        }
+        self.split.check_triangles(0, self.submesh)
+    }
+
+    /// Codes any number of triangles, each with its side and corners.
+    fn code_general(&mut self, wanted: &[SourceTriangle]) -> Result<(), InvalidStream> {
+        let count = self.code_count(wanted.len() as u32);
+        let mut previous_side = 3;
+        let mut left = None;
+        for i in 0..count as usize {
+            let wanted = wanted.get(i).copied().unwrap_or_default();
+            let contexts = &mut self.contexts.side[i.min(2)][previous_side];
+            let side = Side::of(wanted.next, wanted.previous, self.split.parent);
+            let side = if self.coder.bit(&mut contexts[0], side == Side::Detached) {
+                Side::Detached
+            } else if self.coder.bit(&mut contexts[1], side == Side::Left) {
+                Side::Left
+            } else {
+                Side::Right
+            };
+            previous_side = side as usize;
+            match side {
+                Side::Left => {
+                    let apex = self.code_apex(wanted.next, None);
+                    left = left.or(apex.place);
+                    self.split.add_triangle(side, apex);
+                }
+                Side::Right => {
+                    let apex = self.code_apex(wanted.previous, left);
+                    self.split.add_triangle(side, apex);
+                }
+                Side::Detached => {
+                    let next = self.code_apex(wanted.next, None).vertex;
+                    let previous = self.code_apex(wanted.previous, None).vertex;
+                    let triangle = NewTriangle::unconnected(next, previous, side);
+                    self.split.triangles.push(triangle);
+                }
+            }
+            self.split.check_triangles(i, self.submesh)?;
+            if self.split.triangles.len() > MAX_TRIANGLES {
+                return Err(InvalidStream("adds more than 2^20 triangles in one split"));
+            }
+        }
+        Ok(())
+    }
+
+    fn code_count(&mut self, wanted: u32) -> u32 {
+        let context = &mut self.contexts.count[usize::from(self.split.continued)];
+        let count = self.coder.symbol(context, wanted.min(COUNT_ESCAPE));
+        if count < COUNT_ESCAPE {
+            return count;
+        }
+        let more = self.contexts.more.code(self.coder, wanted.wrapping_sub(count));
+        count.saturating_add(more)
+    }
+
+    /// Codes a corner of a new triangle: a vertex of the parent's link, or any vertex.
+    fn code_apex(&mut self, wanted: u32, left: Option<usize>) -> Apex {
+        let size = self.split.link_len();
+        let in_link = C::ENCODES && self.split.link_place(wanted).is_some();
+        if size == 0 || !self.coder.bit(&mut self.contexts.in_link[size.min(3)], in_link) {
+            self.package_bytes += 5;
+            let vertex = self.coder.uniform(self.split.new + 1, wanted);
+            return Apex { vertex, place: None };
+        }
+        self.code_link_apex(wanted, left)
+    }
+
+    /// Codes a vertex of the parent's link, which is not empty. `left` is the place of the first
+    /// left apex, from which that of a right one is counted: so far reach the kept triangles.
+    fn code_link_apex(&mut self, wanted: u32, left: Option<usize>) -> Apex {
+        let size = self.split.link_len();
+        self.package_bytes += 1;
+        let origin = left.unwrap_or(0);
+        let wrap = |place: usize| if place >= size { place - size } else { place };
+        let distance = if C::ENCODES {
+            wrap(self.split.link_place(wanted).unwrap_or(0) + size - origin) as u32
+        } else {
+            0
+        };
+        let distance = if size <= MAX_LINK_CONTEXTS {
+            let counted = if left.is_none() { 0 } else { 1 + usize::from(self.split.closed) };
+            let context = &mut self.contexts.place[counted][size];
+            // Only a crafted stream reaches beyond the link.
+            self.coder.symbol(context, distance).min(size as u32 - 1) as usize
+        } else {
+            self.coder.uniform(size as u32, distance) as usize
+        };
+        let place = wrap(distance + origin);
+        Apex { vertex: self.split.link_vertex(place).vertex, place: Some(place) }
+    }
+}

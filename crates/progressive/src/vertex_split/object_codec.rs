@@ -1,0 +1,338 @@
+//! The codec of one object: codes its steps and applies them to its partial mesh.
+//!
+//! Written once for both sides, see `entropy/coder.rs`.
+
+use crate::entropy::coder::{Coder, Substreams};
+use crate::invalid::InvalidStream;
+use crate::partial_mesh::mesh::PartialMesh;
+use crate::partial_mesh::split::{ParentStar, SplitBuffers, SplitEdge};
+use crate::partial_mesh::star::{LinkVertex, StarFace, collect_link};
+use crate::source::split_source::SplitSource;
+use crate::strips::position_code::{StripContexts, code_position};
+use crate::strips::strip_order::StripOrder;
+use crate::vertex_data::values::{Neighborhood, VertexValues};
+use crate::vertex_data::vertex_layout::VertexLayout;
+use crate::vertex_split::budget::Cost;
+use crate::vertex_split::contexts::Contexts;
+use crate::vertex_split::neighborhood::SplitNeighborhood;
+use crate::vertex_split::new_triangles::{SplitPattern, TriangleCode};
+use lodc_mesh::NONE;
+
+/// The symbol of a parent that is not near along the circle of wedges.
+const FAR_WEDGE: u32 = 8;
+
+/// Limits of a step.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct StepLimits {
+    /// Vertices that the object will have.
+    pub(crate) vertices: u32,
+    /// Bytes of the stream up to the end of this block.
+    pub(crate) bytes: usize,
+}
+
+/// One object as it is coded.
+#[derive(Clone, Debug)]
+pub(crate) struct ObjectCodec {
+    pub(crate) mesh: PartialMesh,
+    pub(crate) values: VertexValues,
+    pub(crate) strips: Option<StripOrder>,
+    submeshes: u32,
+    /// For each vertex its parent, and whether its step continues with the next vertex.
+    pub(crate) parents: Vec<u32>,
+    pub(crate) continues: Vec<bool>,
+    /// The code of the error after the last step.
+    pub(crate) error_code: u32,
+    /// Triangles visited.
+    work: u64,
+    /// Bytes of the splits in the thesis's packages, without the vertices themselves: the parent
+    /// (4), flags and counts (1), a bit for each triangle of the star, and for each new one a
+    /// corner and a strip.
+    pub(crate) package_bytes: u64,
+    /// True if the step continues with the next vertex.
+    continued: bool,
+    /// The parent of the next step's first vertex.
+    next_parent: u32,
+    split: SplitNeighborhood,
+    buffers: Buffers,
+}
+
+#[derive(Clone, Debug, Default)]
+struct Buffers {
+    split: SplitBuffers,
+    new_star: Vec<StarFace>,
+    new_star_link: Vec<LinkVertex>,
+    /// The vertices around the new one.
+    new_link: Vec<u32>,
+    indices: Vec<i32>,
+}
+
+impl ObjectCodec {
+    pub(crate) fn new(layout: VertexLayout, submeshes: u32, strips: bool) -> Self {
+        Self {
+            mesh: PartialMesh::default(),
+            values: VertexValues::new(layout),
+            strips: strips.then(StripOrder::new),
+            submeshes,
+            parents: Vec::new(),
+            continues: Vec::new(),
+            error_code: 0,
+            work: 0,
+            package_bytes: 0,
+            continued: false,
+            next_parent: 0,
+            split: SplitNeighborhood::default(),
+            buffers: Buffers::default(),
+        }
+    }
+
+    /// Returns what the object has cost so far.
+    pub(crate) fn cost(&self) -> Cost {
+        let elements = u64::from(self.mesh.vertex_count()) + u64::from(self.mesh.face_count());
+        Cost { size: self.values.indices.len() as u64 + 8 * elements, work: self.work }
+    }
+
+    /// Codes one step: its vertices, then the error of the mesh with all of them.
+    pub(crate) fn code_step<C: Coder, S: SplitSource>(
+        &mut self,
+        coders: &mut Substreams<C>,
+        source: &S,
+        contexts: &mut Contexts,
+        limits: StepLimits,
+    ) -> Result<(), InvalidStream> {
+        loop {
+            let new = self.mesh.vertex_count();
+            if new >= limits.vertices {
+                return Err(InvalidStream("has more vertices than its header says"));
+            }
+            if new == 0 {
+                self.code_first_vertex(&mut coders.splits, source);
+            } else {
+                self.code_vertex(coders, source, contexts, limits.vertices)?;
+            }
+            self.continues.push(self.continued);
+            if !self.cost().is_within_budget(limits.bytes) {
+                return Err(InvalidStream("expands more than any real stream"));
+            }
+            if !self.continued {
+                self.code_error(&mut coders.splits, source.error_code(new), contexts);
+                return Ok(());
+            }
+        }
+    }
+
+    /// Makes an object whole that failed within a step, so that its mesh can be asked for.
+    pub(crate) fn complete_values(&mut self) {
+        let length = self.mesh.vertex_count() as usize * self.values.channels();
+        self.values.indices.resize(length, 0);
+    }
+
+    fn code_error<C: Coder>(&mut self, coder: &mut C, wanted: u32, contexts: &mut Contexts) {
+        let drop = self.error_code.wrapping_sub(wanted);
+        if coder.bit(&mut contexts.error_falls, drop != 0) {
+            let drop = contexts.error_drop.code(coder, drop);
+            self.error_code = self.error_code.wrapping_sub(drop);
+        }
+    }
+
+    /// Codes the vertex that the stream starts with: its indices as they are.
+    fn code_first_vertex<C: Coder, S: SplitSource>(&mut self, coder: &mut C, source: &S) {
+        let submesh = coder.uniform(self.submeshes, source.submesh(0));
+        self.mesh.add_vertex(submesh);
+        self.parents.push(0);
+        for channel in 0..self.values.channels() {
+            let wanted = source.indices(0).get(channel).copied().unwrap_or_default();
+            self.values.indices.push(coder.raw(32, wanted as u32) as i32);
+        }
+    }
+
+    fn code_vertex<C: Coder, S: SplitSource>(
+        &mut self,
+        coders: &mut Substreams<C>,
+        source: &S,
+        contexts: &mut Contexts,
+        vertices: u32,
+    ) -> Result<(), InvalidStream> {
+        let coder = &mut coders.splits;
+        let new = self.mesh.vertex_count();
+        let continued = self.continued;
+        let parent = if continued {
+            self.code_wedge_parent(coder, source, contexts)
+        } else {
+            self.next_parent
+        };
+        self.parents.push(parent);
+        let submesh = self.code_submesh(coder, source, contexts, parent);
+        self.mesh.add_vertex(submesh);
+        let context = &mut contexts.continues[usize::from(continued)];
+        self.continued = coder.bit(context, source.continues(new));
+        if !self.continued && new + 1 < vertices {
+            // Coded this early so that a decoder can load what it will need.
+            let wanted = source.parent(new + 1);
+            let distance = ParentDistance { from: parent, vertices: new + 1 };
+            self.next_parent = distance.code(coder, contexts, wanted);
+            self.mesh.prefetch_corners(self.next_parent);
+        }
+
+        self.split.start(&self.mesh, new, parent, continued);
+        self.work += 2 + self.split.star.len() as u64;
+        self.package_bytes += 5 + self.split.star.len().div_ceil(8) as u64;
+        let pattern = self.code_triangles(coder, source, contexts)?;
+        self.split_mesh(coder, source, contexts, pattern)?;
+        self.code_strip_positions(&mut coders.strips, source, &mut contexts.strips)?;
+        self.code_values(&mut coders.splits, source, contexts);
+        Ok(())
+    }
+
+    /// Codes the parent of a further vertex of a step: mostly the parent before, or one of its
+    /// wedges.
+    fn code_wedge_parent<C: Coder, S: SplitSource>(
+        &mut self,
+        coder: &mut C,
+        source: &S,
+        contexts: &mut Contexts,
+    ) -> u32 {
+        let vertices = self.mesh.vertex_count();
+        let wanted = source.parent(vertices);
+        let from = self.split.parent;
+        let next = |v: u32| self.mesh.next_wedge[v as usize];
+        let (mut distance, mut v) = (0, from);
+        while distance < FAR_WEDGE && v != wanted {
+            v = next(v);
+            distance = if v == from { FAR_WEDGE } else { distance + 1 };
+        }
+        let distance = coder.symbol(&mut contexts.wedge_distance, distance);
+        if distance < FAR_WEDGE {
+            return (0..distance).fold(from, |v, _| next(v));
+        }
+        ParentDistance { from, vertices }.code(coder, contexts, wanted)
+    }
+
+    fn code_submesh<C: Coder, S: SplitSource>(
+        &self,
+        coder: &mut C,
+        source: &S,
+        contexts: &mut Contexts,
+        parent: u32,
+    ) -> u32 {
+        let of_parent = self.mesh.submesh[parent as usize];
+        if self.submeshes == 1 {
+            return of_parent;
+        }
+        let wanted = source.submesh(self.mesh.vertex_count());
+        if coder.bit(&mut contexts.same_submesh, wanted == of_parent) {
+            of_parent
+        } else {
+            coder.uniform(self.submeshes, wanted)
+        }
+    }
+
+    fn code_triangles<C: Coder, S: SplitSource>(
+        &mut self,
+        coder: &mut C,
+        source: &S,
+        contexts: &mut Contexts,
+    ) -> Result<SplitPattern, InvalidStream> {
+        let mut code = TriangleCode {
+            coder,
+            contexts: &mut contexts.triangles,
+            split: &mut self.split,
+            submesh: (self.submeshes > 1).then_some(&self.mesh.submesh),
+            package_bytes: 0,
+        };
+        let pattern = code.code(source)?;
+        self.package_bytes += code.package_bytes;
+        Ok(pattern)
+    }
+
+    /// Codes the transfer of triangles, splits the mesh, and collects the new vertex's link.
+    fn split_mesh<C: Coder, S: SplitSource>(
+        &mut self,
+        coder: &mut C,
+        source: &S,
+        contexts: &mut Contexts,
+        pattern: SplitPattern,
+    ) -> Result<(), InvalidStream> {
+        let (split, buffers) = (&mut self.split, &mut self.buffers);
+        let edge = SplitEdge { parent: split.parent, new: split.new };
+        let arcs = if pattern == SplitPattern::Both { split.arcs() } else { None };
+        let link = &mut buffers.new_link;
+        if !arcs.is_some_and(|arcs| self.mesh.split_arcs(edge, &split.star, arcs, link)) {
+            split.code_transfer(coder, source, &mut contexts.transfer, pattern.transfer_rule())?;
+            let star = ParentStar { faces: &split.star, transfer: &split.transfer };
+            let new_star = &mut buffers.new_star;
+            self.mesh.split(edge, star, &split.triangles, &mut buffers.split, new_star);
+            collect_link(new_star, &mut buffers.new_star_link);
+            link.clear();
+            link.extend(buffers.new_star_link.iter().map(|l| l.vertex));
+        }
+        // The corner lists into which new corners were inserted.
+        let count = |v: u32| u64::from(self.mesh.corners.count(v));
+        let longest = split.triangles.iter().map(|t| count(t.next).max(count(t.previous)));
+        self.work += longest.sum::<u64>();
+        Ok(())
+    }
+
+    /// Codes where the newest triangles are drawn, if strips are coded.
+    fn code_strip_positions<C: Coder, S: SplitSource>(
+        &mut self,
+        coder: &mut C,
+        source: &S,
+        contexts: &mut StripContexts,
+    ) -> Result<(), InvalidStream> {
+        let Some(order) = &mut self.strips else { return Ok(()) };
+        let split = &self.split;
+        let face_of = |i: u32| split.star.get(i as usize).map_or(NONE, |f| f.face());
+        let mut previous = NONE;
+        for t in &split.triangles {
+            let [outgoing, incoming] = [face_of(t.outgoing), face_of(t.incoming)];
+            let [kept, transferred] = t.side.kept_first([outgoing, incoming]);
+            let candidates = [kept, transferred, previous];
+            previous = order.face_count();
+            let explicit = code_position(order, coder, source, contexts, candidates)?;
+            self.package_bytes += if explicit { 5 } else { 1 };
+        }
+        Ok(())
+    }
+
+    /// Codes whether the new vertex is a wedge of the one before, and its values.
+    fn code_values<C: Coder, S: SplitSource>(
+        &mut self,
+        coder: &mut C,
+        source: &S,
+        contexts: &mut Contexts,
+    ) {
+        let SplitNeighborhood { new, parent, continued, .. } = self.split;
+        let position = |v: u32| source.indices(v).get(..3);
+        let wedge = continued.then(|| new - 1).filter(|&before| {
+            coder.bit(&mut contexts.same_position, position(before) == position(new))
+        });
+        if let Some(before) = wedge {
+            self.mesh.add_wedge(new, before);
+        }
+        let channels = self.values.channels();
+        let indices = &self.values.indices;
+        let first_index = |v: u32| indices.get(v as usize * channels).copied().unwrap_or_default();
+        self.mesh.prefetch_link(self.next_parent, first_index);
+        let neighborhood = Neighborhood { parent, wedge, link: &self.buffers.new_link };
+        let wanted = if C::ENCODES { source.indices(new) } else { &[] };
+        let coded = &mut self.buffers.indices;
+        self.values.code(coder, &mut contexts.values, neighborhood, wanted, coded);
+    }
+}
+
+/// The distance from one vertex to a parent, around the `vertices` that there are.
+struct ParentDistance {
+    from: u32,
+    vertices: u32,
+}
+
+impl ParentDistance {
+    /// Codes the distance and returns the parent.
+    fn code<C: Coder>(&self, coder: &mut C, contexts: &mut Contexts, wanted: u32) -> u32 {
+        let Self { from, vertices } = *self;
+        let distance = if wanted >= from { wanted - from } else { wanted + vertices - from };
+        let distance = contexts.parent.code(coder, vertices, distance);
+        let to_end = vertices - from;
+        if distance >= to_end { distance - to_end } else { from + distance }
+    }
+}

@@ -1,0 +1,54 @@
+//! Measurements: pages are short, every row has its command, plots are drawn from the rows.
+
+use super::{read, root};
+use std::fs;
+use std::process::Command;
+
+#[test]
+fn the_page_of_benchmarks_is_short_and_names_files_that_are_there() {
+    let text = read(&root().join("docs/BENCHMARKS.md"));
+    let lines = text.lines().count();
+    assert!(lines <= 250, "{lines} lines: rows belong into docs/benchmarks");
+    let index = read(&root().join("docs/benchmarks/README.md"));
+    for name in text.split('`').chain(index.split('`')).filter(|word| word.ends_with(".csv")) {
+        assert!(root().join("docs/benchmarks").join(name).is_file(), "{name} is not there");
+    }
+}
+
+#[test]
+fn every_table_of_rows_names_its_command_and_has_all_cells() {
+    let index = read(&root().join("docs/benchmarks/README.md"));
+    let mut tables = 0;
+    for entry in fs::read_dir(root().join("docs/benchmarks")).expect("a folder of rows") {
+        let path = entry.expect("an entry").path();
+        if path.extension().is_none_or(|e| e != "csv") {
+            continue;
+        }
+        let name = path.file_name().and_then(|n| n.to_str()).expect("a plain name");
+        assert!(index.contains(&format!("`{name}`")), "docs/benchmarks/README.md lacks {name}");
+        let text = read(&path);
+        let mut lines = text.lines();
+        assert!(lines.next().is_some_and(|l| l.starts_with("# ")), "{name} names no command");
+        let columns = cells(lines.next().expect("names of columns"));
+        for line in lines {
+            assert_eq!(cells(line), columns, "{name}: {line}");
+        }
+        tables += 1;
+    }
+    assert!(tables > 10, "only {tables} tables");
+}
+
+/// Number of cells of a line; commas in quotes divide nothing.
+fn cells(line: &str) -> usize {
+    line.split('"').step_by(2).map(|part| part.matches(',').count()).sum::<usize>() + 1
+}
+
+#[test]
+#[expect(clippy::print_stderr, reason = "a test that skips says so")]
+fn plots_are_drawn_from_the_rows() {
+    let script = root().join("tests/plots.py");
+    match Command::new("python3").arg(script).arg("--check").output() {
+        Ok(run) => assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr)),
+        Err(e) => eprintln!("SKIPPED: no python3 to draw the plots with ({e})"),
+    }
+}
