@@ -189,7 +189,9 @@ fn has_extension(path: &Path, extensions: &[&str]) -> bool {
 
 fn is_test(path: &str) -> bool {
     path.starts_with("tests/")
-        || ["/tests/", "/benches/", "/fuzz/", "fixtures/"].iter().any(|part| path.contains(part))
+        || ["/tests/", "/benches/", "/examples/", "/fuzz/", "fixtures/"]
+            .iter()
+            .any(|part| path.contains(part))
         || ["tests.rs", "testing.rs"].iter().any(|end| path.ends_with(end))
 }
 

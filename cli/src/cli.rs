@@ -62,3 +62,15 @@ pub(crate) enum Command {
     /// Print a manual page
     Man(man::ManArgs),
 }
+
+impl Command {
+    /// Returns whether a graphics device may be opened.
+    pub(crate) fn takes_gpu(&self) -> bool {
+        match self {
+            Self::Render(_) => true,
+            Self::Verify(args) => args.gpu.is_some(),
+            Self::Bench(args) => args.gpu.is_some(),
+            _ => false,
+        }
+    }
+}

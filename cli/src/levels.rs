@@ -1,39 +1,15 @@
-//! The models by name, and the triangles that one of them shows at a LOD.
+//! The models of an object, and the triangles that one of them shows at a LOD.
 
 use crate::selector::Candidate;
-use clap::ValueEnum;
 use lodc_formats::lodc::LodObject;
 use lodc_lod::{AnyModel, ModelKind};
 use lodc_mesh::{CollapseSequence, Lod, OrientedTriangle, PositionIds, TriangleHash};
 use lodc_model::Model;
 use lodc_strip::StripPool;
 
-/// A structure that `--models` and `--model` may name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum ModelName {
-    /// Speed Strips
-    Speed,
-    /// Masking Strips
-    Masking,
-    /// Interactive Meshes
-    Interactive,
-}
-
-impl ModelName {
-    /// The library's kind of that name.
-    pub(crate) fn kind(self) -> ModelKind {
-        match self {
-            Self::Speed => ModelKind::Speed,
-            Self::Masking => ModelKind::Masking,
-            Self::Interactive => ModelKind::Interactive,
-        }
-    }
-}
-
 /// The kinds that were asked for, in the order of files; all if none was named.
-pub(crate) fn chosen(names: &[ModelName]) -> Vec<ModelKind> {
-    let wanted =
-        |kind: &ModelKind| names.is_empty() || names.iter().any(|name| name.kind() == *kind);
+pub(crate) fn chosen(named: &[ModelKind]) -> Vec<ModelKind> {
+    let wanted = |kind: &ModelKind| named.is_empty() || named.contains(kind);
     ModelKind::ALL.into_iter().filter(wanted).collect()
 }
 

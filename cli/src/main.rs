@@ -7,6 +7,7 @@ mod console;
 mod exit;
 mod gpu;
 mod interrupt;
+mod kinds;
 mod levels;
 mod limits;
 mod memory;
@@ -44,6 +45,9 @@ fn run() -> Status {
             return if error.use_stderr() { Status::Usage } else { Status::Done };
         }
     };
+    if cli.command.takes_gpu() {
+        gpu::restart_with_runtime_folder();
+    }
     console::set_loudness(match (cli.common.quiet, cli.common.verbose) {
         (true, _) => Loudness::Quiet,
         (_, true) => Loudness::Verbose,

@@ -45,7 +45,7 @@ impl OptionalSelector {
     pub(crate) fn per_object(&self) -> bool {
         self.per_object
     }
-    /// The target that was asked for, if any.
+    /// Returns the level asked for, if any.
     pub(crate) fn target(&self) -> Option<Target> {
         self.target.chosen()
     }
@@ -84,13 +84,13 @@ impl SelectorArgs {
     pub(crate) fn per_object(&self) -> bool {
         self.per_object
     }
-    /// The target that was asked for.
+    /// Returns the level asked for.
     pub(crate) fn target(&self) -> Target {
         self.target.chosen().expect("clap demands exactly one of the group")
     }
 }
 
-/// The wanted level.
+/// The level of detail that is wanted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Target {
     /// This many records applied.
@@ -116,14 +116,14 @@ pub(crate) struct Candidate<'a> {
     pub(crate) diagonal: f64,
 }
 
-/// The chosen levels.
+/// The LODs that were chosen.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Selection {
     /// One per object; always the end of a step.
     pub(crate) lods: Vec<Lod>,
     /// The largest error of an object: in mesh units for one object, in world units for several.
     pub(crate) error: f64,
-    /// Warnings about requests that could not be met in full.
+    /// The parts of the request that could not be met in full.
     pub(crate) warnings: Vec<String>,
 }
 
@@ -188,8 +188,8 @@ fn together(objects: &[Candidate<'_>], target: Target, chosen: &mut Selection) -
     match target {
         Target::Lod(_) => {
             return Err(Failure::usage(format!(
-                "--lod counts the records of one object, and there are {}: add --per-object, or use --ratio, \
-                 --triangles or --error",
+                "--lod counts the records of one object, and there are {}: add --per-object, \
+                 or use --ratio, --triangles or --error",
                 objects.len()
             )));
         }
@@ -262,7 +262,8 @@ fn within_triangles(objects: &[Candidate<'_>], budget: u64, chosen: &mut Selecti
     let left = total(&chosen.lods);
     if left > budget {
         chosen.warnings.push(format!(
-            "{budget} triangles cannot be reached: every object stopped at its last LOD that has a triangle, {left} in all"
+            "{budget} triangles cannot be reached: every object stopped at its last LOD that has a \
+             triangle, {left} in all"
         ));
         return;
     }

@@ -82,7 +82,7 @@ impl Assets {
         self.read_file(&real, named).map_err(|e| e.in_file(reference))
     }
 
-    /// Where a reference leads: the real path, and the path as the user would name it.
+    /// Target of a reference: the real path, and the path as the user would name it.
     fn resolve(&self, reference: &str) -> Result<(PathBuf, PathBuf), FormatError> {
         let forbidden = |what: &str| Err(FormatError::new(Fault::Forbidden, "", what));
         if reference.contains('\0') {
@@ -221,8 +221,8 @@ fn open(path: &Path) -> io::Result<File> {
     OpenOptions::new().read(true).open(path)
 }
 
-/// Whether a reference starts like `http:`, `file:`, `data:` or `C:` (RFC 3986, 3.1; a drive letter
-/// looks the same).
+/// Returns whether a reference starts like `http:`, `file:`, `data:` or `C:` (RFC 3986, 3.1; a
+/// drive letter looks the same).
 fn has_scheme(reference: &str) -> bool {
     reference.split_once(':').is_some_and(|(scheme, _)| {
         scheme.starts_with(|c: char| c.is_ascii_alphabetic())

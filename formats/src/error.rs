@@ -19,16 +19,16 @@ pub enum Fault {
     NotWritten,
 }
 
-/// What went wrong, with which file, where in it. Displays as one line: `FILE: PLACE: WHAT`.
+/// An error with its file and the place in it. Displays as one line: `FILE: PLACE: WHAT`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FormatError {
     /// Whose fault it is.
     pub fault: Fault,
     /// The file, as the user named it (or as the file that refers to it does).
     pub file: String,
-    /// Where in it, for example `line 12` or `accessors[3]`; empty if there is no such place.
+    /// Place in it, for example `line 12` or `accessors[3]`; empty if there is no such place.
     pub place: String,
-    /// What is wrong and, if that is known, what to do.
+    /// The fault and, if that is known, what to do.
     pub what: String,
 }
 

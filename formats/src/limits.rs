@@ -1,4 +1,4 @@
-//! How much of a machine one input may take.
+//! Limits on what one input may take of a machine.
 
 /// Limits on inputs. Reaching one is [`crate::Fault::Limit`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -14,9 +14,9 @@ use xxhash_rust::xxh3::xxh3_64;
 /// A file to be written.
 #[derive(Clone, Debug)]
 pub struct OutputFile {
-    /// Where.
+    /// Path of the file.
     pub path: PathBuf,
-    /// What.
+    /// Its content.
     pub bytes: Vec<u8>,
 }
 
@@ -71,7 +71,7 @@ struct Pending {
     target: PathBuf,
     /// Renamed once all are complete; emptied by that.
     temporary: Option<Temporary>,
-    /// What stood at the target before.
+    /// Content of the target before.
     backup: Option<PathBuf>,
     replaced_nothing: bool,
 }

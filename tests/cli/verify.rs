@@ -151,3 +151,13 @@ fn junit_holds_the_same_checks() {
     f.lodc(["verify", "g.lodc", "--source", "missing.obj", "--junit", "r.xml", "-q"]).ends(3);
     assert!(String::from_utf8(f.read("r.xml")).expect("text").contains("errors=\"1\""));
 }
+
+/// On a system with a GPU and without one, and whatever a driver's libraries have to say.
+#[test]
+fn nothing_is_printed_but_what_the_program_says() {
+    let f = built();
+    let run = f.lodc(["verify", "g.lodc", "--gpu=auto", "-q"]);
+    assert!(run.err.is_empty(), "{}", run.err);
+    let run = f.lodc(["verify", "g.lodc", "--gpu=auto", "--adapter", "none such", "-q"]);
+    assert!(run.err.is_empty(), "{}", run.err);
+}

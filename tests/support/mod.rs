@@ -14,8 +14,9 @@ use std::thread;
 /// The program under test.
 pub(crate) const LODC: &str = env!("CARGO_BIN_EXE_lodc");
 
-/// Keeps a layer of Mesa's Vulkan driver from writing lines of its own to standard error.
-const SILENT: [(&str, &str); 1] = [("NODEVICE_SELECT", "1")];
+/// Missing on a server, where Mesa's Vulkan driver would write lines of its own to standard error
+/// if the program did not see to it.
+const MISSING: &str = "XDG_RUNTIME_DIR";
 
 /// A folder that is gone when the test is.
 pub(crate) struct Folder(PathBuf);
@@ -62,7 +63,11 @@ impl Folder {
     /// Runs the program here.
     pub(crate) fn lodc<S: AsRef<OsStr>>(&self, args: impl IntoIterator<Item = S>) -> Run {
         Run::of(
-            Command::new(LODC).args(args).current_dir(&self.0).stdin(Stdio::null()).envs(SILENT),
+            Command::new(LODC)
+                .args(args)
+                .current_dir(&self.0)
+                .stdin(Stdio::null())
+                .env_remove(MISSING),
         )
     }
     /// Runs the program here with something on standard input.
@@ -72,7 +77,7 @@ impl Folder {
         stdin: &[u8],
     ) -> Run {
         let mut command = Command::new(LODC);
-        command.args(args).current_dir(&self.0).envs(SILENT);
+        command.args(args).current_dir(&self.0).env_remove(MISSING);
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
         let mut child = command.spawn().expect("the program starts");
         let mut pipe = child.stdin.take().expect("a pipe was asked for");

@@ -3,7 +3,8 @@
 use super::read::read_lodc;
 use crate::console::{self, Loudness, note, wants};
 use crate::exit::{Failure, Outcome, Status};
-use crate::levels::{self, ModelName};
+use crate::kinds::{Choice, parser_with};
+use crate::levels;
 use crate::limits::LimitArgs;
 use crate::mesh_output::{self, FormatName, Wanted};
 use crate::output::{self, Rule, Target};
@@ -11,7 +12,8 @@ use crate::report::{ExtractReport, ExtractedObject, SCHEMA_VERSION};
 use crate::selector::{SelectorArgs, decimal, select};
 use crate::stages::Stages;
 use crate::text::{count, distance};
-use clap::{Args, ValueEnum};
+use clap::Args;
+use clap::builder::TypedValueParser;
 use lodc_formats::export::ExportObject;
 use lodc_formats::lodc::{LodFile, LodObject};
 use lodc_lod::{AnyModel, ModelKind};
@@ -30,8 +32,8 @@ pub(crate) struct ExtractArgs {
     #[command(flatten)]
     selector: SelectorArgs,
     /// The structure that is replayed to get there [default: the first in the file]
-    #[arg(long, value_enum)]
-    model: Option<ReplayName>,
+    #[arg(long, value_parser = replays())]
+    model: Option<Choice<ModelKind>>,
     /// The format, where OUT does not tell [default: glb]
     #[arg(long, value_enum)]
     format: Option<FormatName>,
@@ -45,25 +47,9 @@ pub(crate) struct ExtractArgs {
     limits: LimitArgs,
 }
 
-/// Structures that can be replayed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum ReplayName {
-    Speed,
-    Masking,
-    Interactive,
-    /// The naive answer that every model is judged by
-    Reference,
-}
-
-impl ReplayName {
-    fn model(self) -> Option<ModelName> {
-        match self {
-            Self::Speed => Some(ModelName::Speed),
-            Self::Masking => Some(ModelName::Masking),
-            Self::Interactive => Some(ModelName::Interactive),
-            Self::Reference => None,
-        }
-    }
+/// The names of all that may be replayed.
+fn replays() -> impl TypedValueParser<Value = Choice<ModelKind>> {
+    parser_with("reference", "The naive answer that every model is judged by")
 }
 
 pub(crate) fn run(args: &ExtractArgs) -> Outcome<()> {
@@ -118,7 +104,7 @@ fn model(args: &ExtractArgs, file: &LodFile) -> Outcome<Option<ModelKind>> {
     let stored =
         || file.objects.first().into_iter().flat_map(|o| o.models.iter().map(AnyModel::kind));
     let Some(name) = args.model else { return Ok(stored().next()) };
-    let Some(wanted) = name.model().map(ModelName::kind) else { return Ok(None) };
+    let Some(wanted) = name.kind() else { return Ok(None) };
     if file.objects.is_empty() || stored().any(|kind| kind == wanted) {
         return Ok(Some(wanted));
     }

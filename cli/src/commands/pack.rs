@@ -1,21 +1,22 @@
 //! `lodc pack`: a progressive stream.
 
-use super::build::{EffortName, counts};
+use super::build::counts;
 use super::read::read_lodc;
 use crate::console::{self, Loudness, note, wants};
 use crate::exit::{Failure, Outcome, Status};
+use crate::kinds::{Choice, parser, parser_with};
 use crate::limits::LimitArgs;
 use crate::output::{self, Target};
 use crate::report::{BoundReport, PackReport, PackedReport, SCHEMA_VERSION, StreamBits};
 use crate::stages::Stages;
 use crate::text::{count, distance, size};
-use clap::{Args, ValueEnum};
+use clap::Args;
+use clap::builder::TypedValueParser;
 use lodc_formats::lodc::{LodFile, LodObject};
 use lodc_formats::lods::{ErrorBound, PackOptions, Packed, PackedObject, Quantize, Unpacker, pack};
 use lodc_formats::{Limits, lods};
 use lodc_lod::AnyModel;
-use lodc_strip::StripSet;
-use lodc_strip::{StripKind, StripOptions, StripPool};
+use lodc_strip::{Effort, StripKind, StripOptions, StripPool, StripSet};
 use rayon::prelude::*;
 use std::path::PathBuf;
 
@@ -28,7 +29,7 @@ use std::path::PathBuf;
 pub(crate) struct PackArgs {
     /// The .lodc file; `-` for standard input
     input: PathBuf,
-    /// Where to write the stream; `-` for standard output
+    /// Output file for the stream; `-` for standard output
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
     /// Keep fewer bits, for example pos=16,normal=10,uv=12 (2 to 24 each); prints how far anything
@@ -36,11 +37,11 @@ pub(crate) struct PackArgs {
     #[arg(long, value_name = "KIND=BITS,…", value_parser = quantize)]
     quantize: Option<Quantize>,
     /// Strips to stream with the triangles; made if the file has none of that kind
-    #[arg(long, value_enum, default_value = "cache")]
-    strips: PackStrips,
-    /// How long to search for strips
-    #[arg(long, value_enum, default_value = "default")]
-    effort: EffortName,
+    #[arg(long, value_parser = stream_strips(), default_value = StripKind::Cache.name())]
+    strips: Choice<StripKind>,
+    /// Effort of the search for strips
+    #[arg(long, value_parser = parser::<Effort>(), default_value = Effort::default().name())]
+    effort: Effort,
     /// Print what was packed as JSON on standard output
     #[arg(long)]
     json: bool,
@@ -48,15 +49,9 @@ pub(crate) struct PackArgs {
     limits: LimitArgs,
 }
 
-/// The strips of a stream.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum PackStrips {
-    /// Few long strips
-    Stripe,
-    /// Short strips that reuse a vertex cache
-    Cache,
-    /// Triangles only
-    None,
+/// The names of strips that a stream can have.
+fn stream_strips() -> impl TypedValueParser<Value = Choice<StripKind>> {
+    parser_with("none", "Triangles only")
 }
 
 /// Parses a list such as `pos=16,normal=10,uv=12`.
@@ -109,12 +104,8 @@ pub(crate) fn run(args: &PackArgs) -> Outcome<()> {
 
 /// Returns the strips of every object: those of the file if it has any of this kind, else new ones.
 fn strips(args: &PackArgs, file: &LodFile) -> Vec<Option<StripSet>> {
-    let kind = match args.strips {
-        PackStrips::None => return vec![None; file.objects.len()],
-        PackStrips::Stripe => StripKind::Stripe,
-        PackStrips::Cache => StripKind::Cache,
-    };
-    let options = StripOptions { kind: Some(kind), effort: args.effort.into() };
+    let Some(kind) = args.strips.kind() else { return vec![None; file.objects.len()] };
+    let options = StripOptions { kind: Some(kind), effort: args.effort };
     let of = |o: &LodObject| {
         let stored = o.models.iter().filter_map(AnyModel::strips).find(|s| s.kind == kind);
         let set = stored.map_or_else(

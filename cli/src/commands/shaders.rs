@@ -10,7 +10,7 @@ use lodc_lod::ModelKind;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-/// The page that is written beside the shaders.
+/// The guide that stands beside the shaders.
 const GUIDE: &str = include_str!("../../../docs/ENGINE.md");
 
 /// Options of `shaders`.
@@ -27,14 +27,11 @@ pub(crate) fn run(args: &ShadersArgs) -> Outcome<()> {
     }
     // Models share kernels: each is written once.
     let shaders = ModelKind::ALL.into_iter().flat_map(|kind| kind.shaders());
-    let texts: BTreeMap<String, &str> =
-        shaders.map(|s| (format!("{}.wgsl", s.name), s.wgsl)).collect();
-    let guide = std::iter::once(("ENGINE.md".to_owned(), GUIDE));
+    let texts: BTreeMap<String, String> =
+        shaders.map(|s| (format!("{}.wgsl", s.name), s.text())).collect();
+    let guide = std::iter::once(("ENGINE.md".to_owned(), GUIDE.to_owned()));
     let files: Vec<OutputFile> = (texts.into_iter().chain(guide))
-        .map(|(name, text)| OutputFile {
-            path: args.output.join(name),
-            bytes: text.as_bytes().to_vec(),
-        })
+        .map(|(name, text)| OutputFile { path: args.output.join(name), bytes: text.into_bytes() })
         .collect();
     let targets: Vec<Target> = files.iter().map(|file| Target::File(file.path.clone())).collect();
     output::prepare(&targets, true)?;

@@ -1,16 +1,17 @@
 //! `lodc strips`: the strip generators by themselves, for study and comparison.
 
-use super::build::EffortName;
 use crate::console::{note, warning};
 use crate::exit::{Failure, Outcome, Status};
+use crate::kinds::{Choice, parser, parser_with};
 use crate::limits::ImportArgs;
 use crate::output::{self, Target};
 use crate::stages::Stages;
 use crate::text::count;
-use clap::{Args, ValueEnum};
+use clap::Args;
+use clap::builder::TypedValueParser;
 use lodc_formats::import;
 use lodc_mesh::Mesh;
-use lodc_strip::{CacheModel, CacheOptions, Effort, StripSet, cache, measure, order, stripe};
+use lodc_strip::{CacheModel, CacheOptions, Effort, StripKind, measure, order};
 use rayon::ThreadPoolBuilder;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
@@ -18,9 +19,9 @@ use std::path::PathBuf;
 /// Options of `strips`.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "Every line of the output is `s` and the vertices of a strip, or `l` and the vertices of a \
-                        triangle list; vertices are numbered from 0: for an OBJ in the order of its `v` \
-                        lines, for glTF as loaded, one mesh after the other."
+    after_help = "Every line of the output is `s` and the vertices of a strip, or `l` and the \
+                  vertices of a triangle list; vertices are numbered from 0: for an OBJ in the \
+                  order of its `v` lines, for glTF as loaded, one mesh after the other."
 )]
 pub(crate) struct StripsArgs {
     /// The mesh to read: OBJ, glTF or GLB; `-` for standard input
@@ -29,13 +30,18 @@ pub(crate) struct StripsArgs {
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
     /// Few long strips, strips that reuse a vertex cache, or a triangle list that does
-    #[arg(long, value_enum, default_value = "stripe")]
-    strips: Generator,
+    #[arg(long, value_parser = generators(), default_value = StripKind::Stripe.name())]
+    strips: Choice<StripKind>,
     /// Effort of the search
-    #[arg(long, value_enum, default_value = "default")]
-    effort: EffortName,
+    #[arg(long, value_parser = parser::<Effort>(), default_value = Effort::default().name())]
+    effort: Effort,
     /// Vertices in the cache that `cache` and `list` are made for
-    #[arg(long, value_name = "N", default_value = "16", value_parser = clap::value_parser!(u32).range(4..=64))]
+    #[arg(
+        long,
+        value_name = "N",
+        default_value = "16",
+        value_parser = clap::value_parser!(u32).range(4..=64)
+    )]
     cache_size: u32,
     /// Fetched vertices that an index is worth to `cache`: more makes fewer indices, less fewer
     /// misses
@@ -48,12 +54,9 @@ pub(crate) struct StripsArgs {
     import: ImportArgs,
 }
 
-/// Generators of the output.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Generator {
-    Stripe,
-    Cache,
-    List,
+/// The names of all that can make the output.
+fn generators() -> impl TypedValueParser<Value = Choice<StripKind>> {
+    parser_with("list", "No strips: a triangle list that reuses a vertex cache")
 }
 
 fn price(text: &str) -> Result<f32, String> {
@@ -63,7 +66,7 @@ fn price(text: &str) -> Result<f32, String> {
     }
 }
 
-/// Totals over all strips, for the note at the end.
+/// The sums over all objects, for the note at the end.
 #[derive(Default)]
 struct Totals {
     triangles: u64,
@@ -96,6 +99,11 @@ fn make(args: &StripsArgs, target: &Target) -> Outcome<()> {
         .map_err(|f| Failure::new(f.status, format!("{}: {f}", args.input.display())))?;
     let mut text = String::new();
     let mut totals = Totals { triangles, ..Totals::default() };
+    let options = CacheOptions {
+        cache_size: args.cache_size,
+        index_price: args.index_price,
+        effort: args.effort,
+    };
     // The vertices of an object start where those of the object before end.
     let mut base = 0;
     for object in &scene.objects {
@@ -103,39 +111,27 @@ fn make(args: &StripsArgs, target: &Target) -> Outcome<()> {
         let number = |v: u32| {
             object.source_positions.get(v as usize).map_or(base + u64::from(v), |&p| u64::from(p))
         };
-        if args.strips == Generator::List {
+        let Some(kind) = args.strips.kind() else {
             let list = stages.run("strips", || order(mesh, args.cache_size));
             totals.add(mesh, args.cache_size, list.as_flattened());
             // One line per submesh: lines are no longer than a part that is drawn at once.
             for submesh in mesh.submeshes() {
                 line(&mut text, 'l', number, list[submesh.triangles()].as_flattened());
             }
-        } else {
-            let strips = stages.run("strips", || args.strips(mesh));
-            totals.strips += strips.len() as u64;
-            totals.add(mesh, args.cache_size, strips.indices());
-            for strip in strips.iter() {
-                line(&mut text, 's', number, strip);
-            }
+            base += mesh.vertex_count() as u64;
+            continue;
+        };
+        let strips = stages.run("strips", || kind.generate(mesh, &options));
+        totals.strips += strips.len() as u64;
+        totals.add(mesh, args.cache_size, strips.indices());
+        for strip in strips.iter() {
+            line(&mut text, 's', number, strip);
         }
         base += mesh.vertex_count() as u64;
     }
     stages.run("write", || output::write(target, text.into_bytes()))?;
     note(&totals.text(&args.input.display().to_string()));
     Ok(())
-}
-
-impl StripsArgs {
-    fn strips(&self, mesh: &Mesh) -> StripSet {
-        let effort = Effort::from(self.effort);
-        if self.strips == Generator::Stripe {
-            return stripe(mesh, effort);
-        }
-        cache(
-            mesh,
-            &CacheOptions { cache_size: self.cache_size, index_price: self.index_price, effort },
-        )
-    }
 }
 
 impl Totals {

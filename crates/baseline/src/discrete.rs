@@ -5,7 +5,7 @@ use lodc_mesh::{Lod, OrientedTriangle, PositionIds, Simplified};
 use lodc_model::{Array, Changes, Model, StorageCost, Traffic};
 use std::sync::Arc;
 
-/// How many levels there are.
+/// Number of levels.
 pub const LEVELS: usize = 5;
 
 /// Five meshes out of one sequence, each complete in itself.
@@ -24,11 +24,11 @@ struct Level {
     lod: Lod,
     /// In the order in which they are drawn.
     triangles: Vec<OrientedTriangle>,
-    /// How many vertices they use.
+    /// Number of vertices they use.
     vertices: u64,
 }
 
-/// Which of the five is shown.
+/// The level of the five that is shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Cursor(usize);
 

@@ -1,9 +1,26 @@
-//! What the models are measured against, over the same sequence (thesis tables 3.1 to 3.4, 4.2,
-//! 4.3, 5.1).
+//! Structures that models are measured against, over the same sequence (thesis tables 3.1 to 3.4,
+//! 4.2, 4.3, 5.1).
 //!
 //! Baselines are models too and are held to the same reference, but they are never stored in a
 //! file. [`Baseline`] is their closed list. Plain triangles and plain strips, which have no levels
 //! of detail, are in [`StorageCost`]. [`Rebuild`] is what a far jump is measured against.
+//!
+//! ```
+//! use lodc_baseline::Baseline;
+//! use lodc_mesh::Lod;
+//! use lodc_model::Model;
+//! use lodc_strip::{Effort, StripKind, Strips};
+//! use std::sync::Arc;
+//!
+//! let simplified = Arc::new(lodc_fixtures::random_collapse(&lodc_fixtures::icosphere(2), 1));
+//! let strips = Arc::new(Strips::generate(&simplified, StripKind::Stripe, Effort::Fast));
+//! for baseline in Baseline::all(&simplified, &strips)? {
+//!     let mut cursor = baseline.cursor();
+//!     baseline.seek(&mut cursor, simplified.collapses().last(), &mut ());
+//!     assert!(baseline.lod(&cursor) > Lod(0), "{}", baseline.name());
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod discrete;
 mod lodstrips;
@@ -60,7 +77,7 @@ impl Baseline {
         Ok(vec![progressive, lodstrips, Self::Discrete(Discrete::build(simplified))])
     }
 
-    /// Whether it shows every LOD.
+    /// Returns whether it shows every LOD.
     #[must_use]
     pub fn continuous(&self) -> bool {
         !matches!(self, Self::Discrete(_))

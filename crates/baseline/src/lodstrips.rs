@@ -34,7 +34,7 @@ pub struct LodStrips {
     submeshes: Vec<u32>,
     /// For each strip the first LOD at which it draws nothing.
     removal_lods: Vec<u32>,
-    /// Where each record's entries start, and where the last one's end.
+    /// Start of each record's entries, and end of the last one's.
     first: Vec<u32>,
     /// In the order in which coarsening applies them: of each strip changes first, then what goes,
     /// from the back.
@@ -79,7 +79,7 @@ impl LodStrips {
             + self.strips.separate_indices())
     }
 
-    /// What one strip draws at the LOD where a cursor is.
+    /// Returns the triangles that one strip draws at the LOD where a cursor is.
     fn drawn<'a>(
         &'a self,
         cursor: &'a Cursor,

@@ -42,7 +42,7 @@ fn continuous_baselines_equal_the_reference_at_every_step_and_after_jumps() {
     }
 }
 
-/// What is told of a jump is checked apart: verification only listens from step to step.
+/// A listener to jumps, which are checked apart: verification only listens from step to step.
 struct Follow(TriangleHash, u64);
 
 impl Changes for Follow {
@@ -65,19 +65,19 @@ fn jumps_tell_of_exactly_the_triangles_that_go_and_come() {
             let mut before = model.triangles(&cursor);
             for _ in 0..20 {
                 let lod = Lod(rng.below(simplified.collapses().records() as usize + 1) as u32);
-                let mut told = Follow(before.iter().copied().collect(), 0);
+                let mut reported = Follow(before.iter().copied().collect(), 0);
                 let from = model.lod(&cursor);
-                let traffic = model.seek(&mut cursor, lod, &mut told);
+                let traffic = model.seek(&mut cursor, lod, &mut reported);
                 let sent = model.sent(from, model.lod(&cursor), traffic);
                 let after = model.triangles(&cursor);
                 assert_eq!(
-                    told.0,
+                    reported.0,
                     after.iter().copied().collect(),
                     "{name}: {} at {lod:?}",
                     model.name()
                 );
                 assert_eq!(
-                    told.1,
+                    reported.1,
                     differing(&before, &after),
                     "{name}: {} at {lod:?}",
                     model.name()
@@ -87,7 +87,7 @@ fn jumps_tell_of_exactly_the_triangles_that_go_and_come() {
                     assert!(model.drawn(&cursor) >= after.len() as u64);
                 } else {
                     assert_eq!(model.drawn(&cursor), 3 * after.len() as u64);
-                    assert!(told.1 == 0 || sent > 0, "{name}: {} at {lod:?}", model.name());
+                    assert!(reported.1 == 0 || sent > 0, "{name}: {} at {lod:?}", model.name());
                 }
                 before = after;
             }
@@ -95,7 +95,7 @@ fn jumps_tell_of_exactly_the_triangles_that_go_and_come() {
     }
 }
 
-/// How many triangles two multisets do not share.
+/// Returns the number of triangles two multisets do not share.
 fn differing(a: &[OrientedTriangle], b: &[OrientedTriangle]) -> u64 {
     let mut all: Vec<(OrientedTriangle, i64)> =
         a.iter().map(|&t| (t, 1)).chain(b.iter().map(|&t| (t, -1))).collect();

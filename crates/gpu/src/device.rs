@@ -4,10 +4,10 @@ use crate::GpuError;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-/// How long to wait for an answer before a device counts as lost.
+/// The wait for an answer after which a device counts as lost.
 const PATIENCE: Duration = Duration::from_secs(120);
 
-/// What is known of an adapter.
+/// The description of an adapter.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Adapter {
     /// Its name.
@@ -16,7 +16,7 @@ pub struct Adapter {
     pub driver: String,
     /// The graphics API that it is reached through.
     pub backend: &'static str,
-    /// Whether it is a processor that plays a graphics device.
+    /// True if it is a processor that plays a graphics device.
     pub software: bool,
 }
 
@@ -29,7 +29,7 @@ impl std::fmt::Display for Adapter {
 /// Limits to ask for that are below an adapter's, to see on small meshes what happens to large
 /// ones.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Lowered {
+pub struct LimitOverrides {
     /// `max_storage_buffer_binding_size`.
     pub binding_bytes: Option<u64>,
     /// `max_compute_workgroups_per_dimension`.
@@ -53,14 +53,14 @@ impl Device {
     /// # Errors
     /// If there is no such adapter, or it gives no device.
     pub fn open(wanted: Option<&str>) -> Result<Self, GpuError> {
-        Self::open_with(wanted, &Lowered::default())
+        Self::open_with(wanted, &LimitOverrides::default())
     }
 
     /// As [`Self::open`], with limits below the adapter's.
     ///
     /// # Errors
     /// As [`Self::open`].
-    pub fn open_with(wanted: Option<&str>, lowered: &Lowered) -> Result<Self, GpuError> {
+    pub fn open_with(wanted: Option<&str>, overrides: &LimitOverrides) -> Result<Self, GpuError> {
         let instance =
             wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
         let mut adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()));
@@ -86,10 +86,10 @@ impl Device {
                 adapters.swap_remove(found)
             }
         };
-        Self::of(&adapter, lowered)
+        Self::of(&adapter, overrides)
     }
 
-    fn of(adapter: &wgpu::Adapter, lowered: &Lowered) -> Result<Self, GpuError> {
+    fn of(adapter: &wgpu::Adapter, overrides: &LimitOverrides) -> Result<Self, GpuError> {
         let info = adapter.get_info();
         let described = Adapter {
             name: info.name,
@@ -100,9 +100,9 @@ impl Device {
         // Without asking, WebGPU's small defaults apply.
         let mut required_limits = adapter.limits();
         let binding = &mut required_limits.max_storage_buffer_binding_size;
-        *binding = lowered.binding_bytes.map_or(*binding, |bytes| bytes.min(*binding));
+        *binding = overrides.binding_bytes.map_or(*binding, |bytes| bytes.min(*binding));
         let groups = &mut required_limits.max_compute_workgroups_per_dimension;
-        *groups = lowered.workgroups_per_dimension.map_or(*groups, |most| most.min(*groups));
+        *groups = overrides.workgroups_per_dimension.map_or(*groups, |most| most.min(*groups));
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("lodc"),
             required_features: adapter.features() & wgpu::Features::TIMESTAMP_QUERY,
@@ -133,14 +133,14 @@ impl Device {
         Ok(Self { adapter: described, device, queue, error })
     }
 
-    /// What was opened.
+    /// Returns the adapter.
     #[must_use]
     pub fn adapter(&self) -> &Adapter {
         &self.adapter
     }
 
-    /// Whether the device can say how long passes take. Software can not, whatever it claims:
-    /// Mesa's lavapipe takes the time stamps of a submission when it is over, all at once.
+    /// Returns whether the device can say how long passes take. Software can not, whatever it
+    /// claims: Mesa's lavapipe takes the time stamps of a submission when it is over, all at once.
     #[must_use]
     pub fn has_clock(&self) -> bool {
         !self.adapter.software && self.device.features().contains(wgpu::Features::TIMESTAMP_QUERY)
@@ -158,7 +158,7 @@ impl Device {
         self.error.lock().unwrap_or_else(PoisonError::into_inner).take().map_or(Ok(()), Err)
     }
 
-    /// Whether so many bytes may be one buffer that a shader sees as a whole.
+    /// Checks that so many bytes may be one buffer that a shader sees as a whole.
     pub(crate) fn allows(&self, what: &str, bytes: u64) -> Result<(), GpuError> {
         let limits = self.device.limits();
         let allowed = [
@@ -178,7 +178,7 @@ impl Device {
         Ok(())
     }
 
-    /// Whether a texture may have so many texels in a row.
+    /// Checks that a texture may have so many texels in a row.
     pub(crate) fn allows_texture(&self, what: &str, texels: u32) -> Result<(), GpuError> {
         let allowed = self.device.limits().max_texture_dimension_2d;
         if texels <= allowed {
@@ -193,7 +193,7 @@ impl Device {
         })
     }
 
-    /// Whether a buffer that no shader sees may have so many bytes.
+    /// Checks that a buffer that no shader sees may have so many bytes.
     pub(crate) fn allows_buffer(&self, what: &str, needed: u64) -> Result<(), GpuError> {
         let allowed = self.device.limits().max_buffer_size;
         if needed <= allowed {

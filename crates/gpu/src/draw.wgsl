@@ -14,7 +14,8 @@ fn vertex(@location(0) position: vec3<f32>) -> Corner {
     let p = (position - scene.centre) * scene.scale;
     // Turned by a quarter of a right angle about two axes.
     let across = vec3<f32>(0.924 * p.x + 0.383 * p.z, p.y, 0.924 * p.z - 0.383 * p.x);
-    let seen = vec3<f32>(across.x, 0.924 * across.y - 0.383 * across.z, 0.924 * across.z + 0.383 * across.y);
+    let y = 0.924 * across.y - 0.383 * across.z;
+    let seen = vec3<f32>(across.x, y, 0.924 * across.z + 0.383 * across.y);
     return Corner(vec4<f32>(seen.xy, 0.5 - 0.5 * seen.z, 1.0), seen);
 }
 

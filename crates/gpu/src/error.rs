@@ -1,4 +1,4 @@
-//! What can go wrong on a graphics device, by whose fault it is.
+//! Errors of a graphics device, by whose fault they are.
 
 use std::fmt;
 
@@ -8,7 +8,7 @@ use std::fmt;
 pub enum GpuError {
     /// There is no adapter at all.
     NoAdapter {
-        /// What the system said.
+        /// The message of the system.
         why: String,
     },
     /// There are adapters, but none whose name has the wanted part.
@@ -22,30 +22,30 @@ pub enum GpuError {
     Refused {
         /// Its name.
         adapter: String,
-        /// What it said.
+        /// Its message.
         why: String,
     },
     /// The device allows less than is needed.
     Limit {
         /// For what.
         what: String,
-        /// Which limit, as WebGPU calls it.
+        /// The limit, as WebGPU calls it.
         limit: &'static str,
-        /// How much is needed.
+        /// The amount needed.
         needed: u64,
-        /// How much there is.
+        /// The amount allowed.
         allowed: u64,
     },
     /// The device does not take a kernel or a command: a bug of this program or of the driver.
     Invalid {
-        /// What it said.
+        /// Its message.
         why: String,
     },
     /// The device ran out of memory.
     OutOfMemory,
     /// The device was lost or does not answer.
     Lost {
-        /// What is known of it.
+        /// Its message.
         why: String,
     },
 }
@@ -54,10 +54,8 @@ impl fmt::Display for GpuError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::NoAdapter { why } => {
-                write!(
-                    f,
-                    "no graphics adapter: {why} (on Debian, mesa-vulkan-drivers has one that needs no hardware)"
-                )
+                write!(f, "no graphics adapter: {why} ")?;
+                f.write_str("(on Debian, mesa-vulkan-drivers has one that needs no hardware)")
             }
             Self::NoMatch { wanted, available } => {
                 write!(

@@ -1,5 +1,23 @@
 //! The only package that sees a graphics device: it runs any [`Plan`](lodc_plan::Plan),
 //! compares what comes back bit for bit, and draws pictures. It knows no model.
+//!
+//! ```
+//! use lodc_gpu::{Device, GpuError, Session};
+//! use lodc_plan::{Program, Scan};
+//!
+//! let device = match Device::open(None) {
+//!     Ok(device) => device,
+//!     Err(GpuError::NoAdapter { .. }) => return Ok(()),
+//!     Err(error) => return Err(error),
+//! };
+//! let mut program = Program::default();
+//! let words = program.words("words", [1, 2, 3, 4, 5]);
+//! let passes = Scan::new(&mut program, words, 5).passes();
+//! let mut session = Session::new(&device, &program)?;
+//! session.run(&passes)?;
+//! assert_eq!(session.read(words)?, [0, 1, 3, 6, 10]);
+//! # Ok::<(), GpuError>(())
+//! ```
 
 mod device;
 mod draw;
@@ -10,7 +28,7 @@ mod replay;
 mod session;
 mod timer;
 
-pub use device::{Adapter, Device, Lowered};
+pub use device::{Adapter, Device, LimitOverrides};
 pub use error::GpuError;
 pub use measure::{Figure, measure};
 pub use replay::{Difference, Replayed, replay};

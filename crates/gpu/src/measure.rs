@@ -8,7 +8,7 @@ use std::time::Duration;
 /// A case is not repeated once it has taken so long.
 const ENOUGH: Duration = Duration::from_secs(4);
 
-/// How long one case took.
+/// The time of one case.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
     /// The case.

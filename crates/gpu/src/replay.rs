@@ -4,7 +4,7 @@ use crate::{Device, GpuError, Session};
 use lodc_plan::{Expected, Plan, Tolerance};
 use std::fmt;
 
-/// What a plan came to.
+/// The result of a plan.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Replayed {
     /// At how many LODs or views the device was compared.
@@ -24,21 +24,19 @@ pub struct Difference {
     pub buffer: &'static str,
     /// The word of the buffer.
     pub word: usize,
-    /// Which part of the mesh that is.
+    /// The part of the mesh that it belongs to.
     pub place: String,
-    /// What it should be.
+    /// The word on the CPU.
     pub expected: u32,
-    /// What it is.
+    /// The word on the device.
     pub found: u32,
 }
 
 impl fmt::Display for Difference {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { at, buffer, word, place, expected, found } = self;
-        write!(
-            f,
-            "{at}: {place}: word {word} of {buffer} is {found:#010x} on the device and {expected:#010x} on the CPU"
-        )
+        write!(f, "{at}: {place}: word {word} of {buffer} is {found:#010x} on the device ")?;
+        write!(f, "and {expected:#010x} on the CPU")
     }
 }
 
@@ -88,7 +86,7 @@ fn first_difference(
 ) -> Result<Option<(usize, usize, u32)>, GpuError> {
     let ranges: Vec<_> = checks.iter().map(|c| (c.buffer, c.first, c.words.len())).collect();
     let mut difference = None;
-    session.look(&ranges, |check, start, words| {
+    session.read_ranges(&ranges, |check, start, words| {
         let expected = &checks[check].words[start..start + words.len()];
         // Comparing whole slices is much faster than word by word, and nearly all are equal.
         if expected != words {
@@ -105,7 +103,7 @@ fn first_difference(
     Ok(difference)
 }
 
-/// Whether a word is a computed float that is off by one unit in the last place.
+/// Returns whether a word is a computed float that is off by one unit in the last place.
 fn tolerated(tolerance: Tolerance, word: usize, expected: u32, found: u32) -> bool {
     let same_sign = (expected ^ found) >> 31 == 0;
     word % tolerance.stride < tolerance.floats && same_sign && expected.abs_diff(found) <= 1

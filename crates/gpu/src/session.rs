@@ -187,7 +187,7 @@ impl<'d> Session<'d> {
     pub fn read(&mut self, buffer: BufferId) -> Result<Vec<u32>, GpuError> {
         let mut words = Vec::with_capacity(self.lengths[buffer.0]);
         let whole = self.lengths[buffer.0];
-        self.look(&[(buffer, 0, whole)], |_, _, part| {
+        self.read_ranges(&[(buffer, 0, whole)], |_, _, part| {
             words.extend_from_slice(part);
             true
         })?;
@@ -200,7 +200,7 @@ impl<'d> Session<'d> {
     ///
     /// # Errors
     /// If the device fails.
-    pub(crate) fn look(
+    pub(crate) fn read_ranges(
         &mut self,
         ranges: &[(BufferId, usize, usize)],
         mut see: impl FnMut(usize, usize, &[u32]) -> bool,

@@ -52,8 +52,12 @@ impl Engine {
         parameters: &[u32],
         buffers: &[&wgpu::Buffer],
     ) {
-        let text =
-            ModelKind::Interactive.shaders().iter().find(|s| s.name == file).expect("a file").wgsl;
+        let text = ModelKind::Interactive
+            .shaders()
+            .iter()
+            .find(|s| s.name == file)
+            .expect("a file")
+            .text();
         let module = self.device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some(file),
             source: wgpu::ShaderSource::Wgsl(text.into()),
@@ -143,7 +147,7 @@ fn picture<'a>(
     picture
 }
 
-/// What indexed indirect draws show.
+/// Returns the triangles that indexed indirect draws show.
 fn drawn<'a>(draws: &[u32], indices: &[u32], records: &'a [u32], stride: usize) -> Picture<'a> {
     let submeshes = draws.chunks_exact(5).enumerate();
     let triangles = submeshes.flat_map(|(submesh, draw)| {
@@ -188,7 +192,7 @@ fn the_guide_leads_to_every_lod() {
     let (source, vertices) = (engine.words(&records.words), engine.words(&records.words));
     let triangles = engine.words(mesh.triangles().as_flattened());
     let collapse_to = engine.words(collapses.targets());
-    let (offsets, current, trouble) = (engine.zeros(v + 1), engine.zeros(v), engine.zeros(1));
+    let (offsets, current, error_flag) = (engine.zeros(v + 1), engine.zeros(v), engine.zeros(1));
     let entries = engine.zeros(lengths.iter().sum());
     let ranges: Vec<u32> =
         mesh.submeshes().iter().flat_map(|s| [s.first_triangle, s.triangle_count]).collect();
@@ -201,7 +205,7 @@ fn the_guide_leads_to_every_lod() {
         &[],
         v + 1,
         &[v as u32, last, longest],
-        &[&collapse_to, &offsets, &trouble],
+        &[&collapse_to, &offsets, &error_flag],
     );
     engine.scan(&offsets, v + 1);
     engine.run("lists_fill", &[], v, &[v as u32], &[&collapse_to, &offsets, &entries, &current]);
@@ -210,7 +214,7 @@ fn the_guide_leads_to_every_lod() {
     for wanted in [last / 2, last / 4, last, 0, last * 9 / 10] {
         let new = collapses.floor(Lod(wanted)).0;
         let touched = old.max(new);
-        let buffers = [&offsets, &entries, &source, &current, &vertices, &trouble];
+        let buffers = [&offsets, &entries, &source, &current, &vertices, &error_flag];
         engine.run("extract", &[], touched as usize, &[touched, new, stride], &buffers);
         engine.run(
             "live",
@@ -223,7 +227,7 @@ fn the_guide_leads_to_every_lod() {
         let (records_drawn, draws) = (engine.read(&vertices), engine.read(&draws));
         let shown = drawn(&draws, mesh.triangles().as_flattened(), &records_drawn, records.stride);
         assert!(shown == truth(&simplified, Lod(new), &records), "LOD {new}");
-        assert_eq!(engine.read(&trouble), [0]);
+        assert_eq!(engine.read(&error_flag), [0]);
     }
 }
 
@@ -292,7 +296,7 @@ fn every_file_is_a_shader_by_itself() {
     let engine = Engine::new();
     let refused = engine.device.push_error_scope(wgpu::ErrorFilter::Validation);
     for shader in ModelKind::ALL.into_iter().flat_map(ModelKind::shaders) {
-        let source = wgpu::ShaderSource::Wgsl(shader.wgsl.into());
+        let source = wgpu::ShaderSource::Wgsl(shader.text().into());
         let label = Some(shader.name);
         let _ = engine.device.create_shader_module(wgpu::ShaderModuleDescriptor { label, source });
     }

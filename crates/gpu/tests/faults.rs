@@ -118,7 +118,7 @@ const FAULTS: &[(&str, &str, &str)] = &[
     ("edits", "kept -= size_of(r);", ""),
     ("edits", "return write;", "return length;"),
     ("values", "v < limit", "v <= limit"),
-    ("rewrite", "removed_at[i] > limit", "removed_at[i] >= limit"),
+    ("rewrite", "index_removal_lods[i] > limit", "index_removal_lods[i] >= limit"),
     ("rewrite", "entries[middle].x < p.lod", "entries[middle].x <= p.lod"),
     ("lengths", "heads[s].y + 1u", "heads[s].y"),
     ("lengths", "p.lod < removal_lods[s]", "p.lod <= removal_lods[s]"),

@@ -1,17 +1,17 @@
-//! What happens to meshes that are too large, on small ones: limits are lowered.
+//! Meshes that are too large are refused; small ones stand in for them under lowered limits.
 
 #![expect(clippy::print_stderr, reason = "a test that is left out says so aloud")]
 
 mod support;
 
 use lodc_fixtures as fixtures;
-use lodc_gpu::{Device, GpuError, Lowered, replay};
+use lodc_gpu::{Device, GpuError, LimitOverrides, replay};
 use lodc_lod::AnyModel;
 use lodc_model::Model;
 use lodc_plan::schedule;
 use support::{device, models};
 
-fn lowered(lowered: &Lowered) -> Option<Device> {
+fn lowered(lowered: &LimitOverrides) -> Option<Device> {
     device().map(|_| Device::open_with(None, lowered).expect("limits below those of an adapter"))
 }
 
@@ -32,8 +32,12 @@ fn all(device: &Device, models: &[AnyModel]) -> Result<(), GpuError> {
 #[test]
 fn passes_with_too_many_workgroups_for_a_row_take_several() {
     let models = models(fixtures::random_collapse(&fixtures::icosphere(3), 1));
-    let lowered =
-        |most| lowered(&Lowered { workgroups_per_dimension: Some(most), ..Lowered::default() });
+    let lowered = |most| {
+        lowered(&LimitOverrides {
+            workgroups_per_dimension: Some(most),
+            ..LimitOverrides::default()
+        })
+    };
     let Some(device) = lowered(3) else { return };
     all(&device, &models).expect("several rows");
     // With one there is no room left: nothing is cut off, and the limit has its name.
@@ -47,7 +51,8 @@ fn passes_with_too_many_workgroups_for_a_row_take_several() {
 fn buffers_too_large_for_a_binding_are_refused_by_name() {
     let models = models(fixtures::random_collapse(&fixtures::icosphere(3), 1));
     // 642 positions are 7704 bytes.
-    let lowered = |most| lowered(&Lowered { binding_bytes: Some(most), ..Lowered::default() });
+    let lowered =
+        |most| lowered(&LimitOverrides { binding_bytes: Some(most), ..LimitOverrides::default() });
     let Some(device) = lowered(7000) else { return };
     let refused = all(&device, &models).expect_err("a buffer that is too large");
     assert!(refused.to_string().contains("max_storage_buffer_binding_size"), "{refused}");

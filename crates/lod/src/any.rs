@@ -22,7 +22,7 @@ impl ModelKind {
     /// All kinds, in the order in which files and reports list them.
     pub const ALL: [Self; 3] = [Self::Speed, Self::Masking, Self::Interactive];
 
-    /// The generator whose strips the model is made of unless told otherwise; none if it is not
+    /// The generator whose strips the model is made of unless asked otherwise; none if it is not
     /// made of strips.
     #[must_use]
     pub const fn strips(self) -> Option<StripKind> {
@@ -43,7 +43,17 @@ impl ModelKind {
         }
     }
 
-    /// Its name in options, files and reports.
+    /// One line of help.
+    #[must_use]
+    pub const fn help(self) -> &'static str {
+        match self {
+            Self::Speed => "Speed Strips",
+            Self::Masking => "Masking Strips",
+            Self::Interactive => "Interactive Meshes",
+        }
+    }
+
+    /// The name in options, files and reports.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -63,7 +73,7 @@ impl FromStr for ModelKind {
 }
 
 /// Why a cursor is refused.
-const FOREIGN: &str = "a cursor of another model";
+const OTHER_MODEL: &str = "a cursor of another model";
 
 /// A model of any kind.
 #[derive(Clone, Debug)]
@@ -159,7 +169,7 @@ impl AnyModel {
         }
     }
 
-    /// What to time of it on a graphics device.
+    /// Returns the cases that are timed on a graphics device.
     ///
     /// # Errors
     /// If the mesh is too large or too deep for any device.
@@ -205,7 +215,7 @@ impl Model for AnyModel {
             (Self::Speed(model), AnyCursor::Speed(cursor)) => model.lod(cursor),
             (Self::Masking(model), AnyCursor::Masking(cursor)) => model.lod(cursor),
             (Self::Interactive(model), AnyCursor::Interactive(cursor)) => model.lod(cursor),
-            _ => panic!("{FOREIGN}"),
+            _ => panic!("{OTHER_MODEL}"),
         }
     }
     fn seek(&self, cursor: &mut AnyCursor, lod: Lod, changes: &mut impl Changes) -> Traffic {
@@ -215,7 +225,7 @@ impl Model for AnyModel {
             (Self::Interactive(model), AnyCursor::Interactive(cursor)) => {
                 model.seek(cursor, lod, changes)
             }
-            _ => panic!("{FOREIGN}"),
+            _ => panic!("{OTHER_MODEL}"),
         }
     }
     fn sent(&self, from: Lod, to: Lod, traffic: Traffic) -> u64 {
@@ -230,7 +240,7 @@ impl Model for AnyModel {
             (Self::Speed(model), AnyCursor::Speed(cursor)) => model.triangles(cursor),
             (Self::Masking(model), AnyCursor::Masking(cursor)) => model.triangles(cursor),
             (Self::Interactive(model), AnyCursor::Interactive(cursor)) => model.triangles(cursor),
-            _ => panic!("{FOREIGN}"),
+            _ => panic!("{OTHER_MODEL}"),
         }
     }
     fn drawn(&self, cursor: &AnyCursor) -> u64 {
@@ -238,7 +248,7 @@ impl Model for AnyModel {
             (Self::Speed(model), AnyCursor::Speed(cursor)) => model.drawn(cursor),
             (Self::Masking(model), AnyCursor::Masking(cursor)) => model.drawn(cursor),
             (Self::Interactive(model), AnyCursor::Interactive(cursor)) => model.drawn(cursor),
-            _ => panic!("{FOREIGN}"),
+            _ => panic!("{OTHER_MODEL}"),
         }
     }
     fn storage_to(&self, lod: Lod) -> StorageCost {

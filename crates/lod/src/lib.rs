@@ -7,6 +7,24 @@
 //! This package knows nothing of files, graphics devices or metrics: models list their arrays
 //! ([`Array`](lodc_model::Array)) and `lodc-formats` lays them out; they describe their work on a
 //! device as a [`Plan`](lodc_plan::Plan) and `lodc-gpu` runs it.
+//!
+//! ```
+//! use lodc_lod::{AnyModel, ModelKind};
+//! use lodc_model::Model;
+//! use lodc_strip::{StripOptions, StripPool};
+//! use std::sync::Arc;
+//!
+//! let simplified = Arc::new(lodc_fixtures::random_collapse(&lodc_fixtures::icosphere(2), 1));
+//! let mut strips = StripPool::new(&simplified, StripOptions::default());
+//! for kind in ModelKind::ALL {
+//!     let model = AnyModel::build(kind, &mut strips)?;
+//!     let mut cursor = model.cursor();
+//!     let lod = simplified.collapses().lod_for_triangles(100);
+//!     model.seek(&mut cursor, lod, &mut ());
+//!     assert!(model.triangles(&cursor).len() <= 100, "{}", kind.name());
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod any;
 pub mod interactive;

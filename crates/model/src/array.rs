@@ -1,4 +1,4 @@
-//! What models give to files: named runs of bytes, and what can be wrong with them.
+//! Arrays that models give to files: named runs of bytes, and their errors.
 
 use std::fmt;
 
@@ -27,7 +27,7 @@ pub enum BuildError {
     Malformed {
         /// Name of the array.
         array: &'static str,
-        /// What is wrong with it.
+        /// The fault.
         what: String,
     },
     /// The stored arrays are not the ones that the model has.

@@ -1,11 +1,11 @@
-//! Which triangles a move of a cursor removes and adds.
+//! Triangles that a move of a cursor removes and adds.
 
 use lodc_mesh::OrientedTriangle;
 use std::cmp::Ordering;
 
 /// A listener to the triangles that a cursor removes and adds while it moves.
 pub trait Changes {
-    /// Whether anybody listens. A model need not work out changes that nobody hears of.
+    /// True if anybody listens. A model need not work out changes that nobody hears of.
     const HEARD: bool = true;
     /// Takes note of a triangle that is not drawn any more.
     fn removed(&mut self, triangle: OrientedTriangle);

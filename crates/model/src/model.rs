@@ -1,4 +1,4 @@
-//! What every multiresolution model is: an immutable thing that cursors move over.
+//! A multiresolution model: an immutable thing that cursors move over.
 
 use crate::{Array, Changes, StorageCost};
 use lodc_mesh::{Lod, OrientedTriangle, Simplified};
@@ -13,7 +13,7 @@ pub trait Model {
     /// The moving part.
     type Cursor;
 
-    /// What the model is called in options, files and reports.
+    /// Returns the model's name in options, files and reports.
     fn name(&self) -> &'static str;
 
     /// The mesh and the collapse sequence that this is a model of.
@@ -22,7 +22,7 @@ pub trait Model {
     /// A new cursor at LOD 0.
     fn cursor(&self) -> Self::Cursor;
 
-    /// Where a cursor is: always the end of a step, or 0.
+    /// Returns the LOD where a cursor is: always the end of a step, or 0.
     fn lod(&self, cursor: &Self::Cursor) -> Lod;
 
     /// Moves a cursor to the LOD shown for `lod` (rounded down to the end of a step), finer or
@@ -39,24 +39,24 @@ pub trait Model {
     /// The triangles shown, in the order in which they would be drawn.
     fn triangles(&self, cursor: &Self::Cursor) -> Vec<OrientedTriangle>;
 
-    /// How many indices are drawn: three for each triangle, or all those of the strips as they are
-    /// now.
+    /// Returns the number of indices that are drawn: three for each triangle, or all those of the
+    /// strips as they are now.
     fn drawn(&self, cursor: &Self::Cursor) -> u64;
 
-    /// What storing the model takes.
+    /// Returns the storage of the model.
     fn storage(&self) -> StorageCost {
         self.storage_to(self.simplified().collapses().last())
     }
 
-    /// What storing it takes if LODs coarser than the one shown for `lod` are never wanted (thesis
+    /// Returns its storage if LODs coarser than the one shown for `lod` are never wanted (thesis
     /// eq. 5.5 stops at 95 %).
     fn storage_to(&self, lod: Lod) -> StorageCost;
 
-    /// What has to be stored besides the mesh and the sequence.
+    /// Returns the arrays that have to be stored besides the mesh and the sequence.
     fn arrays(&self) -> Vec<Array>;
 }
 
-/// What one move of a cursor cost.
+/// The cost of one move of a cursor.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Traffic {
     /// Records that were passed.

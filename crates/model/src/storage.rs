@@ -2,7 +2,7 @@
 
 use lodc_mesh::Simplified;
 
-/// What storing a model takes, in bytes: geometry, triangles or strips, and the model's own
+/// The storage of a model, in bytes: geometry, triangles or strips, and the model's own
 /// structures. Attributes other than normals are left out, as in the thesis; what a file really
 /// holds is counted by `lodc-formats`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

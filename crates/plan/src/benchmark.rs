@@ -1,4 +1,4 @@
-//! What to time on a device.
+//! Cases to time on a device.
 
 use crate::program::{BufferId, Pass, Program};
 
@@ -9,16 +9,16 @@ pub struct Benchmark {
     pub program: Program,
     /// Run once, before anything is timed.
     pub setup: Vec<Pass>,
-    /// What is timed, in order. Each ends with the state that it starts from.
+    /// The timed cases, in order. Each ends with the state that it starts from.
     pub cases: Vec<Case>,
-    /// What the variants of the model take.
+    /// The memory that the variants of the model take.
     pub memory: Vec<Memory>,
 }
 
 /// Some runs of one kind.
 #[derive(Clone, Debug)]
 pub struct Case {
-    /// What is timed.
+    /// The name of the case.
     pub name: &'static str,
     /// One after the other; each is timed by itself.
     pub runs: Vec<Vec<Pass>>,
@@ -48,7 +48,7 @@ impl Case {
     }
 }
 
-/// What is drawn: indexed triangles, by indirect draws.
+/// The input of a draw: indexed triangles, by indirect draws.
 #[derive(Clone, Copy, Debug)]
 pub struct Drawn {
     /// Vertex records that start with a position.
@@ -57,17 +57,17 @@ pub struct Drawn {
     pub stride: usize,
     /// The index buffer.
     pub indices: BufferId,
-    /// Whether it holds strips, closed by restart indices; else triangles.
+    /// True if it holds strips, closed by restart indices; else triangles.
     pub strips: bool,
     /// Five words for each draw.
     pub draws: BufferId,
-    /// How many draws.
+    /// Number of draws.
     pub count: usize,
     /// Lowest and highest corner of what is drawn.
     pub bounds: ([f32; 3], [f32; 3]),
 }
 
-/// What a variant of a model takes on a device, in words.
+/// The memory of a variant of a model on a device, in words.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Memory {
     /// The variant.

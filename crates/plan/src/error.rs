@@ -1,4 +1,4 @@
-//! What no device can do.
+//! Errors of plans that no device can run.
 
 use std::fmt;
 
@@ -8,9 +8,9 @@ use std::fmt;
 pub enum PlanError {
     /// A buffer would be larger than words can be numbered.
     TooLarge {
-        /// What would be in it.
+        /// The content.
         what: &'static str,
-        /// How many words.
+        /// Number of words.
         words: u64,
     },
     /// A chain of collapses is longer than a kernel may loop on every device.
@@ -34,6 +34,6 @@ impl fmt::Display for PlanError {
 
 impl std::error::Error for PlanError {}
 
-/// How often a kernel may loop. Mesa's lavapipe silently leaves all loops of an invocation after
-/// 65,535 rounds.
+/// The most rounds of a kernel's loops. Mesa's lavapipe silently leaves all loops of an invocation
+/// after 65,535 rounds.
 pub const LONGEST_LOOP: u32 = 60_000;

@@ -3,6 +3,17 @@
 //! A model that can live on a graphics device says so by making a [`Plan`]. `lodc-gpu` runs any
 //! plan and knows no model; nothing here knows a graphics API. Every kernel stands beside its twin,
 //! the Rust code that does the same.
+//!
+//! ```
+//! use lodc_plan::{Expected, Pass, Program, Scan};
+//!
+//! // Prefix sums of five words, as a device makes them.
+//! let mut program = Program::default();
+//! let words = program.words("words", [1, 2, 3, 4, 5]);
+//! let passes: Vec<Pass> = Scan::new(&mut program, words, 5).passes();
+//! let expected = Expected::new(words, [0, 1, 3, 6, 10]);
+//! assert_eq!((passes.len(), expected.words.len()), (1, 5));
+//! ```
 
 mod benchmark;
 mod error;

@@ -48,8 +48,8 @@ impl Packed {
         }
     }
 
-    /// What comes between the pass that writes lengths and `write`, which writes strips to their
-    /// places; and what follows.
+    /// Returns the passes between the pass that writes lengths and `write`, which writes strips to
+    /// their places; and what follows.
     #[must_use]
     pub fn around(&self, write: Pass) -> Vec<Pass> {
         let arguments = Pass {
@@ -61,7 +61,7 @@ impl Packed {
         self.scan.passes().into_iter().chain([write, arguments]).collect()
     }
 
-    /// How they are drawn, with positions in `vertices`.
+    /// Returns their draw, with positions in `vertices`.
     #[must_use]
     pub fn drawing(&self, vertices: BufferId, bounds: ([f32; 3], [f32; 3])) -> Drawn {
         let count = self.count as usize;
@@ -76,7 +76,7 @@ impl Packed {
         }
     }
 
-    /// What must come out if these strips are drawn, given strip by strip.
+    /// Returns the words that must come out if these strips are drawn, given strip by strip.
     pub fn expected<'a>(
         &self,
         set: &StripSet,

@@ -3,16 +3,16 @@
 use crate::program::{BufferId, Expected, Pass, Program};
 use lodc_mesh::Lod;
 
-/// What to run and what to expect. Steps are made one by one, because all expectations of a large
+/// Work with what must come out. Steps are made one by one, because all expectations of a large
 /// mesh together would not fit into memory.
 pub struct Plan<'a> {
     /// The model, as reports name it.
     pub model: &'static str,
-    /// What is checked.
+    /// The variant that is checked.
     pub name: &'static str,
     /// Buffers and kernels.
     pub program: Program,
-    /// What to do, in order.
+    /// The steps, in order.
     pub steps: Box<dyn Iterator<Item = Step> + 'a>,
     /// Says which part of the mesh a word of a buffer belongs to.
     pub locate: Box<dyn Fn(BufferId, usize) -> String + 'a>,
@@ -38,15 +38,15 @@ impl<'a> Plan<'a> {
 /// Some passes, and what must be in the buffers after them.
 #[derive(Clone, Debug, Default)]
 pub struct Step {
-    /// Where this is, for messages.
+    /// The LOD or view, for messages.
     pub at: String,
-    /// Whether this is a LOD or a view, as reports count them; else it prepares or cleans up.
+    /// True if this is a LOD or a view, as reports count them; else it prepares or cleans up.
     pub counts: bool,
     /// Run in order; each sees what the ones before it wrote.
     pub passes: Vec<Pass>,
     /// Compared word by word.
     pub checks: Vec<Expected>,
-    /// What is wrong with the twin itself: it is compared with the reference before a device is
+    /// The fault of the twin itself, if any: it is compared with the reference before a device is
     /// compared with it.
     pub twin: Option<String>,
 }

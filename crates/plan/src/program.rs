@@ -13,13 +13,13 @@ pub struct KernelId(pub usize);
 /// A run of 32-bit words on the device.
 #[derive(Clone, Debug)]
 pub struct Buffer {
-    /// What is in it, for messages.
+    /// The content, for messages.
     pub name: &'static str,
-    /// What it holds at the start.
+    /// The words at the start.
     pub contents: Contents,
 }
 
-/// What a buffer holds at the start.
+/// The words of a buffer at the start.
 #[derive(Clone, Debug)]
 pub enum Contents {
     /// These words.
@@ -37,7 +37,7 @@ impl Contents {
             Self::Zeros(len) => *len,
         }
     }
-    /// Whether there are none.
+    /// Returns whether there are none.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
@@ -49,8 +49,19 @@ impl Contents {
 pub struct Shader {
     /// The name of its file, without the extension.
     pub name: &'static str,
-    /// The text.
+    /// Its own text.
     pub wgsl: &'static str,
+}
+
+/// The end of every kernel: how a thread finds its number.
+const PRELUDE: &str = include_str!("prelude.wgsl");
+
+impl Shader {
+    /// Returns the whole text: the kernel's own, then what all kernels share.
+    #[must_use]
+    pub fn text(&self) -> String {
+        format!("{}\n{PRELUDE}", self.wgsl)
+    }
 }
 
 /// A compute shader with the entry point `main`, 256 threads to a workgroup. Binding 0 is a uniform
@@ -72,11 +83,11 @@ pub const WORKGROUP: u32 = 256;
 /// there are, and in two dimensions, so each thread numbers itself and looks whether it is needed.
 #[derive(Clone, Debug)]
 pub struct Pass {
-    /// What to run.
+    /// The kernel.
     pub kernel: KernelId,
-    /// What its bindings 1, 2, … are.
+    /// Its bindings 1, 2, …
     pub buffers: Vec<BufferId>,
-    /// How many threads.
+    /// Number of threads.
     pub threads: u32,
     /// Words of the uniform buffer, at most [`Self::MOST_PARAMETERS`].
     pub parameters: Vec<u32>,
@@ -100,8 +111,8 @@ pub struct Expected {
     pub tolerance: Option<Tolerance>,
 }
 
-/// Which words are results of floating-point arithmetic. Adapters that are software must agree in
-/// them bit for bit, too; of hardware WGSL does not demand it.
+/// The words that are results of floating-point arithmetic. Adapters that are software must agree
+/// in them bit for bit, too; of hardware WGSL does not demand it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Tolerance {
     /// Words of a record.
@@ -150,14 +161,14 @@ impl Program {
         KernelId(known.unwrap_or_else(|| {
             self.kernels.push(Kernel {
                 name: shader.name,
-                wgsl: shader.wgsl.to_owned(),
+                wgsl: shader.text(),
                 constants: constants.to_vec(),
             });
             self.kernels.len() - 1
         }))
     }
-    /// What must be in every buffer that something is uploaded to, except those that passes write
-    /// to.
+    /// Returns the words of every buffer that something is uploaded to, except those that passes
+    /// write to.
     #[must_use]
     pub fn uploaded(&self, written: &[BufferId]) -> Vec<Expected> {
         let buffers = (0..self.buffers.len()).map(BufferId).filter(|id| !written.contains(id));

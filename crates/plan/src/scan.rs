@@ -36,7 +36,7 @@ impl Scan {
         }
     }
 
-    /// Where the sum of all words is afterwards.
+    /// Returns the buffer that holds the sum of all words afterwards.
     #[must_use]
     pub fn total(&self) -> BufferId {
         self.levels[self.levels.len() - 1].0

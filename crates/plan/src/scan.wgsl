@@ -10,11 +10,10 @@ struct Parameters { count: u32 }
 
 var<workgroup> upto: array<u32, 256>;
 
-@compute @workgroup_size(256)
-fn main(@builtin(workgroup_id) w: vec3<u32>, @builtin(num_workgroups) size: vec3<u32>,
-        @builtin(local_invocation_index) l: u32) {
-    let block = w.x + w.y * size.x;
-    let first = (block * 256u + l) * 4u;
+@compute @workgroup_size(WORKGROUP)
+fn main(thread: Thread, @builtin(local_invocation_index) l: u32) {
+    let block = number_of(thread) / WORKGROUP;
+    let first = number_of(thread) * 4u;
     var before: array<u32, 4>;
     var sum = 0u;
     for (var k = 0u; k < 4u; k++) {

@@ -7,9 +7,9 @@ struct Parameters { count: u32 }
 @group(0) @binding(1) var<storage, read_write> data: array<u32>;
 @group(0) @binding(2) var<storage, read> sums: array<u32>;
 
-@compute @workgroup_size(256)
-fn main(@builtin(global_invocation_id) g: vec3<u32>, @builtin(num_workgroups) size: vec3<u32>) {
-    let i = g.x + g.y * size.x * 256u;
+@compute @workgroup_size(WORKGROUP)
+fn main(thread: Thread) {
+    let i = number_of(thread);
     if (i >= p.count) { return; }
     data[i] += sums[i / 1024u];
 }

@@ -11,9 +11,9 @@ struct Parameters { submeshes: u32 }
 // Five words per submesh: index count, instance count, first index, base vertex, first instance.
 @group(0) @binding(3) var<storage, read_write> draws: array<u32>;
 
-@compute @workgroup_size(256)
-fn main(@builtin(global_invocation_id) g: vec3<u32>, @builtin(num_workgroups) size: vec3<u32>) {
-    let s = g.x + g.y * size.x * 256u;
+@compute @workgroup_size(WORKGROUP)
+fn main(thread: Thread) {
+    let s = number_of(thread);
     if (s >= p.submeshes) { return; }
     let first = places[submeshes[s].x];
     draws[5u * s] = places[submeshes[s].x + submeshes[s].y] - first;

@@ -1,4 +1,4 @@
-//! What a decoder must know of an object before its first vertex.
+//! The facts of an object that a decoder needs before its first vertex.
 
 use crate::vertex_data::vertex_layout::VertexLayout;
 use lodc_mesh::{Attribute, Simplified, Submesh};

@@ -49,6 +49,35 @@ pub enum MetricKind {
     Hybrid,
 }
 
+impl MetricKind {
+    /// All metrics, in the order in which help lists them.
+    pub const ALL: [Self; 4] = [Self::Quadric, Self::Viewpoint, Self::Divergence, Self::Hybrid];
+
+    /// The name in options.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Quadric => "quadric",
+            Self::Viewpoint => "viewpoint",
+            Self::Divergence => "kl",
+            Self::Hybrid => "hybrid",
+        }
+    }
+
+    /// One line of help.
+    #[must_use]
+    pub const fn help(self) -> &'static str {
+        match self {
+            Self::Quadric => "Distance to the surface: the quickest, and the closest in space",
+            Self::Viewpoint => "Viewpoint entropy over 20 pictures: hidden parts go first",
+            Self::Divergence => {
+                "Kullback-Leibler divergence between visible and actual areas over 20 pictures"
+            }
+            Self::Hybrid => "Error of the shaded surface where it is seen: looks best",
+        }
+    }
+}
+
 /// What a simplification respects.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {

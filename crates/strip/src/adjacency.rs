@@ -1,7 +1,6 @@
-//! Which triangles meet at which edges, in near-linear time for any mesh.
+//! Triangles that meet at edges, in near-linear time for any mesh.
 
-/// No triangle.
-pub(crate) const NONE: u32 = u32::MAX;
+use lodc_mesh::{NONE, is_degenerate};
 
 /// The neighbours of each triangle: slot `e` stands for the edge from corner `e` to corner `e + 1`,
 /// and holds the neighbour there with its own slot, as [`code`], or [`NONE`].
@@ -18,11 +17,6 @@ pub(crate) fn code(triangle: u32, slot: u32) -> u32 {
 /// The triangle and the slot of a code.
 pub(crate) fn decode(code: u32) -> (u32, u32) {
     (code >> 2, code & 3)
-}
-
-/// Whether a triangle names a vertex twice: such a one draws nothing.
-pub(crate) fn is_degenerate([a, b, c]: [u32; 3]) -> bool {
-    a == b || b == c || c == a
 }
 
 /// Finds all neighbours. Half-edges are gathered at their smaller vertex and sorted there, so that

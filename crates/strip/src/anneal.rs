@@ -1,21 +1,11 @@
-//! What the local searches share: a seeded generator and the rule that lets a search climb a
+//! Tools of the local searches: a seeded generator and the rule that lets a search climb a
 //! little.
 
-/// A small generator of pseudo-random numbers (SplitMix64): the same everywhere.
-#[derive(Clone, Debug)]
-pub(crate) struct Random(u64);
+use lodc_mesh::SplitMix64;
 
-impl Random {
-    pub(crate) fn new(seed: u64) -> Self {
-        Self(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ 0x2545_f491_4f6c_dd1d)
-    }
-    pub(crate) fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut x = self.0;
-        x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        x ^ (x >> 31)
-    }
+/// Returns the generator of a search; those of neighbouring numbers have nothing in common.
+pub(crate) fn generator(number: u64) -> SplitMix64 {
+    SplitMix64::new(number.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ 0x2545_f491_4f6c_dd1d)
 }
 
 /// A number below `n` from the upper half of some random bits.

@@ -1,6 +1,6 @@
 //! A vertex cache in numbers: how often a stream of indices asks for a vertex that is not there.
 
-/// Which vertex a full cache gives up.
+/// The rule by which a full cache gives up a vertex.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum CacheKind {
     /// The one fetched first.
@@ -12,9 +12,9 @@ pub enum CacheKind {
 /// A vertex cache.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct CacheModel {
-    /// How it forgets.
+    /// The replacement rule.
     pub kind: CacheKind,
-    /// How many vertices it holds.
+    /// Number of vertices it holds.
     pub size: u32,
 }
 
@@ -25,7 +25,7 @@ impl Default for CacheModel {
     }
 }
 
-/// What a stream of indices cost.
+/// The cost of a stream of indices.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct CacheStatistics {
     /// Vertices that had to be fetched.

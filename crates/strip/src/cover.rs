@@ -4,13 +4,14 @@
 //! turn the same way need a *swap*: one repeated index. A path of n triangles becomes n + 2 indices
 //! and one more per swap.
 
-use crate::adjacency::{NONE, Neighbours, code, decode};
+use crate::adjacency::{Neighbours, code, decode};
+use lodc_mesh::{Mesh, NONE};
 
 /// A triangle with its three neighbours (as codes) and, as bits, which of them follow or precede it
 /// in its path.
 pub(crate) type Node = [u32; 4];
 
-/// Where the bits of a path stand in a [`Node`].
+/// The place of a path's bits in a [`Node`].
 pub(crate) const LINKS: usize = 3;
 
 /// By links and one linked slot: the way from that slot to the other linked one, 1 or 2 corners on;
@@ -49,12 +50,12 @@ impl Cover {
         let rest = self.links(t) & !(1 << slot);
         (rest != 0).then(|| rest.trailing_zeros())
     }
-    /// Whether the link at a slot needs a swap.
+    /// Returns whether the link at a slot needs a swap.
     pub(crate) fn swaps(&self, t: u32, slot: u32) -> bool {
         let (u, f) = decode(self.neighbour(t, slot));
         WAY[self.links(t) as usize][slot as usize] + WAY[self.links(u) as usize][f as usize] == 3
     }
-    /// Whether a link at slot `f` of `u` needs a swap, if the way on from it is `way`.
+    /// Returns whether a link at slot `f` of `u` needs a swap, if the way on from it is `way`.
     pub(crate) fn would_swap(&self, way: u32, u: u32, f: u32) -> bool {
         way + WAY[(self.links(u) | 1 << f) as usize][f as usize] == 3
     }
@@ -155,7 +156,7 @@ pub(crate) fn write_path(
 }
 
 /// The submesh of every triangle in a mesh's order of triangles.
-pub(crate) fn submesh_of(mesh: &lodc_mesh::Mesh) -> Vec<u32> {
+pub(crate) fn submesh_of(mesh: &Mesh) -> Vec<u32> {
     let mut of = Vec::with_capacity(mesh.triangles().len());
     for (i, submesh) in mesh.submeshes().iter().enumerate() {
         of.resize(submesh.triangles().end, i as u32);

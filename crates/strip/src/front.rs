@@ -1,11 +1,11 @@
-//! What drawing order generators know: which triangles are left at each vertex, and what a first-in
+//! State of generators of drawing orders: the triangles left at each vertex, and what a first-in
 //! first-out cache holds.
 //!
 //! All of it can be taken back, so that a generator can try before it draws.
 
-use crate::adjacency::is_degenerate;
+use lodc_mesh::is_degenerate;
 
-/// How many entries of a vertex's list of triangles are looked at. Surfaces have about six; a
+/// Number of entries of a vertex's list of triangles that are looked at. Surfaces have about six; a
 /// vertex with a million shows a few at a time.
 const LOOK: usize = 24;
 
@@ -14,11 +14,11 @@ const LOOK: usize = 24;
 pub(crate) struct Vertex {
     /// The number of the miss that fetched it last, from 1; 0 for never.
     pub(crate) fetched: u32,
-    /// How many triangles it still has.
+    /// Number of triangles it still has.
     pub(crate) left: u32,
 }
 
-/// What fetching a vertex did.
+/// The effect of asking the cache for a vertex.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Touch {
     /// It was there.

@@ -38,10 +38,10 @@ impl StripKind {
 
     /// Makes strips that draw exactly the mesh.
     #[must_use]
-    pub fn generate(self, mesh: &Mesh, effort: Effort) -> StripSet {
+    pub fn generate(self, mesh: &Mesh, options: &CacheOptions) -> StripSet {
         match self {
-            Self::Stripe => stripe(mesh, effort),
-            Self::Cache => cache(mesh, &CacheOptions { effort, ..CacheOptions::default() }),
+            Self::Stripe => stripe(mesh, options.effort),
+            Self::Cache => cache(mesh, options),
         }
     }
 }
@@ -60,7 +60,8 @@ impl Strips {
     /// result does not depend on it.
     #[must_use]
     pub fn generate(simplified: &Simplified, kind: StripKind, effort: Effort) -> Self {
-        Self { kind, set: kind.generate(simplified.mesh(), effort) }
+        let options = CacheOptions { effort, ..CacheOptions::default() };
+        Self { kind, set: kind.generate(simplified.mesh(), &options) }
     }
 }
 
@@ -72,12 +73,12 @@ impl Deref for Strips {
     }
 }
 
-/// How strips are made for models that need some.
+/// The making of strips for models that need some.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct StripOptions {
     /// The generator; each model has a default of its own.
     pub kind: Option<StripKind>,
-    /// How long it may search.
+    /// The time that it may take.
     pub effort: Effort,
 }
 

@@ -5,6 +5,15 @@
 //! triangles of the mesh, whatever the mesh: edges with many triangles, contradicting windings and
 //! doubled triangles only end strips earlier. Results depend on the mesh and the options alone, not
 //! on the number of threads.
+//!
+//! ```
+//! use lodc_strip::{Effort, stripe};
+//!
+//! let mesh = lodc_fixtures::torus();
+//! let strips = stripe(&mesh, Effort::Fast);
+//! assert_eq!(strips.check(&mesh), Ok(()));
+//! assert!(strips.separate_indices() < 3 * mesh.triangles().len() as u64 / 2);
+//! ```
 
 mod adjacency;
 mod anneal;

@@ -2,7 +2,7 @@
 //! most (after Lin and Yu 2006, with the weights of our own).
 
 use crate::front::{Front, Touch};
-use lodc_mesh::Mesh;
+use lodc_mesh::{Mesh, NONE};
 
 // What a fan is judged by, in fetched vertices. Found by trying, on three scans.
 /// Per vertex that is thrown out with triangles left.
@@ -75,7 +75,7 @@ pub fn order(mesh: &Mesh, cache_size: u32) -> Vec<[u32; 3]> {
 
 /// Draws the triangles of a fan, each time the one that needs the fewest vertices.
 fn draw_fan(front: &mut Front<'_>, fan: &mut Vec<u32>, order: &mut Vec<u32>) {
-    let mut last = [u32::MAX; 3];
+    let mut last = [NONE; 3];
     while !fan.is_empty() {
         let key = |t: u32| {
             let corners = front.triangles[t as usize];

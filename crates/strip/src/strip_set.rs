@@ -13,9 +13,9 @@ use std::ops::Range;
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct StripSet {
     indices: Vec<u32>,
-    /// Where each strip ends.
+    /// End of each strip.
     ends: Vec<u32>,
-    /// How many strips there are up to the end of each submesh.
+    /// Number of strips up to the end of each submesh.
     submesh_ends: Vec<u32>,
 }
 
@@ -55,12 +55,12 @@ impl StripSet {
             Err(StripSetError::Ends)
         }
     }
-    /// How many strips there are.
+    /// Returns the number of strips.
     #[must_use]
     pub fn len(&self) -> usize {
         self.ends.len()
     }
-    /// Whether there is no strip.
+    /// Returns whether there is no strip.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.ends.is_empty()
@@ -70,7 +70,7 @@ impl StripSet {
     pub fn indices(&self) -> &[u32] {
         &self.indices
     }
-    /// Where a strip lies in [`StripSet::indices`].
+    /// Returns the place of a strip in [`StripSet::indices`].
     ///
     /// # Panics
     /// If there is no such strip.
@@ -110,17 +110,17 @@ impl StripSet {
         let first = if submesh == 0 { 0 } else { self.submesh_ends[submesh - 1] };
         first as usize..self.submesh_ends[submesh] as usize
     }
-    /// How many submeshes there are, with strips or without.
+    /// Returns the number of submeshes, with strips or without.
     #[must_use]
     pub fn submesh_count(&self) -> usize {
         self.submesh_ends.len()
     }
-    /// How many indices are drawn if every strip is a call of its own.
+    /// Returns the number of indices that are drawn if every strip is a call of its own.
     #[must_use]
     pub fn separate_indices(&self) -> u64 {
         self.indices.len() as u64
     }
-    /// How many indices one buffer has with a restart index between strips.
+    /// Returns the number of indices of one buffer with a restart index between strips.
     #[must_use]
     pub fn restart_indices(&self) -> u64 {
         (self.indices.len() + self.len().saturating_sub(1)) as u64
@@ -183,7 +183,7 @@ pub fn live_triangles<'a>(
     strip_triangles(strip).filter(has_area).map(move |t| OrientedTriangle::new(submesh, t))
 }
 
-/// How strips differ from the mesh they should draw.
+/// A difference between strips and the mesh that they should draw.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum StripSetError {

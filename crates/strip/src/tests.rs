@@ -1,10 +1,10 @@
-use crate::adjacency::{NONE, code, decode, neighbours};
+use crate::adjacency::{code, decode, neighbours};
 use crate::anneal::exp_minus;
 use crate::{
     CacheKind, CacheModel, CacheStatistics, StripSet, StripSetError, measure, strip_triangles,
 };
 use lodc_fixtures as fixtures;
-use lodc_mesh::OrientedTriangle;
+use lodc_mesh::{NONE, OrientedTriangle};
 
 fn strips(strips: &[&[u32]]) -> StripSet {
     let indices: Vec<u32> = strips.concat();

@@ -1,4 +1,4 @@
-//! What a check came to.
+//! Results of checks.
 
 use crate::difference::Failure;
 
@@ -7,7 +7,7 @@ use crate::difference::Failure;
 pub struct Check {
     /// The model, or `sequence` for facts that are stored with the collapse sequence.
     pub model: &'static str,
-    /// What was checked.
+    /// The name of the check.
     pub name: &'static str,
     /// At how many LODs.
     pub lods: u64,
@@ -19,7 +19,7 @@ pub struct Check {
 }
 
 impl Check {
-    /// Whether nothing was wrong.
+    /// Returns whether nothing was wrong.
     #[must_use]
     pub fn ok(&self) -> bool {
         self.failure.is_none()

@@ -1,4 +1,4 @@
-//! What can be wrong, said exactly.
+//! Differences from the reference, stated exactly.
 
 use lodc_mesh::{Lod, OrientedTriangle};
 use std::{cmp::Ordering, fmt};
@@ -9,47 +9,47 @@ use std::{cmp::Ordering, fmt};
 pub enum Failure {
     /// A triangle of the reference is not shown, or too few times.
     Missing {
-        /// Where.
+        /// The LOD.
         lod: Lod,
         /// The triangle.
         triangle: OrientedTriangle,
     },
     /// A triangle is shown that the reference does not have, or too many times.
     Extra {
-        /// Where.
+        /// The LOD.
         lod: Lod,
         /// The triangle.
         triangle: OrientedTriangle,
     },
-    /// The right triangles are shown, but the changes told on the way do not lead to them.
+    /// The right triangles are shown, but the changes reported on the way do not lead to them.
     Changes {
-        /// Where.
+        /// The LOD.
         lod: Lod,
     },
     /// A cursor stands elsewhere than asked.
     Stopped {
-        /// Where it should stand.
+        /// The LOD asked for.
         wanted: Lod,
-        /// Where it stands.
+        /// The LOD where it stands.
         shown: Lod,
     },
     /// The two independent ways to work out the reference disagree: a bug of this program.
     Reference {
-        /// Where.
+        /// The LOD.
         lod: Lod,
     },
     /// A step's stored number of live triangles is wrong.
     TriangleCount {
         /// The LOD after the step.
         lod: Lod,
-        /// What is stored.
+        /// The stored number.
         stored: u32,
-        /// What is right.
+        /// The right number.
         counted: u32,
     },
     /// A dead triangle has area again.
     Returned {
-        /// Where.
+        /// The LOD.
         lod: Lod,
         /// The triangle, as an index into the mesh.
         triangle: u32,
@@ -68,18 +68,18 @@ pub enum Failure {
     },
     /// A corner of a live triangle has become a vertex of another submesh.
     Submesh {
-        /// Where.
+        /// The LOD.
         lod: Lod,
         /// The triangle, as an index into the mesh.
         triangle: u32,
     },
     /// The mesh tears, or its border moves off the image of LOD 0's border.
     Torn {
-        /// Where.
+        /// The LOD.
         lod: Lod,
         /// Ends of an edge that should cancel out and does not.
         edge: [[f32; 3]; 2],
-        /// How many more triangles use it in this direction than should.
+        /// The number of triangles too many that use it in this direction.
         surplus: i64,
     },
     /// A vertex that no triangle of LOD 0 uses was not made by a collapse as it should be: no
@@ -101,7 +101,7 @@ impl fmt::Display for Failure {
             Self::Missing { lod, triangle: t } => triangle(f, "missing", lod, t),
             Self::Extra { lod, triangle: t } => triangle(f, "extra", lod, t),
             Self::Changes { lod } => {
-                write!(f, "the changes told on the way to LOD {} do not add up", lod.0)
+                write!(f, "the changes reported on the way to LOD {} do not add up", lod.0)
             }
             Self::Stopped { wanted, shown } => {
                 write!(f, "LOD {} is shown where {} was asked for", shown.0, wanted.0)

@@ -1,11 +1,11 @@
-//! Facts of a collapse sequence that can be told from its records alone.
+//! Facts of a collapse sequence that follow from its records alone.
 
 use crate::check::Check;
 use crate::difference::Failure;
 use lodc_mesh::{Lod, PositionIds, Simplified};
 
-/// Whether every step moves one position onto one position, and every fake is made by a step that
-/// belongs there.
+/// Returns whether every step moves one position onto one position, and every fake is made by a
+/// step that belongs there.
 pub(super) fn check(simplified: &Simplified, positions: &PositionIds) -> [Check; 2] {
     let sequence = simplified.collapses();
     let mut apart = None;
@@ -71,8 +71,8 @@ impl<'a> Fakes<'a> {
         }
     }
 
-    /// Whether two vertices at one position are also moved alike by joints and morph targets, as
-    /// far as both can be.
+    /// Returns whether two vertices at one position are also moved alike by joints and morph
+    /// targets, as far as both can be.
     fn same_place(&self, a: u32, b: u32) -> bool {
         let mesh = self.simplified.mesh();
         let has = |v: u32, stream: u32| {

@@ -6,6 +6,19 @@
 //! down and up, seeded jumps) the triangles themselves are compared with
 //! [`Simplified::triangles_at`](lodc_mesh::Simplified::triangles_at), which also catches a model
 //! that misreports its changes, and a reference that followed wrongly.
+//!
+//! ```
+//! use lodc_lod::Interactive;
+//! use lodc_verify::{Reference, VerifyOptions, verify};
+//! use std::sync::Arc;
+//!
+//! let simplified = Arc::new(lodc_fixtures::random_collapse(&lodc_fixtures::cube(), 1));
+//! let model = Interactive::build(&simplified)?;
+//! let reference = Reference::new(&simplified)?;
+//! let checks = verify(&model, &reference, &VerifyOptions::default());
+//! assert!(checks.iter().chain(reference.checks()).all(|check| check.ok()));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod boundary;
 mod check;
@@ -27,7 +40,7 @@ pub use view::{ShownView, check_view};
 use lodc_mesh::{Lod, OrientedTriangle, PositionIds, SplitMix64, TriangleHash};
 use lodc_model::{Changes, Model};
 
-/// How thoroughly to verify.
+/// The thoroughness of a verification.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct VerifyOptions {
     /// Compare at every `stride`-th step (0 means 1). The last step is always compared.
@@ -38,7 +51,7 @@ pub struct VerifyOptions {
     pub full_stops: u32,
     /// Random jumps, each followed by a full comparison. Fewer where there are fewer full stops.
     pub jumps: u32,
-    /// Where the jumps lead.
+    /// The seed of the jumps' targets.
     pub seed: u64,
 }
 
@@ -46,8 +59,8 @@ impl VerifyOptions {
     /// Full comparisons that no size of a mesh makes fewer.
     pub const FEWEST: u32 = 16;
 
-    /// How many of `wanted` full comparisons a mesh of so many triangles gets: all together look at
-    /// some fifty million triangles, which takes a few seconds.
+    /// Returns the number of `wanted` full comparisons that a mesh of so many triangles gets: all
+    /// together look at some fifty million triangles, which takes a few seconds.
     fn affordable(wanted: u32, triangles: usize) -> u32 {
         let affordable = u32::try_from(50_000_000 / triangles.max(1)).unwrap_or(u32::MAX);
         wanted.min(affordable.max(Self::FEWEST))
@@ -69,7 +82,7 @@ pub fn verify<M: Model>(
     reference: &Reference<'_>,
     options: &VerifyOptions,
 ) -> Vec<Check> {
-    let judge = Judge {
+    let compared = Comparison {
         model,
         reference,
         positions: PositionIds::new(model.simplified().mesh().positions()),
@@ -92,19 +105,19 @@ pub fn verify<M: Model>(
     let mut cursor = model.cursor();
     let mut shown: TriangleHash = model.triangles(&cursor).into_iter().collect();
     vec![
-        judge.sweep("fine to coarse", &mut cursor, &mut shown, &down, full),
-        judge.sweep("coarse to fine", &mut cursor, &mut shown, &up, full),
-        judge.jumps(&mut cursor, options),
+        compared.sweep("fine to coarse", &mut cursor, &mut shown, &down, full),
+        compared.sweep("coarse to fine", &mut cursor, &mut shown, &up, full),
+        compared.jumps(&mut cursor, options),
     ]
 }
 
-struct Judge<'a, M> {
+struct Comparison<'a, M> {
     model: &'a M,
     reference: &'a Reference<'a>,
     positions: PositionIds,
 }
 
-/// Follows a model by what it says changes.
+/// Listener that follows a model by the changes that it reports.
 struct Follow<'a>(&'a mut TriangleHash);
 
 impl Changes for Follow<'_> {
@@ -116,7 +129,7 @@ impl Changes for Follow<'_> {
     }
 }
 
-impl<M: Model> Judge<'_, M> {
+impl<M: Model> Comparison<'_, M> {
     fn sweep(
         &self,
         name: &'static str,

@@ -36,7 +36,7 @@ impl<'a> Reference<'a> {
         Ok(Self { simplified, hashes, checks })
     }
 
-    /// What was found out about the sequence itself: stored triangle counts, order of triangles,
+    /// Returns the checks of the sequence itself: stored triangle counts, order of triangles,
     /// tears, dead triangles that return, submeshes, steps that do not move one position onto one
     /// position, fakes out of place.
     #[must_use]

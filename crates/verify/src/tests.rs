@@ -61,7 +61,7 @@ fn long_meshes_are_compared_in_full_at_a_schedule_and_by_hash_everywhere() {
     }
 }
 
-/// What a defective model does wrong.
+/// A defect of a model.
 #[derive(Clone, Copy, PartialEq)]
 enum Defect {
     Drops,
@@ -155,15 +155,16 @@ fn every_defect_of_a_model_is_found_at_its_first_lod() {
         matches!(failures(Defect::Doubles)[0], Some(Failure::Extra { lod, .. }) if lod == from)
     );
     let flipped = failures(Defect::Flips);
-    assert!(
-        matches!(flipped[0], Some(Failure::Missing { lod, .. } | Failure::Extra { lod, .. }) if lod == from)
-    );
+    let flips = |failure: &Option<Failure>| {
+        matches!(failure, Some(Failure::Missing { lod, .. } | Failure::Extra { lod, .. })
+            if *lod == from)
+    };
+    assert!(flips(&flipped[0]));
     assert!(
         matches!(failures(Defect::TellsTooLittle)[0], Some(Failure::Changes { lod }) if lod == from)
     );
-    assert!(
-        matches!(failures(Defect::StopsShort)[0], Some(Failure::Stopped { wanted, .. }) if wanted == from)
-    );
+    let short = failures(Defect::StopsShort);
+    assert!(matches!(short[0], Some(Failure::Stopped { wanted, .. }) if wanted == from));
     let refined = failures(Defect::ForgetsToRefine);
     assert_eq!(refined[0], None);
     assert!(
@@ -388,11 +389,11 @@ fn a_sequence_made_to_be_slow_is_given_up() {
 /// move once for every shard.
 ///
 /// ```text
-///      b·e            record            step        what for
-///      /|\            a → e             alone       a b c dies with two vertices, e and b, at one position
-///    a/ | \d          d → e             alone       e d f dies with two equal corners
-///     \ | /           b → c, e → f      together    the shard is a point
-///      \|/            c → c, f → f      together    of the next shard
+///      b·e       record          step       what for
+///      /|\       a → e           alone      a b c dies with vertices e and b at one position
+///    a/ | \d     d → e           alone      e d f dies with two equal corners
+///     \ | /      b → c, e → f    together   the shard is a point
+///      \|/       c → c, f → f    together   of the next shard
 ///      c·f
 /// ```
 fn shards(n: u32) -> Simplified {

@@ -1,4 +1,4 @@
-//! Which vertices have to stay together because something is dead while they are.
+//! Vertices that have to stay together because a triangle is removed while they are.
 //!
 //! A triangle with two corners at one position is dead for as long as those two corners stay
 //! together, wherever they go. So nothing that is dead needs to be moved: it is enough to know that

@@ -36,17 +36,17 @@ pub(super) struct Tracker<'a> {
     simplified: &'a Simplified,
     positions: PositionIds,
     ties: Ties,
-    /// Whether all vertices of a step can still be taken for one group. Until something comes
+    /// True if all vertices of a step can still be taken for one group. Until something comes
     /// apart.
     one_group: bool,
     /// The corners of each triangle, as they were when it died if it did.
     corners: Vec<[u32; 3]>,
-    /// How many steps were done when each triangle died.
+    /// Number of steps that were done when each triangle died.
     removal_lod: Vec<u32>,
     border_of_input: Vec<[u32; 2]>,
-    /// What has become of the boundary of LOD 0.
+    /// The image of the boundary of LOD 0.
     border: Vec<[u32; 2]>,
-    /// How often each boundary edge counts. 0 once it has no length any more or was added to
+    /// The multiplicity of each boundary edge. 0 once it has no length any more or was added to
     /// another one.
     weight: Vec<i64>,
     /// The step in which each triangle, then each boundary edge, was last touched.
@@ -60,9 +60,9 @@ pub(super) struct Tracker<'a> {
     live: u32,
     /// Value of the boundary of the live triangles minus the image of LOD 0's boundary.
     tear: u64,
-    /// How many corners were moved.
+    /// Number of corners that were moved.
     moves: u64,
-    /// What was touched in the current step.
+    /// The triangles and edges touched in the current step.
     triangles_touched: Vec<u32>,
     border_touched: Vec<u32>,
     /// For sorting touched boundary edges: empty in between, kept to save allocating.
@@ -174,7 +174,7 @@ impl<'a> Tracker<'a> {
                         self.touched_in[triangle] = step;
                         self.triangles_touched.push(triangle as u32);
                         self.hash.remove(self.oriented(triangle));
-                        self.tear = self.tear.wrapping_sub(self.rim(triangle));
+                        self.tear = self.tear.wrapping_sub(self.edge_sum(triangle));
                     }
                     self.corners[triangle][place] = target;
                     self.append(target, corner);
@@ -256,7 +256,7 @@ impl<'a> Tracker<'a> {
             self.found.submesh.get_or_insert(Failure::Submesh { lod, triangle: triangle as u32 });
         }
         self.hash.add(self.oriented(triangle));
-        self.tear = self.tear.wrapping_add(self.rim(triangle));
+        self.tear = self.tear.wrapping_add(self.edge_sum(triangle));
     }
 
     /// Boundary edges that have become the same, up to direction, are added to one of them: dead
@@ -338,11 +338,11 @@ impl<'a> Tracker<'a> {
         OrientedTriangle::new(self.submesh(triangle), self.corners[triangle])
     }
 
-    fn rim(&self, triangle: usize) -> u64 {
+    fn edge_sum(&self, triangle: usize) -> u64 {
         edges(self.at(self.corners[triangle])).into_iter().map(value).fold(0, u64::wrapping_add)
     }
 
-    /// What a boundary edge adds to the value of the boundary's image.
+    /// Returns the share of a boundary edge in the value of the boundary's image.
     fn share(&self, edge: usize) -> u64 {
         value(self.at(self.border[edge])).wrapping_mul(self.weight[edge] as u64)
     }
@@ -369,7 +369,7 @@ impl<'a> Tracker<'a> {
         })
     }
 
-    /// What was found out on the way.
+    /// Returns the checks that were made on the way.
     pub(super) fn finish(self) -> Vec<Check> {
         let lods = self.simplified.collapses().steps() as u64 + 1;
         let order = self.out_of_order();

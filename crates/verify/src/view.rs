@@ -1,22 +1,22 @@
-//! What must hold of any view-dependent level of detail: the right triangles, and no tear.
+//! Checks of view-dependent levels of detail: the right triangles, and no tear.
 
 use crate::boundary::{boundary, edges, first_rest};
 use crate::difference::{Failure, first_difference};
 use lodc_mesh::{Lod, OrientedTriangle, PositionIds, Simplified, is_degenerate};
 
-/// What a model shows if every vertex of LOD 0 chooses a LOD of its own. All lists but `indices`
-/// have one entry for each vertex.
+/// The content of a view in which every vertex of LOD 0 has a LOD of its own. All lists but
+/// `indices` have one entry for each vertex.
 #[derive(Clone, Copy, Debug)]
 pub struct ShownView<'a> {
     /// The LOD that a vertex chose.
     pub lods: &'a [Lod],
     /// The vertex that it is shown as.
     pub vertices: &'a [u32],
-    /// Where it is drawn.
+    /// The position at which it is drawn.
     pub places: &'a [[f32; 3]],
     /// The triangles that are drawn, three vertices of LOD 0 each.
     pub indices: &'a [u32],
-    /// Whether vertices are drawn between two places. What they are shown as is not compared then.
+    /// True if vertices are drawn between two places. What they are shown as is not compared then.
     pub morphs: bool,
 }
 

@@ -225,7 +225,7 @@ fn rebuilt(s: Stored) -> Option<Simplified> {
     Simplified::new(mesh, sequence).ok()
 }
 
-/// What is shown at every step, to tell damage from a change that changes nothing.
+/// Returns what is shown at every step, to tell damage from a change that changes nothing.
 fn shows_the_same(a: &Simplified, b: &Simplified) -> bool {
     let content = |s: &Simplified| {
         let p = s.mesh().positions().to_vec();

@@ -1,4 +1,4 @@
-//! What the targets of foreign formats share: a file in memory-backed storage, imported and
+//! Harness of the targets of external formats: a file in memory-backed storage, imported and
 //! exported.
 
 use lodc_formats::export::{ExportFormat, ExportObject, export};

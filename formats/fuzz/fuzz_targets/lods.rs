@@ -1,5 +1,5 @@
-//! Any bytes as a `.lods` stream, in pieces of any length: meshes can be asked for at any time. Every
-//! input is also tried with valid checksums, to reach the code behind them.
+//! Any bytes as a `.lods` stream, in pieces of any length: meshes can be asked for at any time.
+//! Every input is also tried with valid checksums, to reach the code behind them.
 
 #![no_main]
 

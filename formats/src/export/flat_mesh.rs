@@ -17,7 +17,7 @@ pub struct FlatMesh {
     /// One pair of texture coordinates per position, zeros where a submesh has none; empty if none
     /// has any.
     pub texture: Vec<[f32; 2]>,
-    /// Whether every submesh has texture coordinates.
+    /// True if every submesh has texture coordinates.
     pub all_textured: bool,
     /// For each triangle, its object in the scene and its submesh there.
     pub submesh_of: Vec<[u32; 2]>,

@@ -47,7 +47,7 @@ impl Placed<'_> {
         if length > 0.0 { v.map(|x| finite(x / length)) } else { n.map(finite) }
     }
 
-    /// Whether the transform turns the surface inside out, so that corners must be listed the other
+    /// True if the transform turns the surface inside out, so that corners must be listed the other
     /// way round.
     pub(crate) fn mirrors(&self) -> bool {
         self.transform.as_ref().is_some_and(mirrors)

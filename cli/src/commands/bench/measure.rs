@@ -1,4 +1,4 @@
-//! How long moves take, and what they send and draw: linear sweeps over all LODs, down and up
+//! Times of moves, and what they send and draw: linear sweeps over all LODs, down and up
 //! (thesis 3.5.2).
 
 use super::subject::Runner;
@@ -13,8 +13,8 @@ const SHORTEST: f64 = 0.01;
 /// Jumps of each round; each is timed by itself.
 const JUMPS: u32 = 5;
 
-/// Where a sweep stops on its way down: every `share` of the LODs, the last one included, LOD 0
-/// not.
+/// Returns the stops of a sweep on its way down: every `share` of the LODs, the last one included,
+/// LOD 0 not.
 pub(super) fn stops(collapses: &CollapseSequence, share: f64) -> Vec<Lod> {
     let records = f64::from(collapses.records());
     let count = (1.0 / share).round().clamp(1.0, 1e6);
@@ -25,7 +25,7 @@ pub(super) fn stops(collapses: &CollapseSequence, share: f64) -> Vec<Lod> {
     stops
 }
 
-/// What the moves of a sweep send, and what the LODs draw; the same in every run.
+/// The traffic of a sweep and the indices that its LODs draw; the same in every run.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Counts {
     /// Bytes sent in all, down and up.

@@ -13,12 +13,13 @@ mod text;
 pub(crate) use primitives::strips as strips_of;
 pub(crate) use subject::{baselines, plain};
 
-use super::build::{EffortName, MOST_THREADS, MetricName, StripsName, simplify_all};
+use super::build::{MOST_THREADS, simplify_all};
 use super::read::read_lodc;
 use crate::console::{self, error, warning};
 use crate::exit::{Failure, Outcome, Status};
 use crate::gpu::{Device, GpuUse};
-use crate::levels::{self, ModelName};
+use crate::kinds::{parser, strips_help};
+use crate::levels;
 use crate::limits::ImportArgs;
 use crate::output;
 use crate::progress::Progress;
@@ -28,8 +29,8 @@ use lodc_formats::lodc::LodObject;
 use lodc_formats::{ObjectInfo, import};
 use lodc_lod::{AnyModel, ModelKind};
 use lodc_mesh::Simplified;
-use lodc_simplify::Options;
-use lodc_strip::{StripKind, StripOptions, StripPool, Strips};
+use lodc_simplify::{MetricKind, Options};
+use lodc_strip::{Effort, StripKind, StripOptions, StripPool, Strips};
 use rayon::ThreadPoolBuilder;
 use report::{BenchFile, BenchReport};
 use std::num::{NonZeroU32, NonZeroUsize};
@@ -40,8 +41,8 @@ use std::sync::Arc;
 /// Options of `bench`.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "Times are the best of several rounds in which everything takes turns; they differ from run to \
-                        run. Everything else does not."
+    after_help = "Times are the best of several rounds in which everything takes turns; they \
+                  differ from run to run. Everything else does not."
 )]
 pub(crate) struct BenchArgs {
     /// Meshes (OBJ, glTF, GLB), or .lodc files with their models as they are
@@ -49,17 +50,20 @@ pub(crate) struct BenchArgs {
     inputs: Vec<PathBuf>,
     /// Models to measure, separated by commas; those that a .lodc file has not are made [default:
     /// every one]
-    #[arg(long, value_delimiter = ',', value_name = "MODELS")]
-    models: Vec<ModelName>,
-    /// What drives the collapses of meshes (a .lodc file has its own)
-    #[arg(long, value_enum, default_value = "quadric")]
-    metric: MetricName,
-    /// Strip generator of both strip models [default: stripe for speed, cache for masking]
-    #[arg(long, value_enum)]
-    strips: Option<StripsName>,
-    /// How long strip generation may search
-    #[arg(long, value_enum, default_value = "default")]
-    effort: EffortName,
+    #[arg(long, value_delimiter = ',', value_name = "MODELS", value_parser = parser::<ModelKind>())]
+    models: Vec<ModelKind>,
+    /// Metric that drives the collapses of meshes (a .lodc file has its own)
+    #[arg(
+        long,
+        value_parser = parser::<MetricKind>(),
+        default_value = MetricKind::default().name()
+    )]
+    metric: MetricKind,
+    #[arg(long, value_parser = parser::<StripKind>(), help = strips_help())]
+    strips: Option<StripKind>,
+    /// Time that strip generation may take
+    #[arg(long, value_parser = parser::<Effort>(), default_value = Effort::default().name())]
+    effort: Effort,
     /// Share of the LODs from one update to the next, in percent
     #[arg(long, value_name = "SHARE%", default_value = "0.1%", value_parser = share)]
     steps: f64,
@@ -71,8 +75,14 @@ pub(crate) struct BenchArgs {
     no_times: bool,
     /// Also time models on a GPU, by its own clock: `require` one (plain --gpu), or take it if
     /// there is one (`auto`)
-    #[arg(long, value_name = "WHEN", num_args = 0..=1, require_equals = true, default_missing_value = "require")]
-    gpu: Option<GpuUse>,
+    #[arg(
+        long,
+        value_name = "WHEN",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "require"
+    )]
+    pub(crate) gpu: Option<GpuUse>,
     /// The GPU to use, by a part of its name
     #[arg(long, value_name = "NAME", requires = "gpu")]
     adapter: Option<String>,
@@ -160,8 +170,8 @@ fn prepare(
     simplified: Arc<Simplified>,
     mut models: Vec<AnyModel>,
 ) -> Outcome<Prepared> {
-    let effort = args.effort.into();
-    let wanted = args.strips.map(StripsName::kind);
+    let effort = args.effort;
+    let wanted = args.strips;
     let mut pool = StripPool::new(&simplified, StripOptions { kind: None, effort });
     // Not those of a file: its models may have cut them, or been made with another effort.
     let [stripe, cache] = [StripKind::Stripe, StripKind::Cache].map(|kind| pool.get(kind));
@@ -198,7 +208,7 @@ fn objects(args: &BenchArgs, input: &Path) -> Outcome<Vec<Prepared>> {
     limits.check_memory(triangles).map_err(|f| Failure::new(f.status, format!("{name}: {f}")))?;
     let progress = Progress::new(&name);
     progress.stage("simplify");
-    let options = Options { metric: args.metric.kind(), ..Options::DEFAULT };
+    let options = Options { metric: args.metric, ..Options::DEFAULT };
     let simplified = simplify_all(scene.objects, &options, triangles, &progress);
     progress.stage("models");
     simplified

@@ -29,7 +29,7 @@ pub(super) struct BenchObject {
     pub(super) counts: ObjectCounts,
     /// Updates of a sweep in each direction.
     pub(super) updates: u64,
-    /// Where the jump from LOD 0 leads: 1 % of the triangles.
+    /// The target of the jump from LOD 0: 1 % of the triangles.
     pub(super) jump_lod: u32,
     /// Microseconds to make that LOD's index list from scratch.
     pub(super) rebuild_us: Option<f64>,
@@ -62,7 +62,7 @@ pub(super) struct StreamReport {
     pub(super) prefixes: Vec<PrefixReport>,
 }
 
-/// How long a stream takes on one thread, in memory: triangles only, from and to an index list.
+/// The speed of a stream on one thread, in memory: triangles only, from and to an index list.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub(super) struct StreamSpeed {
     pub(super) encode_ms: f64,
@@ -73,7 +73,7 @@ pub(super) struct StreamSpeed {
     pub(super) decode_past_strips_million_triangles_per_second: f64,
 }
 
-/// What the first bytes of a stream show.
+/// The mesh that the first bytes of a stream show.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub(super) struct PrefixReport {
     pub(super) percent: u32,
@@ -111,7 +111,7 @@ pub(super) struct MemoryReport {
 #[derive(Clone, Copy, Debug, Serialize)]
 #[cfg_attr(not(feature = "gpu"), expect(dead_code, reason = "made only where there is a device"))]
 pub(super) struct CaseReport {
-    /// How many updates or views.
+    /// Number of updates or views.
     pub(super) runs: u64,
     /// Of one, on average.
     pub(super) milliseconds: f64,
@@ -121,7 +121,7 @@ pub(super) struct CaseReport {
     pub(super) million_vertices_per_second: Option<f64>,
 }
 
-/// How the triangles of LOD 0 are handed to a graphics card.
+/// The triangles of LOD 0 as a graphics card gets them.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub(crate) struct PrimitiveReport {
     /// Null for lists.
@@ -155,7 +155,7 @@ pub(super) struct Bits {
     pub(super) thesis_normals_95: f64,
     /// Null for what is not stored.
     pub(super) file: Option<f64>,
-    /// What the structure really holds; null where that is what `thesis` counts.
+    /// The bits that the structure really holds; null where that is what `thesis` counts.
     pub(super) tight: Option<f64>,
 }
 
@@ -168,14 +168,14 @@ pub(super) struct DrawnReport {
     pub(super) degenerates_removed: Option<f64>,
 }
 
-/// What an update sends and rewrites, on average.
+/// The traffic of an update, on average.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub(super) struct TrafficReport {
     pub(super) bytes_per_update: f64,
     pub(super) rewritten_per_update: f64,
 }
 
-/// How long moves take. Ratios below 1 are faster than what they name.
+/// Times of moves. Ratios below 1 are faster than what they name.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub(super) struct ExtractionReport {
     pub(super) coarser_us: f64,

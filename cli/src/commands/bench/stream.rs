@@ -103,7 +103,8 @@ fn index_list(bytes: &[u8]) -> Result<Vec<[u32; 3]>, FormatError> {
     Ok(unpacker.decoder(0).triangles().collect())
 }
 
-/// How far the meshes of prefixes are from the whole, in space and in pictures; shape only.
+/// Measures the distance of the meshes of prefixes from the whole, in space and in pictures; shape
+/// only.
 fn prefixes(bytes: &[u8]) -> Result<Vec<PrefixReport>, FormatError> {
     let shown = |bytes: &[u8]| -> Result<Option<Mesh>, FormatError> {
         let mut unpacker = Unpacker::new(Limits::DEFAULT).triangles_only();

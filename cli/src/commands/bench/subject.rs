@@ -1,4 +1,4 @@
-//! What is measured: models and baselines, each with a cursor on it, as one list.
+//! Subjects of measurement: models and baselines, each with a cursor on it, as one list.
 
 use crate::exit::{Failure, Outcome, Status};
 use lodc_baseline::Baseline;
@@ -44,7 +44,7 @@ pub(super) struct Subject<'a> {
     pub(super) name: &'static str,
     /// For comparison only: never stored.
     pub(super) baseline: bool,
-    /// Whether it shows every LOD.
+    /// True if it shows every LOD.
     pub(super) continuous: bool,
     /// All LODs, and those down to 95 % of them (thesis eq. 5.5).
     pub(super) storage: [StorageCost; 2],
@@ -96,7 +96,8 @@ pub(super) fn subjects<'a>(object: &'a LodObject, baselines: &'a [Baseline]) -> 
     models.chain(baselines).collect()
 }
 
-/// What has no levels of detail: plain triangles, and plain strips drawn one by one.
+/// Returns the storage without levels of detail: plain triangles, and plain strips drawn one by
+/// one.
 pub(crate) fn plain(
     simplified: &Simplified,
     strips: &StripSet,

@@ -117,8 +117,9 @@ fn streams(text: &mut String, stream: &StreamReport) {
     } = stream;
     let _ = writeln!(
         text,
-        "\n  stream, bits per vertex: {lossless:.1}, with strips {lossless_strips:.1}, in 16 bits {quantized_strips:.1}; as \
-         packages {packages:.0}, with normals {packages_normals:.0}"
+        "\n  stream, bits per vertex: {lossless:.1}, with strips {lossless_strips:.1}, \
+         in 16 bits {quantized_strips:.1}; as packages {packages:.0}, \
+         with normals {packages_normals:.0}"
     );
     if let Some(speed) = stream.speed {
         let (encode, decode) =
@@ -126,7 +127,8 @@ fn streams(text: &mut String, stream: &StreamReport) {
         let past = speed.decode_past_strips_million_triangles_per_second;
         let _ = writeln!(
             text,
-            "  encoded {encode:.2}, decoded {decode:.2}, past strips {past:.2} million triangles per second"
+            "  encoded {encode:.2}, decoded {decode:.2}, past strips {past:.2} \
+             million triangles per second"
         );
     }
     let row = |p: &PrefixReport| (format!("{} %", p.percent), super::object::value(p));

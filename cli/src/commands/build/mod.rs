@@ -9,16 +9,16 @@ pub(crate) use pipeline::simplify_all;
 
 use crate::console::{self, error};
 use crate::exit::{Failure, Outcome, Status};
-use crate::levels::ModelName;
+use crate::kinds::{parser, strips_help};
 use crate::limits::ImportArgs;
 use crate::output::{self, Rule, Target};
 use crate::progress::Progress;
 use crate::report::{BuildReport, InputReport, SCHEMA_VERSION};
 use crate::stages::Stages;
 use clap::{Args, ValueEnum};
+use lodc_lod::ModelKind;
 use lodc_simplify::MetricKind;
-use lodc_strip::Effort;
-use lodc_strip::StripKind;
+use lodc_strip::{Effort, StripKind};
 use rayon::ThreadPoolBuilder;
 use std::num::NonZeroUsize;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -38,11 +38,15 @@ pub(crate) struct BuildArgs {
     #[arg(short, long, value_name = "OUT")]
     output: Option<PathBuf>,
     /// Structures to write, separated by commas [default: every one that this version has]
-    #[arg(long, value_delimiter = ',', value_name = "MODELS")]
-    models: Vec<ModelName>,
+    #[arg(long, value_delimiter = ',', value_name = "MODELS", value_parser = parser::<ModelKind>())]
+    models: Vec<ModelKind>,
     /// Metric that drives the collapses
-    #[arg(long, value_enum, default_value = "quadric")]
-    metric: MetricName,
+    #[arg(
+        long,
+        value_parser = parser::<MetricKind>(),
+        default_value = MetricKind::default().name()
+    )]
+    metric: MetricKind,
     /// No change of topology before the terminal phase
     #[arg(long)]
     preserve_topology: bool,
@@ -52,12 +56,11 @@ pub(crate) struct BuildArgs {
     /// Normals, texture coordinates and colours take no part in the cost
     #[arg(long)]
     no_attributes: bool,
-    /// Strip generator of both strip models [default: stripe for speed, cache for masking]
-    #[arg(long, value_enum)]
-    strips: Option<StripsName>,
+    #[arg(long, value_parser = parser::<StripKind>(), help = strips_help())]
+    strips: Option<StripKind>,
     /// Effort of strip generation
-    #[arg(long, value_enum, default_value = "default")]
-    effort: EffortName,
+    #[arg(long, value_parser = parser::<Effort>(), default_value = Effort::default().name())]
+    effort: Effort,
     /// Threads; the output does not depend on it [default: all cores]
     #[arg(long, value_name = "N")]
     jobs: Option<NonZeroUsize>,
@@ -69,64 +72,6 @@ pub(crate) struct BuildArgs {
     depfile: Option<PathBuf>,
     #[command(flatten)]
     import: ImportArgs,
-}
-
-/// The metrics by name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum MetricName {
-    /// Distance to the surface: the quickest, and the closest in space
-    Quadric,
-    /// Viewpoint entropy over 20 pictures: hidden parts go first
-    Viewpoint,
-    /// Kullback-Leibler divergence between visible and actual areas over 20 pictures
-    Kl,
-    /// Error of the shaded surface where it is seen: looks best
-    Hybrid,
-}
-
-impl MetricName {
-    pub(crate) fn kind(self) -> MetricKind {
-        match self {
-            Self::Quadric => MetricKind::Quadric,
-            Self::Viewpoint => MetricKind::Viewpoint,
-            Self::Kl => MetricKind::Divergence,
-            Self::Hybrid => MetricKind::Hybrid,
-        }
-    }
-}
-
-/// The strip generators.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum StripsName {
-    Stripe,
-    Cache,
-}
-
-impl StripsName {
-    pub(crate) fn kind(self) -> StripKind {
-        match self {
-            Self::Stripe => StripKind::Stripe,
-            Self::Cache => StripKind::Cache,
-        }
-    }
-}
-
-/// Efforts of strip generation by name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum EffortName {
-    Fast,
-    Default,
-    Thorough,
-}
-
-impl From<EffortName> for Effort {
-    fn from(name: EffortName) -> Self {
-        match name {
-            EffortName::Fast => Self::Fast,
-            EffortName::Default => Self::Default,
-            EffortName::Thorough => Self::Thorough,
-        }
-    }
 }
 
 /// Formats of the report.

@@ -1,6 +1,6 @@
 //! The stages of one build: import, simplify, models, check, write.
 
-use super::{BuildArgs, StripsName, counts};
+use super::{BuildArgs, counts};
 use crate::exit::{Failure, Outcome, Status};
 use crate::levels;
 use crate::output::{self, Target};
@@ -18,7 +18,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// The result of a build.
-pub(super) struct Made {
+pub(super) struct BuildOutput {
     pub(super) file: LodFile,
     /// Bytes of the file.
     pub(super) bytes: usize,
@@ -33,7 +33,7 @@ pub(super) fn make(
     stages: &mut Stages,
     progress: &Progress,
     report: &mut InputReport,
-) -> Outcome<Made> {
+) -> Outcome<BuildOutput> {
     progress.stage("import");
     let scene = stages.run("import", || import::import(input, &args.import.options()))?;
     report.warnings.clone_from(&scene.warnings);
@@ -47,7 +47,7 @@ pub(super) fn make(
     progress.stage("simplify");
     let Scene { source, document, objects, files_read, .. } = scene;
     let options = Options {
-        metric: args.metric.kind(),
+        metric: args.metric,
         preserve_topology: args.preserve_topology,
         lock_border: args.lock_border,
         attributes: !args.no_attributes,
@@ -61,8 +61,7 @@ pub(super) fn make(
     let bug = |what: String| {
         Failure::new(Status::Bug, format!("{}: {what}; nothing was written", input.display()))
     };
-    let options =
-        StripOptions { kind: args.strips.map(StripsName::kind), effort: args.effort.into() };
+    let options = StripOptions { kind: args.strips, effort: args.effort };
     let mut pools: Vec<StripPool<'_>> =
         simplified.iter().map(|(_, s)| StripPool::new(s, options)).collect();
     if kinds.iter().any(|kind| kind.strips().is_some()) {
@@ -93,7 +92,7 @@ pub(super) fn make(
         output::write(target, bytes).map(|()| length)
     })?;
     report.bytes = Some(bytes as u64);
-    Ok(Made { file, bytes, files_read })
+    Ok(BuildOutput { file, bytes, files_read })
 }
 
 /// Simplifies every object, several at once.

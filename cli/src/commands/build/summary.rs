@@ -1,6 +1,6 @@
 //! The summary that is printed after a build.
 
-use super::pipeline::Made;
+use super::pipeline::BuildOutput;
 use crate::console::{Loudness, note, wants};
 use crate::levels::{self, TABLE};
 use crate::output::Target as Output;
@@ -9,13 +9,13 @@ use crate::text::{count, distance, grouped, percent, quoted, size};
 use std::fmt::Write;
 
 /// Prints the summary on standard error, unless `-q`.
-pub(super) fn print(made: &Made, output: &Output, seconds: f64) {
+pub(super) fn print(made: &BuildOutput, output: &Output, seconds: f64) {
     if wants(Loudness::Normal) {
         note(text(made, output, seconds).trim_end());
     }
 }
 
-fn text(made: &Made, output: &Output, seconds: f64) -> String {
+fn text(made: &BuildOutput, output: &Output, seconds: f64) -> String {
     let objects = &made.file.objects;
     let counts: Vec<_> = objects.iter().map(|o| super::counts(&o.info, &o.simplified)).collect();
     let sum = |of: fn(&crate::report::ObjectCounts) -> u64| counts.iter().map(of).sum::<u64>();
@@ -66,7 +66,7 @@ fn text(made: &Made, output: &Output, seconds: f64) -> String {
     text
 }
 
-fn table(text: &mut String, made: &Made) {
+fn table(text: &mut String, made: &BuildOutput) {
     let objects = &made.file.objects;
     let candidates = levels::candidates(objects);
     let triangles: u64 = candidates.iter().map(|c| u64::from(c.collapses.parts().triangles)).sum();

@@ -12,7 +12,8 @@ pub(super) fn xml(report: &VerifyReport) -> String {
     // Writing to a string cannot fail.
     let _ = writeln!(
         xml,
-        "<testsuites name=\"lodc verify\" tests=\"{}\" failures=\"{failures}\" errors=\"{errors}\">",
+        "<testsuites name=\"lodc verify\" tests=\"{}\" \
+         failures=\"{failures}\" errors=\"{errors}\">",
         checks().count() + errors
     );
     for file in &report.files {
@@ -23,12 +24,14 @@ pub(super) fn xml(report: &VerifyReport) -> String {
         let skipped = file.checks.iter().filter(|c| c.ok.is_none()).count();
         let _ = writeln!(
             xml,
-            "  <testsuite name=\"{name}\" tests=\"{tests}\" failures=\"{failed}\" errors=\"{unread}\" skipped=\"{skipped}\">"
+            "  <testsuite name=\"{name}\" tests=\"{tests}\" failures=\"{failed}\" \
+             errors=\"{unread}\" skipped=\"{skipped}\">"
         );
         if let Some(error) = &file.error {
             let _ = writeln!(
                 xml,
-                "    <testcase classname=\"{name}\" name=\"read\"><error message=\"{}\"/></testcase>",
+                "    <testcase classname=\"{name}\" name=\"read\">\
+                 <error message=\"{}\"/></testcase>",
                 escaped(error)
             );
         }

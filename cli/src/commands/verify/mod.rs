@@ -33,8 +33,14 @@ pub(crate) struct VerifyArgs {
     stride: NonZeroU32,
     /// Also replay on a GPU and compare: `require` one (plain --gpu), or take it if there is one
     /// (`auto`)
-    #[arg(long, value_name = "WHEN", num_args = 0..=1, require_equals = true, default_missing_value = "require")]
-    gpu: Option<GpuUse>,
+    #[arg(
+        long,
+        value_name = "WHEN",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "require"
+    )]
+    pub(crate) gpu: Option<GpuUse>,
     /// The GPU to use, by a part of its name
     #[arg(long, value_name = "NAME", requires = "gpu")]
     adapter: Option<String>,

@@ -1,4 +1,4 @@
-//! Which triangle lies across each edge: the neighbour pointers, as opposite half-edges.
+//! Neighbour pointers of triangles, as opposite half-edges.
 //!
 //! Half-edge `3t + c` leads from corner `c` of triangle `t` to the next one; corner and half-edge
 //! share the number.

@@ -11,12 +11,12 @@ pub struct Cursor {
     /// Steps that are done.
     steps: usize,
     faces: Faces,
-    /// How many triangles of each submesh are drawn: its first ones.
+    /// Number of triangles of each submesh that are drawn: its first ones.
     live: Vec<u32>,
     touched: Touched,
 }
 
-/// What triangles were before a move changed them; empty while nobody listens.
+/// Triangles as they were before a move changed them; empty while nobody listens.
 #[derive(Clone, Debug, Default)]
 struct Touched {
     /// The move that last changed each triangle.

@@ -48,7 +48,7 @@ impl ProgressiveMesh {
         Ok(Self { simplified: Arc::clone(simplified), records })
     }
 
-    /// How many fans of triangles a record rewrites.
+    /// Returns the number of fans of triangles a record rewrites.
     ///
     /// # Panics
     /// If there is no such record.

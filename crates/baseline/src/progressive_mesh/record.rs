@@ -10,22 +10,23 @@ use lodc_mesh::{Mesh, NONE, PositionIds, Simplified, removal_lods};
 pub(super) struct Fan {
     /// The corner where the fan begins.
     pub(super) corner: u32,
-    /// How many corners it has; the others follow counter-clockwise through the neighbour pointers.
+    /// Number of corners it has; the others follow counter-clockwise through the neighbour
+    /// pointers.
     pub(super) corners: u32,
 }
 
-/// What never changes.
+/// The records, which never change.
 #[derive(Clone, Debug)]
 pub(super) struct Records {
     /// The half-edge across each half-edge at LOD 0.
     pub(super) opposite: Vec<u32>,
-    /// Where each record's fans start in `fans`, and where the last one's end. On a surface a
+    /// Start of each record's fans in `fans`, and end of the last one's. On a surface a
     /// record has one fan, or none if all its triangles die.
     pub(super) first_fan: Vec<u32>,
     pub(super) fans: Vec<Fan>,
     /// The edge that each triangle loses when it dies, in the order of removal_lod.
     pub(super) collapsed: Vec<u32>,
-    /// How many of `collapsed` are lost by the end of each step.
+    /// Number of those in `collapsed` that are lost by the end of each step.
     pub(super) lost: Vec<u32>,
     /// For each triangle the LOD from which on it is not drawn.
     pub(super) removal_lods: Vec<u32>,
@@ -159,7 +160,7 @@ impl Walk<'_> {
         self.records
     }
 
-    /// What a vertex is at the end of a step.
+    /// Resolves a vertex at the end of a step.
     fn target(&self, vertex: u32, end: u32) -> u32 {
         let mut v = vertex;
         while v < end {

@@ -1,4 +1,4 @@
-//! What tests on a device share.
+//! Helpers of tests on a device.
 
 #![allow(dead_code, reason = "every test program uses a part of this")]
 

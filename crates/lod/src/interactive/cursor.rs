@@ -16,19 +16,19 @@ use lodc_model::{Changes, Traffic};
 #[derive(Clone, Debug)]
 pub struct Cursor {
     lod: u32,
-    /// What each vertex of the input is shown as. Only good for vertices that still have live
-    /// triangles.
+    /// The vertex as which each vertex of the input is shown. Only good for those that still have
+    /// live triangles.
     shown: Vec<u32>,
     /// During a move, what the coarser of its two LODs shows. Only good for vertices that the move
     /// rewrites.
     coarser: Vec<u32>,
-    /// How many triangles of each submesh are drawn.
+    /// Number of triangles of each submesh that are drawn.
     live: Vec<u32>,
     links: Links,
     index: Index,
-    /// How many of `index.triangles` are dead.
+    /// Number of `index.triangles` that are dead.
     dead_triangles: usize,
-    /// How many of `index.vertices` are dead.
+    /// Number of `index.vertices` that are dead.
     dead_vertices: usize,
 }
 
@@ -131,7 +131,7 @@ impl Cursor {
                     break;
                 }
                 let corners = s.mesh().triangles()[t as usize];
-                // A triangle of which several corners move is told of by the first of them.
+                // A triangle of which several corners move is reported by the first of them.
                 if corners.into_iter().find(|&c| moves(c)) != Some(v) {
                     continue;
                 }
@@ -198,7 +198,7 @@ fn submesh_of(s: &Simplified, triangle: u32) -> usize {
     s.mesh().vertex_submesh()[s.mesh().triangles()[triangle as usize][0] as usize] as usize
 }
 
-/// What each of the vertices `fine..coarse` is shown as at LOD `coarse`.
+/// Resolves each of the vertices `fine..coarse` at LOD `coarse`.
 fn hops(targets: &[u32], fine: u32, coarse: u32) -> Vec<u32> {
     let mut hops = targets[fine as usize..coarse as usize].to_vec();
     for i in (0..hops.len()).rev() {

@@ -51,7 +51,7 @@ impl Extraction {
         &self.current
     }
 
-    /// Which vertex is shown for `vertex`.
+    /// Returns the vertex that is shown for `vertex`.
     #[must_use]
     pub fn shown(&self, lists: &CollapseLists, vertex: u32) -> u32 {
         lists.entries()[self.current[vertex as usize] as usize]

@@ -21,16 +21,16 @@ struct Parameters {
 // Records as they are drawn.
 @group(0) @binding(5) var<storage, read_write> vertices: array<u32>;
 // Set to a vertex's number plus one if its state makes no sense.
-@group(0) @binding(6) var<storage, read_write> trouble: array<atomic<u32>>;
+@group(0) @binding(6) var<storage, read_write> error_flag: array<atomic<u32>>;
 
-@compute @workgroup_size(256)
-fn main(@builtin(global_invocation_id) g: vec3<u32>, @builtin(num_workgroups) size: vec3<u32>) {
-    let v = g.x + g.y * size.x * 256u;
+@compute @workgroup_size(WORKGROUP)
+fn main(thread: Thread) {
+    let v = number_of(thread);
     if (v >= p.touched) { return; }
     let first = offsets[v];
     let last = offsets[v + 1u] - 1u;
     let before = current[v];
-    if (before < first || before > last) { atomicMax(&trouble[0], v + 1u); return; }
+    if (before < first || before > last) { atomicMax(&error_flag[0], v + 1u); return; }
     var at = before;
     // The loops are what algorithm 5 lacks: a jump may pass several entries.
     while (at < last && entries[at] < p.lod) { at++; }

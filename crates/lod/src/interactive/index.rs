@@ -1,4 +1,4 @@
-//! What a cursor looks up and never changes: which triangles a vertex has, and in which order
+//! Tables that a cursor reads and never changes: the triangles of a vertex, and the order in which
 //! things die.
 
 use lodc_mesh::Simplified;
@@ -6,7 +6,7 @@ use lodc_mesh::Simplified;
 /// Triangles by vertex and by removal_lod, vertices by removal_lod.
 #[derive(Clone, Debug)]
 pub(super) struct Index {
-    /// Where each vertex's triangles start in `incident`, and where the last one's end.
+    /// Start of each vertex's triangles in `incident`, and end of the last one's.
     first: Vec<u32>,
     /// Triangles around each vertex, the longest-lived first.
     incident: Vec<u32>,
@@ -14,7 +14,7 @@ pub(super) struct Index {
     pub(super) triangles: Vec<u32>,
     /// All vertices that triangles use, the first to lose its last triangle first.
     pub(super) vertices: Vec<u32>,
-    /// What each of `vertices` is shown as when it loses its last triangle.
+    /// The vertex as which each of `vertices` is shown when it loses its last triangle.
     pub(super) shown_at_removal: Vec<u32>,
 }
 

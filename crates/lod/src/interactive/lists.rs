@@ -8,7 +8,7 @@ use std::{fmt, ops::Range};
 /// other.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CollapseLists {
-    /// Where each vertex's list starts in `entries`, and where the last one ends.
+    /// Start of each vertex's list in `entries`, and end of the last one.
     offsets: Vec<u32>,
     /// The lists. The first entry of each is the vertex itself.
     entries: Vec<u32>,
@@ -60,7 +60,8 @@ impl CollapseLists {
     pub fn vertices(&self) -> usize {
         self.offsets.len() - 1
     }
-    /// Where each list starts, and where the last one ends: one more than there are vertices.
+    /// Returns the start of each list and the end of the last one: one more than there are
+    /// vertices.
     #[must_use]
     pub fn offsets(&self) -> &[u32] {
         &self.offsets
@@ -70,7 +71,7 @@ impl CollapseLists {
     pub fn entries(&self) -> &[u32] {
         &self.entries
     }
-    /// Where a vertex's list is in [`Self::entries`].
+    /// Returns the place of a vertex's list in [`Self::entries`].
     #[must_use]
     pub fn range(&self, vertex: u32) -> Range<usize> {
         self.offsets[vertex as usize] as usize..self.offsets[vertex as usize + 1] as usize
@@ -86,7 +87,7 @@ impl CollapseLists {
 /// Why collapse lists were not made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ListsTooLong {
-    /// How many entries they would have.
+    /// Number of entries they would have.
     pub entries: u64,
 }
 

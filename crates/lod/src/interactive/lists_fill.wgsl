@@ -10,9 +10,9 @@ struct Parameters { vertices: u32 }
 // The current collapse of each vertex: LOD 0, its first entry.
 @group(0) @binding(4) var<storage, read_write> current: array<u32>;
 
-@compute @workgroup_size(256)
-fn main(@builtin(global_invocation_id) g: vec3<u32>, @builtin(num_workgroups) size: vec3<u32>) {
-    let v = g.x + g.y * size.x * 256u;
+@compute @workgroup_size(WORKGROUP)
+fn main(thread: Thread) {
+    let v = number_of(thread);
     if (v >= p.vertices) { return; }
     let first = offsets[v];
     current[v] = first;

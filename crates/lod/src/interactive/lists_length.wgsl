@@ -12,11 +12,11 @@ struct Parameters {
 @group(0) @binding(0) var<uniform> p: Parameters;
 @group(0) @binding(1) var<storage, read> collapse_to: array<u32>;
 @group(0) @binding(2) var<storage, read_write> offsets: array<u32>;
-@group(0) @binding(3) var<storage, read_write> trouble: array<atomic<u32>>;
+@group(0) @binding(3) var<storage, read_write> error_flag: array<atomic<u32>>;
 
-@compute @workgroup_size(256)
-fn main(@builtin(global_invocation_id) g: vec3<u32>, @builtin(num_workgroups) size: vec3<u32>) {
-    let v = g.x + g.y * size.x * 256u;
+@compute @workgroup_size(WORKGROUP)
+fn main(thread: Thread) {
+    let v = number_of(thread);
     if (v > p.vertices) { return; }
     // One more than there are vertices: after the prefix sums it says where the last list ends.
     var length = 0u;
@@ -25,7 +25,7 @@ fn main(@builtin(global_invocation_id) g: vec3<u32>, @builtin(num_workgroups) si
         var entry = v;
         loop {
             if (entry >= p.coarsest) { break; }
-            if (length >= p.longest) { atomicMax(&trouble[0], v + 1u); break; }
+            if (length >= p.longest) { atomicMax(&error_flag[0], v + 1u); break; }
             entry = collapse_to[entry];
             length++;
         }

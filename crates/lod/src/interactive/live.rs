@@ -1,4 +1,4 @@
-//! How many triangles are drawn, counted on a device. The CPU knows it from the removal_lods
+//! Number of triangles drawn, counted on a device. The CPU knows it from the removal LODs
 //! ([`Interactive::live`]).
 //!
 //! [`Interactive::live`]: super::Interactive::live

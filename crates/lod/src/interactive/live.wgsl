@@ -34,9 +34,9 @@ fn dead(triangle: u32) -> bool {
     return same(a, b) || same(b, c) || same(c, a);
 }
 
-@compute @workgroup_size(256)
-fn main(@builtin(global_invocation_id) g: vec3<u32>, @builtin(num_workgroups) size: vec3<u32>) {
-    let s = g.x + g.y * size.x * 256u;
+@compute @workgroup_size(WORKGROUP)
+fn main(thread: Thread) {
+    let s = number_of(thread);
     if (s >= p.submeshes) { return; }
     let first = submeshes[s].x;
     // Triangles before `low` are live, those from `high` on are dead.

@@ -1,7 +1,7 @@
-//! What to time of Interactive Meshes on a device (thesis 5.5.4), positions only, as the thesis
+//! Cases of Interactive Meshes to time on a device (thesis 5.5.4), positions only, as the thesis
 //! counts.
 
-use super::view::{Criterion, Filter, View, ViewPasses, Views};
+use super::view::{Criterion, Filter, ViewPasses, ViewQuery, Views};
 use super::{CollapseLists, Continuous, Counting, Interactive, replay};
 use lodc_mesh::{Lod, Mesh, Simplified};
 use lodc_model::Model;
@@ -51,7 +51,8 @@ impl Interactive {
         let views_by =
             |criterion: &dyn Fn([f32; 3]) -> Criterion, morph, filtered: bool| -> Vec<Vec<Pass>> {
                 let passes = |eye| {
-                    let view = dependent.pass(&View { criterion: criterion(eye), morph }, &views);
+                    let view =
+                        dependent.pass(&ViewQuery { criterion: criterion(eye), morph }, &views);
                     let filter = if filtered { filter.passes() } else { Vec::new() };
                     std::iter::once(view).chain(filter).collect()
                 };
@@ -98,11 +99,11 @@ impl Interactive {
 }
 
 /// LOD 0 everywhere.
-fn everything() -> View {
-    View { criterion: Criterion::everywhere(Lod(0)), morph: false }
+fn everything() -> ViewQuery {
+    ViewQuery { criterion: Criterion::everywhere(Lod(0)), morph: false }
 }
 
-/// What the variants take, each by itself.
+/// Returns the memory of the variants, each by itself.
 fn memory(simplified: &Simplified, lists: &CollapseLists) -> Result<Vec<Memory>, PlanError> {
     let mesh = simplified.mesh();
     let words = |stride, variant: &dyn Fn(&mut Program, VertexRecords) -> Result<(), PlanError>| {

@@ -70,7 +70,7 @@ impl Interactive {
         }
     }
 
-    /// What each vertex collapses to, for all but the last (thesis 5.2).
+    /// Returns the target of each vertex but the last (thesis 5.2).
     #[must_use]
     pub fn collapse_to(&self) -> &[u32] {
         self.simplified.collapses().targets()
@@ -82,7 +82,7 @@ impl Interactive {
         &self.removal_lods
     }
 
-    /// How many triangles of a submesh are drawn at `lod`: they are its first ones.
+    /// Returns the number of triangles of a submesh that are drawn at `lod`: its first ones.
     #[must_use]
     pub fn live(&self, submesh: usize, lod: Lod) -> u32 {
         let triangles = self.simplified.mesh().submeshes()[submesh].triangles();

@@ -17,14 +17,14 @@ pub struct Continuous {
     collapse_to: BufferId,
     /// Records of the mesh.
     pub source: BufferId,
-    /// Where each collapse list starts.
+    /// Start of each collapse list.
     pub offsets: BufferId,
     /// The collapse lists.
     pub entries: BufferId,
     current: BufferId,
     /// The records that are drawn.
     pub vertices: BufferId,
-    trouble: BufferId,
+    error_flag: BufferId,
     length: KernelId,
     fill: KernelId,
     extract: KernelId,
@@ -69,7 +69,7 @@ impl Continuous {
             entries: program.zeros("entries", lists.entries().len()),
             current: program.zeros("current", vertices),
             vertices: program.words("vertices", records.words.as_slice()),
-            trouble: program.zeros("trouble", 1),
+            error_flag: program.zeros("error_flag", 1),
             length: program.kernel(shaders::LISTS_LENGTH),
             fill: program.kernel(shaders::LISTS_FILL),
             extract: program.kernel(shaders::EXTRACT),
@@ -84,7 +84,7 @@ impl Continuous {
         let s = self.sizes;
         let length = Pass {
             kernel: self.length,
-            buffers: vec![self.collapse_to, self.offsets, self.trouble],
+            buffers: vec![self.collapse_to, self.offsets, self.error_flag],
             threads: s.vertices + 1,
             parameters: vec![s.vertices, s.coarsest, s.longest],
         };
@@ -109,21 +109,21 @@ impl Continuous {
                 self.source,
                 self.current,
                 self.vertices,
-                self.trouble,
+                self.error_flag,
             ],
             threads: touched,
             parameters: vec![touched, to.0, self.sizes.stride],
         }
     }
 
-    /// What the construction pass makes.
+    /// Returns the words that the construction pass makes.
     #[must_use]
     pub fn constructed(&self, lists: &CollapseLists) -> Vec<Expected> {
         vec![
             Expected::new(self.offsets, lists.offsets()),
             Expected::new(self.entries, lists.entries()),
             Expected::new(self.current, &lists.offsets()[..lists.vertices()]),
-            Expected::new(self.trouble, [0]),
+            Expected::new(self.error_flag, [0]),
         ]
     }
 }
@@ -239,7 +239,7 @@ impl Twin<'_> {
             Expected::new(self.device.current, self.extraction.pointers()),
             Expected::new(self.device.vertices, vertices),
             Expected::new(self.counting.draws, draws),
-            Expected::new(self.device.trouble, [0]),
+            Expected::new(self.device.error_flag, [0]),
         ];
         Step::show(lod, passes, checks, twin.map(|t| t.to_string()))
     }

@@ -40,7 +40,7 @@ fn two_quads(triangles: [[u32; 3]; 4]) -> Arc<Simplified> {
     )
 }
 
-/// What comes of fig. 5.4: vertices in the order in which they go, triangles in the opposite of the
+/// The result of fig. 5.4: vertices in the order in which they go, triangles in the opposite of the
 /// order in which they go.
 const REORDERED: [[u32; 3]; 4] = [[0, 5, 1], [0, 4, 5], [2, 1, 3], [2, 0, 1]];
 
@@ -143,7 +143,7 @@ fn changes_worked_out_by_hand() {
         (triangles(&[[2, 0, 1], [0, 4, 5], [0, 5, 1]]), triangles(&[[2, 4, 5], [2, 5, 1]]));
     assert_eq!(move_to(1), (fine.clone(), coarse.clone(), 1, 1));
     assert_eq!(move_to(0), (coarse, fine, 1, 1));
-    // Straight down to one triangle: what came and went in between is not told.
+    // Straight down to one triangle: what came and went in between is not reported.
     let (all, one) = (triangles(&REORDERED), triangles(&[[4, 5, 3]]));
     assert_eq!(move_to(3), (all.clone(), one.clone(), 3, 3));
     assert_eq!(move_to(3), (vec![], vec![], 0, 0));
@@ -153,7 +153,7 @@ fn changes_worked_out_by_hand() {
 /// Every fixture under an arbitrary sequence: every step, both ways, and jumps; triangles, changes,
 /// and the list pass.
 #[test]
-fn everything_shown_and_told_equals_the_reference() {
+fn everything_shown_and_reported_equals_the_reference() {
     for &(name, make) in fixtures::ALL {
         // The naive sequence is slow on the largest shapes, which `tests/` has with few seeds.
         let mesh = make();

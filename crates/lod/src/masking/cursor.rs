@@ -16,7 +16,7 @@ use std::ops::Range;
 const LONGEST: usize = Masking::LONGEST_STRIP;
 /// Words in a cache line of most machines.
 const LINE: usize = 16;
-/// How many copies are looked at ahead.
+/// Number of copies that are looked at ahead.
 const BLOCK: usize = 16;
 
 /// The moving part of [`Masking`] strips.
@@ -27,13 +27,13 @@ pub struct Cursor {
     /// cache line, behind `lead` words.
     buffer: Vec<u32>,
     lead: usize,
-    /// How many indices each filtered copy has; 0 if no triangle is left.
+    /// Number of indices each filtered copy has; 0 if no triangle is left.
     counts: Vec<u8>,
     /// The strips whose full strip is that of another LOD, since a jump made the filtered copy
     /// without it; how many.
     stale: Vec<bool>,
     stale_count: usize,
-    /// What each vertex that is gone has become: made for far jumps.
+    /// The vertex that each removed one has become: made for far jumps.
     shown: Vec<u32>,
 }
 
@@ -66,8 +66,8 @@ impl Cursor {
         self.counts.iter().map(|&count| u64::from(count)).sum()
     }
 
-    /// What is drawn of a strip, as a graphics card gets it: empty if none of its triangles is
-    /// left.
+    /// Returns the indices that are drawn of a strip, as a graphics card gets it: empty if none of
+    /// its triangles is left.
     ///
     /// # Panics
     /// If there is no such strip.

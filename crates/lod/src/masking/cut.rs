@@ -32,9 +32,9 @@ pub(super) fn cut(strips: &StripSet, longest: usize) -> Option<StripSet> {
     )
 }
 
-/// How many triangles go into the first of `pieces` pieces: an even number, such that `most` are
-/// enough for each of the others. Where the strip turns if it does, else about as many as in the
-/// others.
+/// Returns the number of triangles of the first of `pieces` pieces: an even number, such that
+/// `most` are enough for each of the others. Where the strip turns if it does, else about as many
+/// as in the others.
 fn step(strip: &[u32], pieces: usize, most: usize) -> usize {
     let all = strip.len() - 2;
     let even = all.div_ceil(pieces).next_multiple_of(2);
@@ -45,7 +45,7 @@ fn step(strip: &[u32], pieces: usize, most: usize) -> usize {
         .unwrap_or(even)
 }
 
-/// Whether the last of so many triangles is degenerate, so that nobody misses it.
+/// Returns whether the last of so many triangles is degenerate, so that nobody misses it.
 fn turns(strip: &[u32], triangles: usize) -> bool {
     let [a, b, c] = [strip[triangles - 1], strip[triangles], strip[triangles + 1]];
     triangles > 2 && (a == b || b == c || c == a)

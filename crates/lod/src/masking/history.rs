@@ -1,4 +1,4 @@
-//! What happens to each strip: which of its positions every record changes, and what is drawn of it
+//! History of each strip: the positions that every record changes, and what is drawn of it
 //! then.
 
 use super::filters::Filters;
@@ -8,7 +8,7 @@ use lodc_strip::StripSet;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// What one record does to one strip: the `InfoStrip` of the thesis (4.2.1).
+/// The update of one strip by one record: the `InfoStrip` of the thesis (4.2.1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Entry {
     pub(super) record: u32,
@@ -21,7 +21,7 @@ pub(super) struct Entry {
 /// The entries of all strips.
 #[derive(Clone, Debug)]
 pub(super) struct Histories {
-    /// Where each strip's entries start, and where the last one's end.
+    /// Start of each strip's entries, and end of the last one's.
     pub(super) firsts: Vec<u32>,
     /// Strip by strip, in order of records.
     pub(super) entries: Vec<Entry>,

@@ -8,15 +8,15 @@ use lodc_model::StorageCost;
 /// one that has 255 is continued by the next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct InfoUpdate {
-    /// What the removed vertex becomes. (Which one is removed is the number of the record.)
+    /// The target of the removed vertex, whose number is that of the record.
     pub vertex: u32,
-    /// How many strips are changed.
+    /// Number of strips that are changed.
     pub strips_affected: u8,
-    /// Whether the next record belongs to the same step.
+    /// True if the next record belongs to the same step.
     pub next_update: bool,
 }
 
-/// What a record does to one strip.
+/// The update of one strip by one record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct InfoStrip {
     /// The strip.
@@ -45,8 +45,8 @@ impl Masking {
         })
     }
 
-    /// What a record does to the strips, in order of strips. Takes the logarithm of a strip's
-    /// entries for each.
+    /// Returns the updates of strips by a record, in order of strips. Takes the logarithm of a
+    /// strip's entries for each.
     ///
     /// # Panics
     /// If there is no such record.
@@ -59,8 +59,8 @@ impl Masking {
     }
 }
 
-/// What the tables take down to the end of a step: vertices and strips are those of the whole
-/// model.
+/// Returns the storage of the tables down to the end of a step: vertices and strips are those of
+/// the whole model.
 pub(super) fn storage(model: &Masking, lod: Lod) -> StorageCost {
     let plain = StorageCost::of_triangles(&model.simplified);
     let geometry = 12 * (plain.vertices + plain.fakes);

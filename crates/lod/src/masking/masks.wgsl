@@ -21,7 +21,7 @@ struct Parameters {
 @group(0) @binding(6) var<storage, read_write> states: array<vec2<u32>>;
 // How many indices each strip draws with the restart index behind it; 0 without triangles.
 @group(0) @binding(7) var<storage, read_write> lengths: array<u32>;
-@group(0) @binding(8) var<storage, read_write> trouble: array<atomic<u32>>;
+@group(0) @binding(8) var<storage, read_write> error_flag: array<atomic<u32>>;
 
 fn put(base: u32, mask: u32, vertex: u32) {
     var left = mask;
@@ -31,15 +31,15 @@ fn put(base: u32, mask: u32, vertex: u32) {
     }
 }
 
-@compute @workgroup_size(256)
-fn main(@builtin(global_invocation_id) g: vec3<u32>, @builtin(num_workgroups) size: vec3<u32>) {
-    let s = g.x + g.y * size.x * 256u;
+@compute @workgroup_size(WORKGROUP)
+fn main(thread: Thread) {
+    let s = number_of(thread);
     if (s >= p.strips) { return; }
     let base = starts[s];
     let first = firsts[s];
     let end = firsts[s + 1u];
     var next = states[s].x;
-    if (next < first || next > end) { atomicMax(&trouble[0], s + 1u); return; }
+    if (next < first || next > end) { atomicMax(&error_flag[0], s + 1u); return; }
     while (next < end && entries[next].x < p.lod) {
         put(base, entries[next].y & 0xffffu, collapse_to[entries[next].x]);
         next++;

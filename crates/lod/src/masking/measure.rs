@@ -1,4 +1,4 @@
-//! What to time of Masking Strips on a device.
+//! Cases of Masking Strips to time on a device.
 
 use super::{Masking, replay::Device};
 use lodc_mesh::Lod;

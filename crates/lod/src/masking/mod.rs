@@ -31,7 +31,7 @@ pub use replay::SHADERS;
 
 use crate::stored_strips::{STRIPS, from_array, to_array};
 use history::Entry;
-use lodc_mesh::{Lod, OrientedTriangle, PositionIds, Simplified};
+use lodc_mesh::{Lod, NONE, OrientedTriangle, PositionIds, Simplified};
 use lodc_model::{Array, BuildError, Changes, Model, StorageCost, Traffic};
 use lodc_strip::Strips;
 use pattern::LONGEST;
@@ -46,7 +46,7 @@ pub struct Masking {
     positions: PositionIds,
     /// The submesh of each strip.
     submeshes: Vec<u32>,
-    /// Where each strip's entries start, and where the last one's end.
+    /// Start of each strip's entries, and end of the last one's.
     firsts: Vec<u32>,
     /// Strip by strip, in order of records: the entry before one is what going back needs.
     entries: Vec<Entry>,
@@ -82,7 +82,7 @@ impl Masking {
         let updates = Updates::new(&histories, &lengths, simplified.collapses().targets());
         let removal_lod = |ends: &[u32]| {
             let last = histories.entries[ends[0] as usize..ends[1] as usize].last();
-            last.filter(|entry| entry.filter == 0).map_or(u32::MAX, |entry| entry.record + 1)
+            last.filter(|entry| entry.filter == 0).map_or(NONE, |entry| entry.record + 1)
         };
         Ok(Self {
             simplified: Arc::clone(simplified),
@@ -124,7 +124,7 @@ impl Masking {
         &self.strips
     }
 
-    /// Where a strip's entries are.
+    /// Returns the place of a strip's entries.
     fn history(&self, strip: usize) -> std::ops::Range<usize> {
         self.firsts[strip] as usize..self.firsts[strip + 1] as usize
     }

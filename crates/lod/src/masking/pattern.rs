@@ -1,5 +1,5 @@
-//! What a filter depends on: which positions of a strip hold the same vertex, and which vertices
-//! are at one position.
+//! Pattern that a filter depends on: positions of a strip that hold the same vertex, and vertices
+//! that are at one position.
 
 /// Longest strip that a mask covers: two masks fit into one word.
 pub(super) const LONGEST: usize = 16;
@@ -13,9 +13,9 @@ pub(super) struct Pattern {
     labels: [u8; LONGEST],
     /// For each label the first label that is at the same point in space.
     places: [u8; LONGEST],
-    /// How many labels there are.
+    /// Number of labels.
     count: usize,
-    /// Whether every label has a place of its own.
+    /// True if every label has a place of its own.
     plain: bool,
 }
 
@@ -50,7 +50,7 @@ impl Pattern {
         &self.labels[..self.len]
     }
 
-    /// How many different labels there are.
+    /// Returns the number of different labels.
     pub(super) fn count(&self) -> usize {
         self.count
     }

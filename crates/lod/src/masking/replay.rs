@@ -26,7 +26,7 @@ pub(super) struct Device {
     collapse_to: BufferId,
     full: BufferId,
     states: BufferId,
-    trouble: BufferId,
+    error_flag: BufferId,
     packed: Packed,
     masks: KernelId,
     write: KernelId,
@@ -59,7 +59,7 @@ impl Device {
             collapse_to: program.words("collapse_to", model.simplified.collapses().targets()),
             full: program.words("full", model.strips.indices()),
             states: program.words("states", states),
-            trouble: program.zeros("trouble", 1),
+            error_flag: program.zeros("error_flag", 1),
             packed: Packed::new(program, &model.strips),
             masks: program.kernel(MASKS),
             write: program.kernel(MASKS_WRITE),
@@ -79,7 +79,7 @@ impl Device {
                 self.full,
                 self.states,
                 self.packed.places,
-                self.trouble,
+                self.error_flag,
             ],
             threads: self.strips,
             parameters: vec![self.strips, lod.0],
@@ -141,14 +141,14 @@ impl Masking {
         let mut checks = vec![
             Expected::new(device.full, twin.full.clone()),
             Expected::new(device.states, twin.states.clone()),
-            Expected::new(device.trouble, [0]),
+            Expected::new(device.error_flag, [0]),
         ];
         checks.extend(device.packed.expected(&self.strips, |strip| cursor.strip(strip)));
         Step::show(lod, device.passes(lod), checks, difference.map(|d| d.to_string()))
     }
 }
 
-/// What the kernel keeps from move to move: full strips to which position masks are applied one by
+/// The state that the kernel keeps from move to move: full strips to which masks are applied one by
 /// one.
 #[derive(Debug)]
 struct Twin {

@@ -9,8 +9,8 @@
 //! the last two. Results depend on nothing but the pattern.
 
 use super::pattern::{LONGEST, Pattern};
+use lodc_mesh::NONE;
 
-const NONE: u32 = u32::MAX;
 const SLOTS: usize = 1 << 14;
 
 /// The working memory of searches, used again and again.
@@ -42,9 +42,9 @@ struct Node {
     /// The labels kept last, `q` after `p`.
     p: u8,
     q: u8,
-    /// Where `q` was kept.
+    /// The position at which `q` was kept.
     at: u8,
-    /// Whether the next triangle is turned.
+    /// True if the next triangle is turned.
     odd: bool,
 }
 
@@ -246,7 +246,8 @@ impl Search {
         Some(index)
     }
 
-    /// Whether every triangle that is left can still be drawn, as far as each by itself can tell.
+    /// Returns whether every triangle that is left can still be drawn, as far as each by itself can
+    /// tell.
     fn can_finish(&self, node: &Node) -> bool {
         let mut tight = node.left & self.gone[node.at as usize];
         while tight != 0 {
@@ -265,12 +266,12 @@ impl Search {
         true
     }
 
-    /// Whether a node's state was not reached earlier in the strip since.
+    /// Returns whether a node's state was not reached earlier in the strip since.
     fn is_best(&self, index: u32) -> bool {
         self.slots[self.slot(&self.nodes[index as usize])] == index
     }
 
-    /// Where the best node of a node's state is, or belongs.
+    /// Returns the place where the best node of a node's state is, or belongs.
     fn slot(&self, node: &Node) -> usize {
         let state = |n: &Node| (n.left, n.p, n.q, n.odd);
         let bits = node.left

@@ -1,4 +1,4 @@
-//! What records do to strips, in the order of records, ready to be streamed by near moves.
+//! Updates of strips in the order of records, ready to be streamed by near moves.
 //!
 //! Positions of full strips never move, so what a record writes is a list of places, whatever their
 //! strips. Where it leaves a strip's filter as it was (three updates of five), the filtered copy is
@@ -7,13 +7,14 @@
 
 use super::LONGEST;
 use super::history::{Entry, Histories};
+use lodc_mesh::NONE;
 use std::ops::Range;
 
 /// The room of a strip in a cursor's buffer: as many words for the full strip, then as many for its
 /// filtered copy.
 pub(super) const ROOM: usize = 2 * LONGEST;
 
-/// Where a record's share of each list starts; it ends where the next record's starts.
+/// Start of a record's share of each list; it ends where the next record's starts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Starts {
     strips: u32,
@@ -25,7 +26,7 @@ struct Starts {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Refiltered {
     pub(super) strip: u32,
-    /// The record with which the strip's filter changes again, `u32::MAX` for none.
+    /// The record with which the strip's filter changes again, [`NONE`] for none.
     pub(super) next: u32,
     /// The LOD from which on the filter was `before`.
     pub(super) since: u32,
@@ -43,13 +44,13 @@ pub(super) struct Updates {
     strips: Vec<u32>,
     /// Places of a cursor's buffer that are written.
     places: Vec<u32>,
-    /// What is written there, and what it was: the vertex that the record removes.
+    /// The target that is written there, and the vertex that the record removes.
     targets: Vec<u32>,
     vertices: Vec<u32>,
     copies: Vec<Refiltered>,
 }
 
-/// What some consecutive records do.
+/// The changes of some consecutive records.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Run<'a> {
     pub(super) strips: &'a [u32],
@@ -79,7 +80,7 @@ impl Updates {
                     copy.next = entry.record;
                 }
                 latest[strip as usize] = (filter, entry.record + 1, updates.copies.len());
-                updates.copies.push(Refiltered { strip, next: u32::MAX, since, filter, before });
+                updates.copies.push(Refiltered { strip, next: NONE, since, filter, before });
             }
         }
         updates.start_records(targets.len() + 1);
@@ -108,7 +109,7 @@ impl Updates {
         }
     }
 
-    /// What some records do.
+    /// Returns the changes of some records.
     pub(super) fn of(&self, records: &Range<u32>) -> Run<'_> {
         let [a, b] = [records.start, records.end].map(|k| self.starts[k as usize]);
         let writes = a.writes as usize..b.writes as usize;

@@ -2,10 +2,10 @@
 
 use crate::trace::{Kind, Removal};
 
-/// Where a strip is in the buffer of all strips.
+/// The place of a strip in the buffer of all strips.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Span {
-    /// Where its room starts; places of removals count from here.
+    /// Start of its room; places of removals count from here.
     pub(super) room: u32,
     pub(super) start: u32,
     pub(super) end: u32,

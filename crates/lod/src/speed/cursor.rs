@@ -15,7 +15,7 @@ use super::Speed;
 use super::apply::{Span, remove, restore};
 use super::edits::Edits;
 use crate::trace::Kind;
-use lodc_mesh::{Lod, OrientedTriangle};
+use lodc_mesh::{Lod, NONE, OrientedTriangle};
 use lodc_model::Difference;
 use lodc_model::{Changes, Model, Traffic};
 use lodc_strip::live_triangles;
@@ -25,14 +25,14 @@ use std::ops::Range;
 /// (measured on bunny and cow: 10 ns against 1.5 to 5 ns).
 const STRIP_COST: u64 = 4;
 
-/// What a strip is at the moment.
+/// The state of a strip.
 #[derive(Clone, Copy, Debug)]
 struct Head {
-    /// Where it is, or was when it died.
+    /// Its place, or that when it died.
     span: Span,
-    /// Whether it draws anything.
+    /// True if it draws anything.
     live: bool,
-    /// Whether it was made anew, so that what had gone at its ends, or with its removal_lod, was
+    /// True if it was made anew, so that what had gone at its ends, or when it died, was
     /// never written.
     stale: bool,
 }
@@ -64,7 +64,7 @@ impl Cursor {
         }
     }
 
-    /// Where the cursor is.
+    /// Returns the LOD where the cursor is.
     #[must_use]
     pub fn lod(&self) -> Lod {
         Lod(self.lod)
@@ -77,7 +77,7 @@ impl Cursor {
         if live { &self.indices[span.start as usize..span.end as usize] } else { &[] }
     }
 
-    /// How many indices are drawn.
+    /// Returns the number of indices that are drawn.
     pub(super) fn drawn(&self) -> u64 {
         self.heads.iter().filter(|h| h.live).map(|h| u64::from(h.span.end - h.span.start)).sum()
     }
@@ -204,11 +204,11 @@ impl Cursor {
         let (edits, room) = (model.edits(), model.strips().range(strip));
         let mut written = 0;
         for index in room.clone() {
-            let (at, removed_at) = (edits.left_at[index], edits.removed_at[index]);
-            if at < u32::MAX && removed_at <= lod {
+            let (at, index_removal_lods) = (edits.left_at[index], edits.index_removal_lods[index]);
+            if at != NONE && index_removal_lods <= lod {
                 let vertex = model.strips().indices()[index];
                 self.indices[room.start + at as usize] =
-                    model.simplified().collapses().resolve(vertex, Lod(removed_at - 1));
+                    model.simplified().collapses().resolve(vertex, Lod(index_removal_lods - 1));
                 written += 1;
             }
         }
@@ -237,10 +237,10 @@ impl Cursor {
         let room = model.strips().range(strip);
         let start = room.start + edits.gone_at_front(room.clone(), lod);
         let mut end = start;
-        for (&vertex, &removed_at) in
-            model.strips().indices()[room.clone()].iter().zip(&edits.removed_at[room])
+        for (&vertex, &index_removal_lods) in
+            model.strips().indices()[room.clone()].iter().zip(&edits.index_removal_lods[room])
         {
-            if removed_at > lod {
+            if index_removal_lods > lod {
                 self.indices[end] = shown(vertex);
                 end += 1;
             }

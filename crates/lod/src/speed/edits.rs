@@ -6,10 +6,11 @@
 //! move needs is a few runs of such lists, without a look at single records.
 
 use crate::trace::{History, Removal};
+use lodc_mesh::NONE;
 use lodc_strip::StripSet;
 use std::ops::Range;
 
-/// Where a record's entries start in each of the lists; they end where the next record's start.
+/// Start of a record's entries in each of the lists; they end where the next record's start.
 #[derive(Clone, Copy, Debug, Default)]
 struct Starts {
     affected: u32,
@@ -22,21 +23,21 @@ struct Starts {
 #[derive(Clone, Copy, Debug)]
 struct Affected {
     strip: u32,
-    /// Its entry before this one and after it; `u32::MAX` for none.
+    /// Its entry before this one and after it; [`NONE`] for none.
     previous: u32,
     next: u32,
-    /// How long it is before and after the record, 0 if it is dead.
+    /// Its length before and after the record, 0 if it is dead.
     before: u32,
     after: u32,
 }
 
-/// Elements that go.
+/// Removed elements.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Gone {
+pub(super) struct Removed {
     pub(super) strip: u32,
     pub(super) record: u32,
     pub(super) removal: Removal,
-    /// How many changes, of all records, come before it.
+    /// Number of changes, of all records, before it.
     pub(super) changes: u32,
 }
 
@@ -49,111 +50,155 @@ pub(super) struct Edits {
     affected: Vec<Affected>,
     /// The places of the buffer that change, by record, then place.
     places: Vec<u32>,
-    /// What each of them becomes.
+    /// The target of each of them.
     targets: Vec<u32>,
-    /// What each of them was: the vertex that the record removes.
+    /// The vertex that the record removes, which each of them was.
     vertices: Vec<u32>,
     /// By record, then strip, the last place first: so that one does not move the next.
-    removals: Vec<Gone>,
+    removals: Vec<Removed>,
     /// The strips that die, by record.
     dying: Vec<u32>,
     /// For each index of the strips the first LOD without it.
-    pub(super) removed_at: Vec<u32>,
+    pub(super) index_removal_lods: Vec<u32>,
     /// For each index whether it goes at the front of its strip.
     at_front: Vec<bool>,
-    /// For each index that goes at an end of its strip its place then; for others `u32::MAX`.
+    /// For each index that goes at an end of its strip its place then; for others [`NONE`].
     pub(super) left_at: Vec<u32>,
     /// For each strip the first LOD at which it draws nothing.
     pub(super) removal_lods: Vec<u32>,
 }
 
-/// What some consecutive records do.
+/// The changes of some consecutive records.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Run<'a> {
-    /// How many changes come before the first of these.
+    /// Number of changes before the first of these.
     pub(super) first_change: u32,
     pub(super) places: &'a [u32],
     pub(super) targets: &'a [u32],
     pub(super) vertices: &'a [u32],
-    pub(super) removals: &'a [Gone],
+    pub(super) removals: &'a [Removed],
     pub(super) dying: &'a [u32],
+}
+
+/// The latest entry of each strip, and its length after it.
+struct Latest {
+    entry: Vec<u32>,
+    length: Vec<u32>,
+}
+
+impl Latest {
+    fn new(strips: &StripSet) -> Self {
+        let length = strips.iter().map(|s| s.len() as u32).collect();
+        Self { entry: vec![NONE; strips.len()], length }
+    }
+}
+
+/// The place of an event: its history, its number there, and where its changes and removals start.
+#[derive(Clone, Copy, Default)]
+struct Located {
+    history: u32,
+    event: u32,
+    change: u32,
+    removal: u32,
+}
+
+/// The changes and removals of one strip by one record. Without changes the strip dies.
+struct Update<'a> {
+    strip: u32,
+    record: u32,
+    places: &'a [u32],
+    removals: &'a [Removal],
+}
+
+impl<'a> Update<'a> {
+    fn new(history: &'a History, located: &Located) -> Self {
+        let event = history.events[located.event as usize];
+        Self {
+            strip: event.strip,
+            record: event.record,
+            places: &history.changes[located.change as usize..][..event.changes as usize],
+            removals: &history.removals[located.removal as usize..][..event.removals as usize],
+        }
+    }
+}
+
+/// All events in order of records, and within a record of strips (a counting sort).
+fn by_record(histories: &[History], records: usize) -> Vec<Located> {
+    let mut place = vec![0u32; records + 1];
+    for event in histories.iter().flat_map(|h| &h.events) {
+        place[event.record as usize + 1] += 1;
+    }
+    for k in 0..records {
+        place[k + 1] += place[k];
+    }
+    let mut order = vec![Located::default(); place[records] as usize];
+    for (number, history) in histories.iter().enumerate() {
+        let mut at = Located { history: number as u32, ..Located::default() };
+        for event in &history.events {
+            let slot = &mut place[event.record as usize];
+            order[*slot as usize] = at;
+            *slot += 1;
+            at.event += 1;
+            at.change += event.changes;
+            at.removal += event.removals;
+        }
+    }
+    order
 }
 
 impl Edits {
     /// Puts histories of consecutive strips into the order of records (a counting sort: strips stay
     /// in order).
     pub(super) fn merge(histories: &[History], strips: &StripSet, targets: &[u32]) -> Self {
-        let records = targets.len();
-        let mut place = vec![0u32; records + 1];
-        for event in histories.iter().flat_map(|h| &h.events) {
-            place[event.record as usize + 1] += 1;
-        }
-        for k in 0..records {
-            place[k + 1] += place[k];
-        }
-        // Where each event is, and where its changes and removals start in its history.
-        let mut order = vec![[0u32; 4]; place[records] as usize];
-        for (chunk, history) in histories.iter().enumerate() {
-            let (mut change, mut removal) = (0, 0);
-            for (i, event) in history.events.iter().enumerate() {
-                let slot = &mut place[event.record as usize];
-                order[*slot as usize] = [chunk as u32, i as u32, change, removal];
-                *slot += 1;
-                change += event.changes;
-                removal += event.removals;
-            }
-        }
-        let mut edits = Self { starts: Vec::with_capacity(records + 1), ..Self::default() };
+        let mut edits = Self { starts: Vec::with_capacity(targets.len() + 1), ..Self::default() };
         let changes = histories.iter().map(|h| h.changes.len()).sum();
-        edits.affected.reserve_exact(order.len());
+        edits.affected.reserve_exact(histories.iter().map(|h| h.events.len()).sum());
         edits.places.reserve_exact(changes);
         edits.targets.reserve_exact(changes);
         edits.vertices.reserve_exact(changes);
         edits.removals.reserve_exact(histories.iter().map(|h| h.removals.len()).sum());
-        // The latest entry of each strip, and its length.
-        let mut latest = vec![u32::MAX; strips.len()];
-        let mut length: Vec<u32> = strips.iter().map(|s| s.len() as u32).collect();
-        for [chunk, i, change, removal] in order {
-            let history = &histories[chunk as usize];
-            let event = history.events[i as usize];
-            edits.start_records(event.record as usize + 1);
-            let places = &history.changes[change as usize..][..event.changes as usize];
-            let removals = &history.removals[removal as usize..][..event.removals as usize];
-            let first = strips.range(event.strip as usize).start as u32;
-            edits.places.extend(places.iter().map(|p| first + p));
-            edits.targets.resize(edits.places.len(), targets[event.record as usize]);
-            edits.vertices.resize(edits.places.len(), event.record);
-            let (strip, record, changes) = (event.strip, event.record, edits.places.len() as u32);
-            let gone = |&removal| Gone { strip, record, removal, changes };
-            edits.removals.extend(removals.iter().rev().map(gone));
-            let (entry, before) = (edits.affected.len() as u32, length[event.strip as usize]);
-            let previous = std::mem::replace(&mut latest[event.strip as usize], entry);
-            let after = if places.is_empty() {
-                0
-            } else {
-                before - removals.iter().map(|r| r.count).sum::<u32>()
-            };
-            length[event.strip as usize] = after;
-            edits.affected.push(Affected {
-                strip: event.strip,
-                previous,
-                next: u32::MAX,
-                before,
-                after,
-            });
-            if let Some(previous) = edits.affected.get_mut(previous as usize) {
-                previous.next = entry;
-            }
-            if places.is_empty() {
-                edits.dying.push(event.strip);
-            }
+        let mut latest = Latest::new(strips);
+        for located in by_record(histories, targets.len()) {
+            let update = Update::new(&histories[located.history as usize], &located);
+            edits.start_records(update.record as usize + 1);
+            let room = strips.range(update.strip as usize).start as u32;
+            edits.push(&update, room, targets[update.record as usize]);
+            edits.affect(&update, &mut latest);
         }
-        edits.start_records(records + 1);
-        edits.removed_at = histories.iter().flat_map(|h| &h.removed_at).copied().collect();
+        edits.start_records(targets.len() + 1);
+        edits.index_removal_lods =
+            histories.iter().flat_map(|h| &h.index_removal_lods).copied().collect();
         edits.at_front = histories.iter().flat_map(|h| &h.at_front).copied().collect();
         edits.left_at = histories.iter().flat_map(|h| &h.left_at).copied().collect();
         edits.removal_lods = histories.iter().flat_map(|h| &h.removal_lods).copied().collect();
         edits
+    }
+
+    /// Adds the changes and removals of a strip whose room starts at `room`.
+    fn push(&mut self, update: &Update<'_>, room: u32, target: u32) {
+        self.places.extend(update.places.iter().map(|p| room + p));
+        self.targets.resize(self.places.len(), target);
+        self.vertices.resize(self.places.len(), update.record);
+        let (strip, record, changes) = (update.strip, update.record, self.places.len() as u32);
+        let removed = |&removal| Removed { strip, record, removal, changes };
+        self.removals.extend(update.removals.iter().rev().map(removed));
+    }
+
+    /// Adds the entry of the strip itself.
+    fn affect(&mut self, update: &Update<'_>, latest: &mut Latest) {
+        let (strip, entry) = (update.strip as usize, self.affected.len() as u32);
+        let previous = std::mem::replace(&mut latest.entry[strip], entry);
+        let before = latest.length[strip];
+        let removed: u32 = update.removals.iter().map(|r| r.count).sum();
+        let after = if update.places.is_empty() { 0 } else { before - removed };
+        latest.length[strip] = after;
+        self.affected.push(Affected { strip: update.strip, previous, next: NONE, before, after });
+        if let Some(previous) = self.affected.get_mut(previous as usize) {
+            previous.next = entry;
+        }
+        if update.places.is_empty() {
+            self.dying.push(update.strip);
+        }
     }
 
     /// Records up to a number start where the lists end now, unless they have started before.
@@ -169,12 +214,12 @@ impl Edits {
         }
     }
 
-    /// How many records there are.
+    /// Returns the number of records.
     pub(super) fn records(&self) -> u32 {
         self.starts.len() as u32 - 1
     }
 
-    /// What some records do.
+    /// Returns the changes of some records.
     pub(super) fn of(&self, records: &Range<u32>) -> Run<'_> {
         let [a, b] = [records.start, records.end].map(|k| self.starts[k as usize]);
         let changes = a.changes as usize..b.changes as usize;
@@ -188,13 +233,13 @@ impl Edits {
         }
     }
 
-    /// How many elements have gone at the front of a strip, given its room, at a LOD.
+    /// Returns the number of elements removed at the front of a strip, given its room, at a LOD.
     pub(super) fn gone_at_front(&self, room: Range<usize>, lod: u32) -> usize {
-        let removed = self.removed_at[room.clone()].iter().zip(&self.at_front[room]);
+        let removed = self.index_removal_lods[room.clone()].iter().zip(&self.at_front[room]);
         removed.take_while(|(at, _)| **at <= lod).filter(|(_, front)| **front).count()
     }
 
-    /// Whether an index goes at the front of its strip.
+    /// Returns whether an index goes at the front of its strip.
     pub(super) fn at_front(&self, index: usize) -> bool {
         self.at_front[index]
     }
@@ -202,7 +247,7 @@ impl Edits {
     fn entries(&self, records: &Range<u32>) -> Range<u32> {
         self.starts[records.start as usize].affected..self.starts[records.end as usize].affected
     }
-    /// How often some records change a strip.
+    /// Counts how often some records change a strip.
     pub(super) fn visits(&self, records: &Range<u32>) -> u32 {
         self.entries(records).len() as u32
     }
@@ -214,14 +259,14 @@ impl Edits {
         let entries = self.entries(records);
         self.affected[entries.start as usize..entries.end as usize].iter().map(|e| e.strip)
     }
-    /// How many elements the strips that some records change have together, before them or after
-    /// them. Each counts once: with its first or last entry among these.
+    /// Returns the number of elements of all strips that some records change, before
+    /// them or after them. Each counts once: with its first or last entry among these.
     pub(super) fn elements(&self, records: &Range<u32>, after: bool) -> u64 {
         let range = self.entries(records);
         let entries = &self.affected[range.start as usize..range.end as usize];
         let counts = entries.iter().map(|e| match after {
             true if e.next >= range.end => e.after,
-            false if e.previous == u32::MAX || e.previous < range.start => e.before,
+            false if e.previous == NONE || e.previous < range.start => e.before,
             _ => 0,
         });
         counts.map(u64::from).sum()

@@ -77,15 +77,17 @@ fn refine(base: u32, length: u32, entry: u32) -> u32 {
         }
         var period = 2u;
         if (bitcast<i32>(r.y) > 0) { period = 1u; }
-        for (var k = 0u; k < size_of(r); k++) { strips[base + write + k] = strips[base + read - period + k % period]; }
+        for (var k = 0u; k < size_of(r); k++) {
+            strips[base + write + k] = strips[base + read - period + k % period];
+        }
     }
     for (var i = e.y; i < after.y; i++) { strips[base + changes[i]] = e.x; }
     return longer;
 }
 
-@compute @workgroup_size(256)
-fn main(@builtin(global_invocation_id) g: vec3<u32>, @builtin(num_workgroups) size: vec3<u32>) {
-    let s = g.x + g.y * size.x * 256u;
+@compute @workgroup_size(WORKGROUP)
+fn main(thread: Thread) {
+    let s = number_of(thread);
     if (s >= p.strips) { return; }
     let base = starts[s].x;
     var next = heads[s].x;

@@ -11,9 +11,9 @@ struct Parameters {
 @group(0) @binding(2) var<storage, read> heads: array<vec2<u32>>;
 @group(0) @binding(3) var<storage, read_write> lengths: array<u32>;
 
-@compute @workgroup_size(256)
-fn main(@builtin(global_invocation_id) g: vec3<u32>, @builtin(num_workgroups) size: vec3<u32>) {
-    let s = g.x + g.y * size.x * 256u;
+@compute @workgroup_size(WORKGROUP)
+fn main(thread: Thread) {
+    let s = number_of(thread);
     // One more than there are strips: after the prefix sums it says where the last one ends.
     if (s > p.strips) { return; }
     var length = 0u;

@@ -1,4 +1,4 @@
-//! What to time of Speed Strips on a device.
+//! Cases of Speed Strips to time on a device.
 
 use super::{Speed, replay::Device};
 use lodc_mesh::Lod;

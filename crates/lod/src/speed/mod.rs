@@ -110,17 +110,17 @@ impl Speed {
         RunTime::new(self, lod)
     }
 
-    /// For each index of the strips the first LOD at which it is not drawn any more, `u32::MAX` if
-    /// there is none. At any LOD before that it is what its vertex has become. Strips die as a
-    /// whole before that: [`Self::removal_lods`].
+    /// For each index of the strips the first LOD at which it is not drawn any more,
+    /// [`NONE`](lodc_mesh::NONE) if there is none. At any LOD before that it is what its vertex has
+    /// become. Strips die as a whole before that: [`Self::removal_lods`].
     #[must_use]
-    pub fn removed_at(&self) -> &[u32] {
-        &self.edits.removed_at
+    pub fn index_removal_lods(&self) -> &[u32] {
+        &self.edits.index_removal_lods
     }
 
-    /// Which share of the degenerate triangles is not drawn because repetitions and dead ends are
-    /// taken out: of all that live strips would draw over all LODs with their vertices of LOD 0. 0
-    /// if there are none. The thesis tells of about three quarters (3.4).
+    /// Returns the share of the degenerate triangles that is not drawn because repetitions and dead
+    /// ends are taken out: of all that live strips would draw over all LODs with their vertices of
+    /// LOD 0. 0 if there are none. The thesis tells of about three quarters (3.4).
     #[must_use]
     pub fn degenerates_removed(&self) -> f64 {
         let lods = self.simplified.collapses().records() + 1;
@@ -131,7 +131,7 @@ impl Speed {
         for (strip, &removal_lod) in self.edits.removal_lods.iter().enumerate() {
             let room = self.strips.range(strip);
             whole += (room.len() as u64 - 2) * shown(removal_lod);
-            drawn += self.edits.removed_at[room]
+            drawn += self.edits.index_removal_lods[room]
                 .iter()
                 .map(|&at| shown(at.min(removal_lod)))
                 .sum::<u64>();

@@ -2,7 +2,7 @@
 //! strips are.
 
 use super::{Cursor, Kind, Speed};
-use lodc_mesh::Lod;
+use lodc_mesh::{Lod, NONE};
 use lodc_model::Model;
 use lodc_plan::{
     BufferId, KernelId, LONGEST_LOOP, Packed, Pass, Plan, PlanError, Program, SCAN, SCAN_ADD,
@@ -34,7 +34,7 @@ pub(super) struct Device {
     stored: BufferId,
     strip_of: BufferId,
     removal_lods: BufferId,
-    removed_at: BufferId,
+    index_removal_lods: BufferId,
     values: BufferId,
     strips: BufferId,
     heads: BufferId,
@@ -72,7 +72,7 @@ impl Device {
             stored: program.words("stored", set.indices()),
             strip_of: program.words("strip_of", strip_of),
             removal_lods: program.words("removal_lods", model.removal_lods()),
-            removed_at: program.words("removed_at", model.removed_at()),
+            index_removal_lods: program.words("index_removal_lods", model.index_removal_lods()),
             values: program.zeros("values", set.indices().len()),
             strips: program.words("strips", set.indices()),
             heads: program.words("heads", heads),
@@ -107,7 +107,7 @@ impl Device {
                 self.starts,
                 self.entries,
                 self.removal_lods,
-                self.removed_at,
+                self.index_removal_lods,
                 self.values,
                 self.strips,
                 self.heads,
@@ -190,29 +190,29 @@ fn by_strip(model: &Speed) -> (Vec<u32>, Vec<u32>, Vec<u32>, Vec<u32>) {
             }
         }
     }
-    entries.extend([u32::MAX, end[1], end[2], 0]);
+    entries.extend([NONE, end[1], end[2], 0]);
     (starts, entries, changes, removals)
 }
 
-/// What the elements that a record takes off the front or the back of a strip have become by then,
-/// in order.
+/// Returns the vertices that the elements that a record takes off the front or the back of a strip
+/// have become by then, in order.
 fn end_of(model: &Speed, strip: usize, record: u32, kind: Kind) -> impl Iterator<Item = u32> {
     let (room, lod) = (model.strips.range(strip), record + 1);
-    let removed_at = &model.removed_at()[room.clone()];
+    let index_removal_lods = &model.index_removal_lods()[room.clone()];
     // Nothing but what goes at the back is behind the last element that is left.
     let last_left =
-        removed_at.iter().rposition(|&at| at > lod).map_or(room.start, |i| room.start + i);
+        index_removal_lods.iter().rposition(|&at| at > lod).map_or(room.start, |i| room.start + i);
     let goes = move |&i: &usize| {
         let there = if kind == Kind::Front { model.edits().at_front(i) } else { i > last_left };
-        there && model.removed_at()[i] == lod
+        there && model.index_removal_lods()[i] == lod
     };
     room.filter(goes)
         .map(move |i| model.simplified.collapses().resolve(model.strips.indices()[i], Lod(lod)))
 }
 
 impl Speed {
-    /// Whether going through the changes between two LODs is less work than making all strips anew,
-    /// and no thread loops longer than it may.
+    /// Returns whether going through the changes between two LODs is less work than making all
+    /// strips anew, and no thread loops longer than it may.
     fn is_near(&self, from: Lod, to: Lod) -> bool {
         let records = from.min(to).0..from.max(to).0;
         if u64::from(self.edits().visits(&records)) * ENTRY_COST > self.strips.separate_indices() {

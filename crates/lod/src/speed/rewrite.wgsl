@@ -11,20 +11,20 @@ struct Parameters {
 @group(0) @binding(2) var<storage, read> entries: array<vec4<u32>>;
 @group(0) @binding(3) var<storage, read> removal_lods: array<u32>;
 // For each index the first LOD without it.
-@group(0) @binding(4) var<storage, read> removed_at: array<u32>;
+@group(0) @binding(4) var<storage, read> index_removal_lods: array<u32>;
 @group(0) @binding(5) var<storage, read> values: array<u32>;
 @group(0) @binding(6) var<storage, read_write> strips: array<u32>;
 @group(0) @binding(7) var<storage, read_write> heads: array<vec2<u32>>;
 
-@compute @workgroup_size(256)
-fn main(@builtin(global_invocation_id) g: vec3<u32>, @builtin(num_workgroups) size: vec3<u32>) {
-    let s = g.x + g.y * size.x * 256u;
+@compute @workgroup_size(WORKGROUP)
+fn main(thread: Thread) {
+    let s = number_of(thread);
     if (s >= p.strips) { return; }
     var limit = p.lod;
     if (p.lod >= removal_lods[s]) { limit = max(removal_lods[s], 1u) - 1u; }
     var write = starts[s].x;
     for (var i = starts[s].x; i < starts[s + 1u].x; i++) {
-        if (removed_at[i] > limit) {
+        if (index_removal_lods[i] > limit) {
             strips[write] = values[i];
             write++;
         }

@@ -1,7 +1,7 @@
 //! The run-time arrays as the thesis has them (3.3.2), with what overflows its bytes spelled out.
 
 use super::Speed;
-use super::edits::Gone;
+use super::edits::Removed;
 use crate::trace::{Kind, Removal};
 use lodc_mesh::Lod;
 
@@ -15,9 +15,9 @@ pub const AT_END: i32 = 1 << 30;
 /// One record. The vertex that it removes is its own number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LodInfo {
-    /// What the removed vertex becomes.
+    /// The target of the removed vertex.
     pub vertex: u32,
-    /// How many strips it changes. 255: that many or more, and the number is the `strip` of a
+    /// Number of strips it changes. 255: that many or more, and the number is the `strip` of a
     /// [`StripInfo`] that stands before those of the record.
     pub strips_affected: u8,
 }
@@ -27,8 +27,8 @@ pub struct LodInfo {
 pub struct StripInfo {
     /// The strip.
     pub strip: u32,
-    /// How many operations follow for it. 255: that many or more, and the number is a word before
-    /// them. 0: with this record the strip dies.
+    /// Number of operations that follow for it. 255: that many or more, and the number is a word
+    /// before them. 0: with this record the strip dies.
     pub num_ops: u8,
 }
 
@@ -125,9 +125,9 @@ impl RunTime {
         self.lods.iter().map(&mut record).collect()
     }
 
-    /// What the arrays take as the thesis counts: a word and a byte for each record and each
-    /// affected strip, a word for each change, two for each removal. What spells out an overflow is
-    /// counted like the rest.
+    /// Returns the bytes of the arrays as the thesis counts: a word and a byte for each record and
+    /// each affected strip, a word for each change, two for each removal. What spells out an
+    /// overflow is counted like the rest.
     #[must_use]
     pub fn bytes(&self) -> u64 {
         5 * (self.lods.len() + self.strips.len()) as u64 + 4 * self.updates.len() as u64
@@ -135,7 +135,8 @@ impl RunTime {
 }
 
 impl Removal {
-    /// How many elements go, and how they come back, in the word of [`RunTime::updates`].
+    /// Returns the number of removed elements and the way in which they come back, in the word of
+    /// [`RunTime::updates`].
     pub(super) fn word(self) -> i32 {
         let count = self.count as i32;
         match self.kind {
@@ -147,18 +148,18 @@ impl Removal {
     }
 }
 
-/// What a record does to a strip.
+/// The changes of a strip by one record.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Event<'a> {
     pub(super) strip: u32,
     /// The places of the buffer of all strips that change.
     pub(super) changes: &'a [u32],
-    /// What goes, the last place first.
-    pub(super) removals: &'a [Gone],
+    /// The removals, the last place first.
+    pub(super) removals: &'a [Removed],
 }
 
 impl Speed {
-    /// What a record does, strip by strip.
+    /// Returns the changes of a record, strip by strip.
     pub(super) fn events(&self, record: u32) -> impl Iterator<Item = Event<'_>> {
         let record = record..record + 1;
         let run = self.edits.of(&record);
@@ -174,7 +175,7 @@ impl Speed {
         })
     }
 
-    /// What a record does to each of the strips that it changes, by place.
+    /// Returns the operations of a record on each strip that it changes, by place.
     pub(super) fn operations(&self, record: u32) -> Vec<Vec<Operation>> {
         let of_strip = |event: Event<'_>| {
             let first = self.strips.range(event.strip as usize).start as u32;

@@ -31,7 +31,7 @@ pub(super) fn to_array(by_strip: &[Vec<(u32, Removal)>]) -> Array {
 
 /// Removals as read: for each strip those of its own.
 pub(super) struct Stored {
-    /// Where each strip's removals start in `removals`, and where the last one's end.
+    /// Start of each strip's removals in `removals`, and end of the last one's.
     first: Vec<u32>,
     removals: Vec<(u32, Removal)>,
 }

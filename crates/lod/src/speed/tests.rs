@@ -101,7 +101,7 @@ fn a_strip_and_its_operations_worked_out_by_hand() {
     assert_eq!(arrays.bytes(), 5 * (7 + 6) + 4 * 8);
     assert_eq!(model.removal_lods(), [6]);
     let never = u32::MAX;
-    assert_eq!(model.removed_at(), [never, never, never, never, 2, 2, never, never]);
+    assert_eq!(model.index_removal_lods(), [never, never, never, never, 2, 2, never, never]);
     for lod in (0..7).rev() {
         model.seek(&mut cursor, Lod(lod), &mut ());
         assert_eq!(cursor.strip(0), expected[lod as usize], "back to {lod}");
@@ -175,7 +175,7 @@ fn counts_that_overflow_a_byte_are_spelled_out() {
 
 /// Every fixture under an arbitrary sequence and both kinds of strips.
 #[test]
-fn everything_shown_and_told_equals_the_reference() {
+fn everything_shown_and_reported_equals_the_reference() {
     for &(name, make) in fixtures::ALL {
         let mesh = make();
         if mesh.triangles().len() <= 400 {
@@ -209,8 +209,8 @@ fn arrays_come_back_and_damage_is_refused_or_harmless() {
         assert_eq!(loaded.arrays(), arrays);
         assert_eq!(loaded.run_time(last), built.run_time(last));
         assert_eq!(
-            (loaded.removed_at(), loaded.removal_lods()),
-            (built.removed_at(), built.removal_lods())
+            (loaded.index_removal_lods(), loaded.removal_lods()),
+            (built.index_removal_lods(), built.removal_lods())
         );
         for which in 0..2 {
             let damaged = |bytes: Vec<u8>| {

@@ -14,9 +14,9 @@ struct Parameters {
 @group(0) @binding(4) var<storage, read> collapse_to: array<u32>;
 @group(0) @binding(5) var<storage, read_write> values: array<u32>;
 
-@compute @workgroup_size(256)
-fn main(@builtin(global_invocation_id) g: vec3<u32>, @builtin(num_workgroups) size: vec3<u32>) {
-    let i = g.x + g.y * size.x * 256u;
+@compute @workgroup_size(WORKGROUP)
+fn main(thread: Thread) {
+    let i = number_of(thread);
     if (i >= p.indices) { return; }
     let removal_lod = removal_lods[strip_of[i]];
     var limit = p.lod;

@@ -1,4 +1,4 @@
-//! Which repetitions a record takes out of a strip (thesis 3.3.3), with the winding of everything
+//! Repetitions that a record takes out of a strip (thesis 3.3.3), with the winding of everything
 //! else kept.
 //!
 //! The thesis has two filters: a vertex repetition `a a (a)+` keeps two, an edge repetition `a b (a
@@ -18,20 +18,20 @@ use super::working::{Leaving, WorkingStrip};
 use lodc_mesh::{NONE, is_degenerate};
 use lodc_model::BuildError;
 
-/// How far from a change partners of a single element are looked for.
+/// The distance from a change within which partners of a single element are looked for.
 const REACH: usize = 12;
 
-/// How many changes a removal must spare. It takes two words itself and a change one, so this is
+/// Number of changes a removal must spare. It takes two words itself and a change one, so this is
 /// where storage breaks even (bunny and cow: 2 to 4 give the same size within one percent; it is
 /// removals that take time, changes hardly do).
 const LEAST: u32 = 3;
 
-/// What one record takes out of one strip.
+/// The choice of what one record removes from one strip.
 #[derive(Debug)]
 pub(crate) struct Filter<'a> {
     pub(crate) removed: Vec<Leaving>,
     targets: &'a [u32],
-    /// Whether dead ends go.
+    /// True if dead ends go.
     ends: bool,
     /// The record with which the strip dies.
     pub(crate) end: u32,
@@ -43,7 +43,8 @@ impl<'a> Filter<'a> {
         Self { removed: Vec::new(), targets, ends, end: NONE }
     }
 
-    /// How many changes of a strip are spared if some elements go, up to [`LEAST`].
+    /// Returns the number of changes of a strip that are spared if some elements go, up to
+    /// [`LEAST`].
     fn worth(&self, strip: &WorkingStrip, first: u32, last: u32) -> u32 {
         let (mut e, mut worth) = (first, 0);
         loop {
@@ -150,7 +151,7 @@ impl<'a> Filter<'a> {
         }
     }
 
-    /// What stands before the first drawn triangle and behind the last.
+    /// Takes out all that stands before the first drawn triangle and behind the last.
     fn ends(&mut self, strip: &mut WorkingStrip) {
         let (front, mut last, mut count) = (strip.front(), strip.first_drawn(), 0);
         while last != front {
@@ -175,7 +176,8 @@ impl<'a> Filter<'a> {
         }
     }
 
-    /// Whether nothing that this record takes out is among these elements or the two before them.
+    /// Returns whether nothing that this record takes out is among these elements or the two before
+    /// them.
     fn is_free(&self, strip: &WorkingStrip, first: u32, last: u32) -> bool {
         let start = |first| strip.previous(strip.previous(first));
         self.removed.iter().all(|r| r.last < start(first) || last < start(r.first))
@@ -217,8 +219,8 @@ impl Removals for Filter<'_> {
     }
 }
 
-/// Whether the elements that meet when a repeating one goes make no triangle: by vertex, so that
-/// they never will.
+/// Returns whether the elements that meet when a repeating one goes make no triangle: by vertex, so
+/// that they never will.
 fn is_harmless(strip: &WorkingStrip, element: u32) -> bool {
     let (before, after) = (strip.previous(element), strip.next(element));
     let [a, b, c] = [strip.previous(before), before, after].map(|e| strip.value(e));

@@ -1,17 +1,17 @@
-//! What happens to strips: changes and removals in order of records.
+//! Histories of strips: changes and removals in order of records.
 
 use lodc_mesh::NONE;
 
-/// How removed elements come back.
+/// The way in which removed elements come back.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// A vertex repetition: each element is the one before it.
     Vertex,
     /// An edge repetition: each element is the one two before it.
     Edge,
-    /// What stood before the first triangle that is drawn. It was left where it was.
+    /// A dead front: all before the first triangle that is drawn. It is left where it was.
     Front,
-    /// What stood behind the last triangle that is drawn. It was left where it was.
+    /// A dead back: all behind the last triangle that is drawn. It is left where it was.
     Back,
 }
 
@@ -19,7 +19,8 @@ impl Kind {
     /// All kinds, by the number that stands for them in files.
     pub const ALL: [Self; 4] = [Self::Vertex, Self::Edge, Self::Front, Self::Back];
 
-    /// How far before it an element of a repetition finds its equal; 0 for ends.
+    /// Returns the distance at which an element of a repetition finds its equal before it; 0 for
+    /// ends.
     #[must_use]
     pub const fn period(self) -> u32 {
         match self {
@@ -33,12 +34,12 @@ impl Kind {
 /// Consecutive elements that a record takes out of a strip.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Removal {
-    /// Where the first of them stands before the record, counted from where the strip starts at LOD
+    /// The place of the first of them before the record, counted from where the strip starts at LOD
     /// 0: what has gone at the front keeps its room.
     pub at: u32,
-    /// How many they are.
+    /// Number of elements.
     pub count: u32,
-    /// How they come back.
+    /// The way in which they come back.
     pub kind: Kind,
 }
 
@@ -50,13 +51,13 @@ pub struct Event {
     pub strip: u32,
     /// The record.
     pub record: u32,
-    /// How many of its indices change.
+    /// Number of its indices that change.
     pub changes: u32,
-    /// How many runs of elements are removed.
+    /// Number of runs of elements that are removed.
     pub removals: u32,
 }
 
-/// What happens to some consecutive strips, strip by strip, each in order of records. The event
+/// All changes of some consecutive strips, strip by strip, each in order of records. The event
 /// without changes is the one with which a strip dies.
 #[derive(Debug, Default)]
 pub struct History {
@@ -64,10 +65,10 @@ pub struct History {
     pub events: Vec<Event>,
     /// Places of a strip, as before the record, that change.
     pub changes: Vec<u32>,
-    /// What is removed.
+    /// The removals.
     pub removals: Vec<Removal>,
     /// For each index of the strips the first LOD without it, [`NONE`] if it is never removed.
-    pub removed_at: Vec<u32>,
+    pub index_removal_lods: Vec<u32>,
     /// For each index whether it is removed at the front of its strip.
     pub at_front: Vec<bool>,
     /// For each index that is removed at the front or back of its strip its place then, where it is
@@ -80,8 +81,8 @@ pub struct History {
 impl History {
     /// Makes room for a strip of so many indices. Returns where they start.
     pub(crate) fn begin_strip(&mut self, indices: usize) -> usize {
-        let first = self.removed_at.len();
-        self.removed_at.resize(first + indices, NONE);
+        let first = self.index_removal_lods.len();
+        self.index_removal_lods.resize(first + indices, NONE);
         self.at_front.resize(first + indices, false);
         self.left_at.resize(first + indices, NONE);
         first
@@ -92,7 +93,7 @@ impl History {
         self.events.extend(more.events);
         self.changes.extend(more.changes);
         self.removals.extend(more.removals);
-        self.removed_at.extend(more.removed_at);
+        self.index_removal_lods.extend(more.index_removal_lods);
         self.at_front.extend(more.at_front);
         self.left_at.extend(more.left_at);
         self.removal_lods.extend(more.removal_lods);

@@ -1,4 +1,4 @@
-//! Which elements of a strip are left, and which is the n-th of them: a binary indexed tree
+//! Ranks of the elements of a strip that are left: a binary indexed tree
 //! (Fenwick 1994).
 
 /// Counts of what is left among the first elements.
@@ -15,7 +15,7 @@ impl Ranks {
         self.tree.extend((0..=count as u32).map(|i| i & i.wrapping_neg()));
     }
 
-    /// How many elements before this one are left.
+    /// Returns the number of elements before this one that are left.
     pub(super) fn rank(&self, element: u32) -> u32 {
         let (mut i, mut sum) = (element, 0);
         while i > 0 {

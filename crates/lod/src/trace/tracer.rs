@@ -11,10 +11,10 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::ops::Range;
 
-/// How many changes a strip may have per index. Real strips have about five.
+/// Number of changes a strip may have per index. Real strips have about five.
 const MOST_CHANGES: usize = 300;
 
-/// What is traced.
+/// The strips that are traced, and the sequence.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Source<'a> {
     /// The collapse target of each record.
@@ -23,9 +23,9 @@ pub(crate) struct Source<'a> {
     pub(crate) positions: &'a PositionIds,
 }
 
-/// Where removals come from: the filter, or a file.
+/// A source of removals: the filter, or a file.
 pub(crate) trait Removals {
-    /// Whether [`Self::begin`] is wanted.
+    /// True if [`Self::begin`] is wanted.
     const LOOKS_AHEAD: bool;
     /// Begins a strip that dies with record `end`.
     fn begin(&mut self, _end: u32) {}
@@ -189,7 +189,7 @@ impl StripTracer {
     }
 }
 
-/// How many changes a strip may have.
+/// Returns the number of changes a strip may have.
 fn most_changes(strip: &[u32]) -> usize {
     MOST_CHANGES * (strip.len() + 100)
 }
@@ -211,7 +211,7 @@ fn write_down(
         for k in 0..r.count {
             strip.forget(element);
             let index = first_index + WorkingStrip::number(element);
-            history.removed_at[index] = lod;
+            history.index_removal_lods[index] = lod;
             history.at_front[index] = r.kind == Kind::Front;
             history.left_at[index] = if r.kind.period() == 0 { removal.at + k } else { NONE };
             element = strip.next(element);

@@ -25,16 +25,16 @@ pub(crate) struct WorkingStrip {
     previous: Vec<u32>,
     next: Vec<u32>,
     left: Vec<bool>,
-    /// Whether the triangle that starts at each element is drawn. Once it is not, it never is
+    /// True if the triangle that starts at each element is drawn. Once it is not, it never is
     /// again.
     draws: Vec<bool>,
-    /// How many are.
+    /// Number of drawn triangles.
     drawn: u32,
     /// No triangle that starts behind this element is drawn.
     last_drawn: u32,
     /// No triangle that starts before this element is drawn.
     first_drawn: u32,
-    /// How many elements have gone at the front.
+    /// Number of elements removed at the front.
     room: u32,
     ranks: Ranks,
 }
@@ -79,7 +79,7 @@ impl WorkingStrip {
     pub(crate) fn is_left(&self, element: u32) -> bool {
         self.left[element as usize]
     }
-    /// Whether any triangle is drawn.
+    /// Returns whether any triangle is drawn.
     pub(crate) fn is_live(&self) -> bool {
         self.drawn > 0
     }
@@ -92,15 +92,15 @@ impl WorkingStrip {
     pub(crate) fn next(&self, element: u32) -> u32 {
         self.next[element as usize]
     }
-    /// Whether the triangle that starts here is drawn.
+    /// Returns whether the triangle that starts here is drawn.
     pub(crate) fn draws(&self, element: u32) -> bool {
         self.draws[element as usize]
     }
-    /// Whether this element stands for a vertex, and not for an edge of the strip.
+    /// Returns whether this element stands for a vertex, and not for an edge of the strip.
     pub(crate) fn is_inside(&self, element: u32) -> bool {
         element >= EDGE && element < self.value.len() as u32 - EDGE
     }
-    /// Whether an element is the same vertex as the one `period` before it.
+    /// Returns whether an element is the same vertex as the one `period` before it.
     pub(crate) fn repeats(&self, element: u32, period: u32) -> bool {
         let before = if period == 1 {
             self.previous(element)
@@ -109,8 +109,8 @@ impl WorkingStrip {
         };
         self.value(element) == self.value(before)
     }
-    /// Where an element stands now, counted from where the strip started; removals count once
-    /// [`Self::forget`] has been called.
+    /// Returns the place of an element now, counted from where the strip started; removals count
+    /// once [`Self::forget`] has been called.
     pub(crate) fn place(&self, element: u32) -> u32 {
         self.ranks.rank(element) - EDGE + self.room
     }

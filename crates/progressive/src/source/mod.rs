@@ -1,4 +1,5 @@
-//! What an encoder knows and a decoder does not: the next vertex split, asked for piece by piece.
+//! Knowledge that an encoder has and a decoder lacks: the next vertex split, asked for piece by
+//! piece.
 
 pub(crate) mod encoder_source;
 pub(crate) mod first_appearance;

@@ -1,4 +1,4 @@
-//! Which triangles of the parent's star are transferred to the new vertex.
+//! Triangles of the parent's star that are transferred to the new vertex.
 //!
 //! The new triangles suggest it: each lies between a triangle that the parent keeps and one that is
 //! transferred, and triangles that share an edge go the same way.

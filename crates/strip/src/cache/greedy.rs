@@ -10,7 +10,7 @@ use crate::adjacency::decode;
 use crate::cover::{Cover, is_none};
 use crate::front::{Front, Touch};
 
-/// What a candidate is judged by, in fetched vertices. Found by a search over three scans.
+/// The weights of a candidate's score, in fetched vertices. Found by a search over three scans.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Weights {
     /// Per index.
@@ -23,7 +23,7 @@ pub(crate) struct Weights {
     pub(crate) triangle: f32,
     /// Longest strip, in triangles.
     pub(crate) longest: usize,
-    /// How many corners of the first triangle must be in the cache.
+    /// Number of corners of the first triangle that must be in the cache.
     pub(crate) cached: usize,
 }
 

@@ -11,18 +11,19 @@ use crate::cover::{Cover, submesh_of};
 use crate::{Effort, StripSet};
 use greedy::Weights;
 use lodc_mesh::Mesh;
+use refine::{Drawing, Goal, refine};
 use window::Search;
 
-/// What cache-aware strips are made for.
+/// Options of cache-aware strips.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CacheOptions {
-    /// How many vertices the cache holds (first in, first out). Values outside 4 to 64 are taken as
-    /// the nearest of those.
+    /// Number of vertices the cache holds (first in, first out). Values outside 4 to 64 are taken
+    /// as the nearest of those.
     pub cache_size: u32,
-    /// How many fetched vertices one index is worth: more makes longer strips, less makes fewer
+    /// Number of fetched vertices one index is worth: more makes longer strips, less makes fewer
     /// misses.
     pub index_price: f32,
-    /// How long to search.
+    /// The time that the search may take.
     pub effort: Effort,
 }
 
@@ -51,7 +52,9 @@ pub fn cache(mesh: &Mesh, options: &CacheOptions) -> StripSet {
         .collect();
     // Anything that is not a sensible price would only spoil comparisons.
     let price = if options.index_price >= 0.0 { options.index_price.min(100.0) } else { 0.0 };
-    let refined = refine::refine(&paths, triangles, &cover, size, price, searches(options.effort));
+    let drawing = Drawing { paths: &paths, triangles, cover: &cover };
+    let searches = searches(options.effort);
+    let refined = refine(&drawing, &Goal { cache_size: size, index_price: price, searches });
     let submesh = submesh_of(mesh);
     let mut indices = Vec::with_capacity(triangles.len() * 3 / 2);
     let mut strips = Vec::with_capacity(order.len());

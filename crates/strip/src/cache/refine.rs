@@ -1,11 +1,14 @@
 //! The local search along the whole drawing order, in chunks that do not depend on each other.
 
 use super::paths::{Strip, Surface};
-use super::window::{Fifo, Search, Window};
-use crate::adjacency::{NONE, code, decode};
-use crate::anneal::Random;
+use super::window::{Search, Window, Workspace};
+use crate::adjacency::{code, decode};
+use crate::anneal::generator;
 use crate::cover::{Cover, is_none};
+use lodc_mesh::{NONE, SplitMix64};
 use rayon::prelude::*;
+use std::collections::VecDeque;
+use std::ops::Range;
 
 /// Triangles of a chunk: what a thread works on at a time.
 const CHUNK: usize = 1 << 12;
@@ -13,55 +16,102 @@ const CHUNK: usize = 1 << 12;
 const HEAD: usize = 160;
 const TAIL: usize = 48;
 
-/// Improves strips, given as paths in drawing order, and writes them down.
-pub(crate) fn refine(
-    paths: &[Vec<u32>],
-    triangles: &[[u32; 3]],
-    cover: &Cover,
-    size: u32,
-    price: f32,
-    searches: &[Search],
-) -> Vec<(u32, Vec<u32>)> {
-    let mut chunks = Vec::new();
-    let (mut start, mut sum) = (0, 0);
-    for (i, path) in paths.iter().enumerate() {
-        sum += path.len();
-        if sum >= CHUNK || i + 1 == paths.len() {
-            chunks.push((start, i + 1));
-            (start, sum) = (i + 1, 0);
-        }
-    }
-    let mut place = vec![NONE; triangles.len()];
-    for &(start, end) in &chunks {
-        let all = paths[start..end].iter().flatten();
-        all.enumerate().for_each(|(i, &c)| place[decode(c).0 as usize] = i as u32);
-    }
-    let mut chunk_of = vec![NONE; triangles.len()];
-    for (i, &(start, end)) in chunks.iter().enumerate() {
-        paths[start..end].iter().flatten().for_each(|&c| chunk_of[decode(c).0 as usize] = i as u32);
-    }
-    let work = |(number, &(start, end)): (usize, &(usize, usize))| {
-        let all: Vec<u32> = paths[start..end].iter().flatten().map(|&c| decode(c).0).collect();
-        // What is drawn before and after the chunk, as it is drawn now.
-        let written = |path: &Vec<u32>| {
-            let mut indices = Vec::new();
-            cover.write_forward(path, triangles, &mut indices);
-            indices
-        };
-        let mut head: Vec<Vec<u32>> = Vec::new();
-        let mut length = 0;
-        for path in paths[..start].iter().rev() {
-            if length >= HEAD {
-                break;
-            }
-            head.push(written(path));
-            length += path.len();
-        }
-        let mut head: Vec<u32> = head.into_iter().rev().flatten().collect();
-        let mut tail: Vec<u32> =
-            paths[end..].iter().take(TAIL).flat_map(written).take(TAIL).collect();
+/// The drawing order that is improved: strips as paths.
+pub(crate) struct Drawing<'a> {
+    pub(crate) paths: &'a [Vec<u32>],
+    pub(crate) triangles: &'a [[u32; 3]],
+    pub(crate) cover: &'a Cover,
+}
 
-        let mut vertices: Vec<u32> = all.iter().flat_map(|&t| triangles[t as usize]).collect();
+/// The aim of the search, and the time that it takes.
+pub(crate) struct Goal {
+    /// Number of vertices that the cache holds.
+    pub(crate) cache_size: u32,
+    /// The price of an index, in fetched vertices.
+    pub(crate) index_price: f32,
+    pub(crate) searches: &'static [Search],
+}
+
+/// A strip that is written down: its first triangle and its indices.
+pub(crate) type Written = (u32, Vec<u32>);
+
+/// Improves strips and writes them down.
+pub(crate) fn refine(drawing: &Drawing<'_>, goal: &Goal) -> Vec<Written> {
+    let chunks = Chunks::new(drawing);
+    let improved = |number: usize| {
+        let mut chunk = chunks.chunk(number);
+        let mut random = generator(number as u64);
+        for search in goal.searches {
+            chunk.improve(goal, search, &mut random);
+        }
+        chunk.written()
+    };
+    let done: Vec<Vec<Written>> = (0..chunks.ranges.len()).into_par_iter().map(improved).collect();
+    done.into_iter().flatten().collect()
+}
+
+/// The drawing order, cut.
+struct Chunks<'a> {
+    drawing: &'a Drawing<'a>,
+    /// The paths of each chunk.
+    ranges: Vec<Range<usize>>,
+    /// For each triangle its chunk, and its number there.
+    chunk_of: Vec<u32>,
+    place: Vec<u32>,
+}
+
+impl<'a> Chunks<'a> {
+    fn new(drawing: &'a Drawing<'a>) -> Self {
+        let (mut ranges, mut start, mut triangles) = (Vec::new(), 0, 0);
+        for (i, path) in drawing.paths.iter().enumerate() {
+            triangles += path.len();
+            if triangles >= CHUNK || i + 1 == drawing.paths.len() {
+                ranges.push(start..i + 1);
+                (start, triangles) = (i + 1, 0);
+            }
+        }
+        let nowhere = vec![NONE; drawing.triangles.len()];
+        let (mut chunk_of, mut place) = (nowhere.clone(), nowhere);
+        for (number, range) in ranges.iter().enumerate() {
+            for (i, &c) in drawing.paths[range.clone()].iter().flatten().enumerate() {
+                chunk_of[decode(c).0 as usize] = number as u32;
+                place[decode(c).0 as usize] = i as u32;
+            }
+        }
+        Self { drawing, ranges, chunk_of, place }
+    }
+
+    /// The indices of a path as it is drawn now.
+    fn indices(&self, path: &[u32]) -> Vec<u32> {
+        let mut indices = Vec::new();
+        self.drawing.cover.write_forward(path, self.drawing.triangles, &mut indices);
+        indices
+    }
+
+    /// At least [`HEAD`] triangles' indices that are drawn before a path, if there are so many.
+    fn head(&self, path: usize) -> Vec<u32> {
+        let (mut first, mut length) = (path, 0);
+        while first > 0 && length < HEAD {
+            first -= 1;
+            length += self.drawing.paths[first].len();
+        }
+        self.drawing.paths[first..path].iter().flat_map(|path| self.indices(path)).collect()
+    }
+
+    /// The [`TAIL`] indices that are drawn from a path on.
+    fn tail(&self, path: usize) -> Vec<u32> {
+        let paths = self.drawing.paths[path..].iter().take(TAIL);
+        paths.flat_map(|path| self.indices(path)).take(TAIL).collect()
+    }
+
+    /// A chunk, with triangles and vertices numbered by itself.
+    fn chunk(&self, number: usize) -> Chunk {
+        let range = self.ranges[number].clone();
+        let paths = &self.drawing.paths[range.clone()];
+        let corners = |t: u32| self.drawing.triangles[t as usize];
+        let triangles: Vec<u32> = paths.iter().flatten().map(|&c| decode(c).0).collect();
+        let (mut head, mut tail) = (self.head(range.start), self.tail(range.end));
+        let mut vertices: Vec<u32> = triangles.iter().flat_map(|&t| corners(t)).collect();
         vertices.extend(head.iter().chain(&tail));
         vertices.sort_unstable();
         vertices.dedup();
@@ -69,107 +119,93 @@ pub(crate) fn refine(
             |v: u32| vertices.binary_search(&v).expect("gathered from the same triangles") as u32;
         head.iter_mut().chain(&mut tail).for_each(|v| *v = local(*v));
         let near = |c: u32| {
-            if is_none(c) {
-                return NONE;
-            }
             let (u, slot) = decode(c);
-            if chunk_of[u as usize] == number as u32 { code(place[u as usize], slot) } else { NONE }
+            let inside = !is_none(c) && self.chunk_of[u as usize] == number as u32;
+            if inside { code(self.place[u as usize], slot) } else { NONE }
         };
+        let neighbours = |&t: &u32| [0, 1, 2].map(|e| near(self.drawing.cover.neighbour(t, e)));
         let surface = Surface {
-            triangles: all.iter().map(|&t| triangles[t as usize].map(local)).collect(),
-            neighbours: all
-                .iter()
-                .map(|&t| [0, 1, 2].map(|slot| near(cover.neighbour(t, slot))))
-                .collect(),
+            triangles: triangles.iter().map(|&t| corners(t).map(local)).collect(),
+            neighbours: triangles.iter().map(neighbours).collect(),
         };
-        let mut strips: Vec<Strip> = paths[start..end]
-            .iter()
-            .map(|path| {
-                let path = path
-                    .iter()
-                    .map(|&c| code(place[decode(c).0 as usize], decode(c).1))
-                    .collect::<Vec<_>>();
-                Strip { indices: surface.indices(&path), path }
-            })
-            .collect();
-        let mut random = Random::new(number as u64);
-        for search in searches {
-            improve(&surface, &mut strips, (&head, &tail), size, price, search, &mut random);
-        }
-        let global = |s: &Strip| {
-            let first = all[decode(s.path[0]).0 as usize];
-            (first, s.indices.iter().map(|&v| vertices[v as usize]).collect::<Vec<_>>())
+        let strip = |path: &Vec<u32>| {
+            let renumbered = |&c: &u32| code(self.place[decode(c).0 as usize], decode(c).1);
+            let path: Vec<u32> = path.iter().map(renumbered).collect();
+            Strip { indices: surface.indices(&path), path }
         };
-        strips.iter().map(global).collect::<Vec<_>>()
-    };
-    let done: Vec<Vec<(u32, Vec<u32>)>> = chunks.par_iter().enumerate().map(work).collect();
-    done.into_iter().flatten().collect()
+        let strips = paths.iter().map(strip).collect();
+        Chunk { triangles, vertices, surface, strips, head, tail }
+    }
 }
 
-/// Searches in stretches that overlap by half.
-fn improve(
-    surface: &Surface,
-    strips: &mut Vec<Strip>,
-    (head, tail): (&[u32], &[u32]),
-    size: u32,
-    price: f32,
-    search: &Search,
-    random: &mut Random,
-) {
-    let vertices = surface
-        .triangles
-        .iter()
-        .flatten()
-        .chain(head)
-        .chain(tail)
-        .max()
-        .map_or(0, |&v| v as usize + 1);
-    let mut fifo = Fifo::new(vertices, size);
-    let mut strip_of = vec![u32::MAX; surface.triangles.len()];
-    let mut done: Vec<Strip> = Vec::new();
-    let mut waiting: std::collections::VecDeque<Strip> = std::mem::take(strips).into();
-    let mut stretch: Vec<Strip> = Vec::new();
-    // Each triangle is in two stretches.
-    let half = Search { proposals: search.proposals / 2.0, ..*search };
-    loop {
-        let mut triangles: usize = stretch.iter().map(|s| s.path.len()).sum();
-        while triangles < search.window {
-            let Some(s) = waiting.pop_front() else { break };
-            triangles += s.path.len();
-            stretch.push(s);
+/// Strips that are improved by themselves.
+struct Chunk {
+    /// The triangles and vertices of the mesh, by their numbers here.
+    triangles: Vec<u32>,
+    vertices: Vec<u32>,
+    surface: Surface,
+    strips: Vec<Strip>,
+    /// Indices that are drawn before the chunk and after it.
+    head: Vec<u32>,
+    tail: Vec<u32>,
+}
+
+impl Chunk {
+    /// Searches in stretches that overlap by half.
+    fn improve(&mut self, goal: &Goal, search: &Search, random: &mut SplitMix64) {
+        let (size, price) = (goal.cache_size, goal.index_price);
+        let mut shared = Workspace::new(&self.surface, self.vertices.len(), size, price, random);
+        let mut done: Vec<Strip> = Vec::new();
+        let mut waiting: VecDeque<Strip> = std::mem::take(&mut self.strips).into();
+        let mut stretch: Vec<Strip> = Vec::new();
+        // Each triangle is in two stretches.
+        let half = Search { proposals: search.proposals / 2.0, ..*search };
+        loop {
+            let mut triangles: usize = stretch.iter().map(|s| s.path.len()).sum();
+            while triangles < search.window {
+                let Some(s) = waiting.pop_front() else { break };
+                triangles += s.path.len();
+                stretch.push(s);
+            }
+            let (before, after) = (before(&done, &self.head), after(&waiting, &self.tail));
+            stretch = Window::new(&mut shared, stretch, &before, after).search(&half);
+            if waiting.is_empty() {
+                break;
+            }
+            let (mut out, mut left) = (0, 0);
+            while out < stretch.len() && left < triangles / 2 {
+                left += stretch[out].path.len();
+                out += 1;
+            }
+            done.extend(stretch.drain(..out));
         }
-        let mut before: Vec<u32> = Vec::new();
-        let mut from = done.len();
-        let mut length = 0;
-        while from > 0 && length < HEAD {
-            from -= 1;
-            length += done[from].indices.len();
-        }
-        if from == 0 {
-            before.extend(head);
-        }
-        before.extend(done[from..].iter().flat_map(|s| &s.indices));
-        let after = waiting
-            .iter()
-            .take(TAIL)
-            .flat_map(|s| &s.indices)
-            .chain(tail)
-            .take(TAIL)
-            .copied()
-            .collect();
-        let parts = (surface, &mut fifo, &mut *random, strip_of.as_mut_slice());
-        stretch = Window::new(parts, price, stretch, &before, after).search(&half);
-        if waiting.is_empty() {
-            done.extend(stretch);
-            break;
-        }
-        let mut out = 0;
-        let mut drop = 0;
-        while out < stretch.len() && drop < triangles / 2 {
-            drop += stretch[out].path.len();
-            out += 1;
-        }
-        done.extend(stretch.drain(..out));
+        done.extend(stretch);
+        self.strips = done;
     }
-    *strips = done;
+
+    /// The strips with the numbers of the mesh.
+    fn written(&self) -> Vec<Written> {
+        let written = |s: &Strip| {
+            let first = self.triangles[decode(s.path[0]).0 as usize];
+            (first, s.indices.iter().map(|&v| self.vertices[v as usize]).collect())
+        };
+        self.strips.iter().map(written).collect()
+    }
+}
+
+/// At least [`HEAD`] indices that are drawn before a stretch, if there are so many.
+fn before(done: &[Strip], head: &[u32]) -> Vec<u32> {
+    let (mut first, mut length) = (done.len(), 0);
+    while first > 0 && length < HEAD {
+        first -= 1;
+        length += done[first].indices.len();
+    }
+    let head = if first == 0 { head } else { &[] };
+    head.iter().chain(done[first..].iter().flat_map(|s| &s.indices)).copied().collect()
+}
+
+/// The [`TAIL`] indices that are drawn after a stretch.
+fn after(waiting: &VecDeque<Strip>, tail: &[u32]) -> Vec<u32> {
+    let strips = waiting.iter().take(TAIL).flat_map(|s| &s.indices);
+    strips.chain(tail).take(TAIL).copied().collect()
 }

@@ -4,10 +4,11 @@
 
 use super::paths::{Strip, Surface};
 use crate::adjacency::decode;
-use crate::anneal::{Random, below, exp_minus};
+use crate::anneal::{below, exp_minus};
 use crate::cover::is_none;
+use lodc_mesh::{NONE, SplitMix64};
 
-/// How long and how hot to search.
+/// The length and the temperatures of a search.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Search {
     /// Changes to try, per triangle.
@@ -20,9 +21,9 @@ pub(crate) struct Search {
     pub(crate) cold: f64,
 }
 
-/// How far a strip moves in one change, in strips.
+/// The farthest that a strip moves in one change, in strips.
 const FAR: usize = 6;
-/// How often the temperature falls.
+/// The number of temperatures.
 const STAGES: usize = 16;
 
 /// The cache at some point: when each vertex was fetched last.
@@ -55,14 +56,52 @@ impl Fifo {
     }
 }
 
-pub(crate) struct Window<'a> {
-    pub(crate) surface: &'a Surface,
-    pub(crate) fifo: &'a mut Fifo,
-    pub(crate) random: &'a mut Random,
-    /// What an index is worth.
-    pub(crate) price: f32,
-    /// The strip of each triangle of the surface; `u32::MAX` outside of this stretch.
-    pub(crate) strip_of: &'a mut [u32],
+/// The state that the stretches of one surface share, one after the other.
+pub(crate) struct Workspace<'a> {
+    surface: &'a Surface,
+    fifo: Fifo,
+    random: &'a mut SplitMix64,
+    /// The price of an index, in fetched vertices.
+    price: f32,
+    /// The strip of each triangle of the surface; [`NONE`] outside of the stretch.
+    strip_of: Vec<u32>,
+}
+
+impl<'a> Workspace<'a> {
+    /// Prepares the search on a surface of so many vertices, for a cache of `size`.
+    pub(crate) fn new(
+        surface: &'a Surface,
+        vertices: usize,
+        size: u32,
+        price: f32,
+        random: &'a mut SplitMix64,
+    ) -> Self {
+        let strip_of = vec![NONE; surface.triangles.len()];
+        Self { surface, fifo: Fifo::new(vertices, size), random, price, strip_of }
+    }
+}
+
+/// Strips that a change makes, by their numbers.
+struct Made {
+    strips: [u32; 2],
+    count: usize,
+}
+
+impl Made {
+    const NOTHING: Self = Self { strips: [0; 2], count: 0 };
+
+    fn one(strip: u32) -> Self {
+        Self { strips: [strip, 0], count: 1 }
+    }
+
+    fn two(a: u32, b: u32) -> Self {
+        Self { strips: [a, b], count: 2 }
+    }
+}
+
+/// A stretch of the drawing order.
+pub(crate) struct Window<'w, 'a> {
+    shared: &'w mut Workspace<'a>,
     /// Strips by number; those that are in use are in `sequence`.
     strips: Vec<Strip>,
     unused: Vec<u32>,
@@ -71,7 +110,7 @@ pub(crate) struct Window<'a> {
     /// tail, and in all.
     history: Vec<u32>,
     marks: Vec<usize>,
-    /// What is drawn after the stretch.
+    /// Indices that are drawn after the stretch.
     tail: Vec<u32>,
     // Kept between changes to save allocations.
     trial: Vec<u32>,
@@ -79,25 +118,16 @@ pub(crate) struct Window<'a> {
     fresh_marks: Vec<usize>,
 }
 
-impl<'a> Window<'a> {
+impl<'w, 'a> Window<'w, 'a> {
+    /// Draws the stretch once, after `head` and before `tail`.
     pub(crate) fn new(
-        (surface, fifo, random, strip_of): (
-            &'a Surface,
-            &'a mut Fifo,
-            &'a mut Random,
-            &'a mut [u32],
-        ),
-        price: f32,
+        shared: &'w mut Workspace<'a>,
         strips: Vec<Strip>,
         head: &[u32],
         tail: Vec<u32>,
     ) -> Self {
         let mut window = Self {
-            surface,
-            fifo,
-            random,
-            price,
-            strip_of,
+            shared,
             unused: Vec::new(),
             sequence: (0..strips.len() as u32).collect(),
             strips,
@@ -108,17 +138,17 @@ impl<'a> Window<'a> {
             fresh: Vec::new(),
             fresh_marks: Vec::new(),
         };
-        window.fifo.restart(&[]);
-        window.fifo.draw(head, &mut window.history);
+        window.shared.fifo.restart(&[]);
+        window.shared.fifo.draw(head, &mut window.history);
         for (i, s) in window.strips.iter().enumerate() {
             window.marks.push(window.history.len());
-            window.fifo.draw(&s.indices, &mut window.history);
+            window.shared.fifo.draw(&s.indices, &mut window.history);
             for &c in &s.path {
-                window.strip_of[decode(c).0 as usize] = i as u32;
+                window.shared.strip_of[decode(c).0 as usize] = i as u32;
             }
         }
         window.marks.push(window.history.len());
-        window.fifo.draw(&window.tail, &mut window.history);
+        window.shared.fifo.draw(&window.tail, &mut window.history);
         window.marks.push(window.history.len());
         window
     }
@@ -135,14 +165,14 @@ impl<'a> Window<'a> {
         }
         for s in &self.sequence {
             for &c in &self.strips[*s as usize].path {
-                self.strip_of[decode(c).0 as usize] = u32::MAX;
+                self.shared.strip_of[decode(c).0 as usize] = NONE;
             }
         }
         let mut strips = self.strips;
         self.sequence.iter().map(|&s| std::mem::take(&mut strips[s as usize])).collect()
     }
     fn step(&mut self, temperature: f64) {
-        let bits = self.random.bits();
+        let bits = self.shared.random.bits();
         let at = below(bits, self.sequence.len());
         self.trial.clone_from(&self.sequence);
         let made = match bits & 7 {
@@ -151,8 +181,8 @@ impl<'a> Window<'a> {
             4..=6 => self.propose_move(at, bits >> 3 & 0xff),
             _ => self.propose_turn(at),
         };
-        let Some((new, count)) = made else { return };
-        let new = &new[..count];
+        let Some(made) = made else { return };
+        let new = &made.strips[..made.count];
         if self.improves(temperature) {
             for &s in &self.sequence {
                 // Strips that are gone: their triangles are in the new ones.
@@ -163,7 +193,7 @@ impl<'a> Window<'a> {
             std::mem::swap(&mut self.sequence, &mut self.trial);
             for &s in new {
                 for &c in &self.strips[s as usize].path {
-                    self.strip_of[decode(c).0 as usize] = s;
+                    self.shared.strip_of[decode(c).0 as usize] = s;
                 }
             }
         } else {
@@ -172,7 +202,7 @@ impl<'a> Window<'a> {
     }
     /// Takes up a strip under a number of its own.
     fn add(&mut self, path: Vec<u32>) -> u32 {
-        let strip = Strip { indices: self.surface.indices(&path), path };
+        let strip = Strip { indices: self.shared.surface.indices(&path), path };
         match self.unused.pop() {
             Some(s) => {
                 self.strips[s as usize] = strip;
@@ -187,17 +217,17 @@ impl<'a> Window<'a> {
     fn path(&self, s: u32) -> &[u32] {
         &self.strips[s as usize].path
     }
-    fn propose_turn(&mut self, at: usize) -> Option<([u32; 2], usize)> {
+    fn propose_turn(&mut self, at: usize) -> Option<Made> {
         let path = self.path(self.sequence[at]);
         if path.len() == 1 {
             return None;
         }
-        let turned = self.surface.reversed(path);
+        let turned = self.shared.surface.reversed(path);
         let s = self.add(turned);
         self.trial[at] = s;
-        Some(([s, 0], 1))
+        Some(Made::one(s))
     }
-    fn propose_move(&mut self, at: usize, bits: u64) -> Option<([u32; 2], usize)> {
+    fn propose_move(&mut self, at: usize, bits: u64) -> Option<Made> {
         let far = 1 + (bits >> 1) as usize % FAR;
         let to = if bits & 1 == 0 { at.checked_sub(far)? } else { at + far };
         if to >= self.trial.len() {
@@ -205,9 +235,9 @@ impl<'a> Window<'a> {
         }
         let s = self.trial.remove(at);
         self.trial.insert(to, s);
-        Some(([0; 2], 0))
+        Some(Made::NOTHING)
     }
-    fn propose_cut(&mut self, at: usize, bits: u64) -> Option<([u32; 2], usize)> {
+    fn propose_cut(&mut self, at: usize, bits: u64) -> Option<Made> {
         let path = self.path(self.sequence[at]);
         if path.len() < 2 {
             return None;
@@ -218,22 +248,22 @@ impl<'a> Window<'a> {
         let (a, b) = if bits & 1 == 0 { (a, b) } else { (b, a) };
         self.trial[at] = a;
         self.trial.insert(at + 1, b);
-        Some(([a, b], 2))
+        Some(Made::two(a, b))
     }
     /// Links an end of a strip to a neighbour in another, which is cut there if it goes on.
-    fn propose_link(&mut self, at: usize, bits: u64) -> Option<([u32; 2], usize)> {
+    fn propose_link(&mut self, at: usize, bits: u64) -> Option<Made> {
         let a = self.sequence[at];
         let from_end = bits & 1 == 0;
         let path = self.path(a);
         let x = decode(if from_end { path[path.len() - 1] } else { path[0] }).0;
         let slot = (bits >> 1 & 3) as u32 % 3;
-        let c = self.surface.neighbours[x as usize][slot as usize];
+        let c = self.shared.surface.neighbours[x as usize][slot as usize];
         if is_none(c) {
             return None;
         }
         let (y, _) = decode(c);
-        let b = self.strip_of[y as usize];
-        if b == u32::MAX || b == a {
+        let b = self.shared.strip_of[y as usize];
+        if b == NONE || b == a {
             return None;
         }
         let other = self.path(b);
@@ -246,25 +276,25 @@ impl<'a> Window<'a> {
             (part, rest)
         } else {
             let (part, rest) = cut(other, k + 1);
-            (self.surface.reversed(&part), rest)
+            (self.shared.surface.reversed(&part), rest)
         };
-        let mut joined = if from_end { path.to_vec() } else { self.surface.reversed(path) };
+        let mut joined = if from_end { path.to_vec() } else { self.shared.surface.reversed(path) };
         let last = joined.len() - 1;
         joined[last] = crate::adjacency::code(x, slot);
         joined.extend(part);
         if bits & 16 != 0 {
-            joined = self.surface.reversed(&joined);
+            joined = self.shared.surface.reversed(&joined);
         }
         let there = self.sequence.iter().position(|&s| s == b)?;
         let joined = self.add(joined);
-        let mut made = ([joined, 0], 1);
+        let mut made = Made::one(joined);
         if rest.is_empty() {
             let (stay, go) = if bits & 32 == 0 { (at, there) } else { (there, at) };
             self.trial[stay] = joined;
             self.trial.remove(go);
         } else {
             let rest = self.add(rest);
-            made = ([joined, rest], 2);
+            made = Made::two(joined, rest);
             self.trial[there] = rest;
             if bits & 32 == 0 {
                 self.trial[at] = joined;
@@ -275,7 +305,7 @@ impl<'a> Window<'a> {
         }
         Some(made)
     }
-    /// Whether the trial sequence is accepted. If so, the history is that of the trial.
+    /// Returns whether the trial sequence is accepted. If so, the history is that of the trial.
     fn improves(&mut self, temperature: f64) -> bool {
         let (old, new) = (&self.sequence, &self.trial);
         let first = old.iter().zip(new).take_while(|(a, b)| a == b).count();
@@ -290,9 +320,9 @@ impl<'a> Window<'a> {
         };
         let indices = count(new) as f32 - count(old) as f32;
 
-        let size = self.fifo.size as usize;
+        let size = self.shared.fifo.size as usize;
         let start = self.marks[first];
-        self.fifo.restart(&self.history[start.saturating_sub(size)..start]);
+        self.shared.fifo.restart(&self.history[start.saturating_sub(size)..start]);
         self.fresh.clear();
         self.fresh.extend(&self.history[start.saturating_sub(size)..start]);
         let given = self.fresh.len();
@@ -309,14 +339,15 @@ impl<'a> Window<'a> {
             }
             self.fresh_marks.push(start + self.fresh.len() - given);
             let indices = new.get(i).map_or(&self.tail, |&s| &self.strips[s as usize].indices);
-            self.fifo.draw(indices, &mut self.fresh);
+            self.shared.fifo.draw(indices, &mut self.fresh);
         }
         let end = start + self.fresh.len() - given;
         let joins = joins.unwrap_or(old.len() + 1);
         let misses = end as f32 - self.marks[joins] as f32;
-        let delta = f64::from(misses + self.price * indices);
+        let delta = f64::from(misses + self.shared.price * indices);
         if delta > 0.0
-            && (self.random.bits() >> 32) as f64 >= exp_minus(delta / temperature) * 4_294_967_296.0
+            && (self.shared.random.bits() >> 32) as f64
+                >= exp_minus(delta / temperature) * 4_294_967_296.0
         {
             return false;
         }
@@ -329,7 +360,7 @@ impl<'a> Window<'a> {
     }
 }
 
-/// Whether two caches hold the same vertices in the same order.
+/// Returns whether two caches hold the same vertices in the same order.
 fn ends_alike(a: &[u32], b: &[u32], size: usize) -> bool {
     let tail = |h: &'_ [u32]| h.len().saturating_sub(size);
     a[tail(a)..] == b[tail(b)..]

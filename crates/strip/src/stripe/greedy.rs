@@ -4,7 +4,7 @@
 use crate::adjacency::decode;
 use crate::cover::{Cover, is_none};
 
-/// What a swap counts against one neighbour more or less.
+/// The weight of a swap against one neighbour more or less.
 const SWAP: u32 = 2;
 
 /// Links triangles to strips, starting each at the triangle with the fewest neighbours left.

@@ -5,10 +5,10 @@ mod greedy;
 mod regions;
 mod search;
 
-use crate::adjacency::{decode, is_degenerate, neighbours};
+use crate::adjacency::{decode, neighbours};
 use crate::cover::{Cover, submesh_of};
 use crate::{Effort, StripSet};
-use lodc_mesh::Mesh;
+use lodc_mesh::{Mesh, is_degenerate};
 
 /// Makes few long strips that draw exactly the mesh.
 ///

@@ -6,8 +6,9 @@
 //! the surface in another way, which heals the borders of the last one.
 
 use super::search::{Round, search};
-use crate::adjacency::{NONE, code, decode};
+use crate::adjacency::{code, decode};
 use crate::cover::{Cover, LINKS, is_none};
+use lodc_mesh::NONE;
 use rayon::prelude::*;
 
 /// A region has about so many triangles: its nodes fit a second-level cache.

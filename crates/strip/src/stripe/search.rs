@@ -3,8 +3,9 @@
 //! own links there (Stewart 2001, made aware of what swaps cost).
 
 use crate::adjacency::{code, decode};
-use crate::anneal::{Random, below, exp_minus};
+use crate::anneal::{below, exp_minus, generator};
 use crate::cover::{Cover, is_none};
+use lodc_mesh::{NONE, SplitMix64};
 
 /// One pass of the search.
 #[derive(Clone, Copy, Debug)]
@@ -22,7 +23,7 @@ pub(crate) struct Round {
 /// A strip longer than this is not followed to see whether it would close: that change is not made.
 const LONGEST_WALK: usize = 4096;
 
-/// How often the temperature falls during a round.
+/// The number of temperatures of a round.
 const STAGES: usize = 64;
 
 /// Of so many changes…
@@ -37,18 +38,12 @@ const ANYWHERE: u64 = 6;
 /// Improves a cover.
 pub(crate) fn search(cover: &mut Cover, round: &Round, seed: u64) {
     let ends = (0..cover.nodes.len() as u32).filter(|&t| cover.is_end(t)).collect::<Vec<_>>();
-    let mut place = vec![u32::MAX; cover.nodes.len()];
+    let mut place = vec![NONE; cover.nodes.len()];
     for (i, &t) in ends.iter().enumerate() {
         place[t as usize] = i as u32;
     }
-    let mut search = Search {
-        cover,
-        ends,
-        place,
-        random: Random::new(seed),
-        likely: [0; 12],
-        strip: round.strip,
-    };
+    let mut search =
+        Search { cover, ends, place, random: generator(seed), likely: [0; 12], strip: round.strip };
     let proposals = (search.cover.nodes.len() as f64 * round.proposals) as usize;
     for stage in 0..STAGES {
         let share = stage as f64 / (STAGES - 1) as f64;
@@ -64,8 +59,8 @@ struct Search<'a> {
     /// Triangles with fewer than two links, in any order, and where each stands.
     ends: Vec<u32>,
     place: Vec<u32>,
-    random: Random,
-    /// How likely a change for the worse is accepted, by indices, in units of 2⁻³².
+    random: SplitMix64,
+    /// The probability that a change for the worse is accepted, by indices, in units of 2⁻³².
     likely: [u64; 12],
     strip: i32,
 }
@@ -190,8 +185,8 @@ impl Search<'_> {
         }
         swaps
     }
-    /// Whether the new link at a slot of x closes a ring: whether the way from x, away from the
-    /// link, comes back.
+    /// Returns whether the new link at a slot of x closes a ring: whether the way from x, away from
+    /// the link, comes back.
     fn closes(&self, x: u32, slot: u32) -> bool {
         let back = code(x, slot);
         let (mut at, mut leave) = (x, self.cover.other(x, slot));
@@ -210,12 +205,12 @@ impl Search<'_> {
     fn update(&mut self, t: u32) {
         let listed = self.place[t as usize];
         if self.cover.is_end(t) {
-            if listed == u32::MAX {
+            if listed == NONE {
                 self.place[t as usize] = self.ends.len() as u32;
                 self.ends.push(t);
             }
-        } else if listed != u32::MAX {
-            self.place[t as usize] = u32::MAX;
+        } else if listed != NONE {
+            self.place[t as usize] = NONE;
             self.ends.swap_remove(listed as usize);
             if let Some(&moved) = self.ends.get(listed as usize) {
                 self.place[moved as usize] = listed;

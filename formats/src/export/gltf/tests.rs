@@ -1,4 +1,4 @@
-//! What is written is what was read, and valid where nothing is left.
+//! Written documents equal those read, and are valid where nothing is left.
 
 use crate::export::{ExportFormat, ExportObject, export};
 use crate::import::ImportOptions;
@@ -85,7 +85,8 @@ fn every_model_comes_back_exactly_and_an_independent_reader_agrees() {
     assert!(checked > 80, "only {checked} models");
 }
 
-/// How many triangles the `gltf` package finds in a file, every corner of which has a position.
+/// Number of triangles that the `gltf` package finds in a file, every corner of which has a
+/// position.
 fn independent_triangles(file: &[u8]) -> Option<usize> {
     let read = ::gltf::Gltf::from_slice_without_validation(file).ok()?;
     let blob = read.blob.as_deref();

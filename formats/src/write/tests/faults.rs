@@ -13,7 +13,7 @@ thread_local! {
     static CALLS: RefCell<(usize, Vec<usize>)> = const { RefCell::new((0, Vec::new())) };
 }
 
-/// What `write.rs` asks before each call that can fail.
+/// Hook that `write.rs` calls before each call that can fail.
 pub(in crate::write) fn system() -> io::Result<()> {
     CALLS.with_borrow_mut(|(calls, failing)| {
         *calls += 1;
@@ -32,7 +32,7 @@ fn with_failing<T>(calls: &[usize], run: impl FnOnce() -> T) -> (T, usize) {
     (result, CALLS.take().0)
 }
 
-/// What stands at the target of one file before the run.
+/// Content of the target of one file before the run.
 const OLD: &[u8] = b"old";
 
 /// Files to be written, the first of them over old ones.
@@ -49,7 +49,7 @@ fn outputs(scratch: &Scratch, existing: &[bool]) -> Vec<OutputFile> {
     existing.iter().enumerate().map(one).collect()
 }
 
-/// Which files are there, complete: `Some(true)` new, `Some(false)` old, none if there is none.
+/// Files that are there, complete: `Some(true)` new, `Some(false)` old, none if there is none.
 /// Nothing else may be, but for old files that could not be put back: the next run removes those.
 fn state(scratch: &Scratch, files: usize, way_back_fails: bool, what: &str) -> Vec<Option<bool>> {
     let left = names(scratch);

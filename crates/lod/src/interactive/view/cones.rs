@@ -4,7 +4,7 @@
 //! All wedges of a position take their LOD from one cone, so they move together and nothing tears.
 //! (The thesis takes each vertex's own normal, and wedges have different ones.)
 
-use lodc_mesh::{CollapseSequence, Mesh, PositionIds, WedgeGroups};
+use lodc_mesh::{CollapseSequence, Mesh, NONE, PositionIds, WedgeGroups};
 
 /// Directions within an angle of less than 90° of an axis; or all directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,7 +25,7 @@ impl Cone {
         (1.0 - self.cos * self.cos).max(0.0).sqrt()
     }
 
-    /// Whether it has a unit vector, give or take rounding.
+    /// Returns whether it has a unit vector, give or take rounding.
     #[must_use]
     pub fn contains(&self, direction: [f64; 3]) -> bool {
         self.cos <= 0.0 || dot(self.axis, direction) >= self.cos - 1e-9
@@ -72,7 +72,7 @@ impl Cone {
 /// group.
 #[derive(Clone, Debug)]
 pub struct Cones {
-    /// The group of each vertex; `u32::MAX` for fake vertices, which are no corners of LOD 0.
+    /// The group of each vertex; [`NONE`] for fake vertices, which are no corners of LOD 0.
     pub of_vertex: Vec<u32>,
     /// A cone for each group.
     pub cones: Vec<Cone>,
@@ -89,7 +89,7 @@ impl Cones {
         for &v in mesh.triangles().as_flattened() {
             used[groups.of_vertex[v as usize] as usize] = true;
         }
-        let mut number = vec![u32::MAX; groups.len()];
+        let mut number = vec![NONE; groups.len()];
         let mut kept = Vec::new();
         for g in (0..groups.len()).filter(|&g| used[g]) {
             number[g] = kept.len() as u32;

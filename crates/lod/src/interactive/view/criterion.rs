@@ -1,15 +1,15 @@
-//! What decides how fine each part of the surface is.
+//! Criteria that decide how fine each part of the surface is.
 
 use lodc_mesh::Lod;
 
-/// What the LOD of a wedge group depends on. Positions and lengths are in the mesh's units.
+/// A rule for the LOD of a wedge group. Positions and lengths are in the mesh's units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Criterion {
     /// The angle between the group's cone of normals and the direction to the eye (thesis 5.3,
     /// algorithm 6): `edge` where a normal of the cone may be perpendicular to it, so that the
     /// outline keeps its detail, up to `face` where all are parallel, linear in the cosine between.
     Silhouette {
-        /// Where the surface is looked at from.
+        /// The viewpoint.
         eye: [f32; 3],
         /// The finer LOD.
         edge: Lod,
@@ -19,7 +19,7 @@ pub enum Criterion {
     /// The coarsest LOD whose stored error, at the group's distance from the eye, covers at most
     /// `slope` of that distance, or one that is finer by less than 0.2 % of the error.
     ScreenError {
-        /// Where the surface is looked at from.
+        /// The viewpoint.
         eye: [f32; 3],
         /// Allowed error per distance: see [`Self::slope`].
         slope: f32,
@@ -65,9 +65,9 @@ impl Criterion {
 
 /// A view: a criterion, and whether vertices move smoothly between LODs.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct View {
-    /// What decides.
+pub struct ViewQuery {
+    /// The rule.
     pub criterion: Criterion,
-    /// Whether positions are interpolated between the steps in which a group moves.
+    /// True if positions are interpolated between the steps in which a group moves.
     pub morph: bool,
 }

@@ -86,14 +86,14 @@ impl Filter {
     }
 }
 
-/// What the filter leaves.
+/// The triangles that the filter leaves.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Filtered {
     /// Corners of the triangles that are drawn.
     pub indices: Vec<u32>,
     /// Arguments of one draw per submesh, five words each.
     pub draws: Vec<u32>,
-    /// How many triangles are drawn before every eighth, and of all.
+    /// Number of triangles that are drawn before every eighth, and of all.
     pub places: Vec<u32>,
 }
 

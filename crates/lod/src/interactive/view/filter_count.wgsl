@@ -22,9 +22,11 @@ struct Parameters {
 @group(0) @binding(4) var<storage, read_write> places: array<u32>;
 
 // Coordinates are the same if their bits are, or if both are zero of either sign.
-fn same(x: vec3<u32>, y: vec3<u32>) -> vec3<bool> { return (x == y) | (((x | y) << vec3<u32>(1u)) == vec3<u32>(0u)); }
+fn same(x: vec3<u32>, y: vec3<u32>) -> vec3<bool> {
+    return (x == y) | (((x | y) << vec3<u32>(1u)) == vec3<u32>(0u));
+}
 
-// 1 unless two corners are at one position. Most triangles are told by the first coordinate.
+// 1 unless two corners are at one position. Most triangles are decided by the first coordinate.
 fn drawn(t: vec3<u32>) -> u32 {
     let at = t * stride;
     var equal = vec3<bool>(true);
@@ -40,12 +42,13 @@ fn four(first: u32) -> u32 {
     let a = triangles[first];
     let b = triangles[first + 1u];
     let c = triangles[first + 2u];
-    return drawn(a.xyz) | drawn(vec3<u32>(a.w, b.xy)) << 1u | drawn(vec3<u32>(b.zw, c.x)) << 2u | drawn(c.yzw) << 3u;
+    return drawn(a.xyz) | drawn(vec3<u32>(a.w, b.xy)) << 1u
+        | drawn(vec3<u32>(b.zw, c.x)) << 2u | drawn(c.yzw) << 3u;
 }
 
-@compute @workgroup_size(256)
-fn main(@builtin(global_invocation_id) g: vec3<u32>, @builtin(num_workgroups) size: vec3<u32>) {
-    let i = g.x + g.y * size.x * 256u;
+@compute @workgroup_size(WORKGROUP)
+fn main(thread: Thread) {
+    let i = number_of(thread);
     if (i > p.eights) { return; }
     var bits = 0u;
     if (i < p.eights) {

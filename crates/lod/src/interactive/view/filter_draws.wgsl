@@ -19,9 +19,9 @@ fn before(triangle: u32) -> u32 {
     return count + countOneBits(live[triangle / 8u] & ((1u << rest) - 1u));
 }
 
-@compute @workgroup_size(256)
-fn main(@builtin(global_invocation_id) g: vec3<u32>, @builtin(num_workgroups) size: vec3<u32>) {
-    let s = g.x + g.y * size.x * 256u;
+@compute @workgroup_size(WORKGROUP)
+fn main(thread: Thread) {
+    let s = number_of(thread);
     if (s >= p.submeshes) { return; }
     let first = before(submeshes[s].x);
     draws[5u * s] = 3u * (before(submeshes[s].x + submeshes[s].y) - first);

@@ -30,9 +30,9 @@ fn four(first: u32, at: u32, bits: u32) -> u32 {
     return write(to, bits >> 3u, c.yzw);
 }
 
-@compute @workgroup_size(256)
-fn main(@builtin(global_invocation_id) g: vec3<u32>, @builtin(num_workgroups) size: vec3<u32>) {
-    let i = g.x + g.y * size.x * 256u;
+@compute @workgroup_size(WORKGROUP)
+fn main(thread: Thread) {
+    let i = number_of(thread);
     if (i >= p.eights) { return; }
     let bits = live[i];
     if (bits == 0u) { return; }

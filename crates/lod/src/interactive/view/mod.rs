@@ -18,7 +18,7 @@ mod select;
 mod tests;
 
 pub use cones::{Cone, Cones};
-pub use criterion::{Criterion, View};
+pub use criterion::{Criterion, ViewQuery};
 pub use filter::{Filter, Filtered, filtered};
 pub use passes::ViewPasses;
 pub use replay::sample;
@@ -40,7 +40,7 @@ pub struct Views<'a> {
     by_error: ByError,
 }
 
-/// What one view shows.
+/// The content of one view.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shown {
     /// The state of each vertex.
@@ -57,7 +57,7 @@ impl Shown {
         &self,
         simplified: &Simplified,
         positions: &PositionIds,
-        view: &View,
+        view: &ViewQuery,
         indices: &[u32],
         stride: usize,
     ) -> Option<Failure> {
@@ -87,13 +87,14 @@ impl<'a> Views<'a> {
         Self { simplified, records, points: select::points(&cones, mesh), links, by_error }
     }
 
-    /// What vertices choose by.
+    /// Returns the input of each vertex's selection.
     #[must_use]
     pub fn points(&self) -> &[Point] {
         &self.points
     }
 
-    /// What each vertex becomes, and the LOD at which it has; the last one itself and `u32::MAX`.
+    /// Returns the target of each vertex and the LOD from which on it is shown; of the last one
+    /// itself and [`NONE`](lodc_mesh::NONE).
     #[must_use]
     pub fn links(&self) -> &[[u32; 2]] {
         &self.links
@@ -105,9 +106,9 @@ impl<'a> Views<'a> {
         (&self.by_error.lods, self.by_error.lowest)
     }
 
-    /// What a view shows.
+    /// Returns the vertices of a view.
     #[must_use]
-    pub fn show(&self, view: &View) -> Shown {
+    pub fn show(&self, view: &ViewQuery) -> Shown {
         let parameters = Parameters::new(view, self.simplified);
         let state = |(v, point)| select::state(&parameters, v, point, &self.links, &self.by_error);
         let states: Vec<State> = (0..).zip(&self.points).map(state).collect();

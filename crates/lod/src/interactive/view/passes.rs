@@ -1,7 +1,7 @@
 //! The view-dependent variant on a device.
 
 use super::select::Parameters;
-use super::{Point, View, Views};
+use super::{Point, ViewQuery, Views};
 use crate::interactive::shaders;
 use lodc_plan::{BufferId, KernelId, Pass, Program};
 
@@ -50,7 +50,7 @@ impl ViewPasses {
 
     /// Shows a view.
     #[must_use]
-    pub fn pass(&self, view: &View, views: &Views<'_>) -> Pass {
+    pub fn pass(&self, view: &ViewQuery, views: &Views<'_>) -> Pass {
         let [vertices, lowest] = self.sizes;
         let p = Parameters::new(view, views.simplified);
         let mut parameters = vec![vertices, lowest, p.lods[0], p.lods[1]];

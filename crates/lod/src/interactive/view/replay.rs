@@ -1,6 +1,6 @@
 //! Views as a [`Plan`]: all criteria from seeded eyes, with and without morphing.
 
-use super::{Criterion, Filter, View, ViewPasses, Views, filtered};
+use super::{Criterion, Filter, ViewPasses, ViewQuery, Views, filtered};
 use crate::interactive::{Interactive, replay};
 use lodc_mesh::{CollapseSequence, Lod, PositionIds, SplitMix64};
 use lodc_model::Model;
@@ -30,7 +30,11 @@ impl Interactive {
     ///
     /// # Errors
     /// If the mesh is too large or collapses too deep.
-    pub fn views(&self, views: Vec<View>, triangles: Vec<[u32; 3]>) -> Result<Plan<'_>, PlanError> {
+    pub fn views(
+        &self,
+        views: Vec<ViewQuery>,
+        triangles: Vec<[u32; 3]>,
+    ) -> Result<Plan<'_>, PlanError> {
         let simplified = self.simplified().as_ref();
         let mesh = simplified.mesh();
         replay::shallow(&replay::lists(simplified)?)?;
@@ -50,7 +54,7 @@ impl Interactive {
             [filter.triangles, filter.draws],
             stride,
         );
-        let step = move |view: View| {
+        let step = move |view: ViewQuery| {
             let shown = twin.show(&view);
             let left = filtered(mesh, &triangles, &shown.vertices, stride);
             let wrong = shown.check(simplified, &positions, &view, &left.indices, stride);
@@ -76,7 +80,7 @@ impl Interactive {
     }
 }
 
-fn name(view: &View) -> String {
+fn name(view: &ViewQuery) -> String {
     let morph = if view.morph { " with morphing" } else { "" };
     match view.criterion {
         Criterion::Silhouette { eye, .. } => format!("silhouette from {eye:?}{morph}"),
@@ -100,7 +104,7 @@ pub fn sample(
     bounds: ([f32; 3], [f32; 3]),
     rounds: u32,
     seed: u64,
-) -> Vec<View> {
+) -> Vec<ViewQuery> {
     let mut random = SplitMix64::new(seed);
     let mut unit = || random.unit();
     let (low, high) = bounds;
@@ -134,7 +138,7 @@ pub fn sample(
             criteria
                 .into_iter()
                 .enumerate()
-                .map(|(i, criterion)| View { criterion, morph: morph(i) }),
+                .map(|(i, criterion)| ViewQuery { criterion, morph: morph(i) }),
         );
     }
     views

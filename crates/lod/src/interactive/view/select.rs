@@ -1,29 +1,29 @@
-//! Which LOD each vertex gets, in the same operations as `view.wgsl`, so that the two agree bit for
-//! bit.
+//! Selection of a LOD for each vertex, in the same operations as `view.wgsl`, so that the two agree
+//! bit for bit.
 
-use super::criterion::{Criterion, View};
+use super::criterion::{Criterion, ViewQuery};
 use super::deterministic_math::{dot, inverse_power, rsqrt};
 use super::{Cone, Cones};
-use lodc_mesh::{CollapseSequence, Lod, Mesh, Simplified};
+use lodc_mesh::{CollapseSequence, Lod, Mesh, NONE, Simplified};
 
-/// Where a vertex is between the steps in which it moves.
+/// The state of a vertex between the steps in which it moves.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct State {
     /// The LOD that it chose; what is shown is that of the end of the step before.
     pub lod: u32,
     /// The vertex that is shown.
     pub entry: u32,
-    /// What that becomes next; itself if it is the last.
+    /// The vertex that it becomes next; itself if it is the last.
     pub next: u32,
-    /// How far it is on the way there, in 1/65536; 0 without morphing.
+    /// The part of the way there that it has gone, in 1/65536; 0 without morphing.
     pub way: u32,
 }
 
-/// What the selection of a vertex looks at, the same for all vertices of a wedge group: four words
+/// The input of a vertex's selection, the same for all vertices of a wedge group: four words
 /// on a device.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
-    /// Where it is at LOD 0.
+    /// The position at LOD 0.
     pub position: [f32; 3],
     /// The axis of its cone of normals; only the direction counts.
     pub axis: [i8; 3],
@@ -70,15 +70,15 @@ pub(super) fn points(cones: &Cones, mesh: &Mesh) -> Vec<Point> {
         .collect()
 }
 
-/// What each vertex becomes, and the LOD at which it has: the end of the step. The last one stays
-/// for good.
+/// Returns the target of each vertex and the LOD from which on it is shown: the end of the step.
+/// The last one stays for good.
 pub(super) fn links(collapses: &CollapseSequence) -> Vec<[u32; 2]> {
     let parts = collapses.parts();
     let mut links = Vec::with_capacity(parts.targets.len() + 1);
     for &end in &parts.step_ends {
         links.extend((links.len()..end as usize).map(|record| [parts.targets[record], end]));
     }
-    links.push([links.len() as u32, u32::MAX]);
+    links.push([links.len() as u32, NONE]);
     links
 }
 
@@ -94,7 +94,7 @@ pub(super) struct ByError {
 }
 
 impl ByError {
-    /// Errors of 14 powers of two are told apart; smaller ones count as none.
+    /// Errors of 14 powers of two are distinguished; smaller ones count as none.
     const COUNT: u32 = 14 * 512;
 
     pub(super) fn new(collapses: &CollapseSequence) -> Self {
@@ -125,7 +125,7 @@ pub(super) struct Parameters {
 }
 
 impl Parameters {
-    pub(super) fn new(view: &View, simplified: &Simplified) -> Self {
+    pub(super) fn new(view: &ViewQuery, simplified: &Simplified) -> Self {
         let scale = inverse_power(simplified.mesh().diagonal().max(1e-30));
         let last = simplified.collapses().last();
         let lods = |a: Lod, b: Lod| [a.min(last).0, b.min(last).0];

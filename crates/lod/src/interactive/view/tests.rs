@@ -48,7 +48,7 @@ fn a_wedge_that_goes_its_own_way_is_a_tear() {
     let simplified =
         fixtures::random_collapse(&fixtures::named("faceted_sphere").expect("a named shape"), 1);
     let views = views_of(&simplified);
-    let view = View { criterion: Criterion::everywhere(Lod(0)), morph: false };
+    let view = ViewQuery { criterion: Criterion::everywhere(Lod(0)), morph: false };
     let mut shown = views.show(&view);
     let wedge = simplified.mesh().triangles()[0][0] as usize;
     let coarse = simplified.collapses().resolve(wedge as u32, simplified.collapses().last());
@@ -95,7 +95,7 @@ fn morphing_starts_at_the_entry_and_stays_before_the_next() {
     let views = views_of(&simplified);
     let lists = lists(&simplified).expect("a small mesh");
     for lod in 0..simplified.collapses().records() {
-        let view = |morph| View { criterion: Criterion::everywhere(Lod(lod)), morph };
+        let view = |morph| ViewQuery { criterion: Criterion::everywhere(Lod(lod)), morph };
         let (still, moving) = (views.show(&view(false)), views.show(&view(true)));
         for (v, (state, still)) in moving.states.iter().zip(&still.states).enumerate() {
             assert_eq!(state.entry, still.entry);
@@ -129,7 +129,7 @@ fn a_region_is_fine_inside_and_coarse_outside() {
         inside: Lod(0),
         outside: coarse,
     };
-    let shown = views.show(&View { criterion, morph: false });
+    let shown = views.show(&ViewQuery { criterion, morph: false });
     for (v, state) in shown.states.iter().enumerate() {
         let inside = simplified.mesh().positions()[v][2] >= 0.0;
         let lod = if inside { Lod(0) } else { coarse };
@@ -143,7 +143,7 @@ fn the_outline_is_fine_and_the_middle_coarse() {
     let views = views_of(&simplified);
     let last = simplified.collapses().last();
     let criterion = Criterion::Silhouette { eye: [0.0, 0.0, 100.0], edge: Lod(0), face: last };
-    let shown = views.show(&View { criterion, morph: false });
+    let shown = views.show(&ViewQuery { criterion, morph: false });
     for (point, state) in views.points.iter().zip(&shown.states) {
         let length = point.axis.iter().map(|&c| f32::from(c).powi(2)).sum::<f32>().sqrt();
         let cos = f32::from(point.axis[2]).abs() / length;

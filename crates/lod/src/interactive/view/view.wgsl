@@ -45,7 +45,9 @@ const ERRORS = 7168u;
 // Keeps the compiler from joining or reordering what is rounded in between.
 fn r(v: f32) -> f32 { return bitcast<f32>(bitcast<u32>(v) ^ p.zero); }
 
-fn dot3(a: vec3<f32>, b: vec3<f32>) -> f32 { return r(r(r(a.x * b.x) + r(a.y * b.y)) + r(a.z * b.z)); }
+fn dot3(a: vec3<f32>, b: vec3<f32>) -> f32 {
+    return r(r(r(a.x * b.x) + r(a.y * b.y)) + r(a.z * b.z));
+}
 
 // One step of Newton's method.
 fn nearer(y: f32, half: f32) -> f32 { return r(y * r(1.5 - r(r(half * y) * y))); }
@@ -63,7 +65,8 @@ fn other(cosine: f32) -> f32 {
 
 // From 0, seen edge-on somewhere in the cone, to 1, face-on everywhere.
 fn facing(cone: u32, to_eye: vec3<f32>, square: f32) -> f32 {
-    let axis = vec3<f32>(f32(i32(cone << 24u) >> 24u), f32(i32(cone << 16u) >> 24u), f32(i32(cone << 8u) >> 24u));
+    let bytes = vec3<u32>(cone << 24u, cone << 16u, cone << 8u);
+    let axis = vec3<f32>(vec3<i32>(bytes) >> vec3<u32>(24u));
     let sine = r(f32(cone >> 24u) * (1.0 / 255.0));
     let angle = min(r(abs(dot3(axis, to_eye)) * rsqrt(r(dot3(axis, axis) * square))), 1.0);
     return max(r(r(angle * other(sine)) - r(other(angle) * sine)), 0.0);
@@ -76,7 +79,11 @@ fn wanted(here: vec4<u32>) -> u32 {
             && position.x <= p.a && position.y <= p.b && position.z <= p.c;
         return select(p.lod_b, p.lod_a, inside);
     }
-    let d = vec3<f32>(r(r(p.x - position.x) * p.scale), r(r(p.y - position.y) * p.scale), r(r(p.z - position.z) * p.scale));
+    let d = vec3<f32>(
+        r(r(p.x - position.x) * p.scale),
+        r(r(p.y - position.y) * p.scale),
+        r(r(p.z - position.z) * p.scale),
+    );
     let square = dot3(d, d);
     if (criterion == 2u) { return select(p.lod_b, p.lod_a, square <= p.a); }
     // In the eye: as fine as can be.
@@ -90,9 +97,9 @@ fn wanted(here: vec4<u32>) -> u32 {
     return p.lod_a + select(0u, min(u32(r(facing(here.w, d, square) * f32(span))), span), apart);
 }
 
-@compute @workgroup_size(256)
-fn main(@builtin(global_invocation_id) g: vec3<u32>, @builtin(num_workgroups) size: vec3<u32>) {
-    let v = g.x + g.y * size.x * 256u;
+@compute @workgroup_size(WORKGROUP)
+fn main(thread: Thread) {
+    let v = number_of(thread);
     if (v >= p.vertices) { return; }
     let lod = wanted(points[v]);
     // As far as the collapses go whose steps are over.
@@ -114,7 +121,11 @@ fn main(@builtin(global_invocation_id) g: vec3<u32>, @builtin(num_workgroups) si
         let t = f32(way) * (1.0 / 65536.0);
         let a = bitcast<vec3<f32>>(position);
         let b = bitcast<vec3<f32>>(points[next.x].xyz);
-        let moved = vec3<f32>(r(a.x + r(t * r(b.x - a.x))), r(a.y + r(t * r(b.y - a.y))), r(a.z + r(t * r(b.z - a.z))));
+        let moved = vec3<f32>(
+            r(a.x + r(t * r(b.x - a.x))),
+            r(a.y + r(t * r(b.y - a.y))),
+            r(a.z + r(t * r(b.z - a.z))),
+        );
         // Exactly where it was: its bits, also those of a zero.
         position = select(bitcast<vec3<u32>>(moved), position, t == 0.0);
     }
@@ -124,5 +135,7 @@ fn main(@builtin(global_invocation_id) g: vec3<u32>, @builtin(num_workgroups) si
     vertices[to_record + 2u] = position.z;
     // Whatever else a record has.
     let from_record = at * stride;
-    for (var word = 3u; word < stride; word++) { vertices[to_record + word] = source[from_record + word]; }
+    for (var word = 3u; word < stride; word++) {
+        vertices[to_record + word] = source[from_record + word];
+    }
 }

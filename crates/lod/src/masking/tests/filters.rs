@@ -15,7 +15,8 @@ fn drawn(pattern: &Pattern, mask: u64) -> Vec<[u8; 3]> {
     triangles
 }
 
-/// What a strip draws, straight from the definition: window by window, by vertex and place.
+/// Returns the triangles of a strip, straight from the definition: window by window, by vertex and
+/// place.
 fn naive(strip: &[u32], place: impl Fn(u32) -> u32) -> Vec<[u32; 3]> {
     let mut triangles = Vec::new();
     for k in 0..strip.len().saturating_sub(2) {

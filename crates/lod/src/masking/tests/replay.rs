@@ -7,7 +7,7 @@ use lodc_strip::Effort;
 use lodc_strip::StripKind;
 
 #[test]
-fn everything_shown_and_told_equals_the_reference() {
+fn everything_shown_and_reported_equals_the_reference() {
     for &(name, make) in fixtures::ALL {
         let mesh = make();
         // The naive sequence is slow on the largest shapes, which `tests/` has.

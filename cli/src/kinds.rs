@@ -1,0 +1,125 @@
+//! Options that name one of a family: models, metrics, strip generators. The family's own list is
+//! what may be named, what help says of it, and what its default is.
+
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use lodc_lod::ModelKind;
+use lodc_simplify::MetricKind;
+use lodc_strip::{Effort, StripKind};
+
+/// A member of a family that an option can name.
+pub(crate) trait Kind: Copy + Send + Sync + 'static {
+    /// The whole family.
+    const ALL: &'static [Self];
+
+    /// The name in options.
+    fn name(self) -> &'static str;
+
+    /// One line of help.
+    fn help(self) -> &'static str;
+}
+
+/// Takes the lists from the libraries.
+macro_rules! families {
+    ($($kind:ty),*) => {$(
+        impl Kind for $kind {
+            const ALL: &'static [Self] = &Self::ALL;
+
+            fn name(self) -> &'static str {
+                self.name()
+            }
+
+            fn help(self) -> &'static str {
+                self.help()
+            }
+        }
+    )*};
+}
+
+families!(ModelKind, MetricKind, StripKind, Effort);
+
+/// One of a family, or the word beside it that an option also takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Choice<K> {
+    /// One of the family.
+    Kind(K),
+    /// The other word.
+    Other,
+}
+
+impl<K> Choice<K> {
+    /// The member of the family, if one was named.
+    pub(crate) fn kind(self) -> Option<K> {
+        match self {
+            Self::Kind(kind) => Some(kind),
+            Self::Other => None,
+        }
+    }
+}
+
+/// Reads the name of a kind.
+pub(crate) fn parser<K: Kind>() -> impl TypedValueParser<Value = K> {
+    let find = |name: String| K::ALL.iter().copied().find(|kind| kind.name() == name);
+    PossibleValuesParser::new(values::<K>()).map(move |name| find(name).expect("a possible value"))
+}
+
+/// Reads the name of a kind, or one other word.
+pub(crate) fn parser_with<K: Kind>(
+    other: &'static str,
+    help: &'static str,
+) -> impl TypedValueParser<Value = Choice<K>> {
+    let values = values::<K>().chain([PossibleValue::new(other).help(help)]);
+    let find = |name: String| K::ALL.iter().copied().find(|kind| kind.name() == name);
+    PossibleValuesParser::new(values)
+        .map(move |name| find(name).map_or(Choice::Other, Choice::Kind))
+}
+
+fn values<K: Kind>() -> impl Iterator<Item = PossibleValue> {
+    K::ALL.iter().map(|kind| PossibleValue::new(kind.name()).help(kind.help()))
+}
+
+/// Help of `--strips`, with the default of every model that is made of strips.
+pub(crate) fn strips_help() -> String {
+    let defaults = ModelKind::ALL
+        .into_iter()
+        .filter_map(|model| Some(format!("{} for {}", model.strips()?.name(), model.name())));
+    let defaults: Vec<String> = defaults.collect();
+    format!("Strip generator of all strip models [default: {}]", defaults.join(", "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::{Arg, Command};
+
+    fn parsed<V: Clone + Send + Sync + 'static>(
+        parser: impl TypedValueParser<Value = V>,
+        name: &str,
+    ) -> Option<V> {
+        let command = Command::new("lodc").arg(Arg::new("kind").value_parser(parser));
+        command.try_get_matches_from(["lodc", name]).ok()?.get_one::<V>("kind").cloned()
+    }
+
+    fn check<K: Kind + PartialEq + std::fmt::Debug>() {
+        for &kind in K::ALL {
+            assert_eq!(parsed(parser::<K>(), kind.name()), Some(kind));
+            assert_eq!(parsed(parser_with::<K>("x", ""), kind.name()), Some(Choice::Kind(kind)));
+            assert!(!kind.help().is_empty());
+        }
+        assert_eq!(parsed(parser_with::<K>("x", ""), "x"), Some(Choice::Other));
+        assert_eq!(parsed(parser::<K>(), "x"), None);
+    }
+
+    #[test]
+    fn every_member_of_a_family_can_be_named_and_nothing_else() {
+        check::<ModelKind>();
+        check::<MetricKind>();
+        check::<StripKind>();
+        check::<Effort>();
+    }
+
+    #[test]
+    fn help_names_the_default_strips_of_every_model_that_has_some() {
+        let help = strips_help();
+        assert!(help.ends_with("[default: stripe for speed, cache for masking]"), "{help}");
+    }
+}
