@@ -1,6 +1,5 @@
 //! The models of an object, and the triangles that one of them shows at a LOD.
 
-use crate::selector::Candidate;
 use lodc_formats::lodc::LodObject;
 use lodc_lod::{AnyModel, ModelKind};
 use lodc_mesh::{CollapseSequence, Lod, OrientedTriangle, PositionIds, TriangleHash};
@@ -70,17 +69,6 @@ pub(crate) fn triangles(
         Some(model) => model.triangles_at(lod),
         None => object.simplified.triangles_at(lod),
     }
-}
-
-/// Objects as the selector sees them.
-pub(crate) fn candidates(objects: &[LodObject]) -> Vec<Candidate<'_>> {
-    let seen = objects.iter().map(|o| Candidate {
-        name: &o.info.name,
-        collapses: o.simplified.collapses(),
-        scale: o.info.world_scale,
-        diagonal: o.simplified.mesh().diagonal(),
-    });
-    seen.collect()
 }
 
 /// Shares of the triangles at which tables show a LOD.

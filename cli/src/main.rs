@@ -2,6 +2,7 @@
 //! libraries.
 
 mod cli;
+mod colours;
 mod commands;
 mod console;
 mod exit;

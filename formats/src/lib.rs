@@ -7,6 +7,7 @@ pub mod appearance;
 mod assets;
 mod error;
 pub mod export;
+mod graph;
 pub mod import;
 mod limits;
 pub mod lodc;
@@ -20,6 +21,7 @@ mod write;
 
 pub use assets::Assets;
 pub use error::{Fault, FormatError};
+pub use graph::scene_graph;
 pub use limits::Limits;
 pub use scene::{
     Document, GltfDocument, ObjDocument, ObjMaterial, ObjectInfo, Scene, SceneObject, Source,

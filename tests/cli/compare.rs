@@ -1,7 +1,8 @@
 //! `lodc compare`: numbers for scripts, limits for pipelines, pictures for people.
 
 use crate::support::{Folder, grid};
-use lodc_formats::picture::{Picture, png};
+use lodc_formats::picture::png;
+use lodc_scene::Image;
 
 /// The grid, lifted.
 fn lifted(n: usize, by: &str) -> String {
@@ -111,7 +112,7 @@ fn a_texture_that_has_moved_is_seen() {
     };
     f.file(
         "t.png",
-        png(&Picture { width: 16, height: 16, bytes: (0..256).flat_map(stripe).collect() }),
+        png(&Image { width: 16, height: 16, bytes: (0..256).flat_map(stripe).collect() }),
     );
     for (name, shift) in [("a", 0.0), ("moved", 0.25), ("period", 0.5)] {
         striped(&f, name, shift);

@@ -1,7 +1,8 @@
 //! `lodc render`: pictures judged by what they show and where, never by hashes.
 
 use crate::support::{Folder, Run, grid, scene};
-use lodc_formats::picture::{Picture, decode, png};
+use lodc_formats::picture::{decode, png};
+use lodc_scene::Image;
 use std::ffi::OsStr;
 
 /// Runs the program; nothing if there is no graphics device, said aloud. Where CI is set there must
@@ -15,17 +16,17 @@ fn render<S: AsRef<OsStr>>(f: &Folder, args: impl IntoIterator<Item = S>) -> Opt
     Some(run.ends(0))
 }
 
-fn picture(f: &Folder, name: &str) -> Picture {
+fn picture(f: &Folder, name: &str) -> Image {
     decode(&f.read(name)).expect("a picture")
 }
 
-fn at(picture: &Picture, x: u32, y: u32) -> [u8; 4] {
+fn at(picture: &Image, x: u32, y: u32) -> [u8; 4] {
     let start = 4 * (y * picture.width + x) as usize;
     std::array::from_fn(|c| picture.bytes[start + c])
 }
 
 /// Share of pixels that are not the white background.
-fn covered(picture: &Picture) -> f64 {
+fn covered(picture: &Image) -> f64 {
     let pixels = picture.bytes.as_chunks::<4>().0;
     pixels.iter().filter(|p| **p != [255; 4]).count() as f64 / pixels.len() as f64
 }
@@ -37,7 +38,7 @@ const QUARTERS: &[u8] = include_bytes!("quarters.jpg");
 fn textured(f: &Folder) {
     let quarters = [[255, 0, 0, 255], [0, 255, 0, 255], [0, 0, 255, 255], [90, 90, 90, 255]];
     let pixel = |i: usize| quarters[i / 8 / 4 * 2 + i % 8 / 4];
-    let texture = Picture { width: 8, height: 8, bytes: (0..64).flat_map(pixel).collect() };
+    let texture = Image { width: 8, height: 8, bytes: (0..64).flat_map(pixel).collect() };
     f.file("t.png", png(&texture));
     f.file("s.mtl", "newmtl m\nKd 1 1 1\nmap_Kd t.png\n");
     f.file(
@@ -148,7 +149,7 @@ fn every_option_makes_a_picture_of_something() {
     }
     // Without levels of detail both inputs show the same triangles; the order in which they are
     // drawn may show in a few pixels at edges.
-    let differ = |a: &Picture, b: &Picture| {
+    let differ = |a: &Image, b: &Image| {
         a.bytes.iter().zip(&b.bytes).filter(|(a, b)| a.abs_diff(**b) > 2).count()
     };
     assert!(differ(&seen[0], &seen[1]) < seen[0].bytes.len() / 100);

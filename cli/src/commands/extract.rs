@@ -9,7 +9,7 @@ use crate::limits::LimitArgs;
 use crate::mesh_output::{self, FormatName, Wanted};
 use crate::output::{self, Rule, Target};
 use crate::report::{ExtractReport, ExtractedObject, SCHEMA_VERSION};
-use crate::selector::{SelectorArgs, decimal, select};
+use crate::selector::{SceneLevels, SelectorArgs};
 use crate::stages::Stages;
 use crate::text::{count, distance};
 use clap::Args;
@@ -18,6 +18,7 @@ use lodc_formats::export::ExportObject;
 use lodc_formats::lodc::{LodFile, LodObject};
 use lodc_lod::{AnyModel, ModelKind};
 use lodc_mesh::{Lod, Mesh};
+use lodc_select::decimal;
 use rayon::prelude::*;
 use std::path::PathBuf;
 
@@ -64,8 +65,9 @@ pub(crate) fn run(args: &ExtractArgs) -> Outcome<()> {
     let mut stages = Stages::default();
     let (file, _) = stages.run("read", || read_lodc(&args.input, args.limits.limits()))?;
     let model = model(args, &file)?;
-    let candidates = levels::candidates(&file.objects);
-    let chosen = select(&candidates, args.selector.target(), args.selector.per_object())?;
+    let choice = SceneLevels::new(&file.objects, &file.document, &args.limits.limits())?;
+    let chosen = stages
+        .run("select", || choice.select(args.selector.target(), args.selector.per_object()))?;
     let meshes = stages.run("extract", || meshes(&file.objects, &chosen.lods, model))?;
     let files = stages.run("export", || {
         let objects: Vec<_> = file

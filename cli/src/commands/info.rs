@@ -11,13 +11,13 @@ use crate::report::{
     BitsPerVertex, InfoReport, LodReport, ModelReport, ObjectCounts, ObjectReport, SCHEMA_VERSION,
     SourceReport,
 };
-use crate::selector::decimal;
 use crate::text::{count, distance, grouped, size};
 use clap::Args;
 use lodc_formats::SourceFormat;
 use lodc_formats::lodc::{self, LodObject};
 use lodc_lod::AnyModel;
 use lodc_model::{Model, StorageCost};
+use lodc_select::decimal;
 use lodc_strip::Effort;
 use lodc_strip::{StripKind, Strips};
 use serde_json::{Map, Value, json};

@@ -6,7 +6,6 @@ use crate::limits::LimitArgs;
 use crate::mesh_output::{self, FormatName, Wanted};
 use crate::output::Target;
 use crate::report::{SCHEMA_VERSION, UnpackReport, UnpackedReport};
-use crate::selector::decimal;
 use crate::stages::Stages;
 use crate::text::{count, distance, grouped, size};
 use clap::Args;
@@ -14,6 +13,7 @@ use lodc_formats::export::ExportObject;
 use lodc_formats::lods::Unpacker;
 use lodc_formats::{Assets, FormatError};
 use lodc_mesh::Mesh;
+use lodc_select::decimal;
 use std::path::PathBuf;
 
 /// Options of `unpack`.

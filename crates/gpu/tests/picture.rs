@@ -5,14 +5,20 @@
 
 mod support;
 
-use lodc_gpu::picture::{
-    BackFaces, Camera, Corner, Frame, Framing, Lens, Paint, Painter, Pixels, Sampling, Style,
-    Texture, Up, Wrap,
-};
+use lodc_gpu::picture::{BackFaces, Camera, Corner, Frame, Framing, Lens, Painter, Style, Up};
 use lodc_gpu::{Device, GpuError};
+use lodc_scene::{AlphaMode, Image, Material, Texture, Wrap};
 use support::device;
 
 const WHITE: [f32; 4] = [1.0; 4];
+/// Opaque white, seen from both sides.
+const PLAIN: Material = Material {
+    colour: WHITE,
+    texture: None,
+    double_sided: true,
+    alpha: AlphaMode::Opaque,
+    unlit: false,
+};
 const RED: [f32; 4] = [1.0, 0.0, 0.0, 1.0];
 const GREEN: [f32; 4] = [0.0, 1.0, 0.0, 1.0];
 
@@ -37,21 +43,22 @@ fn style() -> Style {
     Style {
         size: [64, 48],
         background: [0.0, 0.0, 1.0, 1.0],
-        back_faces: BackFaces::AsPainted,
+        back_faces: BackFaces::AsMaterial,
         wire: 0.0,
     }
 }
 
-/// Squares of an unlit paint, seen from the front without perspective.
+/// Squares of an unlit material, seen from the front without perspective.
 fn draw(
     device: &Device,
     style: &Style,
-    paint: &Paint,
-    textures: Vec<Texture>,
+    material: &Material,
+    images: &[Image],
     parts: &[Vec<Corner>],
-) -> Pixels {
-    let paint = Paint { unlit: true, ..*paint };
-    let painter = Painter::new(device, textures, &[paint]).expect("small textures");
+) -> Image {
+    let material = Material { unlit: true, ..*material };
+    let painter =
+        Painter::new(device, images, std::slice::from_ref(&material)).expect("small images");
     let framing =
         Framing { up: Up::Y, azimuth: 0.0, elevation: 0.0, lens: Lens::Orthographic, zoom: 1.0 };
     let points = [[-1.0, -1.0, -1.0], [1.0, 1.0, 1.0]];
@@ -59,7 +66,7 @@ fn draw(
     let camera = Camera::around(&points, &framing, aspect);
     let mut frame = Frame::new(&painter, &camera, style).expect("a small picture");
     for part in parts {
-        frame.draw(0, paint.blended, part).expect("a few triangles");
+        frame.draw(0, material.alpha == AlphaMode::Blend, part).expect("a few triangles");
     }
     frame.finish().expect("pixels")
 }
@@ -67,7 +74,7 @@ fn draw(
 #[test]
 fn a_square_is_where_it_belongs_and_as_large() {
     let Some(device) = device() else { return };
-    let picture = draw(&device, &style(), &Paint::default(), Vec::new(), &[square(0.0, RED)]);
+    let picture = draw(&device, &style(), &PLAIN, &[], &[square(0.0, RED)]);
     assert_eq!((picture.width, picture.height, picture.bytes.len()), (64, 48, 4 * 64 * 48));
     let red = picture.bytes.as_chunks::<4>().0.iter().filter(|p| **p == [255, 0, 0, 255]).count();
     // 92 % of 48 rows, and as many columns; the outermost ones are covered in part.
@@ -86,8 +93,7 @@ fn two_runs_give_the_same_bytes() {
         })
         .collect();
     let style = Style { wire: 1.0, ..style() };
-    let run =
-        || draw(&device, &style, &Paint::default(), Vec::new(), std::slice::from_ref(&slanted));
+    let run = || draw(&device, &style, &PLAIN, &[], std::slice::from_ref(&slanted));
     assert!(run() == run());
 }
 
@@ -96,33 +102,29 @@ fn nearer_squares_hide_farther_ones_in_any_order() {
     let Some(device) = device() else { return };
     let (near, far) = (square(0.5, RED), square(-0.5, GREEN));
     for parts in [[near.clone(), far.clone()], [far, near]] {
-        assert_eq!(
-            draw(&device, &style(), &Paint::default(), Vec::new(), &parts).at(32, 24),
-            [255, 0, 0, 255]
-        );
+        assert_eq!(draw(&device, &style(), &PLAIN, &[], &parts).at(32, 24), [255, 0, 0, 255]);
     }
 }
 
 #[test]
-fn back_faces_follow_their_paint_or_the_option() {
+fn back_faces_follow_their_material_or_the_option() {
     let Some(device) = device() else { return };
     let back = [turned(&square(0.0, RED))];
     for (double_sided, back_faces, shown) in [
-        (true, BackFaces::AsPainted, true),
-        (false, BackFaces::AsPainted, false),
+        (true, BackFaces::AsMaterial, true),
+        (false, BackFaces::AsMaterial, false),
         (false, BackFaces::Shown, true),
         (true, BackFaces::Hidden, false),
     ] {
-        let paint = Paint { double_sided, ..Paint::default() };
+        let material = Material { double_sided, ..PLAIN };
         let middle =
-            draw(&device, &Style { back_faces, ..style() }, &paint, Vec::new(), &back).at(32, 24);
+            draw(&device, &Style { back_faces, ..style() }, &material, &[], &back).at(32, 24);
         assert_eq!(middle == [255, 0, 0, 255], shown, "{double_sided} {back_faces:?}: {middle:?}");
     }
     let marked = Style { back_faces: BackFaces::Marked, ..style() };
-    let front =
-        draw(&device, &marked, &Paint::default(), Vec::new(), &[square(0.0, GREEN)]).at(32, 24);
+    let front = draw(&device, &marked, &PLAIN, &[], &[square(0.0, GREEN)]).at(32, 24);
     assert_eq!(front, [0, 255, 0, 255]);
-    let [r, g, b, _] = draw(&device, &marked, &Paint::default(), Vec::new(), &back).at(32, 24);
+    let [r, g, b, _] = draw(&device, &marked, &PLAIN, &[], &back).at(32, 24);
     assert!(r > 200 && g < 80 && b > 100, "{r} {g} {b}");
 }
 
@@ -132,10 +134,16 @@ fn a_texture_stands_upright_and_keeps_its_colours() {
     // A middle grey survives both ways through linear light; the upper row is red and grey.
     let bytes =
         [[255, 0, 0, 255], [128, 128, 128, 255], [0, 255, 0, 255], [10, 20, 30, 255]].concat();
-    let sampling = Sampling { wrap: [Wrap::Clamp; 2], nearest: true };
-    let texture = Texture { width: 2, height: 2, bytes, sampling };
-    let paint = Paint { texture: Some(0), ..Paint::default() };
-    let picture = draw(&device, &style(), &paint, vec![texture], &[square(0.0, WHITE)]);
+    let texture = Texture {
+        image: 0,
+        set: 0,
+        transform: Texture::UNTRANSFORMED,
+        wrap: [Wrap::Clamp; 2],
+        nearest: true,
+    };
+    let image = Image { width: 2, height: 2, bytes };
+    let material = Material { texture: Some(texture), ..PLAIN };
+    let picture = draw(&device, &style(), &material, &[image], &[square(0.0, WHITE)]);
     let near = |[x, y]: [u32; 2], wanted: [u8; 3]| {
         let got = picture.at(x, y);
         assert!(
@@ -154,31 +162,31 @@ fn opacity_cuts_blends_or_does_not_matter() {
     let Some(device) = device() else { return };
     let half = [square(0.0, [1.0, 0.0, 0.0, 0.5])];
     let middle =
-        |paint: Paint, style: &Style| draw(&device, style, &paint, Vec::new(), &half).at(32, 24);
-    assert_eq!(middle(Paint::default(), &style()), [255, 0, 0, 255]);
+        |material: Material, style: &Style| draw(&device, style, &material, &[], &half).at(32, 24);
+    assert_eq!(middle(PLAIN, &style()), [255, 0, 0, 255]);
     assert_eq!(
-        middle(Paint { cut_off: Some(0.6), ..Paint::default() }, &style()),
+        middle(Material { alpha: AlphaMode::Mask(0.6), ..PLAIN }, &style()),
         [0, 0, 255, 255]
     );
     assert_eq!(
-        middle(Paint { cut_off: Some(0.4), ..Paint::default() }, &style()),
+        middle(Material { alpha: AlphaMode::Mask(0.4), ..PLAIN }, &style()),
         [255, 0, 0, 255]
     );
-    let blended = Paint { blended: true, ..Paint::default() };
+    let blended = Material { alpha: AlphaMode::Blend, ..PLAIN };
     // Half the light of each: 188 of 255 in sRGB.
     let [r, g, b, a] = middle(blended, &style());
     assert!(r.abs_diff(188) <= 1 && g == 0 && b.abs_diff(188) <= 1 && a == 255, "{r} {g} {b} {a}");
     let nothing = Style { background: [0.0; 4], ..style() };
     let [r, g, b, a] = middle(blended, &nothing);
     assert!(r >= 254 && g == 0 && b == 0 && a.abs_diff(128) <= 1, "{r} {g} {b} {a}");
-    assert_eq!(draw(&device, &nothing, &blended, Vec::new(), &[]).at(32, 24), [0; 4]);
+    assert_eq!(draw(&device, &nothing, &blended, &[], &[]).at(32, 24), [0; 4]);
 }
 
 #[test]
 fn edges_are_drawn_and_the_middle_stays() {
     let Some(device) = device() else { return };
     let style = Style { wire: 1.5, ..style() };
-    let picture = draw(&device, &style, &Paint::default(), Vec::new(), &[square(0.0, WHITE)]);
+    let picture = draw(&device, &style, &PLAIN, &[], &[square(0.0, WHITE)]);
     assert_eq!(picture.at(24, 16), [255; 4]);
     // The diagonal from the lower left to the upper right.
     let on = picture.at(32, 23);
@@ -188,7 +196,7 @@ fn edges_are_drawn_and_the_middle_stays() {
 #[test]
 fn a_picture_that_the_device_cannot_hold_is_a_limit() {
     let Some(device) = device() else { return };
-    let painter = Painter::new(&device, Vec::new(), &[Paint::default()]).expect("one paint");
+    let painter = Painter::new(&device, &[], &[PLAIN]).expect("one material");
     let framing =
         Framing { up: Up::Y, azimuth: 0.0, elevation: 0.0, lens: Lens::Orthographic, zoom: 1.0 };
     let camera = Camera::around(&[], &framing, 1.0);

@@ -1,20 +1,42 @@
-//! How far two surfaces are apart: in space, by points spread over both and their distance to the
+//! The distance of two surfaces: in space, by points spread over both and how far they are from the
 //! other, and in pictures taken from all sides. The instrument that simplifications are judged by;
 //! it knows none of them.
+//!
+//! ```
+//! use lodc_measure::{Looks, Sampling, Surface, Viewing, compare_pictures, distances, pictures};
+//!
+//! let square = |z: f32| Surface {
+//!     positions: [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]
+//!         .map(|[x, y]| glam::Vec3::new(x, y, z))
+//!         .to_vec(),
+//!     triangles: vec![[0, 1, 2], [0, 2, 3]],
+//!     ..Surface::default()
+//! };
+//! let (a, b) = (square(0.0), square(0.25));
+//! let apart = distances(&a, &b, &Sampling::DEFAULT);
+//! assert!((apart.hausdorff[0] - 0.25).abs() < 1e-9 && (apart.rms[1] - 0.25).abs() < 1e-9);
+//!
+//! let cameras = Viewing { views: 6, size: 64 }.cameras(&a);
+//! let shown = pictures(&a, &cameras, Looks::default());
+//! assert_eq!(compare_pictures(&shown, &shown).rmse, 0.0);
+//! ```
 
 mod bvh;
 mod distance;
+mod field;
 mod picture;
-mod shading;
+mod scene;
 mod spread;
 mod surface;
 mod texture;
 
 pub use bvh::Bvh;
 pub use distance::{Distances, Sampling, distances};
+pub use field::DistanceField;
 pub use picture::{ImageError, Looks, Picture, Viewing, compare_pictures, pictures};
+pub use scene::SceneSurface;
 pub use surface::Surface;
-pub use texture::{Paint, Texture, Wrap};
+pub use texture::Pyramid;
 
 #[cfg(test)]
 mod tests;

@@ -1,10 +1,11 @@
 //! Pictures of surfaces, and how different they look: grey or as they are painted, with a light at
 //! the camera, from all sides.
 
-use crate::shading::smooth;
 use crate::surface::Surface;
 use glam::{DVec3, Vec2, Vec3};
+use lodc_mesh::PositionIds;
 use lodc_raster::{Camera, Fragment, Point, SUBPIXELS, Window, scan, spread_cameras};
+use lodc_scene::smooth_normals;
 use rayon::prelude::*;
 
 /// Light that comes from everywhere, and what the lamp at the camera adds at most. Shares of white.
@@ -15,7 +16,7 @@ const LAMP: f32 = 0.85;
 const SQUARES: f32 = 16.0;
 const DARK: f32 = 0.5;
 
-/// What pictures show besides shape.
+/// The looks that pictures show besides shape.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Looks {
     /// Shade with the surface's own normals, not with those of its triangles.
@@ -23,14 +24,14 @@ pub struct Looks {
     /// Paint a checkerboard by texture coordinates: it shows where a texture is stretched or has
     /// slipped.
     pub checkerboard: bool,
-    /// Show the surface's paints, with their textures; else it is white.
-    pub paints: bool,
+    /// Show the surface's materials, with their textures; else it is white.
+    pub materials: bool,
 }
 
 /// From where pictures are taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Viewing {
-    /// How many cameras, spread evenly.
+    /// Number of cameras, spread evenly.
     pub views: u32,
     /// Pixels across and down.
     pub size: u32,
@@ -63,7 +64,7 @@ pub struct Picture {
     pub points: Vec<DVec3>,
 }
 
-/// How different two surfaces look.
+/// The difference of two surfaces in pictures.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ImageError {
     /// Root mean square difference of colours (0 to 255 each) over all pixels that either covers; 0
@@ -84,10 +85,17 @@ pub fn pictures(surface: &Surface, cameras: &[Camera], looks: Looks) -> Vec<Pict
     };
     let looks = Looks {
         checkerboard: looks.checkerboard && !surface.texture.is_empty(),
-        paints: looks.paints && !surface.paint_of.is_empty(),
+        materials: looks.materials && !surface.material_of.is_empty(),
         ..looks
     };
     cameras.par_iter().map(|camera| picture(surface, &normals, looks, camera)).collect()
+}
+
+/// Smooth normals of all corners. Vertices at one position are one.
+fn smooth(surface: &Surface) -> Vec<[Vec3; 3]> {
+    let single: Vec<[f32; 3]> = surface.positions.iter().map(|p| p.to_array()).collect();
+    let positions: Vec<DVec3> = surface.positions.iter().map(|p| p.as_dvec3()).collect();
+    smooth_normals(&surface.triangles, &positions, &PositionIds::new(&single))
 }
 
 /// Compares pictures taken by the same cameras.
@@ -135,7 +143,7 @@ fn picture(surface: &Surface, normals: &[[Vec3; 3]], looks: Looks, camera: &Came
         // space is clockwise here.
         let cosine = normal.dot(camera.toward.as_vec3()) * if area < 0.0 { 1.0 } else { -1.0 };
         let light = (AMBIENT + LAMP * cosine.max(0.0)).min(1.0);
-        let colour = if looks.paints {
+        let colour = if looks.materials {
             painted(surface, fragment.item() as usize, shares, area)
         } else if looks.checkerboard && is_dark(textured(surface, triangle, shares) * SQUARES) {
             Vec3::splat(DARK)
@@ -157,14 +165,19 @@ fn textured(surface: &Surface, triangle: [u32; 3], shares: [f32; 3]) -> Vec2 {
 /// The colour of a triangle at shares of its corners. `area` is twice that of its picture, in
 /// squared subpixels.
 fn painted(surface: &Surface, t: usize, shares: [f32; 3], area: f64) -> Vec3 {
-    let paint = surface.paints[surface.paint_of[t] as usize];
-    let Some(texture) = paint.texture.map(|i| &surface.textures[i]) else { return paint.colour };
+    let material = &surface.materials[surface.material_of[t] as usize];
+    let [r, g, b, _] = material.colour;
+    // Colours are linear, texels are not: a root is near enough to sRGB, and the same on every
+    // machine.
+    let colour = Vec3::new(r, g, b).max(Vec3::ZERO).map(f32::sqrt);
+    let Some(texture) = material.texture else { return colour };
+    let image = &surface.images[texture.image];
+    let place = |uv: Vec2| Vec2::from(texture.place(uv.into()));
     let triangle = surface.triangles[t];
-    let [a, b, c] = triangle.map(|v| surface.texture[v as usize]);
+    let [a, b, c] = triangle.map(|v| place(surface.texture[v as usize]));
     let pixels = (area.abs() / f64::from(SUBPIXELS * SUBPIXELS)) as f32;
-    let texels = (b - a).perp_dot(c - a).abs() * texture.area();
-    paint.colour
-        * texture.at(textured(surface, triangle, shares), texels / pixels.max(f32::MIN_POSITIVE))
+    let texels = (b - a).perp_dot(c - a).abs() * image.area() / pixels.max(f32::MIN_POSITIVE);
+    colour * image.at(place(textured(surface, triangle, shares)), texels, texture.wrap)
 }
 
 fn is_dark(at: Vec2) -> bool {

@@ -2,6 +2,7 @@
 
 use crate::surface::Surface;
 use glam::DVec3;
+use lodc_mesh::SplitMix64;
 use rayon::prelude::*;
 
 /// Most intervals into which a triangle's edge is cut by a lattice.
@@ -51,10 +52,7 @@ pub(crate) fn over_triangles(surface: &Surface, most: usize) -> Vec<DVec3> {
     (0..triangles).step_by(stride).flat_map(lattice).collect()
 }
 
-/// The `i`-th number of a sequence in [0, 1) (splitmix64 as a counter).
+/// The `i`-th number of a sequence in [0, 1).
 fn unit(seed: u64, i: u64) -> f64 {
-    let mut x = seed.wrapping_add(i.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15));
-    x = (x ^ x >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    x = (x ^ x >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-    (x ^ x >> 31).wrapping_shr(11) as f64 / (1u64 << 53) as f64
+    (SplitMix64::at(seed, i) >> 11) as f64 / (1u64 << 53) as f64
 }

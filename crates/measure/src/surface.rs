@@ -1,7 +1,8 @@
 //! A triangle surface as it stands in space.
 
-use crate::texture::{Paint, Texture};
+use crate::texture::Pyramid;
 use glam::{DVec3, Vec2, Vec3};
+use lodc_scene::Material;
 
 /// Triangles in one space, with what is needed to look at them. Every index is in range, or
 /// measuring panics.
@@ -15,12 +16,12 @@ pub struct Surface {
     pub normals: Vec<Vec3>,
     /// One pair of texture coordinates per position; empty if there are none.
     pub texture: Vec<Vec2>,
-    /// The paint of each triangle; empty if there are none.
-    pub paint_of: Vec<u32>,
-    /// What triangles are painted with.
-    pub paints: Vec<Paint>,
-    /// Pictures that paints use.
-    pub textures: Vec<Texture>,
+    /// The material of each triangle; empty if there are none.
+    pub material_of: Vec<u32>,
+    /// Materials.
+    pub materials: Vec<Material>,
+    /// Images that materials' textures show.
+    pub images: Vec<Pyramid>,
 }
 
 impl Surface {

@@ -1,8 +1,8 @@
 use crate::{
-    Bvh, Looks, Paint, Sampling, Surface, Texture, Viewing, Wrap, compare_pictures, distances,
-    pictures,
+    Bvh, Looks, Pyramid, Sampling, Surface, Viewing, compare_pictures, distances, pictures,
 };
 use glam::{DVec3, Vec2, Vec3};
+use lodc_scene::{Image, Material, Texture, Wrap};
 
 /// A sphere of `rows` × `2 rows` squares.
 fn sphere(rows: u32, radius: f32, shift: Vec3) -> Surface {
@@ -146,9 +146,12 @@ fn what_is_turned_inside_out_looks_the_same_without_normals_of_its_own() {
 }
 
 /// Vertical stripes of two colours that are equally bright, four texels each.
-fn stripes() -> Texture {
-    let texel = |i: usize| if (i / 4).is_multiple_of(2) { [200, 20, 20] } else { [20, 200, 20] };
-    Texture::new(64, (0..64 * 64).map(|i| texel(i % 64)).collect(), [Wrap::Repeat; 2])
+fn stripes() -> Pyramid {
+    let texel = |i: u32| {
+        if (i / 4).is_multiple_of(2) { [200, 20, 20, 255] } else { [20, 200, 20, 255] }
+    };
+    let bytes = (0..64 * 64).flat_map(|i| texel(i % 64)).collect();
+    Pyramid::new(&Image { width: 64, height: 64, bytes })
 }
 
 #[test]
@@ -156,14 +159,21 @@ fn a_texture_that_slips_is_seen_where_it_changes() {
     let striped = |shift: f32| {
         let mut s = sphere(16, 1.0, Vec3::ZERO);
         s.texture.iter_mut().for_each(|t| t.x += shift);
-        s.paint_of = vec![0; s.triangles.len()];
-        s.paints = vec![Paint { colour: Vec3::ONE, texture: Some(0) }];
-        s.textures = vec![stripes()];
+        s.material_of = vec![0; s.triangles.len()];
+        let texture = Texture {
+            image: 0,
+            set: 0,
+            transform: Texture::UNTRANSFORMED,
+            wrap: [Wrap::Repeat; 2],
+            nearest: false,
+        };
+        s.materials = vec![Material { texture: Some(texture), ..Material::default() }];
+        s.images = vec![stripes()];
         s
     };
     let a = striped(0.0);
     let cameras = Viewing { views: 4, size: 128 }.cameras(&a);
-    let looks = Looks { paints: true, ..Looks::default() };
+    let looks = Looks { materials: true, ..Looks::default() };
     let shown = pictures(&a, &cameras, looks);
     let error = |b: &Surface, looks| compare_pictures(&shown, &pictures(b, &cameras, looks)).rmse;
     assert_eq!(error(&a, looks), 0.0);
@@ -176,8 +186,9 @@ fn a_texture_that_slips_is_seen_where_it_changes() {
 
 #[test]
 fn textures_are_read_between_texels_and_beyond_their_edges() {
-    let two = |wrap| Texture::new(2, vec![[0; 3], [255; 3]], [wrap; 2]);
-    let at = |wrap, x: f32| two(wrap).at(Vec2::new(x, 0.5), 0.0).x;
+    let two = Image { width: 2, height: 1, bytes: [[0; 4], [255; 4]].concat() };
+    let two = Pyramid::new(&two);
+    let at = |wrap, x: f32| two.at(Vec2::new(x, 0.5), 0.0, [wrap; 2]).x;
     for (wrap, x, value) in [
         (Wrap::Clamp, 0.25, 0.0),
         (Wrap::Clamp, 0.5, 0.5),
@@ -194,9 +205,11 @@ fn textures_are_read_between_texels_and_beyond_their_edges() {
         assert_eq!(at(wrap, x), value, "{wrap:?} {x}");
     }
     // Far away only the mean is left.
-    let far = stripes().at(Vec2::new(0.3, 0.7), 1e9);
-    assert!((far - Vec3::new(110.0, 110.0, 20.0) / 255.0).abs().max_element() < 0.01, "{far}");
-    assert_eq!(Texture::new(0, Vec::new(), [Wrap::Repeat; 2]).at(Vec2::ZERO, 1.0), Vec3::ONE);
+    let far = stripes().at(Vec2::new(0.3, 0.7), 1e9, [Wrap::Repeat; 2]);
+    // The mean of light, which is brighter than that of values.
+    assert!((far - Vec3::new(147.0, 147.0, 20.0) / 255.0).abs().max_element() < 0.01, "{far}");
+    let empty = Pyramid::new(&Image::default());
+    assert_eq!(empty.at(Vec2::ZERO, 1.0, [Wrap::Repeat; 2]), Vec3::ONE);
 }
 
 #[test]

@@ -2,13 +2,13 @@
 
 use super::gltf_material::Reader;
 use super::pictures::Pictures;
-use super::{Appearance, Material, placement};
 use crate::import::gltf::stored::Stored;
 use crate::nodes::as_index;
 use crate::{Assets, FormatError, GltfDocument, ObjectInfo};
+use lodc_scene::{Appearance, Material};
+use serde_json::Value;
 
-/// What the colour of a mesh without a material is: glTF says white, which leaves no room for
-/// light.
+/// Linear colour of a mesh without a material. glTF says white, which leaves no room for light.
 const PLAIN: [f32; 4] = [0.6, 0.6, 0.6, 1.0];
 
 pub(super) fn appearance(
@@ -17,10 +17,8 @@ pub(super) fn appearance(
     assets: &mut Assets,
 ) -> Result<Appearance, FormatError> {
     let limits = *assets.limits();
-    Stored::read(document, &limits, |stored, json| {
-        let meshes: Vec<usize> = objects.iter().map(|o| o.document_mesh as usize).collect();
-        let placements =
-            placement::placements(json, &meshes, &|accessor| stored.numbers(accessor))?;
+    Stored::read(document, &limits, |stored, root| {
+        let json = &Value::Object(root.clone());
         let number = |object: &ObjectInfo, primitive: u32| {
             let mesh = &json["meshes"][object.document_mesh as usize];
             as_index(&mesh["primitives"][primitive as usize]["material"]).map_or(0, |m| m + 1)
@@ -38,6 +36,6 @@ pub(super) fn appearance(
             materials.push(if used { reader.material(source) } else { Material::default() });
         }
         let Pictures { list, warnings, .. } = reader.pictures;
-        Ok(Appearance { materials, of_submesh, pictures: list, placements, warnings })
+        Ok(Appearance { materials, of_submesh, images: list, warnings })
     })
 }

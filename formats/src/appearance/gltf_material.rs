@@ -2,10 +2,10 @@
 //! textures.
 
 use super::pictures::Pictures;
-use super::{Material, Opacity, TextureUse, Wrap};
 use crate::import::gltf::uri;
 use crate::nodes::{as_index, numbers};
 use crate::{Assets, FormatError};
+use lodc_scene::{AlphaMode, Material, Texture, Wrap};
 use serde_json::Value;
 
 /// Reads textures of one document.
@@ -38,18 +38,18 @@ impl Reader<'_> {
             colour,
             texture: found,
             double_sided: source["doubleSided"].as_bool().unwrap_or(false),
-            opacity: match source["alphaMode"].as_str() {
-                Some("MASK") => Opacity::CutOff(cut_off),
-                Some("BLEND") => Opacity::Blended,
-                _ => Opacity::Ignored,
+            alpha: match source["alphaMode"].as_str() {
+                Some("MASK") => AlphaMode::Mask(cut_off),
+                Some("BLEND") => AlphaMode::Blend,
+                _ => AlphaMode::Opaque,
             },
             unlit: source["extensions"]["KHR_materials_unlit"].is_object(),
         }
     }
 
-    fn texture(&mut self, info: &Value) -> Option<TextureUse> {
+    fn texture(&mut self, info: &Value) -> Option<Texture> {
         let texture = &self.json["textures"][as_index(&info["index"])?];
-        let picture = self.picture(as_index(&texture["source"]))?;
+        let image = self.image(as_index(&texture["source"]))?;
         let moved = &info["extensions"]["KHR_texture_transform"];
         let set = as_index(&moved["texCoord"]).or(as_index(&info["texCoord"])).unwrap_or(0);
         let sampler =
@@ -59,8 +59,8 @@ impl Reader<'_> {
             Some(33648) => Wrap::Mirror,
             _ => Wrap::Repeat,
         };
-        Some(TextureUse {
-            picture,
+        Some(Texture {
+            image,
             set: u32::try_from(set).ok()?,
             transform: transform(moved),
             wrap: [wrap("wrapS"), wrap("wrapT")],
@@ -68,7 +68,7 @@ impl Reader<'_> {
         })
     }
 
-    fn picture(&mut self, image: Option<usize>) -> Option<usize> {
+    fn image(&mut self, image: Option<usize>) -> Option<usize> {
         let Some(image) = image else {
             let extensions = "in a format that an extension names";
             self.pictures.get("", extensions, || {

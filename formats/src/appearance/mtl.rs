@@ -2,12 +2,11 @@
 //! cuts.
 
 use super::pictures::Pictures;
-use super::{Appearance, Material, Opacity, Placement, TextureUse, Wrap};
 use crate::import::obj::meaning;
-use crate::nodes::IDENTITY;
 use crate::{Assets, ObjDocument, ObjMaterial, ObjectInfo};
+use lodc_scene::{AlphaMode, Appearance, Material, Texture, Wrap, to_linear};
 
-/// What is drawn without a material: a light grey.
+/// Linear colour without a material: a light grey.
 const PLAIN: [f32; 4] = [0.6, 0.6, 0.6, 1.0];
 
 pub(super) fn appearance(
@@ -36,23 +35,17 @@ pub(super) fn appearance(
     };
     let of =
         |o: &&ObjectInfo| o.submeshes.iter().map(|s| number(&s.material).unwrap_or(0)).collect();
-    let placed =
-        |object| Placement { object, matrix: IDENTITY, joints: Vec::new(), weights: Vec::new() };
     Appearance {
         materials,
         of_submesh: objects.iter().map(of).collect(),
-        pictures: pictures.list,
-        placements: (0..objects.len()).map(placed).collect(),
+        images: pictures.list,
         warnings: pictures.warnings,
     }
 }
 
 fn material(source: &ObjMaterial, pictures: &mut Pictures, assets: &mut Assets) -> Material {
     // `Kd` has no colour space of its own; programs show it as they show texels.
-    let linear = |v: f32| {
-        let v = v.clamp(0.0, 1.0);
-        if v <= 0.04045 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }
-    };
+    let linear = |v: f32| to_linear(v.clamp(0.0, 1.0));
     let mut material = Material { colour: PLAIN, double_sided: true, ..Material::default() };
     let meaning = meaning(source);
     if let Some(diffuse) = meaning.diffuse {
@@ -70,22 +63,22 @@ fn material(source: &ObjMaterial, pictures: &mut Pictures, assets: &mut Assets) 
         // Many writers leave `Kd` black or out where a texture says the colour.
         material.colour[..3].copy_from_slice(&[1.0; 3]);
     }
-    material.opacity = match material.colour[3] {
+    material.alpha = match material.colour[3] {
         // Exporters that mean nothing by it write 0, and a thing that cannot be seen is no
         // material.
         0.0 => {
             material.colour[3] = 1.0;
-            Opacity::Ignored
+            AlphaMode::Opaque
         }
-        d if d < 1.0 => Opacity::Blended,
-        _ if cut => Opacity::CutOff(0.5),
-        _ => Opacity::Ignored,
+        d if d < 1.0 => AlphaMode::Blend,
+        _ if cut => AlphaMode::Mask(0.5),
+        _ => AlphaMode::Opaque,
     };
     material
 }
 
 /// `map_Kd [-option value...]... FILE`; the file's name may contain spaces.
-fn texture(rest: &str, pictures: &mut Pictures, assets: &mut Assets) -> Option<TextureUse> {
+fn texture(rest: &str, pictures: &mut Pictures, assets: &mut Assets) -> Option<Texture> {
     let mut name = rest.trim();
     let (mut scale, mut offset, mut wrap) = ([1.0f32; 2], [0.0f32; 2], Wrap::Repeat);
     while let Some(option) = name.strip_prefix('-') {
@@ -122,8 +115,8 @@ fn texture(rest: &str, pictures: &mut Pictures, assets: &mut Assets) -> Option<T
         return None;
     }
     let turned = name.replace('\\', "/");
-    let picture = pictures.get(&turned, name, || assets.read_reference(&turned))?;
+    let image = pictures.get(&turned, name, || assets.read_reference(&turned))?;
     // The picture's first row is the top, the texture coordinate 0 is the bottom.
     let transform = [[scale[0], 0.0, offset[0]], [0.0, -scale[1], 1.0 - offset[1]]];
-    Some(TextureUse { picture, set: 0, transform, wrap: [wrap; 2], nearest: false })
+    Some(Texture { image, set: 0, transform, wrap: [wrap; 2], nearest: false })
 }

@@ -1,7 +1,8 @@
 //! Pictures as they are asked for: each read once, all together bounded.
 
 use crate::FormatError;
-use crate::picture::{Picture, decode};
+use crate::picture::decode;
+use lodc_scene::Image;
 
 /// Longest side that is kept.
 const SIDE: u32 = 4096;
@@ -13,7 +14,7 @@ const PIXELS: u64 = 1 << 28;
 pub(super) struct Pictures {
     /// By the key they were asked for with: where they are, or nowhere.
     known: Vec<(String, Option<usize>)>,
-    pub(super) list: Vec<Picture>,
+    pub(super) list: Vec<Image>,
     pub(super) warnings: Vec<String>,
     taken: u64,
 }

@@ -1,7 +1,8 @@
 use super::*;
 use crate::picture::png;
 use crate::testing::Scratch;
-use crate::{GltfDocument, Limits, ObjDocument, ObjMaterial, SubmeshInfo};
+use crate::{GltfDocument, Limits, ObjDocument, ObjMaterial, SubmeshInfo, scene_graph};
+use lodc_scene::{AlphaMode, Arrangement, Image, Placement, Texture, Wrap};
 
 fn info(mesh: u32, material: Option<&str>) -> ObjectInfo {
     let submesh = SubmeshInfo {
@@ -18,7 +19,7 @@ fn info(mesh: u32, material: Option<&str>) -> ObjectInfo {
 }
 
 fn red() -> Vec<u8> {
-    png(&Picture { width: 2, height: 1, bytes: vec![255, 0, 0, 255, 0, 0, 0, 255] })
+    png(&Image { width: 2, height: 1, bytes: vec![255, 0, 0, 255, 0, 0, 0, 255] })
 }
 
 fn of_mtl(lines: &[&str], folder: &Scratch) -> Appearance {
@@ -43,6 +44,15 @@ fn of_gltf(
     appearance(&document, &infos.iter().collect::<Vec<_>>(), &mut assets)
 }
 
+/// The objects of some meshes where a document shows them.
+fn arranged(json: &str, blob: Vec<u8>, meshes: &[u32]) -> Result<Arrangement, FormatError> {
+    let document = Document::Gltf(GltfDocument { json: json.to_owned(), blob });
+    let infos: Vec<ObjectInfo> = meshes.iter().map(|&m| info(m, None)).collect();
+    let infos: Vec<&ObjectInfo> = infos.iter().collect();
+    let graph = scene_graph(&document, &infos, &Limits::DEFAULT)?;
+    Ok(Arrangement::new(&graph, &graph.rest_pose(), infos.len()))
+}
+
 #[test]
 fn an_mtl_gives_colours_opacity_and_textures() {
     let folder = Scratch::new("appearance-mtl");
@@ -55,7 +65,7 @@ fn an_mtl_gives_colours_opacity_and_textures() {
             && material.colour[3] == 0.25
     );
     assert!(
-        material.opacity == Opacity::Blended && material.double_sided && material.texture.is_none()
+        material.alpha == AlphaMode::Blend && material.double_sided && material.texture.is_none()
     );
 
     let looks =
@@ -63,10 +73,10 @@ fn an_mtl_gives_colours_opacity_and_textures() {
     let material = &looks.materials[looks.of_submesh[0][0]];
     let texture = material.texture.expect("a texture");
     assert_eq!(material.colour, [1.0; 4], "a black that a texture paints over");
-    assert_eq!((texture.picture, texture.wrap), (0, [Wrap::Clamp; 2]));
+    assert_eq!((texture.image, texture.wrap), (0, [Wrap::Clamp; 2]));
     // The bottom left corner of the coordinates is the bottom left of the picture.
     assert_eq!(texture.transform, [[2.0, 0.0, 0.5], [0.0, -3.0, 1.0]]);
-    assert_eq!((looks.pictures[0].width, looks.pictures[0].height), (2, 1));
+    assert_eq!((looks.images[0].width, looks.images[0].height), (2, 1));
     assert!(looks.warnings.is_empty(), "{:?}", looks.warnings);
 }
 
@@ -83,7 +93,7 @@ fn textures_that_cannot_be_had_are_warnings_and_none_is_read_from_elsewhere() {
         ("map_Kd broken.png", "damaged"),
     ] {
         let looks = of_mtl(&[line], &inner);
-        assert!(looks.pictures.is_empty() && looks.materials[1].texture.is_none(), "{line}");
+        assert!(looks.images.is_empty() && looks.materials[1].texture.is_none(), "{line}");
         assert!(
             looks.warnings.len() == 1 && looks.warnings[0].contains(word),
             "{line}: {:?}",
@@ -118,11 +128,11 @@ fn a_gltf_material_is_read_with_its_sampler_and_transform() {
     let material = &looks.materials[looks.of_submesh[0][0]];
     assert_eq!(material.colour, [0.5, 0.25, 1.0, 0.75]);
     assert_eq!(
-        (material.opacity, material.double_sided, material.unlit),
-        (Opacity::CutOff(0.25), true, true)
+        (material.alpha, material.double_sided, material.unlit),
+        (AlphaMode::Mask(0.25), true, true)
     );
-    let wanted = TextureUse {
-        picture: 0,
+    let wanted = Texture {
+        image: 0,
         set: 1,
         transform: [[2.0, 0.0, 0.5], [0.0, 4.0, 0.25]],
         wrap: [Wrap::Clamp, Wrap::Mirror],
@@ -133,7 +143,6 @@ fn a_gltf_material_is_read_with_its_sampler_and_transform() {
 
 #[test]
 fn nodes_joints_weights_and_instances_say_where_objects_are() {
-    let folder = Scratch::new("appearance-nodes");
     let floats = |values: &[f32]| values.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>();
     let mut bind = [0.0f32; 16];
     (0..4).for_each(|i| bind[5 * i] = 1.0);
@@ -147,13 +156,14 @@ fn nodes_joints_weights_and_instances_say_where_objects_are() {
         "meshes":[{"primitives":[{"attributes":{}}]},{"primitives":[{"attributes":{}}]},{"primitives":[{"attributes":{}}]}],
         "accessors":[{"bufferView":0,"componentType":5126,"count":1,"type":"MAT4"},{"bufferView":1,"componentType":5126,"count":2,"type":"VEC3"}],
         "bufferViews":[{"buffer":0,"byteLength":64},{"buffer":0,"byteOffset":64,"byteLength":24}],"buffers":[{"byteLength":88}]}"#;
-    let placements = of_gltf(json, blob, &[0, 1, 2], &folder).expect("a document").placements;
-    let moved = |p: &Placement| [p.matrix[12], p.matrix[13], p.matrix[14]];
+    let placements = arranged(json, blob, &[0, 1, 2]).expect("a document");
+    let placements = placements.placements();
+    let moved = |p: &Placement| p.transform.translation.to_array();
     let objects: Vec<usize> = placements.iter().map(|p| p.object).collect();
     assert_eq!(objects, [0, 1, 2, 2]);
     assert_eq!((moved(&placements[0]), &placements[0].weights[..]), ([1.0, 0.0, 0.0], &[0.5][..]));
     assert_eq!(
-        placements[1].joints[0][12..15],
+        placements[1].joints[0].translation.to_array(),
         [-1.0, 7.0, 0.0],
         "the joint, whatever the node says"
     );
@@ -171,9 +181,10 @@ fn a_document_that_lies_is_refused_without_a_panic() {
         r#"{"asset":{"version":"2.0"},"nodes":[{"mesh":3}]}"#,
     ] {
         assert!(of_gltf(json, Vec::new(), &[0], &folder).is_err(), "{json}");
+        assert!(arranged(json, Vec::new(), &[0]).is_err(), "{json}");
     }
     // Loops of nodes end.
     let loops = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"meshes":[{"primitives":[{"attributes":{}}]}],
         "nodes":[{"mesh":0,"children":[1]},{"children":[0]}]}"#;
-    assert_eq!(of_gltf(loops, Vec::new(), &[0], &folder).map(|a| a.placements.len()), Ok(1));
+    assert_eq!(arranged(loops, Vec::new(), &[0]).map(|a| a.placements().len()), Ok(1));
 }

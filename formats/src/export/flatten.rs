@@ -1,9 +1,11 @@
 //! A scene as plain meshes in one space, for formats without nodes.
 
 use super::ExportObject;
-use crate::nodes::{IDENTITY, Matrix, as_index, cofactors, local, mirrors, product, roots};
-use crate::{Document, Fault, FormatError, GltfDocument};
-use lodc_mesh::{Attribute, Mesh, Semantic};
+use crate::graph::gltf_graph;
+use crate::import::gltf::stored::Stored;
+use crate::{Document, Fault, FormatError, GltfDocument, Limits};
+use lodc_mesh::{Attribute, Mesh};
+use lodc_scene::{Arrangement, Graph, Placement, PosedVertices, Transform, posed};
 use serde_json::Value;
 
 /// Flattening repeats an object for every node that shows it, but not beyond this many triangles.
@@ -16,105 +18,113 @@ pub(crate) struct Placed<'a> {
     pub(crate) object: ExportObject<'a>,
     /// The node's name or, lacking that, the object's.
     pub(crate) name: String,
-    /// From the object's space to the scene's; none where they are the same, so that bits survive.
-    transform: Option<Matrix>,
+    /// None where the object stands as it was modelled, so that bits survive.
+    placement: Option<Placement>,
 }
 
-impl Placed<'_> {
+impl<'a> Placed<'a> {
+    /// Poses its vertices.
+    pub(crate) fn vertices(&self) -> Vertices<'a> {
+        let mesh = self.object.mesh;
+        Vertices { mesh, posed: self.placement.as_ref().map(|p| posed(mesh, p)) }
+    }
+}
+
+/// The vertices of a placed object.
+#[derive(Clone, Debug)]
+pub(crate) struct Vertices<'a> {
+    mesh: &'a Mesh,
+    posed: Option<PosedVertices>,
+}
+
+impl Vertices<'_> {
     /// A vertex's position in the scene.
     pub(crate) fn position(&self, vertex: u32) -> [f32; 3] {
-        let p = self.object.mesh.positions()[vertex as usize];
-        let Some(m) = &self.transform else { return p };
-        let p = p.map(f64::from);
-        std::array::from_fn(|row| {
-            finite(m[row] * p[0] + m[4 + row] * p[1] + m[8 + row] * p[2] + m[12 + row])
-        })
+        match &self.posed {
+            None => self.mesh.positions()[vertex as usize],
+            Some(posed) => posed.positions[vertex as usize].to_array().map(finite),
+        }
     }
 
     /// A vertex's normal in the scene: as it is in the file where nothing moves, of length one
     /// otherwise.
     pub(crate) fn normal(&self, stream: &Attribute, vertex: u32) -> [f32; 3] {
-        let n: [f32; 3] = std::array::from_fn(|i| component(stream, vertex, i));
-        let Some(m) = &self.transform else { return n };
-        let n = n.map(f64::from);
-        // Cofactors are the inverse transpose times the determinant: no division, and its sign is
-        // put right below.
-        let c = cofactors(m);
-        let sign = if self.mirrors() { -1.0 } else { 1.0 };
-        let v: [f64; 3] =
-            std::array::from_fn(|row| sign * (0..3).map(|k| c[k * 3 + row] * n[k]).sum::<f64>());
-        let length = v.iter().map(|x| x * x).sum::<f64>().sqrt();
-        if length > 0.0 { v.map(|x| finite(x / length)) } else { n.map(finite) }
-    }
-
-    /// True if the transform turns the surface inside out, so that corners must be listed the other
-    /// way round.
-    pub(crate) fn mirrors(&self) -> bool {
-        self.transform.as_ref().is_some_and(mirrors)
+        match &self.posed {
+            None => std::array::from_fn(|i| component(stream, vertex, i)),
+            Some(posed) => {
+                let normal = posed.normals[vertex as usize];
+                normal.try_normalize().unwrap_or(normal).to_array().map(finite)
+            }
+        }
     }
 
     /// A triangle with its corners in the order that faces outwards in the scene.
-    pub(crate) fn corners(&self, [a, b, c]: [u32; 3], mirrors: bool) -> [u32; 3] {
-        if mirrors { [a, c, b] } else { [a, b, c] }
+    pub(crate) fn corners(&self, [a, b, c]: [u32; 3]) -> [u32; 3] {
+        let mirrored = self.posed.as_ref().is_some_and(|p| p.mirrored);
+        if mirrored { [a, c, b] } else { [a, b, c] }
     }
 }
 
-/// Every object of an OBJ as it is; every object of a glTF for each node of the default scene that
-/// shows it (its nodes all, if the file has no scene), and one that no node shows as it is. A
-/// skinned object stands as it was modelled: its joints, not its node, would move it.
+/// Every object of an OBJ as it is; every object of a glTF where the default scene shows it, joints
+/// at rest and default morph weights, and one that it does not show as it was modelled.
 ///
 /// # Errors
-/// If the document's JSON is damaged or the instances together are too large.
+/// If the document is damaged or the instances together are too large.
 pub(crate) fn placed<'a>(
     document: &Document,
     objects: &[ExportObject<'a>],
 ) -> Result<Vec<Placed<'a>>, FormatError> {
-    let plain = |object: &ExportObject<'a>| Placed {
-        object: *object,
-        name: object.info.name.clone(),
-        transform: None,
+    let graph = match document {
+        Document::Obj(_) => Graph::of_objects(objects.len() as u32),
+        Document::Gltf(gltf) => graph(gltf, objects)?,
     };
-    let Document::Gltf(gltf) = document else { return Ok(objects.iter().map(plain).collect()) };
-    let json = parse(gltf)?;
-    let nodes = json["nodes"].as_array().map(Vec::as_slice).unwrap_or_default();
-    let mut shown = vec![false; objects.len()];
-    let mut visited = vec![false; nodes.len()];
-    let mut out: Vec<Placed<'a>> = Vec::new();
+    let scene = Arrangement::new(&graph, &graph.rest_pose(), objects.len());
+    let mut out = Vec::new();
     let mut triangles = 0;
-    let mut open: Vec<(usize, Matrix)> =
-        roots(&json, nodes).into_iter().rev().map(|n| (n, IDENTITY)).collect();
-    while let Some((index, parent)) = open.pop() {
-        let Some(node) = nodes.get(index) else { continue };
-        if std::mem::replace(&mut visited[index], true) {
-            continue;
+    for placement in scene.placements() {
+        let object = objects[placement.object];
+        triangles += object.mesh.triangles().len();
+        if triangles > MAX_TRIANGLES {
+            let what = format!(
+                "its instances have more than {MAX_TRIANGLES} triangles together: write a glTF \
+                 instead"
+            );
+            return Err(FormatError::new(Fault::Limit, "", what));
         }
-        let world = product(&parent, &local(node));
-        if let Some(children) = node["children"].as_array() {
-            open.extend(children.iter().rev().filter_map(as_index).map(|child| (child, world)));
-        }
-        let Some(mesh) = as_index(&node["mesh"]) else { continue };
-        for (object, shown) in
-            objects.iter().zip(&mut shown).filter(|(o, _)| o.info.document_mesh as usize == mesh)
-        {
-            *shown = true;
-            triangles += object.mesh.triangles().len();
-            if triangles > MAX_TRIANGLES {
-                let what = format!(
-                    "its instances have more than {MAX_TRIANGLES} triangles together: write a glTF instead"
-                );
-                return Err(FormatError::new(Fault::Limit, "", what));
-            }
-            let stays = world == IDENTITY
-                || !node["skin"].is_null()
-                || world.iter().any(|x| !x.is_finite());
-            let name = node["name"].as_str().unwrap_or(&object.info.name).to_owned();
-            out.push(Placed { object: *object, name, transform: (!stays).then_some(world) });
-        }
+        let node = placement.node.map(|n| graph.nodes[n as usize].name.clone());
+        let name = node.filter(|name| !name.is_empty());
+        out.push(Placed {
+            object,
+            name: name.unwrap_or_else(|| object.info.name.clone()),
+            placement: (!stays(placement)).then(|| placement.clone()),
+        });
     }
-    out.extend(
-        objects.iter().zip(shown).filter(|(_, shown)| !shown).map(|(object, _)| plain(object)),
-    );
+    let hidden = (0..objects.len()).filter(|&o| scene.of(o).next().is_none());
+    out.extend(hidden.map(|o| Placed {
+        object: objects[o],
+        name: objects[o].info.name.clone(),
+        placement: None,
+    }));
     Ok(out)
+}
+
+fn stays(placement: &Placement) -> bool {
+    placement.transform == Transform::IDENTITY
+        && placement.joints.is_empty()
+        && placement.weights.iter().all(|&w| w == 0.0)
+}
+
+/// The nodes of a stored document. Its accessors are checked and read only if skins or instances
+/// need them.
+fn graph(gltf: &GltfDocument, objects: &[ExportObject<'_>]) -> Result<Graph, FormatError> {
+    let Value::Object(root) = parse(gltf)? else { return Ok(Graph::default()) };
+    let meshes: Vec<u32> = objects.iter().map(|o| o.info.document_mesh).collect();
+    let needed = |_| Err(FormatError::new(Fault::Unsupported, "", "an accessor is needed"));
+    gltf_graph(&root, &meshes, &needed).or_else(|_| {
+        Stored::read(gltf, &Limits::DEFAULT, |stored, root| {
+            gltf_graph(root, &meshes, &|accessor| stored.numbers(accessor))
+        })
+    })
 }
 
 /// The document's JSON.
@@ -132,18 +142,6 @@ fn finite(x: f64) -> f32 {
 /// A component of a stream, zero if it has fewer.
 pub(crate) fn component(stream: &Attribute, vertex: u32, i: usize) -> f32 {
     if i < usize::from(stream.components) { stream.value(vertex, i) } else { 0.0 }
-}
-
-/// The stream of a submesh with this meaning, at rest.
-pub(crate) fn stream<'a>(
-    mesh: &'a Mesh,
-    submesh: usize,
-    semantic: &Semantic,
-) -> Option<&'a Attribute> {
-    let attributes = mesh.submeshes()[submesh].attributes.iter();
-    attributes
-        .map(|&a| &mesh.attributes()[a as usize])
-        .find(|a| a.semantic == *semantic && a.morph_target.is_none())
 }
 
 #[cfg(test)]

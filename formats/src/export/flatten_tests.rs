@@ -1,6 +1,6 @@
 use super::*;
 use crate::{ObjDocument, ObjectInfo, SubmeshInfo};
-use lodc_mesh::{Component, MeshParts, Submesh};
+use lodc_mesh::{Component, MeshParts, Semantic, Submesh};
 
 pub(crate) fn triangle() -> Mesh {
     let normals =
@@ -56,11 +56,15 @@ fn nodes_of_the_default_scene_place_and_repeat_objects() {
     let names: Vec<_> = placed.iter().map(|p| p.name.as_str()).collect();
     assert_eq!(names, ["mesh0", "right", "mesh1"]);
     let near = |a: [f32; 3], b: [f32; 3]| (0..3).all(|i| (a[i] - b[i]).abs() < 1e-6);
-    assert!(near(placed[0].position(1), [0.0, 2.0, 5.0]), "{:?}", placed[0].position(1));
-    assert!(near(placed[0].position(2), [-3.0, 0.0, 5.0]));
-    assert_eq!(placed[1].position(1), [8.0, 0.0, 0.0]);
+    assert!(
+        near(placed[0].vertices().position(1), [0.0, 2.0, 5.0]),
+        "{:?}",
+        placed[0].vertices().position(1)
+    );
+    assert!(near(placed[0].vertices().position(2), [-3.0, 0.0, 5.0]));
+    assert_eq!(placed[1].vertices().position(1), [8.0, 0.0, 0.0]);
     assert_eq!(
-        placed[2].position(1),
+        placed[2].vertices().position(1),
         [1.0, 0.0, 0.0],
         "an object that no node shows stands as it is"
     );
@@ -79,11 +83,12 @@ fn mirrors_turn_triangles_and_never_normals_inside_out() {
     ] {
         let placed = placed(&gltf(&format!(r#"{{"nodes":[{{"mesh":0,{node}}}]}}"#)), &objects)
             .expect("placed");
-        let p = &placed[0];
-        assert_eq!(p.mirrors(), mirrors, "{node}");
+        let p = placed[0].vertices();
+        let turned = p.corners([0, 1, 2]) == [0, 2, 1];
+        assert_eq!(turned, mirrors, "{node}");
         assert_eq!(p.normal(&mesh.attributes()[0], 0), normal, "{node}");
         // The face turns towards its normal.
-        let [a, b, c] = p.corners([0, 1, 2], p.mirrors()).map(|v| p.position(v));
+        let [a, b, c] = p.corners([0, 1, 2]).map(|v| p.position(v));
         let z = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
         assert!(z * normal[2] > 0.0, "{node}: the face looks away from its normal");
     }
@@ -114,5 +119,5 @@ fn objects_of_an_obj_stay_bit_for_bit() {
         &[ExportObject { info: &info, mesh: &mesh }],
     );
     let placed = placed.expect("placed");
-    assert!(placed[0].transform.is_none() && !placed[0].mirrors());
+    assert!(placed[0].placement.is_none());
 }

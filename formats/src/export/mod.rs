@@ -1,12 +1,9 @@
 //! Writing one level of detail: one file or folder per format.
 
-mod flat_mesh;
 mod flatten;
 mod gltf;
 mod obj;
 mod ply;
-
-pub use flat_mesh::{FlatMesh, flat_mesh};
 
 use crate::{Document, FormatError, ObjectInfo, OutputFile};
 use lodc_mesh::Mesh;

@@ -1,9 +1,10 @@
 //! Wavefront OBJ and MTL: numbers are written so that reading them gives the same bits.
 
 use super::ExportObject;
-use super::flatten::{self, Placed, component, stream};
+use super::flatten::{self, Placed, Vertices, component};
 use crate::{Document, FormatError, OutputFile};
-use lodc_mesh::Semantic;
+use lodc_mesh::{Mesh, Semantic};
+use lodc_scene::stream;
 use serde_json::Value;
 use std::collections::{BTreeMap, HashMap};
 use std::hash::Hash;
@@ -66,13 +67,14 @@ impl Writer {
         line(&mut self.text, "o", &clean(&placed.name));
         self.numbers.clear();
         self.numbers.resize(mesh.vertex_count(), [0; 3]);
+        let vertices = placed.vertices();
         let mut label = String::new();
         for (i, (submesh, submesh_info)) in mesh.submeshes().iter().zip(&info.submeshes).enumerate()
         {
             if submesh.triangle_count == 0 {
                 continue;
             }
-            let faces = self.vertices(placed, i, top_left);
+            let faces = self.vertices(mesh, &vertices, i, top_left);
             let name = clean(&submesh_info.name);
             if name != label {
                 line(&mut self.text, "g", &name);
@@ -91,15 +93,19 @@ impl Writer {
     }
 
     /// Writes the vertices of a submesh that were not written before; returns its faces.
-    fn vertices(&mut self, placed: &Placed<'_>, submesh: usize, top_left: bool) -> Vec<u8> {
-        let mesh = placed.object.mesh;
+    fn vertices(
+        &mut self,
+        mesh: &Mesh,
+        placed: &Vertices<'_>,
+        submesh: usize,
+        top_left: bool,
+    ) -> Vec<u8> {
         let [color, uv, normal] = [Semantic::Color(0), Semantic::TexCoord(0), Semantic::Normal]
             .map(|semantic| stream(mesh, submesh, &semantic));
-        let mirrors = placed.mirrors();
         let mut faces = Vec::new();
         for &triangle in &mesh.triangles()[mesh.submeshes()[submesh].triangles()] {
             faces.push(b'f');
-            for vertex in placed.corners(triangle, mirrors) {
+            for vertex in placed.corners(triangle) {
                 let numbers = &mut self.numbers[vertex as usize];
                 if numbers[0] == 0 {
                     let position = placed.position(vertex);

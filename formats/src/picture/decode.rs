@@ -1,7 +1,7 @@
 //! Foreign pictures: bounded in size before anything is allocated for them.
 
-use super::Picture;
 use crate::{Fault, FormatError};
+use lodc_scene::Image;
 use std::io::Cursor;
 use zune_jpeg::JpegDecoder;
 use zune_jpeg::zune_core::bytestream::ZCursor;
@@ -18,7 +18,7 @@ const MAX_PIXELS: u64 = 1 << 26;
 ///
 /// # Errors
 /// If it is neither, damaged, or larger than 16384 pixels on a side or 64 million in all.
-pub fn decode(bytes: &[u8]) -> Result<Picture, FormatError> {
+pub fn decode(bytes: &[u8]) -> Result<Image, FormatError> {
     if bytes.starts_with(b"\x89PNG") {
         decode_png(bytes)
     } else if bytes.starts_with(b"\xff\xd8\xff") {
@@ -56,7 +56,7 @@ fn check_size(width: usize, height: usize) -> Result<(), FormatError> {
     Ok(())
 }
 
-fn decode_png(bytes: &[u8]) -> Result<Picture, FormatError> {
+fn decode_png(bytes: &[u8]) -> Result<Image, FormatError> {
     let damaged = |e: png::DecodingError| match e {
         png::DecodingError::LimitsExceeded => {
             FormatError::new(Fault::Limit, "", "takes too much memory")
@@ -77,10 +77,10 @@ fn decode_png(bytes: &[u8]) -> Result<Picture, FormatError> {
     let mut raw = vec![0; size];
     let info = reader.next_frame(&mut raw).map_err(damaged)?;
     raw.truncate(info.buffer_size());
-    Ok(Picture { width, height, bytes: expanded(raw, info.color_type.samples()) })
+    Ok(Image { width, height, bytes: expanded(raw, info.color_type.samples()) })
 }
 
-fn decode_jpeg(bytes: &[u8]) -> Result<Picture, FormatError> {
+fn decode_jpeg(bytes: &[u8]) -> Result<Image, FormatError> {
     let damaged = |e: zune_jpeg::errors::DecodeErrors| {
         FormatError::new(Fault::Malformed, "", format!("is a damaged JPEG: {e:?}"))
     };
@@ -94,7 +94,7 @@ fn decode_jpeg(bytes: &[u8]) -> Result<Picture, FormatError> {
     check_size(width, height)?;
     let raw = decoder.decode().map_err(damaged)?;
     let samples = raw.len() / (width * height);
-    Ok(Picture { width: width as u32, height: height as u32, bytes: expanded(raw, samples) })
+    Ok(Image { width: width as u32, height: height as u32, bytes: expanded(raw, samples) })
 }
 
 /// Grey, grey and opacity, or red, green and blue, as four bytes for each pixel.

@@ -1,13 +1,13 @@
 //! PNG out: without opacity where everything is opaque.
 
-use super::Picture;
+use lodc_scene::Image;
 
 /// A picture as a PNG file. Equal pictures give equal bytes.
 ///
 /// # Panics
 /// If it has no pixel, or another number of bytes than its size says.
 #[must_use]
-pub fn png(picture: &Picture) -> Vec<u8> {
+pub fn png(picture: &Image) -> Vec<u8> {
     let opaque = picture.bytes.as_chunks::<4>().0.iter().all(|p| p[3] == 255);
     let mut bytes = Vec::new();
     let mut encoder = ::png::Encoder::new(&mut bytes, picture.width, picture.height);

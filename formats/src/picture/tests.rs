@@ -1,12 +1,13 @@
 use super::*;
 use crate::Fault;
+use lodc_scene::Image;
 
 /// A picture in which every pixel is different.
-fn coloured(width: u32, height: u32, opaque: bool) -> Picture {
+fn coloured(width: u32, height: u32, opaque: bool) -> Image {
     let pixel = |i: u32| {
         [(i * 7) as u8, (i * 31) as u8, (i * 101) as u8, if opaque { 255 } else { (i * 3) as u8 }]
     };
-    Picture { width, height, bytes: (0..width * height).flat_map(pixel).collect() }
+    Image { width, height, bytes: (0..width * height).flat_map(pixel).collect() }
 }
 
 #[test]
@@ -77,14 +78,4 @@ fn a_picture_of_huge_size_is_refused_before_memory_is_taken() {
     ::png::Encoder::new(&mut encoder_bytes, 60_000, 60_000).write_header().map(drop).ok();
     bytes[8..33].copy_from_slice(&encoder_bytes[8..33]);
     assert_eq!(decode(&bytes).map_err(|e| e.fault), Err(Fault::Limit));
-}
-
-#[test]
-fn shrinking_ends_below_the_limits() {
-    let mut picture = coloured(37, 11, true);
-    picture.shrink(10, 1000);
-    assert_eq!((picture.width, picture.height, picture.bytes.len()), (10, 3, 120));
-    let mut flat = Picture { width: 8, height: 8, bytes: [10, 20, 30, 40].repeat(64) };
-    flat.shrink(100, 5);
-    assert_eq!(flat, Picture { width: 2, height: 2, bytes: [10, 20, 30, 40].repeat(4) });
 }

@@ -2,10 +2,12 @@
 
 use super::pipeline::BuildOutput;
 use crate::console::{Loudness, note, wants};
-use crate::levels::{self, TABLE};
+use crate::levels::TABLE;
 use crate::output::Target as Output;
-use crate::selector::{Selection, Target, scene_diagonal, select};
+use crate::selector::SceneLevels;
 use crate::text::{count, distance, grouped, percent, quoted, size};
+use lodc_formats::Limits;
+use lodc_select::{Selection, Target, scene_diagonal};
 use std::fmt::Write;
 
 /// Prints the summary on standard error, unless `-q`.
@@ -68,7 +70,10 @@ fn text(made: &BuildOutput, output: &Output, seconds: f64) -> String {
 
 fn table(text: &mut String, made: &BuildOutput) {
     let objects = &made.file.objects;
-    let candidates = levels::candidates(objects);
+    let Ok(levels) = SceneLevels::new(objects, &made.file.document, &Limits::DEFAULT) else {
+        return;
+    };
+    let candidates = levels.candidates();
     let triangles: u64 = candidates.iter().map(|c| u64::from(c.collapses.parts().triangles)).sum();
     if triangles == 0 {
         return;
@@ -76,8 +81,7 @@ fn table(text: &mut String, made: &BuildOutput) {
     let diagonal = scene_diagonal(&candidates);
     let _ = writeln!(text, "     share   triangles       error   of the diagonal");
     for share in TABLE {
-        let Ok(Selection { lods, error, .. }) = select(&candidates, Target::Ratio(share), false)
-        else {
+        let Ok(Selection { lods, error, .. }) = levels.select(Target::Ratio(share), false) else {
             continue;
         };
         let left: u64 = candidates

@@ -1,7 +1,9 @@
 //! A sheet of pictures: A, B, and how far each place of A is from B, from four sides.
 
-use lodc_formats::picture::{Picture as Sheet, png};
+use crate::colours::heat;
+use lodc_formats::picture::png;
 use lodc_measure::{Bvh, Looks, Picture, Surface, Viewing, pictures};
+use lodc_scene::Image;
 use rayon::prelude::*;
 
 /// Pictures side by side, and pixels across each.
@@ -13,7 +15,7 @@ pub(super) fn draw(a: &Surface, b: &Surface, looks: Looks, hottest: f64) -> Vec<
     let (of_a, of_b) = (pictures(a, &cameras, looks), pictures(b, &cameras, looks));
     let tree = Bvh::new(b);
     let heat: Vec<Vec<[u8; 3]>> =
-        of_a.par_iter().map(|picture| heat(picture, &tree, hottest)).collect();
+        of_a.par_iter().map(|picture| distances(picture, &tree, hottest)).collect();
     let seen = |p: &Picture| p.colours.iter().map(|c| c.map(|v| v.max(0.0) as u8)).collect();
     let rows: [Vec<Vec<[u8; 3]>>; 3] =
         [of_a.iter().map(seen).collect(), of_b.iter().map(seen).collect(), heat];
@@ -30,22 +32,19 @@ pub(super) fn draw(a: &Surface, b: &Surface, looks: Looks, hottest: f64) -> Vec<
             }
         }
     }
-    png(&Sheet {
+    png(&Image {
         width: VIEWING.size * VIEWING.views,
         height: VIEWING.size * rows.len() as u32,
         bytes: rgba,
     })
 }
 
-/// Colours by distance: dark blue for none, through green and yellow, to red for the hottest.
-fn heat(picture: &Picture, tree: &Bvh, hottest: f64) -> Vec<[u8; 3]> {
+/// Colours by distance; black where nothing is.
+fn distances(picture: &Picture, tree: &Bvh, hottest: f64) -> Vec<[u8; 3]> {
     let color = |distance_squared: f64| {
-        let distance = distance_squared.sqrt();
-        let heat = if hottest > 0.0 { (distance / hottest).min(1.0) } else { 0.0 };
+        let share = if hottest > 0.0 { distance_squared.sqrt() / hottest } else { 0.0 };
         // The root shows small differences, too.
-        let x = heat.sqrt() * 3.0;
-        let part = |from: f64| ((x - from).clamp(0.0, 1.0) * 255.0) as u8;
-        [part(1.0), part(0.0) - part(2.0), ((1.0 - x).clamp(0.0, 1.0) * 160.0) as u8]
+        heat(share.sqrt())
     };
     let places = picture.colours.iter().zip(&picture.points);
     places

@@ -11,12 +11,12 @@ use crate::limits::ImportArgs;
 use crate::output::{self, Target};
 use crate::stages::Stages;
 use clap::Args;
-use lodc_measure::{Looks, Sampling, Viewing, compare_pictures, distances, pictures};
+use lodc_measure::{Looks, Sampling, SceneSurface, Viewing, compare_pictures, distances, pictures};
 use rayon::ThreadPoolBuilder;
 use report::{CompareReport, ImageReport};
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
-use surface::{Shown, surface};
+use surface::surface;
 
 /// Distances below this share of the diagonal are rounding: the heatmap shows none.
 const ROUNDING: f64 = 1e-6;
@@ -152,13 +152,13 @@ fn compare(args: &CompareArgs, heatmap: Option<&Target>) -> Outcome<Status> {
     Ok(if report.ok { Status::Done } else { Status::Difference })
 }
 
-/// What both meshes have to be looked at with.
-fn looks(a: &Shown, b: &Shown, args: &CompareArgs) -> Looks {
-    let both = |has: fn(&Shown) -> bool| !args.no_attributes && has(a) && has(b);
-    let paints = both(|s| s.surface.paints.iter().any(|p| p.texture.is_some()));
+/// Everything that both meshes can be shown with.
+fn looks(a: &SceneSurface, b: &SceneSurface, args: &CompareArgs) -> Looks {
+    let both = |has: fn(&SceneSurface) -> bool| !args.no_attributes && has(a) && has(b);
+    let materials = both(|s| !s.surface.materials.is_empty());
     Looks {
         own_normals: both(|s| !s.surface.normals.is_empty()),
-        checkerboard: !paints && both(|s| s.all_textured),
-        paints,
+        checkerboard: !materials && both(|s| s.all_textured),
+        materials,
     }
 }

@@ -71,7 +71,7 @@ impl ImageReport {
             silhouette: error.silhouette,
             normals: looks.own_normals,
             texture: looks.checkerboard,
-            textures: looks.paints,
+            textures: looks.materials,
         }
     }
 }

@@ -1,111 +1,49 @@
-//! A scene as one surface, with the colours and pictures it shows.
+//! The surfaces that are compared: scenes as their default scenes show them.
 
 use super::CompareArgs;
 use crate::console;
 use crate::exit::{Failure, Outcome, Status};
-use lodc_formats::appearance::{self, Appearance, TextureUse, appearance};
-use lodc_formats::export::flat_mesh;
-use lodc_formats::{Assets, ObjectInfo, import};
-use lodc_measure::{Paint, Surface, Texture, Wrap};
+use lodc_formats::appearance::appearance;
+use lodc_formats::{Assets, ObjectInfo, import, scene_graph};
+use lodc_measure::SceneSurface;
+use lodc_mesh::Mesh;
+use lodc_scene::{Appearance, Arrangement};
 use std::path::Path;
 
-/// What is compared.
-pub(super) struct Shown {
-    pub(super) surface: Surface,
-    /// Whether all of it has texture coordinates.
-    pub(super) all_textured: bool,
-}
+/// More triangles than this, instances counted, are not compared.
+const MAX_TRIANGLES: usize = 1 << 28;
 
-/// Reads a mesh as it stands in its scene.
-pub(super) fn surface(path: &Path, args: &CompareArgs) -> Outcome<Shown> {
+/// Reads the surface of a scene.
+pub(super) fn surface(path: &Path, args: &CompareArgs) -> Outcome<SceneSurface> {
     let options = args.import.options();
     let scene = import::import(path, &options)?;
     let name = path.display().to_string();
     for warning in &scene.warnings {
         console::warning(&name, warning);
     }
+    let infos: Vec<&ObjectInfo> = scene.objects.iter().map(|o| &o.info).collect();
     let looks = if args.no_attributes || args.views == 0 {
         Appearance::default()
     } else {
-        let infos: Vec<&ObjectInfo> = scene.objects.iter().map(|o| &o.info).collect();
         let mut assets = Assets::new(path, &options.allowed, options.limits);
         appearance(&scene.document, &infos, &mut assets).map_err(|e| e.in_file(&name))?
     };
     for warning in &looks.warnings {
         console::warning(&name, warning);
     }
-    let material =
-        |object: usize, submesh: usize| looks.of_submesh.get(object)?.get(submesh).copied();
-    let texture =
-        |object: usize, submesh: usize| looks.materials[material(object, submesh)?].texture;
-    let flat = flat_mesh(&scene, &|o, s| texture(o, s).map_or(0, |t| t.set))
-        .map_err(|e| e.in_file(&name))?;
-    if flat.triangles.is_empty() {
-        return Err(Failure::new(
-            Status::Input,
-            format!("{name}: has no triangles: there is nothing to compare"),
-        ));
+    let graph =
+        scene_graph(&scene.document, &infos, &options.limits).map_err(|e| e.in_file(&name))?;
+    let arrangement = Arrangement::new(&graph, &graph.rest_pose(), infos.len());
+    let meshes: Vec<&Mesh> = scene.objects.iter().map(|o| &o.mesh).collect();
+    let counts = arrangement.placements().iter().map(|p| meshes[p.object].triangles().len());
+    let triangles = counts.fold(0, usize::saturating_add);
+    if triangles == 0 {
+        let message = format!("{name}: has no triangles: there is nothing to compare");
+        return Err(Failure::new(Status::Input, message));
     }
-    let vectors = |all: Vec<[f32; 3]>| all.into_iter().map(Into::into).collect();
-    let mut surface = Surface {
-        positions: vectors(flat.positions),
-        triangles: flat.triangles,
-        normals: vectors(flat.normals),
-        texture: flat.texture.into_iter().map(Into::into).collect(),
-        ..Surface::default()
-    };
-    if looks.materials.iter().any(|m| m.texture.is_some()) && !surface.texture.is_empty() {
-        paint(&mut surface, &flat.submesh_of, &looks);
+    if triangles > MAX_TRIANGLES {
+        let message = format!("{name}: its instances have more than {MAX_TRIANGLES} triangles");
+        return Err(Failure::new(Status::Limit, message));
     }
-    Ok(Shown { surface, all_textured: flat.all_textured })
-}
-
-/// Gives every triangle the paint of its submesh, and every vertex the place in its picture.
-fn paint(surface: &mut Surface, submesh_of: &[[u32; 2]], looks: &Appearance) {
-    let material = |[o, s]: [u32; 2]| looks.of_submesh[o as usize][s as usize];
-    // A picture may be read in several ways; each is a texture.
-    let mut uses: Vec<TextureUse> = Vec::new();
-    surface.paints = looks
-        .materials
-        .iter()
-        .map(|m| {
-            let texture = m.texture.map(|wanted| {
-                let same = |u: &TextureUse| (u.picture, u.wrap) == (wanted.picture, wanted.wrap);
-                uses.iter().position(same).unwrap_or_else(|| {
-                    uses.push(wanted);
-                    uses.len() - 1
-                })
-            });
-            let [r, g, b, _] = m.colour;
-            // Colours are linear, texels are not: a root is near enough to sRGB, and the same on
-            // every machine.
-            Paint { colour: [r, g, b].map(f32::sqrt).into(), texture }
-        })
-        .collect();
-    let wrap = |w: appearance::Wrap| match w {
-        appearance::Wrap::Repeat => Wrap::Repeat,
-        appearance::Wrap::Mirror => Wrap::Mirror,
-        appearance::Wrap::Clamp => Wrap::Clamp,
-    };
-    let texture = |u: &TextureUse| {
-        let picture = &looks.pictures[u.picture];
-        let texels =
-            picture.bytes.as_chunks::<4>().0.iter().map(|&[r, g, b, _]| [r, g, b]).collect();
-        Texture::new(picture.width as usize, texels, u.wrap.map(wrap))
-    };
-    surface.textures = uses.iter().map(texture).collect();
-    let mut placed = vec![false; surface.positions.len()];
-    for (triangle, &submesh) in surface.triangles.iter().zip(submesh_of) {
-        let material = material(submesh);
-        surface.paint_of.push(material as u32);
-        let Some(texture) = looks.materials[material].texture else { continue };
-        // A vertex belongs to one submesh, so to one material.
-        for &v in triangle {
-            if !std::mem::replace(&mut placed[v as usize], true) {
-                let at = surface.texture[v as usize];
-                surface.texture[v as usize] =
-                    texture.transform.map(|[x, y, shift]| x * at.x + y * at.y + shift).into();
-            }
-        }
-    }
+    Ok(SceneSurface::new(&meshes, &arrangement, &looks))
 }

@@ -1,15 +1,16 @@
-//! Which levels of detail are shown, one picture each.
+//! The levels of detail that are shown, one picture each.
 
 use super::RenderArgs;
 use super::options::Colouring;
 use super::scene::{Objects, Shown};
 use crate::exit::Outcome;
 use crate::levels;
-use crate::selector::{Target, select};
+use crate::selector::SceneLevels;
 use crate::text::{count, distance};
 use lodc_formats::lodc::LodObject;
 use lodc_lod::AnyModel;
 use lodc_mesh::{Lod, Mesh, OrientedTriangle};
+use lodc_select::Target;
 use lodc_strip::Effort;
 use lodc_strip::{StripKind, Strips};
 use rayon::prelude::*;
@@ -80,10 +81,10 @@ pub(super) fn chosen(args: &RenderArgs, shown: &Shown) -> Outcome<Vec<Cell>> {
     };
     let strips: Option<Vec<Strips>> =
         (args.color == Colouring::Strips).then(|| objects.par_iter().map(strips).collect());
-    let candidates = levels::candidates(objects);
+    let levels = SceneLevels::new(objects, &shown.document, &args.import.options().limits)?;
     let all: u64 = objects.iter().map(|o| o.simplified.mesh().triangles().len() as u64).sum();
     let cell = |&target: &Target| {
-        let selection = select(&candidates, target, args.selector.per_object())?;
+        let selection = levels.select(target, args.selector.per_object())?;
         let (triangles, ids): (Vec<_>, Vec<_>) = match &strips {
             Some(strips) => of_strips(objects, strips, &selection.lods),
             None => {

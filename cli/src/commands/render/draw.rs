@@ -2,21 +2,18 @@
 
 use super::RenderArgs;
 use super::cells::Cell;
-use super::colours::distinct;
 use super::heat::Heat;
-use super::normals::{flat, smooth};
 use super::options::{Backs, Colouring, Shading, UpAxis};
-use super::placed::{Placed, placed, stream};
 use super::scene::Shown;
+use crate::colours::distinct;
 use crate::exit::Outcome;
 use crate::gpu::{Device, failure};
-use lodc_formats::appearance::{Material, Opacity, Placement, TextureUse, Wrap};
-use lodc_formats::picture::Picture;
-use lodc_gpu::picture as gpu;
-use lodc_gpu::picture::{
-    BackFaces, Camera, Corner, Frame, Framing, Lens, Paint, Painter, Sampling, Style, Texture, Up,
-};
+use lodc_gpu::picture::{BackFaces, Camera, Corner, Frame, Framing, Lens, Painter, Style, Up};
 use lodc_mesh::{Attribute, Mesh, OrientedTriangle, PositionIds, Semantic};
+use lodc_scene::{
+    AlphaMode, Image, Material, Placement, PosedVertices, flat_normals, posed, smooth_normals,
+    stream, to_linear,
+};
 use rayon::prelude::*;
 
 /// Linear grey of what has no colour of its own.
@@ -32,9 +29,9 @@ pub(super) fn pictures(
     cells: &[Cell],
     heat: Option<&Heat>,
     device: &Device,
-) -> Outcome<Vec<Picture>> {
-    let (paints, textures) = paints(args, shown);
-    let painter = Painter::new(device, textures, &paints).map_err(|e| failure(&e))?;
+) -> Outcome<Vec<Image>> {
+    let (materials, images) = materials(args, shown);
+    let painter = Painter::new(device, images, &materials).map_err(|e| failure(&e))?;
     let size =
         args.size.unwrap_or(if args.contact_sheet.is_empty() { [1024, 768] } else { [480, 360] });
     let points: Vec<PositionIds> = (0..shown.objects.len())
@@ -46,7 +43,7 @@ pub(super) fn pictures(
         size,
         background: args.background.map(|c| f32::from(c) / 255.0),
         back_faces: match args.back_faces {
-            Backs::Material => BackFaces::AsPainted,
+            Backs::Material => BackFaces::AsMaterial,
             Backs::Show => BackFaces::Shown,
             Backs::Hide => BackFaces::Hidden,
             Backs::Mark => BackFaces::Marked,
@@ -56,17 +53,17 @@ pub(super) fn pictures(
     let one = |(number, cell): (usize, &Cell)| {
         let mut frame = Frame::new(&painter, &camera, &style)?;
         let mut blended: Vec<(f32, usize, [Corner; 3])> = Vec::new();
-        for placement in &shown.appearance.placements {
+        for placement in shown.arrangement.placements() {
             let o = placement.object;
             let heat = heat.map(|heat| (heat, number));
             let part =
                 Part { args, shown, placement, cell, heat, points: &points[o], camera: &camera };
-            for (paint, corners) in part.corners(paints.len() - 1) {
-                if paints[paint].blended {
+            for (material, corners) in part.corners(materials.len() - 1) {
+                if materials[material].alpha == AlphaMode::Blend {
                     let triples = corners.as_chunks::<3>().0;
-                    blended.extend(triples.iter().map(|&t| (depth(&camera, &t), paint, t)));
+                    blended.extend(triples.iter().map(|&t| (depth(&camera, &t), material, t)));
                 } else {
-                    frame.draw(paint, false, &corners)?;
+                    frame.draw(material, false, &corners)?;
                 }
             }
         }
@@ -78,66 +75,30 @@ pub(super) fn pictures(
         }
         frame.finish()
     };
-    let drawn: Result<Vec<gpu::Pixels>, _> = cells.iter().enumerate().map(one).collect();
-    let pictures = drawn.map_err(|e| failure(&e))?.into_iter();
-    Ok(pictures.map(|p| Picture { width: p.width, height: p.height, bytes: p.bytes }).collect())
+    let drawn: Result<Vec<Image>, _> = cells.iter().enumerate().map(one).collect();
+    drawn.map_err(|e| failure(&e))
 }
 
 fn depth(camera: &Camera, t: &[Corner; 3]) -> f32 {
     t.iter().map(|c| camera.distance(c.position)).sum()
 }
 
-/// All materials as paints, and one more for colours that stand for something.
-fn paints(args: &RenderArgs, shown: &Shown) -> (Vec<Paint>, Vec<Texture>) {
-    let looks = &shown.appearance;
+/// All materials, and one more for colours that stand for something; with the images of the first.
+fn materials<'a>(args: &RenderArgs, shown: &'a Shown) -> (Vec<Material>, &'a [Image]) {
+    let matte = Material { double_sided: true, ..Material::default() };
     if args.color != Colouring::Material {
-        return (vec![Paint::default()], Vec::new());
+        return (vec![matte], &[]);
     }
-    // A texture on the device is a picture with one way to read it.
-    let mut uses: Vec<TextureUse> = Vec::new();
-    let mut paint = |material: &Material| {
-        let texture = material.texture.map(|wanted| {
-            let same = |u: &TextureUse| {
-                (u.picture, u.wrap, u.nearest) == (wanted.picture, wanted.wrap, wanted.nearest)
-            };
-            uses.iter().position(same).unwrap_or_else(|| {
-                uses.push(wanted);
-                uses.len() - 1
-            })
-        });
-        Paint {
-            colour: material.colour,
-            texture,
-            uv: material.texture.map_or([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], |t| t.transform),
-            double_sided: material.double_sided,
-            cut_off: match material.opacity {
-                Opacity::CutOff(at) => Some(at),
-                _ => None,
-            },
-            blended: material.opacity == Opacity::Blended,
-            unlit: material.unlit,
-        }
-    };
-    let mut paints: Vec<Paint> = looks.materials.iter().map(&mut paint).collect();
-    paints.push(Paint::default());
-    let texture = |u: &TextureUse| {
-        let Picture { width, height, bytes } = looks.pictures[u.picture].clone();
-        let wrap = u.wrap.map(|w| match w {
-            Wrap::Repeat => gpu::Wrap::Repeat,
-            Wrap::Mirror => gpu::Wrap::Mirror,
-            Wrap::Clamp => gpu::Wrap::Clamp,
-        });
-        Texture { width, height, bytes, sampling: Sampling { wrap, nearest: u.nearest } }
-    };
-    let textures = uses.iter().map(texture).collect();
-    (paints, textures)
+    let looks = &shown.appearance;
+    (looks.materials.iter().copied().chain([matte]).collect(), &looks.images)
 }
 
 /// The camera that frames the input, whatever level of detail is shown.
 fn camera(args: &RenderArgs, shown: &Shown, aspect: f64) -> Camera {
     let mut points: Vec<[f64; 3]> = Vec::new();
-    for placement in &shown.appearance.placements {
-        points.extend(placed(shown.objects.mesh(placement.object), placement, false).positions);
+    for placement in shown.arrangement.placements() {
+        let posed = posed(shown.objects.mesh(placement.object), placement);
+        points.extend(posed.positions.iter().map(|p| p.to_array()));
     }
     let (azimuth, elevation) = args.view.angles();
     let any = args.azimuth.is_some() || args.elevation.is_some();
@@ -154,66 +115,74 @@ fn camera(args: &RenderArgs, shown: &Shown, aspect: f64) -> Camera {
     Camera::around(&points, &framing, aspect)
 }
 
+/// The linear colour that stands for a number.
+fn colour_of(number: u32) -> [f32; 3] {
+    distinct(number).map(|v| to_linear(f32::from(v) / 255.0))
+}
+
 /// An object where it is shown, at the level of detail of a cell.
 struct Part<'a> {
     args: &'a RenderArgs,
     shown: &'a Shown,
     placement: &'a Placement,
     cell: &'a Cell,
-    /// Where distances are what colours mean, those of this cell.
+    /// The distances of this cell, if colours mean distances.
     heat: Option<(&'a Heat, usize)>,
     points: &'a PositionIds,
     camera: &'a Camera,
 }
 
-/// What a submesh gives its corners.
+/// The looks that a submesh gives its corners.
 struct Look<'a> {
-    paint: usize,
+    material: usize,
     normals: bool,
     uv: Option<&'a Attribute>,
     colour: Option<&'a Attribute>,
-    /// What all of it is coloured with, where colours stand for something.
+    /// The one colour of all of it, if colours stand for something.
     fixed: Option<[f32; 3]>,
 }
 
 impl Part<'_> {
-    /// Runs of triangles with one paint.
+    /// Runs of triangles with one material.
     fn corners(&self, matte: usize) -> Vec<(usize, Vec<Corner>)> {
         let object = self.placement.object;
         let mesh = self.shown.objects.mesh(object);
         let triangles = &self.cell.objects[object];
         let smooth_shading = self.args.shading == Shading::Smooth;
-        let placed = placed(mesh, self.placement, smooth_shading);
+        let posed = posed(mesh, self.placement);
+        let indices: Vec<[u32; 3]> = triangles.iter().map(|t| t.corners).collect();
         let looks: Vec<Look<'_>> =
             (0..mesh.submeshes().len()).map(|s| self.look(mesh, s, matte)).collect();
-        let made: Vec<[[f64; 3]; 3]> = if smooth_shading {
-            smooth(triangles, &placed.positions, self.points)
+        let made: Vec<[[f32; 3]; 3]> = if smooth_shading {
+            let smooth = smooth_normals(&indices, &posed.positions, self.points);
+            smooth.into_iter().map(|t| t.map(Into::into)).collect()
         } else {
-            flat(triangles, &placed.positions).into_iter().map(|n| [n; 3]).collect()
+            let flat = flat_normals(&indices, &posed.positions);
+            flat.into_iter().map(|n| [n.into(); 3]).collect()
         };
         let strips = self.cell.strips.get(object);
         let triangle = |(t, tri): (usize, &OrientedTriangle)| {
             let look = &looks[tri.submesh as usize];
-            let fixed = strips.map(|ids| distinct(ids[t])).or(look.fixed);
+            let fixed = strips.map(|ids| colour_of(ids[t])).or(look.fixed);
             let corners: [Corner; 3] = std::array::from_fn(|k| {
-                self.corner(&placed, look, fixed, tri.corners[k], made[t][k])
+                self.corner(&posed, look, fixed, tri.corners[k], made[t][k])
             });
             let mut corners = match self.heat {
                 Some((heat, cell)) => heat.parts(cell, object, t, &corners),
                 None => corners.to_vec(),
             };
-            if placed.mirrored {
+            if posed.mirrored {
                 corners.as_chunks_mut::<3>().0.iter_mut().for_each(|t| t.swap(1, 2));
             }
             corners
         };
         let mut runs: Vec<(usize, Vec<Corner>)> = Vec::new();
         let mut first = 0;
-        for run in triangles
-            .chunk_by(|a, b| looks[a.submesh as usize].paint == looks[b.submesh as usize].paint)
-        {
+        for run in triangles.chunk_by(|a, b| {
+            looks[a.submesh as usize].material == looks[b.submesh as usize].material
+        }) {
             let corners = run.par_iter().enumerate().map(|(i, tri)| triangle((first + i, tri)));
-            runs.push((looks[run[0].submesh as usize].paint, corners.flatten_iter().collect()));
+            runs.push((looks[run[0].submesh as usize].material, corners.flatten_iter().collect()));
             first += run.len();
         }
         runs
@@ -226,32 +195,32 @@ impl Part<'_> {
             let before: usize =
                 (0..object).map(|o| self.shown.objects.mesh(o).submeshes().len()).sum();
             let fixed = match self.args.color {
-                Colouring::Submesh => distinct((before + submesh) as u32),
+                Colouring::Submesh => colour_of((before + submesh) as u32),
                 _ => PLAIN,
             };
-            return Look { paint: matte, normals, uv: None, colour: None, fixed: Some(fixed) };
+            return Look { material: matte, normals, uv: None, colour: None, fixed: Some(fixed) };
         }
-        let paint = self.shown.appearance.of_submesh[object][submesh];
-        let set = self.shown.appearance.materials[paint].texture.map(|t| t.set);
+        let material = self.shown.appearance.of_submesh[object][submesh];
+        let set = self.shown.appearance.materials[material].texture.map(|t| t.set);
         let uv = set.and_then(|set| stream(mesh, submesh, &Semantic::TexCoord(set)));
         let colour = stream(mesh, submesh, &Semantic::Color(0));
-        Look { paint, normals, uv, colour, fixed: None }
+        Look { material, normals, uv, colour, fixed: None }
     }
 
     fn corner(
         &self,
-        placed: &Placed,
+        posed: &PosedVertices,
         look: &Look<'_>,
         fixed: Option<[f32; 3]>,
         v: u32,
-        made: [f64; 3],
+        made: [f32; 3],
     ) -> Corner {
-        let p = placed.positions[v as usize];
-        let own = placed.normals[v as usize];
+        let p = posed.positions[v as usize];
+        let own = posed.normals[v as usize].as_vec3().to_array();
         let usable =
             look.normals && own.iter().all(|c| c.is_finite()) && own.iter().any(|c| c.abs() > 1e-6);
         let smooth_shading = self.args.shading == Shading::Smooth;
-        let normal = if smooth_shading && usable { own } else { made.map(|c| c as f32) };
+        let normal = if smooth_shading && usable { own } else { made };
         let component = |a: &Attribute, i: usize, default: f32| {
             let value = if i < usize::from(a.components) { a.value(v, i) } else { default };
             if value.is_finite() { value } else { default }

@@ -3,19 +3,12 @@
 #[cfg(feature = "gpu")]
 mod cells;
 #[cfg(feature = "gpu")]
-mod colours;
-#[cfg(feature = "gpu")]
 mod draw;
-#[cfg(feature = "gpu")]
-mod font;
 #[cfg(feature = "gpu")]
 mod heat;
 #[cfg(feature = "gpu")]
-#[cfg(feature = "gpu")]
-mod normals;
+mod label;
 mod options;
-#[cfg(feature = "gpu")]
-mod placed;
 #[cfg(feature = "gpu")]
 mod scene;
 #[cfg(feature = "gpu")]
@@ -46,6 +39,9 @@ pub(crate) struct RenderArgs {
     /// Pictures in a row of a contact sheet [default: up to 4]
     #[arg(long, value_name = "N", requires = "contact_sheet", value_parser = clap::value_parser!(u32).range(1..=64))]
     columns: Option<u32>,
+    /// Leave out the text below the pictures of a contact sheet, and the meaning of error colours
+    #[arg(long)]
+    no_labels: bool,
     /// Pixels of each picture [default: 1024x768, in a contact sheet 480x360]
     #[arg(long, value_name = "WxH", value_parser = options::size)]
     size: Option<[u32; 2]>,

@@ -1,4 +1,4 @@
-//! What there is to show: objects, what they look like, and where they stand.
+//! The things to show: objects, what they look like, and where they stand.
 
 use super::RenderArgs;
 use super::options::Colouring;
@@ -6,21 +6,27 @@ use crate::commands::build::simplify_all;
 use crate::exit::{Failure, Outcome, Status};
 use crate::progress::Progress;
 use crate::stages::Stages;
-use lodc_formats::appearance::{Appearance, appearance};
+use lodc_formats::appearance::appearance;
 use lodc_formats::import::{Either, either};
 use lodc_formats::lodc::LodObject;
-use lodc_formats::{Assets, Document, ObjectInfo, Scene};
+use lodc_formats::{Assets, Document, ObjectInfo, Scene, scene_graph};
 use lodc_mesh::Mesh;
+use lodc_scene::{Appearance, Arrangement};
 use lodc_simplify::Options;
 
 /// More triangles than this, instances counted, are not drawn in one picture.
-const MOST_TRIANGLES: u64 = 1 << 26;
+const MAX_TRIANGLES: u64 = 1 << 26;
+/// More placements than this are not drawn in one picture.
+const MAX_PLACEMENTS: usize = 1 << 20;
 
 /// An asset that can be drawn.
 pub(super) struct Shown {
     pub(super) objects: Objects,
+    pub(super) document: Document,
     pub(super) appearance: Appearance,
-    /// What was repaired, dropped or left out while reading.
+    /// The placements of objects.
+    pub(super) arrangement: Arrangement,
+    /// Repairs, drops and omissions while reading.
     pub(super) warnings: Vec<String>,
 }
 
@@ -71,14 +77,23 @@ pub(super) fn read(args: &RenderArgs, stages: &mut Stages) -> Outcome<Shown> {
     let looks = stages
         .run("textures", || appearance(&document, &infos, &mut assets))
         .map_err(|e| e.in_file(&name))?;
-    let triangles: u64 =
-        looks.placements.iter().map(|p| objects.mesh(p.object).triangles().len() as u64).sum();
-    if triangles > MOST_TRIANGLES {
-        let message =
-            format!("{name}: {triangles} triangles with all instances, more than {MOST_TRIANGLES}");
+    let graph = scene_graph(&document, &infos, &options.limits).map_err(|e| e.in_file(&name))?;
+    if graph.placement_count() > MAX_PLACEMENTS {
+        let message = format!("{name}: shows objects more than {MAX_PLACEMENTS} times");
         return Err(Failure::new(Status::Limit, message));
     }
-    Ok(Shown { objects, appearance: looks, warnings })
+    let arrangement = Arrangement::new(&graph, &graph.rest_pose(), objects.len());
+    let triangles: u64 = arrangement
+        .placements()
+        .iter()
+        .map(|p| objects.mesh(p.object).triangles().len() as u64)
+        .sum();
+    if triangles > MAX_TRIANGLES {
+        let message =
+            format!("{name}: {triangles} triangles with all instances, more than {MAX_TRIANGLES}");
+        return Err(Failure::new(Status::Limit, message));
+    }
+    Ok(Shown { objects, document, appearance: looks, arrangement, warnings })
 }
 
 fn of_scene(

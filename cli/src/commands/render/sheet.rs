@@ -2,17 +2,19 @@
 
 use super::RenderArgs;
 use super::cells::Cell;
-use super::colours::encoded;
-use super::font::{HEIGHT, WIDTH, glyph};
 use super::heat::Heat;
+use super::label::{Lettering, Line};
+use crate::colours;
 use crate::exit::{Failure, Outcome, Status};
 use crate::text::distance;
-use lodc_formats::picture::Picture;
+use lodc_scene::Image;
 
 /// More pixels than this do not become one picture.
-const MOST_PIXELS: u64 = 1 << 28;
+const MAX_PIXELS: u64 = 1 << 28;
+/// Lines of a label.
+const LINES: usize = 2;
 
-/// Puts pictures of one size into rows, each with its label below.
+/// Puts pictures of one size into rows, each with its label below unless there are none.
 ///
 /// # Errors
 /// If that is more than a picture may hold.
@@ -20,113 +22,65 @@ pub(super) fn compose(
     args: &RenderArgs,
     cells: &[Cell],
     heat: Option<&Heat>,
-    pictures: &[Picture],
-) -> Outcome<Picture> {
+    pictures: &[Image],
+) -> Outcome<Image> {
     let (width, height) =
         pictures.first().map_or((0, 0), |p| (p.width as usize, p.height as usize));
     let count = pictures.len();
     // Rows of at most four, as even as can be.
     let columns =
         args.columns.map_or_else(|| count.div_ceil(count.div_ceil(4)), |c| (c as usize).min(count));
-    let scale = (width / 240).max(1);
-    let line = (HEIGHT + 2) * scale;
-    let below = 2 * line + 6 * scale;
-    let legend = if heat.is_some() { 2 * line + 8 * scale } else { 0 };
+    let lettering = Lettering::new((width as f32 / 24.0).max(12.0), args.background);
+    let line = lettering.line_height();
+    let below = if args.no_labels { 0 } else { LINES * line + line / 2 };
+    let legend = if heat.is_some() && !args.no_labels { 3 * line } else { 0 };
     let rows = count.div_ceil(columns) * (height + below);
     let (across, down) = (columns * width, rows + legend);
-    if (across as u64) * (down as u64) > MOST_PIXELS {
+    if (across as u64) * (down as u64) > MAX_PIXELS {
         let message = format!(
             "a contact sheet of {across} x {down} pixels is too large: use a smaller --size"
         );
         return Err(Failure::new(Status::Limit, message));
     }
-    let mut sheet = Sheet::new(across, down, args.background);
-    let ink = ink(args.background);
+    let mut sheet = Image::filled(across as u32, down as u32, args.background);
     for (i, (picture, cell)) in pictures.iter().zip(cells).enumerate() {
         let (x, y) = (i % columns * width, i / columns * (height + below));
-        sheet.put(picture, x, y);
-        for (number, text) in cell.label().iter().enumerate() {
-            let top = y + height + 2 * scale + number * line;
-            sheet.write(text, x, width, top, scale, ink);
-        }
-    }
-    if let Some(heat) = heat {
-        sheet.legend(heat, rows, scale, ink);
-    }
-    Ok(sheet.0)
-}
-
-/// What can be read on a background.
-fn ink([r, g, b, a]: [u8; 4]) -> [u8; 4] {
-    let bright = 2 * u32::from(r) + 5 * u32::from(g) + u32::from(b);
-    if bright > 8 * 110 || a < 128 { [32, 34, 40, 255] } else { [235, 235, 235, 255] }
-}
-
-struct Sheet(Picture);
-
-impl Sheet {
-    fn new(width: usize, height: usize, colour: [u8; 4]) -> Self {
-        Self(Picture {
-            width: width as u32,
-            height: height as u32,
-            bytes: colour.repeat(width * height),
-        })
-    }
-
-    fn put(&mut self, picture: &Picture, x: usize, y: usize) {
-        let row = 4 * picture.width as usize;
-        for (i, from) in picture.bytes.chunks_exact(row).enumerate() {
-            let start = 4 * ((y + i) * self.0.width as usize + x);
-            self.0.bytes[start..start + row].copy_from_slice(from);
-        }
-    }
-
-    /// Writes a line in the middle of a column; what does not fit is cut off.
-    fn write(
-        &mut self,
-        text: &str,
-        left: usize,
-        width: usize,
-        top: usize,
-        scale: usize,
-        ink: [u8; 4],
-    ) {
-        let step = (WIDTH + 1) * scale;
-        let length = (text.chars().count() * step).saturating_sub(scale);
-        let start = left + width.saturating_sub(length) / 2;
-        for (i, c) in text.chars().enumerate() {
-            for (row, bits) in glyph(c).into_iter().enumerate() {
-                for column in (0..WIDTH).filter(|column| bits >> (WIDTH - 1 - column) & 1 == 1) {
-                    let (x, y) = (start + i * step + column * scale, top + row * scale);
-                    if x + scale <= left + width {
-                        self.fill(x, y, scale, ink);
-                    }
-                }
+        put(&mut sheet, picture, x, y);
+        if !args.no_labels {
+            for (number, text) in cell.label().iter().enumerate() {
+                let place = Line { left: x, width, top: y + height + number * line };
+                lettering.write(&mut sheet, text, place);
             }
         }
     }
+    if let Some(heat) = heat.filter(|_| legend > 0) {
+        write_legend(&mut sheet, heat, rows, &lettering);
+    }
+    Ok(sheet)
+}
 
-    /// What the colours of a heat map mean: a bar, and the distances at its ends.
-    fn legend(&mut self, heat: &Heat, top: usize, scale: usize, ink: [u8; 4]) {
-        let across = self.0.width as usize;
-        let length = (across / scale * 3 / 5).clamp(1, 400);
-        let left = (across - length * scale) / 2;
+fn put(sheet: &mut Image, picture: &Image, x: usize, y: usize) {
+    let row = 4 * picture.width as usize;
+    for (i, from) in picture.bytes.chunks_exact(row).enumerate() {
+        let start = 4 * ((y + i) * sheet.width as usize + x);
+        sheet.bytes[start..start + row].copy_from_slice(from);
+    }
+}
+
+/// The meaning of a heat map's colours: a bar, and the distances at its ends.
+fn write_legend(sheet: &mut Image, heat: &Heat, top: usize, lettering: &Lettering) {
+    let across = sheet.width as usize;
+    let length = (across * 3 / 5).clamp(1, 800);
+    let left = (across - length) / 2;
+    let line = lettering.line_height();
+    for row in top + line / 3..top + line {
         for i in 0..length {
-            let [r, g, b] = super::colours::heat(i as f64 / length.max(2) as f64).map(encoded);
-            for row in 0..HEIGHT {
-                self.fill(left + i * scale, top + row * scale, scale, [r, g, b, 255]);
-            }
-        }
-        let share = if heat.diagonal > 0.0 { heat.largest / heat.diagonal * 100.0 } else { 0.0 };
-        let text =
-            format!("distance 0 to {} ({share:.3} % of the diagonal)", distance(heat.largest));
-        self.write(&text, 0, across, top + (HEIGHT + 4) * scale, scale, ink);
-    }
-
-    fn fill(&mut self, x: usize, y: usize, side: usize, colour: [u8; 4]) {
-        for row in y..y + side {
-            let start = 4 * (row * self.0.width as usize + x);
-            self.0.bytes[start..start + 4 * side].copy_from_slice(&colour.repeat(side));
+            let [r, g, b] = colours::heat(i as f64 / length.max(2) as f64);
+            let start = 4 * (row * across + left + i);
+            sheet.bytes[start..start + 4].copy_from_slice(&[r, g, b, 255]);
         }
     }
+    let share = if heat.diagonal > 0.0 { heat.largest / heat.diagonal * 100.0 } else { 0.0 };
+    let text = format!("distance 0 to {} ({share:.3} % of the diagonal)", distance(heat.largest));
+    lettering.write(sheet, &text, Line { left: 0, width: across, top: top + line + line / 4 });
 }

@@ -1,14 +1,15 @@
 //! One picture in the making: triangles are added, then pixels come back.
 
 use super::painter::{COLOUR, DEPTH, Painter, SAMPLES};
-use super::pixels::{halved, linear};
-use super::{BackFaces, Camera, Corner, Pixels, Style};
+use super::pixels::halved;
+use super::{BackFaces, Camera, Corner, Style};
 use crate::GpuError;
+use lodc_scene::{Image, to_linear};
 
 /// Triangles that go to the device at once.
 const AT_ONCE: usize = 1 << 20;
 
-/// How many pixels there are for each one of the result, across and down.
+/// Number of pixels for each one of the result, across and down.
 const LARGER: u32 = 2;
 
 /// Linear colour of edges.
@@ -63,14 +64,14 @@ impl<'p> Frame<'p> {
         let resolved = target("picture", COLOUR, 1, drawn | wgpu::TextureUsages::COPY_SRC);
         let [r, g, b, a] = style.background;
         // Targets hold premultiplied colours.
-        let light = |v: f32| f64::from(linear(v) * a);
+        let light = |v: f32| f64::from(to_linear(v) * a);
         let background = wgpu::Color { r: light(r), g: light(g), b: light(b), a: f64::from(a) };
         let shot = shot(painter, camera, style);
         painter.device.check()?;
         Ok(Self { painter, size, colour, depth, resolved, shot, background, fresh: true })
     }
 
-    /// Draws triangles with a paint over what is there. Of surfaces at one depth the one drawn
+    /// Draws triangles of a material over what is there. Of surfaces at one depth the one drawn
     /// first stays; a `blended` one hides nothing that comes after it, so that those are drawn last
     /// and from far to near.
     ///
@@ -78,10 +79,10 @@ impl<'p> Frame<'p> {
     /// If the device fails.
     ///
     /// # Panics
-    /// If the painter has no such paint.
+    /// If the painter has no such material.
     pub fn draw(
         &mut self,
-        paint: usize,
+        material: usize,
         blended: bool,
         corners: &[Corner],
     ) -> Result<(), GpuError> {
@@ -98,7 +99,7 @@ impl<'p> Frame<'p> {
             self.pass(false, |pass, frame| {
                 pass.set_pipeline(&frame.painter.pipelines[usize::from(blended)]);
                 pass.set_bind_group(0, &frame.shot, &[]);
-                pass.set_bind_group(1, &frame.painter.paints[paint], &[]);
+                pass.set_bind_group(1, &frame.painter.materials[material], &[]);
                 pass.set_vertex_buffer(0, buffer.slice(..));
                 pass.draw(0..part.len() as u32, 0..1);
             });
@@ -114,7 +115,7 @@ impl<'p> Frame<'p> {
     ///
     /// # Errors
     /// If the device fails or is lost.
-    pub fn finish(mut self) -> Result<Pixels, GpuError> {
+    pub fn finish(mut self) -> Result<Image, GpuError> {
         self.pass(true, |_, _| ());
         let device = self.painter.device;
         let [width, height] = self.size;
@@ -141,7 +142,7 @@ impl<'p> Frame<'p> {
             extent(self.size),
         );
         device.queue.submit([encoder.finish()]);
-        let mut pixels = Pixels::default();
+        let mut pixels = Image::default();
         device.map(&buffer, bytes, |rows| {
             let tight: Vec<u8> = rows
                 .chunks_exact(row as usize)
@@ -198,12 +199,12 @@ fn extent([width, height]: [u32; 2]) -> wgpu::Extent3d {
     wgpu::Extent3d { width, height, depth_or_array_layers: 1 }
 }
 
-/// What the shader calls `Shot`.
+/// The `Shot` of the shader.
 fn shot(painter: &Painter<'_>, camera: &Camera, style: &Style) -> wgpu::BindGroup {
     let with = |v: [f32; 3], w: f32| [v[0], v[1], v[2], w];
     let [right, up, toward] = camera.axes();
     let back = match style.back_faces {
-        BackFaces::AsPainted => 0.0,
+        BackFaces::AsMaterial => 0.0,
         BackFaces::Shown => 1.0,
         BackFaces::Hidden => 2.0,
         BackFaces::Marked => 3.0,

@@ -1,4 +1,4 @@
-//! Pictures: triangles, paints and a camera become pixels, off screen. Everything that needs no
+//! Pictures: triangles, materials and a camera become pixels, off screen. Everything that needs no
 //! device is decided before: which triangles, where, which normals, which colours.
 //!
 //! Pictures are made at twice their size with four samples for each pixel, and made smaller in
@@ -7,14 +7,12 @@
 
 mod camera;
 mod frame;
-mod mips;
 mod painter;
 mod pixels;
 
 pub use camera::{Camera, Framing, Lens, Up};
 pub use frame::Frame;
-pub use painter::{Paint, Painter, Sampling, Texture, Wrap};
-pub use pixels::Pixels;
+pub use painter::Painter;
 
 /// A corner of a triangle. Three in a row are one, counter-clockwise from outside.
 #[repr(C)]
@@ -26,16 +24,16 @@ pub struct Corner {
     pub normal: [f32; 3],
     /// Texture coordinates, the first row of texels at 0.
     pub uv: [f32; 2],
-    /// Linear colour and opacity, multiplied with those of the paint.
+    /// Linear colour and opacity, multiplied with those of the material.
     pub colour: [f32; 4],
 }
 
-/// What becomes of triangles that turn their back to the camera.
+/// The treatment of triangles that turn their back to the camera.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum BackFaces {
-    /// As their paint says.
+    /// As their material says.
     #[default]
-    AsPainted,
+    AsMaterial,
     /// All are drawn.
     Shown,
     /// None is drawn.
@@ -44,7 +42,7 @@ pub enum BackFaces {
     Marked,
 }
 
-/// How a picture is drawn.
+/// Settings of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Style {
     /// Pixels, across and down.

@@ -1,86 +1,18 @@
-//! What pictures of one scene share on a device: pipelines, paints and their textures.
+//! The resources that pictures of one scene share on a device: pipelines, materials and their textures.
 
-use super::mips;
 use crate::{Device, GpuError};
+use lodc_scene::{AlphaMode, Image, Material, Texture, Wrap};
 
-/// What a triangle is painted with.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Paint {
-    /// Linear colour and opacity.
-    pub colour: [f32; 4],
-    /// Index of its texture among those given to [`Painter::new`], multiplied with the colour.
-    pub texture: Option<usize>,
-    /// From the corners' texture coordinates to those of the texture: two rows of factors and a
-    /// shift.
-    pub uv: [[f32; 3]; 2],
-    /// Whether triangles that turn their back are drawn.
-    pub double_sided: bool,
-    /// Opacity below which nothing is drawn.
-    pub cut_off: Option<f32>,
-    /// Whether what is behind shines through; otherwise opacity counts for the cut-off only.
-    pub blended: bool,
-    /// Whether light does not matter.
-    pub unlit: bool,
-}
+/// Bytes of a material in a buffer: four vectors of four.
+const MATERIAL_BYTES: u64 = 64;
 
-impl Default for Paint {
-    fn default() -> Self {
-        Self {
-            colour: [1.0; 4],
-            texture: None,
-            uv: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
-            double_sided: true,
-            cut_off: None,
-            blended: false,
-            unlit: false,
-        }
-    }
-}
-
-/// How a texture goes on beyond its edges, and what is between texels.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Sampling {
-    /// Beyond the edges across and down.
-    pub wrap: [Wrap; 2],
-    /// Whether texels stay visible as squares near by.
-    pub nearest: bool,
-}
-
-/// How a texture goes on beyond an edge.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Wrap {
-    /// From the start again.
-    #[default]
-    Repeat,
-    /// Backwards.
-    Mirror,
-    /// With its last texels.
-    Clamp,
-}
-
-/// A picture that triangles are covered with.
-#[derive(Clone, Debug)]
-pub struct Texture {
-    /// Texels in a row, at least 1.
-    pub width: u32,
-    /// Rows, at least 1.
-    pub height: u32,
-    /// sRGB and opacity, four bytes for each texel, rows from the top.
-    pub bytes: Vec<u8>,
-    /// How it is read.
-    pub sampling: Sampling,
-}
-
-/// Bytes of a paint in a buffer: four vectors of four.
-const PAINT_BYTES: u64 = 64;
-
-/// Draws pictures with the same paints.
+/// Draws pictures with the same materials.
 pub struct Painter<'d> {
     pub(super) device: &'d Device,
     pub(super) shot_layout: wgpu::BindGroupLayout,
-    /// For what hides all behind it, and for what does not.
+    /// For opaque materials and for blended ones.
     pub(super) pipelines: [wgpu::RenderPipeline; 2],
-    pub(super) paints: Vec<wgpu::BindGroup>,
+    pub(super) materials: Vec<wgpu::BindGroup>,
 }
 
 pub(super) const SAMPLES: u32 = 4;
@@ -88,18 +20,18 @@ pub(super) const COLOUR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSr
 pub(super) const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
 impl<'d> Painter<'d> {
-    /// Makes ready for drawing with these paints.
+    /// Prepares drawing with some materials. Images that no material uses are left out.
     ///
     /// # Errors
-    /// If a texture is larger than the device allows, or the device fails.
+    /// If an image is larger than the device allows, or the device fails.
     ///
     /// # Panics
-    /// If a paint names a texture that is not there, or a texture has another number of bytes than
+    /// If a material names an image that is not there, or an image has another number of bytes than
     /// its size says.
     pub fn new(
         device: &'d Device,
-        textures: Vec<Texture>,
-        paints: &[Paint],
+        images: &[Image],
+        materials: &[Material],
     ) -> Result<Self, GpuError> {
         let gpu = &device.device;
         let uniform = wgpu::BindingType::Buffer {
@@ -114,23 +46,26 @@ impl<'d> Painter<'d> {
         };
         let shot_layout = layout(gpu, "shot", &[uniform]);
         let sampler = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
-        let paint_layout = layout(gpu, "paint", &[uniform, texture, sampler]);
+        let material_layout = layout(gpu, "material", &[uniform, texture, sampler]);
         let pipelines =
-            [false, true].map(|blended| pipeline(gpu, &[&shot_layout, &paint_layout], blended));
+            [false, true].map(|blended| pipeline(gpu, &[&shot_layout, &material_layout], blended));
 
-        let blank =
-            Texture { width: 1, height: 1, bytes: vec![255; 4], sampling: Sampling::default() };
-        let mut views = Vec::with_capacity(textures.len() + 1);
-        for texture in textures.into_iter().chain([blank]) {
-            views.push(upload(device, texture)?);
-        }
-        let bind = |paint: &Paint| {
-            let (view, sampler) = &views[paint.texture.unwrap_or(views.len() - 1)];
-            bind(device, &paint_layout, paint, view, sampler)
+        let blank = upload(device, Image::filled(1, 1, [255; 4]))?;
+        let used = |image| materials.iter().any(|m| m.texture.is_some_and(|t| t.image == image));
+        let view = |(number, image): (usize, &Image)| {
+            used(number).then(|| upload(device, image.clone())).transpose()
         };
-        let paints = paints.iter().map(bind).collect();
+        let views: Vec<Option<wgpu::TextureView>> =
+            images.iter().enumerate().map(view).collect::<Result<_, _>>()?;
+        let bind = |material: &Material| {
+            let view = material.texture.map_or(&blank, |t| {
+                views[t.image].as_ref().expect("an image that a material uses is uploaded")
+            });
+            bind(device, &material_layout, material, view)
+        };
+        let materials = materials.iter().map(bind).collect();
         device.check()?;
-        Ok(Self { device, shot_layout, pipelines, paints })
+        Ok(Self { device, shot_layout, pipelines, materials })
     }
 }
 
@@ -176,7 +111,7 @@ fn pipeline(
             compilation_options: wgpu::PipelineCompilationOptions::default(),
             buffers: &[Some(corners)],
         },
-        // Back faces are left out by the shader, which knows their paint.
+        // Back faces are left out by the shader, which knows their material.
         primitive: wgpu::PrimitiveState::default(),
         depth_stencil: Some(wgpu::DepthStencilState {
             format: DEPTH,
@@ -202,13 +137,10 @@ fn pipeline(
     })
 }
 
-fn upload(
-    device: &Device,
-    texture: Texture,
-) -> Result<(wgpu::TextureView, wgpu::Sampler), GpuError> {
-    let Texture { width, height, bytes, sampling } = texture;
+fn upload(device: &Device, image: Image) -> Result<wgpu::TextureView, GpuError> {
+    let (width, height) = (image.width, image.height);
     device.allows_texture("a texture", width.max(height))?;
-    let levels = mips::levels(width, height, bytes);
+    let levels = image.levels();
     let on_device = device.device.create_texture(&wgpu::TextureDescriptor {
         label: Some("texture"),
         size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
@@ -219,7 +151,7 @@ fn upload(
         usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
         view_formats: &[],
     });
-    for (level, (width, height, bytes)) in (0..).zip(&levels) {
+    for (level, Image { width, height, bytes }) in (0..).zip(&levels) {
         device.queue.write_texture(
             wgpu::TexelCopyTextureInfo {
                 texture: &on_device,
@@ -236,60 +168,60 @@ fn upload(
             wgpu::Extent3d { width: *width, height: *height, depth_or_array_layers: 1 },
         );
     }
-    let [across, down] = sampling.wrap.map(|wrap| match wrap {
+    Ok(on_device.create_view(&wgpu::TextureViewDescriptor::default()))
+}
+
+fn sampler(device: &Device, texture: Option<Texture>) -> wgpu::Sampler {
+    let nearest = texture.is_some_and(|t| t.nearest);
+    let [across, down] = texture.map(|t| t.wrap).unwrap_or_default().map(|wrap| match wrap {
         Wrap::Repeat => wgpu::AddressMode::Repeat,
         Wrap::Mirror => wgpu::AddressMode::MirrorRepeat,
         Wrap::Clamp => wgpu::AddressMode::ClampToEdge,
     });
-    let sampler = device.device.create_sampler(&wgpu::SamplerDescriptor {
+    device.device.create_sampler(&wgpu::SamplerDescriptor {
         label: Some("texture"),
         address_mode_u: across,
         address_mode_v: down,
-        mag_filter: if sampling.nearest {
-            wgpu::FilterMode::Nearest
-        } else {
-            wgpu::FilterMode::Linear
-        },
+        mag_filter: if nearest { wgpu::FilterMode::Nearest } else { wgpu::FilterMode::Linear },
         min_filter: wgpu::FilterMode::Linear,
         mipmap_filter: wgpu::MipmapFilterMode::Linear,
         ..wgpu::SamplerDescriptor::default()
-    });
-    Ok((on_device.create_view(&wgpu::TextureViewDescriptor::default()), sampler))
+    })
 }
 
 fn bind(
     device: &Device,
     layout: &wgpu::BindGroupLayout,
-    paint: &Paint,
+    material: &Material,
     view: &wgpu::TextureView,
-    sampler: &wgpu::Sampler,
 ) -> wgpu::BindGroup {
     let row = |r: [f32; 3]| [r[0], r[1], r[2], 0.0];
     let flag = |b: bool| f32::from(u8::from(b));
-    let flags = [
-        paint.cut_off.unwrap_or(-1.0),
-        flag(paint.double_sided),
-        flag(paint.unlit),
-        flag(paint.blended),
-    ];
+    let mask = match material.alpha {
+        AlphaMode::Mask(cut_off) => cut_off,
+        AlphaMode::Opaque | AlphaMode::Blend => -1.0,
+    };
+    let blended = material.alpha == AlphaMode::Blend;
+    let flags = [mask, flag(material.double_sided), flag(material.unlit), flag(blended)];
+    let [u, v] = material.texture.map_or(Texture::UNTRANSFORMED, |t| t.transform);
     let buffer = device.device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some("paint"),
-        size: PAINT_BYTES,
+        label: Some("material"),
+        size: MATERIAL_BYTES,
         usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
         mapped_at_creation: false,
     });
-    device.queue.write_buffer(
-        &buffer,
-        0,
-        bytemuck::cast_slice(&[paint.colour, row(paint.uv[0]), row(paint.uv[1]), flags]),
-    );
+    let words = [material.colour, row(u), row(v), flags];
+    device.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(&words));
+    let view = wgpu::BindingResource::TextureView(view);
+    let sampler = sampler(device, material.texture);
+    let sampler = wgpu::BindingResource::Sampler(&sampler);
     device.device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some("paint"),
+        label: Some("material"),
         layout,
         entries: &[
             wgpu::BindGroupEntry { binding: 0, resource: buffer.as_entire_binding() },
-            wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::TextureView(view) },
-            wgpu::BindGroupEntry { binding: 2, resource: wgpu::BindingResource::Sampler(sampler) },
+            wgpu::BindGroupEntry { binding: 1, resource: view },
+            wgpu::BindGroupEntry { binding: 2, resource: sampler },
         ],
     })
 }

@@ -10,14 +10,14 @@ struct Shot {
     world_up: vec4<f32>,
     // Colour of edges and, in w, their width in pixels of this picture.
     wire: vec4<f32>,
-    // Colour of back faces, and what becomes of them: 0 as painted, 1 shown, 2 hidden, 3 this
+    // Colour of back faces, and their treatment: 0 as the material says, 1 shown, 2 hidden, 3 this
     // colour.
     back: vec4<f32>,
 }
 
-struct Paint {
+struct Material {
     colour: vec4<f32>,
-    // Two rows: from texture coordinates to those of this paint.
+    // Two rows: from texture coordinates to those of this material.
     u: vec4<f32>,
     v: vec4<f32>,
     // Cut-off of opacity (below 0: none), and whether back faces are drawn, light does not matter,
@@ -26,7 +26,7 @@ struct Paint {
 }
 
 @group(0) @binding(0) var<uniform> shot: Shot;
-@group(1) @binding(0) var<uniform> paint: Paint;
+@group(1) @binding(0) var<uniform> material: Material;
 @group(1) @binding(1) var base: texture_2d<f32>;
 @group(1) @binding(2) var base_sampler: sampler;
 
@@ -52,7 +52,7 @@ fn vertex(
     out.position = position;
     out.normal = normal;
     let at = vec3<f32>(uv, 1.0);
-    out.uv = vec2<f32>(dot(paint.u.xyz, at), dot(paint.v.xyz, at));
+    out.uv = vec2<f32>(dot(material.u.xyz, at), dot(material.v.xyz, at));
     out.colour = colour;
     let k = index % 3u;
     out.corner = vec3<f32>(f32(k == 0u), f32(k == 1u), f32(k == 2u));
@@ -79,14 +79,14 @@ fn fragment(in: Varying, @builtin(front_facing) front: bool) -> @location(0) vec
     let texel = textureSample(base, base_sampler, in.uv);
     let spread = fwidth(in.corner);
     let mode = u32(shot.back.w);
-    if (!front && (mode == 2u || (mode == 0u && paint.flags.y < 0.5))) {
+    if (!front && (mode == 2u || (mode == 0u && material.flags.y < 0.5))) {
         discard;
     }
-    var colour = paint.colour * in.colour * texel;
-    if (colour.a < paint.flags.x) {
+    var colour = material.colour * in.colour * texel;
+    if (colour.a < material.flags.x) {
         discard;
     }
-    if (paint.flags.w < 0.5) {
+    if (material.flags.w < 0.5) {
         colour.a = 1.0;
     }
     if (!front && mode == 3u) {
@@ -101,7 +101,7 @@ fn fragment(in: Varying, @builtin(front_facing) front: bool) -> @location(0) vec
         normal = -normal;
     }
     var shown = colour.rgb;
-    if (paint.flags.z < 0.5) {
+    if (material.flags.z < 0.5) {
         shown = lit(colour.rgb, normal, toward_eye);
     }
     if (shot.wire.w > 0.0) {

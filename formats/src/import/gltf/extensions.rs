@@ -8,8 +8,6 @@ use serde_json::Value;
 pub(super) const MESHOPT: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
 /// Compressed primitives: refused unless the same data is there uncompressed.
 pub(super) const DRACO: &str = "KHR_draco_mesh_compression";
-/// Instances of a mesh: read for the scale at which it is shown.
-pub(super) const INSTANCING: &str = "EXT_mesh_gpu_instancing";
 
 /// Extensions of a primitive that count its vertices or triangles, which change: dropped from
 /// primitives with triangles.

@@ -80,9 +80,11 @@ pub(crate) fn import(
     let accessors = accessors.map(|(i, a)| Accessor::new(a, format!("accessors[{i}]"), &views));
     let accessors: Vec<Option<Accessor>> = accessors.collect::<Result<_, _>>()?;
 
-    let scales = scene_graph::world_scales(&root, &accessors, &views)?;
+    scene_graph::check(&root)?;
     let mut reading = Reading::new(&accessors, &views, options.limits, options.weld);
-    let objects = read_objects(&root, &mut reading, &scales, &mut warnings)?;
+    let mut objects = read_objects(&root, &mut reading, &mut warnings)?;
+    let numbers = |accessor| stored::numbers(&accessors, &views, accessor);
+    scene_graph::set_world_scales(&root, &mut objects, &numbers)?;
     let of_object = |o: &SceneObject| -> Vec<(usize, usize)> {
         let mesh = o.info.document_mesh as usize;
         o.info.submeshes.iter().map(|s| (mesh, s.document_primitive as usize)).collect()
@@ -106,7 +108,6 @@ fn names_file(buffer: &Object) -> bool {
 fn read_objects(
     root: &Object,
     reading: &mut Reading<'_>,
-    scales: &[f64],
     warnings: &mut Vec<String>,
 ) -> Result<Vec<SceneObject>, FormatError> {
     let mut objects = Vec::new();
@@ -133,7 +134,7 @@ fn read_objects(
             .get("name")
             .and_then(Value::as_str)
             .map_or_else(|| format!("mesh{m}"), str::to_owned);
-        objects.push(scene_object(name, m, triangles, kept.iter().map(|&k| numbers[k]), scales[m]));
+        objects.push(scene_object(name, m, triangles, kept.iter().map(|&k| numbers[k])));
     }
     let counts = &reading.counts;
     let mut tell = |what: &str, count: usize| {
@@ -166,7 +167,6 @@ fn scene_object(
     document_mesh: usize,
     mesh: Mesh,
     primitives: impl Iterator<Item = u32>,
-    world_scale: f64,
 ) -> SceneObject {
     let submesh = |document_primitive| SubmeshInfo {
         name: String::new(),
@@ -174,7 +174,8 @@ fn scene_object(
         document_primitive,
     };
     let submeshes = primitives.map(submesh).collect();
-    let info = ObjectInfo { name, submeshes, world_scale, document_mesh: document_mesh as u32 };
+    let document_mesh = document_mesh as u32;
+    let info = ObjectInfo { name, submeshes, world_scale: 1.0, document_mesh };
     SceneObject { info, mesh, source_positions: Vec::new() }
 }
 

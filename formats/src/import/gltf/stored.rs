@@ -8,7 +8,6 @@ use super::schema;
 use super::views::{Buffers, Views};
 use crate::{FormatError, GltfDocument, Limits};
 use lodc_mesh::{Attribute, Semantic};
-use serde_json::Value;
 
 /// A stored document that is open for reading.
 pub(crate) struct Stored<'a> {
@@ -24,7 +23,7 @@ impl Stored<'_> {
     pub(crate) fn read<T>(
         document: &GltfDocument,
         limits: &Limits,
-        work: impl FnOnce(&Stored<'_>, &Value) -> Result<T, FormatError>,
+        work: impl FnOnce(&Stored<'_>, &Object) -> Result<T, FormatError>,
     ) -> Result<T, FormatError> {
         let mut root = json::parse(document.json.as_bytes(), limits)?;
         schema::check(&mut root)?;
@@ -38,32 +37,15 @@ impl Stored<'_> {
         let accessors = json::entries(&root, "accessors").enumerate();
         let accessors = accessors.map(|(i, a)| Accessor::new(a, format!("accessors[{i}]"), &views));
         let accessors: Vec<Option<Accessor>> = accessors.collect::<Result<_, _>>()?;
-        work(&Stored { accessors: &accessors, views: &views }, &Value::Object(root.clone()))
+        work(&Stored { accessors: &accessors, views: &views }, &root)
     }
 
     /// All components of all elements of an accessor, and how many components an element has.
     ///
     /// # Errors
-    /// If it is not there, has no bytes of its own, or they are damaged.
+    /// If it is not there, or its bytes are damaged.
     pub(crate) fn numbers(&self, accessor: usize) -> Result<(Vec<f64>, usize), FormatError> {
-        let place = format!("accessors[{accessor}]");
-        let missing = || malformed(&*place, "cannot be read");
-        let accessor = self.accessors.get(accessor).and_then(Option::as_ref).ok_or_else(missing)?;
-        let components = accessor.shape.components();
-        self.views.budget.charge(accessor.count as u64, 12 * components as u64, &place)?;
-        let reader = accessor.reader(self.views)?;
-        let mut bytes = Vec::new();
-        (0..accessor.count as u32).for_each(|i| reader.append(i, &mut bytes));
-        let stream = Attribute {
-            semantic: Semantic::Custom(String::new()),
-            morph_target: None,
-            component: accessor.component,
-            components: components as u8,
-            normalized: accessor.normalized,
-            bytes,
-        };
-        let value = |i: usize| f64::from(stream.value((i / components) as u32, i % components));
-        Ok(((0..accessor.count * components).map(value).collect(), components))
+        numbers(self.accessors, self.views, accessor)
     }
 
     /// The bytes of a buffer view.
@@ -73,6 +55,35 @@ impl Stored<'_> {
     pub(crate) fn view(&self, view: usize) -> Result<Vec<u8>, FormatError> {
         self.views.bytes(view).map(<[u8]>::to_vec)
     }
+}
+
+/// All components of all elements of an accessor, and how many components an element has.
+///
+/// # Errors
+/// If it is not there, or its bytes are damaged.
+pub(super) fn numbers(
+    accessors: &[Option<Accessor>],
+    views: &Views<'_>,
+    accessor: usize,
+) -> Result<(Vec<f64>, usize), FormatError> {
+    let place = format!("accessors[{accessor}]");
+    let missing = || malformed(&*place, "cannot be read");
+    let accessor = accessors.get(accessor).and_then(Option::as_ref).ok_or_else(missing)?;
+    let components = accessor.shape.components();
+    views.budget.charge(accessor.count as u64, 12 * components as u64, &place)?;
+    let reader = accessor.reader(views)?;
+    let mut bytes = Vec::new();
+    (0..accessor.count as u32).for_each(|i| reader.append(i, &mut bytes));
+    let stream = Attribute {
+        semantic: Semantic::Custom(String::new()),
+        morph_target: None,
+        component: accessor.component,
+        components: components as u8,
+        normalized: accessor.normalized,
+        bytes,
+    };
+    let value = |i: usize| f64::from(stream.value((i / components) as u32, i % components));
+    Ok(((0..accessor.count * components).map(value).collect(), components))
 }
 
 /// Buffer 0 must have the bytes that its views count on.

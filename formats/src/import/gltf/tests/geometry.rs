@@ -324,9 +324,13 @@ fn the_world_scale_is_the_largest_over_nodes_skins_and_instances() {
         sound(root).objects.iter().map(|o| o.info.world_scale).collect()
     };
     let near = |a: Vec<f64>, b: [f64; 4]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-9);
-    assert!(near(scales(&root), [6.0, 10.0, 2.0, 1.0]));
+    // Nothing weights the third mesh to a joint, so that it follows its node.
+    assert!(near(scales(&root), [6.0, 10.0, 9.0, 1.0]));
+    root["scene"] = json!(1);
+    assert!(near(scales(&root), [100.0, 1.0, 1.0, 1.0]));
+    // Without a default scene the first one is shown.
     root.as_object_mut().expect("an object").remove("scene");
-    assert!(near(scales(&root), [100.0, 10.0, 2.0, 1.0]));
+    assert!(near(scales(&root), [6.0, 10.0, 9.0, 1.0]));
 }
 
 #[test]

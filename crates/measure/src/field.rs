@@ -1,0 +1,123 @@
+//! Distances all over triangles, for colouring them.
+
+use crate::bvh::Bvh;
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// Most parts of an edge.
+const MAX_PARTS: usize = 48;
+/// Places measured in one field, more or less.
+const MAX_PLACES: usize = 4 << 20;
+
+/// Distances from places of some triangles to a surface. The vertices of a level of detail are
+/// vertices of its input, so that only what lies between them shows how far off it is.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct DistanceField {
+    /// For each triangle, the number of parts of its edges.
+    parts: Vec<usize>,
+    /// For each triangle, the distances of its places, row by row.
+    distances: Vec<Vec<f32>>,
+}
+
+impl DistanceField {
+    /// Measures triangles by their corners, at steps of about `step`. Where there are too many
+    /// places for that, steps are longer.
+    #[must_use]
+    pub fn new(triangles: &[[DVec3; 3]], to: &Bvh, step: f64) -> Self {
+        let wanted = |&[a, b, c]: &[DVec3; 3]| {
+            let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
+            if step > 0.0 { ((longest / step).ceil() as usize).clamp(1, MAX_PARTS) } else { 1 }
+        };
+        let mut parts: Vec<usize> = triangles.iter().map(wanted).collect();
+        let places: usize = parts.iter().map(|k| k * k / 2).sum();
+        if places > MAX_PLACES {
+            let less = (MAX_PLACES as f64 / places as f64).sqrt();
+            parts.iter_mut().for_each(|k| *k = ((*k as f64 * less) as usize).max(1));
+        }
+        let distances = |(&[a, b, c], &k): (&[DVec3; 3], &usize)| -> Vec<f32> {
+            let place = |s: [f64; 3]| a * s[0] + b * s[1] + c * s[2];
+            lattice(k).map(|s| to.distance_squared(place(s)).sqrt() as f32).collect()
+        };
+        let distances = triangles.par_iter().zip(&parts).map(distances).collect();
+        Self { parts, distances }
+    }
+
+    /// The largest distance; 0 without triangles.
+    #[must_use]
+    pub fn largest(&self) -> f32 {
+        self.distances.iter().flatten().fold(0.0, |l, d| l.max(*d))
+    }
+
+    /// Cuts a triangle into the parts on which it was measured. `corner` makes a corner of a part
+    /// from its shares of the triangle's corners and its distance. Three in a row are a part.
+    pub fn parts<T: Copy>(&self, triangle: usize, corner: impl Fn([f64; 3], f32) -> T) -> Vec<T> {
+        let k = self.parts[triangle];
+        let distances = &self.distances[triangle];
+        let places: Vec<T> =
+            lattice(k).zip(distances).map(|(shares, &distance)| corner(shares, distance)).collect();
+        let mut out = Vec::with_capacity(3 * k * k);
+        let mut start = 0;
+        for row in 0..k {
+            let (length, next) = (k - row, start + k - row + 1);
+            for i in 0..length {
+                out.extend([start + i, start + i + 1, next + i].map(|p| places[p]));
+                if i + 1 < length {
+                    out.extend([start + i + 1, next + i + 1, next + i].map(|p| places[p]));
+                }
+            }
+            start = next;
+        }
+        out
+    }
+}
+
+/// The places of a triangle whose edges have `k` parts, row by row, as shares of its corners.
+fn lattice(k: usize) -> impl Iterator<Item = [f64; 3]> {
+    let part = 1.0 / k as f64;
+    (0..=k).flat_map(move |row| {
+        (0..=k - row).map(move |i| {
+            let (b, c) = (i as f64 * part, row as f64 * part);
+            [1.0 - b - c, b, c]
+        })
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_parts_of_a_triangle_cover_it_once() {
+        let triangle = [DVec3::ZERO, 6.0 * DVec3::X, 6.0 * DVec3::Y];
+        let plane = Bvh::of(&[triangle.map(|p| p + DVec3::Z)]);
+        for (step, k) in [(9.0, 1), (5.0, 2), (1.8, 5)] {
+            let field = DistanceField::new(&[triangle], &plane, step);
+            let place = |s: [f64; 3], distance: f32| {
+                assert!((distance - 1.0).abs() < 1e-6);
+                triangle[0] * s[0] + triangle[1] * s[1] + triangle[2] * s[2]
+            };
+            let parts = field.parts(0, place);
+            assert_eq!(parts.len(), 3 * k * k);
+            let area = |t: &[DVec3; 3]| (t[1] - t[0]).cross(t[2] - t[0]).z;
+            let areas: Vec<f64> = parts.as_chunks::<3>().0.iter().map(area).collect();
+            assert!(areas.iter().all(|a| (a - 36.0 / (k * k) as f64).abs() < 1e-9), "{areas:?}");
+        }
+    }
+
+    #[test]
+    fn a_triangle_is_measured_between_its_corners() {
+        // A triangle through the middle of a cube, between corners of the cube.
+        let mesh = lodc_fixtures::named("cube").expect("a shape");
+        let at = |v: u32| glam::Vec3::from(mesh.positions()[v as usize]).as_dvec3();
+        let tree = Bvh::of(&mesh.triangles().iter().map(|t| t.map(at)).collect::<Vec<_>>());
+        let corner = |sign: DVec3| {
+            let all = (0..mesh.vertex_count() as u32).map(at);
+            all.max_by(|a, b| a.dot(sign).total_cmp(&b.dot(sign))).expect("corners")
+        };
+        let inner = [DVec3::ONE, DVec3::new(-1.0, -1.0, 1.0), DVec3::new(-1.0, 1.0, -1.0)];
+        let inside = DistanceField::new(&[inner.map(corner)], &tree, mesh.diagonal() / 160.0);
+        let side = mesh.diagonal() as f32 / 3.0f32.sqrt();
+        let largest = inside.largest();
+        assert!(largest > 0.15 * side && largest <= 0.5 * side, "{largest} of {side}");
+    }
+}

@@ -1,0 +1,123 @@
+//! The surface of a scene: every object where the default scene shows it.
+
+use crate::surface::Surface;
+use crate::texture::Pyramid;
+use glam::Vec2;
+use lodc_mesh::{Attribute, Mesh, Semantic};
+use lodc_scene::{Appearance, Arrangement, Placement, posed, stream};
+
+/// A scene as one surface.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SceneSurface {
+    /// The triangles of all placements, in their order.
+    pub surface: Surface,
+    /// True if every submesh has texture coordinates.
+    pub all_textured: bool,
+}
+
+impl SceneSurface {
+    /// Puts the objects of a scene where it shows them, at some level of detail or at full detail.
+    /// `meshes` are the objects. The surface has normals if every submesh has them, and materials
+    /// if one has a texture; texture coordinates are those of the submesh's texture.
+    #[must_use]
+    pub fn new(meshes: &[&Mesh], scene: &Arrangement, looks: &Appearance) -> Self {
+        let material = |o: usize, s: usize| looks.of_submesh.get(o)?.get(s).copied();
+        let set = |o: usize, s: usize| {
+            material(o, s).and_then(|m| looks.materials[m].texture).map_or(0, |t| t.set)
+        };
+        let submeshes = || {
+            let of = |p: &Placement| {
+                let object = p.object;
+                (0..meshes[object].submeshes().len()).map(move |s| (object, s))
+            };
+            scene.placements().iter().flat_map(of)
+        };
+        let has = |o: usize, s: usize, semantic| stream(meshes[o], s, &semantic).is_some();
+        let textured = |(o, s)| has(o, s, Semantic::TexCoord(set(o, s)));
+        let normals = submeshes().all(|(o, s)| has(o, s, Semantic::Normal));
+        let texture = submeshes().any(textured);
+        let mut surface = Surface::default();
+        for placement in scene.placements() {
+            let object = placement.object;
+            let mesh = meshes[object];
+            add(&mut surface, mesh, placement, normals);
+            if texture {
+                for (v, &s) in (0..).zip(mesh.vertex_submesh()) {
+                    let set = Semantic::TexCoord(set(object, s as usize));
+                    let uv = stream(mesh, s as usize, &set).map_or(Vec2::ZERO, |a| pair(a, v));
+                    surface.texture.push(uv);
+                }
+            }
+            for (s, submesh) in mesh.submeshes().iter().enumerate() {
+                let material = material(object, s).unwrap_or(0) as u32;
+                surface.material_of.extend(submesh.triangles().map(|_| material));
+            }
+        }
+        if texture && looks.materials.iter().any(|m| m.texture.is_some()) {
+            surface.materials.clone_from(&looks.materials);
+            surface.images = looks.images.iter().map(Pyramid::new).collect();
+        } else {
+            surface.material_of.clear();
+        }
+        Self { surface, all_textured: texture && submeshes().all(textured) }
+    }
+}
+
+/// Adds the triangles, positions and normals of a placement.
+fn add(surface: &mut Surface, mesh: &Mesh, placement: &Placement, normals: bool) {
+    let first = surface.positions.len() as u32;
+    let posed = posed(mesh, placement);
+    surface.positions.extend(posed.positions.iter().map(|p| p.as_vec3()));
+    if normals {
+        let unit = posed.normals.iter().map(|n| n.normalize_or_zero().as_vec3());
+        surface.normals.extend(unit);
+    }
+    surface.triangles.extend(mesh.triangles().iter().map(|&[a, b, c]| {
+        let outward = if posed.mirrored { [a, c, b] } else { [a, b, c] };
+        outward.map(|v| first + v)
+    }));
+}
+
+fn pair(stream: &Attribute, v: u32) -> Vec2 {
+    let component = |i: usize| {
+        if i < usize::from(stream.components) { stream.value(v, i) } else { 0.0 }
+    };
+    Vec2::new(component(0), component(1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+    use lodc_scene::{Graph, LocalTransform, Node, Pose};
+
+    #[test]
+    fn objects_stand_where_their_nodes_show_them() {
+        let mesh = lodc_fixtures::named("cube").expect("a shape");
+        let scale = |x: f64| LocalTransform::Trs {
+            translation: [10.0, 0.0, 0.0],
+            rotation: [0.0, 0.0, 0.0, 1.0],
+            scale: [x, 1.0, 1.0],
+        };
+        let node = |local| Node { local, objects: vec![0], ..Node::default() };
+        let graph = Graph {
+            nodes: vec![node(LocalTransform::default()), node(scale(-2.0))],
+            roots: vec![0, 1],
+            skins: Vec::new(),
+        };
+        let pose: Pose = graph.rest_pose();
+        let scene = Arrangement::new(&graph, &pose, 1);
+        let shown = SceneSurface::new(&[&mesh], &scene, &Appearance::default()).surface;
+        let n = mesh.triangles().len();
+        assert_eq!(shown.triangles.len(), 2 * n);
+        // Six times the volume of the tetrahedra below all faces: outward both times.
+        let volume = |range: std::ops::Range<usize>| -> f64 {
+            range.map(|t| shown.corners(t)).map(|[a, b, c]| a.dot(b.cross(c))).sum()
+        };
+        let (one, mirrored) = (volume(0..n), volume(n..2 * n));
+        assert!(one > 0.0 && (mirrored - 2.0 * one).abs() < 1e-3 * one, "{one} {mirrored}");
+        let first = Vec3::from(mesh.positions()[0]);
+        let moved = first * Vec3::new(-2.0, 1.0, 1.0) + Vec3::new(10.0, 0.0, 0.0);
+        assert_eq!(shown.positions[mesh.vertex_count()], moved);
+    }
+}

@@ -1,0 +1,103 @@
+//! The nodes of a scene.
+
+use crate::transform::{LocalTransform, Transform};
+
+/// A node: where it stands relative to its parent, and which objects it shows.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Node {
+    /// The node's name in the file; may be empty.
+    pub name: String,
+    /// Transform relative to the parent, at rest.
+    pub local: LocalTransform,
+    /// Indices of child nodes.
+    pub children: Vec<u32>,
+    /// Indices of the objects that it shows; a mesh of the file may have become none.
+    pub objects: Vec<u32>,
+    /// Index of the skin that moves these objects, if any.
+    pub skin: Option<u32>,
+    /// Morph weights at rest; targets without one have 0.
+    pub weights: Vec<f64>,
+    /// Transforms relative to the node at which its objects are repeated
+    /// (`EXT_mesh_gpu_instancing`); none for a node without instances, which shows them once.
+    pub instances: Option<Vec<Transform>>,
+}
+
+/// Joints that move the vertices of objects.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Skin {
+    /// Indices of the joints' nodes.
+    pub joints: Vec<u32>,
+    /// The inverse bind matrix of each joint; the identity where there are fewer than joints.
+    pub inverse_bind: Vec<Transform>,
+}
+
+/// The nodes of a file and its default scene.
+///
+/// Indices that name nothing are ignored, and a node is visited once, so that a graph may hold
+/// whatever a file says.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Graph {
+    /// All nodes.
+    pub nodes: Vec<Node>,
+    /// Topmost nodes of the default scene.
+    pub roots: Vec<u32>,
+    /// All skins.
+    pub skins: Vec<Skin>,
+}
+
+impl Graph {
+    /// A graph that shows each of some objects once, as it was modelled: that of a file without
+    /// nodes.
+    #[must_use]
+    pub fn of_objects(objects: u32) -> Self {
+        let node = |object| Node { objects: vec![object], ..Node::default() };
+        Self {
+            nodes: (0..objects).map(node).collect(),
+            roots: (0..objects).collect(),
+            skins: Vec::new(),
+        }
+    }
+
+    /// The nodes below some nodes, parents first, in the order of the file; each once.
+    pub(crate) fn walk(&self, roots: impl DoubleEndedIterator<Item = u32>) -> Vec<Visit> {
+        let mut visited = vec![false; self.nodes.len()];
+        let mut order = Vec::new();
+        let mut open: Vec<Visit> =
+            roots.rev().map(|node| Visit { node: node as usize, parent: None }).collect();
+        while let Some(visit) = open.pop() {
+            let Some(node) = self.nodes.get(visit.node) else { continue };
+            if std::mem::replace(&mut visited[visit.node], true) {
+                continue;
+            }
+            let child = |&c: &u32| Visit { node: c as usize, parent: Some(visit.node) };
+            open.extend(node.children.iter().rev().map(child));
+            order.push(visit);
+        }
+        order
+    }
+
+    /// The nodes of the default scene, parents first.
+    #[must_use]
+    pub fn visible(&self) -> Vec<u32> {
+        self.walk(self.roots.iter().copied()).into_iter().map(|v| v.node as u32).collect()
+    }
+
+    /// The nodes that are no node's child.
+    #[must_use]
+    pub fn topmost(&self) -> Vec<u32> {
+        let mut is_child = vec![false; self.nodes.len()];
+        for &child in self.nodes.iter().flat_map(|n| &n.children) {
+            if let Some(c) = is_child.get_mut(child as usize) {
+                *c = true;
+            }
+        }
+        (0..self.nodes.len() as u32).filter(|&n| !is_child[n as usize]).collect()
+    }
+}
+
+/// A node on a walk, and the node above it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Visit {
+    pub(crate) node: usize,
+    pub(crate) parent: Option<usize>,
+}

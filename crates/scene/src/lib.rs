@@ -1,0 +1,54 @@
+//! Scenes as plain data: where objects stand, how they are posed, and what they look like. Importers
+//! fill it; everything that shows or measures a scene shares its few computations.
+//!
+//! A [`Graph`] has nodes, skins and the roots of the default scene. A [`Pose`] says how its nodes
+//! stand relative to their parents and how much of each morph target is blended in;
+//! [`Graph::rest_pose`] is the one of the file. Together they give an
+//! [`Arrangement`] of [`Placement`]s: an object, the transform of the node that shows it, its joints'
+//! matrices and its morph weights.
+//!
+//! The *surface of a scene* is what the default scene shows in its rest pose. Errors, pictures,
+//! comparisons and world scales all mean this surface.
+//!
+//! ```
+//! use lodc_scene::{Arrangement, Graph, LocalTransform, Node, object_in_scene};
+//!
+//! let mesh = lodc_fixtures::named("cube").expect("a shape");
+//! // A node twice as large as the object that it shows.
+//! let scale = LocalTransform::Trs {
+//!     translation: [0.0; 3],
+//!     rotation: [0.0, 0.0, 0.0, 1.0],
+//!     scale: [2.0; 3],
+//! };
+//! let node = Node { local: scale, objects: vec![0], ..Node::default() };
+//! let graph = Graph { nodes: vec![node], roots: vec![0], skins: Vec::new() };
+//!
+//! let scene = Arrangement::new(&graph, &graph.rest_pose(), 1);
+//! let shown = object_in_scene(&mesh, 0, &scene);
+//! assert_eq!(shown.scale, 2.0);
+//! assert_eq!(shown.positions[0], 2.0 * glam::Vec3::from(mesh.positions()[0]).as_dvec3());
+//! ```
+
+mod graph;
+mod image;
+mod material;
+mod normals;
+mod placement;
+mod pose;
+mod posed;
+mod scale;
+mod srgb;
+mod transform;
+
+pub use graph::{Graph, Node, Skin};
+pub use image::Image;
+pub use material::{AlphaMode, Appearance, Material, Texture, Wrap};
+pub use normals::{flat_normals, smooth_normals};
+pub use placement::{Arrangement, Placement};
+pub use pose::Pose;
+pub use posed::{PosedVertices, posed, stream};
+pub use scale::{ObjectInScene, object_in_scene, placement_scales, representative};
+pub use srgb::{to_linear, to_srgb};
+pub use transform::{
+    LocalTransform, Transform, largest_stretch, transform_from_columns, transform_normal,
+};

@@ -1,0 +1,204 @@
+//! Smooth normals: the one rule by which surfaces without normals of their own are shaded.
+//!
+//! Around a position, triangles that share an edge are smooth across it unless their normals are
+//! more than 60° apart. All triangles that smooth edges connect share a normal: the mean of theirs,
+//! weighted by the angle at the position (Thürmer and Wüthrich 1998), which does not depend on how
+//! a face is cut into triangles.
+
+use glam::{DVec3, Vec3};
+use lodc_mesh::{Csr, PositionIds};
+use rayon::prelude::*;
+
+/// Cosine of the angle between two triangles beyond which their edge is sharp: 60°.
+const CREASE: f64 = 0.5;
+/// At an edge with many triangles each is compared with so many of those after it; time would grow
+/// as a square otherwise.
+const MAX_COMPARED: usize = 16;
+
+/// Returns the normal of each triangle, of length one; zero without area.
+#[must_use]
+pub fn flat_normals(triangles: &[[u32; 3]], positions: &[DVec3]) -> Vec<Vec3> {
+    triangles.par_iter().map(|t| flat_normal(t, positions).as_vec3()).collect()
+}
+
+/// Returns a normal for every corner of every triangle, of length one; zero where a triangle
+/// without area stands alone. `ids` says which vertices are at one position.
+///
+/// # Panics
+/// If a triangle names a vertex without a position.
+#[must_use]
+pub fn smooth_normals(
+    triangles: &[[u32; 3]],
+    positions: &[DVec3],
+    ids: &PositionIds,
+) -> Vec<[Vec3; 3]> {
+    let star = Star {
+        triangles,
+        positions,
+        ids,
+        flat: triangles.par_iter().map(|t| flat_normal(t, positions)).collect(),
+    };
+    let at: Vec<[u32; 3]> =
+        triangles.par_iter().map(|t| t.map(|v| ids.of_vertex[v as usize])).collect();
+    let around = Csr::corners(&at, ids.first_vertex.len());
+    let points = 0..around.rows() as u32;
+    let found: Vec<Vec3> =
+        points.into_par_iter().flat_map_iter(|p| star.normals(around.row(p))).collect();
+    let mut normals = vec![[Vec3::ZERO; 3]; triangles.len()];
+    for (&corner, normal) in around.values.iter().zip(found) {
+        normals[corner as usize / 3][corner as usize % 3] = normal;
+    }
+    normals
+}
+
+fn flat_normal(t: &[u32; 3], positions: &[DVec3]) -> DVec3 {
+    let [a, b, c] = t.map(|v| positions[v as usize]);
+    unit((b - a).cross(c - a))
+}
+
+/// A vector of length one, or zero.
+fn unit(v: DVec3) -> DVec3 {
+    // Scaled first, so that squares of tiny triangles do not vanish.
+    let size = v.abs().max_element();
+    if size > 0.0 && size.is_finite() { (v / size).normalize() } else { DVec3::ZERO }
+}
+
+/// The triangles around positions.
+struct Star<'a> {
+    triangles: &'a [[u32; 3]],
+    positions: &'a [DVec3],
+    ids: &'a PositionIds,
+    flat: Vec<DVec3>,
+}
+
+impl Star<'_> {
+    /// The normals of the corners at one position.
+    fn normals(&self, corners: &[u32]) -> Vec<Vec3> {
+        // Edges from the position: the other end, and the corner that has the edge.
+        let mut spokes: Vec<(u32, usize)> = Vec::with_capacity(2 * corners.len());
+        for (i, &corner) in corners.iter().enumerate() {
+            let [_, b, c] = self.from(corner);
+            spokes.extend([b, c].map(|v| (self.ids.of_vertex[v as usize], i)));
+        }
+        spokes.sort_unstable();
+        let mut sets: Vec<usize> = (0..corners.len()).collect();
+        for edge in spokes.chunk_by(|a, b| a.0 == b.0) {
+            for (i, &(_, one)) in edge.iter().enumerate() {
+                for &(_, other) in edge[i + 1..].iter().take(MAX_COMPARED) {
+                    let [n, m] = [one, other].map(|k| self.flat[corners[k] as usize / 3]);
+                    if n.dot(m) > CREASE {
+                        let [a, b] = [one, other].map(|k| root(&mut sets, k));
+                        sets[a.max(b)] = a.min(b);
+                    }
+                }
+            }
+        }
+        let mut sums = vec![DVec3::ZERO; corners.len()];
+        for (i, &corner) in corners.iter().enumerate() {
+            sums[root(&mut sets, i)] += self.flat[corner as usize / 3] * self.angle(corner);
+        }
+        let normal = |(i, &corner): (usize, &u32)| {
+            let mean = unit(sums[root(&mut sets, i)]);
+            let flat = self.flat[corner as usize / 3];
+            (if mean == DVec3::ZERO { flat } else { mean }).as_vec3()
+        };
+        corners.iter().enumerate().map(normal).collect()
+    }
+
+    /// The vertices of a triangle, beginning with that of a corner.
+    fn from(&self, corner: u32) -> [u32; 3] {
+        let t = self.triangles[corner as usize / 3];
+        let k = corner as usize % 3;
+        [t[k], t[(k + 1) % 3], t[(k + 2) % 3]]
+    }
+
+    fn angle(&self, corner: u32) -> f64 {
+        let [a, b, c] = self.from(corner).map(|v| self.positions[v as usize]);
+        arc_cosine(unit(b - a).dot(unit(c - a)).clamp(-1.0, 1.0))
+    }
+}
+
+/// The representative of a set, the path to it halved.
+fn root(sets: &mut [usize], mut i: usize) -> usize {
+    while sets[i] != i {
+        sets[i] = sets[sets[i]];
+        i = sets[i];
+    }
+    i
+}
+
+/// The arc cosine up to 0.0001, from operations that every machine rounds alike (Abramowitz and
+/// Stegun 1964, 4.4.45).
+fn arc_cosine(x: f64) -> f64 {
+    let positive = x.abs();
+    let series = 1.570_728_8
+        + positive * (-0.212_114_4 + positive * (0.074_261_0 + positive * -0.018_729_3));
+    let angle = (1.0 - positive).sqrt() * series;
+    if x < 0.0 { std::f64::consts::PI - angle } else { angle }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(mesh: &lodc_mesh::Mesh) -> (Vec<DVec3>, Vec<[Vec3; 3]>) {
+        let positions: Vec<DVec3> =
+            mesh.positions().iter().map(|p| Vec3::from(*p).as_dvec3()).collect();
+        let ids = PositionIds::new(mesh.positions());
+        let normals = smooth_normals(mesh.triangles(), &positions, &ids);
+        (positions, normals)
+    }
+
+    #[test]
+    fn a_cube_keeps_its_edges_and_a_sphere_is_round() {
+        let cube = lodc_fixtures::named("cube").expect("a shape");
+        let (positions, normals) = of(&cube);
+        for (flat, corners) in flat_normals(cube.triangles(), &positions).iter().zip(&normals) {
+            assert!(corners.iter().all(|n| n.dot(*flat) > 0.999_999), "{flat} {corners:?}");
+        }
+        let sphere = lodc_fixtures::named("icosphere").expect("a shape");
+        let (positions, normals) = of(&sphere);
+        for (t, corners) in sphere.triangles().iter().zip(&normals) {
+            for (v, n) in t.iter().zip(corners) {
+                assert!(positions[*v as usize].normalize().as_vec3().dot(*n) > 0.99);
+            }
+        }
+    }
+
+    #[test]
+    fn cutting_a_face_finer_changes_no_normal() {
+        // A roof of two squares, 40° between their normals; then one square in many slivers.
+        let (sine, cosine) = 40.0f64.to_radians().sin_cos();
+        let roof = |cuts: u32| {
+            let mut positions = vec![[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]];
+            positions.extend((0..=cuts).map(|i| {
+                let y = f64::from(i) / f64::from(cuts);
+                [cosine, y, -sine]
+            }));
+            let mut triangles = vec![[0, 1, 2]];
+            triangles.extend((0..cuts).map(|i| [0, 3 + i, 4 + i]));
+            triangles.push([0, 3 + cuts, 1]);
+            let positions: Vec<DVec3> = positions.into_iter().map(DVec3::from).collect();
+            let single: Vec<[f32; 3]> = positions.iter().map(|p| p.as_vec3().to_array()).collect();
+            smooth_normals(&triangles, &positions, &PositionIds::new(&single))[0][0]
+        };
+        assert!(roof(1).abs_diff_eq(roof(50), 1e-3), "{} {}", roof(1), roof(50));
+    }
+
+    #[test]
+    fn sheets_that_touch_back_to_back_keep_their_sides() {
+        let positions = [DVec3::ZERO, DVec3::X, DVec3::Y];
+        let single = positions.map(|p| p.as_vec3().to_array());
+        let ids = PositionIds::new(&single);
+        let normals = smooth_normals(&[[0, 1, 2], [0, 2, 1]], &positions, &ids);
+        assert_eq!(normals, [[Vec3::Z; 3], [-Vec3::Z; 3]]);
+    }
+
+    #[test]
+    fn the_arc_cosine_is_near() {
+        for i in -100..=100 {
+            let x = f64::from(i) / 100.0;
+            assert!((arc_cosine(x) - x.acos()).abs() < 1e-4, "{x}");
+        }
+    }
+}

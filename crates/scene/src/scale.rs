@@ -1,0 +1,212 @@
+//! World scale: how much larger a scene shows an object than it was modelled.
+
+use crate::placement::{Arrangement, Placement};
+use crate::posed::{Streams, posed};
+use crate::transform::{Transform, largest_stretch};
+use glam::DVec3;
+use lodc_mesh::Mesh;
+use std::sync::Arc;
+
+/// An object as the scene shows it at its largest.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ObjectInScene {
+    /// The placement of largest scale, the first of equals; none if nothing shows the object.
+    pub placement: Option<Placement>,
+    /// The positions of all vertices there, in world units.
+    pub positions: Vec<DVec3>,
+    /// World units per mesh unit: finite and above 0.
+    pub scale: f64,
+}
+
+/// Returns an object at the placement that shows it largest; as it was modelled and with scale 1 if
+/// none shows it, or none at a scale that is a finite number above 0.
+#[must_use]
+pub fn object_in_scene(mesh: &Mesh, object: usize, scene: &Arrangement) -> ObjectInScene {
+    let (placement, scale) = representative(mesh, object, scene);
+    let as_modelled = Placement::as_modelled(object);
+    let positions = posed(mesh, placement.unwrap_or(&as_modelled)).positions;
+    ObjectInScene { placement: placement.cloned(), positions, scale }
+}
+
+/// Returns the placement that shows an object largest, and its scale; 1 without one.
+#[must_use]
+pub fn representative<'a>(
+    mesh: &Mesh,
+    object: usize,
+    scene: &'a Arrangement,
+) -> (Option<&'a Placement>, f64) {
+    let mut best: Option<(&Placement, f64)> = None;
+    for (placement, scale) in placement_scales(mesh, object, scene) {
+        // A scale of nothing, or one beyond all numbers, says nothing about where detail is needed.
+        let usable = scale.is_finite() && scale > 0.0;
+        if usable && best.is_none_or(|(_, largest)| scale > largest) {
+            best = Some((placement, scale));
+        }
+    }
+    best.map_or((None, 1.0), |(placement, scale)| (Some(placement), scale))
+}
+
+/// Returns every placement of an object with the factor by which it stretches the object at most:
+/// the largest singular value of its transform; with a skin, of the joint that has most weight at
+/// some vertex, and of the node's transform if some vertex has no weight.
+#[must_use]
+pub fn placement_scales<'a>(
+    mesh: &Mesh,
+    object: usize,
+    scene: &'a Arrangement,
+) -> Vec<(&'a Placement, f64)> {
+    let mut leading: Option<LeadingJoints> = None;
+    let mut last: Option<(&Placement, f64)> = None;
+    let mut out = Vec::new();
+    for placement in scene.of(object) {
+        let node = largest_stretch(&placement.transform.matrix3);
+        if placement.joints.is_empty() {
+            out.push((placement, node));
+            continue;
+        }
+        let leading = leading.get_or_insert_with(|| LeadingJoints::of(mesh, placement));
+        let joints = match last {
+            Some((p, scale)) if Arc::ptr_eq(&p.joints, &placement.joints) => scale,
+            _ => leading.scale(&placement.joints),
+        };
+        last = Some((placement, joints));
+        let misses = leading.misses_some(&placement.joints);
+        out.push((placement, if misses { joints.max(node) } else { joints }));
+    }
+    out
+}
+
+/// The joints that have most weight at some vertex.
+struct LeadingJoints {
+    /// Rising.
+    joints: Vec<usize>,
+    /// True if some vertex has no weight.
+    unweighted: bool,
+}
+
+impl LeadingJoints {
+    fn of(mesh: &Mesh, placement: &Placement) -> Self {
+        let streams = Streams::of(mesh, placement);
+        let mut found = Vec::new();
+        let mut unweighted = false;
+        for v in 0..mesh.vertex_count() as u32 {
+            let mut most: Option<(usize, f64)> = None;
+            streams.each_joint(mesh, v, |joint, weight| {
+                if most.is_none_or(|(_, w)| weight > w) {
+                    most = Some((joint, weight));
+                }
+            });
+            match most {
+                Some((joint, _)) => found.push(joint),
+                None => unweighted = true,
+            }
+        }
+        found.sort_unstable();
+        found.dedup();
+        Self { joints: found, unweighted }
+    }
+
+    /// The largest stretch of these joints among a skin's.
+    fn scale(&self, skin: &[Transform]) -> f64 {
+        let present = self.joints.iter().take_while(|&&j| j < skin.len());
+        present.map(|&j| largest_stretch(&skin[j].matrix3)).fold(0.0, f64::max)
+    }
+
+    /// Returns true if some vertex may follow the node: without weight, or for a joint that is not
+    /// there.
+    fn misses_some(&self, skin: &[Transform]) -> bool {
+        self.unweighted || self.joints.last().is_some_and(|&j| j >= skin.len())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Graph, LocalTransform, Node, Skin};
+    use lodc_mesh::{Attribute, Component, MeshParts, Semantic, Submesh};
+
+    fn bytes(semantic: Semantic, values: &[[u8; 4]; 3]) -> Attribute {
+        Attribute {
+            normalized: semantic == Semantic::Weights(0),
+            semantic,
+            morph_target: None,
+            component: Component::U8,
+            components: 4,
+            bytes: values.concat(),
+        }
+    }
+
+    /// A triangle whose corners have the joints 0 to 3 with these weights.
+    fn triangle(weights: [[u8; 4]; 3]) -> Mesh {
+        let joints = bytes(Semantic::Joints(0), &[[0, 1, 2, 3]; 3]);
+        Mesh::try_from(MeshParts {
+            positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+            vertex_submesh: vec![0; 3],
+            triangles: vec![[0, 1, 2]],
+            attributes: vec![joints, bytes(Semantic::Weights(0), &weights)],
+            submeshes: vec![Submesh {
+                first_triangle: 0,
+                triangle_count: 1,
+                attributes: vec![0, 1],
+            }],
+        })
+        .expect("a triangle")
+    }
+
+    /// One object at a node that scales by 1000, with joints of these scales.
+    fn skinned(scales: [f64; 4]) -> Arrangement {
+        let scale = |s| LocalTransform::Matrix(Transform::from_scale(DVec3::splat(s)));
+        let shows =
+            Node { local: scale(1000.0), objects: vec![0], skin: Some(0), ..Node::default() };
+        let joints = scales.map(|s| Node { local: scale(s), ..Node::default() });
+        let graph = Graph {
+            nodes: [shows].into_iter().chain(joints).collect(),
+            roots: vec![0],
+            skins: vec![Skin { joints: vec![1, 2, 3, 4], inverse_bind: Vec::new() }],
+        };
+        Arrangement::new(&graph, &graph.rest_pose(), 1)
+    }
+
+    #[test]
+    fn only_joints_with_weight_scale_an_object() {
+        // A helper joint of a rig, 105 times as large, to which nothing is weighted; and the node,
+        // which does not move what joints move.
+        let mesh = triangle([[255, 0, 0, 0], [0, 255, 0, 0], [128, 127, 0, 0]]);
+        let shown = object_in_scene(&mesh, 0, &skinned([0.01, 0.02, 1.05, 9.0]));
+        assert!((shown.scale - 0.02).abs() < 1e-12, "{}", shown.scale);
+        assert!(shown.positions[1].abs_diff_eq(DVec3::new(0.02, 0.0, 0.0), 1e-9));
+    }
+
+    #[test]
+    fn a_trace_of_weight_does_not_count() {
+        let mesh = triangle([[255, 0, 0, 0], [255, 0, 0, 0], [254, 0, 0, 1]]);
+        assert_eq!(object_in_scene(&mesh, 0, &skinned([1.0, 1.0, 1.0, 50.0])).scale, 1.0);
+    }
+
+    #[test]
+    fn a_vertex_without_weights_follows_its_node() {
+        let mesh = triangle([[255, 0, 0, 0], [255, 0, 0, 0], [0; 4]]);
+        assert_eq!(object_in_scene(&mesh, 0, &skinned([1.0; 4])).scale, 1000.0);
+    }
+
+    #[test]
+    fn the_largest_placement_represents_an_object() {
+        let mesh = triangle([[0; 4]; 3]);
+        let at = |object, scale| Node {
+            local: LocalTransform::Matrix(Transform::from_scale(DVec3::splat(scale))),
+            objects: vec![object],
+            ..Node::default()
+        };
+        let scene = |nodes: &[Node]| {
+            let roots = (0..nodes.len() as u32).collect();
+            let graph = Graph { nodes: nodes.to_vec(), roots, skins: Vec::new() };
+            Arrangement::new(&graph, &graph.rest_pose(), 3)
+        };
+        let nodes = [at(1, 9.0), at(0, 0.0), at(0, 2.0), at(0, -3.0), at(0, 3.0)];
+        let all = scene(&nodes);
+        let (placement, scale) = representative(&mesh, 0, &all);
+        assert_eq!((placement.and_then(|p| p.node), scale), (Some(3), 3.0));
+        assert_eq!(representative(&mesh, 0, &scene(&nodes[..2])), (None, 1.0));
+        assert_eq!(object_in_scene(&mesh, 2, &all).positions[1], DVec3::X);
+    }
+}

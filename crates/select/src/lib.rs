@@ -1,0 +1,45 @@
+//! Levels of detail for all objects of a scene by a wish: an error, a share of the triangles, a
+//! number of them.
+//!
+//! [`select`] answers. Errors are met by each object for itself. Numbers of triangles are shared
+//! out: [`losses`] says what the scene loses with every step of every object, and triangles are
+//! given up where least is lost for each.
+//!
+//! ```
+//! use lodc_scene::{Arrangement, Graph};
+//! use lodc_select::{Candidate, Target, losses, select};
+//!
+//! // A sphere and a cube; the cube is cut into as many triangles although it is flat.
+//! let simplified: Vec<_> = ["icosphere", "cube"]
+//!     .map(|name| {
+//!         let mesh = lodc_fixtures::named(name).expect("a shape");
+//!         lodc_simplify::simplify(&mesh, &lodc_simplify::Options::DEFAULT, &|_, _| ())
+//!     })
+//!     .into();
+//! let graph = Graph::of_objects(2);
+//! let scene = Arrangement::new(&graph, &graph.rest_pose(), 2);
+//! let candidates: Vec<Candidate> = simplified
+//!     .iter()
+//!     .map(|s| Candidate {
+//!         name: "shape",
+//!         collapses: s.collapses(),
+//!         scale: 1.0,
+//!         diagonal: s.mesh().diagonal(),
+//!     })
+//!     .collect();
+//! let objects: Vec<_> = simplified.iter().collect();
+//! let chosen = select(&candidates, Target::Ratio(0.25), false, || losses(&objects, &scene));
+//! assert_eq!(chosen.expect("no record was asked for").lods.len(), 2);
+//! ```
+
+mod loss;
+mod number;
+mod order;
+mod quadric;
+mod selection;
+mod visibility;
+
+pub use loss::losses;
+pub use number::decimal;
+pub use quadric::accumulated_error;
+pub use selection::{Candidate, RecordOfScene, Selection, Target, scene_diagonal, select};

@@ -1,0 +1,98 @@
+//! The order in which the objects of a scene give up triangles: by loss per triangle spared.
+//!
+//! For each object the lower convex hull of (triangles, loss) over its levels is cut into segments;
+//! the steps of a segment share its slope. All segments together, sorted by slope, are the order; a
+//! scene is a prefix of it, so that scenes of different budgets are nested, and one of a hull's
+//! corners is the best for its number of triangles (Shoham and Gersho 1988).
+
+use lodc_mesh::{CollapseSequence, Lod};
+
+/// Of every object this many triangles are given up last, so that none vanishes while others have
+/// triangles to spare.
+const LAST_TRIANGLES: u32 = 4;
+
+/// A run of steps of one object.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Segment {
+    /// True if it leaves fewer than [`LAST_TRIANGLES`].
+    last: bool,
+    /// Loss per triangle spared.
+    slope: f64,
+    object: usize,
+    /// Steps that are complete at its end.
+    end: usize,
+    /// Triangles that it spares.
+    spared: u64,
+}
+
+/// Chooses the finest state of a scene on the order that has at most `budget` triangles; the
+/// coarsest one where every object still has a triangle if there is none. `losses` has for each
+/// object the loss after each step, never falling.
+pub(crate) fn within_triangles(
+    objects: &[&CollapseSequence],
+    losses: &[Vec<f64>],
+    budget: u64,
+) -> Vec<Lod> {
+    let mut segments: Vec<Segment> = Vec::new();
+    for (number, (collapses, loss)) in objects.iter().zip(losses).enumerate() {
+        segments.extend(hull(number, collapses, loss));
+    }
+    // Stable: segments of one slope keep the order of the objects.
+    segments.sort_by(|a, b| a.last.cmp(&b.last).then(a.slope.total_cmp(&b.slope)));
+    let mut total: u64 = objects.iter().map(|c| u64::from(c.parts().triangles)).sum();
+    let mut lods = vec![Lod(0); objects.len()];
+    for segment in segments {
+        if total <= budget {
+            break;
+        }
+        let collapses = objects[segment.object];
+        let lod = &mut lods[segment.object];
+        if total - segment.spared >= budget {
+            *lod = Lod(collapses.parts().step_ends[segment.end - 1]);
+            total -= segment.spared;
+            continue;
+        }
+        // Steps within a segment are taken one by one.
+        let live = u64::from(collapses.triangles_at(*lod));
+        let wanted = u32::try_from(live - (total - budget)).unwrap_or(u32::MAX);
+        *lod = collapses.lod_for_triangles(wanted);
+        break;
+    }
+    lods
+}
+
+/// The segments of an object's hull up to its last level that has a triangle, slopes rising. Those
+/// that leave [`LAST_TRIANGLES`] and those that leave fewer have hulls of their own.
+fn hull(object: usize, collapses: &CollapseSequence, loss: &[f64]) -> Vec<Segment> {
+    let parts = collapses.parts();
+    let steps = collapses.steps_at(collapses.last_visible());
+    let left = |end: usize| if end == 0 { parts.triangles } else { parts.step_triangles[end - 1] };
+    let at = |end: usize| if end == 0 { 0.0 } else { loss[end - 1] };
+    let slope = |from: usize, to: usize| (at(to) - at(from)) / f64::from(left(from) - left(to));
+    // The first step that leaves too few.
+    let split = parts.step_triangles[..steps].partition_point(|&n| n >= LAST_TRIANGLES);
+    let mut segments = Vec::new();
+    for (range, last) in [(0..split, false), (split..steps, true)] {
+        let mut corners = vec![range.start];
+        for end in range.start + 1..=range.end {
+            let newest = *corners.last().expect("never empty");
+            if left(end) == left(newest) {
+                continue;
+            }
+            while let [.., a, b] = corners[..]
+                && slope(a, b) >= slope(b, end)
+            {
+                corners.pop();
+            }
+            corners.push(end);
+        }
+        segments.extend(corners.windows(2).map(|w| Segment {
+            last,
+            slope: slope(w[0], w[1]),
+            object,
+            end: w[1],
+            spared: u64::from(left(w[0]) - left(w[1])),
+        }));
+    }
+    segments
+}

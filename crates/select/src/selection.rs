@@ -1,0 +1,215 @@
+//! From a wish (a record, a share, a count, an error) to one level of detail per object.
+
+use crate::number::{decimal, threshold};
+use crate::order::within_triangles;
+use lodc_mesh::{CollapseSequence, Lod};
+use std::fmt;
+
+/// A wish.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Target {
+    /// This many records applied.
+    Lod(u32),
+    /// At most this share of the input's triangles.
+    Ratio(f64),
+    /// At most this many triangles.
+    Triangles(u64),
+    /// At most this error, in mesh units (one object) or world units (a scene).
+    Error(f64),
+    /// At most this share of the bounding box's diagonal.
+    ErrorShare(f64),
+}
+
+/// An object to choose a level of detail for.
+#[derive(Clone, Copy, Debug)]
+pub struct Candidate<'a> {
+    /// Its name, for warnings.
+    pub name: &'a str,
+    /// Its levels.
+    pub collapses: &'a CollapseSequence,
+    /// World units per mesh unit.
+    pub scale: f64,
+    /// Diagonal of its bounding box, in mesh units.
+    pub diagonal: f64,
+}
+
+/// The levels that were chosen.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Selection {
+    /// One per object; always the end of a step.
+    pub lods: Vec<Lod>,
+    /// The largest error of an object: in mesh units for one object, in world units for several.
+    pub error: f64,
+    /// Wishes that could not be met in full: one line each.
+    pub warnings: Vec<String>,
+}
+
+/// A record number was asked of several objects at once.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RecordOfScene {
+    /// Number of objects.
+    pub objects: usize,
+}
+
+impl fmt::Display for RecordOfScene {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "a record number means one object, and there are {}", self.objects)
+    }
+}
+
+impl std::error::Error for RecordOfScene {}
+
+/// Chooses one level of detail per object. Unless `per_object`, several objects meet an error each
+/// by itself in world units, and numbers of triangles together: they give up triangles where least
+/// is lost. `losses` returns for each object its loss after each step, never falling; it is called
+/// only if the wish is a number of triangles for several objects.
+///
+/// # Errors
+/// If a record number is asked of several objects at once.
+pub fn select<L: AsRef<[Vec<f64>]>>(
+    objects: &[Candidate<'_>],
+    target: Target,
+    per_object: bool,
+    losses: impl FnOnce() -> L,
+) -> Result<Selection, RecordOfScene> {
+    let mut chosen = Selection::default();
+    if objects.len() <= 1 || per_object {
+        for object in objects {
+            let lod = alone(object, target, &mut chosen.warnings);
+            chosen.lods.push(lod);
+        }
+    } else {
+        together(objects, target, losses, &mut chosen)?;
+    }
+    let world = objects.len() > 1;
+    let errors = objects
+        .iter()
+        .zip(&chosen.lods)
+        .map(|(o, &lod)| decimal(o.collapses.error_at(lod)) * if world { scale(o) } else { 1.0 });
+    chosen.error = errors.fold(0.0, f64::max);
+    Ok(chosen)
+}
+
+fn alone(object: &Candidate<'_>, target: Target, warnings: &mut Vec<String>) -> Lod {
+    let c = object.collapses;
+    let wanted = match target {
+        Target::Lod(n) => {
+            if n > c.last().0 {
+                warnings.push(format!(
+                    "{}: there are {} records, fewer than {n}: took the last LOD",
+                    object.name,
+                    c.last().0
+                ));
+            }
+            return c.floor(Lod(n.min(c.last().0)));
+        }
+        Target::Ratio(r) => c.lod_for_triangles(share(r, u64::from(c.parts().triangles))),
+        Target::Triangles(n) => c.lod_for_triangles(u32::try_from(n).unwrap_or(u32::MAX)),
+        Target::Error(e) => c.lod_for_error(threshold(e)),
+        Target::ErrorShare(s) => c.lod_for_error(threshold(s * object.diagonal)),
+    };
+    let visible = c.last_visible();
+    if wanted > visible {
+        warnings.push(format!(
+            "{}: stopped at LOD {}, the last that has a triangle",
+            object.name, visible.0
+        ));
+    }
+    wanted.min(visible)
+}
+
+fn together<L: AsRef<[Vec<f64>]>>(
+    objects: &[Candidate<'_>],
+    target: Target,
+    losses: impl FnOnce() -> L,
+    chosen: &mut Selection,
+) -> Result<(), RecordOfScene> {
+    let all: u64 = objects.iter().map(|o| u64::from(o.collapses.parts().triangles)).sum();
+    let budget = match target {
+        Target::Lod(_) => return Err(RecordOfScene { objects: objects.len() }),
+        Target::Error(e) => {
+            within_error(objects, e, chosen);
+            return Ok(());
+        }
+        Target::ErrorShare(s) => {
+            within_error(objects, s * scene_diagonal(objects), chosen);
+            return Ok(());
+        }
+        Target::Ratio(r) => u64::from(share(r, all)),
+        Target::Triangles(n) => n,
+    };
+    if all <= budget {
+        chosen.lods = vec![Lod(0); objects.len()];
+        return Ok(());
+    }
+    let sequences: Vec<&CollapseSequence> = objects.iter().map(|o| o.collapses).collect();
+    chosen.lods = within_triangles(&sequences, losses().as_ref(), budget);
+    let live = |(o, &lod): (&Candidate<'_>, &Lod)| u64::from(o.collapses.triangles_at(lod));
+    let left: u64 = objects.iter().zip(&chosen.lods).map(live).sum();
+    if left > budget {
+        chosen.warnings.push(format!(
+            "{budget} triangles cannot be reached: every object stopped at its last LOD that has a \
+             triangle, {left} in all"
+        ));
+        return Ok(());
+    }
+    let ended = |(o, &lod): (&Candidate<'_>, &Lod)| lod == o.collapses.last_visible() && lod.0 > 0;
+    let stopped = objects.iter().zip(&chosen.lods).filter(|&(o, lod)| ended((o, lod)));
+    let names: Vec<&str> = stopped.map(|(o, _)| o.name).collect();
+    warn_of_stopped(&names, objects.len(), chosen);
+    Ok(())
+}
+
+/// The diagonal that percentages refer to: an object's own for one object, that of the largest as
+/// the scene shows it for several.
+#[must_use]
+pub fn scene_diagonal(objects: &[Candidate<'_>]) -> f64 {
+    match objects {
+        [one] => one.diagonal,
+        several => several.iter().map(|o| o.diagonal * scale(o)).fold(0.0, f64::max),
+    }
+}
+
+fn within_error(objects: &[Candidate<'_>], error: f64, chosen: &mut Selection) {
+    let mut stopped = Vec::new();
+    for o in objects {
+        let wanted = o.collapses.lod_for_error(threshold(error / scale(o)));
+        let visible = o.collapses.last_visible();
+        if wanted > visible {
+            stopped.push(o.name);
+        }
+        chosen.lods.push(wanted.min(visible));
+    }
+    warn_of_stopped(&stopped, objects.len(), chosen);
+}
+
+/// Names that a warning lists before it only counts.
+const MAX_NAMES: usize = 8;
+
+fn warn_of_stopped(names: &[&str], of: usize, chosen: &mut Selection) {
+    if names.is_empty() {
+        return;
+    }
+    let mut list = names[..names.len().min(MAX_NAMES)].join(", ");
+    if names.len() > MAX_NAMES {
+        list.push_str(", …");
+    }
+    chosen.warnings.push(format!(
+        "{} of {of} objects stopped at their last LOD that has a triangle: {list}",
+        names.len()
+    ));
+}
+
+fn scale(o: &Candidate<'_>) -> f64 {
+    if o.scale.is_finite() { o.scale.abs() } else { 1.0 }
+}
+
+fn share(ratio: f64, triangles: u64) -> u32 {
+    // Counts stay below 2^53, where f64 is exact; the cast truncates, which is the floor of the
+    // contract.
+    (ratio * triangles as f64) as u32
+}
+
+#[cfg(test)]
+#[path = "selection_tests.rs"]
+mod tests;
