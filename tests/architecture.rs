@@ -24,6 +24,7 @@ const DRAWING: &[(&str, &[&str])] = &[
     ("crates/raster", &["glam"]),
     ("crates/scene", &["lodc-mesh", "glam", "rayon"]),
     ("crates/measure", &["lodc-mesh", "lodc-raster", "lodc-scene", "glam", "rayon"]),
+    ("crates/errors", &["lodc-measure", "lodc-mesh", "glam"]),
     ("crates/select", &["lodc-mesh", "lodc-raster", "lodc-scene", "glam", "rayon"]),
     ("crates/simplify", &["lodc-mesh", "lodc-raster", "glam", "rayon"]),
     ("crates/strip", &["lodc-mesh", "rayon"]),
@@ -57,6 +58,7 @@ const DRAWING: &[(&str, &[&str])] = &[
         "cli",
         &[
             "lodc-baseline",
+            "lodc-errors",
             "lodc-formats",
             "lodc-gpu",
             "lodc-lod",

@@ -10,6 +10,8 @@ mod build;
 mod compare;
 #[path = "cli/determinism.rs"]
 mod determinism;
+#[path = "cli/errors.rs"]
+mod errors;
 #[path = "cli/extract.rs"]
 mod extract;
 #[path = "cli/output.rs"]

@@ -16,8 +16,8 @@ COMPONENT_BYTES = (1, 1, 2, 2, 4, 4)
 class Reader:
     """Bincode with fixed-width little-endian integers."""
 
-    def __init__(self, data):
-        self.data, self.at = data, 0
+    def __init__(self, data, framed):
+        self.data, self.at, self.framed = data, 0, framed
 
     def take(self, form):
         values = struct.unpack_from("<" + form, self.data, self.at)
@@ -33,6 +33,21 @@ class Reader:
     def many(self, what):
         return [what() for _ in range(self.take("Q"))]
 
+    def record(self, what):
+        """A value with its length in front; what follows its known fields belongs to later versions."""
+        if not self.framed:
+            return what()
+        length = self.take("Q")
+        end = self.at + length
+        assert end <= len(self.data)
+        result = what()
+        assert self.at <= end
+        self.at = end
+        return result
+
+    def records(self, what):
+        return self.many(lambda: self.record(what))
+
     def maybe(self, what):
         flag = self.take("B")
         assert flag in (0, 1)
@@ -41,11 +56,12 @@ class Reader:
 
 def sections(data):
     magic, version, count, length, _checksum = struct.unpack_from("<8sIIQQ", data)
-    assert magic == b"\x89LODC\r\n\x1a" and version in (1, 2) and length == len(data)
+    assert magic == b"\x89LODC\r\n\x1a" and version in (1, 2, 3) and length == len(data)
     found, end = {"version": version}, 32 + 40 * count
     for i in range(count):
         tag, flags, obj, index, offset, size, _ = struct.unpack_from("<4sIIIQQQ", data, 32 + 40 * i)
-        assert offset == (end + 15) // 16 * 16 and not any(data[end:offset]) and flags in (0, 1)
+        assert offset == (end + 15) // 16 * 16 and not any(data[end:offset])
+        assert flags in (0, 1) or (version == 3 and flags & 0xFFFE == 0)
         end = offset + size
         assert end <= len(data)
         found[tag.decode(), obj, index] = data[offset:end]
@@ -53,8 +69,8 @@ def sections(data):
     return found
 
 
-def manifest(data):
-    r = Reader(data)
+def manifest(data, version):
+    r = Reader(data, version >= 3)
     u32 = lambda: r.take("I")
     low = lambda: r.take("Q")
 
@@ -71,8 +87,8 @@ def manifest(data):
 
     def obj():
         return {"name": r.string(), "scale": r.take("d"), "mesh": u32(), "legal": u32(), "changes": u32(),
-                "first_change": r.maybe(u32), "submeshes": r.many(submesh), "attributes": r.many(attribute),
-                "models": r.many(lambda: (r.string(), r.many(r.string)))}
+                "first_change": r.maybe(u32), "submeshes": r.records(submesh), "attributes": r.records(attribute),
+                "models": r.records(lambda: (r.string(), r.many(r.string)))}
 
     result = {"format": ("obj", "gltf", "glb")[r.take("B")], "hash": low() | low() << 64}
     kind = u32()
@@ -81,8 +97,8 @@ def manifest(data):
         result["materials"] = r.many(lambda: (r.string(), r.many(r.string)))
     else:
         assert kind == 1
-    result["objects"] = r.many(obj)
-    assert r.at == len(data)
+    result["objects"] = r.records(obj)
+    assert r.at == len(data) or version >= 3
     return result
 
 
@@ -95,12 +111,12 @@ def steps(found, number, triangles, records):
     for byte in lost[: len(ends)]:
         triangles -= long.pop(0) if byte == 255 else byte
         after.append(triangles)
-    assert not long and len(errors(found, number)) == len(ends)
+    assert not long and len(errors(found, "SERR", number)) == len(ends)
     return ends, after
 
 
-def errors(found, number):
-    stored = found["SERR", number, 0]
+def errors(found, tag, number):
+    stored = found[tag, number, 0]
     if found["version"] == 1:
         return [e for (e,) in struct.iter_unpack("<f", stored)]
     bits, growth, shift, result = 0, 0, 0, []
@@ -148,14 +164,20 @@ def object_line(found, number, o):
     ends, after = steps(found, number, len(tris), len(targets))
     half, left = next(((e, n) for e, n in [(0, len(tris)), *zip(ends, after)] if n <= len(tris) // 2), (0, 0))
     models = ",".join(name for name, _ in o["models"])
+    measured = ""
+    if ("SRMS", number, 0) in found:
+        curves = [[0, *errors(found, tag, number)] for tag in ("SERR", "SRMS")]
+        assert all(len(c) == len(ends) + 1 and c == sorted(c) for c in curves)
+        error, rms = (struct.pack(">f", c[[0, *ends].index(half)]).hex() for c in curves)
+        measured = f" error {error} rms {rms}"
     return (f"{o['name']} vertices {vertices} triangles {len(tris)} submeshes {count} attributes {len(o['attributes'])} "
-            f"sum {total} records {len(targets)} steps {len(ends)} half {half} {left} models {models}")
+            f"sum {total} records {len(targets)} steps {len(ends)} half {half} {left} models {models}{measured}")
 
 
 def main():
     for path in sorted(pathlib.Path(sys.argv[1]).glob("*.lodc")):
         found = sections(path.read_bytes())
-        scene = manifest(found["MANI", SCENE, 0])
+        scene = manifest(found["MANI", SCENE, 0], found["version"])
         print(f"{path.name} {scene['format']} {scene['hash']:032x} objects {len(scene['objects'])}")
         for number, o in enumerate(scene["objects"]):
             print(path.name, object_line(found, number, o))

@@ -89,6 +89,8 @@ pub(crate) struct ObjectReport {
     pub(crate) counts: ObjectCounts,
     pub(crate) world_scale: f64,
     pub(crate) diagonal: f64,
+    /// `measured`, or `estimate` in files before version 3.
+    pub(crate) errors: &'static str,
     pub(crate) lods: Vec<LodReport>,
     /// Strips by generator; empty until the file has strip models.
     pub(crate) strips: serde_json::Map<String, serde_json::Value>,
@@ -102,6 +104,8 @@ pub(crate) struct LodReport {
     pub(crate) lod: u32,
     pub(crate) triangles: u32,
     pub(crate) error: f64,
+    /// Null if it was not measured.
+    pub(crate) rms: Option<f64>,
 }
 
 /// Storage cost of one model.
@@ -131,6 +135,9 @@ pub(crate) struct ExtractReport {
     pub(crate) vertices: u64,
     /// The largest error of an object: in mesh units for one object, in world units for several.
     pub(crate) error: f64,
+    /// The largest root mean square distance of an object, in the same units; null if it was not
+    /// measured.
+    pub(crate) rms: Option<f64>,
     pub(crate) output: String,
     pub(crate) input: String,
     pub(crate) model: &'static str,
@@ -147,6 +154,8 @@ pub(crate) struct ExtractedObject {
     pub(crate) vertices: u64,
     /// In the object's own units.
     pub(crate) error: f64,
+    /// In the object's own units; null if it was not measured.
+    pub(crate) rms: Option<f64>,
 }
 
 /// `pack --json`.

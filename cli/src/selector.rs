@@ -35,6 +35,10 @@ struct TargetArgs {
     /// diagonal)
     #[arg(long, value_name = "E", value_parser = bound)]
     error: Option<Target>,
+    /// The coarsest LOD whose root mean square distance from the input is at most E (or E%, as
+    /// above)
+    #[arg(long, value_name = "E", value_parser = rms_bound)]
+    rms: Option<Target>,
 }
 
 /// The same, and none of them has to be there.
@@ -81,7 +85,7 @@ impl Args for OptionalSelector {
 impl TargetArgs {
     fn chosen(&self) -> Option<Target> {
         let chosen = self.lod.map(Target::Lod).or(self.ratio.map(Target::Ratio));
-        chosen.or(self.triangles.map(Target::Triangles)).or(self.error)
+        chosen.or(self.triangles.map(Target::Triangles)).or(self.error).or(self.rms)
     }
 }
 
@@ -134,8 +138,10 @@ impl<'a> SceneLevels<'a> {
     /// Chooses one level of detail per object.
     ///
     /// # Errors
-    /// If a record number is asked of several objects at once.
+    /// If a record number is asked of several objects at once, or a root mean square distance where
+    /// none was measured.
     pub(crate) fn select(&self, target: Target, per_object: bool) -> Outcome<Selection> {
+        self.check_measured(target)?;
         let losses = || {
             self.losses.get_or_init(|| {
                 let objects: Vec<&Simplified> =
@@ -150,6 +156,20 @@ impl<'a> SceneLevels<'a> {
                 e.objects
             ))
         })
+    }
+
+    /// Refuses to choose by a distance that was not measured.
+    fn check_measured(&self, target: Target) -> Outcome<()> {
+        let by_rms = matches!(target, Target::Rms(_) | Target::RmsShare(_));
+        let estimate = |o: &&LodObject| !o.simplified.collapses().is_measured();
+        match self.objects.iter().find(|o| by_rms && estimate(o)) {
+            Some(o) => Err(Failure::usage(format!(
+                "{}: has errors that are estimates, and no root mean square distances: build it \
+                 again for --rms, or use --error",
+                o.info.name
+            ))),
+            None => Ok(()),
+        }
     }
 }
 
@@ -170,6 +190,15 @@ fn bound(text: &str) -> Result<Target, String> {
         return Err("a distance of at least 0, or a percentage such as 0.5%".to_owned());
     }
     Ok(if percent { Target::ErrorShare(value / 100.0) } else { Target::Error(value) })
+}
+
+/// A bound of the root mean square distance.
+fn rms_bound(text: &str) -> Result<Target, String> {
+    Ok(match bound(text)? {
+        Target::ErrorShare(share) => Target::RmsShare(share),
+        Target::Error(rms) => Target::Rms(rms),
+        other => other,
+    })
 }
 
 #[cfg(test)]

@@ -43,6 +43,8 @@ pub(crate) fn size(bytes: u64) -> String {
 pub(crate) fn distance(d: f64) -> String {
     if d == 0.0 {
         "0".to_owned()
+    } else if d == f64::INFINITY {
+        "infinite".to_owned()
     } else if (1e-4..1e5).contains(&d) {
         let places = (3.0 - d.log10().floor()).clamp(0.0, 7.0);
         format!("{d:.*}", places as usize)

@@ -33,7 +33,7 @@ fn quiet_is_silent_and_verbose_tells_every_stage() {
     let quiet = f.lodc(["build", "grid.obj", "-q"]).ends(0);
     assert!(quiet.out.is_empty() && quiet.err.is_empty(), "{}", quiet.err);
     let verbose = f.lodc(["build", "grid.obj", "-v"]).ends(0);
-    for stage in ["import", "simplify", "models", "check", "write"] {
+    for stage in ["import", "simplify", "errors", "models", "check", "write"] {
         assert!(verbose.err.contains(stage), "{stage} in\n{}", verbose.err);
     }
 }
@@ -61,7 +61,7 @@ fn the_report_has_its_keys_and_counts_that_fit_together() {
     assert_eq!(number("bytes"), f.read("grid.lodc").len() as u64);
     let stages: Vec<_> =
         one["stages"].as_array().expect("stages").iter().map(|s| s["name"].clone()).collect();
-    assert_eq!(stages, ["import", "simplify", "strips", "models", "check", "write"]);
+    assert_eq!(stages, ["import", "simplify", "errors", "strips", "models", "check", "write"]);
     assert!(
         one["stages"].as_array().expect("stages").iter().all(|s| s["seconds"].as_f64().is_some())
     );

@@ -18,7 +18,7 @@ use lodc_formats::export::ExportObject;
 use lodc_formats::lodc::{LodFile, LodObject};
 use lodc_lod::{AnyModel, ModelKind};
 use lodc_mesh::{Lod, Mesh};
-use lodc_select::decimal;
+use lodc_select::{Selection, decimal};
 use rayon::prelude::*;
 use std::path::PathBuf;
 
@@ -86,8 +86,7 @@ pub(crate) fn run(args: &ExtractArgs) -> Outcome<()> {
         )?;
     }
 
-    let report =
-        report(args, &file, &chosen.lods, &meshes, chosen.error, chosen.warnings, model, &target);
+    let report = report(args, &file, &meshes, chosen, model, &target);
     let input = args.input.display().to_string();
     for warning in &report.warnings {
         console::warning(&input, warning);
@@ -132,14 +131,11 @@ fn meshes(objects: &[LodObject], lods: &[Lod], model: Option<ModelKind>) -> Outc
     objects.par_iter().zip(lods).map(one).collect()
 }
 
-#[expect(clippy::too_many_arguments, reason = "it gathers what the steps above have found out")]
 fn report(
     args: &ExtractArgs,
     file: &LodFile,
-    lods: &[Lod],
     meshes: &[Mesh],
-    error: f64,
-    warnings: Vec<String>,
+    chosen: Selection,
     model: Option<ModelKind>,
     target: &Target,
 ) -> ExtractReport {
@@ -149,22 +145,24 @@ fn report(
         triangles: mesh.triangles().len() as u64,
         vertices: mesh.vertex_count() as u64,
         error: decimal(object.simplified.collapses().error_at(lod)),
+        rms: object.simplified.collapses().rms_at(lod).map(decimal),
     };
-    let objects: Vec<_> = file.objects.iter().zip(lods).zip(meshes).map(object).collect();
+    let objects: Vec<_> = file.objects.iter().zip(&chosen.lods).zip(meshes).map(object).collect();
     ExtractReport {
         schema_version: SCHEMA_VERSION,
-        lod: match lods {
+        lod: match chosen.lods[..] {
             [one] => Some(one.0),
             _ => None,
         },
         triangles: objects.iter().map(|o| o.triangles).sum(),
         vertices: objects.iter().map(|o| o.vertices).sum(),
-        error,
+        error: chosen.error,
+        rms: chosen.rms,
         output: target.name(),
         input: args.input.display().to_string(),
         model: model.map_or("reference", ModelKind::name),
         objects,
-        warnings,
+        warnings: chosen.warnings,
     }
 }
 

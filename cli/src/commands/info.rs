@@ -45,7 +45,7 @@ pub(crate) fn run(args: &InfoArgs) -> Outcome<()> {
     let (file, bytes) = read_lodc(&args.input, args.limits.limits())?;
     let report = InfoReport {
         schema_version: SCHEMA_VERSION,
-        format_version: lodc::VERSION,
+        format_version: lodc::version(&bytes).expect("a file that was read has a version"),
         key: format!("{:032x}", lodc::key(&bytes)),
         bytes: bytes.len() as u64,
         source: SourceReport {
@@ -70,6 +70,7 @@ fn object(o: &LodObject, baselines: bool) -> Outcome<ObjectReport> {
         lod: lod.0,
         triangles: collapses.triangles_at(lod),
         error: decimal(collapses.error_at(lod)),
+        rms: collapses.rms_at(lod).map(decimal),
     });
     let mut models: Map<String, Value> =
         o.models.iter().map(|m| (m.name().to_owned(), stored(m))).collect();
@@ -86,6 +87,7 @@ fn object(o: &LodObject, baselines: bool) -> Outcome<ObjectReport> {
         counts: counts(&o.info, &o.simplified),
         world_scale: o.info.world_scale,
         diagonal: o.simplified.mesh().diagonal(),
+        errors: if collapses.is_measured() { "measured" } else { "estimate" },
         lods: lods.collect(),
         strips: strips(o),
         models,
@@ -143,17 +145,7 @@ fn text(name: &str, report: &InfoReport) -> String {
     for o in &report.objects {
         let _ = writeln!(text, "\n{}", crate::exit::one_line(&o.counts.name));
         describe(&mut text, &o.counts);
-        let _ = writeln!(text, "         LOD   triangles       error   of the diagonal");
-        for lod in &o.lods {
-            let share = if o.diagonal > 0.0 { lod.error / o.diagonal * 100.0 } else { 0.0 };
-            let _ = writeln!(
-                text,
-                "  {:>10}{:>12}{:>12}{share:12.3} %",
-                grouped(u64::from(lod.lod)),
-                grouped(u64::from(lod.triangles)),
-                distance(lod.error)
-            );
-        }
+        table(&mut text, o);
         for (model, cost) in &o.models {
             let bits = &cost["bits_per_vertex"];
             let number =
@@ -168,6 +160,24 @@ fn text(name: &str, report: &InfoReport) -> String {
         }
     }
     text
+}
+
+fn table(text: &mut String, o: &ObjectReport) {
+    let _ = writeln!(text, "         LOD   triangles       error   of the diagonal         rms");
+    for lod in &o.lods {
+        let share = if o.diagonal > 0.0 { lod.error / o.diagonal * 100.0 } else { 0.0 };
+        let _ = writeln!(
+            text,
+            "  {:>10}{:>12}{:>12}{share:16.3} %{:>12}",
+            grouped(u64::from(lod.lod)),
+            grouped(u64::from(lod.triangles)),
+            distance(lod.error),
+            lod.rms.map_or("-".to_owned(), distance)
+        );
+    }
+    if o.errors == "estimate" {
+        let _ = writeln!(text, "  error: estimate (build the file again to have it measured)");
+    }
 }
 
 fn describe(text: &mut String, c: &ObjectCounts) {

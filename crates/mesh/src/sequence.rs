@@ -16,8 +16,8 @@ pub struct Lod(pub u32);
 pub struct Step {
     /// The LOD after the step.
     pub lod: Lod,
-    /// Object-space error of that LOD in the mesh's units; never smaller than that of the step
-    /// before.
+    /// Error of that LOD in the mesh's units; never smaller than that of the step before, infinite
+    /// where a mesh that had triangles has none left.
     pub error: f32,
     /// Triangles that are left.
     pub triangles: u32,
@@ -30,8 +30,12 @@ pub struct SequenceParts {
     pub targets: Vec<u32>,
     /// The LOD after each step, rising; the last is the number of records.
     pub step_ends: Vec<u32>,
-    /// The error after each step, never falling.
+    /// The error after each step, never falling: the Hausdorff distance from LOD 0 if there are
+    /// `step_rms`, else an estimate. Infinite only where no triangle is left.
     pub step_errors: Vec<f32>,
+    /// The root mean square distance from LOD 0 after each step, never falling and never above the
+    /// error. Empty if nothing was measured.
+    pub step_rms: Vec<f32>,
     /// The live triangles after each step, never rising.
     pub step_triangles: Vec<u32>,
     /// Triangles at LOD 0.
@@ -159,6 +163,29 @@ impl CollapseSequence {
             n => self.0.step_errors[n - 1],
         }
     }
+    /// Returns whether errors are measured distances, not estimates.
+    #[must_use]
+    pub fn is_measured(&self) -> bool {
+        self.0.step_rms.len() == self.steps()
+    }
+    /// Root mean square distance at the LOD shown for `lod`, in the mesh's units; none if it was
+    /// not measured.
+    #[must_use]
+    pub fn rms_at(&self, lod: Lod) -> Option<f32> {
+        self.is_measured().then(|| match self.steps_at(lod) {
+            0 => 0.0,
+            n => self.0.step_rms[n - 1],
+        })
+    }
+    /// The coarsest LOD whose root mean square distance is at most `rms`; none if it was not
+    /// measured.
+    #[must_use]
+    pub fn lod_for_rms(&self, rms: f32) -> Option<Lod> {
+        self.is_measured().then(|| match self.0.step_rms.partition_point(|&e| e <= rms) {
+            0 => Lod(0),
+            n => Lod(self.0.step_ends[n - 1]),
+        })
+    }
     /// The finest LOD with at most `triangles` triangles.
     #[must_use]
     pub fn lod_for_triangles(&self, triangles: u32) -> Lod {
@@ -229,14 +256,26 @@ impl TryFrom<SequenceParts> for CollapseSequence {
         if p.step_errors.len() != steps || p.step_triangles.len() != steps {
             return Err(SequenceError::Lengths);
         }
-        let (mut end, mut error, mut triangles) = (0, 0.0, p.triangles);
+        if !p.step_rms.is_empty() && p.step_rms.len() != steps {
+            return Err(SequenceError::Lengths);
+        }
+        let (mut end, mut triangles) = (0, p.triangles);
+        let (mut error, mut rms) = (0.0, 0.0);
         for step in 0..steps {
-            let rises = p.step_ends[step] > end && p.step_errors[step] >= error;
-            if !rises || !p.step_errors[step].is_finite() || p.step_triangles[step] > triangles {
+            let next_error = p.step_errors[step];
+            let next_rms = p.step_rms.get(step).copied().unwrap_or(rms);
+            let empty = p.step_triangles[step] == 0 && p.triangles > 0;
+            let follows = p.step_ends[step] > end
+                && p.step_triangles[step] <= triangles
+                && next_error >= error
+                && (next_error.is_finite() || empty)
+                && next_rms >= rms
+                && next_rms <= next_error;
+            if !follows {
                 return Err(SequenceError::Step { step });
             }
-            (end, error, triangles) =
-                (p.step_ends[step], p.step_errors[step], p.step_triangles[step]);
+            (end, triangles) = (p.step_ends[step], p.step_triangles[step]);
+            (error, rms) = (next_error, next_rms);
         }
         if end as usize != records
             || p.last_legal_lod.0 > end
@@ -260,8 +299,9 @@ pub enum SequenceError {
     },
     /// Steps have different numbers of ends, errors and triangle counts.
     Lengths,
-    /// A step does not follow the one before it: its end or error falls, its triangles rise, or the
-    /// last step does not end with the last record.
+    /// A step does not follow the one before it: its end, error or root mean square distance falls,
+    /// its triangles rise, its error is no distance, or the last step does not end with the last
+    /// record.
     Step {
         /// The step.
         step: usize,

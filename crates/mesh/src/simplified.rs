@@ -1,6 +1,8 @@
 //! A mesh in collapse order with its sequence, and the reference answer: which triangles a LOD has.
 
-use crate::{CollapseSequence, Lod, Mesh, OrientedTriangle, PositionIds, is_degenerate};
+use crate::{
+    CollapseSequence, Lod, Mesh, OrientedTriangle, PositionIds, SequenceError, is_degenerate,
+};
 use std::fmt;
 
 /// Result of a simplifier: the mesh, its vertices in the order in which they disappear (fake
@@ -32,6 +34,16 @@ impl Simplified {
             });
         }
         Ok(Self { mesh, collapses })
+    }
+    /// Puts measured distances in the place of the sequence's errors: after each step the largest
+    /// and the root mean square one, in the mesh's units.
+    ///
+    /// # Errors
+    /// If they are not one for each step, or fall.
+    pub fn with_distances(self, largest: Vec<f32>, rms: Vec<f32>) -> Result<Self, SequenceError> {
+        let mut parts = self.collapses.into_parts();
+        (parts.step_errors, parts.step_rms) = (largest, rms);
+        Ok(Self { mesh: self.mesh, collapses: CollapseSequence::try_from(parts)? })
     }
     /// The mesh in collapse order.
     #[must_use]

@@ -9,7 +9,9 @@ pub(crate) fn error_code(error: f32) -> u32 {
     ((error + 0.0).to_bits() + (1 << DROPPED_BITS) - 1) >> DROPPED_BITS
 }
 
-/// Returns the error of a code: at most 1/16 above the one that was encoded.
+/// Returns the error of a code: at most 1/16 above the one that was encoded; infinite where no
+/// triangle is left.
 pub(crate) fn error_value(code: u32) -> f32 {
-    f32::from_bits(code << DROPPED_BITS).min(f32::MAX)
+    let error = f32::from_bits(code << DROPPED_BITS);
+    if error.is_nan() { f32::INFINITY } else { error }
 }

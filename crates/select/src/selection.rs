@@ -18,6 +18,11 @@ pub enum Target {
     Error(f64),
     /// At most this share of the bounding box's diagonal.
     ErrorShare(f64),
+    /// At most this root mean square distance, in the units of errors. Objects whose distances were
+    /// not measured stay as they are.
+    Rms(f64),
+    /// At most this share of the bounding box's diagonal as root mean square distance.
+    RmsShare(f64),
 }
 
 /// An object to choose a level of detail for.
@@ -40,6 +45,9 @@ pub struct Selection {
     pub lods: Vec<Lod>,
     /// The largest error of an object: in mesh units for one object, in world units for several.
     pub error: f64,
+    /// The largest root mean square distance of an object, in the same units; none if it was not
+    /// measured.
+    pub rms: Option<f64>,
     /// Wishes that could not be met in full: one line each.
     pub warnings: Vec<String>,
 }
@@ -87,6 +95,10 @@ pub fn select<L: AsRef<[Vec<f64>]>>(
         .zip(&chosen.lods)
         .map(|(o, &lod)| decimal(o.collapses.error_at(lod)) * if world { scale(o) } else { 1.0 });
     chosen.error = errors.fold(0.0, f64::max);
+    let rms = objects.iter().zip(&chosen.lods).map(|(o, &lod)| {
+        Some(decimal(o.collapses.rms_at(lod)?) * if world { scale(o) } else { 1.0 })
+    });
+    chosen.rms = rms.collect::<Option<Vec<f64>>>().map(|all| all.into_iter().fold(0.0, f64::max));
     Ok(chosen)
 }
 
@@ -105,8 +117,10 @@ fn alone(object: &Candidate<'_>, target: Target, warnings: &mut Vec<String>) -> 
         }
         Target::Ratio(r) => c.lod_for_triangles(share(r, u64::from(c.parts().triangles))),
         Target::Triangles(n) => c.lod_for_triangles(u32::try_from(n).unwrap_or(u32::MAX)),
-        Target::Error(e) => c.lod_for_error(threshold(e)),
-        Target::ErrorShare(s) => c.lod_for_error(threshold(s * object.diagonal)),
+        Target::Error(e) => by_error(c, e),
+        Target::ErrorShare(s) => by_error(c, s * object.diagonal),
+        Target::Rms(e) => by_rms(c, e),
+        Target::RmsShare(s) => by_rms(c, s * object.diagonal),
     };
     let visible = c.last_visible();
     if wanted > visible {
@@ -128,11 +142,19 @@ fn together<L: AsRef<[Vec<f64>]>>(
     let budget = match target {
         Target::Lod(_) => return Err(RecordOfScene { objects: objects.len() }),
         Target::Error(e) => {
-            within_error(objects, e, chosen);
+            within(objects, e, by_error, chosen);
             return Ok(());
         }
         Target::ErrorShare(s) => {
-            within_error(objects, s * scene_diagonal(objects), chosen);
+            within(objects, s * scene_diagonal(objects), by_error, chosen);
+            return Ok(());
+        }
+        Target::Rms(e) => {
+            within(objects, e, by_rms, chosen);
+            return Ok(());
+        }
+        Target::RmsShare(s) => {
+            within(objects, s * scene_diagonal(objects), by_rms, chosen);
             return Ok(());
         }
         Target::Ratio(r) => u64::from(share(r, all)),
@@ -170,10 +192,22 @@ pub fn scene_diagonal(objects: &[Candidate<'_>]) -> f64 {
     }
 }
 
-fn within_error(objects: &[Candidate<'_>], error: f64, chosen: &mut Selection) {
+/// Finds the coarsest level within a distance in mesh units.
+type ByDistance = fn(&CollapseSequence, f64) -> Lod;
+
+fn by_error(collapses: &CollapseSequence, error: f64) -> Lod {
+    collapses.lod_for_error(threshold(error))
+}
+
+fn by_rms(collapses: &CollapseSequence, rms: f64) -> Lod {
+    collapses.lod_for_rms(threshold(rms)).unwrap_or_default()
+}
+
+/// Takes each object's coarsest level within a distance in world units.
+fn within(objects: &[Candidate<'_>], distance: f64, find: ByDistance, chosen: &mut Selection) {
     let mut stopped = Vec::new();
     for o in objects {
-        let wanted = o.collapses.lod_for_error(threshold(error / scale(o)));
+        let wanted = find(o.collapses, distance / scale(o));
         let visible = o.collapses.last_visible();
         if wanted > visible {
             stopped.push(o.name);

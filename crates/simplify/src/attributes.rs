@@ -1,6 +1,6 @@
 //! Attributes as numbers that can be compared with lengths: one flat row per vertex of the input.
 
-use crate::working::{Working, next, previous};
+use crate::working::{Facet, WorkingMesh, next, previous};
 use glam::DVec3;
 use lodc_mesh::{Attribute, Mesh, Semantic};
 
@@ -21,7 +21,7 @@ pub(crate) struct Attributes {
     /// Numbers per vertex.
     pub(crate) width: usize,
     rows: Vec<f32>,
-    /// Where the first texture coordinates stand in a row.
+    /// Column of the first texture coordinates in a row.
     pub(crate) texture: Option<usize>,
     /// Up to four joints of each vertex and their weights, if the mesh is skinned.
     joints: Vec<[(u32, f32); 4]>,
@@ -29,24 +29,25 @@ pub(crate) struct Attributes {
 }
 
 impl Attributes {
-    /// Reads what takes part in the cost. `scale` turns mesh units into working units.
-    pub(crate) fn new(mesh: &Mesh, working: &Working, vertex_of_wedge: &[u32], size: f64) -> Self {
+    /// Reads what takes part in the cost. `scale` turns mesh units into working units; `size` is
+    /// the mesh's diagonal in those.
+    pub(crate) fn new(mesh: &Mesh, scale: f64, size: f64) -> Self {
         let mut columns: Vec<(&Attribute, usize, f64)> = Vec::new();
         let mut texture = None;
         for a in mesh.attributes().iter().filter(|a| a.morph_target.is_none()) {
             let components = usize::from(a.components);
             match a.semantic {
                 Semantic::Normal => {
-                    columns.extend((0..components.min(3)).map(|c| (a, c, NORMAL_LENGTH * size)))
+                    columns.extend((0..components.min(3)).map(|c| (a, c, NORMAL_LENGTH * size)));
                 }
                 Semantic::Color(_) => {
-                    columns.extend((0..components.min(4)).map(|c| (a, c, COLOR_LENGTH * size)))
+                    columns.extend((0..components.min(4)).map(|c| (a, c, COLOR_LENGTH * size)));
                 }
                 Semantic::TexCoord(set) if components >= 2 => {
                     if set == 0 && texture.is_none() {
                         texture = Some(columns.len());
                     }
-                    let length = TEXTURE_SHARE * texture_length(a, working, vertex_of_wedge);
+                    let length = TEXTURE_SHARE * texture_length(a, mesh, scale);
                     columns.extend((0..2).map(|c| (a, c, length)));
                 }
                 _ => {}
@@ -73,7 +74,7 @@ impl Attributes {
         Self { width: 0, rows: Vec::new(), texture: None, joints: Vec::new(), joint_scale: 0.0 }
     }
 
-    /// Whether there is nothing to compare.
+    /// Returns whether there is nothing to compare.
     pub(crate) fn is_empty(&self) -> bool {
         self.width == 0 && self.joints.is_empty()
     }
@@ -117,18 +118,17 @@ impl Attributes {
     }
 }
 
-/// How long on the surface one unit of texture space is, on average over the mesh.
-fn texture_length(a: &Attribute, working: &Working, vertex_of_wedge: &[u32]) -> f64 {
+/// The length on the surface of one unit of texture space, on average over the mesh.
+fn texture_length(a: &Attribute, mesh: &Mesh, scale: f64) -> f64 {
     let (mut surface, mut texture) = (0.0, 0.0);
-    for (i, f) in (0..).zip(&working.faces) {
-        let [p, q, r] = working.wedges(i).map(|w| {
-            let v = vertex_of_wedge[w as usize];
-            [f64::from(a.value(v, 0)), f64::from(a.value(v, 1))]
-        });
+    for triangle in mesh.triangles() {
+        let [p, q, r] = triangle.map(|v| [f64::from(a.value(v, 0)), f64::from(a.value(v, 1))]);
         let area = 0.5 * ((q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0])).abs();
         if area.is_finite() && area > 0.0 {
+            let corners =
+                triangle.map(|v| DVec3::from(mesh.positions()[v as usize].map(f64::from)) * scale);
             texture += area;
-            surface += f64::from(f.area);
+            surface += f64::from(Facet::new(corners).area);
         }
     }
     if texture > 0.0 { (surface / texture).sqrt() } else { 0.0 }
@@ -190,9 +190,8 @@ impl Gradient {
 
     /// Adds a face at whose corner `at` the wedge is. `rows` are the attributes at its three
     /// corners.
-    pub(crate) fn add_face(&mut self, mesh: &Working, face: u32, at: usize, rows: [&[f32]; 3]) {
+    pub(crate) fn add_face(&mut self, mesh: &WorkingMesh, face: u32, at: usize, rows: [&[f32]; 3]) {
         let f = &mesh.faces[face as usize];
-        let area = f64::from(f.area);
         let p = mesh.position(f.groups[at]);
         let (e1, e2) =
             (mesh.position(f.groups[next(at)]) - p, mesh.position(f.groups[previous(at)]) - p);
@@ -201,6 +200,7 @@ impl Gradient {
         if nn <= 0.0 {
             return;
         }
+        let area = 0.5 * nn.sqrt();
         // The dual basis of the face's plane: a difference along e1 and e2 becomes a gradient.
         let (d1, d2) = (e2.cross(n) / nn, n.cross(e1) / nn);
         self.weight += area;

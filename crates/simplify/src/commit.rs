@@ -1,148 +1,209 @@
 //! Committing one collapse: records, wedges, faces, groups that have come to share a position.
 
-use crate::engine::{Engine, Serial};
-use crate::legality::Stage;
-use crate::metric::Metric;
-use crate::plan::Plan;
-use crate::working::{OPEN, SEAM, SHARED_POSITION, Working};
-use lodc_mesh::Lod;
+use crate::context::Context;
+use crate::log::CollapseLog;
+use crate::metric::Reprice;
+use crate::plan::WedgePlan;
+use crate::region::Region;
+use crate::selection::LegalCollapse;
+use crate::working::{DEAD, OPEN, SEAM, SHARED_POSITION};
+use lodc_mesh::NONE;
 
-impl<M: Metric> Engine<'_, M> {
-    /// Moves `from` onto `to` and writes it down. Leaves in `serial.stale` the groups whose faces
-    /// changed.
-    pub(crate) fn commit(
-        &mut self,
-        from: u32,
-        to: u32,
-        changes_topology: bool,
-        serial: &mut Serial<M::ViewScratch>,
-    ) {
-        serial.epoch += 1;
-        serial.stale.clear();
-        serial.first_time(from);
-        serial.first_time(to);
-        serial.stale.push(to);
-        self.mesh.each_neighbour(from, |g| {
-            if serial.first_time(g) {
-                serial.stale.push(g);
-            }
-        });
-        self.plan(from, to, &mut serial.plan);
-        let seam_moves = serial.plan.ambiguous || serial.plan.fakes > 0;
-        self.move_wedges(from, to, &mut serial.plan);
-        let lod = self.log.order.len() as u32;
+/// The groups whose faces a commit changed.
+#[derive(Default)]
+pub(crate) struct Touched {
+    pub(crate) groups: Vec<u32>,
+    marks: Vec<u32>,
+    epoch: u32,
+}
 
-        self.set_restricted(from, false);
-        self.metric.collapsed(&mut self.mesh, &self.wedges, from, to);
-        let death = &mut self.log.death;
-        self.mesh.merge(from, to, |triangle| death[triangle as usize] = lod);
-        let inherited = self.mesh.flags[from as usize] & (OPEN | SEAM);
-        self.mesh.add_flags(to, inherited);
-        if changes_topology || seam_moves {
-            let flags = if changes_topology { OPEN } else { 0 } | if seam_moves { SEAM } else { 0 };
-            self.mesh.add_flags(to, flags);
-            for &g in &serial.stale {
-                self.mesh.add_flags(g, flags);
-            }
-        }
-        if self.mesh.has(to, SHARED_POSITION) {
-            self.unite_position(to, lod, serial);
-        }
-        let error = self.metric.error(to).max(self.log.step_errors.last().copied().unwrap_or(0.0));
-        self.log.step_ends.push(lod);
-        self.log.step_errors.push(error);
-        self.log.step_triangles.push(self.mesh.live_faces);
-        if changes_topology && self.stage == Stage::Legal {
-            self.log.topology_changes += 1;
-            self.log.first_topology_change.get_or_insert(Lod(lod));
-        }
+impl Touched {
+    pub(crate) fn new(groups: usize) -> Self {
+        Self { marks: vec![0; groups], ..Self::default() }
     }
 
-    /// Two corners of one triangle at one position: their groups are one group from now on.
-    fn unite_position(&mut self, to: u32, lod: u32, serial: &mut Serial<M::ViewScratch>) {
-        let position = self.mesh.position_id[to as usize];
-        let twin = |mesh: &Working| {
-            mesh.star(to).iter().find_map(|&corner| {
-                let groups = mesh.faces[corner.face() as usize].groups;
-                groups.into_iter().find(|&g| g != to && mesh.position_id[g as usize] == position)
-            })
-        };
-        while let Some(other) = twin(&self.mesh) {
-            for i in 0..self.mesh.star(other).len() {
-                for g in self.mesh.faces[self.mesh.star(other)[i].face() as usize].groups {
-                    self.mesh.add_flags(g, OPEN | SEAM);
-                    if serial.first_time(g) {
-                        serial.stale.push(g);
-                    }
+    fn start(&mut self) {
+        self.groups.clear();
+        self.epoch = self.epoch.checked_add(1).unwrap_or_else(|| {
+            self.marks.fill(0);
+            1
+        });
+    }
+
+    /// Marks a group; whether that is the first time since the last commit.
+    #[inline]
+    pub(crate) fn first_time(&mut self, group: u32) -> bool {
+        std::mem::replace(&mut self.marks[group as usize], self.epoch) != self.epoch
+    }
+
+    /// Returns whether a group has been marked since the last commit.
+    #[inline]
+    pub(crate) fn is_marked(&self, group: u32) -> bool {
+        self.marks[group as usize] == self.epoch
+    }
+
+    #[inline]
+    fn add(&mut self, group: u32) {
+        if self.first_time(group) {
+            self.groups.push(group);
+        }
+    }
+}
+
+/// Everything that a commit changes.
+pub(crate) struct Commit<'a, M> {
+    pub(crate) context: &'a Context<'a>,
+    pub(crate) region: &'a mut Region,
+    pub(crate) metric: &'a mut M,
+    pub(crate) log: &'a mut CollapseLog,
+    pub(crate) touched: &'a mut Touched,
+}
+
+impl<M: Reprice> Commit<'_, M> {
+    /// Moves `from` as planned and writes it down.
+    pub(crate) fn run(mut self, from: u32, legal: LegalCollapse, plan: &mut WedgePlan) {
+        let to = legal.choice.to;
+        self.touched.start();
+        self.touched.first_time(from);
+        self.touched.add(to);
+        let Self { region, touched, .. } = &mut self;
+        region.mesh.each_neighbour(from, |g| touched.add(g));
+        let seam_moves = plan.ambiguous || plan.fakes > 0;
+        self.move_wedges(from, to, plan);
+
+        let mut twins = Vec::new();
+        self.add_twins(from, to, &mut twins);
+        self.merge(from, to);
+        let mesh = &mut self.region.mesh;
+        let inherited = mesh.flags[from as usize] & (OPEN | SEAM);
+        mesh.add_flags(to, inherited);
+        if legal.changes_topology || seam_moves {
+            let open = if legal.changes_topology { OPEN } else { 0 };
+            let flags = open | if seam_moves { SEAM } else { 0 };
+            for &g in &self.touched.groups {
+                mesh.add_flags(g, flags);
+            }
+        }
+        self.unite_position(twins, to);
+        self.end_step(from, legal);
+    }
+
+    /// Moves `from`'s faces and quadrics.
+    fn merge(&mut self, from: u32, to: u32) {
+        let Self { region, metric, log, .. } = self;
+        metric.collapsed(&region.mesh, &region.wedges, from, to);
+        region.quadrics.merge(&mut region.mesh, from, to);
+        region.mesh.merge(from, to, |triangle| log.dead.push(triangle));
+        region.mesh.add_flags(from, DEAD);
+    }
+
+    /// Writes the step down, with a stamp no less than those of all steps that it builds on.
+    fn end_step(&mut self, from: u32, legal: LegalCollapse) {
+        let Self { region, metric, log, touched, .. } = self;
+        let stamps = &mut region.stamps;
+        let mut stamp = legal.choice.cost.max(stamps[from as usize]);
+        for &g in &touched.groups {
+            stamp = stamp.max(stamps[g as usize]);
+        }
+        for &g in &touched.groups {
+            stamps[g as usize] = stamp;
+        }
+        let error = metric.error().unwrap_or_else(|| region.quadrics.error(legal.choice.to));
+        log.end_step(stamp, error as f32, legal.changes_topology);
+    }
+
+    /// Adds the neighbours of `from` that are other groups at the position of `to`.
+    fn add_twins(&self, from: u32, to: u32, twins: &mut Vec<u32>) {
+        let mesh = &self.region.mesh;
+        if !mesh.has(to, SHARED_POSITION) {
+            return;
+        }
+        let position = mesh.position_id[to as usize];
+        let others = mesh.star(from).iter().flat_map(|&c| mesh.others(c));
+        twins.extend(others.filter(|&g| g != to && mesh.position_id[g as usize] == position));
+    }
+
+    /// Unites groups at the position of `to` that have come to share a face with it: they are one
+    /// group from now on.
+    fn unite_position(&mut self, mut twins: Vec<u32>, to: u32) {
+        while let Some(twin) = twins.pop() {
+            let mesh = &mut self.region.mesh;
+            if mesh.has(twin, DEAD) {
+                continue;
+            }
+            for i in 0..mesh.valence(twin) {
+                for g in mesh.faces[mesh.star(twin)[i].face() as usize].groups {
+                    mesh.add_flags(g, OPEN | SEAM);
+                    self.touched.add(g);
                 }
             }
-            self.metric.collapsed(&mut self.mesh, &self.wedges, other, to);
-            let death = &mut self.log.death;
-            self.mesh.merge(other, to, |triangle| death[triangle as usize] = lod);
-            self.wedges.merge_groups(other, to);
-            self.mesh.add_flags(to, OPEN | SEAM);
+            self.add_twins(twin, to, &mut twins);
+            self.merge(twin, to);
+            self.region.wedges.merge_groups(twin, to);
+            self.region.mesh.add_flags(to, OPEN | SEAM);
         }
     }
 
-    /// Emits the records of a planned collapse and gives the faces their new wedges.
-    fn move_wedges(&mut self, from: u32, to: u32, plan: &mut Plan) {
-        // Fakes come last: they take their place from the true edge's target.
-        for p in plan.wedges.iter().filter(|p| p.target != u32::MAX) {
-            self.log.order.push(p.wedge);
-            self.log.targets.push(p.target);
+    /// Records a planned collapse and gives the faces their new wedges.
+    fn move_wedges(&mut self, from: u32, to: u32, plan: &mut WedgePlan) {
+        let Self { context, region, log, .. } = self;
+        if region.wedges.is_bare() {
+            log.record(from, to);
+            return;
         }
+        // Fakes come last: they take their place from the true edge's target.
+        for p in plan.wedges.iter().filter(|p| p.target != NONE) {
+            log.record(p.wedge, p.target);
+        }
+        let wedges = &mut region.wedges;
         for i in 0..plan.wedges.len() {
             let wedge = plan.wedges[i].wedge;
-            if plan.wedges[i].target != u32::MAX {
+            if plan.wedges[i].target != NONE {
                 continue;
             }
             // Two wedges that look alike share one fake.
             let mut earlier = plan.wedges[..i].iter().filter(|p| p.fake).take(64);
-            let target = match earlier.find(|p| self.wedges.alike(self.input, p.wedge, wedge)) {
+            let target = match earlier.find(|p| wedges.alike(context.input.mesh, p.wedge, wedge)) {
                 Some(p) => p.target,
-                None => self.wedges.add_fake(to, plan.truth, wedge),
+                None => wedges.add_fake(to, plan.truth, wedge),
             };
             plan.wedges[i].target = target;
             plan.wedges[i].fake = true;
-            self.log.order.push(wedge);
-            self.log.targets.push(target);
+            log.record(wedge, target);
         }
-        let corners = if self.mesh.one_wedge_each() { 0 } else { self.mesh.star(from).len() };
+        let mesh = &mut region.mesh;
+        let corners = if mesh.one_wedge_each() { 0 } else { mesh.valence(from) };
         for i in 0..corners {
-            let corner = self.mesh.star(from)[i];
-            let old = self.mesh.wedges(corner.face())[corner.at()];
-            if let Ok(p) = plan.wedges.binary_search_by_key(&old, |p| p.wedge) {
-                self.mesh.set_wedge(corner, plan.wedges[p].target);
+            let corner = mesh.star(from)[i];
+            let old = mesh.wedges(corner.face())[corner.at()];
+            if let Some(target) = plan.target(old) {
+                mesh.set_wedge(corner, target);
             }
         }
-        self.wedges.clear_group(from);
+        wedges.clear_group(from);
     }
+}
 
-    /// Joins the points that are left without faces: those of one submesh first, all of them onto
-    /// the last one, so that none passes through another.
-    pub(crate) fn join_points(&mut self) {
-        let mut left: Vec<(u32, u32)> = (0..self.mesh.places.len() as u32)
-            .filter_map(|g| {
-                self.wedges.of_group(g).next().map(|w| (self.wedges.submesh[w as usize], g))
-            })
-            .collect();
-        left.sort_unstable();
-        let Some(survivor) = left.last().and_then(|&(_, g)| self.wedges.of_group(g).last()) else {
-            return;
-        };
-        let error = self.log.step_errors.last().copied().unwrap_or(0.0);
-        for &(_, g) in &left {
-            let before = self.log.order.len();
-            for wedge in self.wedges.of_group(g).filter(|&w| w != survivor) {
-                self.log.order.push(wedge);
-                self.log.targets.push(survivor);
-            }
-            if self.log.order.len() > before {
-                self.log.step_ends.push(self.log.order.len() as u32);
-                self.log.step_errors.push(error);
-                self.log.step_triangles.push(0);
-            }
+/// Joins the points of a region that are left without faces: those of one submesh first, all of
+/// them onto the last one, so that none passes through another. The last one goes into the log
+/// without a target.
+pub(crate) fn join_points(region: &Region, log: &mut CollapseLog) {
+    let mut left: Vec<(u32, u32)> = (0..region.own() as u32)
+        .filter(|&g| !region.mesh.has(g, DEAD))
+        .filter_map(|g| region.wedges.of_group(g).next().map(|w| (region.wedges.submesh(w), g)))
+        .collect();
+    left.sort_unstable();
+    let Some(survivor) = left.last().and_then(|&(_, g)| region.wedges.of_group(g).last()) else {
+        return;
+    };
+    for &(_, g) in &left {
+        let before = log.wedges.len();
+        for wedge in region.wedges.of_group(g).filter(|&w| w != survivor) {
+            log.record(wedge, survivor);
         }
-        self.log.order.push(survivor);
+        if log.wedges.len() > before {
+            log.end_step(f32::MAX, 0.0, false);
+        }
     }
+    log.wedges.push(survivor);
 }

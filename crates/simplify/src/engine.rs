@@ -1,430 +1,320 @@
-//! The collapse loop: rank every group, then always commit the cheapest legal collapse, down to one
-//! vertex.
+//! The collapse loop of one region: always commit the cheapest legal collapse.
 
-use crate::Options;
-use crate::attributes::{Attributes, Gradient};
-use crate::fan::{Fan, MAX_FAN};
+use crate::choice::Choice;
+use crate::commit::{Commit, Touched, join_points};
+use crate::context::{Context, Progress};
 use crate::heap::Heap;
-use crate::legality::{self, Stage};
-use crate::log::Log;
-use crate::metric::Metric;
-use crate::neighborhood::{Neighborhood, SpokeKind};
-use crate::plan::Plan;
-use crate::pool::Pool;
-use crate::wedges::Wedges;
-use crate::working::{OPEN, RESTRICTED, SEAM, Working};
-use lodc_mesh::{Lod, Mesh};
+use crate::legality::{Rules, Stage};
+use crate::log::CollapseLog;
+use crate::metric::Reprice;
+use crate::pricing::{Pricer, Scratch};
+use crate::region::Region;
+use crate::scratch_pool::ScratchPool;
+use crate::selection::{LegalCollapse, SelectionBuffers, Selector};
+use crate::working::{HUB_VALENCE, LOCKED, RESTRICTED, STALE};
 use rayon::prelude::*;
 
-/// The simplification of one mesh.
-pub(crate) struct Engine<'a, M> {
-    pub(crate) input: &'a Mesh,
-    pub(crate) options: Options,
-    pub(crate) mesh: Working,
-    pub(crate) wedges: Wedges,
-    pub(crate) attributes: Attributes,
-    /// The mesh's diagonal in working units.
-    pub(crate) size: f64,
-    pub(crate) metric: M,
-    pub(crate) stage: Stage,
-    /// How many groups are flagged as restricted.
-    pub(crate) restricted: u32,
-    pub(crate) log: Log,
+/// Restricted groups next to a group with more faces than this wait until the queue is empty.
+const MAX_WALKED: usize = 32;
+/// The queue is filled again if at least one in so many groups collapsed since.
+const REFILL_PART: usize = 64;
+
+/// The simplification of one region.
+pub(crate) struct Engine<'a, M: Reprice> {
+    context: &'a Context<'a>,
+    region: &'a mut Region,
+    metric: &'a mut M,
+    rules: Rules,
+    log: CollapseLog,
+    state: LoopState<M::ViewScratch>,
 }
 
-/// Buffers of one thread.
+/// Buffers of the loop.
 #[derive(Default)]
-pub(crate) struct Scratch<E> {
-    around: Neighborhood,
-    gradients: Vec<(u32, Gradient)>,
-    /// Candidates of one group: cost and target.
-    candidates: Vec<(f64, u32)>,
-    fan: Fan,
-    view: E,
-}
-
-/// Buffers of the serial loop.
-#[derive(Default)]
-pub(crate) struct Serial<E> {
-    scratch: Scratch<E>,
+struct LoopState<S> {
+    selection: SelectionBuffers<S>,
     /// Buffers of other threads.
-    pub(crate) pool: Pool<E>,
-    legality: legality::Buffers,
-    pub(crate) plan: Plan,
-    /// Groups whose ranking is out of date.
-    pub(crate) stale: Vec<u32>,
-    /// Groups that may have become free, or follow the group that others were moved to.
-    outer: Vec<u32>,
-    marks: Vec<u32>,
-    pub(crate) epoch: u32,
+    pool: ScratchPool<Scratch<S>>,
+    touched: Touched,
+    /// Groups to be ranked again.
+    due: Vec<u32>,
+    /// Number of groups that are flagged as restricted.
+    restricted: u32,
 }
 
-impl<E> Serial<E> {
-    /// Whether this is the first time since the last commit.
-    pub(crate) fn first_time(&mut self, group: u32) -> bool {
-        std::mem::replace(&mut self.marks[group as usize], self.epoch) != self.epoch
-    }
-}
-
-/// The best collapse of a group.
+/// The groups that a queue takes.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Choice {
-    /// NaN if there is none.
-    pub(crate) cost: f32,
-    to: u32,
-}
-
-/// Spokes that a group may move along.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Permitted {
+pub(crate) enum Queue {
+    /// Those that cost at most this and are not locked. What is refused waits for the next round.
+    UpTo(f32),
+    /// All. What is refused is checked again when something near it changes.
     All,
-    /// Seams and borders.
-    Features,
-    Borders,
 }
 
-impl Permitted {
-    fn allows(self, kind: SpokeKind) -> bool {
-        match self {
-            Self::All => true,
-            Self::Features => kind != SpokeKind::Smooth,
-            Self::Borders => kind == SpokeKind::Border,
-        }
+impl<'a, M: Reprice> Engine<'a, M> {
+    pub(crate) fn new(
+        context: &'a Context<'a>,
+        region: &'a mut Region,
+        metric: &'a mut M,
+        stage: Stage,
+    ) -> Self {
+        let preserve_topology = context.options.preserve_topology;
+        let state = LoopState {
+            touched: Touched::new(region.groups.len()),
+            pool: ScratchPool::new(M::REPRICES),
+            ..LoopState::default()
+        };
+        let rules = Rules { stage, preserve_topology, unites: true };
+        Self { context, region, metric, rules, log: CollapseLog::default(), state }
     }
-}
 
-/// Everything a mesh of `f32` can cost fits `f32` when scaled up; exact zeros stay.
-fn as_key(cost: f64) -> f32 {
-    (cost * 1e12).min(f64::from(f32::MAX)) as f32
-}
-
-impl<M: Metric> Engine<'_, M> {
-    /// Runs all stages, then joins the points that are left.
-    pub(crate) fn run(&mut self, progress: &(dyn Fn(u64, u64) + Sync)) {
-        let groups = self.mesh.places.len();
-        let pool = if M::REPRICES { Pool::new() } else { Pool::default() };
-        let mut serial = Serial { marks: vec![0; groups], pool, ..Serial::default() };
+    /// Runs all stages, then joins the points that are left. Returns the log and how many of its
+    /// steps are legal.
+    pub(crate) fn run_all(mut self, progress: &Progress<'_>) -> (CollapseLog, usize) {
+        let mut legal = 0;
         for stage in Stage::ALL {
-            self.stage = stage;
+            self.rules.stage = stage;
             if M::REPRICES {
-                self.metric.toggle(&self.mesh, stage == Stage::Legal);
+                self.metric.toggle(&self.region.mesh, stage == Stage::Legal);
             }
-            while self.mesh.live_faces > 0 && !self.run_stage(&mut serial, progress) {
-                self.metric.toggle(&self.mesh, stage == Stage::Legal);
+            while self.region.mesh.live_faces > 0 {
+                let (before, faces) = (self.log.steps.len(), self.region.mesh.live_faces as usize);
+                self.rank_all();
+                if !self.run_queue(Queue::All, progress) {
+                    self.metric.toggle(&self.region.mesh, stage == Stage::Legal);
+                } else if (self.log.steps.len() - before) * REFILL_PART <= faces {
+                    // What is still refused stays so: hardly anything has changed.
+                    break;
+                }
             }
             if stage == Stage::Legal {
-                self.log.last_legal = Lod(self.log.order.len() as u32);
+                legal = self.log.steps.len();
             }
         }
-        self.join_points();
+        join_points(self.region, &mut self.log);
+        (self.log, legal)
     }
 
-    /// What is left when all is done.
-    pub(crate) fn into_result(self) -> (Wedges, Log) {
-        (self.wedges, self.log)
+    /// Collapses what costs at most `limit`, as far as it is this region's alone.
+    pub(crate) fn run_round(mut self, limit: f32, progress: &Progress<'_>) -> CollapseLog {
+        self.rules.unites = false;
+        for group in 0..self.region.own() as u32 {
+            let choice = self.region.choices[group as usize];
+            let restricted = self.region.mesh.has(group, RESTRICTED);
+            if (choice.cost.is_nan() || restricted) && !self.region.mesh.star(group).is_empty() {
+                self.rerank(group);
+            }
+        }
+        self.run_queue(Queue::UpTo(limit), progress);
+        self.log
+    }
+
+    /// The parts that pricing and selecting read, and the buffers that they write.
+    fn parts(&mut self) -> (Selector<'_, M>, &mut LoopState<M::ViewScratch>) {
+        let Self { context, region, metric, rules, state, .. } = self;
+        let pricer = Pricer { context, region, metric: &**metric, stage: rules.stage };
+        (Selector { pricer, rules: *rules }, state)
+    }
+
+    /// Ranks every group.
+    pub(crate) fn rank_all(&mut self) {
+        let own = self.region.own() as u32;
+        let (Selector { pricer, .. }, _) = self.parts();
+        let rank = |scratch: &mut Scratch<M::ViewScratch>, g: u32| pricer.rank(g, scratch);
+        let choices = (0..own)
+            .into_par_iter()
+            .with_min_len(if M::REPRICES { 64 } else { 4096 })
+            .map_init(Scratch::default, rank)
+            .collect();
+        self.region.choices = choices;
+        for flags in &mut self.region.mesh.flags {
+            *flags &= !(STALE | RESTRICTED);
+        }
+        self.state.restricted = 0;
     }
 
     /// Collapses while there is something to collapse: true when there is not, false when prices
     /// change their meaning.
-    fn run_stage(
-        &mut self,
-        serial: &mut Serial<M::ViewScratch>,
-        progress: &(dyn Fn(u64, u64) + Sync),
-    ) -> bool {
-        let groups = self.mesh.places.len() as u32;
-        let this = &*self;
-        let mut best: Vec<Choice> = (0..groups)
-            .into_par_iter()
-            .with_min_len(if M::REPRICES { 64 } else { 1024 })
-            .map_init(Scratch::<M::ViewScratch>::default, |scratch, g| this.rank(g, scratch))
-            .collect();
-        let mut heap = Heap::new(best.iter().map(|c| c.cost));
+    fn run_queue(&mut self, queue: Queue, progress: &Progress<'_>) -> bool {
+        let mesh = &self.region.mesh;
+        let limit = match queue {
+            Queue::UpTo(limit) => limit,
+            Queue::All => f32::INFINITY,
+        };
+        let choices = (0..).zip(&self.region.choices);
+        let takes = |(g, c): (u32, &Choice)| c.cost <= limit && !mesh.has(g, LOCKED);
+        let cost = |choice: (u32, &Choice)| if takes(choice) { choice.1.cost } else { f32::NAN };
+        let mut heap = Heap::new(choices.map(cost).collect::<Vec<f32>>().into_iter());
         while let Some((from, key)) = heap.pop() {
-            self.warm(&heap, &best);
-            let known = best[from as usize];
-            let Some((choice, changes_topology)) = self.settle(from, known, serial) else {
+            if self.region.mesh.has(from, STALE) {
+                self.rerank(from);
+                let cost = self.region.choices[from as usize].cost;
+                if cost.is_nan() || cost > limit {
+                    continue;
+                }
+                if cost > key && cost > heap.least() {
+                    heap.set(from, cost);
+                    continue;
+                }
+            }
+            let Some(legal) = self.select_legal_collapse(from) else {
+                self.region.choices[from as usize] = Choice::NONE;
                 continue;
             };
-            best[from as usize] = choice;
-            if choice.cost > key && choice.cost > heap.least() {
-                heap.set(from, choice.cost);
+            self.region.choices[from as usize] = legal.choice;
+            if legal.choice.cost > limit {
                 continue;
             }
-            self.commit(from, choice.to, changes_topology, serial);
-            self.refresh(choice.to, &mut best, &mut heap, serial);
-            if self.log.step_ends.len().is_multiple_of(if M::REPRICES { 64 } else { 4096 }) {
-                progress(self.log.step_ends.len() as u64, u64::from(groups));
+            if legal.choice.cost > key && legal.choice.cost > heap.least() {
+                heap.set(from, legal.choice.cost);
+                continue;
             }
-            if M::REPRICES && self.metric.should_toggle(&self.mesh) {
+            self.commit(from, legal);
+            self.refresh(legal.choice.to, queue, limit, &mut heap);
+            if self.log.steps.len().is_multiple_of(if M::REPRICES { 64 } else { 4096 }) {
+                progress.report(self.log.steps.len() as u64);
+            }
+            if M::REPRICES && self.metric.should_toggle(&self.region.mesh) {
                 return false;
             }
         }
         true
     }
 
-    /// Reads what the next collapses will need, so that it is on its way from memory while this one
-    /// is computed.
-    fn warm(&self, heap: &Heap, best: &[Choice]) {
-        let mut sum = 0;
-        for (i, group) in heap.upcoming().enumerate() {
-            let star = self.mesh.star(group);
-            sum ^= star.first().map_or(0, |c| c.0);
-            if i == 0 {
-                for &corner in star {
-                    sum ^= self.mesh.faces[corner.face() as usize].triangle;
-                }
-                let to = best[group as usize].to;
-                sum ^= self.mesh.star(to).first().map_or(0, |c| c.0);
+    /// The cheapest legal collapse of a group.
+    fn select_legal_collapse(&mut self, from: u32) -> Option<LegalCollapse> {
+        let known = self.region.choices[from as usize];
+        let (selector, state) = self.parts();
+        let selected = selector.select(from, known, &mut state.selection);
+        if self.state.selection.refused {
+            self.set_restricted(from, true);
+        }
+        selected
+    }
+
+    /// Commits a collapse, planned before or now.
+    fn commit(&mut self, from: u32, legal: LegalCollapse) {
+        if !legal.is_planned {
+            let (selector, state) = self.parts();
+            let plan = &mut state.selection.plan;
+            plan.clear();
+            if !selector.pricer.region.wedges.is_bare() {
+                selector.planner().plan(from, legal.choice.to, plan);
             }
         }
-        std::hint::black_box(sum);
+        self.set_restricted(from, false);
+        let Self { context, region, metric, log, state, .. } = self;
+        let LoopState { selection, touched, .. } = state;
+        Commit { context, region, metric: &mut **metric, log, touched }.run(
+            from,
+            legal,
+            &mut selection.plan,
+        );
     }
 
     /// Ranks again what a commit onto `to` may have changed.
-    fn refresh(
-        &mut self,
-        to: u32,
-        best: &mut [Choice],
-        heap: &mut Heap,
-        serial: &mut Serial<M::ViewScratch>,
-    ) {
-        if self.metric.is_active() {
-            self.look_again(best, heap, serial);
-            return;
+    fn refresh(&mut self, to: u32, queue: Queue, limit: f32, heap: &mut Heap) {
+        let mut due = std::mem::take(&mut self.state.due);
+        due.clear();
+        due.extend(self.state.touched.groups.iter().copied().filter(|&g| self.is_due(g)));
+        if matches!(queue, Queue::All) && self.state.restricted > 0 {
+            self.add_restricted(&mut due);
         }
-        let stale = std::mem::take(&mut serial.stale);
-        for &g in &stale {
-            if !self.is_due(g) {
+        if self.metric.is_active() {
+            self.rerank_at_once(&due, heap);
+        } else {
+            for &g in &due {
+                self.rerank(g);
+                self.requeue(g, limit, heap);
+            }
+            self.note_risen_costs(to);
+        }
+        self.state.due = due;
+    }
+
+    /// Adds the restricted groups next to those that are due.
+    fn add_restricted(&mut self, due: &mut Vec<u32>) {
+        let Self { region, state, .. } = self;
+        for i in 0..due.len() {
+            if region.mesh.valence(due[i]) > MAX_WALKED {
                 continue;
             }
-            self.rerank(g, best, heap, &mut serial.scratch);
-            if self.restricted == 0 {
-                continue;
-            }
-            self.mesh.each_neighbour(g, |other| {
-                if self.mesh.has(other, RESTRICTED) && serial.first_time(other) {
-                    serial.outer.push(other);
+            region.mesh.each_neighbour(due[i], |other| {
+                if region.mesh.has(other, RESTRICTED) && state.touched.first_time(other) {
+                    due.push(other);
                 }
             });
         }
-        // Around the target nothing moved but its own history, and that only grew: only those bound
-        // for it care.
-        self.mesh.each_neighbour(to, |g| {
-            if best[g as usize].to == to && serial.first_time(g) {
-                serial.outer.push(g);
+    }
+
+    /// Flags the groups bound for `to`. Around it nothing moved but its own history, and that only
+    /// grew: their costs are lower bounds from now on.
+    fn note_risen_costs(&mut self, to: u32) {
+        if !self.is_due(to) {
+            return;
+        }
+        let Region { mesh, choices, .. } = &mut *self.region;
+        for i in 0..mesh.valence(to) {
+            let corner = mesh.star(to)[i];
+            for g in mesh.others(corner) {
+                let is_bound = choices.get(g as usize).is_some_and(|c| c.to == to);
+                if is_bound && !self.state.touched.is_marked(g) {
+                    mesh.add_flags(g, STALE);
+                }
             }
-        });
-        let outer = std::mem::take(&mut serial.outer);
-        for &g in &outer {
-            self.rerank(g, best, heap, &mut serial.scratch);
         }
-        serial.stale = stale;
-        serial.outer = outer;
-        serial.outer.clear();
     }
 
-    /// Whether a group is to be ranked again although a neighbour moves. Hubs with hundreds of
-    /// neighbours are looked at after some of them moved, else a fan would take quadratic time;
-    /// legality is always asked anew.
-    pub(crate) fn is_due(&self, group: u32) -> bool {
-        let faces = self.mesh.star(group).len();
-        faces < HUB || faces % (faces / 16).next_power_of_two() < 2
+    /// Ranks groups again, all at once. What changed elsewhere, by having been hidden or uncovered,
+    /// is noticed when its turn comes.
+    fn rerank_at_once(&mut self, due: &[u32], heap: &mut Heap) {
+        for &g in due {
+            self.set_restricted(g, false);
+        }
+        let (Selector { pricer, .. }, state) = self.parts();
+        let pool = &state.pool;
+        let rank = |&g: &u32| pool.with(|scratch| pricer.rank(g, scratch));
+        let choices: Vec<Choice> = due.par_iter().with_max_len(1).map(rank).collect();
+        for (&g, choice) in due.iter().zip(choices) {
+            self.region.choices[g as usize] = choice;
+            self.region.mesh.clear_flags(g, STALE);
+            self.requeue(g, f32::INFINITY, heap);
+        }
     }
 
-    fn rerank(
-        &mut self,
-        g: u32,
-        best: &mut [Choice],
-        heap: &mut Heap,
-        scratch: &mut Scratch<M::ViewScratch>,
-    ) {
-        self.set_restricted(g, false);
-        best[g as usize] = self.rank(g, scratch);
-        if best[g as usize].cost.is_nan() {
-            heap.remove(g);
+    /// Puts a group where it belongs in the queue.
+    #[inline]
+    fn requeue(&mut self, g: u32, limit: f32, heap: &mut Heap) {
+        let cost = self.region.choices[g as usize].cost;
+        if cost <= limit && !self.region.mesh.has(g, LOCKED) {
+            heap.set(g, cost);
         } else {
-            heap.set(g, best[g as usize].cost);
+            heap.remove(g);
         }
+    }
+
+    /// Returns whether a group is to be ranked again after a neighbour moved. Hubs with hundreds of
+    /// neighbours are ranked after some of them moved, else a fan would take quadratic time;
+    /// legality is always checked anew.
+    fn is_due(&self, group: u32) -> bool {
+        let faces = self.region.mesh.valence(group);
+        faces < HUB_VALENCE || faces % (faces / 16).next_power_of_two() < 2
+    }
+
+    fn rerank(&mut self, g: u32) {
+        self.set_restricted(g, false);
+        self.region.mesh.clear_flags(g, STALE);
+        let (Selector { pricer, .. }, state) = self.parts();
+        let choice = pricer.rank(g, &mut state.selection.scratch);
+        self.region.choices[g as usize] = choice;
     }
 
     /// Notes whether some of a group's collapses were refused, and how many such groups there are.
-    pub(crate) fn set_restricted(&mut self, group: u32, restricted: bool) {
-        if self.mesh.has(group, RESTRICTED) != restricted {
-            self.mesh.flags[group as usize] ^= RESTRICTED;
-            self.restricted = if restricted { self.restricted + 1 } else { self.restricted - 1 };
+    fn set_restricted(&mut self, group: u32, restricted: bool) {
+        if self.region.mesh.has(group, RESTRICTED) != restricted {
+            self.region.mesh.flags[group as usize] ^= RESTRICTED;
+            let count = &mut self.state.restricted;
+            *count = if restricted { *count + 1 } else { count.saturating_sub(1) };
         }
-    }
-
-    /// The cheapest collapse of a group, legality and prices left aside: never more than the true
-    /// cost.
-    pub(crate) fn rank(&self, from: u32, scratch: &mut Scratch<M::ViewScratch>) -> Choice {
-        let mut best = (f64::INFINITY, u32::MAX);
-        if self.is_plain(from) && scratch.fan.gather(&self.mesh, from) {
-            // By far the most common case.
-            let Scratch { fan, around, .. } = scratch;
-            fan.fold_planes(&self.mesh, from, &mut around.planes);
-            let local = self.metric.local(from, fan.facets(), &around.planes);
-            let costs = &mut fan.costs[..fan.len];
-            self.metric.costs(&local, &fan.lanes, costs);
-            for (&cost, &to) in costs.iter().zip(&fan.neighbours) {
-                if cost < best.0 || cost == best.0 && to < best.1 {
-                    best = (cost, to);
-                }
-            }
-        } else {
-            self.price_all(from, scratch);
-            for &(cost, to) in &scratch.candidates {
-                if cost < best.0 || cost == best.0 && to < best.1 {
-                    best = (cost, to);
-                }
-            }
-        }
-        Choice { cost: if best.1 == u32::MAX { f32::NAN } else { as_key(best.0) }, to: best.1 }
-    }
-
-    /// Whether a group has a closed fan of faces, none of them at a border or seam, and no
-    /// attributes to mind.
-    fn is_plain(&self, group: u32) -> bool {
-        self.attributes.is_empty() && !self.mesh.has(group, OPEN | SEAM) && !self.metric.is_active()
-    }
-
-    /// Prices every collapse of a group that borders and seams permit.
-    fn price_all(&self, from: u32, scratch: &mut Scratch<M::ViewScratch>) {
-        self.price_geometry(from, scratch);
-        if self.metric.is_active() {
-            self.metric.reprice(
-                &self.mesh,
-                &self.wedges,
-                from,
-                &mut scratch.candidates,
-                &mut scratch.view,
-            );
-        }
-    }
-
-    /// What they cost without looking.
-    fn price_geometry(&self, from: u32, scratch: &mut Scratch<M::ViewScratch>) {
-        let Scratch { around, gradients, candidates, fan, .. } = scratch;
-        candidates.clear();
-        if self.mesh.star(from).is_empty() {
-            return;
-        }
-        let with_attributes = !self.attributes.is_empty() && self.mesh.star(from).len() <= MANY;
-        around.look(&self.mesh, &self.wedges, from);
-        let Some(permitted) = self.permitted(around) else { return };
-        let local = self.metric.local(from, &around.facets, &around.planes);
-        if with_attributes {
-            self.fit_gradients(from, gradients);
-        }
-        let attribute_weight = self.metric.attribute_weight();
-        let here = self.mesh.position(from);
-        for spokes in around.spokes.chunks(MAX_FAN) {
-            for (i, spoke) in spokes.iter().enumerate() {
-                let delta = self.mesh.position(spoke.group) - here;
-                (fan.lanes.x[i], fan.lanes.y[i], fan.lanes.z[i]) = (delta.x, delta.y, delta.z);
-                fan.lanes.arrival[i] = f64::from(self.mesh.places[spoke.group as usize].arrival);
-            }
-            let costs = &mut fan.costs[..spokes.len()];
-            self.metric.costs(&local, &fan.lanes, costs);
-            for (spoke, mut cost) in
-                spokes.iter().zip(costs.iter().copied()).filter(|(s, _)| permitted.allows(s.kind))
-            {
-                if with_attributes {
-                    cost += attribute_weight * self.attribute_cost(from, spoke, around, gradients);
-                }
-                candidates.push((if cost.is_nan() { f64::INFINITY } else { cost }, spoke.group));
-            }
-        }
-    }
-
-    /// Which spokes a group may move along at the present stage, if any.
-    fn permitted(&self, around: &Neighborhood) -> Option<Permitted> {
-        if self.stage >= Stage::Seams {
-            return Some(Permitted::All);
-        }
-        match around.borders {
-            0 if around.seams < 2 => Some(Permitted::All),
-            0 => Some(Permitted::Features),
-            _ if self.options.lock_border => None,
-            2 => Some(Permitted::Borders),
-            _ if self.options.preserve_topology => None,
-            _ => Some(Permitted::Features),
-        }
-    }
-
-    /// The known choice as it is seen now, unless it has become dearer: then others may be better.
-    fn look_closer(
-        &self,
-        from: u32,
-        known: Choice,
-        scratch: &mut Scratch<M::ViewScratch>,
-    ) -> Option<Choice> {
-        self.price_geometry(from, scratch);
-        let Scratch { candidates, view, .. } = scratch;
-        let mut one = [*candidates.iter().find(|c| c.1 == known.to)?];
-        self.metric.reprice(&self.mesh, &self.wedges, from, &mut one, view);
-        let cost = as_key(one[0].0);
-        (cost <= known.cost).then_some(Choice { cost, ..known })
-    }
-
-    /// The cheapest legal collapse of a group with its price, and whether it changes the topology.
-    fn settle(
-        &mut self,
-        from: u32,
-        known: Choice,
-        serial: &mut Serial<M::ViewScratch>,
-    ) -> Option<(Choice, bool)> {
-        let wedges_matter = self.mesh.has(from, SEAM) || self.attributes.texture.is_some();
-        if !wedges_matter {
-            match self.judge(from, known.to, &mut serial.legality) {
-                Some(verdict) if verdict.price <= 1.0 => {
-                    if !self.metric.is_active() {
-                        return Some((known, verdict.changes_topology));
-                    }
-                    if let Some(choice) = self.look_closer(from, known, &mut serial.scratch) {
-                        return Some((choice, verdict.changes_topology));
-                    }
-                }
-                _ => {}
-            }
-        }
-        self.price_all(from, &mut serial.scratch);
-        serial.scratch.candidates.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        let mut best: Option<(f64, u32, bool)> = None;
-        let mut refused = false;
-        for &(cost, to) in &serial.scratch.candidates {
-            if best.is_some_and(|b| cost >= b.0) {
-                break;
-            }
-            let Some(verdict) = self.judge(from, to, &mut serial.legality) else {
-                refused = true;
-                continue;
-            };
-            let mut price = verdict.price;
-            if wedges_matter {
-                self.plan(from, to, &mut serial.plan);
-                if self.stage < Stage::Flips && !self.keeps_texture(from, to, &serial.plan) {
-                    refused = true;
-                    continue;
-                }
-                price *= 1.0 + FAKE_PRICE * f64::from(serial.plan.fakes);
-            }
-            refused |= price > 1.0;
-            let cost = cost * price;
-            if best.is_none_or(|b| cost < b.0) {
-                best = Some((cost, to, verdict.changes_topology));
-            }
-        }
-        if refused {
-            self.set_restricted(from, true);
-        }
-        best.map(|(cost, to, topology)| (Choice { cost: as_key(cost), to }, topology))
     }
 }
-
-/// Groups with more faces than this are priced without their attributes.
-const MANY: usize = 1024;
-/// Groups with this many faces are hubs.
-const HUB: usize = 64;
-/// How much dearer each fake makes a collapse.
-const FAKE_PRICE: f64 = 8.0;

@@ -1,12 +1,20 @@
-//! What a collapse does to attributes: every wedge's gradients, and what moving along a spoke would
+//! The price of attributes: every wedge's gradients, and what moving along an edge would
 //! cost them.
 
-use crate::attributes::Gradient;
-use crate::engine::Engine;
-use crate::metric::Metric;
-use crate::neighborhood::{Neighborhood, Spoke};
+use crate::attributes::{Attributes, Gradient};
+use crate::neighborhood::{IncidentEdge, Neighborhood};
+use crate::wedges::Wedges;
+use crate::working::WorkingMesh;
 
-impl<M: Metric> Engine<'_, M> {
+/// The attributes of the wedges of one region.
+#[derive(Clone, Copy)]
+pub(crate) struct WedgeAttributes<'a> {
+    pub(crate) mesh: &'a WorkingMesh,
+    pub(crate) wedges: &'a Wedges,
+    pub(crate) attributes: &'a Attributes,
+}
+
+impl WedgeAttributes<'_> {
     /// Fits the attributes around every wedge of a group.
     pub(crate) fn fit_gradients(&self, from: u32, gradients: &mut Vec<(u32, Gradient)>) {
         let mut used = 0;
@@ -23,28 +31,29 @@ impl<M: Metric> Engine<'_, M> {
                 used += 1;
                 used - 1
             });
-            let rows = wedges.map(|w| self.attributes.row(self.wedges.attributes_of[w as usize]));
-            gradients[i].1.add_face(&self.mesh, face, corner.at(), rows);
+            let rows =
+                wedges.map(|w| self.attributes.row(self.wedges.attribute_source[w as usize]));
+            gradients[i].1.add_face(self.mesh, face, corner.at(), rows);
         }
         gradients.truncate(used);
     }
 
-    /// How far off the attributes around a group would be if it moved along a spoke. Working units
+    /// Error of the attributes around a group if it moved along an edge. Working units
     /// to the fourth power.
-    pub(crate) fn attribute_cost(
+    pub(crate) fn cost(
         &self,
         from: u32,
-        spoke: &Spoke,
+        edge: &IncidentEdge,
         around: &Neighborhood,
         gradients: &[(u32, Gradient)],
     ) -> f64 {
-        let delta = self.mesh.position(spoke.group) - self.mesh.position(from);
+        let delta = self.mesh.position(edge.group) - self.mesh.position(from);
         let mut cost = 0.0;
         for (wedge, gradient) in gradients {
-            let target = around.target(&self.wedges, spoke, *wedge).unwrap_or(*wedge);
-            let [here, there] = [*wedge, target].map(|w| self.wedges.attributes_of[w as usize]);
+            let target = around.target(self.wedges, edge, *wedge).unwrap_or(*wedge);
+            let [here, there] = [*wedge, target].map(|w| self.wedges.attribute_source[w as usize]);
             cost += gradient.at(delta, self.attributes.row(here), self.attributes.row(there));
-            let [here, there] = [*wedge, target].map(|w| self.wedges.place_of[w as usize]);
+            let [here, there] = [*wedge, target].map(|w| self.wedges.position_source[w as usize]);
             cost += gradient.weight() * self.attributes.joint_distance_squared(here, there);
         }
         cost

@@ -42,11 +42,6 @@ impl Heap {
         self.keys.first().map_or(f32::INFINITY, |&k| f32::from_bits((k >> 32) as u32))
     }
 
-    /// The cheapest group and, in no order, some of the next.
-    pub(crate) fn upcoming(&self) -> impl Iterator<Item = u32> + '_ {
-        self.keys.iter().take(1 + ARITY).map(|&k| group_of(k))
-    }
-
     /// Takes the cheapest group out.
     pub(crate) fn pop(&mut self) -> Option<(u32, f32)> {
         let &k = self.keys.first()?;

@@ -1,11 +1,13 @@
-//! Which collapses are legal (algorithmic rules: Dey et al. for the link condition; thresholds
+//! The legality of collapses (algorithmic rules: Dey et al. for the link condition; thresholds
 //! measured).
 
-use crate::engine::Engine;
-use crate::metric::Metric;
-use crate::plan::Plan;
-use crate::working::{Working, next, previous};
+use crate::attributes::Attributes;
+use crate::link::{Link, Marks};
+use crate::plan::WedgePlan;
+use crate::wedges::Wedges;
+use crate::working::{SHARED_POSITION, WorkingMesh, next, previous};
 use glam::DVec3;
+use lodc_mesh::NONE;
 
 /// The most neighbours a group may get from a legal collapse.
 const MAX_VALENCE: usize = 24;
@@ -14,10 +16,10 @@ const MAX_VALENCE: usize = 24;
 const MIN_TURN: f64 = 0.25;
 /// A face's area must stay above this share of its longest edge squared.
 const MIN_AREA: f64 = 1e-12;
-/// What a collapse that changes the topology costs, as a multiple of its geometric cost.
+/// Price of a collapse that changes the topology, as a multiple of its geometric cost.
 const TOPOLOGY_PRICE: f64 = 16.0;
 
-/// What may still not be broken. Each stage drops one rule; all but the first are the terminal
+/// The rules that may not be broken. Each stage drops one rule; all but the first are the terminal
 /// phase.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Stage {
@@ -39,7 +41,7 @@ impl Stage {
 }
 
 /// A legal collapse.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Verdict {
     /// The cost is multiplied by this, at least 1.
     pub(crate) price: f64,
@@ -47,28 +49,40 @@ pub(crate) struct Verdict {
     pub(crate) changes_topology: bool,
 }
 
-/// Marks of groups, used again without being cleared.
-#[derive(Default)]
-pub(crate) struct Buffers {
-    marks: Vec<u32>,
-    epoch: u32,
+/// The rules that hold at present.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Rules {
+    pub(crate) stage: Stage,
+    /// No topology change before the last stage.
+    pub(crate) preserve_topology: bool,
+    /// Groups that come to share a position and a face may be united. Not in a region: what they
+    /// have in common may be another region's.
+    pub(crate) unites: bool,
 }
 
-impl<M: Metric> Engine<'_, M> {
-    /// Whether `from` may move onto its neighbour `to` at the present stage.
-    pub(crate) fn judge(&self, from: u32, to: u32, buffers: &mut Buffers) -> Option<Verdict> {
-        let mesh = &self.mesh;
-        let link = Link::new(mesh, from, to, buffers);
+impl Rules {
+    /// Returns the price of moving `from` onto its neighbour `to`, or none if that is illegal.
+    pub(crate) fn check(
+        self,
+        mesh: &WorkingMesh,
+        from: u32,
+        to: u32,
+        marks: &mut Marks,
+    ) -> Option<Verdict> {
+        if self.stage < Stage::Valence && is_overcrowded(mesh, from, to) {
+            return None;
+        }
+        let link = Link::new(mesh, from, to, marks);
         if link.shared_faces == 0 {
             // A hub's ranking may be older than its star.
             return None;
         }
         let changes_topology = !link.holds;
-        if changes_topology && self.stage < Stage::Links && self.options.preserve_topology {
+        if changes_topology && self.stage < Stage::Links && self.preserve_topology {
             return None;
         }
         if self.stage < Stage::Valence {
-            let (at_from, at_to) = (mesh.star(from).len(), mesh.star(to).len());
+            let (at_from, at_to) = (mesh.valence(from), mesh.valence(to));
             let valence = (at_from + at_to).saturating_sub(2 * link.shared_faces);
             if valence > MAX_VALENCE && valence > at_to {
                 return None;
@@ -77,135 +91,81 @@ impl<M: Metric> Engine<'_, M> {
         if self.stage < Stage::Flips && !keeps_orientation(mesh, from, to) {
             return None;
         }
-        Some(Verdict {
-            price: if changes_topology { TOPOLOGY_PRICE } else { 1.0 },
-            changes_topology,
-        })
+        if !self.unites && mesh.has(to, SHARED_POSITION) && meets_twin(mesh, from, to) {
+            return None;
+        }
+        let price = if changes_topology { TOPOLOGY_PRICE } else { 1.0 };
+        Some(Verdict { price, changes_topology })
     }
 }
 
-impl<M: Metric> Engine<'_, M> {
-    /// No face around `from` turns its texture over when `from` moves to `to` as planned.
-    pub(crate) fn keeps_texture(&self, from: u32, to: u32, plan: &Plan) -> bool {
-        let Some(column) = self.attributes.texture else { return true };
-        let at = |wedge: u32| {
-            let row = self.attributes.row(self.wedges.attributes_of[wedge as usize]);
-            [f64::from(row[column]), f64::from(row[column + 1])]
-        };
-        self.mesh.star(from).iter().all(|&corner| {
-            if self.mesh.others(corner).contains(&to) {
-                return true;
-            }
-            let wedges = self.mesh.wedges(corner.face());
-            let here = wedges[corner.at()];
-            let Ok(target) = plan.wedges.binary_search_by_key(&here, |p| p.wedge) else {
-                return true;
-            };
-            let target = plan.wedges[target].target;
-            if target == u32::MAX {
-                return true;
-            }
-            let (b, c) = (at(wedges[next(corner.at())]), at(wedges[previous(corner.at())]));
-            let area = |a: [f64; 2]| (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-            area(at(here)) * area(at(target)) >= 0.0
-        })
-    }
+/// Returns whether `from` has too many faces for `to`, whatever they share: no more than the faces
+/// at `to`.
+fn is_overcrowded(mesh: &WorkingMesh, from: u32, to: u32) -> bool {
+    let at_to = mesh.valence(to);
+    mesh.valence(from).saturating_sub(at_to) > at_to.max(MAX_VALENCE)
 }
 
-/// No face around `from` turns too far or loses its area when `from` moves to where `to` is.
-fn keeps_orientation(mesh: &Working, from: u32, to: u32) -> bool {
-    let there = mesh.position(to);
+/// Returns whether the collapse would also move another group onto `to`: one at the same position.
+fn meets_twin(mesh: &WorkingMesh, from: u32, to: u32) -> bool {
+    let position = mesh.position_id[to as usize];
+    let mut others = mesh.star(from).iter().flat_map(|&c| mesh.others(c));
+    others.any(|g| g != to && mesh.position_id[g as usize] == position)
+}
+
+/// Returns whether no face around `from` turns its texture over in the planned collapse.
+pub(crate) fn keeps_texture(
+    mesh: &WorkingMesh,
+    wedges: &Wedges,
+    attributes: &Attributes,
+    from: u32,
+    to: u32,
+    plan: &WedgePlan,
+) -> bool {
+    let Some(column) = attributes.texture else { return true };
+    let at = |wedge: u32| {
+        let row = attributes.row(wedges.attribute_source[wedge as usize]);
+        [f64::from(row[column]), f64::from(row[column + 1])]
+    };
     mesh.star(from).iter().all(|&corner| {
-        let f = &mesh.faces[corner.face() as usize];
-        let (g, h) = (f.groups[next(corner.at())], f.groups[previous(corner.at())]);
-        if g == to || h == to {
+        if mesh.others(corner).contains(&to) {
             return true;
         }
-        let (ahead, behind) = (mesh.position(g) - there, mesh.position(h) - there);
-        let n = ahead.cross(behind);
-        let old = f.normal.as_dvec3();
-        if old == DVec3::ZERO {
-            return true;
-        }
-        let longest = ahead
-            .length_squared()
-            .max(behind.length_squared())
-            .max((ahead - behind).length_squared());
-        // Squared throughout: n is twice the area long.
-        let (turn, area) = (n.dot(old), n.length_squared());
-        turn > 0.0
-            && turn * turn > MIN_TURN * MIN_TURN * area
-            && area > (2.0 * MIN_AREA * longest).powi(2)
+        let corners = mesh.wedges(corner.face());
+        let here = corners[corner.at()];
+        let Some(target) = plan.target(here).filter(|&t| t != NONE) else { return true };
+        let (b, c) = (at(corners[next(corner.at())]), at(corners[previous(corner.at())]));
+        let area = |a: [f64; 2]| (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+        area(at(here)) * area(at(target)) >= 0.0
     })
 }
 
-/// The link condition: collapsing the edge keeps the surface's topology exactly if the groups next
-/// to both ends are those opposite the edge, and no face would come to lie on another.
-struct Link {
-    holds: bool,
-    shared_faces: usize,
+/// Returns whether no face around `from` turns too far or loses its area when `from` moves to the
+/// position of `to`.
+fn keeps_orientation(mesh: &WorkingMesh, from: u32, to: u32) -> bool {
+    let (here, there) = (mesh.position(from), mesh.position(to));
+    mesh.star(from).iter().all(|&corner| {
+        let [g, h] = mesh.others(corner);
+        g == to || h == to || stays_upright(here, there, mesh.position(g), mesh.position(h))
+    })
 }
 
-impl Link {
-    fn new(mesh: &Working, from: u32, to: u32, buffers: &mut Buffers) -> Self {
-        if buffers.marks.len() < mesh.places.len() {
-            buffers.marks.resize(mesh.places.len(), 0);
-        }
-        if buffers.epoch > u32::MAX - 4 {
-            buffers.marks.fill(0);
-            buffers.epoch = 0;
-        }
-        buffers.epoch += 2;
-        let (near, common) = (buffers.epoch, buffers.epoch + 1);
-        let marks = &mut buffers.marks;
-        let star = mesh.star(from);
-        let others = |corner| mesh.others(corner);
-        let mut shared_faces = 0;
-        let (mut apexes, mut apex) = (0, [u32::MAX; 2]);
-        for &corner in star {
-            let [g, h] = others(corner);
-            marks[g as usize] = near;
-            marks[h as usize] = near;
-            if g == to || h == to {
-                shared_faces += 1;
-                let opposite = if g == to { h } else { g };
-                if !apex.contains(&opposite) {
-                    apex[apexes.min(1)] = opposite;
-                    apexes += 1;
-                }
-            }
-        }
-        let mut in_both = 0;
-        let mut meet = |marks: &mut Vec<u32>, g: u32| {
-            if marks[g as usize] == near {
-                marks[g as usize] = common;
-                in_both += 1;
-            }
-        };
-        if mesh.star(to).len() <= 64 + 8 * star.len() {
-            mesh.each_neighbour(to, |g| meet(marks, g));
-        } else {
-            // A hub: asking the few neighbours of `from` is shorter than asking its many.
-            for g in star.iter().flat_map(|&c| others(c)) {
-                if g != to && mesh.star(g).iter().any(|&c| others(c).contains(&to)) {
-                    meet(marks, g);
-                }
-            }
-        }
-        let manifold =
-            (1..=2).contains(&shared_faces) && in_both == apexes && apexes == shared_faces;
-        let vanishes = star.len() == shared_faces && mesh.star(to).len() == shared_faces;
-        let doubles = || {
-            star.iter().any(|&corner| {
-                let [g, h] = others(corner);
-                marks[g as usize] == common
-                    && marks[h as usize] == common
-                    && mesh
-                        .star(g)
-                        .iter()
-                        .any(|&c| others(c).contains(&h) && others(c).contains(&to))
-            })
-        };
-        Self { holds: manifold && !vanishes && !doubles(), shared_faces }
+/// Returns whether the triangle of a moving corner, `ahead` and `behind` keeps orientation and
+/// area.
+#[inline]
+fn stays_upright(here: DVec3, there: DVec3, ahead: DVec3, behind: DVec3) -> bool {
+    let old = (ahead - here).cross(behind - here);
+    let old_squared = old.length_squared();
+    if old_squared == 0.0 {
+        return true;
     }
+    let (ahead, behind) = (ahead - there, behind - there);
+    let new = ahead.cross(behind);
+    let longest =
+        ahead.length_squared().max(behind.length_squared()).max((ahead - behind).length_squared());
+    // Squared throughout: both vectors are twice the area long.
+    let (turn, area) = (new.dot(old), new.length_squared());
+    turn > 0.0
+        && turn * turn > (MIN_TURN * MIN_TURN) * (area * old_squared)
+        && area > (2.0 * MIN_AREA * longest).powi(2)
 }

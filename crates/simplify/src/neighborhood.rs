@@ -1,9 +1,8 @@
-//! What surrounds a group: its spokes (edges to other groups), and which of them are borders or
+//! The surroundings of a group: its edges to other groups, and which of them are borders or
 //! seams.
 
-use crate::fan::Facet;
 use crate::wedges::Wedges;
-use crate::working::{Working, next, previous};
+use crate::working::{Facet, WorkingMesh, next, previous};
 use glam::{DVec3, Vec3};
 
 /// Weight of the plane along a border edge, times its squared length.
@@ -18,16 +17,16 @@ const FOLD_WEIGHT: f64 = 1.0;
 
 /// An edge from the group to another.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Spoke {
+pub(crate) struct IncidentEdge {
     pub(crate) group: u32,
-    pub(crate) kind: SpokeKind,
+    pub(crate) kind: EdgeKind,
     /// Its entries, as a range.
     pub(crate) entries: (u32, u32),
 }
 
-/// What kind of edge a spoke is.
+/// The kind of an edge at a group.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum SpokeKind {
+pub(crate) enum EdgeKind {
     /// Two faces that continue each other.
     Smooth,
     /// Two faces with different attributes or submeshes, or more than two faces.
@@ -36,13 +35,14 @@ pub(crate) enum SpokeKind {
     Border,
 }
 
-/// One face at a spoke: the wedges at both ends.
+/// One face at an edge: the wedges at both ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Entry {
     pub(crate) group: u32,
     pub(crate) here: u32,
     pub(crate) there: u32,
-    face: u32,
+    /// The face's place in the star.
+    slot: u32,
 }
 
 /// A plane through the group that collapses should stay on.
@@ -54,7 +54,7 @@ pub(crate) struct FeaturePlane {
 /// The surroundings of one group; its buffers are used again for the next.
 #[derive(Default)]
 pub(crate) struct Neighborhood {
-    pub(crate) spokes: Vec<Spoke>,
+    pub(crate) edges: Vec<IncidentEdge>,
     pub(crate) entries: Vec<Entry>,
     pub(crate) planes: Vec<FeaturePlane>,
     /// The faces of the star.
@@ -64,24 +64,23 @@ pub(crate) struct Neighborhood {
 }
 
 impl Neighborhood {
-    /// Looks around `group`.
-    pub(crate) fn look(&mut self, mesh: &Working, wedges: &Wedges, group: u32) {
-        self.spokes.clear();
+    /// Gathers the surroundings of `group`.
+    pub(crate) fn gather(&mut self, mesh: &WorkingMesh, wedges: &Wedges, group: u32) {
+        self.edges.clear();
         self.entries.clear();
         self.planes.clear();
         self.facets.clear();
         (self.borders, self.seams) = (0, 0);
-        for &corner in mesh.star(group) {
+        for (slot, &corner) in (0..).zip(mesh.star(group)) {
             let (face, at) = (corner.face(), corner.at());
-            let f = &mesh.faces[face as usize];
-            self.facets.push(Facet { normal: f.normal, area: f.area });
-            let (groups, corners) = (&f.groups, mesh.wedges(face));
+            self.facets.push(mesh.facet(face));
+            let (groups, corners) = (&mesh.faces[face as usize].groups, mesh.wedges(face));
             for end in [next(at), previous(at)] {
                 self.entries.push(Entry {
                     group: groups[end],
                     here: corners[at],
                     there: corners[end],
-                    face,
+                    slot,
                 });
             }
         }
@@ -91,26 +90,26 @@ impl Neighborhood {
             let first = self.entries[start];
             let run = self.entries[start..].iter().take_while(|e| e.group == first.group).count();
             let faces = &self.entries[start..start + run];
-            let class = |e: &Entry| (wedges.class[e.here as usize], wedges.class[e.there as usize]);
+            let class = |e: &Entry| (wedges.class(e.here), wedges.class(e.there));
             let kind = match run {
-                1 => SpokeKind::Border,
-                2 if class(&faces[0]) == class(&faces[1]) => SpokeKind::Smooth,
-                _ => SpokeKind::Seam,
+                1 => EdgeKind::Border,
+                2 if class(&faces[0]) == class(&faces[1]) => EdgeKind::Smooth,
+                _ => EdgeKind::Seam,
             };
             let weight = match kind {
-                SpokeKind::Smooth => {
+                EdgeKind::Smooth => {
                     let edge = mesh.position(first.group) - mesh.position(group);
-                    let [m, n] = [0, 1].map(|i| mesh.faces[faces[i].face as usize].normal);
+                    let [m, n] = [0, 1].map(|i| self.facets[faces[i].slot as usize].normal);
                     self.planes.extend(fold_plane(m, n, edge));
                     0.0
                 }
-                SpokeKind::Border => {
+                EdgeKind::Border => {
                     self.borders += 1;
                     BORDER_WEIGHT
                 }
-                SpokeKind::Seam => {
+                EdgeKind::Seam => {
                     self.seams += 1;
-                    let submesh = |e: &Entry| wedges.submesh[e.here as usize];
+                    let submesh = |e: &Entry| wedges.submesh(e.here);
                     if faces.iter().all(|e| submesh(e) == submesh(&first)) {
                         SEAM_WEIGHT
                     } else {
@@ -120,31 +119,33 @@ impl Neighborhood {
             };
             if weight > 0.0 {
                 let edge = mesh.position(first.group) - mesh.position(group);
-                for e in faces {
-                    let normal = mesh.faces[e.face as usize].normal.as_dvec3().cross(edge);
-                    let length = normal.length();
-                    if length > 0.0 {
-                        let weight = weight * edge.length_squared();
-                        self.planes.push(FeaturePlane { normal: normal / length, weight });
-                    }
-                }
+                let normals = faces.iter().map(|e| self.facets[e.slot as usize].normal.as_dvec3());
+                let weight = weight * edge.length_squared();
+                self.planes.extend(normals.filter_map(|n| plane_along(n, edge, weight)));
             }
             let entries = (start as u32, (start + run) as u32);
-            self.spokes.push(Spoke { group: first.group, kind, entries });
+            self.edges.push(IncidentEdge { group: first.group, kind, entries });
             start += run;
         }
     }
 
-    /// The wedge that `wedge` becomes if the group moves along `spoke`: the one it shares a face
+    /// The wedge that `wedge` becomes if the group moves along `edge`: the one it shares a face
     /// with there, or the one that a wedge with the same attributes shares a face with.
-    pub(crate) fn target(&self, wedges: &Wedges, spoke: &Spoke, wedge: u32) -> Option<u32> {
-        let faces = &self.entries[spoke.entries.0 as usize..spoke.entries.1 as usize];
+    pub(crate) fn target(&self, wedges: &Wedges, edge: &IncidentEdge, wedge: u32) -> Option<u32> {
+        let faces = &self.entries[edge.entries.0 as usize..edge.entries.1 as usize];
         let first = faces.partition_point(|e| e.here < wedge);
         let same = faces.get(first).filter(|e| e.here == wedge);
-        let class = wedges.class[wedge as usize];
-        same.or_else(|| faces.iter().take(64).find(|e| wedges.class[e.here as usize] == class))
+        let class = wedges.class(wedge);
+        same.or_else(|| faces.iter().take(64).find(|e| wedges.class(e.here) == class))
             .map(|e| e.there)
     }
+}
+
+/// The plane along an edge, upright on a face there; none if the face has no area.
+fn plane_along(face_normal: DVec3, edge: DVec3, weight: f64) -> Option<FeaturePlane> {
+    let normal = face_normal.cross(edge);
+    let length = normal.length();
+    (length > 0.0).then(|| FeaturePlane { normal: normal / length, weight })
 }
 
 /// The plane along an edge whose two faces fold back on each other. The rim of a thin shape (an

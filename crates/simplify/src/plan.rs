@@ -1,53 +1,77 @@
-//! What a collapse does to every wedge of the group: true and twin edges, reuse, and fakes (thesis
-//! 4.2.1).
+//! The plan of a collapse for every wedge of the group: true and twin edges, reuse, and fakes
+//! (thesis 4.2.1).
 
-use crate::engine::Engine;
-use crate::legality::Stage;
-use crate::metric::Metric;
-use crate::working::{SEAM, next, previous};
+use crate::attributes::Attributes;
+use crate::wedges::Wedges;
+use crate::working::{SEAM, WorkingMesh, next, previous};
+use lodc_mesh::{Mesh, NONE};
 
-const NONE: u32 = u32::MAX;
 /// A wedge without an edge to the target takes an existing wedge there if their attributes differ
 /// by less than this share of the mesh's size.
 const ALIKE: f64 = 2e-3;
 
 /// No more wedges than this are asked whether they can be used again: real meshes have a handful in
 /// one place.
-const MANY: usize = 1024;
+const MAX_REUSED: usize = 1024;
 
 /// One wedge of the moving group.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PlannedWedge {
     pub(crate) wedge: u32,
-    /// What it becomes; `u32::MAX` means a fake.
+    /// Its target; `u32::MAX` means a fake.
     pub(crate) target: u32,
-    /// Whether that is a fake.
+    /// True if that is a fake.
     pub(crate) fake: bool,
-    /// Whether it has faces that stay.
+    /// True if it has faces that stay.
     live: bool,
 }
 
-/// What becomes of all wedges of one group.
+/// The targets of all wedges of one group.
 #[derive(Default)]
-pub(crate) struct Plan {
+pub(crate) struct WedgePlan {
     /// In order of their numbers.
     pub(crate) wedges: Vec<PlannedWedge>,
     /// The target of the true edge.
     pub(crate) truth: u32,
     /// Classes of wedges with an edge to the target, and the wedge there.
     twins: Vec<(u32, u32)>,
-    /// How many fakes it takes.
+    /// Number of fakes that it takes.
     pub(crate) fakes: u32,
     /// A wedge had edges to several wedges of the target: a seam ends here.
     pub(crate) ambiguous: bool,
 }
 
-impl<M: Metric> Engine<'_, M> {
+impl WedgePlan {
+    pub(crate) fn clear(&mut self) {
+        self.wedges.clear();
+        self.fakes = 0;
+        self.ambiguous = false;
+    }
+
+    /// Returns the target of a wedge of the moving group; `NONE` means a fake.
+    pub(crate) fn target(&self, wedge: u32) -> Option<u32> {
+        let at = self.wedges.binary_search_by_key(&wedge, |p| p.wedge).ok()?;
+        Some(self.wedges[at].target)
+    }
+}
+
+/// The data that planning reads.
+#[derive(Clone, Copy)]
+pub(crate) struct Planner<'a> {
+    pub(crate) input: &'a Mesh,
+    pub(crate) mesh: &'a WorkingMesh,
+    pub(crate) wedges: &'a Wedges,
+    pub(crate) attributes: &'a Attributes,
+    /// A wedge without an edge to the target takes any wedge there rather than a fake.
+    pub(crate) takes_any: bool,
+    /// The mesh's diagonal in working units.
+    pub(crate) size: f64,
+}
+
+impl Planner<'_> {
     /// Plans the collapse of `from` onto its neighbour `to`.
-    pub(crate) fn plan(&self, from: u32, to: u32, plan: &mut Plan) {
-        plan.wedges.clear();
-        plan.fakes = 0;
-        plan.ambiguous = false;
+    pub(crate) fn plan(&self, from: u32, to: u32, plan: &mut WedgePlan) {
+        plan.clear();
         if self.mesh.one_wedge_each() || !self.mesh.has(from, SEAM) && self.wedges.is_single(from) {
             self.plan_smooth(from, to, plan);
             return;
@@ -72,7 +96,7 @@ impl<M: Metric> Engine<'_, M> {
             let p = plan.wedges[i];
             if distinct > 0 && plan.wedges[distinct - 1].wedge == p.wedge {
                 let known = plan.wedges[distinct - 1];
-                let class = |w: u32| self.wedges.class[w as usize];
+                let class = |w: u32| self.wedges.class(w);
                 if known.target != NONE
                     && p.target != NONE
                     && class(known.target) != class(p.target)
@@ -95,7 +119,7 @@ impl<M: Metric> Engine<'_, M> {
     }
 
     /// One wedge, and no seam near it: the first shared face has the answer.
-    fn plan_smooth(&self, from: u32, to: u32, plan: &mut Plan) {
+    fn plan_smooth(&self, from: u32, to: u32, plan: &mut WedgePlan) {
         let shared = || {
             self.mesh.star(from).iter().find_map(|&corner| {
                 let end =
@@ -131,17 +155,17 @@ impl<M: Metric> Engine<'_, M> {
     }
 
     /// Squared, in working units.
-    pub(crate) fn attribute_distance(&self, a: u32, b: u32) -> f64 {
-        let row = |w: u32| self.wedges.attributes_of[w as usize];
+    fn attribute_distance(&self, a: u32, b: u32) -> f64 {
+        let row = |w: u32| self.wedges.attribute_source[w as usize];
         self.attributes.distance_squared(row(a), row(b))
     }
 
-    fn find_other_targets(&self, from: u32, to: u32, plan: &mut Plan) {
+    fn find_other_targets(&self, from: u32, to: u32, plan: &mut WedgePlan) {
         // The true edge's target: that of the first wedge that has one. Every collapse follows an
         // edge, so there is one.
         plan.truth = plan.wedges.iter().find(|p| p.target != NONE).map_or(NONE, |p| p.target);
         plan.twins.clear();
-        let class = |w: u32| self.wedges.class[w as usize];
+        let class = |w: u32| self.wedges.class(w);
         plan.twins.extend(
             plan.wedges.iter().filter(|p| p.target != NONE).map(|p| (class(p.wedge), p.target)),
         );
@@ -172,14 +196,10 @@ impl<M: Metric> Engine<'_, M> {
     /// A wedge at `to` that can stand for `wedge` although they share no face: same submesh, and
     /// the same attributes, nearly the same, or in the last stages the most similar ones.
     fn reusable(&self, wedge: u32, to: u32) -> Option<u32> {
-        let submesh = self.wedges.submesh[wedge as usize];
+        let submesh = self.wedges.submesh(wedge);
         let mut best: Option<(f64, u32)> = None;
-        for t in self
-            .wedges
-            .of_group(to)
-            .take(MANY)
-            .filter(|&t| self.wedges.submesh[t as usize] == submesh)
-        {
+        let there = self.wedges.of_group(to).take(MAX_REUSED);
+        for t in there.filter(|&t| self.wedges.submesh(t) == submesh) {
             if self.wedges.alike(self.input, wedge, t) {
                 return Some(t);
             }
@@ -188,8 +208,64 @@ impl<M: Metric> Engine<'_, M> {
                 best = Some((distance, t));
             }
         }
-        let limit =
-            if self.stage < Stage::Seams { (ALIKE * self.size).powi(2) } else { f64::INFINITY };
+        let limit = if self.takes_any { f64::INFINITY } else { (ALIKE * self.size).powi(2) };
         best.filter(|&(d, _)| d <= limit && !self.attributes.is_empty()).map(|(_, t)| t)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::input::Input;
+    use crate::region::Region;
+
+    /// Plans all collapses of groups on the seam of a sphere: (target is on the seam, wedges,
+    /// distinct targets, fakes).
+    fn plans() -> Vec<(bool, usize, usize, u32)> {
+        let sphere = lodc_fixtures::uv_sphere(16, 8);
+        let input = Input::new(&sphere);
+        let region = Region::whole(&input, false);
+        let Region { mesh, wedges, .. } = &region;
+        let attributes = Attributes::new(&sphere, input.scale, input.size);
+        let planner = Planner {
+            input: &sphere,
+            mesh,
+            wedges,
+            attributes: &attributes,
+            takes_any: false,
+            size: input.size,
+        };
+        let count = |g: u32| wedges.of_group(g).count();
+        let mut found = Vec::new();
+        for from in (0..region.own() as u32).filter(|&g| count(g) == 2) {
+            mesh.each_neighbour(from, |to| {
+                let mut plan = WedgePlan::default();
+                planner.plan(from, to, &mut plan);
+                let mut targets: Vec<u32> = plan.wedges.iter().map(|p| p.target).collect();
+                targets.sort_unstable();
+                targets.dedup();
+                // Poles have a wedge for every triangle.
+                if count(to) <= 2 {
+                    found.push((count(to) == 2, plan.wedges.len(), targets.len(), plan.fakes));
+                }
+            });
+        }
+        found
+    }
+
+    #[test]
+    fn along_a_seam_every_wedge_has_its_own_target() {
+        let along: Vec<_> = plans().into_iter().filter(|p| p.0).collect();
+        assert!(along.len() >= 8);
+        assert!(
+            along.iter().all(|&(_, wedges, targets, fakes)| (wedges, targets, fakes) == (2, 2, 0))
+        );
+    }
+
+    #[test]
+    fn off_a_seam_the_wedge_without_an_edge_becomes_a_fake() {
+        let off: Vec<_> = plans().into_iter().filter(|p| !p.0).collect();
+        assert!(off.len() >= 16);
+        assert!(off.iter().all(|&(_, wedges, _, fakes)| (wedges, fakes) == (2, 1)));
     }
 }

@@ -1,6 +1,6 @@
-//! What a simplification promises, on shapes small enough to think about.
+//! Promises of a simplification, on shapes small enough to think about.
 
-use crate::{Options, simplify};
+use crate::{Options, simplify, simplify_in};
 use lodc_fixtures as shapes;
 use lodc_mesh::{Lod, Mesh, MeshParts, Semantic, Simplified, Submesh};
 
@@ -68,6 +68,85 @@ fn random_meshes_obey_the_rules_whatever_the_options() {
     }
 }
 
+/// Regions so small that small shapes take many rounds.
+const TINY_REGION: usize = 8;
+
+#[test]
+fn regions_obey_the_rules_whatever_the_options() {
+    for (name, shape) in shapes::ALL {
+        let mesh = shape();
+        let simplified = simplify_in(&mesh, &Options::DEFAULT, TINY_REGION, &|_, _| {});
+        if let Err(broken) = shapes::check_rules(&mesh, &simplified) {
+            panic!("{name}: {broken}");
+        }
+    }
+    for seed in 0..200 {
+        let mesh = shapes::random(seed);
+        let options = Options {
+            preserve_topology: seed % 2 == 1,
+            lock_border: seed % 3 == 1,
+            attributes: seed % 5 != 1,
+            ..Options::DEFAULT
+        };
+        let simplified = simplify_in(&mesh, &options, TINY_REGION, &|_, _| {});
+        if let Err(broken) = shapes::check_rules(&mesh, &simplified) {
+            panic!("seed {seed}, {options:?}: {broken}");
+        }
+    }
+}
+
+#[test]
+fn regions_cost_hardly_more_error_than_the_exact_order() {
+    let mesh = shapes::icosphere(4);
+    let error = |region| {
+        let simplified = simplify_in(&mesh, &Options::DEFAULT, region, &|_, _| {});
+        let collapses = simplified.collapses();
+        let triangles = mesh.triangles().len() as u32;
+        [4, 16, 64].map(|part| {
+            f64::from(collapses.error_at(collapses.lod_for_triangles(triangles / part)))
+        })
+    };
+    let (exact, regions) = (error(usize::MAX / 8), error(128));
+    // The largest error so far is a coarse measure, and these regions are small.
+    for (e, r) in exact.into_iter().zip(regions) {
+        assert!(r <= 1.3 * e, "exact {e}, regions {r}");
+    }
+}
+
+/// Points of a circle, slightly waved.
+fn circle(n: u32) -> impl Iterator<Item = [f32; 3]> {
+    (0..n).map(move |i| {
+        let a = i as f32 / n as f32 * std::f32::consts::TAU;
+        [a.cos(), a.sin(), 0.02 * (a * 9.0).sin()]
+    })
+}
+
+#[test]
+fn hubs_obey_the_rules() {
+    let n = 300;
+    let poles = [[0.0, 0.0, 0.3], [0.0, 0.0, -0.3]];
+    let both: Vec<[f32; 3]> = poles.into_iter().chain(circle(n)).collect();
+    let one: Vec<[f32; 3]> = poles.into_iter().take(1).chain(circle(n)).collect();
+    let fan = |pole: u32, first: u32| move |i: u32| [pole, first + i, first + (i + 1) % n];
+    let turned = |[a, b, c]: [u32; 3]| [a, c, b];
+    let edge: Vec<[u32; 3]> = (0..n).map(|i| [0, 1, 2 + i]).collect();
+    let bipyramid = (0..n).map(fan(0, 2)).chain((0..n).map(fan(1, 2)).map(turned)).collect();
+    let fan = (0..n).map(fan(0, 1)).collect();
+    let meshes = [
+        ("fan", plain(one, fan)),
+        ("edge", plain(both.clone(), edge)),
+        ("bipyramid", plain(both, bipyramid)),
+    ];
+    for (name, mesh) in meshes {
+        for region in [TINY_REGION, usize::MAX / 8] {
+            let simplified = simplify_in(&mesh, &Options::DEFAULT, region, &|_, _| {});
+            if let Err(broken) = shapes::check_rules(&mesh, &simplified) {
+                panic!("{name}, regions of {region}: {broken}");
+            }
+        }
+    }
+}
+
 #[test]
 fn a_flat_square_goes_down_to_two_triangles_without_error() {
     let s = run(&grid(12));
@@ -128,14 +207,16 @@ fn a_thin_blade_keeps_its_length() {
 #[test]
 fn threads_do_not_change_the_result() {
     let mesh = shapes::machine_part();
-    let with = |threads| {
+    let with = |threads, region| {
         let pool =
             rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a small pool");
-        pool.install(|| run(&mesh))
+        pool.install(|| simplify_in(&mesh, &Options::DEFAULT, region, &|_, _| {}))
     };
-    let one = with(1);
-    for threads in [2, 5] {
-        assert_eq!(with(threads), one, "{threads} threads");
+    for region in [TINY_REGION, 64, usize::MAX / 8] {
+        let one = with(1, region);
+        for threads in [2, 3, 8] {
+            assert_eq!(with(threads, region), one, "{threads} threads, regions of {region}");
+        }
     }
 }
 

@@ -1,105 +1,163 @@
-//! The wedges of every group: which vertices are there, where their data comes from, and which are
-//! alike.
+//! The wedges of every group: the vertices there, where their data comes from, and which are alike.
 
-use lodc_mesh::{Mesh, Semantic};
+use lodc_mesh::{Mesh, NONE, Semantic};
 
-pub(crate) const NONE: u32 = u32::MAX;
-
-/// All wedges, originals first, fakes after them. A fake is where one vertex's position data meets
-/// another's attributes, so two numbers say all about it.
+/// The wedges of one region, originals first, fakes after them. A fake is where one vertex's
+/// position data meets another's attributes, so two numbers say all about it.
+///
+/// If every group has one wedge and nothing is compared, all lists are empty: wedge and group
+/// have the same number.
+#[derive(Default)]
 pub(crate) struct Wedges {
+    /// The number of each wedge in the whole mesh; a fake gets its own after a round.
+    pub(crate) ids: Vec<u32>,
     /// The input vertex whose position, joints, weights and morph position deltas the wedge has.
-    pub(crate) place_of: Vec<u32>,
+    pub(crate) position_source: Vec<u32>,
     /// The input vertex whose other attributes it has.
-    pub(crate) attributes_of: Vec<u32>,
-    pub(crate) submesh: Vec<u32>,
-    /// The first wedge of its group with the same attributes, which may be itself.
-    pub(crate) class: Vec<u32>,
+    pub(crate) attribute_source: Vec<u32>,
+    submesh: Vec<u32>,
+    /// Equal for the wedges of a group with the same attributes.
+    class: Vec<u32>,
     first: Vec<u32>,
     next: Vec<u32>,
+    /// Number of wedges that are no fakes of this round.
+    numbered: usize,
+}
+
+/// The data of one wedge.
+#[derive(Clone, Copy)]
+pub(crate) struct Wedge {
+    /// Its number in the whole mesh.
+    pub(crate) id: u32,
+    pub(crate) position_source: u32,
+    pub(crate) attribute_source: u32,
+    pub(crate) submesh: u32,
+    /// Equal for the wedges of a group with the same attributes.
+    pub(crate) class: u32,
 }
 
 impl Wedges {
-    /// `vertex_of` names the input vertex of each wedge; wedges of a group are consecutive:
-    /// `bounds[g]..bounds[g + 1]`.
-    pub(crate) fn new(mesh: &Mesh, vertex_of: Vec<u32>, bounds: &[u32]) -> Self {
-        let submesh: Vec<u32> =
-            vertex_of.iter().map(|&v| mesh.vertex_submesh()[v as usize]).collect();
-        let mut class: Vec<u32> = (0..vertex_of.len() as u32).collect();
-        let mut next = vec![NONE; vertex_of.len()];
-        let mut first = vec![NONE; bounds.len() - 1];
-        for (g, range) in bounds.windows(2).enumerate() {
-            if range[0] < range[1] {
-                first[g] = range[0];
-            }
-            for w in range[0]..range[1] {
-                if w + 1 < range[1] {
-                    next[w as usize] = w + 1;
-                }
-                // Beyond a few dozen wedges in one place nobody gains from finding the like ones.
-                let alike = (range[0]..w).take(64).find(|&u| {
-                    class[u as usize] == u
-                        && submesh[u as usize] == submesh[w as usize]
-                        && same_attributes(mesh, vertex_of[u as usize], vertex_of[w as usize])
-                });
-                if let Some(u) = alike {
-                    class[w as usize] = u;
-                }
-            }
+    /// Returns whether wedges are groups, and no lists are kept.
+    pub(crate) fn is_bare(&self) -> bool {
+        self.ids.is_empty()
+    }
+
+    /// Returns the data of a wedge. Not for bare lists.
+    pub(crate) fn wedge(&self, w: u32) -> Wedge {
+        let w = w as usize;
+        Wedge {
+            id: self.ids[w],
+            position_source: self.position_source[w],
+            attribute_source: self.attribute_source[w],
+            submesh: self.submesh[w],
+            class: self.class[w],
         }
-        Self { place_of: vertex_of.clone(), attributes_of: vertex_of, submesh, class, first, next }
+    }
+
+    /// Adds a wedge that belongs to no group yet.
+    pub(crate) fn push(&mut self, wedge: Wedge) -> u32 {
+        self.ids.push(wedge.id);
+        self.position_source.push(wedge.position_source);
+        self.attribute_source.push(wedge.attribute_source);
+        self.submesh.push(wedge.submesh);
+        self.class.push(wedge.class);
+        self.next.push(NONE);
+        self.numbered = self.ids.len();
+        self.numbered as u32 - 1
+    }
+
+    /// Makes consecutive wedges those of the next group.
+    pub(crate) fn push_group(&mut self, wedges: std::ops::Range<u32>) {
+        self.first.push(if wedges.is_empty() { NONE } else { wedges.start });
+        for w in wedges.skip(1) {
+            self.next[w as usize - 1] = w;
+        }
+    }
+
+    /// Equal for the wedges of a group with the same attributes.
+    #[inline]
+    pub(crate) fn class(&self, w: u32) -> u32 {
+        self.class.get(w as usize).copied().unwrap_or(w)
+    }
+
+    #[inline]
+    pub(crate) fn submesh(&self, w: u32) -> u32 {
+        self.submesh.get(w as usize).copied().unwrap_or(0)
     }
 
     /// The wedges of a group.
     pub(crate) fn of_group(&self, group: u32) -> impl Iterator<Item = u32> + '_ {
-        let start = self.first[group as usize];
+        let start = if self.is_bare() { group } else { self.first[group as usize] };
         std::iter::successors((start != NONE).then_some(start), |&w| {
-            let next = self.next[w as usize];
+            let next = self.next.get(w as usize).copied().unwrap_or(NONE);
             (next != NONE).then_some(next)
         })
     }
 
-    /// Whether a group has one wedge only.
+    /// Returns whether a group has one wedge only.
     pub(crate) fn is_single(&self, group: u32) -> bool {
+        if self.is_bare() {
+            return true;
+        }
         let first = self.first[group as usize];
         first != NONE && self.next[first as usize] == NONE
     }
 
-    /// Makes a fake at `group`: where `place` is, looking as `attributes` does.
+    /// Makes a fake at `group`: where `place` is, with the attributes of `attributes`.
     pub(crate) fn add_fake(&mut self, group: u32, place: u32, attributes: u32) -> u32 {
-        let w = self.submesh.len() as u32;
-        self.place_of.push(self.place_of[place as usize]);
-        self.attributes_of.push(self.attributes_of[attributes as usize]);
+        let w = self.ids.len() as u32;
+        self.ids.push(NONE);
+        self.position_source.push(self.position_source[place as usize]);
+        self.attribute_source.push(self.attribute_source[attributes as usize]);
         self.submesh.push(self.submesh[attributes as usize]);
-        self.class.push(w);
+        // Numbers of classes are those of wedges in the whole mesh: these are far from them.
+        self.class.push(NONE - w);
         self.next.push(self.first[group as usize]);
         self.first[group as usize] = w;
         w
     }
 
-    /// `from`'s wedges have become wedges of `to`.
+    /// Returns the number of fakes since the last numbering.
+    pub(crate) fn new_fakes(&self) -> usize {
+        self.ids.len() - self.numbered
+    }
+
+    /// Numbers the new fakes from `first` on and returns their position and attribute sources.
+    pub(crate) fn number_fakes(&mut self, first: u32) -> impl Iterator<Item = (u32, u32)> + '_ {
+        let start = std::mem::replace(&mut self.numbered, self.ids.len());
+        for (w, id) in (start..self.ids.len()).zip(first..) {
+            self.ids[w] = id;
+            self.class[w] = id;
+        }
+        let sources = self.position_source[start..].iter().zip(&self.attribute_source[start..]);
+        sources.map(|(&position, &attributes)| (position, attributes))
+    }
+
+    /// Makes `from`'s wedges wedges of `to`.
     pub(crate) fn merge_groups(&mut self, from: u32, to: u32) {
         let Some(last) = self.of_group(from).last() else { return };
         self.next[last as usize] = self.first[to as usize];
         self.first[to as usize] = std::mem::replace(&mut self.first[from as usize], NONE);
     }
 
-    /// `group`'s wedges are gone.
+    /// Leaves `group` without wedges.
     pub(crate) fn clear_group(&mut self, group: u32) {
-        self.first[group as usize] = NONE;
+        if let Some(first) = self.first.get_mut(group as usize) {
+            *first = NONE;
+        }
     }
 
-    /// Whether two wedges have the same attributes, bit for bit, besides those that say where they
+    /// Compares two wedges' attributes, bit for bit, besides those that say where they
     /// are.
     pub(crate) fn alike(&self, mesh: &Mesh, a: u32, b: u32) -> bool {
-        self.submesh[a as usize] == self.submesh[b as usize]
-            && same_attributes(mesh, self.attributes_of[a as usize], self.attributes_of[b as usize])
+        let source = |w: u32| self.attribute_source[w as usize];
+        self.submesh(a) == self.submesh(b) && same_attributes(mesh, source(a), source(b))
     }
 }
 
-/// Tangents do not count: they follow from normals and texture coordinates, and exporters make them
-/// anew for each face.
-fn same_attributes(mesh: &Mesh, a: u32, b: u32) -> bool {
+/// Compares two vertices' attributes. Tangents do not count: they follow from normals and texture
+/// coordinates, and exporters make them anew for each face.
+pub(crate) fn same_attributes(mesh: &Mesh, a: u32, b: u32) -> bool {
     let compared =
         mesh.attributes().iter().filter(|s| !s.is_spatial() && s.semantic != Semantic::Tangent);
     a == b || compared.into_iter().all(|s| s.at(a) == s.at(b))

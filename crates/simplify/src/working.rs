@@ -1,31 +1,33 @@
 //! The mesh while it is being simplified: groups, faces and stars in flat arrays.
 //!
-//! Everything here is indexed by *group* (a wedge group), *face* (a triangle of the input) or
-//! *wedge* (a vertex). Groups are numbered along a space-filling curve, so neighbours in space are
+//! Everything here is indexed by *group* (a wedge group), *face* (a triangle) or *wedge* (a
+//! vertex), all numbered within one region. Groups of a region are neighbours in space, so they are
 //! neighbours in memory.
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec3, Vec4};
 
-/// A collapse with more dying faces than this takes them out of each star in one pass.
-const FEW: usize = 16;
-
-/// A corner of a face: `face << 2 | corner`.
+/// A corner of a face in the star of its group.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Corner(pub(crate) u32);
+pub(crate) struct Corner {
+    /// The group at the next corner of the face. Kept up to date in closed fans.
+    pub(crate) ahead: u32,
+    /// `face << 2 | corner`.
+    packed: u32,
+}
 
 impl Corner {
     #[inline]
-    pub(crate) fn new(face: u32, corner: usize) -> Self {
-        Self(face << 2 | corner as u32)
+    pub(crate) fn new(face: u32, corner: usize, ahead: u32) -> Self {
+        Self { ahead, packed: face << 2 | corner as u32 }
     }
     #[inline]
     pub(crate) fn face(self) -> u32 {
-        self.0 >> 2
+        self.packed >> 2
     }
-    /// Which corner of the face: 0, 1 or 2.
+    /// The corner of the face: 0, 1 or 2.
     #[inline]
     pub(crate) fn at(self) -> usize {
-        (self.0 & 3) as usize
+        (self.packed & 3) as usize
     }
 }
 
@@ -41,91 +43,110 @@ pub(crate) fn previous(c: usize) -> usize {
     if c == 0 { 2 } else { c - 1 }
 }
 
-/// A triangle, half a cache line: what ranking reads of it lies together.
+/// A triangle.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Face {
     /// The groups at its corners.
     pub(crate) groups: [u32; 3],
-    /// Unit normal; zero if the face has no area.
-    pub(crate) normal: Vec3,
-    /// Area, in squared working units.
-    pub(crate) area: f32,
     /// Its triangle in the input.
     pub(crate) triangle: u32,
 }
 
-/// Where a group's corners lie in the arena.
+/// The plane of a face and the area in it.
 #[derive(Clone, Copy, Debug, Default)]
-struct Star {
-    start: u32,
-    len: u32,
-    capacity: u32,
+pub(crate) struct Facet {
+    /// Unit normal; zero if the face has no area.
+    pub(crate) normal: Vec3,
+    /// In squared working units.
+    pub(crate) area: f32,
 }
 
-/// What neighbours read of a group: four to a cache line.
+impl Facet {
+    /// The facet of a triangle given by its corners, counter-clockwise.
+    #[inline]
+    pub(crate) fn new([a, b, c]: [DVec3; 3]) -> Self {
+        let n = (b - a).cross(c - a);
+        let length = n.length();
+        Self {
+            normal: if length > 0.0 { (n / length).as_vec3() } else { Vec3::ZERO },
+            area: (0.5 * length) as f32,
+        }
+    }
+}
+
+/// The range of a group's corners in the arena.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Place {
+pub(crate) struct Star {
+    pub(crate) start: u32,
+    pub(crate) len: u32,
+    pub(crate) capacity: u32,
+}
+
+/// The data of a group that neighbours read: four to a cache line.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(C)]
+pub(crate) struct GroupPosition {
     /// In working units.
     pub(crate) position: Vec3,
-    /// What the metric wants to find here: its price for arriving at this group.
-    pub(crate) arrival: f32,
+    /// The accumulated part of the cost of any collapse onto this group.
+    pub(crate) target_cost: f32,
 }
 
-/// The star is not a closed fan: it may have borders or more than two faces on an edge.
+impl GroupPosition {
+    /// Position and cost as one vector.
+    #[inline]
+    pub(crate) fn row(&self) -> Vec4 {
+        self.position.extend(self.target_cost)
+    }
+}
+
+/// The star is not a closed fan in counter-clockwise order: it may have borders, more than two
+/// faces on an edge, or very many faces.
 pub(crate) const OPEN: u8 = 1;
-/// Some of the group's collapses were refused the last time it was looked at.
+/// Some of the group's collapses were refused when they were last checked.
 pub(crate) const RESTRICTED: u8 = 2;
 /// An edge at this group is a seam: wedges or submeshes differ across it.
 pub(crate) const SEAM: u8 = 4;
 /// Another group started at the same position.
 pub(crate) const SHARED_POSITION: u8 = 8;
+/// A neighbour belongs to another region: the group stays where it is in this round.
+pub(crate) const LOCKED: u8 = 16;
+/// The group's cost may have risen since it was computed.
+pub(crate) const STALE: u8 = 32;
+/// The star is large, and its faces know their places in it.
+pub(crate) const HUB: u8 = 64;
 
-pub(crate) struct Working {
-    pub(crate) places: Vec<Place>,
+/// The group has moved onto another.
+pub(crate) const DEAD: u8 = 128;
+
+/// Stars with more faces than this are hubs.
+pub(crate) const HUB_VALENCE: usize = 64;
+
+/// Groups, faces and stars of one region.
+#[derive(Default)]
+pub(crate) struct WorkingMesh {
+    pub(crate) places: Vec<GroupPosition>,
     pub(crate) flags: Vec<u8>,
     pub(crate) faces: Vec<Face>,
     /// The wedge at each corner of each face; empty where every group has one wedge, with the
     /// group's number.
-    wedges: Vec<[u32; 3]>,
-    /// Each group's position, as a number shared by the groups there.
+    pub(crate) wedges: Vec<[u32; 3]>,
+    /// Each group's position, as a number shared by the groups there; empty if no two share one.
     pub(crate) position_id: Vec<u32>,
-    stars: Vec<Star>,
-    arena: Vec<Corner>,
+    /// The facet of each face, if they are kept instead of computed.
+    facets: Vec<Facet>,
+    pub(crate) stars: Vec<Star>,
+    pub(crate) arena: Vec<Corner>,
+    /// The places of faces in the stars at their corners, where those are hubs; empty without hubs.
+    pub(crate) hub_slots: Vec<[u32; 3]>,
+    /// Rises whenever two hubs may have come to share a face.
+    pub(crate) hub_epoch: u32,
+    /// Room for a star that is being put together.
+    pub(crate) joined: Vec<Corner>,
     pub(crate) live_faces: u32,
 }
 
-impl Working {
-    /// Builds the stars of all groups.
-    pub(crate) fn new(
-        places: Vec<Place>,
-        flags: Vec<u8>,
-        faces: Vec<Face>,
-        wedges: Vec<[u32; 3]>,
-        position_id: Vec<u32>,
-    ) -> Self {
-        let mut stars = vec![Star::default(); places.len()];
-        for f in &faces {
-            for &g in &f.groups {
-                stars[g as usize].capacity += 1;
-            }
-        }
-        let mut start = 0;
-        for s in &mut stars {
-            s.start = start;
-            start += s.capacity;
-        }
-        let mut arena = vec![Corner(0); start as usize];
-        for (f, face) in (0..).zip(&faces) {
-            for (c, &g) in face.groups.iter().enumerate() {
-                let s = &mut stars[g as usize];
-                arena[(s.start + s.len) as usize] = Corner::new(f, c);
-                s.len += 1;
-            }
-        }
-        let live_faces = faces.len() as u32;
-        Self { places, flags, faces, wedges, position_id, stars, arena, live_faces }
-    }
-
+impl WorkingMesh {
     #[inline]
     pub(crate) fn position(&self, group: u32) -> DVec3 {
         self.places[group as usize].position.as_dvec3()
@@ -139,6 +160,11 @@ impl Working {
     #[inline]
     pub(crate) fn add_flags(&mut self, group: u32, flags: u8) {
         self.flags[group as usize] |= flags;
+    }
+
+    #[inline]
+    pub(crate) fn clear_flags(&mut self, group: u32, flags: u8) {
+        self.flags[group as usize] &= !flags;
     }
 
     /// The wedges at a face's corners.
@@ -157,16 +183,22 @@ impl Working {
         }
     }
 
-    /// Whether every group has one wedge, with the group's number.
+    /// Returns whether every group has one wedge, with the group's number.
     pub(crate) fn one_wedge_each(&self) -> bool {
         self.wedges.is_empty()
     }
 
-    /// The live corners at a group.
+    /// The live corners at a group; in a closed fan counter-clockwise.
     #[inline]
     pub(crate) fn star(&self, group: u32) -> &[Corner] {
         let s = self.stars[group as usize];
         &self.arena[s.start as usize..(s.start + s.len) as usize]
+    }
+
+    /// Number of live corners at a group.
+    #[inline]
+    pub(crate) fn valence(&self, group: u32) -> usize {
+        self.stars[group as usize].len as usize
     }
 
     /// The live faces, each once, in the order of the groups at their first corners.
@@ -189,125 +221,52 @@ impl Working {
     #[inline]
     pub(crate) fn each_neighbour(&self, group: u32, mut visit: impl FnMut(u32)) {
         // In a closed fan every neighbour is the next corner of exactly one face.
-        let open = self.has(group, OPEN);
-        for &corner in self.star(group) {
-            let [ahead, behind] = self.others(corner);
-            visit(ahead);
-            if open {
+        if self.has(group, OPEN) {
+            for &corner in self.star(group) {
+                let [ahead, behind] = self.others(corner);
+                visit(ahead);
                 visit(behind);
+            }
+        } else {
+            for corner in self.star(group) {
+                visit(corner.ahead);
             }
         }
     }
 
-    /// The face with its normal and area as its corners' positions give them.
-    pub(crate) fn set_plane(&mut self, face: u32) {
-        let [a, b, c] = self.faces[face as usize].groups.map(|g| self.position(g));
-        let n = (b - a).cross(c - a);
-        let length = n.length();
-        let f = &mut self.faces[face as usize];
-        f.normal = if length > 0.0 { (n / length).as_vec3() } else { Vec3::ZERO };
-        f.area = (0.5 * length) as f32;
+    /// A face's plane and area.
+    #[inline]
+    pub(crate) fn facet(&self, face: u32) -> Facet {
+        match self.facets.get(face as usize) {
+            Some(&facet) => facet,
+            None => Facet::new(self.faces[face as usize].groups.map(|g| self.position(g))),
+        }
+    }
+
+    /// A face's unit normal; zero if it has no area.
+    #[inline]
+    pub(crate) fn normal(&self, face: u32) -> Vec3 {
+        self.facet(face).normal
+    }
+
+    /// Computes the facets of all faces and keeps them up to date from now on.
+    pub(crate) fn keep_facets(&mut self) {
+        self.facets.clear();
+        self.facets = (0..self.faces.len() as u32).map(|f| self.facet(f)).collect();
+    }
+
+    /// Computes a face's facet anew, if facets are kept.
+    #[inline]
+    pub(crate) fn update_facet(&mut self, face: u32) {
+        if !self.facets.is_empty() {
+            let corners = self.faces[face as usize].groups.map(|g| self.position(g));
+            self.facets[face as usize] = Facet::new(corners);
+        }
     }
 
     /// The area of a face with its corners at these groups, in squared working units.
     pub(crate) fn area_of(&self, groups: [u32; 3]) -> f64 {
         let [a, b, c] = groups.map(|g| self.position(g));
         0.5 * (b - a).cross(c - a).length()
-    }
-
-    /// Moves all of `from`'s faces to `to`. Faces that lose a corner die: they leave every star,
-    /// and `died` is told their triangles. Faces that live get new planes.
-    pub(crate) fn merge(&mut self, from: u32, to: u32, mut died: impl FnMut(u32)) {
-        let from_star = std::mem::take(&mut self.stars[from as usize]);
-        let incoming = from_star.start as usize..(from_star.start + from_star.len) as usize;
-        // Dead faces go first, so that the star of `to` has room for the others.
-        let mut kept = incoming.start;
-        let mut dead = 0;
-        for i in incoming.clone() {
-            let corner = self.arena[i];
-            if self.others(corner).contains(&to) {
-                dead += 1;
-            } else {
-                // The dead gather behind the living.
-                self.arena.swap(i, kept);
-                kept += 1;
-            }
-        }
-        for i in kept..incoming.end {
-            let corner = self.arena[i];
-            self.live_faces -= 1;
-            died(self.faces[corner.face() as usize].triangle);
-            if dead <= FEW {
-                for g in self.others(corner) {
-                    self.leave(g, corner.face());
-                }
-            }
-        }
-        if dead > FEW {
-            self.leave_all(kept..incoming.end);
-        }
-        let moved = from_star.start as usize..kept;
-        for i in moved.clone() {
-            let corner = self.arena[i];
-            self.faces[corner.face() as usize].groups[corner.at()] = to;
-            self.set_plane(corner.face());
-        }
-        self.join(from_star, moved, to);
-    }
-
-    /// Appends corners to the star of `to`, in `from`'s room, its own, or new room.
-    fn join(&mut self, from: Star, moved: std::ops::Range<usize>, to: u32) {
-        let mut star = self.stars[to as usize];
-        let len = star.len + moved.len() as u32;
-        if len > star.capacity {
-            let old = star.start as usize..(star.start + star.len) as usize;
-            if len <= from.capacity {
-                let at = moved.end;
-                let shift = moved.start;
-                debug_assert_eq!(shift, from.start as usize);
-                self.arena.copy_within(old, at);
-                self.stars[to as usize] = Star { start: from.start, len, capacity: from.capacity };
-                return;
-            }
-            star.capacity = len + len / 2;
-            star.start = self.arena.len() as u32;
-            self.arena.extend_from_within(old);
-            self.arena.resize(star.start as usize + star.capacity as usize, Corner(0));
-        }
-        self.arena.copy_within(moved, (star.start + star.len) as usize);
-        star.len = len;
-        self.stars[to as usize] = star;
-    }
-
-    /// Takes many faces, given by one corner each, out of the stars at their other corners: one
-    /// pass over each star.
-    fn leave_all(&mut self, corners: std::ops::Range<usize>) {
-        let mut groups: Vec<u32> =
-            corners.clone().flat_map(|i| self.others(self.arena[i])).collect();
-        groups.sort_unstable();
-        groups.dedup();
-        let mut dead: Vec<u32> = corners.map(|i| self.arena[i].face()).collect();
-        dead.sort_unstable();
-        for g in groups {
-            let s = self.stars[g as usize];
-            let mut len = 0;
-            for i in s.start..s.start + s.len {
-                let corner = self.arena[i as usize];
-                if dead.binary_search(&corner.face()).is_err() {
-                    self.arena[(s.start + len) as usize] = corner;
-                    len += 1;
-                }
-            }
-            self.stars[g as usize].len = len;
-        }
-    }
-
-    fn leave(&mut self, group: u32, face: u32) {
-        let s = &mut self.stars[group as usize];
-        let star = &mut self.arena[s.start as usize..(s.start + s.len) as usize];
-        if let Some(i) = star.iter().position(|c| c.face() == face) {
-            star.swap(i, s.len as usize - 1);
-            s.len -= 1;
-        }
     }
 }

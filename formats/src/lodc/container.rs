@@ -16,6 +16,8 @@ const ENTRY: usize = 40;
 const ALIGN: usize = 16;
 /// Flag of a section without which the file cannot be understood.
 const REQUIRED: u32 = 1;
+/// Flags that a reader may pass over where it does not know them, from version 3 on.
+const OPTIONAL: u32 = 0xffff_0000;
 
 /// The object number of sections that belong to no object.
 pub(super) const SCENE: u32 = u32::MAX;
@@ -35,9 +37,10 @@ pub(super) mod tag {
     pub(crate) const TARGETS: Tag = *b"TARG";
     pub(crate) const JOINED: Tag = *b"JOIN";
     pub(crate) const STEP_ERRORS: Tag = *b"SERR";
+    pub(crate) const STEP_RMS: Tag = *b"SRMS";
     pub(crate) const STEP_TRIANGLES: Tag = *b"STRI";
     pub(crate) const MODEL_ARRAY: Tag = *b"MODA";
-    pub(super) const KNOWN: [Tag; 12] = [
+    pub(super) const KNOWN: [Tag; 13] = [
         MANIFEST,
         DOCUMENT_JSON,
         DOCUMENT_BLOB,
@@ -48,6 +51,7 @@ pub(super) mod tag {
         TARGETS,
         JOINED,
         STEP_ERRORS,
+        STEP_RMS,
         STEP_TRIANGLES,
         MODEL_ARRAY,
     ];
@@ -164,7 +168,8 @@ impl<'a> Container<'a> {
                 return Err(malformed("is damaged (checksum)".to_owned()));
             }
             end = stop as usize;
-            if flags & !REQUIRED != 0 {
+            let known = if version < 3 { REQUIRED } else { REQUIRED | OPTIONAL };
+            if flags & !known != 0 {
                 return Err(FormatError::new(
                     Fault::Unsupported,
                     place(),
@@ -198,6 +203,11 @@ impl<'a> Container<'a> {
         let missing =
             || FormatError::new(Fault::Malformed, place(tag, object, index), "is missing");
         self.sections.remove(&(tag, object, index)).map(|(content, _)| content).ok_or_else(missing)
+    }
+
+    /// A section that may be missing.
+    pub(super) fn take_optional(&mut self, tag: Tag, object: u32, index: u32) -> Option<&'a [u8]> {
+        self.sections.remove(&(tag, object, index)).map(|(content, _)| content)
     }
 
     /// Leaves a section out: what it belongs to is not known.

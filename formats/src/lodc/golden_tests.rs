@@ -4,7 +4,7 @@
 //! The files are made once, by `cargo test -p lodc-formats make_golden_files -- --ignored`, and not
 //! again unless the format changes together with its version.
 
-use super::tests::{all_models_file, gltf_file, obj_file};
+use super::tests::{all_models_file, gltf_file, measured_file};
 use super::*;
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -33,9 +33,13 @@ fn facts(name: &str, bytes: &[u8]) -> String {
         let attributes: u64 =
             mesh.attributes().iter().flat_map(|a| &a.bytes).map(|&b| u64::from(b)).sum();
         let half = collapses.lod_for_triangles(mesh.triangles().len() as u32 / 2);
+        let measured = collapses.rms_at(half).map(|rms| {
+            let error = collapses.error_at(half);
+            format!(" error {:08x} rms {:08x}", error.to_bits(), rms.to_bits())
+        });
         let _ = writeln!(
             text,
-            "{name} {} vertices {} triangles {} submeshes {} attributes {} sum {attributes} records {} steps {} half {} {} models {}",
+            "{name} {} vertices {} triangles {} submeshes {} attributes {} sum {attributes} records {} steps {} half {} {} models {}{}",
             o.info.name,
             mesh.vertex_count(),
             mesh.triangles().len(),
@@ -46,6 +50,7 @@ fn facts(name: &str, bytes: &[u8]) -> String {
             half.0,
             collapses.triangles_at(half),
             o.models.iter().map(Model::name).collect::<Vec<_>>().join(","),
+            measured.unwrap_or_default(),
         );
     }
     text
@@ -69,7 +74,7 @@ fn files(version: u32) -> Vec<(String, Vec<u8>)> {
 fn golden_files_give_their_facts_and_the_same_bytes_again() {
     for version in 1..=VERSION {
         let files = files(version);
-        assert_eq!(files.len(), if version == 1 { 3 } else { 4 });
+        assert_eq!(files.len(), [3, 4, 5][version as usize - 1]);
         let all: String = files.iter().map(|(name, bytes)| facts(name, bytes)).collect();
         assert_eq!(
             all,
@@ -114,8 +119,9 @@ fn make_golden_files() {
     let files = [
         ("all_models.lodc", all_models_file()),
         ("cube_and_part.lodc", gltf_file(&["cube", "machine_part"])),
+        ("measured_cube.lodc", measured_file("cube")),
         ("skinned_tube.lodc", gltf_file(&["skinned_tube_u8"])),
-        ("triangle.lodc", obj_file("triangle")),
+        ("triangle.lodc", measured_file("triangle")),
     ];
     std::fs::create_dir_all(golden(VERSION)).expect("a folder");
     let mut all = String::new();

@@ -2,8 +2,10 @@
 //! integers).
 //!
 //! These types are the file format: they are not those of the scene, so that the scene can change
-//! and the file not.
+//! and the file not. Fields are only ever added, at the end of a record.
 
+use super::old::OldManifest;
+use super::record::Record;
 use super::{LodFile, LodObject};
 use crate::{Document, Fault, FormatError, ObjDocument, ObjMaterial, Source, SourceFormat};
 use lodc_mesh::{Attribute, Component, Semantic};
@@ -11,14 +13,14 @@ use lodc_model::Model;
 use serde::{Deserialize, Serialize};
 
 /// Bytes of a manifest; a reader refuses more, whatever the file says.
-const LIMIT: usize = 256 << 20;
+pub(super) const LIMIT: usize = 256 << 20;
 
 #[derive(Serialize, Deserialize)]
 pub(super) struct Manifest {
-    format: u8,
-    content_hash: u128,
+    pub(super) format: u8,
+    pub(super) content_hash: u128,
     pub(super) document: DocumentEntry,
-    pub(super) objects: Vec<ObjectEntry>,
+    pub(super) objects: Vec<Record<ObjectEntry>>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -41,9 +43,9 @@ pub(super) struct ObjectEntry {
     pub(super) last_legal_lod: u32,
     pub(super) topology_changes: u32,
     pub(super) first_topology_change: Option<u32>,
-    pub(super) submeshes: Vec<SubmeshEntry>,
-    pub(super) attributes: Vec<AttributeEntry>,
-    pub(super) models: Vec<ModelEntry>,
+    pub(super) submeshes: Vec<Record<SubmeshEntry>>,
+    pub(super) attributes: Vec<Record<AttributeEntry>>,
+    pub(super) models: Vec<Record<ModelEntry>>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -89,7 +91,7 @@ pub(super) struct ModelEntry {
 impl Manifest {
     pub(super) fn of(file: &LodFile, plans: &[Vec<bool>]) -> Self {
         let objects =
-            file.objects.iter().zip(plans).map(|(o, plan)| object_entry(o, plan)).collect();
+            file.objects.iter().zip(plans).map(|(o, plan)| Record(object_entry(o, plan))).collect();
         let document = DocumentEntry::of(&file.document);
         Self {
             format: format_code(file.source.format),
@@ -104,7 +106,8 @@ impl Manifest {
             .expect("plain data can be written to memory")
     }
 
-    pub(super) fn read(bytes: &[u8]) -> Result<Self, FormatError> {
+    /// Reads the manifest of a file of some version.
+    pub(super) fn read(bytes: &[u8], version: u32) -> Result<Self, FormatError> {
         let place = "section MANI";
         if bytes.len() > LIMIT {
             return Err(FormatError::new(
@@ -114,15 +117,22 @@ impl Manifest {
             ));
         }
         let config = bincode::config::legacy().with_limit::<LIMIT>();
-        let (manifest, used) = bincode::serde::decode_from_slice::<Self, _>(bytes, config)
-            .map_err(|e| {
-                FormatError::new(Fault::Malformed, place, format!("cannot be decoded: {e}"))
-            })?;
+        let wrong = |e: bincode::error::DecodeError| {
+            FormatError::new(Fault::Malformed, place, format!("cannot be decoded: {e}"))
+        };
+        if version >= 3 {
+            // What follows the known fields belongs to later versions.
+            return bincode::serde::decode_from_slice(bytes, config)
+                .map(|(manifest, _)| manifest)
+                .map_err(wrong);
+        }
+        let (old, used): (OldManifest, _) =
+            bincode::serde::decode_from_slice(bytes, config).map_err(wrong)?;
         if used != bytes.len() {
             let what = format!("{} bytes are left over", bytes.len() - used);
             return Err(FormatError::new(Fault::Malformed, place, what));
         }
-        Ok(manifest)
+        Ok(old.into())
     }
 
     pub(super) fn source(&self) -> Result<Source, FormatError> {
@@ -171,19 +181,21 @@ fn object_entry(object: &LodObject, plan: &[bool]) -> ObjectEntry {
     let (mesh, sequence) = (object.simplified.mesh(), object.simplified.collapses().parts());
     let submeshes = mesh.submeshes().iter().enumerate().map(|(i, s)| {
         let info = object.info.submeshes.get(i);
-        SubmeshEntry {
+        Record(SubmeshEntry {
             name: info.map(|i| i.name.clone()).unwrap_or_default(),
             material: info.and_then(|i| i.material.clone()),
             document_primitive: info.map_or(i as u32, |i| i.document_primitive),
             triangles: s.triangle_count,
             attributes: s.attributes.clone(),
-        }
+        })
     });
     let attributes =
-        mesh.attributes().iter().zip(plan).map(|(a, &full)| AttributeEntry::of(a, full));
-    let models = object.models.iter().map(|m| ModelEntry {
-        name: m.name().to_owned(),
-        arrays: m.arrays().into_iter().map(|a| a.name).collect(),
+        mesh.attributes().iter().zip(plan).map(|(a, &full)| Record(AttributeEntry::of(a, full)));
+    let models = object.models.iter().map(|m| {
+        Record(ModelEntry {
+            name: m.name().to_owned(),
+            arrays: m.arrays().into_iter().map(|a| a.name).collect(),
+        })
     });
     ObjectEntry {
         name: object.info.name.clone(),

@@ -1,4 +1,4 @@
-//! The `.lodc` container, versions 1 and 2 (docs/FORMAT.md).
+//! The `.lodc` container, versions 1 to 3 (docs/FORMAT.md).
 
 mod arrays;
 mod container;
@@ -7,6 +7,8 @@ mod golden_tests;
 mod left_out;
 pub(crate) mod manifest;
 mod object;
+mod old;
+mod record;
 mod steps;
 mod streams;
 #[cfg(test)]
@@ -23,7 +25,7 @@ use std::sync::Arc;
 use streams::ZeroBudget;
 
 /// The version that this program writes, and the newest that it reads.
-pub const VERSION: u32 = 2;
+pub const VERSION: u32 = 3;
 
 /// A `.lodc` file in memory.
 #[derive(Debug)]
@@ -65,6 +67,13 @@ pub fn stored_bytes(model: &AnyModel) -> u64 {
     object::geometry_bytes(model.simplified()) + own as u64
 }
 
+/// Returns the version that a file says it is of; none if it is too short to say.
+#[must_use]
+pub fn version(bytes: &[u8]) -> Option<u32> {
+    let version = bytes.get(8..12)?.try_into().ok()?;
+    Some(u32::from_le_bytes(version))
+}
+
 /// Whether bytes claim to be a `.lodc` file.
 #[must_use]
 pub fn is_lodc(bytes: &[u8]) -> bool {
@@ -77,7 +86,8 @@ pub fn is_lodc(bytes: &[u8]) -> bool {
 /// If a checksum, count, offset or index is wrong, or the file needs a newer program.
 pub fn read(bytes: &[u8]) -> Result<LodFile, FormatError> {
     let mut container = Container::read(bytes)?;
-    let manifest = Manifest::read(container.take(tag::MANIFEST, SCENE, 0)?)?;
+    let version = container.version();
+    let manifest = Manifest::read(container.take(tag::MANIFEST, SCENE, 0)?, version)?;
     let source = manifest.source()?;
     let document = match manifest.document {
         DocumentEntry::Obj(obj) => Document::Obj(obj.into()),
@@ -95,7 +105,7 @@ pub fn read(bytes: &[u8]) -> Result<LodFile, FormatError> {
     let objects = (0..)
         .zip(manifest.objects)
         .map(|(number, entry)| {
-            object::read(&mut container, number, entry, &mut zeros, &mut left_out)
+            object::read(&mut container, number, entry.0, &mut zeros, &mut left_out)
         })
         .collect::<Result<_, _>>()?;
     container.finish(&mut left_out)?;

@@ -3,6 +3,7 @@
 use super::container::{Container, Content, Tag, Writer, place, tag};
 use super::left_out::{LeftOut, shortened};
 use super::manifest::{AttributeEntry, ObjectEntry};
+use super::record::Record;
 use super::streams::{self, ZeroBudget};
 use super::{LodObject, arrays, steps};
 use crate::{Fault, FormatError, ObjectInfo, SubmeshInfo};
@@ -38,7 +39,8 @@ pub(super) fn geometry_bytes(simplified: &Simplified) -> u64 {
     let records = index * sequence.targets.len() + sequence.targets.len().div_ceil(8);
     let lost = steps::lost_triangles(sequence.triangles, &sequence.step_triangles).len();
     let errors = steps::error_growth(&sequence.step_errors).len();
-    (vertices + triangles + records + errors + lost) as u64
+    let rms = steps::error_growth(&sequence.step_rms).len();
+    (vertices + triangles + records + errors + rms + lost) as u64
 }
 
 pub(super) fn write<'a>(
@@ -77,6 +79,11 @@ pub(super) fn write<'a>(
             out.extend(steps::lost_triangles(sequence.triangles, &sequence.step_triangles))
         }),
     );
+    if object.simplified.collapses().is_measured() {
+        writer.optional(tag::STEP_RMS, number, 0, |out| {
+            out.extend(steps::error_growth(&sequence.step_rms))
+        });
+    }
     for (i, &full) in plan.iter().enumerate() {
         writer.required(tag::ATTRIBUTE, number, i as u32, move |out| {
             streams::put(out, mesh, i, full)
@@ -110,7 +117,7 @@ pub(super) fn read(
 
     let mut models = Vec::new();
     let mut index = 0;
-    for model in entry.models {
+    for Record(model) in entry.models {
         let kind = model.name.parse::<ModelKind>().ok();
         let mut stored = Vec::new();
         for name in model.arrays {
@@ -144,7 +151,7 @@ pub(super) fn read(
     let info = ObjectInfo {
         name: entry.name,
         submeshes: submeshes
-            .map(|s| SubmeshInfo {
+            .map(|Record(s)| SubmeshInfo {
                 name: s.name,
                 material: s.material,
                 document_primitive: s.document_primitive,
@@ -259,6 +266,13 @@ fn read_sequence(
     } else {
         steps::step_errors(stored, step_ends.len()).map_err(wrong(tag::STEP_ERRORS))?
     };
+    // Errors without these are estimates, as in all files of versions 1 and 2.
+    let step_rms = match container.take_optional(tag::STEP_RMS, number, 0) {
+        Some(stored) => {
+            steps::step_errors(stored, step_ends.len()).map_err(wrong(tag::STEP_RMS))?
+        }
+        None => vec![],
+    };
     let lost = container.take(tag::STEP_TRIANGLES, number, 0)?;
     // A mesh has fewer than 2^30 triangles.
     let triangles = mesh.triangles().len() as u32;
@@ -268,6 +282,7 @@ fn read_sequence(
         targets,
         step_ends,
         step_errors,
+        step_rms,
         step_triangles,
         triangles,
         last_legal_lod: Lod(entry.last_legal_lod),

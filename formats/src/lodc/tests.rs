@@ -8,11 +8,12 @@ use lodc_mesh::Mesh;
 use lodc_strip::{StripOptions, StripPool};
 
 fn object(name: &str, mesh: &Mesh) -> LodObject {
-    object_with(name, mesh, &[ModelKind::Interactive])
+    object_with(name, fixtures::random_collapse(mesh, 1), &[ModelKind::Interactive])
 }
 
-fn object_with(name: &str, mesh: &Mesh, kinds: &[ModelKind]) -> LodObject {
-    let simplified = Arc::new(fixtures::random_collapse(mesh, 1));
+fn object_with(name: &str, simplified: Simplified, kinds: &[ModelKind]) -> LodObject {
+    let simplified = Arc::new(simplified);
+    let mesh = simplified.mesh();
     let submesh = |i| SubmeshInfo {
         name: format!("part{i}"),
         material: (i > 0).then(|| format!("material{i}")),
@@ -60,7 +61,49 @@ pub(super) fn gltf_file(names: &[&str]) -> LodFile {
 /// A file with a mesh of several submeshes, a seam and borders, and all models of it.
 pub(super) fn all_models_file() -> LodFile {
     let mesh = fixtures::named("machine_part").expect("a shape");
-    LodFile { objects: vec![object_with("machine_part", &mesh, &ModelKind::ALL)], ..gltf_file(&[]) }
+    let simplified = fixtures::random_collapse(&mesh, 1);
+    let objects = vec![object_with("machine_part", simplified, &ModelKind::ALL)];
+    LodFile { objects, ..gltf_file(&[]) }
+}
+
+/// A file of one object whose errors are measured.
+pub(super) fn measured_file(name: &str) -> LodFile {
+    let simplified = fixtures::random_collapse(&fixtures::named(name).expect("a shape"), 1);
+    let parts = simplified.collapses().parts().clone();
+    let or_infinite = |left: u32, distance: f32| if left > 0 { distance } else { f32::INFINITY };
+    let (largest, rms) = (1..)
+        .zip(&parts.step_triangles)
+        .map(|(step, &left)| {
+            let distance = step as f32 * 0.01;
+            (or_infinite(left, distance), or_infinite(left, distance / 4.0))
+        })
+        .unzip();
+    let simplified = simplified.with_distances(largest, rms).expect("they do not fall");
+    LodFile {
+        objects: vec![object_with(name, simplified, &[ModelKind::Interactive])],
+        ..obj_file(name)
+    }
+}
+
+#[test]
+fn measured_errors_come_back_and_files_without_them_say_so() {
+    let file = measured_file("cube");
+    let again = read(&write(&file)).expect("what was written");
+    assert_eq!(again.objects[0].simplified, file.objects[0].simplified);
+    assert!(again.objects[0].simplified.collapses().is_measured());
+    let estimate = read(&write(&obj_file("cube"))).expect("what was written");
+    assert!(!estimate.objects[0].simplified.collapses().is_measured());
+}
+
+#[test]
+fn flags_that_a_reader_may_not_know_are_passed_over_from_version_3_on() {
+    let flagged = crafted(|b| set(b, SECOND + 4, 0x0004_0001u32.to_le_bytes()));
+    assert!(read(&flagged).is_ok());
+    let old = crafted(|b| {
+        set(b, SECOND + 4, 0x0004_0001u32.to_le_bytes());
+        set(b, 8, 2u32.to_le_bytes());
+    });
+    assert!(read(&old).is_err());
 }
 
 fn same(a: &LodFile, b: &LodFile) {
@@ -205,7 +248,7 @@ fn set<const N: usize>(bytes: &mut [u8], at: usize, value: [u8; N]) {
 fn other_files_and_other_versions_are_refused_by_name() {
     fails(b"", Fault::Malformed, "not a .lodc file");
     fails(b"glTF\x02\0\0\0", Fault::Malformed, "not a .lodc file");
-    fails(&crafted(|b| set(b, 8, 3u32.to_le_bytes())), Fault::Unsupported, "version 3 is newer");
+    fails(&crafted(|b| set(b, 8, 4u32.to_le_bytes())), Fault::Unsupported, "version 4 is newer");
     fails(&crafted(|b| set(b, 8, 0u32.to_le_bytes())), Fault::Malformed, "no version 0");
 }
 
@@ -335,13 +378,14 @@ fn crafted_tables_are_refused_by_name() {
 
 #[test]
 fn counts_in_the_manifest_that_are_too_large_are_refused_without_allocating() {
-    // Format, content hash and the kind of document come before the count of objects and the length
-    // of a name.
+    // Format, content hash and the kind of document come before the count of objects, the length
+    // of the first and the length of its name.
     let bytes = write(&gltf_file(&["cube"]));
     let start = u64::from_le_bytes(std::array::from_fn(|i| bytes[FIRST + 16 + i])) as usize;
     let objects = start + 1 + 16 + 4;
-    let name = objects + 8;
-    for at in [objects, name] {
+    let record = objects + 8;
+    let name = record + 8;
+    for at in [objects, record, name] {
         for count in [1u64 << 40, u64::MAX, u64::MAX / 2] {
             fails(&crafted(|b| set(b, at, count.to_le_bytes())), Fault::Malformed, "section MANI");
         }

@@ -13,7 +13,7 @@ mod text;
 pub(crate) use primitives::strips as strips_of;
 pub(crate) use subject::{baselines, plain};
 
-use super::build::{MOST_THREADS, simplify_all};
+use super::build::{MOST_THREADS, measure_all, simplify_all};
 use super::read::read_lodc;
 use crate::console::{self, error, warning};
 use crate::exit::{Failure, Outcome, Status};
@@ -210,6 +210,8 @@ fn objects(args: &BenchArgs, input: &Path) -> Outcome<Vec<Prepared>> {
     progress.stage("simplify");
     let options = Options { metric: args.metric, ..Options::DEFAULT };
     let simplified = simplify_all(scene.objects, &options, triangles, &progress);
+    progress.stage("errors");
+    let simplified = measure_all(simplified);
     progress.stage("models");
     simplified
         .into_iter()

@@ -1,10 +1,12 @@
 //! `lodc build`: OBJ, glTF and GLB to `.lodc`.
 
 mod counts;
+mod errors;
 mod pipeline;
 mod summary;
 
 pub(crate) use counts::counts;
+pub(crate) use errors::measure_all;
 pub(crate) use pipeline::simplify_all;
 
 use crate::console::{self, error};

@@ -1,5 +1,6 @@
-//! The stages of one build: import, simplify, models, check, write.
+//! The stages of one build: import, simplify, errors, strips, models, check, write.
 
+use super::errors::{SimplifiedObjects, measure_all};
 use super::{BuildArgs, counts};
 use crate::exit::{Failure, Outcome, Status};
 use crate::levels;
@@ -9,7 +10,6 @@ use crate::report::InputReport;
 use crate::stages::Stages;
 use lodc_formats::lodc::{LodFile, LodObject, write};
 use lodc_formats::{Scene, SceneObject, import};
-use lodc_mesh::Simplified;
 use lodc_simplify::{Options, simplify};
 use lodc_strip::{StripOptions, StripPool};
 use rayon::prelude::*;
@@ -55,6 +55,8 @@ pub(super) fn make(
     };
     let simplified =
         stages.run("simplify", || simplify_all(objects, &options, triangles, progress));
+    progress.stage("errors");
+    let simplified = stages.run("errors", || measure_all(simplified));
 
     let kinds = levels::chosen(&args.models);
     report.models = kinds.iter().map(|kind| kind.name()).collect();
@@ -101,7 +103,7 @@ pub(crate) fn simplify_all(
     options: &Options,
     triangles: u64,
     progress: &Progress,
-) -> Vec<(lodc_formats::ObjectInfo, Arc<Simplified>)> {
+) -> SimplifiedObjects {
     let total = AtomicU64::new(0);
     let one = |object: SceneObject| {
         // Objects weigh in by their triangles; each says how many of its groups are gone.

@@ -79,9 +79,10 @@ fn table(text: &mut String, made: &BuildOutput) {
         return;
     }
     let diagonal = scene_diagonal(&candidates);
-    let _ = writeln!(text, "     share   triangles       error   of the diagonal");
+    let _ = writeln!(text, "     share   triangles       error   of the diagonal         rms");
     for share in TABLE {
-        let Ok(Selection { lods, error, .. }) = levels.select(Target::Ratio(share), false) else {
+        let Ok(Selection { lods, error, rms, .. }) = levels.select(Target::Ratio(share), false)
+        else {
             continue;
         };
         let left: u64 = candidates
@@ -91,11 +92,12 @@ fn table(text: &mut String, made: &BuildOutput) {
             .sum();
         let _ = writeln!(
             text,
-            "    {:4.0} %{:>12}{:>12}{:12.3} %",
+            "    {:4.0} %{:>12}{:>12}{:16.3} %{:>12}",
             share * 100.0,
             grouped(left),
             distance(error),
-            if diagonal > 0.0 { error / diagonal * 100.0 } else { 0.0 }
+            if diagonal > 0.0 { error / diagonal * 100.0 } else { 0.0 },
+            rms.map_or("-".to_owned(), distance)
         );
     }
 }

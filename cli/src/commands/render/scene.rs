@@ -2,7 +2,7 @@
 
 use super::RenderArgs;
 use super::options::Colouring;
-use crate::commands::build::simplify_all;
+use crate::commands::build::{measure_all, simplify_all};
 use crate::exit::{Failure, Outcome, Status};
 use crate::progress::Progress;
 use crate::stages::Stages;
@@ -115,6 +115,8 @@ fn of_scene(
     progress.stage("simplify");
     let made =
         stages.run("simplify", || simplify_all(objects, &Options::DEFAULT, triangles, &progress));
+    progress.stage("errors");
+    let made = stages.run("errors", || measure_all(made));
     let with_none = |(info, simplified)| LodObject { info, simplified, models: Vec::new() };
     Ok((Objects::Levels(made.into_iter().map(with_none).collect()), document, warnings))
 }

@@ -1,5 +1,6 @@
 //! The checks of one file, as the report shows them.
 
+use super::errors;
 use super::source::first_difference;
 use crate::exit::{Failure, Outcome, Status};
 use crate::report::CheckReport;
@@ -22,6 +23,7 @@ fn object(object: &LodObject, options: &VerifyOptions) -> Outcome<Vec<CheckRepor
         Failure::new(Status::Limit, format!("{name}: {e}; nothing more was verified"))
     })?;
     let mut checks: Vec<_> = reference.checks().iter().map(|c| report(name, c)).collect();
+    checks.push(errors::check(object));
     for model in &object.models {
         checks.extend(verify(model, &reference, options).iter().map(|c| report(name, c)));
     }

@@ -8,6 +8,7 @@ fn small() -> SequenceParts {
         targets: vec![2, 3, 5, 6, 5, 6],
         step_ends: vec![2, 3, 5, 6],
         step_errors: vec![0.5, 0.5, 1.0, 4.0],
+        step_rms: vec![],
         step_triangles: vec![6, 6, 2, 0],
         triangles: 8,
         last_legal_lod: Lod(5),
@@ -126,8 +127,12 @@ fn every_rule_names_its_first_offender() {
     assert_eq!(refused(&|p| p.step_ends[0] = 0), SequenceError::Step { step: 0 });
     assert_eq!(refused(&|p| p.step_errors[2] = 0.4), SequenceError::Step { step: 2 });
     assert_eq!(refused(&|p| p.step_errors[0] = -1.0), SequenceError::Step { step: 0 });
-    for bad in [f32::NAN, f32::INFINITY] {
-        assert_eq!(refused(&|p| p.step_errors[3] = bad), SequenceError::Step { step: 3 });
+    assert_eq!(refused(&|p| p.step_errors[3] = f32::NAN), SequenceError::Step { step: 3 });
+    assert_eq!(refused(&|p| p.step_errors[2] = f32::INFINITY), SequenceError::Step { step: 2 });
+    assert_eq!(refused(&|p| p.step_rms = vec![0.1]), SequenceError::Lengths);
+    for (rms, step) in [([0.1, 0.2, 0.1, 1.0], 2), ([0.1, 0.6, 0.6, 1.0], 1)] {
+        let refused = refused(&|p| p.step_rms = rms.to_vec());
+        assert_eq!(refused, SequenceError::Step { step });
     }
     assert_eq!(refused(&|p| p.step_triangles[0] = 9), SequenceError::Step { step: 0 });
     assert_eq!(refused(&|p| p.step_triangles[3] = 3), SequenceError::Step { step: 3 });
@@ -139,6 +144,24 @@ fn every_rule_names_its_first_offender() {
         SequenceError::Step { step: 4 }
     );
     assert!(refused(&|p| p.targets[4] = 3).to_string().contains("record 4"));
+}
+
+#[test]
+fn measured_errors_end_in_infinity_and_are_found_by_either_curve() {
+    let estimate = sequence();
+    assert!(!estimate.is_measured());
+    assert_eq!((estimate.rms_at(Lod(3)), estimate.lod_for_rms(1.0)), (None, None));
+    let s = CollapseSequence::try_from(SequenceParts {
+        step_errors: vec![0.5, 0.5, 1.0, f32::INFINITY],
+        step_rms: vec![0.0, 0.1, 0.2, f32::INFINITY],
+        ..small()
+    })
+    .expect("infinite without a triangle");
+    assert!(s.is_measured());
+    let at = |lod| s.rms_at(Lod(lod)).expect("it is measured");
+    assert_eq!([0, 2, 4, 5].map(at), [0.0, 0.0, 0.1, 0.2]);
+    assert_eq!([0.0, 0.15, 9.0].map(|e| s.lod_for_rms(e)), [2, 3, 5].map(|l| Some(Lod(l))));
+    assert_eq!(s.lod_for_error(f32::MAX), s.last_visible());
 }
 
 #[test]

@@ -23,6 +23,7 @@ fn simplified(positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>, targets: Vec<u
         targets,
         step_ends: (1..=records).collect(),
         step_errors: vec![0.0; records as usize],
+        step_rms: vec![],
         step_triangles: (1..=records).map(|lod| faces - lod.min(faces)).collect(),
         triangles: faces,
         last_legal_lod: Lod(0),

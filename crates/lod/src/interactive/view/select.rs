@@ -98,7 +98,9 @@ impl ByError {
     const COUNT: u32 = 14 * 512;
 
     pub(super) fn new(collapses: &CollapseSequence) -> Self {
-        let largest = collapses.parts().step_errors.last().map_or(0, |e| e.to_bits() >> 14);
+        let finite = |e: &&f32| e.is_finite();
+        let largest = collapses.parts().step_errors.iter().rev().find(finite);
+        let largest = largest.map_or(0, |e| e.to_bits() >> 14);
         let lowest = (largest + 2).saturating_sub(Self::COUNT);
         let error = |i: u32| if i == 0 { 0.0 } else { f32::from_bits((lowest + i) << 14) };
         Self {

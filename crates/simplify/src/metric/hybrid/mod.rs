@@ -21,11 +21,9 @@ mod visibility;
 
 pub(crate) use patch::Patch;
 
-use super::{Metric, QuadricMetric};
-use crate::fan::{Facet, Lanes};
-use crate::neighborhood::FeaturePlane;
+use super::Reprice;
 use crate::wedges::Wedges;
-use crate::working::Working;
+use crate::working::WorkingMesh;
 use samples::Samples;
 
 /// A place this far off, as a share of the mesh's size, counts like a normal that is off by one
@@ -45,7 +43,6 @@ const HIDDEN: f64 = 1e-6;
 const ZERO: f64 = 1e-16;
 
 pub(crate) struct HybridMetric {
-    quadric: QuadricMetric,
     samples: Samples,
     /// The error of each face's samples.
     energy: Vec<f64>,
@@ -65,12 +62,11 @@ pub(crate) struct HybridMetric {
 
 impl HybridMetric {
     /// `size` is the mesh's diagonal.
-    pub(crate) fn new(mesh: &Working, wedges: &Wedges, size: f64) -> Self {
+    pub(crate) fn new(mesh: &WorkingMesh, size: f64) -> Self {
         let mut samples = Samples::new(mesh);
         visibility::weigh(mesh, samples.all_mut());
         let per = |length: f64| if size > 0.0 { (length * size).powi(-2) } else { 0.0 };
         Self {
-            quadric: QuadricMetric::new(mesh, wedges),
             samples,
             energy: vec![0.0; mesh.faces.len()],
             distance: per(DISTANCE) as f32,
@@ -83,24 +79,14 @@ impl HybridMetric {
     }
 }
 
-impl Metric for HybridMetric {
-    const REPRICES: bool = true;
-    type Local = <QuadricMetric as Metric>::Local;
+impl Reprice for HybridMetric {
     type ViewScratch = Patch;
-
-    fn local(&self, from: u32, facets: &[Facet], features: &[FeaturePlane]) -> Self::Local {
-        self.quadric.local(from, facets, features)
-    }
-
-    fn costs(&self, local: &Self::Local, lanes: &Lanes, costs: &mut [f64]) {
-        self.quadric.costs(local, lanes, costs);
-    }
 
     fn attribute_weight(&self) -> f64 {
         if self.awake { self.attributes } else { 1.0 }
     }
 
-    fn collapsed(&mut self, mesh: &mut Working, wedges: &Wedges, from: u32, to: u32) {
+    fn collapsed(&mut self, mesh: &WorkingMesh, _wedges: &Wedges, from: u32, to: u32) {
         self.moved = None;
         if self.awake {
             let star = mesh.star(from);
@@ -112,26 +98,29 @@ impl Metric for HybridMetric {
             self.moved =
                 Some(self.patch.settle(&mut self.samples, self.distance, &mut self.energy));
         }
-        self.quadric.collapsed(mesh, wedges, from, to);
     }
 
     /// The root mean square distance of what is seen, while that is looked at. Levels of several
     /// objects are chosen by it: what nobody sees must not keep one object fine while others go.
-    fn error(&self, group: u32) -> f64 {
-        self.moved.unwrap_or_else(|| self.quadric.error(group))
+    fn error(&self) -> Option<f64> {
+        self.moved
     }
 
     fn is_active(&self) -> bool {
         self.awake
     }
 
-    fn toggle(&mut self, _mesh: &Working, legal: bool) {
+    fn should_toggle(&self, _mesh: &WorkingMesh) -> bool {
+        false
+    }
+
+    fn toggle(&mut self, _mesh: &WorkingMesh, legal: bool) {
         self.awake = legal;
     }
 
     fn reprice(
         &self,
-        mesh: &Working,
+        mesh: &WorkingMesh,
         _wedges: &Wedges,
         from: u32,
         candidates: &mut [(f64, u32)],

@@ -2,7 +2,7 @@
 //! them.
 
 use super::samples::{CREASE, Sample, Samples};
-use crate::working::{Corner, Working};
+use crate::working::{Corner, WorkingMesh};
 use glam::Vec3;
 
 /// What counts for a place of the input that nothing stands for any more, beside a normal that is
@@ -110,7 +110,13 @@ fn shading_error(shading: &[Vec3; 3], at: [f32; 2], normal: Vec3) -> f32 {
 
 impl Patch {
     /// Gathers what is around a group. `energy` is what each face counts for at present.
-    pub(super) fn gather(&mut self, mesh: &Working, from: u32, samples: &Samples, energy: &[f64]) {
+    pub(super) fn gather(
+        &mut self,
+        mesh: &WorkingMesh,
+        from: u32,
+        samples: &Samples,
+        energy: &[f64],
+    ) {
         let star = mesh.star(from);
         self.start(mesh);
         self.present = 0.0;
@@ -136,7 +142,7 @@ impl Patch {
             for &corner in mesh.star(self.ring[i]) {
                 let f = &mesh.faces[corner.face() as usize];
                 if !f.groups.contains(&from) {
-                    self.fixed.push(f.normal);
+                    self.fixed.push(mesh.normal(corner.face()));
                 }
             }
         }
@@ -156,7 +162,7 @@ impl Patch {
         }
     }
 
-    fn start(&mut self, mesh: &Working) {
+    fn start(&mut self, mesh: &WorkingMesh) {
         if self.marks.len() < mesh.faces.len() {
             self.marks.resize(mesh.faces.len(), 0);
             self.vertex_of.resize(mesh.places.len(), (0, 0));
@@ -178,18 +184,17 @@ impl Patch {
         if epoch == self.epoch { vertex } else { u32::MAX }
     }
 
-    fn add_far(&mut self, mesh: &Working, face: u32) {
-        let f = &mesh.faces[face as usize];
+    fn add_far(&mut self, mesh: &WorkingMesh, face: u32) {
+        let (f, normal) = (&mesh.faces[face as usize], mesh.normal(face));
         let corners = f.groups.map(|g| self.vertex(g));
         let shading = [0, 1, 2].map(|c| match corners[c] {
             u32::MAX => {
-                let normals =
-                    mesh.star(f.groups[c]).iter().map(|c| mesh.faces[c.face() as usize].normal);
-                smooth(normals, f.normal)
+                let normals = mesh.star(f.groups[c]).iter().map(|c| mesh.normal(c.face()));
+                smooth(normals, normal)
             }
-            vertex => smooth(self.fixed_at(vertex).iter().copied(), f.normal),
+            vertex => smooth(self.fixed_at(vertex).iter().copied(), normal),
         });
-        self.far.push(Shaded { face, corners, normal: f.normal, shading });
+        self.far.push(Shaded { face, corners, normal, shading });
     }
 
     fn fixed_at(&self, vertex: u32) -> &[Vec3] {
@@ -198,7 +203,7 @@ impl Patch {
     }
 
     /// Moves the star to `to` and shades what moves.
-    pub(super) fn move_to(&mut self, mesh: &Working, star: &[Corner], from: u32, to: u32) {
+    pub(super) fn move_to(&mut self, mesh: &WorkingMesh, star: &[Corner], from: u32, to: u32) {
         self.moved.clear();
         self.placed.clear();
         for &corner in star {

@@ -1,6 +1,6 @@
 //! Samples of the input's surface, each kept with the face that stands for its place now.
 
-use crate::working::{Face, Working};
+use crate::working::{Facet, WorkingMesh};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -43,18 +43,19 @@ pub(super) struct Samples {
 impl Samples {
     /// Samples of each face of the input: one in its middle, more on faces that are larger than the
     /// mean.
-    pub(super) fn new(mesh: &Working) -> Self {
-        let total: f64 = mesh.faces.iter().map(|f| f64::from(f.area)).sum();
+    pub(super) fn new(mesh: &WorkingMesh) -> Self {
+        let faces = mesh.faces.len() as u32;
+        let total: f64 = (0..faces).map(|f| f64::from(mesh.facet(f).area)).sum();
         let mean = (total / mesh.faces.len().max(1) as f64) as f32;
-        let samples = |f: &Face| {
-            let own = f.normal;
+        let samples = |face: u32| {
+            let (f, Facet { normal: own, area }) = (&mesh.faces[face as usize], mesh.facet(face));
             let corner_normal = |g: u32| {
-                let normals = mesh.star(g).iter().map(|c| mesh.faces[c.face() as usize].normal);
+                let normals = mesh.star(g).iter().map(|c| mesh.normal(c.face()));
                 normals.filter(|n| n.dot(own) > CREASE).sum::<Vec3>().normalize_or_zero()
             };
             let p = f.groups.map(|g| mesh.position(g).as_vec3());
             let normals = f.groups.map(corner_normal);
-            let count = if mean > 0.0 { ((f.area / mean) as usize).clamp(1, DENSEST) } else { 1 };
+            let count = if mean > 0.0 { ((area / mean) as usize).clamp(1, DENSEST) } else { 1 };
             (0..count)
                 .map(|i| {
                     let [u, v] = if count == 1 { [1.0 / 3.0; 2] } else { place(i, count) };
@@ -62,17 +63,17 @@ impl Samples {
                     Sample {
                         position: mix(p),
                         normal: mix(normals).normalize_or_zero(),
-                        weight: f.area / count as f32,
+                        weight: area / count as f32,
                         at: [u, v],
                         distance: 0.0,
-                        extent: (f.area / count as f32).sqrt(),
+                        extent: (area / count as f32).sqrt(),
                         next: NONE,
                     }
                 })
                 .collect::<Vec<Sample>>()
         };
         let lists: Vec<Vec<Sample>> =
-            mesh.faces.par_iter().with_min_len(1024).map(samples).collect();
+            (0..faces).into_par_iter().with_min_len(1024).map(samples).collect();
         let mut all: Vec<Sample> = Vec::with_capacity(lists.iter().map(Vec::len).sum());
         let mut first = Vec::with_capacity(lists.len());
         for list in lists {

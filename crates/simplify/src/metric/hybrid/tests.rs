@@ -2,8 +2,9 @@
 //! those it would measure.
 
 use super::{HybridMetric, Patch};
-use crate::build::build;
-use crate::metric::Metric;
+use crate::input::Input;
+use crate::metric::Reprice;
+use crate::region::Region;
 use crate::{MetricKind, Options, simplify};
 use lodc_fixtures as shapes;
 use lodc_mesh::{Mesh, Simplified};
@@ -81,9 +82,10 @@ fn what_is_flat_is_free() {
 fn a_commit_costs_what_the_look_said() {
     let mut looked_at = 0;
     for mesh in [shapes::icosphere(3), shapes::terrain(), shapes::torus(), shapes::machine_part()] {
-        let built = build(&mesh);
-        let mut working = built.working;
-        let mut metric = HybridMetric::new(&working, &built.wedges, built.size);
+        let input = Input::new(&mesh);
+        let Region { mesh: mut working, wedges, .. } = Region::whole(&input, false);
+        working.keep_facets();
+        let mut metric = HybridMetric::new(&working, input.size);
         metric.toggle(&working, true);
         let mut random = shapes::Rng::new(5);
         for _ in 0..60 {
@@ -91,9 +93,9 @@ fn a_commit_costs_what_the_look_said() {
             let Some(&corner) = working.star(from).first() else { continue };
             let to = working.others(corner)[random.below(2)];
             let mut candidates = [(0.0, to)];
-            metric.reprice(&working, &built.wedges, from, &mut candidates, &mut Patch::default());
+            metric.reprice(&working, &wedges, from, &mut candidates, &mut Patch::default());
             let before: f64 = metric.energy.iter().sum();
-            metric.collapsed(&mut working, &built.wedges, from, to);
+            metric.collapsed(&working, &wedges, from, to);
             let alive_before = working.live_faces;
             let mut gone = Vec::new();
             for c in working.star(from) {

@@ -1,7 +1,7 @@
 //! How much of each sample is seen: by 20 cameras, behind nothing.
 
 use super::samples::Sample;
-use crate::working::Working;
+use crate::working::WorkingMesh;
 use glam::DVec3;
 use lodc_raster::{Camera, SUBPIXELS, Window, metric_cameras, scan};
 use rayon::prelude::*;
@@ -14,7 +14,7 @@ const TOLERANCE: i32 = 512;
 
 /// Multiplies every sample's weight by the part of it that is seen, on average over all directions,
 /// as a share of what is seen of a face with nothing before it.
-pub(super) fn weigh(mesh: &Working, samples: &mut [Sample]) {
+pub(super) fn weigh(mesh: &WorkingMesh, samples: &mut [Sample]) {
     let points = || mesh.places.iter().map(|p| p.position.as_dvec3());
     let (lo, hi) =
         points().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)));
@@ -38,7 +38,7 @@ pub(super) fn weigh(mesh: &Working, samples: &mut [Sample]) {
 }
 
 /// The least depth at every pixel.
-fn depths(mesh: &Working, camera: &Camera) -> Vec<i32> {
+fn depths(mesh: &WorkingMesh, camera: &Camera) -> Vec<i32> {
     let mut depths = vec![i32::MAX; (SIZE * SIZE) as usize];
     for f in &mesh.faces {
         let corners = f.groups.map(|g| camera.project(mesh.position(g)));

@@ -19,11 +19,9 @@ mod view;
 pub(crate) use reprice::ViewScratch;
 pub(crate) use score::Score;
 
-use super::{Metric, QuadricMetric};
-use crate::fan::{Facet, Lanes};
-use crate::neighborhood::FeaturePlane;
+use super::Reprice;
 use crate::wedges::Wedges;
-use crate::working::Working;
+use crate::working::WorkingMesh;
 use glam::DVec3;
 use lodc_raster::{Camera, Window, metric_cameras, scan};
 use rayon::prelude::*;
@@ -34,7 +32,6 @@ use view::{BACKGROUND, View};
 const PIXELS_PER_FACE: u64 = 8;
 
 pub(crate) struct VisualMetric {
-    quadric: QuadricMetric,
     score: Score,
     cameras: Vec<Camera>,
     /// Empty while the quadric decides.
@@ -51,12 +48,11 @@ pub(crate) struct VisualMetric {
 
 impl VisualMetric {
     /// `size` is the number of pixels across each picture.
-    pub(crate) fn new(mesh: &Working, wedges: &Wedges, score: Score, size: u32) -> Self {
+    pub(crate) fn new(mesh: &WorkingMesh, score: Score, size: u32) -> Self {
         let size = size.clamp(8, 1024);
         let cameras = cameras(mesh, size);
         let covered: u64 = cameras.par_iter().map(|camera| covered(mesh, camera)).sum();
         Self {
-            quadric: QuadricMetric::new(mesh, wedges),
             score,
             cameras,
             views: Vec::new(),
@@ -68,7 +64,7 @@ impl VisualMetric {
         }
     }
 
-    fn open(&mut self, mesh: &Working) {
+    fn open(&mut self, mesh: &WorkingMesh) {
         self.views = self.cameras.par_iter().map(|camera| View::new(mesh, camera)).collect();
         if self.score == Score::Divergence {
             self.areas = mesh.faces.par_iter().map(|f| log_area(mesh.area_of(f.groups))).collect();
@@ -77,7 +73,7 @@ impl VisualMetric {
     }
 
     /// `Σ aᵢ log₂(aᵢ/Aᵢ)` of a view.
-    fn divergence(&self, mesh: &Working, view: &View) -> f64 {
+    fn divergence(&self, mesh: &WorkingMesh, view: &View) -> f64 {
         mesh.live().map(|face| self.term(view.area(face), self.areas[face as usize])).sum()
     }
 
@@ -86,7 +82,7 @@ impl VisualMetric {
     }
 
     /// Brings every view up to a collapse that is about to happen.
-    fn redraw(&mut self, mesh: &Working, from: u32, to: u32) {
+    fn redraw(&mut self, mesh: &WorkingMesh, from: u32, to: u32) {
         if self.score == Score::Entropy {
             self.views
                 .par_iter_mut()
@@ -122,7 +118,7 @@ impl VisualMetric {
 }
 
 /// All cameras, around the sphere about the middle of the bounding box.
-fn cameras(mesh: &Working, size: u32) -> Vec<Camera> {
+fn cameras(mesh: &WorkingMesh, size: u32) -> Vec<Camera> {
     let points = || mesh.places.iter().map(|p| p.position.as_dvec3());
     let (lo, hi) =
         points().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)));
@@ -132,13 +128,13 @@ fn cameras(mesh: &Working, size: u32) -> Vec<Camera> {
 }
 
 /// How many pixels of a picture are covered.
-fn covered(mesh: &Working, camera: &Camera) -> u64 {
+fn covered(mesh: &WorkingMesh, camera: &Camera) -> u64 {
     let size = camera.size;
     let mut seen = vec![false; (size * size) as usize];
     for face in mesh.live() {
         let corners = mesh.faces[face as usize].groups.map(|g| camera.project(mesh.position(g)));
         scan(corners, Window::whole(size), |column, row, _| {
-            seen[(row * size as i32 + column) as usize] = true
+            seen[(row * size as i32 + column) as usize] = true;
         });
     }
     seen.into_iter().filter(|&s| s).count() as u64
@@ -149,39 +145,24 @@ fn divergence(sum: f64, covered: u32, table: &Table) -> f64 {
     if covered == 0 { 0.0 } else { (sum - table.at(covered)) / f64::from(covered) }
 }
 
-impl Metric for VisualMetric {
-    const REPRICES: bool = true;
-    type Local = <QuadricMetric as Metric>::Local;
+impl Reprice for VisualMetric {
     type ViewScratch = ViewScratch;
 
-    fn local(&self, from: u32, facets: &[Facet], features: &[FeaturePlane]) -> Self::Local {
-        self.quadric.local(from, facets, features)
-    }
-
-    fn costs(&self, local: &Self::Local, lanes: &Lanes, costs: &mut [f64]) {
-        self.quadric.costs(local, lanes, costs);
-    }
-
-    fn collapsed(&mut self, mesh: &mut Working, wedges: &Wedges, from: u32, to: u32) {
+    fn collapsed(&mut self, mesh: &WorkingMesh, _wedges: &Wedges, from: u32, to: u32) {
         if self.is_active() {
             self.redraw(mesh, from, to);
         }
-        self.quadric.collapsed(mesh, wedges, from, to);
-    }
-
-    fn error(&self, group: u32) -> f64 {
-        self.quadric.error(group)
     }
 
     fn is_active(&self) -> bool {
         !self.views.is_empty()
     }
 
-    fn should_toggle(&self, mesh: &Working) -> bool {
+    fn should_toggle(&self, mesh: &WorkingMesh) -> bool {
         !self.is_active() && !self.asleep_for_good && u64::from(mesh.live_faces) <= self.limit
     }
 
-    fn toggle(&mut self, mesh: &Working, legal: bool) {
+    fn toggle(&mut self, mesh: &WorkingMesh, legal: bool) {
         if legal {
             if self.should_toggle(mesh) {
                 self.open(mesh);
@@ -194,7 +175,7 @@ impl Metric for VisualMetric {
 
     fn reprice(
         &self,
-        mesh: &Working,
+        mesh: &WorkingMesh,
         _wedges: &Wedges,
         from: u32,
         candidates: &mut [(f64, u32)],

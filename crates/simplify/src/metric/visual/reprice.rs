@@ -3,7 +3,7 @@
 use super::score::{Score, log_area};
 use super::view::{BACKGROUND, View};
 use super::{VisualMetric, divergence};
-use crate::working::{Corner, Working};
+use crate::working::{Corner, WorkingMesh};
 use lodc_raster::{Fragment, Window};
 
 /// Faces times candidates that are looked at; beyond, only the geometrically cheapest are.
@@ -73,7 +73,7 @@ impl ViewScratch {
     }
 
     /// Fills `change` with what the picture loses and gains if the star moves as given.
-    fn compare(&mut self, view: &View, window: Window, mesh: &Working, from: u32, to: u32) {
+    fn compare(&mut self, view: &View, window: Window, mesh: &WorkingMesh, from: u32, to: u32) {
         let Self { base, moved, covered, star_seen, change, changed, .. } = self;
         let width = window.width() as i32;
         covered.clear();
@@ -127,7 +127,7 @@ impl VisualMetric {
     /// the score changes.
     pub(crate) fn see(
         &self,
-        mesh: &Working,
+        mesh: &WorkingMesh,
         from: u32,
         candidates: &mut [(f64, u32)],
         scratch: &mut ViewScratch,
@@ -212,7 +212,7 @@ impl VisualMetric {
 
 /// The logarithm of the area in space of every face around `from`, for each candidate after its
 /// collapse.
-fn measure(mesh: &Working, from: u32, candidates: &[(f64, u32)], areas: &mut Vec<f64>) {
+fn measure(mesh: &WorkingMesh, from: u32, candidates: &[(f64, u32)], areas: &mut Vec<f64>) {
     areas.clear();
     for &(_, to) in candidates {
         for corner in mesh.star(from) {

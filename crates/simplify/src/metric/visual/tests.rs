@@ -2,9 +2,10 @@
 
 use super::view::View;
 use super::{Score, VisualMetric, log_area};
-use crate::build::build;
-use crate::metric::Metric;
-use crate::working::Working;
+use crate::input::Input;
+use crate::metric::Reprice;
+use crate::region::Region;
+use crate::working::WorkingMesh;
 use crate::{MetricKind, Options, simplify};
 use lodc_fixtures as shapes;
 use lodc_mesh::{Mesh, Simplified};
@@ -14,7 +15,7 @@ use lodc_raster::Camera;
 const SIZE: u32 = 48;
 
 /// Every area of every view equals that of a picture drawn afresh, integer for integer.
-fn check(metric: &VisualMetric, mesh: &Working, what: &str) {
+fn check(metric: &VisualMetric, mesh: &WorkingMesh, what: &str) {
     for (camera, view) in metric.cameras.iter().zip(&metric.views) {
         let fresh = View::new(mesh, camera);
         assert_eq!(view.areas(), fresh.areas(), "{what}");
@@ -36,12 +37,11 @@ fn check(metric: &VisualMetric, mesh: &Working, what: &str) {
 
 /// Collapses at random edges, legal or not, and compares now and then.
 fn collapse_at_random(mesh: &Mesh, seed: u64, score: Score, what: &str) {
-    let built = build(mesh);
-    let mut working = built.working;
+    let Region { mesh: mut working, wedges, .. } = Region::whole(&Input::new(mesh), false);
     if working.faces.is_empty() {
         return;
     }
-    let mut metric = VisualMetric::new(&working, &built.wedges, score, SIZE);
+    let mut metric = VisualMetric::new(&working, score, SIZE);
     metric.open(&working);
     let mut random = shapes::Rng::new(seed);
     let mut commits = 0;
@@ -49,7 +49,7 @@ fn collapse_at_random(mesh: &Mesh, seed: u64, score: Score, what: &str) {
         let from = random.below(working.places.len()) as u32;
         let Some(&corner) = working.star(from).first() else { continue };
         let to = working.others(corner)[random.below(2)];
-        metric.collapsed(&mut working, &built.wedges, from, to);
+        metric.collapsed(&working, &wedges, from, to);
         working.merge(from, to, |_| {});
         commits += 1;
         if commits % 16 == 0 || working.live_faces < 8 {
@@ -72,7 +72,7 @@ fn areas_stay_those_of_pictures_drawn_afresh() {
 }
 
 /// What a view is worth, straight from the definitions.
-fn score_of(mesh: &Working, camera: &Camera, score: Score) -> f64 {
+fn score_of(mesh: &WorkingMesh, camera: &Camera, score: Score) -> f64 {
     let view = View::new(mesh, camera);
     let areas = view.areas();
     let (faces, background) = areas.split_at(areas.len() - 1);
@@ -103,23 +103,24 @@ fn a_look_says_what_a_collapse_changes() {
         ("part", shapes::machine_part()),
     ] {
         for score in [Score::Entropy, Score::Divergence] {
-            let built = build(&mesh);
-            let mut metric = VisualMetric::new(&built.working, &built.wedges, score, SIZE);
-            metric.open(&built.working);
+            let whole = || Region::whole(&Input::new(&mesh), false);
+            let Region { mesh: working, wedges, .. } = whole();
+            let mut metric = VisualMetric::new(&working, score, SIZE);
+            metric.open(&working);
             let before: Vec<f64> =
-                metric.cameras.iter().map(|c| score_of(&built.working, c, score)).collect();
-            for from in (0..built.working.places.len() as u32).step_by(17) {
-                let Some(&corner) = built.working.star(from).first() else { continue };
-                let mut candidates = built.working.others(corner).map(|to| (0.0, to));
+                metric.cameras.iter().map(|c| score_of(&working, c, score)).collect();
+            for from in (0..working.places.len() as u32).step_by(17) {
+                let Some(&corner) = working.star(from).first() else { continue };
+                let mut candidates = working.others(corner).map(|to| (0.0, to));
                 metric.reprice(
-                    &built.working,
-                    &built.wedges,
+                    &working,
+                    &wedges,
                     from,
                     &mut candidates,
                     &mut super::ViewScratch::default(),
                 );
                 for (cost, to) in candidates {
-                    let mut later = build(&mesh).working;
+                    let mut later = whole().mesh;
                     later.merge(from, to, |_| {});
                     let after = metric.cameras.iter().map(|c| score_of(&later, c, score));
                     let expected: f64 = before.iter().zip(after).map(|(b, a)| (a - b).abs()).sum();

@@ -1,7 +1,7 @@
 //! One camera's picture of the mesh while it is being simplified, exact to the pixel after every
 //! collapse.
 
-use crate::working::{Corner, Working};
+use crate::working::{Corner, WorkingMesh};
 use lodc_raster::{Camera, Fragment, Layers, Point, Window, scan};
 
 /// The background, as an item.
@@ -23,7 +23,7 @@ pub(crate) struct View {
 
 impl View {
     /// Draws the live faces.
-    pub(crate) fn new(mesh: &Working, camera: &Camera) -> Self {
+    pub(crate) fn new(mesh: &WorkingMesh, camera: &Camera) -> Self {
         let size = camera.size;
         let mut view = Self {
             points: mesh.places.iter().map(|p| camera.project(p.position.as_dvec3())).collect(),
@@ -63,7 +63,7 @@ impl View {
     }
 
     /// The pixels that a group's faces may cover, before and after a collapse onto any neighbour.
-    pub(crate) fn window(&self, mesh: &Working, star: &[Corner]) -> Window {
+    pub(crate) fn window(&self, mesh: &WorkingMesh, star: &[Corner]) -> Window {
         let groups = star.iter().flat_map(|c| mesh.faces[c.face() as usize].groups);
         Window::whole(self.size).around(groups.map(|g| self.points[g as usize]))
     }
@@ -126,7 +126,7 @@ impl View {
         let corners = groups.map(|g| self.points[g as usize]);
         let (size, layers) = (self.size as i32, &mut self.layers);
         scan(corners, Window::whole(self.size), |column, row, _| {
-            layers.remove((row * size + column) as usize, face)
+            layers.remove((row * size + column) as usize, face);
         });
     }
 
@@ -134,7 +134,7 @@ impl View {
     /// area changes, with the areas before and after, pixel by pixel.
     pub(crate) fn collapse(
         &mut self,
-        mesh: &Working,
+        mesh: &WorkingMesh,
         from: u32,
         to: u32,
         mut changed: impl FnMut(u32, u32, u32),

@@ -1,0 +1,87 @@
+//! Stored errors against distances that are measured here, at a few levels of every object.
+
+use crate::report::CheckReport;
+use lodc_formats::lodc::LodObject;
+use lodc_measure::{Sampling, Surface, distances};
+use lodc_mesh::{CollapseSequence, Lod, PositionIds, Simplified, SplitMix64};
+
+/// Levels that are measured, spread over the triangle counts.
+const LEVELS: u32 = 8;
+
+/// Chooses the levels.
+const SEED: u64 = 0x6572_726f_7273;
+
+/// Fewer samples than `compare` takes: a stored error that is half of the true one is found all the
+/// same.
+const SAMPLING: Sampling = Sampling { samples: 20_000, lattice: 30_000, seed: 0x5eed };
+
+/// Measured distances may be so much larger than the stored ones, which know samples only.
+const TOLERANCE: f64 = 1.05;
+
+/// Compares the stored errors of an object with measured ones; errors that are estimates are
+/// skipped.
+pub(super) fn check(object: &LodObject) -> CheckReport {
+    let collapses = object.simplified.collapses();
+    let mut report = CheckReport {
+        object: Some(object.info.name.clone()),
+        model: "sequence",
+        check: "errors hold",
+        device: "cpu",
+        adapter: None,
+        lods: 0,
+        full: 0,
+        ok: None,
+        skipped: None,
+        first_difference: None,
+    };
+    if !collapses.is_measured() {
+        report.skipped =
+            Some("the errors are estimates, as files before version 3 have them".to_owned());
+        return report;
+    }
+    let lods = levels(collapses);
+    (report.lods, report.full) = (lods.len() as u64, lods.len() as u64);
+    report.first_difference = first_difference(&object.simplified, &lods);
+    report.ok = Some(report.first_difference.is_none());
+    report
+}
+
+/// Returns levels with triangles, one by chance from each of some ranges of triangle counts.
+fn levels(collapses: &CollapseSequence) -> Vec<Lod> {
+    let mut random = SplitMix64::new(SEED);
+    let mut above = f64::from(collapses.parts().triangles);
+    let ratio = above.powf(1.0 / f64::from(LEVELS));
+    let mut lods = Vec::new();
+    for _ in 0..LEVELS {
+        let below = above / ratio;
+        let wanted = below + (above - below) * f64::from(random.unit());
+        lods.push(collapses.lod_for_triangles(wanted as u32).min(collapses.last_visible()));
+        above = below;
+    }
+    lods.dedup();
+    lods.retain(|&lod| lod > Lod(0));
+    lods
+}
+
+fn first_difference(simplified: &Simplified, lods: &[Lod]) -> Option<String> {
+    let positions = PositionIds::new(simplified.mesh().positions());
+    let places = simplified.mesh().positions();
+    let surface = |lod: Lod| Surface {
+        positions: places.iter().map(|&p| p.into()).collect(),
+        triangles: simplified
+            .triangles_at_with(lod, &positions)
+            .iter()
+            .map(|t| t.corners)
+            .collect(),
+        ..Surface::default()
+    };
+    let input = surface(Lod(0));
+    // Rounding errors of coordinates are no differences.
+    let slack = 1e-9 * input.diagonal();
+    lods.iter().find_map(|&lod| {
+        let [there, back] = distances(&input, &surface(lod), &SAMPLING).hausdorff;
+        let (measured, stored) = (there.max(back), simplified.collapses().error_at(lod));
+        (measured > TOLERANCE * f64::from(stored) + slack)
+            .then(|| format!("LOD {}: the error is {stored}, measured are {measured}", lod.0))
+    })
+}

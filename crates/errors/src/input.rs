@@ -1,0 +1,142 @@
+//! The surface of LOD 0, its triangles and points numbered so that neighbours lie near in memory.
+
+use crate::tree::{Tree, Triangles, morton_order};
+use glam::DVec3;
+use lodc_mesh::{Csr, NONE, PositionIds, Simplified};
+
+/// LOD 0 and the moves that lead away from it.
+///
+/// A *point* is a pair of a position of the mesh and the place where the surface shows it: vertices
+/// at one position may be shown at several places. Triangles die by positions, distances are
+/// between places.
+pub(crate) struct Input {
+    /// The place of each point, scaled by a power of two so that the diagonal of all is from 1 to
+    /// 2.
+    pub(crate) places: Vec<[f32; 3]>,
+    /// The position of each point.
+    pub(crate) positions: Vec<u32>,
+    /// The corners of each triangle, as points, along a Morton curve.
+    pub(crate) triangles: Vec<[u32; 3]>,
+    /// The point of each vertex.
+    pub(crate) point_of: Vec<u32>,
+    /// The triangles around each point.
+    pub(crate) around: Csr,
+    /// A tree over the triangles.
+    pub(crate) tree: Tree,
+    /// Mesh units for each unit of `places`.
+    pub(crate) unit: f64,
+    /// The diagonal of the bounding box of all triangles, in units of `places`.
+    pub(crate) diagonal: f64,
+}
+
+impl Input {
+    /// Numbers a mesh that is shown with its vertices at `shown`. Returns besides the corners of
+    /// each triangle as vertices of the mesh.
+    pub(crate) fn new(simplified: &Simplified, shown: &[[f32; 3]]) -> (Self, Vec<[u32; 3]>) {
+        let mesh = simplified.mesh();
+        let points = Points::new(mesh.positions(), shown);
+        let raw = |t: u32| mesh.triangles()[t as usize].map(|v| shown[v as usize]);
+        let (size, diagonal) = size(mesh.triangles().iter().flatten().map(|&v| shown[v as usize]));
+        let scale = 1.0 / size;
+        let place = |v: u32| shown[v as usize].map(|x| (f64::from(x) * scale) as f32);
+
+        let order = morton_order(0..mesh.triangles().len() as u32, raw);
+        let wedges: Vec<[u32; 3]> = order.iter().map(|&t| mesh.triangles()[t as usize]).collect();
+        let mut numbers = vec![NONE; points.first_vertex.len()];
+        let (mut places, mut positions) = (Vec::new(), Vec::new());
+        let mut number = |v: u32| {
+            let number = &mut numbers[points.of_vertex[v as usize] as usize];
+            if *number == NONE {
+                *number = places.len() as u32;
+                places.push(place(v));
+                positions.push(points.position_of_vertex[v as usize]);
+            }
+            *number
+        };
+        let triangles: Vec<[u32; 3]> = wedges.iter().map(|t| t.map(&mut number)).collect();
+        let point_of: Vec<u32> = (0..mesh.vertex_count() as u32).map(&mut number).collect();
+
+        let corners = |t: u32| triangles[t as usize].map(|p| places[p as usize]);
+        let all = triangles.len();
+        let tree = Tree::new((0..all as u32).collect(), all, corners);
+        let corner = (0..).zip(&triangles).flat_map(|(t, corners)| corners.map(|p| (p, t)));
+        let around = Csr::new(places.len(), corner);
+        let diagonal = diagonal * scale;
+        let unit = size;
+        (Self { places, positions, triangles, point_of, around, tree, unit, diagonal }, wedges)
+    }
+
+    /// Returns the place of a point.
+    #[inline]
+    pub(crate) fn place(&self, point: u32) -> DVec3 {
+        wide(self.places[point as usize])
+    }
+
+    /// Returns the places of three points.
+    #[inline]
+    pub(crate) fn at(&self, [a, b, c]: [u32; 3]) -> [DVec3; 3] {
+        [self.place(a), self.place(b), self.place(c)]
+    }
+}
+
+impl Triangles for Input {
+    #[inline]
+    fn corners(&self, triangle: u32) -> [DVec3; 3] {
+        self.at(self.triangles[triangle as usize])
+    }
+    #[inline]
+    fn is_live(&self, _: u32) -> bool {
+        true
+    }
+}
+
+/// Returns a place with the precision of computations.
+#[inline]
+pub(crate) fn wide([x, y, z]: [f32; 3]) -> DVec3 {
+    DVec3::new(f64::from(x), f64::from(y), f64::from(z))
+}
+
+/// Returns a power of two near the diagonal of the bounding box of some points, and the diagonal;
+/// 1 and 0 if there is none.
+fn size(points: impl Iterator<Item = [f32; 3]>) -> (f64, f64) {
+    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    for p in points {
+        let p = wide(p);
+        (low, high) = (low.min(p), high.max(p));
+    }
+    let diagonal = (high - low).length();
+    if diagonal > 0.0 && diagonal.is_finite() {
+        // The exponent alone: a power of two.
+        (f64::from_bits(diagonal.to_bits() >> 52 << 52), diagonal)
+    } else {
+        (1.0, 0.0)
+    }
+}
+
+/// The points of a mesh, numbered.
+struct Points {
+    of_vertex: Vec<u32>,
+    first_vertex: Vec<u32>,
+    position_of_vertex: Vec<u32>,
+}
+
+impl Points {
+    fn new(positions: &[[f32; 3]], shown: &[[f32; 3]]) -> Self {
+        if shown == positions {
+            let PositionIds { of_vertex, first_vertex } = PositionIds::new(positions);
+            return Self { position_of_vertex: of_vertex.clone(), of_vertex, first_vertex };
+        }
+        let (positions, places) = (PositionIds::new(positions), PositionIds::new(shown));
+        let mut order: Vec<u32> = (0..shown.len() as u32).collect();
+        let key = |v: u32| (positions.of_vertex[v as usize], places.of_vertex[v as usize]);
+        order.sort_unstable_by_key(|&v| (key(v), v));
+        let (mut of_vertex, mut first_vertex) = (vec![0; shown.len()], Vec::<u32>::new());
+        for v in order {
+            if first_vertex.last().is_none_or(|&first| key(first) != key(v)) {
+                first_vertex.push(v);
+            }
+            of_vertex[v as usize] = first_vertex.len() as u32 - 1;
+        }
+        Self { of_vertex, first_vertex, position_of_vertex: positions.of_vertex }
+    }
+}

@@ -1,0 +1,38 @@
+//! How far every level of detail is from the input: for each step of a finished sequence an upper
+//! bound of the two-sided Hausdorff distance, and the root mean square distance.
+//!
+//! Points of the input travel along the sequence, each tied to a face: when a step changes the faces
+//! around it, it goes to the nearest one (Klein, Liebich and Straßer 1996; Ciampalini et al. 1997).
+//! New faces are asked the other way. Where either is near the largest distance so far, branch and
+//! bound looks closer. The pass knows nothing of the simplifier.
+
+mod backward;
+mod faces;
+mod input;
+mod pass;
+mod refine;
+mod samples;
+mod step_errors;
+mod tree;
+mod triangle;
+
+pub use step_errors::StepErrors;
+
+use lodc_mesh::Simplified;
+
+/// Measures every step of a sequence. `shown` is the surface that is compared: a place for each
+/// vertex of the mesh, in the mesh's units, all finite.
+///
+/// The result does not depend on threads.
+///
+/// # Panics
+/// If there are not as many places as vertices.
+#[must_use]
+pub fn measure(simplified: &Simplified, shown: &[[f32; 3]]) -> StepErrors {
+    assert_eq!(shown.len(), simplified.mesh().vertex_count(), "a place for each vertex");
+    let (input, wedges) = input::Input::new(simplified, shown);
+    pass::Pass::new(&input, wedges).run(simplified)
+}
+
+#[cfg(test)]
+mod tests;

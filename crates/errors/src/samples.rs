@@ -1,0 +1,259 @@
+//! Points of the input that travel along: each is tied to the face that it was found nearest to.
+
+use crate::faces::Face;
+use crate::input::{Input, wide};
+use crate::triangle;
+use glam::DVec3;
+use lodc_mesh::{NONE, SplitMix64};
+
+/// Samples that a face keeps when it has half as many more.
+const KEPT: usize = 16;
+
+/// Most samples put on a large triangle besides its corners.
+const MOST_INSIDE: f64 = 24.0;
+
+/// Samples that a mesh of few triangles gets in all, and most on one of its triangles.
+const FEWEST: f64 = 1000.0;
+const MOST_OF_FEW: f64 = 64.0;
+
+/// A point of the input, half a cache line.
+#[derive(Clone, Debug)]
+#[repr(align(32))]
+pub(crate) struct Sample {
+    place: [f32; 3],
+    /// The next sample of the same face.
+    next: u32,
+    /// Where it comes from: twice the point that it is, or twice the triangle that it lies in, plus
+    /// 1.
+    origin: u32,
+    /// Squared distance to its face.
+    pub(crate) squared: f32,
+    /// The squared distance at which the input around it was looked at more closely.
+    pub(crate) refined: f32,
+    /// The area that it stands for.
+    pub(crate) weight: f32,
+}
+
+impl Sample {
+    #[inline]
+    pub(crate) fn place(&self) -> DVec3 {
+        wide(self.place)
+    }
+
+    /// Returns the triangles of the input that it lies on.
+    pub(crate) fn sources<'a>(&self, input: &'a Input) -> Sources<'a> {
+        let which = self.origin / 2;
+        if self.origin % 2 == 0 {
+            Sources::Around(input.around.row(which))
+        } else {
+            Sources::Inside(which)
+        }
+    }
+}
+
+/// Triangles that a sample lies on.
+pub(crate) enum Sources<'a> {
+    /// Those around a point.
+    Around(&'a [u32]),
+    /// One that it lies inside of.
+    Inside(u32),
+}
+
+impl Sources<'_> {
+    /// Returns the triangles.
+    pub(crate) fn as_slice(&self) -> &[u32] {
+        match self {
+            Self::Around(row) => row,
+            Self::Inside(triangle) => std::slice::from_ref(triangle),
+        }
+    }
+}
+
+/// All samples, in a list for each face.
+pub(crate) struct Samples {
+    pub(crate) all: Vec<Sample>,
+    /// The sum of weight times squared distance.
+    pub(crate) sum: f64,
+    /// The sum of weights.
+    pub(crate) weight: f64,
+    nearest_kept: Vec<(f64, u32)>,
+    kept: Vec<u32>,
+    scratch: Vec<u32>,
+}
+
+impl Samples {
+    /// Puts a sample at every point of the input, and more on triangles above three times the mean
+    /// area.
+    pub(crate) fn new(input: &Input, faces: &mut [Face]) -> Self {
+        let inside = inside(faces);
+        let extra: u64 = inside.iter().map(|&n| u64::from(n)).sum();
+        let mut samples = Self {
+            all: Vec::with_capacity(input.places.len() + extra as usize),
+            sum: 0.0,
+            weight: faces.iter().map(|f| f64::from(f.area)).sum(),
+            nearest_kept: vec![],
+            kept: vec![],
+            scratch: vec![],
+        };
+        let share =
+            |t: u32| f64::from(faces[t as usize].area) / (3.0 + f64::from(inside[t as usize]));
+        let shares: Vec<f32> = (0..faces.len() as u32).map(|t| share(t) as f32).collect();
+        for (point, &place) in (0..).zip(&input.places) {
+            let around = input.around.row(point);
+            if let Some(&t) = around.first() {
+                let weight = around.iter().map(|&t| shares[t as usize]).sum();
+                samples.add(faces, t, Sample::at_point(place, point, weight));
+            }
+        }
+        let mut random = SplitMix64::new(7);
+        for (t, &n) in (0..).zip(&inside) {
+            let [a, b, c] = if n > 0 { input.at(input.triangles[t as usize]) } else { continue };
+            for _ in 0..n {
+                let (mut u, mut v) = (f64::from(random.unit()), f64::from(random.unit()));
+                if u + v > 1.0 {
+                    (u, v) = (1.0 - u, 1.0 - v);
+                }
+                let p = a + (b - a) * u + (c - a) * v;
+                let place = p.to_array().map(|x| x as f32);
+                samples.add(faces, t, Sample::inside(place, t, shares[t as usize]));
+            }
+        }
+        samples
+    }
+
+    /// Adds a sample to the list of a face. Returns its number.
+    pub(crate) fn add(&mut self, faces: &mut [Face], face: u32, sample: Sample) -> u32 {
+        let number = self.all.len() as u32;
+        self.all.push(sample);
+        self.link(faces, face, number);
+        number
+    }
+
+    /// Puts a sample that is in no list into that of a face.
+    pub(crate) fn link(&mut self, faces: &mut [Face], face: u32, sample: u32) {
+        let face = &mut faces[face as usize];
+        self.all[sample as usize].next = face.first_sample;
+        face.first_sample = sample;
+        face.samples += 1;
+    }
+
+    /// Appends the samples of a face to `taken`, with the face, and leaves the face without.
+    pub(crate) fn take(&self, faces: &mut [Face], face: u32, taken: &mut Vec<(u32, u32)>) {
+        taken.extend(self.of(&faces[face as usize]).map(|sample| (sample, face)));
+        faces[face as usize].first_sample = NONE;
+        faces[face as usize].samples = 0;
+    }
+
+    /// Notes a sample's new distance.
+    pub(crate) fn set(&mut self, sample: u32, squared: f64) {
+        let s = &mut self.all[sample as usize];
+        let squared = squared as f32;
+        self.sum += f64::from(s.weight) * (f64::from(squared) - f64::from(s.squared));
+        s.squared = squared;
+    }
+
+    /// Returns a word of a sample, to have it read.
+    #[inline]
+    pub(crate) fn touch(&self, sample: u32) -> u32 {
+        self.all.get(sample as usize).map_or(0, |s| s.next)
+    }
+
+    /// The samples of a face.
+    pub(crate) fn of(&self, face: &Face) -> impl Iterator<Item = u32> {
+        let some = |sample: u32| (sample != NONE).then_some(sample);
+        std::iter::successors(some(face.first_sample), move |&s| some(self.all[s as usize].next))
+    }
+
+    /// Leaves a face that has many samples the farthest, and others far from each other. The ones
+    /// that stay stand for the area of those that go.
+    pub(crate) fn thin(&mut self, faces: &mut [Face], face: u32) {
+        if faces[face as usize].samples as usize <= KEPT + KEPT / 2 {
+            return;
+        }
+        let mut all = std::mem::take(&mut self.scratch);
+        all.clear();
+        all.extend(self.of(&faces[face as usize]));
+        let farther = |&a: &usize, &b: &usize| {
+            let key = |i: usize| self.all[all[i] as usize].squared;
+            key(a).total_cmp(&key(b)).then(all[b].cmp(&all[a]))
+        };
+        let mut choice = (0..all.len()).max_by(farther).expect("there are many");
+        self.kept.clear();
+        self.nearest_kept.clear();
+        self.nearest_kept.resize(all.len(), (f64::INFINITY, 0));
+        while self.kept.len() < KEPT {
+            let number = self.kept.len() as u32;
+            self.kept.push(all[choice]);
+            let place = self.all[all[choice] as usize].place();
+            self.nearest_kept[choice].0 = -1.0;
+            let mut far = (-1.0, choice);
+            for (i, nearest) in self.nearest_kept.iter_mut().enumerate() {
+                let apart = (self.all[all[i] as usize].place() - place).length_squared();
+                if apart < nearest.0 {
+                    *nearest = (apart, number);
+                }
+                if nearest.0 > far.0 {
+                    far = (nearest.0, i);
+                }
+            }
+            choice = far.1;
+        }
+        for (i, &(apart, number)) in self.nearest_kept.iter().enumerate() {
+            if apart >= 0.0 {
+                let gone = self.all[all[i] as usize].clone();
+                let kept = &mut self.all[self.kept[number as usize] as usize];
+                kept.weight += gone.weight;
+                self.sum +=
+                    f64::from(gone.weight) * (f64::from(kept.squared) - f64::from(gone.squared));
+            }
+        }
+        faces[face as usize].first_sample = NONE;
+        faces[face as usize].samples = 0;
+        for i in 0..self.kept.len() {
+            self.link(faces, face, self.kept[i]);
+        }
+        self.scratch = all;
+    }
+
+    /// Returns the mean squared distance of the samples of a face; none if it has none.
+    pub(crate) fn mean_square(&self, face: &Face) -> Option<f64> {
+        let sum: f64 = self.of(face).map(|s| f64::from(self.all[s as usize].squared)).sum();
+        (face.samples > 0).then(|| sum / f64::from(face.samples))
+    }
+}
+
+impl Sample {
+    fn new(place: [f32; 3], origin: u32, weight: f32) -> Self {
+        Self { place, next: NONE, origin, squared: 0.0, refined: 0.0, weight }
+    }
+
+    fn at_point(place: [f32; 3], point: u32, weight: f32) -> Self {
+        Self::new(place, 2 * point, weight)
+    }
+
+    /// A sample inside a triangle of the input.
+    pub(crate) fn inside(place: [f32; 3], triangle: u32, weight: f32) -> Self {
+        Self::new(place, 2 * triangle + 1, weight)
+    }
+}
+
+/// Returns for each face how many samples go inside it.
+fn inside(faces: &[Face]) -> Vec<u8> {
+    let all: f64 = faces.iter().map(|f| f64::from(f.area)).sum();
+    let mean = all / faces.len().max(1) as f64;
+    let many = |area: f64| {
+        let large = if area > 3.0 * mean { (area / (2.0 * mean)).min(MOST_INSIDE) } else { 0.0 };
+        let few = if (faces.len() as f64) < FEWEST && all > 0.0 {
+            (FEWEST * area / all).min(MOST_OF_FEW)
+        } else {
+            0.0
+        };
+        large.max(few) as u8
+    };
+    faces.iter().map(|f| many(f64::from(f.area))).collect()
+}
+
+/// Returns the area of a face at some corners.
+pub(crate) fn area(corners: [DVec3; 3]) -> f32 {
+    triangle::area(corners) as f32
+}

@@ -1,0 +1,32 @@
+//! The distances that a pass finds.
+
+/// Distances from LOD 0 after each step, in the mesh's units. They never fall; infinite once a mesh
+/// that had triangles has none left.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct StepErrors {
+    /// An upper bound of the Hausdorff distance between both surfaces, up to what sampling can
+    /// know.
+    pub error: Vec<f32>,
+    /// The largest root mean square distance so far, over the area, the larger of both ways.
+    pub rms: Vec<f32>,
+}
+
+impl StepErrors {
+    pub(crate) fn with_capacity(steps: usize) -> Self {
+        Self { error: Vec::with_capacity(steps), rms: Vec::with_capacity(steps) }
+    }
+
+    /// Adds a step: distances are rounded up and kept from falling.
+    pub(crate) fn push(&mut self, error: f64, rms: f64) {
+        self.error.push(not_below(&self.error, error));
+        self.rms.push(not_below(&self.rms, rms));
+    }
+}
+
+fn not_below(list: &[f32], distance: f64) -> f32 {
+    let nearest = distance as f32;
+    let above = if f64::from(nearest) < distance { nearest.next_up() } else { nearest };
+    // What is too large for the type is no missing surface.
+    let above = if distance.is_finite() { above.min(f32::MAX) } else { above };
+    list.last().map_or(above, |&before| above.max(before))
+}

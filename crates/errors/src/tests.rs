@@ -1,0 +1,292 @@
+//! Distances that are known by hand, and every step of many sequences against samples of its
+//! surfaces.
+
+use crate::{StepErrors, measure};
+use lodc_fixtures as fixtures;
+use lodc_measure::{Sampling, Surface, distances};
+use lodc_mesh::{
+    CollapseSequence, Lod, Mesh, MeshParts, PositionIds, SequenceParts, Simplified, Submesh,
+};
+
+/// A mesh whose vertices collapse as they stand, one in each step.
+fn sequence(positions: &[[f32; 3]], triangles: &[[u32; 3]], targets: &[u32]) -> Simplified {
+    let mesh = Mesh::try_from(MeshParts {
+        positions: positions.to_vec(),
+        vertex_submesh: vec![0; positions.len()],
+        triangles: triangles.to_vec(),
+        submeshes: vec![Submesh {
+            first_triangle: 0,
+            triangle_count: triangles.len() as u32,
+            attributes: vec![],
+        }],
+        ..MeshParts::default()
+    })
+    .expect("a mesh");
+    let records = targets.len();
+    let parts = SequenceParts {
+        targets: targets.to_vec(),
+        step_ends: (1..=records as u32).collect(),
+        step_errors: vec![0.0; records],
+        step_triangles: vec![0; records],
+        triangles: triangles.len() as u32,
+        ..SequenceParts::default()
+    };
+    let bare = CollapseSequence::try_from(parts.clone()).expect("a sequence");
+    let bare = Simplified::new(mesh.clone(), bare).expect("they fit");
+    let ids = PositionIds::new(positions);
+    let left = |lod| bare.triangles_at_with(Lod(lod), &ids).len() as u32;
+    // Long sequences of these tests lose a triangle in each step.
+    let one_less = |lod| (triangles.len() as u32).saturating_sub(lod);
+    let step_triangles = (1..=records as u32)
+        .map(|lod| if records < 1000 { left(lod) } else { one_less(lod) })
+        .collect();
+    let collapses = CollapseSequence::try_from(SequenceParts { step_triangles, ..parts });
+    Simplified::new(mesh, collapses.expect("a sequence")).expect("they fit")
+}
+
+fn measured(simplified: &Simplified) -> StepErrors {
+    measure(simplified, simplified.mesh().positions())
+}
+
+/// The level's surface.
+fn surface(simplified: &Simplified, lod: Lod) -> Surface {
+    Surface {
+        positions: simplified.mesh().positions().iter().map(|&p| p.into()).collect(),
+        triangles: simplified.triangles_at(lod).iter().map(|t| t.corners).collect(),
+        ..Surface::default()
+    }
+}
+
+/// Largest and root mean square distance of a level, sampled.
+fn sampled(simplified: &Simplified, lod: Lod, seed: u64) -> [f64; 2] {
+    let sampling = Sampling { samples: 2_000, lattice: 3_000, seed };
+    let [input, level] = [Lod(0), lod].map(|lod| surface(simplified, lod));
+    let d = distances(&input, &level, &sampling);
+    [d.hausdorff, d.rms].map(|ways| ways[0].max(ways[1]))
+}
+
+/// No level is farther than it states, and errors are not much larger than that. Returns how much
+/// larger in the geometric mean.
+fn check(name: &str, simplified: &Simplified, every: usize) -> f64 {
+    let errors = measured(simplified);
+    let size = simplified.mesh().diagonal();
+    assert_eq!(errors.error.len(), simplified.collapses().steps());
+    let (mut log, mut levels) = (0.0, 0);
+    for step in (0..errors.error.len()).step_by(every) {
+        let at = simplified.collapses().step(step);
+        let stated = f64::from(errors.error[step]);
+        assert!(step == 0 || stated >= f64::from(errors.error[step - 1]), "{name} {step} falls");
+        assert!(errors.rms[step] <= errors.error[step], "{name} {step}");
+        if at.triangles == 0 {
+            assert_eq!(stated.is_infinite(), simplified.collapses().parts().triangles > 0);
+            continue;
+        }
+        let [largest, _] = sampled(simplified, at.lod, step as u64);
+        assert!(
+            largest <= 1.05 * stated + 1e-6 * size,
+            "{name}: step {step} states {stated} and is {largest} away; {} triangles",
+            simplified.mesh().triangles().len()
+        );
+        if largest > 1e-3 * size {
+            log += (stated / largest).ln();
+            levels += 1;
+        }
+    }
+    if levels > 0 { (log / f64::from(levels)).exp() } else { 1.0 }
+}
+
+fn near(a: f32, b: f64) -> bool {
+    (f64::from(a) / b - 1.025).abs() <= 0.03
+}
+
+const SQUARE: [[f32; 3]; 4] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+const HALVES: [[u32; 3]; 2] = [[0, 1, 2], [0, 2, 3]];
+
+#[test]
+fn a_card_that_loses_a_corner_is_off_by_its_distance() {
+    let card = sequence(&SQUARE, &HALVES, &[1, 2, 3]);
+    let errors = measured(&card);
+    assert!(near(errors.error[0], 0.5f64.sqrt()), "{errors:?}");
+    assert!(errors.rms[0] > 0.0 && errors.rms[0] < errors.error[0]);
+    assert!(errors.error[1..].iter().chain(&errors.rms[1..]).all(|e| e.is_infinite()));
+}
+
+#[test]
+fn a_piece_that_vanishes_is_off_by_its_farthest_point() {
+    let far = SQUARE.map(|[x, y, z]| [x + 10.0, y, z]);
+    let positions = [far, SQUARE].concat();
+    let triangles = [HALVES, HALVES.map(|t| t.map(|v| v + 4))].concat();
+    let errors = measured(&sequence(&positions, &triangles, &[1, 2, 3, 4, 5, 6, 7]));
+    assert!(near(errors.error[0], 0.5f64.sqrt()), "{errors:?}");
+    assert!(near(errors.error[1], 10.0) && near(errors.error[3], 10.0), "{errors:?}");
+    assert!(errors.error[4] >= errors.error[3] && errors.error[6].is_infinite());
+}
+
+#[test]
+fn a_face_that_has_a_double_costs_nothing() {
+    let positions = [SQUARE, SQUARE].concat();
+    let other = HALVES.map(|[a, b, c]| [a + 4, c + 4, b + 4]);
+    let triangles = [HALVES, other].concat();
+    let errors = measured(&sequence(&positions, &triangles, &[1, 2, 3, 4, 5, 6, 7]));
+    assert_eq!(errors.error[..3], [0.0; 3], "{errors:?}");
+    assert!(near(errors.error[4], 0.5f64.sqrt()), "{errors:?}");
+}
+
+#[test]
+fn a_hole_that_closes_is_as_far_as_its_middle() {
+    // Vertices of a grid of 4 by 4 squares of side 1; the middle four squares are missing, and their
+    // middle vertex with them.
+    let at = |i: u32| [(i % 5) as f32, (i / 5) as f32, 0.0];
+    let ring = [6, 7, 8, 13, 18, 17, 16, 11];
+    let outer = (0..25).filter(|i| !ring.contains(i) && *i != 12);
+    let order: Vec<u32> = ring.into_iter().chain(outer).collect();
+    let number = |i: u32| order.iter().position(|&o| o == i).expect("a vertex") as u32;
+    let mut triangles = Vec::new();
+    for square in (0..25).filter(|i| i % 5 < 4 && i / 5 < 4) {
+        let corners = [square, square + 1, square + 6, square + 5];
+        if !corners.contains(&12) {
+            let [a, b, c, d] = corners.map(number);
+            triangles.extend([[a, b, c], [a, c, d]]);
+        }
+    }
+    let positions: Vec<[f32; 3]> = order.iter().map(|&i| at(i)).collect();
+    // The ring closes onto its last vertex, at (1, 2).
+    let targets: Vec<u32> = (0..23).map(|k| if k < 7 { 7 } else { k + 1 }).collect();
+    let hole = sequence(&positions, &triangles, &targets);
+    let errors = measured(&hole);
+    // The hole is 2 wide: its middle was 1 away from the surface.
+    assert!(errors.error[6] >= 1.0 && errors.error[6] < 1.5, "{errors:?}");
+    check("hole", &hole, 1);
+}
+
+#[test]
+fn a_sphere_is_bounded_tightly_down_to_nothing() {
+    let options = lodc_simplify::Options::DEFAULT;
+    let sphere = lodc_simplify::simplify(&fixtures::icosphere(3), &options, &|_, _| {});
+    let loose = check("sphere", &sphere, 7);
+    assert!(loose < 1.15, "{loose}");
+    let errors = measured(&sphere);
+    for step in (50..errors.rms.len() - 40).step_by(97) {
+        let [_, rms] = sampled(&sphere, sphere.collapses().step(step).lod, 9);
+        let stated = f64::from(errors.rms[step]);
+        assert!(stated > 0.8 * rms && stated < 1.7 * rms, "step {step}: {stated}, {rms}");
+    }
+}
+
+#[test]
+fn every_shape_is_bounded_in_sequences_that_no_metric_would_make() {
+    for (name, make) in fixtures::ALL {
+        let simplified = fixtures::random_collapse(&make(), 3);
+        let steps = simplified.collapses().steps();
+        check(name, &simplified, steps / 25 + 1);
+    }
+}
+
+#[test]
+fn random_meshes_are_bounded() {
+    for seed in 0..60 {
+        let simplified = fixtures::random_collapse(&fixtures::random(seed), seed);
+        check(&format!("seed {seed}"), &simplified, simplified.collapses().steps() / 15 + 1);
+    }
+}
+
+#[test]
+fn scaled_and_moved_places_scale_the_errors() {
+    let simplified = fixtures::random_collapse(&fixtures::icosphere(2), 5);
+    let plain = measured(&simplified);
+    let doubled: Vec<[f32; 3]> =
+        simplified.mesh().positions().iter().map(|p| p.map(|x| 2.0 * x)).collect();
+    let other = measure(&simplified, &doubled);
+    let twice: Vec<f32> = plain.error.iter().map(|e| 2.0 * e).collect();
+    assert_eq!(other.error, twice);
+}
+
+#[test]
+fn places_count_and_not_positions() {
+    // One card, folded where it is shown: half of it stands upright.
+    let card = sequence(&SQUARE, &HALVES, &[1, 2, 3]);
+    let mut shown = SQUARE;
+    shown[3] = [0.0, 0.0, 3.0];
+    let [flat, folded] = [measured(&card), measure(&card, &shown)].map(|e| e.error[0]);
+    // The corner at the origin is off by its distance to the line from (1, 0, 0) to (0, 0, 3).
+    assert!(near(flat, 0.5f64.sqrt()) && near(folded, 3.0 / 10.0f64.sqrt()), "{flat} {folded}");
+}
+
+#[test]
+fn results_do_not_depend_on_threads() {
+    let simplified = fixtures::random_collapse(&fixtures::named("machine_part").expect("it"), 1);
+    assert_eq!(measured(&simplified), measured(&simplified));
+}
+
+#[test]
+fn nothing_has_no_errors() {
+    let simplified = fixtures::random_collapse(&fixtures::named("empty").expect("a shape"), 1);
+    assert_eq!(measured(&simplified), StepErrors::default());
+}
+
+/// A fan of `n` triangles around vertex `n + 1`, in a disc.
+fn fan(n: u32) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
+    let rim = |i: u32| {
+        // The rim is a square: no sines are needed.
+        let t = 4.0 * i as f32 / (n + 1) as f32;
+        let (side, t) = (t as u32, t.fract());
+        [[t, 0.0, 0.0], [1.0, t, 0.0], [1.0 - t, 1.0, 0.0], [0.0, 1.0 - t, 0.0]]
+            [side.min(3) as usize]
+    };
+    let mut positions: Vec<[f32; 3]> = (0..=n).map(rim).collect();
+    positions.push([0.5, 0.5, 0.1]);
+    (positions, (0..n).map(|i| [i, i + 1, n + 1]).collect())
+}
+
+#[test]
+fn large_fans_take_no_quadratic_time_while_their_middle_stays() {
+    let n = 100_000;
+    let (positions, triangles) = fan(n);
+    let targets: Vec<u32> = (1..=n + 1).collect();
+    let errors = measured(&sequence(&positions, &triangles, &targets));
+    assert_eq!(errors.error.len(), n as usize + 1);
+    assert!(errors.error[n as usize / 2] > 0.2 && errors.error[n as usize].is_infinite());
+}
+
+#[test]
+fn a_hub_that_moves_in_every_step_ends_in_a_bound_that_needs_no_work() {
+    // The middle goes first and takes the whole fan along the rim.
+    let n = 10_000;
+    let (mut positions, triangles) = fan(n);
+    positions.rotate_right(1);
+    let triangles: Vec<[u32; 3]> =
+        triangles.iter().map(|t| t.map(|v| if v == n + 1 { 0 } else { v + 1 })).collect();
+    let targets: Vec<u32> = (1..=n + 1).collect();
+    let errors = measured(&sequence(&positions, &triangles, &targets));
+    assert!(errors.error[n as usize - 2] <= 2.0 && errors.error[n as usize - 2] > 0.5);
+}
+
+#[test]
+fn many_triangles_on_one_edge_take_no_quadratic_time() {
+    let n = 20_000;
+    let page = |i: u32| [(i % 251) as f32, 0.5, (i / 251) as f32 + 0.5];
+    let mut positions: Vec<[f32; 3]> = (0..n).map(page).collect();
+    positions.extend([[0.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
+    let triangles: Vec<[u32; 3]> = (0..n).map(|i| [i, n, n + 1]).collect();
+    let targets: Vec<u32> =
+        (0..n).map(|i| if i + 1 < n { i + 1 } else { n }).chain([n + 1]).collect();
+    let errors = measured(&sequence(&positions, &triangles, &targets));
+    assert!(errors.error[n as usize / 2] > 50.0);
+}
+
+#[test]
+fn soups_are_followed_to_the_last_triangle() {
+    let n = 20_000;
+    let mut random = lodc_mesh::SplitMix64::new(4);
+    let mut positions = Vec::new();
+    for _ in 0..n {
+        let middle = [0; 3].map(|_| random.unit() * 30.0);
+        for _ in 0..3 {
+            positions.push(middle.map(|x| x + random.unit()));
+        }
+    }
+    let triangles: Vec<[u32; 3]> = (0..n).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+    let targets: Vec<u32> = (1..3 * n).collect();
+    let errors = measured(&sequence(&positions, &triangles, &targets));
+    assert!(errors.error[2 * n as usize] > 2.0 && errors.error[2 * n as usize].is_finite());
+}

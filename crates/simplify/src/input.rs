@@ -1,0 +1,171 @@
+//! The input mesh with its groups and wedges numbered along a space-filling curve.
+
+use crate::numbering::Curve;
+use crate::wedges::{Wedge, same_attributes};
+use crate::working::GroupPosition;
+use glam::Vec3;
+use lodc_mesh::{Mesh, PositionIds, WedgeGroups};
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// A mesh ready to be cut into regions.
+pub(crate) struct Input<'a> {
+    pub(crate) mesh: &'a Mesh,
+    /// Working units per mesh unit: a power of two, so that scaling is exact.
+    pub(crate) scale: f64,
+    /// The diagonal in working units.
+    pub(crate) size: f64,
+    /// The group of each vertex.
+    pub(crate) group_of: Vec<u32>,
+    /// The first vertex of each group.
+    first_vertex: Vec<u32>,
+    /// Each group's position, as a number; empty if no two groups share one.
+    pub(crate) position_id: Vec<u32>,
+    /// For each position: true if several groups are there.
+    shared: Vec<bool>,
+    /// None if every group has one wedge, with the group's number.
+    lists: Option<WedgeLists>,
+}
+
+/// Wedges numbered group by group.
+struct WedgeLists {
+    of_vertex: Vec<u32>,
+    vertex: Vec<u32>,
+    /// The wedges of a group are `bounds[g]..bounds[g + 1]`.
+    bounds: Vec<u32>,
+    class: Vec<u32>,
+}
+
+impl<'a> Input<'a> {
+    pub(crate) fn new(mesh: &'a Mesh) -> Self {
+        let positions = PositionIds::new(mesh.positions());
+        let groups = WedgeGroups::new(mesh, &positions);
+        let diagonal = mesh.diagonal();
+        let scale = if diagonal > 0.0 { (-diagonal.log2().floor()).exp2() } else { 1.0 };
+        let (lo, hi) = mesh.bounds();
+        let order = Curve::new(lo, hi, 0.0)
+            .order(groups.len(), |g| mesh.positions()[groups.first_vertex[g] as usize]);
+        let mut rank = vec![0u32; groups.len()];
+        for (i, &g) in (0..).zip(&order) {
+            rank[g as usize] = i;
+        }
+        let first_vertex: Vec<u32> =
+            order.iter().map(|&g| groups.first_vertex[g as usize]).collect();
+        let group_of: Vec<u32> = groups.of_vertex.par_iter().map(|&g| rank[g as usize]).collect();
+        let (mut position_id, mut shared) = (Vec::new(), Vec::new());
+        if groups.len() > positions.len() {
+            position_id = first_vertex.iter().map(|&v| positions.of_vertex[v as usize]).collect();
+            let mut at = vec![0u32; positions.len()];
+            for &p in &position_id {
+                at[p as usize] += 1;
+            }
+            shared = at.into_iter().map(|n| n > 1).collect();
+        }
+        let one_wedge_each = positions.len() == mesh.vertex_count();
+        let lists = (!one_wedge_each).then(|| WedgeLists::new(mesh, &group_of, order.len()));
+        let size = diagonal * scale;
+        Self { mesh, scale, size, group_of, first_vertex, position_id, shared, lists }
+    }
+
+    /// Number of groups.
+    pub(crate) fn groups(&self) -> usize {
+        self.first_vertex.len()
+    }
+
+    /// Number of wedges.
+    pub(crate) fn wedges(&self) -> usize {
+        self.mesh.vertex_count()
+    }
+
+    /// Returns whether every group has one wedge, with the group's number.
+    pub(crate) fn one_wedge_each(&self) -> bool {
+        self.lists.is_none()
+    }
+
+    /// Returns whether some group has several wedges.
+    pub(crate) fn may_have_seams(&self) -> bool {
+        self.wedges() > self.groups()
+    }
+
+    /// The wedge of each vertex.
+    pub(crate) fn wedge_of(&self) -> &[u32] {
+        self.lists.as_ref().map_or(&self.group_of, |l| &l.of_vertex)
+    }
+
+    /// The vertex of each wedge.
+    pub(crate) fn vertex_of(&self) -> &[u32] {
+        self.lists.as_ref().map_or(&self.first_vertex, |l| &l.vertex)
+    }
+
+    /// The wedges of consecutive groups.
+    pub(crate) fn wedges_of(&self, groups: Range<u32>) -> Range<u32> {
+        match &self.lists {
+            Some(l) => l.bounds[groups.start as usize]..l.bounds[groups.end as usize],
+            None => groups,
+        }
+    }
+
+    /// Returns the data of a wedge.
+    pub(crate) fn wedge(&self, id: u32) -> Wedge {
+        let vertex = self.vertex_of()[id as usize];
+        Wedge {
+            id,
+            position_source: vertex,
+            attribute_source: vertex,
+            submesh: self.mesh.vertex_submesh()[vertex as usize],
+            class: self.lists.as_ref().map_or(id, |l| l.class[id as usize]),
+        }
+    }
+
+    /// Position of a group in working units.
+    pub(crate) fn place(&self, group: u32) -> GroupPosition {
+        let p = self.position(group as usize);
+        let position = Vec3::from(p.map(|c| (f64::from(c) * self.scale) as f32));
+        GroupPosition { position, target_cost: 0.0 }
+    }
+
+    /// Position of a group in the mesh's units.
+    pub(crate) fn position(&self, group: usize) -> [f32; 3] {
+        self.mesh.positions()[self.first_vertex[group] as usize]
+    }
+
+    /// Returns whether another group starts at the same position.
+    pub(crate) fn shares_position(&self, group: u32) -> bool {
+        self.position_id.get(group as usize).is_some_and(|&p| self.shared[p as usize])
+    }
+}
+
+impl WedgeLists {
+    fn new(mesh: &Mesh, group_of: &[u32], groups: usize) -> Self {
+        let csr = lodc_mesh::Csr::new(groups, group_of.iter().copied().zip(0..));
+        let (bounds, vertex) = (csr.offsets, csr.values);
+        let mut of_vertex = vec![0u32; vertex.len()];
+        for (wedge, &v) in (0..).zip(&vertex) {
+            of_vertex[v as usize] = wedge;
+        }
+        let class = (0..groups)
+            .into_par_iter()
+            .with_min_len(1024)
+            .flat_map_iter(|g| classes(mesh, &vertex, bounds[g]..bounds[g + 1]))
+            .collect();
+        Self { of_vertex, vertex, bounds, class }
+    }
+}
+
+/// For each wedge of a group the first one with the same attributes, which may be itself.
+fn classes(mesh: &Mesh, vertex: &[u32], wedges: Range<u32>) -> Vec<u32> {
+    let submesh = |w: u32| mesh.vertex_submesh()[vertex[w as usize] as usize];
+    let mut class: Vec<u32> = wedges.clone().collect();
+    for w in wedges.clone() {
+        // Beyond a few dozen wedges in one place nobody gains from finding the like ones.
+        let alike = (wedges.start..w).take(64).find(|&u| {
+            class[(u - wedges.start) as usize] == u
+                && submesh(u) == submesh(w)
+                && same_attributes(mesh, vertex[u as usize], vertex[w as usize])
+        });
+        if let Some(u) = alike {
+            class[(w - wedges.start) as usize] = u;
+        }
+    }
+    class
+}

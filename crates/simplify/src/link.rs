@@ -1,0 +1,229 @@
+//! The link condition (Dey et al. 1999): collapsing an edge keeps the surface's topology exactly if
+//! the groups next to both ends are those opposite the edge, and no face would come to lie on
+//! another.
+
+use crate::working::{HUB, OPEN, WorkingMesh};
+
+/// Pairs of hubs that are remembered.
+const MAX_PAIRS: usize = 64;
+
+/// Marks of groups, used again without being cleared.
+#[derive(Default)]
+pub(crate) struct Marks {
+    marks: Vec<u32>,
+    epoch: u32,
+    /// Pairs of hubs that share no face.
+    apart: Vec<[u32; 2]>,
+    /// The state of the mesh for which that holds.
+    hub_epoch: u32,
+}
+
+impl Marks {
+    /// Returns whether a group shares a face with a hub. Two hubs that do not are remembered, since
+    /// finding out takes a pass over one of their stars.
+    fn touches_hub(&mut self, mesh: &WorkingMesh, group: u32, hub: u32) -> bool {
+        if self.hub_epoch != mesh.hub_epoch {
+            self.hub_epoch = mesh.hub_epoch;
+            self.apart.clear();
+        }
+        if self.apart.contains(&[group, hub]) {
+            return false;
+        }
+        let touches = mesh.star(group).iter().any(|&c| mesh.others(c).contains(&hub));
+        if !touches && mesh.has(group, HUB) && self.apart.len() < MAX_PAIRS {
+            self.apart.push([group, hub]);
+        }
+        touches
+    }
+
+    /// Two fresh values that no group is marked with.
+    fn fresh(&mut self, groups: usize) -> (u32, u32) {
+        if self.marks.len() < groups {
+            self.marks.resize(groups, 0);
+        }
+        if self.epoch > u32::MAX - 4 {
+            self.marks.fill(0);
+            self.epoch = 0;
+        }
+        self.epoch += 2;
+        (self.epoch, self.epoch + 1)
+    }
+}
+
+/// The neighbourhood that both ends of an edge share.
+#[derive(Debug, PartialEq, Eq)]
+pub(crate) struct Link {
+    /// True if the condition holds.
+    pub(crate) holds: bool,
+    pub(crate) shared_faces: usize,
+}
+
+impl Link {
+    pub(crate) fn new(mesh: &WorkingMesh, from: u32, to: u32, marks: &mut Marks) -> Self {
+        if !mesh.has(from, OPEN) && !mesh.has(to, OPEN) && mesh.valence(from) > 3 {
+            Self::closed(mesh, from, to, marks)
+        } else {
+            Self::general(mesh, from, to, marks)
+        }
+    }
+
+    /// Between closed fans: the groups on both sides of the edge are common, and no others may be.
+    /// With more than three neighbours they are not next to each other around `from`.
+    fn closed(mesh: &WorkingMesh, from: u32, to: u32, marks: &mut Marks) -> Self {
+        let (near, _) = marks.fresh(mesh.places.len());
+        let marks = &mut marks.marks;
+        let mut found = false;
+        for corner in mesh.star(from) {
+            marks[corner.ahead as usize] = near;
+            found |= corner.ahead == to;
+        }
+        if !found {
+            return Self { holds: false, shared_faces: 0 };
+        }
+        let common = mesh.star(to).iter().filter(|c| marks[c.ahead as usize] == near).count();
+        Self { holds: common == 2, shared_faces: 2 }
+    }
+
+    /// Between any two stars.
+    fn general(mesh: &WorkingMesh, from: u32, to: u32, marks: &mut Marks) -> Self {
+        let (near, common) = marks.fresh(mesh.places.len());
+        let star = mesh.star(from);
+        let others = |corner| mesh.others(corner);
+        let mut shared_faces = 0;
+        let (mut apexes, mut apex) = (0, [u32::MAX; 2]);
+        for &corner in star {
+            let [g, h] = others(corner);
+            marks.marks[g as usize] = near;
+            marks.marks[h as usize] = near;
+            if g == to || h == to {
+                shared_faces += 1;
+                let opposite = if g == to { h } else { g };
+                if !apex.contains(&opposite) {
+                    apex[apexes.min(1)] = opposite;
+                    apexes += 1;
+                }
+            }
+        }
+        let mut in_both = 0;
+        let mut meet = |marks: &mut Marks, g: u32| {
+            if marks.marks[g as usize] == near {
+                marks.marks[g as usize] = common;
+                in_both += 1;
+            }
+        };
+        if mesh.valence(to) <= 64 + 8 * star.len() {
+            mesh.each_neighbour(to, |g| meet(marks, g));
+        } else {
+            // A hub: asking the few neighbours of `from` is shorter than asking its many.
+            for g in star.iter().flat_map(|&c| others(c)).filter(|&g| g != to) {
+                if marks.marks[g as usize] == near && marks.touches_hub(mesh, g, to) {
+                    meet(marks, g);
+                }
+            }
+        }
+        let marks = &marks.marks;
+        let manifold =
+            (1..=2).contains(&shared_faces) && in_both == apexes && apexes == shared_faces;
+        let vanishes = star.len() == shared_faces && mesh.valence(to) == shared_faces;
+        let doubles = || {
+            star.iter().any(|&corner| {
+                let [g, h] = others(corner);
+                marks[g as usize] == common
+                    && marks[h as usize] == common
+                    && mesh
+                        .star(g)
+                        .iter()
+                        .any(|&c| others(c).contains(&h) && others(c).contains(&to))
+            })
+        };
+        Self { holds: manifold && !vanishes && !doubles(), shared_faces }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::input::Input;
+    use crate::region::Region;
+    use lodc_mesh::{Mesh, MeshParts, Submesh};
+
+    fn links(triangles: &[[u32; 3]], from: u32, to: u32) -> [Link; 2] {
+        let count = triangles.iter().flatten().max().map_or(0, |&v| v + 1);
+        let triangles = triangles.to_vec();
+        let submeshes = vec![Submesh {
+            first_triangle: 0,
+            triangle_count: triangles.len() as u32,
+            attributes: Vec::new(),
+        }];
+        let mesh = Mesh::try_from(MeshParts {
+            positions: (0..count).map(|v| [v as f32, (v * v) as f32, 0.0]).collect(),
+            vertex_submesh: vec![0; count as usize],
+            triangles,
+            submeshes,
+            attributes: Vec::new(),
+        })
+        .expect("a mesh made by hand");
+        let region = Region::whole(&Input::new(&mesh), true);
+        let group = |v: u32| {
+            let at = |g: &u32| region.mesh.places[*g as usize].position.y;
+            let mut groups: Vec<u32> = (0..count).collect();
+            groups.sort_by(|a, b| at(a).total_cmp(&at(b)));
+            groups[v as usize]
+        };
+        let (from, to) = (group(from), group(to));
+        let mut marks = Marks::default();
+        [
+            Link::new(&region.mesh, from, to, &mut marks),
+            Link::general(&region.mesh, from, to, &mut marks),
+        ]
+    }
+
+    /// Two poles and a ring of six.
+    fn bipyramid() -> Vec<[u32; 3]> {
+        (0..6u32)
+            .flat_map(|i| {
+                let (a, b) = (2 + i, 2 + (i + 1) % 6);
+                [[0, a, b], [1, b, a]]
+            })
+            .collect()
+    }
+
+    #[test]
+    fn an_edge_of_a_closed_surface_may_collapse() {
+        for link in links(&bipyramid(), 2, 3) {
+            assert_eq!(link, Link { holds: true, shared_faces: 2 });
+        }
+    }
+
+    #[test]
+    fn a_common_neighbour_off_the_edge_forbids() {
+        // Opposite groups of the ring are no neighbours; a chord makes a third common neighbour.
+        let mut triangles = bipyramid();
+        triangles.extend([[2, 4, 8], [4, 2, 9]]);
+        for link in links(&triangles, 2, 3) {
+            assert!(!link.holds && link.shared_faces == 2);
+        }
+    }
+
+    #[test]
+    fn a_tetrahedron_would_fold_onto_itself() {
+        let tetrahedron = [[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]];
+        for link in links(&tetrahedron, 0, 1) {
+            assert!(!link.holds && link.shared_faces == 2);
+        }
+    }
+
+    #[test]
+    fn a_single_triangle_would_vanish() {
+        for link in links(&[[0, 1, 2]], 0, 1) {
+            assert!(!link.holds && link.shared_faces == 1);
+        }
+    }
+
+    #[test]
+    fn groups_without_a_common_face_share_none() {
+        for link in links(&bipyramid(), 2, 5) {
+            assert_eq!(link.shared_faces, 0);
+        }
+    }
+}

@@ -1,0 +1,228 @@
+//! Pricing plain groups: closed fans without seams or attributes, four collapses at a time.
+//!
+//! The spokes to all neighbours are transposed into lanes. With `cᵢ` the cross product of
+//! consecutive spokes, a face costs `wᵢ(cᵢ·δ)²` with `wᵢ = ½/|cᵢ|`, so nothing cancels in single
+//! precision. Only element-wise operations: the same bits on every machine.
+
+use crate::choice::{COST_SCALE, Choice};
+use crate::metric::{MEMORY, TIE_WEIGHT};
+use crate::neighborhood::fold_plane;
+use crate::quadric::{Quadric, Symmetric, add_outer};
+use crate::working::{Corner, WorkingMesh};
+use glam::{BVec4A, Mat4, Vec3, Vec4};
+
+/// Rings with more neighbours than this are priced one by one.
+const MAX_LEN: usize = 11;
+
+/// One coordinate of up to four neighbours for each vector.
+type Lanes<const N: usize> = [Vec4; N];
+
+/// The cheapest collapse of a plain group; none if its ring is too short or too long.
+#[inline]
+pub(crate) fn cheapest(mesh: &WorkingMesh, quadric: &Quadric, from: u32) -> Option<Choice> {
+    let star = mesh.star(from);
+    match star.len() {
+        3..=7 => Some(price::<2>(mesh, quadric, from, star)),
+        8..=MAX_LEN => Some(price::<3>(mesh, quadric, from, star)),
+        _ => None,
+    }
+}
+
+/// The ring of a group in lanes.
+struct OneRing<const N: usize> {
+    len: usize,
+    /// Spokes, from the group to each neighbour.
+    x: Lanes<N>,
+    y: Lanes<N>,
+    z: Lanes<N>,
+    target_cost: Lanes<N>,
+    /// Cross product of each spoke and the next.
+    cx: Lanes<N>,
+    cy: Lanes<N>,
+    cz: Lanes<N>,
+}
+
+/// The first lanes of a vector, and of the next.
+#[inline]
+fn shifted(a: Vec4, next: Vec4) -> Vec4 {
+    Vec4::new(a.y, a.z, a.w, next.x)
+}
+
+impl<const N: usize> OneRing<N> {
+    #[inline]
+    fn new(mesh: &WorkingMesh, from: u32, star: &[Corner]) -> Self {
+        let len = star.len();
+        let here = mesh.places[from as usize].position.extend(0.0);
+        let mut row = [Vec4::ZERO; MAX_LEN + 2];
+        for (row, corner) in row.iter_mut().zip(star) {
+            *row = mesh.places[corner.ahead as usize].row() - here;
+        }
+        // The face between the last and the first, and once more the first face.
+        row[len] = row[0];
+        row[len + 1] = row[1];
+        let zero = [Vec4::ZERO; N];
+        let (mut x, mut y, mut z, mut target_cost) = (zero, zero, zero, zero);
+        let (mut cx, mut cy, mut cz) = (zero, zero, zero);
+        for t in 0..N {
+            let rows = |i: usize| Mat4::from_cols(row[i], row[i + 1], row[i + 2], row[i + 3]);
+            let p = rows(4 * t).transpose();
+            let q = rows(4 * t + 1).transpose();
+            (x[t], y[t], z[t], target_cost[t]) = (p.x_axis, p.y_axis, p.z_axis, p.w_axis);
+            cx[t] = y[t] * q.z_axis - z[t] * q.y_axis;
+            cy[t] = z[t] * q.x_axis - x[t] * q.z_axis;
+            cz[t] = x[t] * q.y_axis - y[t] * q.x_axis;
+        }
+        Self { len, x, y, z, target_cost, cx, cy, cz }
+    }
+
+    /// Returns whether two consecutive faces are more than 90° apart.
+    #[inline]
+    fn is_folded(&self) -> bool {
+        let mut folded = BVec4A::FALSE;
+        for t in 0..N {
+            let next = |a: &Lanes<N>| shifted(a[t], if t + 1 < N { a[t + 1] } else { Vec4::ZERO });
+            let dot = self.cx[t] * next(&self.cx)
+                + self.cy[t] * next(&self.cy)
+                + self.cz[t] * next(&self.cz);
+            folded |= dot.cmplt(Vec4::ZERO);
+        }
+        folded.any()
+    }
+
+    /// Adds the planes along folded edges.
+    #[cold]
+    #[inline(never)]
+    fn add_folds(&self, a: &mut Symmetric) {
+        let at = |lanes: &Lanes<N>, i: usize| lanes[i / 4][i % 4];
+        let normal = |i: usize| {
+            Vec3::new(at(&self.cx, i), at(&self.cy, i), at(&self.cz, i)).normalize_or_zero()
+        };
+        for i in 1..=self.len {
+            let edge = Vec3::new(at(&self.x, i), at(&self.y, i), at(&self.z, i)).as_dvec3();
+            if let Some(plane) = fold_plane(normal(i - 1), normal(i), edge) {
+                add_outer(a, plane.normal, plane.weight);
+            }
+        }
+    }
+
+    /// Half the inverse length of each cross product, zero where there is no face, and the area of
+    /// all faces.
+    #[inline]
+    fn weights(&self) -> (Lanes<N>, f32) {
+        const LANES: [Vec4; 3] = [
+            Vec4::new(0.0, 1.0, 2.0, 3.0),
+            Vec4::new(4.0, 5.0, 6.0, 7.0),
+            Vec4::new(8.0, 9.0, 10.0, 11.0),
+        ];
+        let mut weights = [Vec4::ZERO; N];
+        let mut area = Vec4::ZERO;
+        let len = Vec4::splat(self.len as f32);
+        for t in 0..N {
+            let squared =
+                self.cx[t] * self.cx[t] + self.cy[t] * self.cy[t] + self.cz[t] * self.cz[t];
+            let length = squared.sqrt();
+            let there = LANES[t].cmplt(len) & squared.cmpgt(Vec4::ZERO);
+            weights[t] = Vec4::select(there, Vec4::splat(0.5) / length, Vec4::ZERO);
+            area += Vec4::select(there, length, Vec4::ZERO);
+        }
+        (weights, 0.5 * ((area.x + area.y) + (area.z + area.w)))
+    }
+
+    /// The accumulated part of the costs, and what orders equal ones by length.
+    #[inline]
+    fn accumulated(&self, quadric: &Quadric, folds: &Symmetric, area: f32) -> Lanes<N> {
+        let a: [f64; 6] = std::array::from_fn(|i| folds[i] + MEMORY * quadric.a[i]);
+        let splat = |v: f64| Vec4::splat(v as f32);
+        let (xx, yy, zz) = (splat(a[0]), splat(a[3]), splat(a[5]));
+        let (xy, xz, yz) = (splat(2.0 * a[1]), splat(2.0 * a[2]), splat(2.0 * a[4]));
+        let b = (2.0 * MEMORY) * quadric.b;
+        let (bx, by, bz) = (splat(b.x), splat(b.y), splat(b.z));
+        let c = splat(MEMORY * quadric.c);
+        let tie = splat(TIE_WEIGHT * f64::from(area));
+        std::array::from_fn(|t| {
+            let (x, y, z) = (self.x[t], self.y[t], self.z[t]);
+            let moved = x * ((xx * x + xy * y) + (xz * z + bx))
+                + y * ((yy * y + yz * z) + by)
+                + z * (zz * z + bz)
+                + c;
+            moved.max(Vec4::ZERO) + tie * (x * x + y * y + z * z)
+        })
+    }
+}
+
+#[inline(always)]
+fn price<const N: usize>(
+    mesh: &WorkingMesh,
+    quadric: &Quadric,
+    from: u32,
+    star: &[Corner],
+) -> Choice {
+    let ring = OneRing::<N>::new(mesh, from, star);
+    let mut folds = [0.0; 6];
+    if ring.is_folded() {
+        ring.add_folds(&mut folds);
+    }
+    let (weights, area) = ring.weights();
+    let mut sums = ring.accumulated(quadric, &folds, area);
+    for (f, weights) in weights.iter().enumerate() {
+        let (cx, cy, cz) = (ring.cx[f], ring.cy[f], ring.cz[f]);
+        let faces = cx.to_array().into_iter().zip(cy.to_array()).zip(cz.to_array());
+        let faces = faces.zip(weights.to_array()).take(ring.len - (4 * f).min(ring.len));
+        for (((cx, cy), cz), weight) in faces {
+            let (cx, cy, cz) = (Vec4::splat(cx), Vec4::splat(cy), Vec4::splat(cz));
+            let weight = Vec4::splat(weight);
+            for (t, sum) in sums.iter_mut().enumerate() {
+                let distance = cx * ring.x[t] + cy * ring.y[t] + cz * ring.z[t];
+                *sum += distance * weight * distance;
+            }
+        }
+    }
+    let mut best = u64::MAX;
+    for ((sums, target_cost), corners) in sums.iter().zip(ring.target_cost).zip(star.chunks(4)) {
+        let costs = ((*sums + target_cost) * COST_SCALE).min(Vec4::splat(f32::MAX));
+        for (cost, corner) in costs.to_array().into_iter().zip(corners) {
+            best = best.min(u64::from(cost.to_bits()) << 32 | u64::from(corner.ahead));
+        }
+    }
+    Choice { cost: f32::from_bits((best >> 32) as u32), to: best as u32 }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::input::Input;
+    use crate::metric::Quadrics;
+    use crate::neighborhood::Neighborhood;
+    use crate::region::Region;
+    use crate::working::OPEN;
+
+    #[test]
+    fn four_at_a_time_cost_what_one_by_one_costs() {
+        let mut compared = 0;
+        for mesh in [lodc_fixtures::icosphere(3), lodc_fixtures::machine_part()] {
+            let region = Region::whole(&Input::new(&mesh), false);
+            let Region { mesh, wedges, quadrics, .. } = &region;
+            let mut around = Neighborhood::default();
+            for g in (0..region.own() as u32).filter(|&g| !mesh.has(g, OPEN)) {
+                let quadric = &quadrics.surface[g as usize];
+                let Some(choice) = super::cheapest(mesh, quadric, g) else { continue };
+                around.gather(mesh, wedges, g);
+                let planes: Vec<_> = around.planes.drain(..).collect();
+                if around.seams > 0 {
+                    continue;
+                }
+                let refitted = Quadrics::refit(quadrics, g, &around.facets, &planes);
+                let cost = |to: u32| {
+                    let delta = mesh.position(to) - mesh.position(g);
+                    refitted.cost(delta, mesh.places[to as usize].target_cost)
+                };
+                let best = around.edges.iter().map(|e| cost(e.group)).fold(f64::INFINITY, f64::min);
+                let found = cost(choice.to);
+                assert!(found <= best * 1.0001 + 1e-18, "{g}: found {found}, best {best}");
+                let said = f64::from(choice.cost) * 1e-12;
+                assert!((said - found).abs() <= 1e-3 * found + 1e-16, "{g}: {said}, {found}");
+                compared += 1;
+            }
+        }
+        assert!(compared > 300, "{compared}");
+    }
+}

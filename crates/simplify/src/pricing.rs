@@ -1,0 +1,159 @@
+//! The price of every collapse of a group, legality left aside.
+
+use crate::attributes::Gradient;
+use crate::choice::{Choice, scaled};
+use crate::context::Context;
+use crate::gradients::WedgeAttributes;
+use crate::legality::Stage;
+use crate::metric::Reprice;
+use crate::neighborhood::{EdgeKind, Neighborhood};
+use crate::one_ring;
+use crate::region::Region;
+use crate::working::{OPEN, SEAM};
+use lodc_mesh::NONE;
+
+/// Groups with more faces than this are priced without their attributes.
+const MAX_ATTRIBUTE_FACES: usize = 1024;
+
+/// Buffers of one thread.
+#[derive(Default)]
+pub(crate) struct Scratch<S> {
+    pub(crate) around: Neighborhood,
+    gradients: Vec<(u32, Gradient)>,
+    /// Candidates of one group: cost and target.
+    pub(crate) candidates: Vec<(f64, u32)>,
+    repricing: S,
+}
+
+/// Edges that a group may move along.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Permitted {
+    All,
+    /// Seams and borders.
+    Features,
+    Borders,
+}
+
+impl Permitted {
+    fn allows(self, kind: EdgeKind) -> bool {
+        match self {
+            Self::All => true,
+            Self::Features => kind != EdgeKind::Smooth,
+            Self::Borders => kind == EdgeKind::Border,
+        }
+    }
+}
+
+/// The data that pricing reads.
+pub(crate) struct Pricer<'a, M> {
+    pub(crate) context: &'a Context<'a>,
+    pub(crate) region: &'a Region,
+    pub(crate) metric: &'a M,
+    pub(crate) stage: Stage,
+}
+
+impl<M: Reprice> Pricer<'_, M> {
+    /// The cheapest collapse of a group.
+    #[inline]
+    pub(crate) fn rank(&self, from: u32, scratch: &mut Scratch<M::ViewScratch>) -> Choice {
+        // By far the most common case.
+        if self.is_plain(from) {
+            let quadric = &self.region.quadrics.surface[from as usize];
+            if let Some(choice) = one_ring::cheapest(&self.region.mesh, quadric, from) {
+                return choice;
+            }
+        }
+        self.rank_all(from, scratch)
+    }
+
+    fn rank_all(&self, from: u32, scratch: &mut Scratch<M::ViewScratch>) -> Choice {
+        self.price_all(from, scratch);
+        let mut best = (f64::INFINITY, NONE);
+        for &(cost, to) in &scratch.candidates {
+            if cost < best.0 || cost == best.0 && to < best.1 {
+                best = (cost, to);
+            }
+        }
+        if best.1 == NONE { Choice::NONE } else { Choice::new(best.0, best.1) }
+    }
+
+    /// Returns whether a group has a closed fan of faces, none of them at a border or seam, and no
+    /// attributes to price.
+    #[inline]
+    fn is_plain(&self, group: u32) -> bool {
+        self.context.attributes.is_empty()
+            && !self.region.mesh.has(group, OPEN | SEAM)
+            && !self.metric.is_active()
+    }
+
+    /// Prices all collapses of a group, as the metric sees them.
+    pub(crate) fn price_all(&self, from: u32, scratch: &mut Scratch<M::ViewScratch>) {
+        self.price_geometry(from, scratch);
+        if self.metric.is_active() {
+            let Scratch { candidates, repricing, .. } = scratch;
+            let Region { mesh, wedges, .. } = self.region;
+            self.metric.reprice(mesh, wedges, from, candidates, repricing);
+        }
+    }
+
+    /// Prices all collapses of a group by the quadric and attributes.
+    fn price_geometry(&self, from: u32, scratch: &mut Scratch<M::ViewScratch>) {
+        let Scratch { around, gradients, candidates, .. } = scratch;
+        candidates.clear();
+        let Region { mesh, wedges, quadrics, .. } = self.region;
+        if mesh.star(from).is_empty() {
+            return;
+        }
+        let attributes = WedgeAttributes { mesh, wedges, attributes: &self.context.attributes };
+        let with_attributes =
+            !attributes.attributes.is_empty() && mesh.valence(from) <= MAX_ATTRIBUTE_FACES;
+        around.gather(mesh, wedges, from);
+        let Some(permitted) = self.permitted(around) else { return };
+        let refitted = quadrics.refit(from, &around.facets, &around.planes);
+        if with_attributes {
+            attributes.fit_gradients(from, gradients);
+        }
+        let attribute_weight = self.metric.attribute_weight();
+        let here = mesh.position(from);
+        for edge in around.edges.iter().filter(|e| permitted.allows(e.kind)) {
+            let place = &mesh.places[edge.group as usize];
+            let mut cost = refitted.cost(place.position.as_dvec3() - here, place.target_cost);
+            if with_attributes {
+                cost += attribute_weight * attributes.cost(from, edge, around, gradients);
+            }
+            candidates.push((if cost.is_nan() { f64::INFINITY } else { cost }, edge.group));
+        }
+    }
+
+    /// Returns the kinds of edges that a group may move along at the present stage, if any.
+    fn permitted(&self, around: &Neighborhood) -> Option<Permitted> {
+        if self.stage >= Stage::Seams {
+            return Some(Permitted::All);
+        }
+        match around.borders {
+            0 if around.seams < 2 => Some(Permitted::All),
+            0 => Some(Permitted::Features),
+            _ if self.context.options.lock_border => None,
+            2 => Some(Permitted::Borders),
+            _ if self.context.options.preserve_topology => None,
+            _ => Some(Permitted::Features),
+        }
+    }
+
+    /// The known choice as the metric sees it now, unless it has become dearer: then others may be
+    /// better.
+    pub(crate) fn reprice_choice(
+        &self,
+        from: u32,
+        known: Choice,
+        scratch: &mut Scratch<M::ViewScratch>,
+    ) -> Option<Choice> {
+        self.price_geometry(from, scratch);
+        let Scratch { candidates, repricing, .. } = scratch;
+        let mut one = [*candidates.iter().find(|c| c.1 == known.to)?];
+        let Region { mesh, wedges, .. } = self.region;
+        self.metric.reprice(mesh, wedges, from, &mut one, repricing);
+        let cost = scaled(one[0].0);
+        (cost <= known.cost).then_some(Choice { cost, ..known })
+    }
+}

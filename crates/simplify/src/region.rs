@@ -1,0 +1,218 @@
+//! A region: some groups of the mesh with everything that collapsing them needs, numbered anew.
+//!
+//! A region's own groups come first. After them come the groups of other regions that share faces
+//! with them: position and cost only. Own groups next to those are locked.
+
+use crate::choice::Choice;
+use crate::input::Input;
+use crate::metric::Quadrics;
+use crate::neighborhood::Neighborhood;
+use crate::table::Table;
+use crate::wedges::Wedges;
+use crate::working::{
+    Corner, Face, HUB_VALENCE, LOCKED, OPEN, SEAM, SHARED_POSITION, Star, WorkingMesh, next,
+    previous,
+};
+use std::ops::Range;
+
+/// Part of the mesh, or all of it.
+#[derive(Default)]
+pub(crate) struct Region {
+    pub(crate) mesh: WorkingMesh,
+    pub(crate) wedges: Wedges,
+    pub(crate) quadrics: Quadrics,
+    /// The best collapse of each own group.
+    pub(crate) choices: Vec<Choice>,
+    /// The greatest cost of any collapse so far that touched each own group.
+    pub(crate) stamps: Vec<f32>,
+    /// The number of each group in the whole mesh.
+    pub(crate) groups: Vec<u32>,
+}
+
+/// Spare room in each star.
+const SLACK: u32 = 2;
+
+impl Region {
+    /// The region of consecutive groups, from all triangles with a corner there.
+    pub(crate) fn new(
+        input: &Input<'_>,
+        range: Range<u32>,
+        triangles: impl ExactSizeIterator<Item = u32>,
+        bare: bool,
+    ) -> Self {
+        let own = range.len();
+        let mut region = Self { groups: range.clone().collect(), ..Self::default() };
+        let mut others = Table::new(own / 4);
+        if !bare {
+            for wedge in input.wedges_of(range.clone()) {
+                region.wedges.push(input.wedge(wedge));
+            }
+            let first = input.wedges_of(range.start..range.start).start;
+            for g in range.clone() {
+                let wedges = input.wedges_of(g..g + 1);
+                region.wedges.push_group(wedges.start - first..wedges.end - first);
+            }
+        }
+        let mut other_wedges = Table::new(own / 4);
+        region.mesh.faces.reserve_exact(triangles.len());
+        for triangle in triangles {
+            let vertices = input.mesh.triangles()[triangle as usize];
+            let groups = vertices.map(|v| {
+                let g = input.group_of[v as usize];
+                if range.contains(&g) {
+                    return g - range.start;
+                }
+                let (local, known) = others.get_or_insert(g, region.groups.len() as u32);
+                if !known {
+                    region.groups.push(g);
+                }
+                local
+            });
+            region.mesh.faces.push(Face { groups, triangle });
+            if !bare {
+                let wedges = vertices.map(|v| {
+                    region.local_wedge(
+                        input,
+                        input.wedge_of()[v as usize],
+                        &range,
+                        &mut other_wedges,
+                    )
+                });
+                if !input.one_wedge_each() {
+                    region.mesh.wedges.push(wedges);
+                }
+            }
+        }
+        region.place_groups(input);
+        region.build_stars(own);
+        region.classify(input, own);
+        region.quadrics = Quadrics::new(&region.mesh, &region.wedges, own);
+        region.choices = vec![Choice::NONE; own];
+        region.stamps = vec![0.0; own];
+        region
+    }
+
+    /// The whole mesh as one region.
+    pub(crate) fn whole(input: &Input<'_>, bare: bool) -> Self {
+        let triangles = 0..input.mesh.triangles().len() as u32;
+        Self::new(input, 0..input.groups() as u32, triangles, bare)
+    }
+
+    /// Number of own groups.
+    pub(crate) fn own(&self) -> usize {
+        self.choices.len()
+    }
+
+    /// The number of a wedge in the whole mesh.
+    #[inline]
+    pub(crate) fn wedge_id(&self, wedge: u32) -> u32 {
+        let ids = if self.wedges.is_bare() { &self.groups } else { &self.wedges.ids };
+        ids[wedge as usize]
+    }
+
+    fn local_wedge(
+        &mut self,
+        input: &Input<'_>,
+        wedge: u32,
+        range: &Range<u32>,
+        others: &mut Table,
+    ) -> u32 {
+        let own = input.wedges_of(range.clone());
+        if own.contains(&wedge) {
+            return wedge - own.start;
+        }
+        let (local, known) = others.get_or_insert(wedge, self.wedges.ids.len() as u32);
+        if !known {
+            self.wedges.push(input.wedge(wedge));
+        }
+        local
+    }
+
+    fn place_groups(&mut self, input: &Input<'_>) {
+        let mesh = &mut self.mesh;
+        mesh.places = self.groups.iter().map(|&g| input.place(g)).collect();
+        let flag = |g: u32| if input.shares_position(g) { SHARED_POSITION } else { 0 };
+        mesh.flags = self.groups.iter().map(|&g| flag(g)).collect();
+        if !input.position_id.is_empty() {
+            mesh.position_id = self.groups.iter().map(|&g| input.position_id[g as usize]).collect();
+        }
+    }
+
+    /// Sorts the faces' corners into the stars of the own groups.
+    fn build_stars(&mut self, own: usize) {
+        let mesh = &mut self.mesh;
+        mesh.stars = vec![Star::default(); self.groups.len()];
+        for &g in mesh.faces.iter().flat_map(|f| &f.groups).filter(|&&g| (g as usize) < own) {
+            mesh.stars[g as usize].capacity += 1;
+        }
+        let mut start = 0;
+        for s in &mut mesh.stars[..own] {
+            s.start = start;
+            s.capacity += SLACK;
+            start += s.capacity;
+        }
+        mesh.arena = vec![Corner::new(0, 0, 0); start as usize];
+        for (f, face) in (0..).zip(&mesh.faces) {
+            let locks = face.groups.iter().any(|&g| g as usize >= own);
+            for (c, &g) in face.groups.iter().enumerate().filter(|(_, g)| (**g as usize) < own) {
+                let s = &mut mesh.stars[g as usize];
+                mesh.arena[(s.start + s.len) as usize] = Corner::new(f, c, face.groups[next(c)]);
+                s.len += 1;
+                if locks {
+                    mesh.flags[g as usize] |= LOCKED;
+                }
+            }
+        }
+        mesh.live_faces = mesh.faces.len() as u32;
+    }
+
+    /// Puts closed fans in order, and flags groups whose star is none, and groups on seams.
+    fn classify(&mut self, input: &Input<'_>, own: usize) {
+        let mut around = Neighborhood::default();
+        let mut fan = Vec::new();
+        for g in 0..own as u32 {
+            let star = self.mesh.stars[g as usize];
+            if star.len as usize > HUB_VALENCE {
+                self.mesh.make_hub(g);
+            } else if !put_in_order(&mut self.mesh, star, &mut fan) {
+                self.mesh.add_flags(g, OPEN);
+            }
+            if input.may_have_seams() || self.mesh.has(g, OPEN) {
+                around.gather(&self.mesh, &self.wedges, g);
+                if around.seams > 0 {
+                    self.mesh.add_flags(g, SEAM);
+                }
+            }
+        }
+    }
+}
+
+/// Puts a star into counter-clockwise order if it is a closed fan; false if it is not.
+fn put_in_order(mesh: &mut WorkingMesh, star: Star, fan: &mut Vec<(Corner, u32)>) -> bool {
+    let range = star.start as usize..(star.start + star.len) as usize;
+    let behind = |c: Corner| mesh.faces[c.face() as usize].groups[previous(c.at())];
+    fan.clear();
+    fan.extend(mesh.arena[range.clone()].iter().map(|&c| (c, behind(c))));
+    for i in 0..fan.len() {
+        if fan[..i].iter().any(|f| f.0.ahead == fan[i].0.ahead) {
+            return false;
+        }
+        let after = fan[i].1;
+        if i + 1 == fan.len() {
+            return i > 0 && after == fan[0].0.ahead && close(mesh, range, fan);
+        }
+        match (i + 1..fan.len()).find(|&j| fan[j].0.ahead == after) {
+            Some(j) => fan.swap(i + 1, j),
+            None => return false,
+        }
+    }
+    false
+}
+
+/// Writes a fan back into its star.
+fn close(mesh: &mut WorkingMesh, range: Range<usize>, fan: &[(Corner, u32)]) -> bool {
+    for (slot, (corner, _)) in mesh.arena[range].iter_mut().zip(fan) {
+        *slot = *corner;
+    }
+    true
+}

@@ -1,0 +1,193 @@
+//! Simplification in regions, all at once, round after round.
+//!
+//! In each round every region collapses what costs at most a common limit, by itself, as far as no
+//! other region is touched. Then the groups are shared out anew along a shifted curve, so that what
+//! was locked at a border comes to lie inside. Regions follow from the mesh alone, so the result is
+//! the same for any number of threads. When few groups are left, one region takes them all.
+
+use crate::context::{Context, Progress};
+use crate::engine::Engine;
+use crate::gather::{Home, gather};
+use crate::legality::Stage;
+use crate::log::{CollapseLog, FinalLog};
+use crate::metric::QuadricOnly;
+use crate::numbering::Curve;
+use crate::output::{Sources, name_wedges};
+use crate::region::Region;
+use crate::working::DEAD;
+use lodc_mesh::Csr;
+use rayon::prelude::*;
+
+/// Groups of a region, about: what collapsing them reads fits the second-level cache.
+pub(crate) const REGION: usize = 2048;
+/// A mesh of fewer groups than so many regions have is one region: borders would lie everywhere.
+pub(crate) const FEWEST: usize = 16;
+/// When fewer groups than so many regions have are left, one region takes them all.
+const FEWEST_LEFT: usize = 4;
+/// The share of live groups whose cost is within the limit of a round.
+const SHARE: f64 = 0.35;
+/// If a round collapses less than this share of the groups, the next one takes more.
+const LEAST_PROGRESS: f64 = 0.02;
+/// About how many costs are sampled for a limit.
+const SAMPLES: usize = 4096;
+/// The shares of the mesh's extent by which the curve is shifted in successive rounds.
+const SHIFTS: [f64; 5] = [0.37, 0.11, 0.53, 0.23, 0.71];
+
+/// The state between rounds.
+struct Rounds<'a> {
+    context: &'a Context<'a>,
+    regions: Vec<Region>,
+    log: CollapseLog,
+    live: usize,
+}
+
+/// Simplifies a mesh in regions of about `size` groups.
+pub(crate) fn simplify(
+    context: &Context<'_>,
+    size: usize,
+    sources: &mut Sources<'_>,
+    progress: &Progress<'_>,
+) -> FinalLog {
+    let mut rounds = Rounds::new(context, size);
+    let mut share = SHARE;
+    for round in 0.. {
+        let collapsed = rounds.run(share, sources, progress);
+        let least = (LEAST_PROGRESS * (rounds.live + collapsed) as f64) as usize;
+        if rounds.live < FEWEST_LEFT * size || collapsed <= least && share >= 1.0 {
+            break;
+        }
+        share = if collapsed <= least { (2.0 * share).min(1.0) } else { SHARE };
+        let regions = rounds.live.div_ceil(size);
+        rounds.share_out(regions, SHIFTS[round % SHIFTS.len()]);
+    }
+    rounds.share_out(1, 0.0);
+    let Rounds { mut regions, mut log, .. } = rounds;
+    let last = &mut regions[0];
+    let mut metric = QuadricOnly;
+    let engine = Engine::new(context, last, &mut metric, Stage::Legal);
+    let (mut rest, legal) = engine.run_all(progress);
+    let legal = log.steps.len() + legal;
+    sources.number(last, &mut rest);
+    log.append(&rest);
+    drop((regions, rest));
+    FinalLog::new(&log, legal, context.input.mesh.triangles().len(), true)
+}
+
+impl<'a> Rounds<'a> {
+    /// Cuts a mesh into regions and prices all collapses.
+    fn new(context: &'a Context<'a>, size: usize) -> Self {
+        let input = context.input;
+        let groups = input.groups();
+        let count = groups.div_ceil(size);
+        let bound = |region: usize| (groups * region / count) as u32;
+        // The region of a group, whose numbers are those of regions in order.
+        let mut region_of = vec![0u32; groups];
+        for region in 0..count {
+            region_of[bound(region) as usize..bound(region + 1) as usize].fill(region as u32);
+        }
+        let at_triangle = |t: u32| {
+            let [a, b, c] = input.mesh.triangles()[t as usize]
+                .map(|v| region_of[input.group_of[v as usize] as usize]);
+            let second = (b != a).then_some(b);
+            let third = (c != a && c != b).then_some(c);
+            std::iter::once(a).chain(second).chain(third).map(move |r| (r, t))
+        };
+        let triangles = input.mesh.triangles().len() as u32;
+        let rows = Csr::new(count, (0..triangles).flat_map(at_triangle));
+        let bare = context.is_bare();
+        let regions = (0..count)
+            .into_par_iter()
+            .with_max_len(1)
+            .map(|r| {
+                let range = bound(r)..bound(r + 1);
+                let row = rows.row(r as u32).iter().copied();
+                let mut region = Region::new(input, range, row, bare);
+                Engine::new(context, &mut region, &mut QuadricOnly, Stage::Legal).rank_all();
+                region
+            })
+            .collect();
+        Self { context, regions, log: CollapseLog::default(), live: groups }
+    }
+
+    /// Runs one round. Returns how many groups collapsed.
+    fn run(&mut self, share: f64, sources: &mut Sources<'_>, progress: &Progress<'_>) -> usize {
+        let limit = self.limit(share);
+        let context = self.context;
+        let mut logs: Vec<CollapseLog> = self
+            .regions
+            .par_iter_mut()
+            .with_max_len(1)
+            .map(|region| {
+                let mut metric = QuadricOnly;
+                let engine = Engine::new(context, region, &mut metric, Stage::Legal);
+                let mut log = engine.run_round(limit, progress);
+                if region.wedges.new_fakes() == 0 {
+                    name_wedges(region, &mut log);
+                }
+                log
+            })
+            .collect();
+        for (region, log) in self.regions.iter_mut().zip(&mut logs) {
+            if region.wedges.new_fakes() > 0 {
+                sources.number(region, log);
+            }
+        }
+        let before = self.log.steps.len();
+        for log in &logs {
+            self.log.append(log);
+        }
+        let collapsed = self.log.steps.len() - before;
+        self.live = self
+            .regions
+            .iter()
+            .map(|r| r.mesh.flags[..r.own()].iter().filter(|&f| f & DEAD == 0).count())
+            .sum();
+        progress.end_round(collapsed as u64);
+        collapsed
+    }
+
+    /// The cost that about this share of all live groups do not exceed.
+    fn limit(&self, share: f64) -> f32 {
+        let step = (self.live / SAMPLES).max(1);
+        let mut costs: Vec<f32> = self
+            .regions
+            .iter()
+            .flat_map(|r| &r.choices)
+            .step_by(step)
+            .map(|c| c.cost)
+            .filter(|c| !c.is_nan())
+            .collect();
+        let at = (share * costs.len() as f64) as usize;
+        if at >= costs.len() {
+            return f32::INFINITY;
+        }
+        *costs.select_nth_unstable_by(at, f32::total_cmp).1
+    }
+
+    /// Shares the live groups out to so many regions along a shifted curve.
+    fn share_out(&mut self, count: usize, shift: f64) {
+        let input = self.context.input;
+        let mut homes = vec![Home::NONE; input.groups()];
+        let mut live: Vec<u32> = Vec::with_capacity(self.live);
+        for (r, region) in (0..).zip(&self.regions) {
+            for g in 0..region.own() as u32 {
+                if !region.mesh.has(g, DEAD) {
+                    let group = region.groups[g as usize];
+                    homes[group as usize] = Home { region: r, group: g };
+                    live.push(group);
+                }
+            }
+        }
+        let (lo, hi) = input.mesh.bounds();
+        let order =
+            Curve::new(lo, hi, shift).order(live.len(), |i| input.position(live[i] as usize));
+        let members: Vec<u32> = order.into_iter().map(|i| live[i as usize]).collect();
+        let (old, len) = (&self.regions, members.len());
+        let regions = (0..count)
+            .into_par_iter()
+            .with_max_len(1)
+            .map(|r| gather(old, &homes, &members[len * r / count..len * (r + 1) / count]))
+            .collect();
+        self.regions = regions;
+    }
+}

@@ -1,0 +1,165 @@
+//! The cheapest legal collapse of a group.
+
+use crate::choice::{Choice, scaled};
+use crate::legality::{Rules, Stage, Verdict, keeps_texture};
+use crate::link::Marks;
+use crate::metric::Reprice;
+use crate::plan::{Planner, WedgePlan};
+use crate::pricing::{Pricer, Scratch};
+use crate::working::{HUB_VALENCE, SEAM};
+
+/// Price of each fake, as a multiple of the geometric cost.
+const FAKE_PRICE: f64 = 8.0;
+/// Faces times candidates that are checked at a time: of a hub only the cheapest candidates.
+const MAX_CHECKED_FACES: usize = 1 << 14;
+
+/// A legal collapse of a group.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LegalCollapse {
+    pub(crate) choice: Choice,
+    pub(crate) changes_topology: bool,
+    /// True if [`SelectionBuffers::plan`] holds its plan.
+    pub(crate) is_planned: bool,
+}
+
+/// Buffers for selecting, used again and again.
+#[derive(Default)]
+pub(crate) struct SelectionBuffers<S> {
+    pub(crate) scratch: Scratch<S>,
+    marks: Marks,
+    /// The plan of a candidate.
+    tried: WedgePlan,
+    /// The plan of the selected collapse.
+    pub(crate) plan: WedgePlan,
+    /// True if a collapse of the group was refused, or made dearer.
+    pub(crate) refused: bool,
+}
+
+/// The data that selecting reads.
+pub(crate) struct Selector<'a, M> {
+    pub(crate) pricer: Pricer<'a, M>,
+    pub(crate) rules: Rules,
+}
+
+impl<M: Reprice> Selector<'_, M> {
+    /// The cheapest legal collapse of a group whose best is known, legality left aside.
+    pub(crate) fn select(
+        &self,
+        from: u32,
+        known: Choice,
+        buffers: &mut SelectionBuffers<M::ViewScratch>,
+    ) -> Option<LegalCollapse> {
+        buffers.refused = false;
+        self.confirm(from, known, buffers).or_else(|| self.search(from, buffers))
+    }
+
+    /// Returns whether wedges decide about legality and price.
+    fn wedges_matter(&self, from: u32) -> bool {
+        self.pricer.region.mesh.has(from, SEAM) || self.pricer.context.attributes.texture.is_some()
+    }
+
+    /// The known choice, if it is legal at its price.
+    fn confirm(
+        &self,
+        from: u32,
+        known: Choice,
+        buffers: &mut SelectionBuffers<M::ViewScratch>,
+    ) -> Option<LegalCollapse> {
+        let is_planned = self.wedges_matter(from);
+        let verdict = self.check(from, known.to, buffers)?;
+        if verdict.price > 1.0 {
+            return None;
+        }
+        if is_planned {
+            if !self.try_plan(from, known.to, buffers) || buffers.tried.fakes > 0 {
+                return None;
+            }
+            std::mem::swap(&mut buffers.tried, &mut buffers.plan);
+        }
+        let choice = if self.pricer.metric.is_active() {
+            self.pricer.reprice_choice(from, known, &mut buffers.scratch)?
+        } else {
+            known
+        };
+        Some(LegalCollapse { choice, changes_topology: verdict.changes_topology, is_planned })
+    }
+
+    /// Prices all collapses and takes the cheapest that is legal.
+    fn search(
+        &self,
+        from: u32,
+        buffers: &mut SelectionBuffers<M::ViewScratch>,
+    ) -> Option<LegalCollapse> {
+        let is_planned = self.wedges_matter(from);
+        self.pricer.price_all(from, &mut buffers.scratch);
+        let mut candidates = std::mem::take(&mut buffers.scratch.candidates);
+        candidates.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let faces = self.pricer.region.mesh.valence(from);
+        let most = if faces > HUB_VALENCE && self.rules.stage < Stage::Links {
+            (MAX_CHECKED_FACES / faces).max(8)
+        } else {
+            usize::MAX
+        };
+        let mut best: Option<(f64, u32, bool)> = None;
+        for &(cost, to) in candidates.iter().take(most) {
+            if best.is_some_and(|b| cost >= b.0) {
+                break;
+            }
+            let Some(verdict) = self.check(from, to, buffers) else {
+                buffers.refused = true;
+                continue;
+            };
+            let mut price = verdict.price;
+            if is_planned {
+                if !self.try_plan(from, to, buffers) {
+                    buffers.refused = true;
+                    continue;
+                }
+                price *= 1.0 + FAKE_PRICE * f64::from(buffers.tried.fakes);
+            }
+            buffers.refused |= price > 1.0;
+            let cost = cost * price;
+            if best.is_none_or(|b| cost < b.0) {
+                best = Some((cost, to, verdict.changes_topology));
+                std::mem::swap(&mut buffers.tried, &mut buffers.plan);
+            }
+        }
+        buffers.scratch.candidates = candidates;
+        best.map(|(cost, to, changes_topology)| LegalCollapse {
+            choice: Choice { cost: scaled(cost), to },
+            changes_topology,
+            is_planned,
+        })
+    }
+
+    fn check(
+        &self,
+        from: u32,
+        to: u32,
+        buffers: &mut SelectionBuffers<M::ViewScratch>,
+    ) -> Option<Verdict> {
+        self.rules.check(&self.pricer.region.mesh, from, to, &mut buffers.marks)
+    }
+
+    /// The data that planning reads.
+    pub(crate) fn planner(&self) -> Planner<'_> {
+        let Pricer { context, region, .. } = &self.pricer;
+        Planner {
+            input: context.input.mesh,
+            mesh: &region.mesh,
+            wedges: &region.wedges,
+            attributes: &context.attributes,
+            takes_any: self.rules.stage >= Stage::Seams,
+            size: context.input.size,
+        }
+    }
+
+    /// Plans a collapse. False if that is refused.
+    fn try_plan(&self, from: u32, to: u32, buffers: &mut SelectionBuffers<M::ViewScratch>) -> bool {
+        let planner = self.planner();
+        planner.plan(from, to, &mut buffers.tried);
+        let Planner { mesh, wedges, attributes, .. } = planner;
+        self.rules.stage >= Stage::Flips
+            || keeps_texture(mesh, wedges, attributes, from, to, &buffers.tried)
+    }
+}
