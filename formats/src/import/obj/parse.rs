@@ -24,7 +24,7 @@ pub(super) fn parse(bytes: &[u8], limits: &Limits) -> Result<Parsed, FormatError
     let mut undo = Undo { first_uses: guarded.first_uses.each_ref().map(|f| &f[..]) };
     // One after another, so that each one's memory is free before the next one's is taken.
     for model in models.drain(..) {
-        undo.take(model.mesh, guarded.corners, &mut parsed);
+        undo.take(&model.mesh, guarded.corners, &mut parsed);
     }
     for (color, &alpha) in parsed.colors.iter_mut().zip(&guarded.alphas) {
         color[3] = alpha;
@@ -63,7 +63,7 @@ struct Undo<'a> {
 impl Undo<'_> {
     /// Moves a model's values to where the file has them, and its first `corners` to the end of
     /// the corner lists; later models only have values that no face uses.
-    fn take(&mut self, mesh: tobj::Mesh, corners: u32, parsed: &mut Parsed) {
+    fn take(&mut self, mesh: &tobj::Mesh, corners: u32, parsed: &mut Parsed) {
         let [v, t, n] =
             [mesh.positions.len() / 3, mesh.texcoords.len() / 2, mesh.normals.len() / 3];
         let mut next = 0;
