@@ -109,7 +109,7 @@ fn border_edges(triangles: &[[u32; 3]], ids: &PositionIds) -> Vec<(usize, [u32; 
     // Edges by their smaller end.
     let ends = |[a, b]: [u32; 2]| (point(a).min(point(b)), point(a).max(point(b)));
     let by_end = Csr::new(ids.first_vertex.len(), edges().map(|(_, e)| ends(e)));
-    let mut sorted = by_end.clone();
+    let mut sorted = by_end;
     for row in 0..sorted.rows() as u32 {
         let range = sorted.range(row);
         sorted.values[range].sort_unstable();

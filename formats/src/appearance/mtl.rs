@@ -22,12 +22,12 @@ pub(super) fn appearance(
             .flat_map(|o| &o.submeshes)
             .any(|s| s.material.as_deref() == Some(m.name.as_str()))
     };
-    let mut materials = vec![plain.clone()];
+    let mut materials = vec![plain];
     // What nothing uses need not have its pictures read.
     materials.extend(
         obj.materials
             .iter()
-            .map(|m| if used(m) { material(m, &mut pictures, assets) } else { plain.clone() }),
+            .map(|m| if used(m) { material(m, &mut pictures, assets) } else { plain }),
     );
     let number = |name: &Option<String>| {
         let name = name.as_ref()?;
