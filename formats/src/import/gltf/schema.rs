@@ -88,7 +88,7 @@ use Kind::{Flag, Index, Number, Numbers, Object as Obj, Text, Whole};
 
 /// Path → kind. `[]` means every element of an array, `{}` every member of an object. A member that
 /// is not there is no error here. Only what this package reads or what others point to is listed;
-/// the rest of accessors, buffer views and buffers is checked by `typed`.
+/// what else accessors, buffer views and buffers hold is checked by `typed`.
 const TABLE: &[(&str, Kind)] = &[
     ("asset", Obj),
     ("asset.version", Text),

@@ -33,7 +33,7 @@ impl Materials {
                 }
                 Err(e) if e.fault == Fault::Limit => return Err(e),
                 Err(e) => {
-                    materials.warnings.push(format!("the material library was not read: {e}"))
+                    materials.warnings.push(format!("the material library was not read: {e}"));
                 }
             }
         }
