@@ -50,6 +50,7 @@ const DRAWING: &[(&str, &[&str])] = &[
             "png",
             "serde",
             "serde_json",
+            "tobj",
             "xxhash-rust",
             "zune-jpeg",
         ],
@@ -107,6 +108,7 @@ const FOR_TESTS: &[&str] = &[
 /// A word in code, and the only places that may use it.
 const OWNED: &[(&str, &[&str])] = &[
     ("gltf::", &["formats/"]),
+    ("tobj::", &["formats/"]),
     ("bincode::", &["formats/"]),
     ("xxhash_rust::", &["formats/"]),
     ("png::", &["formats/"]),

@@ -2,6 +2,7 @@
 //! cuts.
 
 use super::pictures::Pictures;
+use crate::import::obj::meaning;
 use crate::{Assets, ObjDocument, ObjMaterial, ObjectInfo};
 use lodc_scene::{AlphaMode, Appearance, Material, Texture, Wrap, to_linear};
 
@@ -46,26 +47,17 @@ fn material(source: &ObjMaterial, pictures: &mut Pictures, assets: &mut Assets) 
     // `Kd` has no colour space of its own; programs show it as they show texels.
     let linear = |v: f32| to_linear(v.clamp(0.0, 1.0));
     let mut material = Material { colour: PLAIN, double_sided: true, ..Material::default() };
-    let (mut stated, mut cut) = (false, false);
-    for line in &source.lines {
-        let (word, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
-        let numbers: Vec<f32> = rest
-            .split_whitespace()
-            .map_while(|w| w.parse().ok())
-            .filter(|v: &f32| v.is_finite())
-            .collect();
-        match (word, &numbers[..]) {
-            ("Kd", &[r, g, b, ..]) => {
-                material.colour[..3].copy_from_slice(&[r, g, b].map(linear));
-                stated = true;
-            }
-            ("d", &[d, ..]) => material.colour[3] = d.clamp(0.0, 1.0),
-            ("Tr", &[t, ..]) => material.colour[3] = 1.0 - t.clamp(0.0, 1.0),
-            ("map_Kd", _) => material.texture = texture(rest, pictures, assets),
-            ("map_d", _) => cut = true,
-            _ => {}
-        }
+    let meaning = meaning(source);
+    if let Some(diffuse) = meaning.diffuse {
+        material.colour[..3].copy_from_slice(&diffuse.map(linear));
     }
+    if let Some(dissolve) = meaning.dissolve {
+        material.colour[3] = dissolve.clamp(0.0, 1.0);
+    }
+    if let Some(map) = &meaning.diffuse_texture {
+        material.texture = texture(map, pictures, assets);
+    }
+    let (stated, cut) = (meaning.diffuse.is_some(), meaning.dissolve_texture.is_some());
     let black = material.colour[..3].iter().all(|&c| c == 0.0);
     if material.texture.is_some() && (black || !stated) {
         // Many writers leave `Kd` black or out where a texture says the colour.

@@ -1,10 +1,14 @@
 //! Accessors: typed, strided, sparse views of bytes, checked once and then read element by element.
 
-use super::json::{Object, malformed, optional, required};
+use super::json::{Object, malformed};
+use super::typed;
 use super::views::Views;
 use crate::FormatError;
+use ::gltf::json;
+use json::accessor::{ComponentType, IndexComponentType, Type, sparse};
+use json::buffer::View;
+use json::validation::{Checked, USize64};
 use lodc_mesh::Component;
-use serde_json::Value;
 
 /// The shape of an element: columns of rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,21 +19,19 @@ pub(crate) struct Shape {
     pub(crate) rows: usize,
 }
 
-impl Shape {
-    /// By its name in glTF.
-    pub(crate) fn from_name(name: &str) -> Option<Self> {
-        let (columns, rows) = match name {
-            "SCALAR" => (1, 1),
-            "VEC2" => (1, 2),
-            "VEC3" => (1, 3),
-            "VEC4" => (1, 4),
-            "MAT2" => (2, 2),
-            "MAT3" => (3, 3),
-            "MAT4" => (4, 4),
-            _ => return None,
+impl From<Type> for Shape {
+    fn from(kind: Type) -> Self {
+        let columns = match kind {
+            Type::Mat2 => 2,
+            Type::Mat3 => 3,
+            Type::Mat4 => 4,
+            _ => 1,
         };
-        Some(Self { columns, rows })
+        Self { columns, rows: kind.multiplicity() / columns }
     }
+}
+
+impl Shape {
     /// Components in all.
     pub(crate) const fn components(self) -> usize {
         self.columns * self.rows
@@ -42,17 +44,15 @@ impl Shape {
     }
 }
 
-/// A component type by its number in glTF.
-pub(crate) fn component(number: u64) -> Option<Component> {
-    Some(match number {
-        5120 => Component::I8,
-        5121 => Component::U8,
-        5122 => Component::I16,
-        5123 => Component::U16,
-        5125 => Component::U32,
-        5126 => Component::F32,
-        _ => return None,
-    })
+const fn component(of: ComponentType) -> Component {
+    match of {
+        ComponentType::I8 => Component::I8,
+        ComponentType::U8 => Component::U8,
+        ComponentType::I16 => Component::I16,
+        ComponentType::U16 => Component::U16,
+        ComponentType::U32 => Component::U32,
+        ComponentType::F32 => Component::F32,
+    }
 }
 
 /// The number of a component type in glTF.
@@ -95,25 +95,22 @@ impl Accessor {
         place: String,
         views: &Views<'_>,
     ) -> Result<Option<Self>, FormatError> {
-        let name = object
-            .get("type")
-            .and_then(Value::as_str)
-            .ok_or_else(|| malformed(&*place, "has no `type`"))?;
-        let number = required(object, "componentType", &place)?;
-        let count = required(object, "count", &place)?;
+        let stated: json::Accessor = typed::entry(object, &place)?;
+        let count = stated.count.0;
         if count == 0 {
             return Err(malformed(place, "count must be at least 1"));
         }
-        let (Some(shape), Some(component)) = (Shape::from_name(name), component(number)) else {
+        let (Checked::Valid(shape), Checked::Valid(number)) = (stated.type_, stated.component_type)
+        else {
             return Ok(None);
         };
+        let (shape, component) = (Shape::from(shape), component(number.0));
         // A vertex number is 32 bits wide and its largest value is reserved.
         let count = usize::try_from(count).ok().filter(|&c| c < u32::MAX as usize);
         let count =
             count.ok_or_else(|| malformed(&*place, "count is larger than any index can be"))?;
-        let normalized = object.get("normalized").and_then(Value::as_bool).unwrap_or(false);
-        let offset = optional(object, "byteOffset", &place)?;
-        let view = optional(object, "bufferView", &place)?.map(|v| v as usize);
+        let offset = stated.byte_offset.map(|offset| offset.0);
+        let view = stated.buffer_view.map(|view| view.value());
         if offset.is_some() && view.is_none() {
             return Err(malformed(place, "byteOffset without bufferView"));
         }
@@ -135,12 +132,9 @@ impl Accessor {
                 Some((view, offset as usize, stride))
             }
         };
-        let sparse = match object.get("sparse").and_then(Value::as_object) {
-            None => None,
-            Some(sparse) => {
-                Some(Sparse::new(sparse, &format!("{place}.sparse"), count, size, views)?)
-            }
-        };
+        let sparse = stated.sparse.as_ref();
+        let sparse = sparse.map(|s| Sparse::new(s, &format!("{place}.sparse"), count, size, views));
+        let (sparse, normalized) = (sparse.transpose()?, stated.normalized);
         Ok(Some(Self { shape, component, normalized, count, place, data, sparse }))
     }
 
@@ -177,48 +171,39 @@ impl Accessor {
 
 impl Sparse {
     fn new(
-        object: &Object,
+        stated: &sparse::Sparse,
         place: &str,
         accessor_count: usize,
         size: usize,
         views: &Views<'_>,
     ) -> Result<Self, FormatError> {
-        let count = required(object, "count", place)?;
+        let count = stated.count.0;
         if count == 0 || count > accessor_count as u64 {
             return Err(malformed(
                 place,
                 format!("count {count} is not between 1 and the accessor's {accessor_count}"),
             ));
         }
-        let part = |key: &str| {
-            object
-                .get(key)
-                .and_then(Value::as_object)
-                .ok_or_else(|| malformed(place, format!("has no `{key}`")))
-        };
-        let located = |key: &str, size: usize| -> Result<(usize, usize), FormatError> {
-            let place = format!("{place}.{key}");
-            let object = part(key)?;
-            let view = required(object, "bufferView", &place)? as usize;
-            let offset = optional(object, "byteOffset", &place)?.unwrap_or(0);
+        let located = |view: json::Index<View>, offset: USize64, size: usize| {
+            let (view, offset) = (view.value(), offset.0);
             if views.stride(view).is_some() {
                 return Err(malformed(place, "sparse data must not have a byteStride"));
             }
             fits(offset, size, count as usize, size, views.len(view))
-                .map_err(|what| malformed(&*place, what))?;
+                .map_err(|what| malformed(place, what))?;
             Ok((view, offset as usize))
         };
-        let number = required(part("indices")?, "componentType", &format!("{place}.indices"))?;
-        let index = component(number)
-            .filter(|c| matches!(c, Component::U8 | Component::U16 | Component::U32));
-        let index = index.ok_or_else(|| {
-            malformed(format!("{place}.indices"), "componentType is not an unsigned integer")
-        })?;
-        let (view, offset) = located("indices", index.size())?;
+        let (indices, values) = (&stated.indices, &stated.values);
+        let Checked::Valid(IndexComponentType(index)) = indices.component_type else {
+            let place = format!("{place}.indices");
+            return Err(malformed(place, "componentType is not an unsigned integer"));
+        };
+        let index = component(index);
+        let (view, offset) = located(indices.buffer_view, indices.byte_offset, index.size())?;
         Ok(Self {
             count: count as usize,
             indices: (view, offset, index),
-            values: located("values", size)?,
+            values: located(values.buffer_view, values.byte_offset, size)?,
         })
     }
 

@@ -1,7 +1,8 @@
 //! glTF 2.0 and GLB.
 //!
 //! The document stays a tree of JSON values, so that everything that is not a triangle comes out as
-//! it went in; what is read from it is checked against a table (`schema`) first. Limits of what
+//! it went in; what is read from it is checked against a table (`schema`) first, and accessors,
+//! buffer views and buffers are read as types of the package `gltf` (`typed`). Limits of what
 //! foreign bytes can do: JSON nesting and size (`json`), paths (`uri`, [`Assets`]), ranges
 //! (`views`, `accessor`), memory in all (`budget`).
 
@@ -18,6 +19,7 @@ mod scene_graph;
 pub(crate) mod schema;
 pub(crate) mod semantic;
 pub(crate) mod stored;
+mod typed;
 pub(crate) mod uri;
 mod views;
 

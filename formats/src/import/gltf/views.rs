@@ -4,8 +4,10 @@ use super::budget::Budget;
 use super::extensions;
 use super::json::{self, Object, entries, malformed, optional, required};
 use super::meshopt::{self, Filter, Layout, Mode};
+use super::typed;
 use super::uri;
 use crate::{Assets, FormatError};
+use ::gltf::json::buffer as stated;
 use serde_json::Value;
 use std::cell::OnceCell;
 use std::ops::Range;
@@ -22,17 +24,17 @@ pub(super) fn read_buffers<'a>(
     let mut buffers: Buffers<'a> = Vec::new();
     for (i, buffer) in entries(root, "buffers").enumerate() {
         let place = format!("buffers[{i}]");
-        let length = required(buffer, "byteLength", &place)?;
+        let stated: ::gltf::json::Buffer = typed::entry(buffer, &place)?;
+        let length = stated.byte_length.0;
         if length == 0 {
             return Err(malformed(place, "byteLength must be at least 1"));
         }
-        let bytes: Option<std::borrow::Cow<'a, [u8]>> =
-            match buffer.get("uri").and_then(Value::as_str) {
-                _ if is_fallback(buffer) => None,
-                Some(uri) => Some(uri::read(uri, &format!("{place}.uri"), assets)?.into()),
-                None if i == 0 => chunk.map(Into::into),
-                None => None,
-            };
+        let bytes: Option<std::borrow::Cow<'a, [u8]>> = match &stated.uri {
+            _ if is_fallback(buffer) => None,
+            Some(uri) => Some(uri::read(uri, &format!("{place}.uri"), assets)?.into()),
+            None if i == 0 => chunk.map(Into::into),
+            None => None,
+        };
         if let Some(bytes) = &bytes
             && (bytes.len() as u64) < length
         {
@@ -141,10 +143,7 @@ fn read_view(
     buffers: &Buffers<'_>,
     lengths: &[u64],
 ) -> Result<View, FormatError> {
-    let range = |object: &Object, place: &str| -> Result<(usize, Range<usize>), FormatError> {
-        let buffer = required(object, "buffer", place)? as usize;
-        let offset = optional(object, "byteOffset", place)?.unwrap_or(0);
-        let length = required(object, "byteLength", place)?;
+    let range = |buffer: usize, offset: u64, length: u64, place: &str| {
         if length == 0 {
             return Err(malformed(place, "byteLength must be at least 1"));
         }
@@ -152,19 +151,22 @@ fn read_view(
         // is refused.
         let limit = lengths.get(buffer).copied().unwrap_or(0);
         match offset.checked_add(length) {
-            Some(end) if end <= limit => Ok((buffer, offset as usize..end as usize)),
+            Some(end) if end <= limit => Ok(offset as usize..end as usize),
             _ => Err(malformed(
                 place,
                 format!("{offset} + {length} bytes do not fit buffers[{buffer}] of {limit}"),
             )),
         }
     };
-    let (buffer, plain) = range(view, place)?;
-    let stride = optional(view, "byteStride", place)?;
-    if stride.is_some_and(|s| !(4..=252).contains(&s) || !s.is_multiple_of(4)) {
+    let stated: stated::View = typed::entry(view, place)?;
+    let buffer = stated.buffer.value();
+    let offset = stated.byte_offset.map_or(0, |offset| offset.0);
+    let plain = range(buffer, offset, stated.byte_length.0, place)?;
+    let stride = stated.byte_stride.map(|stride| stride.0);
+    let strides = stated::MIN_BYTE_STRIDE..=stated::MAX_BYTE_STRIDE;
+    if stride.is_some_and(|s| !strides.contains(&s) || !s.is_multiple_of(4)) {
         return Err(malformed(place, "byteStride must be a multiple of 4 from 4 to 252"));
     }
-    let stride = stride.map(|s| s as usize);
     let Some((name, packed)) = extensions::meshopt(view) else {
         return Ok(View {
             buffer,
@@ -175,7 +177,9 @@ fn read_view(
         });
     };
     let place = format!("{place}.extensions.{name}");
-    let (buffer, packed_range) = range(packed, &place)?;
+    let buffer = required(packed, "buffer", &place)? as usize;
+    let offset = optional(packed, "byteOffset", &place)?.unwrap_or(0);
+    let packed_range = range(buffer, offset, required(packed, "byteLength", &place)?, &place)?;
     let layout = layout(packed, &place)?;
     // The uncompressed size is what accessors are checked against; it must be a size that memory
     // can have.

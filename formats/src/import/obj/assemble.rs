@@ -1,7 +1,7 @@
 //! Faces to submeshes: triangulated, one vertex for each different corner, one submesh for each
 //! material.
 
-use super::parse::{NONE, Parsed};
+use super::parsed::{NONE, Parsed};
 use super::triangulate::{Triangulator, newell};
 use super::unique::{Unique, first_equal};
 use crate::SubmeshInfo;

@@ -105,6 +105,16 @@ impl<'a> Lines<'a> {
         text(words.trim_ascii())
     }
 
+    /// Passes over the rest of the current statement.
+    pub(super) fn skip(&mut self) {
+        let rest = &self.bytes[self.at..];
+        let end = rest.iter().position(|&b| b == b'\n' || b == b'\r').unwrap_or(rest.len());
+        // A line that may be continued is left to the next statement's search.
+        if !rest[..end].ends_with(b"\\") {
+            self.at += end;
+        }
+    }
+
     fn check_length(&self) -> Result<(), FormatError> {
         if self.at - self.start > self.limit {
             return Err(FormatError::new(

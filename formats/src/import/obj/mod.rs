@@ -4,15 +4,20 @@
 //! without a material are a submesh of their own.
 
 mod assemble;
+mod feed;
+mod guard;
 mod lines;
 mod mtl;
 mod notes;
 mod number;
 mod parse;
+mod parsed;
 #[cfg(test)]
 mod tests;
 mod triangulate;
 mod unique;
+
+pub(crate) use mtl::meaning;
 
 use super::ImportOptions;
 use crate::{

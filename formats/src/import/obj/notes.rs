@@ -1,40 +1,9 @@
-//! What was repaired, dropped or left alone in an OBJ, as counts and as warnings.
+//! Warnings of what was repaired, dropped or left alone in an OBJ.
 
 use super::assemble::Assembled;
-use super::parse::Parsed;
+use super::parsed::{Count, Parsed};
 use crate::ObjMaterial;
 use std::collections::BTreeSet;
-
-/// Counts of what was not taken as it stands, each with the first line where it happened.
-#[derive(Debug, Default)]
-pub(super) struct Notes {
-    pub(super) lines: Count,
-    pub(super) points: Count,
-    pub(super) small_faces: Count,
-    pub(super) unknown: Count,
-    pub(super) unknown_first: String,
-    pub(super) free_form: Count,
-    pub(super) extra_values: Count,
-    pub(super) weights: Count,
-    pub(super) uncolored: Count,
-}
-
-/// How often, and on which line first.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Count {
-    pub(super) times: u64,
-    pub(super) line: u32,
-}
-
-impl Count {
-    /// Once more, on this line.
-    pub(super) fn add(&mut self, line: u32) {
-        if self.times == 0 {
-            self.line = line;
-        }
-        self.times += 1;
-    }
-}
 
 /// What was repaired, dropped or left alone: one line each.
 pub(super) fn warn(parsed: &Parsed, assembled: &Assembled, warnings: &mut Vec<String>) {

@@ -1,69 +1,79 @@
 //! Numbers in text, correctly rounded.
 
-/// A decimal number as the nearest `f32`, ties to even; `nan` and `inf` in any case are numbers
-/// too.
-pub(super) fn float(token: &[u8]) -> Option<f32> {
-    fast_float(token).or_else(|| slow_float(token))
+/// A number of a file: tobj reads it as it stands, or as its value if only this package knows the
+/// spelling.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Number<'a> {
+    /// Digits with at most a sign and a point, few enough to be finite: read by nobody yet.
+    Plain(&'a [u8]),
+    /// Anything else that [`str::parse`] takes, with its value.
+    Other(&'a [u8], f32),
+    /// A spelling that is not in any standard.
+    Unusual(f32),
 }
 
-/// The common case: at most 19 digits and a small exponent, rounded once to `f64` and once to
-/// `f32`. The two roundings give the nearest `f32` unless the first one landed exactly half-way
-/// between two of them, which is then left to the slow way, as is everything unusual.
-fn fast_float(token: &[u8]) -> Option<f32> {
-    const POWERS: [f64; 23] = [
-        1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16,
-        1e17, 1e18, 1e19, 1e20, 1e21, 1e22,
-    ];
-    let (negative, digits) = match token {
-        [b'-', rest @ ..] => (true, rest),
-        [b'+', rest @ ..] => (false, rest),
-        _ => (false, token),
+impl<'a> Number<'a> {
+    /// Zero.
+    pub(super) const ZERO: Self = Self::Plain(b"0");
+
+    /// The number that a word is; `nan` and `inf` in any case are numbers too.
+    pub(super) fn new(token: &'a [u8]) -> Option<Self> {
+        if is_plain(token) {
+            return Some(Self::Plain(token));
+        }
+        let standard = std::str::from_utf8(token).ok()?.parse();
+        standard.map_or_else(
+            |_| unusual(token).map(Self::Unusual),
+            |value| Some(Self::Other(token, value)),
+        )
+    }
+
+    /// Its value, correctly rounded.
+    pub(super) fn value(&self) -> f32 {
+        match *self {
+            Self::Plain(token) => {
+                let value = std::str::from_utf8(token).ok().and_then(|text| text.parse().ok());
+                value.expect("plain digits are a number")
+            }
+            Self::Other(_, value) | Self::Unusual(value) => value,
+        }
+    }
+
+    /// Whether it is neither infinite nor NaN.
+    pub(super) fn is_finite(&self) -> bool {
+        matches!(self, Self::Plain(_)) || self.value().is_finite()
+    }
+
+    /// Appends a spelling that reads back as the same value.
+    pub(super) fn write(&self, text: &mut Vec<u8>) {
+        match *self {
+            Self::Plain(token) | Self::Other(token, _) => text.extend_from_slice(token),
+            Self::Unusual(value) => text.extend_from_slice(value.to_string().as_bytes()),
+        }
+    }
+}
+
+fn is_plain(token: &[u8]) -> bool {
+    let digits = match token {
+        [b'-' | b'+', rest @ ..] => rest,
+        _ => token,
     };
-    let (mut mantissa, mut count, mut exponent, mut i) = (0u64, 0usize, 0i32, 0);
-    while let Some(d) = digits.get(i).map(|b| b.wrapping_sub(b'0')).filter(|&d| d < 10) {
-        mantissa = mantissa.wrapping_mul(10).wrapping_add(u64::from(d));
-        (count, i) = (count + 1, i + 1);
-    }
-    if digits.get(i) == Some(&b'.') {
-        i += 1;
-        while let Some(d) = digits.get(i).map(|b| b.wrapping_sub(b'0')).filter(|&d| d < 10) {
-            mantissa = mantissa.wrapping_mul(10).wrapping_add(u64::from(d));
-            (count, i, exponent) = (count + 1, i + 1, exponent - 1);
+    let (mut count, mut points) = (0, 0);
+    for b in digits {
+        match b {
+            b'0'..=b'9' => count += 1,
+            b'.' => points += 1,
+            _ => return false,
         }
     }
-    if let Some(b'e' | b'E') = digits.get(i) {
-        let (sign, first) = match digits.get(i + 1) {
-            Some(b'-') => (-1, i + 2),
-            Some(b'+') => (1, i + 2),
-            _ => (1, i + 1),
-        };
-        let power = &digits[first.min(digits.len())..];
-        if power.is_empty() || power.len() > 3 || !power.iter().all(u8::is_ascii_digit) {
-            return None;
-        }
-        exponent += sign * power.iter().fold(0, |e, d| e * 10 + i32::from(d - b'0'));
-        i = digits.len();
-    }
-    // 19 digits fit into 64 bits, and 2^53 is where an integer stops being exact in an f64.
-    if i != digits.len() || count == 0 || count > 19 || mantissa > 1 << 53 {
-        return None;
-    }
-    let power = *POWERS.get(exponent.unsigned_abs() as usize)?;
-    let exact = mantissa as f64;
-    let value = if exponent < 0 { exact / power } else { exact * power };
-    let half_way = value.to_bits() & 0x1fff_ffff == 0x1000_0000;
-    let ordinary =
-        value == 0.0 || (f64::from(f32::MIN_POSITIVE)..f64::from(f32::MAX)).contains(&value);
-    #[expect(clippy::cast_possible_truncation, reason = "rounding is the purpose")]
-    (ordinary && !half_way).then(|| if negative { -(value as f32) } else { value as f32 })
+    // The largest f32 has 39 digits.
+    (1..=38).contains(&count) && points <= 1
 }
 
-fn slow_float(token: &[u8]) -> Option<f32> {
+/// The value of a spelling that is in no standard but in files.
+fn unusual(token: &[u8]) -> Option<f32> {
     let text = std::str::from_utf8(token).ok()?;
-    if let Ok(value) = text.parse() {
-        return Some(value);
-    }
-    // Seen in real files: a sign that stands before the exponent's letter, `3.1+e2`.
+    // A sign that stands before the exponent's letter, `3.1+e2`.
     if let Some(at) =
         text.find(['e', 'E']).filter(|&at| at >= 2 && matches!(token[at - 1], b'+' | b'-'))
     {
@@ -109,6 +119,19 @@ pub(super) fn integer(token: &[u8]) -> Option<i64> {
 mod tests {
     use super::*;
     use crate::testing::Random;
+
+    /// The value that tobj reads, which is also the one that the guard knows.
+    fn float(token: &[u8]) -> Option<f32> {
+        let number = Number::new(token)?;
+        let mut written = Vec::new();
+        number.write(&mut written);
+        let text = String::from_utf8(written).expect("ASCII");
+        let value: f32 = text.parse().expect("as the standard library reads it");
+        let known = number.value();
+        assert!(known.to_bits() == value.to_bits() || known.is_nan() && value.is_nan(), "{text}");
+        assert_eq!(number.is_finite(), value.is_finite(), "{text}");
+        Some(value)
+    }
 
     #[test]
     fn floats_are_rounded_like_the_standard_library_does() {

@@ -1,3 +1,4 @@
+use super::super::parsed::NONE;
 use super::*;
 
 fn read(source: &str) -> Parsed {
