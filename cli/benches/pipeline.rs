@@ -115,17 +115,17 @@ fn files_and_levels(c: &mut Criterion) {
         group
             .bench_function(BenchmarkId::new("lodc", name), |b| b.iter(|| write(black_box(&file))));
         group.bench_function(BenchmarkId::new("floor_copy", name), |b| {
-            b.iter(|| black_box(&bytes).clone())
+            b.iter(|| black_box(&bytes).clone());
         });
         group.finish();
 
         let mut group = c.benchmark_group("read");
         group.throughput(Throughput::Elements(triangles));
         group.bench_function(BenchmarkId::new("lodc", name), |b| {
-            b.iter(|| read(black_box(&bytes)).expect("sound"))
+            b.iter(|| read(black_box(&bytes)).expect("sound"));
         });
         group.bench_function(BenchmarkId::new("floor_checksum", name), |b| {
-            b.iter(|| xxh3_128(black_box(&bytes)))
+            b.iter(|| xxh3_128(black_box(&bytes)));
         });
         group.finish();
 

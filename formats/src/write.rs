@@ -130,7 +130,7 @@ impl Pending {
         match self.backup.take() {
             Some(old) => drop(system().and_then(|()| fs::rename(old, &self.target))),
             None if self.replaced_nothing => {
-                drop(system().and_then(|()| fs::remove_file(&self.target)))
+                drop(system().and_then(|()| fs::remove_file(&self.target)));
             }
             None => {}
         }

@@ -43,7 +43,7 @@ impl Sample {
     /// Returns the triangles of the input that it lies on.
     pub(crate) fn sources<'a>(&self, input: &'a Input) -> Sources<'a> {
         let which = self.origin / 2;
-        if self.origin % 2 == 0 {
+        if self.origin.is_multiple_of(2) {
             Sources::Around(input.around.row(which))
         } else {
             Sources::Inside(which)

@@ -201,7 +201,7 @@ impl<'a> Tracker<'a> {
         for triangle in 0..triangles {
             if self.removal_lod[triangle] == NONE {
                 (0..3).for_each(|place| {
-                    self.append(self.corners[triangle][place], (3 * triangle + place) as u32)
+                    self.append(self.corners[triangle][place], (3 * triangle + place) as u32);
                 });
             }
         }
@@ -209,7 +209,7 @@ impl<'a> Tracker<'a> {
             if self.weight[edge] != 0 {
                 let first = 3 * triangles + 2 * edge;
                 (0..2).for_each(|place| {
-                    self.append(self.border[edge][place], (first + place) as u32)
+                    self.append(self.border[edge][place], (first + place) as u32);
                 });
             }
         }

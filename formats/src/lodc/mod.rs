@@ -123,7 +123,7 @@ pub fn write(file: &LodFile) -> Vec<u8> {
     writer.required(tag::MANIFEST, SCENE, 0, |out| out.extend_from_slice(&manifest));
     if let Document::Gltf(gltf) = &file.document {
         writer.required(tag::DOCUMENT_JSON, SCENE, 0, |out| {
-            out.extend_from_slice(gltf.json.as_bytes())
+            out.extend_from_slice(gltf.json.as_bytes());
         });
         writer.required(tag::DOCUMENT_BLOB, SCENE, 0, |out| out.extend_from_slice(&gltf.blob));
     }

@@ -76,23 +76,23 @@ pub(super) fn write<'a>(
     section(
         tag::STEP_TRIANGLES,
         Box::new(|out| {
-            out.extend(steps::lost_triangles(sequence.triangles, &sequence.step_triangles))
+            out.extend(steps::lost_triangles(sequence.triangles, &sequence.step_triangles));
         }),
     );
     if object.simplified.collapses().is_measured() {
         writer.optional(tag::STEP_RMS, number, 0, |out| {
-            out.extend(steps::error_growth(&sequence.step_rms))
+            out.extend(steps::error_growth(&sequence.step_rms));
         });
     }
     for (i, &full) in plan.iter().enumerate() {
         writer.required(tag::ATTRIBUTE, number, i as u32, move |out| {
-            streams::put(out, mesh, i, full)
+            streams::put(out, mesh, i, full);
         });
     }
     let model_arrays = object.models.iter().flat_map(Model::arrays);
     for (index, array) in (0..).zip(model_arrays) {
         writer.optional(tag::MODEL_ARRAY, number, index, move |out| {
-            out.extend_from_slice(&array.bytes)
+            out.extend_from_slice(&array.bytes);
         });
     }
 }

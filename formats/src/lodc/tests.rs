@@ -280,7 +280,7 @@ fn sections_that_are_unknown_are_skipped_or_refused_as_they_ask() {
     writer.required(tag::MANIFEST, SCENE, 0, |out| out.extend_from_slice(&manifest));
     writer.optional(*b"ZZZZ", SCENE, 0, |out| out.extend_from_slice(b"from the future"));
     writer.required(tag::DOCUMENT_JSON, SCENE, 0, |out| {
-        out.extend_from_slice(br#"{"asset":{"version":"2.0"}}"#)
+        out.extend_from_slice(br#"{"asset":{"version":"2.0"}}"#);
     });
     writer.required(tag::DOCUMENT_BLOB, SCENE, 0, |out| out.extend(0..37));
     object::write(&mut writer, 0, &file.objects[0], &plan);

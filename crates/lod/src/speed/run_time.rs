@@ -87,7 +87,7 @@ impl RunTime {
         match operation {
             Operation::Change(place) => self.updates.push(place as i32),
             Operation::Remove(removal) => {
-                self.updates.extend([!(removal.at as i32), removal.word()])
+                self.updates.extend([!(removal.at as i32), removal.word()]);
             }
         }
     }

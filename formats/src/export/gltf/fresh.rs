@@ -55,7 +55,7 @@ fn material(material: &ObjMaterial, images: &mut Vec<String>) -> Value {
             .collect();
         match (key, &numbers[..]) {
             ("Kd", &[r, g, b, ..]) => {
-                color[..3].copy_from_slice(&[r, g, b].map(|c| c.clamp(0.0, 1.0)))
+                color[..3].copy_from_slice(&[r, g, b].map(|c| c.clamp(0.0, 1.0)));
             }
             ("Kd", &[grey]) => color[..3].fill(grey.clamp(0.0, 1.0)),
             ("Ke", &[r, g, b, ..]) => emissive = [r, g, b].map(|c| c.clamp(0.0, 1.0)),

@@ -159,7 +159,7 @@ fn real_files_have_the_counts_that_others_found() {
             parse::parse(&std::fs::read(&path).expect(file), &crate::Limits::DEFAULT).expect(file);
         let assembled = assemble::assemble(&parsed, 0);
         let check = |key: &str, found: usize| {
-            assert_eq!(expected(&manifest, file, key), found as u64, "{file}: {key}")
+            assert_eq!(expected(&manifest, file, key), found as u64, "{file}: {key}");
         };
         check("vertices", parsed.positions.len());
         check("normals", parsed.normals.len());

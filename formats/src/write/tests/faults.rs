@@ -100,7 +100,7 @@ fn whichever_call_fails_all_old_files_stand_or_all_new_ones() {
                 }
                 // Not every failure matters: a second name for the old file is a help, not a need.
                 Ok(()) => {
-                    assert_eq!(state(&scratch, existing.len(), false, &what), after, "{what}")
+                    assert_eq!(state(&scratch, existing.len(), false, &what), after, "{what}");
                 }
             }
             if calls < n {

@@ -10,13 +10,13 @@ pub(super) fn apply(filter: Filter, stride: usize, bytes: &mut [u8]) {
         Filter::None => {}
         Filter::Exponential => bytes.chunks_exact_mut(4).for_each(exponential),
         Filter::Quaternion => {
-            bytes.chunks_exact_mut(8).for_each(|b| store16(b, quaternion(load16(b))))
+            bytes.chunks_exact_mut(8).for_each(|b| store16(b, quaternion(load16(b))));
         }
         Filter::Octahedral if narrow => {
-            bytes.chunks_exact_mut(4).for_each(|b| store8(b, octahedral(load8(b), 127.0)))
+            bytes.chunks_exact_mut(4).for_each(|b| store8(b, octahedral(load8(b), 127.0)));
         }
         Filter::Octahedral => {
-            bytes.chunks_exact_mut(8).for_each(|b| store16(b, octahedral(load16(b), 32767.0)))
+            bytes.chunks_exact_mut(8).for_each(|b| store16(b, octahedral(load16(b), 32767.0)));
         }
         Filter::Color if narrow => bytes.chunks_exact_mut(4).for_each(|b| {
             let q = color(load8(b).map(|v| v & 255), 8);

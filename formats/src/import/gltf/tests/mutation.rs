@@ -88,7 +88,7 @@ fn places(value: &Value, path: &mut Vec<String>, out: &mut Vec<Vec<String>>) {
     match value {
         Value::Array(a) => a.iter().enumerate().for_each(|(i, v)| below(i.to_string(), v)),
         Value::Object(o) => {
-            o.iter().for_each(|(k, v)| below(k.replace('~', "~0").replace('/', "~1"), v))
+            o.iter().for_each(|(k, v)| below(k.replace('~', "~0").replace('/', "~1"), v));
         }
         _ => {}
     }
