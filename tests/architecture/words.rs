@@ -11,7 +11,7 @@ const RETIRED_LEFT: usize = 190;
 const OPENINGS: &[&str] = &["What", "Whether", "How", "Where", "Which"];
 
 /// Comments with such openings that are left. The number only falls.
-const OPENINGS_LEFT: usize = 655;
+const OPENINGS_LEFT: usize = 0;
 
 fn glossary() -> String {
     read(&root().join("docs/GLOSSARY.md"))

@@ -91,7 +91,8 @@ impl Pass<'_> {
         paired && changed.iter().zip(&self.corners).all(is_covered)
     }
 
-    /// Returns whether no more than one in `share` faces is left, or so few that it does not matter.
+    /// Returns whether no more than one in `share` faces is left, or so few that it does not
+    /// matter.
     fn is_coarse(&self, share: u32) -> bool {
         self.faces.live <= (self.input.triangles.len() as u32 / share).max(64)
     }
@@ -164,7 +165,7 @@ struct Ask<'p, 'a> {
     i: usize,
     t: u32,
     corners: [DVec3; 3],
-    /// Whether a point was not near enough.
+    /// True if a point was not near enough.
     is_hot: bool,
 }
 

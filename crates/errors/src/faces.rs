@@ -26,7 +26,7 @@ pub(crate) struct Face {
     /// The last step that touched it, plus 1.
     touched: u32,
     pub(crate) live: bool,
-    /// Whether no step has touched it yet.
+    /// True if no step has touched it yet.
     pub(crate) original: bool,
     /// Its area.
     pub(crate) area: f32,
@@ -45,7 +45,7 @@ pub(crate) struct Faces {
     in_tree: u32,
 }
 
-/// What a step changes.
+/// Changes of a step.
 #[derive(Default)]
 pub(crate) struct Changes {
     /// All faces with a corner that moves.

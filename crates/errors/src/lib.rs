@@ -1,10 +1,10 @@
-//! How far every level of detail is from the input: for each step of a finished sequence an upper
+//! Distances of every level of detail from the input: for each step of a finished sequence an upper
 //! bound of the two-sided Hausdorff distance, and the root mean square distance.
 //!
-//! Points of the input travel along the sequence, each tied to a face: when a step changes the faces
-//! around it, it goes to the nearest one (Klein, Liebich and Straßer 1996; Ciampalini et al. 1997).
-//! New faces are asked the other way. Where either is near the largest distance so far, branch and
-//! bound looks closer. The pass knows nothing of the simplifier.
+//! Points of the input travel along the sequence, each tied to a face: when a step changes the
+//! faces around it, it goes to the nearest one (Klein, Liebich and Straßer 1996; Ciampalini et al.
+//! 1997). New faces are asked the other way. Where either is near the largest distance so far,
+//! branch and bound looks closer. The pass knows nothing of the simplifier.
 
 mod backward;
 mod faces;

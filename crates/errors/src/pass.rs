@@ -11,7 +11,7 @@ use crate::triangle::distance_squared;
 use glam::DVec3;
 use lodc_mesh::{NONE, Simplified};
 
-/// What is stated above what was found, for what no sample saw.
+/// Margin stated above the distance found, for what no sample saw.
 const MARGIN: f64 = 1.05;
 
 /// Distances within this share of the bound need no better face.

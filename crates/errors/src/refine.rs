@@ -1,5 +1,5 @@
-//! Branch and bound over a triangle: how far its farthest point is from a surface (as Guthe, Borodin
-//! and Klein 2005 bound the Hausdorff distance).
+//! Branch and bound over a triangle: how far its farthest point is from a surface (as Guthe,
+//! Borodin and Klein 2005 bound the Hausdorff distance).
 
 use crate::tree::{Nearest, Tree, Triangles};
 use crate::triangle::{centroid, distance_squared};

@@ -23,7 +23,7 @@ pub(crate) struct Sample {
     place: [f32; 3],
     /// The next sample of the same face.
     next: u32,
-    /// Where it comes from: twice the point that it is, or twice the triangle that it lies in, plus
+    /// Its origin: twice the point that it is, or twice the triangle that it lies in, plus
     /// 1.
     origin: u32,
     /// Squared distance to its face.

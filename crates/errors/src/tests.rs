@@ -134,8 +134,8 @@ fn a_face_that_has_a_double_costs_nothing() {
 
 #[test]
 fn a_hole_that_closes_is_as_far_as_its_middle() {
-    // Vertices of a grid of 4 by 4 squares of side 1; the middle four squares are missing, and their
-    // middle vertex with them.
+    // Vertices of a grid of 4 by 4 squares of side 1; the middle four squares are missing, and
+    // their middle vertex with them.
     let at = |i: u32| [(i % 5) as f32, (i / 5) as f32, 0.0];
     let ring = [6, 7, 8, 13, 18, 17, 16, 11];
     let outer = (0..25).filter(|i| !ring.contains(i) && *i != 12);

@@ -8,7 +8,7 @@ use glam::DVec3;
 use lodc_mesh::{Attribute, Csr, Mesh, MeshParts, NONE, Semantic};
 use rayon::prelude::*;
 
-/// Where a vertex takes its attributes from: corners of the input, by weight.
+/// Source of a vertex's attributes: corners of the input, by weight.
 pub(crate) type Source = Option<([u32; 3], [f64; 3])>;
 
 /// Returns the level with its points at `positions` and its attributes as the input has them there.

@@ -36,7 +36,7 @@ pub(crate) fn blend(stream: &mut Attribute, from: &Attribute, sources: &[Source]
     }
 }
 
-/// Whether the first three components are a unit vector.
+/// Returns whether the first three components are a unit vector.
 fn is_direction(stream: &Attribute) -> bool {
     stream.morph_target.is_none() && matches!(stream.semantic, Semantic::Normal | Semantic::Tangent)
 }

@@ -2,7 +2,7 @@
 
 use lodc_mesh::{Mesh, NONE, PositionIds, Semantic};
 
-/// Which streams have to agree at a position for two triangles to be of one chart.
+/// Streams that have to agree at a position for two triangles to be of one chart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Continuity {
     /// Texture coordinates and colours: what would show as a seam.

@@ -7,10 +7,10 @@ use glam::DVec3;
 const MOST_TURN: f64 = 0.5;
 /// Share of its area that a face keeps at least.
 const LEAST_AREA: f64 = 0.02;
-/// How often the moves of a face's corners are halved before they are given up.
+/// Number of times that the moves of a face's corners are halved before they are given up.
 const HALVINGS: usize = 5;
 
-/// What a step is measured against.
+/// References that a step is measured against.
 pub(crate) struct Guard<'a> {
     pub(crate) level: &'a Level,
     /// Normals of the faces where the simplifier left them.

@@ -7,7 +7,7 @@ use crate::quadrature::for_ratio;
 use glam::DVec3;
 use lodc_mesh::{Mesh, PositionIds};
 
-/// What stays the same over all iterations.
+/// The input, the same over all iterations.
 pub(crate) struct Input {
     /// Unit normals of the triangles; zero for those without area.
     pub(crate) normals: Vec<DVec3>,
@@ -68,7 +68,7 @@ impl Input {
         }
     }
 
-    /// How many samples there are on the triangles.
+    /// Number of samples on the triangles.
     pub(crate) fn samples(&self) -> usize {
         self.rule.len() * self.corners.len()
     }

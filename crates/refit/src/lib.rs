@@ -1,13 +1,13 @@
 //! Refitting: the vertices of a level of detail, moved to where they fit the input best.
 //!
-//! A half-edge simplification leaves every vertex of a level where the input had it. A level that is
-//! taken out for good need not: this package moves its vertices by least squares, connectivity
+//! A half-edge simplification leaves every vertex of a level where the input had it. A level that
+//! is taken out for good need not: this package moves its vertices by least squares, connectivity
 //! unchanged, so that the mean squared distance between both surfaces falls to 0.2–0.5 of what it
 //! was. Each iteration ties samples of either surface to the nearest point of the other, solves the
-//! normal equations of point-to-plane distances for one move per position, and holds back what would
-//! turn a face over. Vertices at one position move together, so seams stay closed; borders, borders
-//! of materials and seams of charts are tied to each other as curves. Attributes are taken from the
-//! input at the new place, within their chart.
+//! normal equations of point-to-plane distances for one move per position, and holds back what
+//! would turn a face over. Vertices at one position move together, so seams stay closed; borders,
+//! borders of materials and seams of charts are tied to each other as curves. Attributes are taken
+//! from the input at the new place, within their chart.
 //!
 //! ```
 //! use lodc_mesh::{Lod, Mesh};
@@ -38,7 +38,7 @@ use input::Input;
 use level::Level;
 use lodc_mesh::{Lod, Mesh, MeshError, Simplified};
 
-/// How hard to try.
+/// Effort of a refit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Options {
     /// Iterations of ties and moves. Two give some 93 % of what five do.

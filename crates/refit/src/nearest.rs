@@ -11,7 +11,7 @@ const LEAF: usize = 4;
 pub(crate) struct Nearest {
     /// The triangle that it lies on, by its number when the tree was made.
     pub(crate) triangle: u32,
-    /// Where on it.
+    /// Barycentric coordinates of the point on it.
     pub(crate) barycentric: [f64; 3],
     /// The squared distance to it.
     pub(crate) squared: f64,
@@ -103,7 +103,7 @@ impl Tree {
     }
 }
 
-/// How many nodes the tree of `n` triangles has: its shape depends on their number alone.
+/// Number of nodes the tree of `n` triangles has: its shape depends on their number alone.
 fn nodes_of(n: usize) -> usize {
     /// Those of `n` and of `n + 1` triangles.
     fn pair(n: usize) -> (usize, usize) {
@@ -121,7 +121,7 @@ fn nodes_of(n: usize) -> usize {
     pair(n).0
 }
 
-/// Where a subtree stands: its first node and the slot of its first triangle.
+/// Place of a subtree: its first node and the slot of its first triangle.
 #[derive(Clone, Copy)]
 struct Place {
     node: u32,

@@ -63,7 +63,7 @@ impl Symmetric {
 pub(crate) struct Tie {
     /// The face of the level that the point lies on.
     pub(crate) face: u32,
-    /// Where on it.
+    /// Barycentric coordinates of the point on it.
     pub(crate) barycentric: [f64; 3],
     /// From the input's point to the level's.
     pub(crate) residual: DVec3,

@@ -8,10 +8,10 @@ use crate::lodc::{self, LodFile};
 use crate::{Assets, Fault, FormatError, Limits, Scene};
 use std::path::{Path, PathBuf};
 
-/// What an import may do.
+/// Options of an import.
 #[derive(Clone, Debug, Default)]
 pub struct ImportOptions {
-    /// How large inputs may be.
+    /// Limits on the size of inputs.
     pub limits: Limits,
     /// Folders besides the asset's own that may be read.
     pub allowed: Vec<PathBuf>,

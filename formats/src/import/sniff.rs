@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-/// What a file seems to be.
+/// Kind that a file seems to be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Sniffed {
     /// glTF, binary.
@@ -42,7 +42,8 @@ const MAGIC: [(&[u8], Sniffed); 24] = [
     (b"\x89LODC", Sniffed::Other("a file that lodc made: it is not an input; this")),
 ];
 
-/// What `bytes` seem to be; the extension of `path` decides only for formats without a mark.
+/// Returns the kind that `bytes` seem to be; the extension of `path` decides only for formats
+/// without a mark.
 pub(super) fn format(bytes: &[u8], path: &Path) -> Sniffed {
     if let Some((_, sniffed)) = MAGIC.iter().find(|(magic, _)| bytes.starts_with(magic)) {
         return *sniffed;

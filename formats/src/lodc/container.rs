@@ -22,7 +22,7 @@ const OPTIONAL: u32 = 0xffff_0000;
 /// The object number of sections that belong to no object.
 pub(super) const SCENE: u32 = u32::MAX;
 
-/// What kind of section it is: four ASCII characters.
+/// Tag of a section: four ASCII characters.
 pub(super) type Tag = [u8; 4];
 
 pub(super) mod tag {
@@ -57,10 +57,10 @@ pub(super) mod tag {
     ];
 }
 
-/// Which section: its tag, its object, its number among those of one tag and object.
+/// Key of a section: its tag, its object, its number among those of one tag and object.
 type Id = (Tag, u32, u32);
 
-/// How messages name a section.
+/// Name of a section in messages.
 pub(super) fn place(tag: Tag, object: u32, index: u32) -> String {
     let tag = tag.escape_ascii();
     match object {

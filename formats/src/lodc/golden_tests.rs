@@ -18,8 +18,8 @@ fn golden(version: u32) -> PathBuf {
     root().join(format!("fixtures/golden/v{version}"))
 }
 
-/// What a file must give: one line for the file, one for each object. `tests/read_lodc.py` prints
-/// the same.
+/// Expected facts of a file: one line for the file, one for each object. `tests/read_lodc.py`
+/// prints the same.
 fn facts(name: &str, bytes: &[u8]) -> String {
     let file = read(bytes).expect("a golden file");
     let format = format!("{:?}", file.source.format).to_lowercase();

@@ -1,4 +1,5 @@
-//! What a reader leaves out because this version does not know it: told, but in bounded space.
+//! Parts that a reader leaves out because this version does not know them: reported in bounded
+//! space.
 
 /// Lines beyond this are only counted: a crafted file could ask for any number of them.
 const MOST: usize = 20;

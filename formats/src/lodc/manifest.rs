@@ -64,7 +64,7 @@ pub(crate) struct AttributeEntry {
     component: u8,
     pub(super) components: u8,
     pub(super) normalized: bool,
-    /// Whether the section has bytes for all vertices, not only for those of submeshes that have
+    /// True if the section has bytes for all vertices, not only for those of submeshes that have
     /// the stream.
     pub(super) full: bool,
 }
@@ -150,7 +150,7 @@ pub(crate) fn format_code(format: SourceFormat) -> u8 {
     }
 }
 
-/// Where something came from, by what a file says of it.
+/// Origin of a file, as the file states it.
 pub(crate) fn source_of(format: u8, content_hash: u128) -> Result<Source, String> {
     let format = match format {
         0 => SourceFormat::Obj,

@@ -30,14 +30,15 @@ pub const VERSION: u32 = 3;
 /// A `.lodc` file in memory.
 #[derive(Debug)]
 pub struct LodFile {
-    /// Where the scene came from.
+    /// Origin of the scene.
     pub source: Source,
     /// Everything that is not a triangle mesh.
     pub document: Document,
     /// The objects.
     pub objects: Vec<LodObject>,
-    /// What a reader left out because this version does not know it: one line for each, up to
-    /// twenty. Empty in a file to be written; writing a file that was read leaves it out for good.
+    /// Parts that a reader left out because this version does not know them: one line for each, up
+    /// to twenty. Empty in a file to be written; writing a file that was read leaves it out for
+    /// good.
     pub left_out: Vec<String>,
 }
 
@@ -58,7 +59,7 @@ pub fn key(bytes: &[u8]) -> u128 {
     xxhash_rust::xxh3::xxh3_128(bytes)
 }
 
-/// How many bytes of a file a model needs: positions, submeshes of vertices, triangles, collapse
+/// Number of bytes of a file a model needs: positions, submeshes of vertices, triangles, collapse
 /// sequence and its own arrays. Attribute streams, padding, the table and the manifest are left
 /// out.
 #[must_use]
@@ -74,7 +75,7 @@ pub fn version(bytes: &[u8]) -> Option<u32> {
     Some(u32::from_le_bytes(version))
 }
 
-/// Whether bytes claim to be a `.lodc` file.
+/// Returns whether bytes claim to be a `.lodc` file.
 #[must_use]
 pub fn is_lodc(bytes: &[u8]) -> bool {
     bytes.starts_with(b"\x89LODC")

@@ -35,7 +35,7 @@ pub(super) fn step_ends(bits: &[u8], records: usize) -> Result<Vec<u32>, String>
     Ok((0..records).filter(|&k| !joined(k)).map(|k| k as u32 + 1).collect())
 }
 
-/// How many triangles each step loses: a byte each, 255 standing for a number that follows behind
+/// Number of triangles each step loses: a byte each, 255 standing for a number that follows behind
 /// all the bytes.
 pub(super) fn lost_triangles(triangles: u32, step_triangles: &[u32]) -> Vec<u8> {
     let mut before = triangles;

@@ -3,7 +3,7 @@
 use crate::{Fault, FormatError};
 use lodc_mesh::{Attribute, Mesh};
 
-/// How many zero bytes streams may leave out. Without this bound a small file could ask for any
+/// Number of zero bytes streams may leave out. Without this bound a small file could ask for any
 /// amount of memory.
 #[derive(Debug, Default)]
 pub(super) struct ZeroBudget {
@@ -15,12 +15,12 @@ impl ZeroBudget {
     /// Zeros that any file may leave out.
     const FREE: u64 = 32 << 20;
 
-    /// What a reader allows a file of so many bytes.
+    /// Allowance of a reader for a file of so many bytes.
     pub(super) fn of_file(bytes: usize) -> Self {
         Self { left_out: 0, stored: bytes as u64 }
     }
 
-    /// Whether so many more zeros can be left out.
+    /// Returns whether so many more zeros can be left out.
     pub(super) fn take(&mut self, zeros: u64) -> bool {
         let fits = self.left_out.saturating_add(zeros)
             <= Self::FREE.saturating_add(self.stored.saturating_mul(2));

@@ -1,4 +1,5 @@
-//! What is written is read; what is damaged, cut, longer, newer or crafted is refused.
+//! Files that were written are read; files that are damaged, cut, longer, newer or crafted is
+//! refused.
 
 use super::*;
 use crate::{ObjDocument, ObjMaterial, SourceFormat, SubmeshInfo};

@@ -32,7 +32,8 @@ pub(crate) struct ChainArgs {
     output: PathBuf,
     #[command(flatten)]
     levels: LevelArgs,
-    /// No level errs more than E (mesh units; E%: of the diagonal), however few triangles are wanted
+    /// No level errs more than E (mesh units; E%: of the diagonal), however few triangles are
+    /// wanted
     #[arg(long, value_name = "E", value_parser = bound)]
     max_error: Option<lodc_select::Target>,
     /// Write a file per level: STEM_LOD0.EXT, STEM_LOD1.EXT, ...

@@ -67,7 +67,7 @@ pub(crate) const fn component_number(component: Component) -> u32 {
     }
 }
 
-/// What an accessor says of itself, known to fit its buffer views.
+/// Description of an accessor, known to fit its buffer views.
 #[derive(Clone, Debug)]
 pub(super) struct Accessor {
     pub(super) shape: Shape,
@@ -138,7 +138,8 @@ impl Accessor {
         Ok(Some(Self { shape, component, normalized, count, place, data, sparse }))
     }
 
-    /// Whether it has bytes of its own: zeros are also what a compressed primitive leaves behind.
+    /// Returns whether it has bytes of its own: zeros are also what a compressed primitive leaves
+    /// behind.
     pub(super) const fn has_data(&self) -> bool {
         self.data.is_some() || self.sparse.is_some()
     }
@@ -228,8 +229,8 @@ impl Sparse {
     }
 }
 
-/// Whether `count` elements from `offset` on fit into `length` bytes; after the last one there need
-/// not be the padding that a matrix's last column has.
+/// Returns whether `count` elements from `offset` on fit into `length` bytes; after the last one
+/// there need not be the padding that a matrix's last column has.
 fn fits(
     offset: u64,
     stride: usize,

@@ -1,4 +1,4 @@
-//! How much memory an import may take in all: files can point to the same bytes many times, and
+//! Memory that an import may take in all: files can point to the same bytes many times, and
 //! memory must not follow them.
 
 use crate::{Fault, FormatError};
@@ -10,7 +10,7 @@ const BASE: u64 = 32 << 20;
 /// buffer views.
 const PER_BYTE: u64 = 16;
 
-/// What is left of 32 MiB plus 16 bytes per byte of input. Everything that is allocated for
+/// The rest of 32 MiB plus 16 bytes per byte of input. Everything that is allocated for
 /// geometry is charged before it is allocated.
 #[derive(Debug)]
 pub(super) struct Budget {

@@ -1,4 +1,4 @@
-//! What is left of a document when its triangles are gone: everything else, its buffer views
+//! The rest of a document when its triangles are gone: everything else, its buffer views
 //! compacted into one blob.
 
 use super::extensions::{self, DRACO, MESHOPT};
@@ -74,7 +74,7 @@ fn drop_draco(root: &mut Object) {
     extensions::forget(root, DRACO);
 }
 
-/// Which accessors and buffer views something refers to; what an unused accessor refers to does not
+/// Accessors and buffer views that something refers to; what an unused accessor refers to does not
 /// count.
 struct Used {
     accessors: Vec<bool>,

@@ -1,4 +1,4 @@
-//! Which extensions this package reads, passes through, or must refuse.
+//! Extensions that this package reads, passes through, or must refuse.
 
 use super::json::{self, Object, integer, list, malformed};
 use crate::{Fault, FormatError};

@@ -8,18 +8,18 @@ const MAGIC: &[u8; 4] = b"glTF";
 const JSON: u32 = 0x4e4f_534a;
 const BIN: u32 = 0x004e_4942;
 
-/// Where the chunks are in the file.
+/// Ranges of the chunks in the file.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) struct Chunks {
     /// The JSON document.
     pub(super) json: Range<usize>,
     /// The first buffer.
     pub(super) bin: Option<Range<usize>>,
-    /// What was unusual but harmless.
+    /// Findings that are unusual but harmless.
     pub(super) warnings: Vec<String>,
 }
 
-/// Whether a file says that it is a GLB.
+/// Returns whether a file says that it is a GLB.
 pub(super) fn is_glb(bytes: &[u8]) -> bool {
     bytes.starts_with(MAGIC)
 }

@@ -9,7 +9,7 @@ use crate::{Fault, FormatError, Limits};
 use lodc_mesh::{Attribute, Component, Mesh, MeshParts, Semantic, Submesh, weld_positions};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What all meshes of a document share while they are read.
+/// State that all meshes of a document share while they are read.
 #[derive(Debug)]
 pub(super) struct Reading<'a> {
     pub(super) accessors: &'a [Option<Accessor>],
@@ -20,13 +20,13 @@ pub(super) struct Reading<'a> {
     pub(super) counts: Counts,
     vertices: u64,
     triangles: u64,
-    /// Which elements of each accessor of positions some triangle uses, one bit each.
+    /// Elements of each accessor of positions that some triangle uses, one bit each.
     used: BTreeMap<usize, Vec<u64>>,
     /// Those of them whose primitives have become submeshes.
     converted: BTreeSet<usize>,
 }
 
-/// What was dropped or moved.
+/// Counts of what was dropped or moved.
 #[derive(Debug, Default)]
 pub(super) struct Counts {
     pub(super) degenerate: usize,
@@ -206,7 +206,7 @@ impl<'a> Reading<'a> {
         Ok(())
     }
 
-    /// How many elements of all accessors of positions no primitive uses.
+    /// Number of elements of all accessors of positions that no primitive uses.
     pub(super) fn unused_vertices(&self) -> usize {
         let unused = |(accessor, bits): (&usize, &Vec<u64>)| {
             let used: usize = bits.iter().map(|b| b.count_ones() as usize).sum();
@@ -216,7 +216,7 @@ impl<'a> Reading<'a> {
     }
 }
 
-/// How many triangles and vertices each submesh has.
+/// Numbers of triangles and vertices of each submesh.
 struct SubmeshSizes {
     triangles: Vec<usize>,
     vertices: Vec<usize>,

@@ -12,7 +12,7 @@ use serde_json::Value;
 /// A primitive that draws triangles.
 #[derive(Debug)]
 pub(super) struct Primitive {
-    /// Where it is in the document.
+    /// Its place in the document.
     pub(super) place: String,
     /// 4 list, 5 strip, 6 fan.
     mode: u64,
@@ -23,7 +23,7 @@ pub(super) struct Primitive {
     pub(super) streams: Vec<(Semantic, Option<u32>, usize)>,
 }
 
-/// What became of a primitive.
+/// Outcome of reading a primitive.
 #[derive(Debug)]
 pub(super) enum Read {
     /// It draws triangles.
@@ -100,7 +100,7 @@ pub(super) fn read(
     Ok(Read::Triangles(Primitive { place, mode, indices, position, streams }))
 }
 
-/// Whether positions are three `f32` and need no stream besides.
+/// Returns whether positions are three `f32` and need no stream besides.
 fn is_plain(accessors: &[Option<Accessor>], accessor: usize) -> bool {
     accessors.get(accessor).and_then(Option::as_ref).is_some_and(|a| a.component == Component::F32)
 }
@@ -154,7 +154,7 @@ impl Primitive {
         Ok(corners)
     }
 
-    /// How many triangles this many corners make.
+    /// Number of triangles that this many corners make.
     pub(super) const fn triangle_count(&self, corners: usize) -> usize {
         match self.mode {
             4 => corners / 3,

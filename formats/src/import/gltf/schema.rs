@@ -1,4 +1,4 @@
-//! What the members of a glTF document are: one table for checking types, resolving references and
+//! Members of a glTF document: one table for checking types, resolving references and
 //! renumbering them.
 
 use super::json::{Object, integer, malformed};
@@ -60,7 +60,7 @@ impl Pool {
         }
     }
 
-    /// How many entries the document has.
+    /// Number of entries in the document.
     pub(crate) fn len(self, root: &Object) -> usize {
         let lights = |root: &Object| {
             root.get("extensions")?.get("KHR_lights_punctual")?.get("lights").cloned()

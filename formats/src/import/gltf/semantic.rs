@@ -38,9 +38,9 @@ pub(crate) fn to_name(semantic: &Semantic) -> String {
     }
 }
 
-/// Whether an accessor can hold this: the shape that the meaning demands, and no 32-bit integers
-/// except in custom data. Any other component type is taken, as KHR_mesh_quantization allows more
-/// than the core does.
+/// Returns whether an accessor can hold this: the shape that the meaning demands, and no 32-bit
+/// integers except in custom data. Any other component type is taken, as KHR_mesh_quantization
+/// allows more than the core does.
 pub(super) fn accepts(semantic: &Semantic, morph_target: bool, accessor: &Accessor) -> bool {
     let shape = |components: usize| accessor.shape == Shape { columns: 1, rows: components };
     let shape = match semantic {

@@ -20,7 +20,7 @@ pub(super) fn entry<T: DeserializeOwned>(object: &Object, place: &str) -> Result
     serde_json::from_value(Value::Object(read(object))).map_err(|e| malformed(place, e.to_string()))
 }
 
-/// What is read of an object, its whole numbers spelt as such: `3.0` is one, too.
+/// The members of an object that are read, its whole numbers spelt as such: `3.0` is one, too.
 fn read(object: &Object) -> Object {
     let read = |value: &Value| match value {
         Value::Object(members) => Value::Object(read(members)),

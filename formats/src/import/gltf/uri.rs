@@ -21,7 +21,7 @@ pub(crate) fn read(uri: &str, place: &str, assets: &mut Assets) -> Result<Vec<u8
     assets.read_reference(&path)
 }
 
-/// Whether a URI carries its own bytes.
+/// Returns whether a URI carries its own bytes.
 pub(crate) fn is_data(uri: &str) -> bool {
     strip_prefix_ignoring_case(uri, "data:").is_some()
 }

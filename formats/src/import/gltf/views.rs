@@ -94,18 +94,18 @@ impl<'a> Views<'a> {
         self.views[view].stride
     }
 
-    /// How many bytes the view has, decompressed.
+    /// Number of bytes of the view, decompressed.
     pub(super) fn len(&self, view: usize) -> usize {
         let view = &self.views[view];
         view.compressed.map_or(view.range.len(), |layout| layout.count * layout.stride)
     }
 
-    /// Whether the view is compressed.
+    /// Returns whether the view is compressed.
     pub(super) fn is_compressed(&self, view: usize) -> bool {
         self.views[view].compressed.is_some()
     }
 
-    /// Whether the view's bytes are nowhere: its buffer is a placeholder.
+    /// Returns whether the view's bytes are nowhere: its buffer is a placeholder.
     pub(super) fn is_placeholder(&self, view: usize) -> bool {
         self.buffers[self.views[view].buffer].is_none()
     }

@@ -8,11 +8,11 @@ use crate::SubmeshInfo;
 use lodc_mesh::{Attribute, Component, MeshParts, Semantic, Submesh};
 use std::collections::BTreeSet;
 
-/// What the faces of an OBJ come to.
+/// Mesh and notes made of the faces of an OBJ.
 #[derive(Debug, Default)]
 pub(super) struct Assembled {
     pub(super) parts: MeshParts,
-    /// Which of the file's positions each vertex has.
+    /// The file's position that each vertex has.
     pub(super) source_positions: Vec<u32>,
     pub(super) submeshes: Vec<SubmeshInfo>,
     /// Faces with more than three corners.

@@ -17,22 +17,22 @@ use std::collections::BTreeMap;
 /// Faces between two `g` lines, at which tobj empties its tables: they stay in the cache.
 const FACES_PER_MODEL: u32 = 4096;
 
-/// What an OBJ has besides the numbers that tobj reads.
+/// Contents of an OBJ besides the numbers that tobj reads.
 #[derive(Debug, Default)]
 pub(super) struct Guarded {
     /// Everything but the arrays that tobj fills.
     pub(super) parsed: Parsed,
-    /// How many positions, texture coordinates and normals there are.
+    /// Numbers of positions, texture coordinates and normals.
     pub(super) counts: [u32; 3],
-    /// How many corners all faces have.
+    /// Number of corners of all faces.
     pub(super) corners: u32,
     /// Of each kind: the indices in the order in which each of tobj's models first uses them.
     pub(super) first_uses: [Vec<u32>; 3],
     /// The fourth components of colours, one per position up to the last that has one.
     pub(super) alphas: Vec<f32>,
-    /// Whether tobj was given a colour for every position.
+    /// True if tobj was given a colour for every position.
     pub(super) colored: bool,
-    /// Whether a colour came after positions without one: to be read again with all coloured.
+    /// True if a colour came after positions without one: to be read again with all coloured.
     pub(super) colors_came_late: bool,
     /// From which corner on corners have texture coordinates, and normals, or not.
     shapes: Vec<(u32, [bool; 2])>,
@@ -63,7 +63,7 @@ pub(super) struct Guard<'a> {
     limits: &'a Limits,
     out: Blocks,
     got: Guarded,
-    /// How many positions, texture coordinates and normals stand before the current face.
+    /// Numbers of positions, texture coordinates and normals before the current face.
     before: [u32; 3],
     /// Position, texture coordinates and normal of each corner of the current face.
     face: Vec<[u32; 3]>,

@@ -9,7 +9,7 @@ pub(super) struct Lines<'a> {
     bytes: &'a [u8],
     at: usize,
     line: u32,
-    /// Where the current statement starts.
+    /// Start of the current statement.
     start: usize,
     statement_line: u32,
     limit: usize,
@@ -126,7 +126,7 @@ impl<'a> Lines<'a> {
         Ok(())
     }
 
-    /// Whether a backslash here joins the next line to this one.
+    /// Returns whether a backslash here joins the next line to this one.
     fn continued(&self) -> bool {
         self.bytes[self.at] == b'\\' && matches!(self.bytes.get(self.at + 1), Some(b'\n' | b'\r'))
     }

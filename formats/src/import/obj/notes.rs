@@ -5,7 +5,7 @@ use super::parsed::{Count, Parsed};
 use crate::ObjMaterial;
 use std::collections::BTreeSet;
 
-/// What was repaired, dropped or left alone: one line each.
+/// Notes about what was repaired, dropped or left alone: one line each.
 pub(super) fn warn(parsed: &Parsed, assembled: &Assembled, warnings: &mut Vec<String>) {
     let notes = &parsed.notes;
     let mut tell = |count: Count, what: &str| {

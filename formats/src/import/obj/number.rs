@@ -39,7 +39,7 @@ impl<'a> Number<'a> {
         }
     }
 
-    /// Whether it is neither infinite nor NaN.
+    /// Returns whether it is neither infinite nor NaN.
     pub(super) fn is_finite(&self) -> bool {
         matches!(self, Self::Plain(_)) || self.value().is_finite()
     }

@@ -19,7 +19,7 @@ pub(super) struct Parsed {
     pub(super) corner_t: Vec<u32>,
     /// Of each corner: its normal or [`NONE`]; empty if no corner has any.
     pub(super) corner_n: Vec<u32>,
-    /// Where the corners of each face end.
+    /// End of the corners of each face.
     pub(super) face_ends: Vec<u32>,
     /// Runs of faces with the same material and label.
     pub(super) runs: Vec<Run>,
@@ -57,7 +57,7 @@ pub(super) struct Notes {
     pub(super) uncolored: Count,
 }
 
-/// How often, and on which line first.
+/// Count of occurrences, and the line of the first.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Count {
     pub(super) times: u64,

@@ -134,7 +134,7 @@ fn libraries_are_read_from_the_own_folder_only() {
     assert_eq!(names(&read("mtllib c.mtl d.mtl\n")), ["blue", "red"]);
 }
 
-/// What the corpus's manifest says of a file.
+/// Entry of the corpus's manifest for a file.
 fn expected(manifest: &serde_json::Value, file: &str, key: &str) -> u64 {
     manifest[file][key].as_u64().unwrap_or_else(|| panic!("{file} has no {key}"))
 }

@@ -16,7 +16,7 @@ pub(super) struct Triangulator {
     /// Corners that are not strictly convex: only they can lie in an ear.
     reflex: Vec<u32>,
     is_reflex: Vec<bool>,
-    /// Whether a corner stands in `reflex`, be it rightly or no longer.
+    /// True if a corner stands in `reflex`, be it rightly or no longer.
     is_listed: Vec<bool>,
     /// Tests of a point against a triangle that are left. A polygon that needs more is finished as
     /// a fan.
@@ -27,7 +27,7 @@ pub(super) struct Triangulator {
     pub(super) imperfect: u64,
 }
 
-/// How much an ear may offend while it is still taken; tried from the first.
+/// Offences of an ear that is still taken; tried from the first.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Tolerance {
     /// Positive area, no other corner in it or on its edges.
@@ -163,7 +163,7 @@ impl Triangulator {
         true
     }
 
-    /// Whether corner `r` forbids cutting the ear `t` off.
+    /// Returns whether corner `r` forbids cutting the ear `t` off.
     fn blocks(&self, r: u32, t: [u32; 3], tolerance: Tolerance) -> bool {
         let point = self.points[r as usize];
         if t.iter().any(|&c| self.points[c as usize] == point) {

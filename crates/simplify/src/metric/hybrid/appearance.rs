@@ -61,7 +61,7 @@ impl<'a> Appearance<'a> {
         }
     }
 
-    /// Whether shading reads normals of vertices, not of faces.
+    /// Returns whether shading reads normals of vertices, not of faces.
     pub(super) fn has_normals(&self) -> bool {
         !self.normals.is_empty()
     }
@@ -76,7 +76,7 @@ impl<'a> Appearance<'a> {
         self.texture.get(vertex as usize).copied().unwrap_or_default()
     }
 
-    /// Whether a submesh's colour varies with texture coordinates.
+    /// Returns whether a submesh's colour varies with texture coordinates.
     pub(super) fn is_textured(&self) -> bool {
         !self.texture.is_empty()
     }

@@ -68,9 +68,9 @@ impl Patch {
         sum
     }
 
-    /// Gives the star's samples to the faces that now stand for them, and stores the energy of every
-    /// face of the patch. Returns the root mean square distance of visible samples from their faces,
-    /// in working units; 0 if none is visible.
+    /// Gives the star's samples to the faces that now stand for them, and stores the energy of
+    /// every face of the patch. Returns the root mean square distance of visible samples from their
+    /// faces, in working units; 0 if none is visible.
     pub(super) fn settle(
         &self,
         samples: &mut Samples,
@@ -120,7 +120,8 @@ impl Patch {
         best.map(|b| b.0)
     }
 
-    /// The error of a sample by its distance from its place. Beside its own plane nothing covers it.
+    /// The error of a sample by its distance from its place. Beside its own plane nothing covers
+    /// it.
     fn geometric_error(&self, place: Place, sample: &Sample, distance_weight: f32) -> f32 {
         let away = sample.position - self.placed[place.face].at(place.at);
         let along = away.dot(sample.normal);

@@ -51,8 +51,8 @@ const MAX_CANDIDATES: usize = 4;
 const MAX_FACES_PRICED: usize = 64;
 /// Weight of geometry and attributes where nothing is visible, as a share of that elsewhere.
 const HIDDEN: f64 = 1e-6;
-/// Costs below zero, of collapses that improve the look, are mapped to less than this, the others to
-/// more.
+/// Costs below zero, of collapses that improve the look, are mapped to less than this, the others
+/// to more.
 const ZERO: f64 = 1e-16;
 
 /// See the module.

@@ -13,9 +13,9 @@ pub(super) const UNCOVERED: f32 = 1.5;
 /// The largest error by distance and cover: a pixel can be no more than wrong.
 pub(super) const MAX_GEOMETRY: f32 = 3.0;
 
-/// The mean of ((a + l n·v) c − (a + l n'·v) c')² over all views v that see a place, weighted by its
-/// projected area: `cosine` is n·n', a = 0.15 and l = 0.85 the light. In units of l²/4, so that equal
-/// white colours with normals that differ by a small d give d².
+/// The mean of ((a + l n·v) c − (a + l n'·v) c')² over all views v that see a place, weighted by
+/// its projected area: `cosine` is n·n', a = 0.15 and l = 0.85 the light. In units of l²/4, so that
+/// equal white colours with normals that differ by a small d give d².
 #[inline]
 pub(super) fn shading_error(cosine: f32, was: Colour, now: Colour) -> f32 {
     if was == now {

@@ -1,4 +1,4 @@
-//! What the hybrid metric promises: rules hold, hidden things go first, errors it remembers are
+//! Promises of the hybrid metric: rules hold, hidden things go first, errors it remembers are
 //! those it would measure.
 
 use super::{Checkerboard, HybridMetric, Patch};

@@ -12,8 +12,8 @@ const SIZE: u32 = 512;
 /// unit of cameras: half a pixel. So faces that coincide do not hide each other.
 const TOLERANCE: i32 = 512;
 
-/// Multiplies every sample's weight by its visible share: the mean projected area that is seen, 1 for
-/// one side of a surface with nothing in front of it. Both sides of a face are seen.
+/// Multiplies every sample's weight by its visible share: the mean projected area that is seen, 1
+/// for one side of a surface with nothing in front of it. Both sides of a face are seen.
 pub(super) fn weigh(mesh: &WorkingMesh, samples: &mut Samples) {
     let points = || mesh.places.iter().map(|p| p.position.as_dvec3());
     let (lo, hi) =

@@ -7,7 +7,7 @@
 //! areas are integers and stay those of a picture drawn afresh. What is hidden changes no picture
 //! and goes first.
 //!
-//! Where faces are smaller than pixels there is nothing to count: as long as there is more than one
+//! Faces smaller than pixels leave nothing to count: as long as there is more than one
 //! face for every eight pixels covered (all views together), the quadric alone decides.
 
 mod reprice;
@@ -127,7 +127,7 @@ fn cameras(mesh: &WorkingMesh, size: u32) -> Vec<Camera> {
     metric_cameras(center, radius, size)
 }
 
-/// How many pixels of a picture are covered.
+/// Number of covered pixels of a picture.
 fn covered(mesh: &WorkingMesh, camera: &Camera) -> u64 {
     let size = camera.size;
     let mut seen = vec![false; (size * size) as usize];

@@ -10,7 +10,7 @@ use lodc_raster::{Fragment, Window};
 const PATIENCE: usize = 64;
 /// No more candidates than this are looked at.
 const MOST: usize = 8;
-/// What geometry counts for beside what is seen: it decides where nothing is.
+/// Weight of geometry beside what is seen: it decides where nothing is.
 pub(crate) const TIE: f64 = 1e-6;
 
 /// Buffers of one thread.

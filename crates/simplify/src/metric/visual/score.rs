@@ -6,7 +6,7 @@
 //! the areas `Aᵢ` in space, the background left out. Both change by a sum over the faces that
 //! change.
 
-/// Which number.
+/// The kind of score.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Score {
     /// Viewpoint entropy.

@@ -71,7 +71,7 @@ fn areas_stay_those_of_pictures_drawn_afresh() {
     }
 }
 
-/// What a view is worth, straight from the definitions.
+/// Score of a view, straight from the definitions.
 fn score_of(mesh: &WorkingMesh, camera: &Camera, score: Score) -> f64 {
     let view = View::new(mesh, camera);
     let areas = view.areas();

@@ -130,8 +130,8 @@ impl View {
         });
     }
 
-    /// `from`'s faces move to `to`; those that hold both go. `changed` is called for every item whose
-    /// area changes, with the areas before and after, pixel by pixel.
+    /// `from`'s faces move to `to`; those that hold both go. `changed` is called for every item
+    /// whose area changes, with the areas before and after, pixel by pixel.
     pub(crate) fn collapse(
         &mut self,
         mesh: &WorkingMesh,

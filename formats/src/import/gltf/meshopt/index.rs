@@ -85,7 +85,7 @@ struct Decoder<'a> {
     recent: Recent,
     /// The smallest index that has not been seen.
     next: u32,
-    /// What free indices are deltas of.
+    /// Reference that free indices are deltas of.
     last: u32,
 }
 

@@ -5,7 +5,7 @@ mod filter;
 mod index;
 mod vertex;
 
-/// What a compressed buffer view holds.
+/// Contents of a compressed buffer view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Mode {
     /// Any data of a fixed stride.
@@ -16,7 +16,7 @@ pub(super) enum Mode {
     Indices,
 }
 
-/// What is to be done to decoded attributes.
+/// Filter to apply to decoded attributes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Filter {
     /// Nothing.
@@ -34,9 +34,9 @@ pub(super) enum Filter {
 /// A compressed buffer view, its bytes apart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Layout {
-    /// What it holds.
+    /// Its contents.
     pub(super) mode: Mode,
-    /// What is done afterwards.
+    /// Its filter.
     pub(super) filter: Filter,
     /// Elements.
     pub(super) count: usize,
@@ -45,7 +45,7 @@ pub(super) struct Layout {
 }
 
 impl Layout {
-    /// Whether mode, filter, stride and count go together.
+    /// Returns whether mode, filter, stride and count go together.
     pub(super) fn check(&self) -> Result<(), &'static str> {
         let stride = match (self.mode, self.filter) {
             (Mode::Attributes, Filter::None | Filter::Exponential) => {

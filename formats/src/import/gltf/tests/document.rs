@@ -1,4 +1,4 @@
-//! What stays of a document besides its triangles.
+//! The parts of a document that stay besides its triangles.
 
 use super::{Builder, gltf, parsed, read, read_bytes, sound};
 use crate::Fault;
