@@ -11,7 +11,7 @@ fn wrong_numbers_are_refused() {
 }
 
 #[test]
-fn percentages_and_lengths_are_told_apart() {
+fn percentages_and_lengths_are_distinguished() {
     assert_eq!(bound("0.5%"), Ok(Target::ErrorShare(0.005)));
     assert_eq!(bound(" 0.5"), Ok(Target::Error(0.5)));
 }

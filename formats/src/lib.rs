@@ -1,4 +1,4 @@
-//! Every foreign byte of lodc: meshes in and out, the `.lodc` container and the `.lods` stream.
+//! Every external byte of lodc: meshes in and out, the `.lodc` container and the `.lods` stream.
 //!
 //! Nothing outside this package parses or writes files. It knows no model by name: models list
 //! their arrays (`lodc_lod::any`), this package lays them out.

@@ -9,7 +9,7 @@ use super::{code, is_test, sources};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Circles that are left. The number only falls.
-const CIRCLES_LEFT: usize = 9;
+const CIRCLES_LEFT: usize = 4;
 
 type Path = Vec<String>;
 

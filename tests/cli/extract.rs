@@ -64,7 +64,7 @@ fn an_object_with_triangles_never_comes_back_empty() {
 }
 
 #[test]
-fn every_format_is_told_by_its_extension_and_every_model_gives_the_same_triangles() {
+fn every_format_is_named_by_its_extension_and_every_model_gives_the_same_triangles() {
     let f = built("g.obj", &grid(8));
     for (name, magic) in [("o.glb", "glTF"), ("o.gltf", "{"), ("o.obj", ""), ("o.PLY", "ply\n")] {
         f.lodc(["extract", "m.lodc", "--ratio", "0.3", "-o", name]).ends(0);

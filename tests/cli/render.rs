@@ -243,7 +243,7 @@ fn a_stream_works_both_ways() {
 }
 
 #[test]
-fn nonsense_and_trouble_are_one_line_and_leave_what_was_there() {
+fn nonsense_and_failures_are_one_line_and_leave_what_was_there() {
     let f = Folder::new();
     f.file("g.obj", grid(2));
     f.file("old.png", "kept");

@@ -57,7 +57,7 @@ impl Pass<'_> {
         }
     }
 
-    /// Returns whether a single fan of faces became a smaller one with the same rim, and all its
+    /// Returns whether a single fan of faces became a smaller one with the same link, and all its
     /// samples are well within the bound: then its faces are as near to the input as these are to
     /// them. Large faces need some samples for that.
     fn is_covered_disc(&self) -> bool {
@@ -67,21 +67,21 @@ impl Pass<'_> {
         if touched.len() != changed.len() + 2 || touched.len() > 64 || self.is_coarse(32) {
             return false;
         }
-        // Each vertex of the rim is met twice, in live faces or in those that died.
-        let mut rim = [NONE; 128];
+        // Each vertex of the link is met twice, in live faces or in those that died.
+        let mut link = [NONE; 128];
         let mut met = 0;
         for &t in touched {
             for point in self.faces.all[t as usize].points.into_iter().filter(|&p| p != target) {
-                let Some(slot) = rim.get_mut(met) else { return false };
+                let Some(slot) = link.get_mut(met) else { return false };
                 *slot = point;
                 met += 1;
             }
         }
-        let rim = &mut rim[..met];
-        rim.sort_unstable();
-        let paired = rim.len().is_multiple_of(2)
-            && rim.chunks_exact(2).all(|pair| pair[0] == pair[1])
-            && rim.windows(3).all(|three| three[0] != three[2]);
+        let link = &mut link[..met];
+        link.sort_unstable();
+        let paired = link.len().is_multiple_of(2)
+            && link.chunks_exact(2).all(|pair| pair[0] == pair[1])
+            && link.windows(3).all(|three| three[0] != three[2]);
         let near = (self.bound * 0.25) as f32;
         let is_covered = |(&t, &corners): (&u32, &[DVec3; 3])| {
             let face = &self.faces.all[t as usize];
@@ -129,13 +129,13 @@ impl Pass<'_> {
     /// Returns whether a step made an edge and no face has asked it yet: each is asked once.
     fn is_new_edge(&mut self, ends: [u32; 2]) -> bool {
         let [from, to] = ends.map(|p| self.changes.targets.contains(&p));
-        let rim = ends[usize::from(from)] as usize;
+        let link = ends[usize::from(from)] as usize;
         if from && to {
             return true;
         }
-        let is_new = (from || to) && self.asked[rim] != self.step;
+        let is_new = (from || to) && self.asked[link] != self.step;
         if is_new {
-            self.asked[rim] = self.step;
+            self.asked[link] = self.step;
         }
         is_new
     }

@@ -226,14 +226,14 @@ fn nothing_has_no_errors() {
 
 /// A fan of `n` triangles around vertex `n + 1`, in a disc.
 fn fan(n: u32) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
-    let rim = |i: u32| {
-        // The rim is a square: no sines are needed.
+    let border = |i: u32| {
+        // The border is a square: no sines are needed.
         let t = 4.0 * i as f32 / (n + 1) as f32;
         let (side, t) = (t as u32, t.fract());
         [[t, 0.0, 0.0], [1.0, t, 0.0], [1.0 - t, 1.0, 0.0], [0.0, 1.0 - t, 0.0]]
             [side.min(3) as usize]
     };
-    let mut positions: Vec<[f32; 3]> = (0..=n).map(rim).collect();
+    let mut positions: Vec<[f32; 3]> = (0..=n).map(border).collect();
     positions.push([0.5, 0.5, 0.1]);
     (positions, (0..n).map(|i| [i, i + 1, n + 1]).collect())
 }
@@ -250,7 +250,7 @@ fn large_fans_take_no_quadratic_time_while_their_middle_stays() {
 
 #[test]
 fn a_hub_that_moves_in_every_step_ends_in_a_bound_that_needs_no_work() {
-    // The middle goes first and takes the whole fan along the rim.
+    // The middle goes first and takes the whole fan along the border.
     let n = 10_000;
     let (mut positions, triangles) = fan(n);
     positions.rotate_right(1);

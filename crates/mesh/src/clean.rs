@@ -11,7 +11,19 @@ pub struct Cleaning {
     pub unreferenced_vertices: usize,
 }
 
-pub(crate) fn clean(parts: &mut MeshParts) -> Cleaning {
+impl MeshParts {
+    /// Drops what takes no part in a level of detail: triangles with two corners at one position,
+    /// then vertices that no triangle uses. Says how many.
+    ///
+    /// # Panics
+    /// If a triangle names a vertex that is not there, a submesh a triangle that is not there, or a
+    /// stream has too few bytes: whoever reads a file checks that first.
+    pub fn clean(&mut self) -> Cleaning {
+        clean(self)
+    }
+}
+
+fn clean(parts: &mut MeshParts) -> Cleaning {
     let before = (parts.triangles.len(), parts.positions.len());
     let mut kept = Vec::with_capacity(parts.triangles.len());
     for submesh in &mut parts.submeshes {

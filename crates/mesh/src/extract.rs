@@ -110,10 +110,11 @@ mod tests {
     }
 
     #[test]
-    fn extraction_of_foreign_triangles_is_refused() {
+    fn extraction_of_other_triangles_is_refused() {
         let mesh = two_submeshes();
         let refused = |submesh, corners| {
-            mesh.extract(&[OrientedTriangle { submesh, corners }]).expect_err("foreign")
+            mesh.extract(&[OrientedTriangle { submesh, corners }])
+                .expect_err("triangles of another mesh")
         };
         assert_eq!(refused(2, [0, 1, 2]), MeshError::SubmeshRange { submesh: 2 });
         assert_eq!(refused(0, [0, 1, 8]), MeshError::IndexOutOfRange { triangle: 0 });

@@ -1,6 +1,6 @@
 //! A triangle mesh with submeshes, valid by construction.
 
-use crate::{Attribute, Cleaning, position_key};
+use crate::{Attribute, position_key};
 use std::fmt;
 
 /// A part of a mesh with one material: a run of its triangles.
@@ -37,18 +37,6 @@ pub struct MeshParts {
     pub triangles: Vec<[u32; 3]>,
     /// Consecutive runs that cover all triangles, in order.
     pub submeshes: Vec<Submesh>,
-}
-
-impl MeshParts {
-    /// Drops what takes no part in a level of detail: triangles with two corners at one position,
-    /// then vertices that no triangle uses. Says how many.
-    ///
-    /// # Panics
-    /// If a triangle names a vertex that is not there, a submesh a triangle that is not there, or a
-    /// stream has too few bytes: whoever reads a file checks that first.
-    pub fn clean(&mut self) -> Cleaning {
-        crate::clean::clean(self)
-    }
 }
 
 /// A triangle mesh. Holding one means: positions are finite, indices are in range, no triangle has

@@ -67,7 +67,7 @@ fn a_fan_covers_every_centre_once_even_when_edges_run_through_centres() {
         if round % 2 == 0 {
             hub = snap(hub);
         }
-        let rim = [
+        let link = [
             (-1000, -1000),
             (1700, -1000),
             (5000, -1000),
@@ -76,10 +76,10 @@ fn a_fan_covers_every_centre_once_even_when_edges_run_through_centres() {
             (-1000, 5000),
             (-1000, 800),
         ];
-        let rim = rim.map(|(x, y)| Point { x, y, z: 0 });
+        let link = link.map(|(x, y)| Point { x, y, z: 0 });
         let mut count = [0; 256];
-        for i in 0..rim.len() {
-            let mut corners = [hub, rim[i], rim[(i + 1) % rim.len()]];
+        for i in 0..link.len() {
+            let mut corners = [hub, link[i], link[(i + 1) % link.len()]];
             if round % 3 == 0 {
                 corners.swap(0, 1);
             }

@@ -1,15 +1,12 @@
 //! Attributes at the new places: taken from the input's surface, each within its own chart.
 
-use crate::blend::blend;
+use crate::blend::{Source, blend};
 use crate::charts::{Continuity, charts};
 use crate::level::Level;
 use crate::nearest::Tree;
 use glam::DVec3;
 use lodc_mesh::{Attribute, Csr, Mesh, MeshParts, NONE, Semantic};
 use rayon::prelude::*;
-
-/// Source of a vertex's attributes: corners of the input, by weight.
-pub(crate) type Source = Option<([u32; 3], [f64; 3])>;
 
 /// Returns the level with its points at `positions` and its attributes as the input has them there.
 ///

@@ -1,12 +1,14 @@
 //! Values between the corners of a triangle, stream by stream.
 
-use crate::attributes::Source;
 use lodc_mesh::{Attribute, Component, Semantic};
+
+/// Source of a vertex's attributes: corners of the input, by weight; none if they stay.
+pub(crate) type Source = Option<([u32; 3], [f64; 3])>;
 
 /// Replaces the values of a stream by those of the input at `sources`, where there is one.
 ///
 /// Joints and weights belong together and are left to [`crate::skin`]; streams whose meaning is not
-/// known keep the survivor's value.
+/// known keep the value of the level's own vertex.
 pub(crate) fn blend(stream: &mut Attribute, from: &Attribute, sources: &[Source]) {
     if matches!(stream.semantic, Semantic::Joints(_) | Semantic::Weights(_) | Semantic::Custom(_)) {
         return;

@@ -36,7 +36,7 @@ pub(crate) fn charts(mesh: &Mesh, continuity: Continuity) -> Vec<u32> {
     mesh.triangles().iter().map(|t| find(&mut parent, class[t[0] as usize])).collect()
 }
 
-/// For each vertex the first vertex that it cannot be told from.
+/// For each vertex the first vertex that it is equal to.
 fn classes(mesh: &Mesh, continuity: Continuity) -> Vec<u32> {
     let positions = PositionIds::new(mesh.positions());
     let streams: Vec<_> = mesh

@@ -4,7 +4,7 @@ use crate::charts::curves;
 use crate::guard::{Guard, cross};
 use crate::input::Input;
 use crate::level::Level;
-use crate::nearest::Tree;
+use crate::nearest::{Tree, at, segment_tree};
 use crate::quadrature::SIX;
 use crate::system::{System, Tie};
 use glam::DVec3;
@@ -235,20 +235,10 @@ impl<'a> Fit<'a> {
     }
 }
 
-/// The tree of segments.
-pub(crate) fn segment_tree(segments: &[[DVec3; 2]]) -> Tree {
-    Tree::new(&segments.iter().map(|[a, b]| [*a, *b, *b]).collect::<Vec<_>>())
-}
-
 /// The mean length of the sides of triangles.
 fn mean_edge(corners: &[[DVec3; 3]]) -> f64 {
     let perimeter = |[a, b, c]: &[DVec3; 3]| a.distance(*b) + b.distance(*c) + c.distance(*a);
     corners.iter().map(perimeter).sum::<f64>() / (3 * corners.len()).max(1) as f64
-}
-
-/// The point of a triangle with given barycentric coordinates.
-pub(crate) fn at([a, b, c]: [DVec3; 3], [u, v, w]: [f64; 3]) -> DVec3 {
-    a * u + b * v + c * w
 }
 
 /// The unit direction of a residual, or the normal where it is too short to have one.

@@ -1,8 +1,7 @@
 //! The input as a refit sees it: a tree over its triangles, samples on them, and its curves.
 
 use crate::charts::{Continuity, charts, curves};
-use crate::fit::{at, segment_tree};
-use crate::nearest::Tree;
+use crate::nearest::{Tree, at, segment_tree};
 use crate::quadrature::for_ratio;
 use glam::DVec3;
 use lodc_mesh::{Mesh, PositionIds};

@@ -221,6 +221,16 @@ fn region(ab: DVec3, ac: DVec3, ap: DVec3, bp: DVec3, cp: DVec3) -> [f64; 3] {
     if sum > 0.0 { [va / sum, vb / sum, vc / sum] } else { [1.0, 0.0, 0.0] }
 }
 
+/// The point of a triangle with given barycentric coordinates.
+pub(crate) fn at([a, b, c]: [DVec3; 3], [u, v, w]: [f64; 3]) -> DVec3 {
+    a * u + b * v + c * w
+}
+
+/// The tree of segments.
+pub(crate) fn segment_tree(segments: &[[DVec3; 2]]) -> Tree {
+    Tree::new(&segments.iter().map(|[a, b]| [*a, *b, *b]).collect::<Vec<_>>())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

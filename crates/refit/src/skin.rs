@@ -1,7 +1,6 @@
 //! Joints and weights between the corners of a triangle: influences add up by joint.
 
-use crate::attributes::Source;
-use crate::blend::put;
+use crate::blend::{Source, put};
 use lodc_mesh::{Attribute, Component, Mesh, MeshParts, Semantic};
 
 /// The streams of one skin in a mesh: (joints, weights) by set.

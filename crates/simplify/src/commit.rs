@@ -193,17 +193,17 @@ pub(crate) fn join_points(region: &Region, log: &mut CollapseLog) {
         .filter_map(|g| region.wedges.of_group(g).next().map(|w| (region.wedges.submesh(w), g)))
         .collect();
     left.sort_unstable();
-    let Some(survivor) = left.last().and_then(|&(_, g)| region.wedges.of_group(g).last()) else {
+    let Some(last_wedge) = left.last().and_then(|&(_, g)| region.wedges.of_group(g).last()) else {
         return;
     };
     for &(_, g) in &left {
         let before = log.wedges.len();
-        for wedge in region.wedges.of_group(g).filter(|&w| w != survivor) {
-            log.record(wedge, survivor);
+        for wedge in region.wedges.of_group(g).filter(|&w| w != last_wedge) {
+            log.record(wedge, last_wedge);
         }
         if log.wedges.len() > before {
             log.end_step(f32::MAX, 0.0, false);
         }
     }
-    log.wedges.push(survivor);
+    log.wedges.push(last_wedge);
 }

@@ -5,7 +5,7 @@ use crate::region::Region;
 use crate::table::Table;
 use crate::wedges::Wedge;
 use crate::working::{
-    Corner, Face, HUB, LOCKED, OPEN, RESTRICTED, SEAM, SHARED_POSITION, STALE, Star, next,
+    Corner, Face, IS_HUB, LOCKED, OPEN, RESTRICTED, SEAM, SHARED_POSITION, STALE, Star, next,
 };
 use lodc_mesh::NONE;
 
@@ -134,7 +134,7 @@ impl<'a> Gathering<'a> {
         let len = star.len() as u32;
         mesh.arena.resize(start + (len + SLACK) as usize, Corner::new(0, 0, 0));
         mesh.stars[own as usize] = Star { start: start as u32, len, capacity: len + SLACK };
-        if old.mesh.has(local, HUB) {
+        if old.mesh.has(local, IS_HUB) {
             mesh.make_hub(own);
         }
         if locks {

@@ -38,7 +38,7 @@ impl WedgeAttributes<'_> {
         gradients.truncate(used);
     }
 
-    /// Error of the attributes around a group if it moved along an edge. Working units
+    /// Error of the attributes around a group if it moved along an edge. Scaled units
     /// to the fourth power.
     pub(crate) fn cost(
         &self,

@@ -11,7 +11,7 @@ use std::ops::Range;
 /// A mesh ready to be cut into regions.
 pub(crate) struct Input<'a> {
     pub(crate) mesh: &'a Mesh,
-    /// Working units per mesh unit: a power of two, so that scaling is exact.
+    /// Scaled units per mesh unit: a power of two, so that scaling is exact.
     pub(crate) scale: f64,
     /// The diagonal in working units.
     pub(crate) size: f64,

@@ -2,7 +2,7 @@
 //! the groups next to both ends are those opposite the edge, and no face would come to lie on
 //! another.
 
-use crate::working::{HUB, OPEN, WorkingMesh};
+use crate::working::{IS_HUB, OPEN, WorkingMesh};
 
 /// Pairs of hubs that are remembered.
 const MAX_PAIRS: usize = 64;
@@ -30,7 +30,7 @@ impl Marks {
             return false;
         }
         let touches = mesh.star(group).iter().any(|&c| mesh.others(c).contains(&hub));
-        if !touches && mesh.has(group, HUB) && self.apart.len() < MAX_PAIRS {
+        if !touches && mesh.has(group, IS_HUB) && self.apart.len() < MAX_PAIRS {
             self.apart.push([group, hub]);
         }
         touches

@@ -13,7 +13,7 @@ pub(crate) struct Step {
     /// End of its records.
     records: u32,
     /// End of its dead triangles.
-    deaths: u32,
+    removals: u32,
     pub(crate) changes_topology: bool,
 }
 
@@ -44,17 +44,17 @@ impl CollapseLog {
             stamp,
             error,
             records: self.wedges.len() as u32,
-            deaths: self.dead.len() as u32,
+            removals: self.dead.len() as u32,
             changes_topology,
         });
     }
 
     /// Appends the steps of another log.
     pub(crate) fn append(&mut self, other: &Self) {
-        let (records, deaths) = (self.wedges.len() as u32, self.dead.len() as u32);
+        let (records, removals) = (self.wedges.len() as u32, self.dead.len() as u32);
         self.steps.extend(other.steps.iter().map(|s| Step {
             records: s.records + records,
-            deaths: s.deaths + deaths,
+            removals: s.removals + removals,
             ..*s
         }));
         self.wedges.extend_from_slice(&other.wedges);
@@ -106,8 +106,8 @@ impl FinalLog {
 
     /// Appends a step.
     fn take(&mut self, log: &CollapseLog, i: usize, is_terminal: bool, live: &mut u32) {
-        let (first_record, first_death) = match i.checked_sub(1).map(|before| log.steps[before]) {
-            Some(before) => (before.records as usize, before.deaths as usize),
+        let (first_record, first_removal) = match i.checked_sub(1).map(|before| log.steps[before]) {
+            Some(before) => (before.records as usize, before.removals as usize),
             None => (0, 0),
         };
         let step = log.steps[i];
@@ -115,7 +115,7 @@ impl FinalLog {
         self.order.extend_from_slice(&log.wedges[records.clone()]);
         self.targets.extend_from_slice(&log.targets[records]);
         let lod = self.order.len() as u32;
-        let dead = &log.dead[first_death..step.deaths as usize];
+        let dead = &log.dead[first_removal..step.removals as usize];
         for &triangle in dead {
             self.death[triangle as usize] = lod;
         }

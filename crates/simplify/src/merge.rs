@@ -4,7 +4,7 @@
 //! the collapsed edge to the other takes the place of the two faces that die. Faces at hubs know
 //! their places there, so that leaving takes constant time whatever the star.
 
-use crate::working::{Corner, HUB, HUB_VALENCE, OPEN, Star, WorkingMesh, next, previous};
+use crate::working::{Corner, HUB_VALENCE, IS_HUB, OPEN, Star, WorkingMesh, next, previous};
 
 impl WorkingMesh {
     /// Moves all of `from`'s faces to `to`. Faces that lose a corner die, and `died` gets their
@@ -25,7 +25,7 @@ impl WorkingMesh {
                 self.faces[face as usize].groups[corner.at()] = to;
                 self.update_facet(face);
                 self.set_ahead(behind, face, to);
-                if self.has(to, HUB) && (self.has(ahead, HUB) || self.has(behind, HUB)) {
+                if self.has(to, IS_HUB) && (self.has(ahead, IS_HUB) || self.has(behind, IS_HUB)) {
                     self.hub_epoch += 1;
                 }
                 self.arena[kept] = corner;
@@ -74,7 +74,7 @@ impl WorkingMesh {
             self.stars[to as usize] = Star { start: start as u32, len: len as u32, capacity };
             self.joined = joined;
         }
-        if self.has(to, HUB) {
+        if self.has(to, IS_HUB) {
             self.number_slots(to, kept);
         } else if len > HUB_VALENCE {
             self.make_hub(to);
@@ -83,7 +83,7 @@ impl WorkingMesh {
 
     /// Makes a group a hub: from now on its faces know their places in its star.
     pub(crate) fn make_hub(&mut self, group: u32) {
-        self.add_flags(group, HUB | OPEN);
+        self.add_flags(group, IS_HUB | OPEN);
         self.hub_epoch += 1;
         self.hub_slots.resize(self.faces.len(), [0; 3]);
         self.number_slots(group, 0);
@@ -101,7 +101,7 @@ impl WorkingMesh {
     /// Slot of a face in the star of the group at its corner `at`.
     #[inline]
     fn slot_of(&self, group: u32, face: u32, at: usize) -> Option<usize> {
-        if self.has(group, HUB) {
+        if self.has(group, IS_HUB) {
             let slot = self.hub_slots[face as usize][at] as usize;
             return (slot < self.valence(group)).then_some(slot);
         }
@@ -127,7 +127,7 @@ impl WorkingMesh {
         let star = &mut self.stars[group as usize];
         let (start, last) = (star.start as usize, star.len as usize - 1);
         star.len -= 1;
-        if self.has(group, HUB) {
+        if self.has(group, IS_HUB) {
             let corner = self.arena[start + last];
             self.arena[start + slot] = corner;
             self.hub_slots[corner.face() as usize][corner.at()] = slot as u32;

@@ -148,7 +148,7 @@ fn plane_along(face_normal: DVec3, edge: DVec3, weight: f64) -> Option<FeaturePl
     (length > 0.0).then(|| FeaturePlane { normal: normal / length, weight })
 }
 
-/// The plane along an edge whose two faces fold back on each other. The rim of a thin shape (an
+/// The plane along an edge whose two faces fold back on each other. The edge of a thin shape (an
 /// ear, a horn, a blade) is like a border: moving inwards stays near the planes of both sides, but
 /// eats the shape.
 pub(crate) fn fold_plane(m: Vec3, n: Vec3, edge: DVec3) -> Option<FeaturePlane> {

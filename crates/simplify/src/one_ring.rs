@@ -15,7 +15,7 @@ use glam::{BVec4A, Mat4, Vec3, Vec4};
 const MAX_LEN: usize = 11;
 
 /// One coordinate of up to four neighbours for each vector.
-type Lanes<const N: usize> = [Vec4; N];
+type LaneArray<const N: usize> = [Vec4; N];
 
 /// The cheapest collapse of a plain group; none if its ring is too short or too long.
 #[inline]
@@ -32,14 +32,14 @@ pub(crate) fn cheapest(mesh: &WorkingMesh, quadric: &Quadric, from: u32) -> Opti
 struct OneRing<const N: usize> {
     len: usize,
     /// Spokes, from the group to each neighbour.
-    x: Lanes<N>,
-    y: Lanes<N>,
-    z: Lanes<N>,
-    target_cost: Lanes<N>,
+    x: LaneArray<N>,
+    y: LaneArray<N>,
+    z: LaneArray<N>,
+    target_cost: LaneArray<N>,
     /// Cross product of each spoke and the next.
-    cx: Lanes<N>,
-    cy: Lanes<N>,
-    cz: Lanes<N>,
+    cx: LaneArray<N>,
+    cy: LaneArray<N>,
+    cz: LaneArray<N>,
 }
 
 /// The first lanes of a vector, and of the next.
@@ -80,7 +80,8 @@ impl<const N: usize> OneRing<N> {
     fn is_folded(&self) -> bool {
         let mut folded = BVec4A::FALSE;
         for t in 0..N {
-            let next = |a: &Lanes<N>| shifted(a[t], if t + 1 < N { a[t + 1] } else { Vec4::ZERO });
+            let next =
+                |a: &LaneArray<N>| shifted(a[t], if t + 1 < N { a[t + 1] } else { Vec4::ZERO });
             let dot = self.cx[t] * next(&self.cx)
                 + self.cy[t] * next(&self.cy)
                 + self.cz[t] * next(&self.cz);
@@ -93,7 +94,7 @@ impl<const N: usize> OneRing<N> {
     #[cold]
     #[inline(never)]
     fn add_folds(&self, a: &mut Symmetric) {
-        let at = |lanes: &Lanes<N>, i: usize| lanes[i / 4][i % 4];
+        let at = |lanes: &LaneArray<N>, i: usize| lanes[i / 4][i % 4];
         let normal = |i: usize| {
             Vec3::new(at(&self.cx, i), at(&self.cy, i), at(&self.cz, i)).normalize_or_zero()
         };
@@ -108,7 +109,7 @@ impl<const N: usize> OneRing<N> {
     /// Half the inverse length of each cross product, zero where there is no face, and the area of
     /// all faces.
     #[inline]
-    fn weights(&self) -> (Lanes<N>, f32) {
+    fn weights(&self) -> (LaneArray<N>, f32) {
         const LANES: [Vec4; 3] = [
             Vec4::new(0.0, 1.0, 2.0, 3.0),
             Vec4::new(4.0, 5.0, 6.0, 7.0),
@@ -130,7 +131,7 @@ impl<const N: usize> OneRing<N> {
 
     /// The accumulated part of the costs, and what orders equal ones by length.
     #[inline]
-    fn accumulated(&self, quadric: &Quadric, folds: &Symmetric, area: f32) -> Lanes<N> {
+    fn accumulated(&self, quadric: &Quadric, folds: &Symmetric, area: f32) -> LaneArray<N> {
         let a: [f64; 6] = std::array::from_fn(|i| folds[i] + MEMORY * quadric.a[i]);
         let splat = |v: f64| Vec4::splat(v as f32);
         let (xx, yy, zz) = (splat(a[0]), splat(a[3]), splat(a[5]));

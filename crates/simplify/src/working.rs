@@ -114,7 +114,7 @@ pub(crate) const LOCKED: u8 = 16;
 /// The group's cost may have risen since it was computed.
 pub(crate) const STALE: u8 = 32;
 /// The star is large, and its faces know their places in it.
-pub(crate) const HUB: u8 = 64;
+pub(crate) const IS_HUB: u8 = 64;
 
 /// The group has moved onto another.
 pub(crate) const DEAD: u8 = 128;

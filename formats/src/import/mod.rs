@@ -42,8 +42,8 @@ pub fn either(path: &Path, options: &ImportOptions) -> Result<Either, FormatErro
     read(bytes, path, &mut assets, options).map(Either::Scene)
 }
 
-/// Reads an asset, `-` from standard input. The format is told by content; the file's extension
-/// only helps messages.
+/// Reads an asset, `-` from standard input. The format is recognised by content; the file's
+/// extension only helps messages.
 ///
 /// # Errors
 /// If the asset cannot be read, is malformed, unsupported, or larger than the limits. The error

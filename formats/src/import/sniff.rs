@@ -64,7 +64,7 @@ pub(super) fn format(bytes: &[u8], path: &Path) -> Sniffed {
         "fbx" => Sniffed::Other("an FBX file"),
         "3ds" => Sniffed::Other("a 3DS file"),
         "mtl" => Sniffed::Other("a material library by itself"),
-        // An empty or broken one of these is told so by its own reader.
+        // An empty or broken one of these is reported by its own reader.
         "glb" => Sniffed::Glb,
         "gltf" => Sniffed::Gltf,
         _ => Sniffed::Obj,

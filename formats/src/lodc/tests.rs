@@ -310,7 +310,7 @@ fn models_of_later_versions_are_left_out_and_their_sections_skipped() {
 }
 
 #[test]
-fn what_is_left_out_is_told_in_bounded_space() {
+fn what_is_left_out_is_reported_in_bounded_space() {
     let mut left_out = LeftOut::default();
     for i in 0..1000 {
         left_out.tell(|| i.to_string());

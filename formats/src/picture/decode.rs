@@ -1,4 +1,4 @@
-//! Foreign pictures: bounded in size before anything is allocated for them.
+//! External pictures: bounded in size before anything is allocated for them.
 
 use crate::{Fault, FormatError};
 use lodc_scene::Image;
@@ -13,7 +13,7 @@ const MAX_SIDE: usize = 1 << 14;
 /// More pixels than this are refused.
 const MAX_PIXELS: u64 = 1 << 26;
 
-/// Decodes a PNG or JPEG, told apart by their first bytes. Colour profiles and orientation are not
+/// Decodes a PNG or JPEG, recognised by their first bytes. Colour profiles and orientation are not
 /// looked at, as glTF demands; values of 16 bits lose the lower half.
 ///
 /// # Errors

@@ -139,15 +139,17 @@ pub(crate) fn simplify_all(
         // Objects weigh in by their triangles; each says how many of its groups are gone.
         let weight = object.mesh.triangles().len() as u64;
         let before = AtomicU64::new(0);
-        let told = |gone: u64, groups: u64| {
+        let report_progress = |gone: u64, groups: u64| {
             let now = weight * gone / groups.max(1);
             let last = before.fetch_max(now, Ordering::Relaxed);
             let done = total.fetch_add(now.saturating_sub(last), Ordering::Relaxed);
             progress.at(done, triangles);
         };
         let simplified = match paints {
-            Some(p) => simplify_coloured(&object.mesh, options, &p.of_object(number), &told),
-            None => simplify(&object.mesh, options, &told),
+            Some(p) => {
+                simplify_coloured(&object.mesh, options, &p.of_object(number), &report_progress)
+            }
+            None => simplify(&object.mesh, options, &report_progress),
         };
         (object.info, Arc::new(simplified))
     };

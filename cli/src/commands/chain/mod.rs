@@ -71,7 +71,7 @@ struct Files {
 
 pub(crate) fn run(args: &ChainArgs) -> Outcome<()> {
     let format = format(args)?;
-    output::prepare(&[Target::File(args.output.clone())], false)?;
+    output::prepare(&[Target::File(args.output.clone())], true)?;
     let mut stages = Stages::default();
     let asset = asset::read(&args.input, &args.import, args.metric, &mut stages)?;
     let name = args.input.display().to_string();

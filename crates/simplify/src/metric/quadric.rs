@@ -47,7 +47,7 @@ impl Refitted {
         self.c += MEMORY * old.c;
     }
 
-    /// The cost of moving the group by `delta` onto a group with that target cost. Working units to
+    /// The cost of moving the group by `delta` onto a group with that target cost. Scaled units to
     /// the fourth power; not negative.
     #[inline]
     pub(crate) fn cost(&self, delta: DVec3, target_cost: f32) -> f64 {

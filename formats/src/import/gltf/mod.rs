@@ -3,7 +3,7 @@
 //! The document stays a tree of JSON values, so that everything that is not a triangle comes out as
 //! it went in; what is read from it is checked against a table (`schema`) first, and accessors,
 //! buffer views and buffers are read as types of the package `gltf` (`typed`). Limits of what
-//! foreign bytes can do: JSON nesting and size (`json`), paths (`uri`, [`Assets`]), ranges
+//! external bytes can do: JSON nesting and size (`json`), paths (`uri`, [`Assets`]), ranges
 //! (`views`, `accessor`), memory in all (`budget`).
 
 mod accessor;

@@ -177,7 +177,7 @@ impl Primitive {
 }
 
 /// Takes the geometry of a primitive out of the document; morph targets leave their number behind.
-/// Says whether an extension went that told something besides.
+/// Returns whether an extension was dropped that held something besides.
 pub(super) fn strip(object: &mut Object) -> bool {
     object.insert("attributes".to_owned(), Value::Object(Object::new()));
     object.shift_remove("indices");
@@ -185,10 +185,10 @@ pub(super) fn strip(object: &mut Object) -> bool {
     for target in object.get_mut("targets").and_then(Value::as_array_mut).into_iter().flatten() {
         *target = Value::Object(Object::new());
     }
-    let mut told = false;
+    let mut others = false;
     for name in DROPPED_FROM_PRIMITIVES {
-        told |= name != DRACO && json::extension(object, name).is_some();
+        others |= name != DRACO && json::extension(object, name).is_some();
         json::remove_extension(object, name);
     }
-    told
+    others
 }
