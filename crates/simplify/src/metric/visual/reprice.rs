@@ -123,8 +123,8 @@ impl ViewScratch {
 }
 
 impl VisualMetric {
-    /// See [`Metric::reprice`](crate::metric::Metric::reprice): the sum over all views of how much
-    /// the score changes.
+    /// Sums over all views how much the score changes, for
+    /// [`Reprice::reprice`](crate::metric::Reprice::reprice).
     pub(crate) fn see(
         &self,
         mesh: &WorkingMesh,
