@@ -95,7 +95,7 @@ fn simplify_with(
     let context = Context { input: &input, options: *options, attributes };
     let mut sources = Sources::new(&input);
     let log = match options.metric {
-        MetricKind::Quadric if input.groups() >= rounds::FEWEST * region => {
+        MetricKind::Quadric if input.groups() / rounds::FEWEST >= region => {
             rounds::simplify(&context, region, &mut sources, &progress)
         }
         MetricKind::Quadric => run_whole(&context, |_| QuadricOnly, &mut sources, &progress),
