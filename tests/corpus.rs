@@ -18,8 +18,8 @@ const LARGE: u64 = 200_000;
 
 /// Does something with every mesh of the corpus, on all cores, largest first.
 /// Files with an object of which `verify` finds a level farther from the input than it states, by
-/// 1.07, 1.10 to 1.16 and 1.67 times (docs/design-notes/errors.md). Nothing else may differ in them,
-/// and no other file may join them.
+/// 1.07, 1.10 to 1.16 and 1.67 times (docs/design-notes/errors.md). Nothing else may differ in
+/// them, and no other file may join them.
 const ERRORS_TOO_SMALL: &[&str] =
     &["gltf/khronos/CesiumMilkTruck.glb", "gltf/misc/pigman/scene.gltf", "ugly/cgal/boeing.obj"];
 

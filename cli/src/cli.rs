@@ -11,7 +11,8 @@ use clap::{Args, Parser, Subcommand};
 #[derive(Debug, Parser)]
 #[command(name = "lodc", version, propagate_version = true, arg_required_else_help = true)]
 #[command(after_help = "Exit status: 0 done, 1 a check found a difference, 2 wrong usage, \
-                  3 bad input, 4 output not written, 5 a limit was reached, 6 no usable GPU, 70 a bug.")]
+                  3 bad input, 4 output not written, 5 a limit was reached, 6 no usable GPU, \
+                  70 a bug.")]
 pub(crate) struct Cli {
     #[command(subcommand)]
     pub(crate) command: Command,

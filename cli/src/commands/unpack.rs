@@ -173,8 +173,8 @@ fn sentence(report: &UnpackReport) -> String {
     }
     let (triangles, all) = (grouped(triangles), grouped(all));
     format!(
-        "{output}: {triangles} of {all} triangles, error {}: the stream ends after {bytes} that can \
-         be used",
+        "{output}: {triangles} of {all} triangles, error {}: the stream ends after {bytes} \
+         that can be used",
         distance(worst)
     )
 }
