@@ -1,4 +1,5 @@
-"""Reads .lodc files with nothing but the standard library, from docs/FORMAT.md alone, and prints what is in them.
+"""Reads .lodc files with nothing but the standard library, from docs/FORMAT.md alone, and prints
+what is in them.
 
 usage: read_lodc.py FOLDER   (prints the same lines as facts.txt in that folder)
 Checksums are left out: XXH3 is not in the standard library.
@@ -34,7 +35,7 @@ class Reader:
         return [what() for _ in range(self.take("Q"))]
 
     def record(self, what):
-        """A value with its length in front; what follows its known fields belongs to later versions."""
+        """A value with its length in front; later versions may have more fields at its end."""
         if not self.framed:
             return what()
         length = self.take("Q")
@@ -75,19 +76,21 @@ def manifest(data, version):
     low = lambda: r.take("Q")
 
     def submesh():
-        return {"name": r.string(), "material": r.maybe(r.string), "primitive": u32(), "triangles": u32(),
-                "attributes": r.many(u32)}
+        return {"name": r.string(), "material": r.maybe(r.string), "primitive": u32(),
+                "triangles": u32(), "attributes": r.many(u32)}
 
     def attribute():
         semantic = u32()
         assert semantic <= 7
         which = u32() if semantic in SEMANTICS_WITH_SET else r.string() if semantic == 7 else None
-        return {"semantic": semantic, "which": which, "morph": r.maybe(u32), "component": r.take("B"),
-                "components": r.take("B"), "normalized": r.take("B"), "full": r.take("B")}
+        return {"semantic": semantic, "which": which, "morph": r.maybe(u32),
+                "component": r.take("B"), "components": r.take("B"),
+                "normalized": r.take("B"), "full": r.take("B")}
 
     def obj():
-        return {"name": r.string(), "scale": r.take("d"), "mesh": u32(), "legal": u32(), "changes": u32(),
-                "first_change": r.maybe(u32), "submeshes": r.records(submesh), "attributes": r.records(attribute),
+        return {"name": r.string(), "scale": r.take("d"), "mesh": u32(), "legal": u32(),
+                "changes": u32(), "first_change": r.maybe(u32),
+                "submeshes": r.records(submesh), "attributes": r.records(attribute),
                 "models": r.records(lambda: (r.string(), r.many(r.string)))}
 
     result = {"format": ("obj", "gltf", "glb")[r.take("B")], "hash": low() | low() << 64}
@@ -132,7 +135,8 @@ def errors(found, tag, number):
 
 def indices(found, tag, number, vertices):
     """Numbers of vertices, each in the bytes that the largest needs."""
-    width = 4 if found["version"] == 1 else 1 + (vertices > 2**8) + (vertices > 2**16) + (vertices > 2**24)
+    narrow = 1 + (vertices > 2**8) + (vertices > 2**16) + (vertices > 2**24)
+    width = 4 if found["version"] == 1 else narrow
     stored = found[tag, number, 0]
     assert len(stored) % width == 0
     return [int.from_bytes(stored[i : i + width], "little") for i in range(0, len(stored), width)]
@@ -145,7 +149,8 @@ def object_line(found, number, o):
     assert 3 * len(tris) == len(corners)
     targets = indices(found, "TARG", number, vertices)
     assert len(targets) == max(vertices, 1) - 1
-    assert all(k < t < vertices for k, t in enumerate(targets)) and all(v < vertices for t in tris for v in t)
+    assert all(k < t < vertices for k, t in enumerate(targets))
+    assert all(v < vertices for t in tris for v in t)
     count = len(o["submeshes"])
     width = 1 if count <= 256 else 2 if count <= 65536 else 4
     if count > 1:
@@ -162,7 +167,8 @@ def object_line(found, number, o):
         assert len(stored) == stride * sum(s in has or a["full"] == 1 for s in submesh)
         total += sum(stored)
     ends, after = steps(found, number, len(tris), len(targets))
-    half, left = next(((e, n) for e, n in [(0, len(tris)), *zip(ends, after)] if n <= len(tris) // 2), (0, 0))
+    levels = [(0, len(tris)), *zip(ends, after)]
+    half, left = next(((e, n) for e, n in levels if n <= len(tris) // 2), (0, 0))
     models = ",".join(name for name, _ in o["models"])
     measured = ""
     if ("SRMS", number, 0) in found:
@@ -170,8 +176,9 @@ def object_line(found, number, o):
         assert all(len(c) == len(ends) + 1 and c == sorted(c) for c in curves)
         error, rms = (struct.pack(">f", c[[0, *ends].index(half)]).hex() for c in curves)
         measured = f" error {error} rms {rms}"
-    return (f"{o['name']} vertices {vertices} triangles {len(tris)} submeshes {count} attributes {len(o['attributes'])} "
-            f"sum {total} records {len(targets)} steps {len(ends)} half {half} {left} models {models}{measured}")
+    return (f"{o['name']} vertices {vertices} triangles {len(tris)} submeshes {count} "
+            f"attributes {len(o['attributes'])} sum {total} records {len(targets)} "
+            f"steps {len(ends)} half {half} {left} models {models}{measured}")
 
 
 def main():

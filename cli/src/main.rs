@@ -21,7 +21,7 @@ mod selector;
 mod stages;
 mod text;
 
-use clap::Parser;
+use clap::{CommandFactory, Parser};
 use cli::{Cli, Command};
 use commands::{
     bench, build, chain, compare, completions, extract, info, man, pack, render, shaders, strips,
@@ -69,8 +69,8 @@ fn run() -> Status {
         Command::Strips(args) => done(strips::run(args)),
         Command::Shaders(args) => done(shaders::run(args)),
         Command::Bench(args) => bench::run(args),
-        Command::Completions(args) => done(completions::run(args)),
-        Command::Man(args) => done(man::run(args)),
+        Command::Completions(args) => done(completions::run(args, Cli::command())),
+        Command::Man(args) => done(man::run(args, Cli::command())),
     });
     outcome.unwrap_or_else(|failure| {
         console::error(&failure);

@@ -86,63 +86,59 @@ fn around(from: (usize, usize), to: (usize, usize), lane: usize, side: usize) ->
     format!("M{out} {}V{below}H{side}V{above}H{back}V{}", from.1, to.1)
 }
 
-fn picture() -> String {
-    let packages = packages();
-    let rows = packages.iter().map(|p| p.row + 1).max().unwrap_or(0);
-    let in_row = |row| packages.iter().filter(move |p| p.row == row);
-    let widest = (0..rows).map(|row| in_row(row).count()).max().unwrap_or(0);
-    let width = widest * (BOX.0 + GAP.0) - GAP.0 + 2 * MARGIN;
-    let height = rows * (BOX.1 + GAP.1) - GAP.1 + 2 * MARGIN;
-    let corner = |of: usize| {
-        let row = packages[of].row;
-        let count = in_row(row).count();
-        let place = packages[..of].iter().filter(|p| p.row == row).count();
-        let left = (width - (count * (BOX.0 + GAP.0) - GAP.0)) / 2;
-        (left + place * (BOX.0 + GAP.0), MARGIN + row * (BOX.1 + GAP.1))
-    };
-    let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
-         font-family=\"sans-serif\" font-size=\"10\">\n<title>Packages of lodc: an arrow leads \
-         from a package to one that it uses</title>\n<defs><marker id=\"tip\" markerWidth=\"7\" \
-         markerHeight=\"7\" refX=\"6\" refY=\"3\" orient=\"auto\"><path d=\"M0 0L6 3L0 6z\" \
-         fill=\"#667\"/></marker></defs>\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n"
-    );
-    let mut lanes = [0, 0];
-    for of in 0..packages.len() {
-        for to in direct(&packages, of) {
-            let (start, end) = (corner(of), corner(to));
-            let from = (start.0 + BOX.0 / 2, start.1 + BOX.1);
-            let to = (end.0 + BOX.0 / 2, end.1 - 2);
-            let path = if end.1 - start.1 == BOX.1 + GAP.1 {
-                let middle = (from.1 + to.1) / 2;
-                format!(
-                    "M{} {}C{} {middle} {} {middle} {} {}",
-                    from.0, from.1, from.0, to.0, to.0, to.1
-                )
-            } else {
-                let right = from.0 + to.0 > width;
-                lanes[usize::from(right)] += 1;
-                let lane = lanes[usize::from(right)];
-                around(
-                    from,
-                    to,
-                    lane,
-                    if right { width - MARGIN + 5 * lane } else { MARGIN - 5 * lane },
-                )
-            };
-            let _ = writeln!(
-                svg,
-                "<path d=\"{path}\" fill=\"none\" stroke=\"#667\" marker-end=\"url(#tip)\"/>"
-            );
+/// Places of the packages in the picture.
+struct Layout<'a> {
+    packages: &'a [Package],
+    width: usize,
+    height: usize,
+}
+
+impl<'a> Layout<'a> {
+    fn new(packages: &'a [Package]) -> Self {
+        let rows = packages.iter().map(|p| p.row + 1).max().unwrap_or(0);
+        let in_row = |row| packages.iter().filter(move |p| p.row == row);
+        let widest = (0..rows).map(|row| in_row(row).count()).max().unwrap_or(0);
+        Self {
+            packages,
+            width: widest * (BOX.0 + GAP.0) - GAP.0 + 2 * MARGIN,
+            height: rows * (BOX.1 + GAP.1) - GAP.1 + 2 * MARGIN,
         }
     }
-    for (of, package) in packages.iter().enumerate() {
-        let (x, y) = corner(of);
-        let _ = writeln!(
-            svg,
+
+    /// The upper left corner of a package's box.
+    fn corner(&self, of: usize) -> (usize, usize) {
+        let row = self.packages[of].row;
+        let count = self.packages.iter().filter(|p| p.row == row).count();
+        let place = self.packages[..of].iter().filter(|p| p.row == row).count();
+        let left = (self.width - (count * (BOX.0 + GAP.0) - GAP.0)) / 2;
+        (left + place * (BOX.0 + GAP.0), MARGIN + row * (BOX.1 + GAP.1))
+    }
+
+    /// The way of an arrow; `lanes` are those taken at the left and at the right.
+    fn arrow(&self, of: usize, to: usize, lanes: &mut [usize; 2]) -> String {
+        let (start, end) = (self.corner(of), self.corner(to));
+        let from = (start.0 + BOX.0 / 2, start.1 + BOX.1);
+        let to = (end.0 + BOX.0 / 2, end.1 - 2);
+        if end.1 - start.1 == BOX.1 + GAP.1 {
+            let middle = (from.1 + to.1) / 2;
+            let (x, y) = from;
+            return format!("M{x} {y}C{x} {middle} {} {middle} {} {}", to.0, to.0, to.1);
+        }
+        let right = from.0 + to.0 > self.width;
+        lanes[usize::from(right)] += 1;
+        let lane = lanes[usize::from(right)];
+        let side = if right { self.width - MARGIN + 5 * lane } else { MARGIN - 5 * lane };
+        around(from, to, lane, side)
+    }
+
+    /// The box of a package with its name and its purpose.
+    fn package(&self, of: usize) -> String {
+        let package = &self.packages[of];
+        let (x, y) = self.corner(of);
+        let mut svg = format!(
             "<rect x=\"{x}\" y=\"{y}\" width=\"{}\" height=\"{}\" rx=\"5\" fill=\"#eef3fa\" \
              stroke=\"#456\"/><text x=\"{}\" y=\"{}\" font-size=\"12\" \
-             font-weight=\"bold\">{}</text>",
+             font-weight=\"bold\">{}</text>\n",
             BOX.0,
             BOX.1,
             x + 8,
@@ -153,7 +149,32 @@ fn picture() -> String {
             let line = line.replace('&', "&amp;").replace('<', "&lt;");
             let _ = writeln!(svg, "<text x=\"{}\" y=\"{}\">{line}</text>", x + 8, y + 29 + 12 * at);
         }
+        svg
     }
+}
+
+fn picture() -> String {
+    let packages = packages();
+    let layout = Layout::new(&packages);
+    let mut svg = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{}\" height=\"{}\" \
+         font-family=\"sans-serif\" font-size=\"10\">\n<title>Packages of lodc: an arrow leads \
+         from a package to one that it uses</title>\n<defs><marker id=\"tip\" markerWidth=\"7\" \
+         markerHeight=\"7\" refX=\"6\" refY=\"3\" orient=\"auto\"><path d=\"M0 0L6 3L0 6z\" \
+         fill=\"#667\"/></marker></defs>\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n",
+        layout.width, layout.height
+    );
+    let mut lanes = [0, 0];
+    for of in 0..packages.len() {
+        for to in direct(&packages, of) {
+            let path = layout.arrow(of, to, &mut lanes);
+            let _ = writeln!(
+                svg,
+                "<path d=\"{path}\" fill=\"none\" stroke=\"#667\" marker-end=\"url(#tip)\"/>"
+            );
+        }
+    }
+    (0..packages.len()).for_each(|of| svg.push_str(&layout.package(of)));
     svg + "</svg>\n"
 }
 

@@ -1,9 +1,8 @@
 //! `lodc completions`: a script that teaches a shell the options.
 
-use crate::cli::Cli;
 use crate::console;
 use crate::exit::Outcome;
-use clap::{Args, CommandFactory};
+use clap::{Args, Command};
 use clap_complete::Shell;
 
 /// Options of `completions`.
@@ -13,8 +12,9 @@ pub(crate) struct CompletionsArgs {
     shell: Shell,
 }
 
-pub(crate) fn run(args: &CompletionsArgs) -> Outcome<()> {
+/// Prints the script for `program`, the whole command line.
+pub(crate) fn run(args: &CompletionsArgs, mut program: Command) -> Outcome<()> {
     let mut script = Vec::new();
-    clap_complete::generate(args.shell, &mut Cli::command(), "lodc", &mut script);
+    clap_complete::generate(args.shell, &mut program, "lodc", &mut script);
     console::result(String::from_utf8_lossy(&script).trim_end())
 }

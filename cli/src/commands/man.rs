@@ -1,9 +1,8 @@
 //! `lodc man`: manual pages in roff, for `man -l -`.
 
-use crate::cli::Cli;
 use crate::console;
 use crate::exit::{Failure, Outcome, Status};
-use clap::{Args, CommandFactory};
+use clap::{Args, Command};
 
 /// Options of `man`.
 #[derive(Args, Debug)]
@@ -12,12 +11,12 @@ pub(crate) struct ManArgs {
     command: Option<String>,
 }
 
-pub(crate) fn run(args: &ManArgs) -> Outcome<()> {
-    let mut all = Cli::command();
-    all.build();
+/// Prints the page of `program`, the whole command line, or of one of its commands.
+pub(crate) fn run(args: &ManArgs, mut program: Command) -> Outcome<()> {
+    program.build();
     let page = match &args.command {
-        None => all,
-        Some(name) => match all.find_subcommand(name) {
+        None => program,
+        Some(name) => match program.find_subcommand(name) {
             Some(command) => command.clone(),
             None => return Err(Failure::usage(format!("{name}: there is no such command"))),
         },

@@ -4,6 +4,7 @@
 use crate::wedges::Wedges;
 use crate::working::{Facet, WorkingMesh, next, previous};
 use glam::{DVec3, Vec3};
+use std::ops::Range;
 
 /// Weight of the plane along a border edge, times its squared length.
 pub(crate) const BORDER_WEIGHT: f64 = 10.0;
@@ -67,10 +68,24 @@ impl Neighborhood {
     /// Gathers the surroundings of `group`.
     pub(crate) fn gather(&mut self, mesh: &WorkingMesh, wedges: &Wedges, group: u32) {
         self.edges.clear();
-        self.entries.clear();
         self.planes.clear();
-        self.facets.clear();
         (self.borders, self.seams) = (0, 0);
+        self.gather_faces(mesh, group);
+        let mut start = 0;
+        while start < self.entries.len() {
+            let first = self.entries[start];
+            let run = self.entries[start..].iter().take_while(|e| e.group == first.group).count();
+            let kind = self.add_edge(mesh, wedges, group, start..start + run);
+            let entries = (start as u32, (start + run) as u32);
+            self.edges.push(IncidentEdge { group: first.group, kind, entries });
+            start += run;
+        }
+    }
+
+    /// Gathers the faces of the star, and their edges at the group sorted by where they lead.
+    fn gather_faces(&mut self, mesh: &WorkingMesh, group: u32) {
+        self.entries.clear();
+        self.facets.clear();
         for (slot, &corner) in (0..).zip(mesh.star(group)) {
             let (face, at) = (corner.face(), corner.at());
             self.facets.push(mesh.facet(face));
@@ -85,48 +100,49 @@ impl Neighborhood {
             }
         }
         self.entries.sort_unstable();
-        let mut start = 0;
-        while start < self.entries.len() {
-            let first = self.entries[start];
-            let run = self.entries[start..].iter().take_while(|e| e.group == first.group).count();
-            let faces = &self.entries[start..start + run];
-            let class = |e: &Entry| (wedges.class(e.here), wedges.class(e.there));
-            let kind = match run {
-                1 => EdgeKind::Border,
-                2 if class(&faces[0]) == class(&faces[1]) => EdgeKind::Smooth,
-                _ => EdgeKind::Seam,
-            };
-            let weight = match kind {
-                EdgeKind::Smooth => {
-                    let edge = mesh.position(first.group) - mesh.position(group);
-                    let [m, n] = [0, 1].map(|i| self.facets[faces[i].slot as usize].normal);
-                    self.planes.extend(fold_plane(m, n, edge));
-                    0.0
-                }
-                EdgeKind::Border => {
-                    self.borders += 1;
-                    BORDER_WEIGHT
-                }
-                EdgeKind::Seam => {
-                    self.seams += 1;
-                    let submesh = |e: &Entry| wedges.submesh(e.here);
-                    if faces.iter().all(|e| submesh(e) == submesh(&first)) {
-                        SEAM_WEIGHT
-                    } else {
-                        MATERIAL_WEIGHT
-                    }
-                }
-            };
-            if weight > 0.0 {
-                let edge = mesh.position(first.group) - mesh.position(group);
-                let normals = faces.iter().map(|e| self.facets[e.slot as usize].normal.as_dvec3());
-                let weight = weight * edge.length_squared();
-                self.planes.extend(normals.filter_map(|n| plane_along(n, edge, weight)));
+    }
+
+    /// Adds the planes that collapses should keep for the edge with these entries. Returns its
+    /// kind.
+    fn add_edge(
+        &mut self,
+        mesh: &WorkingMesh,
+        wedges: &Wedges,
+        group: u32,
+        entries: Range<usize>,
+    ) -> EdgeKind {
+        let faces = &self.entries[entries];
+        let class = |e: &Entry| (wedges.class(e.here), wedges.class(e.there));
+        let kind = match faces.len() {
+            1 => EdgeKind::Border,
+            2 if class(&faces[0]) == class(&faces[1]) => EdgeKind::Smooth,
+            _ => EdgeKind::Seam,
+        };
+        let edge = mesh.position(faces[0].group) - mesh.position(group);
+        let weight = match kind {
+            EdgeKind::Smooth => {
+                let [m, n] = [0, 1].map(|i| self.facets[faces[i].slot as usize].normal);
+                self.planes.extend(fold_plane(m, n, edge));
+                return kind;
             }
-            let entries = (start as u32, (start + run) as u32);
-            self.edges.push(IncidentEdge { group: first.group, kind, entries });
-            start += run;
-        }
+            EdgeKind::Border => {
+                self.borders += 1;
+                BORDER_WEIGHT
+            }
+            EdgeKind::Seam => {
+                self.seams += 1;
+                let submesh = |e: &Entry| wedges.submesh(e.here);
+                if faces.iter().all(|e| submesh(e) == submesh(&faces[0])) {
+                    SEAM_WEIGHT
+                } else {
+                    MATERIAL_WEIGHT
+                }
+            }
+        };
+        let normals = faces.iter().map(|e| self.facets[e.slot as usize].normal.as_dvec3());
+        let weight = weight * edge.length_squared();
+        self.planes.extend(normals.filter_map(|n| plane_along(n, edge, weight)));
+        kind
     }
 
     /// The wedge that `wedge` becomes if the group moves along `edge`: the one it shares a face

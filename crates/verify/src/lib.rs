@@ -26,6 +26,8 @@ mod difference;
 mod facts;
 mod reference;
 #[cfg(test)]
+mod sequence_tests;
+#[cfg(test)]
 mod tests;
 mod ties;
 mod track;

@@ -14,7 +14,9 @@ pub(crate) fn import_and_export(bytes: &[u8], extension: &str) {
     let Ok(scene) = result else { return };
     let objects: Vec<ExportObject<'_>> =
         scene.objects.iter().map(|o| ExportObject { info: &o.info, mesh: &o.mesh }).collect();
-    for (format, name) in [(ExportFormat::Glb, "a.glb"), (ExportFormat::Obj, "a.obj"), (ExportFormat::Ply, "a.ply")] {
+    for (format, name) in
+        [(ExportFormat::Glb, "a.glb"), (ExportFormat::Obj, "a.obj"), (ExportFormat::Ply, "a.ply")]
+    {
         let _ = export(Path::new(name), format, &scene.document, &objects);
     }
 }

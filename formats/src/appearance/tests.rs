@@ -112,7 +112,8 @@ fn a_gltf_material_is_read_with_its_sampler_and_transform() {
         "materials": [{}, {
             "pbrMetallicRoughness": {
                 "baseColorFactor": [0.5, 0.25, 1, 0.75],
-                "baseColorTexture": {"index": 0, "texCoord": 3, "extensions": {"KHR_texture_transform": {
+                "baseColorTexture": {"index": 0, "texCoord": 3,
+                    "extensions": {"KHR_texture_transform": {
                     "offset": [0.5, 0.25], "scale": [2, 4], "texCoord": 1}}}
             },
             "alphaMode": "MASK", "alphaCutoff": 0.25, "doubleSided": true,
@@ -150,12 +151,16 @@ fn nodes_joints_weights_and_instances_say_where_objects_are() {
     let mut blob = floats(&bind);
     blob.extend(floats(&[0.0, 0.0, 1.0, 0.0, 0.0, 2.0]));
     let json = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0,4]}],
-        "nodes":[{"translation":[1,0,0],"children":[1,2]},{"mesh":0,"weights":[0.5]},{"mesh":1,"skin":0},
-            {"translation":[0,7,0]},{"mesh":2,"scale":[2,2,2],"extensions":{"EXT_mesh_gpu_instancing":{"attributes":{"TRANSLATION":1}}}}],
+        "nodes":[{"translation":[1,0,0],"children":[1,2]},{"mesh":0,"weights":[0.5]},
+            {"mesh":1,"skin":0},{"translation":[0,7,0]},{"mesh":2,"scale":[2,2,2],
+                "extensions":{"EXT_mesh_gpu_instancing":{"attributes":{"TRANSLATION":1}}}}],
         "skins":[{"joints":[3],"inverseBindMatrices":0}],
-        "meshes":[{"primitives":[{"attributes":{}}]},{"primitives":[{"attributes":{}}]},{"primitives":[{"attributes":{}}]}],
-        "accessors":[{"bufferView":0,"componentType":5126,"count":1,"type":"MAT4"},{"bufferView":1,"componentType":5126,"count":2,"type":"VEC3"}],
-        "bufferViews":[{"buffer":0,"byteLength":64},{"buffer":0,"byteOffset":64,"byteLength":24}],"buffers":[{"byteLength":88}]}"#;
+        "meshes":[{"primitives":[{"attributes":{}}]},{"primitives":[{"attributes":{}}]},
+            {"primitives":[{"attributes":{}}]}],
+        "accessors":[{"bufferView":0,"componentType":5126,"count":1,"type":"MAT4"},
+            {"bufferView":1,"componentType":5126,"count":2,"type":"VEC3"}],
+        "bufferViews":[{"buffer":0,"byteLength":64},{"buffer":0,"byteOffset":64,"byteLength":24}],
+        "buffers":[{"byteLength":88}]}"#;
     let placements = arranged(json, blob, &[0, 1, 2]).expect("a document");
     let placements = placements.placements();
     let moved = |p: &Placement| p.transform.translation.to_array();
@@ -176,7 +181,8 @@ fn a_document_that_lies_is_refused_without_a_panic() {
     for json in [
         "",
         "[]",
-        r#"{"asset":{"version":"2.0"},"buffers":[{"byteLength":9}],"bufferViews":[{"buffer":0,"byteLength":9}]}"#,
+        r#"{"asset":{"version":"2.0"},"buffers":[{"byteLength":9}],
+            "bufferViews":[{"buffer":0,"byteLength":9}]}"#,
         r#"{"asset":{"version":"2.0"},"scenes":[{"nodes":[7]}],"scene":0}"#,
         r#"{"asset":{"version":"2.0"},"nodes":[{"mesh":3}]}"#,
     ] {
@@ -184,7 +190,8 @@ fn a_document_that_lies_is_refused_without_a_panic() {
         assert!(arranged(json, Vec::new(), &[0]).is_err(), "{json}");
     }
     // Loops of nodes end.
-    let loops = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"meshes":[{"primitives":[{"attributes":{}}]}],
+    let loops = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],
+        "meshes":[{"primitives":[{"attributes":{}}]}],
         "nodes":[{"mesh":0,"children":[1]},{"children":[0]}]}"#;
     assert_eq!(arranged(loops, Vec::new(), &[0]).map(|a| a.placements().len()), Ok(1));
 }

@@ -102,7 +102,8 @@ fn damaged_node_graphs_end() {
         r#"{"nodes":[{"children":[0],"mesh":0}],"scenes":[{"nodes":[0,0,9,-1,"x"]}]}"#,
         r#"{"nodes":[{"children":[1]},{"children":[0]}]}"#,
         r#"{"nodes":{"a":1},"scenes":7,"scene":-1}"#,
-        r#"{"nodes":[{"mesh":0,"matrix":[1e308,1e308]},{"mesh":0,"scale":[1e308,1e308,1e308],"children":"x"}]}"#,
+        r#"{"nodes":[{"mesh":0,"matrix":[1e308,1e308]},
+            {"mesh":0,"scale":[1e308,1e308,1e308],"children":"x"}]}"#,
         "[]",
         "null",
     ] {

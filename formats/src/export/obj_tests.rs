@@ -85,7 +85,8 @@ fn every_bit_of_strange_values_comes_back() {
     let scratch = Scratch::new("obj-strange");
     let mut random = Random(17);
     let mut source = String::from(
-        "o only\nv -0 0 1e-45 1 nan -0\nv 3.4028235e38 1e-38 -1 0 0 0\nvn inf -inf -0\nvt nan 1e-7 3\n",
+        "o only\nv -0 0 1e-45 1 nan -0\nv 3.4028235e38 1e-38 -1 0 0 0\nvn inf -inf -0\n\
+            vt nan 1e-7 3\n",
     );
     for _ in 0..500 {
         let mut value = || {
@@ -156,7 +157,8 @@ fn gltf_scenes_become_objects_with_simple_materials() {
         text(1),
         "newmtl m\nKd 1 1 1\nnewmtl m_material1\nKd 0.5 0.25 1\nd 0.75\nmap_Kd a b.png\n"
     );
-    let expected = "# lodc\nmtllib x.mtl\no a_b\nv 0 0 0\nvt 0.25 0.75\nvn 0 0 1\nv 1 0 0\nvt 1 1\nv 0 1 0\nvt 0 0\n\
+    let expected = "# lodc\nmtllib x.mtl\no a_b\nv 0 0 0\nvt 0.25 0.75\nvn 0 0 1\nv 1 0 0\n\
+        vt 1 1\nv 0 1 0\nvt 0 0\n\
         usemtl m_material1\nf 1/1/1 2/2/1 3/3/1\no mesh0\nv -1 0 0\nf 1/1/1 3/3/1 4/2/1\n";
     assert_eq!(text(0), expected);
 }

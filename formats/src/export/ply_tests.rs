@@ -9,9 +9,11 @@ fn the_file_is_laid_out_as_its_header_says() {
     let files = export(Path::new("x.ply"), &document, &[ExportObject { info: &info, mesh: &mesh }])
         .expect("exported");
     let bytes = &files[0].bytes;
-    let header = "ply\nformat binary_little_endian 1.0\ncomment lodc\nelement vertex 3\nproperty float x\n\
-        property float y\nproperty float z\nproperty float nx\nproperty float ny\nproperty float nz\nproperty float s\n\
-        property float t\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n";
+    let header = "ply\nformat binary_little_endian 1.0\ncomment lodc\nelement vertex 3\n\
+        property float x\nproperty float y\nproperty float z\n\
+        property float nx\nproperty float ny\nproperty float nz\n\
+        property float s\nproperty float t\n\
+        element face 1\nproperty list uchar int vertex_indices\nend_header\n";
     assert!(bytes.starts_with(header.as_bytes()));
     let body = &bytes[header.len()..];
     assert_eq!(body.len(), 3 * 32 + 13);

@@ -39,7 +39,8 @@ fn facts(name: &str, bytes: &[u8]) -> String {
         });
         let _ = writeln!(
             text,
-            "{name} {} vertices {} triangles {} submeshes {} attributes {} sum {attributes} records {} steps {} half {} {} models {}{}",
+            "{name} {} vertices {} triangles {} submeshes {} attributes {} sum {attributes} \
+             records {} steps {} half {} {} models {}{}",
             o.info.name,
             mesh.vertex_count(),
             mesh.triangles().len(),

@@ -1,19 +1,14 @@
-//! The manifest: everything small, in bincode's legacy encoding (fixed-width little-endian
-//! integers).
+//! The manifest: everything small in a file.
 //!
 //! These types are the file format: they are not those of the scene, so that the scene can change
 //! and the file not. Fields are only ever added, at the end of a record.
 
-use super::old::OldManifest;
 use super::record::Record;
 use super::{LodFile, LodObject};
 use crate::{Document, Fault, FormatError, ObjDocument, ObjMaterial, Source, SourceFormat};
 use lodc_mesh::{Attribute, Component, Semantic};
 use lodc_model::Model;
 use serde::{Deserialize, Serialize};
-
-/// Bytes of a manifest; a reader refuses more, whatever the file says.
-pub(super) const LIMIT: usize = 256 << 20;
 
 #[derive(Serialize, Deserialize)]
 pub(super) struct Manifest {
@@ -99,40 +94,6 @@ impl Manifest {
             document,
             objects,
         }
-    }
-
-    pub(super) fn bytes(&self) -> Vec<u8> {
-        bincode::serde::encode_to_vec(self, bincode::config::legacy())
-            .expect("plain data can be written to memory")
-    }
-
-    /// Reads the manifest of a file of some version.
-    pub(super) fn read(bytes: &[u8], version: u32) -> Result<Self, FormatError> {
-        let place = "section MANI";
-        if bytes.len() > LIMIT {
-            return Err(FormatError::new(
-                Fault::Limit,
-                place,
-                format!("has more than {LIMIT} bytes"),
-            ));
-        }
-        let config = bincode::config::legacy().with_limit::<LIMIT>();
-        let wrong = |e: bincode::error::DecodeError| {
-            FormatError::new(Fault::Malformed, place, format!("cannot be decoded: {e}"))
-        };
-        if version >= 3 {
-            // What follows the known fields belongs to later versions.
-            return bincode::serde::decode_from_slice(bytes, config)
-                .map(|(manifest, _)| manifest)
-                .map_err(wrong);
-        }
-        let (old, used): (OldManifest, _) =
-            bincode::serde::decode_from_slice(bytes, config).map_err(wrong)?;
-        if used != bytes.len() {
-            let what = format!("{} bytes are left over", bytes.len() - used);
-            return Err(FormatError::new(Fault::Malformed, place, what));
-        }
-        Ok(old.into())
     }
 
     pub(super) fn source(&self) -> Result<Source, FormatError> {

@@ -4,18 +4,22 @@ mod arrays;
 mod container;
 #[cfg(test)]
 mod golden_tests;
+#[cfg(test)]
+mod hostile_tests;
 mod left_out;
 pub(crate) mod manifest;
+mod manifest_codec;
 mod object;
 mod old;
 mod record;
 mod steps;
 mod streams;
+mod table;
 #[cfg(test)]
 mod tests;
 
 use crate::{Document, Fault, FormatError, GltfDocument, ObjectInfo, Source};
-use container::{Container, SCENE, Writer, tag};
+use container::{Container, Writer};
 use left_out::LeftOut;
 use lodc_lod::AnyModel;
 use lodc_mesh::Simplified;
@@ -23,6 +27,7 @@ use lodc_model::Model;
 use manifest::{DocumentEntry, Manifest};
 use std::sync::Arc;
 use streams::ZeroBudget;
+use table::{SCENE, tag};
 
 /// The version that this program writes, and the newest that it reads.
 pub const VERSION: u32 = 3;
@@ -88,7 +93,7 @@ pub fn is_lodc(bytes: &[u8]) -> bool {
 pub fn read(bytes: &[u8]) -> Result<LodFile, FormatError> {
     let mut container = Container::read(bytes)?;
     let version = container.version();
-    let manifest = Manifest::read(container.take(tag::MANIFEST, SCENE, 0)?, version)?;
+    let manifest = manifest_codec::decode(container.take(tag::MANIFEST, SCENE, 0)?, version)?;
     let source = manifest.source()?;
     let document = match manifest.document {
         DocumentEntry::Obj(obj) => Document::Obj(obj.into()),
@@ -119,7 +124,7 @@ pub fn write(file: &LodFile) -> Vec<u8> {
     let mut zeros = ZeroBudget::default();
     let plans: Vec<_> =
         file.objects.iter().map(|o| streams::plan(o.simplified.mesh(), &mut zeros)).collect();
-    let manifest = Manifest::of(file, &plans).bytes();
+    let manifest = manifest_codec::encode(&Manifest::of(file, &plans));
     let mut writer = Writer::default();
     writer.required(tag::MANIFEST, SCENE, 0, |out| out.extend_from_slice(&manifest));
     if let Document::Gltf(gltf) = &file.document {

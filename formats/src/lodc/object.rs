@@ -1,10 +1,11 @@
 //! One object: its mesh, its collapse sequence and its models as sections.
 
-use super::container::{Container, Content, Tag, Writer, place, tag};
+use super::container::{Container, Content, Writer};
 use super::left_out::{LeftOut, shortened};
-use super::manifest::{AttributeEntry, ObjectEntry};
+use super::manifest::{AttributeEntry, ModelEntry, ObjectEntry};
 use super::record::Record;
 use super::streams::{self, ZeroBudget};
+use super::table::{Tag, place, tag};
 use super::{LodObject, arrays, steps};
 use crate::{Fault, FormatError, ObjectInfo, SubmeshInfo};
 use lodc_lod::{AnyModel, ModelKind};
@@ -115,9 +116,33 @@ pub(super) fn read(
     let collapses = read_sequence(container, number, &entry, &mesh)?;
     let simplified = Arc::new(Simplified::new(mesh, collapses).map_err(|e| wrong(e.to_string()))?);
 
+    let models = read_models(container, number, entry.models, &simplified, left_out)?;
+    let submeshes = entry.submeshes.into_iter().map(|Record(s)| SubmeshInfo {
+        name: s.name,
+        material: s.material,
+        document_primitive: s.document_primitive,
+    });
+    let info = ObjectInfo {
+        name: entry.name,
+        submeshes: submeshes.collect(),
+        world_scale: entry.world_scale,
+        document_mesh: entry.document_mesh,
+    };
+    Ok(LodObject { info, simplified, models })
+}
+
+/// Reads the models of an object; those that this version does not have are left out.
+fn read_models(
+    container: &mut Container<'_>,
+    number: u32,
+    entries: Vec<Record<ModelEntry>>,
+    simplified: &Arc<Simplified>,
+    left_out: &mut LeftOut,
+) -> Result<Vec<AnyModel>, FormatError> {
+    let wrong = |what: String| FormatError::new(Fault::Malformed, format!("object {number}"), what);
     let mut models = Vec::new();
     let mut index = 0;
-    for Record(model) in entry.models {
+    for Record(model) in entries {
         let kind = model.name.parse::<ModelKind>().ok();
         let mut stored = Vec::new();
         for name in model.arrays {
@@ -135,9 +160,8 @@ pub(super) fn read(
             if models.iter().any(|m: &AnyModel| m.kind() == kind) {
                 return Err(wrong(format!("the model {} is there twice", kind.name())));
             }
-            models.push(
-                AnyModel::load(kind, &simplified, &stored).map_err(|e| wrong(e.to_string()))?,
-            );
+            models
+                .push(AnyModel::load(kind, simplified, &stored).map_err(|e| wrong(e.to_string()))?);
         } else {
             left_out.tell(|| {
                 let name = shortened(&model.name);
@@ -147,20 +171,7 @@ pub(super) fn read(
             });
         }
     }
-    let submeshes = entry.submeshes.into_iter();
-    let info = ObjectInfo {
-        name: entry.name,
-        submeshes: submeshes
-            .map(|Record(s)| SubmeshInfo {
-                name: s.name,
-                material: s.material,
-                document_primitive: s.document_primitive,
-            })
-            .collect(),
-        world_scale: entry.world_scale,
-        document_mesh: entry.document_mesh,
-    };
-    Ok(LodObject { info, simplified, models })
+    Ok(models)
 }
 
 fn read_mesh(

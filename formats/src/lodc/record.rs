@@ -9,6 +9,9 @@ use std::fmt;
 use std::marker::PhantomData;
 use std::ops::Deref;
 
+/// Bytes of a manifest; a reader refuses more, whatever the file says.
+pub(super) const LIMIT: usize = 256 << 20;
+
 /// A value with the number of its bytes (u64) in front. Bytes behind its known fields belong to
 /// later versions.
 pub(super) struct Record<T>(pub(super) T);
@@ -44,7 +47,7 @@ impl<'de, T: DeserializeOwned> Visitor<'de> for RecordVisitor<T> {
     }
 
     fn visit_bytes<E: serde::de::Error>(self, bytes: &[u8]) -> Result<Self::Value, E> {
-        let config = bincode::config::legacy().with_limit::<{ super::manifest::LIMIT }>();
+        let config = bincode::config::legacy().with_limit::<LIMIT>();
         let decoded = bincode::serde::decode_from_slice::<T, _>(bytes, config);
         decoded.map(|(value, _)| Record(value)).map_err(E::custom)
     }

@@ -12,6 +12,7 @@ use crate::stages::Stages;
 use lodc_formats::appearance::appearance;
 use lodc_formats::lodc::{LodFile, LodObject, write};
 use lodc_formats::{Assets, ObjectInfo, Scene, SceneObject, import};
+use lodc_lod::ModelKind;
 use lodc_simplify::{MetricKind, Options, simplify, simplify_coloured};
 use lodc_strip::{StripOptions, StripPool};
 use rayon::prelude::*;
@@ -37,26 +38,14 @@ pub(super) fn make(
     report: &mut InputReport,
 ) -> Outcome<BuildOutput> {
     progress.stage("import");
-    let scene = stages.run("import", || import::import(input, &args.import.options()))?;
-    report.warnings.clone_from(&scene.warnings);
-    let triangles: u64 = scene.objects.iter().map(|o| o.mesh.triangles().len() as u64).sum();
-    report.triangles = Some(triangles);
-    args.import
-        .limits()
-        .check_memory(triangles)
-        .map_err(|f| Failure::new(f.status, format!("{}: {f}", input.display())))?;
+    let scene = import_scene(args, input, stages, report)?;
+    let triangles = report.triangles.unwrap_or(0);
 
     progress.stage("simplify");
     let paints = paints(args, input, &scene, report)?;
     let Scene { source, document, objects, mut files_read, .. } = scene;
-    let options = Options {
-        metric: args.metric,
-        preserve_topology: args.preserve_topology,
-        lock_border: args.lock_border,
-        attributes: !args.no_attributes,
-        ..Options::DEFAULT
-    };
     let painted = paints.as_ref().map(|(paints, _)| paints).filter(|p| p.has_textures());
+    let options = simplify_options(args);
     let simplified =
         stages.run("simplify", || simplify_all(objects, &options, painted, triangles, progress));
     for read in paints.into_iter().flat_map(|(_, files)| files) {
@@ -67,29 +56,13 @@ pub(super) fn make(
     progress.stage("errors");
     let simplified = stages.run("errors", || measure_all(simplified));
 
-    let kinds = levels::chosen(&args.models);
-    report.models = kinds.iter().map(|kind| kind.name()).collect();
     let bug = |what: String| {
         Failure::new(Status::Bug, format!("{}: {what}; nothing was written", input.display()))
     };
+    let kinds = levels::chosen(&args.models);
+    report.models = kinds.iter().map(|kind| kind.name()).collect();
     let options = StripOptions { kind: args.strips, effort: args.effort };
-    let mut pools: Vec<StripPool<'_>> =
-        simplified.iter().map(|(_, s)| StripPool::new(s, options)).collect();
-    if kinds.iter().any(|kind| kind.strips().is_some()) {
-        progress.stage("strips");
-        let generate = |pool: &mut StripPool<'_>| {
-            kinds.iter().filter_map(|kind| kind.strips()).for_each(|kind| drop(pool.get(kind)));
-        };
-        stages.run("strips", || pools.par_iter_mut().for_each(generate));
-    }
-    progress.stage("models");
-    let models = |pool: &mut StripPool<'_>| levels::models(pool, &kinds);
-    let models: Result<Vec<_>, String> =
-        stages.run("models", || pools.par_iter_mut().map(models).collect());
-    let models = models.map_err(bug)?;
-    drop(pools);
-    let with_models = |((info, simplified), models)| LodObject { info, simplified, models };
-    let objects: Vec<LodObject> = simplified.into_iter().zip(models).map(with_models).collect();
+    let objects = with_models(simplified, &kinds, options, stages, progress).map_err(bug)?;
     fill_in(report, &objects);
 
     progress.stage("check");
@@ -104,6 +77,61 @@ pub(super) fn make(
     })?;
     report.bytes = Some(bytes as u64);
     Ok(BuildOutput { file, bytes, files_read })
+}
+
+/// Imports the scene, if its work fits into memory.
+fn import_scene(
+    args: &BuildArgs,
+    input: &Path,
+    stages: &mut Stages,
+    report: &mut InputReport,
+) -> Outcome<Scene> {
+    let scene = stages.run("import", || import::import(input, &args.import.options()))?;
+    report.warnings.clone_from(&scene.warnings);
+    let triangles: u64 = scene.objects.iter().map(|o| o.mesh.triangles().len() as u64).sum();
+    report.triangles = Some(triangles);
+    let too_large = |f: Failure| Failure::new(f.status, format!("{}: {f}", input.display()));
+    args.import.limits().check_memory(triangles).map_err(too_large)?;
+    Ok(scene)
+}
+
+fn simplify_options(args: &BuildArgs) -> Options {
+    Options {
+        metric: args.metric,
+        preserve_topology: args.preserve_topology,
+        lock_border: args.lock_border,
+        attributes: !args.no_attributes,
+        ..Options::DEFAULT
+    }
+}
+
+/// Makes the models of every object, and before them the strips that they need.
+///
+/// # Errors
+/// If a model cannot be made of its sequence: a bug.
+fn with_models(
+    simplified: SimplifiedObjects,
+    kinds: &[ModelKind],
+    options: StripOptions,
+    stages: &mut Stages,
+    progress: &Progress,
+) -> Result<Vec<LodObject>, String> {
+    let mut pools: Vec<StripPool<'_>> =
+        simplified.iter().map(|(_, s)| StripPool::new(s, options)).collect();
+    if kinds.iter().any(|kind| kind.strips().is_some()) {
+        progress.stage("strips");
+        let generate = |pool: &mut StripPool<'_>| {
+            kinds.iter().filter_map(|kind| kind.strips()).for_each(|kind| drop(pool.get(kind)));
+        };
+        stages.run("strips", || pools.par_iter_mut().for_each(generate));
+    }
+    progress.stage("models");
+    let models = |pool: &mut StripPool<'_>| levels::models(pool, kinds);
+    let models: Vec<_> =
+        stages.run("models", || pools.par_iter_mut().map(models).collect::<Result<_, String>>())?;
+    drop(pools);
+    let object = |((info, simplified), models)| LodObject { info, simplified, models };
+    Ok(simplified.into_iter().zip(models).map(object).collect())
 }
 
 /// The colours of a scene and the files they are in, if the metric sees them.

@@ -13,6 +13,7 @@ mod connect;
 mod cursor;
 mod moving;
 mod record;
+mod walk;
 
 pub use cursor::Cursor;
 
@@ -34,7 +35,7 @@ impl ProgressiveMesh {
     /// # Errors
     /// If the triangles of a submesh do not stand in reverse order of their disappearance.
     pub fn build(simplified: &Arc<Simplified>) -> Result<Self, BuildError> {
-        let records = Records::new(simplified);
+        let records = walk::records(simplified);
         for (submesh, s) in simplified.mesh().submeshes().iter().enumerate() {
             if let Some(i) =
                 records.removal_lods[s.triangles()].windows(2).position(|pair| pair[0] < pair[1])

@@ -55,79 +55,86 @@ pub struct Camera {
 
 /// Share of a picture's width or height that stays free at each side.
 const MARGIN: f64 = 0.04;
+/// Share of the width or height between the margins.
+const FREE: f64 = 1.0 - 2.0 * MARGIN;
+
+/// Lowest and highest value of something over points.
+type Bounds = (f64, f64);
+
+/// Points as a camera's axes see them, relative to the middle of their box.
+struct SeenPoints<'a> {
+    points: &'a [[f64; 3]],
+    centre: [f64; 3],
+    axes: [[f64; 3]; 3],
+}
+
+impl<'a> SeenPoints<'a> {
+    fn new(points: &'a [[f64; 3]], axes: [[f64; 3]; 3]) -> Self {
+        let centre = std::array::from_fn(|i| {
+            let (low, high) = bounds(points.iter().map(|p| p[i]));
+            if low <= high { low / 2.0 + high / 2.0 } else { 0.0 }
+        });
+        Self { points, centre, axes }
+    }
+
+    /// Bounds along an axis, each point moved by its depth times `slope`.
+    fn sheared(&self, axis: usize, slope: f64) -> Bounds {
+        let along = |p: &[f64; 3], axis: usize| -> f64 {
+            (0..3).map(|i| (p[i] - self.centre[i]) * self.axes[axis][i]).sum()
+        };
+        bounds(self.points.iter().map(|p| along(p, axis) + slope * along(p, 2)))
+    }
+
+    /// Bounds along an axis.
+    fn along(&self, axis: usize) -> Bounds {
+        self.sheared(axis, 0.0)
+    }
+
+    /// The largest extent along an axis; 1 where there is none.
+    fn size(&self) -> f64 {
+        let size = (0..3).map(|a| self.along(a)).map(|(l, h)| h - l).fold(0.0, f64::max);
+        if size > 0.0 && size.is_finite() { size } else { 1.0 }
+    }
+}
+
+fn bounds(values: impl Iterator<Item = f64>) -> Bounds {
+    values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)))
+}
 
 impl Camera {
     /// The camera at which all points just fit into a picture of this width divided by height.
     #[must_use]
     pub fn around(points: &[[f64; 3]], framing: &Framing, aspect: f64) -> Self {
         let axes = axes(framing);
-        let bounds = |of: &dyn Fn(&[f64; 3]) -> f64| {
-            points
-                .iter()
-                .map(of)
-                .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)))
-        };
-        let middle: [f64; 3] = std::array::from_fn(|i| {
-            let (low, high) = bounds(&|p| p[i]);
-            if low <= high { low / 2.0 + high / 2.0 } else { 0.0 }
-        });
-        let along = |p: &[f64; 3], axis: usize| -> f64 {
-            (0..3).map(|i| (p[i] - middle[i]) * axes[axis][i]).sum()
-        };
-        let (near, far) = bounds(&|p| along(p, 2));
-        let size = (0..3).map(|a| bounds(&|p| along(p, a))).map(|(l, h)| h - l).fold(0.0, f64::max);
-        let size = if size > 0.0 && size.is_finite() { size } else { 1.0 };
+        let seen = SeenPoints::new(points, axes);
+        let size = seen.size();
+        let (near, far) = seen.along(2);
         let (near, far) = if near <= far { (near, far) } else { (0.0, 0.0) };
-        let free = 1.0 - 2.0 * MARGIN;
-        let mut camera = Self {
-            centre: middle,
-            axes,
-            up: framing.up,
-            eye: [0.0; 3],
-            half: [0.0; 2],
-            perspective: true,
-            depth: [0.0; 2],
-        };
-        match framing.lens {
+        let (eye, half) = match framing.lens {
             Lens::Perspective(degrees) => {
                 let tangent = (degrees.to_radians() / 2.0).tan();
-                camera.half = [tangent * aspect, tangent];
-                // Of points at one depth, those at the edges of the picture decide; the distance
-                // follows from both sides together, the eye's place across from their difference.
-                let mut distance = f64::NEG_INFINITY;
-                for a in 0..2 {
-                    let t = camera.half[a] * free;
-                    let (_, high) = bounds(&|p| along(p, a) + t * along(p, 2));
-                    let (low, _) = bounds(&|p| along(p, a) - t * along(p, 2));
-                    if low.is_finite() && high.is_finite() {
-                        camera.eye[a] = high / 2.0 + low / 2.0;
-                        distance = distance.max((high - low) / (2.0 * t));
-                    }
-                }
-                let distance =
-                    if distance.is_finite() { distance } else { 0.0 }.max(far + size * 0.01);
+                let half = [tangent * aspect, tangent];
+                let mut eye = perspective_eye(&seen, half);
+                eye[2] = eye[2].max(far + size * 0.01);
                 // Nearer makes larger; what lies in front of the eye's new place is cut off.
-                camera.eye[2] = distance;
-                camera.half = camera.half.map(|h| h / framing.zoom);
+                (eye, half.map(|h| h / framing.zoom))
             }
             Lens::Orthographic => {
-                camera.perspective = false;
-                let mut scale: f64 = 0.0;
-                for (a, shape) in [aspect, 1.0].into_iter().enumerate() {
-                    let (low, high) = bounds(&|p| along(p, a));
-                    if low <= high {
-                        camera.eye[a] = low / 2.0 + high / 2.0;
-                        scale = scale.max((high - low) / (2.0 * shape * free));
-                    }
-                }
-                let scale = if scale > 0.0 { scale } else { size } / framing.zoom;
-                camera.half = [scale * aspect, scale];
-                camera.eye[2] = far + size;
+                let (mut eye, half) = orthographic_eye(&seen, aspect);
+                eye[2] = far + size;
+                let half = if half > 0.0 { half } else { size } / framing.zoom;
+                (eye, [half * aspect, half])
             }
+        };
+        Self {
+            centre: seen.centre,
+            axes,
+            up: framing.up,
+            eye,
+            half,
+            perspective: matches!(framing.lens, Lens::Perspective(_)),
+            depth: [(eye[2] - far - size * 1e-3).max(size * 1e-4), eye[2] - near + size * 1e-3],
         }
-        let eye = camera.eye[2];
-        camera.depth = [(eye - far - size * 1e-3).max(size * 1e-4), eye - near + size * 1e-3];
-        camera
     }
 
     /// From positions relative to the centre to the device's clip space, column by column. Depth
@@ -186,6 +193,42 @@ impl Camera {
     }
 }
 
+/// The nearest eye from which all points lie within these slopes of the axis of view, but for the
+/// margin.
+///
+/// Of points at one depth, those at the edges of the picture decide; the distance follows from both
+/// sides together, the eye's place across from their difference.
+fn perspective_eye(seen: &SeenPoints<'_>, half: [f64; 2]) -> [f64; 3] {
+    let mut eye = [0.0; 3];
+    let mut distance = f64::NEG_INFINITY;
+    for a in 0..2 {
+        let slope = half[a] * FREE;
+        let (_, high) = seen.sheared(a, slope);
+        let (low, _) = seen.sheared(a, -slope);
+        if low.is_finite() && high.is_finite() {
+            eye[a] = high / 2.0 + low / 2.0;
+            distance = distance.max((high - low) / (2.0 * slope));
+        }
+    }
+    eye[2] = if distance.is_finite() { distance } else { 0.0 };
+    eye
+}
+
+/// The eye in front of the middle of all points, and half the height of a picture of this aspect
+/// that holds them; 0 where there are none.
+fn orthographic_eye(seen: &SeenPoints<'_>, aspect: f64) -> ([f64; 3], f64) {
+    let mut eye = [0.0; 3];
+    let mut half: f64 = 0.0;
+    for (a, shape) in [aspect, 1.0].into_iter().enumerate() {
+        let (low, high) = seen.along(a);
+        if low <= high {
+            eye[a] = low / 2.0 + high / 2.0;
+            half = half.max((high - low) / (2.0 * shape * FREE));
+        }
+    }
+    (eye, half)
+}
+
 /// Right, up, towards the camera.
 fn axes(framing: &Framing) -> [[f64; 3]; 3] {
     let (sa, ca) = framing.azimuth.to_radians().sin_cos();
@@ -198,89 +241,5 @@ fn axes(framing: &Framing) -> [[f64; 3]; 3] {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn seen(camera: &Camera, p: [f64; 3]) -> [f64; 3] {
-        let m = camera.matrix();
-        let p: [f64; 3] = std::array::from_fn(|i| p[i] - camera.centre[i]);
-        let at =
-            |r: usize| (0..3).map(|c| f64::from(m[c][r]) * p[c]).sum::<f64>() + f64::from(m[3][r]);
-        [at(0) / at(3), at(1) / at(3), at(2) / at(3)]
-    }
-
-    fn every(check: impl Fn(&Framing)) {
-        for lens in [Lens::Perspective(30.0), Lens::Perspective(90.0), Lens::Orthographic] {
-            for up in [Up::Y, Up::Z] {
-                for (azimuth, elevation) in
-                    [(0.0, 0.0), (35.0, 20.0), (200.0, -70.0), (0.0, 90.0), (90.0, -90.0)]
-                {
-                    check(&Framing { up, azimuth, elevation, lens, zoom: 1.0 });
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn everything_fits_and_touches_the_margin() {
-        let points: Vec<[f64; 3]> = (0..8)
-            .map(|i| {
-                [
-                    f64::from(i & 1) * 7.0 + 100.0,
-                    f64::from(i >> 1 & 1) * 2.0,
-                    f64::from(i >> 2) * 3.0,
-                ]
-            })
-            .collect();
-        every(|framing| {
-            for aspect in [0.5, 1.0, 2.5] {
-                let camera = Camera::around(&points, framing, aspect);
-                let edge =
-                    points.iter().map(|&p| seen(&camera, p)).fold(0.0f64, |edge, [x, y, z]| {
-                        assert!((0.0..=1.0).contains(&z), "{framing:?}: depth {z}");
-                        edge.max(x.abs()).max(y.abs())
-                    });
-                assert!(
-                    (edge - (1.0 - 2.0 * MARGIN)).abs() < 1e-4,
-                    "{framing:?}, {aspect}: {edge}"
-                );
-            }
-        });
-    }
-
-    #[test]
-    fn nearer_points_have_less_depth_and_up_is_up() {
-        let points = [[0.0, 0.0, 0.0], [1.0, 1.0, 1.0]];
-        let framing = Framing {
-            up: Up::Y,
-            azimuth: 0.0,
-            elevation: 0.0,
-            lens: Lens::Perspective(40.0),
-            zoom: 1.0,
-        };
-        let camera = Camera::around(&points, &framing, 1.0);
-        assert!(seen(&camera, [0.0, 0.0, 1.0])[2] < seen(&camera, [0.0, 0.0, 0.0])[2]);
-        assert!(seen(&camera, [1.0, 0.0, 0.0])[0] > 0.0 && seen(&camera, [0.0, 1.0, 0.0])[1] > 0.0);
-        // From the side of +x, the front is to the left.
-        let side = Camera::around(&points, &Framing { azimuth: 90.0, ..framing }, 1.0);
-        assert!(seen(&side, [0.0, 0.0, 1.0])[0] < 0.0);
-        let cad = Camera::around(&points, &Framing { up: Up::Z, ..framing }, 1.0);
-        assert!(
-            seen(&cad, [0.0, 0.0, 1.0])[1] > 0.0
-                && seen(&cad, [0.0, 0.0, 0.0])[2] < seen(&cad, [0.0, 1.0, 0.0])[2]
-        );
-    }
-
-    #[test]
-    fn nothing_and_a_point_have_a_camera_too() {
-        every(|framing| {
-            for points in [&[][..], &[[3.0, 4.0, 5.0]]] {
-                let camera = Camera::around(points, framing, 1.5);
-                assert!(
-                    camera.matrix().as_flattened().iter().all(|v| v.is_finite()),
-                    "{framing:?}"
-                );
-            }
-        });
-    }
-}
+#[path = "camera_tests.rs"]
+mod tests;

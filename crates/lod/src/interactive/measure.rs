@@ -6,7 +6,8 @@ use super::{CollapseLists, Continuous, Counting, Interactive, replay};
 use lodc_mesh::{Lod, Mesh, Simplified};
 use lodc_model::Model;
 use lodc_plan::{
-    Benchmark, Case, DRAWS, Drawn, Memory, Pass, PlanError, Program, SWEEP, VertexRecords, sweep,
+    Benchmark, BufferId, Case, DRAWS, Drawn, Memory, Pass, PlanError, Program, SWEEP,
+    VertexRecords, sweep,
 };
 use lodc_strip::order;
 
@@ -19,7 +20,7 @@ impl Interactive {
     /// If the mesh is too large or its lists too long.
     pub fn benchmark(&self) -> Result<Benchmark, PlanError> {
         let simplified = self.simplified().as_ref();
-        let (mesh, collapses) = (simplified.mesh(), simplified.collapses());
+        let mesh = simplified.mesh();
         let lists = replay::lists(simplified)?;
         let memory = memory(simplified, &lists)?;
         let records = VertexRecords::positions(mesh);
@@ -29,72 +30,105 @@ impl Interactive {
         let views = Views::new(simplified, records);
         let dependent = ViewPasses::new(&mut program, &views, base.source, base.vertices);
         let filter = Filter::new(&mut program, mesh, &order(mesh, 16), base.vertices, 3);
+        let setup = base.construction();
+        let passes = Passes { simplified, base, counting, views, dependent, filter };
+        let mut cases = passes.continuous();
+        cases.extend(passes.view_dependent());
+        Ok(Benchmark { program, memory, setup, cases })
+    }
+}
 
-        let last = collapses.last().0;
+/// The passes of one program that cases are put together from.
+struct Passes<'a> {
+    simplified: &'a Simplified,
+    base: Continuous,
+    counting: Counting,
+    views: Views<'a>,
+    dependent: ViewPasses,
+    filter: Filter,
+}
+
+impl Passes<'_> {
+    /// Construction, extraction over all LODs, and draws of them.
+    fn continuous(&self) -> Vec<Case> {
+        let collapses = self.simplified.collapses();
+        let (base, counting) = (&self.base, &self.counting);
         let moves = |stops: &[Lod]| {
             stops.windows(2).map(|pair| vec![base.extraction(pair[0], pair[1])]).collect()
         };
         let steps = sweep(collapses, SWEEP);
         let touched = steps.windows(2).map(|pair| u64::from(pair[0].max(pair[1]).0)).sum();
-        // One entry and nearly all of them, so that every vertex is looked at and nearly every one
-        // is rewritten.
-        let coarse = collapses.floor(Lod((u64::from(last) * 99 / 100) as u32));
+        let coarse = self.coarse();
         let jumps: Vec<Lod> = (0..9).map(|i| if i % 2 == 0 { Lod(0) } else { coarse }).collect();
-        let whole = 8 * u64::from(coarse.0);
-        let stops = sweep(collapses, DRAWS);
-        let shown = stops
+        let shown = sweep(collapses, DRAWS)
             .windows(2)
             .map(|pair| vec![base.extraction(pair[0], pair[1]), counting.pass()])
             .collect();
+        let drawn = self.drawn(counting.triangles, counting.draws);
+        vec![
+            Case::new("construction", vec![base.construction()], self.vertices()),
+            Case::new("continuous, linear sweep", moves(&steps), touched),
+            Case::new("continuous, whole mesh", moves(&jumps), 8 * u64::from(coarse.0)),
+            Case::new("live count", vec![vec![counting.pass()]; 8], 8 * self.vertices()),
+            Case::drawing("draw, over the LODs", shown, drawn),
+        ]
+    }
 
-        let around = eyes(mesh.bounds());
-        let views_by =
-            |criterion: &dyn Fn([f32; 3]) -> Criterion, morph, filtered: bool| -> Vec<Vec<Pass>> {
-                let passes = |eye| {
-                    let view =
-                        dependent.pass(&ViewQuery { criterion: criterion(eye), morph }, &views);
-                    let filter = if filtered { filter.passes() } else { Vec::new() };
-                    std::iter::once(view).chain(filter).collect()
-                };
-                around.iter().map(|&eye| passes(eye)).collect()
-            };
+    /// Views from eight eyes, the filter, and draws of what it leaves.
+    fn view_dependent(&self) -> Vec<Case> {
+        let coarse = self.coarse();
         let outline = |eye| Criterion::Silhouette { eye, edge: Lod(0), face: coarse };
         // One pixel of a thousand.
         let error = |eye| Criterion::ScreenError { eye, slope: Criterion::slope(1.0, 1000.0, 0.5) };
-        let all = 8 * mesh.vertex_count() as u64;
-        let drawing = |indices, draws| Drawn {
-            vertices: base.vertices,
+        let outlines = |morph| self.views_by(&outline, morph);
+        let filtered = || -> Vec<Vec<Pass>> {
+            let with_filter = |passes: Vec<Pass>| [passes, self.filter.passes()].concat();
+            outlines(false).into_iter().map(with_filter).collect()
+        };
+        let all = 8 * self.vertices();
+        let drawn = self.drawn(self.filter.indices, self.filter.draws);
+        let everything = vec![vec![self.dependent.pass(&everything(), &self.views)]];
+        vec![
+            Case::new("view-dependent", outlines(false), all),
+            Case::new("view-dependent, morphing", outlines(true), all),
+            Case::new("view-dependent, error", self.views_by(&error, false), all),
+            Case::new("degenerate filter alone", vec![self.filter.passes(); 8], all),
+            Case::new("view-dependent, filtered", filtered(), all),
+            Case::drawing("draw, filtered", filtered(), drawn),
+            // Views leave no pointers: back to LOD 0.
+            Case::new("all to LOD 0", everything, self.vertices()),
+        ]
+    }
+
+    fn vertices(&self) -> u64 {
+        self.simplified.mesh().vertex_count() as u64
+    }
+
+    /// A LOD after nearly all records, so that every vertex is looked at and nearly every one is
+    /// rewritten.
+    fn coarse(&self) -> Lod {
+        let collapses = self.simplified.collapses();
+        collapses.floor(Lod((u64::from(collapses.last().0) * 99 / 100) as u32))
+    }
+
+    /// One view from each of eight eyes.
+    fn views_by(&self, criterion: &dyn Fn([f32; 3]) -> Criterion, morph: bool) -> Vec<Vec<Pass>> {
+        let query = |eye| ViewQuery { criterion: criterion(eye), morph };
+        let around = eyes(self.simplified.mesh().bounds());
+        around.iter().map(|&eye| vec![self.dependent.pass(&query(eye), &self.views)]).collect()
+    }
+
+    fn drawn(&self, indices: BufferId, draws: BufferId) -> Drawn {
+        let mesh = self.simplified.mesh();
+        Drawn {
+            vertices: self.base.vertices,
             stride: 3,
             indices,
             strips: false,
             draws,
             count: mesh.submeshes().len(),
             bounds: mesh.bounds(),
-        };
-        let cases = vec![
-            Case::new("construction", vec![base.construction()], mesh.vertex_count() as u64),
-            Case::new("continuous, linear sweep", moves(&steps), touched),
-            Case::new("continuous, whole mesh", moves(&jumps), whole),
-            Case::new("live count", vec![vec![counting.pass()]; 8], all),
-            Case::drawing(
-                "draw, over the LODs",
-                shown,
-                drawing(counting.triangles, counting.draws),
-            ),
-            Case::new("view-dependent", views_by(&outline, false, false), all),
-            Case::new("view-dependent, morphing", views_by(&outline, true, false), all),
-            Case::new("view-dependent, error", views_by(&error, false, false), all),
-            Case::new("degenerate filter alone", vec![filter.passes(); 8], all),
-            Case::new("view-dependent, filtered", views_by(&outline, false, true), all),
-            Case::drawing(
-                "draw, filtered",
-                views_by(&outline, false, true),
-                drawing(filter.indices, filter.draws),
-            ),
-            // Views leave no pointers: back to LOD 0.
-            Case::new("all to LOD 0", vec![vec![dependent.pass(&everything(), &views)]], all / 8),
-        ];
-        Ok(Benchmark { program, memory, setup: base.construction(), cases })
+        }
     }
 }
 

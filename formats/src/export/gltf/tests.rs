@@ -171,7 +171,8 @@ fn primitives_and_meshes_without_triangles_leave_a_sound_scene() {
     let times = b.floats("SCALAR", 1, &[0.0, 1.0]);
     let primitive = json!({ "attributes": { "POSITION": p }, "targets": [{ "POSITION": p }] });
     let mut root = b.with_meshes(&json!([
-        { "primitives": [primitive, primitive], "name": "two" }, { "primitives": [primitive], "name": "one" },
+        { "primitives": [primitive, primitive], "name": "two" },
+        { "primitives": [primitive], "name": "one" },
         { "primitives": [primitive], "name": "last" },
     ]));
     root["nodes"] = json!([
@@ -180,10 +181,15 @@ fn primitives_and_meshes_without_triangles_leave_a_sound_scene() {
     root["skins"] = json!([{ "joints": [2] }]);
     let channel =
         |node: u32| json!({ "sampler": 0, "target": { "node": node, "path": "weights" } });
-    let pointer = |pointer: &str| json!({ "sampler": 0, "target": { "path": "pointer", "extensions": { "KHR_animation_pointer": { "pointer": pointer } } } });
+    let pointer = |pointer: &str| {
+        let extensions = json!({ "KHR_animation_pointer": { "pointer": pointer } });
+        json!({ "sampler": 0, "target": { "path": "pointer", "extensions": extensions } })
+    };
     let sampler = json!({ "input": times, "output": times });
     root["animations"] = json!([
-        { "samplers": [sampler], "channels": [channel(0), channel(1), pointer("/meshes/2/weights"), pointer("/meshes/1/weights")] },
+        { "samplers": [sampler], "channels": [
+            channel(0), channel(1), pointer("/meshes/2/weights"), pointer("/meshes/1/weights"),
+        ] },
         { "samplers": [sampler], "channels": [channel(0)] },
     ]);
     let scene = sound(&root);

@@ -244,7 +244,8 @@ fn fits(
         return Ok(());
     }
     Err(format!(
-        "{count} elements of {size} bytes from byte {offset} on do not fit the buffer view of {length} bytes"
+        "{count} elements of {size} bytes from byte {offset} on do not fit the buffer view of \
+         {length} bytes"
     ))
 }
 

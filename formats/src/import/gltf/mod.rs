@@ -7,6 +7,7 @@
 //! (`views`, `accessor`), memory in all (`budget`).
 
 mod accessor;
+mod blob;
 mod budget;
 mod document;
 mod extensions;

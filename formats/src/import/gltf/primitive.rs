@@ -20,7 +20,7 @@ pub(super) struct Primitive {
     /// The accessor of its positions.
     pub(super) position: usize,
     /// Everything but the positions at rest: meaning, morph target, accessor.
-    pub(super) streams: Vec<(Semantic, Option<u32>, usize)>,
+    pub(super) streams: Vec<Stream>,
 }
 
 /// Outcome of reading a primitive.
@@ -53,7 +53,6 @@ pub(super) fn read(
     }
     let attributes = object.get("attributes").and_then(Value::as_object);
     let attributes = attributes.ok_or_else(|| malformed(&*place, "has no `attributes`"))?;
-    let index = |value: &Value| integer(value).map_or(usize::MAX, |i| i as usize);
     let Some(position) = attributes.get("POSITION").map(index) else { return Ok(Read::NoPosition) };
     let indices = object.get("indices").map(index);
     if json::extension(object, DRACO).is_some() {
@@ -65,18 +64,44 @@ pub(super) fn read(
             return Err(FormatError::new(Fault::Unsupported, place, what));
         }
     }
-    let mut streams = Vec::new();
-    for (name, value) in attributes {
-        streams.push((semantic::from_name(name), None, index(value)));
-    }
-    for (t, target) in list(object, "targets").iter().enumerate() {
-        let t = u32::try_from(t).expect("the document has fewer values");
-        for (name, value) in target.as_object().into_iter().flatten() {
-            streams.push((semantic::from_name(name), Some(t), index(value)));
-        }
-    }
+    let mut streams = streams(object, attributes);
+    check_streams(&streams, &place, accessors)?;
+    streams.retain(|(s, target, a)| {
+        *s != Semantic::Position || target.is_some() || !is_plain(accessors, *a)
+    });
+    Ok(Read::Triangles(Primitive { place, mode, indices, position, streams }))
+}
+
+/// The number of what a member refers to; one that nothing has where it is none.
+fn index(value: &Value) -> usize {
+    integer(value).map_or(usize::MAX, |i| i as usize)
+}
+
+/// A stream of values: its meaning, its morph target, its accessor.
+type Stream = (Semantic, Option<u32>, usize);
+
+/// The streams of a primitive's attributes and morph targets.
+fn streams(primitive: &Object, attributes: &Object) -> Vec<Stream> {
+    let stream = |(name, value): (&String, &Value), target| {
+        (semantic::from_name(name), target, index(value))
+    };
+    let at_rest = attributes.iter().map(|entry| stream(entry, None));
+    let targets = (0..).zip(list(primitive, "targets"));
+    let moved = targets.flat_map(|(t, target)| {
+        let entries = target.as_object().into_iter().flatten();
+        entries.map(move |entry| stream(entry, Some(t)))
+    });
+    at_rest.chain(moved).collect()
+}
+
+/// Checks that accessors can be what they are used for, and that all have as many elements.
+fn check_streams(
+    streams: &[Stream],
+    place: &str,
+    accessors: &[Option<Accessor>],
+) -> Result<(), FormatError> {
     let mut count = None;
-    for (semantic, target, accessor) in &streams {
+    for (semantic, target, accessor) in streams {
         let name = semantic::to_name(semantic);
         let place = || match target {
             None => format!("{place}.attributes.{name}"),
@@ -94,10 +119,7 @@ pub(super) fn read(
             ));
         }
     }
-    streams.retain(|(s, target, a)| {
-        *s != Semantic::Position || target.is_some() || !is_plain(accessors, *a)
-    });
-    Ok(Read::Triangles(Primitive { place, mode, indices, position, streams }))
+    Ok(())
 }
 
 /// Returns whether positions are three `f32` and need no stream besides.

@@ -143,65 +143,75 @@ fn read_view(
     buffers: &Buffers<'_>,
     lengths: &[u64],
 ) -> Result<View, FormatError> {
-    let range = |buffer: usize, offset: u64, length: u64, place: &str| {
-        if length == 0 {
-            return Err(malformed(place, "byteLength must be at least 1"));
-        }
-        // A buffer without bytes may claim any length: nothing is allocated for it, and reading it
-        // is refused.
-        let limit = lengths.get(buffer).copied().unwrap_or(0);
-        match offset.checked_add(length) {
-            Some(end) if end <= limit => Ok(offset as usize..end as usize),
-            _ => Err(malformed(
-                place,
-                format!("{offset} + {length} bytes do not fit buffers[{buffer}] of {limit}"),
-            )),
-        }
-    };
     let stated: stated::View = typed::entry(view, place)?;
     let buffer = stated.buffer.value();
     let offset = stated.byte_offset.map_or(0, |offset| offset.0);
-    let plain = range(buffer, offset, stated.byte_length.0, place)?;
+    let range = byte_range(lengths, buffer, offset, stated.byte_length.0, place)?;
     let stride = stated.byte_stride.map(|stride| stride.0);
     let strides = stated::MIN_BYTE_STRIDE..=stated::MAX_BYTE_STRIDE;
     if stride.is_some_and(|s| !strides.contains(&s) || !s.is_multiple_of(4)) {
         return Err(malformed(place, "byteStride must be a multiple of 4 from 4 to 252"));
     }
-    let Some((name, packed)) = extensions::meshopt(view) else {
-        return Ok(View {
-            buffer,
-            range: plain,
-            stride,
-            compressed: None,
-            decoded: OnceCell::new(),
-        });
-    };
-    let place = format!("{place}.extensions.{name}");
-    let buffer = required(packed, "buffer", &place)? as usize;
-    let offset = optional(packed, "byteOffset", &place)?.unwrap_or(0);
-    let packed_range = range(buffer, offset, required(packed, "byteLength", &place)?, &place)?;
-    let layout = layout(packed, &place)?;
+    let plain = View { buffer, range, stride, compressed: None, decoded: OnceCell::new() };
+    match extensions::meshopt(view) {
+        Some((name, packed)) => {
+            compressed(plain, packed, &format!("{place}.extensions.{name}"), buffers, lengths)
+        }
+        None => Ok(plain),
+    }
+}
+
+/// The bytes of a buffer that a view says it has.
+fn byte_range(
+    lengths: &[u64],
+    buffer: usize,
+    offset: u64,
+    length: u64,
+    place: &str,
+) -> Result<Range<usize>, FormatError> {
+    if length == 0 {
+        return Err(malformed(place, "byteLength must be at least 1"));
+    }
+    // A buffer without bytes may claim any length: nothing is allocated for it, and reading it is
+    // refused.
+    let limit = lengths.get(buffer).copied().unwrap_or(0);
+    match offset.checked_add(length) {
+        Some(end) if end <= limit => Ok(offset as usize..end as usize),
+        _ => Err(malformed(
+            place,
+            format!("{offset} + {length} bytes do not fit buffers[{buffer}] of {limit}"),
+        )),
+    }
+}
+
+/// A view whose bytes are compressed elsewhere; `plain` is where it would be uncompressed.
+fn compressed(
+    plain: View,
+    packed: &Object,
+    place: &str,
+    buffers: &Buffers<'_>,
+    lengths: &[u64],
+) -> Result<View, FormatError> {
+    let buffer = required(packed, "buffer", place)? as usize;
+    let offset = optional(packed, "byteOffset", place)?.unwrap_or(0);
+    let length = required(packed, "byteLength", place)?;
+    let range = byte_range(lengths, buffer, offset, length, place)?;
+    let layout = layout(packed, place)?;
     // The uncompressed size is what accessors are checked against; it must be a size that memory
     // can have.
-    if layout.count.checked_mul(layout.stride) != Some(plain.len()) {
+    if layout.count.checked_mul(layout.stride) != Some(plain.range.len()) {
         let what = format!(
             "{} elements of {} bytes are not byteLength {}",
             layout.count,
             layout.stride,
-            plain.len()
+            plain.range.len()
         );
         return Err(malformed(place, what));
     }
     if buffers[buffer].is_none() {
         return Err(malformed(place, format!("buffers[{buffer}] has no bytes")));
     }
-    Ok(View {
-        buffer,
-        range: packed_range,
-        stride,
-        compressed: Some(layout),
-        decoded: OnceCell::new(),
-    })
+    Ok(View { buffer, range, compressed: Some(layout), ..plain })
 }
 
 fn layout(packed: &Object, place: &str) -> Result<Layout, FormatError> {

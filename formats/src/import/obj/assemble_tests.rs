@@ -33,7 +33,8 @@ fn corners_with_equal_values_share_a_vertex_and_others_do_not() {
 #[test]
 fn one_submesh_per_material_in_order_of_first_use() {
     let a = build(&format!(
-        "{SQUARE}vn 0 0 1\nusemtl unused\nusemtl red\ng left\nf 1 2 3\nusemtl\ng right\nf 1//1 2//1 3//1 4//1\nusemtl red\ng left\nf 1 3 4\n"
+        "{SQUARE}vn 0 0 1\nusemtl unused\nusemtl red\ng left\nf 1 2 3\nusemtl\ng right\n\
+            f 1//1 2//1 3//1 4//1\nusemtl red\ng left\nf 1 3 4\n"
     ));
     let submeshes: Vec<_> = a
         .parts

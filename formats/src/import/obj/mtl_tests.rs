@@ -8,7 +8,10 @@ fn parse(source: &[u8]) -> Materials {
 
 #[test]
 fn lines_are_kept_as_they_are_and_not_understood() {
-    let m = parse(b"# by hand\nnewmtl  a name, with spaces \r\nKd 0.5\r\n  map_Kd -s 1 1 1 c:\\x y.png\n\n# no\nnonsense\nnewmtl b");
+    let m = parse(
+        b"# by hand\nnewmtl  a name, with spaces \r\n\
+        Kd 0.5\r\n  map_Kd -s 1 1 1 c:\\x y.png\n\n# no\nnonsense\nnewmtl b",
+    );
     let lines = ["Kd 0.5", "map_Kd -s 1 1 1 c:\\x y.png", "nonsense"].map(str::to_owned).to_vec();
     let expected = [
         ObjMaterial { name: "a name, with spaces".to_owned(), lines },

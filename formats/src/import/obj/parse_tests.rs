@@ -14,7 +14,8 @@ const THREE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
 #[test]
 fn corners_take_every_form_and_negative_indices_count_back() {
     let p = read(&format!(
-        "{THREE}vt 0 0\nvt 1 1\nvn 0 0 1\nf 1 2 3\nf 1/1 2/2 3/\nf 1//1 -2//-1 3//\nf 1/-1/1 2/-2/1 3/1/1\n"
+        "{THREE}vt 0 0\nvt 1 1\nvn 0 0 1\nf 1 2 3\nf 1/1 2/2 3/\nf 1//1 -2//-1 3//\n\
+            f 1/-1/1 2/-2/1 3/1/1\n"
     ));
     assert_eq!(p.corner_v, [0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2]);
     assert_eq!(p.corner_t, [NONE, NONE, NONE, 0, 1, NONE, NONE, NONE, NONE, 1, 0, 0]);
@@ -107,7 +108,8 @@ fn a_third_texture_coordinate_is_kept_if_it_says_anything() {
 #[test]
 fn materials_groups_and_objects_make_runs() {
     let p = read(&format!(
-        "{THREE}f 1 2 3\nusemtl a b \ng one\nf 1 2 3\nf 3 2 1\no box\nf 1 2 3\ng\nusemtl a b\nf 1 2 3\nusemtl c\nf 1 2 3\n"
+        "{THREE}f 1 2 3\nusemtl a b \ng one\nf 1 2 3\nf 3 2 1\no box\nf 1 2 3\ng\nusemtl a b\n\
+            f 1 2 3\nusemtl c\nf 1 2 3\n"
     ));
     let runs: Vec<_> = p.runs.iter().map(|r| (r.first_face, r.material, r.label)).collect();
     assert_eq!(runs, [(0, NONE, NONE), (1, 0, 0), (3, 0, 1), (5, 1, 1)]);

@@ -203,44 +203,24 @@ fn colours_with_nan_are_kept() {
     assert!(color.semantic == Semantic::Color(0) && color.value(0, 0).is_nan());
 }
 
-const SEED_OBJ: &str = "# seed\nmtllib a.mtl\no box\nv 0 0 0\nv 1 0 0 1\nv 1 1 0 .5 .5 .5\nv 0 1 0 1 0 0 .5\nvt 0 0\nvt 1 0 .5\nvt 1\n\
-    vn 0 0 1\nvn nan 0 1e-3\nusemtl red\ng one two\ns off\nf 1 2 3\nf 1/1 2/2 3/3 4/1\nf -4//-1 -3//-2 -2//-1\nf 1/1/1 2/2/2 \\\n 3/3/1\n\
+const SEED_OBJ: &str = "# seed\nmtllib a.mtl\no box\nv 0 0 0\nv 1 0 0 1\nv 1 1 0 .5 .5 .5\n\
+    v 0 1 0 1 0 0 .5\nvt 0 0\nvt 1 0 .5\nvt 1\n\
+    vn 0 0 1\nvn nan 0 1e-3\nusemtl red\ng one two\ns off\nf 1 2 3\n\
+    f 1/1 2/2 3/3 4/1\nf -4//-1 -3//-2 -2//-1\nf 1/1/1 2/2/2 \\\n 3/3/1\n\
     usemtl blue\nl 1 2\np 1\nf 4 3 2 1 2 3 4\n";
 pub(super) const SEED_MTL: &str =
     "newmtl red\nKd 1 0 0\nmap_Kd -s 1 1 x.png\nnewmtl blue \\\n one\n\nd 0.5\n";
 
+/// Words that mean something in an OBJ or MTL, and numbers at the limits.
+#[rustfmt::skip]
+const WORDS: [&str; 28] = [
+    "v", "vt", "vn", "f", "g", "o", "usemtl", "mtllib", "l", "p", "nan", "inf",
+    "-0", "1e39", "1e-50", "0", "-1", "4294967295", "4294967296", "-9223372036854775808",
+    "1//", "/", "//1", "1/1/1/1", "\\", "#", "\u{0}", "newmtl",
+];
+
 /// Changes a text the way damaged and hostile files are: by words, numbers, lines and bytes.
 pub(super) fn mutated(source: &str, random: &mut Random) -> Vec<u8> {
-    const WORDS: [&str; 28] = [
-        "v",
-        "vt",
-        "vn",
-        "f",
-        "g",
-        "o",
-        "usemtl",
-        "mtllib",
-        "l",
-        "p",
-        "nan",
-        "inf",
-        "-0",
-        "1e39",
-        "1e-50",
-        "0",
-        "-1",
-        "4294967295",
-        "4294967296",
-        "-9223372036854775808",
-        "1//",
-        "/",
-        "//1",
-        "1/1/1/1",
-        "\\",
-        "#",
-        "\u{0}",
-        "newmtl",
-    ];
     let mut lines: Vec<Vec<u8>> = source.split('\n').map(|l| l.as_bytes().to_vec()).collect();
     for _ in 0..1 + random.below(4) {
         let (i, j) = (random.below(lines.len()), random.below(lines.len()));

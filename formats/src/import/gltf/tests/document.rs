@@ -73,7 +73,10 @@ fn views_that_overlap_do_not_multiply() {
 
 #[test]
 fn members_keep_their_order_and_numbers_their_spelling() {
-    let text = r#"{"zebra":1.50e+3,"asset":{"version":"2.0","extras":{"b":1.0,"a":-0.0}},"apple":100000000000000000000000}"#;
+    let text = concat!(
+        r#"{"zebra":1.50e+3,"asset":{"version":"2.0","extras":{"b":1.0,"a":-0.0}},"#,
+        r#""apple":100000000000000000000000}"#
+    );
     let scene = read_bytes(text.as_bytes(), &ImportOptions::default()).expect("sound");
     let mut expected = text.to_owned();
     // The only liberty: an exponent is written one way.
@@ -107,7 +110,8 @@ fn images_in_data_uris_become_bytes_and_names_stay() {
     let mut b = Builder::default();
     let p = b.zigzag(3);
     let mut root = b.with_meshes(&json!([{ "primitives": [{ "attributes": { "POSITION": p } }] }]));
-    root["images"] = json!([{ "uri": "data:image/png;base64,AQID" }, { "uri": "some%20where/x.png" }, { "uri": "data:image/png;base64,!" }]);
+    root["images"] = json!([{ "uri": "data:image/png;base64,AQID" },
+        { "uri": "some%20where/x.png" }, { "uri": "data:image/png;base64,!" }]);
     let scene = sound(&root);
     let left = parsed(&scene);
     assert_eq!(left["images"][0], json!({ "mimeType": "image/png", "bufferView": 0 }));
@@ -153,7 +157,9 @@ fn every_kind_of_reference_must_lead_somewhere() {
         (json!({ "textures": [{ "source": -1 }] }), "textures[0].source"),
         (json!({ "skins": [{ "joints": [0.5] }] }), "skins[0].joints[0]"),
         (
-            json!({ "accessors": [{ "bufferView": 0, "componentType": 5126, "count": 1, "type": "SCALAR" }] }),
+            json!({ "accessors": [
+                { "bufferView": 0, "componentType": 5126, "count": 1, "type": "SCALAR" },
+            ] }),
             "accessors[0].bufferView",
         ),
         (json!({ "nodes": {} }), "nodes"),

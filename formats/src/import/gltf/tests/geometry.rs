@@ -40,8 +40,8 @@ fn indices_of_every_width_read_the_same_and_stitches_are_dropped() {
             .flat_map(|i| i.to_le_bytes().into_iter().take(size))
             .collect();
         let i = b.data(component, "SCALAR", 8, &bytes);
-        let root =
-            b.with_meshes(&json!([{ "primitives": [{ "attributes": { "POSITION": p }, "indices": i, "mode": 5 }] }]));
+        let primitive = json!({ "attributes": { "POSITION": p }, "indices": i, "mode": 5 });
+        let root = b.with_meshes(&json!([{ "primitives": [primitive] }]));
         let scene = sound(&root);
         assert_eq!(corners(&scene.objects[0].mesh).len(), 2);
         assert_eq!(scene.warnings, ["triangles with two corners at one position dropped: 4"]);
@@ -75,10 +75,12 @@ fn interleaved_and_offset_data_are_read_at_their_stride() {
         .collect();
     let view = b.view(&rows);
     b.views[view]["byteStride"] = json!(20);
-    let p =
-        b.accessor(json!({ "bufferView": view, "byteOffset": 4, "componentType": 5126, "count": 3, "type": "VEC3" }));
+    let p = b.accessor(json!({
+        "bufferView": view, "byteOffset": 4, "componentType": 5126, "count": 3, "type": "VEC3",
+    }));
     let uv = b.accessor(
-        json!({ "bufferView": view, "byteOffset": 16, "componentType": 5121, "normalized": true, "count": 3, "type": "VEC2" }),
+        json!({ "bufferView": view, "byteOffset": 16, "componentType": 5121, "normalized": true,
+            "count": 3, "type": "VEC2" }),
     );
     let scene = sound(&b.with_meshes(
         &json!([{ "primitives": [{ "attributes": { "POSITION": p, "TEXCOORD_0": uv } }] }]),
@@ -109,7 +111,8 @@ fn sparse_accessors_replace_elements_with_and_without_a_view_below() {
             .collect();
         let values = b.view(&values);
         b.accessors[p]["sparse"] = json!({
-            "count": 3, "indices": { "bufferView": at, "componentType": 5121 }, "values": { "bufferView": values },
+            "count": 3, "indices": { "bufferView": at, "componentType": 5121 },
+            "values": { "bufferView": values },
         });
         let i = b.indices(&[1, 2, 3, 0, 1, 2]);
         let scene = sound(&b.with_meshes(
@@ -130,8 +133,9 @@ fn quantised_positions_are_kept_as_they_are_and_read_as_numbers() {
         .collect();
     let view = b.view(&bytes);
     b.views[view]["byteStride"] = json!(8);
-    let p = b
-        .accessor(json!({ "bufferView": view, "componentType": 5122, "normalized": true, "count": 3, "type": "VEC3" }));
+    let p = b.accessor(json!({
+        "bufferView": view, "componentType": 5122, "normalized": true, "count": 3, "type": "VEC3",
+    }));
     let mut root = b.with_meshes(&json!([{ "primitives": [{ "attributes": { "POSITION": p } }] }]));
     root["extensionsUsed"] = json!(["KHR_mesh_quantization"]);
     root["extensionsRequired"] = json!(["KHR_mesh_quantization"]);
@@ -153,7 +157,10 @@ fn primitives_share_streams_of_one_format_and_morph_targets_are_streams() {
     let uv = b.floats("VEC2", 2, &[0.0, 0.5, 1.0, 0.5, 0.0, 1.0]);
     let short = b.data(5123, "VEC2", 3, &[1, 0, 2, 0, 3, 0, 4, 0, 5, 0, 6, 0]);
     b.accessors[short]["normalized"] = json!(true);
-    let primitive = |uv: usize| json!({ "attributes": { "POSITION": p, "TEXCOORD_3": uv, "_PART": p }, "targets": [{ "POSITION": p }, { "POSITION": p }] });
+    let primitive = |uv: usize| {
+        let attributes = json!({ "POSITION": p, "TEXCOORD_3": uv, "_PART": p });
+        json!({ "attributes": attributes, "targets": [{ "POSITION": p }, { "POSITION": p }] })
+    };
     let root =
         b.with_meshes(&json!([{ "primitives": [primitive(uv), primitive(short), primitive(uv)] }]));
     let scene = sound(&root);
@@ -242,8 +249,10 @@ fn compressed_streams_decode_to_what_the_extension_says() {
     let mut b = Builder::default();
     let packed = b.view(&stream);
     let at = b.views[packed]["byteOffset"].clone();
-    b.views[packed] = json!({ "buffer": 0, "byteLength": 48, "byteStride": 12, "extensions": { "EXT_meshopt_compression": {
-        "buffer": 0, "byteOffset": at, "byteLength": stream.len(), "byteStride": 12, "count": 4, "mode": "ATTRIBUTES",
+    b.views[packed] = json!({ "buffer": 0, "byteLength": 48, "byteStride": 12,
+        "extensions": { "EXT_meshopt_compression": {
+        "buffer": 0, "byteOffset": at, "byteLength": stream.len(), "byteStride": 12,
+        "count": 4, "mode": "ATTRIBUTES",
     } } });
     let uv = b.accessor(
         json!({ "bufferView": packed, "componentType": 5126, "count": 4, "type": "VEC3" }),
@@ -268,9 +277,10 @@ fn draco_is_refused_by_name_unless_the_plain_data_is_there() {
             b.accessor(json!({ "componentType": 5126, "count": 3, "type": "VEC3" }))
         };
         let packed = b.view(&[1, 2, 3, 4]);
-        let extension = json!({ "KHR_draco_mesh_compression": { "bufferView": packed, "attributes": { "POSITION": 0 } } });
-        let mut root =
-            b.with_meshes(&json!([{ "primitives": [{ "attributes": { "POSITION": p }, "extensions": extension }] }]));
+        let draco = json!({ "bufferView": packed, "attributes": { "POSITION": 0 } });
+        let extensions = json!({ "KHR_draco_mesh_compression": draco });
+        let primitive = json!({ "attributes": { "POSITION": p }, "extensions": extensions });
+        let mut root = b.with_meshes(&json!([{ "primitives": [primitive] }]));
         root["extensionsUsed"] = json!(["KHR_draco_mesh_compression"]);
         root
     };
@@ -313,7 +323,8 @@ fn the_world_scale_is_the_largest_over_nodes_skins_and_instances() {
     root["nodes"] = json!([
         { "scale": [2, 2, 2], "children": [1, 2] },
         { "mesh": 0, "scale": [1, -3, 1] },
-        { "mesh": 1, "extensions": { "EXT_mesh_gpu_instancing": { "attributes": { "SCALE": scales } } } },
+        { "mesh": 1, "extensions":
+            { "EXT_mesh_gpu_instancing": { "attributes": { "SCALE": scales } } } },
         { "mesh": 0, "scale": [100, 1, 1] },
         { "mesh": 2, "skin": 0, "scale": [9, 9, 9] },
     ]);

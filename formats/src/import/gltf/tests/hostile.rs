@@ -65,7 +65,8 @@ fn offsets_and_strides_that_overflow_are_refused() {
     }
     let mut b = Builder::default();
     let view = b.view(&[0; 64]);
-    let accessor = json!({ "bufferView": view, "byteOffset": u64::MAX - 8, "componentType": 5126, "count": 3, "type": "VEC3" });
+    let accessor = json!({ "bufferView": view, "byteOffset": u64::MAX - 8, "componentType": 5126,
+        "count": 3, "type": "VEC3" });
     assert_eq!(refused(&one_primitive(b, accessor)), Fault::Malformed);
 }
 
@@ -75,7 +76,9 @@ fn sparse_counts_and_indices_are_bounded_by_the_accessor() {
         let mut b = Builder::default();
         let at = b.view(indices);
         let values = b.view(&[0; 64]);
-        let sparse = json!({ "count": count, "indices": { "bufferView": at, "componentType": 5121 }, "values": { "bufferView": values } });
+        let indices = json!({ "bufferView": at, "componentType": 5121 });
+        let sparse =
+            json!({ "count": count, "indices": indices, "values": { "bufferView": values } });
         refused(&one_primitive(
             b,
             json!({ "componentType": 5126, "count": 3, "type": "VEC3", "sparse": sparse }),
@@ -123,13 +126,16 @@ fn compressed_views_cannot_unpack_to_more_than_their_bytes_allow() {
             _ => 0xd1,
         };
         let view = b.view(&stream);
-        let packed = json!({ "buffer": 0, "byteLength": 400, "byteStride": stride, "count": count, "mode": mode });
-        b.views[view] = json!({ "buffer": 1, "byteLength": count * stride, "extensions": { "EXT_meshopt_compression": packed } });
+        let packed = json!({ "buffer": 0, "byteLength": 400, "byteStride": stride,
+            "count": count, "mode": mode });
+        b.views[view] = json!({ "buffer": 1, "byteLength": count * stride,
+            "extensions": { "EXT_meshopt_compression": packed } });
         let mut root = one_primitive(
             b,
             json!({ "bufferView": view, "componentType": 5126, "count": 3, "type": "VEC3" }),
         );
-        let fallback = json!({ "byteLength": count * stride, "extensions": { "EXT_meshopt_compression": { "fallback": true } } });
+        let fallback = json!({ "byteLength": count * stride,
+            "extensions": { "EXT_meshopt_compression": { "fallback": true } } });
         root["buffers"].as_array_mut().expect("buffers").push(fallback);
         let fault = refused(&root);
         assert!(matches!(fault, Fault::Malformed | Fault::Limit), "{mode} {fault:?}");
@@ -246,8 +252,8 @@ fn uris_lead_nowhere_but_beside_the_asset() {
 fn the_content_hash_covers_the_main_file_and_every_buffer_file() {
     let scratch = Scratch::new("gltf-hash");
     let hash = |last: u8| {
-        let root =
-            json!({ "asset": { "version": "2.0" }, "buffers": [{ "byteLength": 2, "uri": "a.bin" }] }).to_string();
+        let buffers = json!([{ "byteLength": 2, "uri": "a.bin" }]);
+        let root = json!({ "asset": { "version": "2.0" }, "buffers": buffers }).to_string();
         scratch.write("test.gltf", root.as_bytes());
         scratch.write("a.bin", &[1, 2, last]);
         let scene = crate::import::import(&scratch.path("test.gltf"), &ImportOptions::default())

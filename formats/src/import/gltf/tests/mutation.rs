@@ -22,7 +22,8 @@ fn seed_document() -> Value {
     let sparse_at = b.view(&[1, 0, 4, 0]);
     let sparse_values = b.view(&[0; 24]);
     let morph = b.accessor(json!({ "componentType": 5126, "count": 6, "type": "VEC3", "sparse": {
-        "count": 2, "indices": { "bufferView": sparse_at, "componentType": 5123 }, "values": { "bufferView": sparse_values },
+        "count": 2, "indices": { "bufferView": sparse_at, "componentType": 5123 },
+        "values": { "bufferView": sparse_values },
     } }));
     let inverse = b.floats("MAT4", 16, &[1.0; 16]);
     let times = b.floats("SCALAR", 1, &[0.0, 1.0]);
@@ -31,12 +32,16 @@ fn seed_document() -> Value {
     stream.extend([1; 8]);
     let packed = b.view(&stream);
     let at = b.views[packed]["byteOffset"].clone();
-    let packing = json!({ "buffer": 0, "byteOffset": at, "byteLength": stream.len(), "byteStride": 8, "count": 6, "mode": "ATTRIBUTES", "filter": "OCTAHEDRAL" });
-    b.views[packed] = json!({ "buffer": 0, "byteLength": 48, "byteStride": 8, "extensions": { "EXT_meshopt_compression": packing } });
-    let normal = b.accessor(
-        json!({ "bufferView": packed, "componentType": 5122, "normalized": true, "count": 6, "type": "VEC3" }),
-    );
-    let attributes = json!({ "POSITION": p, "TEXCOORD_0": uv, "JOINTS_0": joints, "WEIGHTS_0": weights, "NORMAL": normal });
+    let packing = json!({ "buffer": 0, "byteOffset": at, "byteLength": stream.len(),
+        "byteStride": 8, "count": 6, "mode": "ATTRIBUTES", "filter": "OCTAHEDRAL" });
+    b.views[packed] = json!({ "buffer": 0, "byteLength": 48, "byteStride": 8,
+        "extensions": { "EXT_meshopt_compression": packing } });
+    let normal = b.accessor(json!({
+        "bufferView": packed, "componentType": 5122, "normalized": true, "count": 6,
+        "type": "VEC3",
+    }));
+    let attributes = json!({ "POSITION": p, "TEXCOORD_0": uv, "JOINTS_0": joints,
+        "WEIGHTS_0": weights, "NORMAL": normal });
     let primitive =
         json!({ "attributes": attributes, "indices": i, "targets": [{ "POSITION": morph }] });
     let plain = json!({ "attributes": { "POSITION": p }, "mode": 5, "material": 0 });
@@ -46,7 +51,8 @@ fn seed_document() -> Value {
     root["nodes"] = json!([
         { "mesh": 0, "skin": 0, "children": [1, 2], "scale": [1, 2, 3] },
         { "mesh": 1, "matrix": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1] },
-        { "extensions": { "EXT_mesh_gpu_instancing": { "attributes": { "SCALE": p } } }, "mesh": 1 },
+        { "mesh": 1, "extensions":
+            { "EXT_mesh_gpu_instancing": { "attributes": { "SCALE": p } } } },
     ]);
     root["skins"] = json!([{ "joints": [1], "inverseBindMatrices": inverse }]);
     root["animations"] = json!([{ "samplers": [{ "input": times, "output": times }],

@@ -1,0 +1,250 @@
+//! Header and section table of a container: their layout, and what must hold of them.
+
+use super::VERSION;
+use crate::{Fault, FormatError};
+use xxhash_rust::xxh3::{Xxh3, xxh3_64};
+
+/// First bytes of a file. Not text, not valid UTF-8, and damaged by a transfer that changes line
+/// ends.
+pub(super) const MAGIC: [u8; 8] = *b"\x89LODC\r\n\x1a";
+/// Bytes of the header.
+pub(super) const HEADER: usize = 32;
+/// Bytes of the header before its checksum.
+pub(super) const CHECKED: usize = 24;
+/// Bytes of an entry of the table.
+pub(super) const ENTRY: usize = 40;
+/// Sections begin at multiples of this.
+pub(super) const ALIGN: usize = 16;
+/// Flag of a section without which the file cannot be understood.
+pub(super) const REQUIRED: u32 = 1;
+/// Flags that a reader may pass over where it does not know them, from version 3 on.
+const OPTIONAL: u32 = 0xffff_0000;
+
+/// The object number of sections that belong to no object.
+pub(super) const SCENE: u32 = u32::MAX;
+
+/// Tag of a section: four ASCII characters.
+pub(super) type Tag = [u8; 4];
+
+pub(super) mod tag {
+    use super::Tag;
+    pub(crate) const MANIFEST: Tag = *b"MANI";
+    pub(crate) const DOCUMENT_JSON: Tag = *b"DJSN";
+    pub(crate) const DOCUMENT_BLOB: Tag = *b"DBLB";
+    pub(crate) const POSITIONS: Tag = *b"POSI";
+    pub(crate) const VERTEX_SUBMESH: Tag = *b"VSUB";
+    pub(crate) const ATTRIBUTE: Tag = *b"ATTR";
+    pub(crate) const TRIANGLES: Tag = *b"TRIS";
+    pub(crate) const TARGETS: Tag = *b"TARG";
+    pub(crate) const JOINED: Tag = *b"JOIN";
+    pub(crate) const STEP_ERRORS: Tag = *b"SERR";
+    pub(crate) const STEP_RMS: Tag = *b"SRMS";
+    pub(crate) const STEP_TRIANGLES: Tag = *b"STRI";
+    pub(crate) const MODEL_ARRAY: Tag = *b"MODA";
+    pub(crate) const KNOWN: [Tag; 13] = [
+        MANIFEST,
+        DOCUMENT_JSON,
+        DOCUMENT_BLOB,
+        POSITIONS,
+        VERTEX_SUBMESH,
+        ATTRIBUTE,
+        TRIANGLES,
+        TARGETS,
+        JOINED,
+        STEP_ERRORS,
+        STEP_RMS,
+        STEP_TRIANGLES,
+        MODEL_ARRAY,
+    ];
+}
+
+/// Key of a section: its tag, its object, its number among those of one tag and object.
+pub(super) type Id = (Tag, u32, u32);
+
+/// Name of a section in messages.
+pub(super) fn place(tag: Tag, object: u32, index: u32) -> String {
+    let tag = tag.escape_ascii();
+    match object {
+        SCENE => format!("section {tag}"),
+        _ if index == 0 => format!("section {tag} of object {object}"),
+        _ => format!("section {tag} {index} of object {object}"),
+    }
+}
+
+/// A header that fits its file, whose checksum is right.
+pub(super) struct Header {
+    pub(super) version: u32,
+    /// Offset of the byte behind the table.
+    pub(super) table_end: usize,
+}
+
+impl Header {
+    pub(super) fn read(bytes: &[u8]) -> Result<Self, FormatError> {
+        if !bytes.starts_with(&MAGIC) {
+            return Err(malformed("this is not a .lodc file"));
+        }
+        if bytes.len() < HEADER {
+            let what = format!("the file ends after {} bytes, within its header", bytes.len());
+            return Err(malformed(what));
+        }
+        let (version, count) = (u32_at(bytes, 8), u32_at(bytes, 12) as usize);
+        check_version(version)?;
+        check_length(bytes.len() as u64, u64_at(bytes, 16))?;
+        let fits = count
+            .checked_mul(ENTRY)
+            .and_then(|n| n.checked_add(HEADER))
+            .filter(|&end| end <= bytes.len());
+        let table_end = fits.ok_or_else(|| {
+            let length = bytes.len();
+            malformed(format!("a table of {count} sections does not fit into {length} bytes"))
+        })?;
+        if header_checksum(bytes, table_end) != u64_at(bytes, CHECKED) {
+            return Err(malformed("the header or the section table is damaged (checksum)"));
+        }
+        Ok(Self { version, table_end })
+    }
+
+    /// The entries of the table, in the order of the file.
+    pub(super) fn entries(&self, bytes: &[u8]) -> impl Iterator<Item = Entry> {
+        (HEADER..self.table_end).step_by(ENTRY).map(|at| Entry::read(&bytes[at..at + ENTRY]))
+    }
+}
+
+fn malformed(what: impl Into<String>) -> FormatError {
+    FormatError::new(Fault::Malformed, "header", what.into())
+}
+
+fn check_version(version: u32) -> Result<(), FormatError> {
+    if version > VERSION {
+        let what = format!(
+            "version {version} is newer than this program, which reads up to version {VERSION}"
+        );
+        return Err(FormatError::new(Fault::Unsupported, "header", what));
+    }
+    if version == 0 {
+        return Err(malformed("there is no version 0"));
+    }
+    Ok(())
+}
+
+/// Compares the bytes that are there with the length that the header states.
+fn check_length(there: u64, stated: u64) -> Result<(), FormatError> {
+    if there < stated {
+        return Err(malformed(format!("the file is cut off: {there} of {stated} bytes are there")));
+    }
+    if there > stated {
+        let more = there - stated;
+        return Err(malformed(format!("{more} bytes follow the end of the file at {stated}")));
+    }
+    Ok(())
+}
+
+/// One section as the table states it.
+pub(super) struct Entry {
+    pub(super) id: Id,
+    flags: u32,
+    offset: u64,
+    length: u64,
+    checksum: u64,
+}
+
+impl Entry {
+    fn read(entry: &[u8]) -> Self {
+        Self {
+            id: (std::array::from_fn(|i| entry[i]), u32_at(entry, 8), u32_at(entry, 12)),
+            flags: u32_at(entry, 4),
+            offset: u64_at(entry, 16),
+            length: u64_at(entry, 24),
+            checksum: u64_at(entry, 32),
+        }
+    }
+
+    /// Returns whether the file cannot be understood without the section.
+    pub(super) fn is_required(&self) -> bool {
+        self.flags & REQUIRED != 0
+    }
+
+    /// An error that names the section.
+    pub(super) fn error(&self, fault: Fault, what: impl Into<String>) -> FormatError {
+        let (tag, object, index) = self.id;
+        FormatError::new(fault, place(tag, object, index), what.into())
+    }
+
+    /// The bytes of the section, which begins at the next aligned offset after `end`, the end of
+    /// what comes before it.
+    ///
+    /// # Errors
+    /// If it lies elsewhere, does not fit into the file, or its bytes or the padding are damaged.
+    pub(super) fn content<'a>(&self, bytes: &'a [u8], end: usize) -> Result<&'a [u8], FormatError> {
+        let wrong = |what: String| self.error(Fault::Malformed, what);
+        let (offset, length) = (self.offset, self.length);
+        let start = end.next_multiple_of(ALIGN) as u64;
+        if offset != start {
+            let how = if offset < start {
+                "overlaps what is before it"
+            } else {
+                "leaves a gap before it"
+            };
+            return Err(wrong(format!("starts at {offset}, not at {start}: it {how}")));
+        }
+        let stop = offset.checked_add(length).filter(|&stop| stop <= bytes.len() as u64);
+        let stop = stop
+            .ok_or_else(|| wrong(format!("{length} bytes at {offset} do not fit into the file")))?;
+        let content = &bytes[offset as usize..stop as usize];
+        if bytes[end..offset as usize].iter().any(|&b| b != 0) {
+            return Err(wrong("the padding before it is not zero".to_owned()));
+        }
+        if xxh3_64(content) != self.checksum {
+            return Err(wrong("is damaged (checksum)".to_owned()));
+        }
+        Ok(content)
+    }
+
+    /// Refuses flags that this version does not know, but for those that it may pass over.
+    pub(super) fn check_flags(&self, version: u32) -> Result<(), FormatError> {
+        let known = if version < 3 { REQUIRED } else { REQUIRED | OPTIONAL };
+        if self.flags & !known != 0 {
+            let what = format!("has unknown flags {:#x}", self.flags);
+            return Err(self.error(Fault::Unsupported, what));
+        }
+        Ok(())
+    }
+}
+
+fn u32_at(bytes: &[u8], at: usize) -> u32 {
+    u32::from_le_bytes(std::array::from_fn(|i| bytes[at + i]))
+}
+
+fn u64_at(bytes: &[u8], at: usize) -> u64 {
+    u64::from_le_bytes(std::array::from_fn(|i| bytes[at + i]))
+}
+
+/// Covers the header up to the checksum and the table.
+pub(super) fn header_checksum(bytes: &[u8], table_end: usize) -> u64 {
+    let mut state = Xxh3::new();
+    state.update(&bytes[..CHECKED]);
+    state.update(&bytes[HEADER..table_end]);
+    state.digest()
+}
+
+/// Makes checksums right again after bytes were changed, as far as the table can be followed: for
+/// tests that have to get past them.
+#[cfg(test)]
+pub(super) fn repair_checksums(bytes: &mut [u8]) {
+    if bytes.len() < HEADER {
+        return;
+    }
+    let count = u32::from_le_bytes(std::array::from_fn(|i| bytes[12 + i])) as usize;
+    let table_end = (HEADER + count.saturating_mul(ENTRY)).min(bytes.len());
+    for entry in (HEADER..table_end).step_by(ENTRY).filter(|entry| entry + ENTRY <= table_end) {
+        let u64_at =
+            |at: usize| u64::from_le_bytes(std::array::from_fn(|i| bytes[at + i])) as usize;
+        let (start, length) = (u64_at(entry + 16), u64_at(entry + 24));
+        if let Some(content) = start.checked_add(length).and_then(|stop| bytes.get(start..stop)) {
+            let checksum = xxh3_64(content).to_le_bytes();
+            bytes[entry + 32..entry + 40].copy_from_slice(&checksum);
+        }
+    }
+    let checksum = header_checksum(bytes, table_end).to_le_bytes();
+    bytes[CHECKED..HEADER].copy_from_slice(&checksum);
+}
