@@ -74,6 +74,7 @@ const DRAWING: &[(&str, &[&str])] = &[
             "lodc-strip",
             "lodc-verify",
             "ab_glyph",
+            "average",
             "clap",
             "clap_complete",
             "clap_mangen",
@@ -107,6 +108,7 @@ const FOR_TESTS: &[&str] = &[
 
 /// A word in code, and the only places that may use it.
 const OWNED: &[(&str, &[&str])] = &[
+    ("average::", &["cli/"]),
     ("gltf::", &["formats/"]),
     ("tobj::", &["formats/"]),
     ("bincode::", &["formats/"]),

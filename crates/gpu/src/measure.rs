@@ -15,18 +15,17 @@ pub struct Figure {
     pub name: &'static str,
     /// Runs that were timed.
     pub runs: usize,
-    /// Mean milliseconds of a run. The first time is left out, because drivers compile then, unless
-    /// it took so long that this does not matter.
-    pub milliseconds: f64,
+    /// Mean milliseconds of a run, in each round. The first round is left out, because drivers
+    /// compile then, unless it took so long that this does not matter.
+    pub milliseconds: Vec<f64>,
     /// Bytes that a host sends for a run.
     pub bytes: f64,
-    /// Vertices looked at per second; none for draws and where none need be.
-    pub vertices_per_second: Option<f64>,
+    /// Vertices looked at by a run on average; none for draws and where none need be.
+    pub vertices: Option<f64>,
 }
 
-/// Times every case of a benchmark up to `repeats` times, all in turn, and takes the fastest of
-/// each. A device without a clock is timed by the host's, from submitting to being done. `now` is
-/// the host's clock, from any start.
+/// Times every case of a benchmark up to `repeats` times, all in turn. A device without a clock is
+/// timed by the host's, from submitting to being done. `now` is the host's clock, from any start.
 ///
 /// # Errors
 /// If the device cannot run it.
@@ -41,9 +40,9 @@ pub fn measure(
     let canvases: Vec<Option<Canvas>> = (benchmark.cases.iter())
         .map(|case| case.drawn.as_ref().map(|drawn| Canvas::new(&session, drawn)).transpose())
         .collect::<Result<_, _>>()?;
-    let mut taken = vec![(Duration::ZERO, f64::INFINITY); benchmark.cases.len()];
+    let mut taken = vec![(Duration::ZERO, Vec::new()); benchmark.cases.len()];
     for round in 0..=repeats.max(1) {
-        for ((case, canvas), (spent, fastest)) in
+        for ((case, canvas), (spent, rounds)) in
             benchmark.cases.iter().zip(&canvases).zip(&mut taken)
         {
             if *spent > ENOUGH {
@@ -53,26 +52,21 @@ pub fn measure(
             let nanoseconds = session.timed(&case.runs, canvas.as_ref(), now)?;
             *spent += now().saturating_sub(start);
             if round > 0 || *spent > ENOUGH {
-                *fastest = fastest.min(nanoseconds);
+                rounds.push(nanoseconds);
             }
         }
     }
-    Ok(benchmark
-        .cases
-        .iter()
-        .zip(taken)
-        .map(|(case, (_, nanoseconds))| figure(case, nanoseconds))
-        .collect())
+    Ok(benchmark.cases.iter().zip(taken).map(|(case, (_, rounds))| figure(case, &rounds)).collect())
 }
 
-fn figure(case: &Case, nanoseconds: f64) -> Figure {
+/// The figure of a case, of the nanoseconds that all its runs took in each round.
+fn figure(case: &Case, nanoseconds: &[f64]) -> Figure {
     let runs = case.runs.len().max(1) as f64;
     Figure {
         name: case.name,
         runs: case.runs.len(),
-        milliseconds: nanoseconds / 1e6 / runs,
+        milliseconds: nanoseconds.iter().map(|n| n / 1e6 / runs).collect(),
         bytes: case.bytes() as f64 / runs,
-        vertices_per_second: (case.vertices > 0)
-            .then(|| case.vertices as f64 / (nanoseconds / 1e9)),
+        vertices: (case.vertices > 0).then(|| case.vertices as f64 / runs),
     }
 }

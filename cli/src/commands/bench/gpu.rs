@@ -31,7 +31,8 @@ pub(super) fn measure(
     rounds: u32,
     report: &mut BenchObject,
 ) -> Outcome<()> {
-    use super::report::{CaseReport, GpuReport, MemoryReport};
+    use super::report::{CaseReport, GpuReport, MemoryReport, value};
+    use super::timings::Timings;
     use crate::exit::{Failure, Status};
     use lodc_model::Model;
     use std::time::Instant;
@@ -46,13 +47,15 @@ pub(super) fn measure(
         let per_vertex =
             |words: u64| words as f64 / report.counts.referenced_vertices.max(1) as f64;
         let cases = figures.iter().map(|f| {
+            let timings: Timings = f.milliseconds.iter().copied().collect();
             let case = CaseReport {
                 runs: f.runs as u64,
-                milliseconds: f.milliseconds,
+                milliseconds: timings.best(),
+                spread: timings.spread(),
                 bytes: f.bytes,
-                million_vertices_per_second: f.vertices_per_second.map(|n| n / 1e6),
+                million_vertices_per_second: f.vertices.map(|n| n / timings.best() / 1e3),
             };
-            (f.name.to_owned(), super::object::value(&case))
+            (f.name.to_owned(), value(&case))
         });
         let report = report.gpu.get_or_insert_with(|| GpuReport {
             adapter: device.adapter().to_string(),
@@ -62,7 +65,7 @@ pub(super) fn measure(
         let memory = benchmark.memory.iter().map(|m| {
             let words =
                 MemoryReport { positions: per_vertex(m.positions), normals: per_vertex(m.normals) };
-            (m.variant.to_owned(), super::object::value(&words))
+            (m.variant.to_owned(), value(&words))
         });
         report
             .words_per_vertex

@@ -2,6 +2,7 @@
 //! (thesis 3.5.2).
 
 use super::subject::Runner;
+use super::timings::Timings;
 use lodc_baseline::Rebuild;
 use lodc_mesh::{CollapseSequence, Lod, Simplified};
 use std::hint::black_box;
@@ -55,57 +56,56 @@ fn back(stops: &[Lod]) -> impl Iterator<Item = Lod> {
     stops.iter().rev().skip(1).copied().chain([Lod(0)])
 }
 
-/// Microseconds, the best of all rounds.
-#[derive(Clone, Copy, Debug)]
+/// Times of one model in microseconds.
+#[derive(Clone, Debug, Default)]
 pub(super) struct Times {
-    /// Mean of the moves to coarser LODs.
-    pub(super) coarser: f64,
-    /// Mean of the moves to finer LODs.
-    pub(super) finer: f64,
-    /// One jump from LOD 0 to the far LOD.
-    pub(super) jump: f64,
+    /// A move to a coarser LOD, by rounds.
+    pub(super) coarser: Timings,
+    /// A move to a finer LOD, by rounds.
+    pub(super) finer: Timings,
+    /// One jump from LOD 0 to the far LOD, each by itself.
+    pub(super) jump: Timings,
 }
 
 impl Times {
-    /// Mean of all moves, both ways.
-    pub(super) fn mean(&self) -> f64 {
-        f64::midpoint(self.coarser, self.finer)
+    /// Mean of a move to a coarser and one to a finer LOD, each of its best round.
+    pub(super) fn both_ways(&self) -> f64 {
+        f64::midpoint(self.coarser.best(), self.finer.best())
     }
 }
 
 /// Times everybody in turn, round after round, so that a busy machine is busy for all of them. Also
-/// what it takes to make the far LOD's index list from scratch.
+/// the time to make the far LOD's index list from scratch.
 pub(super) fn times(
     runners: &mut [&mut Box<dyn Runner + '_>],
     simplified: &Simplified,
     stops: &[Lod],
     far: Lod,
     rounds: u32,
-) -> (Vec<Times>, f64) {
-    let never = Times { coarser: f64::INFINITY, finer: f64::INFINITY, jump: f64::INFINITY };
-    let mut best = vec![never; runners.len()];
+) -> (Vec<Times>, Timings) {
+    let mut all = vec![Times::default(); runners.len()];
     let mut rebuild = Rebuild::new(simplified);
-    let mut scratch = f64::INFINITY;
+    let mut scratch = Timings::default();
     for _ in 0..rounds {
-        for (runner, best) in runners.iter_mut().zip(&mut best) {
+        for (runner, times) in runners.iter_mut().zip(&mut all) {
             let (coarser, finer) = sweeps(runner.as_mut(), stops);
-            best.coarser = best.coarser.min(coarser);
-            best.finer = best.finer.min(finer);
+            times.coarser.add(coarser);
+            times.finer.add(finer);
         }
     }
     // After the sweeps: a jump leaves work for later moves of some models.
     for _ in 0..rounds {
-        for (runner, best) in runners.iter_mut().zip(&mut best) {
+        for (runner, times) in runners.iter_mut().zip(&mut all) {
             for _ in 0..JUMPS {
-                best.jump = best.jump.min(micros(|| runner.seek(far)));
+                times.jump.add(micros(|| runner.seek(far)));
                 runner.seek(Lod(0));
             }
         }
         for _ in 0..JUMPS {
-            scratch = scratch.min(micros(|| rebuild.at(far).len()));
+            scratch.add(micros(|| rebuild.at(far).len()));
         }
     }
-    (best, scratch)
+    (all, scratch)
 }
 
 /// Mean microseconds of a move down and of one up, over as many sweeps as it takes to measure them.

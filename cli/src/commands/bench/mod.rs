@@ -9,6 +9,7 @@ mod report;
 mod stream;
 mod subject;
 mod text;
+mod timings;
 
 pub(crate) use primitives::strips as strips_of;
 pub(crate) use subject::{baselines, plain};

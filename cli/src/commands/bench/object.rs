@@ -2,16 +2,18 @@
 
 use super::measure::{Times, counts, stops, times};
 use super::report::{
-    BenchObject, Bits, DrawnReport, ExtractionReport, SubjectReport, TrafficReport,
+    BenchObject, Bits, DrawnReport, ExtractionReport, ExtractionSpread, SubjectReport,
+    TrafficReport, value,
 };
 use super::subject::{Subject, baselines, plain, subjects};
+use super::timings::Timings;
 use super::{BenchArgs, Prepared, gpu, primitives, stream};
 use crate::commands::build::counts as object_counts;
 use crate::exit::Outcome;
 use crate::gpu::Device;
+use lodc_mesh::{CollapseSequence, Lod, Simplified};
 use lodc_model::StorageCost;
 use lodc_strip::StripKind;
-use serde::Serialize;
 use serde_json::{Map, Value};
 
 /// Measures one object.
@@ -23,77 +25,31 @@ pub(super) fn measure(
     device: Option<&Device>,
     prepared: &Prepared,
 ) -> Outcome<BenchObject> {
-    let Prepared { object, stripe, cache } = prepared;
-    let (mesh, collapses) = (object.simplified.mesh(), object.simplified.collapses());
-    let stops = stops(collapses, args.steps);
-    let far = collapses
-        .lod_for_triangles(collapses.parts().triangles / 100)
-        .min(collapses.last_visible());
+    let Prepared { object, stripe, .. } = prepared;
+    let collapses = object.simplified.collapses();
+    let sweep = Sweep::new(collapses, args.steps);
     let baselines = baselines(object, stripe)?;
     let mut subjects = subjects(object, &baselines);
-
-    let mut timed: Vec<(&'static str, Times)> = Vec::new();
-    let mut rebuild = None;
-    if !args.no_times && !stops.is_empty() {
-        let continuous: Vec<&mut Subject<'_>> =
-            subjects.iter_mut().filter(|s| s.continuous).collect();
-        let names: Vec<_> = continuous.iter().map(|s| s.name).collect();
-        let mut runners: Vec<_> = continuous.into_iter().map(|s| &mut s.runner).collect();
-        let (best, scratch) =
-            times(&mut runners, &object.simplified, &stops, far, args.rounds.get());
-        timed = names.into_iter().zip(best).collect();
-        rebuild = Some(scratch);
-    }
-
-    let triangles: u64 = stops.iter().map(|&lod| u64::from(collapses.triangles_at(lod))).sum();
+    let times = if args.no_times || sweep.stops.is_empty() {
+        None
+    } else {
+        Some(ObjectTimes::new(&mut subjects, &object.simplified, &sweep, args.rounds.get()))
+    };
     let mut models = Map::new();
     for subject in &mut subjects {
-        let moved = counts(subject.runner.as_mut(), &stops);
-        let per = |all: u64, each: u64| all as f64 / each.max(1) as f64;
-        let (updates, sweeps) = (stops.len() as u64, 2 * stops.len() as u64);
-        let row = SubjectReport {
-            baseline: subject.baseline,
-            bits_per_vertex: bits(subject),
-            drawn: Some(DrawnReport {
-                indices_per_lod: per(moved.drawn, updates),
-                indices_per_triangle: per(moved.drawn, triangles),
-                degenerates_removed: subject.degenerates_removed,
-            }),
-            traffic: subject.continuous.then(|| TrafficReport {
-                bytes_per_update: per(moved.bytes, sweeps),
-                rewritten_per_update: per(moved.rewritten, sweeps),
-            }),
-            extraction: rebuild.and_then(|scratch| extraction(subject.name, &timed, scratch)),
-        };
+        let row = subject_report(subject, &sweep, times.as_ref());
         models.insert(subject.name.to_owned(), value(&row));
     }
     for (name, cost) in plain(&object.simplified, stripe) {
-        let bits_per_vertex = of_cost([cost, cost], None, None);
-        let row = SubjectReport {
-            baseline: true,
-            bits_per_vertex,
-            drawn: None,
-            traffic: None,
-            extraction: None,
-        };
-        models.insert(name.to_owned(), value(&row));
+        models.insert(name.to_owned(), value(&plain_report(cost)));
     }
-
-    let primitives = [
-        ("triangles", primitives::triangles(mesh)),
-        ("triangles_cache", primitives::cache_ordered(mesh)),
-        (StripKind::Stripe.name(), primitives::strips(mesh, stripe)),
-        (StripKind::Cache.name(), primitives::strips(mesh, cache)),
-    ];
     let mut report = BenchObject {
         counts: object_counts(&object.info, &object.simplified),
-        updates: stops.len() as u64,
-        jump_lod: far.0,
-        rebuild_us: rebuild,
-        primitives: primitives
-            .into_iter()
-            .map(|(name, report)| (name.to_owned(), value(&report)))
-            .collect(),
+        updates: sweep.stops.len() as u64,
+        jump_lod: sweep.far.0,
+        rebuild_us: times.as_ref().map(|t| t.rebuild.best()),
+        rebuild_spread: times.as_ref().map(|t| t.rebuild.spread()),
+        primitives: primitives_of(prepared),
         models,
         gpu: None,
         stream: if args.streams { Some(stream::measure(args, prepared)?) } else { None },
@@ -104,8 +60,116 @@ pub(super) fn measure(
     Ok(report)
 }
 
-fn bits(subject: &Subject<'_>) -> Bits {
-    of_cost(subject.storage, subject.file_bytes, subject.tight_bytes)
+/// The LODs that models are moved to.
+struct Sweep {
+    /// On the way down; the way up is the same.
+    stops: Vec<Lod>,
+    /// Triangles at all stops together.
+    triangles: u64,
+    /// The target of the jump from LOD 0.
+    far: Lod,
+}
+
+impl Sweep {
+    fn new(collapses: &CollapseSequence, share: f64) -> Self {
+        let stops = stops(collapses, share);
+        let triangles = stops.iter().map(|&lod| u64::from(collapses.triangles_at(lod))).sum();
+        let far = collapses.lod_for_triangles(collapses.parts().triangles / 100);
+        Self { stops, triangles, far: far.min(collapses.last_visible()) }
+    }
+}
+
+/// Times of everything that shows every LOD.
+struct ObjectTimes {
+    by_name: Vec<(&'static str, Times)>,
+    /// Microseconds to make the far LOD's index list from scratch.
+    rebuild: Timings,
+}
+
+impl ObjectTimes {
+    fn new(
+        subjects: &mut [Subject<'_>],
+        simplified: &Simplified,
+        sweep: &Sweep,
+        rounds: u32,
+    ) -> Self {
+        let continuous = subjects.iter_mut().filter(|s| s.continuous);
+        let (names, mut runners): (Vec<_>, Vec<_>) =
+            continuous.map(|s| (s.name, &mut s.runner)).unzip();
+        let (all, rebuild) = times(&mut runners, simplified, &sweep.stops, sweep.far, rounds);
+        Self { by_name: names.into_iter().zip(all).collect(), rebuild }
+    }
+
+    fn of(&self, name: &str) -> Option<&Times> {
+        self.by_name.iter().find(|(other, _)| *other == name).map(|(_, times)| times)
+    }
+
+    fn extraction(&self, name: &str) -> Option<ExtractionReport> {
+        let own = self.of(name)?;
+        let per = |baseline: &str| self.of(baseline).map(|b| own.both_ways() / b.both_ways());
+        Some(ExtractionReport {
+            coarser_us: own.coarser.best(),
+            finer_us: own.finer.best(),
+            mean_us: own.both_ways(),
+            per_progressive_mesh: per("progressive_mesh"),
+            per_lodstrips: per("lodstrips"),
+            jump_us: own.jump.best(),
+            jump_per_rebuild: own.jump.best() / self.rebuild.best(),
+            spread: ExtractionSpread {
+                coarser: own.coarser.spread(),
+                finer: own.finer.spread(),
+                jump: own.jump.spread(),
+            },
+        })
+    }
+}
+
+/// The row of a model or baseline that has levels of detail.
+fn subject_report(
+    subject: &mut Subject<'_>,
+    sweep: &Sweep,
+    times: Option<&ObjectTimes>,
+) -> SubjectReport {
+    let moved = counts(subject.runner.as_mut(), &sweep.stops);
+    let per = |all: u64, each: u64| all as f64 / each.max(1) as f64;
+    let updates = sweep.stops.len() as u64;
+    SubjectReport {
+        baseline: subject.baseline,
+        bits_per_vertex: of_cost(subject.storage, subject.file_bytes, subject.tight_bytes),
+        drawn: Some(DrawnReport {
+            indices_per_lod: per(moved.drawn, updates),
+            indices_per_triangle: per(moved.drawn, sweep.triangles),
+            degenerates_removed: subject.degenerates_removed,
+        }),
+        traffic: subject.continuous.then(|| TrafficReport {
+            bytes_per_update: per(moved.bytes, 2 * updates),
+            rewritten_per_update: per(moved.rewritten, 2 * updates),
+        }),
+        extraction: times.and_then(|times| times.extraction(subject.name)),
+    }
+}
+
+/// The row of what has no levels of detail: its storage.
+fn plain_report(cost: StorageCost) -> SubjectReport {
+    SubjectReport {
+        baseline: true,
+        bits_per_vertex: of_cost([cost, cost], None, None),
+        drawn: None,
+        traffic: None,
+        extraction: None,
+    }
+}
+
+/// LOD 0 as triangles and strips.
+fn primitives_of(prepared: &Prepared) -> Map<String, Value> {
+    let mesh = prepared.object.simplified.mesh();
+    let rows = [
+        ("triangles", primitives::triangles(mesh)),
+        ("triangles_cache", primitives::cache_ordered(mesh)),
+        (StripKind::Stripe.name(), primitives::strips(mesh, &prepared.stripe)),
+        (StripKind::Cache.name(), primitives::strips(mesh, &prepared.cache)),
+    ];
+    rows.into_iter().map(|(name, row)| (name.to_owned(), value(&row))).collect()
 }
 
 fn of_cost([all, most]: [StorageCost; 2], file: Option<u64>, tight: Option<u64>) -> Bits {
@@ -118,27 +182,4 @@ fn of_cost([all, most]: [StorageCost; 2], file: Option<u64>, tight: Option<u64>)
         file: per_vertex(file),
         tight: per_vertex(tight),
     }
-}
-
-fn extraction(
-    name: &str,
-    timed: &[(&'static str, Times)],
-    scratch: f64,
-) -> Option<ExtractionReport> {
-    let of = |wanted: &str| timed.iter().find(|(name, _)| *name == wanted).map(|(_, times)| times);
-    let own = of(name)?;
-    let per = |baseline: &str| of(baseline).map(|other| own.mean() / other.mean());
-    Some(ExtractionReport {
-        coarser_us: own.coarser,
-        finer_us: own.finer,
-        mean_us: own.mean(),
-        per_progressive_mesh: per("progressive_mesh"),
-        per_lodstrips: per("lodstrips"),
-        jump_us: own.jump,
-        jump_per_rebuild: own.jump / scratch,
-    })
-}
-
-pub(super) fn value(report: &impl Serialize) -> Value {
-    serde_json::to_value(report).expect("a struct of numbers is JSON")
 }

@@ -1,5 +1,6 @@
 //! The JSON document of `bench`. Its keys are a contract as those in `crate::report` are.
 
+use super::timings::Spread;
 use crate::report::ObjectCounts;
 use serde::Serialize;
 use serde_json::{Map, Value};
@@ -33,6 +34,8 @@ pub(super) struct BenchObject {
     pub(super) jump_lod: u32,
     /// Microseconds to make that LOD's index list from scratch.
     pub(super) rebuild_us: Option<f64>,
+    /// The same over all rounds.
+    pub(super) rebuild_spread: Option<Spread>,
     /// By name: `triangles`, `triangles_cache`, `stripe`, `cache`.
     pub(super) primitives: Map<String, Value>,
     /// By name: models, baselines, then `triangles` and `strips` for storage.
@@ -67,6 +70,9 @@ pub(super) struct StreamReport {
 pub(super) struct StreamSpeed {
     pub(super) encode_ms: f64,
     pub(super) decode_ms: f64,
+    /// Milliseconds over all rounds.
+    pub(super) encode_spread: Spread,
+    pub(super) decode_spread: Spread,
     pub(super) encode_million_triangles_per_second: f64,
     pub(super) decode_million_triangles_per_second: f64,
     /// From a stream with strips, which are passed over.
@@ -115,6 +121,8 @@ pub(super) struct CaseReport {
     pub(super) runs: u64,
     /// Of one, on average.
     pub(super) milliseconds: f64,
+    /// The same over all rounds.
+    pub(super) spread: Spread,
     /// That a host sends for one.
     pub(super) bytes: f64,
     /// Vertices looked at; null for draws and where none need be.
@@ -175,7 +183,7 @@ pub(super) struct TrafficReport {
     pub(super) rewritten_per_update: f64,
 }
 
-/// Times of moves. Ratios below 1 are faster than what they name.
+/// Times of moves, the best of all rounds. Ratios below 1 are faster than what they name.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub(super) struct ExtractionReport {
     pub(super) coarser_us: f64,
@@ -186,4 +194,18 @@ pub(super) struct ExtractionReport {
     pub(super) per_lodstrips: Option<f64>,
     pub(super) jump_us: f64,
     pub(super) jump_per_rebuild: f64,
+    pub(super) spread: ExtractionSpread,
+}
+
+/// Microseconds of moves over all rounds.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(super) struct ExtractionSpread {
+    pub(super) coarser: Spread,
+    pub(super) finer: Spread,
+    pub(super) jump: Spread,
+}
+
+/// A row as JSON.
+pub(super) fn value(row: &impl Serialize) -> Value {
+    serde_json::to_value(row).expect("a struct of numbers is JSON")
 }

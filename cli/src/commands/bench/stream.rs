@@ -2,6 +2,7 @@
 //! it looks like.
 
 use super::report::{PrefixReport, StreamReport, StreamSpeed};
+use super::timings::Timings;
 use super::{BenchArgs, Prepared};
 use crate::exit::{Failure, Outcome, Status};
 use lodc_formats::lodc::{LodFile, LodObject};
@@ -46,16 +47,20 @@ pub(super) fn measure(args: &BenchArgs, prepared: &Prepared) -> Outcome<StreamRe
         let one = ThreadPoolBuilder::new().num_threads(1).build();
         let one =
             one.map_err(|e| Failure::new(Status::Limit, format!("no thread to work with: {e}")))?;
-        let encode = one.install(|| best(args, || packed(None, None).map(|p| p.bytes.len())))?;
-        let decode = one.install(|| best(args, || index_list(&plain.bytes).map_err(bug)))?;
-        let decode_strips = one.install(|| best(args, || index_list(&whole.bytes).map_err(bug)))?;
-        let rate = |seconds: f64| object.simplified.mesh().triangles().len() as f64 / seconds / 1e6;
+        let encode = one.install(|| timed(args, || packed(None, None).map(|p| p.bytes.len())))?;
+        let decode = one.install(|| timed(args, || index_list(&plain.bytes).map_err(bug)))?;
+        let decode_strips =
+            one.install(|| timed(args, || index_list(&whole.bytes).map_err(bug)))?;
+        let triangles = object.simplified.mesh().triangles().len() as f64;
+        let rate = |timings: &Timings| triangles / timings.best() / 1e3;
         Some(StreamSpeed {
-            encode_ms: encode * 1e3,
-            decode_ms: decode * 1e3,
-            encode_million_triangles_per_second: rate(encode),
-            decode_million_triangles_per_second: rate(decode),
-            decode_past_strips_million_triangles_per_second: rate(decode_strips),
+            encode_ms: encode.best(),
+            decode_ms: decode.best(),
+            encode_spread: encode.spread(),
+            decode_spread: decode.spread(),
+            encode_million_triangles_per_second: rate(&encode),
+            decode_million_triangles_per_second: rate(&decode),
+            decode_past_strips_million_triangles_per_second: rate(&decode_strips),
         })
     };
     Ok(StreamReport {
@@ -85,15 +90,14 @@ fn alone(object: &LodObject) -> LodFile {
     }
 }
 
-/// Seconds, the best of all rounds.
-fn best<T>(args: &BenchArgs, work: impl Fn() -> Outcome<T>) -> Outcome<f64> {
-    let mut best = f64::INFINITY;
-    for _ in 0..args.rounds.get() {
+/// Milliseconds of all rounds.
+fn timed<T>(args: &BenchArgs, work: impl Fn() -> Outcome<T>) -> Outcome<Timings> {
+    let round = |_| {
         let start = Instant::now();
         black_box(work()?);
-        best = best.min(start.elapsed().as_secs_f64());
-    }
-    Ok(best)
+        Ok(start.elapsed().as_secs_f64() * 1e3)
+    };
+    (0..args.rounds.get()).map(round).collect()
 }
 
 /// A stream's bytes to the index list of what it shows.

@@ -1,6 +1,7 @@
 //! The tables of `bench` for people.
 
-use super::report::{BenchFile, BenchObject, PrefixReport, StreamReport};
+use super::report::{BenchFile, BenchObject, PrefixReport, StreamReport, value};
+use super::timings::Spread;
 use crate::exit::one_line;
 use crate::text::{count, grouped};
 use serde_json::{Map, Value};
@@ -26,6 +27,14 @@ const EXTRACTION: &[Column] = &[
     ("jump", "/extraction/jump_us", 1),
     ("× rebuild", "/extraction/jump_per_rebuild", 2),
 ];
+const SPREAD: &[Column] = &[
+    ("coarser", "/extraction/spread/coarser/mean", 3),
+    ("±", "/extraction/spread/coarser/deviation", 3),
+    ("finer", "/extraction/spread/finer/mean", 3),
+    ("±", "/extraction/spread/finer/deviation", 3),
+    ("jump", "/extraction/spread/jump/mean", 1),
+    ("±", "/extraction/spread/jump/deviation", 1),
+];
 const TRAFFIC: &[Column] = &[
     ("bytes", "/traffic/bytes_per_update", 0),
     ("rewritten", "/traffic/rewritten_per_update", 1),
@@ -36,6 +45,8 @@ const TRAFFIC: &[Column] = &[
 const GPU: &[Column] = &[
     ("runs", "/runs", 0),
     ("ms", "/milliseconds", 3),
+    ("mean", "/spread/mean", 3),
+    ("±", "/spread/deviation", 3),
     ("bytes sent", "/bytes", 0),
     ("M vertices/s", "/million_vertices_per_second", 1),
 ];
@@ -87,6 +98,7 @@ fn tables(text: &mut String, object: &BenchObject, share: f64) {
             "  (jump: LOD 0 to {lod}, 1 % of the triangles; from scratch {scratch:.1} µs)"
         );
     }
+    table(text, "the same, mean ± deviation", &object.models, SPREAD);
     table(text, "per update, and per LOD", &object.models, TRAFFIC);
     table(text, "primitives at LOD 0", &object.primitives, PRIMITIVES);
     if let Some(stream) = &object.stream {
@@ -128,11 +140,19 @@ fn streams(text: &mut String, stream: &StreamReport) {
         let _ = writeln!(
             text,
             "  encoded {encode:.2}, decoded {decode:.2}, past strips {past:.2} \
-             million triangles per second"
+             million triangles per second\n  encoded in {} ms, decoded in {} ms (mean ± deviation)",
+            of_rounds(&speed.encode_spread),
+            of_rounds(&speed.decode_spread)
         );
     }
-    let row = |p: &PrefixReport| (format!("{} %", p.percent), super::object::value(p));
+    let row = |p: &PrefixReport| (format!("{} %", p.percent), value(p));
     table(text, "of the stream's bytes", &stream.prefixes.iter().map(row).collect(), PREFIXES);
+}
+
+/// Mean and deviation of timings.
+fn of_rounds(spread: &Spread) -> String {
+    let deviation = spread.deviation.map(|d| format!(" ± {d:.1}"));
+    format!("{:.1}{}", spread.mean, deviation.unwrap_or_default())
 }
 
 /// Rows that have at least one of the columns' numbers.
