@@ -69,8 +69,8 @@ impl Command {
     pub(crate) fn takes_gpu(&self) -> bool {
         match self {
             Self::Render(_) => true,
-            Self::Verify(args) => args.gpu.is_some(),
-            Self::Bench(args) => args.gpu.is_some(),
+            Self::Verify(args) => args.gpu.gpu.is_some(),
+            Self::Bench(args) => args.gpu.gpu.is_some(),
             _ => false,
         }
     }

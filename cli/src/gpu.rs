@@ -4,7 +4,7 @@
 pub(crate) use lodc_gpu::Device;
 
 use crate::exit::{Failure, Status};
-use clap::ValueEnum;
+use clap::{Args, ValueEnum};
 #[cfg(all(unix, feature = "gpu"))]
 use std::path::Path;
 
@@ -13,6 +13,23 @@ use std::path::Path;
 pub(crate) enum GpuUse {
     Auto,
     Require,
+}
+
+/// Options of commands that also work on a graphics device.
+#[derive(Args, Clone, Debug)]
+pub(crate) struct GpuArgs {
+    /// Also work on a GPU: `require` one (plain --gpu), or take it if there is one (`auto`)
+    #[arg(
+        long,
+        value_name = "WHEN",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "require"
+    )]
+    pub(crate) gpu: Option<GpuUse>,
+    /// The GPU to use, by a part of its name
+    #[arg(long, value_name = "NAME", requires = "gpu")]
+    pub(crate) adapter: Option<String>,
 }
 
 /// A device that cannot be there.

@@ -1,10 +1,11 @@
 //! Options that name one of a family: models, metrics, strip generators. The family's own list is
 //! what may be named, what help says of it, and what its default is.
 
+use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use lodc_lod::ModelKind;
 use lodc_simplify::MetricKind;
-use lodc_strip::{Effort, StripKind};
+use lodc_strip::{Effort, StripKind, StripOptions};
 
 /// A member of a family that an option can name.
 pub(crate) trait Kind: Copy + Send + Sync + 'static {
@@ -77,8 +78,37 @@ fn values<K: Kind>() -> impl Iterator<Item = PossibleValue> {
     K::ALL.iter().map(|kind| PossibleValue::new(kind.name()).help(kind.help()))
 }
 
+/// The option of commands that simplify meshes.
+#[derive(Args, Clone, Copy, Debug)]
+pub(crate) struct MetricArgs {
+    /// Metric that drives the collapses of meshes (a .lodc file has its own)
+    #[arg(
+        long,
+        value_parser = parser::<MetricKind>(),
+        default_value = MetricKind::default().name()
+    )]
+    pub(crate) metric: MetricKind,
+}
+
+/// Options of commands that make models.
+#[derive(Args, Clone, Copy, Debug)]
+pub(crate) struct StripArgs {
+    #[arg(long, value_parser = parser::<StripKind>(), help = strips_help())]
+    strips: Option<StripKind>,
+    /// Effort of strip generation
+    #[arg(long, value_parser = parser::<Effort>(), default_value = Effort::default().name())]
+    effort: Effort,
+}
+
+impl StripArgs {
+    /// The options as the generators take them.
+    pub(crate) fn options(self) -> StripOptions {
+        StripOptions { kind: self.strips, effort: self.effort }
+    }
+}
+
 /// Help of `--strips`, with the default of every model that is made of strips.
-pub(crate) fn strips_help() -> String {
+fn strips_help() -> String {
     let defaults = ModelKind::ALL
         .into_iter()
         .filter_map(|model| Some(format!("{} for {}", model.strips()?.name(), model.name())));

@@ -171,7 +171,8 @@ def measure(mesh, lodc, levels, samples):
                 seconds = time.process_time() - start
             except ImportError as e:
                 if name not in missing:
-                    print(f"{name} is left out: {e}", file=sys.stderr)
+                    hint = "; --build-openmesh builds it" if name == "OpenMesh" else ""
+                    print(f"{name} is left out: {e}{hint}", file=sys.stderr)
                 missing.add(name)
                 continue
             result = np.asarray(points, float), np.asarray(faces, np.int64)

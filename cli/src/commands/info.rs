@@ -97,11 +97,11 @@ fn object(o: &LodObject, baselines: bool) -> Outcome<ObjectReport> {
 /// Long strips: those of a model that is made for long ones and has some, or new ones. (Others may
 /// cut them.)
 fn plain_strips(o: &LodObject) -> Strips {
-    let long = o.models.iter().filter(|m| m.kind().strips() == Some(StripKind::Stripe));
-    let stored = long.filter_map(AnyModel::strips).find(|s| s.kind == StripKind::Stripe);
+    let long = o.models.iter().filter(|m| m.kind().strips() == Some(StripKind::LONGEST));
+    let stored = long.filter_map(AnyModel::strips).find(|s| s.kind == StripKind::LONGEST);
     stored
         .cloned()
-        .unwrap_or_else(|| Strips::generate(&o.simplified, StripKind::Stripe, Effort::Default))
+        .unwrap_or_else(|| Strips::generate(&o.simplified, StripKind::LONGEST, Effort::Default))
 }
 
 /// Strips that are stored, by their generator.

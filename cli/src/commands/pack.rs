@@ -37,7 +37,7 @@ pub(crate) struct PackArgs {
     #[arg(long, value_name = "KIND=BITS,…", value_parser = quantize)]
     quantize: Option<Quantize>,
     /// Strips to stream with the triangles; made if the file has none of that kind
-    #[arg(long, value_parser = stream_strips(), default_value = StripKind::Cache.name())]
+    #[arg(long, value_parser = stream_strips(), default_value = StripKind::FEWEST_MISSES.name())]
     strips: Choice<StripKind>,
     /// Effort of the search for strips
     #[arg(long, value_parser = parser::<Effort>(), default_value = Effort::default().name())]

@@ -30,7 +30,7 @@ pub(crate) struct StripsArgs {
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
     /// Few long strips, strips that reuse a vertex cache, or a triangle list that does
-    #[arg(long, value_parser = generators(), default_value = StripKind::Stripe.name())]
+    #[arg(long, value_parser = generators(), default_value = StripKind::LONGEST.name())]
     strips: Choice<StripKind>,
     /// Effort of the search
     #[arg(long, value_parser = parser::<Effort>(), default_value = Effort::default().name())]

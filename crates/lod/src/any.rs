@@ -105,16 +105,15 @@ impl AnyModel {
     /// # Errors
     /// If it cannot be made of this sequence.
     pub fn build(kind: ModelKind, strips: &mut StripPool<'_>) -> Result<Self, BuildError> {
+        let simplified = strips.simplified();
+        let mut own_strips = || {
+            let default = kind.strips().expect("the kind is made of strips");
+            strips.get(default)
+        };
         match kind {
-            ModelKind::Interactive => {
-                Interactive::build(strips.simplified()).map(Self::Interactive)
-            }
-            ModelKind::Masking => {
-                Masking::build(strips.simplified(), strips.get(StripKind::Cache)).map(Self::Masking)
-            }
-            ModelKind::Speed => {
-                Speed::build(strips.simplified(), strips.get(StripKind::Stripe)).map(Self::Speed)
-            }
+            ModelKind::Interactive => Interactive::build(simplified).map(Self::Interactive),
+            ModelKind::Masking => Masking::build(simplified, own_strips()).map(Self::Masking),
+            ModelKind::Speed => Speed::build(simplified, own_strips()).map(Self::Speed),
         }
     }
 

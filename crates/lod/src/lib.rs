@@ -32,6 +32,7 @@ pub mod masking;
 pub mod speed;
 mod stored_strips;
 pub mod trace;
+mod twin;
 
 pub use any::{AnyCursor, AnyModel, ModelKind};
 pub use interactive::Interactive;

@@ -1,7 +1,7 @@
 //! Wedge groups: the vertices at one position whose triangles hang together there. The unit of
 //! collapse.
 
-use crate::{Mesh, PositionIds};
+use crate::{DisjointSets, Mesh, NONE, PositionIds};
 
 /// The wedge groups of a mesh, numbered in order of their first vertex.
 #[derive(Clone, Debug)]
@@ -18,7 +18,7 @@ impl WedgeGroups {
     /// two groups.
     #[must_use]
     pub fn new(mesh: &Mesh, positions: &PositionIds) -> Self {
-        let mut parent: Vec<u32> = (0..mesh.vertex_count() as u32).collect();
+        let mut joined = DisjointSets::new(mesh.vertex_count());
         // Most meshes have one vertex per position: nothing to join there, so those corners are
         // left out.
         let mut vertices_at = vec![0u32; positions.len()];
@@ -40,14 +40,14 @@ impl WedgeGroups {
         spokes.sort_unstable();
         for pair in spokes.windows(2) {
             if pair[0].0 == pair[1].0 && pair[0].1 == pair[1].1 {
-                join(&mut parent, pair[0].2, pair[1].2);
+                joined.join(pair[0].2, pair[1].2);
             }
         }
-        let mut of_vertex = vec![u32::MAX; parent.len()];
+        let mut of_vertex = vec![NONE; mesh.vertex_count()];
         let mut first_vertex = Vec::new();
-        for v in 0..parent.len() as u32 {
-            let root = find(&mut parent, v) as usize;
-            if of_vertex[root] == u32::MAX {
+        for v in 0..mesh.vertex_count() as u32 {
+            let root = joined.find(v) as usize;
+            if of_vertex[root] == NONE {
                 of_vertex[root] = first_vertex.len() as u32;
                 first_vertex.push(v);
             }
@@ -67,18 +67,4 @@ impl WedgeGroups {
     pub fn is_empty(&self) -> bool {
         self.first_vertex.is_empty()
     }
-}
-
-fn find(parent: &mut [u32], mut v: u32) -> u32 {
-    while parent[v as usize] != v {
-        parent[v as usize] = parent[parent[v as usize] as usize];
-        v = parent[v as usize];
-    }
-    v
-}
-
-/// The smaller index becomes the root, so the root is always the first vertex of its group.
-fn join(parent: &mut [u32], a: u32, b: u32) {
-    let (a, b) = (find(parent, a), find(parent, b));
-    parent[a.max(b) as usize] = a.min(b);
 }

@@ -5,9 +5,9 @@ pub const NONE: u32 = u32::MAX;
 
 /// Returns whether a triangle names one index twice: such a triangle draws nothing.
 ///
-/// Given position numbers ([`crate::PositionIds`]) instead of vertices, it tells whether two
-/// corners share a position.
+/// Given position numbers ([`crate::PositionIds`]) or keys ([`crate::position_key`]) instead of
+/// vertices, it tells whether two corners share a position.
 #[must_use]
-pub fn is_degenerate([a, b, c]: [u32; 3]) -> bool {
+pub fn is_degenerate<T: PartialEq>([a, b, c]: [T; 3]) -> bool {
     a == b || b == c || c == a
 }

@@ -1,6 +1,7 @@
 //! Charts: regions of a surface over which attributes are continuous, and the curves between them.
 
-use lodc_mesh::{Mesh, NONE, PositionIds, Semantic};
+use crate::sides::{Side, sides};
+use lodc_mesh::{DisjointSets, Mesh, NONE, PositionIds, Semantic};
 
 /// Streams that have to agree at a position for two triangles to be of one chart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,15 +26,13 @@ impl Continuity {
 /// position and streams are bit for bit the same.
 pub(crate) fn charts(mesh: &Mesh, continuity: Continuity) -> Vec<u32> {
     let class = classes(mesh, continuity);
-    let mut parent: Vec<u32> = (0..mesh.vertex_count() as u32).collect();
+    let mut joined = DisjointSets::new(mesh.vertex_count());
     for t in mesh.triangles() {
-        let roots = t.map(|v| find(&mut parent, class[v as usize]));
-        let least = roots[0].min(roots[1]).min(roots[2]);
-        for root in roots {
-            parent[root as usize] = least;
-        }
+        let [a, b, c] = t.map(|v| class[v as usize]);
+        joined.join(a, b);
+        joined.join(a, c);
     }
-    mesh.triangles().iter().map(|t| find(&mut parent, class[t[0] as usize])).collect()
+    mesh.triangles().iter().map(|t| joined.find(class[t[0] as usize])).collect()
 }
 
 /// For each vertex the first vertex that it is equal to.
@@ -61,30 +60,14 @@ fn classes(mesh: &Mesh, continuity: Continuity) -> Vec<u32> {
     class
 }
 
-fn find(parent: &mut [u32], mut v: u32) -> u32 {
-    while parent[v as usize] != v {
-        parent[v as usize] = parent[parent[v as usize] as usize];
-        v = parent[v as usize];
-    }
-    v
-}
-
 /// Returns the curves of a surface as `3 * face + corner` of one side each: edges that one face has
 /// alone, that more than two share, or where charts meet. Faces are given by positions.
 pub(crate) fn curves(faces: &[[u32; 3]], chart: &[u32]) -> Vec<u32> {
-    let mut sides: Vec<([u32; 2], u32)> = Vec::with_capacity(3 * faces.len());
-    for (i, f) in faces.iter().enumerate() {
-        for k in 0..3 {
-            let (a, b) = (f[k], f[(k + 1) % 3]);
-            sides.push(([a.min(b), a.max(b)], (3 * i + k) as u32));
-        }
-    }
-    sides.sort_unstable();
-    let inner = |run: &[([u32; 2], u32)]| {
-        run.len() == 2 && chart[run[0].1 as usize / 3] == chart[run[1].1 as usize / 3]
-    };
+    let sides = sides(faces);
+    let inner = |run: &[Side]| run.len() == 2 && chart[run[0].face()] == chart[run[1].face()];
+    let edges = sides.chunk_by(|a, b| a.edge == b.edge);
     let mut curves: Vec<u32> =
-        sides.chunk_by(|a, b| a.0 == b.0).filter(|run| !inner(run)).map(|run| run[0].1).collect();
+        edges.filter(|run| !inner(run)).map(|run| run[0].half_edge).collect();
     curves.sort_unstable();
     curves
 }

@@ -1,5 +1,6 @@
 //! A level of detail as unknowns: one position for all vertices that share one.
 
+use crate::sides::sides;
 use glam::DVec3;
 use lodc_mesh::{Lod, Mesh, NONE, OrientedTriangle, PositionIds, Simplified, is_degenerate};
 
@@ -70,20 +71,12 @@ impl Level {
 
 /// The undirected edges of faces, and for each face the numbers of its three.
 fn edges(faces: &[[u32; 3]]) -> (Vec<[u32; 2]>, Vec<[u32; 3]>) {
-    let mut sides: Vec<([u32; 2], u32)> = Vec::with_capacity(3 * faces.len());
-    for (i, f) in faces.iter().enumerate() {
-        for k in 0..3 {
-            let (a, b) = (f[k], f[(k + 1) % 3]);
-            sides.push(([a.min(b), a.max(b)], (3 * i + k) as u32));
-        }
-    }
-    sides.sort_unstable();
     let (mut edges, mut face_edges) = (Vec::new(), vec![[NONE; 3]; faces.len()]);
-    for (edge, side) in sides {
-        if edges.last() != Some(&edge) {
-            edges.push(edge);
+    for side in sides(faces) {
+        if edges.last() != Some(&side.edge) {
+            edges.push(side.edge);
         }
-        face_edges[side as usize / 3][side as usize % 3] = edges.len() as u32 - 1;
+        face_edges[side.face()][side.corner()] = edges.len() as u32 - 1;
     }
     (edges, face_edges)
 }

@@ -27,6 +27,7 @@ mod input;
 mod level;
 mod nearest;
 mod quadrature;
+mod sides;
 mod skin;
 mod system;
 #[cfg(test)]

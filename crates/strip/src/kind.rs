@@ -18,6 +18,12 @@ impl StripKind {
     /// All kinds, by the number that stands for them in stored arrays.
     pub const ALL: [Self; 2] = [Self::Stripe, Self::Cache];
 
+    /// The generator of the longest strips: for strips by themselves, baselines and pictures.
+    pub const LONGEST: Self = Self::Stripe;
+
+    /// The generator of strips with the fewest cache misses: for streams.
+    pub const FEWEST_MISSES: Self = Self::Cache;
+
     /// The name in options and reports.
     #[must_use]
     pub const fn name(self) -> &'static str {

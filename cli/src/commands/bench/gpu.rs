@@ -2,15 +2,15 @@
 
 use super::report::BenchObject;
 use crate::exit::Outcome;
-use crate::gpu::{self, Device, GpuUse};
+use crate::gpu::{self, Device, GpuArgs, GpuUse};
 use lodc_formats::lodc::LodObject;
 
 /// Opens the device that was asked for; none if none was, or none is there that need not be.
 ///
 /// # Errors
 /// If one is required and there is none.
-pub(super) fn open(wanted: Option<GpuUse>, adapter: Option<&str>) -> Outcome<Option<Device>> {
-    match (wanted, wanted.map(|_| gpu::open(adapter))) {
+pub(super) fn open(args: &GpuArgs) -> Outcome<Option<Device>> {
+    match (args.gpu, args.gpu.map(|_| gpu::open(args.adapter.as_deref()))) {
         (_, None) => Ok(None),
         (Some(GpuUse::Auto), Some(Err(failure))) => {
             crate::console::note(&format!("nothing is timed on a GPU: {failure}"));

@@ -18,8 +18,8 @@ use super::build::{MOST_THREADS, measure_all, simplify_all};
 use super::read::read_lodc;
 use crate::console::{self, error, warning};
 use crate::exit::{Failure, Outcome, Status};
-use crate::gpu::{Device, GpuUse};
-use crate::kinds::{parser, strips_help};
+use crate::gpu::{Device, GpuArgs};
+use crate::kinds::{MetricArgs, StripArgs, parser};
 use crate::levels;
 use crate::limits::ImportArgs;
 use crate::output;
@@ -30,8 +30,8 @@ use lodc_formats::lodc::LodObject;
 use lodc_formats::{ObjectInfo, import};
 use lodc_lod::{AnyModel, ModelKind};
 use lodc_mesh::Simplified;
-use lodc_simplify::{MetricKind, Options};
-use lodc_strip::{Effort, StripKind, StripOptions, StripPool, Strips};
+use lodc_simplify::Options;
+use lodc_strip::{StripKind, StripOptions, StripPool, Strips};
 use rayon::ThreadPoolBuilder;
 use report::{BenchFile, BenchReport};
 use std::num::{NonZeroU32, NonZeroUsize};
@@ -53,18 +53,10 @@ pub(crate) struct BenchArgs {
     /// every one]
     #[arg(long, value_delimiter = ',', value_name = "MODELS", value_parser = parser::<ModelKind>())]
     models: Vec<ModelKind>,
-    /// Metric that drives the collapses of meshes (a .lodc file has its own)
-    #[arg(
-        long,
-        value_parser = parser::<MetricKind>(),
-        default_value = MetricKind::default().name()
-    )]
-    metric: MetricKind,
-    #[arg(long, value_parser = parser::<StripKind>(), help = strips_help())]
-    strips: Option<StripKind>,
-    /// Time that strip generation may take
-    #[arg(long, value_parser = parser::<Effort>(), default_value = Effort::default().name())]
-    effort: Effort,
+    #[command(flatten)]
+    metric: MetricArgs,
+    #[command(flatten)]
+    strips: StripArgs,
     /// Share of the LODs from one update to the next, in percent
     #[arg(long, value_name = "SHARE%", default_value = "0.1%", value_parser = share)]
     steps: f64,
@@ -74,19 +66,8 @@ pub(crate) struct BenchArgs {
     /// Leave out everything that differs from run to run
     #[arg(long)]
     no_times: bool,
-    /// Also time models on a GPU, by its own clock: `require` one (plain --gpu), or take it if
-    /// there is one (`auto`)
-    #[arg(
-        long,
-        value_name = "WHEN",
-        num_args = 0..=1,
-        require_equals = true,
-        default_missing_value = "require"
-    )]
-    pub(crate) gpu: Option<GpuUse>,
-    /// The GPU to use, by a part of its name
-    #[arg(long, value_name = "NAME", requires = "gpu")]
-    adapter: Option<String>,
+    #[command(flatten)]
+    pub(crate) gpu: GpuArgs,
     /// Also pack each object as a progressive stream: its size, its speed, and how far its prefixes
     /// are from the whole
     #[arg(long)]
@@ -112,7 +93,7 @@ pub(crate) fn run(args: &BenchArgs) -> Outcome<Status> {
     if args.inputs.iter().filter(|input| output::is_stream(input)).count() > 1 {
         return Err(Failure::usage("standard input can be read once only"));
     }
-    let device = gpu::open(args.gpu, args.adapter.as_deref())?;
+    let device = gpu::open(&args.gpu)?;
     let threads = args.jobs.map_or(0, |n| n.get().min(MOST_THREADS));
     let pool = ThreadPoolBuilder::new().num_threads(threads).build();
     let pool =
@@ -157,11 +138,17 @@ fn bench_one(args: &BenchArgs, device: Option<&Device>, input: &Path) -> (BenchF
     (BenchFile { file: name, error: Some(failure.message), objects: vec![] }, failure.status)
 }
 
-/// An object with the models that were asked for, and strips of both kinds.
+/// An object with the models that were asked for, and strips of every kind.
 struct Prepared {
     object: LodObject,
-    stripe: Arc<Strips>,
-    cache: Arc<Strips>,
+    strips: [Arc<Strips>; StripKind::ALL.len()],
+}
+
+impl Prepared {
+    /// The strips of one kind.
+    fn strips(&self, kind: StripKind) -> &Arc<Strips> {
+        self.strips.iter().find(|strips| strips.kind == kind).expect("there are some of every kind")
+    }
 }
 
 /// Makes what is missing of an object.
@@ -171,24 +158,23 @@ fn prepare(
     simplified: Arc<Simplified>,
     mut models: Vec<AnyModel>,
 ) -> Outcome<Prepared> {
-    let effort = args.effort;
-    let wanted = args.strips;
-    let mut pool = StripPool::new(&simplified, StripOptions { kind: None, effort });
+    let options = args.strips.options();
+    let mut pool = StripPool::new(&simplified, StripOptions { kind: None, ..options });
     // Not those of a file: its models may have cut them, or been made with another effort.
-    let [stripe, cache] = [StripKind::Stripe, StripKind::Cache].map(|kind| pool.get(kind));
+    let strips = StripKind::ALL.map(|kind| pool.get(kind));
     let has = |models: &[AnyModel], kind: ModelKind| models.iter().any(|m| m.kind() == kind);
     let kinds = levels::chosen(&args.models);
     if !args.models.is_empty() {
         models.retain(|m| kinds.contains(&m.kind()));
     }
     let missing: Vec<ModelKind> = kinds.into_iter().filter(|&kind| !has(&models, kind)).collect();
-    if wanted.is_some() {
-        pool = StripPool::new(&simplified, StripOptions { kind: wanted, effort });
+    if options.kind.is_some() {
+        pool = StripPool::new(&simplified, options);
     }
     let bug = |what: String| Failure::new(Status::Bug, format!("{}: {what}", info.name));
     models.extend(levels::models(&mut pool, &missing).map_err(bug)?);
     models.sort_by_key(AnyModel::kind);
-    Ok(Prepared { object: LodObject { info, simplified, models }, stripe, cache })
+    Ok(Prepared { object: LodObject { info, simplified, models }, strips })
 }
 
 /// The objects of an input.
@@ -209,7 +195,7 @@ fn objects(args: &BenchArgs, input: &Path) -> Outcome<Vec<Prepared>> {
     limits.check_memory(triangles).map_err(|f| Failure::new(f.status, format!("{name}: {f}")))?;
     let progress = Progress::new(&name);
     progress.stage("simplify");
-    let options = Options { metric: args.metric, ..Options::DEFAULT };
+    let options = Options { metric: args.metric.metric, ..Options::DEFAULT };
     let simplified = simplify_all(scene.objects, &options, None, triangles, &progress);
     progress.stage("errors");
     let simplified = measure_all(simplified);

@@ -25,10 +25,10 @@ pub(super) fn measure(
     device: Option<&Device>,
     prepared: &Prepared,
 ) -> Outcome<BenchObject> {
-    let Prepared { object, stripe, .. } = prepared;
+    let (object, long) = (&prepared.object, prepared.strips(StripKind::LONGEST));
     let collapses = object.simplified.collapses();
     let sweep = Sweep::new(collapses, args.steps);
-    let baselines = baselines(object, stripe)?;
+    let baselines = baselines(object, long)?;
     let mut subjects = subjects(object, &baselines);
     let times = if args.no_times || sweep.stops.is_empty() {
         None
@@ -40,7 +40,7 @@ pub(super) fn measure(
         let row = subject_report(subject, &sweep, times.as_ref());
         models.insert(subject.name.to_owned(), value(&row));
     }
-    for (name, cost) in plain(&object.simplified, stripe) {
+    for (name, cost) in plain(&object.simplified, long) {
         models.insert(name.to_owned(), value(&plain_report(cost)));
     }
     let mut report = BenchObject {
@@ -163,13 +163,13 @@ fn plain_report(cost: StorageCost) -> SubjectReport {
 /// LOD 0 as triangles and strips.
 fn primitives_of(prepared: &Prepared) -> Map<String, Value> {
     let mesh = prepared.object.simplified.mesh();
-    let rows = [
+    let lists = [
         ("triangles", primitives::triangles(mesh)),
         ("triangles_cache", primitives::cache_ordered(mesh)),
-        (StripKind::Stripe.name(), primitives::strips(mesh, &prepared.stripe)),
-        (StripKind::Cache.name(), primitives::strips(mesh, &prepared.cache)),
     ];
-    rows.into_iter().map(|(name, row)| (name.to_owned(), value(&row))).collect()
+    let strips = prepared.strips.iter().map(|s| (s.kind.name(), primitives::strips(mesh, s)));
+    let rows = lists.into_iter().chain(strips);
+    rows.map(|(name, row)| (name.to_owned(), value(&row))).collect()
 }
 
 fn of_cost([all, most]: [StorageCost; 2], file: Option<u64>, tight: Option<u64>) -> Bits {

@@ -11,7 +11,7 @@ pub(crate) use pipeline::simplify_all;
 
 use crate::console::{self, error};
 use crate::exit::{Failure, Outcome, Status};
-use crate::kinds::{parser, strips_help};
+use crate::kinds::{MetricArgs, StripArgs, parser};
 use crate::limits::ImportArgs;
 use crate::output::{self, Rule, Target};
 use crate::progress::Progress;
@@ -19,8 +19,6 @@ use crate::report::{BuildReport, InputReport, SCHEMA_VERSION};
 use crate::stages::Stages;
 use clap::{Args, ValueEnum};
 use lodc_lod::ModelKind;
-use lodc_simplify::MetricKind;
-use lodc_strip::{Effort, StripKind};
 use rayon::ThreadPoolBuilder;
 use std::num::NonZeroUsize;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -42,13 +40,8 @@ pub(crate) struct BuildArgs {
     /// Structures to write, separated by commas [default: every one that this version has]
     #[arg(long, value_delimiter = ',', value_name = "MODELS", value_parser = parser::<ModelKind>())]
     models: Vec<ModelKind>,
-    /// Metric that drives the collapses
-    #[arg(
-        long,
-        value_parser = parser::<MetricKind>(),
-        default_value = MetricKind::default().name()
-    )]
-    metric: MetricKind,
+    #[command(flatten)]
+    metric: MetricArgs,
     /// No change of topology before the terminal phase
     #[arg(long)]
     preserve_topology: bool,
@@ -58,11 +51,8 @@ pub(crate) struct BuildArgs {
     /// Normals, texture coordinates and colours take no part in the cost
     #[arg(long)]
     no_attributes: bool,
-    #[arg(long, value_parser = parser::<StripKind>(), help = strips_help())]
-    strips: Option<StripKind>,
-    /// Effort of strip generation
-    #[arg(long, value_parser = parser::<Effort>(), default_value = Effort::default().name())]
-    effort: Effort,
+    #[command(flatten)]
+    strips: StripArgs,
     /// Threads; the output does not depend on it [default: all cores]
     #[arg(long, value_name = "N")]
     jobs: Option<NonZeroUsize>,

@@ -61,8 +61,8 @@ pub(super) fn make(
     };
     let kinds = levels::chosen(&args.models);
     report.models = kinds.iter().map(|kind| kind.name()).collect();
-    let options = StripOptions { kind: args.strips, effort: args.effort };
-    let objects = with_models(simplified, &kinds, options, stages, progress).map_err(bug)?;
+    let objects =
+        with_models(simplified, &kinds, args.strips.options(), stages, progress).map_err(bug)?;
     fill_in(report, &objects);
 
     progress.stage("check");
@@ -97,7 +97,7 @@ fn import_scene(
 
 fn simplify_options(args: &BuildArgs) -> Options {
     Options {
-        metric: args.metric,
+        metric: args.metric.metric,
         preserve_topology: args.preserve_topology,
         lock_border: args.lock_border,
         attributes: !args.no_attributes,
@@ -141,7 +141,7 @@ fn paints(
     scene: &Scene,
     report: &mut InputReport,
 ) -> Outcome<Option<(Paints, Vec<PathBuf>)>> {
-    if args.no_attributes || args.metric != MetricKind::Hybrid {
+    if args.no_attributes || args.metric.metric != MetricKind::Hybrid {
         return Ok(None);
     }
     let options = args.import.options();

@@ -7,7 +7,7 @@ mod shared;
 use super::asset::{self, Asset};
 use crate::console::{self, Loudness, result, wants};
 use crate::exit::{Failure, Outcome};
-use crate::kinds::parser;
+use crate::kinds::MetricArgs;
 use crate::limits::ImportArgs;
 use crate::mesh_output::FormatName;
 use crate::output::{self, Rule, Target};
@@ -18,7 +18,6 @@ use crate::text::{distance, grouped, size};
 use clap::Args;
 use levels::{Level, LevelArgs};
 use lodc_formats::OutputFile;
-use lodc_simplify::MetricKind;
 use std::path::PathBuf;
 
 /// Options of `chain`.
@@ -45,13 +44,8 @@ pub(crate) struct ChainArgs {
     /// Move the vertices of each level to where they fit the input best (needs --separate)
     #[arg(long, requires = "separate")]
     refit: bool,
-    /// Metric that drives the collapses of a mesh (a .lodc file has its own)
-    #[arg(
-        long,
-        value_parser = parser::<MetricKind>(),
-        default_value = MetricKind::default().name()
-    )]
-    metric: MetricKind,
+    #[command(flatten)]
+    metric: MetricArgs,
     /// Print the levels as JSON on standard output
     #[arg(long)]
     json: bool,
@@ -73,7 +67,7 @@ pub(crate) fn run(args: &ChainArgs) -> Outcome<()> {
     let format = format(args)?;
     output::prepare(&[Target::File(args.output.clone())], true)?;
     let mut stages = Stages::default();
-    let asset = asset::read(&args.input, &args.import, args.metric, &mut stages)?;
+    let asset = asset::read(&args.input, &args.import, args.metric.metric, &mut stages)?;
     let name = args.input.display().to_string();
     let limits = args.import.limits().limits();
     let scene = SceneLevels::new(&asset.objects, &asset.document, &limits)?;

@@ -120,8 +120,9 @@ pub(super) fn whole(mesh: &Mesh) -> Vec<OrientedTriangle> {
 /// picture.
 fn strips(object: &LodObject) -> Strips {
     let stored = object.models.iter().find_map(AnyModel::strips).cloned();
-    stored
-        .unwrap_or_else(|| Strips::generate(&object.simplified, StripKind::Stripe, Effort::Default))
+    stored.unwrap_or_else(|| {
+        Strips::generate(&object.simplified, StripKind::LONGEST, Effort::Default)
+    })
 }
 
 /// Remains of strips at a LOD: their triangles with every vertex resolved, and the strip of

@@ -9,7 +9,7 @@ mod source;
 use super::read::read_lodc;
 use crate::console::{self, Loudness, error, wants};
 use crate::exit::{Failure, Outcome, Status, one_line};
-use crate::gpu::GpuUse;
+use crate::gpu::GpuArgs;
 use crate::limits::ImportArgs;
 use crate::output::{self, Target};
 use crate::report::{CheckReport, FileReport, SCHEMA_VERSION, VerifyReport};
@@ -32,19 +32,8 @@ pub(crate) struct VerifyArgs {
     /// Check every N-th step instead of every step
     #[arg(long, value_name = "N", default_value = "1")]
     stride: NonZeroU32,
-    /// Also replay on a GPU and compare: `require` one (plain --gpu), or take it if there is one
-    /// (`auto`)
-    #[arg(
-        long,
-        value_name = "WHEN",
-        num_args = 0..=1,
-        require_equals = true,
-        default_missing_value = "require"
-    )]
-    pub(crate) gpu: Option<GpuUse>,
-    /// The GPU to use, by a part of its name
-    #[arg(long, value_name = "NAME", requires = "gpu")]
-    adapter: Option<String>,
+    #[command(flatten)]
+    pub(crate) gpu: GpuArgs,
     /// Print one JSON document
     #[arg(long)]
     json: bool,
@@ -61,7 +50,7 @@ pub(crate) fn run(args: &VerifyArgs) -> Outcome<Status> {
         return Err(Failure::usage("standard input can be read once only"));
     }
     check_junit(args)?;
-    let gpu = gpu::open(args.gpu, args.adapter.as_deref())?;
+    let gpu = gpu::open(args.gpu.gpu, args.gpu.adapter.as_deref())?;
     let mut report = VerifyReport { schema_version: SCHEMA_VERSION, ok: true, files: vec![] };
     let mut worst = Status::Done;
     for input in &args.inputs {
@@ -121,7 +110,7 @@ fn check(args: &VerifyArgs, gpu: Option<&Gpu>, input: &Path) -> Outcome<Vec<Chec
     if let Some(source) = &args.source {
         all.push(checks::source(&file, source, &args.import.options())?);
     }
-    if let (Some(gpu), Some(wanted)) = (gpu, args.gpu) {
+    if let (Some(gpu), Some(wanted)) = (gpu, args.gpu.gpu) {
         all.extend(gpu::checks(&file, gpu, wanted)?);
     }
     Ok(all)

@@ -3,13 +3,13 @@
 
 use super::history::Entry;
 use super::{Cursor, Masking};
+use crate::twin::move_and_compare;
 use lodc_mesh::Lod;
 use lodc_model::Model;
 use lodc_plan::{
     BufferId, Expected, KernelId, LONGEST_LOOP, Packed, Pass, Plan, PlanError, Program, SCAN,
     SCAN_ADD, STRIP_DRAWS, Shader, Step,
 };
-use lodc_verify::first_difference;
 
 const MASKS: Shader = Shader { name: "masks", wgsl: include_str!("masks.wgsl") };
 const MASKS_WRITE: Shader = Shader { name: "masks_write", wgsl: include_str!("masks_write.wgsl") };
@@ -134,17 +134,15 @@ impl Masking {
 
     fn step(&self, device: &Device, cursor: &mut Cursor, twin: &mut Twin, wanted: Lod) -> Step {
         let lod = self.simplified.collapses().floor(wanted);
-        self.seek(cursor, lod, &mut ());
+        let difference = move_and_compare(self, cursor, lod, &self.positions);
         twin.seek(self, lod);
-        let truth = self.simplified.triangles_at_with(lod, &self.positions);
-        let difference = first_difference(lod, truth, self.triangles(cursor));
         let mut checks = vec![
             Expected::new(device.full, twin.full.clone()),
             Expected::new(device.states, twin.states.clone()),
             Expected::new(device.error_flag, [0]),
         ];
         checks.extend(device.packed.expected(&self.strips, |strip| cursor.strip(strip)));
-        Step::show(lod, device.passes(lod), checks, difference.map(|d| d.to_string()))
+        Step::show(lod, device.passes(lod), checks, difference)
     }
 }
 

@@ -2,13 +2,13 @@
 //! strips are.
 
 use super::{Cursor, Kind, Speed};
+use crate::twin::move_and_compare;
 use lodc_mesh::{Lod, NONE};
 use lodc_model::Model;
 use lodc_plan::{
     BufferId, KernelId, LONGEST_LOOP, Packed, Pass, Plan, PlanError, Program, SCAN, SCAN_ADD,
     STRIP_DRAWS, Shader, Step,
 };
-use lodc_verify::first_difference;
 
 const EDITS: Shader = Shader { name: "edits", wgsl: include_str!("edits.wgsl") };
 const VALUES: Shader = Shader { name: "values", wgsl: include_str!("values.wgsl") };
@@ -255,10 +255,8 @@ impl Speed {
     fn step(&self, device: &Device, cursor: &mut Cursor, wanted: Lod) -> Step {
         let lod = self.simplified.collapses().floor(wanted);
         let passes = device.passes(self, cursor.lod(), lod);
-        self.seek(cursor, lod, &mut ());
-        let truth = self.simplified.triangles_at_with(lod, self.positions());
-        let twin = first_difference(lod, truth, self.triangles(cursor));
+        let difference = move_and_compare(self, cursor, lod, self.positions());
         let checks = device.packed.expected(&self.strips, |strip| cursor.strip(strip)).to_vec();
-        Step::show(lod, passes, checks, twin.map(|t| t.to_string()))
+        Step::show(lod, passes, checks, difference)
     }
 }

@@ -1,0 +1,48 @@
+//! Disjoint sets: which elements hang together (union-find with path halving).
+
+/// Elements from 0 on, each in one set.
+#[derive(Clone, Debug)]
+pub struct DisjointSets {
+    parent: Vec<u32>,
+}
+
+impl DisjointSets {
+    /// Makes a set of each element below `count`.
+    #[must_use]
+    pub fn new(count: usize) -> Self {
+        Self { parent: (0..count as u32).collect() }
+    }
+
+    /// Returns the smallest element of the set that `element` is in.
+    pub fn find(&mut self, element: u32) -> u32 {
+        let mut at = element;
+        while self.parent[at as usize] != at {
+            let above = self.parent[at as usize];
+            self.parent[at as usize] = self.parent[above as usize];
+            at = self.parent[at as usize];
+        }
+        at
+    }
+
+    /// Makes one set of those that two elements are in.
+    pub fn join(&mut self, a: u32, b: u32) {
+        let (a, b) = (self.find(a), self.find(b));
+        // The smaller one becomes the root, so that a root is always the first of its set.
+        self.parent[a.max(b) as usize] = a.min(b);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn joined_elements_have_their_smallest_in_common() {
+        let mut sets = DisjointSets::new(6);
+        for (a, b) in [(5, 4), (2, 5), (0, 3)] {
+            sets.join(a, b);
+        }
+        let found: Vec<u32> = (0..6).map(|element| sets.find(element)).collect();
+        assert_eq!(found, [0, 1, 2, 0, 2, 2]);
+    }
+}
