@@ -5,6 +5,8 @@
 mod circles;
 #[path = "architecture/drawing.rs"]
 mod drawing;
+#[path = "architecture/locks.rs"]
+mod locks;
 #[path = "architecture/pages.rs"]
 mod pages;
 #[path = "architecture/scan.rs"]

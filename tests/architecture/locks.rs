@@ -1,0 +1,29 @@
+//! The fuzz targets are a workspace of their own: their lock file keeps up with the project's.
+
+use super::{DRAWING, read, root};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// The versions of every package in a lock file.
+fn locked(text: &str) -> BTreeMap<String, BTreeSet<String>> {
+    let mut packages: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+    for block in text.split("[[package]]\n").skip(1) {
+        let field = |name: &str| {
+            let line = block.lines().find_map(|line| line.strip_prefix(name));
+            line.and_then(|rest| rest.split('"').nth(1)).expect("a field of a package").to_owned()
+        };
+        packages.entry(field("name = ")).or_default().insert(field("version = "));
+    }
+    packages
+}
+
+#[test]
+fn fuzz_targets_are_locked_to_what_the_readers_use() {
+    let [ours, fuzz] =
+        ["Cargo.lock", "formats/fuzz/Cargo.lock"].map(|name| locked(&read(&root().join(name))));
+    let (_, used) = DRAWING.iter().find(|(folder, _)| *folder == "formats").expect("formats");
+    for name in *used {
+        let there =
+            fuzz.get(*name).unwrap_or_else(|| panic!("formats/fuzz/Cargo.lock lacks {name}"));
+        assert!(ours[*name].is_superset(there), "formats/fuzz/Cargo.lock has {name} {there:?}");
+    }
+}
