@@ -55,8 +55,8 @@ tour:
 # Draw the README's picture again (docs/levels.png; needs a graphics device)
 picture: build
     cargo run --release -p lodc-fixtures --example shell -- target/shell.obj
-    target/release/lodc render target/shell.obj --contact-sheet 1,0.1,0.03,0.01 --size 240x300 \
-        --shading flat --azimuth 20 --elevation 12 -o docs/levels.png
+    target/release/lodc render target/shell.obj --contact-sheet 1,0.1,0.03,0.01 --size 320x380 \
+        --shading flat --wireframe --azimuth 20 --elevation 12 -o docs/levels.png
 
 # Draw the picture of the packages again (docs/packages.svg)
 drawing:

@@ -88,6 +88,34 @@ fn check_model(object: &Value, name: &str, row: &Value) {
 }
 
 #[test]
+fn timings_have_a_mean_and_a_spread_beside_the_best() {
+    let f = Folder::new();
+    f.file("g.obj", grid(8));
+    let timed = |rounds: &str| {
+        let args = ["bench", "--json", "--effort", "fast", "--streams", "--rounds", rounds];
+        let report = f.lodc(args.iter().chain(&["g.obj"])).ends(0).json();
+        report["files"][0]["objects"][0].clone()
+    };
+    let object = timed("3");
+    let extraction = &object["models"]["interactive"]["extraction"];
+    for (within, best, spread, rounds) in [
+        (extraction, "/coarser_us", "/spread/coarser", 3.0),
+        (extraction, "/jump_us", "/spread/jump", 15.0),
+        (&object, "/rebuild_us", "/rebuild_spread", 15.0),
+        (&object, "/stream/speed/decode_ms", "/stream/speed/decode_spread", 3.0),
+    ] {
+        let of = |field: &str| number(within, &format!("{spread}/{field}"));
+        assert_eq!(of("rounds"), rounds, "{spread}");
+        // The mean is rounded: a hair below the best if all rounds are equal.
+        assert!(of("mean") >= number(within, best) * (1.0 - 1e-12), "{spread}");
+        assert!(of("deviation") >= 0.0, "{spread}");
+    }
+    let single = timed("1");
+    let finer = &single["models"]["speed"]["extraction"]["spread"]["finer"];
+    assert!(number(finer, "/mean") > 0.0 && finer["deviation"].is_null(), "{finer}");
+}
+
+#[test]
 fn without_times_the_document_is_the_same_with_any_number_of_threads() {
     let f = Folder::new();
     f.file("g.obj", grid(12));
