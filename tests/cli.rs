@@ -2,6 +2,8 @@
 
 #![expect(clippy::print_stderr, reason = "a test that is left out says so aloud")]
 
+#[path = "cli/batch.rs"]
+mod batch;
 #[path = "cli/bench.rs"]
 mod bench;
 #[path = "cli/build.rs"]

@@ -59,6 +59,7 @@ fn built(mesh: &Mesh) -> LodFile {
         source: Source { format: SourceFormat::Obj, content_hash: 0 },
         document: Document::Obj(ObjDocument { libraries: Vec::new(), materials: Vec::new() }),
         objects: vec![LodObject { info: info(mesh), simplified, models }],
+        made_from: None,
         left_out: Vec::new(),
     }
 }

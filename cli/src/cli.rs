@@ -1,8 +1,8 @@
 //! The command line as `clap` sees it: every command, and the options all of them have.
 
 use crate::commands::{
-    bench, build, chain, compare, completions, extract, info, man, pack, render, shaders, strips,
-    unpack, verify,
+    bench, build, chain, compare, completions, config, extract, info, man, pack, render, shaders,
+    strips, unpack, verify,
 };
 use clap::{Args, Parser, Subcommand};
 
@@ -58,6 +58,8 @@ pub(crate) enum Command {
     Shaders(shaders::ShadersArgs),
     /// Measure storage, extraction time, bus traffic and primitives
     Bench(bench::BenchArgs),
+    /// Show what lodc.toml says of an asset
+    Config(config::ShowArgs),
     /// Print a completion script for a shell
     Completions(completions::CompletionsArgs),
     /// Print a manual page

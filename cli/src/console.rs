@@ -1,6 +1,7 @@
 //! The only place that prints: results on standard output, messages on standard error.
 
 use crate::exit::{Failure, Outcome, Status, one_line};
+use crate::progress;
 use std::fmt::Display;
 use std::io::{self, ErrorKind, Write};
 use std::sync::atomic::{AtomicU8, Ordering};
@@ -59,7 +60,9 @@ pub(crate) fn detail(text: &str) {
 
 fn line(text: &str) {
     // Whole lines in one call, so that lines of several threads do not mix.
-    let _ = io::stderr().lock().write_all(format!("{text}\n").as_bytes());
+    progress::beside(|| {
+        let _ = io::stderr().lock().write_all(format!("{text}\n").as_bytes());
+    });
 }
 
 /// Prints a result for people. A reader that closed the pipe has seen enough: that is no failure.
@@ -79,6 +82,16 @@ pub(crate) fn result(text: &str) -> Outcome<()> {
 /// If standard output cannot be written.
 pub(crate) fn json(document: &impl serde::Serialize) -> Outcome<()> {
     let text = serde_json::to_string_pretty(document)
+        .expect("report structs have string keys and finite numbers");
+    result(&text)
+}
+
+/// Prints one JSON document in one line, at once.
+///
+/// # Errors
+/// If standard output cannot be written.
+pub(crate) fn json_line(document: &impl serde::Serialize) -> Outcome<()> {
+    let text = serde_json::to_string(document)
         .expect("report structs have string keys and finite numbers");
     result(&text)
 }

@@ -73,6 +73,12 @@ impl LimitArgs {
         }
     }
 
+    /// Bytes of memory that may be used: what was asked for, or what the machine has; none if
+    /// nobody knows.
+    pub(crate) fn memory(&self) -> Option<u64> {
+        self.limit_memory.or_else(crate::memory::available_bytes)
+    }
+
     /// Refuses a mesh whose simplification would not fit into memory, before the system kills the
     /// process for it.
     ///
@@ -80,7 +86,7 @@ impl LimitArgs {
     /// If more is needed than there is, or than `--limit-memory` allows.
     pub(crate) fn check_memory(&self, triangles: u64) -> Outcome<()> {
         let needed = triangles.saturating_mul(BUILD_BYTES_PER_TRIANGLE);
-        match self.limit_memory.or_else(crate::memory::available_bytes) {
+        match self.memory() {
             Some(limit) if needed > limit => Err(Failure::new(
                 Status::Limit,
                 format!(

@@ -1,11 +1,14 @@
 //! The `lodc` program: commands to functions, results to exit statuses. Everything else is in the
 //! libraries.
 
+mod batch;
 mod cli;
 mod colours;
 mod commands;
+mod config;
 mod console;
 mod exit;
+mod freshness;
 mod gpu;
 mod interrupt;
 mod kinds;
@@ -24,8 +27,8 @@ mod text;
 use clap::{CommandFactory, Parser};
 use cli::{Cli, Command};
 use commands::{
-    bench, build, chain, compare, completions, extract, info, man, pack, render, shaders, strips,
-    unpack, verify,
+    bench, build, chain, compare, completions, config as config_command, extract, info, man, pack,
+    render, shaders, strips, unpack, verify,
 };
 use console::Loudness;
 use exit::{Outcome, Status};
@@ -47,6 +50,7 @@ fn run() -> Status {
             return if error.use_stderr() { Status::Usage } else { Status::Done };
         }
     };
+    batch::know(Cli::command);
     if cli.command.takes_gpu() {
         gpu::restart_with_runtime_folder();
     }
@@ -69,6 +73,7 @@ fn run() -> Status {
         Command::Strips(args) => done(strips::run(args)),
         Command::Shaders(args) => done(shaders::run(args)),
         Command::Bench(args) => bench::run(args),
+        Command::Config(args) => done(config_command::run(args)),
         Command::Completions(args) => done(completions::run(args, Cli::command())),
         Command::Man(args) => done(man::run(args, Cli::command())),
     });

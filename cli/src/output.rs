@@ -115,7 +115,7 @@ pub(crate) fn named(input: &Path, extension: &str) -> PathBuf {
 
 /// The identity of a path: its folder as the system knows it, and its name. Good enough for files
 /// that do not exist.
-fn place(path: &Path) -> PathBuf {
+pub(crate) fn place(path: &Path) -> PathBuf {
     if let Ok(whole) = path.canonicalize() {
         return whole;
     }

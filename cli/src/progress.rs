@@ -3,6 +3,7 @@
 use crate::console::{Loudness, wants};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{IsTerminal, stderr};
+use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 /// Progress of one input; silent where nobody is watching.
@@ -25,6 +26,14 @@ impl Progress {
         bar.enable_steady_tick(Duration::from_millis(200));
         Self(bar)
     }
+    /// A bar that is never shown.
+    pub(crate) fn hidden() -> Self {
+        Self(ProgressBar::hidden())
+    }
+    /// Takes the bar off the terminal.
+    pub(crate) fn clear(&self) {
+        self.0.finish_and_clear();
+    }
     /// A new stage begins.
     pub(crate) fn stage(&self, name: &'static str) {
         self.0.set_message(name);
@@ -40,5 +49,55 @@ impl Progress {
 impl Drop for Progress {
     fn drop(&mut self) {
         self.0.finish_and_clear();
+    }
+}
+
+/// The bar of a run over many assets, if one is shown: messages are printed beside it.
+static SHOWN: Mutex<Option<ProgressBar>> = Mutex::new(None);
+
+/// Progress of a run: `[i/n]` and the asset that was done last. A single asset has its own bar.
+#[derive(Debug)]
+pub(crate) struct BatchProgress {
+    bar: ProgressBar,
+    single: bool,
+}
+
+impl BatchProgress {
+    /// A bar for so many assets.
+    pub(crate) fn new(assets: usize) -> Self {
+        let single = assets < 2;
+        if single || !stderr().is_terminal() || !wants(Loudness::Normal) {
+            return Self { bar: ProgressBar::hidden(), single };
+        }
+        let target = ProgressDrawTarget::stderr_with_hz(10);
+        let bar = ProgressBar::with_draw_target(Some(assets as u64), target);
+        let style = ProgressStyle::with_template("[{pos}/{len}] {msg:20!} {bar:12} {elapsed}");
+        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+        *SHOWN.lock().unwrap_or_else(PoisonError::into_inner) = Some(bar.clone());
+        Self { bar, single }
+    }
+    /// Progress of one asset of the run.
+    pub(crate) fn of_asset(&self, name: &str) -> Progress {
+        if self.single { Progress::new(name) } else { Progress::hidden() }
+    }
+    /// One asset more is done.
+    pub(crate) fn done(&self, name: &str) {
+        self.bar.set_message(name.to_owned());
+        self.bar.inc(1);
+    }
+}
+
+impl Drop for BatchProgress {
+    fn drop(&mut self) {
+        *SHOWN.lock().unwrap_or_else(PoisonError::into_inner) = None;
+        self.bar.finish_and_clear();
+    }
+}
+
+/// Prints something while no bar is in the way.
+pub(crate) fn beside(print: impl FnOnce()) {
+    match &*SHOWN.lock().unwrap_or_else(PoisonError::into_inner) {
+        Some(bar) => bar.suspend(print),
+        None => print(),
     }
 }

@@ -12,6 +12,21 @@ pub(crate) struct BuildReport {
     pub(crate) schema_version: u32,
     pub(crate) tool_version: &'static str,
     pub(crate) inputs: Vec<InputReport>,
+    pub(crate) summary: Summary,
+}
+
+/// The last line of `build --report jsonl`.
+#[derive(Debug, Serialize)]
+pub(crate) struct SummaryReport {
+    pub(crate) summary: Summary,
+}
+
+/// Numbers of assets by what became of them.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub(crate) struct Summary {
+    pub(crate) built: usize,
+    pub(crate) up_to_date: usize,
+    pub(crate) failed: usize,
 }
 
 /// One input of a build. Counts are null if the work did not get that far.
@@ -21,6 +36,9 @@ pub(crate) struct InputReport {
     pub(crate) output: String,
     /// The exit status of this input alone.
     pub(crate) status: u8,
+    /// Nothing had changed since its result was made, which was left alone.
+    pub(crate) up_to_date: bool,
+    pub(crate) seconds: f64,
     pub(crate) vertices: Option<u64>,
     pub(crate) referenced_vertices: Option<u64>,
     pub(crate) triangles: Option<u64>,

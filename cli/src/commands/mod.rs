@@ -6,6 +6,7 @@ pub(crate) mod build;
 pub(crate) mod chain;
 pub(crate) mod compare;
 pub(crate) mod completions;
+pub(crate) mod config;
 pub(crate) mod extract;
 pub(crate) mod info;
 pub(crate) mod man;

@@ -7,6 +7,7 @@ mod golden_tests;
 #[cfg(test)]
 mod hostile_tests;
 mod left_out;
+mod made_from;
 pub(crate) mod manifest;
 mod manifest_codec;
 mod object;
@@ -24,6 +25,7 @@ use left_out::LeftOut;
 use lodc_lod::AnyModel;
 use lodc_mesh::Simplified;
 use lodc_model::Model;
+pub use made_from::MadeFrom;
 use manifest::{DocumentEntry, Manifest};
 use std::sync::Arc;
 use streams::ZeroBudget;
@@ -41,6 +43,8 @@ pub struct LodFile {
     pub document: Document,
     /// The objects.
     pub objects: Vec<LodObject>,
+    /// What it was made from, if whoever made it knew.
+    pub made_from: Option<MadeFrom>,
     /// Parts that a reader left out because this version does not know them: one line for each, up
     /// to twenty. Empty in a file to be written; writing a file that was read leaves it out for
     /// good.
@@ -106,6 +110,8 @@ pub fn read(bytes: &[u8]) -> Result<LodFile, FormatError> {
             Document::Gltf(GltfDocument { json: json.to_owned(), blob })
         }
     };
+    let made_from = container.take_optional(tag::MADE_FROM, SCENE, 0).map(MadeFrom::read);
+    let made_from = made_from.transpose()?;
     let mut zeros = ZeroBudget::of_file(bytes.len());
     let mut left_out = LeftOut::default();
     let objects = (0..)
@@ -115,7 +121,16 @@ pub fn read(bytes: &[u8]) -> Result<LodFile, FormatError> {
         })
         .collect::<Result<_, _>>()?;
     container.finish(&mut left_out)?;
-    Ok(LodFile { source, document, objects, left_out: left_out.into_lines() })
+    Ok(LodFile { source, document, objects, made_from, left_out: left_out.into_lines() })
+}
+
+/// Returns what a file was made from, without reading its objects; none if the file does not say.
+///
+/// # Errors
+/// If the file is damaged or needs a newer program.
+pub fn made_from(bytes: &[u8]) -> Result<Option<MadeFrom>, FormatError> {
+    let mut container = Container::read(bytes)?;
+    container.take_optional(tag::MADE_FROM, SCENE, 0).map(MadeFrom::read).transpose()
 }
 
 /// Lays a container out. Equal contents give equal bytes.
@@ -132,6 +147,9 @@ pub fn write(file: &LodFile) -> Vec<u8> {
             out.extend_from_slice(gltf.json.as_bytes());
         });
         writer.required(tag::DOCUMENT_BLOB, SCENE, 0, |out| out.extend_from_slice(&gltf.blob));
+    }
+    if let Some(made) = &file.made_from {
+        writer.optional(tag::MADE_FROM, SCENE, 0, |out| out.extend_from_slice(&made.bytes()));
     }
     for ((number, object), plan) in (0..).zip(&file.objects).zip(&plans) {
         object::write(&mut writer, number, object, plan);

@@ -41,7 +41,8 @@ pub(super) mod tag {
     pub(crate) const STEP_RMS: Tag = *b"SRMS";
     pub(crate) const STEP_TRIANGLES: Tag = *b"STRI";
     pub(crate) const MODEL_ARRAY: Tag = *b"MODA";
-    pub(crate) const KNOWN: [Tag; 13] = [
+    pub(crate) const MADE_FROM: Tag = *b"MADE";
+    pub(crate) const KNOWN: [Tag; 14] = [
         MANIFEST,
         DOCUMENT_JSON,
         DOCUMENT_BLOB,
@@ -55,6 +56,7 @@ pub(super) mod tag {
         STEP_RMS,
         STEP_TRIANGLES,
         MODEL_ARRAY,
+        MADE_FROM,
     ];
 }
 

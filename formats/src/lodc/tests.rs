@@ -42,6 +42,7 @@ pub(super) fn obj_file(name: &str) -> LodFile {
             materials,
         }),
         objects: vec![object(name, &fixtures::named(name).expect("a shape"))],
+        made_from: None,
         left_out: vec![],
     }
 }
@@ -55,6 +56,7 @@ pub(super) fn gltf_file(names: &[&str]) -> LodFile {
             .iter()
             .map(|name| object(name, &fixtures::named(name).expect("a shape")))
             .collect(),
+        made_from: None,
         left_out: vec![],
     }
 }

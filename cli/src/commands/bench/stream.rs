@@ -86,6 +86,7 @@ fn alone(object: &LodObject) -> LodFile {
         source: Source { format: SourceFormat::Obj, content_hash: 0 },
         document: Document::Obj(ObjDocument::default()),
         objects: vec![object],
+        made_from: None,
         left_out: Vec::new(),
     }
 }

@@ -3,6 +3,7 @@
 use super::errors::{SimplifiedObjects, measure_all};
 use super::{BuildArgs, counts};
 use crate::exit::{Failure, Outcome, Status};
+use crate::freshness;
 use crate::levels;
 use crate::output::{self, Target};
 use crate::paints::Paints;
@@ -19,6 +20,7 @@ use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::SystemTime;
 
 /// The result of a build.
 pub(super) struct BuildOutput {
@@ -37,6 +39,7 @@ pub(super) fn make(
     progress: &Progress,
     report: &mut InputReport,
 ) -> Outcome<BuildOutput> {
+    let start = SystemTime::now();
     progress.stage("import");
     let scene = import_scene(args, input, stages, report)?;
     let triangles = report.triangles.unwrap_or(0);
@@ -69,7 +72,8 @@ pub(super) fn make(
     stages.run("check", || objects.par_iter().try_for_each(levels::self_check)).map_err(bug)?;
 
     progress.stage("write");
-    let file = LodFile { source, document, objects, left_out: vec![] };
+    let made_from = freshness::made_from(input, &files_read, &args.resolved, start);
+    let file = LodFile { source, document, objects, made_from, left_out: vec![] };
     let bytes = stages.run("write", || {
         let bytes = write(&file);
         let length = bytes.len();

@@ -34,6 +34,7 @@ fn obj(objects: Vec<LodObject>) -> LodFile {
             materials: Vec::new(),
         }),
         objects,
+        made_from: None,
         left_out: Vec::new(),
     }
 }

@@ -1,0 +1,84 @@
+"""Tasks: one asset each, and what a worker does with it."""
+
+import json
+import os
+import signal
+import subprocess
+from dataclasses import dataclass
+from pathlib import Path
+
+# Memory that a byte of an input may come to, as `lodc build` estimates it for folders.
+MEMORY_OF_BYTE = 14
+# What the smallest asset claims: the program, its threads' stacks, a share of the worker.
+LEAST_MEMORY = 64 << 20
+
+
+@dataclass(frozen=True)
+class Task:
+    """One line of a list."""
+
+    number: int  # from 0, in the order of the list
+    line: str
+    input: str
+    memory: int  # bytes that it may need
+
+
+def read_list(path):
+    """Returns the tasks of a list (docs/CLI.md, `--manifest`).
+
+    Raises ValueError for a line that is not a JSON object with an `input`.
+    """
+    tasks = []
+    for number, line in enumerate(Path(path).read_text().splitlines(), 1):
+        if not line.strip():
+            continue
+        try:
+            name = json.loads(line)["input"]
+        except (ValueError, KeyError, TypeError) as error:
+            raise ValueError(f"{path}: line {number}: no JSON object with an input: {error}")
+        tasks.append(Task(len(tasks), line, name, expected_memory(name)))
+    return tasks
+
+
+def expected_memory(name):
+    """Returns the bytes of memory that an asset may need, from the size of its files."""
+    size = 0
+    for path in {name, str(Path(name).with_suffix(".bin"))}:
+        if os.path.exists(path):
+            size += os.path.getsize(path)
+    return max(LEAST_MEMORY, size * MEMORY_OF_BYTE)
+
+
+def run(task, lodc, output, options, memory):
+    """Builds one asset within `memory` bytes. Returns its line of the report."""
+    command = [lodc, "build", "--manifest", "-", "--report", "json", "-q", "--jobs", "1"]
+    command += ["--limit-memory", str(memory), *options]
+    if output:
+        command += ["-o", output]
+    done = subprocess.run(command, input=task.line, capture_output=True, text=True)
+    try:
+        report = json.loads(done.stdout)["inputs"][0]
+        keys = ("input", "output", "status", "error", "up_to_date", "seconds")
+        return {key: report[key] for key in keys}
+    except (ValueError, KeyError, IndexError):
+        return failure(task, *died(done))
+
+
+def died(done):
+    """Returns status and message of a process that left no report."""
+    if done.returncode < 0:
+        return 70, f"ended by {signal.Signals(-done.returncode).name}"
+    last = (done.stderr.strip().splitlines() or ["it said nothing"])[-1]
+    return done.returncode or 70, last
+
+
+def failure(task, status, error):
+    """Returns the line of the report of an asset that came to nothing."""
+    return {
+        "input": task.input,
+        "output": "",
+        "status": status,
+        "error": error,
+        "up_to_date": False,
+        "seconds": None,
+    }

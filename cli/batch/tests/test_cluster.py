@@ -1,0 +1,134 @@
+"""A scheduler and three workers on this machine: 200 assets, three of them poison, one too large,
+and a worker that is killed in the middle. `LODC` names the program."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import unittest
+from pathlib import Path
+
+from lodc_batch import build, read_list
+from lodc_batch.cluster import summary
+
+LODC = os.environ["LODC"]
+MEM = 200 << 20
+
+
+def grid(n, seed):
+    """Returns an OBJ of 2 n² triangles."""
+    rows = range(n + 1)
+    height = lambda x, y: (x * 7 + y * 13 + seed * 31) % 11 / 40
+    points = [f"v {x} {y} {height(x, y)}" for y in rows for x in rows]
+    at = lambda x, y: y * (n + 1) + x + 1
+    cells = [(x, y) for y in range(n) for x in range(n)]
+    faces = [
+        f"f {at(x, y)} {at(x + 1, y)} {at(x + 1, y + 1)} {at(x, y + 1)}" for x, y in cells
+    ]
+    return "\n".join(points + faces) + "\n"
+
+
+class Cluster:
+    """A scheduler and workers on the loopback interface."""
+
+    def __init__(self, folder, workers):
+        self.file = str(folder / "cluster.json")
+        host = ["--host", "127.0.0.1"]
+        log = open(folder / "cluster.log", "w")
+        dask = [sys.executable, "-m", "dask"]
+        start = lambda *args: subprocess.Popen([*dask, *args], stdout=log, stderr=log, cwd=folder)
+        self.processes = [
+            start("scheduler", *host, "--port", "0", "--no-dashboard", "--scheduler-file", self.file)
+        ]
+        options = ["--scheduler-file", self.file, "--nthreads", "1", "--no-nanny", *host]
+        options += ["--resources", f"MEM={MEM}", "--no-dashboard", "--local-directory", str(folder)]
+        self.processes += [start("worker", *options) for _ in range(workers)]
+
+    def kill_a_worker(self):
+        self.processes[1].send_signal(signal.SIGKILL)
+
+    def stop(self):
+        for process in self.processes:
+            process.terminate()
+        for process in self.processes:
+            process.wait(timeout=30)
+
+
+class Batch(unittest.TestCase):
+    def setUp(self):
+        self.folder = Path(tempfile.mkdtemp(prefix="lodc-batch-"))
+        os.chdir(self.folder)
+
+    def assets(self):
+        """200 assets: 196 good, two malformed, one that ends its process, one too large."""
+        (self.folder / "in").mkdir()
+        names = []
+        for number in range(200):
+            name = f"in/{number:03}.obj"
+            text = grid(3 + number % 9, number)
+            if number in (20, 90):
+                text = "v 0 0 0\nf 1 2 3\n"
+            if number == 50:
+                text += "# kill\n"
+            if number == 150:
+                text = grid(600, number)
+            Path(name).write_text(text)
+            names.append(name)
+        lines = [json.dumps({"input": name, "options": {"models": "interactive"}}) for name in names]
+        Path("list.jsonl").write_text("\n".join(lines))
+
+    def wrapper(self):
+        """A program that is ended by the system for one input, as if it had taken all memory."""
+        path = self.folder / "lodc-or-die"
+        path.write_text(
+            "#!/bin/sh\nline=$(cat)\n"
+            'case "$line" in *050.obj*) kill -9 $$;; esac\n'
+            f'printf "%s" "$line" | exec "{LODC}" "$@"\n'
+        )
+        path.chmod(0o755)
+        return str(path)
+
+    def test_poison_and_a_lost_worker_cost_nobody_else(self):
+        self.assets()
+        serial = [LODC, "build", "--manifest", "list.jsonl", "-o", "serial", "-q", "--jobs", "1"]
+        subprocess.run(serial, capture_output=True)
+        cluster = Cluster(self.folder, 3)
+        killed = threading.Event()
+
+        def on_result(done, _of, _line):
+            if done == 40 and not killed.is_set():
+                cluster.kill_a_worker()
+                killed.set()
+
+        try:
+            tasks = read_list("list.jsonl")
+            start = time.monotonic()
+            lines = build(tasks, cluster.file, self.wrapper(), "out", (), on_result)
+            seconds = time.monotonic() - start
+        finally:
+            cluster.stop()
+        self.assertTrue(killed.is_set())
+        self.assertEqual([line["input"] for line in lines], [task.input for task in tasks])
+        self.assertEqual(summary(lines), {"built": 196, "up_to_date": 0, "failed": 4})
+        failed = {line["input"]: line["status"] for line in lines if line["status"]}
+        expected = {"in/020.obj": 3, "in/050.obj": 70, "in/090.obj": 3, "in/150.obj": 5}
+        self.assertEqual(failed, expected)
+        there = sorted(str(p.relative_to("out")) for p in Path("out").rglob("*") if p.is_file())
+        good = [task.input for task in tasks if task.input not in expected]
+        self.assertEqual(there, [f"{name}.lodc" for name in good], "and no temporary file")
+        for name in there:
+            self.assertEqual((Path("out") / name).read_bytes(), (Path("serial") / name).read_bytes())
+        print(f"200 assets on three workers, one lost: {seconds:.1f} s")
+
+    def test_a_list_that_is_none_is_refused_with_its_line(self):
+        Path("list.jsonl").write_text('{"input": "a.obj"}\n{"output": "x"}\n')
+        with self.assertRaisesRegex(ValueError, "line 2"):
+            read_list("list.jsonl")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,219 @@
+//! The assets of a run: named files, files below folders, lines of a list.
+
+use super::folder::{Filter, files, slashed};
+use super::{BatchArgs, OptionValues, manifest};
+use crate::exit::{Failure, Outcome, Status};
+use crate::output::{self, Target};
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+/// One asset of a run.
+#[derive(Clone, Debug)]
+pub(crate) struct Asset {
+    pub(crate) input: PathBuf,
+    /// Its path as named, or below the folder that was given; with slashes.
+    pub(crate) name: String,
+    /// The folder that was given and that it was found in.
+    pub(crate) folder: Option<PathBuf>,
+    /// Where its result goes, or why that cannot be.
+    pub(crate) target: Outcome<Target>,
+    /// Options of its own.
+    pub(crate) options: OptionValues,
+    /// The list and the line that names it, for messages.
+    pub(crate) line: Option<(PathBuf, usize)>,
+    /// Missing folders of its result are made.
+    pub(crate) makes_folders: bool,
+}
+
+impl Asset {
+    /// Returns whether it came from a folder or a list: one of many.
+    pub(crate) fn is_listed(&self) -> bool {
+        self.folder.is_some() || self.line.is_some()
+    }
+
+    /// A message about its options, with the line that they stand in.
+    pub(crate) fn with_line(&self, what: &str) -> String {
+        match &self.line {
+            Some((list, line)) => format!("{}: line {line}: {what}", list.display()),
+            None => format!("{}: {what}", self.input.display()),
+        }
+    }
+}
+
+/// What a command takes and writes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sources<'a> {
+    /// Named files and folders.
+    pub(crate) inputs: &'a [PathBuf],
+    /// `-o`.
+    pub(crate) output: Option<&'a Path>,
+    /// Extensions of the files that are taken from folders.
+    pub(crate) reads: &'a [&'a str],
+    /// Extension of results.
+    pub(crate) writes: &'a str,
+}
+
+/// Returns the assets of a run in order: named ones and folders as they were given, then the
+/// list's. Two that would share a result each carry that as their failure.
+///
+/// # Errors
+/// If a folder or the list cannot be read, or holds nothing; if there is nothing to do with what
+/// was given.
+pub(crate) fn assets(sources: Sources<'_>, batch: &BatchArgs) -> Outcome<Vec<Asset>> {
+    let filter = Filter::new(batch)?;
+    let several = sources.inputs.len() > 1
+        || batch.manifest.is_some()
+        || sources.inputs.iter().any(|input| input.is_dir());
+    let folder_out = sources.output.filter(|out| several || output::is_folder(out));
+    if let Some(out) = folder_out {
+        check_folder(out)?;
+    }
+    let mut all = Vec::new();
+    for input in sources.inputs {
+        if input.is_dir() {
+            for (path, name) in files(input, sources.reads, &filter)? {
+                let file = format!("{name}.{}", sources.writes);
+                let target = Target::File(folder_out.unwrap_or(input).join(file));
+                all.push(found(path, name, Some(input.clone()), Ok(target)));
+            }
+        } else {
+            let target = named_target(input, folder_out, &sources);
+            let name = input.to_string_lossy().replace('\\', "/");
+            all.push(found(input.clone(), name, None, target));
+        }
+    }
+    if let Some(list) = &batch.manifest {
+        for (number, line) in manifest::read(list)? {
+            let options = line.options().map_err(|what| {
+                Failure::new(Status::Input, format!("{}: line {number}: {what}", list.display()))
+            })?;
+            let name = slashed(&line.input);
+            let target = Target::File(listed_target(&line, folder_out, sources.writes));
+            let asset = found(line.input, name, None, Ok(target));
+            all.push(Asset {
+                options,
+                line: Some((list.clone(), number)),
+                makes_folders: true,
+                ..asset
+            });
+        }
+    }
+    if let Some(shard) = batch.shard {
+        all.retain(|asset| shard.has(&asset.name));
+    }
+    all.iter_mut().for_each(|asset| asset.makes_folders |= folder_out.is_some());
+    refuse_clashes(&mut all);
+    Ok(all)
+}
+
+fn found(input: PathBuf, name: String, folder: Option<PathBuf>, target: Outcome<Target>) -> Asset {
+    let makes_folders = folder.is_some();
+    Asset {
+        input,
+        name,
+        folder,
+        target,
+        options: OptionValues::default(),
+        line: None,
+        makes_folders,
+    }
+}
+
+fn check_folder(out: &Path) -> Outcome<()> {
+    if output::is_stream(out) {
+        let what = "several results do not fit one standard output: name a folder";
+        return Err(Failure::usage(what));
+    }
+    if out.exists() && !out.is_dir() {
+        let what = "several inputs need a folder, this is a file";
+        return Err(Failure::usage(format!("{}: {what}", out.display())));
+    }
+    Ok(())
+}
+
+/// Target of a file that the command line names: its own stem.
+fn named_target(input: &Path, folder_out: Option<&Path>, sources: &Sources<'_>) -> Outcome<Target> {
+    let stem = output::named(input, sources.writes);
+    match (folder_out, sources.output) {
+        // `.` would only make names longer.
+        (Some(out), _) if out == Path::new(".") => Ok(Target::File(stem)),
+        (Some(out), _) => Ok(Target::File(out.join(stem))),
+        (None, Some(out)) if output::is_stream(out) => Ok(Target::Stdout),
+        (None, Some(out)) => Ok(Target::File(out.to_owned())),
+        (None, None) if output::is_stream(input) => {
+            Err(Failure::usage("standard input has no place beside it: name the output with -o"))
+        }
+        (None, None) => Ok(Target::File(input.with_file_name(stem))),
+    }
+}
+
+/// Target of a line of a list: what it says, else the input's whole name.
+fn listed_target(line: &manifest::Line, folder_out: Option<&Path>, extension: &str) -> PathBuf {
+    match (&line.output, folder_out) {
+        (Some(output), Some(out)) if output.is_relative() => out.join(output),
+        (Some(output), _) => output.clone(),
+        (None, Some(out)) => out.join(format!("{}.{extension}", slashed(&line.input))),
+        (None, None) => {
+            let mut name = line.input.file_name().unwrap_or_default().to_owned();
+            name.push(format!(".{extension}"));
+            line.input.with_file_name(name)
+        }
+    }
+}
+
+/// Makes a failure of every target that another asset has as well, or that is an input.
+fn refuse_clashes(all: &mut [Asset]) {
+    let inputs: BTreeSet<PathBuf> = all.iter().map(|asset| output::place(&asset.input)).collect();
+    let mut owners: BTreeMap<PathBuf, Vec<usize>> = BTreeMap::new();
+    for (number, asset) in all.iter().enumerate() {
+        if let Ok(Target::File(path)) = &asset.target {
+            owners.entry(output::place(path)).or_default().push(number);
+        }
+    }
+    for (place, numbers) in owners {
+        let names: Vec<_> = numbers.iter().map(|&n| all[n].input.display().to_string()).collect();
+        let what = match names.as_slice() {
+            [_] if inputs.contains(&place) => "the output would replace an input".to_owned(),
+            [_] => continue,
+            [a, b] => format!("{a} and {b} would both be written there"),
+            [a, b, more @ ..] => {
+                format!("{a}, {b} and {} more would all be written there", more.len())
+            }
+            [] => unreachable!("every place has an owner"),
+        };
+        for number in numbers {
+            let asset = &mut all[number];
+            if let Ok(Target::File(path)) = &asset.target {
+                asset.target = Err(Failure::usage(format!("{}: {what}", path.display())));
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of_names(names: &[&str], output: Option<&str>) -> Vec<Asset> {
+        let inputs: Vec<PathBuf> = names.iter().map(PathBuf::from).collect();
+        let output = output.map(Path::new);
+        let sources = Sources { inputs: &inputs, output, reads: &["obj"], writes: "lodc" };
+        assets(sources, &BatchArgs::default()).expect("assets")
+    }
+
+    #[test]
+    fn results_of_one_name_are_failures_of_their_own() {
+        let all = of_names(&["a/x.obj", "b/x.glb", "b/y.obj"], Some("out"));
+        let failed: Vec<bool> = all.iter().map(|asset| asset.target.is_err()).collect();
+        assert_eq!(failed, [true, true, false]);
+        let what = all[0].target.clone().expect_err("a clash").message;
+        assert_eq!(what, "out/x.lodc: a/x.obj and b/x.glb would both be written there");
+        assert!(of_names(&["a/x.obj", "b/x.glb"], None).iter().all(|a| a.target.is_ok()));
+    }
+
+    #[test]
+    fn a_result_never_replaces_an_input() {
+        let all = of_names(&["x.obj", "x.lodc"], None);
+        assert_eq!(all.iter().filter(|asset| asset.target.is_err()).count(), 2);
+    }
+}

@@ -1,0 +1,38 @@
+//! Many assets in one run: which they are, with which options, and how they are worked off.
+
+mod assets;
+mod folder;
+mod manifest;
+mod options;
+mod queue;
+mod shard;
+
+pub(crate) use assets::{Asset, Sources, assets};
+pub(crate) use folder::globs;
+pub(crate) use options::{OptionValues, arguments, has_option, is_command, know, suggestion};
+pub(crate) use queue::{Budget, run};
+pub(crate) use shard::Shard;
+
+use clap::Args;
+use std::path::PathBuf;
+
+/// Options of commands that take many assets.
+#[derive(Args, Clone, Debug, Default)]
+#[command(next_help_heading = "Many assets")]
+pub(crate) struct BatchArgs {
+    /// Read assets from FILE, a JSON document in each line: {"input": PATH, "output": PATH,
+    /// "options": {"metric": "hybrid", ...}}; the last two may be left out; `-` for standard input
+    #[arg(long, value_name = "FILE")]
+    pub(crate) manifest: Option<PathBuf>,
+    /// Of folders, take only files whose path below the folder matches (may be given several
+    /// times)
+    #[arg(long, value_name = "GLOB")]
+    pub(crate) include: Vec<String>,
+    /// Of folders, leave out files whose path below the folder matches (may be given several
+    /// times)
+    #[arg(long, value_name = "GLOB")]
+    pub(crate) exclude: Vec<String>,
+    /// Do part I of N only, I from 1; which part an asset is in depends on its path alone
+    #[arg(long, value_name = "I/N", value_parser = Shard::parse)]
+    pub(crate) shard: Option<Shard>,
+}

@@ -1,0 +1,184 @@
+//! Options that an asset has of its own, from a list or a configuration: the command line's, by
+//! their long names.
+
+use clap::parser::ValueSource;
+use clap::{ArgMatches, Command, FromArgMatches};
+use std::collections::BTreeMap;
+use std::ffi::OsString;
+use std::sync::OnceLock;
+
+/// Options that belong to a run, not to an asset.
+const OF_THE_RUN: [&str; 15] = [
+    "config",
+    "depfile",
+    "exclude",
+    "help",
+    "if-changed",
+    "include",
+    "jobs",
+    "json",
+    "manifest",
+    "output",
+    "profile",
+    "quiet",
+    "report",
+    "shard",
+    "verbose",
+];
+
+/// The command line as the program defines it: set once, so that nothing here depends on the
+/// commands.
+static ROOT: OnceLock<fn() -> Command> = OnceLock::new();
+
+/// Makes the command line known.
+pub(crate) fn know(root: fn() -> Command) {
+    let _ = ROOT.set(root);
+}
+
+fn root() -> Command {
+    ROOT.get().expect("the command line is known from the start")()
+}
+
+/// Values of options by long name, without dashes. A switch has none.
+#[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct OptionValues(pub(crate) BTreeMap<String, Vec<String>>);
+
+impl OptionValues {
+    /// Reads them from a JSON object. `false` says that a switch is off, like leaving it out.
+    ///
+    /// # Errors
+    /// If a value is neither text, number, true, false nor a list of texts and numbers.
+    pub(crate) fn from_json(
+        object: &serde_json::Map<String, serde_json::Value>,
+    ) -> Result<Self, String> {
+        use serde_json::Value;
+        let one = |name: &str, value: &Value| match value {
+            Value::String(text) => Ok(text.clone()),
+            Value::Number(number) => Ok(number.to_string()),
+            _ => Err(format!("option {name}: a text, a number, true, false or a list is needed")),
+        };
+        let mut values = BTreeMap::new();
+        for (name, value) in object {
+            let list = match value {
+                Value::Bool(false) => continue,
+                Value::Bool(true) => vec![],
+                Value::Array(list) => {
+                    list.iter().map(|v| one(name, v)).collect::<Result<_, _>>()?
+                }
+                value => vec![one(name, value)?],
+            };
+            values.insert(name.clone(), list);
+        }
+        Ok(Self(values))
+    }
+
+    /// Those of `stronger`, and these where it has none.
+    pub(crate) fn under(mut self, stronger: Self) -> Self {
+        self.0.extend(stronger.0);
+        self
+    }
+}
+
+/// Returns the long names of the options that stand on the command line itself.
+fn given(matches: &ArgMatches, command: &Command) -> Vec<String> {
+    let arguments = command.get_arguments();
+    let there = arguments
+        .filter(|a| matches.value_source(a.get_id().as_str()) == Some(ValueSource::CommandLine));
+    there.filter_map(|a| a.get_long().map(str::to_owned)).collect()
+}
+
+/// Reads the arguments of a command anew, with an asset's own options where the command line has
+/// none of that name. Returns what the command sees, and every option with its values as text, for
+/// keys: equal texts mean equal options.
+///
+/// # Errors
+/// In one line, if an option is unknown, belongs to a run, or has a value that is none.
+pub(crate) fn arguments<A: FromArgMatches>(
+    name: &str,
+    own: &OptionValues,
+) -> Result<(A, String), String> {
+    let mut raw: Vec<OsString> = std::env::args_os().collect();
+    let root = self::root();
+    let command = root.find_subcommand(name).expect("a command of this program");
+    let typed = root.clone().get_matches_from(&raw);
+    let typed = typed.subcommand_matches(name).expect("the command that runs");
+    let given = given(typed, command);
+    let mut more = Vec::new();
+    for (option, values) in &own.0 {
+        if OF_THE_RUN.contains(&option.as_str()) {
+            return Err(format!("option {option} is for a whole run, not for one asset"));
+        }
+        if given.contains(option) {
+            continue;
+        }
+        match values.as_slice() {
+            [] => more.push(format!("--{option}").into()),
+            values => more.extend(values.iter().map(|v| format!("--{option}={v}").into())),
+        }
+    }
+    let place = raw.iter().position(|arg| arg == name).expect("the command's name is there") + 1;
+    raw.splice(place..place, more);
+    let matches = root.clone().try_get_matches_from(raw).map_err(|e| first_line(&e))?;
+    let matches = matches.subcommand_matches(name).expect("the same command");
+    let read = A::from_arg_matches(matches).map_err(|e| first_line(&e))?;
+    Ok((read, resolved(matches, command)))
+}
+
+/// What is wrong with an option, without the usage around it.
+fn first_line(error: &clap::Error) -> String {
+    let text = error.to_string();
+    let mut lines = text.lines().map(str::trim);
+    let what = lines.next().unwrap_or_default().trim_start_matches("error: ").to_owned();
+    match lines.find(|line| line.starts_with("tip: ")) {
+        Some(tip) => format!("{what} ({tip})"),
+        None => what,
+    }
+}
+
+/// Every option of an asset that can change its result, with its values.
+fn resolved(matches: &ArgMatches, command: &Command) -> String {
+    let mut text = String::new();
+    for argument in command.get_arguments() {
+        let id = argument.get_id().as_str();
+        let name = argument.get_long().unwrap_or_default();
+        if name.is_empty() || OF_THE_RUN.contains(&name) || name.starts_with("limit-") {
+            continue;
+        }
+        let values = matches.get_raw(id).into_iter().flatten();
+        let values: Vec<_> = values.map(|v| v.to_string_lossy()).collect();
+        text.push_str(&format!("{name}={};", values.join(",")));
+    }
+    text
+}
+
+/// Every command with the long names of its options for assets.
+fn commands() -> &'static [(String, Vec<String>)] {
+    static COMMANDS: OnceLock<Vec<(String, Vec<String>)>> = OnceLock::new();
+    COMMANDS.get_or_init(|| {
+        let root = self::root();
+        let options = |c: &Command| -> Vec<String> {
+            let names = c.get_arguments().filter_map(|a| a.get_long());
+            names.filter(|n| !OF_THE_RUN.contains(n)).map(str::to_owned).collect()
+        };
+        root.get_subcommands().map(|c| (c.get_name().to_owned(), options(c))).collect()
+    })
+}
+
+/// Returns whether a command, or any, has an option of this long name for assets.
+pub(crate) fn has_option(command: Option<&str>, option: &str) -> bool {
+    let mut of = commands().iter().filter(|(name, _)| command.is_none_or(|c| c == name));
+    of.any(|(_, options)| options.iter().any(|o| o == option))
+}
+
+/// Returns whether a command has this name.
+pub(crate) fn is_command(name: &str) -> bool {
+    commands().iter().any(|(command, _)| command == name)
+}
+
+/// The option of a command, or of any, whose name is most like a wrong one; none if none is.
+pub(crate) fn suggestion(wrong: &str, command: Option<&str>) -> Option<&'static str> {
+    let of = commands().iter().filter(|(name, _)| command.is_none_or(|c| c == name));
+    let names = of.flat_map(|(_, options)| options.iter().map(String::as_str));
+    let near = names.map(|name| (strsim::jaro(wrong, name), name)).filter(|(s, _)| *s > 0.7);
+    near.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, name)| name)
+}

@@ -1,0 +1,47 @@
+//! `lodc config`: what configuration files say of an asset.
+
+use crate::config::{ConfigArgs, Configs};
+use crate::console;
+use crate::exit::Outcome;
+use clap::Args;
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+/// Commands whose options can stand in a configuration.
+const COMMANDS: [&str; 1] = ["build"];
+
+/// Options of `config`.
+#[derive(Args, Debug)]
+pub(crate) struct ShowArgs {
+    /// Show which options apply to FILE, and from where
+    #[arg(long, value_name = "FILE", required = true)]
+    show: PathBuf,
+    #[command(flatten)]
+    configuration: ConfigArgs,
+}
+
+pub(crate) fn run(args: &ShowArgs) -> Outcome<()> {
+    let mut lines = Vec::new();
+    for command in COMMANDS {
+        let layers = Configs::new(&args.configuration, command).layers(&args.show, None)?;
+        let mut options = BTreeMap::new();
+        for layer in &layers {
+            for (name, values) in &layer.values.0 {
+                options.insert(name, (values, &layer.source));
+            }
+        }
+        for (name, (values, source)) in options {
+            let option = match values.as_slice() {
+                [] => format!("--{name}"),
+                values => format!("--{name} {}", values.join(",")),
+            };
+            lines.push(format!("{command} {option:<32} # {source}"));
+        }
+    }
+    if lines.is_empty() {
+        let what = format!("{}: no lodc.toml says anything of it", args.show.display());
+        console::note(&what);
+        return Ok(());
+    }
+    console::result(&lines.join("\n"))
+}

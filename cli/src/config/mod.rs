@@ -1,0 +1,87 @@
+//! Configuration files: options of assets by their place, in `lodc.toml`.
+
+mod file;
+mod find;
+
+pub(crate) use file::Layer;
+
+use crate::batch::{Asset, OptionValues};
+use crate::exit::{Failure, Outcome};
+use clap::Args;
+use file::File;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+
+/// Name of a configuration file that is found by itself.
+const NAME: &str = "lodc.toml";
+
+/// Options that choose a configuration.
+#[derive(Args, Clone, Debug, Default)]
+#[command(next_help_heading = "Configuration")]
+pub(crate) struct ConfigArgs {
+    /// Read options from FILE [default: the nearest lodc.toml above the input, not above the
+    /// folder that was given or, for a named file, the current one]
+    #[arg(long, value_name = "FILE")]
+    pub(crate) config: Option<PathBuf>,
+    /// Take the options of this profile of the configuration
+    #[arg(long, value_name = "NAME")]
+    pub(crate) profile: Option<String>,
+}
+
+/// The configurations of a run, each read once.
+#[derive(Debug)]
+pub(crate) struct Configs<'a> {
+    args: &'a ConfigArgs,
+    command: &'static str,
+    read: BTreeMap<PathBuf, Rc<File>>,
+}
+
+impl<'a> Configs<'a> {
+    /// The configurations that assets of a command may meet.
+    pub(crate) fn new(args: &'a ConfigArgs, command: &'static str) -> Self {
+        Self { args, command, read: BTreeMap::new() }
+    }
+
+    /// Returns what a configuration says of an asset: layers, the strongest last.
+    ///
+    /// # Errors
+    /// If the configuration cannot be read, has an unknown key, or lacks the profile.
+    pub(crate) fn layers(&mut self, input: &Path, folder: Option<&Path>) -> Outcome<Vec<Layer>> {
+        let found = match &self.args.config {
+            Some(path) => Some(path.clone()),
+            None => find::nearest(NAME, input, folder),
+        };
+        let Some(path) = found else { return self.no_profile() };
+        if !self.read.contains_key(&path) {
+            self.read.insert(path.clone(), Rc::new(File::read(&path)?));
+        }
+        let file = Rc::clone(&self.read[&path]);
+        file.layers(self.command, self.args.profile.as_deref(), input)
+    }
+
+    /// Puts what configurations say under the options that assets have already.
+    ///
+    /// # Errors
+    /// As for [`Self::layers`].
+    pub(crate) fn apply(&mut self, assets: &mut [Asset]) -> Outcome<()> {
+        for asset in assets {
+            let layers = self.layers(&asset.input, asset.folder.as_deref())?;
+            let mut under = OptionValues::default();
+            for layer in layers {
+                under = under.under(layer.values);
+            }
+            asset.options = under.under(std::mem::take(&mut asset.options));
+        }
+        Ok(())
+    }
+
+    fn no_profile(&self) -> Outcome<Vec<Layer>> {
+        match &self.args.profile {
+            Some(name) => Err(Failure::usage(format!(
+                "profile {name}: there is no {NAME} that could have it (--config names one)"
+            ))),
+            None => Ok(vec![]),
+        }
+    }
+}

@@ -1,0 +1,247 @@
+//! Many assets in one run: folders, lists, parts, what is up to date, and configurations.
+
+use crate::support::{Folder, Run, grid};
+use serde_json::Value;
+use std::process::Command;
+
+/// A folder `in` with meshes in two levels and a file that is none.
+fn models() -> Folder {
+    let f = Folder::new();
+    f.file("in/a.obj", grid(4));
+    f.file("in/props/b.obj", grid(6));
+    f.file("in/props/c.OBJ", grid(3));
+    f.file("in/readme.txt", "not a mesh");
+    f.file("in/.hidden/d.obj", grid(3));
+    f
+}
+
+fn lines(run: &Run) -> Vec<Value> {
+    let out = String::from_utf8_lossy(&run.out);
+    out.lines().map(|line| serde_json::from_str(line).expect("one document a line")).collect()
+}
+
+#[test]
+fn a_folder_is_mirrored_and_outputs_keep_their_extension() {
+    let f = models();
+    let run = f.lodc(["build", "in", "-o", "out"]).ends(0);
+    assert!(run.err.contains("3 built, 0 up to date, 0 failed"), "{}", run.err);
+    for file in ["out/a.obj.lodc", "out/props/b.obj.lodc", "out/props/c.OBJ.lodc"] {
+        assert!(f.has(file), "{file}");
+    }
+    assert!(!f.has("out/.hidden") && !f.has("out/readme.txt.lodc"));
+    f.lodc(["build", "in/props", "--exclude", "c.*", "-q"]).ends(0);
+    assert!(f.has("in/props/b.obj.lodc") && !f.has("in/props/c.OBJ.lodc"));
+    f.lodc(["build", "in", "-o", "some", "--include", "**/b.*", "-q"]).ends(0);
+    assert!(f.has("some/props/b.obj.lodc") && !f.has("some/a.obj.lodc"));
+    let none = f.lodc(["build", "in", "-o", "none", "--include", "*.xyz"]).fails(3);
+    assert!(none.err.contains("in: no file of this folder matches"), "{}", none.err);
+    f.lodc(["build", "in", "--include", "a["]).fails(2);
+}
+
+#[test]
+fn a_run_gives_the_bytes_that_single_builds_give() {
+    let f = models();
+    f.lodc(["build", "in", "-o", "two", "--jobs", "2", "-q"]).ends(0);
+    f.lodc(["build", "in", "-o", "one", "--jobs", "1", "-q"]).ends(0);
+    f.lodc(["build", "in/props/b.obj", "-o", "b.lodc", "-q"]).ends(0);
+    assert_eq!(f.read("two/a.obj.lodc"), f.read("one/a.obj.lodc"));
+    assert_eq!(f.read("two/props/b.obj.lodc"), f.read("b.lodc"));
+}
+
+#[test]
+fn one_bad_asset_never_stops_the_rest() {
+    let f = models();
+    f.file("in/bad.obj", "v 0 0 0\nf 1 2 3\n");
+    let run = f.lodc(["build", "in", "-o", "out", "--report", "jsonl", "-q"]).ends(3);
+    let lines = lines(&run);
+    assert_eq!(lines.len(), 5);
+    let bad = lines.iter().find(|l| l["input"] == "in/bad.obj").expect("a line for each asset");
+    assert_eq!((&bad["status"], &bad["up_to_date"]), (&3.into(), &false.into()));
+    assert!(bad["error"].as_str().is_some_and(|e| e.contains("bad.obj")));
+    assert!(lines[..4].iter().all(|l| l["seconds"].is_f64() && l["output"].is_string()));
+    let summary = serde_json::json!({"summary": {"built": 3, "up_to_date": 0, "failed": 1}});
+    assert_eq!(lines[4], summary);
+}
+
+#[test]
+fn named_inputs_that_share_an_output_are_errors_and_the_others_are_built() {
+    let f = models();
+    f.file("x/a.obj", grid(3));
+    let args = ["build", "in/a.obj", "x/a.obj", "in/props/b.obj", "-o", "out/", "--report", "json"];
+    let run = f.lodc(args).ends(2);
+    let report = run.json();
+    let status: Vec<_> =
+        report["inputs"].as_array().expect("inputs").iter().map(|i| i["status"].clone()).collect();
+    assert_eq!(status, [2, 2, 0]);
+    assert!(!f.has("out/a.lodc") && f.has("out/b.lodc"));
+    assert!(run.err.contains("in/a.obj and x/a.obj would both be written there"), "{}", run.err);
+}
+
+#[test]
+fn a_list_names_inputs_outputs_and_options() {
+    let f = models();
+    let list = r#"{"input": "in/a.obj", "options": {"models": ["interactive"]}}
+
+{"input": "in/props/b.obj", "output": "sub/b.lodc", "options": {"lock-border": true}}
+"#;
+    f.file("list.jsonl", list);
+    f.lodc(["build", "--manifest", "list.jsonl", "-o", "out", "-q"]).ends(0);
+    f.lodc(["build", "in/a.obj", "-o", "a.lodc", "--models", "interactive", "-q"]).ends(0);
+    f.lodc(["build", "in/props/b.obj", "-o", "b.lodc", "--lock-border", "-q"]).ends(0);
+    assert_eq!(f.read("out/in/a.obj.lodc"), f.read("a.lodc"));
+    assert_eq!(f.read("out/sub/b.lodc"), f.read("b.lodc"));
+
+    f.file("wrong.jsonl", "{\"input\": \"in/a.obj\", \"options\": {\"metrik\": \"hybrid\"}}\n");
+    let run = f.lodc(["build", "--manifest", "wrong.jsonl", "-o", "out"]).fails(2);
+    assert!(run.err.contains("line 1") && run.err.contains("--metric"), "{}", run.err);
+    f.file("broken.jsonl", "{\"input\": \"in/a.obj\"}\n{\"inputs\": 1}\n");
+    let run = f.lodc(["build", "--manifest", "broken.jsonl"]).fails(3);
+    assert!(run.err.contains("broken.jsonl: line 2"), "{}", run.err);
+}
+
+#[test]
+fn parts_of_a_run_make_up_the_whole() {
+    let f = models();
+    f.lodc(["build", "in", "-o", "all", "-q"]).ends(0);
+    let mut parts = 0;
+    for part in ["1/3", "2/3", "3/3"] {
+        let run =
+            f.lodc(["build", "in", "-o", "parts", "--shard", part, "--report", "jsonl", "-q"]);
+        parts += lines(&run.ends(0)).len() - 1;
+    }
+    assert_eq!(parts, 3, "each asset is in one part");
+    for file in ["a.obj.lodc", "props/b.obj.lodc", "props/c.OBJ.lodc"] {
+        assert_eq!(f.read(&format!("all/{file}")), f.read(&format!("parts/{file}")));
+    }
+    f.lodc(["build", "in", "--shard", "0/3"]).ends(2);
+}
+
+#[test]
+fn what_is_up_to_date_is_not_touched() {
+    let f = models();
+    f.file("in/m.obj", format!("mtllib m.mtl\n{}", grid(3)));
+    f.file("in/m.mtl", "newmtl a\nKd 1 0 0\n");
+    let build = ["build", "in", "-o", "out", "--if-changed", "--report", "json", "-q"];
+    let counts = |args: &[&str]| f.lodc(args).ends(0).json()["summary"].clone();
+    let summary = |built: u32, up_to_date: u32| serde_json::json!({"built": built, "up_to_date": up_to_date, "failed": 0});
+    assert_eq!(counts(&build), summary(4, 0));
+    let modified =
+        || f.join("out/a.obj.lodc").metadata().and_then(|m| m.modified()).expect("a time");
+    let before = modified();
+    assert_eq!(counts(&build), summary(0, 4));
+    assert_eq!(modified(), before);
+    // Content counts, not times; files that the input names count, too; so do options.
+    f.file("in/a.obj", grid(4));
+    assert_eq!(counts(&build), summary(0, 4));
+    f.file("in/a.obj", grid(5));
+    f.file("in/m.mtl", "newmtl a\nKd 0 1 0\n");
+    assert_eq!(counts(&build), summary(2, 2));
+    let other: Vec<&str> = build.iter().copied().chain(["--metric", "hybrid"]).collect();
+    assert_eq!(counts(&other), summary(4, 0));
+    // A damaged result is made again.
+    let mut bytes = f.read("out/a.obj.lodc");
+    let last = bytes.len() - 1;
+    bytes[last] ^= 1;
+    f.file("out/a.obj.lodc", bytes);
+    assert_eq!(counts(&other), summary(1, 3));
+}
+
+#[test]
+fn a_configuration_gives_defaults_that_flags_beat() {
+    let f = models();
+    f.file(
+        "in/lodc.toml",
+        "[defaults]\nmodels = [\"interactive\"]\n[profile.fast]\neffort = \"fast\"\n\
+         [[override]]\nfiles = [\"props/**\"]\nlock-border = true\n[override.build]\nmetric = \"kl\"\n",
+    );
+    f.lodc(["build", "in", "-o", "out", "-q"]).ends(0);
+    let single = |args: &[&str]| {
+        f.lodc(["build", "-o", "x.lodc", "-q", "--config", "none.toml"].iter().chain(args)).ends(0);
+        f.read("x.lodc")
+    };
+    f.file("none.toml", "");
+    assert_eq!(f.read("out/a.obj.lodc"), single(&["in/a.obj", "--models", "interactive"]));
+    let b = ["in/props/b.obj", "--models", "interactive", "--lock-border", "--metric", "kl"];
+    assert_eq!(f.read("out/props/b.obj.lodc"), single(&b));
+    f.lodc(["build", "in", "-o", "flag", "--metric", "quadric", "-q"]).ends(0);
+    assert_eq!(f.read("flag/props/b.obj.lodc"), single(&b[..4]));
+
+    let shown = f.lodc(["config", "--show", "in/props/b.obj"]).ends(0);
+    let shown = String::from_utf8_lossy(&shown.out);
+    for part in ["build --metric kl", "--lock-border", "in/lodc.toml [[override]] 1", "[defaults]"]
+    {
+        assert!(shown.contains(part), "{part} in\n{shown}");
+    }
+    let run = f.lodc(["build", "in", "-o", "out", "--profile", "slow"]).fails(2);
+    assert!(run.err.contains("no profile slow; there are: fast"), "{}", run.err);
+    for (wrong, part) in [
+        ("[defaults]\nmetrik = \"kl\"", "is metric meant?"),
+        ("[default]\n", "line 1"),
+        ("[defaults]\nallow-path = \"/\"", "only the command line"),
+        ("[[override]]\nfiles = [\"a[\"]", "glob a["),
+    ] {
+        f.file("in/lodc.toml", wrong);
+        let run = f.lodc(["build", "in", "-o", "out"]).fails(2);
+        assert!(run.err.contains(part) && run.err.contains("in/lodc.toml"), "{}", run.err);
+    }
+}
+
+#[test]
+fn a_configuration_above_the_folder_that_was_given_is_not_read() {
+    let f = models();
+    f.file("lodc.toml", "[defaults]\nnonsense = 1\n");
+    f.lodc(["build", "in", "-o", "out", "-q"]).ends(0);
+    f.lodc(["build", "in/a.obj", "-q"]).fails(2);
+}
+
+/// Runs a build tool; where it is missing the test is left out, but not in CI.
+fn tool(f: &Folder, name: &str, args: &[&str]) -> Option<String> {
+    let run = Command::new(name).args(args).current_dir(f.path()).output();
+    let Ok(output) = run else {
+        assert!(std::env::var_os("CI").is_none(), "{name} is missing");
+        eprintln!("{name} is missing: not tested");
+        return None;
+    };
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    Some(String::from_utf8_lossy(&output.stdout).into_owned())
+}
+
+#[test]
+fn make_builds_again_when_a_file_that_the_input_names_changes() {
+    let f = Folder::new();
+    f.file("m.obj", format!("mtllib m.mtl\n{}", grid(3)));
+    f.file("m.mtl", "newmtl a\n");
+    let lodc = crate::support::LODC;
+    f.file(
+        "Makefile",
+        format!("m.lodc: m.obj\n\t{lodc} build -q m.obj -o $@ --depfile m.d\n-include m.d\n"),
+    );
+    let Some(first) = tool(&f, "make", &[]) else { return };
+    assert!(first.contains("build"));
+    assert!(tool(&f, "make", &[]).is_some_and(|out| out.contains("up to date")));
+    let later = std::time::SystemTime::now() + std::time::Duration::from_secs(2);
+    let library = std::fs::File::options().write(true).open(f.join("m.mtl")).expect("m.mtl");
+    library.set_modified(later).expect("a time can be set");
+    assert!(tool(&f, "make", &[]).is_some_and(|out| out.contains("build -q m.obj")));
+}
+
+#[test]
+fn ninja_reads_the_dependency_file() {
+    let f = Folder::new();
+    f.file("m.obj", format!("mtllib m.mtl\n{}", grid(3)));
+    f.file("m.mtl", "newmtl a\n");
+    let lodc = crate::support::LODC;
+    f.file(
+        "build.ninja",
+        format!(
+            "rule lod\n  command = {lodc} build -q $in -o $out --depfile $out.d\n  \
+             depfile = $out.d\n  deps = gcc\nbuild m.lodc: lod m.obj\n"
+        ),
+    );
+    if tool(&f, "ninja", &[]).is_none() {
+        return;
+    }
+    assert!(tool(&f, "ninja", &[]).is_some_and(|out| out.contains("no work to do")));
+    let deps = tool(&f, "ninja", &["-t", "deps"]).expect("ninja is there");
+    assert!(deps.contains("m.mtl"), "{deps}");
+}
