@@ -147,6 +147,25 @@ fn what_is_up_to_date_is_not_touched() {
 }
 
 #[test]
+fn a_folder_is_verified_against_the_meshes_of_another() {
+    let f = models();
+    f.lodc(["build", "in", "-o", "out", "-q"]).ends(0);
+    let report = f.lodc(["verify", "out", "--source", "in", "--json"]).ends(0).json();
+    let files = report["files"].as_array().expect("files");
+    assert_eq!(files.len(), 3);
+    let compared = |file: &Value| {
+        file["checks"].as_array().is_some_and(|all| all.iter().any(|c| c["model"] == "source"))
+    };
+    assert!(files.iter().all(compared));
+    let one = f.lodc(["verify", "out", "--include", "a.*", "--json"]).ends(0).json();
+    assert_eq!(one["files"].as_array().map(Vec::len), Some(1));
+    f.file("in/a.obj", grid(5));
+    let run = f.lodc(["verify", "out", "--source", "in", "-q"]).fails(1);
+    assert!(run.err.contains("out/a.obj.lodc: no mesh in in has the content"), "{}", run.err);
+    f.lodc(["verify", "in"]).fails(3);
+}
+
+#[test]
 fn a_configuration_gives_defaults_that_flags_beat() {
     let f = models();
     f.file(

@@ -60,7 +60,7 @@ pub(crate) struct Sources<'a> {
 /// If a folder or the list cannot be read, or holds nothing; if there is nothing to do with what
 /// was given.
 pub(crate) fn assets(sources: Sources<'_>, batch: &BatchArgs) -> Outcome<Vec<Asset>> {
-    let filter = Filter::new(batch)?;
+    let filter = Filter::new(&batch.include, &batch.exclude)?;
     let several = sources.inputs.len() > 1
         || batch.manifest.is_some()
         || sources.inputs.iter().any(|input| input.is_dir());

@@ -1,6 +1,5 @@
 //! Files below a folder, by extension and glob.
 
-use super::BatchArgs;
 use crate::exit::{Failure, Outcome, Status};
 use globset::{GlobBuilder, GlobSet, GlobSetBuilder};
 use std::path::{Component, Path, PathBuf};
@@ -18,9 +17,9 @@ impl Filter {
     ///
     /// # Errors
     /// If a glob is none.
-    pub(super) fn new(args: &BatchArgs) -> Outcome<Self> {
-        let include = (!args.include.is_empty()).then(|| globs(&args.include)).transpose()?;
-        Ok(Self { include, exclude: globs(&args.exclude)? })
+    pub(super) fn new(include: &[String], exclude: &[String]) -> Outcome<Self> {
+        let include = (!include.is_empty()).then(|| globs(include)).transpose()?;
+        Ok(Self { include, exclude: globs(exclude)? })
     }
 
     fn takes(&self, name: &str) -> bool {

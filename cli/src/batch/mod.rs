@@ -13,8 +13,37 @@ pub(crate) use options::{OptionValues, arguments, has_option, is_command, know, 
 pub(crate) use queue::{Budget, run};
 pub(crate) use shard::Shard;
 
+use crate::exit::Outcome;
 use clap::Args;
+use folder::Filter;
 use std::path::PathBuf;
+
+/// Extensions of the meshes that are taken from folders.
+pub(crate) const MESHES: [&str; 3] = ["obj", "gltf", "glb"];
+
+/// Returns the files that were named and, in the place of each folder, its files with one of the
+/// extensions.
+///
+/// # Errors
+/// If a folder cannot be read or has no such file, or a glob is none.
+pub(crate) fn expand(
+    inputs: &[PathBuf],
+    extensions: &[&str],
+    include: &[String],
+    exclude: &[String],
+) -> Outcome<Vec<PathBuf>> {
+    let filter = Filter::new(include, exclude)?;
+    let mut all = Vec::new();
+    for input in inputs {
+        if input.is_dir() {
+            let files = folder::files(input, extensions, &filter)?;
+            all.extend(files.into_iter().map(|(path, _)| path));
+        } else {
+            all.push(input.clone());
+        }
+    }
+    Ok(all)
+}
 
 /// Options of commands that take many assets.
 #[derive(Args, Clone, Debug, Default)]

@@ -98,7 +98,7 @@ pub(crate) fn arguments<A: FromArgMatches>(
     own: &OptionValues,
 ) -> Result<(A, String), String> {
     let mut raw: Vec<OsString> = std::env::args_os().collect();
-    let root = self::root();
+    let root = root();
     let command = root.find_subcommand(name).expect("a command of this program");
     let typed = root.clone().get_matches_from(&raw);
     let typed = typed.subcommand_matches(name).expect("the command that runs");
@@ -155,7 +155,7 @@ fn resolved(matches: &ArgMatches, command: &Command) -> String {
 fn commands() -> &'static [(String, Vec<String>)] {
     static COMMANDS: OnceLock<Vec<(String, Vec<String>)>> = OnceLock::new();
     COMMANDS.get_or_init(|| {
-        let root = self::root();
+        let root = root();
         let options = |c: &Command| -> Vec<String> {
             let names = c.get_arguments().filter_map(|a| a.get_long());
             names.filter(|n| !OF_THE_RUN.contains(n)).map(str::to_owned).collect()

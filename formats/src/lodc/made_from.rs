@@ -1,6 +1,6 @@
 //! What a file was made from, so that a later run can tell whether it is up to date.
 
-use super::manifest;
+use super::record::LIMIT;
 use crate::{Fault, FormatError};
 use serde::{Deserialize, Serialize};
 
@@ -23,7 +23,7 @@ impl MadeFrom {
 
     /// Reads the section; what follows the known fields belongs to later versions.
     pub(super) fn read(bytes: &[u8]) -> Result<Self, FormatError> {
-        let config = bincode::config::legacy().with_limit::<{ manifest::LIMIT }>();
+        let config = bincode::config::legacy().with_limit::<LIMIT>();
         bincode::serde::decode_from_slice(bytes, config).map(|(made, _)| made).map_err(|e| {
             FormatError::new(Fault::Malformed, "section MADE", format!("cannot be decoded: {e}"))
         })

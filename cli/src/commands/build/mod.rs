@@ -10,7 +10,7 @@ pub(crate) use counts::counts;
 pub(crate) use errors::measure_all;
 pub(crate) use pipeline::simplify_all;
 
-use crate::batch::{self, Asset, BatchArgs, Sources};
+use crate::batch::{self, Asset, BatchArgs, MESHES, Sources};
 use crate::config::{ConfigArgs, Configs};
 use crate::exit::{Failure, Outcome, Status};
 use crate::kinds::{MetricArgs, StripArgs, parser};
@@ -86,7 +86,7 @@ pub(crate) fn run(args: &BuildArgs) -> Outcome<Status> {
     let sources = Sources {
         inputs: &args.inputs,
         output: args.output.as_deref(),
-        reads: &["obj", "gltf", "glb"],
+        reads: &MESHES,
         writes: "lodc",
     };
     let mut assets = batch::assets(sources, &args.batch)?;

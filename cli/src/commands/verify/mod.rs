@@ -5,8 +5,10 @@ mod errors;
 mod gpu;
 mod junit;
 mod source;
+mod sources;
 
 use super::read::read_lodc;
+use crate::batch;
 use crate::console::{self, Loudness, error, wants};
 use crate::exit::{Failure, Outcome, Status, one_line};
 use crate::gpu::GpuArgs;
@@ -16,6 +18,7 @@ use crate::report::{CheckReport, FileReport, SCHEMA_VERSION, VerifyReport};
 use crate::text::{count, grouped};
 use clap::Args;
 use gpu::Gpu;
+use sources::Sources;
 use std::num::NonZeroU32;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
@@ -23,10 +26,11 @@ use std::path::{Path, PathBuf};
 /// Options of `verify`.
 #[derive(Args, Debug)]
 pub(crate) struct VerifyArgs {
-    /// The .lodc files; `-` for standard input
+    /// The .lodc files, or folders of them; `-` for standard input
     #[arg(required = true)]
     inputs: Vec<PathBuf>,
-    /// Also prove that LOD 0 is this mesh, triangle by triangle and byte by byte
+    /// Also prove that LOD 0 is this mesh, triangle by triangle and byte by byte; of a folder, the
+    /// mesh whose content a file was made from
     #[arg(long, value_name = "INPUT")]
     source: Option<PathBuf>,
     /// Check every N-th step instead of every step
@@ -40,6 +44,14 @@ pub(crate) struct VerifyArgs {
     /// Write the checks as a JUnit file
     #[arg(long, value_name = "FILE")]
     junit: Option<PathBuf>,
+    /// Of folders, take only files whose path below the folder matches (may be given several
+    /// times)
+    #[arg(long, value_name = "GLOB")]
+    include: Vec<String>,
+    /// Of folders, leave out files whose path below the folder matches (may be given several
+    /// times)
+    #[arg(long, value_name = "GLOB")]
+    exclude: Vec<String>,
     #[command(flatten)]
     import: ImportArgs,
 }
@@ -53,8 +65,10 @@ pub(crate) fn run(args: &VerifyArgs) -> Outcome<Status> {
     let gpu = gpu::open(args.gpu.gpu, args.gpu.adapter.as_deref())?;
     let mut report = VerifyReport { schema_version: SCHEMA_VERSION, ok: true, files: vec![] };
     let mut worst = Status::Done;
-    for input in &args.inputs {
-        let (file, status) = verify_one(args, gpu.as_ref(), input);
+    let inputs = batch::expand(&args.inputs, &["lodc"], &args.include, &args.exclude)?;
+    let sources = Sources::new(args.source.as_deref(), &args.import.options())?;
+    for input in &inputs {
+        let (file, status) = verify_one(args, &sources, gpu.as_ref(), input);
         report.ok &= file.ok;
         worst = worst.max(status);
         if !args.json {
@@ -82,9 +96,14 @@ fn check_junit(args: &VerifyArgs) -> Outcome<()> {
 }
 
 /// One file. Whatever happens, there is a report, and the other files have their turn.
-fn verify_one(args: &VerifyArgs, gpu: Option<&Gpu>, input: &Path) -> (FileReport, Status) {
+fn verify_one(
+    args: &VerifyArgs,
+    sources: &Sources,
+    gpu: Option<&Gpu>,
+    input: &Path,
+) -> (FileReport, Status) {
     let name = input.display().to_string();
-    let checked = catch_unwind(AssertUnwindSafe(|| check(args, gpu, input)));
+    let checked = catch_unwind(AssertUnwindSafe(|| check(args, sources, gpu, input)));
     let failure = match checked {
         Ok(Ok(checks)) => {
             let ok = checks.iter().all(|c| c.ok != Some(false));
@@ -104,10 +123,15 @@ fn verify_one(args: &VerifyArgs, gpu: Option<&Gpu>, input: &Path) -> (FileReport
     )
 }
 
-fn check(args: &VerifyArgs, gpu: Option<&Gpu>, input: &Path) -> Outcome<Vec<CheckReport>> {
+fn check(
+    args: &VerifyArgs,
+    sources: &Sources,
+    gpu: Option<&Gpu>,
+    input: &Path,
+) -> Outcome<Vec<CheckReport>> {
     let (file, _) = read_lodc(input, args.import.options().limits)?;
     let mut all = checks::models(&file, args.stride.get())?;
-    if let Some(source) = &args.source {
+    if let Some(source) = sources.of(&file, input)? {
         all.push(checks::source(&file, source, &args.import.options())?);
     }
     if let (Some(gpu), Some(wanted)) = (gpu, args.gpu.gpu) {
