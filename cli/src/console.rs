@@ -1,10 +1,10 @@
 //! The only place that prints: results on standard output, messages on standard error.
 
 use crate::exit::{Failure, Outcome, Status, one_line};
-use crate::progress;
 use std::fmt::Display;
 use std::io::{self, ErrorKind, Write};
 use std::sync::atomic::{AtomicU8, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 /// Verbosity of messages on standard error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -21,6 +21,16 @@ pub(crate) enum Loudness {
 // Set once at the start; a global because warnings arise everywhere and there is one standard
 // error.
 static LOUDNESS: AtomicU8 = AtomicU8::new(Loudness::Normal as u8);
+
+/// Takes what is in the way off the terminal while it prints.
+pub(crate) type Around = Box<dyn Fn(&dyn Fn()) + Send>;
+
+static AROUND: Mutex<Option<Around>> = Mutex::new(None);
+
+/// Makes every message print inside `around`, from now on.
+pub(crate) fn print_inside(around: Option<Around>) {
+    *AROUND.lock().unwrap_or_else(PoisonError::into_inner) = around;
+}
 
 /// Chooses how much is said.
 pub(crate) fn set_loudness(loudness: Loudness) {
@@ -60,9 +70,11 @@ pub(crate) fn detail(text: &str) {
 
 fn line(text: &str) {
     // Whole lines in one call, so that lines of several threads do not mix.
-    progress::beside(|| {
-        let _ = io::stderr().lock().write_all(format!("{text}\n").as_bytes());
-    });
+    let print = || drop(io::stderr().lock().write_all(format!("{text}\n").as_bytes()));
+    match &*AROUND.lock().unwrap_or_else(PoisonError::into_inner) {
+        Some(around) => around(&print),
+        None => print(),
+    }
 }
 
 /// Prints a result for people. A reader that closed the pipe has seen enough: that is no failure.

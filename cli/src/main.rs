@@ -8,7 +8,6 @@ mod commands;
 mod config;
 mod console;
 mod exit;
-mod freshness;
 mod gpu;
 mod interrupt;
 mod kinds;

@@ -1,9 +1,8 @@
 //! Progress bars: the only file that knows `indicatif`. Shown on a terminal, unless `-q`.
 
-use crate::console::{Loudness, wants};
+use crate::console::{self, Loudness, wants};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{IsTerminal, stderr};
-use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 /// Progress of one input; silent where nobody is watching.
@@ -52,9 +51,6 @@ impl Drop for Progress {
     }
 }
 
-/// The bar of a run over many assets, if one is shown: messages are printed beside it.
-static SHOWN: Mutex<Option<ProgressBar>> = Mutex::new(None);
-
 /// Progress of a run: `[i/n]` and the asset that was done last. A single asset has its own bar.
 #[derive(Debug)]
 pub(crate) struct BatchProgress {
@@ -73,7 +69,8 @@ impl BatchProgress {
         let bar = ProgressBar::with_draw_target(Some(assets as u64), target);
         let style = ProgressStyle::with_template("[{pos}/{len}] {msg:20!} {bar:12} {elapsed}");
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-        *SHOWN.lock().unwrap_or_else(PoisonError::into_inner) = Some(bar.clone());
+        let shown = bar.clone();
+        console::print_inside(Some(Box::new(move |print| shown.suspend(print))));
         Self { bar, single }
     }
     /// Progress of one asset of the run.
@@ -89,15 +86,7 @@ impl BatchProgress {
 
 impl Drop for BatchProgress {
     fn drop(&mut self) {
-        *SHOWN.lock().unwrap_or_else(PoisonError::into_inner) = None;
+        console::print_inside(None);
         self.bar.finish_and_clear();
-    }
-}
-
-/// Prints something while no bar is in the way.
-pub(crate) fn beside(print: impl FnOnce()) {
-    match &*SHOWN.lock().unwrap_or_else(PoisonError::into_inner) {
-        Some(bar) => bar.suspend(print),
-        None => print(),
     }
 }

@@ -41,9 +41,8 @@ class Cluster:
         log = open(folder / "cluster.log", "w")
         dask = [sys.executable, "-m", "dask"]
         start = lambda *args: subprocess.Popen([*dask, *args], stdout=log, stderr=log, cwd=folder)
-        self.processes = [
-            start("scheduler", *host, "--port", "0", "--no-dashboard", "--scheduler-file", self.file)
-        ]
+        scheduler = ["--port", "0", "--no-dashboard", "--scheduler-file", self.file]
+        self.processes = [start("scheduler", *host, *scheduler)]
         options = ["--scheduler-file", self.file, "--nthreads", "1", "--no-nanny", *host]
         options += ["--resources", f"MEM={MEM}", "--no-dashboard", "--local-directory", str(folder)]
         self.processes += [start("worker", *options) for _ in range(workers)]
@@ -78,7 +77,8 @@ class Batch(unittest.TestCase):
                 text = grid(600, number)
             Path(name).write_text(text)
             names.append(name)
-        lines = [json.dumps({"input": name, "options": {"models": "interactive"}}) for name in names]
+        options = {"models": "interactive"}
+        lines = [json.dumps({"input": name, "options": options}) for name in names]
         Path("list.jsonl").write_text("\n".join(lines))
 
     def wrapper(self):
@@ -121,7 +121,8 @@ class Batch(unittest.TestCase):
         good = [task.input for task in tasks if task.input not in expected]
         self.assertEqual(there, [f"{name}.lodc" for name in good], "and no temporary file")
         for name in there:
-            self.assertEqual((Path("out") / name).read_bytes(), (Path("serial") / name).read_bytes())
+            files = [Path(folder, name).read_bytes() for folder in ("out", "serial")]
+            self.assertEqual(*files)
         print(f"200 assets on three workers, one lost: {seconds:.1f} s")
 
     def test_a_list_that_is_none_is_refused_with_its_line(self):

@@ -15,7 +15,7 @@ pub(crate) struct Asset {
     pub(crate) name: String,
     /// The folder that was given and that it was found in.
     pub(crate) folder: Option<PathBuf>,
-    /// Where its result goes, or why that cannot be.
+    /// The target of its result, or the reason why there is none.
     pub(crate) target: Outcome<Target>,
     /// Options of its own.
     pub(crate) options: OptionValues,
@@ -40,7 +40,7 @@ impl Asset {
     }
 }
 
-/// What a command takes and writes.
+/// Inputs and outputs of a command.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sources<'a> {
     /// Named files and folders.

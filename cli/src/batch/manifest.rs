@@ -26,7 +26,8 @@ impl Line {
     }
 }
 
-/// Reads a list, `-` from standard input; blank lines are passed over. Pairs of line number, from 1, and line.
+/// Reads a list, `-` from standard input; blank lines are passed over. Returns pairs of line
+/// number, from 1, and line.
 ///
 /// # Errors
 /// If the list cannot be read, or a line is not such a document.

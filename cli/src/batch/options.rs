@@ -124,7 +124,7 @@ pub(crate) fn arguments<A: FromArgMatches>(
     Ok((read, resolved(matches, command)))
 }
 
-/// What is wrong with an option, without the usage around it.
+/// The message about an option, without the usage around it.
 fn first_line(error: &clap::Error) -> String {
     let text = error.to_string();
     let mut lines = text.lines().map(str::trim);

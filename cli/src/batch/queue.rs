@@ -2,7 +2,7 @@
 
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
-/// What a run may use at one time.
+/// Limits on work at one time.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Budget {
     /// Assets at one time.
@@ -11,7 +11,7 @@ pub(crate) struct Budget {
     pub(crate) bytes: u64,
 }
 
-/// What is running, and what has been taken from the queue.
+/// Assets at work and assets taken from the queue.
 #[derive(Debug, Default)]
 struct State {
     next: usize,

@@ -118,7 +118,7 @@ impl File {
         }
     }
 
-    /// What the file says of an input: defaults, then a profile, then each override that matches.
+    /// Layers that hold for an input: defaults, then a profile, then each override that matches.
     ///
     /// # Errors
     /// If it lacks the profile, or a value is none.

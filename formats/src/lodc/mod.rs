@@ -43,7 +43,7 @@ pub struct LodFile {
     pub document: Document,
     /// The objects.
     pub objects: Vec<LodObject>,
-    /// What it was made from, if whoever made it knew.
+    /// Origin of its content, if whoever made it knew.
     pub made_from: Option<MadeFrom>,
     /// Parts that a reader left out because this version does not know them: one line for each, up
     /// to twenty. Empty in a file to be written; writing a file that was read leaves it out for

@@ -3,7 +3,6 @@
 use super::errors::{SimplifiedObjects, measure_all};
 use super::{BuildArgs, counts};
 use crate::exit::{Failure, Outcome, Status};
-use crate::freshness;
 use crate::levels;
 use crate::output::{self, Target};
 use crate::paints::Paints;
@@ -11,7 +10,7 @@ use crate::progress::Progress;
 use crate::report::InputReport;
 use crate::stages::Stages;
 use lodc_formats::appearance::appearance;
-use lodc_formats::lodc::{LodFile, LodObject, write};
+use lodc_formats::lodc::{LodFile, LodObject, MadeFrom, write};
 use lodc_formats::{Assets, ObjectInfo, Scene, SceneObject, import};
 use lodc_lod::ModelKind;
 use lodc_simplify::{MetricKind, Options, simplify, simplify_coloured};
@@ -72,7 +71,7 @@ pub(super) fn make(
     stages.run("check", || objects.par_iter().try_for_each(levels::self_check)).map_err(bug)?;
 
     progress.stage("write");
-    let made_from = freshness::made_from(input, &files_read, &args.resolved, start);
+    let made_from = MadeFrom::of(input, &files_read, &args.resolved, start);
     let file = LodFile { source, document, objects, made_from, left_out: vec![] };
     let bytes = stages.run("write", || {
         let bytes = write(&file);

@@ -4,11 +4,11 @@ use super::{BuildArgs, ReportFormat, pipeline, summary};
 use crate::batch::{self, Asset, Budget, OptionValues};
 use crate::console::{self, error};
 use crate::exit::{Failure, Outcome, Status};
-use crate::freshness;
 use crate::output::{self, Rule, Target};
 use crate::progress::{BatchProgress, Progress};
 use crate::report::{BuildReport, InputReport, SCHEMA_VERSION, Summary, SummaryReport};
 use crate::stages::Stages;
+use lodc_formats::lodc;
 use rayon::ThreadPool;
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -19,7 +19,7 @@ use std::time::Instant;
 /// triangle, a GLB some 30; images only make this more.
 const MEMORY_OF_BYTE: u64 = 14;
 
-/// What a build has made of one asset.
+/// Result of one asset.
 struct Done {
     report: InputReport,
     rule: Option<Rule>,
@@ -142,8 +142,13 @@ fn prepared<'a>(
 /// The rule of a result that is up to date, if that was asked for and it is.
 fn fresh(args: &BuildArgs, input: &Path, target: &Target) -> Option<Rule> {
     let Target::File(path) = target else { return None };
-    let inputs = args.if_changed.then(|| freshness::up_to_date(path, input, &args.resolved));
-    inputs.flatten().map(|inputs| Rule { output: path.clone(), inputs })
+    if !args.if_changed {
+        return None;
+    }
+    // A damaged result, or one that does not say, is made again.
+    let made = lodc::made_from(&std::fs::read(path).ok()?).ok()??;
+    let inputs = made.unchanged(input, &args.resolved)?;
+    Some(Rule { output: path.clone(), inputs })
 }
 
 fn build(

@@ -7,7 +7,7 @@ use lodc_formats::lodc::LodFile;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Where the meshes are that files are compared with.
+/// The meshes that files are compared with.
 #[derive(Debug)]
 pub(super) enum Sources {
     /// No file is compared.
