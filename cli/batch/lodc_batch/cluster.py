@@ -12,7 +12,7 @@ def build(tasks, scheduler_file, lodc="lodc", output=None, options=(), on_result
     as results come.
     """
     lines = [None] * len(tasks)
-    with Client(scheduler_file=scheduler_file, set_as_default=False) as client:
+    with Client(scheduler_file=scheduler_file) as client:
         most = largest_worker(client)
         owners = {}
         for task in sorted(tasks, key=lambda task: (-task.memory, task.number)):

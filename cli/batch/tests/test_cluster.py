@@ -38,7 +38,7 @@ class Cluster:
     def __init__(self, folder, workers):
         self.file = str(folder / "cluster.json")
         host = ["--host", "127.0.0.1"]
-        log = open(folder / "cluster.log", "w")
+        self.log = log = open(folder / "cluster.log", "w")
         dask = [sys.executable, "-m", "dask"]
         start = lambda *args: subprocess.Popen([*dask, *args], stdout=log, stderr=log, cwd=folder)
         scheduler = ["--port", "0", "--no-dashboard", "--scheduler-file", self.file]
@@ -51,10 +51,10 @@ class Cluster:
         self.processes[1].send_signal(signal.SIGKILL)
 
     def stop(self):
-        for process in self.processes:
-            process.terminate()
-        for process in self.processes:
-            process.wait(timeout=30)
+        for process in reversed(self.processes):
+            process.kill()
+            process.wait()
+        self.log.close()
 
 
 class Batch(unittest.TestCase):
