@@ -1,6 +1,9 @@
 //! The other way: how far new faces are from the input.
 
-use crate::pass::{DEPTH, Pass, patience};
+use crate::faces::Changes;
+use crate::gap::{self, gap};
+use crate::pass::{Pass, patience};
+use crate::refine::FLOOR;
 use crate::refine::Refine;
 use crate::samples::area;
 use crate::tree::{Nearest, Triangles};
@@ -14,12 +17,13 @@ const SAMPLES: usize = 24;
 /// Neighbours whose triangle of the input is tried.
 const NEIGHBOURS: usize = 8;
 
-/// Area of a large face, and of a very large one, in mean areas of the input.
-const LARGE: f64 = 8.0;
-const VERY_LARGE: f64 = 32.0;
+/// Shares of the bound: a face with a point beyond the first is asked at more points, one beyond
+/// the second is searched.
+const WARM: f64 = 0.4;
+const HOT: f64 = 0.75;
 
-/// Samples that say enough of a large face.
-const ENOUGH_SAMPLES: u32 = 4;
+/// Share of the bound within which no nearer triangle is looked for.
+const NEAR: f64 = 0.25;
 
 /// Barycentric coordinates asked besides on large faces and where few are left, and very few.
 const FEW: [[f64; 3]; 3] = [[0.6, 0.2, 0.2], [0.2, 0.6, 0.2], [0.2, 0.2, 0.6]];
@@ -48,47 +52,66 @@ impl Pass<'_> {
                 self.settle(t, 0.0, 0.0);
             }
         }
-        let skip = self.is_covered_disc();
+        let reach = self.reach();
+        let near = self.bound.max(FLOOR).sqrt();
         for i in 0..self.changes.changed.len() {
             let (t, corners) = (self.changes.changed[i], self.corners[i]);
             let mean = self.samples.mean_square(&self.faces.all[t as usize]);
-            let asked = if skip { 0.0 } else { self.ask_face(i, t, corners, mean.is_none()) };
+            let mut asked = 0.0;
+            if reach.is_none_or(|reach| reach > near) {
+                asked = self.ask_face(i, t, corners, mean.is_none(), reach.is_some());
+            } else if let Some(reach) = reach {
+                self.faces.all[t as usize].reach = reach as f32;
+            }
             self.settle(t, mean.unwrap_or(asked), area(corners));
         }
     }
 
-    /// Returns whether a single fan of faces became a smaller one with the same link, and all its
-    /// samples are well within the bound: then its faces are as near to the input as these are to
-    /// them. Large faces need some samples for that.
-    fn is_covered_disc(&self) -> bool {
-        let changes = &self.changes;
-        let (touched, changed) = (&changes.touched, &changes.changed);
-        let [target] = changes.targets[..] else { return false };
-        if touched.len() != changed.len() + 2 || touched.len() > 64 || self.is_coarse(32) {
-            return false;
+    /// Returns how far the changed faces are from the input at most, where a closed fan became a
+    /// smaller one: they are as near to its faces as those to them.
+    fn reach(&mut self) -> Option<f64> {
+        let gap = self.fan().and_then(|middle| gap(middle, &self.link))?;
+        let reach = |&t: &u32| f64::from(self.faces.all[t as usize].reach);
+        // Rounded up for good, whatever a face keeps of it.
+        Some((gap + self.changes.touched.iter().map(reach).fold(0.0, f64::max)) * (1.0 + 1e-6))
+    }
+
+    /// Returns the middle of the fan that a step removed, and notes the border in order, from the
+    /// point that the middle became; nothing if the faces were no closed fan.
+    fn fan(&mut self) -> Option<DVec3> {
+        let Changes { touched, changed, sources, targets } = &self.changes;
+        let (&[middle], &[target]) = (&sources[..], &targets[..]) else { return None };
+        if touched.len() != changed.len() + 2 || touched.len() > gap::MOST {
+            return None;
         }
-        // Each vertex of the link is met twice, in live faces or in those that died.
-        let mut link = [NONE; 128];
-        let mut met = 0;
-        for &t in touched {
-            for point in self.faces.all[t as usize].points.into_iter().filter(|&p| p != target) {
-                let Some(slot) = link.get_mut(met) else { return false };
-                *slot = point;
-                met += 1;
-            }
+        let faces = &self.faces.all;
+        let mut ends = touched.iter().filter(|&&t| !faces[t as usize].live).map(|&t| {
+            let mut others = faces[t as usize].points.into_iter().filter(|&p| p != target);
+            others.next().filter(|_| others.next().is_none())
+        });
+        let ends = [ends.next()??, ends.next()??];
+        // The border of each face: from one point to the next.
+        let mut edges = [[NONE; 2]; gap::MOST];
+        let edges = &mut edges[..changed.len()];
+        for (edge, &t) in edges.iter_mut().zip(changed) {
+            let [a, b, c] = faces[t as usize].points;
+            *edge = match target {
+                p if p == a => [b, c],
+                p if p == b => [c, a],
+                _ => [a, b],
+            };
         }
-        let link = &mut link[..met];
-        link.sort_unstable();
-        let paired = link.len().is_multiple_of(2)
-            && link.chunks_exact(2).all(|pair| pair[0] == pair[1])
-            && link.windows(3).all(|three| three[0] != three[2]);
-        let near = (self.bound * 0.25) as f32;
-        let is_covered = |(&t, &corners): (&u32, &[DVec3; 3])| {
-            let face = &self.faces.all[t as usize];
-            (face.samples >= ENOUGH_SAMPLES || f64::from(area(corners)) <= LARGE * self.mean_area)
-                && self.samples.of(face).all(|s| self.samples.all[s as usize].squared <= near)
-        };
-        paired && changed.iter().zip(&self.corners).all(is_covered)
+        let first = usize::from(!edges.iter().any(|e| e[0] == ends[0]));
+        let mut at = ends[first];
+        self.link.clear();
+        self.link.extend([self.input.place(target), self.input.place(at)]);
+        for done in 0..edges.len() {
+            let next = (done..edges.len()).find(|&i| edges[i][0] == at)?;
+            edges.swap(done, next);
+            at = edges[done][1];
+            self.link.push(self.input.place(at));
+        }
+        (at == ends[1 - first]).then(|| self.input.place(middle))
     }
 
     /// Returns whether no more than one in `share` faces is left, or so few that it does not
@@ -99,8 +122,8 @@ impl Pass<'_> {
 
     /// Asks points of a changed face. Returns the squared distance of its centroid, or an upper
     /// bound of it unless `exact`.
-    fn ask_face(&mut self, i: usize, t: u32, corners: [DVec3; 3], exact: bool) -> f64 {
-        let mut ask = Ask { pass: self, i, t, corners, is_hot: false };
+    fn ask_face(&mut self, i: usize, t: u32, corners: [DVec3; 3], exact: bool, disc: bool) -> f64 {
+        let mut ask = Ask { pass: self, i, t, corners, far: 0.0 };
         let middle = ask.point(centroid(corners), exact);
         let points = ask.pass.faces.all[t as usize].points;
         for k in 0..3 {
@@ -109,20 +132,18 @@ impl Pass<'_> {
                 ask.point((corners[k] + corners[(k + 1) % 3]) * 0.5, false);
             }
         }
-        let large = f64::from(area(corners)) / ask.pass.mean_area;
-        let more: &[&[[f64; 3]]] = if large > VERY_LARGE || ask.pass.is_coarse(32) {
-            &[&FEW, &VERY_FEW]
-        } else if large > LARGE || ask.pass.is_coarse(8) {
-            &[&FEW]
-        } else {
-            &[]
-        };
-        for w in more.iter().copied().flatten() {
-            ask.point(corners[0] * w[0] + corners[1] * w[1] + corners[2] * w[2], false);
+        if !disc || ask.is_beyond(WARM) || ask.pass.is_coarse(8) {
+            ask.points(&FEW);
         }
-        if ask.is_hot {
+        if ask.is_beyond(WARM) || ask.pass.is_coarse(32) {
+            ask.points(&VERY_FEW);
+        }
+        let (is_hot, far) = (ask.is_beyond(HOT), ask.far);
+        if is_hot {
             self.refine_face(corners);
         }
+        let reach = if is_hot { self.bound.max(far) } else { far };
+        self.faces.all[t as usize].reach = reach.sqrt() as f32;
         middle
     }
 
@@ -146,7 +167,6 @@ impl Pass<'_> {
             triangles: self.input,
             tree: &self.input.tree,
             bound: self.bound,
-            depth: DEPTH,
             left: many,
             patience: patience(self.work, self.input),
             opened: 0,
@@ -165,15 +185,34 @@ struct Ask<'p, 'a> {
     i: usize,
     t: u32,
     corners: [DVec3; 3],
-    /// True if a point was not near enough.
-    is_hot: bool,
+    /// The largest squared distance so far.
+    far: f64,
 }
 
 impl Ask<'_, '_> {
+    /// Returns whether a point was farther than a share of the bound.
+    fn is_beyond(&self, share: f64) -> bool {
+        self.far > (self.pass.bound * share * share).max(FLOOR)
+    }
+
+    /// Asks points by their barycentric coordinates.
+    fn points(&mut self, coordinates: &[[f64; 3]]) {
+        let [a, b, c] = self.corners;
+        for [u, v, w] in coordinates {
+            self.point(a * *u + b * *v + c * *w, false);
+        }
+    }
+
     /// Returns the squared distance of a point to the input, or an upper bound of it that is near
     /// enough unless `exact`.
     fn point(&mut self, p: DVec3, exact: bool) -> f64 {
-        let enough = self.pass.enough();
+        let squared = self.distance(p, exact);
+        self.far = self.far.max(squared);
+        squared
+    }
+
+    fn distance(&mut self, p: DVec3, exact: bool) -> f64 {
+        let enough = (self.pass.bound * (NEAR * NEAR)).max(FLOOR);
         let hint = match self.guess(p, enough) {
             Ok(squared) if !exact => return squared,
             Ok(_) => self.pass.faces.all[self.t as usize].near,
@@ -186,7 +225,6 @@ impl Ask<'_, '_> {
         let opened = pass.input.tree.search(pass.input, p, hint, stop, patience, &mut nearest);
         pass.work += u64::from(opened) + 1;
         pass.faces.all[self.t as usize].near = nearest.triangle;
-        self.is_hot |= nearest.squared > enough;
         pass.bound = pass.bound.max(nearest.squared);
         nearest.squared
     }

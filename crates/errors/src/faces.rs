@@ -32,6 +32,8 @@ pub(crate) struct Face {
     pub(crate) area: f32,
     /// The mean squared distance of its samples.
     pub(crate) mean_square: f32,
+    /// The distance within which all its points are from the input, as far as is known.
+    pub(crate) reach: f32,
 }
 
 /// All faces, which corners are at each vertex, and a tree over the faces.
@@ -52,7 +54,8 @@ pub(crate) struct Changes {
     pub(crate) touched: Vec<u32>,
     /// Those of them that stay.
     pub(crate) changed: Vec<u32>,
-    /// The points that corners move to.
+    /// The points that corners move from, and those that they move to.
+    pub(crate) sources: Vec<u32>,
     pub(crate) targets: Vec<u32>,
 }
 
@@ -72,6 +75,7 @@ impl Faces {
                 original: true,
                 area: 0.0,
                 mean_square: 0.0,
+                reach: 0.0,
             });
             for (corner, &v) in (3 * t..).zip(wedges) {
                 let [first, last] = &mut ends[v as usize];
@@ -120,6 +124,7 @@ impl Faces {
     ) {
         changes.touched.clear();
         changes.changed.clear();
+        changes.sources.clear();
         changes.targets.clear();
         for (from, to) in moves {
             self.move_vertex(input, step, from, to, changes);
@@ -149,6 +154,9 @@ impl Faces {
         let (old, new) = (input.point_of[from as usize], input.point_of[to as usize]);
         if old != new && changes.targets.last() != Some(&new) {
             changes.targets.push(new);
+        }
+        if old != new && changes.sources.last() != Some(&old) {
+            changes.sources.push(old);
         }
         // Dead faces leave the list here.
         let (mut first, mut last) = (NONE, NONE);

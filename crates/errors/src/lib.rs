@@ -8,6 +8,7 @@
 
 mod backward;
 mod faces;
+mod gap;
 mod input;
 mod pass;
 mod refine;

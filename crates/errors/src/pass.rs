@@ -22,9 +22,8 @@ const NEAR_ENOUGH_LATE: f64 = 0.95;
 /// Changed faces that a sample is tried on before the tree is asked.
 const TRIED: usize = 48;
 
-/// Points asked in one refinement, and halvings of a triangle for it.
+/// Points asked in one refinement.
 const QUERIES: u32 = 150;
-pub(crate) const DEPTH: u32 = 9;
 
 /// Triangles of a mesh that is searched as a whole after every step.
 const EXHAUSTIVE: usize = 100;
@@ -40,7 +39,7 @@ const WORK_PER_TRIANGLE: u64 = 1_000;
 /// Work that any mesh may take besides.
 const FREE_WORK: u64 = 10_000_000;
 
-/// Boxes that one search may open: many, and few once a tenth of the work is done. A search that
+/// Boxes that one search may open: many, and few once half of the work is done. A search that
 /// ends early gives distances that are too large, never too small.
 const PATIENCE: [u32; 2] = [20_000, 64];
 
@@ -49,13 +48,13 @@ pub(crate) struct Pass<'a> {
     pub(crate) faces: Faces,
     pub(crate) samples: Samples,
     pub(crate) changes: Changes,
+    /// The border of the fan that a step removes.
+    pub(crate) link: Vec<DVec3>,
     /// Corners of the changed faces.
     pub(crate) corners: Vec<[DVec3; 3]>,
     /// The squared bound.
     pub(crate) bound: f64,
     near_enough: f64,
-    /// The mean area of the triangles of the input.
-    pub(crate) mean_area: f64,
     pub(crate) queries: u64,
     pub(crate) work: u64,
     /// The step that is followed, counted from 1.
@@ -79,11 +78,11 @@ impl<'a> Pass<'a> {
         let samples = Samples::new(input, &mut faces.all);
         Self {
             input,
-            mean_area: samples.weight / faces.all.len().max(1) as f64,
             back: [0.0, samples.weight],
             faces,
             samples,
             changes: Changes::default(),
+            link: vec![],
             corners: vec![],
             bound: 0.0,
             near_enough: NEAR_ENOUGH,
@@ -152,7 +151,7 @@ impl<'a> Pass<'a> {
         self.take_new_samples();
         self.refine_doubtful();
         for i in 0..self.changes.changed.len() {
-            self.samples.thin(&mut self.faces.all, self.changes.changed[i]);
+            self.samples.thin(&mut self.faces.all, self.changes.changed[i], self.faces.live);
         }
         self.measure_back();
         if self.input.triangles.len() <= EXHAUSTIVE {
@@ -165,14 +164,14 @@ impl<'a> Pass<'a> {
         let Self { input, faces, corners, .. } = self;
         let (level, tree) = faces.level(input);
         let patience = PATIENCE[0];
-        let (bound, depth, left, opened) = (self.bound, 2 * DEPTH, EXHAUSTIVE_QUERIES, 0);
-        let mut refine = Refine { triangles: &level, tree, bound, depth, left, patience, opened };
+        let (bound, left, opened) = (self.bound, EXHAUSTIVE_QUERIES, 0);
+        let mut refine = Refine { triangles: &level, tree, bound, left, patience, opened };
         for &t in &input.triangles {
             refine.triangle(input.at(t), NONE);
         }
         let (triangles, tree) = (*input, &input.tree);
         let bound = refine.bound;
-        let mut refine = Refine { triangles, tree, bound, depth, left, patience, opened };
+        let mut refine = Refine { triangles, tree, bound, left, patience, opened };
         for &face in corners.iter() {
             refine.triangle(face, NONE);
         }
@@ -252,7 +251,6 @@ impl<'a> Pass<'a> {
                 triangles: &level,
                 tree,
                 bound: self.bound,
-                depth: DEPTH,
                 left: QUERIES,
                 patience: patience(self.work, self.input),
                 opened: 0,
@@ -326,5 +324,5 @@ impl<'a> Pass<'a> {
 /// Returns how many boxes one search may open after some work.
 pub(crate) fn patience(work: u64, input: &Input) -> u32 {
     let most = WORK_PER_TRIANGLE * input.triangles.len() as u64 + FREE_WORK;
-    PATIENCE[usize::from(work > most / 10)]
+    PATIENCE[usize::from(work > most / 2)]
 }

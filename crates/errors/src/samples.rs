@@ -6,14 +6,21 @@ use crate::triangle;
 use glam::DVec3;
 use lodc_mesh::{NONE, SplitMix64};
 
-/// Samples that a face keeps when it has half as many more.
+/// Samples that a face keeps when it has half as many more; where few faces are left, so many that
+/// all of them have so many.
 const KEPT: usize = 16;
+const KEPT_IN_ALL: usize = 4000;
+const MOST_KEPT: usize = 128;
 
-/// Most samples put on a large triangle besides its corners.
+/// Most samples put on a large or long triangle besides its corners.
 const MOST_INSIDE: f64 = 24.0;
 
+/// Triangles with an edge this many times as long as the side of a square of the mean area have
+/// samples along it.
+const LONG: f64 = 6.0;
+
 /// Samples that a mesh of few triangles gets in all, and most on one of its triangles.
-const FEWEST: f64 = 1000.0;
+const FEWEST: f64 = 4000.0;
 const MOST_OF_FEW: f64 = 64.0;
 
 /// A point of the input, half a cache line.
@@ -85,7 +92,7 @@ impl Samples {
     /// Puts a sample at every point of the input, and more on triangles above three times the mean
     /// area.
     pub(crate) fn new(input: &Input, faces: &mut [Face]) -> Self {
-        let inside = inside(faces);
+        let inside = inside(input, faces);
         let extra: u64 = inside.iter().map(|&n| u64::from(n)).sum();
         let mut samples = Self {
             all: Vec::with_capacity(input.places.len() + extra as usize),
@@ -166,8 +173,9 @@ impl Samples {
 
     /// Leaves a face that has many samples the farthest, and others far from each other. The ones
     /// that stay stand for the area of those that go.
-    pub(crate) fn thin(&mut self, faces: &mut [Face], face: u32) {
-        if faces[face as usize].samples as usize <= KEPT + KEPT / 2 {
+    pub(crate) fn thin(&mut self, faces: &mut [Face], face: u32, live: u32) {
+        let keep = (KEPT_IN_ALL / live.max(1) as usize).clamp(KEPT, MOST_KEPT);
+        if faces[face as usize].samples as usize <= keep + keep / 2 {
             return;
         }
         let mut all = std::mem::take(&mut self.scratch);
@@ -181,7 +189,7 @@ impl Samples {
         self.kept.clear();
         self.nearest_kept.clear();
         self.nearest_kept.resize(all.len(), (f64::INFINITY, 0));
-        while self.kept.len() < KEPT {
+        while self.kept.len() < keep {
             let number = self.kept.len() as u32;
             self.kept.push(all[choice]);
             let place = self.all[all[choice] as usize].place();
@@ -238,19 +246,28 @@ impl Sample {
 }
 
 /// Returns for each face how many samples go inside it.
-fn inside(faces: &[Face]) -> Vec<u8> {
+fn inside(input: &Input, faces: &[Face]) -> Vec<u8> {
+    let longest = |f: &Face| {
+        let [a, b, c] = input.at(f.points);
+        (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared()).sqrt()
+    };
+    let is_few = (faces.len() as f64) < FEWEST;
     let all: f64 = faces.iter().map(|f| f64::from(f.area)).sum();
+    let lengths: f64 = if is_few { faces.iter().map(longest).sum() } else { 0.0 };
     let mean = all / faces.len().max(1) as f64;
-    let many = |area: f64| {
-        let large = if area > 3.0 * mean { (area / (2.0 * mean)).min(MOST_INSIDE) } else { 0.0 };
-        let few = if (faces.len() as f64) < FEWEST && all > 0.0 {
-            (FEWEST * area / all).min(MOST_OF_FEW)
+    let many = |f: &Face| {
+        let (area, length) = (f64::from(f.area), longest(f));
+        let large = if area > 3.0 * mean { area / (2.0 * mean) } else { 0.0 };
+        let long =
+            if length > LONG * mean.sqrt() { length / (LONG / 2.0 * mean.sqrt()) } else { 0.0 };
+        let few = if is_few && lengths > 0.0 && all > 0.0 {
+            (0.5 * FEWEST * (area / all + length / lengths)).min(MOST_OF_FEW)
         } else {
             0.0
         };
-        large.max(few) as u8
+        large.max(long).min(MOST_INSIDE).max(few) as u8
     };
-    faces.iter().map(|f| many(f64::from(f.area))).collect()
+    faces.iter().map(many).collect()
 }
 
 /// Returns the area of a face at some corners.
