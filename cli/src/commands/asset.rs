@@ -42,7 +42,11 @@ pub(crate) fn read(
     }
 }
 
-fn simplified(
+/// Simplifies the objects of a scene and measures every level.
+///
+/// # Errors
+/// If that would take more memory than there is.
+pub(crate) fn simplified(
     input: &Path,
     import: &ImportArgs,
     metric: MetricKind,

@@ -14,7 +14,8 @@ mod timings;
 pub(crate) use primitives::strips as strips_of;
 pub(crate) use subject::{baselines, plain};
 
-use super::build::{MOST_THREADS, measure_all, simplify_all};
+use super::asset;
+use super::build::MOST_THREADS;
 use super::read::read_lodc;
 use crate::console::{self, error, warning};
 use crate::exit::{Failure, Outcome, Status};
@@ -25,12 +26,12 @@ use crate::limits::ImportArgs;
 use crate::output;
 use crate::progress::Progress;
 use crate::report::SCHEMA_VERSION;
+use crate::stages::Stages;
 use clap::Args;
 use lodc_formats::lodc::LodObject;
 use lodc_formats::{ObjectInfo, import};
 use lodc_lod::{AnyModel, ModelKind};
 use lodc_mesh::Simplified;
-use lodc_simplify::Options;
 use lodc_strip::{StripKind, StripOptions, StripPool, Strips};
 use rayon::ThreadPoolBuilder;
 use report::{BenchFile, BenchReport};
@@ -188,20 +189,12 @@ fn objects(args: &BenchArgs, input: &Path) -> Outcome<Vec<Prepared>> {
             .collect();
     }
     let scene = import::import(input, &args.import.options())?;
+    let metric = args.metric.metric;
+    let asset = asset::simplified(input, &args.import, metric, scene, &mut Stages::default())?;
     let name = input.display().to_string();
-    scene.warnings.iter().for_each(|what| warning(&name, what));
-    let triangles: u64 = scene.objects.iter().map(|o| o.mesh.triangles().len() as u64).sum();
-    let limits = args.import.limits();
-    limits.check_memory(triangles).map_err(|f| Failure::new(f.status, format!("{name}: {f}")))?;
+    asset.warnings.iter().for_each(|what| warning(&name, what));
     let progress = Progress::new(&name);
-    progress.stage("simplify");
-    let options = Options { metric: args.metric.metric, ..Options::DEFAULT };
-    let simplified = simplify_all(scene.objects, &options, None, triangles, &progress);
-    progress.stage("errors");
-    let simplified = measure_all(simplified);
     progress.stage("models");
-    simplified
-        .into_iter()
-        .map(|(info, simplified)| prepare(args, info, simplified, Vec::new()))
-        .collect()
+    let objects = asset.objects.into_iter();
+    objects.map(|o| prepare(args, o.info, o.simplified, o.models)).collect()
 }

@@ -2,9 +2,8 @@
 
 use super::RenderArgs;
 use super::options::Colouring;
-use crate::commands::build::{measure_all, simplify_all};
+use crate::commands::asset;
 use crate::exit::{Failure, Outcome, Status};
-use crate::progress::Progress;
 use crate::stages::Stages;
 use lodc_formats::appearance::appearance;
 use lodc_formats::import::{Either, either};
@@ -12,7 +11,7 @@ use lodc_formats::lodc::LodObject;
 use lodc_formats::{Assets, Document, ObjectInfo, Scene, scene_graph};
 use lodc_mesh::Mesh;
 use lodc_scene::{Appearance, Arrangement};
-use lodc_simplify::Options;
+use lodc_simplify::MetricKind;
 
 /// More triangles than this, instances counted, are not drawn in one picture.
 const MAX_TRIANGLES: u64 = 1 << 26;
@@ -101,22 +100,11 @@ fn of_scene(
     scene: Scene,
     stages: &mut Stages,
 ) -> Outcome<(Objects, Document, Vec<String>)> {
-    let Scene { document, objects, warnings, .. } = scene;
     let levels = args.selector.target().is_some() || !args.contact_sheet.is_empty();
     if !levels && args.color != Colouring::Strips {
-        let objects = objects.into_iter().map(|o| (o.info, o.mesh)).collect();
-        return Ok((Objects::Meshes(objects), document, warnings));
+        let objects = scene.objects.into_iter().map(|o| (o.info, o.mesh)).collect();
+        return Ok((Objects::Meshes(objects), scene.document, scene.warnings));
     }
-    let triangles = objects.iter().map(|o| o.mesh.triangles().len() as u64).sum();
-    let name = args.input.display().to_string();
-    let limits = args.import.limits();
-    limits.check_memory(triangles).map_err(|f| Failure::new(f.status, format!("{name}: {f}")))?;
-    let progress = Progress::new(&name);
-    progress.stage("simplify");
-    let made = stages
-        .run("simplify", || simplify_all(objects, &Options::DEFAULT, None, triangles, &progress));
-    progress.stage("errors");
-    let made = stages.run("errors", || measure_all(made));
-    let with_none = |(info, simplified)| LodObject { info, simplified, models: Vec::new() };
-    Ok((Objects::Levels(made.into_iter().map(with_none).collect()), document, warnings))
+    let asset = asset::simplified(&args.input, &args.import, MetricKind::default(), scene, stages)?;
+    Ok((Objects::Levels(asset.objects), asset.document, asset.warnings))
 }
