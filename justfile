@@ -62,7 +62,7 @@ picture: build
 drawing:
     UPDATE=1 cargo test -p lodc --test architecture picture
 
-# lodc beside OpenMesh, meshoptimizer and others on one mesh (made on the spot without one)
+# lodc beside meshoptimizer and others on one mesh (made on the spot without one); --build-openmesh adds OpenMesh
 peers *words:
     tests/peers/run {{words}}
 
