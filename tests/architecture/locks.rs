@@ -1,4 +1,5 @@
-//! The fuzz targets are a workspace of their own: their lock file keeps up with the project's.
+//! Packages from outside: each has its reason, and the fuzz targets, a workspace of their own, are
+//! locked to the same ones.
 
 use super::{DRAWING, read, root};
 use std::collections::{BTreeMap, BTreeSet};
@@ -14,6 +15,16 @@ fn locked(text: &str) -> BTreeMap<String, BTreeSet<String>> {
         packages.entry(field("name = ")).or_default().insert(field("version = "));
     }
     packages
+}
+
+#[test]
+fn every_package_is_on_the_page_of_dependencies() {
+    let page = read(&root().join("docs/design-notes/dependencies.md"));
+    let used = DRAWING.iter().flat_map(|(_, used)| *used).chain(&["criterion"]);
+    let from_outside = used.filter(|name| !name.starts_with("lodc-"));
+    let missing: BTreeSet<_> =
+        from_outside.filter(|name| !page.contains(&format!("`{name}`"))).collect();
+    assert!(missing.is_empty(), "docs/design-notes/dependencies.md says nothing of {missing:?}");
 }
 
 #[test]
