@@ -22,6 +22,7 @@ mod report;
 mod selector;
 mod stages;
 mod text;
+mod version;
 
 use clap::{CommandFactory, Parser};
 use cli::{Cli, Command};
@@ -41,6 +42,9 @@ fn main() -> ExitCode {
 }
 
 fn run() -> Status {
+    if version::is_asked_for_as_json() {
+        return version::print().map_or_else(|failure| failure.status, |()| Status::Done);
+    }
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(error) => {

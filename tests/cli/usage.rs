@@ -107,3 +107,15 @@ fn two_results_of_one_name_or_on_one_stream_are_refused() {
         f.lodc(["extract", "y.lodc", "--ratio", "0.5"].iter().chain(&args)).fails(2);
     }
 }
+
+#[test]
+fn versions_are_a_document_if_asked_for() {
+    let f = Folder::new();
+    let document = f.lodc(["--version", "--json"]).ends(0).json();
+    assert_eq!(document["version"], env!("CARGO_PKG_VERSION"));
+    assert_eq!(document["formats"]["lodc"]["writes"], 3);
+    let features = document["features"].as_array().expect("a list");
+    assert_eq!(features.contains(&"gpu".into()), cfg!(feature = "gpu"));
+    assert_eq!(document, f.lodc(["--json", "-V"]).ends(0).json());
+    f.lodc(["--json"]).ends(2);
+}
