@@ -3,7 +3,8 @@
 //!
 //! [`select`] answers. Errors are met by each object for itself. Numbers of triangles are shared
 //! out: [`losses`] says what the scene loses with every step of every object, and triangles are
-//! given up where least is lost for each.
+//! given up where least is lost for each. [`SceneManager`] chooses levels for many instances,
+//! frame by frame.
 //!
 //! ```
 //! use lodc_scene::{Arrangement, Graph};
@@ -32,6 +33,7 @@
 //! assert_eq!(chosen.expect("no record was asked for").lods.len(), 2);
 //! ```
 
+mod budget;
 mod loss;
 mod number;
 mod order;
@@ -39,6 +41,7 @@ mod quadric;
 mod selection;
 mod visibility;
 
+pub use budget::{CurveLevel, Goal, Instance, LevelCurve, SceneManager, View};
 pub use loss::losses;
 pub use number::decimal;
 pub use quadric::accumulated_error;

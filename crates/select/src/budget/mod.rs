@@ -1,0 +1,221 @@
+//! Levels for many instances under one budget of triangles, or of pixels of error, for each frame
+//! (thesis sections 2.5 and 6.2).
+//!
+//! All instances share one bound: the pixels that an error may take on the screen. Of every
+//! instance the coarsest level within the bound is shown. The smallest bound under which the
+//! triangles fit is what a greedy choice arrives at, which coarsens the instance whose next level
+//! would be seen least until the triangles fit.
+//!
+//! ```text
+//!  eye ·──────────── d ───────────▪ instance, scale s     pixels = error · s · screen / d
+//! ```
+//!
+//! ```
+//! use lodc_select::{Goal, Instance, LevelCurve, SceneManager, View};
+//!
+//! // Errors and triangles of the levels of one model, the finest first.
+//! let curve = LevelCurve::new(&[(0.0, 1000), (0.01, 300), (0.05, 80), (0.3, 12)], 1.0);
+//! let near = Instance { curve: 0, position: [0.0, 0.0, -4.0], scale: 1.0 };
+//! let far = Instance { position: [0.0, 0.0, -90.0], ..near };
+//! let mut manager = SceneManager::new(vec![curve], vec![near, far]);
+//!
+//! let view = View::new([0.0; 3], 60.0, 1080.0);
+//! let shown = manager.frame(&view, Goal::Triangles(400));
+//! assert!(shown <= 400);
+//! assert!(manager.level(0).triangles > manager.level(1).triangles);
+//! ```
+
+mod curve;
+#[cfg(test)]
+mod tests;
+
+pub use curve::{CurveLevel, LevelCurve};
+
+use curve::{LAST_STEP, error_of, step_of};
+
+/// Steps of the error, 128 to an octave, by which an instance may stay finer than it has to: while
+/// the camera moves a little its level stays.
+const HYSTERESIS: u32 = 16;
+
+/// One instance of a model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Instance {
+    /// Number of its model's curve.
+    pub curve: u32,
+    /// The centre of its sphere in the world.
+    pub position: [f32; 3],
+    /// World units of one unit of the model.
+    pub scale: f32,
+}
+
+/// A camera.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct View {
+    /// Its place in the world.
+    pub eye: [f32; 3],
+    /// Pixels that a unit of length takes at distance 1.
+    pub screen: f32,
+}
+
+impl View {
+    /// A camera with a vertical field of view in degrees and a screen that many pixels high.
+    #[must_use]
+    pub fn new(eye: [f32; 3], fovy: f32, height: f32) -> Self {
+        Self { eye, screen: height / (2.0 * (fovy.to_radians() / 2.0).tan()) }
+    }
+}
+
+/// Limit on a frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Goal {
+    /// At most so many triangles of all instances together.
+    Triangles(u64),
+    /// At most so many pixels of error on every instance.
+    Pixels(f32),
+}
+
+/// Chooser of levels for the instances of a scene, frame by frame.
+#[derive(Clone, Debug)]
+pub struct SceneManager {
+    curves: Vec<LevelCurve>,
+    instances: Vec<Instance>,
+    /// For each instance, the error in its model's units that takes one pixel.
+    per_pixel: Vec<f32>,
+    /// For each instance, the step of its level.
+    current: Vec<u32>,
+    /// The step of the bound, in pixels, of the last frame.
+    bound: u32,
+    sums: u64,
+}
+
+impl SceneManager {
+    /// A manager of instances; before the first frame all are at their finest level.
+    ///
+    /// # Panics
+    /// If an instance names a curve that is not there.
+    #[must_use]
+    pub fn new(curves: Vec<LevelCurve>, instances: Vec<Instance>) -> Self {
+        let known = |i: &Instance| (i.curve as usize) < curves.len();
+        assert!(instances.iter().all(known), "every instance has a curve");
+        let count = instances.len();
+        let (per_pixel, current) = (vec![0.0; count], vec![0; count]);
+        Self { curves, instances, per_pixel, current, bound: step_of(1.0), sums: 0 }
+    }
+
+    /// The instances, which may move between frames.
+    pub fn instances_mut(&mut self) -> &mut [Instance] {
+        &mut self.instances
+    }
+
+    /// The level of an instance, as the last frame chose it.
+    #[must_use]
+    pub fn level(&self, instance: usize) -> &CurveLevel {
+        self.curve(instance).at(self.current[instance])
+    }
+
+    /// The bound of the last frame: no error takes more pixels, unless triangles ran out.
+    #[must_use]
+    pub fn pixels(&self) -> f32 {
+        error_of(self.bound)
+    }
+
+    /// Number of times that all instances were added up so far; a measure of work.
+    #[must_use]
+    pub fn sums(&self) -> u64 {
+        self.sums
+    }
+
+    /// Chooses the levels of a frame and returns their triangles. A budget of triangles is kept
+    /// unless the coarsest levels of all have more.
+    pub fn frame(&mut self, view: &View, goal: Goal) -> u64 {
+        for (instance, per_pixel) in self.instances.iter().zip(&mut self.per_pixel) {
+            let offset = std::array::from_fn(|c| instance.position[c] - view.eye[c]);
+            let [x, y, z]: [f32; 3] = offset;
+            let radius = self.curves[instance.curve as usize].radius() * instance.scale;
+            // The nearest point counts; inside the sphere everything is near.
+            let distance = ((x * x + y * y + z * z).sqrt() - radius).max(radius / 64.0);
+            *per_pixel = distance / (view.screen * instance.scale);
+        }
+        match goal {
+            Goal::Pixels(pixels) => {
+                self.bound = step_of(pixels).min(LAST_STEP);
+                self.choose(u64::MAX)
+            }
+            Goal::Triangles(budget) => {
+                self.bound = self.smallest_bound(budget);
+                self.choose(budget)
+            }
+        }
+    }
+
+    fn curve(&self, instance: usize) -> &LevelCurve {
+        &self.curves[self.instances[instance].curve as usize]
+    }
+
+    /// The step of an instance under a bound: the one that it has while that is no coarser than it
+    /// may be and only a little finer, else the coarsest that it may have.
+    fn step(&self, instance: usize, bound: u32) -> u32 {
+        let most = step_of(error_of(bound) * self.per_pixel[instance]).min(LAST_STEP);
+        let most = self.curve(instance).clamped(most);
+        let now = self.current[instance];
+        if now <= most && most - now <= HYSTERESIS { now } else { most }
+    }
+
+    /// Triangles of all instances under a bound; more for none that is larger.
+    fn triangles(&mut self, bound: u32) -> u64 {
+        self.sums += 1;
+        let one = |i| u64::from(self.curve(i).at(self.step(i, bound)).triangles);
+        (0..self.instances.len()).map(one).sum()
+    }
+
+    /// The smallest bound under which the triangles fit; the search starts from the last frame's.
+    fn smallest_bound(&mut self, budget: u64) -> u32 {
+        let (mut low, mut high) = self.bracket(budget);
+        while high - low > 1 {
+            let middle = low + (high - low) / 2;
+            if self.triangles(middle) > budget { low = middle } else { high = middle }
+        }
+        high
+    }
+
+    /// Two bounds: too many triangles at the first (or it is 0), few enough at the second (or it
+    /// is the last). Strides from the last frame's bound grow until they enclose the answer.
+    fn bracket(&mut self, budget: u64) -> (u32, u32) {
+        let (start, mut stride) = (self.bound, 1);
+        if self.triangles(start) > budget {
+            let mut low = start;
+            while low + stride < LAST_STEP && self.triangles(low + stride) > budget {
+                low += stride;
+                stride *= 4;
+            }
+            (low, (low + stride).min(LAST_STEP))
+        } else {
+            let mut high = start;
+            while high > stride && self.triangles(high - stride) <= budget {
+                high -= stride;
+                stride *= 4;
+            }
+            (high.saturating_sub(stride), high)
+        }
+    }
+
+    /// Takes every instance to its level under the bound, then spends what is left of the budget
+    /// on levels of the next smaller bound, in the order of instances.
+    fn choose(&mut self, budget: u64) -> u64 {
+        let finer = self.bound.saturating_sub(1);
+        let mut total = self.triangles(self.bound);
+        for instance in 0..self.instances.len() {
+            let step = self.step(instance, self.bound);
+            let more = self.step(instance, finer);
+            let curve = self.curve(instance);
+            let (few, many) = (curve.at(step).triangles, curve.at(more).triangles);
+            let with_more = total + u64::from(many) - u64::from(few);
+            let takes_more = budget < u64::MAX && many > few && with_more <= budget;
+            if takes_more {
+                total = with_more;
+            }
+            self.current[instance] = if takes_more { more } else { step };
+        }
+        total
+    }
+}

@@ -1,0 +1,122 @@
+use super::*;
+use lodc_mesh::SplitMix64;
+
+/// A curve like those of simplified meshes: errors grow as triangles halve.
+fn curve(rng: &mut SplitMix64) -> LevelCurve {
+    let triangles = 200 + rng.below(3000) as u32;
+    let mut error = 0.0;
+    let mut levels = vec![(0.0, triangles)];
+    let mut left = triangles;
+    while left > 4 {
+        left -= 1 + rng.below((left / 16 + 1) as usize) as u32;
+        error += 1e-4 * (1.0 + rng.below(100) as f64) / f64::from(left);
+        levels.push((error, left));
+    }
+    LevelCurve::new(&levels, 1.0)
+}
+
+fn scene(seed: u64, count: usize) -> SceneManager {
+    let mut rng = SplitMix64::new(seed);
+    let curves: Vec<LevelCurve> = (0..8).map(|_| curve(&mut rng)).collect();
+    let place = |rng: &mut SplitMix64| rng.below(2000) as f32 / 10.0 - 100.0;
+    let instances = (0..count)
+        .map(|_| Instance {
+            curve: rng.below(8) as u32,
+            position: [place(&mut rng), 0.0, place(&mut rng)],
+            scale: 0.5 + rng.below(100) as f32 / 50.0,
+        })
+        .collect();
+    SceneManager::new(curves, instances)
+}
+
+/// Pixels that the error of a level takes.
+fn pixels(manager: &SceneManager, instance: usize, level: &CurveLevel) -> f32 {
+    level.error / manager.per_pixel[instance]
+}
+
+/// Coarsens, one level at a time, what is seen least, until the triangles fit. Returns the most
+/// pixels that an error takes.
+fn greedy(manager: &SceneManager, levels: &[Vec<CurveLevel>], budget: u64) -> f32 {
+    let count = manager.instances.len();
+    let mut at = vec![0; count];
+    let of = |i: usize| &levels[manager.instances[i].curve as usize];
+    let mut total: u64 = (0..count).map(|i| u64::from(of(i)[0].triangles)).sum();
+    let mut most = 0.0_f32;
+    while total > budget {
+        let next = (0..count).filter(|&i| at[i] + 1 < of(i).len());
+        let seen = next.map(|i| (pixels(manager, i, &of(i)[at[i] + 1]), i));
+        let Some((seen, i)) = seen.min_by(|a, b| a.0.total_cmp(&b.0)) else { break };
+        total -= u64::from(of(i)[at[i]].triangles - of(i)[at[i] + 1].triangles);
+        at[i] += 1;
+        most = most.max(seen);
+    }
+    most
+}
+
+#[test]
+fn a_budget_is_met_as_well_as_by_a_greedy_choice() {
+    for seed in 0..10 {
+        let mut manager = scene(seed, 60);
+        let all: u64 = (0..60).map(|i| u64::from(manager.level(i).triangles)).sum();
+        let distinct = |curve: &LevelCurve| {
+            let mut levels: Vec<CurveLevel> =
+                (0..=LAST_STEP).step_by(1).map(|step| *curve.at(step)).collect();
+            levels.dedup_by_key(|level| level.index);
+            levels
+        };
+        let levels: Vec<Vec<CurveLevel>> = manager.curves.iter().map(distinct).collect();
+        for share in [2, 5, 20] {
+            let mut fresh = manager.clone();
+            let view = View::new([3.0, 2.0, 1.0], 60.0, 1080.0);
+            let shown = fresh.frame(&view, Goal::Triangles(all / share));
+            assert!(shown <= all / share);
+            let seen = (0..60).map(|i| pixels(&fresh, i, fresh.level(i))).fold(0.0, f32::max);
+            let best = greedy(&fresh, &levels, all / share);
+            assert!(seen <= best * 1.02, "seed {seed}, 1/{share}: {seen} against {best}");
+            assert_eq!((0..60).map(|i| u64::from(fresh.level(i).triangles)).sum::<u64>(), shown);
+        }
+        manager.frame(&View::new([0.0; 3], 60.0, 1080.0), Goal::Pixels(1.0));
+        assert!((0..60).all(|i| pixels(&manager, i, manager.level(i)) <= 1.0));
+    }
+}
+
+#[test]
+fn a_small_move_changes_no_level_and_the_budget_holds_on_the_way() {
+    let mut manager = scene(3, 500);
+    let all: u64 = (0..500).map(|i| u64::from(manager.level(i).triangles)).sum();
+    let goal = Goal::Triangles(all / 8);
+    let view = |x: f32| View::new([x, 2.0, 0.0], 60.0, 1080.0);
+    manager.frame(&view(0.0), goal);
+    manager.frame(&view(0.0), goal);
+    let levels = |m: &SceneManager| (0..500).map(|i| m.level(i).index).collect::<Vec<_>>();
+    let before = levels(&manager);
+    manager.frame(&view(0.001), goal);
+    let changed = levels(&manager).iter().zip(&before).filter(|(a, b)| a != b).count();
+    assert!(changed <= 2, "{changed} of 500");
+    for frame in 0..200 {
+        let x = frame as f32 * 0.5 - 50.0;
+        assert!(manager.frame(&view(x), goal) <= all / 8, "{frame}");
+    }
+}
+
+#[test]
+fn later_frames_add_up_a_few_times_only() {
+    let mut manager = scene(5, 2000);
+    let view = |x: f32| View::new([x, 2.0, 0.0], 60.0, 1080.0);
+    manager.frame(&view(0.0), Goal::Triangles(300_000));
+    let first = manager.sums();
+    for frame in 1..=100 {
+        manager.frame(&view(frame as f32 * 0.1), Goal::Triangles(300_000));
+    }
+    let later = (manager.sums() - first) / 100;
+    assert!(later <= 8, "{first} at first, then {later} a frame");
+}
+
+#[test]
+fn a_budget_below_the_coarsest_levels_shows_these() {
+    let mut manager = scene(7, 50);
+    let view = View::new([0.0; 3], 60.0, 1080.0);
+    let least: u64 = (0..50).map(|i| u64::from(manager.curve(i).at(LAST_STEP).triangles)).sum();
+    assert_eq!(manager.frame(&view, Goal::Triangles(1)), least);
+    assert_eq!(SceneManager::new(vec![], vec![]).frame(&view, Goal::Triangles(1)), 0);
+}
