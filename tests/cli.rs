@@ -29,6 +29,8 @@ mod refused;
 #[cfg(feature = "gpu")]
 #[path = "cli/render.rs"]
 mod render;
+#[path = "cli/select.rs"]
+mod select;
 #[path = "cli/shaders.rs"]
 mod shaders;
 #[path = "cli/stream.rs"]

@@ -1,8 +1,8 @@
 //! The command line as `clap` sees it: every command, and the options all of them have.
 
 use crate::commands::{
-    bench, build, chain, compare, completions, config, extract, info, man, pack, render, shaders,
-    strips, unpack, verify,
+    bench, build, chain, compare, completions, config, extract, info, man, pack, render, select,
+    shaders, strips, unpack, verify,
 };
 use clap::{Args, Parser, Subcommand};
 
@@ -56,6 +56,8 @@ pub(crate) enum Command {
     Strips(strips::StripsArgs),
     /// Write the WGSL that an engine needs to show models, and a guide to it
     Shaders(shaders::ShadersArgs),
+    /// Choose levels for a distance, or for all instances of a scene under a budget
+    Select(select::SelectArgs),
     /// Measure storage, extraction time, bus traffic and primitives
     Bench(bench::BenchArgs),
     /// Show what lodc.toml says of an asset

@@ -28,7 +28,7 @@ use clap::{CommandFactory, Parser};
 use cli::{Cli, Command};
 use commands::{
     bench, build, chain, compare, completions, config as config_command, extract, info, man, pack,
-    render, shaders, strips, unpack, verify,
+    render, select, shaders, strips, unpack, verify,
 };
 use console::Loudness;
 use exit::{Outcome, Status};
@@ -75,6 +75,7 @@ fn run() -> Status {
         Command::Unpack(args) => unpack::run(args),
         Command::Strips(args) => done(strips::run(args)),
         Command::Shaders(args) => done(shaders::run(args)),
+        Command::Select(args) => done(select::run(args)),
         Command::Bench(args) => bench::run(args),
         Command::Config(args) => done(config_command::run(args)),
         Command::Completions(args) => done(completions::run(args, Cli::command())),

@@ -13,6 +13,7 @@ pub(crate) mod man;
 pub(crate) mod pack;
 mod read;
 pub(crate) mod render;
+pub(crate) mod select;
 pub(crate) mod shaders;
 pub(crate) mod strips;
 pub(crate) mod unpack;

@@ -55,13 +55,31 @@ pub struct View {
     pub eye: [f32; 3],
     /// Pixels that a unit of length takes at distance 1.
     pub screen: f32,
+    /// Point that it looks at. What is wholly behind the eye then has its coarsest level.
+    pub target: Option<[f32; 3]>,
 }
 
 impl View {
     /// A camera with a vertical field of view in degrees and a screen that many pixels high.
     #[must_use]
     pub fn new(eye: [f32; 3], fovy: f32, height: f32) -> Self {
-        Self { eye, screen: height / (2.0 * (fovy.to_radians() / 2.0).tan()) }
+        let screen = height / (2.0 * (fovy.to_radians() / 2.0).tan());
+        Self { eye, screen, target: None }
+    }
+
+    /// The same camera, looking at a point.
+    #[must_use]
+    pub fn towards(self, target: [f32; 3]) -> Self {
+        Self { target: Some(target), ..self }
+    }
+
+    /// Returns whether a sphere is wholly behind the eye; `offset` leads from the eye to its
+    /// centre.
+    fn is_behind(&self, offset: [f32; 3], radius: f32) -> bool {
+        let Some(target) = self.target else { return false };
+        let forward: [f32; 3] = std::array::from_fn(|c| target[c] - self.eye[c]);
+        let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        dot(forward, offset) < -radius * dot(forward, forward).sqrt()
     }
 }
 
@@ -129,9 +147,12 @@ impl SceneManager {
     /// unless the coarsest levels of all have more.
     pub fn frame(&mut self, view: &View, goal: Goal) -> u64 {
         for (instance, per_pixel) in self.instances.iter().zip(&mut self.per_pixel) {
-            let offset = std::array::from_fn(|c| instance.position[c] - view.eye[c]);
-            let [x, y, z]: [f32; 3] = offset;
+            let [x, y, z] = std::array::from_fn(|c| instance.position[c] - view.eye[c]);
             let radius = self.curves[instance.curve as usize].radius() * instance.scale;
+            if view.is_behind([x, y, z], radius) {
+                *per_pixel = f32::MAX;
+                continue;
+            }
             // The nearest point counts; inside the sphere everything is near.
             let distance = ((x * x + y * y + z * z).sqrt() - radius).max(radius / 64.0);
             *per_pixel = distance / (view.screen * instance.scale);

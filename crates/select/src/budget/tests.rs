@@ -113,6 +113,16 @@ fn later_frames_add_up_a_few_times_only() {
 }
 
 #[test]
+fn what_is_behind_the_eye_has_its_coarsest_level() {
+    let curve = LevelCurve::new(&[(0.0, 100), (0.1, 10)], 1.0);
+    let at = |z: f32| Instance { curve: 0, position: [0.0, 0.0, z], scale: 1.0 };
+    let mut manager = SceneManager::new(vec![curve], vec![at(-2.0), at(-0.5), at(2.0)]);
+    let view = View::new([0.0; 3], 60.0, 1080.0).towards([0.0, 0.0, 1.0]);
+    manager.frame(&view, Goal::Pixels(0.5));
+    assert_eq!([0, 1, 2].map(|i| manager.level(i).triangles), [10, 100, 100]);
+}
+
+#[test]
 fn a_budget_below_the_coarsest_levels_shows_these() {
     let mut manager = scene(7, 50);
     let view = View::new([0.0; 3], 60.0, 1080.0);

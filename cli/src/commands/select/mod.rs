@@ -1,0 +1,172 @@
+//! `lodc select`: which level suits a distance, or every instance of a scene under a budget.
+
+mod model;
+mod scene;
+
+use crate::console;
+use crate::exit::{Failure, Outcome};
+use crate::limits::LimitArgs;
+use crate::report::SCHEMA_VERSION;
+use crate::text::{distance, grouped};
+use clap::Args;
+use lodc_select::{Goal, Instance, SceneManager, View, decimal};
+use model::Model;
+use serde::Serialize;
+use std::path::PathBuf;
+
+/// Options of `select`.
+#[derive(Args, Debug)]
+pub(crate) struct SelectArgs {
+    /// The .lodc file to choose a level of
+    #[arg(required_unless_present = "scene", conflicts_with = "scene")]
+    file: Option<PathBuf>,
+    /// Pixels that the error may take on the screen
+    #[arg(long, value_name = "P", value_parser = positive,
+          required_unless_present = "budget", conflicts_with = "budget")]
+    pixels: Option<f32>,
+    /// Distance of the file's model from the eye, in the scene's units
+    #[arg(long, value_name = "D", value_parser = positive, required_unless_present = "scene",
+          conflicts_with = "scene")]
+    distance: Option<f32>,
+    /// Choose for every instance of a scene: a JSON document {"file": PATH, "position": [X, Y, Z],
+    /// "scale": S} in each line of FILE
+    #[arg(long, value_name = "FILE", requires = "eye")]
+    scene: Option<PathBuf>,
+    /// Triangles that all instances may have together
+    #[arg(long, value_name = "N", requires = "scene")]
+    budget: Option<u64>,
+    /// Place of the eye
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
+    eye: Option<[f32; 3]>,
+    /// Point that the eye looks at; what is wholly behind the eye has its coarsest level
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true,
+          requires = "eye")]
+    target: Option<[f32; 3]>,
+    /// Vertical field of view in degrees
+    #[arg(long, value_name = "DEGREES", default_value = "60", value_parser = angle)]
+    fovy: f32,
+    /// Height of the screen in pixels
+    #[arg(long, value_name = "PIXELS", default_value = "1080", value_parser = positive)]
+    height: f32,
+    /// Print one JSON document
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    limits: LimitArgs,
+}
+
+/// `select FILE --json`.
+#[derive(Debug, Serialize)]
+struct FileReport {
+    schema_version: u32,
+    #[serde(flatten)]
+    level: LevelReport,
+    projected_pixels: f64,
+}
+
+/// `select --scene --json`.
+#[derive(Debug, Serialize)]
+struct SceneReport {
+    schema_version: u32,
+    triangles: u64,
+    /// Bound on the projected error of every instance.
+    pixels: f64,
+    instances: Vec<LevelReport>,
+}
+
+/// The level of one instance.
+#[derive(Debug, Serialize)]
+struct LevelReport {
+    /// Null if several objects each have their own: `extract --error` finds them.
+    lod: Option<u32>,
+    triangles: u32,
+    /// In the file's world units.
+    error: f64,
+}
+
+pub(crate) fn run(args: &SelectArgs) -> Outcome<()> {
+    match (&args.file, &args.scene) {
+        (Some(file), _) => one(args, file),
+        (None, Some(list)) => many(args, list),
+        (None, None) => Err(Failure::usage("name a file, or a scene with --scene")),
+    }
+}
+
+fn one(args: &SelectArgs, file: &std::path::Path) -> Outcome<()> {
+    let model = Model::read(file, args.limits.limits())?;
+    let away = args.distance.expect("clap demands it beside a file");
+    let pixels = args.pixels.expect("clap demands it beside a file");
+    // The distance is that of the surface: a point without a sphere.
+    let instance = Instance { curve: 0, position: [0.0, 0.0, away], scale: 1.0 };
+    let mut manager = SceneManager::new(vec![model.curve(0.0)], vec![instance]);
+    let view = View::new([0.0; 3], args.fovy, args.height);
+    manager.frame(&view, Goal::Pixels(pixels));
+    let level = level(&model, &manager, 0);
+    let projected_pixels = level.error * f64::from(view.screen) / f64::from(away);
+    if args.json {
+        let schema_version = SCHEMA_VERSION;
+        return console::json(&FileReport { schema_version, level, projected_pixels });
+    }
+    console::result(&format!(
+        "{}, {projected_pixels:.2} pixels at {}",
+        text(&level),
+        distance(f64::from(away))
+    ))
+}
+
+fn many(args: &SelectArgs, list: &std::path::Path) -> Outcome<()> {
+    let scene = scene::read(list, args.limits.limits())?;
+    let curves = scene.models.iter().map(|model| model.curve(model.radius)).collect();
+    let mut manager = SceneManager::new(curves, scene.instances.clone());
+    let view = View::new(args.eye.expect("clap demands it"), args.fovy, args.height);
+    let view = args.target.map_or(view, |target| view.towards(target));
+    let goal = match (args.budget, args.pixels) {
+        (Some(budget), _) => Goal::Triangles(budget),
+        (None, pixels) => Goal::Pixels(pixels.expect("clap demands one of them")),
+    };
+    let triangles = manager.frame(&view, goal);
+    if args.budget.is_some_and(|budget| triangles > budget) {
+        let what = format!("the coarsest levels have {} triangles", grouped(triangles));
+        console::warning(&list.display().to_string(), &what);
+    }
+    let of = |i: usize| &scene.models[scene.instances[i].curve as usize];
+    let instances = (0..scene.instances.len()).map(|i| level(of(i), &manager, i));
+    let instances: Vec<LevelReport> = instances.collect();
+    if args.json {
+        let (schema_version, pixels) = (SCHEMA_VERSION, decimal(manager.pixels()));
+        return console::json(&SceneReport { schema_version, triangles, pixels, instances });
+    }
+    for (number, instance) in instances.iter().enumerate() {
+        console::result(&format!("{number}: {}", text(instance)))?;
+    }
+    console::result(&format!("{} triangles in all", grouped(triangles)))
+}
+
+fn level(model: &Model, manager: &SceneManager, instance: usize) -> LevelReport {
+    let level = manager.level(instance);
+    let lod = model.lod(level.index);
+    LevelReport { lod, triangles: level.triangles, error: decimal(level.error) }
+}
+
+fn text(level: &LevelReport) -> String {
+    let lod = level.lod.map_or(String::new(), |lod| format!("LOD {}, ", grouped(u64::from(lod))));
+    let triangles = grouped(u64::from(level.triangles));
+    format!("{lod}{triangles} triangles, error {}", distance(level.error))
+}
+
+fn positive(text: &str) -> Result<f32, String> {
+    let value: f32 = text.parse().map_err(|e| format!("{e}"))?;
+    if value > 0.0 && value.is_finite() { Ok(value) } else { Err("a number above 0".to_owned()) }
+}
+
+fn angle(text: &str) -> Result<f32, String> {
+    positive(text).and_then(|v| if v < 180.0 { Ok(v) } else { Err("below 180 degrees".to_owned()) })
+}
+
+fn point(text: &str) -> Result<[f32; 3], String> {
+    let numbers: Result<Vec<f32>, _> = text.split(',').map(|n| n.trim().parse()).collect();
+    let point = numbers.ok().and_then(|n| <[f32; 3]>::try_from(n).ok());
+    point
+        .filter(|p| p.iter().all(|c| c.is_finite()))
+        .ok_or_else(|| "three numbers X,Y,Z".to_owned())
+}

@@ -1,0 +1,88 @@
+//! A file as one model: all its objects under one error.
+
+use crate::commands::read::read_lodc;
+use crate::exit::{Failure, Outcome, Status};
+use lodc_formats::lodc::LodFile;
+use lodc_formats::{Limits, ObjectInfo, scene_graph};
+use lodc_scene::{Arrangement, posed};
+use lodc_select::LevelCurve;
+use std::path::Path;
+
+/// Levels of a file and its size.
+#[derive(Debug)]
+pub(super) struct Model {
+    /// World error and triangles of each level, the finest first.
+    levels: Vec<(f64, u32)>,
+    /// The LOD of each level, if there is a single object.
+    lods: Option<Vec<u32>>,
+    /// Radius of a sphere around the origin that holds everything that the scene shows.
+    pub(super) radius: f32,
+}
+
+impl Model {
+    /// # Errors
+    /// If the file cannot be read or has no triangles.
+    pub(super) fn read(path: &Path, limits: Limits) -> Outcome<Self> {
+        let (file, _) = read_lodc(path, limits)?;
+        let levels = levels(&file);
+        if levels.first().is_none_or(|&(_, triangles)| triangles == 0) {
+            let what = format!("{}: has no triangles to choose a level of", path.display());
+            return Err(Failure::new(Status::Input, what));
+        }
+        let lods = match &file.objects[..] {
+            [one] => {
+                let collapses = one.simplified.collapses();
+                let steps = (0..collapses.steps()).map(|i| collapses.step(i).lod.0);
+                Some(std::iter::once(0).chain(steps).collect())
+            }
+            _ => None,
+        };
+        Ok(Self { levels, lods, radius: radius(&file, limits)? })
+    }
+
+    pub(super) fn curve(&self, radius: f32) -> LevelCurve {
+        LevelCurve::new(&self.levels, radius)
+    }
+
+    pub(super) fn lod(&self, index: u32) -> Option<u32> {
+        self.lods.as_ref().map(|lods| lods[index as usize])
+    }
+}
+
+/// Levels under one error in world units: each object at its coarsest level within it. Levels in
+/// which an object has vanished are left out.
+fn levels(file: &LodFile) -> Vec<(f64, u32)> {
+    let mut steps: Vec<(f64, u32)> = Vec::new();
+    let mut total = 0;
+    for object in &file.objects {
+        let collapses = object.simplified.collapses();
+        let last = collapses.last_visible();
+        let mut before = collapses.parts().triangles;
+        total += before;
+        for step in (0..collapses.steps()).map(|i| collapses.step(i)) {
+            if step.lod > last {
+                break;
+            }
+            steps.push((f64::from(step.error) * object.info.world_scale, before - step.triangles));
+            before = step.triangles;
+        }
+    }
+    // Stable: the steps of one object keep their order.
+    steps.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let rest = steps.into_iter().scan(total, |left, (error, gone)| {
+        *left -= gone;
+        Some((error, *left))
+    });
+    std::iter::once((0.0, total)).chain(rest).collect()
+}
+
+fn radius(file: &LodFile, limits: Limits) -> Outcome<f32> {
+    let infos: Vec<&ObjectInfo> = file.objects.iter().map(|o| &o.info).collect();
+    let graph = scene_graph(&file.document, &infos, &limits)?;
+    let scene = Arrangement::new(&graph, &graph.rest_pose(), infos.len());
+    let farthest = scene.placements().iter().flat_map(|placement| {
+        let mesh = file.objects[placement.object].simplified.mesh();
+        posed(mesh, placement).positions.into_iter().map(|p| p.length())
+    });
+    Ok(farthest.fold(0.0, f64::max) as f32)
+}

@@ -1,0 +1,61 @@
+//! Instances of a scene: a JSON document in each line.
+
+use super::model::Model;
+use crate::exit::{Failure, Outcome, Status};
+use lodc_formats::Limits;
+use lodc_select::Instance;
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// One line.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Line {
+    file: PathBuf,
+    position: [f32; 3],
+    #[serde(default = "one")]
+    scale: f32,
+}
+
+fn one() -> f32 {
+    1.0
+}
+
+/// Instances and the models that they show, each read once.
+#[derive(Debug, Default)]
+pub(super) struct Scene {
+    pub(super) models: Vec<Model>,
+    pub(super) instances: Vec<Instance>,
+}
+
+/// Reads a scene; blank lines are passed over. Paths are relative to the current folder.
+///
+/// # Errors
+/// If a line is not such a document, or a file cannot be read.
+pub(super) fn read(path: &Path, limits: Limits) -> Outcome<Scene> {
+    let failure = |what: String| Failure::new(Status::Input, format!("{}: {what}", path.display()));
+    let text = std::fs::read_to_string(path).map_err(|e| failure(e.to_string()))?;
+    let mut scene = Scene::default();
+    let mut numbers: BTreeMap<PathBuf, u32> = BTreeMap::new();
+    for (number, line) in (1..).zip(text.lines()).filter(|(_, line)| !line.trim().is_empty()) {
+        let line: Line = serde_json::from_str(line)
+            .map_err(|e| failure(format!("line {number}, column {}: no instance", e.column())))?;
+        let places = line.position.iter().all(|c| c.is_finite());
+        if !places || !line.scale.is_finite() || line.scale <= 0.0 {
+            let what = "a place needs finite numbers, a scale one above 0";
+            return Err(failure(format!("line {number}: {what}")));
+        }
+        let curve = match numbers.get(&line.file) {
+            Some(&curve) => curve,
+            None => {
+                scene.models.push(Model::read(&line.file, limits)?);
+                let curve = scene.models.len() as u32 - 1;
+                numbers.insert(line.file, curve);
+                curve
+            }
+        };
+        scene.instances.push(Instance { curve, position: line.position, scale: line.scale });
+    }
+    Ok(scene)
+}
