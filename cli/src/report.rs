@@ -152,11 +152,20 @@ pub(crate) struct ObjectReport {
     pub(crate) diagonal: f64,
     /// `measured`, or `estimate` in files before version 3.
     pub(crate) errors: &'static str,
+    pub(crate) collapse_lists: ListsReport,
     pub(crate) lods: Vec<LodReport>,
     /// Strips by generator; empty until the file has strip models.
     pub(crate) strips: serde_json::Map<String, serde_json::Value>,
     /// Models by name.
     pub(crate) models: serde_json::Map<String, serde_json::Value>,
+}
+
+/// Entries of the collapse lists of an object, over the whole sequence.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub(crate) struct ListsReport {
+    /// Mean over the vertices.
+    pub(crate) mean: f64,
+    pub(crate) longest: u32,
 }
 
 /// One line of the table of LODs.

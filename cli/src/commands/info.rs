@@ -8,14 +8,16 @@ use crate::exit::Outcome;
 use crate::levels;
 use crate::limits::LimitArgs;
 use crate::report::{
-    BitsPerVertex, InfoReport, LodReport, ModelReport, ObjectCounts, ObjectReport, SCHEMA_VERSION,
-    SourceReport,
+    BitsPerVertex, InfoReport, ListsReport, LodReport, ModelReport, ObjectCounts, ObjectReport,
+    SCHEMA_VERSION, SourceReport,
 };
 use crate::text::{count, distance, grouped, size};
 use clap::Args;
 use lodc_formats::SourceFormat;
 use lodc_formats::lodc::{self, LodObject};
 use lodc_lod::AnyModel;
+use lodc_lod::interactive::CollapseLists;
+use lodc_mesh::CollapseSequence;
 use lodc_model::{Model, StorageCost};
 use lodc_select::decimal;
 use lodc_strip::Effort;
@@ -88,10 +90,21 @@ fn object(o: &LodObject, baselines: bool) -> Outcome<ObjectReport> {
         world_scale: o.info.world_scale,
         diagonal: o.simplified.mesh().diagonal(),
         errors: if collapses.is_measured() { "measured" } else { "estimate" },
+        collapse_lists: lists(collapses),
         lods: lods.collect(),
         strips: strips(o),
         models,
     })
+}
+
+/// How long collapse lists are that reach down to the last level.
+fn lists(collapses: &CollapseSequence) -> ListsReport {
+    let lengths = CollapseLists::lengths(collapses.targets(), collapses.last());
+    let entries: u64 = lengths.iter().map(|&l| u64::from(l)).sum();
+    ListsReport {
+        mean: entries as f64 / lengths.len() as f64,
+        longest: lengths.into_iter().max().unwrap_or(0),
+    }
 }
 
 /// Long strips: those of a model that is made for long ones and has some, or new ones. (Others may
@@ -149,6 +162,12 @@ fn text(name: &str, report: &InfoReport) -> String {
     for o in &report.objects {
         let _ = writeln!(text, "\n{}", crate::exit::one_line(&o.counts.name));
         describe(&mut text, &o.counts);
+        let _ = writeln!(
+            text,
+            "  collapse lists: {:.1} entries on average, {} at most",
+            o.collapse_lists.mean,
+            grouped(u64::from(o.collapse_lists.longest))
+        );
         table(&mut text, o);
         for (model, cost) in &o.models {
             let bits = &cost["bits_per_vertex"];

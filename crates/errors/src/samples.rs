@@ -9,8 +9,8 @@ use lodc_mesh::{NONE, SplitMix64};
 /// Samples that a face keeps when it has half as many more; where few faces are left, so many that
 /// all of them have so many.
 const KEPT: usize = 16;
-const KEPT_IN_ALL: usize = 4000;
-const MOST_KEPT: usize = 128;
+const KEPT_IN_ALL: usize = 10_000;
+const MOST_KEPT: usize = 256;
 
 /// Most samples put on a large or long triangle besides its corners.
 const MOST_INSIDE: f64 = 24.0;
@@ -20,7 +20,7 @@ const MOST_INSIDE: f64 = 24.0;
 const LONG: f64 = 6.0;
 
 /// Samples that a mesh of few triangles gets in all, and most on one of its triangles.
-const FEWEST: f64 = 4000.0;
+const FEWEST: f64 = 10_000.0;
 const MOST_OF_FEW: f64 = 64.0;
 
 /// A point of the input, half a cache line.

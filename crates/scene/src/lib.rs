@@ -37,6 +37,7 @@ mod placement;
 mod pose;
 mod posed;
 mod scale;
+mod shape;
 mod srgb;
 mod transform;
 
@@ -48,6 +49,7 @@ pub use placement::{Arrangement, Placement};
 pub use pose::Pose;
 pub use posed::{PosedVertices, posed, stream};
 pub use scale::{ObjectInScene, object_in_scene, placement_scales, representative};
+pub use shape::shape_in_scene;
 pub use srgb::{to_linear, to_srgb};
 pub use transform::{
     LocalTransform, Transform, largest_stretch, transform_from_columns, transform_normal,

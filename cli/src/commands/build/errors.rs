@@ -1,7 +1,9 @@
 //! The stage that measures how far every level is from the input.
 
-use lodc_formats::ObjectInfo;
+use crate::exit::Outcome;
+use lodc_formats::{Document, Limits, ObjectInfo, scene_graph};
 use lodc_mesh::Simplified;
+use lodc_scene::{Arrangement, shape_in_scene};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -9,14 +11,26 @@ use std::sync::Arc;
 pub(crate) type SimplifiedObjects = Vec<(ObjectInfo, Arc<Simplified>)>;
 
 /// Puts measured distances in the place of what the simplifier was guided by, several objects at
-/// once.
-pub(crate) fn measure_all(objects: SimplifiedObjects) -> SimplifiedObjects {
-    let one = |(info, simplified): (ObjectInfo, Arc<Simplified>)| {
-        let distances = lodc_errors::measure(&simplified, simplified.mesh().positions());
+/// once. Distances are those of the shape that the document's default scene gives an object.
+///
+/// # Errors
+/// If the stored document is damaged.
+pub(crate) fn measure_all(
+    objects: SimplifiedObjects,
+    document: &Document,
+    limits: &Limits,
+) -> Outcome<SimplifiedObjects> {
+    let infos: Vec<&ObjectInfo> = objects.iter().map(|(info, _)| info).collect();
+    let graph = scene_graph(document, &infos, limits)?;
+    let scene = Arrangement::new(&graph, &graph.rest_pose(), objects.len());
+    let one = |(number, (info, simplified)): (usize, (ObjectInfo, Arc<Simplified>))| {
+        let shape = shape_in_scene(simplified.mesh(), number, &scene);
+        let distances = lodc_errors::measure(&simplified, &shape);
+        drop(shape);
         let measured = Arc::unwrap_or_clone(simplified)
             .with_distances(distances.error, distances.rms)
             .expect("the pass has a distance for each step, none below the one before");
         (info, Arc::new(measured))
     };
-    objects.into_par_iter().map(one).collect()
+    Ok(objects.into_par_iter().enumerate().map(one).collect())
 }

@@ -56,7 +56,8 @@ pub(super) fn make(
         }
     }
     progress.stage("errors");
-    let simplified = stages.run("errors", || measure_all(simplified));
+    let limits = args.import.options().limits;
+    let simplified = stages.run("errors", || measure_all(simplified, &document, &limits))?;
 
     let bug = |what: String| {
         Failure::new(Status::Bug, format!("{}: {what}; nothing was written", input.display()))

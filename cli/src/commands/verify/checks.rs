@@ -6,24 +6,39 @@ use crate::exit::{Failure, Outcome, Status};
 use crate::report::CheckReport;
 use lodc_formats::import::{ImportOptions, import};
 use lodc_formats::lodc::{LodFile, LodObject};
+use lodc_formats::{Limits, ObjectInfo, scene_graph};
+use lodc_scene::{Arrangement, shape_in_scene};
 use lodc_verify::{Check, Reference, VerifyOptions, verify};
 use rayon::prelude::*;
 use std::path::Path;
 
 /// Stored facts and models of every object, several objects at once.
-pub(super) fn models(file: &LodFile, stride: u32) -> Outcome<Vec<CheckReport>> {
+///
+/// # Errors
+/// If the stored document is damaged, or an object is more than can be verified.
+pub(super) fn models(file: &LodFile, stride: u32, limits: &Limits) -> Outcome<Vec<CheckReport>> {
     let options = VerifyOptions { stride, ..VerifyOptions::default() };
-    let checked: Outcome<Vec<_>> = file.objects.par_iter().map(|o| object(o, &options)).collect();
+    let infos: Vec<&ObjectInfo> = file.objects.iter().map(|o| &o.info).collect();
+    let graph = scene_graph(&file.document, &infos, limits)?;
+    let scene = Arrangement::new(&graph, &graph.rest_pose(), infos.len());
+    let one = |(number, o): (usize, &LodObject)| {
+        object(o, &shape_in_scene(o.simplified.mesh(), number, &scene), &options)
+    };
+    let checked: Outcome<Vec<_>> = file.objects.par_iter().enumerate().map(one).collect();
     Ok(checked?.concat())
 }
 
-fn object(object: &LodObject, options: &VerifyOptions) -> Outcome<Vec<CheckReport>> {
+fn object(
+    object: &LodObject,
+    shape: &[[f32; 3]],
+    options: &VerifyOptions,
+) -> Outcome<Vec<CheckReport>> {
     let name = &object.info.name;
     let reference = Reference::new(&object.simplified).map_err(|e| {
         Failure::new(Status::Limit, format!("{name}: {e}; nothing more was verified"))
     })?;
     let mut checks: Vec<_> = reference.checks().iter().map(|c| report(name, c)).collect();
-    checks.push(errors::check(object));
+    checks.push(errors::check(object, shape));
     for model in &object.models {
         checks.extend(verify(model, &reference, options).iter().map(|c| report(name, c)));
     }

@@ -19,8 +19,8 @@ const SAMPLING: Sampling = Sampling { samples: 20_000, lattice: 30_000, seed: 0x
 const TOLERANCE: f64 = 1.05;
 
 /// Compares the stored errors of an object with measured ones; errors that are estimates are
-/// skipped.
-pub(super) fn check(object: &LodObject) -> CheckReport {
+/// skipped. `shape` is the surface that the scene shows, a place for each vertex.
+pub(super) fn check(object: &LodObject, shape: &[[f32; 3]]) -> CheckReport {
     let collapses = object.simplified.collapses();
     let mut report = CheckReport {
         object: Some(object.info.name.clone()),
@@ -41,7 +41,7 @@ pub(super) fn check(object: &LodObject) -> CheckReport {
     }
     let lods = levels(collapses);
     (report.lods, report.full) = (lods.len() as u64, lods.len() as u64);
-    report.first_difference = first_difference(&object.simplified, &lods);
+    report.first_difference = first_difference(&object.simplified, shape, &lods);
     report.ok = Some(report.first_difference.is_none());
     report
 }
@@ -63,11 +63,10 @@ fn levels(collapses: &CollapseSequence) -> Vec<Lod> {
     lods
 }
 
-fn first_difference(simplified: &Simplified, lods: &[Lod]) -> Option<String> {
+fn first_difference(simplified: &Simplified, shape: &[[f32; 3]], lods: &[Lod]) -> Option<String> {
     let positions = PositionIds::new(simplified.mesh().positions());
-    let places = simplified.mesh().positions();
     let surface = |lod: Lod| Surface {
-        positions: places.iter().map(|&p| p.into()).collect(),
+        positions: shape.iter().map(|&p| p.into()).collect(),
         triangles: simplified
             .triangles_at_with(lod, &positions)
             .iter()

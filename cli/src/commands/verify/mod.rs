@@ -130,7 +130,7 @@ fn check(
     input: &Path,
 ) -> Outcome<Vec<CheckReport>> {
     let (file, _) = read_lodc(input, args.import.options().limits)?;
-    let mut all = checks::models(&file, args.stride.get())?;
+    let mut all = checks::models(&file, args.stride.get(), &args.import.options().limits)?;
     if let Some(source) = sources.of(&file, input)? {
         all.push(checks::source(&file, source, &args.import.options())?);
     }

@@ -25,12 +25,7 @@ impl CollapseLists {
     /// square of its length.
     pub fn new(collapse_to: &[u32], coarsest: Lod, most: usize) -> Result<Self, ListsTooLong> {
         let ends = |v: usize| v >= collapse_to.len() || v >= coarsest.0 as usize;
-        let mut length = vec![1u32; collapse_to.len() + 1];
-        for v in (0..collapse_to.len()).rev() {
-            if !ends(v) {
-                length[v] = 1 + length[collapse_to[v] as usize];
-            }
-        }
+        let length = Self::lengths(collapse_to, coarsest);
         let total: u64 = length.iter().map(|&l| u64::from(l)).sum();
         if total > (most as u64).min(u64::from(u32::MAX)) {
             return Err(ListsTooLong { entries: total });
@@ -53,6 +48,17 @@ impl CollapseLists {
             }
         }
         Ok(Self { offsets, entries })
+    }
+
+    /// Returns the length of every vertex's list for LODs down to `coarsest`, without making the
+    /// lists.
+    #[must_use]
+    pub fn lengths(collapse_to: &[u32], coarsest: Lod) -> Vec<u32> {
+        let mut length = vec![1u32; collapse_to.len() + 1];
+        for v in (0..collapse_to.len().min(coarsest.0 as usize)).rev() {
+            length[v] = 1 + length[collapse_to[v] as usize];
+        }
+        length
     }
 
     /// Number of vertices.

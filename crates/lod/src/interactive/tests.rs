@@ -56,6 +56,8 @@ fn a_collapse_list_follows_the_hierarchy_and_the_lod_picks_its_entry() {
     let mut collapse_to: Vec<u32> = (0..49).map(|_| 49).collect();
     collapse_to[18] = 38;
     let lists = CollapseLists::new(&collapse_to, Lod(49), 1000).expect("short lists");
+    let lengths: Vec<u32> = lists.offsets().windows(2).map(|o| o[1] - o[0]).collect();
+    assert_eq!(CollapseLists::lengths(&collapse_to, Lod(49)), lengths);
     assert_eq!(lists.list(18), [18, 38, 49]);
     assert_eq!(lists.list(38), [38, 49]);
     assert_eq!(lists.list(49), [49]);
