@@ -150,6 +150,9 @@ fn text(name: &str, report: &InfoReport) -> String {
         let _ = writeln!(text, "\n{}", crate::exit::one_line(&o.counts.name));
         describe(&mut text, &o.counts);
         table(&mut text, o);
+        if o.models.is_empty() {
+            let _ = writeln!(text, "  no models, only the collapse sequence");
+        }
         for (model, cost) in &o.models {
             let bits = &cost["bits_per_vertex"];
             let number =
