@@ -60,7 +60,7 @@ pub(crate) struct Patch {
     targets: Vec<(u32, u32)>,
     /// Samples of the star.
     pub(super) samples: Vec<u32>,
-    /// Where they are, and how far they reach, four at a time.
+    /// Their positions and reaches, four at a time.
     pub(super) reaches: Vec<Reach>,
     /// The energy of the whole patch before the move.
     pub(super) current_energy: f64,
