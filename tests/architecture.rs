@@ -33,7 +33,7 @@ const DRAWING: &[(&str, &[&str])] = &[
     ("crates/strip", &["lodc-mesh", "rayon"]),
     ("crates/progressive", &["lodc-mesh", "lodc-strip"]),
     ("crates/model", &["lodc-mesh"]),
-    ("crates/verify", &["lodc-mesh", "lodc-model"]),
+    ("crates/verify", &["lodc-mesh", "lodc-model", "rayon"]),
     ("crates/plan", &["lodc-mesh", "lodc-strip"]),
     ("crates/lod", &["lodc-mesh", "lodc-model", "lodc-plan", "lodc-strip", "lodc-verify", "rayon"]),
     ("crates/baseline", &["lodc-lod", "lodc-mesh", "lodc-model", "lodc-strip", "rayon"]),

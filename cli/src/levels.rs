@@ -4,7 +4,8 @@ use lodc_formats::lodc::LodObject;
 use lodc_lod::{AnyModel, ModelKind};
 use lodc_mesh::{CollapseSequence, Lod, OrientedTriangle, PositionIds, TriangleHash};
 use lodc_model::Model;
-use lodc_strip::StripPool;
+use lodc_strip::{Report, StripKind, StripPool};
+use rayon::prelude::*;
 
 /// The kinds that were asked for, in the order of files; all if none was named.
 pub(crate) fn chosen(named: &[ModelKind]) -> Vec<ModelKind> {
@@ -12,7 +13,8 @@ pub(crate) fn chosen(named: &[ModelKind]) -> Vec<ModelKind> {
     ModelKind::ALL.into_iter().filter(wanted).collect()
 }
 
-/// The models of an object, in the order of `kinds`.
+/// The models of an object, in the order of `kinds`, built at once. `report` gets the triangles of
+/// each that is ready.
 ///
 /// # Errors
 /// If a model cannot be made of the sequence: a bug, since every sequence that a simplifier makes
@@ -20,18 +22,25 @@ pub(crate) fn chosen(named: &[ModelKind]) -> Vec<ModelKind> {
 pub(crate) fn models(
     strips: &mut StripPool<'_>,
     kinds: &[ModelKind],
+    report: Report<'_>,
 ) -> Result<Vec<AnyModel>, String> {
-    let mut build = |&kind: &ModelKind| {
-        AnyModel::build(kind, strips).map_err(|e| format!("{}: {e}", kind.name()))
+    let made: Vec<StripKind> = kinds.iter().filter_map(|kind| kind.strips()).collect();
+    strips.make(&made, &|_| {});
+    let triangles = strips.simplified().mesh().triangles().len() as u64;
+    let build = |&kind: &ModelKind| {
+        let model = AnyModel::build(kind, &mut strips.clone());
+        report(triangles);
+        model.map_err(|e| format!("{}: {e}", kind.name()))
     };
-    kinds.iter().map(&mut build).collect()
+    kinds.par_iter().with_max_len(1).map(build).collect()
 }
 
-/// Compares every model of an object with the reference at a few LODs, back and forth.
+/// Compares every model of an object with the reference at a few LODs, back and forth, several
+/// models at once. `report` gets the triangles of each that is through.
 ///
 /// # Errors
 /// If one differs.
-pub(crate) fn self_check(object: &LodObject) -> Result<(), String> {
+pub(crate) fn self_check(object: &LodObject, report: Report<'_>) -> Result<(), String> {
     let simplified = &object.simplified;
     let collapses = simplified.collapses();
     let mut stops = table(collapses);
@@ -40,23 +49,22 @@ pub(crate) fn self_check(object: &LodObject) -> Result<(), String> {
         return Ok(());
     }
     let positions = PositionIds::new(simplified.mesh().positions());
-    let mut cursors: Vec<_> = object.models.iter().map(AnyModel::cursor).collect();
-    for lod in stops {
-        let reference: TriangleHash =
-            simplified.triangles_at_with(lod, &positions).into_iter().collect();
-        for (model, cursor) in object.models.iter().zip(&mut cursors) {
-            model.seek(cursor, lod, &mut ());
-            if model.triangles(cursor).into_iter().collect::<TriangleHash>() != reference {
-                return Err(format!(
-                    "{}: {} differs from the reference at LOD {}",
-                    object.info.name,
-                    model.name(),
-                    lod.0
-                ));
+    let reference =
+        |&lod: &Lod| simplified.triangles_at_with(lod, &positions).into_iter().collect();
+    let references: Vec<TriangleHash> = stops.par_iter().with_max_len(1).map(reference).collect();
+    let check = |model: &AnyModel| {
+        let mut cursor = model.cursor();
+        for (&lod, reference) in stops.iter().zip(&references) {
+            model.seek(&mut cursor, lod, &mut ());
+            if model.triangles(&cursor).into_iter().collect::<TriangleHash>() != *reference {
+                let (name, model) = (&object.info.name, model.name());
+                return Err(format!("{name}: {model} differs from the reference at LOD {}", lod.0));
             }
         }
-    }
-    Ok(())
+        report(simplified.mesh().triangles().len() as u64);
+        Ok(())
+    };
+    object.models.par_iter().with_max_len(1).try_for_each(check)
 }
 
 /// The triangles of an object at a LOD, by a model or, without one, by the reference.

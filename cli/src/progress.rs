@@ -1,27 +1,28 @@
-//! Progress bars: the only file that knows `indicatif`. Shown on a terminal, unless `-q`.
+//! Progress bars: the only file that knows `indicatif`. Shown on a terminal, unless `-q`; lines fit
+//! 60 columns.
 
 use crate::console::{self, Loudness, wants};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{IsTerminal, stderr};
 use std::time::Duration;
 
+// No colours at all, so NO_COLOR has nothing to switch off.
+const COUNTED: &str = "{prefix:14!} {msg:<9} {bar:12} {percent:>3} % {elapsed:>4} (left: {eta:>3})";
+const UNCOUNTED: &str = "{prefix:14!} {msg:<9} {spinner} {elapsed:>4}";
+
 /// Progress of one input; silent where nobody is watching.
 #[derive(Debug)]
 pub(crate) struct Progress(ProgressBar);
 
 impl Progress {
-    /// A bar that names the input.
+    /// A bar that names the input, by its end if it is long.
     pub(crate) fn new(input: &str) -> Self {
         if !stderr().is_terminal() || !wants(Loudness::Normal) {
             return Self(ProgressBar::hidden());
         }
         let bar = ProgressBar::with_draw_target(Some(1), ProgressDrawTarget::stderr_with_hz(10));
-        // No colours at all, so NO_COLOR has nothing to switch off.
-        let style = ProgressStyle::with_template(
-            "{prefix} {msg:<9} {bar:30} {percent:>3} % {elapsed} (left: {eta})",
-        );
-        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-        bar.set_prefix(input.to_owned());
+        let start = input.char_indices().rev().nth(13).map_or(0, |(at, _)| at);
+        bar.set_prefix(input[start..].to_owned());
         bar.enable_steady_tick(Duration::from_millis(200));
         Self(bar)
     }
@@ -33,15 +34,26 @@ impl Progress {
     pub(crate) fn clear(&self) {
         self.0.finish_and_clear();
     }
-    /// A new stage begins.
+    /// A new stage begins, which counts nothing.
     pub(crate) fn stage(&self, name: &'static str) {
-        self.0.set_message(name);
-        self.0.set_position(0);
+        self.begin(name, UNCOUNTED, 1);
     }
-    /// `done` of `all` units of the stage are done.
-    pub(crate) fn at(&self, done: u64, all: u64) {
-        self.0.set_length(all.max(1));
-        self.0.set_position(done);
+    /// A new stage begins, of so many units.
+    pub(crate) fn stage_of(&self, name: &'static str, units: u64) {
+        self.begin(name, COUNTED, units.max(1));
+    }
+    /// So many more units of the stage are done.
+    pub(crate) fn add(&self, units: u64) {
+        self.0.inc(units);
+    }
+
+    fn begin(&self, name: &'static str, template: &str, units: u64) {
+        let style = ProgressStyle::with_template(template);
+        self.0.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+        self.0.set_message(name);
+        self.0.set_length(units);
+        self.0.set_position(0);
+        self.0.reset_eta();
     }
 }
 

@@ -15,6 +15,7 @@ fn wrong_usage_ends_with_2_and_a_hint() {
         vec!["build", "a.obj", "--weld", "2"],
         vec!["build", "a.obj", "-q", "-v"],
         vec!["build", "a.obj", "--models", "speeed"],
+        vec!["build", "a.obj", "--models", "none,speed"],
         vec!["extract", "a.lodc", "-o", "b.obj"],
         vec!["extract", "a.lodc", "-o", "b.obj", "--lod", "1", "--ratio", "0.5"],
         vec!["extract", "a.lodc", "-o", "b.obj", "--ratio", "50"],
@@ -35,7 +36,7 @@ fn wrong_usage_ends_with_2_and_a_hint() {
 fn every_model_and_option_of_the_manual_is_taken() {
     let f = Folder::new();
     f.file("a.obj", grid(2));
-    for models in ["speed", "masking", "interactive", "interactive,speed"] {
+    for models in ["speed", "masking", "interactive", "interactive,speed", "none"] {
         f.lodc(["build", "a.obj", "--models", models]).ends(0);
     }
     f.lodc([

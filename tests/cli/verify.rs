@@ -30,6 +30,37 @@ fn a_sound_file_passes_every_check_and_its_source_is_recognised() {
 }
 
 #[test]
+fn a_sequence_without_models_is_enough_for_levels_and_says_what_it_lacks() {
+    let f = Folder::new();
+    f.file("g.obj", grid(8));
+    f.lodc(["build", "g.obj", "-q"]).ends(0);
+    let report = f.lodc(["build", "g.obj", "-o", "n.lodc", "--models", "none", "--report", "json"]);
+    let report = report.ends(0).json();
+    assert_eq!(report["inputs"][0]["models"].as_array().map(Vec::len), Some(0));
+    let stages = report["inputs"][0]["stages"].as_array().expect("stages");
+    assert!(
+        stages
+            .iter()
+            .all(|s| !["strips", "models", "check"].contains(&s["name"].as_str().expect("a name")))
+    );
+    let info = f.lodc(["info", "n.lodc"]).ends(0);
+    assert!(info.text().contains("no models, only the collapse sequence"), "{}", info.text());
+    let run = f.lodc(["verify", "n.lodc", "--source", "g.obj"]).ends(0);
+    assert!(run.text().contains("models, replay, cpu: skipped"), "{}", run.text());
+    for name in ["g", "n"] {
+        let (input, output) = (format!("{name}.lodc"), format!("{name}.ply"));
+        f.lodc(["extract", &input, "--ratio", "0.3", "-o", &output]).ends(0);
+        f.lodc(["chain", &input, "-o", &format!("{name}.glb")]).ends(0);
+        f.lodc(["pack", &input, "-o", &format!("{name}.lods")]).ends(0);
+    }
+    for kind in ["ply", "glb", "lods"] {
+        assert!(f.read(&format!("g.{kind}")) == f.read(&format!("n.{kind}")), "{kind}");
+    }
+    let run = f.lodc(["extract", "n.lodc", "--lod", "1", "-o", "x.ply", "--model", "speed"]);
+    assert!(run.ends(2).err.contains("has no model speed (it has: reference)"));
+}
+
+#[test]
 fn a_scene_is_checked_object_by_object() {
     let f = Folder::new();
     f.file("s.gltf", scene(&[1.0, 3.0], 5));

@@ -62,12 +62,11 @@ pub(crate) fn simplified(
         .map_err(|f| Failure::new(f.status, format!("{name}: {f}")))?;
     let limits = import.options().limits;
     let progress = Progress::new(&name);
-    progress.stage("simplify");
     let options = Options { metric, ..Options::DEFAULT };
     let simplified =
         stages.run("simplify", || simplify_all(objects, &options, None, triangles, &progress));
-    progress.stage("errors");
-    let measured = stages.run("errors", || measure_all(simplified, &document, &limits))?;
+    let measured =
+        stages.run("errors", || measure_all(simplified, &document, &limits, &progress))?;
     let object = |(info, simplified)| LodObject { info, simplified, models: Vec::new() };
     let objects = measured.into_iter().map(object).collect();
     Ok(Asset { objects, document, files_read, warnings })

@@ -115,9 +115,9 @@ fn model(args: &ExtractArgs, file: &LodFile) -> Outcome<Option<ModelKind>> {
     if file.objects.is_empty() || stored().any(|kind| kind == wanted) {
         return Ok(Some(wanted));
     }
-    let has: Vec<_> = stored().map(ModelKind::name).collect();
+    let has: Vec<_> = stored().map(ModelKind::name).chain(["reference"]).collect();
     Err(Failure::usage(format!(
-        "{}: has no model {} (it has: {}, reference)",
+        "{}: has no model {} (it has: {})",
         args.input.display(),
         wanted.name(),
         has.join(", ")

@@ -169,6 +169,9 @@ fn text(name: &str, report: &InfoReport) -> String {
             grouped(u64::from(o.collapse_lists.longest))
         );
         table(&mut text, o);
+        if o.models.is_empty() {
+            let _ = writeln!(text, "  no models, only the collapse sequence");
+        }
         for (model, cost) in &o.models {
             let bits = &cost["bits_per_vertex"];
             let number =

@@ -6,6 +6,10 @@ use glam::DVec3;
 /// No leaf has more triangles than this.
 const LEAF: usize = 4;
 
+/// Boxes that the question for a near triangle may open. Surfaces open some dozens; where very many
+/// triangles overlap, as at a vertex of thousands, a search that went on would open them all.
+const PATIENCE: u32 = 4_000;
+
 #[derive(Clone, Copy, Debug)]
 struct Node {
     lo: DVec3,
@@ -76,6 +80,41 @@ impl Bvh {
             depth += 2;
         }
         best
+    }
+
+    /// Returns false if no triangle is within a squared distance of a point. Ends at the first that
+    /// is, so it is far cheaper than [`Self::distance_squared`] where the answer is true; and true
+    /// is also the answer where 4,000 boxes were opened without one.
+    #[must_use]
+    pub fn may_be_within(&self, p: DVec3, distance_squared: f64) -> bool {
+        let mut open = [0u32; 64];
+        let mut depth = usize::from(!self.nodes.is_empty());
+        let mut opened = 0;
+        while depth > 0 {
+            depth -= 1;
+            let at = open[depth];
+            let node = &self.nodes[at as usize];
+            if node.count > 0 {
+                let range = node.first as usize..(node.first + node.count) as usize;
+                if self.triangles[range].iter().any(|&t| to_triangle(p, t) <= distance_squared) {
+                    return true;
+                }
+                continue;
+            }
+            opened += 1;
+            if opened > PATIENCE {
+                return true;
+            }
+            let [near, far] =
+                [at + 1, node.first].map(|c| (self.nodes[c as usize].distance_squared(p), c));
+            // The nearer one is opened first, so it is put down last.
+            let order = if far.0 < near.0 { [near, far] } else { [far, near] };
+            for (_, child) in order.into_iter().filter(|c| c.0 <= distance_squared) {
+                open[depth] = child;
+                depth += 1;
+            }
+        }
+        false
     }
 }
 

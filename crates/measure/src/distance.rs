@@ -53,3 +53,15 @@ fn one_way(from: &Surface, to: &Bvh, sampling: &Sampling) -> (f64, f64) {
     let mean = if area.is_empty() { 0.0 } else { area.iter().sum::<f64>() / area.len() as f64 };
     (largest.sqrt(), mean.sqrt())
 }
+
+/// Returns the largest distance found from one surface to another, if it is more than `bound`.
+/// Asks the points that [`distances`] asks, but each only whether it is that far off.
+#[must_use]
+pub fn farther_than(from: &Surface, to: &Bvh, bound: f64, sampling: &Sampling) -> Option<f64> {
+    let area = over_area(from, sampling.samples, sampling.seed);
+    let lattice = over_triangles(from, sampling.lattice);
+    let points = area.par_iter().chain(&lattice);
+    let off = points.filter(|&&p| !to.may_be_within(p, bound * bound));
+    let largest = off.map(|&p| to.distance_squared(p)).max_by(f64::total_cmp)?.sqrt();
+    (largest > bound).then_some(largest)
+}

@@ -31,7 +31,7 @@ mod surface;
 mod texture;
 
 pub use bvh::Bvh;
-pub use distance::{Distances, Sampling, distances};
+pub use distance::{Distances, Sampling, distances, farther_than};
 pub use field::DistanceField;
 pub use picture::{ImageError, Looks, Picture, Viewing, compare_pictures, pictures};
 pub use scene::SceneSurface;

@@ -20,6 +20,7 @@ const TEXTURE_SHARE: f64 = 0.1;
 pub(crate) struct Attributes {
     /// Numbers per vertex.
     pub(crate) width: usize,
+    /// The rows, each filled up with zeros to a multiple of four.
     rows: Vec<f32>,
     /// Column of the first texture coordinates in a row.
     pub(crate) texture: Option<usize>,
@@ -53,12 +54,14 @@ impl Attributes {
                 _ => {}
             }
         }
-        let mut rows = Vec::with_capacity(columns.len() * mesh.vertex_count());
+        let stride = columns.len().next_multiple_of(4);
+        let mut rows = Vec::with_capacity(stride * mesh.vertex_count());
         for v in 0..mesh.vertex_count() as u32 {
             rows.extend(columns.iter().map(|&(a, c, scale)| {
                 let value = f64::from(a.value(v, c)) * scale;
                 if value.is_finite() { value as f32 } else { 0.0 }
             }));
+            rows.resize(stride * (v as usize + 1), 0.0);
         }
         Self {
             width: columns.len(),
@@ -82,7 +85,20 @@ impl Attributes {
     /// The numbers of a vertex.
     #[inline]
     pub(crate) fn row(&self, vertex: u32) -> &[f32] {
-        &self.rows[vertex as usize * self.width..][..self.width]
+        &self.padded(vertex)[..self.width]
+    }
+
+    /// The numbers of a vertex, and zeros up to a multiple of four.
+    #[inline]
+    pub(crate) fn padded(&self, vertex: u32) -> &[f32] {
+        let stride = self.width.next_multiple_of(4);
+        &self.rows[vertex as usize * stride..][..stride]
+    }
+
+    /// Returns whether the mesh is skinned.
+    #[inline]
+    pub(crate) fn has_joints(&self) -> bool {
+        !self.joints.is_empty()
     }
 
     /// Squared difference of two vertices, in squared working units.

@@ -29,6 +29,7 @@ mod plan;
 mod pricing;
 mod quadric;
 mod region;
+mod ring_attributes;
 mod rounds;
 mod scratch_pool;
 mod selection;

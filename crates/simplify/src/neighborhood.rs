@@ -37,13 +37,22 @@ pub(crate) enum EdgeKind {
 }
 
 /// One face at an edge: the wedges at both ends.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Entry {
     pub(crate) group: u32,
     pub(crate) here: u32,
     pub(crate) there: u32,
     /// The face's place in the star.
     slot: u32,
+}
+
+impl Entry {
+    /// All of it as one number, by which entries are sorted.
+    #[inline]
+    fn key(&self) -> u128 {
+        let pair = |a: u32, b: u32| u128::from(u64::from(a) << 32 | u64::from(b));
+        pair(self.group, self.here) << 64 | pair(self.there, self.slot)
+    }
 }
 
 /// A plane through the group that collapses should stay on.
@@ -99,7 +108,7 @@ impl Neighborhood {
                 });
             }
         }
-        self.entries.sort_unstable();
+        self.entries.sort_unstable_by_key(Entry::key);
     }
 
     /// Adds the planes that collapses should keep for the edge with these entries. Returns its

@@ -1,4 +1,4 @@
-//! Pricing plain groups: closed fans without seams or attributes, four collapses at a time.
+//! Pricing plain groups, closed fans without seams, four collapses at a time.
 //!
 //! The spokes to all neighbours are transposed into lanes. With `cᵢ` the cross product of
 //! consecutive spokes, a face costs `wᵢ(cᵢ·δ)²` with `wᵢ = ½/|cᵢ|`, so nothing cancels in single
@@ -12,26 +12,52 @@ use crate::working::{Corner, WorkingMesh};
 use glam::{BVec4A, Mat4, Vec3, Vec4};
 
 /// Rings with more neighbours than this are priced one by one.
-const MAX_LEN: usize = 11;
+pub(crate) const MAX_LEN: usize = 11;
 
 /// One coordinate of up to four neighbours for each vector.
-type LaneArray<const N: usize> = [Vec4; N];
+pub(crate) type LaneArray<const N: usize> = [Vec4; N];
+
+/// A cost besides that of the quadric.
+pub(crate) trait Surcharge {
+    /// True if there is none.
+    const IS_ZERO: bool;
+
+    /// The costs of moving onto each neighbour, in working units to the fourth power; not NaN.
+    fn costs<const N: usize>(&self, ring: &OneRing<N>, star: &[Corner]) -> LaneArray<N>;
+}
+
+/// No surcharge.
+pub(crate) struct NoSurcharge;
+
+impl Surcharge for NoSurcharge {
+    const IS_ZERO: bool = true;
+
+    fn costs<const N: usize>(&self, _: &OneRing<N>, _: &[Corner]) -> LaneArray<N> {
+        [Vec4::ZERO; N]
+    }
+}
 
 /// The cheapest collapse of a plain group; none if its ring is too short or too long.
 #[inline]
-pub(crate) fn cheapest(mesh: &WorkingMesh, quadric: &Quadric, from: u32) -> Option<Choice> {
+pub(crate) fn cheapest(
+    mesh: &WorkingMesh,
+    quadric: &Quadric,
+    from: u32,
+    surcharge: &impl Surcharge,
+) -> Option<Choice> {
     let star = mesh.star(from);
     match star.len() {
-        3..=7 => Some(price::<2>(mesh, quadric, from, star)),
-        8..=MAX_LEN => Some(price::<3>(mesh, quadric, from, star)),
+        3..=7 => Some(price::<2>(mesh, quadric, from, star, surcharge)),
+        8..=MAX_LEN => Some(price::<3>(mesh, quadric, from, star, surcharge)),
         _ => None,
     }
 }
 
 /// The ring of a group in lanes.
-struct OneRing<const N: usize> {
-    len: usize,
-    /// Spokes, from the group to each neighbour.
+pub(crate) struct OneRing<const N: usize> {
+    /// Number of neighbours, less than `4 N`.
+    pub(crate) len: usize,
+    /// Spokes, from the group to each neighbour, and the first once more.
     x: LaneArray<N>,
     y: LaneArray<N>,
     z: LaneArray<N>,
@@ -40,6 +66,21 @@ struct OneRing<const N: usize> {
     cx: LaneArray<N>,
     cy: LaneArray<N>,
     cz: LaneArray<N>,
+}
+
+/// Vectors from lanes.
+#[inline]
+fn vectors<const N: usize>(
+    x: &LaneArray<N>,
+    y: &LaneArray<N>,
+    z: &LaneArray<N>,
+) -> [Vec3; MAX_LEN + 1] {
+    let mut all = [Vec3::ZERO; MAX_LEN + 1];
+    for (t, four) in all.as_chunks_mut::<4>().0.iter_mut().take(N).enumerate() {
+        let (x, y, z) = (x[t].to_array(), y[t].to_array(), z[t].to_array());
+        *four = std::array::from_fn(|i| Vec3::new(x[i], y[i], z[i]));
+    }
+    all
 }
 
 /// The first lanes of a vector, and of the next.
@@ -73,6 +114,29 @@ impl<const N: usize> OneRing<N> {
             cz[t] = x[t] * q.y_axis - y[t] * q.x_axis;
         }
         Self { len, x, y, z, target_cost, cx, cy, cz }
+    }
+
+    /// The spokes, and the first once more.
+    #[inline]
+    pub(crate) fn spokes(&self) -> [Vec3; MAX_LEN + 1] {
+        vectors(&self.x, &self.y, &self.z)
+    }
+
+    /// The cross product of each spoke and the next.
+    #[inline]
+    pub(crate) fn normals(&self) -> [Vec3; MAX_LEN + 1] {
+        vectors(&self.cx, &self.cy, &self.cz)
+    }
+
+    /// A quadratic form at each spoke.
+    #[inline]
+    pub(crate) fn quadratic(&self, a: [f32; 6]) -> LaneArray<N> {
+        let [xx, xy, xz, yy, yz, zz] = a.map(Vec4::splat);
+        let two = Vec4::splat(2.0);
+        std::array::from_fn(|t| {
+            let (x, y, z) = (self.x[t], self.y[t], self.z[t]);
+            x * (xx * x + two * (xy * y + xz * z)) + y * (yy * y + two * (yz * z)) + z * (zz * z)
+        })
     }
 
     /// Returns whether two consecutive faces are more than 90° apart.
@@ -151,12 +215,19 @@ impl<const N: usize> OneRing<N> {
     }
 }
 
+/// Returns whether a surcharge is none.
+#[inline(always)]
+fn is_zero<S: Surcharge>(_: &S) -> bool {
+    S::IS_ZERO
+}
+
 #[inline(always)]
 fn price<const N: usize>(
     mesh: &WorkingMesh,
     quadric: &Quadric,
     from: u32,
     star: &[Corner],
+    surcharge: &impl Surcharge,
 ) -> Choice {
     let ring = OneRing::<N>::new(mesh, from, star);
     let mut folds = [0.0; 6];
@@ -178,6 +249,11 @@ fn price<const N: usize>(
             }
         }
     }
+    if !is_zero(surcharge) {
+        for (sum, cost) in sums.iter_mut().zip(surcharge.costs(&ring, star)) {
+            *sum += cost;
+        }
+    }
     let mut best = u64::MAX;
     for ((sums, target_cost), corners) in sums.iter().zip(ring.target_cost).zip(star.chunks(4)) {
         let costs = ((*sums + target_cost) * COST_SCALE).min(Vec4::splat(f32::MAX));
@@ -190,6 +266,7 @@ fn price<const N: usize>(
 
 #[cfg(test)]
 mod tests {
+    use super::NoSurcharge;
     use crate::input::Input;
     use crate::metric::Quadrics;
     use crate::neighborhood::Neighborhood;
@@ -205,7 +282,9 @@ mod tests {
             let mut around = Neighborhood::default();
             for g in (0..region.own() as u32).filter(|&g| !mesh.has(g, OPEN)) {
                 let quadric = &quadrics.surface[g as usize];
-                let Some(choice) = super::cheapest(mesh, quadric, g) else { continue };
+                let Some(choice) = super::cheapest(mesh, quadric, g, &NoSurcharge) else {
+                    continue;
+                };
                 around.gather(mesh, wedges, g);
                 let planes: Vec<_> = around.planes.drain(..).collect();
                 if around.seams > 0 {

@@ -1,7 +1,11 @@
 //! The closed list of strip generators, and strips that remember what made them.
 
-use crate::{CacheOptions, Effort, StripSet, cache, stripe};
+use crate::cache::cache_reporting;
+use crate::meter::Report;
+use crate::stripe::stripe_reporting;
+use crate::{CacheOptions, Effort, StripSet};
 use lodc_mesh::{Mesh, Simplified};
+use rayon::prelude::*;
 use std::ops::Deref;
 use std::sync::Arc;
 
@@ -45,9 +49,18 @@ impl StripKind {
     /// Makes strips that draw exactly the mesh.
     #[must_use]
     pub fn generate(self, mesh: &Mesh, options: &CacheOptions) -> StripSet {
+        self.generate_reporting(mesh, options, &|_| {})
+    }
+
+    fn generate_reporting(
+        self,
+        mesh: &Mesh,
+        options: &CacheOptions,
+        report: Report<'_>,
+    ) -> StripSet {
         match self {
-            Self::Stripe => stripe(mesh, options.effort),
-            Self::Cache => cache(mesh, options),
+            Self::Stripe => stripe_reporting(mesh, options.effort, report),
+            Self::Cache => cache_reporting(mesh, options, report),
         }
     }
 }
@@ -66,8 +79,17 @@ impl Strips {
     /// result does not depend on it.
     #[must_use]
     pub fn generate(simplified: &Simplified, kind: StripKind, effort: Effort) -> Self {
+        Self::generate_reporting(simplified, kind, effort, &|_| {})
+    }
+
+    fn generate_reporting(
+        simplified: &Simplified,
+        kind: StripKind,
+        effort: Effort,
+        report: Report<'_>,
+    ) -> Self {
         let options = CacheOptions { effort, ..CacheOptions::default() };
-        Self { kind, set: kind.generate(simplified.mesh(), &options) }
+        Self { kind, set: kind.generate_reporting(simplified.mesh(), &options, report) }
     }
 }
 
@@ -90,7 +112,7 @@ pub struct StripOptions {
 
 /// The strips of one mesh, made when first asked for and shared by all models that are made of
 /// them.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct StripPool<'a> {
     simplified: &'a Arc<Simplified>,
     options: StripOptions,
@@ -113,11 +135,27 @@ impl<'a> StripPool<'a> {
     /// Returns strips by the generator of the options, or else by `default`.
     pub fn get(&mut self, default: StripKind) -> Arc<Strips> {
         let kind = self.options.kind.unwrap_or(default);
-        if let Some(strips) = self.made.iter().find(|strips| strips.kind == kind) {
-            return Arc::clone(strips);
-        }
-        let strips = Arc::new(Strips::generate(self.simplified, kind, self.options.effort));
-        self.made.push(Arc::clone(&strips));
-        strips
+        self.make(&[kind], &|_| {});
+        let made = self.made.iter().find(|strips| strips.kind == kind);
+        Arc::clone(made.expect("it has just been made, if it was not there"))
+    }
+
+    /// Returns the generators that [`Self::get`] would run for these defaults.
+    #[must_use]
+    pub fn missing(&self, defaults: &[StripKind]) -> Vec<StripKind> {
+        let wanted = defaults.iter().map(|&kind| self.options.kind.unwrap_or(kind));
+        let mut kinds: Vec<StripKind> = wanted.collect();
+        kinds.sort_unstable();
+        kinds.dedup();
+        kinds.retain(|&kind| self.made.iter().all(|strips| strips.kind != kind));
+        kinds
+    }
+
+    /// Makes the strips that [`Self::get`] will be asked for, all generators at once.
+    pub fn make(&mut self, defaults: &[StripKind], report: Report<'_>) {
+        let (simplified, effort) = (self.simplified, self.options.effort);
+        let missing = self.missing(defaults).into_par_iter();
+        let generate = |kind| Strips::generate_reporting(simplified, kind, effort, report);
+        self.made.par_extend(missing.with_max_len(1).map(generate).map(Arc::new));
     }
 }

@@ -76,10 +76,10 @@ impl Default for VerifyOptions {
 }
 
 /// Compares a model with the reference at every step going coarser, at every step going finer, and
-/// after random jumps. `reference` must have been made of the simplification that the model was
-/// built from.
+/// after random jumps, all three at once with a cursor each. `reference` must have been made of the
+/// simplification that the model was built from.
 #[must_use]
-pub fn verify<M: Model>(
+pub fn verify<M: Model + Sync>(
     model: &M,
     reference: &Reference<'_>,
     options: &VerifyOptions,
@@ -104,13 +104,16 @@ pub fn verify<M: Model>(
             .len()
             .div_ceil(VerifyOptions::affordable(options.full_stops, triangles).max(1) as usize),
     };
-    let mut cursor = model.cursor();
-    let mut shown: TriangleHash = model.triangles(&cursor).into_iter().collect();
-    vec![
-        compared.sweep("fine to coarse", &mut cursor, &mut shown, &down, full),
-        compared.sweep("coarse to fine", &mut cursor, &mut shown, &up, full),
-        compared.jumps(&mut cursor, options),
-    ]
+    let (sweeps, jumps) = rayon::join(
+        || {
+            rayon::join(
+                || compared.sweep("fine to coarse", &down, full),
+                || compared.sweep("coarse to fine", &up, full),
+            )
+        },
+        || compared.jumps(options),
+    );
+    vec![sweeps.0, sweeps.1, jumps]
 }
 
 struct Comparison<'a, M> {
@@ -132,23 +135,19 @@ impl Changes for Follow<'_> {
 }
 
 impl<M: Model> Comparison<'_, M> {
-    fn sweep(
-        &self,
-        name: &'static str,
-        cursor: &mut M::Cursor,
-        shown: &mut TriangleHash,
-        stops: &[usize],
-        full: usize,
-    ) -> Check {
+    /// Visits steps in order, from LOD 0 with one jump to the first of them.
+    fn sweep(&self, name: &'static str, stops: &[usize], full: usize) -> Check {
+        let mut cursor = self.model.cursor();
+        let mut shown: TriangleHash = self.model.triangles(&cursor).into_iter().collect();
         let mut check = Check { model: self.model.name(), name, lods: 0, full: 0, failure: None };
         for (i, &step) in stops.iter().enumerate() {
             let lod = self.reference.lod(step);
-            self.model.seek(cursor, lod, &mut Follow(shown));
-            let agrees = *shown == self.reference.hash(step);
+            self.model.seek(&mut cursor, lod, &mut Follow(&mut shown));
+            let agrees = shown == self.reference.hash(step);
             if !agrees || i % full == 0 || i + 1 == stops.len() {
                 check.full += 1;
                 check.failure =
-                    self.compare(cursor, step).or((!agrees).then_some(Failure::Changes { lod }));
+                    self.compare(&cursor, step).or((!agrees).then_some(Failure::Changes { lod }));
             }
             check.lods += 1;
             if check.failure.is_some() {
@@ -158,7 +157,8 @@ impl<M: Model> Comparison<'_, M> {
         check
     }
 
-    fn jumps(&self, cursor: &mut M::Cursor, options: &VerifyOptions) -> Check {
+    fn jumps(&self, options: &VerifyOptions) -> Check {
+        let mut cursor = self.model.cursor();
         let mut check = Check {
             model: self.model.name(),
             name: "random jumps",
@@ -174,10 +174,10 @@ impl<M: Model> Comparison<'_, M> {
             // Any record may be asked for; the model has to round down to a step.
             let collapses = self.model.simplified().collapses();
             let lod = Lod((random.bits() >> 32) as u32 % (collapses.records() + 1));
-            self.model.seek(cursor, lod, &mut ());
+            self.model.seek(&mut cursor, lod, &mut ());
             check.lods += 1;
             check.full += 1;
-            check.failure = self.compare(cursor, collapses.steps_at(lod));
+            check.failure = self.compare(&cursor, collapses.steps_at(lod));
             if check.failure.is_some() {
                 break;
             }

@@ -162,6 +162,7 @@ fn prepare(
     let options = args.strips.options();
     let mut pool = StripPool::new(&simplified, StripOptions { kind: None, ..options });
     // Not those of a file: its models may have cut them, or been made with another effort.
+    pool.make(&StripKind::ALL, &|_| {});
     let strips = StripKind::ALL.map(|kind| pool.get(kind));
     let has = |models: &[AnyModel], kind: ModelKind| models.iter().any(|m| m.kind() == kind);
     let kinds = levels::chosen(&args.models);
@@ -173,7 +174,7 @@ fn prepare(
         pool = StripPool::new(&simplified, options);
     }
     let bug = |what: String| Failure::new(Status::Bug, format!("{}: {what}", info.name));
-    models.extend(levels::models(&mut pool, &missing).map_err(bug)?);
+    models.extend(levels::models(&mut pool, &missing, &|_| {}).map_err(bug)?);
     models.sort_by_key(AnyModel::kind);
     Ok(Prepared { object: LodObject { info, simplified, models }, strips })
 }

@@ -1,6 +1,7 @@
 //! The stage that measures how far every level is from the input.
 
 use crate::exit::Outcome;
+use crate::progress::Progress;
 use lodc_formats::{Document, Limits, ObjectInfo, scene_graph};
 use lodc_mesh::Simplified;
 use lodc_scene::{Arrangement, shape_in_scene};
@@ -19,7 +20,14 @@ pub(crate) fn measure_all(
     objects: SimplifiedObjects,
     document: &Document,
     limits: &Limits,
+    progress: &Progress,
 ) -> Outcome<SimplifiedObjects> {
+    let triangles = |s: &Simplified| s.mesh().triangles().len() as u64;
+    if objects.len() > 1 {
+        progress.stage_of("errors", objects.iter().map(|(_, s)| triangles(s)).sum());
+    } else {
+        progress.stage("errors");
+    }
     let infos: Vec<&ObjectInfo> = objects.iter().map(|(info, _)| info).collect();
     let graph = scene_graph(document, &infos, limits)?;
     let scene = Arrangement::new(&graph, &graph.rest_pose(), objects.len());
@@ -30,6 +38,7 @@ pub(crate) fn measure_all(
         let measured = Arc::unwrap_or_clone(simplified)
             .with_distances(distances.error, distances.rms)
             .expect("the pass has a distance for each step, none below the one before");
+        progress.add(triangles(&measured));
         (info, Arc::new(measured))
     };
     Ok(objects.into_par_iter().enumerate().map(one).collect())

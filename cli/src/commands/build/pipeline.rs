@@ -1,9 +1,9 @@
 //! The stages of one build: import, simplify, errors, strips, models, check, write.
 
 use super::errors::{SimplifiedObjects, measure_all};
+use super::models::ModelWork;
 use super::{BuildArgs, counts};
 use crate::exit::{Failure, Outcome, Status};
-use crate::levels;
 use crate::output::{self, Target};
 use crate::paints::Paints;
 use crate::progress::Progress;
@@ -12,9 +12,7 @@ use crate::stages::Stages;
 use lodc_formats::appearance::appearance;
 use lodc_formats::lodc::{LodFile, LodObject, MadeFrom, write};
 use lodc_formats::{Assets, ObjectInfo, Scene, SceneObject, import};
-use lodc_lod::ModelKind;
 use lodc_simplify::{MetricKind, Options, simplify, simplify_coloured};
-use lodc_strip::{StripOptions, StripPool};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -43,7 +41,6 @@ pub(super) fn make(
     let scene = import_scene(args, input, stages, report)?;
     let triangles = report.triangles.unwrap_or(0);
 
-    progress.stage("simplify");
     let paints = paints(args, input, &scene, report)?;
     let Scene { source, document, objects, mut files_read, .. } = scene;
     let painted = paints.as_ref().map(|(paints, _)| paints).filter(|p| p.has_textures());
@@ -55,21 +52,20 @@ pub(super) fn make(
             files_read.push(read);
         }
     }
-    progress.stage("errors");
     let limits = args.import.options().limits;
-    let simplified = stages.run("errors", || measure_all(simplified, &document, &limits))?;
+    let simplified =
+        stages.run("errors", || measure_all(simplified, &document, &limits, progress))?;
 
     let bug = |what: String| {
         Failure::new(Status::Bug, format!("{}: {what}; nothing was written", input.display()))
     };
-    let kinds = levels::chosen(&args.models);
+    let kinds = super::kinds(args)?;
     report.models = kinds.iter().map(|kind| kind.name()).collect();
-    let objects =
-        with_models(simplified, &kinds, args.strips.options(), stages, progress).map_err(bug)?;
+    let mut work = ModelWork { kinds: &kinds, triangles, stages, progress };
+    let objects = work.build_all(simplified, args.strips.options()).map_err(bug)?;
     fill_in(report, &objects);
 
-    progress.stage("check");
-    stages.run("check", || objects.par_iter().try_for_each(levels::self_check)).map_err(bug)?;
+    work.check_all(&objects).map_err(bug)?;
 
     progress.stage("write");
     let made_from = MadeFrom::of(input, &files_read, &args.resolved, start);
@@ -109,35 +105,6 @@ fn simplify_options(args: &BuildArgs) -> Options {
     }
 }
 
-/// Makes the models of every object, and before them the strips that they need.
-///
-/// # Errors
-/// If a model cannot be made of its sequence: a bug.
-fn with_models(
-    simplified: SimplifiedObjects,
-    kinds: &[ModelKind],
-    options: StripOptions,
-    stages: &mut Stages,
-    progress: &Progress,
-) -> Result<Vec<LodObject>, String> {
-    let mut pools: Vec<StripPool<'_>> =
-        simplified.iter().map(|(_, s)| StripPool::new(s, options)).collect();
-    if kinds.iter().any(|kind| kind.strips().is_some()) {
-        progress.stage("strips");
-        let generate = |pool: &mut StripPool<'_>| {
-            kinds.iter().filter_map(|kind| kind.strips()).for_each(|kind| drop(pool.get(kind)));
-        };
-        stages.run("strips", || pools.par_iter_mut().for_each(generate));
-    }
-    progress.stage("models");
-    let models = |pool: &mut StripPool<'_>| levels::models(pool, kinds);
-    let models: Vec<_> =
-        stages.run("models", || pools.par_iter_mut().map(models).collect::<Result<_, String>>())?;
-    drop(pools);
-    let object = |((info, simplified), models)| LodObject { info, simplified, models };
-    Ok(simplified.into_iter().zip(models).map(object).collect())
-}
-
 /// The colours of a scene and the files they are in, if the metric sees them.
 fn paints(
     args: &BuildArgs,
@@ -166,7 +133,7 @@ pub(crate) fn simplify_all(
     triangles: u64,
     progress: &Progress,
 ) -> SimplifiedObjects {
-    let total = AtomicU64::new(0);
+    progress.stage_of("simplify", triangles);
     let one = |(number, object): (usize, SceneObject)| {
         // Objects weigh in by their triangles; each says how many of its groups are gone.
         let weight = object.mesh.triangles().len() as u64;
@@ -174,8 +141,7 @@ pub(crate) fn simplify_all(
         let report_progress = |gone: u64, groups: u64| {
             let now = weight * gone / groups.max(1);
             let last = before.fetch_max(now, Ordering::Relaxed);
-            let done = total.fetch_add(now.saturating_sub(last), Ordering::Relaxed);
-            progress.at(done, triangles);
+            progress.add(now.saturating_sub(last));
         };
         let simplified = match paints {
             Some(p) => {

@@ -34,15 +34,36 @@ fn object(
     options: &VerifyOptions,
 ) -> Outcome<Vec<CheckReport>> {
     let name = &object.info.name;
-    let reference = Reference::new(&object.simplified).map_err(|e| {
+    let (reference, errors) =
+        rayon::join(|| Reference::new(&object.simplified), || errors::check(object, shape));
+    let reference = reference.map_err(|e| {
         Failure::new(Status::Limit, format!("{name}: {e}; nothing more was verified"))
     })?;
     let mut checks: Vec<_> = reference.checks().iter().map(|c| report(name, c)).collect();
-    checks.push(errors::check(object, shape));
-    for model in &object.models {
-        checks.extend(verify(model, &reference, options).iter().map(|c| report(name, c)));
+    checks.push(errors);
+    let replays = object.models.par_iter().with_max_len(1);
+    let replays: Vec<_> = replays.map(|model| verify(model, &reference, options)).collect();
+    checks.extend(replays.iter().flatten().map(|c| report(name, c)));
+    if object.models.is_empty() {
+        checks.push(absent(name));
     }
     Ok(checks)
+}
+
+/// The models of an object that has none.
+fn absent(object: &str) -> CheckReport {
+    CheckReport {
+        object: Some(object.to_owned()),
+        model: "models",
+        check: "replay",
+        device: "cpu",
+        adapter: None,
+        lods: 0,
+        full: 0,
+        ok: None,
+        skipped: Some("the file has none, only the collapse sequence".to_owned()),
+        first_difference: None,
+    }
 }
 
 fn report(object: &str, check: &Check) -> CheckReport {

@@ -1,21 +1,37 @@
 //! Lists of a few corners for each vertex, inline in one array so that a vertex takes one access.
 
+use crate::partial_mesh::long_lists::{Blocks, LongLists};
+
 /// Corners that a vertex holds inline; longer lists are allocated.
 pub(crate) const INLINE_CORNERS: usize = 11;
 
 #[derive(Clone, Copy, Debug)]
 struct List {
     count: u32,
-    /// The corners. If there are more than fit, the first is the index of a long list.
+    /// The corners. If there are more than fit, the first two are the ends of a long list.
     inline: [u32; INLINE_CORNERS],
+}
+
+impl List {
+    fn is_long(&self) -> bool {
+        self.count as usize > INLINE_CORNERS
+    }
+
+    fn blocks(&self) -> Blocks {
+        Blocks { first: self.inline[0], last: self.inline[1] }
+    }
+
+    fn set_blocks(&mut self, blocks: Blocks) {
+        [self.inline[0], self.inline[1]] = [blocks.first, blocks.last];
+    }
 }
 
 /// The place in a list at which a corner is inserted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Insertion {
-    /// After another corner.
+    /// After another corner, which is in the list.
     After(u32),
-    /// Before another corner.
+    /// Before another corner, which is in the list.
     Before(u32),
     /// At the end.
     Last,
@@ -37,9 +53,8 @@ impl Insertion {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct CornerLists {
     lists: Vec<List>,
-    /// Lists that do not fit inline, and the indices of unused ones.
-    long: Vec<Vec<u32>>,
-    unused: Vec<u32>,
+    /// Lists that do not fit inline.
+    long: LongLists,
 }
 
 impl CornerLists {
@@ -48,14 +63,16 @@ impl CornerLists {
         self.lists.push(List { count: 0, inline: [0; INLINE_CORNERS] });
     }
 
-    /// Returns the corners of a vertex.
+    /// Returns the corners of a vertex if they are inline.
     #[inline]
-    pub(crate) fn of(&self, vertex: u32) -> &[u32] {
+    pub(crate) fn inline(&self, vertex: u32) -> Option<&[u32]> {
         let list = &self.lists[vertex as usize];
-        match list.inline.get(..list.count as usize) {
-            Some(inline) => inline,
-            None => &self.long[list.inline[0] as usize],
-        }
+        list.inline.get(..list.count as usize)
+    }
+
+    /// Iterates over the corners of a vertex that has more than [`INLINE_CORNERS`].
+    pub(crate) fn long(&self, vertex: u32) -> impl Iterator<Item = u32> + '_ {
+        self.long.corners(self.lists[vertex as usize].blocks())
     }
 
     /// Returns the number of corners of a vertex.
@@ -67,26 +84,15 @@ impl CornerLists {
     #[inline]
     pub(crate) fn set(&mut self, vertex: u32, corners: &[u32]) {
         let list = &mut self.lists[vertex as usize];
-        let was_long = list.count as usize > INLINE_CORNERS;
+        if list.is_long() {
+            self.long.remove(list.blocks());
+        }
         list.count = corners.len() as u32;
         if corners.len() <= INLINE_CORNERS {
-            let long = list.inline[0];
             list.inline[..corners.len()].copy_from_slice(corners);
-            if was_long {
-                self.long[long as usize] = Vec::new();
-                self.unused.push(long);
-            }
-            return;
+        } else {
+            list.set_blocks(self.long.add(corners));
         }
-        if !was_long {
-            list.inline[0] = self.unused.pop().unwrap_or_else(|| {
-                self.long.push(Vec::new());
-                self.long.len() as u32 - 1
-            });
-        }
-        let long = &mut self.long[list.inline[0] as usize];
-        long.clear();
-        long.extend_from_slice(corners);
     }
 
     /// Returns the inline list of a vertex, now of `count` corners that the caller sets. Neither
@@ -120,9 +126,14 @@ impl CornerLists {
                 list.inline[at] = corner;
                 list.count += 1;
             }
-            (false, _) if count > INLINE_CORNERS => {
-                let long = &mut self.long[list.inline[0] as usize];
-                long.insert(insertion.index(long), corner);
+            (false, _) if list.is_long() => {
+                let mut blocks = list.blocks();
+                match insertion {
+                    Insertion::After(other) => self.long.insert(&mut blocks, corner, other, true),
+                    Insertion::Before(other) => self.long.insert(&mut blocks, corner, other, false),
+                    Insertion::Last => self.long.push(&mut blocks, corner),
+                }
+                list.set_blocks(blocks);
                 list.count += 1;
             }
             _ => {
@@ -149,7 +160,7 @@ mod tests {
             let vertex = random.below(20);
             let list = &mut reference[vertex];
             if random.below(40) == 0 {
-                list.truncate(random.below(30));
+                list.truncate(random.below(300));
                 lists.set(vertex as u32, list);
             }
             let insertion = if list.is_empty() || random.below(3) == 0 {
@@ -164,7 +175,24 @@ mod tests {
             };
             list.insert(insertion.index(list), corner);
             lists.insert(vertex as u32, corner, insertion);
-            assert_eq!(lists.of(vertex as u32), list);
+            let vertex = vertex as u32;
+            match lists.inline(vertex) {
+                Some(inline) => assert_eq!(inline, list),
+                None => assert_eq!(&lists.long(vertex).collect::<Vec<_>>(), list),
+            }
         }
+    }
+
+    #[test]
+    fn inserting_beside_a_corner_moves_a_few_however_long_the_list_is() {
+        let (mut random, mut lists, n) = (SplitMix64::new(5), CornerLists::default(), 100_000);
+        lists.add_vertex();
+        lists.insert(0, 0, Insertion::Last);
+        for corner in 1..n {
+            let other = random.below(corner as usize) as u32;
+            lists.insert(0, corner, Insertion::After(other));
+        }
+        assert_eq!(lists.long(0).count(), n as usize);
+        assert!(lists.long.moves < 70 * n as usize, "{}", lists.long.moves);
     }
 }

@@ -1,6 +1,6 @@
 //! The partial mesh: vertices in stream order, triangles, and the corners at each vertex.
 
-use crate::partial_mesh::corner_lists::{CornerLists, INLINE_CORNERS};
+use crate::partial_mesh::corner_lists::CornerLists;
 use crate::partial_mesh::star::{NEXT, StarFace};
 use lodc_mesh::NONE;
 use std::hint::black_box;
@@ -55,14 +55,18 @@ impl PartialMesh {
         star.clear();
         let mut chain = true;
         let mut end = NONE;
-        star.extend(self.corners.of(vertex).iter().map(|&corner| {
+        let mut star_face = |corner: u32| {
             let face = &self.faces[corner as usize >> 2];
             let next = NEXT[corner as usize & 3] as usize & 3;
             let (a, b) = (face[next], face[NEXT[next] as usize & 3]);
             chain &= end == a || end == NONE;
             end = b;
             StarFace { corner, a, b }
-        }));
+        };
+        match self.corners.inline(vertex) {
+            Some(corners) => star.extend(corners.iter().map(|&corner| star_face(corner))),
+            None => star.extend(self.corners.long(vertex).map(star_face)),
+        }
         chain && star.first().is_some_and(|first| first.a == end)
     }
 
@@ -77,7 +81,7 @@ impl PartialMesh {
     pub(crate) fn prefetch_link(&self, vertex: u32, value: impl Fn(u32) -> i32) {
         let of_corner =
             |&c: &u32| value(self.faces[c as usize >> 2][NEXT[c as usize & 3] as usize & 3]);
-        let corners = self.corners.of(vertex).iter().take(INLINE_CORNERS);
+        let corners = self.corners.inline(vertex).unwrap_or_default().iter();
         black_box(corners.fold(0, |all, c| all ^ of_corner(c)));
     }
 }

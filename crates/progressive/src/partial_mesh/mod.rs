@@ -31,6 +31,7 @@
 //! gap between the two. See the front page of this package for the figure.
 
 pub(crate) mod corner_lists;
+mod long_lists;
 pub(crate) mod mesh;
 pub(crate) mod new_triangle;
 pub(crate) mod split;

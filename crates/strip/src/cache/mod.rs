@@ -8,6 +8,7 @@ mod window;
 
 use crate::adjacency::neighbours;
 use crate::cover::{Cover, submesh_of};
+use crate::meter::{Meter, Report};
 use crate::{Effort, StripSet};
 use greedy::Weights;
 use lodc_mesh::Mesh;
@@ -37,6 +38,11 @@ impl Default for CacheOptions {
 /// does not hold.
 #[must_use]
 pub fn cache(mesh: &Mesh, options: &CacheOptions) -> StripSet {
+    cache_reporting(mesh, options, &|_| {})
+}
+
+/// [`cache`] with reports of progress.
+pub(crate) fn cache_reporting(mesh: &Mesh, options: &CacheOptions, report: Report<'_>) -> StripSet {
     let triangles = mesh.triangles();
     let size = options.cache_size.clamp(4, 64);
     let mut cover = Cover::new(&neighbours(triangles, mesh.vertex_count()));
@@ -54,7 +60,8 @@ pub fn cache(mesh: &Mesh, options: &CacheOptions) -> StripSet {
     let price = if options.index_price >= 0.0 { options.index_price.min(100.0) } else { 0.0 };
     let drawing = Drawing { paths: &paths, triangles, cover: &cover };
     let searches = searches(options.effort);
-    let refined = refine(&drawing, &Goal { cache_size: size, index_price: price, searches });
+    let goal = Goal { cache_size: size, index_price: price, searches };
+    let refined = refine(&drawing, &goal, &Meter::new(report, 1));
     let submesh = submesh_of(mesh);
     let mut indices = Vec::with_capacity(triangles.len() * 3 / 2);
     let mut strips = Vec::with_capacity(order.len());

@@ -5,6 +5,7 @@ use super::window::{Search, Window, Workspace};
 use crate::adjacency::{code, decode};
 use crate::anneal::generator;
 use crate::cover::{Cover, is_none};
+use crate::meter::Meter;
 use lodc_mesh::{NONE, SplitMix64};
 use rayon::prelude::*;
 use std::collections::VecDeque;
@@ -36,7 +37,7 @@ pub(crate) struct Goal {
 pub(crate) type Written = (u32, Vec<u32>);
 
 /// Improves strips and writes them down.
-pub(crate) fn refine(drawing: &Drawing<'_>, goal: &Goal) -> Vec<Written> {
+pub(crate) fn refine(drawing: &Drawing<'_>, goal: &Goal, meter: &Meter<'_>) -> Vec<Written> {
     let chunks = Chunks::new(drawing);
     let improved = |number: usize| {
         let mut chunk = chunks.chunk(number);
@@ -44,6 +45,7 @@ pub(crate) fn refine(drawing: &Drawing<'_>, goal: &Goal) -> Vec<Written> {
         for search in goal.searches {
             chunk.improve(goal, search, &mut random);
         }
+        meter.add(chunk.triangles.len());
         chunk.written()
     };
     let done: Vec<Vec<Written>> = (0..chunks.ranges.len()).into_par_iter().map(improved).collect();

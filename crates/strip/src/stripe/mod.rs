@@ -7,6 +7,7 @@ mod search;
 
 use crate::adjacency::{decode, neighbours};
 use crate::cover::{Cover, submesh_of};
+use crate::meter::{Meter, Report};
 use crate::{Effort, StripSet};
 use lodc_mesh::{Mesh, is_degenerate};
 
@@ -17,10 +18,16 @@ use lodc_mesh::{Mesh, is_degenerate};
 /// those. Work on several regions runs on rayon's current thread pool.
 #[must_use]
 pub fn stripe(mesh: &Mesh, effort: Effort) -> StripSet {
+    stripe_reporting(mesh, effort, &|_| {})
+}
+
+/// [`stripe`] with reports of progress.
+pub(crate) fn stripe_reporting(mesh: &Mesh, effort: Effort, report: Report<'_>) -> StripSet {
     let triangles = mesh.triangles();
     let mut cover = Cover::new(&neighbours(triangles, mesh.vertex_count()));
     greedy::cover(&mut cover);
-    regions::improve(&mut cover, schedule(effort));
+    let rounds = schedule(effort);
+    regions::improve(&mut cover, rounds, &Meter::new(report, rounds.len()));
     let submesh = submesh_of(mesh);
     let mut indices = Vec::with_capacity(triangles.len() * 5 / 4);
     let mut strips = Vec::new();

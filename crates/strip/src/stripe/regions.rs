@@ -8,6 +8,7 @@
 use super::search::{Round, search};
 use crate::adjacency::{code, decode};
 use crate::cover::{Cover, LINKS, is_none};
+use crate::meter::Meter;
 use lodc_mesh::NONE;
 use rayon::prelude::*;
 
@@ -15,7 +16,7 @@ use rayon::prelude::*;
 const REGION: usize = 1 << 13;
 
 /// Runs all rounds.
-pub(crate) fn improve(cover: &mut Cover, rounds: &[Round]) {
+pub(crate) fn improve(cover: &mut Cover, rounds: &[Round], meter: &Meter<'_>) {
     for (i, round) in rounds.iter().enumerate() {
         let (order, ends) = divide(cover, i);
         let mut place = vec![NONE; cover.nodes.len()];
@@ -29,6 +30,7 @@ pub(crate) fn improve(cover: &mut Cover, rounds: &[Round]) {
             .map(|&(start, end)| {
                 let mut local = gather(cover, &order[start..end], &place, start, end);
                 search(&mut local, round, (i as u64) << 32 | start as u64);
+                meter.add(end - start);
                 local.nodes.iter().map(|n| n[LINKS] as u8).collect()
             })
             .collect();

@@ -4,12 +4,10 @@ use super::appearance::{Appearance, Colour};
 use super::patch::{Patch, WIDE};
 use super::pixel::{MAX_GEOMETRY, UNCOVERED, shading_error};
 use super::samples::{Sample, Samples, mix, mix_coordinates};
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 
 /// Energy of a place of a face where the input has nothing.
 const SPURIOUS: f32 = 2.0;
-/// The input is near where a sample is nearer than this many times its extent.
-const NEAR: f32 = 1.5;
 /// Energy per curvature and distance: a silhouette that is off by d uncovers a strip of width d,
 /// and a surface of mean convex curvature H and area A shows 2 H A d of it, in the unit of its own
 /// projected area. The factor is measured.
@@ -63,7 +61,7 @@ impl Patch {
                 + f64::from(samples.spurious(f.face));
         }
         for i in 0..self.moved.len() {
-            sum += f64::from(self.spurious(i, samples));
+            sum += f64::from(self.spurious(i));
         }
         sum
     }
@@ -90,7 +88,7 @@ impl Patch {
                 samples.put(s, face, place.at, sample.weight * geometric, shown);
             }
         }
-        let spurious: Vec<f32> = (0..self.moved.len()).map(|i| self.spurious(i, samples)).collect();
+        let spurious: Vec<f32> = (0..self.moved.len()).map(|i| self.spurious(i)).collect();
         for (f, spurious) in self.moved.iter().zip(spurious) {
             samples.thin(f.face);
             energy[f.face as usize] =
@@ -144,19 +142,16 @@ impl Patch {
 
     /// The energy of the part of a moved face that lies where the input has nothing: beyond the
     /// extent of every sample. Not evaluated in wide stars, which only inputs have.
-    fn spurious(&self, i: usize, samples: &Samples) -> f32 {
+    fn spurious(&self, i: usize) -> f32 {
         if self.moved.len() > WIDE {
             return 0.0;
         }
         let placed = &self.placed[i];
         let share = |at: [f32; 2]| {
             let place = placed.at(at);
-            let shares = self.samples.iter().map(|&s| {
-                let s = samples.get(s);
-                s.position.distance_squared(place)
-                    / (NEAR * NEAR * s.extent * s.extent).max(f32::MIN_POSITIVE)
-            });
-            (shares.fold(2.0, f32::min) - 1.0).max(0.0) / PLACES.len() as f32
+            let shares = self.reaches.iter().map(|four| four.shares(place));
+            let least = shares.fold(Vec4::splat(2.0), Vec4::min);
+            (least.min_element() - 1.0).max(0.0) / PLACES.len() as f32
         };
         SPURIOUS * self.visible as f32 * placed.area() * PLACES.map(share).iter().sum::<f32>()
     }

@@ -19,6 +19,7 @@ mod energy;
 mod patch;
 mod pixel;
 mod placed;
+mod reach;
 mod samples;
 #[cfg(test)]
 mod seen_tests;

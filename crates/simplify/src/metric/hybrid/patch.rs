@@ -3,6 +3,7 @@
 
 use super::appearance::{Appearance, attribute_vertex};
 use super::placed::Placed;
+use super::reach::Reach;
 use super::samples::{CREASE, MAX_AVERAGED, Samples};
 use crate::wedges::Wedges;
 use crate::working::WorkingMesh;
@@ -59,6 +60,8 @@ pub(crate) struct Patch {
     targets: Vec<(u32, u32)>,
     /// Samples of the star.
     pub(super) samples: Vec<u32>,
+    /// Their positions and reaches, four at a time.
+    pub(super) reaches: Vec<Reach>,
     /// The energy of the whole patch before the move.
     pub(super) current_energy: f64,
     /// The visible share of the star: 1 for a closed surface with nothing in front of it.
@@ -88,6 +91,9 @@ impl Patch {
                 }
             }
         }
+        self.reaches.clear();
+        let four = self.samples.chunks(4).map(|four| Reach::new(four, samples));
+        self.reaches.extend(four);
         self.visible = if area > visible { visible / area } else { 1.0 };
         if !source.appearance.has_normals() {
             self.gather_surrounding(source, from);

@@ -1,0 +1,119 @@
+//! Long lists of corners, in blocks: a corner finds its block, so that inserting beside it costs no
+//! more in a list of a million than in one of a hundred.
+
+use lodc_mesh::NONE;
+
+/// A block of more corners than this is divided.
+const MAX_BLOCK: usize = 128;
+
+#[derive(Clone, Debug, Default)]
+struct Block {
+    corners: Vec<u32>,
+    next: u32,
+}
+
+/// A list: its first and its last block.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Blocks {
+    pub(crate) first: u32,
+    pub(crate) last: u32,
+}
+
+/// The blocks of all long lists. A corner is in one list at most.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct LongLists {
+    blocks: Vec<Block>,
+    unused: Vec<u32>,
+    /// The block of each corner that is in a list.
+    block_of: Vec<u32>,
+    /// Corners that were moved within lists or between their blocks.
+    #[cfg(test)]
+    pub(crate) moves: usize,
+}
+
+impl LongLists {
+    /// Makes a list.
+    pub(crate) fn add(&mut self, corners: &[u32]) -> Blocks {
+        let mut list = Blocks { first: NONE, last: NONE };
+        for corners in corners.chunks(MAX_BLOCK / 2) {
+            let block = self.add_block(corners.to_vec(), NONE);
+            match list.last {
+                NONE => list.first = block,
+                last => self.blocks[last as usize].next = block,
+            }
+            list.last = block;
+        }
+        list
+    }
+
+    /// Takes a list away.
+    pub(crate) fn remove(&mut self, list: Blocks) {
+        let mut block = list.first;
+        while block != NONE {
+            let Block { next, .. } = std::mem::take(&mut self.blocks[block as usize]);
+            self.unused.push(block);
+            block = next;
+        }
+    }
+
+    /// Iterates over the corners of a list.
+    pub(crate) fn corners(&self, list: Blocks) -> impl Iterator<Item = u32> + '_ {
+        let block = |b: u32| (b != NONE).then(|| &self.blocks[b as usize]);
+        let blocks = std::iter::successors(block(list.first), move |b| block(b.next));
+        blocks.flat_map(|b| b.corners.iter().copied())
+    }
+
+    /// Inserts a corner beside another one of the list: before or after it.
+    pub(crate) fn insert(&mut self, list: &mut Blocks, corner: u32, other: u32, after: bool) {
+        let block = self.block_of[other as usize];
+        let corners = &self.blocks[block as usize].corners;
+        let at = corners.iter().position(|&c| c == other).unwrap_or(corners.len());
+        self.insert_at(list, block, (at + usize::from(after)).min(corners.len()), corner);
+    }
+
+    /// Inserts a corner at the end of a list.
+    pub(crate) fn push(&mut self, list: &mut Blocks, corner: u32) {
+        let at = self.blocks[list.last as usize].corners.len();
+        self.insert_at(list, list.last, at, corner);
+    }
+
+    fn insert_at(&mut self, list: &mut Blocks, block: u32, at: usize, corner: u32) {
+        let corners = &mut self.blocks[block as usize].corners;
+        #[cfg(test)]
+        {
+            self.moves += corners.len() - at;
+        }
+        corners.insert(at, corner);
+        self.place(corner, block);
+        let Block { corners, next } = &mut self.blocks[block as usize];
+        if corners.len() > MAX_BLOCK {
+            let (rest, next) = (corners.split_off(MAX_BLOCK / 2), *next);
+            let new = self.add_block(rest, next);
+            self.blocks[block as usize].next = new;
+            if list.last == block {
+                list.last = new;
+            }
+        }
+    }
+
+    fn add_block(&mut self, corners: Vec<u32>, next: u32) -> u32 {
+        let number = self.unused.pop().unwrap_or_else(|| {
+            self.blocks.push(Block::default());
+            self.blocks.len() as u32 - 1
+        });
+        #[cfg(test)]
+        {
+            self.moves += corners.len();
+        }
+        corners.iter().for_each(|&corner| self.place(corner, number));
+        self.blocks[number as usize] = Block { corners, next };
+        number
+    }
+
+    fn place(&mut self, corner: u32, block: u32) {
+        if self.block_of.len() <= corner as usize {
+            self.block_of.resize((corner as usize + 1).next_power_of_two(), NONE);
+        }
+        self.block_of[corner as usize] = block;
+    }
+}
