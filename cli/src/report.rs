@@ -274,6 +274,10 @@ pub(crate) struct UnpackReport {
     pub(crate) damaged: Option<String>,
     /// Bytes of the stream that were used.
     pub(crate) bytes: u64,
+    /// Objects of the whole stream; `objects` has those that have come.
+    pub(crate) all_objects: u32,
+    /// What of the scene is still to come.
+    pub(crate) left_out: Vec<String>,
     pub(crate) objects: Vec<UnpackedReport>,
     pub(crate) warnings: Vec<String>,
 }

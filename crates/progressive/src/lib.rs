@@ -63,7 +63,7 @@
 //! let header = encoder.header().clone();
 //! let (mut contexts, mut blocks, mut bytes) = (Contexts::new(), Vec::new(), 0);
 //! while !encoder.is_complete() {
-//!     let block = encoder.encode(&mut contexts, BlockTarget { bytes: 200, before: bytes });
+//!     let block = encoder.encode(&mut contexts, BlockTarget { bytes: 200, before: bytes, until_triangle: false });
 //!     bytes += block.splits.len();
 //!     blocks.push(block);
 //! }
@@ -98,7 +98,7 @@ mod vertex_data;
 mod vertex_split;
 
 pub use entropy::text_codec;
-pub use header::MeshHeader;
+pub use header::{MeshHeader, StreamVersion};
 pub use invalid::InvalidStream;
 pub use mesh_decoder::{MeshDecoder, StepBlock};
 pub use mesh_encoder::{BlockTarget, EncodedSteps, MeshEncoder};

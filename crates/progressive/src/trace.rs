@@ -4,6 +4,7 @@ use crate::entropy::adaptive_probability::{AdaptiveBit, AdaptiveSymbol};
 use crate::entropy::coder::{Coder, Substreams};
 use crate::entropy::decoder::Decoder;
 use crate::entropy::integer_codes::{BoundedCode, GammaCode, ResidualCode};
+use crate::header::StreamVersion;
 use crate::source::split_source::DecoderSource;
 use crate::strips::position_code::StripContexts;
 use crate::vertex_data::number_system::NumberSystem;
@@ -46,6 +47,7 @@ impl Names {
     /// Names every context as docs/STREAM.md does.
     fn of(c: &Contexts) -> Self {
         let mut names = Self::default();
+        names.gamma(&c.first_index, "first_index");
         let BoundedCode(parent) = &c.parent;
         names.add(parent, "parent".to_owned());
         names.add(&c.wedge_distance, "wedge_distance".to_owned());
@@ -176,7 +178,7 @@ fn the_page_has_the_trace_of_a_golden_stream() {
     let mut contexts = Box::new(Contexts::new());
     let names = Names::of(&contexts);
     let lines = RefCell::new(String::new());
-    let mut codec = ObjectCodec::new(layout, 1, true);
+    let mut codec = ObjectCodec::new(layout, 1, true, StreamVersion::One);
     for (steps, payload) in step_blocks() {
         let mut rest = payload;
         let length = take_leb128(&mut rest, 1 << 20).expect("a length") as usize;

@@ -1,9 +1,10 @@
-//! Streams of every version that ever was stay readable, and are written as they were:
-//! `fixtures/golden/lods1/`.
+//! Streams of every version that ever was stay readable: `fixtures/golden/lods1/` and `lods2/`. Those
+//! of the present version are written as they were.
 //!
 //! They are made of the golden `.lodc` files by
 //! `cargo test -p lodc-formats make_golden_streams -- --ignored`.
 
+use super::super::VERSION;
 use super::*;
 use std::path::PathBuf;
 
@@ -18,8 +19,8 @@ fn source(name: &str) -> LodFile {
     crate::lodc::read(&bytes).expect("a golden file")
 }
 
-fn stream(name: &str) -> Vec<u8> {
-    std::fs::read(golden(&format!("lods1/{name}.lods"))).expect("a golden stream")
+fn stream(version: u32, name: &str) -> Vec<u8> {
+    std::fs::read(golden(&format!("lods{version}/{name}.lods"))).expect("a golden stream")
 }
 
 fn packed(file: &LodFile, strips: &[StripSet]) -> Vec<u8> {
@@ -42,10 +43,11 @@ fn strips(unpacker: &Unpacker, object: usize) -> StripSet {
 
 #[test]
 fn golden_streams_are_read_and_written_as_ever() {
-    for name in NAMES {
-        let (file, bytes) = (source(name), stream(name));
+    for (version, name) in [1, 2].into_iter().flat_map(|v| NAMES.map(|name| (v, name))) {
+        let (file, bytes) = (source(name), stream(version, name));
         let unpacker = fed(&bytes);
         assert!(unpacker.is_complete());
+        assert_eq!(unpacker.version(), version);
         assert_eq!(
             (unpacker.document(), unpacker.source()),
             (Some(&file.document), Some(&file.source)),
@@ -57,14 +59,16 @@ fn golden_streams_are_read_and_written_as_ever() {
             every_step::same_mesh(&unpacker, i, o.simplified.mesh(), name);
         }
         let strips: Vec<_> = (0..file.objects.len()).map(|i| strips(&unpacker, i)).collect();
-        assert!(packed(&file, &strips) == bytes, "{name} is written otherwise than it was");
+        let packed = packed(&file, &strips);
+        // The same strips are made of a stream of any version, and so is the same stream.
+        assert!(packed == stream(VERSION, name), "{name} is written otherwise than it was");
     }
 }
 
 #[test]
 fn passing_over_strips_changes_nothing_else() {
     for name in NAMES {
-        let bytes = stream(name);
+        let bytes = stream(VERSION, name);
         let mut plain = Unpacker::new(Limits::DEFAULT).triangles_only();
         plain.feed(&bytes).expect("a sound stream");
         let whole = fed(&bytes);
@@ -83,11 +87,11 @@ fn passing_over_strips_changes_nothing_else() {
 #[test]
 #[ignore = "writes the golden streams; only for a new version of the format"]
 fn make_golden_streams() {
-    std::fs::create_dir_all(golden("lods1")).expect("a folder");
+    std::fs::create_dir_all(golden(&format!("lods{VERSION}"))).expect("a folder");
     for name in NAMES {
         let file = source(name);
         let strips = strips_of(&file);
-        std::fs::write(golden(&format!("lods1/{name}.lods")), packed(&file, &strips))
+        std::fs::write(golden(&format!("lods{VERSION}/{name}.lods")), packed(&file, &strips))
             .expect("a file");
     }
 }
