@@ -8,14 +8,18 @@ use super::super::VERSION;
 use super::*;
 use std::path::PathBuf;
 
-const NAMES: [&str; 3] = ["cube_and_part", "skinned_tube", "triangle"];
+/// The golden files of which there are streams, with the version that they are of.
+const NAMES: [(&str, u32); 4] =
+    [("cube_and_part", 2), ("skinned_tube", 2), ("triangle", 2), ("two_parts", 3)];
+/// Versions of streams, each with how many of these it has.
+const VERSIONS: [(u32, usize); 2] = [(1, 3), (2, 4)];
 
 fn golden(name: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../fixtures/golden").join(name)
 }
 
-fn source(name: &str) -> LodFile {
-    let bytes = std::fs::read(golden(&format!("v2/{name}.lodc"))).expect("a golden file");
+fn source((name, version): (&str, u32)) -> LodFile {
+    let bytes = std::fs::read(golden(&format!("v{version}/{name}.lodc"))).expect("a golden file");
     crate::lodc::read(&bytes).expect("a golden file")
 }
 
@@ -43,8 +47,9 @@ fn strips(unpacker: &Unpacker, object: usize) -> StripSet {
 
 #[test]
 fn golden_streams_are_read_and_written_as_ever() {
-    for (version, name) in [1, 2].into_iter().flat_map(|v| NAMES.map(|name| (v, name))) {
-        let (file, bytes) = (source(name), stream(version, name));
+    let all = VERSIONS.iter().flat_map(|&(v, count)| NAMES[..count].iter().map(move |n| (v, *n)));
+    for (version, golden) in all {
+        let (name, (file, bytes)) = (golden.0, (source(golden), stream(version, golden.0)));
         let unpacker = fed(&bytes);
         assert!(unpacker.is_complete());
         assert_eq!(unpacker.version(), version);
@@ -67,7 +72,7 @@ fn golden_streams_are_read_and_written_as_ever() {
 
 #[test]
 fn passing_over_strips_changes_nothing_else() {
-    for name in NAMES {
+    for (name, _) in NAMES {
         let bytes = stream(VERSION, name);
         let mut plain = Unpacker::new(Limits::DEFAULT).triangles_only();
         plain.feed(&bytes).expect("a sound stream");
@@ -88,8 +93,8 @@ fn passing_over_strips_changes_nothing_else() {
 #[ignore = "writes the golden streams; only for a new version of the format"]
 fn make_golden_streams() {
     std::fs::create_dir_all(golden(&format!("lods{VERSION}"))).expect("a folder");
-    for name in NAMES {
-        let file = source(name);
+    for (name, version) in NAMES {
+        let file = source((name, version));
         let strips = strips_of(&file);
         std::fs::write(golden(&format!("lods{VERSION}/{name}.lods")), packed(&file, &strips))
             .expect("a file");
