@@ -95,7 +95,10 @@ def levels(folder):
             if glb_path.exists():
                 parts = [by_position(*part) for part in glb(glb_path)]
                 positions = obj.positions
-                mine = [by_position(positions, obj.level(lod).of_submesh(s)) for s in range(len(obj.submeshes))]
+                mine = [
+                    by_position(positions, obj.level(lod).of_submesh(s))
+                    for s in range(len(obj.submeshes))
+                ]
                 assert parts == [part for part in mine if part], f"{path.stem}: LOD {lod}, extract"
                 extracted += 1
             count += 1
@@ -123,7 +126,9 @@ def streams(folder, golden):
         while not words.is_read():
             start, end = end, words.one()
             stream.feed(data[start:end])
-            assert stream.used == end and len(stream.objects) == words.one(), f"{path}: {end} bytes"
+            assert stream.used == end and len(stream.objects) == words.one(), (
+                f"{path}: {end} bytes"
+            )
             for obj in stream.objects:
                 compare(obj, words, f"{path}: {end} bytes, {obj.name}")
         assert stream.is_complete() and stream.used == len(data), path

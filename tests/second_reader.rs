@@ -140,7 +140,7 @@ fn levels_of_every_structure_are_those_of_the_reference_and_of_extract() {
     assert!(said.starts_with(&format!("{shapes} files, {} levels", shapes * LEVELS)), "{said}");
 }
 
-/// What the unpacker shows after each block of a stream: `NAME.states`.
+/// The meshes that the unpacker shows after each block of a stream: `NAME.states`.
 fn states(stream: &[u8]) -> Vec<u8> {
     let (mut unpacker, mut out, mut used) = (Unpacker::new(Limits::DEFAULT), Vec::new(), 0);
     for byte in stream {

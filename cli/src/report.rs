@@ -276,7 +276,7 @@ pub(crate) struct UnpackReport {
     pub(crate) bytes: u64,
     /// Objects of the whole stream; `objects` has those that have come.
     pub(crate) all_objects: u32,
-    /// What of the scene is still to come.
+    /// Parts of the scene that are still to come.
     pub(crate) left_out: Vec<String>,
     pub(crate) objects: Vec<UnpackedReport>,
     pub(crate) warnings: Vec<String>,

@@ -63,7 +63,8 @@
 //! let header = encoder.header().clone();
 //! let (mut contexts, mut blocks, mut bytes) = (Contexts::new(), Vec::new(), 0);
 //! while !encoder.is_complete() {
-//!     let block = encoder.encode(&mut contexts, BlockTarget { bytes: 200, before: bytes, until_triangle: false });
+//!     let target = BlockTarget { bytes: 200, before: bytes, until_triangle: false };
+//!     let block = encoder.encode(&mut contexts, target);
 //!     bytes += block.splits.len();
 //!     blocks.push(block);
 //! }

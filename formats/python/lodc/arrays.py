@@ -47,7 +47,11 @@ def curve(data, steps, plain, place):
         need(not len(bits) or bits[-1] <= 0x7F800000, place, "rises beyond infinity")
         values = bits.astype(np.uint32).view(np.float32)
     need(len(values) == steps, place, "does not have one value for each step")
-    need(not np.isnan(values).any() and (np.diff(values[np.isfinite(values)]) >= 0).all(), place, "falls")
+    need(
+        not np.isnan(values).any() and (np.diff(values[np.isfinite(values)]) >= 0).all(),
+        place,
+        "falls",
+    )
     return values
 
 

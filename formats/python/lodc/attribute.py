@@ -12,8 +12,11 @@ COMPONENTS = tuple(np.dtype(t) for t in ("i1", "u1", "<i2", "<u2", "<u4", "<f4")
 
 @dataclass(frozen=True)
 class Attribute:
-    """What a stream of vertex data means. ``set`` counts texture coordinates, colours, joints and
-    weights; ``name`` is that of a custom one; ``morph_target`` is the target whose deltas it holds."""
+    """What a stream of vertex data means.
+
+    ``set`` counts texture coordinates, colours, joints and weights; ``name`` is that of a custom
+    one; ``morph_target`` is the target whose deltas it holds.
+    """
 
     meaning: str
     set: int

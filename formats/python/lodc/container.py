@@ -37,7 +37,9 @@ class Container:
         need(at == length, "section table", "the file goes on after its last section")
 
     def _section(self, data, entry, before):
-        tag, flags, obj, index, offset, length, check = struct.unpack_from("<4sIIIQQQ", data, entry)
+        tag, flags, obj, index, offset, length, check = struct.unpack_from(
+            "<4sIIIQQQ", data, entry
+        )
         name = tag.decode("ascii", "replace")
         place = f"section {name}" + ("" if obj == SCENE else f" of object {obj}")
         start = -(-before // 16) * 16

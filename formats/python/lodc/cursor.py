@@ -69,7 +69,9 @@ class Cursor:
         length = self.u64()
         end = self.at + length
         if end > len(self.data):
-            raise FormatError(self.place, "has a record that is longer than the bytes that are left")
+            raise FormatError(
+                self.place, "has a record that is longer than the bytes that are left"
+            )
         value = read()
         if self.at > end:
             raise FormatError(self.place, "has a record that is shorter than its fields")

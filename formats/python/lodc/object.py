@@ -94,7 +94,11 @@ class Object:
         need((self.triangles < v).all(), self.place, "has a corner that is no vertex")
         same = self.triangle_submesh
         need(len(same) == len(self.triangles), self.place, "has triangles without a submesh")
-        need((self.vertex_submesh < max(len(self.submeshes), 1)).all(), self.place, "has a vertex of no submesh")
+        need(
+            (self.vertex_submesh < max(len(self.submeshes), 1)).all(),
+            self.place,
+            "has a vertex of no submesh",
+        )
         corners = self.vertex_submesh[self.triangles]
         need((corners == same[:, None]).all(), self.place, "has a triangle over two submeshes")
         if self.rms is not None:
@@ -105,7 +109,9 @@ class Object:
         self.structures, index = {}, 0
         known = {"interactive": Interactive, "speed": Speed, "masking": Masking}
         for name, arrays in self.entry.models:
-            sections = [container.take(b"MODA", self.number, index + i) for i in range(len(arrays))]
+            sections = [
+                container.take(b"MODA", self.number, index + i) for i in range(len(arrays))
+            ]
             index += len(arrays)
             if name in known:
                 need(name not in self.structures, self.place, f"has {name} twice")
@@ -150,7 +156,11 @@ class Object:
             limit = error if error is not None else rms
             step = int(np.searchsorted(curve, np.float64(limit), side="right")) - 1
         last = int((self.counts > 0).sum()) - 1
-        return int(self.lods[min(max(step, 0), max(last, 0) if len(self.triangles) else len(self.lods) - 1)])
+        return int(
+            self.lods[
+                min(max(step, 0), max(last, 0) if len(self.triangles) else len(self.lods) - 1)
+            ]
+        )
 
     def level(self, lod=None, *, structure=None, **selector):
         """A :class:`Level`, by LOD or by a selector of :meth:`select`; ``structure`` names the

@@ -37,7 +37,10 @@ class Interactive:
 
 
 class Strips:
-    """Strips as a file has them: ``vertices`` of all, one after the other, and where each starts."""
+    """Strips as a file has them.
+
+    ``vertices`` has those of all, one after the other; ``starts`` says where each begins.
+    """
 
     def __init__(self, obj, data):
         place = f"{obj.place}: strips"
@@ -115,7 +118,7 @@ class Speed:
         """For each element of the strips the record after which it is gone. Replays the removals
         of all strips once."""
         if self._gone is None:
-            deaths = self._deaths()
+            ends = self._last_records()
             self._gone = np.full(len(self.strips.vertices), NEVER, np.int64)
             numbers = iter(varints(self._removals, f"{self.object.place}: removals")[0].tolist())
             for strip in range(len(self.strips.starts) - 1):
@@ -126,21 +129,24 @@ class Speed:
                     ]
                 except (StopIteration, RuntimeError):
                     need(False, self.object.place, "has fewer removals than it says")
-                self._replay(int(start), int(end), removals, int(deaths[strip]))
+                self._replay(int(start), int(end), removals, int(ends[strip]))
             need(next(numbers, None) is None, self.object.place, "has more removals than strips")
         return self._gone
 
-    def _deaths(self):
+    def _last_records(self):
         """For each strip the record after which it draws nothing."""
         vertices, strip = self.strips.vertices, self.strips.strip
-        deaths = np.full(len(self.strips.starts) - 1, -1, np.int64)
+        ends = np.full(len(self.strips.starts) - 1, -1, np.int64)
         if len(vertices) < 3:
-            return deaths
+            return ends
         triples = np.stack([vertices[:-2], vertices[1:-1], vertices[2:]], axis=1)
         whole = strip[:-2] == strip[2:]
         triples, strip = triples[whole], strip[:-2][whole]
         # The first number of records after which a triangle is dead, by bisection.
-        low, high = np.zeros(len(triples), np.int64), np.full(len(triples), len(self.object.targets))
+        low, high = (
+            np.zeros(len(triples), np.int64),
+            np.full(len(triples), len(self.object.targets)),
+        )
         while (low < high).any():
             middle = (low + high) // 2
             live = np.zeros(len(triples), bool)
@@ -152,8 +158,8 @@ class Speed:
             high = np.where(live, high, middle)
             low = np.where(live & (low < middle + 1), middle + 1, low)
             low = np.minimum(low, high)
-        np.maximum.at(deaths, strip, high - 1)
-        return deaths
+        np.maximum.at(ends, strip, high - 1)
+        return ends
 
     def _live_at(self, triples, lods):
         """For each triangle whether it is live at a LOD of its own."""

@@ -13,7 +13,7 @@ pub struct Arrived<'a> {
     pub document: Cow<'a, Document>,
     /// The objects so far.
     pub infos: Vec<ObjectInfo>,
-    /// What the stream has still to bring, with counts: `3 textures`.
+    /// Parts that the stream has still to bring, with counts: `3 textures`.
     pub left_out: Vec<String>,
 }
 

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 const LIMIT: usize = 256 << 20;
 const PLACE: &str = "document";
 
-/// What is known of an object's collapse sequence besides what its steps say.
+/// Facts of an object's collapse sequence that its steps do not say.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SequenceFacts {
     /// The last LOD reached without breaking a rule of legality.

@@ -1,13 +1,12 @@
 //! The first block: how many objects a stream has, and how long its document is.
 
-use super::document::EncodedDocument;
 use crate::lodc::manifest::{format_code, source_format};
 use crate::{Fault, FormatError, SourceFormat};
 use lodc_mesh::{put_leb128, take_leb128};
 
 const PLACE: &str = "head";
 
-/// What a reader knows before anything else.
+/// The sizes of a stream, known before anything else.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Head {
     pub(super) format: SourceFormat,
@@ -21,16 +20,6 @@ pub(super) struct Head {
 }
 
 impl Head {
-    pub(super) fn new(format: SourceFormat, objects: u32, document: &EncodedDocument<'_>) -> Self {
-        Self {
-            format,
-            objects,
-            text: document.text_bytes,
-            stored: document.text.len() as u32,
-            buffer: document.buffer.len() as u64,
-        }
-    }
-
     /// Returns the payload of the block.
     pub(super) fn to_bytes(self) -> Vec<u8> {
         let mut out = vec![format_code(self.format)];

@@ -1,4 +1,5 @@
-//! The first block of version 1: everything but vertices and triangles (docs/STREAM.md, section 12).
+//! The first block of version 1: everything but vertices and triangles (docs/STREAM.md, section
+//! 12).
 
 use super::object_header::{ObjectHeader, SystemEntry, vertex_layout};
 use crate::lodc::manifest::{AttributeEntry, DocumentEntry, source_of};

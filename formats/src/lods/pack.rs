@@ -155,7 +155,13 @@ struct StreamWriter<'a> {
 impl<'a> StreamWriter<'a> {
     /// Starts a stream with its first block.
     fn new(file: &LodFile, document: EncodedDocument<'a>) -> Self {
-        let head = Head::new(file.source.format, file.objects.len() as u32, &document);
+        let head = Head {
+            format: file.source.format,
+            objects: file.objects.len() as u32,
+            text: document.text_bytes,
+            stored: document.text.len() as u32,
+            buffer: document.buffer.len() as u64,
+        };
         let mut bytes = MAGIC.to_vec();
         bytes.extend(VERSION.to_le_bytes());
         let mut stream = Self { bytes, blocks: 0, document, document_bytes: 0, step_bytes: 0 };

@@ -173,7 +173,7 @@ impl Unpacker {
         &self.object(object).info
     }
 
-    /// What is known of an object's collapse sequence besides what its steps say.
+    /// Facts of an object's collapse sequence that its steps do not say.
     #[must_use]
     pub fn facts(&self, object: usize) -> SequenceFacts {
         self.object(object).facts

@@ -62,7 +62,11 @@ class Stream:
         if len(data) < at + 2:
             return False
         check = xxh3_64(data[:at], self._blocks)
-        need(data[at : at + 2] == check.to_bytes(8, "little")[:2], place, "has fields that do not match their checksum")
+        need(
+            data[at : at + 2] == check.to_bytes(8, "little")[:2],
+            place,
+            "has fields that do not match their checksum",
+        )
         need(length <= MAX_PAYLOAD or self._blocks == 0, place, "is longer than any block may be")
         end = at + 6 + length
         if len(data) < end:
@@ -82,9 +86,15 @@ class Stream:
             need(steps == 0, place, "has steps without an object")
             self._document(payload, place)
         elif tag == 0:
-            whole = self._announced == self.all_objects and all(o.is_complete() for o in self.objects)
+            whole = self._announced == self.all_objects and all(
+                o.is_complete() for o in self.objects
+            )
             need(steps == 0 and not payload, place, "is not an end")
-            need(whole and self._document_left == 0, place, "ends the stream before everything is complete")
+            need(
+                whole and self._document_left == 0,
+                place,
+                "ends the stream before everything is complete",
+            )
             self._complete = True
         else:
             self._steps(place, tag - 1, steps, payload)
@@ -131,7 +141,9 @@ class Stream:
         c = Cursor(text, place)
         self._source(c)
         entries = c.many(lambda: _object_text(c))
-        need(len(entries) == self.all_objects, place, "has another number of objects than the head")
+        need(
+            len(entries) == self.all_objects, place, "has another number of objects than the head"
+        )
         need(self.source.format == self.format, place, "has another format than the head")
         for number, (name, scale, submeshes) in enumerate(entries):
             if number == len(self.objects):
@@ -158,7 +170,11 @@ class Stream:
         c = Cursor(payload, place)
         coded, entries, text, stored = c.u8(), c.u32(), c.u32(), c.u32()
         data = c.take(stored)
-        need(coded < 2 and (coded or stored == text) and entries <= text, place, "is stored in an unknown way")
+        need(
+            coded < 2 and (coded or stored == text) and entries <= text,
+            place,
+            "is stored in an unknown way",
+        )
         data = decode_text(data, text) if coded else data
         need(data is not None, place, "cannot be decoded")
         self.buffer, self._document_left = bytes(payload[c.at :]), 0
@@ -221,6 +237,8 @@ def _old_system(c, channels):
         return [Grid(origin, step) for origin in origins]
     if kind in (1, 2):
         digits = c.u8()
-        need(digits <= 9 if kind == 1 else 1 <= digits <= 7, c.place, "has an unknown number system")
+        need(
+            digits <= 9 if kind == 1 else 1 <= digits <= 7, c.place, "has an unknown number system"
+        )
         return [Decimal(digits) if kind == 1 else Significant(digits)] * channels
     return [Float() if kind == 0 else Integer()] * channels

@@ -12,7 +12,9 @@ class Star:
         self.faces = []
         for t in mesh.corners[vertex]:
             x, y, z = mesh.triangles[t]
-            self.faces.append((t, y, z) if x == vertex else (t, z, x) if y == vertex else (t, x, y))
+            self.faces.append(
+                (t, y, z) if x == vertex else (t, z, x) if y == vertex else (t, x, y)
+            )
         self.fans, self.link = [], []
         faces, first = self.faces, 0
         for i, (_, a, b) in enumerate(faces):

@@ -47,7 +47,9 @@ class Float:
     """The bits of a float."""
 
     def value(self, index):
-        number = struct.unpack("<f", struct.pack("<I", (index if index >= 0 else ~index) & MOST))[0]
+        number = struct.unpack("<f", struct.pack("<I", (index if index >= 0 else ~index) & MOST))[
+            0
+        ]
         return number if index >= 0 else -number
 
     def index(self, x):

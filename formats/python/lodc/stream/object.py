@@ -57,7 +57,11 @@ def read_header(cursor):
 def _attribute(c):
     packed = c.varint((1 << 35) - 1)
     meaning, number = MEANINGS[packed % 8], packed // 8
-    need(meaning not in ("position", "normal", "tangent") or not number, c.place, "has a set of what has none")
+    need(
+        meaning not in ("position", "normal", "tangent") or not number,
+        c.place,
+        "has a set of what has none",
+    )
     name = ""
     if meaning == "custom":
         name, number = bytes(c.take(number)).decode("utf-8"), 0
@@ -65,7 +69,13 @@ def _attribute(c):
     kind = c.u8()
     dtype = component(kind & 7, (kind >> 4) + 1, c.place)
     return Attribute(
-        meaning, number, name, target - 1 if target else None, dtype, (kind >> 4) + 1, bool(kind & 8)
+        meaning,
+        number,
+        name,
+        target - 1 if target else None,
+        dtype,
+        (kind >> 4) + 1,
+        bool(kind & 8),
     )
 
 
@@ -109,14 +119,20 @@ class StreamObject:
         self.header, self.version = header, version
         names = self.submeshes
         if names is not None:
-            need(len(names) == len(header.streams), self.place, "has other submeshes than its name")
+            need(
+                len(names) == len(header.streams), self.place, "has other submeshes than its name"
+            )
         self.order = StripOrder() if header.strips else None
         self._list_submeshes()
 
     def name_as(self, name, scale, submeshes):
         """Takes what the text says of the object: (name, material, primitive) of each submesh."""
         if self.header is not None:
-            need(len(submeshes) == len(self.header.streams), self.place, "has other submeshes in the text")
+            need(
+                len(submeshes) == len(self.header.streams),
+                self.place,
+                "has other submeshes in the text",
+            )
         self.name, self.world_scale = name, scale
         self.submeshes = [Submesh(*s, ()) for s in submeshes]
         if self.header is not None:
@@ -198,16 +214,32 @@ class StreamObject:
         splits, strips = Substream(splits), Substream(strips)
         for _ in range(steps):
             self._step(splits, strips, contexts)
-            need(not splits.is_exhausted() and not strips.is_exhausted(), self.place, "ends before its steps do")
-            need(len(self.mesh.triangles) <= self.header.triangles, self.place, "has more triangles than its header says")
+            need(
+                not splits.is_exhausted() and not strips.is_exhausted(),
+                self.place,
+                "ends before its steps do",
+            )
+            need(
+                len(self.mesh.triangles) <= self.header.triangles,
+                self.place,
+                "has more triangles than its header says",
+            )
             self.steps += 1
             if each_step:
                 each_step(self)
-        need(splits.is_finished() and strips.is_finished(), self.place, "does not end with its steps")
+        need(
+            splits.is_finished() and strips.is_finished(),
+            self.place,
+            "does not end with its steps",
+        )
 
     def _step(self, splits, strips, contexts):
         while True:
-            need(len(self.mesh.corners) < self.header.vertices, self.place, "has more vertices than its header says")
+            need(
+                len(self.mesh.corners) < self.header.vertices,
+                self.place,
+                "has more vertices than its header says",
+            )
             if not self.mesh.corners:
                 self._first_vertex(splits, contexts)
             else:
@@ -246,7 +278,11 @@ class StreamObject:
         mesh.split(parent, new, star, transfer, triangles)
         for t in mesh.triangles[first:]:
             need(len(set(t)) == 3, self.place, "adds a triangle without area")
-            need({mesh.submesh[v] for v in t} == {submesh}, self.place, "adds a triangle over two submeshes")
+            need(
+                {mesh.submesh[v] for v in t} == {submesh},
+                self.place,
+                "adds a triangle over two submeshes",
+            )
         if self.order is not None:
             self._positions(strips, contexts, star, first, triangles)
         wedge = None
@@ -255,7 +291,9 @@ class StreamObject:
             mesh.next_wedge[new], mesh.next_wedge[wedge] = mesh.next_wedge[wedge], new
         link = [v for v, _, _ in Star(mesh, new).link]
         layout = self.header.layout
-        self.indices.append(code_values(coder, contexts, layout, self.indices, parent, wedge, link))
+        self.indices.append(
+            code_values(coder, contexts, layout, self.indices, parent, wedge, link)
+        )
 
     def _wedge_parent(self, coder, contexts):
         before, count = self.parents[-1], len(self.mesh.corners)
@@ -341,7 +379,9 @@ class StreamObject:
             for i in range(last - 1, first - 1, -1):
                 expected[i] = expected[i] or expected[i + 1]
         if pattern < 3:
-            need(all(e in (1, 2) for e in expected), self.place, "does not say what is transferred")
+            need(
+                all(e in (1, 2) for e in expected), self.place, "does not say what is transferred"
+            )
             return [e == 2 for e in expected]
         transfer, before = [], 0
         for e in expected:

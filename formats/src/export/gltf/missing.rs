@@ -57,7 +57,7 @@ pub(crate) fn gltf_without_missing(
     Ok(is_free.then(|| (GltfDocument { json, blob: document.blob.clone() }, left_out)))
 }
 
-/// Which entries of a document refer to missing bytes.
+/// The entries of a document that refer to missing bytes.
 struct Missing {
     views: Vec<bool>,
     accessors: Vec<bool>,

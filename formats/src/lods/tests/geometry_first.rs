@@ -47,14 +47,20 @@ fn triangles_come_before_the_document_and_within_a_few_hundred_bytes() {
 
 /// A document whose texture, skin and animations lie one after the other in its buffer.
 fn rigged(mesh: &lodc_mesh::Mesh) -> GltfDocument {
-    let blob = Value::from(4000);
     let view =
         |at: usize, length: usize| json!({ "buffer": 0, "byteOffset": at, "byteLength": length });
-    let accessor = |view: usize, count: usize, kind: &str| json!({ "bufferView": view, "componentType": 5126, "count": count, "type": kind });
+    let accessor = |view: usize, count: usize, kind: &str| {
+        let mut accessor = json!({ "componentType": 5126, "count": count, "type": kind });
+        accessor["bufferView"] = view.into();
+        accessor
+    };
     let primitives: Vec<Value> =
         mesh.submeshes().iter().map(|_| json!({ "material": 0 })).collect();
     let channel = |path: &str| json!({ "sampler": 0, "target": { "node": 1, "path": path } });
-    let animation = |output: usize, path: &str| json!({ "samplers": [{ "input": 1, "output": output }], "channels": [channel(path)] });
+    let animation = |output: usize, path: &str| {
+        let samplers = json!([{ "input": 1, "output": output }]);
+        json!({ "samplers": samplers, "channels": [channel(path)] })
+    };
     let mut times = accessor(2, 10, "SCALAR");
     (times["min"], times["max"]) = (json!([0.0]), json!([9.0]));
     let root = json!({
@@ -75,8 +81,10 @@ fn rigged(mesh: &lodc_mesh::Mesh) -> GltfDocument {
         "accessors": [
             accessor(0, 1, "MAT4"), times, accessor(3, 10, "VEC3"), accessor(4, 10, "VEC4")
         ],
-        "bufferViews": [view(0, 64), view(64, 3000), view(3064, 40), view(3104, 120), view(3224, 160)],
-        "buffers": [{ "byteLength": blob }],
+        "bufferViews": [
+            view(0, 64), view(64, 3000), view(3064, 40), view(3104, 120), view(3224, 160)
+        ],
+        "buffers": [{ "byteLength": 4000 }],
     });
     GltfDocument {
         json: root.to_string(),
