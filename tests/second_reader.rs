@@ -97,6 +97,7 @@ fn file(name: &str, simplified: Simplified) -> LodFile {
         source: Source { format: SourceFormat::Obj, content_hash: 1 },
         document: Document::Obj(ObjDocument::default()),
         objects: vec![LodObject { info, simplified, models }],
+        made_from: None,
         left_out: Vec::new(),
     }
 }

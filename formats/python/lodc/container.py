@@ -10,7 +10,7 @@ NEWEST = 3
 SCENE = 0xFFFFFFFF
 KNOWN = {
     b"MANI", b"DJSN", b"DBLB", b"POSI", b"VSUB", b"TRIS", b"TARG", b"JOIN", b"SERR", b"STRI",
-    b"SRMS", b"ATTR", b"MODA",
+    b"SRMS", b"ATTR", b"MODA", b"MADE",
 }  # fmt: skip
 
 
