@@ -283,6 +283,10 @@ pub(crate) struct UnpackReport {
     pub(crate) damaged: Option<String>,
     /// Bytes of the stream that were used.
     pub(crate) bytes: u64,
+    /// Objects of the whole stream; `objects` has those that have come.
+    pub(crate) all_objects: u32,
+    /// Parts of the scene that are still to come.
+    pub(crate) left_out: Vec<String>,
     pub(crate) objects: Vec<UnpackedReport>,
     pub(crate) warnings: Vec<String>,
 }

@@ -89,6 +89,8 @@ pub(crate) fn run(args: &PackArgs) -> Outcome<()> {
     let coded: Vec<Option<&StripSet>> = strips.iter().map(Option::as_ref).collect();
     let options =
         PackOptions { quantize: args.quantize.unwrap_or_default(), ..PackOptions::default() };
+    let options =
+        PackOptions { strip_kind: args.strips.kind().unwrap_or(options.strip_kind), ..options };
     let packed = stages.run("pack", || pack(&file, &coded, &options))?;
     stages.run("check", || check(&packed))?;
     let report = report(args, &file, &strips, &packed, &target);
@@ -177,7 +179,7 @@ fn text(report: &PackReport) -> String {
     let output = if report.output == "-" { "standard output" } else { &report.output };
     let head = size(report.head_bytes);
     let mut lines = vec![format!(
-        "{output}: format version {}, {}, {head} of it the head",
+        "{output}: format version {}, {}, {head} of it names, nodes, materials and buffers",
         lods::VERSION,
         size(report.bytes)
     )];

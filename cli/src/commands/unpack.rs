@@ -10,7 +10,7 @@ use crate::stages::Stages;
 use crate::text::{count, distance, grouped, size};
 use clap::Args;
 use lodc_formats::export::ExportObject;
-use lodc_formats::lods::Unpacker;
+use lodc_formats::lods::{Arrived, Unpacker};
 use lodc_formats::{Assets, FormatError};
 use lodc_mesh::Mesh;
 use lodc_select::decimal;
@@ -57,20 +57,21 @@ pub(crate) fn run(args: &UnpackArgs) -> Outcome<Status> {
     let bytes = stages.run("read", || assets.read_main())?;
     let mut unpacker = Unpacker::new(limits).triangles_only();
     let damaged = stages.run("unpack", || unpacker.feed(&bytes)).err().map(|e| e.in_file(&name));
-    let document = document(args, &unpacker, damaged.as_ref(), &name)?;
+    let arrived = arrived(args, &unpacker, damaged.as_ref(), &name)?;
 
     let mut warnings = Vec::new();
     let meshes = meshes(&unpacker, &mut warnings).map_err(|e| e.in_file(&name))?;
     let objects: Vec<_> = (meshes.iter().enumerate())
-        .map(|(i, mesh)| ExportObject { info: unpacker.info(i), mesh })
+        .map(|(i, mesh)| ExportObject { info: &arrived.infos[i], mesh })
         .collect();
+    let document = &arrived.document;
     let files = stages.run("export", || mesh_output::files(&target, format, document, &objects))?;
     stages.run("write", || mesh_output::write(&target, files))?;
 
     for warning in &warnings {
         console::warning(&name, warning);
     }
-    let report = report(args, &unpacker, damaged.as_ref(), warnings, &target);
+    let report = report(args, &unpacker, &arrived, damaged.as_ref(), warnings, &target);
     if args.json {
         console::json(&report)?;
     } else if wants(Loudness::Normal) {
@@ -103,31 +104,33 @@ fn meshes(unpacker: &Unpacker, warnings: &mut Vec<String>) -> Result<Vec<Mesh>, 
     Ok(meshes)
 }
 
-/// Returns the document; an error if nothing can be written.
-fn document<'a>(
+/// Returns the document and the names so far; an error if nothing can be written.
+fn arrived<'a>(
     args: &UnpackArgs,
     unpacker: &'a Unpacker,
     damaged: Option<&FormatError>,
     name: &str,
-) -> Outcome<&'a lodc_formats::Document> {
-    if let (Some(error), true) = (damaged, args.whole || unpacker.document().is_none()) {
+) -> Outcome<Arrived<'a>> {
+    if let (Some(error), true) = (damaged, args.whole || unpacker.objects() == 0) {
         return Err(Failure::from(error.clone()));
     }
     if args.whole && !unpacker.is_complete() {
         return Err(Failure::new(Status::Input, format!("{name}: the stream is not complete")));
     }
-    let early = || {
+    let arrived = unpacker.arrived().map_err(|e| Failure::from(e.in_file(name)))?;
+    let is_empty = unpacker.objects() == 0 && !unpacker.is_complete();
+    arrived.filter(|_| !is_empty).ok_or_else(|| {
         Failure::new(
             Status::Input,
             format!("{name}: the stream ends before there is anything to show"),
         )
-    };
-    unpacker.document().ok_or_else(early)
+    })
 }
 
 fn report(
     args: &UnpackArgs,
     unpacker: &Unpacker,
+    arrived: &Arrived<'_>,
     damaged: Option<&FormatError>,
     warnings: Vec<String>,
     target: &Target,
@@ -138,7 +141,7 @@ fn report(
         let [triangles, of_triangles] = progress.triangles;
         let [steps, of_steps] = progress.steps;
         UnpackedReport {
-            name: unpacker.info(i).name.clone(),
+            name: arrived.infos[i].name.clone(),
             vertices,
             of_vertices,
             triangles,
@@ -155,6 +158,8 @@ fn report(
         whole: unpacker.is_complete(),
         damaged: damaged.map(ToString::to_string),
         bytes: unpacker.bytes(),
+        all_objects: unpacker.all_objects().unwrap_or(0),
+        left_out: arrived.left_out.clone(),
         objects: (0..unpacker.objects()).map(object).collect(),
         warnings,
     }
@@ -171,10 +176,16 @@ fn sentence(report: &UnpackReport) -> String {
     if report.whole {
         return format!("{output}: {}, the whole stream of {bytes}", count(triangles, "triangle"));
     }
-    let (triangles, all) = (grouped(triangles), grouped(all));
-    format!(
-        "{output}: {triangles} of {all} triangles, error {}: the stream ends after {bytes} \
-         that can be used",
+    // Objects that are still to come have not said how many triangles they have.
+    let is_known = report.objects.len() == report.all_objects as usize && all > 0;
+    let of = if is_known { format!(" of {}", grouped(all)) } else { String::new() };
+    let mut text = format!(
+        "{output}: {}{of} triangles, error {}: the stream ends after {bytes} that can be used",
+        grouped(triangles),
         distance(worst)
-    )
+    );
+    if !report.left_out.is_empty() {
+        text += &format!("\n{output}: still to come and left out: {}", report.left_out.join(", "));
+    }
+    text
 }

@@ -1,7 +1,17 @@
 //! The facts of an object that a decoder needs before its first vertex.
 
+use crate::vertex_data::number_system::NumberSystem;
 use crate::vertex_data::vertex_layout::VertexLayout;
 use lodc_mesh::{Attribute, Simplified, Submesh};
+
+/// The version of the stream that an object is coded in: what of a step depends on it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum StreamVersion {
+    /// The first vertex is coded in plain bits.
+    One,
+    /// Its indices are coded by their lengths.
+    Two,
+}
 
 /// The header of an object: everything but its vertices and triangles.
 #[derive(Clone, Debug)]
@@ -20,6 +30,8 @@ pub struct MeshHeader {
     pub steps: u32,
     /// True if strip positions are coded.
     pub strips: bool,
+    /// The version of the stream.
+    pub version: StreamVersion,
 }
 
 impl MeshHeader {
@@ -38,6 +50,25 @@ impl MeshHeader {
             triangles: mesh.triangles().len() as u32,
             steps: if vertices == 0 { 0 } else { collapses + 1 },
             strips,
+            version: StreamVersion::Two,
+        }
+    }
+
+    /// The header of an object of which nothing is known but its submeshes.
+    #[must_use]
+    pub fn unknown(submeshes: usize) -> Self {
+        Self {
+            submeshes: vec![Submesh::default(); submeshes],
+            attributes: Vec::new(),
+            layout: VertexLayout {
+                systems: vec![NumberSystem::Float; 3],
+                streams: VertexLayout::streams(&[]),
+            },
+            vertices: 0,
+            triangles: 0,
+            steps: 0,
+            strips: false,
+            version: StreamVersion::Two,
         }
     }
 }

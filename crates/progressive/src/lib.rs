@@ -63,7 +63,8 @@
 //! let header = encoder.header().clone();
 //! let (mut contexts, mut blocks, mut bytes) = (Contexts::new(), Vec::new(), 0);
 //! while !encoder.is_complete() {
-//!     let block = encoder.encode(&mut contexts, BlockTarget { bytes: 200, before: bytes });
+//!     let target = BlockTarget { bytes: 200, before: bytes, until_triangle: false };
+//!     let block = encoder.encode(&mut contexts, target);
 //!     bytes += block.splits.len();
 //!     blocks.push(block);
 //! }
@@ -98,7 +99,7 @@ mod vertex_data;
 mod vertex_split;
 
 pub use entropy::text_codec;
-pub use header::MeshHeader;
+pub use header::{MeshHeader, StreamVersion};
 pub use invalid::InvalidStream;
 pub use mesh_decoder::{MeshDecoder, StepBlock};
 pub use mesh_encoder::{BlockTarget, EncodedSteps, MeshEncoder};

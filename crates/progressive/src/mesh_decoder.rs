@@ -55,7 +55,7 @@ impl MeshDecoder {
 
     fn with_strips(header: MeshHeader, strips: bool) -> Self {
         let submeshes = header.submeshes.len() as u32;
-        let codec = ObjectCodec::new(header.layout.clone(), submeshes, strips);
+        let codec = ObjectCodec::new(header.layout.clone(), submeshes, strips, header.version);
         Self { skips_strips: !strips, header, codec, steps: 0 }
     }
 

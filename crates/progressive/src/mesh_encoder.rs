@@ -37,6 +37,8 @@ pub struct BlockTarget {
     pub bytes: usize,
     /// Bytes of the stream before this block.
     pub before: usize,
+    /// True if the block goes on until the object has a triangle, whatever its bytes.
+    pub until_triangle: bool,
 }
 
 /// Padding that is added at once.
@@ -54,8 +56,8 @@ impl<'a> MeshEncoder<'a> {
     ) -> Result<Self, StripMismatch> {
         let source = EncoderSource::new(simplified, &layout, strips)?;
         let submeshes = simplified.mesh().submeshes().len() as u32;
-        let codec = ObjectCodec::new(layout.clone(), submeshes, strips.is_some());
-        let header = MeshHeader::new(simplified, layout, strips.is_some());
+        let header = MeshHeader::new(simplified, layout.clone(), strips.is_some());
+        let codec = ObjectCodec::new(layout, submeshes, strips.is_some(), header.version);
         Ok(Self { simplified, source, codec, header })
     }
 
@@ -69,6 +71,12 @@ impl<'a> MeshEncoder<'a> {
     #[must_use]
     pub fn vertices(&self) -> u32 {
         self.codec.mesh.vertex_count()
+    }
+
+    /// Number of triangles encoded so far.
+    #[must_use]
+    pub fn triangles(&self) -> u32 {
+        self.codec.mesh.face_count()
     }
 
     /// Returns whether all steps are encoded.
@@ -94,7 +102,8 @@ impl<'a> MeshEncoder<'a> {
             step.expect("an encoder's source has only valid splits");
             steps += 1;
             let bytes = coders.splits.len() + coders.strips.len();
-            if bytes >= target.bytes || self.is_complete() {
+            let waits = target.until_triangle && self.triangles() == 0;
+            if bytes >= target.bytes && !waits || self.is_complete() {
                 break;
             }
         }

@@ -1,20 +1,22 @@
-//! A trace of every coded value of a small stream, compared with the one in `docs/STREAM.md`.
+//! Traces of every coded value of two small streams, compared with those in `docs/STREAM.md`.
 
 use crate::entropy::adaptive_probability::{AdaptiveBit, AdaptiveSymbol};
 use crate::entropy::coder::{Coder, Substreams};
 use crate::entropy::decoder::Decoder;
 use crate::entropy::integer_codes::{BoundedCode, GammaCode, ResidualCode};
+use crate::header::StreamVersion;
 use crate::source::split_source::DecoderSource;
 use crate::strips::position_code::StripContexts;
 use crate::vertex_data::number_system::NumberSystem;
 use crate::vertex_data::vertex_layout::VertexLayout;
 use crate::vertex_split::contexts::Contexts;
 use crate::vertex_split::object_codec::{ObjectCodec, StepLimits};
-use lodc_mesh::take_leb128;
+use lodc_mesh::{Attribute, Component, Semantic, take_leb128};
 use std::cell::RefCell;
 use std::fmt::Write as _;
 
-const STREAM: &[u8] = include_bytes!("../../../fixtures/golden/lods1/triangle.lods");
+const TRIANGLE: &[u8] = include_bytes!("../../../fixtures/golden/lods2/triangle.lods");
+const TWO_PARTS: &[u8] = include_bytes!("../../../fixtures/golden/lods2/two_parts.lods");
 const PAGE: &str = include_str!("../../../docs/STREAM.md");
 
 /// The name of each context by its address, and how many bytes the contexts take that have one.
@@ -46,6 +48,7 @@ impl Names {
     /// Names every context as docs/STREAM.md does.
     fn of(c: &Contexts) -> Self {
         let mut names = Self::default();
+        names.gamma(&c.first_index, "first_index");
         let BoundedCode(parent) = &c.parent;
         names.add(parent, "parent".to_owned());
         names.add(&c.wedge_distance, "wedge_distance".to_owned());
@@ -150,34 +153,35 @@ impl Coder for Tracer<'_> {
     }
 }
 
-/// The blocks of steps of a stream with one object: their steps and payloads.
-fn step_blocks() -> Vec<(u32, &'static [u8])> {
-    let mut rest = &STREAM[12..];
+/// The blocks of steps of a stream with one object: their steps and payloads, without the header of
+/// the object.
+fn step_blocks(stream: &[u8]) -> Vec<(u32, &[u8])> {
+    let mut rest = &stream[12..];
     let mut blocks = Vec::new();
     while !rest.is_empty() {
         let mut field = || take_leb128(&mut rest, u64::from(u32::MAX)).expect("a number") as u32;
         let [length, tag, steps] = [field(), field(), field()];
-        let (payload, more) = rest[6..].split_at(length as usize);
+        let (mut payload, more) = rest[6..].split_at(length as usize);
         rest = more;
         if tag > 0 {
+            if blocks.is_empty() {
+                let mut length = || take_leb128(&mut payload, 1 << 20).expect("a length");
+                let (_, stored) = (length(), length());
+                payload = &payload[stored as usize..];
+            }
             blocks.push((steps, payload));
         }
     }
     blocks
 }
 
-#[test]
-fn the_page_has_the_trace_of_a_golden_stream() {
-    // The head of this stream: three floats in system 1 with no decimals, and nothing else.
-    let layout = VertexLayout {
-        systems: vec![NumberSystem::Decimal(0); 3],
-        streams: VertexLayout::streams(&[]),
-    };
+/// Every value of a stream of one object.
+fn trace(stream: &[u8], layout: VertexLayout, submeshes: u32, vertices: u32) -> String {
     let mut contexts = Box::new(Contexts::new());
     let names = Names::of(&contexts);
     let lines = RefCell::new(String::new());
-    let mut codec = ObjectCodec::new(layout, 1, true);
-    for (steps, payload) in step_blocks() {
+    let mut codec = ObjectCodec::new(layout, submeshes, true, StreamVersion::Two);
+    for (steps, payload) in step_blocks(stream) {
         let mut rest = payload;
         let length = take_leb128(&mut rest, 1 << 20).expect("a length") as usize;
         let (splits, strips) = rest.split_at(length);
@@ -191,14 +195,37 @@ fn the_page_has_the_trace_of_a_golden_stream() {
         for _ in 0..steps {
             let step = codec.mesh.vertex_count();
             let _ = writeln!(lines.borrow_mut(), "step, from vertex {step} on");
-            let limits = StepLimits { vertices: 3, bytes: STREAM.len() };
+            let limits = StepLimits { vertices, bytes: stream.len() };
             let coded = codec.code_step(&mut coders, &DecoderSource, &mut contexts, limits);
             coded.expect("a golden stream");
         }
         assert!(coders.splits.decoder.is_finished() && coders.strips.decoder.is_finished());
     }
-    let lines = lines.into_inner();
-    assert!(PAGE.contains(&lines), "docs/STREAM.md lacks this trace:\n{lines}");
+    lines.into_inner()
+}
+
+#[test]
+fn the_page_has_the_traces_of_golden_streams() {
+    // What their headers say: three floats in system 1 with no decimals, and in the second stream
+    // texture coordinates with one.
+    let positions = VertexLayout {
+        systems: vec![NumberSystem::Decimal(0); 3],
+        streams: VertexLayout::streams(&[]),
+    };
+    let uv = Attribute {
+        semantic: Semantic::TexCoord(0),
+        morph_target: None,
+        component: Component::F32,
+        components: 2,
+        normalized: false,
+        bytes: Vec::new(),
+    };
+    let mut with_uv = positions.clone();
+    with_uv.systems.extend([NumberSystem::Decimal(1); 2]);
+    with_uv.streams = VertexLayout::streams(&[uv]);
+    for trace in [trace(TRIANGLE, positions, 1, 3), trace(TWO_PARTS, with_uv, 2, 6)] {
+        assert!(PAGE.contains(&trace), "docs/STREAM.md lacks this trace:\n{trace}");
+    }
 }
 
 #[test]

@@ -203,6 +203,7 @@ pub(crate) fn join_points(region: &Region, log: &mut CollapseLog) {
         }
         if log.wedges.len() > before {
             log.end_step(f32::MAX, 0.0, false);
+            log.joins += 1;
         }
     }
     log.wedges.push(last_wedge);

@@ -11,6 +11,7 @@ mod choice;
 mod commit;
 mod context;
 mod engine;
+mod final_log;
 mod gather;
 mod gradients;
 mod heap;
@@ -26,6 +27,7 @@ mod one_ring;
 mod options;
 mod output;
 mod plan;
+mod points;
 mod pricing;
 mod quadric;
 mod region;
@@ -40,10 +42,10 @@ mod working;
 use attributes::Attributes;
 use context::{Context, Progress};
 use engine::Engine;
+use final_log::FinalLog;
 use input::Input;
 use legality::Stage;
 use lodc_mesh::{CollapseSequence, Mesh, SequenceParts, Simplified};
-use log::FinalLog;
 pub use metric::{Checkerboard, SurfaceColours};
 use metric::{HybridMetric, QuadricOnly, Reprice, Score, VisualMetric};
 use output::Sources;
@@ -137,7 +139,7 @@ fn run_whole<M: Reprice>(
     let engine = Engine::new(context, &mut region, &mut metric, Stage::Legal);
     let (mut log, legal) = engine.run_all(progress);
     sources.number(&mut region, &mut log);
-    FinalLog::new(&log, legal, input.mesh.triangles().len(), false)
+    FinalLog::new(&log, legal, input, false)
 }
 
 #[cfg(test)]

@@ -1,8 +1,9 @@
 //! From a finished log to a [`Simplified`]: vertices in the order in which they went, triangles
 //! last to die first.
 
+use crate::final_log::FinalLog;
 use crate::input::Input;
-use crate::log::{CollapseLog, FinalLog};
+use crate::log::CollapseLog;
 use crate::region::Region;
 use lodc_mesh::{CollapseSequence, Mesh, MeshParts, SequenceParts, Simplified};
 use rayon::prelude::*;

@@ -7,9 +7,10 @@
 
 use crate::context::{Context, Progress};
 use crate::engine::Engine;
+use crate::final_log::FinalLog;
 use crate::gather::{Home, gather};
 use crate::legality::Stage;
-use crate::log::{CollapseLog, FinalLog};
+use crate::log::CollapseLog;
 use crate::metric::QuadricOnly;
 use crate::numbering::Curve;
 use crate::output::{Sources, name_wedges};
@@ -70,7 +71,7 @@ pub(crate) fn simplify(
     sources.number(last, &mut rest);
     log.append(&rest);
     drop((regions, rest));
-    FinalLog::new(&log, legal, context.input.mesh.triangles().len(), true)
+    FinalLog::new(&log, legal, context.input, true)
 }
 
 impl<'a> Rounds<'a> {

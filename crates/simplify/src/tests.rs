@@ -359,3 +359,18 @@ fn points_that_are_left_over_join_the_last_one_directly() {
     let longest = (0..3 * n).map(length).max();
     assert!(longest <= Some(3), "two collapses within a triangle, one onto the last: {longest:?}");
 }
+
+#[test]
+fn points_without_faces_join_at_once_so_the_coarsest_triangles_have_few_positions_beside_them() {
+    for name in ["several_components", "single_triangles", "triangle_soup", "nested_spheres"] {
+        let s = run(&shapes::named(name).expect("a shape"));
+        let parts = s.collapses().parts();
+        let last_shown = parts.step_triangles.iter().rposition(|&n| n > 0).expect("triangles");
+        let left = &s.mesh().positions()[parts.step_ends[last_shown] as usize..];
+        let mut positions: Vec<_> = left.iter().map(|p| p.map(f32::to_bits)).collect();
+        positions.sort_unstable();
+        positions.dedup();
+        // Three corners, the other end of the last edge, and what all points join.
+        assert!(positions.len() <= 5, "{name}: {} positions", positions.len());
+    }
+}

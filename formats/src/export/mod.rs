@@ -5,6 +5,7 @@ mod gltf;
 mod obj;
 mod ply;
 
+pub(crate) use gltf::gltf_without_missing;
 pub use gltf::{ChainObject, ChainShape, export_chain};
 
 use crate::{Document, FormatError, ObjectInfo, OutputFile};

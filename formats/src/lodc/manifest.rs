@@ -111,15 +111,19 @@ pub(crate) fn format_code(format: SourceFormat) -> u8 {
     }
 }
 
+/// The format of a source by its number.
+pub(crate) fn source_format(number: u8) -> Result<SourceFormat, String> {
+    match number {
+        0 => Ok(SourceFormat::Obj),
+        1 => Ok(SourceFormat::Gltf),
+        2 => Ok(SourceFormat::Glb),
+        n => Err(format!("names source format {n}, which is not known")),
+    }
+}
+
 /// Origin of a file, as the file states it.
 pub(crate) fn source_of(format: u8, content_hash: u128) -> Result<Source, String> {
-    let format = match format {
-        0 => SourceFormat::Obj,
-        1 => SourceFormat::Gltf,
-        2 => SourceFormat::Glb,
-        n => return Err(format!("names source format {n}, which is not known")),
-    };
-    Ok(Source { format, content_hash })
+    Ok(Source { format: source_format(format)?, content_hash })
 }
 
 impl DocumentEntry {

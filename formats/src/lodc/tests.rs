@@ -5,7 +5,7 @@ use super::*;
 use crate::{ObjDocument, ObjMaterial, SourceFormat, SubmeshInfo};
 use lodc_fixtures as fixtures;
 use lodc_lod::ModelKind;
-use lodc_mesh::Mesh;
+use lodc_mesh::{Attribute, Component, Mesh, MeshParts, Semantic, Submesh};
 use lodc_strip::{StripOptions, StripPool};
 
 fn object(name: &str, mesh: &Mesh) -> LodObject {
@@ -67,6 +67,40 @@ pub(super) fn all_models_file() -> LodFile {
     let simplified = fixtures::random_collapse(&mesh, 1);
     let objects = vec![object_with("machine_part", simplified, &ModelKind::ALL)];
     LodFile { objects, ..gltf_file(&[]) }
+}
+
+/// A square of a submesh with texture coordinates and a triangle of one without, in all models.
+pub(super) fn two_parts_file() -> LodFile {
+    let uv = [0.0f32, 0.0, 1.0, 0.0, 1.0, 0.5, 0.0, 0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+    let parts = MeshParts {
+        positions: vec![
+            [0.0, 0.0, 0.0],
+            [2.0, 0.0, 0.0],
+            [2.0, 1.0, 0.0],
+            [0.0, 1.0, 0.0],
+            [0.0, 1.0, 0.0],
+            [2.0, 1.0, 0.0],
+            [1.0, 2.0, 0.0],
+        ],
+        vertex_submesh: vec![0, 0, 0, 0, 1, 1, 1],
+        attributes: vec![Attribute {
+            semantic: Semantic::TexCoord(0),
+            morph_target: None,
+            component: Component::F32,
+            components: 2,
+            normalized: false,
+            bytes: uv.iter().flat_map(|c| c.to_le_bytes()).collect(),
+        }],
+        submeshes: vec![
+            Submesh { first_triangle: 0, triangle_count: 2, attributes: vec![0] },
+            Submesh { first_triangle: 2, triangle_count: 1, attributes: vec![] },
+        ],
+        triangles: vec![[0, 1, 2], [0, 2, 3], [4, 5, 6]],
+    };
+    let mesh = Mesh::try_from(parts).expect("a sound mesh");
+    let simplified = lodc_simplify::simplify(&mesh, &lodc_simplify::Options::DEFAULT, &|_, _| {});
+    let objects = vec![object_with("two_parts", simplified, &ModelKind::ALL)];
+    LodFile { objects, ..obj_file("triangle") }
 }
 
 /// A file of one object whose errors are measured.
@@ -146,10 +180,10 @@ fn streams_are_stored_only_for_submeshes_that_have_them() {
     let mut parts = fixtures::machine_part().into_parts();
     let vertices = parts.positions.len();
     for i in 0..parts.submeshes.len() {
-        let stream = lodc_mesh::Attribute {
-            semantic: lodc_mesh::Semantic::Custom(format!("_ONLY{i}")),
+        let stream = Attribute {
+            semantic: Semantic::Custom(format!("_ONLY{i}")),
             morph_target: None,
-            component: lodc_mesh::Component::F32,
+            component: Component::F32,
             components: 4,
             normalized: false,
             bytes: (0..vertices)

@@ -1,23 +1,30 @@
-//! The `.lods` container, version 1 (docs/STREAM.md): progressive streams as checksummed blocks.
+//! The `.lods` container, version 2 (docs/STREAM.md): progressive streams as checksummed blocks.
 //!
 //! [`pack()`] writes a stream; an [`Unpacker`] is fed one piece by piece and shows the mesh of
-//! every prefix. What the blocks say is `lodc_progressive`'s concern; this folder has the head,
-//! which is everything but vertices and triangles, the blocks, and the order in which objects take
-//! turns.
+//! every prefix. What the blocks say is `lodc_progressive`'s concern; this folder has the blocks,
+//! the headers of objects, the document, which is everything but the meshes, and the order in which
+//! objects and the document take turns.
 
+mod arrived;
 mod block;
+mod document;
 mod head;
+mod object_header;
+mod old;
 mod pack;
+mod received;
 #[cfg(test)]
 mod tests;
 mod unpack;
 
+pub use arrived::Arrived;
+pub use document::SequenceFacts;
 pub use lodc_progressive::{ErrorBound, Quantize};
 pub use pack::{PackOptions, Packed, PackedObject, pack};
 pub use unpack::{Progress, Unpacker};
 
 /// The version that this program writes, and the newest that it reads.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
 
 /// Returns the bytes with the checksums that they should have as a stream: for tests with forged
 /// streams, and for fuzzing.

@@ -2,22 +2,34 @@
 
 use super::VERSION;
 use super::block::{self, Block, MAGIC};
-use super::head::{Head, ObjectHeader};
+use super::document::{EncodedDocument, SequenceFacts};
+use super::head::Head;
+use super::object_header::ObjectHeader;
 use crate::lodc::{LodFile, LodObject};
 use crate::{Fault, FormatError};
 use lodc_mesh::put_leb128;
-use lodc_progressive::{BlockTarget, Contexts, ErrorBound, MeshEncoder, Quantize, VertexLayout};
-use lodc_strip::StripSet;
+use lodc_progressive::{
+    BlockTarget, Contexts, EncodedSteps, ErrorBound, MeshEncoder, Quantize, VertexLayout,
+};
+use lodc_strip::{StripKind, StripSet};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 /// Options of a stream.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PackOptions {
     /// Bits per value; lossless by default.
     pub quantize: Quantize,
     /// The most bytes of a block, as far as whole steps allow; 0 for a block for each step.
     pub block_bytes: Option<u32>,
+    /// The kind of the strips whose positions are coded.
+    pub strip_kind: StripKind,
+}
+
+impl Default for PackOptions {
+    fn default() -> Self {
+        Self { quantize: Quantize::default(), block_bytes: None, strip_kind: StripKind::Cache }
+    }
 }
 
 /// A stream and its statistics.
@@ -25,7 +37,7 @@ pub struct PackOptions {
 pub struct Packed {
     /// The stream.
     pub bytes: Vec<u8>,
-    /// Bytes up to the end of its first block.
+    /// Bytes of all that is not steps: the head, headers of objects, the document.
     pub head_bytes: u64,
     /// Its objects.
     pub objects: Vec<PackedObject>,
@@ -34,7 +46,7 @@ pub struct Packed {
 /// Statistics of one object of a stream.
 #[derive(Clone, Debug)]
 pub struct PackedObject {
-    /// Bytes of its blocks.
+    /// Bytes of its blocks, without its header.
     pub bytes: u64,
     /// Bytes that the same packages would take as plain words and bytes, positions only: the
     /// thesis's accounting (table 4.3), with what names the parent and the strips.
@@ -45,18 +57,22 @@ pub struct PackedObject {
     pub bounds: Vec<ErrorBound>,
 }
 
-/// Bytes of a block unless something else is asked for. Early blocks are smaller.
+/// Bytes of a block of steps unless something else is asked for. Early blocks are smaller.
 const BLOCK_BYTES: u32 = 8192;
 /// A block is not longer than this share of all before it ...
 const GROWTH_SHARE: usize = 8;
 /// ... or this many bytes.
 const MIN_BLOCK_BYTES: usize = 96;
+/// Bytes of a block of the document.
+const MAX_DOCUMENT_BLOCK: usize = 1 << 20;
 
 /// An object while it is written.
 struct ObjectWriter<'a> {
     encoder: MeshEncoder<'a>,
+    strips: Option<StripKind>,
     bounds: Vec<ErrorBound>,
     scale: f64,
+    started: bool,
     bytes: u64,
 }
 
@@ -74,21 +90,10 @@ pub fn pack(
         let strips = strips.get(number).copied().flatten();
         writers.push(ObjectWriter::new(object, strips, options)?);
     }
-    let header = |(o, w): (&LodObject, &ObjectWriter<'_>)| ObjectHeader {
-        info: o.info.clone(),
-        mesh: w.encoder.header().clone(),
-    };
-    let head = Head {
-        source: file.source.clone(),
-        document: file.document.clone(),
-        objects: file.objects.iter().zip(&writers).map(header).collect(),
-    };
-    let head = head
-        .to_bytes()
-        .ok_or_else(|| too_large("the scene without its meshes has more than 4 GiB"))?;
-
-    let mut stream = StreamWriter::new(&head);
-    let head_bytes = stream.bytes.len();
+    let names = file.objects.iter().map(|o| (&o.info, sequence_facts(o)));
+    let document = EncodedDocument::new(&file.source, &file.document, names)
+        .ok_or_else(|| too_large("the names and the JSON of the scene have more than 4 GiB"))?;
+    let mut stream = StreamWriter::new(file, document);
     let block_bytes = options.block_bytes.unwrap_or(BLOCK_BYTES) as usize;
     let mut contexts = Box::new(Contexts::new());
     // The object that is farthest from its final mesh comes next, the first of equals.
@@ -96,40 +101,101 @@ pub fn pack(
     queue.extend(
         (writers.iter().enumerate()).filter_map(|(i, w)| Some((w.priority()?, Reverse(i)))),
     );
-    while let Some((_, Reverse(next))) = queue.pop() {
+    while let Some(&(priority, Reverse(next))) = queue.peek() {
+        // Geometry first; then the document and the steps take turns.
+        if priority < NOT_SHOWN && stream.put_document_if_due() {
+            continue;
+        }
+        queue.pop();
         let writer = &mut writers[next];
         let before = stream.bytes.len();
-        let share = (before - head_bytes) / GROWTH_SHARE;
-        let bytes = share.max(MIN_BLOCK_BYTES).min(block_bytes);
-        let (steps, payload) = writer.encode(&mut contexts, BlockTarget { bytes, before })?;
+        // The first block of an object ends as soon as it shows something.
+        let is_first = priority == NOT_SHOWN && block_bytes > 0;
+        let bytes = if is_first { 0 } else { stream.next_block_bytes().min(block_bytes) };
+        let target = BlockTarget { bytes, before, until_triangle: is_first };
+        let header = writer.start()?;
+        let (steps, payload) = writer.encode(&mut contexts, target, &header)?;
         stream.put(Block { tag: next as u32 + 1, steps, payload: &payload });
-        writer.bytes += (stream.bytes.len() - before) as u64;
+        let bytes = (stream.bytes.len() - before - header.len()) as u64;
+        (writer.bytes, stream.step_bytes) = (writer.bytes + bytes, stream.step_bytes + bytes);
         queue.extend(writer.priority().map(|priority| (priority, Reverse(next))));
     }
+    while stream.put_document() {}
     stream.put(Block { tag: 0, steps: 0, payload: &[] });
+    let head_bytes = stream.bytes.len() as u64 - stream.step_bytes - END_BYTES;
     let objects = writers.into_iter().map(ObjectWriter::finish).collect();
-    Ok(Packed { bytes: stream.bytes, head_bytes: head_bytes as u64, objects })
+    Ok(Packed { bytes: stream.bytes, head_bytes, objects })
+}
+
+/// The priority of an object that has triangles, but none of them in the stream yet.
+const NOT_SHOWN: u64 = u64::MAX;
+/// Bytes of the block that ends a stream.
+const END_BYTES: u64 = 9;
+
+fn sequence_facts(object: &LodObject) -> SequenceFacts {
+    let parts = object.simplified.collapses().parts();
+    SequenceFacts {
+        last_legal_lod: parts.last_legal_lod.0,
+        topology_changes: parts.topology_changes,
+        first_topology_change: parts.first_topology_change.map(|lod| lod.0),
+    }
 }
 
 /// The bytes of a stream so far.
-struct StreamWriter {
+struct StreamWriter<'a> {
     bytes: Vec<u8>,
     blocks: u64,
+    document: EncodedDocument<'a>,
+    /// Bytes of the document so far.
+    document_bytes: usize,
+    /// Bytes of all blocks of steps, without headers of objects.
+    step_bytes: u64,
 }
 
-impl StreamWriter {
-    /// Starts a stream with the payload of its first block.
-    fn new(head: &[u8]) -> Self {
+impl<'a> StreamWriter<'a> {
+    /// Starts a stream with its first block.
+    fn new(file: &LodFile, document: EncodedDocument<'a>) -> Self {
+        let head = Head {
+            format: file.source.format,
+            objects: file.objects.len() as u32,
+            text: document.text_bytes,
+            stored: document.text.len() as u32,
+            buffer: document.buffer.len() as u64,
+        };
         let mut bytes = MAGIC.to_vec();
         bytes.extend(VERSION.to_le_bytes());
-        let mut stream = Self { bytes, blocks: 0 };
-        stream.put(Block { tag: 0, steps: 0, payload: head });
+        let mut stream = Self { bytes, blocks: 0, document, document_bytes: 0, step_bytes: 0 };
+        stream.put(Block { tag: 0, steps: 0, payload: &head.to_bytes() });
         stream
+    }
+
+    /// Returns how long the next block may be: blocks grow with the stream.
+    fn next_block_bytes(&self) -> usize {
+        (self.bytes.len() / GROWTH_SHARE).max(MIN_BLOCK_BYTES)
     }
 
     fn put(&mut self, block: Block<'_>) {
         block::put(&mut self.bytes, self.blocks, block);
         self.blocks += 1;
+    }
+
+    /// Puts the next piece of the document unless it already has as many bytes as the steps.
+    /// Returns whether there was one to put.
+    fn put_document_if_due(&mut self) -> bool {
+        (self.document_bytes as u64) < self.step_bytes && self.put_document()
+    }
+
+    /// Puts the next piece of the document. Returns whether there was one.
+    fn put_document(&mut self) -> bool {
+        let most = self.next_block_bytes().min(MAX_DOCUMENT_BLOCK);
+        let piece = self.document.piece(self.document_bytes, most);
+        let length = piece.len();
+        if length > 0 {
+            block::put(&mut self.bytes, self.blocks, Block { tag: 0, steps: 0, payload: piece });
+            self.blocks += 1;
+            self.document_bytes += length;
+        }
+        length > 0
     }
 }
 
@@ -146,35 +212,60 @@ impl<'a> ObjectWriter<'a> {
             let place = format!("object \"{}\"", object.info.name);
             FormatError::new(Fault::Malformed, place, e.to_string())
         })?;
-        Ok(Self { encoder, bounds, scale: object.info.world_scale, bytes: 0 })
+        Ok(Self {
+            encoder,
+            strips: strips.map(|_| options.strip_kind),
+            bounds,
+            scale: object.info.world_scale,
+            started: false,
+            bytes: 0,
+        })
     }
 
     /// Returns a number that rises with the world error of the mesh so far; none if it is complete.
     fn priority(&self) -> Option<u64> {
-        if self.encoder.is_complete() {
+        let encoder = &self.encoder;
+        if !self.started || encoder.triangles() == 0 && encoder.header().triangles > 0 {
+            Some(NOT_SHOWN)
+        } else if encoder.is_complete() {
             None
-        } else if self.encoder.vertices() == 0 {
-            Some(u64::MAX)
         } else {
-            Some((f64::from(self.encoder.error()) * self.scale + 0.0).to_bits())
+            Some((f64::from(encoder.error()) * self.scale + 0.0).to_bits())
         }
     }
 
-    /// Encodes the next steps. Returns their number and a block's payload.
+    /// Returns the header if it is still to come, else nothing.
+    fn start(&mut self) -> Result<Vec<u8>, FormatError> {
+        if std::mem::replace(&mut self.started, true) {
+            return Ok(Vec::new());
+        }
+        let header = ObjectHeader { mesh: self.encoder.header().clone(), strips: self.strips };
+        header
+            .to_bytes()
+            .ok_or_else(|| too_large("an object has too many submeshes and attributes"))
+    }
+
+    /// Encodes the next steps. Returns their number and a block's payload, which starts with
+    /// `header`.
     fn encode(
         &mut self,
         contexts: &mut Contexts,
         target: BlockTarget,
+        header: &[u8],
     ) -> Result<(u32, Vec<u8>), FormatError> {
-        let encoded = self.encoder.encode(contexts, target);
-        let mut payload = Vec::with_capacity(encoded.splits.len() + encoded.strips.len() + 5);
-        if self.encoder.header().strips {
-            put_leb128(&mut payload, encoded.splits.len() as u64);
+        let mut payload = header.to_vec();
+        // An object without vertices has no steps, only its header.
+        let mut encoded = EncodedSteps::default();
+        if !self.encoder.is_complete() {
+            encoded = self.encoder.encode(contexts, target);
+            if self.encoder.header().strips {
+                put_leb128(&mut payload, encoded.splits.len() as u64);
+            }
         }
         payload.extend(encoded.splits);
         payload.extend(encoded.strips);
         if payload.len() > block::MAX_PAYLOAD {
-            return Err(too_large("a single step has more than 16 MiB"));
+            return Err(too_large("a single block has more than 16 MiB"));
         }
         Ok((encoded.steps, payload))
     }

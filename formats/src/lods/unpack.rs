@@ -1,12 +1,14 @@
 //! Reading a stream as it comes: after any piece it has the meshes of the last whole block.
 
-use super::VERSION;
 use super::block::{self, Block, MAGIC, PREAMBLE, Parsed};
-use super::head::{Head, ObjectHeader};
+use super::document::SequenceFacts;
+use super::object_header::ObjectHeader;
+use super::received::{Received, ReceivedObject};
+use super::{Arrived, VERSION};
 use crate::{Document, Fault, FormatError, Limits, ObjectInfo, Source};
 use lodc_mesh::{Cleaning, Mesh, MeshParts, take_leb128};
 use lodc_progressive::{Contexts, MeshDecoder, StepBlock};
-use lodc_strip::StripSet;
+use lodc_strip::{StripKind, StripSet};
 
 /// Reads a stream from wherever its bytes come.
 ///
@@ -32,8 +34,9 @@ pub struct Unpacker {
     /// Bytes of all whole blocks so far.
     bytes: u64,
     blocks: u64,
-    head: Option<Head>,
-    decoders: Vec<MeshDecoder>,
+    version: u32,
+    /// Everything from the first block on.
+    received: Option<Received>,
     contexts: Box<Contexts>,
     complete: bool,
     triangles_only: bool,
@@ -63,8 +66,8 @@ impl Unpacker {
             read: 0,
             bytes: 0,
             blocks: 0,
-            head: None,
-            decoders: Vec::new(),
+            version: VERSION,
+            received: None,
             contexts: Box::new(Contexts::new()),
             complete: false,
             triangles_only: false,
@@ -114,37 +117,82 @@ impl Unpacker {
         self.bytes
     }
 
-    /// The source of the scene; none before the first block.
+    /// The version of the stream, once its first bytes have come.
+    #[must_use]
+    pub fn version(&self) -> u32 {
+        self.version
+    }
+
+    /// The source of the scene; none before the text of the document.
     #[must_use]
     pub fn source(&self) -> Option<&Source> {
-        self.head.as_ref().map(|h| &h.source)
+        Some(&self.received.as_ref()?.document.names.as_ref()?.source)
     }
 
-    /// Everything that is not a triangle mesh; none before the first block.
+    /// Everything that is not a triangle mesh; none before all of it has come.
     #[must_use]
     pub fn document(&self) -> Option<&Document> {
-        self.head.as_ref().map(|h| &h.document)
+        self.received.as_ref()?.whole_document()
     }
 
-    /// Number of objects; 0 before the first block.
+    /// The document and the names so far, fit to be written with the meshes so far.
+    ///
+    /// # Errors
+    /// If the document of a crafted stream is malformed.
+    pub fn arrived(&self) -> Result<Option<Arrived<'_>>, FormatError> {
+        self.received.as_ref().map(Arrived::new).transpose()
+    }
+
+    /// Bytes of the document so far, and in all: its text as it is stored, and its buffer.
+    #[must_use]
+    pub fn document_bytes(&self) -> [u64; 2] {
+        let of = |r: &Received| [r.document.bytes, u64::from(r.head.stored) + r.head.buffer];
+        self.received.as_ref().map_or([0; 2], of)
+    }
+
+    /// Number of objects so far: those whose header has come, and once the text of the document has
+    /// come, all.
     #[must_use]
     pub fn objects(&self) -> usize {
-        self.decoders.len()
+        self.received.as_ref().map_or(0, |r| r.objects.len())
     }
 
-    /// The names and scale of an object.
+    /// Number of objects in all; none before the first block.
+    #[must_use]
+    pub fn all_objects(&self) -> Option<u32> {
+        self.received.as_ref().map(|r| r.head.objects)
+    }
+
+    /// The names and scale of an object: `mesh0`, `mesh1`, … and 1 before the text of the document
+    /// has come.
     ///
     /// # Panics
     /// If there is no such object. So do all functions below.
     #[must_use]
     pub fn info(&self, object: usize) -> &ObjectInfo {
-        &self.head.as_ref().expect("objects are known from the head on").objects[object].info
+        &self.object(object).info
+    }
+
+    /// Facts of an object's collapse sequence that its steps do not say.
+    #[must_use]
+    pub fn facts(&self, object: usize) -> SequenceFacts {
+        self.object(object).facts
+    }
+
+    /// The kind of an object's strips; none if the stream does not say or has none.
+    #[must_use]
+    pub fn strip_kind(&self, object: usize) -> Option<StripKind> {
+        self.object(object).strips
+    }
+
+    fn object(&self, object: usize) -> &ReceivedObject {
+        &self.received.as_ref().expect("objects come after the first block").objects[object]
     }
 
     /// The progress of an object.
     #[must_use]
     pub fn progress(&self, object: usize) -> Progress {
-        let decoder = &self.decoders[object];
+        let decoder = &self.object(object).decoder;
         let header = decoder.header();
         Progress {
             vertices: [decoder.vertex_count(), header.vertices],
@@ -157,13 +205,13 @@ impl Unpacker {
     /// An object as it is decoded: its triangles, parents and steps in stream order.
     #[must_use]
     pub fn decoder(&self, object: usize) -> &MeshDecoder {
-        &self.decoders[object]
+        &self.object(object).decoder
     }
 
     /// The strips that draw an object so far, see [`MeshDecoder::strips`].
     #[must_use]
     pub fn strips(&self, object: usize) -> Option<StripSet> {
-        self.decoders[object].strips()
+        self.object(object).decoder.strips()
     }
 
     /// The mesh of an object so far: vertices in collapse order, without those that no triangle
@@ -183,14 +231,13 @@ impl Unpacker {
 
     /// The mesh of an object so far with all its vertices, valid or not.
     pub(super) fn mesh_parts(&self, object: usize) -> MeshParts {
-        self.decoders[object].mesh_parts()
+        self.object(object).decoder.mesh_parts()
     }
 
     fn read_blocks(&mut self, waiting: &[u8]) -> Result<(), FormatError> {
         if self.bytes == 0 {
-            if !check_preamble(waiting)? {
-                return Ok(());
-            }
+            let Some(version) = check_preamble(waiting)? else { return Ok(()) };
+            self.version = version;
             (self.read, self.bytes) = (PREAMBLE, PREAMBLE as u64);
         }
         while self.read < waiting.len() {
@@ -204,11 +251,8 @@ impl Unpacker {
                 Parsed::Incomplete => return Ok(()),
                 Parsed::Damaged(what) => return Err(malformed(what)),
                 Parsed::Block(block, length) => {
-                    match (number, block.tag) {
-                        (0, _) => self.read_head(block)?,
-                        (_, 0) => self.read_end(block).map_err(malformed)?,
-                        _ => self.read_steps(block).map_err(malformed)?,
-                    }
+                    let read = if number == 0 { self.read_head(block) } else { self.read(block) };
+                    read.map_err(|e| in_block(e, number))?;
                     self.blocks += 1;
                     self.read += length;
                     self.bytes += length as u64;
@@ -220,36 +264,60 @@ impl Unpacker {
 
     fn read_head(&mut self, block: Block<'_>) -> Result<(), FormatError> {
         if (block.tag, block.steps) != (0, 0) {
-            return Err(FormatError::new(Fault::Malformed, "block 0", "is not a head"));
+            return Err(malformed("is not a head"));
         }
-        let head = Head::parse(block.payload, &self.limits)?;
-        let new = if self.triangles_only { MeshDecoder::triangles_only } else { MeshDecoder::new };
-        let decoder = |o: &ObjectHeader| new(o.mesh.clone());
-        self.decoders = head.objects.iter().map(decoder).collect();
-        self.head = Some(head);
+        let received =
+            Received::new(self.version, block.payload, &self.limits, self.triangles_only)?;
+        self.received = Some(received);
         Ok(())
     }
 
-    fn read_end(&mut self, block: Block<'_>) -> Result<(), &'static str> {
-        let is_end = block.steps == 0 && block.payload.is_empty();
-        if !is_end || !self.decoders.iter().all(MeshDecoder::is_complete) {
-            return Err("ends the stream before every object is complete");
+    fn read(&mut self, block: Block<'_>) -> Result<(), FormatError> {
+        let received = self.received.as_mut().expect("block 0 was read");
+        match (block.tag, block.payload) {
+            (0, []) if block.steps == 0 && received.is_complete() => self.complete = true,
+            (0, piece) if block.steps == 0 && !piece.is_empty() => received.read_document(piece)?,
+            (0, _) => return Err(malformed("ends the stream before everything is complete")),
+            _ => return self.read_steps(block),
         }
-        self.complete = true;
         Ok(())
     }
 
-    fn read_steps(&mut self, block: Block<'_>) -> Result<(), &'static str> {
-        let decoder = self
-            .decoders
-            .get_mut(block.tag as usize - 1)
-            .ok_or("belongs to an object that does not exist")?;
-        let (splits, strips) = substreams(block.payload, decoder.header().strips)
-            .ok_or("has a substream that is longer than it")?;
+    fn read_steps(&mut self, block: Block<'_>) -> Result<(), FormatError> {
+        let received = self.received.as_mut().expect("block 0 was read");
+        let (object, mut payload) = (block.tag as usize - 1, block.payload);
+        let is_first = received.awaits_header(object);
+        if is_first {
+            received.announce(ObjectHeader::take(&mut payload)?, &self.limits)?;
+        }
+        let decoder = &mut received
+            .objects
+            .get_mut(object)
+            .ok_or_else(|| malformed("belongs to an object that does not exist"))?
+            .decoder;
+        if is_first && block.steps == 0 && payload.is_empty() && decoder.header().steps == 0 {
+            return Ok(());
+        }
+        let (splits, strips) = substreams(payload, decoder.header().strips)
+            .ok_or_else(|| malformed("has a substream that is longer than it"))?;
         let bytes = self.bytes as usize + block.payload.len();
         let steps = StepBlock { steps: block.steps, splits, strips, bytes };
-        decoder.decode(&mut self.contexts, steps).map_err(|e| e.0)
+        decoder.decode(&mut self.contexts, steps).map_err(|e| malformed(e.0))
     }
+}
+
+fn malformed(what: &str) -> FormatError {
+    FormatError::new(Fault::Malformed, "", what)
+}
+
+/// The error with the number of its block.
+fn in_block(mut error: FormatError, number: u64) -> FormatError {
+    let place = std::mem::take(&mut error.place);
+    error.place = format!("block {number}");
+    if !place.is_empty() {
+        error.what = format!("{place}: {}", error.what);
+    }
+    error
 }
 
 /// Returns the two substreams of a payload; the second is empty without strips.
@@ -262,20 +330,20 @@ fn substreams(payload: &[u8], strips: bool) -> Option<(&[u8], &[u8])> {
     rest.split_at_checked(splits as usize)
 }
 
-/// Returns whether the first bytes are all there, and those of a stream.
-fn check_preamble(bytes: &[u8]) -> Result<bool, FormatError> {
+/// Returns the version of a stream that starts with these bytes; none while some are missing.
+fn check_preamble(bytes: &[u8]) -> Result<Option<u32>, FormatError> {
     let malformed = |what: &str| FormatError::new(Fault::Malformed, "header", what);
     let magic = bytes.len().min(MAGIC.len());
     if bytes[..magic] != MAGIC[..magic] {
         return Err(malformed("this is not a .lods stream"));
     }
-    let Some(version) = bytes.get(MAGIC.len()..PREAMBLE) else { return Ok(false) };
+    let Some(version) = bytes.get(MAGIC.len()..PREAMBLE) else { return Ok(None) };
     match u32::from_le_bytes(version.try_into().expect("four bytes")) {
-        VERSION => Ok(true),
         0 => Err(malformed("version 0 never existed")),
-        v => {
+        version @ 1..=VERSION => Ok(Some(version)),
+        newer => {
             let what = format!(
-                "version {v} is newer than this program, which reads up to version {VERSION}"
+                "version {newer} is newer than this program, which reads up to version {VERSION}"
             );
             Err(FormatError::new(Fault::Unsupported, "header", what))
         }

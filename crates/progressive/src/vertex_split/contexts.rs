@@ -11,6 +11,8 @@ use crate::vertex_split::new_triangles::TriangleContexts;
 /// `docs/STREAM.md` has a table of them.
 #[derive(Clone, Debug)]
 pub struct Contexts {
+    /// An index of an object's first vertex.
+    pub(crate) first_index: GammaCode,
     /// Distance to the parent.
     pub(crate) parent: BoundedCode,
     /// Distance along the circle of wedges to the parent.
@@ -35,6 +37,7 @@ impl Contexts {
     #[must_use]
     pub fn new() -> Self {
         Self {
+            first_index: GammaCode::NEW,
             parent: BoundedCode::NEW,
             wedge_distance: AdaptiveSymbol::NEW,
             same_submesh: AdaptiveBit::NEW,

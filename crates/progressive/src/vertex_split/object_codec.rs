@@ -3,6 +3,7 @@
 //! Written once for both sides, see `entropy/coder.rs`.
 
 use crate::entropy::coder::{Coder, Substreams};
+use crate::header::StreamVersion;
 use crate::invalid::InvalidStream;
 use crate::partial_mesh::mesh::PartialMesh;
 use crate::partial_mesh::split::{ParentStar, SplitBuffers, SplitEdge};
@@ -37,6 +38,7 @@ pub(crate) struct ObjectCodec {
     pub(crate) values: VertexValues,
     pub(crate) strips: Option<StripOrder>,
     submeshes: u32,
+    version: StreamVersion,
     /// For each vertex its parent, and whether its step continues with the next vertex.
     pub(crate) parents: Vec<u32>,
     pub(crate) continues: Vec<bool>,
@@ -67,12 +69,18 @@ struct Buffers {
 }
 
 impl ObjectCodec {
-    pub(crate) fn new(layout: VertexLayout, submeshes: u32, strips: bool) -> Self {
+    pub(crate) fn new(
+        layout: VertexLayout,
+        submeshes: u32,
+        strips: bool,
+        version: StreamVersion,
+    ) -> Self {
         Self {
             mesh: PartialMesh::default(),
             values: VertexValues::new(layout),
             strips: strips.then(StripOrder::new),
             submeshes,
+            version,
             parents: Vec::new(),
             continues: Vec::new(),
             error_code: 0,
@@ -105,7 +113,7 @@ impl ObjectCodec {
                 return Err(InvalidStream("has more vertices than its header says"));
             }
             if new == 0 {
-                self.code_first_vertex(&mut coders.splits, source);
+                self.code_first_vertex(&mut coders.splits, source, contexts);
             } else {
                 self.code_vertex(coders, source, contexts, limits.vertices)?;
             }
@@ -134,14 +142,23 @@ impl ObjectCodec {
         }
     }
 
-    /// Codes the vertex that the stream starts with: its indices as they are.
-    fn code_first_vertex<C: Coder, S: SplitSource>(&mut self, coder: &mut C, source: &S) {
+    /// Codes the vertex that the object starts with: its indices as they are.
+    fn code_first_vertex<C: Coder, S: SplitSource>(
+        &mut self,
+        coder: &mut C,
+        source: &S,
+        contexts: &mut Contexts,
+    ) {
         let submesh = coder.uniform(self.submeshes, source.submesh(0));
         self.mesh.add_vertex(submesh);
         self.parents.push(0);
         for channel in 0..self.values.channels() {
             let wanted = source.indices(0).get(channel).copied().unwrap_or_default();
-            self.values.indices.push(coder.raw(32, wanted as u32) as i32);
+            let index = match self.version {
+                StreamVersion::One => coder.raw(32, wanted as u32) as i32,
+                StreamVersion::Two => unfold(contexts.first_index.code(coder, fold(wanted))),
+            };
+            self.values.indices.push(index);
         }
     }
 
@@ -318,6 +335,16 @@ impl ObjectCodec {
         let coded = &mut self.buffers.indices;
         self.values.code(coder, &mut contexts.values, neighborhood, wanted, coded);
     }
+}
+
+/// Returns a number that is small where the index is near 0: 0, −1, 1, −2, … become 0, 1, 2, 3, …
+fn fold(index: i32) -> u32 {
+    (index << 1 ^ index >> 31) as u32
+}
+
+/// The inverse of [`fold`].
+fn unfold(folded: u32) -> i32 {
+    (folded >> 1) as i32 ^ -((folded & 1) as i32)
 }
 
 /// The distance from one vertex to a parent, around the `vertices` that there are.

@@ -2,6 +2,7 @@
 
 mod chain;
 mod fresh;
+mod missing;
 mod prune;
 mod writer;
 
@@ -15,6 +16,7 @@ use std::path::Path;
 use writer::Writer;
 
 pub use chain::{ChainObject, ChainShape, export_chain};
+pub(crate) use missing::gltf_without_missing;
 
 const MAGIC: u32 = 0x4654_6c67;
 const JSON: u32 = 0x4e4f_534a;

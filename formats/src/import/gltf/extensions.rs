@@ -103,7 +103,7 @@ fn numbers(version: &str) -> Option<(u32, u32)> {
 /// The first extension that might point to accessors or buffer views in a way nobody here knows:
 /// one that is not known and has a whole number somewhere. While there is one, nothing must be
 /// renumbered.
-pub(super) fn opaque(root: &Object) -> Option<String> {
+pub(crate) fn opaque(root: &Object) -> Option<String> {
     root.iter().find_map(|(key, value)| opaque_below(key, value))
 }
 

@@ -25,6 +25,7 @@ pub(crate) mod uri;
 mod views;
 
 pub(crate) use accessor::{Shape, component_number};
+pub(crate) use extensions::opaque as opaque_extension;
 
 use super::ImportOptions;
 use crate::{

@@ -14,6 +14,11 @@ fn check_every_step(file: &LodFile, what: &str) {
         unpacker.feed(&packed.bytes[at..end]).expect("a sound stream");
         at = end;
         for (i, o) in file.objects.iter().enumerate().take(unpacker.objects()) {
+            if unpacker.progress(i).vertices[1] as usize != o.simplified.mesh().vertex_count() {
+                // Its name has come, but not its header.
+                assert_eq!(unpacker.mesh(i).expect("a mesh").0.triangles().len(), 0, "{what}");
+                continue;
+            }
             check(&unpacker, i, &o.simplified, what);
             let drawn = unpacker.strips(i).expect("strips are coded");
             let mut drawn: Vec<_> = drawn.triangles().collect();
@@ -199,10 +204,10 @@ fn errors_fall_and_are_rounded_up_a_little() {
 /// Bytes are a contract: they change with the version number and STREAM.md, or because the strips
 /// or sequences that go in are others.
 #[test]
-fn the_bytes_are_those_of_version_1() {
+fn the_bytes_are_those_of_version_2() {
     let objects = ["torus", "machine_part", "striped_sphere"].map(|name| {
         object(name, fixtures::random_collapse(&fixtures::named(name).expect("a shape"), 1))
     });
     let hash = xxhash_rust::xxh3::xxh3_64(&stepwise(&gltf(objects.into())).0.bytes);
-    assert_eq!((super::super::VERSION, hash), (1, 0x7ddb_7c32_996c_b39f), "{hash:#x}");
+    assert_eq!((super::super::VERSION, hash), (2, 0xe941_4806_d360_7c96), "{hash:#x}");
 }

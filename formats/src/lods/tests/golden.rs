@@ -1,25 +1,30 @@
-//! Streams of every version that ever was stay readable, and are written as they were:
-//! `fixtures/golden/lods1/`.
+//! Streams of every version that ever was stay readable: `fixtures/golden/lods1/` and `lods2/`.
+//! Those of the present version are written as they were.
 //!
 //! They are made of the golden `.lodc` files by
 //! `cargo test -p lodc-formats make_golden_streams -- --ignored`.
 
+use super::super::VERSION;
 use super::*;
 use std::path::PathBuf;
 
-const NAMES: [&str; 3] = ["cube_and_part", "skinned_tube", "triangle"];
+/// The golden files of which there are streams, with the version that they are of.
+const NAMES: [(&str, u32); 4] =
+    [("cube_and_part", 2), ("skinned_tube", 2), ("triangle", 2), ("two_parts", 3)];
+/// Versions of streams, each with how many of these it has.
+const VERSIONS: [(u32, usize); 2] = [(1, 3), (2, 4)];
 
 fn golden(name: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../fixtures/golden").join(name)
 }
 
-fn source(name: &str) -> LodFile {
-    let bytes = std::fs::read(golden(&format!("v2/{name}.lodc"))).expect("a golden file");
+fn source((name, version): (&str, u32)) -> LodFile {
+    let bytes = std::fs::read(golden(&format!("v{version}/{name}.lodc"))).expect("a golden file");
     crate::lodc::read(&bytes).expect("a golden file")
 }
 
-fn stream(name: &str) -> Vec<u8> {
-    std::fs::read(golden(&format!("lods1/{name}.lods"))).expect("a golden stream")
+fn stream(version: u32, name: &str) -> Vec<u8> {
+    std::fs::read(golden(&format!("lods{version}/{name}.lods"))).expect("a golden stream")
 }
 
 fn packed(file: &LodFile, strips: &[StripSet]) -> Vec<u8> {
@@ -42,10 +47,12 @@ fn strips(unpacker: &Unpacker, object: usize) -> StripSet {
 
 #[test]
 fn golden_streams_are_read_and_written_as_ever() {
-    for name in NAMES {
-        let (file, bytes) = (source(name), stream(name));
+    let all = VERSIONS.iter().flat_map(|&(v, count)| NAMES[..count].iter().map(move |n| (v, *n)));
+    for (version, golden) in all {
+        let (name, (file, bytes)) = (golden.0, (source(golden), stream(version, golden.0)));
         let unpacker = fed(&bytes);
         assert!(unpacker.is_complete());
+        assert_eq!(unpacker.version(), version);
         assert_eq!(
             (unpacker.document(), unpacker.source()),
             (Some(&file.document), Some(&file.source)),
@@ -57,14 +64,16 @@ fn golden_streams_are_read_and_written_as_ever() {
             every_step::same_mesh(&unpacker, i, o.simplified.mesh(), name);
         }
         let strips: Vec<_> = (0..file.objects.len()).map(|i| strips(&unpacker, i)).collect();
-        assert!(packed(&file, &strips) == bytes, "{name} is written otherwise than it was");
+        let packed = packed(&file, &strips);
+        // The same strips are made of a stream of any version, and so is the same stream.
+        assert!(packed == stream(VERSION, name), "{name} is written otherwise than it was");
     }
 }
 
 #[test]
 fn passing_over_strips_changes_nothing_else() {
-    for name in NAMES {
-        let bytes = stream(name);
+    for (name, _) in NAMES {
+        let bytes = stream(VERSION, name);
         let mut plain = Unpacker::new(Limits::DEFAULT).triangles_only();
         plain.feed(&bytes).expect("a sound stream");
         let whole = fed(&bytes);
@@ -83,11 +92,11 @@ fn passing_over_strips_changes_nothing_else() {
 #[test]
 #[ignore = "writes the golden streams; only for a new version of the format"]
 fn make_golden_streams() {
-    std::fs::create_dir_all(golden("lods1")).expect("a folder");
-    for name in NAMES {
-        let file = source(name);
+    std::fs::create_dir_all(golden(&format!("lods{VERSION}"))).expect("a folder");
+    for (name, version) in NAMES {
+        let file = source((name, version));
         let strips = strips_of(&file);
-        std::fs::write(golden(&format!("lods1/{name}.lods")), packed(&file, &strips))
+        std::fs::write(golden(&format!("lods{VERSION}/{name}.lods")), packed(&file, &strips))
             .expect("a file");
     }
 }

@@ -2,9 +2,11 @@
 
 mod damage;
 mod every_step;
+mod geometry_first;
 mod golden;
 mod quantize;
 
+use super::block::{self, Block, Parsed};
 use super::{PackOptions, Packed, Unpacker, pack};
 use crate::lodc::{LodFile, LodObject};
 use crate::{
@@ -99,15 +101,18 @@ fn check(unpacker: &Unpacker, object: usize, simplified: &Simplified, what: &str
 
 /// Returns the end of the preamble and of each block of a stream.
 fn ends(bytes: &[u8]) -> Vec<usize> {
-    let mut ends = vec![super::block::PREAMBLE];
-    let mut at = super::block::PREAMBLE;
+    let ends = blocks(bytes).into_iter().map(|(end, _)| end);
+    std::iter::once(block::PREAMBLE).chain(ends).collect()
+}
+
+/// Returns the blocks of a stream, each with its end.
+fn blocks(bytes: &[u8]) -> Vec<(usize, Block<'_>)> {
+    let (mut blocks, mut at) = (Vec::new(), block::PREAMBLE);
     for number in 0.. {
-        match super::block::parse(&bytes[at..], number) {
-            super::block::Parsed::Block(_, length) => at += length,
-            _ => break,
-        }
-        ends.push(at);
+        let Parsed::Block(block, length) = block::parse(&bytes[at..], number) else { break };
+        at += length;
+        blocks.push((at, block));
     }
     assert_eq!(at, bytes.len(), "blocks to the end");
-    ends
+    blocks
 }

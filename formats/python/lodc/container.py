@@ -1,0 +1,66 @@
+"""The sections of a .lodc file."""
+
+import struct
+
+from .errors import FormatError, need
+from .xxh3 import xxh3_64
+
+MAGIC = b"\x89LODC\r\n\x1a"
+NEWEST = 3
+SCENE = 0xFFFFFFFF
+KNOWN = {
+    b"MANI", b"DJSN", b"DBLB", b"POSI", b"VSUB", b"TRIS", b"TARG", b"JOIN", b"SERR", b"STRI",
+    b"SRMS", b"ATTR", b"MODA", b"MADE",
+}  # fmt: skip
+
+
+class Container:
+    """The sections by tag, object and index. ``skipped`` names those that this reader does not
+    know and need not know."""
+
+    def __init__(self, data):
+        need(len(data) >= 32 and data[:8] == MAGIC, "header", "this is not a .lodc file")
+        self.version, count, length, check = struct.unpack_from("<IIQQ", data, 8)
+        if self.version > NEWEST:
+            what = f"version {self.version} is newer than this reader, which reads up to {NEWEST}"
+            raise FormatError("header", what)
+        need(self.version > 0, "header", "version 0 never existed")
+        end = 32 + 40 * count
+        need(length == len(data), "header", f"the file has {len(data)} bytes, not {length}")
+        need(end <= length, "header", "the section table is longer than the file")
+        found = xxh3_64(bytes(data[:24]) + bytes(data[32:end]))
+        need(found == check, "header", "does not match its checksum")
+        self.sections, self.skipped = {}, []
+        at = end
+        for number in range(count):
+            at = self._section(data, 32 + 40 * number, at)
+        need(at == length, "section table", "the file goes on after its last section")
+
+    def _section(self, data, entry, before):
+        tag, flags, obj, index, offset, length, check = struct.unpack_from(
+            "<4sIIIQQQ", data, entry
+        )
+        name = tag.decode("ascii", "replace")
+        place = f"section {name}" + ("" if obj == SCENE else f" of object {obj}")
+        start = -(-before // 16) * 16
+        need(offset == start and offset + length <= len(data), place, "is not where it should be")
+        need(not any(data[before:start]), place, "follows bytes that are not 0")
+        allowed = 0xFFFF0001 if self.version >= 3 else 1
+        need(not flags & ~allowed & 0xFFFFFFFF, place, "has a flag that is not known")
+        content = data[start : start + length]
+        need(xxh3_64(content) == check, place, "does not match its checksum")
+        if tag in KNOWN:
+            need((tag, obj, index) not in self.sections, place, "is there twice")
+            self.sections[tag, obj, index] = content
+        else:
+            need(not flags & 1, place, "is required, but not known: a newer reader is needed")
+            self.skipped.append(name)
+        return start + length
+
+    def take(self, tag, obj=SCENE, index=0):
+        """A section that must be there."""
+        content = self.sections.get((tag, obj, index))
+        if content is None:
+            where = "" if obj == SCENE else f" of object {obj}"
+            raise FormatError(f"section {tag.decode()}{where}", "is not there")
+        return content

@@ -1,0 +1,189 @@
+"""An object of a .lodc file: its vertices, its collapse sequence and its levels."""
+
+import numpy as np
+
+from .arrays import curve, lost_triangles, read_indices
+from .errors import need
+from .level import Level
+from .structures import Interactive, Masking, Speed
+
+
+class Object:
+    """One mesh with all its levels.
+
+    ``positions`` is an array of *v* × 3; ``attributes`` describes further streams and ``values``
+    has the array of each, *v* × components. ``triangles`` is *f* × 3, submesh 0 first;
+    ``triangle_submesh`` has the submesh of each. ``targets`` are the collapse targets, and
+    ``lods``, ``errors``, ``rms`` and ``counts`` have LOD 0 and then the LOD after each step.
+    """
+
+    def __init__(self, container, number, entry):
+        self.number, self.entry, self.name = number, entry, entry.name
+        self.world_scale, self.submeshes = entry.world_scale, entry.submeshes
+        self.attributes, self.place = entry.attributes, f'object "{entry.name}"'
+        take = lambda tag, index=0: container.take(tag, number, index)
+        positions = take(b"POSI")
+        need(len(positions) % 12 == 0, self.place, "has positions that are no whole number")
+        self.positions = np.frombuffer(positions, "<f4").reshape(-1, 3)
+        v = len(self.positions)
+        wide = container.version == 1
+        self.triangles = read_indices(take(b"TRIS"), v, wide, self.place).reshape(-1, 3)
+        self.targets = read_indices(take(b"TARG"), v, wide, self.place)
+        self.vertex_submesh = self._vertex_submesh(take, v)
+        self.triangle_submesh = np.repeat(
+            np.arange(len(self.submeshes), dtype=np.uint32), entry.triangle_counts
+        )
+        self._read_steps(container, take, v)
+        self.values = [self._values(take, i, v) for i in range(len(self.attributes))]
+        self._check(v)
+        self._models(container)
+        # Positions by number: equal coordinates (−0 is +0) have equal numbers.
+        bits = (self.positions + np.float32(0)).view(np.uint32)
+        self.position_ids = np.unique(bits, axis=0, return_inverse=True)[1].reshape(-1)
+
+    def _vertex_submesh(self, take, v):
+        count = len(self.submeshes)
+        if count < 2:
+            return np.zeros(v, np.uint32)
+        dtype = "u1" if count <= 256 else "<u2" if count <= 65536 else "<u4"
+        data = np.frombuffer(take(b"VSUB"), dtype).astype(np.uint32)
+        need(len(data) == v, self.place, "does not have one submesh for each vertex")
+        return data
+
+    def _read_steps(self, container, take, v):
+        records = max(v, 1) - 1
+        need(len(self.targets) == records, self.place, "does not have one record for each vertex")
+        joins = np.frombuffer(take(b"JOIN"), "u1")
+        need(len(joins) == -(-records // 8), self.place, "has joins of another number of records")
+        joins = np.unpackbits(joins, bitorder="little")
+        need(not joins[max(records - 1, 0) :].any(), self.place, "joins records that do not exist")
+        ends = np.flatnonzero(joins[:records] == 0) + 1
+        self.lods = np.concatenate(([0], ends)).astype(np.int64)
+        steps = len(ends)
+        errors = curve(take(b"SERR"), steps, container.version == 1, f"{self.place}: SERR")
+        self.errors = np.concatenate(([0], errors)).astype(np.float32)
+        self.rms = None
+        if (b"SRMS", self.number, 0) in container.sections:
+            rms = curve(take(b"SRMS"), steps, False, f"{self.place}: SRMS")
+            self.rms = np.concatenate(([0], rms)).astype(np.float32)
+        lost = lost_triangles(take(b"STRI"), steps, f"{self.place}: STRI")
+        self.counts = len(self.triangles) - np.concatenate(([0], np.cumsum(lost)))
+        need((self.counts >= 0).all(), self.place, "loses more triangles than it has")
+        need(self.counts[-1] == 0, self.place, "has triangles left at its last LOD")
+
+    def _values(self, take, number, v):
+        attribute, full = self.attributes[number], self.entry.full[number]
+        place = f"{self.place}: {attribute.label()}"
+        data = np.frombuffer(take(b"ATTR", number), attribute.dtype)
+        need(len(data) % attribute.components == 0, place, "is no whole number of vertices")
+        data = data.reshape(-1, attribute.components)
+        if not full:
+            has = np.array([number in s.attributes for s in self.submeshes])[self.vertex_submesh]
+            need(len(data) == has.sum(), place, "does not have one value for each vertex")
+            whole = np.zeros((v, attribute.components), attribute.dtype)
+            whole[has] = data
+            data = whole
+        need(len(data) == v, place, "does not have one value for each vertex")
+        return data
+
+    def _check(self, v):
+        need(np.isfinite(self.positions).all(), self.place, "has a coordinate that is not finite")
+        records = np.arange(len(self.targets))
+        need((self.targets > records).all(), self.place, "has a target that is gone already")
+        need((self.targets < max(v, 1)).all(), self.place, "has a target that is no vertex")
+        need((self.triangles < v).all(), self.place, "has a corner that is no vertex")
+        same = self.triangle_submesh
+        need(len(same) == len(self.triangles), self.place, "has triangles without a submesh")
+        need(
+            (self.vertex_submesh < max(len(self.submeshes), 1)).all(),
+            self.place,
+            "has a vertex of no submesh",
+        )
+        corners = self.vertex_submesh[self.triangles]
+        need((corners == same[:, None]).all(), self.place, "has a triangle over two submeshes")
+        if self.rms is not None:
+            need((self.rms <= self.errors).all(), self.place, "has a mean error above the largest")
+
+    def _models(self, container):
+        """Finds the arrays of each structure: they are numbered over all of them."""
+        self.structures, index = {}, 0
+        known = {"interactive": Interactive, "speed": Speed, "masking": Masking}
+        for name, arrays in self.entry.models:
+            sections = [
+                container.take(b"MODA", self.number, index + i) for i in range(len(arrays))
+            ]
+            index += len(arrays)
+            if name in known:
+                need(name not in self.structures, self.place, f"has {name} twice")
+                self.structures[name] = known[name](self, dict(zip(arrays, sections)))
+
+    def shown(self, lod):
+        """For each vertex the vertex that it is shown as at a LOD."""
+        shown = np.arange(len(self.positions))
+        shown[:lod] = self.targets[:lod]
+        # Follow twice as many targets each time, until nothing moves.
+        while True:
+            further = shown[shown]
+            if (further == shown).all():
+                return shown
+            shown = further
+
+    def floor(self, lod):
+        """The last LOD, from 0 to ``lod``, that ends a step."""
+        return int(self.lods[np.searchsorted(self.lods, lod, side="right") - 1])
+
+    def select(self, *, lod=None, ratio=None, triangles=None, error=None, rms=None):
+        """The LOD that a selector means; exactly one must be given.
+
+        ``lod`` is rounded down to a step. ``ratio`` stands for that share of the triangles,
+        ``triangles`` for the finest LOD with at most so many, ``error`` and ``rms`` for the
+        coarsest LOD within a distance in the mesh's units. But for ``lod``, a mesh with triangles
+        never comes back empty.
+        """
+        given = [x for x in (lod, ratio, triangles, error, rms) if x is not None]
+        if len(given) != 1:
+            raise TypeError("give exactly one of lod, ratio, triangles, error and rms")
+        if lod is not None:
+            return self.floor(lod)
+        if ratio is not None:
+            triangles = int(np.floor(ratio * len(self.triangles)))
+        if triangles is not None:
+            step = int(np.searchsorted(-self.counts, -triangles, side="left"))
+        else:
+            curve = self.errors if error is not None else self.rms
+            if curve is None:
+                raise ValueError(f"{self.place} has no mean errors: the file is of an old version")
+            limit = error if error is not None else rms
+            step = int(np.searchsorted(curve, np.float64(limit), side="right")) - 1
+        last = int((self.counts > 0).sum()) - 1
+        return int(
+            self.lods[
+                min(max(step, 0), max(last, 0) if len(self.triangles) else len(self.lods) - 1)
+            ]
+        )
+
+    def level(self, lod=None, *, structure=None, **selector):
+        """A :class:`Level`, by LOD or by a selector of :meth:`select`; ``structure`` names the
+        model that shows it (``interactive``, ``speed``, ``masking``), else the plain sequence."""
+        lod = self.select(lod=lod, **selector) if lod is not None else self.select(**selector)
+        if structure is None:
+            triangles, submesh = self.live_triangles(lod)
+        else:
+            if structure not in self.structures:
+                raise KeyError(f"{self.place} has no {structure}, only {list(self.structures)}")
+            triangles, submesh = self.structures[structure].triangles(lod)
+        return Level(self, lod, triangles, submesh)
+
+    def live_triangles(self, lod):
+        """The triangles of a LOD and the submesh of each."""
+        moved = self.shown(lod)[self.triangles]
+        live = self.is_live(moved)
+        return moved[live].astype(np.uint32), self.triangle_submesh[live]
+
+    def is_live(self, triangles):
+        """For each triangle whether its corners are three positions."""
+        a, b, c = self.position_ids[triangles].T
+        return (a != b) & (b != c) & (c != a)
+
+    def __repr__(self):
+        return f"<{self.name!r}: {len(self.positions)} vertices, {len(self.triangles)} triangles>"

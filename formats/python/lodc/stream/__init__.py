@@ -1,0 +1,244 @@
+"""A .lods stream, fed bytes as they come (docs/STREAM.md)."""
+
+import json
+
+from ..attribute import Source, read_attribute, read_document, source_format
+from ..cursor import Cursor
+from ..errors import FormatError, need
+from ..xxh3 import xxh3_64
+from .coder import decode_text
+from .contexts import Contexts
+from .numbers import Decimal, Float, Grid, Integer, Significant
+from .object import Header, StreamObject, read_header
+
+MAGIC = b"\x89LODS\r\n\x1a"
+NEWEST = 2
+MAX_PAYLOAD = 16 << 20
+
+
+class Stream:
+    """A stream so far. :meth:`feed` it bytes; ``objects`` has the meshes of all whole blocks.
+
+    ``source``, ``obj`` and ``gltf`` are as those of a file, and None until they have come;
+    ``buffer`` grows. ``all_objects`` is how many objects there will be.
+    """
+
+    def __init__(self):
+        self.version = self.source = self.obj = self.gltf = self.all_objects = None
+        self.objects, self.buffer, self.used = [], b"", 0
+        self.each_step = None
+        self._waiting, self._blocks, self._contexts = b"", 0, Contexts()
+        self._complete, self._announced, self._text = False, 0, b""
+
+    def is_complete(self):
+        """Whether the end has come."""
+        return self._complete
+
+    def feed(self, data):
+        """Takes the next bytes and reads the blocks that they complete."""
+        self._waiting += bytes(data)
+        if self.version is None:
+            magic = self._waiting[:8]
+            need(magic == MAGIC[: len(magic)], "header", "this is not a .lods stream")
+            if len(self._waiting) < 12:
+                return self
+            version = int.from_bytes(self._waiting[8:12], "little")
+            need(version > 0, "header", "version 0 never existed")
+            need(version <= NEWEST, "header", f"version {version} is newer than this reader")
+            self.version, self._waiting, self.used = version, self._waiting[12:], 12
+        while self._waiting and self._block():
+            pass
+        return self
+
+    def _block(self):
+        """Reads one block; False if some of it is missing."""
+        place, data = f"block {self._blocks}", self._waiting
+        need(not self._complete, place, "follows the end of the stream")
+        if not _has_fields(data):
+            return False
+        cursor = Cursor(data, place)
+        length, tag, steps = cursor.varint(), cursor.varint(), cursor.varint()
+        at = cursor.at
+        if len(data) < at + 2:
+            return False
+        check = xxh3_64(data[:at], self._blocks)
+        need(
+            data[at : at + 2] == check.to_bytes(8, "little")[:2],
+            place,
+            "has fields that do not match their checksum",
+        )
+        need(length <= MAX_PAYLOAD or self._blocks == 0, place, "is longer than any block may be")
+        end = at + 6 + length
+        if len(data) < end:
+            return False
+        payload = data[at + 6 : end]
+        found = xxh3_64(payload, check).to_bytes(8, "little")[:4]
+        need(data[at + 2 : at + 6] == found, place, "does not match its checksum")
+        self._read(place, tag, steps, payload)
+        self._waiting, self._blocks, self.used = data[end:], self._blocks + 1, self.used + end
+        return True
+
+    def _read(self, place, tag, steps, payload):
+        if self._blocks == 0:
+            need(tag == steps == 0, place, "is not a head")
+            (self._old_head if self.version == 1 else self._head)(payload, place)
+        elif tag == 0 and payload and self.version > 1:
+            need(steps == 0, place, "has steps without an object")
+            self._document(payload, place)
+        elif tag == 0:
+            whole = self._announced == self.all_objects and all(
+                o.is_complete() for o in self.objects
+            )
+            need(steps == 0 and not payload, place, "is not an end")
+            need(
+                whole and self._document_left == 0,
+                place,
+                "ends the stream before everything is complete",
+            )
+            self._complete = True
+        else:
+            self._steps(place, tag - 1, steps, payload)
+
+    def _steps(self, place, number, steps, payload):
+        cursor = Cursor(payload, place)
+        is_first = number == self._announced and number < self.all_objects
+        if is_first:
+            if number == len(self.objects):
+                self.objects.append(StreamObject(number, place))
+            self.objects[number].place = place
+            self.objects[number].start(read_header(cursor), self.version)
+            self._announced += 1
+        need(number < self._announced, place, "belongs to an object that does not exist")
+        obj, payload = self.objects[number], payload[cursor.at :]
+        obj.place = place
+        if is_first and steps == 0:
+            need(not payload and obj.header.steps == 0, place, "has no steps")
+            return
+        obj.read(payload, steps, self._contexts, self.each_step)
+
+    def _head(self, payload, place):
+        c = Cursor(payload, place)
+        self.format = source_format(c.u8(), place)
+        self.all_objects, self._text_bytes, self._stored = c.varint(), c.varint(), c.varint()
+        self._document_left = self._stored + c.varint((1 << 64) - 1)
+        need(c.at == len(payload), place, "has bytes left over")
+        need(self._stored <= self._text_bytes, place, "announces a document that cannot be")
+
+    def _document(self, payload, place):
+        need(len(payload) <= self._document_left, place, "goes on after the document")
+        self._document_left -= len(payload)
+        missing = self._stored - len(self._text)
+        self._text += payload[:missing]
+        self.buffer += payload[missing:]
+        if missing > 0 and len(self._text) == self._stored:
+            self._read_text(place)
+
+    def _read_text(self, place):
+        text = self._text
+        if self._stored < self._text_bytes:
+            text = decode_text(text, self._text_bytes)
+            need(text is not None, place, "has a text that cannot be decoded")
+        c = Cursor(text, place)
+        self._source(c)
+        entries = c.many(lambda: _object_text(c))
+        need(
+            len(entries) == self.all_objects, place, "has another number of objects than the head"
+        )
+        need(self.source.format == self.format, place, "has another format than the head")
+        for number, (name, scale, submeshes) in enumerate(entries):
+            if number == len(self.objects):
+                self.objects.append(StreamObject(number, place))
+            self.objects[number].name_as(name, scale, submeshes)
+        self._json(text[c.at :], place)
+
+    def _source(self, c):
+        kind, content_hash = c.u8(), c.u128()
+        self.source = Source(source_format(kind, c.place), content_hash)
+        self.obj = read_document(c)
+
+    def _json(self, text, place):
+        if self.obj:
+            need(not text, place, "has JSON for an OBJ")
+            return
+        try:
+            self.gltf = json.loads(bytes(text))
+        except ValueError as e:
+            raise FormatError(place, f"has JSON that cannot be read: {e}") from None
+
+    def _old_head(self, payload, place):
+        """The head of version 1: headers and names of all objects, and the whole document."""
+        c = Cursor(payload, place)
+        coded, entries, text, stored = c.u8(), c.u32(), c.u32(), c.u32()
+        data = c.take(stored)
+        need(
+            coded < 2 and (coded or stored == text) and entries <= text,
+            place,
+            "is stored in an unknown way",
+        )
+        data = decode_text(data, text) if coded else data
+        need(data is not None, place, "cannot be decoded")
+        self.buffer, self._document_left = bytes(payload[c.at :]), 0
+        c = Cursor(data[:entries], place)
+        self._source(c)
+        for number, (header, names) in enumerate(c.many(lambda: _old_object(c))):
+            obj = StreamObject(number, place)
+            obj.start(header, 1)
+            obj.name_as(*names)
+            self.objects.append(obj)
+        need(c.at == entries, place, "has bytes left over")
+        self.all_objects = self._announced = len(self.objects)
+        self.format = self.source.format
+        self._json(data[entries:], place)
+
+
+def _has_fields(data):
+    """Whether the three numbers of a block have come; one that is wrong counts."""
+    ended = length = 0
+    for byte in data[:15]:
+        length += 1
+        if byte < 128 or length == 6:
+            ended, length = ended + 1, 0
+            if ended == 3:
+                return True
+    return False
+
+
+def _object_text(c):
+    name, scale, _ = c.string(), c.f64(), c.u32()
+    c.u32(), c.u32(), c.optional(c.u32)
+    need(0 < scale < float("inf"), c.place, "has an object whose scale is not a number above 0")
+    submesh = lambda: (c.string(), c.optional(c.string), c.u32())
+    return name, scale, c.many(submesh)
+
+
+def _old_object(c):
+    name, scale, _ = c.string(), c.f64(), c.u32()
+    submesh = lambda: (c.string(), c.optional(c.string), c.u32(), tuple(c.many(c.u32)))
+    submeshes = c.many(submesh)
+    attributes = [a for a, _ in c.many(lambda: read_attribute(c))]
+    count = c.u64()
+    need(count == len(attributes) + 1, c.place, "does not have one number system for each stream")
+    channels = [3] + [a.components for a in attributes]
+    systems = [_old_system(c, n) for n in channels]
+    vertices, triangles, steps = c.u32(), c.u32(), c.u32()
+    strips = "cache" if c.boolean() else None
+    streams = [s[3] for s in submeshes]
+    header = Header(vertices, triangles, steps, strips, attributes, systems, streams)
+    return header, (name, scale, [s[:3] for s in submeshes])
+
+
+def _old_system(c, channels):
+    kind = c.u32()
+    need(kind < 5, c.place, "has an unknown number system")
+    if kind == 4:
+        origins = c.many(c.f32)
+        step = c.f32()
+        need(len(origins) == channels and step > 0, c.place, "has a grid that cannot be")
+        return [Grid(origin, step) for origin in origins]
+    if kind in (1, 2):
+        digits = c.u8()
+        need(
+            digits <= 9 if kind == 1 else 1 <= digits <= 7, c.place, "has an unknown number system"
+        )
+        return [Decimal(digits) if kind == 1 else Significant(digits)] * channels
+    return [Float() if kind == 0 else Integer()] * channels

@@ -1,0 +1,42 @@
+"""All contexts of a stream (docs/STREAM.md, section 3)."""
+
+from .coder import Bit, Gamma, Symbol
+
+
+def table(make, *sizes):
+    """Contexts by one or more indices."""
+    if not sizes:
+        return make()
+    return [table(make, *sizes[1:]) for _ in range(sizes[0])]
+
+
+class Contexts:
+    """They start once and go on from block to block and from object to object."""
+
+    def __init__(self):
+        self.first_index = Gamma()
+        self.parent = Symbol()
+        self.wedge_distance = Symbol()
+        self.same_submesh = Bit()
+        self.continues = table(Bit, 2)
+        self.pattern = table(Symbol, 4, 2, 2)
+        self.count = table(Symbol, 2)
+        self.more = Gamma()
+        self.detached = table(Bit, 3, 4)
+        self.left = table(Bit, 3, 4)
+        self.in_link = table(Bit, 4)
+        self.place = table(Symbol, 3, 17)
+        self.transferred = table(Bit, 4, 3)
+        self.same_position = Bit()
+        self.repeats = table(Bit, 8, 2)
+        self.residual = table(Symbol, 8, 4, 3)
+        self.error_falls = Bit()
+        self.error_drop = Gamma()
+        self.between = Bit()
+        self.beside = table(Bit, 3, 2, 2, 2)
+        self.new_strip = table(Bit, 4)
+        self.beside_strip = table(Bit, 3, 2)
+        self.second = Bit()
+        # No contexts, but states that go on in the same way.
+        self.previous_repeats = [0] * 8
+        self.mean_bits = [[256] * 4 for _ in range(8)]

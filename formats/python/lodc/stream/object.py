@@ -1,0 +1,400 @@
+"""An object of a stream: its header and its steps (docs/STREAM.md, sections 4 and 8)."""
+
+import struct
+
+import numpy as np
+
+from ..attribute import COMPONENTS, MEANINGS, Attribute, Submesh, component
+from ..cursor import Cursor
+from ..errors import need
+from .coder import Substream, decode_text
+from .mesh import PartialMesh, Star
+from .numbers import Decimal, Float, Grid, Integer, Significant, values
+from .strips import StripOrder, indices
+from .values import Layout, code_values, wrap
+
+MAX_TRIANGLES = 1 << 20
+
+
+class Header:
+    """What is known of an object before its first vertex."""
+
+    def __init__(self, vertices, triangles, steps, strips, attributes, systems, streams):
+        self.vertices, self.triangles, self.steps = vertices, triangles, steps
+        self.strips, self.attributes, self.streams = strips, attributes, streams
+        self.layout = Layout(attributes, systems)
+
+
+def read_header(cursor):
+    """The header that the first block of an object begins with."""
+    plain, stored = cursor.varint(1 << 24), cursor.varint(1 << 24)
+    data = cursor.take(stored)
+    if stored != plain:
+        data = decode_text(data, plain) if stored < plain else None
+        need(data is not None, cursor.place, "has a header that cannot be decoded")
+    c = Cursor(data, cursor.place)
+    vertices, triangles, steps, strips = (c.varint() for _ in range(4))
+    need(strips < 3, c.place, "has strips of an unknown kind")
+    count = c.varint()
+    systems, attributes = [_system(c, 3, True)], []
+    for _ in range(count):
+        attribute = _attribute(c)
+        attributes.append(attribute)
+        systems.append(_system(c, attribute.components, attribute.dtype.kind == "f"))
+    streams, before, total = [], (), 0
+    for _ in range(c.varint()):
+        listed = c.varint()
+        if listed:
+            before = tuple(c.varint() for _ in range(listed - 1))
+        total += len(before)
+        need(total <= 1 << 22, c.place, "has too many streams of submeshes")
+        streams.append(before)
+    need(c.at == len(data), c.place, "has a header with bytes left over")
+    kind = (None, "stripe", "cache")[strips]
+    return Header(vertices, triangles, steps, kind, attributes, systems, streams)
+
+
+def _attribute(c):
+    packed = c.varint((1 << 35) - 1)
+    meaning, number = MEANINGS[packed % 8], packed // 8
+    need(
+        meaning not in ("position", "normal", "tangent") or not number,
+        c.place,
+        "has a set of what has none",
+    )
+    name = ""
+    if meaning == "custom":
+        name, number = bytes(c.take(number)).decode("utf-8"), 0
+    target = c.varint()
+    kind = c.u8()
+    dtype = component(kind & 7, (kind >> 4) + 1, c.place)
+    return Attribute(
+        meaning,
+        number,
+        name,
+        target - 1 if target else None,
+        dtype,
+        (kind >> 4) + 1,
+        bool(kind & 8),
+    )
+
+
+def _system(c, channels, is_float):
+    """The systems of the channels of a stream."""
+    code = c.u8()
+    need((code == 1) != is_float, c.place, "has a number system that does not fit its attribute")
+    if code == 2:
+        step = c.f32()
+        need(step > 0, c.place, "has a grid without steps")
+        return [Grid(c.f32(), step) for _ in range(channels)]
+    if code == 0:
+        system = Float()
+    elif code == 1:
+        system = Integer()
+    elif 16 <= code <= 25:
+        system = Decimal(code - 16)
+    else:
+        need(33 <= code <= 39, c.place, "has an unknown number system")
+        system = Significant(code - 32)
+    return [system] * channels
+
+
+class StreamObject:
+    """One mesh as far as it has come.
+
+    Vertices and triangles are numbered in stream order: vertex *a* is vertex *v* − 1 − *a* of the
+    collapse order of a ``.lodc`` file.
+    """
+
+    def __init__(self, number, place):
+        self.number, self.place, self.name = number, place, f"mesh{number}"
+        self.world_scale, self.submeshes = 1.0, None
+        self.header, self.version = None, 2
+        self.mesh, self.order = PartialMesh(), None
+        self.indices, self.parents, self.continues = [], [], []
+        self.steps, self.error_code, self.next_parent, self._continued = 0, 0, 0, False
+
+    def start(self, header, version):
+        """Takes the header."""
+        self.header, self.version = header, version
+        names = self.submeshes
+        if names is not None:
+            need(
+                len(names) == len(header.streams), self.place, "has other submeshes than its name"
+            )
+        self.order = StripOrder() if header.strips else None
+        self._list_submeshes()
+
+    def name_as(self, name, scale, submeshes):
+        """Takes what the text says of the object: (name, material, primitive) of each submesh."""
+        if self.header is not None:
+            need(
+                len(submeshes) == len(self.header.streams),
+                self.place,
+                "has other submeshes in the text",
+            )
+        self.name, self.world_scale = name, scale
+        self.submeshes = [Submesh(*s, ()) for s in submeshes]
+        if self.header is not None:
+            self._list_submeshes()
+
+    def _list_submeshes(self):
+        streams = self.header.streams
+        named = self.submeshes or [Submesh("", None, i, ()) for i in range(len(streams))]
+        self.submeshes = [
+            Submesh(s.name, s.material, s.primitive, listed) for s, listed in zip(named, streams)
+        ]
+
+    @property
+    def attributes(self):
+        """Descriptions of the attributes."""
+        return self.header.attributes if self.header else []
+
+    @property
+    def error(self):
+        """The error of the mesh so far, in its units; at most 1/16 above the true one."""
+        if not self.steps:
+            return float("inf")
+        error = struct.unpack("<f", struct.pack("<I", self.error_code << 19 & 0xFFFFFFFF))[0]
+        return error if error == error else float("inf")
+
+    @property
+    def triangles(self):
+        """The triangles so far, *n* × 3."""
+        return np.array(self.mesh.triangles, np.uint32).reshape(-1, 3)
+
+    @property
+    def triangle_submesh(self):
+        """The submesh of each triangle."""
+        return self.vertex_submesh[self.triangles[:, 0]]
+
+    @property
+    def vertex_submesh(self):
+        """The submesh of each vertex so far."""
+        return np.array(self.mesh.submesh, np.uint32)
+
+    @property
+    def positions(self):
+        """Positions so far, *n* × 3."""
+        return self._stream(0)
+
+    def values(self, number):
+        """The values of an attribute so far, *n* × components."""
+        return self._stream(number + 1)
+
+    def _stream(self, number):
+        if self.header is None:
+            return np.zeros((0, 3), np.float32)
+        first, channels, _, systems = self.header.layout.streams[number]
+        dtype = np.dtype("<f4") if number == 0 else self.header.attributes[number - 1].dtype
+        all_indices = np.array(self.indices, np.int64).reshape(-1, self.header.layout.channels)
+        columns = [values(systems[c], all_indices[:, first + c], dtype) for c in range(channels)]
+        return np.stack(columns, axis=1).astype(dtype)
+
+    def strips(self):
+        """The strips that draw the mesh so far, each a list of vertices; None without strips."""
+        if self.order is None:
+            return None
+        triangles = self.mesh.triangles
+        return [s for part in self.order.strips() for s in indices([triangles[t] for t in part])]
+
+    def is_complete(self):
+        """Whether all that the header says has come."""
+        h = self.header
+        return h is not None and (self.steps, len(self.mesh.corners), len(self.mesh.triangles)) == (
+            h.steps, h.vertices, h.triangles,
+        )  # fmt: skip
+
+    def read(self, payload, steps, contexts, each_step=None):
+        """Decodes the steps of a block; calls ``each_step`` after each."""
+        cursor = Cursor(payload, self.place)
+        need(0 < steps <= self.header.steps - self.steps, self.place, "has no steps, or too many")
+        splits = cursor.take(cursor.varint()) if self.header.strips else payload
+        strips = payload[cursor.at :] if self.header.strips else b""
+        splits, strips = Substream(splits), Substream(strips)
+        for _ in range(steps):
+            self._step(splits, strips, contexts)
+            need(
+                not splits.is_exhausted() and not strips.is_exhausted(),
+                self.place,
+                "ends before its steps do",
+            )
+            need(
+                len(self.mesh.triangles) <= self.header.triangles,
+                self.place,
+                "has more triangles than its header says",
+            )
+            self.steps += 1
+            if each_step:
+                each_step(self)
+        need(
+            splits.is_finished() and strips.is_finished(),
+            self.place,
+            "does not end with its steps",
+        )
+
+    def _step(self, splits, strips, contexts):
+        while True:
+            need(
+                len(self.mesh.corners) < self.header.vertices,
+                self.place,
+                "has more vertices than its header says",
+            )
+            if not self.mesh.corners:
+                self._first_vertex(splits, contexts)
+            else:
+                self._vertex(splits, strips, contexts)
+            self.continues.append(self._continued)
+            if not self._continued:
+                break
+        if splits.bit(contexts.error_falls):
+            self.error_code = self.error_code - splits.gamma(contexts.error_drop) & 0xFFFFFFFF
+
+    def _first_vertex(self, coder, contexts):
+        self.mesh.add_vertex(coder.uniform(len(self.header.streams)))
+        self.parents.append(0)
+        channels = self.header.layout.channels
+        if self.version == 1:
+            self.indices.append([wrap(coder.raw(32)) for _ in range(channels)])
+            return
+        folded = [coder.gamma(contexts.first_index) for _ in range(channels)]
+        self.indices.append([-1 - u // 2 if u & 1 else u // 2 for u in folded])
+
+    def _vertex(self, coder, strips, contexts):
+        mesh, new, continued = self.mesh, len(self.mesh.corners), self._continued
+        parent = self._wedge_parent(coder, contexts) if continued else self.next_parent
+        self.parents.append(parent)
+        submesh = mesh.submesh[parent]
+        if len(self.header.streams) > 1 and not coder.bit(contexts.same_submesh):
+            submesh = coder.uniform(len(self.header.streams))
+        self._continued = coder.bit(contexts.continues[continued])
+        if not self._continued and new + 1 < self.header.vertices:
+            self.next_parent = (parent + coder.bounded(contexts.parent, new + 1)) % (new + 1)
+        star = Star(mesh, parent)
+        mesh.add_vertex(submesh)
+        pattern, triangles = self._triangles(coder, contexts, star, parent, new, continued)
+        transfer = self._transfer(coder, contexts, star, pattern, triangles)
+        first = len(mesh.triangles)
+        mesh.split(parent, new, star, transfer, triangles)
+        for t in mesh.triangles[first:]:
+            need(len(set(t)) == 3, self.place, "adds a triangle without area")
+            need(
+                {mesh.submesh[v] for v in t} == {submesh},
+                self.place,
+                "adds a triangle over two submeshes",
+            )
+        if self.order is not None:
+            self._positions(strips, contexts, star, first, triangles)
+        wedge = None
+        if continued and coder.bit(contexts.same_position):
+            wedge = new - 1
+            mesh.next_wedge[new], mesh.next_wedge[wedge] = mesh.next_wedge[wedge], new
+        link = [v for v, _, _ in Star(mesh, new).link]
+        layout = self.header.layout
+        self.indices.append(
+            code_values(coder, contexts, layout, self.indices, parent, wedge, link)
+        )
+
+    def _wedge_parent(self, coder, contexts):
+        before, count = self.parents[-1], len(self.mesh.corners)
+        distance = coder.symbol(contexts.wedge_distance)
+        if distance >= 8:
+            return (before + coder.bounded(contexts.parent, count)) % count
+        for _ in range(distance):
+            before = self.mesh.next_wedge[before]
+        return before
+
+    def _triangles(self, coder, contexts, star, parent, new, continued):
+        """The pattern and the new triangles: side, next, previous, and the triangles of the star at
+        the apex's outgoing and incoming link edges (−1 for none)."""
+        link, closed = star.link, star.is_closed()
+        pattern = coder.symbol(contexts.pattern[min(len(star.faces), 3)][closed][continued])
+        first_left = None
+        triangles = []
+
+        def place(relative):
+            origin = 0 if not relative else 2 if closed else 1
+            if len(link) > 16:
+                coded = coder.uniform(len(link))
+            else:
+                need(link, self.place, "names a corner of an empty link")
+                coded = coder.symbol(contexts.place[origin][len(link)])
+            need(coded < len(link), self.place, "names a corner beyond the link")
+            return (coded + first_left) % len(link) if relative else coded
+
+        def corner(may_be_elsewhere, relative):
+            if may_be_elsewhere and not (link and coder.bit(contexts.in_link[min(len(link), 3)])):
+                return coder.uniform(new + 1), -1, -1, None
+            at = place(relative)
+            return *link[at], at
+
+        def add(side, may_be_elsewhere):
+            nonlocal first_left
+            relative = side == "right" and first_left is not None
+            vertex, outgoing, incoming, at = corner(may_be_elsewhere, relative)
+            if side == "left":
+                if first_left is None:
+                    first_left = at
+                triangles.append((side, vertex, parent, outgoing, incoming))
+            elif side == "right":
+                triangles.append((side, parent, vertex, outgoing, incoming))
+            else:
+                before = corner(True, False)[0]
+                triangles.append((side, vertex, before, -1, -1))
+
+        if pattern < 4:
+            for side in (("left", "right"), ("left",), ("right",), ())[pattern]:
+                add(side, False)
+            return pattern, triangles
+        count = coder.symbol(contexts.count[continued])
+        if count == 15:
+            count += coder.gamma(contexts.more)
+        need(count <= MAX_TRIANGLES, self.place, "adds too many triangles at once")
+        before = 3
+        for i in range(count):
+            number = min(i, 2)
+            if coder.bit(contexts.detached[number][before]):
+                side, before = "detached", 2
+            elif coder.bit(contexts.left[number][before]):
+                side, before = "left", 0
+            else:
+                side, before = "right", 1
+            add(side, True)
+        return pattern, triangles
+
+    def _transfer(self, coder, contexts, star, pattern, triangles):
+        """For each triangle of the star whether it goes to the new vertex."""
+        if pattern == 3:
+            return [True] * len(star.faces)
+        expected = [0] * len(star.faces)  # bits: 1 kept, 2 transferred
+        for side, _, _, outgoing, incoming in triangles:
+            for at, says in ((outgoing, 1), (incoming, 2)):
+                if at >= 0 and side != "detached":
+                    expected[at] |= says if side == "left" else 3 - says
+        for first, last, closed in star.fans:
+            before = expected[last] if closed else 0
+            for _ in range(2 if closed else 1):
+                for i in range(first, last + 1):
+                    expected[i] = before = expected[i] or before
+            for i in range(last - 1, first - 1, -1):
+                expected[i] = expected[i] or expected[i + 1]
+        if pattern < 3:
+            need(
+                all(e in (1, 2) for e in expected), self.place, "does not say what is transferred"
+            )
+            return [e == 2 for e in expected]
+        transfer, before = [], 0
+        for e in expected:
+            moves = coder.bit(contexts.transferred[e][before])
+            transfer.append(moves)
+            before = 2 if moves else 1
+        return transfer
+
+    def _positions(self, coder, contexts, star, first, triangles):
+        """Where the new triangles are drawn."""
+        face = lambda i: star.faces[i][0] if i >= 0 else None
+        for i, (side, _, _, outgoing, incoming) in enumerate(triangles):
+            ends = (face(outgoing), face(incoming))
+            kept, moved = ends if side != "right" else ends[::-1]
+            before = first + i - 1 if i else None
+            self.order.code(coder, contexts, (kept, moved, before), self.place)

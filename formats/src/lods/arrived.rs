@@ -1,0 +1,68 @@
+//! The scene of a prefix: what has come of the document, fit to be written with the meshes so far.
+
+use super::received::Received;
+use crate::export::gltf_without_missing;
+use crate::{Document, FormatError, GltfDocument, ObjDocument, ObjectInfo, SourceFormat};
+use serde_json::{Value, json};
+use std::borrow::Cow;
+
+/// The document and the names of a prefix.
+#[derive(Clone, Debug)]
+pub struct Arrived<'a> {
+    /// The document; of a glTF without what refers to bytes that are still to come.
+    pub document: Cow<'a, Document>,
+    /// The objects so far.
+    pub infos: Vec<ObjectInfo>,
+    /// Parts that the stream has still to bring, with counts: `3 textures`.
+    pub left_out: Vec<String>,
+}
+
+impl<'a> Arrived<'a> {
+    pub(super) fn new(received: &'a Received) -> Result<Self, FormatError> {
+        let infos = received.objects.iter().map(|o| o.info.clone()).collect();
+        if let Some(document) = received.whole_document() {
+            return Ok(Self { document: Cow::Borrowed(document), infos, left_out: Vec::new() });
+        }
+        if let Some(gltf) = received.gltf()
+            && let Some((document, left_out)) = gltf_without_missing(gltf)?
+        {
+            return Ok(Self { document: Cow::Owned(Document::Gltf(document)), infos, left_out });
+        }
+        Ok(Self::bare(infos, received.head.format))
+    }
+
+    /// A document that shows each object once and has nothing else.
+    fn bare(mut infos: Vec<ObjectInfo>, format: SourceFormat) -> Self {
+        let what = match format {
+            SourceFormat::Obj => "names and materials",
+            _ => "names, nodes, materials, textures, skins and animations",
+        };
+        let document = match format {
+            SourceFormat::Obj => Document::Obj(ObjDocument::default()),
+            _ => Document::Gltf(bare_gltf(&mut infos)),
+        };
+        Self { document: Cow::Owned(document), infos, left_out: vec![what.to_owned()] }
+    }
+}
+
+/// A glTF with a mesh and a node for each object, whose numbers become those of this document.
+fn bare_gltf(infos: &mut [ObjectInfo]) -> GltfDocument {
+    let mut meshes: Vec<Value> = Vec::new();
+    for (number, info) in (0..).zip(infos) {
+        info.document_mesh = number;
+        for (primitive, submesh) in (0..).zip(&mut info.submeshes) {
+            submesh.document_primitive = primitive;
+        }
+        let primitives: Vec<Value> = info.submeshes.iter().map(|_| json!({})).collect();
+        meshes.push(json!({ "name": info.name, "primitives": primitives }));
+    }
+    let mut root = json!({ "asset": { "version": "2.0", "generator": "lodc" } });
+    if !meshes.is_empty() {
+        let roots: Vec<usize> = (0..meshes.len()).collect();
+        root["nodes"] = roots.iter().map(|i| json!({ "mesh": i })).collect();
+        root["scenes"] = json!([{ "nodes": roots }]);
+        root["scene"] = 0.into();
+        root["meshes"] = meshes.into();
+    }
+    GltfDocument { json: root.to_string(), blob: Vec::new() }
+}

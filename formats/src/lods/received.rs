@@ -1,0 +1,165 @@
+//! What has come of a scene: its head, its document and its objects.
+
+use super::document::{Names, ReceivedDocument, SequenceFacts};
+use super::head::Head;
+use super::object_header::ObjectHeader;
+use super::old;
+use crate::{Document, Fault, FormatError, GltfDocument, Limits, ObjectInfo, SubmeshInfo};
+use lodc_progressive::{MeshDecoder, MeshHeader};
+use lodc_strip::StripKind;
+
+/// An object so far.
+#[derive(Debug)]
+pub(super) struct ReceivedObject {
+    pub(super) info: ObjectInfo,
+    pub(super) facts: SequenceFacts,
+    pub(super) decoder: MeshDecoder,
+    pub(super) strips: Option<StripKind>,
+}
+
+/// A scene so far.
+#[derive(Debug)]
+pub(super) struct Received {
+    pub(super) head: Head,
+    pub(super) document: ReceivedDocument,
+    pub(super) objects: Vec<ReceivedObject>,
+    /// Objects whose header has come: the first ones.
+    announced: usize,
+    triangles_only: bool,
+}
+
+impl Received {
+    /// A scene of which the first block has come.
+    pub(super) fn new(
+        version: u32,
+        payload: &[u8],
+        limits: &Limits,
+        triangles_only: bool,
+    ) -> Result<Self, FormatError> {
+        let document = ReceivedDocument::default();
+        if version > 1 {
+            let head = Head::parse(payload)?;
+            let mut received =
+                Self { head, document, objects: Vec::new(), announced: 0, triangles_only };
+            // A document without bytes has no blocks.
+            received.read_document(&[])?;
+            return Ok(received);
+        }
+        let old = old::Head::parse(payload)?;
+        let format = old.source.format;
+        let head =
+            Head { format, objects: old.objects.len() as u32, text: 0, stored: 0, buffer: 0 };
+        let mut received =
+            Self { head, document, objects: Vec::new(), announced: 0, triangles_only };
+        let mut names = Vec::new();
+        for (info, header) in old.objects {
+            received.announce(header, limits)?;
+            names.push((info, SequenceFacts::default()));
+        }
+        let names = Names { source: old.source, document: old.document, objects: names };
+        received.name_objects(&names)?;
+        received.document.names = Some(names);
+        Ok(received)
+    }
+
+    /// Returns whether all that the head announces has come.
+    pub(super) fn is_complete(&self) -> bool {
+        self.announced == self.head.objects as usize
+            && self.document.is_complete(self.head)
+            && self.objects.iter().all(|o| o.decoder.is_complete())
+    }
+
+    /// Takes the next piece of the document.
+    pub(super) fn read_document(&mut self, piece: &[u8]) -> Result<(), FormatError> {
+        if self.head.stored > 0 && piece.is_empty() || !self.document.feed(self.head, piece)? {
+            return Ok(());
+        }
+        let names = self.document.names.take();
+        let named = names.as_ref().map_or(Ok(()), |names| self.name_objects(names));
+        self.document.names = names;
+        named
+    }
+
+    /// Returns whether the header of an object is what comes next of it.
+    pub(super) fn awaits_header(&self, object: usize) -> bool {
+        object == self.announced && object < self.head.objects as usize
+    }
+
+    /// Adds the next object.
+    pub(super) fn announce(
+        &mut self,
+        header: ObjectHeader,
+        limits: &Limits,
+    ) -> Result<(), FormatError> {
+        let sum = |of: fn(&MeshHeader) -> u32| -> u64 {
+            let before: u64 = self.objects.iter().map(|o| u64::from(of(o.decoder.header()))).sum();
+            before + u64::from(of(&header.mesh))
+        };
+        if sum(|m| m.vertices) > limits.vertices || sum(|m| m.triangles) > limits.triangles {
+            let what = "announces more vertices or triangles than the limit";
+            return Err(FormatError::new(Fault::Limit, "objects", what));
+        }
+        let submeshes = header.mesh.submeshes.len();
+        let new = if self.triangles_only { MeshDecoder::triangles_only } else { MeshDecoder::new };
+        let (decoder, strips) = (new(header.mesh), header.strips);
+        let number = self.announced;
+        self.announced += 1;
+        if let Some(object) = self.objects.get_mut(number) {
+            check_submeshes(&object.info, submeshes)?;
+            (object.decoder, object.strips) = (decoder, strips);
+        } else {
+            let info = unnamed(number, submeshes);
+            let facts = SequenceFacts::default();
+            self.objects.push(ReceivedObject { info, facts, decoder, strips });
+        }
+        Ok(())
+    }
+
+    /// Gives all objects their names, also those that are still to come.
+    fn name_objects(&mut self, names: &Names) -> Result<(), FormatError> {
+        for (number, (info, facts)) in names.objects.iter().enumerate() {
+            let (info, facts) = (info.clone(), *facts);
+            if let Some(object) = self.objects.get_mut(number) {
+                check_submeshes(&info, object.decoder.header().submeshes.len())?;
+                (object.info, object.facts) = (info, facts);
+            } else {
+                let decoder = MeshDecoder::new(MeshHeader::unknown(info.submeshes.len()));
+                self.objects.push(ReceivedObject { info, facts, decoder, strips: None });
+            }
+        }
+        Ok(())
+    }
+
+    /// The whole document; none while some of it is missing.
+    pub(super) fn whole_document(&self) -> Option<&Document> {
+        let names = self.document.names.as_ref()?;
+        self.document.is_complete(self.head).then_some(&names.document)
+    }
+
+    /// A glTF's document so far; none before its text has come.
+    pub(super) fn gltf(&self) -> Option<&GltfDocument> {
+        match &self.document.names.as_ref()?.document {
+            Document::Gltf(gltf) => Some(gltf),
+            Document::Obj(_) => None,
+        }
+    }
+}
+
+fn check_submeshes(info: &ObjectInfo, submeshes: usize) -> Result<(), FormatError> {
+    if info.submeshes.len() == submeshes {
+        return Ok(());
+    }
+    let what = "has other submeshes in the document than in its header";
+    Err(FormatError::new(Fault::Malformed, format!("object \"{}\"", info.name), what))
+}
+
+/// The description of an object whose name has not come.
+fn unnamed(number: usize, submeshes: usize) -> ObjectInfo {
+    let submesh = |i| SubmeshInfo { name: String::new(), material: None, document_primitive: i };
+    ObjectInfo {
+        name: format!("mesh{number}"),
+        submeshes: (0..submeshes as u32).map(submesh).collect(),
+        world_scale: 1.0,
+        document_mesh: number as u32,
+    }
+}

@@ -1,0 +1,133 @@
+//! Triangles come first, and a prefix leaves out what has not come.
+
+use super::*;
+use crate::export::{ExportFormat, ExportObject, export};
+use crate::import::{ImportOptions, gltf::tests::read_bytes};
+use lodc_fixtures as fixtures;
+use serde_json::{Value, json};
+use std::path::Path;
+
+/// Returns the bytes of a stream after which there are triangles.
+fn first_triangles(bytes: &[u8]) -> usize {
+    let mut unpacker = Unpacker::new(Limits::DEFAULT);
+    let mut at = 0;
+    for end in ends(bytes) {
+        unpacker.feed(&bytes[at..end]).expect("a sound stream");
+        at = end;
+        if (0..unpacker.objects()).any(|i| unpacker.progress(i).triangles[0] > 0) {
+            return end;
+        }
+    }
+    panic!("no triangles at all")
+}
+
+#[test]
+fn triangles_come_before_the_document_and_within_a_few_hundred_bytes() {
+    for (name, make) in fixtures::ALL {
+        let mesh = make();
+        if mesh.triangles().is_empty() {
+            continue;
+        }
+        let simplified =
+            lodc_simplify::simplify(&mesh, &lodc_simplify::Options::DEFAULT, &|_, _| {});
+        let mut file = gltf(vec![object(name, simplified)]);
+        let Document::Gltf(document) = &mut file.document else { unreachable!("made above") };
+        document.blob = (0..40_000u32).map(|i| (i * i >> 7) as u8).collect();
+        let strips = strips_of(&file);
+        let all: Vec<_> = strips.iter().map(Some).collect();
+        let packed = pack(&file, &all, &PackOptions::default()).expect("a sound file");
+        let first = first_triangles(&packed.bytes);
+        // Three positions of this one have five or six vertices each, with normals of twelve bytes.
+        let most = if *name == "faceted_sphere" { 720 } else { 600 };
+        assert!(first <= most, "{name}: {first} bytes before its first triangles");
+        assert!(20 * first <= packed.bytes.len(), "{name}: {first} of {}", packed.bytes.len());
+        assert!(fed(&packed.bytes).is_complete());
+    }
+}
+
+/// A document whose texture, skin and animations lie one after the other in its buffer.
+fn rigged(mesh: &lodc_mesh::Mesh) -> GltfDocument {
+    let view =
+        |at: usize, length: usize| json!({ "buffer": 0, "byteOffset": at, "byteLength": length });
+    let accessor = |view: usize, count: usize, kind: &str| {
+        let mut accessor = json!({ "componentType": 5126, "count": count, "type": kind });
+        accessor["bufferView"] = view.into();
+        accessor
+    };
+    let primitives: Vec<Value> =
+        mesh.submeshes().iter().map(|_| json!({ "material": 0 })).collect();
+    let channel = |path: &str| json!({ "sampler": 0, "target": { "node": 1, "path": path } });
+    let animation = |output: usize, path: &str| {
+        let samplers = json!([{ "input": 1, "output": output }]);
+        json!({ "samplers": samplers, "channels": [channel(path)] })
+    };
+    let mut times = accessor(2, 10, "SCALAR");
+    (times["min"], times["max"]) = (json!([0.0]), json!([9.0]));
+    let root = json!({
+        "asset": { "version": "2.0" },
+        "scene": 0,
+        "scenes": [{ "nodes": [0, 1] }],
+        "nodes": [{ "mesh": 0, "skin": 0 }, { "name": "joint" }],
+        "meshes": [{ "primitives": primitives }],
+        "materials": [{
+            "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } },
+            "extensions": { "KHR_materials_clearcoat": { "clearcoatTexture": { "index": 0 } } }
+        }],
+        "extensionsUsed": ["KHR_materials_clearcoat"],
+        "textures": [{ "source": 0 }],
+        "images": [{ "bufferView": 1, "mimeType": "image/png" }],
+        "skins": [{ "joints": [1], "inverseBindMatrices": 0 }],
+        "animations": [animation(2, "translation"), animation(3, "rotation")],
+        "accessors": [
+            accessor(0, 1, "MAT4"), times, accessor(3, 10, "VEC3"), accessor(4, 10, "VEC4")
+        ],
+        "bufferViews": [
+            view(0, 64), view(64, 3000), view(3064, 40), view(3104, 120), view(3224, 160)
+        ],
+        "buffers": [{ "byteLength": 4000 }],
+    });
+    GltfDocument {
+        json: root.to_string(),
+        blob: (0..4000u32).map(|i| (i * i >> 5) as u8).collect(),
+    }
+}
+
+#[test]
+fn a_prefix_leaves_out_what_has_not_come_and_is_valid() {
+    let mesh = fixtures::skinned_tube(lodc_mesh::Component::U8);
+    let mut file = gltf(vec![object("tube", fixtures::random_collapse(&mesh, 1))]);
+    file.objects[0].info.document_mesh = 0;
+    file.document = Document::Gltf(rigged(&mesh));
+    let packed = pack(&file, &[], &PackOptions::default()).expect("a sound file");
+    let mut seen = Vec::new();
+    for end in ends(&packed.bytes).into_iter().skip(1) {
+        let unpacker = fed(&packed.bytes[..end]);
+        let arrived = unpacker.arrived().expect("a sound document").expect("a head");
+        assert!(unpacker.document().is_none() || arrived.left_out.is_empty());
+        let meshes: Vec<_> =
+            (0..unpacker.objects()).map(|i| unpacker.mesh(i).expect("a mesh").0).collect();
+        let objects: Vec<_> = (arrived.infos.iter().zip(&meshes))
+            .map(|(info, mesh)| ExportObject { info, mesh })
+            .collect();
+        let glb = export(Path::new("a.glb"), ExportFormat::Glb, &arrived.document, &objects);
+        let glb = glb.expect("it can be written").remove(0).bytes;
+        if meshes.iter().any(|m| !m.triangles().is_empty()) {
+            read_bytes(&glb, &ImportOptions::default()).expect("it can be read again");
+            gltf_crate(&glb);
+        }
+        if seen.last() != Some(&arrived.left_out) {
+            seen.push(arrived.left_out);
+        }
+    }
+    let all = ["names, nodes, materials, textures, skins and animations"];
+    assert_eq!(seen.first().expect("at least one"), &all, "{seen:?}");
+    assert!(seen.contains(&vec!["1 texture".to_owned(), "2 animations".to_owned()]), "{seen:?}");
+    assert_eq!(seen.last(), Some(&Vec::new()), "{seen:?}");
+}
+
+/// Asserts that an independent reader takes a file as valid.
+fn gltf_crate(glb: &[u8]) {
+    let document = ::gltf::Gltf::from_slice(glb).expect("valid glTF");
+    let length = document.blob.as_ref().map_or(0, Vec::len);
+    assert!(document.views().all(|v| v.offset() + v.length() <= length));
+}

@@ -1,0 +1,210 @@
+//! A second reader, written in Python from docs/FORMAT.md and docs/STREAM.md, agrees with this
+//! program: on levels of every structure and on every step of the golden streams.
+
+#![expect(clippy::print_stderr, reason = "a test that is left out says so aloud")]
+
+mod support;
+
+use lodc_fixtures::{Rng, named, random_collapse};
+use lodc_formats::lodc::{self, LodFile, LodObject};
+use lodc_formats::lods::Unpacker;
+use lodc_formats::{Document, Limits, ObjDocument, ObjectInfo, Source, SourceFormat, SubmeshInfo};
+use lodc_lod::{AnyModel, ModelKind};
+use lodc_mesh::{Lod, OrientedTriangle, Simplified};
+use lodc_strip::{StripOptions, StripPool};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::Arc;
+use support::Folder;
+
+/// Shapes with several submeshes, attributes, seams, fakes, points and no triangles at all.
+const SHAPES: [&str; 20] = [
+    "coloured_cube",
+    "cube",
+    "duplicate_faces",
+    "empty",
+    "faceted_sphere",
+    "icosphere",
+    "machine_part",
+    "mobius_strip",
+    "morphing_sphere",
+    "needles",
+    "open_box",
+    "quantised_torus",
+    "several_components",
+    "signed_zero_ring",
+    "skinned_tube_u8",
+    "striped_sphere",
+    "terrain",
+    "torus",
+    "triangle_soup",
+    "uv_sphere",
+];
+/// Levels of each shape, and those of them that `lodc extract` takes out, too.
+const LEVELS: usize = 100;
+const EXTRACTED: usize = 3;
+
+/// Runs the script; its standard output. None, said aloud, without Python and NumPy.
+fn python(arguments: &[&Path]) -> Option<String> {
+    let program = std::env::var_os("LODC_PYTHON").unwrap_or_else(|| "python3".into());
+    let has_numpy = Command::new(&program).args(["-c", "import numpy"]).output();
+    if !has_numpy.is_ok_and(|o| o.status.success()) {
+        assert!(
+            std::env::var_os("CI").is_none(),
+            "LODC_PYTHON must name a Python with NumPy where CI is set"
+        );
+        eprintln!("SKIPPED: no Python with NumPy (tests/run installs it and sets LODC_PYTHON)");
+        return None;
+    }
+    let script = root().join("tests/second_reader.py");
+    let output = Command::new(&program).arg(script).args(arguments).output();
+    let output = output.expect("it ran a moment ago");
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{}\n{errors}", String::from_utf8_lossy(&output.stdout));
+    Some(String::from_utf8(output.stdout).expect("the script prints text"))
+}
+
+fn root() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+fn put(out: &mut Vec<u8>, numbers: impl IntoIterator<Item = u32>) {
+    numbers.into_iter().for_each(|n| out.extend(n.to_le_bytes()));
+}
+
+fn put_triangles(out: &mut Vec<u8>, triangles: &[OrientedTriangle]) {
+    put(out, [triangles.len() as u32]);
+    for t in triangles {
+        put(out, [t.submesh, t.corners[0], t.corners[1], t.corners[2]]);
+    }
+}
+
+/// A file with every structure of a shape.
+fn file(name: &str, simplified: Simplified) -> LodFile {
+    let simplified = Arc::new(simplified);
+    let submesh =
+        |i| SubmeshInfo { name: format!("part{i}"), material: None, document_primitive: i };
+    let info = ObjectInfo {
+        name: name.to_owned(),
+        submeshes: (0..simplified.mesh().submeshes().len() as u32).map(submesh).collect(),
+        world_scale: 1.0,
+        document_mesh: 0,
+    };
+    let mut strips = StripPool::new(&simplified, StripOptions::default());
+    let model = |&kind| AnyModel::build(kind, &mut strips).expect("triangles are in order");
+    let models = ModelKind::ALL.iter().map(model).collect();
+    LodFile {
+        source: Source { format: SourceFormat::Obj, content_hash: 1 },
+        document: Document::Obj(ObjDocument::default()),
+        objects: vec![LodObject { info, simplified, models }],
+        made_from: None,
+        left_out: Vec::new(),
+    }
+}
+
+/// Random LODs of a shape, with the reference's triangles: `NAME.levels`. Some of them as
+/// `NAME@LOD.glb` besides.
+fn write_levels(folder: &Folder, name: &str, simplified: &Simplified, seed: u64) {
+    let (mut out, mut random) = (Vec::new(), Rng::new(seed));
+    let last = simplified.collapses().last().0;
+    for i in 0..LEVELS {
+        let lod = simplified.collapses().floor(Lod(random.below(last as usize + 1) as u32));
+        let mut triangles = simplified.triangles_at(lod);
+        triangles.sort_unstable();
+        put(&mut out, [lod.0]);
+        put_triangles(&mut out, &triangles);
+        if i < EXTRACTED && !triangles.is_empty() {
+            let (input, output) = (format!("{name}.lodc"), format!("{name}@{}.glb", lod.0));
+            let lod = lod.0.to_string();
+            folder.lodc(["extract", &input, "--lod", &lod, "-o", &output, "-q"]).ends(0);
+        }
+    }
+    folder.file(&format!("{name}.levels"), out);
+}
+
+#[test]
+fn levels_of_every_structure_are_those_of_the_reference_and_of_extract() {
+    let folder = Folder::new();
+    for (seed, name) in (0..).zip(SHAPES) {
+        let mesh = named(name).expect("a shape");
+        let simplified = if seed % 2 == 0 {
+            lodc_simplify::simplify(&mesh, &lodc_simplify::Options::DEFAULT, &|_, _| {})
+        } else {
+            random_collapse(&mesh, seed)
+        };
+        let file = file(name, simplified);
+        folder.file(&format!("{name}.lodc"), lodc::write(&file));
+        write_levels(&folder, name, &file.objects[0].simplified, seed);
+    }
+    let Some(said) = python(&[Path::new("levels"), folder.path()]) else { return };
+    let shapes = SHAPES.len();
+    assert!(said.starts_with(&format!("{shapes} files, {} levels", shapes * LEVELS)), "{said}");
+}
+
+/// The meshes that the unpacker shows after each block of a stream: `NAME.states`.
+fn states(stream: &[u8]) -> Vec<u8> {
+    let (mut unpacker, mut out, mut used) = (Unpacker::new(Limits::DEFAULT), Vec::new(), 0);
+    for byte in stream {
+        unpacker.feed(std::slice::from_ref(byte)).expect("a sound stream");
+        if unpacker.bytes() == used {
+            continue;
+        }
+        used = unpacker.bytes();
+        put(&mut out, [used as u32, unpacker.objects() as u32]);
+        for object in 0..unpacker.objects() {
+            let decoder = unpacker.decoder(object);
+            let submesh = |t: [u32; 3]| decoder.vertex_submesh()[t[0] as usize];
+            let triangle = |t| OrientedTriangle::new(submesh(t), t);
+            put(&mut out, [decoder.vertex_count(), decoder.error().to_bits()]);
+            put_triangles(&mut out, &decoder.triangles().map(triangle).collect::<Vec<_>>());
+            let strips = unpacker.strips(object);
+            put(&mut out, [strips.as_ref().map_or(0, |s| s.len() as u32)]);
+            for strip in strips.iter().flat_map(|s| s.iter()) {
+                put(&mut out, [strip.len() as u32]);
+                put(&mut out, strip.iter().copied());
+            }
+        }
+    }
+    assert!(unpacker.is_complete());
+    out
+}
+
+#[test]
+fn golden_streams_are_read_alike_step_by_step() {
+    let folder = Folder::new();
+    let golden = root().join("fixtures/golden");
+    let mut streams = 0;
+    for version in ["lods1", "lods2"] {
+        for entry in std::fs::read_dir(golden.join(version)).expect("golden streams") {
+            let path = entry.expect("an entry").path();
+            let name = path.file_stem().expect("a name").to_string_lossy().into_owned();
+            let states = states(&std::fs::read(&path).expect("a golden stream"));
+            folder.file(&format!("{version}/{name}.states"), states);
+            streams += 1;
+        }
+    }
+    let Some(said) = python(&[Path::new("streams"), folder.path(), &golden]) else { return };
+    assert!(streams >= 7 && said.starts_with(&format!("{streams} streams")), "{said}");
+}
+
+#[test]
+fn golden_files_give_their_facts() {
+    for version in 1..=lodc::VERSION {
+        let golden = root().join(format!("fixtures/golden/v{version}"));
+        let Some(said) = python(&[Path::new("facts"), &golden]) else { return };
+        let facts = std::fs::read_to_string(golden.join("facts.txt")).expect("the facts");
+        assert_eq!(said, facts);
+    }
+}
+
+#[test]
+fn damage_is_found_with_its_place() {
+    let folder = Folder::new();
+    let golden = root().join("fixtures/golden");
+    let Some(said) = python(&[Path::new("damage"), &golden.join("v3"), &golden.join("lods2")])
+    else {
+        return;
+    };
+    assert!(said.starts_with("all "), "{said}");
+    drop(folder);
+}
