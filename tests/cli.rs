@@ -29,6 +29,8 @@ mod refused;
 #[cfg(feature = "gpu")]
 #[path = "cli/render.rs"]
 mod render;
+#[path = "cli/report.rs"]
+mod report;
 #[path = "cli/shaders.rs"]
 mod shaders;
 #[path = "cli/stream.rs"]
@@ -40,3 +42,9 @@ mod support;
 mod usage;
 #[path = "cli/verify.rs"]
 mod verify;
+#[path = "cli/view.rs"]
+mod view;
+#[path = "cli/web.rs"]
+mod web;
+#[path = "cli/webgpu.rs"]
+mod webgpu;

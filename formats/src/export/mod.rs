@@ -5,7 +5,7 @@ mod gltf;
 mod obj;
 mod ply;
 
-pub use gltf::{ChainObject, ChainShape, export_chain};
+pub use gltf::{ChainObject, ChainShape, LevelsObject, export_chain, export_levels};
 
 use crate::{Document, FormatError, ObjectInfo, OutputFile};
 use lodc_mesh::Mesh;

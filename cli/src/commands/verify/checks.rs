@@ -17,7 +17,7 @@ pub(super) fn models(file: &LodFile, stride: u32) -> Outcome<Vec<CheckReport>> {
     Ok(checked?.concat())
 }
 
-fn object(object: &LodObject, options: &VerifyOptions) -> Outcome<Vec<CheckReport>> {
+pub(super) fn object(object: &LodObject, options: &VerifyOptions) -> Outcome<Vec<CheckReport>> {
     let name = &object.info.name;
     let reference = Reference::new(&object.simplified).map_err(|e| {
         Failure::new(Status::Limit, format!("{name}: {e}; nothing more was verified"))

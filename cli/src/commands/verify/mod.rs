@@ -18,6 +18,8 @@ use crate::report::{CheckReport, FileReport, SCHEMA_VERSION, VerifyReport};
 use crate::text::{count, grouped};
 use clap::Args;
 use gpu::Gpu;
+use lodc_formats::lodc::LodObject;
+use lodc_verify::VerifyOptions;
 use sources::Sources;
 use std::num::NonZeroU32;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -138,6 +140,14 @@ fn check(
         all.extend(gpu::checks(&file, gpu, wanted)?);
     }
     Ok(all)
+}
+
+/// All checks of one object with its models.
+///
+/// # Errors
+/// If it is too large to be verified.
+pub(in crate::commands) fn object_checks(object: &LodObject) -> Outcome<Vec<CheckReport>> {
+    checks::object(object, &VerifyOptions::default())
 }
 
 /// One line per check on standard output; with `-q` only those that failed.

@@ -2,6 +2,8 @@
 
 mod chain;
 mod fresh;
+mod images;
+mod levels;
 mod prune;
 mod writer;
 
@@ -15,6 +17,7 @@ use std::path::Path;
 use writer::Writer;
 
 pub use chain::{ChainObject, ChainShape, export_chain};
+pub use levels::{LevelsObject, export_levels};
 
 const MAGIC: u32 = 0x4654_6c67;
 const JSON: u32 = 0x4e4f_534a;
