@@ -62,6 +62,18 @@ picture: build
 drawing:
     UPDATE=1 cargo test -p lodc --test architecture picture
 
+# Build the browser package, and serve its example on port 8000: http://localhost:8000/example/
+web: build
+    #!/usr/bin/env bash
+    set -euo pipefail
+    crates/web/build
+    (cd target/web && npm install --silent --no-audit --no-fund --no-save three@0.180.0)
+    mkdir -p target/web/models
+    target/release/lodc build fixtures/machine_part.glb -o target/web/models/crowd.lodc -q
+    target/release/lodc build fixtures/terrain.glb -o target/web/models/terrain.lodc -q
+    target/release/lodc pack target/web/models/terrain.lodc -o target/web/models/stream.lods -q
+    python3 -m http.server 8000 --directory target/web
+
 # lodc beside meshoptimizer and others on one mesh (made on the spot without one); --build-openmesh adds OpenMesh
 peers *words:
     tests/peers/run {{words}}

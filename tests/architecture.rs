@@ -57,6 +57,7 @@ const DRAWING: &[(&str, &[&str])] = &[
             "zune-jpeg",
         ],
     ),
+    ("crates/web", &["lodc-formats"]),
     (
         "cli",
         &[

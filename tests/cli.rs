@@ -29,6 +29,8 @@ mod refused;
 #[cfg(feature = "gpu")]
 #[path = "cli/render.rs"]
 mod render;
+#[path = "cli/report.rs"]
+mod report;
 #[path = "cli/select.rs"]
 mod select;
 #[path = "cli/shaders.rs"]
@@ -42,3 +44,9 @@ mod support;
 mod usage;
 #[path = "cli/verify.rs"]
 mod verify;
+#[path = "cli/view.rs"]
+mod view;
+#[path = "cli/web.rs"]
+mod web;
+#[path = "cli/webgpu.rs"]
+mod webgpu;

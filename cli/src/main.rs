@@ -9,6 +9,7 @@ mod config;
 mod console;
 mod exit;
 mod gpu;
+mod html;
 mod interrupt;
 mod kinds;
 mod levels;
@@ -28,7 +29,7 @@ use clap::{CommandFactory, Parser};
 use cli::{Cli, Command};
 use commands::{
     bench, build, chain, compare, completions, config as config_command, extract, info, man, pack,
-    render, select, shaders, strips, unpack, verify,
+    render, select, shaders, strips, unpack, verify, view,
 };
 use console::Loudness;
 use exit::{Outcome, Status};
@@ -71,6 +72,8 @@ fn run() -> Status {
         Command::Verify(args) => verify::run(args),
         Command::Compare(args) => compare::run(args),
         Command::Render(args) => done(render::run(args)),
+        Command::Report(args) => commands::report::run(args),
+        Command::View(args) => done(view::run(args)),
         Command::Pack(args) => done(pack::run(args)),
         Command::Unpack(args) => unpack::run(args),
         Command::Strips(args) => done(strips::run(args)),

@@ -6,7 +6,7 @@ mod obj;
 mod ply;
 
 pub(crate) use gltf::gltf_without_missing;
-pub use gltf::{ChainObject, ChainShape, export_chain};
+pub use gltf::{ChainObject, ChainShape, LevelsObject, export_chain, export_levels};
 
 use crate::{Document, FormatError, ObjectInfo, OutputFile};
 use lodc_mesh::Mesh;

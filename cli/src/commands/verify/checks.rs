@@ -6,7 +6,7 @@ use crate::exit::{Failure, Outcome, Status};
 use crate::report::CheckReport;
 use lodc_formats::import::{ImportOptions, import};
 use lodc_formats::lodc::{LodFile, LodObject};
-use lodc_formats::{Limits, ObjectInfo, scene_graph};
+use lodc_formats::{Document, Limits, ObjectInfo, scene_graph};
 use lodc_scene::{Arrangement, shape_in_scene};
 use lodc_verify::{Check, Reference, VerifyOptions, verify};
 use rayon::prelude::*;
@@ -16,15 +16,20 @@ use std::path::Path;
 ///
 /// # Errors
 /// If the stored document is damaged, or an object is more than can be verified.
-pub(super) fn models(file: &LodFile, stride: u32, limits: &Limits) -> Outcome<Vec<CheckReport>> {
+pub(in crate::commands) fn models(
+    objects: &[LodObject],
+    document: &Document,
+    stride: u32,
+    limits: &Limits,
+) -> Outcome<Vec<CheckReport>> {
     let options = VerifyOptions { stride, ..VerifyOptions::default() };
-    let infos: Vec<&ObjectInfo> = file.objects.iter().map(|o| &o.info).collect();
-    let graph = scene_graph(&file.document, &infos, limits)?;
+    let infos: Vec<&ObjectInfo> = objects.iter().map(|o| &o.info).collect();
+    let graph = scene_graph(document, &infos, limits)?;
     let scene = Arrangement::new(&graph, &graph.rest_pose(), infos.len());
     let one = |(number, o): (usize, &LodObject)| {
         object(o, &shape_in_scene(o.simplified.mesh(), number, &scene), &options)
     };
-    let checked: Outcome<Vec<_>> = file.objects.par_iter().enumerate().map(one).collect();
+    let checked: Outcome<Vec<_>> = objects.par_iter().enumerate().map(one).collect();
     Ok(checked?.concat())
 }
 

@@ -7,6 +7,8 @@ mod junit;
 mod source;
 mod sources;
 
+pub(in crate::commands) use checks::models;
+
 use super::read::read_lodc;
 use crate::batch;
 use crate::console::{self, Loudness, error, wants};
@@ -130,7 +132,8 @@ fn check(
     input: &Path,
 ) -> Outcome<Vec<CheckReport>> {
     let (file, _) = read_lodc(input, args.import.options().limits)?;
-    let mut all = checks::models(&file, args.stride.get(), &args.import.options().limits)?;
+    let mut all =
+        models(&file.objects, &file.document, args.stride.get(), &args.import.options().limits)?;
     if let Some(source) = sources.of(&file, input)? {
         all.push(checks::source(&file, source, &args.import.options())?);
     }

@@ -2,6 +2,8 @@
 
 mod chain;
 mod fresh;
+mod images;
+mod levels;
 mod missing;
 mod prune;
 mod writer;
@@ -16,6 +18,7 @@ use std::path::Path;
 use writer::Writer;
 
 pub use chain::{ChainObject, ChainShape, export_chain};
+pub use levels::{LevelsObject, export_levels};
 pub(crate) use missing::gltf_without_missing;
 
 const MAGIC: u32 = 0x4654_6c67;

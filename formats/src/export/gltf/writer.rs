@@ -91,7 +91,7 @@ impl Writer {
     }
 
     /// Vertex data: the elements of a stream in the given order.
-    fn stream(&mut self, a: &Attribute, vertices: &[u32]) -> Result<Value, FormatError> {
+    pub(super) fn stream(&mut self, a: &Attribute, vertices: &[u32]) -> Result<Value, FormatError> {
         let (name, columns) = match a.components {
             1 => ("SCALAR", 1),
             2 => ("VEC2", 1),

@@ -42,8 +42,8 @@ fn four(first: u32) -> u32 {
     let a = triangles[first];
     let b = triangles[first + 1u];
     let c = triangles[first + 2u];
-    return drawn(a.xyz) | drawn(vec3<u32>(a.w, b.xy)) << 1u
-        | drawn(vec3<u32>(b.zw, c.x)) << 2u | drawn(c.yzw) << 3u;
+    return drawn(a.xyz) | (drawn(vec3<u32>(a.w, b.xy)) << 1u)
+        | (drawn(vec3<u32>(b.zw, c.x)) << 2u) | (drawn(c.yzw) << 3u);
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -52,7 +52,7 @@ fn main(thread: Thread) {
     if (i > p.eights) { return; }
     var bits = 0u;
     if (i < p.eights) {
-        bits = four(6u * i) | four(6u * i + 3u) << 4u;
+        bits = four(6u * i) | (four(6u * i + 3u) << 4u);
         live[i] = bits;
     }
     places[i] = countOneBits(bits);

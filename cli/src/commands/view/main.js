@@ -1,0 +1,42 @@
+// Opens the model of the page and shows it.
+
+import { Glb } from '../../../../crates/web/js/glb.js';
+import { Scene } from '../../../../crates/web/js/scene.js';
+import { ViewDependent } from '../../../../crates/web/js/viewdependent.js';
+import { WebglRenderer } from '../../../../crates/web/js/webgl.js';
+import { Controls } from './controls.js';
+import { Viewer } from './viewer.js';
+
+/** RFC 4648 base64 as bytes. */
+function bytesOf(text) {
+  if (Uint8Array.fromBase64) return Uint8Array.fromBase64(text);
+  return Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+}
+
+async function start() {
+  const canvas = document.getElementById('canvas');
+  const model = document.getElementById('model');
+  const scene = new Scene(new Glb(bytesOf(model.textContent)));
+  model.remove();
+  const renderer = await WebglRenderer.create(canvas, scene);
+  if (!renderer) throw new Error('This browser offers no WebGL 2.');
+  const viewer = new Viewer(canvas, scene, renderer);
+  const controls = new Controls(viewer);
+  Object.assign(window, { viewer, controls });
+  // At once: a page in the background gets no frames.
+  viewer.frame(performance.now());
+  // The model is shown without waiting for WebGPU.
+  const wgsl = document.getElementById('view-shader').textContent;
+  const viewDependent = await ViewDependent.create(scene, wgsl);
+  if (viewDependent) {
+    viewer.set({ viewDependent });
+    controls.bindViews();
+  }
+}
+
+start().catch((error) => {
+  const failure = document.getElementById('failure');
+  failure.textContent = `The model cannot be shown: ${error.message}`;
+  failure.hidden = false;
+  throw error;
+});

@@ -1,0 +1,45 @@
+// The scene by views: vertices chosen on WebGPU for the camera as it stands, for the renderer.
+
+import { inverted, moved } from './math.js';
+import { openDevice } from './plan.js';
+import { Views } from './views.js';
+
+export class ViewDependent {
+  /** Null where there is no WebGPU, or for objects with morph targets, which move vertices anew. */
+  static async create(scene, wgsl) {
+    const parts = scene.objects.flatMap((object) => object?.parts ?? []);
+    if (!wgsl || parts.some((part) => part.morphs.length > 0)) return null;
+    const device = await openDevice().catch(() => null);
+    return device && new ViewDependent(scene, device, wgsl);
+  }
+
+  constructor(scene, device, wgsl) {
+    Object.assign(this, { scene, device, wgsl });
+    this.views = new Map();
+    this.shown = null;
+    this.busy = false;
+  }
+
+  /** Results by the number of the placement; `done` is called when they are there. */
+  async choose(eye, slope, morph, done) {
+    if (this.busy) return;
+    this.busy = true;
+    try {
+      // All at once: each run is submitted with its copy before the next one begins.
+      const shown = await Promise.all(this.scene.placements().map(async ({ object, world }) => {
+        if (!this.views.has(object)) {
+          this.views.set(object, new Views(this.device, this.wgsl, object));
+        }
+        const views = this.views.get(object);
+        const result = await views.show(moved(inverted(world), eye), slope, morph);
+        return { ...result, layout: views.layout };
+      }));
+      this.shown = shown;
+      this.triangles = shown.reduce((sum, { indices }) => (
+        sum + indices.reduce((n, list) => n + list.length / 3, 0)), 0);
+    } finally {
+      this.busy = false;
+    }
+    done();
+  }
+}

@@ -1,0 +1,42 @@
+//! Levels of `.lodc` files and `.lods` streams for a browser: bytes in, GLB out.
+//!
+//! Everything is a number or bytes, so that `wasm/` can offer it without knowing any type: a host
+//! writes bytes into an input and reads them from an output. [`Sessions`] keeps what is open.
+
+mod session;
+
+pub use session::{Session, Status};
+
+/// Everything that a host has open, by number.
+#[derive(Debug, Default)]
+pub struct Sessions(Vec<Option<Session>>);
+
+impl Sessions {
+    /// Nothing is open.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self(Vec::new())
+    }
+    /// Opens a session; its number is the smallest that is free.
+    pub fn open(&mut self) -> u32 {
+        let free = self.0.iter().position(Option::is_none).unwrap_or(self.0.len());
+        if free == self.0.len() {
+            self.0.push(None);
+        }
+        self.0[free] = Some(Session::default());
+        free as u32
+    }
+    /// The session of a number, if it is open.
+    pub fn get(&mut self, number: u32) -> Option<&mut Session> {
+        self.0.get_mut(number as usize)?.as_mut()
+    }
+    /// Closes a session and frees its memory.
+    pub fn close(&mut self, number: u32) {
+        if let Some(session) = self.0.get_mut(number as usize) {
+            *session = None;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

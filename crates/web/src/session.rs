@@ -1,0 +1,124 @@
+//! One file or stream: its input, what has been read of it, and its output.
+
+use lodc_formats::export::{ExportFormat, ExportObject, LevelsObject, export, export_levels};
+use lodc_formats::lodc::LodFile;
+use lodc_formats::lods::Unpacker;
+use lodc_formats::{Assets, FormatError, Limits, lodc};
+use std::fmt::Write;
+use std::path::Path;
+
+/// Result of a call; the output holds what it says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Status {
+    /// The output is the result.
+    Done = 0,
+    /// The output is a line that says what is wrong.
+    Failed = 1,
+}
+
+/// A `.lodc` file, or a `.lods` stream that is fed piece by piece.
+#[derive(Debug, Default)]
+pub struct Session {
+    input: Vec<u8>,
+    output: Vec<u8>,
+    stream: Option<Unpacker>,
+}
+
+impl Session {
+    /// Room for the next input of `length` bytes.
+    pub fn input(&mut self, length: usize) -> &mut [u8] {
+        self.input.clear();
+        self.input.resize(length, 0);
+        &mut self.input
+    }
+
+    /// The result of the last call.
+    #[must_use]
+    pub fn output(&self) -> &[u8] {
+        &self.output
+    }
+
+    /// Takes the input as a whole `.lodc` file. The output is a GLB with all levels
+    /// ([`export_levels`]).
+    pub fn open(&mut self) -> Status {
+        let input = std::mem::take(&mut self.input);
+        let glb = lodc::read(&input).and_then(|file| levels(&file));
+        self.answer(glb)
+    }
+
+    /// Takes the input as the next bytes of a `.lods` stream. The output is the progress as JSON:
+    /// `{"complete", "bytes", "objects": [{"vertices", "triangles", "steps", "error"}]}`, each
+    /// count so far and in all.
+    pub fn feed(&mut self) -> Status {
+        let stream =
+            self.stream.get_or_insert_with(|| Unpacker::new(Limits::DEFAULT).triangles_only());
+        let fed = stream.feed(&self.input);
+        let state = fed.map(|()| progress(stream).into_bytes());
+        self.answer(state)
+    }
+
+    /// The output is a GLB of the scene as far as the stream has come.
+    pub fn mesh(&mut self) -> Status {
+        let glb = match &self.stream {
+            Some(stream) => mesh(stream),
+            None => Ok(Vec::new()),
+        };
+        self.answer(glb)
+    }
+
+    fn answer(&mut self, result: Result<Vec<u8>, FormatError>) -> Status {
+        let (output, status) = match result {
+            Ok(bytes) => (bytes, Status::Done),
+            Err(e) => (e.to_string().into_bytes(), Status::Failed),
+        };
+        self.output = output;
+        status
+    }
+}
+
+fn levels(file: &LodFile) -> Result<Vec<u8>, FormatError> {
+    let object = |o| {
+        let o: &lodc::LodObject = o;
+        LevelsObject { info: &o.info, simplified: &o.simplified, strips: None }
+    };
+    let objects: Vec<LevelsObject<'_>> = file.objects.iter().map(object).collect();
+    // A browser has no folder: images of other files stay references.
+    let mut assets = Assets::new(Path::new("-"), &[], Limits::DEFAULT);
+    Ok(export_levels(Path::new("levels.glb"), &file.document, &objects, &mut assets)?.0.bytes)
+}
+
+fn mesh(stream: &Unpacker) -> Result<Vec<u8>, FormatError> {
+    let Some(document) = stream.document() else { return Ok(Vec::new()) };
+    let meshes: Vec<_> = (0..stream.objects())
+        .map(|o| stream.mesh(o).map(|(mesh, _)| mesh))
+        .collect::<Result<_, _>>()?;
+    let objects: Vec<ExportObject<'_>> = meshes
+        .iter()
+        .enumerate()
+        .map(|(o, mesh)| ExportObject { info: stream.info(o), mesh })
+        .collect();
+    let files = export(Path::new("mesh.glb"), ExportFormat::Glb, document, &objects)?;
+    Ok(files.into_iter().next().map(|file| file.bytes).unwrap_or_default())
+}
+
+fn progress(stream: &Unpacker) -> String {
+    let mut json = format!(
+        "{{\"complete\":{},\"bytes\":{},\"objects\":[",
+        stream.is_complete(),
+        stream.bytes()
+    );
+    for object in 0..stream.objects() {
+        let p = stream.progress(object);
+        let ([v, vs], [t, ts], [s, ss]) = (p.vertices, p.triangles, p.steps);
+        let comma = if object > 0 { "," } else { "" };
+        let error = if p.error.is_finite() { p.error } else { f32::MAX };
+        // Writing to a string cannot fail.
+        let _ = write!(
+            json,
+            "{comma}{{\"vertices\":[{v},{vs}],\"triangles\":[{t},{ts}],\"steps\":[{s},{ss}],\
+             \"error\":{error}}}"
+        );
+    }
+    json.push_str("]}");
+    json
+}

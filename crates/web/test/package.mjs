@@ -1,0 +1,107 @@
+// Tests of the built package under node: `node --test` with LODC_WEB naming the package's folder
+// and LODC naming the program (tests/cli/web.rs runs it).
+
+import assert from 'node:assert/strict';
+import { execFileSync } from 'node:child_process';
+import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import test from 'node:test';
+import { pathToFileURL } from 'node:url';
+
+const folder = process.env.LODC_WEB;
+const program = process.env.LODC;
+const fixtures = new URL('../../../fixtures/', import.meta.url).pathname;
+const module = (name) => import(pathToFileURL(join(folder, name)).href);
+const { Lodc } = await module('lodc.js');
+const lodc = await Lodc.create(readFileSync(join(folder, 'lodc.wasm')));
+const scratch = mkdtempSync(join(tmpdir(), 'lodc-web-'));
+test.after(() => rmSync(scratch, { recursive: true }));
+
+function run(...args) {
+  return execFileSync(program, args, { cwd: scratch, encoding: 'utf8' });
+}
+
+function built(input) {
+  const name = `${input}.lodc`;
+  run('build', join(fixtures, input), '-o', name, '-q');
+  return readFileSync(join(scratch, name));
+}
+
+const extracted = (input, ...selector) => JSON.parse(
+  run('extract', `${input}.lodc`, ...selector, '-o', 'l.glb', '--json', '-q'));
+
+const INPUTS = ['machine_part.glb', 'skinned_tube_u8.glb', 'morphing_sphere.glb', 'terrain.obj'];
+
+test('levels are those of extract', () => {
+  for (const input of INPUTS) {
+    const { objects, selection } = lodc.open(built(input));
+    const drawn = () => objects.reduce((sum, { parts }) => (
+      sum + parts.reduce((n, { submesh }) => n + submesh.triangles, 0)), 0);
+    const compare = (lods, ...selector) => {
+      selection.seek(lods);
+      const wanted = extracted(input, ...selector);
+      assert.equal(drawn(), wanted.triangles, `${input} ${selector}`);
+      assert.equal(lods[0], wanted.lod, `${input} ${selector}`);
+    };
+    const half = Math.floor(selection.triangles / 2);
+    for (const lod of [0, 7, 50, 100, 1e6]) compare(selection.byLod(lod), '--lod', String(lod));
+    compare(selection.byTriangles(half), '--triangles', String(half));
+    compare(selection.byTriangles(9), '--triangles', '9');
+    compare(selection.byError(0.01 * selection.unit), '--error', '0.01');
+  }
+});
+
+test('a stream grows to the whole, whatever its pieces', () => {
+  built('machine_part.glb');
+  run('pack', 'machine_part.glb.lodc', '-o', 'part.lods', '-q');
+  const bytes = readFileSync(join(scratch, 'part.lods'));
+  for (const size of [1, 100, 1000, bytes.length]) {
+    const stream = lodc.stream();
+    let before = 0;
+    for (let at = 0; at < bytes.length; at += size) {
+      stream.feed(bytes.subarray(at, at + size));
+      const [now] = stream.triangles();
+      assert.ok(now >= before);
+      before = now;
+    }
+    assert.ok(stream.progress.complete);
+    assert.deepEqual(stream.triangles(), [480, 480]);
+    assert.equal(new TextDecoder().decode(stream.mesh().subarray(0, 4)), 'glTF');
+    stream.close();
+  }
+});
+
+test('damage is an error in one line and other sessions go on', () => {
+  assert.throws(() => lodc.open(new Uint8Array([1, 2, 3])), /^Error: [^\n]+$/);
+  const file = built('terrain.obj');
+  file[file.length >> 1] ^= 255;
+  assert.throws(() => lodc.open(file));
+  assert.throws(() => lodc.stream().feed(new TextEncoder().encode('not a stream')));
+  assert.ok(lodc.open(built('terrain.obj')).selection.triangles > 0);
+});
+
+test('copies of a three.js model share buffers and differ in their ranges', async () => {
+  globalThis.self ??= globalThis;
+  const { LodcLoader, LodcMesh } = await module('three.js');
+  const THREE = await module('node_modules/three/build/three.module.js');
+  for (const input of ['machine_part.glb', 'skinned_tube_u8.glb', 'morphing_sphere.glb']) {
+    const model = await new LodcLoader(lodc).parse(built(input));
+    const [near, far] = [new LodcMesh(model), new LodcMesh(model)];
+    const size = new THREE.Box3().setFromObject(model.scene).getSize(new THREE.Vector3()).length();
+    far.position.z = -1000 * size;
+    const camera = new THREE.PerspectiveCamera(50, 1, size / 100, size * 1e4);
+    camera.position.z = size;
+    camera.updateMatrixWorld();
+    for (const copy of [near, far]) copy.update(camera, 1080);
+    assert.ok(near.triangles > 2 * far.triangles && far.triangles > 0, input);
+    near.meshes.forEach(({ mesh }, i) => {
+      const other = far.meshes[i].mesh;
+      assert.equal(mesh.geometry.attributes.position, other.geometry.attributes.position);
+      assert.equal(mesh.geometry.index, other.geometry.index);
+      assert.equal(mesh.material, other.material);
+      assert.notEqual(mesh.geometry.drawRange, other.geometry.drawRange);
+    });
+    assert.equal(near.meshes.some(({ mesh }) => mesh.isSkinnedMesh), input.startsWith('skinned'));
+  }
+});

@@ -1,0 +1,72 @@
+//! A headless browser that opens pages from the file system.
+
+use std::collections::BTreeMap;
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+/// Chromium without a window.
+pub(crate) struct Browser(PathBuf);
+
+impl Browser {
+    /// The browser that is installed. None, said aloud, if there is none.
+    pub(crate) fn find() -> Option<Self> {
+        let path = std::env::var_os("PATH").unwrap_or_default();
+        let folders: Vec<PathBuf> = std::env::split_paths(&path).collect();
+        let names = ["chromium", "chromium-browser", "google-chrome"];
+        let mut places = names.iter().flat_map(|n| folders.iter().map(move |f| f.join(n)));
+        let found = places.find(|path| path.is_file());
+        if found.is_none() {
+            assert!(std::env::var_os("CI").is_none(), "Chromium must be there where CI is set");
+            eprintln!("SKIPPED: no chromium (tests/run installs it)");
+        }
+        found.map(Self)
+    }
+
+    /// The attributes of a page's root element once it has come to rest. `hash` is the part of the
+    /// address behind `#`.
+    pub(crate) fn attributes(&self, page: &Path, hash: &str) -> BTreeMap<String, String> {
+        let text = self.dump(&format!("file://{}#{hash}", page.display()));
+        let root = text.split_once("<html").and_then(|(_, rest)| rest.split_once('>'));
+        let root = root.unwrap_or_else(|| panic!("no page: {text:.300}")).0;
+        let attribute = |part: &str| {
+            let (name, value) = part.split_once("=\"")?;
+            Some((name.trim().to_owned(), value.to_owned()))
+        };
+        root.split_inclusive("\" ")
+            .filter_map(|p| attribute(p.trim().trim_end_matches('"')))
+            .collect()
+    }
+
+    /// Returns what a page writes to its console behind `done: `, in real time.
+    pub(crate) fn result(&self, page: &Path) -> String {
+        let mut child = Command::new(&self.0)
+            .args(["--headless=new", "--no-sandbox", "--enable-unsafe-webgpu"])
+            .args(["--enable-logging=stderr", &format!("file://{}", page.display())])
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("the browser starts");
+        let lines = BufReader::new(child.stderr.take().expect("it was asked for")).lines();
+        let found = lines.map_while(Result::ok).find_map(|line| {
+            let (_, rest) = line.split_once("\"done: ")?;
+            Some(rest.rsplit_once("\", source:").map_or(rest, |(text, _)| text).to_owned())
+        });
+        let _ = child.kill();
+        let _ = child.wait();
+        found.expect("the page comes to its end")
+    }
+
+    /// The text of a page after its scripts.
+    pub(crate) fn dump(&self, address: &str) -> String {
+        let output = Command::new(&self.0)
+            .args(["--headless=new", "--no-sandbox", "--enable-unsafe-webgpu"])
+            .args(["--virtual-time-budget=20000", "--dump-dom", address])
+            .stdin(Stdio::null())
+            .stderr(Stdio::null())
+            .output()
+            .expect("the browser starts");
+        String::from_utf8_lossy(&output.stdout).into_owned()
+    }
+}
