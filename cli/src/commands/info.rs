@@ -97,7 +97,7 @@ fn object(o: &LodObject, baselines: bool) -> Outcome<ObjectReport> {
     })
 }
 
-/// How long collapse lists are that reach down to the last level.
+/// Lengths of the collapse lists that reach down to the last level.
 fn lists(collapses: &CollapseSequence) -> ListsReport {
     let lengths = CollapseLists::lengths(collapses.targets(), collapses.last());
     let entries: u64 = lengths.iter().map(|&l| u64::from(l)).sum();

@@ -24,7 +24,7 @@ use lodc_mesh::Simplified;
 /// Measures every step of a sequence. `shown` is the surface that is compared: a place for each
 /// vertex of the mesh, in the mesh's units, all finite.
 ///
-/// The result does not depend on threads.
+/// One thread does all of it.
 ///
 /// # Panics
 /// If there are not as many places as vertices.

@@ -213,12 +213,6 @@ fn places_count_and_not_positions() {
 }
 
 #[test]
-fn results_do_not_depend_on_threads() {
-    let simplified = fixtures::random_collapse(&fixtures::named("machine_part").expect("it"), 1);
-    assert_eq!(measured(&simplified), measured(&simplified));
-}
-
-#[test]
 fn nothing_has_no_errors() {
     let simplified = fixtures::random_collapse(&fixtures::named("empty").expect("a shape"), 1);
     assert_eq!(measured(&simplified), StepErrors::default());
