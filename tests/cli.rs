@@ -12,12 +12,18 @@ mod build;
 mod chain;
 #[path = "cli/compare.rs"]
 mod compare;
+#[path = "cli/compress.rs"]
+mod compress;
 #[path = "cli/determinism.rs"]
 mod determinism;
 #[path = "cli/errors.rs"]
 mod errors;
 #[path = "cli/extract.rs"]
 mod extract;
+#[path = "cli/importance.rs"]
+mod importance;
+#[path = "cli/inputs.rs"]
+mod inputs;
 #[path = "cli/output.rs"]
 mod output;
 #[path = "cli/paths.rs"]
@@ -40,6 +46,8 @@ mod stream;
 #[path = "cli/strips.rs"]
 mod strips;
 mod support;
+#[path = "cli/textures.rs"]
+mod textures;
 #[path = "cli/usage.rs"]
 mod usage;
 #[path = "cli/verify.rs"]

@@ -10,8 +10,13 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use support::{Folder, REFUSED, corpus, grid, manifest};
 
-/// Runs the validator on GLB files; errors by file name. None, said aloud, if it is not installed.
-fn errors(folder: &Folder, names: &[String]) -> Option<BTreeMap<String, Vec<String>>> {
+/// Runs the validator on glTF files; errors by file name. Files that they name are left out unless
+/// `with_files`. None, said aloud, if it is not installed.
+fn errors(
+    folder: &Folder,
+    names: &[String],
+    with_files: bool,
+) -> Option<BTreeMap<String, Vec<String>>> {
     let Some(validator) = std::env::var_os("LODC_VALIDATOR") else {
         assert!(
             std::env::var_os("CI").is_none(),
@@ -26,6 +31,7 @@ fn errors(folder: &Folder, names: &[String]) -> Option<BTreeMap<String, Vec<Stri
         .arg(script)
         .arg(validator)
         .arg("list.json")
+        .args(with_files.then_some("--with-files"))
         .current_dir(folder.path())
         .stderr(Stdio::inherit())
         .output()
@@ -70,7 +76,7 @@ fn exports_of_valid_gltf_files_are_valid_at_every_level() {
         }
     }
     assert!(names.len() > 100, "only {} exports", names.len());
-    let Some(errors) = errors(&folder, &names) else { return };
+    let Some(errors) = errors(&folder, &names, false) else { return };
     let bad: Vec<_> =
         errors.iter().filter(|(_, e)| e.iter().any(|code| code != "IO_ERROR")).collect();
     assert!(bad.is_empty(), "{} of {} are invalid: {bad:#?}", bad.len(), names.len());
@@ -86,6 +92,51 @@ fn an_obj_exported_as_glb_is_valid() {
     for (name, ratio) in names.iter().zip(["1", "0.2", "0"]) {
         folder.lodc(["extract", "c.lodc", "--ratio", ratio, "-o", name, "-q"]).ends(0);
     }
-    let Some(errors) = errors(&folder, &names) else { return };
+    let Some(errors) = errors(&folder, &names, false) else { return };
     assert!(errors.values().all(Vec::is_empty), "{errors:#?}");
+}
+
+#[test]
+fn textured_models_are_as_valid_in_another_folder() {
+    let Some(corpus) = corpus() else { return };
+    let folder = Folder::new();
+    let mut pairs = Vec::new();
+    for (path, facts) in manifest(&corpus) {
+        let input = corpus.join(&path);
+        let names_images = || {
+            let text = std::fs::read_to_string(&input).unwrap_or_default();
+            let json: Value = serde_json::from_str(&text).unwrap_or_default();
+            json["images"].as_array().is_some_and(|all| all.iter().any(|i| i["uri"].is_string()))
+        };
+        let refused = REFUSED.iter().any(|(name, _)| *name == path);
+        let large = facts["triangles"].as_u64() > Some(50_000);
+        if !path.ends_with(".gltf") || refused || large || path.contains("/invalid/") {
+            continue;
+        }
+        // Images that are not there stay as they are: what has some shows more.
+        if !names_images() || path.contains("asset-generator") {
+            continue;
+        }
+        let stem = path.replace(['/', ' '], "_");
+        for format in ["gltf", "glb"] {
+            let name = format!("{stem}/{format}/m.{format}");
+            folder.file(&format!("{stem}/{format}/.keep"), "");
+            let input = input.as_os_str().to_string_lossy().into_owned();
+            for command in ["extract", "chain"] {
+                let name = name.replace("/m.", &format!("/{command}."));
+                let args = [command, &input, "-o", &name, "-q"];
+                let selector: &[&str] =
+                    if command == "extract" { &["--ratio", "0.5"] } else { &[] };
+                folder.lodc(args.iter().chain(selector)).ends(0);
+                pairs.push((input.clone(), name));
+            }
+        }
+    }
+    assert!(pairs.len() >= 4 * 5, "only {} exports", pairs.len());
+    let names: Vec<String> = pairs.iter().flat_map(|(a, b)| [a.clone(), b.clone()]).collect();
+    let Some(errors) = errors(&folder, &names, true) else { return };
+    for (input, output) in &pairs {
+        let new: Vec<_> = errors[output].iter().filter(|e| !errors[input].contains(e)).collect();
+        assert!(new.is_empty(), "{output}: {new:?}");
+    }
 }

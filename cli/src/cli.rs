@@ -36,7 +36,7 @@ pub(crate) struct CommonArgs {
 pub(crate) enum Command {
     /// Turn OBJ, glTF or GLB files into .lodc files
     Build(build::BuildArgs),
-    /// Take one level of detail out of a .lodc file
+    /// Take one level of detail out of meshes or .lodc files
     Extract(extract::ExtractArgs),
     /// Write a few levels for engines: one file over one vertex buffer, or a file each
     Chain(chain::ChainArgs),

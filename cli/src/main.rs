@@ -5,13 +5,16 @@ mod batch;
 mod cli;
 mod colours;
 mod commands;
+mod compression;
 mod config;
 mod console;
 mod exit;
 mod gpu;
 mod html;
+mod importance;
 mod interrupt;
 mod kinds;
+mod level_mesh;
 mod levels;
 mod limits;
 mod memory;
@@ -23,6 +26,7 @@ mod report;
 mod selector;
 mod stages;
 mod text;
+mod textures;
 mod version;
 
 use clap::{CommandFactory, Parser};
@@ -66,7 +70,7 @@ fn run() -> Status {
     let done = |outcome: Outcome<()>| outcome.map(|()| Status::Done);
     let outcome = interrupt::install().and_then(|()| match &cli.command {
         Command::Build(args) => build::run(args),
-        Command::Extract(args) => done(extract::run(args)),
+        Command::Extract(args) => extract::run(args),
         Command::Chain(args) => done(chain::run(args)),
         Command::Info(args) => done(info::run(args)),
         Command::Verify(args) => verify::run(args),

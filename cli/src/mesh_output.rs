@@ -4,7 +4,7 @@ use crate::console;
 use crate::exit::{Failure, Outcome};
 use crate::output::{self, Target};
 use clap::ValueEnum;
-use lodc_formats::export::{ExportFormat, ExportObject, export};
+use lodc_formats::export::{Additions, ExportFormat, ExportObject, export_with};
 use lodc_formats::{Document, OutputFile};
 use std::path::{Path, PathBuf};
 
@@ -53,7 +53,7 @@ impl FormatName {
 /// The output as it was asked for.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Wanted<'a> {
-    pub(crate) input: &'a Path,
+    pub(crate) inputs: &'a [PathBuf],
     pub(crate) output: &'a Path,
     pub(crate) format: Option<FormatName>,
     /// True if standard output is taken by JSON.
@@ -62,8 +62,20 @@ pub(crate) struct Wanted<'a> {
 }
 
 impl Wanted<'_> {
-    /// Returns the target of the result and its format.
+    /// Returns the target of the only result, and its format.
+    ///
+    /// # Errors
+    /// As [`Self::targets`].
     pub(crate) fn target(&self) -> Outcome<(Target, FormatName)> {
+        let (mut targets, format) = self.targets()?;
+        Ok((targets.pop().expect("one input has one target")?, format))
+    }
+
+    /// Returns the target of the result of every input, and their format.
+    ///
+    /// # Errors
+    /// If OUT does not suit the inputs, or nothing can be written there.
+    pub(crate) fn targets(&self) -> Outcome<(Vec<Outcome<Target>>, FormatName)> {
         if output::is_stream(self.output) {
             let format = self.format.unwrap_or(FormatName::Glb);
             if self.json {
@@ -79,21 +91,20 @@ impl Wanted<'_> {
                     "a dependency file needs an output file, not standard output",
                 ));
             }
-            return Ok((Target::Stdout, format));
+            return Ok((output::targets(self.inputs, Some(self.output), "")?, format));
         }
-        let folder = output::is_folder(self.output);
+        let folder = self.inputs.len() > 1 || output::is_folder(self.output);
         let format = if folder { self.format.unwrap_or(FormatName::Glb) } else { self.by_name()? };
-        let inputs = &[self.input.to_owned()];
-        let targets = output::targets(inputs, Some(self.output), format.extension())?;
-        output::prepare(&targets, folder)?;
+        let targets = output::targets(self.inputs, Some(self.output), format.extension())?;
+        output::prepare(targets.iter().flatten(), folder)?;
         if let Some(depfile) = self.depfile {
-            if output::is_stream(depfile) || depfile == self.output || depfile == self.input {
+            let is_input = self.inputs.iter().any(|input| input == depfile);
+            if output::is_stream(depfile) || depfile == self.output || is_input {
                 return Err(Failure::usage("the dependency file needs a name of its own"));
             }
             output::prepare(&[Target::File(depfile.to_owned())], false)?;
         }
-        let target = targets.into_iter().next().expect("one input has one target");
-        Ok((target, format))
+        Ok((targets, format))
     }
 
     /// The format by option or by the extension of OUT.
@@ -111,12 +122,13 @@ pub(crate) fn files(
     format: FormatName,
     document: &Document,
     objects: &[ExportObject<'_>],
+    additions: &Additions,
 ) -> Outcome<Vec<OutputFile>> {
     let path = match target {
         Target::File(path) => path.clone(),
         Target::Stdout => PathBuf::from("stdout").with_extension(format.extension()),
     };
-    Ok(export(&path, format.format(), document, objects)?)
+    Ok(export_with(&path, format.format(), document, objects, additions)?)
 }
 
 /// Writes what [`files`] gave.

@@ -3,7 +3,7 @@
 use crate::exit::{Failure, Outcome, Status};
 use crate::{console, interrupt};
 use lodc_formats::{OutputFile, write_all};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// Target of one result.
@@ -30,16 +30,26 @@ pub(crate) fn is_stream(path: &Path) -> bool {
     path.as_os_str() == "-"
 }
 
-/// Returns the target of each input's result. `out` is a file for one input, a folder for several
-/// or if it is one already (or ends with a slash); without it results stand beside the inputs.
+/// Returns the target of one input's result, as [`targets`] does.
 ///
 /// # Errors
-/// If two results would have one name, or a result would replace an input.
+/// As [`targets`], and if the result would replace the input.
+pub(crate) fn target(input: &Path, out: Option<&Path>, extension: &str) -> Outcome<Target> {
+    let mut targets = targets(&[input.to_owned()], out, extension)?;
+    targets.pop().expect("one input has one target")
+}
+
+/// Returns the target of each input's result. `out` is a file for one input, a folder for several
+/// or if it is one already (or ends with a slash); without it results stand beside the inputs. An
+/// input whose result would have the name of another one's, or replace an input, has none.
+///
+/// # Errors
+/// If OUT does not suit so many inputs.
 pub(crate) fn targets(
     inputs: &[PathBuf],
     out: Option<&Path>,
     extension: &str,
-) -> Outcome<Vec<Target>> {
+) -> Outcome<Vec<Outcome<Target>>> {
     let targets: Vec<Target> = match out {
         Some(out) if is_stream(out) => {
             if inputs.len() > 1 {
@@ -71,27 +81,39 @@ pub(crate) fn targets(
             .map(|input| Target::File(input.with_file_name(named(input, extension))))
             .collect(),
     };
-    let mut taken = BTreeMap::new();
+    Ok(unshared(targets, inputs))
+}
+
+/// Keeps the targets that no other result takes and that replace no input.
+fn unshared(targets: Vec<Target>, inputs: &[PathBuf]) -> Vec<Outcome<Target>> {
+    let mut takers: BTreeMap<PathBuf, Vec<&PathBuf>> = BTreeMap::new();
     for (target, input) in targets.iter().zip(inputs) {
-        let Target::File(path) = target else { continue };
-        if let Some(other) = taken.insert(place(path), input) {
-            return Err(Failure::usage(format!(
-                "{}: {} and {} would both be written there",
-                path.display(),
-                other.display(),
-                input.display()
-            )));
-        }
-        if let Some(input) =
-            inputs.iter().find(|input| !is_stream(input) && place(input) == place(path))
-        {
-            return Err(Failure::usage(format!(
-                "{}: the output would replace the input",
-                input.display()
-            )));
+        if let Target::File(path) = target {
+            takers.entry(place(path)).or_default().push(input);
         }
     }
-    Ok(targets)
+    let sources: BTreeSet<PathBuf> =
+        inputs.iter().filter(|i| !is_stream(i)).map(|i| place(i)).collect();
+    let checked = |(target, input): (Target, &PathBuf)| {
+        let Target::File(path) = &target else { return Ok(target) };
+        let place = place(path);
+        // Which of an input's names is meant cannot matter to one that is named twice.
+        let other = takers[&place].iter().find(|other| **other != input);
+        if let Some(other) = other.or((takers[&place].len() > 1).then_some(&input)) {
+            return Err(Failure::usage(format!(
+                "{}: would be written to {}, and so would {}",
+                input.display(),
+                path.display(),
+                other.display()
+            )));
+        }
+        if sources.contains(&place) {
+            let what = format!("{}: the output would replace an input", path.display());
+            return Err(Failure::usage(what));
+        }
+        Ok(target)
+    };
+    targets.into_iter().zip(inputs).map(checked).collect()
 }
 
 /// Returns whether results belong inside.
@@ -131,7 +153,10 @@ pub(crate) fn place(path: &Path) -> PathBuf {
 ///
 /// # Errors
 /// If the folder cannot be made or is none.
-pub(crate) fn prepare(targets: &[Target], make_folder: bool) -> Outcome<()> {
+pub(crate) fn prepare<'a>(
+    targets: impl IntoIterator<Item = &'a Target>,
+    make_folder: bool,
+) -> Outcome<()> {
     for target in targets {
         let Target::File(path) = target else { continue };
         let folder = match path.parent() {
@@ -160,6 +185,13 @@ fn not_written(path: &Path, why: &str) -> Failure {
 /// # Errors
 /// If one cannot be written.
 pub(crate) fn commit(files: &[OutputFile]) -> Outcome<()> {
+    // Copies of image files may have folders of their own.
+    for folder in files.iter().skip(1).filter_map(|f| f.path.parent()) {
+        if folder != Path::new("") && !folder.exists() {
+            let made = std::fs::create_dir_all(folder);
+            made.map_err(|e| not_written(folder, &e.to_string()))?;
+        }
+    }
     // Opening a pipe that nobody reads waits for ever, so there an interruption must get through;
     // it leaves nothing behind either, since pipes and devices are written to directly.
     let special = |f: &OutputFile| f.path.metadata().is_ok_and(|m| !m.is_file());
@@ -229,9 +261,16 @@ mod tests {
     #[test]
     fn two_results_of_one_name_are_refused() {
         let inputs = ["a/x.obj".into(), "b/x.glb".into()];
-        assert!(targets(&inputs, Some(Path::new("out")), "lodc").is_err());
-        assert!(targets(&["a/x.obj".into(), "a/x.glb".into()], None, "lodc").is_err());
-        assert!(targets(&inputs, None, "lodc").is_ok());
+        let refused = |inputs: &[PathBuf], out: Option<&str>| -> Vec<bool> {
+            let targets = targets(inputs, out.map(Path::new), "lodc").expect("a folder");
+            targets.iter().map(Result::is_err).collect()
+        };
+        assert_eq!(refused(&inputs, Some("out")), [true, true]);
+        assert_eq!(refused(&inputs, None), [false, false]);
+        let three = ["a/x.obj".into(), "a/y.obj".into(), "a/x.glb".into()];
+        assert_eq!(refused(&three, None), [true, false, true], "the others are done");
+        assert_eq!(refused(&["a/x.obj".into(), "a/x.obj".into()], None), [true, true]);
+        assert_eq!(refused(&["a/x.obj".into(), "a/x.lodc".into()], None), [true, true]);
     }
 
     #[test]

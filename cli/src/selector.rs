@@ -14,6 +14,11 @@ use std::sync::OnceLock;
 pub(crate) struct SelectorArgs {
     #[command(flatten)]
     target: TargetArgs,
+    #[command(flatten)]
+    screen: ScreenArgs,
+    /// Distance from the eye for --pixels, in the units of errors
+    #[arg(long, value_name = "D", value_parser = positive, requires = "pixels")]
+    distance: Option<f64>,
     /// Apply the selection to each object by itself instead of to the scene as a whole
     #[arg(long)]
     per_object: bool,
@@ -25,11 +30,11 @@ struct TargetArgs {
     /// The LOD after N records, rounded down to a step (0: the input; larger is coarser)
     #[arg(long, value_name = "N")]
     lod: Option<u32>,
-    /// At most floor(R x input triangles), 0 to 1
-    #[arg(long, value_name = "R", value_parser = ratio)]
+    /// At most this share of the input's triangles, rounded down: 0.25 or 25%
+    #[arg(long, value_name = "R", value_parser = share)]
     ratio: Option<f64>,
-    /// The finest LOD with at most N triangles
-    #[arg(long, value_name = "N")]
+    /// The finest LOD with at most N triangles: 500, 10k, 2m
+    #[arg(long, value_name = "N", value_parser = count)]
     triangles: Option<u64>,
     /// The coarsest LOD whose error is at most E, in the mesh's units (E%: of the bounding box's
     /// diagonal)
@@ -39,33 +44,48 @@ struct TargetArgs {
     /// above)
     #[arg(long, value_name = "E", value_parser = rms_bound)]
     rms: Option<Target>,
+    /// The coarsest LOD whose error is at most P pixels on the screen, seen from --distance
+    #[arg(long, value_name = "P", value_parser = positive, requires = "distance")]
+    pixels: Option<f64>,
+}
+
+/// The screen that a mesh is seen on.
+#[derive(Args, Clone, Copy, Debug)]
+pub(crate) struct ScreenArgs {
+    /// Height of the screen in pixels
+    #[arg(long, value_name = "PIXELS", default_value = "1080", value_parser = positive)]
+    height: f64,
+    /// Vertical field of view in degrees
+    #[arg(long, value_name = "DEGREES", default_value = "60", value_parser = field_of_view)]
+    fovy: f64,
+}
+
+impl ScreenArgs {
+    /// Returns the error that takes up so many pixels at a distance.
+    pub(crate) fn error(&self, pixels: f64, distance: f64) -> Target {
+        // Height of the view at distance 1.
+        let height = 2.0 * (self.fovy.to_radians() / 2.0).tan();
+        Target::Error(pixels * distance * height / self.height)
+    }
 }
 
 /// The same, and none of them has to be there.
 #[derive(Clone, Debug)]
-#[cfg_attr(not(feature = "gpu"), expect(dead_code, reason = "what it is for needs a device"))]
-pub(crate) struct OptionalSelector {
-    target: TargetArgs,
-    per_object: bool,
-}
+pub(crate) struct OptionalSelector(SelectorArgs);
 
-#[cfg(feature = "gpu")]
 impl OptionalSelector {
     pub(crate) fn per_object(&self) -> bool {
-        self.per_object
+        self.0.per_object
     }
     /// Returns the level asked for, if any.
     pub(crate) fn target(&self) -> Option<Target> {
-        self.target.chosen()
+        self.0.chosen()
     }
 }
 
 impl FromArgMatches for OptionalSelector {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
-        Ok(Self {
-            target: TargetArgs::from_arg_matches(matches)?,
-            per_object: matches.get_flag("per_object"),
-        })
+        SelectorArgs::from_arg_matches(matches).map(Self)
     }
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
         *self = Self::from_arg_matches(matches)?;
@@ -82,20 +102,19 @@ impl Args for OptionalSelector {
     }
 }
 
-impl TargetArgs {
-    fn chosen(&self) -> Option<Target> {
-        let chosen = self.lod.map(Target::Lod).or(self.ratio.map(Target::Ratio));
-        chosen.or(self.triangles.map(Target::Triangles)).or(self.error).or(self.rms)
-    }
-}
-
 impl SelectorArgs {
     pub(crate) fn per_object(&self) -> bool {
         self.per_object
     }
     /// Returns the level asked for.
     pub(crate) fn target(&self) -> Target {
-        self.target.chosen().expect("clap demands exactly one of the group")
+        self.chosen().expect("clap demands exactly one of the group")
+    }
+    fn chosen(&self) -> Option<Target> {
+        let t = &self.target;
+        let seen = t.pixels.zip(self.distance).map(|(p, d)| self.screen.error(p, d));
+        let chosen = t.lod.map(Target::Lod).or(t.ratio.map(Target::Ratio));
+        chosen.or(t.triangles.map(Target::Triangles)).or(t.error).or(t.rms).or(seen)
     }
 }
 
@@ -162,10 +181,15 @@ impl<'a> SceneLevels<'a> {
     ///
     /// # Errors
     /// As [`Self::select`].
-    pub(crate) fn select_capped(&self, target: Target, cap: Option<Target>) -> Outcome<Selection> {
-        let mut chosen = self.select(target, false)?;
+    pub(crate) fn select_capped(
+        &self,
+        target: Target,
+        cap: Option<Target>,
+        per_object: bool,
+    ) -> Outcome<Selection> {
+        let mut chosen = self.select(target, per_object)?;
         if let Some(cap) = cap {
-            chosen.cap(&self.candidates(), &self.select(cap, false)?);
+            chosen.cap(&self.candidates(), &self.select(cap, per_object)?);
         }
         Ok(chosen)
     }
@@ -185,16 +209,67 @@ impl<'a> SceneLevels<'a> {
     }
 }
 
-/// A share from 0 to 1.
-pub(crate) fn ratio(text: &str) -> Result<f64, String> {
-    let value: f64 = text.parse().map_err(|e| format!("{e}"))?;
-    if (0.0..=1.0).contains(&value) {
-        Ok(value)
-    } else {
-        Err("a share from 0 to 1, for example 0.25".to_owned())
+/// A share of triangles: `25%`, `0.25`, `1`.
+pub(crate) fn share(text: &str) -> Result<f64, String> {
+    match size(text) {
+        Ok(Target::Ratio(share)) => Ok(share),
+        Ok(_) if text == "0" => Ok(0.0),
+        Ok(_) => {
+            Err("a share from 0 to 1, for example 0.25 or 25% (--triangles takes counts)"
+                .to_owned())
+        }
+        Err(e) => Err(e),
     }
 }
 
+/// A number of triangles: `500`, `10k`, `2m`.
+fn count(text: &str) -> Result<u64, String> {
+    match size(text) {
+        Ok(Target::Triangles(count)) => Ok(count),
+        Ok(_) if text == "1" => Ok(1),
+        Ok(_) => Err("a count, for example 500 or 10k (--ratio takes shares)".to_owned()),
+        Err(e) => Err(e),
+    }
+}
+
+/// `25%`, `0.25`, `1` (all), `500`, `10k` or `2m`.
+pub(crate) fn size(text: &str) -> Result<Target, String> {
+    let wrong = || format!("{text}: not a share (25%, 0.25) or a count (500, 10k)");
+    let number = |digits: &str| -> Result<f64, String> {
+        let value: f64 = digits.parse().map_err(|_| wrong())?;
+        if value.is_finite() && value >= 0.0 { Ok(value) } else { Err(wrong()) }
+    };
+    let share = |value: f64| {
+        if value <= 1.0 { Ok(Target::Ratio(value)) } else { Err(format!("{text}: above 100 %")) }
+    };
+    let count = |value: f64| Ok(Target::Triangles(value as u64));
+    let lower = text.to_lowercase();
+    if let Some(percent) = lower.strip_suffix('%') {
+        share(number(percent)? / 100.0)
+    } else if let Some(thousands) = lower.strip_suffix('k') {
+        count(number(thousands)? * 1e3)
+    } else if let Some(millions) = lower.strip_suffix('m') {
+        count(number(millions)? * 1e6)
+    } else if lower.contains(['.', 'e']) || lower == "1" {
+        share(number(&lower)?)
+    } else {
+        count(number(&lower)?.trunc())
+    }
+}
+
+/// A number above 0.
+pub(crate) fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
+        _ => Err(format!("{text}: not a number above 0")),
+    }
+}
+
+fn field_of_view(text: &str) -> Result<f64, String> {
+    positive(text).and_then(|v| if v < 180.0 { Ok(v) } else { Err("below 180 degrees".to_owned()) })
+}
+
+/// A distance in mesh units or in percent of the diagonal.
 pub(crate) fn bound(text: &str) -> Result<Target, String> {
     let (number, percent) = text.strip_suffix('%').map_or((text, false), |number| (number, true));
     let value: f64 = number.trim().parse().map_err(|e| format!("{e}"))?;

@@ -13,16 +13,19 @@ mod limits;
 pub mod lodc;
 pub mod lods;
 mod nodes;
+mod part_names;
 pub mod picture;
 mod scene;
 #[cfg(test)]
 mod testing;
+pub mod textures;
 mod write;
 
 pub use assets::Assets;
 pub use error::{Fault, FormatError};
 pub use graph::scene_graph;
 pub use limits::Limits;
+pub use part_names::PartNames;
 pub use scene::{
     Document, GltfDocument, ObjDocument, ObjMaterial, ObjectInfo, Scene, SceneObject, Source,
     SourceFormat, SubmeshInfo,

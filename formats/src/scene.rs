@@ -37,6 +37,8 @@ pub struct Scene {
     pub warnings: Vec<String>,
     /// Every file that was read, for dependency files.
     pub files_read: Vec<PathBuf>,
+    /// True if its geometry was compressed by EXT_meshopt_compression or its successor.
+    pub compressed: bool,
 }
 
 /// One object of a scene.

@@ -1,60 +1,88 @@
 //! An asset with its levels: read from a `.lodc` file, or simplified in memory from a mesh.
 
-use crate::commands::build::{measure_all, simplify_all};
+use crate::commands::build::{Known, measure_all, paints, simplify_all};
 use crate::exit::{Failure, Outcome};
+use crate::importance::ImportanceArgs;
+use crate::kinds::MetricArgs;
 use crate::limits::ImportArgs;
 use crate::progress::Progress;
 use crate::stages::Stages;
+use clap::Args;
 use lodc_formats::import::{Either, either};
 use lodc_formats::lodc::LodObject;
-use lodc_formats::{Document, Scene};
+use lodc_formats::{Document, Scene, Source};
 use lodc_simplify::{MetricKind, Options};
 use std::path::{Path, PathBuf};
 
 /// An asset whose levels can be taken out.
 pub(crate) struct Asset {
+    pub(crate) source: Source,
     pub(crate) objects: Vec<LodObject>,
     pub(crate) document: Document,
+    /// True if the geometry was compressed.
+    pub(crate) compressed: bool,
     /// Every file that was read, for dependency files.
     pub(crate) files_read: Vec<PathBuf>,
     /// Messages about what was repaired, dropped or left out while reading.
     pub(crate) warnings: Vec<String>,
 }
 
-/// Reads an input; a mesh is simplified by `metric`.
+/// Options of simplifying a mesh in memory.
+#[derive(Args, Clone, Debug)]
+pub(crate) struct SimplifyArgs {
+    #[command(flatten)]
+    metric: MetricArgs,
+    #[command(flatten)]
+    importance: ImportanceArgs,
+}
+
+impl SimplifyArgs {
+    /// Simplification by a metric, with nothing weighted or locked.
+    pub(crate) fn by(metric: MetricKind) -> Self {
+        Self { metric: MetricArgs { metric }, importance: ImportanceArgs::default() }
+    }
+}
+
+/// Reads an input; a mesh is simplified.
 ///
 /// # Errors
-/// If the input cannot be read, or simplifying it would take more memory than there is.
+/// If the input cannot be read, simplifying it would take more memory than there is, or weights
+/// and locks do not suit it.
 pub(crate) fn read(
     input: &Path,
     import: &ImportArgs,
-    metric: MetricKind,
+    how: &SimplifyArgs,
     stages: &mut Stages,
 ) -> Outcome<Asset> {
-    match stages.run("read", || either(input, &import.options()))? {
+    let read = stages.run("read", || either(input, &import.options()))?;
+    if matches!(read, Either::Levels(_)) {
+        how.importance.refuse(&input.display().to_string())?;
+    }
+    match read {
         Either::Levels(file) => Ok(Asset {
+            source: file.source,
             objects: file.objects,
             document: file.document,
+            compressed: false,
             files_read: vec![input.to_owned()],
             warnings: file.left_out,
         }),
-        Either::Scene(scene) => simplified(input, import, metric, scene, stages),
+        Either::Scene(scene) => simplified(input, import, how, scene, stages),
     }
 }
 
 /// Simplifies the objects of a scene and measures every level.
 ///
 /// # Errors
-/// If that would take more memory than there is.
+/// If that would take more memory than there is, or a lock names nothing.
 pub(crate) fn simplified(
     input: &Path,
     import: &ImportArgs,
-    metric: MetricKind,
+    how: &SimplifyArgs,
     scene: Scene,
     stages: &mut Stages,
 ) -> Outcome<Asset> {
-    let Scene { document, objects, warnings, files_read, .. } = scene;
-    let triangles = objects.iter().map(|o| o.mesh.triangles().len() as u64).sum();
+    let triangles = scene.objects.iter().map(|o| o.mesh.triangles().len() as u64).sum();
     let name = input.display().to_string();
     import
         .limits()
@@ -62,12 +90,19 @@ pub(crate) fn simplified(
         .map_err(|f| Failure::new(f.status, format!("{name}: {f}")))?;
     let limits = import.options().limits;
     let progress = Progress::new(&name);
-    let options = Options { metric, ..Options::DEFAULT };
+    let weights = how.importance.weights();
+    let options = Options { metric: how.metric.metric, weights, ..Options::DEFAULT };
+    let paints = paints(import, input, &scene, &options)?;
+    let locked = how.importance.locked(&scene)?;
+    let Scene { source, document, objects, mut warnings, mut files_read, compressed } = scene;
+    let known = Known { paints: paints.textured(), locked: &locked };
     let simplified =
-        stages.run("simplify", || simplify_all(objects, &options, None, triangles, &progress));
+        stages.run("simplify", || simplify_all(objects, &options, known, triangles, &progress));
+    warnings.extend(paints.warnings);
+    files_read.extend(paints.files_read);
     let measured =
         stages.run("errors", || measure_all(simplified, &document, &limits, &progress))?;
     let object = |(info, simplified)| LodObject { info, simplified, models: Vec::new() };
     let objects = measured.into_iter().map(object).collect();
-    Ok(Asset { objects, document, files_read, warnings })
+    Ok(Asset { source, objects, document, compressed, files_read, warnings })
 }

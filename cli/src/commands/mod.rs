@@ -7,6 +7,7 @@ pub(crate) mod chain;
 pub(crate) mod compare;
 pub(crate) mod completions;
 pub(crate) mod config;
+mod each;
 pub(crate) mod extract;
 pub(crate) mod info;
 pub(crate) mod man;

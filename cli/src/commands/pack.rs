@@ -76,10 +76,8 @@ fn quantize(text: &str) -> Result<Quantize, String> {
 }
 
 pub(crate) fn run(args: &PackArgs) -> Outcome<()> {
-    let inputs = std::slice::from_ref(&args.input);
-    let targets = output::targets(inputs, Some(&args.output), "lods")?;
-    output::prepare(&targets, output::is_folder(&args.output))?;
-    let target = targets.into_iter().next().expect("one input has one target");
+    let target = output::target(&args.input, Some(&args.output), "lods")?;
+    output::prepare([&target], output::is_folder(&args.output))?;
     if args.json && target == Target::Stdout {
         return Err(Failure::usage("the stream and the JSON do not fit one standard output"));
     }

@@ -76,14 +76,13 @@ struct Totals {
 }
 
 pub(crate) fn run(args: &StripsArgs) -> Outcome<()> {
-    let inputs = std::slice::from_ref(&args.input);
-    let targets = output::targets(inputs, Some(&args.output), "strips")?;
-    output::prepare(&targets, output::is_folder(&args.output))?;
+    let target = output::target(&args.input, Some(&args.output), "strips")?;
+    output::prepare([&target], output::is_folder(&args.output))?;
     let threads = args.jobs.map_or(0, |n| n.get().min(super::build::MOST_THREADS));
     let pool = ThreadPoolBuilder::new().num_threads(threads).build();
     let pool =
         pool.map_err(|e| Failure::new(Status::Limit, format!("no threads to work with: {e}")))?;
-    pool.install(|| targets.iter().try_for_each(|target| make(args, target)))
+    pool.install(|| make(args, &target))
 }
 
 fn make(args: &StripsArgs, target: &Target) -> Outcome<()> {

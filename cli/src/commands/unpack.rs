@@ -9,7 +9,7 @@ use crate::report::{SCHEMA_VERSION, UnpackReport, UnpackedReport};
 use crate::stages::Stages;
 use crate::text::{count, distance, grouped, size};
 use clap::Args;
-use lodc_formats::export::ExportObject;
+use lodc_formats::export::{Additions, ExportObject};
 use lodc_formats::lods::{Arrived, Unpacker};
 use lodc_formats::{Assets, FormatError};
 use lodc_mesh::Mesh;
@@ -43,7 +43,7 @@ pub(crate) struct UnpackArgs {
 
 pub(crate) fn run(args: &UnpackArgs) -> Outcome<Status> {
     let wanted = Wanted {
-        input: &args.input,
+        inputs: std::slice::from_ref(&args.input),
         output: &args.output,
         format: args.format,
         json: args.json,
@@ -65,7 +65,9 @@ pub(crate) fn run(args: &UnpackArgs) -> Outcome<Status> {
         .map(|(i, mesh)| ExportObject { info: &arrived.infos[i], mesh })
         .collect();
     let document = &arrived.document;
-    let files = stages.run("export", || mesh_output::files(&target, format, document, &objects))?;
+    let files = stages.run("export", || {
+        mesh_output::files(&target, format, document, &objects, &Additions::default())
+    })?;
     stages.run("write", || mesh_output::write(&target, files))?;
 
     for warning in &warnings {

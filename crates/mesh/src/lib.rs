@@ -6,6 +6,7 @@
 //!
 //! Terms (vertex, position, wedge group, record, step, LOD) are defined in `docs/GLOSSARY.md`.
 
+mod arrange;
 mod attribute;
 mod chain;
 mod clean;

@@ -23,6 +23,10 @@ const ON_CURVE: usize = 4;
 /// thread looks up one after the other, each with the last one's triangle as a hint.
 const BLOCK: usize = 1 << 16;
 const RUN: usize = 1 << 8;
+/// Share of the farthest sample's squared distance at the start that no sample may go beyond.
+const FARTHER: f64 = 1.05 * 1.05;
+/// Number of times that what goes beyond is held back.
+const HELD_ROUNDS: usize = 4;
 /// Root mean square distance, as a share of the diagonal, below which a level is left alone.
 const ENOUGH: f64 = 1e-5;
 
@@ -45,7 +49,24 @@ struct Ties<'a> {
     system: System<'a>,
     /// Mean squared distance, both directions added.
     energy: f64,
+    /// For each face of the level the largest squared distance of a sample that is tied to it.
+    farthest: Vec<f64>,
     input_normals: Vec<DVec3>,
+}
+
+impl Ties<'_> {
+    /// Adds a tie of a sample at some squared distance.
+    fn add(&mut self, (tie, squared): &(Tie, f64)) {
+        self.system.add(tie);
+        self.energy += tie.weight * squared;
+        let farthest = &mut self.farthest[tie.face as usize];
+        *farthest = farthest.max(*squared);
+    }
+
+    /// The largest squared distance of all samples.
+    fn farthest(&self) -> f64 {
+        self.farthest.iter().copied().fold(0.0, f64::max)
+    }
 }
 
 impl<'a> Fit<'a> {
@@ -59,34 +80,74 @@ impl<'a> Fit<'a> {
             first_lengths: level.edge_lengths(&level.points),
             curves: curves(&level.faces, &chart),
             hints: vec![NONE; input.samples()],
-            backward_hints: vec![NONE; SIX.len() * level.faces.len()],
+            // A face lies near the triangle that it was.
+            backward_hints: level.source.iter().flat_map(|&t| [t; SIX.len()]).collect(),
         }
     }
 
-    /// Returns the best positions of the points that `iterations` find.
+    /// Returns the best positions of the points that `iterations` find. No sample ends up much
+    /// farther from the other surface than the farthest was at the start.
     pub(crate) fn run(mut self, iterations: u32) -> Vec<DVec3> {
-        let mut positions = self.level.points.clone();
-        let mut best = (f64::INFINITY, positions.clone());
-        for iteration in 0..=iterations {
-            let ties = self.tie(&positions);
-            if ties.energy < best.0 {
-                best = (ties.energy, positions.clone());
-            }
+        let start = self.tie(&self.level.points);
+        let (first, limit) = (start.energy, FARTHER * start.farthest());
+        let (mut best, mut positions) = (None, self.level.points.clone());
+        let (mut least, mut ties) = (first, start);
+        for _ in 0..iterations {
             if ties.energy.sqrt() < ENOUGH * self.input.diagonal {
                 break;
             }
-            if iteration < iterations {
-                let Ties { system, input_normals, .. } = ties;
-                let moves = self.clamped(&positions, &system.solve());
-                let guard = Guard {
-                    level: self.level,
-                    first_normals: &self.first_normals,
-                    input_normals: &input_normals,
-                };
-                positions = guard.limit(&positions, &moves);
+            let moves = self.clamped(&positions, &ties.system.solve());
+            positions = self.guard(&ties.input_normals).limit(&positions, &moves);
+            ties = self.tie(&positions);
+            if ties.energy < least {
+                least = ties.energy;
+                best = Some((positions.clone(), ties.farthest(), ties.farthest.clone()));
             }
         }
-        best.1
+        let Some((best, farthest, by_face)) = best else { return self.level.points.clone() };
+        if farthest <= limit {
+            return best;
+        }
+        let held = self.held_back(&best, by_face, &ties.input_normals, limit);
+        let ties = self.tie(&held);
+        let better = ties.energy < first && ties.farthest() <= limit;
+        if better { held } else { self.level.points.clone() }
+    }
+
+    /// Puts the corners of faces with a sample beyond `limit`, a squared distance, back to where
+    /// they were, wider around them each time, until none is beyond.
+    fn held_back(
+        &mut self,
+        moved: &[DVec3],
+        mut farthest: Vec<f64>,
+        input_normals: &[DVec3],
+        limit: f64,
+    ) -> Vec<DVec3> {
+        let level = self.level;
+        let mut held = vec![false; moved.len()];
+        let mut positions = moved.to_vec();
+        for _ in 0..HELD_ROUNDS {
+            let touched = |f: &usize| {
+                farthest[*f] > limit || level.faces[*f].iter().any(|&p| held[p as usize])
+            };
+            let wider: Vec<usize> = (0..level.faces.len()).filter(touched).collect();
+            for &p in wider.iter().flat_map(|&f| &level.faces[f]) {
+                held[p as usize] = true;
+            }
+            let moves: Vec<DVec3> = (0..moved.len())
+                .map(|p| if held[p] { DVec3::ZERO } else { moved[p] - level.points[p] })
+                .collect();
+            positions = self.guard(input_normals).limit(&level.points, &moves);
+            farthest = self.tie(&positions).farthest;
+            if farthest.iter().all(|&d| d <= limit) {
+                break;
+            }
+        }
+        positions
+    }
+
+    fn guard<'g>(&'g self, input_normals: &'g [DVec3]) -> Guard<'g> {
+        Guard { level: self.level, first_normals: &self.first_normals, input_normals }
     }
 
     /// Limits moves to half an edge now, and to one edge in all.
@@ -108,7 +169,8 @@ impl<'a> Fit<'a> {
         let crosses: Vec<DVec3> = corners.iter().map(|&t| cross(t)).collect();
         let level = self.level;
         let system = System::new(positions.len(), &level.faces, &level.face_edges, &level.edges);
-        let mut ties = Ties { system, energy: 0.0, input_normals: vec![] };
+        let farthest = vec![0.0; level.faces.len()];
+        let mut ties = Ties { system, energy: 0.0, farthest, input_normals: vec![] };
         self.tie_input(&corners, &crosses, &mut ties);
         self.tie_level(&corners, &crosses, &mut ties);
         self.tie_curves(&corners, &mut ties);
@@ -134,7 +196,7 @@ impl<'a> Fit<'a> {
                     direction,
                     weight,
                 };
-                Some((tie, weight * found.squared))
+                Some((tie, found.squared))
             };
             let run = |(run, hints): (usize, &mut [u32])| -> Vec<(Tie, f64)> {
                 let (first, mut last) = (BLOCK * block + RUN * run, NONE);
@@ -148,10 +210,7 @@ impl<'a> Fit<'a> {
                 hints.iter_mut().enumerate().filter_map(one).collect()
             };
             let found: Vec<_> = hints.par_chunks_mut(RUN).enumerate().map(run).collect();
-            for (tie, energy) in found.into_iter().flatten() {
-                ties.system.add(&tie);
-                ties.energy += energy;
-            }
+            found.iter().flatten().for_each(|found| ties.add(found));
         }
     }
 
@@ -175,7 +234,7 @@ impl<'a> Fit<'a> {
                 let weight = crosses[face].length() * share / area;
                 let (face, barycentric) = (face as u32, *barycentric);
                 let tie = Tie { face, barycentric, residual, direction, weight };
-                found[k] = Some((tie, weight * nearest.squared));
+                found[k] = Some((tie, nearest.squared));
             }
             (found, normal.normalize_or_zero())
         };
@@ -183,10 +242,7 @@ impl<'a> Fit<'a> {
         let found: Vec<_> = hints.enumerate().map(look).collect();
         for (points, normal) in found {
             ties.input_normals.push(normal);
-            for (tie, energy) in points.into_iter().flatten() {
-                ties.system.add(&tie);
-                ties.energy += energy;
-            }
+            points.iter().flatten().for_each(|found| ties.add(found));
         }
     }
 

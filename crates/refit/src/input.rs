@@ -72,9 +72,10 @@ impl Input {
         self.rule.len() * self.corners.len()
     }
 
-    /// A sample, and its share of the whole area.
+    /// A sample, and its share of the whole area. Samples with near numbers are near each other.
     pub(crate) fn sample(&self, i: usize) -> (DVec3, f64) {
-        let (triangle, ([u, v, w], share)) = (i / self.rule.len(), self.rule[i % self.rule.len()]);
+        let triangle = self.tree.order()[i / self.rule.len()] as usize;
+        let ([u, v, w], share) = self.rule[i % self.rule.len()];
         let [a, b, c] = self.corners[triangle];
         (a * u + b * v + c * w, self.areas[triangle] * share / self.area)
     }

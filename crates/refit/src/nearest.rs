@@ -64,6 +64,11 @@ impl Tree {
         Self { nodes, order, slot, corners }
     }
 
+    /// The triangles in an order in which neighbours are near each other.
+    pub(crate) fn order(&self) -> &[u32] {
+        &self.order
+    }
+
     /// Returns the nearest point to `p`, of equally near triangles one that the search meets first;
     /// `hint` is a triangle that is probably near, or [`NONE`]. Nothing if there is no triangle.
     pub(crate) fn nearest(&self, p: DVec3, hint: u32) -> Option<Nearest> {

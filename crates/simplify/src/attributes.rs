@@ -1,5 +1,6 @@
 //! Attributes as numbers that can be compared with lengths: one flat row per vertex of the input.
 
+use crate::options::Weights;
 use crate::working::{Facet, WorkingMesh, next, previous};
 use glam::DVec3;
 use lodc_mesh::{Attribute, Mesh, Semantic};
@@ -32,23 +33,25 @@ pub(crate) struct Attributes {
 impl Attributes {
     /// Reads what takes part in the cost. `scale` turns mesh units into working units; `size` is
     /// the mesh's diagonal in those.
-    pub(crate) fn new(mesh: &Mesh, scale: f64, size: f64) -> Self {
+    pub(crate) fn new(mesh: &Mesh, weights: &Weights, scale: f64, size: f64) -> Self {
         let mut columns: Vec<(&Attribute, usize, f64)> = Vec::new();
         let mut texture = None;
         for a in mesh.attributes().iter().filter(|a| a.morph_target.is_none()) {
             let components = usize::from(a.components);
             match a.semantic {
                 Semantic::Normal => {
-                    columns.extend((0..components.min(3)).map(|c| (a, c, NORMAL_LENGTH * size)));
+                    let length = weights.normal * NORMAL_LENGTH * size;
+                    columns.extend((0..components.min(3)).map(|c| (a, c, length)));
                 }
                 Semantic::Color(_) => {
-                    columns.extend((0..components.min(4)).map(|c| (a, c, COLOR_LENGTH * size)));
+                    let length = weights.color * COLOR_LENGTH * size;
+                    columns.extend((0..components.min(4)).map(|c| (a, c, length)));
                 }
                 Semantic::TexCoord(set) if components >= 2 => {
                     if set == 0 && texture.is_none() {
                         texture = Some(columns.len());
                     }
-                    let length = TEXTURE_SHARE * texture_length(a, mesh, scale);
+                    let length = weights.uv * TEXTURE_SHARE * texture_length(a, mesh, scale);
                     columns.extend((0..2).map(|c| (a, c, length)));
                 }
                 _ => {}
@@ -68,7 +71,7 @@ impl Attributes {
             rows,
             texture,
             joints: joints(mesh),
-            joint_scale: JOINT_LENGTH * size,
+            joint_scale: weights.skin * JOINT_LENGTH * size,
         }
     }
 

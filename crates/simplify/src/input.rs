@@ -23,6 +23,8 @@ pub(crate) struct Input<'a> {
     pub(crate) position_id: Vec<u32>,
     /// For each position: true if several groups are there.
     shared: Vec<bool>,
+    /// For each group: true if it stays until the terminal phase; empty if none does.
+    locked: Vec<bool>,
     /// None if every group has one wedge, with the group's number.
     lists: Option<WedgeLists>,
 }
@@ -64,7 +66,19 @@ impl<'a> Input<'a> {
         let one_wedge_each = positions.len() == mesh.vertex_count();
         let lists = (!one_wedge_each).then(|| WedgeLists::new(mesh, &group_of, order.len()));
         let size = diagonal * scale;
-        Self { mesh, scale, size, group_of, first_vertex, position_id, shared, lists }
+        let locked = Vec::new();
+        Self { mesh, scale, size, group_of, first_vertex, position_id, shared, locked, lists }
+    }
+
+    /// Locks the groups of some vertices: they stay until the terminal phase. No list means none.
+    pub(crate) fn lock(&mut self, vertices: &[bool]) {
+        self.locked = locked_groups(vertices, &self.group_of, self.groups());
+    }
+
+    /// Returns whether a group stays until the terminal phase.
+    #[inline]
+    pub(crate) fn is_locked(&self, group: u32) -> bool {
+        !self.locked.is_empty() && self.locked[group as usize]
     }
 
     /// Number of groups.
@@ -133,6 +147,18 @@ impl<'a> Input<'a> {
     pub(crate) fn shares_position(&self, group: u32) -> bool {
         self.position_id.get(group as usize).is_some_and(|&p| self.shared[p as usize])
     }
+}
+
+/// For each group: true if one of its vertices is locked; empty if none is.
+fn locked_groups(vertices: &[bool], group_of: &[u32], groups: usize) -> Vec<bool> {
+    if !vertices.contains(&true) {
+        return Vec::new();
+    }
+    let mut locked = vec![false; groups];
+    for (&group, _) in group_of.iter().zip(vertices).filter(|(_, locked)| **locked) {
+        locked[group as usize] = true;
+    }
+    locked
 }
 
 impl WedgeLists {

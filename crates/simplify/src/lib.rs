@@ -51,7 +51,7 @@ use metric::{HybridMetric, QuadricOnly, Reprice, Score, VisualMetric};
 use output::Sources;
 use region::Region;
 
-pub use options::{MetricKind, Options};
+pub use options::{MetricKind, Options, Weights};
 
 /// Simplifies a mesh down to one vertex. `progress` gets (steps done, groups in all) now and then.
 /// The result does not depend on the number of threads of the rayon pool it runs in.
@@ -61,7 +61,7 @@ pub fn simplify(
     options: &Options,
     progress: &(dyn Fn(u64, u64) + Sync),
 ) -> Simplified {
-    simplify_coloured(mesh, options, &Checkerboard::new(mesh), progress)
+    simplify_guided(mesh, options, Guidance::default(), progress)
 }
 
 /// The same for a surface whose colours are known: metrics that see it see them.
@@ -72,14 +72,35 @@ pub fn simplify_coloured(
     colours: &dyn SurfaceColours,
     progress: &(dyn Fn(u64, u64) + Sync),
 ) -> Simplified {
-    simplify_with(mesh, options, colours, rounds::REGION, progress)
+    let guidance = Guidance { colours: Some(colours), locked: &[] };
+    simplify_guided(mesh, options, guidance, progress)
+}
+
+/// Knowledge of a surface besides its mesh. The default is none.
+#[derive(Clone, Copy, Default)]
+pub struct Guidance<'a> {
+    /// Colours for metrics that see the surface; none: a checkerboard by texture coordinates.
+    pub colours: Option<&'a dyn SurfaceColours>,
+    /// For each vertex: true if it stays where it is until the terminal phase. Empty: none does.
+    pub locked: &'a [bool],
+}
+
+/// Simplifies a mesh of which more is known.
+#[must_use]
+pub fn simplify_guided(
+    mesh: &Mesh,
+    options: &Options,
+    guidance: Guidance<'_>,
+    progress: &(dyn Fn(u64, u64) + Sync),
+) -> Simplified {
+    simplify_with(mesh, options, guidance, rounds::REGION, progress)
 }
 
 /// Simplifies in regions of about so many groups. One region keeps the exact order of costs.
 fn simplify_with(
     mesh: &Mesh,
     options: &Options,
-    colours: &dyn SurfaceColours,
+    guidance: Guidance<'_>,
     region: usize,
     progress: &(dyn Fn(u64, u64) + Sync),
 ) -> Simplified {
@@ -88,9 +109,10 @@ fn simplify_with(
             .expect("an empty sequence is valid");
         return Simplified::new(mesh.clone(), empty).expect("no vertices need no records");
     }
-    let input = Input::new(mesh);
+    let mut input = Input::new(mesh);
+    input.lock(guidance.locked);
     let attributes = if options.attributes {
-        Attributes::new(mesh, input.scale, input.size)
+        Attributes::new(mesh, &options.weights, input.scale, input.size)
     } else {
         Attributes::none()
     };
@@ -103,6 +125,8 @@ fn simplify_with(
         }
         MetricKind::Quadric => run_whole(&context, |_| QuadricOnly, &mut sources, &progress),
         MetricKind::Hybrid => {
+            let checkerboard = Checkerboard::new(mesh);
+            let colours = guidance.colours.unwrap_or(&checkerboard);
             let colours = options.attributes.then_some(colours);
             let metric =
                 |r: &Region| HybridMetric::new(mesh, colours, &r.mesh, &r.wedges, input.size);

@@ -46,6 +46,24 @@ impl MetricKind {
     }
 }
 
+/// Importance of differences of attributes, as factors of the defaults.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Weights {
+    /// Normals.
+    pub normal: f64,
+    /// Texture coordinates.
+    pub uv: f64,
+    /// Vertex colours.
+    pub color: f64,
+    /// Joints and their weights.
+    pub skin: f64,
+}
+
+impl Weights {
+    /// The defaults, measured.
+    pub const DEFAULT: Self = Self { normal: 1.0, uv: 1.0, color: 1.0, skin: 1.0 };
+}
+
 /// Options of a simplification.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
@@ -57,6 +75,8 @@ pub struct Options {
     pub lock_border: bool,
     /// True if attributes take part in the cost.
     pub attributes: bool,
+    /// Importance of each of them.
+    pub weights: Weights,
     /// Pixels across the pictures that viewpoint metrics look at, 8 to 1024. Time grows with its
     /// square.
     pub picture: u32,
@@ -69,6 +89,7 @@ impl Options {
         preserve_topology: false,
         lock_border: false,
         attributes: true,
+        weights: Weights::DEFAULT,
         picture: 256,
     };
 }

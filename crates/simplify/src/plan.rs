@@ -226,7 +226,8 @@ mod tests {
         let input = Input::new(&sphere);
         let region = Region::whole(&input, false);
         let Region { mesh, wedges, .. } = &region;
-        let attributes = Attributes::new(&sphere, input.scale, input.size);
+        let attributes =
+            Attributes::new(&sphere, &crate::Weights::DEFAULT, input.scale, input.size);
         let planner = Planner {
             input: &sphere,
             mesh,

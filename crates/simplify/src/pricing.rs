@@ -92,8 +92,15 @@ impl<M: Reprice> Pricer<'_, M> {
     #[inline]
     fn is_plain(&self, group: u32) -> bool {
         !self.region.mesh.has(group, OPEN | SEAM)
+            && !self.is_locked(group)
             && !self.metric.is_active()
             && (self.context.attributes.is_empty() || self.region.wedges.is_single(group))
+    }
+
+    /// Returns whether a group stays until the terminal phase.
+    #[inline]
+    fn is_locked(&self, group: u32) -> bool {
+        self.context.input.is_locked(self.region.groups[group as usize])
     }
 
     /// Prices all collapses of a group, as the metric sees them.
@@ -118,7 +125,7 @@ impl<M: Reprice> Pricer<'_, M> {
         let with_attributes =
             !attributes.attributes.is_empty() && mesh.valence(from) <= MAX_ATTRIBUTE_FACES;
         around.gather(mesh, wedges, from);
-        let Some(permitted) = self.permitted(around) else { return };
+        let Some(permitted) = self.permitted(from, around) else { return };
         let refitted = quadrics.refit(from, &around.facets, &around.planes);
         if with_attributes {
             attributes.fit_gradients(from, gradients);
@@ -136,9 +143,12 @@ impl<M: Reprice> Pricer<'_, M> {
     }
 
     /// Returns the kinds of edges that a group may move along at the present stage, if any.
-    fn permitted(&self, around: &Neighborhood) -> Option<Permitted> {
+    fn permitted(&self, from: u32, around: &Neighborhood) -> Option<Permitted> {
         if self.stage >= Stage::Seams {
             return Some(Permitted::All);
+        }
+        if self.is_locked(from) {
+            return None;
         }
         match around.borders {
             0 if around.seams < 2 => Some(Permitted::All),

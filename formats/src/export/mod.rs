@@ -4,10 +4,14 @@ mod flatten;
 mod gltf;
 mod obj;
 mod ply;
+mod provenance;
 
+pub(crate) use flatten::parse as parse_json;
 pub(crate) use gltf::gltf_without_missing;
 pub use gltf::{ChainObject, ChainShape, LevelsObject, export_chain, export_levels};
+pub use provenance::{LevelFacts, Provenance};
 
+use crate::textures::PlacedTextures;
 use crate::{Document, FormatError, ObjectInfo, OutputFile};
 use lodc_mesh::Mesh;
 use std::path::Path;
@@ -34,7 +38,18 @@ pub struct ExportObject<'a> {
     pub mesh: &'a Mesh,
 }
 
-/// Makes the files of an export in memory; nothing is written.
+/// Contents of an export besides the document and its objects. The default adds nothing.
+#[derive(Clone, Debug, Default)]
+pub struct Additions {
+    /// The places of image files.
+    pub textures: PlacedTextures,
+    /// True to compress geometry by EXT_meshopt_compression.
+    pub compress: bool,
+    /// The origin to state.
+    pub provenance: Option<Provenance>,
+}
+
+/// Makes the files of an export in memory; nothing is written. Image files keep their names.
 ///
 /// # Errors
 /// If the format cannot hold the scene.
@@ -44,10 +59,27 @@ pub fn export(
     document: &Document,
     objects: &[ExportObject<'_>],
 ) -> Result<Vec<OutputFile>, FormatError> {
-    match format {
-        ExportFormat::Glb => gltf::export(path, true, document, objects),
-        ExportFormat::Gltf => gltf::export(path, false, document, objects),
-        ExportFormat::Obj => obj::export(path, document, objects),
-        ExportFormat::Ply => ply::export(path, document, objects),
-    }
+    export_with(path, format, document, objects, &Additions::default())
+}
+
+/// Makes the files of an export in memory, copies of image files included, the file that refers to
+/// the others first.
+///
+/// # Errors
+/// As [`export`].
+pub fn export_with(
+    path: &Path,
+    format: ExportFormat,
+    document: &Document,
+    objects: &[ExportObject<'_>],
+    additions: &Additions,
+) -> Result<Vec<OutputFile>, FormatError> {
+    let mut files = match format {
+        ExportFormat::Glb => gltf::export(path, true, document, objects, additions),
+        ExportFormat::Gltf => gltf::export(path, false, document, objects, additions),
+        ExportFormat::Obj => obj::export(path, document, objects, additions),
+        ExportFormat::Ply => ply::export(path, document, objects, additions.provenance.as_ref()),
+    }?;
+    files.extend(additions.textures.copies.iter().cloned());
+    Ok(files)
 }

@@ -1,7 +1,9 @@
 //! Wavefront OBJ and MTL: numbers are written so that reading them gives the same bits.
 
-use super::ExportObject;
 use super::flatten::{self, Placed, Vertices, component};
+use super::{Additions, ExportObject, Provenance};
+use crate::import::gltf::uri;
+use crate::textures::{Place, PlacedTextures, embedded_name, map_line};
 use crate::{Document, FormatError, OutputFile};
 use lodc_mesh::{Mesh, Semantic};
 use lodc_scene::stream;
@@ -19,9 +21,11 @@ pub(super) fn export(
     path: &Path,
     document: &Document,
     objects: &[ExportObject<'_>],
+    additions: &Additions,
 ) -> Result<Vec<OutputFile>, FormatError> {
-    let materials = Materials::new(document)?;
-    let mut text = b"# lodc\n".to_vec();
+    let materials = Materials::new(document, &additions.textures)?;
+    let origin = additions.provenance.as_ref().map(Provenance::line);
+    let mut text = format!("# {}\n", origin.as_deref().unwrap_or("lodc")).into_bytes();
     let library = path.with_extension("mtl");
     let has_library = !materials.text.is_empty() && path.as_os_str() != "-";
     if has_library {
@@ -231,20 +235,19 @@ struct Materials {
 }
 
 impl Materials {
-    fn new(document: &Document) -> Result<Self, FormatError> {
+    fn new(document: &Document, textures: &PlacedTextures) -> Result<Self, FormatError> {
         match document {
             Document::Obj(obj) => {
                 let mut text = Vec::new();
                 for material in &obj.materials {
                     line(&mut text, "newmtl", &clean(&material.name));
-                    material
-                        .lines
-                        .iter()
-                        .for_each(|l| line(&mut text, &l.replace(['\n', '\r'], " "), ""));
+                    for l in &material.lines {
+                        line(&mut text, &renamed(&l.replace(['\n', '\r'], " "), textures), "");
+                    }
                 }
                 Ok(Self { text, of_primitive: BTreeMap::new() })
             }
-            Document::Gltf(gltf) => Ok(Self::of_gltf(&flatten::parse(gltf)?)),
+            Document::Gltf(gltf) => Ok(Self::of_gltf(&flatten::parse(gltf)?, textures)),
         }
     }
 
@@ -253,7 +256,7 @@ impl Materials {
     }
 
     /// Name, colour, opacity and texture: what an MTL and a glTF have in common.
-    fn of_gltf(json: &Value) -> Self {
+    fn of_gltf(json: &Value, textures: &PlacedTextures) -> Self {
         let mut text = Vec::new();
         let mut names: Vec<String> = Vec::new();
         let mut taken = BTreeMap::new();
@@ -276,9 +279,8 @@ impl Materials {
             let index = |v: &Value| v.as_u64().and_then(|i| usize::try_from(i).ok());
             let source = index(&pbr["baseColorTexture"]["index"])
                 .and_then(|t| index(&json["textures"][t]["source"]));
-            let uri = source.and_then(|s| json["images"][s]["uri"].as_str());
-            if let Some(uri) = uri.filter(|u| !u.starts_with("data:")) {
-                line(&mut text, "map_Kd", &clean(&uri.replace("%20", " ")));
+            if let Some(file) = source.and_then(|s| image_file(json, s, textures)) {
+                line(&mut text, "map_Kd", &clean(&file));
             }
         }
         let mut of_primitive = BTreeMap::new();
@@ -293,6 +295,25 @@ impl Materials {
             }
         }
         Self { text, of_primitive }
+    }
+}
+
+/// The line of a material with the name that the copy of its image has.
+fn renamed(source: &str, textures: &PlacedTextures) -> String {
+    let file = map_line::file(source).map(|name| name.replace('\\', "/"));
+    match file.as_deref().and_then(|name| Some((name, textures.of(name)?))) {
+        Some((name, Place::Beside(other))) if name != other => map_line::with_file(source, other),
+        _ => source.to_owned(),
+    }
+}
+
+/// The file of an image of a glTF document; none if it has none.
+fn image_file(json: &Value, image: usize, textures: &PlacedTextures) -> Option<String> {
+    let path = json["images"][image]["uri"].as_str().and_then(uri::path);
+    let name = path.clone().unwrap_or_else(|| embedded_name(image));
+    match textures.of(&name) {
+        Some(Place::Beside(relative)) => Some(relative.clone()),
+        _ => path,
     }
 }
 

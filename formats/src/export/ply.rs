@@ -1,7 +1,7 @@
 //! Stanford PLY, binary little-endian: one list of vertices, one list of triangles.
 
-use super::ExportObject;
 use super::flatten::{self, Placed, Vertices, component};
+use super::{ExportObject, Provenance};
 use crate::{Document, Fault, FormatError, OutputFile};
 use lodc_mesh::{Mesh, Semantic};
 use lodc_scene::stream;
@@ -16,6 +16,7 @@ pub(super) fn export(
     path: &Path,
     document: &Document,
     objects: &[ExportObject<'_>],
+    provenance: Option<&Provenance>,
 ) -> Result<Vec<OutputFile>, FormatError> {
     let placed = flatten::placed(document, objects)?;
     let top_left = matches!(document, Document::Gltf(_));
@@ -29,7 +30,7 @@ pub(super) fn export(
         ));
     }
     let columns = Columns::of(&placed);
-    let mut bytes = columns.header(vertices, triangles).into_bytes();
+    let mut bytes = columns.header(vertices, triangles, provenance).into_bytes();
     bytes.reserve(vertices * columns.stride() + triangles * 13);
     let (mut first, mut faces) = (0u32, Vec::with_capacity(triangles * 13));
     for p in &placed {
@@ -67,9 +68,10 @@ impl Columns {
         }
     }
 
-    fn header(&self, vertices: usize, triangles: usize) -> String {
+    fn header(&self, vertices: usize, triangles: usize, provenance: Option<&Provenance>) -> String {
+        let comment = provenance.map_or_else(|| "lodc".to_owned(), Provenance::line);
         let mut header = format!(
-            "ply\nformat binary_little_endian 1.0\ncomment lodc\nelement vertex {vertices}\n"
+            "ply\nformat binary_little_endian 1.0\ncomment {comment}\nelement vertex {vertices}\n"
         );
         let mut declare = |kind: &str, names: &[&str]| {
             for name in names {

@@ -6,8 +6,9 @@ use crate::export::flatten::tests::{gltf, info, triangle};
 fn the_file_is_laid_out_as_its_header_says() {
     let (mesh, info) = (triangle(), info(0));
     let document = Document::Obj(ObjDocument::default());
-    let files = export(Path::new("x.ply"), &document, &[ExportObject { info: &info, mesh: &mesh }])
-        .expect("exported");
+    let files =
+        export(Path::new("x.ply"), &document, &[ExportObject { info: &info, mesh: &mesh }], None)
+            .expect("exported");
     let bytes = &files[0].bytes;
     let header = "ply\nformat binary_little_endian 1.0\ncomment lodc\nelement vertex 3\n\
         property float x\nproperty float y\nproperty float z\n\
@@ -27,8 +28,9 @@ fn the_file_is_laid_out_as_its_header_says() {
 fn instances_follow_each_other_and_mirrored_ones_are_turned() {
     let (mesh, info) = (triangle(), info(0));
     let document = gltf(r#"{"nodes":[{"mesh":0},{"mesh":0,"scale":[-1,1,1]}]}"#);
-    let files = export(Path::new("x.ply"), &document, &[ExportObject { info: &info, mesh: &mesh }])
-        .expect("exported");
+    let files =
+        export(Path::new("x.ply"), &document, &[ExportObject { info: &info, mesh: &mesh }], None)
+            .expect("exported");
     let bytes = &files[0].bytes;
     assert_eq!(
         bytes[bytes.len() - 26..],
@@ -44,7 +46,7 @@ fn colours_are_bytes_to_nearest() {
 
 #[test]
 fn a_scene_without_triangles_is_an_empty_list() {
-    let files =
-        export(Path::new("x.ply"), &Document::Obj(ObjDocument::default()), &[]).expect("exported");
+    let files = export(Path::new("x.ply"), &Document::Obj(ObjDocument::default()), &[], None)
+        .expect("exported");
     assert!(String::from_utf8_lossy(&files[0].bytes).contains("element vertex 0\n"));
 }

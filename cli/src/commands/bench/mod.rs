@@ -14,7 +14,7 @@ mod timings;
 pub(crate) use primitives::strips as strips_of;
 pub(crate) use subject::{baselines, plain};
 
-use super::asset;
+use super::asset::{self, SimplifyArgs};
 use super::build::MOST_THREADS;
 use super::read::read_lodc;
 use crate::console::{self, error, warning};
@@ -190,8 +190,8 @@ fn objects(args: &BenchArgs, input: &Path) -> Outcome<Vec<Prepared>> {
             .collect();
     }
     let scene = import::import(input, &args.import.options())?;
-    let metric = args.metric.metric;
-    let asset = asset::simplified(input, &args.import, metric, scene, &mut Stages::default())?;
+    let how = SimplifyArgs::by(args.metric.metric);
+    let asset = asset::simplified(input, &args.import, &how, scene, &mut Stages::default())?;
     let name = input.display().to_string();
     asset.warnings.iter().for_each(|what| warning(&name, what));
     let progress = Progress::new(&name);

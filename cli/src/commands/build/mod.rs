@@ -9,11 +9,12 @@ mod work;
 
 pub(crate) use counts::counts;
 pub(crate) use errors::measure_all;
-pub(crate) use pipeline::simplify_all;
+pub(crate) use pipeline::{Known, paints, simplify_all};
 
 use crate::batch::{self, Asset, BatchArgs, MESHES, Sources};
 use crate::config::{ConfigArgs, Configs};
 use crate::exit::{Failure, Outcome, Status};
+use crate::importance::ImportanceArgs;
 use crate::kinds::{Choice, MetricArgs, StripArgs, parser_with};
 use crate::levels;
 use crate::limits::ImportArgs;
@@ -53,6 +54,8 @@ pub(crate) struct BuildArgs {
     /// Normals, texture coordinates and colours take no part in the cost
     #[arg(long)]
     no_attributes: bool,
+    #[command(flatten)]
+    importance: ImportanceArgs,
     #[command(flatten)]
     strips: StripArgs,
     /// Threads; the output does not depend on it [default: all cores]

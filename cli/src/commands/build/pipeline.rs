@@ -4,6 +4,7 @@ use super::errors::{SimplifiedObjects, measure_all};
 use super::models::ModelWork;
 use super::{BuildArgs, counts};
 use crate::exit::{Failure, Outcome, Status};
+use crate::limits::ImportArgs;
 use crate::output::{self, Target};
 use crate::paints::Paints;
 use crate::progress::Progress;
@@ -12,7 +13,7 @@ use crate::stages::Stages;
 use lodc_formats::appearance::appearance;
 use lodc_formats::lodc::{LodFile, LodObject, MadeFrom, write};
 use lodc_formats::{Assets, ObjectInfo, Scene, SceneObject, import};
-use lodc_simplify::{MetricKind, Options, simplify, simplify_coloured};
+use lodc_simplify::{Guidance, MetricKind, Options, SurfaceColours, simplify_guided};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -41,13 +42,15 @@ pub(super) fn make(
     let scene = import_scene(args, input, stages, report)?;
     let triangles = report.triangles.unwrap_or(0);
 
-    let paints = paints(args, input, &scene, report)?;
-    let Scene { source, document, objects, mut files_read, .. } = scene;
-    let painted = paints.as_ref().map(|(paints, _)| paints).filter(|p| p.has_textures());
     let options = simplify_options(args);
+    let paints = paints(&args.import, input, &scene, &options)?;
+    let locked = args.importance.locked(&scene)?;
+    let Scene { source, document, objects, mut files_read, .. } = scene;
+    let known = Known { paints: paints.textured(), locked: &locked };
     let simplified =
-        stages.run("simplify", || simplify_all(objects, &options, painted, triangles, progress));
-    for read in paints.into_iter().flat_map(|(_, files)| files) {
+        stages.run("simplify", || simplify_all(objects, &options, known, triangles, progress));
+    report.warnings.extend(paints.warnings);
+    for read in paints.files_read {
         if !files_read.contains(&read) {
             files_read.push(read);
         }
@@ -101,35 +104,65 @@ fn simplify_options(args: &BuildArgs) -> Options {
         preserve_topology: args.preserve_topology,
         lock_border: args.lock_border,
         attributes: !args.no_attributes,
+        weights: args.importance.weights(),
         ..Options::DEFAULT
     }
 }
 
-/// The colours of a scene and the files they are in, if the metric sees them.
-fn paints(
-    args: &BuildArgs,
-    input: &Path,
-    scene: &Scene,
-    report: &mut InputReport,
-) -> Outcome<Option<(Paints, Vec<PathBuf>)>> {
-    if args.no_attributes || args.metric.metric != MetricKind::Hybrid {
-        return Ok(None);
-    }
-    let options = args.import.options();
-    let infos: Vec<&ObjectInfo> = scene.objects.iter().map(|o| &o.info).collect();
-    let mut assets = Assets::new(input, &options.allowed, options.limits);
-    let looks = appearance(&scene.document, &infos, &mut assets)
-        .map_err(|e| e.in_file(&input.display().to_string()))?;
-    report.warnings.extend_from_slice(&looks.warnings);
-    Ok(Some((Paints::new(looks), assets.files_read().to_vec())))
+/// The colours of a scene, if the metric sees them.
+#[derive(Default)]
+pub(crate) struct ScenePaints {
+    paints: Option<Paints>,
+    /// The image files they are in.
+    pub(crate) files_read: Vec<PathBuf>,
+    /// One line for each image that could not be read.
+    pub(crate) warnings: Vec<String>,
 }
 
-/// Simplifies every object, several at once. `paints` are the scene's colours, where the metric
-/// sees them and they vary.
+impl ScenePaints {
+    /// The colours, where they vary.
+    pub(crate) fn textured(&self) -> Option<&Paints> {
+        self.paints.as_ref().filter(|p| p.has_textures())
+    }
+}
+
+/// Reads the colours of a scene, if the metric sees them.
+///
+/// # Errors
+/// If the stored document is damaged.
+pub(crate) fn paints(
+    import: &ImportArgs,
+    input: &Path,
+    scene: &Scene,
+    options: &Options,
+) -> Outcome<ScenePaints> {
+    if !options.attributes || options.metric != MetricKind::Hybrid {
+        return Ok(ScenePaints::default());
+    }
+    let import = import.options();
+    let infos: Vec<&ObjectInfo> = scene.objects.iter().map(|o| &o.info).collect();
+    let mut assets = Assets::new(input, &import.allowed, import.limits);
+    let mut looks = appearance(&scene.document, &infos, &mut assets)
+        .map_err(|e| e.in_file(&input.display().to_string()))?;
+    let warnings = std::mem::take(&mut looks.warnings);
+    let files_read = assets.files_read().to_vec();
+    Ok(ScenePaints { paints: Some(Paints::new(looks)), files_read, warnings })
+}
+
+/// Knowledge of a scene besides its meshes.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Known<'a> {
+    /// Its colours, where the metric sees them and they vary.
+    pub(crate) paints: Option<&'a Paints>,
+    /// By object the vertices that stay. An object without a list has none.
+    pub(crate) locked: &'a [Vec<bool>],
+}
+
+/// Simplifies every object, several at once.
 pub(crate) fn simplify_all(
     objects: Vec<SceneObject>,
     options: &Options,
-    paints: Option<&Paints>,
+    known: Known<'_>,
     triangles: u64,
     progress: &Progress,
 ) -> SimplifiedObjects {
@@ -143,12 +176,12 @@ pub(crate) fn simplify_all(
             let last = before.fetch_max(now, Ordering::Relaxed);
             progress.add(now.saturating_sub(last));
         };
-        let simplified = match paints {
-            Some(p) => {
-                simplify_coloured(&object.mesh, options, &p.of_object(number), &report_progress)
-            }
-            None => simplify(&object.mesh, options, &report_progress),
+        let colours = known.paints.map(|p| p.of_object(number));
+        let guidance = Guidance {
+            colours: colours.as_ref().map(|c| c as &dyn SurfaceColours),
+            locked: known.locked.get(number).map_or(&[], Vec::as_slice),
         };
+        let simplified = simplify_guided(&object.mesh, options, guidance, &report_progress);
         (object.info, Arc::new(simplified))
     };
     objects.into_par_iter().enumerate().map(one).collect()

@@ -2,7 +2,7 @@
 
 use crate::exit::{Failure, Outcome};
 use crate::report::ChainLevel;
-use crate::selector::{SceneLevels, bound};
+use crate::selector::{SceneLevels, ScreenArgs, bound, positive, size};
 use clap::Args;
 use lodc_formats::lodc::LodObject;
 use lodc_mesh::Lod;
@@ -29,12 +29,8 @@ pub(super) struct LevelArgs {
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = positive,
           requires = "pixels")]
     distances: Vec<f64>,
-    /// Height of the screen in pixels
-    #[arg(long, value_name = "PIXELS", default_value = "1080", value_parser = positive)]
-    height: f64,
-    /// Vertical field of view in degrees
-    #[arg(long, value_name = "DEGREES", default_value = "60", value_parser = field_of_view)]
-    fovy: f64,
+    #[command(flatten)]
+    screen: ScreenArgs,
 }
 
 /// One level of a chain.
@@ -51,13 +47,17 @@ pub(super) struct Level {
 }
 
 impl Level {
+    /// Returns the LOD; none if several objects each have their own.
+    pub(super) fn lod(&self) -> Option<u32> {
+        match self.lods[..] {
+            [one] => Some(one.0),
+            _ => None,
+        }
+    }
     pub(super) fn report(&self, level: usize, output: &Path) -> ChainLevel {
         ChainLevel {
             level,
-            lod: match self.lods[..] {
-                [one] => Some(one.0),
-                _ => None,
-            },
+            lod: self.lod(),
             triangles: self.triangles,
             vertices: self.vertices,
             error: self.error.is_finite().then_some(self.error),
@@ -81,7 +81,7 @@ impl LevelArgs {
     ) -> Outcome<(Vec<Level>, Vec<String>)> {
         let (mut levels, mut warnings): (Vec<Level>, Vec<String>) = Default::default();
         for (target, distance) in self.targets() {
-            let chosen = scene.select_capped(target, cap)?;
+            let chosen = scene.select_capped(target, cap, false)?;
             let level = level(objects, &chosen, distance);
             let before = levels.last().map(|l| (l.triangles, &l.lods));
             if before.is_some_and(|(triangles, _)| triangles < level.triangles) {
@@ -103,9 +103,7 @@ impl LevelArgs {
     fn targets(&self) -> Vec<(Target, Option<f64>)> {
         let plain = |targets: &[Target]| targets.iter().map(|&t| (t, None)).collect();
         if let Some(pixels) = self.pixels {
-            // Height of the view at distance 1.
-            let height = 2.0 * (self.fovy.to_radians() / 2.0).tan();
-            let error = |&d: &f64| (Target::Error(pixels * d * height / self.height), Some(d));
+            let error = |&d: &f64| (self.screen.error(pixels, d), Some(d));
             return self.distances.iter().map(error).collect();
         }
         if let Some(n) = self.auto {
@@ -129,65 +127,5 @@ fn level(objects: &[LodObject], chosen: &Selection, distance: Option<f64>) -> Le
         rms: chosen.rms,
         lods: chosen.lods.clone(),
         distance,
-    }
-}
-
-/// `25%`, `0.25`, `1` (all), `500`, `10k` or `2m`.
-pub(crate) fn size(text: &str) -> Result<Target, String> {
-    let wrong = || format!("{text}: not a share (25%, 0.25) or a count (500, 10k)");
-    let number = |digits: &str| -> Result<f64, String> {
-        let value: f64 = digits.parse().map_err(|_| wrong())?;
-        if value.is_finite() && value >= 0.0 { Ok(value) } else { Err(wrong()) }
-    };
-    let share = |value: f64| {
-        if value <= 1.0 { Ok(Target::Ratio(value)) } else { Err(format!("{text}: above 100 %")) }
-    };
-    let count = |value: f64| Ok(Target::Triangles(value as u64));
-    let lower = text.to_lowercase();
-    if let Some(percent) = lower.strip_suffix('%') {
-        share(number(percent)? / 100.0)
-    } else if let Some(thousands) = lower.strip_suffix('k') {
-        count(number(thousands)? * 1e3)
-    } else if let Some(millions) = lower.strip_suffix('m') {
-        count(number(millions)? * 1e6)
-    } else if lower.contains('.') || lower == "1" {
-        share(number(&lower)?)
-    } else {
-        count(number(&lower)?.trunc())
-    }
-}
-
-fn positive(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
-        _ => Err(format!("{text}: not a number above 0")),
-    }
-}
-
-fn field_of_view(text: &str) -> Result<f64, String> {
-    positive(text).and_then(|v| if v < 180.0 { Ok(v) } else { Err("below 180 degrees".to_owned()) })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn sizes_are_shares_or_counts() {
-        let cases = [
-            ("25%", Target::Ratio(0.25)),
-            ("0.25", Target::Ratio(0.25)),
-            ("1", Target::Ratio(1.0)),
-            ("100%", Target::Ratio(1.0)),
-            ("500", Target::Triangles(500)),
-            ("10k", Target::Triangles(10_000)),
-            ("1.5M", Target::Triangles(1_500_000)),
-        ];
-        for (text, target) in cases {
-            assert_eq!(size(text), Ok(target), "{text}");
-        }
-        for wrong in ["", "%", "120%", "1.5", "-3", "nan", "k", "ten", "inf"] {
-            assert!(size(wrong).is_err(), "{wrong}");
-        }
     }
 }

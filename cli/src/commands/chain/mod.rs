@@ -4,20 +4,22 @@ mod levels;
 mod separate;
 mod shared;
 
-use super::asset::{self, Asset};
+use super::asset::{self, Asset, SimplifyArgs};
+use crate::compression::CompressArgs;
 use crate::console::{self, Loudness, result, wants};
 use crate::exit::{Failure, Outcome};
-use crate::kinds::MetricArgs;
 use crate::limits::ImportArgs;
 use crate::mesh_output::FormatName;
 use crate::output::{self, Rule, Target};
-use crate::report::{ChainReport, SCHEMA_VERSION};
+use crate::report::{ChainReport, SCHEMA_VERSION, reported};
 use crate::selector::{SceneLevels, bound};
 use crate::stages::Stages;
 use crate::text::{distance, grouped, size};
+use crate::textures::TextureArgs;
 use clap::Args;
 use levels::{Level, LevelArgs};
 use lodc_formats::OutputFile;
+use lodc_formats::export::{Additions, LevelFacts, Provenance};
 use std::path::PathBuf;
 
 /// Options of `chain`.
@@ -45,7 +47,11 @@ pub(crate) struct ChainArgs {
     #[arg(long, requires = "separate")]
     refit: bool,
     #[command(flatten)]
-    metric: MetricArgs,
+    simplify: SimplifyArgs,
+    #[command(flatten)]
+    textures: TextureArgs,
+    #[command(flatten)]
+    compress: CompressArgs,
     /// Print the levels as JSON on standard output
     #[arg(long)]
     json: bool,
@@ -64,21 +70,35 @@ struct Files {
 }
 
 pub(crate) fn run(args: &ChainArgs) -> Outcome<()> {
+    reported(args.json, chain(args))
+}
+
+fn chain(args: &ChainArgs) -> Outcome<()> {
     let format = format(args)?;
+    args.textures.check(format, false)?;
+    args.compress.wanted(format, false)?;
     output::prepare(&[Target::File(args.output.clone())], true)?;
     let mut stages = Stages::default();
-    let asset = asset::read(&args.input, &args.import, args.metric.metric, &mut stages)?;
+    let asset = asset::read(&args.input, &args.import, &args.simplify, &mut stages)?;
     let name = args.input.display().to_string();
     let limits = args.import.limits().limits();
     let scene = SceneLevels::new(&asset.objects, &asset.document, &limits)?;
     let (mut levels, mut warnings) = args.levels.choose(&asset.objects, &scene, args.max_error)?;
     warnings.splice(0..0, asset.warnings.iter().cloned());
+    let target = Target::File(args.output.clone());
+    let textures = stages.run("textures", || {
+        args.textures.placed(&asset.document, &args.input, &args.import, &target, format)
+    });
+    let (textures, images_read) = textures?;
+    warnings.extend_from_slice(&textures.warnings);
+    let compress = args.compress.wanted(format, asset.compressed)?;
+    let additions = Additions { textures, compress, provenance: None };
     let made = stages.run("export", || match args.separate {
-        true => separate::files(args, format, &asset, &mut levels),
-        false => shared::files(args, format, &asset, &mut levels),
+        true => separate::files(args, format, &asset, &mut levels, additions),
+        false => shared::files(args, format, &asset, &mut levels, additions),
     })?;
     stages.run("write", || output::commit(&made.files))?;
-    write_depfile(args, &made, &asset)?;
+    write_depfile(args, &made, [asset.files_read, images_read].concat())?;
     for warning in &warnings {
         console::warning(&name, warning);
     }
@@ -101,11 +121,25 @@ fn format(args: &ChainArgs) -> Outcome<FormatName> {
     Ok(format)
 }
 
-fn write_depfile(args: &ChainArgs, made: &Files, asset: &Asset) -> Outcome<()> {
+/// The origin of a file with these levels.
+fn provenance(args: &ChainArgs, asset: &Asset, levels: &[Level]) -> Provenance {
+    let facts = |level: &Level| LevelFacts {
+        lod: level.lod(),
+        error: level.error,
+        rms: level.rms.filter(|rms| rms.is_finite()),
+    };
+    Provenance {
+        source: asset.source.content_hash,
+        levels: levels.iter().map(facts).collect(),
+        refitted: args.refit,
+    }
+}
+
+fn write_depfile(args: &ChainArgs, made: &Files, inputs: Vec<PathBuf>) -> Outcome<()> {
     let Some(depfile) = &args.depfile else { return Ok(()) };
     let mut outputs = made.of_level.clone();
     outputs.dedup();
-    let rule = |output| Rule { output, inputs: asset.files_read.clone() };
+    let rule = |output| Rule { output, inputs: inputs.clone() };
     let rules: Vec<Rule> = outputs.into_iter().map(rule).collect();
     output::write_depfile(depfile, &rules)
 }

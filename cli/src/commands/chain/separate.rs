@@ -1,15 +1,12 @@
 //! A file per level.
 
 use super::levels::Level;
-use super::{Asset, ChainArgs, Files, FormatName};
-use crate::exit::{Failure, Outcome, Status};
+use super::{Asset, ChainArgs, Files, FormatName, provenance};
+use crate::exit::Outcome;
+use crate::level_mesh::{self, Order, Shape};
 use crate::mesh_output;
 use crate::output::Target;
-use lodc_formats::export::ExportObject;
-use lodc_formats::lodc::LodObject;
-use lodc_measure::{Sampling, Surface, distances};
-use lodc_mesh::{Lod, Mesh};
-use rayon::prelude::*;
+use lodc_formats::export::Additions;
 use std::path::{Path, PathBuf};
 
 pub(super) fn files(
@@ -17,52 +14,25 @@ pub(super) fn files(
     format: FormatName,
     asset: &Asset,
     levels: &mut [Level],
+    mut additions: Additions,
 ) -> Outcome<Files> {
     let (mut files, mut of_level) = (Vec::new(), Vec::new());
+    let shape = Shape { model: None, refit: args.refit, order: Order::Cache };
     for (number, level) in levels.iter_mut().enumerate() {
-        let one = |(o, &lod): (&LodObject, &Lod)| mesh(args, o, lod);
-        let meshes: Vec<Mesh> =
-            asset.objects.par_iter().zip(&level.lods).map(one).collect::<Outcome<_>>()?;
-        if args.refit {
-            measure(asset, &meshes, level);
-        }
-        level.vertices = meshes.iter().map(|m| m.vertex_count() as u64).sum();
-        let objects: Vec<ExportObject<'_>> = asset
-            .objects
-            .iter()
-            .zip(&meshes)
-            .map(|(o, mesh)| ExportObject { info: &o.info, mesh })
-            .collect();
+        let meshes = level_mesh::meshes(&asset.objects, &level.lods, shape)?;
+        // Of refitted meshes they are measured.
+        (level.error, level.rms) = level_mesh::distance(&asset.objects, &meshes);
+        level.vertices = meshes.iter().map(|m| m.mesh.vertex_count() as u64).sum();
+        let objects = level_mesh::exported(&asset.objects, &meshes);
         let path = numbered(&args.output, number);
         let target = Target::File(path.clone());
-        files.extend(mesh_output::files(&target, format, &asset.document, &objects)?);
+        additions.provenance = Some(provenance(args, asset, std::slice::from_ref(level)));
+        files.extend(mesh_output::files(&target, format, &asset.document, &objects, &additions)?);
+        // All levels share the copies.
+        additions.textures.copies.clear();
         of_level.push(path);
     }
     Ok(Files { files, of_level })
-}
-
-/// Replaces the errors of a level by those of its refitted meshes: the stored ones are of the
-/// vertices where they were.
-fn measure(asset: &Asset, meshes: &[Mesh], level: &mut Level) {
-    let several = asset.objects.len() > 1;
-    let one = |(o, mesh): (&LodObject, &Mesh)| {
-        let unit = if several { o.info.world_scale } else { 1.0 };
-        let [from, to] = [o.simplified.mesh(), mesh].map(surface);
-        let found = distances(&from, &to, &Sampling::DEFAULT);
-        let larger = |pair: [f64; 2]| unit * pair[0].max(pair[1]);
-        (larger(found.hausdorff), larger(found.rms))
-    };
-    let found = asset.objects.iter().zip(meshes).map(one);
-    let (error, rms) = found.fold((0.0, 0.0), |a: (f64, f64), b| (a.0.max(b.0), a.1.max(b.1)));
-    (level.error, level.rms) = (error, Some(rms));
-}
-
-fn surface(mesh: &Mesh) -> Surface {
-    Surface {
-        positions: mesh.positions().iter().map(|&p| p.into()).collect(),
-        triangles: mesh.triangles().to_vec(),
-        ..Surface::default()
-    }
 }
 
 /// `part.glb` becomes `part_LOD2.glb`.
@@ -74,13 +44,4 @@ fn numbered(output: &Path, level: usize) -> PathBuf {
         name.push(extension);
     }
     output.with_file_name(name)
-}
-
-fn mesh(args: &ChainArgs, object: &LodObject, lod: Lod) -> Outcome<Mesh> {
-    if args.refit {
-        return Ok(lodc_refit::refit(&object.simplified, lod, &lodc_refit::Options::DEFAULT));
-    }
-    object.simplified.mesh().extract(&object.simplified.triangles_at(lod)).map_err(|e| {
-        Failure::new(Status::Bug, format!("{}: LOD {} is no mesh: {e}", object.info.name, lod.0))
-    })
 }

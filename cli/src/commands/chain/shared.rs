@@ -1,22 +1,21 @@
 //! All levels in one file, over one vertex buffer.
 
 use super::levels::Level;
-use super::{Asset, ChainArgs, Files, FormatName};
+use super::{Asset, ChainArgs, Files, FormatName, provenance};
 use crate::exit::{Failure, Outcome, Status};
-use lodc_formats::export::{ChainObject, ChainShape, export_chain};
+use crate::level_mesh::CACHE;
+use lodc_formats::export::{Additions, ChainObject, ChainShape, export_chain};
 use lodc_formats::lodc::LodObject;
 use lodc_mesh::{Chain, Lod};
 use lodc_strip::order_list;
 use rayon::prelude::*;
-
-/// Vertices in the cache that indices are ordered for.
-const CACHE: u32 = 16;
 
 pub(super) fn files(
     args: &ChainArgs,
     format: FormatName,
     asset: &Asset,
     levels: &mut [Level],
+    mut additions: Additions,
 ) -> Outcome<Files> {
     let lods = |object: usize| -> Vec<Lod> { levels.iter().map(|l| l.lods[object]).collect() };
     let chains: Vec<Chain> = (0..asset.objects.len())
@@ -38,7 +37,8 @@ pub(super) fn files(
         .collect();
     let shape = if args.index_ranges { ChainShape::IndexRanges } else { ChainShape::Nodes };
     let binary = format == FormatName::Glb;
-    let files = export_chain(&args.output, binary, &asset.document, &objects, shape)?;
+    additions.provenance = Some(provenance(args, asset, levels));
+    let files = export_chain(&args.output, binary, &asset.document, &objects, shape, &additions)?;
     Ok(Files { files, of_level: vec![args.output.clone(); levels.len()] })
 }
 

@@ -5,18 +5,22 @@ mod heatmap;
 mod report;
 mod surface;
 
+use super::asset::SimplifyArgs;
 use crate::console::{self, Loudness, note, wants};
 use crate::exit::{Failure, Outcome, Status};
 use crate::limits::ImportArgs;
-use crate::output::{self, Target};
+use crate::output;
+use crate::report::reported;
+use crate::selector::{OptionalSelector, size};
 use crate::stages::Stages;
 use clap::Args;
 use lodc_measure::{Looks, Sampling, SceneSurface, Viewing, compare_pictures, distances, pictures};
+use lodc_select::Target;
 use rayon::ThreadPoolBuilder;
 use report::{CompareReport, ImageReport};
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
-use surface::surface;
+use surface::{Wish, surface};
 
 /// Distances below this share of the diagonal are rounding: the heatmap shows none.
 const ROUNDING: f64 = 1e-6;
@@ -24,10 +28,17 @@ const ROUNDING: f64 = 1e-6;
 /// Options of `compare`.
 #[derive(Args, Debug)]
 pub(crate) struct CompareArgs {
-    /// The mesh to compare with: OBJ, glTF or GLB; `-` for standard input
+    /// The mesh to compare with: OBJ, glTF, GLB or .lodc; `-` for standard input
     a: PathBuf,
-    /// The mesh to be judged
+    /// The mesh to be judged, or the asset whose level is: a mesh is then simplified in memory
     b: PathBuf,
+    /// The level of A: a share (25%, 0.25) or a number (10k) of triangles [default: all]
+    #[arg(long, value_name = "LEVEL", value_parser = size)]
+    level_a: Option<Target>,
+    #[command(flatten, next_help_heading = "Level of B [default: all triangles]")]
+    level_b: OptionalSelector,
+    #[command(flatten)]
+    simplify: SimplifyArgs,
     /// Print the result as JSON on standard output
     #[arg(long)]
     json: bool,
@@ -108,15 +119,20 @@ fn grey(text: &str) -> Result<f64, String> {
 }
 
 pub(crate) fn run(args: &CompareArgs) -> Outcome<Status> {
+    reported(args.json, checked(args))
+}
+
+/// Compares, once options are known to fit together.
+fn checked(args: &CompareArgs) -> Outcome<Status> {
     if [&args.a, &args.b].iter().all(|path| output::is_stream(path)) {
         return Err(Failure::usage("standard input can be read once only"));
     }
-    let heatmap = args.heatmap.as_ref().map(|path| Target::File(path.clone()));
-    if let Some(Target::File(path)) = &heatmap {
+    let heatmap = args.heatmap.as_ref().map(|path| output::Target::File(path.clone()));
+    if let Some(output::Target::File(path)) = &heatmap {
         if output::is_stream(path) || [&args.a, &args.b].contains(&path) {
             return Err(Failure::usage("--heatmap needs a file of its own"));
         }
-        output::prepare(&[Target::File(path.clone())], false)?;
+        output::prepare(&[output::Target::File(path.clone())], false)?;
     }
     let threads = args.jobs.map_or(0, |n| n.get().min(super::build::MOST_THREADS));
     let pool = ThreadPoolBuilder::new().num_threads(threads).build();
@@ -125,10 +141,12 @@ pub(crate) fn run(args: &CompareArgs) -> Outcome<Status> {
     pool.install(|| compare(args, heatmap.as_ref()))
 }
 
-fn compare(args: &CompareArgs, heatmap: Option<&Target>) -> Outcome<Status> {
+fn compare(args: &CompareArgs, heatmap: Option<&output::Target>) -> Outcome<Status> {
     let mut stages = Stages::default();
-    let a = stages.run("import", || surface(&args.a, args))?;
-    let b = stages.run("import", || surface(&args.b, args))?;
+    let wish_a = Wish { target: args.level_a, per_object: false };
+    let wish_b = Wish { target: args.level_b.target(), per_object: args.level_b.per_object() };
+    let a = surface(&args.a, wish_a, args, &mut stages)?;
+    let b = surface(&args.b, wish_b, args, &mut stages)?;
     let looks = looks(&a, &b, args);
     let (a, b) = (a.surface, b.surface);
     let sampling =

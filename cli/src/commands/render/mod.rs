@@ -18,7 +18,7 @@ use crate::exit::{Failure, Outcome};
 use crate::gpu::{self, Device};
 use crate::limits::ImportArgs;
 use crate::output::{self, Target};
-use crate::selector::{OptionalSelector, ratio};
+use crate::selector::{OptionalSelector, share};
 use clap::Args;
 use options::{Backs, Colouring, Shading, UpAxis, View};
 use std::path::PathBuf;
@@ -38,7 +38,7 @@ pub(crate) struct RenderArgs {
         long,
         value_name = "SHARES",
         value_delimiter = ',',
-        value_parser = ratio,
+        value_parser = share,
         conflicts_with = "TargetArgs"
     )]
     contact_sheet: Vec<f64>,
@@ -123,11 +123,9 @@ pub(crate) struct RenderArgs {
 }
 
 pub(crate) fn run(args: &RenderArgs) -> Outcome<()> {
-    let inputs = std::slice::from_ref(&args.input);
     let folder = output::is_folder(&args.output);
-    let targets = output::targets(inputs, Some(&args.output), "png")?;
-    output::prepare(&targets, folder)?;
-    let target = targets.into_iter().next().expect("one input has one target");
+    let target = output::target(&args.input, Some(&args.output), "png")?;
+    output::prepare([&target], folder)?;
     if args.wireframe && args.color == Colouring::Error {
         return Err(Failure::usage("--color error divides triangles: leave --wireframe out"));
     }

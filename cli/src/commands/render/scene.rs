@@ -2,7 +2,7 @@
 
 use super::RenderArgs;
 use super::options::Colouring;
-use crate::commands::asset;
+use crate::commands::asset::{self, SimplifyArgs};
 use crate::exit::{Failure, Outcome, Status};
 use crate::stages::Stages;
 use lodc_formats::appearance::appearance;
@@ -105,6 +105,7 @@ fn of_scene(
         let objects = scene.objects.into_iter().map(|o| (o.info, o.mesh)).collect();
         return Ok((Objects::Meshes(objects), scene.document, scene.warnings));
     }
-    let asset = asset::simplified(&args.input, &args.import, MetricKind::default(), scene, stages)?;
+    let how = SimplifyArgs::by(MetricKind::default());
+    let asset = asset::simplified(&args.input, &args.import, &how, scene, stages)?;
     Ok((Objects::Levels(asset.objects), asset.document, asset.warnings))
 }

@@ -4,7 +4,7 @@
 //! index ranges put all levels of a primitive into one index accessor, one behind the other.
 
 use super::writer::{Numbering, Writer};
-use super::{glb, gltf, prune, source_document, submesh_primitive};
+use super::{Additions, glb, gltf, prune, source_document, submesh_primitive};
 use crate::import::gltf::json::{Object, integer};
 use crate::{Document, FormatError, ObjectInfo, OutputFile};
 use lodc_mesh::Mesh;
@@ -34,7 +34,7 @@ pub enum ChainShape {
     IndexRanges,
 }
 
-/// Makes the `.glb`, or the `.gltf` and the `.bin` beside it.
+/// Makes the `.glb`, or the `.gltf` and the `.bin` beside it, and copies of image files.
 ///
 /// # Errors
 /// If the format cannot hold the scene.
@@ -44,10 +44,11 @@ pub fn export_chain(
     document: &Document,
     objects: &[ChainObject<'_>],
     shape: ChainShape,
+    additions: &Additions,
 ) -> Result<Vec<OutputFile>, FormatError> {
     let infos: Vec<&ObjectInfo> = objects.iter().map(|o| o.info).collect();
-    let (mut root, mut blob) = source_document(document, &infos)?;
-    let mut writer = Writer::new(&root);
+    let (mut root, mut blob) = source_document(document, &infos, additions)?;
+    let mut writer = Writer::new(&root, additions.compress);
     let mut empty = Vec::new();
     let mut levels = Vec::new();
     for (i, object) in objects.iter().enumerate() {
@@ -69,7 +70,9 @@ pub fn export_chain(
     }
     prune::without(&mut root, &empty);
     writer.finish(&mut root, &mut blob);
-    if binary { glb(path, &root, &blob).map(|file| vec![file]) } else { Ok(gltf(path, root, blob)) }
+    let mut files = if binary { vec![glb(path, &root, &blob)?] } else { gltf(path, root, blob) };
+    files.extend(additions.textures.copies.iter().cloned());
+    Ok(files)
 }
 
 /// The levels of one mesh of the document.
@@ -186,12 +189,7 @@ impl<'a> Levels<'a> {
             entry["extras"] = json!({});
         }
         entry["extras"]["MSFT_screencoverage"] = json!(self.object.coverage);
-        let used = root.entry("extensionsUsed").or_insert_with(|| json!([]));
-        if let Some(used) = used.as_array_mut()
-            && !used.iter().any(|e| e == "MSFT_lod")
-        {
-            used.push("MSFT_lod".into());
-        }
+        super::add_extension(root, "extensionsUsed", "MSFT_lod");
     }
 }
 

@@ -2,7 +2,8 @@
 //! OBJ material.
 
 use crate::import::gltf::json::Object;
-use crate::import::gltf::uri::percent_encoded;
+use crate::import::gltf::uri;
+use crate::textures::map_line;
 use crate::{ObjDocument, ObjMaterial, ObjectInfo};
 use lodc_mesh::{Attribute, Component, Mesh, Semantic};
 use serde_json::{Value, json};
@@ -87,34 +88,11 @@ fn material(material: &ObjMaterial, images: &mut Vec<String>) -> Value {
     out
 }
 
-/// The file of a `map_` statement as a URI: what follows its options. None for paths that no
-/// relative URI can name.
+/// The file of a `map_` statement as a URI. None for paths that no relative URI can name.
 fn file_name(rest: &str) -> Option<String> {
-    let mut words = rest.trim();
-    while words.starts_with('-') {
-        let (option, after) = words.split_once(char::is_whitespace)?;
-        let arguments = match option {
-            "-o" | "-s" | "-t" => 3,
-            "-mm" => 2,
-            "-blendu" | "-blendv" | "-boost" | "-texres" | "-clamp" | "-bm" | "-imfchan"
-            | "-type" | "-cc" => 1,
-            _ => 0,
-        };
-        words = after.trim_start();
-        for _ in 0..arguments {
-            // -o, -s and -t take one to three numbers.
-            let (word, after) = words.split_once(char::is_whitespace)?;
-            if arguments > 1 && word.parse::<f64>().is_err() {
-                break;
-            }
-            words = after.trim_start();
-        }
-    }
-    let path = words.replace('\\', "/");
-    if path.is_empty() || path.starts_with('/') || path.contains(':') || path.contains('\0') {
-        return None;
-    }
-    Some(path.split('/').map(percent_encoded).collect::<Vec<_>>().join("/"))
+    let path = map_line::after_options(rest)?.replace('\\', "/");
+    let relative = !path.starts_with('/') && !path.contains(':') && !path.contains('\0');
+    relative.then(|| uri::of_path(&path))
 }
 
 /// A mesh as glTF wants it: texture coordinates from the top down, normals of unit length, colours

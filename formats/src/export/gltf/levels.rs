@@ -8,6 +8,7 @@ use super::writer::Writer;
 use super::{
     adapted, document_mesh, document_primitive, glb, prune, source_document, submesh_primitive,
 };
+use crate::export::Additions;
 use crate::import::gltf::json::Object;
 use crate::{Assets, Document, FormatError, ObjectInfo, OutputFile};
 use lodc_mesh::{
@@ -46,9 +47,9 @@ pub fn export_levels(
     assets: &mut Assets,
 ) -> Result<(OutputFile, Vec<String>), FormatError> {
     let infos: Vec<&ObjectInfo> = objects.iter().map(|o| o.info).collect();
-    let (mut root, mut blob) = source_document(document, &infos)?;
+    let (mut root, mut blob) = source_document(document, &infos, &Additions::default())?;
     let warnings = embed_images(&mut root, &mut blob, assets);
-    let mut writer = Writer::new(&root);
+    let mut writer = Writer::new(&root, false);
     let mut empty = Vec::new();
     for (i, object) in objects.iter().enumerate() {
         let mesh = document_mesh(document, object.info, i);

@@ -4,11 +4,13 @@ mod chain;
 mod fresh;
 mod images;
 mod levels;
+mod meshopt;
 mod missing;
+mod placed;
 mod prune;
 mod writer;
 
-use super::ExportObject;
+use super::{Additions, ExportObject};
 use crate::import::gltf::json::{self, Object};
 use crate::import::gltf::{schema, uri};
 use crate::{Document, Fault, FormatError, Limits, ObjectInfo, OutputFile, SubmeshInfo};
@@ -32,10 +34,11 @@ pub(super) fn export(
     binary: bool,
     document: &Document,
     objects: &[ExportObject<'_>],
+    additions: &Additions,
 ) -> Result<Vec<OutputFile>, FormatError> {
     let infos: Vec<&ObjectInfo> = objects.iter().map(|o| o.info).collect();
-    let (mut root, mut blob) = source_document(document, &infos)?;
-    let mut writer = Writer::new(&root);
+    let (mut root, mut blob) = source_document(document, &infos, additions)?;
+    let mut writer = Writer::new(&root, additions.compress);
     let mut empty = Vec::new();
     for (i, object) in objects.iter().enumerate() {
         let mesh = document_mesh(document, object.info, i);
@@ -59,12 +62,14 @@ pub(super) fn export(
     if binary { glb(path, &root, &blob).map(|file| vec![file]) } else { Ok(gltf(path, root, blob)) }
 }
 
-/// The document that geometry goes into, and the bytes that it refers to already.
+/// The document that geometry goes into, additions included, and the bytes that it refers to
+/// already.
 fn source_document(
     document: &Document,
     objects: &[&ObjectInfo],
+    additions: &Additions,
 ) -> Result<(Object, Vec<u8>), FormatError> {
-    let (mut root, blob) = match document {
+    let (mut root, mut blob) = match document {
         Document::Gltf(gltf) => {
             (json::parse(gltf.json.as_bytes(), &Limits::DEFAULT)?, gltf.blob.clone())
         }
@@ -72,6 +77,10 @@ fn source_document(
     };
     // The document may come from a file that someone made up.
     schema::check(&mut root)?;
+    placed::put(&mut root, &mut blob, &additions.textures);
+    if let Some(provenance) = &additions.provenance {
+        provenance.put(&mut root);
+    }
     Ok((root, blob))
 }
 
@@ -159,6 +168,16 @@ fn gltf(path: &Path, mut root: Object, blob: Vec<u8>) -> Vec<OutputFile> {
         files.push(OutputFile { path: beside, bytes: blob });
     }
     files
+}
+
+/// Names an extension in one of the lists of the document.
+fn add_extension(root: &mut Object, list: &str, name: &str) {
+    let names = root.entry(list).or_insert_with(|| Value::Array(Vec::new()));
+    if let Value::Array(names) = names
+        && !names.iter().any(|n| n == name)
+    {
+        names.push(name.into());
+    }
 }
 
 fn to_json(root: &Object, pretty: bool) -> Vec<u8> {

@@ -1,5 +1,7 @@
-//! Geometry becomes accessors again: one buffer view per stride and one per index type.
+//! Geometry becomes accessors again: one buffer view per stride and one per index type; where it is
+//! compressed, one per stream, since likes compress best.
 
+use super::meshopt::{Compressed, Content};
 use crate::import::gltf::json::{Object, malformed};
 use crate::import::gltf::schema::Pool;
 use crate::import::gltf::{Shape, component_number, semantic};
@@ -14,9 +16,20 @@ const ELEMENT_ARRAY_BUFFER: u32 = 34963;
 #[derive(Debug)]
 struct Group {
     target: u32,
+    /// The stream, where each has a view of its own; else empty.
+    name: String,
     /// Of vertex data; of indices the size of one.
     stride: usize,
     bytes: Vec<u8>,
+}
+
+impl Group {
+    fn content(&self) -> Content<'_> {
+        match self.target {
+            ARRAY_BUFFER => Content::Attributes { stride: self.stride, bytes: &self.bytes },
+            _ => Content::Triangles { size: self.stride, bytes: &self.bytes },
+        }
+    }
 }
 
 /// Collects accessors and their data.
@@ -26,12 +39,14 @@ pub(super) struct Writer {
     first_view: usize,
     accessors: Vec<Value>,
     groups: Vec<Group>,
+    compress: bool,
 }
 
 impl Writer {
     /// A writer whose accessors follow those of the document.
-    pub(super) fn new(root: &Object) -> Self {
+    pub(super) fn new(root: &Object, compress: bool) -> Self {
         Self {
+            compress,
             first_accessor: Pool::Accessors.len(root),
             first_view: Pool::BufferViews.len(root),
             accessors: Vec::new(),
@@ -48,16 +63,22 @@ impl Writer {
     /// `blob` holds.
     pub(super) fn finish(self, root: &mut Object, blob: &mut Vec<u8>) {
         let mut views = Vec::with_capacity(self.groups.len());
+        let mut compressed = Compressed::new(root);
         for group in self.groups {
-            blob.resize(blob.len().next_multiple_of(4), 0);
-            let mut view =
-                json!({ "buffer": 0, "byteOffset": blob.len(), "byteLength": group.bytes.len() });
+            let (content, length) = (group.content(), group.bytes.len());
+            let mut view = if self.compress && content.fits() {
+                compressed.view(&content, length, blob)
+            } else {
+                blob.resize(blob.len().next_multiple_of(4), 0);
+                let offset = blob.len();
+                blob.extend_from_slice(&group.bytes);
+                json!({ "buffer": 0, "byteOffset": offset, "byteLength": length })
+            };
             if group.target == ARRAY_BUFFER {
                 view["byteStride"] = group.stride.into();
             }
             view["target"] = group.target.into();
             views.push(view);
-            blob.extend(group.bytes);
         }
         append(root, "accessors", self.accessors);
         append(root, "bufferViews", views);
@@ -71,17 +92,22 @@ impl Writer {
         if let Some(buffer) = buffers.get_mut(0).and_then(Value::as_object_mut) {
             buffer.insert("byteLength".to_owned(), blob.len().into());
         }
+        compressed.finish(root);
     }
 
-    /// The group of this kind, at a multiple of four bytes.
-    fn group(&mut self, target: u32, stride: usize) -> (usize, &mut Vec<u8>) {
-        let found = self.groups.iter().position(|g| g.target == target && g.stride == stride);
-        let i = found.unwrap_or_else(|| {
-            self.groups.push(Group { target, stride, bytes: Vec::new() });
+    /// The group of this kind, at a multiple of four bytes. Indices that will be compressed follow
+    /// each other without gaps.
+    fn group(&mut self, target: u32, stride: usize, name: &str) -> (usize, &mut Vec<u8>) {
+        let name = if self.compress { name } else { "" };
+        let same = |g: &Group| g.target == target && g.stride == stride && g.name == name;
+        let i = self.groups.iter().position(same).unwrap_or_else(|| {
+            self.groups.push(Group { target, name: name.to_owned(), stride, bytes: Vec::new() });
             self.groups.len() - 1
         });
         let bytes = &mut self.groups[i].bytes;
-        bytes.resize(bytes.len().next_multiple_of(4), 0);
+        if !self.compress || target == ARRAY_BUFFER {
+            bytes.resize(bytes.len().next_multiple_of(4), 0);
+        }
         (self.first_view + i, bytes)
     }
 
@@ -112,7 +138,7 @@ impl Writer {
         let row = shape.rows * a.component.size();
         let column = shape.column_stride(a.component);
         let stride = (columns * column).next_multiple_of(4);
-        let (view, bytes) = self.group(ARRAY_BUFFER, stride);
+        let (view, bytes) = self.group(ARRAY_BUFFER, stride, &semantic::to_name(&a.semantic));
         let offset = bytes.len();
         bytes.reserve(vertices.len() * stride);
         for &v in vertices {
@@ -145,7 +171,7 @@ impl Writer {
         // The largest number of each type is reserved, so one vertex less than fits.
         let short = u16::try_from(vertices).is_ok();
         let component = if short { Component::U16 } else { Component::U32 };
-        let (view, bytes) = self.group(ELEMENT_ARRAY_BUFFER, component.size());
+        let (view, bytes) = self.group(ELEMENT_ARRAY_BUFFER, component.size(), "");
         let offset = bytes.len();
         bytes.extend(
             indices.iter().flat_map(|i| i.to_le_bytes().into_iter().take(component.size())),

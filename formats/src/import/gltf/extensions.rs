@@ -6,6 +6,14 @@ use serde_json::Value;
 
 /// Compressed vertex and index data: decoded.
 pub(super) const MESHOPT: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
+
+/// Returns whether buffer views of a document are compressed.
+pub(super) fn is_compressed(root: &Object) -> bool {
+    json::entries(root, "bufferViews").any(|view| {
+        let extensions = view.get("extensions");
+        extensions.is_some_and(|e| MESHOPT.iter().any(|name| e.get(name).is_some()))
+    })
+}
 /// Compressed primitives: refused unless the same data is there uncompressed.
 pub(super) const DRACO: &str = "KHR_draco_mesh_compression";
 

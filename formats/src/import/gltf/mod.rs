@@ -13,7 +13,7 @@ mod document;
 mod extensions;
 mod glb;
 pub(crate) mod json;
-mod meshopt;
+pub(crate) mod meshopt;
 mod object;
 mod primitive;
 mod scene_graph;
@@ -83,6 +83,7 @@ pub(crate) fn import(
     let accessors: Vec<Option<Accessor>> = accessors.collect::<Result<_, _>>()?;
 
     scene_graph::check(&root)?;
+    let compressed = extensions::is_compressed(&root);
     let mut reading = Reading::new(&accessors, &views, options.limits, options.weld);
     let mut objects = read_objects(&root, &mut reading, &mut warnings)?;
     let numbers = |accessor| stored::numbers(&accessors, &views, accessor);
@@ -99,6 +100,7 @@ pub(crate) fn import(
         objects,
         warnings,
         files_read: assets.files_read().to_vec(),
+        compressed,
     })
 }
 

@@ -21,6 +21,19 @@ pub(crate) fn read(uri: &str, place: &str, assets: &mut Assets) -> Result<Vec<u8
     assets.read_reference(&path)
 }
 
+/// The path that a URI without a scheme stands for, decoded; none for others.
+pub(crate) fn path(uri: &str) -> Option<String> {
+    if scheme(uri).is_some() {
+        return None;
+    }
+    String::from_utf8(percent_decoded(uri)?).ok()
+}
+
+/// A relative path with `/` between folders as a URI.
+pub(crate) fn of_path(path: &str) -> String {
+    path.split('/').map(percent_encoded).collect::<Vec<_>>().join("/")
+}
+
 /// Returns whether a URI carries its own bytes.
 pub(crate) fn is_data(uri: &str) -> bool {
     strip_prefix_ignoring_case(uri, "data:").is_some()
@@ -49,7 +62,7 @@ fn data(rest: &str, place: &str) -> Result<Vec<u8>, FormatError> {
 
 /// The media type and the bytes of a `data:` URI; none if it is something else or cannot be
 /// decoded.
-pub(super) fn decoded_data(uri: &str) -> Option<(String, Vec<u8>)> {
+pub(crate) fn decoded_data(uri: &str) -> Option<(String, Vec<u8>)> {
     let rest = strip_prefix_ignoring_case(uri, "data:")?;
     let media_type = rest.split([';', ',']).next()?.to_ascii_lowercase();
     Some((media_type, data(rest, "").ok()?))

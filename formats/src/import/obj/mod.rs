@@ -70,6 +70,7 @@ pub(crate) fn import(
         objects: vec![SceneObject { info, mesh, source_positions }],
         warnings,
         files_read: assets.files_read().to_vec(),
+        compressed: false,
     })
 }
 

@@ -7,7 +7,7 @@ mod vertex;
 
 /// Contents of a compressed buffer view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Mode {
+pub(crate) enum Mode {
     /// Any data of a fixed stride.
     Attributes,
     /// Triangle lists.
@@ -18,7 +18,7 @@ pub(super) enum Mode {
 
 /// Filter to apply to decoded attributes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Filter {
+pub(crate) enum Filter {
     /// Nothing.
     None,
     /// Unit vectors as two coordinates of an octahedron.
@@ -33,20 +33,20 @@ pub(super) enum Filter {
 
 /// A compressed buffer view, its bytes apart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Layout {
+pub(crate) struct Layout {
     /// Its contents.
-    pub(super) mode: Mode,
+    pub(crate) mode: Mode,
     /// Its filter.
-    pub(super) filter: Filter,
+    pub(crate) filter: Filter,
     /// Elements.
-    pub(super) count: usize,
+    pub(crate) count: usize,
     /// Bytes of an element.
-    pub(super) stride: usize,
+    pub(crate) stride: usize,
 }
 
 impl Layout {
     /// Returns whether mode, filter, stride and count go together.
-    pub(super) fn check(&self) -> Result<(), &'static str> {
+    pub(crate) fn check(&self) -> Result<(), &'static str> {
         let stride = match (self.mode, self.filter) {
             (Mode::Attributes, Filter::None | Filter::Exponential) => {
                 self.stride > 0 && self.stride <= 256 && self.stride.is_multiple_of(4)
@@ -72,7 +72,7 @@ impl Layout {
 ///
 /// # Errors
 /// Says what is wrong with the bytes.
-pub(super) fn decode(layout: &Layout, bytes: &[u8]) -> Result<Vec<u8>, &'static str> {
+pub(crate) fn decode(layout: &Layout, bytes: &[u8]) -> Result<Vec<u8>, &'static str> {
     match layout.mode {
         Mode::Attributes => {
             let mut out = vertex::decode(layout.count, layout.stride, bytes)?;

@@ -1,0 +1,126 @@
+//! The level of one input, from bytes to bytes.
+
+use super::ExtractArgs;
+use crate::commands::asset::{self, Asset};
+use crate::exit::{Failure, Outcome};
+use crate::level_mesh::{self, LevelMesh, Shape};
+use crate::mesh_output::{self, FormatName};
+use crate::output::{Rule, Target};
+use crate::report::{ExtractReport, ExtractedObject, SCHEMA_VERSION};
+use crate::selector::SceneLevels;
+use crate::stages::Stages;
+use lodc_formats::export::{Additions, LevelFacts, Provenance};
+use lodc_formats::lodc::LodObject;
+use lodc_lod::{AnyModel, ModelKind};
+use lodc_mesh::Lod;
+use lodc_select::Selection;
+use std::path::Path;
+
+/// Extracts the level of one input; with the rule of its output for a dependency file.
+///
+/// # Errors
+/// If the input cannot be read, has no such level or model, or the output cannot be written.
+pub(super) fn extract(
+    args: &ExtractArgs,
+    input: &Path,
+    target: &Target,
+    format: FormatName,
+) -> Outcome<(ExtractReport, Option<Rule>)> {
+    let mut stages = Stages::default();
+    let asset = asset::read(input, &args.import, &args.simplify, &mut stages)?;
+    let shape = Shape { model: model(args, input, &asset)?, refit: args.refit, order: args.order };
+    let limits = args.import.limits().limits();
+    let scene = SceneLevels::new(&asset.objects, &asset.document, &limits)?;
+    let (wish, per_object) = (args.selector.target(), args.selector.per_object());
+    let chosen = stages.run("select", || scene.select_capped(wish, args.max_error, per_object))?;
+    let meshes =
+        stages.run("extract", || level_mesh::meshes(&asset.objects, &chosen.lods, shape))?;
+    let textures = stages.run("textures", || {
+        args.textures.placed(&asset.document, input, &args.import, target, format)
+    });
+    let (textures, images_read) = textures?;
+    let mut report = report(args, input, &asset, &meshes, chosen, shape, target);
+    report.warnings.extend_from_slice(&textures.warnings);
+    let compress = args.compress.wanted(format, asset.compressed)?;
+    let additions = Additions { textures, compress, provenance: Some(provenance(&asset, &report)) };
+    let files = stages.run("export", || {
+        let objects = level_mesh::exported(&asset.objects, &meshes);
+        mesh_output::files(target, format, &asset.document, &objects, &additions)
+    })?;
+    stages.run("write", || mesh_output::write(target, files))?;
+    let rule = match target {
+        Target::File(path) => {
+            let inputs = [asset.files_read, images_read].concat();
+            Some(Rule { output: path.clone(), inputs })
+        }
+        Target::Stdout => None,
+    };
+    Ok((report, rule))
+}
+
+/// The model to replay; none stands for the reference.
+fn model(args: &ExtractArgs, input: &Path, asset: &Asset) -> Outcome<Option<ModelKind>> {
+    let stored =
+        || asset.objects.first().into_iter().flat_map(|o| o.models.iter().map(AnyModel::kind));
+    let Some(name) = args.model else { return Ok(stored().next()) };
+    let Some(wanted) = name.kind() else { return Ok(None) };
+    if asset.objects.is_empty() || stored().any(|kind| kind == wanted) {
+        return Ok(Some(wanted));
+    }
+    let has: Vec<_> = stored().map(ModelKind::name).chain(["reference"]).collect();
+    Err(Failure::usage(format!(
+        "{}: has no model {} (it has: {})",
+        input.display(),
+        wanted.name(),
+        has.join(", ")
+    )))
+}
+
+fn provenance(asset: &Asset, report: &ExtractReport) -> Provenance {
+    let error = report.error.unwrap_or(f64::INFINITY);
+    Provenance {
+        source: asset.source.content_hash,
+        levels: vec![LevelFacts { lod: report.lod, error, rms: report.rms }],
+        refitted: report.refitted,
+    }
+}
+
+fn report(
+    args: &ExtractArgs,
+    input: &Path,
+    asset: &Asset,
+    meshes: &[LevelMesh],
+    chosen: Selection,
+    shape: Shape,
+    target: &Target,
+) -> ExtractReport {
+    let finite = |x: f64| x.is_finite().then_some(x);
+    let object = |((object, &lod), level): ((&LodObject, &Lod), &LevelMesh)| ExtractedObject {
+        name: object.info.name.clone(),
+        lod: lod.0,
+        triangles: level.mesh.triangles().len() as u64,
+        vertices: level.mesh.vertex_count() as u64,
+        error: finite(level.error),
+        rms: level.rms.and_then(finite),
+    };
+    let objects: Vec<_> = asset.objects.iter().zip(&chosen.lods).zip(meshes).map(object).collect();
+    let (error, rms) = level_mesh::distance(&asset.objects, meshes);
+    ExtractReport {
+        schema_version: SCHEMA_VERSION,
+        status: 0,
+        lod: match chosen.lods[..] {
+            [one] => Some(one.0),
+            _ => None,
+        },
+        triangles: objects.iter().map(|o| o.triangles).sum(),
+        vertices: objects.iter().map(|o| o.vertices).sum(),
+        error: finite(error),
+        rms: rms.and_then(finite),
+        refitted: args.refit,
+        output: target.name(),
+        input: input.display().to_string(),
+        model: shape.model.map_or("reference", ModelKind::name),
+        objects,
+        warnings: [asset.warnings.clone(), chosen.warnings].concat(),
+    }
+}

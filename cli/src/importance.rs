@@ -1,0 +1,178 @@
+//! Options that say what matters of a mesh: weights of attributes, parts that stay.
+
+use crate::exit::{Failure, Outcome};
+use clap::Args;
+use lodc_formats::{Document, ObjectInfo, PartNames, Scene};
+use lodc_mesh::{Mesh, Semantic};
+use lodc_simplify::Weights;
+use std::collections::BTreeSet;
+
+/// Weights and locks. They shape the order of collapses, so that a `.lodc` file has its own.
+#[derive(Args, Clone, Debug, Default)]
+#[command(next_help_heading = "Importance")]
+pub(crate) struct ImportanceArgs {
+    /// Importance of attributes, as factors of the defaults: normal=2,uv=0.5,color=1,skin=1
+    #[arg(long, value_name = "LIST", value_parser = weights)]
+    weight: Option<Weights>,
+    /// A part that stays until the terminal phase: material:NAME, node:NAME, or color (vertices
+    /// whose red is 1); may be given several times
+    #[arg(long, value_name = "PART", value_parser = lock)]
+    lock: Vec<Lock>,
+}
+
+/// A part that stays.
+#[derive(Clone, Debug, PartialEq)]
+enum Lock {
+    Material(String),
+    Node(String),
+    Color,
+}
+
+impl ImportanceArgs {
+    pub(crate) fn weights(&self) -> Weights {
+        self.weight.unwrap_or(Weights::DEFAULT)
+    }
+
+    /// Refuses weights and locks of what has been simplified already.
+    ///
+    /// # Errors
+    /// If there are any.
+    pub(crate) fn refuse(&self, input: &str) -> Outcome<()> {
+        if self.weight.is_none() && self.lock.is_empty() {
+            return Ok(());
+        }
+        Err(Failure::usage(format!(
+            "{input}: has its order of collapses: give --weight and --lock to build"
+        )))
+    }
+
+    /// For every object and each of its vertices: true if it stays. No list for objects without
+    /// such vertices.
+    ///
+    /// # Errors
+    /// If a lock names nothing in the scene; the message lists what there is.
+    pub(crate) fn locked(&self, scene: &Scene) -> Outcome<Vec<Vec<bool>>> {
+        let mut locked = vec![Vec::new(); scene.objects.len()];
+        if self.lock.is_empty() {
+            return Ok(locked);
+        }
+        let names = names(&scene.document, scene)?;
+        for lock in &self.lock {
+            let mut found = false;
+            for ((object, list), number) in scene.objects.iter().zip(&mut locked).zip(0..) {
+                let chosen = chosen(lock, &object.mesh, &names, number);
+                if chosen.contains(&true) {
+                    found = true;
+                    list.resize(chosen.len(), false);
+                    list.iter_mut().zip(chosen).for_each(|(all, one)| *all |= one);
+                }
+            }
+            if !found {
+                return Err(unknown(lock, &names));
+            }
+        }
+        Ok(locked)
+    }
+}
+
+fn names(document: &Document, scene: &Scene) -> Outcome<PartNames> {
+    let infos: Vec<&ObjectInfo> = scene.objects.iter().map(|o| &o.info).collect();
+    Ok(PartNames::new(document, &infos)?)
+}
+
+/// The vertices of an object that a lock means.
+fn chosen(lock: &Lock, mesh: &Mesh, names: &PartNames, object: usize) -> Vec<bool> {
+    let of_submesh = |s: usize| match lock {
+        Lock::Material(name) => names.materials[object][s] == *name,
+        Lock::Node(name) => names.nodes[object].contains(name),
+        Lock::Color => false,
+    };
+    let submeshes = mesh.submeshes();
+    let by_name: Vec<bool> = (0..submeshes.len()).map(of_submesh).collect();
+    let red = |v: u32, s: usize| {
+        let streams = submeshes[s].attributes.iter().map(|&a| &mesh.attributes()[a as usize]);
+        let mut colors =
+            streams.filter(|a| a.semantic == Semantic::Color(0) && a.morph_target.is_none());
+        *lock == Lock::Color && colors.next().is_some_and(|a| a.value(v, 0) >= 1.0)
+    };
+    let submesh_of = mesh.vertex_submesh().iter().map(|&s| s as usize);
+    (0..).zip(submesh_of).map(|(v, s)| by_name[s] || red(v, s)).collect()
+}
+
+fn unknown(lock: &Lock, names: &PartNames) -> Failure {
+    let list = |all: &[Vec<String>]| {
+        let unique: BTreeSet<&str> =
+            all.iter().flatten().map(String::as_str).filter(|n| !n.is_empty()).collect();
+        match unique.is_empty() {
+            true => "none".to_owned(),
+            false => unique.into_iter().collect::<Vec<_>>().join(", "),
+        }
+    };
+    Failure::usage(match lock {
+        Lock::Material(name) => {
+            format!(
+                "--lock: no triangles have the material {name} (there are: {})",
+                list(&names.materials)
+            )
+        }
+        Lock::Node(name) => {
+            format!("--lock: no node {name} shows a mesh (there are: {})", list(&names.nodes))
+        }
+        Lock::Color => "--lock color: no vertex has a colour whose red is 1".to_owned(),
+    })
+}
+
+fn lock(text: &str) -> Result<Lock, String> {
+    match text.split_once(':') {
+        Some(("material", name)) if !name.is_empty() => Ok(Lock::Material(name.to_owned())),
+        Some(("node", name)) if !name.is_empty() => Ok(Lock::Node(name.to_owned())),
+        None if text == "color" => Ok(Lock::Color),
+        _ => Err("material:NAME, node:NAME or color".to_owned()),
+    }
+}
+
+fn weights(text: &str) -> Result<Weights, String> {
+    let mut weights = Weights::DEFAULT;
+    let mut seen = BTreeSet::new();
+    for part in text.split(',') {
+        let (kind, number) =
+            part.split_once('=').ok_or_else(|| format!("\"{part}\" is not KIND=FACTOR"))?;
+        let factor = number.parse::<f64>().ok().filter(|f| (0.0..=1e6).contains(f));
+        let factor = factor.ok_or_else(|| format!("\"{part}\": factors are 0 to 1e6"))?;
+        let slot = match kind {
+            "normal" => &mut weights.normal,
+            "uv" => &mut weights.uv,
+            "color" => &mut weights.color,
+            "skin" => &mut weights.skin,
+            _ => return Err(format!("\"{kind}\" is neither normal, uv, color nor skin")),
+        };
+        *slot = factor;
+        if !seen.insert(kind) {
+            return Err(format!("\"{kind}\" is given twice"));
+        }
+    }
+    Ok(weights)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn weights_are_factors_by_kind() {
+        let two = weights("normal=2,uv=0.5").expect("two weights");
+        assert_eq!(two, Weights { normal: 2.0, uv: 0.5, ..Weights::DEFAULT });
+        for wrong in ["", "normal", "normal=-1", "normal=x", "size=1", "uv=1,uv=2", "uv=inf"] {
+            assert!(weights(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn locks_name_a_part() {
+        assert_eq!(lock("material:red:2"), Ok(Lock::Material("red:2".to_owned())));
+        assert_eq!(lock("color"), Ok(Lock::Color));
+        for wrong in ["", "material", "material:", "mesh:a", "colour"] {
+            assert!(lock(wrong).is_err(), "{wrong}");
+        }
+    }
+}

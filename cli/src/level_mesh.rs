@@ -1,0 +1,119 @@
+//! Levels of detail as meshes of their own: as a model shows them or refitted, in the order of the
+//! file or in one for vertex caches.
+
+use crate::exit::{Failure, Outcome, Status};
+use crate::levels;
+use clap::ValueEnum;
+use lodc_formats::export::ExportObject;
+use lodc_formats::lodc::LodObject;
+use lodc_lod::ModelKind;
+use lodc_measure::{Sampling, Surface, distances};
+use lodc_mesh::{Lod, Mesh};
+use lodc_select::decimal;
+use lodc_strip::order;
+use rayon::prelude::*;
+
+/// Vertices in the cache that triangles are ordered for.
+pub(crate) const CACHE: u32 = 16;
+
+/// Orders of triangles and vertices.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Order {
+    /// For vertex caches; vertices by first use, identical ones once
+    #[default]
+    Cache,
+    /// As in the input
+    File,
+}
+
+/// The way in which levels become meshes.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Shape {
+    /// The model to replay; none stands for the reference.
+    pub(crate) model: Option<ModelKind>,
+    /// Vertices move to where they fit the input best.
+    pub(crate) refit: bool,
+    pub(crate) order: Order,
+}
+
+/// An object at one level, in mesh units.
+#[derive(Debug)]
+pub(crate) struct LevelMesh {
+    pub(crate) mesh: Mesh,
+    /// Of a refitted mesh measured, else as the object states it.
+    pub(crate) error: f64,
+    pub(crate) rms: Option<f64>,
+}
+
+/// Makes the meshes of the objects at `lods`, one each.
+///
+/// # Errors
+/// If a model shows what is no mesh: a bug.
+pub(crate) fn meshes(objects: &[LodObject], lods: &[Lod], shape: Shape) -> Outcome<Vec<LevelMesh>> {
+    objects.par_iter().zip(lods).map(|(object, &lod)| one(object, lod, shape)).collect()
+}
+
+fn one(object: &LodObject, lod: Lod, shape: Shape) -> Outcome<LevelMesh> {
+    let mut level = if shape.refit { refitted(object, lod) } else { stored(object, lod, shape)? };
+    if shape.order == Order::Cache {
+        level.mesh = level.mesh.arranged(|mesh| order(mesh, CACHE));
+    }
+    Ok(level)
+}
+
+fn stored(object: &LodObject, lod: Lod, shape: Shape) -> Outcome<LevelMesh> {
+    let mut live = levels::triangles(object, shape.model, lod);
+    if shape.order == Order::Cache {
+        // Every model shows them in an order of its own; what is written is to be the same.
+        live.sort_unstable();
+    }
+    let mesh = object.simplified.mesh().extract(&live).map_err(|e| {
+        Failure::new(Status::Bug, format!("{}: LOD {} is no mesh: {e}", object.info.name, lod.0))
+    })?;
+    let collapses = object.simplified.collapses();
+    let (error, rms) = (collapses.error_at(lod), collapses.rms_at(lod));
+    Ok(LevelMesh { mesh, error: decimal(error), rms: rms.map(decimal) })
+}
+
+/// The errors of a refitted level are measured: the stored ones are of the vertices where they
+/// were.
+fn refitted(object: &LodObject, lod: Lod) -> LevelMesh {
+    let mesh = lodc_refit::refit(&object.simplified, lod, &lodc_refit::Options::DEFAULT);
+    if lod.0 == 0 {
+        return LevelMesh { mesh, error: 0.0, rms: Some(0.0) };
+    }
+    let [from, to] = [object.simplified.mesh(), &mesh].map(surface);
+    let found = distances(&from, &to, &Sampling::DEFAULT);
+    let larger = |[a, b]: [f64; 2]| a.max(b);
+    LevelMesh { mesh, error: larger(found.hausdorff), rms: Some(larger(found.rms)) }
+}
+
+fn surface(mesh: &Mesh) -> Surface {
+    Surface {
+        positions: mesh.positions().iter().map(|&p| p.into()).collect(),
+        triangles: mesh.triangles().to_vec(),
+        ..Surface::default()
+    }
+}
+
+/// The largest error and root mean square distance of an object: in mesh units for one object, in
+/// world units for several.
+pub(crate) fn distance(objects: &[LodObject], meshes: &[LevelMesh]) -> (f64, Option<f64>) {
+    let unit = |o: &LodObject| if objects.len() > 1 { o.info.world_scale } else { 1.0 };
+    let pairs = || objects.iter().zip(meshes);
+    let error = pairs().map(|(o, m)| unit(o) * m.error).fold(0.0, f64::max);
+    let rms = pairs().map(|(o, m)| Some(unit(o) * m.rms?)).collect::<Option<Vec<f64>>>();
+    (error, rms.map(|all| all.into_iter().fold(0.0, f64::max)))
+}
+
+/// The objects as they are exported.
+pub(crate) fn exported<'a>(
+    objects: &'a [LodObject],
+    meshes: &'a [LevelMesh],
+) -> Vec<ExportObject<'a>> {
+    let one = |(o, level): (&'a LodObject, &'a LevelMesh)| ExportObject {
+        info: &o.info,
+        mesh: &level.mesh,
+    };
+    objects.iter().zip(meshes).map(one).collect()
+}

@@ -1,0 +1,92 @@
+//! Options that say what becomes of a model's image files.
+
+use crate::exit::{Failure, Outcome};
+use crate::limits::ImportArgs;
+use crate::mesh_output::FormatName;
+use crate::output::Target;
+use clap::{Args, ValueEnum};
+use lodc_formats::textures::{PlacedTextures, TextureMode, Textures};
+use lodc_formats::{Assets, Document};
+use std::path::{Path, PathBuf};
+
+/// Options of image files.
+#[derive(Args, Clone, Debug)]
+pub(crate) struct TextureArgs {
+    /// Places of image files [default: embed for .glb, copy for .gltf and .obj]
+    #[arg(long, value_enum)]
+    textures: Option<TextureChoice>,
+    /// The folder in which image files are looked for [default: where the input lies]
+    #[arg(long, value_name = "DIR")]
+    textures_from: Option<PathBuf>,
+}
+
+/// Places of image files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum TextureChoice {
+    /// Into the file
+    Embed,
+    /// Beside the file
+    Copy,
+    /// Left where they are: the file names them as the input does
+    Keep,
+}
+
+impl TextureArgs {
+    /// Refuses what a format cannot hold.
+    ///
+    /// # Errors
+    /// If an OBJ or PLY should hold images, or copies have no folder.
+    pub(crate) fn check(&self, format: FormatName, to_stdout: bool) -> Outcome<()> {
+        let holds_images = matches!(format, FormatName::Glb | FormatName::Gltf);
+        match self.textures {
+            Some(TextureChoice::Embed) if !holds_images => {
+                Err(Failure::usage("only .glb and .gltf hold images: use --textures copy or keep"))
+            }
+            Some(TextureChoice::Copy) if to_stdout => {
+                Err(Failure::usage("image files have no place beside standard output"))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Reads the image files of a document and gives each its place; with the files that were
+    /// read.
+    ///
+    /// # Errors
+    /// If the stored document is damaged.
+    pub(crate) fn placed(
+        &self,
+        document: &Document,
+        input: &Path,
+        import: &ImportArgs,
+        target: &Target,
+        format: FormatName,
+    ) -> Outcome<(PlacedTextures, Vec<PathBuf>)> {
+        let Some(mode) = self.mode(target, format) else { return Ok(Default::default()) };
+        let beside =
+            self.textures_from.as_ref().map_or_else(|| input.to_owned(), |dir| dir.join("-"));
+        let options = import.options();
+        let mut assets = Assets::new(&beside, &options.allowed, options.limits);
+        let mut textures = Textures::read(document, &mut assets)?;
+        if format == FormatName::Obj {
+            textures.add_embedded(document)?;
+        }
+        let output = match target {
+            Target::File(path) => path.clone(),
+            Target::Stdout => PathBuf::from("-"),
+        };
+        let missing = std::mem::take(&mut textures.warnings);
+        let mut placed = textures.placed(mode, &output);
+        placed.warnings.splice(0..0, missing);
+        Ok((placed, assets.files_read().to_vec()))
+    }
+
+    fn mode(&self, target: &Target, format: FormatName) -> Option<TextureMode> {
+        match (self.textures, format) {
+            (_, FormatName::Ply) | (Some(TextureChoice::Keep), _) => None,
+            (Some(TextureChoice::Embed), _) | (None, FormatName::Glb) => Some(TextureMode::Embed),
+            (None, _) if *target == Target::Stdout => None,
+            (Some(TextureChoice::Copy) | None, _) => Some(TextureMode::Copy),
+        }
+    }
+}

@@ -1,0 +1,106 @@
+//! Weights and locks: what is locked stays, and a wrong name lists the right ones.
+
+use crate::support::{Folder, grid};
+use std::fmt::Write;
+
+/// Two grids side by side, of materials of their own.
+fn two_materials() -> String {
+    let mut text = format!("mtllib m.mtl\no plate\nusemtl keep\n{}", grid(12));
+    let vertices = 13 * 13;
+    for line in grid(12).lines() {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        match words[..] {
+            ["v", x, y, z] => {
+                let x: f64 = x.parse().expect("a number");
+                writeln!(text, "v {} {y} {z}", x + 100.0).expect("text");
+            }
+            ["f", ..] => {
+                let corner = |c: &&str| c.parse::<u32>().expect("a number") + vertices;
+                let corners: Vec<String> =
+                    words[1..].iter().map(|c| corner(c).to_string()).collect();
+                writeln!(text, "f {}", corners.join(" ")).expect("text");
+            }
+            _ => {}
+        }
+        if text.ends_with('\n') && line.starts_with("f ") && !text.contains("usemtl rest") {
+            let at = text.rfind("f ").expect("a face");
+            text.insert_str(at, "usemtl rest\n");
+        }
+    }
+    text
+}
+
+/// Faces of an OBJ by material.
+fn faces(f: &Folder, name: &str) -> [usize; 2] {
+    let text = String::from_utf8(f.read(name)).expect("text");
+    let (mut counts, mut at) = ([0; 2], 0);
+    for line in text.lines() {
+        match line {
+            "usemtl keep" => at = 0,
+            "usemtl rest" => at = 1,
+            l if l.starts_with("f ") => counts[at] += 1,
+            _ => {}
+        }
+    }
+    counts
+}
+
+#[test]
+fn a_locked_material_stays_and_the_rest_pays() {
+    let f = Folder::new();
+    f.file("m.mtl", "newmtl keep\nnewmtl rest\n");
+    f.file("m.obj", two_materials());
+    let args = ["extract", "m.obj", "-o", "o.obj", "--ratio", "60%", "-q"];
+    f.lodc(args).ends(0);
+    let free = faces(&f, "o.obj");
+    assert!(free[0] < 288, "{free:?}");
+    f.lodc(args.iter().chain(&["--lock", "material:keep"])).ends(0);
+    let locked = faces(&f, "o.obj");
+    assert_eq!(locked[0], 288);
+    assert!(locked[1] < free[1] && locked[1] > 0, "{locked:?} {free:?}");
+    // A file that was built so has it, too.
+    f.lodc(["build", "m.obj", "-o", "m.lodc", "--lock", "material:keep", "-q"]).ends(0);
+    f.lodc(["verify", "m.lodc", "--source", "m.obj", "-q"]).ends(0);
+    f.lodc(["extract", "m.lodc", "-o", "o.obj", "--ratio", "60%", "-q"]).ends(0);
+    assert_eq!(faces(&f, "o.obj"), locked);
+    let run = f.lodc(["extract", "m.lodc", "-o", "o.obj", "--ratio", "1", "--lock", "color"]);
+    assert!(run.fails(2).err.contains("build"));
+}
+
+#[test]
+fn a_wrong_name_lists_the_right_ones() {
+    let f = Folder::new();
+    f.file("m.mtl", "newmtl keep\nnewmtl rest\n");
+    f.file("m.obj", two_materials());
+    let fails =
+        |lock: &str| f.lodc(["build", "m.obj", "-o", "m.lodc", "--lock", lock]).fails(2).err;
+    assert!(fails("material:kept").contains("there are: keep, rest"));
+    assert!(fails("node:wheel").contains("there are: "));
+    assert!(fails("color").contains("red is 1"));
+    assert!(!f.has("m.lodc"));
+    let run = f.lodc(["build", "m.obj", "--weight", "size=2"]).ends(2);
+    assert!(run.err.contains("neither normal, uv, color nor skin"), "{}", run.err);
+}
+
+#[test]
+fn coloured_vertices_stay() {
+    let f = Folder::new();
+    let coloured: String = (grid(10).lines())
+        .map(|line| match line.strip_prefix("v ") {
+            Some(place) => {
+                let number = |i| place.split_whitespace().nth(i).and_then(|n: &str| n.parse().ok());
+                let near = |i| number(i).is_some_and(|v: f64| (4.0..=6.0).contains(&v));
+                format!("v {place} {} 0 0\n", u8::from(near(0) && near(1)))
+            }
+            None => format!("{line}\n"),
+        })
+        .collect();
+    let red =
+        |text: &str| text.lines().filter(|l| l.starts_with("v ") && l.ends_with(" 1 0 0")).count();
+    let all = red(&coloured);
+    assert!(all >= 4, "{coloured}");
+    f.file("g.obj", &coloured);
+    let args = ["extract", "g.obj", "-o", "o.obj", "--ratio", "30%", "--weight", "color=0", "-q"];
+    f.lodc(args.iter().chain(&["--lock", "color"])).ends(0);
+    assert_eq!(red(&String::from_utf8(f.read("o.obj")).expect("text")), all);
+}

@@ -1,0 +1,133 @@
+//! `lodc extract` of meshes and of several inputs.
+
+use crate::support::{Folder, grid};
+use serde_json::Value;
+
+fn part(f: &Folder) {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/machine_part.glb");
+    f.file("part.glb", std::fs::read(path).expect("a fixture"));
+}
+
+#[test]
+fn a_mesh_gives_the_level_that_its_lodc_file_gives() {
+    let f = Folder::new();
+    part(&f);
+    f.lodc(["build", "part.glb", "-o", "part.lodc", "-q"]).ends(0);
+    for selector in [["--ratio", "25%"], ["--triangles", "0.1k"], ["--error", "1%"]] {
+        for (input, output) in [("part.glb", "a.glb"), ("part.lodc", "b.glb")] {
+            f.lodc(["extract", input, "-o", output, "-q"].iter().chain(&selector)).ends(0);
+        }
+        assert!(f.read("a.glb") == f.read("b.glb"), "{selector:?}");
+    }
+    let run = f.lodc(["extract", "part.glb", "-o", "c.glb", "--ratio", "0.5", "--model", "speed"]);
+    assert!(run.fails(2).err.contains("it has: reference"));
+}
+
+#[test]
+fn a_cap_holds_whatever_is_wanted() {
+    let f = Folder::new();
+    part(&f);
+    let extract = |more: &[&str]| -> Value {
+        let args = ["extract", "part.glb", "-o", "o.glb", "--json", "-q"];
+        f.lodc(args.iter().chain(more)).ends(0).json()
+    };
+    let alone = extract(&["--error", "0.5%"]);
+    let capped = extract(&["--ratio", "1%", "--max-error", "0.5%"]);
+    assert_eq!(alone["lod"], capped["lod"]);
+    let loose = extract(&["--ratio", "50%", "--max-error", "50%"]);
+    assert_eq!(loose["lod"], extract(&["--ratio", "50%"])["lod"]);
+    // One pixel of 1,080 at a distance of 540 / tan 30° is one unit.
+    let distance = (540.0 / 30f64.to_radians().tan()).to_string();
+    let seen = extract(&["--pixels", "0.01", "--distance", &distance]);
+    assert_eq!(seen["lod"], extract(&["--error", "0.01"])["lod"]);
+}
+
+#[test]
+fn selectors_say_which_of_them_was_meant() {
+    let f = Folder::new();
+    part(&f);
+    let fails = |more: &[&str]| -> String {
+        f.lodc(["extract", "part.glb", "-o", "o.glb"].iter().chain(more)).ends(2).err
+    };
+    assert!(fails(&["--ratio", "10k"]).contains("--triangles"));
+    assert!(fails(&["--triangles", "25%"]).contains("--ratio"));
+    assert!(fails(&["--pixels", "1"]).contains("--distance"));
+    assert!(fails(&["--ratio", "0.5", "--triangles", "5"]).contains("cannot be used with"));
+    assert!(fails(&[]).contains("required"));
+}
+
+#[test]
+fn several_inputs_have_a_result_each_whatever_becomes_of_the_others() {
+    let f = Folder::new();
+    f.file("a.obj", grid(6));
+    f.file("b/c.obj", grid(6));
+    f.file("c.obj", grid(8));
+    f.file("bad.obj", "v 0 0\nf 1 2 3\n");
+    let inputs = ["a.obj", "c.obj", "b/c.obj", "bad.obj"];
+    let args = ["-o", "out/deep", "--ratio", "50%", "--json", "--depfile", "d"];
+    let run = f.lodc(["extract"].iter().chain(&inputs).chain(&args)).ends(3);
+    assert_eq!(run.errors(), 3, "{}", run.err);
+    let report = run.json();
+    let results = report["results"].as_array().expect("results");
+    let status = |r: &Value| r["status"].as_u64().expect("a status");
+    assert_eq!(results.iter().map(status).collect::<Vec<_>>(), [0, 2, 2, 3]);
+    assert_eq!(report["status"], 3);
+    for (result, input) in results.iter().zip(inputs) {
+        assert_eq!(result["input"], input);
+        assert!(status(result) == 0 || result["error"].is_string(), "{result}");
+    }
+    assert!(results[1]["error"].as_str().is_some_and(|e| e.contains("b/c.obj")), "{report}");
+    assert!(f.has("out/deep/a.glb") && !f.has("out/deep/c.glb"));
+    let rules = String::from_utf8(f.read("d")).expect("text");
+    assert!(rules.starts_with("out/deep/a.glb:") && !rules.contains("c.glb"), "{rules}");
+}
+
+#[test]
+fn a_failure_is_a_document_too() {
+    let f = Folder::new();
+    f.file("a.obj", grid(4));
+    let failed = |args: &[&str], status: i32| {
+        let json = f.lodc(args).fails(status).json();
+        assert_eq!((&json["schema_version"], &json["status"]), (&1.into(), &status.into()));
+        assert!(json["error"].as_str().is_some_and(|e| !e.is_empty()), "{json}");
+    };
+    failed(&["extract", "none.obj", "-o", "o.glb", "--ratio", "1", "--json"], 3);
+    failed(&["extract", "a.obj", "-o", "o.xyz", "--ratio", "1", "--json"], 2);
+    failed(&["extract", "a.obj", "-o", "no/o.glb", "--ratio", "1", "--json"], 4);
+    failed(&["compare", "a.obj", "none.obj", "--json"], 3);
+    failed(&["chain", "none.obj", "-o", "o.glb", "--json"], 3);
+}
+
+#[test]
+fn builds_that_would_share_an_output_fail_alone() {
+    let f = Folder::new();
+    f.file("a.obj", grid(4));
+    f.file("b/a.obj", grid(5));
+    f.file("c.obj", grid(4));
+    let args = ["build", "a.obj", "b/a.obj", "c.obj", "-o", "out/", "--report", "json", "-q"];
+    let report = f.lodc(args).ends(2).json();
+    let status: Vec<_> = (0..3).map(|i| report["inputs"][i]["status"].clone()).collect();
+    assert_eq!(status, [2, 2, 0]);
+    assert!(f.has("out/c.lodc") && !f.has("out/a.lodc"));
+}
+
+#[test]
+fn compare_reads_levels() {
+    let f = Folder::new();
+    part(&f);
+    f.lodc(["build", "part.glb", "-o", "part.lodc", "-q"]).ends(0);
+    f.lodc(["extract", "part.lodc", "-o", "half.glb", "--ratio", "0.5", "-q"]).ends(0);
+    let compare = |args: &[&str]| -> Value {
+        let more = ["--json", "-q", "--samples", "2000", "--views", "0"];
+        f.lodc(["compare"].iter().chain(args).chain(&more)).ends(0).json()
+    };
+    let same = compare(&["part.glb", "part.lodc"]);
+    assert_eq!(same["triangles"]["a"], same["triangles"]["b"]);
+    let half = compare(&["part.glb", "part.lodc", "--ratio", "50%"]);
+    assert_eq!(half["triangles"]["b"], 240);
+    let mesh = compare(&["part.lodc", "part.glb", "--ratio", "0.5"]);
+    assert_eq!(half["triangles"]["b"], mesh["triangles"]["b"]);
+    let levels = compare(&["part.lodc", "half.glb", "--level-a", "50%"]);
+    assert_eq!(levels["triangles"]["a"], levels["triangles"]["b"]);
+    assert!(levels["hausdorff"]["max"].as_f64() < Some(1e-6), "{levels}");
+}

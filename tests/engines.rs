@@ -1,0 +1,94 @@
+//! Engines read chains: Babylon.js, which knows MSFT_lod, and three.js through its parser.
+
+#![expect(clippy::print_stderr, reason = "a test that is left out says so aloud")]
+
+mod support;
+
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use support::{Folder, corpus};
+
+/// The node_modules folder with the engines. None, said aloud, if it is not there.
+fn modules() -> Option<PathBuf> {
+    let modules = std::env::var_os("LODC_ENGINES").map(PathBuf::from);
+    if modules.is_none() {
+        assert!(std::env::var_os("CI").is_none(), "LODC_ENGINES must be set where CI is set");
+        eprintln!("SKIPPED: LODC_ENGINES names no node_modules folder (tests/run makes one)");
+    }
+    modules
+}
+
+/// Runs a script of this folder over a list; returns what it prints.
+fn script(folder: &Folder, modules: &Path, name: &str, list: &Value) -> Value {
+    folder.file("list.json", list.to_string());
+    let output = Command::new("node")
+        .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests").join(name))
+        .arg(modules)
+        .arg("list.json")
+        .current_dir(folder.path())
+        .stderr(Stdio::inherit())
+        .output()
+        .expect("node is there if the engines are");
+    assert!(output.status.success(), "{name} failed");
+    serde_json::from_slice(&output.stdout).expect("the script prints JSON")
+}
+
+/// The fixture, and models of the corpus where it is there: one mesh each, shown once.
+fn inputs() -> Vec<PathBuf> {
+    let part = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/machine_part.glb");
+    let mut inputs = vec![PathBuf::from(part)];
+    if let Some(corpus) = corpus() {
+        let names = ["Duck.glb", "CesiumMan.glb", "RiggedSimple.glb", "BoxVertexColors.glb"];
+        let paths = names.map(|name| corpus.join("gltf/khronos").join(name));
+        inputs.extend(paths.into_iter().filter(|p| p.exists()));
+        assert!(inputs.len() > 2, "the corpus lacks all of {names:?}");
+    }
+    inputs
+}
+
+#[test]
+fn engines_see_the_levels_that_the_table_states() {
+    let Some(modules) = modules() else { return };
+    let folder = Folder::new();
+    let (mut names, mut expected) = (Vec::new(), Vec::new());
+    for (i, input) in inputs().iter().enumerate() {
+        let name = format!("{i}.glb");
+        let args = [
+            "chain".as_ref(),
+            input.as_os_str(),
+            "-o".as_ref(),
+            name.as_ref(),
+            "--json".as_ref(),
+            "-q".as_ref(),
+        ];
+        let report = folder.lodc(args).ends(0).json();
+        let levels = report["levels"].as_array().expect("levels").iter();
+        expected.push(Value::Array(levels.map(|l| l["triangles"].clone()).collect()));
+        names.push(name);
+    }
+    let seen = script(&folder, &modules, "engines.mjs", &names.clone().into());
+    for ((name, expected), input) in names.iter().zip(&expected).zip(inputs()) {
+        let input = input.display();
+        assert_eq!(&seen[name]["babylon"], expected, "Babylon.js, {input}");
+        assert_eq!(seen[name]["three"], Value::Array(vec![expected.clone()]), "three.js, {input}");
+    }
+}
+
+#[test]
+fn the_reference_decoder_gives_every_byte_back() {
+    let Some(modules) = modules() else { return };
+    let folder = Folder::new();
+    let mut pairs = Vec::new();
+    for (i, input) in inputs().iter().enumerate() {
+        let [plain, compressed] = ["p", "c"].map(|kind| format!("{kind}{i}.glb"));
+        for (name, compress) in [(&plain, "none"), (&compressed, "meshopt")] {
+            let input = input.to_string_lossy();
+            let args = ["extract", &input, "-o", name, "--ratio", "50%", "--compress", compress];
+            folder.lodc(args.iter().chain(&["-q"])).ends(0);
+        }
+        pairs.push(Value::from(vec![compressed, plain]));
+    }
+    let compared = script(&folder, &modules, "meshopt.mjs", &pairs.clone().into());
+    assert_eq!(compared.as_object().map(serde_json::Map::len), Some(pairs.len()));
+}
