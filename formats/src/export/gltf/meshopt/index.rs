@@ -145,8 +145,8 @@ impl Default for Recent {
 }
 
 impl Recent {
-    /// Returns the age of an edge of the triangle (0: just used, at most 14), and the triangle turned
-    /// so that the edge comes first.
+    /// Returns the age of an edge of the triangle (0: just used, at most 14), and the triangle
+    /// turned so that the edge comes first.
     fn edge_of(&self, [a, b, c]: [u32; 3]) -> Option<(usize, [u32; 3])> {
         (0..15).find_map(|back| {
             let edge = self.edges[(self.edge_at + 31 - back) & 15];
