@@ -23,6 +23,7 @@ mod output;
 mod paints;
 mod progress;
 mod report;
+mod results;
 mod selector;
 mod stages;
 mod text;

@@ -10,7 +10,7 @@ use crate::console::{self, Loudness, note, wants};
 use crate::exit::{Failure, Outcome, Status};
 use crate::limits::ImportArgs;
 use crate::output;
-use crate::report::reported;
+use crate::results::reported;
 use crate::selector::{OptionalSelector, size};
 use crate::stages::Stages;
 use clap::Args;
