@@ -4,7 +4,7 @@ mod chart;
 mod levels;
 mod page;
 
-use super::asset::{self, Asset};
+use super::asset::{self, Asset, SimplifyArgs};
 use super::verify;
 use crate::console::{self, Loudness, note, wants};
 use crate::exit::{Failure, Outcome, Status};
@@ -73,7 +73,8 @@ struct Facts<'a> {
 pub(crate) fn run(args: &ReportArgs) -> Outcome<Status> {
     let target = target(args)?;
     let mut stages = Stages::default();
-    let asset = asset::read(&args.input, &args.import, args.metric, &mut stages)?;
+    let asset =
+        asset::read(&args.input, &args.import, &SimplifyArgs::by(args.metric), &mut stages)?;
     let facts = facts(args, &asset, &mut stages)?;
     let bytes = page::page(&facts).into_bytes();
     let (length, path) = (bytes.len() as u64, PathBuf::from(target.name()));
@@ -101,8 +102,8 @@ fn target(args: &ReportArgs) -> Outcome<Target> {
     }
     let inputs = std::slice::from_ref(&args.input);
     let targets = output::targets(inputs, Some(&args.output), "html")?;
-    output::prepare(&targets, output::is_folder(&args.output))?;
-    Ok(targets.into_iter().next().expect("one input has one target"))
+    output::prepare(targets.iter().flatten(), output::is_folder(&args.output))?;
+    targets.into_iter().next().expect("one input has one target")
 }
 
 fn facts<'a>(args: &ReportArgs, asset: &'a Asset, stages: &mut Stages) -> Outcome<Facts<'a>> {

@@ -2,7 +2,7 @@
 
 mod page;
 
-use super::asset::{self, Asset};
+use super::asset::{self, Asset, SimplifyArgs};
 use crate::console::{self, Loudness, note, wants};
 use crate::exit::{Failure, Outcome};
 use crate::kinds::parser;
@@ -51,7 +51,8 @@ pub(crate) struct ViewArgs {
 pub(crate) fn run(args: &ViewArgs) -> Outcome<()> {
     let target = target(args)?;
     let mut stages = Stages::default();
-    let asset = asset::read(&args.input, &args.import, args.metric, &mut stages)?;
+    let asset =
+        asset::read(&args.input, &args.import, &SimplifyArgs::by(args.metric), &mut stages)?;
     let name = args.input.display().to_string();
     let (glb, warnings) = stages.run("export", || model(args, &asset))?;
     let title = args.title.clone().unwrap_or_else(|| title(&args.input));
@@ -83,11 +84,11 @@ fn target(args: &ViewArgs) -> Outcome<Target> {
     }
     let inputs = std::slice::from_ref(&args.input);
     let targets = output::targets(inputs, Some(&args.output), "html")?;
-    output::prepare(&targets, output::is_folder(&args.output))?;
+    output::prepare(targets.iter().flatten(), output::is_folder(&args.output))?;
     if let Some(depfile) = &args.depfile {
         output::prepare(&[Target::File(depfile.clone())], false)?;
     }
-    Ok(targets.into_iter().next().expect("one input has one target"))
+    targets.into_iter().next().expect("one input has one target")
 }
 
 /// The file name of the input.
