@@ -167,4 +167,6 @@ fn run_whole<M: Reprice>(
 }
 
 #[cfg(test)]
+mod importance_tests;
+#[cfg(test)]
 mod tests;

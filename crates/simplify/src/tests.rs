@@ -1,6 +1,6 @@
 //! Promises of a simplification, on shapes small enough to think about.
 
-use crate::{Guidance, Options, Weights, simplify, simplify_guided, simplify_with};
+use crate::{Guidance, Options, simplify, simplify_with};
 use lodc_fixtures as shapes;
 use lodc_mesh::{Lod, Mesh, MeshParts, Semantic, Simplified, Submesh};
 
@@ -14,16 +14,16 @@ fn simplify_in(
     simplify_with(mesh, options, Guidance::default(), region, progress)
 }
 
-fn run(mesh: &Mesh) -> Simplified {
+pub(crate) fn run(mesh: &Mesh) -> Simplified {
     run_with(mesh, Options::DEFAULT)
 }
 
-fn run_with(mesh: &Mesh, options: Options) -> Simplified {
+pub(crate) fn run_with(mesh: &Mesh, options: Options) -> Simplified {
     simplify(mesh, &options, &|_, _| {})
 }
 
 /// A flat grid of `n` × `n` squares, plain positions.
-fn grid(n: u32) -> Mesh {
+pub(crate) fn grid(n: u32) -> Mesh {
     let row = n + 1;
     let positions: Vec<[f32; 3]> =
         (0..row * row).map(|i| [(i % row) as f32, (i / row) as f32, 0.0]).collect();
@@ -373,34 +373,4 @@ fn points_without_faces_join_at_once_so_the_coarsest_triangles_have_few_position
         // Three corners, the other end of the last edge, and what all points join.
         assert!(positions.len() <= 5, "{name}: {} positions", positions.len());
     }
-}
-
-#[test]
-fn locked_vertices_stay_until_the_terminal_phase() {
-    let mesh = grid(20);
-    // A patch in the middle, far from the border.
-    let inside = |p: [f32; 3]| p[..2].iter().all(|c| (8.0..=12.0).contains(c));
-    let locked: Vec<bool> = mesh.positions().iter().map(|&p| inside(p)).collect();
-    let guidance = Guidance { locked: &locked, ..Guidance::default() };
-    let s = simplify_guided(&mesh, &Options::DEFAULT, guidance, &|_, _| {});
-    let gone = |s: &Simplified| {
-        let legal = s.collapses().parts().last_legal_lod;
-        s.mesh().positions()[..legal.0 as usize].iter().filter(|p| inside(**p)).count()
-    };
-    assert_eq!(gone(&s), 0, "every locked vertex is left");
-    assert!(gone(&run(&mesh)) > 20, "without locks they go");
-    let regions = simplify_with(&mesh, &Options::DEFAULT, guidance, 30, &|_, _| {});
-    assert_eq!(gone(&regions), 0, "in small regions, too");
-}
-
-#[test]
-fn weights_change_what_goes_first() {
-    let mesh = shapes::uv_sphere(24, 12);
-    let order = |uv: f64| {
-        let weights = Weights { uv, ..Weights::DEFAULT };
-        let s = run_with(&mesh, Options { weights, ..Options::DEFAULT });
-        s.collapses().parts().targets.clone()
-    };
-    assert_eq!(order(1.0), run(&mesh).collapses().parts().targets);
-    assert_ne!(order(1.0), order(100.0));
 }
