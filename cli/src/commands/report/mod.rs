@@ -8,7 +8,6 @@ use super::asset::{self, Asset, SimplifyArgs};
 use super::verify;
 use crate::console::{self, Loudness, note, wants};
 use crate::exit::{Failure, Outcome, Status};
-use crate::kinds::parser;
 use crate::limits::ImportArgs;
 use crate::mesh_output;
 use crate::output::{self, Rule, Target};
@@ -21,7 +20,6 @@ use lodc_formats::appearance::appearance;
 use lodc_formats::{Assets, ObjectInfo, OutputFile, scene_graph};
 use lodc_scene::Arrangement;
 use lodc_select::scene_diagonal;
-use lodc_simplify::MetricKind;
 use std::path::PathBuf;
 
 /// Options of `report`.
@@ -38,13 +36,8 @@ pub(crate) struct ReportArgs {
     /// Folder of the file's textures [default: FILE's folder]
     #[arg(long, value_name = "DIR")]
     textures: Option<PathBuf>,
-    /// Metric that drives the collapses of a mesh (a .lodc file has its own)
-    #[arg(
-        long,
-        value_parser = parser::<MetricKind>(),
-        default_value = MetricKind::default().name()
-    )]
-    metric: MetricKind,
+    #[command(flatten)]
+    simplify: SimplifyArgs,
     /// Write a Make/Ninja dependency file that names every file read
     #[arg(long, value_name = "FILE")]
     depfile: Option<PathBuf>,
@@ -73,8 +66,7 @@ struct Facts<'a> {
 pub(crate) fn run(args: &ReportArgs) -> Outcome<Status> {
     let target = target(args)?;
     let mut stages = Stages::default();
-    let asset =
-        asset::read(&args.input, &args.import, &SimplifyArgs::by(args.metric), &mut stages)?;
+    let asset = asset::read(&args.input, &args.import, &args.simplify, &mut stages)?;
     let facts = facts(args, &asset, &mut stages)?;
     let bytes = page::page(&facts).into_bytes();
     let (length, path) = (bytes.len() as u64, PathBuf::from(target.name()));
@@ -100,10 +92,9 @@ fn target(args: &ReportArgs) -> Outcome<Target> {
     if output::is_stream(&args.output) && args.depfile.is_some() {
         return Err(Failure::usage("a dependency file needs an output file, not standard output"));
     }
-    let inputs = std::slice::from_ref(&args.input);
-    let targets = output::targets(inputs, Some(&args.output), "html")?;
-    output::prepare(targets.iter().flatten(), output::is_folder(&args.output))?;
-    targets.into_iter().next().expect("one input has one target")
+    let target = output::target(&args.input, Some(&args.output), "html")?;
+    output::prepare([&target], output::is_folder(&args.output))?;
+    Ok(target)
 }
 
 fn facts<'a>(args: &ReportArgs, asset: &'a Asset, stages: &mut Stages) -> Outcome<Facts<'a>> {

@@ -5,7 +5,6 @@ mod page;
 use super::asset::{self, Asset, SimplifyArgs};
 use crate::console::{self, Loudness, note, wants};
 use crate::exit::{Failure, Outcome};
-use crate::kinds::parser;
 use crate::limits::ImportArgs;
 use crate::mesh_output;
 use crate::output::{self, Rule, Target};
@@ -16,7 +15,6 @@ use lodc_formats::export::{LevelsObject, export_levels};
 use lodc_formats::lodc::LodObject;
 use lodc_formats::{Assets, OutputFile};
 use lodc_lod::AnyModel;
-use lodc_simplify::MetricKind;
 use lodc_strip::Strips;
 use std::path::{Path, PathBuf};
 
@@ -34,13 +32,8 @@ pub(crate) struct ViewArgs {
     /// Folder of the file's textures [default: FILE's folder]
     #[arg(long, value_name = "DIR")]
     textures: Option<PathBuf>,
-    /// Metric that drives the collapses of a mesh (a .lodc file has its own)
-    #[arg(
-        long,
-        value_parser = parser::<MetricKind>(),
-        default_value = MetricKind::default().name()
-    )]
-    metric: MetricKind,
+    #[command(flatten)]
+    simplify: SimplifyArgs,
     /// Write a Make/Ninja dependency file that names every file read
     #[arg(long, value_name = "FILE")]
     depfile: Option<PathBuf>,
@@ -51,8 +44,7 @@ pub(crate) struct ViewArgs {
 pub(crate) fn run(args: &ViewArgs) -> Outcome<()> {
     let target = target(args)?;
     let mut stages = Stages::default();
-    let asset =
-        asset::read(&args.input, &args.import, &SimplifyArgs::by(args.metric), &mut stages)?;
+    let asset = asset::read(&args.input, &args.import, &args.simplify, &mut stages)?;
     let name = args.input.display().to_string();
     let (glb, warnings) = stages.run("export", || model(args, &asset))?;
     let title = args.title.clone().unwrap_or_else(|| title(&args.input));
@@ -82,13 +74,12 @@ fn target(args: &ViewArgs) -> Outcome<Target> {
     if output::is_stream(&args.output) && args.depfile.is_some() {
         return Err(Failure::usage("a dependency file needs an output file, not standard output"));
     }
-    let inputs = std::slice::from_ref(&args.input);
-    let targets = output::targets(inputs, Some(&args.output), "html")?;
-    output::prepare(targets.iter().flatten(), output::is_folder(&args.output))?;
+    let target = output::target(&args.input, Some(&args.output), "html")?;
+    output::prepare([&target], output::is_folder(&args.output))?;
     if let Some(depfile) = &args.depfile {
         output::prepare(&[Target::File(depfile.clone())], false)?;
     }
-    targets.into_iter().next().expect("one input has one target")
+    Ok(target)
 }
 
 /// The file name of the input.

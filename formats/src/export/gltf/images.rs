@@ -1,62 +1,48 @@
-//! Images of other files become part of the document's own buffer.
+//! Images of the document: embedded, or under the name that their copy has.
 
 use crate::import::gltf::json::Object;
 use crate::import::gltf::uri;
-use crate::{Assets, FormatError};
+use crate::textures::{Place, PlacedTextures};
 use serde_json::{Value, json};
+use std::collections::BTreeMap;
 
-/// Puts the images that the document refers to by URI behind `blob`. Returns a warning for each
-/// that cannot be read; a texture without an image is drawn without it.
-pub(super) fn embed_images(
-    root: &mut Object,
-    blob: &mut Vec<u8>,
-    assets: &mut Assets,
-) -> Vec<String> {
-    let mut warnings = Vec::new();
-    let mut views = Vec::new();
-    let first = root.get("bufferViews").and_then(Value::as_array).map_or(0, Vec::len);
-    let images = root.get_mut("images").and_then(Value::as_array_mut);
-    for image in images.into_iter().flatten().filter_map(Value::as_object_mut) {
-        let Some(name) = image.get("uri").and_then(Value::as_str).map(str::to_owned) else {
-            continue;
-        };
-        let read = uri::read(&name, "", assets).and_then(|bytes| match mime_type(&bytes) {
-            Some(mime) => Ok((bytes, mime)),
-            None => Err(unknown_kind()),
-        });
-        image.shift_remove("uri");
-        match read {
-            Ok((bytes, mime)) => {
-                blob.resize(blob.len().next_multiple_of(4), 0);
-                image.insert("bufferView".to_owned(), (first + views.len()).into());
-                image.insert("mimeType".to_owned(), mime.into());
-                views.push(json!({
-                    "buffer": 0, "byteOffset": blob.len(), "byteLength": bytes.len()
-                }));
-                blob.extend(bytes);
+/// Gives every image its place. Embedded ones get a buffer view each, at a multiple of four bytes
+/// behind what `blob` holds; an image file that is named twice is embedded once.
+pub(super) fn put(root: &mut Object, blob: &mut Vec<u8>, textures: &PlacedTextures) {
+    let mut views = root.get("bufferViews").and_then(Value::as_array).map_or(0, Vec::len);
+    let mut added: Vec<Value> = Vec::new();
+    let mut known: BTreeMap<String, usize> = BTreeMap::new();
+    let images = root.get_mut("images").and_then(Value::as_array_mut).into_iter().flatten();
+    for image in images.filter_map(Value::as_object_mut) {
+        let path = image.get("uri").and_then(Value::as_str).and_then(uri::path);
+        let Some(path) = path else { continue };
+        match textures.of(&path) {
+            None => {}
+            Some(Place::Beside(relative)) => {
+                if *relative != path {
+                    image.insert("uri".to_owned(), uri::of_path(relative).into());
+                }
             }
-            Err(e) => warnings.push(format!("shown without a texture: {}", e.in_file(&name))),
+            Some(Place::Inside { mime, bytes }) => {
+                let view = *known.entry(path).or_insert_with(|| {
+                    blob.resize(blob.len().next_multiple_of(4), 0);
+                    added.push(json!({
+                        "buffer": 0, "byteOffset": blob.len(), "byteLength": bytes.len()
+                    }));
+                    blob.extend_from_slice(bytes);
+                    views += 1;
+                    views - 1
+                });
+                image.shift_remove("uri");
+                image.insert("bufferView".to_owned(), view.into());
+                image.insert("mimeType".to_owned(), (*mime).into());
+            }
         }
     }
-    if !views.is_empty()
-        && let Value::Array(all) = root.entry("bufferViews").or_insert_with(|| json!([]))
-    {
-        all.extend(views);
+    if added.is_empty() {
+        return;
     }
-    warnings
-}
-
-fn unknown_kind() -> FormatError {
-    let what = "is no picture that browsers show (PNG, JPEG, WebP)";
-    FormatError::new(crate::Fault::Unsupported, "", what)
-}
-
-/// The type of a picture by its first bytes.
-fn mime_type(bytes: &[u8]) -> Option<&'static str> {
-    match bytes {
-        [0x89, b'P', b'N', b'G', ..] => Some("image/png"),
-        [0xff, 0xd8, 0xff, ..] => Some("image/jpeg"),
-        [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] => Some("image/webp"),
-        _ => None,
+    if let Value::Array(all) = root.entry("bufferViews").or_insert_with(|| json!([])) {
+        all.extend(added);
     }
 }

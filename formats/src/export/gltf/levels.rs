@@ -3,13 +3,13 @@
 //! Vertices of a primitive stand in reverse order of their disappearance, so those of a level are
 //! the first ones; triangles that disappear last come first.
 
-use super::images::embed_images;
 use super::writer::Writer;
 use super::{
     adapted, document_mesh, document_primitive, glb, prune, source_document, submesh_primitive,
 };
 use crate::export::Additions;
 use crate::import::gltf::json::Object;
+use crate::textures::{TextureMode, Textures};
 use crate::{Assets, Document, FormatError, ObjectInfo, OutputFile};
 use lodc_mesh::{
     Attribute, Component, Mesh, PositionIds, SequenceParts, Simplified, Submesh, removal_lods,
@@ -47,8 +47,13 @@ pub fn export_levels(
     assets: &mut Assets,
 ) -> Result<(OutputFile, Vec<String>), FormatError> {
     let infos: Vec<&ObjectInfo> = objects.iter().map(|o| o.info).collect();
-    let (mut root, mut blob) = source_document(document, &infos, &Additions::default())?;
-    let warnings = embed_images(&mut root, &mut blob, assets);
+    let textures = Textures::read(document, assets)?;
+    let mut warnings = textures.warnings.clone();
+    let textures = textures.placed(TextureMode::Embed, path);
+    warnings.extend_from_slice(&textures.warnings);
+    let additions = Additions { textures, ..Additions::default() };
+    let (mut root, mut blob) = source_document(document, &infos, &additions)?;
+    forget_missing(&mut root);
     let mut writer = Writer::new(&root, false);
     let mut empty = Vec::new();
     for (i, object) in objects.iter().enumerate() {
@@ -69,6 +74,18 @@ pub fn export_levels(
     prune::without(&mut root, &empty);
     writer.finish(&mut root, &mut blob);
     Ok((glb(path, &root, &blob)?, warnings))
+}
+
+/// Makes images of files that could not be read into images without a file: one page holds
+/// everything, so there is nowhere to look for them.
+fn forget_missing(root: &mut Object) {
+    let images = root.get_mut("images").and_then(Value::as_array_mut);
+    for image in images.into_iter().flatten().filter_map(Value::as_object_mut) {
+        let named = image.get("uri").and_then(Value::as_str);
+        if named.is_some_and(|uri| !uri.starts_with("data:")) {
+            image.shift_remove("uri");
+        }
+    }
 }
 
 /// The levels of one object.

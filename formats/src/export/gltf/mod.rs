@@ -6,7 +6,6 @@ mod images;
 mod levels;
 mod meshopt;
 mod missing;
-mod placed;
 mod prune;
 mod writer;
 
@@ -77,7 +76,7 @@ fn source_document(
     };
     // The document may come from a file that someone made up.
     schema::check(&mut root)?;
-    placed::put(&mut root, &mut blob, &additions.textures);
+    images::put(&mut root, &mut blob, &additions.textures);
     if let Some(provenance) = &additions.provenance {
         provenance.put(&mut root);
     }
