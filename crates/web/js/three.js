@@ -50,7 +50,7 @@ export class LodcLoader {
         const { done, value } = await reader.read();
         const progress = done ? stream.progress : stream.feed(value);
         const [triangles] = stream.triangles();
-        if (triangles > drawn * 1.5 || (done && triangles > drawn)) {
+        if (triangles > drawn * 1.5 || (done && triangles > 0)) {
           drawn = triangles;
           const gltf = await this.gltf.parseAsync(stream.mesh().buffer, '');
           await shown(gltf, progress);

@@ -57,7 +57,8 @@ impl Session {
         self.answer(state)
     }
 
-    /// The output is a GLB of the scene as far as the stream has come.
+    /// The output is a GLB of the scene as far as the stream has come; empty before its first
+    /// object.
     pub fn mesh(&mut self) -> Status {
         let glb = match &self.stream {
             Some(stream) => mesh(stream),
@@ -88,16 +89,19 @@ fn levels(file: &LodFile) -> Result<Vec<u8>, FormatError> {
 }
 
 fn mesh(stream: &Unpacker) -> Result<Vec<u8>, FormatError> {
-    let Some(document) = stream.document() else { return Ok(Vec::new()) };
+    let Some(arrived) = stream.arrived()? else { return Ok(Vec::new()) };
+    if stream.objects() == 0 && !stream.is_complete() {
+        return Ok(Vec::new());
+    }
     let meshes: Vec<_> = (0..stream.objects())
         .map(|o| stream.mesh(o).map(|(mesh, _)| mesh))
         .collect::<Result<_, _>>()?;
     let objects: Vec<ExportObject<'_>> = meshes
         .iter()
         .enumerate()
-        .map(|(o, mesh)| ExportObject { info: stream.info(o), mesh })
+        .map(|(o, mesh)| ExportObject { info: &arrived.infos[o], mesh })
         .collect();
-    let files = export(Path::new("mesh.glb"), ExportFormat::Glb, document, &objects)?;
+    let files = export(Path::new("mesh.glb"), ExportFormat::Glb, &arrived.document, &objects)?;
     Ok(files.into_iter().next().map(|file| file.bytes).unwrap_or_default())
 }
 
