@@ -41,7 +41,7 @@ impl FinalLog {
         let mut order = if sort { sorted(&keys, 32) } else { (0..legal as u32).collect() };
         order.extend(legal as u32..log.steps.len() as u32);
         let mut live = triangles as u32;
-        for i in join_early(log, legal, input, order) {
+        for i in join_early(log, legal, input, &order) {
             result.take(log, i as usize, i as usize >= legal, &mut live);
         }
         // The last wedge becomes nothing.

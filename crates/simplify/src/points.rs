@@ -12,7 +12,7 @@ pub(crate) fn join_early(
     log: &CollapseLog,
     legal: usize,
     input: &Input<'_>,
-    order: Vec<u32>,
+    order: &[u32],
 ) -> Vec<u32> {
     let first_join = log.steps.len() - log.joins;
     let last_use = last_uses(log, input, &order[..first_join]);

@@ -99,7 +99,7 @@ fn chain(args: &ChainArgs) -> Outcome<()> {
         false => shared::files(args, format, &asset, &mut levels, additions),
     })?;
     stages.run("write", || output::commit(&made.files))?;
-    write_depfile(args, &made, [asset.files_read, images_read].concat())?;
+    write_depfile(args, &made, &[asset.files_read, images_read].concat())?;
     for warning in &warnings {
         console::warning(&name, warning);
     }
@@ -136,11 +136,11 @@ fn provenance(args: &ChainArgs, asset: &Asset, levels: &[Level]) -> Provenance {
     }
 }
 
-fn write_depfile(args: &ChainArgs, made: &Files, inputs: Vec<PathBuf>) -> Outcome<()> {
+fn write_depfile(args: &ChainArgs, made: &Files, inputs: &[PathBuf]) -> Outcome<()> {
     let Some(depfile) = &args.depfile else { return Ok(()) };
     let mut outputs = made.of_level.clone();
     outputs.dedup();
-    let rule = |output| Rule { output, inputs: inputs.clone() };
+    let rule = |output| Rule { output, inputs: inputs.to_owned() };
     let rules: Vec<Rule> = outputs.into_iter().map(rule).collect();
     output::write_depfile(depfile, &rules)
 }

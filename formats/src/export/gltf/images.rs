@@ -17,12 +17,10 @@ pub(super) fn put(root: &mut Object, blob: &mut Vec<u8>, textures: &PlacedTextur
         let path = image.get("uri").and_then(Value::as_str).and_then(uri::path);
         let Some(path) = path else { continue };
         match textures.of(&path) {
-            None => {}
-            Some(Place::Beside(relative)) => {
-                if *relative != path {
-                    image.insert("uri".to_owned(), uri::of_path(relative).into());
-                }
+            Some(Place::Beside(relative)) if *relative != path => {
+                image.insert("uri".to_owned(), uri::of_path(relative).into());
             }
+            None | Some(Place::Beside(_)) => {}
             Some(Place::Inside { mime, bytes }) => {
                 let view = *known.entry(path).or_insert_with(|| {
                     blob.resize(blob.len().next_multiple_of(4), 0);

@@ -32,7 +32,7 @@ fn triangles_come_before_the_document_and_within_a_few_hundred_bytes() {
             lodc_simplify::simplify(&mesh, &lodc_simplify::Options::DEFAULT, &|_, _| {});
         let mut file = gltf(vec![object(name, simplified)]);
         let Document::Gltf(document) = &mut file.document else { unreachable!("made above") };
-        document.blob = (0..40_000u32).map(|i| (i * i >> 7) as u8).collect();
+        document.blob = (0..40_000u32).map(|i| ((i * i) >> 7) as u8).collect();
         let strips = strips_of(&file);
         let all: Vec<_> = strips.iter().map(Some).collect();
         let packed = pack(&file, &all, &PackOptions::default()).expect("a sound file");
@@ -88,7 +88,7 @@ fn rigged(mesh: &lodc_mesh::Mesh) -> GltfDocument {
     });
     GltfDocument {
         json: root.to_string(),
-        blob: (0..4000u32).map(|i| (i * i >> 5) as u8).collect(),
+        blob: (0..4000u32).map(|i| ((i * i) >> 5) as u8).collect(),
     }
 }
 

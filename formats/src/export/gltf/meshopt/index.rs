@@ -150,8 +150,8 @@ impl Recent {
     fn edge_of(&self, [a, b, c]: [u32; 3]) -> Option<(usize, [u32; 3])> {
         (0..15).find_map(|back| {
             let edge = self.edges[(self.edge_at + 31 - back) & 15];
-            let turned = [[a, b, c], [b, c, a], [c, a, b]].into_iter();
-            turned.clone().find(|t| [t[0], t[1]] == edge).map(|t| (back, t))
+            let mut turned = [[a, b, c], [b, c, a], [c, a, b]].into_iter();
+            turned.find(|t| [t[0], t[1]] == edge).map(|t| (back, t))
         })
     }
     /// Returns the age of a vertex (0: just seen).
