@@ -223,7 +223,7 @@ fn the_page_has_the_traces_of_golden_streams() {
     let mut with_uv = positions.clone();
     with_uv.systems.extend([NumberSystem::Decimal(1); 2]);
     with_uv.streams = VertexLayout::streams(&[uv]);
-    for trace in [trace(TRIANGLE, positions, 1, 3), trace(TWO_PARTS, with_uv, 2, 6)] {
+    for trace in [trace(TRIANGLE, positions, 1, 3), trace(TWO_PARTS, with_uv, 2, 7)] {
         assert!(PAGE.contains(&trace), "docs/STREAM.md lacks this trace:\n{trace}");
     }
 }

@@ -16,6 +16,10 @@ const JOINT_LENGTH: f64 = 0.01;
 /// A texture that shifts along the surface by some length counts like a displacement by this share
 /// of it.
 const TEXTURE_SHARE: f64 = 0.1;
+/// The length of one unit of texture space where no triangle covers any of it, as a multiple of the
+/// mesh's size. Such coordinates choose colours from a palette; neighbours there have nothing in
+/// common, so cells of 1/512 count as different.
+const PALETTE_LENGTH: f64 = 10.0;
 
 /// The non-spatial attributes of every vertex, scaled to working units.
 pub(crate) struct Attributes {
@@ -51,7 +55,7 @@ impl Attributes {
                     if set == 0 && texture.is_none() {
                         texture = Some(columns.len());
                     }
-                    let length = weights.uv * TEXTURE_SHARE * texture_length(a, mesh, scale);
+                    let length = weights.uv * TEXTURE_SHARE * texture_length(a, mesh, scale, size);
                     columns.extend((0..2).map(|c| (a, c, length)));
                 }
                 _ => {}
@@ -137,8 +141,9 @@ impl Attributes {
     }
 }
 
-/// The length on the surface of one unit of texture space, on average over the mesh.
-fn texture_length(a: &Attribute, mesh: &Mesh, scale: f64) -> f64 {
+/// The length on the surface of one unit of texture space, on average over the triangles that cover
+/// some of it.
+fn texture_length(a: &Attribute, mesh: &Mesh, scale: f64, size: f64) -> f64 {
     let (mut surface, mut texture) = (0.0, 0.0);
     for triangle in mesh.triangles() {
         let [p, q, r] = triangle.map(|v| [f64::from(a.value(v, 0)), f64::from(a.value(v, 1))]);
@@ -150,7 +155,7 @@ fn texture_length(a: &Attribute, mesh: &Mesh, scale: f64) -> f64 {
             surface += f64::from(Facet::new(corners).area);
         }
     }
-    if texture > 0.0 { (surface / texture).sqrt() } else { 0.0 }
+    if texture > 0.0 { (surface / texture).sqrt() } else { PALETTE_LENGTH * size }
 }
 
 fn joints(mesh: &Mesh) -> Vec<[(u32, f32); 4]> {

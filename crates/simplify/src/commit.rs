@@ -203,7 +203,6 @@ pub(crate) fn join_points(region: &Region, log: &mut CollapseLog) {
         }
         if log.wedges.len() > before {
             log.end_step(f32::MAX, 0.0, false);
-            log.joins += 1;
         }
     }
     log.wedges.push(last_wedge);

@@ -3,7 +3,6 @@
 use crate::input::Input;
 use crate::log::CollapseLog;
 use crate::numbering::sorted;
-use crate::points::join_early;
 use lodc_mesh::Lod;
 
 /// The collapses of a whole mesh in their final order.
@@ -26,8 +25,8 @@ pub(crate) struct FinalLog {
 
 impl FinalLog {
     /// Puts a log in order: the first `legal` steps by stamp, equal ones as they happened; the
-    /// others follow, points without faces as soon as they have none. A step's stamp is no less
-    /// than those of the steps it builds on, so these stay before it.
+    /// others follow. A step's stamp is no less than those of the steps it builds on, so these stay
+    /// before it.
     pub(crate) fn new(log: &CollapseLog, legal: usize, input: &Input<'_>, sort: bool) -> Self {
         let triangles = input.mesh.triangles().len();
         let mut result = Self { death: vec![0; triangles], ..Self::default() };
@@ -41,7 +40,7 @@ impl FinalLog {
         let mut order = if sort { sorted(&keys, 32) } else { (0..legal as u32).collect() };
         order.extend(legal as u32..log.steps.len() as u32);
         let mut live = triangles as u32;
-        for i in join_early(log, legal, input, &order) {
+        for i in order {
             result.take(log, i as usize, i as usize >= legal, &mut live);
         }
         // The last wedge becomes nothing.

@@ -27,7 +27,6 @@ mod one_ring;
 mod options;
 mod output;
 mod plan;
-mod points;
 mod pricing;
 mod quadric;
 mod region;

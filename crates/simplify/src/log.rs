@@ -26,9 +26,6 @@ pub(crate) struct CollapseLog {
     pub(crate) targets: Vec<u32>,
     /// Triangles that die.
     pub(crate) dead: Vec<u32>,
-    /// The last so many steps join points without faces; each may come as soon as its point has
-    /// none.
-    pub(crate) joins: usize,
 }
 
 impl CollapseLog {
@@ -62,7 +59,6 @@ impl CollapseLog {
         self.wedges.extend_from_slice(&other.wedges);
         self.targets.extend_from_slice(&other.targets);
         self.dead.extend_from_slice(&other.dead);
-        self.joins = other.joins;
     }
 
     /// The records of a step.

@@ -2,7 +2,7 @@
 
 use crate::{Guidance, Options, simplify, simplify_with};
 use lodc_fixtures as shapes;
-use lodc_mesh::{Lod, Mesh, MeshParts, Semantic, Simplified, Submesh};
+use lodc_mesh::{Attribute, Component, Lod, Mesh, MeshParts, Semantic, Simplified, Submesh};
 
 /// Simplifies in regions of about so many groups.
 fn simplify_in(
@@ -361,16 +361,35 @@ fn points_that_are_left_over_join_the_last_one_directly() {
 }
 
 #[test]
-fn points_without_faces_join_at_once_so_the_coarsest_triangles_have_few_positions_beside_them() {
-    for name in ["several_components", "single_triangles", "triangle_soup", "nested_spheres"] {
-        let s = run(&shapes::named(name).expect("a shape"));
-        let parts = s.collapses().parts();
-        let last_shown = parts.step_triangles.iter().rposition(|&n| n > 0).expect("triangles");
-        let left = &s.mesh().positions()[parts.step_ends[last_shown] as usize..];
-        let mut positions: Vec<_> = left.iter().map(|p| p.map(f32::to_bits)).collect();
-        positions.sort_unstable();
-        positions.dedup();
-        // Three corners, the other end of the last edge, and what all points join.
-        assert!(positions.len() <= 5, "{name}: {} positions", positions.len());
+fn colours_of_a_palette_never_run_into_each_other() {
+    // Squares of four vertices each; all corners of a square choose the same cell of a palette.
+    let n = 12;
+    let (mut positions, mut triangles, mut uv) = (Vec::new(), Vec::new(), Vec::<u8>::new());
+    for square in 0..n * n {
+        let (x, y) = (square % n, square / n);
+        let cell = ((x / 4 + y / 4 * 3) as f32 + 0.5) / 16.0;
+        let first = positions.len() as u32;
+        for (dx, dy) in [(0, 0), (1, 0), (1, 1), (0, 1)] {
+            positions.push([(x + dx) as f32, (y + dy) as f32, 0.0]);
+            uv.extend([cell, 0.5].iter().flat_map(|c: &f32| c.to_le_bytes()));
+        }
+        triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
+    }
+    let mut parts = plain(positions, triangles).into_parts();
+    parts.attributes.push(Attribute {
+        semantic: Semantic::TexCoord(0),
+        morph_target: None,
+        component: Component::F32,
+        components: 2,
+        normalized: false,
+        bytes: uv,
+    });
+    parts.submeshes[0].attributes.push(0);
+    let s = run(&Mesh::try_from(parts).expect("a mesh made by hand"));
+    let cells = &s.mesh().attributes()[0];
+    let lod = s.collapses().lod_for_triangles(60);
+    for t in s.triangles_at(lod) {
+        let [a, b, c] = t.corners.map(|v| cells.value(v, 0));
+        assert!(a == b && b == c, "a triangle across cells {a}, {b}, {c} at {lod:?}");
     }
 }

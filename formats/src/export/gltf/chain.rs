@@ -130,14 +130,13 @@ impl<'a> Levels<'a> {
     }
 
     /// Puts the coarser levels into the document: a mesh each, and a node each for every node that
-    /// shows the mesh. A level that does not differ from the one before shares its mesh.
+    /// shows the mesh. A level that does not differ from the one before has a mesh of its own all
+    /// the same: engines dispose of the levels that they have replaced.
     fn put(&self, root: &mut Object) {
         let mut meshes = vec![self.mesh];
         for level in 1..self.indices.len() {
             let before = meshes[level - 1];
-            let alike = self.object.levels[level] == self.object.levels[level - 1];
-            let mesh = if alike { None } else { self.put_mesh(root, level) };
-            meshes.push(mesh.unwrap_or(before));
+            meshes.push(self.put_mesh(root, level).unwrap_or(before));
         }
         let nodes = root.get("nodes").and_then(Value::as_array).map_or(0, Vec::len);
         for node in 0..nodes {

@@ -42,11 +42,15 @@ impl Glb {
         let (source, numbers) = (self.words(&primitive["indices"]), self.words(&lodc["numbers"]));
         let (targets, removals) = (self.words(&lodc["targets"]), self.words(&lodc["removals"]));
         let live = numbers.partition_point(|&number| number >= lod);
+        let count = removals.partition_point(|&removal| removal > lod);
+        if live == 0 {
+            assert_eq!(count, 0, "triangles need vertices");
+            return Vec::new();
+        }
         let mut shown: Vec<u32> = (0..live as u32).collect();
         for &target in &targets[live..] {
             shown.push(shown[target as usize]);
         }
-        let count = removals.partition_point(|&removal| removal > lod);
         let positions = self.elements(&primitive["attributes"]["POSITION"], 12);
         let corner = |&i: &u32| positions[shown[i as usize] as usize].to_vec();
         let triangle = |t: &[u32]| [corner(&t[0]), corner(&t[1]), corner(&t[2])];
