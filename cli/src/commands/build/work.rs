@@ -2,6 +2,7 @@
 
 use super::{BuildArgs, ReportFormat, pipeline, summary};
 use crate::batch::{self, Asset, Budget, OptionValues};
+use crate::commands::each;
 use crate::console::{self, error};
 use crate::exit::{Failure, Outcome, Status};
 use crate::output::{self, Rule, Target};
@@ -11,7 +12,6 @@ use crate::stages::Stages;
 use lodc_formats::lodc;
 use rayon::ThreadPool;
 use std::collections::BTreeMap;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::time::Instant;
 
@@ -103,7 +103,8 @@ fn one(
     let start = Instant::now();
     let input = asset.input.as_path();
     let mut report = InputReport { input: input.display().to_string(), ..InputReport::default() };
-    let result = prepared(asset, parsed).and_then(|(args, target)| {
+    let result = each::guarded(input, || {
+        let (args, target) = prepared(asset, parsed)?;
         report.output = target.name();
         if let Some(rule) = fresh(args, input, target) {
             report.up_to_date = true;
@@ -116,10 +117,7 @@ fn one(
     let (status, rule) = match result {
         Ok(rule) => (Status::Done, rule),
         Err(failure) => {
-            let failure = naming(failure, &report.input, input);
-            if failure.status != Status::Bug {
-                error(&failure);
-            }
+            each::print(&failure);
             report.error = Some(failure.message);
             (failure.status, None)
         }
@@ -161,17 +159,14 @@ fn build(
 ) -> Outcome<Option<Rule>> {
     let mut stages = Stages::default();
     crate::memory::reset_peak();
-    let made = catch_unwind(AssertUnwindSafe(|| {
-        pipeline::make(args, input, target, &mut stages, progress, report)
-    }));
+    let made = pipeline::make(args, input, target, &mut stages, progress, report);
     report.peak_bytes = crate::memory::peak_bytes();
     for warning in &report.warnings {
         console::warning(&report.input, warning);
     }
     let seconds = stages.seconds();
     report.stages = stages.into_reports();
-    // The panic hook has said what and where.
-    let made = made.map_err(|_| Failure::new(Status::Bug, "internal error"))??;
+    let made = made?;
     progress.clear();
     if brief {
         summary::print_line(&made, target, seconds);
@@ -180,16 +175,6 @@ fn build(
     }
     let Target::File(path) = target else { return Ok(None) };
     Ok(Some(Rule { output: path.clone(), inputs: made.files_read }))
-}
-
-/// A failure that names its input: an error in a file that the input refers to names that file,
-/// and with several inputs both are needed.
-fn naming(failure: Failure, name: &str, input: &Path) -> Failure {
-    let named = failure.status != Status::Input || failure.message.contains(name);
-    if named || output::is_stream(input) {
-        return failure;
-    }
-    Failure::new(failure.status, format!("{name}: {}", failure.message))
 }
 
 /// Memory that an asset may need, from the bytes of its file and, for glTF, of its buffers.
