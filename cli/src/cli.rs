@@ -1,8 +1,8 @@
 //! The command line as `clap` sees it: every command, and the options all of them have.
 
 use crate::commands::{
-    bench, build, chain, compare, completions, config, extract, info, man, pack, render, report,
-    select, shaders, strips, unpack, verify, view,
+    bench, build, chain, compare, completions, config, extract, info, man, pack, render, select,
+    shaders, strips, unpack, verify, view,
 };
 use clap::{Args, Parser, Subcommand};
 
@@ -49,9 +49,9 @@ pub(crate) enum Command {
     /// Make a picture of a mesh, or of levels of detail, with a graphics device
     Render(render::RenderArgs),
     /// Make an offline page that shows every level in a browser
-    View(view::ViewArgs),
+    View(view::PageArgs),
     /// Make an offline page for approving an asset: pictures, errors, storage, checks
-    Report(report::ReportArgs),
+    Report(view::PageArgs),
     /// Turn a .lodc file into a progressive stream
     Pack(pack::PackArgs),
     /// Turn a progressive stream, or as much as there is of it, into a mesh file

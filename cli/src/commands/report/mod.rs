@@ -4,46 +4,22 @@ mod chart;
 mod levels;
 mod page;
 
-use super::asset::{self, Asset, SimplifyArgs};
+use super::asset::{self, Asset};
 use super::verify;
+use super::view::{self, PageArgs};
 use crate::console::{self, Loudness, note, wants};
 use crate::exit::{Failure, Outcome, Status};
-use crate::limits::ImportArgs;
 use crate::mesh_output;
-use crate::output::{self, Rule, Target};
+use crate::output::{self, Rule};
 use crate::report::CheckReport;
 use crate::selector::SceneLevels;
 use crate::stages::Stages;
 use crate::text::size;
-use clap::Args;
 use lodc_formats::appearance::appearance;
 use lodc_formats::{Assets, ObjectInfo, OutputFile, scene_graph};
 use lodc_scene::Arrangement;
 use lodc_select::scene_diagonal;
 use std::path::PathBuf;
-
-/// Options of `report`.
-#[derive(Args, Debug)]
-pub(crate) struct ReportArgs {
-    /// A mesh (.obj, .gltf, .glb) or a .lodc file; `-` for standard input
-    input: PathBuf,
-    /// The page: an .html file; `-` for standard output
-    #[arg(short, long, value_name = "OUT")]
-    output: PathBuf,
-    /// Name that the page shows [default: the name of the input]
-    #[arg(long, value_name = "TEXT")]
-    title: Option<String>,
-    /// Folder of the file's textures [default: FILE's folder]
-    #[arg(long, value_name = "DIR")]
-    textures: Option<PathBuf>,
-    #[command(flatten)]
-    simplify: SimplifyArgs,
-    /// Write a Make/Ninja dependency file that names every file read
-    #[arg(long, value_name = "FILE")]
-    depfile: Option<PathBuf>,
-    #[command(flatten)]
-    import: ImportArgs,
-}
 
 /// All that a page is made of.
 struct Facts<'a> {
@@ -63,8 +39,8 @@ struct Facts<'a> {
 ///
 /// # Errors
 /// If the input cannot be read or shown, or the page not be written.
-pub(crate) fn run(args: &ReportArgs) -> Outcome<Status> {
-    let target = target(args)?;
+pub(crate) fn run(args: &PageArgs) -> Outcome<Status> {
+    let target = view::target(args)?;
     let mut stages = Stages::default();
     let asset = asset::read(&args.input, &args.import, &args.simplify, &mut stages)?;
     let facts = facts(args, &asset, &mut stages)?;
@@ -88,16 +64,7 @@ pub(crate) fn run(args: &ReportArgs) -> Outcome<Status> {
     Ok(if failed > 0 { Status::Difference } else { Status::Done })
 }
 
-fn target(args: &ReportArgs) -> Outcome<Target> {
-    if output::is_stream(&args.output) && args.depfile.is_some() {
-        return Err(Failure::usage("a dependency file needs an output file, not standard output"));
-    }
-    let target = output::target(&args.input, Some(&args.output), "html")?;
-    output::prepare([&target], output::is_folder(&args.output))?;
-    Ok(target)
-}
-
-fn facts<'a>(args: &ReportArgs, asset: &'a Asset, stages: &mut Stages) -> Outcome<Facts<'a>> {
+fn facts<'a>(args: &PageArgs, asset: &'a Asset, stages: &mut Stages) -> Outcome<Facts<'a>> {
     let name = args.input.display().to_string();
     let options = args.import.options();
     let infos: Vec<&ObjectInfo> = asset.objects.iter().map(|o| &o.info).collect();
@@ -120,7 +87,7 @@ fn facts<'a>(args: &ReportArgs, asset: &'a Asset, stages: &mut Stages) -> Outcom
         stages.run("check", || verify::models(&asset.objects, &asset.document, 1, &limits))?;
     let warnings = asset.warnings.iter().chain(&looks.warnings).cloned().collect();
     Ok(Facts {
-        title: args.title.clone().unwrap_or_else(|| super::view::title(&args.input)),
+        title: args.title.clone().unwrap_or_else(|| view::title(&args.input)),
         asset,
         curve: curve(&scene, levels[0].triangles)?,
         diagonal: scene_diagonal(&scene.candidates()),

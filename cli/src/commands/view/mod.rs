@@ -18,30 +18,30 @@ use lodc_lod::AnyModel;
 use lodc_strip::Strips;
 use std::path::{Path, PathBuf};
 
-/// Options of `view`.
+/// Options of commands that make a page: `view` and `report`.
 #[derive(Args, Debug)]
-pub(crate) struct ViewArgs {
+pub(crate) struct PageArgs {
     /// A mesh (.obj, .gltf, .glb) or a .lodc file; `-` for standard input
-    input: PathBuf,
+    pub(super) input: PathBuf,
     /// The page: an .html file; `-` for standard output
     #[arg(short, long, value_name = "OUT")]
-    output: PathBuf,
+    pub(super) output: PathBuf,
     /// Name that the page shows [default: the name of the input]
     #[arg(long, value_name = "TEXT")]
-    title: Option<String>,
+    pub(super) title: Option<String>,
     /// Folder of the file's textures [default: FILE's folder]
     #[arg(long, value_name = "DIR")]
-    textures: Option<PathBuf>,
+    pub(super) textures: Option<PathBuf>,
     #[command(flatten)]
-    simplify: SimplifyArgs,
+    pub(super) simplify: SimplifyArgs,
     /// Write a Make/Ninja dependency file that names every file read
     #[arg(long, value_name = "FILE")]
-    depfile: Option<PathBuf>,
+    pub(super) depfile: Option<PathBuf>,
     #[command(flatten)]
-    import: ImportArgs,
+    pub(super) import: ImportArgs,
 }
 
-pub(crate) fn run(args: &ViewArgs) -> Outcome<()> {
+pub(crate) fn run(args: &PageArgs) -> Outcome<()> {
     let target = target(args)?;
     let mut stages = Stages::default();
     let asset = asset::read(&args.input, &args.import, &args.simplify, &mut stages)?;
@@ -70,7 +70,11 @@ pub(crate) fn run(args: &ViewArgs) -> Outcome<()> {
     Ok(())
 }
 
-fn target(args: &ViewArgs) -> Outcome<Target> {
+/// The page's target, ready to be written.
+///
+/// # Errors
+/// If it, or the dependency file, cannot be written.
+pub(super) fn target(args: &PageArgs) -> Outcome<Target> {
     if output::is_stream(&args.output) && args.depfile.is_some() {
         return Err(Failure::usage("a dependency file needs an output file, not standard output"));
     }
@@ -89,7 +93,7 @@ pub(super) fn title(input: &Path) -> String {
 }
 
 /// The asset as a GLB with all levels, and warnings about its textures.
-fn model(args: &ViewArgs, asset: &Asset) -> Outcome<(Vec<u8>, Vec<String>)> {
+fn model(args: &PageArgs, asset: &Asset) -> Outcome<(Vec<u8>, Vec<String>)> {
     let options = args.import.options();
     // Only the folder of that path counts: textures are looked for there.
     let beside =
