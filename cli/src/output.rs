@@ -81,39 +81,42 @@ pub(crate) fn targets(
             .map(|input| Target::File(input.with_file_name(named(input, extension))))
             .collect(),
     };
-    Ok(unshared(targets, inputs))
+    let mut targets: Vec<Outcome<Target>> = targets.into_iter().map(Ok).collect();
+    refuse_clashes(inputs.iter().map(PathBuf::as_path).zip(&mut targets));
+    Ok(targets)
 }
 
-/// Keeps the targets that no other result takes and that replace no input.
-fn unshared(targets: Vec<Target>, inputs: &[PathBuf]) -> Vec<Outcome<Target>> {
-    let mut takers: BTreeMap<PathBuf, Vec<&PathBuf>> = BTreeMap::new();
-    for (target, input) in targets.iter().zip(inputs) {
-        if let Target::File(path) = target {
-            takers.entry(place(path)).or_default().push(input);
+/// Makes a failure of every target that another result has as well, or that is an input.
+pub(crate) fn refuse_clashes<'a>(
+    results: impl IntoIterator<Item = (&'a Path, &'a mut Outcome<Target>)>,
+) {
+    let mut results: Vec<_> = results.into_iter().collect();
+    let named = results.iter().filter(|(input, _)| !is_stream(input));
+    let inputs: BTreeSet<PathBuf> = named.map(|(input, _)| place(input)).collect();
+    let mut owners: BTreeMap<PathBuf, Vec<usize>> = BTreeMap::new();
+    for (number, (_, target)) in results.iter().enumerate() {
+        if let Ok(Target::File(path)) = target {
+            owners.entry(place(path)).or_default().push(number);
         }
     }
-    let sources: BTreeSet<PathBuf> =
-        inputs.iter().filter(|i| !is_stream(i)).map(|i| place(i)).collect();
-    let checked = |(target, input): (Target, &PathBuf)| {
-        let Target::File(path) = &target else { return Ok(target) };
-        let place = place(path);
-        // Which of an input's names is meant cannot matter to one that is named twice.
-        let other = takers[&place].iter().find(|other| **other != input);
-        if let Some(other) = other.or((takers[&place].len() > 1).then_some(&input)) {
-            return Err(Failure::usage(format!(
-                "{}: would be written to {}, and so would {}",
-                input.display(),
-                path.display(),
-                other.display()
-            )));
+    for (place, numbers) in owners {
+        let names: Vec<_> = numbers.iter().map(|&n| results[n].0.display().to_string()).collect();
+        let what = match names.as_slice() {
+            [_] if inputs.contains(&place) => "the output would replace an input".to_owned(),
+            [_] => continue,
+            [a, b] => format!("{a} and {b} would both be written there"),
+            [a, b, more @ ..] => {
+                format!("{a}, {b} and {} more would all be written there", more.len())
+            }
+            [] => unreachable!("every place has an owner"),
+        };
+        for number in numbers {
+            let target = &mut *results[number].1;
+            if let Ok(Target::File(path)) = target {
+                *target = Err(Failure::usage(format!("{}: {what}", path.display())));
+            }
         }
-        if sources.contains(&place) {
-            let what = format!("{}: the output would replace an input", path.display());
-            return Err(Failure::usage(what));
-        }
-        Ok(target)
-    };
-    targets.into_iter().zip(inputs).map(checked).collect()
+    }
 }
 
 /// Returns whether results belong inside.

@@ -6,7 +6,7 @@ use lodc_formats::lodc::LodObject;
 use lodc_formats::{Document, Limits, ObjectInfo, scene_graph};
 use lodc_mesh::Simplified;
 use lodc_scene::{Arrangement, Graph};
-use lodc_select::{Candidate, Selection, Target, losses, select};
+use lodc_select::{Candidate, Selection, Target, View, losses, select};
 use std::sync::OnceLock;
 
 /// Exactly one of these says which level of detail is wanted.
@@ -61,6 +61,10 @@ pub(crate) struct ScreenArgs {
 }
 
 impl ScreenArgs {
+    /// Returns a camera at a place with this screen.
+    pub(crate) fn view(&self, eye: [f32; 3]) -> View {
+        View::new(eye, self.fovy as f32, self.height as f32)
+    }
     /// Returns the error that takes up so many pixels at a distance.
     pub(crate) fn error(&self, pixels: f64, distance: f64) -> Target {
         // Height of the view at distance 1.

@@ -4,7 +4,6 @@ use super::folder::{Filter, files, slashed};
 use super::{BatchArgs, OptionValues, manifest};
 use crate::exit::{Failure, Outcome, Status};
 use crate::output::{self, Target};
-use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// One asset of a run.
@@ -102,7 +101,7 @@ pub(crate) fn assets(sources: Sources<'_>, batch: &BatchArgs) -> Outcome<Vec<Ass
         all.retain(|asset| shard.has(&asset.name));
     }
     all.iter_mut().for_each(|asset| asset.makes_folders |= folder_out.is_some());
-    refuse_clashes(&mut all);
+    output::refuse_clashes(all.iter_mut().map(|a| (a.input.as_path(), &mut a.target)));
     Ok(all)
 }
 
@@ -157,35 +156,6 @@ fn listed_target(line: &manifest::Line, folder_out: Option<&Path>, extension: &s
             let mut name = line.input.file_name().unwrap_or_default().to_owned();
             name.push(format!(".{extension}"));
             line.input.with_file_name(name)
-        }
-    }
-}
-
-/// Makes a failure of every target that another asset has as well, or that is an input.
-fn refuse_clashes(all: &mut [Asset]) {
-    let inputs: BTreeSet<PathBuf> = all.iter().map(|asset| output::place(&asset.input)).collect();
-    let mut owners: BTreeMap<PathBuf, Vec<usize>> = BTreeMap::new();
-    for (number, asset) in all.iter().enumerate() {
-        if let Ok(Target::File(path)) = &asset.target {
-            owners.entry(output::place(path)).or_default().push(number);
-        }
-    }
-    for (place, numbers) in owners {
-        let names: Vec<_> = numbers.iter().map(|&n| all[n].input.display().to_string()).collect();
-        let what = match names.as_slice() {
-            [_] if inputs.contains(&place) => "the output would replace an input".to_owned(),
-            [_] => continue,
-            [a, b] => format!("{a} and {b} would both be written there"),
-            [a, b, more @ ..] => {
-                format!("{a}, {b} and {} more would all be written there", more.len())
-            }
-            [] => unreachable!("every place has an owner"),
-        };
-        for number in numbers {
-            let asset = &mut all[number];
-            if let Ok(Target::File(path)) = &asset.target {
-                asset.target = Err(Failure::usage(format!("{}: {what}", path.display())));
-            }
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The same mesh in another order.
 
-use crate::{Mesh, MeshParts, NONE};
+use crate::{Mesh, NONE};
 
 impl Mesh {
     /// Returns the mesh with its triangles in the order that `order` gives them (each once, with
@@ -26,17 +26,7 @@ impl Mesh {
             }
             *corner = *number;
         }
-        let gathered = MeshParts {
-            positions: sources.iter().map(|&v| self.positions()[v as usize]).collect(),
-            vertex_submesh: sources.iter().map(|&v| self.vertex_submesh()[v as usize]).collect(),
-            attributes: self
-                .attributes()
-                .iter()
-                .map(|a| a.gathered(sources.iter().copied()))
-                .collect(),
-            triangles,
-            submeshes: self.submeshes().to_vec(),
-        };
+        let gathered = self.with_vertices(&sources, triangles, self.submeshes().to_vec());
         Self::try_from(gathered).expect("triangles of this mesh in another order")
     }
 
@@ -63,6 +53,7 @@ impl Mesh {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::MeshParts;
     use crate::Submesh;
 
     #[test]

@@ -44,7 +44,18 @@ impl Mesh {
             sorted[*slot] = t.corners.map(|v| new_index[v as usize]);
             *slot += 1;
         }
-        Self::try_from(MeshParts {
+        Self::try_from(self.with_vertices(&sources, sorted, submeshes))
+    }
+
+    /// The parts of a mesh of some of these vertices, in the order of `sources`, with triangles and
+    /// submeshes that are numbered for it.
+    pub(crate) fn with_vertices(
+        &self,
+        sources: &[u32],
+        triangles: Vec<[u32; 3]>,
+        submeshes: Vec<Submesh>,
+    ) -> MeshParts {
+        MeshParts {
             positions: sources.iter().map(|&v| self.positions()[v as usize]).collect(),
             vertex_submesh: sources.iter().map(|&v| self.vertex_submesh()[v as usize]).collect(),
             attributes: self
@@ -52,9 +63,9 @@ impl Mesh {
                 .iter()
                 .map(|a| a.gathered(sources.iter().copied()))
                 .collect(),
-            triangles: sorted,
+            triangles,
             submeshes,
-        })
+        }
     }
 }
 

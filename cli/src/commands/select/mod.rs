@@ -7,9 +7,10 @@ use crate::console;
 use crate::exit::{Failure, Outcome};
 use crate::limits::LimitArgs;
 use crate::report::SCHEMA_VERSION;
+use crate::selector::ScreenArgs;
 use crate::text::{distance, grouped};
 use clap::Args;
-use lodc_select::{Goal, Instance, SceneManager, View, decimal};
+use lodc_select::{Goal, Instance, SceneManager, decimal};
 use model::Model;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -42,12 +43,8 @@ pub(crate) struct SelectArgs {
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true,
           requires = "eye")]
     target: Option<[f32; 3]>,
-    /// Vertical field of view in degrees
-    #[arg(long, value_name = "DEGREES", default_value = "60", value_parser = angle)]
-    fovy: f32,
-    /// Height of the screen in pixels
-    #[arg(long, value_name = "PIXELS", default_value = "1080", value_parser = positive)]
-    height: f32,
+    #[command(flatten)]
+    screen: ScreenArgs,
     /// Print one JSON document
     #[arg(long)]
     json: bool,
@@ -99,7 +96,7 @@ fn one(args: &SelectArgs, file: &std::path::Path) -> Outcome<()> {
     // The distance is that of the surface: a point without a sphere.
     let instance = Instance { curve: 0, position: [0.0, 0.0, away], scale: 1.0 };
     let mut manager = SceneManager::new(vec![model.curve(0.0)], vec![instance]);
-    let view = View::new([0.0; 3], args.fovy, args.height);
+    let view = args.screen.view([0.0; 3]);
     manager.frame(&view, Goal::Pixels(pixels));
     let level = level(&model, &manager, 0);
     let projected_pixels = level.error * f64::from(view.screen) / f64::from(away);
@@ -118,7 +115,7 @@ fn many(args: &SelectArgs, list: &std::path::Path) -> Outcome<()> {
     let scene = scene::read(list, args.limits.limits())?;
     let curves = scene.models.iter().map(|model| model.curve(model.radius)).collect();
     let mut manager = SceneManager::new(curves, scene.instances.clone());
-    let view = View::new(args.eye.expect("clap demands it"), args.fovy, args.height);
+    let view = args.screen.view(args.eye.expect("clap demands it"));
     let view = args.target.map_or(view, |target| view.towards(target));
     let goal = match (args.budget, args.pixels) {
         (Some(budget), _) => Goal::Triangles(budget),
@@ -157,10 +154,6 @@ fn text(level: &LevelReport) -> String {
 fn positive(text: &str) -> Result<f32, String> {
     let value: f32 = text.parse().map_err(|e| format!("{e}"))?;
     if value > 0.0 && value.is_finite() { Ok(value) } else { Err("a number above 0".to_owned()) }
-}
-
-fn angle(text: &str) -> Result<f32, String> {
-    positive(text).and_then(|v| if v < 180.0 { Ok(v) } else { Err("below 180 degrees".to_owned()) })
 }
 
 fn point(text: &str) -> Result<[f32; 3], String> {
