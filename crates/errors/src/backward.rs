@@ -6,10 +6,10 @@ use crate::pass::{Pass, patience};
 use crate::refine::FLOOR;
 use crate::refine::Refine;
 use crate::samples::area;
-use crate::tree::{Nearest, Triangles};
-use crate::triangle::{centroid, distance_squared};
 use glam::DVec3;
 use lodc_mesh::NONE;
+use lodc_nearest::{Hit, Triangles};
+use lodc_nearest::{centroid, distance_squared};
 
 /// Samples of a face that are looked at for a way to the input.
 const SAMPLES: usize = 24;
@@ -219,7 +219,7 @@ impl Ask<'_, '_> {
             Err(hint) => hint,
         };
         let pass = &mut *self.pass;
-        let mut nearest = Nearest::NOTHING;
+        let mut nearest = Hit::NOTHING;
         let stop = if exact { 0.0 } else { enough };
         let patience = patience(pass.work, pass.input);
         let opened = pass.input.tree.search(pass.input, p, hint, stop, patience, &mut nearest);
@@ -245,7 +245,7 @@ impl Ask<'_, '_> {
         if squared <= enough {
             return Ok(squared);
         }
-        let mut nearest = Nearest::NOTHING;
+        let mut nearest = Hit::NOTHING;
         for s in pass.samples.of(&pass.faces.all[self.t as usize]).take(SAMPLES) {
             let sample = &pass.samples.all[s as usize];
             nearest.offer((p - sample.place()).length_squared(), s);

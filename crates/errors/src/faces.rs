@@ -1,9 +1,9 @@
 //! The faces of the level that the pass stands at.
 
 use crate::input::Input;
-use crate::tree::{Tree, Triangles, morton_order};
 use glam::DVec3;
 use lodc_mesh::{NONE, is_degenerate};
+use lodc_nearest::{MovingTree, Triangles, morton_order};
 use std::ops::Range;
 
 /// Faces around a vertex that are read ahead.
@@ -42,7 +42,7 @@ pub(crate) struct Faces {
     /// The first and the last corner at each vertex.
     ends: Vec<[u32; 2]>,
     pub(crate) live: u32,
-    tree: Tree,
+    tree: MovingTree,
     /// Live faces when the tree was built.
     in_tree: u32,
 }
@@ -193,14 +193,14 @@ impl Faces {
 
     fn rebuild(&mut self, input: &Input) {
         let corners = |t: u32| self.all[t as usize].points.map(|p| input.places[p as usize]);
-        let live = self.tree.order().iter().copied().filter(|&t| self.all[t as usize].live);
+        let live = self.tree.triangles().filter(|&t| self.all[t as usize].live);
         let order = morton_order(live, corners);
-        self.tree = Tree::new(order, self.all.len(), corners);
+        self.tree = MovingTree::of(order, self.all.len(), corners);
         self.in_tree = self.live;
     }
 
     /// The live faces, and a tree over them.
-    pub(crate) fn level<'a>(&'a self, input: &'a Input) -> (Level<'a>, &'a Tree) {
+    pub(crate) fn level<'a>(&'a self, input: &'a Input) -> (Level<'a>, &'a MovingTree) {
         (Level { input, faces: &self.all }, &self.tree)
     }
 }

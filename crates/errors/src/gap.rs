@@ -58,8 +58,8 @@ pub(crate) fn gap(middle: DVec3, link: &[DVec3]) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::triangle::distance_squared;
     use lodc_mesh::SplitMix64;
+    use lodc_nearest::distance_squared;
 
     #[test]
     fn a_pyramid_is_as_far_from_its_base_as_it_is_high() {

@@ -1,8 +1,8 @@
 //! The surface of LOD 0, its triangles and points numbered so that neighbours lie near in memory.
 
-use crate::tree::{Tree, Triangles, morton_order};
 use glam::DVec3;
 use lodc_mesh::{Csr, NONE, PositionIds, Simplified};
+use lodc_nearest::{MovingTree, Triangles, morton_order};
 
 /// LOD 0 and the moves that lead away from it.
 ///
@@ -22,7 +22,7 @@ pub(crate) struct Input {
     /// The triangles around each point.
     pub(crate) around: Csr,
     /// A tree over the triangles.
-    pub(crate) tree: Tree,
+    pub(crate) tree: MovingTree,
     /// Mesh units for each unit of `places`.
     pub(crate) unit: f64,
     /// The diagonal of the bounding box of all triangles, in units of `places`.
@@ -57,8 +57,7 @@ impl Input {
         let point_of: Vec<u32> = (0..mesh.vertex_count() as u32).map(&mut number).collect();
 
         let corners = |t: u32| triangles[t as usize].map(|p| places[p as usize]);
-        let all = triangles.len();
-        let tree = Tree::new((0..all as u32).collect(), all, corners);
+        let tree = MovingTree::of_all(triangles.len() as u32, corners);
         let corner = (0..).zip(&triangles).flat_map(|(t, corners)| corners.map(|p| (p, t)));
         let around = Csr::new(places.len(), corner);
         let diagonal = diagonal * scale;

@@ -14,8 +14,6 @@ mod pass;
 mod refine;
 mod samples;
 mod step_errors;
-mod tree;
-mod triangle;
 
 pub use step_errors::StepErrors;
 

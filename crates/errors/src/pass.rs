@@ -6,10 +6,10 @@ use crate::input::Input;
 use crate::refine::{FLOOR, Refine};
 use crate::samples::{Sample, Samples, area};
 use crate::step_errors::StepErrors;
-use crate::tree::Nearest;
-use crate::triangle::distance_squared;
 use glam::DVec3;
 use lodc_mesh::{NONE, Simplified};
+use lodc_nearest::Hit;
+use lodc_nearest::distance_squared;
 
 /// Margin stated above the distance found, for what no sample saw.
 const MARGIN: f64 = 1.05;
@@ -217,7 +217,7 @@ impl<'a> Pass<'a> {
                     continue;
                 }
                 let p = match k {
-                    3 => crate::triangle::centroid(corners),
+                    3 => lodc_nearest::centroid(corners),
                     k => (corners[k] + corners[(k + 1) % 3]) * 0.5,
                 };
                 let near = self.bound * 0.09;
@@ -269,8 +269,8 @@ impl<'a> Pass<'a> {
 
     /// Returns a live face near a point: its own, a changed one, or one found in the tree if these
     /// are too far. Stops within the squared distance `near`.
-    fn nearest_face(&mut self, p: DVec3, own: u32, near: f64) -> Nearest {
-        let mut nearest = Nearest::NOTHING;
+    fn nearest_face(&mut self, p: DVec3, own: u32, near: f64) -> Hit {
+        let mut nearest = Hit::NOTHING;
         let near = near.max(FLOOR);
         if self.faces.all[own as usize].live {
             let corners = self.input.at(self.faces.all[own as usize].points);

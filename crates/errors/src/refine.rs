@@ -1,10 +1,10 @@
 //! Branch and bound over a triangle: how far its farthest point is from a surface (as Guthe,
 //! Borodin and Klein 2005 bound the Hausdorff distance).
 
-use crate::tree::{Nearest, Tree, Triangles};
-use crate::triangle::{centroid, distance_squared};
 use glam::DVec3;
 use lodc_mesh::NONE;
+use lodc_nearest::{Hit, MovingTree, Triangles};
+use lodc_nearest::{centroid, distance_squared};
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
@@ -17,7 +17,7 @@ const TOLERANCE: f64 = 1.02;
 /// A search for points farther than a bound.
 pub(crate) struct Refine<'a, T> {
     pub(crate) triangles: &'a T,
-    pub(crate) tree: &'a Tree,
+    pub(crate) tree: &'a MovingTree,
     /// The squared bound; rises to what is found.
     pub(crate) bound: f64,
     /// Points that may still be asked.
@@ -105,7 +105,7 @@ impl<T: Triangles> Refine<'_, T> {
         let radius = corners.map(|c| (c - middle).length_squared());
         let radius = radius[0].max(radius[1]).max(radius[2]).sqrt();
         let enough = (self.allowed() - radius).max(0.0);
-        let mut nearest = Nearest { squared: f64::INFINITY, triangle: near };
+        let mut nearest = Hit { squared: f64::INFINITY, triangle: near };
         let opened = self.tree.search(
             self.triangles,
             middle,

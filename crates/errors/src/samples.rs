@@ -2,7 +2,6 @@
 
 use crate::faces::Face;
 use crate::input::{Input, wide};
-use crate::triangle;
 use glam::DVec3;
 use lodc_mesh::{NONE, SplitMix64};
 
@@ -272,5 +271,5 @@ fn inside(input: &Input, faces: &[Face]) -> Vec<u8> {
 
 /// Returns the area of a face at some corners.
 pub(crate) fn area(corners: [DVec3; 3]) -> f32 {
-    triangle::area(corners) as f32
+    lodc_nearest::area(corners) as f32
 }

@@ -1,9 +1,9 @@
 //! Distances between two surfaces (as Cignoni et al. 1998, Metro, measure them).
 
-use crate::bvh::Bvh;
 use crate::spread::{over_area, over_triangles};
 use crate::surface::Surface;
 use glam::DVec3;
+use lodc_nearest::TriangleTree;
 use rayon::prelude::*;
 
 /// Density of samples on surfaces.
@@ -37,14 +37,14 @@ pub struct Distances {
 #[must_use]
 pub fn distances(a: &Surface, b: &Surface, sampling: &Sampling) -> Distances {
     let ([to_b, from_b], [mean, mean_back]) = {
-        let (to_b, back) = (one_way(a, &Bvh::new(b), sampling), one_way(b, &Bvh::new(a), sampling));
+        let (to_b, back) = (one_way(a, &b.tree(), sampling), one_way(b, &a.tree(), sampling));
         ([to_b.0, back.0], [to_b.1, back.1])
     };
     Distances { hausdorff: [to_b, from_b], rms: [mean, mean_back] }
 }
 
 /// Largest and root mean square distance from one surface to another.
-fn one_way(from: &Surface, to: &Bvh, sampling: &Sampling) -> (f64, f64) {
+fn one_way(from: &Surface, to: &TriangleTree, sampling: &Sampling) -> (f64, f64) {
     let squares =
         |points: &[DVec3]| points.par_iter().map(|&p| to.distance_squared(p)).collect::<Vec<f64>>();
     let area = squares(&over_area(from, sampling.samples, sampling.seed));
@@ -57,7 +57,12 @@ fn one_way(from: &Surface, to: &Bvh, sampling: &Sampling) -> (f64, f64) {
 /// Returns the largest distance found from one surface to another, if it is more than `bound`.
 /// Asks the points that [`distances`] asks, but each only whether it is that far off.
 #[must_use]
-pub fn farther_than(from: &Surface, to: &Bvh, bound: f64, sampling: &Sampling) -> Option<f64> {
+pub fn farther_than(
+    from: &Surface,
+    to: &TriangleTree,
+    bound: f64,
+    sampling: &Sampling,
+) -> Option<f64> {
     let area = over_area(from, sampling.samples, sampling.seed);
     let lattice = over_triangles(from, sampling.lattice);
     let points = area.par_iter().chain(&lattice);

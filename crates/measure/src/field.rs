@@ -1,7 +1,7 @@
 //! Distances all over triangles, for colouring them.
 
-use crate::bvh::Bvh;
 use glam::DVec3;
+use lodc_nearest::TriangleTree;
 use rayon::prelude::*;
 
 /// Most parts of an edge.
@@ -23,7 +23,7 @@ impl DistanceField {
     /// Measures triangles by their corners, at steps of about `step`. Where there are too many
     /// places for that, steps are longer.
     #[must_use]
-    pub fn new(triangles: &[[DVec3; 3]], to: &Bvh, step: f64) -> Self {
+    pub fn new(triangles: &[[DVec3; 3]], to: &TriangleTree, step: f64) -> Self {
         let wanted = |&[a, b, c]: &[DVec3; 3]| {
             let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
             if step > 0.0 { ((longest / step).ceil() as usize).clamp(1, MAX_PARTS) } else { 1 }
@@ -89,7 +89,7 @@ mod tests {
     #[test]
     fn the_parts_of_a_triangle_cover_it_once() {
         let triangle = [DVec3::ZERO, 6.0 * DVec3::X, 6.0 * DVec3::Y];
-        let plane = Bvh::of(&[triangle.map(|p| p + DVec3::Z)]);
+        let plane = TriangleTree::new(&[triangle.map(|p| p + DVec3::Z)]);
         for (step, k) in [(9.0, 1), (5.0, 2), (1.8, 5)] {
             let field = DistanceField::new(&[triangle], &plane, step);
             let place = |s: [f64; 3], distance: f32| {
@@ -109,7 +109,8 @@ mod tests {
         // A triangle through the middle of a cube, between corners of the cube.
         let mesh = lodc_fixtures::named("cube").expect("a shape");
         let at = |v: u32| glam::Vec3::from(mesh.positions()[v as usize]).as_dvec3();
-        let tree = Bvh::of(&mesh.triangles().iter().map(|t| t.map(at)).collect::<Vec<_>>());
+        let tree =
+            TriangleTree::new(&mesh.triangles().iter().map(|t| t.map(at)).collect::<Vec<_>>());
         let corner = |sign: DVec3| {
             let all = (0..mesh.vertex_count() as u32).map(at);
             all.max_by(|a, b| a.dot(sign).total_cmp(&b.dot(sign))).expect("corners")

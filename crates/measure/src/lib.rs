@@ -21,7 +21,6 @@
 //! assert_eq!(compare_pictures(&shown, &shown).rmse, 0.0);
 //! ```
 
-mod bvh;
 mod distance;
 mod field;
 mod picture;
@@ -30,9 +29,9 @@ mod spread;
 mod surface;
 mod texture;
 
-pub use bvh::Bvh;
 pub use distance::{Distances, Sampling, distances, farther_than};
 pub use field::DistanceField;
+pub use lodc_nearest::TriangleTree;
 pub use picture::{ImageError, Looks, Picture, Viewing, compare_pictures, pictures};
 pub use scene::SceneSurface;
 pub use surface::Surface;

@@ -2,6 +2,7 @@
 
 use crate::texture::Pyramid;
 use glam::{DVec3, Vec2, Vec3};
+use lodc_nearest::TriangleTree;
 use lodc_scene::Material;
 
 /// Triangles in one space, with what is needed to look at them. Every index is in range, or
@@ -29,6 +30,12 @@ impl Surface {
     #[must_use]
     pub fn corners(&self, triangle: usize) -> [DVec3; 3] {
         self.triangles[triangle].map(|v| self.positions[v as usize].as_dvec3())
+    }
+
+    /// A search tree over the triangles.
+    #[must_use]
+    pub fn tree(&self) -> TriangleTree {
+        TriangleTree::new(&(0..self.triangles.len()).map(|t| self.corners(t)).collect::<Vec<_>>())
     }
 
     /// Least and greatest coordinates of the corners of triangles; zeros if there are none.

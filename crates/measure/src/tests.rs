@@ -1,8 +1,7 @@
 use crate::{
-    Bvh, Looks, Pyramid, Sampling, Surface, Viewing, compare_pictures, distances, farther_than,
-    pictures,
+    Looks, Pyramid, Sampling, Surface, Viewing, compare_pictures, distances, farther_than, pictures,
 };
-use glam::{DVec3, Vec2, Vec3};
+use glam::{Vec2, Vec3};
 use lodc_scene::{Image, Material, Texture, Wrap};
 
 /// A sphere of `rows` × `2 rows` squares.
@@ -52,13 +51,13 @@ fn a_surface_is_nowhere_from_itself() {
 #[test]
 fn the_question_for_more_than_a_bound_agrees_with_the_distance() {
     let (a, b) = (sphere(12, 1.0, Vec3::ZERO), sphere(9, 1.1, Vec3::new(0.02, 0.0, 0.01)));
-    let tree = Bvh::new(&b);
+    let tree = b.tree();
     let exact = distances(&a, &b, &Sampling::DEFAULT).hausdorff[0];
     for (bound, wanted) in [(1.001 * exact, None), (0.999 * exact, Some(exact)), (0.0, Some(exact))]
     {
         assert_eq!(farther_than(&a, &tree, bound, &Sampling::DEFAULT), wanted, "{bound}");
     }
-    let none = Bvh::new(&Surface::default());
+    let none = Surface::default().tree();
     assert_eq!(farther_than(&a, &none, 1e9, &Sampling::DEFAULT), Some(f64::INFINITY));
     assert_eq!(farther_than(&Surface::default(), &none, 0.0, &Sampling::DEFAULT), None);
 }
@@ -85,25 +84,6 @@ fn a_part_is_near_the_whole_but_not_the_whole_near_the_part() {
 fn nothing_is_infinitely_far_from_something() {
     let d = distances(&square(0.0), &Surface::default(), &Sampling::DEFAULT);
     assert!(d.hausdorff[0].is_infinite() && d.hausdorff[1] == 0.0);
-}
-
-#[test]
-fn the_tree_finds_what_trying_every_triangle_finds() {
-    let s = sphere(9, 1.0, Vec3::new(0.3, 0.0, 0.0));
-    let tree = Bvh::new(&s);
-    let mut x = 12345u64;
-    for _ in 0..500 {
-        let mut next = || {
-            x = x.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            (x >> 40) as f64 / f64::from(1 << 23) - 1.0
-        };
-        let p = DVec3::new(next(), next(), next()) * 2.0;
-        let all = (0..s.triangles.len()).map(|t| {
-            let one = Surface { triangles: vec![s.triangles[t]], ..s.clone() };
-            Bvh::new(&one).distance_squared(p)
-        });
-        assert_eq!(tree.distance_squared(p), all.fold(f64::INFINITY, f64::min));
-    }
 }
 
 #[test]
@@ -225,21 +205,4 @@ fn textures_are_read_between_texels_and_beyond_their_edges() {
     assert!((far - Vec3::new(147.0, 147.0, 20.0) / 255.0).abs().max_element() < 0.01, "{far}");
     let empty = Pyramid::new(&Image::default());
     assert_eq!(empty.at(Vec2::ZERO, 1.0, [Wrap::Repeat; 2]), Vec3::ONE);
-}
-
-#[test]
-fn distances_from_faces_edges_and_corners_are_right() {
-    let squared =
-        |t: [[f64; 3]; 3], p: [f64; 3]| Bvh::of(&[t.map(DVec3::from)]).distance_squared(p.into());
-    let t = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]];
-    for (p, expected) in [
-        ([1.0, 1.0, 3.0], 9.0),
-        ([2.0, -2.0, 0.0], 4.0),
-        ([-3.0, -4.0, 0.0], 25.0),
-        ([4.0, 4.0, 0.0], 8.0),
-        ([6.0, 0.0, 1.0], 5.0),
-    ] {
-        assert!((squared(t, p) - expected).abs() < 1e-12, "{p:?}");
-    }
-    assert_eq!(squared([[0.0; 3], [2.0, 0.0, 0.0], [1.0, 0.0, 0.0]], [1.0, 2.0, 0.0]), 4.0);
 }

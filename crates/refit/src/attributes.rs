@@ -3,9 +3,9 @@
 use crate::blend::{Source, blend};
 use crate::charts::{Continuity, charts};
 use crate::level::Level;
-use crate::nearest::Tree;
 use glam::DVec3;
 use lodc_mesh::{Attribute, Csr, Mesh, MeshParts, NONE, Semantic};
+use lodc_nearest::TriangleTree;
 use rayon::prelude::*;
 
 /// Returns the level with its points at `positions` and its attributes as the input has them there.
@@ -50,7 +50,7 @@ fn sources(input: &Mesh, level: &Level, positions: &[DVec3]) -> Vec<Source> {
     let in_chart = |c: u32| -> Vec<(u32, Source)> {
         let own = triangles.row(c);
         let corners = own.iter().map(|&t| input.triangles()[t as usize].map(point));
-        let tree = Tree::new(&corners.collect::<Vec<_>>());
+        let tree = TriangleTree::new(&corners.collect::<Vec<_>>());
         let find = |&v: &u32| {
             let p = positions[level.point_of[v as usize] as usize];
             let found = tree.nearest(p, NONE).filter(|n| n.squared <= moved(v as usize));

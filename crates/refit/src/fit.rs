@@ -4,11 +4,11 @@ use crate::charts::curves;
 use crate::guard::{Guard, cross};
 use crate::input::Input;
 use crate::level::Level;
-use crate::nearest::{Tree, at, segment_tree};
 use crate::quadrature::SIX;
 use crate::system::{System, Tie};
 use glam::DVec3;
 use lodc_mesh::NONE;
+use lodc_nearest::{TriangleTree, point_at};
 use rayon::prelude::*;
 
 /// Distances below this share of the diagonal have no direction worth following.
@@ -179,14 +179,14 @@ impl<'a> Fit<'a> {
 
     /// From the input's samples to the level.
     fn tie_input(&mut self, corners: &[[DVec3; 3]], crosses: &[DVec3], ties: &mut Ties<'_>) {
-        let (input, tree) = (self.input, Tree::new(corners));
+        let (input, tree) = (self.input, TriangleTree::new(corners));
         let tiny = (TINY * input.diagonal).powi(2);
         for (block, hints) in self.hints.chunks_mut(BLOCK).enumerate() {
             let look = |i: usize, hint: u32| {
                 let (p, weight) = input.sample(i);
                 let found = tree.nearest(p, hint)?;
                 let face = found.triangle as usize;
-                let residual = at(corners[face], found.barycentric) - p;
+                let residual = point_at(corners[face], found.barycentric) - p;
                 let normal = crosses[face].normalize_or_zero();
                 let direction = direction(residual, found.squared, tiny, normal);
                 let tie = Tie {
@@ -223,7 +223,7 @@ impl<'a> Fit<'a> {
             let mut normal = DVec3::ZERO;
             let mut found = [None; SIX.len()];
             for (k, (barycentric, share)) in SIX.iter().enumerate() {
-                let q = at(corners[face], *barycentric);
+                let q = point_at(corners[face], *barycentric);
                 let hint = if hints[k] == NONE { hints[k.saturating_sub(1)] } else { hints[k] };
                 let Some(nearest) = input.tree.nearest(q, hint) else { continue };
                 hints[k] = nearest.triangle;
@@ -260,7 +260,7 @@ impl<'a> Fit<'a> {
         let lengths: Vec<f64> = segments.iter().map(|[a, b]| a.distance(*b)).collect();
         // Curves weigh as bands of the mean width of a face.
         let band = mean_edge(corners) / input.area.max(f64::MIN_POSITIVE);
-        let tree = segment_tree(&segments);
+        let tree = TriangleTree::of_segments(&segments);
         let tie = |segment: usize, t: f64, residual: DVec3, weight: f64| {
             let (side, mut barycentric) = (sides[segment], [0.0; 3]);
             let k = side as usize % 3;

@@ -1,18 +1,18 @@
 //! The input as a refit sees it: a tree over its triangles, samples on them, and its curves.
 
 use crate::charts::{Continuity, charts, curves};
-use crate::nearest::{Tree, at, segment_tree};
 use crate::quadrature::for_ratio;
 use glam::DVec3;
 use lodc_mesh::{Mesh, PositionIds};
+use lodc_nearest::{TriangleTree, point_at};
 
 /// The input, the same over all iterations.
 pub(crate) struct Input {
     /// Unit normals of the triangles; zero for those without area.
     pub(crate) normals: Vec<DVec3>,
-    pub(crate) tree: Tree,
+    pub(crate) tree: TriangleTree,
     /// The tree of the curves (each a segment), and the two points of Gauss's rule on each.
-    pub(crate) curve_tree: Tree,
+    pub(crate) curve_tree: TriangleTree,
     pub(crate) curve_points: Vec<DVec3>,
     /// Half the length of the curve that each of `curve_points` stands for.
     pub(crate) curve_lengths: Vec<f64>,
@@ -52,8 +52,8 @@ impl Input {
             .collect();
         let curve_lengths = segments.iter().flat_map(|[a, b]| [a.distance(*b) / 2.0; 2]).collect();
         Self {
-            tree: Tree::new(&corners),
-            curve_tree: segment_tree(&segments),
+            tree: TriangleTree::new(&corners),
+            curve_tree: TriangleTree::of_segments(&segments),
             curve_points,
             curve_lengths,
             chart,
@@ -82,7 +82,7 @@ impl Input {
 
     /// The point of a triangle with given barycentric coordinates.
     pub(crate) fn at(&self, triangle: usize, barycentric: [f64; 3]) -> DVec3 {
-        at(self.corners[triangle], barycentric)
+        point_at(self.corners[triangle], barycentric)
     }
 
     /// The point of a curve at `t`, from 0 to 1.

@@ -25,7 +25,6 @@ mod fit;
 mod guard;
 mod input;
 mod level;
-mod nearest;
 mod quadrature;
 mod sides;
 mod skin;

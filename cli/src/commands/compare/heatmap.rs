@@ -2,7 +2,7 @@
 
 use crate::colours::heat;
 use lodc_formats::picture::png;
-use lodc_measure::{Bvh, Looks, Picture, Surface, Viewing, pictures};
+use lodc_measure::{Looks, Picture, Surface, TriangleTree, Viewing, pictures};
 use lodc_scene::Image;
 use rayon::prelude::*;
 
@@ -13,7 +13,7 @@ const VIEWING: Viewing = Viewing { views: 4, size: 320 };
 pub(super) fn draw(a: &Surface, b: &Surface, looks: Looks, hottest: f64) -> Vec<u8> {
     let cameras = VIEWING.cameras(a);
     let (of_a, of_b) = (pictures(a, &cameras, looks), pictures(b, &cameras, looks));
-    let tree = Bvh::new(b);
+    let tree = b.tree();
     let heat: Vec<Vec<[u8; 3]>> =
         of_a.par_iter().map(|picture| distances(picture, &tree, hottest)).collect();
     let seen = |p: &Picture| p.colours.iter().map(|c| c.map(|v| v.max(0.0) as u8)).collect();
@@ -40,7 +40,7 @@ pub(super) fn draw(a: &Surface, b: &Surface, looks: Looks, hottest: f64) -> Vec<
 }
 
 /// Colours by distance; black where nothing is.
-fn distances(picture: &Picture, tree: &Bvh, hottest: f64) -> Vec<[u8; 3]> {
+fn distances(picture: &Picture, tree: &TriangleTree, hottest: f64) -> Vec<[u8; 3]> {
     let color = |distance_squared: f64| {
         let share = if hottest > 0.0 { distance_squared.sqrt() / hottest } else { 0.0 };
         // The root shows small differences, too.

@@ -5,7 +5,7 @@ use super::scene::Shown;
 use crate::colours::heat;
 use lodc_formats::ObjectInfo;
 use lodc_gpu::picture::Corner;
-use lodc_measure::{Bvh, DistanceField};
+use lodc_measure::{DistanceField, TriangleTree};
 use lodc_mesh::{Mesh, OrientedTriangle};
 use lodc_scene::to_linear;
 use rayon::prelude::*;
@@ -32,9 +32,9 @@ pub(super) fn measure(shown: &Shown, cells: &[Cell]) -> Heat {
     let scales: Vec<f64> = (0..objects).map(scale).collect();
     let tree = |o: usize| {
         let mesh = shown.objects.mesh(o);
-        Bvh::of(&corners(mesh, &whole(mesh)))
+        TriangleTree::new(&corners(mesh, &whole(mesh)))
     };
-    let trees: Vec<Bvh> = (0..objects).into_par_iter().map(tree).collect();
+    let trees: Vec<TriangleTree> = (0..objects).into_par_iter().map(tree).collect();
     let field = |cell: &Cell, o: usize| {
         let mesh = shown.objects.mesh(o);
         DistanceField::new(&corners(mesh, &cell.objects[o]), &trees[o], mesh.diagonal() * STEP)

@@ -8,7 +8,7 @@ use crate::selector::SceneLevels;
 use lodc_formats::lodc::LodObject;
 use lodc_formats::picture::png;
 use lodc_measure::{
-    Bvh, ImageError, Looks, Picture, SceneSurface, Viewing, compare_pictures, pictures,
+    ImageError, Looks, Picture, SceneSurface, TriangleTree, Viewing, compare_pictures, pictures,
 };
 use lodc_mesh::{Lod, Mesh};
 use lodc_scene::{Appearance, Arrangement, Image};
@@ -56,7 +56,7 @@ pub(super) fn shown(
         Looks { own_normals: !input.surface.normals.is_empty(), checkerboard: false, materials };
     let cameras = VIEWING.cameras(&input.surface);
     let before = pictures(&input.surface, &cameras, looks);
-    let tree = Bvh::new(&input.surface);
+    let tree = input.surface.tree();
     let mut levels: Vec<Level> = Vec::new();
     for share in SHARES {
         let Selection { lods, error, rms, .. } = scene.select(Target::Ratio(share), false)?;
@@ -99,7 +99,7 @@ fn meshes(objects: &[LodObject], lods: &[Lod]) -> Outcome<Vec<Mesh>> {
 }
 
 /// Distance of each pixel's place from the input; 0 where nothing is.
-fn distances(picture: &Picture, tree: &Bvh) -> Vec<f64> {
+fn distances(picture: &Picture, tree: &TriangleTree) -> Vec<f64> {
     let of = |(colour, &place): (&[f32; 3], &_)| match colour[0] < 0.0 {
         true => 0.0,
         false => tree.distance_squared(place).sqrt(),

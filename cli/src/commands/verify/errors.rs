@@ -2,7 +2,7 @@
 
 use crate::report::CheckReport;
 use lodc_formats::lodc::LodObject;
-use lodc_measure::{Bvh, Sampling, Surface, farther_than};
+use lodc_measure::{Sampling, Surface, TriangleTree, farther_than};
 use lodc_mesh::{CollapseSequence, Lod, PositionIds, Simplified, SplitMix64, is_degenerate};
 use rayon::prelude::*;
 
@@ -68,7 +68,7 @@ fn levels(collapses: &CollapseSequence) -> Vec<Lod> {
 fn first_difference(simplified: &Simplified, shape: &[[f32; 3]], lods: &[Lod]) -> Option<String> {
     let positions = PositionIds::new(simplified.mesh().positions());
     let input = surface(shape, simplified.mesh().triangles().to_vec());
-    let tree = Bvh::new(&input);
+    let tree = input.tree();
     // Rounding errors of coordinates are no differences.
     let slack = 1e-9 * input.diagonal();
     let check = |&lod: &Lod| {
@@ -91,7 +91,7 @@ fn measure(
     simplified: &Simplified,
     shape: &[[f32; 3]],
     positions: &PositionIds,
-    input: &Bvh,
+    input: &TriangleTree,
     lod: Lod,
     bound: f64,
 ) -> Option<f64> {
@@ -106,7 +106,7 @@ fn measure(
     let there = || {
         let shown = simplified.triangles_at_with(lod, positions);
         let shown = shown.iter().map(|t| t.corners).collect();
-        let tree = Bvh::new(&surface(shape, shown));
+        let tree = surface(shape, shown).tree();
         farther_than(&surface(shape, changed), &tree, bound, &SAMPLING)
     };
     let (there, back) = rayon::join(there, back);

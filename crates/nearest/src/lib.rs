@@ -1,0 +1,26 @@
+//! The nearest triangle to a point.
+//!
+//! [`TriangleTree`] is for triangles that stay, [`MovingTree`] for those of a mesh under
+//! simplification, which move and die. Both are trees of boxes, searched from a triangle that is
+//! probably near.
+//!
+//! ```
+//! use glam::DVec3;
+//! use lodc_nearest::TriangleTree;
+//!
+//! let square = [DVec3::ZERO, DVec3::X, DVec3::ONE.with_z(0.0), DVec3::Y];
+//! let [a, b, c, d] = square;
+//! let tree = TriangleTree::new(&[[a, b, c], [a, c, d]]);
+//! assert_eq!(tree.distance_squared(DVec3::new(0.25, 0.5, 2.0)), 4.0);
+//! ```
+
+mod bounds;
+mod morton;
+mod moving;
+mod tree;
+mod triangle;
+
+pub use morton::morton_order;
+pub use moving::{Hit, MovingTree, Triangles};
+pub use tree::{Nearest, TriangleTree};
+pub use triangle::{area, centroid, closest, distance_squared, point_at};

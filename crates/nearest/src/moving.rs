@@ -1,0 +1,236 @@
+//! A search tree over triangles that move: an implicit binary tree of boxes over the Morton order.
+
+use crate::bounds::Bounds;
+use crate::triangle;
+use glam::DVec3;
+use lodc_mesh::NONE;
+
+/// Triangles in one leaf.
+const LEAF: usize = 4;
+
+/// A set of triangles as a tree sees it.
+pub trait Triangles {
+    /// Returns the corners of a triangle.
+    fn corners(&self, triangle: u32) -> [DVec3; 3];
+    /// Returns whether a triangle is still there.
+    fn is_live(&self, triangle: u32) -> bool;
+}
+
+/// The nearest triangle found so far.
+#[derive(Clone, Copy, Debug)]
+pub struct Hit {
+    /// The squared distance to it; infinite before there is one.
+    pub squared: f64,
+    /// The triangle; [`NONE`] before there is one.
+    pub triangle: u32,
+}
+
+impl Hit {
+    /// Before there is one.
+    pub const NOTHING: Self = Self { squared: f64::INFINITY, triangle: NONE };
+
+    /// Takes a triangle if it is nearer.
+    #[inline]
+    pub fn offer(&mut self, squared: f64, triangle: u32) {
+        if squared < self.squared {
+            *self = Self { squared, triangle };
+        }
+    }
+}
+
+/// A tree. Boxes only grow, until all of their triangles have died; dead ones are passed over.
+#[derive(Clone, Debug)]
+pub struct MovingTree {
+    /// The triangles in the order of leaves, and the place of each in it, [`NONE`] if the tree does
+    /// not hold it; both empty if the order is that of their numbers.
+    order: Vec<u32>,
+    place: Vec<u32>,
+    count: u32,
+    /// Box 1 is the root, boxes 2i and 2i + 1 are the children of box i.
+    boxes: Vec<Bounds>,
+    first_leaf: usize,
+}
+
+impl MovingTree {
+    /// Builds the tree of the triangles 0 to `count`, whose numbers rise along a curve through
+    /// them. `corners` returns the positions of a triangle's corners.
+    #[must_use]
+    pub fn of_all(count: u32, corners: impl Fn(u32) -> [[f32; 3]; 3]) -> Self {
+        Self::build(vec![], vec![], count, corners)
+    }
+
+    /// Builds the tree of some triangles, given in an order in which neighbours are near, out of
+    /// `all` triangles.
+    #[must_use]
+    pub fn of(order: Vec<u32>, all: usize, corners: impl Fn(u32) -> [[f32; 3]; 3]) -> Self {
+        let mut place = vec![NONE; all];
+        for (&t, at) in order.iter().zip(0..) {
+            place[t as usize] = at;
+        }
+        let count = order.len() as u32;
+        Self::build(order, place, count, corners)
+    }
+
+    fn build(
+        order: Vec<u32>,
+        place: Vec<u32>,
+        count: u32,
+        corners: impl Fn(u32) -> [[f32; 3]; 3],
+    ) -> Self {
+        let first_leaf = (count as usize).div_ceil(LEAF).max(1).next_power_of_two();
+        let boxes = vec![Bounds::EMPTY; 2 * first_leaf];
+        let mut tree = Self { order, place, count, boxes, first_leaf };
+        for leaf in 0..(count as usize).div_ceil(LEAF) {
+            let mut bounds = Bounds::EMPTY;
+            for p in tree.leaf(leaf).flat_map(&corners) {
+                bounds.include(p);
+            }
+            tree.boxes[first_leaf + leaf] = bounds;
+        }
+        for i in (1..first_leaf).rev() {
+            tree.boxes[i] = Bounds::union(&tree.boxes[2 * i], &tree.boxes[2 * i + 1]);
+        }
+        tree
+    }
+
+    /// Returns the triangles that the tree holds, dead ones too.
+    pub fn triangles(&self) -> impl Iterator<Item = u32> + Clone {
+        (0..self.count).map(|at| self.triangle(at))
+    }
+
+    /// Returns the triangles of a leaf.
+    #[inline]
+    fn leaf(&self, leaf: usize) -> impl Iterator<Item = u32> {
+        let start = ((LEAF * leaf) as u32).min(self.count);
+        (start..(start + LEAF as u32).min(self.count)).map(|at| self.triangle(at))
+    }
+
+    #[inline]
+    fn triangle(&self, at: u32) -> u32 {
+        if self.order.is_empty() { at } else { self.order[at as usize] }
+    }
+
+    /// Returns the leaf of a triangle, if the tree holds it.
+    #[inline]
+    fn leaf_of(&self, triangle: u32) -> Option<usize> {
+        let place = if self.place.is_empty() { triangle } else { self.place[triangle as usize] };
+        (place != NONE).then_some(place as usize / LEAF)
+    }
+
+    /// Returns a word of a triangle's leaf, to have it read.
+    #[inline]
+    pub fn touch(&self, triangle: u32) -> u32 {
+        let leaf = self.leaf_of(triangle).and_then(|leaf| self.boxes.get(self.first_leaf + leaf));
+        leaf.map_or(0, |b| b.low()[0].to_bits())
+    }
+
+    /// Makes room for a new corner of a triangle.
+    pub fn grow(&mut self, triangle: u32, p: [f32; 3]) {
+        let Some(leaf) = self.leaf_of(triangle) else { return };
+        let mut i = self.first_leaf + leaf;
+        while i > 0 && self.boxes[i].include(p) {
+            i /= 2;
+        }
+    }
+
+    /// Closes the boxes that hold no live triangle any more, after one has died.
+    pub fn remove(&mut self, triangle: u32, is_live: impl Fn(u32) -> bool) {
+        let Some(leaf) = self.leaf_of(triangle) else { return };
+        if self.leaf(leaf).any(is_live) {
+            return;
+        }
+        let mut i = self.first_leaf + leaf;
+        self.boxes[i] = Bounds::EMPTY;
+        while i > 1 && self.boxes[i ^ 1].is_empty() {
+            i /= 2;
+            self.boxes[i] = Bounds::EMPTY;
+        }
+    }
+
+    /// Looks for a triangle nearer than `nearest`, from the leaf of `hint` upwards, and stops at
+    /// the first within the squared distance `enough`, or when it has opened `patience` boxes.
+    /// Returns how many it has opened.
+    pub fn search(
+        &self,
+        triangles: &impl Triangles,
+        p: DVec3,
+        hint: u32,
+        enough: f64,
+        patience: u32,
+        nearest: &mut Hit,
+    ) -> u32 {
+        let mut search = Search { tree: self, triangles, p, enough, nearest, left: patience };
+        match (hint != NONE).then(|| self.leaf_of(hint)).flatten() {
+            Some(leaf) => {
+                let mut i = self.first_leaf + leaf;
+                search.leaf(i);
+                while i > 1 && !search.is_done() {
+                    search.down(i ^ 1);
+                    i /= 2;
+                }
+            }
+            None => search.down(1),
+        }
+        patience - search.left
+    }
+}
+
+struct Search<'a, T> {
+    tree: &'a MovingTree,
+    triangles: &'a T,
+    p: DVec3,
+    enough: f64,
+    nearest: &'a mut Hit,
+    left: u32,
+}
+
+impl<T: Triangles> Search<'_, T> {
+    fn is_done(&self) -> bool {
+        self.nearest.squared <= self.enough || self.left == 0 && self.nearest.triangle != NONE
+    }
+
+    fn leaf(&mut self, i: usize) {
+        for t in self.tree.leaf(i - self.tree.first_leaf) {
+            if self.triangles.is_live(t) {
+                self.nearest
+                    .offer(triangle::distance_squared(self.p, self.triangles.corners(t)), t);
+                if self.nearest.squared <= self.enough {
+                    return;
+                }
+            }
+        }
+    }
+
+    fn down(&mut self, root: usize) {
+        let boxes = &self.tree.boxes;
+        let mut open = [(0.0, 0usize); 40];
+        open[0] = (boxes[root].distance_squared(self.p), root);
+        let mut depth = 1;
+        while depth > 0 && !self.is_done() {
+            depth -= 1;
+            let (distance, i) = open[depth];
+            if distance >= self.nearest.squared {
+                continue;
+            }
+            self.left = self.left.saturating_sub(1);
+            if i >= self.tree.first_leaf {
+                self.leaf(i);
+                continue;
+            }
+            let mut near = (boxes[2 * i].distance_squared(self.p), 2 * i);
+            let mut far = (boxes[2 * i + 1].distance_squared(self.p), 2 * i + 1);
+            // The nearer one is opened first, so it is put down last.
+            if far.0 < near.0 {
+                (near, far) = (far, near);
+            }
+            if far.0 < self.nearest.squared {
+                open[depth] = far;
+                depth += 1;
+            }
+            if near.0 < self.nearest.squared {
+                open[depth] = near;
+                depth += 1;
+            }
+        }
+    }
+}
