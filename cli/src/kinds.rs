@@ -1,6 +1,8 @@
 //! Options that name one of a family: models, metrics, strip generators. The family's own list is
 //! what may be named, what help says of it, and what its default is.
 
+use crate::exit::{Failure, Outcome};
+use crate::levels;
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use lodc_lod::ModelKind;
@@ -90,7 +92,41 @@ pub(crate) struct MetricArgs {
     pub(crate) metric: MetricKind,
 }
 
-/// Options of commands that make models.
+/// The option of commands that write models.
+#[derive(Args, Clone, Debug)]
+pub(crate) struct ModelArgs {
+    /// Structures to write, separated by commas [default: every one that this version has]
+    #[arg(long, value_delimiter = ',', value_name = "MODELS", value_parser = structures())]
+    models: Vec<Choice<ModelKind>>,
+}
+
+impl ModelArgs {
+    /// Returns whether the option was given.
+    pub(crate) fn is_given(&self) -> bool {
+        !self.models.is_empty()
+    }
+
+    /// The structures to write, in the order of files.
+    ///
+    /// # Errors
+    /// If `none` goes with another name.
+    pub(crate) fn kinds(&self) -> Outcome<Vec<ModelKind>> {
+        let named: Vec<ModelKind> = self.models.iter().filter_map(|choice| choice.kind()).collect();
+        let none = named.len() < self.models.len();
+        match (none, named.is_empty()) {
+            (true, true) => Ok(vec![]),
+            (true, false) => Err(Failure::usage("--models none goes with no other name")),
+            (false, _) => Ok(levels::chosen(&named)),
+        }
+    }
+}
+
+/// The names of all that may be written.
+fn structures() -> impl TypedValueParser<Value = Choice<ModelKind>> {
+    parser_with("none", "None: extract, render and chain need the collapse sequence alone")
+}
+
+/// Options of commands that make strips.
 #[derive(Args, Clone, Copy, Debug)]
 pub(crate) struct StripArgs {
     #[arg(long, value_parser = parser::<StripKind>(), help = strips_help())]

@@ -73,7 +73,7 @@ fn run() -> Status {
         Command::Build(args) => build::run(args),
         Command::Extract(args) => extract::run(args),
         Command::Chain(args) => done(chain::run(args)),
-        Command::Info(args) => done(info::run(args)),
+        Command::Info(args) => info::run(args),
         Command::Verify(args) => verify::run(args),
         Command::Compare(args) => compare::run(args),
         Command::Render(args) => done(render::run(args)),

@@ -129,6 +129,8 @@ pub(crate) struct ChainLevel {
 #[derive(Debug, Serialize)]
 pub(crate) struct InfoReport {
     pub(crate) schema_version: u32,
+    /// `lodc`.
+    pub(crate) format: &'static str,
     pub(crate) format_version: u32,
     pub(crate) key: String,
     pub(crate) bytes: u64,
@@ -274,6 +276,29 @@ pub(crate) struct BoundReport {
     pub(crate) bits: u8,
     pub(crate) coordinate: f64,
     pub(crate) distance: f64,
+}
+
+/// `info --json` of a stream.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct StreamInfoReport {
+    pub(crate) schema_version: u32,
+    /// `lods`.
+    pub(crate) format: &'static str,
+    pub(crate) format_version: u32,
+    /// Bytes of the file, and those of them that are whole blocks.
+    pub(crate) bytes: u64,
+    pub(crate) used: u64,
+    /// True if the stream is complete.
+    pub(crate) whole: bool,
+    /// Fault of the first part that was not used; null if there is none.
+    pub(crate) damaged: Option<String>,
+    /// Bytes of names, nodes, materials and buffers, so far and in all.
+    pub(crate) document_bytes: u64,
+    pub(crate) of_document_bytes: u64,
+    /// Objects of the whole stream; null before the first block. `objects` has those that have
+    /// begun or are named.
+    pub(crate) all_objects: Option<u32>,
+    pub(crate) objects: Vec<UnpackedReport>,
 }
 
 /// `unpack --json`.

@@ -2,7 +2,7 @@
 
 use crate::console;
 use crate::exit::{Failure, Outcome, Status};
-use crate::report::{ExtractReport, SCHEMA_VERSION};
+use crate::report::SCHEMA_VERSION;
 use serde::Serialize;
 use std::path::Path;
 
@@ -29,27 +29,41 @@ impl FailureReport {
     }
 }
 
-/// Result of one of several inputs.
+/// Result of one input: its document, or the failure in its place.
 #[derive(Debug, Serialize)]
 #[serde(untagged)]
-pub(crate) enum ResultReport {
-    Done(ExtractReport),
+pub(crate) enum ResultReport<R> {
+    Done(R),
     Failed(FailureReport),
 }
 
-/// `extract --json` of several inputs.
+/// The document about several inputs.
 #[derive(Debug, Serialize)]
-pub(crate) struct ResultsReport {
-    pub(crate) schema_version: u32,
+struct ResultsReport<R> {
+    schema_version: u32,
     /// The highest of all.
-    pub(crate) status: u8,
+    status: u8,
     /// In the order of the inputs.
-    pub(crate) results: Vec<ResultReport>,
+    results: Vec<ResultReport<R>>,
 }
 
-impl ResultsReport {
-    pub(crate) fn new(worst: Status, results: Vec<ResultReport>) -> Self {
-        Self { schema_version: SCHEMA_VERSION, status: worst.code(), results }
+/// Prints the only result as the document that it is, or several, or what may be several, as a
+/// list.
+///
+/// # Errors
+/// If standard output cannot be written.
+pub(crate) fn print<R: Serialize>(
+    several: bool,
+    worst: Status,
+    mut results: Vec<ResultReport<R>>,
+) -> Outcome<()> {
+    match results.pop() {
+        Some(only) if !several && results.is_empty() => console::json(&only),
+        last => {
+            results.extend(last);
+            let (schema_version, status) = (SCHEMA_VERSION, worst.code());
+            console::json(&ResultsReport { schema_version, status, results })
+        }
     }
 }
 

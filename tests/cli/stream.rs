@@ -107,3 +107,110 @@ fn quantising_says_how_far_things_move() {
     f.lodc(["unpack", "q.lods", "--whole", "-o", "q.obj"]).ends(0);
     f.lodc(["pack", "g.lodc", "-o", "q.lods", "--quantize", "pos=99"]).ends(2);
 }
+
+#[test]
+fn a_complete_stream_becomes_a_file_again_with_the_same_levels_and_models() {
+    let f = folder();
+    f.lodc(["unpack", "g.lods", "-o", "again.lodc", "-q"]).ends(0);
+    f.lodc(["verify", "again.lodc", "-q"]).ends(0);
+    let objects = |name: &str| {
+        let info = f.lodc(["info", name, "--json"]).ends(0).json();
+        assert_eq!(info["format"], "lodc");
+        info["objects"].clone()
+    };
+    let (again, before) = (&objects("again.lodc")[0], &objects("g.lodc")[0]);
+    for key in ["triangles", "vertices", "fakes", "records", "steps", "last_legal_lod", "errors"] {
+        assert_eq!(again[key], before[key], "{key}");
+    }
+    let table = |o: &serde_json::Value| o["lods"].as_array().expect("a table").clone();
+    for (a, b) in table(again).iter().zip(&table(before)) {
+        assert_eq!((&a["lod"], &a["triangles"]), (&b["lod"], &b["triangles"]));
+        // Triangles come in another order, so that other samples are measured.
+        for key in ["error", "rms"] {
+            let [a, b] = [a, b].map(|lod| lod[key].as_f64().expect("measured"));
+            assert!((a - b).abs() <= 0.05 * b + 1e-6, "{key}: {a} and {b}");
+        }
+    }
+    let names = |o: &serde_json::Value| o["models"].as_object().expect("models").len();
+    assert_eq!((names(again), names(before)), (3, 3));
+    for lod in ["0", "40", "100"] {
+        for name in ["again", "g"] {
+            let (input, output) = (format!("{name}.lodc"), format!("{name}.obj"));
+            f.lodc(["extract", &input, "--lod", lod, "-o", &output, "-q"]).ends(0);
+        }
+        assert_eq!(triangles(&f.read("again.obj")), triangles(&f.read("g.obj")), "LOD {lod}");
+    }
+    f.lodc(["unpack", "g.lods", "-o", "none.lodc", "--models", "none", "-q"]).ends(0);
+    assert_eq!(names(&objects("none.lodc")[0]), 0);
+    f.lodc(["unpack", "g.lods", "-o", "m.obj", "--models", "none"]).ends(2);
+}
+
+#[test]
+fn a_file_needs_the_whole_stream() {
+    let f = folder();
+    let mut stream = f.read("g.lods");
+    f.file("part.lods", &stream[..stream.len() / 2]);
+    let refused = f.lodc(["unpack", "part.lods", "-o", "out.lodc"]).ends(3);
+    assert!(refused.err.contains("not complete"), "{}", refused.err);
+    assert_eq!(refused.err.lines().count(), 1, "{}", refused.err);
+    let at = stream.len() * 3 / 4;
+    stream[at] ^= 16;
+    f.file("bad.lods", &stream);
+    f.lodc(["unpack", "bad.lods", "-o", "out.lodc"]).ends(3);
+    assert!(!f.has("out.lodc"));
+}
+
+#[test]
+fn a_quantised_stream_gives_a_file_that_holds_or_none() {
+    let f = folder();
+    for (bits, status) in [(20, 0), (3, 3)] {
+        let quantize = format!("pos={bits}");
+        f.lodc(["pack", "g.lodc", "-o", "q.lods", "--quantize", &quantize]).ends(0);
+        let run = f.lodc(["unpack", "q.lods", "-o", "q.lodc"]).ends(status);
+        assert_eq!(f.has("q.lodc"), status == 0, "{}", run.err);
+        if status == 0 {
+            f.lodc(["verify", "q.lodc", "-q"]).ends(0);
+            std::fs::remove_file(f.join("q.lodc")).expect("it is there");
+        } else {
+            assert!(run.err.contains("its levels do not hold"), "{}", run.err);
+        }
+    }
+}
+
+#[test]
+fn info_says_what_has_come_of_a_stream() {
+    let f = folder();
+    let whole = f.lodc(["info", "g.lods", "--json"]).ends(0).json();
+    assert_eq!((&whole["format"], &whole["whole"]), (&"lods".into(), &true.into()));
+    let mut stream = f.read("g.lods");
+    f.file("part.lods", &stream[..stream.len() / 2]);
+    let part = f.lodc(["info", "part.lods", "--json"]).ends(0).json();
+    let (shown, of) = (&part["objects"][0]["triangles"], &part["objects"][0]["of_triangles"]);
+    assert!(shown.as_u64() > Some(0) && shown.as_u64() < of.as_u64(), "{part}");
+    assert_eq!(of, &whole["objects"][0]["triangles"]);
+    assert!(f.lodc(["info", "part.lods"]).ends(0).text().contains("a prefix"));
+    let at = stream.len() / 2;
+    stream[at] ^= 1;
+    f.file("bad.lods", &stream);
+    let bad = f.lodc(["info", "bad.lods", "--json"]).ends(3);
+    assert!(bad.json()["damaged"].as_str().is_some_and(|what| what.contains("checksum")));
+}
+
+#[test]
+fn info_of_several_is_a_list_and_one_bad_file_does_not_stop_it() {
+    let f = folder();
+    f.file("bad.lodc", "not a file");
+    let run = f.lodc(["info", "g.lodc", "bad.lodc", "g.lods", "--json"]).ends(3);
+    let document = run.json();
+    let results = document["results"].as_array().expect("a list");
+    assert_eq!(document["status"], 3);
+    let inputs: Vec<_> = results.iter().map(|r| r["input"].clone()).collect();
+    assert_eq!(inputs, ["g.lodc", "bad.lodc", "g.lods"]);
+    assert_eq!((&results[0]["format"], &results[2]["format"]), (&"lodc".into(), &"lods".into()));
+    assert!(results[1]["error"].is_string() && results[1]["status"] == 3);
+    std::fs::remove_file(f.join("bad.lodc")).expect("it is there");
+    let folder = f.lodc(["info", ".", "--exclude", "*.lods", "--json"]).ends(0).json();
+    assert_eq!(folder["results"].as_array().map(Vec::len), Some(1));
+    f.lodc(["info", ".", "--include", "*.none"]).ends(3);
+    assert!(f.lodc(["info", "."]).ends(0).text().contains("stream of version"));
+}

@@ -17,6 +17,7 @@ pub(crate) mod render;
 pub(crate) mod report;
 pub(crate) mod select;
 pub(crate) mod shaders;
+mod stream_objects;
 pub(crate) mod strips;
 pub(crate) mod unpack;
 pub(crate) mod verify;

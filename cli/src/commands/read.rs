@@ -14,9 +14,19 @@ use std::path::Path;
 pub(crate) fn read_lodc(path: &Path, limits: Limits) -> Outcome<(LodFile, Vec<u8>)> {
     let mut assets = Assets::new(path, &[], limits);
     let bytes = assets.read_main()?;
-    let file = read(&bytes).map_err(|e| e.in_file(&assets.main_name()))?;
-    for what in &file.left_out {
-        console::warning(&assets.main_name(), what);
-    }
+    let file = parse_lodc(&bytes, &assets.main_name())?;
     Ok((file, bytes))
+}
+
+/// Reads a container that is in memory; `name` is its file's. Warns of what this version does not
+/// know.
+///
+/// # Errors
+/// If it is damaged.
+pub(crate) fn parse_lodc(bytes: &[u8], name: &str) -> Outcome<LodFile> {
+    let file = read(bytes).map_err(|e| e.in_file(name))?;
+    for what in &file.left_out {
+        console::warning(name, what);
+    }
+    Ok(file)
 }

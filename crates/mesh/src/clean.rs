@@ -19,16 +19,20 @@ impl MeshParts {
     /// If a triangle names a vertex that is not there, a submesh a triangle that is not there, or a
     /// stream has too few bytes: whoever reads a file checks that first.
     pub fn clean(&mut self) -> Cleaning {
-        let (triangles, vertices) = (self.triangles.len(), self.positions.len());
-        self.drop_degenerate();
+        let degenerate_triangles = self.drop_degenerate();
+        let vertices = self.positions.len();
         self.drop_unreferenced();
-        Cleaning {
-            degenerate_triangles: triangles - self.triangles.len(),
-            unreferenced_vertices: vertices - self.positions.len(),
-        }
+        let unreferenced_vertices = vertices - self.positions.len();
+        Cleaning { degenerate_triangles, unreferenced_vertices }
     }
 
-    fn drop_degenerate(&mut self) {
+    /// Drops triangles with two corners at one position, and keeps all vertices. Returns how many
+    /// there were.
+    ///
+    /// # Panics
+    /// As [`Self::clean`].
+    pub fn drop_degenerate(&mut self) -> usize {
+        let before = self.triangles.len();
         let mut kept = Vec::with_capacity(self.triangles.len());
         for submesh in &mut self.submeshes {
             let first = kept.len();
@@ -40,6 +44,7 @@ impl MeshParts {
             submesh.triangle_count = (kept.len() - first) as u32;
         }
         self.triangles = kept;
+        before - self.triangles.len()
     }
 
     fn drop_unreferenced(&mut self) {

@@ -12,6 +12,7 @@ mod head;
 mod object_header;
 mod old;
 mod pack;
+mod rebuild;
 mod received;
 #[cfg(test)]
 mod tests;
@@ -21,10 +22,17 @@ pub use arrived::Arrived;
 pub use document::SequenceFacts;
 pub use lodc_progressive::{ErrorBound, Quantize};
 pub use pack::{PackOptions, Packed, PackedObject, pack};
+pub use rebuild::Rebuilt;
 pub use unpack::{Progress, Unpacker};
 
 /// The version that this program writes, and the newest that it reads.
 pub const VERSION: u32 = 2;
+
+/// Returns whether bytes claim to be a `.lods` stream.
+#[must_use]
+pub fn is_lods(bytes: &[u8]) -> bool {
+    bytes.starts_with(b"\x89LODS")
+}
 
 /// Returns the bytes with the checksums that they should have as a stream: for tests with forged
 /// streams, and for fuzzing.

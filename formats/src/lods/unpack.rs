@@ -3,12 +3,13 @@
 use super::block::{self, Block, MAGIC, PREAMBLE, Parsed};
 use super::document::SequenceFacts;
 use super::object_header::ObjectHeader;
+use super::rebuild::{self, Rebuilt};
 use super::received::{Received, ReceivedObject};
 use super::{Arrived, VERSION};
 use crate::{Document, Fault, FormatError, Limits, ObjectInfo, Source};
 use lodc_mesh::{Cleaning, Mesh, MeshParts, take_leb128};
 use lodc_progressive::{Contexts, MeshDecoder, StepBlock};
-use lodc_strip::{StripKind, StripSet};
+use lodc_strip::{StripKind, StripSet, Strips};
 
 /// Reads a stream from wherever its bytes come.
 ///
@@ -227,6 +228,32 @@ impl Unpacker {
             FormatError::new(Fault::Malformed, format!("object {object}"), e.to_string())
         })?;
         Ok((mesh, cleaning))
+    }
+
+    /// A complete object as a simplified mesh with the levels that were packed. Its errors are 0: a
+    /// stream has them rounded, so they are to be measured. After quantising, levels may be wrong
+    /// in other ways: whoever takes them verifies them.
+    ///
+    /// # Errors
+    /// If the stream is a crafted one.
+    ///
+    /// # Panics
+    /// If the stream is not complete.
+    pub fn rebuilt(&self, object: usize) -> Result<Rebuilt, FormatError> {
+        assert!(self.complete, "only a complete stream has all levels");
+        let ReceivedObject { info, facts, decoder, .. } = self.object(object);
+        rebuild::rebuild(decoder, *facts).map_err(|mut e| {
+            e.place = format!("object \"{}\"", info.name);
+            e
+        })
+    }
+
+    /// The strips of an object with the vertices of [`Self::rebuilt`]; none if the stream has none,
+    /// or does not say of which kind.
+    #[must_use]
+    pub fn rebuilt_strips(&self, object: usize) -> Option<Strips> {
+        let ReceivedObject { strips, decoder, .. } = self.object(object);
+        Some(Strips { kind: (*strips)?, set: rebuild::strips(decoder)? })
     }
 
     /// The mesh of an object so far with all its vertices, valid or not.

@@ -8,20 +8,18 @@ mod summary;
 mod work;
 
 pub(crate) use counts::counts;
-pub(crate) use errors::measure_all;
+pub(crate) use errors::{SimplifiedObjects, measure_all};
+pub(crate) use models::ModelWork;
 pub(crate) use pipeline::{Known, paints, simplify_all};
 
 use crate::batch::{self, Asset, BatchArgs, MESHES, Sources};
 use crate::config::{ConfigArgs, Configs};
 use crate::exit::{Failure, Outcome, Status};
 use crate::importance::ImportanceArgs;
-use crate::kinds::{Choice, MetricArgs, StripArgs, parser_with};
-use crate::levels;
+use crate::kinds::{MetricArgs, ModelArgs, StripArgs};
 use crate::limits::ImportArgs;
 use crate::output::{self, Target};
-use clap::builder::TypedValueParser;
 use clap::{Args, ValueEnum};
-use lodc_lod::ModelKind;
 use rayon::ThreadPoolBuilder;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
@@ -40,9 +38,8 @@ pub(crate) struct BuildArgs {
     /// (club.obj.lodc)
     #[arg(short, long, value_name = "OUT")]
     output: Option<PathBuf>,
-    /// Structures to write, separated by commas [default: every one that this version has]
-    #[arg(long, value_delimiter = ',', value_name = "MODELS", value_parser = structures())]
-    models: Vec<Choice<ModelKind>>,
+    #[command(flatten)]
+    models: ModelArgs,
     #[command(flatten)]
     metric: MetricArgs,
     /// No change of topology before the terminal phase
@@ -88,24 +85,8 @@ enum ReportFormat {
     Jsonl,
 }
 
-/// The names of all that may be written.
-fn structures() -> impl TypedValueParser<Value = Choice<ModelKind>> {
-    parser_with("none", "None: extract, render and chain need the collapse sequence alone")
-}
-
-/// The structures to write.
-fn kinds(args: &BuildArgs) -> Outcome<Vec<ModelKind>> {
-    let named: Vec<ModelKind> = args.models.iter().filter_map(|choice| choice.kind()).collect();
-    let none = named.len() < args.models.len();
-    match (none, named.is_empty()) {
-        (true, true) => Ok(vec![]),
-        (true, false) => Err(Failure::usage("--models none goes with no other name")),
-        (false, _) => Ok(levels::chosen(&named)),
-    }
-}
-
 pub(crate) fn run(args: &BuildArgs) -> Outcome<Status> {
-    kinds(args)?;
+    args.models.kinds()?;
     let sources = Sources {
         inputs: &args.inputs,
         output: args.output.as_deref(),

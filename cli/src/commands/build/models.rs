@@ -6,35 +6,43 @@ use crate::progress::Progress;
 use crate::stages::Stages;
 use lodc_formats::lodc::LodObject;
 use lodc_lod::ModelKind;
-use lodc_strip::{StripKind, StripOptions, StripPool};
+use lodc_strip::{StripKind, StripOptions, StripPool, Strips};
 use rayon::prelude::*;
 
 /// The models that one input gets.
-pub(super) struct ModelWork<'a> {
-    pub(super) kinds: &'a [ModelKind],
+pub(crate) struct ModelWork<'a> {
+    pub(crate) kinds: &'a [ModelKind],
     /// Triangles of all objects.
-    pub(super) triangles: u64,
-    pub(super) stages: &'a mut Stages,
-    pub(super) progress: &'a Progress,
+    pub(crate) triangles: u64,
+    pub(crate) stages: &'a mut Stages,
+    pub(crate) progress: &'a Progress,
 }
 
 impl ModelWork<'_> {
-    /// Makes the models of every object, and before them the strips that they need.
+    /// Makes the models of every object, and before them the strips that they need and that are
+    /// not there: `strips` has some by object, or is empty.
     ///
     /// # Errors
     /// If a model cannot be made of its sequence: a bug.
-    pub(super) fn build_all(
+    pub(crate) fn build_all(
         &mut self,
         simplified: SimplifiedObjects,
         options: StripOptions,
+        strips: Vec<Option<Strips>>,
     ) -> Result<Vec<LodObject>, String> {
         let Self { kinds, triangles, progress, .. } = *self;
         let report = &|triangles| progress.add(triangles);
         let mut pools: Vec<StripPool<'_>> =
             simplified.iter().map(|(_, s)| StripPool::new(s, options)).collect();
+        for (pool, strips) in pools.iter_mut().zip(strips) {
+            if let Some(strips) = strips {
+                pool.add(strips);
+            }
+        }
         let generators: Vec<StripKind> = kinds.iter().filter_map(|kind| kind.strips()).collect();
         if !generators.is_empty() {
-            let passes = pools.first().map_or(0, |pool| pool.missing(&generators).len());
+            let passes =
+                pools.iter().map(|pool| pool.missing(&generators).len()).max().unwrap_or(0);
             progress.stage_of("strips", triangles * passes as u64);
             let make = |pool: &mut StripPool<'_>| pool.make(&generators, report);
             self.stages.run("strips", || pools.par_iter_mut().for_each(make));
@@ -55,7 +63,7 @@ impl ModelWork<'_> {
     ///
     /// # Errors
     /// If one differs: a bug.
-    pub(super) fn check_all(&mut self, objects: &[LodObject]) -> Result<(), String> {
+    pub(crate) fn check_all(&mut self, objects: &[LodObject]) -> Result<(), String> {
         if self.kinds.is_empty() {
             return Ok(());
         }

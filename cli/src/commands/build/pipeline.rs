@@ -62,10 +62,10 @@ pub(super) fn make(
     let bug = |what: String| {
         Failure::new(Status::Bug, format!("{}: {what}; nothing was written", input.display()))
     };
-    let kinds = super::kinds(args)?;
+    let kinds = args.models.kinds()?;
     report.models = kinds.iter().map(|kind| kind.name()).collect();
     let mut work = ModelWork { kinds: &kinds, triangles, stages, progress };
-    let objects = work.build_all(simplified, args.strips.options()).map_err(bug)?;
+    let objects = work.build_all(simplified, args.strips.options(), vec![]).map_err(bug)?;
     fill_in(report, &objects);
 
     work.check_all(&objects).map_err(bug)?;

@@ -13,7 +13,7 @@ use crate::limits::ImportArgs;
 use crate::mesh_output::{FormatName, Wanted};
 use crate::output::{self, Target};
 use crate::report::ExtractReport;
-use crate::results::{FailureReport, ResultReport, ResultsReport, reported};
+use crate::results::{self, FailureReport, ResultReport, reported};
 use crate::selector::{SelectorArgs, bound};
 use crate::text::{count, distance};
 use crate::textures::TextureArgs;
@@ -94,19 +94,9 @@ pub(crate) fn run(args: &ExtractArgs) -> Outcome<Status> {
         output::write_depfile(depfile, &rules)?;
     }
     if args.json {
-        print(worst, results)?;
+        results::print(args.inputs.len() > 1, worst, results)?;
     }
     Ok(worst)
-}
-
-/// One input has one document, several have a list.
-fn print(worst: Status, mut results: Vec<ResultReport>) -> Outcome<()> {
-    if results.len() == 1
-        && let Some(only) = results.pop()
-    {
-        return console::json(&only);
-    }
-    console::json(&ResultsReport::new(worst, results))
 }
 
 /// The targets of all inputs and their format, once options are known to fit together.

@@ -1,18 +1,15 @@
-//! `lodc info`: what is inside a file.
+//! The inside of a `.lodc` file: counts, levels, strips, storage.
 
-use super::bench;
-use super::build::counts;
-use super::read::read_lodc;
-use crate::console;
+use crate::commands::bench;
+use crate::commands::build::counts;
+use crate::commands::read::parse_lodc;
 use crate::exit::Outcome;
 use crate::levels;
-use crate::limits::LimitArgs;
 use crate::report::{
     BitsPerVertex, InfoReport, ListsReport, LodReport, ModelReport, ObjectCounts, ObjectReport,
     SCHEMA_VERSION, SourceReport,
 };
 use crate::text::{count, distance, grouped, size};
-use clap::Args;
 use lodc_formats::SourceFormat;
 use lodc_formats::lodc::{self, LodObject};
 use lodc_lod::AnyModel;
@@ -24,31 +21,19 @@ use lodc_strip::Effort;
 use lodc_strip::{StripKind, Strips};
 use serde_json::{Map, Value, json};
 use std::fmt::Write;
-use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Options of `info`.
-#[derive(Args, Debug)]
-pub(crate) struct InfoArgs {
-    /// The .lodc file; `-` for standard input
-    input: PathBuf,
-    /// Print one JSON document
-    #[arg(long)]
-    json: bool,
-    /// Count other structures too, for comparison: they are made for this and take a while on large
-    /// meshes
-    #[arg(long)]
-    baselines: bool,
-    #[command(flatten)]
-    limits: LimitArgs,
-}
-
-pub(crate) fn run(args: &InfoArgs) -> Outcome<()> {
-    let (file, bytes) = read_lodc(&args.input, args.limits.limits())?;
-    let report = InfoReport {
+/// Returns what is inside a file. `name` is the file's, for messages.
+///
+/// # Errors
+/// If it is damaged, or a baseline cannot be made.
+pub(super) fn report(name: &str, bytes: &[u8], baselines: bool) -> Outcome<InfoReport> {
+    let file = parse_lodc(bytes, name)?;
+    Ok(InfoReport {
         schema_version: SCHEMA_VERSION,
-        format_version: lodc::version(&bytes).expect("a file that was read has a version"),
-        key: format!("{:032x}", lodc::key(&bytes)),
+        format: "lodc",
+        format_version: lodc::version(bytes).expect("a file that was read has a version"),
+        key: format!("{:032x}", lodc::key(bytes)),
         bytes: bytes.len() as u64,
         source: SourceReport {
             format: match file.source.format {
@@ -58,12 +43,8 @@ pub(crate) fn run(args: &InfoArgs) -> Outcome<()> {
             },
             content_hash: format!("{:032x}", file.source.content_hash),
         },
-        objects: file.objects.iter().map(|o| object(o, args.baselines)).collect::<Outcome<_>>()?,
-    };
-    if args.json {
-        return console::json(&report);
-    }
-    console::result(text(&args.input.display().to_string(), &report).trim_end())
+        objects: file.objects.iter().map(|o| object(o, baselines)).collect::<Outcome<_>>()?,
+    })
 }
 
 fn object(o: &LodObject, baselines: bool) -> Outcome<ObjectReport> {
@@ -147,7 +128,8 @@ fn bits(cost: &StorageCost, file: Option<u64>) -> Value {
     serde_json::to_value(report).expect("a struct of numbers is JSON")
 }
 
-fn text(name: &str, report: &InfoReport) -> String {
+/// The report for people.
+pub(super) fn text(name: &str, report: &InfoReport) -> String {
     let mut text = String::new();
     // Writing to a string cannot fail.
     let _ = writeln!(

@@ -1,0 +1,116 @@
+//! `lodc info`: what is inside files and streams.
+
+mod file;
+mod stream;
+
+use super::each;
+use crate::batch;
+use crate::console;
+use crate::exit::{Failure, Outcome, Status};
+use crate::limits::LimitArgs;
+use crate::output::is_stream;
+use crate::report::{InfoReport, StreamInfoReport};
+use crate::results::{self, FailureReport, ResultReport};
+use clap::Args;
+use lodc_formats::{Assets, lods};
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+/// Options of `info`.
+#[derive(Args, Debug)]
+pub(crate) struct InfoArgs {
+    /// .lodc files, .lods streams or prefixes of them, or folders of both; `-` for standard input
+    #[arg(required = true)]
+    inputs: Vec<PathBuf>,
+    /// Print one JSON document
+    #[arg(long)]
+    json: bool,
+    /// Count other structures too, for comparison: they are made for this and take a while on large
+    /// meshes
+    #[arg(long)]
+    baselines: bool,
+    /// Of folders, take only files whose path below the folder matches (may be given several
+    /// times)
+    #[arg(long, value_name = "GLOB")]
+    include: Vec<String>,
+    /// Of folders, leave out files whose path below the folder matches (may be given several
+    /// times)
+    #[arg(long, value_name = "GLOB")]
+    exclude: Vec<String>,
+    #[command(flatten)]
+    limits: LimitArgs,
+}
+
+/// The document about one input.
+#[derive(Debug, Serialize)]
+struct InputInfo {
+    /// Its path; only where there are several.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    input: Option<String>,
+    #[serde(flatten)]
+    content: Content,
+}
+
+/// The inside of an input.
+#[derive(Debug, Serialize)]
+#[serde(untagged)]
+enum Content {
+    File(InfoReport),
+    Stream(StreamInfoReport),
+}
+
+pub(crate) fn run(args: &InfoArgs) -> Outcome<Status> {
+    if args.inputs.iter().filter(|input| is_stream(input)).count() > 1 {
+        return Err(Failure::usage("standard input can be read once only"));
+    }
+    let inputs = batch::expand(&args.inputs, &["lodc", "lods"], &args.include, &args.exclude)?;
+    let several = args.inputs.len() > 1 || args.inputs.iter().any(|input| input.is_dir());
+    let (mut worst, mut results) = (Status::Done, Vec::new());
+    for (number, input) in inputs.iter().enumerate() {
+        let failure = match each::guarded(input, || content(args, input)) {
+            Ok((content, failure)) => {
+                if !args.json {
+                    print(input, &content, number > 0)?;
+                }
+                let input = several.then(|| input.display().to_string());
+                results.push(ResultReport::Done(InputInfo { input, content }));
+                failure
+            }
+            Err(failure) => {
+                results.push(ResultReport::Failed(FailureReport::of(input, &failure)));
+                Some(failure)
+            }
+        };
+        if let Some(failure) = failure {
+            each::print(&failure);
+            worst = worst.max(failure.status);
+        }
+    }
+    if args.json {
+        results::print(several, worst, results)?;
+    }
+    Ok(worst)
+}
+
+/// Returns the inside of an input, with the failure of a stream's part that cannot be used.
+fn content(args: &InfoArgs, input: &Path) -> Outcome<(Content, Option<Failure>)> {
+    let limits = args.limits.limits();
+    let mut assets = Assets::new(input, &[], limits);
+    let (name, bytes) = (assets.main_name(), assets.read_main()?);
+    if lods::is_lods(&bytes) {
+        let (report, failure) = stream::report(&name, &bytes, limits)?;
+        return Ok((Content::Stream(report), failure));
+    }
+    let report = file::report(&name, &bytes, args.baselines)?;
+    Ok((Content::File(report), None))
+}
+
+/// Prints the inside of an input, with a blank line between it and the one before.
+fn print(input: &Path, content: &Content, follows: bool) -> Outcome<()> {
+    let name = input.display().to_string();
+    let text = match content {
+        Content::File(report) => file::text(&name, report),
+        Content::Stream(report) => stream::text(&name, report),
+    };
+    console::result(&format!("{}{}", if follows { "\n" } else { "" }, text.trim_end()))
+}

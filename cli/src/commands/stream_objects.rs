@@ -1,0 +1,27 @@
+//! The objects of a stream in reports.
+
+use crate::report::UnpackedReport;
+use lodc_formats::ObjectInfo;
+use lodc_formats::lods::Unpacker;
+use lodc_select::decimal;
+
+/// Returns what has come of each object, of how much. `infos` has their names.
+pub(super) fn reports(unpacker: &Unpacker, infos: &[ObjectInfo]) -> Vec<UnpackedReport> {
+    let object = |(i, info): (usize, &ObjectInfo)| {
+        let progress = unpacker.progress(i);
+        let [vertices, of_vertices] = progress.vertices;
+        let [triangles, of_triangles] = progress.triangles;
+        let [steps, of_steps] = progress.steps;
+        UnpackedReport {
+            name: info.name.clone(),
+            vertices,
+            of_vertices,
+            triangles,
+            of_triangles,
+            steps,
+            of_steps,
+            error: decimal(progress.error),
+        }
+    };
+    infos.iter().enumerate().map(object).collect()
+}

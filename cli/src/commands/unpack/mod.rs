@@ -1,0 +1,79 @@
+//! `lodc unpack`: the mesh of a stream, or of as much of it as there is; the file of a whole one.
+
+mod mesh;
+mod rebuilt;
+mod summary;
+
+use crate::exit::{Failure, Outcome, Status};
+use crate::kinds::ModelArgs;
+use crate::limits::LimitArgs;
+use crate::mesh_output::FormatName;
+use crate::stages::Stages;
+use crate::text::count;
+use clap::Args;
+use lodc_formats::lods::Unpacker;
+use lodc_formats::{Assets, FormatError};
+use std::path::PathBuf;
+
+/// Options of `unpack`.
+#[derive(Args, Debug)]
+#[command(
+    after_help = "A stream that ends early is a normal case: what has come is a complete mesh. \
+                  One that is damaged gives the part before the damage and ends with status 3. \
+                  A .lodc file needs the whole stream."
+)]
+pub(crate) struct UnpackArgs {
+    /// The .lods stream, or any prefix of one; `-` for standard input
+    input: PathBuf,
+    /// Output: .glb, .gltf, .obj or .ply; .lodc for a complete stream; a folder; `-` for standard
+    /// output
+    #[arg(short, long, value_name = "OUT")]
+    output: PathBuf,
+    /// Only a complete stream will do
+    #[arg(long)]
+    whole: bool,
+    /// The format, if the name of OUT does not say [default: glb]
+    #[arg(long, value_enum)]
+    format: Option<FormatName>,
+    #[command(flatten, next_help_heading = "Of a .lodc file")]
+    models: ModelArgs,
+    /// Print what was unpacked as JSON on standard output
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    limits: LimitArgs,
+}
+
+pub(crate) fn run(args: &UnpackArgs) -> Outcome<Status> {
+    if rebuilt::is_wanted(args) {
+        return rebuilt::run(args);
+    }
+    if args.models.is_given() {
+        return Err(Failure::usage("--models needs -o F.lodc: a mesh has no models"));
+    }
+    mesh::run(args)
+}
+
+/// A stream as far as it can be used.
+struct Stream {
+    /// For messages.
+    name: String,
+    unpacker: Unpacker,
+    /// Fault of the first part that cannot be used.
+    damaged: Option<FormatError>,
+}
+
+/// Reads the input into an unpacker.
+fn read(args: &UnpackArgs, mut unpacker: Unpacker, stages: &mut Stages) -> Outcome<Stream> {
+    let mut assets = Assets::new(&args.input, &[], args.limits.limits());
+    let name = assets.main_name();
+    let bytes = stages.run("read", || assets.read_main())?;
+    let damaged = stages.run("unpack", || unpacker.feed(&bytes)).err().map(|e| e.in_file(&name));
+    Ok(Stream { name, unpacker, damaged })
+}
+
+/// The warning of an object of which quantising has flattened triangles.
+fn flattened(object: &str, triangles: usize) -> Option<String> {
+    let triangles = (triangles > 0).then(|| count(triangles as u64, "triangle"))?;
+    Some(format!("{object}: {triangles} without area after quantising left out"))
+}

@@ -1,0 +1,108 @@
+//! A `.lodc` file out of a complete stream: meshes, sequences and strips as they came, distances
+//! measured and models made anew (thesis 4.3.3).
+
+use super::{Stream, UnpackArgs, read, summary};
+use crate::commands::build::{ModelWork, SimplifiedObjects, measure_all};
+use crate::exit::{Failure, Outcome, Status};
+use crate::output;
+use crate::progress::Progress;
+use crate::stages::Stages;
+use lodc_formats::lodc::{self, LodFile};
+use lodc_formats::lods::Unpacker;
+use lodc_strip::StripOptions;
+use lodc_verify::Reference;
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// Returns whether OUT asks for a file with levels, not for a mesh.
+pub(super) fn is_wanted(args: &UnpackArgs) -> bool {
+    let extension = args.output.extension().unwrap_or_default();
+    extension.eq_ignore_ascii_case("lodc") && args.format.is_none() && !args.output.is_dir()
+}
+
+/// Writes the file of a stream.
+///
+/// # Errors
+/// If the stream is not complete or a crafted one, if quantising has broken what a sequence
+/// promises, if memory does not suffice, or the file cannot be written.
+pub(super) fn run(args: &UnpackArgs) -> Outcome<Status> {
+    args.models.kinds()?;
+    let target = output::target(&args.input, Some(&args.output), "lodc")?;
+    output::prepare(std::slice::from_ref(&target), false)?;
+    let mut stages = Stages::default();
+    let mut stream = read(args, Unpacker::new(args.limits.limits()), &mut stages)?;
+    if let Some(damaged) = stream.damaged.take() {
+        return Err(damaged.into());
+    }
+    let Stream { name, unpacker, .. } = &stream;
+    if !unpacker.is_complete() {
+        let what = "the stream is not complete, and a .lodc file needs all of it: a mesh does not";
+        return Err(Failure::new(Status::Input, format!("{name}: {what}")));
+    }
+    let (simplified, warnings) = stages.run("rebuild", || rebuilt(unpacker, name))?;
+    let file = file(args, unpacker, simplified, name, &mut stages)?;
+    stages.run("write", || output::write(&target, lodc::write(&file)))?;
+    let arrived = unpacker.arrived().map_err(|e| e.in_file(name))?;
+    let arrived = arrived.expect("a complete stream has a head");
+    summary::print(args, &stream, &arrived, warnings, &target)?;
+    Ok(Status::Done)
+}
+
+/// The objects, and a warning for each that lost triangles.
+fn rebuilt(unpacker: &Unpacker, name: &str) -> Outcome<(SimplifiedObjects, Vec<String>)> {
+    let all: Vec<_> = (0..unpacker.objects())
+        .into_par_iter()
+        .map(|i| unpacker.rebuilt(i).map_err(|e| Failure::from(e.in_file(name))))
+        .collect::<Outcome<_>>()?;
+    let (mut objects, mut warnings) = (Vec::new(), Vec::new());
+    for (number, rebuilt) in all.into_iter().enumerate() {
+        let info = unpacker.info(number).clone();
+        warnings.extend(super::flattened(&info.name, rebuilt.degenerate_triangles));
+        objects.push((info, Arc::new(rebuilt.simplified)));
+    }
+    Ok((objects, warnings))
+}
+
+/// Measures distances and makes models, as `build` does.
+fn file(
+    args: &UnpackArgs,
+    unpacker: &Unpacker,
+    simplified: SimplifiedObjects,
+    name: &str,
+    stages: &mut Stages,
+) -> Outcome<LodFile> {
+    let triangles = simplified.iter().map(|(_, s)| s.mesh().triangles().len() as u64).sum();
+    let too_large = |f: Failure| Failure::new(f.status, format!("{name}: {f}"));
+    args.limits.check_memory(triangles).map_err(too_large)?;
+    stages.run("verify", || check(&simplified, name))?;
+    let progress = Progress::new(name);
+    let document = unpacker.document().expect("a complete stream has a document").clone();
+    let limits = args.limits.limits();
+    let measured =
+        stages.run("errors", || measure_all(simplified, &document, &limits, &progress))?;
+    let bug = |what| Failure::new(Status::Bug, format!("{name}: {what}; nothing was written"));
+    let strips = (0..unpacker.objects()).map(|i| unpacker.rebuilt_strips(i)).collect();
+    let kinds = args.models.kinds()?;
+    let mut work = ModelWork { kinds: &kinds, triangles, stages, progress: &progress };
+    let objects = work.build_all(measured, StripOptions::default(), strips).map_err(bug)?;
+    work.check_all(&objects).map_err(bug)?;
+    let source = unpacker.source().expect("a complete stream has a source").clone();
+    Ok(LodFile { source, document, objects, made_from: None, left_out: Vec::new() })
+}
+
+/// Checks every promise of the sequences: a stream may be crafted, and quantising can put vertices
+/// of different wedge groups at one position.
+fn check(objects: &SimplifiedObjects, name: &str) -> Outcome<()> {
+    objects.par_iter().try_for_each(|(info, simplified)| {
+        let reference = Reference::new(simplified)
+            .map_err(|e| Failure::new(Status::Limit, format!("{name}: {}: {e}", info.name)))?;
+        let failed = reference.checks().iter().find_map(|check| check.failure.as_ref());
+        let Some(what) = failed else { return Ok(()) };
+        let what = format!(
+            "{name}: {}: its levels do not hold ({what}), as can happen after quantising: it can \
+             be unpacked as a mesh only",
+            info.name
+        );
+        Err(Failure::new(Status::Input, what))
+    })
+}
