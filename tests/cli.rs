@@ -10,6 +10,8 @@ mod bench;
 mod build;
 #[path = "cli/chain.rs"]
 mod chain;
+#[path = "cli/ci.rs"]
+mod ci;
 #[path = "cli/compare.rs"]
 mod compare;
 #[path = "cli/compress.rs"]
@@ -20,6 +22,8 @@ mod determinism;
 mod errors;
 #[path = "cli/extract.rs"]
 mod extract;
+#[path = "cli/folders.rs"]
+mod folders;
 #[path = "cli/importance.rs"]
 mod importance;
 #[path = "cli/inputs.rs"]

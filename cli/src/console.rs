@@ -61,6 +61,11 @@ pub(crate) fn note(text: &str) {
     }
 }
 
+/// Prints a line for the system that runs the program, also with `-q`.
+pub(crate) fn annotation(text: &str) {
+    line(text);
+}
+
 /// Prints text that only `-v` asks for.
 pub(crate) fn detail(text: &str) {
     if wants(Loudness::Verbose) {

@@ -72,7 +72,7 @@ fn run() -> Status {
     let outcome = interrupt::install().and_then(|()| match &cli.command {
         Command::Build(args) => build::run(args),
         Command::Extract(args) => extract::run(args),
-        Command::Chain(args) => done(chain::run(args)),
+        Command::Chain(args) => chain::run(args),
         Command::Info(args) => info::run(args),
         Command::Verify(args) => verify::run(args),
         Command::Compare(args) => compare::run(args),

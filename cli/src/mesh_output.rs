@@ -32,7 +32,8 @@ impl FormatName {
             ))
         })
     }
-    fn extension(self) -> &'static str {
+    /// The extension of its files.
+    pub(crate) fn extension(self) -> &'static str {
         match self {
             Self::Glb => "glb",
             Self::Gltf => "gltf",
@@ -50,67 +51,28 @@ impl FormatName {
     }
 }
 
-/// The output as it was asked for.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Wanted<'a> {
-    pub(crate) inputs: &'a [PathBuf],
-    pub(crate) output: &'a Path,
-    pub(crate) format: Option<FormatName>,
-    /// True if standard output is taken by JSON.
-    pub(crate) json: bool,
-    pub(crate) depfile: Option<&'a Path>,
-}
-
-impl Wanted<'_> {
-    /// Returns the target of the only result, and its format.
-    ///
-    /// # Errors
-    /// As [`Self::targets`].
-    pub(crate) fn target(&self) -> Outcome<(Target, FormatName)> {
-        let (mut targets, format) = self.targets()?;
-        Ok((targets.pop().expect("one input has one target")?, format))
+/// Returns the format of results at OUT: by option, by the extension of OUT or, for standard output
+/// and folders, GLB. `folder` says that OUT is one.
+///
+/// # Errors
+/// If the extension names none, or a .gltf should go to standard output.
+pub(crate) fn format(
+    output: &Path,
+    option: Option<FormatName>,
+    folder: bool,
+) -> Outcome<FormatName> {
+    let to_stdout = output::is_stream(output);
+    let format = match option {
+        Some(format) => format,
+        None if to_stdout || folder => FormatName::Glb,
+        None => FormatName::by_extension(output)?,
+    };
+    if to_stdout && format == FormatName::Gltf {
+        return Err(Failure::usage(
+            "a .gltf has a .bin beside it: write .glb to standard output instead",
+        ));
     }
-
-    /// Returns the target of the result of every input, and their format.
-    ///
-    /// # Errors
-    /// If OUT does not suit the inputs, or nothing can be written there.
-    pub(crate) fn targets(&self) -> Outcome<(Vec<Outcome<Target>>, FormatName)> {
-        if output::is_stream(self.output) {
-            let format = self.format.unwrap_or(FormatName::Glb);
-            if self.json {
-                return Err(Failure::usage("the mesh and the JSON do not fit one standard output"));
-            }
-            if format == FormatName::Gltf {
-                return Err(Failure::usage(
-                    "a .gltf has a .bin beside it: write .glb to standard output instead",
-                ));
-            }
-            if self.depfile.is_some() {
-                return Err(Failure::usage(
-                    "a dependency file needs an output file, not standard output",
-                ));
-            }
-            return Ok((output::targets(self.inputs, Some(self.output), "")?, format));
-        }
-        let folder = self.inputs.len() > 1 || output::is_folder(self.output);
-        let format = if folder { self.format.unwrap_or(FormatName::Glb) } else { self.by_name()? };
-        let targets = output::targets(self.inputs, Some(self.output), format.extension())?;
-        output::prepare(targets.iter().flatten(), folder)?;
-        if let Some(depfile) = self.depfile {
-            let is_input = self.inputs.iter().any(|input| input == depfile);
-            if output::is_stream(depfile) || depfile == self.output || is_input {
-                return Err(Failure::usage("the dependency file needs a name of its own"));
-            }
-            output::prepare(&[Target::File(depfile.to_owned())], false)?;
-        }
-        Ok((targets, format))
-    }
-
-    /// The format by option or by the extension of OUT.
-    fn by_name(&self) -> Outcome<FormatName> {
-        self.format.map_or_else(|| FormatName::by_extension(self.output), Ok)
-    }
+    Ok(format)
 }
 
 /// The files that a mesh becomes, the one that refers to the others first.

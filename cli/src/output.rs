@@ -30,60 +30,41 @@ pub(crate) fn is_stream(path: &Path) -> bool {
     path.as_os_str() == "-"
 }
 
-/// Returns the target of one input's result, as [`targets`] does.
+/// Returns the target of the only result: inside OUT if that is a folder, else OUT, else beside the
+/// input.
 ///
 /// # Errors
-/// As [`targets`], and if the result would replace the input.
+/// If standard input would need a place beside it, or the result would replace the input.
 pub(crate) fn target(input: &Path, out: Option<&Path>, extension: &str) -> Outcome<Target> {
-    let mut targets = targets(&[input.to_owned()], out, extension)?;
-    targets.pop().expect("one input has one target")
+    let folder = out.filter(|out| is_folder(out));
+    let mut target = named_target(input, folder, out, extension);
+    refuse_clashes([(input, &mut target)]);
+    target
 }
 
-/// Returns the target of each input's result. `out` is a file for one input, a folder for several
-/// or if it is one already (or ends with a slash); without it results stand beside the inputs. An
-/// input whose result would have the name of another one's, or replace an input, has none.
+/// Returns the target of the result of a file that the command line names: in `folder` under its
+/// own stem, else OUT, else beside the input.
 ///
 /// # Errors
-/// If OUT does not suit so many inputs.
-pub(crate) fn targets(
-    inputs: &[PathBuf],
+/// If standard input would need a place beside it.
+pub(crate) fn named_target(
+    input: &Path,
+    folder: Option<&Path>,
     out: Option<&Path>,
     extension: &str,
-) -> Outcome<Vec<Outcome<Target>>> {
-    let targets: Vec<Target> = match out {
-        Some(out) if is_stream(out) => {
-            if inputs.len() > 1 {
-                return Err(Failure::usage(
-                    "several results do not fit one standard output: name a folder",
-                ));
-            }
-            vec![Target::Stdout; inputs.len()]
+) -> Outcome<Target> {
+    let stem = named(input, extension);
+    match (folder, out) {
+        // `.` would only make names longer.
+        (Some(folder), _) if folder == Path::new(".") => Ok(Target::File(stem)),
+        (Some(folder), _) => Ok(Target::File(folder.join(stem))),
+        (None, Some(out)) if is_stream(out) => Ok(Target::Stdout),
+        (None, Some(out)) => Ok(Target::File(out.to_owned())),
+        (None, None) if is_stream(input) => {
+            Err(Failure::usage("standard input has no place beside it: name the output with -o"))
         }
-        Some(out) if inputs.len() > 1 || is_folder(out) => {
-            if out.exists() && !out.is_dir() {
-                return Err(Failure::usage(format!(
-                    "{}: several inputs need a folder, this is a file",
-                    out.display()
-                )));
-            }
-            // `.` would only make names longer.
-            let out = if out == Path::new(".") { Path::new("") } else { out };
-            inputs.iter().map(|input| Target::File(out.join(named(input, extension)))).collect()
-        }
-        Some(out) => vec![Target::File(out.to_owned())],
-        None if inputs.iter().any(|input| is_stream(input)) => {
-            return Err(Failure::usage(
-                "standard input has no place beside it: name the output with -o",
-            ));
-        }
-        None => inputs
-            .iter()
-            .map(|input| Target::File(input.with_file_name(named(input, extension))))
-            .collect(),
-    };
-    let mut targets: Vec<Outcome<Target>> = targets.into_iter().map(Ok).collect();
-    refuse_clashes(inputs.iter().map(PathBuf::as_path).zip(&mut targets));
-    Ok(targets)
+        (None, None) => Ok(Target::File(input.with_file_name(stem))),
+    }
 }
 
 /// Makes a failure of every target that another result has as well, or that is an input.
@@ -262,18 +243,16 @@ mod tests {
     }
 
     #[test]
-    fn two_results_of_one_name_are_refused() {
-        let inputs = ["a/x.obj".into(), "b/x.glb".into()];
-        let refused = |inputs: &[PathBuf], out: Option<&str>| -> Vec<bool> {
-            let targets = targets(inputs, out.map(Path::new), "lodc").expect("a folder");
-            targets.iter().map(Result::is_err).collect()
+    fn one_result_has_the_place_that_out_names() {
+        let place = |input: &str, out: Option<&str>| {
+            target(Path::new(input), out.map(Path::new), "lodc").map(|target| target.name())
         };
-        assert_eq!(refused(&inputs, Some("out")), [true, true]);
-        assert_eq!(refused(&inputs, None), [false, false]);
-        let three = ["a/x.obj".into(), "a/y.obj".into(), "a/x.glb".into()];
-        assert_eq!(refused(&three, None), [true, false, true], "the others are done");
-        assert_eq!(refused(&["a/x.obj".into(), "a/x.obj".into()], None), [true, true]);
-        assert_eq!(refused(&["a/x.obj".into(), "a/x.lodc".into()], None), [true, true]);
+        assert_eq!(place("a/x.obj", None), Ok("a/x.lodc".to_owned()));
+        assert_eq!(place("a/x.obj", Some("out/")), Ok("out/x.lodc".to_owned()));
+        assert_eq!(place("a/x.obj", Some(".")), Ok("x.lodc".to_owned()));
+        assert_eq!(place("-", Some("-")), Ok("-".to_owned()));
+        assert!(place("-", None).is_err());
+        assert!(place("x.lodc", None).is_err(), "it would replace the input");
     }
 
     #[test]

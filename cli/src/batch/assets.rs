@@ -60,9 +60,7 @@ pub(crate) struct Sources<'a> {
 /// was given.
 pub(crate) fn assets(sources: Sources<'_>, batch: &BatchArgs) -> Outcome<Vec<Asset>> {
     let filter = Filter::new(&batch.include, &batch.exclude)?;
-    let several = sources.inputs.len() > 1
-        || batch.manifest.is_some()
-        || sources.inputs.iter().any(|input| input.is_dir());
+    let several = batch.takes_many(sources.inputs);
     let folder_out = sources.output.filter(|out| several || output::is_folder(out));
     if let Some(out) = folder_out {
         check_folder(out)?;
@@ -76,7 +74,7 @@ pub(crate) fn assets(sources: Sources<'_>, batch: &BatchArgs) -> Outcome<Vec<Ass
                 all.push(found(path, name, Some(input.clone()), Ok(target)));
             }
         } else {
-            let target = named_target(input, folder_out, &sources);
+            let target = output::named_target(input, folder_out, sources.output, sources.writes);
             let name = input.to_string_lossy().replace('\\', "/");
             all.push(found(input.clone(), name, None, target));
         }
@@ -130,22 +128,6 @@ fn check_folder(out: &Path) -> Outcome<()> {
     Ok(())
 }
 
-/// Target of a file that the command line names: its own stem.
-fn named_target(input: &Path, folder_out: Option<&Path>, sources: &Sources<'_>) -> Outcome<Target> {
-    let stem = output::named(input, sources.writes);
-    match (folder_out, sources.output) {
-        // `.` would only make names longer.
-        (Some(out), _) if out == Path::new(".") => Ok(Target::File(stem)),
-        (Some(out), _) => Ok(Target::File(out.join(stem))),
-        (None, Some(out)) if output::is_stream(out) => Ok(Target::Stdout),
-        (None, Some(out)) => Ok(Target::File(out.to_owned())),
-        (None, None) if output::is_stream(input) => {
-            Err(Failure::usage("standard input has no place beside it: name the output with -o"))
-        }
-        (None, None) => Ok(Target::File(input.with_file_name(stem))),
-    }
-}
-
 /// Target of a line of a list: what it says, else the input's whole name.
 fn listed_target(line: &manifest::Line, folder_out: Option<&Path>, extension: &str) -> PathBuf {
     match (&line.output, folder_out) {
@@ -179,6 +161,10 @@ mod tests {
         let what = all[0].target.clone().expect_err("a clash").message;
         assert_eq!(what, "out/x.lodc: a/x.obj and b/x.glb would both be written there");
         assert!(of_names(&["a/x.obj", "b/x.glb"], None).iter().all(|a| a.target.is_ok()));
+        let three = of_names(&["a/x.obj", "a/y.obj", "a/x.glb"], None);
+        let failed: Vec<bool> = three.iter().map(|asset| asset.target.is_err()).collect();
+        assert_eq!(failed, [true, false, true], "the others are done");
+        assert!(of_names(&["x.obj", "x.obj"], None).iter().all(|a| a.target.is_err()));
     }
 
     #[test]

@@ -6,12 +6,14 @@ mod manifest;
 mod options;
 mod queue;
 mod shard;
+mod streams;
 
 pub(crate) use assets::{Asset, Sources, assets};
 pub(crate) use folder::globs;
 pub(crate) use options::{OptionValues, arguments, has_option, is_command, know, suggestion};
 pub(crate) use queue::{Budget, run};
 pub(crate) use shard::Shard;
+pub(crate) use streams::check_streams;
 
 use crate::exit::Outcome;
 use clap::Args;
@@ -20,6 +22,9 @@ use std::path::PathBuf;
 
 /// Extensions of the meshes that are taken from folders.
 pub(crate) const MESHES: [&str; 3] = ["obj", "gltf", "glb"];
+
+/// Extensions of the files with levels, stored or to be made, that are taken from folders.
+pub(crate) const LEVELS: [&str; 4] = ["obj", "gltf", "glb", "lodc"];
 
 /// Returns the files that were named and, in the place of each folder, its files with one of the
 /// extensions.
@@ -64,4 +69,11 @@ pub(crate) struct BatchArgs {
     /// Do part I of N only, I from 1; which part an asset is in depends on its path alone
     #[arg(long, value_name = "I/N", value_parser = Shard::parse)]
     pub(crate) shard: Option<Shard>,
+}
+
+impl BatchArgs {
+    /// Returns whether a run has several results, or may have them.
+    pub(crate) fn takes_many(&self, inputs: &[PathBuf]) -> bool {
+        inputs.len() > 1 || self.manifest.is_some() || inputs.iter().any(|input| input.is_dir())
+    }
 }

@@ -2,16 +2,17 @@
 //! their long names.
 
 use clap::parser::ValueSource;
-use clap::{ArgMatches, Command, FromArgMatches};
+use clap::{ArgMatches, Command, FromArgMatches, Id};
 use std::collections::BTreeMap;
 use std::ffi::OsString;
 use std::sync::OnceLock;
 
 /// Options that belong to a run, not to an asset.
-const OF_THE_RUN: [&str; 15] = [
+const OF_THE_RUN: [&str; 16] = [
     "config",
     "depfile",
     "exclude",
+    "format",
     "help",
     "if-changed",
     "include",
@@ -72,8 +73,12 @@ impl OptionValues {
         Ok(Self(values))
     }
 
-    /// Those of `stronger`, and these where it has none.
-    pub(crate) fn under(mut self, stronger: Self) -> Self {
+    /// Those of `stronger`, and these where it has none, nor one that excludes them.
+    pub(crate) fn under(mut self, stronger: Self, command: &str) -> Self {
+        let names: Vec<&str> = stronger.0.keys().map(String::as_str).collect();
+        for name in excluded(&names, command) {
+            self.0.remove(name);
+        }
         self.0.extend(stronger.0);
         self
     }
@@ -85,6 +90,14 @@ fn given(matches: &ArgMatches, command: &Command) -> Vec<String> {
     let there = arguments
         .filter(|a| matches.value_source(a.get_id().as_str()) == Some(ValueSource::CommandLine));
     there.filter_map(|a| a.get_long().map(str::to_owned)).collect()
+}
+
+/// Returns the long names of options that cannot stand beside those of these names.
+fn excluded<'a>(names: &[&str], command: &str) -> Vec<&'a str> {
+    let command = commands().iter().find(|c| c.name == command).expect("a command");
+    let groups = command.exclusive.iter();
+    let met = groups.filter(|group| group.iter().any(|name| names.contains(&name.as_str())));
+    met.flatten().map(String::as_str).collect()
 }
 
 /// Reads the arguments of a command anew, with an asset's own options where the command line has
@@ -102,7 +115,9 @@ pub(crate) fn arguments<A: FromArgMatches>(
     let command = root.find_subcommand(name).expect("a command of this program");
     let typed = root.clone().get_matches_from(&raw);
     let typed = typed.subcommand_matches(name).expect("the command that runs");
-    let given = given(typed, command);
+    let mut given = given(typed, command);
+    let names: Vec<&str> = given.iter().map(String::as_str).collect();
+    given.extend(excluded(&names, name).into_iter().map(str::to_owned));
     let mut more = Vec::new();
     for (option, values) in &own.0 {
         if OF_THE_RUN.contains(&option.as_str()) {
@@ -151,34 +166,59 @@ fn resolved(matches: &ArgMatches, command: &Command) -> String {
     text
 }
 
-/// Every command with the long names of its options for assets.
-fn commands() -> &'static [(String, Vec<String>)] {
-    static COMMANDS: OnceLock<Vec<(String, Vec<String>)>> = OnceLock::new();
-    COMMANDS.get_or_init(|| {
-        let root = root();
-        let options = |c: &Command| -> Vec<String> {
-            let names = c.get_arguments().filter_map(|a| a.get_long());
-            names.filter(|n| !OF_THE_RUN.contains(n)).map(str::to_owned).collect()
+/// The options of a command.
+struct CommandOptions {
+    name: String,
+    /// Long names of those for assets.
+    for_assets: Vec<String>,
+    /// Long names of those of which only one can be given, group by group.
+    exclusive: Vec<Vec<String>>,
+}
+
+impl CommandOptions {
+    fn of(command: &Command) -> Self {
+        let names = command.get_arguments().filter_map(|a| a.get_long());
+        let for_assets = names.filter(|n| !OF_THE_RUN.contains(n)).map(str::to_owned).collect();
+        let long = |id: &Id| {
+            let mut all = command.get_arguments();
+            all.find(|a| a.get_id() == id).and_then(|a| a.get_long()).map(str::to_owned)
         };
-        root.get_subcommands().map(|c| (c.get_name().to_owned(), options(c))).collect()
+        // Whether a group allows several can only be asked of a mutable one.
+        let exclusive = command.get_groups().cloned().filter_map(|mut group| {
+            let names = group.get_args().filter_map(long).collect();
+            (!group.is_multiple()).then_some(names)
+        });
+        let exclusive = exclusive.collect();
+        Self { name: command.get_name().to_owned(), for_assets, exclusive }
+    }
+}
+
+/// The options of every command.
+fn commands() -> &'static [CommandOptions] {
+    static COMMANDS: OnceLock<Vec<CommandOptions>> = OnceLock::new();
+    COMMANDS.get_or_init(|| {
+        let mut root = root();
+        // Groups that only arguments name are known then.
+        root.build();
+        root.get_subcommands().map(CommandOptions::of).collect()
     })
 }
 
 /// Returns whether a command, or any, has an option of this long name for assets.
 pub(crate) fn has_option(command: Option<&str>, option: &str) -> bool {
-    let mut of = commands().iter().filter(|(name, _)| command.is_none_or(|c| c == name));
-    of.any(|(_, options)| options.iter().any(|o| o == option))
+    let mut of = commands().iter().filter(|c| command.is_none_or(|name| name == c.name));
+    of.any(|c| c.for_assets.iter().any(|o| o == option))
 }
 
 /// Returns whether a command has this name.
 pub(crate) fn is_command(name: &str) -> bool {
-    commands().iter().any(|(command, _)| command == name)
+    commands().iter().any(|c| c.name == name)
 }
 
 /// The option of a command, or of any, whose name is most like a wrong one; none if none is.
 pub(crate) fn suggestion(wrong: &str, command: Option<&str>) -> Option<&'static str> {
-    let of = commands().iter().filter(|(name, _)| command.is_none_or(|c| c == name));
-    let names = of.flat_map(|(_, options)| options.iter().map(String::as_str));
+    let of = commands().iter().filter(|c| command.is_none_or(|name| name == c.name));
+    let names = of.flat_map(|c| c.for_assets.iter().map(String::as_str));
     let near = names.map(|name| (strsim::jaro(wrong, name), name)).filter(|(s, _)| *s > 0.7);
     near.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, name)| name)
 }

@@ -54,6 +54,20 @@ pub(crate) fn read(
     how: &SimplifyArgs,
     stages: &mut Stages,
 ) -> Outcome<Asset> {
+    read_showing(&Progress::new(&input.display().to_string()), input, import, how, stages)
+}
+
+/// Reads an input as [`read`] does, and shows the progress of simplifying on a bar of the caller's.
+///
+/// # Errors
+/// As [`read`].
+pub(crate) fn read_showing(
+    progress: &Progress,
+    input: &Path,
+    import: &ImportArgs,
+    how: &SimplifyArgs,
+    stages: &mut Stages,
+) -> Outcome<Asset> {
     let read = stages.run("read", || either(input, &import.options()))?;
     if matches!(read, Either::Levels(_)) {
         how.importance.refuse(&input.display().to_string())?;
@@ -67,7 +81,7 @@ pub(crate) fn read(
             files_read: vec![input.to_owned()],
             warnings: file.left_out,
         }),
-        Either::Scene(scene) => simplified(input, import, how, scene, stages),
+        Either::Scene(scene) => simplified_showing(progress, input, import, how, scene, stages),
     }
 }
 
@@ -82,6 +96,18 @@ pub(crate) fn simplified(
     scene: Scene,
     stages: &mut Stages,
 ) -> Outcome<Asset> {
+    let progress = Progress::new(&input.display().to_string());
+    simplified_showing(&progress, input, import, how, scene, stages)
+}
+
+fn simplified_showing(
+    progress: &Progress,
+    input: &Path,
+    import: &ImportArgs,
+    how: &SimplifyArgs,
+    scene: Scene,
+    stages: &mut Stages,
+) -> Outcome<Asset> {
     let triangles = scene.objects.iter().map(|o| o.mesh.triangles().len() as u64).sum();
     let name = input.display().to_string();
     import
@@ -89,7 +115,6 @@ pub(crate) fn simplified(
         .check_memory(triangles)
         .map_err(|f| Failure::new(f.status, format!("{name}: {f}")))?;
     let limits = import.options().limits;
-    let progress = Progress::new(&name);
     let weights = how.importance.weights();
     let options = Options { metric: how.metric.metric, weights, ..Options::DEFAULT };
     let paints = paints(import, input, &scene, &options)?;
@@ -97,11 +122,11 @@ pub(crate) fn simplified(
     let Scene { source, document, objects, mut warnings, mut files_read, compressed } = scene;
     let known = Known { paints: paints.textured(), locked: &locked };
     let simplified =
-        stages.run("simplify", || simplify_all(objects, &options, known, triangles, &progress));
+        stages.run("simplify", || simplify_all(objects, &options, known, triangles, progress));
     warnings.extend(paints.warnings);
     files_read.extend(paints.files_read);
     let measured =
-        stages.run("errors", || measure_all(simplified, &document, &limits, &progress))?;
+        stages.run("errors", || measure_all(simplified, &document, &limits, progress))?;
     let object = |(info, simplified)| LodObject { info, simplified, models: Vec::new() };
     let objects = measured.into_iter().map(object).collect();
     Ok(Asset { source, objects, document, compressed, files_read, warnings })

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 /// Commands whose options can stand in a configuration.
-const COMMANDS: [&str; 1] = ["build"];
+const COMMANDS: [&str; 3] = ["build", "chain", "extract"];
 
 /// Options of `config`.
 #[derive(Args, Debug)]

@@ -1,10 +1,76 @@
-//! Work on one of several inputs: its failures are its own, and the others have their turn.
+//! Work on each of several inputs: its failures are its own, and the others have their turn.
 
+use crate::batch::{self, Asset, Budget, OptionValues};
 use crate::console;
 use crate::exit::{Failure, Outcome, Status};
-use crate::output;
+use crate::output::{self, Target};
+use crate::progress::BatchProgress;
+use clap::FromArgMatches;
+use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
+
+/// Bytes of memory that a byte of an input file may come to. Text has some 70 bytes for each
+/// triangle, a GLB some 30; images only make this more.
+const MEMORY_OF_BYTE: u64 = 14;
+
+/// Options of a command by asset, parsed once for every set of them.
+#[derive(Debug)]
+pub(crate) struct AssetOptions<A>(BTreeMap<OptionValues, Result<A, String>>);
+
+impl<A: FromArgMatches> AssetOptions<A> {
+    /// Reads the command line anew for every set of options that assets have. `finished` also gets
+    /// all options as text.
+    pub(crate) fn new(command: &str, assets: &[Asset], finished: impl Fn(A, String) -> A) -> Self {
+        let mut parsed = BTreeMap::new();
+        for asset in assets {
+            parsed.entry(asset.options.clone()).or_insert_with(|| {
+                let read = batch::arguments::<A>(command, &asset.options);
+                read.map(|(args, resolved)| finished(args, resolved))
+            });
+        }
+        Self(parsed)
+    }
+
+    /// Returns an asset's options and its target, once its result could be written.
+    ///
+    /// # Errors
+    /// If an option is wrong, the asset has no target, or there is no place for the result.
+    pub(crate) fn ready<'a>(&'a self, asset: &'a Asset) -> Outcome<(&'a A, &'a Target)> {
+        let target = asset.target.as_ref().map_err(Clone::clone)?;
+        let args = self.0[&asset.options].as_ref();
+        let args = args.map_err(|what| Failure::usage(asset.with_line(what)))?;
+        output::prepare([target], asset.makes_folders)?;
+        Ok((args, target))
+    }
+}
+
+/// Does the work on every asset, several at a time, the largest first, within a budget. The results
+/// are in the order of the assets.
+pub(crate) fn all<R: Send>(
+    assets: &[Asset],
+    budget: Budget,
+    work: impl Fn(&Asset, &BatchProgress) -> R + Sync,
+) -> Vec<R> {
+    let needs: Vec<u64> = assets.iter().map(|asset| expected_bytes(&asset.input)).collect();
+    let bar = BatchProgress::new(assets.len());
+    batch::run(&needs, budget, |number| {
+        let asset = &assets[number];
+        let result = work(asset, &bar);
+        bar.done(&asset.name);
+        result
+    })
+}
+
+/// Memory that an asset may need, from the bytes of its file and, for glTF, of its buffers.
+fn expected_bytes(input: &Path) -> u64 {
+    let size = |path: &Path| path.metadata().map_or(0, |m| m.len());
+    let mut bytes = size(input);
+    if input.extension().is_some_and(|e| e.eq_ignore_ascii_case("gltf")) {
+        bytes += size(&input.with_extension("bin"));
+    }
+    bytes.saturating_mul(MEMORY_OF_BYTE)
+}
 
 /// The message of a panic. The panic hook has said what and where.
 const PANIC: &str = "internal error";

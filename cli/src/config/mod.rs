@@ -16,6 +16,9 @@ use std::rc::Rc;
 /// Name of a configuration file that is found by itself.
 const NAME: &str = "lodc.toml";
 
+/// Options that shape the order of collapses, which a `.lodc` file has already.
+const OF_THE_ORDER: [&str; 2] = ["lock", "weight"];
+
 /// Options that choose a configuration.
 #[derive(Args, Clone, Debug, Default)]
 #[command(next_help_heading = "Configuration")]
@@ -60,7 +63,8 @@ impl<'a> Configs<'a> {
         file.layers(self.command, self.args.profile.as_deref(), input)
     }
 
-    /// Puts what configurations say under the options that assets have already.
+    /// Puts what configurations say under the options that assets have already. To an asset that
+    /// has its order of collapses they say nothing of that.
     ///
     /// # Errors
     /// As for [`Self::layers`].
@@ -69,9 +73,13 @@ impl<'a> Configs<'a> {
             let layers = self.layers(&asset.input, asset.folder.as_deref())?;
             let mut under = OptionValues::default();
             for layer in layers {
-                under = under.under(layer.values);
+                under = under.under(layer.values, self.command);
             }
-            asset.options = under.under(std::mem::take(&mut asset.options));
+            if asset.input.extension().is_some_and(|e| e.eq_ignore_ascii_case("lodc")) {
+                under.0.retain(|option, _| !OF_THE_ORDER.contains(&option.as_str()));
+            }
+            let own = std::mem::take(&mut asset.options);
+            asset.options = under.under(own, self.command);
         }
         Ok(())
     }

@@ -21,6 +21,10 @@ fuzz_target!(|bytes: &[u8]| {
             let _ = unpacker.mesh(object);
             let _ = unpacker.strips(object);
             let _ = unpacker.progress(object);
+            if unpacker.is_complete() {
+                let _ = unpacker.rebuilt(object);
+                let _ = unpacker.rebuilt_strips(object);
+            }
         }
     }
 });

@@ -81,7 +81,7 @@ fn with_removals(simplified: Simplified) -> Result<Simplified, FormatError> {
 /// Returns strips with their vertices in collapse order; none if the stream has none.
 pub(super) fn strips(decoder: &MeshDecoder) -> Option<StripSet> {
     let coded = decoder.strips()?;
-    let last = decoder.vertex_count().checked_sub(1)?;
+    let last = decoder.vertex_count().saturating_sub(1);
     let (mut indices, mut ends) = (Vec::new(), Vec::new());
     for strip in coded.iter() {
         indices.extend(strip.iter().map(|&v| last - v));

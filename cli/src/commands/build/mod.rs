@@ -12,13 +12,12 @@ pub(crate) use errors::{SimplifiedObjects, measure_all};
 pub(crate) use models::ModelWork;
 pub(crate) use pipeline::{Known, paints, simplify_all};
 
-use crate::batch::{self, Asset, BatchArgs, MESHES, Sources};
+use crate::batch::{self, BatchArgs, MESHES, Sources};
 use crate::config::{ConfigArgs, Configs};
 use crate::exit::{Failure, Outcome, Status};
 use crate::importance::ImportanceArgs;
 use crate::kinds::{MetricArgs, ModelArgs, StripArgs};
 use crate::limits::ImportArgs;
-use crate::output::{self, Target};
 use clap::{Args, ValueEnum};
 use rayon::ThreadPoolBuilder;
 use std::num::NonZeroUsize;
@@ -95,34 +94,10 @@ pub(crate) fn run(args: &BuildArgs) -> Outcome<Status> {
     };
     let mut assets = batch::assets(sources, &args.batch)?;
     Configs::new(&args.configuration, "build").apply(&mut assets)?;
-    check_streams(args, &assets)?;
+    batch::check_streams(&assets, args.report.is_some(), args.depfile.as_deref())?;
     let threads = args.jobs.map_or(0, |n| n.get().min(MOST_THREADS));
     let pool = ThreadPoolBuilder::new().num_threads(threads).build();
     let pool =
         pool.map_err(|e| Failure::new(Status::Limit, format!("no threads to work with: {e}")))?;
     work::all(args, &assets, &pool)
-}
-
-/// One stream holds one thing.
-fn check_streams(args: &BuildArgs, assets: &[Asset]) -> Outcome<()> {
-    if args.inputs.iter().filter(|input| output::is_stream(input)).count() > 1 {
-        return Err(Failure::usage("standard input can be read once only"));
-    }
-    let targets = || assets.iter().filter_map(|asset| asset.target.as_ref().ok());
-    let to_stdout = targets().any(|target| *target == Target::Stdout);
-    if to_stdout && args.report.is_some() {
-        return Err(Failure::usage("the report and the output do not fit one standard output"));
-    }
-    let Some(depfile) = &args.depfile else { return Ok(()) };
-    if to_stdout || output::is_stream(depfile) {
-        return Err(Failure::usage("a dependency file needs files, not standard output"));
-    }
-    let inputs = assets.iter().map(|asset| asset.input.display().to_string());
-    if targets().map(Target::name).chain(inputs).any(|o| o == depfile.display().to_string()) {
-        return Err(Failure::usage(format!(
-            "{}: named both as dependency file and as mesh",
-            depfile.display()
-        )));
-    }
-    output::prepare(&[Target::File(depfile.clone())], false)
 }

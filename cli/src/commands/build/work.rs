@@ -1,23 +1,18 @@
 //! Work on the assets of a build: a report for each, whatever happens to it and to the others.
 
 use super::{BuildArgs, ReportFormat, pipeline, summary};
-use crate::batch::{self, Asset, Budget, OptionValues};
-use crate::commands::each;
+use crate::batch::{Asset, Budget};
+use crate::commands::each::{self, AssetOptions};
 use crate::console::{self, error};
-use crate::exit::{Failure, Outcome, Status};
+use crate::exit::{Outcome, Status};
 use crate::output::{self, Rule, Target};
 use crate::progress::{BatchProgress, Progress};
 use crate::report::{BuildReport, InputReport, SCHEMA_VERSION, Summary, SummaryReport};
 use crate::stages::Stages;
 use lodc_formats::lodc;
 use rayon::ThreadPool;
-use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Instant;
-
-/// Bytes of memory that a byte of an input file may come to. Text has some 70 bytes for each
-/// triangle, a GLB some 30; images only make this more.
-const MEMORY_OF_BYTE: u64 = 14;
 
 /// Result of one asset.
 struct Done {
@@ -26,35 +21,22 @@ struct Done {
     status: Status,
 }
 
-/// Options of assets, parsed once for each set of them.
-type Parsed = BTreeMap<OptionValues, Result<BuildArgs, String>>;
-
 /// Builds all assets and reports on them.
 ///
 /// # Errors
 /// If a report or the dependency file cannot be written.
 pub(super) fn all(args: &BuildArgs, assets: &[Asset], pool: &ThreadPool) -> Outcome<Status> {
-    let mut parsed = Parsed::new();
-    for asset in assets {
-        parsed.entry(asset.options.clone()).or_insert_with(|| {
-            let read = batch::arguments::<BuildArgs>("build", &asset.options);
-            read.map(|(args, resolved)| BuildArgs { resolved, ..args })
-        });
-    }
-    let needs: Vec<u64> = assets.iter().map(|asset| expected_bytes(&asset.input)).collect();
+    let resolving = |args, resolved| BuildArgs { resolved, ..args };
+    let options = AssetOptions::new("build", assets, resolving);
     let bytes = args.import.limits().memory().unwrap_or(u64::MAX);
     let budget = Budget { workers: pool.current_num_threads(), bytes };
-    let bar = BatchProgress::new(assets.len());
-    let done = batch::run(&needs, budget, |number| {
-        let asset = &assets[number];
-        let done = one(asset, &parsed[&asset.options], pool, &bar);
-        bar.done(&asset.name);
+    let done = each::all(assets, budget, |asset, bar| {
+        let done = one(asset, &options, pool, bar);
         if args.report == Some(ReportFormat::Jsonl) {
             console::json_line(&done.report)?;
         }
         Ok(done)
     });
-    drop(bar);
     let done: Vec<Done> = done.into_iter().collect::<Outcome<_>>()?;
     report(args, done)
 }
@@ -96,7 +78,7 @@ fn report(args: &BuildArgs, done: Vec<Done>) -> Outcome<Status> {
 /// One asset from bytes to bytes.
 fn one(
     asset: &Asset,
-    parsed: &Result<BuildArgs, String>,
+    options: &AssetOptions<BuildArgs>,
     pool: &ThreadPool,
     bar: &BatchProgress,
 ) -> Done {
@@ -104,7 +86,7 @@ fn one(
     let input = asset.input.as_path();
     let mut report = InputReport { input: input.display().to_string(), ..InputReport::default() };
     let result = each::guarded(input, || {
-        let (args, target) = prepared(asset, parsed)?;
+        let (args, target) = options.ready(asset)?;
         report.output = target.name();
         if let Some(rule) = fresh(args, input, target) {
             report.up_to_date = true;
@@ -124,17 +106,6 @@ fn one(
     };
     report.status = status.code();
     Done { report, rule, status }
-}
-
-/// An asset's options and its target, once its result could be written.
-fn prepared<'a>(
-    asset: &'a Asset,
-    parsed: &'a Result<BuildArgs, String>,
-) -> Outcome<(&'a BuildArgs, &'a Target)> {
-    let target = asset.target.as_ref().map_err(Clone::clone)?;
-    let args = parsed.as_ref().map_err(|what| Failure::usage(asset.with_line(what)))?;
-    output::prepare(std::slice::from_ref(target), asset.makes_folders)?;
-    Ok((args, target))
 }
 
 /// The rule of a result that is up to date, if that was asked for and it is.
@@ -175,14 +146,4 @@ fn build(
     }
     let Target::File(path) = target else { return Ok(None) };
     Ok(Some(Rule { output: path.clone(), inputs: made.files_read }))
-}
-
-/// Memory that an asset may need, from the bytes of its file and, for glTF, of its buffers.
-fn expected_bytes(input: &Path) -> u64 {
-    let size = |path: &Path| path.metadata().map_or(0, |m| m.len());
-    let mut bytes = size(input);
-    if input.extension().is_some_and(|e| e.eq_ignore_ascii_case("gltf")) {
-        bytes += size(&input.with_extension("bin"));
-    }
-    bytes.saturating_mul(MEMORY_OF_BYTE)
 }

@@ -3,35 +3,41 @@
 mod levels;
 mod separate;
 mod shared;
+mod summary;
 
-use super::asset::{self, Asset, SimplifyArgs};
-use crate::compression::CompressArgs;
-use crate::console::{self, Loudness, result, wants};
-use crate::exit::{Failure, Outcome};
-use crate::limits::ImportArgs;
-use crate::mesh_output::FormatName;
+use super::asset;
+use super::each::{self, AssetOptions};
+use super::export::{self, ExportArgs, Made};
+use crate::batch::Asset;
+use crate::console;
+use crate::exit::{Failure, Outcome, Status};
+use crate::mesh_output::{self, FormatName};
 use crate::output::{self, Rule, Target};
-use crate::report::{ChainReport, SCHEMA_VERSION};
+use crate::progress::Progress;
+use crate::report::ChainReport;
 use crate::results::reported;
 use crate::selector::{SceneLevels, bound};
 use crate::stages::Stages;
-use crate::text::{distance, grouped, size};
-use crate::textures::TextureArgs;
 use clap::Args;
 use levels::{Level, LevelArgs};
 use lodc_formats::OutputFile;
 use lodc_formats::export::{Additions, LevelFacts, Provenance};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Options of `chain`.
 #[derive(Args, Debug)]
 #[command(after_help = "With no option for levels, --levels 100%,50%,25%,10% is taken.")]
 pub(crate) struct ChainArgs {
-    /// A mesh (.obj, .gltf, .glb) or a .lodc file; `-` for standard input
-    input: PathBuf,
-    /// Output: .glb or .gltf; with --separate also .obj or .ply
+    /// Meshes (.obj, .gltf, .glb), .lodc files, or folders of both; `-` for standard input
+    #[arg(required_unless_present = "manifest")]
+    inputs: Vec<PathBuf>,
+    /// Output: .glb or .gltf; with --separate also .obj or .ply; a folder, for several inputs
+    /// always. Results of a folder keep its structure and their extensions (club.obj.glb)
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
+    /// The format, where OUT does not tell [default: glb]
+    #[arg(long, value_enum)]
+    format: Option<FormatName>,
     #[command(flatten)]
     levels: LevelArgs,
     /// No level errs more than E (mesh units; E%: of the diagonal), however few triangles are
@@ -48,19 +54,7 @@ pub(crate) struct ChainArgs {
     #[arg(long, requires = "separate")]
     refit: bool,
     #[command(flatten)]
-    simplify: SimplifyArgs,
-    #[command(flatten)]
-    textures: TextureArgs,
-    #[command(flatten)]
-    compress: CompressArgs,
-    /// Print the levels as JSON on standard output
-    #[arg(long)]
-    json: bool,
-    /// Write a Make/Ninja dependency file that names every file read
-    #[arg(long, value_name = "FILE")]
-    depfile: Option<PathBuf>,
-    #[command(flatten)]
-    import: ImportArgs,
+    export: ExportArgs,
 }
 
 /// Files of a chain, each with the levels in it, by their place in the table.
@@ -70,60 +64,85 @@ struct Files {
     of_level: Vec<PathBuf>,
 }
 
-pub(crate) fn run(args: &ChainArgs) -> Outcome<()> {
-    reported(args.json, chain(args))
-}
-
-fn chain(args: &ChainArgs) -> Outcome<()> {
-    let format = format(args)?;
-    args.textures.check(format, false)?;
-    args.compress.wanted(format, false)?;
-    output::prepare(&[Target::File(args.output.clone())], true)?;
-    let mut stages = Stages::default();
-    let asset = asset::read(&args.input, &args.import, &args.simplify, &mut stages)?;
-    let name = args.input.display().to_string();
-    let limits = args.import.limits().limits();
-    let scene = SceneLevels::new(&asset.objects, &asset.document, &limits)?;
-    let (mut levels, mut warnings) = args.levels.choose(&asset.objects, &scene, args.max_error)?;
-    warnings.splice(0..0, asset.warnings.iter().cloned());
-    let target = Target::File(args.output.clone());
-    let textures = stages.run("textures", || {
-        args.textures.placed(&asset.document, &args.input, &args.import, &target, format)
+pub(crate) fn run(args: &ChainArgs) -> Outcome<Status> {
+    let (assets, format) = reported(args.export.json, assets(args))?;
+    let options = AssetOptions::new("chain", &assets, |args: ChainArgs, _| args);
+    let several = args.export.batch.takes_many(&args.inputs);
+    let done = each::all(&assets, args.export.budget(), |asset, bar| {
+        export::one(asset, || {
+            let (args, target) = options.ready(asset)?;
+            let Target::File(path) = target else { return Err(no_stream(&args.output)) };
+            args.export.check(format, target)?;
+            let made = chain(args, &asset.input, path, format, &bar.of_asset(&asset.name))?;
+            summary::print(&made.report, several, args.export.json)?;
+            Ok(made)
+        })
     });
-    let (textures, images_read) = textures?;
-    warnings.extend_from_slice(&textures.warnings);
-    let compress = args.compress.wanted(format, asset.compressed)?;
-    let additions = Additions { textures, compress, provenance: None };
-    let made = stages.run("export", || match args.separate {
-        true => separate::files(args, format, &asset, &mut levels, additions),
-        false => shared::files(args, format, &asset, &mut levels, additions),
-    })?;
-    stages.run("write", || output::commit(&made.files))?;
-    write_depfile(args, &made, &[asset.files_read, images_read].concat())?;
-    for warning in &warnings {
-        console::warning(&name, warning);
-    }
-    report(args, &levels, &made, warnings)
+    args.export.finish(&args.inputs, &assets, done)
 }
 
-/// The format by the extension of OUT.
-fn format(args: &ChainArgs) -> Outcome<FormatName> {
-    if output::is_stream(&args.output) || output::is_folder(&args.output) {
-        let name = args.output.display();
-        return Err(Failure::usage(format!("{name}: a chain needs the name of a file")));
+/// The assets and the format of their results.
+fn assets(args: &ChainArgs) -> Outcome<(Vec<Asset>, FormatName)> {
+    if output::is_stream(&args.output) {
+        return Err(no_stream(&args.output));
     }
-    let format = FormatName::by_extension(&args.output)?;
+    let folder = args.export.batch.takes_many(&args.inputs) || output::is_folder(&args.output);
+    let format = mesh_output::format(&args.output, args.format, folder)?;
     if !args.separate && !matches!(format, FormatName::Glb | FormatName::Gltf) {
         return Err(Failure::usage(format!(
             "{}: only .glb and .gltf hold several levels: add --separate for a file per level",
             args.output.display()
         )));
     }
-    Ok(format)
+    let mut assets = args.export.assets("chain", &args.inputs, &args.output, format)?;
+    assets.iter_mut().for_each(|asset| asset.makes_folders = true);
+    Ok((assets, format))
+}
+
+fn no_stream(output: &Path) -> Failure {
+    Failure::usage(format!("{}: a chain needs the name of a file or a folder", output.display()))
+}
+
+/// Makes the chain of one input.
+///
+/// # Errors
+/// If the input cannot be read, has no such levels, or the output cannot be written.
+fn chain(
+    args: &ChainArgs,
+    input: &Path,
+    out: &Path,
+    format: FormatName,
+    progress: &Progress,
+) -> Outcome<Made<ChainReport>> {
+    let mut stages = Stages::default();
+    let (import, simplify) = (&args.export.import, &args.export.simplify);
+    let asset = asset::read_showing(progress, input, import, simplify, &mut stages)?;
+    let limits = import.limits().limits();
+    let scene = SceneLevels::new(&asset.objects, &asset.document, &limits)?;
+    let (mut levels, mut warnings) = args.levels.choose(&asset.objects, &scene, args.max_error)?;
+    warnings.splice(0..0, asset.warnings.iter().cloned());
+    let target = Target::File(out.to_owned());
+    let textures = stages.run("textures", || {
+        args.export.textures.placed(&asset.document, input, import, &target, format)
+    });
+    let (textures, images_read) = textures?;
+    warnings.extend_from_slice(&textures.warnings);
+    let compress = args.export.compress.wanted(format, asset.compressed)?;
+    let additions = Additions { textures, compress, provenance: None };
+    let made = stages.run("export", || match args.separate {
+        true => separate::files(args, out, format, &asset, &mut levels, additions),
+        false => shared::files(args, out, format, &asset, &mut levels, additions),
+    })?;
+    stages.run("write", || output::commit(&made.files))?;
+    progress.clear();
+    let name = input.display().to_string();
+    warnings.iter().for_each(|warning| console::warning(&name, warning));
+    let rules = rules(&made, &[asset.files_read, images_read].concat());
+    Ok(Made { report: summary::report(name, &levels, &made, warnings), rules })
 }
 
 /// The origin of a file with these levels.
-fn provenance(args: &ChainArgs, asset: &Asset, levels: &[Level]) -> Provenance {
+fn provenance(args: &ChainArgs, asset: &asset::Asset, levels: &[Level]) -> Provenance {
     let facts = |level: &Level| LevelFacts {
         lod: level.lod(),
         error: level.error,
@@ -136,49 +155,9 @@ fn provenance(args: &ChainArgs, asset: &Asset, levels: &[Level]) -> Provenance {
     }
 }
 
-fn write_depfile(args: &ChainArgs, made: &Files, inputs: &[PathBuf]) -> Outcome<()> {
-    let Some(depfile) = &args.depfile else { return Ok(()) };
+/// A rule for each file with levels.
+fn rules(made: &Files, inputs: &[PathBuf]) -> Vec<Rule> {
     let mut outputs = made.of_level.clone();
     outputs.dedup();
-    let rule = |output| Rule { output, inputs: inputs.to_owned() };
-    let rules: Vec<Rule> = outputs.into_iter().map(rule).collect();
-    output::write_depfile(depfile, &rules)
-}
-
-fn report(args: &ChainArgs, levels: &[Level], made: &Files, warnings: Vec<String>) -> Outcome<()> {
-    let report = ChainReport {
-        schema_version: SCHEMA_VERSION,
-        input: args.input.display().to_string(),
-        outputs: made.files.iter().map(Into::into).collect(),
-        levels: levels
-            .iter()
-            .zip(&made.of_level)
-            .enumerate()
-            .map(|(level, (l, path))| l.report(level, path))
-            .collect(),
-        warnings,
-    };
-    if args.json {
-        return console::json(&report);
-    }
-    if !wants(Loudness::Normal) {
-        return Ok(());
-    }
-    result(" level   triangles    vertices       error         rms    distance")?;
-    for l in &report.levels {
-        let number = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), distance);
-        result(&format!(
-            "{:6} {:>11} {:>11} {:>11} {:>11} {:>11}",
-            l.level,
-            grouped(l.triangles),
-            grouped(l.vertices),
-            number(l.error),
-            number(l.rms),
-            number(l.distance)
-        ))?;
-    }
-    for file in &report.outputs {
-        result(&format!("{}: {}", file.path, size(file.bytes)))?;
-    }
-    Ok(())
+    outputs.into_iter().map(|output| Rule { output, inputs: inputs.to_owned() }).collect()
 }

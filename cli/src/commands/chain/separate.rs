@@ -1,16 +1,18 @@
 //! A file per level.
 
 use super::levels::Level;
-use super::{Asset, ChainArgs, Files, FormatName, provenance};
+use super::{ChainArgs, Files, provenance};
+use crate::commands::asset::Asset;
 use crate::exit::Outcome;
 use crate::level_mesh::{self, Order, Shape};
-use crate::mesh_output;
+use crate::mesh_output::{self, FormatName};
 use crate::output::Target;
 use lodc_formats::export::Additions;
 use std::path::{Path, PathBuf};
 
 pub(super) fn files(
     args: &ChainArgs,
+    out: &Path,
     format: FormatName,
     asset: &Asset,
     levels: &mut [Level],
@@ -24,7 +26,7 @@ pub(super) fn files(
         (level.error, level.rms) = level_mesh::distance(&asset.objects, &meshes);
         level.vertices = meshes.iter().map(|m| m.mesh.vertex_count() as u64).sum();
         let objects = level_mesh::exported(&asset.objects, &meshes);
-        let path = numbered(&args.output, number);
+        let path = numbered(out, number);
         let target = Target::File(path.clone());
         additions.provenance = Some(provenance(args, asset, std::slice::from_ref(level)));
         files.extend(mesh_output::files(&target, format, &asset.document, &objects, &additions)?);

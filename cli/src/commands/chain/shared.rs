@@ -1,17 +1,21 @@
 //! All levels in one file, over one vertex buffer.
 
 use super::levels::Level;
-use super::{Asset, ChainArgs, Files, FormatName, provenance};
+use super::{ChainArgs, Files, provenance};
+use crate::commands::asset::Asset;
 use crate::exit::{Failure, Outcome, Status};
 use crate::level_mesh::CACHE;
+use crate::mesh_output::FormatName;
 use lodc_formats::export::{Additions, ChainObject, ChainShape, export_chain};
 use lodc_formats::lodc::LodObject;
 use lodc_mesh::{Chain, Lod};
 use lodc_strip::order_list;
 use rayon::prelude::*;
+use std::path::Path;
 
 pub(super) fn files(
     args: &ChainArgs,
+    out: &Path,
     format: FormatName,
     asset: &Asset,
     levels: &mut [Level],
@@ -38,8 +42,8 @@ pub(super) fn files(
     let shape = if args.index_ranges { ChainShape::IndexRanges } else { ChainShape::Nodes };
     let binary = format == FormatName::Glb;
     additions.provenance = Some(provenance(args, asset, levels));
-    let files = export_chain(&args.output, binary, &asset.document, &objects, shape, &additions)?;
-    Ok(Files { files, of_level: vec![args.output.clone(); levels.len()] })
+    let files = export_chain(out, binary, &asset.document, &objects, shape, &additions)?;
+    Ok(Files { files, of_level: vec![out.to_owned(); levels.len()] })
 }
 
 /// The levels of an object, each in an order for vertex caches.

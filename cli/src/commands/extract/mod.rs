@@ -2,21 +2,19 @@
 
 mod one;
 
-use super::asset::SimplifyArgs;
-use super::each;
-use crate::compression::CompressArgs;
+use super::each::{self, AssetOptions};
+use super::export::{self, ExportArgs};
+use crate::batch::Asset;
 use crate::console::{self, Loudness, note, wants};
-use crate::exit::{Failure, Outcome, Status};
+use crate::exit::{Outcome, Status};
 use crate::kinds::{Choice, parser_with};
 use crate::level_mesh::Order;
-use crate::limits::ImportArgs;
-use crate::mesh_output::{FormatName, Wanted};
-use crate::output::{self, Target};
+use crate::mesh_output::{self, FormatName};
+use crate::output;
 use crate::report::ExtractReport;
-use crate::results::{self, FailureReport, ResultReport, reported};
+use crate::results::reported;
 use crate::selector::{SelectorArgs, bound};
 use crate::text::{count, distance};
-use crate::textures::TextureArgs;
 use clap::Args;
 use clap::builder::TypedValueParser;
 use lodc_lod::ModelKind;
@@ -25,11 +23,11 @@ use std::path::{Path, PathBuf};
 /// Options of `extract`.
 #[derive(Args, Debug)]
 pub(crate) struct ExtractArgs {
-    /// Meshes (.obj, .gltf, .glb) or .lodc files; `-` for standard input
-    #[arg(required = true)]
+    /// Meshes (.obj, .gltf, .glb), .lodc files, or folders of both; `-` for standard input
+    #[arg(required_unless_present = "manifest")]
     inputs: Vec<PathBuf>,
     /// Output: .glb, .gltf, .obj or .ply; a folder, for several inputs always; `-` for standard
-    /// output
+    /// output. Results of a folder keep its structure and their extensions (club.obj.glb)
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
     #[command(flatten)]
@@ -37,8 +35,6 @@ pub(crate) struct ExtractArgs {
     /// The level errs no more than E (mesh units; E%: of the diagonal), whatever else is wanted
     #[arg(long, value_name = "E", value_parser = bound)]
     max_error: Option<lodc_select::Target>,
-    #[command(flatten)]
-    simplify: SimplifyArgs,
     /// The structure that is replayed to get there [default: the first in the file]
     #[arg(long, value_parser = replays())]
     model: Option<Choice<ModelKind>>,
@@ -52,17 +48,7 @@ pub(crate) struct ExtractArgs {
     #[arg(long, value_enum, default_value = "cache")]
     order: Order,
     #[command(flatten)]
-    textures: TextureArgs,
-    #[command(flatten)]
-    compress: CompressArgs,
-    /// Print what was extracted as JSON on standard output
-    #[arg(long)]
-    json: bool,
-    /// Write a Make/Ninja dependency file that names every file read
-    #[arg(long, value_name = "FILE")]
-    depfile: Option<PathBuf>,
-    #[command(flatten)]
-    import: ImportArgs,
+    export: ExportArgs,
 }
 
 /// The names of all that may be replayed.
@@ -71,50 +57,26 @@ fn replays() -> impl TypedValueParser<Value = Choice<ModelKind>> {
 }
 
 pub(crate) fn run(args: &ExtractArgs) -> Outcome<Status> {
-    let (targets, format) = reported(args.json, targets(args))?;
-    let (mut worst, mut results, mut rules) = (Status::Done, Vec::new(), Vec::new());
-    for (input, target) in args.inputs.iter().zip(&targets) {
-        let made = each::guarded(input, || {
-            one::extract(args, input, target.as_ref().map_err(Clone::clone)?, format)
-        });
-        results.push(match made {
-            Ok((report, rule)) => {
-                say(input, &report);
-                rules.extend(rule);
-                ResultReport::Done(report)
-            }
-            Err(failure) => {
-                each::print(&failure);
-                worst = worst.max(failure.status);
-                ResultReport::Failed(FailureReport::of(input, &failure))
-            }
-        });
-    }
-    if let Some(depfile) = &args.depfile {
-        output::write_depfile(depfile, &rules)?;
-    }
-    if args.json {
-        results::print(args.inputs.len() > 1, worst, results)?;
-    }
-    Ok(worst)
+    let (assets, format) = reported(args.export.json, assets(args))?;
+    let options = AssetOptions::new("extract", &assets, |args: ExtractArgs, _| args);
+    let done = each::all(&assets, args.export.budget(), |asset, bar| {
+        export::one(asset, || {
+            let (args, target) = options.ready(asset)?;
+            args.export.check(format, target)?;
+            let progress = bar.of_asset(&asset.name);
+            let made = one::extract(args, &asset.input, target, format, &progress)?;
+            say(&asset.input, &made.report);
+            Ok(made)
+        })
+    });
+    args.export.finish(&args.inputs, &assets, done)
 }
 
-/// The targets of all inputs and their format, once options are known to fit together.
-fn targets(args: &ExtractArgs) -> Outcome<(Vec<Outcome<Target>>, FormatName)> {
-    if args.inputs.iter().filter(|input| output::is_stream(input)).count() > 1 {
-        return Err(Failure::usage("standard input can be read once only"));
-    }
-    let wanted = Wanted {
-        inputs: &args.inputs,
-        output: &args.output,
-        format: args.format,
-        json: args.json,
-        depfile: args.depfile.as_deref(),
-    };
-    let (targets, format) = wanted.targets()?;
-    args.compress.wanted(format, false)?;
-    args.textures.check(format, targets.contains(&Ok(Target::Stdout)))?;
-    Ok((targets, format))
+/// The assets and the format of their results.
+fn assets(args: &ExtractArgs) -> Outcome<(Vec<Asset>, FormatName)> {
+    let folder = args.export.batch.takes_many(&args.inputs) || output::is_folder(&args.output);
+    let format = mesh_output::format(&args.output, args.format, folder)?;
+    Ok((args.export.assets("extract", &args.inputs, &args.output, format)?, format))
 }
 
 /// Prints warnings and what was extracted.

@@ -2,10 +2,12 @@
 
 use super::ExtractArgs;
 use crate::commands::asset::{self, Asset};
+use crate::commands::export::Made;
 use crate::exit::{Failure, Outcome};
 use crate::level_mesh::{self, LevelMesh, Shape};
 use crate::mesh_output::{self, FormatName};
 use crate::output::{Rule, Target};
+use crate::progress::Progress;
 use crate::report::{ExtractReport, ExtractedObject, SCHEMA_VERSION};
 use crate::selector::SceneLevels;
 use crate::stages::Stages;
@@ -16,7 +18,7 @@ use lodc_mesh::Lod;
 use lodc_select::Selection;
 use std::path::Path;
 
-/// Extracts the level of one input; with the rule of its output for a dependency file.
+/// Extracts the level of one input.
 ///
 /// # Errors
 /// If the input cannot be read, has no such level or model, or the output cannot be written.
@@ -25,37 +27,40 @@ pub(super) fn extract(
     input: &Path,
     target: &Target,
     format: FormatName,
-) -> Outcome<(ExtractReport, Option<Rule>)> {
+    progress: &Progress,
+) -> Outcome<Made<ExtractReport>> {
     let mut stages = Stages::default();
-    let asset = asset::read(input, &args.import, &args.simplify, &mut stages)?;
+    let (import, simplify) = (&args.export.import, &args.export.simplify);
+    let asset = asset::read_showing(progress, input, import, simplify, &mut stages)?;
     let shape = Shape { model: model(args, input, &asset)?, refit: args.refit, order: args.order };
-    let limits = args.import.limits().limits();
+    let limits = args.export.import.limits().limits();
     let scene = SceneLevels::new(&asset.objects, &asset.document, &limits)?;
     let (wish, per_object) = (args.selector.target(), args.selector.per_object());
     let chosen = stages.run("select", || scene.select_capped(wish, args.max_error, per_object))?;
     let meshes =
         stages.run("extract", || level_mesh::meshes(&asset.objects, &chosen.lods, shape))?;
     let textures = stages.run("textures", || {
-        args.textures.placed(&asset.document, input, &args.import, target, format)
+        args.export.textures.placed(&asset.document, input, &args.export.import, target, format)
     });
     let (textures, images_read) = textures?;
     let mut report = report(args, input, &asset, &meshes, chosen, shape, target);
     report.warnings.extend_from_slice(&textures.warnings);
-    let compress = args.compress.wanted(format, asset.compressed)?;
+    let compress = args.export.compress.wanted(format, asset.compressed)?;
     let additions = Additions { textures, compress, provenance: Some(provenance(&asset, &report)) };
     let files = stages.run("export", || {
         let objects = level_mesh::exported(&asset.objects, &meshes);
         mesh_output::files(target, format, &asset.document, &objects, &additions)
     })?;
     stages.run("write", || mesh_output::write(target, files))?;
-    let rule = match target {
+    progress.clear();
+    let rules = match target {
         Target::File(path) => {
             let inputs = [asset.files_read, images_read].concat();
-            Some(Rule { output: path.clone(), inputs })
+            vec![Rule { output: path.clone(), inputs }]
         }
-        Target::Stdout => None,
+        Target::Stdout => vec![],
     };
-    Ok((report, rule))
+    Ok(Made { report, rules })
 }
 
 /// The model to replay; none stands for the reference.

@@ -2,7 +2,8 @@
 
 use super::{Stream, UnpackArgs, read, summary};
 use crate::exit::{Failure, Outcome, Status};
-use crate::mesh_output::{self, Wanted};
+use crate::mesh_output;
+use crate::output;
 use crate::stages::Stages;
 use lodc_formats::FormatError;
 use lodc_formats::export::{Additions, ExportObject};
@@ -15,14 +16,12 @@ use lodc_mesh::Mesh;
 /// If nothing has come, the stream is damaged (the part before the damage is written) or not
 /// complete though it should be, or the mesh cannot be written.
 pub(super) fn run(args: &UnpackArgs) -> Outcome<Status> {
-    let wanted = Wanted {
-        inputs: std::slice::from_ref(&args.input),
-        output: &args.output,
-        format: args.format,
-        json: args.json,
-        depfile: None,
-    };
-    let (target, format) = wanted.target()?;
+    if args.json && output::is_stream(&args.output) {
+        return Err(Failure::usage("the mesh and the JSON do not fit one standard output"));
+    }
+    let format = mesh_output::format(&args.output, args.format, output::is_folder(&args.output))?;
+    let target = output::target(&args.input, Some(&args.output), format.extension())?;
+    output::prepare([&target], output::is_folder(&args.output))?;
     let mut stages = Stages::default();
     let unpacker = Unpacker::new(args.limits.limits()).triangles_only();
     let stream = read(args, unpacker, &mut stages)?;

@@ -3,19 +3,20 @@
 mod checks;
 mod errors;
 mod gpu;
-mod junit;
 mod source;
 mod sources;
+mod suites;
 
 pub(in crate::commands) use checks::models;
 
+use super::ci::CiArgs;
 use super::read::read_lodc;
 use crate::batch;
 use crate::console::{self, Loudness, error, wants};
 use crate::exit::{Failure, Outcome, Status, one_line};
 use crate::gpu::GpuArgs;
 use crate::limits::ImportArgs;
-use crate::output::{self, Target};
+use crate::output;
 use crate::report::{CheckReport, FileReport, SCHEMA_VERSION, VerifyReport};
 use crate::text::{count, grouped};
 use clap::Args;
@@ -43,9 +44,8 @@ pub(crate) struct VerifyArgs {
     /// Print one JSON document
     #[arg(long)]
     json: bool,
-    /// Write the checks as a JUnit file
-    #[arg(long, value_name = "FILE")]
-    junit: Option<PathBuf>,
+    #[command(flatten)]
+    ci: CiArgs,
     /// Of folders, take only files whose path below the folder matches (may be given several
     /// times)
     #[arg(long, value_name = "GLOB")]
@@ -63,7 +63,7 @@ pub(crate) fn run(args: &VerifyArgs) -> Outcome<Status> {
     if streams.count() > 1 {
         return Err(Failure::usage("standard input can be read once only"));
     }
-    check_junit(args)?;
+    args.ci.check(args.inputs.iter().chain(&args.source))?;
     let gpu = gpu::open(args.gpu.gpu, args.gpu.adapter.as_deref())?;
     let mut report = VerifyReport { schema_version: SCHEMA_VERSION, ok: true, files: vec![] };
     let mut worst = Status::Done;
@@ -78,23 +78,11 @@ pub(crate) fn run(args: &VerifyArgs) -> Outcome<Status> {
         }
         report.files.push(file);
     }
-    if let Some(junit) = &args.junit {
-        output::write(&Target::File(junit.clone()), junit::xml(&report).into_bytes())?;
-    }
+    args.ci.publish("lodc verify", &suites::suites(&report))?;
     if args.json {
         console::json(&report)?;
     }
     Ok(worst)
-}
-
-fn check_junit(args: &VerifyArgs) -> Outcome<()> {
-    let Some(junit) = &args.junit else { return Ok(()) };
-    if output::is_stream(junit)
-        || args.inputs.iter().chain(&args.source).any(|other| other == junit)
-    {
-        return Err(Failure::usage("--junit needs a file of its own"));
-    }
-    output::prepare(&[Target::File(junit.clone())], false)
 }
 
 /// One file. Whatever happens, there is a report, and the other files have their turn.

@@ -48,21 +48,23 @@ fn check_every_step(file: &LodFile, what: &str) {
     }
 }
 
+/// The object is a simplified mesh again: sequence, all vertices, triangle counts, strips.
 fn same_sequence(unpacker: &Unpacker, object: usize, simplified: &Simplified) {
-    let SequenceParts { targets, step_ends, .. } = simplified.collapses().parts();
-    let last = simplified.collapses().records();
-    let mut parents: Vec<u32> =
-        unpacker.decoder(object).parents().iter().skip(1).map(|&s| last - s).collect();
-    parents.reverse();
-    assert_eq!(&parents, targets);
-    let continues = unpacker.decoder(object).continues();
-    let mut ends: Vec<u32> = (1..=last)
-        .rev()
-        .filter(|&new| !continues[new as usize - 1])
-        .map(|new| last - new + 1)
-        .collect();
-    ends.dedup();
-    assert_eq!(&ends, step_ends);
+    let rebuilt = unpacker.rebuilt(object).expect("a sound stream");
+    assert_eq!(rebuilt.degenerate_triangles, 0);
+    let sequence = |s: &Simplified| {
+        let parts = s.collapses().parts().clone();
+        SequenceParts { step_errors: vec![], step_rms: vec![], ..parts }
+    };
+    assert_eq!(sequence(&rebuilt.simplified), sequence(simplified));
+    let [again, mesh] = [rebuilt.simplified.mesh(), simplified.mesh()];
+    assert_eq!(again.vertex_submesh(), mesh.vertex_submesh());
+    let bits = |mesh: &Mesh| -> Vec<_> {
+        mesh.positions().iter().map(|p| p.map(|c| (c + 0.0).to_bits())).collect()
+    };
+    assert_eq!(bits(again), bits(mesh));
+    let strips = unpacker.rebuilt_strips(object).expect("strips are coded");
+    assert_eq!(strips.check(again), Ok(()));
 }
 
 /// All that the mesh has and a triangle uses, bit for bit.

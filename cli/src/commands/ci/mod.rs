@@ -1,0 +1,74 @@
+//! Results of checks as CI systems show them: JUnit files and annotations.
+
+mod annotate;
+mod junit;
+
+use annotate::{Annotate, annotate};
+
+use crate::exit::{Failure, Outcome};
+use crate::output::{self, Target};
+use clap::Args;
+use std::path::PathBuf;
+
+/// Options of commands that check many things.
+#[derive(Args, Clone, Debug)]
+pub(crate) struct CiArgs {
+    /// Write the results as a JUnit file
+    #[arg(long, value_name = "FILE")]
+    junit: Option<PathBuf>,
+    /// Also print every failure as an annotation of this CI system, on standard error
+    #[arg(long, value_enum, value_name = "SYSTEM")]
+    annotate: Option<Annotate>,
+}
+
+/// The checks of one file.
+pub(crate) struct Suite {
+    /// The file.
+    pub(crate) name: String,
+    pub(crate) cases: Vec<Case>,
+}
+
+/// One check.
+pub(crate) struct Case {
+    pub(crate) name: String,
+    pub(crate) verdict: Verdict,
+}
+
+/// Result of a check.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Verdict {
+    /// It holds.
+    Passed,
+    /// It was not made, and why.
+    Skipped(String),
+    /// It does not hold, and why.
+    Failed(String),
+    /// It could not be made, and why.
+    Error(String),
+}
+
+impl CiArgs {
+    /// Makes sure that the JUnit file could be written.
+    ///
+    /// # Errors
+    /// If not, or if it is one of the inputs or standard output.
+    pub(crate) fn check<'a>(&self, mut inputs: impl Iterator<Item = &'a PathBuf>) -> Outcome<()> {
+        let Some(junit) = &self.junit else { return Ok(()) };
+        if output::is_stream(junit) || inputs.any(|input| input == junit) {
+            return Err(Failure::usage("--junit needs a file of its own"));
+        }
+        output::prepare(&[Target::File(junit.clone())], false)
+    }
+
+    /// Writes and prints what was asked for. `title` is the command.
+    ///
+    /// # Errors
+    /// If the JUnit file cannot be written.
+    pub(crate) fn publish(&self, title: &str, suites: &[Suite]) -> Outcome<()> {
+        if let Some(system) = self.annotate {
+            annotate(system, title, suites);
+        }
+        let Some(path) = &self.junit else { return Ok(()) };
+        output::write(&Target::File(path.clone()), junit::xml(title, suites).into_bytes())
+    }
+}

@@ -1,0 +1,132 @@
+//! Options, and the end of a run, of the commands that write levels as mesh files.
+
+use super::asset::SimplifyArgs;
+use super::each;
+use crate::batch::{self, Asset, BatchArgs, Budget, LEVELS, Sources};
+use crate::compression::CompressArgs;
+use crate::config::{ConfigArgs, Configs};
+use crate::console;
+use crate::exit::{Outcome, Status};
+use crate::limits::ImportArgs;
+use crate::mesh_output::FormatName;
+use crate::output::{self, Rule, Target};
+use crate::results::{self, FailureReport, ResultReport};
+use crate::textures::TextureArgs;
+use clap::Args;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+/// Options of commands that write levels of assets as mesh files.
+#[derive(Args, Clone, Debug)]
+pub(crate) struct ExportArgs {
+    #[command(flatten)]
+    pub(crate) simplify: SimplifyArgs,
+    #[command(flatten)]
+    pub(crate) textures: TextureArgs,
+    #[command(flatten)]
+    pub(crate) compress: CompressArgs,
+    /// Print what was written as JSON on standard output
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Write a Make/Ninja dependency file that names every file read
+    #[arg(long, value_name = "FILE")]
+    pub(crate) depfile: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) import: ImportArgs,
+    #[command(flatten)]
+    pub(crate) batch: BatchArgs,
+    #[command(flatten)]
+    configuration: ConfigArgs,
+}
+
+/// Result of the work on one asset.
+pub(crate) struct Made<R> {
+    /// Its document.
+    pub(crate) report: R,
+    /// Its results, for a dependency file.
+    pub(crate) rules: Vec<Rule>,
+}
+
+impl ExportArgs {
+    /// Returns the assets of a run, with their targets at `output` and their own options, once
+    /// options are known to fit together.
+    ///
+    /// # Errors
+    /// If they do not, or as [`batch::assets`] and [`Configs::apply`].
+    pub(crate) fn assets(
+        &self,
+        command: &'static str,
+        inputs: &[PathBuf],
+        output: &Path,
+        format: FormatName,
+    ) -> Outcome<Vec<Asset>> {
+        let writes = format.extension();
+        let sources = Sources { inputs, output: Some(output), reads: &LEVELS, writes };
+        let mut assets = batch::assets(sources, &self.batch)?;
+        Configs::new(&self.configuration, command).apply(&mut assets)?;
+        batch::check_streams(&assets, self.json, self.depfile.as_deref())?;
+        let mut targets = assets.iter().filter_map(|asset| asset.target.as_ref().ok());
+        targets.try_for_each(|target| self.check(format, target))?;
+        Ok(assets)
+    }
+
+    /// Checks that a format can hold what is wanted of it.
+    ///
+    /// # Errors
+    /// If it cannot.
+    pub(crate) fn check(&self, format: FormatName, target: &Target) -> Outcome<()> {
+        self.compress.wanted(format, false)?;
+        self.textures.check(format, *target == Target::Stdout)
+    }
+
+    /// Limits on work at one time.
+    pub(crate) fn budget(&self) -> Budget {
+        let bytes = self.import.limits().memory().unwrap_or(u64::MAX);
+        Budget { workers: rayon::current_num_threads(), bytes }
+    }
+
+    /// Ends a run: failures, dependency file, documents, a line that counts. Returns the highest
+    /// status.
+    ///
+    /// # Errors
+    /// If the dependency file or standard output cannot be written.
+    pub(crate) fn finish<R: Serialize>(
+        &self,
+        inputs: &[PathBuf],
+        assets: &[Asset],
+        done: Vec<Outcome<Made<R>>>,
+    ) -> Outcome<Status> {
+        let (mut worst, mut results, mut rules) = (Status::Done, Vec::new(), Vec::new());
+        for (asset, made) in assets.iter().zip(done) {
+            results.push(match made {
+                Ok(made) => {
+                    rules.extend(made.rules);
+                    ResultReport::Done(made.report)
+                }
+                Err(failure) => {
+                    worst = worst.max(failure.status);
+                    ResultReport::Failed(FailureReport::of(&asset.input, &failure))
+                }
+            });
+        }
+        if let Some(depfile) = &self.depfile {
+            output::write_depfile(depfile, &rules)?;
+        }
+        if assets.iter().any(Asset::is_listed) {
+            let failed = results.iter().filter(|r| matches!(r, ResultReport::Failed(_))).count();
+            console::note(&format!("{} done, {failed} failed", results.len() - failed));
+        }
+        if self.json {
+            results::print(self.batch.takes_many(inputs), worst, results)?;
+        }
+        Ok(worst)
+    }
+}
+
+/// Does the work on one asset, and prints its failure.
+///
+/// # Errors
+/// If the work fails.
+pub(crate) fn one<R>(asset: &Asset, work: impl FnOnce() -> Outcome<R>) -> Outcome<R> {
+    each::guarded(&asset.input, work).inspect_err(each::print)
+}
