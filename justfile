@@ -52,11 +52,15 @@ fixtures:
 tour:
     UPDATE=1 cargo test -p lodc --test cli readme
 
-# Draw the README's picture again (docs/levels.png; needs a graphics device)
+# Draw the pictures of README and CLI.md again (docs/*.png; needs a graphics device)
 picture: build
     cargo run --release -p lodc-fixtures --example shell -- target/shell.obj
     target/release/lodc render target/shell.obj --contact-sheet 1,0.1,0.03,0.01 --size 320x380 \
         --shading flat --wireframe --azimuth 20 --elevation 12 -o docs/levels.png
+    target/release/lodc render target/shell.obj --contact-sheet 1,0.5,0.25,0.1 --size 240x240 --shading flat \
+        --wireframe --criterion silhouette --coarse 5% --eye 1.8,1.6,5 --fovy 31 -o docs/views.png
+    target/release/lodc render target/shell.obj --size 300x300 --shading flat --wireframe --criterion box \
+        --box -9,-9,-9,0.15,9,9 --azimuth 20 --elevation 12 -o docs/half-refined.png
 
 # Draw the picture of the packages again (docs/packages.svg)
 drawing:

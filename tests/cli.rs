@@ -16,6 +16,8 @@ mod ci;
 mod compare;
 #[path = "cli/compress.rs"]
 mod compress;
+#[path = "cli/criterion.rs"]
+mod criterion;
 #[path = "cli/determinism.rs"]
 mod determinism;
 #[path = "cli/errors.rs"]

@@ -54,11 +54,16 @@ pub(crate) fn meshes(objects: &[LodObject], lods: &[Lod], shape: Shape) -> Outco
 }
 
 fn one(object: &LodObject, lod: Lod, shape: Shape) -> Outcome<LevelMesh> {
-    let mut level = if shape.refit { refitted(object, lod) } else { stored(object, lod, shape)? };
-    if shape.order == Order::Cache {
-        level.mesh = level.mesh.arranged(|mesh| order(mesh, CACHE));
+    let level = if shape.refit { refitted(object, lod) } else { stored(object, lod, shape)? };
+    Ok(LevelMesh { mesh: ordered(level.mesh, shape.order), ..level })
+}
+
+/// Puts triangles and vertices into an order.
+pub(crate) fn ordered(mesh: Mesh, wanted: Order) -> Mesh {
+    match wanted {
+        Order::Cache => mesh.arranged(|mesh| order(mesh, CACHE)),
+        Order::File => mesh,
     }
-    Ok(level)
 }
 
 fn stored(object: &LodObject, lod: Lod, shape: Shape) -> Outcome<LevelMesh> {

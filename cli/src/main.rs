@@ -29,6 +29,7 @@ mod stages;
 mod text;
 mod textures;
 mod version;
+mod views;
 
 use clap::{CommandFactory, Parser};
 use cli::{Cli, Command};

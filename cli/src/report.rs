@@ -203,12 +203,17 @@ pub(crate) struct ExtractReport {
     pub(crate) schema_version: u32,
     /// 0: done.
     pub(crate) status: u8,
-    /// The LOD shown; null if several objects each have their own.
+    /// The LOD shown; null if several objects, or all parts of the surface, each have their own.
     pub(crate) lod: Option<u32>,
+    /// The rule that gave each part of the surface a level of its own; null if there is one level
+    /// for each object.
+    pub(crate) criterion: Option<&'static str>,
     pub(crate) triangles: u64,
+    /// Share of the triangles of LOD 0.
+    pub(crate) kept_share: f64,
     pub(crate) vertices: u64,
     /// The largest error of an object: in mesh units for one object, in world units for several;
-    /// null if infinite.
+    /// null if infinite, and of a view.
     pub(crate) error: Option<f64>,
     /// The largest root mean square distance of an object, in the same units; null if it was not
     /// measured.
@@ -226,10 +231,11 @@ pub(crate) struct ExtractReport {
 #[derive(Debug, Serialize)]
 pub(crate) struct ExtractedObject {
     pub(crate) name: String,
-    pub(crate) lod: u32,
+    /// Null in a view.
+    pub(crate) lod: Option<u32>,
     pub(crate) triangles: u64,
     pub(crate) vertices: u64,
-    /// In the object's own units; null if infinite.
+    /// In the object's own units; null if infinite, and in a view.
     pub(crate) error: Option<f64>,
     /// In the object's own units; null if it was not measured.
     pub(crate) rms: Option<f64>,

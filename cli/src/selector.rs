@@ -1,7 +1,7 @@
 //! From what a person asks for (a record, a share, a count, an error) to one LOD per object.
 
 use crate::exit::{Failure, Outcome};
-use clap::{ArgMatches, Args, Command, FromArgMatches};
+use clap::Args;
 use lodc_formats::lodc::LodObject;
 use lodc_formats::{Document, Limits, ObjectInfo, scene_graph};
 use lodc_mesh::Simplified;
@@ -9,7 +9,7 @@ use lodc_scene::{Arrangement, Graph};
 use lodc_select::{Candidate, Selection, Target, View, losses, select};
 use std::sync::OnceLock;
 
-/// Exactly one of these says which level of detail is wanted.
+/// At most one of these says which level of detail is wanted.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct SelectorArgs {
     #[command(flatten)]
@@ -25,7 +25,7 @@ pub(crate) struct SelectorArgs {
 }
 
 #[derive(Args, Clone, Debug)]
-#[group(required = true, multiple = false)]
+#[group(multiple = false)]
 struct TargetArgs {
     /// The LOD after N records, rounded down to a step (0: the input; larger is coarser)
     #[arg(long, value_name = "N")]
@@ -45,7 +45,7 @@ struct TargetArgs {
     #[arg(long, value_name = "E", value_parser = rms_bound)]
     rms: Option<Target>,
     /// The coarsest LOD whose error is at most P pixels on the screen, seen from --distance
-    #[arg(long, value_name = "P", value_parser = positive, requires = "distance")]
+    #[arg(long, value_name = "P", value_parser = positive)]
     pixels: Option<f64>,
 }
 
@@ -67,42 +67,12 @@ impl ScreenArgs {
     }
     /// Returns the error that takes up so many pixels at a distance.
     pub(crate) fn error(&self, pixels: f64, distance: f64) -> Target {
-        // Height of the view at distance 1.
+        Target::Error(distance * self.slope(pixels))
+    }
+    /// Returns the same at distance 1.
+    pub(crate) fn slope(&self, pixels: f64) -> f64 {
         let height = 2.0 * (self.fovy.to_radians() / 2.0).tan();
-        Target::Error(pixels * distance * height / self.height)
-    }
-}
-
-/// The same, and none of them has to be there.
-#[derive(Clone, Debug)]
-pub(crate) struct OptionalSelector(SelectorArgs);
-
-impl OptionalSelector {
-    pub(crate) fn per_object(&self) -> bool {
-        self.0.per_object
-    }
-    /// Returns the level asked for, if any.
-    pub(crate) fn target(&self) -> Option<Target> {
-        self.0.chosen()
-    }
-}
-
-impl FromArgMatches for OptionalSelector {
-    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
-        SelectorArgs::from_arg_matches(matches).map(Self)
-    }
-    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
-        *self = Self::from_arg_matches(matches)?;
-        Ok(())
-    }
-}
-
-impl Args for OptionalSelector {
-    fn augment_args(command: Command) -> Command {
-        SelectorArgs::augment_args(command).mut_group("TargetArgs", |group| group.required(false))
-    }
-    fn augment_args_for_update(command: Command) -> Command {
-        Self::augment_args(command)
+        pixels * height / self.height
     }
 }
 
@@ -110,11 +80,30 @@ impl SelectorArgs {
     pub(crate) fn per_object(&self) -> bool {
         self.per_object
     }
-    /// Returns the level asked for.
-    pub(crate) fn target(&self) -> Target {
-        self.chosen().expect("clap demands exactly one of the group")
+    /// Returns the pixels asked for.
+    pub(crate) fn pixels(&self) -> Option<f64> {
+        self.target.pixels
     }
-    fn chosen(&self) -> Option<Target> {
+    /// Returns the error per distance that takes up so many pixels.
+    pub(crate) fn slope(&self, pixels: f64) -> f64 {
+        self.screen.slope(pixels)
+    }
+    /// Returns the vertical field of view in degrees.
+    pub(crate) fn field_of_view(&self) -> f64 {
+        self.screen.fovy
+    }
+    /// Refuses pixels without a distance.
+    ///
+    /// # Errors
+    /// If `--distance` is missing.
+    pub(crate) fn check_distance(&self) -> Outcome<()> {
+        match (self.target.pixels, self.distance) {
+            (Some(_), None) => Err(Failure::usage("--pixels needs --distance D, or a --criterion")),
+            _ => Ok(()),
+        }
+    }
+    /// Returns the level asked for, if any.
+    pub(crate) fn target(&self) -> Option<Target> {
         let t = &self.target;
         let seen = t.pixels.zip(self.distance).map(|(p, d)| self.screen.error(p, d));
         let chosen = t.lod.map(Target::Lod).or(t.ratio.map(Target::Ratio));
@@ -145,6 +134,11 @@ impl<'a> SceneLevels<'a> {
         };
         let scene = Arrangement::new(&graph, &graph.rest_pose(), objects.len());
         Ok(Self { objects, scene, losses: OnceLock::new() })
+    }
+
+    /// Returns the objects.
+    pub(crate) fn objects(&self) -> &'a [LodObject] {
+        self.objects
     }
 
     /// Objects as they are selected from.

@@ -74,6 +74,36 @@ fn a_texture_is_upright_from_a_mesh_and_from_its_levels() {
     }
 }
 
+/// The eye is to the right of a wall that faces the front: seen from there its near end is larger.
+#[test]
+fn an_eye_draws_what_it_sees_and_a_side_what_the_eye_chose() {
+    let f = Folder::new();
+    f.file("g.obj", grid(24));
+    let eye = [
+        "render", "g.obj", "-o", "e.png", "--size", "200x200", "--eye", "40,12,12", "--fovy", "90",
+        "-q",
+    ];
+    let Some(_) = render(&f, eye) else { return };
+    let p = picture(&f, "e.png");
+    let height = |x: u32| (0..200).filter(|&y| at(&p, x, y) != [255; 4]).count();
+    let columns: Vec<u32> = (0..200).filter(|&x| height(x) > 0).collect();
+    let third = columns.len() / 3;
+    let tallest = |columns: &[u32]| columns.iter().map(|&x| height(x)).max().unwrap_or(0);
+    let (far, near) = (tallest(&columns[..third]), tallest(&columns[2 * third..]));
+    assert!(near * 5 > far * 6, "{far} {near}");
+    let view = ["--criterion", "pixels", "--contact-sheet", "0.5,0.25", "--view", "front"];
+    for morph in [&[][..], &["--morph"]] {
+        let run = f.lodc(eye.iter().filter(|a| **a != "-q").chain(&view).chain(morph)).ends(0);
+        assert!(run.err.contains(", 28") || !morph.is_empty(), "{}", run.err);
+        let p = picture(&f, "e.png");
+        assert_eq!(p.width, 400);
+        assert!(covered(&p) > 0.3, "{}", covered(&p));
+    }
+    f.lodc(["render", "g.obj", "-o", "e.png", "--criterion", "silhouette"]).fails(2);
+    f.lodc(eye.iter().chain(&["--orthographic"])).fails(2);
+    f.lodc(eye.iter().chain(&view[..2]).chain(&["--color", "strips"])).fails(2);
+}
+
 #[test]
 fn a_jpeg_is_a_texture() {
     let f = Folder::new();

@@ -60,7 +60,9 @@ impl Provenance {
             if let Some(lod) = l.lod {
                 line += &format!(", LOD {lod}");
             }
-            line += &format!(", error {}", l.error);
+            if l.error.is_finite() {
+                line += &format!(", error {}", l.error);
+            }
             if let Some(rms) = l.rms {
                 line += &format!(", rms {rms}");
             }

@@ -11,7 +11,7 @@ use crate::exit::{Failure, Outcome, Status};
 use crate::limits::ImportArgs;
 use crate::output;
 use crate::results::reported;
-use crate::selector::{OptionalSelector, size};
+use crate::selector::{SelectorArgs, size};
 use crate::stages::Stages;
 use clap::Args;
 use lodc_measure::{Looks, Sampling, SceneSurface, Viewing, compare_pictures, distances, pictures};
@@ -36,7 +36,7 @@ pub(crate) struct CompareArgs {
     #[arg(long, value_name = "LEVEL", value_parser = size)]
     level_a: Option<Target>,
     #[command(flatten, next_help_heading = "Level of B [default: all triangles]")]
-    level_b: OptionalSelector,
+    level_b: SelectorArgs,
     #[command(flatten)]
     simplify: SimplifyArgs,
     /// Print the result as JSON on standard output
@@ -124,6 +124,7 @@ pub(crate) fn run(args: &CompareArgs) -> Outcome<Status> {
 
 /// Compares, once options are known to fit together.
 fn checked(args: &CompareArgs) -> Outcome<Status> {
+    args.level_b.check_distance()?;
     if [&args.a, &args.b].iter().all(|path| output::is_stream(path)) {
         return Err(Failure::usage("standard input can be read once only"));
     }

@@ -6,7 +6,7 @@ use super::each::{self, AssetOptions};
 use super::export::{self, ExportArgs};
 use crate::batch::Asset;
 use crate::console::{self, Loudness, note, wants};
-use crate::exit::{Outcome, Status};
+use crate::exit::{Failure, Outcome, Status};
 use crate::kinds::{Choice, parser_with};
 use crate::level_mesh::Order;
 use crate::mesh_output::{self, FormatName};
@@ -15,6 +15,7 @@ use crate::report::ExtractReport;
 use crate::results::reported;
 use crate::selector::{SelectorArgs, bound};
 use crate::text::{count, distance};
+use crate::views::{CriterionName, ViewArgs};
 use clap::Args;
 use clap::builder::TypedValueParser;
 use lodc_lod::ModelKind;
@@ -32,17 +33,19 @@ pub(crate) struct ExtractArgs {
     output: PathBuf,
     #[command(flatten)]
     selector: SelectorArgs,
+    #[command(flatten)]
+    view: ViewArgs,
     /// The level errs no more than E (mesh units; E%: of the diagonal), whatever else is wanted
-    #[arg(long, value_name = "E", value_parser = bound)]
+    #[arg(long, value_name = "E", value_parser = bound, conflicts_with = "criterion")]
     max_error: Option<lodc_select::Target>,
     /// The structure that is replayed to get there [default: the first in the file]
-    #[arg(long, value_parser = replays())]
+    #[arg(long, value_parser = replays(), conflicts_with = "criterion")]
     model: Option<Choice<ModelKind>>,
     /// The format, where OUT does not tell [default: glb]
     #[arg(long, value_enum)]
     format: Option<FormatName>,
     /// Move the vertices of the level to where they fit the input best; states the error measured
-    #[arg(long)]
+    #[arg(long, conflicts_with = "criterion")]
     refit: bool,
     /// The order of triangles and vertices
     #[arg(long, value_enum, default_value = "cache")]
@@ -54,6 +57,29 @@ pub(crate) struct ExtractArgs {
 /// The names of all that may be replayed.
 fn replays() -> impl TypedValueParser<Value = Choice<ModelKind>> {
     parser_with("reference", "The naive answer that every model is judged by")
+}
+
+impl ExtractArgs {
+    /// Returns the criterion of a view, if that is what is wanted.
+    ///
+    /// # Errors
+    /// If options do not fit together.
+    fn criterion(&self) -> Outcome<Option<CriterionName>> {
+        let criterion = self.view.check(&self.selector)?;
+        if criterion.is_some() {
+            return Ok(criterion);
+        }
+        if self.view.at.eye.or(self.view.at.target).is_some() {
+            return Err(Failure::usage("--eye and --target need a --criterion"));
+        }
+        if self.selector.target().is_none() {
+            return Err(Failure::usage(
+                "a level is required: one of --lod, --ratio, --triangles, --error, --rms and \
+                 --pixels, or a --criterion",
+            ));
+        }
+        Ok(None)
+    }
 }
 
 pub(crate) fn run(args: &ExtractArgs) -> Outcome<Status> {
@@ -91,15 +117,28 @@ fn say(input: &Path, report: &ExtractReport) {
 }
 
 fn sentence(report: &ExtractReport) -> String {
+    if let Some(criterion) = report.criterion {
+        return format!(
+            "{}: {criterion}, {} ({:.1} %), {}",
+            named(report),
+            count(report.triangles, "triangle"),
+            report.kept_share * 100.0,
+            count(report.vertices, "vertex")
+        );
+    }
     let lod = report
         .lod
         .map_or_else(|| format!("{} objects", report.objects.len()), |lod| format!("LOD {lod}"));
-    let output = if report.output == "-" { "standard output" } else { &report.output };
     format!(
-        "{output}: {lod}, {}, {}, error {}{}",
+        "{}: {lod}, {}, {}, error {}{}",
+        named(report),
         count(report.triangles, "triangle"),
         count(report.vertices, "vertex"),
         distance(report.error.unwrap_or(f64::INFINITY)),
         if report.refitted { " (refitted)" } else { "" }
     )
+}
+
+fn named(report: &ExtractReport) -> &str {
+    if report.output == "-" { "standard output" } else { &report.output }
 }

@@ -11,11 +11,13 @@ use crate::progress::Progress;
 use crate::report::{ExtractReport, ExtractedObject, SCHEMA_VERSION};
 use crate::selector::SceneLevels;
 use crate::stages::Stages;
+use crate::views::{CriterionName, SceneViews};
 use lodc_formats::export::{Additions, LevelFacts, Provenance};
 use lodc_formats::lodc::LodObject;
+use lodc_formats::{ObjectInfo, scene_graph};
 use lodc_lod::{AnyModel, ModelKind};
-use lodc_mesh::Lod;
-use lodc_select::Selection;
+use lodc_mesh::{Lod, Mesh};
+use lodc_scene::Arrangement;
 use std::path::Path;
 
 /// Extracts the level of one input.
@@ -30,25 +32,23 @@ pub(super) fn extract(
     progress: &Progress,
 ) -> Outcome<Made<ExtractReport>> {
     let mut stages = Stages::default();
+    let criterion = args.criterion()?;
     let (import, simplify) = (&args.export.import, &args.export.simplify);
     let asset = asset::read_showing(progress, input, import, simplify, &mut stages)?;
-    let shape = Shape { model: model(args, input, &asset)?, refit: args.refit, order: args.order };
-    let limits = args.export.import.limits().limits();
-    let scene = SceneLevels::new(&asset.objects, &asset.document, &limits)?;
-    let (wish, per_object) = (args.selector.target(), args.selector.per_object());
-    let chosen = stages.run("select", || scene.select_capped(wish, args.max_error, per_object))?;
-    let meshes =
-        stages.run("extract", || level_mesh::meshes(&asset.objects, &chosen.lods, shape))?;
+    let level = match criterion {
+        Some(name) => view(args, name, input, &asset, &mut stages)?,
+        None => uniform(args, input, &asset, &mut stages)?,
+    };
     let textures = stages.run("textures", || {
         args.export.textures.placed(&asset.document, input, &args.export.import, target, format)
     });
     let (textures, images_read) = textures?;
-    let mut report = report(args, input, &asset, &meshes, chosen, shape, target);
+    let mut report = report(args, input, &asset, &level, target);
     report.warnings.extend_from_slice(&textures.warnings);
     let compress = args.export.compress.wanted(format, asset.compressed)?;
     let additions = Additions { textures, compress, provenance: Some(provenance(&asset, &report)) };
     let files = stages.run("export", || {
-        let objects = level_mesh::exported(&asset.objects, &meshes);
+        let objects = level_mesh::exported(&asset.objects, &level.meshes);
         mesh_output::files(target, format, &asset.document, &objects, &additions)
     })?;
     stages.run("write", || mesh_output::write(target, files))?;
@@ -61,6 +61,66 @@ pub(super) fn extract(
         Target::Stdout => vec![],
     };
     Ok(Made { report, rules })
+}
+
+/// A level that was taken out.
+struct Level {
+    meshes: Vec<LevelMesh>,
+    /// Of each object; none in a view.
+    lods: Vec<Option<Lod>>,
+    model: &'static str,
+    criterion: Option<CriterionName>,
+    warnings: Vec<String>,
+}
+
+/// One level of detail for each object.
+fn uniform(args: &ExtractArgs, input: &Path, asset: &Asset, stages: &mut Stages) -> Outcome<Level> {
+    let shape = Shape { model: model(args, input, asset)?, refit: args.refit, order: args.order };
+    let limits = args.export.import.limits().limits();
+    let scene = SceneLevels::new(&asset.objects, &asset.document, &limits)?;
+    let wish = args.selector.target().expect("there is a level or a criterion");
+    let per_object = args.selector.per_object();
+    let chosen = stages.run("select", || scene.select_capped(wish, args.max_error, per_object))?;
+    let meshes =
+        stages.run("extract", || level_mesh::meshes(&asset.objects, &chosen.lods, shape))?;
+    Ok(Level {
+        meshes,
+        lods: chosen.lods.into_iter().map(Some).collect(),
+        model: shape.model.map_or("reference", ModelKind::name),
+        criterion: None,
+        warnings: chosen.warnings,
+    })
+}
+
+/// A level of detail for every part of the surface. Its error is not known.
+fn view(
+    args: &ExtractArgs,
+    name: CriterionName,
+    input: &Path,
+    asset: &Asset,
+    stages: &mut Stages,
+) -> Outcome<Level> {
+    args.view.check_models(input, &asset.objects)?;
+    let limits = args.export.import.limits().limits();
+    let levels = SceneLevels::new(&asset.objects, &asset.document, &limits)?;
+    let infos: Vec<&ObjectInfo> = asset.objects.iter().map(|o| &o.info).collect();
+    let graph = scene_graph(&asset.document, &infos, &limits)?;
+    let scene = Arrangement::new(&graph, &graph.rest_pose(), infos.len());
+    let views = stages
+        .run("select", || SceneViews::new(&args.view, name, &args.selector, &levels, &scene))
+        .map_err(|f| Failure { message: format!("{}: {f}", input.display()), ..f })?;
+    let shown = stages.run("extract", || views.show(views.most(args.selector.target())))?;
+    let level = |mesh: Mesh| {
+        let mesh = level_mesh::ordered(mesh, args.order);
+        LevelMesh { mesh, error: f64::INFINITY, rms: None }
+    };
+    Ok(Level {
+        meshes: views.meshes(&shown)?.into_iter().map(level).collect(),
+        lods: vec![None; asset.objects.len()],
+        model: ModelKind::Interactive.name(),
+        criterion: Some(name),
+        warnings: shown.warnings,
+    })
 }
 
 /// The model to replay; none stands for the reference.
@@ -94,38 +154,42 @@ fn report(
     args: &ExtractArgs,
     input: &Path,
     asset: &Asset,
-    meshes: &[LevelMesh],
-    chosen: Selection,
-    shape: Shape,
+    level: &Level,
     target: &Target,
 ) -> ExtractReport {
     let finite = |x: f64| x.is_finite().then_some(x);
-    let object = |((object, &lod), level): ((&LodObject, &Lod), &LevelMesh)| ExtractedObject {
-        name: object.info.name.clone(),
-        lod: lod.0,
-        triangles: level.mesh.triangles().len() as u64,
-        vertices: level.mesh.vertex_count() as u64,
-        error: finite(level.error),
-        rms: level.rms.and_then(finite),
-    };
-    let objects: Vec<_> = asset.objects.iter().zip(&chosen.lods).zip(meshes).map(object).collect();
-    let (error, rms) = level_mesh::distance(&asset.objects, meshes);
+    let object =
+        |((object, lod), level): ((&LodObject, &Option<Lod>), &LevelMesh)| ExtractedObject {
+            name: object.info.name.clone(),
+            lod: lod.map(|lod| lod.0),
+            triangles: level.mesh.triangles().len() as u64,
+            vertices: level.mesh.vertex_count() as u64,
+            error: finite(level.error),
+            rms: level.rms.and_then(finite),
+        };
+    let objects: Vec<_> =
+        asset.objects.iter().zip(&level.lods).zip(&level.meshes).map(object).collect();
+    let (error, rms) = level_mesh::distance(&asset.objects, &level.meshes);
+    let triangles = objects.iter().map(|o| o.triangles).sum();
+    let all: usize = asset.objects.iter().map(|o| o.simplified.mesh().triangles().len()).sum();
     ExtractReport {
         schema_version: SCHEMA_VERSION,
         status: 0,
-        lod: match chosen.lods[..] {
-            [one] => Some(one.0),
+        lod: match level.lods[..] {
+            [one] => one.map(|lod| lod.0),
             _ => None,
         },
-        triangles: objects.iter().map(|o| o.triangles).sum(),
+        criterion: level.criterion.map(CriterionName::name),
+        triangles,
+        kept_share: if all == 0 { 1.0 } else { triangles as f64 / all as f64 },
         vertices: objects.iter().map(|o| o.vertices).sum(),
         error: finite(error),
         rms: rms.and_then(finite),
         refitted: args.refit,
         output: target.name(),
         input: input.display().to_string(),
-        model: shape.model.map_or("reference", ModelKind::name),
+        model: level.model,
         objects,
-        warnings: [asset.warnings.clone(), chosen.warnings].concat(),
+        warnings: [&asset.warnings[..], &level.warnings].concat(),
     }
 }

@@ -3,10 +3,11 @@
 use super::RenderArgs;
 use super::options::Colouring;
 use super::scene::{Objects, Shown};
-use crate::exit::Outcome;
+use crate::exit::{Failure, Outcome};
 use crate::levels;
 use crate::selector::SceneLevels;
 use crate::text::{count, distance};
+use crate::views::{CriterionName, SceneViews};
 use lodc_formats::lodc::LodObject;
 use lodc_lod::AnyModel;
 use lodc_mesh::{Lod, Mesh, OrientedTriangle};
@@ -18,6 +19,8 @@ use rayon::prelude::*;
 /// One picture: the triangles of every object.
 pub(super) struct Cell {
     pub(super) objects: Vec<Vec<OrientedTriangle>>,
+    /// Meshes of these triangles where vertices have moved; empty for those of the input.
+    meshes: Vec<Mesh>,
     /// The strip of every triangle, counted over all objects, where strips are what colours mean.
     pub(super) strips: Vec<Vec<u32>>,
     /// Triangles of all objects.
@@ -29,6 +32,10 @@ pub(super) struct Cell {
 }
 
 impl Cell {
+    /// Returns the mesh of an object's triangles.
+    pub(super) fn mesh<'a>(&'a self, shown: &'a Shown, object: usize) -> &'a Mesh {
+        self.meshes.get(object).unwrap_or_else(|| shown.objects.mesh(object))
+    }
     /// `1,000 triangles (10.0 %)`.
     pub(super) fn sentence(&self) -> String {
         let share =
@@ -66,6 +73,7 @@ pub(super) fn chosen(args: &RenderArgs, shown: &Shown) -> Outcome<Vec<Cell>> {
             let warnings = Vec::new();
             return Ok(vec![Cell {
                 objects,
+                meshes: Vec::new(),
                 strips: Vec::new(),
                 triangles,
                 share: 1.0,
@@ -74,6 +82,10 @@ pub(super) fn chosen(args: &RenderArgs, shown: &Shown) -> Outcome<Vec<Cell>> {
             }]);
         }
     };
+    let levels = SceneLevels::new(objects, &shown.document, &args.import.options().limits)?;
+    if let Some(name) = args.views.criterion {
+        return seen(args, name, shown, &levels);
+    }
     let wanted: Vec<Target> = if args.contact_sheet.is_empty() {
         vec![args.selector.target().unwrap_or(Target::Ratio(1.0))]
     } else {
@@ -81,7 +93,6 @@ pub(super) fn chosen(args: &RenderArgs, shown: &Shown) -> Outcome<Vec<Cell>> {
     };
     let strips: Option<Vec<Strips>> =
         (args.color == Colouring::Strips).then(|| objects.par_iter().map(strips).collect());
-    let levels = SceneLevels::new(objects, &shown.document, &args.import.options().limits)?;
     let all: u64 = objects.iter().map(|o| o.simplified.mesh().triangles().len() as u64).sum();
     let cell = |&target: &Target| {
         let selection = levels.select(target, args.selector.per_object())?;
@@ -96,6 +107,7 @@ pub(super) fn chosen(args: &RenderArgs, shown: &Shown) -> Outcome<Vec<Cell>> {
         let live = triangles.iter().map(|t: &Vec<_>| t.len() as u64).sum();
         Ok(Cell {
             objects: triangles,
+            meshes: Vec::new(),
             strips: ids,
             triangles: live,
             share: if all == 0 { 1.0 } else { live as f64 / all as f64 },
@@ -104,6 +116,40 @@ pub(super) fn chosen(args: &RenderArgs, shown: &Shown) -> Outcome<Vec<Cell>> {
         })
     };
     wanted.iter().map(cell).collect()
+}
+
+/// The pictures of a view: as the criterion says, or with so many triangles.
+fn seen(
+    args: &RenderArgs,
+    name: CriterionName,
+    shown: &Shown,
+    levels: &SceneLevels<'_>,
+) -> Outcome<Vec<Cell>> {
+    args.views.check_models(&args.input, levels.objects())?;
+    let views = SceneViews::new(&args.views, name, &args.selector, levels, &shown.arrangement)
+        .map_err(|f| Failure { message: format!("{}: {f}", args.input.display()), ..f })?;
+    let sheet = args.contact_sheet.iter().map(|&share| Some(Target::Ratio(share)));
+    let wanted: Vec<Option<Target>> =
+        if sheet.len() > 0 { sheet.collect() } else { vec![args.selector.target()] };
+    let cell = |wish: Option<Target>| {
+        let view = views.show(views.most(wish))?;
+        let meshes = if args.views.morph { views.meshes(&view)? } else { Vec::new() };
+        let objects: Vec<_> = match meshes[..] {
+            [] => views.triangles(&view),
+            _ => meshes.iter().map(whole).collect(),
+        };
+        let triangles = objects.iter().map(|o| o.len() as u64).sum();
+        Ok(Cell {
+            objects,
+            meshes,
+            strips: Vec::new(),
+            triangles,
+            share: if views.all() == 0 { 1.0 } else { triangles as f64 / views.all() as f64 },
+            error: None,
+            warnings: view.warnings,
+        })
+    };
+    wanted.into_iter().map(cell).collect()
 }
 
 /// All triangles of a mesh.

@@ -3,12 +3,14 @@
 use super::RenderArgs;
 use super::cells::Cell;
 use super::heat::Heat;
-use super::options::{Backs, Colouring, Shading, UpAxis};
+use super::options::{Backs, Colouring, Shading, UpAxis, View};
 use super::scene::Shown;
 use crate::colours::distinct;
 use crate::exit::Outcome;
 use crate::gpu::{Device, failure};
-use lodc_gpu::picture::{BackFaces, Camera, Corner, Frame, Framing, Lens, Painter, Style, Up};
+use lodc_gpu::picture::{
+    BackFaces, Camera, Corner, Frame, Framing, Lens, Painter, Style, Up, Viewpoint,
+};
 use lodc_mesh::{Attribute, Mesh, OrientedTriangle, PositionIds, Semantic};
 use lodc_scene::{
     AlphaMode, Image, Material, Placement, PosedVertices, flat_normals, posed, smooth_normals,
@@ -34,10 +36,10 @@ pub(super) fn pictures(
     let painter = Painter::new(device, images, &materials).map_err(|e| failure(&e))?;
     let size =
         args.size.unwrap_or(if args.contact_sheet.is_empty() { [1024, 768] } else { [480, 360] });
-    let points: Vec<PositionIds> = (0..shown.objects.len())
-        .into_par_iter()
-        .map(|o| PositionIds::new(shown.objects.mesh(o).positions()))
-        .collect();
+    let ids = |cell: &Cell| -> Vec<PositionIds> {
+        let of = |o| PositionIds::new(cell.mesh(shown, o).positions());
+        (0..shown.objects.len()).into_par_iter().map(of).collect()
+    };
     let camera = camera(args, shown, f64::from(size[0]) / f64::from(size[1]));
     let style = Style {
         size,
@@ -52,6 +54,7 @@ pub(super) fn pictures(
     };
     let one = |(number, cell): (usize, &Cell)| {
         let mut frame = Frame::new(&painter, &camera, &style)?;
+        let points = ids(cell);
         let mut blended: Vec<(f32, usize, [Corner; 3])> = Vec::new();
         for placement in shown.arrangement.placements() {
             let o = placement.object;
@@ -100,13 +103,21 @@ fn camera(args: &RenderArgs, shown: &Shown, aspect: f64) -> Camera {
         let posed = posed(shown.objects.mesh(placement.object), placement);
         points.extend(posed.positions.iter().map(|p| p.to_array()));
     }
-    let (azimuth, elevation) = args.view.angles();
+    let up = match args.up {
+        UpAxis::Y => Up::Y,
+        UpAxis::Z => Up::Z,
+    };
+    if let Some(eye) = args.eye_of_picture() {
+        let middle = Camera::middle(&points);
+        let target = args.views.at.target.map_or(middle, |target| target.map(f64::from));
+        let (eye, degrees) = (eye.map(f64::from), args.selector.field_of_view());
+        let view = Viewpoint { eye, target, up, degrees, zoom: args.zoom };
+        return Camera::at(&points, &view, aspect);
+    }
+    let (azimuth, elevation) = args.view.unwrap_or(View::ThreeQuarter).angles();
     let any = args.azimuth.is_some() || args.elevation.is_some();
     let framing = Framing {
-        up: match args.up {
-            UpAxis::Y => Up::Y,
-            UpAxis::Z => Up::Z,
-        },
+        up,
         azimuth: args.azimuth.unwrap_or(if any { 0.0 } else { azimuth }),
         elevation: args.elevation.unwrap_or(if any { 0.0 } else { elevation }),
         lens: if args.orthographic { Lens::Orthographic } else { Lens::Perspective(args.fov) },
@@ -146,7 +157,7 @@ impl Part<'_> {
     /// Runs of triangles with one material.
     fn corners(&self, matte: usize) -> Vec<(usize, Vec<Corner>)> {
         let object = self.placement.object;
-        let mesh = self.shown.objects.mesh(object);
+        let mesh = self.cell.mesh(self.shown, object);
         let triangles = &self.cell.objects[object];
         let smooth_shading = self.args.shading == Shading::Smooth;
         let posed = posed(mesh, self.placement);

@@ -36,8 +36,8 @@ pub(super) fn measure(shown: &Shown, cells: &[Cell]) -> Heat {
     };
     let trees: Vec<TriangleTree> = (0..objects).into_par_iter().map(tree).collect();
     let field = |cell: &Cell, o: usize| {
-        let mesh = shown.objects.mesh(o);
-        DistanceField::new(&corners(mesh, &cell.objects[o]), &trees[o], mesh.diagonal() * STEP)
+        let corners = corners(cell.mesh(shown, o), &cell.objects[o]);
+        DistanceField::new(&corners, &trees[o], shown.objects.mesh(o).diagonal() * STEP)
     };
     let fields: Vec<Vec<DistanceField>> = cells
         .iter()

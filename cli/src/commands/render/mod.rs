@@ -18,7 +18,8 @@ use crate::exit::{Failure, Outcome};
 use crate::gpu::{self, Device};
 use crate::limits::ImportArgs;
 use crate::output::{self, Target};
-use crate::selector::{OptionalSelector, share};
+use crate::selector::{SelectorArgs, share};
+use crate::views::ViewArgs;
 use clap::Args;
 use options::{Backs, Colouring, Shading, UpAxis, View};
 use std::path::PathBuf;
@@ -32,7 +33,9 @@ pub(crate) struct RenderArgs {
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
     #[command(flatten)]
-    selector: OptionalSelector,
+    selector: SelectorArgs,
+    #[command(flatten)]
+    views: ViewArgs,
     /// Several levels of detail side by side, each a share of the triangles, 0 to 1
     #[arg(
         long,
@@ -56,14 +59,9 @@ pub(crate) struct RenderArgs {
     /// Pixels of each picture [default: 1024x768, in a contact sheet 480x360]
     #[arg(long, value_name = "WxH", value_parser = options::size)]
     size: Option<[u32; 2]>,
-    /// The side to show
-    #[arg(
-        long,
-        value_enum,
-        default_value = "three-quarter",
-        conflicts_with_all = ["azimuth", "elevation"]
-    )]
-    view: View,
+    /// The side to show [default: three-quarter; with --eye what it sees, --fovy degrees high]
+    #[arg(long, value_enum, conflicts_with_all = ["azimuth", "elevation"])]
+    view: Option<View>,
     /// Degrees around the upward axis: 0 is the front, 90 the side to the right of who looks at it
     #[arg(
         long,
@@ -129,11 +127,35 @@ pub(crate) fn run(args: &RenderArgs) -> Outcome<()> {
     if args.wireframe && args.color == Colouring::Error {
         return Err(Failure::usage("--color error divides triangles: leave --wireframe out"));
     }
+    check_view(args)?;
     let device = gpu::open(args.adapter.as_deref()).map_err(|failure| {
         let message = format!("{}: {failure}; nothing was drawn", args.input.display());
         Failure { message, ..failure }
     })?;
     picture(args, &target, &device)
+}
+
+/// Refuses options of views that do not fit together.
+fn check_view(args: &RenderArgs) -> Outcome<()> {
+    if args.views.check(&args.selector)?.is_some() && args.color == Colouring::Strips {
+        return Err(Failure::usage(
+            "--color strips shows one level of each object, no --criterion",
+        ));
+    }
+    if args.orthographic && args.eye_of_picture().is_some() {
+        return Err(Failure::usage(
+            "an eye sees with perspective: leave --orthographic out, or say --view",
+        ));
+    }
+    Ok(())
+}
+
+impl RenderArgs {
+    /// Returns the eye that the picture is seen from, if it is not seen from a side.
+    fn eye_of_picture(&self) -> Option<[f32; 3]> {
+        let side = self.view.is_some() || self.azimuth.is_some() || self.elevation.is_some();
+        self.views.at.eye.filter(|_| !side)
+    }
 }
 
 #[cfg(not(feature = "gpu"))]

@@ -100,7 +100,9 @@ fn of_scene(
     scene: Scene,
     stages: &mut Stages,
 ) -> Outcome<(Objects, Document, Vec<String>)> {
-    let levels = args.selector.target().is_some() || !args.contact_sheet.is_empty();
+    let levels = args.selector.target().is_some()
+        || args.views.criterion.is_some()
+        || !args.contact_sheet.is_empty();
     if !levels && args.color != Colouring::Strips {
         let objects = scene.objects.into_iter().map(|o| (o.info, o.mesh)).collect();
         return Ok((Objects::Meshes(objects), scene.document, scene.warnings));

@@ -9,6 +9,7 @@ use crate::limits::LimitArgs;
 use crate::report::SCHEMA_VERSION;
 use crate::selector::ScreenArgs;
 use crate::text::{distance, grouped};
+use crate::views::point;
 use clap::Args;
 use lodc_select::{Goal, Instance, SceneManager, decimal};
 use model::Model;
@@ -154,12 +155,4 @@ fn text(level: &LevelReport) -> String {
 fn positive(text: &str) -> Result<f32, String> {
     let value: f32 = text.parse().map_err(|e| format!("{e}"))?;
     if value > 0.0 && value.is_finite() { Ok(value) } else { Err("a number above 0".to_owned()) }
-}
-
-fn point(text: &str) -> Result<[f32; 3], String> {
-    let numbers: Result<Vec<f32>, _> = text.split(',').map(|n| n.trim().parse()).collect();
-    let point = numbers.ok().and_then(|n| <[f32; 3]>::try_from(n).ok());
-    point
-        .filter(|p| p.iter().all(|c| c.is_finite()))
-        .ok_or_else(|| "three numbers X,Y,Z".to_owned())
 }

@@ -35,6 +35,51 @@ pub struct Framing {
     pub zoom: f64,
 }
 
+/// An eye, and where it looks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Viewpoint {
+    /// The place of the eye.
+    pub eye: [f64; 3],
+    /// The point in the middle of the picture.
+    pub target: [f64; 3],
+    /// The upward axis.
+    pub up: Up,
+    /// Degrees between the upper and the lower edge, above 0 and below 180.
+    pub degrees: f64,
+    /// Zoom: 1 shows these degrees.
+    pub zoom: f64,
+}
+
+impl Viewpoint {
+    /// Right, up, towards the camera. Looking along the upward axis, or nowhere, is looking ahead
+    /// and down.
+    fn axes(&self) -> [[f64; 3]; 3] {
+        let (up, ahead) = match self.up {
+            Up::Y => ([0.0, 1.0, 0.0], [0.0, 0.0, -1.0]),
+            Up::Z => ([0.0, 0.0, 1.0], [0.0, 1.0, 0.0]),
+        };
+        let toward: [f64; 3] = std::array::from_fn(|i| self.eye[i] - self.target[i]);
+        let toward = normalised(toward).unwrap_or(up);
+        let level =
+            |up| normalised(cross(up, toward)).filter(|_| dot(up, toward).abs() < 1.0 - 1e-9);
+        let right = level(up).or_else(|| level(ahead)).unwrap_or([1.0, 0.0, 0.0]);
+        [right, cross(toward, right), toward]
+    }
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+fn normalised(v: [f64; 3]) -> Option<[f64; 3]> {
+    let length = dot(v, v).sqrt();
+    (length > 0.0 && length.is_finite()).then(|| v.map(|c| c / length))
+}
+
 /// A camera in the space of a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
@@ -70,11 +115,7 @@ struct SeenPoints<'a> {
 
 impl<'a> SeenPoints<'a> {
     fn new(points: &'a [[f64; 3]], axes: [[f64; 3]; 3]) -> Self {
-        let centre = std::array::from_fn(|i| {
-            let (low, high) = bounds(points.iter().map(|p| p[i]));
-            if low <= high { low / 2.0 + high / 2.0 } else { 0.0 }
-        });
-        Self { points, centre, axes }
+        Self { points, centre: Camera::middle(points), axes }
     }
 
     /// Bounds along an axis, each point moved by its depth times `slope`.
@@ -134,6 +175,38 @@ impl Camera {
             half,
             perspective: matches!(framing.lens, Lens::Perspective(_)),
             depth: [(eye[2] - far - size * 1e-3).max(size * 1e-4), eye[2] - near + size * 1e-3],
+        }
+    }
+
+    /// Returns the middle of the box around points.
+    #[must_use]
+    pub fn middle(points: &[[f64; 3]]) -> [f64; 3] {
+        std::array::from_fn(|i| {
+            let (low, high) = bounds(points.iter().map(|p| p[i]));
+            if low <= high { low / 2.0 + high / 2.0 } else { 0.0 }
+        })
+    }
+
+    /// The camera at a place that looks at a point, with so many degrees between the upper and the
+    /// lower edge of the picture. What is behind it is not seen.
+    #[must_use]
+    pub fn at(points: &[[f64; 3]], view: &Viewpoint, aspect: f64) -> Self {
+        let seen = SeenPoints::new(points, view.axes());
+        let from_centre: [f64; 3] = std::array::from_fn(|i| view.eye[i] - seen.centre[i]);
+        let eye = seen.axes.map(|axis| dot(axis, from_centre));
+        let tangent = (view.degrees.to_radians() / 2.0).tan() / view.zoom;
+        let size = seen.size();
+        let (low, high) = seen.along(2);
+        let (low, high) = if low <= high { (low, high) } else { (0.0, 0.0) };
+        let near = (eye[2] - high - size * 1e-3).max(size * 1e-3);
+        Self {
+            centre: seen.centre,
+            axes: seen.axes,
+            up: view.up,
+            eye,
+            half: [tangent * aspect, tangent],
+            perspective: true,
+            depth: [near, (eye[2] - low + size * 1e-3).max(near + size * 1e-3)],
         }
     }
 

@@ -72,3 +72,25 @@ fn nothing_and_a_point_have_a_camera_too() {
         }
     });
 }
+
+#[test]
+fn an_eye_sees_its_target_in_the_middle_and_what_is_up_above_it() {
+    let points: Vec<[f64; 3]> = (0..8)
+        .map(|i| [f64::from(i & 1) * 3.0, f64::from(i >> 1 & 1), f64::from(i >> 2) * 2.0])
+        .collect();
+    for up in [Up::Y, Up::Z] {
+        for eye in [[9.0, 2.0, 5.0], [-4.0, 0.5, 1.0], [1.5, 8.0, 1.0], [1.5, 0.5, -7.0]] {
+            let target = [1.5, 0.5, 1.0];
+            let view = Viewpoint { eye, target, up, degrees: 60.0, zoom: 1.0 };
+            let camera = Camera::at(&points, &view, 1.5);
+            let [x, y, z] = seen(&camera, target);
+            assert!(x.abs() < 1e-4 && y.abs() < 1e-4 && (0.0..1.0).contains(&z), "{eye:?}: {z}");
+            let mut above = target;
+            above[if up == Up::Y { 1 } else { 2 }] += 0.25;
+            assert!(seen(&camera, above)[1] > -1e-5, "{eye:?} {up:?}");
+            for p in &points {
+                assert!((0.0..=1.0).contains(&seen(&camera, *p)[2]), "{eye:?}: depth of {p:?}");
+            }
+        }
+    }
+}

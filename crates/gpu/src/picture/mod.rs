@@ -10,7 +10,7 @@ mod frame;
 mod painter;
 mod pixels;
 
-pub use camera::{Camera, Framing, Lens, Up};
+pub use camera::{Camera, Framing, Lens, Up, Viewpoint};
 pub use frame::Frame;
 pub use painter::Painter;
 

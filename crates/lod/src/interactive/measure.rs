@@ -77,7 +77,7 @@ impl Passes<'_> {
     /// Views from eight eyes, the filter, and draws of what it leaves.
     fn view_dependent(&self) -> Vec<Case> {
         let coarse = self.coarse();
-        let outline = |eye| Criterion::Silhouette { eye, edge: Lod(0), face: coarse };
+        let outline = |eye| Criterion::Silhouette { eye, edge: Lod(0), face: coarse, width: 1.0 };
         // One pixel of a thousand.
         let error = |eye| Criterion::ScreenError { eye, slope: Criterion::slope(1.0, 1000.0, 0.5) };
         let outlines = |morph| self.views_by(&outline, morph);

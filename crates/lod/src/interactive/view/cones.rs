@@ -79,11 +79,12 @@ pub struct Cones {
 }
 
 impl Cones {
-    /// Finds groups and cones in near-linear time.
+    /// Finds groups, and cones of the faces with every vertex at its place in `shape`, in
+    /// near-linear time.
     #[must_use]
-    pub fn new(mesh: &Mesh, positions: &PositionIds, collapses: &CollapseSequence) -> Self {
-        let groups = WedgeGroups::new(mesh, positions);
-        let mut cones = faces(mesh, &groups);
+    pub fn new(mesh: &Mesh, collapses: &CollapseSequence, shape: &[[f32; 3]]) -> Self {
+        let groups = WedgeGroups::new(mesh, &PositionIds::new(mesh.positions()));
+        let mut cones = faces(mesh, shape, &groups);
         gather(&mut cones, &groups, collapses);
         let mut used = vec![false; groups.len()];
         for &v in mesh.triangles().as_flattened() {
@@ -101,8 +102,8 @@ impl Cones {
 }
 
 /// Each group's cone of the faces around it; none without faces that have area.
-fn faces(mesh: &Mesh, groups: &WedgeGroups) -> Vec<Option<Cone>> {
-    let normals: Vec<_> = mesh.triangles().iter().map(|&t| normal(mesh, t)).collect();
+fn faces(mesh: &Mesh, shape: &[[f32; 3]], groups: &WedgeGroups) -> Vec<Option<Cone>> {
+    let normals: Vec<_> = mesh.triangles().iter().map(|&t| normal(shape, t)).collect();
     let mut sums = vec![[0.0; 3]; groups.len()];
     let each = |visit: &mut dyn FnMut(usize, [f64; 3])| {
         for (t, n) in mesh.triangles().iter().zip(&normals) {
@@ -154,8 +155,8 @@ fn gather(cones: &mut [Option<Cone>], groups: &WedgeGroups, collapses: &Collapse
 }
 
 /// The unit normal of a triangle; none without area.
-pub(super) fn normal(mesh: &Mesh, triangle: [u32; 3]) -> Option<[f64; 3]> {
-    let [a, b, c] = triangle.map(|v| mesh.positions()[v as usize].map(f64::from));
+pub(super) fn normal(shape: &[[f32; 3]], triangle: [u32; 3]) -> Option<[f64; 3]> {
+    let [a, b, c] = triangle.map(|v| shape[v as usize].map(f64::from));
     let (u, v): ([f64; 3], [f64; 3]) =
         (std::array::from_fn(|i| b[i] - a[i]), std::array::from_fn(|i| c[i] - a[i]));
     normalised([u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]])

@@ -7,7 +7,8 @@ use lodc_mesh::Lod;
 pub enum Criterion {
     /// The angle between the group's cone of normals and the direction to the eye (thesis 5.3,
     /// algorithm 6): `edge` where a normal of the cone may be perpendicular to it, so that the
-    /// outline keeps its detail, up to `face` where all are parallel, linear in the cosine between.
+    /// outline keeps its detail, up to `face` where all have at least the cosine `width`, linear
+    /// in the cosine between.
     Silhouette {
         /// The viewpoint.
         eye: [f32; 3],
@@ -15,6 +16,9 @@ pub enum Criterion {
         edge: Lod,
         /// The coarser LOD.
         face: Lod,
+        /// From 1, the thesis's rule, to nearly 0, a line: the share to which the band of detail
+        /// narrows. Sines of cones are multiplied by it.
+        width: f32,
     },
     /// The coarsest LOD whose stored error, at the group's distance from the eye, covers at most
     /// `slope` of that distance, or one that is finer by less than 0.2 % of the error.

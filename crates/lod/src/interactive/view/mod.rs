@@ -10,34 +10,36 @@
 mod cones;
 mod criterion;
 pub mod deterministic_math;
+mod family;
 mod filter;
 mod passes;
 mod replay;
 mod select;
+mod selector;
+mod surface;
 #[cfg(test)]
 mod tests;
 
 pub use cones::{Cone, Cones};
 pub use criterion::{Criterion, ViewQuery};
+pub use family::{Family, LodRange, finest_within};
 pub use filter::{Filter, Filtered, filtered};
 pub use passes::ViewPasses;
 pub use replay::sample;
 pub use select::{Point, State};
+pub use selector::Selector;
+pub use surface::{kept, live_triangles, morphed_mesh};
 
 use deterministic_math::lerp;
 use lodc_mesh::{Lod, PositionIds, Simplified};
 use lodc_plan::VertexRecords;
 use lodc_verify::{Failure, ShownView, check_view};
-use select::{ByError, Parameters};
 
 /// The view-dependent variant on the CPU: the twin of the kernels.
 #[derive(Clone, Debug)]
 pub struct Views<'a> {
-    simplified: &'a Simplified,
+    selector: Selector<'a>,
     records: VertexRecords,
-    points: Vec<Point>,
-    links: Vec<[u32; 2]>,
-    by_error: ByError,
 }
 
 /// The content of one view.
@@ -80,38 +82,32 @@ impl<'a> Views<'a> {
     /// Finds groups and cones.
     #[must_use]
     pub fn new(simplified: &'a Simplified, records: VertexRecords) -> Self {
-        let mesh = simplified.mesh();
-        let cones = Cones::new(mesh, &PositionIds::new(mesh.positions()), simplified.collapses());
-        let collapses = simplified.collapses();
-        let (links, by_error) = (select::links(collapses), ByError::new(collapses));
-        Self { simplified, records, points: select::points(&cones, mesh), links, by_error }
+        Self { selector: Selector::new(simplified), records }
     }
 
     /// Returns the input of each vertex's selection.
     #[must_use]
     pub fn points(&self) -> &[Point] {
-        &self.points
+        &self.selector.points
     }
 
     /// Returns the target of each vertex and the LOD from which on it is shown; of the last one
     /// itself and [`NONE`](lodc_mesh::NONE).
     #[must_use]
     pub fn links(&self) -> &[[u32; 2]] {
-        &self.links
+        &self.selector.links
     }
 
     /// The coarsest LOD for errors in rising order, and the upper 18 bits of the first one.
     #[must_use]
     pub fn by_error(&self) -> (&[u32], u32) {
-        (&self.by_error.lods, self.by_error.lowest)
+        (&self.selector.by_error.lods, self.selector.by_error.lowest)
     }
 
     /// Returns the vertices of a view.
     #[must_use]
     pub fn show(&self, view: &ViewQuery) -> Shown {
-        let parameters = Parameters::new(view, self.simplified);
-        let state = |(v, point)| select::state(&parameters, v, point, &self.links, &self.by_error);
-        let states: Vec<State> = (0..).zip(&self.points).map(state).collect();
+        let states = self.selector.states(&self.selector.lods(&view.criterion), view.morph);
         let mut vertices = Vec::with_capacity(self.records.words.len());
         for &State { entry, next, way, .. } in &states {
             let shown = self.records.at(entry);

@@ -1,6 +1,5 @@
 //! The view-dependent variant on a device.
 
-use super::select::Parameters;
 use super::{Point, ViewQuery, Views};
 use crate::interactive::shaders;
 use lodc_plan::{BufferId, KernelId, Pass, Program};
@@ -29,7 +28,7 @@ impl ViewPasses {
         vertices: BufferId,
     ) -> Self {
         let stride = views.records.stride as u32;
-        let points: Vec<u32> = views.points.iter().flat_map(Point::words).collect();
+        let points: Vec<u32> = views.points().iter().flat_map(Point::words).collect();
         let mut kernel = |criterion, morph| {
             let constants =
                 [("criterion", criterion as u32), ("morph", morph as u32), ("stride", stride)];
@@ -39,12 +38,12 @@ impl ViewPasses {
             std::array::from_fn(|criterion| std::array::from_fn(|morph| kernel(criterion, morph)));
         Self {
             points: program.words("points", points),
-            links: program.words("links", views.links.as_flattened()),
-            by_error: program.words("by_error", views.by_error.lods.as_slice()),
+            links: program.words("links", views.links().as_flattened()),
+            by_error: program.words("by_error", views.by_error().0),
             source,
             vertices,
             kernels,
-            sizes: [views.points.len() as u32, views.by_error.lowest],
+            sizes: [views.points().len() as u32, views.by_error().1],
         }
     }
 
@@ -52,7 +51,7 @@ impl ViewPasses {
     #[must_use]
     pub fn pass(&self, view: &ViewQuery, views: &Views<'_>) -> Pass {
         let [vertices, lowest] = self.sizes;
-        let p = Parameters::new(view, views.simplified);
+        let p = views.selector.parameters(view);
         let mut parameters = vec![vertices, lowest, p.lods[0], p.lods[1]];
         parameters.extend(p.point.map(f32::to_bits));
         parameters.push(p.scale.to_bits());

@@ -123,7 +123,7 @@ pub fn sample(
         let slope = Criterion::slope(1.0 + 2.0 * round as f32, 1000.0, 0.5);
         let criteria = [
             Criterion::everywhere(a),
-            Criterion::Silhouette { eye, edge: fine, face: coarse },
+            Criterion::Silhouette { eye, edge: fine, face: coarse, width: 1.0 - unit() },
             Criterion::ScreenError { eye, slope },
             Criterion::Sphere { centre, radius: 0.5 * reach, inside: a, outside: b },
             Criterion::Region {

@@ -4,7 +4,7 @@
 use super::criterion::{Criterion, ViewQuery};
 use super::deterministic_math::{dot, inverse_power, rsqrt};
 use super::{Cone, Cones};
-use lodc_mesh::{CollapseSequence, Lod, Mesh, NONE, Simplified};
+use lodc_mesh::{CollapseSequence, Lod, NONE};
 
 /// The state of a vertex between the steps in which it moves.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -60,14 +60,18 @@ impl Point {
     }
 }
 
-/// Vertices as the kernel gets them. Those of no group have an open cone.
-pub(super) fn points(cones: &Cones, mesh: &Mesh) -> Vec<Point> {
-    let cone = |group: u32| cones.cones.get(group as usize).unwrap_or(&Cone::OPEN);
-    mesh.positions()
-        .iter()
-        .zip(&cones.of_vertex)
-        .map(|(&position, &group)| Point::new(position, cone(group)))
-        .collect()
+/// Vertices at the places of a shape, as the kernel gets them. All of a group stand where its first
+/// one does. Those of no group have an open cone.
+pub(super) fn points(cones: &Cones, shape: &[[f32; 3]]) -> Vec<Point> {
+    let mut first = vec![NONE; cones.cones.len()];
+    let point = |(v, &group): (u32, &u32)| match first.get_mut(group as usize) {
+        Some(first) => {
+            *first = (*first).min(v);
+            Point::new(shape[*first as usize], &cones.cones[group as usize])
+        }
+        None => Point::new(shape[v as usize], &Cone::OPEN),
+    };
+    (0..).zip(&cones.of_vertex).map(point).collect()
 }
 
 /// Returns the target of each vertex and the LOD from which on it is shown: the end of the step.
@@ -127,9 +131,9 @@ pub(super) struct Parameters {
 }
 
 impl Parameters {
-    pub(super) fn new(view: &ViewQuery, simplified: &Simplified) -> Self {
-        let scale = inverse_power(simplified.mesh().diagonal().max(1e-30));
-        let last = simplified.collapses().last();
+    /// A view of a surface of this diagonal with LODs down to `last`.
+    pub(super) fn new(view: &ViewQuery, diagonal: f64, last: Lod) -> Self {
+        let scale = inverse_power(diagonal.max(1e-30));
         let lods = |a: Lod, b: Lod| [a.min(last).0, b.min(last).0];
         let of = |criterion, point, lods, abc| Self {
             criterion,
@@ -140,8 +144,10 @@ impl Parameters {
             morph: view.morph,
         };
         match view.criterion {
-            Criterion::Silhouette { eye, edge, face } => {
-                of(0, eye, lods(edge.min(face), face), [0.0; 3])
+            Criterion::Silhouette { eye, edge, face, width } => {
+                let [edge, face] = lods(edge.min(face), face);
+                let rise = ((face - edge) as f32 / width.max(f32::MIN_POSITIVE)).min(f32::MAX);
+                of(0, eye, [edge, face], [rise, width * (1.0 / 255.0), 0.0])
             }
             Criterion::ScreenError { eye, slope } => {
                 of(1, eye, [0; 2], [(slope / scale).max(0.0), 0.0, 0.0])
@@ -157,21 +163,14 @@ impl Parameters {
     }
 }
 
-/// The state of one vertex.
-pub(super) fn state(
-    p: &Parameters,
-    vertex: u32,
-    point: &Point,
-    links: &[[u32; 2]],
-    by_error: &ByError,
-) -> State {
-    let lod = wanted(p, point, by_error);
+/// The state of one vertex at a LOD.
+pub(super) fn state(vertex: u32, lod: u32, links: &[[u32; 2]], morph: bool) -> State {
     let (mut entry, mut came) = (vertex, 0);
     while links[entry as usize][1] <= lod {
         [entry, came] = links[entry as usize];
     }
     let [next, leaves] = links[entry as usize];
-    let way = if p.morph {
+    let way = if morph {
         let shift = 16 - (leaves - came).leading_zeros().min(16);
         ((((lod - came) >> shift) << 16) / ((leaves - came) >> shift)).min(65535)
     } else {
@@ -180,7 +179,8 @@ pub(super) fn state(
     State { lod, entry, next, way }
 }
 
-fn wanted(p: &Parameters, at: &Point, by_error: &ByError) -> u32 {
+/// The LOD that a view wants at a point.
+pub(super) fn wanted(p: &Parameters, at: &Point, by_error: &ByError) -> u32 {
     let ([a, b], position) = (p.lods, at.position);
     if p.criterion > 2 {
         let inside = (0..3).all(|i| position[i] >= p.point[i] && position[i] <= p.abc[i]);
@@ -199,13 +199,14 @@ fn wanted(p: &Parameters, at: &Point, by_error: &ByError) -> u32 {
         return by_error.at(square * rsqrt(square) * p.abc[0]);
     }
     let span = b - a;
-    a + ((facing(at, d, square) * span as f32) as u32).min(span)
+    a + ((facing(at, d, square, p.abc[1]) * p.abc[0]).min(span as f32) as u32).min(span)
 }
 
-/// From 0, seen edge-on somewhere in the cone, to 1, face-on everywhere.
-fn facing(at: &Point, to_eye: [f32; 3], square: f32) -> f32 {
+/// From 0, seen edge-on somewhere in the cone, to 1, face-on everywhere. `unit` is the sine of a
+/// cone that 1 stands for.
+fn facing(at: &Point, to_eye: [f32; 3], square: f32, unit: f32) -> f32 {
     let axis = at.axis.map(f32::from);
-    let sine = f32::from(at.sine) * (1.0 / 255.0);
+    let sine = f32::from(at.sine) * unit;
     let angle = (dot(axis, to_eye).abs() * rsqrt(dot(axis, axis) * square)).min(1.0);
     (angle * other(sine) - other(angle) * sine).max(0.0)
 }

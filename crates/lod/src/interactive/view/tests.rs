@@ -69,11 +69,10 @@ fn a_wedge_that_goes_its_own_way_is_a_tear() {
 fn cones_bound_the_normals_of_all_that_collapses_into_a_group() {
     everything(|name, simplified| {
         let mesh = simplified.mesh();
-        let positions = PositionIds::new(mesh.positions());
-        let cones = Cones::new(mesh, &positions, simplified.collapses());
+        let cones = Cones::new(mesh, simplified.collapses(), mesh.positions());
         let lists = lists(simplified).expect("a small mesh");
         for &t in mesh.triangles() {
-            let Some(normal) = cones::normal(mesh, t) else { continue };
+            let Some(normal) = cones::normal(mesh.positions(), t) else { continue };
             for v in t {
                 for &entry in lists.list(v) {
                     let group = cones.of_vertex[entry as usize] as usize;
@@ -142,9 +141,10 @@ fn the_outline_is_fine_and_the_middle_coarse() {
     let simplified = fixtures::random_collapse(&fixtures::icosphere(3), 1);
     let views = views_of(&simplified);
     let last = simplified.collapses().last();
-    let criterion = Criterion::Silhouette { eye: [0.0, 0.0, 100.0], edge: Lod(0), face: last };
+    let criterion =
+        Criterion::Silhouette { eye: [0.0, 0.0, 100.0], edge: Lod(0), face: last, width: 1.0 };
     let shown = views.show(&ViewQuery { criterion, morph: false });
-    for (point, state) in views.points.iter().zip(&shown.states) {
+    for (point, state) in views.points().iter().zip(&shown.states) {
         let length = point.axis.iter().map(|&c| f32::from(c).powi(2)).sum::<f32>().sqrt();
         let cos = f32::from(point.axis[2]).abs() / length;
         if cos < 0.05 {

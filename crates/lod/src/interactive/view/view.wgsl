@@ -21,8 +21,8 @@ struct Parameters {
     x: f32, y: f32, z: f32,
     // A power of two that brings lengths near 1.
     scale: f32,
-    // Screen: allowed error per scaled distance. Sphere: squared scaled radius. Box: its highest
-    // corner.
+    // Outline: LODs per cosine, and the sine of a cone that 1 stands for. Screen: allowed error per
+    // scaled distance. Sphere: squared scaled radius. Box: its highest corner.
     a: f32, b: f32, c: f32,
     // 0, which the compiler does not know: see `r`.
     zero: u32,
@@ -67,7 +67,7 @@ fn other(cosine: f32) -> f32 {
 fn facing(cone: u32, to_eye: vec3<f32>, square: f32) -> f32 {
     let bytes = vec3<u32>(cone << 24u, cone << 16u, cone << 8u);
     let axis = vec3<f32>(vec3<i32>(bytes) >> vec3<u32>(24u));
-    let sine = r(f32(cone >> 24u) * (1.0 / 255.0));
+    let sine = r(f32(cone >> 24u) * p.b);
     let angle = min(r(abs(dot3(axis, to_eye)) * rsqrt(r(dot3(axis, axis) * square))), 1.0);
     return max(r(r(angle * other(sine)) - r(other(angle) * sine)), 0.0);
 }
@@ -94,7 +94,8 @@ fn wanted(here: vec4<u32>) -> u32 {
         return select(0u, lod, apart);
     }
     let span = p.lod_b - p.lod_a;
-    return p.lod_a + select(0u, min(u32(r(facing(here.w, d, square) * f32(span))), span), apart);
+    let rise = min(r(facing(here.w, d, square) * p.a), f32(span));
+    return p.lod_a + select(0u, min(u32(rise), span), apart);
 }
 
 @compute @workgroup_size(WORKGROUP)

@@ -1,0 +1,208 @@
+//! Families of criteria from fine to coarse, so that a number of triangles can be met.
+
+use super::Criterion;
+use lodc_mesh::Lod;
+
+/// LODs that the criteria of a family lie between, from fine to coarse.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LodRange {
+    /// Shown where detail is wanted.
+    pub fine: Lod,
+    /// Shown elsewhere.
+    pub coarse: Lod,
+    /// The coarsest of all.
+    pub last: Lod,
+}
+
+/// Criteria of one kind; a setting, a number from 0 to [`Self::coarsest`], picks one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Family {
+    /// [`Criterion::Silhouette`] from a viewpoint. First what faces the eye grows coarser, from
+    /// `fine` to `coarse`: then all is as the thesis says. From there on the width shrinks to 0,
+    /// then outlines grow coarser to `coarse`, then everything to `last`.
+    Silhouette {
+        /// The viewpoint.
+        eye: [f32; 3],
+    },
+    /// [`Criterion::ScreenError`] from a viewpoint; the setting is the bits of the slope.
+    ScreenError {
+        /// The viewpoint.
+        eye: [f32; 3],
+        /// Slope of the given criterion.
+        slope: f32,
+        /// Slopes are multiplied by this: objects of one scene may be in different units.
+        unit: f32,
+    },
+    /// [`Criterion::Sphere`]. First the outside grows coarser, from `fine` to `coarse`, then the
+    /// inside, then everything to `last`.
+    Sphere {
+        /// Its centre.
+        centre: [f32; 3],
+        /// Its radius.
+        radius: f32,
+    },
+    /// [`Criterion::Region`], in the same order.
+    Region {
+        /// Its lowest corner.
+        low: [f32; 3],
+        /// Its highest corner.
+        high: [f32; 3],
+    },
+}
+
+/// Settings of one stage.
+const STAGE: u32 = 1 << 26;
+
+impl Family {
+    /// Returns the setting of the criterion as it was given, with detail from `fine` to `coarse`.
+    #[must_use]
+    pub fn given(&self) -> u32 {
+        match self {
+            Self::ScreenError { slope, .. } => slope.to_bits(),
+            _ => STAGE,
+        }
+    }
+
+    /// Returns the largest setting, with which everything is at `last`.
+    #[must_use]
+    pub fn coarsest(&self) -> u32 {
+        match self {
+            Self::Silhouette { .. } => 4 * STAGE,
+            Self::ScreenError { .. } => 1e30f32.to_bits(),
+            Self::Sphere { .. } | Self::Region { .. } => 3 * STAGE,
+        }
+    }
+
+    /// Returns the criterion of a setting. A larger one is nowhere finer.
+    #[must_use]
+    pub fn criterion(&self, setting: u32, lods: &LodRange) -> Criterion {
+        let region = || stage(lods, setting);
+        match *self {
+            Self::Silhouette { eye } => {
+                // The second stage is that of the width.
+                let width = 1.0 - (f64::from(setting) / f64::from(STAGE) - 1.0).clamp(0.0, 1.0);
+                let narrowed = if setting < STAGE { setting } else { (setting - STAGE).max(STAGE) };
+                let [edge, face] = stage(lods, narrowed);
+                Criterion::Silhouette { eye, edge, face, width: width as f32 }
+            }
+            Self::ScreenError { eye, unit, .. } => {
+                Criterion::ScreenError { eye, slope: f32::from_bits(setting) * unit }
+            }
+            Self::Sphere { centre, radius } => {
+                let [inside, outside] = region();
+                Criterion::Sphere { centre, radius, inside, outside }
+            }
+            Self::Region { low, high } => {
+                let [inside, outside] = region();
+                Criterion::Region { low, high, inside, outside }
+            }
+        }
+    }
+}
+
+/// The finer and the coarser LOD: the coarser one goes from `fine` to `coarse`, the finer one
+/// follows, both go on to `last`.
+fn stage(lods: &LodRange, setting: u32) -> [Lod; 2] {
+    let share = f64::from(setting % STAGE) / f64::from(STAGE);
+    let between =
+        |a: Lod, b: Lod| Lod((f64::from(a.0) + (f64::from(b.0) - f64::from(a.0)) * share) as u32);
+    let &LodRange { fine, coarse, last } = lods;
+    match setting / STAGE {
+        0 => [fine, between(fine, coarse)],
+        1 => [between(fine, coarse), coarse],
+        2 => [between(coarse, last); 2],
+        _ => [last; 2],
+    }
+}
+
+/// Returns the smallest setting up to `coarsest` that bisection finds to have at most `most`
+/// triangles: it does, and the one before it does not. `coarsest` if nothing has so few. `count`
+/// returns the triangles of a setting; they need not fall everywhere.
+pub fn finest_within(most: u64, coarsest: u32, mut count: impl FnMut(u32) -> u64) -> u32 {
+    if count(0) <= most {
+        return 0;
+    }
+    let (mut above, mut within) = (0, coarsest);
+    while within - above > 1 {
+        let middle = above + (within - above) / 2;
+        if count(middle) <= most { within = middle } else { above = middle }
+    }
+    within
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::interactive::view::{Selector, kept};
+    use lodc_mesh::PositionIds;
+
+    fn families() -> [Family; 4] {
+        [
+            Family::Silhouette { eye: [0.0, 0.0, 5.0] },
+            Family::ScreenError { eye: [0.0, 0.0, 5.0], slope: 0.01, unit: 1.0 },
+            Family::Sphere { centre: [1.0, 0.0, 0.0], radius: 0.7 },
+            Family::Region { low: [-2.0, -2.0, 0.0], high: [2.0; 3] },
+        ]
+    }
+
+    #[test]
+    fn every_family_runs_from_fine_to_the_last_lod_and_is_never_finer_at_a_larger_setting() {
+        let simplified = lodc_fixtures::random_collapse(&lodc_fixtures::icosphere(2), 1);
+        let last = simplified.collapses().last_visible();
+        let range = LodRange { fine: Lod(0), coarse: Lod(last.0 * 3 / 4), last };
+        let selector = Selector::new(&simplified);
+        for family in families() {
+            let lods = |setting| selector.lods_at(&family, setting, &range);
+            assert!(lods(0).iter().all(|&lod| lod == 0), "{family:?}");
+            assert!(lods(family.coarsest()).iter().all(|&lod| lod == last.0), "{family:?}");
+            let mut before = lods(0);
+            let settings = (1..=400).map(|i| family.coarsest() / 400 * i);
+            for setting in settings.chain([family.coarsest()]) {
+                let now = lods(setting);
+                assert!(now.iter().zip(&before).all(|(a, b)| a >= b), "{family:?} at {setting}");
+                before = now;
+            }
+        }
+    }
+
+    #[test]
+    fn the_given_setting_is_the_rule_of_the_thesis() {
+        let range = LodRange { fine: Lod(2), coarse: Lod(70), last: Lod(90) };
+        let [silhouette, screen, sphere, _] = families();
+        let eye = [0.0, 0.0, 5.0];
+        assert_eq!(
+            silhouette.criterion(silhouette.given(), &range),
+            Criterion::Silhouette { eye, edge: Lod(2), face: Lod(70), width: 1.0 }
+        );
+        assert_eq!(
+            screen.criterion(screen.given(), &range),
+            Criterion::ScreenError { eye, slope: 0.01 }
+        );
+        assert!(matches!(
+            sphere.criterion(sphere.given(), &range),
+            Criterion::Sphere { inside: Lod(2), outside: Lod(70), .. }
+        ));
+    }
+
+    #[test]
+    fn bisection_meets_a_number_of_triangles() {
+        let simplified = lodc_fixtures::random_collapse(&lodc_fixtures::icosphere(3), 1);
+        let last = simplified.collapses().last_visible();
+        let range = LodRange { fine: Lod(0), coarse: Lod(last.0 / 2), last };
+        let (selector, positions) =
+            (Selector::new(&simplified), PositionIds::new(simplified.mesh().positions()));
+        for family in families() {
+            let count = |setting| {
+                let lods = selector.lods_at(&family, setting, &range);
+                kept(&simplified, &positions, &selector.states(&lods, false))
+            };
+            for most in [1200, 900, 300, 40] {
+                let found = count(finest_within(most, family.coarsest(), count));
+                assert!(found <= most && found * 10 >= most * 8, "{family:?} {most}: {found}");
+            }
+            let fewest = count(family.coarsest());
+            assert_eq!(count(finest_within(0, family.coarsest(), count)), fewest);
+            assert_eq!(finest_within(1280, family.coarsest(), count), 0);
+        }
+    }
+}

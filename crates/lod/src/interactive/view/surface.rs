@@ -1,0 +1,79 @@
+//! The surface of a view as triangles, or as a mesh of its own where vertices are on their way.
+
+use super::State;
+use super::deterministic_math::lerp;
+use lodc_mesh::{
+    Mesh, MeshError, MeshParts, OrientedTriangle, PositionIds, Simplified, Submesh, is_degenerate,
+};
+use rayon::prelude::*;
+
+/// Returns the number of triangles that are drawn: with morphing, one of which two corners have
+/// gone the same part of one way is not.
+#[must_use]
+pub fn kept(simplified: &Simplified, positions: &PositionIds, states: &[State]) -> u64 {
+    let at = |v: u32| positions.of_vertex[v as usize];
+    let place = |&v: &u32| {
+        let state = &states[v as usize];
+        (at(state.entry), if state.way == 0 { (0, 0) } else { (at(state.next), state.way) })
+    };
+    let live = |t: &&[u32; 3]| !is_degenerate(t.each_ref().map(place));
+    simplified.mesh().triangles().par_iter().filter(live).count() as u64
+}
+
+/// Returns the triangles that are not degenerate, with every corner as the vertex that it is shown
+/// as. Positions on the way to the next one do not count.
+#[must_use]
+pub fn live_triangles(
+    simplified: &Simplified,
+    positions: &PositionIds,
+    states: &[State],
+) -> Vec<OrientedTriangle> {
+    let shown = |t: OrientedTriangle| {
+        OrientedTriangle::new(t.submesh, t.corners.map(|v| states[v as usize].entry))
+    };
+    let live =
+        |t: &OrientedTriangle| !is_degenerate(t.corners.map(|v| positions.of_vertex[v as usize]));
+    oriented(simplified.mesh()).map(shown).filter(live).collect()
+}
+
+/// Returns the mesh of a view: every vertex of LOD 0 with the attributes of the one that it is
+/// shown as, at its position on the way to the next one, and the triangles whose corners are at
+/// three positions.
+///
+/// # Errors
+/// If states are not those of the vertices of this mesh.
+pub fn morphed_mesh(simplified: &Simplified, states: &[State]) -> Result<Mesh, MeshError> {
+    let mesh = simplified.mesh();
+    let places: Vec<[f32; 3]> = states.par_iter().map(|state| place(mesh, state)).collect();
+    let ids = PositionIds::new(&places);
+    let no_triangles = |s: &Submesh| Submesh { first_triangle: 0, triangle_count: 0, ..s.clone() };
+    let entries = || states.iter().map(|state| state.entry);
+    let moved = Mesh::try_from(MeshParts {
+        positions: places,
+        vertex_submesh: mesh.vertex_submesh().to_vec(),
+        attributes: mesh.attributes().iter().map(|a| a.gathered(entries())).collect(),
+        triangles: Vec::new(),
+        submeshes: mesh.submeshes().iter().map(no_triangles).collect(),
+    })?;
+    let live = |t: &OrientedTriangle| !is_degenerate(t.corners.map(|v| ids.of_vertex[v as usize]));
+    moved.extract(&oriented(mesh).filter(live).collect::<Vec<_>>())
+}
+
+/// The triangles of LOD 0.
+fn oriented(mesh: &Mesh) -> impl Iterator<Item = OrientedTriangle> {
+    let of = |(s, submesh): (u32, &Submesh)| {
+        mesh.triangles()[submesh.triangles()].iter().map(move |&t| OrientedTriangle::new(s, t))
+    };
+    (0..).zip(mesh.submeshes()).flat_map(of)
+}
+
+/// The position of a vertex; the bits of its entry's where it has not left.
+fn place(mesh: &Mesh, state: &State) -> [f32; 3] {
+    let (from, to) =
+        (mesh.positions()[state.entry as usize], mesh.positions()[state.next as usize]);
+    if state.way == 0 {
+        return from;
+    }
+    let t = state.way as f32 * (1.0 / 65536.0);
+    std::array::from_fn(|i| lerp(from[i], to[i], t))
+}
