@@ -30,7 +30,7 @@ const DRAWING: &[(&str, &[&str])] = &[
         "crates/measure",
         &["lodc-mesh", "lodc-nearest", "lodc-raster", "lodc-scene", "glam", "rayon"],
     ),
-    ("crates/errors", &["lodc-mesh", "lodc-nearest", "glam"]),
+    ("crates/errors", &["lodc-mesh", "lodc-nearest", "glam", "rayon"]),
     ("crates/select", &["lodc-mesh", "lodc-raster", "lodc-scene", "glam", "rayon"]),
     ("crates/simplify", &["lodc-mesh", "lodc-raster", "glam", "rayon"]),
     ("crates/refit", &["lodc-mesh", "lodc-nearest", "glam", "rayon"]),

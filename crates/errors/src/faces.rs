@@ -9,16 +9,13 @@ use std::ops::Range;
 /// Faces around a vertex that are read ahead.
 const FAN: usize = 7;
 
-/// A face of the current level: all that a step reads of it in one cache line.
+/// A face of the current level.
 #[derive(Clone, Debug)]
-#[repr(align(64))]
 pub(crate) struct Face {
     /// Its corners, as points.
     pub(crate) points: [u32; 3],
     /// For each corner the next one of the same vertex (3 × face + corner, [`NONE`] at the end).
     next: [u32; 3],
-    /// A triangle of the input near its middle.
-    pub(crate) near: u32,
     /// The first of its samples.
     pub(crate) first_sample: u32,
     /// Number of its samples.
@@ -28,12 +25,6 @@ pub(crate) struct Face {
     pub(crate) live: bool,
     /// True if no step has touched it yet.
     pub(crate) original: bool,
-    /// Its area.
-    pub(crate) area: f32,
-    /// The mean squared distance of its samples.
-    pub(crate) mean_square: f32,
-    /// The distance within which all its points are from the input, as far as is known.
-    pub(crate) reach: f32,
 }
 
 /// All faces, which corners are at each vertex, and a tree over the faces.
@@ -67,15 +58,11 @@ impl Faces {
             all.push(Face {
                 points: *points,
                 next: [NONE; 3],
-                near: t,
                 first_sample: NONE,
                 samples: 0,
                 touched: 0,
                 live: true,
                 original: true,
-                area: 0.0,
-                mean_square: 0.0,
-                reach: 0.0,
             });
             for (corner, &v) in (3 * t..).zip(wedges) {
                 let [first, last] = &mut ends[v as usize];

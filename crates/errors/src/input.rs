@@ -57,9 +57,11 @@ impl Input {
         let point_of: Vec<u32> = (0..mesh.vertex_count() as u32).map(&mut number).collect();
 
         let corners = |t: u32| triangles[t as usize].map(|p| places[p as usize]);
-        let tree = MovingTree::of_all(triangles.len() as u32, corners);
         let corner = (0..).zip(&triangles).flat_map(|(t, corners)| corners.map(|p| (p, t)));
-        let around = Csr::new(places.len(), corner);
+        let (tree, around) = rayon::join(
+            || MovingTree::of_all(triangles.len() as u32, corners),
+            || Csr::new(places.len(), corner),
+        );
         let diagonal = diagonal * scale;
         let unit = size;
         (Self { places, positions, triangles, point_of, around, tree, unit, diagonal }, wedges)

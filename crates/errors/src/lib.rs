@@ -6,14 +6,18 @@
 //! 1997). New faces are asked the other way. Where either is near the largest distance so far,
 //! branch and bound looks closer. The pass knows nothing of the simplifier.
 
+mod ask;
 mod backward;
+mod block;
 mod faces;
+mod forward;
 mod gap;
 mod input;
 mod pass;
 mod refine;
 mod samples;
 mod step_errors;
+mod work;
 
 pub use step_errors::StepErrors;
 
@@ -22,7 +26,7 @@ use lodc_mesh::Simplified;
 /// Measures every step of a sequence. `shown` is the surface that is compared: a place for each
 /// vertex of the mesh, in the mesh's units, all finite.
 ///
-/// One thread does all of it.
+/// Two threads share the work; the result is the same with one.
 ///
 /// # Panics
 /// If there are not as many places as vertices.
@@ -30,7 +34,7 @@ use lodc_mesh::Simplified;
 pub fn measure(simplified: &Simplified, shown: &[[f32; 3]]) -> StepErrors {
     assert_eq!(shown.len(), simplified.mesh().vertex_count(), "a place for each vertex");
     let (input, wedges) = input::Input::new(simplified, shown);
-    pass::Pass::new(&input, wedges).run(simplified)
+    rayon::scope(|_| pass::run(&input, wedges, simplified))
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! Branch and bound over a triangle: how far its farthest point is from a surface (as Guthe,
 //! Borodin and Klein 2005 bound the Hausdorff distance).
 
+use crate::work::PATIENCE;
 use glam::DVec3;
 use lodc_mesh::NONE;
 use lodc_nearest::{Hit, MovingTree, Triangles};
@@ -60,7 +61,12 @@ impl PartialEq for Part {
     }
 }
 
-impl<T: Triangles> Refine<'_, T> {
+impl<'a, T: Triangles> Refine<'a, T> {
+    /// A search from a squared bound with a number of points.
+    pub(crate) fn new(triangles: &'a T, tree: &'a MovingTree, bound: f64, points: u32) -> Self {
+        Self { triangles, tree, bound, left: points, patience: PATIENCE[0], opened: 0 }
+    }
+
     /// Raises the bound to the distance of a triangle's farthest point, up to the tolerance and as
     /// far as the points that may be asked suffice: two thirds of them where a point may be
     /// farthest, the others near the farthest one. `near` is a triangle of the surface near it, or

@@ -1,5 +1,6 @@
 //! Points of the input that travel along: each is tied to the face that it was found nearest to.
 
+use crate::block::{Entry, Hint};
 use crate::faces::Face;
 use crate::input::{Input, wide};
 use glam::DVec3;
@@ -48,12 +49,17 @@ impl Sample {
 
     /// Returns the triangles of the input that it lies on.
     pub(crate) fn sources<'a>(&self, input: &'a Input) -> Sources<'a> {
-        let which = self.origin / 2;
-        if self.origin.is_multiple_of(2) {
-            Sources::Around(input.around.row(which))
-        } else {
-            Sources::Inside(which)
-        }
+        sources(input, self.origin)
+    }
+}
+
+/// Returns the triangles of the input that a sample with some origin lies on.
+pub(crate) fn sources(input: &Input, origin: u32) -> Sources<'_> {
+    let which = origin / 2;
+    if origin.is_multiple_of(2) {
+        Sources::Around(input.around.row(which))
+    } else {
+        Sources::Inside(which)
     }
 }
 
@@ -91,19 +97,19 @@ impl Samples {
     /// Puts a sample at every point of the input, and more on triangles above three times the mean
     /// area.
     pub(crate) fn new(input: &Input, faces: &mut [Face]) -> Self {
-        let inside = inside(input, faces);
+        let areas: Vec<f32> = faces.iter().map(|f| area(input.at(f.points))).collect();
+        let inside = inside(input, faces, &areas);
         let extra: u64 = inside.iter().map(|&n| u64::from(n)).sum();
         let mut samples = Self {
             all: Vec::with_capacity(input.places.len() + extra as usize),
             sum: 0.0,
-            weight: faces.iter().map(|f| f64::from(f.area)).sum(),
+            weight: areas.iter().copied().map(f64::from).sum(),
             nearest_kept: vec![],
             kept: vec![],
             scratch: vec![],
         };
-        let share =
-            |t: u32| f64::from(faces[t as usize].area) / (3.0 + f64::from(inside[t as usize]));
-        let shares: Vec<f32> = (0..faces.len() as u32).map(|t| share(t) as f32).collect();
+        let share = |(&area, &n): (&f32, &u8)| (f64::from(area) / (3.0 + f64::from(n))) as f32;
+        let shares: Vec<f32> = areas.iter().zip(&inside).map(share).collect();
         for (point, &place) in (0..).zip(&input.places) {
             let around = input.around.row(point);
             if let Some(&t) = around.first() {
@@ -222,10 +228,36 @@ impl Samples {
         self.scratch = all;
     }
 
-    /// Returns the mean squared distance of the samples of a face; none if it has none.
-    pub(crate) fn mean_square(&self, face: &Face) -> Option<f64> {
-        let sum: f64 = self.of(face).map(|s| f64::from(self.all[s as usize].squared)).sum();
-        (face.samples > 0).then(|| sum / f64::from(face.samples))
+    /// Returns the mean squared distance of all samples.
+    pub(crate) fn mean_square(&self) -> f64 {
+        if self.weight > 0.0 { (self.sum / self.weight).max(0.0) } else { 0.0 }
+    }
+
+    /// Returns what the other way needs of a live face.
+    pub(crate) fn entry(
+        &self,
+        middle: DVec3,
+        number: u32,
+        face: &Face,
+        all: bool,
+        hints: &mut Vec<Hint>,
+    ) -> Entry {
+        let (mut sum, mut near) = (0.0, f64::INFINITY);
+        let start = hints.len();
+        for sample in self.of(face).map(|s| &self.all[s as usize]) {
+            sum += f64::from(sample.squared);
+            let hint = Hint { place: sample.place, origin: sample.origin };
+            let apart = (sample.place() - middle).length_squared();
+            if all || start == hints.len() {
+                hints.push(hint);
+            } else if apart < near {
+                hints[start] = hint;
+            }
+            near = near.min(apart);
+        }
+        let hints = [start as u32, hints.len() as u32];
+        let mean_square = (sum / f64::from(face.samples)) as f32;
+        Entry { face: number, is_live: true, points: face.points, mean_square, hints }
     }
 }
 
@@ -245,17 +277,17 @@ impl Sample {
 }
 
 /// Returns for each face how many samples go inside it.
-fn inside(input: &Input, faces: &[Face]) -> Vec<u8> {
+fn inside(input: &Input, faces: &[Face], areas: &[f32]) -> Vec<u8> {
     let longest = |f: &Face| {
         let [a, b, c] = input.at(f.points);
         (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared()).sqrt()
     };
     let is_few = (faces.len() as f64) < FEWEST;
-    let all: f64 = faces.iter().map(|f| f64::from(f.area)).sum();
+    let all: f64 = areas.iter().copied().map(f64::from).sum();
     let lengths: f64 = if is_few { faces.iter().map(longest).sum() } else { 0.0 };
     let mean = all / faces.len().max(1) as f64;
-    let many = |f: &Face| {
-        let (area, length) = (f64::from(f.area), longest(f));
+    let many = |(f, &area): (&Face, &f32)| {
+        let (area, length) = (f64::from(area), longest(f));
         let large = if area > 3.0 * mean { area / (2.0 * mean) } else { 0.0 };
         let long =
             if length > LONG * mean.sqrt() { length / (LONG / 2.0 * mean.sqrt()) } else { 0.0 };
@@ -266,7 +298,7 @@ fn inside(input: &Input, faces: &[Face]) -> Vec<u8> {
         };
         large.max(long).min(MOST_INSIDE).max(few) as u8
     };
-    faces.iter().map(many).collect()
+    faces.iter().zip(areas).map(many).collect()
 }
 
 /// Returns the area of a face at some corners.

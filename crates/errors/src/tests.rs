@@ -284,3 +284,18 @@ fn soups_are_followed_to_the_last_triangle() {
     let errors = measured(&sequence(&positions, &triangles, &targets));
     assert!(errors.error[2 * n as usize] > 2.0 && errors.error[2 * n as usize].is_finite());
 }
+
+#[test]
+fn the_number_of_threads_changes_nothing() {
+    let sphere = fixtures::icosphere(5);
+    let simplified = lodc_simplify::simplify(&sphere, &lodc_simplify::Options::DEFAULT, &|_, _| {});
+    let with = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+        pool.install(|| measured(&simplified))
+    };
+    let one = with(1);
+    assert!(one.error.iter().any(|e| *e > 0.0));
+    for threads in [2, 3, 8] {
+        assert_eq!(with(threads), one, "{threads} threads");
+    }
+}

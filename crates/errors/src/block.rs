@@ -1,0 +1,82 @@
+//! Steps that one way has followed and the other has not: all that the other needs of them.
+
+use crate::work::Work;
+
+/// A face that a step touched, as it is after the step.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Entry {
+    pub(crate) face: u32,
+    pub(crate) is_live: bool,
+    /// Its corners, as points.
+    pub(crate) points: [u32; 3],
+    /// The mean squared distance of its samples; not a number if it has none.
+    pub(crate) mean_square: f32,
+    /// The first of its hints, and the end.
+    pub(crate) hints: [u32; 2],
+}
+
+impl Entry {
+    /// A face that is gone.
+    pub(crate) fn dead(face: u32, points: [u32; 3]) -> Self {
+        Self { face, is_live: false, points, mean_square: f32::NAN, hints: [0; 2] }
+    }
+}
+
+/// A sample of a face, as a place to look near.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Hint {
+    pub(crate) place: [f32; 3],
+    pub(crate) origin: u32,
+}
+
+/// A step.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Step {
+    /// Ends of its entries and of its targets.
+    pub(crate) entries_end: u32,
+    pub(crate) targets_end: u32,
+    /// The point that moved, if it was one; [`lodc_mesh::NONE`] otherwise.
+    pub(crate) source: u32,
+    /// Faces that are left.
+    pub(crate) live: u32,
+    /// The squared bound that the first way has found.
+    pub(crate) bound: f64,
+    /// The mean squared distance of the samples.
+    pub(crate) mean_square: f64,
+}
+
+/// Some steps in a row.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Block {
+    pub(crate) steps: Vec<Step>,
+    pub(crate) entries: Vec<Entry>,
+    /// Samples of faces: all where few faces are left, else those nearest to the faces' middles.
+    pub(crate) hints: Vec<Hint>,
+    /// The points that corners move to.
+    pub(crate) targets: Vec<u32>,
+    /// Work of the first way at the end.
+    pub(crate) work: Work,
+    /// True if the first way gave up after these steps.
+    pub(crate) gave_up: bool,
+}
+
+impl Block {
+    /// Empties the block.
+    pub(crate) fn clear(&mut self) {
+        self.steps.clear();
+        self.entries.clear();
+        self.hints.clear();
+        self.targets.clear();
+        self.gave_up = false;
+    }
+
+    /// Returns each step with its entries and its targets.
+    pub(crate) fn each(&self) -> impl Iterator<Item = (Step, &[Entry], &[u32])> {
+        let mut starts = [0, 0];
+        self.steps.iter().map(move |&step| {
+            let ends = [step.entries_end as usize, step.targets_end as usize];
+            let [entries, targets] = std::mem::replace(&mut starts, ends);
+            (step, &self.entries[entries..ends[0]], &self.targets[targets..ends[1]])
+        })
+    }
+}

@@ -1,0 +1,289 @@
+//! One way: how far points of the input are from the level.
+
+use crate::block::{Block, Entry, Step};
+use crate::faces::{Changes, Faces};
+use crate::input::Input;
+use crate::refine::{FLOOR, Refine};
+use crate::samples::{Sample, Samples};
+use crate::work::Work;
+use glam::DVec3;
+use lodc_mesh::{CollapseSequence, NONE};
+use lodc_nearest::{Hit, centroid, distance_squared};
+use std::ops::Range;
+
+/// Distances within this share of the bound need no better face.
+const NEAR_ENOUGH: f64 = 0.75;
+/// The same once many places have been refined.
+const NEAR_ENOUGH_LATE: f64 = 0.95;
+
+/// Changed faces that a sample is tried on before the tree is asked.
+const TRIED: usize = 48;
+
+/// Points asked in one refinement.
+const QUERIES: u32 = 150;
+
+/// Triangles of a mesh that is searched as a whole after every step.
+pub(crate) const EXHAUSTIVE: usize = 100;
+pub(crate) const EXHAUSTIVE_QUERIES: u32 = 10_000;
+
+/// Records that are read ahead at once.
+const READ_AHEAD: u32 = 16;
+
+/// Share of the faces, one in so many, from which on the other way learns of all samples.
+const COARSE: u32 = 8;
+
+/// The faces of the level, and the samples that travel over them.
+pub(crate) struct Forward<'a> {
+    input: &'a Input,
+    faces: Faces,
+    samples: Samples,
+    changes: Changes,
+    /// Corners of the changed faces.
+    corners: Vec<[DVec3; 3]>,
+    /// The squared bound.
+    bound: f64,
+    near_enough: f64,
+    work: Work,
+    /// Work of the other way, as far as it is known.
+    other: Work,
+    taken: Vec<(u32, u32)>,
+    doubtful: Vec<u32>,
+    /// The first record of the next step, and the first that was not read ahead.
+    record: u32,
+    ahead: u32,
+}
+
+impl<'a> Forward<'a> {
+    /// Starts at LOD 0. `wedges` has the corners of its triangles as vertices of the mesh.
+    pub(crate) fn new(input: &'a Input, wedges: Vec<[u32; 3]>) -> Self {
+        let mut faces = Faces::new(input, &wedges);
+        drop(wedges);
+        let samples = Samples::new(input, &mut faces.all);
+        Self {
+            input,
+            faces,
+            samples,
+            changes: Changes::default(),
+            corners: vec![],
+            bound: 0.0,
+            near_enough: NEAR_ENOUGH,
+            work: Work::default(),
+            other: Work::default(),
+            taken: vec![],
+            doubtful: vec![],
+            record: 0,
+            ahead: 0,
+        }
+    }
+
+    /// Takes over what the other way has found.
+    pub(crate) fn learn(&mut self, bound: f64, work: Work) {
+        self.bound = self.bound.max(bound);
+        self.other = work;
+    }
+
+    /// Follows some steps, and notes what the other way needs of them in `block`.
+    pub(crate) fn run(
+        &mut self,
+        sequence: &CollapseSequence,
+        steps: Range<u32>,
+        block: &mut Block,
+    ) {
+        let (targets, ends) = (sequence.targets(), &sequence.parts().step_ends);
+        let all = self.input.triangles.len() as u64;
+        block.clear();
+        for step in steps {
+            let both = self.work + self.other;
+            if both.is_too_much(self.input) {
+                block.gave_up = true;
+                break;
+            }
+            let share = 2 * all * u64::from(step + 1) / ends.len() as u64;
+            let late = both.queries > 4_000.min(4 * all) + share;
+            self.near_enough = if late { NEAR_ENOUGH_LATE } else { NEAR_ENOUGH };
+            let end = ends[step as usize];
+            if end > self.ahead {
+                let to = (end + READ_AHEAD).min(targets.len() as u32);
+                self.faces.read_ahead(self.input, self.ahead..to, |s| self.samples.touch(s));
+                self.ahead = to;
+            }
+            let moves = (self.record..end).map(|k| (k, targets[k as usize]));
+            self.faces.apply(self.input, step + 1, moves, &mut self.changes);
+            self.record = end;
+            self.work.done += 1 + self.changes.touched.len() as u64;
+            if self.faces.live > 0 && !self.changes.touched.is_empty() {
+                self.follow();
+            }
+            self.note(block);
+        }
+        block.work = self.work;
+    }
+
+    /// Notes a step.
+    fn note(&self, block: &mut Block) {
+        let Self { faces, changes, samples, .. } = self;
+        let all = faces.live <= self.input.triangles.len() as u32 / COARSE;
+        for &t in &changes.touched {
+            let face = &faces.all[t as usize];
+            block.entries.push(if face.live {
+                let middle = centroid(self.input.at(face.points));
+                samples.entry(middle, t, face, all, &mut block.hints)
+            } else {
+                Entry::dead(t, face.points)
+            });
+        }
+        block.targets.extend_from_slice(&changes.targets);
+        block.steps.push(Step {
+            entries_end: block.entries.len() as u32,
+            targets_end: block.targets.len() as u32,
+            source: if let [source] = changes.sources[..] { source } else { NONE },
+            live: faces.live,
+            bound: self.bound,
+            mean_square: samples.mean_square(),
+        });
+    }
+
+    /// Follows one step.
+    fn follow(&mut self) {
+        let Self { input, faces, changes, corners, .. } = self;
+        corners.clear();
+        corners.extend(changes.changed.iter().map(|&t| input.at(faces.all[t as usize].points)));
+        self.doubtful.clear();
+        self.place_samples();
+        self.take_new_samples();
+        self.refine_doubtful();
+        for i in 0..self.changes.changed.len() {
+            self.samples.thin(&mut self.faces.all, self.changes.changed[i], self.faces.live);
+        }
+        if self.input.triangles.len() <= EXHAUSTIVE {
+            self.refine_all();
+        }
+    }
+
+    /// Searches the whole input by branch and bound.
+    fn refine_all(&mut self) {
+        let (level, tree) = self.faces.level(self.input);
+        let mut refine = Refine::new(&level, tree, self.bound, EXHAUSTIVE_QUERIES);
+        for &t in &self.input.triangles {
+            refine.triangle(self.input.at(t), NONE);
+        }
+        self.bound = refine.bound;
+    }
+
+    /// Finds the nearest face for the samples of all faces that were touched.
+    fn place_samples(&mut self) {
+        let mut taken = std::mem::take(&mut self.taken);
+        taken.clear();
+        for &t in &self.changes.touched {
+            self.samples.take(&mut self.faces.all, t, &mut taken);
+        }
+        self.work.done += taken.len() as u64;
+        for &(number, own) in &taken {
+            let p = self.samples.all[number as usize].place();
+            let nearest = self.nearest_face(p, own, self.bound * 0.25);
+            if nearest.squared > self.enough()
+                && nearest.squared > 1.1 * f64::from(self.samples.all[number as usize].refined)
+            {
+                self.doubtful.push(number);
+            }
+            self.bound = self.bound.max(nearest.squared);
+            self.samples.set(number, nearest.squared);
+            self.samples.link(&mut self.faces.all, nearest.triangle, number);
+        }
+        self.taken = taken;
+    }
+
+    /// Tries the centroids and the edge midpoints of triangles that change for the first time, and
+    /// keeps those that are far.
+    fn take_new_samples(&mut self) {
+        for i in 0..self.changes.touched.len() {
+            let t = self.changes.touched[i];
+            if !std::mem::take(&mut self.faces.all[t as usize].original) {
+                continue;
+            }
+            let points = self.input.triangles[t as usize];
+            let corners = self.input.at(points);
+            for k in 0..4 {
+                // Each inner edge is tried by the triangle that has it in rising order.
+                if k < 3 && points[k] > points[(k + 1) % 3] {
+                    continue;
+                }
+                let p = match k {
+                    3 => centroid(corners),
+                    k => (corners[k] + corners[(k + 1) % 3]) * 0.5,
+                };
+                let near = self.bound * 0.09;
+                let nearest = self.nearest_face(p, t, near);
+                if nearest.squared <= near.max(FLOOR) || nearest.triangle == NONE {
+                    continue;
+                }
+                let sample = Sample::inside(p.to_array().map(|x| x as f32), t, 0.0);
+                let number = self.samples.add(&mut self.faces.all, nearest.triangle, sample);
+                self.samples.set(number, nearest.squared);
+                if nearest.squared > self.enough() {
+                    self.doubtful.push(number);
+                }
+                self.bound = self.bound.max(nearest.squared);
+            }
+        }
+    }
+
+    /// Looks more closely at the input around samples that are far.
+    fn refine_doubtful(&mut self) {
+        for i in 0..self.doubtful.len() {
+            let sample = &mut self.samples.all[self.doubtful[i] as usize];
+            let sources = sample.sources(self.input);
+            let enough = (self.bound * self.near_enough * self.near_enough).max(FLOOR);
+            if f64::from(sample.squared) <= enough {
+                continue;
+            }
+            sample.refined = sample.squared;
+            let (level, tree) = self.faces.level(self.input);
+            let mut refine = Refine::new(&level, tree, self.bound, QUERIES);
+            refine.patience = (self.work + self.other).patience(self.input);
+            for &t in sources.as_slice() {
+                if refine.left == 0 {
+                    break;
+                }
+                refine.triangle(self.input.at(self.input.triangles[t as usize]), NONE);
+            }
+            self.bound = refine.bound;
+            self.work.queries += u64::from(QUERIES - refine.left);
+            self.work.done += refine.opened;
+        }
+    }
+
+    /// Returns a live face near a point: its own, a changed one, or one found in the tree if these
+    /// are too far. Stops within the squared distance `near`.
+    fn nearest_face(&mut self, p: DVec3, own: u32, near: f64) -> Hit {
+        let mut nearest = Hit::NOTHING;
+        let near = near.max(FLOOR);
+        if self.faces.all[own as usize].live {
+            let corners = self.input.at(self.faces.all[own as usize].points);
+            nearest.offer(distance_squared(p, corners), own);
+        }
+        for (&t, corners) in self.changes.changed.iter().zip(&self.corners).take(TRIED) {
+            if nearest.squared <= near {
+                break;
+            }
+            if t != own {
+                self.work.done += 1;
+                nearest.offer(distance_squared(p, *corners), t);
+            }
+        }
+        let enough = self.enough();
+        if nearest.squared > enough {
+            let (level, tree) = self.faces.level(self.input);
+            let patience = (self.work + self.other).patience(self.input);
+            let hint = nearest.triangle;
+            self.work.done +=
+                u64::from(tree.search(&level, p, hint, enough, patience, &mut nearest));
+        }
+        nearest
+    }
+
+    /// The squared distance within which nothing has to be looked for.
+    fn enough(&self) -> f64 {
+        (self.bound * self.near_enough * self.near_enough).max(FLOOR)
+    }
+}

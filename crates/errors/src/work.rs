@@ -1,0 +1,47 @@
+//! Limits of the work that any mesh may take.
+
+use crate::input::Input;
+use std::ops::Add;
+
+/// Work for each input triangle, in faces touched, distances to faces and boxes opened, after which
+/// the pass gives up: then the diagonal bounds all errors. Real meshes need less than a third.
+const PER_TRIANGLE: u64 = 1_000;
+
+/// Work that any mesh may take besides.
+const FREE: u64 = 10_000_000;
+
+/// Boxes that one search may open: many, and few once half of the work is done. A search that
+/// ends early gives distances that are too large, never too small.
+pub(crate) const PATIENCE: [u32; 2] = [20_000, 64];
+
+/// Work done.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Work {
+    /// Faces touched, distances to faces and boxes opened.
+    pub(crate) done: u64,
+    /// Points asked in refinements.
+    pub(crate) queries: u64,
+}
+
+impl Work {
+    /// Returns whether the pass gives up.
+    pub(crate) fn is_too_much(self, input: &Input) -> bool {
+        self.done > most(input)
+    }
+
+    /// Returns how many boxes one search may open.
+    pub(crate) fn patience(self, input: &Input) -> u32 {
+        PATIENCE[usize::from(self.done > most(input) / 2)]
+    }
+}
+
+impl Add for Work {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        Self { done: self.done + other.done, queries: self.queries + other.queries }
+    }
+}
+
+fn most(input: &Input) -> u64 {
+    PER_TRIANGLE * input.triangles.len() as u64 + FREE
+}
