@@ -35,9 +35,9 @@ const VERY_FEW: [[f64; 3]; 12] = [
 
 /// State of a face, as far as this way needs it.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Face {
+struct Face {
     /// A triangle of the input near its middle.
-    pub(crate) near: u32,
+    near: u32,
     /// Its area, and the mean squared distance over it.
     area: f32,
     mean_square: f32,
@@ -56,15 +56,15 @@ pub(crate) struct Found {
 
 /// The faces of the level as seen from the input.
 pub(crate) struct Backward<'a> {
-    pub(crate) input: &'a Input,
-    pub(crate) faces: Vec<Face>,
+    input: &'a Input,
+    faces: Vec<Face>,
     /// The squared bound.
-    pub(crate) bound: f64,
+    bound: f64,
     /// Sum of area times mean squared distance over live faces, and of areas.
     sums: [f64; 2],
-    pub(crate) work: Work,
+    work: Work,
     /// Work of the first way at the end of the block.
-    pub(crate) other: Work,
+    other: Work,
     /// The step that is followed, counted from 1, and for each point the last step that asked an
     /// edge to it.
     step: u32,
@@ -72,7 +72,9 @@ pub(crate) struct Backward<'a> {
     /// The border of the fan that a step removes.
     link: Vec<DVec3>,
     /// Live faces of the step.
-    pub(crate) changed: Vec<Entry>,
+    changed: Vec<Entry>,
+    /// A triangle of the input near each of them.
+    near: Vec<u32>,
     found: Vec<Found>,
 }
 
@@ -106,6 +108,7 @@ impl<'a> Backward<'a> {
             asked: vec![0; input.places.len()],
             link: vec![],
             changed: vec![],
+            near: vec![],
             found: vec![],
         }
     }
@@ -150,9 +153,11 @@ impl<'a> Backward<'a> {
     fn follow(&mut self, now: Now) {
         let reach = self.reach(now);
         self.changed.clear();
+        self.near.clear();
         for entry in now.entries {
             if entry.is_live {
                 self.changed.push(*entry);
+                self.near.push(self.faces[entry.face as usize].near);
             } else {
                 self.settle(entry.face, 0.0, 0.0);
             }
@@ -250,32 +255,37 @@ impl<'a> Backward<'a> {
         (at == ends[1 - first]).then(|| self.input.place(step.source))
     }
 
-    /// Returns whether no more than one in `share` faces is left, or so few that it does not
-    /// matter.
-    fn is_coarse(&self, now: Now, share: u32) -> bool {
-        now.step.live <= (self.input.triangles.len() as u32 / share).max(64)
-    }
-
     /// Asks points of a changed face. Returns the squared distance of its centroid, or an upper
     /// bound of it if the face has samples.
     fn ask_face(&mut self, now: Now, i: usize, corners: [DVec3; 3], disc: bool) -> f64 {
         let Entry { face, points, mean_square, hints: [from, to], .. } = self.changed[i];
-        let hints = &now.hints[from as usize..to as usize];
-        let mut ask = Ask { pass: self, face, hints, corners, far: 0.0 };
+        let edges = [0, 1, 2].map(|k| self.is_new_edge(now, [points[k], points[(k + 1) % 3]]));
+        let mut ask = Ask {
+            input: self.input,
+            corners,
+            near: self.near[i],
+            hints: &now.hints[from as usize..to as usize],
+            others: &self.near,
+            patience: (self.work + self.other).patience(self.input),
+            opened: 0,
+            bound: self.bound,
+            far: 0.0,
+        };
         let middle = ask.point(centroid(corners), mean_square.is_nan());
-        for k in 0..3 {
-            let ends = [points[k], points[(k + 1) % 3]];
-            if ask.pass.is_new_edge(now, ends) {
-                ask.point((corners[k] + corners[(k + 1) % 3]) * 0.5, false);
-            }
+        for k in (0..3).filter(|&k| edges[k]) {
+            ask.point((corners[k] + corners[(k + 1) % 3]) * 0.5, false);
         }
-        if !disc || ask.is_beyond(WARM) || ask.pass.is_coarse(now, 8) {
+        let is_coarse = |share| now.step.is_coarse(self.input, share);
+        if !disc || ask.is_beyond(WARM) || is_coarse(8) {
             ask.points(&FEW);
         }
-        if ask.is_beyond(WARM) || ask.pass.is_coarse(now, 32) {
+        if ask.is_beyond(WARM) || is_coarse(32) {
             ask.points(&VERY_FEW);
         }
-        let (is_hot, far) = (ask.is_beyond(HOT), ask.far);
+        let Ask { near, far, bound, opened, .. } = ask;
+        let is_hot = ask.is_beyond(HOT);
+        (self.near[i], self.faces[face as usize].near, self.bound) = (near, near, bound);
+        self.work.done += opened;
         if is_hot {
             self.refine_face(now, corners);
         }
@@ -299,7 +309,7 @@ impl<'a> Backward<'a> {
     }
 
     fn refine_face(&mut self, now: Now, corners: [DVec3; 3]) {
-        let many = if self.is_coarse(now, 32) { 600 } else { 150 };
+        let many = if now.step.is_coarse(self.input, 32) { 600 } else { 150 };
         let mut refine = Refine::new(self.input, &self.input.tree, self.bound, many);
         refine.patience = (self.work + self.other).patience(self.input);
         refine.triangle(corners, NONE);

@@ -1,5 +1,6 @@
 //! Steps that one way has followed and the other has not: all that the other needs of them.
 
+use crate::input::Input;
 use crate::work::Work;
 
 /// A face that a step touched, as it is after the step.
@@ -43,6 +44,14 @@ pub(crate) struct Step {
     pub(crate) bound: f64,
     /// The mean squared distance of the samples.
     pub(crate) mean_square: f64,
+}
+
+impl Step {
+    /// Returns whether no more than one in `share` faces is left, or so few that it does not
+    /// matter.
+    pub(crate) fn is_coarse(&self, input: &Input, share: u32) -> bool {
+        self.live <= (input.triangles.len() as u32 / share).max(64)
+    }
 }
 
 /// Some steps in a row.
