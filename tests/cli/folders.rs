@@ -86,3 +86,101 @@ fn assets_of_one_run_have_levels_of_their_own() {
     let shown = f.lodc(["config", "--show", "in/props/b.obj"]).ends(0).text();
     assert!(shown.contains("chain --levels 10%"), "{shown}");
 }
+
+/// A folder `in` of meshes and a folder `out` of files built from them.
+fn built() -> Folder {
+    let f = Folder::new();
+    f.file("in/a.obj", grid(6));
+    f.file("in/props/b.obj", grid(8));
+    f.lodc(["build", "in", "-o", "out", "-q"]).ends(0);
+    f
+}
+
+/// Comparisons that take no time.
+const QUICK: [&str; 4] = ["--samples", "2000", "--views", "0"];
+
+#[test]
+fn folders_are_compared_file_by_file_and_level_by_level() {
+    let f = built();
+    f.file("out/c.obj", grid(3));
+    let compare = |more: &[&str], status: i32| {
+        let args = ["compare", "in", "out", "--levels", "25%,5%", "--json"];
+        f.lodc(args.iter().chain(&QUICK).chain(more)).ends(status)
+    };
+    let run = compare(&[], 3);
+    let report = run.json();
+    let wanted = [("out/a.obj.lodc", 0), ("out/c.obj", 3), ("out/props/b.obj.lodc", 0)];
+    assert_eq!(results(&report), wanted);
+    assert!(run.err.contains("out/c.obj: in has no file of this name"), "{}", run.err);
+    let first = &report["results"][0];
+    assert_eq!((&first["a"], &first["ok"]), (&"in/a.obj".into(), &true.into()));
+    let levels = first["levels"].as_array().expect("levels");
+    let triangles: Vec<_> = levels.iter().map(|l| l["triangles"]["b"].as_u64()).collect();
+    assert_eq!(triangles, [Some(18), Some(3)]);
+    let single = ["compare", "in/a.obj", "out/a.obj.lodc", "--ratio", "5%", "--json"];
+    let single = f.lodc(single.iter().chain(&QUICK)).ends(0).json();
+    assert_eq!(single["hausdorff"], levels[1]["hausdorff"], "as by itself");
+
+    let limit = single["hausdorff"]["max"].as_f64().expect("a distance") * 0.99;
+    let limit = ["--max-hausdorff", &limit.to_string(), "--exclude", "c.*", "--junit", "c.xml"];
+    let run = compare(&[&limit[..], &["--annotate", "github"]].concat(), 1);
+    let report = run.json();
+    assert_eq!(report["results"][0]["exceeded"].as_array().map(Vec::len), Some(1), "{report}");
+    assert!(run.err.contains("::error file=in/a.obj,title=lodc compare::out/a.obj.lodc at 5%25"));
+    let xml = String::from_utf8(f.read("c.xml")).expect("text");
+    assert!(xml.contains("classname=\"in/a.obj\" name=\"out/a.obj.lodc at 5%\"><failure"), "{xml}");
+    let text = f.lodc(["compare", "in", "out", "--include", "a.*"].iter().chain(&QUICK)).ends(0);
+    assert!(
+        text.text().starts_with("out/a.obj.lodc: 72 triangles, rms 0.0000 %"),
+        "{}",
+        text.text()
+    );
+    f.lodc(["compare", "in", "out/a.obj.lodc"]).ends(2);
+    f.lodc(["compare", "in", "out", "--heatmap", "x.png"]).ends(2);
+}
+
+#[test]
+fn a_level_that_got_worse_since_the_last_time_fails() {
+    let f = built();
+    for baseline in ["base.json", "base/"] {
+        let compare = |more: &[&str], status: i32| {
+            let args = ["compare", "in", "out", "--levels", "25%,5%", "--baseline", baseline];
+            f.lodc(args.iter().chain(&QUICK).chain(more)).ends(status)
+        };
+        let run = compare(&[], 3);
+        assert!(run.err.contains("record one with --record"), "{}", run.err);
+        compare(&["--record"], 0);
+        compare(&[], 0);
+        // Another order of collapses has other distances.
+        let good = f.read("out/props/b.obj.lodc");
+        f.lodc(["build", "in/props/b.obj", "-o", "out/props/b.obj.lodc", "--metric", "kl", "-q"])
+            .ends(0);
+        let run = compare(&["--json"], 1);
+        let report = run.json();
+        assert_eq!(results(&report).len(), 2);
+        assert_eq!(report["results"][0]["ok"], true);
+        let worse = report["results"][1]["exceeded"].to_string();
+        assert!(worse.contains("is worse than") && worse.contains("of the baseline"), "{worse}");
+        assert!(report["results"][1]["levels"][0]["baseline"]["rms"].is_f64(), "{report}");
+        // Numbers of other options are no comparison, and recording again settles it.
+        assert!(compare(&["--seed", "2"], 2).err.contains("record it again"));
+        compare(&["--record", "--include", "props/*"], 0);
+        compare(&[], 0);
+        f.file("out/props/b.obj.lodc", good);
+    }
+    // Half of what was: twice as far now.
+    let file = "base/props/b.obj.lodc.json";
+    let args = ["compare", "in", "out", "--levels", "5%", "--baseline", "base"];
+    f.lodc(args.iter().chain(&QUICK).chain(&["--record"])).ends(0);
+    let mut recorded: Value = serde_json::from_slice(&f.read(file)).expect("a document");
+    let far = &mut recorded["levels"]["5%"]["hausdorff"];
+    *far = (far.as_f64().expect("a distance") / 2.0).into();
+    f.file(file, recorded.to_string());
+    for (tolerance, status) in [("2%", 1), ("90%", 1), ("110%", 0), ("1.1", 0)] {
+        f.lodc(args.iter().chain(&QUICK).chain(&["--tolerance", tolerance])).ends(status);
+    }
+    f.file("base.json", "{}");
+    let run = f.lodc(["compare", "in", "out", "--baseline", "base.json"]).fails(3);
+    assert!(run.err.contains("is no baseline"), "{}", run.err);
+    f.lodc(["compare", "in", "out", "--record"]).ends(2);
+}

@@ -103,7 +103,13 @@ pub(crate) fn assets(sources: Sources<'_>, batch: &BatchArgs) -> Outcome<Vec<Ass
     Ok(all)
 }
 
-fn found(input: PathBuf, name: String, folder: Option<PathBuf>, target: Outcome<Target>) -> Asset {
+/// An asset without options of its own.
+pub(super) fn found(
+    input: PathBuf,
+    name: String,
+    folder: Option<PathBuf>,
+    target: Outcome<Target>,
+) -> Asset {
     let makes_folders = folder.is_some();
     Asset {
         input,

@@ -8,20 +8,25 @@ use std::ffi::OsString;
 use std::sync::OnceLock;
 
 /// Options that belong to a run, not to an asset.
-const OF_THE_RUN: [&str; 16] = [
+const OF_THE_RUN: [&str; 21] = [
+    "annotate",
+    "baseline",
     "config",
     "depfile",
     "exclude",
     "format",
+    "heatmap",
     "help",
     "if-changed",
     "include",
     "jobs",
     "json",
+    "junit",
     "manifest",
     "output",
     "profile",
     "quiet",
+    "record",
     "report",
     "shard",
     "verbose",

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 /// Commands whose options can stand in a configuration.
-const COMMANDS: [&str; 3] = ["build", "chain", "extract"];
+const COMMANDS: [&str; 4] = ["build", "chain", "compare", "extract"];
 
 /// Options of `config`.
 #[derive(Args, Debug)]

@@ -1,42 +1,56 @@
-//! `lodc compare`: how far apart two meshes are, in space and in pictures; with limits, a gate for
-//! pipelines.
+//! `lodc compare`: how far apart two meshes, or those of two folders, are, in space and in
+//! pictures; with limits or numbers of the last time, a gate for pipelines.
 
+mod baseline;
 mod heatmap;
+mod measure;
 mod report;
+mod suites;
 mod surface;
 
 use super::asset::SimplifyArgs;
-use crate::console::{self, Loudness, note, wants};
+use super::ci::CiArgs;
+use super::each::{self, AssetOptions};
+use crate::batch::{self, Asset, Pair};
+use crate::config::{ConfigArgs, Configs};
+use crate::console::{self, note};
 use crate::exit::{Failure, Outcome, Status};
 use crate::limits::ImportArgs;
-use crate::output;
-use crate::results::reported;
+use crate::output::{self, Target as Output};
+use crate::progress::BatchProgress;
+use crate::results::{self, FailureReport, ResultReport, reported};
 use crate::selector::{SelectorArgs, size};
-use crate::stages::Stages;
+use baseline::Baseline;
 use clap::Args;
-use lodc_measure::{Looks, Sampling, SceneSurface, Viewing, compare_pictures, distances, pictures};
 use lodc_select::Target;
+use measure::Measured;
 use rayon::ThreadPoolBuilder;
-use report::{CompareReport, ImageReport};
+use report::PairReport;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
-use surface::{Wish, surface};
+use surface::Wish;
 
 /// Distances below this share of the diagonal are rounding: the heatmap shows none.
 const ROUNDING: f64 = 1e-6;
 
 /// Options of `compare`.
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 pub(crate) struct CompareArgs {
-    /// The mesh to compare with: OBJ, glTF, GLB or .lodc; `-` for standard input
+    /// The mesh to compare with: OBJ, glTF, GLB or .lodc; `-` for standard input; or a folder
     a: PathBuf,
-    /// The mesh to be judged, or the asset whose level is: a mesh is then simplified in memory
+    /// The mesh to be judged, or the asset whose level is: a mesh is then simplified in memory; or
+    /// a folder, whose files are compared with those of A of the same path, with or without a
+    /// further extension
     b: PathBuf,
     /// The level of A: a share (25%, 0.25) or a number (10k) of triangles [default: all]
     #[arg(long, value_name = "LEVEL", value_parser = size)]
     level_a: Option<Target>,
     #[command(flatten, next_help_heading = "Level of B [default: all triangles]")]
     level_b: SelectorArgs,
+    /// Levels of B, each compared by itself: shares (25%, 0.25) or numbers (10k) of triangles
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = level,
+          conflicts_with = "TargetArgs")]
+    levels: Vec<Level>,
     #[command(flatten)]
     simplify: SimplifyArgs,
     /// Print the result as JSON on standard output
@@ -55,6 +69,18 @@ pub(crate) struct CompareArgs {
     /// Exit 1 if the root mean square difference of pixels (0 to 255) is greater
     #[arg(long, value_name = "GREY", value_parser = grey, allow_negative_numbers = true)]
     max_image_rmse: Option<f64>,
+    /// Exit 1 if a distance or a difference of pixels is greater than the last time: as FILE has
+    /// it or, for each file of B, a file in DIR
+    #[arg(long, value_name = "FILE|DIR")]
+    baseline: Option<PathBuf>,
+    /// Write the baseline in place of comparing with it
+    #[arg(long, requires = "baseline")]
+    record: bool,
+    /// A number counts as worse if it is more than this above the baseline: a share, or with `%`
+    #[arg(long, value_name = "SHARE", default_value = "2%", value_parser = share)]
+    tolerance: f64,
+    #[command(flatten)]
+    ci: CiArgs,
     /// Points spread over the area of each mesh
     #[arg(
         long,
@@ -90,6 +116,42 @@ pub(crate) struct CompareArgs {
     jobs: Option<NonZeroUsize>,
     #[command(flatten)]
     import: ImportArgs,
+    /// Of folders, take only files of B whose path below it matches (may be given several times)
+    #[arg(long, value_name = "GLOB")]
+    include: Vec<String>,
+    /// Of folders, leave out files of B whose path below it matches (may be given several times)
+    #[arg(long, value_name = "GLOB")]
+    exclude: Vec<String>,
+    #[command(flatten)]
+    configuration: ConfigArgs,
+}
+
+/// A level, as it was asked for.
+#[derive(Clone, Debug)]
+struct Level {
+    name: String,
+    target: Target,
+}
+
+fn level(text: &str) -> Result<Level, String> {
+    Ok(Level { name: text.to_owned(), target: size(text)? })
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    let length = length(text)?;
+    Ok(if length.of_diagonal { length.value / 100.0 } else { length.value })
+}
+
+impl CompareArgs {
+    /// The levels of B, with their names if there may be several.
+    fn wishes(&self) -> Vec<(Option<String>, Wish)> {
+        let per_object = self.level_b.per_object();
+        let wish = |target| Wish { target, per_object };
+        if self.levels.is_empty() {
+            return vec![(None, wish(self.level_b.target()))];
+        }
+        self.levels.iter().map(|l| (Some(l.name.clone()), wish(Some(l.target)))).collect()
+    }
 }
 
 /// A length, possibly as a share of A's diagonal.
@@ -124,75 +186,100 @@ pub(crate) fn run(args: &CompareArgs) -> Outcome<Status> {
 
 /// Compares, once options are known to fit together.
 fn checked(args: &CompareArgs) -> Outcome<Status> {
-    args.level_b.check_distance()?;
-    if [&args.a, &args.b].iter().all(|path| output::is_stream(path)) {
-        return Err(Failure::usage("standard input can be read once only"));
-    }
-    let heatmap = args.heatmap.as_ref().map(|path| output::Target::File(path.clone()));
-    if let Some(output::Target::File(path)) = &heatmap {
-        if output::is_stream(path) || [&args.a, &args.b].contains(&path) {
-            return Err(Failure::usage("--heatmap needs a file of its own"));
-        }
-        output::prepare(&[output::Target::File(path.clone())], false)?;
-    }
+    check(args)?;
+    let baseline = Baseline::open(args)?;
+    let pairs = batch::pairs(&args.a, &args.b, &args.include, &args.exclude)?;
+    let (mut assets, others): (Vec<Asset>, Vec<Outcome<PathBuf>>) =
+        pairs.into_iter().map(|Pair { asset, other }| (asset, other)).unzip();
+    Configs::new(&args.configuration, "compare").apply(&mut assets)?;
+    let options = AssetOptions::new("compare", &assets, |args: CompareArgs, _| args);
     let threads = args.jobs.map_or(0, |n| n.get().min(super::build::MOST_THREADS));
     let pool = ThreadPoolBuilder::new().num_threads(threads).build();
     let pool =
         pool.map_err(|e| Failure::new(Status::Limit, format!("no threads to work with: {e}")))?;
-    pool.install(|| compare(args, heatmap.as_ref()))
+    let (several, bar) = (args.a.is_dir(), BatchProgress::new(assets.len()));
+    // One after the other: each takes all threads, and much memory for its pictures.
+    let one = |(asset, other): (&Asset, Outcome<PathBuf>)| {
+        let done = each::guarded(&asset.input, || {
+            let (other, (args, _)) = (other?, options.ready(asset)?);
+            let progress = bar.of_asset(&asset.name);
+            let (paths, baseline) = ([&*other, &*asset.input], baseline.as_ref());
+            let measured =
+                pool.install(|| measure::compare(args, paths, &asset.name, baseline, &progress))?;
+            say(args, &measured, several)?;
+            Ok(measured)
+        });
+        bar.done(&asset.name);
+        done.inspect_err(each::print)
+    };
+    let done = assets.iter().zip(others).map(one).collect();
+    drop(bar);
+    finish(args, &assets, baseline, done)
 }
 
-fn compare(args: &CompareArgs, heatmap: Option<&output::Target>) -> Outcome<Status> {
-    let mut stages = Stages::default();
-    let wish_a = Wish { target: args.level_a, per_object: false };
-    let wish_b = Wish { target: args.level_b.target(), per_object: args.level_b.per_object() };
-    let a = surface(&args.a, wish_a, args, &mut stages)?;
-    let b = surface(&args.b, wish_b, args, &mut stages)?;
-    let looks = looks(&a, &b, args);
-    let (a, b) = (a.surface, b.surface);
-    let sampling =
-        Sampling { samples: args.samples as usize, seed: args.seed, ..Sampling::DEFAULT };
-    let space = stages.run("distance", || distances(&a, &b, &sampling));
-    let image = (args.views > 0).then(|| {
-        let viewing = Viewing { views: args.views, size: args.size };
-        stages.run("pictures", || {
-            let cameras = viewing.cameras(&a);
-            let error =
-                compare_pictures(&pictures(&a, &cameras, looks), &pictures(&b, &cameras, looks));
-            ImageReport::new(viewing, looks, error)
-        })
-    });
-    let mut report =
-        CompareReport::new(a.diagonal(), [a.triangles.len(), b.triangles.len()], space, image);
-    report.check(args);
-    if let Some(target) = heatmap {
-        stages.run("heatmap", || {
-            output::write(
-                target,
-                heatmap::draw(&a, &b, looks, space.hausdorff[0].max(ROUNDING * a.diagonal())),
-            )
-        })?;
+/// Checks that nothing is read or written twice.
+fn check(args: &CompareArgs) -> Outcome<()> {
+    args.level_b.check_distance()?;
+    let inputs = [&args.a, &args.b];
+    if inputs.iter().all(|path| output::is_stream(path)) {
+        return Err(Failure::usage("standard input can be read once only"));
+    }
+    args.ci.check(inputs.into_iter())?;
+    let Some(path) = &args.heatmap else { return Ok(()) };
+    if args.a.is_dir() || args.levels.len() > 1 {
+        return Err(Failure::usage("--heatmap shows two files and one level"));
+    }
+    if output::is_stream(path) || inputs.contains(&path) {
+        return Err(Failure::usage("--heatmap needs a file of its own"));
+    }
+    output::prepare(&[Output::File(path.clone())], false)
+}
+
+/// Prints what was measured.
+fn say(args: &CompareArgs, measured: &Measured, several: bool) -> Outcome<()> {
+    let report = &measured.report;
+    if !args.json {
+        console::result(report.text(several).trim_end())?;
+    }
+    for what in report.exceeded() {
+        note(&format!("lodc: {}: {what}", report.b));
+    }
+    Ok(())
+}
+
+/// Ends a run: reports, baseline, documents. Returns the highest status.
+fn finish(
+    args: &CompareArgs,
+    assets: &[Asset],
+    baseline: Option<Baseline>,
+    done: Vec<Outcome<Measured>>,
+) -> Outcome<Status> {
+    args.ci.publish("lodc compare", &suites::suites(assets, &done))?;
+    let (mut worst, mut results, mut recorded) = (Status::Done, Vec::new(), Vec::new());
+    for (asset, measured) in assets.iter().zip(done) {
+        results.push(match measured {
+            Ok(Measured { report, recorded: now }) => {
+                recorded.push((asset.name.clone(), now));
+                worst = worst.max(if report.ok { Status::Done } else { Status::Difference });
+                ResultReport::Done(report)
+            }
+            Err(failure) => {
+                worst = worst.max(failure.status);
+                ResultReport::Failed(FailureReport::of(&asset.input, &failure))
+            }
+        });
+    }
+    if let Some(baseline) = baseline {
+        baseline.write(recorded)?;
+    }
+    let several = args.a.is_dir();
+    if several {
+        let ok = |r: &&ResultReport<PairReport>| matches!(r, ResultReport::Done(r) if r.ok);
+        let ok = results.iter().filter(ok).count();
+        note(&format!("{ok} ok, {} not", results.len() - ok));
     }
     if args.json {
-        console::json(&report)?;
-    } else {
-        console::result(report.text().trim_end())?;
+        results::print(several, worst, results)?;
     }
-    for what in &report.exceeded {
-        if wants(Loudness::Normal) {
-            note(&format!("lodc: {}: {what}", args.b.display()));
-        }
-    }
-    Ok(if report.ok { Status::Done } else { Status::Difference })
-}
-
-/// Everything that both meshes can be shown with.
-fn looks(a: &SceneSurface, b: &SceneSurface, args: &CompareArgs) -> Looks {
-    let both = |has: fn(&SceneSurface) -> bool| !args.no_attributes && has(a) && has(b);
-    let materials = both(|s| !s.surface.materials.is_empty());
-    Looks {
-        own_normals: both(|s| !s.surface.normals.is_empty()),
-        checkerboard: !materials && both(|s| s.all_textured),
-        materials,
-    }
+    Ok(worst)
 }

@@ -4,36 +4,81 @@ use super::CompareArgs;
 use crate::report::SCHEMA_VERSION;
 use crate::text::{count, distance};
 use lodc_measure::{Distances, ImageError, Looks, Viewing};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
-/// `compare --json`. Lengths are in A's unit.
+/// `compare --json` of two files. Lengths are in A's unit.
 #[derive(Debug, Serialize)]
-pub(super) struct CompareReport {
+pub(super) struct PairReport {
     schema_version: u32,
     /// No limit is exceeded.
     pub(super) ok: bool,
+    /// The input; named as those of other commands.
+    input: String,
+    pub(super) a: String,
+    pub(super) b: String,
     /// Of A's bounding box.
     diagonal: f64,
-    triangles: TriangleCounts,
-    hausdorff: BothWays,
-    rms: BothWays,
+    #[serde(flatten)]
+    pub(super) content: Content,
+}
+
+/// One comparison, or one for each level that was asked for.
+#[derive(Debug, Serialize)]
+#[serde(untagged)]
+pub(super) enum Content {
+    Single(Comparison),
+    Levels {
+        levels: Vec<LevelComparison>,
+        /// Those of all levels.
+        exceeded: Vec<String>,
+    },
+}
+
+/// The comparison of a level.
+#[derive(Debug, Serialize)]
+pub(super) struct LevelComparison {
+    /// As it was asked for.
+    pub(super) level: String,
+    #[serde(flatten)]
+    pub(super) comparison: Comparison,
+}
+
+/// Differences between A and a level of B.
+#[derive(Debug, Serialize)]
+pub(super) struct Comparison {
+    pub(super) triangles: TriangleCounts,
+    pub(super) hausdorff: BothWays,
+    pub(super) rms: BothWays,
     /// Null with `--views 0`.
-    image: Option<ImageReport>,
-    /// One line for each limit that is.
+    pub(super) image: Option<ImageReport>,
+    /// The numbers of the last time; only with `--baseline`, null if there are none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) baseline: Option<Option<Numbers>>,
+    /// One line for each limit that is exceeded.
     pub(super) exceeded: Vec<String>,
 }
 
+/// The numbers of a comparison that tell whether a level is worse than another.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Numbers {
+    triangles: usize,
+    pub(super) rms: f64,
+    pub(super) hausdorff: f64,
+    /// Null if no pictures were compared.
+    pub(super) image_rmse: Option<f64>,
+}
+
 #[derive(Debug, Serialize)]
-struct TriangleCounts {
+pub(super) struct TriangleCounts {
     a: usize,
     b: usize,
 }
 
 #[derive(Debug, Serialize)]
-struct BothWays {
-    a_to_b: f64,
+pub(super) struct BothWays {
+    pub(super) a_to_b: f64,
     b_to_a: f64,
-    max: f64,
+    pub(super) max: f64,
     /// Root of the mean of both squares.
     mean: f64,
 }
@@ -51,7 +96,7 @@ pub(super) struct ImageReport {
     views: u32,
     size: u32,
     /// Of red, green and blue (0 to 255), over the pixels that either mesh covers.
-    rmse: f64,
+    pub(super) rmse: f64,
     /// The share of those pixels that only one covers.
     silhouette: f64,
     /// Both meshes were shaded with normals of their own.
@@ -76,33 +121,36 @@ impl ImageReport {
     }
 }
 
-impl CompareReport {
-    pub(super) fn new(
-        diagonal: f64,
-        [a, b]: [usize; 2],
-        space: Distances,
-        image: Option<ImageReport>,
-    ) -> Self {
+impl Comparison {
+    pub(super) fn new([a, b]: [usize; 2], space: Distances, image: Option<ImageReport>) -> Self {
         Self {
-            schema_version: SCHEMA_VERSION,
-            ok: true,
-            diagonal,
             triangles: TriangleCounts { a, b },
             hausdorff: BothWays::new(space.hausdorff),
             rms: BothWays::new(space.rms),
             image,
+            baseline: None,
             exceeded: Vec::new(),
         }
     }
 
+    /// The greater of both ways.
+    pub(super) fn numbers(&self) -> Numbers {
+        Numbers {
+            triangles: self.triangles.b,
+            rms: self.rms.max,
+            hausdorff: self.hausdorff.max,
+            image_rmse: self.image.as_ref().map(|image| image.rmse),
+        }
+    }
+
     /// Compares with the limits given.
-    pub(super) fn check(&mut self, args: &CompareArgs) {
+    pub(super) fn check(&mut self, args: &CompareArgs, diagonal: f64) {
         let lengths = [
             ("rms", self.rms.max, args.max_rms),
             ("hausdorff", self.hausdorff.max, args.max_hausdorff),
         ];
         for (name, found, limit) in lengths {
-            if let Some(limit) = limit.map(|l| l.resolve(self.diagonal))
+            if let Some(limit) = limit.map(|l| l.resolve(diagonal))
                 && found > limit
             {
                 self.exceeded.push(format!(
@@ -117,30 +165,103 @@ impl CompareReport {
         {
             self.exceeded.push(format!("image RMSE {:.3} is more than {limit}", image.rmse));
         }
-        self.ok = self.exceeded.is_empty();
+    }
+}
+
+impl PairReport {
+    /// The document of two files. Levels have the names by which they were asked for; a single
+    /// comparison may have none.
+    pub(super) fn new(
+        [a, b]: [String; 2],
+        diagonal: f64,
+        mut levels: Vec<(Option<String>, Comparison)>,
+    ) -> Self {
+        let ok = levels.iter().all(|(_, c)| c.exceeded.is_empty());
+        let content = match levels.pop() {
+            Some((None, single)) if levels.is_empty() => Content::Single(single),
+            last => {
+                levels.extend(last);
+                let named = levels.into_iter().map(|(level, comparison)| LevelComparison {
+                    level: level.unwrap_or_default(),
+                    comparison,
+                });
+                let levels: Vec<LevelComparison> = named.collect();
+                let lines = levels.iter().flat_map(|l| {
+                    l.comparison.exceeded.iter().map(|what| format!("{}: {what}", l.level))
+                });
+                Content::Levels { exceeded: lines.collect(), levels }
+            }
+        };
+        Self { schema_version: SCHEMA_VERSION, ok, input: b.clone(), a, b, diagonal, content }
     }
 
-    /// A few lines for people.
-    pub(super) fn text(&self) -> String {
-        let share = |x: f64| if self.diagonal > 0.0 { 100.0 * x / self.diagonal } else { 0.0 };
+    /// One line for each limit that is exceeded.
+    pub(super) fn exceeded(&self) -> &[String] {
+        match &self.content {
+            Content::Single(Comparison { exceeded, .. }) | Content::Levels { exceeded, .. } => {
+                exceeded
+            }
+        }
+    }
+
+    /// Every comparison, with the name of its level.
+    pub(super) fn comparisons(&self) -> Vec<(Option<&str>, &Comparison)> {
+        match &self.content {
+            Content::Single(comparison) => vec![(None, comparison)],
+            Content::Levels { levels, .. } => {
+                levels.iter().map(|l| (Some(l.level.as_str()), &l.comparison)).collect()
+            }
+        }
+    }
+
+    /// A few lines for people, or with `brief` a line for each level.
+    pub(super) fn text(&self, brief: bool) -> String {
+        match &self.content {
+            Content::Single(comparison) if !brief => self.lines(comparison),
+            _ => {
+                let line = |(level, c): (Option<&str>, &Comparison)| self.line(level, c);
+                self.comparisons().into_iter().map(line).collect()
+            }
+        }
+    }
+
+    /// `x` in percent of the diagonal.
+    fn share(&self, x: f64) -> f64 {
+        if self.diagonal > 0.0 { 100.0 * x / self.diagonal } else { 0.0 }
+    }
+
+    fn line(&self, level: Option<&str>, c: &Comparison) -> String {
+        let level = level.map(|level| format!(" at {level}")).unwrap_or_default();
+        let image = c.image.as_ref().map(|image| format!(", image RMSE {:.2}", image.rmse));
+        format!(
+            "{}{level}: {}, rms {:.4} %, hausdorff {:.4} %{}: {}\n",
+            self.b,
+            count(c.triangles.b as u64, "triangle"),
+            self.share(c.rms.max),
+            self.share(c.hausdorff.max),
+            image.unwrap_or_default(),
+            if c.exceeded.is_empty() { "ok" } else { "EXCEEDED" }
+        )
+    }
+
+    fn lines(&self, c: &Comparison) -> String {
         let line = |name: &str, d: &BothWays| {
             format!(
                 "{name:<10}{:>12} to B {:>12} back   {:.4} % of the diagonal\n",
                 distance(d.a_to_b),
                 distance(d.b_to_a),
-                share(d.max)
+                self.share(d.max)
             )
         };
-        let (a, b) = (self.triangles.a as u64, self.triangles.b as u64);
         let mut text = format!(
             "A: {}, diagonal {}; B: {}\n",
-            count(a, "triangle"),
+            count(c.triangles.a as u64, "triangle"),
             distance(self.diagonal),
-            count(b, "triangle")
+            count(c.triangles.b as u64, "triangle")
         );
-        text += &line("rms", &self.rms);
-        text += &line("hausdorff", &self.hausdorff);
-        if let Some(image) = &self.image {
+        text += &line("rms", &c.rms);
+        text += &line("hausdorff", &c.hausdorff);
+        if let Some(image) = &c.image {
             text += &format!(
                 "image     RMSE {:.2} of 255, silhouette {:.3} % of the pixels; {}, {}{}\n",
                 image.rmse,

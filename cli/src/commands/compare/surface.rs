@@ -5,6 +5,7 @@ use crate::commands::asset;
 use crate::console;
 use crate::exit::{Failure, Outcome, Status};
 use crate::level_mesh::{self, Order, Shape};
+use crate::progress::Progress;
 use crate::selector::SceneLevels;
 use crate::stages::Stages;
 use lodc_formats::appearance::appearance;
@@ -15,6 +16,7 @@ use lodc_measure::SceneSurface;
 use lodc_mesh::{Lod, Mesh};
 use lodc_scene::{Appearance, Arrangement};
 use lodc_select::Target;
+use std::borrow::Cow;
 use std::path::Path;
 
 /// More triangles than this, instances counted, are not compared.
@@ -28,82 +30,116 @@ pub(super) struct Wish {
     pub(super) per_object: bool,
 }
 
-/// A scene, or a level of one.
-struct Shown {
+/// A scene that was read, of which levels can be compared.
+pub(super) struct Subject {
+    name: String,
     document: Document,
-    objects: Vec<(ObjectInfo, Mesh)>,
-    warnings: Vec<String>,
+    objects: Objects,
+    looks: Appearance,
 }
 
-/// Reads the surface of a scene, or of a level of it.
-///
-/// # Errors
-/// If it cannot be read, has no such level, no triangles or too many.
-pub(super) fn surface(
-    path: &Path,
-    wish: Wish,
-    args: &CompareArgs,
-    stages: &mut Stages,
-) -> Outcome<SceneSurface> {
-    let options = args.import.options();
-    let name = path.display().to_string();
-    let scene = shown(path, wish, args, stages)?;
-    for warning in &scene.warnings {
-        console::warning(&name, warning);
-    }
-    let infos: Vec<&ObjectInfo> = scene.objects.iter().map(|(info, _)| info).collect();
-    let looks = if args.no_attributes || args.views == 0 {
-        Appearance::default()
-    } else {
-        let mut assets = Assets::new(path, &options.allowed, options.limits);
-        appearance(&scene.document, &infos, &mut assets).map_err(|e| e.in_file(&name))?
-    };
-    for warning in &looks.warnings {
-        console::warning(&name, warning);
-    }
-    let graph =
-        scene_graph(&scene.document, &infos, &options.limits).map_err(|e| e.in_file(&name))?;
-    let arrangement = Arrangement::new(&graph, &graph.rest_pose(), infos.len());
-    let meshes: Vec<&Mesh> = scene.objects.iter().map(|(_, mesh)| mesh).collect();
-    let counts = arrangement.placements().iter().map(|p| meshes[p.object].triangles().len());
-    let triangles = counts.fold(0, usize::saturating_add);
-    if triangles == 0 {
-        let message = format!("{name}: has no triangles: there is nothing to compare");
-        return Err(Failure::new(Status::Input, message));
-    }
-    if triangles > MAX_TRIANGLES {
-        let message = format!("{name}: its instances have more than {MAX_TRIANGLES} triangles");
-        return Err(Failure::new(Status::Limit, message));
-    }
-    Ok(SceneSurface::new(&meshes, &arrangement, &looks))
+enum Objects {
+    Meshes(Vec<(ObjectInfo, Mesh)>),
+    Levels(Vec<LodObject>),
 }
 
-/// Reads a scene. A mesh is simplified only if a level of it is wanted.
-fn shown(path: &Path, wish: Wish, args: &CompareArgs, stages: &mut Stages) -> Outcome<Shown> {
-    if let Some(target) = wish.target {
-        let asset = asset::read(path, &args.import, &args.simplify, stages)?;
-        let limits = args.import.limits().limits();
-        let levels = SceneLevels::new(&asset.objects, &asset.document, &limits)?;
-        let chosen = levels.select(target, wish.per_object)?;
-        let objects = at_levels(asset.objects, &chosen.lods)?;
-        let warnings = [asset.warnings, chosen.warnings].concat();
-        return Ok(Shown { document: asset.document, objects, warnings });
-    }
-    match stages.run("import", || either(path, &args.import.options()))? {
-        Either::Scene(scene) => {
-            let objects = scene.objects.into_iter().map(|o| (o.info, o.mesh)).collect();
-            Ok(Shown { document: scene.document, objects, warnings: scene.warnings })
-        }
-        Either::Levels(file) => {
-            let lods = vec![Lod(0); file.objects.len()];
-            let objects = at_levels(file.objects, &lods)?;
-            Ok(Shown { document: file.document, objects, warnings: file.left_out })
+impl Objects {
+    fn infos(&self) -> Vec<&ObjectInfo> {
+        match self {
+            Self::Meshes(objects) => objects.iter().map(|(info, _)| info).collect(),
+            Self::Levels(objects) => objects.iter().map(|o| &o.info).collect(),
         }
     }
 }
 
-fn at_levels(objects: Vec<LodObject>, lods: &[Lod]) -> Outcome<Vec<(ObjectInfo, Mesh)>> {
-    let shape = Shape { order: Order::File, ..Shape::default() };
-    let meshes = level_mesh::meshes(&objects, lods, shape)?;
-    Ok(objects.into_iter().zip(meshes).map(|(o, level)| (o.info, level.mesh)).collect())
+impl Subject {
+    /// Reads a scene. A mesh is simplified only if `levels` of it are wanted.
+    ///
+    /// # Errors
+    /// If it cannot be read.
+    pub(super) fn read(
+        path: &Path,
+        levels: bool,
+        args: &CompareArgs,
+        stages: &mut Stages,
+        progress: &Progress,
+    ) -> Outcome<Self> {
+        let options = args.import.options();
+        let name = path.display().to_string();
+        let (document, objects, warnings) = if levels {
+            let (import, simplify) = (&args.import, &args.simplify);
+            let asset = asset::read_showing(progress, path, import, simplify, stages)?;
+            (asset.document, Objects::Levels(asset.objects), asset.warnings)
+        } else {
+            match stages.run("import", || either(path, &options))? {
+                Either::Scene(scene) => {
+                    let objects = scene.objects.into_iter().map(|o| (o.info, o.mesh)).collect();
+                    (scene.document, Objects::Meshes(objects), scene.warnings)
+                }
+                Either::Levels(file) => {
+                    (file.document, Objects::Levels(file.objects), file.left_out)
+                }
+            }
+        };
+        let looks = if args.no_attributes || args.views == 0 {
+            Appearance::default()
+        } else {
+            let mut assets = Assets::new(path, &options.allowed, options.limits);
+            let looks = appearance(&document, &objects.infos(), &mut assets);
+            looks.map_err(|e| e.in_file(&name))?
+        };
+        for warning in warnings.iter().chain(&looks.warnings) {
+            console::warning(&name, warning);
+        }
+        Ok(Self { name, document, objects, looks })
+    }
+
+    /// Returns the surface of the scene, or of a level of it.
+    ///
+    /// # Errors
+    /// If it has no such level, no triangles or too many.
+    pub(super) fn surface(&self, wish: Wish, args: &CompareArgs) -> Outcome<SceneSurface> {
+        let (name, limits) = (&self.name, args.import.options().limits);
+        let infos = self.objects.infos();
+        let graph = scene_graph(&self.document, &infos, &limits).map_err(|e| e.in_file(name))?;
+        let arrangement = Arrangement::new(&graph, &graph.rest_pose(), infos.len());
+        let meshes = self.meshes(wish, args)?;
+        let meshes: Vec<&Mesh> = meshes.iter().map(AsRef::as_ref).collect();
+        let counts = arrangement.placements().iter().map(|p| meshes[p.object].triangles().len());
+        let triangles = counts.fold(0, usize::saturating_add);
+        if triangles == 0 {
+            let message = format!("{name}: has no triangles: there is nothing to compare");
+            return Err(Failure::new(Status::Input, message));
+        }
+        if triangles > MAX_TRIANGLES {
+            let message = format!("{name}: its instances have more than {MAX_TRIANGLES} triangles");
+            return Err(Failure::new(Status::Limit, message));
+        }
+        Ok(SceneSurface::new(&meshes, &arrangement, &self.looks))
+    }
+
+    /// The meshes of the scene, or of a level of it.
+    fn meshes(&self, wish: Wish, args: &CompareArgs) -> Outcome<Vec<Cow<'_, Mesh>>> {
+        let objects = match &self.objects {
+            Objects::Meshes(objects) => {
+                return Ok(objects.iter().map(|(_, mesh)| Cow::Borrowed(mesh)).collect());
+            }
+            Objects::Levels(objects) => objects,
+        };
+        let lods = match wish.target {
+            Some(target) => {
+                let limits = args.import.limits().limits();
+                let levels = SceneLevels::new(objects, &self.document, &limits)?;
+                let chosen = levels.select(target, wish.per_object)?;
+                for warning in &chosen.warnings {
+                    console::warning(&self.name, warning);
+                }
+                chosen.lods
+            }
+            None => vec![Lod(0); objects.len()],
+        };
+        let shape = Shape { order: Order::File, ..Shape::default() };
+        let meshes = level_mesh::meshes(objects, &lods, shape)?;
+        Ok(meshes.into_iter().map(|level| Cow::Owned(level.mesh)).collect())
+    }
 }

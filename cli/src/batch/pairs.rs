@@ -1,0 +1,88 @@
+//! Pairs of files to be compared: two files, or the files of two folders by their names.
+
+use super::assets::found;
+use super::folder::{Filter, files, slashed};
+use super::{Asset, LEVELS};
+use crate::exit::{Failure, Outcome, Status};
+use crate::output::Target;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// A file to be judged, and the one that it is compared with.
+#[derive(Debug)]
+pub(crate) struct Pair {
+    /// The file to be judged. It has no result of its own: its target is standard output.
+    pub(crate) asset: Asset,
+    /// The other file, or the reason why there is none.
+    pub(crate) other: Outcome<PathBuf>,
+}
+
+/// Returns the pairs of two files or of two folders. Of `b`, files that the globs choose are taken;
+/// each is compared with the file of `a` of the same path, else of the path without its extension
+/// (`club.obj` for `club.obj.lodc`), else with the only one that differs in its extension.
+///
+/// # Errors
+/// If one is a folder and the other is none, or a folder has no file to compare.
+pub(crate) fn pairs(
+    a: &Path,
+    b: &Path,
+    include: &[String],
+    exclude: &[String],
+) -> Outcome<Vec<Pair>> {
+    let filter = Filter::new(include, exclude)?;
+    let done = |path: PathBuf, name, folder| found(path, name, folder, Ok(Target::Stdout));
+    match (a.is_dir(), b.is_dir()) {
+        (false, false) => {
+            let asset = done(b.to_owned(), slashed(b), None);
+            Ok(vec![Pair { asset, other: Ok(a.to_owned()) }])
+        }
+        (true, true) => {
+            let all = files(a, &LEVELS, &Filter::new(&[], &[])?)?;
+            let all: BTreeMap<String, PathBuf> = all.into_iter().map(|(p, n)| (n, p)).collect();
+            let pair = |(path, name): (PathBuf, String)| Pair {
+                other: counterpart(&all, &name).cloned().ok_or_else(|| {
+                    let what = format!("{} has no file of this name", a.display());
+                    Failure::new(Status::Input, format!("{}: {what}", path.display()))
+                }),
+                asset: done(path, name, Some(b.to_owned())),
+            };
+            Ok(files(b, &LEVELS, &filter)?.into_iter().map(pair).collect())
+        }
+        _ => Err(Failure::usage("a folder is compared with a folder, a file with a file")),
+    }
+}
+
+fn counterpart<'a>(all: &'a BTreeMap<String, PathBuf>, name: &str) -> Option<&'a PathBuf> {
+    let same = all.get(name).or_else(|| all.get(stem(name)));
+    same.or_else(|| {
+        let mut near = all.iter().filter(|(other, _)| stem(other) == stem(name));
+        near.next().filter(|_| near.next().is_none()).map(|(_, path)| path)
+    })
+}
+
+/// A path without the extension of its file.
+fn stem(name: &str) -> &str {
+    match name.rsplit_once('.') {
+        Some((stem, extension)) if !extension.contains('/') => stem,
+        _ => name,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_meets_the_one_that_it_was_made_from() {
+        let names = ["a.obj", "p/b.obj", "p/b.glb", "c.d/e.obj", "f.gltf"];
+        let all = names.iter().map(|n| ((*n).to_owned(), PathBuf::from(n))).collect();
+        let other = |name: &str| counterpart(&all, name).map(|p| p.display().to_string());
+        let met = |name: &str| Some(name.to_owned());
+        assert_eq!(other("a.obj"), met("a.obj"));
+        assert_eq!(other("p/b.glb.lodc"), met("p/b.glb"));
+        assert_eq!(other("p/b.lodc"), None, "two differ in their extension");
+        assert_eq!(other("f.glb"), met("f.gltf"));
+        assert_eq!(other("c.d/x.obj"), None);
+        assert_eq!(other("b.obj"), None);
+    }
+}

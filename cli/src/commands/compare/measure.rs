@@ -1,0 +1,129 @@
+//! Two files: B at every level that is wanted, measured from A.
+
+use super::baseline::{Baseline, Recorded, worse};
+use super::heatmap;
+use super::report::{Comparison, ImageReport, PairReport};
+use super::surface::{Subject, Wish};
+use super::{CompareArgs, ROUNDING};
+use crate::exit::Outcome;
+use crate::output::{self, Target};
+use crate::progress::Progress;
+use crate::stages::Stages;
+use lodc_measure::{
+    Looks, Picture, Sampling, SceneSurface, Viewing, compare_pictures, distances, pictures,
+};
+use std::path::Path;
+
+/// Result of the comparison of two files.
+pub(super) struct Measured {
+    pub(super) report: PairReport,
+    /// For the baseline.
+    pub(super) recorded: Recorded,
+}
+
+/// Compares two files. `name` is the pair's in the baseline.
+///
+/// # Errors
+/// If one cannot be read or has no such level, the baseline does not suit, or the heatmap cannot
+/// be written.
+pub(super) fn compare(
+    args: &CompareArgs,
+    [path_a, path_b]: [&Path; 2],
+    name: &str,
+    baseline: Option<&Baseline>,
+    progress: &Progress,
+) -> Outcome<Measured> {
+    let then = baseline.map(|b| b.of(name, args)).transpose()?;
+    let mut stages = Stages::default();
+    let wish_a = Wish { target: args.level_a, per_object: false };
+    let a = Subject::read(path_a, args.level_a.is_some(), args, &mut stages, progress)?;
+    let wishes = args.wishes();
+    let levels = wishes.iter().any(|(_, wish)| wish.target.is_some());
+    let b = Subject::read(path_b, levels, args, &mut stages, progress)?;
+    progress.clear();
+    let (a, mut of_a) = (a.surface(wish_a, args)?, None);
+    let diagonal = a.surface.diagonal();
+    let (mut all, mut names) = (Vec::new(), Vec::new());
+    for (level, wish) in wishes {
+        let surface = b.surface(wish, args)?;
+        let mut comparison = comparison(args, &a, &surface, &mut of_a, &mut stages);
+        let level_name = level.clone().unwrap_or_else(|| label(wish.target));
+        comparison.check(args, diagonal);
+        if let Some(then) = &then {
+            let then = then.as_ref().and_then(|recorded| recorded.level(&level_name));
+            let now = comparison.numbers();
+            let worse = then.map(|then| worse(then, now, args.tolerance, diagonal));
+            comparison.exceeded.extend(worse.unwrap_or_default());
+            comparison.baseline = Some(then);
+        }
+        if let Some(path) = &args.heatmap {
+            let looks = looks(&a, &surface, args);
+            let hottest = comparison.hausdorff.a_to_b.max(ROUNDING * diagonal);
+            let png = stages
+                .run("heatmap", || heatmap::draw(&a.surface, &surface.surface, looks, hottest));
+            output::write(&Target::File(path.clone()), png)?;
+        }
+        all.push((level, comparison));
+        names.push(level_name);
+    }
+    let named = names.iter().map(String::as_str).zip(all.iter().map(|(_, c)| c.numbers()));
+    let recorded = Recorded::now(args, named);
+    let paths = [path_a, path_b].map(|path| path.display().to_string());
+    Ok(Measured { report: PairReport::new(paths, diagonal, all), recorded })
+}
+
+/// Pictures of A, and what it was shown with.
+type PicturesOfA = Option<(Looks, Vec<Picture>)>;
+
+fn comparison(
+    args: &CompareArgs,
+    a: &SceneSurface,
+    b: &SceneSurface,
+    of_a: &mut PicturesOfA,
+    stages: &mut Stages,
+) -> Comparison {
+    let looks = looks(a, b, args);
+    let (a, b) = (&a.surface, &b.surface);
+    let sampling =
+        Sampling { samples: args.samples as usize, seed: args.seed, ..Sampling::DEFAULT };
+    let space = stages.run("distance", || distances(a, b, &sampling));
+    let image = (args.views > 0).then(|| {
+        let viewing = Viewing { views: args.views, size: args.size };
+        stages.run("pictures", || {
+            let cameras = viewing.cameras(a);
+            if of_a.as_ref().is_none_or(|(with, _)| *with != looks) {
+                *of_a = Some((looks, pictures(a, &cameras, looks)));
+            }
+            let (_, of_a) = of_a.as_ref().expect("they have just been drawn");
+            let error = compare_pictures(of_a, &pictures(b, &cameras, looks));
+            ImageReport::new(viewing, looks, error)
+        })
+    });
+    Comparison::new([a.triangles.len(), b.triangles.len()], space, image)
+}
+
+/// Everything that both meshes can be shown with.
+fn looks(a: &SceneSurface, b: &SceneSurface, args: &CompareArgs) -> Looks {
+    let both = |has: fn(&SceneSurface) -> bool| !args.no_attributes && has(a) && has(b);
+    let materials = both(|s| !s.surface.materials.is_empty());
+    Looks {
+        own_normals: both(|s| !s.surface.normals.is_empty()),
+        checkerboard: !materials && both(|s| s.all_textured),
+        materials,
+    }
+}
+
+/// The name of a level in a baseline.
+fn label(target: Option<lodc_select::Target>) -> String {
+    use lodc_select::Target;
+    match target {
+        None => "all".to_owned(),
+        Some(Target::Lod(lod)) => format!("LOD {lod}"),
+        Some(Target::Ratio(share)) => format!("{}%", share * 100.0),
+        Some(Target::Triangles(n)) => format!("{n} triangles"),
+        Some(Target::Error(e)) => format!("error {e}"),
+        Some(Target::ErrorShare(e)) => format!("error {}%", e * 100.0),
+        Some(Target::Rms(e)) => format!("rms {e}"),
+        Some(Target::RmsShare(e)) => format!("rms {}%", e * 100.0),
+    }
+}
