@@ -74,6 +74,12 @@ fn exports_of_valid_gltf_files_are_valid_at_every_level() {
             folder.lodc(["extract", "m.lodc", "--ratio", ratio, "-o", &name, "-q"]).ends(0);
             names.push(name);
         }
+        let bits = ["--quantize", "pos=14,normal=10,uv=12,color=8,weight=8"];
+        for (kind, more) in [("plain", &[][..]), ("quantised", &bits)] {
+            let name = format!("{}@{kind}-chain.glb", path.replace(['/', ' '], "_"));
+            folder.lodc(["chain", "m.lodc", "-o", &name, "-q"].iter().chain(more)).ends(0);
+            names.push(name);
+        }
     }
     assert!(names.len() > 100, "only {} exports", names.len());
     let Some(errors) = errors(&folder, &names, false) else { return };

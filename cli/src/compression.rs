@@ -1,8 +1,12 @@
-//! Options that say how geometry is compressed.
+//! Options that say how geometry is compressed and quantised.
 
+use crate::bits;
 use crate::exit::{Failure, Outcome};
+use crate::level_mesh::Order;
 use crate::mesh_output::FormatName;
 use clap::{Args, ValueEnum};
+use lodc_formats::export::{Additions, Precision, Provenance};
+use lodc_formats::textures::PlacedTextures;
 
 /// Options of compression.
 #[derive(Args, Clone, Copy, Debug)]
@@ -10,6 +14,10 @@ pub(crate) struct CompressArgs {
     /// Compression of geometry in .glb and .gltf [default: as in the input]
     #[arg(long, value_enum)]
     compress: Option<Compression>,
+    /// Bits per number, 2 to 16, in .glb and .gltf: pos=14,normal=10,uv=12,color=8,weight=8
+    /// [default: all]
+    #[arg(long, value_name = "KIND=BITS,…", value_parser = precision)]
+    quantize: Option<Precision>,
 }
 
 /// Compressions.
@@ -21,16 +29,55 @@ enum Compression {
     None,
 }
 
+/// Compression and precision of one output.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Packing {
+    compress: bool,
+    precision: Precision,
+}
+
+impl Packing {
+    /// That of an export.
+    pub(crate) fn of(additions: &Additions) -> Self {
+        Self { compress: additions.compress, precision: additions.precision }
+    }
+
+    /// The contents of an export besides its objects.
+    pub(crate) fn additions(
+        self,
+        textures: PlacedTextures,
+        provenance: Option<Provenance>,
+    ) -> Additions {
+        let Self { compress, precision } = self;
+        Additions { textures, compress, precision, provenance }
+    }
+
+    /// The order of triangles where none is asked for.
+    pub(crate) fn order(self) -> Order {
+        if self.compress { Order::Size } else { Order::Cache }
+    }
+}
+
 impl CompressArgs {
-    /// Returns whether to compress what was compressed or was not.
+    /// Returns whether to compress what was compressed or was not, and the bits to keep.
     ///
     /// # Errors
-    /// If the format knows no compression and it was asked for.
-    pub(crate) fn wanted(&self, format: FormatName, input: bool) -> Outcome<bool> {
+    /// If the format knows neither and one was asked for.
+    pub(crate) fn wanted(&self, format: FormatName, input: bool) -> Outcome<Packing> {
         let can = matches!(format, FormatName::Glb | FormatName::Gltf);
         if self.compress == Some(Compression::Meshopt) && !can {
             return Err(Failure::usage("only .glb and .gltf can be compressed"));
         }
-        Ok(can && self.compress.map_or(input, |c| c == Compression::Meshopt))
+        if self.quantize.is_some() && !can {
+            return Err(Failure::usage("only .glb and .gltf can be quantised"));
+        }
+        let compress = can && self.compress.map_or(input, |c| c == Compression::Meshopt);
+        Ok(Packing { compress, precision: self.quantize.unwrap_or_default() })
     }
+}
+
+fn precision(text: &str) -> Result<Precision, String> {
+    let kinds = ["pos", "normal", "uv", "color", "weight"];
+    let [position, normal, uv, color, weight] = bits::by_kind(text, kinds, &(2..=16))?;
+    Ok(Precision { position, normal, uv, color, weight })
 }

@@ -10,7 +10,7 @@ use lodc_lod::ModelKind;
 use lodc_measure::{Sampling, Surface, distances};
 use lodc_mesh::{Lod, Mesh};
 use lodc_select::decimal;
-use lodc_strip::order;
+use lodc_strip::{codec_order, order};
 use rayon::prelude::*;
 
 /// Vertices in the cache that triangles are ordered for.
@@ -22,6 +22,8 @@ pub(crate) enum Order {
     /// For vertex caches; vertices by first use, identical ones once
     #[default]
     Cache,
+    /// For compression; vertices by first use, identical ones once
+    Size,
     /// As in the input
     File,
 }
@@ -62,13 +64,14 @@ fn one(object: &LodObject, lod: Lod, shape: Shape) -> Outcome<LevelMesh> {
 pub(crate) fn ordered(mesh: Mesh, wanted: Order) -> Mesh {
     match wanted {
         Order::Cache => mesh.arranged(|mesh| order(mesh, CACHE)),
+        Order::Size => mesh.arranged(codec_order),
         Order::File => mesh,
     }
 }
 
 fn stored(object: &LodObject, lod: Lod, shape: Shape) -> Outcome<LevelMesh> {
     let mut live = levels::triangles(object, shape.model, lod);
-    if shape.order == Order::Cache {
+    if shape.order != Order::File {
         // Every model shows them in an order of its own; what is written is to be the same.
         live.sort_unstable();
     }

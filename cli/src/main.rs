@@ -2,6 +2,7 @@
 //! libraries.
 
 mod batch;
+mod bits;
 mod cli;
 mod colours;
 mod commands;

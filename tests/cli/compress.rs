@@ -48,3 +48,42 @@ fn a_chain_is_compressed_too() {
     chain(&[], "c.glb");
     chain(&["--index-ranges"], "r.glb");
 }
+
+#[test]
+fn quantised_geometry_is_close_and_small() {
+    let f = Folder::new();
+    part(&f);
+    let extract = ["extract", "part.glb", "--ratio", "1", "-q", "-o"];
+    let bits = ["--quantize", "pos=14,normal=10,uv=12,color=8,weight=8"];
+    f.lodc(extract.iter().chain(&["plain.glb"])).ends(0);
+    f.lodc(extract.iter().chain(&["q.glb"]).chain(&bits)).ends(0);
+    f.lodc(extract.iter().chain(&["qc.glb", "--compress", "meshopt"]).chain(&bits)).ends(0);
+    for name in ["q.glb", "qc.glb"] {
+        // Half a step of 2^-14 of the longest side in each direction.
+        let limits = ["--max-hausdorff", "0.006%", "--max-image-rmse", "2", "-q"];
+        f.lodc(["compare", "plain.glb", name].iter().chain(&limits)).ends(0);
+    }
+    let size = |name: &str| f.read(name).len();
+    assert!(size("q.glb") < size("plain.glb") && size("qc.glb") < size("q.glb"));
+    f.lodc(["extract", "part.glb", "--ratio", "1", "-q", "-o", "c.glb", "--compress", "meshopt"])
+        .ends(0);
+    assert!(size("qc.glb") < size("c.glb"));
+    f.lodc(["chain", "part.glb", "-o", "chain.glb", "-q"].iter().chain(&bits)).ends(0);
+    f.lodc(["build", "chain.glb", "-q"]).ends(0);
+}
+
+#[test]
+fn bits_that_make_no_sense_are_refused() {
+    let f = Folder::new();
+    part(&f);
+    let refused = [
+        ("o.glb", "pos=20", "from 2 to 16"),
+        ("o.glb", "colour=8", "none of pos, normal, uv, color, weight"),
+        ("o.obj", "pos=14", "only .glb and .gltf can be quantised"),
+    ];
+    for (output, bits, word) in refused {
+        let args = ["extract", "part.glb", "--ratio", "1", "-o", output, "--quantize", bits];
+        let run = f.lodc(args).ends(2);
+        assert!(run.err.contains(word), "{bits}: {}", run.err);
+    }
+}

@@ -2,6 +2,7 @@
 
 use super::build::counts;
 use super::read::read_lodc;
+use crate::bits;
 use crate::console::{self, Loudness, note, wants};
 use crate::exit::{Failure, Outcome, Status};
 use crate::kinds::{Choice, parser, parser_with};
@@ -54,25 +55,9 @@ fn stream_strips() -> impl TypedValueParser<Value = Choice<StripKind>> {
     parser_with("none", "Triangles only")
 }
 
-/// Parses a list such as `pos=16,normal=10,uv=12`.
 fn quantize(text: &str) -> Result<Quantize, String> {
-    let mut quantize = Quantize::default();
-    for part in text.split(',') {
-        let (kind, bits) =
-            part.split_once('=').ok_or_else(|| format!("\"{part}\" is not KIND=BITS"))?;
-        let bits = bits.parse::<u8>().ok().filter(|b| (2..=24).contains(b));
-        let bits = bits.ok_or_else(|| format!("\"{part}\": bits are a number from 2 to 24"))?;
-        let slot = match kind {
-            "pos" => &mut quantize.position,
-            "normal" => &mut quantize.normal,
-            "uv" => &mut quantize.uv,
-            _ => return Err(format!("\"{kind}\" is neither pos, normal nor uv")),
-        };
-        if slot.replace(bits).is_some() {
-            return Err(format!("\"{kind}\" is given twice"));
-        }
-    }
-    Ok(quantize)
+    let [position, normal, uv] = bits::by_kind(text, ["pos", "normal", "uv"], &(2..=24))?;
+    Ok(Quantize { position, normal, uv })
 }
 
 pub(crate) fn run(args: &PackArgs) -> Outcome<()> {
@@ -194,21 +179,4 @@ fn text(report: &PackReport) -> String {
         }
     }
     lines.join("\n")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn bits_are_asked_for_by_kind() {
-        let wanted = Quantize { position: Some(16), normal: Some(10), uv: Some(12) };
-        assert_eq!(quantize("pos=16,normal=10,uv=12"), Ok(wanted));
-        assert_eq!(quantize("uv=2"), Ok(Quantize { uv: Some(2), ..Quantize::default() }));
-        for wrong in
-            ["", "pos", "pos=", "pos=1", "pos=25", "pos=16,pos=16", "color=8", "pos=16,", "pos=-3"]
-        {
-            assert!(quantize(wrong).is_err(), "{wrong}");
-        }
-    }
 }

@@ -4,11 +4,13 @@ mod flatten;
 mod gltf;
 mod obj;
 mod ply;
+mod precision;
 mod provenance;
 
 pub(crate) use flatten::parse as parse_json;
 pub(crate) use gltf::gltf_without_missing;
 pub use gltf::{ChainObject, ChainShape, LevelsObject, export_chain, export_levels};
+pub use precision::Precision;
 pub use provenance::{LevelFacts, Provenance};
 
 use crate::textures::PlacedTextures;
@@ -45,6 +47,8 @@ pub struct Additions {
     pub textures: PlacedTextures,
     /// True to compress geometry by EXT_meshopt_compression.
     pub compress: bool,
+    /// Bits that numbers keep (KHR_mesh_quantization); the default keeps all.
+    pub precision: Precision,
     /// The origin to state.
     pub provenance: Option<Provenance>,
 }

@@ -21,7 +21,7 @@ use crate::stages::Stages;
 use clap::Args;
 use levels::{Level, LevelArgs};
 use lodc_formats::OutputFile;
-use lodc_formats::export::{Additions, LevelFacts, Provenance};
+use lodc_formats::export::{LevelFacts, Provenance};
 use std::path::{Path, PathBuf};
 
 /// Options of `chain`.
@@ -127,8 +127,8 @@ fn chain(
     });
     let (textures, images_read) = textures?;
     warnings.extend_from_slice(&textures.warnings);
-    let compress = args.export.compress.wanted(format, asset.compressed)?;
-    let additions = Additions { textures, compress, provenance: None };
+    let packing = args.export.compress.wanted(format, asset.compressed)?;
+    let additions = packing.additions(textures, None);
     let made = stages.run("export", || match args.separate {
         true => separate::files(args, out, format, &asset, &mut levels, additions),
         false => shared::files(args, out, format, &asset, &mut levels, additions),

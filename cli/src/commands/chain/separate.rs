@@ -3,8 +3,9 @@
 use super::levels::Level;
 use super::{ChainArgs, Files, provenance};
 use crate::commands::asset::Asset;
+use crate::compression::Packing;
 use crate::exit::Outcome;
-use crate::level_mesh::{self, Order, Shape};
+use crate::level_mesh::{self, Shape};
 use crate::mesh_output::{self, FormatName};
 use crate::output::Target;
 use lodc_formats::export::Additions;
@@ -19,7 +20,8 @@ pub(super) fn files(
     mut additions: Additions,
 ) -> Outcome<Files> {
     let (mut files, mut of_level) = (Vec::new(), Vec::new());
-    let shape = Shape { model: None, refit: args.refit, order: Order::Cache };
+    let order = Packing::of(&additions).order();
+    let shape = Shape { model: None, refit: args.refit, order };
     for (number, level) in levels.iter_mut().enumerate() {
         let meshes = level_mesh::meshes(&asset.objects, &level.lods, shape)?;
         // Of refitted meshes they are measured.

@@ -9,7 +9,7 @@ use crate::mesh_output::FormatName;
 use lodc_formats::export::{Additions, ChainObject, ChainShape, export_chain};
 use lodc_formats::lodc::LodObject;
 use lodc_mesh::{Chain, Lod};
-use lodc_strip::order_list;
+use lodc_strip::{codec_order_list, order_list};
 use rayon::prelude::*;
 use std::path::Path;
 
@@ -24,7 +24,7 @@ pub(super) fn files(
     let lods = |object: usize| -> Vec<Lod> { levels.iter().map(|l| l.lods[object]).collect() };
     let chains: Vec<Chain> = (0..asset.objects.len())
         .into_par_iter()
-        .map(|o| chain(&asset.objects[o], &lods(o)))
+        .map(|o| chain(&asset.objects[o], &lods(o), additions.compress))
         .collect::<Outcome<_>>()?;
     let coverages: Vec<Vec<f64>> =
         asset.objects.iter().enumerate().map(|(o, object)| coverage(object, &lods(o))).collect();
@@ -46,14 +46,17 @@ pub(super) fn files(
     Ok(Files { files, of_level: vec![out.to_owned(); levels.len()] })
 }
 
-/// The levels of an object, each in an order for vertex caches.
-fn chain(object: &LodObject, lods: &[Lod]) -> Outcome<Chain> {
+/// The levels of an object, each in an order for vertex caches or for compression.
+fn chain(object: &LodObject, lods: &[Lod], compress: bool) -> Outcome<Chain> {
     let mut chain = object.simplified.chain(lods).map_err(|e| {
         Failure::new(Status::Bug, format!("{}: its levels are no mesh: {e}", object.info.name))
     })?;
     for (level, &prefix) in chain.levels.iter_mut().zip(&chain.prefixes) {
         for triangles in level {
-            *triangles = order_list(triangles, prefix as usize, CACHE);
+            *triangles = match compress {
+                true => codec_order_list(triangles, prefix as usize),
+                false => order_list(triangles, prefix as usize, CACHE),
+            };
         }
     }
     Ok(chain)

@@ -47,9 +47,9 @@ pub(crate) struct ExtractArgs {
     /// Move the vertices of the level to where they fit the input best; states the error measured
     #[arg(long, conflicts_with = "criterion")]
     refit: bool,
-    /// The order of triangles and vertices
-    #[arg(long, value_enum, default_value = "cache")]
-    order: Order,
+    /// The order of triangles and vertices [default: size where geometry is compressed, else cache]
+    #[arg(long, value_enum)]
+    order: Option<Order>,
     #[command(flatten)]
     export: ExportArgs,
 }

@@ -4,7 +4,7 @@ use super::ExtractArgs;
 use crate::commands::asset::{self, Asset};
 use crate::commands::export::Made;
 use crate::exit::{Failure, Outcome};
-use crate::level_mesh::{self, LevelMesh, Shape};
+use crate::level_mesh::{self, LevelMesh, Order, Shape};
 use crate::mesh_output::{self, FormatName};
 use crate::output::{Rule, Target};
 use crate::progress::Progress;
@@ -12,7 +12,7 @@ use crate::report::{ExtractReport, ExtractedObject, SCHEMA_VERSION};
 use crate::selector::SceneLevels;
 use crate::stages::Stages;
 use crate::views::{CriterionName, SceneViews};
-use lodc_formats::export::{Additions, LevelFacts, Provenance};
+use lodc_formats::export::{LevelFacts, Provenance};
 use lodc_formats::lodc::LodObject;
 use lodc_formats::{ObjectInfo, scene_graph};
 use lodc_lod::{AnyModel, ModelKind};
@@ -35,9 +35,11 @@ pub(super) fn extract(
     let criterion = args.criterion()?;
     let (import, simplify) = (&args.export.import, &args.export.simplify);
     let asset = asset::read_showing(progress, input, import, simplify, &mut stages)?;
+    let packing = args.export.compress.wanted(format, asset.compressed)?;
+    let order = args.order.unwrap_or(packing.order());
     let level = match criterion {
-        Some(name) => view(args, name, input, &asset, &mut stages)?,
-        None => uniform(args, input, &asset, &mut stages)?,
+        Some(name) => view(args, name, order, input, &asset, &mut stages)?,
+        None => uniform(args, order, input, &asset, &mut stages)?,
     };
     let textures = stages.run("textures", || {
         args.export.textures.placed(&asset.document, input, &args.export.import, target, format)
@@ -45,8 +47,8 @@ pub(super) fn extract(
     let (textures, images_read) = textures?;
     let mut report = report(args, input, &asset, &level, target);
     report.warnings.extend_from_slice(&textures.warnings);
-    let compress = args.export.compress.wanted(format, asset.compressed)?;
-    let additions = Additions { textures, compress, provenance: Some(provenance(&asset, &report)) };
+    let provenance = Some(provenance(&asset, &report));
+    let additions = packing.additions(textures, provenance);
     let files = stages.run("export", || {
         let objects = level_mesh::exported(&asset.objects, &level.meshes);
         mesh_output::files(target, format, &asset.document, &objects, &additions)
@@ -74,8 +76,14 @@ struct Level {
 }
 
 /// One level of detail for each object.
-fn uniform(args: &ExtractArgs, input: &Path, asset: &Asset, stages: &mut Stages) -> Outcome<Level> {
-    let shape = Shape { model: model(args, input, asset)?, refit: args.refit, order: args.order };
+fn uniform(
+    args: &ExtractArgs,
+    order: Order,
+    input: &Path,
+    asset: &Asset,
+    stages: &mut Stages,
+) -> Outcome<Level> {
+    let shape = Shape { model: model(args, input, asset)?, refit: args.refit, order };
     let limits = args.export.import.limits().limits();
     let scene = SceneLevels::new(&asset.objects, &asset.document, &limits)?;
     let wish = args.selector.target().expect("there is a level or a criterion");
@@ -96,6 +104,7 @@ fn uniform(args: &ExtractArgs, input: &Path, asset: &Asset, stages: &mut Stages)
 fn view(
     args: &ExtractArgs,
     name: CriterionName,
+    order: Order,
     input: &Path,
     asset: &Asset,
     stages: &mut Stages,
@@ -111,7 +120,7 @@ fn view(
         .map_err(|f| Failure { message: format!("{}: {f}", input.display()), ..f })?;
     let shown = stages.run("extract", || views.show(views.most(args.selector.target())))?;
     let level = |mesh: Mesh| {
-        let mesh = level_mesh::ordered(mesh, args.order);
+        let mesh = level_mesh::ordered(mesh, order);
         LevelMesh { mesh, error: f64::INFINITY, rms: None }
     };
     Ok(Level {

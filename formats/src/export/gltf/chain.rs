@@ -3,6 +3,7 @@
 //! `MSFT_lod` puts each level into a node of its own, beside the node that shows the finest one;
 //! index ranges put all levels of a primitive into one index accessor, one behind the other.
 
+use super::quantize::Quantizer;
 use super::writer::{Numbering, Writer};
 use super::{Additions, glb, gltf, prune, source_document, submesh_primitive};
 use crate::import::gltf::json::{Object, integer};
@@ -38,27 +39,28 @@ pub enum ChainShape {
 ///
 /// # Errors
 /// If the format cannot hold the scene.
-pub fn export_chain(
+pub fn export_chain<'a>(
     path: &Path,
     binary: bool,
     document: &Document,
-    objects: &[ChainObject<'_>],
+    objects: &[ChainObject<'a>],
     shape: ChainShape,
     additions: &Additions,
 ) -> Result<Vec<OutputFile>, FormatError> {
     let infos: Vec<&ObjectInfo> = objects.iter().map(|o| o.info).collect();
     let (mut root, mut blob) = source_document(document, &infos, additions)?;
-    let mut writer = Writer::new(&root, additions.compress);
+    let subject = |(i, o): (usize, &ChainObject<'a>)| super::subject(document, i, o.info, o.mesh);
+    let subjects = objects.iter().enumerate().map(subject).collect::<Result<Vec<_>, _>>()?;
+    let quantizer = Quantizer::new(additions.precision, document, &subjects, &mut root, &mut blob)?;
+    let mut writer = Writer::new(&root, additions);
     let mut empty = Vec::new();
     let mut levels = Vec::new();
-    for (i, object) in objects.iter().enumerate() {
-        let adapted = super::adapted(document, object.mesh);
-        let mesh = adapted.as_ref().unwrap_or(object.mesh);
-        let mut made = Levels::new(object, super::document_mesh(document, object.info, i));
-        for (s, info) in object.info.submeshes.iter().enumerate() {
-            let number = super::document_primitive(document, info, s);
+    for (i, (object, subject)) in objects.iter().zip(&subjects).enumerate() {
+        let geometry = quantizer.geometry(i, subject);
+        let mut made = Levels::new(object, subject.mesh);
+        for (s, &number) in subject.primitives.iter().enumerate() {
             let primitive = submesh_primitive(&mut root, made.mesh, number)?;
-            let mut numbering = writer.numbering(mesh);
+            let mut numbering = writer.numbering(&geometry);
             if !made.primitive(&mut numbering, s, number, primitive, shape)? {
                 empty.push((made.mesh, number));
             }

@@ -54,13 +54,13 @@ pub fn export_levels(
     let additions = Additions { textures, ..Additions::default() };
     let (mut root, mut blob) = source_document(document, &infos, &additions)?;
     forget_missing(&mut root);
-    let mut writer = Writer::new(&root, false);
+    let mut writer = Writer::new(&root, &additions);
     let mut empty = Vec::new();
     for (i, object) in objects.iter().enumerate() {
         let mesh = document_mesh(document, object.info, i);
         let own = object.simplified.mesh();
         let adapted = adapted(document, own);
-        let levels = Levels::new(object, adapted.as_ref().unwrap_or(own));
+        let levels = Levels::new(object, &adapted);
         for (s, info) in object.info.submeshes.iter().enumerate() {
             let number = document_primitive(document, info, s);
             let primitive = submesh_primitive(&mut root, mesh, number)?;

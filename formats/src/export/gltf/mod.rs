@@ -7,6 +7,7 @@ mod levels;
 mod meshopt;
 mod missing;
 mod prune;
+mod quantize;
 mod writer;
 
 use super::{Additions, ExportObject};
@@ -14,7 +15,9 @@ use crate::import::gltf::json::{self, Object};
 use crate::import::gltf::{schema, uri};
 use crate::{Document, Fault, FormatError, Limits, ObjectInfo, OutputFile, SubmeshInfo};
 use lodc_mesh::Mesh;
+use quantize::{Quantizer, Subject};
 use serde_json::Value;
+use std::borrow::Cow;
 use std::path::Path;
 use writer::Writer;
 
@@ -28,31 +31,26 @@ const BIN: u32 = 0x004e_4942;
 
 /// Makes one `.glb`, or a `.gltf` and the `.bin` beside it. Primitives without triangles are left
 /// out, and meshes without primitives with them: their nodes stay.
-pub(super) fn export(
+pub(super) fn export<'a>(
     path: &Path,
     binary: bool,
     document: &Document,
-    objects: &[ExportObject<'_>],
+    objects: &[ExportObject<'a>],
     additions: &Additions,
 ) -> Result<Vec<OutputFile>, FormatError> {
     let infos: Vec<&ObjectInfo> = objects.iter().map(|o| o.info).collect();
     let (mut root, mut blob) = source_document(document, &infos, additions)?;
-    let mut writer = Writer::new(&root, additions.compress);
+    let subject = |(i, o): (usize, &ExportObject<'a>)| subject(document, i, o.info, o.mesh);
+    let subjects = objects.iter().enumerate().map(subject).collect::<Result<Vec<_>, _>>()?;
+    let quantizer = Quantizer::new(additions.precision, document, &subjects, &mut root, &mut blob)?;
+    let mut writer = Writer::new(&root, additions);
     let mut empty = Vec::new();
-    for (i, object) in objects.iter().enumerate() {
-        let mesh = document_mesh(document, object.info, i);
-        if object.info.submeshes.len() != object.mesh.submeshes().len() {
-            return Err(json::malformed(
-                &*object.info.name,
-                "has other submeshes than its description",
-            ));
-        }
-        let adapted = adapted(document, object.mesh);
-        let mut numbering = writer.numbering(adapted.as_ref().unwrap_or(object.mesh));
-        for (s, info) in object.info.submeshes.iter().enumerate() {
-            let number = document_primitive(document, info, s);
-            if !numbering.primitive(s, submesh_primitive(&mut root, mesh, number)?)? {
-                empty.push((mesh, number));
+    for (i, subject) in subjects.iter().enumerate() {
+        let geometry = quantizer.geometry(i, subject);
+        let mut numbering = writer.numbering(&geometry);
+        for (s, &number) in subject.primitives.iter().enumerate() {
+            if !numbering.primitive(s, submesh_primitive(&mut root, subject.mesh, number)?)? {
+                empty.push((subject.mesh, number));
             }
         }
     }
@@ -99,9 +97,31 @@ fn document_primitive(document: &Document, info: &SubmeshInfo, submesh: usize) -
     }
 }
 
-/// The mesh as glTF wants it, where it did not come from glTF.
-fn adapted(document: &Document, mesh: &Mesh) -> Option<Mesh> {
-    matches!(document, Document::Obj(_)).then(|| fresh::adapted(mesh))
+/// The mesh as glTF wants it.
+fn adapted<'a>(document: &Document, mesh: &'a Mesh) -> Cow<'a, Mesh> {
+    match document {
+        Document::Obj(_) => Cow::Owned(fresh::adapted(mesh)),
+        Document::Gltf(_) => Cow::Borrowed(mesh),
+    }
+}
+
+/// An object and its places in the document.
+fn subject<'a>(
+    document: &Document,
+    object: usize,
+    info: &'a ObjectInfo,
+    mesh: &'a Mesh,
+) -> Result<Subject<'a>, FormatError> {
+    if info.submeshes.len() != mesh.submeshes().len() {
+        return Err(json::malformed(&*info.name, "has other submeshes than its description"));
+    }
+    let primitive = |(s, submesh)| document_primitive(document, submesh, s);
+    Ok(Subject {
+        info,
+        mesh: document_mesh(document, info, object),
+        primitives: info.submeshes.iter().enumerate().map(primitive).collect(),
+        geometry: adapted(document, mesh),
+    })
 }
 
 fn submesh_primitive(

@@ -2,6 +2,7 @@
 //! compressed, one per stream, since likes compress best.
 
 use super::meshopt::{Compressed, Content};
+use crate::export::Additions;
 use crate::import::gltf::json::{Object, malformed};
 use crate::import::gltf::schema::Pool;
 use crate::import::gltf::{Shape, component_number, semantic};
@@ -20,14 +21,24 @@ struct Group {
     name: String,
     /// Of vertex data; of indices the size of one.
     stride: usize,
+    /// The type of the first stream in it.
+    component: Component,
     bytes: Vec<u8>,
 }
 
 impl Group {
-    fn content(&self) -> Content<'_> {
-        match self.target {
-            ARRAY_BUFFER => Content::Attributes { stride: self.stride, bytes: &self.bytes },
-            _ => Content::Triangles { size: self.stride, bytes: &self.bytes },
+    /// Its bytes as the codecs see them; `direction_bits` is what unit vectors were rounded to.
+    fn content(&self, direction_bits: Option<u8>) -> Content<'_> {
+        let (stride, bytes) = (self.stride, &self.bytes[..]);
+        match (self.target, direction_bits, &self.name[..]) {
+            (ARRAY_BUFFER, Some(bits), "NORMAL" | "TANGENT") => {
+                Content::Directions { bits, stride, bytes }
+            }
+            (ARRAY_BUFFER, ..) if self.component == Component::F32 => {
+                Content::Floats { stride, bytes }
+            }
+            (ARRAY_BUFFER, ..) => Content::Attributes { stride, bytes },
+            _ => Content::Triangles { size: stride, bytes },
         }
     }
 }
@@ -40,13 +51,15 @@ pub(super) struct Writer {
     accessors: Vec<Value>,
     groups: Vec<Group>,
     compress: bool,
+    direction_bits: Option<u8>,
 }
 
 impl Writer {
     /// A writer whose accessors follow those of the document.
-    pub(super) fn new(root: &Object, compress: bool) -> Self {
+    pub(super) fn new(root: &Object, additions: &Additions) -> Self {
         Self {
-            compress,
+            compress: additions.compress,
+            direction_bits: additions.precision.normal,
             first_accessor: Pool::Accessors.len(root),
             first_view: Pool::BufferViews.len(root),
             accessors: Vec::new(),
@@ -65,7 +78,7 @@ impl Writer {
         let mut views = Vec::with_capacity(self.groups.len());
         let mut compressed = Compressed::new(root);
         for group in self.groups {
-            let (content, length) = (group.content(), group.bytes.len());
+            let (content, length) = (group.content(self.direction_bits), group.bytes.len());
             let mut view = if self.compress && content.fits() {
                 compressed.view(&content, length, blob)
             } else {
@@ -97,11 +110,18 @@ impl Writer {
 
     /// The group of this kind, at a multiple of four bytes. Indices that will be compressed follow
     /// each other without gaps.
-    fn group(&mut self, target: u32, stride: usize, name: &str) -> (usize, &mut Vec<u8>) {
+    fn group(
+        &mut self,
+        target: u32,
+        component: Component,
+        stride: usize,
+        name: &str,
+    ) -> (usize, &mut Vec<u8>) {
         let name = if self.compress { name } else { "" };
         let same = |g: &Group| g.target == target && g.stride == stride && g.name == name;
         let i = self.groups.iter().position(same).unwrap_or_else(|| {
-            self.groups.push(Group { target, name: name.to_owned(), stride, bytes: Vec::new() });
+            let (name, bytes) = (name.to_owned(), Vec::new());
+            self.groups.push(Group { target, name, stride, component, bytes });
             self.groups.len() - 1
         });
         let bytes = &mut self.groups[i].bytes;
@@ -138,7 +158,8 @@ impl Writer {
         let row = shape.rows * a.component.size();
         let column = shape.column_stride(a.component);
         let stride = (columns * column).next_multiple_of(4);
-        let (view, bytes) = self.group(ARRAY_BUFFER, stride, &semantic::to_name(&a.semantic));
+        let (view, bytes) =
+            self.group(ARRAY_BUFFER, a.component, stride, &semantic::to_name(&a.semantic));
         let offset = bytes.len();
         bytes.reserve(vertices.len() * stride);
         for &v in vertices {
@@ -171,7 +192,7 @@ impl Writer {
         // The largest number of each type is reserved, so one vertex less than fits.
         let short = u16::try_from(vertices).is_ok();
         let component = if short { Component::U16 } else { Component::U32 };
-        let (view, bytes) = self.group(ELEMENT_ARRAY_BUFFER, component.size(), "");
+        let (view, bytes) = self.group(ELEMENT_ARRAY_BUFFER, component, component.size(), "");
         let offset = bytes.len();
         bytes.extend(
             indices.iter().flat_map(|i| i.to_le_bytes().into_iter().take(component.size())),
@@ -272,7 +293,7 @@ impl Numbering<'_> {
     }
 }
 
-fn floats(positions: &[[f32; 3]]) -> Attribute {
+pub(super) fn floats(positions: &[[f32; 3]]) -> Attribute {
     Attribute {
         semantic: Semantic::Position,
         morph_target: None,

@@ -1,7 +1,9 @@
 //! The compression of EXT_meshopt_compression, encoded. Source: the published specification of the
 //! extension (bitstreams); the decoder of imports is its twin.
 
+mod exponential;
 mod index;
+pub(super) mod octahedral;
 #[cfg(test)]
 mod tests;
 mod vertex;
@@ -15,6 +17,10 @@ const NAME: &str = "EXT_meshopt_compression";
 pub(super) enum Content<'a> {
     /// Elements of a stride: a multiple of 4 up to 256.
     Attributes { stride: usize, bytes: &'a [u8] },
+    /// Elements of floats, which may be multiples of powers of two.
+    Floats { stride: usize, bytes: &'a [u8] },
+    /// Unit vectors that may have been rounded to so many bits on an octahedron.
+    Directions { bits: u8, stride: usize, bytes: &'a [u8] },
     /// Triangle lists of 2 or 4 bytes per index.
     Triangles { size: usize, bytes: &'a [u8] },
 }
@@ -23,7 +29,9 @@ impl Content<'_> {
     /// Returns whether there is a codec for it.
     pub(super) fn fits(&self) -> bool {
         match self {
-            Self::Attributes { stride, bytes } => {
+            Self::Attributes { stride, bytes }
+            | Self::Floats { stride, bytes }
+            | Self::Directions { stride, bytes, .. } => {
                 stride.is_multiple_of(4) && *stride <= 256 && bytes.len().is_multiple_of(*stride)
             }
             Self::Triangles { size, bytes } => bytes.len().is_multiple_of(3 * size),
@@ -38,6 +46,12 @@ impl Content<'_> {
                 let layout = json!({ "byteStride": stride, "count": count, "mode": "ATTRIBUTES" });
                 (vertex::encode(stride, bytes), layout)
             }
+            Self::Floats { stride, bytes } => {
+                filtered(stride, bytes, "EXPONENTIAL", exponential::encode(stride, bytes))
+            }
+            Self::Directions { bits, stride, bytes } => {
+                filtered(stride, bytes, "OCTAHEDRAL", octahedral::encode(bits, stride, bytes))
+            }
             Self::Triangles { size, bytes } => {
                 let index = |b: &[u8]| b.iter().rev().fold(0, |v, &b| v << 8 | u32::from(b));
                 let indices: Vec<u32> = bytes.chunks_exact(size).map(index).collect();
@@ -47,6 +61,20 @@ impl Content<'_> {
             }
         }
     }
+}
+
+/// Elements as a filter packs them, where it can and that takes fewer bytes.
+fn filtered(
+    stride: usize,
+    bytes: &[u8],
+    filter: &str,
+    packed: Option<Vec<u8>>,
+) -> (Vec<u8>, Value) {
+    let plain = Content::Attributes { stride, bytes }.encoded();
+    let Some(packed) = packed else { return plain };
+    let (encoded, mut layout) = Content::Attributes { stride, bytes: &packed }.encoded();
+    layout["filter"] = filter.into();
+    if encoded.len() < plain.0.len() { (encoded, layout) } else { plain }
 }
 
 /// The views of a document that are compressed, and the buffer that they would be in if they were

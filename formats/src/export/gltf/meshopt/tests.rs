@@ -1,6 +1,7 @@
 //! What is encoded is decoded by the decoder of imports, byte for byte.
 
-use super::{index, vertex};
+use super::{exponential, index, octahedral, vertex};
+use crate::import::gltf::meshopt::unfiltered;
 use crate::import::gltf::meshopt::{Filter, Layout, Mode, decode};
 use lodc_mesh::{Mesh, SplitMix64};
 
@@ -61,5 +62,51 @@ fn attributes_come_back_byte_for_byte() {
                 assert_eq!(decoded.as_deref(), Ok(&bytes[..]), "{count} of {stride}");
             }
         }
+    }
+}
+
+#[test]
+fn directions_come_back_once_they_are_rounded() {
+    let mut random = SplitMix64::new(13);
+    let mut unit = || (random.bits() >> 40) as f32 / (1u32 << 23) as f32 - 1.0;
+    for bits in 2..=16 {
+        let size = if bits <= 8 { 1 } else { 2 };
+        let mut bytes = Vec::new();
+        for _ in 0..1000 {
+            let vector = [unit(), unit(), unit()];
+            let length = vector.iter().map(|c| c * c).sum::<f32>().sqrt();
+            let out = octahedral::unpacked(bits, octahedral::packed(bits, vector, -1.0));
+            let all = ((1 << (8 * size - 1)) - 1) as f32;
+            for (a, b) in vector.iter().zip(out) {
+                // A step of the octahedron, and one of the bytes.
+                let limit = 5.0 / (1 << bits) as f32 + 1.0 / all;
+                assert!((a / length - b as f32 / all).abs() < limit, "{bits}: {vector:?} {out:?}");
+            }
+            assert_eq!(out[3], -all as i32);
+            bytes.extend(out.iter().flat_map(|v| v.to_le_bytes().into_iter().take(size)));
+        }
+        let mut packed = octahedral::encode(bits, 4 * size, &bytes).expect("they are rounded");
+        unfiltered(Filter::Octahedral, 4 * size, &mut packed);
+        assert_eq!(packed, bytes, "{bits}");
+    }
+    assert_eq!(octahedral::encode(10, 8, &[1; 8]), None, "no unit vector");
+    let z = octahedral::unpacked(10, octahedral::packed(10, [0.0, f32::NAN, 0.0], 0.0));
+    assert_eq!(z, [0, 0, 32767, 0], "what has no direction");
+}
+
+#[test]
+fn multiples_of_a_power_of_two_come_back() {
+    let bytes = |values: &[f32]| values.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>();
+    let mut random = SplitMix64::new(17);
+    for (bits, power) in [(1, -20), (12, -12), (22, 3), (22, -60)] {
+        let number = || ((random.bits() % (1 << bits)) as f32 - 1.0) * 2f32.powi(power);
+        let plain = bytes(&std::iter::repeat_with(number).take(400).collect::<Vec<_>>());
+        let mut packed = exponential::encode(8, &plain).expect("they have few bits");
+        unfiltered(Filter::Exponential, 8, &mut packed);
+        assert_eq!(packed, plain);
+    }
+    for unfit in [[0.1, 1e9], [-0.0, 1.0], [f32::NAN, 0.0], [f32::INFINITY, 0.0], [1e-44, 0.0]] {
+        // One component: 0.1 and 1e9 have no power of two in common.
+        assert_eq!(exponential::encode(4, &bytes(&unfit)), None, "{unfit:?}");
     }
 }

@@ -4,7 +4,7 @@
 use super::Filter;
 
 /// Applies a filter to all elements in place; `stride` fits it.
-pub(super) fn apply(filter: Filter, stride: usize, bytes: &mut [u8]) {
+pub(crate) fn apply(filter: Filter, stride: usize, bytes: &mut [u8]) {
     let narrow = stride == 4;
     match filter {
         Filter::None => {}

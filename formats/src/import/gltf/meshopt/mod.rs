@@ -5,6 +5,8 @@ mod filter;
 mod index;
 mod vertex;
 
+pub(crate) use filter::apply as unfiltered;
+
 /// Contents of a compressed buffer view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Mode {
