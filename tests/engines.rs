@@ -85,12 +85,47 @@ fn the_reference_decoder_gives_every_byte_back() {
             for (name, compress) in [(&plain, "none"), (&compressed, "meshopt")] {
                 let input = input.to_string_lossy();
                 let args = ["extract", &input, "-o", name, "--ratio", "50%", "--order", "size"];
-                let args = args.iter().chain(&["--compress", compress, "-q"]).chain(more);
-                folder.lodc(args).ends(0);
+                let compress = ["--compress", compress, "-q"];
+                folder.lodc(args.iter().chain(&compress).chain(more)).ends(0);
             }
             pairs.push(Value::from(vec![compressed, plain]));
         }
     }
     let compared = script(&folder, &modules, "meshopt.mjs", &pairs.clone().into());
     assert_eq!(compared.as_object().map(serde_json::Map::len), Some(pairs.len()));
+}
+
+/// Models of the corpus without images.
+const WITHOUT_IMAGES: [&str; 10] = [
+    "paper/cow.obj",
+    "paper/fandisk.obj",
+    "paper/bunny.obj",
+    "paper/ogrehead.obj",
+    "paper/cessna.obj",
+    "paper/jaiqua.glb",
+    "ugly/cgal/elephant-with-holes.obj",
+    "gltf/khronos/2CylinderEngine.glb",
+    "gltf/bevy/CornellBox.glb",
+    "gltf/misc/generic-hand-left.glb",
+];
+
+#[test]
+fn quantised_files_are_about_as_small_as_those_of_gltfpack() {
+    let (Some(modules), Some(corpus)) = (modules(), corpus()) else { return };
+    let folder = Folder::new();
+    for name in WITHOUT_IMAGES {
+        let input = corpus.join(name).to_string_lossy().into_owned();
+        let args = ["extract", &input, "--ratio", "1", "--compress", "meshopt", "-o", "own.glb"];
+        folder.lodc(args.iter().chain(&["-q", "--quantize", BITS])).ends(0);
+        let pack = Command::new("node")
+            .arg(modules.join("gltfpack/cli.js"))
+            .args("-cc -kn -km -ke -kv -vp 14 -vt 12 -vn 10 -o its.glb -i".split(' '))
+            .arg(&input)
+            .current_dir(folder.path())
+            .output()
+            .expect("node is there if gltfpack is");
+        assert!(pack.status.success(), "{name}: {}", String::from_utf8_lossy(&pack.stderr));
+        let [own, its] = ["own.glb", "its.glb"].map(|file| folder.read(file).len());
+        assert!(own * 100 <= its * 105, "{name}: {own} bytes, gltfpack takes {its}");
+    }
 }

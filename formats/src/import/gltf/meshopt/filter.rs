@@ -28,7 +28,9 @@ pub(crate) fn apply(filter: Filter, stride: usize, bytes: &mut [u8]) {
     }
 }
 
-/// x, y on the octahedron and its size in z become a unit vector times `largest`; w stays.
+/// x, y on the octahedron and its size in z become a unit vector times `largest`; w stays. The
+/// order of the sum and the rounding are those of the reference decoder where it has vector
+/// instructions, in browsers, so that results are the same bit for bit.
 fn octahedral([x, y, one, w]: [i32; 4], largest: f32) -> [i32; 4] {
     let (x, y) = (x as f32, y as f32);
     let z = one as f32 - x.abs() - y.abs();
@@ -36,8 +38,9 @@ fn octahedral([x, y, one, w]: [i32; 4], largest: f32) -> [i32; 4] {
     let fold = z.min(0.0);
     let x = x + if x >= 0.0 { fold } else { -fold };
     let y = y + if y >= 0.0 { fold } else { -fold };
-    let scale = largest / (x * x + y * y + z * z).sqrt();
-    [nearest(x * scale), nearest(y * scale), nearest(z * scale), w]
+    let scale = largest / (x * x + (y * y + z * z)).sqrt();
+    let [x, y, z] = [x, y, z].map(|v| (v * scale).round_ties_even() as i32);
+    [x, y, z, w]
 }
 
 /// Three components, and in the fourth their scale with the index of the one left out in its two
