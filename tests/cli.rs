@@ -34,6 +34,8 @@ mod inputs;
 mod output;
 #[path = "cli/paths.rs"]
 mod paths;
+#[path = "cli/pose.rs"]
+mod pose;
 #[path = "cli/readme.rs"]
 mod readme;
 #[path = "cli/refused.rs"]

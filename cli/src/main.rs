@@ -22,6 +22,7 @@ mod memory;
 mod mesh_output;
 mod output;
 mod paints;
+mod pose;
 mod progress;
 mod report;
 mod results;

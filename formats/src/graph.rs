@@ -82,7 +82,7 @@ pub(crate) fn gltf_graph(
     Ok(graph)
 }
 
-fn index(object: &Object, key: &str) -> Option<usize> {
+pub(crate) fn index(object: &Object, key: &str) -> Option<usize> {
     object.get(key).and_then(integer).and_then(|i| usize::try_from(i).ok())
 }
 

@@ -3,6 +3,7 @@
 //! Nothing outside this package parses or writes files. It knows no model by name: models list
 //! their arrays (`lodc_lod::any`), this package lays them out.
 
+mod animations;
 pub mod appearance;
 mod assets;
 mod error;
@@ -21,6 +22,7 @@ mod testing;
 pub mod textures;
 mod write;
 
+pub use animations::{animation, animation_names};
 pub use assets::Assets;
 pub use error::{Fault, FormatError};
 pub use graph::scene_graph;

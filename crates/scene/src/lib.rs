@@ -29,6 +29,7 @@
 //! assert_eq!(shown.positions[0], 2.0 * glam::Vec3::from(mesh.positions()[0]).as_dvec3());
 //! ```
 
+mod animation;
 mod graph;
 mod image;
 mod material;
@@ -41,6 +42,7 @@ mod shape;
 mod srgb;
 mod transform;
 
+pub use animation::{Animation, Channel, Interpolation, Property};
 pub use graph::{Graph, Node, Skin};
 pub use image::Image;
 pub use material::{AlphaMode, Appearance, Material, Texture, Wrap};

@@ -37,7 +37,7 @@ pub use check::Check;
 pub use difference::{Failure, first_difference};
 pub use reference::Reference;
 pub use track::TooMuchWork;
-pub use view::{ShownView, check_view};
+pub use view::{ShownView, ViewReference};
 
 use lodc_mesh::{Lod, OrientedTriangle, PositionIds, SplitMix64, TriangleHash};
 use lodc_model::{Changes, Model};

@@ -1,6 +1,6 @@
 //! Checks of view-dependent levels of detail: the right triangles, and no tear.
 
-use crate::boundary::{boundary, edges, first_rest};
+use crate::boundary::{boundary, edges, first_rest, value};
 use crate::difference::{Failure, first_difference};
 use lodc_mesh::{Lod, OrientedTriangle, PositionIds, Simplified, is_degenerate};
 
@@ -20,33 +20,65 @@ pub struct ShownView<'a> {
     pub morphs: bool,
 }
 
-/// Returns the first thing that is wrong with a view.
-///
-/// Without morphing each triangle of LOD 0 is compared with every corner resolved at its own LOD by
-/// the plain sequence (and, where all corners are at one LOD, with the reference itself). Whatever
-/// the view, no edge may lie open that the border of LOD 0 does not explain.
-#[must_use]
-pub fn check_view(
-    simplified: &Simplified,
-    positions: &PositionIds,
-    view: &ShownView<'_>,
-) -> Option<Failure> {
-    let corners = simplified.mesh().triangles().as_flattened();
-    let lod = |v: u32| simplified.collapses().floor(view.lods[v as usize]);
-    let coarsest = corners.iter().map(|&v| lod(v)).max().unwrap_or(Lod(0));
-    let uniform = || corners.iter().all(|&v| lod(v) == coarsest);
-    let compared = || {
-        let drawn = drawn(simplified, view);
-        let reference = uniform().then(|| {
-            let truth = simplified.triangles_at_with(coarsest, positions);
-            first_difference(coarsest, truth, drawn.clone())
-        });
-        reference
-            .flatten()
-            .or_else(|| first_difference(coarsest, resolved(simplified, positions, &lod), drawn))
-    };
-    let wrong = if view.morphs { None } else { compared() };
-    wrong.or_else(|| torn(simplified, positions, view, coarsest))
+/// The judge of the views of a mesh.
+#[derive(Clone, Debug)]
+pub struct ViewReference<'a> {
+    simplified: &'a Simplified,
+    positions: PositionIds,
+    /// The border of LOD 0.
+    border: Vec<[u32; 2]>,
+}
+
+impl<'a> ViewReference<'a> {
+    /// Finds positions and the border of LOD 0.
+    #[must_use]
+    pub fn new(simplified: &'a Simplified) -> Self {
+        let positions = PositionIds::new(simplified.mesh().positions());
+        let border = boundary(simplified.mesh(), &positions);
+        Self { simplified, positions, border }
+    }
+
+    /// Returns the first thing that is wrong with a view, in linear time if nothing is.
+    ///
+    /// Without morphing each triangle of LOD 0 is compared with every corner resolved at its own
+    /// LOD by the plain sequence (and, where all corners are at one LOD, with the reference
+    /// itself). Whatever the view, no edge may lie open that the border of LOD 0 does not explain.
+    #[must_use]
+    pub fn first_wrong(&self, view: &ShownView<'_>) -> Option<Failure> {
+        let corners = self.simplified.mesh().triangles().as_flattened();
+        let lod = |v: u32| self.simplified.collapses().floor(view.lods[v as usize]);
+        let coarsest = corners.iter().map(|&v| lod(v)).max().unwrap_or(Lod(0));
+        let uniform = || corners.iter().all(|&v| lod(v) == coarsest);
+        let compared = || {
+            let drawn = drawn(self.simplified, view);
+            let reference = uniform().then(|| {
+                let truth = self.simplified.triangles_at_with(coarsest, &self.positions);
+                first_difference(coarsest, truth, drawn.clone())
+            });
+            let resolved = || resolved(self.simplified, &self.positions, &lod);
+            reference.flatten().or_else(|| first_difference(coarsest, resolved(), drawn))
+        };
+        let wrong = if view.morphs { None } else { compared() };
+        wrong.or_else(|| self.torn(view, coarsest))
+    }
+
+    /// An edge that is drawn more often in one direction than in the other, and not because the
+    /// input has a border there.
+    fn torn(&self, view: &ShownView<'_>, lod: Lod) -> Option<Failure> {
+        let drawn_at = PositionIds::new(view.places);
+        let place = |v: u32| drawn_at.of_vertex[v as usize];
+        let triangles = || view.indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]].map(place));
+        let border = || self.border.iter().map(|edge| edge.map(place));
+        let sum =
+            |edges: &mut dyn Iterator<Item = [u32; 2]>| edges.map(value).fold(0, u64::wrapping_add);
+        if sum(&mut triangles().flat_map(edges)) == sum(&mut border()) {
+            return None;
+        }
+        let terms = triangles().flat_map(edges).map(|e| (e, 1));
+        let (edge, surplus) = first_rest(terms.chain(border().map(|e| (e, -1))))?;
+        let point = |p: u32| view.places[drawn_at.first_vertex[p as usize] as usize];
+        Some(Failure::Torn { lod, edge: edge.map(point), surplus })
+    }
 }
 
 /// The triangles of LOD 0 with every corner at its own LOD: those with an area.
@@ -75,22 +107,4 @@ fn drawn(simplified: &Simplified, view: &ShownView<'_>) -> Vec<OrientedTriangle>
         OrientedTriangle::new(submesh[t[0] as usize], corners)
     };
     view.indices.chunks_exact(3).map(triangle).collect()
-}
-
-/// An edge that is drawn more often in one direction than in the other, and not because the input
-/// has a border there.
-fn torn(
-    simplified: &Simplified,
-    positions: &PositionIds,
-    view: &ShownView<'_>,
-    lod: Lod,
-) -> Option<Failure> {
-    let drawn_at = PositionIds::new(view.places);
-    let place = |v: u32| drawn_at.of_vertex[v as usize];
-    let border = boundary(simplified.mesh(), positions);
-    let border = border.into_iter().map(|edge| (edge.map(place), -1));
-    let triangles = view.indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]].map(place));
-    let (edge, surplus) = first_rest(triangles.flat_map(edges).map(|e| (e, 1)).chain(border))?;
-    let point = |p: u32| view.places[drawn_at.first_vertex[p as usize] as usize];
-    Some(Failure::Torn { lod, edge: edge.map(point), surplus })
 }

@@ -17,6 +17,7 @@ use crate::console::{self, note};
 use crate::exit::{Failure, Outcome, Status};
 use crate::limits::ImportArgs;
 use crate::output::{self, Target as Output};
+use crate::pose::PoseArgs;
 use crate::progress::BatchProgress;
 use crate::results::{self, FailureReport, ResultReport, reported};
 use crate::selector::{SelectorArgs, size};
@@ -51,6 +52,8 @@ pub(crate) struct CompareArgs {
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = level,
           conflicts_with = "TargetArgs")]
     levels: Vec<Level>,
+    #[command(flatten)]
+    pose: PoseArgs,
     #[command(flatten)]
     simplify: SimplifyArgs,
     /// Print the result as JSON on standard output

@@ -102,7 +102,8 @@ impl Subject {
         let (name, limits) = (&self.name, args.import.options().limits);
         let infos = self.objects.infos();
         let graph = scene_graph(&self.document, &infos, &limits).map_err(|e| e.in_file(name))?;
-        let arrangement = Arrangement::new(&graph, &graph.rest_pose(), infos.len());
+        let pose = args.pose.of(Path::new(name), &self.document, &graph, &limits)?;
+        let arrangement = Arrangement::new(&graph, &pose, infos.len());
         let meshes = self.meshes(wish, args)?;
         let meshes: Vec<&Mesh> = meshes.iter().map(AsRef::as_ref).collect();
         let counts = arrangement.placements().iter().map(|p| meshes[p.object].triangles().len());

@@ -11,6 +11,7 @@ use crate::kinds::{Choice, parser_with};
 use crate::level_mesh::Order;
 use crate::mesh_output::{self, FormatName};
 use crate::output;
+use crate::pose::PoseArgs;
 use crate::report::ExtractReport;
 use crate::results::reported;
 use crate::selector::{SelectorArgs, bound};
@@ -35,6 +36,8 @@ pub(crate) struct ExtractArgs {
     selector: SelectorArgs,
     #[command(flatten)]
     view: ViewArgs,
+    #[command(flatten)]
+    pose: PoseArgs,
     /// The level errs no more than E (mesh units; E%: of the diagonal), whatever else is wanted
     #[arg(long, value_name = "E", value_parser = bound, conflicts_with = "criterion")]
     max_error: Option<lodc_select::Target>,
@@ -69,8 +72,8 @@ impl ExtractArgs {
         if criterion.is_some() {
             return Ok(criterion);
         }
-        if self.view.at.eye.or(self.view.at.target).is_some() {
-            return Err(Failure::usage("--eye and --target need a --criterion"));
+        if self.view.at.eye.or(self.view.at.target).is_some() || self.pose.is_given() {
+            return Err(Failure::usage("--eye, --target and --pose need a --criterion"));
         }
         if self.selector.target().is_none() {
             return Err(Failure::usage(

@@ -114,7 +114,8 @@ fn view(
     let levels = SceneLevels::new(&asset.objects, &asset.document, &limits)?;
     let infos: Vec<&ObjectInfo> = asset.objects.iter().map(|o| &o.info).collect();
     let graph = scene_graph(&asset.document, &infos, &limits)?;
-    let scene = Arrangement::new(&graph, &graph.rest_pose(), infos.len());
+    let pose = args.pose.of(input, &asset.document, &graph, &limits)?;
+    let scene = Arrangement::new(&graph, &pose, infos.len());
     let views = stages
         .run("select", || SceneViews::new(&args.view, name, &args.selector, &levels, &scene))
         .map_err(|f| Failure { message: format!("{}: {f}", input.display()), ..f })?;

@@ -18,6 +18,7 @@ use crate::exit::{Failure, Outcome};
 use crate::gpu::{self, Device};
 use crate::limits::ImportArgs;
 use crate::output::{self, Target};
+use crate::pose::PoseArgs;
 use crate::selector::{SelectorArgs, share};
 use crate::views::ViewArgs;
 use clap::Args;
@@ -36,6 +37,8 @@ pub(crate) struct RenderArgs {
     selector: SelectorArgs,
     #[command(flatten)]
     views: ViewArgs,
+    #[command(flatten)]
+    pose: PoseArgs,
     /// Several levels of detail side by side, each a share of the triangles, 0 to 1
     #[arg(
         long,

@@ -81,7 +81,8 @@ pub(super) fn read(args: &RenderArgs, stages: &mut Stages) -> Outcome<Shown> {
         let message = format!("{name}: shows objects more than {MAX_PLACEMENTS} times");
         return Err(Failure::new(Status::Limit, message));
     }
-    let arrangement = Arrangement::new(&graph, &graph.rest_pose(), objects.len());
+    let pose = args.pose.of(&args.input, &document, &graph, &options.limits)?;
+    let arrangement = Arrangement::new(&graph, &pose, objects.len());
     let triangles: u64 = arrangement
         .placements()
         .iter()

@@ -7,6 +7,7 @@ use crate::report::CheckReport;
 use lodc_formats::import::{ImportOptions, import};
 use lodc_formats::lodc::{LodFile, LodObject};
 use lodc_formats::{Document, Limits, ObjectInfo, scene_graph};
+use lodc_lod::AnyModel;
 use lodc_scene::{Arrangement, shape_in_scene};
 use lodc_verify::{Check, Reference, VerifyOptions, verify};
 use rayon::prelude::*;
@@ -47,7 +48,16 @@ fn object(
     let mut checks: Vec<_> = reference.checks().iter().map(|c| report(name, c)).collect();
     checks.push(errors);
     let replays = object.models.par_iter().with_max_len(1);
-    let replays: Vec<_> = replays.map(|model| verify(model, &reference, options)).collect();
+    let replayed = |model: &AnyModel| {
+        let views = || match model {
+            AnyModel::Interactive(model) => Some(model.verify_views()),
+            _ => None,
+        };
+        let (mut checks, views) = rayon::join(|| verify(model, &reference, options), views);
+        checks.extend(views);
+        checks
+    };
+    let replays: Vec<_> = replays.map(replayed).collect();
     checks.extend(replays.iter().flatten().map(|c| report(name, c)));
     if object.models.is_empty() {
         checks.push(absent(name));

@@ -31,9 +31,9 @@ pub use selector::Selector;
 pub use surface::{kept, live_triangles, morphed_mesh};
 
 use deterministic_math::lerp;
-use lodc_mesh::{Lod, PositionIds, Simplified};
+use lodc_mesh::{Lod, Simplified};
 use lodc_plan::VertexRecords;
-use lodc_verify::{Failure, ShownView, check_view};
+use lodc_verify::{Failure, ShownView, ViewReference};
 
 /// The view-dependent variant on the CPU: the twin of the kernels.
 #[derive(Clone, Debug)]
@@ -57,8 +57,7 @@ impl Shown {
     #[must_use]
     pub fn check(
         &self,
-        simplified: &Simplified,
-        positions: &PositionIds,
+        reference: &ViewReference<'_>,
         view: &ViewQuery,
         indices: &[u32],
         stride: usize,
@@ -74,7 +73,7 @@ impl Shown {
             indices,
             morphs: view.morph,
         };
-        check_view(simplified, positions, &shown)
+        reference.first_wrong(&shown)
     }
 }
 

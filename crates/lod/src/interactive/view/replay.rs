@@ -2,11 +2,16 @@
 
 use super::{Criterion, Filter, ViewPasses, ViewQuery, Views, filtered};
 use crate::interactive::{Interactive, replay};
-use lodc_mesh::{CollapseSequence, Lod, PositionIds, SplitMix64};
+use lodc_mesh::{CollapseSequence, Lod, SplitMix64};
 use lodc_model::Model;
 use lodc_plan::{Expected, Plan, PlanError, Program, Step, Tolerance, VertexRecords};
 use lodc_strip::order;
+use lodc_verify::{Check, ViewReference};
 
+/// Criteria of a round of [`sample`].
+const CRITERIA: usize = 5;
+/// Triangles up to which views are checked with morphing as well.
+const SMALL: usize = 200_000;
 /// Entries of the vertex cache that triangles are ordered for.
 const CACHE: u32 = 16;
 
@@ -21,6 +26,34 @@ impl Interactive {
         let rounds = (2_000_000 / mesh.triangles().len().max(1)).clamp(1, 8) as u32;
         let views = sample(self.simplified().collapses(), mesh.bounds(), rounds, 1);
         Ok(vec![self.continuous(stops.to_vec())?, self.views(views, order(mesh, CACHE))?])
+    }
+
+    /// Compares a few views on the CPU with the plain sequence: every criterion without morphing,
+    /// and on small meshes with it, too.
+    #[must_use]
+    pub fn verify_views(&self) -> Check {
+        let simplified = self.simplified().as_ref();
+        let mesh = simplified.mesh();
+        let views = Views::new(simplified, VertexRecords::positions(mesh));
+        let reference = ViewReference::new(simplified);
+        let rounds = if mesh.triangles().len() <= SMALL { 2 } else { 1 };
+        let mut queries = sample(simplified.collapses(), mesh.bounds(), rounds, 2);
+        let numbered = queries.iter_mut().enumerate();
+        numbered.for_each(|(i, query)| query.morph = i >= CRITERIA);
+        let stride = views.records.stride;
+        let (model, name) = (self.name(), "view-dependent");
+        let mut check = Check { model, name, lods: 0, full: 0, failure: None };
+        for query in &queries {
+            let shown = views.show(query);
+            let left = filtered(mesh, mesh.triangles(), &shown.vertices, stride);
+            check.lods += 1;
+            check.full += 1;
+            check.failure = shown.check(&reference, query, &left.indices, stride);
+            if check.failure.is_some() {
+                break;
+            }
+        }
+        check
     }
 
     /// The view-dependent variant over some views, each compared in full: drawn records, compacted
@@ -46,7 +79,7 @@ impl Interactive {
         let twin = Views::new(simplified, records);
         let device = ViewPasses::new(&mut program, &twin, source, vertices);
         let filter = Filter::new(&mut program, mesh, &triangles, vertices, stride);
-        let positions = PositionIds::new(mesh.positions());
+        let reference = ViewReference::new(simplified);
         let locate = replay::locate(
             simplified,
             [vertices, source],
@@ -57,7 +90,7 @@ impl Interactive {
         let step = move |view: ViewQuery| {
             let shown = twin.show(&view);
             let left = filtered(mesh, &triangles, &shown.vertices, stride);
-            let wrong = shown.check(simplified, &positions, &view, &left.indices, stride);
+            let wrong = shown.check(&reference, &view, &left.indices, stride);
             let tolerance = view.morph.then_some(Tolerance { stride, floats: 3 });
             let checks = vec![
                 Expected { tolerance, ..Expected::new(vertices, shown.vertices) },

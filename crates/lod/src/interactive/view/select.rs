@@ -44,10 +44,12 @@ impl Point {
             .sum::<f64>()
             .clamp(-1.0, 1.0);
         // The cone around the rounded axis that holds this one; a little more for the arithmetic on
-        // devices.
-        let angle = cone.cos.clamp(-1.0, 1.0).acos() + off.acos() + 1e-4;
-        let narrow = angle < std::f64::consts::FRAC_PI_2;
-        let sine = if narrow { (angle.sin() * 255.0).ceil().min(255.0) as u8 } else { 255 };
+        // devices. Sums of angles by their sines and cosines: the same on every machine.
+        let sine_of = |cos: f64| (1.0 - cos * cos).max(0.0).sqrt();
+        let cos = cone.cos.clamp(-1.0, 1.0);
+        let sum = sine_of(cos) * off + cos * sine_of(off) + 1e-4;
+        let narrow = cos * off - sine_of(cos) * sine_of(off) > 1e-4;
+        let sine = if narrow { (sum * 255.0).ceil().min(255.0) as u8 } else { 255 };
         Self { position, axis, sine }
     }
 

@@ -4,6 +4,7 @@ use super::*;
 use crate::interactive::replay::lists;
 use lodc_fixtures as fixtures;
 use lodc_mesh::Lod;
+use std::sync::Arc;
 
 fn views_of(simplified: &Simplified) -> Views<'_> {
     Views::new(simplified, VertexRecords::whole(simplified.mesh()).expect("a small mesh"))
@@ -29,12 +30,12 @@ fn views_show_what_the_sequence_says_and_never_tear() {
             return;
         }
         let views = views_of(simplified);
-        let positions = PositionIds::new(mesh.positions());
+        let reference = ViewReference::new(simplified);
         for view in sample(simplified.collapses(), mesh.bounds(), 8, 3) {
             let shown = views.show(&view);
             let left = filtered(mesh, mesh.triangles(), &shown.vertices, views.records.stride);
             assert_eq!(
-                shown.check(simplified, &positions, &view, &left.indices, views.records.stride),
+                shown.check(&reference, &view, &left.indices, views.records.stride),
                 None,
                 "{name}: {view:?}"
             );
@@ -60,8 +61,8 @@ fn a_wedge_that_goes_its_own_way_is_a_tear() {
         &shown.vertices,
         views.records.stride,
     );
-    let positions = PositionIds::new(simplified.mesh().positions());
-    let wrong = shown.check(&simplified, &positions, &view, &left.indices, views.records.stride);
+    let reference = ViewReference::new(&simplified);
+    let wrong = shown.check(&reference, &view, &left.indices, views.records.stride);
     assert!(matches!(wrong, Some(Failure::Torn { .. })), "{wrong:?}");
 }
 
@@ -154,4 +155,12 @@ fn the_outline_is_fine_and_the_middle_coarse() {
             assert!(state.lod > last.0 * 4 / 5, "{point:?}: {state:?}");
         }
     }
+}
+
+#[test]
+fn a_few_views_are_checked_on_the_processor_with_and_without_morphing() {
+    let simplified = Arc::new(fixtures::random_collapse(&fixtures::icosphere(2), 1));
+    let model = crate::Interactive::build(&simplified).expect("a model");
+    let check = model.verify_views();
+    assert!(check.ok() && check.lods == 10 && check.full == 10, "{check:?}");
 }

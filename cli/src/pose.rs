@@ -1,0 +1,85 @@
+//! Poses: how a scene stands at a moment of one of its animations.
+
+use crate::exit::{Failure, Outcome};
+use clap::Args;
+use lodc_formats::{Document, Limits, animation, animation_names};
+use lodc_scene::{Graph, Pose};
+use std::path::Path;
+
+/// The moment at which a scene is looked at.
+#[derive(Args, Clone, Debug)]
+pub(crate) struct PoseArgs {
+    /// The scene as it stands after so many seconds of an animation, by its number (from 0) or
+    /// name: 0@1.5, Walk@0.3 [default: at rest]
+    #[arg(long, value_name = "INDEX|NAME@SECONDS", value_parser = moment)]
+    pose: Option<Moment>,
+}
+
+/// A moment of an animation.
+#[derive(Clone, Debug, PartialEq)]
+struct Moment {
+    animation: String,
+    seconds: f64,
+}
+
+/// `Walk@1.5`; without seconds the animation's first moment.
+fn moment(text: &str) -> Result<Moment, String> {
+    let (animation, seconds) = text.rsplit_once('@').unwrap_or((text, "0"));
+    match seconds.parse::<f64>() {
+        Ok(seconds) if seconds.is_finite() && seconds >= 0.0 && !animation.is_empty() => {
+            Ok(Moment { animation: animation.to_owned(), seconds })
+        }
+        _ => Err("an animation and seconds, for example 0@1.5 or Walk@0.3".to_owned()),
+    }
+}
+
+impl PoseArgs {
+    /// Returns whether a pose is asked for.
+    pub(crate) fn is_given(&self) -> bool {
+        self.pose.is_some()
+    }
+
+    /// Returns the pose asked for, or the one at rest.
+    ///
+    /// # Errors
+    /// If the file has no such animation, or it is damaged.
+    pub(crate) fn of(
+        &self,
+        input: &Path,
+        document: &Document,
+        graph: &Graph,
+        limits: &Limits,
+    ) -> Outcome<Pose> {
+        let Some(Moment { animation: wanted, seconds }) = &self.pose else {
+            return Ok(graph.rest_pose());
+        };
+        let input = input.display().to_string();
+        let names = animation_names(document, limits).map_err(|e| e.in_file(&input))?;
+        let numbered = || wanted.parse().ok().filter(|&number: &usize| number < names.len());
+        let Some(number) = names.iter().position(|name| name == wanted).or_else(numbered) else {
+            let has: Vec<String> =
+                names.iter().enumerate().map(|(i, name)| format!("{i} {name}")).collect();
+            let has = if has.is_empty() { "none".to_owned() } else { has.join(", ") };
+            let what = format!("{input}: has no animation {wanted} (it has: {})", has.trim_end());
+            return Err(Failure::usage(what));
+        };
+        let found = animation(document, number, limits).map_err(|e| e.in_file(&input))?;
+        Ok(found.pose(graph, *seconds))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn moments_are_read_and_nonsense_is_refused() {
+        let of = |animation: &str, seconds| Ok(Moment { animation: animation.to_owned(), seconds });
+        assert_eq!(moment("0@1.5"), of("0", 1.5));
+        assert_eq!(moment("a@b@2"), of("a@b", 2.0));
+        assert_eq!(moment("Walk"), of("Walk", 0.0));
+        for wrong in ["", "@1", "Walk@", "Walk@-1", "Walk@soon", "0@NaN"] {
+            assert!(moment(wrong).is_err(), "{wrong}");
+        }
+    }
+}

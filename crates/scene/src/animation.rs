@@ -1,0 +1,191 @@
+//! Animations: how nodes and morph weights change over time (glTF 2.0, 3.11 and appendix C).
+
+use crate::graph::Graph;
+use crate::pose::Pose;
+use crate::transform::LocalTransform;
+
+/// Keyframes of several nodes.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Animation {
+    /// The name in the file; may be empty.
+    pub name: String,
+    /// Properties of nodes that move.
+    pub channels: Vec<Channel>,
+}
+
+/// Keyframes of one property of a node.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Channel {
+    /// Index of the node.
+    pub node: u32,
+    /// The part of it that changes.
+    pub property: Property,
+    /// The way from one key to the next.
+    pub interpolation: Interpolation,
+    /// Seconds of the keys, rising.
+    pub times: Vec<f64>,
+    /// The values of the keys, one behind the other; for [`Interpolation::CubicSpline`] each behind
+    /// its incoming and before its outgoing tangent.
+    pub values: Vec<f64>,
+}
+
+/// A part of a node that an animation changes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Property {
+    /// Three numbers.
+    Translation,
+    /// A quaternion x, y, z, w.
+    Rotation,
+    /// Three numbers.
+    Scale,
+    /// A number for each morph target.
+    Weights,
+}
+
+/// The way from one key to the next.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Interpolation {
+    /// Straight; rotations along the shorter arc.
+    #[default]
+    Linear,
+    /// The value of the key before.
+    Step,
+    /// Hermite splines.
+    CubicSpline,
+}
+
+impl Interpolation {
+    /// Values of one key: more than one with tangents.
+    #[must_use]
+    pub fn values_per_key(self) -> usize {
+        if self == Self::CubicSpline { 3 } else { 1 }
+    }
+}
+
+impl Animation {
+    /// Seconds of the last key.
+    #[must_use]
+    pub fn duration(&self) -> f64 {
+        self.channels.iter().filter_map(|c| c.times.last()).fold(0.0, |a, &b| a.max(b))
+    }
+
+    /// Returns the pose at a moment: the rest pose with what this changes replaced. Before its
+    /// first key a property is as at it, after its last one as at that. A node whose transform is
+    /// a matrix stays (3.11: it must not be animated).
+    #[must_use]
+    pub fn pose(&self, graph: &Graph, seconds: f64) -> Pose {
+        let mut pose = graph.rest_pose();
+        for channel in &self.channels {
+            channel.apply(&mut pose, seconds);
+        }
+        pose
+    }
+}
+
+impl Channel {
+    fn apply(&self, pose: &mut Pose, seconds: f64) {
+        let Some(value) = self.at(seconds) else { return };
+        let node = self.node as usize;
+        if self.property == Property::Weights {
+            if let Some(weights) = pose.weights.get_mut(node) {
+                *weights = value;
+            }
+            return;
+        }
+        let Some(LocalTransform::Trs { translation, rotation, scale }) = pose.locals.get_mut(node)
+        else {
+            return;
+        };
+        let into: &mut [f64] = match self.property {
+            Property::Translation => translation,
+            Property::Rotation => rotation,
+            Property::Scale | Property::Weights => scale,
+        };
+        into.iter_mut().zip(value).for_each(|(into, v)| *into = v);
+    }
+
+    /// Returns the value at a moment; none without keys.
+    #[must_use]
+    pub fn at(&self, seconds: f64) -> Option<Vec<f64>> {
+        let next = self.times.partition_point(|&t| t <= seconds);
+        let (first, last) = (0, self.times.len().checked_sub(1)?);
+        if next == 0 || next > last {
+            return Some(self.value(if next == 0 { first } else { last }).to_vec());
+        }
+        let (before, span) = (next - 1, self.times[next] - self.times[next - 1]);
+        let t = (seconds - self.times[before]) / span;
+        Some(match self.interpolation {
+            Interpolation::Step => self.value(before).to_vec(),
+            Interpolation::Linear if self.property == Property::Rotation => {
+                slerp(self.value(before), self.value(next), t)
+            }
+            Interpolation::Linear => {
+                let ends = self.value(before).iter().zip(self.value(next));
+                ends.map(|(a, b)| a + t * (b - a)).collect()
+            }
+            Interpolation::CubicSpline => self.spline(before, t, span),
+        })
+    }
+
+    /// Numbers of one value.
+    fn width(&self) -> usize {
+        self.values.len() / (self.times.len() * self.interpolation.values_per_key()).max(1)
+    }
+
+    /// A number of a key: its incoming tangent, its value, its outgoing tangent.
+    fn of_key(&self, key: usize, which: usize) -> &[f64] {
+        let per_key = self.interpolation.values_per_key();
+        &self.values[(key * per_key + which) * self.width()..][..self.width()]
+    }
+
+    fn value(&self, key: usize) -> &[f64] {
+        self.of_key(key, self.interpolation.values_per_key() / 2)
+    }
+
+    fn spline(&self, before: usize, t: f64, span: f64) -> Vec<f64> {
+        let (t2, t3) = (t * t, t * t * t);
+        let (a, b) = (self.value(before), self.value(before + 1));
+        let (leaving, arriving) = (self.of_key(before, 2), self.of_key(before + 1, 0));
+        let at = |i: usize| {
+            (2.0 * t3 - 3.0 * t2 + 1.0) * a[i]
+                + span * (t3 - 2.0 * t2 + t) * leaving[i]
+                + (3.0 * t2 - 2.0 * t3) * b[i]
+                + span * (t3 - t2) * arriving[i]
+        };
+        (0..self.width()).map(at).collect()
+    }
+}
+
+/// Terms of the series for a sine divided by a sine: each is at most half the one before.
+const TERMS: u32 = 60;
+
+/// Returns the rotation on the shorter arc between two, which may be of any length but zero.
+fn slerp(a: &[f64], b: &[f64], t: f64) -> Vec<f64> {
+    let length = |q: &[f64]| q.iter().map(|c| c * c).sum::<f64>().sqrt();
+    let (la, lb) = (length(a), length(b));
+    if la == 0.0 || lb == 0.0 {
+        return if t < 0.5 { a.to_vec() } else { b.to_vec() };
+    }
+    let cosine = a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>() / (la * lb);
+    let sign = if cosine < 0.0 { -1.0 } else { 1.0 };
+    let cosine = cosine.abs().min(1.0);
+    let (from, to) = (sine_ratio(1.0 - t, cosine) / la, sign * sine_ratio(t, cosine) / lb);
+    a.iter().zip(b).map(|(x, y)| from * x + to * y).collect()
+}
+
+/// sin(tφ) / sin φ for t from 0 to 1 and a cosine of φ from 0 to 1, by a series in the cosine
+/// (Eberly, "A Fast and Accurate Algorithm for Computing SLERP"): the same on every machine.
+fn sine_ratio(t: f64, cosine: f64) -> f64 {
+    let mut term = t;
+    let mut sum = t;
+    for i in 1..=TERMS {
+        let i = f64::from(i);
+        term *= (t * t - i * i) / (i * (2.0 * i + 1.0)) * (cosine - 1.0);
+        sum += term;
+    }
+    sum
+}
+
+#[cfg(test)]
+#[path = "animation_tests.rs"]
+mod tests;
