@@ -20,8 +20,8 @@ const MOST_INSIDE: f64 = 24.0;
 const LONG: f64 = 6.0;
 
 /// Samples that a mesh of few triangles gets in all, and most on one of its triangles.
-const FEWEST: f64 = 10_000.0;
-const MOST_OF_FEW: f64 = 64.0;
+const FEWEST: f64 = 30_000.0;
+const MOST_OF_FEW: f64 = 160.0;
 
 /// A point of the input, half a cache line.
 #[derive(Clone, Debug)]
