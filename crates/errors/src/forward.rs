@@ -76,6 +76,11 @@ impl<'a> Forward<'a> {
         }
     }
 
+    /// Returns the share of the area that samples at points stand for.
+    pub(crate) fn at_points(&self) -> f64 {
+        self.samples.at_points
+    }
+
     /// Takes over what the other way has found.
     pub(crate) fn learn(&mut self, bound: f64, work: Work) {
         self.bound = self.bound.max(bound);

@@ -32,7 +32,7 @@ pub(crate) fn run(input: &Input, wedges: Vec<[u32; 3]>, simplified: &Simplified)
     let steps = sequence.steps() as u32;
     let (mut forward, mut backward) =
         rayon::join(|| Forward::new(input, wedges), || Backward::new(input));
-    let mut stated = Stated::new(input, steps);
+    let mut stated = Stated::new(input, steps, forward.at_points());
     let (mut coming, mut last, mut done) = (Block::default(), Block::default(), 0);
     loop {
         let count = (done.min(steps - done) / SHARE).clamp(FEWEST, MOST);
@@ -56,11 +56,14 @@ struct Stated<'a> {
     rms: f64,
     /// Steps that moved a point.
     gone: u32,
+    /// Share of the area that samples at points stand for.
+    at_points: f64,
 }
 
 impl<'a> Stated<'a> {
-    fn new(input: &'a Input, steps: u32) -> Self {
-        Self { input, errors: StepErrors::with_capacity(steps as usize), rms: 0.0, gone: 0 }
+    fn new(input: &'a Input, steps: u32, at_points: f64) -> Self {
+        let errors = StepErrors::with_capacity(steps as usize);
+        Self { input, errors, rms: 0.0, gone: 0, at_points }
     }
 
     /// Adds the steps of a block, as far as both ways have followed them.
@@ -83,10 +86,12 @@ impl<'a> Stated<'a> {
 
     /// Returns the root mean square distance for the mean squared distance of samples.
     fn rms(&self, mean_square: f64) -> f64 {
-        // Between a sample that is off and one that is not, the distance falls to 0: the integral
+        // Between a point that is off and one that is not, the distance falls to 0: the integral
         // of a piecewise linear function is smaller than its lumped sum by (1 + share gone) / 2.
+        // What samples inside of triangles stand for is not lumped.
         let share = f64::from(self.gone) / self.input.places.len() as f64;
-        ((0.5 + 0.5 * share).min(1.0) * mean_square).sqrt()
+        let lumped = (0.5 + 0.5 * share).min(1.0);
+        ((1.0 - self.at_points * (1.0 - lumped)) * mean_square).sqrt()
     }
 
     /// States the diagonal for the steps that were not followed. `triangles` has the number that

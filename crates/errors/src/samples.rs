@@ -86,8 +86,9 @@ pub(crate) struct Samples {
     pub(crate) all: Vec<Sample>,
     /// The sum of weight times squared distance.
     pub(crate) sum: f64,
-    /// The sum of weights.
+    /// The sum of weights, and the share of it that points have.
     pub(crate) weight: f64,
+    pub(crate) at_points: f64,
     nearest_kept: Vec<(f64, u32)>,
     kept: Vec<u32>,
     scratch: Vec<u32>,
@@ -104,6 +105,7 @@ impl Samples {
             all: Vec::with_capacity(input.places.len() + extra as usize),
             sum: 0.0,
             weight: areas.iter().copied().map(f64::from).sum(),
+            at_points: 0.0,
             nearest_kept: vec![],
             kept: vec![],
             scratch: vec![],
@@ -114,6 +116,7 @@ impl Samples {
             let around = input.around.row(point);
             if let Some(&t) = around.first() {
                 let weight = around.iter().map(|&t| shares[t as usize]).sum();
+                samples.at_points += f64::from(weight) / samples.weight.max(f64::MIN_POSITIVE);
                 samples.add(faces, t, Sample::at_point(place, point, weight));
             }
         }
