@@ -82,4 +82,13 @@ impl Command {
             _ => false,
         }
     }
+
+    /// Returns whether meshes are simplified or whole sequences replayed.
+    pub(crate) fn takes_memory(&self) -> bool {
+        use Command::{Bench, Build, Chain, Extract, Pack, Unpack, Verify};
+        matches!(
+            self,
+            Build(_) | Bench(_) | Chain(_) | Extract(_) | Pack(_) | Unpack(_) | Verify(_)
+        )
+    }
 }

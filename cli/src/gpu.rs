@@ -5,8 +5,6 @@ pub(crate) use lodc_gpu::Device;
 
 use crate::exit::{Failure, Status};
 use clap::{Args, ValueEnum};
-#[cfg(all(unix, feature = "gpu"))]
-use std::path::Path;
 
 /// Demand for a graphics device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -36,31 +34,6 @@ pub(crate) struct GpuArgs {
 #[cfg(not(feature = "gpu"))]
 #[derive(Debug)]
 pub(crate) enum Device {}
-
-/// Starts the program again with `XDG_RUNTIME_DIR` set, where it is not.
-///
-/// Mesa's Vulkan layer asks a Wayland server which of several devices to prefer, and the Wayland
-/// library prints a line on standard error where that variable is missing. Environment variables
-/// can be set safely for a new program only. The folder given exists nowhere, so nobody can put a
-/// server there. Returns only if there is nothing to do or it cannot be done; then the line is
-/// printed, and nothing else is lost.
-#[cfg(all(unix, feature = "gpu"))]
-pub(crate) fn restart_with_runtime_folder() {
-    use std::os::unix::process::CommandExt;
-    const VARIABLE: &str = "XDG_RUNTIME_DIR";
-    if std::env::var_os(VARIABLE).is_some_and(|folder| Path::new(&folder).is_absolute()) {
-        return;
-    }
-    let Ok(program) = std::env::current_exe() else { return };
-    let mut arguments = std::env::args_os();
-    let name = arguments.next().unwrap_or_default();
-    let mut command = std::process::Command::new(program);
-    let _ = command.arg0(name).args(arguments).env(VARIABLE, "/nonexistent").exec();
-}
-
-/// There is nothing to do.
-#[cfg(not(all(unix, feature = "gpu")))]
-pub(crate) fn restart_with_runtime_folder() {}
 
 /// Opens the device with `adapter` in its name, or the most capable one.
 ///

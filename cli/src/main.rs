@@ -9,6 +9,7 @@ mod commands;
 mod compression;
 mod config;
 mod console;
+mod environment;
 mod exit;
 mod gpu;
 mod html;
@@ -63,9 +64,14 @@ fn run() -> Status {
         }
     };
     batch::know(Cli::command);
-    if cli.command.takes_gpu() {
-        gpu::restart_with_runtime_folder();
+    let mut variables = Vec::new();
+    if cfg!(feature = "gpu") && cli.command.takes_gpu() {
+        variables.push(environment::RUNTIME_FOLDER);
     }
+    if cli.command.takes_memory() {
+        variables.push(environment::RETURN_MEMORY_FROM);
+    }
+    environment::restart_with(&variables);
     console::set_loudness(match (cli.common.quiet, cli.common.verbose) {
         (true, _) => Loudness::Quiet,
         (_, true) => Loudness::Verbose,
