@@ -32,6 +32,8 @@ mod importance;
 mod inputs;
 #[path = "cli/output.rs"]
 mod output;
+#[path = "cli/parts.rs"]
+mod parts;
 #[path = "cli/paths.rs"]
 mod paths;
 #[path = "cli/pose.rs"]

@@ -131,7 +131,11 @@ fn lock(text: &str) -> Result<Lock, String> {
     }
 }
 
-fn weights(text: &str) -> Result<Weights, String> {
+/// Reads factors by kind: `normal=2,uv=0.5`.
+///
+/// # Errors
+/// If a kind is none or given twice, or a factor is not from 0 to 1e6.
+pub(crate) fn weights(text: &str) -> Result<Weights, String> {
     let mut weights = Weights::DEFAULT;
     let mut seen = BTreeSet::new();
     for part in text.split(',') {

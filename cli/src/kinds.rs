@@ -81,7 +81,7 @@ fn values<K: Kind>() -> impl Iterator<Item = PossibleValue> {
 }
 
 /// The option of commands that simplify meshes.
-#[derive(Args, Clone, Copy, Debug)]
+#[derive(Args, Clone, Copy, Debug, Default)]
 pub(crate) struct MetricArgs {
     /// Metric that drives the collapses of meshes (a .lodc file has its own)
     #[arg(

@@ -23,6 +23,7 @@ mod memory;
 mod mesh_output;
 mod output;
 mod paints;
+mod parts;
 mod pose;
 mod progress;
 mod report;

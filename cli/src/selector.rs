@@ -175,17 +175,24 @@ impl<'a> SceneLevels<'a> {
         })
     }
 
-    /// Chooses as [`Self::select`] does, but no level coarser than `cap`, an error, allows.
+    /// Chooses as [`Self::select`] does, but no level coarser than `cap`, an error, allows. Objects
+    /// for which `own` has a target by their name have their level by themselves.
     ///
     /// # Errors
     /// As [`Self::select`].
     pub(crate) fn select_capped(
         &self,
         target: Target,
+        own: impl Fn(&str) -> Option<Target>,
         cap: Option<Target>,
         per_object: bool,
     ) -> Outcome<Selection> {
         let mut chosen = self.select(target, per_object)?;
+        let objects = self.objects.iter().enumerate();
+        let own: Vec<_> = objects.filter_map(|(i, o)| Some((i, own(&o.info.name)?))).collect();
+        if !own.is_empty() {
+            chosen.put(&self.candidates(), own.into_iter());
+        }
         if let Some(cap) = cap {
             chosen.cap(&self.candidates(), &self.select(cap, per_object)?);
         }

@@ -141,6 +141,15 @@ fn what_is_up_to_date_is_not_touched() {
     assert_eq!(counts(&build), summary(2, 2));
     let other: Vec<&str> = build.iter().copied().chain(["--metric", "hybrid"]).collect();
     assert_eq!(counts(&other), summary(4, 0));
+    // So do image files, of which the build itself reads none.
+    f.file("in/m.mtl", "newmtl a\nmap_Kd m.png\n");
+    f.file("in/m.png", "one");
+    assert_eq!(counts(&build), summary(4, 0));
+    f.file("in/m.png", "two");
+    assert_eq!(counts(&build), summary(1, 3));
+    let other = [&build[..], &["--depfile", "d"]].concat();
+    assert_eq!(counts(&other), summary(0, 4));
+    assert!(String::from_utf8_lossy(&f.read("d")).contains("in/m.png"));
     // A damaged result is made again.
     let mut bytes = f.read("out/a.obj.lodc");
     let last = bytes.len() - 1;

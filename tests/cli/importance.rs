@@ -58,6 +58,12 @@ fn a_locked_material_stays_and_the_rest_pays() {
     let locked = faces(&f, "o.obj");
     assert_eq!(locked[0], 288);
     assert!(locked[1] < free[1] && locked[1] > 0, "{locked:?} {free:?}");
+    let part = ["--part", r#"{"materials": ["ke*"], "lock": true}"#];
+    f.lodc(args.iter().chain(&part)).ends(0);
+    assert_eq!(faces(&f, "o.obj"), locked, "as by name");
+    f.file("lodc.toml", "[[override]]\nmaterials = [\"keep\"]\nlock = true\n");
+    f.lodc(args).ends(0);
+    assert_eq!(faces(&f, "o.obj"), locked, "as by configuration");
     // A file that was built so has it, too.
     f.lodc(["build", "m.obj", "-o", "m.lodc", "--lock", "material:keep", "-q"]).ends(0);
     f.lodc(["verify", "m.lodc", "--source", "m.obj", "-q"]).ends(0);

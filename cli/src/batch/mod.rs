@@ -11,7 +11,9 @@ mod streams;
 
 pub(crate) use assets::{Asset, Sources, assets};
 pub(crate) use folder::globs;
-pub(crate) use options::{OptionValues, arguments, has_option, is_command, know, suggestion};
+pub(crate) use options::{
+    OptionValues, arguments, given_options, has_option, is_command, know, suggestion,
+};
 pub(crate) use pairs::{Pair, pairs};
 pub(crate) use queue::{Budget, run};
 pub(crate) use shard::Shard;

@@ -97,6 +97,22 @@ fn given(matches: &ArgMatches, command: &Command) -> Vec<String> {
     there.filter_map(|a| a.get_long().map(str::to_owned)).collect()
 }
 
+/// Returns the long names of the options of a command that stand on the command line itself, or are
+/// excluded by those.
+pub(crate) fn given_options(name: &str) -> Vec<String> {
+    let root = root();
+    let command = root.find_subcommand(name).expect("a command of this program");
+    let typed = root.clone().get_matches_from(std::env::args_os());
+    let typed = typed.subcommand_matches(name).expect("the command that runs");
+    with_excluded(given(typed, command), name)
+}
+
+fn with_excluded(mut given: Vec<String>, command: &str) -> Vec<String> {
+    let names: Vec<&str> = given.iter().map(String::as_str).collect();
+    given.extend(excluded(&names, command).into_iter().map(str::to_owned));
+    given
+}
+
 /// Returns the long names of options that cannot stand beside those of these names.
 fn excluded<'a>(names: &[&str], command: &str) -> Vec<&'a str> {
     let command = commands().iter().find(|c| c.name == command).expect("a command");
@@ -120,9 +136,7 @@ pub(crate) fn arguments<A: FromArgMatches>(
     let command = root.find_subcommand(name).expect("a command of this program");
     let typed = root.clone().get_matches_from(&raw);
     let typed = typed.subcommand_matches(name).expect("the command that runs");
-    let mut given = given(typed, command);
-    let names: Vec<&str> = given.iter().map(String::as_str).collect();
-    given.extend(excluded(&names, name).into_iter().map(str::to_owned));
+    let given = with_excluded(given(typed, command), name);
     let mut more = Vec::new();
     for (option, values) in &own.0 {
         if OF_THE_RUN.contains(&option.as_str()) {

@@ -1,10 +1,11 @@
 //! An asset with its levels: read from a `.lodc` file, or simplified in memory from a mesh.
 
-use crate::commands::build::{Known, measure_all, paints, simplify_all};
+use crate::commands::build::{Known, measure_all, object_options, paints, simplify_all};
 use crate::exit::{Failure, Outcome};
 use crate::importance::ImportanceArgs;
 use crate::kinds::MetricArgs;
 use crate::limits::ImportArgs;
+use crate::parts::PartArgs;
 use crate::progress::Progress;
 use crate::stages::Stages;
 use clap::Args;
@@ -28,18 +29,20 @@ pub(crate) struct Asset {
 }
 
 /// Options of simplifying a mesh in memory.
-#[derive(Args, Clone, Debug)]
+#[derive(Args, Clone, Debug, Default)]
 pub(crate) struct SimplifyArgs {
     #[command(flatten)]
     metric: MetricArgs,
     #[command(flatten)]
     importance: ImportanceArgs,
+    #[command(flatten)]
+    pub(crate) parts: PartArgs,
 }
 
 impl SimplifyArgs {
     /// Simplification by a metric, with nothing weighted or locked.
     pub(crate) fn by(metric: MetricKind) -> Self {
-        Self { metric: MetricArgs { metric }, importance: ImportanceArgs::default() }
+        Self { metric: MetricArgs { metric }, ..Self::default() }
     }
 }
 
@@ -70,7 +73,9 @@ pub(crate) fn read_showing(
 ) -> Outcome<Asset> {
     let read = stages.run("read", || either(input, &import.options()))?;
     if matches!(read, Either::Levels(_)) {
-        how.importance.refuse(&input.display().to_string())?;
+        let name = input.display().to_string();
+        how.importance.refuse(&name)?;
+        how.parts.refuse(&name)?;
     }
     match read {
         Either::Levels(file) => Ok(Asset {
@@ -117,8 +122,10 @@ fn simplified_showing(
     let limits = import.options().limits;
     let weights = how.importance.weights();
     let options = Options { metric: how.metric.metric, weights, ..Options::DEFAULT };
+    let options = object_options(&scene, options, &how.parts);
     let paints = paints(import, input, &scene, &options)?;
-    let locked = how.importance.locked(&scene)?;
+    let mut locked = how.importance.locked(&scene)?;
+    how.parts.lock(&scene, &mut locked)?;
     let Scene { source, document, objects, mut warnings, mut files_read, compressed } = scene;
     let known = Known { paints: paints.textured(), locked: &locked };
     let simplified =

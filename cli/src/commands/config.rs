@@ -4,6 +4,7 @@ use crate::config::{ConfigArgs, Configs};
 use crate::console;
 use crate::exit::Outcome;
 use clap::Args;
+use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
@@ -26,6 +27,10 @@ pub(crate) fn run(args: &ShowArgs) -> Outcome<()> {
         let layers = Configs::new(&args.configuration, command).layers(&args.show, None)?;
         let mut options = BTreeMap::new();
         for layer in &layers {
+            if let Some(part) = &layer.part {
+                let part = Value::Object(part.clone());
+                lines.push(format!("{command} --part '{part}' # {}", layer.source));
+            }
             for (name, values) in &layer.values.0 {
                 options.insert(name, (values, &layer.source));
             }

@@ -2,13 +2,14 @@
 
 use crate::batch::{OptionValues, globs, has_option, is_command, suggestion};
 use crate::exit::{Failure, Outcome, Status};
+use crate::parts::Part;
 use serde::Deserialize;
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Options by long name; a table under a command's name holds options of that command alone.
-type Options = Map<String, Value>;
+pub(crate) type Options = Map<String, Value>;
 
 /// A file as TOML has it.
 #[derive(Debug, Default, Deserialize)]
@@ -22,11 +23,18 @@ struct Document {
     overrides: Vec<Override>,
 }
 
-/// Options for files that match.
+/// Options for files that match, or for parts of them.
 #[derive(Debug, Deserialize)]
 struct Override {
-    /// Globs of paths below the configuration's folder.
+    /// Globs of paths below the configuration's folder; all files if there are none.
+    #[serde(default)]
     files: Vec<String>,
+    /// Globs of names of objects.
+    #[serde(default)]
+    objects: Vec<String>,
+    /// Globs of names of materials.
+    #[serde(default)]
+    materials: Vec<String>,
     #[serde(flatten)]
     options: Options,
 }
@@ -37,6 +45,8 @@ pub(crate) struct Layer {
     /// File and table, for people.
     pub(crate) source: String,
     pub(crate) values: OptionValues,
+    /// Options of a part, in place of `values`.
+    pub(crate) part: Option<Options>,
 }
 
 /// A configuration that was read.
@@ -95,11 +105,13 @@ impl File {
                 }
             }
         }
-        self.document
-            .overrides
-            .iter()
-            .try_for_each(|o| globs(&o.files).map(drop))
-            .map_err(|f| Failure::new(f.status, format!("{}: {f}", self.path.display())))
+        for (number, one) in (1..).zip(&self.document.overrides) {
+            one.check().map_err(|what| {
+                let table = format!("[[override]] {number}");
+                Failure::usage(format!("{}: {table}: {what}", self.path.display()))
+            })?;
+        }
+        Ok(())
     }
 
     fn check_option(&self, table: &str, option: &str, command: Option<&str>) -> Outcome<()> {
@@ -141,25 +153,63 @@ impl File {
         let mut layers = Vec::new();
         for (number, (table, options)) in self.tables().enumerate() {
             let first_override = 1 + self.document.profile.len();
-            let takes = if number >= first_override {
-                globs(&self.document.overrides[number - first_override].files)?.is_match(below)
-            } else {
-                number == 0 || profile.is_some_and(|name| table == format!("[profile.{name}]"))
+            let one = number.checked_sub(first_override).map(|i| &self.document.overrides[i]);
+            let takes = match one {
+                Some(one) => one.files.is_empty() || globs(&one.files)?.is_match(below),
+                None => number == 0 || profile.is_some_and(|p| table == format!("[profile.{p}]")),
             };
             if takes {
                 let source = format!("{} {table}", self.path.display());
-                let values = values(options, command).map_err(|what| {
+                let own = own(options, command);
+                let part = one.and_then(|one| one.part(&own));
+                let values = if part.is_some() {
+                    Ok(OptionValues::default())
+                } else {
+                    OptionValues::from_json(&own)
+                };
+                let values = values.map_err(|what| {
                     Failure::usage(format!("{}: {table}: {what}", self.path.display()))
                 })?;
-                layers.push(Layer { source, values });
+                layers.push(Layer { source, values, part });
             }
         }
         Ok(layers)
     }
 }
 
+impl Override {
+    /// Checks its globs and, of parts, its options.
+    fn check(&self) -> Result<(), String> {
+        globs(&self.files).map_err(|failure| failure.message)?;
+        if self.files.is_empty() && self.objects.is_empty() && self.materials.is_empty() {
+            return Err("names neither files nor objects nor materials".to_owned());
+        }
+        let tables = self.options.iter().filter(|(_, value)| value.is_object());
+        let tables = tables.map(|(name, _)| own(&self.options, name));
+        let plain = self.options.iter().filter(|(_, value)| !value.is_object());
+        let plain: Options = plain.map(|(name, value)| (name.clone(), value.clone())).collect();
+        for own in tables.chain([plain]) {
+            if let Some(part) = self.part(&own) {
+                Part::parse(&Value::Object(part).to_string())?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Options with the part that they are for; none if they are for whole files.
+    fn part(&self, own: &Options) -> Option<Options> {
+        if self.objects.is_empty() && self.materials.is_empty() {
+            return None;
+        }
+        let names = [("objects", &self.objects), ("materials", &self.materials)];
+        let names = names.into_iter().filter(|(_, names)| !names.is_empty());
+        let names = names.map(|(key, names)| (key.to_owned(), names.clone().into()));
+        Some(own.clone().into_iter().chain(names).collect())
+    }
+}
+
 /// The options of a table that a command has.
-fn values(options: &Options, command: &str) -> Result<OptionValues, String> {
+fn own(options: &Options, command: &str) -> Options {
     let has = |option: &str| has_option(Some(command), option);
     let mut own: Options = options
         .iter()
@@ -169,5 +219,5 @@ fn values(options: &Options, command: &str) -> Result<OptionValues, String> {
     if let Some(Value::Object(inner)) = options.get(command) {
         own.extend(inner.clone());
     }
-    OptionValues::from_json(&own)
+    own
 }

@@ -5,10 +5,11 @@ mod find;
 
 pub(crate) use file::Layer;
 
-use crate::batch::{Asset, OptionValues};
+use crate::batch::{self, Asset, OptionValues};
 use crate::exit::{Failure, Outcome};
 use clap::Args;
 use file::File;
+use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -17,7 +18,8 @@ use std::rc::Rc;
 const NAME: &str = "lodc.toml";
 
 /// Options that shape the order of collapses, which a `.lodc` file has already.
-const OF_THE_ORDER: [&str; 2] = ["lock", "weight"];
+const OF_THE_ORDER: [&str; 6] =
+    ["lock", "lock-border", "metric", "no-attributes", "preserve-topology", "weight"];
 
 /// Options that choose a configuration.
 #[derive(Args, Clone, Debug, Default)]
@@ -69,14 +71,28 @@ impl<'a> Configs<'a> {
     /// # Errors
     /// As for [`Self::layers`].
     pub(crate) fn apply(&mut self, assets: &mut [Asset]) -> Outcome<()> {
+        let mut given = None;
         for asset in assets {
             let layers = self.layers(&asset.input, asset.folder.as_deref())?;
-            let mut under = OptionValues::default();
+            let has_order = asset.input.extension().is_some_and(|e| e.eq_ignore_ascii_case("lodc"));
+            let applies = |option: &str| !has_order || !OF_THE_ORDER.contains(&option);
+            let (mut under, mut parts) = (OptionValues::default(), Vec::new());
             for layer in layers {
                 under = under.under(layer.values, self.command);
+                parts.extend(layer.part);
             }
-            if asset.input.extension().is_some_and(|e| e.eq_ignore_ascii_case("lodc")) {
-                under.0.retain(|option, _| !OF_THE_ORDER.contains(&option.as_str()));
+            under.0.retain(|option, _| applies(option));
+            for part in &mut parts {
+                let given = given.get_or_insert_with(|| batch::given_options(self.command));
+                // The command line and the list's line win.
+                part.retain(|option, _| {
+                    let stronger = given.contains(option) || asset.options.0.contains_key(option);
+                    applies(option) && !stronger
+                });
+            }
+            if !parts.is_empty() {
+                let texts = parts.into_iter().map(|part| Value::Object(part).to_string());
+                under.0.insert("part".to_owned(), texts.collect());
             }
             let own = std::mem::take(&mut asset.options);
             asset.options = under.under(own, self.command);

@@ -102,6 +102,14 @@ impl Selection {
         self.measure(objects);
     }
 
+    /// Gives some objects, by their numbers, the level that each has by itself.
+    pub fn put(&mut self, objects: &[Candidate<'_>], own: impl Iterator<Item = (usize, Target)>) {
+        for (number, target) in own {
+            self.lods[number] = alone(&objects[number], target, &mut self.warnings);
+        }
+        self.measure(objects);
+    }
+
     /// Sets the error and the root mean square distance to those of the chosen levels.
     fn measure(&mut self, objects: &[Candidate<'_>]) {
         let unit = |o: &Candidate<'_>| if objects.len() > 1 { scale(o) } else { 1.0 };

@@ -10,7 +10,7 @@ mod work;
 pub(crate) use counts::counts;
 pub(crate) use errors::{SimplifiedObjects, measure_all};
 pub(crate) use models::ModelWork;
-pub(crate) use pipeline::{Known, paints, simplify_all};
+pub(crate) use pipeline::{Known, object_options, paints, simplify_all};
 
 use crate::batch::{self, BatchArgs, MESHES, Sources};
 use crate::config::{ConfigArgs, Configs};
@@ -18,7 +18,9 @@ use crate::exit::{Failure, Outcome, Status};
 use crate::importance::ImportanceArgs;
 use crate::kinds::{MetricArgs, ModelArgs, StripArgs};
 use crate::limits::ImportArgs;
+use crate::parts::PartArgs;
 use clap::{Args, ValueEnum};
+use lodc_simplify::Options;
 use rayon::ThreadPoolBuilder;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
@@ -53,6 +55,8 @@ pub(crate) struct BuildArgs {
     #[command(flatten)]
     importance: ImportanceArgs,
     #[command(flatten)]
+    parts: PartArgs,
+    #[command(flatten)]
     strips: StripArgs,
     /// Threads; the output does not depend on it [default: all cores]
     #[arg(long, value_name = "N")]
@@ -82,6 +86,20 @@ pub(crate) struct BuildArgs {
 enum ReportFormat {
     Json,
     Jsonl,
+}
+
+impl BuildArgs {
+    /// Options of simplifying an asset.
+    fn simplify_options(&self) -> Options {
+        Options {
+            metric: self.metric.metric,
+            preserve_topology: self.preserve_topology,
+            lock_border: self.lock_border,
+            attributes: !self.no_attributes,
+            weights: self.importance.weights(),
+            ..Options::DEFAULT
+        }
+    }
 }
 
 pub(crate) fn run(args: &BuildArgs) -> Outcome<Status> {

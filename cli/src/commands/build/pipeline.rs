@@ -7,12 +7,14 @@ use crate::exit::{Failure, Outcome, Status};
 use crate::limits::ImportArgs;
 use crate::output::{self, Target};
 use crate::paints::Paints;
+use crate::parts::PartArgs;
 use crate::progress::Progress;
 use crate::report::InputReport;
 use crate::stages::Stages;
 use lodc_formats::appearance::appearance;
 use lodc_formats::lodc::{LodFile, LodObject, MadeFrom, write};
-use lodc_formats::{Assets, ObjectInfo, Scene, SceneObject, import};
+use lodc_formats::textures::Textures;
+use lodc_formats::{Assets, Document, ObjectInfo, Scene, SceneObject, import};
 use lodc_simplify::{Guidance, MetricKind, Options, SurfaceColours, simplify_guided};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
@@ -42,9 +44,11 @@ pub(super) fn make(
     let scene = import_scene(args, input, stages, report)?;
     let triangles = report.triangles.unwrap_or(0);
 
-    let options = simplify_options(args);
+    let options = args.simplify_options();
+    let options = object_options(&scene, options, &args.parts);
     let paints = paints(&args.import, input, &scene, &options)?;
-    let locked = args.importance.locked(&scene)?;
+    let mut locked = args.importance.locked(&scene)?;
+    args.parts.lock(&scene, &mut locked)?;
     let Scene { source, document, objects, mut files_read, .. } = scene;
     let known = Known { paints: paints.textured(), locked: &locked };
     let simplified =
@@ -53,6 +57,11 @@ pub(super) fn make(
     for read in paints.files_read {
         if !files_read.contains(&read) {
             files_read.push(read);
+        }
+    }
+    for image in images(args, input, &document)? {
+        if !files_read.contains(&image) {
+            files_read.push(image);
         }
     }
     let limits = args.import.options().limits;
@@ -82,6 +91,15 @@ pub(super) fn make(
     Ok(BuildOutput { file, bytes, files_read })
 }
 
+/// Returns the image files that a document names and that are there: a file is up to date only
+/// with those that its levels are shown with.
+fn images(args: &BuildArgs, input: &Path, document: &Document) -> Outcome<Vec<PathBuf>> {
+    let import = args.import.options();
+    let mut assets = Assets::new(input, &import.allowed, import.limits);
+    Textures::read(document, &mut assets).map_err(|e| e.in_file(&input.display().to_string()))?;
+    Ok(assets.files_read().to_vec())
+}
+
 /// Imports the scene, if its work fits into memory.
 fn import_scene(
     args: &BuildArgs,
@@ -98,15 +116,9 @@ fn import_scene(
     Ok(scene)
 }
 
-fn simplify_options(args: &BuildArgs) -> Options {
-    Options {
-        metric: args.metric.metric,
-        preserve_topology: args.preserve_topology,
-        lock_border: args.lock_border,
-        attributes: !args.no_attributes,
-        weights: args.importance.weights(),
-        ..Options::DEFAULT
-    }
+/// The options of every object: those of the asset, or its own.
+pub(crate) fn object_options(scene: &Scene, options: Options, parts: &PartArgs) -> Vec<Options> {
+    scene.objects.iter().map(|o| parts.options(&o.info.name, options)).collect()
 }
 
 /// The colours of a scene, if the metric sees them.
@@ -126,7 +138,7 @@ impl ScenePaints {
     }
 }
 
-/// Reads the colours of a scene, if the metric sees them.
+/// Reads the colours of a scene, if the metric of an object sees them.
 ///
 /// # Errors
 /// If the stored document is damaged.
@@ -134,9 +146,10 @@ pub(crate) fn paints(
     import: &ImportArgs,
     input: &Path,
     scene: &Scene,
-    options: &Options,
+    options: &[Options],
 ) -> Outcome<ScenePaints> {
-    if !options.attributes || options.metric != MetricKind::Hybrid {
+    let sees = |o: &Options| o.attributes && o.metric == MetricKind::Hybrid;
+    if !options.iter().any(sees) {
         return Ok(ScenePaints::default());
     }
     let import = import.options();
@@ -158,10 +171,10 @@ pub(crate) struct Known<'a> {
     pub(crate) locked: &'a [Vec<bool>],
 }
 
-/// Simplifies every object, several at once.
+/// Simplifies every object by its options, several at once.
 pub(crate) fn simplify_all(
     objects: Vec<SceneObject>,
-    options: &Options,
+    options: &[Options],
     known: Known<'_>,
     triangles: u64,
     progress: &Progress,
@@ -181,7 +194,8 @@ pub(crate) fn simplify_all(
             colours: colours.as_ref().map(|c| c as &dyn SurfaceColours),
             locked: known.locked.get(number).map_or(&[], Vec::as_slice),
         };
-        let simplified = simplify_guided(&object.mesh, options, guidance, &report_progress);
+        let simplified =
+            simplify_guided(&object.mesh, &options[number], guidance, &report_progress);
         (object.info, Arc::new(simplified))
     };
     objects.into_par_iter().enumerate().map(one).collect()

@@ -1,6 +1,7 @@
 //! From what was asked for to the LODs of every level.
 
 use crate::exit::{Failure, Outcome};
+use crate::parts::PartArgs;
 use crate::report::ChainLevel;
 use crate::selector::{SceneLevels, ScreenArgs, bound, positive, size};
 use clap::Args;
@@ -70,6 +71,7 @@ impl Level {
 
 impl LevelArgs {
     /// Chooses the levels, finest first, none beyond `cap`, and says where a wish was not met.
+    /// Objects with levels of their own in `parts` have these.
     ///
     /// # Errors
     /// If the levels do not get coarser.
@@ -77,11 +79,13 @@ impl LevelArgs {
         &self,
         objects: &[LodObject],
         scene: &SceneLevels<'_>,
+        parts: &PartArgs,
         cap: Option<Target>,
     ) -> Outcome<(Vec<Level>, Vec<String>)> {
         let (mut levels, mut warnings): (Vec<Level>, Vec<String>) = Default::default();
-        for (target, distance) in self.targets() {
-            let chosen = scene.select_capped(target, cap, false)?;
+        for (place, (target, distance)) in self.targets().into_iter().enumerate() {
+            let own = |object: &str| parts.level(object, place);
+            let chosen = scene.select_capped(target, own, cap, false)?;
             let level = level(objects, &chosen, distance);
             let before = levels.last().map(|l| (l.triangles, &l.lods));
             if before.is_some_and(|(triangles, _)| triangles < level.triangles) {

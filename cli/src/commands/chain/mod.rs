@@ -119,7 +119,8 @@ fn chain(
     let asset = asset::read_showing(progress, input, import, simplify, &mut stages)?;
     let limits = import.limits().limits();
     let scene = SceneLevels::new(&asset.objects, &asset.document, &limits)?;
-    let (mut levels, mut warnings) = args.levels.choose(&asset.objects, &scene, args.max_error)?;
+    let (mut levels, mut warnings) =
+        args.levels.choose(&asset.objects, &scene, &simplify.parts, args.max_error)?;
     warnings.splice(0..0, asset.warnings.iter().cloned());
     let target = Target::File(out.to_owned());
     let textures = stages.run("textures", || {

@@ -88,7 +88,9 @@ fn uniform(
     let scene = SceneLevels::new(&asset.objects, &asset.document, &limits)?;
     let wish = args.selector.target().expect("there is a level or a criterion");
     let per_object = args.selector.per_object();
-    let chosen = stages.run("select", || scene.select_capped(wish, args.max_error, per_object))?;
+    let own = |object: &str| args.export.simplify.parts.ratio(object);
+    let chosen =
+        stages.run("select", || scene.select_capped(wish, own, args.max_error, per_object))?;
     let meshes =
         stages.run("extract", || level_mesh::meshes(&asset.objects, &chosen.lods, shape))?;
     Ok(Level {

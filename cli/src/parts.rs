@@ -1,0 +1,241 @@
+//! Options of parts of an asset: of objects and of materials, by their names.
+
+use crate::batch::globs;
+use crate::exit::{Failure, Outcome};
+use crate::importance::weights;
+use crate::selector;
+use clap::Args;
+use globset::GlobSet;
+use lodc_formats::{ObjectInfo, PartNames, Scene};
+use lodc_select::Target;
+use lodc_simplify::{MetricKind, Options, Weights};
+use serde::Deserialize;
+
+/// Options of parts.
+#[derive(Args, Clone, Debug, Default)]
+pub(crate) struct PartArgs {
+    /// Options of a part, a JSON object: {"objects": [GLOB, ...], "metric": "hybrid", "weight":
+    /// "uv=2", "lock": true}, or {"materials": [GLOB, ...], "lock": true}; may be given several
+    /// times, and later ones win
+    #[arg(long = "part", value_name = "JSON", value_parser = Part::parse,
+          help_heading = "Importance")]
+    parts: Vec<Part>,
+}
+
+/// Options of a part.
+#[derive(Clone, Debug)]
+pub(crate) struct Part {
+    /// Names of objects; all if there are none.
+    objects: Option<GlobSet>,
+    /// Names of materials within them; all if there are none.
+    materials: Option<GlobSet>,
+    lock: bool,
+    metric: Option<MetricKind>,
+    weights: Option<Weights>,
+    lock_border: Option<bool>,
+    preserve_topology: Option<bool>,
+    no_attributes: Option<bool>,
+    ratio: Option<f64>,
+    levels: Vec<Target>,
+}
+
+/// A part as text.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
+struct Text {
+    objects: Vec<String>,
+    materials: Vec<String>,
+    lock: bool,
+    metric: Option<String>,
+    weight: Option<String>,
+    lock_border: Option<bool>,
+    preserve_topology: Option<bool>,
+    no_attributes: Option<bool>,
+    ratio: Option<Number>,
+    levels: Vec<Number>,
+}
+
+/// A number, or a text that has one.
+#[derive(Debug, Deserialize)]
+#[serde(untagged)]
+enum Number {
+    Number(serde_json::Number),
+    Text(String),
+}
+
+impl Number {
+    fn text(&self) -> String {
+        match self {
+            Self::Number(number) => number.to_string(),
+            Self::Text(text) => text.clone(),
+        }
+    }
+}
+
+impl Part {
+    /// Reads the options of a part.
+    ///
+    /// # Errors
+    /// If the text is no such object, names no part, or gives a material what only objects have.
+    pub(crate) fn parse(text: &str) -> Result<Self, String> {
+        let text: Text = serde_json::from_str(text).map_err(|e| e.to_string())?;
+        if text.objects.is_empty() && text.materials.is_empty() {
+            return Err("names neither objects nor materials".to_owned());
+        }
+        let names = |names: &[String]| match names {
+            [] => Ok(None),
+            names => globs(names).map(Some).map_err(|failure| failure.message),
+        };
+        let metric = text.metric.as_deref().map(metric).transpose()?;
+        let part = Self {
+            objects: names(&text.objects)?,
+            materials: names(&text.materials)?,
+            lock: text.lock,
+            metric,
+            weights: text.weight.as_deref().map(weights).transpose()?,
+            lock_border: text.lock_border,
+            preserve_topology: text.preserve_topology,
+            no_attributes: text.no_attributes,
+            ratio: text.ratio.map(|r| selector::share(&r.text())).transpose()?,
+            levels: text
+                .levels
+                .iter()
+                .map(|l| selector::size(&l.text()))
+                .collect::<Result<_, _>>()?,
+        };
+        if part.materials.is_some() && (part.shapes_order() || part.has_level()) {
+            return Err("of a material, only lock can be given".to_owned());
+        }
+        Ok(part)
+    }
+
+    /// Returns whether it has options, apart from locks, that shape the order of collapses.
+    fn shapes_order(&self) -> bool {
+        let switches = [self.lock_border, self.preserve_topology, self.no_attributes];
+        self.metric.is_some() || self.weights.is_some() || switches.iter().any(Option::is_some)
+    }
+
+    fn has_level(&self) -> bool {
+        self.ratio.is_some() || !self.levels.is_empty()
+    }
+
+    /// Returns whether an object of this name belongs to it, if perhaps not all of its materials.
+    fn takes(&self, object: &str) -> bool {
+        self.objects.as_ref().is_none_or(|names| names.is_match(object))
+    }
+}
+
+impl PartArgs {
+    /// Options of simplifying an object; without any of its own those of the asset.
+    pub(crate) fn options(&self, object: &str, mut options: Options) -> Options {
+        for part in self.parts.iter().filter(|p| p.materials.is_none() && p.takes(object)) {
+            options.metric = part.metric.unwrap_or(options.metric);
+            options.weights = part.weights.unwrap_or(options.weights);
+            options.lock_border = part.lock_border.unwrap_or(options.lock_border);
+            options.preserve_topology = part.preserve_topology.unwrap_or(options.preserve_topology);
+            options.attributes = part.no_attributes.map_or(options.attributes, |no| !no);
+        }
+        options
+    }
+
+    /// Adds the vertices of locked parts to those that stay, by object; objects without any have no
+    /// list.
+    ///
+    /// # Errors
+    /// If the stored document is damaged.
+    pub(crate) fn lock(&self, scene: &Scene, locked: &mut [Vec<bool>]) -> Outcome<()> {
+        if self.parts.iter().all(|part| !part.lock) {
+            return Ok(());
+        }
+        let infos: Vec<&ObjectInfo> = scene.objects.iter().map(|o| &o.info).collect();
+        let materials = PartNames::new(&scene.document, &infos)?.materials;
+        for part in self.parts.iter().filter(|part| part.lock) {
+            for ((object, list), materials) in
+                scene.objects.iter().zip(&mut *locked).zip(&materials)
+            {
+                let has = |name: &String| part.materials.as_ref().is_none_or(|m| m.is_match(name));
+                let stays: Vec<bool> = materials.iter().map(has).collect();
+                if part.takes(&object.info.name) && stays.contains(&true) {
+                    list.resize(object.mesh.vertex_count(), false);
+                    let submeshes = object.mesh.vertex_submesh();
+                    list.iter_mut().zip(submeshes).for_each(|(v, &s)| *v |= stays[s as usize]);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The level of an object that `extract` takes, if it has one of its own.
+    pub(crate) fn ratio(&self, object: &str) -> Option<Target> {
+        let own = self.parts.iter().rev().find(|p| p.ratio.is_some() && p.takes(object));
+        own.and_then(|part| part.ratio).map(Target::Ratio)
+    }
+
+    /// The level of an object that `chain` takes at a place from 0, if it has levels of its own;
+    /// beyond the last of them that one.
+    pub(crate) fn level(&self, object: &str, place: usize) -> Option<Target> {
+        let mut own = self.parts.iter().rev().filter(|p| !p.levels.is_empty() && p.takes(object));
+        own.next().and_then(|part| part.levels.get(place).or(part.levels.last())).copied()
+    }
+
+    /// Refuses options of what has been simplified already.
+    ///
+    /// # Errors
+    /// If there are any.
+    pub(crate) fn refuse(&self, input: &str) -> Outcome<()> {
+        if !self.parts.iter().any(|part| part.lock || part.shapes_order()) {
+            return Ok(());
+        }
+        let what = "has its order of collapses: give metric, weight and lock of parts to build";
+        Err(Failure::usage(format!("{input}: {what}")))
+    }
+}
+
+fn metric(name: &str) -> Result<MetricKind, String> {
+    let found = MetricKind::ALL.into_iter().find(|kind| kind.name() == name);
+    found.ok_or_else(|| {
+        let names = MetricKind::ALL.map(MetricKind::name).join(", ");
+        format!("no metric {name}; there are: {names}")
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn args(texts: &[&str]) -> PartArgs {
+        PartArgs { parts: texts.iter().map(|t| Part::parse(t).expect("a part")).collect() }
+    }
+
+    #[test]
+    fn later_parts_win_and_others_stay() {
+        let parts = args(&[
+            r#"{"objects": ["he*"], "metric": "hybrid", "no-attributes": true, "ratio": 0.5}"#,
+            r#"{"objects": ["head"], "metric": "kl", "levels": ["50%", 100]}"#,
+        ]);
+        let of = |name: &str| parts.options(name, Options::DEFAULT);
+        assert_eq!(of("arm"), Options::DEFAULT);
+        assert_eq!((of("helm").metric, of("helm").attributes), (MetricKind::Hybrid, false));
+        assert_eq!((of("head").metric, of("head").attributes), (MetricKind::Divergence, false));
+        assert_eq!(parts.ratio("head"), Some(Target::Ratio(0.5)));
+        assert_eq!((parts.ratio("arm"), parts.level("helm", 0)), (None, None));
+        assert_eq!(parts.level("head", 0), Some(Target::Ratio(0.5)));
+        assert_eq!(parts.level("head", 7), Some(Target::Triangles(100)));
+    }
+
+    #[test]
+    fn what_is_no_part_is_refused() {
+        for (wrong, why) in [
+            (r#"{"lock": true}"#, "neither objects nor materials"),
+            (r#"{"objects": ["a"], "metrik": "kl"}"#, "metrik"),
+            (r#"{"objects": ["a"], "metric": "x"}"#, "there are: quadric"),
+            (r#"{"objects": ["a["]}"#, "glob"),
+            (r#"{"materials": ["a"], "metric": "kl"}"#, "only lock"),
+            (r#"{"objects": ["a"], "ratio": 3}"#, "share"),
+            ("3", "invalid"),
+        ] {
+            let error = Part::parse(wrong).expect_err(wrong);
+            assert!(error.contains(why), "{wrong}: {error}");
+        }
+    }
+}
