@@ -1,7 +1,7 @@
 //! Discrete levels of detail: five meshes, each with 25 % fewer triangles than the one before
 //! (thesis table 3.1).
 
-use lodc_mesh::{Lod, OrientedTriangle, PositionIds, Simplified};
+use lodc_mesh::{CollapseSequence, Lod, OrientedTriangle, PositionIds, Simplified};
 use lodc_model::{Array, Changes, Model, StorageCost, Traffic};
 use std::sync::Arc;
 
@@ -39,10 +39,8 @@ impl Discrete {
     pub fn build(simplified: &Arc<Simplified>) -> Self {
         let (mesh, collapses) = (simplified.mesh(), simplified.collapses());
         let positions = PositionIds::new(mesh.positions());
-        let (mut wanted, mut shrinks) = (u64::from(collapses.parts().triangles), 1u64);
-        let level = |_| {
-            let lod = collapses.lod_for_triangles((wanted / shrinks) as u32);
-            (wanted, shrinks) = (wanted * 3, shrinks * 4);
+        let level = |level| {
+            let lod = Self::lod(collapses, level);
             let triangles = simplified.triangles_at_with(lod, &positions);
             let mut used = vec![false; mesh.vertex_count()];
             triangles.iter().flat_map(|t| t.corners).for_each(|v| used[v as usize] = true);
@@ -50,6 +48,14 @@ impl Discrete {
             Level { lod, triangles, vertices }
         };
         Self { simplified: Arc::clone(simplified), levels: (0..LEVELS).map(level).collect() }
+    }
+
+    /// Returns the LOD of a level of a sequence, 0 being the finest.
+    #[must_use]
+    pub fn lod(collapses: &CollapseSequence, level: usize) -> Lod {
+        let level = level.min(LEVELS - 1) as u32;
+        let wanted = u64::from(collapses.parts().triangles) * 3u64.pow(level) / 4u64.pow(level);
+        collapses.lod_for_triangles(wanted as u32)
     }
 
     /// The LODs that it has, from the finest.

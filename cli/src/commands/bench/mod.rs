@@ -1,6 +1,7 @@
 //! `lodc bench`: storage, extraction time, bus traffic and primitives of every model and baseline
 //! (thesis 3.5, 4.5, 5.5).
 
+mod crowd;
 mod gpu;
 mod measure;
 mod object;
@@ -28,6 +29,7 @@ use crate::progress::Progress;
 use crate::report::SCHEMA_VERSION;
 use crate::stages::Stages;
 use clap::Args;
+use crowd::CrowdArgs;
 use lodc_formats::lodc::LodObject;
 use lodc_formats::{ObjectInfo, import};
 use lodc_lod::{AnyModel, ModelKind};
@@ -73,6 +75,8 @@ pub(crate) struct BenchArgs {
     /// are from the whole
     #[arg(long)]
     streams: bool,
+    #[command(flatten)]
+    crowd: CrowdArgs,
     /// Print one JSON document
     #[arg(long)]
     json: bool,
@@ -104,7 +108,11 @@ pub(crate) fn run(args: &BenchArgs) -> Outcome<Status> {
         tool_version: env!("CARGO_PKG_VERSION"),
         steps: args.steps,
         files: vec![],
+        crowd: None,
     };
+    if args.crowd.crowd {
+        return pool.install(|| crowd_of(args, report));
+    }
     let mut worst = Status::Done;
     for input in &args.inputs {
         let (file, status) = pool.install(|| bench_one(args, device.as_ref(), input));
@@ -118,6 +126,20 @@ pub(crate) fn run(args: &BenchArgs) -> Outcome<Status> {
         console::json(&report)?;
     }
     Ok(worst)
+}
+
+/// A crowd of all inputs, and nothing else.
+fn crowd_of(args: &BenchArgs, mut report: BenchReport) -> Outcome<Status> {
+    let inputs: Vec<Vec<Prepared>> =
+        args.inputs.iter().map(|input| objects(args, input)).collect::<Outcome<_>>()?;
+    let crowd = crowd::measure(args, &inputs)?;
+    if args.json {
+        report.crowd = Some(crowd);
+        console::json(&report)?;
+    } else {
+        console::result(crowd::text(&crowd).trim_end())?;
+    }
+    Ok(Status::Done)
 }
 
 /// One input. Whatever happens, there is a report, and the other inputs have their turn.

@@ -1,5 +1,6 @@
 //! The JSON document of `bench`. Its keys are a contract as those in `crate::report` are.
 
+use super::crowd::CrowdReport;
 use super::timings::Spread;
 use crate::report::ObjectCounts;
 use serde::Serialize;
@@ -13,6 +14,8 @@ pub(super) struct BenchReport {
     /// Share of the LODs between two updates of a sweep.
     pub(super) steps: f64,
     pub(super) files: Vec<BenchFile>,
+    /// Null if no crowd was asked for.
+    pub(super) crowd: Option<CrowdReport>,
 }
 
 /// One input.

@@ -96,6 +96,37 @@ pub(super) fn subjects<'a>(object: &'a LodObject, baselines: &'a [Baseline]) -> 
     models.chain(baselines).collect()
 }
 
+/// A structure that shows every LOD.
+pub(super) enum Structure<'a> {
+    Model(&'a AnyModel),
+    Baseline(&'a Baseline),
+}
+
+impl<'a> Structure<'a> {
+    pub(super) fn name(&self) -> &'static str {
+        match self {
+            Self::Model(model) => model.name(),
+            Self::Baseline(baseline) => baseline.name(),
+        }
+    }
+    /// Returns a new cursor at LOD 0.
+    pub(super) fn runner(&self) -> Box<dyn Runner + 'a> {
+        match *self {
+            Self::Model(model) => Box::new(Run { model, cursor: model.cursor() }),
+            Self::Baseline(model) => Box::new(Run { model, cursor: model.cursor() }),
+        }
+    }
+}
+
+/// The models of an object, then the baselines that show every LOD.
+pub(super) fn structures<'a>(
+    object: &'a LodObject,
+    baselines: &'a [Baseline],
+) -> Vec<Structure<'a>> {
+    let baselines = baselines.iter().filter(|b| b.continuous()).map(Structure::Baseline);
+    object.models.iter().map(Structure::Model).chain(baselines).collect()
+}
+
 /// Returns the storage without levels of detail: plain triangles, and plain strips drawn one by
 /// one.
 pub(crate) fn plain(

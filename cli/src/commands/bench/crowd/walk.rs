@@ -1,0 +1,90 @@
+//! The paths of a crowd: everyone walks from one random place to the next, the same for a seed.
+
+use lodc_mesh::SplitMix64;
+
+/// Frames of a second.
+pub(super) const FRAMES_PER_SECOND: u32 = 10;
+/// Side of the square for each instance, in sizes of what walks: the crowd's square grows with it.
+const ROOM: f64 = 6.0;
+/// Speed in sizes a second.
+const SPEED: f64 = 0.8;
+
+/// A crowd in a square whose middle the viewer stands in. Lengths are in sizes of what walks.
+pub(super) struct Crowd {
+    random: SplitMix64,
+    /// Half the side of the square.
+    half: f64,
+    walkers: Vec<Walker>,
+}
+
+/// One of a crowd.
+struct Walker {
+    place: [f64; 2],
+    goal: [f64; 2],
+}
+
+impl Crowd {
+    pub(super) fn new(instances: u32, seed: u64) -> Self {
+        let half = ROOM * f64::from(instances).sqrt() / 2.0;
+        let mut crowd = Self { random: SplitMix64::new(seed), half, walkers: Vec::new() };
+        for _ in 0..instances {
+            let walker = Walker { place: crowd.anywhere(), goal: crowd.anywhere() };
+            crowd.walkers.push(walker);
+        }
+        crowd
+    }
+
+    fn anywhere(&mut self) -> [f64; 2] {
+        std::array::from_fn(|_| (f64::from(self.random.unit()) * 2.0 - 1.0) * self.half)
+    }
+
+    /// Moves everyone by one frame.
+    pub(super) fn step(&mut self) {
+        let step = SPEED / f64::from(FRAMES_PER_SECOND);
+        for i in 0..self.walkers.len() {
+            let Walker { place, goal } = &mut self.walkers[i];
+            let way = [goal[0] - place[0], goal[1] - place[1]];
+            let length = length(way);
+            if length > step {
+                *place = [place[0] + way[0] / length * step, place[1] + way[1] / length * step];
+            } else {
+                *place = *goal;
+                self.walkers[i].goal = self.anywhere();
+            }
+        }
+    }
+
+    /// Returns for everyone the distance from the viewer: 0 up to one size away, 1 in the corners.
+    pub(super) fn distances(&self) -> Vec<f64> {
+        let far = length([self.half; 2]);
+        let share = |w: &Walker| ((length(w.place) - 1.0) / (far - 1.0).max(1.0)).clamp(0.0, 1.0);
+        self.walkers.iter().map(share).collect()
+    }
+}
+
+fn length([x, y]: [f64; 2]) -> f64 {
+    (x * x + y * y).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_crowd_is_the_same_for_a_seed_and_walks_without_leaps() {
+        let (mut a, mut b, mut c) = (Crowd::new(40, 3), Crowd::new(40, 3), Crowd::new(40, 4));
+        let first = a.distances();
+        for _ in 0..500 {
+            let before: Vec<_> = a.walkers.iter().map(|w| w.place).collect();
+            [&mut a, &mut b, &mut c].into_iter().for_each(Crowd::step);
+            for (walker, before) in a.walkers.iter().zip(before) {
+                let moved = length([walker.place[0] - before[0], walker.place[1] - before[1]]);
+                assert!(moved <= SPEED / f64::from(FRAMES_PER_SECOND) + 1e-9);
+                assert!(walker.place.iter().all(|c| c.abs() <= a.half));
+            }
+            assert!(a.distances().iter().all(|d| (0.0..=1.0).contains(d)));
+        }
+        assert_eq!(a.distances(), b.distances());
+        assert!(a.distances() != c.distances() && a.distances() != first);
+    }
+}
