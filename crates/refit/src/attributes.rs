@@ -2,7 +2,9 @@
 
 use crate::blend::{Source, blend};
 use crate::charts::{Continuity, charts};
+use crate::guard::cross;
 use crate::level::Level;
+use crate::seams;
 use glam::DVec3;
 use lodc_mesh::{Attribute, Csr, Mesh, MeshParts, NONE, Semantic};
 use lodc_nearest::TriangleTree;
@@ -11,10 +13,14 @@ use rayon::prelude::*;
 /// Returns the level with its points at `positions` and its attributes as the input has them there.
 ///
 /// A vertex looks for the nearest place in its own chart, in which texture coordinates, colours
-/// and normals are continuous. It keeps what it has where that is farther than it moved. Positions
-/// come as `f32`: a stream that held them quantised is left out.
+/// and normals are continuous. It keeps what it has where that is farther than it moved, faces the
+/// other way (a thin sheet has two sides), or lies beyond a seam. Positions come as `f32`: a stream
+/// that held them quantised is left out.
 pub(crate) fn resample(input: &Mesh, level: &Level, positions: &[DVec3]) -> MeshParts {
-    let sources = sources(input, level, positions);
+    let chart = charts(input, Continuity::Shading);
+    let chart_of = charts_of_vertices(level, &chart);
+    let mut sources = sources(input, level, positions, &chart, &chart_of);
+    seams::keep_to_own_side(input, level, &chart_of, &mut sources);
     let mut parts = level.mesh.clone().into_parts();
     for (p, &point) in parts.positions.iter_mut().zip(&level.point_of) {
         *p = positions[point as usize].as_vec3().to_array();
@@ -27,8 +33,8 @@ pub(crate) fn resample(input: &Mesh, level: &Level, positions: &[DVec3]) -> Mesh
     parts
 }
 
-fn sources(input: &Mesh, level: &Level, positions: &[DVec3]) -> Vec<Source> {
-    let chart = charts(input, Continuity::Shading);
+/// The chart of each vertex of the level; [`NONE`] without triangles.
+fn charts_of_vertices(level: &Level, chart: &[u32]) -> Vec<u32> {
     let mut chart_of = vec![NONE; level.mesh.vertex_count()];
     for (t, &source) in level.mesh.triangles().iter().zip(&level.source) {
         for &v in t {
@@ -36,6 +42,16 @@ fn sources(input: &Mesh, level: &Level, positions: &[DVec3]) -> Vec<Source> {
             *own = (*own).min(chart[source as usize]);
         }
     }
+    chart_of
+}
+
+fn sources(
+    input: &Mesh,
+    level: &Level,
+    positions: &[DVec3],
+    chart: &[u32],
+    chart_of: &[u32],
+) -> Vec<Source> {
     let moved = |v: usize| {
         let point = level.point_of[v] as usize;
         positions[point].distance_squared(level.points[point])
@@ -46,14 +62,19 @@ fn sources(input: &Mesh, level: &Level, positions: &[DVec3]) -> Vec<Source> {
     let movers: Vec<(u32, u32)> = movers.map(|v| (chart_of[v], v as u32)).collect();
     let movers = Csr::new(rows, movers.into_iter());
 
+    let facing = facing(level, positions);
     let point = |v: u32| DVec3::from_array(input.positions()[v as usize].map(f64::from));
     let in_chart = |c: u32| -> Vec<(u32, Source)> {
         let own = triangles.row(c);
         let corners = own.iter().map(|&t| input.triangles()[t as usize].map(point));
-        let tree = TriangleTree::new(&corners.collect::<Vec<_>>());
+        let corners: Vec<[DVec3; 3]> = corners.collect();
+        let tree = TriangleTree::new(&corners);
         let find = |&v: &u32| {
             let p = positions[level.point_of[v as usize] as usize];
-            let found = tree.nearest(p, NONE).filter(|n| n.squared <= moved(v as usize));
+            let found = tree.nearest(p, NONE).filter(|n| {
+                let along = cross(corners[n.triangle as usize]).dot(facing[v as usize]) >= 0.0;
+                n.squared <= moved(v as usize) && along
+            });
             let corners = |t: u32| input.triangles()[own[t as usize] as usize];
             (v, found.map(|n| (corners(n.triangle), n.barycentric)))
         };
@@ -66,6 +87,17 @@ fn sources(input: &Mesh, level: &Level, positions: &[DVec3]) -> Vec<Source> {
         sources[v as usize] = source;
     }
     sources
+}
+
+/// For each vertex the sum of its triangles' normals, by area.
+fn facing(level: &Level, positions: &[DVec3]) -> Vec<DVec3> {
+    let mut facing = vec![DVec3::ZERO; level.mesh.vertex_count()];
+    for (t, corners) in level.mesh.triangles().iter().zip(level.corners(positions)) {
+        for &v in t {
+            facing[v as usize] += cross(corners);
+        }
+    }
+    facing
 }
 
 fn drop_quantised_positions(parts: &mut MeshParts) {

@@ -26,6 +26,7 @@ mod guard;
 mod input;
 mod level;
 mod quadrature;
+mod seams;
 mod sides;
 mod skin;
 mod system;

@@ -3,7 +3,7 @@
 use super::*;
 use lodc_fixtures::{named, random};
 use lodc_measure::{Sampling, Surface, distances};
-use lodc_mesh::{PositionIds, Semantic};
+use lodc_mesh::{Attribute, Component, MeshParts, PositionIds, Semantic, Submesh};
 use lodc_simplify::simplify;
 
 fn simplified(mesh: &Mesh) -> Simplified {
@@ -129,4 +129,85 @@ fn the_input_and_levels_without_triangles_stay_as_they_are() {
     let s = simplified(&named("cube").expect("a fixture"));
     assert_eq!(refit(&s, Lod(0), &Options::DEFAULT), unrefitted(&s, Lod(0)));
     assert!(refit(&s, s.collapses().last(), &Options::DEFAULT).triangles().is_empty());
+}
+
+/// A pillow: two sheets of `SIDE` by `SIDE` vertices, a hair apart and joined at the border, whose
+/// normals point up, down and outward: one chart.
+fn pillow() -> Mesh {
+    const SIDE: usize = 6;
+    let border = |x: usize, y: usize| x % (SIDE - 1) == 0 || y % (SIDE - 1) == 0;
+    let (mut number, mut positions, mut normals) = ([[[0; SIDE]; SIDE]; 2], vec![], vec![]);
+    for (sheet, z) in [(0, 0.01f32), (1, -0.01)] {
+        for (y, x) in (0..SIDE).flat_map(|y| (0..SIDE).map(move |x| (y, x))) {
+            number[sheet][y][x] = positions.len() as u32;
+            if border(x, y) && sheet == 1 {
+                number[sheet][y][x] = number[0][y][x];
+                continue;
+            }
+            positions.push([x as f32, y as f32, if border(x, y) { 0.0 } else { z }]);
+            normals.extend(if border(x, y) { [1.0, 0.0, 0.0] } else { [0.0, 0.0, z * 100.0] });
+        }
+    }
+    let mut triangles = Vec::new();
+    for (y, x) in (0..SIDE - 1).flat_map(|y| (0..SIDE - 1).map(move |x| (y, x))) {
+        for (sheet, [p, q]) in number.iter().zip([[0, 1], [1, 0]]) {
+            let corner = |dx: usize, dy: usize| sheet[y + dy][x + dx];
+            let across = [corner(1, 0), corner(0, 1)];
+            triangles.push([corner(0, 0), across[p], across[q]]);
+            triangles.push([corner(1, 1), across[q], across[p]]);
+        }
+    }
+    let bytes = normals.iter().flat_map(|n: &f32| n.to_le_bytes()).collect();
+    let normals = Attribute {
+        semantic: Semantic::Normal,
+        morph_target: None,
+        component: Component::F32,
+        components: 3,
+        normalized: false,
+        bytes,
+    };
+    let all =
+        Submesh { first_triangle: 0, triangle_count: triangles.len() as u32, attributes: vec![0] };
+    let vertex_submesh = vec![0; positions.len()];
+    let (attributes, submeshes) = (vec![normals], vec![all]);
+    let parts = MeshParts { positions, vertex_submesh, attributes, triangles, submeshes };
+    Mesh::try_from(parts).expect("a mesh")
+}
+
+#[test]
+fn a_vertex_takes_nothing_from_the_other_side_of_a_sheet() {
+    let s = simplified(&pillow());
+    let level = Level::new(&s, Lod(0));
+    let up = |m: &Mesh, v: u32| m.attributes()[0].value(v, 2);
+    let above: Vec<u32> =
+        (0..level.mesh.vertex_count() as u32).filter(|&v| up(&level.mesh, v) > 0.5).collect();
+    assert_eq!(above.len(), 16);
+    for v in above {
+        // Nearer to the lower sheet than to its own.
+        let mut positions = level.points.clone();
+        positions[level.point_of[v as usize] as usize].z = -0.006;
+        let moved = attributes::resample(s.mesh(), &level, &positions);
+        let moved = Mesh::try_from(moved).expect("a mesh");
+        assert!(up(&moved, v) > 0.5, "vertex {v}: {}", up(&moved, v));
+    }
+}
+
+#[test]
+fn texture_coordinates_stay_on_their_side_of_a_seam() {
+    // Once round: texture coordinates go from 0 to 1 and meet at a seam of one chart.
+    let s = simplified(&named("uv_sphere").expect("a fixture"));
+    for share in [0.5, 0.25, 0.1] {
+        let lod = level(&s, share);
+        let (before, after) = (unrefitted(&s, lod), refit(&s, lod, &Options::DEFAULT));
+        let is_set = |a: &&Attribute| a.semantic == Semantic::TexCoord(0);
+        let span = |m: &Mesh, t: [u32; 3]| {
+            let set = m.attributes().iter().find(is_set).expect("texture coordinates");
+            let u = t.map(|v| set.value(v, 0));
+            u.iter().copied().fold(0.0, f32::max) - u.iter().copied().fold(1.0, f32::min)
+        };
+        for &t in before.triangles() {
+            let [was, is] = [span(&before, t), span(&after, t)];
+            assert!(is < was + 0.25, "{share}: {t:?} spans {was} and then {is}");
+        }
+    }
 }

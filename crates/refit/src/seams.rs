@@ -1,0 +1,43 @@
+//! Seams within a chart: a chart that goes round meets itself where its texture coordinates jump.
+
+use crate::blend::Source;
+use crate::level::Level;
+use lodc_mesh::{Attribute, Mesh, Semantic};
+
+/// Takes its source from every vertex that found a place beyond a seam of its own chart: one whose
+/// texture coordinates are nearer to those of another vertex at the same point.
+pub(crate) fn keep_to_own_side(
+    input: &Mesh,
+    level: &Level,
+    chart_of: &[u32],
+    sources: &mut [Source],
+) {
+    let key = |v: &u32| (level.point_of[*v as usize], chart_of[*v as usize]);
+    let mut order: Vec<u32> = (0..sources.len() as u32).collect();
+    order.sort_unstable_by_key(|v| (key(v), *v));
+    for twins in order.chunk_by(|a, b| key(a) == key(b)).filter(|twins| twins.len() > 1) {
+        for &v in twins {
+            let Some(source) = sources[v as usize] else { continue };
+            let own = gap(input, level, v, source);
+            if twins.iter().any(|&other| gap(input, level, other, source) < own) {
+                sources[v as usize] = None;
+            }
+        }
+    }
+}
+
+/// The squared distance of a vertex's texture coordinates from those at a place of the input.
+fn gap(input: &Mesh, level: &Level, v: u32, (corners, weights): ([u32; 3], [f64; 3])) -> f64 {
+    let streams = input.attributes().iter().zip(level.mesh.attributes());
+    let read = |(a, _): &(&Attribute, &Attribute)| {
+        matches!(a.semantic, Semantic::TexCoord(_)) && a.morph_target.is_none()
+    };
+    let difference = |from: &Attribute, to: &Attribute, k: usize| {
+        let there = corners.iter().zip(weights).map(|(&c, w)| w * f64::from(from.value(c, k)));
+        there.sum::<f64>() - f64::from(to.value(v, k))
+    };
+    streams
+        .filter(read)
+        .flat_map(|(from, to)| (0..2).map(move |k| difference(from, to, k).powi(2)))
+        .sum()
+}
