@@ -98,6 +98,58 @@ fn golden_files_give_their_facts_and_the_same_bytes_again() {
     }
 }
 
+/// Bytes that a page shows of a file, and which of them it has shown.
+struct Shown {
+    name: String,
+    bytes: Vec<u8>,
+    seen: Vec<bool>,
+}
+
+impl Shown {
+    fn new(name: &str) -> Self {
+        let bytes = std::fs::read(golden(VERSION).join(name)).expect("a golden file");
+        Self { name: name.to_owned(), seen: vec![false; bytes.len()], bytes }
+    }
+
+    /// Compares a line: an offset of four digits, two spaces, bytes, a remark.
+    fn check(&mut self, line: &str) {
+        let Some((offset, rest)) = line.split_once("  ").filter(|(o, _)| o.len() == 4) else {
+            return;
+        };
+        let Ok(offset) = usize::from_str_radix(offset, 16) else { return };
+        let shown = rest.split_whitespace().map_while(|word| {
+            (word.len() == 2).then(|| u8::from_str_radix(word, 16).ok()).flatten()
+        });
+        for (at, byte) in (offset..).zip(shown) {
+            assert_eq!(self.bytes[at], byte, "{}: the byte at {at:04x}: {line}", self.name);
+            self.seen[at] = true;
+        }
+    }
+
+    /// Asserts that only zeros were left out.
+    fn finish(&self) {
+        let hidden = (0..self.bytes.len()).find(|&at| !self.seen[at] && self.bytes[at] != 0);
+        assert_eq!(hidden, None, "{}: a byte that the page does not show", self.name);
+    }
+}
+
+#[test]
+fn the_page_shows_golden_files_byte_by_byte() {
+    let page = std::fs::read_to_string(root().join("docs/FORMAT.md")).expect("the page");
+    let mut files: Vec<Shown> = Vec::new();
+    for line in page.lines() {
+        if let Some((name, _)) =
+            line.strip_prefix("`fixtures/golden/v3/").and_then(|rest| rest.split_once('`'))
+        {
+            files.push(Shown::new(name));
+        } else if let Some(file) = files.last_mut() {
+            file.check(line);
+        }
+    }
+    assert_eq!(files.len(), 2);
+    files.iter().for_each(Shown::finish);
+}
+
 #[test]
 #[ignore = "writes the golden files; only for a new version of the format"]
 fn make_golden_files() {
