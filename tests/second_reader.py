@@ -144,9 +144,11 @@ def streams(folder, golden):
 
 def compare(obj, words, what):
     """Compares an object of a stream with the next state of a dump."""
-    vertices, error = words.one(), words.one()
+    vertices, error, rms = words.one(), words.one(), words.one()
     assert len(obj.parents) == vertices, what
     assert struct.pack("<f", obj.error) == struct.pack("<I", error) or not obj.steps, what
+    has_rms = struct.unpack("<f", struct.pack("<I", rms))[0]
+    assert obj.rms == (has_rms if has_rms == has_rms else None), what
     triangles = np.column_stack([obj.triangle_submesh, obj.triangles]) if vertices else []
     wanted = words.triangles()
     found = oriented(obj.triangles, obj.triangle_submesh) if len(triangles) else wanted[:0]

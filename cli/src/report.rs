@@ -339,6 +339,8 @@ pub(crate) struct UnpackedReport {
     pub(crate) of_steps: u32,
     /// In the object's own units.
     pub(crate) error: f64,
+    /// Likewise; none if the stream has none.
+    pub(crate) rms: Option<f64>,
 }
 
 /// `verify --json`.

@@ -21,6 +21,7 @@ pub(super) fn reports(unpacker: &Unpacker, infos: &[ObjectInfo]) -> Vec<Unpacked
             steps,
             of_steps,
             error: decimal(progress.error),
+            rms: progress.rms.map(decimal),
         }
     };
     infos.iter().enumerate().map(object).collect()

@@ -15,3 +15,28 @@ pub(crate) fn error_value(code: u32) -> f32 {
     let error = f32::from_bits(code << DROPPED_BITS);
     if error.is_nan() { f32::INFINITY } else { error }
 }
+
+/// Returns the code of a root mean square distance; that of no number where there is none.
+pub(crate) fn rms_code(rms: Option<f32>) -> u32 {
+    error_code(rms.unwrap_or(f32::NAN))
+}
+
+/// Returns the root mean square distance of a code, if it has one.
+pub(crate) fn rms_value(code: u32) -> Option<f32> {
+    Some(f32::from_bits(code << DROPPED_BITS)).filter(|rms| !rms.is_nan())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn codes_round_up_and_keep_what_is_no_number() {
+        for x in [0.0, 1e-9, 0.75, 3.3, 1e30, f32::INFINITY] {
+            let value = error_value(error_code(x));
+            assert!(value >= x && value <= x * 1.0625, "{value} for {x}");
+            assert_eq!(rms_value(rms_code(Some(x))), Some(value));
+        }
+        assert_eq!(rms_value(rms_code(None)), None);
+    }
+}

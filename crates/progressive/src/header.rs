@@ -11,6 +11,14 @@ pub enum StreamVersion {
     One,
     /// Its indices are coded by their lengths.
     Two,
+    /// Steps have a root mean square distance, too. There is no version 3: one flipped bit makes no
+    /// version of another.
+    Four,
+}
+
+impl StreamVersion {
+    /// The version that is written.
+    pub const LATEST: Self = Self::Four;
 }
 
 /// The header of an object: everything but its vertices and triangles.
@@ -50,7 +58,7 @@ impl MeshHeader {
             triangles: mesh.triangles().len() as u32,
             steps: if vertices == 0 { 0 } else { collapses + 1 },
             strips,
-            version: StreamVersion::Two,
+            version: StreamVersion::LATEST,
         }
     }
 
@@ -68,7 +76,7 @@ impl MeshHeader {
             triangles: 0,
             steps: 0,
             strips: false,
-            version: StreamVersion::Two,
+            version: StreamVersion::LATEST,
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::entropy::coder::Substreams;
 use crate::entropy::decoder::Decoder;
-use crate::error_code::error_value;
+use crate::error_code::{error_value, rms_value};
 use crate::header::MeshHeader;
 use crate::invalid::InvalidStream;
 use crate::source::split_source::DecoderSource;
@@ -142,6 +142,14 @@ impl MeshDecoder {
     #[must_use]
     pub fn error(&self) -> f32 {
         error_value(self.codec.error_code)
+    }
+
+    /// Root mean square distance of the mesh so far, in its units; at most 1/16 above the true one.
+    /// Nothing if the stream has none.
+    #[must_use]
+    pub fn rms(&self) -> Option<f32> {
+        let has_some = self.codec.has_rms() && self.vertex_count() > 0;
+        has_some.then(|| rms_value(self.codec.rms_code)).flatten()
     }
 
     /// The triangles so far.

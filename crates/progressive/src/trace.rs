@@ -15,8 +15,8 @@ use lodc_mesh::{Attribute, Component, Semantic, take_leb128};
 use std::cell::RefCell;
 use std::fmt::Write as _;
 
-const TRIANGLE: &[u8] = include_bytes!("../../../fixtures/golden/lods2/triangle.lods");
-const TWO_PARTS: &[u8] = include_bytes!("../../../fixtures/golden/lods2/two_parts.lods");
+const TRIANGLE: &[u8] = include_bytes!("../../../fixtures/golden/lods4/triangle.lods");
+const TWO_PARTS: &[u8] = include_bytes!("../../../fixtures/golden/lods4/two_parts.lods");
 const PAGE: &str = include_str!("../../../docs/STREAM.md");
 
 /// The name of each context by its address, and how many bytes the contexts take that have one.
@@ -57,6 +57,8 @@ impl Names {
         names.bits(&c.continues, "continues");
         names.add(&c.error_falls, "error_falls".to_owned());
         names.gamma(&c.error_drop, "error_drop");
+        names.add(&c.rms_falls, "rms_falls".to_owned());
+        names.gamma(&c.rms_drop, "rms_drop");
         for (i, by_size) in c.triangles.pattern.iter().enumerate() {
             for (j, by_closed) in by_size.iter().enumerate() {
                 names.symbols(by_closed, &format!("pattern[{i}][{j}]"));
@@ -180,7 +182,7 @@ fn trace(stream: &[u8], layout: VertexLayout, submeshes: u32, vertices: u32) -> 
     let mut contexts = Box::new(Contexts::new());
     let names = Names::of(&contexts);
     let lines = RefCell::new(String::new());
-    let mut codec = ObjectCodec::new(layout, submeshes, true, StreamVersion::Two);
+    let mut codec = ObjectCodec::new(layout, submeshes, true, StreamVersion::LATEST);
     for (steps, payload) in step_blocks(stream) {
         let mut rest = payload;
         let length = take_leb128(&mut rest, 1 << 20).expect("a length") as usize;

@@ -47,8 +47,8 @@ impl Session {
     }
 
     /// Takes the input as the next bytes of a `.lods` stream. The output is the progress as JSON:
-    /// `{"complete", "bytes", "objects": [{"vertices", "triangles", "steps", "error"}]}`, each
-    /// count so far and in all.
+    /// `{"complete", "bytes", "objects": [{"vertices", "triangles", "steps", "error",
+    /// "rms"}]}`, each count so far and in all.
     pub fn feed(&mut self) -> Status {
         let stream =
             self.stream.get_or_insert_with(|| Unpacker::new(Limits::DEFAULT).triangles_only());
@@ -116,11 +116,12 @@ fn progress(stream: &Unpacker) -> String {
         let ([v, vs], [t, ts], [s, ss]) = (p.vertices, p.triangles, p.steps);
         let comma = if object > 0 { "," } else { "" };
         let error = if p.error.is_finite() { p.error } else { f32::MAX };
+        let rms = p.rms.map_or("null".to_owned(), |rms| rms.min(f32::MAX).to_string());
         // Writing to a string cannot fail.
         let _ = write!(
             json,
             "{comma}{{\"vertices\":[{v},{vs}],\"triangles\":[{t},{ts}],\"steps\":[{s},{ss}],\
-             \"error\":{error}}}"
+             \"error\":{error},\"rms\":{rms}}}"
         );
     }
     json.push_str("]}");

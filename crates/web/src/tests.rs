@@ -32,7 +32,7 @@ fn a_file_becomes_a_glb_with_levels() {
 
 #[test]
 fn a_stream_grows_with_its_bytes_and_ends_complete() {
-    let versions = ["lods1", "lods2"];
+    let versions = ["lods1", "lods2", "lods4"];
     for (name, version) in FILES.iter().flat_map(|name| versions.map(|v| (name, v))) {
         let stream = golden(&format!("{version}/{name}.lods"));
         let mut session = Session::default();

@@ -1,4 +1,4 @@
-//! The `.lods` container, version 2 (docs/STREAM.md): progressive streams as checksummed blocks.
+//! The `.lods` container, version 4 (docs/STREAM.md): progressive streams as checksummed blocks.
 //!
 //! [`pack()`] writes a stream; an [`Unpacker`] is fed one piece by piece and shows the mesh of
 //! every prefix. What the blocks say is `lodc_progressive`'s concern; this folder has the blocks,
@@ -26,7 +26,7 @@ pub use rebuild::Rebuilt;
 pub use unpack::{Progress, Unpacker};
 
 /// The version that this program writes, and the newest that it reads.
-pub const VERSION: u32 = 2;
+pub const VERSION: u32 = 4;
 
 /// Returns whether bytes claim to be a `.lods` stream.
 #[must_use]

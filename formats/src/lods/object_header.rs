@@ -46,17 +46,17 @@ impl ObjectHeader {
     }
 
     /// Takes a header off the front of a payload.
-    pub(super) fn take(bytes: &mut &[u8]) -> Result<Self, FormatError> {
+    pub(super) fn take(bytes: &mut &[u8], version: StreamVersion) -> Result<Self, FormatError> {
         let short = || malformed("is too short for what it should hold");
         let mut length = || take_leb128(bytes, MAX_BYTES).ok_or_else(short);
         let [plain, stored] = [length()? as usize, length()? as usize];
         let (header, rest) = bytes.split_at_checked(stored).ok_or_else(short)?;
         *bytes = rest;
         if stored == plain {
-            return Self::parse(header);
+            return Self::parse(header, version);
         }
         let decoded = text_codec::decode(header, plain).filter(|_| stored < plain);
-        Self::parse(&decoded.ok_or_else(|| malformed("cannot be decoded"))?)
+        Self::parse(&decoded.ok_or_else(|| malformed("cannot be decoded"))?, version)
     }
 
     fn plain(&self) -> Vec<u8> {
@@ -90,7 +90,7 @@ impl ObjectHeader {
         out
     }
 
-    fn parse(mut bytes: &[u8]) -> Result<Self, FormatError> {
+    fn parse(mut bytes: &[u8], version: StreamVersion) -> Result<Self, FormatError> {
         let rest = &mut bytes;
         let [vertices, triangles, steps] = [number(rest)?, number(rest)?, number(rest)?];
         let strips = match number(rest)? {
@@ -114,7 +114,6 @@ impl ObjectHeader {
         if submeshes.is_empty() && vertices > 0 {
             return Err(malformed("has vertices without a submesh"));
         }
-        let version = StreamVersion::Two;
         let has_strips = strips.is_some();
         #[rustfmt::skip]
         let mesh = MeshHeader {

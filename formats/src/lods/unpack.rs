@@ -8,7 +8,7 @@ use super::received::{Received, ReceivedObject};
 use super::{Arrived, VERSION};
 use crate::{Document, Fault, FormatError, Limits, ObjectInfo, Source};
 use lodc_mesh::{Cleaning, Mesh, MeshParts, take_leb128};
-use lodc_progressive::{Contexts, MeshDecoder, StepBlock};
+use lodc_progressive::{Contexts, MeshDecoder, StepBlock, StreamVersion};
 use lodc_strip::{StripKind, StripSet, Strips};
 
 /// Reads a stream from wherever its bytes come.
@@ -55,6 +55,8 @@ pub struct Progress {
     pub steps: [u32; 2],
     /// Object-space error of the mesh so far, in its units; at most 1/16 above the true one.
     pub error: f32,
+    /// Its root mean square distance, as precise; nothing if the stream has none.
+    pub rms: Option<f32>,
 }
 
 impl Unpacker {
@@ -200,6 +202,7 @@ impl Unpacker {
             triangles: [decoder.triangle_count(), header.triangles],
             steps: [decoder.steps(), header.steps],
             error: decoder.error(),
+            rms: decoder.rms(),
         }
     }
 
@@ -311,11 +314,12 @@ impl Unpacker {
     }
 
     fn read_steps(&mut self, block: Block<'_>) -> Result<(), FormatError> {
+        let version = if self.version < 4 { StreamVersion::Two } else { StreamVersion::Four };
         let received = self.received.as_mut().expect("block 0 was read");
         let (object, mut payload) = (block.tag as usize - 1, block.payload);
         let is_first = received.awaits_header(object);
         if is_first {
-            received.announce(ObjectHeader::take(&mut payload)?, &self.limits)?;
+            received.announce(ObjectHeader::take(&mut payload, version)?, &self.limits)?;
         }
         let decoder = &mut received
             .objects
@@ -366,7 +370,7 @@ fn check_preamble(bytes: &[u8]) -> Result<Option<u32>, FormatError> {
     }
     let Some(version) = bytes.get(MAGIC.len()..PREAMBLE) else { return Ok(None) };
     match u32::from_le_bytes(version.try_into().expect("four bytes")) {
-        0 => Err(malformed("version 0 never existed")),
+        never @ (0 | 3) => Err(malformed(&format!("version {never} never existed"))),
         version @ 1..=VERSION => Ok(Some(version)),
         newer => {
             let what = format!(

@@ -61,13 +61,14 @@ pub(super) fn text(name: &str, report: &StreamInfoReport) -> String {
     for o in &report.objects {
         let _ = writeln!(
             text,
-            "  {}: {} of {} triangles, {} of {} vertices, error {}",
+            "  {}: {} of {} triangles, {} of {} vertices, error {}{}",
             one_line(&o.name),
             grouped(u64::from(o.triangles)),
             grouped(u64::from(o.of_triangles)),
             grouped(u64::from(o.vertices)),
             grouped(u64::from(o.of_vertices)),
-            distance(o.error)
+            distance(o.error),
+            o.rms.map_or(String::new(), |rms| format!(", rms {}", distance(rms)))
         );
     }
     text

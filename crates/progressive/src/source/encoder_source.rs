@@ -2,7 +2,7 @@
 //!
 //! The stream runs backwards through the sequence: vertex `i` here is vertex `last − i` there.
 
-use crate::error_code::error_code;
+use crate::error_code::{error_code, rms_code};
 use crate::partial_mesh::new_triangle::Side;
 use crate::source::first_appearance::{FirstAppearance, first_appearances};
 use crate::source::split_source::{DecoderSource, SourceTriangle, SplitSource, StripPosition};
@@ -28,7 +28,7 @@ pub(crate) struct EncoderSource {
     /// For each vertex the numbers of it and of all vertices that split off it, directly or not: an
     /// interval, because they are numbered in preorder.
     subtree: Vec<Range<u32>>,
-    error_codes: Vec<u32>,
+    error_codes: Vec<[u32; 2]>,
     strips: Option<StripNeighbors>,
 }
 
@@ -62,7 +62,10 @@ impl EncoderSource {
             Some(strips) => Some(StripNeighbors::new(mesh, strips, &order)?),
             None => None,
         };
-        let error = |new| error_code(collapses.error_at(Lod(last - new)));
+        let errors = |new| {
+            let lod = Lod(last - new);
+            [error_code(collapses.error_at(lod)), rms_code(collapses.rms_at(lod))]
+        };
         Ok(Self {
             subtree: subtrees(&parents),
             continues: continues(simplified),
@@ -72,7 +75,7 @@ impl EncoderSource {
             triangles: order.iter().map(triangle).collect(),
             first_triangle: by_vertex.offsets,
             final_vertices: order.iter().flat_map(final_corners).collect(),
-            error_codes: (0..=last).map(error).collect(),
+            error_codes: (0..=last).map(errors).collect(),
             parents,
             strips,
         })
@@ -111,7 +114,7 @@ impl SplitSource for EncoderSource {
             None => DecoderSource.strip_position(face, strips, strip_of),
         }
     }
-    fn error_code(&self, new: u32) -> u32 {
+    fn error_codes(&self, new: u32) -> [u32; 2] {
         self.error_codes[new as usize]
     }
 }

@@ -42,8 +42,9 @@ pub(crate) trait SplitSource {
         strips: u32,
         strip_of: &dyn Fn(u32) -> u32,
     ) -> StripPosition;
-    /// Returns the code of the error after the step that ends with a vertex.
-    fn error_code(&self, new: u32) -> u32;
+    /// Returns the codes of the error and of the root mean square distance after the step that ends
+    /// with a vertex.
+    fn error_codes(&self, new: u32) -> [u32; 2];
 }
 
 /// The source of a decoder: it knows nothing.
@@ -71,7 +72,7 @@ impl SplitSource for DecoderSource {
     fn strip_position(&self, _: u32, _: u32, _: &dyn Fn(u32) -> u32) -> StripPosition {
         StripPosition { after: NONE, strip: 0 }
     }
-    fn error_code(&self, _: u32) -> u32 {
-        0
+    fn error_codes(&self, _: u32) -> [u32; 2] {
+        [0; 2]
     }
 }

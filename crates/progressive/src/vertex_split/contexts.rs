@@ -28,6 +28,9 @@ pub struct Contexts {
     /// The error falls.
     pub(crate) error_falls: AdaptiveBit,
     pub(crate) error_drop: GammaCode,
+    /// The root mean square distance falls.
+    pub(crate) rms_falls: AdaptiveBit,
+    pub(crate) rms_drop: GammaCode,
     pub(crate) values: ValueContexts,
     pub(crate) strips: StripContexts,
 }
@@ -47,6 +50,8 @@ impl Contexts {
             continues: [AdaptiveBit::NEW; 2],
             error_falls: AdaptiveBit::NEW,
             error_drop: GammaCode::NEW,
+            rms_falls: AdaptiveBit::NEW,
+            rms_drop: GammaCode::NEW,
             values: ValueContexts::new(),
             strips: StripContexts::NEW,
         }

@@ -3,6 +3,7 @@
 //! Written once for both sides, see `entropy/coder.rs`.
 
 use crate::entropy::coder::{Coder, Substreams};
+use crate::entropy::integer_codes::GammaCode;
 use crate::header::StreamVersion;
 use crate::invalid::InvalidStream;
 use crate::partial_mesh::mesh::PartialMesh;
@@ -42,8 +43,9 @@ pub(crate) struct ObjectCodec {
     /// For each vertex its parent, and whether its step continues with the next vertex.
     pub(crate) parents: Vec<u32>,
     pub(crate) continues: Vec<bool>,
-    /// The code of the error after the last step.
+    /// The codes of the error after the last step, and of the root mean square distance.
     pub(crate) error_code: u32,
+    pub(crate) rms_code: u32,
     /// Triangles visited.
     work: u64,
     /// Bytes of the splits in the thesis's packages, without the vertices themselves: the parent
@@ -84,6 +86,7 @@ impl ObjectCodec {
             parents: Vec::new(),
             continues: Vec::new(),
             error_code: 0,
+            rms_code: 0,
             work: 0,
             package_bytes: 0,
             continued: false,
@@ -93,13 +96,18 @@ impl ObjectCodec {
         }
     }
 
+    /// Returns whether steps have a root mean square distance.
+    pub(crate) fn has_rms(&self) -> bool {
+        self.version >= StreamVersion::Four
+    }
+
     /// Returns what the object has cost so far.
     pub(crate) fn cost(&self) -> Cost {
         let elements = u64::from(self.mesh.vertex_count()) + u64::from(self.mesh.face_count());
         Cost { size: self.values.indices.len() as u64 + 8 * elements, work: self.work }
     }
 
-    /// Codes one step: its vertices, then the error of the mesh with all of them.
+    /// Codes one step: its vertices, then the errors of the mesh with all of them.
     pub(crate) fn code_step<C: Coder, S: SplitSource>(
         &mut self,
         coders: &mut Substreams<C>,
@@ -122,7 +130,7 @@ impl ObjectCodec {
                 return Err(InvalidStream("expands more than any real stream"));
             }
             if !self.continued {
-                self.code_error(&mut coders.splits, source.error_code(new), contexts);
+                self.code_errors(&mut coders.splits, source.error_codes(new), contexts);
                 return Ok(());
             }
         }
@@ -134,11 +142,22 @@ impl ObjectCodec {
         self.values.indices.resize(length, 0);
     }
 
-    fn code_error<C: Coder>(&mut self, coder: &mut C, wanted: u32, contexts: &mut Contexts) {
-        let drop = self.error_code.wrapping_sub(wanted);
-        if coder.bit(&mut contexts.error_falls, drop != 0) {
-            let drop = contexts.error_drop.code(coder, drop);
-            self.error_code = self.error_code.wrapping_sub(drop);
+    fn code_errors<C: Coder>(
+        &mut self,
+        coder: &mut C,
+        [error, rms]: [u32; 2],
+        contexts: &mut Contexts,
+    ) {
+        let mut code = |last: &mut u32, wanted, falls: &mut _, by: &mut GammaCode| {
+            let drop = last.wrapping_sub(wanted);
+            if coder.bit(falls, drop != 0) {
+                *last = last.wrapping_sub(by.code(coder, drop));
+            }
+        };
+        let has_rms = self.version >= StreamVersion::Four;
+        code(&mut self.error_code, error, &mut contexts.error_falls, &mut contexts.error_drop);
+        if has_rms {
+            code(&mut self.rms_code, rms, &mut contexts.rms_falls, &mut contexts.rms_drop);
         }
     }
 
@@ -156,7 +175,7 @@ impl ObjectCodec {
             let wanted = source.indices(0).get(channel).copied().unwrap_or_default();
             let index = match self.version {
                 StreamVersion::One => coder.raw(32, wanted as u32) as i32,
-                StreamVersion::Two => unfold(contexts.first_index.code(coder, fold(wanted))),
+                _ => unfold(contexts.first_index.code(coder, fold(wanted))),
             };
             self.values.indices.push(index);
         }

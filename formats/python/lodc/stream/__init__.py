@@ -12,7 +12,7 @@ from .numbers import Decimal, Float, Grid, Integer, Significant
 from .object import Header, StreamObject, read_header
 
 MAGIC = b"\x89LODS\r\n\x1a"
-NEWEST = 2
+NEWEST = 4
 MAX_PAYLOAD = 16 << 20
 
 
@@ -43,7 +43,7 @@ class Stream:
             if len(self._waiting) < 12:
                 return self
             version = int.from_bytes(self._waiting[8:12], "little")
-            need(version > 0, "header", "version 0 never existed")
+            need(version not in (0, 3), "header", f"version {version} never existed")
             need(version <= NEWEST, "header", f"version {version} is newer than this reader")
             self.version, self._waiting, self.used = version, self._waiting[12:], 12
         while self._waiting and self._block():

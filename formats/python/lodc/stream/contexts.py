@@ -32,6 +32,8 @@ class Contexts:
         self.residual = table(Symbol, 8, 4, 3)
         self.error_falls = Bit()
         self.error_drop = Gamma()
+        self.rms_falls = Bit()
+        self.rms_drop = Gamma()
         self.between = Bit()
         self.beside = table(Bit, 3, 2, 2, 2)
         self.new_strip = table(Bit, 4)

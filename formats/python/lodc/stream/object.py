@@ -99,6 +99,11 @@ def _system(c, channels, is_float):
     return [system] * channels
 
 
+def _distance(code):
+    """The distance of a code: its upper bits as a float."""
+    return struct.unpack("<f", struct.pack("<I", code << 19 & 0xFFFFFFFF))[0]
+
+
 class StreamObject:
     """One mesh as far as it has come.
 
@@ -109,10 +114,11 @@ class StreamObject:
     def __init__(self, number, place):
         self.number, self.place, self.name = number, place, f"mesh{number}"
         self.world_scale, self.submeshes = 1.0, None
-        self.header, self.version = None, 2
+        self.header, self.version = None, 4
         self.mesh, self.order = PartialMesh(), None
         self.indices, self.parents, self.continues = [], [], []
-        self.steps, self.error_code, self.next_parent, self._continued = 0, 0, 0, False
+        self.steps, self.error_code, self.rms_code = 0, 0, 0
+        self.next_parent, self._continued = 0, False
 
     def start(self, header, version):
         """Takes the header."""
@@ -155,8 +161,14 @@ class StreamObject:
         """The error of the mesh so far, in its units; at most 1/16 above the true one."""
         if not self.steps:
             return float("inf")
-        error = struct.unpack("<f", struct.pack("<I", self.error_code << 19 & 0xFFFFFFFF))[0]
+        error = _distance(self.error_code)
         return error if error == error else float("inf")
+
+    @property
+    def rms(self):
+        """The root mean square distance of the mesh so far, as precise; None if there is none."""
+        rms = _distance(self.rms_code)
+        return rms if self.version > 2 and self.steps and rms == rms else None
 
     @property
     def triangles(self):
@@ -249,6 +261,8 @@ class StreamObject:
                 break
         if splits.bit(contexts.error_falls):
             self.error_code = self.error_code - splits.gamma(contexts.error_drop) & 0xFFFFFFFF
+        if self.version > 2 and splits.bit(contexts.rms_falls):
+            self.rms_code = self.rms_code - splits.gamma(contexts.rms_drop) & 0xFFFFFFFF
 
     def _first_vertex(self, coder, contexts):
         self.mesh.add_vertex(coder.uniform(len(self.header.streams)))
