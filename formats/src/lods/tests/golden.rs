@@ -1,5 +1,5 @@
-//! Streams of every version that ever was stay readable: `fixtures/golden/lods1/`, `lods2/` and `lods4/`.
-//! Those of the present version are written as they were.
+//! Streams of every version that ever was stay readable: `fixtures/golden/lods1/`, `lods2/` and
+//! `lods4/`. Those of the present version are written as they were.
 //!
 //! They are made of the golden `.lodc` files by
 //! `cargo test -p lodc-formats make_golden_streams -- --ignored`.
