@@ -320,3 +320,27 @@ fn a_crowd_has_fewer_triangles_by_distance_and_every_structure_the_same() {
     assert!(still("7") != still("8"));
     f.lodc(["bench", "g.obj", "--instances", "3"]).ends(2);
 }
+
+#[test]
+fn curves_over_levels_have_a_point_for_each_of_their_lods() {
+    let f = Folder::new();
+    f.file("g.obj", grid(12));
+    let run = f.lodc(["bench", "g.obj", "--no-times", "--json"]).ends(0).json();
+    let object = &run["files"][0]["objects"][0];
+    let list = |value: &Value| -> Vec<u64> {
+        let list = value.as_array().expect("a list");
+        list.iter().map(|v| v.as_u64().expect("a count")).collect()
+    };
+    let (lods, triangles) = (list(&object["curve"]["lods"]), list(&object["curve"]["triangles"]));
+    assert!(lods.windows(2).all(|p| p[0] < p[1]) && triangles.windows(2).all(|p| p[0] >= p[1]));
+    assert_eq!(lods.len(), 100);
+    let interactive = list(&object["models"]["interactive"]["drawn"]["curve"]);
+    assert_eq!(interactive, triangles.iter().map(|t| 3 * t).collect::<Vec<_>>());
+    for name in ["speed", "masking", "lodstrips", "discrete", "progressive_mesh"] {
+        let curve = list(&object["models"][name]["drawn"]["curve"]);
+        assert_eq!(curve.len(), lods.len(), "{name}");
+    }
+    let share = number(object, "/models/speed/traffic/length_changes");
+    assert!((0.05..0.95).contains(&share), "{share}");
+    assert!(object["models"]["masking"]["traffic"]["length_changes"].is_null());
+}

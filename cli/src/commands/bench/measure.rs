@@ -14,6 +14,15 @@ const SHORTEST: f64 = 0.01;
 /// Jumps of each round; each is timed by itself.
 const JUMPS: u32 = 5;
 
+/// Points of a curve over LODs.
+const POINTS: usize = 100;
+
+/// Every so many stops, the last one included: the points of a curve.
+pub(super) fn points<T: Copy>(of_stops: &[T]) -> Vec<T> {
+    let count = of_stops.len().min(POINTS);
+    (1..=count).map(|i| of_stops[i * of_stops.len() / count - 1]).collect()
+}
+
 /// Returns the stops of a sweep on its way down: every `share` of the LODs, the last one included,
 /// LOD 0 not.
 pub(super) fn stops(collapses: &CollapseSequence, share: f64) -> Vec<Lod> {
@@ -27,14 +36,14 @@ pub(super) fn stops(collapses: &CollapseSequence, share: f64) -> Vec<Lod> {
 }
 
 /// The traffic of a sweep and the indices that its LODs draw; the same in every run.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Counts {
     /// Bytes sent in all, down and up.
     pub(super) bytes: u64,
     /// Indices or vertices rewritten in all, down and up.
     pub(super) rewritten: u64,
-    /// Indices drawn at all stops together.
-    pub(super) drawn: u64,
+    /// Indices drawn at each stop on the way down.
+    pub(super) drawn: Vec<u64>,
 }
 
 /// Counts over one sweep. The cursor is at LOD 0 before and after.
@@ -44,7 +53,7 @@ pub(super) fn counts(runner: &mut dyn Runner, stops: &[Lod]) -> Counts {
         let (traffic, bytes) = runner.send(lod);
         counts.bytes += bytes;
         counts.rewritten += traffic.rewritten;
-        counts.drawn += if draw { runner.drawn() } else { 0 };
+        counts.drawn.extend(draw.then(|| runner.drawn()));
     };
     stops.iter().for_each(|&lod| seek(lod, true));
     back(stops).for_each(|lod| seek(lod, false));

@@ -1,8 +1,8 @@
 //! All measurements of one object.
 
-use super::measure::{Times, counts, stops, times};
+use super::measure::{Times, counts, points, stops, times};
 use super::report::{
-    BenchObject, Bits, DrawnReport, ExtractionReport, ExtractionSpread, SubjectReport,
+    BenchObject, Bits, CurveReport, DrawnReport, ExtractionReport, ExtractionSpread, SubjectReport,
     TrafficReport, value,
 };
 use super::subject::{Subject, baselines, plain, subjects};
@@ -47,6 +47,7 @@ pub(super) fn measure(
         counts: object_counts(&object.info, &object.simplified),
         updates: sweep.stops.len() as u64,
         jump_lod: sweep.far.0,
+        curve: curve(collapses, &sweep.stops),
         rebuild_us: times.as_ref().map(|t| t.rebuild.best()),
         rebuild_spread: times.as_ref().map(|t| t.rebuild.spread()),
         primitives: primitives_of(prepared),
@@ -58,6 +59,15 @@ pub(super) fn measure(
         gpu::measure(device, object, args.rounds.get(), &mut report)?;
     }
     Ok(report)
+}
+
+/// LODs and their triangles for curves.
+fn curve(collapses: &CollapseSequence, stops: &[Lod]) -> CurveReport {
+    let lods = points(stops);
+    CurveReport {
+        triangles: lods.iter().map(|&lod| collapses.triangles_at(lod)).collect(),
+        lods: lods.into_iter().map(|lod| lod.0).collect(),
+    }
 }
 
 /// The LODs that models are moved to.
@@ -132,18 +142,20 @@ fn subject_report(
 ) -> SubjectReport {
     let moved = counts(subject.runner.as_mut(), &sweep.stops);
     let per = |all: u64, each: u64| all as f64 / each.max(1) as f64;
-    let updates = sweep.stops.len() as u64;
+    let (updates, drawn) = (sweep.stops.len() as u64, moved.drawn.iter().sum());
     SubjectReport {
         baseline: subject.baseline,
         bits_per_vertex: of_cost(subject.storage, subject.file_bytes, subject.tight_bytes),
         drawn: Some(DrawnReport {
-            indices_per_lod: per(moved.drawn, updates),
-            indices_per_triangle: per(moved.drawn, sweep.triangles),
+            indices_per_lod: per(drawn, updates),
+            indices_per_triangle: per(drawn, sweep.triangles),
+            curve: points(&moved.drawn),
             degenerates_removed: subject.degenerates_removed,
         }),
         traffic: subject.continuous.then(|| TrafficReport {
             bytes_per_update: per(moved.bytes, 2 * updates),
             rewritten_per_update: per(moved.rewritten, 2 * updates),
+            length_changes: subject.length_changes,
         }),
         extraction: times.and_then(|times| times.extraction(subject.name)),
     }

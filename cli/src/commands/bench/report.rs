@@ -35,6 +35,7 @@ pub(super) struct BenchObject {
     pub(super) updates: u64,
     /// The target of the jump from LOD 0: 1 % of the triangles.
     pub(super) jump_lod: u32,
+    pub(super) curve: CurveReport,
     /// Microseconds to make that LOD's index list from scratch.
     pub(super) rebuild_us: Option<f64>,
     /// The same over all rounds.
@@ -144,7 +145,7 @@ pub(crate) struct PrimitiveReport {
 }
 
 /// One model or baseline.
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize)]
 pub(super) struct SubjectReport {
     pub(super) baseline: bool,
     pub(super) bits_per_vertex: Bits,
@@ -170,11 +171,20 @@ pub(super) struct Bits {
     pub(super) tight: Option<f64>,
 }
 
+/// LODs over which models have curves, up to a hundred from fine to coarse.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct CurveReport {
+    pub(super) lods: Vec<u32>,
+    pub(super) triangles: Vec<u32>,
+}
+
 /// Indices drawn over all LODs.
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize)]
 pub(super) struct DrawnReport {
     pub(super) indices_per_lod: f64,
     pub(super) indices_per_triangle: f64,
+    /// Indices at each LOD of the object's curve.
+    pub(super) curve: Vec<u64>,
     /// Share of the degenerate triangles of strips that is taken out; null but for Speed Strips.
     pub(super) degenerates_removed: Option<f64>,
 }
@@ -184,6 +194,8 @@ pub(super) struct DrawnReport {
 pub(super) struct TrafficReport {
     pub(super) bytes_per_update: f64,
     pub(super) rewritten_per_update: f64,
+    /// Share of the records that change the length of a strip; null but for Speed Strips.
+    pub(super) length_changes: Option<f64>,
 }
 
 /// Times of moves, the best of all rounds. Ratios below 1 are faster than what they name.

@@ -53,6 +53,7 @@ pub(super) struct Subject<'a> {
     pub(super) tight_bytes: Option<u64>,
     /// Of Speed Strips.
     pub(super) degenerates_removed: Option<f64>,
+    pub(super) length_changes: Option<f64>,
     pub(super) runner: Box<dyn Runner + 'a>,
 }
 
@@ -74,6 +75,7 @@ where
         file_bytes: None,
         tight_bytes: None,
         degenerates_removed: None,
+        length_changes: None,
         runner: Box::new(Run { model, cursor: model.cursor() }),
     }
 }
@@ -84,6 +86,10 @@ pub(super) fn subjects<'a>(object: &'a LodObject, baselines: &'a [Baseline]) -> 
         file_bytes: Some(stored_bytes(m)),
         degenerates_removed: match m {
             AnyModel::Speed(speed) => Some(speed.degenerates_removed()),
+            _ => None,
+        },
+        length_changes: match m {
+            AnyModel::Speed(speed) => Some(speed.length_changes()),
             _ => None,
         },
         ..subject(m, false)

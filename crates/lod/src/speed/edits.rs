@@ -147,6 +147,16 @@ fn by_record(histories: &[History], records: usize) -> Vec<Located> {
 }
 
 impl Edits {
+    /// Share of the records after which the length of a strip is another one.
+    pub(super) fn length_changes(&self) -> f64 {
+        let of_record =
+            |pair: &&[Starts]| &self.affected[pair[0].affected as usize..pair[1].affected as usize];
+        let changes = |pair: &&[Starts]| of_record(pair).iter().any(|a| a.before != a.after);
+        let records = self.starts.windows(2);
+        let count = records.len().max(1);
+        records.filter(changes).count() as f64 / count as f64
+    }
+
     /// Puts histories of consecutive strips into the order of records (a counting sort: strips stay
     /// in order).
     pub(super) fn merge(histories: &[History], strips: &StripSet, targets: &[u32]) -> Self {

@@ -299,3 +299,25 @@ fn the_share_of_degenerates_removed_is_that_of_a_plain_count() {
         assert!(share > 0.1 && (model.degenerates_removed() - share).abs() < 1e-12, "{share}");
     }
 }
+
+#[test]
+fn the_share_of_changes_of_length_is_that_of_a_plain_count() {
+    for seed in 0..10 {
+        let simplified = Arc::new(fixtures::random_collapse(&fixtures::icosphere(2), seed));
+        let strips = Arc::new(Strips::generate(&simplified, StripKind::Stripe, Effort::Fast));
+        let model = Speed::build(&simplified, strips).expect("few changes");
+        let (mut cursor, mut changed) = (model.cursor(), 0);
+        let at = |cursor: &<Speed as Model>::Cursor| -> Vec<Vec<u32>> {
+            (0..model.strips.len()).map(|s| cursor.strip(s).to_vec()).collect()
+        };
+        let mut before = at(&cursor);
+        for record in 1..=simplified.collapses().records() {
+            model.seek(&mut cursor, Lod(record), &mut ());
+            let now = at(&cursor);
+            changed += u32::from(before.iter().zip(&now).any(|(a, b)| a.len() != b.len()));
+            before = now;
+        }
+        let share = f64::from(changed) / f64::from(simplified.collapses().records());
+        assert!(share > 0.05 && (model.length_changes() - share).abs() < 1e-12, "{share}");
+    }
+}
