@@ -107,7 +107,7 @@ struct Shown {
 
 impl Shown {
     fn new(name: &str) -> Self {
-        let bytes = std::fs::read(golden(VERSION).join(name)).expect("a golden file");
+        let bytes = std::fs::read(golden(3).join(name)).expect("a golden file");
         Self { name: name.to_owned(), seen: vec![false; bytes.len()], bytes }
     }
 
