@@ -185,7 +185,7 @@ impl<'a> Forward<'a> {
         self.work.done += taken.len() as u64;
         for &(number, own) in &taken {
             let p = self.samples.all[number as usize].place();
-            let nearest = self.nearest_face(p, own, self.bound * 0.25);
+            let nearest = self.nearest_face(p, own, self.bound * 0.0625);
             if nearest.squared > self.enough()
                 && nearest.squared > 1.1 * f64::from(self.samples.all[number as usize].refined)
             {
