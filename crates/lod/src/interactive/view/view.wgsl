@@ -98,6 +98,12 @@ fn wanted(here: vec4<u32>) -> u32 {
     return p.lod_a + select(0u, min(u32(rise), span), apart);
 }
 
+// The bits of a vertex's position.
+fn place(v: u32) -> vec3<u32> {
+    let first = v * stride;
+    return vec3<u32>(source[first], source[first + 1u], source[first + 2u]);
+}
+
 @compute @workgroup_size(WORKGROUP)
 fn main(thread: Thread) {
     let v = number_of(thread);
@@ -112,7 +118,8 @@ fn main(thread: Thread) {
         at = link.x;
         came = link.y;
     }
-    var position = points[at].xyz;
+    // From the record: points of a group stand where its first one does, whatever its zeros' signs.
+    var position = place(at);
     if (morph) {
         // Between the step that brought the vertex here and the one that takes it away. Integers,
         // because division of integers is exact; both fit 16 bits after the shift.
@@ -121,7 +128,7 @@ fn main(thread: Thread) {
         let way = min((((lod - came) >> shift) << 16u) / ((next.y - came) >> shift), 65535u);
         let t = f32(way) * (1.0 / 65536.0);
         let a = bitcast<vec3<f32>>(position);
-        let b = bitcast<vec3<f32>>(points[next.x].xyz);
+        let b = bitcast<vec3<f32>>(place(next.x));
         let moved = vec3<f32>(
             r(a.x + r(t * r(b.x - a.x))),
             r(a.y + r(t * r(b.y - a.y))),
