@@ -89,6 +89,7 @@ impl SelectorArgs {
         self.screen.slope(pixels)
     }
     /// Returns the vertical field of view in degrees.
+    #[cfg(feature = "gpu")]
     pub(crate) fn field_of_view(&self) -> f64 {
         self.screen.fovy
     }

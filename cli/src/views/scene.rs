@@ -8,7 +8,9 @@ use lodc_formats::lodc::LodObject;
 use lodc_lod::interactive::view::{
     Family, LodRange, Selector, State, finest_within, kept, live_triangles, morphed_mesh,
 };
-use lodc_mesh::{Lod, Mesh, OrientedTriangle, PositionIds};
+#[cfg(feature = "gpu")]
+use lodc_mesh::OrientedTriangle;
+use lodc_mesh::{Lod, Mesh, PositionIds};
 use lodc_scene::{Arrangement, Placement, placement_scales, posed};
 use lodc_select::Target;
 use rayon::prelude::*;
@@ -154,6 +156,7 @@ impl<'a> SceneViews<'a> {
     }
 
     /// Returns the triangles of each object, corners as they are shown without morphing.
+    #[cfg(feature = "gpu")]
     pub(crate) fn triangles(&self, shown: &ShownScene) -> Vec<Vec<OrientedTriangle>> {
         let of = |(o, states): (usize, &Vec<State>)| {
             live_triangles(&self.levels.objects()[o].simplified, &self.ids[o], states)
