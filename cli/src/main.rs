@@ -69,7 +69,7 @@ fn run() -> Status {
     if cfg!(feature = "gpu") && cli.command.takes_gpu() {
         variables.push(environment::RUNTIME_FOLDER);
     }
-    if cli.command.takes_memory() {
+    if cfg!(target_env = "gnu") && cli.command.takes_memory() {
         variables.push(environment::RETURN_MEMORY_FROM);
     }
     environment::restart_with(&variables);

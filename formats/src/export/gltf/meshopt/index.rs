@@ -1,5 +1,7 @@
 //! The codec of triangle lists, bitstream version 1: through a cache of recent edges and vertices.
 
+use crate::import::gltf::meshopt::recent::Recent;
+
 /// Frequent pairs of codes for the second and third corner of a triangle without a recent edge.
 const FREQUENT: [u8; 16] = [
     0x00, 0x76, 0x87, 0x56, 0x67, 0x78, 0xa9, 0x86, 0x65, 0x89, 0x68, 0x98, 0x01, 0x69, 0x00, 0x00,
@@ -12,7 +14,7 @@ pub(super) fn encode(triangles: &[[u32; 3]]) -> Vec<u8> {
     let mut s = Encoder::default();
     let mut codes = vec![0xe1];
     for &triangle in triangles {
-        codes.push(match s.recent.edge_of(triangle) {
+        codes.push(match edge_of(&s.recent, triangle) {
             Some((back, turned)) => s.at_edge(back, turned),
             None => s.apart(triangle),
         });
@@ -36,7 +38,7 @@ struct Encoder {
 impl Encoder {
     /// A triangle whose first two corners are a recent edge.
     fn at_edge(&mut self, back: usize, [a, b, c]: [u32; 3]) -> u8 {
-        let code = match self.recent.vertex(c) {
+        let code = match age_of(&self.recent, c) {
             Some(vertex) if (1..CACHED).contains(&vertex) => vertex,
             _ if c == self.next => {
                 self.next += 1;
@@ -74,7 +76,7 @@ impl Encoder {
         let reset = triangle == [0, 1, 2] && self.next > 0;
         if reset {
             self.next = 0;
-            self.recent.vertices = [u32::MAX; 16];
+            self.recent.forget_vertices();
         }
         let first = if a == self.next { self.fresh() } else { 15 };
         let (second, third) = (self.corner(b), self.corner(c));
@@ -106,7 +108,7 @@ impl Encoder {
 
     /// The code of a corner: 0 a fresh index, 15 a free one, else a recent one.
     fn corner(&mut self, v: u32) -> usize {
-        match self.recent.vertex(v) {
+        match age_of(&self.recent, v) {
             Some(back) if back < 14 => back + 1,
             _ if v == self.next => self.fresh(),
             _ => 15,
@@ -130,40 +132,17 @@ impl Encoder {
     }
 }
 
-/// The 16 latest edges and vertices.
-struct Recent {
-    edges: [[u32; 2]; 16],
-    vertices: [u32; 16],
-    edge_at: usize,
-    vertex_at: usize,
+/// Returns the age of an edge of the triangle (0: just used, at most 14), and the triangle turned
+/// so that the edge comes first.
+fn edge_of(recent: &Recent, [a, b, c]: [u32; 3]) -> Option<(usize, [u32; 3])> {
+    (0..15).find_map(|back| {
+        let edge = recent.edge(back);
+        let mut turned = [[a, b, c], [b, c, a], [c, a, b]].into_iter();
+        turned.find(|t| [t[0], t[1]] == edge).map(|t| (back, t))
+    })
 }
 
-impl Default for Recent {
-    fn default() -> Self {
-        Self { edges: [[u32::MAX; 2]; 16], vertices: [u32::MAX; 16], edge_at: 0, vertex_at: 0 }
-    }
-}
-
-impl Recent {
-    /// Returns the age of an edge of the triangle (0: just used, at most 14), and the triangle
-    /// turned so that the edge comes first.
-    fn edge_of(&self, [a, b, c]: [u32; 3]) -> Option<(usize, [u32; 3])> {
-        (0..15).find_map(|back| {
-            let edge = self.edges[(self.edge_at + 31 - back) & 15];
-            let mut turned = [[a, b, c], [b, c, a], [c, a, b]].into_iter();
-            turned.find(|t| [t[0], t[1]] == edge).map(|t| (back, t))
-        })
-    }
-    /// Returns the age of a vertex (0: just seen).
-    fn vertex(&self, v: u32) -> Option<usize> {
-        (0..16).find(|back| self.vertices[(self.vertex_at + 31 - back) & 15] == v)
-    }
-    fn push_edge(&mut self, edge: [u32; 2]) {
-        self.edges[self.edge_at & 15] = edge;
-        self.edge_at = (self.edge_at + 1) & 15;
-    }
-    fn push_vertex(&mut self, vertex: u32) {
-        self.vertices[self.vertex_at & 15] = vertex;
-        self.vertex_at = (self.vertex_at + 1) & 15;
-    }
+/// Returns the age of a vertex (0: just seen).
+fn age_of(recent: &Recent, v: u32) -> Option<usize> {
+    (0..16).find(|&back| recent.vertex(back) == v)
 }

@@ -1,6 +1,8 @@
 //! The two index codecs: triangles through a cache of recent edges and vertices, and plain
 //! sequences of deltas.
 
+use super::recent::Recent;
+
 /// Decodes a triangle list of `count` indices, a multiple of 3. Bitstream versions 0 and 1.
 pub(super) fn triangles(count: usize, bytes: &[u8]) -> Result<Vec<u32>, &'static str> {
     let version = match bytes.first() {
@@ -12,7 +14,7 @@ pub(super) fn triangles(count: usize, bytes: &[u8]) -> Result<Vec<u32>, &'static
     let body = bytes.get(1..bytes.len().saturating_sub(16)).ok_or("too short")?;
     let table = &bytes[bytes.len() - 16..];
     let (codes, rest) = body.split_at_checked(count / 3).ok_or("too short for its count")?;
-    let mut s = Decoder { rest, recent: Recent::new(), next: 0, last: 0 };
+    let mut s = Decoder { rest, recent: Recent::default(), next: 0, last: 0 };
     let cached_limit = if version == 1 { 13 } else { 15 };
     let mut out = Vec::with_capacity(count);
     for &code in codes {
@@ -24,7 +26,7 @@ pub(super) fn triangles(count: usize, bytes: &[u8]) -> Result<Vec<u32>, &'static
                 s.recent.push_vertex(c);
                 c
             } else if low < cached_limit {
-                s.recent.vertex(low + 1)
+                s.recent.vertex(low)
             } else {
                 let c = match low {
                     13 => s.last.wrapping_sub(1),
@@ -115,7 +117,7 @@ impl Decoder<'_> {
         let mut corners = codes.map(|code| match code {
             0 => self.fresh(),
             15 => 0,
-            _ => self.recent.vertex(code),
+            _ => self.recent.vertex(code - 1),
         });
         for (corner, _) in corners.iter_mut().zip(codes).filter(|(_, code)| *code == 15) {
             *corner = self.free()?;
@@ -125,36 +127,6 @@ impl Decoder<'_> {
             self.recent.push_vertex(corner);
         }
         Ok(corners)
-    }
-}
-
-/// The 16 latest edges and vertices.
-struct Recent {
-    edges: [[u32; 2]; 16],
-    vertices: [u32; 16],
-    edge_at: usize,
-    vertex_at: usize,
-}
-
-impl Recent {
-    fn new() -> Self {
-        Self { edges: [[u32::MAX; 2]; 16], vertices: [u32::MAX; 16], edge_at: 0, vertex_at: 0 }
-    }
-    /// 0 is the latest.
-    fn edge(&self, back: usize) -> [u32; 2] {
-        self.edges[(self.edge_at + 31 - back) & 15]
-    }
-    /// 1 is the latest.
-    fn vertex(&self, back: usize) -> u32 {
-        self.vertices[(self.vertex_at + 16 - back) & 15]
-    }
-    fn push_edge(&mut self, edge: [u32; 2]) {
-        self.edges[self.edge_at & 15] = edge;
-        self.edge_at = (self.edge_at + 1) & 15;
-    }
-    fn push_vertex(&mut self, vertex: u32) {
-        self.vertices[self.vertex_at & 15] = vertex;
-        self.vertex_at = (self.vertex_at + 1) & 15;
     }
 }
 

@@ -3,6 +3,7 @@
 
 mod filter;
 mod index;
+pub(crate) mod recent;
 mod vertex;
 
 pub(crate) use filter::apply as unfiltered;
