@@ -3,8 +3,12 @@
 use crate::spread::{over_area, over_triangles};
 use crate::surface::Surface;
 use glam::DVec3;
-use lodc_nearest::TriangleTree;
+use lodc_mesh::NONE;
+use lodc_nearest::{TriangleTree, morton_order};
 use rayon::prelude::*;
+
+/// Points that one thread looks up one after the other.
+const RUN: usize = 256;
 
 /// Density of samples on surfaces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,13 +49,31 @@ pub fn distances(a: &Surface, b: &Surface, sampling: &Sampling) -> Distances {
 
 /// Largest and root mean square distance from one surface to another.
 fn one_way(from: &Surface, to: &TriangleTree, sampling: &Sampling) -> (f64, f64) {
-    let squares =
-        |points: &[DVec3]| points.par_iter().map(|&p| to.distance_squared(p)).collect::<Vec<f64>>();
-    let area = squares(&over_area(from, sampling.samples, sampling.seed));
-    let lattice = squares(&over_triangles(from, sampling.lattice));
+    let area = squares(&over_area(from, sampling.samples, sampling.seed), to);
+    let lattice = squares(&over_triangles(from, sampling.lattice), to);
     let largest = area.iter().chain(&lattice).copied().fold(0.0, f64::max);
     let mean = if area.is_empty() { 0.0 } else { area.iter().sum::<f64>() / area.len() as f64 };
     (largest.sqrt(), mean.sqrt())
+}
+
+/// The squared distances of points, each searched for from the triangle of one that is near.
+fn squares(points: &[DVec3], to: &TriangleTree) -> Vec<f64> {
+    let order = morton_order(0..points.len() as u32, |i| [points[i as usize].as_vec3().into(); 3]);
+    let along = |run: &[u32]| {
+        let mut hint = NONE;
+        let look = |&i: &u32| {
+            let (squared, triangle) = to.distance_from(points[i as usize], hint);
+            hint = triangle;
+            squared
+        };
+        run.iter().map(look).collect::<Vec<f64>>()
+    };
+    let found: Vec<Vec<f64>> = order.par_chunks(RUN).map(along).collect();
+    let mut squares = vec![0.0; points.len()];
+    for (&i, squared) in order.iter().zip(found.into_iter().flatten()) {
+        squares[i as usize] = squared;
+    }
+    squares
 }
 
 /// Returns the largest distance found from one surface to another, if it is more than `bound`.

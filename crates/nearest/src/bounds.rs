@@ -48,6 +48,18 @@ impl Bounds {
         (0..3).map(|i| self.high[i] - self.low[i]).fold(0.0, f32::max)
     }
 
+    /// Returns the axis of the longest extent.
+    pub(crate) fn longest_axis(&self) -> usize {
+        let extent = |i: usize| self.high[i] - self.low[i];
+        (0..3).max_by(|&i, &j| extent(i).total_cmp(&extent(j))).unwrap_or(0)
+    }
+
+    /// Returns the middle along an axis.
+    #[inline]
+    pub(crate) fn middle(&self, axis: usize) -> f32 {
+        0.5 * self.low[axis] + 0.5 * self.high[axis]
+    }
+
     /// Takes a point in. Returns whether the box grew.
     pub(crate) fn include(&mut self, p: [f32; 3]) -> bool {
         let mut grew = false;

@@ -4,6 +4,7 @@ use crate::bounds::Bounds;
 use crate::triangle::{closest, distance_squared};
 use glam::DVec3;
 use lodc_mesh::NONE;
+use rayon::prelude::*;
 use std::ops::Range;
 
 /// No leaf has more triangles than this.
@@ -24,19 +25,34 @@ pub struct Nearest {
     pub squared: f64,
 }
 
-/// A box and what is in it.
+/// An inner node: the boxes of its two children and what is in them.
 #[derive(Clone, Copy, Debug)]
 struct Node {
-    bounds: Bounds,
-    /// A leaf's first slot, or an inner node's second child; the first child is the next node.
-    first: u32,
-    /// A leaf's triangles; 0 for inner nodes.
+    bounds: [Bounds; 2],
+    child: [Child; 2],
+}
+
+/// What is in a box.
+#[derive(Clone, Copy, Debug)]
+struct Child {
+    /// A leaf's first slot, or a node.
+    at: u32,
+    /// A leaf's triangles; 0 for nodes.
     count: u32,
+}
+
+impl Child {
+    fn slots(self) -> Range<usize> {
+        let first = self.at as usize;
+        first..first + self.count as usize
+    }
 }
 
 /// A search tree over triangles. A triangle may be a segment: two of its corners may be one.
 #[derive(Clone, Debug)]
 pub struct TriangleTree {
+    root: Child,
+    /// Children stand after their parent.
     nodes: Vec<Node>,
     /// The triangle in each slot, and the slot of each triangle.
     order: Vec<u32>,
@@ -49,22 +65,42 @@ impl TriangleTree {
     /// The tree of triangles by their corners, in `O(n log n)`, on all threads.
     #[must_use]
     pub fn new(corners: &[[DVec3; 3]]) -> Self {
-        let mut order: Vec<u32> = (0..corners.len() as u32).collect();
-        let empty = Node { bounds: Bounds::EMPTY, first: 0, count: 0 };
-        let mut nodes = vec![empty; nodes_of(corners.len())];
-        build(corners, &mut order, Place { node: 0, slot: 0 }, &mut nodes);
+        let item = |(t, corners): (usize, &[DVec3; 3])| Item::new(t as u32, corners);
+        let mut items: Vec<Item> = corners.par_iter().enumerate().map(item).collect();
+        let empty = Child { at: 0, count: 0 };
+        let node = Node { bounds: [Bounds::EMPTY; 2], child: [empty; 2] };
+        let mut nodes = vec![node; inner_nodes(corners.len())];
+        let (_, root) = build(&mut items, Place { node: 0, slot: 0 }, &mut nodes);
+        let order: Vec<u32> = items.iter().map(|item| item.triangle).collect();
         let mut slot = vec![0; order.len()];
         for (&triangle, at) in order.iter().zip(0..) {
             slot[triangle as usize] = at;
         }
         let corners = order.iter().map(|&t| corners[t as usize]).collect();
-        Self { nodes, order, slot, corners }
+        Self { root, nodes, order, slot, corners }
     }
 
     /// The tree of segments, each as a triangle whose last two corners are one.
     #[must_use]
     pub fn of_segments(segments: &[[DVec3; 2]]) -> Self {
         Self::new(&segments.iter().map(|&[a, b]| [a, b, b]).collect::<Vec<_>>())
+    }
+
+    /// Takes the triangles at new corners, in `O(n)`. The less they moved, the faster is the tree.
+    pub fn follow(&mut self, corners: &[[DVec3; 3]]) {
+        for (own, &triangle) in self.corners.iter_mut().zip(&self.order) {
+            *own = corners[triangle as usize];
+        }
+        for at in (0..self.nodes.len()).rev() {
+            self.nodes[at].bounds = self.nodes[at].child.map(|child| {
+                if child.count == 0 {
+                    let [a, b] = &self.nodes[child.at as usize].bounds;
+                    return Bounds::union(a, b);
+                }
+                let boxes = self.corners[child.slots()].iter().map(bounds);
+                boxes.fold(Bounds::EMPTY, |a, b| Bounds::union(&a, &b))
+            });
+        }
     }
 
     /// The triangles in an order in which neighbours are near each other.
@@ -98,12 +134,26 @@ impl TriangleTree {
     /// none.
     #[must_use]
     pub fn distance_squared(&self, p: DVec3) -> f64 {
-        let mut best = f64::INFINITY;
-        self.search(p, best, u32::MAX, |slots| {
-            for corners in &self.corners[slots] {
-                best = best.min(distance_squared(p, *corners));
+        self.distance_from(p, NONE).0
+    }
+
+    /// Returns [`Self::distance_squared`], the same to the bit, and the triangle, with a hint as
+    /// for [`Self::nearest`].
+    #[must_use]
+    pub fn distance_from(&self, p: DVec3, hint: u32) -> (f64, u32) {
+        let mut best = (f64::INFINITY, NONE);
+        let visit = |slot: usize, best: &mut (f64, u32)| {
+            let squared = distance_squared(p, self.corners[slot]);
+            if squared < best.0 {
+                *best = (squared, self.order[slot]);
             }
-            best
+        };
+        if let Some(&slot) = self.slot.get(hint as usize) {
+            visit(slot as usize, &mut best);
+        }
+        self.search(p, best.0, u32::MAX, |slots| {
+            slots.for_each(|slot| visit(slot, &mut best));
+            best.0
         });
         best
     }
@@ -132,47 +182,76 @@ impl TriangleTree {
         patience: u32,
         mut leaf: impl FnMut(Range<usize>) -> f64,
     ) -> bool {
-        let mut open = [(0.0, 0u32); 64];
-        let mut depth = usize::from(!self.order.is_empty());
-        let mut opened = 0;
-        while depth > 0 {
-            depth -= 1;
-            let (squared, at) = open[depth];
-            if squared >= limit {
-                continue;
-            }
-            let node = &self.nodes[at as usize];
-            if node.count > 0 {
-                let first = node.first as usize;
-                limit = leaf(first..first + node.count as usize);
-                continue;
-            }
-            if opened == patience {
-                return false;
-            }
-            opened += 1;
-            let mut children = [at + 1, node.first]
-                .map(|child| (self.nodes[child as usize].bounds.distance_squared(p), child));
-            // The nearer one is opened first, so it is put down last.
-            if children[0].0 < children[1].0 {
-                children.swap(0, 1);
-            }
-            open[depth..depth + 2].copy_from_slice(&children);
-            depth += 2;
+        if self.order.is_empty() {
+            return true;
         }
-        true
+        // One entry for each level that was passed: halves of 2^32 triangles.
+        let mut open = [(0.0, self.root); 32];
+        let (mut depth, mut opened, mut at) = (0, 0, self.root);
+        loop {
+            if at.count == 0 {
+                if opened == patience {
+                    return false;
+                }
+                opened += 1;
+                let node = &self.nodes[at.at as usize];
+                let (a, b) =
+                    (node.bounds[0].distance_squared(p), node.bounds[1].distance_squared(p));
+                let [first, second] = node.child;
+                let (near, far) =
+                    if a < b { ((a, first), (b, second)) } else { ((b, second), (a, first)) };
+                if far.0 < limit {
+                    open[depth] = far;
+                    depth += 1;
+                }
+                if near.0 < limit {
+                    at = near.1;
+                    continue;
+                }
+            } else {
+                limit = leaf(at.slots());
+            }
+            loop {
+                if depth == 0 {
+                    return true;
+                }
+                depth -= 1;
+                if open[depth].0 < limit {
+                    break;
+                }
+            }
+            at = open[depth].1;
+        }
     }
 }
 
-/// Number of nodes the tree of `n` triangles has: its shape depends on their number alone.
-fn nodes_of(n: usize) -> usize {
+/// The box of a triangle.
+fn bounds([a, b, c]: &[DVec3; 3]) -> Bounds {
+    Bounds::around(a.min(*b).min(*c), a.max(*b).max(*c))
+}
+
+/// A triangle while the tree is built.
+#[derive(Clone, Copy)]
+struct Item {
+    bounds: Bounds,
+    triangle: u32,
+}
+
+impl Item {
+    fn new(triangle: u32, corners: &[DVec3; 3]) -> Self {
+        Self { bounds: bounds(corners), triangle }
+    }
+}
+
+/// Number of inner nodes of the tree of `n` triangles: its shape depends on their number alone.
+fn inner_nodes(n: usize) -> usize {
     /// Those of `n` and of `n + 1` triangles.
     fn pair(n: usize) -> (usize, usize) {
         if n < LEAF {
-            return (1, 1);
+            return (0, 0);
         }
         let (half, more) = pair(n / 2);
-        let of = |a: usize, b: usize, n: usize| if n <= LEAF { 1 } else { 1 + a + b };
+        let of = |a: usize, b: usize, n: usize| if n <= LEAF { 0 } else { 1 + a + b };
         if n.is_multiple_of(2) {
             (of(half, half, n), of(half, more, n + 1))
         } else {
@@ -193,37 +272,29 @@ struct Place {
 const PARALLEL: usize = 4096;
 
 /// Builds the subtree of some triangles into `nodes`.
-fn build(corners: &[[DVec3; 3]], order: &mut [u32], at: Place, nodes: &mut [Node]) {
-    let (mut lo, mut hi) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    for &p in order.iter().flat_map(|&t| &corners[t as usize]) {
-        (lo, hi) = (lo.min(p), hi.max(p));
+fn build(items: &mut [Item], at: Place, nodes: &mut [Node]) -> (Bounds, Child) {
+    let all = items.iter().fold(Bounds::EMPTY, |all, item| Bounds::union(&all, &item.bounds));
+    if items.len() <= LEAF {
+        return (all, Child { at: at.slot, count: items.len() as u32 });
     }
     let (node, nodes) = nodes.split_first_mut().expect("every subtree has a node");
-    let bounds = Bounds::around(lo, hi);
-    *node = Node { bounds, first: at.slot, count: order.len() as u32 };
-    if order.len() <= LEAF {
-        return;
-    }
     // Halves of equal number: the tree is never deeper than the logarithm, whatever the mesh.
-    let extent = hi - lo;
-    let axis = (0..3).max_by(|&i, &j| extent[i].total_cmp(&extent[j])).unwrap_or(0);
-    let middle = |t: u32| corners[t as usize].iter().map(|c| c[axis]).sum::<f64>();
-    let half = order.len() / 2;
-    order.select_nth_unstable_by(half, |&a, &b| middle(a).total_cmp(&middle(b)).then(a.cmp(&b)));
-    let parallel = order.len() >= PARALLEL;
-    let (near, far) = order.split_at_mut(half);
-    let (near_nodes, far_nodes) = nodes.split_at_mut(nodes_of(half));
+    let axis = all.longest_axis();
+    let half = items.len() / 2;
+    items.select_nth_unstable_by(half, |a, b| {
+        let [x, y] = [a, b].map(|item| item.bounds.middle(axis));
+        x.total_cmp(&y).then(a.triangle.cmp(&b.triangle))
+    });
+    let parallel = items.len() >= PARALLEL;
+    let (near, far) = items.split_at_mut(half);
+    let (near_nodes, far_nodes) = nodes.split_at_mut(inner_nodes(half));
     let first = Place { node: at.node + 1, slot: at.slot };
     let second = Place { node: first.node + near_nodes.len() as u32, slot: at.slot + half as u32 };
-    (node.first, node.count) = (second.node, 0);
-    let mut near = || build(corners, near, first, near_nodes);
-    let mut far = || build(corners, far, second, far_nodes);
-    if parallel {
-        rayon::join(near, far);
-    } else {
-        near();
-        far();
-    }
+    let mut near = || build(near, first, near_nodes);
+    let mut far = || build(far, second, far_nodes);
+    let (near, far) = if parallel { rayon::join(near, far) } else { (near(), far()) };
+    *node = Node { bounds: [near.0, far.0], child: [near.1, far.1] };
+    (all, Child { at: at.node, count: 0 })
 }
 
 #[cfg(test)]
@@ -243,7 +314,22 @@ mod tests {
             .collect();
         // Segments, too.
         corners.iter_mut().step_by(7).for_each(|t| t[2] = t[1]);
-        let tree = TriangleTree::new(&corners);
+        let mut tree = TriangleTree::new(&corners);
+        assert_agrees(&tree, &corners, &mut point);
+        // Moved, some far.
+        for corner in corners.iter_mut().flatten() {
+            *corner = *corner * 1.5 + point(0.5);
+        }
+        tree.follow(&corners);
+        assert_agrees(&tree, &corners, &mut point);
+        assert!(TriangleTree::new(&[]).nearest(DVec3::ZERO, NONE).is_none());
+    }
+
+    fn assert_agrees(
+        tree: &TriangleTree,
+        corners: &[[DVec3; 3]],
+        point: &mut impl FnMut(f64) -> DVec3,
+    ) {
         for i in 0..300 {
             let p = point(6.0);
             let slow = corners.iter().map(|&t| closest(p, t).1).fold(f64::INFINITY, f64::min);
@@ -252,10 +338,12 @@ mod tests {
                 assert!((found.squared - slow).abs() <= 1e-12 * (1.0 + slow), "{found:?} {slow}");
             }
             let squared = tree.distance_squared(p);
+            let (same, triangle) = tree.distance_from(p, i);
+            assert_eq!(same, squared);
+            assert_eq!(same, distance_squared(p, corners[triangle as usize]));
             assert!((squared - slow).abs() <= 1e-12 * (1.0 + slow), "{squared} {slow}");
             assert!(tree.may_be_within(p, squared));
             assert!(squared == 0.0 || !tree.may_be_within(p, squared * (1.0 - 1e-9)));
         }
-        assert!(TriangleTree::new(&[]).nearest(DVec3::ZERO, NONE).is_none());
     }
 }

@@ -19,9 +19,10 @@ const STEP: f64 = 0.5;
 const WHOLE: f64 = 1.0;
 /// Points on each curve edge of the level.
 const ON_CURVE: usize = 4;
-/// Samples that are looked up in parallel before they are added up in order, and those that one
-/// thread looks up one after the other, each with the last one's triangle as a hint.
-const BLOCK: usize = 1 << 16;
+/// Samples, or faces, that are looked up in parallel before they are added up in order.
+const BLOCK: usize = 1 << 14;
+/// Samples that one thread looks up one after the other, each with the last one's triangle as a
+/// hint.
 const RUN: usize = 1 << 8;
 /// Share of the farthest sample's squared distance at the start that no sample may go beyond.
 const FARTHER: f64 = 1.05 * 1.05;
@@ -39,7 +40,10 @@ pub(crate) struct Fit<'a> {
     first_lengths: Vec<f64>,
     /// Curves of the level, as `3 * face + corner`.
     curves: Vec<u32>,
-    /// The face that each sample was nearest to, and the input triangle of each backward point.
+    /// The tree of the faces, which follows them.
+    tree: TriangleTree,
+    /// The face that each sample was nearest to, and the input triangle of each backward point, by
+    /// the order of the tree.
     hints: Vec<u32>,
     backward_hints: Vec<u32>,
 }
@@ -73,6 +77,10 @@ impl<'a> Fit<'a> {
     pub(crate) fn new(input: &'a Input, level: &'a Level) -> Self {
         let chart: Vec<u32> = level.source.iter().map(|&t| input.chart[t as usize]).collect();
         let normal = |corners| cross(corners).normalize_or_zero();
+        let tree = TriangleTree::new(&level.corners(&level.points));
+        // A face lies near the triangle that it was.
+        let hint = |&face: &u32| [level.source[face as usize]; SIX.len()];
+        let backward_hints = tree.order().iter().flat_map(hint).collect();
         Self {
             input,
             level,
@@ -80,8 +88,8 @@ impl<'a> Fit<'a> {
             first_lengths: level.edge_lengths(&level.points),
             curves: curves(&level.faces, &chart),
             hints: vec![NONE; input.samples()],
-            // A face lies near the triangle that it was.
-            backward_hints: level.source.iter().flat_map(|&t| [t; SIX.len()]).collect(),
+            backward_hints,
+            tree,
         }
     }
 
@@ -166,11 +174,13 @@ impl<'a> Fit<'a> {
 
     fn tie(&mut self, positions: &[DVec3]) -> Ties<'a> {
         let corners = self.level.corners(positions);
+        self.tree.follow(&corners);
         let crosses: Vec<DVec3> = corners.iter().map(|&t| cross(t)).collect();
         let level = self.level;
         let system = System::new(positions.len(), &level.faces, &level.face_edges, &level.edges);
         let farthest = vec![0.0; level.faces.len()];
-        let mut ties = Ties { system, energy: 0.0, farthest, input_normals: vec![] };
+        let input_normals = vec![DVec3::ZERO; level.faces.len()];
+        let mut ties = Ties { system, energy: 0.0, farthest, input_normals };
         self.tie_input(&corners, &crosses, &mut ties);
         self.tie_level(&corners, &crosses, &mut ties);
         self.tie_curves(&corners, &mut ties);
@@ -179,7 +189,7 @@ impl<'a> Fit<'a> {
 
     /// From the input's samples to the level.
     fn tie_input(&mut self, corners: &[[DVec3; 3]], crosses: &[DVec3], ties: &mut Ties<'_>) {
-        let (input, tree) = (self.input, TriangleTree::new(corners));
+        let (input, tree) = (self.input, &self.tree);
         let tiny = (TINY * input.diagonal).powi(2);
         for (block, hints) in self.hints.chunks_mut(BLOCK).enumerate() {
             let look = |i: usize, hint: u32| {
@@ -219,8 +229,8 @@ impl<'a> Fit<'a> {
         let input = self.input;
         let tiny = (TINY * input.diagonal).powi(2);
         let area = crosses.iter().map(|c| c.length()).sum::<f64>().max(f64::MIN_POSITIVE);
-        let look = |(face, hints): (usize, &mut [u32])| {
-            let mut normal = DVec3::ZERO;
+        let look = |(face, hints): (&u32, &mut [u32])| {
+            let (face, mut normal) = (*face as usize, DVec3::ZERO);
             let mut found = [None; SIX.len()];
             for (k, (barycentric, share)) in SIX.iter().enumerate() {
                 let q = point_at(corners[face], *barycentric);
@@ -238,11 +248,14 @@ impl<'a> Fit<'a> {
             }
             (found, normal.normalize_or_zero())
         };
-        let hints = self.backward_hints.par_chunks_mut(SIX.len());
-        let found: Vec<_> = hints.enumerate().map(look).collect();
-        for (points, normal) in found {
-            ties.input_normals.push(normal);
-            points.iter().flatten().for_each(|found| ties.add(found));
+        let blocks = self.backward_hints.chunks_mut(BLOCK * SIX.len());
+        for (faces, hints) in self.tree.order().chunks(BLOCK).zip(blocks) {
+            let hints = hints.par_chunks_mut(SIX.len());
+            let found: Vec<_> = faces.par_iter().zip(hints).map(look).collect();
+            for (&face, (points, normal)) in faces.iter().zip(found) {
+                ties.input_normals[face as usize] = normal;
+                points.iter().flatten().for_each(|found| ties.add(found));
+            }
         }
     }
 
