@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use std::ops::Range;
 
 /// No leaf has more triangles than this.
-const LEAF: usize = 4;
+const LEAF: usize = 2;
 
 /// Boxes that the question for a near triangle may open. Surfaces open some dozens; where very many
 /// triangles overlap, as at a vertex of thousands, a search that went on would open them all.

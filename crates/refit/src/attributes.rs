@@ -10,21 +10,30 @@ use lodc_mesh::{Attribute, Csr, Mesh, MeshParts, NONE, Semantic};
 use lodc_nearest::TriangleTree;
 use rayon::prelude::*;
 
-/// Returns the level with its points at `positions` and its attributes as the input has them there.
+/// Returns the level with its points at `positions` and its attributes as the input has them there;
+/// `whole` is the tree of the input's triangles.
 ///
 /// A vertex looks for the nearest place in its own chart, in which texture coordinates, colours
 /// and normals are continuous. It keeps what it has where that is farther than it moved, faces the
 /// other way (a thin sheet has two sides), or lies beyond a seam. Positions come as `f32`: a stream
 /// that held them quantised is left out.
-pub(crate) fn resample(input: &Mesh, level: &Level, positions: &[DVec3]) -> MeshParts {
-    let chart = charts(input, Continuity::Shading);
-    let chart_of = charts_of_vertices(level, &chart);
-    let mut sources = sources(input, level, positions, &chart, &chart_of);
-    seams::keep_to_own_side(input, level, &chart_of, &mut sources);
+pub(crate) fn resample(
+    input: &Mesh,
+    whole: &TriangleTree,
+    level: &Level,
+    positions: &[DVec3],
+) -> MeshParts {
     let mut parts = level.mesh.clone().into_parts();
     for (p, &point) in parts.positions.iter_mut().zip(&level.point_of) {
         *p = positions[point as usize].as_vec3().to_array();
     }
+    if input.attributes().is_empty() {
+        return parts;
+    }
+    let chart = charts(input, Continuity::Shading);
+    let chart_of = charts_of_vertices(level, &chart);
+    let mut sources = sources((input, whole), level, positions, &chart, &chart_of);
+    seams::keep_to_own_side(input, level, &chart_of, &mut sources);
     for (stream, from) in parts.attributes.iter_mut().zip(input.attributes()) {
         blend(stream, from, &sources);
     }
@@ -46,7 +55,7 @@ fn charts_of_vertices(level: &Level, chart: &[u32]) -> Vec<u32> {
 }
 
 fn sources(
-    input: &Mesh,
+    (input, whole): (&Mesh, &TriangleTree),
     level: &Level,
     positions: &[DVec3],
     chart: &[u32],
@@ -68,7 +77,8 @@ fn sources(
         let own = triangles.row(c);
         let corners = own.iter().map(|&t| input.triangles()[t as usize].map(point));
         let corners: Vec<[DVec3; 3]> = corners.collect();
-        let tree = TriangleTree::new(&corners);
+        let is_all = own.len() == input.triangles().len();
+        let tree = if is_all { whole } else { &TriangleTree::new(&corners) };
         let find = |&v: &u32| {
             let p = positions[level.point_of[v as usize] as usize];
             let found = tree.nearest(p, NONE).filter(|n| {

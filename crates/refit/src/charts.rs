@@ -2,6 +2,7 @@
 
 use crate::sides::{Side, sides};
 use lodc_mesh::{DisjointSets, Mesh, NONE, PositionIds, Semantic};
+use rayon::prelude::*;
 
 /// Streams that have to agree at a position for two triangles to be of one chart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,7 +46,7 @@ fn classes(mesh: &Mesh, continuity: Continuity) -> Vec<u32> {
         .collect();
     let key = |v: u32| (mesh.vertex_submesh()[v as usize], positions.of_vertex[v as usize]);
     let mut order: Vec<u32> = (0..mesh.vertex_count() as u32).collect();
-    order.sort_unstable_by(|&a, &b| {
+    order.par_sort_unstable_by(|&a, &b| {
         let mut by = key(a).cmp(&key(b));
         for stream in &streams {
             by = by.then_with(|| stream.at(a).cmp(stream.at(b)));

@@ -72,7 +72,12 @@ pub fn refit(simplified: &Simplified, lod: Lod, options: &Options) -> Mesh {
     let mut positions = Fit::new(&input, &level).run(options.iterations);
     // Positions are stored as f32: what that makes of slivers is known only afterwards.
     loop {
-        match Mesh::try_from(attributes::resample(simplified.mesh(), &level, &positions)) {
+        match Mesh::try_from(attributes::resample(
+            simplified.mesh(),
+            &input.tree,
+            &level,
+            &positions,
+        )) {
             Ok(mesh) => return mesh,
             Err(MeshError::Degenerate { .. }) => put_back(&level, &mut positions),
             Err(e) => unreachable!("only positions and values of attributes changed: {e}"),

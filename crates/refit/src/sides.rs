@@ -1,5 +1,7 @@
 //! Sides of faces, sorted by the edge that they lie on.
 
+use rayon::prelude::*;
+
 /// One side of a face on an undirected edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Side {
@@ -28,6 +30,6 @@ pub(crate) fn sides(faces: &[[u32; 3]]) -> Vec<Side> {
             sides.push(Side { edge: [a.min(b), a.max(b)], half_edge: half_edge + k as u32 });
         }
     }
-    sides.sort_unstable();
+    sides.par_sort_unstable();
     sides
 }

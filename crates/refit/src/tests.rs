@@ -178,6 +178,7 @@ fn pillow() -> Mesh {
 fn a_vertex_takes_nothing_from_the_other_side_of_a_sheet() {
     let s = simplified(&pillow());
     let level = Level::new(&s, Lod(0));
+    let input = Input::new(s.mesh(), level.faces.len());
     let up = |m: &Mesh, v: u32| m.attributes()[0].value(v, 2);
     let above: Vec<u32> =
         (0..level.mesh.vertex_count() as u32).filter(|&v| up(&level.mesh, v) > 0.5).collect();
@@ -186,7 +187,7 @@ fn a_vertex_takes_nothing_from_the_other_side_of_a_sheet() {
         // Nearer to the lower sheet than to its own.
         let mut positions = level.points.clone();
         positions[level.point_of[v as usize] as usize].z = -0.006;
-        let moved = attributes::resample(s.mesh(), &level, &positions);
+        let moved = attributes::resample(s.mesh(), &input.tree, &level, &positions);
         let moved = Mesh::try_from(moved).expect("a mesh");
         assert!(up(&moved, v) > 0.5, "vertex {v}: {}", up(&moved, v));
     }
