@@ -24,12 +24,6 @@ pub fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// `a` for `t` = 0, towards `b`.
-#[must_use]
-pub fn lerp(a: f32, b: f32, t: f32) -> f32 {
-    a + t * (b - a)
-}
-
 /// The largest power of two that is not larger than one over a positive number: scaling by it is
 /// exact.
 #[must_use]

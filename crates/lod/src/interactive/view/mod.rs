@@ -30,7 +30,6 @@ pub use select::{Point, State};
 pub use selector::Selector;
 pub use surface::{kept, live_triangles, morphed_mesh};
 
-use deterministic_math::lerp;
 use lodc_mesh::{Lod, Simplified};
 use lodc_plan::VertexRecords;
 use lodc_verify::{Failure, ShownView, ViewReference};
@@ -108,15 +107,16 @@ impl<'a> Views<'a> {
     pub fn show(&self, view: &ViewQuery) -> Shown {
         let states = self.selector.states(&self.selector.lods(&view.criterion), view.morph);
         let mut vertices = Vec::with_capacity(self.records.words.len());
-        for &State { entry, next, way, .. } in &states {
-            let shown = self.records.at(entry);
+        let position = |v: u32| {
+            let record = self.records.at(v);
+            [record[0], record[1], record[2]].map(f32::from_bits)
+        };
+        for &State { entry, lod, way, .. } in &states {
             let first = vertices.len();
-            vertices.extend_from_slice(shown);
+            vertices.extend_from_slice(self.records.at(entry));
             if way != 0 {
-                let t = way as f32 * (1.0 / 65536.0);
-                for (word, &b) in vertices[first..first + 3].iter_mut().zip(self.records.at(next)) {
-                    *word = lerp(f32::from_bits(*word), f32::from_bits(b), t).to_bits();
-                }
+                let place = select::place(entry, lod, &self.selector.links, position);
+                vertices[first..first + 3].copy_from_slice(&place.map(f32::to_bits));
             }
         }
         Shown { states, vertices }

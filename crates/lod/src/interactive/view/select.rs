@@ -15,7 +15,7 @@ pub struct State {
     pub entry: u32,
     /// The vertex that it becomes next; itself if it is the last.
     pub next: u32,
-    /// The part of the way there that it has gone, in 1/65536; 0 without morphing.
+    /// The part of the way to where that one is that it has gone, in 1/65536; 0 without morphing.
     pub way: u32,
 }
 
@@ -167,18 +167,46 @@ impl Parameters {
 
 /// The state of one vertex at a LOD.
 pub(super) fn state(vertex: u32, lod: u32, links: &[[u32; 2]], morph: bool) -> State {
-    let (mut entry, mut came) = (vertex, 0);
+    let mut entry = vertex;
     while links[entry as usize][1] <= lod {
-        [entry, came] = links[entry as usize];
+        entry = links[entry as usize][0];
     }
     let [next, leaves] = links[entry as usize];
-    let way = if morph {
-        let shift = 16 - (leaves - came).leading_zeros().min(16);
-        ((((lod - came) >> shift) << 16) / ((leaves - came) >> shift)).min(65535)
-    } else {
-        0
-    };
+    let way = if morph { way(leaves, lod, links.len() as u32) } else { 0 };
     State { lod, entry, next, way }
+}
+
+/// The part of the way that a vertex which leaves at the end of some step has gone at a LOD before
+/// it, in 1/65536: it sets out when an eighth of the vertices that are left then go before it.
+fn way(leaves: u32, lod: u32, vertices: u32) -> u32 {
+    let length = leaves.min((vertices - leaves.min(vertices)) / 8 + 1);
+    let gone = lod.saturating_sub(leaves - length);
+    // Integers, because division of integers is exact; both fit 16 bits after the shift.
+    let shift = 16 - length.leading_zeros().min(16);
+    (((gone >> shift) << 16) / (length >> shift)).min(65535)
+}
+
+/// The position of an entry at a LOD, on its way to wherever its target is then: a function of both
+/// alone, so that triangles which have gone do not come back, and without a leap where the entry
+/// changes.
+pub(super) fn place(
+    entry: u32,
+    lod: u32,
+    links: &[[u32; 2]],
+    position: impl Fn(u32) -> [f32; 3],
+) -> [f32; 3] {
+    let (mut here, mut share, mut moved) = (entry, 1.0f32, position(entry));
+    loop {
+        let [next, leaves] = links[here as usize];
+        let gone = way(leaves, lod, links.len() as u32);
+        if gone == 0 {
+            return moved;
+        }
+        share *= gone as f32 * (1.0 / 65536.0);
+        let (a, b) = (position(here), position(next));
+        moved = std::array::from_fn(|i| moved[i] + share * (b[i] - a[i]));
+        here = next;
+    }
 }
 
 /// The LOD that a view wants at a point.

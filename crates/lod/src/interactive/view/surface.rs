@@ -1,23 +1,23 @@
 //! The surface of a view as triangles, or as a mesh of its own where vertices are on their way.
 
-use super::State;
-use super::deterministic_math::lerp;
+use super::{State, select};
 use lodc_mesh::{
     Mesh, MeshError, MeshParts, OrientedTriangle, PositionIds, Simplified, Submesh, is_degenerate,
 };
 use rayon::prelude::*;
 
-/// Returns the number of triangles that are drawn: with morphing, one of which two corners have
-/// gone the same part of one way is not.
+/// Returns the number of triangles that are drawn.
 #[must_use]
 pub fn kept(simplified: &Simplified, positions: &PositionIds, states: &[State]) -> u64 {
-    let at = |v: u32| positions.of_vertex[v as usize];
-    let place = |&v: &u32| {
-        let state = &states[v as usize];
-        (at(state.entry), if state.way == 0 { (0, 0) } else { (at(state.next), state.way) })
+    let count = |place: &(dyn Fn(&u32) -> u32 + Sync)| {
+        let live = |t: &&[u32; 3]| !is_degenerate(t.each_ref().map(place));
+        simplified.mesh().triangles().par_iter().filter(live).count() as u64
     };
-    let live = |t: &&[u32; 3]| !is_degenerate(t.each_ref().map(place));
-    simplified.mesh().triangles().par_iter().filter(live).count() as u64
+    if states.par_iter().all(|state| state.way == 0) {
+        return count(&|&v| positions.of_vertex[states[v as usize].entry as usize]);
+    }
+    let ids = PositionIds::new(&places(simplified, states));
+    count(&|&v| ids.of_vertex[v as usize])
 }
 
 /// Returns the triangles that are not degenerate, with every corner as the vertex that it is shown
@@ -44,7 +44,7 @@ pub fn live_triangles(
 /// If states are not those of the vertices of this mesh.
 pub fn morphed_mesh(simplified: &Simplified, states: &[State]) -> Result<Mesh, MeshError> {
     let mesh = simplified.mesh();
-    let places: Vec<[f32; 3]> = states.par_iter().map(|state| place(mesh, state)).collect();
+    let places = places(simplified, states);
     let ids = PositionIds::new(&places);
     let no_triangles = |s: &Submesh| Submesh { first_triangle: 0, triangle_count: 0, ..s.clone() };
     let entries = || states.iter().map(|state| state.entry);
@@ -67,13 +67,13 @@ fn oriented(mesh: &Mesh) -> impl Iterator<Item = OrientedTriangle> {
     (0..).zip(mesh.submeshes()).flat_map(of)
 }
 
-/// The position of a vertex; the bits of its entry's where it has not left.
-fn place(mesh: &Mesh, state: &State) -> [f32; 3] {
-    let (from, to) =
-        (mesh.positions()[state.entry as usize], mesh.positions()[state.next as usize]);
-    if state.way == 0 {
-        return from;
-    }
-    let t = state.way as f32 * (1.0 / 65536.0);
-    std::array::from_fn(|i| lerp(from[i], to[i], t))
+/// The position of each vertex; the bits of its entry's where it has not left.
+fn places(simplified: &Simplified, states: &[State]) -> Vec<[f32; 3]> {
+    let positions = simplified.mesh().positions();
+    let links = select::links(simplified.collapses());
+    let place = |s: &State| match s.way {
+        0 => positions[s.entry as usize],
+        _ => select::place(s.entry, s.lod, &links, |v| positions[v as usize]),
+    };
+    states.par_iter().map(place).collect()
 }

@@ -3,7 +3,7 @@
 use super::*;
 use crate::interactive::replay::lists;
 use lodc_fixtures as fixtures;
-use lodc_mesh::Lod;
+use lodc_mesh::{Lod, PositionIds};
 use std::sync::Arc;
 
 fn views_of(simplified: &Simplified) -> Views<'_> {
@@ -90,31 +90,58 @@ fn cones_bound_the_normals_of_all_that_collapses_into_a_group() {
 }
 
 #[test]
-fn morphing_starts_at_the_entry_and_stays_before_the_next() {
+fn morphing_shows_the_same_entries_and_triangles_and_goes_the_last_part_of_the_way() {
     let simplified = fixtures::random_collapse(&fixtures::icosphere(2), 1);
     let views = views_of(&simplified);
-    let lists = lists(&simplified).expect("a small mesh");
+    let positions = PositionIds::new(simplified.mesh().positions());
+    let (lists, vertices) = (lists(&simplified).expect("a small mesh"), views.links().len() as u32);
     for lod in 0..simplified.collapses().records() {
         let view = |morph| ViewQuery { criterion: Criterion::everywhere(Lod(lod)), morph };
         let (still, moving) = (views.show(&view(false)), views.show(&view(true)));
+        let count = |shown: &Shown| kept(&simplified, &positions, &shown.states);
+        assert_eq!(count(&moving), count(&still), "LOD {lod}: what has gone stays away");
         for (v, (state, still)) in moving.states.iter().zip(&still.states).enumerate() {
             assert_eq!(state.entry, still.entry);
             let list = lists.list(v as u32);
             let at = list.iter().position(|&e| e == state.entry).expect("an entry of the list");
-            let ends = |record: u32| {
-                simplified.collapses().parts().step_ends
-                    [simplified.collapses().steps_at(Lod(record))]
-            };
-            if at + 1 == list.len() {
-                assert_eq!(state.next, state.entry);
-                continue;
-            }
-            assert_eq!(state.next, list[at + 1]);
-            let came = if at == 0 { 0 } else { ends(list[at - 1]) };
-            let share = f64::from(lod - came) / f64::from(ends(list[at]) - came);
-            assert!((f64::from(state.way) / 65536.0 - share).abs() < 1e-4, "LOD {lod}: {state:?}");
+            assert_eq!(state.next, list.get(at + 1).copied().unwrap_or(state.entry));
+            let leaves = views.links()[state.entry as usize][1];
+            let length = ((vertices - leaves.min(vertices)) / 8 + 1).min(leaves);
+            let share = (f64::from(lod) - f64::from(leaves - length)) / f64::from(length);
+            let way = f64::from(state.way) / 65536.0;
+            assert!((way - share.max(0.0)).abs() < 1e-4, "LOD {lod}: {state:?}");
         }
     }
+}
+
+/// From one LOD to the next no vertex moves farther than its share of its way: none leaps, not
+/// even where it arrives and goes on with one that is under way itself.
+#[test]
+fn morphing_never_leaps() {
+    let simplified = fixtures::random_collapse(&fixtures::icosphere(3), 1);
+    let views = Views::new(&simplified, VertexRecords::positions(simplified.mesh()));
+    let vertices = views.links().len() as u32;
+    let places = |lod| -> Vec<[f32; 3]> {
+        let view = ViewQuery { criterion: Criterion::everywhere(Lod(lod)), morph: true };
+        let shown = views.show(&view).vertices;
+        shown.chunks_exact(3).map(|c| [c[0], c[1], c[2]].map(f32::from_bits)).collect()
+    };
+    // Steps of this fixture are records, and ways are no longer than the sphere is wide. Before
+    // this all set out at LOD 0, which is the input.
+    let first = vertices / 7;
+    let mut before = places(first);
+    let mut under_way = 0;
+    for lod in first + 1..vertices * 9 / 10 {
+        let now = places(lod);
+        let part = 1.0 / f64::from((vertices - lod) / 8);
+        for (a, b) in before.iter().zip(&now) {
+            let moved = (0..3).map(|i| f64::from(a[i] - b[i]).powi(2)).sum::<f64>().sqrt();
+            under_way += usize::from(moved > 0.0);
+            assert!(moved <= 4.0 * part, "LOD {lod}: {moved}, {part} of a way");
+        }
+        before = now;
+    }
+    assert!(under_way > 10_000, "{under_way}");
 }
 
 /// Fig. 5.8: detail inside a region only.

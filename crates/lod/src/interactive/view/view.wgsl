@@ -1,7 +1,7 @@
 // The view-dependent extraction pass (thesis 5.3, algorithm 6), one thread per vertex: chooses a
 // LOD, shows what the vertex has become by then, and with `morph` moves it towards where its next
-// collapse leads. Twin: select.rs and mod.rs. All vertices of a wedge group have one position and
-// one cone here, so they choose the same LOD and nothing tears.
+// collapse leads once that is near. Twin: select.rs and mod.rs. All vertices of a wedge group have
+// one position and one cone here, so they choose the same LOD and nothing tears.
 
 // Constants of a pipeline: compilers leave out what is not asked for.
 // 0: outline, 1: error on the screen, 2: sphere, 3: box.
@@ -104,6 +104,16 @@ fn place(v: u32) -> vec3<u32> {
     return vec3<u32>(source[first], source[first + 1u], source[first + 2u]);
 }
 
+// The part of the way that a vertex which leaves at the end of some step has gone at a LOD before
+// it, in 1/65536: it sets out when an eighth of the vertices that are left then go before it.
+// Integers, because division of integers is exact; both fit 16 bits after the shift.
+fn way(leaves: u32, lod: u32) -> u32 {
+    let length = min(leaves, (p.vertices - min(leaves, p.vertices)) / 8u + 1u);
+    let gone = lod - min(lod, leaves - length);
+    let shift = 16u - min(16u, countLeadingZeros(length));
+    return min(((gone >> shift) << 16u) / (length >> shift), 65535u);
+}
+
 @compute @workgroup_size(WORKGROUP)
 fn main(thread: Thread) {
     let v = number_of(thread);
@@ -111,31 +121,34 @@ fn main(thread: Thread) {
     let lod = wanted(points[v]);
     // As far as the collapses go whose steps are over.
     var at = v;
-    var came = 0u;
     while (at < lod) {
         let link = links[at];
         if (link.y > lod) { break; }
         at = link.x;
-        came = link.y;
     }
     // From the record: points of a group stand where its first one does, whatever its zeros' signs.
     var position = place(at);
     if (morph) {
-        // Between the step that brought the vertex here and the one that takes it away. Integers,
-        // because division of integers is exact; both fit 16 bits after the shift.
-        let next = links[at];
-        let shift = 16u - min(16u, countLeadingZeros(next.y - came));
-        let way = min((((lod - came) >> shift) << 16u) / ((next.y - came) >> shift), 65535u);
-        let t = f32(way) * (1.0 / 65536.0);
-        let a = bitcast<vec3<f32>>(position);
-        let b = bitcast<vec3<f32>>(place(next.x));
-        let moved = vec3<f32>(
-            r(a.x + r(t * r(b.x - a.x))),
-            r(a.y + r(t * r(b.y - a.y))),
-            r(a.z + r(t * r(b.z - a.z))),
-        );
+        // To where its target is, which may be on its way too.
+        var here = at;
+        var share = 1.0;
+        var moved = bitcast<vec3<f32>>(position);
+        loop {
+            let link = links[here];
+            let gone = way(link.y, lod);
+            if (gone == 0u) { break; }
+            share = r(share * (f32(gone) * (1.0 / 65536.0)));
+            let a = bitcast<vec3<f32>>(place(here));
+            let b = bitcast<vec3<f32>>(place(link.x));
+            moved = vec3<f32>(
+                r(moved.x + r(share * r(b.x - a.x))),
+                r(moved.y + r(share * r(b.y - a.y))),
+                r(moved.z + r(share * r(b.z - a.z))),
+            );
+            here = link.x;
+        }
         // Exactly where it was: its bits, also those of a zero.
-        position = select(bitcast<vec3<u32>>(moved), position, t == 0.0);
+        position = select(bitcast<vec3<u32>>(moved), position, here == at);
     }
     let to_record = v * stride;
     vertices[to_record] = position.x;
