@@ -104,7 +104,8 @@ impl Part {
                 .collect::<Result<_, _>>()?,
         };
         if part.materials.is_some() && (part.shapes_order() || part.has_level()) {
-            return Err("of a material, only lock can be given".to_owned());
+            let why = "the materials of an object collapse together";
+            return Err(format!("of a material, only lock can be given: {why}"));
         }
         Ok(part)
     }

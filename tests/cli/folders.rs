@@ -100,6 +100,58 @@ fn built() -> Folder {
 const QUICK: [&str; 4] = ["--samples", "2000", "--views", "0"];
 
 #[test]
+fn a_list_says_what_is_compared_with_what_and_parts_of_it_are_complete() {
+    let f = assets();
+    let lines = [
+        r#"{"a": "in/a.obj", "input": "in/props/b.obj"}"#,
+        r#"{"a": "in/a.obj", "input": "in/a.obj", "options": {"ratio": "50%"}}"#,
+        r#"{"a": "in/gone.obj", "input": "in/props/b.lodc"}"#,
+        r#"{"a": "in/a.obj", "input": "in/bad.obj"}"#,
+    ];
+    f.file("list", lines.join("\n"));
+    let run = |more: &[&str]| {
+        f.lodc(["compare", "--manifest", "list", "--json"].iter().chain(&QUICK).chain(more))
+    };
+    let whole = run(&[]).ends(3).json();
+    let of = |report: &Value, i: usize| report["results"][i].clone();
+    let half = of(&whole, 1);
+    let single = f
+        .lodc(["compare", "in/a.obj", "in/a.obj", "--ratio", "50%", "--json"].iter().chain(&QUICK));
+    let single = single.ends(0).json();
+    assert_eq!(half["rms"], single["rms"], "as by itself");
+    assert!(half["triangles"]["b"].as_u64() < half["triangles"]["a"].as_u64());
+    let failed: Vec<bool> = (0..4).map(|i| of(&whole, i)["error"].is_string()).collect();
+    assert_eq!(failed, [false, false, true, true]);
+
+    let mut parts = Vec::new();
+    for part in ["1/2", "2/2"] {
+        let report = run(&["--shard", part]).json();
+        parts.extend(report["results"].as_array().expect("a list").clone());
+    }
+    let sorted = |list: &[Value]| {
+        let mut names: Vec<String> = list.iter().map(|r| r["input"].to_string()).collect();
+        names.sort();
+        names
+    };
+    assert_eq!(sorted(&parts), sorted(whole["results"].as_array().expect("a list")));
+
+    for (line, why) in [
+        (r#"{"input": "in/a.obj"}"#, "line 1: a, what to compare with"),
+        (r#"{"a": "in/a.obj", "input": "in/a.obj", "output": "x"}"#, "line 1: output"),
+        (r#"{"b": "in/a.obj", "input": "in/a.obj"}"#, "line 1"),
+    ] {
+        f.file("list", line);
+        let refused = run(&[]).ends(3);
+        assert!(refused.err.contains(why), "{line}: {}", refused.err);
+    }
+    f.file("list", lines[0]);
+    let refused = f.lodc(["build", "--manifest", "list"]).ends(3);
+    assert!(refused.err.contains("a is for compare alone"), "{}", refused.err);
+    f.lodc(["compare", "in", "out", "--manifest", "list"]).ends(2);
+    f.lodc(["compare", "in/a.obj"]).ends(2);
+}
+
+#[test]
 fn folders_are_compared_file_by_file_and_level_by_level() {
     let f = built();
     f.file("out/c.obj", grid(3));

@@ -2,7 +2,7 @@
 
 use super::folder::{Filter, files, slashed};
 use super::{BatchArgs, OptionValues, manifest};
-use crate::exit::{Failure, Outcome, Status};
+use crate::exit::{Failure, Outcome};
 use crate::output::{self, Target};
 use std::path::{Path, PathBuf};
 
@@ -81,9 +81,11 @@ pub(crate) fn assets(sources: Sources<'_>, batch: &BatchArgs) -> Outcome<Vec<Ass
     }
     if let Some(list) = &batch.manifest {
         for (number, line) in manifest::read(list)? {
-            let options = line.options().map_err(|what| {
-                Failure::new(Status::Input, format!("{}: line {number}: {what}", list.display()))
-            })?;
+            let options = match line.a {
+                Some(_) => Err("a is for compare alone".to_owned()),
+                None => line.options(),
+            };
+            let options = options.map_err(|what| manifest::wrong(list, number, &what))?;
             let name = slashed(&line.input);
             let target = Target::File(listed_target(&line, folder_out, sources.writes));
             let asset = found(line.input, name, None, Ok(target));

@@ -11,6 +11,8 @@ use std::path::{Path, PathBuf};
 #[serde(deny_unknown_fields)]
 pub(super) struct Line {
     pub(super) input: PathBuf,
+    /// The file that `compare` compares it with.
+    pub(super) a: Option<PathBuf>,
     pub(super) output: Option<PathBuf>,
     #[serde(default)]
     options: serde_json::Map<String, serde_json::Value>,
@@ -24,6 +26,11 @@ impl Line {
     pub(super) fn options(&self) -> Result<OptionValues, String> {
         OptionValues::from_json(&self.options)
     }
+}
+
+/// Something wrong with a line of a list.
+pub(super) fn wrong(list: &Path, number: usize, what: &str) -> Failure {
+    Failure::new(Status::Input, format!("{}: line {number}: {what}", list.display()))
 }
 
 /// Reads a list, `-` from standard input; blank lines are passed over. Returns pairs of line

@@ -59,7 +59,8 @@ pub(crate) fn expand(
 #[command(next_help_heading = "Many assets")]
 pub(crate) struct BatchArgs {
     /// Read assets from FILE, a JSON document in each line: {"input": PATH, "output": PATH,
-    /// "options": {"metric": "hybrid", ...}}; the last two may be left out; `-` for standard input
+    /// "options": {"metric": "hybrid", ...}}; the last two may be left out; of `compare`, {"a":
+    /// PATH, "input": PATH, "options": ...}; `-` for standard input
     #[arg(long, value_name = "FILE")]
     pub(crate) manifest: Option<PathBuf>,
     /// Of folders, take only files whose path below the folder matches (may be given several

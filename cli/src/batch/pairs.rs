@@ -1,8 +1,9 @@
-//! Pairs of files to be compared: two files, or the files of two folders by their names.
+//! Pairs of files to be compared: two files, the files of two folders by their names, or those of a
+//! list.
 
 use super::assets::found;
 use super::folder::{Filter, files, slashed};
-use super::{Asset, LEVELS};
+use super::{Asset, BatchArgs, LEVELS, manifest};
 use crate::exit::{Failure, Outcome, Status};
 use crate::output::Target;
 use std::collections::BTreeMap;
@@ -17,23 +18,35 @@ pub(crate) struct Pair {
     pub(crate) other: Outcome<PathBuf>,
 }
 
-/// Returns the pairs of two files or of two folders. Of `b`, files that the globs choose are taken;
-/// each is compared with the file of `a` of the same path, else of the path without its extension
-/// (`club.obj` for `club.obj.lodc`), else with the only one that differs in its extension.
+/// Returns the pairs of two files, of two folders or of a list, those of the part that is wanted.
 ///
 /// # Errors
-/// If one is a folder and the other is none, or a folder has no file to compare.
-pub(crate) fn pairs(
-    a: &Path,
-    b: &Path,
-    include: &[String],
-    exclude: &[String],
-) -> Outcome<Vec<Pair>> {
-    let filter = Filter::new(include, exclude)?;
-    let done = |path: PathBuf, name, folder| found(path, name, folder, Ok(Target::Stdout));
+/// If one is a folder and the other is none, a folder has no file to compare, or a list is none.
+pub(crate) fn pairs(named: Option<[&Path; 2]>, batch: &BatchArgs) -> Outcome<Vec<Pair>> {
+    let mut pairs = match (named, &batch.manifest) {
+        (Some([a, b]), _) => of_paths(a, b, batch)?,
+        (None, Some(list)) => of_list(list)?,
+        (None, None) => Vec::new(),
+    };
+    if let Some(shard) = batch.shard {
+        pairs.retain(|pair| shard.has(&pair.asset.name));
+    }
+    Ok(pairs)
+}
+
+/// A file to be judged, without options of its own.
+fn judged(path: PathBuf, name: String, folder: Option<PathBuf>) -> Asset {
+    found(path, name, folder, Ok(Target::Stdout))
+}
+
+/// Of `b`, files that the globs choose are taken; each is compared with the file of `a` of the same
+/// path, else of the path without its extension (`club.obj` for `club.obj.lodc`), else with the
+/// only one that differs in its extension.
+fn of_paths(a: &Path, b: &Path, batch: &BatchArgs) -> Outcome<Vec<Pair>> {
+    let filter = Filter::new(&batch.include, &batch.exclude)?;
     match (a.is_dir(), b.is_dir()) {
         (false, false) => {
-            let asset = done(b.to_owned(), slashed(b), None);
+            let asset = judged(b.to_owned(), slashed(b), None);
             Ok(vec![Pair { asset, other: Ok(a.to_owned()) }])
         }
         (true, true) => {
@@ -44,12 +57,28 @@ pub(crate) fn pairs(
                     let what = format!("{} has no file of this name", a.display());
                     Failure::new(Status::Input, format!("{}: {what}", path.display()))
                 }),
-                asset: done(path, name, Some(b.to_owned())),
+                asset: judged(path, name, Some(b.to_owned())),
             };
             Ok(files(b, &LEVELS, &filter)?.into_iter().map(pair).collect())
         }
         _ => Err(Failure::usage("a folder is compared with a folder, a file with a file")),
     }
+}
+
+/// The pairs of a list: in each line `a`, what the file is compared with.
+fn of_list(list: &Path) -> Outcome<Vec<Pair>> {
+    let pair = |(number, line): (usize, manifest::Line)| {
+        let wrong = |what: &str| manifest::wrong(list, number, what);
+        if line.output.is_some() {
+            return Err(wrong("output: compare writes none"));
+        }
+        let options = line.options().map_err(|what| wrong(&what))?;
+        let Some(a) = line.a else { return Err(wrong("a, what to compare with, is missing")) };
+        let asset = judged(line.input.clone(), slashed(&line.input), None);
+        let line = Some((list.to_owned(), number));
+        Ok(Pair { asset: Asset { options, line, ..asset }, other: Ok(a) })
+    };
+    manifest::read(list)?.into_iter().map(pair).collect()
 }
 
 fn counterpart<'a>(all: &'a BTreeMap<String, PathBuf>, name: &str) -> Option<&'a PathBuf> {

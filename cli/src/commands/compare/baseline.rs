@@ -48,7 +48,7 @@ impl Baseline {
     /// If it cannot be read, or is not there and not to be recorded.
     pub(super) fn open(args: &CompareArgs) -> Outcome<Option<Self>> {
         let Some(path) = &args.baseline else { return Ok(None) };
-        if output::is_stream(path) || [&args.a, &args.b].contains(&path) {
+        if output::is_stream(path) || args.named().is_some_and(|named| named.contains(&&**path)) {
             return Err(Failure::usage("--baseline needs a file or folder of its own"));
         }
         let is_folder = output::is_folder(path);

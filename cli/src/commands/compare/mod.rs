@@ -11,7 +11,7 @@ mod surface;
 use super::asset::SimplifyArgs;
 use super::ci::CiArgs;
 use super::each::{self, AssetOptions};
-use crate::batch::{self, Asset, Pair};
+use crate::batch::{self, Asset, BatchArgs, Pair};
 use crate::config::{ConfigArgs, Configs};
 use crate::console::{self, note};
 use crate::exit::{Failure, Outcome, Status};
@@ -28,7 +28,7 @@ use measure::Measured;
 use rayon::ThreadPoolBuilder;
 use report::PairReport;
 use std::num::NonZeroUsize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use surface::Wish;
 
 /// Distances below this share of the diagonal are rounding: the heatmap shows none.
@@ -38,11 +38,13 @@ const ROUNDING: f64 = 1e-6;
 #[derive(Args, Clone, Debug)]
 pub(crate) struct CompareArgs {
     /// The mesh to compare with: OBJ, glTF, GLB or .lodc; `-` for standard input; or a folder
-    a: PathBuf,
+    #[arg(required_unless_present = "manifest", conflicts_with = "manifest", requires = "b")]
+    a: Option<PathBuf>,
     /// The mesh to be judged, or the asset whose level is: a mesh is then simplified in memory; or
     /// a folder, whose files are compared with those of A of the same path, with or without a
     /// further extension
-    b: PathBuf,
+    #[arg(required_unless_present = "manifest")]
+    b: Option<PathBuf>,
     /// The level of A: a share (25%, 0.25) or a number (10k) of triangles [default: all]
     #[arg(long, value_name = "LEVEL", value_parser = size)]
     level_a: Option<Target>,
@@ -119,12 +121,8 @@ pub(crate) struct CompareArgs {
     jobs: Option<NonZeroUsize>,
     #[command(flatten)]
     import: ImportArgs,
-    /// Of folders, take only files of B whose path below it matches (may be given several times)
-    #[arg(long, value_name = "GLOB")]
-    include: Vec<String>,
-    /// Of folders, leave out files of B whose path below it matches (may be given several times)
-    #[arg(long, value_name = "GLOB")]
-    exclude: Vec<String>,
+    #[command(flatten)]
+    batch: BatchArgs,
     #[command(flatten)]
     configuration: ConfigArgs,
 }
@@ -146,6 +144,16 @@ fn share(text: &str) -> Result<f64, String> {
 }
 
 impl CompareArgs {
+    /// The two paths; none with a list.
+    fn named(&self) -> Option<[&Path; 2]> {
+        Some([self.a.as_deref()?, self.b.as_deref()?])
+    }
+
+    /// Returns whether there may be several pairs.
+    fn takes_many(&self) -> bool {
+        self.named().is_none_or(|[a, _]| a.is_dir())
+    }
+
     /// The levels of B, with their names if there may be several.
     fn wishes(&self) -> Vec<(Option<String>, Wish)> {
         let per_object = self.level_b.per_object();
@@ -191,7 +199,7 @@ pub(crate) fn run(args: &CompareArgs) -> Outcome<Status> {
 fn checked(args: &CompareArgs) -> Outcome<Status> {
     check(args)?;
     let baseline = Baseline::open(args)?;
-    let pairs = batch::pairs(&args.a, &args.b, &args.include, &args.exclude)?;
+    let pairs = batch::pairs(args.named(), &args.batch)?;
     let (mut assets, others): (Vec<Asset>, Vec<Outcome<PathBuf>>) =
         pairs.into_iter().map(|Pair { asset, other }| (asset, other)).unzip();
     Configs::new(&args.configuration, "compare").apply(&mut assets)?;
@@ -200,7 +208,7 @@ fn checked(args: &CompareArgs) -> Outcome<Status> {
     let pool = ThreadPoolBuilder::new().num_threads(threads).build();
     let pool =
         pool.map_err(|e| Failure::new(Status::Limit, format!("no threads to work with: {e}")))?;
-    let (several, bar) = (args.a.is_dir(), BatchProgress::new(assets.len()));
+    let (several, bar) = (args.takes_many(), BatchProgress::new(assets.len()));
     // One after the other: each takes all threads, and much memory for its pictures.
     let one = |(asset, other): (&Asset, Outcome<PathBuf>)| {
         let done = each::guarded(&asset.input, || {
@@ -223,13 +231,13 @@ fn checked(args: &CompareArgs) -> Outcome<Status> {
 /// Checks that nothing is read or written twice.
 fn check(args: &CompareArgs) -> Outcome<()> {
     args.level_b.check_distance()?;
-    let inputs = [&args.a, &args.b];
-    if inputs.iter().all(|path| output::is_stream(path)) {
+    let inputs: Vec<&PathBuf> = [&args.a, &args.b].into_iter().flatten().collect();
+    if inputs.len() == 2 && inputs.iter().all(|path| output::is_stream(path)) {
         return Err(Failure::usage("standard input can be read once only"));
     }
-    args.ci.check(inputs.into_iter())?;
+    args.ci.check(inputs.iter().copied())?;
     let Some(path) = &args.heatmap else { return Ok(()) };
-    if args.a.is_dir() || args.levels.len() > 1 {
+    if args.takes_many() || args.levels.len() > 1 {
         return Err(Failure::usage("--heatmap shows two files and one level"));
     }
     if output::is_stream(path) || inputs.contains(&path) {
@@ -275,7 +283,7 @@ fn finish(
     if let Some(baseline) = baseline {
         baseline.write(recorded)?;
     }
-    let several = args.a.is_dir();
+    let several = args.takes_many();
     if several {
         let ok = |r: &&ResultReport<PairReport>| matches!(r, ResultReport::Done(r) if r.ok);
         let ok = results.iter().filter(ok).count();
