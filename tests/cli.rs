@@ -18,6 +18,8 @@ mod compare;
 mod compress;
 #[path = "cli/criterion.rs"]
 mod criterion;
+#[path = "cli/crowd.rs"]
+mod crowd;
 #[path = "cli/determinism.rs"]
 mod determinism;
 #[path = "cli/errors.rs"]

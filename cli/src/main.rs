@@ -3,6 +3,7 @@
 
 mod batch;
 mod bits;
+mod chart;
 mod cli;
 mod colours;
 mod commands;

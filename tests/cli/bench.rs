@@ -287,40 +287,6 @@ fn a_device_is_timed_in_every_model_and_its_memory_counted() {
     near(words("/masking/masks/normals"), words("/masking/masks/positions") + 3.0 * v);
 }
 
-/// Triangles and times per frame of every structure, by levels of all kinds.
-#[test]
-fn a_crowd_has_fewer_triangles_by_distance_and_every_structure_the_same() {
-    let f = Folder::new();
-    f.file("g.obj", grid(12));
-    f.file("h.obj", grid(6));
-    let crowd = |more: &[&str]| {
-        let args = ["bench", "g.obj", "h.obj", "--crowd", "--instances", "30", "--seconds", "6"];
-        f.lodc(args.iter().chain(&["--json"]).chain(more)).ends(0).json()["crowd"].clone()
-    };
-    let report = crowd(&[]);
-    assert_eq!(report["frames"], 60);
-    let none = report["none"]["triangles_per_frame"].as_f64().expect("a mean");
-    assert!((none - 15.0 * (288.0 + 72.0)).abs() < 1e-9, "{none}");
-    let models = report["models"].as_object().expect("models");
-    let names: Vec<&str> = models.keys().map(String::as_str).collect();
-    assert_eq!(names, ["interactive", "lodstrips", "masking", "progressive_mesh", "speed"]);
-    for (name, model) in models {
-        let of = |policy: &str, key: &str| model[policy][key].as_f64().expect("a number");
-        let (every, five) =
-            (of("continuous", "triangles_per_frame"), of("discrete", "triangles_per_frame"));
-        assert!(0.0 < every && every < five && five < none, "{name}: {every} {five} {none}");
-        assert_eq!(every, models["speed"]["continuous"]["triangles_per_frame"]);
-        assert!(of("continuous", "extraction_ms_per_frame") > 0.0, "{name}");
-        // Few levels are shared by many, and few change from frame to frame.
-        assert!(of("discrete", "shared") > of("continuous", "shared"), "{name}");
-        assert!(of("discrete", "changed") < of("continuous", "changed"), "{name}");
-    }
-    let still = |seed: &str| crowd(&["--no-times", "--seed", seed]);
-    assert_eq!(still("7"), still("7"), "the same but for times");
-    assert!(still("7") != still("8"));
-    f.lodc(["bench", "g.obj", "--instances", "3"]).ends(2);
-}
-
 #[test]
 fn curves_over_levels_have_a_point_for_each_of_their_lods() {
     let f = Folder::new();

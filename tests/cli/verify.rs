@@ -1,7 +1,6 @@
 //! `lodc verify`: it finds every difference and never cries wolf.
 
-use crate::support::{Folder, LODC, Run, grid, scene};
-use std::process::Command;
+use crate::support::{Folder, grid, scene};
 
 fn built() -> Folder {
     let f = Folder::new();
@@ -111,35 +110,22 @@ fn a_damaged_file_is_never_read_as_a_good_one() {
     assert_eq!(report["files"][1]["ok"], true, "the others are still done");
 }
 
-/// The program on a system whose graphics drivers cannot be found.
-fn without_gpu(f: &Folder, args: &[&str]) -> Run {
-    Run::of(
-        Command::new(LODC)
-            .args(args)
-            .current_dir(f.path())
-            .env("VK_DRIVER_FILES", "nothing")
-            .env("WGPU_BACKEND", "vulkan"),
-    )
-}
-
 #[test]
 fn a_gpu_that_is_required_and_not_there_is_6_and_never_a_pass() {
     let f = built();
     for gpu in ["--gpu", "--gpu=require"] {
-        let run = without_gpu(&f, &["verify", "g.lodc", gpu]).ends(6);
+        let run = f.without_gpu(["verify", "g.lodc", gpu]).ends(6);
         assert!(
             run.text().is_empty() && run.err.contains("GPU") && run.errors() == 1,
             "{}",
             run.err
         );
     }
-    let report = without_gpu(&f, &["verify", "g.lodc", "--gpu=auto", "--json"]).ends(0).json();
+    let report = f.without_gpu(["verify", "g.lodc", "--gpu=auto", "--json"]).ends(0).json();
     let checks = report["files"][0]["checks"].as_array().expect("checks");
     let gpu = checks.iter().find(|c| c["device"] == "gpu").expect("it is reported");
     assert!(gpu["ok"].is_null() && gpu["skipped"].is_string(), "{gpu}");
-    assert!(
-        without_gpu(&f, &["verify", "g.lodc", "--gpu=auto"]).ends(0).text().contains("skipped")
-    );
+    assert!(f.without_gpu(["verify", "g.lodc", "--gpu=auto"]).ends(0).text().contains("skipped"));
     assert_eq!(
         f.lodc(["verify", "g.lodc", "--gpu", "--adapter", "no such adapter"]).status,
         Some(6)

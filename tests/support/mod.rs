@@ -72,6 +72,12 @@ impl Folder {
                 .env_remove(MISSING),
         )
     }
+    /// Runs the program where there is no graphics adapter.
+    pub(crate) fn without_gpu<S: AsRef<OsStr>>(&self, args: impl IntoIterator<Item = S>) -> Run {
+        let mut command = Command::new(LODC);
+        command.args(args).current_dir(&self.0).stdin(Stdio::null());
+        Run::of(command.env("VK_DRIVER_FILES", "nothing").env("WGPU_BACKEND", "vulkan"))
+    }
     /// Runs the program here with something on standard input.
     pub(crate) fn lodc_with<S: AsRef<OsStr>>(
         &self,

@@ -6,7 +6,7 @@ use lodc_plan::Drawn;
 use std::num::NonZeroU64;
 
 /// Pixels across and down.
-const SIZE: u32 = 512;
+pub(crate) const SIZE: u32 = 512;
 const COLOUR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
@@ -15,6 +15,13 @@ pub(crate) struct Canvas {
     drawn: Drawn,
     pipeline: wgpu::RenderPipeline,
     group: wgpu::BindGroup,
+    targets: Targets,
+}
+
+/// The textures that are drawn into.
+pub(crate) struct Targets {
+    #[cfg(test)]
+    pub(crate) picture: wgpu::Texture,
     colour: wgpu::TextureView,
     depth: wgpu::TextureView,
 }
@@ -26,20 +33,13 @@ impl Canvas {
     /// If the device refuses.
     pub(crate) fn new(session: &Session<'_>, drawn: &Drawn) -> Result<Self, GpuError> {
         let gpu = &session.device.device;
-        let target = |format| {
-            let texture = gpu.create_texture(&wgpu::TextureDescriptor {
-                label: None,
-                size: wgpu::Extent3d { width: SIZE, height: SIZE, depth_or_array_layers: 1 },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format,
-                usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
-                view_formats: &[],
-            });
-            texture.create_view(&wgpu::TextureViewDescriptor::default())
+        let position = wgpu::VertexBufferLayout {
+            array_stride: 4 * drawn.stride as u64,
+            step_mode: wgpu::VertexStepMode::Vertex,
+            attributes: &wgpu::vertex_attr_array![0 => Float32x3],
         };
-        let pipeline = pipeline(gpu, drawn);
+        let shader = include_str!("draw.wgsl");
+        let pipeline = pipeline(gpu, shader, &[Some(position)], drawn.strips);
         let scene = gpu.create_buffer(&wgpu::BufferDescriptor {
             label: None,
             size: 32,
@@ -61,7 +61,7 @@ impl Canvas {
             }],
         });
         session.device.check()?;
-        Ok(Self { drawn: *drawn, pipeline, group, colour: target(COLOUR), depth: target(DEPTH) })
+        Ok(Self { drawn: *drawn, pipeline, group, targets: Targets::new(gpu) })
     }
 
     /// Draws into a fresh picture, between two time stamps if there is room for them: the set, and
@@ -73,7 +73,54 @@ impl Canvas {
         clock: Option<(&wgpu::QuerySet, u32)>,
     ) {
         let drawn = &self.drawn;
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        let mut pass = self.targets.pass(encoder, clock);
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, &self.group, &[]);
+        pass.set_vertex_buffer(0, session.buffers[drawn.vertices.0].slice(..));
+        pass.set_index_buffer(
+            session.buffers[drawn.indices.0].slice(..),
+            wgpu::IndexFormat::Uint32,
+        );
+        for draw in 0..drawn.count {
+            pass.draw_indexed_indirect(&session.buffers[drawn.draws.0], 20 * draw as u64);
+        }
+    }
+}
+
+impl Targets {
+    pub(crate) fn new(gpu: &wgpu::Device) -> Self {
+        let target = |format, usage| {
+            gpu.create_texture(&wgpu::TextureDescriptor {
+                label: None,
+                size: wgpu::Extent3d { width: SIZE, height: SIZE, depth_or_array_layers: 1 },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format,
+                usage: wgpu::TextureUsages::RENDER_ATTACHMENT | usage,
+                view_formats: &[],
+            })
+        };
+        let view = |t: &wgpu::Texture| t.create_view(&wgpu::TextureViewDescriptor::default());
+        let picture = target(COLOUR, wgpu::TextureUsages::COPY_SRC);
+        let depth = view(&target(DEPTH, wgpu::TextureUsages::empty()));
+        let colour = view(&picture);
+        Self {
+            #[cfg(test)]
+            picture,
+            colour,
+            depth,
+        }
+    }
+
+    /// A pass over a fresh picture, between two time stamps if there is room for them: the set, and
+    /// the first of the two.
+    pub(crate) fn pass<'e>(
+        &self,
+        encoder: &'e mut wgpu::CommandEncoder,
+        clock: Option<(&wgpu::QuerySet, u32)>,
+    ) -> wgpu::RenderPass<'e> {
+        encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
                 view: &self.colour,
                 depth_slice: None,
@@ -97,24 +144,20 @@ impl Canvas {
                 end_of_pass_write_index: Some(first + 1),
             }),
             ..wgpu::RenderPassDescriptor::default()
-        });
-        pass.set_pipeline(&self.pipeline);
-        pass.set_bind_group(0, &self.group, &[]);
-        pass.set_vertex_buffer(0, session.buffers[drawn.vertices.0].slice(..));
-        pass.set_index_buffer(
-            session.buffers[drawn.indices.0].slice(..),
-            wgpu::IndexFormat::Uint32,
-        );
-        for draw in 0..drawn.count {
-            pass.draw_indexed_indirect(&session.buffers[drawn.draws.0], 20 * draw as u64);
-        }
+        })
     }
 }
 
-fn pipeline(gpu: &wgpu::Device, drawn: &Drawn) -> wgpu::RenderPipeline {
+/// Draws of triangles or strips with depth.
+pub(crate) fn pipeline(
+    gpu: &wgpu::Device,
+    shader: &'static str,
+    buffers: &[Option<wgpu::VertexBufferLayout<'_>>],
+    strips: bool,
+) -> wgpu::RenderPipeline {
     let module = gpu.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some("draw"),
-        source: wgpu::ShaderSource::Wgsl(include_str!("draw.wgsl").into()),
+        source: wgpu::ShaderSource::Wgsl(shader.into()),
     });
     gpu.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some("draw"),
@@ -123,23 +166,15 @@ fn pipeline(gpu: &wgpu::Device, drawn: &Drawn) -> wgpu::RenderPipeline {
             module: &module,
             entry_point: Some("vertex"),
             compilation_options: wgpu::PipelineCompilationOptions::default(),
-            buffers: &[Some(wgpu::VertexBufferLayout {
-                array_stride: 4 * drawn.stride as u64,
-                step_mode: wgpu::VertexStepMode::Vertex,
-                attributes: &[wgpu::VertexAttribute {
-                    format: wgpu::VertexFormat::Float32x3,
-                    offset: 0,
-                    shader_location: 0,
-                }],
-            })],
+            buffers,
         },
         primitive: wgpu::PrimitiveState {
-            topology: if drawn.strips {
+            topology: if strips {
                 wgpu::PrimitiveTopology::TriangleStrip
             } else {
                 wgpu::PrimitiveTopology::TriangleList
             },
-            strip_index_format: drawn.strips.then_some(wgpu::IndexFormat::Uint32),
+            strip_index_format: strips.then_some(wgpu::IndexFormat::Uint32),
             ..wgpu::PrimitiveState::default()
         },
         depth_stencil: Some(wgpu::DepthStencilState {

@@ -22,6 +22,7 @@
 mod device;
 mod draw;
 mod error;
+mod instanced;
 mod measure;
 pub mod picture;
 mod replay;
@@ -30,6 +31,7 @@ mod timer;
 
 pub use device::{Adapter, Device, LimitOverrides};
 pub use error::GpuError;
+pub use instanced::{Instance, Instanced, InstancedDraw, InstancedFrame};
 pub use measure::{Figure, measure};
 pub use replay::{Difference, Replayed, replay};
 pub use session::Session;

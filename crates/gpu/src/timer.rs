@@ -6,7 +6,7 @@ use lodc_plan::Pass;
 use std::time::Duration;
 
 /// The host's clock, from any start.
-type Now<'n> = &'n dyn Fn() -> Duration;
+pub(crate) type Now<'n> = &'n dyn Fn() -> Duration;
 
 /// Runs that are submitted at once: submitting takes longer than a small run does.
 const BATCH: usize = 256;
@@ -63,7 +63,7 @@ impl Session<'_> {
         for passes in runs {
             self.encode(&mut encoder, passes, None)?;
         }
-        self.submitted(encoder, now)
+        self.device.submitted(encoder, now)
     }
 
     fn draws_timed_by_host(
@@ -80,34 +80,40 @@ impl Session<'_> {
                 .device
                 .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
             canvas.encode(self, &mut encoder, None);
-            nanoseconds += self.submitted(encoder, now)?;
+            nanoseconds += self.device.submitted(encoder, now)?;
         }
         Ok(nanoseconds)
     }
+}
 
+impl Device {
     /// Nanoseconds from submitting to being done.
-    fn submitted(&self, encoder: wgpu::CommandEncoder, now: Now<'_>) -> Result<f64, GpuError> {
+    pub(crate) fn submitted(
+        &self,
+        encoder: wgpu::CommandEncoder,
+        now: Now<'_>,
+    ) -> Result<f64, GpuError> {
         let commands = encoder.finish();
-        // Uploads of parameters are not what is timed.
-        self.device.queue.submit([]);
-        self.device.wait()?;
+        // Uploads are not what is timed.
+        self.queue.submit([]);
+        self.wait()?;
         let start = now();
-        self.device.queue.submit([commands]);
-        self.device.wait()?;
+        self.queue.submit([commands]);
+        self.wait()?;
         Ok(now().saturating_sub(start).as_nanos() as f64)
     }
 }
 
 /// Time stamps, in pairs.
-struct Clock {
-    queries: wgpu::QuerySet,
+pub(crate) struct Clock {
+    pub(crate) queries: wgpu::QuerySet,
     count: u32,
     resolved: wgpu::Buffer,
     readable: wgpu::Buffer,
 }
 
 impl Clock {
-    fn new(device: &Device, count: u32) -> Self {
+    pub(crate) fn new(device: &Device, count: u32) -> Self {
         let gpu = &device.device;
         let make = |usage| {
             let size = 8 * u64::from(count);
@@ -130,7 +136,7 @@ impl Clock {
         }
     }
 
-    fn resolve(&self, encoder: &mut wgpu::CommandEncoder) {
+    pub(crate) fn resolve(&self, encoder: &mut wgpu::CommandEncoder) {
         encoder.resolve_query_set(&self.queries, 0..self.count, &self.resolved, 0);
         encoder.copy_buffer_to_buffer(
             &self.resolved,
@@ -142,7 +148,7 @@ impl Clock {
     }
 
     /// Nanoseconds of all pairs together.
-    fn read(&self, device: &Device) -> Result<f64, GpuError> {
+    pub(crate) fn read(&self, device: &Device) -> Result<f64, GpuError> {
         let mut sum = 0;
         device.map(&self.readable, 8 * u64::from(self.count), |bytes| {
             let ticks: &[[u64; 2]] = bytemuck::cast_slice(bytes);

@@ -23,6 +23,13 @@ pub(super) fn points<T: Copy>(of_stops: &[T]) -> Vec<T> {
     (1..=count).map(|i| of_stops[i * of_stops.len() / count - 1]).collect()
 }
 
+/// Means of as many runs of values: the points of a curve.
+pub(super) fn means(values: &[f64]) -> Vec<f64> {
+    let count = values.len().min(POINTS);
+    let run = |i: usize| &values[i * values.len() / count..(i + 1) * values.len() / count];
+    (0..count).map(run).map(|run| run.iter().sum::<f64>() / run.len() as f64).collect()
+}
+
 /// Returns the stops of a sweep on its way down: every `share` of the LODs, the last one included,
 /// LOD 0 not.
 pub(super) fn stops(collapses: &CollapseSequence, share: f64) -> Vec<Lod> {

@@ -24,14 +24,14 @@ use crate::gpu::{Device, GpuArgs};
 use crate::kinds::{MetricArgs, StripArgs, parser};
 use crate::levels;
 use crate::limits::ImportArgs;
-use crate::output;
+use crate::output::{self, Target};
 use crate::progress::Progress;
 use crate::report::SCHEMA_VERSION;
 use crate::stages::Stages;
 use clap::Args;
 use crowd::CrowdArgs;
 use lodc_formats::lodc::LodObject;
-use lodc_formats::{ObjectInfo, import};
+use lodc_formats::{Document, ObjectInfo, import};
 use lodc_lod::{AnyModel, ModelKind};
 use lodc_mesh::Simplified;
 use lodc_strip::{StripKind, StripOptions, StripPool, Strips};
@@ -77,6 +77,9 @@ pub(crate) struct BenchArgs {
     streams: bool,
     #[command(flatten)]
     crowd: CrowdArgs,
+    /// Write the curves as SVG files into a folder
+    #[arg(long, value_name = "DIR")]
+    plots: Option<PathBuf>,
     /// Print one JSON document
     #[arg(long)]
     json: bool,
@@ -98,6 +101,11 @@ pub(crate) fn run(args: &BenchArgs) -> Outcome<Status> {
     if args.inputs.iter().filter(|input| output::is_stream(input)).count() > 1 {
         return Err(Failure::usage("standard input can be read once only"));
     }
+    let outputs = args.plots.iter().map(|folder| folder.join("-")).map(|file| (file, true));
+    for (file, make_folder) in outputs.chain(args.crowd.picture.iter().map(|f| (f.clone(), false)))
+    {
+        output::prepare([&Target::File(file)], make_folder)?;
+    }
     let device = gpu::open(&args.gpu)?;
     let threads = args.jobs.map_or(0, |n| n.get().min(MOST_THREADS));
     let pool = ThreadPoolBuilder::new().num_threads(threads).build();
@@ -111,7 +119,14 @@ pub(crate) fn run(args: &BenchArgs) -> Outcome<Status> {
         crowd: None,
     };
     if args.crowd.crowd {
-        return pool.install(|| crowd_of(args, report));
+        let device = match (&args.crowd.picture, device) {
+            (Some(out), None) => Some(crate::gpu::open(None).map_err(|failure| {
+                let message = format!("{}: {failure}; nothing was drawn", out.display());
+                Failure { message, ..failure }
+            })?),
+            (_, device) => device,
+        };
+        return pool.install(|| crowd_of(args, device.as_ref(), report));
     }
     let mut worst = Status::Done;
     for input in &args.inputs {
@@ -129,10 +144,13 @@ pub(crate) fn run(args: &BenchArgs) -> Outcome<Status> {
 }
 
 /// A crowd of all inputs, and nothing else.
-fn crowd_of(args: &BenchArgs, mut report: BenchReport) -> Outcome<Status> {
-    let inputs: Vec<Vec<Prepared>> =
-        args.inputs.iter().map(|input| objects(args, input)).collect::<Outcome<_>>()?;
-    let crowd = crowd::measure(args, &inputs)?;
+fn crowd_of(args: &BenchArgs, device: Option<&Device>, mut report: BenchReport) -> Outcome<Status> {
+    let inputs: Vec<Input> =
+        args.inputs.iter().map(|input| read(args, input)).collect::<Outcome<_>>()?;
+    let crowd = crowd::measure(args, device, &inputs)?;
+    if let Some(folder) = &args.plots {
+        write_plots(folder, crowd::plots(&crowd))?;
+    }
     if args.json {
         report.crowd = Some(crowd);
         console::json(&report)?;
@@ -146,7 +164,7 @@ fn crowd_of(args: &BenchArgs, mut report: BenchReport) -> Outcome<Status> {
 fn bench_one(args: &BenchArgs, device: Option<&Device>, input: &Path) -> (BenchFile, Status) {
     let name = input.display().to_string();
     let measured = catch_unwind(AssertUnwindSafe(|| {
-        let objects = objects(args, input)?;
+        let objects = read(args, input)?.objects;
         objects.iter().map(|o| object::measure(args, device, o)).collect::<Outcome<Vec<_>>>()
     }));
     let failure = match measured {
@@ -201,15 +219,30 @@ fn prepare(
     Ok(Prepared { object: LodObject { info, simplified, models }, strips })
 }
 
-/// The objects of an input.
-fn objects(args: &BenchArgs, input: &Path) -> Outcome<Vec<Prepared>> {
+/// An input with everything that is measured.
+struct Input {
+    objects: Vec<Prepared>,
+    document: Document,
+}
+
+/// Writes charts into a folder.
+///
+/// # Errors
+/// If that cannot be done.
+fn write_plots(folder: &Path, plots: Vec<(&'static str, String)>) -> Outcome<()> {
+    let (targets, texts): (Vec<Target>, Vec<String>) =
+        plots.into_iter().map(|(name, svg)| (Target::File(folder.join(name)), svg)).unzip();
+    output::prepare(&targets, true)?;
+    targets.iter().zip(texts).try_for_each(|(to, svg)| output::write(to, svg.into_bytes()))
+}
+
+/// Reads an input and makes what is measured.
+fn read(args: &BenchArgs, input: &Path) -> Outcome<Input> {
     if input.extension().is_some_and(|e| e.eq_ignore_ascii_case("lodc")) {
         let (file, _) = read_lodc(input, args.import.options().limits)?;
-        return file
-            .objects
-            .into_iter()
-            .map(|o| prepare(args, o.info, o.simplified, o.models))
-            .collect();
+        let objects = file.objects.into_iter();
+        let objects = objects.map(|o| prepare(args, o.info, o.simplified, o.models));
+        return Ok(Input { objects: objects.collect::<Outcome<_>>()?, document: file.document });
     }
     let scene = import::import(input, &args.import.options())?;
     let how = SimplifyArgs::by(args.metric.metric);
@@ -219,5 +252,6 @@ fn objects(args: &BenchArgs, input: &Path) -> Outcome<Vec<Prepared>> {
     let progress = Progress::new(&name);
     progress.stage("models");
     let objects = asset.objects.into_iter();
-    objects.map(|o| prepare(args, o.info, o.simplified, o.models)).collect()
+    let objects = objects.map(|o| prepare(args, o.info, o.simplified, o.models));
+    Ok(Input { objects: objects.collect::<Outcome<_>>()?, document: asset.document })
 }

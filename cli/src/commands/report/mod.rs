@@ -1,6 +1,5 @@
 //! `lodc report`: one offline page for people who approve assets.
 
-mod chart;
 mod levels;
 mod page;
 

@@ -1,8 +1,8 @@
 //! The text of the page.
 
 use super::Facts;
-use super::chart::chart;
 use super::levels::Level;
+use crate::chart::{Chart, Curve, Scale};
 use crate::html::{base64, escaped};
 use crate::report::CheckReport;
 use crate::text::{count, distance, grouped, size};
@@ -127,6 +127,11 @@ fn share(share: f64) -> String {
 }
 
 fn put_charts(out: &mut String, facts: &Facts<'_>) {
+    let chart = |points: &[[f64; 2]], labels| {
+        let (name, points) = (String::new(), points.to_vec());
+        let curves = vec![Curve { name, colour: 0, dashed: false, points }];
+        Chart { labels, scales: [Scale::Log; 2], curves }.svg()
+    };
     let by_error: Vec<[f64; 2]> = facts.curve.iter().map(|&[t, e]| [e, t]).collect();
     let by_distance: Vec<[f64; 2]> = by_error.iter().map(|&[e, t]| [far_enough(e), t]).collect();
     let charts = [

@@ -212,7 +212,7 @@ impl Camera {
 
     /// From positions relative to the centre to the device's clip space, column by column. Depth
     /// grows from 0 to 1.
-    pub(super) fn matrix(&self) -> [[f32; 4]; 4] {
+    pub(crate) fn matrix(&self) -> [[f32; 4]; 4] {
         let [near, far] = self.depth;
         let shift: [f64; 3] = std::array::from_fn(|a| -self.eye[a]);
         // Rows of the view: the camera looks along its negative third axis.

@@ -1,30 +1,43 @@
 //! A crowd that walks around a viewer (thesis 4.4.2, figs. 4.11 to 4.14): every instance has a
 //! level by its distance, of all levels or of five, and a cursor of its own.
 
+#[cfg(feature = "gpu")]
+mod draws;
+#[cfg(feature = "gpu")]
+mod figures;
+#[cfg(feature = "gpu")]
+mod picture;
+mod plots;
+mod report;
 mod walk;
 
+pub(super) use report::CrowdReport;
+
+use super::measure::means;
 use super::subject::{Runner, Structure, baselines, structures};
-use super::{BenchArgs, Prepared};
+use super::{BenchArgs, Input, Prepared};
 use crate::exit::Outcome;
+use crate::gpu::Device;
 use crate::text::grouped;
 use clap::Args;
 use lodc_baseline::{Baseline, Discrete};
 use lodc_formats::lodc::LodObject;
 use lodc_mesh::{CollapseSequence, Lod};
 use lodc_strip::StripKind;
-use serde::Serialize;
+use report::{CrowdCurve, Frames, Policies};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::hint::black_box;
+use std::path::PathBuf;
 use std::time::Instant;
-use walk::{Crowd, FRAMES_PER_SECOND};
+use walk::{Crowd, FRAMES_PER_SECOND, Stand};
 
 /// Options of a crowd.
-#[derive(Args, Clone, Copy, Debug)]
+#[derive(Args, Clone, Debug)]
 pub(super) struct CrowdArgs {
     /// Measure a crowd of all inputs instead, in turn: it walks around a viewer, ten frames a
     /// second, and every instance has a level by its distance
-    #[arg(long, conflicts_with_all = ["gpu", "streams"])]
+    #[arg(long, conflicts_with = "streams")]
     pub(super) crowd: bool,
     /// Instances of a crowd
     #[arg(long, value_name = "N", default_value = "250", requires = "crowd",
@@ -37,93 +50,141 @@ pub(super) struct CrowdArgs {
     /// Makes its paths
     #[arg(long, value_name = "K", default_value = "1", requires = "crowd")]
     seed: u64,
-}
-
-/// `crowd` of `bench --json`.
-#[derive(Debug, Serialize)]
-pub(super) struct CrowdReport {
-    instances: u32,
-    frames: u32,
-    seed: u64,
-    models: BTreeMap<&'static str, Policies>,
-    /// Everything at LOD 0.
-    none: Frames,
-}
-
-/// A structure with levels by distance.
-#[derive(Debug, Serialize)]
-struct Policies {
-    /// Every LOD.
-    continuous: Frames,
-    /// Five levels, each with 25 % fewer triangles than the one before.
-    discrete: Frames,
-}
-
-/// Means over frames.
-#[derive(Clone, Copy, Debug, Serialize)]
-struct Frames {
-    triangles_per_frame: f64,
-    /// Null with `--no-times`.
-    extraction_ms_per_frame: Option<f64>,
-    /// Share of the instances whose level another one of the same input has in the same frame.
-    shared: f64,
-    /// Share of the instances whose level is another one than in the frame before.
-    changed: f64,
+    /// Draw the crowd in the middle of its time into a PNG, coloured by level, on a GPU
+    #[arg(long, value_name = "OUT.png", requires = "crowd")]
+    pub(super) picture: Option<PathBuf>,
 }
 
 /// The levels of everyone in every frame.
-struct Levels {
+struct CrowdLevels {
     /// By frame, then by instance; an instance of several objects has several.
     lods: Vec<Vec<Vec<Lod>>>,
+    /// Triangles of each frame but the first.
+    triangles: Vec<f64>,
     frames: Frames,
 }
 
-/// Lets a crowd of some inputs walk. Each input is its objects.
+/// Lets a crowd of some inputs walk.
 ///
 /// # Errors
-/// If a baseline cannot be made: a bug.
-pub(super) fn measure(args: &BenchArgs, inputs: &[Vec<Prepared>]) -> Outcome<CrowdReport> {
+/// If a baseline cannot be made (a bug), a graphics device fails, or a file cannot be written.
+pub(super) fn measure(
+    args: &BenchArgs,
+    device: Option<&Device>,
+    inputs: &[Input],
+) -> Outcome<CrowdReport> {
     let CrowdArgs { instances, seconds, seed, .. } = args.crowd;
     let frames = seconds * FRAMES_PER_SECOND;
     let baselines: Vec<Vec<Vec<Baseline>>> = inputs
         .iter()
-        .map(|objects| {
-            objects.iter().map(|o| baselines(&o.object, o.strips(StripKind::LONGEST))).collect()
+        .map(|input| {
+            let strips = |o: &Prepared| baselines(&o.object, o.strips(StripKind::LONGEST));
+            input.objects.iter().map(strips).collect()
         })
         .collect::<Outcome<_>>()?;
-    let distances = distances(instances, frames, seed);
+    let stands = stands(instances, frames, seed);
     let [continuous, discrete, none] = [at_distance, of_five, |_: &CollapseSequence, _| Lod(0)]
-        .map(|policy: fn(&CollapseSequence, f64) -> Lod| levels(inputs, &distances, policy));
+        .map(|policy: fn(&CollapseSequence, f64) -> Lod| levels(inputs, &stands, policy));
     let mut models = BTreeMap::new();
     for name in names(inputs, &baselines) {
-        let run = |levels: &Levels| Frames {
-            extraction_ms_per_frame: (!args.no_times)
-                .then(|| extraction(name, inputs, &baselines, levels, args.rounds.get())),
-            ..levels.frames
+        let run = |levels: &CrowdLevels| {
+            let frames = levels.frames.clone();
+            if args.no_times {
+                return frames;
+            }
+            let rounds = extraction(name, inputs, &baselines, levels, args.rounds.get());
+            let of = |round: &Vec<f64>| round.iter().sum::<f64>() / round.len() as f64;
+            let least =
+                |f: usize| rounds.iter().map(|round| round[f]).fold(f64::INFINITY, f64::min);
+            let times: Vec<f64> = (0..rounds[0].len()).map(least).collect();
+            Frames {
+                extraction_ms_per_frame: rounds.iter().map(of).min_by(f64::total_cmp),
+                extraction_ms_curve: Some(means(&times)),
+                ..frames
+            }
         };
         let policies = Policies { continuous: run(&continuous), discrete: run(&discrete) };
         models.insert(name, policies);
     }
+    let second: Vec<f64> =
+        (1..=frames).map(|f| f64::from(f) / f64::from(FRAMES_PER_SECOND)).collect();
+    let curve = CrowdCurve {
+        seconds: super::measure::points(&second),
+        continuous: means(&continuous.triangles),
+        discrete: means(&discrete.triangles),
+        none: means(&none.triangles),
+    };
+    let gpu = on_device(args, device, inputs, &stands, [&continuous, &discrete, &none])?;
     let nothing = (!args.no_times).then_some(0.0);
     let none = Frames { extraction_ms_per_frame: nothing, ..none.frames };
-    Ok(CrowdReport { instances, frames, seed, models, none })
+    Ok(CrowdReport { instances, frames, seed, models, none, curve, gpu })
+}
+
+/// Draws the picture that was asked for, and times draws of frames.
+///
+/// # Errors
+/// If the device fails or is too small, or the picture cannot be written.
+#[cfg(feature = "gpu")]
+fn on_device(
+    args: &BenchArgs,
+    device: Option<&Device>,
+    inputs: &[Input],
+    stands: &[Vec<Stand>],
+    levels: [&CrowdLevels; 3],
+) -> Outcome<Option<report::CrowdOnDevice>> {
+    use crate::output;
+    let Some(device) = device else { return Ok(None) };
+    let limits = args.import.options().limits;
+    let figures = inputs.iter().zip(&args.inputs);
+    let mut figures: Vec<figures::Figure<'_>> = figures
+        .map(|(input, path)| figures::Figure::new(input, path, &limits))
+        .collect::<Outcome<_>>()?;
+    if let Some(out) = &args.crowd.picture {
+        let target = output::Target::File(out.clone());
+        let picture = picture::picture(device, &mut figures, stands, &levels[0].lods)?;
+        output::write(&target, lodc_formats::picture::png(&picture))?;
+    }
+    if args.gpu.gpu.is_none() || args.no_times {
+        return Ok(None);
+    }
+    draws::measure(device, &mut figures, stands, levels, args.rounds.get()).map(Some)
+}
+
+/// There is no device.
+///
+/// # Errors
+/// Never.
+#[cfg(not(feature = "gpu"))]
+fn on_device(
+    _: &BenchArgs,
+    device: Option<&Device>,
+    _: &[Input],
+    _: &[Vec<Stand>],
+    _: [&CrowdLevels; 3],
+) -> Outcome<Option<report::CrowdOnDevice>> {
+    device.map(|device| match *device {}).transpose()
+}
+
+/// Charts of a crowd, as names of files and what is in them.
+pub(super) fn plots(report: &CrowdReport) -> Vec<(&'static str, String)> {
+    plots::plots(report)
 }
 
 /// The names of all structures that every object of every input has.
-fn names(inputs: &[Vec<Prepared>], baselines: &[Vec<Vec<Baseline>>]) -> Vec<&'static str> {
-    let first = inputs.iter().zip(baselines).find(|(objects, _)| !objects.is_empty());
-    first.map_or_else(Vec::new, |(objects, baselines)| {
-        structures(&objects[0].object, &baselines[0]).iter().map(Structure::name).collect()
+fn names(inputs: &[Input], baselines: &[Vec<Vec<Baseline>>]) -> Vec<&'static str> {
+    let first = inputs.iter().zip(baselines).find(|(input, _)| !input.objects.is_empty());
+    first.map_or_else(Vec::new, |(input, baselines)| {
+        structures(&input.objects[0].object, &baselines[0]).iter().map(Structure::name).collect()
     })
 }
 
-/// Distances of everyone in every frame, the start included.
-fn distances(instances: u32, frames: u32, seed: u64) -> Vec<Vec<f64>> {
+/// The places of everyone in every frame, the start included.
+fn stands(instances: u32, frames: u32, seed: u64) -> Vec<Vec<Stand>> {
     let mut crowd = Crowd::new(instances, seed);
-    let mut all = vec![crowd.distances()];
+    let mut all = vec![crowd.stands()];
     for _ in 0..frames {
         crowd.step();
-        all.push(crowd.distances());
+        all.push(crowd.stands());
     }
     all
 }
@@ -144,71 +205,70 @@ fn of_five(collapses: &CollapseSequence, distance: f64) -> Lod {
 
 /// The levels of everyone by a policy.
 fn levels(
-    inputs: &[Vec<Prepared>],
-    distances: &[Vec<f64>],
+    inputs: &[Input],
+    stands: &[Vec<Stand>],
     policy: fn(&CollapseSequence, f64) -> Lod,
-) -> Levels {
-    let of = |(i, &distance): (usize, &f64)| -> Vec<Lod> {
-        let objects = inputs[i % inputs.len()].iter();
-        objects.map(|o| policy(o.object.simplified.collapses(), distance)).collect()
+) -> CrowdLevels {
+    let of = |(i, stand): (usize, &Stand)| -> Vec<Lod> {
+        let objects = inputs[i % inputs.len()].objects.iter();
+        objects.map(|o| policy(o.object.simplified.collapses(), stand.distance)).collect()
     };
-    let frame = |all: &Vec<f64>| all.iter().enumerate().map(of).collect::<Vec<_>>();
-    let lods: Vec<Vec<Vec<Lod>>> = distances.iter().map(frame).collect();
-    let (mut triangles, mut shared, mut changed) = (0, 0, 0);
+    let frame = |all: &Vec<Stand>| all.iter().enumerate().map(of).collect::<Vec<_>>();
+    let lods: Vec<Vec<Vec<Lod>>> = stands.iter().map(frame).collect();
+    let (mut triangles, mut shared, mut changed) = (Vec::new(), 0, 0);
     for pair in lods.windows(2) {
         let mut seen: BTreeMap<(usize, &[Lod]), u64> = BTreeMap::new();
+        let mut drawn = 0;
         for (i, (before, now)) in pair[0].iter().zip(&pair[1]).enumerate() {
             let input = i % inputs.len();
-            let of = inputs[input].iter().zip(now);
-            triangles += of
+            let of = inputs[input].objects.iter().zip(now);
+            drawn += of
                 .map(|(o, &lod)| u64::from(o.object.simplified.collapses().triangles_at(lod)))
                 .sum::<u64>();
             changed += u64::from(before != now);
             *seen.entry((input, now)).or_default() += 1;
         }
+        triangles.push(drawn as f64);
         shared += seen.values().filter(|&&n| n > 1).sum::<u64>();
     }
-    let frames = (lods.len() - 1) as f64;
-    let all = frames * distances[0].len() as f64;
+    let all = (triangles.len() * stands[0].len()) as f64;
     let frames = Frames {
-        triangles_per_frame: triangles as f64 / frames,
+        triangles_per_frame: triangles.iter().sum::<f64>() / triangles.len() as f64,
         extraction_ms_per_frame: None,
+        extraction_ms_curve: None,
         shared: shared as f64 / all,
         changed: changed as f64 / all,
     };
-    Levels { lods, frames }
+    CrowdLevels { lods, triangles, frames }
 }
 
-/// Mean milliseconds of a frame in which every cursor of a structure goes where its instance is, of
-/// the best round.
+/// Milliseconds, by round and frame, in which every cursor of a structure goes where its instance
+/// is.
 fn extraction(
     name: &str,
-    inputs: &[Vec<Prepared>],
+    inputs: &[Input],
     baselines: &[Vec<Vec<Baseline>>],
-    levels: &Levels,
+    levels: &CrowdLevels,
     rounds: u32,
-) -> f64 {
+) -> Vec<Vec<f64>> {
     let cursors = |i: usize| -> Vec<_> {
         let input = i % inputs.len();
-        let objects = inputs[input].iter().zip(&baselines[input]);
+        let objects = inputs[input].objects.iter().zip(&baselines[input]);
         objects.filter_map(|(o, baselines)| cursor(name, &o.object, baselines)).collect()
     };
     let mut crowd: Vec<Vec<_>> = (0..levels.lods[0].len()).map(cursors).collect();
-    let mut move_all = |frame: &[Vec<Lod>]| -> u64 {
-        let everyone = crowd.iter_mut().flatten().zip(frame.iter().flatten());
-        everyone.map(|(cursor, &lod)| cursor.seek(lod).rewritten).sum()
-    };
-    let mut best = f64::INFINITY;
-    for _ in 0..rounds {
-        // The way to where everyone starts is no part of it.
-        black_box(move_all(&levels.lods[0]));
+    let mut move_all = |frame: &[Vec<Lod>]| -> f64 {
         let start = Instant::now();
-        for frame in &levels.lods[1..] {
-            black_box(move_all(frame));
-        }
-        best = best.min(start.elapsed().as_secs_f64());
-    }
-    best * 1e3 / (levels.lods.len() - 1) as f64
+        let everyone = crowd.iter_mut().flatten().zip(frame.iter().flatten());
+        black_box(everyone.map(|(cursor, &lod)| cursor.seek(lod).rewritten).sum::<u64>());
+        start.elapsed().as_secs_f64() * 1e3
+    };
+    let round = |_| -> Vec<f64> {
+        // The way to where everyone starts is no part of it.
+        move_all(&levels.lods[0]);
+        levels.lods[1..].iter().map(|frame| move_all(frame)).collect()
+    };
+    (0..rounds).map(round).collect()
 }
 
 /// A new cursor over one structure of an object.
@@ -244,5 +304,25 @@ pub(super) fn text(report: &CrowdReport) -> String {
         row("  five levels", &policies.discrete);
     }
     row("no levels", &report.none);
+    if let Some(gpu) = &report.gpu {
+        let frames = grouped(u64::from(gpu.frames));
+        let _ = writeln!(
+            text,
+            "\n{}, {frames} frames drawn: per frame\n{:<18} {:>14} {:>12} {:>8} {:>12}",
+            gpu.adapter, "", "triangles", "ms", "draws", "index bytes"
+        );
+        let rows = [
+            ("continuous", gpu.continuous),
+            ("five levels", gpu.discrete),
+            ("no levels", gpu.none),
+        ];
+        for (name, frames) in rows {
+            let [triangles, draws, bytes] =
+                [frames.triangles_per_frame, frames.draws_per_frame, frames.index_bytes_per_frame]
+                    .map(|n| grouped(n.round() as u64));
+            let ms = frames.draw_ms_per_frame;
+            let _ = writeln!(text, "{name:<18} {triangles:>14} {ms:>12.3} {draws:>8} {bytes:>12}");
+        }
+    }
     text
 }

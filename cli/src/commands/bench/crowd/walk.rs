@@ -23,6 +23,17 @@ struct Walker {
     goal: [f64; 2],
 }
 
+/// The place of one of a crowd in a frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Stand {
+    /// Relative to the viewer.
+    pub(super) place: [f64; 2],
+    /// Direction of the way, of length 1.
+    pub(super) ahead: [f64; 2],
+    /// From the viewer: 0 up to one size away, 1 in the corners.
+    pub(super) distance: f64,
+}
+
 impl Crowd {
     pub(super) fn new(instances: u32, seed: u64) -> Self {
         let half = ROOM * f64::from(instances).sqrt() / 2.0;
@@ -54,11 +65,17 @@ impl Crowd {
         }
     }
 
-    /// Returns for everyone the distance from the viewer: 0 up to one size away, 1 in the corners.
-    pub(super) fn distances(&self) -> Vec<f64> {
+    /// Returns where everyone is.
+    pub(super) fn stands(&self) -> Vec<Stand> {
         let far = length([self.half; 2]);
-        let share = |w: &Walker| ((length(w.place) - 1.0) / (far - 1.0).max(1.0)).clamp(0.0, 1.0);
-        self.walkers.iter().map(share).collect()
+        let stand = |w: &Walker| {
+            let way = [w.goal[0] - w.place[0], w.goal[1] - w.place[1]];
+            let steps = length(way);
+            let ahead = if steps > 0.0 { way.map(|c| c / steps) } else { [0.0, 1.0] };
+            let distance = ((length(w.place) - 1.0) / (far - 1.0).max(1.0)).clamp(0.0, 1.0);
+            Stand { place: w.place, ahead, distance }
+        };
+        self.walkers.iter().map(stand).collect()
     }
 }
 
@@ -73,7 +90,7 @@ mod tests {
     #[test]
     fn a_crowd_is_the_same_for_a_seed_and_walks_without_leaps() {
         let (mut a, mut b, mut c) = (Crowd::new(40, 3), Crowd::new(40, 3), Crowd::new(40, 4));
-        let first = a.distances();
+        let first = a.stands();
         for _ in 0..500 {
             let before: Vec<_> = a.walkers.iter().map(|w| w.place).collect();
             [&mut a, &mut b, &mut c].into_iter().for_each(Crowd::step);
@@ -82,9 +99,9 @@ mod tests {
                 assert!(moved <= SPEED / f64::from(FRAMES_PER_SECOND) + 1e-9);
                 assert!(walker.place.iter().all(|c| c.abs() <= a.half));
             }
-            assert!(a.distances().iter().all(|d| (0.0..=1.0).contains(d)));
+            assert!(a.stands().iter().all(|s| (0.0..=1.0).contains(&s.distance)));
         }
-        assert_eq!(a.distances(), b.distances());
-        assert!(a.distances() != c.distances() && a.distances() != first);
+        assert_eq!(a.stands(), b.stands());
+        assert!(a.stands() != c.stands() && a.stands() != first);
     }
 }

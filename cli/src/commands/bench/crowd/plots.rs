@@ -1,0 +1,44 @@
+//! Curves of a crowd as SVG: triangles and extraction time over the seconds (thesis figs. 4.11 to
+//! 4.14).
+
+use super::report::CrowdReport;
+use crate::chart::{Chart, Curve, Scale};
+
+/// Names of files and what is in them; no times if none were taken.
+pub(super) fn plots(report: &CrowdReport) -> Vec<(&'static str, String)> {
+    let curve = &report.curve;
+    let points = |values: &[f64]| -> Vec<[f64; 2]> {
+        curve.seconds.iter().zip(values).map(|(&x, &y)| [x, y]).collect()
+    };
+    let policies = [
+        ("no levels", &curve.none),
+        ("five levels", &curve.discrete),
+        ("continuous", &curve.continuous),
+    ];
+    let triangles = policies.iter().enumerate().map(|(colour, (name, values))| Curve {
+        name: (*name).to_owned(),
+        colour,
+        dashed: false,
+        points: points(values),
+    });
+    let triangles = Chart {
+        labels: ["seconds", "triangles per frame"],
+        scales: [Scale::Linear; 2],
+        curves: triangles.collect(),
+    };
+    let times = |five: bool| {
+        let curves = report.models.iter().enumerate().filter_map(|(colour, (name, policies))| {
+            let frames = if five { &policies.discrete } else { &policies.continuous };
+            let points = points(frames.extraction_ms_curve.as_ref()?);
+            Some(Curve { name: (*name).to_owned(), colour, dashed: five, points })
+        });
+        let labels = ["seconds", "extraction per frame, ms"];
+        Chart { labels, scales: [Scale::Linear, Scale::Log], curves: curves.collect() }.file()
+    };
+    let files = [
+        ("crowd-triangles.svg", triangles.file()),
+        ("crowd-extraction.svg", times(false)),
+        ("crowd-extraction-five-levels.svg", times(true)),
+    ];
+    files.into_iter().filter(|(_, svg)| !svg.is_empty()).collect()
+}

@@ -1,0 +1,139 @@
+//! Timing frames in which many instances of a few meshes are drawn, those with the same triangles
+//! by one draw.
+
+use crate::draw::{Targets, pipeline};
+use crate::picture::Camera;
+use crate::timer::{Clock, Now};
+use crate::{Device, GpuError};
+use std::ops::Range;
+use wgpu::util::{BufferInitDescriptor, DeviceExt};
+
+/// The place of an instance.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct Instance {
+    /// Added to the positions of the mesh, after the turn; relative to the camera's centre.
+    pub place: [f32; 3],
+    /// Cosine and sine of the turn about the second axis.
+    pub turn: [f32; 2],
+}
+
+/// One draw: some instances of some triangles.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct InstancedDraw {
+    /// The mesh whose vertices the indices mean.
+    pub mesh: usize,
+    /// Indices of the frame, three for a triangle.
+    pub indices: Range<u32>,
+    /// Instances of the frame.
+    pub instances: Range<u32>,
+}
+
+/// Everything that is sent and drawn for one frame.
+#[derive(Clone, Debug, Default)]
+pub struct InstancedFrame {
+    /// Of all draws.
+    pub indices: Vec<u32>,
+    /// Of all draws.
+    pub instances: Vec<Instance>,
+    /// In order.
+    pub draws: Vec<InstancedDraw>,
+}
+
+/// Meshes on a device, with a camera.
+pub struct Instanced<'d> {
+    device: &'d Device,
+    pipeline: wgpu::RenderPipeline,
+    group: wgpu::BindGroup,
+    targets: Targets,
+    meshes: Vec<wgpu::Buffer>,
+}
+
+impl<'d> Instanced<'d> {
+    /// Sends the positions of meshes.
+    ///
+    /// # Errors
+    /// If one is larger than the device allows, or the device fails.
+    pub fn new(
+        device: &'d Device,
+        meshes: &[Vec<[f32; 3]>],
+        camera: &Camera,
+    ) -> Result<Self, GpuError> {
+        let gpu = &device.device;
+        let layout = |step_mode, attributes, array_stride| {
+            Some(wgpu::VertexBufferLayout { array_stride, step_mode, attributes })
+        };
+        let position = &wgpu::vertex_attr_array![0 => Float32x3];
+        let instance = &wgpu::vertex_attr_array![1 => Float32x3, 2 => Float32x2];
+        let buffers = [
+            layout(wgpu::VertexStepMode::Vertex, position, 12),
+            layout(wgpu::VertexStepMode::Instance, instance, size_of::<Instance>() as u64),
+        ];
+        let pipeline = pipeline(gpu, include_str!("instanced.wgsl"), &buffers, false);
+        let matrix = camera.matrix();
+        let uniform = buffer(device, wgpu::BufferUsages::UNIFORM, bytemuck::cast_slice(&matrix))?;
+        let group = gpu.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("camera"),
+            layout: &pipeline.get_bind_group_layout(0),
+            entries: &[wgpu::BindGroupEntry { binding: 0, resource: uniform.as_entire_binding() }],
+        });
+        let vertices = |positions: &Vec<[f32; 3]>| {
+            buffer(device, wgpu::BufferUsages::VERTEX, bytemuck::cast_slice(positions))
+        };
+        let meshes = meshes.iter().map(vertices).collect::<Result<_, _>>()?;
+        device.check()?;
+        Ok(Self { device, pipeline, group, targets: Targets::new(gpu), meshes })
+    }
+
+    /// Nanoseconds that the device draws a frame, by its own clock or, if it has none, by the
+    /// host's `now` from submitting to being done. Sending the frame is no part of it.
+    ///
+    /// # Errors
+    /// If the frame is larger than the device allows, or the device fails.
+    pub fn timed(&self, frame: &InstancedFrame, now: Now<'_>) -> Result<f64, GpuError> {
+        let device = self.device;
+        let indices = bytemuck::cast_slice(&frame.indices);
+        let indices = buffer(device, wgpu::BufferUsages::INDEX, indices)?;
+        let instances = bytemuck::cast_slice(&frame.instances);
+        let instances = buffer(device, wgpu::BufferUsages::VERTEX, instances)?;
+        let clock = device.has_clock().then(|| Clock::new(device, 2));
+        let mut encoder =
+            device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut pass =
+            self.targets.pass(&mut encoder, clock.as_ref().map(|clock| (&clock.queries, 0)));
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, &self.group, &[]);
+        pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint32);
+        pass.set_vertex_buffer(1, instances.slice(..));
+        for draw in &frame.draws {
+            pass.set_vertex_buffer(0, self.meshes[draw.mesh].slice(..));
+            pass.draw_indexed(draw.indices.clone(), 0, draw.instances.clone());
+        }
+        drop(pass);
+        match clock {
+            None => device.submitted(encoder, now),
+            Some(clock) => {
+                clock.resolve(&mut encoder);
+                device.queue.submit([encoder.finish()]);
+                clock.read(device)
+            }
+        }
+    }
+}
+
+/// A buffer with these bytes, or a few where there are none.
+fn buffer(
+    device: &Device,
+    usage: wgpu::BufferUsages,
+    bytes: &[u8],
+) -> Result<wgpu::Buffer, GpuError> {
+    device.allows_buffer("a crowd (bytes)", bytes.len() as u64)?;
+    let contents = if bytes.is_empty() { &[0; 64] } else { bytes };
+    let made =
+        device.device.create_buffer_init(&BufferInitDescriptor { label: None, contents, usage });
+    device.check().map(|()| made)
+}
+
+#[cfg(test)]
+#[path = "instanced_tests.rs"]
+mod tests;

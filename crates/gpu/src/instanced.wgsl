@@ -1,0 +1,26 @@
+// Flat-shaded instances of meshes, for timing draws of a crowd.
+
+@group(0) @binding(0) var<uniform> camera: mat4x4<f32>;
+
+struct Corner {
+    @builtin(position) clip: vec4<f32>,
+    @location(0) place: vec3<f32>,
+}
+
+@vertex
+fn vertex(
+    @location(0) position: vec3<f32>,
+    @location(1) place: vec3<f32>,
+    @location(2) turn: vec2<f32>,
+) -> Corner {
+    let x = turn.x * position.x + turn.y * position.z;
+    let z = turn.x * position.z - turn.y * position.x;
+    let p = place + vec3<f32>(x, position.y, z);
+    return Corner(camera * vec4<f32>(p, 1.0), p);
+}
+
+@fragment
+fn fragment(corner: Corner) -> @location(0) vec4<f32> {
+    let normal = normalize(cross(dpdx(corner.place), dpdy(corner.place)));
+    return vec4<f32>(vec3<f32>(abs(normal.y)) * 0.9 + 0.1, 1.0);
+}

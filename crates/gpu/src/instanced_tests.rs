@@ -1,0 +1,76 @@
+//! Instances on a device, judged by what is lit.
+
+#![expect(clippy::print_stderr, reason = "a test that is left out says so aloud")]
+
+use super::*;
+use crate::draw::SIZE;
+use crate::picture::{Framing, Lens, Up};
+
+/// The grey of the pixel at a share of the way across, halfway down.
+fn grey(stage: &Instanced<'_>, across: f32) -> u8 {
+    let device = stage.device;
+    let bytes = u64::from(4 * SIZE * SIZE);
+    let readable = device.device.create_buffer(&wgpu::BufferDescriptor {
+        label: None,
+        size: bytes,
+        usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    });
+    let mut encoder =
+        device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    encoder.copy_texture_to_buffer(
+        stage.targets.picture.as_image_copy(),
+        wgpu::TexelCopyBufferInfo {
+            buffer: &readable,
+            layout: wgpu::TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: Some(4 * SIZE),
+                rows_per_image: None,
+            },
+        },
+        wgpu::Extent3d { width: SIZE, height: SIZE, depth_or_array_layers: 1 },
+    );
+    device.queue.submit([encoder.finish()]);
+    let place = SIZE / 2 * SIZE + (across * SIZE as f32) as u32;
+    let mut grey = 0;
+    device.map(&readable, bytes, |pixels| grey = pixels[4 * place as usize]).expect("a map");
+    grey
+}
+
+#[test]
+fn instances_stand_where_they_are_put_and_turned_and_take_time() {
+    let device = match Device::open(None) {
+        Ok(device) => device,
+        Err(GpuError::NoAdapter { why }) if std::env::var_os("CI").is_none() => {
+            eprintln!("SKIPPED: no graphics adapter: {why}");
+            return;
+        }
+        Err(e) => panic!("{e}"),
+    };
+    let square = [[0.4, -0.2, 0.0], [0.8, -0.2, 0.0], [0.8, 0.2, 0.0], [0.4, 0.2, 0.0]];
+    let lens = Lens::Orthographic;
+    let framing = Framing { up: Up::Y, azimuth: 0.0, elevation: 0.0, lens, zoom: 1.0 };
+    let camera = Camera::around(&[[-1.0; 3], [1.0; 3]], &framing, 1.0);
+    let stage = Instanced::new(&device, &[square.to_vec()], &camera).expect("small");
+    let frame = |instances: &[Instance]| InstancedFrame {
+        indices: vec![0, 1, 2, 0, 2, 3],
+        instances: instances.to_vec(),
+        draws: vec![InstancedDraw { mesh: 0, indices: 0..6, instances: 0..instances.len() as u32 }],
+    };
+    let start = std::time::Instant::now();
+    let now = || start.elapsed();
+    let ahead = Instance { place: [0.0; 3], turn: [1.0, 0.0] };
+    let back = Instance { turn: [-1.0, 0.0], ..ahead };
+    let moved = Instance { place: [-0.6, 0.0, 0.0], ..ahead };
+    for (instances, lit) in [
+        (vec![ahead], [false, false, true]),
+        (vec![ahead, back], [true, false, true]),
+        (vec![moved], [false, true, false]),
+    ] {
+        let taken = stage.timed(&frame(&instances), &now).expect("a draw");
+        assert!(taken >= 0.0);
+        assert_eq!([0.22, 0.5, 0.78].map(|x| grey(&stage, x) > 0), lit, "{instances:?}");
+    }
+    stage.timed(&InstancedFrame::default(), &now).expect("nothing to draw");
+    assert_eq!(grey(&stage, 0.5), 0);
+}
