@@ -161,7 +161,8 @@ def facts(folder):
     for path in sorted(folder.glob("*.lodc")):
         file = lodc.open(path)
         digest = f"{file.source.content_hash:032x}"
-        print(path.name, file.source.format, digest, "objects", len(file.objects))
+        layout = " layout gpu" if file.layout == "gpu" else ""
+        print(path.name, file.source.format, digest, "objects", f"{len(file.objects)}{layout}")
         for o in file.objects:
             step = int(np.argmax(o.counts <= len(o.triangles) // 2))
             half = o.lods[step]

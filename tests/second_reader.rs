@@ -6,7 +6,7 @@
 mod support;
 
 use lodc_fixtures::{Rng, named, random_collapse};
-use lodc_formats::lodc::{self, LodFile, LodObject};
+use lodc_formats::lodc::{self, Layout, LodFile, LodObject};
 use lodc_formats::lods::Unpacker;
 use lodc_formats::{Document, Limits, ObjDocument, ObjectInfo, Source, SourceFormat, SubmeshInfo};
 use lodc_lod::{AnyModel, ModelKind};
@@ -80,7 +80,7 @@ fn put_triangles(out: &mut Vec<u8>, triangles: &[OrientedTriangle]) {
 }
 
 /// A file with every structure of a shape.
-fn file(name: &str, simplified: Simplified) -> LodFile {
+fn file(name: &str, simplified: Simplified, layout: Layout) -> LodFile {
     let simplified = Arc::new(simplified);
     let submesh =
         |i| SubmeshInfo { name: format!("part{i}"), material: None, document_primitive: i };
@@ -98,6 +98,7 @@ fn file(name: &str, simplified: Simplified) -> LodFile {
         document: Document::Obj(ObjDocument::default()),
         objects: vec![LodObject { info, simplified, models }],
         made_from: None,
+        layout,
         left_out: Vec::new(),
     }
 }
@@ -133,7 +134,7 @@ fn levels_of_every_structure_are_those_of_the_reference_and_of_extract() {
         } else {
             random_collapse(&mesh, seed)
         };
-        let file = file(name, simplified);
+        let file = file(name, simplified, Layout::ALL[seed as usize / 2 % 2]);
         folder.file(&format!("{name}.lodc"), lodc::write(&file));
         write_levels(&folder, name, &file.objects[0].simplified, seed);
     }

@@ -8,7 +8,7 @@
 use criterion::{BenchmarkId, Criterion, Throughput};
 use lodc_formats::export::{ExportFormat, ExportObject, export};
 use lodc_formats::import::{ImportOptions, import};
-use lodc_formats::lodc::{LodFile, LodObject, read, write};
+use lodc_formats::lodc::{Layout, LodFile, LodObject, read, sections, write};
 use lodc_formats::{Document, ObjDocument, ObjectInfo, Source, SourceFormat, SubmeshInfo};
 use lodc_lod::{AnyModel, ModelKind};
 use lodc_mesh::{Lod, Mesh};
@@ -60,6 +60,7 @@ fn built(mesh: &Mesh) -> LodFile {
         document: Document::Obj(ObjDocument { libraries: Vec::new(), materials: Vec::new() }),
         objects: vec![LodObject { info: info(mesh), simplified, models }],
         made_from: None,
+        layout: Layout::Packed,
         left_out: Vec::new(),
     }
 }
@@ -108,7 +109,7 @@ fn simplification(c: &mut Criterion) {
 fn files_and_levels(c: &mut Criterion) {
     for (name, mesh) in shapes() {
         let triangles = mesh.triangles().len() as u64;
-        let file = built(&mesh);
+        let mut file = built(&mesh);
         let bytes = write(&file);
 
         let mut group = c.benchmark_group("write");
@@ -128,37 +129,48 @@ fn files_and_levels(c: &mut Criterion) {
         group.bench_function(BenchmarkId::new("floor_checksum", name), |b| {
             b.iter(|| xxh3_128(black_box(&bytes)));
         });
-        group.finish();
-
-        let object = &file.objects[0];
-        let (model, collapses) = (&object.models[0], object.simplified.collapses());
-        let mut group = c.benchmark_group("extract");
-        for percent in [50, 5] {
-            let lod = collapses.lod_for_triangles((triangles * percent / 100) as u32);
-            let live = collapses.triangles_at(lod);
-            group.throughput(Throughput::Elements(triangles));
-            group.bench_function(BenchmarkId::new(format!("from_scratch_{percent}"), name), |b| {
-                b.iter(|| model.triangles_at(black_box(lod)));
-            });
-            let copied = &mesh.triangles()[..live as usize];
-            group.bench_function(BenchmarkId::new(format!("floor_copy_{percent}"), name), |b| {
-                b.iter(|| black_box(copied).to_vec());
-            });
-        }
-        // What a viewer does between two pictures: a hundredth of the records, there and back.
-        let [near, far] =
-            [25, 26].map(|share| collapses.floor(Lod(collapses.records() / 100 * share)));
-        let mut cursor = model.cursor();
-        model.seek(&mut cursor, near, &mut ());
-        group.throughput(Throughput::Elements(2 * u64::from(far.0 - near.0)));
-        group.bench_function(BenchmarkId::new("records_of_1_percent_there_and_back", name), |b| {
-            b.iter(|| {
-                model.seek(&mut cursor, far, &mut ());
-                model.seek(&mut cursor, near, &mut ())
-            });
+        file.layout = Layout::Gpu;
+        let bytes = write(&file);
+        group.bench_function(BenchmarkId::new("lodc_gpu_layout", name), |b| {
+            b.iter(|| read(black_box(&bytes)).expect("sound"));
+        });
+        group.bench_function(BenchmarkId::new("sections_gpu_layout", name), |b| {
+            b.iter(|| sections(black_box(&bytes)).expect("sound").len());
         });
         group.finish();
+        levels(c, name, &file, &mesh);
     }
+}
+
+fn levels(c: &mut Criterion, name: &str, file: &LodFile, mesh: &Mesh) {
+    let triangles = mesh.triangles().len() as u64;
+    let object = &file.objects[0];
+    let (model, collapses) = (&object.models[0], object.simplified.collapses());
+    let mut group = c.benchmark_group("extract");
+    for percent in [50, 5] {
+        let lod = collapses.lod_for_triangles((triangles * percent / 100) as u32);
+        let live = collapses.triangles_at(lod);
+        group.throughput(Throughput::Elements(triangles));
+        group.bench_function(BenchmarkId::new(format!("from_scratch_{percent}"), name), |b| {
+            b.iter(|| model.triangles_at(black_box(lod)));
+        });
+        let copied = &mesh.triangles()[..live as usize];
+        group.bench_function(BenchmarkId::new(format!("floor_copy_{percent}"), name), |b| {
+            b.iter(|| black_box(copied).to_vec());
+        });
+    }
+    // What a viewer does between two pictures: a hundredth of the records, there and back.
+    let [near, far] = [25, 26].map(|share| collapses.floor(Lod(collapses.records() / 100 * share)));
+    let mut cursor = model.cursor();
+    model.seek(&mut cursor, near, &mut ());
+    group.throughput(Throughput::Elements(2 * u64::from(far.0 - near.0)));
+    group.bench_function(BenchmarkId::new("records_of_1_percent_there_and_back", name), |b| {
+        b.iter(|| {
+            model.seek(&mut cursor, far, &mut ());
+            model.seek(&mut cursor, near, &mut ())
+        });
+    });
+    group.finish();
 }
 
 fn main() {

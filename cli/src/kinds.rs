@@ -5,6 +5,7 @@ use crate::exit::{Failure, Outcome};
 use crate::levels;
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use lodc_formats::lodc::Layout;
 use lodc_lod::ModelKind;
 use lodc_simplify::MetricKind;
 use lodc_strip::{Effort, StripKind, StripOptions};
@@ -38,7 +39,7 @@ macro_rules! families {
     )*};
 }
 
-families!(ModelKind, MetricKind, StripKind, Effort);
+families!(ModelKind, MetricKind, StripKind, Effort, Layout);
 
 /// One of a family, or the word beside it that an option also takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -92,18 +93,26 @@ pub(crate) struct MetricArgs {
     pub(crate) metric: MetricKind,
 }
 
-/// The option of commands that write models.
+/// Options of commands that write .lodc files.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct ModelArgs {
     /// Structures to write, separated by commas [default: every one that this version has]
     #[arg(long, value_delimiter = ',', value_name = "MODELS", value_parser = structures())]
     models: Vec<Choice<ModelKind>>,
+    /// Width of the indices in the file
+    #[arg(long, value_parser = parser::<Layout>(), default_value = Layout::default().name())]
+    layout: Layout,
 }
 
 impl ModelArgs {
-    /// Returns whether the option was given.
+    /// Returns whether an option was given.
     pub(crate) fn is_given(&self) -> bool {
-        !self.models.is_empty()
+        !self.models.is_empty() || self.layout != Layout::default()
+    }
+
+    /// Layout of the file.
+    pub(crate) fn layout(&self) -> Layout {
+        self.layout
     }
 
     /// The structures to write, in the order of files.

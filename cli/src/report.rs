@@ -134,6 +134,8 @@ pub(crate) struct InfoReport {
     pub(crate) format_version: u32,
     pub(crate) key: String,
     pub(crate) bytes: u64,
+    /// `packed` or `gpu`.
+    pub(crate) layout: &'static str,
     pub(crate) source: SourceReport,
     pub(crate) objects: Vec<ObjectReport>,
 }

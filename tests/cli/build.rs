@@ -189,3 +189,43 @@ fn what_has_no_triangles_passes_through_with_a_warning() {
     f.lodc(["verify", "points.lodc"]).ends(0);
     f.lodc(["extract", "points.lodc", "--ratio", "0.5", "-o", "points.ply"]).ends(0);
 }
+
+#[test]
+fn the_gpu_layout_shows_the_same_levels() {
+    let f = Folder::new();
+    f.file("grid.obj", grid(12));
+    f.lodc(["build", "grid.obj", "-o", "g.lodc", "-q"]).ends(0);
+    f.lodc(["build", "grid.obj", "-o", "named.lodc", "--layout", "packed", "-q"]).ends(0);
+    assert!(f.read("g.lodc") == f.read("named.lodc"), "packed is what is written anyway");
+    f.lodc(["build", "grid.obj", "-o", "w.lodc", "--layout", "gpu", "-q"]).ends(0);
+    assert!(f.read("w.lodc").len() > f.read("g.lodc").len());
+    for (name, layout) in [("g.lodc", "packed"), ("w.lodc", "gpu")] {
+        f.lodc(["verify", name, "--source", "grid.obj"]).ends(0);
+        assert_eq!(f.lodc(["info", name, "--json"]).ends(0).json()["layout"], layout);
+        assert!(f.lodc(["info", name]).ends(0).text().contains(&format!("{layout} layout")));
+        let out = format!("{name}.obj");
+        f.lodc(["extract", name, "--triangles", "60", "-o", &out, "-q"]).ends(0);
+        let lods = format!("{name}.lods");
+        f.lodc(["pack", name, "-o", &lods, "-q"]).ends(0);
+    }
+    assert!(f.read("g.lodc.obj") == f.read("w.lodc.obj"));
+    assert!(f.read("g.lodc.lods") == f.read("w.lodc.lods"));
+    let bits = |name: &str, model: &str| {
+        let info = f.lodc(["info", name, "--json"]).ends(0).json();
+        info["objects"][0]["models"][model]["bits_per_vertex"]["file"].as_f64().expect("a number")
+    };
+    assert!(bits("g.lodc", "speed") < bits("w.lodc", "speed"));
+    // The program's streams become files of either layout; a mesh has none.
+    f.lodc(["unpack", "g.lodc.lods", "-o", "again.lodc", "--layout", "gpu", "-q"]).ends(0);
+    assert_eq!(f.lodc(["info", "again.lodc", "--json"]).ends(0).json()["layout"], "gpu");
+    f.lodc(["unpack", "g.lodc.lods", "-o", "m.obj", "--layout", "gpu"]).ends(2);
+    f.lodc(["build", "grid.obj", "--layout", "wide"]).ends(2);
+    // Up to date is what was made with the same options.
+    let built = ["build", "grid.obj", "-o", "w.lodc", "--if-changed", "--report", "json", "-q"];
+    let fresh = |more: &[&str]| {
+        let run = f.lodc(built.iter().chain(more)).ends(0).json();
+        run["inputs"][0]["up_to_date"].as_bool().expect("a truth")
+    };
+    assert!(fresh(&["--layout", "gpu"]));
+    assert!(!fresh(&[]) && fresh(&[]) && fresh(&["--layout", "packed"]));
+}

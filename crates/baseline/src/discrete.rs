@@ -2,7 +2,7 @@
 //! (thesis table 3.1).
 
 use lodc_mesh::{CollapseSequence, Lod, OrientedTriangle, PositionIds, Simplified};
-use lodc_model::{Array, Changes, Model, StorageCost, Traffic};
+use lodc_model::{Array, Changes, Layout, Model, StorageCost, Traffic};
 use std::sync::Arc;
 
 /// Number of levels.
@@ -106,7 +106,7 @@ impl Model for Discrete {
         let primitives = 12 * self.levels.iter().map(|l| l.triangles.len() as u64).sum::<u64>();
         StorageCost { positions: geometry, normals: geometry, primitives, ..plain }
     }
-    fn arrays(&self) -> Vec<Array> {
+    fn arrays(&self, _: Layout) -> Vec<Array> {
         Vec::new()
     }
 }

@@ -35,7 +35,7 @@ pub use progressive_mesh::{Cursor as ProgressiveMeshCursor, ProgressiveMesh};
 pub use rebuild::Rebuild;
 
 use lodc_mesh::{Lod, OrientedTriangle, Simplified};
-use lodc_model::{Array, BuildError, Changes, Model, StorageCost, Traffic};
+use lodc_model::{Array, BuildError, Changes, Layout, Model, StorageCost, Traffic};
 use lodc_strip::Strips;
 use std::sync::Arc;
 
@@ -148,7 +148,7 @@ impl Model for Baseline {
     fn storage_to(&self, lod: Lod) -> StorageCost {
         each!(self, model => model.storage_to(lod))
     }
-    fn arrays(&self) -> Vec<Array> {
+    fn arrays(&self, _: Layout) -> Vec<Array> {
         Vec::new()
     }
 }

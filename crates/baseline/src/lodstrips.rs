@@ -9,7 +9,7 @@ use lodc_lod::check_submeshes;
 use lodc_lod::trace::{self, History, Kind, Removal};
 use lodc_mesh::{Lod, OrientedTriangle, PositionIds, Simplified};
 use lodc_model::Difference;
-use lodc_model::{Array, BuildError, Changes, Model, StorageCost, Traffic};
+use lodc_model::{Array, BuildError, Changes, Layout, Model, StorageCost, Traffic};
 use lodc_strip::Strips;
 use lodc_strip::live_triangles;
 use std::sync::Arc;
@@ -214,7 +214,7 @@ impl Model for LodStrips {
         let primitives = 4 * self.strips.separate_indices();
         StorageCost { positions: geometry, normals: geometry, primitives, structures, ..plain }
     }
-    fn arrays(&self) -> Vec<Array> {
+    fn arrays(&self, _: Layout) -> Vec<Array> {
         Vec::new()
     }
 }

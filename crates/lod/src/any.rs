@@ -2,7 +2,7 @@
 
 use crate::{Interactive, Masking, Speed};
 use lodc_mesh::{Lod, OrientedTriangle, Simplified};
-use lodc_model::{Array, BuildError, Changes, Model, StorageCost, Traffic};
+use lodc_model::{Array, BuildError, Changes, Layout, Model, StorageCost, Traffic};
 use lodc_plan::{Benchmark, Plan, PlanError, Shader};
 use lodc_strip::{StripKind, StripPool, Strips};
 use std::{str::FromStr, sync::Arc};
@@ -257,11 +257,11 @@ impl Model for AnyModel {
             Self::Interactive(model) => model.storage_to(lod),
         }
     }
-    fn arrays(&self) -> Vec<Array> {
+    fn arrays(&self, layout: Layout) -> Vec<Array> {
         match self {
-            Self::Speed(model) => model.arrays(),
-            Self::Masking(model) => model.arrays(),
-            Self::Interactive(model) => model.arrays(),
+            Self::Speed(model) => model.arrays(layout),
+            Self::Masking(model) => model.arrays(layout),
+            Self::Interactive(model) => model.arrays(layout),
         }
     }
 }

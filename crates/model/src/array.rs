@@ -2,6 +2,48 @@
 
 use std::fmt;
 
+/// Width of the numbers in stored arrays.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Layout {
+    /// As few bytes as hold them.
+    #[default]
+    Packed,
+    /// A `u32` each where a graphics device uses them, so that nothing has to be unpacked.
+    Gpu,
+}
+
+impl Layout {
+    /// All layouts.
+    pub const ALL: [Self; 2] = [Self::Packed, Self::Gpu];
+
+    /// The name in options and reports.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Packed => "packed",
+            Self::Gpu => "gpu",
+        }
+    }
+
+    /// One line of help.
+    #[must_use]
+    pub const fn help(self) -> &'static str {
+        match self {
+            Self::Packed => "Numbers of as few bytes as hold them",
+            Self::Gpu => "Indices, targets and strips as u32, aligned: uploaded as they are",
+        }
+    }
+
+    /// Bytes of each number below `count`: 1 to 4.
+    #[must_use]
+    pub fn width(self, count: usize) -> usize {
+        match self {
+            Self::Packed => crate::bytes::width(count),
+            Self::Gpu => 4,
+        }
+    }
+}
+
 /// A named run of bytes that a model needs besides the mesh and the sequence. Numbers in it are
 /// little-endian.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -10,6 +52,8 @@ pub struct Array {
     pub name: String,
     /// Its content.
     pub bytes: Vec<u8>,
+    /// True if each number in it is a `u32`.
+    pub wide: bool,
 }
 
 /// Why a model cannot be made of a sequence, or of what was stored.

@@ -38,7 +38,7 @@ mod changes;
 mod model;
 mod storage;
 
-pub use array::{Array, BuildError};
+pub use array::{Array, BuildError, Layout};
 pub use changes::{Changes, Difference, report_difference};
 pub use model::{Model, Traffic};
 pub use storage::StorageCost;

@@ -1,6 +1,6 @@
 //! A multiresolution model: an immutable thing that cursors move over.
 
-use crate::{Array, Changes, StorageCost};
+use crate::{Array, Changes, Layout, StorageCost};
 use lodc_mesh::{Lod, OrientedTriangle, Simplified};
 use std::sync::Arc;
 
@@ -53,7 +53,7 @@ pub trait Model {
     fn storage_to(&self, lod: Lod) -> StorageCost;
 
     /// Returns the arrays that have to be stored besides the mesh and the sequence.
-    fn arrays(&self) -> Vec<Array>;
+    fn arrays(&self, layout: Layout) -> Vec<Array>;
 }
 
 /// The cost of one move of a cursor.

@@ -4,7 +4,7 @@ use super::*;
 use lodc_fixtures as fixtures;
 use lodc_lod::{AnyModel, Interactive, ModelKind};
 use lodc_mesh::Simplified;
-use lodc_model::{Array, StorageCost, Traffic};
+use lodc_model::{Array, Layout, StorageCost, Traffic};
 use lodc_strip::{StripOptions, StripPool};
 use std::sync::Arc;
 
@@ -127,7 +127,7 @@ impl Model for Defective {
     fn storage_to(&self, lod: Lod) -> StorageCost {
         self.0.storage_to(lod)
     }
-    fn arrays(&self) -> Vec<Array> {
+    fn arrays(&self, _: Layout) -> Vec<Array> {
         Vec::new()
     }
 }

@@ -8,6 +8,8 @@ from .xxh3 import xxh3_64
 MAGIC = b"\x89LODC\r\n\x1a"
 NEWEST = 3
 SCENE = 0xFFFFFFFF
+REQUIRED, WIDE, HINTS = 1, 2, 0xFFFF0000
+MAY_BE_WIDE = {b"TRIS", b"TARG", b"MODA"}
 KNOWN = {
     b"MANI", b"DJSN", b"DBLB", b"POSI", b"VSUB", b"TRIS", b"TARG", b"JOIN", b"SERR", b"STRI",
     b"SRMS", b"ATTR", b"MODA", b"MADE",
@@ -16,7 +18,7 @@ KNOWN = {
 
 class Container:
     """The sections by tag, object and index. ``skipped`` names those that this reader does not
-    know and need not know."""
+    know and need not know, ``wide`` holds the keys of those whose numbers are u32."""
 
     def __init__(self, data):
         need(len(data) >= 32 and data[:8] == MAGIC, "header", "this is not a .lodc file")
@@ -30,7 +32,7 @@ class Container:
         need(end <= length, "header", "the section table is longer than the file")
         found = xxh3_64(bytes(data[:24]) + bytes(data[32:end]))
         need(found == check, "header", "does not match its checksum")
-        self.sections, self.skipped = {}, []
+        self.sections, self.wide, self.skipped = {}, set(), []
         at = end
         for number in range(count):
             at = self._section(data, 32 + 40 * number, at)
@@ -45,15 +47,19 @@ class Container:
         start = -(-before // 16) * 16
         need(offset == start and offset + length <= len(data), place, "is not where it should be")
         need(not any(data[before:start]), place, "follows bytes that are not 0")
-        allowed = 0xFFFF0001 if self.version >= 3 else 1
+        allowed = REQUIRED if self.version < 3 else REQUIRED | HINTS
+        if self.version >= 3 and tag in MAY_BE_WIDE:
+            allowed |= WIDE
         need(not flags & ~allowed & 0xFFFFFFFF, place, "has a flag that is not known")
         content = data[start : start + length]
         need(xxh3_64(content) == check, place, "does not match its checksum")
         if tag in KNOWN:
             need((tag, obj, index) not in self.sections, place, "is there twice")
             self.sections[tag, obj, index] = content
+            if flags & WIDE:
+                self.wide.add((tag, obj, index))
         else:
-            need(not flags & 1, place, "is required, but not known: a newer reader is needed")
+            need(not flags & REQUIRED, place, "is required: a newer reader is needed")
             self.skipped.append(name)
         return start + length
 

@@ -34,11 +34,13 @@ class LodFile:
 
     ``objects`` are its meshes, ``source`` says what it was made from, ``gltf`` is the JSON of a
     glTF source and ``buffer`` its bytes; ``obj`` has the libraries and materials of an OBJ.
+    ``layout`` is ``packed`` or ``gpu``.
     """
 
     def __init__(self, data):
         container = Container(memoryview(data))
         self.version, self.skipped = container.version, container.skipped
+        self.layout = "gpu" if container.wide else "packed"
         cursor = Cursor(container.take(b"MANI"), PLACE, framed=self.version >= 3)
         kind, content_hash = cursor.u8(), cursor.u128()
         self.source = Source(source_format(kind, PLACE), content_hash)

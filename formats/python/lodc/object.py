@@ -5,7 +5,7 @@ import numpy as np
 from .arrays import curve, lost_triangles, read_indices
 from .errors import need
 from .level import Level
-from .structures import Interactive, Masking, Speed
+from .structures import Array, Interactive, Masking, Speed
 
 
 class Object:
@@ -26,9 +26,11 @@ class Object:
         need(len(positions) % 12 == 0, self.place, "has positions that are no whole number")
         self.positions = np.frombuffer(positions, "<f4").reshape(-1, 3)
         v = len(self.positions)
-        wide = container.version == 1
-        self.triangles = read_indices(take(b"TRIS"), v, wide, self.place).reshape(-1, 3)
-        self.targets = read_indices(take(b"TARG"), v, wide, self.place)
+        wide = lambda tag: container.version == 1 or (tag, number, 0) in container.wide
+        self.triangles = read_indices(take(b"TRIS"), v, wide(b"TRIS"), self.place)
+        need(len(self.triangles) % 3 == 0, self.place, "has corners that are no triangle")
+        self.triangles = self.triangles.reshape(-1, 3)
+        self.targets = read_indices(take(b"TARG"), v, wide(b"TARG"), self.place)
         self.vertex_submesh = self._vertex_submesh(take, v)
         self.triangle_submesh = np.repeat(
             np.arange(len(self.submeshes), dtype=np.uint32), entry.triangle_counts
@@ -109,9 +111,8 @@ class Object:
         self.structures, index = {}, 0
         known = {"interactive": Interactive, "speed": Speed, "masking": Masking}
         for name, arrays in self.entry.models:
-            sections = [
-                container.take(b"MODA", self.number, index + i) for i in range(len(arrays))
-            ]
+            keys = [(b"MODA", self.number, index + i) for i in range(len(arrays))]
+            sections = [Array(container.take(*key), key in container.wide) for key in keys]
             index += len(arrays)
             if name in known:
                 need(name not in self.structures, self.place, f"has {name} twice")

@@ -1,6 +1,7 @@
 """The structures that a file can hold beside the plain sequence; all show the same triangles."""
 
 import heapq
+from typing import NamedTuple
 
 import numpy as np
 
@@ -9,6 +10,13 @@ from .errors import need
 
 NEVER = np.iinfo(np.int64).max
 GENERATORS = ("stripe", "cache")
+
+
+class Array(NamedTuple):
+    """An array of a structure; ``wide`` if its numbers are u32."""
+
+    data: bytes
+    wide: bool
 
 
 class Interactive:
@@ -42,21 +50,23 @@ class Strips:
     ``vertices`` has those of all, one after the other; ``starts`` says where each begins.
     """
 
-    def __init__(self, obj, data):
-        place = f"{obj.place}: strips"
-        need(len(data) > 0 and data[0] < 2, place, "are of an unknown generator")
-        self.generator = GENERATORS[data[0]]
+    def __init__(self, obj, array):
+        place, data = f"{obj.place}: strips", array.data
+        at = 4 if array.wide else 1
+        need(len(data) >= at, place, "end within the number of their generator")
+        kind = int.from_bytes(bytes(data[:at]), "little")
+        need(kind < len(GENERATORS), place, "are of an unknown generator")
+        self.generator = GENERATORS[kind]
         submeshes = len(obj.submeshes)
-        numbers, ends = _front(data[1:], submeshes, place)
-        per_submesh = numbers.astype(np.int64)
+        front = _front_words if array.wide else _front
+        per_submesh, used = front(data[at:], submeshes, place)
+        at += used
         total = int(per_submesh.sum())
-        at = 1 + (int(ends[-1]) if submeshes else 0)
         need(total <= len(data), place, "are more than their bytes can hold")
-        numbers, ends = _front(data[at:], total, place)
-        lengths = numbers.astype(np.int64)
+        lengths, used = front(data[at:], total, place)
+        at += used
         need((lengths >= 3).all(), place, "have one of fewer than three vertices")
-        at += int(ends[-1]) if total else 0
-        self.vertices = read_indices(data[at:], len(obj.positions), False, place)
+        self.vertices = read_indices(data[at:], len(obj.positions), array.wide, place)
         need(len(self.vertices) == lengths.sum(), place, "have another number of vertices")
         need((self.vertices < len(obj.positions)).all(), place, "have one that does not exist")
         self.starts = np.concatenate(([0], np.cumsum(lengths)))
@@ -77,13 +87,19 @@ class Strips:
 
 
 def _front(data, count, place):
-    """The first ``count`` numbers of seven bits a byte, and their ends."""
+    """The first ``count`` numbers of seven bits a byte, and the bytes that they take."""
     most = min(len(data), 5 * count)
     part = bytes(data[:most])
     complete = np.flatnonzero(np.frombuffer(part, "u1") < 128)
     need(len(complete) >= count, place, "end within their numbers")
     end = int(complete[count - 1]) + 1 if count else 0
-    return varints(part[:end], place)
+    return varints(part[:end], place)[0].astype(np.int64), end
+
+
+def _front_words(data, count, place):
+    """The first ``count`` u32, and the bytes that they take."""
+    need(len(data) >= 4 * count, place, "end within their numbers")
+    return np.frombuffer(data, "<u4", count=count).astype(np.int64), 4 * count
 
 
 class Masking:
@@ -105,7 +121,8 @@ class Speed:
 
     def __init__(self, obj, arrays):
         self.object, self.strips = obj, Strips(obj, arrays["strips"])
-        self._removals = arrays["removals"]
+        need(not arrays["removals"].wide, obj.place, "has wide removals, which are never written")
+        self._removals = arrays["removals"].data
         self._gone = None
 
     def triangles(self, lod):

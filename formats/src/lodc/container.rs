@@ -3,9 +3,11 @@
 use super::VERSION;
 use super::left_out::LeftOut;
 use super::table::{
-    ALIGN, CHECKED, ENTRY, HEADER, Header, Id, MAGIC, REQUIRED, Tag, header_checksum, place, tag,
+    ALIGN, CHECKED, ENTRY, HEADER, Header, Id, MAGIC, REQUIRED, Tag, WIDE, header_checksum, place,
+    tag,
 };
 use crate::{Fault, FormatError};
+use lodc_model::{Array, Layout};
 use std::collections::BTreeMap;
 use xxhash_rust::xxh3::xxh3_64;
 
@@ -13,10 +15,17 @@ use xxhash_rust::xxh3::xxh3_64;
 /// without gaps.
 pub(super) struct Container<'a> {
     version: u32,
-    /// Sections of known kinds that nobody has taken yet, and whether they are required.
-    sections: BTreeMap<Id, (&'a [u8], bool)>,
+    /// Sections of known kinds that nobody has taken yet.
+    sections: BTreeMap<Id, Section<'a>>,
     /// Sections of unknown kinds, none of them required.
     unknown: Vec<Id>,
+}
+
+/// A section of a container.
+pub(super) struct Section<'a> {
+    pub(super) bytes: &'a [u8],
+    required: bool,
+    pub(super) wide: bool,
 }
 
 impl<'a> Container<'a> {
@@ -33,9 +42,10 @@ impl<'a> Container<'a> {
             let content = entry.content(bytes, end)?;
             end = end.next_multiple_of(ALIGN) + content.len();
             entry.check_flags(header.version)?;
-            let required = entry.is_required();
+            let (required, wide) = (entry.is_required(), entry.is_wide());
             if tag::KNOWN.contains(&entry.id.0) {
-                if sections.insert(entry.id, (content, required)).is_some() {
+                let section = Section { bytes: content, required, wide };
+                if sections.insert(entry.id, section).is_some() {
                     return Err(entry.error(Fault::Malformed, "is there twice"));
                 }
             } else if required {
@@ -52,21 +62,41 @@ impl<'a> Container<'a> {
         Ok(Self { version: header.version, sections, unknown })
     }
 
-    /// A section that has to be there.
+    /// Returns the layout that the file was written in.
+    pub(super) fn layout(&self) -> Layout {
+        if self.sections.values().any(|s| s.wide) { Layout::Gpu } else { Layout::Packed }
+    }
+
+    /// The sections of known kinds, in the order of their keys.
+    pub(super) fn into_sections(self) -> impl Iterator<Item = (Id, Section<'a>)> {
+        self.sections.into_iter()
+    }
+
+    /// The bytes of a section that has to be there.
     pub(super) fn take(
         &mut self,
         tag: Tag,
         object: u32,
         index: u32,
     ) -> Result<&'a [u8], FormatError> {
+        self.take_section(tag, object, index).map(|section| section.bytes)
+    }
+
+    /// A section that has to be there.
+    pub(super) fn take_section(
+        &mut self,
+        tag: Tag,
+        object: u32,
+        index: u32,
+    ) -> Result<Section<'a>, FormatError> {
         let missing =
             || FormatError::new(Fault::Malformed, place(tag, object, index), "is missing");
-        self.sections.remove(&(tag, object, index)).map(|(content, _)| content).ok_or_else(missing)
+        self.sections.remove(&(tag, object, index)).ok_or_else(missing)
     }
 
     /// A section that may be missing.
     pub(super) fn take_optional(&mut self, tag: Tag, object: u32, index: u32) -> Option<&'a [u8]> {
-        self.sections.remove(&(tag, object, index)).map(|(content, _)| content)
+        self.sections.remove(&(tag, object, index)).map(|section| section.bytes)
     }
 
     /// Leaves a section out: what it belongs to is not known.
@@ -78,7 +108,7 @@ impl<'a> Container<'a> {
     pub(super) fn finish(self, left_out: &mut LeftOut) -> Result<(), FormatError> {
         let nothing = "belongs to nothing that the manifest names";
         if let Some(((tag, object, index), _)) =
-            self.sections.iter().find(|(_, (_, required))| *required)
+            self.sections.iter().find(|(_, section)| section.required)
         {
             return Err(FormatError::new(Fault::Malformed, place(*tag, *object, *index), nothing));
         }
@@ -89,6 +119,11 @@ impl<'a> Container<'a> {
         }
         Ok(())
     }
+}
+
+/// The flag of a section of so wide numbers.
+fn wide(is_wide: bool) -> u32 {
+    if is_wide { WIDE } else { 0 }
 }
 
 pub(super) type Content<'a> = Box<dyn FnOnce(&mut Vec<u8>) + 'a>;
@@ -120,6 +155,24 @@ impl<'a> Writer<'a> {
         content: impl FnOnce(&mut Vec<u8>) + 'a,
     ) {
         self.sections.push(((tag, object, index), 0, Box::new(content)));
+    }
+
+    /// A section of indices that has to be there, wide or not.
+    pub(super) fn indices(
+        &mut self,
+        tag: Tag,
+        object: u32,
+        layout: Layout,
+        content: impl FnOnce(&mut Vec<u8>) + 'a,
+    ) {
+        let flags = REQUIRED | wide(layout == Layout::Gpu);
+        self.sections.push(((tag, object, 0), flags, Box::new(content)));
+    }
+
+    /// An array of a model.
+    pub(super) fn array(&mut self, object: u32, index: u32, array: Array) {
+        let content = Box::new(move |out: &mut Vec<u8>| out.extend_from_slice(&array.bytes));
+        self.sections.push(((tag::MODEL_ARRAY, object, index), wide(array.wide), content));
     }
 
     pub(super) fn finish(self) -> Vec<u8> {

@@ -4,7 +4,7 @@
 //! The files are made once, by `cargo test -p lodc-formats make_golden_files -- --ignored`, and not
 //! again unless the format changes together with its version.
 
-use super::tests::{all_models_file, gltf_file, measured_file, two_parts_file};
+use super::tests::{all_models_file, gltf_file, measured_file, two_parts_file, wide};
 use super::*;
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -23,9 +23,10 @@ fn facts(name: &str, bytes: &[u8]) -> String {
     let file = read(bytes).expect("a golden file");
     let format = format!("{:?}", file.source.format).to_lowercase();
     let mut text = format!(
-        "{name} {format} {:032x} objects {}\n",
+        "{name} {format} {:032x} objects {}{}\n",
         file.source.content_hash,
-        file.objects.len()
+        file.objects.len(),
+        if file.layout == Layout::Gpu { " layout gpu" } else { "" }
     );
     for o in &file.objects {
         let (mesh, collapses) = (o.simplified.mesh(), o.simplified.collapses());
@@ -74,7 +75,7 @@ fn files(version: u32) -> Vec<(String, Vec<u8>)> {
 fn golden_files_give_their_facts_and_the_same_bytes_again() {
     for version in 1..=VERSION {
         let files = files(version);
-        assert_eq!(files.len(), [3, 4, 6][version as usize - 1]);
+        assert_eq!(files.len(), [3, 4, 8][version as usize - 1]);
         let all: String = files.iter().map(|(name, bytes)| facts(name, bytes)).collect();
         assert_eq!(
             all,
@@ -146,8 +147,10 @@ fn the_page_shows_golden_files_byte_by_byte() {
             file.check(line);
         }
     }
-    assert_eq!(files.len(), 2);
-    files.iter().for_each(Shown::finish);
+    assert_eq!(files.len(), 3);
+    // Of the last one the page shows what differs from the one before it.
+    files[..2].iter().for_each(Shown::finish);
+    assert!(files[2].seen.iter().filter(|&&seen| seen).count() > 250);
 }
 
 #[test]
@@ -155,11 +158,13 @@ fn the_page_shows_golden_files_byte_by_byte() {
 fn make_golden_files() {
     let files = [
         ("all_models.lodc", all_models_file()),
+        ("all_models_gpu.lodc", wide(&all_models_file())),
         ("cube_and_part.lodc", gltf_file(&["cube", "machine_part"])),
         ("measured_cube.lodc", measured_file("cube")),
         ("skinned_tube.lodc", gltf_file(&["skinned_tube_u8"])),
         ("triangle.lodc", measured_file("triangle")),
         ("two_parts.lodc", two_parts_file()),
+        ("two_parts_gpu.lodc", wide(&two_parts_file())),
     ];
     std::fs::create_dir_all(golden(VERSION)).expect("a folder");
     let mut all = String::new();

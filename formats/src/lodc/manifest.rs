@@ -7,7 +7,7 @@ use super::record::Record;
 use super::{LodFile, LodObject};
 use crate::{Document, Fault, FormatError, ObjDocument, ObjMaterial, Source, SourceFormat};
 use lodc_mesh::{Attribute, Component, Semantic};
-use lodc_model::Model;
+use lodc_model::{Layout, Model};
 use serde::{Deserialize, Serialize};
 
 #[derive(Serialize, Deserialize)]
@@ -159,7 +159,7 @@ fn object_entry(object: &LodObject, plan: &[bool]) -> ObjectEntry {
     let models = object.models.iter().map(|m| {
         Record(ModelEntry {
             name: m.name().to_owned(),
-            arrays: m.arrays().into_iter().map(|a| a.name).collect(),
+            arrays: m.arrays(Layout::Packed).into_iter().map(|a| a.name).collect(),
         })
     });
     ObjectEntry {

@@ -13,6 +13,7 @@ mod manifest_codec;
 mod object;
 mod old;
 mod record;
+mod sections;
 mod steps;
 mod streams;
 mod table;
@@ -24,9 +25,11 @@ use container::{Container, Writer};
 use left_out::LeftOut;
 use lodc_lod::AnyModel;
 use lodc_mesh::Simplified;
+pub use lodc_model::Layout;
 use lodc_model::Model;
 pub use made_from::MadeFrom;
 use manifest::{DocumentEntry, Manifest};
+pub use sections::{Section, sections};
 use std::sync::Arc;
 use streams::ZeroBudget;
 use table::{SCENE, tag};
@@ -43,6 +46,8 @@ pub struct LodFile {
     pub document: Document,
     /// The objects.
     pub objects: Vec<LodObject>,
+    /// Width of its indices.
+    pub layout: Layout,
     /// Origin of its content, if whoever made it knew.
     pub made_from: Option<MadeFrom>,
     /// Parts that a reader left out because this version does not know them: one line for each, up
@@ -68,13 +73,13 @@ pub fn key(bytes: &[u8]) -> u128 {
     xxhash_rust::xxh3::xxh3_128(bytes)
 }
 
-/// Number of bytes of a file a model needs: positions, submeshes of vertices, triangles, collapse
-/// sequence and its own arrays. Attribute streams, padding, the table and the manifest are left
-/// out.
+/// Number of bytes of a file of some layout a model needs: positions, submeshes of vertices,
+/// triangles, collapse sequence and its own arrays. Attribute streams, padding, the table and the
+/// manifest are left out.
 #[must_use]
-pub fn stored_bytes(model: &AnyModel) -> u64 {
-    let own: usize = model.arrays().iter().map(|a| a.bytes.len()).sum();
-    object::geometry_bytes(model.simplified()) + own as u64
+pub fn stored_bytes(model: &AnyModel, layout: Layout) -> u64 {
+    let own: usize = model.arrays(layout).iter().map(|a| a.bytes.len()).sum();
+    object::geometry_bytes(model.simplified(), layout) + own as u64
 }
 
 /// Returns the version that a file says it is of; none if it is too short to say.
@@ -96,7 +101,7 @@ pub fn is_lodc(bytes: &[u8]) -> bool {
 /// If a checksum, count, offset or index is wrong, or the file needs a newer program.
 pub fn read(bytes: &[u8]) -> Result<LodFile, FormatError> {
     let mut container = Container::read(bytes)?;
-    let version = container.version();
+    let (version, layout) = (container.version(), container.layout());
     let manifest = manifest_codec::decode(container.take(tag::MANIFEST, SCENE, 0)?, version)?;
     let source = manifest.source()?;
     let document = match manifest.document {
@@ -121,7 +126,7 @@ pub fn read(bytes: &[u8]) -> Result<LodFile, FormatError> {
         })
         .collect::<Result<_, _>>()?;
     container.finish(&mut left_out)?;
-    Ok(LodFile { source, document, objects, made_from, left_out: left_out.into_lines() })
+    Ok(LodFile { source, document, objects, layout, made_from, left_out: left_out.into_lines() })
 }
 
 /// Returns what a file was made from, without reading its objects; none if the file does not say.
@@ -137,8 +142,8 @@ pub fn made_from(bytes: &[u8]) -> Result<Option<MadeFrom>, FormatError> {
 #[must_use]
 pub fn write(file: &LodFile) -> Vec<u8> {
     let mut zeros = ZeroBudget::default();
-    let plans: Vec<_> =
-        file.objects.iter().map(|o| streams::plan(o.simplified.mesh(), &mut zeros)).collect();
+    let plan = |o: &LodObject| streams::plan(o.simplified.mesh(), file.layout, &mut zeros);
+    let plans: Vec<_> = file.objects.iter().map(plan).collect();
     let manifest = manifest_codec::encode(&Manifest::of(file, &plans));
     let mut writer = Writer::default();
     writer.required(tag::MANIFEST, SCENE, 0, |out| out.extend_from_slice(&manifest));
@@ -152,7 +157,7 @@ pub fn write(file: &LodFile) -> Vec<u8> {
         writer.optional(tag::MADE_FROM, SCENE, 0, |out| out.extend_from_slice(&made.bytes()));
     }
     for ((number, object), plan) in (0..).zip(&file.objects).zip(&plans) {
-        object::write(&mut writer, number, object, plan);
+        object::write(&mut writer, number, object, plan, file.layout);
     }
     writer.finish()
 }

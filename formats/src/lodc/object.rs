@@ -1,6 +1,6 @@
 //! One object: its mesh, its collapse sequence and its models as sections.
 
-use super::container::{Container, Content, Writer};
+use super::container::{Container, Writer};
 use super::left_out::{LeftOut, shortened};
 use super::manifest::{AttributeEntry, ModelEntry, ObjectEntry};
 use super::record::Record;
@@ -12,7 +12,7 @@ use lodc_lod::{AnyModel, ModelKind};
 use lodc_mesh::{
     Attribute, CollapseSequence, Lod, Mesh, MeshParts, SequenceParts, Simplified, Submesh,
 };
-use lodc_model::{Array, Model};
+use lodc_model::{Array, Layout, Model};
 use std::sync::Arc;
 
 /// Bytes for each entry of `VSUB`: the fewest that hold the last submesh's number; 0 if there is
@@ -26,15 +26,22 @@ fn submesh_width(submeshes: usize) -> usize {
     }
 }
 
-/// Bytes for each number of a vertex in a file that is read: version 1 has four always.
-fn stored_width(container: &Container<'_>, vertices: usize) -> usize {
-    if container.version() == 1 { 4 } else { lodc_model::bytes::width(vertices) }
+/// Indices of vertices as they are stored, and the bytes of each: version 1 has four always.
+fn take_indices<'a>(
+    container: &mut Container<'a>,
+    (tag, number): (Tag, u32),
+    vertices: usize,
+) -> Result<(&'a [u8], usize), FormatError> {
+    let section = container.take_section(tag, number, 0)?;
+    let wide = section.wide || container.version() == 1;
+    let layout = if wide { Layout::Gpu } else { Layout::Packed };
+    Ok((section.bytes, layout.width(vertices)))
 }
 
 /// Bytes of the sections that every model needs.
-pub(super) fn geometry_bytes(simplified: &Simplified) -> u64 {
+pub(super) fn geometry_bytes(simplified: &Simplified, layout: Layout) -> u64 {
     let (mesh, sequence) = (simplified.mesh(), simplified.collapses().parts());
-    let index = lodc_model::bytes::width(mesh.vertex_count());
+    let index = layout.width(mesh.vertex_count());
     let vertices = (12 + submesh_width(mesh.submeshes().len())) * mesh.vertex_count();
     let triangles = 3 * index * mesh.triangles().len();
     let records = index * sequence.targets.len() + sequence.targets.len().div_ceil(8);
@@ -49,37 +56,34 @@ pub(super) fn write<'a>(
     number: u32,
     object: &'a LodObject,
     plan: &'a [bool],
+    layout: Layout,
 ) {
     let (mesh, sequence) = (object.simplified.mesh(), object.simplified.collapses().parts());
-    let mut section = |tag, content: Content<'a>| writer.required(tag, number, 0, content);
-    section(tag::POSITIONS, Box::new(|out| arrays::put_f32s(out, mesh.positions().as_flattened())));
+    writer.required(tag::POSITIONS, number, 0, |out| {
+        arrays::put_f32s(out, mesh.positions().as_flattened());
+    });
     let width = submesh_width(mesh.submeshes().len());
     if width > 0 {
-        section(
-            tag::VERTEX_SUBMESH,
-            Box::new(move |out| arrays::put_narrow(out, mesh.vertex_submesh(), width)),
-        );
+        writer.required(tag::VERTEX_SUBMESH, number, 0, move |out| {
+            arrays::put_narrow(out, mesh.vertex_submesh(), width);
+        });
     }
-    let index = lodc_model::bytes::width(mesh.vertex_count());
-    section(
-        tag::TRIANGLES,
-        Box::new(move |out| arrays::put_narrow(out, mesh.triangles().as_flattened(), index)),
-    );
-    section(tag::TARGETS, Box::new(move |out| arrays::put_narrow(out, &sequence.targets, index)));
-    section(
-        tag::JOINED,
-        Box::new(|out| out.extend(steps::joined(sequence.targets.len(), &sequence.step_ends))),
-    );
-    section(
-        tag::STEP_ERRORS,
-        Box::new(|out| out.extend(steps::error_growth(&sequence.step_errors))),
-    );
-    section(
-        tag::STEP_TRIANGLES,
-        Box::new(|out| {
-            out.extend(steps::lost_triangles(sequence.triangles, &sequence.step_triangles));
-        }),
-    );
+    let index = layout.width(mesh.vertex_count());
+    writer.indices(tag::TRIANGLES, number, layout, move |out| {
+        arrays::put_narrow(out, mesh.triangles().as_flattened(), index);
+    });
+    writer.indices(tag::TARGETS, number, layout, move |out| {
+        arrays::put_narrow(out, &sequence.targets, index);
+    });
+    writer.required(tag::JOINED, number, 0, |out| {
+        out.extend(steps::joined(sequence.targets.len(), &sequence.step_ends));
+    });
+    writer.required(tag::STEP_ERRORS, number, 0, |out| {
+        out.extend(steps::error_growth(&sequence.step_errors));
+    });
+    writer.required(tag::STEP_TRIANGLES, number, 0, |out| {
+        out.extend(steps::lost_triangles(sequence.triangles, &sequence.step_triangles));
+    });
     if object.simplified.collapses().is_measured() {
         writer.optional(tag::STEP_RMS, number, 0, |out| {
             out.extend(steps::error_growth(&sequence.step_rms));
@@ -90,11 +94,9 @@ pub(super) fn write<'a>(
             streams::put(out, mesh, i, full);
         });
     }
-    let model_arrays = object.models.iter().flat_map(Model::arrays);
+    let model_arrays = object.models.iter().flat_map(|model| model.arrays(layout));
     for (index, array) in (0..).zip(model_arrays) {
-        writer.optional(tag::MODEL_ARRAY, number, index, move |out| {
-            out.extend_from_slice(&array.bytes);
-        });
+        writer.array(number, index, array);
     }
 }
 
@@ -147,10 +149,9 @@ fn read_models(
         let mut stored = Vec::new();
         for name in model.arrays {
             if kind.is_some() {
-                stored.push(Array {
-                    name,
-                    bytes: container.take(tag::MODEL_ARRAY, number, index)?.to_vec(),
-                });
+                let section = container.take_section(tag::MODEL_ARRAY, number, index)?;
+                let (bytes, wide) = (section.bytes.to_vec(), section.wide);
+                stored.push(Array { name, bytes, wide });
             } else {
                 container.skip(tag::MODEL_ARRAY, number, index);
             }
@@ -190,8 +191,7 @@ fn read_mesh(
             arrays::narrow(stored, width, at(tag::VERTEX_SUBMESH))?
         }
     };
-    let width = stored_width(container, positions.len());
-    let stored = container.take(tag::TRIANGLES, number, 0)?;
+    let (stored, width) = take_indices(container, (tag::TRIANGLES, number), positions.len())?;
     let triangles = arrays::narrow_triples(stored, width, at(tag::TRIANGLES))?;
     let mut first = 0u32;
     let mut submeshes = Vec::with_capacity(entry.submeshes.len());
@@ -266,9 +266,8 @@ fn read_sequence(
     let wrong = |tag: Tag| {
         move |what: String| FormatError::new(Fault::Malformed, place(tag, number, 0), what)
     };
-    let width = stored_width(container, mesh.vertex_count());
-    let targets =
-        arrays::narrow(container.take(tag::TARGETS, number, 0)?, width, at(tag::TARGETS))?;
+    let (stored, width) = take_indices(container, (tag::TARGETS, number), mesh.vertex_count())?;
+    let targets = arrays::narrow(stored, width, at(tag::TARGETS))?;
     let bits = container.take(tag::JOINED, number, 0)?;
     let step_ends = steps::step_ends(bits, targets.len()).map_err(wrong(tag::JOINED))?;
     let stored = container.take(tag::STEP_ERRORS, number, 0)?;

@@ -2,6 +2,7 @@
 
 use crate::{Fault, FormatError};
 use lodc_mesh::{Attribute, Mesh};
+use lodc_model::Layout;
 
 /// Number of zero bytes streams may leave out. Without this bound a small file could ask for any
 /// amount of memory.
@@ -31,8 +32,8 @@ impl ZeroBudget {
     }
 }
 
-/// For each stream whether it is stored for all vertices.
-pub(super) fn plan(mesh: &Mesh, budget: &mut ZeroBudget) -> Vec<bool> {
+/// For each stream whether it is stored for all vertices, as all are that a device may be given.
+pub(super) fn plan(mesh: &Mesh, layout: Layout, budget: &mut ZeroBudget) -> Vec<bool> {
     let full = |(i, stream): (usize, &Attribute)| {
         let has = has_stream(mesh, i);
         let (mut zeros, mut only_zeros) = (0, true);
@@ -42,7 +43,7 @@ pub(super) fn plan(mesh: &Mesh, budget: &mut ZeroBudget) -> Vec<bool> {
                 only_zeros &= bytes.iter().all(|&b| b == 0);
             }
         }
-        let full = zeros == 0 || !only_zeros || !budget.take(zeros);
+        let full = layout == Layout::Gpu || zeros == 0 || !only_zeros || !budget.take(zeros);
         // A reader's budget is twice the file, which holds at least these bytes.
         budget.stored += stream.bytes.len() as u64 - if full { 0 } else { zeros };
         full

@@ -17,6 +17,8 @@ pub(super) const ENTRY: usize = 40;
 pub(super) const ALIGN: usize = 16;
 /// Flag of a section without which the file cannot be understood.
 pub(super) const REQUIRED: u32 = 1;
+/// Flag of a section in which each number is a `u32`: of [`tag::MAY_BE_WIDE`], from version 3 on.
+pub(super) const WIDE: u32 = 2;
 /// Flags that a reader may pass over where it does not know them, from version 3 on.
 const OPTIONAL: u32 = 0xffff_0000;
 
@@ -42,6 +44,7 @@ pub(super) mod tag {
     pub(crate) const STEP_TRIANGLES: Tag = *b"STRI";
     pub(crate) const MODEL_ARRAY: Tag = *b"MODA";
     pub(crate) const MADE_FROM: Tag = *b"MADE";
+    pub(crate) const MAY_BE_WIDE: [Tag; 3] = [TRIANGLES, TARGETS, MODEL_ARRAY];
     pub(crate) const KNOWN: [Tag; 14] = [
         MANIFEST,
         DOCUMENT_JSON,
@@ -166,6 +169,11 @@ impl Entry {
         self.flags & REQUIRED != 0
     }
 
+    /// Returns whether each number in the section is a `u32`.
+    pub(super) fn is_wide(&self) -> bool {
+        self.flags & WIDE != 0
+    }
+
     /// An error that names the section.
     pub(super) fn error(&self, fault: Fault, what: impl Into<String>) -> FormatError {
         let (tag, object, index) = self.id;
@@ -204,7 +212,8 @@ impl Entry {
 
     /// Refuses flags that this version does not know, but for those that it may pass over.
     pub(super) fn check_flags(&self, version: u32) -> Result<(), FormatError> {
-        let known = if version < 3 { REQUIRED } else { REQUIRED | OPTIONAL };
+        let wide = if tag::MAY_BE_WIDE.contains(&self.id.0) { WIDE } else { 0 };
+        let known = if version < 3 { REQUIRED } else { REQUIRED | wide | OPTIONAL };
         if self.flags & !known != 0 {
             let what = format!("has unknown flags {:#x}", self.flags);
             return Err(self.error(Fault::Unsupported, what));

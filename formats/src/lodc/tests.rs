@@ -43,6 +43,7 @@ pub(super) fn obj_file(name: &str) -> LodFile {
         }),
         objects: vec![object(name, &fixtures::named(name).expect("a shape"))],
         made_from: None,
+        layout: Layout::Packed,
         left_out: vec![],
     }
 }
@@ -56,6 +57,24 @@ pub(super) fn gltf_file(names: &[&str]) -> LodFile {
             .iter()
             .map(|name| object(name, &fixtures::named(name).expect("a shape")))
             .collect(),
+        made_from: None,
+        layout: Layout::Packed,
+        left_out: vec![],
+    }
+}
+
+/// The same file in the layout for devices.
+pub(super) fn wide(file: &LodFile) -> LodFile {
+    let objects = file.objects.iter().map(|o| LodObject {
+        info: o.info.clone(),
+        simplified: Arc::clone(&o.simplified),
+        models: o.models.clone(),
+    });
+    LodFile {
+        source: file.source.clone(),
+        document: file.document.clone(),
+        objects: objects.collect(),
+        layout: Layout::Gpu,
         made_from: None,
         left_out: vec![],
     }
@@ -151,12 +170,15 @@ fn what_is_written_is_read_and_writes_the_same_again() {
         .flat_map(|(name, _)| [obj_file(name), gltf_file(&[name, "cube", name])])
         .collect();
     files.push(gltf_file(&[]));
-    for file in &files {
+    files.push(all_models_file());
+    for file in files.into_iter().flat_map(|file| [wide(&file), file]) {
+        let file = &file;
         let bytes = write(file);
         let again = read(&bytes).expect("a whole file");
         same(file, &again);
         assert!(again.left_out.is_empty());
         assert_eq!(bytes, write(&again));
+        assert!(again.layout == file.layout || file.objects.is_empty());
     }
 }
 
@@ -165,7 +187,7 @@ fn sections_are_aligned_and_geometry_takes_no_more_than_is_needed() {
     let file = obj_file("icosphere");
     let bytes = write(&file);
     let v = file.objects[0].simplified.mesh().vertex_count() as u64;
-    let stored = stored_bytes(&file.objects[0].models[0]);
+    let stored = stored_bytes(&file.objects[0].models[0], Layout::Packed);
     // Ten words, and five bytes and a bit for the step: error, triangles lost, last of its step or
     // not.
     assert!(stored <= 45 * v + v / 8 + 1, "{stored} bytes for {v} vertices");
@@ -173,6 +195,41 @@ fn sections_are_aligned_and_geometry_takes_no_more_than_is_needed() {
     for entry in bytes[32..].chunks(40).take(bytes[12].into()) {
         assert_eq!(entry[16] % 16, 0);
     }
+}
+
+/// The words of a section of an object.
+fn words(bytes: &[u8], tag: &[u8; 4], index: u32) -> Vec<u32> {
+    let all = sections(bytes).expect("a whole file");
+    let key = (*tag, Some(0), index);
+    let found = all.iter().find(|s| (s.tag, s.object, s.index) == key).expect("the section");
+    assert!(found.wide);
+    assert_eq!((found.bytes.as_ptr() as usize - bytes.as_ptr() as usize) % 16, 0);
+    found.bytes.chunks(4).map(|b| u32::from_le_bytes(b.try_into().expect("a word"))).collect()
+}
+
+#[test]
+fn sections_of_the_gpu_layout_are_what_a_device_is_given() {
+    let file = wide(&all_models_file());
+    let bytes = write(&file);
+    let object = &file.objects[0];
+    let mesh = object.simplified.mesh();
+    assert_eq!(words(&bytes, b"TRIS", 0), mesh.triangles().as_flattened());
+    assert_eq!(words(&bytes, b"TARG", 0), object.simplified.collapses().targets());
+    for (index, model) in [(0, &object.models[0]), (2, &object.models[1])] {
+        let strips = model.strips().expect("a strip model");
+        let stored = words(&bytes, b"MODA", index);
+        let front = 1 + mesh.submeshes().len() + strips.iter().count();
+        assert_eq!(stored[0], strips.kind as u32);
+        assert_eq!(&stored[front..], strips.indices());
+    }
+    // Attributes have bytes for every vertex, whichever submesh it is of.
+    for section in sections(&bytes).expect("a whole file").iter().filter(|s| s.tag == *b"ATTR") {
+        assert_eq!(section.bytes, mesh.attributes()[section.index as usize].bytes);
+    }
+    let stored = |layout| stored_bytes(&object.models[0], layout);
+    assert!(stored(Layout::Packed) < stored(Layout::Gpu));
+    let more = bytes.len() - write(&all_models_file()).len();
+    assert!(stored(Layout::Gpu) - stored(Layout::Packed) < more as u64);
 }
 
 #[test]

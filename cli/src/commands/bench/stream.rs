@@ -5,7 +5,7 @@ use super::report::{PrefixReport, StreamReport, StreamSpeed};
 use super::timings::Timings;
 use super::{BenchArgs, Prepared};
 use crate::exit::{Failure, Outcome, Status};
-use lodc_formats::lodc::{LodFile, LodObject};
+use lodc_formats::lodc::{Layout, LodFile, LodObject};
 use lodc_formats::lods::{PackOptions, Quantize, Unpacker, pack};
 use lodc_formats::{Document, FormatError, Limits, ObjDocument, Source, SourceFormat};
 use lodc_measure::{Looks, Sampling, Surface, Viewing, compare_pictures, distances, pictures};
@@ -87,6 +87,7 @@ fn alone(object: &LodObject) -> LodFile {
         document: Document::Obj(ObjDocument::default()),
         objects: vec![object],
         made_from: None,
+        layout: Layout::Packed,
         left_out: Vec::new(),
     }
 }

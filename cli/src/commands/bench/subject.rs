@@ -2,7 +2,7 @@
 
 use crate::exit::{Failure, Outcome, Status};
 use lodc_baseline::Baseline;
-use lodc_formats::lodc::{LodObject, stored_bytes};
+use lodc_formats::lodc::{Layout, LodObject, stored_bytes};
 use lodc_lod::AnyModel;
 use lodc_mesh::{Lod, Simplified};
 use lodc_model::{Model, StorageCost, Traffic};
@@ -83,7 +83,7 @@ where
 /// Every row that has levels of detail: the models of an object, then the baselines.
 pub(super) fn subjects<'a>(object: &'a LodObject, baselines: &'a [Baseline]) -> Vec<Subject<'a>> {
     let models = object.models.iter().map(|m| Subject {
-        file_bytes: Some(stored_bytes(m)),
+        file_bytes: Some(stored_bytes(m, Layout::Packed)),
         degenerates_removed: match m {
             AnyModel::Speed(speed) => Some(speed.degenerates_removed()),
             _ => None,

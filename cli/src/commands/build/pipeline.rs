@@ -81,7 +81,8 @@ pub(super) fn make(
 
     progress.stage("write");
     let made_from = MadeFrom::of(input, &files_read, &args.resolved, start);
-    let file = LodFile { source, document, objects, made_from, left_out: vec![] };
+    let layout = args.models.layout();
+    let file = LodFile { source, document, objects, layout, made_from, left_out: vec![] };
     let bytes = stages.run("write", || {
         let bytes = write(&file);
         let length = bytes.len();

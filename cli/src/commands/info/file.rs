@@ -11,7 +11,7 @@ use crate::report::{
 };
 use crate::text::{count, distance, grouped, size};
 use lodc_formats::SourceFormat;
-use lodc_formats::lodc::{self, LodObject};
+use lodc_formats::lodc::{self, Layout, LodObject};
 use lodc_lod::AnyModel;
 use lodc_lod::interactive::CollapseLists;
 use lodc_mesh::CollapseSequence;
@@ -43,11 +43,16 @@ pub(super) fn report(name: &str, bytes: &[u8], baselines: bool) -> Outcome<InfoR
             },
             content_hash: format!("{:032x}", file.source.content_hash),
         },
-        objects: file.objects.iter().map(|o| object(o, baselines)).collect::<Outcome<_>>()?,
+        layout: file.layout.name(),
+        objects: file
+            .objects
+            .iter()
+            .map(|o| object(o, file.layout, baselines))
+            .collect::<Outcome<_>>()?,
     })
 }
 
-fn object(o: &LodObject, baselines: bool) -> Outcome<ObjectReport> {
+fn object(o: &LodObject, layout: Layout, baselines: bool) -> Outcome<ObjectReport> {
     let collapses = o.simplified.collapses();
     let lods = levels::table(collapses).into_iter().map(|lod| LodReport {
         lod: lod.0,
@@ -56,7 +61,7 @@ fn object(o: &LodObject, baselines: bool) -> Outcome<ObjectReport> {
         rms: collapses.rms_at(lod).map(decimal),
     });
     let mut models: Map<String, Value> =
-        o.models.iter().map(|m| (m.name().to_owned(), stored(m))).collect();
+        o.models.iter().map(|m| (m.name().to_owned(), stored(m, layout))).collect();
     if baselines {
         let strips = Arc::new(plain_strips(o));
         for baseline in bench::baselines(o, &strips)? {
@@ -113,8 +118,8 @@ fn strips(o: &LodObject) -> Map<String, Value> {
     all
 }
 
-fn stored(model: &AnyModel) -> Value {
-    bits(&model.storage(), Some(lodc::stored_bytes(model)))
+fn stored(model: &AnyModel, layout: Layout) -> Value {
+    bits(&model.storage(), Some(lodc::stored_bytes(model, layout)))
 }
 
 fn bits(cost: &StorageCost, file: Option<u64>) -> Value {
@@ -134,8 +139,9 @@ pub(super) fn text(name: &str, report: &InfoReport) -> String {
     // Writing to a string cannot fail.
     let _ = writeln!(
         text,
-        "{name}: format version {}, {}, from {}, {}",
+        "{name}: format version {}, {} layout, {}, from {}, {}",
         report.format_version,
+        report.layout,
         size(report.bytes),
         report.source.format,
         count(report.objects.len() as u64, "object")

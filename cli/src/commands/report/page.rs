@@ -6,7 +6,7 @@ use crate::chart::{Chart, Curve, Scale};
 use crate::html::{base64, escaped};
 use crate::report::CheckReport;
 use crate::text::{count, distance, grouped, size};
-use lodc_model::Model;
+use lodc_model::{Layout, Model};
 use std::fmt::Write;
 
 const STYLE: &str = include_str!("page.css");
@@ -156,7 +156,7 @@ fn put_storage(out: &mut String, facts: &Facts<'_>) {
     let objects = &facts.asset.objects;
     let mut models: Vec<(&str, u64)> = Vec::new();
     for model in objects.iter().flat_map(|o| &o.models) {
-        let bytes: u64 = model.arrays().iter().map(|a| a.bytes.len() as u64).sum();
+        let bytes: u64 = model.arrays(Layout::Packed).iter().map(|a| a.bytes.len() as u64).sum();
         match models.iter_mut().find(|(name, _)| *name == model.name()) {
             Some((_, sum)) => *sum += bytes,
             None => models.push((model.name(), bytes)),

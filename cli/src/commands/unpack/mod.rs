@@ -49,7 +49,7 @@ pub(crate) fn run(args: &UnpackArgs) -> Outcome<Status> {
         return rebuilt::run(args);
     }
     if args.models.is_given() {
-        return Err(Failure::usage("--models needs -o F.lodc: a mesh has no models"));
+        return Err(Failure::usage("--models and --layout need -o F.lodc: a mesh has neither"));
     }
     mesh::run(args)
 }

@@ -87,7 +87,8 @@ fn file(
     let objects = work.build_all(measured, StripOptions::default(), strips).map_err(bug)?;
     work.check_all(&objects).map_err(bug)?;
     let source = unpacker.source().expect("a complete stream has a source").clone();
-    Ok(LodFile { source, document, objects, made_from: None, left_out: Vec::new() })
+    let (layout, left_out) = (args.models.layout(), Vec::new());
+    Ok(LodFile { source, document, objects, layout, made_from: None, left_out })
 }
 
 /// Checks every promise of the sequences: a stream may be crafted, and quantising can put vertices

@@ -18,7 +18,7 @@ mod walk;
 pub use cursor::Cursor;
 
 use lodc_mesh::{Lod, OrientedTriangle, Simplified};
-use lodc_model::{Array, BuildError, Changes, Model, StorageCost, Traffic};
+use lodc_model::{Array, BuildError, Changes, Layout, Model, StorageCost, Traffic};
 use record::Records;
 use std::sync::Arc;
 
@@ -120,7 +120,7 @@ impl Model for ProgressiveMesh {
             ..plain
         }
     }
-    fn arrays(&self) -> Vec<Array> {
+    fn arrays(&self, _: Layout) -> Vec<Array> {
         Vec::new()
     }
 }

@@ -25,7 +25,7 @@ pub use live::Counting;
 pub use replay::Continuous;
 
 use lodc_mesh::{Lod, OrientedTriangle, PositionIds, Simplified};
-use lodc_model::{Array, BuildError, Changes, Model, StorageCost, Traffic};
+use lodc_model::{Array, BuildError, Changes, Layout, Model, StorageCost, Traffic};
 use std::sync::Arc;
 
 /// An Interactive Mesh.
@@ -126,7 +126,7 @@ impl Model for Interactive {
         let structures = 4 * u64::from(self.simplified.collapses().floor(lod).0);
         StorageCost { positions: geometry, normals: geometry, structures, ..plain }
     }
-    fn arrays(&self) -> Vec<Array> {
+    fn arrays(&self, _: Layout) -> Vec<Array> {
         Vec::new()
     }
 }

@@ -32,7 +32,7 @@ pub use replay::SHADERS;
 use crate::stored_strips::{STRIPS, from_array, to_array};
 use history::Entry;
 use lodc_mesh::{Lod, NONE, OrientedTriangle, PositionIds, Simplified};
-use lodc_model::{Array, BuildError, Changes, Model, StorageCost, Traffic};
+use lodc_model::{Array, BuildError, Changes, Layout, Model, StorageCost, Traffic};
 use lodc_strip::Strips;
 use pattern::LONGEST;
 use std::sync::Arc;
@@ -159,7 +159,7 @@ impl Model for Masking {
     fn storage_to(&self, lod: Lod) -> StorageCost {
         info::storage(self, self.simplified.collapses().floor(lod))
     }
-    fn arrays(&self) -> Vec<Array> {
-        vec![to_array(&self.strips, self.simplified.mesh().vertex_count())]
+    fn arrays(&self, layout: Layout) -> Vec<Array> {
+        vec![to_array(&self.strips, self.simplified.mesh().vertex_count(), layout)]
     }
 }

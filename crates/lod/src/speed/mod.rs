@@ -24,7 +24,7 @@ use crate::trace::{self, History, Source};
 use edits::Edits;
 use lodc_mesh::removal_lods;
 use lodc_mesh::{Lod, OrientedTriangle, PositionIds, Simplified};
-use lodc_model::{Array, BuildError, Changes, Model, StorageCost, Traffic};
+use lodc_model::{Array, BuildError, Changes, Layout, Model, StorageCost, Traffic};
 use lodc_strip::Strips;
 use std::sync::Arc;
 use stored::{REMOVALS, Replay, Stored};
@@ -202,10 +202,10 @@ impl Model for Speed {
         let primitives = 4 * self.strips.separate_indices();
         StorageCost { positions: geometry, normals: geometry, primitives, structures, ..plain }
     }
-    fn arrays(&self) -> Vec<Array> {
+    fn arrays(&self, layout: Layout) -> Vec<Array> {
         let vertices = self.simplified.mesh().vertex_count();
         vec![
-            stored_strips::to_array(&self.strips, vertices),
+            stored_strips::to_array(&self.strips, vertices, layout),
             stored::to_array(&self.edits.removals_by_strip()),
         ]
     }

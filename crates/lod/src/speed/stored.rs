@@ -26,7 +26,7 @@ pub(super) fn to_array(by_strip: &[Vec<(u32, Removal)>]) -> Array {
             latest = event;
         }
     }
-    Array { name: REMOVALS.to_owned(), bytes }
+    Array { name: REMOVALS.to_owned(), bytes, wide: false }
 }
 
 /// Removals as read: for each strip those of its own.
@@ -40,6 +40,9 @@ impl Stored {
     /// Reads the array of so many strips. Whether removals fit their strips is for [`Replay`] to
     /// find.
     pub(super) fn read(array: &Array, strips: usize) -> Result<Self, BuildError> {
+        if array.wide {
+            return Err(wrong("is never written wide"));
+        }
         let mut reader = Reader::new(&array.bytes);
         let short = || wrong("ends early or has a malformed number");
         if strips > reader.left() {

@@ -8,7 +8,7 @@ mod quantize;
 
 use super::block::{self, Block, Parsed};
 use super::{PackOptions, Packed, Unpacker, pack};
-use crate::lodc::{LodFile, LodObject};
+use crate::lodc::{Layout, LodFile, LodObject};
 use crate::{
     Document, GltfDocument, Limits, ObjDocument, ObjectInfo, Source, SourceFormat, SubmeshInfo,
 };
@@ -37,6 +37,7 @@ fn obj(objects: Vec<LodObject>) -> LodFile {
         }),
         objects,
         made_from: None,
+        layout: Layout::Packed,
         left_out: Vec::new(),
     }
 }

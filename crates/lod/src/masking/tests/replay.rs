@@ -39,9 +39,14 @@ fn check(name: &str, simplified: Simplified) {
             let indices: u64 = (0..model.strips.len()).map(|s| cursor.strip(s).len() as u64).sum();
             assert_eq!(cursor.drawn(), indices, "{name}");
         });
-        let again = Masking::load(&simplified, &model.arrays()).expect("nothing is damaged");
+        let again =
+            Masking::load(&simplified, &model.arrays(Layout::Packed)).expect("nothing is damaged");
         assert_eq!((&again.entries, &again.updates), (&model.entries, &model.updates), "{name}");
-        assert_eq!(again.arrays(), model.arrays(), "{name}");
+        for layout in Layout::ALL {
+            let arrays = model.arrays(layout);
+            let again = Masking::load(&simplified, &arrays).expect("nothing is damaged");
+            assert_eq!(again.arrays(layout), arrays, "{name}");
+        }
     }
 }
 
@@ -49,7 +54,8 @@ fn check(name: &str, simplified: Simplified) {
 fn damaged_arrays_are_refused_or_found_by_verification() {
     let simplified = Arc::new(fixtures::random_collapse(&fixtures::icosphere(1), 1));
     let strips = Arc::new(Strips::generate(&simplified, StripKind::Cache, Effort::Fast));
-    let array = Masking::build(&simplified, strips).expect("few entries").arrays().remove(0);
+    let array =
+        Masking::build(&simplified, strips).expect("few entries").arrays(Layout::Packed).remove(0);
     let reference = lodc_verify::Reference::new(&simplified).expect("a small sequence");
     let mut loaded = 0;
     // The first byte names the generator, on which nothing depends.
@@ -73,7 +79,7 @@ fn damaged_arrays_are_refused_or_found_by_verification() {
     put_leb128(&mut bytes, 1);
     put_leb128(&mut bytes, 17);
     bytes.extend([0; 17]);
-    let long = Array { name: STRIPS.to_owned(), bytes };
+    let long = Array { name: STRIPS.to_owned(), bytes, wide: false };
     assert!(matches!(Masking::load(&simplified, &[long]), Err(BuildError::Malformed { .. })));
 }
 
