@@ -102,9 +102,10 @@ const DRAWING: &[(&str, &[&str])] = &[
     ("fixtures", &["lodc-formats", "lodc-mesh", "lodc-model"]),
 ];
 
-/// Tests and benchmarks may also use these, sideways.
+/// Tests, examples and benchmarks may also use these, sideways.
 const FOR_TESTS: &[&str] = &[
     "lodc-fixtures",
+    "lodc-formats",
     "lodc-lod",
     "lodc-measure",
     "lodc-mesh",

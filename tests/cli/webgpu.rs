@@ -1,8 +1,8 @@
 //! The compute shaders in a browser: `crates/web/js/plan.js` runs the models' own plans, and every
 //! word is that of the CPU.
 
-use crate::support::Folder;
 use crate::support::browser::Browser;
+use crate::support::{Folder, base64};
 use lodc_lod::{AnyModel, ModelKind};
 use lodc_mesh::Simplified;
 use lodc_plan::{Contents, Expected, Pass, Plan, Program, Step, schedule};
@@ -106,4 +106,96 @@ fn kernels_in_a_browser_give_the_words_of_the_cpu() {
     let (lods, words) = (number(), number());
     assert_eq!(parts.next(), Some(""), "a browser differs: {result}");
     assert!(lods > 100 && words > 100_000, "{result}");
+}
+
+/// Modules of the example's host, each after those that it imports.
+const EXAMPLE: [&str; 4] = [
+    include_str!("../../crates/web/js/math.js"),
+    HOST,
+    include_str!("../../crates/web/js/sections.js"),
+    include_str!("../../crates/web/example/webgpu.js"),
+];
+
+/// Shows levels; logs triangles, LOD and pixels that are not black of each, or a message.
+const SHOW: &str = r"
+const data = JSON.parse(document.getElementById('data').textContent);
+const bytes = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer;
+
+async function pixels(host) {
+  const { device, canvas: { width, height } } = host;
+  const { COPY_DST, MAP_READ } = GPUBufferUsage;
+  // Headless browsers without a graphics card have no canvas for WebGPU: a texture stands for it.
+  const format = navigator.gpu.getPreferredCanvasFormat();
+  const { RENDER_ATTACHMENT, COPY_SRC } = GPUTextureUsage;
+  const usage = RENDER_ATTACHMENT | COPY_SRC;
+  const texture = device.createTexture({ size: [width, height], format, usage });
+  host.encode(texture.createView(), host.matrix());
+  const buffer = device.createBuffer({ size: 4 * width * height, usage: COPY_DST | MAP_READ });
+  const encoder = device.createCommandEncoder();
+  encoder.copyTextureToBuffer({ texture }, { buffer, bytesPerRow: 4 * width }, [width, height]);
+  device.queue.submit([encoder.finish()]);
+  await buffer.mapAsync(GPUMapMode.READ);
+  const words = new Uint32Array(buffer.getMappedRange());
+  return words.filter((word) => (word & 0xffffff) !== 0).length;
+}
+
+async function run() {
+  const canvas = Object.assign(document.createElement('canvas'), { width: 256, height: 256 });
+  const host = await Host.create(canvas, bytes(data.file), data.shaders);
+  if (!host) return 'no device';
+  const refused = await Host.create(canvas, bytes(data.packed), data.shaders).catch((e) => e);
+  const all = [];
+  for (const wanted of data.lods) {
+    const lod = host.show(wanted);
+    all.push([lod, await host.triangles(), await pixels(host)]);
+  }
+  return JSON.stringify({ all, refused: refused.message });
+}
+
+console.log(`done: ${await run().catch((e) => `failed: ${e.message}`)}`);
+";
+
+#[test]
+fn the_example_host_shows_the_levels_of_extract() {
+    let Some(browser) = Browser::find() else { return };
+    let f = Folder::new();
+    let part = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/machine_part.glb");
+    f.lodc(["build", part, "-o", "m.lodc", "--layout", "gpu", "-q"]).ends(0);
+    f.lodc(["build", part, "-o", "packed.lodc", "-q"]).ends(0);
+    f.lodc(["shaders", "-o", "shaders", "-q"]).ends(0);
+    let names = ["lists_length", "scan", "scan_add", "lists_fill", "extract", "live"];
+    let text = |name: &str| String::from_utf8(f.read(&format!("shaders/{name}.wgsl")));
+    let shaders: serde_json::Map<String, Value> =
+        names.iter().map(|n| ((*n).to_owned(), text(n).expect("text").into())).collect();
+    let lods = [0, 200, 40, 350, 999_999, 7];
+    let data = json!({
+        "file": base64(&f.read("m.lodc")), "packed": base64(&f.read("packed.lodc")),
+        "shaders": shaders, "lods": lods
+    });
+    let script: String = EXAMPLE.iter().map(|text| without_imports(text)).collect();
+    let page = f.file(
+        "host.html",
+        format!(
+            "<!doctype html><html><body><script id=data type=application/json>{data}</script>\
+             <script type=module>{script}\n{SHOW}</script></body></html>"
+        ),
+    );
+    let result = browser.result(&page);
+    let result: Value = serde_json::from_str(&result).unwrap_or_else(|_| panic!("{result}"));
+    assert!(result["refused"].as_str().is_some_and(|m| m.contains("--layout gpu")), "{result}");
+    for (wanted, shown) in lods.iter().zip(result["all"].as_array().expect("levels")) {
+        let wanted = wanted.to_string();
+        let args = ["extract", "m.lodc", "--lod", &wanted, "-o", "l.glb", "--json", "-q"];
+        let report = f.lodc(args).ends(0).json();
+        assert_eq!(shown[0], report["lod"], "{wanted}: {shown}");
+        assert_eq!(shown[1], report["triangles"], "{wanted}: {shown}");
+        let (triangles, pixels) = (&shown[1], shown[2].as_u64().expect("a number"));
+        assert!(pixels > 1_000 || triangles.as_u64() < Some(20), "{wanted}: {shown}");
+    }
+}
+
+/// A module as a part of one script.
+fn without_imports(text: &str) -> String {
+    let lines = text.lines().filter(|line| !line.starts_with("import "));
+    lines.map(|line| format!("{}\n", line.strip_prefix("export ").unwrap_or(line))).collect()
 }

@@ -77,6 +77,9 @@ export function perspective(fovy, aspect, near, far) {
   ];
 }
 
+/** Turns depths from -1 to 1, as WebGL wants them, into depths from 0 to 1, as WebGPU does. */
+export const WEBGPU_DEPTH = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0.5, 0, 0, 0, 0.5, 1];
+
 /** Between two quaternions along the shorter arc. */
 export function slerp(a, b, t) {
   let cosine = dot(a, b);

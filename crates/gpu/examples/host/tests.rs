@@ -82,3 +82,31 @@ fn a_file_of_the_packed_layout_is_refused_in_a_line() {
     assert!(refused.to_string().contains("--layout gpu"));
     assert!(Mapped::read(b"junk").is_err());
 }
+
+/// The page, and what it may quote.
+const PAGE: &str = include_str!("../../../../docs/ENGINE.md");
+const SOURCES: [&str; 4] = [
+    include_str!("levels.rs"),
+    include_str!("view.rs"),
+    include_str!("picture.rs"),
+    include_str!("../../../web/example/webgpu.js"),
+];
+
+/// The lines of a text that are not empty, without what stands before and behind them.
+fn lines(text: &str) -> Vec<&str> {
+    text.lines().map(str::trim).filter(|line| !line.is_empty()).collect()
+}
+
+#[test]
+fn the_page_quotes_the_hosts_as_they_are() {
+    let (page, _) = PAGE.split_once("### Levels in a GLB").expect("the last section has no host");
+    let sources = SOURCES.map(lines);
+    let fenced = page.split("```").skip(1).step_by(2);
+    let code = fenced.filter_map(|b| b.strip_prefix("rust\n").or(b.strip_prefix("js\n")));
+    let quotes: Vec<Vec<&str>> = code.map(lines).collect();
+    for quote in &quotes {
+        let found = sources.iter().any(|s| s.windows(quote.len()).any(|w| w == quote));
+        assert!(found, "no host has these lines: {quote:#?}");
+    }
+    assert!(quotes.len() >= 8, "{}", quotes.len());
+}
