@@ -165,9 +165,21 @@ pub(crate) struct ObjectReport {
 }
 
 /// Entries of the collapse lists of an object, over the whole sequence.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub(crate) struct ListsReport {
     /// Mean over the vertices.
+    pub(crate) mean: f64,
+    pub(crate) longest: u32,
+    /// The same of lists that end earlier.
+    pub(crate) down_to: Vec<ListsToReport>,
+}
+
+/// Entries of collapse lists down to a LOD (thesis 5.2 stops at 95 %).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub(crate) struct ListsToReport {
+    /// Share of the LODs, in percent.
+    pub(crate) percent: u32,
+    pub(crate) lod: u32,
     pub(crate) mean: f64,
     pub(crate) longest: u32,
 }

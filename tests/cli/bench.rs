@@ -272,6 +272,17 @@ fn a_device_is_timed_in_every_model_and_its_memory_counted() {
             "{model}"
         );
     }
+    let curve = &gpu["curve"];
+    let lods = curve["lods"].as_array().expect("LODs").len();
+    let structures = curve["structures"].as_object().expect("structures");
+    let names: Vec<&str> = structures.keys().map(String::as_str).collect();
+    assert_eq!(names, ["interactive", "lodstrips", "masking", "progressive_mesh", "speed"]);
+    for (name, drawn) in structures {
+        for key in ["draw_ms", "bytes", "upload_ms"] {
+            assert_eq!(drawn[key].as_array().map(Vec::len), Some(lods), "{name} {key}");
+        }
+        assert!(number(drawn, "/draw_ms/0") > 0.0 && number(drawn, "/bytes/0") > 0.0, "{name}");
+    }
     let words = |path: &str| 441.0 * number(&gpu["words_per_vertex"], path);
     let (v, f) = (441.0, 800.0);
     // Points, links, records and triangles, and the LODs by error; the attributes' source only if
@@ -306,6 +317,24 @@ fn curves_over_levels_have_a_point_for_each_of_their_lods() {
         let curve = list(&object["models"][name]["drawn"]["curve"]);
         assert_eq!(curve.len(), lods.len(), "{name}");
     }
+    let timed =
+        f.lodc(["bench", "g.obj", "--rounds", "1", "--json", "--plots", "p"]).ends(0).json();
+    let models = &timed["files"][0]["objects"][0]["models"];
+    for name in ["speed", "masking", "interactive", "lodstrips", "progressive_mesh"] {
+        let curve = models[name]["extraction"]["curve_us"].as_array().expect("a curve");
+        assert_eq!(curve.len(), lods.len(), "{name}");
+        assert!(curve.iter().all(|t| t.as_f64().is_some_and(|t| t > 0.0)), "{name}");
+        let mean = curve.iter().filter_map(Value::as_f64).sum::<f64>() / curve.len() as f64;
+        let stated = number(models, &format!("/{name}/extraction/mean_us"));
+        // Points have nearly as many updates each, and all was measured in one round.
+        assert!((mean / stated - 1.0).abs() < 0.3, "{name}: {mean}, not {stated}");
+    }
+    let read = |name: &str| String::from_utf8(f.read(&format!("p/{name}"))).expect("text");
+    assert!(read("g-indices.svg").contains(">discrete<"));
+    assert!(!read("g-extraction.svg").contains(">discrete<"), "it shows five levels alone");
+    assert!(!f.has("p/g-draw.svg"), "nothing was drawn");
+    f.lodc(["bench", "g.obj", "g.obj", "--no-times", "--plots", "q"]).ends(0);
+    assert!(f.has("q/g-indices.svg") && f.has("q/g-2-indices.svg") && !f.has("q/g-extraction.svg"));
     let share = number(object, "/models/speed/traffic/length_changes");
     assert!((0.05..0.95).contains(&share), "{share}");
     assert!(object["models"]["masking"]["traffic"]["length_changes"].is_null());

@@ -119,6 +119,23 @@ impl<'d> Instanced<'d> {
             }
         }
     }
+
+    /// Nanoseconds from asking for so many bytes to be sent to their being there, by the host's
+    /// clock.
+    ///
+    /// # Errors
+    /// If the device fails, or allows no such buffer.
+    pub fn upload(&self, bytes: u64, now: Now<'_>) -> Result<f64, GpuError> {
+        let zeros = vec![0; bytes.next_multiple_of(4) as usize];
+        let sent = buffer(self.device, wgpu::BufferUsages::COPY_DST, &zeros)?;
+        self.device.queue.submit([]);
+        self.device.wait()?;
+        let start = now();
+        self.device.queue.write_buffer(&sent, 0, &zeros);
+        self.device.queue.submit([]);
+        self.device.wait()?;
+        Ok(now().saturating_sub(start).as_nanos() as f64)
+    }
 }
 
 /// A buffer with these bytes, or a few where there are none.

@@ -1,9 +1,17 @@
 //! Timing models on a graphics device, by the device's own clock.
 
-use super::report::BenchObject;
+#[cfg(feature = "gpu")]
+use super::report::DrawnCurve;
+use super::report::{BenchObject, DeviceCurve};
+use super::subject::Subject;
 use crate::exit::Outcome;
 use crate::gpu::{self, Device, GpuArgs, GpuUse};
 use lodc_formats::lodc::LodObject;
+use lodc_mesh::{Lod, Simplified};
+#[cfg(feature = "gpu")]
+use std::collections::BTreeMap;
+#[cfg(feature = "gpu")]
+use std::time::Instant;
 
 /// Opens the device that was asked for; none if none was, or none is there that need not be.
 ///
@@ -35,7 +43,6 @@ pub(super) fn measure(
     use super::timings::Timings;
     use crate::exit::{Failure, Status};
     use lodc_model::Model;
-    use std::time::Instant;
 
     let start = Instant::now();
     for model in &object.models {
@@ -73,6 +80,86 @@ pub(super) fn measure(
         report.models.insert(model.name().to_owned(), serde_json::Value::Object(cases.collect()));
     }
     Ok(())
+}
+
+/// LODs of a curve on a device.
+#[cfg(feature = "gpu")]
+const LODS: usize = 20;
+
+/// Adds draws of every structure over LODs, and what its last update before each sends.
+///
+/// # Errors
+/// If the device fails or is too small.
+#[cfg(feature = "gpu")]
+pub(super) fn curve(
+    device: &Device,
+    simplified: &Simplified,
+    subjects: &mut [Subject<'_>],
+    stops: &[Lod],
+    rounds: u32,
+) -> Outcome<DeviceCurve> {
+    use lodc_gpu::picture::{Camera, Framing, Lens, Up};
+    use lodc_gpu::{Instance, Instanced, InstancedDraw, InstancedFrame};
+
+    let positions = simplified.mesh().positions().to_vec();
+    let wide: Vec<[f64; 3]> = positions.iter().map(|p| p.map(f64::from)).collect();
+    let framing =
+        Framing { up: Up::Y, azimuth: 30.0, elevation: 20.0, lens: Lens::Orthographic, zoom: 1.0 };
+    let camera = Camera::around(&wide, &framing, 1.0);
+    let stage = Instanced::new(device, &[positions], &camera).map_err(|e| gpu::failure(&e))?;
+    let place = camera.centre.map(|c| -c as f32);
+    let count = stops.len().min(LODS);
+    let at: Vec<usize> = (1..=count).map(|i| i * stops.len() / count - 1).collect();
+    let collapses = simplified.collapses();
+    let start = Instant::now();
+    let now = || start.elapsed();
+    let best = |time: &dyn Fn() -> Result<f64, lodc_gpu::GpuError>| -> Outcome<f64> {
+        // In the first round drivers compile.
+        let all = (0..=rounds).map(|_| time()).collect::<Result<Vec<f64>, _>>();
+        let all = all.map_err(|e| gpu::failure(&e))?;
+        Ok(all[1..].iter().copied().fold(f64::INFINITY, f64::min) / 1e6)
+    };
+    let mut curve = DeviceCurve {
+        lods: at.iter().map(|&i| stops[i].0).collect(),
+        triangles: at.iter().map(|&i| collapses.triangles_at(stops[i])).collect(),
+        structures: BTreeMap::new(),
+    };
+    for subject in subjects.iter_mut().filter(|s| s.continuous) {
+        let mut drawn = DrawnCurve::default();
+        for &i in &at {
+            subject.runner.seek(if i == 0 { Lod(0) } else { stops[i - 1] });
+            let (_, bytes) = subject.runner.send(stops[i]);
+            let indices: Vec<u32> =
+                subject.runner.triangles().iter().flat_map(|t| t.corners).collect();
+            let all = 0..indices.len() as u32;
+            let frame = InstancedFrame {
+                indices,
+                instances: vec![Instance { place, turn: [1.0, 0.0] }],
+                draws: vec![InstancedDraw { mesh: 0, indices: all, instances: 0..1 }],
+            };
+            drawn.draw_ms.push(best(&|| stage.timed(&frame, &now))?);
+            drawn.bytes.push(bytes);
+            drawn.upload_ms.push(best(&|| stage.upload(bytes, &now))?);
+        }
+        subject.runner.seek(Lod(0));
+        curve.structures.insert(subject.name.to_owned(), drawn);
+    }
+    Ok(curve)
+}
+
+/// There is no device.
+///
+/// # Errors
+/// Never.
+#[cfg(not(feature = "gpu"))]
+pub(super) fn curve(
+    device: &Device,
+    _: &Simplified,
+    _: &mut [Subject<'_>],
+    _: &[Lod],
+    _: u32,
+) -> Outcome<DeviceCurve> {
+    match *device {}
 }
 
 /// There is no device.

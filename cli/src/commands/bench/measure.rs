@@ -6,6 +6,7 @@ use super::timings::Timings;
 use lodc_baseline::Rebuild;
 use lodc_mesh::{CollapseSequence, Lod, Simplified};
 use std::hint::black_box;
+use std::ops::Range;
 use std::time::Instant;
 
 /// A measurement shorter than this is repeated until it is not: clocks and interruptions would blur
@@ -17,17 +18,21 @@ const JUMPS: u32 = 5;
 /// Points of a curve over LODs.
 const POINTS: usize = 100;
 
+/// Ranges of so many things for the points of a curve: each point stands at the last of its range.
+fn parts(of: usize) -> Vec<Range<usize>> {
+    let count = of.min(POINTS);
+    (0..count).map(|i| i * of / count..(i + 1) * of / count).collect()
+}
+
 /// Every so many stops, the last one included: the points of a curve.
 pub(super) fn points<T: Copy>(of_stops: &[T]) -> Vec<T> {
-    let count = of_stops.len().min(POINTS);
-    (1..=count).map(|i| of_stops[i * of_stops.len() / count - 1]).collect()
+    parts(of_stops.len()).into_iter().map(|part| of_stops[part.end - 1]).collect()
 }
 
 /// Means of as many runs of values: the points of a curve.
 pub(super) fn means(values: &[f64]) -> Vec<f64> {
-    let count = values.len().min(POINTS);
-    let run = |i: usize| &values[i * values.len() / count..(i + 1) * values.len() / count];
-    (0..count).map(run).map(|run| run.iter().sum::<f64>() / run.len() as f64).collect()
+    let mean = |run: &[f64]| run.iter().sum::<f64>() / run.len() as f64;
+    parts(values.len()).into_iter().map(|part| mean(&values[part])).collect()
 }
 
 /// Returns the stops of a sweep on its way down: every `share` of the LODs, the last one included,
@@ -81,6 +86,8 @@ pub(super) struct Times {
     pub(super) finer: Timings,
     /// One jump from LOD 0 to the far LOD, each by itself.
     pub(super) jump: Timings,
+    /// A move, both ways, at each point of the curve over LODs, in its best round.
+    pub(super) curve: Vec<f64>,
 }
 
 impl Times {
@@ -104,9 +111,11 @@ pub(super) fn times(
     let mut scratch = Timings::default();
     for _ in 0..rounds {
         for (runner, times) in runners.iter_mut().zip(&mut all) {
-            let (coarser, finer) = sweeps(runner.as_mut(), stops);
-            times.coarser.add(coarser);
-            times.finer.add(finer);
+            let sweeps = sweeps(runner.as_mut(), stops);
+            times.coarser.add(sweeps.down);
+            times.finer.add(sweeps.up);
+            times.curve.resize(sweeps.curve.len(), f64::INFINITY);
+            times.curve.iter_mut().zip(sweeps.curve).for_each(|(best, t)| *best = best.min(t));
         }
     }
     // After the sweeps: a jump leaves work for later moves of some models.
@@ -124,15 +133,39 @@ pub(super) fn times(
     (all, scratch)
 }
 
-/// Mean microseconds of a move down and of one up, over as many sweeps as it takes to measure them.
-fn sweeps(runner: &mut dyn Runner, stops: &[Lod]) -> (f64, f64) {
+/// Mean microseconds of a move.
+struct Sweeps {
+    down: f64,
+    up: f64,
+    /// Both ways, at each point of a curve.
+    curve: Vec<f64>,
+}
+
+/// Times as many sweeps as it takes to measure them.
+fn sweeps(runner: &mut dyn Runner, stops: &[Lod]) -> Sweeps {
+    let parts = parts(stops.len());
+    let mut curve = vec![0.0; parts.len()];
     let (mut down, mut up, mut sweeps) = (0.0, 0.0, 0.0);
+    let way_back: Vec<Lod> = back(stops).collect();
     while down < SHORTEST * 1e6 || up < SHORTEST * 1e6 {
-        down += micros(|| stops.iter().map(|&lod| runner.seek(lod).rewritten).sum::<u64>());
-        up += micros(|| back(stops).map(|lod| runner.seek(lod).rewritten).sum::<u64>());
-        sweeps += stops.len() as f64;
+        let mut part = |lods: &[Lod], sum: &mut f64, at: &mut f64| {
+            let time = micros(|| lods.iter().map(|&lod| runner.seek(lod).rewritten).sum::<u64>());
+            *sum += time;
+            *at += time;
+        };
+        for (range, at) in parts.iter().zip(&mut curve) {
+            part(&stops[range.clone()], &mut down, at);
+        }
+        // The way back leaves the stops of a part in the opposite order.
+        for (range, at) in parts.iter().zip(&mut curve).rev() {
+            let range = stops.len() - range.end..stops.len() - range.start;
+            part(&way_back[range], &mut up, at);
+        }
+        sweeps += 1.0;
     }
-    (down / sweeps, up / sweeps)
+    let updates = sweeps * stops.len() as f64;
+    let means = parts.iter().zip(curve).map(|(p, t)| t / (2.0 * sweeps * p.len() as f64));
+    Sweeps { down: down / updates, up: up / updates, curve: means.collect() }
 }
 
 fn micros<T>(work: impl FnOnce() -> T) -> f64 {

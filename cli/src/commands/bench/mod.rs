@@ -5,6 +5,7 @@ mod crowd;
 mod gpu;
 mod measure;
 mod object;
+mod plots;
 mod primitives;
 mod report;
 mod stream;
@@ -137,6 +138,9 @@ pub(crate) fn run(args: &BenchArgs) -> Outcome<Status> {
         }
         report.files.push(file);
     }
+    if let Some(folder) = &args.plots {
+        write_plots(folder, plots::plots(&report.files))?;
+    }
     if args.json {
         console::json(&report)?;
     }
@@ -229,7 +233,7 @@ struct Input {
 ///
 /// # Errors
 /// If that cannot be done.
-fn write_plots(folder: &Path, plots: Vec<(&'static str, String)>) -> Outcome<()> {
+fn write_plots<N: AsRef<Path>>(folder: &Path, plots: Vec<(N, String)>) -> Outcome<()> {
     let (targets, texts): (Vec<Target>, Vec<String>) =
         plots.into_iter().map(|(name, svg)| (Target::File(folder.join(name)), svg)).unzip();
     output::prepare(&targets, true)?;

@@ -56,7 +56,12 @@ pub(super) fn measure(
         stream: if args.streams { Some(stream::measure(args, prepared)?) } else { None },
     };
     if let (Some(device), false) = (device, args.no_times) {
-        gpu::measure(device, object, args.rounds.get(), &mut report)?;
+        let rounds = args.rounds.get();
+        gpu::measure(device, object, rounds, &mut report)?;
+        let curve = gpu::curve(device, &object.simplified, &mut subjects, &sweep.stops, rounds)?;
+        if let Some(gpu) = &mut report.gpu {
+            gpu.curve = curve;
+        }
     }
     Ok(report)
 }
@@ -125,6 +130,7 @@ impl ObjectTimes {
             per_lodstrips: per("lodstrips"),
             jump_us: own.jump.best(),
             jump_per_rebuild: own.jump.best() / self.rebuild.best(),
+            curve_us: own.curve.clone(),
             spread: ExtractionSpread {
                 coarser: own.coarser.spread(),
                 finer: own.finer.spread(),

@@ -5,6 +5,7 @@ use super::timings::Spread;
 use crate::report::ObjectCounts;
 use serde::Serialize;
 use serde_json::{Map, Value};
+use std::collections::BTreeMap;
 
 /// `bench --json`.
 #[derive(Debug, Serialize)]
@@ -63,6 +64,10 @@ pub(super) struct StreamReport {
     /// normals.
     pub(super) packages: f64,
     pub(super) packages_normals: f64,
+    /// A Progressive Mesh sent as vertex splits of Hoppe's words, from its last vertex on, with
+    /// positions only and with normals.
+    pub(super) progressive_mesh: f64,
+    pub(super) progressive_mesh_normals: f64,
     /// Null if nothing was timed.
     pub(super) speed: Option<StreamSpeed>,
     /// Of the lossless stream with strips.
@@ -107,6 +112,29 @@ pub(super) struct GpuReport {
     pub(super) words_per_vertex: Map<String, Value>,
     /// By model and case.
     pub(super) models: Map<String, Value>,
+    /// Everything over LODs, baselines as well.
+    pub(super) curve: DeviceCurve,
+}
+
+/// Times over LODs of models and baselines that a processor moves and a device draws: the triangles
+/// that each shows, in its order, as an index list.
+#[derive(Clone, Debug, Default, Serialize)]
+pub(super) struct DeviceCurve {
+    pub(super) lods: Vec<u32>,
+    pub(super) triangles: Vec<u32>,
+    /// By name: a value for each LOD.
+    pub(super) structures: BTreeMap<String, DrawnCurve>,
+}
+
+/// One structure over LODs.
+#[derive(Clone, Debug, Default, Serialize)]
+pub(super) struct DrawnCurve {
+    /// Drawing one LOD.
+    pub(super) draw_ms: Vec<f64>,
+    /// Bytes that the update before it sends.
+    pub(super) bytes: Vec<u64>,
+    /// Sending them, by the host's clock.
+    pub(super) upload_ms: Vec<f64>,
 }
 
 /// Words on a device for each vertex of LOD 0.
@@ -199,7 +227,7 @@ pub(super) struct TrafficReport {
 }
 
 /// Times of moves, the best of all rounds. Ratios below 1 are faster than what they name.
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize)]
 pub(super) struct ExtractionReport {
     pub(super) coarser_us: f64,
     pub(super) finer_us: f64,
@@ -209,6 +237,8 @@ pub(super) struct ExtractionReport {
     pub(super) per_lodstrips: Option<f64>,
     pub(super) jump_us: f64,
     pub(super) jump_per_rebuild: f64,
+    /// Of an update, both ways, at each LOD of the object's curve.
+    pub(super) curve_us: Vec<f64>,
     pub(super) spread: ExtractionSpread,
 }
 

@@ -5,6 +5,7 @@ use super::report::{PrefixReport, StreamReport, StreamSpeed};
 use super::timings::Timings;
 use super::{BenchArgs, Prepared};
 use crate::exit::{Failure, Outcome, Status};
+use lodc_baseline::ProgressiveMesh;
 use lodc_formats::lodc::{Layout, LodFile, LodObject};
 use lodc_formats::lods::{PackOptions, Quantize, Unpacker, pack};
 use lodc_formats::{Document, FormatError, Limits, ObjDocument, Source, SourceFormat};
@@ -63,6 +64,8 @@ pub(super) fn measure(args: &BenchArgs, prepared: &Prepared) -> Outcome<StreamRe
             decode_past_strips_million_triangles_per_second: rate(&decode_strips),
         })
     };
+    let progressive = ProgressiveMesh::build(&object.simplified)
+        .map_err(|e| Failure::new(Status::Bug, format!("{}: {e}", object.info.name)))?;
     Ok(StreamReport {
         bytes: whole.bytes.len() as u64,
         lossless: bits(plain.objects[0].bytes),
@@ -70,6 +73,8 @@ pub(super) fn measure(args: &BenchArgs, prepared: &Prepared) -> Outcome<StreamRe
         quantized_strips: bits(quantized.objects[0].bytes),
         packages: bits(whole.objects[0].package_bytes),
         packages_normals: bits(whole.objects[0].package_bytes_with_normals),
+        progressive_mesh: bits(progressive.packages(false)),
+        progressive_mesh_normals: bits(progressive.packages(true)),
         speed,
         prefixes: prefixes(&whole.bytes).map_err(bug)?,
     })

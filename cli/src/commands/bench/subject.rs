@@ -4,7 +4,7 @@ use crate::exit::{Failure, Outcome, Status};
 use lodc_baseline::Baseline;
 use lodc_formats::lodc::{Layout, LodObject, stored_bytes};
 use lodc_lod::AnyModel;
-use lodc_mesh::{Lod, Simplified};
+use lodc_mesh::{Lod, OrientedTriangle, Simplified};
 use lodc_model::{Model, StorageCost, Traffic};
 use lodc_strip::StripSet;
 use lodc_strip::Strips;
@@ -18,6 +18,8 @@ pub(super) trait Runner {
     fn send(&mut self, lod: Lod) -> (Traffic, u64);
     /// Indices drawn where the cursor is.
     fn drawn(&self) -> u64;
+    /// Triangles shown where the cursor is, in the order in which they are drawn.
+    fn triangles(&self) -> Vec<OrientedTriangle>;
 }
 
 struct Run<'a, M: Model> {
@@ -36,6 +38,9 @@ impl<M: Model> Runner for Run<'_, M> {
     }
     fn drawn(&self) -> u64 {
         self.model.drawn(&self.cursor)
+    }
+    fn triangles(&self) -> Vec<OrientedTriangle> {
+        self.model.triangles(&self.cursor)
     }
 }
 

@@ -125,13 +125,16 @@ fn streams(text: &mut String, stream: &StreamReport) {
         quantized_strips,
         packages,
         packages_normals,
+        progressive_mesh,
+        progressive_mesh_normals,
         ..
     } = stream;
     let _ = writeln!(
         text,
         "\n  stream, bits per vertex: {lossless:.1}, with strips {lossless_strips:.1}, \
          in 16 bits {quantized_strips:.1}; as packages {packages:.0}, \
-         with normals {packages_normals:.0}"
+         with normals {packages_normals:.0}; as Progressive Meshes {progressive_mesh:.0}, \
+         with normals {progressive_mesh_normals:.0}"
     );
     if let Some(speed) = stream.speed {
         let (encode, decode) =

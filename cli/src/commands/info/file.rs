@@ -6,15 +6,15 @@ use crate::commands::read::parse_lodc;
 use crate::exit::Outcome;
 use crate::levels;
 use crate::report::{
-    BitsPerVertex, InfoReport, ListsReport, LodReport, ModelReport, ObjectCounts, ObjectReport,
-    SCHEMA_VERSION, SourceReport,
+    BitsPerVertex, InfoReport, ListsReport, ListsToReport, LodReport, ModelReport, ObjectCounts,
+    ObjectReport, SCHEMA_VERSION, SourceReport,
 };
 use crate::text::{count, distance, grouped, size};
 use lodc_formats::SourceFormat;
 use lodc_formats::lodc::{self, Layout, LodObject};
 use lodc_lod::AnyModel;
 use lodc_lod::interactive::CollapseLists;
-use lodc_mesh::CollapseSequence;
+use lodc_mesh::{CollapseSequence, Lod};
 use lodc_model::{Model, StorageCost};
 use lodc_select::decimal;
 use lodc_strip::Effort;
@@ -22,6 +22,9 @@ use lodc_strip::{StripKind, Strips};
 use serde_json::{Map, Value, json};
 use std::fmt::Write;
 use std::sync::Arc;
+
+/// Shares of the LODs, in percent, to which the lengths of collapse lists are reported.
+const LIST_SHARES: [u32; 5] = [50, 75, 90, 95, 100];
 
 /// Returns what is inside a file. `name` is the file's, for messages.
 ///
@@ -83,14 +86,23 @@ fn object(o: &LodObject, layout: Layout, baselines: bool) -> Outcome<ObjectRepor
     })
 }
 
-/// Lengths of the collapse lists that reach down to the last level.
+/// Lengths of the collapse lists, down to the last level and to shares of the LODs.
 fn lists(collapses: &CollapseSequence) -> ListsReport {
-    let lengths = CollapseLists::lengths(collapses.targets(), collapses.last());
-    let entries: u64 = lengths.iter().map(|&l| u64::from(l)).sum();
-    ListsReport {
-        mean: entries as f64 / lengths.len() as f64,
-        longest: lengths.into_iter().max().unwrap_or(0),
-    }
+    let to = |percent: u32| {
+        let share = u64::from(collapses.records()) * u64::from(percent) / 100;
+        let lod = collapses.floor(Lod(share as u32));
+        let lengths = CollapseLists::lengths(collapses.targets(), lod);
+        let entries: u64 = lengths.iter().map(|&l| u64::from(l)).sum();
+        ListsToReport {
+            percent,
+            lod: lod.0,
+            mean: entries as f64 / lengths.len() as f64,
+            longest: lengths.into_iter().max().unwrap_or(0),
+        }
+    };
+    let down_to = LIST_SHARES.map(to);
+    let whole = down_to[LIST_SHARES.len() - 1];
+    ListsReport { mean: whole.mean, longest: whole.longest, down_to: down_to.to_vec() }
 }
 
 /// Long strips: those of a model that is made for long ones and has some, or new ones. (Others may

@@ -74,6 +74,18 @@ impl ProgressiveMesh {
     }
 }
 
+impl ProgressiveMesh {
+    /// Bytes of a progressive transmission in Hoppe's words (thesis, table 4.3): for each record
+    /// the 8 words of [`storage_to`](Model::storage_to), with normals 14; before them the vertex
+    /// that the sequence ends with.
+    #[must_use]
+    pub fn packages(&self, normals: bool) -> u64 {
+        let records = u64::from(self.simplified.collapses().records());
+        let (split, vertex) = if normals { (14, 6) } else { (8, 3) };
+        4 * (vertex + split * records)
+    }
+}
+
 impl Model for ProgressiveMesh {
     type Cursor = Cursor;
 
