@@ -226,6 +226,7 @@ fn prepare(
 /// An input with everything that is measured.
 struct Input {
     objects: Vec<Prepared>,
+    #[cfg_attr(not(feature = "gpu"), expect(dead_code, reason = "only what is drawn is posed"))]
     document: Document,
 }
 

@@ -19,6 +19,7 @@ pub(super) trait Runner {
     /// Indices drawn where the cursor is.
     fn drawn(&self) -> u64;
     /// Triangles shown where the cursor is, in the order in which they are drawn.
+    #[cfg_attr(not(feature = "gpu"), expect(dead_code, reason = "nothing is drawn"))]
     fn triangles(&self) -> Vec<OrientedTriangle>;
 }
 

@@ -54,7 +54,6 @@ pub(super) struct CrowdCurve {
 
 /// A crowd on a graphics device.
 #[derive(Clone, Debug, Serialize)]
-#[cfg_attr(not(feature = "gpu"), expect(dead_code, reason = "made only where there is a device"))]
 pub(super) struct CrowdOnDevice {
     pub(super) adapter: String,
     /// Whose clock: `device` (time stamps around passes) or `host` (from submitting to being done).
