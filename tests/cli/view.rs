@@ -4,6 +4,7 @@ use crate::support::browser::Browser;
 use crate::support::{Folder, grid, scene};
 use lodc_formats::picture::png;
 use lodc_scene::Image;
+use serde_json::Value;
 
 const PART: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/machine_part.glb");
 
@@ -89,4 +90,101 @@ fn wrong_use_of_view_is_refused_in_a_line() {
     f.lodc(["view", "g.obj", "-o", "no/such/folder/v.html"]).ends(4);
     f.lodc(["view", "g.obj"]).ends(2);
     assert!(!f.has("v.html"));
+}
+
+/// Shows levels in both backends of one page, and moves: logs what is said and what differs.
+const BOTH: &str = r"
+{
+const pause = (delay) => scheduler.postTask(() => {}, { delay });
+const page = document.documentElement.dataset;
+
+function pixels(canvas, width, height) {
+  const copy = Object.assign(document.createElement('canvas'), { width, height });
+  const context = copy.getContext('2d');
+  context.drawImage(canvas, 0, 0, width, height);
+  return context.getImageData(0, 0, width, height).data;
+}
+
+async function still(viewer) {
+  do await pause(30); while (viewer.due || viewer.renderer.isBusy());
+  await viewer.renderer.finished();
+}
+
+async function compared(viewer, changes) {
+  viewer.set(changes);
+  await still(viewer);
+  const { width, height } = viewer.surface;
+  const mine = pixels(document.querySelector('canvas.overlay'), width, height);
+  const canvas = Object.assign(document.createElement('canvas'), { width, height });
+  const webgl = await WebglRenderer.create(canvas, viewer.scene);
+  webgl.draw(viewer.shown);
+  const other = pixels(canvas, width, height);
+  webgl.close();
+  let [covered, apart] = [0, 0];
+  for (let i = 0; i < mine.length; i += 4) {
+    const far = (a, b) => [0, 1, 2].some((k) => Math.abs(a[i + k] - b[k]) > 24);
+    if (far(other, other.slice(0, 3))) covered += 1;
+    if (far(mine, other.slice(i, i + 3))) apart += 1;
+  }
+  return { lod: page.lod, triangles: page.triangles, backend: page.backend, covered, apart };
+}
+
+async function moved(viewer) {
+  viewer.motion.most = 50;
+  viewer.orbit.turn(0.1, 0);
+  const drawn = [];
+  while (viewer.due) {
+    await pause(1);
+    drawn.push(Number(page.drawn));
+  }
+  await still(viewer);
+  return { triangles: page.triangles, drawn: `${Math.min(...drawn)}`, after: page.drawn };
+}
+
+async function both() {
+  while (page.backend !== 'webgpu') await pause(30);
+  const { viewer } = window;
+  const all = [];
+  for (const lod of [0, 77, 999999]) all.push(await compared(viewer, { asked: { lod } }));
+  for (const colouring of ['plain', 'error', 'strips', 'material']) {
+    all.push(await compared(viewer, { asked: { lod: 200 }, colouring }));
+  }
+  all.push(await compared(viewer, { wire: true, flat: true }));
+  all.push(await compared(viewer, { wire: false, asked: null, by: 'pixels', copies: 30 }));
+  const moves = await moved(Object.assign(viewer, { copies: 1, by: 'triangles', share: 1 }));
+  return JSON.stringify({ all, moves });
+}
+
+both().then((text) => console.log(`done: ${text}`), (e) => console.log(`done: ${e.stack}`));
+}
+";
+
+#[test]
+fn webgpu_shows_what_webgl_shows_and_less_while_it_moves() {
+    let Some(browser) = Browser::find() else { return };
+    let f = Folder::new();
+    f.lodc(["build", PART, "-o", "m.lodc", "-q"]).ends(0);
+    f.lodc(["view", "m.lodc", "-o", "view.html", "-q"]).ends(0);
+    let page = String::from_utf8(f.read("view.html")).expect("a page is text");
+    let (front, end) = page.rsplit_once("</script>").expect("a script");
+    let page = f.file("both.html", format!("{front}{BOTH}</script>{end}"));
+    let result = browser.result(&page);
+    let result: Value = serde_json::from_str(&result).unwrap_or_else(|_| panic!("{result}"));
+    let all = result["all"].as_array().expect("states");
+    for (lod, shown) in ["0", "77", "999999"].iter().zip(all) {
+        let (triangles, lod) = extracted(&f, lod);
+        assert_eq!(shown["triangles"], triangles, "{shown}");
+        assert_eq!(shown["lod"].as_str().map(str::to_owned), lod, "{shown}");
+    }
+    for (number, shown) in all.iter().enumerate() {
+        assert_eq!(shown["backend"], "webgpu");
+        let [covered, apart] = ["covered", "apart"].map(|key| shown[key].as_u64().expect(key));
+        assert!(number == 2 || covered > 10_000, "{number}: {shown}");
+        // Edges may fall on other samples.
+        assert!(20 * apart <= covered, "{number}: {shown}");
+    }
+    let moves = &result["moves"];
+    let number = |key: &str| moves[key].as_str().and_then(|n| n.parse::<u64>().ok());
+    assert_eq!((number("triangles"), number("after")), (Some(480), Some(480)), "{moves}");
+    assert!(number("drawn").is_some_and(|drawn| (1..480).contains(&drawn)), "{moves}");
 }

@@ -15,6 +15,8 @@ const WIDTH = {
 
 export class WebglRenderer {
   static backend = 'webgl2';
+  /** `finish` waits. */
+  static waits = true;
 
   /** Makes a renderer; waits for the textures. Null without WebGL 2. */
   static async create(canvas, scene) {
@@ -31,6 +33,7 @@ export class WebglRenderer {
   constructor(gl, scene) {
     this.gl = gl;
     this.scene = scene;
+    this.surface = gl.canvas;
     this.program = program(gl);
     this.uniforms = uniforms(gl, this.program);
     this.blank = this.texture(null, {});
@@ -371,13 +374,33 @@ export class WebglRenderer {
     own.weights = weights.join();
   }
 
+  /** Whether another frame has to wait. The browser lets WebGL's wait by itself. */
+  isBusy() {
+    return false;
+  }
+
+  /** Frees everything. */
+  close() {
+    this.gl.getExtension('WEBGL_lose_context')?.loseContext();
+  }
+
+  /** Brings the last frame to the screen once more, without drawing it. */
+  again() {
+    const { gl } = this;
+    gl.enable(gl.SCISSOR_TEST);
+    gl.scissor(0, 0, 0, 0);
+    gl.clear(gl.COLOR_BUFFER_BIT);
+    gl.disable(gl.SCISSOR_TEST);
+  }
+
   /** Waits until everything is drawn. */
   finish() {
     this.gl.readPixels(0, 0, 1, 1, this.gl.RGBA, this.gl.UNSIGNED_BYTE, new Uint8Array(4));
   }
 }
 
-function edges({ indices, triangles }) {
+/** The edges of all triangles as pairs of vertices. */
+export function edges({ indices, triangles }) {
   const lines = new Uint32Array(6 * triangles);
   for (let t = 0; t < triangles; t++) {
     const [a, b, c] = [indices[3 * t], indices[3 * t + 1], indices[3 * t + 2]];

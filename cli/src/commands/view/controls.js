@@ -1,5 +1,7 @@
 // Controls of the page, its keys, and the address part that names a level.
 
+import { FIRST } from './viewer.js';
+
 const element = (id) => document.getElementById(id);
 const grouped = (n) => Math.round(n).toLocaleString('en');
 
@@ -161,7 +163,7 @@ export class Controls {
   }
 
   /** Tells what a frame has shown, to people and to programs. */
-  show({ lods, triangles: uniform, error: inWorld, crowd, views }) {
+  show({ lods, triangles: uniform, sparing, error: inWorld, crowd, views }) {
     const { viewer } = this;
     const { selection } = viewer;
     const error = inWorld / selection.unit;
@@ -172,7 +174,7 @@ export class Controls {
     const percent = (share) => `${Number((100 * share).toPrecision(3))} %`;
     const one = lods.length === 1;
     const triangles = views ?? uniform;
-    const drawn = crowd ? crowd.triangles : triangles;
+    const drawn = crowd ? crowd.triangles : sparing ?? triangles;
     element('value').textContent = {
       triangles: `${grouped(triangles)} triangles`,
       error: `error ≤ ${length3(viewer.asked ? error : allowed)}`,
@@ -184,6 +186,7 @@ export class Controls {
       ['Error', `${length3(error)} (${percent(inWorld / (selection.diagonal || 1))} of the size)`],
       one ? ['LOD', grouped(lods[0])] : ['Objects', grouped(lods.length)],
     ];
+    if (sparing) rows[0][1] += ' while moving';
     if (views) rows[3] = ['Levels', 'by view'];
     if (crowd) rows[2] = ['Without levels', grouped(viewer.copies * selection.triangles)];
     element('facts').replaceChildren(...rows.map(([name, text]) => {
@@ -194,7 +197,7 @@ export class Controls {
     }));
     const page = document.documentElement.dataset;
     // The first frames are waited for, so that a picture taken of the page shows one.
-    if (!page.ready || viewer.frames < 8) viewer.renderer.finish();
+    if (!page.ready || viewer.frames < FIRST) viewer.renderer.finish();
     Object.assign(page, {
       ready: 'true',
       lod: one ? lods[0] : viewer.asked?.lod ?? '',

@@ -4,6 +4,7 @@ import { Glb } from '../../../../crates/web/js/glb.js';
 import { Scene } from '../../../../crates/web/js/scene.js';
 import { ViewDependent } from '../../../../crates/web/js/viewdependent.js';
 import { WebglRenderer } from '../../../../crates/web/js/webgl.js';
+import { WebgpuRenderer } from '../../../../crates/web/js/webgpu.js';
 import { Controls } from './controls.js';
 import { Viewer } from './viewer.js';
 
@@ -18,20 +19,54 @@ async function start() {
   const model = document.getElementById('model');
   const scene = new Scene(new Glb(bytesOf(model.textContent)));
   model.remove();
-  const renderer = await WebglRenderer.create(canvas, scene);
-  if (!renderer) throw new Error('This browser offers no WebGL 2.');
+  // WebGL is there at once, WebGPU takes over when its device is.
+  const renderer = await WebglRenderer.create(canvas, scene)
+    ?? await WebgpuRenderer.create(canvas, scene);
+  if (!renderer) throw new Error('This browser offers neither WebGL 2 nor WebGPU.');
   const viewer = new Viewer(canvas, scene, renderer);
   const controls = new Controls(viewer);
   Object.assign(window, { viewer, controls });
   // At once: a page in the background gets no frames.
   viewer.frame(performance.now());
-  // The model is shown without waiting for WebGPU.
+  if (renderer instanceof WebglRenderer) await upgrade(viewer, scene);
   const wgsl = document.getElementById('view-shader').textContent;
   const viewDependent = await ViewDependent.create(scene, wgsl);
   if (viewDependent) {
     viewer.set({ viewDependent });
     controls.bindViews();
   }
+}
+
+/** A canvas over the one that is there, which goes on receiving what is done to it. */
+function overlay() {
+  const canvas = document.createElement('canvas');
+  canvas.className = 'overlay';
+  canvas.hidden = true;
+  document.getElementById('canvas').after(canvas);
+  return canvas;
+}
+
+/** Goes on with WebGPU where it is there, and with WebGL if its device is lost. */
+async function upgrade(viewer, scene) {
+  if (!navigator.gpu) return;
+  const canvas = overlay();
+  const renderer = await WebgpuRenderer.create(canvas, scene).catch(() => null);
+  if (!renderer) {
+    canvas.remove();
+    return;
+  }
+  const before = viewer.use(renderer);
+  renderer.device.lost.then(async () => {
+    canvas.remove();
+    const other = overlay();
+    const webgl = await WebglRenderer.create(other, scene);
+    other.hidden = false;
+    if (webgl) viewer.use(webgl);
+  });
+  // Until it has a picture the one before stays.
+  await renderer.finished();
+  canvas.hidden = false;
+  before.close();
 }
 
 start().catch((error) => {

@@ -1,6 +1,7 @@
 // The state of the page: which level is shown, how it is coloured, when a frame is due.
 
 import { Crowd } from '../../../../crates/web/js/crowd.js';
+import { Motion } from '../../../../crates/web/js/motion.js';
 import { Orbit } from '../../../../crates/web/js/orbit.js';
 import { Selection, pixelSize } from '../../../../crates/web/js/selection.js';
 
@@ -8,10 +9,13 @@ import { Selection, pixelSize } from '../../../../crates/web/js/selection.js';
 const PIXELS = [100, 0.25];
 /** Factors of ten between the largest error and the smallest of the slider. */
 const DECADES = 5;
+/** Frames at the beginning, so that one of them surely comes to the screen. */
+export const FIRST = 8;
 
 export class Viewer {
   constructor(canvas, scene, renderer) {
     Object.assign(this, { canvas, scene, renderer });
+    this.surface = renderer.surface;
     this.viewDependent = null;
     this.selection = new Selection(scene.objects.filter(Boolean).map((o) => o.levels));
     this.by = 'triangles';
@@ -27,11 +31,14 @@ export class Viewer {
     this.byView = false;
     this.morph = false;
     this.paints = paints(scene, this.selection);
+    this.motion = new Motion();
+    this.scale = 1;
     this.frameTime = 0;
     this.frames = 0;
+    this.changed = true;
     this.onframe = () => {};
     this.orbit = { matrices: () => null };
-    this.orbit = new Orbit(canvas, scene.bounds(), () => this.invalidate());
+    this.orbit = new Orbit(canvas, scene.bounds(), () => this.move());
     const observer = new ResizeObserver(() => this.resize());
     observer.observe(canvas);
     observer.observe(document.querySelector('footer'));
@@ -39,14 +46,24 @@ export class Viewer {
   }
 
   resize() {
-    const scale = Math.min(window.devicePixelRatio || 1, 2);
+    const scale = this.scale * Math.min(window.devicePixelRatio || 1, 2);
     const width = Math.max(1, Math.round(this.canvas.clientWidth * scale));
     const height = Math.max(1, Math.round(this.canvas.clientHeight * scale));
     // Setting a size, even the same, clears the canvas.
-    if (this.canvas.width !== width) this.canvas.width = width;
-    if (this.canvas.height !== height) this.canvas.height = height;
-    this.orbit.resize(this.canvas.width / this.canvas.height, this.covered());
+    if (this.surface.width !== width) this.surface.width = width;
+    if (this.surface.height !== height) this.surface.height = height;
+    this.orbit.resize(width / height, this.covered());
     this.invalidate();
+  }
+
+  /** Goes on with another renderer, on a canvas of its own. Returns the one before. */
+  use(renderer) {
+    const before = this.renderer;
+    before.release(this.viewDependent?.shown);
+    Object.assign(this, { renderer, surface: renderer.surface, frames: 0 });
+    this.resize();
+    this.frame(performance.now());
+    return before;
   }
 
   /** Share of the canvas that the footer covers. */
@@ -55,8 +72,15 @@ export class Viewer {
     return 1 - top / window.innerHeight;
   }
 
-  /** Asks for a frame. */
-  invalidate() {
+  /** The camera has moved. */
+  move() {
+    this.motion.moved(performance.now());
+    this.invalidate();
+  }
+
+  /** Asks for a frame; without a change the last one is shown again. */
+  invalidate(changed = true) {
+    this.changed ||= changed;
     if (this.due) return;
     this.due = true;
     requestAnimationFrame((now) => this.frame(now));
@@ -84,7 +108,7 @@ export class Viewer {
 
   /** Error in world units that is as large as a pixel at distance 1. */
   pixel() {
-    return pixelSize(this.orbit.fovy, this.canvas.height / (window.devicePixelRatio || 1));
+    return pixelSize(this.orbit.fovy, this.canvas.clientHeight);
   }
 
   /** One LOD for each object, as `asked` or by the slider. */
@@ -103,23 +127,37 @@ export class Viewer {
 
   frame(now) {
     this.due = false;
+    if (this.renderer.isBusy()) {
+      this.invalidate(false);
+      return;
+    }
     this.frames += 1;
-    const passed = Math.min((now - (this.last ?? now)) / 1000, 0.1);
+    if (!this.changed) {
+      this.renderer.again();
+      if (this.frames < FIRST) this.invalidate(false);
+      return;
+    }
+    this.changed = false;
+    const since = now - (this.last ?? now);
+    const passed = Math.min(since / 1000, 0.1);
     this.last = now;
     if (this.turntable) this.orbit.azimuth += passed * 0.5;
+    if (this.turntable || this.animation) this.motion.moved(now);
     if (this.animation) {
       this.seconds = (this.seconds + passed) % (this.animation.seconds || 1);
       this.scene.pose(this.animation, this.seconds);
     }
     const started = performance.now();
     const lods = this.lods();
-    this.selection.seek(lods);
+    const whole = this.selection.count(lods);
+    const { triangles, more } = this.sparing(now, since, whole);
+    this.selection.seek(triangles < whole ? this.selection.byTriangles(triangles) : lods);
     const crowd = this.copies > 1 ? this.crowd() : null;
     const views = crowd ? null : this.views();
     const { centre, radius } = this.orbit.home;
     const reach = crowd ? radius + crowd.reach : radius;
     const dark = getComputedStyle(document.documentElement).colorScheme === 'dark';
-    this.renderer.draw({
+    this.shown = {
       ...this.orbit.matrices(reach),
       centre,
       background: dark ? [0.09, 0.098, 0.114] : [0.925, 0.933, 0.945],
@@ -130,18 +168,37 @@ export class Viewer {
       flat: this.flat,
       crowd,
       views,
-    });
+    };
+    this.renderer.draw(this.shown);
     this.frameTime = performance.now() - started;
     this.onframe({
       lods,
-      triangles: this.selection.count(lods),
+      triangles: whole,
+      sparing: triangles < whole && !crowd && !views ? this.drawn : null,
       error: this.selection.error(lods),
       crowd,
       views: views && this.viewDependent.triangles,
     });
-    // Some frames at the beginning, so that one of them surely comes to the screen.
-    if (this.turntable || this.animation || this.frames < 8) this.invalidate();
+    // Of WebGPU the time is not known yet.
+    const known = this.frames < FIRST && this.renderer.constructor.waits;
+    if (known) this.motion.learn(performance.now() - started, this.drawn);
+    if (this.turntable || this.animation || more) this.invalidate();
     else this.last = undefined;
+    if (this.frames < FIRST) this.invalidate(false);
+  }
+
+  /** Triangles of the next frame: while something moves, as many as come in time. */
+  sparing(now, since, whole) {
+    const { motion } = this;
+    const counted = this.copies === 1 && !this.byView;
+    if (since > 0 && motion.isMoving(now)) motion.learn(since, this.drawn ?? whole);
+    const { triangles, scale, more } = motion.next(now, whole);
+    if (scale !== this.scale) {
+      this.scale = scale;
+      this.resize();
+    }
+    this.drawn = counted ? this.selection.count(this.selection.byTriangles(triangles)) : whole;
+    return { triangles: counted ? triangles : whole, more };
   }
 
   /** Vertices by view, if asked for: those of the last result until the next one is there. */
