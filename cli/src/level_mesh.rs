@@ -3,12 +3,13 @@
 
 use crate::exit::{Failure, Outcome, Status};
 use crate::levels;
+use crate::refitted::{of_object, refitted};
 use clap::ValueEnum;
 use lodc_formats::export::ExportObject;
 use lodc_formats::lodc::LodObject;
 use lodc_lod::ModelKind;
-use lodc_measure::{Sampling, Surface, distances};
 use lodc_mesh::{Lod, Mesh};
+use lodc_scene::Appearance;
 use lodc_select::decimal;
 use lodc_strip::{codec_order, order};
 use rayon::prelude::*;
@@ -47,16 +48,31 @@ pub(crate) struct LevelMesh {
     pub(crate) rms: Option<f64>,
 }
 
-/// Makes the meshes of the objects at `lods`, one each.
+/// Makes the meshes of the objects at `lods`, one each; `looks` is what refitted ones are judged in.
 ///
 /// # Errors
 /// If a model shows what is no mesh: a bug.
-pub(crate) fn meshes(objects: &[LodObject], lods: &[Lod], shape: Shape) -> Outcome<Vec<LevelMesh>> {
-    objects.par_iter().zip(lods).map(|(object, &lod)| one(object, lod, shape)).collect()
+pub(crate) fn meshes(
+    objects: &[LodObject],
+    lods: &[Lod],
+    shape: Shape,
+    looks: &Appearance,
+) -> Outcome<Vec<LevelMesh>> {
+    let levels = objects.par_iter().zip(lods).enumerate();
+    levels.map(|(i, (object, &lod))| one(object, lod, shape, (looks, i))).collect()
 }
 
-fn one(object: &LodObject, lod: Lod, shape: Shape) -> Outcome<LevelMesh> {
-    let level = if shape.refit { refitted(object, lod) } else { stored(object, lod, shape)? };
+fn one(
+    object: &LodObject,
+    lod: Lod,
+    shape: Shape,
+    (looks, i): (&Appearance, usize),
+) -> Outcome<LevelMesh> {
+    let level = if shape.refit {
+        refitted(object, lod, &of_object(looks, i))
+    } else {
+        stored(object, lod, shape)?
+    };
     Ok(LevelMesh { mesh: ordered(level.mesh, shape.order), ..level })
 }
 
@@ -81,27 +97,6 @@ fn stored(object: &LodObject, lod: Lod, shape: Shape) -> Outcome<LevelMesh> {
     let collapses = object.simplified.collapses();
     let (error, rms) = (collapses.error_at(lod), collapses.rms_at(lod));
     Ok(LevelMesh { mesh, error: decimal(error), rms: rms.map(decimal) })
-}
-
-/// The errors of a refitted level are measured: the stored ones are of the vertices where they
-/// were.
-fn refitted(object: &LodObject, lod: Lod) -> LevelMesh {
-    let mesh = lodc_refit::refit(&object.simplified, lod, &lodc_refit::Options::DEFAULT);
-    if lod.0 == 0 {
-        return LevelMesh { mesh, error: 0.0, rms: Some(0.0) };
-    }
-    let [from, to] = [object.simplified.mesh(), &mesh].map(surface);
-    let found = distances(&from, &to, &Sampling::DEFAULT);
-    let larger = |[a, b]: [f64; 2]| a.max(b);
-    LevelMesh { mesh, error: larger(found.hausdorff), rms: Some(larger(found.rms)) }
-}
-
-fn surface(mesh: &Mesh) -> Surface {
-    Surface {
-        positions: mesh.positions().iter().map(|&p| p.into()).collect(),
-        triangles: mesh.triangles().to_vec(),
-        ..Surface::default()
-    }
 }
 
 /// The largest error and root mean square distance of an object: in mesh units for one object, in

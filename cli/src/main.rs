@@ -27,6 +27,7 @@ mod paints;
 mod parts;
 mod pose;
 mod progress;
+mod refitted;
 mod report;
 mod results;
 mod selector;

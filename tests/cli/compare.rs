@@ -152,3 +152,27 @@ fn a_texture_that_has_moved_is_seen() {
     let board = image("moved.obj", &[]);
     assert_eq!((&board["textures"], &board["texture"]), (&false.into(), &true.into()));
 }
+
+#[test]
+fn the_checkerboard_is_the_same_in_every_format() {
+    let f = Folder::new();
+    f.file("t.png", png(&Image { width: 1, height: 1, bytes: vec![255; 4] }));
+    striped(&f, "a", 0.3);
+    let written: [(&str, &[&str]); 3] =
+        [("a.glb", &[]), ("grid.glb", &["--quantize", "uv=12"]), ("again.obj", &[])];
+    for (name, more) in written {
+        let all = ["extract", "a.obj", "--ratio", "1", "--textures", "keep", "-o", name];
+        f.lodc(all.into_iter().chain(more.iter().copied())).ends(0);
+    }
+    // The image is lost, what it read the coordinates by is not.
+    std::fs::remove_file(f.path().join("t.png")).expect("it is there");
+    for (name, _) in written {
+        let image = f
+            .lodc(["compare", "a.obj", name, "--json", "--views", "6", "--size", "64"])
+            .ends(0)
+            .json()["image"]
+            .clone();
+        assert_eq!(image["texture"], true, "{name}");
+        assert!(image["rmse"].as_f64().expect("a number") < 5.0, "{name}: {image}");
+    }
+}

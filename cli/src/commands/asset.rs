@@ -9,9 +9,11 @@ use crate::parts::PartArgs;
 use crate::progress::Progress;
 use crate::stages::Stages;
 use clap::Args;
+use lodc_formats::appearance::appearance;
 use lodc_formats::import::{Either, either};
 use lodc_formats::lodc::LodObject;
-use lodc_formats::{Document, Scene, Source};
+use lodc_formats::{Assets, Document, ObjectInfo, Scene, Source};
+use lodc_scene::Appearance;
 use lodc_simplify::{MetricKind, Options};
 use std::path::{Path, PathBuf};
 
@@ -26,6 +28,20 @@ pub(crate) struct Asset {
     pub(crate) files_read: Vec<PathBuf>,
     /// Messages about what was repaired, dropped or left out while reading.
     pub(crate) warnings: Vec<String>,
+}
+
+impl Asset {
+    /// Reads the looks of the scene. Images that cannot be had are left out without a word.
+    ///
+    /// # Errors
+    /// If the document is damaged.
+    pub(crate) fn looks(&self, input: &Path, import: &ImportArgs) -> Outcome<Appearance> {
+        let options = import.options();
+        let mut assets = Assets::new(input, &options.allowed, options.limits);
+        let infos: Vec<&ObjectInfo> = self.objects.iter().map(|o| &o.info).collect();
+        let looks = appearance(&self.document, &infos, &mut assets);
+        looks.map_err(|e| e.in_file(&input.display().to_string()).into())
+    }
 }
 
 /// Options of simplifying a mesh in memory.

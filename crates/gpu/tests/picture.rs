@@ -7,7 +7,7 @@ mod support;
 
 use lodc_gpu::picture::{BackFaces, Camera, Corner, Frame, Framing, Lens, Painter, Style, Up};
 use lodc_gpu::{Device, GpuError};
-use lodc_scene::{AlphaMode, Image, Material, Texture, Wrap};
+use lodc_scene::{AlphaMode, Coordinates, Image, Material, Texture, Wrap};
 use support::device;
 
 const WHITE: [f32; 4] = [1.0; 4];
@@ -15,6 +15,7 @@ const WHITE: [f32; 4] = [1.0; 4];
 const PLAIN: Material = Material {
     colour: WHITE,
     texture: None,
+    coordinates: Coordinates::PLAIN,
     double_sided: true,
     alpha: AlphaMode::Opaque,
     unlit: false,

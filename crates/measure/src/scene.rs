@@ -2,9 +2,8 @@
 
 use crate::surface::Surface;
 use crate::texture::Pyramid;
-use glam::Vec2;
 use lodc_mesh::{Attribute, Mesh, Semantic};
-use lodc_scene::{Appearance, Arrangement, Placement, posed, stream};
+use lodc_scene::{Appearance, Arrangement, Coordinates, Placement, Texture, posed, stream};
 
 /// A scene as one surface.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -18,12 +17,13 @@ pub struct SceneSurface {
 impl SceneSurface {
     /// Puts the objects of a scene where it shows them, at some level of detail or at full detail.
     /// `meshes` are the objects. The surface has normals if every submesh has them, and materials
-    /// if one has a texture; texture coordinates are those of the submesh's texture.
+    /// if one has a texture; texture coordinates are those of the submesh's texture, and in its
+    /// image.
     #[must_use]
     pub fn new(meshes: &[&Mesh], scene: &Arrangement, looks: &Appearance) -> Self {
         let material = |o: usize, s: usize| looks.of_submesh.get(o)?.get(s).copied();
-        let set = |o: usize, s: usize| {
-            material(o, s).and_then(|m| looks.materials[m].texture).map_or(0, |t| t.set)
+        let coordinates = |o: usize, s: usize| {
+            material(o, s).map_or(Coordinates::PLAIN, |m| looks.materials[m].coordinates)
         };
         let submeshes = || {
             let of = |p: &Placement| {
@@ -33,7 +33,7 @@ impl SceneSurface {
             scene.placements().iter().flat_map(of)
         };
         let has = |o: usize, s: usize, semantic| stream(meshes[o], s, &semantic).is_some();
-        let textured = |(o, s)| has(o, s, Semantic::TexCoord(set(o, s)));
+        let textured = |(o, s)| has(o, s, Semantic::TexCoord(coordinates(o, s).set));
         let normals = submeshes().all(|(o, s)| has(o, s, Semantic::Normal));
         let texture = submeshes().any(textured);
         let mut surface = Surface::default();
@@ -43,9 +43,10 @@ impl SceneSurface {
             add(&mut surface, mesh, placement, normals);
             if texture {
                 for (v, &s) in (0..).zip(mesh.vertex_submesh()) {
-                    let set = Semantic::TexCoord(set(object, s as usize));
-                    let uv = stream(mesh, s as usize, &set).map_or(Vec2::ZERO, |a| pair(a, v));
-                    surface.texture.push(uv);
+                    let read = coordinates(object, s as usize);
+                    let set = stream(mesh, s as usize, &Semantic::TexCoord(read.set));
+                    let uv = set.map_or([0.0; 2], |a| pair(a, v));
+                    surface.texture.push(read.place(uv).into());
                 }
             }
             for (s, submesh) in mesh.submeshes().iter().enumerate() {
@@ -55,6 +56,9 @@ impl SceneSurface {
         }
         if texture && looks.materials.iter().any(|m| m.texture.is_some()) {
             surface.materials.clone_from(&looks.materials);
+            for texture in surface.materials.iter_mut().filter_map(|m| m.texture.as_mut()) {
+                texture.transform = Texture::UNTRANSFORMED;
+            }
             surface.images = looks.images.iter().map(Pyramid::new).collect();
         } else {
             surface.material_of.clear();
@@ -78,11 +82,11 @@ fn add(surface: &mut Surface, mesh: &Mesh, placement: &Placement, normals: bool)
     }));
 }
 
-fn pair(stream: &Attribute, v: u32) -> Vec2 {
+fn pair(stream: &Attribute, v: u32) -> [f32; 2] {
     let component = |i: usize| {
         if i < usize::from(stream.components) { stream.value(v, i) } else { 0.0 }
     };
-    Vec2::new(component(0), component(1))
+    [component(0), component(1)]
 }
 
 #[cfg(test)]

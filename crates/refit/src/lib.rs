@@ -35,6 +35,7 @@ mod tests;
 
 use fit::Fit;
 use glam::DVec3;
+use guard::{Guard, cross};
 use input::Input;
 use level::Level;
 use lodc_mesh::{Lod, Mesh, MeshError, Simplified};
@@ -57,32 +58,69 @@ impl Default for Options {
     }
 }
 
-/// Returns the level of detail `lod` with its vertices moved to where they fit LOD 0 best. The
-/// triangles are those of the level, in the order of [`Mesh::extract`].
-///
-/// Of all iterations the one with the least mean squared distance counts, the start included. The
-/// result does not depend on the number of threads.
+/// Returns the level of detail `lod` with its vertices moved to where they fit LOD 0 best:
+/// [`Refit::mesh`] for all of the way.
 #[must_use]
 pub fn refit(simplified: &Simplified, lod: Lod, options: &Options) -> Mesh {
-    let level = Level::new(simplified, simplified.collapses().floor(lod));
-    if level.faces.is_empty() || lod.0 == 0 {
-        return level.mesh;
+    Refit::new(simplified, lod, options).mesh(1.0)
+}
+
+/// A level of detail and the places where its vertices fit LOD 0 best.
+pub struct Refit<'a> {
+    original: &'a Mesh,
+    level: Level,
+    /// None where nothing moves.
+    found: Option<(Input, Vec<DVec3>)>,
+}
+
+impl<'a> Refit<'a> {
+    /// Finds the places. Of all iterations the one with the least mean squared distance counts, the
+    /// start included. The result does not depend on the number of threads.
+    #[must_use]
+    pub fn new(simplified: &'a Simplified, lod: Lod, options: &Options) -> Self {
+        let original = simplified.mesh();
+        let level = Level::new(simplified, simplified.collapses().floor(lod));
+        if level.faces.is_empty() || lod.0 == 0 {
+            return Self { original, level, found: None };
+        }
+        let input = Input::new(original, level.faces.len());
+        let positions = Fit::new(&input, &level).run(options.iterations);
+        Self { original, level, found: Some((input, positions)) }
     }
-    let input = Input::new(simplified.mesh(), level.faces.len());
-    let mut positions = Fit::new(&input, &level).run(options.iterations);
-    // Positions are stored as f32: what that makes of slivers is known only afterwards.
-    loop {
-        match Mesh::try_from(attributes::resample(
-            simplified.mesh(),
-            &input.tree,
-            &level,
-            &positions,
-        )) {
-            Ok(mesh) => return mesh,
-            Err(MeshError::Degenerate { .. }) => put_back(&level, &mut positions),
-            Err(e) => unreachable!("only positions and values of attributes changed: {e}"),
+
+    /// Returns the level with its vertices a share of the way to those places, from 0 to 1, and
+    /// with attributes as LOD 0 has them there. The triangles are those of the level, in the order
+    /// of [`Mesh::extract`].
+    #[must_use]
+    pub fn mesh(&self, share: f64) -> Mesh {
+        let level = &self.level;
+        let Some((input, positions)) = self.found.as_ref().filter(|_| share > 0.0) else {
+            return level.mesh.clone();
+        };
+        let mut positions = part_way(level, positions, share);
+        // Positions are stored as f32: what that makes of slivers is known only afterwards.
+        loop {
+            let parts = attributes::resample(self.original, &input.tree, level, &positions);
+            match Mesh::try_from(parts) {
+                Ok(mesh) => return mesh,
+                Err(MeshError::Degenerate { .. }) => put_back(level, &mut positions),
+                Err(e) => unreachable!("only positions and values of attributes changed: {e}"),
+            }
         }
     }
+}
+
+/// The points of a level a share of the way to other positions, so that no face turns over.
+fn part_way(level: &Level, positions: &[DVec3], share: f64) -> Vec<DVec3> {
+    if share >= 1.0 {
+        return positions.to_vec();
+    }
+    let normals: Vec<DVec3> =
+        level.corners(&level.points).into_iter().map(|t| cross(t).normalize_or_zero()).collect();
+    let moves: Vec<DVec3> =
+        positions.iter().zip(&level.points).map(|(&to, &from)| (to - from) * share).collect();
+    let nothing = vec![DVec3::ZERO; level.faces.len()];
+    Guard { level, first_normals: &normals, input_normals: &nothing }.limit(&level.points, &moves)
 }
 
 /// Puts the corners of all faces that `f32` makes degenerate back to where they were.

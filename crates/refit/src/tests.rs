@@ -46,6 +46,17 @@ fn levels_of_curved_surfaces_come_closer() {
 }
 
 #[test]
+fn part_of_the_way_is_between_both_ends() {
+    let s = simplified(&named("torus").expect("a fixture"));
+    let lod = level(&s, 0.25);
+    let found = Refit::new(&s, lod, &Options::DEFAULT);
+    assert_eq!(found.mesh(0.0), unrefitted(&s, lod));
+    assert_eq!(found.mesh(1.0), refit(&s, lod, &Options::DEFAULT));
+    let [none, half, all] = [0.0, 0.5, 1.0].map(|share| rms(s.mesh(), &found.mesh(share)));
+    assert!(all < half && half < none, "{none} {half} {all}");
+}
+
+#[test]
 fn vertices_at_one_position_stay_at_one_position() {
     for seed in 0..40 {
         let s = simplified(&random(seed));

@@ -45,7 +45,7 @@ mod transform;
 pub use animation::{Animation, Channel, Interpolation, Property};
 pub use graph::{Graph, Node, Skin};
 pub use image::Image;
-pub use material::{AlphaMode, Appearance, Material, Texture, Wrap};
+pub use material::{AlphaMode, Appearance, Coordinates, Material, Texture, Wrap};
 pub use normals::{flat_normals, smooth_normals};
 pub use placement::{Arrangement, Placement};
 pub use pose::Pose;

@@ -22,6 +22,8 @@ pub struct Material {
     pub colour: [f32; 4],
     /// The texture multiplied with it.
     pub texture: Option<Texture>,
+    /// The texture coordinates that its textures read, whether their images could be had or not.
+    pub coordinates: Coordinates,
     /// True if triangles that turn their back are shown.
     pub double_sided: bool,
     /// The meaning of opacity.
@@ -36,6 +38,7 @@ impl Default for Material {
         Self {
             colour: [1.0; 4],
             texture: None,
+            coordinates: Coordinates::PLAIN,
             double_sided: false,
             alpha: AlphaMode::Opaque,
             unlit: false,
@@ -53,6 +56,26 @@ pub enum AlphaMode {
     Mask(f32),
     /// Surfaces behind shine through.
     Blend,
+}
+
+/// Texture coordinates and their meaning.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Coordinates {
+    /// Number of the set.
+    pub set: u32,
+    /// From the set to an image, as in [`Texture::transform`].
+    pub transform: [[f32; 3]; 2],
+}
+
+impl Coordinates {
+    /// The first set as it is.
+    pub const PLAIN: Self = Self { set: 0, transform: Texture::UNTRANSFORMED };
+
+    /// Returns the place in an image of texture coordinates of the mesh.
+    #[must_use]
+    pub fn place(&self, [u, v]: [f32; 2]) -> [f32; 2] {
+        self.transform.map(|[x, y, shift]| x * u + y * v + shift)
+    }
 }
 
 /// An image on a material, and how it is read.

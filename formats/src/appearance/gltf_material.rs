@@ -5,7 +5,7 @@ use super::pictures::Pictures;
 use crate::import::gltf::uri;
 use crate::nodes::{as_index, numbers};
 use crate::{Assets, FormatError};
-use lodc_scene::{AlphaMode, Material, Texture, Wrap};
+use lodc_scene::{AlphaMode, Coordinates, Material, Texture, Wrap};
 use serde_json::Value;
 
 /// Reads textures of one document.
@@ -34,9 +34,11 @@ impl Reader<'_> {
             // White stands for the texture that could not be had; grey shows the shape.
             colour[..3].iter_mut().for_each(|c| *c *= 0.6);
         }
+        let read = if texture.is_object() { Some(texture) } else { any_texture(source) };
         Material {
             colour,
             texture: found,
+            coordinates: read.map_or(Coordinates::PLAIN, coordinates),
             double_sided: source["doubleSided"].as_bool().unwrap_or(false),
             alpha: match source["alphaMode"].as_str() {
                 Some("MASK") => AlphaMode::Mask(cut_off),
@@ -50,8 +52,7 @@ impl Reader<'_> {
     fn texture(&mut self, info: &Value) -> Option<Texture> {
         let texture = &self.json["textures"][as_index(&info["index"])?];
         let image = self.image(as_index(&texture["source"]))?;
-        let moved = &info["extensions"]["KHR_texture_transform"];
-        let set = as_index(&moved["texCoord"]).or(as_index(&info["texCoord"])).unwrap_or(0);
+        let Coordinates { set, transform } = coordinates(info);
         let sampler =
             as_index(&texture["sampler"]).map_or(&Value::Null, |s| &self.json["samplers"][s]);
         let wrap = |key: &str| match sampler[key].as_u64() {
@@ -61,8 +62,8 @@ impl Reader<'_> {
         };
         Some(Texture {
             image,
-            set: u32::try_from(set).ok()?,
-            transform: transform(moved),
+            set,
+            transform,
             wrap: [wrap("wrapS"), wrap("wrapT")],
             nearest: sampler["magFilter"].as_u64() == Some(9728),
         })
@@ -96,6 +97,21 @@ impl Reader<'_> {
             }
         })
     }
+}
+
+/// The first texture of a material, whatever it is for.
+fn any_texture(source: &Value) -> Option<&Value> {
+    source.as_object()?.iter().find_map(|(name, value)| {
+        let is_texture = name.ends_with("Texture") && as_index(&value["index"]).is_some();
+        if is_texture { Some(value) } else { any_texture(value) }
+    })
+}
+
+/// The texture coordinates that a texture reads.
+fn coordinates(info: &Value) -> Coordinates {
+    let moved = &info["extensions"]["KHR_texture_transform"];
+    let set = as_index(&moved["texCoord"]).or(as_index(&info["texCoord"])).unwrap_or(0);
+    Coordinates { set: u32::try_from(set).unwrap_or(u32::MAX), transform: transform(moved) }
 }
 
 /// `KHR_texture_transform`: first scaled, then turned, then moved.

@@ -4,10 +4,18 @@
 use super::pictures::Pictures;
 use crate::import::obj::meaning;
 use crate::{Assets, ObjDocument, ObjMaterial, ObjectInfo};
-use lodc_scene::{AlphaMode, Appearance, Material, Texture, Wrap, to_linear};
+use lodc_scene::{AlphaMode, Appearance, Coordinates, Material, Texture, Wrap, to_linear};
 
-/// Linear colour without a material: a light grey.
-const PLAIN: [f32; 4] = [0.6, 0.6, 0.6, 1.0];
+/// Without a `.mtl`: a light grey, seen from both sides. The texture coordinate 0 is an image's
+/// bottom, its first row is the top.
+const PLAIN: Material = Material {
+    colour: [0.6, 0.6, 0.6, 1.0],
+    texture: None,
+    coordinates: Coordinates { set: 0, transform: [[1.0, 0.0, 0.0], [0.0, -1.0, 1.0]] },
+    double_sided: true,
+    alpha: AlphaMode::Opaque,
+    unlit: false,
+};
 
 pub(super) fn appearance(
     obj: &ObjDocument,
@@ -15,19 +23,18 @@ pub(super) fn appearance(
     assets: &mut Assets,
 ) -> Appearance {
     let mut pictures = Pictures::default();
-    let plain = Material { colour: PLAIN, double_sided: true, ..Material::default() };
     let used = |m: &ObjMaterial| {
         objects
             .iter()
             .flat_map(|o| &o.submeshes)
             .any(|s| s.material.as_deref() == Some(m.name.as_str()))
     };
-    let mut materials = vec![plain];
+    let mut materials = vec![PLAIN];
     // What nothing uses need not have its pictures read.
     materials.extend(
         obj.materials
             .iter()
-            .map(|m| if used(m) { material(m, &mut pictures, assets) } else { plain }),
+            .map(|m| if used(m) { material(m, &mut pictures, assets) } else { PLAIN }),
     );
     let number = |name: &Option<String>| {
         let name = name.as_ref()?;
@@ -46,7 +53,7 @@ pub(super) fn appearance(
 fn material(source: &ObjMaterial, pictures: &mut Pictures, assets: &mut Assets) -> Material {
     // `Kd` has no colour space of its own; programs show it as they show texels.
     let linear = |v: f32| to_linear(v.clamp(0.0, 1.0));
-    let mut material = Material { colour: PLAIN, double_sided: true, ..Material::default() };
+    let mut material = PLAIN;
     let meaning = meaning(source);
     if let Some(diffuse) = meaning.diffuse {
         material.colour[..3].copy_from_slice(&diffuse.map(linear));

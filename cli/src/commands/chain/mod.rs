@@ -22,6 +22,7 @@ use clap::Args;
 use levels::{Level, LevelArgs};
 use lodc_formats::OutputFile;
 use lodc_formats::export::{LevelFacts, Provenance};
+use lodc_scene::Appearance;
 use std::path::{Path, PathBuf};
 
 /// Options of `chain`.
@@ -130,8 +131,10 @@ fn chain(
     warnings.extend_from_slice(&textures.warnings);
     let packing = args.export.compress.wanted(format, asset.compressed)?;
     let additions = packing.additions(textures, None);
+    let looks =
+        if args.refit { asset.looks(input, &args.export.import)? } else { Appearance::default() };
     let made = stages.run("export", || match args.separate {
-        true => separate::files(args, out, format, &asset, &mut levels, additions),
+        true => separate::files(args, &looks, out, format, &asset, &mut levels, additions),
         false => shared::files(args, out, format, &asset, &mut levels, additions),
     })?;
     stages.run("write", || output::commit(&made.files))?;

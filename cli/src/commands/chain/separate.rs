@@ -9,10 +9,12 @@ use crate::level_mesh::{self, Shape};
 use crate::mesh_output::{self, FormatName};
 use crate::output::Target;
 use lodc_formats::export::Additions;
+use lodc_scene::Appearance;
 use std::path::{Path, PathBuf};
 
 pub(super) fn files(
     args: &ChainArgs,
+    looks: &Appearance,
     out: &Path,
     format: FormatName,
     asset: &Asset,
@@ -23,7 +25,7 @@ pub(super) fn files(
     let order = Packing::of(&additions).order();
     let shape = Shape { model: None, refit: args.refit, order };
     for (number, level) in levels.iter_mut().enumerate() {
-        let meshes = level_mesh::meshes(&asset.objects, &level.lods, shape)?;
+        let meshes = level_mesh::meshes(&asset.objects, &level.lods, shape, looks)?;
         // Of refitted meshes they are measured.
         (level.error, level.rms) = level_mesh::distance(&asset.objects, &meshes);
         level.vertices = meshes.iter().map(|m| m.mesh.vertex_count() as u64).sum();

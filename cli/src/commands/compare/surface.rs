@@ -140,7 +140,7 @@ impl Subject {
             None => vec![Lod(0); objects.len()],
         };
         let shape = Shape { order: Order::File, ..Shape::default() };
-        let meshes = level_mesh::meshes(objects, &lods, shape)?;
+        let meshes = level_mesh::meshes(objects, &lods, shape, &self.looks)?;
         Ok(meshes.into_iter().map(|level| Cow::Owned(level.mesh)).collect())
     }
 }

@@ -17,7 +17,7 @@ use lodc_formats::lodc::LodObject;
 use lodc_formats::{ObjectInfo, scene_graph};
 use lodc_lod::{AnyModel, ModelKind};
 use lodc_mesh::{Lod, Mesh};
-use lodc_scene::Arrangement;
+use lodc_scene::{Appearance, Arrangement};
 use std::path::Path;
 
 /// Extracts the level of one input.
@@ -91,8 +91,10 @@ fn uniform(
     let own = |object: &str| args.export.simplify.parts.ratio(object);
     let chosen =
         stages.run("select", || scene.select_capped(wish, own, args.max_error, per_object))?;
-    let meshes =
-        stages.run("extract", || level_mesh::meshes(&asset.objects, &chosen.lods, shape))?;
+    let looks =
+        if args.refit { asset.looks(input, &args.export.import)? } else { Appearance::default() };
+    let meshes = stages
+        .run("extract", || level_mesh::meshes(&asset.objects, &chosen.lods, shape, &looks))?;
     Ok(Level {
         meshes,
         lods: chosen.lods.into_iter().map(Some).collect(),

@@ -8,6 +8,7 @@ mod meshopt;
 mod missing;
 mod prune;
 mod quantize;
+mod samples;
 mod writer;
 
 use super::{Additions, ExportObject};

@@ -2,9 +2,10 @@
 //! compressed, one per stream, since likes compress best.
 
 use super::meshopt::{Compressed, Content};
+use super::samples::{self, Samples};
 use crate::export::Additions;
 use crate::import::gltf::json::{Object, malformed};
-use crate::import::gltf::schema::Pool;
+use crate::import::gltf::schema::{Pool, retain};
 use crate::import::gltf::{Shape, component_number, semantic};
 use crate::{Fault, FormatError};
 use lodc_mesh::{Attribute, Component, Mesh, Semantic};
@@ -77,6 +78,14 @@ impl Writer {
     pub(super) fn finish(self, root: &mut Object, blob: &mut Vec<u8>) {
         let mut views = Vec::with_capacity(self.groups.len());
         let mut compressed = Compressed::new(root);
+        let samples = if self.compress { samples::of(root, blob) } else { vec![] };
+        for (samples, i) in samples.iter().zip(self.first_view + self.groups.len()..) {
+            samples.refer(root, i);
+        }
+        let used = samples::used(root, self.first_view);
+        if !samples.is_empty() {
+            samples::drop_unused(root, blob, &used);
+        }
         for group in self.groups {
             let (content, length) = (group.content(self.direction_bits), group.bytes.len());
             let mut view = if self.compress && content.fits() {
@@ -93,8 +102,16 @@ impl Writer {
             view["target"] = group.target.into();
             views.push(view);
         }
+        for Samples { stride, bytes, .. } in &samples {
+            let content = Content::Floats { stride: *stride, bytes };
+            views.push(compressed.view(&content, bytes.len(), blob));
+        }
         append(root, "accessors", self.accessors);
         append(root, "bufferViews", views);
+        if !samples.is_empty() {
+            let new = Pool::BufferViews.len(root) - self.first_view;
+            retain(root, Pool::BufferViews, &[used, vec![true; new]].concat());
+        }
         if blob.is_empty() {
             return;
         }

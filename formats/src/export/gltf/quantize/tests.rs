@@ -96,13 +96,17 @@ fn scene() -> Scene {
 }
 
 fn written(scene: &Scene, precision: Precision, compress: bool) -> Scene {
+    let bytes = file(scene, precision, compress);
+    read_bytes(&bytes, &ImportOptions::default()).expect("what was written can be read")
+}
+
+fn file(scene: &Scene, precision: Precision, compress: bool) -> Vec<u8> {
     let objects: Vec<_> =
         scene.objects.iter().map(|o| ExportObject { info: &o.info, mesh: &o.mesh }).collect();
     let additions = Additions { precision, compress, ..Additions::default() };
     let path = Path::new("out.glb");
     let files = export_with(path, ExportFormat::Glb, &scene.document, &objects, &additions);
-    let file = files.expect("it can be written").remove(0);
-    read_bytes(&file.bytes, &ImportOptions::default()).expect("what was written can be read")
+    files.expect("it can be written").remove(0).bytes
 }
 
 /// Positions of all vertices where the scene shows them, by object.
@@ -253,4 +257,28 @@ fn positions_without_a_place_for_their_transform_stay() {
         let raw = |a: &&Attribute| a.semantic == Semantic::Position;
         assert_eq!(object.mesh.attributes().iter().find(raw), None, "{}", object.info.name);
     }
+}
+
+#[test]
+fn animations_and_skins_are_compressed_and_come_back_exactly() {
+    let scene = scene();
+    let [plain, packed] = [false, true].map(|c| written(&scene, Precision::default(), c));
+    let moves =
+        |s: &Scene| crate::animation(&s.document, 0, &Limits::DEFAULT).expect("it is there");
+    assert_eq!(moves(&plain), moves(&packed));
+    // The skin poses them: its matrices are the same.
+    assert_eq!(shown(&plain), shown(&packed));
+    let bytes = file(&scene, Precision::default(), true);
+    let length = u32::from_le_bytes([bytes[12], bytes[13], bytes[14], bytes[15]]) as usize;
+    let json: Value = serde_json::from_slice(&bytes[20..20 + length]).expect("a JSON chunk");
+    let sampler = &json["animations"][0]["samplers"][0];
+    for accessor in
+        [&sampler["input"], &sampler["output"], &json["skins"][0]["inverseBindMatrices"]]
+    {
+        let accessor = &json["accessors"][accessor.as_u64().expect("an accessor") as usize];
+        let view = &json["bufferViews"][accessor["bufferView"].as_u64().expect("a view") as usize];
+        assert!(view["extensions"]["EXT_meshopt_compression"].is_object(), "{accessor} {view}");
+    }
+    let plain = file(&scene, Precision::default(), false);
+    assert!(bytes.len() < plain.len(), "{} {}", bytes.len(), plain.len());
 }
