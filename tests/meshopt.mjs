@@ -31,7 +31,7 @@ function glb(name) {
 }
 
 const SIZES = { 5120: 1, 5121: 1, 5122: 2, 5123: 2, 5125: 4, 5126: 4 };
-const COMPONENTS = { SCALAR: 1, VEC2: 2, VEC3: 3, VEC4: 4 };
+const COMPONENTS = { SCALAR: 1, VEC2: 2, VEC3: 3, VEC4: 4, MAT4: 16 };
 
 /** The elements of an accessor, as bytes without gaps. */
 function elements({ json, views }, index) {
@@ -42,6 +42,13 @@ function elements({ json, views }, index) {
   const at = (i) => (accessor.byteOffset ?? 0) + i * stride;
   const bytes = views[accessor.bufferView];
   return Array.from({ length: accessor.count }, (_, i) => bytes.subarray(at(i), at(i) + size).toString("hex"));
+}
+
+/** The accessors of samples of animations and of matrices of skins. */
+function samples({ json }) {
+  const samplers = (json.animations ?? []).flatMap((animation) => animation.samplers);
+  const matrices = (json.skins ?? []).map((skin) => skin.inverseBindMatrices);
+  return [...samplers.flatMap((s) => [s.input, s.output]), ...matrices.filter((m) => m !== undefined)];
 }
 
 /** Triangles with their least corner first. */
@@ -71,6 +78,11 @@ for (const [compressed, plain] of JSON.parse(readFileSync(list, "utf8"))) {
       count++;
     }),
   );
+  const others = samples(b);
+  samples(a).forEach((accessor, i) => {
+    deepStrictEqual(elements(a, accessor), elements(b, others[i]));
+    count++;
+  });
   result[compressed] = count;
 }
 console.log(JSON.stringify(result));
