@@ -48,7 +48,8 @@ pub(crate) struct LevelMesh {
     pub(crate) rms: Option<f64>,
 }
 
-/// Makes the meshes of the objects at `lods`, one each; `looks` is what refitted ones are judged in.
+/// Makes the meshes of the objects at `lods`, one each; `looks` is what refitted ones are judged
+/// in.
 ///
 /// # Errors
 /// If a model shows what is no mesh: a bug.
@@ -69,7 +70,8 @@ fn one(
     (looks, i): (&Appearance, usize),
 ) -> Outcome<LevelMesh> {
     let level = if shape.refit {
-        refitted(object, lod, &of_object(looks, i))
+        let (mesh, error, rms) = refitted(object, lod, &of_object(looks, i));
+        LevelMesh { mesh, error, rms: Some(rms) }
     } else {
         stored(object, lod, shape)?
     };

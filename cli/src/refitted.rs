@@ -1,6 +1,5 @@
 //! Refitted levels: closer in space, and held back where pictures would get worse.
 
-use crate::level_mesh::LevelMesh;
 use lodc_formats::lodc::LodObject;
 use lodc_measure::{
     Looks, Sampling, SceneSurface, Surface, Viewing, compare_pictures, distances, pictures,
@@ -17,13 +16,13 @@ const SHARES: [f64; 2] = [1.0, 0.5];
 const WORSE: f64 = 1.005;
 const NOTHING: f64 = 0.02;
 
-/// Refits a level of an object. Its errors are measured: the stored ones are of the vertices where
-/// they were.
-pub(crate) fn refitted(object: &LodObject, lod: Lod, looks: &Appearance) -> LevelMesh {
+/// A refitted level, its error and its root mean square distance. These are measured: the stored
+/// ones are of the vertices where they were.
+pub(crate) fn refitted(object: &LodObject, lod: Lod, looks: &Appearance) -> (Mesh, f64, f64) {
     let original = object.simplified.mesh();
     let found = Refit::new(&object.simplified, lod, &Options::DEFAULT);
     if lod.0 == 0 {
-        return LevelMesh { mesh: found.mesh(0.0), error: 0.0, rms: Some(0.0) };
+        return (found.mesh(0.0), 0.0, 0.0);
     }
     let mesh = if original.attributes().is_empty() {
         found.mesh(1.0)
@@ -32,7 +31,7 @@ pub(crate) fn refitted(object: &LodObject, lod: Lod, looks: &Appearance) -> Leve
     };
     let measured = distances(&bare(original), &bare(&mesh), &Sampling::DEFAULT);
     let larger = |[a, b]: [f64; 2]| a.max(b);
-    LevelMesh { mesh, error: larger(measured.hausdorff), rms: Some(larger(measured.rms)) }
+    (mesh, larger(measured.hausdorff), larger(measured.rms))
 }
 
 /// Returns the level as far refitted as it looks no worse than where the simplifier left it.
@@ -96,4 +95,43 @@ pub(crate) fn of_object(looks: &Appearance, object: usize) -> Appearance {
         own.materials.push(material);
     }
     own
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn image_error(original: &Mesh, level: &Mesh) -> f64 {
+        let [original, level] = [original, level].map(|m| surface(m, &Appearance::default()));
+        let cameras = VIEWING.cameras(&original.surface);
+        let worn = Looks {
+            own_normals: !original.surface.normals.is_empty(),
+            checkerboard: original.all_textured,
+            materials: false,
+        };
+        let shown = [original, level].map(|s| pictures(&s.surface, &cameras, worn));
+        compare_pictures(&shown[0], &shown[1]).rmse
+    }
+
+    #[test]
+    fn no_level_looks_worse_than_where_the_simplifier_left_it() {
+        let (mut moved, mut held) = (0, 0);
+        for (name, make) in lodc_fixtures::ALL {
+            let mesh = make();
+            if mesh.attributes().is_empty() || mesh.triangles().len() < 100 {
+                continue;
+            }
+            let options = lodc_simplify::Options::DEFAULT;
+            let simplified = lodc_simplify::simplify(&mesh, &options, &|_, _| {});
+            let lod = simplified.collapses().lod_for_triangles(mesh.triangles().len() as u32 / 4);
+            let found = Refit::new(&simplified, lod, &Options::DEFAULT);
+            let level = that_looks_right(simplified.mesh(), &found, &Appearance::default());
+            let before = image_error(simplified.mesh(), &found.mesh(0.0));
+            let after = image_error(simplified.mesh(), &level);
+            assert!(after <= WORSE * before + NOTHING, "{name}: {before} {after}");
+            moved += u32::from(level != found.mesh(0.0));
+            held += u32::from(level != found.mesh(1.0));
+        }
+        assert!(moved > 0 && held > 0, "{moved} moved, {held} held back");
+    }
 }
