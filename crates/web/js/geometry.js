@@ -103,3 +103,15 @@ export function morphed(part, weights) {
   });
   return { positions, normals };
 }
+
+/** The edges of all triangles as pairs of vertices. */
+export function edges({ indices, triangles }) {
+  const lines = new Uint32Array(6 * triangles);
+  for (let t = 0; t < triangles; t++) {
+    const [a, b, c] = [indices[3 * t], indices[3 * t + 1], indices[3 * t + 2]];
+    const at = 6 * t;
+    lines[at] = a; lines[at + 1] = b; lines[at + 2] = b;
+    lines[at + 3] = c; lines[at + 4] = c; lines[at + 5] = a;
+  }
+  return lines;
+}

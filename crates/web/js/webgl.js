@@ -1,7 +1,7 @@
 // The WebGL 2 renderer: every part has its vertices once; only its indices follow the level.
 
-import { FRAGMENT, VERTEX } from './glsl.js';
-import { morphed } from './geometry.js';
+import { program, uniforms } from './glprogram.js';
+import { edges, morphed } from './geometry.js';
 import { determinant3, times } from './math.js';
 import { materialOf, texturesOf } from './material.js';
 
@@ -397,56 +397,4 @@ export class WebglRenderer {
   finish() {
     this.gl.readPixels(0, 0, 1, 1, this.gl.RGBA, this.gl.UNSIGNED_BYTE, new Uint8Array(4));
   }
-}
-
-/** The edges of all triangles as pairs of vertices. */
-export function edges({ indices, triangles }) {
-  const lines = new Uint32Array(6 * triangles);
-  for (let t = 0; t < triangles; t++) {
-    const [a, b, c] = [indices[3 * t], indices[3 * t + 1], indices[3 * t + 2]];
-    const at = 6 * t;
-    lines[at] = a; lines[at + 1] = b; lines[at + 2] = b;
-    lines[at + 3] = c; lines[at + 4] = c; lines[at + 5] = a;
-  }
-  return lines;
-}
-
-function program(gl) {
-  const shader = (kind, text) => {
-    const made = gl.createShader(kind);
-    gl.shaderSource(made, text);
-    gl.compileShader(made);
-    if (!gl.getShaderParameter(made, gl.COMPILE_STATUS)) throw new Error(gl.getShaderInfoLog(made));
-    return made;
-  };
-  const made = gl.createProgram();
-  gl.attachShader(made, shader(gl.VERTEX_SHADER, VERTEX));
-  gl.attachShader(made, shader(gl.FRAGMENT_SHADER, FRAGMENT));
-  gl.linkProgram(made);
-  if (!gl.getProgramParameter(made, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(made));
-  gl.useProgram(made);
-  ['baseMap', 'metalMap', 'normalMap', 'occlusionMap', 'emissiveMap', 'jointMatrices']
-    .forEach((name, unit) => gl.uniform1i(gl.getUniformLocation(made, name), unit));
-  return made;
-}
-
-/** A setter for each uniform, by its name. */
-function uniforms(gl, made) {
-  const setters = {};
-  const count = gl.getProgramParameter(made, gl.ACTIVE_UNIFORMS);
-  for (let i = 0; i < count; i++) {
-    const { name, type } = gl.getActiveUniform(made, i);
-    const at = gl.getUniformLocation(made, name);
-    setters[name] = {
-      [gl.FLOAT]: (v) => gl.uniform1f(at, v),
-      [gl.FLOAT_VEC3]: (v) => gl.uniform3fv(at, v),
-      [gl.FLOAT_VEC4]: (v) => gl.uniform4fv(at, v),
-      [gl.INT]: (v) => gl.uniform1i(at, v),
-      [gl.INT_VEC4]: (v) => gl.uniform4iv(at, v),
-      [gl.BOOL]: (v) => gl.uniform1i(at, v ? 1 : 0),
-      [gl.FLOAT_MAT3]: (v) => gl.uniformMatrix3fv(at, false, v),
-      [gl.FLOAT_MAT4]: (v) => gl.uniformMatrix4fv(at, false, v),
-    }[type];
-  }
-  return setters;
 }

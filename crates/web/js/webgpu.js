@@ -1,28 +1,20 @@
 // The WebGPU renderer: what webgl.js draws, drawn by WebGPU. Uniforms of all draws of a frame are
 // written at once; pipelines are made when a combination is first needed.
 
-import { morphed } from './geometry.js';
-import { edges } from './webgl.js';
+import { edges, morphed } from './geometry.js';
 import { WEBGPU_DEPTH, determinant3, times } from './math.js';
 import { materialOf, texturesOf } from './material.js';
+import { NAMES, Pipelines, SAMPLES, VERTEX_ARRAYS } from './gpupipelines.js';
 import { openDevice } from './plan.js';
 import { Presenter } from './presenter.js';
 import { Textures } from './gputextures.js';
-import { SHADERS } from './wgsl.js';
 
-/** Arrays of a vertex, in the order of their locations; components and bytes of each. */
-const VERTEX_ARRAYS = {
-  positions: [3, 12], normals: [3, 12], uvs: [4, 16], colours: [4, 16], joints: [4, 16],
-  weights: [4, 16], paint: [4, 4], copy: [4, 16],
-};
-const NAMES = Object.keys(VERTEX_ARRAYS);
 /** What stands for an array that a part has not. */
 const MISSING = { colours: [1, 1, 1, 1] };
 const GREY = new Uint8Array([158, 161, 168, 255]);
 /** Bytes of the uniforms of a frame, and from those of one draw to the next. */
 const FRAME = 144;
 const BLOCK_BYTES = 256;
-const SAMPLES = 4;
 /** Frames that may be under way before another one is drawn. */
 const MOST_WAITING = 1;
 const [FLAT, EDGY, UNLIT] = [1, 2, 4];
@@ -44,11 +36,9 @@ export class WebgpuRenderer {
     Object.assign(this, { device, canvas, scene });
     this.presenter = new Presenter(device, canvas);
     this.surface = this.presenter.surface;
-    this.module = device.createShaderModule({ code: SHADERS });
     this.textures = new Textures(device);
     this.layouts = [this.frameLayout(), this.textures.layout, this.jointLayout()];
-    this.layout = device.createPipelineLayout({ bindGroupLayouts: this.layouts });
-    this.pipelines = new Map();
+    this.pipelines = new Pipelines(device, this.layouts, this.presenter.format);
     const { VERTEX, STORAGE } = GPUBufferUsage;
     this.missing = Object.fromEntries(NAMES.map((name) => [name, this.buffer(
       name === 'paint' ? GREY : new Float32Array(MISSING[name] ?? [0, 0, 0, 0]), VERTEX)]));
@@ -122,7 +112,7 @@ export class WebgpuRenderer {
       placements.forEach((placement, number) => {
         const parts = placement.object.parts.filter((part) => blended(part) === late);
         const view = frame.views?.[number];
-        if (parts.length > 0) this.place(placement, parts, { ...frame, view });
+        if (parts.length > 0) this.place(placement, parts, { ...frame, view, number });
       });
     }
     const group = this.uniforms(frame);
@@ -168,7 +158,7 @@ export class WebgpuRenderer {
   }
 
   encode(render, draw, group) {
-    render.setPipeline(this.pipeline(draw));
+    render.setPipeline(this.pipelines.of(draw));
     render.setBindGroup(0, group, [BLOCK_BYTES * (1 + draw.block)]);
     render.setBindGroup(1, draw.textures);
     render.setBindGroup(2, draw.joints);
@@ -185,57 +175,24 @@ export class WebgpuRenderer {
     }
   }
 
-  /** The pipeline of a draw: by arrays, topology, culling, blending and offset. */
-  pipeline({ buffers, stride = 0, lines, cull, clockwise, blend, behind }) {
-    const has = NAMES.map((name) => (buffers[name] ? 1 : 0)).join('');
-    const key = [has, stride, lines, cull, clockwise, blend, behind].join();
-    if (!this.pipelines.has(key)) {
-      const layouts = NAMES.map((name, shaderLocation) => {
-        const [width, bytes] = VERTEX_ARRAYS[name];
-        const format = name === 'paint' ? 'unorm8x4' : `float32x${width}`;
-        const own = name !== 'copy' && name !== 'paint' ? stride || bytes : bytes;
-        return {
-          arrayStride: buffers[name] ? own : 0,
-          stepMode: name === 'copy' ? 'instance' : 'vertex',
-          attributes: [{ format, offset: 0, shaderLocation }],
-        };
-      });
-      this.pipelines.set(key, this.device.createRenderPipeline({
-        layout: this.layout,
-        vertex: { module: this.module, buffers: layouts },
-        fragment: { module: this.module, targets: [{
-          format: this.presenter.format, blend: blend ? BLEND : undefined,
-        }] },
-        primitive: {
-          topology: lines ? 'line-list' : 'triangle-list',
-          cullMode: cull ? 'back' : 'none', frontFace: clockwise ? 'cw' : 'ccw',
-        },
-        depthStencil: {
-          format: 'depth24plus', depthCompare: 'less-equal',
-          depthWriteEnabled: !(blend && !lines),
-          ...(behind ? { depthBias: 1, depthBiasSlopeScale: 1 } : {}),
-        },
-        multisample: { count: SAMPLES },
-      }));
-    }
-    return this.pipelines.get(key);
-  }
-
   material(part) {
     return materialOf(this.scene.glb, part.material);
   }
 
   place(placement, parts, frame) {
     const { world } = placement;
-    const joints = placement.joints ? this.putJoints(placement) : this.noJoints;
+    const joints = placement.joints
+      ? this.putJoints(placement.joints, frame.number) : this.noJoints;
     const clockwise = !placement.joints && determinant3(world) < 0;
     for (const part of parts) {
       const own = this.parts.get(part);
       const number = placement.object.parts.indexOf(part);
       const view = frame.view && this.viewBuffers(frame.view, number);
-      if (!view) this.morph(part, own, placement.weights);
+      const moved = part.morphs.length > 0 && !view
+        ? this.morphs(part, own, placement.weights, frame.number) : {};
+      const buffers = view?.buffers ?? { ...own.buffers, ...moved };
       const skinned = placement.joints ? 1 : 0;
-      const state = { part, own, view, world, joints, clockwise, skinned };
+      const state = { part, own, view, buffers, world, joints, clockwise, skinned };
       this.triangles(state, frame);
       if (frame.wire && !frame.crowd) this.wires(state, frame);
     }
@@ -248,7 +205,7 @@ export class WebgpuRenderer {
     const painted = frame.colouring !== 'material';
     const strips = !view && frame.colouring === 'strips' && part.strips;
     if (strips && own.corners?.lod !== part.submesh.lod) this.putCorners(part, own, frame);
-    const buffers = { ...(view?.buffers ?? (strips ? own.corners.buffers : own.buffers)) };
+    const buffers = { ...(strips ? own.corners.buffers : state.buffers) };
     if (painted && frame.colouring === 'error' && !view) {
       own.error ??= this.buffer(frame.paints.error(part), GPUBufferUsage.VERTEX);
       buffers.paint = own.error;
@@ -348,7 +305,7 @@ export class WebgpuRenderer {
     }
     const material = { ...this.material(part), baseColour: frame.wireColour };
     this.draws.push({
-      buffers: view?.buffers ?? own.buffers, offsets: view?.offsets, stride: view?.stride,
+      buffers: state.buffers, offsets: view?.offsets, stride: view?.stride,
       joints, clockwise, textures: this.textures.group(null),
       block: this.block(state, frame, material, 2),
       indices: kept.lines,
@@ -396,25 +353,31 @@ export class WebgpuRenderer {
     return this.blocks.length - 1;
   }
 
-  /** Joint matrices of a placement. */
-  putJoints({ object, joints }) {
-    this.jointBuffers ??= new Map();
+  /** Joint matrices of a placement. Writes come before all draws of a frame: each has its own. */
+  putJoints(joints, number) {
+    this.jointBuffers ??= [];
     const values = new Float32Array(joints.flat());
-    let own = this.jointBuffers.get(object);
-    if (!own || own.buffer.size < values.byteLength) {
+    const own = this.jointBuffers[number];
+    if (own && own.buffer.size >= values.byteLength) this.write(own.buffer, values);
+    else {
       const buffer = this.buffer(values, GPUBufferUsage.STORAGE);
-      own = { buffer, group: this.jointGroup(buffer) };
-      this.jointBuffers.set(object, own);
-    } else this.write(own.buffer, values);
-    return own.group;
+      this.jointBuffers[number] = { buffer, group: this.jointGroup(buffer) };
+    }
+    return this.jointBuffers[number].group;
   }
 
-  morph(part, own, weights) {
-    if (part.morphs.length === 0 || own.weights === weights.join()) return;
-    const { positions, normals } = morphed(part, weights);
-    this.write(own.buffers.positions, positions);
-    this.write(own.buffers.normals, normals);
-    own.weights = weights.join();
+  /** Positions and normals of a part as a placement's weights move them. */
+  morphs(part, own, weights, number) {
+    own.morphs ??= [];
+    const known = own.morphs[number] ??= { weights: null, buffers: {} };
+    if (known.weights !== weights.join()) {
+      known.weights = weights.join();
+      for (const [name, values] of Object.entries(morphed(part, weights))) {
+        if (known.buffers[name]) this.write(known.buffers[name], values);
+        else known.buffers[name] = this.buffer(values, GPUBufferUsage.VERTEX);
+      }
+    }
+    return known.buffers;
   }
 
   /** Whether another frame has to wait for those before it. */
@@ -445,11 +408,6 @@ export class WebgpuRenderer {
 function isSeen({ count, ranges }) {
   return ranges ? ranges.some((range) => range.count > 0) : count > 0;
 }
-
-const BLEND = {
-  color: { srcFactor: 'src-alpha', dstFactor: 'one-minus-src-alpha' },
-  alpha: { srcFactor: 'zero', dstFactor: 'one' },
-};
 
 /** Two sets of texture coordinates as one array; null without either. */
 function joined([first, second]) {
