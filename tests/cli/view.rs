@@ -97,6 +97,7 @@ const BOTH: &str = r"
 {
 const pause = (delay) => scheduler.postTask(() => {}, { delay });
 const page = document.documentElement.dataset;
+setTimeout(() => console.log('done: no end'), 300000);
 
 function pixels(canvas, width, height) {
   const copy = Object.assign(document.createElement('canvas'), { width, height });
