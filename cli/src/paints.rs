@@ -3,12 +3,13 @@
 use lodc_measure::Pyramid;
 use lodc_scene::Appearance;
 use lodc_simplify::SurfaceColours;
+use std::sync::Arc;
 
 /// Base colours and textures of a scene.
 pub(crate) struct Paints {
     looks: Appearance,
     /// The images of the scene, ready to be read at any size.
-    images: Vec<Pyramid>,
+    images: Arc<[Pyramid]>,
 }
 
 impl Paints {
@@ -21,6 +22,16 @@ impl Paints {
     /// Returns true if any material has a texture.
     pub(crate) fn has_textures(&self) -> bool {
         self.looks.materials.iter().any(|m| m.texture.is_some())
+    }
+
+    /// The materials of the scene, without images.
+    pub(crate) fn looks(&self) -> &Appearance {
+        &self.looks
+    }
+
+    /// The images.
+    pub(crate) fn images(&self) -> Arc<[Pyramid]> {
+        Arc::clone(&self.images)
     }
 
     /// The colours of one object of the scene.

@@ -143,9 +143,8 @@ fn simplified_showing(
     let mut locked = how.importance.locked(&scene)?;
     how.parts.lock(&scene, &mut locked)?;
     let Scene { source, document, objects, mut warnings, mut files_read, compressed } = scene;
-    let known = Known { paints: paints.textured(), locked: &locked };
-    let simplified =
-        stages.run("simplify", || simplify_all(objects, &options, known, triangles, progress));
+    let known = Known { paints: paints.shown(), locked: &locked, document: &document, limits };
+    let simplified = stages.run("simplify", || simplify_all(objects, &options, known, progress))?;
     warnings.extend(paints.warnings);
     files_read.extend(paints.files_read);
     let measured =

@@ -32,6 +32,7 @@ mod texture;
 pub use distance::{Distances, Sampling, distances, farther_than};
 pub use field::DistanceField;
 pub use lodc_nearest::TriangleTree;
+pub use lodc_raster::Camera;
 pub use picture::{ImageError, Looks, Picture, Viewing, compare_pictures, pictures};
 pub use scene::SceneSurface;
 pub use surface::Surface;

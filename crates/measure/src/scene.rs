@@ -4,6 +4,7 @@ use crate::surface::Surface;
 use crate::texture::Pyramid;
 use lodc_mesh::{Attribute, Mesh, Semantic};
 use lodc_scene::{Appearance, Arrangement, Coordinates, Placement, Texture, posed, stream};
+use std::sync::Arc;
 
 /// A scene as one surface.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -21,6 +22,19 @@ impl SceneSurface {
     /// image.
     #[must_use]
     pub fn new(meshes: &[&Mesh], scene: &Arrangement, looks: &Appearance) -> Self {
+        let images = looks.images.iter().map(Pyramid::new);
+        Self::with_images(meshes, scene, looks, || images.collect())
+    }
+
+    /// The same with the images of `looks` as they were prepared before; they are asked for only if
+    /// they are shown.
+    #[must_use]
+    pub fn with_images(
+        meshes: &[&Mesh],
+        scene: &Arrangement,
+        looks: &Appearance,
+        images: impl FnOnce() -> Arc<[Pyramid]>,
+    ) -> Self {
         let material = |o: usize, s: usize| looks.of_submesh.get(o)?.get(s).copied();
         let coordinates = |o: usize, s: usize| {
             material(o, s).map_or(Coordinates::PLAIN, |m| looks.materials[m].coordinates)
@@ -59,7 +73,7 @@ impl SceneSurface {
             for texture in surface.materials.iter_mut().filter_map(|m| m.texture.as_mut()) {
                 texture.transform = Texture::UNTRANSFORMED;
             }
-            surface.images = looks.images.iter().map(Pyramid::new).collect();
+            surface.images = images();
         } else {
             surface.material_of.clear();
         }

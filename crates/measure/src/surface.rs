@@ -4,6 +4,7 @@ use crate::texture::Pyramid;
 use glam::{DVec3, Vec2, Vec3};
 use lodc_nearest::TriangleTree;
 use lodc_scene::Material;
+use std::sync::Arc;
 
 /// Triangles in one space, with what is needed to look at them. Every index is in range, or
 /// measuring panics.
@@ -22,7 +23,7 @@ pub struct Surface {
     /// Materials.
     pub materials: Vec<Material>,
     /// Images that materials' textures show.
-    pub images: Vec<Pyramid>,
+    pub images: Arc<[Pyramid]>,
 }
 
 impl Surface {

@@ -163,7 +163,7 @@ fn a_texture_that_slips_is_seen_where_it_changes() {
             nearest: false,
         };
         s.materials = vec![Material { texture: Some(texture), ..Material::default() }];
-        s.images = vec![stripes()];
+        s.images = [stripes()].into();
         s
     };
     let a = striped(0.0);

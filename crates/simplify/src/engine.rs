@@ -11,13 +11,17 @@ use crate::pricing::{Pricer, Scratch};
 use crate::region::Region;
 use crate::scratch_pool::ScratchPool;
 use crate::selection::{LegalCollapse, SelectionBuffers, Selector};
-use crate::working::{HUB_VALENCE, LOCKED, RESTRICTED, STALE};
+use crate::working::{DEAD, HUB_VALENCE, LOCKED, RESTRICTED, STALE};
 use rayon::prelude::*;
 
 /// Restricted groups next to a group with more faces than this wait until the queue is empty.
 const MAX_WALKED: usize = 32;
 /// The queue is filled again if at least one in so many groups collapsed since.
 const REFILL_PART: usize = 64;
+/// What a metric prices anew waits for others, so that all threads have work: for at most so many
+/// collapses, one for every so many faces.
+const MAX_WAITING: usize = 32;
+const FACES_PER_WAITING: usize = 512;
 
 /// The simplification of one region.
 pub(crate) struct Engine<'a, M: Reprice> {
@@ -38,6 +42,8 @@ struct LoopState<S> {
     touched: Touched,
     /// Groups to be ranked again.
     due: Vec<u32>,
+    /// Collapses whose neighbours wait for it.
+    waiting: usize,
     /// Number of groups that are flagged as restricted.
     restricted: u32,
 }
@@ -145,8 +151,19 @@ impl<'a, M: Reprice> Engine<'a, M> {
         let takes = |(g, c): (u32, &Choice)| c.cost <= limit && !mesh.has(g, LOCKED);
         let cost = |choice: (u32, &Choice)| if takes(choice) { choice.1.cost } else { f32::NAN };
         let mut heap = Heap::new(choices.map(cost).collect::<Vec<f32>>().into_iter());
-        while let Some((from, key)) = heap.pop() {
+        loop {
+            let Some((from, key)) = heap.pop() else {
+                if self.state.waiting == 0 {
+                    return true;
+                }
+                self.rerank_waiting(&mut heap);
+                continue;
+            };
             if self.region.mesh.has(from, STALE) {
+                if self.state.waiting > 0 {
+                    self.rerank_waiting(&mut heap);
+                    continue;
+                }
                 self.rerank(from);
                 let cost = self.region.choices[from as usize].cost;
                 if cost.is_nan() || cost > limit {
@@ -175,10 +192,10 @@ impl<'a, M: Reprice> Engine<'a, M> {
                 progress.report(self.log.steps.len() as u64);
             }
             if M::REPRICES && self.metric.should_toggle(&self.region.mesh) {
+                self.rerank_waiting(&mut heap);
                 return false;
             }
         }
-        true
     }
 
     /// The cheapest legal collapse of a group.
@@ -215,27 +232,50 @@ impl<'a, M: Reprice> Engine<'a, M> {
     /// Ranks again what a commit onto `to` may have changed.
     fn refresh(&mut self, to: u32, queue: Queue, limit: f32, heap: &mut Heap) {
         let mut due = std::mem::take(&mut self.state.due);
-        due.clear();
+        let before = due.len();
         due.extend(self.state.touched.groups.iter().copied().filter(|&g| self.is_due(g)));
         if matches!(queue, Queue::All) && self.state.restricted > 0 {
-            self.add_restricted(&mut due);
+            self.add_restricted(&mut due, before);
         }
         if self.metric.is_active() {
-            self.rerank_at_once(&due, heap);
-        } else {
-            for &g in &due {
-                self.rerank(g);
-                self.requeue(g, limit, heap);
-            }
-            self.note_risen_costs(to);
+            self.state.due = due;
+            self.wait(before, heap);
+            return;
         }
+        for &g in &due {
+            self.rerank(g);
+            self.requeue(g, limit, heap);
+        }
+        self.note_risen_costs(to);
+        due.clear();
         self.state.due = due;
     }
 
-    /// Adds the restricted groups next to those that are due.
-    fn add_restricted(&mut self, due: &mut Vec<u32>) {
+    /// Flags the groups due since the last collapse as stale, and ranks all that wait if they are
+    /// many.
+    fn wait(&mut self, before: usize, heap: &mut Heap) {
         let Self { region, state, .. } = self;
-        for i in 0..due.len() {
+        let mut kept = before;
+        for i in before..state.due.len() {
+            let g = state.due[i];
+            if !region.mesh.has(g, STALE) {
+                region.mesh.add_flags(g, STALE);
+                state.due[kept] = g;
+                kept += 1;
+            }
+        }
+        state.due.truncate(kept);
+        state.waiting += 1;
+        let most = region.mesh.live_faces as usize / FACES_PER_WAITING;
+        if state.waiting >= most.clamp(1, MAX_WAITING) {
+            self.rerank_waiting(heap);
+        }
+    }
+
+    /// Adds the restricted groups next to those that are due.
+    fn add_restricted(&mut self, due: &mut Vec<u32>, before: usize) {
+        let Self { region, state, .. } = self;
+        for i in before..due.len() {
             if region.mesh.valence(due[i]) > MAX_WALKED {
                 continue;
             }
@@ -265,21 +305,25 @@ impl<'a, M: Reprice> Engine<'a, M> {
         }
     }
 
-    /// Ranks groups again, all at once. What changed elsewhere, by having been hidden or uncovered,
-    /// is noticed when its turn comes.
-    fn rerank_at_once(&mut self, due: &[u32], heap: &mut Heap) {
-        for &g in due {
+    /// Ranks the groups that wait for it, all at once. What changed elsewhere, by having been hidden
+    /// or uncovered, is noticed when its turn comes.
+    fn rerank_waiting(&mut self, heap: &mut Heap) {
+        let mut due = std::mem::take(&mut self.state.due);
+        due.retain(|&g| !self.region.mesh.has(g, DEAD));
+        for &g in &due {
             self.set_restricted(g, false);
         }
         let (Selector { pricer, .. }, state) = self.parts();
         let pool = &state.pool;
         let rank = |&g: &u32| pool.with(|scratch| pricer.rank(g, scratch));
-        let choices: Vec<Choice> = due.par_iter().with_max_len(1).map(rank).collect();
+        let choices: Vec<Choice> = due.par_iter().with_max_len(4).map(rank).collect();
         for (&g, choice) in due.iter().zip(choices) {
             self.region.choices[g as usize] = choice;
             self.region.mesh.clear_flags(g, STALE);
             self.requeue(g, f32::INFINITY, heap);
         }
+        due.clear();
+        (self.state.due, self.state.waiting) = (due, 0);
     }
 
     /// Puts a group where it belongs in the queue.

@@ -26,8 +26,27 @@ const KEPT_FLAGS: u8 = OPEN | SEAM | SHARED_POSITION | RESTRICTED;
 /// Spare room in each star.
 const SLACK: u32 = 2;
 
+/// What all regions of a mesh keep, or none does.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Kept {
+    bare: bool,
+    one_wedge_each: bool,
+    /// True if groups may share positions.
+    shared: bool,
+}
+
+impl Kept {
+    pub(crate) fn new(regions: &[Region]) -> Self {
+        Self {
+            bare: regions.iter().all(|r| r.wedges.is_bare()),
+            one_wedge_each: regions.iter().all(|r| r.mesh.one_wedge_each()),
+            shared: regions.iter().any(|r| !r.mesh.position_id.is_empty()),
+        }
+    }
+}
+
 /// Gathers the region of some live groups, given by their numbers in the whole mesh.
-pub(crate) fn gather(old: &[Region], homes: &[Home], members: &[u32]) -> Region {
+pub(crate) fn gather(old: &[Region], kept: Kept, homes: &[Home], members: &[u32]) -> Region {
     let mut gathering = Gathering {
         old,
         homes,
@@ -35,9 +54,7 @@ pub(crate) fn gather(old: &[Region], homes: &[Home], members: &[u32]) -> Region 
         groups: Table::new(members.len() + members.len() / 4),
         faces: Table::new(2 * members.len() + members.len() / 4),
         wedges: Table::new(members.len() + members.len() / 4),
-        bare: old.iter().all(|r| r.wedges.is_bare()),
-        one_wedge_each: old.iter().all(|r| r.mesh.one_wedge_each()),
-        shared: old.iter().any(|r| !r.mesh.position_id.is_empty()),
+        kept,
     };
     for &g in members {
         gathering.add_own(g);
@@ -58,10 +75,7 @@ struct Gathering<'a> {
     groups: Table,
     faces: Table,
     wedges: Table,
-    bare: bool,
-    one_wedge_each: bool,
-    /// True if groups may share positions.
-    shared: bool,
+    kept: Kept,
 }
 
 impl<'a> Gathering<'a> {
@@ -78,7 +92,7 @@ impl<'a> Gathering<'a> {
         let mesh = &mut self.new.mesh;
         mesh.places.push(old.mesh.places[local as usize]);
         mesh.flags.push(old.mesh.flags[local as usize] & KEPT_FLAGS);
-        if self.shared {
+        if self.kept.shared {
             mesh.position_id.push(old.mesh.position_id[local as usize]);
         }
         mesh.stars.push(Star::default());
@@ -105,7 +119,7 @@ impl<'a> Gathering<'a> {
         if old.mesh.has(local, LOCKED | STALE) {
             new.mesh.add_flags(number, STALE);
         }
-        if self.bare {
+        if self.kept.bare {
             return;
         }
         let first = new.wedges.ids.len() as u32;
@@ -160,9 +174,9 @@ impl<'a> Gathering<'a> {
         });
         self.new.mesh.faces.push(Face { groups, triangle });
         self.new.mesh.live_faces += 1;
-        if !self.bare {
+        if !self.kept.bare {
             let wedges = old.mesh.wedges(face).map(|w| self.add_wedge(old.wedges.wedge(w)));
-            if !self.one_wedge_each {
+            if !self.kept.one_wedge_each {
                 self.new.mesh.wedges.push(wedges);
             }
         }

@@ -127,8 +127,8 @@ fn simplify_with(
             let checkerboard = Checkerboard::new(mesh);
             let colours = guidance.colours.unwrap_or(&checkerboard);
             let colours = options.attributes.then_some(colours);
-            let metric =
-                |r: &Region| HybridMetric::new(mesh, colours, &r.mesh, &r.wedges, input.size);
+            let between = options.hybrid_between;
+            let metric = |r: &Region| HybridMetric::new(mesh, colours, r, input.size, between);
             run_whole(&context, metric, &mut sources, &progress)
         }
         MetricKind::Viewpoint => {

@@ -80,6 +80,9 @@ pub struct Options {
     /// Pixels across the pictures that viewpoint metrics look at, 8 to 1024. Time grows with its
     /// square.
     pub picture: u32,
+    /// Shares of the triangles, the smaller first, between which [`MetricKind::Hybrid`] decides;
+    /// before and after them the quadric does.
+    pub hybrid_between: [f32; 2],
 }
 
 impl Options {
@@ -91,6 +94,7 @@ impl Options {
         attributes: true,
         weights: Weights::DEFAULT,
         picture: 256,
+        hybrid_between: [0.0, 1.0],
     };
 }
 

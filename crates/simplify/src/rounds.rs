@@ -8,7 +8,7 @@
 use crate::context::{Context, Progress};
 use crate::engine::Engine;
 use crate::final_log::FinalLog;
-use crate::gather::{Home, gather};
+use crate::gather::{Home, Kept, gather};
 use crate::legality::Stage;
 use crate::log::CollapseLog;
 use crate::metric::QuadricOnly;
@@ -31,6 +31,8 @@ const SHARE: f64 = 0.35;
 const LEAST_PROGRESS: f64 = 0.02;
 /// About how many costs are sampled for a limit.
 const SAMPLES: usize = 4096;
+/// Waves in which regions are gathered.
+const WAVES: usize = 16;
 /// The shares of the mesh's extent by which the curve is shifted in successive rounds.
 const SHIFTS: [f64; 5] = [0.37, 0.11, 0.53, 0.23, 0.71];
 
@@ -183,12 +185,44 @@ impl<'a> Rounds<'a> {
         let order =
             Curve::new(lo, hi, shift).order(live.len(), |i| input.position(live[i] as usize));
         let members: Vec<u32> = order.into_iter().map(|i| live[i as usize]).collect();
-        let (old, len) = (&self.regions, members.len());
-        let regions = (0..count)
-            .into_par_iter()
-            .with_max_len(1)
-            .map(|r| gather(old, &homes, &members[len * r / count..len * (r + 1) / count]))
-            .collect();
+        drop(live);
+        let len = members.len();
+        let share = |r: usize| &members[len * r / count..len * (r + 1) / count];
+        // Wave by wave, and what no later wave reads goes at once: two full sets of regions are
+        // never there together.
+        let waves = count.min(WAVES);
+        let first_of = |wave: usize| (count * wave).div_ceil(waves);
+        let mut wave_of = vec![0u8; input.groups()];
+        for wave in 0..waves {
+            for &group in (first_of(wave)..first_of(wave + 1)).flat_map(share) {
+                wave_of[group as usize] = wave as u8;
+            }
+        }
+        let last: Vec<u8> = self.regions.par_iter().map(|r| last_wave(r, &wave_of)).collect();
+        let kept = Kept::new(&self.regions);
+        let mut regions = Vec::with_capacity(count);
+        for wave in 0..waves {
+            let old = &self.regions;
+            let gathered = (first_of(wave)..first_of(wave + 1))
+                .into_par_iter()
+                .with_max_len(1)
+                .map(|r| gather(old, kept, &homes, share(r)));
+            regions.par_extend(gathered);
+            for (region, _) in self.regions.iter_mut().zip(&last).filter(|l| *l.1 == wave as u8) {
+                *region = Region::default();
+            }
+        }
         self.regions = regions;
     }
+}
+
+/// The last wave that reads a region: its own groups, and those of faces around them.
+fn last_wave(region: &Region, wave_of: &[u8]) -> u8 {
+    let own = (0..region.own() as u32).filter(|&g| !region.mesh.has(g, DEAD));
+    let around = own.flat_map(|g| {
+        let corners = region.mesh.star(g).iter();
+        let faces = corners.flat_map(|c| region.mesh.faces[c.face() as usize].groups);
+        std::iter::once(g).chain(faces)
+    });
+    around.map(|g| wave_of[region.groups[g as usize] as usize]).max().unwrap_or(0)
 }

@@ -76,7 +76,7 @@ impl<M: Reprice> Selector<'_, M> {
             }
             std::mem::swap(&mut buffers.tried, &mut buffers.plan);
         }
-        let choice = if self.pricer.metric.is_active() {
+        let choice = if self.pricer.metric.is_active() && !M::IS_LOCAL {
             self.pricer.reprice_choice(from, known, &mut buffers.scratch)?
         } else {
             known

@@ -2,15 +2,18 @@
 
 mod counts;
 mod errors;
+mod judge;
 mod models;
 mod pipeline;
+mod simplify;
 mod summary;
 mod work;
 
 pub(crate) use counts::counts;
 pub(crate) use errors::{SimplifiedObjects, measure_all};
 pub(crate) use models::ModelWork;
-pub(crate) use pipeline::{Known, object_options, paints, simplify_all};
+pub(crate) use pipeline::{object_options, paints};
+pub(crate) use simplify::{Known, simplify_all};
 
 use crate::batch::{self, BatchArgs, MESHES, Sources};
 use crate::config::{ConfigArgs, Configs};

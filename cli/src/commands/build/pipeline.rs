@@ -1,7 +1,8 @@
 //! The stages of one build: import, simplify, errors, strips, models, check, write.
 
-use super::errors::{SimplifiedObjects, measure_all};
+use super::errors::measure_all;
 use super::models::ModelWork;
+use super::simplify::{Known, simplify_all};
 use super::{BuildArgs, counts};
 use crate::exit::{Failure, Outcome, Status};
 use crate::limits::ImportArgs;
@@ -14,12 +15,9 @@ use crate::stages::Stages;
 use lodc_formats::appearance::appearance;
 use lodc_formats::lodc::{LodFile, LodObject, MadeFrom, write};
 use lodc_formats::textures::Textures;
-use lodc_formats::{Assets, Document, ObjectInfo, Scene, SceneObject, import};
-use lodc_simplify::{Guidance, MetricKind, Options, SurfaceColours, simplify_guided};
-use rayon::prelude::*;
+use lodc_formats::{Assets, Document, ObjectInfo, Scene, import};
+use lodc_simplify::{MetricKind, Options};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::SystemTime;
 
 /// The result of a build.
@@ -50,9 +48,9 @@ pub(super) fn make(
     let mut locked = args.importance.locked(&scene)?;
     args.parts.lock(&scene, &mut locked)?;
     let Scene { source, document, objects, mut files_read, .. } = scene;
-    let known = Known { paints: paints.textured(), locked: &locked };
-    let simplified =
-        stages.run("simplify", || simplify_all(objects, &options, known, triangles, progress));
+    let limits = args.import.options().limits;
+    let known = Known { paints: paints.shown(), locked: &locked, document: &document, limits };
+    let simplified = stages.run("simplify", || simplify_all(objects, &options, known, progress))?;
     report.warnings.extend(paints.warnings);
     for read in paints.files_read {
         if !files_read.contains(&read) {
@@ -64,7 +62,6 @@ pub(super) fn make(
             files_read.push(image);
         }
     }
-    let limits = args.import.options().limits;
     let simplified =
         stages.run("errors", || measure_all(simplified, &document, &limits, progress))?;
 
@@ -133,9 +130,9 @@ pub(crate) struct ScenePaints {
 }
 
 impl ScenePaints {
-    /// The colours, where they vary.
-    pub(crate) fn textured(&self) -> Option<&Paints> {
-        self.paints.as_ref().filter(|p| p.has_textures())
+    /// The colours, if a metric sees them.
+    pub(crate) fn shown(&self) -> Option<&Paints> {
+        self.paints.as_ref()
     }
 }
 
@@ -161,45 +158,6 @@ pub(crate) fn paints(
     let warnings = std::mem::take(&mut looks.warnings);
     let files_read = assets.files_read().to_vec();
     Ok(ScenePaints { paints: Some(Paints::new(looks)), files_read, warnings })
-}
-
-/// Knowledge of a scene besides its meshes.
-#[derive(Clone, Copy, Default)]
-pub(crate) struct Known<'a> {
-    /// Its colours, where the metric sees them and they vary.
-    pub(crate) paints: Option<&'a Paints>,
-    /// By object the vertices that stay. An object without a list has none.
-    pub(crate) locked: &'a [Vec<bool>],
-}
-
-/// Simplifies every object by its options, several at once.
-pub(crate) fn simplify_all(
-    objects: Vec<SceneObject>,
-    options: &[Options],
-    known: Known<'_>,
-    triangles: u64,
-    progress: &Progress,
-) -> SimplifiedObjects {
-    progress.stage_of("simplify", triangles);
-    let one = |(number, object): (usize, SceneObject)| {
-        // Objects weigh in by their triangles; each says how many of its groups are gone.
-        let weight = object.mesh.triangles().len() as u64;
-        let before = AtomicU64::new(0);
-        let report_progress = |gone: u64, groups: u64| {
-            let now = weight * gone / groups.max(1);
-            let last = before.fetch_max(now, Ordering::Relaxed);
-            progress.add(now.saturating_sub(last));
-        };
-        let colours = known.paints.map(|p| p.of_object(number));
-        let guidance = Guidance {
-            colours: colours.as_ref().map(|c| c as &dyn SurfaceColours),
-            locked: known.locked.get(number).map_or(&[], Vec::as_slice),
-        };
-        let simplified =
-            simplify_guided(&object.mesh, &options[number], guidance, &report_progress);
-        (object.info, Arc::new(simplified))
-    };
-    objects.into_par_iter().enumerate().map(one).collect()
 }
 
 fn fill_in(report: &mut InputReport, objects: &[LodObject]) {

@@ -19,6 +19,8 @@ use crate::working::WorkingMesh;
 pub(crate) trait Reprice: Sync {
     /// False if it never does.
     const REPRICES: bool = true;
+    /// True if a price stays as it is until something next to the group changes.
+    const IS_LOCAL: bool = true;
     /// Buffers of one thread.
     type ViewScratch: Default + Send;
 

@@ -1,10 +1,12 @@
 //! The error of a patch's samples before and after a move.
 
-use super::appearance::{Appearance, Colour};
+use super::appearance::Appearance;
+use super::lanes::{self, Four, Places, Shaded4, Vec3x4, cosines};
 use super::patch::{Patch, WIDE};
-use super::pixel::{MAX_GEOMETRY, UNCOVERED, shading_error};
-use super::samples::{Sample, Samples, mix, mix_coordinates};
+use super::pixel::{MAX_GEOMETRY, Shading, UNCOVERED};
+use super::samples::{Samples, mix, mix_coordinates};
 use glam::{Vec3, Vec4};
+use lodc_mesh::NONE;
 
 /// Energy of a place of a face where the input has nothing.
 const SPURIOUS: f32 = 2.0;
@@ -12,8 +14,6 @@ const SPURIOUS: f32 = 2.0;
 /// and a surface of mean convex curvature H and area A shows 2 H A d of it, in the unit of its own
 /// projected area. The factor is measured.
 const SILHOUETTE: f32 = 6.0;
-/// Squared distance, in squared extents, by which a face that turns its back comes later.
-const TURNED: f32 = 0.25;
 /// Places of moved faces that are tested for input nearby: shares of the second and third corner.
 const PLACES: [[f32; 2]; 4] = [
     [1.0 / 3.0, 1.0 / 3.0],
@@ -22,15 +22,14 @@ const PLACES: [[f32; 2]; 4] = [
     [1.0 / 6.0, 1.0 / 6.0],
 ];
 
-/// A place in a moved face.
-#[derive(Clone, Copy)]
-struct Place {
-    /// Index of the moved face.
-    face: usize,
-    /// Shares of the second and third corner.
-    at: [f32; 2],
-    /// Squared distance from the sample.
-    squared: f32,
+/// Four samples of the star and what the moved faces show in their place.
+struct Fit {
+    places: Places,
+    /// Errors by shading and by distance, times the weights.
+    shading: Vec4,
+    geometric: Vec4,
+    /// What the samples show there, if there are textures.
+    shown: Option<[Shading; 4]>,
 }
 
 impl Patch {
@@ -43,22 +42,18 @@ impl Patch {
         distance_weight: f32,
     ) -> f64 {
         let mut sum = 0.0;
-        for &s in &self.samples {
-            let s = samples.get(s);
-            let Some(place) = self.nearest(s) else {
-                // Nothing is left that could stand for it.
-                sum += f64::from(s.weight * UNCOVERED);
-                continue;
+        for four in &self.samples {
+            let error = if self.moved.is_empty() {
+                // Nothing is left that could stand for them.
+                four.weight * UNCOVERED
+            } else {
+                let fit = self.fit(four, samples, appearance, distance_weight);
+                fit.shading + fit.geometric
             };
-            let shown = self.colour(place, s, appearance);
-            let cosine = cosine(&self.moved[place.face].shading, place.at, s.normal);
-            let error = shading_error(cosine, s.colour, shown)
-                + self.geometric_error(place, s, distance_weight);
-            sum += f64::from(s.weight * error);
+            sum += lanes::sum(error);
         }
-        for f in &self.surrounding {
-            sum += face_energy(f.face, &self.surrounding_shading(f), samples)
-                + f64::from(samples.spurious(f.face));
+        for i in 0..self.surrounding.len() {
+            sum += self.surrounding_energy(i, samples);
         }
         for i in 0..self.moved.len() {
             sum += f64::from(self.spurious(i));
@@ -77,67 +72,77 @@ impl Patch {
         energy: &mut [f64],
     ) -> f64 {
         let (mut sum, mut visible) = (0.0, 0.0);
-        for &s in &self.samples {
-            let sample = *samples.get(s);
-            if let Some(place) = self.nearest(&sample) {
-                sum += f64::from(sample.weight) * f64::from(place.squared);
-                visible += f64::from(sample.weight);
-                let geometric = self.geometric_error(place, &sample, distance_weight);
-                let shown = self.colour(place, &sample, appearance);
-                let face = self.moved[place.face].face;
-                samples.put(s, face, place.at, sample.weight * geometric, shown);
+        for four in self.samples.iter().filter(|_| !self.moved.is_empty()) {
+            let Fit { places, geometric, shown, .. } =
+                self.fit(four, samples, appearance, distance_weight);
+            for (i, &s) in four.ids.iter().enumerate().filter(|(_, s)| **s != NONE) {
+                sum += f64::from(four.weight[i]) * f64::from(places.squared[i]);
+                visible += f64::from(four.weight[i]);
+                let face = self.moved[places.face[i] as usize].face;
+                let at = places.at.map(|lane| lane[i]);
+                let shading = shown.map_or(samples.get(s).shading, |four| four[i]);
+                samples.put(s, face, at, geometric[i], shading);
             }
         }
-        let spurious: Vec<f32> = (0..self.moved.len()).map(|i| self.spurious(i)).collect();
-        for (f, spurious) in self.moved.iter().zip(spurious) {
+        let mut lanes = Vec::new();
+        for (i, f) in self.moved.iter().enumerate() {
             samples.thin(f.face);
-            energy[f.face as usize] =
-                face_energy(f.face, &f.shading, samples) + f64::from(spurious);
+            lanes.clear();
+            Shaded4::gather(f.face, samples, &mut lanes);
+            let seen: f64 = lanes.iter().map(|four| four.energy(&f.shading)).sum();
+            let spurious = self.spurious(i);
+            energy[f.face as usize] = seen + f64::from(spurious);
             samples.set_spurious(f.face, spurious);
         }
-        for f in &self.surrounding {
-            energy[f.face as usize] = face_energy(f.face, &self.surrounding_shading(f), samples)
-                + f64::from(samples.spurious(f.face));
+        for (i, f) in self.surrounding.iter().enumerate() {
+            energy[f.face as usize] = self.surrounding_energy(i, samples);
         }
         if visible > 0.0 { (sum / visible).sqrt() } else { 0.0 }
     }
 
-    /// The place of the moved faces that is nearest to a sample. A face that turns its back to it
-    /// comes after one nearly as near that does not: where faces coincide, each keeps its samples.
-    fn nearest(&self, sample: &Sample) -> Option<Place> {
-        let mut best: Option<(Place, f32)> = None;
-        let turned = TURNED * sample.extent * sample.extent;
-        for (face, placed) in self.placed.iter().enumerate() {
-            let (at, squared) = placed.locate(sample.position);
-            let is_turned = self.moved[face].normal.dot(sample.normal) < 0.0;
-            let key = squared + if is_turned { turned } else { 0.0 };
-            if best.is_none_or(|b| key < b.1) {
-                best = Some((Place { face, at, squared }, key));
+    /// The energy of a face around the star, shaded with the moved faces.
+    fn surrounding_energy(&self, i: usize, samples: &Samples) -> f64 {
+        let f = &self.surrounding[i];
+        let end = self.surrounding.get(i + 1).map_or(self.shaded.len(), |next| next.first as usize);
+        let shading = self.surrounding_shading(f);
+        let fours = &self.shaded[f.first as usize..end];
+        let seen: f64 = fours.iter().map(|four| four.energy(&shading)).sum();
+        seen + f64::from(samples.spurious(f.face))
+    }
+
+    /// Finds what stands for four samples. There are moved faces.
+    fn fit(
+        &self,
+        four: &Four,
+        samples: &Samples,
+        appearance: &Appearance<'_>,
+        distance_weight: f32,
+    ) -> Fit {
+        let planes = self.placed.iter().zip(&self.moved).map(|(p, f)| (*p, f.normal));
+        let places = four.nearest(planes);
+        let (faces, [u, v]) = (places.face.to_array(), places.at.map(|lane| lane.to_array()));
+        let mut normals = [Vec3::ZERO; 4];
+        for i in 0..4 {
+            normals[i] = mix(&self.moved[faces[i] as usize].shading, [u[i], v[i]]);
+        }
+        let mut shading = four.shading;
+        let mut shown = None;
+        if appearance.is_textured() {
+            let (mut all, mut lanes) = ([Shading::default(); 4], Shading::default());
+            for (i, &s) in four.ids.iter().enumerate().filter(|(_, s)| **s != NONE) {
+                let (s, f) = (samples.get(s), &self.moved[faces[i] as usize]);
+                let at = mix_coordinates(&f.texture, [u[i], v[i]]);
+                all[i] = Shading::new(s.colour, appearance.colour(f.submesh, at, s.footprint));
+                lanes.set(i, &all[i]);
             }
+            (shading, shown) = (lanes.lanes(), Some(all));
         }
-        best.map(|b| b.0)
-    }
-
-    /// The error of a sample by its distance from its place. Beside its own plane nothing covers
-    /// it.
-    fn geometric_error(&self, place: Place, sample: &Sample, distance_weight: f32) -> f32 {
-        let away = sample.position - self.placed[place.face].at(place.at);
-        let along = away.dot(sample.normal);
-        let beside = (place.squared - along * along).max(0.0).sqrt();
-        let uncovered = if beside < sample.extent { beside / sample.extent } else { 1.0 };
-        let silhouette = SILHOUETTE * sample.curvature * place.squared.sqrt();
-        let error = distance_weight * place.squared + silhouette + UNCOVERED * uncovered;
-        error.min(MAX_GEOMETRY) * sample.colour.power()
-    }
-
-    /// The colour of a moved face at the place of a sample.
-    #[inline]
-    fn colour(&self, place: Place, sample: &Sample, appearance: &Appearance<'_>) -> Colour {
-        if !appearance.is_textured() {
-            return sample.colour;
+        Fit {
+            places,
+            shading: four.weight * shading.error(cosines(Vec3x4::new(&normals), four.normal)),
+            geometric: four.weight * geometric_error(four, &places, distance_weight),
+            shown,
         }
-        let f = &self.moved[place.face];
-        appearance.colour(f.submesh, mix_coordinates(&f.texture, place.at), sample.footprint)
     }
 
     /// The energy of the part of a moved face that lies where the input has nothing: beyond the
@@ -147,30 +152,31 @@ impl Patch {
             return 0.0;
         }
         let placed = &self.placed[i];
+        // Its own samples are likely to be nearest.
+        let (others, own) = self.samples.split_at(self.moved[i].first as usize);
         let share = |at: [f32; 2]| {
             let place = placed.at(at);
-            let shares = self.reaches.iter().map(|four| four.shares(place));
-            let least = shares.fold(Vec4::splat(2.0), Vec4::min);
+            let around = own.iter().chain(others);
+            if around.clone().any(|four| four.reaches(place)) {
+                return 0.0;
+            }
+            let least = around.fold(Vec4::splat(2.0), |least, four| four.shares(place).min(least));
             (least.min_element() - 1.0).max(0.0) / PLACES.len() as f32
         };
         SPURIOUS * self.visible as f32 * placed.area() * PLACES.map(share).iter().sum::<f32>()
     }
 }
 
-/// The energy of a face whose samples know their places in it.
-fn face_energy(face: u32, shading: &[Vec3; 3], samples: &Samples) -> f64 {
-    let error = |s| {
-        let s = samples.get(s);
-        let shading = shading_error(cosine(shading, s.at, s.normal), s.colour, s.shown);
-        f64::from(s.weight * shading + s.geometric)
-    };
-    samples.of(face).map(error).sum()
-}
-
-/// The cosine between a sample's normal and the one that a face is shaded with at a place.
-#[inline]
-fn cosine(shading: &[Vec3; 3], at: [f32; 2], normal: Vec3) -> f32 {
-    let n = mix(shading, at);
-    let length = n.length();
-    if length > 0.0 { n.dot(normal) / length } else { 0.5 }
+/// The errors of four samples by their distances from their places. Beside its own plane nothing
+/// covers a sample.
+fn geometric_error(four: &Four, places: &Places, distance_weight: f32) -> Vec4 {
+    let Places { away, squared, .. } = *places;
+    let along = away.dot(four.normal);
+    let beside = (squared - along * along).max(Vec4::ZERO).sqrt();
+    let is_near = beside.cmplt(four.extent);
+    let extent = Vec4::select(is_near, four.extent, Vec4::ONE);
+    let uncovered = Vec4::select(is_near, beside / extent, Vec4::ONE);
+    let silhouette = SILHOUETTE * four.curvature * squared.sqrt();
+    let error = distance_weight * squared + silhouette + UNCOVERED * uncovered;
+    error.min(Vec4::splat(MAX_GEOMETRY)) * four.power
 }

@@ -16,10 +16,10 @@
 mod appearance;
 mod colours;
 mod energy;
+mod lanes;
 mod patch;
 mod pixel;
 mod placed;
-mod reach;
 mod samples;
 #[cfg(test)]
 mod seen_tests;
@@ -31,6 +31,7 @@ pub use colours::{Checkerboard, SurfaceColours};
 pub(crate) use patch::Patch;
 
 use super::Reprice;
+use crate::region::Region;
 use crate::wedges::Wedges;
 use crate::working::WorkingMesh;
 use appearance::Appearance;
@@ -47,7 +48,7 @@ const ATTRIBUTES: f64 = 100.0;
 /// Pixels across a picture of the mesh: texels are averaged over one.
 const PIXELS: f64 = 512.0;
 /// The most candidates of a group that are repriced, the geometrically cheapest ones.
-const MAX_CANDIDATES: usize = 4;
+const MAX_CANDIDATES: usize = 3;
 /// The most faces times candidates that are repriced.
 const MAX_FACES_PRICED: usize = 64;
 /// Weight of geometry and attributes where nothing is visible, as a share of that elsewhere.
@@ -66,9 +67,13 @@ pub(crate) struct HybridMetric<'a> {
     distance_weight: f32,
     /// Weight of the quadric: it decides where nothing is visible, and in planes.
     tie_weight: f64,
-    /// Set in the legal phase.
+    /// Numbers of faces between which it decides, the smaller first.
+    between: [f64; 2],
+    /// Set in the legal phase: samples follow the faces.
+    follows: bool,
+    /// Set while it decides.
     active: bool,
-    /// Distance of the visible samples of the last star that moved, if it was repriced.
+    /// Distance of the visible samples of the last star that moved, if samples follow.
     moved: Option<f64>,
     /// Buffers for commits.
     patch: Patch,
@@ -76,13 +81,14 @@ pub(crate) struct HybridMetric<'a> {
 
 impl<'a> HybridMetric<'a> {
     /// Samples a mesh and its visibility. Without `colours`, and then without normals of vertices,
-    /// the shape alone is seen. `size` is the mesh's diagonal in working units.
+    /// the shape alone is seen. `size` is the mesh's diagonal in working units, `between` are the
+    /// shares of the triangles between which the metric decides.
     pub(crate) fn new(
         input: &Mesh,
         colours: Option<&'a dyn SurfaceColours>,
-        mesh: &WorkingMesh,
-        wedges: &Wedges,
+        Region { mesh, wedges, .. }: &Region,
         size: f64,
+        between: [f32; 2],
     ) -> Self {
         let appearance = colours.map_or_else(Appearance::of_shape, |c| Appearance::new(input, c));
         let pixel = (size / PIXELS).powi(2) as f32;
@@ -95,6 +101,8 @@ impl<'a> HybridMetric<'a> {
             energy: vec![0.0; mesh.faces.len()],
             distance_weight: per(DISTANCE) as f32,
             tie_weight: per(1.0),
+            between: between.map(|share| f64::from(share) * mesh.faces.len() as f64),
+            follows: false,
             active: false,
             moved: None,
             patch: Patch::default(),
@@ -111,7 +119,7 @@ impl Reprice for HybridMetric<'_> {
 
     fn collapsed(&mut self, mesh: &WorkingMesh, wedges: &Wedges, from: u32, to: u32) {
         self.moved = None;
-        if self.active {
+        if self.follows {
             let Self { appearance, samples, energy, patch, .. } = self;
             let source = Source { mesh, wedges, appearance, samples, energy };
             patch.gather(&source, from);
@@ -123,7 +131,7 @@ impl Reprice for HybridMetric<'_> {
         }
     }
 
-    /// The root mean square distance of what is visible, where it was repriced. Levels of several
+    /// The root mean square distance of what is visible. Levels of several
     /// objects are chosen by it: hidden parts must not keep one object fine while others go.
     fn error(&self) -> Option<f64> {
         self.moved
@@ -133,12 +141,17 @@ impl Reprice for HybridMetric<'_> {
         self.active
     }
 
-    fn should_toggle(&self, _mesh: &WorkingMesh) -> bool {
-        false
+    fn should_toggle(&self, mesh: &WorkingMesh) -> bool {
+        let faces = f64::from(mesh.live_faces);
+        let decides = self.follows && faces > self.between[0] && faces <= self.between[1];
+        decides != self.active
     }
 
-    fn toggle(&mut self, _mesh: &WorkingMesh, legal: bool) {
-        self.active = legal;
+    fn toggle(&mut self, mesh: &WorkingMesh, legal: bool) {
+        self.follows = legal;
+        if self.should_toggle(mesh) {
+            self.active = !self.active;
+        }
     }
 
     fn reprice(

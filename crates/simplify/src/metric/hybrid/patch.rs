@@ -2,8 +2,8 @@
 //! them and are shaded together.
 
 use super::appearance::{Appearance, attribute_vertex};
+use super::lanes::{Four, Shaded4};
 use super::placed::Placed;
-use super::reach::Reach;
 use super::samples::{CREASE, MAX_AVERAGED, Samples};
 use crate::wedges::Wedges;
 use crate::working::WorkingMesh;
@@ -24,6 +24,8 @@ pub(super) struct Shaded {
     pub(super) submesh: u32,
     /// Texture coordinates of the corners.
     pub(super) texture: [[f32; 2]; 3],
+    /// Where its samples begin: in [`Patch::samples`] if it moves, else in [`Patch::shaded`].
+    pub(super) first: u32,
 }
 
 /// The state that a patch is cut from.
@@ -58,10 +60,14 @@ pub(crate) struct Patch {
     pub(super) placed: Vec<Placed>,
     /// Wedges of the group that moves, and those at the target that they share a face with.
     targets: Vec<(u32, u32)>,
-    /// Samples of the star.
-    pub(super) samples: Vec<u32>,
-    /// Their positions and reaches, four at a time.
-    pub(super) reaches: Vec<Reach>,
+    /// Samples of the star, in the order of its faces.
+    pub(super) samples: Vec<Four>,
+    /// For each corner of the star, where the samples of its face begin.
+    first: Vec<u32>,
+    /// Samples of the faces around the star, in their order.
+    pub(super) shaded: Vec<Shaded4>,
+    /// Samples of the star, as they are gathered.
+    ids: Vec<u32>,
     /// The energy of the whole patch before the move.
     pub(super) current_energy: f64,
     /// The visible share of the star: 1 for a closed surface with nothing in front of it.
@@ -83,7 +89,8 @@ impl Patch {
             }
             self.marks[face as usize] = self.epoch;
             self.current_energy += energy[face as usize];
-            self.samples.extend(samples.of(face));
+            self.first.push(self.ids.len() as u32 / 4);
+            self.ids.extend(samples.of(face));
             for g in mesh.others(corner) {
                 if self.vertex_of[g as usize].0 != self.epoch {
                     self.vertex_of[g as usize] = (self.epoch, self.ring.len() as u32);
@@ -91,9 +98,7 @@ impl Patch {
                 }
             }
         }
-        self.reaches.clear();
-        let four = self.samples.chunks(4).map(|four| Reach::new(four, samples));
-        self.reaches.extend(four);
+        self.samples.extend(self.ids.chunks(4).map(|four| Four::new(four, samples)));
         self.visible = if area > visible { visible / area } else { 1.0 };
         if !source.appearance.has_normals() {
             self.gather_surrounding(source, from);
@@ -102,7 +107,7 @@ impl Patch {
 
     /// Gathers the normals that stay around the ring, and the faces that are shaded with them.
     fn gather_surrounding(&mut self, source: &Source<'_>, from: u32) {
-        let Source { mesh, energy, .. } = *source;
+        let Source { mesh, energy, samples, .. } = *source;
         for i in 0..self.ring.len() {
             self.fixed_start.push(self.fixed.len() as u32);
             for &corner in mesh.star(self.ring[i]).iter().take(MAX_AVERAGED) {
@@ -123,6 +128,7 @@ impl Patch {
                     self.marks[face as usize] = self.epoch;
                     self.current_energy += energy[face as usize];
                     self.add_surrounding(mesh, face);
+                    Shaded4::gather(face, samples, &mut self.shaded);
                 }
             }
         }
@@ -143,6 +149,9 @@ impl Patch {
         self.fixed.clear();
         self.surrounding.clear();
         self.samples.clear();
+        self.first.clear();
+        self.shaded.clear();
+        self.ids.clear();
     }
 
     fn vertex(&self, group: u32) -> u32 {
@@ -160,8 +169,8 @@ impl Patch {
             }
             vertex => smooth(self.fixed_at(vertex).iter().copied(), normal),
         });
-        let (submesh, texture) = (0, [[0.0; 2]; 3]);
-        self.surrounding.push(Shaded { face, corners, normal, shading, submesh, texture });
+        let (submesh, texture, first) = (0, [[0.0; 2]; 3], self.shaded.len() as u32);
+        self.surrounding.push(Shaded { face, corners, normal, shading, submesh, texture, first });
     }
 
     fn fixed_at(&self, vertex: u32) -> &[Vec3] {
@@ -175,7 +184,7 @@ impl Patch {
         self.moved.clear();
         self.placed.clear();
         self.find_targets(mesh, from, to);
-        for &corner in mesh.star(from) {
+        for (&corner, &first) in mesh.star(from).iter().zip(&self.first) {
             let face = corner.face();
             let groups = mesh.faces[face as usize].groups;
             if groups.contains(&to) {
@@ -194,7 +203,7 @@ impl Patch {
                 [normal; 3]
             };
             let texture = vertices.map(|v| appearance.coordinates(v));
-            self.moved.push(Shaded { face, corners, normal, shading, submesh, texture });
+            self.moved.push(Shaded { face, corners, normal, shading, submesh, texture, first });
             self.placed.push(placed);
         }
         if !appearance.has_normals() {

@@ -1,6 +1,7 @@
 //! A triangle in space, and the place in it that is nearest to a point.
 
-use glam::Vec3;
+use super::lanes::{Places, Vec3x4};
+use glam::{Vec3, Vec4};
 
 /// A triangle prepared for nearest-point queries.
 #[derive(Clone, Copy, Debug)]
@@ -36,37 +37,38 @@ impl Placed {
         0.5 * self.edges[0].cross(self.edges[1]).length()
     }
 
-    /// The nearest point of the triangle: shares of the second and third corner, and the squared
-    /// distance.
+    /// The points of the triangle that are nearest to four points. `number` is the triangle's.
     #[inline]
-    pub(super) fn locate(&self, point: Vec3) -> ([f32; 2], f32) {
-        let r = point - self.origin;
-        let (u, v) = (r.dot(self.dual[0]), r.dot(self.dual[1]));
-        let inside = u >= 0.0 && v >= 0.0 && u + v <= 1.0 && self.dual[0] != Vec3::ZERO;
-        let at = if inside { [u, v] } else { self.on_edges(r) };
-        (at, (self.edges[0] * at[0] + self.edges[1] * at[1] - r).length_squared())
-    }
-
-    /// The nearest point on the edges. `r` is the query point relative to the origin.
-    fn on_edges(&self, r: Vec3) -> [f32; 2] {
+    pub(super) fn locate_four(&self, points: Vec3x4, number: f32) -> Places {
+        let r = points.minus(self.origin);
+        let place = |at: [Vec4; 2]| {
+            let away = r.minus_span(self.edges, at);
+            Places { face: Vec4::splat(number), at, away, squared: away.dot(away) }
+        };
         let [e1, e2] = self.edges;
-        let s = (r.dot(e1) * self.inverse[0]).clamp(0.0, 1.0);
-        let t = (r.dot(e2) * self.inverse[1]).clamp(0.0, 1.0);
-        let w = ((r - e1).dot(e2 - e1) * self.inverse[2]).clamp(0.0, 1.0);
-        let mut best = ([s, 0.0], (e1 * s - r).length_squared());
-        for at in [[0.0, t], [1.0 - w, w]] {
-            let squared = (e1 * at[0] + e2 * at[1] - r).length_squared();
-            if squared < best.1 {
-                best = (at, squared);
-            }
+        let share = |r: Vec3x4, edge: Vec3, inverse: f32| {
+            (r.dot_with(edge) * inverse).max(Vec4::ZERO).min(Vec4::ONE)
+        };
+        let s = share(r, e1, self.inverse[0]);
+        let t = share(r, e2, self.inverse[1]);
+        let w = share(r.minus(e1), e2 - e1, self.inverse[2]);
+        let mut best = place([s, Vec4::ZERO]);
+        for at in [[Vec4::ZERO, t], [Vec4::ONE - w, w]] {
+            let other = place(at);
+            best = Places::select(other.squared.cmplt(best.squared), other, best);
         }
-        best.0
+        if self.dual[0] == Vec3::ZERO {
+            return best;
+        }
+        let (u, v) = (r.dot_with(self.dual[0]), r.dot_with(self.dual[1]));
+        let within = u.cmpge(Vec4::ZERO) & v.cmpge(Vec4::ZERO) & (u + v).cmple(Vec4::ONE);
+        Places::select(within, place([u, v]), best)
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::Placed;
+    use super::{Placed, Vec3x4};
     use glam::Vec3;
     use lodc_fixtures::Rng;
 
@@ -82,7 +84,8 @@ mod tests {
             }
             let (placed, _) = Placed::new(corners);
             let query = point() * 2.0;
-            let (at, squared) = placed.locate(query);
+            let found = placed.locate_four(Vec3x4::new(&[query; 4]), 0.0);
+            let (at, squared) = (found.at.map(|lane| lane.z), found.squared.z);
             assert!(at.iter().all(|&s| s >= 0.0) && at[0] + at[1] < 1.0 + 1e-6, "{at:?}");
             assert!((placed.at(at).distance_squared(query) - squared).abs() < 1e-5);
             for i in 0..=20 {

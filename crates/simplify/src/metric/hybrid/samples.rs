@@ -1,6 +1,7 @@
 //! Samples of the input's surface, each kept with the face that stands for its place now.
 
 use super::appearance::{Appearance, Colour, attribute_vertex};
+use super::pixel::Shading;
 use crate::wedges::Wedges;
 use crate::working::WorkingMesh;
 use glam::Vec3;
@@ -26,9 +27,11 @@ pub(super) struct Sample {
     pub(super) position: Vec3,
     /// The unit normal that the input is shaded with there.
     pub(super) normal: Vec3,
-    /// The colour of the input there, and of the face that stands for it now.
+    /// The colour of the input there, and the mean square of its channels.
     pub(super) colour: Colour,
-    pub(super) shown: Colour,
+    pub(super) power: f32,
+    /// Error of shading with the colour of the face that stands for it now.
+    pub(super) shading: Shading,
     /// Mean convex curvature of the input there: the inverse of a radius in working units.
     pub(super) curvature: f32,
     /// The area of texture space that a pixel covers there.
@@ -143,18 +146,18 @@ impl Samples {
         self.first[face as usize] = NONE;
     }
 
-    /// Gives a sample to a face, with its error by distance and the colour that it shows now.
+    /// Gives a sample to a face, with its weighted error by distance and what it shows now.
     pub(super) fn put(
         &mut self,
         sample: u32,
         face: u32,
         at: [f32; 2],
         geometric: f32,
-        shown: Colour,
+        shading: Shading,
     ) {
         let next = std::mem::replace(&mut self.first[face as usize], sample);
         let s = &mut self.all[sample as usize];
-        (s.at, s.geometric, s.shown, s.next) = (at, geometric, shown, next);
+        (s.at, s.geometric, s.shading, s.next) = (at, geometric, shading, next);
     }
 
     /// Drops every other sample of a face that has too many. Those that stay take over the weight
@@ -223,7 +226,8 @@ fn samples_of_face(
                 position: mix(&p, at),
                 normal: mix(&normals, at).normalize_or_zero(),
                 colour,
-                shown: colour,
+                power: colour.power(),
+                shading: Shading::new(colour, colour),
                 curvature,
                 footprint,
                 weight: facet.area / count as f32,

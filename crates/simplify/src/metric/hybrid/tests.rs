@@ -84,9 +84,10 @@ fn a_commit_costs_what_the_look_said() {
     for mesh in [shapes::icosphere(3), shapes::terrain(), shapes::torus(), shapes::machine_part()] {
         let colours = Checkerboard::new(&mesh);
         let input = Input::new(&mesh);
-        let Region { mesh: mut working, wedges, .. } = Region::whole(&input, false);
-        working.keep_facets();
-        let mut metric = HybridMetric::new(&mesh, Some(&colours), &working, &wedges, input.size);
+        let mut region = Region::whole(&input, false);
+        region.mesh.keep_facets();
+        let mut metric = HybridMetric::new(&mesh, Some(&colours), &region, input.size, [0.0, 1.0]);
+        let Region { mesh: mut working, wedges, .. } = region;
         metric.toggle(&working, true);
         let mut random = shapes::Rng::new(5);
         for _ in 0..60 {

@@ -146,6 +146,7 @@ fn divergence(sum: f64, covered: u32, table: &Table) -> f64 {
 }
 
 impl Reprice for VisualMetric {
+    const IS_LOCAL: bool = false;
     type ViewScratch = ViewScratch;
 
     fn collapsed(&mut self, mesh: &WorkingMesh, _wedges: &Wedges, from: u32, to: u32) {

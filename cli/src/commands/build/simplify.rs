@@ -1,0 +1,92 @@
+//! The stage that simplifies. Where objects are to look good, pictures decide how.
+
+use super::errors::SimplifiedObjects;
+use super::judge::{Judge, Verdict, verdict};
+use crate::exit::Outcome;
+use crate::paints::Paints;
+use crate::progress::Progress;
+use lodc_formats::{Document, Limits, SceneObject};
+use lodc_simplify::{Guidance, MetricKind, Options, SurfaceColours, simplify_guided};
+use rayon::prelude::*;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Knowledge of a scene besides its meshes.
+#[derive(Clone, Copy)]
+pub(crate) struct Known<'a> {
+    /// Its colours, where a metric sees them.
+    pub(crate) paints: Option<&'a Paints>,
+    /// By object the vertices that stay. An object without a list has none.
+    pub(crate) locked: &'a [Vec<bool>],
+    pub(crate) document: &'a Document,
+    pub(crate) limits: Limits,
+}
+
+/// Simplifies every object by its options. Where that is by `hybrid`, the quadric decides at those
+/// levels at which the scene looks worse otherwise: see [`verdict`].
+///
+/// # Errors
+/// If the stored document is damaged.
+pub(crate) fn simplify_all(
+    objects: Vec<SceneObject>,
+    options: &[Options],
+    known: Known<'_>,
+    progress: &Progress,
+) -> Outcome<SimplifiedObjects> {
+    let is_hybrid = |o: &Options| o.metric == MetricKind::Hybrid;
+    if !options.iter().any(is_hybrid) {
+        return Ok(each(objects, options, known, progress));
+    }
+    let Some(judge) = Judge::new(&objects, known)? else {
+        return Ok(each(objects, options, known, progress));
+    };
+    let instead = |change: fn(Options, [f32; 2]) -> Options, between: [f32; 2]| -> Vec<Options> {
+        let one = |o: &Options| if is_hybrid(o) { change(*o, between) } else { *o };
+        options.iter().map(one).collect()
+    };
+    let by_quadric = instead(|o, _| Options { metric: MetricKind::Quadric, ..o }, [0.0; 2]);
+    let quadric = each(objects.clone(), &by_quadric, known, progress);
+    let hybrid = each(objects.clone(), options, known, progress);
+    let plain = judge.errors(&quadric)?;
+    let between = match verdict(&plain, &judge.errors(&hybrid)?) {
+        Verdict::Everywhere => return Ok(hybrid),
+        Verdict::Nowhere => return Ok(quadric),
+        Verdict::Between(between) => between,
+    };
+    drop(hybrid);
+    let partly = instead(|o, between| Options { hybrid_between: between, ..o }, between);
+    let mixed = each(objects, &partly, known, progress);
+    let is_better = verdict(&plain, &judge.errors(&mixed)?) == Verdict::Everywhere;
+    Ok(if is_better { mixed } else { quadric })
+}
+
+/// Simplifies every object by its options, several at once.
+fn each(
+    objects: Vec<SceneObject>,
+    options: &[Options],
+    known: Known<'_>,
+    progress: &Progress,
+) -> SimplifiedObjects {
+    let triangles = |object: &SceneObject| object.mesh.triangles().len() as u64;
+    progress.stage_of("simplify", objects.iter().map(triangles).sum());
+    let one = |(number, object): (usize, SceneObject)| {
+        // Objects weigh in by their triangles; each says how many of its groups are gone.
+        let weight = triangles(&object);
+        let before = AtomicU64::new(0);
+        let report_progress = |gone: u64, groups: u64| {
+            let now = weight * gone / groups.max(1);
+            let last = before.fetch_max(now, Ordering::Relaxed);
+            progress.add(now.saturating_sub(last));
+        };
+        let textured = known.paints.filter(|p| p.has_textures());
+        let colours = textured.map(|p| p.of_object(number));
+        let guidance = Guidance {
+            colours: colours.as_ref().map(|c| c as &dyn SurfaceColours),
+            locked: known.locked.get(number).map_or(&[], Vec::as_slice),
+        };
+        let simplified =
+            simplify_guided(&object.mesh, &options[number], guidance, &report_progress);
+        (object.info, Arc::new(simplified))
+    };
+    objects.into_par_iter().enumerate().map(one).collect()
+}

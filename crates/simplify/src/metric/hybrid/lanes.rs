@@ -1,0 +1,247 @@
+//! Samples four at a time: what pricing reads of them, in lanes.
+
+use super::pixel::Shading;
+use super::placed::Placed;
+use super::samples::Samples;
+use glam::{BVec4A, Vec3, Vec4};
+use lodc_mesh::NONE;
+
+/// The input is near where a sample is nearer than this many times its extent.
+const NEAR: f32 = 1.5;
+/// Squared distance, in squared extents, by which a face that turns its back comes later.
+const TURNED: f32 = 0.25;
+
+/// Four vectors.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Vec3x4 {
+    x: Vec4,
+    y: Vec4,
+    z: Vec4,
+}
+
+impl Vec3x4 {
+    #[inline]
+    pub(super) fn new([a, b, c, d]: &[Vec3; 4]) -> Self {
+        Self {
+            x: Vec4::new(a.x, b.x, c.x, d.x),
+            y: Vec4::new(a.y, b.y, c.y, d.y),
+            z: Vec4::new(a.z, b.z, c.z, d.z),
+        }
+    }
+
+    #[inline]
+    pub(super) fn dot(self, other: Self) -> Vec4 {
+        self.x * other.x + self.y * other.y + self.z * other.z
+    }
+
+    /// The dot products with one vector.
+    #[inline]
+    pub(super) fn dot_with(self, v: Vec3) -> Vec4 {
+        self.x * v.x + self.y * v.y + self.z * v.z
+    }
+
+    /// The differences from one vector.
+    #[inline]
+    pub(super) fn minus(self, v: Vec3) -> Self {
+        Self { x: self.x - v.x, y: self.y - v.y, z: self.z - v.z }
+    }
+
+    /// The differences from two vectors, each times a factor of its own in every lane.
+    #[inline]
+    pub(super) fn minus_span(self, [a, b]: [Vec3; 2], [u, v]: [Vec4; 2]) -> Self {
+        Self {
+            x: self.x - (u * a.x + v * b.x),
+            y: self.y - (u * a.y + v * b.y),
+            z: self.z - (u * a.z + v * b.z),
+        }
+    }
+
+    #[inline]
+    fn select(mask: BVec4A, yes: Self, no: Self) -> Self {
+        Self {
+            x: Vec4::select(mask, yes.x, no.x),
+            y: Vec4::select(mask, yes.y, no.y),
+            z: Vec4::select(mask, yes.z, no.z),
+        }
+    }
+}
+
+/// Places in moved faces, one for each of four samples.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Places {
+    /// The index of the moved face; negative if there is none.
+    pub(super) face: Vec4,
+    /// Shares of the second and third corner.
+    pub(super) at: [Vec4; 2],
+    /// From the place to the sample.
+    pub(super) away: Vec3x4,
+    /// The squared length of that.
+    pub(super) squared: Vec4,
+}
+
+/// Four samples of a star. Those that are missing are like the first, and weigh nothing.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Four {
+    /// Their numbers; `NONE` for those that are missing.
+    pub(super) ids: [u32; 4],
+    position: Vec3x4,
+    pub(super) normal: Vec3x4,
+    pub(super) extent: Vec4,
+    pub(super) curvature: Vec4,
+    pub(super) weight: Vec4,
+    /// Mean squares of the channels of their colours.
+    pub(super) power: Vec4,
+    /// Errors of shading where they show what they show now.
+    pub(super) shading: Shading<Vec4>,
+}
+
+impl Four {
+    /// One to four samples.
+    pub(super) fn new(four: &[u32], samples: &Samples) -> Self {
+        let mut ids = [NONE; 4];
+        ids[..four.len()].copy_from_slice(four);
+        let (mut position, mut normal) = ([Vec3::ZERO; 4], [Vec3::ZERO; 4]);
+        let mut values = [[0.0; 4]; 4];
+        let mut shading = Shading::default();
+        for i in 0..4 {
+            let is_missing = i >= four.len();
+            let s = samples.get(four[if is_missing { 0 } else { i }]);
+            (position[i], normal[i]) = (s.position, s.normal);
+            values[0][i] = s.extent;
+            values[1][i] = s.curvature;
+            values[2][i] = if is_missing { 0.0 } else { s.weight };
+            values[3][i] = s.power;
+            shading.set(i, &s.shading);
+        }
+        let [extent, curvature, weight, power] = values.map(Vec4::from);
+        Self {
+            ids,
+            position: Vec3x4::new(&position),
+            normal: Vec3x4::new(&normal),
+            extent,
+            curvature,
+            weight,
+            power,
+            shading: shading.lanes(),
+        }
+    }
+
+    /// The squares of how far the samples reach.
+    fn squared_reach(&self) -> Vec4 {
+        (NEAR * NEAR * self.extent * self.extent).max(Vec4::splat(f32::MIN_POSITIVE))
+    }
+
+    /// Returns whether a place is within the reach of a sample.
+    #[inline]
+    pub(super) fn reaches(&self, place: Vec3) -> bool {
+        let away = self.position.minus(place);
+        away.dot(away).cmplt(self.squared_reach()).any()
+    }
+
+    /// The squared distances of a place, as shares of the squared reaches.
+    pub(super) fn shares(&self, place: Vec3) -> Vec4 {
+        let away = self.position.minus(place);
+        away.dot(away) / self.squared_reach()
+    }
+
+    /// The places of the moved faces that are nearest. A face that turns its back to a sample comes
+    /// after one nearly as near that does not: where faces coincide, each keeps its samples.
+    pub(super) fn nearest(&self, moved: impl Iterator<Item = (Placed, Vec3)>) -> Places {
+        let turned = TURNED * self.extent * self.extent;
+        let mut key = Vec4::INFINITY;
+        let mut best = Places {
+            face: Vec4::NEG_ONE,
+            at: [Vec4::ZERO; 2],
+            away: Vec3x4::default(),
+            squared: Vec4::ZERO,
+        };
+        for (face, (placed, normal)) in moved.enumerate() {
+            let found = placed.locate_four(self.position, face as f32);
+            let is_turned = self.normal.dot_with(normal).cmplt(Vec4::ZERO);
+            let late = found.squared + Vec4::select(is_turned, turned, Vec4::ZERO);
+            let nearer = late.cmplt(key);
+            key = Vec4::select(nearer, late, key);
+            best = Places::select(nearer, found, best);
+        }
+        best
+    }
+}
+
+impl Places {
+    #[inline]
+    pub(super) fn select(mask: BVec4A, yes: Self, no: Self) -> Self {
+        Self {
+            face: Vec4::select(mask, yes.face, no.face),
+            at: [Vec4::select(mask, yes.at[0], no.at[0]), Vec4::select(mask, yes.at[1], no.at[1])],
+            away: Vec3x4::select(mask, yes.away, no.away),
+            squared: Vec4::select(mask, yes.squared, no.squared),
+        }
+    }
+}
+
+/// What four samples of a face that keeps its place cost, by the normals that the face is shaded
+/// with.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Shaded4 {
+    at: [Vec4; 2],
+    normal: Vec3x4,
+    weight: Vec4,
+    shading: Shading<Vec4>,
+    geometric: Vec4,
+}
+
+impl Shaded4 {
+    /// Appends the samples of a face, four at a time.
+    pub(super) fn gather(face: u32, samples: &Samples, into: &mut Vec<Self>) {
+        let mut list = samples.of(face).peekable();
+        while list.peek().is_some() {
+            let mut normal = [Vec3::ZERO; 4];
+            let mut values = [[0.0; 4]; 4];
+            let mut shading = Shading::default();
+            for (i, s) in list.by_ref().take(4).enumerate() {
+                let s = samples.get(s);
+                normal[i] = s.normal;
+                values[0][i] = s.at[0];
+                values[1][i] = s.at[1];
+                values[2][i] = s.weight;
+                values[3][i] = s.geometric;
+                shading.set(i, &s.shading);
+            }
+            let [u, v, weight, geometric] = values.map(Vec4::from);
+            let normal = Vec3x4::new(&normal);
+            into.push(Self { at: [u, v], normal, weight, shading: shading.lanes(), geometric });
+        }
+    }
+
+    /// The sum of the four.
+    #[inline]
+    pub(super) fn energy(&self, shading: &[Vec3; 3]) -> f64 {
+        let [a, b, c] = *shading;
+        let [u, v] = self.at;
+        let rest = Vec4::ONE - u - v;
+        let shown = Vec3x4 {
+            x: a.x * rest + b.x * u + c.x * v,
+            y: a.y * rest + b.y * u + c.y * v,
+            z: a.z * rest + b.z * u + c.z * v,
+        };
+        let shading = self.shading.error(cosines(shown, self.normal));
+        sum(self.weight * shading + self.geometric)
+    }
+}
+
+/// The sum of four numbers.
+#[inline]
+pub(super) fn sum(four: Vec4) -> f64 {
+    let [a, b, c, d] = four.to_array();
+    f64::from(a) + f64::from(b) + f64::from(c) + f64::from(d)
+}
+
+/// The cosines between normals, which need no unit length, and unit normals.
+#[inline]
+pub(super) fn cosines(shown: Vec3x4, normal: Vec3x4) -> Vec4 {
+    let squared = shown.dot(shown);
+    let length = squared.sqrt();
+    let none = length.cmple(Vec4::ZERO);
+    let divisor = Vec4::select(none, Vec4::ONE, length);
+    Vec4::select(none, Vec4::splat(0.5), shown.dot(normal) / divisor)
+}
