@@ -93,6 +93,32 @@ pub(crate) struct MetricArgs {
     pub(crate) metric: MetricKind,
 }
 
+/// Meshes of more triangles than this are simplified by the quadric where a metric is not named.
+const MOST_BY_LOOKS: u64 = 200_000;
+
+/// The option of commands that simplify a mesh on the way to something that is looked at.
+#[derive(Args, Clone, Copy, Debug, Default)]
+pub(crate) struct LookArgs {
+    /// Metric that simplifies a mesh (a .lodc file has its own) [default: hybrid up to 200,000
+    /// triangles, quadric beyond]
+    #[arg(long, value_parser = parser::<MetricKind>())]
+    metric: Option<MetricKind>,
+}
+
+impl LookArgs {
+    /// The option as if it was given.
+    pub(crate) fn by(metric: MetricKind) -> Self {
+        Self { metric: Some(metric) }
+    }
+
+    /// The metric for a scene of so many triangles.
+    pub(crate) fn metric(self, triangles: u64) -> MetricKind {
+        let usual =
+            if triangles <= MOST_BY_LOOKS { MetricKind::Hybrid } else { MetricKind::Quadric };
+        self.metric.unwrap_or(usual)
+    }
+}
+
 /// Options of commands that write .lodc files.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct ModelArgs {

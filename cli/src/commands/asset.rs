@@ -3,7 +3,7 @@
 use crate::commands::build::{Known, measure_all, object_options, paints, simplify_all};
 use crate::exit::{Failure, Outcome};
 use crate::importance::ImportanceArgs;
-use crate::kinds::MetricArgs;
+use crate::kinds::LookArgs;
 use crate::limits::ImportArgs;
 use crate::parts::PartArgs;
 use crate::progress::Progress;
@@ -48,7 +48,7 @@ impl Asset {
 #[derive(Args, Clone, Debug, Default)]
 pub(crate) struct SimplifyArgs {
     #[command(flatten)]
-    metric: MetricArgs,
+    metric: LookArgs,
     #[command(flatten)]
     importance: ImportanceArgs,
     #[command(flatten)]
@@ -58,7 +58,7 @@ pub(crate) struct SimplifyArgs {
 impl SimplifyArgs {
     /// Simplification by a metric, with nothing weighted or locked.
     pub(crate) fn by(metric: MetricKind) -> Self {
-        Self { metric: MetricArgs { metric }, ..Self::default() }
+        Self { metric: LookArgs::by(metric), ..Self::default() }
     }
 }
 
@@ -137,7 +137,7 @@ fn simplified_showing(
         .map_err(|f| Failure::new(f.status, format!("{name}: {f}")))?;
     let limits = import.options().limits;
     let weights = how.importance.weights();
-    let options = Options { metric: how.metric.metric, weights, ..Options::DEFAULT };
+    let options = Options { metric: how.metric.metric(triangles), weights, ..Options::DEFAULT };
     let options = object_options(&scene, options, &how.parts);
     let paints = paints(import, input, &scene, &options)?;
     let mut locked = how.importance.locked(&scene)?;

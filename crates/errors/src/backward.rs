@@ -15,6 +15,8 @@ use lodc_nearest::{area, centroid};
 /// the second is searched.
 const WARM: f64 = 0.4;
 const HOT: f64 = 0.75;
+/// The share of the bound that is enough for more points where very few faces are left.
+const TEPID: f64 = 0.15;
 
 /// Barycentric coordinates asked besides on large faces and where few are left, and very few.
 const FEW: [[f64; 3]; 3] = [[0.6, 0.2, 0.2], [0.2, 0.6, 0.2], [0.2, 0.2, 0.6]];
@@ -279,7 +281,7 @@ impl<'a> Backward<'a> {
         if !disc || ask.is_beyond(WARM) || is_coarse(8) {
             ask.points(&FEW);
         }
-        if ask.is_beyond(WARM) || is_coarse(32) {
+        if ask.is_beyond(WARM) || is_coarse(32) && ask.is_beyond(TEPID) {
             ask.points(&VERY_FEW);
         }
         let Ask { near, far, bound, opened, .. } = ask;

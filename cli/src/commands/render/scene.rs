@@ -11,7 +11,6 @@ use lodc_formats::lodc::LodObject;
 use lodc_formats::{Assets, Document, ObjectInfo, Scene, scene_graph};
 use lodc_mesh::Mesh;
 use lodc_scene::{Appearance, Arrangement};
-use lodc_simplify::MetricKind;
 
 /// More triangles than this, instances counted, are not drawn in one picture.
 const MAX_TRIANGLES: u64 = 1 << 26;
@@ -108,7 +107,7 @@ fn of_scene(
         let objects = scene.objects.into_iter().map(|o| (o.info, o.mesh)).collect();
         return Ok((Objects::Meshes(objects), scene.document, scene.warnings));
     }
-    let how = SimplifyArgs::by(MetricKind::default());
+    let how = SimplifyArgs::default();
     let asset = asset::simplified(&args.input, &args.import, &how, scene, stages)?;
     Ok((Objects::Levels(asset.objects), asset.document, asset.warnings))
 }
