@@ -61,7 +61,7 @@ fn four_levels_share_one_vertex_buffer() {
 fn a_chain_of_a_file_has_the_levels_of_extract() {
     let f = Folder::new();
     part(&f);
-    f.lodc(["build", "part.glb", "-o", "part.lodc", "-q"]).ends(0);
+    f.lodc(["build", "part.glb", "-o", "part.lodc", "-q", "--metric", "hybrid"]).ends(0);
     let levels = ["-o", "c.glb", "--levels", "100%,0.3,100,20"];
     let from_file = chained(&f, "part.lodc", &levels);
     let from_mesh = chained(&f, "part.glb", &levels);

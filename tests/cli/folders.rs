@@ -8,7 +8,8 @@ fn assets() -> Folder {
     let f = Folder::new();
     f.file("in/a.obj", grid(6));
     f.file("in/props/b.obj", grid(8));
-    f.lodc(["build", "in/props/b.obj", "-o", "in/props/b.lodc", "-q"]).ends(0);
+    let args = ["build", "in/props/b.obj", "-o", "in/props/b.lodc", "-q", "--metric", "hybrid"];
+    f.lodc(args).ends(0);
     f.file("in/bad.obj", "v 0 0 0\nf 1 2 3\n");
     f.file("in/readme.txt", "not a mesh");
     f
