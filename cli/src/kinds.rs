@@ -111,6 +111,11 @@ impl LookArgs {
         Self { metric: Some(metric) }
     }
 
+    /// Returns whether the option was given.
+    pub(crate) fn is_given(self) -> bool {
+        self.metric.is_some()
+    }
+
     /// The metric for a scene of so many triangles.
     pub(crate) fn metric(self, triangles: u64) -> MetricKind {
         let usual =

@@ -145,7 +145,10 @@ fn simplified_showing(
     let Scene { source, document, objects, mut warnings, mut files_read, compressed } = scene;
     let known = Known { paints: paints.shown(), locked: &locked, document: &document, limits };
     let simplified = stages.run("simplify", || simplify_all(objects, &options, known, progress))?;
-    warnings.extend(paints.warnings);
+    if how.metric.is_given() {
+        // Else the command says what it cannot show; the metric sees what there is.
+        warnings.extend(paints.warnings);
+    }
     files_read.extend(paints.files_read);
     let measured =
         stages.run("errors", || measure_all(simplified, &document, &limits, progress))?;
