@@ -110,7 +110,7 @@ impl<'a> Judge<'a> {
         let mut errors = [0.0; 4];
         for (share, error) in LEVELS.into_iter().zip(&mut errors) {
             let lods = levels.select(Target::Ratio(share), false)?.lods;
-            let meshes = level_mesh::meshes(&objects, &lods, shape)?;
+            let meshes = level_mesh::meshes(&objects, &lods, shape, &Appearance::default())?;
             let meshes: Vec<&Mesh> = meshes.iter().map(|level| &level.mesh).collect();
             let shown = surface(&meshes, &self.scene, self.known).surface;
             let now = pictures(&shown, &self.cameras, self.looks);
