@@ -18,8 +18,8 @@ use rayon::prelude::*;
 const MAX_WALKED: usize = 32;
 /// The queue is filled again if at least one in so many groups collapsed since.
 const REFILL_PART: usize = 64;
-/// What a metric prices anew waits for others, so that all threads have work: for at most so many
-/// collapses, one for every so many faces.
+/// The most collapses after which groups wait to be priced anew by a metric, so that all threads
+/// have work at once, and the faces that there are for each.
 const MAX_WAITING: usize = 32;
 const FACES_PER_WAITING: usize = 512;
 
@@ -305,8 +305,8 @@ impl<'a, M: Reprice> Engine<'a, M> {
         }
     }
 
-    /// Ranks the groups that wait for it, all at once. What changed elsewhere, by having been hidden
-    /// or uncovered, is noticed when its turn comes.
+    /// Ranks the groups that wait for it, all at once. What changed elsewhere, hidden or uncovered
+    /// by now, is noticed when its turn comes.
     fn rerank_waiting(&mut self, heap: &mut Heap) {
         let mut due = std::mem::take(&mut self.state.due);
         due.retain(|&g| !self.region.mesh.has(g, DEAD));

@@ -26,7 +26,7 @@ const KEPT_FLAGS: u8 = OPEN | SEAM | SHARED_POSITION | RESTRICTED;
 /// Spare room in each star.
 const SLACK: u32 = 2;
 
-/// What all regions of a mesh keep, or none does.
+/// Lists that all regions of a mesh keep, or none does.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Kept {
     bare: bool,

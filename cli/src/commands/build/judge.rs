@@ -1,7 +1,7 @@
 //! Pictures of a scene's levels, to tell which of two simplifications looks better.
 
 use super::errors::SimplifiedObjects;
-use super::simplify::Known;
+use super::known::Known;
 use crate::exit::Outcome;
 use crate::level_mesh::{self, Order, Shape};
 use crate::selector::SceneLevels;
@@ -22,7 +22,7 @@ const VIEWING: Viewing = Viewing { views: 17, size: 256 };
 /// Scenes with more triangles than this, instances counted, are not looked at.
 const MAX_TRIANGLES: usize = 1 << 23;
 
-/// Where a metric decides, so that nothing looks worse than by the quadric.
+/// The levels at which a metric decides, so that nothing looks worse than by the quadric.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Verdict {
     Everywhere,

@@ -3,6 +3,7 @@
 mod counts;
 mod errors;
 mod judge;
+mod known;
 mod models;
 mod pipeline;
 mod simplify;
@@ -11,9 +12,10 @@ mod work;
 
 pub(crate) use counts::counts;
 pub(crate) use errors::{SimplifiedObjects, measure_all};
+pub(crate) use known::Known;
 pub(crate) use models::ModelWork;
 pub(crate) use pipeline::{object_options, paints};
-pub(crate) use simplify::{Known, simplify_all};
+pub(crate) use simplify::simplify_all;
 
 use crate::batch::{self, BatchArgs, MESHES, Sources};
 use crate::config::{ConfigArgs, Configs};

@@ -1,8 +1,9 @@
 //! The stages of one build: import, simplify, errors, strips, models, check, write.
 
 use super::errors::measure_all;
+use super::known::Known;
 use super::models::ModelWork;
-use super::simplify::{Known, simplify_all};
+use super::simplify::simplify_all;
 use super::{BuildArgs, counts};
 use crate::exit::{Failure, Outcome, Status};
 use crate::limits::ImportArgs;

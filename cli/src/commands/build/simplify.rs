@@ -2,25 +2,14 @@
 
 use super::errors::SimplifiedObjects;
 use super::judge::{Judge, Verdict, verdict};
+use super::known::Known;
 use crate::exit::Outcome;
-use crate::paints::Paints;
 use crate::progress::Progress;
-use lodc_formats::{Document, Limits, SceneObject};
+use lodc_formats::SceneObject;
 use lodc_simplify::{Guidance, MetricKind, Options, SurfaceColours, simplify_guided};
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-
-/// Knowledge of a scene besides its meshes.
-#[derive(Clone, Copy)]
-pub(crate) struct Known<'a> {
-    /// Its colours, where a metric sees them.
-    pub(crate) paints: Option<&'a Paints>,
-    /// By object the vertices that stay. An object without a list has none.
-    pub(crate) locked: &'a [Vec<bool>],
-    pub(crate) document: &'a Document,
-    pub(crate) limits: Limits,
-}
 
 /// Simplifies every object by its options. Where that is by `hybrid`, the quadric decides at those
 /// levels at which the scene looks worse otherwise: see [`verdict`].

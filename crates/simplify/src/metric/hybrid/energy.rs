@@ -1,10 +1,11 @@
 //! The error of a patch's samples before and after a move.
 
 use super::appearance::Appearance;
-use super::lanes::{self, Four, Places, Shaded4, Vec3x4, cosines};
+use super::lanes::{self, Four, Shaded4};
 use super::patch::{Patch, WIDE};
 use super::pixel::{MAX_GEOMETRY, Shading, UNCOVERED};
 use super::samples::{Samples, mix, mix_coordinates};
+use super::vectors::{Places, Vec3x4, cosines};
 use glam::{Vec3, Vec4};
 use lodc_mesh::NONE;
 
@@ -28,7 +29,7 @@ struct Fit {
     /// Errors by shading and by distance, times the weights.
     shading: Vec4,
     geometric: Vec4,
-    /// What the samples show there, if there are textures.
+    /// Errors of shading by what is shown there, if there are textures.
     shown: Option<[Shading; 4]>,
 }
 

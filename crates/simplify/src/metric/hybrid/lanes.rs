@@ -3,81 +3,14 @@
 use super::pixel::Shading;
 use super::placed::Placed;
 use super::samples::Samples;
-use glam::{BVec4A, Vec3, Vec4};
+use super::vectors::{Places, Vec3x4, cosines};
+use glam::{Vec3, Vec4};
 use lodc_mesh::NONE;
 
 /// The input is near where a sample is nearer than this many times its extent.
 const NEAR: f32 = 1.5;
 /// Squared distance, in squared extents, by which a face that turns its back comes later.
 const TURNED: f32 = 0.25;
-
-/// Four vectors.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Vec3x4 {
-    x: Vec4,
-    y: Vec4,
-    z: Vec4,
-}
-
-impl Vec3x4 {
-    #[inline]
-    pub(super) fn new([a, b, c, d]: &[Vec3; 4]) -> Self {
-        Self {
-            x: Vec4::new(a.x, b.x, c.x, d.x),
-            y: Vec4::new(a.y, b.y, c.y, d.y),
-            z: Vec4::new(a.z, b.z, c.z, d.z),
-        }
-    }
-
-    #[inline]
-    pub(super) fn dot(self, other: Self) -> Vec4 {
-        self.x * other.x + self.y * other.y + self.z * other.z
-    }
-
-    /// The dot products with one vector.
-    #[inline]
-    pub(super) fn dot_with(self, v: Vec3) -> Vec4 {
-        self.x * v.x + self.y * v.y + self.z * v.z
-    }
-
-    /// The differences from one vector.
-    #[inline]
-    pub(super) fn minus(self, v: Vec3) -> Self {
-        Self { x: self.x - v.x, y: self.y - v.y, z: self.z - v.z }
-    }
-
-    /// The differences from two vectors, each times a factor of its own in every lane.
-    #[inline]
-    pub(super) fn minus_span(self, [a, b]: [Vec3; 2], [u, v]: [Vec4; 2]) -> Self {
-        Self {
-            x: self.x - (u * a.x + v * b.x),
-            y: self.y - (u * a.y + v * b.y),
-            z: self.z - (u * a.z + v * b.z),
-        }
-    }
-
-    #[inline]
-    fn select(mask: BVec4A, yes: Self, no: Self) -> Self {
-        Self {
-            x: Vec4::select(mask, yes.x, no.x),
-            y: Vec4::select(mask, yes.y, no.y),
-            z: Vec4::select(mask, yes.z, no.z),
-        }
-    }
-}
-
-/// Places in moved faces, one for each of four samples.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Places {
-    /// The index of the moved face; negative if there is none.
-    pub(super) face: Vec4,
-    /// Shares of the second and third corner.
-    pub(super) at: [Vec4; 2],
-    /// From the place to the sample.
-    pub(super) away: Vec3x4,
-    /// The squared length of that.
-    pub(super) squared: Vec4,
-}
 
 /// Four samples of a star. Those that are missing are like the first, and weigh nothing.
 #[derive(Clone, Copy, Debug)]
@@ -167,20 +100,7 @@ impl Four {
     }
 }
 
-impl Places {
-    #[inline]
-    pub(super) fn select(mask: BVec4A, yes: Self, no: Self) -> Self {
-        Self {
-            face: Vec4::select(mask, yes.face, no.face),
-            at: [Vec4::select(mask, yes.at[0], no.at[0]), Vec4::select(mask, yes.at[1], no.at[1])],
-            away: Vec3x4::select(mask, yes.away, no.away),
-            squared: Vec4::select(mask, yes.squared, no.squared),
-        }
-    }
-}
-
-/// What four samples of a face that keeps its place cost, by the normals that the face is shaded
-/// with.
+/// Four samples of a face that keeps its place, priced by the normals that the face is shaded with.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Shaded4 {
     at: [Vec4; 2],
@@ -218,12 +138,7 @@ impl Shaded4 {
     pub(super) fn energy(&self, shading: &[Vec3; 3]) -> f64 {
         let [a, b, c] = *shading;
         let [u, v] = self.at;
-        let rest = Vec4::ONE - u - v;
-        let shown = Vec3x4 {
-            x: a.x * rest + b.x * u + c.x * v,
-            y: a.y * rest + b.y * u + c.y * v,
-            z: a.z * rest + b.z * u + c.z * v,
-        };
+        let shown = Vec3x4::mix([a, b, c], [Vec4::ONE - u - v, u, v]);
         let shading = self.shading.error(cosines(shown, self.normal));
         sum(self.weight * shading + self.geometric)
     }
@@ -234,14 +149,4 @@ impl Shaded4 {
 pub(super) fn sum(four: Vec4) -> f64 {
     let [a, b, c, d] = four.to_array();
     f64::from(a) + f64::from(b) + f64::from(c) + f64::from(d)
-}
-
-/// The cosines between normals, which need no unit length, and unit normals.
-#[inline]
-pub(super) fn cosines(shown: Vec3x4, normal: Vec3x4) -> Vec4 {
-    let squared = shown.dot(shown);
-    let length = squared.sqrt();
-    let none = length.cmple(Vec4::ZERO);
-    let divisor = Vec4::select(none, Vec4::ONE, length);
-    Vec4::select(none, Vec4::splat(0.5), shown.dot(normal) / divisor)
 }

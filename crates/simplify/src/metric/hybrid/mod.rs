@@ -25,6 +25,7 @@ mod samples;
 mod seen_tests;
 #[cfg(test)]
 mod tests;
+mod vectors;
 mod visibility;
 
 pub use colours::{Checkerboard, SurfaceColours};

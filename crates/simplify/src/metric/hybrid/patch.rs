@@ -24,7 +24,8 @@ pub(super) struct Shaded {
     pub(super) submesh: u32,
     /// Texture coordinates of the corners.
     pub(super) texture: [[f32; 2]; 3],
-    /// Where its samples begin: in [`Patch::samples`] if it moves, else in [`Patch::shaded`].
+    /// The place where its samples begin: in [`Patch::samples`] if it moves, else in
+    /// [`Patch::shaded`].
     pub(super) first: u32,
 }
 

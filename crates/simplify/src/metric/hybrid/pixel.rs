@@ -15,9 +15,9 @@ pub(super) const UNCOVERED: f32 = 1.5;
 pub(super) const MAX_GEOMETRY: f32 = 3.0;
 
 /// The error of shading a place as a function of the cosine between the normals: the mean of
-/// ((a + l n·v) c − (a + l n'·v) c')² over all views v that see the place, weighted by its projected
-/// area, with a = 0.15 and l = 0.85 the light. In units of l²/4, so that equal white colours with
-/// normals that differ by a small d give d². One number, or four in lanes.
+/// ((a + l n·v) c − (a + l n'·v) c')² over all views v that see the place, weighted by its
+/// projected area, with a = 0.15 and l = 0.85 the light. In units of l²/4, so that equal white
+/// colours with normals that differ by a small d give d². One number, or four in lanes.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Shading<T = f32> {
     /// Coefficients of the powers of one minus the cosine.

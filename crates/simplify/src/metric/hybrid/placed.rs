@@ -1,6 +1,6 @@
 //! A triangle in space, and the place in it that is nearest to a point.
 
-use super::lanes::{Places, Vec3x4};
+use super::vectors::{Places, Vec3x4};
 use glam::{Vec3, Vec4};
 
 /// A triangle prepared for nearest-point queries.

@@ -1,0 +1,104 @@
+//! Vectors four at a time.
+
+use glam::{BVec4A, Vec3, Vec4};
+
+/// Four vectors.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Vec3x4 {
+    x: Vec4,
+    y: Vec4,
+    z: Vec4,
+}
+
+impl Vec3x4 {
+    #[inline]
+    pub(super) fn new([a, b, c, d]: &[Vec3; 4]) -> Self {
+        Self {
+            x: Vec4::new(a.x, b.x, c.x, d.x),
+            y: Vec4::new(a.y, b.y, c.y, d.y),
+            z: Vec4::new(a.z, b.z, c.z, d.z),
+        }
+    }
+
+    /// One vector times a factor in every lane, plus a second and a third.
+    #[inline]
+    pub(super) fn mix([a, b, c]: [Vec3; 3], [u, v, w]: [Vec4; 3]) -> Self {
+        Self {
+            x: a.x * u + b.x * v + c.x * w,
+            y: a.y * u + b.y * v + c.y * w,
+            z: a.z * u + b.z * v + c.z * w,
+        }
+    }
+
+    /// The dot products lane by lane.
+    #[inline]
+    pub(super) fn dot(self, other: Self) -> Vec4 {
+        self.x * other.x + self.y * other.y + self.z * other.z
+    }
+
+    /// The dot products with one vector.
+    #[inline]
+    pub(super) fn dot_with(self, v: Vec3) -> Vec4 {
+        self.x * v.x + self.y * v.y + self.z * v.z
+    }
+
+    /// The differences from one vector.
+    #[inline]
+    pub(super) fn minus(self, v: Vec3) -> Self {
+        Self { x: self.x - v.x, y: self.y - v.y, z: self.z - v.z }
+    }
+
+    /// The differences from two vectors, each times a factor of its own in every lane.
+    #[inline]
+    pub(super) fn minus_span(self, [a, b]: [Vec3; 2], [u, v]: [Vec4; 2]) -> Self {
+        Self {
+            x: self.x - (u * a.x + v * b.x),
+            y: self.y - (u * a.y + v * b.y),
+            z: self.z - (u * a.z + v * b.z),
+        }
+    }
+
+    #[inline]
+    fn select(mask: BVec4A, yes: Self, no: Self) -> Self {
+        Self {
+            x: Vec4::select(mask, yes.x, no.x),
+            y: Vec4::select(mask, yes.y, no.y),
+            z: Vec4::select(mask, yes.z, no.z),
+        }
+    }
+}
+
+/// Places in moved faces, one for each of four samples.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Places {
+    /// The index of the moved face; negative if there is none.
+    pub(super) face: Vec4,
+    /// Shares of the second and third corner.
+    pub(super) at: [Vec4; 2],
+    /// From the place to the sample.
+    pub(super) away: Vec3x4,
+    /// The squared length of that.
+    pub(super) squared: Vec4,
+}
+
+impl Places {
+    #[inline]
+    pub(super) fn select(mask: BVec4A, yes: Self, no: Self) -> Self {
+        Self {
+            face: Vec4::select(mask, yes.face, no.face),
+            at: [Vec4::select(mask, yes.at[0], no.at[0]), Vec4::select(mask, yes.at[1], no.at[1])],
+            away: Vec3x4::select(mask, yes.away, no.away),
+            squared: Vec4::select(mask, yes.squared, no.squared),
+        }
+    }
+}
+
+/// The cosines between normals, which need no unit length, and unit normals.
+#[inline]
+pub(super) fn cosines(shown: Vec3x4, normal: Vec3x4) -> Vec4 {
+    let squared = shown.dot(shown);
+    let length = squared.sqrt();
+    let none = length.cmple(Vec4::ZERO);
+    let divisor = Vec4::select(none, Vec4::ONE, length);
+    Vec4::select(none, Vec4::splat(0.5), shown.dot(normal) / divisor)
+}
