@@ -188,6 +188,8 @@ fn folders_are_compared_file_by_file_and_level_by_level() {
         "{}",
         text.text()
     );
+    let quiet = f.lodc(["compare", "in", "out", "-q", "--exclude", "c.*"].iter().chain(&QUICK));
+    assert!(quiet.ends(0).text().is_empty(), "nothing exceeds a limit");
     f.lodc(["compare", "in", "out/a.obj.lodc"]).ends(2);
     f.lodc(["compare", "in", "out", "--heatmap", "x.png"]).ends(2);
 }

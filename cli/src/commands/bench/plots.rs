@@ -49,12 +49,21 @@ fn charts(object: &BenchObject) -> [(&'static str, String); 3] {
     ]
 }
 
+/// Structures in the order of their colours.
+const COLOURED: [&str; 6] =
+    ["speed", "masking", "interactive", "progressive_mesh", "lodstrips", "discrete"];
+
+/// The number of a structure's colour, the same in all charts.
+pub(super) fn colour_of(structure: &str) -> usize {
+    COLOURED.iter().position(|&name| name == structure).unwrap_or(COLOURED.len())
+}
+
 /// A chart over the share of the LODs.
 fn chart(label: &str, scale: Scale, lods: &[f64], all: Vec<(String, Vec<f64>)>) -> String {
-    let curve = |(colour, (name, values)): (usize, (String, Vec<f64>))| {
+    let curve = |(name, values): (String, Vec<f64>)| {
         let points = lods.iter().zip(values).map(|(&x, y)| [x, y]).collect();
-        Curve { name, colour, dashed: false, points }
+        Curve { colour: colour_of(&name), name, dashed: false, points }
     };
-    let curves = all.into_iter().enumerate().map(curve).collect();
+    let curves = all.into_iter().map(curve).collect();
     Chart { labels: ["LOD, % of the last", label], scales: [Scale::Linear, scale], curves }.file()
 }

@@ -13,7 +13,7 @@ use super::ci::CiArgs;
 use super::each::{self, AssetOptions};
 use crate::batch::{self, Asset, BatchArgs, Pair};
 use crate::config::{ConfigArgs, Configs};
-use crate::console::{self, note};
+use crate::console::{self, Loudness, note, wants};
 use crate::exit::{Failure, Outcome, Status};
 use crate::limits::ImportArgs;
 use crate::output::{self, Target as Output};
@@ -246,10 +246,11 @@ fn check(args: &CompareArgs) -> Outcome<()> {
     output::prepare(&[Output::File(path.clone())], false)
 }
 
-/// Prints what was measured.
+/// Prints what was measured; of several with `-q` only what exceeds a limit.
 fn say(args: &CompareArgs, measured: &Measured, several: bool) -> Outcome<()> {
     let report = &measured.report;
-    if !args.json {
+    let wanted = !several || !report.ok || wants(Loudness::Normal);
+    if !args.json && wanted {
         console::result(report.text(several).trim_end())?;
     }
     for what in report.exceeded() {

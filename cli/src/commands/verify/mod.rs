@@ -21,6 +21,7 @@ use crate::report::{CheckReport, FileReport, SCHEMA_VERSION, VerifyReport};
 use crate::text::{count, grouped};
 use clap::Args;
 use gpu::Gpu;
+use rayon::prelude::*;
 use sources::Sources;
 use std::num::NonZeroU32;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -69,20 +70,43 @@ pub(crate) fn run(args: &VerifyArgs) -> Outcome<Status> {
     let mut worst = Status::Done;
     let inputs = batch::expand(&args.inputs, &["lodc"], &args.include, &args.exclude)?;
     let sources = Sources::new(args.source.as_deref(), &args.import.options())?;
-    for input in &inputs {
-        let (file, status) = verify_one(args, &sources, gpu.as_ref(), input);
-        report.ok &= file.ok;
-        worst = worst.max(status);
-        if !args.json {
-            print(&file)?;
+    let one = |input: &PathBuf| verify_one(args, &sources, gpu.as_ref(), input);
+    // A device has one file at a time.
+    let at_once = if gpu.is_some() { 1 } else { 2 * rayon::current_num_threads() };
+    for group in groups(&inputs, at_once) {
+        let done: Vec<(FileReport, Status)> = group.par_iter().with_max_len(1).map(one).collect();
+        for (file, status) in done {
+            report.ok &= file.ok;
+            worst = worst.max(status);
+            if !args.json {
+                print(&file)?;
+            }
+            report.files.push(file);
         }
-        report.files.push(file);
     }
     args.ci.publish("lodc verify", &suites::suites(&report))?;
     if args.json {
         console::json(&report)?;
     }
     Ok(worst)
+}
+
+/// Files that are verified together take so many bytes in all; a larger one is by itself.
+const TOGETHER: u64 = 16 << 20;
+
+/// Runs of small files, each of at most so many.
+fn groups(inputs: &[PathBuf], at_once: usize) -> Vec<&[PathBuf]> {
+    let bytes = |path: &PathBuf| path.metadata().map_or(0, |m| m.len());
+    let (mut groups, mut first, mut sum) = (Vec::new(), 0, 0);
+    for (i, size) in inputs.iter().map(bytes).enumerate() {
+        if i > first && (i - first == at_once || sum + size > TOGETHER) {
+            groups.push(&inputs[first..i]);
+            (first, sum) = (i, 0);
+        }
+        sum += size;
+    }
+    groups.extend((first < inputs.len()).then(|| &inputs[first..]));
+    groups
 }
 
 /// One file. Whatever happens, there is a report, and the other files have their turn.
@@ -165,4 +189,24 @@ fn print(file: &FileReport) -> Outcome<()> {
         console::result(&one_line(&line))?;
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn groups_keep_the_order_and_large_files_are_alone() {
+        let folder = std::env::temp_dir().join(format!("lodc-groups-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).expect("a folder");
+        let large = folder.join("large");
+        let file = std::fs::File::create(&large).expect("a file");
+        file.set_len(TOGETHER + 1).expect("a sparse file");
+        let small = folder.join("small");
+        let inputs = [&small, &small, &small, &large, &small].map(Clone::clone);
+        let sizes: Vec<usize> = groups(&inputs, 2).into_iter().map(<[PathBuf]>::len).collect();
+        std::fs::remove_dir_all(&folder).expect("it is there");
+        assert_eq!(sizes, [2, 1, 1, 1]);
+        assert!(groups(&[], 2).is_empty());
+    }
 }

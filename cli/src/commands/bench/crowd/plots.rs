@@ -1,6 +1,7 @@
 //! Curves of a crowd as SVG: triangles and extraction time over the seconds (thesis figs. 4.11 to
 //! 4.14).
 
+use super::super::plots::colour_of;
 use super::report::CrowdReport;
 use crate::chart::{Chart, Curve, Scale};
 
@@ -27,10 +28,11 @@ pub(super) fn plots(report: &CrowdReport) -> Vec<(&'static str, String)> {
         curves: triangles.collect(),
     };
     let times = |five: bool| {
-        let curves = report.models.iter().enumerate().filter_map(|(colour, (name, policies))| {
+        let curves = report.models.iter().filter_map(|(&name, policies)| {
             let frames = if five { &policies.discrete } else { &policies.continuous };
             let points = points(frames.extraction_ms_curve.as_ref()?);
-            Some(Curve { name: (*name).to_owned(), colour, dashed: five, points })
+            let (colour, name) = (colour_of(name), name.to_owned());
+            Some(Curve { name, colour, dashed: five, points })
         });
         let labels = ["seconds", "extraction per frame, ms"];
         Chart { labels, scales: [Scale::Linear, Scale::Log], curves: curves.collect() }.file()

@@ -177,7 +177,7 @@ pub(super) fn state(vertex: u32, lod: u32, links: &[[u32; 2]], morph: bool) -> S
 }
 
 /// The part of the way that a vertex which leaves at the end of some step has gone at a LOD before
-/// it, in 1/65536: it sets out when an eighth of the vertices that are left then go before it.
+/// it, in 1/65536: it sets out n/8 records before it goes, n vertices staying longer.
 fn way(leaves: u32, lod: u32, vertices: u32) -> u32 {
     let length = leaves.min((vertices - leaves.min(vertices)) / 8 + 1);
     let gone = lod.saturating_sub(leaves - length);

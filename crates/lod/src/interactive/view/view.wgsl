@@ -105,7 +105,7 @@ fn place(v: u32) -> vec3<u32> {
 }
 
 // The part of the way that a vertex which leaves at the end of some step has gone at a LOD before
-// it, in 1/65536: it sets out when an eighth of the vertices that are left then go before it.
+// it, in 1/65536: it sets out n/8 records before it goes, n vertices staying longer.
 // Integers, because division of integers is exact; both fit 16 bits after the shift.
 fn way(leaves: u32, lod: u32) -> u32 {
     let length = min(leaves, (p.vertices - min(leaves, p.vertices)) / 8u + 1u);
