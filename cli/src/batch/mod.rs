@@ -12,7 +12,7 @@ mod streams;
 pub(crate) use assets::{Asset, Sources, assets};
 pub(crate) use folder::globs;
 pub(crate) use options::{
-    OptionValues, arguments, given_options, has_option, is_command, know, suggestion,
+    OptionValues, arguments, given_options, has_option, is_command, is_of_the_run, know, suggestion,
 };
 pub(crate) use pairs::{Pair, pairs};
 pub(crate) use queue::{Budget, run};

@@ -237,6 +237,11 @@ pub(crate) fn has_option(command: Option<&str>, option: &str) -> bool {
     of.any(|c| c.for_assets.iter().any(|o| o == option))
 }
 
+/// Returns whether an option of this long name belongs to a run, not to an asset.
+pub(crate) fn is_of_the_run(option: &str) -> bool {
+    OF_THE_RUN.contains(&option)
+}
+
 /// Returns whether a command has this name.
 pub(crate) fn is_command(name: &str) -> bool {
     commands().iter().any(|c| c.name == name)

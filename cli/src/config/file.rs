@@ -1,6 +1,6 @@
 //! One configuration file: defaults, profiles, and overrides by glob.
 
-use crate::batch::{OptionValues, globs, has_option, is_command, suggestion};
+use crate::batch::{OptionValues, globs, has_option, is_command, is_of_the_run, suggestion};
 use crate::exit::{Failure, Outcome, Status};
 use crate::parts::Part;
 use serde::Deserialize;
@@ -123,6 +123,11 @@ impl File {
         }
         if has_option(command, option) {
             return Ok(());
+        }
+        if is_of_the_run(option) {
+            return fail(
+                "is for a whole run, not for assets: say it on the command line".to_owned(),
+            );
         }
         match suggestion(option, command) {
             Some(near) => fail(format!("no such option; is {near} meant?")),
