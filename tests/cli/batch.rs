@@ -210,6 +210,7 @@ fn a_configuration_gives_defaults_that_flags_beat() {
         ("[defaults]\nmetrik = \"kl\"", "is metric meant?"),
         ("[default]\n", "line 1"),
         ("[defaults]\nallow-path = \"/\"", "only the command line"),
+        ("[defaults]\nshard = \"1/2\"", "for a whole run"),
         ("[[override]]\nfiles = [\"a[\"]", "glob a["),
     ] {
         f.file("in/lodc.toml", wrong);
