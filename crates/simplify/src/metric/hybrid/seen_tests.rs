@@ -168,6 +168,7 @@ fn charts_do_not_bleed() {
     let mesh = mesh(positions, triangles, Some(texture));
     let seen = simplify_coloured(&mesh, &HYBRID, &TwoCharts, &|_, _| {});
     let blind = simplify(&mesh, &Options { attributes: false, ..Options::DEFAULT }, &|_, _| {});
-    let (with, without) = (bled(&seen, 60, &wavy), bled(&blind, 60, &wavy));
-    assert!(with < 0.02 && with < 0.5 * without, "{with} with colours, {without} without");
+    // So few that one place in a hundred is wrong where colours are not seen.
+    let (with, without) = (bled(&seen, 40, &wavy), bled(&blind, 40, &wavy));
+    assert!(without > 0.01 && with < 0.5 * without, "{with} with colours, {without} without");
 }
