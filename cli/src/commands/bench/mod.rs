@@ -98,6 +98,13 @@ fn share(text: &str) -> Result<f64, String> {
     }
 }
 
+impl BenchArgs {
+    /// Returns whether a picture is wanted.
+    pub(crate) fn draws(&self) -> bool {
+        self.crowd.picture.is_some()
+    }
+}
+
 pub(crate) fn run(args: &BenchArgs) -> Outcome<Status> {
     if args.inputs.iter().filter(|input| output::is_stream(input)).count() > 1 {
         return Err(Failure::usage("standard input can be read once only"));
