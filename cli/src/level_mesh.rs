@@ -63,6 +63,16 @@ pub(crate) fn meshes(
     levels.map(|(i, (object, &lod))| one(object, lod, shape, (looks, i))).collect()
 }
 
+/// Makes the meshes of the objects at `lods` as the reference shows them, in the input's order.
+///
+/// # Errors
+/// If one is no mesh: a bug.
+pub(crate) fn plain(objects: &[LodObject], lods: &[Lod]) -> Outcome<Vec<Mesh>> {
+    let shape = Shape { order: Order::File, ..Shape::default() };
+    let one = |(object, &lod)| stored(object, lod, shape).map(|level| level.mesh);
+    objects.par_iter().zip(lods).map(one).collect()
+}
+
 fn one(
     object: &LodObject,
     lod: Lod,

@@ -1,12 +1,11 @@
 //! Refitted levels: closer in space, and held back where pictures would get worse.
 
 use lodc_formats::lodc::LodObject;
-use lodc_measure::{
-    Looks, Sampling, SceneSurface, Surface, Viewing, compare_pictures, distances, pictures,
-};
+use lodc_measure::{Portrait, Sampling, SceneSurface, Surface, Viewing, distances};
 use lodc_mesh::{Lod, Mesh};
 use lodc_refit::{Options, Refit};
 use lodc_scene::{Appearance, Arrangement, Graph, Pose};
+use std::sync::Arc;
 
 /// Pictures that decide whether attributes look right.
 const VIEWING: Viewing = Viewing { views: 12, size: 256 };
@@ -28,7 +27,7 @@ pub(crate) fn refitted(object: &LodObject, lod: Lod, looks: &Appearance) -> (Mes
     }
     let unmoved = found.mesh(0.0);
     let before = errors(original, &unmoved);
-    let mut worse = looks_worse(original, &unmoved, looks);
+    let worse = looks_worse(original, &unmoved, looks);
     for share in SHARES {
         let mesh = found.mesh(share);
         let after = errors(original, &mesh);
@@ -52,28 +51,17 @@ fn looks_worse<'a>(
     original: &Mesh,
     unmoved: &Mesh,
     looks: &'a Appearance,
-) -> Box<dyn FnMut(&Mesh) -> bool + 'a> {
+) -> Box<dyn Fn(&Mesh) -> bool + 'a> {
     if original.attributes().is_empty() {
         return Box::new(|_| false);
     }
-    let mut whole = surface(original, looks);
-    let cameras = VIEWING.cameras(&whole.surface);
-    let worn = Looks {
-        own_normals: !whole.surface.normals.is_empty(),
-        checkerboard: whole.all_textured && whole.surface.materials.is_empty(),
-        materials: !whole.surface.materials.is_empty(),
-    };
-    let wanted = pictures(&whole.surface, &cameras, worn);
-    let images = std::mem::take(&mut whole.surface.images);
-    drop(whole);
-    let without_images = Appearance { images: vec![], ..looks.clone() };
-    let mut images = Some(images);
-    let mut error = move |mesh: &Mesh| {
-        let mut level = surface(mesh, &without_images).surface;
-        level.images = images.take().unwrap_or_default();
-        let error = compare_pictures(&wanted, &pictures(&level, &cameras, worn)).rmse;
-        images = Some(level.images);
-        error
+    let whole = surface(original, looks);
+    let portrait = Portrait::new(&whole.surface, VIEWING, whole.common_looks(&whole));
+    let images = whole.surface.images;
+    let error = move |mesh: &Mesh| {
+        let scene = Arrangement::new(&Graph::default(), &Pose::default(), 1);
+        let level = SceneSurface::with_images(&[mesh], &scene, looks, || Arc::clone(&images));
+        portrait.compare(&level.surface).rmse
     };
     let most = WORSE * error(unmoved) + NOTHING;
     Box::new(move |mesh| error(mesh) > most)
@@ -118,14 +106,8 @@ mod tests {
 
     fn image_error(original: &Mesh, level: &Mesh) -> f64 {
         let [original, level] = [original, level].map(|m| surface(m, &Appearance::default()));
-        let cameras = VIEWING.cameras(&original.surface);
-        let worn = Looks {
-            own_normals: !original.surface.normals.is_empty(),
-            checkerboard: original.all_textured,
-            materials: false,
-        };
-        let shown = [original, level].map(|s| pictures(&s.surface, &cameras, worn));
-        compare_pictures(&shown[0], &shown[1]).rmse
+        let looks = original.common_looks(&original);
+        Portrait::new(&original.surface, VIEWING, looks).compare(&level.surface).rmse
     }
 
     #[test]
@@ -141,7 +123,7 @@ mod tests {
             let lod = simplified.collapses().lod_for_triangles(mesh.triangles().len() as u32 / 4);
             let found = Refit::new(&simplified, lod, &Options::DEFAULT);
             let (whole, none) = (found.mesh(1.0), found.mesh(0.0));
-            let mut worse = looks_worse(simplified.mesh(), &none, &looks);
+            let worse = looks_worse(simplified.mesh(), &none, &looks);
             let [before, after] = [&none, &whole].map(|m| image_error(simplified.mesh(), m));
             assert!(!worse(&none), "{name}");
             assert_eq!(worse(&whole), after > WORSE * before + NOTHING, "{name}: {before} {after}");

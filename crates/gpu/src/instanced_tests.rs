@@ -4,37 +4,14 @@
 
 use super::*;
 use crate::draw::SIZE;
-use crate::picture::{Framing, Lens, Up};
+use crate::picture::{Framing, Lens, Up, read_back};
 
 /// The grey of the pixel at a share of the way across, halfway down.
 fn grey(stage: &Instanced<'_>, across: f32) -> u8 {
-    let device = stage.device;
-    let bytes = u64::from(4 * SIZE * SIZE);
-    let readable = device.device.create_buffer(&wgpu::BufferDescriptor {
-        label: None,
-        size: bytes,
-        usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
-        mapped_at_creation: false,
-    });
-    let mut encoder =
-        device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-    encoder.copy_texture_to_buffer(
-        stage.targets.picture.as_image_copy(),
-        wgpu::TexelCopyBufferInfo {
-            buffer: &readable,
-            layout: wgpu::TexelCopyBufferLayout {
-                offset: 0,
-                bytes_per_row: Some(4 * SIZE),
-                rows_per_image: None,
-            },
-        },
-        wgpu::Extent3d { width: SIZE, height: SIZE, depth_or_array_layers: 1 },
-    );
-    device.queue.submit([encoder.finish()]);
+    let picture = &stage.targets.picture;
+    let pixels = read_back(stage.device, picture, [SIZE; 2]).expect("a picture");
     let place = SIZE / 2 * SIZE + (across * SIZE as f32) as u32;
-    let mut grey = 0;
-    device.map(&readable, bytes, |pixels| grey = pixels[4 * place as usize]).expect("a map");
-    grey
+    pixels[4 * place as usize]
 }
 
 #[test]

@@ -3,127 +3,21 @@
 
 #![expect(clippy::print_stderr, reason = "a test that is left out says so aloud")]
 
+/// The host that the page quotes.
+#[path = "../examples/host/gpu.rs"]
+mod gpu;
 mod support;
 
+use gpu::Gpu;
 use lodc_fixtures as fixtures;
 use lodc_lod::ModelKind;
 use lodc_lod::interactive::view::{Point, Views};
 use lodc_mesh::{Lod, Simplified};
 use lodc_plan::VertexRecords;
-use wgpu::util::{BufferInitDescriptor, DeviceExt};
 
-/// The host of an engine.
-struct Engine {
-    device: wgpu::Device,
-    queue: wgpu::Queue,
-}
-
-impl Engine {
-    fn new() -> Self {
-        let instance =
-            wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
-        let adapter =
-            pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()));
-        // WebGPU's defaults are enough.
-        let device = pollster::block_on(
-            adapter.expect("an adapter").request_device(&wgpu::DeviceDescriptor::default()),
-        );
-        let (device, queue) = device.expect("a device");
-        Self { device, queue }
-    }
-
-    fn words(&self, words: &[u32]) -> wgpu::Buffer {
-        let usage = wgpu::BufferUsages::STORAGE
-            | wgpu::BufferUsages::COPY_SRC
-            | wgpu::BufferUsages::UNIFORM;
-        let contents = bytemuck::cast_slice(words);
-        self.device.create_buffer_init(&BufferInitDescriptor { label: None, contents, usage })
-    }
-
-    fn zeros(&self, count: usize) -> wgpu::Buffer {
-        self.words(&vec![0; count])
-    }
-
-    fn run(
-        &self,
-        file: &str,
-        constants: &[(&str, f64)],
-        threads: usize,
-        parameters: &[u32],
-        buffers: &[&wgpu::Buffer],
-    ) {
-        let text = ModelKind::Interactive
-            .shaders()
-            .iter()
-            .find(|s| s.name == file)
-            .expect("a file")
-            .text();
-        let module = self.device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some(file),
-            source: wgpu::ShaderSource::Wgsl(text.into()),
-        });
-        let pipeline = self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some(file),
-            layout: None,
-            module: &module,
-            entry_point: Some("main"),
-            compilation_options: wgpu::PipelineCompilationOptions {
-                constants,
-                ..Default::default()
-            },
-            cache: None,
-        });
-        let mut padded = parameters.to_vec();
-        padded.resize(parameters.len().next_multiple_of(4), 0);
-        let parameters = self.words(&padded);
-        let bound = std::iter::once(&parameters).chain(buffers.iter().copied()).zip(0..);
-        let entries: Vec<_> = bound
-            .map(|(b, binding)| wgpu::BindGroupEntry { binding, resource: b.as_entire_binding() })
-            .collect();
-        let group = self.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: None,
-            layout: &pipeline.get_bind_group_layout(0),
-            entries: &entries,
-        });
-        let mut encoder =
-            self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-        pass.set_pipeline(&pipeline);
-        pass.set_bind_group(0, &group, &[]);
-        pass.dispatch_workgroups(threads.div_ceil(256) as u32, 1, 1);
-        drop(pass);
-        self.queue.submit([encoder.finish()]);
-    }
-
-    /// Prefix sums of the first `count` words, in place.
-    fn scan(&self, data: &wgpu::Buffer, count: usize) {
-        let blocks = count.div_ceil(1024);
-        let sums = self.zeros(blocks.max(4));
-        self.run("scan", &[], count.div_ceil(4), &[count as u32], &[data, &sums]);
-        if blocks > 1 {
-            self.scan(&sums, blocks);
-            self.run("scan_add", &[], count, &[count as u32], &[data, &sums]);
-        }
-    }
-
-    fn read(&self, buffer: &wgpu::Buffer) -> Vec<u32> {
-        let usage = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
-        let size = buffer.size();
-        let readable = self.device.create_buffer(&wgpu::BufferDescriptor {
-            label: None,
-            size,
-            usage,
-            mapped_at_creation: false,
-        });
-        let mut encoder =
-            self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        encoder.copy_buffer_to_buffer(buffer, 0, &readable, 0, size);
-        self.queue.submit([encoder.finish()]);
-        readable.slice(..).map_async(wgpu::MapMode::Read, |_| {});
-        self.device.poll(wgpu::PollType::wait_indefinitely()).expect("the device answers");
-        let bytes = readable.slice(..).get_mapped_range().expect("it is mapped");
-        bytemuck::cast_slice(&bytes).to_vec()
-    }
+/// Reads a buffer of words back.
+fn read(engine: &Gpu, buffer: &wgpu::Buffer) -> Vec<u32> {
+    bytemuck::pod_collect_to_vec(&engine.read(buffer))
 }
 
 /// Triangles by submesh as the bytes of their corners, turned so that the smallest is first,
@@ -179,7 +73,7 @@ fn the_guide_leads_to_every_lod() {
     if support::device().is_none() {
         return;
     }
-    let engine = Engine::new();
+    let engine = Gpu::open().expect("a device");
     let (simplified, records) = sample();
     let (mesh, collapses, stride) =
         (simplified.mesh(), simplified.collapses(), records.stride as u32);
@@ -224,10 +118,10 @@ fn the_guide_leads_to_every_lod() {
             &[&submeshes, &triangles, &vertices, &draws],
         );
         old = new;
-        let (records_drawn, draws) = (engine.read(&vertices), engine.read(&draws));
+        let (records_drawn, draws) = (read(&engine, &vertices), read(&engine, &draws));
         let shown = drawn(&draws, mesh.triangles().as_flattened(), &records_drawn, records.stride);
         assert!(shown == truth(&simplified, Lod(new), &records), "LOD {new}");
-        assert_eq!(engine.read(&error_flag), [0]);
+        assert_eq!(read(&engine, &error_flag), [0]);
     }
 }
 
@@ -236,7 +130,7 @@ fn the_guide_leads_to_views() {
     if support::device().is_none() {
         return;
     }
-    let engine = Engine::new();
+    let engine = Gpu::open().expect("a device");
     let (simplified, records) = sample();
     let (mesh, collapses, stride) = (simplified.mesh(), simplified.collapses(), records.stride);
     let (v, f) = (mesh.vertex_count(), mesh.triangles().len());
@@ -282,8 +176,8 @@ fn the_guide_leads_to_views() {
             &[count as u32],
             &[&submeshes, &live, &places, &draws],
         );
-        let (records_drawn, indices) = (engine.read(&vertices), engine.read(&indices));
-        let shown = drawn(&engine.read(&draws), &indices, &records_drawn, stride);
+        let (records_drawn, indices) = (read(&engine, &vertices), read(&engine, &indices));
+        let shown = drawn(&read(&engine, &draws), &indices, &records_drawn, stride);
         assert!(shown == truth(&simplified, lod, &records), "LOD {}", lod.0);
     }
 }
@@ -293,7 +187,7 @@ fn every_file_is_a_shader_by_itself() {
     if support::device().is_none() {
         return;
     }
-    let engine = Engine::new();
+    let engine = Gpu::open().expect("a device");
     let refused = engine.device.push_error_scope(wgpu::ErrorFilter::Validation);
     for shader in ModelKind::ALL.into_iter().flat_map(ModelKind::shaders) {
         let source = wgpu::ShaderSource::Wgsl(shader.text().into());

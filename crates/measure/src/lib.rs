@@ -24,6 +24,7 @@
 mod distance;
 mod field;
 mod picture;
+mod portrait;
 mod scene;
 mod spread;
 mod surface;
@@ -32,8 +33,8 @@ mod texture;
 pub use distance::{Distances, Sampling, distances, farther_than};
 pub use field::DistanceField;
 pub use lodc_nearest::TriangleTree;
-pub use lodc_raster::Camera;
 pub use picture::{ImageError, Looks, Picture, Viewing, compare_pictures, pictures};
+pub use portrait::Portrait;
 pub use scene::SceneSurface;
 pub use surface::Surface;
 pub use texture::Pyramid;

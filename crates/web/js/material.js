@@ -10,6 +10,19 @@ export function materialOf(glb, number) {
   return ofGlb.get(number);
 }
 
+/** What is drawn, blended parts last: a placement, some of its parts, and its number. */
+export function* inDrawingOrder(scene, colouring) {
+  const blended = (part) => (
+    colouring === 'material' && materialOf(scene.glb, part.material).alphaMode === 'BLEND');
+  const placements = scene.placements();
+  for (const late of [false, true]) {
+    for (const [number, placement] of placements.entries()) {
+      const parts = placement.object.parts.filter((part) => blended(part) === late);
+      if (parts.length > 0) yield { placement, parts, number };
+    }
+  }
+}
+
 function material(glb, source) {
   const pbr = source.pbrMetallicRoughness ?? {};
   const old = source.extensions?.KHR_materials_pbrSpecularGlossiness;

@@ -3,7 +3,7 @@
 import { program, uniforms } from './glprogram.js';
 import { edges, morphed } from './geometry.js';
 import { determinant3, times } from './math.js';
-import { materialOf, texturesOf } from './material.js';
+import { inDrawingOrder, materialOf, texturesOf } from './material.js';
 
 /** Attribute locations of the vertex shader. */
 const AT = {
@@ -114,15 +114,8 @@ export class WebglRenderer {
     u.cameraUp(up);
     u.keyLight(right.map((r, i) => -0.45 * r + 0.75 * up[i] + 0.65 * back[i]));
     u.flatShaded(frame.flat);
-    const placements = this.scene.placements();
-    const blended = (part) => (
-      frame.colouring === 'material' && this.material(part).alphaMode === 'BLEND');
-    for (const late of [false, true]) {
-      placements.forEach((placement, number) => {
-        const parts = placement.object.parts.filter((part) => blended(part) === late);
-        const view = frame.views?.[number];
-        if (parts.length > 0) this.place(placement, parts, { ...frame, view });
-      });
+    for (const { placement, parts, number } of inDrawingOrder(this.scene, frame.colouring)) {
+      this.place(placement, parts, { ...frame, view: frame.views?.[number] });
     }
     gl.bindVertexArray(null);
   }

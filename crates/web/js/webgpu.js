@@ -3,7 +3,7 @@
 
 import { edges, morphed } from './geometry.js';
 import { WEBGPU_DEPTH, determinant3, times } from './math.js';
-import { materialOf, texturesOf } from './material.js';
+import { inDrawingOrder, materialOf, texturesOf } from './material.js';
 import { NAMES, Pipelines, SAMPLES, VERTEX_ARRAYS } from './gpupipelines.js';
 import { openDevice } from './plan.js';
 import { Presenter } from './presenter.js';
@@ -105,15 +105,8 @@ export class WebgpuRenderer {
     this.blocks = [];
     this.draws = [];
     if (frame.crowd) this.putCopies(frame.crowd);
-    const placements = this.scene.placements();
-    const blended = (part) => (
-      frame.colouring === 'material' && this.material(part).alphaMode === 'BLEND');
-    for (const late of [false, true]) {
-      placements.forEach((placement, number) => {
-        const parts = placement.object.parts.filter((part) => blended(part) === late);
-        const view = frame.views?.[number];
-        if (parts.length > 0) this.place(placement, parts, { ...frame, view, number });
-      });
+    for (const { placement, parts, number } of inDrawingOrder(this.scene, frame.colouring)) {
+      this.place(placement, parts, { ...frame, view: frame.views?.[number], number });
     }
     const group = this.uniforms(frame);
     const encoder = device.createCommandEncoder();

@@ -3,11 +3,11 @@
 use super::errors::SimplifiedObjects;
 use super::known::Known;
 use crate::exit::Outcome;
-use crate::level_mesh::{self, Order, Shape};
+use crate::level_mesh;
 use crate::selector::SceneLevels;
 use lodc_formats::lodc::LodObject;
 use lodc_formats::{ObjectInfo, SceneObject, scene_graph};
-use lodc_measure::{Camera, Looks, Picture, SceneSurface, Viewing, compare_pictures, pictures};
+use lodc_measure::{Looks, Portrait, SceneSurface, Viewing};
 use lodc_mesh::Mesh;
 use lodc_scene::{Appearance, Arrangement};
 use lodc_select::Target;
@@ -35,6 +35,9 @@ pub(super) enum Verdict {
 /// decides around the levels that follow each other, look no worse, and gain most together.
 pub(super) fn verdict(quadric: &[f64; 4], other: &[f64; 4]) -> Verdict {
     let is_good = |i: usize| other[i] <= NO_WORSE * quadric[i];
+    if (0..LEVELS.len()).all(is_good) {
+        return Verdict::Everywhere;
+    }
     let mut best: Option<(f64, [usize; 2])> = None;
     for first in (0..LEVELS.len()).filter(|&i| is_good(i)) {
         let mut product = 1.0;
@@ -44,9 +47,6 @@ pub(super) fn verdict(quadric: &[f64; 4], other: &[f64; 4]) -> Verdict {
                 best = Some((product, [first, last]));
             }
         }
-    }
-    if (0..LEVELS.len()).all(is_good) {
-        return Verdict::Everywhere;
     }
     let Some((_, [first, last])) = best.filter(|b| b.0 < 1.0) else { return Verdict::Nowhere };
     let between = |i: usize| (LEVELS[i] * LEVELS[i + 1]).sqrt() as f32;
@@ -59,9 +59,7 @@ pub(super) fn verdict(quadric: &[f64; 4], other: &[f64; 4]) -> Verdict {
 pub(super) struct Judge<'a> {
     known: Known<'a>,
     scene: Arrangement,
-    cameras: Vec<Camera>,
-    looks: Looks,
-    original: Vec<Picture>,
+    portrait: Portrait,
 }
 
 impl<'a> Judge<'a> {
@@ -81,17 +79,10 @@ impl<'a> Judge<'a> {
         }
         let meshes: Vec<&Mesh> = objects.iter().map(|o| &o.mesh).collect();
         let shown = surface(&meshes, &scene, known);
-        let surface = &shown.surface;
-        let is_seen = known.paints.is_some();
-        let materials = is_seen && !surface.materials.is_empty();
-        let looks = Looks {
-            own_normals: is_seen && !surface.normals.is_empty(),
-            checkerboard: is_seen && !materials && shown.all_textured,
-            materials,
-        };
-        let cameras = VIEWING.cameras(surface);
-        let original = pictures(surface, &cameras, looks);
-        Ok(Some(Self { known, scene, cameras, looks, original }))
+        // Shapes alone where the metric sees no more.
+        let looks = known.paints.map_or(Looks::default(), |_| shown.common_looks(&shown));
+        let portrait = Portrait::new(&shown.surface, VIEWING, looks);
+        Ok(Some(Self { known, scene, portrait }))
     }
 
     /// The image errors at [`LEVELS`].
@@ -106,15 +97,12 @@ impl<'a> Judge<'a> {
         };
         let objects: Vec<LodObject> = objects.iter().map(object).collect();
         let levels = SceneLevels::new(&objects, self.known.document, &self.known.limits)?;
-        let shape = Shape { order: Order::File, ..Shape::default() };
         let mut errors = [0.0; 4];
         for (share, error) in LEVELS.into_iter().zip(&mut errors) {
             let lods = levels.select(Target::Ratio(share), false)?.lods;
-            let meshes = level_mesh::meshes(&objects, &lods, shape, &Appearance::default())?;
-            let meshes: Vec<&Mesh> = meshes.iter().map(|level| &level.mesh).collect();
-            let shown = surface(&meshes, &self.scene, self.known).surface;
-            let now = pictures(&shown, &self.cameras, self.looks);
-            *error = compare_pictures(&self.original, &now).rmse;
+            let meshes = level_mesh::plain(&objects, &lods)?;
+            let shown = surface(&meshes.iter().collect::<Vec<_>>(), &self.scene, self.known);
+            *error = self.portrait.compare(&shown.surface).rmse;
         }
         Ok(errors)
     }

@@ -22,18 +22,13 @@ pub(crate) fn simplify_all(
     known: Known<'_>,
     progress: &Progress,
 ) -> Outcome<SimplifiedObjects> {
-    let is_hybrid = |o: &Options| o.metric == MetricKind::Hybrid;
     if !options.iter().any(is_hybrid) {
         return Ok(each(objects, options, known, progress));
     }
     let Some(judge) = Judge::new(&objects, known)? else {
         return Ok(each(objects, options, known, progress));
     };
-    let instead = |change: fn(Options, [f32; 2]) -> Options, between: [f32; 2]| -> Vec<Options> {
-        let one = |o: &Options| if is_hybrid(o) { change(*o, between) } else { *o };
-        options.iter().map(one).collect()
-    };
-    let by_quadric = instead(|o, _| Options { metric: MetricKind::Quadric, ..o }, [0.0; 2]);
+    let by_quadric = instead(options, |o| Options { metric: MetricKind::Quadric, ..o });
     let quadric = each(objects.clone(), &by_quadric, known, progress);
     let hybrid = each(objects.clone(), options, known, progress);
     let plain = judge.errors(&quadric)?;
@@ -43,10 +38,19 @@ pub(crate) fn simplify_all(
         Verdict::Between(between) => between,
     };
     drop(hybrid);
-    let partly = instead(|o, between| Options { hybrid_between: between, ..o }, between);
+    let partly = instead(options, |o| Options { hybrid_between: between, ..o });
     let mixed = each(objects, &partly, known, progress);
     let is_better = verdict(&plain, &judge.errors(&mixed)?) == Verdict::Everywhere;
     Ok(if is_better { mixed } else { quadric })
+}
+
+fn is_hybrid(options: &Options) -> bool {
+    options.metric == MetricKind::Hybrid
+}
+
+/// The options of all objects, changed for those that `hybrid` simplifies.
+fn instead(options: &[Options], change: impl Fn(Options) -> Options) -> Vec<Options> {
+    options.iter().map(|o| if is_hybrid(o) { change(*o) } else { *o }).collect()
 }
 
 /// Simplifies every object by its options, several at once.

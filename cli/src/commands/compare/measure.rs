@@ -9,9 +9,7 @@ use crate::exit::Outcome;
 use crate::output::{self, Target};
 use crate::progress::Progress;
 use crate::stages::Stages;
-use lodc_measure::{
-    Looks, Picture, Sampling, SceneSurface, Viewing, compare_pictures, distances, pictures,
-};
+use lodc_measure::{Looks, Portrait, Sampling, SceneSurface, Viewing, distances};
 use std::path::Path;
 
 /// Result of the comparison of two files.
@@ -72,14 +70,11 @@ pub(super) fn compare(
     Ok(Measured { report: PairReport::new(paths, diagonal, all), recorded })
 }
 
-/// Pictures of A, and what it was shown with.
-type PicturesOfA = Option<(Looks, Vec<Picture>)>;
-
 fn comparison(
     args: &CompareArgs,
     a: &SceneSurface,
     b: &SceneSurface,
-    of_a: &mut PicturesOfA,
+    of_a: &mut Option<Portrait>,
     stages: &mut Stages,
 ) -> Comparison {
     let looks = looks(a, b, args);
@@ -90,13 +85,10 @@ fn comparison(
     let image = (args.views > 0).then(|| {
         let viewing = Viewing { views: args.views, size: args.size };
         stages.run("pictures", || {
-            let cameras = viewing.cameras(a);
-            if of_a.as_ref().is_none_or(|(with, _)| *with != looks) {
-                *of_a = Some((looks, pictures(a, &cameras, looks)));
-            }
-            let (_, of_a) = of_a.as_ref().expect("they have just been drawn");
-            let error = compare_pictures(of_a, &pictures(b, &cameras, looks));
-            ImageReport::new(viewing, looks, error)
+            // Levels are mostly shown with the same looks.
+            let known = of_a.take().filter(|portrait| portrait.looks() == looks);
+            let of_a = of_a.insert(known.unwrap_or_else(|| Portrait::new(a, viewing, looks)));
+            ImageReport::new(viewing, looks, of_a.compare(b))
         })
     });
     Comparison::new([a.triangles.len(), b.triangles.len()], space, image)
@@ -104,13 +96,7 @@ fn comparison(
 
 /// Everything that both meshes can be shown with.
 fn looks(a: &SceneSurface, b: &SceneSurface, args: &CompareArgs) -> Looks {
-    let both = |has: fn(&SceneSurface) -> bool| !args.no_attributes && has(a) && has(b);
-    let materials = both(|s| !s.surface.materials.is_empty());
-    Looks {
-        own_normals: both(|s| !s.surface.normals.is_empty()),
-        checkerboard: !materials && both(|s| s.all_textured),
-        materials,
-    }
+    if args.no_attributes { Looks::default() } else { a.common_looks(b) }
 }
 
 /// The name of a level in a baseline.

@@ -4,7 +4,7 @@ use super::CompareArgs;
 use crate::commands::asset;
 use crate::console;
 use crate::exit::{Failure, Outcome, Status};
-use crate::level_mesh::{self, Order, Shape};
+use crate::level_mesh;
 use crate::progress::Progress;
 use crate::selector::SceneLevels;
 use crate::stages::Stages;
@@ -139,8 +139,7 @@ impl Subject {
             }
             None => vec![Lod(0); objects.len()],
         };
-        let shape = Shape { order: Order::File, ..Shape::default() };
-        let meshes = level_mesh::meshes(objects, &lods, shape, &self.looks)?;
-        Ok(meshes.into_iter().map(|level| Cow::Owned(level.mesh)).collect())
+        let meshes = level_mesh::plain(objects, &lods)?;
+        Ok(meshes.into_iter().map(Cow::Owned).collect())
     }
 }

@@ -2,15 +2,12 @@
 
 use crate::colours::heat;
 use crate::commands::asset::Asset;
-use crate::exit::{Failure, Outcome, Status};
-use crate::levels::triangles;
+use crate::exit::Outcome;
+use crate::level_mesh;
 use crate::selector::SceneLevels;
-use lodc_formats::lodc::LodObject;
 use lodc_formats::picture::png;
-use lodc_measure::{
-    ImageError, Looks, Picture, SceneSurface, TriangleTree, Viewing, compare_pictures, pictures,
-};
-use lodc_mesh::{Lod, Mesh};
+use lodc_measure::{ImageError, Looks, Picture, Portrait, SceneSurface, TriangleTree, Viewing};
+use lodc_mesh::Mesh;
 use lodc_scene::{Appearance, Arrangement, Image};
 use lodc_select::{Selection, Target};
 use rayon::prelude::*;
@@ -51,23 +48,20 @@ pub(super) fn shown(
     let whole: Vec<&Mesh> = objects.iter().map(|o| o.simplified.mesh()).collect();
     let all: usize = whole.iter().map(|m| m.triangles().len()).sum();
     let input = SceneSurface::new(&whole, arrangement, appearance);
-    let materials = !input.surface.materials.is_empty();
-    let looks =
-        Looks { own_normals: !input.surface.normals.is_empty(), checkerboard: false, materials };
-    let cameras = VIEWING.cameras(&input.surface);
-    let before = pictures(&input.surface, &cameras, looks);
+    let looks = Looks { checkerboard: false, ..input.common_looks(&input) };
+    let portrait = Portrait::new(&input.surface, VIEWING, looks);
     let tree = input.surface.tree();
     let mut levels: Vec<Level> = Vec::new();
     for share in SHARES {
         let Selection { lods, error, rms, .. } = scene.select(Target::Ratio(share), false)?;
-        let meshes = meshes(objects, &lods)?;
+        let meshes = level_mesh::plain(objects, &lods)?;
         let triangles = meshes.iter().map(|m| m.triangles().len() as u64).sum();
         if levels.last().is_some_and(|l| l.triangles == triangles) {
             continue;
         }
         let refs: Vec<&Mesh> = meshes.iter().collect();
         let surface = SceneSurface::new(&refs, arrangement, appearance).surface;
-        let drawn = pictures(&surface, &cameras, looks);
+        let drawn = portrait.pictures_of(&surface);
         let far: Vec<Vec<f64>> = drawn.par_iter().map(|p| distances(p, &tree)).collect();
         let hottest = far.iter().flatten().copied().fold(0.0, f64::max);
         let warm = levels.is_empty().then(Vec::new);
@@ -76,7 +70,7 @@ pub(super) fn shown(
             share: triangles as f64 / all.max(1) as f64,
             error,
             rms,
-            image: compare_pictures(&before, &drawn),
+            image: portrait.compare_pictures(&drawn),
             pictures: drawn.iter().map(plain).collect(),
             heat: warm.unwrap_or_else(|| {
                 drawn.iter().zip(&far).map(|(p, far)| heated(p, far, hottest)).collect()
@@ -85,17 +79,6 @@ pub(super) fn shown(
         });
     }
     Ok(levels)
-}
-
-fn meshes(objects: &[LodObject], lods: &[Lod]) -> Outcome<Vec<Mesh>> {
-    let one = |(object, &lod): (&LodObject, &Lod)| {
-        let live = triangles(object, None, lod);
-        object.simplified.mesh().extract(&live).map_err(|e| {
-            let what = format!("{}: LOD {} is no mesh: {e}", object.info.name, lod.0);
-            Failure::new(Status::Bug, what)
-        })
-    };
-    objects.par_iter().zip(lods).map(one).collect()
 }
 
 /// Distance of each pixel's place from the input; 0 where nothing is.

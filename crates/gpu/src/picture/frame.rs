@@ -1,7 +1,7 @@
 //! One picture in the making: triangles are added, then pixels come back.
 
 use super::painter::{COLOUR, DEPTH, Painter, SAMPLES};
-use super::pixels::halved;
+use super::pixels::{halved, read_back, row_bytes};
 use super::{BackFaces, Camera, Corner, Style};
 use crate::GpuError;
 use lodc_scene::{Image, to_linear};
@@ -117,41 +117,9 @@ impl<'p> Frame<'p> {
     /// If the device fails or is lost.
     pub fn finish(mut self) -> Result<Image, GpuError> {
         self.pass(true, |_, _| ());
-        let device = self.painter.device;
         let [width, height] = self.size;
-        let row = row_bytes(width);
-        let bytes = u64::from(row) * u64::from(height);
-        let buffer = device.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("pixels"),
-            size: bytes,
-            usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
-        let mut encoder =
-            device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        encoder.copy_texture_to_buffer(
-            self.resolved.as_image_copy(),
-            wgpu::TexelCopyBufferInfo {
-                buffer: &buffer,
-                layout: wgpu::TexelCopyBufferLayout {
-                    offset: 0,
-                    bytes_per_row: Some(row),
-                    rows_per_image: None,
-                },
-            },
-            extent(self.size),
-        );
-        device.queue.submit([encoder.finish()]);
-        let mut pixels = Image::default();
-        device.map(&buffer, bytes, |rows| {
-            let tight: Vec<u8> = rows
-                .chunks_exact(row as usize)
-                .flat_map(|r| &r[..4 * width as usize])
-                .copied()
-                .collect();
-            pixels = halved(width, height, &tight);
-        })?;
-        Ok(pixels)
+        let pixels = read_back(self.painter.device, &self.resolved, self.size)?;
+        Ok(halved(width, height, &pixels))
     }
 
     /// One pass over the targets; the last one leaves a picture with one sample for each pixel.
@@ -188,11 +156,6 @@ impl<'p> Frame<'p> {
         drop(pass);
         device.queue.submit([encoder.finish()]);
     }
-}
-
-/// Bytes from row to row in a buffer that a texture is copied to.
-fn row_bytes(width: u32) -> u32 {
-    (4 * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT)
 }
 
 fn extent([width, height]: [u32; 2]) -> wgpu::Extent3d {

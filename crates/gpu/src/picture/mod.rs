@@ -13,6 +13,8 @@ mod pixels;
 pub use camera::{Camera, Framing, Lens, Up, Viewpoint};
 pub use frame::Frame;
 pub use painter::Painter;
+#[cfg(test)]
+pub(crate) use pixels::read_back;
 
 /// A corner of a triangle. Three in a row are one, counter-clockwise from outside.
 #[repr(C)]

@@ -1,5 +1,6 @@
 //! Finished pictures are made smaller.
 
+use crate::{Device, GpuError};
 use lodc_scene::{Image, to_linear, to_srgb};
 
 /// Halves a picture of premultiplied colours, whose width and height are even, in linear light; the
@@ -27,6 +28,51 @@ pub(super) fn halved(width: u32, height: u32, rows: &[u8]) -> Image {
         }
     }
     Image { width: w as u32, height: h as u32, bytes }
+}
+
+/// Reads a texture of four bytes a pixel, row by row from the top.
+///
+/// # Errors
+/// If the device fails or is lost.
+pub(crate) fn read_back(
+    device: &Device,
+    texture: &wgpu::Texture,
+    [width, height]: [u32; 2],
+) -> Result<Vec<u8>, GpuError> {
+    let row = row_bytes(width);
+    let bytes = u64::from(row) * u64::from(height);
+    let buffer = device.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("pixels"),
+        size: bytes,
+        usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    });
+    let mut encoder =
+        device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    encoder.copy_texture_to_buffer(
+        texture.as_image_copy(),
+        wgpu::TexelCopyBufferInfo {
+            buffer: &buffer,
+            layout: wgpu::TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: Some(row),
+                rows_per_image: None,
+            },
+        },
+        wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+    );
+    device.queue.submit([encoder.finish()]);
+    let mut tight = Vec::new();
+    device.map(&buffer, bytes, |rows| {
+        let rows = rows.chunks_exact(row as usize);
+        tight = rows.flat_map(|r| &r[..4 * width as usize]).copied().collect();
+    })?;
+    Ok(tight)
+}
+
+/// Bytes from row to row in a buffer that a texture is copied to.
+pub(super) fn row_bytes(width: u32) -> u32 {
+    (4 * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT)
 }
 
 #[cfg(test)]
