@@ -11,14 +11,16 @@ pub enum StreamVersion {
     One,
     /// Its indices are coded by their lengths.
     Two,
-    /// Steps have a root mean square distance, too. There is no version 3: one flipped bit makes no
-    /// version of another.
+    /// Steps have a root mean square distance, too.
     Four,
+    /// Points come when a split needs them. A version has an odd number of set bits, so that one
+    /// flipped bit makes no version of another.
+    Seven,
 }
 
 impl StreamVersion {
     /// The version that is written.
-    pub const LATEST: Self = Self::Four;
+    pub const LATEST: Self = Self::Seven;
 }
 
 /// The header of an object: everything but its vertices and triangles.
@@ -34,7 +36,8 @@ pub struct MeshHeader {
     pub vertices: u32,
     /// Triangles at the end of the stream.
     pub triangles: u32,
-    /// Steps: one for the first vertex, one for each collapse.
+    /// Steps: one for each collapse behind the points, and one for each group with points that are
+    /// left at the end. Before version 7 one for the first vertex and one for each collapse.
     pub steps: u32,
     /// True if strip positions are coded.
     pub strips: bool,
@@ -43,20 +46,23 @@ pub struct MeshHeader {
 }
 
 impl MeshHeader {
-    /// The header of a simplified mesh.
-    #[must_use]
-    pub fn new(simplified: &Simplified, layout: VertexLayout, strips: bool) -> Self {
+    /// The header of a simplified mesh that is coded in so many steps.
+    pub(crate) fn new(
+        simplified: &Simplified,
+        layout: VertexLayout,
+        strips: bool,
+        steps: u32,
+    ) -> Self {
         let mesh = simplified.mesh();
         let submesh = |s: &Submesh| Submesh { first_triangle: 0, triangle_count: 0, ..s.clone() };
         let vertices = mesh.vertex_count() as u32;
-        let collapses = simplified.collapses().steps() as u32;
         Self {
             submeshes: mesh.submeshes().iter().map(submesh).collect(),
             attributes: mesh.attributes().iter().map(Attribute::described).collect(),
             layout,
             vertices,
             triangles: mesh.triangles().len() as u32,
-            steps: if vertices == 0 { 0 } else { collapses + 1 },
+            steps,
             strips,
             version: StreamVersion::LATEST,
         }

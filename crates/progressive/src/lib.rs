@@ -6,7 +6,8 @@
 //! # The stream in ten sentences
 //!
 //! 1. A collapse sequence, read backwards, is a sequence of *vertex splits* that turns one vertex
-//!    into the whole mesh.
+//!    into the whole mesh. Vertices before its first triangle, *points*, come when a split needs
+//!    them.
 //! 2. Each split names the *parent* of the new vertex, as the distance from the one before.
 //! 3. It adds *new triangles*, mostly one on each side of the edge from parent to new vertex, coded
 //!    by the places of their third corners in the parent's link.
@@ -47,7 +48,7 @@
 //! | `partial_mesh` | the mesh so far: corner lists, stars, links, splits |
 //! | `vertex_data` | number systems, layouts, quantisation, prediction of values |
 //! | `source` | what an encoder knows: the splits of a collapse sequence |
-//! | `vertex_split` | coding of splits: parent, new triangles, corner transfer, contexts |
+//! | `vertex_split` | coding of splits: parent, new triangles, corner transfer, points, contexts |
 //! | `strips` | the drawing order, coding of positions, strips as indices |
 //!
 //! # Example

@@ -118,6 +118,7 @@ impl MeshDecoder {
         self.steps == self.header.steps
             && self.vertex_count() == self.header.vertices
             && self.triangle_count() == self.header.triangles
+            && self.codec.points.are_complete()
     }
 
     /// Steps decoded so far.
@@ -126,10 +127,18 @@ impl MeshDecoder {
         self.steps
     }
 
-    /// Vertices decoded so far.
+    /// Vertices so far, with the points that are only announced: the mesh is that of the LOD with
+    /// so many.
     #[must_use]
     pub fn vertex_count(&self) -> u32 {
         self.codec.mesh.vertex_count()
+    }
+
+    /// Returns whether a vertex has come: its parent, submesh and values are known. No triangle
+    /// uses one of those that have not.
+    #[must_use]
+    pub fn has_come(&self, vertex: u32) -> bool {
+        vertex < self.vertex_count() && !self.codec.points.is_missing(vertex)
     }
 
     /// Triangles decoded so far.
@@ -158,13 +167,14 @@ impl MeshDecoder {
         (0..self.triangle_count()).map(|f| self.codec.mesh.face(f))
     }
 
-    /// The submesh of each vertex.
+    /// The submesh of each vertex; 0 for one that has not come.
     #[must_use]
     pub fn vertex_submesh(&self) -> &[u32] {
         &self.codec.mesh.submesh
     }
 
-    /// The parent of each vertex, the vertex that it split off; 0 for the first.
+    /// The parent of each vertex, the vertex that it split off; 0 for the first and for one that
+    /// has not come.
     #[must_use]
     pub fn parents(&self) -> &[u32] {
         &self.codec.parents
@@ -184,6 +194,7 @@ impl MeshDecoder {
     }
 
     /// The mesh so far with all its vertices, in collapse order, and its triangles in stream order.
+    /// A vertex that has not come has index 0 in each channel, and no triangle.
     /// It may be no valid mesh: quantisation can make triangles degenerate.
     #[must_use]
     pub fn mesh_parts(&self) -> MeshParts {

@@ -56,7 +56,7 @@ impl<'a> MeshEncoder<'a> {
     ) -> Result<Self, StripMismatch> {
         let source = EncoderSource::new(simplified, &layout, strips)?;
         let submeshes = simplified.mesh().submeshes().len() as u32;
-        let header = MeshHeader::new(simplified, layout.clone(), strips.is_some());
+        let header = MeshHeader::new(simplified, layout.clone(), strips.is_some(), source.steps());
         let codec = ObjectCodec::new(layout, submeshes, strips.is_some(), header.version);
         Ok(Self { simplified, source, codec, header })
     }
@@ -67,7 +67,7 @@ impl<'a> MeshEncoder<'a> {
         &self.header
     }
 
-    /// Number of vertices encoded so far.
+    /// Number of vertices so far, with the points that are only announced.
     #[must_use]
     pub fn vertices(&self) -> u32 {
         self.codec.mesh.vertex_count()
@@ -82,7 +82,7 @@ impl<'a> MeshEncoder<'a> {
     /// Returns whether all steps are encoded.
     #[must_use]
     pub fn is_complete(&self) -> bool {
-        self.vertices() == self.header.vertices
+        self.vertices() == self.header.vertices && self.codec.points.are_complete()
     }
 
     /// Object-space error of the mesh that is encoded so far.
@@ -122,6 +122,7 @@ impl<'a> MeshEncoder<'a> {
     /// only (table 4.3), with what names the parent and the strips.
     #[must_use]
     pub fn package_bytes(&self) -> u64 {
-        self.codec.package_bytes + 12 * u64::from(self.vertices())
+        let ObjectCodec { package_bytes, points, .. } = &self.codec;
+        package_bytes + points.package_bytes + 12 * u64::from(self.vertices())
     }
 }

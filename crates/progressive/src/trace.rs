@@ -8,15 +8,17 @@ use crate::header::StreamVersion;
 use crate::source::split_source::DecoderSource;
 use crate::strips::position_code::StripContexts;
 use crate::vertex_data::number_system::NumberSystem;
+use crate::vertex_data::values::ValueContexts;
 use crate::vertex_data::vertex_layout::VertexLayout;
 use crate::vertex_split::contexts::Contexts;
 use crate::vertex_split::object_codec::{ObjectCodec, StepLimits};
+use crate::vertex_split::point_contexts::PointContexts;
 use lodc_mesh::{Attribute, Component, Semantic, take_leb128};
 use std::cell::RefCell;
 use std::fmt::Write as _;
 
-const TRIANGLE: &[u8] = include_bytes!("../../../fixtures/golden/lods4/triangle.lods");
-const TWO_PARTS: &[u8] = include_bytes!("../../../fixtures/golden/lods4/two_parts.lods");
+const TRIANGLE: &[u8] = include_bytes!("../../../fixtures/golden/lods7/triangle.lods");
+const TWO_PARTS: &[u8] = include_bytes!("../../../fixtures/golden/lods7/two_parts.lods");
 const PAGE: &str = include_str!("../../../docs/STREAM.md");
 
 /// The name of each context by its address, and how many bytes the contexts take that have one.
@@ -79,16 +81,32 @@ impl Names {
         for (i, by_expected) in c.transfer.transferred.iter().enumerate() {
             names.bits(by_expected, &format!("transferred[{i}]"));
         }
-        for (i, repeats) in c.values.repeats.iter().enumerate() {
-            names.bits(repeats, &format!("repeats[{i}]"));
-        }
-        for (i, residual) in c.values.residual.iter().enumerate() {
-            for (j, ResidualCode(context)) in residual.iter().enumerate() {
-                names.add(context, format!("residual[{}][{}][{j}]", i / 4, i % 4));
-            }
-        }
+        names.values(&c.values, "");
+        names.points(&c.points);
         names.strips(&c.strips);
         names
+    }
+
+    fn values(&mut self, c: &ValueContexts, prefix: &str) {
+        for (i, repeats) in c.repeats.iter().enumerate() {
+            self.bits(repeats, &format!("{prefix}repeats[{i}]"));
+        }
+        for (i, residual) in c.residual.iter().enumerate() {
+            for (j, ResidualCode(context)) in residual.iter().enumerate() {
+                self.add(context, format!("{prefix}residual[{}][{}][{j}]", i / 4, i % 4));
+            }
+        }
+    }
+
+    fn points(&mut self, c: &PointContexts) {
+        self.gamma(&c.count, "points");
+        self.bits(&c.wedge, "point_wedge");
+        self.add(&c.continues, "point_continues".to_owned());
+        self.add(&c.in_last, "point_in_last".to_owned());
+        self.gamma(&c.parent, "point_parent");
+        self.gamma(&c.next_parent, "point_next_parent");
+        self.add(&c.same_submesh, "point_submesh".to_owned());
+        self.values(&c.values, "point_");
     }
 
     fn strips(&mut self, c: &StripContexts) {
@@ -234,10 +252,11 @@ fn the_page_has_the_traces_of_golden_streams() {
 fn every_context_is_named_and_on_the_page() {
     let contexts = Box::new(Contexts::new());
     let names = Names::of(&contexts);
-    let states = size_of_val(&contexts.values)
-        - size_of_val(&contexts.values.repeats)
-        - size_of_val(&contexts.values.residual);
-    let all = size_of::<Contexts>() - states;
+    // Those of vertices and those of points.
+    let states = [&contexts.values, &contexts.points.values].map(|values| {
+        size_of_val(values) - size_of_val(&values.repeats) - size_of_val(&values.residual)
+    });
+    let all = size_of::<Contexts>() - states.iter().sum::<usize>();
     assert!(names.bytes <= all && all - names.bytes < 16, "{} of {all} bytes", names.bytes);
     for (_, name) in &names.by_address {
         let name = name.split(['[', '.']).next().unwrap_or_default();

@@ -31,8 +31,20 @@ fn a_file_becomes_a_glb_with_levels() {
 }
 
 #[test]
+fn a_file_of_the_gpu_layout_becomes_the_same_glb() {
+    let [packed, wide] = ["two_parts", "two_parts_gpu"].map(|name| {
+        let file = golden(&format!("v3/{name}.lodc"));
+        let mut session = Session::default();
+        session.input(file.len()).copy_from_slice(&file);
+        assert_eq!(session.open(), Status::Done, "{name}: {}", text(&session));
+        session.output().to_vec()
+    });
+    assert!(packed.starts_with(b"glTF") && packed == wide);
+}
+
+#[test]
 fn a_stream_grows_with_its_bytes_and_ends_complete() {
-    let versions = ["lods1", "lods2", "lods4"];
+    let versions = ["lods1", "lods2", "lods4", "lods7"];
     for (name, version) in FILES.iter().flat_map(|name| versions.map(|v| (name, v))) {
         let stream = golden(&format!("{version}/{name}.lods"));
         let mut session = Session::default();

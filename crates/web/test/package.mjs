@@ -22,9 +22,9 @@ function run(...args) {
   return execFileSync(program, args, { cwd: scratch, encoding: 'utf8' });
 }
 
-function built(input) {
+function built(input, ...options) {
   const name = `${input}.lodc`;
-  run('build', join(fixtures, input), '-o', name, '-q');
+  run('build', join(fixtures, input), '-o', name, '-q', ...options);
   return readFileSync(join(scratch, name));
 }
 
@@ -49,6 +49,9 @@ test('levels are those of extract', () => {
     compare(selection.byTriangles(half), '--triangles', String(half));
     compare(selection.byTriangles(9), '--triangles', '9');
     compare(selection.byError(0.01 * selection.unit), '--error', '0.01');
+    const parts = ({ objects }) => objects.map((object) => object.parts);
+    const gpu = parts(lodc.open(built(input, '--layout', 'gpu')));
+    assert.deepEqual(gpu, parts(lodc.open(built(input))), `${input} of the gpu layout`);
   }
 });
 

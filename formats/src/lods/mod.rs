@@ -1,4 +1,4 @@
-//! The `.lods` container, version 4 (docs/STREAM.md): progressive streams as checksummed blocks.
+//! The `.lods` container, version 7 (docs/STREAM.md): progressive streams as checksummed blocks.
 //!
 //! [`pack()`] writes a stream; an [`Unpacker`] is fed one piece by piece and shows the mesh of
 //! every prefix. What the blocks say is `lodc_progressive`'s concern; this folder has the blocks,
@@ -25,8 +25,9 @@ pub use pack::{PackOptions, Packed, PackedObject, pack};
 pub use rebuild::Rebuilt;
 pub use unpack::{Progress, Unpacker};
 
-/// The version that this program writes, and the newest that it reads.
-pub const VERSION: u32 = 4;
+/// The version that this program writes, and the newest that it reads. Versions have an odd number
+/// of set bits, so that one flipped bit makes no version of another: 1, 2, 4, 7, 8, 11, …
+pub const VERSION: u32 = 7;
 
 /// Returns whether bytes claim to be a `.lods` stream.
 #[must_use]

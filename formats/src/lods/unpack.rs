@@ -47,7 +47,8 @@ pub struct Unpacker {
 /// The progress of an object: the parts so far, and in all.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Progress {
-    /// Vertices so far, and in all.
+    /// Vertices so far, with points that are only announced ([`MeshDecoder::has_come`]), and in
+    /// all.
     pub vertices: [u32; 2],
     /// Triangles so far, and in all.
     pub triangles: [u32; 2],
@@ -314,7 +315,11 @@ impl Unpacker {
     }
 
     fn read_steps(&mut self, block: Block<'_>) -> Result<(), FormatError> {
-        let version = if self.version < 4 { StreamVersion::Two } else { StreamVersion::Four };
+        let version = match self.version {
+            ..4 => StreamVersion::Two,
+            4..7 => StreamVersion::Four,
+            _ => StreamVersion::Seven,
+        };
         let received = self.received.as_mut().expect("block 0 was read");
         let (object, mut payload) = (block.tag as usize - 1, block.payload);
         let is_first = received.awaits_header(object);
@@ -370,8 +375,8 @@ fn check_preamble(bytes: &[u8]) -> Result<Option<u32>, FormatError> {
     }
     let Some(version) = bytes.get(MAGIC.len()..PREAMBLE) else { return Ok(None) };
     match u32::from_le_bytes(version.try_into().expect("four bytes")) {
-        never @ (0 | 3) => Err(malformed(&format!("version {never} never existed"))),
-        version @ 1..=VERSION => Ok(Some(version)),
+        version @ ..=VERSION if version.count_ones() % 2 == 1 => Ok(Some(version)),
+        never @ ..=VERSION => Err(malformed(&format!("version {never} never existed"))),
         newer => {
             let what = format!(
                 "version {newer} is newer than this program, which reads up to version {VERSION}"

@@ -29,6 +29,7 @@ pub(crate) struct EncoderSource {
     /// interval, because they are numbered in preorder.
     subtree: Vec<Range<u32>>,
     error_codes: Vec<[u32; 2]>,
+    points: u32,
     strips: Option<StripNeighbors>,
 }
 
@@ -66,9 +67,11 @@ impl EncoderSource {
             let lod = Lod(last - new);
             [error_code(collapses.error_at(lod)), rms_code(collapses.rms_at(lod))]
         };
+        let continues = continues(simplified);
         Ok(Self {
+            points: points(&by_vertex.offsets, &continues),
             subtree: subtrees(&parents),
-            continues: continues(simplified),
+            continues,
             submesh: mesh.vertex_submesh().iter().rev().copied().collect(),
             channels: layout.systems.len(),
             indices: layout.indices(mesh),
@@ -82,7 +85,44 @@ impl EncoderSource {
     }
 }
 
+impl EncoderSource {
+    /// Returns the number of steps as a stream counts them: those behind the points, and one for
+    /// each group with points that are left when all vertices have come.
+    pub(crate) fn steps(&self) -> u32 {
+        let (points, all) = (self.points as usize, self.parents.len());
+        // In the first step single points come; a later one brings whole groups.
+        let first_step = points + self.continues[points..].iter().take_while(|&&c| c).count();
+        let [mut come, mut group_comes] = [vec![false; points], vec![false; points]];
+        for vertex in points..all {
+            let come = if vertex <= first_step { &mut come } else { &mut group_comes };
+            let corners =
+                self.new_triangles(vertex as u32).iter().flat_map(|t| [t.next, t.previous]);
+            for needed in corners.chain([self.parents[vertex]]) {
+                if let Some(come) = come.get_mut(needed as usize) {
+                    *come = true;
+                }
+            }
+        }
+        let position = |v: usize| &self.indices[v * self.channels..][..3];
+        let is_wedge = |v: usize| self.continues[v - 1] && position(v - 1) == position(v);
+        let (mut left, mut first) = (0, 0);
+        for end in 1..=points {
+            if end == points || !is_wedge(end) {
+                let group = first..end;
+                let is_whole = come[group.clone()].iter().all(|&come| come)
+                    || group_comes[group].iter().any(|&comes| comes);
+                left += u32::from(!is_whole);
+                first = end;
+            }
+        }
+        left + self.continues[points..].iter().filter(|&&continues| !continues).count() as u32
+    }
+}
+
 impl SplitSource for EncoderSource {
+    fn points(&self) -> u32 {
+        self.points
+    }
     fn parent(&self, new: u32) -> u32 {
         self.parents[new as usize]
     }
@@ -117,6 +157,16 @@ impl SplitSource for EncoderSource {
     fn error_codes(&self, new: u32) -> [u32; 2] {
         self.error_codes[new as usize]
     }
+}
+
+/// Returns the number of vertices before the first step that adds a triangle, given where the
+/// triangles of each vertex end.
+fn points(first_triangle: &[u32], continues: &[bool]) -> u32 {
+    let mut points = first_triangle.iter().skip(1).take_while(|&&end| end == 0).count();
+    while points > 0 && points < continues.len() && continues[points - 1] {
+        points -= 1;
+    }
+    points as u32
 }
 
 /// Returns for each vertex whether its step continues with the next one.

@@ -22,6 +22,8 @@ pub(crate) struct StripPosition {
 /// The splits of an object. Vertices and triangles are numbered in stream order. The answers of a
 /// decoder's source are passed to the coder, which ignores them.
 pub(crate) trait SplitSource {
+    /// Returns the number of points: the vertices of all steps before the first triangle.
+    fn points(&self) -> u32;
     /// Returns the vertex that a new one splits off.
     fn parent(&self, new: u32) -> u32;
     /// Returns whether the step continues after a vertex.
@@ -51,6 +53,9 @@ pub(crate) trait SplitSource {
 pub(crate) struct DecoderSource;
 
 impl SplitSource for DecoderSource {
+    fn points(&self) -> u32 {
+        0
+    }
     fn parent(&self, _: u32) -> u32 {
         0
     }

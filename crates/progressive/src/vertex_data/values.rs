@@ -70,10 +70,10 @@ impl VertexValues {
         self.layout.systems.len()
     }
 
-    /// Codes the values of the next vertex and appends them. `wanted` has all its channels for an
-    /// encoder and none for a decoder; `coded` is a buffer.
+    /// Codes the values of a vertex into `coded`. `wanted` has all its channels for an encoder and
+    /// none for a decoder.
     pub(crate) fn code<C: Coder>(
-        &mut self,
+        &self,
         coder: &mut C,
         contexts: &mut ValueContexts,
         neighborhood: Neighborhood<'_>,
@@ -108,7 +108,6 @@ impl VertexValues {
             let stream = StreamCoding { values: self, stream, slot, neighborhood };
             stream.code(coder, contexts, wanted, coded);
         }
-        self.indices.extend_from_slice(coded);
     }
 }
 

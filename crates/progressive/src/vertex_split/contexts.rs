@@ -6,12 +6,13 @@ use crate::strips::position_code::StripContexts;
 use crate::vertex_data::values::ValueContexts;
 use crate::vertex_split::corner_transfer::TransferContexts;
 use crate::vertex_split::new_triangles::TriangleContexts;
+use crate::vertex_split::point_contexts::PointContexts;
 
 /// The contexts of a stream. They go on from block to block and from object to object.
 /// `docs/STREAM.md` has a table of them.
 #[derive(Clone, Debug)]
 pub struct Contexts {
-    /// An index of an object's first vertex.
+    /// An index of the vertex of an object that comes first.
     pub(crate) first_index: GammaCode,
     /// Distance to the parent.
     pub(crate) parent: BoundedCode,
@@ -32,6 +33,7 @@ pub struct Contexts {
     pub(crate) rms_falls: AdaptiveBit,
     pub(crate) rms_drop: GammaCode,
     pub(crate) values: ValueContexts,
+    pub(crate) points: PointContexts,
     pub(crate) strips: StripContexts,
 }
 
@@ -53,6 +55,7 @@ impl Contexts {
             rms_falls: AdaptiveBit::NEW,
             rms_drop: GammaCode::NEW,
             values: ValueContexts::new(),
+            points: PointContexts::new(),
             strips: StripContexts::NEW,
         }
     }

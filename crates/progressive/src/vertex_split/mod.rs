@@ -7,6 +7,9 @@
 //!  vertex = parent | submesh | continues | next parent | pattern | new triangles
 //!           | corner transfer | same position | values        (strip positions: other substream)
 //! ```
+//!
+//! Vertices before the first triangle are points: one comes behind what first needs it, a parent or
+//! the new triangles.
 
 pub(crate) mod budget;
 pub(crate) mod contexts;
@@ -14,3 +17,8 @@ pub(crate) mod corner_transfer;
 pub(crate) mod neighborhood;
 pub(crate) mod new_triangles;
 pub(crate) mod object_codec;
+pub(crate) mod point_contexts;
+pub(crate) mod points;
+pub(crate) mod points_code;
+#[cfg(test)]
+mod points_tests;

@@ -77,20 +77,22 @@ impl SplitNeighborhood {
         self.triangles.push(triangle);
     }
 
-    /// Returns an error if a new triangle, from number `from` on, is degenerate or spans submeshes.
-    /// `submesh` has the submesh of each vertex if there are several.
-    pub(crate) fn check_triangles(
-        &self,
-        from: usize,
-        submesh: Option<&[u32]>,
-    ) -> Result<(), InvalidStream> {
+    /// Returns an error if a new triangle, from number `from` on, is degenerate.
+    pub(crate) fn check_corners(&self, from: usize) -> Result<(), InvalidStream> {
         let new = self.new;
-        let is_other = |v: u32| submesh.is_some_and(|s| s[v as usize] != s[new as usize]);
-        for t in &self.triangles[from..] {
-            let degenerate = t.next == t.previous || t.next == new || t.previous == new;
-            if degenerate || is_other(t.next) || is_other(t.previous) {
-                return Err(InvalidStream("has a degenerate triangle or one across submeshes"));
-            }
+        let is_degenerate =
+            |t: &NewTriangle| t.next == t.previous || t.next == new || t.previous == new;
+        if self.triangles[from..].iter().any(is_degenerate) {
+            return Err(InvalidStream("has a degenerate triangle"));
+        }
+        Ok(())
+    }
+
+    /// Returns an error if a new triangle spans submeshes, given that of each vertex.
+    pub(crate) fn check_submeshes(&self, submesh: &[u32]) -> Result<(), InvalidStream> {
+        let is_other = |v: u32| submesh[v as usize] != submesh[self.new as usize];
+        if self.triangles.iter().any(|t| is_other(t.next) || is_other(t.previous)) {
+            return Err(InvalidStream("has a triangle across submeshes"));
         }
         Ok(())
     }

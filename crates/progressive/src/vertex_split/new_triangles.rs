@@ -86,8 +86,6 @@ pub(crate) struct TriangleCode<'a, C> {
     pub(crate) coder: &'a mut C,
     pub(crate) contexts: &'a mut TriangleContexts,
     pub(crate) split: &'a mut SplitNeighborhood,
-    /// The submesh of each vertex if there are several.
-    pub(crate) submesh: Option<&'a [u32]>,
     /// Bytes that the coded corners take in the thesis's packages.
     pub(crate) package_bytes: u64,
 }
@@ -165,7 +163,7 @@ impl<C: Coder> TriangleCode<'_, C> {
             let apex = self.code_link_apex(wanted(i).previous, left);
             self.split.add_triangle(Side::Right, apex);
         }
-        self.split.check_triangles(0, self.submesh)
+        self.split.check_corners(0)
     }
 
     /// Codes any number of triangles, each with its side and corners.
@@ -202,7 +200,7 @@ impl<C: Coder> TriangleCode<'_, C> {
                     self.split.triangles.push(triangle);
                 }
             }
-            self.split.check_triangles(i, self.submesh)?;
+            self.split.check_corners(i)?;
             if self.split.triangles.len() > MAX_TRIANGLES {
                 return Err(InvalidStream("adds more than 2^20 triangles in one split"));
             }

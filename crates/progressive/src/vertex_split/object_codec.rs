@@ -18,6 +18,7 @@ use crate::vertex_split::budget::Cost;
 use crate::vertex_split::contexts::Contexts;
 use crate::vertex_split::neighborhood::SplitNeighborhood;
 use crate::vertex_split::new_triangles::{SplitPattern, TriangleCode};
+use crate::vertex_split::points::Points;
 use lodc_mesh::NONE;
 
 /// The symbol of a parent that is not near along the circle of wedges.
@@ -38,8 +39,10 @@ pub(crate) struct ObjectCodec {
     pub(crate) mesh: PartialMesh,
     pub(crate) values: VertexValues,
     pub(crate) strips: Option<StripOrder>,
-    submeshes: u32,
-    version: StreamVersion,
+    pub(super) submeshes: u32,
+    pub(super) version: StreamVersion,
+    /// The vertices before the first triangle, from version 7 on.
+    pub(crate) points: Points,
     /// For each vertex its parent, and whether its step continues with the next vertex.
     pub(crate) parents: Vec<u32>,
     pub(crate) continues: Vec<bool>,
@@ -55,19 +58,20 @@ pub(crate) struct ObjectCodec {
     /// True if the step continues with the next vertex.
     continued: bool,
     /// The parent of the next step's first vertex.
-    next_parent: u32,
-    split: SplitNeighborhood,
-    buffers: Buffers,
+    pub(super) next_parent: u32,
+    pub(super) split: SplitNeighborhood,
+    pub(super) buffers: Buffers,
 }
 
 #[derive(Clone, Debug, Default)]
-struct Buffers {
+pub(super) struct Buffers {
     split: SplitBuffers,
     new_star: Vec<StarFace>,
     new_star_link: Vec<LinkVertex>,
     /// The vertices around the new one.
     new_link: Vec<u32>,
-    indices: Vec<i32>,
+    /// The indices of the newest vertex.
+    pub(super) indices: Vec<i32>,
 }
 
 impl ObjectCodec {
@@ -83,6 +87,7 @@ impl ObjectCodec {
             strips: strips.then(StripOrder::new),
             submeshes,
             version,
+            points: Points::default(),
             parents: Vec::new(),
             continues: Vec::new(),
             error_code: 0,
@@ -104,7 +109,10 @@ impl ObjectCodec {
     /// Returns what the object has cost so far.
     pub(crate) fn cost(&self) -> Cost {
         let elements = u64::from(self.mesh.vertex_count()) + u64::from(self.mesh.face_count());
-        Cost { size: self.values.indices.len() as u64 + 8 * elements, work: self.work }
+        Cost {
+            size: self.values.indices.len() as u64 + 8 * elements,
+            work: self.work + self.points.work,
+        }
     }
 
     /// Codes one step: its vertices, then the errors of the mesh with all of them.
@@ -115,6 +123,15 @@ impl ObjectCodec {
         contexts: &mut Contexts,
         limits: StepLimits,
     ) -> Result<(), InvalidStream> {
+        if self.mesh.vertex_count() == 0 && self.version >= StreamVersion::Seven {
+            self.announce_points(&mut coders.splits, source, contexts, limits)?;
+        }
+        if self.mesh.vertex_count() == limits.vertices && !self.points.are_complete() {
+            self.code_left_points(&mut coders.splits, source, contexts);
+            let errors = source.error_codes(limits.vertices - 1);
+            self.code_errors(&mut coders.splits, errors, contexts);
+            return Ok(());
+        }
         loop {
             let new = self.mesh.vertex_count();
             if new >= limits.vertices {
@@ -131,6 +148,7 @@ impl ObjectCodec {
             }
             if !self.continued {
                 self.code_errors(&mut coders.splits, source.error_codes(new), contexts);
+                self.points.one_by_one = false;
                 return Ok(());
             }
         }
@@ -161,26 +179,6 @@ impl ObjectCodec {
         }
     }
 
-    /// Codes the vertex that the object starts with: its indices as they are.
-    fn code_first_vertex<C: Coder, S: SplitSource>(
-        &mut self,
-        coder: &mut C,
-        source: &S,
-        contexts: &mut Contexts,
-    ) {
-        let submesh = coder.uniform(self.submeshes, source.submesh(0));
-        self.mesh.add_vertex(submesh);
-        self.parents.push(0);
-        for channel in 0..self.values.channels() {
-            let wanted = source.indices(0).get(channel).copied().unwrap_or_default();
-            let index = match self.version {
-                StreamVersion::One => coder.raw(32, wanted as u32) as i32,
-                _ => unfold(contexts.first_index.code(coder, fold(wanted))),
-            };
-            self.values.indices.push(index);
-        }
-    }
-
     fn code_vertex<C: Coder, S: SplitSource>(
         &mut self,
         coders: &mut Substreams<C>,
@@ -196,6 +194,9 @@ impl ObjectCodec {
         } else {
             self.next_parent
         };
+        if self.points.is_missing(parent) {
+            self.code_points(coder, source, contexts, parent);
+        }
         self.parents.push(parent);
         let submesh = self.code_submesh(coder, source, contexts, parent);
         self.mesh.add_vertex(submesh);
@@ -269,14 +270,19 @@ impl ObjectCodec {
         contexts: &mut Contexts,
     ) -> Result<SplitPattern, InvalidStream> {
         let mut code = TriangleCode {
-            coder,
+            coder: &mut *coder,
             contexts: &mut contexts.triangles,
             split: &mut self.split,
-            submesh: (self.submeshes > 1).then_some(&self.mesh.submesh),
             package_bytes: 0,
         };
         let pattern = code.code(source)?;
         self.package_bytes += code.package_bytes;
+        if pattern == SplitPattern::General {
+            self.code_corner_points(coder, source, contexts);
+        }
+        if self.submeshes > 1 {
+            self.split.check_submeshes(&self.mesh.submesh)?;
+        }
         Ok(pattern)
     }
 
@@ -353,28 +359,24 @@ impl ObjectCodec {
         let wanted = if C::ENCODES { source.indices(new) } else { &[] };
         let coded = &mut self.buffers.indices;
         self.values.code(coder, &mut contexts.values, neighborhood, wanted, coded);
+        self.values.indices.extend_from_slice(coded);
     }
 }
 
-/// Returns a number that is small where the index is near 0: 0, −1, 1, −2, … become 0, 1, 2, 3, …
-fn fold(index: i32) -> u32 {
-    (index << 1 ^ index >> 31) as u32
-}
-
-/// The inverse of [`fold`].
-fn unfold(folded: u32) -> i32 {
-    (folded >> 1) as i32 ^ -((folded & 1) as i32)
-}
-
 /// The distance from one vertex to a parent, around the `vertices` that there are.
-struct ParentDistance {
-    from: u32,
-    vertices: u32,
+pub(super) struct ParentDistance {
+    pub(super) from: u32,
+    pub(super) vertices: u32,
 }
 
 impl ParentDistance {
     /// Codes the distance and returns the parent.
-    fn code<C: Coder>(&self, coder: &mut C, contexts: &mut Contexts, wanted: u32) -> u32 {
+    pub(super) fn code<C: Coder>(
+        &self,
+        coder: &mut C,
+        contexts: &mut Contexts,
+        wanted: u32,
+    ) -> u32 {
         let Self { from, vertices } = *self;
         let distance = if wanted >= from { wanted - from } else { wanted + vertices - from };
         let distance = contexts.parent.code(coder, vertices, distance);

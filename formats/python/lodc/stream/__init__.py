@@ -12,7 +12,7 @@ from .numbers import Decimal, Float, Grid, Integer, Significant
 from .object import Header, StreamObject, read_header
 
 MAGIC = b"\x89LODS\r\n\x1a"
-NEWEST = 4
+NEWEST = 7
 MAX_PAYLOAD = 16 << 20
 
 
@@ -43,7 +43,11 @@ class Stream:
             if len(self._waiting) < 12:
                 return self
             version = int.from_bytes(self._waiting[8:12], "little")
-            need(version not in (0, 3), "header", f"version {version} never existed")
+            need(
+                version > NEWEST or version.bit_count() % 2,
+                "header",
+                f"version {version} never existed",
+            )
             need(version <= NEWEST, "header", f"version {version} is newer than this reader")
             self.version, self._waiting, self.used = version, self._waiting[12:], 12
         while self._waiting and self._block():
@@ -100,7 +104,7 @@ class Stream:
             self._steps(place, tag - 1, steps, payload)
 
     def _steps(self, place, number, steps, payload):
-        cursor = Cursor(payload, place)
+        cursor, whole = Cursor(payload, place), len(payload)
         is_first = number == self._announced and number < self.all_objects
         if is_first:
             if number == len(self.objects):
@@ -114,6 +118,7 @@ class Stream:
         if is_first and steps == 0:
             need(not payload and obj.header.steps == 0, place, "has no steps")
             return
+        obj.used = self.used + whole
         obj.read(payload, steps, self._contexts, self.each_step)
 
     def _head(self, payload, place):

@@ -10,6 +10,16 @@ def table(make, *sizes):
     return [table(make, *sizes[1:]) for _ in range(sizes[0])]
 
 
+class Values:
+    """Contexts of values, and states that go on in the same way."""
+
+    def __init__(self):
+        self.repeats = table(Bit, 8, 2)
+        self.residual = table(Symbol, 8, 4, 3)
+        self.previous_repeats = [0] * 8
+        self.mean_bits = [[256] * 4 for _ in range(8)]
+
+
 class Contexts:
     """They start once and go on from block to block and from object to object."""
 
@@ -28,8 +38,15 @@ class Contexts:
         self.place = table(Symbol, 3, 17)
         self.transferred = table(Bit, 4, 3)
         self.same_position = Bit()
-        self.repeats = table(Bit, 8, 2)
-        self.residual = table(Symbol, 8, 4, 3)
+        self.values = Values()
+        self.point_count = Gamma()
+        self.point_wedge = table(Bit, 2)
+        self.point_continues = Bit()
+        self.point_in_last = Bit()
+        self.point_parent = Gamma()
+        self.point_next_parent = Gamma()
+        self.point_submesh = Bit()
+        self.point_values = Values()
         self.error_falls = Bit()
         self.error_drop = Gamma()
         self.rms_falls = Bit()
@@ -39,6 +56,3 @@ class Contexts:
         self.new_strip = table(Bit, 4)
         self.beside_strip = table(Bit, 3, 2)
         self.second = Bit()
-        # No contexts, but states that go on in the same way.
-        self.previous_repeats = [0] * 8
-        self.mean_bits = [[256] * 4 for _ in range(8)]

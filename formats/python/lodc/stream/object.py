@@ -10,6 +10,7 @@ from ..errors import need
 from .coder import Substream, decode_text
 from .mesh import PartialMesh, Star
 from .numbers import Decimal, Float, Grid, Integer, Significant, values
+from .points import Points, absolute, announce, bring
 from .strips import StripOrder, indices
 from .values import Layout, code_values, wrap
 
@@ -114,11 +115,12 @@ class StreamObject:
     def __init__(self, number, place):
         self.number, self.place, self.name = number, place, f"mesh{number}"
         self.world_scale, self.submeshes = 1.0, None
-        self.header, self.version = None, 4
+        self.header, self.version = None, 7
         self.mesh, self.order = PartialMesh(), None
         self.indices, self.parents, self.continues = [], [], []
         self.steps, self.error_code, self.rms_code = 0, 0, 0
         self.next_parent, self._continued = 0, False
+        self.points, self.used = Points(), 0
 
     def start(self, header, version):
         """Takes the header."""
@@ -150,6 +152,14 @@ class StreamObject:
         self.submeshes = [
             Submesh(s.name, s.material, s.primitive, listed) for s, listed in zip(named, streams)
         ]
+
+    @property
+    def has_come(self):
+        """Of each vertex so far whether its submesh and values are known. A point that no triangle
+        has used yet may not have come: its values are index 0, its submesh is 0."""
+        has_come = np.ones(len(self.mesh.corners), bool)
+        has_come[: len(self.points.missing)] = np.logical_not(self.points.missing)
+        return has_come
 
     @property
     def attributes(self):
@@ -213,12 +223,14 @@ class StreamObject:
     def is_complete(self):
         """Whether all that the header says has come."""
         h = self.header
-        return h is not None and (self.steps, len(self.mesh.corners), len(self.mesh.triangles)) == (
-            h.steps, h.vertices, h.triangles,
-        )  # fmt: skip
+        if h is None or self.points.left:
+            return False
+        counts = self.steps, len(self.mesh.corners), len(self.mesh.triangles)
+        return counts == (h.steps, h.vertices, h.triangles)
 
     def read(self, payload, steps, contexts, each_step=None):
-        """Decodes the steps of a block; calls ``each_step`` after each."""
+        """Decodes the steps of a block; calls ``each_step`` after each. ``used`` is set before: the
+        bytes of the stream up to the end of the block."""
         cursor = Cursor(payload, self.place)
         need(0 < steps <= self.header.steps - self.steps, self.place, "has no steps, or too many")
         splits = cursor.take(cursor.varint()) if self.header.strips else payload
@@ -246,6 +258,18 @@ class StreamObject:
         )
 
     def _step(self, splits, strips, contexts):
+        if self.version >= 7 and not self.mesh.corners:
+            announce(self, splits, contexts)
+        if len(self.mesh.corners) == self.header.vertices and self.points.left:
+            bring(self, splits, contexts, self.points.missing.index(True), alone=False)
+        else:
+            self._vertices(splits, strips, contexts)
+        if splits.bit(contexts.error_falls):
+            self.error_code = self.error_code - splits.gamma(contexts.error_drop) & 0xFFFFFFFF
+        if self.version > 2 and splits.bit(contexts.rms_falls):
+            self.rms_code = self.rms_code - splits.gamma(contexts.rms_drop) & 0xFFFFFFFF
+
+    def _vertices(self, splits, strips, contexts):
         while True:
             need(
                 len(self.mesh.corners) < self.header.vertices,
@@ -259,10 +283,6 @@ class StreamObject:
             self.continues.append(self._continued)
             if not self._continued:
                 break
-        if splits.bit(contexts.error_falls):
-            self.error_code = self.error_code - splits.gamma(contexts.error_drop) & 0xFFFFFFFF
-        if self.version > 2 and splits.bit(contexts.rms_falls):
-            self.rms_code = self.rms_code - splits.gamma(contexts.rms_drop) & 0xFFFFFFFF
 
     def _first_vertex(self, coder, contexts):
         self.mesh.add_vertex(coder.uniform(len(self.header.streams)))
@@ -271,12 +291,13 @@ class StreamObject:
         if self.version == 1:
             self.indices.append([wrap(coder.raw(32)) for _ in range(channels)])
             return
-        folded = [coder.gamma(contexts.first_index) for _ in range(channels)]
-        self.indices.append([-1 - u // 2 if u & 1 else u // 2 for u in folded])
+        self.indices.append(absolute(coder, contexts, channels))
 
     def _vertex(self, coder, strips, contexts):
         mesh, new, continued = self.mesh, len(self.mesh.corners), self._continued
         parent = self._wedge_parent(coder, contexts) if continued else self.next_parent
+        if self.points.is_missing(parent):
+            bring(self, coder, contexts, parent, alone=not self.steps)
         self.parents.append(parent)
         submesh = mesh.submesh[parent]
         if len(self.header.streams) > 1 and not coder.bit(contexts.same_submesh):
@@ -287,6 +308,9 @@ class StreamObject:
         star = Star(mesh, parent)
         mesh.add_vertex(submesh)
         pattern, triangles = self._triangles(coder, contexts, star, parent, new, continued)
+        for corner in [v for t in triangles for v in t[1:3]]:
+            if self.points.is_missing(corner):
+                bring(self, coder, contexts, corner, alone=not self.steps)
         transfer = self._transfer(coder, contexts, star, pattern, triangles)
         first = len(mesh.triangles)
         mesh.split(parent, new, star, transfer, triangles)
@@ -306,7 +330,7 @@ class StreamObject:
         link = [v for v, _, _ in Star(mesh, new).link]
         layout = self.header.layout
         self.indices.append(
-            code_values(coder, contexts, layout, self.indices, parent, wedge, link)
+            code_values(coder, contexts.values, layout, self.indices, parent, wedge, link)
         )
 
     def _wedge_parent(self, coder, contexts):

@@ -32,7 +32,7 @@ def _prediction(attribute):
 
 
 def code_values(coder, contexts, layout, indices, parent, wedge, link):
-    """Decodes the indices of the next vertex. ``indices`` has those of all vertices before."""
+    """Decodes the indices of a vertex. ``indices`` has those of all vertices before."""
     out = []
     for s, (first, channels, prediction, systems) in enumerate(layout.streams):
         if s == 0 and wedge is not None:

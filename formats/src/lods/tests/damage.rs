@@ -67,10 +67,15 @@ fn other_files_are_refused_by_name() {
     refused(&[&bytes[..], b"x"].concat(), "follows the end");
     refused(b"v 0 0 0\n", "not a .lods stream");
     let mut newer = bytes.clone();
-    newer[8] = 5;
-    refused(&newer, "newer than this program");
-    newer[8] = 3;
-    refused(&newer, "version 3 never existed");
+    for version in super::super::VERSION + 1..300 {
+        newer[8..PREAMBLE].copy_from_slice(&version.to_le_bytes());
+        refused(&newer, "newer than this program");
+    }
+    for version in [0, 3, 5, 6u8] {
+        newer[8] = version;
+        newer[9] = 0;
+        refused(&newer, &format!("version {version} never existed"));
+    }
     let ends = ends(&bytes);
     // A block twice, left out, or in another's place.
     refused(&[&bytes[..ends[3]], &bytes[ends[2]..]].concat(), "checksum");

@@ -1,5 +1,5 @@
-//! Streams of every version that ever was stay readable: `fixtures/golden/lods1/`, `lods2/` and
-//! `lods4/`. Those of the present version are written as they were.
+//! Streams of every version that ever was stay readable: `fixtures/golden/lods1/`, `lods2/`,
+//! `lods4/` and `lods7/`. Those of the present version are written as they were.
 //!
 //! They are made of the golden `.lodc` files by
 //! `cargo test -p lodc-formats make_golden_streams -- --ignored`.
@@ -12,7 +12,7 @@ use std::path::PathBuf;
 const NAMES: [(&str, u32); 4] =
     [("cube_and_part", 2), ("skinned_tube", 2), ("triangle", 2), ("two_parts", 3)];
 /// Versions of streams, each with how many of these it has.
-const VERSIONS: [(u32, usize); 3] = [(1, 3), (2, 4), (4, 4)];
+const VERSIONS: [(u32, usize); 4] = [(1, 3), (2, 4), (4, 4), (7, 4)];
 
 fn golden(name: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../fixtures/golden").join(name)
