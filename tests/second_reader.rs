@@ -7,11 +7,11 @@ mod support;
 
 use lodc_fixtures::{Rng, named, random_collapse};
 use lodc_formats::lodc::{self, Layout, LodFile, LodObject};
-use lodc_formats::lods::Unpacker;
+use lodc_formats::lods::{PackOptions, Unpacker, VERSION, pack};
 use lodc_formats::{Document, Limits, ObjDocument, ObjectInfo, Source, SourceFormat, SubmeshInfo};
 use lodc_lod::{AnyModel, ModelKind};
 use lodc_mesh::{Lod, OrientedTriangle, Simplified};
-use lodc_strip::{StripOptions, StripPool};
+use lodc_strip::{CacheOptions, Effort, StripOptions, StripPool, StripSet, cache};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::Arc;
@@ -188,6 +188,34 @@ fn golden_streams_are_read_alike_step_by_step() {
     }
     let Some(said) = python(&[Path::new("streams"), folder.path(), &golden]) else { return };
     assert!(streams >= 15 && said.starts_with(&format!("{streams} streams")), "{said}");
+}
+
+/// Pieces, wedges of many kinds, points that no triangle uses.
+#[test]
+fn streams_with_many_points_are_read_alike_step_by_step() {
+    let (states_of, made) = (Folder::new(), Folder::new());
+    let version = format!("lods{VERSION}");
+    let shapes = ["several_components", "triangle_soup", "faceted_sphere", "machine_part", "cube"];
+    for (seed, shape) in (0..).zip(shapes.iter().cycle().take(10)) {
+        let mesh = named(shape).expect("a shape");
+        let simplified = if seed < shapes.len() as u64 {
+            lodc_simplify::simplify(&mesh, &lodc_simplify::Options::DEFAULT, &|_, _| {})
+        } else {
+            random_collapse(&mesh, seed)
+        };
+        let name = format!("{shape}{seed}");
+        let file = file(&name, simplified, Layout::Packed);
+        let options = CacheOptions { effort: Effort::Fast, ..CacheOptions::default() };
+        let strips: StripSet = cache(file.objects[0].simplified.mesh(), &options);
+        let options = PackOptions { block_bytes: Some(100), ..PackOptions::default() };
+        let stream = pack(&file, &[Some(&strips)], &options).expect("a sound file").bytes;
+        states_of.file(&format!("{version}/{name}.states"), states(&stream));
+        made.file(&format!("v3/{name}.lodc"), lodc::write(&file));
+        made.file(&format!("{version}/{name}.lods"), stream);
+    }
+    let arguments = [Path::new("streams"), states_of.path(), made.path()];
+    let Some(said) = python(&arguments) else { return };
+    assert!(said.starts_with("10 streams"), "{said}");
 }
 
 #[test]
