@@ -94,7 +94,7 @@ fn more_than_the_limits_allow_is_refused() {
 }
 
 /// The stream with a payload changed and its checksums made right again.
-fn forged(bytes: &[u8], random: &mut Random) -> Vec<u8> {
+pub(super) fn forged(bytes: &[u8], random: &mut Random) -> Vec<u8> {
     let mut out = bytes[..PREAMBLE].to_vec();
     let mut at = PREAMBLE;
     for number in 0.. {

@@ -1,5 +1,6 @@
 //! Points come when a split needs them, so that a mesh of many pieces shows something early.
 
+use super::damage::forged;
 use super::every_step::check_every_step;
 use super::geometry_first::first_triangles;
 use super::*;
@@ -72,6 +73,32 @@ fn pieces_and_points_are_decoded_at_every_step() {
             lodc_simplify::simplify(&mesh, &lodc_simplify::Options::DEFAULT, &|_, _| {});
         check_every_step(&obj(vec![object("pieces", simplified)]), &format!("{what}, simplified"));
     }
+}
+
+#[test]
+fn forged_streams_of_pieces_do_no_harm() {
+    let mut random = Random(3);
+    let mut refused = 0;
+    for seed in 0..60 {
+        let mesh = pieces(2 + seed as usize, &mut random);
+        let file = obj(vec![object("pieces", random_collapse(&mesh, seed))]);
+        let bytes = stepwise(&file).0.bytes;
+        for _ in 0..40 {
+            let mut unpacker = Unpacker::new(Limits::DEFAULT);
+            refused += usize::from(unpacker.feed(&forged(&bytes, &mut random)).is_err());
+            for object in 0..unpacker.objects() {
+                // They may show anything, but must not panic, nor use what has not come.
+                let _ = (unpacker.mesh(object), unpacker.strips(object));
+                let decoder = unpacker.decoder(object);
+                let _ = unpacker.is_complete().then(|| unpacker.rebuilt(object));
+                if unpacker.is_complete() {
+                    assert!((0..decoder.vertex_count()).all(|v| decoder.has_come(v)));
+                }
+                assert!(decoder.triangles().flatten().all(|v| decoder.has_come(v)));
+            }
+        }
+    }
+    assert!(refused > 500, "only {refused} were noticed");
 }
 
 #[test]
