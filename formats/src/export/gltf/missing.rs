@@ -52,6 +52,9 @@ pub(crate) fn gltf_without_missing(
     if document.blob.is_empty() {
         root.shift_remove("buffers");
         is_free &= Pool::BufferViews.len(&root) == 0;
+    } else if let Some(buffer) = objects(&mut root, "buffers").next() {
+        let length = buffer.get("byteLength").and_then(integer).unwrap_or(0);
+        buffer.insert("byteLength".to_owned(), length.min(document.blob.len() as u64).into());
     }
     let json = serde_json::to_string(&root).expect("values from JSON can be written as JSON");
     Ok(is_free.then(|| (GltfDocument { json, blob: document.blob.clone() }, left_out)))

@@ -107,8 +107,14 @@ fn a_prefix_leaves_out_what_has_not_come_and_is_valid() {
         let objects: Vec<_> = (arrived.infos.iter().zip(&meshes))
             .map(|(info, mesh)| ExportObject { info, mesh })
             .collect();
-        let glb = export(Path::new("a.glb"), ExportFormat::Glb, &arrived.document, &objects);
-        let glb = glb.expect("it can be written").remove(0).bytes;
+        let written = |name: &str, format| {
+            let files = export(Path::new(name), format, &arrived.document, &objects);
+            files.unwrap_or_else(|e| panic!("{end} bytes as {name}: {e}")).remove(0).bytes
+        };
+        let glb = written("a.glb", ExportFormat::Glb);
+        // These show the rest pose, which asks for what the document says of skins.
+        written("a.obj", ExportFormat::Obj);
+        written("a.ply", ExportFormat::Ply);
         if meshes.iter().any(|m| !m.triangles().is_empty()) {
             read_bytes(&glb, &ImportOptions::default()).expect("it can be read again");
             gltf_crate(&glb);
