@@ -1,5 +1,6 @@
 //! The iteration: tie both surfaces together, solve for the moves, guard them, keep the best.
 
+use crate::by_face::ByFace;
 use crate::charts::curves;
 use crate::guard::{Guard, cross};
 use crate::input::Input;
@@ -53,8 +54,7 @@ struct Ties<'a> {
     system: System<'a>,
     /// Mean squared distance, both directions added.
     energy: f64,
-    /// For each face of the level the largest squared distance of a sample that is tied to it.
-    farthest: Vec<f64>,
+    by_face: ByFace,
     input_normals: Vec<DVec3>,
 }
 
@@ -63,13 +63,7 @@ impl Ties<'_> {
     fn add(&mut self, (tie, squared): &(Tie, f64)) {
         self.system.add(tie);
         self.energy += tie.weight * squared;
-        let farthest = &mut self.farthest[tie.face as usize];
-        *farthest = farthest.max(*squared);
-    }
-
-    /// The largest squared distance of all samples.
-    fn farthest(&self) -> f64 {
-        self.farthest.iter().copied().fold(0.0, f64::max)
+        self.by_face.add(tie, *squared);
     }
 }
 
@@ -97,7 +91,8 @@ impl<'a> Fit<'a> {
     /// farther from the other surface than the farthest was at the start.
     pub(crate) fn run(mut self, iterations: u32) -> Vec<DVec3> {
         let start = self.tie(&self.level.points);
-        let (first, limit) = (start.energy, FARTHER * start.farthest());
+        let (first, limit) = (start.energy, FARTHER * start.by_face.farthest());
+        let at_first = start.by_face.clone();
         let (mut best, mut positions) = (None, self.level.points.clone());
         let (mut least, mut ties) = (first, start);
         for _ in 0..iterations {
@@ -109,45 +104,50 @@ impl<'a> Fit<'a> {
             ties = self.tie(&positions);
             if ties.energy < least {
                 least = ties.energy;
-                best = Some((positions.clone(), ties.farthest(), ties.farthest.clone()));
+                best = Some((positions.clone(), ties.by_face.clone()));
             }
         }
-        let Some((best, farthest, by_face)) = best else { return self.level.points.clone() };
-        if farthest <= limit {
+        let Some((best, by_face)) = best else { return self.level.points.clone() };
+        let held = by_face.hardly_closer(&at_first, &self.level.faces, best.len());
+        if by_face.farthest() <= limit && !held.contains(&true) {
             return best;
         }
-        let held = self.held_back(&best, by_face, &ties.input_normals, limit);
+        let held = self.held_back(&best, held, by_face, &ties.input_normals, limit);
         let ties = self.tie(&held);
-        let better = ties.energy < first && ties.farthest() <= limit;
+        let better = ties.energy < first && ties.by_face.farthest() <= limit;
         if better { held } else { self.level.points.clone() }
     }
 
-    /// Puts the corners of faces with a sample beyond `limit`, a squared distance, back to where
-    /// they were, wider around them each time, until none is beyond.
+    /// Puts the points that are `held`, and the corners of faces with a sample beyond `limit`, a
+    /// squared distance, back to where they were, wider around them each time, until none is
+    /// beyond.
     fn held_back(
         &mut self,
         moved: &[DVec3],
-        mut farthest: Vec<f64>,
+        mut held: Vec<bool>,
+        mut by_face: ByFace,
         input_normals: &[DVec3],
         limit: f64,
     ) -> Vec<DVec3> {
         let level = self.level;
-        let mut held = vec![false; moved.len()];
+        let mut beyond = vec![false; moved.len()];
         let mut positions = moved.to_vec();
         for _ in 0..HELD_ROUNDS {
             let touched = |f: &usize| {
-                farthest[*f] > limit || level.faces[*f].iter().any(|&p| held[p as usize])
+                let is_beyond = |&p: &u32| beyond[p as usize];
+                by_face.farthest_of(*f) > limit || level.faces[*f].iter().any(is_beyond)
             };
             let wider: Vec<usize> = (0..level.faces.len()).filter(touched).collect();
             for &p in wider.iter().flat_map(|&f| &level.faces[f]) {
+                beyond[p as usize] = true;
                 held[p as usize] = true;
             }
             let moves: Vec<DVec3> = (0..moved.len())
                 .map(|p| if held[p] { DVec3::ZERO } else { moved[p] - level.points[p] })
                 .collect();
             positions = self.guard(input_normals).limit(&level.points, &moves);
-            farthest = self.tie(&positions).farthest;
-            if farthest.iter().all(|&d| d <= limit) {
+            by_face = self.tie(&positions).by_face;
+            if by_face.farthest() <= limit {
                 break;
             }
         }
@@ -178,9 +178,9 @@ impl<'a> Fit<'a> {
         let crosses: Vec<DVec3> = corners.iter().map(|&t| cross(t)).collect();
         let level = self.level;
         let system = System::new(positions.len(), &level.faces, &level.face_edges, &level.edges);
-        let farthest = vec![0.0; level.faces.len()];
+        let by_face = ByFace::new(level.faces.len());
         let input_normals = vec![DVec3::ZERO; level.faces.len()];
-        let mut ties = Ties { system, energy: 0.0, farthest, input_normals };
+        let mut ties = Ties { system, energy: 0.0, by_face, input_normals };
         self.tie_input(&corners, &crosses, &mut ties);
         self.tie_level(&corners, &crosses, &mut ties);
         self.tie_curves(&corners, &mut ties);

@@ -20,6 +20,7 @@
 
 mod attributes;
 mod blend;
+mod by_face;
 mod charts;
 mod fit;
 mod guard;

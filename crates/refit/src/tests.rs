@@ -223,3 +223,39 @@ fn texture_coordinates_stay_on_their_side_of_a_seam() {
         }
     }
 }
+
+/// A slice of a cake: a wedge, and a thin candle on it that hangs together with it.
+fn slice() -> Mesh {
+    let wedge = [[0.0f32, 0.0], [3.2, -1.6], [3.2, 1.6]];
+    let candle = [[0.8f32, -0.1], [1.0, -0.1], [1.0, 0.1], [0.8, 0.1]];
+    let mut positions: Vec<[f32; 3]> = Vec::new();
+    for z in [0.0, 0.8] {
+        positions.extend(wedge.map(|[x, y]| [x, y, z]));
+    }
+    for z in [0.8, 1.1] {
+        positions.extend(candle.map(|[x, y]| [x, y, z]));
+    }
+    // The bottom and the top around the candle; the sides of both.
+    let mut triangles = vec![[0, 2, 1]];
+    triangles.extend([[3, 4, 6], [4, 7, 6], [4, 5, 7], [5, 8, 7], [5, 9, 8], [5, 3, 9], [3, 6, 9]]);
+    let mut quad = |[a, b, c, d]: [u32; 4]| triangles.extend([[a, b, c], [a, c, d]]);
+    [(0, 1), (1, 2), (2, 0)].into_iter().for_each(|(a, b)| quad([a, b, b + 3, a + 3]));
+    [(6, 7), (7, 8), (8, 9), (9, 6)].into_iter().for_each(|(a, b)| quad([a, b, b + 4, a + 4]));
+    quad([10, 11, 12, 13]);
+    let triangle_count = triangles.len() as u32;
+    let all = Submesh { first_triangle: 0, triangle_count, attributes: vec![] };
+    let vertex_submesh = vec![0; positions.len()];
+    let (attributes, submeshes) = (vec![], vec![all]);
+    let parts = MeshParts { positions, vertex_submesh, attributes, triangles, submeshes };
+    Mesh::try_from(parts).expect("a mesh")
+}
+
+#[test]
+fn what_a_level_lacks_does_not_pull_a_spike_out_of_it() {
+    let s = simplified(&slice());
+    let lod = s.collapses().lod_for_triangles(8);
+    let level = unrefitted(&s, lod);
+    // The wedge as it was: its top could only be pulled out to where the candle stood.
+    assert!(level.triangles().len() == 8 && level.bounds().1[2] == 0.8, "{:?}", level.bounds());
+    assert_eq!(refit(&s, lod, &Options::DEFAULT), level);
+}

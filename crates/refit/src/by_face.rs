@@ -1,0 +1,64 @@
+//! Distances of samples, added up by the face of the level that they are tied to.
+
+use crate::system::Tie;
+use lodc_mesh::DisjointSets;
+
+/// Most of its squared distance that a part of a level keeps where a refit is worth it.
+const WORTH: f64 = 0.9;
+
+/// Squared distances of the samples that are tied to each face of a level.
+#[derive(Clone, Debug)]
+pub(crate) struct ByFace {
+    /// The largest.
+    farthest: Vec<f64>,
+    /// The sum by weight.
+    energy: Vec<f64>,
+}
+
+impl ByFace {
+    pub(crate) fn new(faces: usize) -> Self {
+        Self { farthest: vec![0.0; faces], energy: vec![0.0; faces] }
+    }
+
+    /// Adds a sample.
+    pub(crate) fn add(&mut self, tie: &Tie, squared: f64) {
+        let face = tie.face as usize;
+        self.energy[face] += tie.weight * squared;
+        self.farthest[face] = self.farthest[face].max(squared);
+    }
+
+    /// The largest squared distance of a face.
+    pub(crate) fn farthest_of(&self, face: usize) -> f64 {
+        self.farthest[face]
+    }
+
+    /// The largest squared distance of all faces.
+    pub(crate) fn farthest(&self) -> f64 {
+        self.farthest.iter().copied().fold(0.0, f64::max)
+    }
+
+    /// Returns for each point whether its part of the level, the faces that hang together, came
+    /// hardly closer than at `first`.
+    ///
+    /// Where most points of a part are held back, the others make the best of it: they may end up
+    /// far from where they were, as spikes, for next to nothing.
+    pub(crate) fn hardly_closer(
+        &self,
+        first: &Self,
+        faces: &[[u32; 3]],
+        points: usize,
+    ) -> Vec<bool> {
+        let mut parts = DisjointSets::new(points);
+        for &[a, b, c] in faces {
+            parts.join(a, b);
+            parts.join(a, c);
+        }
+        let mut sums = vec![[0.0; 2]; points];
+        for ((face, before), now) in faces.iter().zip(&first.energy).zip(&self.energy) {
+            let sum: &mut [f64; 2] = &mut sums[parts.find(face[0]) as usize];
+            *sum = [sum[0] + before, sum[1] + now];
+        }
+        let of_part = |p: u32| sums[parts.find(p) as usize];
+        (0..points as u32).map(of_part).map(|[before, now]| now > WORTH * before).collect()
+    }
+}
