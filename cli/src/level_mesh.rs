@@ -3,13 +3,13 @@
 
 use crate::exit::{Failure, Outcome, Status};
 use crate::levels;
-use crate::refitted::{of_object, refitted};
+use crate::paints::Paints;
+use crate::refitted::refitted;
 use clap::ValueEnum;
 use lodc_formats::export::ExportObject;
 use lodc_formats::lodc::LodObject;
 use lodc_lod::ModelKind;
 use lodc_mesh::{Lod, Mesh};
-use lodc_scene::Appearance;
 use lodc_select::decimal;
 use lodc_strip::{codec_order, order};
 use rayon::prelude::*;
@@ -48,7 +48,7 @@ pub(crate) struct LevelMesh {
     pub(crate) rms: Option<f64>,
 }
 
-/// Makes the meshes of the objects at `lods`, one each; `looks` is what refitted ones are judged
+/// Makes the meshes of the objects at `lods`, one each; `paints` is what refitted ones are judged
 /// in.
 ///
 /// # Errors
@@ -57,10 +57,10 @@ pub(crate) fn meshes(
     objects: &[LodObject],
     lods: &[Lod],
     shape: Shape,
-    looks: &Appearance,
+    paints: &Paints,
 ) -> Outcome<Vec<LevelMesh>> {
     let levels = objects.par_iter().zip(lods).enumerate();
-    levels.map(|(i, (object, &lod))| one(object, lod, shape, (looks, i))).collect()
+    levels.map(|(i, (object, &lod))| one(object, lod, shape, (paints, i))).collect()
 }
 
 /// Makes the meshes of the objects at `lods` as the reference shows them, in the input's order.
@@ -77,10 +77,10 @@ fn one(
     object: &LodObject,
     lod: Lod,
     shape: Shape,
-    (looks, i): (&Appearance, usize),
+    (paints, i): (&Paints, usize),
 ) -> Outcome<LevelMesh> {
     let level = if shape.refit {
-        let (mesh, error, rms) = refitted(object, lod, &of_object(looks, i));
+        let (mesh, error, rms) = refitted(object, lod, (paints, i));
         LevelMesh { mesh, error, rms: Some(rms) }
     } else {
         stored(object, lod, shape)?

@@ -1,11 +1,12 @@
-//! The colours of a scene's objects, for the metric that sees them.
+//! The colours of a scene's objects, for all that sees them.
 
 use lodc_measure::Pyramid;
 use lodc_scene::Appearance;
 use lodc_simplify::SurfaceColours;
 use std::sync::Arc;
 
-/// Base colours and textures of a scene.
+/// Base colours and textures of a scene. The default is none.
+#[derive(Default)]
 pub(crate) struct Paints {
     looks: Appearance,
     /// The images of the scene, ready to be read at any size.
@@ -27,6 +28,16 @@ impl Paints {
     /// The materials of the scene, without images.
     pub(crate) fn looks(&self) -> &Appearance {
         &self.looks
+    }
+
+    /// The materials of one object by itself: textures of others are left out.
+    pub(crate) fn looks_of(&self, object: usize) -> Appearance {
+        let Some(worn) = self.looks.of_submesh.get(object) else { return Appearance::default() };
+        let mut materials = self.looks.materials.clone();
+        for (m, material) in materials.iter_mut().enumerate() {
+            material.texture = material.texture.filter(|_| worn.contains(&m));
+        }
+        Appearance { materials, of_submesh: vec![worn.clone()], ..Appearance::default() }
     }
 
     /// The images.

@@ -1,7 +1,8 @@
 //! Refitted levels: closer in space, and held back where pictures would get worse.
 
+use crate::paints::Paints;
 use lodc_formats::lodc::LodObject;
-use lodc_measure::{Portrait, Sampling, SceneSurface, Surface, Viewing, distances};
+use lodc_measure::{Distances, Original, Portrait, Sampling, SceneSurface, Surface, Viewing};
 use lodc_mesh::{Lod, Mesh};
 use lodc_refit::{Options, Refit};
 use lodc_scene::{Appearance, Arrangement, Graph, Pose};
@@ -17,32 +18,43 @@ const FARTHER: f64 = 1.05;
 const WORSE: f64 = 1.005;
 const NOTHING: f64 = 0.02;
 
-/// A refitted level, its error and its root mean square distance. These are measured: the stored
-/// ones are of the vertices where they were.
-pub(crate) fn refitted(object: &LodObject, lod: Lod, looks: &Appearance) -> (Mesh, f64, f64) {
+/// A refitted level of an object of a scene, its error and its root mean square distance. These are
+/// measured: the stored ones are of the vertices where they were.
+pub(crate) fn refitted(
+    object: &LodObject,
+    lod: Lod,
+    (paints, number): (&Paints, usize),
+) -> (Mesh, f64, f64) {
     let original = object.simplified.mesh();
     let found = Refit::new(&object.simplified, lod, &Options::DEFAULT);
     if lod.0 == 0 {
         return (found.mesh(0.0), 0.0, 0.0);
     }
     let unmoved = found.mesh(0.0);
-    let before = errors(original, &unmoved);
-    let worse = looks_worse(original, &unmoved, looks);
+    let looks = paints.looks_of(number);
+    let from_original = {
+        let (surface, sampling) = (bare(original), &Sampling::DEFAULT);
+        let tree = found.tree().unwrap_or_else(|| Arc::new(surface.tree()));
+        Original::with_tree(&surface, tree, sampling)
+    };
+    let before = from_original.distances(&bare(&unmoved));
+    let farthest = FARTHER * larger(&before).0;
+    let worse = looks_worse(original, &unmoved, (paints, &looks));
     for share in SHARES {
         let mesh = found.mesh(share);
-        let after = errors(original, &mesh);
-        if after.0 <= FARTHER * before.0 && !worse(&mesh) {
-            return (mesh, after.0, after.1);
+        let (error, rms) = larger(&from_original.distances(&bare(&mesh)));
+        if error <= farthest && !worse(&mesh) {
+            return (mesh, error, rms);
         }
     }
-    (unmoved, before.0, before.1)
+    let (error, rms) = larger(&before);
+    (unmoved, error, rms)
 }
 
-/// Measures the largest and the root mean square distance of a level from its original.
-fn errors(original: &Mesh, level: &Mesh) -> (f64, f64) {
-    let measured = distances(&bare(original), &bare(level), &Sampling::DEFAULT);
+/// The largest and the root mean square distance, the larger of both ways.
+fn larger(distances: &Distances) -> (f64, f64) {
     let larger = |[a, b]: [f64; 2]| a.max(b);
-    (larger(measured.hausdorff), larger(measured.rms))
+    (larger(distances.hausdorff), larger(distances.rms))
 }
 
 /// Returns the question whether a mesh looks worse than where the simplifier left it. Meshes
@@ -50,26 +62,20 @@ fn errors(original: &Mesh, level: &Mesh) -> (f64, f64) {
 fn looks_worse<'a>(
     original: &Mesh,
     unmoved: &Mesh,
-    looks: &'a Appearance,
+    (paints, looks): (&'a Paints, &'a Appearance),
 ) -> Box<dyn Fn(&Mesh) -> bool + 'a> {
     if original.attributes().is_empty() {
         return Box::new(|_| false);
     }
-    let whole = surface(original, looks);
-    let portrait = Portrait::new(&whole.surface, VIEWING, whole.common_looks(&whole));
-    let images = whole.surface.images;
-    let error = move |mesh: &Mesh| {
+    let surface = |mesh: &Mesh| {
         let scene = Arrangement::new(&Graph::default(), &Pose::default(), 1);
-        let level = SceneSurface::with_images(&[mesh], &scene, looks, || Arc::clone(&images));
-        portrait.compare(&level.surface).rmse
+        SceneSurface::with_images(&[mesh], &scene, looks, || paints.images())
     };
+    let whole = surface(original);
+    let portrait = Portrait::new(&whole.surface, VIEWING, whole.common_looks(&whole));
+    let error = move |mesh: &Mesh| portrait.compare(&surface(mesh).surface).rmse;
     let most = WORSE * error(unmoved) + NOTHING;
     Box::new(move |mesh| error(mesh) > most)
-}
-
-/// An object as it was modelled, with its looks.
-fn surface(mesh: &Mesh, looks: &Appearance) -> SceneSurface {
-    SceneSurface::new(&[mesh], &Arrangement::new(&Graph::default(), &Pose::default(), 1), looks)
 }
 
 fn bare(mesh: &Mesh) -> Surface {
@@ -80,39 +86,22 @@ fn bare(mesh: &Mesh) -> Surface {
     }
 }
 
-/// The looks of one object of a scene, with the images that it shows.
-pub(crate) fn of_object(looks: &Appearance, object: usize) -> Appearance {
-    let Some(of_submesh) = looks.of_submesh.get(object) else { return Appearance::default() };
-    let mut own = Appearance { of_submesh: vec![of_submesh.clone()], ..Appearance::default() };
-    let mut number = vec![None; looks.images.len()];
-    for (m, mut material) in looks.materials.iter().copied().enumerate() {
-        // What other objects wear is nothing here.
-        material.texture =
-            material.texture.filter(|_| of_submesh.contains(&m)).map(|mut texture| {
-                texture.image = *number[texture.image].get_or_insert_with(|| {
-                    own.images.push(looks.images[texture.image].clone());
-                    own.images.len() - 1
-                });
-                texture
-            });
-        own.materials.push(material);
-    }
-    own
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     fn image_error(original: &Mesh, level: &Mesh) -> f64 {
-        let [original, level] = [original, level].map(|m| surface(m, &Appearance::default()));
+        let scene = Arrangement::new(&Graph::default(), &Pose::default(), 1);
+        let surface = |mesh| SceneSurface::new(&[mesh], &scene, &Appearance::default());
+        let [original, level] = [original, level].map(surface);
         let looks = original.common_looks(&original);
         Portrait::new(&original.surface, VIEWING, looks).compare(&level.surface).rmse
     }
 
     #[test]
     fn levels_that_look_worse_are_known() {
-        let (looks, mut moved, mut held) = (Appearance::default(), 0, 0);
+        let (paints, looks) = (Paints::default(), Appearance::default());
+        let (mut moved, mut held) = (0, 0);
         for (name, make) in lodc_fixtures::ALL {
             let mesh = make();
             if mesh.attributes().is_empty() || mesh.triangles().len() < 100 {
@@ -123,7 +112,7 @@ mod tests {
             let lod = simplified.collapses().lod_for_triangles(mesh.triangles().len() as u32 / 4);
             let found = Refit::new(&simplified, lod, &Options::DEFAULT);
             let (whole, none) = (found.mesh(1.0), found.mesh(0.0));
-            let worse = looks_worse(simplified.mesh(), &none, &looks);
+            let worse = looks_worse(simplified.mesh(), &none, (&paints, &looks));
             let [before, after] = [&none, &whole].map(|m| image_error(simplified.mesh(), m));
             assert!(!worse(&none), "{name}");
             assert_eq!(worse(&whole), after > WORSE * before + NOTHING, "{name}: {before} {after}");

@@ -5,6 +5,7 @@ use crate::exit::{Failure, Outcome};
 use crate::importance::ImportanceArgs;
 use crate::kinds::LookArgs;
 use crate::limits::ImportArgs;
+use crate::paints::Paints;
 use crate::parts::PartArgs;
 use crate::progress::Progress;
 use crate::stages::Stages;
@@ -13,9 +14,10 @@ use lodc_formats::appearance::appearance;
 use lodc_formats::import::{Either, either};
 use lodc_formats::lodc::LodObject;
 use lodc_formats::{Assets, Document, ObjectInfo, Scene, Source};
-use lodc_scene::Appearance;
+use lodc_select::Target;
 use lodc_simplify::{MetricKind, Options};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// An asset whose levels can be taken out.
 pub(crate) struct Asset {
@@ -28,20 +30,55 @@ pub(crate) struct Asset {
     pub(crate) files_read: Vec<PathBuf>,
     /// Messages about what was repaired, dropped or left out while reading.
     pub(crate) warnings: Vec<String>,
+    /// The looks of the scene, if the metric saw them.
+    paints: Option<Arc<Paints>>,
+}
+
+/// Use of the errors of levels: measuring them takes longer than simplifying does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Errors {
+    Measured,
+    /// Nothing asks for them, so those of a mesh may stay estimates.
+    Unused,
+}
+
+impl Errors {
+    /// The errors that a choice of levels takes.
+    pub(crate) fn to_choose(targets: impl IntoIterator<Item = Target>) -> Self {
+        let counts = |t| matches!(t, Target::Lod(_) | Target::Ratio(_) | Target::Triangles(_));
+        if targets.into_iter().all(counts) { Self::Unused } else { Self::Measured }
+    }
 }
 
 impl Asset {
-    /// Reads the looks of the scene. Images that cannot be had are left out without a word.
+    /// The looks of the scene, read unless the metric saw them. Images that cannot be had are left
+    /// out, with a line among the warnings of the looks.
     ///
     /// # Errors
     /// If the document is damaged.
-    pub(crate) fn looks(&self, input: &Path, import: &ImportArgs) -> Outcome<Appearance> {
-        let options = import.options();
-        let mut assets = Assets::new(input, &options.allowed, options.limits);
+    pub(crate) fn paints(&self, input: &Path, import: &ImportArgs) -> Outcome<Arc<Paints>> {
+        if let Some(paints) = &self.paints {
+            return Ok(Arc::clone(paints));
+        }
         let infos: Vec<&ObjectInfo> = self.objects.iter().map(|o| &o.info).collect();
-        let looks = appearance(&self.document, &infos, &mut assets);
-        looks.map_err(|e| e.in_file(&input.display().to_string()).into())
+        read_paints(input, import, &self.document, &infos)
     }
+}
+
+/// Reads the looks of a scene.
+///
+/// # Errors
+/// If the document is damaged.
+pub(crate) fn read_paints(
+    input: &Path,
+    import: &ImportArgs,
+    document: &Document,
+    infos: &[&ObjectInfo],
+) -> Outcome<Arc<Paints>> {
+    let options = import.options();
+    let mut assets = Assets::new(input, &options.allowed, options.limits);
+    let looks = appearance(document, infos, &mut assets);
+    Ok(Arc::new(Paints::new(looks.map_err(|e| e.in_file(&input.display().to_string()))?)))
 }
 
 /// Options of simplifying a mesh in memory.
@@ -73,7 +110,8 @@ pub(crate) fn read(
     how: &SimplifyArgs,
     stages: &mut Stages,
 ) -> Outcome<Asset> {
-    read_showing(&Progress::new(&input.display().to_string()), input, import, how, stages)
+    let progress = Progress::new(&input.display().to_string());
+    read_showing(&progress, input, import, how, Errors::Measured, stages)
 }
 
 /// Reads an input as [`read`] does, and shows the progress of simplifying on a bar of the caller's.
@@ -85,6 +123,7 @@ pub(crate) fn read_showing(
     input: &Path,
     import: &ImportArgs,
     how: &SimplifyArgs,
+    errors: Errors,
     stages: &mut Stages,
 ) -> Outcome<Asset> {
     let read = stages.run("read", || either(input, &import.options()))?;
@@ -101,8 +140,11 @@ pub(crate) fn read_showing(
             compressed: false,
             files_read: vec![input.to_owned()],
             warnings: file.left_out,
+            paints: None,
         }),
-        Either::Scene(scene) => simplified_showing(progress, input, import, how, scene, stages),
+        Either::Scene(scene) => {
+            simplified_showing(progress, (input, import), how, errors, scene, stages)
+        }
     }
 }
 
@@ -118,14 +160,14 @@ pub(crate) fn simplified(
     stages: &mut Stages,
 ) -> Outcome<Asset> {
     let progress = Progress::new(&input.display().to_string());
-    simplified_showing(&progress, input, import, how, scene, stages)
+    simplified_showing(&progress, (input, import), how, Errors::Measured, scene, stages)
 }
 
 fn simplified_showing(
     progress: &Progress,
-    input: &Path,
-    import: &ImportArgs,
+    (input, import): (&Path, &ImportArgs),
     how: &SimplifyArgs,
+    errors: Errors,
     scene: Scene,
     stages: &mut Stages,
 ) -> Outcome<Asset> {
@@ -143,16 +185,26 @@ fn simplified_showing(
     let mut locked = how.importance.locked(&scene)?;
     how.parts.lock(&scene, &mut locked)?;
     let Scene { source, document, objects, mut warnings, mut files_read, compressed } = scene;
-    let known = Known { paints: paints.shown(), locked: &locked, document: &document, limits };
+    let known = Known {
+        paints: paints.shown(),
+        locked: &locked,
+        document: &document,
+        limits,
+    };
     let simplified = stages.run("simplify", || simplify_all(objects, &options, known, progress))?;
     if how.metric.is_given() {
         // Else the command says what it cannot show; the metric sees what there is.
         warnings.extend(paints.warnings);
     }
     files_read.extend(paints.files_read);
-    let measured =
-        stages.run("errors", || measure_all(simplified, &document, &limits, progress))?;
+    let simplified = match errors {
+        Errors::Unused => simplified,
+        Errors::Measured => {
+            stages.run("errors", || measure_all(simplified, &document, &limits, progress))?
+        }
+    };
     let object = |(info, simplified)| LodObject { info, simplified, models: Vec::new() };
-    let objects = measured.into_iter().map(object).collect();
-    Ok(Asset { source, objects, document, compressed, files_read, warnings })
+    let objects = simplified.into_iter().map(object).collect();
+    let paints = paints.paints;
+    Ok(Asset { source, objects, document, compressed, files_read, warnings, paints })
 }

@@ -6,6 +6,7 @@ use glam::DVec3;
 use lodc_mesh::NONE;
 use lodc_nearest::{TriangleTree, morton_order};
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// Points that one thread looks up one after the other.
 const RUN: usize = 256;
@@ -40,25 +41,71 @@ pub struct Distances {
 /// Measures both ways. Without triangles on one side, distances to it are infinite; from it, zero.
 #[must_use]
 pub fn distances(a: &Surface, b: &Surface, sampling: &Sampling) -> Distances {
-    let ([to_b, from_b], [mean, mean_back]) = {
-        let (to_b, back) = (one_way(a, &b.tree(), sampling), one_way(b, &a.tree(), sampling));
-        ([to_b.0, back.0], [to_b.1, back.1])
-    };
-    Distances { hausdorff: [to_b, from_b], rms: [mean, mean_back] }
+    Original::new(a, sampling).distances(b)
 }
 
-/// Largest and root mean square distance from one surface to another.
-fn one_way(from: &Surface, to: &TriangleTree, sampling: &Sampling) -> (f64, f64) {
-    let area = squares(&over_area(from, sampling.samples, sampling.seed), to);
-    let lattice = squares(&over_triangles(from, sampling.lattice), to);
-    let largest = area.iter().chain(&lattice).copied().fold(0.0, f64::max);
-    let mean = if area.is_empty() { 0.0 } else { area.iter().sum::<f64>() / area.len() as f64 };
-    (largest.sqrt(), mean.sqrt())
+/// A surface, ready for others to be measured from it: its samples and its tree are made once.
+#[derive(Clone, Debug)]
+pub struct Original {
+    samples: Samples,
+    tree: Arc<TriangleTree>,
+    sampling: Sampling,
 }
 
-/// The squared distances of points, each searched for from the triangle of one that is near.
-fn squares(points: &[DVec3], to: &TriangleTree) -> Vec<f64> {
-    let order = morton_order(0..points.len() as u32, |i| [points[i as usize].as_vec3().into(); 3]);
+impl Original {
+    /// Prepares a surface.
+    #[must_use]
+    pub fn new(surface: &Surface, sampling: &Sampling) -> Self {
+        Self::with_tree(surface, Arc::new(surface.tree()), sampling)
+    }
+
+    /// The same where the [tree](Surface::tree) of the surface is known.
+    #[must_use]
+    pub fn with_tree(surface: &Surface, tree: Arc<TriangleTree>, sampling: &Sampling) -> Self {
+        Self { samples: Samples::new(surface, sampling), tree, sampling: *sampling }
+    }
+
+    /// Measures both ways, as [`distances`] does.
+    #[must_use]
+    pub fn distances(&self, other: &Surface) -> Distances {
+        let there = self.samples.farthest_and_mean(&other.tree());
+        let back = Samples::new(other, &self.sampling).farthest_and_mean(&self.tree);
+        Distances { hausdorff: [there.0, back.0], rms: [there.1, back.1] }
+    }
+}
+
+/// Points of a surface, each kind with an order in which neighbours are near each other.
+#[derive(Clone, Debug)]
+struct Samples {
+    area: (Vec<DVec3>, Vec<u32>),
+    lattice: (Vec<DVec3>, Vec<u32>),
+}
+
+impl Samples {
+    fn new(surface: &Surface, sampling: &Sampling) -> Self {
+        let ordered = |points: Vec<DVec3>| {
+            let place = |i: u32| [points[i as usize].as_vec3().into(); 3];
+            let order = morton_order(0..points.len() as u32, place);
+            (points, order)
+        };
+        Self {
+            area: ordered(over_area(surface, sampling.samples, sampling.seed)),
+            lattice: ordered(over_triangles(surface, sampling.lattice)),
+        }
+    }
+
+    /// The largest and the root mean square distance to another surface.
+    fn farthest_and_mean(&self, to: &TriangleTree) -> (f64, f64) {
+        let [area, lattice] = [&self.area, &self.lattice].map(|(p, order)| squares(p, order, to));
+        let largest = area.iter().chain(&lattice).copied().fold(0.0, f64::max);
+        let mean = if area.is_empty() { 0.0 } else { area.iter().sum::<f64>() / area.len() as f64 };
+        (largest.sqrt(), mean.sqrt())
+    }
+}
+
+/// The squared distances of points, each searched for from the triangle of the one before it in an
+/// order.
+fn squares(points: &[DVec3], order: &[u32], to: &TriangleTree) -> Vec<f64> {
     let along = |run: &[u32]| {
         let mut hint = NONE;
         let look = |&i: &u32| {

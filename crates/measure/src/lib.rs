@@ -30,7 +30,7 @@ mod spread;
 mod surface;
 mod texture;
 
-pub use distance::{Distances, Sampling, distances, farther_than};
+pub use distance::{Distances, Original, Sampling, distances, farther_than};
 pub use field::DistanceField;
 pub use lodc_nearest::TriangleTree;
 pub use picture::{ImageError, Looks, Picture, Viewing, compare_pictures, pictures};

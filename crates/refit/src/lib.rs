@@ -40,6 +40,8 @@ use guard::{Guard, cross};
 use input::Input;
 use level::Level;
 use lodc_mesh::{Lod, Mesh, MeshError, Simplified};
+use lodc_nearest::TriangleTree;
+use std::sync::Arc;
 
 /// Effort of a refit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -87,6 +89,12 @@ impl<'a> Refit<'a> {
         let input = Input::new(original, level.faces.len());
         let positions = Fit::new(&input, &level).run(options.iterations);
         Self { original, level, found: Some((input, positions)) }
+    }
+
+    /// The tree of LOD 0's triangles; none where nothing moves.
+    #[must_use]
+    pub fn tree(&self) -> Option<Arc<TriangleTree>> {
+        self.found.as_ref().map(|(input, _)| Arc::clone(&input.tree))
     }
 
     /// Returns the level with its vertices a share of the way to those places, from 0 to 1, and

@@ -19,6 +19,7 @@ use lodc_formats::textures::Textures;
 use lodc_formats::{Assets, Document, ObjectInfo, Scene, import};
 use lodc_simplify::{MetricKind, Options};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::SystemTime;
 
 /// The result of a build.
@@ -50,7 +51,12 @@ pub(super) fn make(
     args.parts.lock(&scene, &mut locked)?;
     let Scene { source, document, objects, mut files_read, .. } = scene;
     let limits = args.import.options().limits;
-    let known = Known { paints: paints.shown(), locked: &locked, document: &document, limits };
+    let known = Known {
+        paints: paints.shown(),
+        locked: &locked,
+        document: &document,
+        limits,
+    };
     let simplified = stages.run("simplify", || simplify_all(objects, &options, known, progress))?;
     report.warnings.extend(paints.warnings);
     for read in paints.files_read {
@@ -123,7 +129,7 @@ pub(crate) fn object_options(scene: &Scene, options: Options, parts: &PartArgs) 
 /// The colours of a scene, if the metric sees them.
 #[derive(Default)]
 pub(crate) struct ScenePaints {
-    paints: Option<Paints>,
+    pub(crate) paints: Option<Arc<Paints>>,
     /// The image files they are in.
     pub(crate) files_read: Vec<PathBuf>,
     /// One line for each image that could not be read.
@@ -133,7 +139,7 @@ pub(crate) struct ScenePaints {
 impl ScenePaints {
     /// The colours, if a metric sees them.
     pub(crate) fn shown(&self) -> Option<&Paints> {
-        self.paints.as_ref()
+        self.paints.as_deref()
     }
 }
 
@@ -154,11 +160,11 @@ pub(crate) fn paints(
     let import = import.options();
     let infos: Vec<&ObjectInfo> = scene.objects.iter().map(|o| &o.info).collect();
     let mut assets = Assets::new(input, &import.allowed, import.limits);
-    let mut looks = appearance(&scene.document, &infos, &mut assets)
+    let looks = appearance(&scene.document, &infos, &mut assets)
         .map_err(|e| e.in_file(&input.display().to_string()))?;
-    let warnings = std::mem::take(&mut looks.warnings);
+    let warnings = looks.warnings.clone();
     let files_read = assets.files_read().to_vec();
-    Ok(ScenePaints { paints: Some(Paints::new(looks)), files_read, warnings })
+    Ok(ScenePaints { paints: Some(Arc::new(Paints::new(looks))), files_read, warnings })
 }
 
 fn fill_in(report: &mut InputReport, objects: &[LodObject]) {

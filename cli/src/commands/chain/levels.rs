@@ -104,6 +104,11 @@ impl LevelArgs {
         Ok((levels, warnings))
     }
 
+    /// The wishes, finest first.
+    pub(super) fn wanted(&self) -> Vec<Target> {
+        self.targets().into_iter().map(|(target, _)| target).collect()
+    }
+
     fn targets(&self) -> Vec<(Target, Option<f64>)> {
         let plain = |targets: &[Target]| targets.iter().map(|&t| (t, None)).collect();
         if let Some(pixels) = self.pixels {

@@ -5,7 +5,7 @@ mod separate;
 mod shared;
 mod summary;
 
-use super::asset;
+use super::asset::{self, Errors};
 use super::each::{self, AssetOptions};
 use super::export::{self, ExportArgs, Made};
 use crate::batch::Asset;
@@ -22,8 +22,8 @@ use clap::Args;
 use levels::{Level, LevelArgs};
 use lodc_formats::OutputFile;
 use lodc_formats::export::{LevelFacts, Provenance};
-use lodc_scene::Appearance;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Options of `chain`.
 #[derive(Args, Debug)]
@@ -117,7 +117,8 @@ fn chain(
 ) -> Outcome<Made<ChainReport>> {
     let mut stages = Stages::default();
     let (import, simplify) = (&args.export.import, &args.export.simplify);
-    let asset = asset::read_showing(progress, input, import, simplify, &mut stages)?;
+    let errors = errors(args);
+    let asset = asset::read_showing(progress, input, import, simplify, errors, &mut stages)?;
     let limits = import.limits().limits();
     let scene = SceneLevels::new(&asset.objects, &asset.document, &limits)?;
     let (mut levels, mut warnings) =
@@ -131,10 +132,10 @@ fn chain(
     warnings.extend_from_slice(&textures.warnings);
     let packing = args.export.compress.wanted(format, asset.compressed)?;
     let additions = packing.additions(textures, None);
-    let looks =
-        if args.refit { asset.looks(input, &args.export.import)? } else { Appearance::default() };
+    let paints =
+        if args.refit { asset.paints(input, &args.export.import)? } else { Arc::default() };
     let made = stages.run("export", || match args.separate {
-        true => separate::files(args, &looks, out, format, &asset, &mut levels, additions),
+        true => separate::files(args, &paints, out, format, &asset, &mut levels, additions),
         false => shared::files(args, out, format, &asset, &mut levels, additions),
     })?;
     stages.run("write", || output::commit(&made.files))?;
@@ -143,6 +144,14 @@ fn chain(
     warnings.iter().for_each(|warning| console::warning(&name, warning));
     let rules = rules(&made, &[asset.files_read, images_read].concat());
     Ok(Made { report: summary::report(name, &levels, &made, warnings), rules })
+}
+
+/// The errors that are needed: those of refitted levels are measured on the result.
+fn errors(args: &ChainArgs) -> Errors {
+    if !args.refit {
+        return Errors::Measured;
+    }
+    Errors::to_choose(args.levels.wanted().into_iter().chain(args.max_error))
 }
 
 /// The origin of a file with these levels.

@@ -8,13 +8,13 @@ use crate::exit::Outcome;
 use crate::level_mesh::{self, Shape};
 use crate::mesh_output::{self, FormatName};
 use crate::output::Target;
+use crate::paints::Paints;
 use lodc_formats::export::Additions;
-use lodc_scene::Appearance;
 use std::path::{Path, PathBuf};
 
 pub(super) fn files(
     args: &ChainArgs,
-    looks: &Appearance,
+    paints: &Paints,
     out: &Path,
     format: FormatName,
     asset: &Asset,
@@ -25,7 +25,7 @@ pub(super) fn files(
     let order = Packing::of(&additions).order();
     let shape = Shape { model: None, refit: args.refit, order };
     for (number, level) in levels.iter_mut().enumerate() {
-        let meshes = level_mesh::meshes(&asset.objects, &level.lods, shape, looks)?;
+        let meshes = level_mesh::meshes(&asset.objects, &level.lods, shape, paints)?;
         // Of refitted meshes they are measured.
         (level.error, level.rms) = level_mesh::distance(&asset.objects, &meshes);
         level.vertices = meshes.iter().map(|m| m.mesh.vertex_count() as u64).sum();

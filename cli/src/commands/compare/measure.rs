@@ -5,11 +5,13 @@ use super::heatmap;
 use super::report::{Comparison, ImageReport, PairReport};
 use super::surface::{Subject, Wish};
 use super::{CompareArgs, ROUNDING};
+use crate::commands::asset::Errors;
 use crate::exit::Outcome;
-use crate::output::{self, Target};
+use crate::output;
 use crate::progress::Progress;
 use crate::stages::Stages;
-use lodc_measure::{Looks, Portrait, Sampling, SceneSurface, Viewing, distances};
+use lodc_measure::{Looks, Original, Portrait, Sampling, SceneSurface, Viewing};
+use lodc_select::Target;
 use std::path::Path;
 
 /// Result of the comparison of two files.
@@ -34,17 +36,22 @@ pub(super) fn compare(
     let then = baseline.map(|b| b.of(name, args)).transpose()?;
     let mut stages = Stages::default();
     let wish_a = Wish { target: args.level_a, per_object: false };
-    let a = Subject::read(path_a, args.level_a.is_some(), args, &mut stages, progress)?;
+    let level_a = args.level_a.map(|target| Errors::to_choose([target]));
+    let a = Subject::read(path_a, level_a, args, &mut stages, progress)?;
     let wishes = args.wishes();
-    let levels = wishes.iter().any(|(_, wish)| wish.target.is_some());
+    let targets: Vec<Target> = wishes.iter().filter_map(|(_, wish)| wish.target).collect();
+    let levels = (!targets.is_empty()).then(|| Errors::to_choose(targets));
     let b = Subject::read(path_b, levels, args, &mut stages, progress)?;
     progress.clear();
     let (a, mut of_a) = (a.surface(wish_a, args)?, None);
+    let sampling =
+        Sampling { samples: args.samples as usize, seed: args.seed, ..Sampling::DEFAULT };
+    let original = stages.run("distance", || Original::new(&a.surface, &sampling));
     let diagonal = a.surface.diagonal();
     let (mut all, mut names) = (Vec::new(), Vec::new());
     for (level, wish) in wishes {
         let surface = b.surface(wish, args)?;
-        let mut comparison = comparison(args, &a, &surface, &mut of_a, &mut stages);
+        let mut comparison = comparison(args, (&a, &original), &surface, &mut of_a, &mut stages);
         let level_name = level.clone().unwrap_or_else(|| label(wish.target));
         comparison.check(args, diagonal);
         if let Some(then) = &then {
@@ -59,7 +66,7 @@ pub(super) fn compare(
             let hottest = comparison.hausdorff.a_to_b.max(ROUNDING * diagonal);
             let png = stages
                 .run("heatmap", || heatmap::draw(&a.surface, &surface.surface, looks, hottest));
-            output::write(&Target::File(path.clone()), png)?;
+            output::write(&output::Target::File(path.clone()), png)?;
         }
         all.push((level, comparison));
         names.push(level_name);
@@ -72,16 +79,14 @@ pub(super) fn compare(
 
 fn comparison(
     args: &CompareArgs,
-    a: &SceneSurface,
+    (a, original): (&SceneSurface, &Original),
     b: &SceneSurface,
     of_a: &mut Option<Portrait>,
     stages: &mut Stages,
 ) -> Comparison {
     let looks = looks(a, b, args);
     let (a, b) = (&a.surface, &b.surface);
-    let sampling =
-        Sampling { samples: args.samples as usize, seed: args.seed, ..Sampling::DEFAULT };
-    let space = stages.run("distance", || distances(a, b, &sampling));
+    let space = stages.run("distance", || original.distances(b));
     let image = (args.views > 0).then(|| {
         let viewing = Viewing { views: args.views, size: args.size };
         stages.run("pictures", || {
@@ -100,8 +105,7 @@ fn looks(a: &SceneSurface, b: &SceneSurface, args: &CompareArgs) -> Looks {
 }
 
 /// The name of a level in a baseline.
-fn label(target: Option<lodc_select::Target>) -> String {
-    use lodc_select::Target;
+fn label(target: Option<Target>) -> String {
     match target {
         None => "all".to_owned(),
         Some(Target::Lod(lod)) => format!("LOD {lod}"),

@@ -1,23 +1,24 @@
 //! The surfaces that are compared: scenes, or levels of them, as their default scenes show them.
 
 use super::CompareArgs;
-use crate::commands::asset;
+use crate::commands::asset::{self, Errors};
 use crate::console;
 use crate::exit::{Failure, Outcome, Status};
 use crate::level_mesh;
+use crate::paints::Paints;
 use crate::progress::Progress;
 use crate::selector::SceneLevels;
 use crate::stages::Stages;
-use lodc_formats::appearance::appearance;
 use lodc_formats::import::{Either, either};
 use lodc_formats::lodc::LodObject;
-use lodc_formats::{Assets, Document, ObjectInfo, scene_graph};
+use lodc_formats::{Document, ObjectInfo, scene_graph};
 use lodc_measure::SceneSurface;
 use lodc_mesh::{Lod, Mesh};
-use lodc_scene::{Appearance, Arrangement};
+use lodc_scene::Arrangement;
 use lodc_select::Target;
 use std::borrow::Cow;
 use std::path::Path;
+use std::sync::Arc;
 
 /// More triangles than this, instances counted, are not compared.
 const MAX_TRIANGLES: usize = 1 << 28;
@@ -35,7 +36,7 @@ pub(super) struct Subject {
     name: String,
     document: Document,
     objects: Objects,
-    looks: Appearance,
+    paints: Arc<Paints>,
 }
 
 enum Objects {
@@ -53,22 +54,26 @@ impl Objects {
 }
 
 impl Subject {
-    /// Reads a scene. A mesh is simplified only if `levels` of it are wanted.
+    /// Reads a scene. A mesh is simplified only if `levels` of it are wanted, chosen by such
+    /// errors.
     ///
     /// # Errors
     /// If it cannot be read.
     pub(super) fn read(
         path: &Path,
-        levels: bool,
+        levels: Option<Errors>,
         args: &CompareArgs,
         stages: &mut Stages,
         progress: &Progress,
     ) -> Outcome<Self> {
         let options = args.import.options();
         let name = path.display().to_string();
-        let (document, objects, warnings) = if levels {
+        let needs_paints = !args.no_attributes && args.views > 0;
+        let mut paints = None;
+        let (document, objects, warnings) = if let Some(errors) = levels {
             let (import, simplify) = (&args.import, &args.simplify);
-            let asset = asset::read_showing(progress, path, import, simplify, stages)?;
+            let asset = asset::read_showing(progress, path, import, simplify, errors, stages)?;
+            paints = needs_paints.then(|| asset.paints(path, import)).transpose()?;
             (asset.document, Objects::Levels(asset.objects), asset.warnings)
         } else {
             match stages.run("import", || either(path, &options))? {
@@ -81,17 +86,17 @@ impl Subject {
                 }
             }
         };
-        let looks = if args.no_attributes || args.views == 0 {
-            Appearance::default()
-        } else {
-            let mut assets = Assets::new(path, &options.allowed, options.limits);
-            let looks = appearance(&document, &objects.infos(), &mut assets);
-            looks.map_err(|e| e.in_file(&name))?
+        let paints = match paints {
+            Some(paints) => paints,
+            None if needs_paints => {
+                asset::read_paints(path, &args.import, &document, &objects.infos())?
+            }
+            None => Arc::default(),
         };
-        for warning in warnings.iter().chain(&looks.warnings) {
+        for warning in warnings.iter().chain(&paints.looks().warnings) {
             console::warning(&name, warning);
         }
-        Ok(Self { name, document, objects, looks })
+        Ok(Self { name, document, objects, paints })
     }
 
     /// Returns the surface of the scene, or of a level of it.
@@ -116,7 +121,8 @@ impl Subject {
             let message = format!("{name}: its instances have more than {MAX_TRIANGLES} triangles");
             return Err(Failure::new(Status::Limit, message));
         }
-        Ok(SceneSurface::new(&meshes, &arrangement, &self.looks))
+        let paints = &self.paints;
+        Ok(SceneSurface::with_images(&meshes, &arrangement, paints.looks(), || paints.images()))
     }
 
     /// The meshes of the scene, or of a level of it.

@@ -1,7 +1,7 @@
 //! The level of one input, from bytes to bytes.
 
 use super::ExtractArgs;
-use crate::commands::asset::{self, Asset};
+use crate::commands::asset::{self, Asset, Errors};
 use crate::commands::export::Made;
 use crate::exit::{Failure, Outcome};
 use crate::level_mesh::{self, LevelMesh, Order, Shape};
@@ -17,8 +17,9 @@ use lodc_formats::lodc::LodObject;
 use lodc_formats::{ObjectInfo, scene_graph};
 use lodc_lod::{AnyModel, ModelKind};
 use lodc_mesh::{Lod, Mesh};
-use lodc_scene::{Appearance, Arrangement};
+use lodc_scene::Arrangement;
 use std::path::Path;
+use std::sync::Arc;
 
 /// Extracts the level of one input.
 ///
@@ -34,7 +35,8 @@ pub(super) fn extract(
     let mut stages = Stages::default();
     let criterion = args.criterion()?;
     let (import, simplify) = (&args.export.import, &args.export.simplify);
-    let asset = asset::read_showing(progress, input, import, simplify, &mut stages)?;
+    let errors = errors(args);
+    let asset = asset::read_showing(progress, input, import, simplify, errors, &mut stages)?;
     let packing = args.export.compress.wanted(format, asset.compressed)?;
     let order = args.order.unwrap_or(packing.order());
     let level = match criterion {
@@ -65,6 +67,14 @@ pub(super) fn extract(
     Ok(Made { report, rules })
 }
 
+/// The errors that are needed: those of refitted levels are measured on the result.
+fn errors(args: &ExtractArgs) -> Errors {
+    if !args.refit {
+        return Errors::Measured;
+    }
+    Errors::to_choose(args.selector.target().into_iter().chain(args.max_error))
+}
+
 /// A level that was taken out.
 struct Level {
     meshes: Vec<LevelMesh>,
@@ -91,10 +101,10 @@ fn uniform(
     let own = |object: &str| args.export.simplify.parts.ratio(object);
     let chosen =
         stages.run("select", || scene.select_capped(wish, own, args.max_error, per_object))?;
-    let looks =
-        if args.refit { asset.looks(input, &args.export.import)? } else { Appearance::default() };
+    let paints =
+        if args.refit { asset.paints(input, &args.export.import)? } else { Arc::default() };
     let meshes = stages
-        .run("extract", || level_mesh::meshes(&asset.objects, &chosen.lods, shape, &looks))?;
+        .run("extract", || level_mesh::meshes(&asset.objects, &chosen.lods, shape, &paints))?;
     Ok(Level {
         meshes,
         lods: chosen.lods.into_iter().map(Some).collect(),
