@@ -2,7 +2,7 @@
 
 use crate::exit::{Failure, Outcome};
 use clap::Args;
-use lodc_formats::{Document, ObjectInfo, PartNames, Scene};
+use lodc_formats::{ObjectInfo, PartNames, Scene};
 use lodc_mesh::{Mesh, Semantic};
 use lodc_simplify::Weights;
 use std::collections::BTreeSet;
@@ -56,7 +56,7 @@ impl ImportanceArgs {
         if self.lock.is_empty() {
             return Ok(locked);
         }
-        let names = names(&scene.document, scene)?;
+        let names = part_names(scene)?;
         for lock in &self.lock {
             let mut found = false;
             for ((object, list), number) in scene.objects.iter().zip(&mut locked).zip(0..) {
@@ -75,9 +75,13 @@ impl ImportanceArgs {
     }
 }
 
-fn names(document: &Document, scene: &Scene) -> Outcome<PartNames> {
+/// The names of the parts of a scene.
+///
+/// # Errors
+/// If the stored document is damaged.
+pub(crate) fn part_names(scene: &Scene) -> Outcome<PartNames> {
     let infos: Vec<&ObjectInfo> = scene.objects.iter().map(|o| &o.info).collect();
-    Ok(PartNames::new(document, &infos)?)
+    Ok(PartNames::new(&scene.document, &infos)?)
 }
 
 /// The vertices of an object that a lock means.
@@ -100,14 +104,7 @@ fn chosen(lock: &Lock, mesh: &Mesh, names: &PartNames, object: usize) -> Vec<boo
 }
 
 fn unknown(lock: &Lock, names: &PartNames) -> Failure {
-    let list = |all: &[Vec<String>]| {
-        let unique: BTreeSet<&str> =
-            all.iter().flatten().map(String::as_str).filter(|n| !n.is_empty()).collect();
-        match unique.is_empty() {
-            true => "none".to_owned(),
-            false => unique.into_iter().collect::<Vec<_>>().join(", "),
-        }
-    };
+    let list = |all: &[Vec<String>]| listed(all.iter().flatten().map(String::as_str));
     Failure::usage(match lock {
         Lock::Material(name) => {
             format!(
@@ -120,6 +117,15 @@ fn unknown(lock: &Lock, names: &PartNames) -> Failure {
         }
         Lock::Color => "--lock color: no vertex has a colour whose red is 1".to_owned(),
     })
+}
+
+/// Names in order, each once, for a message.
+pub(crate) fn listed<'a>(names: impl Iterator<Item = &'a str>) -> String {
+    let unique: BTreeSet<&str> = names.filter(|name| !name.is_empty()).collect();
+    match unique.is_empty() {
+        true => "none".to_owned(),
+        false => unique.into_iter().collect::<Vec<_>>().join(", "),
+    }
 }
 
 fn lock(text: &str) -> Result<Lock, String> {

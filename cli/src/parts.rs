@@ -2,11 +2,11 @@
 
 use crate::batch::globs;
 use crate::exit::{Failure, Outcome};
-use crate::importance::weights;
+use crate::importance::{listed, part_names, weights};
 use crate::selector;
 use clap::Args;
 use globset::GlobSet;
-use lodc_formats::{ObjectInfo, PartNames, Scene};
+use lodc_formats::Scene;
 use lodc_select::Target;
 use lodc_simplify::{MetricKind, Options, Weights};
 use serde::Deserialize;
@@ -15,8 +15,8 @@ use serde::Deserialize;
 #[derive(Args, Clone, Debug, Default)]
 pub(crate) struct PartArgs {
     /// Options of a part, a JSON object: {"objects": [GLOB, ...], "metric": "hybrid", "weight":
-    /// "uv=2", "lock": true}, or {"materials": [GLOB, ...], "lock": true}; may be given several
-    /// times, and later ones win
+    /// "uv=2", "lock": true}, or {"materials": [GLOB, ...], "weight": "uv=2", "lock": true}; may be
+    /// given several times, and later ones win
     #[arg(long = "part", value_name = "JSON", value_parser = Part::parse,
           help_heading = "Importance")]
     parts: Vec<Part>,
@@ -37,6 +37,15 @@ pub(crate) struct Part {
     no_attributes: Option<bool>,
     ratio: Option<f64>,
     levels: Vec<Target>,
+    /// The names as they were given, of a part that has to be there.
+    required: Option<Names>,
+}
+
+/// Globs of names, as they were given.
+#[derive(Clone, Debug)]
+struct Names {
+    objects: Vec<String>,
+    materials: Vec<String>,
 }
 
 /// A part as text.
@@ -53,6 +62,8 @@ struct Text {
     no_attributes: Option<bool>,
     ratio: Option<Number>,
     levels: Vec<Number>,
+    /// True for parts of a configuration, which is for many assets: not each has them.
+    if_there: bool,
 }
 
 /// A number, or a text that has one.
@@ -102,18 +113,20 @@ impl Part {
                 .iter()
                 .map(|l| selector::size(&l.text()))
                 .collect::<Result<_, _>>()?,
+            required: (!text.if_there)
+                .then_some(Names { objects: text.objects, materials: text.materials }),
         };
-        if part.materials.is_some() && (part.shapes_order() || part.has_level()) {
-            let why = "the materials of an object collapse together";
-            return Err(format!("of a material, only lock can be given: {why}"));
+        if part.materials.is_some() && (part.is_of_objects() || part.has_level()) {
+            let why = "the materials of an object collapse together, by one metric to one level";
+            return Err(format!("of a material, only lock and weight can be given: {why}"));
         }
         Ok(part)
     }
 
-    /// Returns whether it has options, apart from locks, that shape the order of collapses.
-    fn shapes_order(&self) -> bool {
+    /// Returns whether it has options of the order of collapses that only whole objects have.
+    fn is_of_objects(&self) -> bool {
         let switches = [self.lock_border, self.preserve_topology, self.no_attributes];
-        self.metric.is_some() || self.weights.is_some() || switches.iter().any(Option::is_some)
+        self.metric.is_some() || switches.iter().any(Option::is_some)
     }
 
     fn has_level(&self) -> bool {
@@ -123,6 +136,12 @@ impl Part {
     /// Returns whether an object of this name belongs to it, if perhaps not all of its materials.
     fn takes(&self, object: &str) -> bool {
         self.objects.as_ref().is_none_or(|names| names.is_match(object))
+    }
+
+    /// Returns whether a material of an object belongs to it.
+    fn takes_material(&self, object: &str, material: &str) -> bool {
+        let named = self.materials.as_ref().is_none_or(|names| names.is_match(material));
+        named && self.takes(object)
     }
 }
 
@@ -139,6 +158,68 @@ impl PartArgs {
         options
     }
 
+    /// The weights of every object's materials, by submesh; objects in which no material has weights
+    /// of its own have no list. `options` are those of the objects.
+    ///
+    /// # Errors
+    /// If the stored document is damaged.
+    pub(crate) fn weights(&self, scene: &Scene, options: &[Options]) -> Outcome<Vec<Vec<Weights>>> {
+        let mut all = vec![Vec::new(); scene.objects.len()];
+        let by_material = |part: &Part| part.materials.is_some() && part.weights.is_some();
+        if !self.parts.iter().any(by_material) {
+            return Ok(all);
+        }
+        let materials = part_names(scene)?.materials;
+        let objects = scene.objects.iter().zip(options).zip(&materials);
+        for (list, ((object, options), materials)) in all.iter_mut().zip(objects) {
+            let name = &object.info.name;
+            let last = |material: &String| {
+                let mut parts = self.parts.iter().rev().filter(|p| p.weights.is_some());
+                parts.find(|p| p.takes_material(name, material))
+            };
+            let own: Vec<Option<&Part>> = materials.iter().map(last).collect();
+            if own.iter().flatten().any(|part| by_material(part)) {
+                let weights = |part: Option<&Part>| part.and_then(|p| p.weights);
+                *list = own.into_iter().map(|p| weights(p).unwrap_or(options.weights)).collect();
+            }
+        }
+        Ok(all)
+    }
+
+    /// Refuses parts that a scene does not have, unless a configuration names them.
+    ///
+    /// # Errors
+    /// If there is such a part; the message lists what there is. If the stored document is damaged.
+    pub(crate) fn check(&self, scene: &Scene) -> Outcome<()> {
+        if self.parts.iter().all(|part| part.required.is_none()) {
+            return Ok(());
+        }
+        let materials = part_names(scene)?.materials;
+        let objects = || scene.objects.iter().map(|o| &o.info.name).zip(&materials);
+        for part in &self.parts {
+            let Some(names) = &part.required else { continue };
+            let has = |(object, all): (&String, &Vec<String>)| {
+                all.iter().any(|material| part.takes_material(object, material))
+            };
+            if objects().any(has) {
+                continue;
+            }
+            let (kind, given, there): (_, _, Vec<&String>) = match &part.materials {
+                None => ("object", &names.objects, objects().map(|(object, _)| object).collect()),
+                Some(_) => {
+                    let within = objects().filter(|(object, _)| part.takes(object));
+                    ("material", &names.materials, within.flat_map(|(_, all)| all).collect())
+                }
+            };
+            return Err(Failure::usage(format!(
+                "--part: no {kind} is named {} (there are: {})",
+                given.join(" or "),
+                listed(there.into_iter().map(String::as_str))
+            )));
+        }
+        Ok(())
+    }
+
     /// Adds the vertices of locked parts to those that stay, by object; objects without any have no
     /// list.
     ///
@@ -148,15 +229,14 @@ impl PartArgs {
         if self.parts.iter().all(|part| !part.lock) {
             return Ok(());
         }
-        let infos: Vec<&ObjectInfo> = scene.objects.iter().map(|o| &o.info).collect();
-        let materials = PartNames::new(&scene.document, &infos)?.materials;
+        let materials = part_names(scene)?.materials;
         for part in self.parts.iter().filter(|part| part.lock) {
             for ((object, list), materials) in
                 scene.objects.iter().zip(&mut *locked).zip(&materials)
             {
-                let has = |name: &String| part.materials.as_ref().is_none_or(|m| m.is_match(name));
+                let has = |material: &String| part.takes_material(&object.info.name, material);
                 let stays: Vec<bool> = materials.iter().map(has).collect();
-                if part.takes(&object.info.name) && stays.contains(&true) {
+                if stays.contains(&true) {
                     list.resize(object.mesh.vertex_count(), false);
                     let submeshes = object.mesh.vertex_submesh();
                     list.iter_mut().zip(submeshes).for_each(|(v, &s)| *v |= stays[s as usize]);
@@ -184,7 +264,8 @@ impl PartArgs {
     /// # Errors
     /// If there are any.
     pub(crate) fn refuse(&self, input: &str) -> Outcome<()> {
-        if !self.parts.iter().any(|part| part.lock || part.shapes_order()) {
+        let shapes_order = |p: &Part| p.lock || p.weights.is_some() || p.is_of_objects();
+        if !self.parts.iter().any(shapes_order) {
             return Ok(());
         }
         let what = "has its order of collapses: give metric, weight and lock of parts to build";
@@ -231,7 +312,9 @@ mod tests {
             (r#"{"objects": ["a"], "metrik": "kl"}"#, "metrik"),
             (r#"{"objects": ["a"], "metric": "x"}"#, "there are: quadric"),
             (r#"{"objects": ["a["]}"#, "glob"),
-            (r#"{"materials": ["a"], "metric": "kl"}"#, "only lock"),
+            (r#"{"materials": ["a"], "metric": "kl"}"#, "only lock and weight"),
+            (r#"{"materials": ["a"], "ratio": 0.5}"#, "only lock and weight"),
+            (r#"{"materials": ["a"], "weight": "size=2"}"#, "neither normal, uv"),
             (r#"{"objects": ["a"], "ratio": 3}"#, "share"),
             ("3", "invalid"),
         ] {

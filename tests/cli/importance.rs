@@ -73,6 +73,86 @@ fn a_locked_material_stays_and_the_rest_pays() {
     assert!(run.fails(2).err.contains("build"));
 }
 
+/// Two flat grids side by side, of materials of their own, whose texture is pulled out of shape in
+/// the same way: all that a collapse costs is what the texture shifts.
+fn two_textures() -> String {
+    const SIDE: u32 = 12;
+    let mut text = "mtllib m.mtl\no plate\n".to_owned();
+    for plate in 0..2 {
+        for (y, x) in (0..=SIDE).flat_map(|y| (0..=SIDE).map(move |x| (y, x))) {
+            let pulled = f64::from(x * x % 7 + y * y % 5) / 20.0;
+            let (u, v) = (f64::from(x) / 12.0 + pulled, f64::from(y) / 12.0 - pulled);
+            writeln!(text, "v {} {y} 0\nvt {u} {v}", x + 100 * plate).expect("text");
+        }
+    }
+    for (plate, material) in [(0, "keep"), (1, "rest")] {
+        writeln!(text, "usemtl {material}").expect("text");
+        for (y, x) in (0..SIDE).flat_map(|y| (0..SIDE).map(move |x| (y, x))) {
+            let corner = |dx: u32, dy: u32| {
+                let n = 169 * plate + (SIDE + 1) * (y + dy) + x + dx + 1;
+                format!("{n}/{n}")
+            };
+            let [a, b, c, d] = [corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)];
+            writeln!(text, "f {a} {b} {c}\nf {a} {c} {d}").expect("text");
+        }
+    }
+    text
+}
+
+#[test]
+fn a_material_has_weights_of_its_own() {
+    let f = Folder::new();
+    f.file("m.mtl", "newmtl keep\nnewmtl rest\n");
+    f.file("m.obj", two_textures());
+    let with = |more: &[&str]| {
+        let args = ["extract", "m.obj", "-o", "o.obj", "--ratio", "55%", "--metric", "quadric"];
+        f.lodc(args.iter().chain(&["-q"]).chain(more)).ends(0);
+        (faces(&f, "o.obj"), f.read("o.obj"))
+    };
+    let (even, plain) = with(&[]);
+    assert!(even[0].abs_diff(even[1]) < 40, "{even:?}");
+    // The whole of the one plate is flat and of no account; nothing of the other has to go.
+    let part = r#"{"materials": ["rest"], "weight": "uv=0"}"#;
+    let (own, bytes) = with(&["--part", part]);
+    assert!(own[0] == 288 && own[1] < 40, "{own:?}");
+    // A weight of 1 is what every material has.
+    assert_eq!(with(&["--part", r#"{"materials": ["rest"], "weight": "uv=1"}"#]).1, plain);
+    // The last part that names a material counts, be it by the object.
+    assert_eq!(
+        with(&["--part", part, "--part", r#"{"objects": ["*"], "weight": "uv=1"}"#]).1,
+        plain
+    );
+    f.file("lodc.toml", "[[override]]\nmaterials = [\"re*\"]\nweight = \"uv=0\"\n");
+    assert_eq!(with(&[]).1, bytes, "as by configuration");
+    let shown = f.lodc(["config", "--show", "m.obj"]).ends(0).text();
+    let line =
+        r#"extract --part '{"weight":"uv=0","materials":["re*"]}' # lodc.toml [[override]] 1"#;
+    assert!(shown.contains(line), "{shown}");
+    f.file("lodc.toml", "");
+    f.lodc(["build", "m.obj", "-o", "m.lodc", "--part", part, "-q"]).ends(0);
+    f.lodc(["verify", "m.lodc", "--source", "m.obj", "-q"]).ends(0);
+    f.lodc(["extract", "m.lodc", "-o", "o.obj", "--ratio", "55%", "-q"]).ends(0);
+    assert_eq!(faces(&f, "o.obj"), own);
+    let late = f.lodc(["extract", "m.lodc", "-o", "o.obj", "--ratio", "1", "--part", part]);
+    assert!(late.fails(2).err.contains("to build"));
+}
+
+#[test]
+fn a_part_that_is_not_there_lists_those_that_are() {
+    let f = Folder::new();
+    f.file("m.mtl", "newmtl keep\nnewmtl rest\n");
+    f.file("m.obj", two_materials());
+    let fails =
+        |part: &str| f.lodc(["build", "m.obj", "-o", "m.lodc", "--part", part]).fails(2).err;
+    let wrong = fails(r#"{"materials": ["kept"], "weight": "uv=0"}"#);
+    assert!(wrong.contains("no material is named kept (there are: keep, rest)"), "{wrong}");
+    let wrong = fails(r#"{"objects": ["wheel"], "lock": true}"#);
+    assert!(wrong.contains("no object is named wheel (there are: "), "{wrong}");
+    // A configuration is for many assets: not each has to have the part.
+    f.file("lodc.toml", "[[override]]\nmaterials = [\"kept\"]\nweight = \"uv=0\"\n");
+    f.lodc(["build", "m.obj", "-o", "m.lodc", "-q"]).ends(0);
+}
+
 #[test]
 fn a_wrong_name_lists_the_right_ones() {
     let f = Folder::new();

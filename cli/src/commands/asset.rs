@@ -180,14 +180,17 @@ fn simplified_showing(
     let limits = import.options().limits;
     let weights = how.importance.weights();
     let options = Options { metric: how.metric.metric(triangles), weights, ..Options::DEFAULT };
+    how.parts.check(&scene)?;
     let options = object_options(&scene, options, &how.parts);
     let paints = paints(import, input, &scene, &options)?;
     let mut locked = how.importance.locked(&scene)?;
     how.parts.lock(&scene, &mut locked)?;
+    let weights = how.parts.weights(&scene, &options)?;
     let Scene { source, document, objects, mut warnings, mut files_read, compressed } = scene;
     let known = Known {
         paints: paints.shown(),
         locked: &locked,
+        weights: &weights,
         document: &document,
         limits,
     };

@@ -8,7 +8,7 @@ pub(crate) use file::Layer;
 use crate::batch::{self, Asset, OptionValues};
 use crate::exit::{Failure, Outcome};
 use clap::Args;
-use file::File;
+use file::{File, Options};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -91,7 +91,11 @@ impl<'a> Configs<'a> {
                 });
             }
             if !parts.is_empty() {
-                let texts = parts.into_iter().map(|part| Value::Object(part).to_string());
+                let if_there = |mut part: Options| {
+                    part.insert("if-there".to_owned(), true.into());
+                    Value::Object(part).to_string()
+                };
+                let texts = parts.into_iter().map(if_there);
                 under.0.insert("part".to_owned(), texts.collect());
             }
             let own = std::mem::take(&mut asset.options);

@@ -31,57 +31,91 @@ pub(crate) struct Attributes {
     pub(crate) texture: Option<usize>,
     /// Up to four joints of each vertex and their weights, if the mesh is skinned.
     joints: Vec<[(u32, f32); 4]>,
-    joint_scale: f64,
+    /// The factor of each vertex's joints; empty without them.
+    joint_scales: Vec<f64>,
+}
+
+/// One number of every vertex.
+struct Column<'a> {
+    attribute: &'a Attribute,
+    component: usize,
+    /// The weight of its kind.
+    weight: fn(&Weights) -> f64,
+    /// A change by one counts, with weight 1, like a displacement by this share of a length.
+    share: f64,
+    length: f64,
+}
+
+impl<'a> Column<'a> {
+    /// The columns of an attribute's components.
+    fn of(
+        attribute: &'a Attribute,
+        weight: fn(&Weights) -> f64,
+        share: f64,
+        length: f64,
+    ) -> impl Fn(usize) -> Self {
+        move |component| Self { attribute, component, weight, share, length }
+    }
+
+    /// The number of a vertex in working units.
+    fn at(&self, vertex: u32, weights: &Weights) -> f32 {
+        let scale = (self.weight)(weights) * self.share * self.length;
+        let value = f64::from(self.attribute.value(vertex, self.component)) * scale;
+        if value.is_finite() { value as f32 } else { 0.0 }
+    }
 }
 
 impl Attributes {
-    /// Reads what takes part in the cost. `scale` turns mesh units into working units; `size` is
-    /// the mesh's diagonal in those.
-    pub(crate) fn new(mesh: &Mesh, weights: &Weights, scale: f64, size: f64) -> Self {
-        let mut columns: Vec<(&Attribute, usize, f64)> = Vec::new();
+    /// Reads what takes part in the cost. `weights` are those of each submesh; `scale` turns mesh
+    /// units into working units; `size` is the mesh's diagonal in those.
+    pub(crate) fn new(
+        mesh: &Mesh,
+        weights: impl Fn(u32) -> Weights,
+        scale: f64,
+        size: f64,
+    ) -> Self {
+        let mut columns: Vec<Column<'_>> = Vec::new();
         let mut texture = None;
         for a in mesh.attributes().iter().filter(|a| a.morph_target.is_none()) {
             let components = usize::from(a.components);
             match a.semantic {
                 Semantic::Normal => {
-                    let length = weights.normal * NORMAL_LENGTH * size;
-                    columns.extend((0..components.min(3)).map(|c| (a, c, length)));
+                    let column = Column::of(a, |w| w.normal, NORMAL_LENGTH, size);
+                    columns.extend((0..components.min(3)).map(column));
                 }
                 Semantic::Color(_) => {
-                    let length = weights.color * COLOR_LENGTH * size;
-                    columns.extend((0..components.min(4)).map(|c| (a, c, length)));
+                    let column = Column::of(a, |w| w.color, COLOR_LENGTH, size);
+                    columns.extend((0..components.min(4)).map(column));
                 }
                 Semantic::TexCoord(set) if components >= 2 => {
                     if set == 0 && texture.is_none() {
                         texture = Some(columns.len());
                     }
-                    let length = weights.uv * TEXTURE_SHARE * texture_length(a, mesh, scale, size);
-                    columns.extend((0..2).map(|c| (a, c, length)));
+                    let length = texture_length(a, mesh, scale, size);
+                    columns.extend((0..2).map(Column::of(a, |w| w.uv, TEXTURE_SHARE, length)));
                 }
                 _ => {}
             }
         }
         let stride = columns.len().next_multiple_of(4);
         let mut rows = Vec::with_capacity(stride * mesh.vertex_count());
-        for v in 0..mesh.vertex_count() as u32 {
-            rows.extend(columns.iter().map(|&(a, c, scale)| {
-                let value = f64::from(a.value(v, c)) * scale;
-                if value.is_finite() { value as f32 } else { 0.0 }
-            }));
+        let by_submesh: Vec<Weights> = (0..mesh.submeshes().len() as u32).map(weights).collect();
+        for (v, &submesh) in (0u32..).zip(mesh.vertex_submesh()) {
+            let weights = &by_submesh[submesh as usize];
+            rows.extend(columns.iter().map(|column| column.at(v, weights)));
             rows.resize(stride * (v as usize + 1), 0.0);
         }
-        Self {
-            width: columns.len(),
-            rows,
-            texture,
-            joints: joints(mesh),
-            joint_scale: weights.skin * JOINT_LENGTH * size,
-        }
+        let joints = joints(mesh);
+        let submeshes = mesh.vertex_submesh()[..joints.len()].iter();
+        let joint_scale = |s: &u32| by_submesh[*s as usize].skin * JOINT_LENGTH * size;
+        let joint_scales = submeshes.map(joint_scale).collect();
+        Self { width: columns.len(), rows, texture, joints, joint_scales }
     }
 
     /// No attributes: every vertex is like every other.
     pub(crate) fn none() -> Self {
-        Self { width: 0, rows: Vec::new(), texture: None, joints: Vec::new(), joint_scale: 0.0 }
+        let (rows, joints, joint_scales) = (Vec::new(), Vec::new(), Vec::new());
+        Self { width: 0, rows, texture: None, joints, joint_scales }
     }
 
     /// Returns whether there is nothing to compare.
@@ -117,11 +151,12 @@ impl Attributes {
             .sum()
     }
 
-    /// Squared difference of two vertices' skinning weights, in squared working units.
+    /// Squared difference of two vertices' skinning weights, in squared working units of the first.
     pub(crate) fn joint_distance_squared(&self, a: u32, b: u32) -> f64 {
         if self.joints.is_empty() || a == b {
             return 0.0;
         }
+        let scale = self.joint_scales[a as usize];
         let (a, b) = (&self.joints[a as usize], &self.joints[b as usize]);
         let weight = |list: &[(u32, f32); 4], joint: u32| -> f32 {
             list.iter().filter(|(j, _)| *j == joint).map(|(_, w)| w).sum()
@@ -137,7 +172,7 @@ impl Attributes {
                 sum += f64::from(weight(b, joint)).powi(2);
             }
         }
-        sum * self.joint_scale * self.joint_scale
+        sum * scale * scale
     }
 }
 

@@ -34,3 +34,32 @@ fn weights_change_what_goes_first() {
     assert_eq!(order(1.0), run(&mesh).collapses().parts().targets);
     assert_ne!(order(1.0), order(100.0));
 }
+
+#[test]
+fn weights_of_submeshes_are_those_of_the_options_unless_they_differ() {
+    let mesh = shapes::machine_part();
+    let with = |weights: &[Weights]| {
+        let guidance = Guidance { weights, ..Guidance::default() };
+        simplify_guided(&mesh, &Options::DEFAULT, guidance, &|_, _| {})
+    };
+    let weights = Weights { normal: 30.0, uv: 50.0, ..Weights::DEFAULT };
+    let all = |w: Weights| vec![w; mesh.submeshes().len()];
+    assert!(mesh.submeshes().len() > 1 && !mesh.attributes().is_empty());
+    assert_eq!(with(&all(Weights::DEFAULT)), run(&mesh));
+    let weighted = run_with(&mesh, Options { weights, ..Options::DEFAULT });
+    assert_eq!(with(&all(weights)), weighted);
+    let mut one = all(Weights::DEFAULT);
+    one[0] = weights;
+    let differs = with(&one);
+    assert!(differs != weighted && differs != run(&mesh));
+}
+
+#[test]
+fn joints_weigh_by_submesh() {
+    let mesh = shapes::skinned_tube(lodc_mesh::Component::U8);
+    let skin = |skin: f64| Weights { skin, ..Weights::DEFAULT };
+    let guidance = Guidance { weights: &[skin(100.0)], ..Guidance::default() };
+    let own = simplify_guided(&mesh, &Options::DEFAULT, guidance, &|_, _| {});
+    assert_eq!(own, run_with(&mesh, Options { weights: skin(100.0), ..Options::DEFAULT }));
+    assert_ne!(own, run(&mesh));
+}

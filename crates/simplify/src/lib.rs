@@ -71,7 +71,7 @@ pub fn simplify_coloured(
     colours: &dyn SurfaceColours,
     progress: &(dyn Fn(u64, u64) + Sync),
 ) -> Simplified {
-    let guidance = Guidance { colours: Some(colours), locked: &[] };
+    let guidance = Guidance { colours: Some(colours), ..Guidance::default() };
     simplify_guided(mesh, options, guidance, progress)
 }
 
@@ -82,6 +82,9 @@ pub struct Guidance<'a> {
     pub colours: Option<&'a dyn SurfaceColours>,
     /// For each vertex: true if it stays where it is until the terminal phase. Empty: none does.
     pub locked: &'a [bool],
+    /// For each submesh the importance of its attributes, in place of [`Options::weights`]. Empty:
+    /// that of the options for all.
+    pub weights: &'a [Weights],
 }
 
 /// Simplifies a mesh of which more is known.
@@ -111,7 +114,9 @@ fn simplify_with(
     let mut input = Input::new(mesh);
     input.lock(guidance.locked);
     let attributes = if options.attributes {
-        Attributes::new(mesh, &options.weights, input.scale, input.size)
+        let own = |submesh: u32| guidance.weights.get(submesh as usize).copied();
+        let weights = |submesh: u32| own(submesh).unwrap_or(options.weights);
+        Attributes::new(mesh, weights, input.scale, input.size)
     } else {
         Attributes::none()
     };

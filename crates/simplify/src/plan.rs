@@ -227,7 +227,7 @@ mod tests {
         let region = Region::whole(&input, false);
         let Region { mesh, wedges, .. } = &region;
         let attributes =
-            Attributes::new(&sphere, &crate::Weights::DEFAULT, input.scale, input.size);
+            Attributes::new(&sphere, |_| crate::Weights::DEFAULT, input.scale, input.size);
         let planner = Planner {
             input: &sphere,
             mesh,

@@ -190,7 +190,8 @@ mod tests {
     /// there are.
     fn compare(mesh: &lodc_mesh::Mesh) -> usize {
         let input = Input::new(mesh);
-        let attributes = Attributes::new(mesh, &crate::Weights::DEFAULT, input.scale, input.size);
+        let attributes =
+            Attributes::new(mesh, |_| crate::Weights::DEFAULT, input.scale, input.size);
         assert!(!attributes.is_empty());
         let context = Context { input: &input, options: Options::DEFAULT, attributes };
         let region = Region::whole(&input, false);

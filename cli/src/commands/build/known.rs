@@ -2,6 +2,7 @@
 
 use crate::paints::Paints;
 use lodc_formats::{Document, Limits};
+use lodc_simplify::Weights;
 
 /// Knowledge of a scene besides its meshes.
 #[derive(Clone, Copy)]
@@ -10,6 +11,9 @@ pub(crate) struct Known<'a> {
     pub(crate) paints: Option<&'a Paints>,
     /// By object the vertices that stay. An object without a list has none.
     pub(crate) locked: &'a [Vec<bool>],
+    /// By object and submesh the weights of materials. An object without a list has those of its
+    /// options.
+    pub(crate) weights: &'a [Vec<Weights>],
     pub(crate) document: &'a Document,
     pub(crate) limits: Limits,
 }

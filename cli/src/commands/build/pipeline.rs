@@ -45,15 +45,18 @@ pub(super) fn make(
     let triangles = report.triangles.unwrap_or(0);
 
     let options = args.simplify_options();
+    args.parts.check(&scene)?;
     let options = object_options(&scene, options, &args.parts);
     let paints = paints(&args.import, input, &scene, &options)?;
     let mut locked = args.importance.locked(&scene)?;
     args.parts.lock(&scene, &mut locked)?;
+    let weights = args.parts.weights(&scene, &options)?;
     let Scene { source, document, objects, mut files_read, .. } = scene;
     let limits = args.import.options().limits;
     let known = Known {
         paints: paints.shown(),
         locked: &locked,
+        weights: &weights,
         document: &document,
         limits,
     };

@@ -76,6 +76,7 @@ fn each(
         let guidance = Guidance {
             colours: colours.as_ref().map(|c| c as &dyn SurfaceColours),
             locked: known.locked.get(number).map_or(&[], Vec::as_slice),
+            weights: known.weights.get(number).map_or(&[], Vec::as_slice),
         };
         let simplified =
             simplify_guided(&object.mesh, &options[number], guidance, &report_progress);
