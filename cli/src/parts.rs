@@ -158,8 +158,8 @@ impl PartArgs {
         options
     }
 
-    /// The weights of every object's materials, by submesh; objects in which no material has weights
-    /// of its own have no list. `options` are those of the objects.
+    /// The weights of every object's materials, by submesh; objects none of whose materials has its
+    /// own have no list. `options` are those of the objects.
     ///
     /// # Errors
     /// If the stored document is damaged.

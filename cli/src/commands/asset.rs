@@ -1,6 +1,8 @@
 //! An asset with its levels: read from a `.lodc` file, or simplified in memory from a mesh.
 
-use crate::commands::build::{Known, measure_all, object_options, paints, simplify_all};
+use crate::commands::build::{
+    Importance, Known, measure_all, object_options, paints, simplify_all,
+};
 use crate::exit::{Failure, Outcome};
 use crate::importance::ImportanceArgs;
 use crate::kinds::LookArgs;
@@ -180,20 +182,12 @@ fn simplified_showing(
     let limits = import.options().limits;
     let weights = how.importance.weights();
     let options = Options { metric: how.metric.metric(triangles), weights, ..Options::DEFAULT };
-    how.parts.check(&scene)?;
     let options = object_options(&scene, options, &how.parts);
     let paints = paints(import, input, &scene, &options)?;
-    let mut locked = how.importance.locked(&scene)?;
-    how.parts.lock(&scene, &mut locked)?;
-    let weights = how.parts.weights(&scene, &options)?;
+    let importance = Importance::new(&scene, &options, &how.importance, &how.parts)?;
     let Scene { source, document, objects, mut warnings, mut files_read, compressed } = scene;
-    let known = Known {
-        paints: paints.shown(),
-        locked: &locked,
-        weights: &weights,
-        document: &document,
-        limits,
-    };
+    let known =
+        Known { paints: paints.shown(), importance: &importance, document: &document, limits };
     let simplified = stages.run("simplify", || simplify_all(objects, &options, known, progress))?;
     if how.metric.is_given() {
         // Else the command says what it cannot show; the metric sees what there is.

@@ -12,7 +12,7 @@ mod work;
 
 pub(crate) use counts::counts;
 pub(crate) use errors::{SimplifiedObjects, measure_all};
-pub(crate) use known::Known;
+pub(crate) use known::{Importance, Known};
 pub(crate) use models::ModelWork;
 pub(crate) use pipeline::{object_options, paints};
 pub(crate) use simplify::simplify_all;

@@ -1,7 +1,7 @@
 //! The stages of one build: import, simplify, errors, strips, models, check, write.
 
 use super::errors::measure_all;
-use super::known::Known;
+use super::known::{Importance, Known};
 use super::models::ModelWork;
 use super::simplify::simplify_all;
 use super::{BuildArgs, counts};
@@ -45,21 +45,13 @@ pub(super) fn make(
     let triangles = report.triangles.unwrap_or(0);
 
     let options = args.simplify_options();
-    args.parts.check(&scene)?;
     let options = object_options(&scene, options, &args.parts);
     let paints = paints(&args.import, input, &scene, &options)?;
-    let mut locked = args.importance.locked(&scene)?;
-    args.parts.lock(&scene, &mut locked)?;
-    let weights = args.parts.weights(&scene, &options)?;
+    let importance = Importance::new(&scene, &options, &args.importance, &args.parts)?;
     let Scene { source, document, objects, mut files_read, .. } = scene;
     let limits = args.import.options().limits;
-    let known = Known {
-        paints: paints.shown(),
-        locked: &locked,
-        weights: &weights,
-        document: &document,
-        limits,
-    };
+    let seen = paints.shown();
+    let known = Known { paints: seen, importance: &importance, document: &document, limits };
     let simplified = stages.run("simplify", || simplify_all(objects, &options, known, progress))?;
     report.warnings.extend(paints.warnings);
     for read in paints.files_read {

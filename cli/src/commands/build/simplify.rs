@@ -75,8 +75,8 @@ fn each(
         let colours = textured.map(|p| p.of_object(number));
         let guidance = Guidance {
             colours: colours.as_ref().map(|c| c as &dyn SurfaceColours),
-            locked: known.locked.get(number).map_or(&[], Vec::as_slice),
-            weights: known.weights.get(number).map_or(&[], Vec::as_slice),
+            locked: known.importance.locked.get(number).map_or(&[], Vec::as_slice),
+            weights: known.importance.weights.get(number).map_or(&[], Vec::as_slice),
         };
         let simplified =
             simplify_guided(&object.mesh, &options[number], guidance, &report_progress);
