@@ -206,17 +206,22 @@ pub(crate) struct Rule {
 /// # Errors
 /// If it cannot be written.
 pub(crate) fn write_depfile(path: &Path, rules: &[Rule]) -> Outcome<()> {
-    let mut text = String::new();
-    for rule in rules {
-        text.push_str(&escaped(&rule.output));
-        text.push(':');
-        for input in rule.inputs.iter().filter(|input| !is_stream(input)) {
+    let text: String = rules.iter().map(rule_text).collect();
+    write(&Target::File(path.to_owned()), text.into_bytes())
+}
+
+/// A rule as Make reads it; what was read twice, as images for the metric are, stands once.
+fn rule_text(rule: &Rule) -> String {
+    let (mut text, mut named) = (escaped(&rule.output), BTreeSet::new());
+    text.push(':');
+    for input in &rule.inputs {
+        if !is_stream(input) && named.insert(input) {
             text.push_str(" \\\n  ");
             text.push_str(&escaped(input));
         }
-        text.push('\n');
     }
-    write(&Target::File(path.to_owned()), text.into_bytes())
+    text.push('\n');
+    text
 }
 
 /// A path as Make reads it.
@@ -253,6 +258,13 @@ mod tests {
         assert_eq!(place("-", Some("-")), Ok("-".to_owned()));
         assert!(place("-", None).is_err());
         assert!(place("x.lodc", None).is_err(), "it would replace the input");
+    }
+
+    #[test]
+    fn a_rule_names_each_input_once() {
+        let inputs = ["m.gltf", "a.png", "b.png", "a.png"].map(PathBuf::from).to_vec();
+        let text = rule_text(&Rule { output: "m.glb".into(), inputs });
+        assert_eq!(text, "m.glb: \\\n  m.gltf \\\n  a.png \\\n  b.png\n");
     }
 
     #[test]
