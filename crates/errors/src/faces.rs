@@ -9,8 +9,9 @@ use std::ops::Range;
 /// Faces around a vertex that are read ahead.
 const FAN: usize = 7;
 
-/// A face of the current level.
+/// A face of the current level, half a cache line.
 #[derive(Clone, Debug)]
+#[repr(align(32))]
 pub(crate) struct Face {
     /// Its corners, as points.
     pub(crate) points: [u32; 3],
@@ -18,13 +19,30 @@ pub(crate) struct Face {
     next: [u32; 3],
     /// The first of its samples.
     pub(crate) first_sample: u32,
-    /// Number of its samples.
-    pub(crate) samples: u32,
-    /// The last step that touched it, plus 1.
-    touched: u32,
-    pub(crate) live: bool,
-    /// True if no step has touched it yet.
-    pub(crate) original: bool,
+    /// Number of its samples; more than fit are as many as fit.
+    pub(crate) samples: u16,
+    flags: u8,
+}
+
+/// The face is part of the level.
+const LIVE: u8 = 1;
+/// No step has touched it yet.
+const ORIGINAL: u8 = 2;
+/// The step that is applied has touched it.
+const TOUCHED: u8 = 4;
+
+impl Face {
+    #[inline]
+    pub(crate) fn is_live(&self) -> bool {
+        self.flags & LIVE != 0
+    }
+
+    /// Returns true the first time.
+    pub(crate) fn take_original(&mut self) -> bool {
+        let was = self.flags & ORIGINAL != 0;
+        self.flags &= !ORIGINAL;
+        was
+    }
 }
 
 /// All faces, which corners are at each vertex, and a tree over the faces.
@@ -60,9 +78,7 @@ impl Faces {
                 next: [NONE; 3],
                 first_sample: NONE,
                 samples: 0,
-                touched: 0,
-                live: true,
-                original: true,
+                flags: LIVE | ORIGINAL,
             });
             for (corner, &v) in (3 * t..).zip(wedges) {
                 let [first, last] = &mut ends[v as usize];
@@ -101,11 +117,10 @@ impl Faces {
         std::hint::black_box(word);
     }
 
-    /// Applies a step: the vertices `moves` turn into others. `step` numbers steps from 1.
+    /// Applies a step: the vertices `moves` turn into others.
     pub(crate) fn apply(
         &mut self,
         input: &Input,
-        step: u32,
         moves: impl Iterator<Item = (u32, u32)>,
         changes: &mut Changes,
     ) {
@@ -114,14 +129,16 @@ impl Faces {
         changes.sources.clear();
         changes.targets.clear();
         for (from, to) in moves {
-            self.move_vertex(input, step, from, to, changes);
+            self.move_vertex(input, from, to, changes);
         }
         for &t in &changes.touched {
-            let points = self.all[t as usize].points;
+            let face = &mut self.all[t as usize];
+            face.flags &= !TOUCHED;
+            let points = face.points;
             if is_degenerate(points.map(|p| input.positions[p as usize])) {
-                self.all[t as usize].live = false;
+                face.flags &= !LIVE;
                 self.live -= 1;
-                self.tree.remove(t, |t| self.all[t as usize].live);
+                self.tree.remove(t, |t| self.all[t as usize].is_live());
                 continue;
             }
             changes.changed.push(t);
@@ -137,7 +154,7 @@ impl Faces {
         }
     }
 
-    fn move_vertex(&mut self, input: &Input, step: u32, from: u32, to: u32, changes: &mut Changes) {
+    fn move_vertex(&mut self, input: &Input, from: u32, to: u32, changes: &mut Changes) {
         let (old, new) = (input.point_of[from as usize], input.point_of[to as usize]);
         if old != new && changes.targets.last() != Some(&new) {
             changes.targets.push(new);
@@ -152,10 +169,10 @@ impl Faces {
             let (t, c) = (corner / 3, corner as usize % 3);
             let face = &mut self.all[t as usize];
             let following = face.next[c];
-            if face.live {
+            if face.is_live() {
                 face.points[c] = new;
-                if old != new && face.touched != step {
-                    face.touched = step;
+                if old != new && face.flags & TOUCHED == 0 {
+                    face.flags |= TOUCHED;
                     changes.touched.push(t);
                 }
                 match last {
@@ -180,7 +197,7 @@ impl Faces {
 
     fn rebuild(&mut self, input: &Input) {
         let corners = |t: u32| self.all[t as usize].points.map(|p| input.places[p as usize]);
-        let live = self.tree.triangles().filter(|&t| self.all[t as usize].live);
+        let live = self.tree.triangles().filter(|&t| self.all[t as usize].is_live());
         let order = morton_order(live, corners);
         self.tree = MovingTree::of(order, self.all.len(), corners);
         self.in_tree = self.live;
@@ -210,6 +227,6 @@ impl Triangles for Level<'_> {
     }
     #[inline]
     fn is_live(&self, triangle: u32) -> bool {
-        self.faces[triangle as usize].live
+        self.faces[triangle as usize].is_live()
     }
 }

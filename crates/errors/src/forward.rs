@@ -113,7 +113,7 @@ impl<'a> Forward<'a> {
                 self.ahead = to;
             }
             let moves = (self.record..end).map(|k| (k, targets[k as usize]));
-            self.faces.apply(self.input, step + 1, moves, &mut self.changes);
+            self.faces.apply(self.input, moves, &mut self.changes);
             self.record = end;
             self.work.done += 1 + self.changes.touched.len() as u64;
             if self.faces.live > 0 && !self.changes.touched.is_empty() {
@@ -130,7 +130,7 @@ impl<'a> Forward<'a> {
         let all = faces.live <= self.input.triangles.len() as u32 / COARSE;
         for &t in &changes.touched {
             let face = &faces.all[t as usize];
-            block.entries.push(if face.live {
+            block.entries.push(if face.is_live() {
                 let middle = centroid(self.input.at(face.points));
                 samples.entry(middle, t, face, all, &mut block.hints)
             } else {
@@ -203,7 +203,7 @@ impl<'a> Forward<'a> {
     fn take_new_samples(&mut self) {
         for i in 0..self.changes.touched.len() {
             let t = self.changes.touched[i];
-            if !std::mem::take(&mut self.faces.all[t as usize].original) {
+            if !self.faces.all[t as usize].take_original() {
                 continue;
             }
             let points = self.input.triangles[t as usize];
@@ -263,7 +263,7 @@ impl<'a> Forward<'a> {
     fn nearest_face(&mut self, p: DVec3, own: u32, near: f64) -> Hit {
         let mut nearest = Hit::NOTHING;
         let near = near.max(FLOOR);
-        if self.faces.all[own as usize].live {
+        if self.faces.all[own as usize].is_live() {
             let corners = self.input.at(self.faces.all[own as usize].points);
             nearest.offer(distance_squared(p, corners), own);
         }

@@ -149,7 +149,7 @@ impl Samples {
         let face = &mut faces[face as usize];
         self.all[sample as usize].next = face.first_sample;
         face.first_sample = sample;
-        face.samples += 1;
+        face.samples = face.samples.saturating_add(1);
     }
 
     /// Appends the samples of a face to `taken`, with the face, and leaves the face without.

@@ -46,7 +46,8 @@ pub struct MovingTree {
     order: Vec<u32>,
     place: Vec<u32>,
     count: u32,
-    /// Box 1 is the root, boxes 2i and 2i + 1 are the children of box i.
+    /// Box 1 is the root, boxes 2i and 2i + 1 are the children of box i. The last half of them are
+    /// the leaves, of which the first ones may be a level higher than the others.
     boxes: Vec<Bounds>,
     first_leaf: usize,
 }
@@ -77,7 +78,7 @@ impl MovingTree {
         count: u32,
         corners: impl Fn(u32) -> [[f32; 3]; 3],
     ) -> Self {
-        let first_leaf = (count as usize).div_ceil(LEAF).max(1).next_power_of_two();
+        let first_leaf = (count as usize).div_ceil(LEAF).max(1);
         let boxes = vec![Bounds::EMPTY; 2 * first_leaf];
         let mut tree = Self { order, place, count, boxes, first_leaf };
         for leaf in 0..(count as usize).div_ceil(LEAF) {
