@@ -2,6 +2,7 @@
 
 use crate::ask::Ask;
 use crate::block::{Block, Entry, Hint, Step};
+use crate::follower::Followed;
 use crate::forward::{EXHAUSTIVE, EXHAUSTIVE_QUERIES};
 use crate::gap::{self, gap};
 use crate::input::Input;
@@ -77,7 +78,6 @@ pub(crate) struct Backward<'a> {
     changed: Vec<Entry>,
     /// A triangle of the input near each of them.
     near: Vec<u32>,
-    found: Vec<Found>,
 }
 
 /// A step while it is followed.
@@ -111,28 +111,12 @@ impl<'a> Backward<'a> {
             link: vec![],
             changed: vec![],
             near: vec![],
-            found: vec![],
         }
     }
 
-    /// Returns what was found after each step of the last block.
-    pub(crate) fn found(&self) -> &[Found] {
-        &self.found
-    }
-
-    /// Returns the squared bound.
-    pub(crate) fn bound(&self) -> f64 {
-        self.bound
-    }
-
-    /// Returns the work done.
-    pub(crate) fn work(&self) -> Work {
-        self.work
-    }
-
     /// Follows the steps of a block, or the first of them if they are too much work.
-    pub(crate) fn run(&mut self, block: &Block) {
-        self.found.clear();
+    pub(crate) fn run(&mut self, block: Block) -> Followed {
+        let mut found = Vec::with_capacity(block.steps.len());
         self.other = block.work;
         for (step, entries, targets) in block.each() {
             if (self.work + self.other).is_too_much(self.input) {
@@ -146,8 +130,9 @@ impl<'a> Backward<'a> {
             }
             let [sum, weight] = self.sums;
             let mean_square = if weight > 0.0 { (sum / weight).max(0.0) } else { 0.0 };
-            self.found.push(Found { bound: self.bound, mean_square });
+            found.push(Found { bound: self.bound, mean_square });
         }
+        Followed { block, found, bound: self.bound, work: self.work }
     }
 
     /// Asks points of every changed face for their distance to the input, and notes the faces'

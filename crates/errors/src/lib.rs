@@ -10,6 +10,7 @@ mod ask;
 mod backward;
 mod block;
 mod faces;
+mod follower;
 mod forward;
 mod gap;
 mod input;

@@ -2,15 +2,16 @@
 //! farther.
 //!
 //! ```text
-//!   forward    | block 1 | block 2 | block 3 |
-//!   backward             | block 1 | block 2 | block 3 |
+//!   forward    | block 1 | block 2 | block 3 | block 4 | ...
+//!   backward             | block 1 | block 2 ...  ╱ learns of block 1
 //! ```
 //!
-//! Both ways run at once, one block of steps apart, and tell each other what they have found after
-//! each: so nothing depends on their speed.
+//! Both ways run at once, up to some blocks of steps apart, and the first one always learns of a
+//! block the same number of blocks later: so nothing depends on their speed.
 
-use crate::backward::{Backward, Found};
+use crate::backward::Backward;
 use crate::block::Block;
+use crate::follower::{Followed, Follower, Here, beside};
 use crate::forward::Forward;
 use crate::input::Input;
 use crate::refine::FLOOR;
@@ -26,25 +27,57 @@ const SHARE: u32 = 16;
 const FEWEST: u32 = 32;
 const MOST: u32 = 2_048;
 
+/// Blocks that the first way is ahead: it learns of a block when it has followed so many more.
+const AHEAD: usize = 3;
+
+/// Meshes of fewer steps are followed on one thread.
+const FEW_STEPS: u32 = 1_000;
+
 /// Runs through all steps.
 pub(crate) fn run(input: &Input, wedges: Vec<[u32; 3]>, simplified: &Simplified) -> StepErrors {
+    let (forward, backward) = rayon::join(|| Forward::new(input, wedges), || Backward::new(input));
+    let steps = simplified.collapses().steps() as u32;
+    let stated = Stated::new(input, steps, forward.at_points());
+    if rayon::current_num_threads() == 1 || steps < FEW_STEPS {
+        return follow(forward, stated, simplified, Here::new(backward));
+    }
+    std::thread::scope(|scope| {
+        let other = beside(scope, backward);
+        follow(forward, stated, simplified, other)
+    })
+}
+
+/// Follows all steps, in blocks, of which the other way gets each.
+fn follow(
+    mut forward: Forward,
+    mut stated: Stated,
+    simplified: &Simplified,
+    mut other: impl Follower,
+) -> StepErrors {
     let sequence = simplified.collapses();
     let steps = sequence.steps() as u32;
-    let (mut forward, mut backward) =
-        rayon::join(|| Forward::new(input, wedges), || Backward::new(input));
-    let mut stated = Stated::new(input, steps, forward.at_points());
-    let (mut coming, mut last, mut done) = (Block::default(), Block::default(), 0);
+    let (mut under_way, mut done) = (0, 0);
     loop {
+        let mut block = Block::default();
+        if under_way == AHEAD {
+            let Some(followed) = other.receive() else { break };
+            stated.push(&followed);
+            forward.learn(followed.bound, followed.work);
+            block = followed.block;
+            under_way -= 1;
+        }
         let count = (done.min(steps - done) / SHARE).clamp(FEWEST, MOST);
         let range = done..(done + count).min(steps);
-        rayon::join(|| forward.run(sequence, range.clone(), &mut coming), || backward.run(&last));
-        stated.push(&last, backward.found());
-        forward.learn(backward.bound(), backward.work());
-        if coming.steps.is_empty() {
+        forward.run(sequence, range.clone(), &mut block);
+        if block.steps.is_empty() {
             break;
         }
         done = range.end;
-        std::mem::swap(&mut coming, &mut last);
+        other.send(block);
+        under_way += 1;
+    }
+    for _ in 0..under_way {
+        other.receive().iter().for_each(|followed| stated.push(followed));
     }
     stated.finish(&sequence.parts().step_triangles)
 }
@@ -67,7 +100,7 @@ impl<'a> Stated<'a> {
     }
 
     /// Adds the steps of a block, as far as both ways have followed them.
-    fn push(&mut self, block: &Block, found: &[Found]) {
+    fn push(&mut self, Followed { block, found, .. }: &Followed) {
         for ((step, entries, _), found) in block.each().zip(found) {
             self.gone += u32::from(!entries.is_empty());
             if self.input.triangles.is_empty() {
