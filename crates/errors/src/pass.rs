@@ -19,7 +19,7 @@ use crate::step_errors::StepErrors;
 use lodc_mesh::Simplified;
 
 /// Margin stated above the distance found, for what no sample saw.
-const MARGIN: f64 = 1.06;
+pub(crate) const MARGIN: f64 = 1.06;
 
 /// Steps of a block: a share of the steps done and of those to come, for the bound grows fast at
 /// both ends.

@@ -1,6 +1,7 @@
 //! Distances that are known by hand, and every step of many sequences against samples of its
 //! surfaces.
 
+use crate::pass::MARGIN;
 use crate::{StepErrors, measure};
 use lodc_fixtures as fixtures;
 use lodc_measure::{Sampling, Surface, distances};
@@ -96,7 +97,7 @@ fn check(name: &str, simplified: &Simplified, every: usize) -> f64 {
 }
 
 fn near(a: f32, b: f64) -> bool {
-    (f64::from(a) / b - 1.025).abs() <= 0.03
+    (0.995..=1.005 * MARGIN).contains(&(f64::from(a) / b))
 }
 
 const SQUARE: [[f32; 3]; 4] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
