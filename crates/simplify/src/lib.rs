@@ -132,8 +132,7 @@ fn simplify_with(
             let checkerboard = Checkerboard::new(mesh);
             let colours = guidance.colours.unwrap_or(&checkerboard);
             let colours = options.attributes.then_some(colours);
-            let between = options.hybrid_between;
-            let metric = |r: &Region| HybridMetric::new(mesh, colours, r, input.size, between);
+            let metric = |r: &Region| HybridMetric::new(mesh, colours, r, input.size, options);
             run_whole(&context, metric, &mut sources, &progress)
         }
         MetricKind::Viewpoint => {

@@ -83,6 +83,9 @@ pub struct Options {
     /// Shares of the triangles, the smaller first, between which [`MetricKind::Hybrid`] decides;
     /// before and after them the quadric does.
     pub hybrid_between: [f32; 2],
+    /// Samples of the surface that [`MetricKind::Hybrid`] looks at, about; it looks at no fewer than
+    /// there are triangles. Time grows with their number.
+    pub hybrid_samples: u32,
 }
 
 impl Options {
@@ -95,6 +98,7 @@ impl Options {
         weights: Weights::DEFAULT,
         picture: 256,
         hybrid_between: [0.0, 1.0],
+        hybrid_samples: 16_000,
     };
 }
 

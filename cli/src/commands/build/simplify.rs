@@ -11,6 +11,10 @@ use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+/// Scenes of fewer triangles are small: there is time to look at more samples, so many in all.
+const SMALL: u64 = 16_000;
+const SAMPLES_OF_SMALL: u64 = 64_000;
+
 /// Simplifies every object by its options. Where that is by `hybrid`, the quadric decides at those
 /// levels at which the scene looks worse otherwise: see [`verdict`].
 ///
@@ -25,6 +29,7 @@ pub(crate) fn simplify_all(
     if !options.iter().any(is_hybrid) {
         return Ok(each(objects, options, known, progress));
     }
+    let options = &with_samples(options, &objects);
     let Some(judge) = Judge::new(&objects, known)? else {
         return Ok(each(objects, options, known, progress));
     };
@@ -42,6 +47,18 @@ pub(crate) fn simplify_all(
     let mixed = each(objects, &partly, known, progress);
     let is_better = verdict(&plain, &judge.errors(&mixed)?) == Verdict::Everywhere;
     Ok(if is_better { mixed } else { quadric })
+}
+
+/// The options of the objects of a small scene with more samples, shared out by their triangles.
+fn with_samples(options: &[Options], objects: &[SceneObject]) -> Vec<Options> {
+    let triangles = |o: &SceneObject| o.mesh.triangles().len() as u64;
+    let all: u64 = objects.iter().map(triangles).sum();
+    let more = |(o, object): (&Options, &SceneObject)| {
+        let share = SAMPLES_OF_SMALL * triangles(object) / all.max(1);
+        let few = if all < SMALL { share as u32 } else { 0 };
+        Options { hybrid_samples: o.hybrid_samples.max(few), ..*o }
+    };
+    options.iter().zip(objects).map(more).collect()
 }
 
 fn is_hybrid(options: &Options) -> bool {

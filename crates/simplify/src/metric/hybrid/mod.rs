@@ -32,6 +32,7 @@ pub use colours::{Checkerboard, SurfaceColours};
 pub(crate) use patch::Patch;
 
 use super::Reprice;
+use crate::options::Options;
 use crate::region::Region;
 use crate::wedges::Wedges;
 use crate::working::WorkingMesh;
@@ -82,18 +83,17 @@ pub(crate) struct HybridMetric<'a> {
 
 impl<'a> HybridMetric<'a> {
     /// Samples a mesh and its visibility. Without `colours`, and then without normals of vertices,
-    /// the shape alone is seen. `size` is the mesh's diagonal in working units, `between` are the
-    /// shares of the triangles between which the metric decides.
+    /// the shape alone is seen. `size` is the mesh's diagonal in working units.
     pub(crate) fn new(
         input: &Mesh,
         colours: Option<&'a dyn SurfaceColours>,
         Region { mesh, wedges, .. }: &Region,
         size: f64,
-        between: [f32; 2],
+        options: &Options,
     ) -> Self {
         let appearance = colours.map_or_else(Appearance::of_shape, |c| Appearance::new(input, c));
         let pixel = (size / PIXELS).powi(2) as f32;
-        let mut samples = Samples::new(mesh, wedges, &appearance, pixel);
+        let mut samples = Samples::new(mesh, wedges, &appearance, pixel, options.hybrid_samples);
         visibility::weigh(mesh, &mut samples);
         let per = |length: f64| if size > 0.0 { (length * size).powi(-2) } else { 0.0 };
         Self {
@@ -102,7 +102,7 @@ impl<'a> HybridMetric<'a> {
             energy: vec![0.0; mesh.faces.len()],
             distance_weight: per(DISTANCE) as f32,
             tie_weight: per(1.0),
-            between: between.map(|share| f64::from(share) * mesh.faces.len() as f64),
+            between: options.hybrid_between.map(|share| f64::from(share) * mesh.faces.len() as f64),
             follows: false,
             active: false,
             moved: None,

@@ -13,10 +13,6 @@ pub(super) const CREASE: f32 = 0.5;
 
 /// The most samples of one face; beyond, every other one is dropped and the rest weigh more.
 const MAX_SAMPLES_PER_FACE: usize = 64;
-/// A face of the input has at most this many samples; one of mean area or less has one.
-const DENSEST: usize = 16;
-/// Meshes with fewer faces than this have as many samples as if they had so many.
-const ENOUGH: f64 = 16_000.0;
 /// Normals are averaged over at most this many faces, so that hubs take no quadratic time.
 pub(super) const MAX_AVERAGED: usize = 64;
 
@@ -57,16 +53,18 @@ pub(super) struct Samples {
 
 impl Samples {
     /// Samples of each face of the input: one in its middle, more on faces that are larger than the
-    /// mean. `pixel` is the area of a pixel in squared working units.
+    /// mean, about `enough` on a mesh of fewer faces. `pixel` is the area of a pixel in squared
+    /// working units.
     pub(super) fn new(
         mesh: &WorkingMesh,
         wedges: &Wedges,
         appearance: &Appearance<'_>,
         pixel: f32,
+        enough: u32,
     ) -> Self {
         let total: f64 = (0..mesh.faces.len() as u32).map(|f| f64::from(mesh.facet(f).area)).sum();
         let faces = mesh.faces.len().max(1) as f64;
-        let mean = (total / faces.max(ENOUGH)) as f32;
+        let mean = (total / faces.max(f64::from(enough))) as f32;
         let normals: Vec<Vec3> = (0..mesh.places.len() as u32)
             .into_par_iter()
             .with_min_len(1024)
@@ -77,7 +75,8 @@ impl Samples {
             .with_min_len(1024)
             .map(|face| {
                 let area = mesh.facet(face).area;
-                let count = if mean > 0.0 { ((area / mean) as usize).clamp(1, DENSEST) } else { 1 };
+                let count = if mean > 0.0 { (area / mean) as usize } else { 1 };
+                let count = count.clamp(1, MAX_SAMPLES_PER_FACE);
                 samples_of_face(mesh, wedges, appearance, &normals, pixel, face, count)
             })
             .collect();

@@ -111,7 +111,7 @@ fn a_card_is_seen_from_both_sides() {
     region.mesh.keep_facets();
     let colours = Checkerboard::new(&mesh);
     let appearance = Appearance::new(&mesh, &colours);
-    let mut samples = Samples::new(&region.mesh, &region.wedges, &appearance, 1e-6);
+    let mut samples = Samples::new(&region.mesh, &region.wedges, &appearance, 1e-6, 16_000);
     let before = samples.weight();
     visibility::weigh(&region.mesh, &mut samples);
     let after = samples.weight();

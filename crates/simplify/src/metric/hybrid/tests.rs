@@ -86,7 +86,8 @@ fn a_commit_costs_what_the_look_said() {
         let input = Input::new(&mesh);
         let mut region = Region::whole(&input, false);
         region.mesh.keep_facets();
-        let mut metric = HybridMetric::new(&mesh, Some(&colours), &region, input.size, [0.0, 1.0]);
+        let mut metric =
+            HybridMetric::new(&mesh, Some(&colours), &region, input.size, &Options::DEFAULT);
         let Region { mesh: mut working, wedges, .. } = region;
         metric.toggle(&working, true);
         let mut random = shapes::Rng::new(5);
