@@ -1,14 +1,12 @@
 //! Options that raise or lower the limits on inputs.
 
+use crate::estimate::{Need, Size};
 use crate::exit::{Failure, Outcome, Status};
 use crate::text::{count, size as size_of};
 use clap::Args;
 use lodc_formats::Limits;
 use lodc_formats::import::ImportOptions;
 use std::path::PathBuf;
-
-/// Bytes that a build needs per input triangle, at most (measured; docs/BENCHMARKS.md).
-const BUILD_BYTES_PER_TRIANGLE: u64 = 400;
 
 /// Options of reading inputs, shared by every command that reads a mesh.
 #[derive(Args, Clone, Debug)]
@@ -79,20 +77,21 @@ impl LimitArgs {
         self.limit_memory.or_else(crate::memory::available_bytes)
     }
 
-    /// Refuses a mesh whose simplification would not fit into memory, before the system kills the
-    /// process for it.
+    /// Refuses work that would not fit into memory, before the system kills the process for it.
     ///
     /// # Errors
-    /// If more is needed than there is, or than `--limit-memory` allows.
-    pub(crate) fn check_memory(&self, triangles: u64) -> Outcome<()> {
-        let needed = triangles.saturating_mul(BUILD_BYTES_PER_TRIANGLE);
+    /// If a stage needs more than there is, or than `--limit-memory` allows.
+    pub(crate) fn check_memory(&self, size: Size, needs: &[Need]) -> Outcome<()> {
+        let most = needs.iter().max().copied().unwrap_or(Need { bytes: 0, stage: "import" });
         match self.memory() {
-            Some(limit) if needed > limit => Err(Failure::new(
+            Some(limit) if most.bytes > limit => Err(Failure::new(
                 Status::Limit,
                 format!(
-                    "{} may need {} of memory, more than the limit of {} (--limit-memory)",
-                    count(triangles, "triangle"),
-                    size_of(needed),
+                    "{} may need {} of memory (stage {}), more than the limit of {} \
+                     (--limit-memory)",
+                    count(size.triangles, "triangle"),
+                    size_of(most.bytes),
+                    most.stage,
                     size_of(limit)
                 ),
             )),

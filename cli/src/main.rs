@@ -11,6 +11,7 @@ mod compression;
 mod config;
 mod console;
 mod environment;
+mod estimate;
 mod exit;
 mod gpu;
 mod html;
@@ -73,6 +74,7 @@ fn run() -> Status {
     }
     if cfg!(target_env = "gnu") && cli.command.takes_memory() {
         variables.push(environment::RETURN_MEMORY_FROM);
+        variables.push(environment::RETURN_MANY_PIECES);
     }
     environment::restart_with(&variables);
     console::set_loudness(match (cli.common.quiet, cli.common.verbose) {

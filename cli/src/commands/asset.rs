@@ -1,7 +1,7 @@
 //! An asset with its levels: read from a `.lodc` file, or simplified in memory from a mesh.
 
 use crate::commands::build::{
-    Importance, Known, measure_all, object_options, paints, simplify_all,
+    Importance, Known, measure_all, object_options, paints, scene_size, simplify_all,
 };
 use crate::exit::{Failure, Outcome};
 use crate::importance::ImportanceArgs;
@@ -173,16 +173,16 @@ fn simplified_showing(
     scene: Scene,
     stages: &mut Stages,
 ) -> Outcome<Asset> {
-    let triangles = scene.objects.iter().map(|o| o.mesh.triangles().len() as u64).sum();
+    let size = scene_size(&scene.objects);
     let name = input.display().to_string();
-    import
-        .limits()
-        .check_memory(triangles)
-        .map_err(|f| Failure::new(f.status, format!("{name}: {f}")))?;
     let limits = import.options().limits;
     let weights = how.importance.weights();
-    let options = Options { metric: how.metric.metric(triangles), weights, ..Options::DEFAULT };
+    let metric = how.metric.metric(size.triangles);
+    let options = Options { metric, weights, ..Options::DEFAULT };
     let options = object_options(&scene, options, &how.parts);
+    let needs = [size.simplify(options.iter().map(|o| o.metric)), size.errors()];
+    let too_large = |f: Failure| Failure::new(f.status, format!("{name}: {f}"));
+    import.limits().check_memory(size, &needs).map_err(too_large)?;
     let paints = paints(import, input, &scene, &options)?;
     let importance = Importance::new(&scene, &options, &how.importance, &how.parts)?;
     let Scene { source, document, objects, mut warnings, mut files_read, compressed } = scene;

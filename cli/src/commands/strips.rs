@@ -1,5 +1,6 @@
 //! `lodc strips`: the strip generators by themselves, for study and comparison.
 
+use crate::commands::build::scene_size;
 use crate::console::{note, warning};
 use crate::exit::{Failure, Outcome, Status};
 use crate::kinds::{Choice, parser, parser_with};
@@ -91,10 +92,11 @@ fn make(args: &StripsArgs, target: &Target) -> Outcome<()> {
     for what in &scene.warnings {
         warning(&args.input.display().to_string(), what);
     }
-    let triangles = scene.objects.iter().map(|o| o.mesh.triangles().len() as u64).sum();
+    let size = scene_size(&scene.objects);
+    let triangles = size.triangles;
     args.import
         .limits()
-        .check_memory(triangles)
+        .check_memory(size, &[size.strips()])
         .map_err(|f| Failure::new(f.status, format!("{}: {f}", args.input.display())))?;
     let mut text = String::new();
     let mut totals = Totals { triangles, ..Totals::default() };

@@ -5,6 +5,7 @@ use super::known::{Importance, Known};
 use super::models::ModelWork;
 use super::simplify::simplify_all;
 use super::{BuildArgs, counts};
+use crate::estimate::Size;
 use crate::exit::{Failure, Outcome, Status};
 use crate::limits::ImportArgs;
 use crate::output::{self, Target};
@@ -16,7 +17,7 @@ use crate::stages::Stages;
 use lodc_formats::appearance::appearance;
 use lodc_formats::lodc::{LodFile, LodObject, MadeFrom, write};
 use lodc_formats::textures::Textures;
-use lodc_formats::{Assets, Document, ObjectInfo, Scene, import};
+use lodc_formats::{Assets, Document, ObjectInfo, Scene, SceneObject, import};
 use lodc_simplify::{MetricKind, Options};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -109,11 +110,19 @@ fn import_scene(
 ) -> Outcome<Scene> {
     let scene = stages.run("import", || import::import(input, &args.import.options()))?;
     report.warnings.clone_from(&scene.warnings);
-    let triangles: u64 = scene.objects.iter().map(|o| o.mesh.triangles().len() as u64).sum();
-    report.triangles = Some(triangles);
+    let size = scene_size(&scene.objects);
+    report.triangles = Some(size.triangles);
+    let options = object_options(&scene, args.simplify_options(), &args.parts);
+    let metrics = options.iter().map(|o| o.metric);
+    let needs = [size.simplify(metrics), size.errors(), size.models(&args.models.kinds()?)];
     let too_large = |f: Failure| Failure::new(f.status, format!("{}: {f}", input.display()));
-    args.import.limits().check_memory(triangles).map_err(too_large)?;
+    args.import.limits().check_memory(size, &needs).map_err(too_large)?;
     Ok(scene)
+}
+
+/// The size of all objects together.
+pub(crate) fn scene_size(objects: &[SceneObject]) -> Size {
+    Size::of(objects.iter().map(|o| (o.mesh.triangles().len(), o.mesh.vertex_count())))
 }
 
 /// The options of every object: those of the asset, or its own.

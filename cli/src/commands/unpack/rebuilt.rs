@@ -3,6 +3,7 @@
 
 use super::{Stream, UnpackArgs, read, summary};
 use crate::commands::build::{ModelWork, SimplifiedObjects, measure_all};
+use crate::estimate::Size;
 use crate::exit::{Failure, Outcome, Status};
 use crate::output;
 use crate::progress::Progress;
@@ -71,9 +72,12 @@ fn file(
     name: &str,
     stages: &mut Stages,
 ) -> Outcome<LodFile> {
-    let triangles = simplified.iter().map(|(_, s)| s.mesh().triangles().len() as u64).sum();
+    let meshes = simplified.iter().map(|(_, s)| s.mesh());
+    let size = Size::of(meshes.map(|m| (m.triangles().len(), m.vertex_count())));
+    let triangles = size.triangles;
+    let kinds = args.models.kinds()?;
     let too_large = |f: Failure| Failure::new(f.status, format!("{name}: {f}"));
-    args.limits.check_memory(triangles).map_err(too_large)?;
+    args.limits.check_memory(size, &[size.errors(), size.models(&kinds)]).map_err(too_large)?;
     stages.run("verify", || check(&simplified, name))?;
     let progress = Progress::new(name);
     let document = unpacker.document().expect("a complete stream has a document").clone();
@@ -82,7 +86,6 @@ fn file(
         stages.run("errors", || measure_all(simplified, &document, &limits, &progress))?;
     let bug = |what| Failure::new(Status::Bug, format!("{name}: {what}; nothing was written"));
     let strips = (0..unpacker.objects()).map(|i| unpacker.rebuilt_strips(i)).collect();
-    let kinds = args.models.kinds()?;
     let mut work = ModelWork { kinds: &kinds, triangles, stages, progress: &progress };
     let objects = work.build_all(measured, StripOptions::default(), strips).map_err(bug)?;
     work.check_all(&objects).map_err(bug)?;

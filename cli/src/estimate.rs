@@ -1,0 +1,95 @@
+//! Memory that the stages of a build need, from the size of a mesh.
+//!
+//! Measured on a closed scan, a mesh with seams and loose triangles (docs/BENCHMARKS.md), with room
+//! above: vertices count beside triangles, since loose triangles have three each.
+
+use lodc_lod::ModelKind;
+use lodc_simplify::MetricKind;
+
+/// Triangles and vertices of all objects.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Size {
+    pub(crate) triangles: u64,
+    pub(crate) vertices: u64,
+}
+
+/// Bytes that a stage may need.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Need {
+    pub(crate) bytes: u64,
+    pub(crate) stage: &'static str,
+}
+
+impl Size {
+    /// The size of some meshes, given by their triangles and vertices.
+    pub(crate) fn of(meshes: impl Iterator<Item = (usize, usize)>) -> Self {
+        meshes.fold(Self { triangles: 0, vertices: 0 }, |all, (triangles, vertices)| Self {
+            triangles: all.triangles.saturating_add(triangles as u64),
+            vertices: all.vertices.saturating_add(vertices as u64),
+        })
+    }
+
+    /// The need of simplification. Metrics that look at the surface take the mesh as a whole.
+    pub(crate) fn simplify(self, metrics: impl Iterator<Item = MetricKind>) -> Need {
+        let looks = |metric| metric != MetricKind::Quadric;
+        let loose = self.bytes(0, 470).saturating_sub(self.bytes(60, 0));
+        let plain = self.bytes(180, 0).max(loose);
+        let least = if { metrics }.any(looks) { self.bytes(500, 0) } else { 0 };
+        Need { bytes: plain.max(least), stage: "simplify" }
+    }
+
+    /// The need of measuring errors.
+    pub(crate) fn errors(self) -> Need {
+        Need { bytes: self.bytes(100, 230), stage: "errors" }
+    }
+
+    /// The need of models and of their check.
+    pub(crate) fn models(self, kinds: &[ModelKind]) -> Need {
+        let bytes = match kinds.len() as u64 {
+            0 => 0,
+            n => self.bytes(40 + 70 * n, 150 + 30 * n),
+        };
+        Need { bytes, stage: "models" }
+    }
+
+    /// The need of strips alone.
+    pub(crate) fn strips(self) -> Need {
+        Need { bytes: self.bytes(60, 160), stage: "strips" }
+    }
+
+    fn bytes(self, of_triangle: u64, of_vertex: u64) -> u64 {
+        let triangles = self.triangles.saturating_mul(of_triangle);
+        triangles.saturating_add(self.vertices.saturating_mul(of_vertex))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn estimates_lie_above_what_was_measured() {
+        let size = |triangles, of_triangle: f64| Size {
+            triangles,
+            vertices: (triangles as f64 * of_triangle) as u64,
+        };
+        let quadric = || std::iter::once(MetricKind::Quadric);
+        // Bytes a triangle: a grid of 2,000,000 triangles, then 300,000 loose ones.
+        for (size, simplify, errors, models) in
+            [(size(2_000_000, 0.5), 171, 214, 281), (size(300_000, 3.0), 1_374, 742, 823)]
+        {
+            let needs = [size.simplify(quadric()), size.errors(), size.models(&ModelKind::ALL)];
+            for (need, measured) in needs.into_iter().zip([simplify, errors, models]) {
+                let [least, most] = [measured, measured * 5 / 4].map(|b| b * size.triangles);
+                assert!((least..most).contains(&need.bytes), "{need:?} {measured}");
+            }
+        }
+    }
+
+    #[test]
+    fn sizes_without_end_need_all_there_is() {
+        let size = Size { triangles: u64::MAX, vertices: 3 };
+        assert_eq!(size.errors().bytes, u64::MAX);
+        assert_eq!(size.models(&[]).bytes, 0);
+    }
+}
