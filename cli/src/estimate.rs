@@ -47,7 +47,7 @@ impl Size {
     pub(crate) fn models(self, kinds: &[ModelKind]) -> Need {
         let bytes = match kinds.len() as u64 {
             0 => 0,
-            n => self.bytes(40 + 70 * n, 150 + 30 * n),
+            n => self.bytes(70 + 40 * n, 150 + 30 * n),
         };
         Need { bytes, stage: "models" }
     }

@@ -11,7 +11,8 @@ use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Scenes of fewer triangles are small: there is time to look at more samples, so many in all.
+/// Scenes of fewer triangles are small: there is time to look at more samples first, so many in
+/// all. They help most models and harm some.
 const SMALL: u64 = 16_000;
 const SAMPLES_OF_SMALL: u64 = 64_000;
 
@@ -29,14 +30,19 @@ pub(crate) fn simplify_all(
     if !options.iter().any(is_hybrid) {
         return Ok(each(objects, options, known, progress));
     }
-    let options = &with_samples(options, &objects);
     let Some(judge) = Judge::new(&objects, known)? else {
         return Ok(each(objects, options, known, progress));
     };
     let by_quadric = instead(options, |o| Options { metric: MetricKind::Quadric, ..o });
     let quadric = each(objects.clone(), &by_quadric, known, progress);
-    let hybrid = each(objects.clone(), options, known, progress);
     let plain = judge.errors(&quadric)?;
+    if let Some(options) = with_samples(options, &objects) {
+        let closer = each(objects.clone(), &options, known, progress);
+        if verdict(&plain, &judge.errors(&closer)?) == Verdict::Everywhere {
+            return Ok(closer);
+        }
+    }
+    let hybrid = each(objects.clone(), options, known, progress);
     let between = match verdict(&plain, &judge.errors(&hybrid)?) {
         Verdict::Everywhere => return Ok(hybrid),
         Verdict::Nowhere => return Ok(quadric),
@@ -49,16 +55,16 @@ pub(crate) fn simplify_all(
     Ok(if is_better { mixed } else { quadric })
 }
 
-/// The options of the objects of a small scene with more samples, shared out by their triangles.
-fn with_samples(options: &[Options], objects: &[SceneObject]) -> Vec<Options> {
+/// The options of the objects of a small scene with more samples, shared out by their triangles;
+/// nothing if the scene is not small.
+fn with_samples(options: &[Options], objects: &[SceneObject]) -> Option<Vec<Options>> {
     let triangles = |o: &SceneObject| o.mesh.triangles().len() as u64;
     let all: u64 = objects.iter().map(triangles).sum();
     let more = |(o, object): (&Options, &SceneObject)| {
         let share = SAMPLES_OF_SMALL * triangles(object) / all.max(1);
-        let few = if all < SMALL { share as u32 } else { 0 };
-        Options { hybrid_samples: o.hybrid_samples.max(few), ..*o }
+        Options { hybrid_samples: o.hybrid_samples.max(share as u32), ..*o }
     };
-    options.iter().zip(objects).map(more).collect()
+    (all < SMALL).then(|| options.iter().zip(objects).map(more).collect())
 }
 
 fn is_hybrid(options: &Options) -> bool {
