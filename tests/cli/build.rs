@@ -117,6 +117,16 @@ fn a_limit_ends_with_5_and_says_which() {
         let run = f.lodc(["build", "grid.obj", limit, "100"]).fails(5);
         assert!(run.err.contains("grid.obj"), "{}", run.err);
     }
+    for (stage, options) in [
+        ("models", ["--models", "speed,masking,interactive"]),
+        ("errors", ["--models", "none"]),
+        ("simplify", ["--metric", "kl"]),
+    ] {
+        let run = f
+            .lodc(["build", "grid.obj", "--limit-memory", "100"].into_iter().chain(options))
+            .fails(5);
+        assert!(run.err.contains(&format!("(stage {stage})")), "{}", run.err);
+    }
     assert_eq!(f.names(), ["grid.obj"]);
 }
 
