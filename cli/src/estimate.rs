@@ -32,7 +32,7 @@ impl Size {
     /// The need of simplification. Metrics that look at the surface take the mesh as a whole.
     pub(crate) fn simplify(self, metrics: impl Iterator<Item = MetricKind>) -> Need {
         let looks = |metric| metric != MetricKind::Quadric;
-        let loose = self.bytes(0, 470).saturating_sub(self.bytes(60, 0));
+        let loose = self.bytes(0, 490).saturating_sub(self.bytes(60, 0));
         let plain = self.bytes(180, 0).max(loose);
         let least = if { metrics }.any(looks) { self.bytes(500, 0) } else { 0 };
         Need { bytes: plain.max(least), stage: "simplify" }
