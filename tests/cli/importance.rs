@@ -65,7 +65,8 @@ fn a_locked_material_stays_and_the_rest_pays() {
     f.lodc(args).ends(0);
     assert_eq!(faces(&f, "o.obj"), locked, "as by configuration");
     // A file that was built so has it, too.
-    f.lodc(["build", "m.obj", "-o", "m.lodc", "--lock", "material:keep", "-q"]).ends(0);
+    let build = ["build", "m.obj", "-o", "m.lodc", "--lock", "material:keep", "-q"];
+    f.lodc(build.iter().chain(&["--metric", "hybrid"])).ends(0);
     f.lodc(["verify", "m.lodc", "--source", "m.obj", "-q"]).ends(0);
     f.lodc(["extract", "m.lodc", "-o", "o.obj", "--ratio", "60%", "-q"]).ends(0);
     assert_eq!(faces(&f, "o.obj"), locked);

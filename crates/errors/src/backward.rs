@@ -2,7 +2,6 @@
 
 use crate::ask::Ask;
 use crate::block::{Block, Entry, Hint, Step};
-use crate::follower::Followed;
 use crate::forward::{EXHAUSTIVE, EXHAUSTIVE_QUERIES};
 use crate::gap::{self, gap};
 use crate::input::Input;
@@ -55,6 +54,16 @@ pub(crate) struct Found {
     pub(crate) bound: f64,
     /// The mean squared distance over the faces.
     pub(crate) mean_square: f64,
+}
+
+/// A block that was followed.
+pub(crate) struct Followed {
+    pub(crate) block: Block,
+    /// Distances after each of its steps, or the first of them.
+    pub(crate) found: Vec<Found>,
+    /// The squared bound and the work done at its end.
+    pub(crate) bound: f64,
+    pub(crate) work: Work,
 }
 
 /// The faces of the level as seen from the input.

@@ -1,21 +1,10 @@
 //! Where the other way runs: on a thread of its own, or between the blocks of the first.
 
-use crate::backward::{Backward, Found};
+use crate::backward::{Backward, Followed};
 use crate::block::Block;
-use crate::work::Work;
 use std::collections::VecDeque;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::Scope;
-
-/// A block that the other way has followed.
-pub(crate) struct Followed {
-    pub(crate) block: Block,
-    /// Distances after each of its steps, or the first of them.
-    pub(crate) found: Vec<Found>,
-    /// The squared bound and the work done at its end.
-    pub(crate) bound: f64,
-    pub(crate) work: Work,
-}
 
 /// The other way.
 pub(crate) trait Follower {

@@ -9,9 +9,9 @@
 //! Both ways run at once, up to some blocks of steps apart, and the first one always learns of a
 //! block the same number of blocks later: so nothing depends on their speed.
 
-use crate::backward::Backward;
+use crate::backward::{Backward, Followed};
 use crate::block::Block;
-use crate::follower::{Followed, Follower, Here, beside};
+use crate::follower::{Follower, Here, beside};
 use crate::forward::Forward;
 use crate::input::Input;
 use crate::refine::FLOOR;

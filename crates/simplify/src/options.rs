@@ -83,8 +83,8 @@ pub struct Options {
     /// Shares of the triangles, the smaller first, between which [`MetricKind::Hybrid`] decides;
     /// before and after them the quadric does.
     pub hybrid_between: [f32; 2],
-    /// Samples of the surface that [`MetricKind::Hybrid`] looks at, about; it looks at no fewer than
-    /// there are triangles. Time grows with their number.
+    /// Samples of the surface that [`MetricKind::Hybrid`] looks at, about, and no fewer than there
+    /// are triangles. Time grows with their number.
     pub hybrid_samples: u32,
 }
 
