@@ -74,7 +74,7 @@ class Batch(unittest.TestCase):
             if number == 50:
                 text += "# kill\n"
             if number == 150:
-                text = grid(900, number)
+                text = grid(750, number)
             Path(name).write_text(text)
             names.append(name)
         options = {"models": "interactive"}
