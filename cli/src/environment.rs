@@ -17,10 +17,6 @@ pub(crate) const RUNTIME_FOLDER: Variable =
 /// third of the peak at a million triangles; regions of the simplifier are lists from 16 KiB on.
 pub(crate) const RETURN_MEMORY_FROM: Variable = ("MALLOC_MMAP_THRESHOLD_", "16384", |_| true);
 
-/// Set for work on large meshes: how many pieces of memory glibc gives back one by one. Its own
-/// limit is 65,536; regions of thirty million triangles reach it, and what comes after is kept.
-pub(crate) const RETURN_MANY_PIECES: Variable = ("MALLOC_MMAP_MAX_", "16777216", |_| true);
-
 /// Starts the program again with those of some variables that are not as they should be. Returns
 /// only if there is nothing to do or it cannot be done; then nothing else is lost.
 #[cfg(unix)]

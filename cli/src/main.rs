@@ -74,7 +74,6 @@ fn run() -> Status {
     }
     if cfg!(target_env = "gnu") && cli.command.takes_memory() {
         variables.push(environment::RETURN_MEMORY_FROM);
-        variables.push(environment::RETURN_MANY_PIECES);
     }
     environment::restart_with(&variables);
     console::set_loudness(match (cli.common.quiet, cli.common.verbose) {
