@@ -6,6 +6,12 @@
 use lodc_lod::ModelKind;
 use lodc_simplify::MetricKind;
 
+/// Triangles from which on glibc keeps what regions of the simplifier have used: it maps no more
+/// than 65,536 pieces of memory one by one.
+const KEPT_FROM: u64 = 26_000_000;
+/// Bytes kept of each further triangle.
+const KEPT: u64 = 70;
+
 /// Triangles and vertices of all objects.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Size {
@@ -40,7 +46,8 @@ impl Size {
 
     /// The need of measuring errors.
     pub(crate) fn errors(self) -> Need {
-        Need { bytes: self.bytes(100, 230), stage: "errors" }
+        let kept = self.triangles.saturating_sub(KEPT_FROM).saturating_mul(KEPT);
+        Need { bytes: self.bytes(100, 230).saturating_add(kept), stage: "errors" }
     }
 
     /// The need of models and of their check.
@@ -84,6 +91,13 @@ mod tests {
                 assert!((least..most).contains(&need.bytes), "{need:?} {measured}");
             }
         }
+    }
+
+    #[test]
+    fn what_was_killed_on_24_gigabytes_is_refused_there() {
+        let size = |triangles| Size { triangles, vertices: triangles / 2 };
+        assert!(size(100_000_000).errors().bytes > 25_270_000_000);
+        assert!(size(30_000_000).errors().bytes < 8_000_000_000);
     }
 
     #[test]
