@@ -3,6 +3,7 @@
 //! Measured on a closed scan, a mesh with seams and loose triangles (docs/BENCHMARKS.md), with room
 //! above: vertices count beside triangles, since loose triangles have three each.
 
+use lodc_formats::SceneObject;
 use lodc_lod::ModelKind;
 use lodc_simplify::MetricKind;
 
@@ -33,6 +34,11 @@ impl Size {
             triangles: all.triangles.saturating_add(triangles as u64),
             vertices: all.vertices.saturating_add(vertices as u64),
         })
+    }
+
+    /// The size of the objects of a scene.
+    pub(crate) fn of_objects(objects: &[SceneObject]) -> Self {
+        Self::of(objects.iter().map(|o| (o.mesh.triangles().len(), o.mesh.vertex_count())))
     }
 
     /// The need of simplification. Metrics that look at the surface take the mesh as a whole.

@@ -77,21 +77,20 @@ impl LimitArgs {
         self.limit_memory.or_else(crate::memory::available_bytes)
     }
 
-    /// Refuses work that would not fit into memory, before the system kills the process for it.
+    /// Refuses work on an asset that would not fit into memory, before the system kills the process
+    /// for it. `name` is the asset's, `needs` are those of the stages that follow.
     ///
     /// # Errors
     /// If a stage needs more than there is, or than `--limit-memory` allows.
-    pub(crate) fn check_memory(&self, size: Size, needs: &[Need]) -> Outcome<()> {
-        let most = needs.iter().max().copied().unwrap_or(Need { bytes: 0, stage: "import" });
-        match self.memory() {
-            Some(limit) if most.bytes > limit => Err(Failure::new(
+    pub(crate) fn check_memory(&self, name: &str, size: Size, needs: &[Need]) -> Outcome<()> {
+        match (needs.iter().max(), self.memory()) {
+            (Some(Need { bytes, stage }), Some(limit)) if *bytes > limit => Err(Failure::new(
                 Status::Limit,
                 format!(
-                    "{} may need {} of memory (stage {}), more than the limit of {} \
+                    "{name}: {} may need {} of memory (stage {stage}), more than the limit of {} \
                      (--limit-memory)",
                     count(size.triangles, "triangle"),
-                    size_of(most.bytes),
-                    most.stage,
+                    size_of(*bytes),
                     size_of(limit)
                 ),
             )),

@@ -1,9 +1,10 @@
 //! An asset with its levels: read from a `.lodc` file, or simplified in memory from a mesh.
 
 use crate::commands::build::{
-    Importance, Known, measure_all, object_options, paints, scene_size, simplify_all,
+    Importance, Known, measure_all, object_options, paints, simplify_all,
 };
-use crate::exit::{Failure, Outcome};
+use crate::estimate::Size;
+use crate::exit::Outcome;
 use crate::importance::ImportanceArgs;
 use crate::kinds::LookArgs;
 use crate::limits::ImportArgs;
@@ -173,7 +174,7 @@ fn simplified_showing(
     scene: Scene,
     stages: &mut Stages,
 ) -> Outcome<Asset> {
-    let size = scene_size(&scene.objects);
+    let size = Size::of_objects(&scene.objects);
     let name = input.display().to_string();
     let limits = import.options().limits;
     let weights = how.importance.weights();
@@ -181,8 +182,7 @@ fn simplified_showing(
     let options = Options { metric, weights, ..Options::DEFAULT };
     let options = object_options(&scene, options, &how.parts);
     let needs = [size.simplify(options.iter().map(|o| o.metric)), size.errors()];
-    let too_large = |f: Failure| Failure::new(f.status, format!("{name}: {f}"));
-    import.limits().check_memory(size, &needs).map_err(too_large)?;
+    import.limits().check_memory(&name, size, &needs)?;
     let paints = paints(import, input, &scene, &options)?;
     let importance = Importance::new(&scene, &options, &how.importance, &how.parts)?;
     let Scene { source, document, objects, mut warnings, mut files_read, compressed } = scene;

@@ -1,7 +1,7 @@
 //! `lodc strips`: the strip generators by themselves, for study and comparison.
 
-use crate::commands::build::scene_size;
 use crate::console::{note, warning};
+use crate::estimate::Size;
 use crate::exit::{Failure, Outcome, Status};
 use crate::kinds::{Choice, parser, parser_with};
 use crate::limits::ImportArgs;
@@ -92,12 +92,10 @@ fn make(args: &StripsArgs, target: &Target) -> Outcome<()> {
     for what in &scene.warnings {
         warning(&args.input.display().to_string(), what);
     }
-    let size = scene_size(&scene.objects);
+    let size = Size::of_objects(&scene.objects);
     let triangles = size.triangles;
-    args.import
-        .limits()
-        .check_memory(size, &[size.strips()])
-        .map_err(|f| Failure::new(f.status, format!("{}: {f}", args.input.display())))?;
+    let name = args.input.display().to_string();
+    args.import.limits().check_memory(&name, size, &[size.strips()])?;
     let mut text = String::new();
     let mut totals = Totals { triangles, ..Totals::default() };
     let options = CacheOptions {

@@ -14,7 +14,7 @@ pub(crate) use counts::counts;
 pub(crate) use errors::{SimplifiedObjects, measure_all};
 pub(crate) use known::{Importance, Known};
 pub(crate) use models::ModelWork;
-pub(crate) use pipeline::{object_options, paints, scene_size};
+pub(crate) use pipeline::{object_options, paints};
 pub(crate) use simplify::simplify_all;
 
 use crate::batch::{self, BatchArgs, MESHES, Sources};

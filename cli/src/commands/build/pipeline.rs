@@ -17,7 +17,8 @@ use crate::stages::Stages;
 use lodc_formats::appearance::appearance;
 use lodc_formats::lodc::{LodFile, LodObject, MadeFrom, write};
 use lodc_formats::textures::Textures;
-use lodc_formats::{Assets, Document, ObjectInfo, Scene, SceneObject, import};
+use lodc_formats::{Assets, Document, ObjectInfo, Scene, import};
+use lodc_lod::ModelKind;
 use lodc_simplify::{MetricKind, Options};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -42,11 +43,14 @@ pub(super) fn make(
 ) -> Outcome<BuildOutput> {
     let start = SystemTime::now();
     progress.stage("import");
-    let scene = import_scene(args, input, stages, report)?;
-    let triangles = report.triangles.unwrap_or(0);
+    let scene = stages.run("import", || import::import(input, &args.import.options()))?;
+    report.warnings.clone_from(&scene.warnings);
+    let size = Size::of_objects(&scene.objects);
+    report.triangles = Some(size.triangles);
 
-    let options = args.simplify_options();
-    let options = object_options(&scene, options, &args.parts);
+    let options = object_options(&scene, args.simplify_options(), &args.parts);
+    let kinds = args.models.kinds()?;
+    check_memory(args, input, size, &options, &kinds)?;
     let paints = paints(&args.import, input, &scene, &options)?;
     let importance = Importance::new(&scene, &options, &args.importance, &args.parts)?;
     let Scene { source, document, objects, mut files_read, .. } = scene;
@@ -55,12 +59,7 @@ pub(super) fn make(
     let known = Known { paints: seen, importance: &importance, document: &document, limits };
     let simplified = stages.run("simplify", || simplify_all(objects, &options, known, progress))?;
     report.warnings.extend(paints.warnings);
-    for read in paints.files_read {
-        if !files_read.contains(&read) {
-            files_read.push(read);
-        }
-    }
-    for image in images(args, input, &document)? {
+    for image in paints.files_read.into_iter().chain(images(args, input, &document)?) {
         if !files_read.contains(&image) {
             files_read.push(image);
         }
@@ -71,9 +70,8 @@ pub(super) fn make(
     let bug = |what: String| {
         Failure::new(Status::Bug, format!("{}: {what}; nothing was written", input.display()))
     };
-    let kinds = args.models.kinds()?;
     report.models = kinds.iter().map(|kind| kind.name()).collect();
-    let mut work = ModelWork { kinds: &kinds, triangles, stages, progress };
+    let mut work = ModelWork { kinds: &kinds, triangles: size.triangles, stages, progress };
     let objects = work.build_all(simplified, args.strips.options(), vec![]).map_err(bug)?;
     fill_in(report, &objects);
 
@@ -101,28 +99,17 @@ fn images(args: &BuildArgs, input: &Path, document: &Document) -> Outcome<Vec<Pa
     Ok(assets.files_read().to_vec())
 }
 
-/// Imports the scene, if its work fits into memory.
-fn import_scene(
+/// Checks that the work on a scene fits into memory.
+fn check_memory(
     args: &BuildArgs,
     input: &Path,
-    stages: &mut Stages,
-    report: &mut InputReport,
-) -> Outcome<Scene> {
-    let scene = stages.run("import", || import::import(input, &args.import.options()))?;
-    report.warnings.clone_from(&scene.warnings);
-    let size = scene_size(&scene.objects);
-    report.triangles = Some(size.triangles);
-    let options = object_options(&scene, args.simplify_options(), &args.parts);
+    size: Size,
+    options: &[Options],
+    kinds: &[ModelKind],
+) -> Outcome<()> {
     let metrics = options.iter().map(|o| o.metric);
-    let needs = [size.simplify(metrics), size.errors(), size.models(&args.models.kinds()?)];
-    let too_large = |f: Failure| Failure::new(f.status, format!("{}: {f}", input.display()));
-    args.import.limits().check_memory(size, &needs).map_err(too_large)?;
-    Ok(scene)
-}
-
-/// The size of all objects together.
-pub(crate) fn scene_size(objects: &[SceneObject]) -> Size {
-    Size::of(objects.iter().map(|o| (o.mesh.triangles().len(), o.mesh.vertex_count())))
+    let needs = [size.simplify(metrics), size.errors(), size.models(kinds)];
+    args.import.limits().check_memory(&input.display().to_string(), size, &needs)
 }
 
 /// The options of every object: those of the asset, or its own.

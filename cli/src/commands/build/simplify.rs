@@ -3,6 +3,7 @@
 use super::errors::SimplifiedObjects;
 use super::judge::{Judge, Verdict, verdict};
 use super::known::Known;
+use crate::estimate::Size;
 use crate::exit::Outcome;
 use crate::progress::Progress;
 use lodc_formats::SceneObject;
@@ -59,7 +60,7 @@ pub(crate) fn simplify_all(
 /// nothing if the scene is not small.
 fn with_samples(options: &[Options], objects: &[SceneObject]) -> Option<Vec<Options>> {
     let triangles = |o: &SceneObject| o.mesh.triangles().len() as u64;
-    let all: u64 = objects.iter().map(triangles).sum();
+    let all = Size::of_objects(objects).triangles;
     let more = |(o, object): (&Options, &SceneObject)| {
         let share = SAMPLES_OF_SMALL * triangles(object) / all.max(1);
         Options { hybrid_samples: o.hybrid_samples.max(share as u32), ..*o }

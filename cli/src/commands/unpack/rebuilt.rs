@@ -76,8 +76,7 @@ fn file(
     let size = Size::of(meshes.map(|m| (m.triangles().len(), m.vertex_count())));
     let triangles = size.triangles;
     let kinds = args.models.kinds()?;
-    let too_large = |f: Failure| Failure::new(f.status, format!("{name}: {f}"));
-    args.limits.check_memory(size, &[size.errors(), size.models(&kinds)]).map_err(too_large)?;
+    args.limits.check_memory(name, size, &[size.errors(), size.models(&kinds)])?;
     stages.run("verify", || check(&simplified, name))?;
     let progress = Progress::new(name);
     let document = unpacker.document().expect("a complete stream has a document").clone();
