@@ -261,6 +261,9 @@ pub(crate) struct PackReport {
     pub(crate) schema_version: u32,
     pub(crate) input: String,
     pub(crate) output: String,
+    /// The version of the stream.
+    #[serde(skip)]
+    pub(crate) version: u32,
     pub(crate) bytes: u64,
     /// Bytes of all that is not a growing mesh.
     pub(crate) head_bytes: u64,

@@ -13,9 +13,9 @@ use crate::stages::Stages;
 use crate::text::{count, distance, size};
 use clap::Args;
 use clap::builder::TypedValueParser;
+use lodc_formats::Limits;
 use lodc_formats::lodc::{LodFile, LodObject};
 use lodc_formats::lods::{ErrorBound, PackOptions, Packed, PackedObject, Quantize, Unpacker, pack};
-use lodc_formats::{Limits, lods};
 use lodc_lod::AnyModel;
 use lodc_strip::{Effort, StripKind, StripOptions, StripPool, StripSet};
 use rayon::prelude::*;
@@ -152,6 +152,7 @@ fn report(
         schema_version: SCHEMA_VERSION,
         input: args.input.display().to_string(),
         output: target.name(),
+        version: packed.version,
         bytes: packed.bytes.len() as u64,
         head_bytes: packed.head_bytes,
         objects: file.objects.iter().zip(&packed.objects).zip(strips).map(object).collect(),
@@ -163,7 +164,7 @@ fn text(report: &PackReport) -> String {
     let head = size(report.head_bytes);
     let mut lines = vec![format!(
         "{output}: format version {}, {}, {head} of it names, nodes, materials and buffers",
-        lods::VERSION,
+        report.version,
         size(report.bytes)
     )];
     for o in &report.objects {

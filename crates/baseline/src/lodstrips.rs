@@ -5,8 +5,8 @@
 //! ends stay), but each entry names its strip, and entries are applied one by one, record by
 //! record, to strips that grow and shrink by themselves.
 
-use lodc_lod::check_submeshes;
 use lodc_lod::trace::{self, History, Kind, Removal};
+use lodc_lod::{LONGEST_TRACED, check_submeshes, cut_long};
 use lodc_mesh::{Lod, OrientedTriangle, PositionIds, Simplified};
 use lodc_model::Difference;
 use lodc_model::{Array, BuildError, Changes, Layout, Model, StorageCost, Traffic};
@@ -49,12 +49,13 @@ pub struct Cursor {
 }
 
 impl LodStrips {
-    /// Makes the model of strips that draw exactly the mesh.
+    /// Makes the model of strips that draw exactly the mesh, cut to [`LONGEST_TRACED`] vertices.
     ///
     /// # Errors
     /// If strips do not belong to the mesh, or change more often than those of any real mesh.
     pub fn build(simplified: &Arc<Simplified>, strips: Arc<Strips>) -> Result<Self, BuildError> {
         check_submeshes(&strips, simplified.mesh())?;
+        let strips = cut_long(strips, LONGEST_TRACED);
         let positions = PositionIds::new(simplified.mesh().positions());
         let histories = trace::histories(simplified, &strips, &positions, false)?;
         let (first, entries) = by_record(&histories, simplified.collapses().records() as usize);

@@ -27,6 +27,7 @@
 //! ```
 
 mod any;
+mod cut;
 pub mod interactive;
 pub mod masking;
 pub mod speed;
@@ -35,6 +36,7 @@ pub mod trace;
 mod twin;
 
 pub use any::{AnyCursor, AnyModel, ModelKind};
+pub use cut::{LONGEST_TRACED, cut_long};
 pub use interactive::Interactive;
 pub use masking::Masking;
 pub use speed::Speed;

@@ -16,11 +16,8 @@ pub enum StreamVersion {
     /// Points come when a split needs them. A version has an odd number of set bits, so that one
     /// flipped bit makes no version of another.
     Seven,
-}
-
-impl StreamVersion {
-    /// The version that is written.
-    pub const LATEST: Self = Self::Seven;
+    /// A split that transfers nothing may be that of a vertex with the target of its parent.
+    Eight,
 }
 
 /// The header of an object: everything but its vertices and triangles.
@@ -52,6 +49,7 @@ impl MeshHeader {
         layout: VertexLayout,
         strips: bool,
         steps: u32,
+        version: StreamVersion,
     ) -> Self {
         let mesh = simplified.mesh();
         let submesh = |s: &Submesh| Submesh { first_triangle: 0, triangle_count: 0, ..s.clone() };
@@ -64,7 +62,7 @@ impl MeshHeader {
             triangles: mesh.triangles().len() as u32,
             steps,
             strips,
-            version: StreamVersion::LATEST,
+            version,
         }
     }
 
@@ -82,7 +80,7 @@ impl MeshHeader {
             triangles: 0,
             steps: 0,
             strips: false,
-            version: StreamVersion::LATEST,
+            version: StreamVersion::Seven,
         }
     }
 }

@@ -173,10 +173,10 @@ impl MeshDecoder {
         &self.codec.mesh.submesh
     }
 
-    /// The parent of each vertex, the vertex that it split off; 0 for the first and for one that
-    /// has not come.
+    /// The target of each vertex, mostly the parent that it split off; 0 for the first and for one
+    /// that has not come.
     #[must_use]
-    pub fn parents(&self) -> &[u32] {
+    pub fn targets(&self) -> &[u32] {
         &self.codec.parents
     }
 

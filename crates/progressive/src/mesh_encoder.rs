@@ -2,7 +2,7 @@
 
 use crate::entropy::coder::Substreams;
 use crate::entropy::encoder::Encoder;
-use crate::header::MeshHeader;
+use crate::header::{MeshHeader, StreamVersion};
 use crate::source::encoder_source::EncoderSource;
 use crate::source::strip_neighbors::StripMismatch;
 use crate::vertex_data::vertex_layout::VertexLayout;
@@ -56,7 +56,8 @@ impl<'a> MeshEncoder<'a> {
     ) -> Result<Self, StripMismatch> {
         let source = EncoderSource::new(simplified, &layout, strips)?;
         let submeshes = simplified.mesh().submeshes().len() as u32;
-        let header = MeshHeader::new(simplified, layout.clone(), strips.is_some(), source.steps());
+        let (steps, version) = (source.steps(), source.version());
+        let header = MeshHeader::new(simplified, layout.clone(), strips.is_some(), steps, version);
         let codec = ObjectCodec::new(layout, submeshes, strips.is_some(), header.version);
         Ok(Self { simplified, source, codec, header })
     }
@@ -65,6 +66,12 @@ impl<'a> MeshEncoder<'a> {
     #[must_use]
     pub fn header(&self) -> &MeshHeader {
         &self.header
+    }
+
+    /// Sets the version of the stream, at least that of the header, before the first step: all
+    /// objects of a stream have one.
+    pub fn set_version(&mut self, version: StreamVersion) {
+        (self.header.version, self.codec.version) = (version, version);
     }
 
     /// Number of vertices so far, with the points that are only announced.

@@ -55,6 +55,7 @@ impl Names {
         names.add(parent, "parent".to_owned());
         names.add(&c.wedge_distance, "wedge_distance".to_owned());
         names.add(&c.same_submesh, "same_submesh".to_owned());
+        names.add(&c.repeats_target, "repeats_target".to_owned());
         names.add(&c.same_position, "same_position".to_owned());
         names.bits(&c.continues, "continues");
         names.add(&c.error_falls, "error_falls".to_owned());
@@ -200,7 +201,7 @@ fn trace(stream: &[u8], layout: VertexLayout, submeshes: u32, vertices: u32) -> 
     let mut contexts = Box::new(Contexts::new());
     let names = Names::of(&contexts);
     let lines = RefCell::new(String::new());
-    let mut codec = ObjectCodec::new(layout, submeshes, true, StreamVersion::LATEST);
+    let mut codec = ObjectCodec::new(layout, submeshes, true, StreamVersion::Seven);
     for (steps, payload) in step_blocks(stream) {
         let mut rest = payload;
         let length = take_leb128(&mut rest, 1 << 20).expect("a length") as usize;

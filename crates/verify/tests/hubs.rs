@@ -12,9 +12,11 @@ fn follow(mesh: &Mesh) {
     let simplified = Arc::new(simplify(mesh, &Options::DEFAULT, &|_, _| ()));
     let reference = Reference::new(&simplified).expect("few moves");
     let mut strips = StripPool::new(&simplified, StripOptions::default());
-    let model = AnyModel::build(ModelKind::Interactive, &mut strips).expect("a valid sequence");
-    let checks = verify(&model, &reference, &VerifyOptions::default());
-    for check in reference.checks().iter().chain(&checks) {
+    let checks = ModelKind::ALL.into_iter().flat_map(|kind| {
+        let model = AnyModel::build(kind, &mut strips).expect("a valid sequence");
+        verify(&model, &reference, &VerifyOptions::default())
+    });
+    for check in reference.checks().iter().cloned().chain(checks) {
         assert!(check.ok(), "{check:?}");
     }
 }

@@ -1,15 +1,16 @@
 //! Writing a stream: the head, then steps in the order of their errors, cut into blocks.
 
-use super::VERSION;
 use super::block::{self, Block, MAGIC};
 use super::document::{EncodedDocument, SequenceFacts};
 use super::head::Head;
 use super::object_header::ObjectHeader;
+use super::{HUB_VERSION, VERSION};
 use crate::lodc::{LodFile, LodObject};
 use crate::{Fault, FormatError};
 use lodc_mesh::put_leb128;
 use lodc_progressive::{
-    BlockTarget, Contexts, EncodedSteps, ErrorBound, MeshEncoder, Quantize, VertexLayout,
+    BlockTarget, Contexts, EncodedSteps, ErrorBound, MeshEncoder, Quantize, StreamVersion,
+    VertexLayout,
 };
 use lodc_strip::{StripKind, StripSet};
 use std::cmp::Reverse;
@@ -37,6 +38,8 @@ impl Default for PackOptions {
 pub struct Packed {
     /// The stream.
     pub bytes: Vec<u8>,
+    /// Its version.
+    pub version: u32,
     /// Bytes of all that is not steps: the head, headers of objects, the document.
     pub head_bytes: u64,
     /// Its objects.
@@ -93,7 +96,11 @@ pub fn pack(
     let names = file.objects.iter().map(|o| (&o.info, sequence_facts(o)));
     let document = EncodedDocument::new(&file.source, &file.document, names)
         .ok_or_else(|| too_large("the names and the JSON of the scene have more than 4 GiB"))?;
-    let mut stream = StreamWriter::new(file, document);
+    let needs = |w: &ObjectWriter<'_>| w.encoder.header().version;
+    let version = writers.iter().map(needs).max().unwrap_or(StreamVersion::Seven);
+    writers.iter_mut().for_each(|w| w.encoder.set_version(version));
+    let version = if version < StreamVersion::Eight { VERSION } else { HUB_VERSION };
+    let mut stream = StreamWriter::new(file, document, version);
     let block_bytes = options.block_bytes.unwrap_or(BLOCK_BYTES) as usize;
     let mut contexts = Box::new(Contexts::new());
     // The object that is farthest from its final mesh comes next, the first of equals.
@@ -124,7 +131,7 @@ pub fn pack(
     stream.put(Block { tag: 0, steps: 0, payload: &[] });
     let head_bytes = stream.bytes.len() as u64 - stream.step_bytes - END_BYTES;
     let objects = writers.into_iter().map(ObjectWriter::finish).collect();
-    Ok(Packed { bytes: stream.bytes, head_bytes, objects })
+    Ok(Packed { bytes: stream.bytes, version, head_bytes, objects })
 }
 
 /// The priority of an object that has triangles, but none of them in the stream yet.
@@ -154,7 +161,7 @@ struct StreamWriter<'a> {
 
 impl<'a> StreamWriter<'a> {
     /// Starts a stream with its first block.
-    fn new(file: &LodFile, document: EncodedDocument<'a>) -> Self {
+    fn new(file: &LodFile, document: EncodedDocument<'a>, version: u32) -> Self {
         let head = Head {
             format: file.source.format,
             objects: file.objects.len() as u32,
@@ -163,7 +170,7 @@ impl<'a> StreamWriter<'a> {
             buffer: document.buffer.len() as u64,
         };
         let mut bytes = MAGIC.to_vec();
-        bytes.extend(VERSION.to_le_bytes());
+        bytes.extend(version.to_le_bytes());
         let mut stream = Self { bytes, blocks: 0, document, document_bytes: 0, step_bytes: 0 };
         stream.put(Block { tag: 0, steps: 0, payload: &head.to_bytes() });
         stream

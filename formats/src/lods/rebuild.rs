@@ -37,7 +37,7 @@ fn malformed(what: impl Display) -> FormatError {
 /// split of vertex *n* − 1 − *k* of the stream.
 fn sequence_parts(decoder: &MeshDecoder, facts: SequenceFacts, triangles: u32) -> SequenceParts {
     let last = decoder.vertex_count().saturating_sub(1);
-    let targets = decoder.parents().iter().skip(1).rev().map(|&parent| last - parent).collect();
+    let targets = decoder.targets().iter().skip(1).rev().map(|&target| last - target).collect();
     // A step of the stream begins after a vertex whose step does not continue.
     let continues = decoder.continues();
     let begins = (1..=last).rev().filter(|&new| !continues[new as usize - 1]);

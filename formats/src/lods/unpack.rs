@@ -5,7 +5,7 @@ use super::document::SequenceFacts;
 use super::object_header::ObjectHeader;
 use super::rebuild::{self, Rebuilt};
 use super::received::{Received, ReceivedObject};
-use super::{Arrived, VERSION};
+use super::{Arrived, HUB_VERSION, VERSION};
 use crate::{Document, Fault, FormatError, Limits, ObjectInfo, Source};
 use lodc_mesh::{Cleaning, Mesh, MeshParts, take_leb128};
 use lodc_progressive::{Contexts, MeshDecoder, StepBlock, StreamVersion};
@@ -318,7 +318,8 @@ impl Unpacker {
         let version = match self.version {
             ..4 => StreamVersion::Two,
             4..7 => StreamVersion::Four,
-            _ => StreamVersion::Seven,
+            7..HUB_VERSION => StreamVersion::Seven,
+            _ => StreamVersion::Eight,
         };
         let received = self.received.as_mut().expect("block 0 was read");
         let (object, mut payload) = (block.tag as usize - 1, block.payload);
@@ -375,12 +376,11 @@ fn check_preamble(bytes: &[u8]) -> Result<Option<u32>, FormatError> {
     }
     let Some(version) = bytes.get(MAGIC.len()..PREAMBLE) else { return Ok(None) };
     match u32::from_le_bytes(version.try_into().expect("four bytes")) {
-        version @ ..=VERSION if version.count_ones() % 2 == 1 => Ok(Some(version)),
-        never @ ..=VERSION => Err(malformed(&format!("version {never} never existed"))),
+        version @ ..=HUB_VERSION if version.count_ones() % 2 == 1 => Ok(Some(version)),
+        never @ ..=HUB_VERSION => Err(malformed(&format!("version {never} never existed"))),
         newer => {
-            let what = format!(
-                "version {newer} is newer than this program, which reads up to version {VERSION}"
-            );
+            let upto = format!("which reads up to version {HUB_VERSION}");
+            let what = format!("version {newer} is newer than this program, {upto}");
             Err(FormatError::new(Fault::Unsupported, "header", what))
         }
     }

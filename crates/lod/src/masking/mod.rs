@@ -12,7 +12,6 @@
 //! it is there twice: strip by strip for jumps, and by record for near moves.
 
 mod cursor;
-mod cut;
 mod filters;
 mod history;
 mod info;
@@ -29,6 +28,7 @@ pub use cursor::Cursor;
 pub use info::{InfoStrip, InfoUpdate};
 pub use replay::SHADERS;
 
+use crate::cut::cut_long;
 use crate::stored_strips::{STRIPS, from_array, to_array};
 use history::Entry;
 use lodc_mesh::{Lod, NONE, OrientedTriangle, PositionIds, Simplified};
@@ -68,9 +68,7 @@ impl Masking {
     /// If the sequence changes strips so often that the model would be far larger than the mesh
     /// ([`BuildError::Malformed`]): no sequence of a simplifier does.
     pub fn build(simplified: &Arc<Simplified>, strips: Arc<Strips>) -> Result<Self, BuildError> {
-        let cut =
-            cut::cut(&strips, Self::LONGEST_STRIP).map(|set| Strips { kind: strips.kind, set });
-        let strips = cut.map_or(strips, Arc::new);
+        let strips = cut_long(strips, Self::LONGEST_STRIP);
         let positions = PositionIds::new(simplified.mesh().positions());
         let histories = history::histories(simplified, &strips, &positions).ok_or_else(|| {
             BuildError::Malformed {

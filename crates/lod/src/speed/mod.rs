@@ -19,6 +19,7 @@ pub use cursor::Cursor;
 pub use replay::SHADERS;
 pub use run_time::{AT_END, LodInfo, Operation, RunTime, StripInfo};
 
+use crate::cut::{LONGEST_TRACED, cut_long};
 use crate::stored_strips::{self, STRIPS, check_submeshes};
 use crate::trace::{self, History, Source};
 use edits::Edits;
@@ -41,6 +42,9 @@ pub struct Speed {
 }
 
 impl Speed {
+    /// The most vertices of a strip; [`Self::build`] cuts longer ones.
+    pub const LONGEST_STRIP: usize = LONGEST_TRACED;
+
     /// Makes the model of strips that draw exactly the mesh. Strips are worked on in parallel; the
     /// result does not depend on how many threads there are.
     ///
@@ -48,6 +52,7 @@ impl Speed {
     /// If strips do not belong to the mesh, or change more often than those of any real mesh.
     pub fn build(simplified: &Arc<Simplified>, strips: Arc<Strips>) -> Result<Self, BuildError> {
         check_submeshes(&strips, simplified.mesh())?;
+        let strips = cut_long(strips, Self::LONGEST_STRIP);
         let positions = PositionIds::new(simplified.mesh().positions());
         let histories = trace::histories(simplified, &strips, &positions, true)?;
         Ok(Self::new(simplified, strips, positions, &histories))

@@ -257,6 +257,20 @@ fn arrays_come_back_and_damage_is_refused_or_harmless() {
 }
 
 #[test]
+fn long_strips_are_cut_and_draw_the_same() {
+    let n = 5 * Speed::LONGEST_STRIP as u32;
+    let points: Vec<[i32; 2]> = (0..n as i32).map(|i| [i, i % 2]).collect();
+    let strip: Vec<u32> = (0..n).collect();
+    let targets: Vec<u32> = (1..n).collect();
+    let model = strip_of(&points, &strip, &targets);
+    assert_eq!(model.strips().len(), 6);
+    assert!(model.strips().iter().all(|strip| strip.len() <= Speed::LONGEST_STRIP));
+    let drawn: Vec<_> = model.strips().triangles().map(|t| t.corners).collect();
+    let whole = lodc_strip::strip_triangles(&strip).map(|t| OrientedTriangle::new(0, t).corners);
+    assert!(drawn.into_iter().eq(whole));
+}
+
+#[test]
 fn threads_do_not_matter() {
     let simplified = fixtures::random_collapse(&fixtures::uv_sphere(24, 16), 2);
     let arrays = |threads| {

@@ -3,7 +3,9 @@
 //! The stream runs backwards through the sequence: vertex `i` here is vertex `last − i` there.
 
 use crate::error_code::{error_code, rms_code};
+use crate::header::StreamVersion;
 use crate::partial_mesh::new_triangle::Side;
+use crate::source::coding_parents::Splits;
 use crate::source::first_appearance::{FirstAppearance, first_appearances};
 use crate::source::split_source::{DecoderSource, SourceTriangle, SplitSource, StripPosition};
 use crate::source::strip_neighbors::{StripMismatch, StripNeighbors};
@@ -14,6 +16,8 @@ use std::ops::Range;
 
 /// All splits of a simplified mesh.
 pub(crate) struct EncoderSource {
+    /// The target of each vertex, and the vertex that it is coded as split off.
+    targets: Vec<u32>,
     parents: Vec<u32>,
     continues: Vec<bool>,
     submesh: Vec<u32>,
@@ -44,8 +48,18 @@ impl EncoderSource {
         let vertices = mesh.vertex_count();
         let last = collapses.records();
         let targets = collapses.targets().iter().rev().map(|&t| last - t);
-        let parents: Vec<u32> = std::iter::once(0).chain(targets).take(vertices).collect();
-        let appearances = first_appearances(simplified);
+        let targets: Vec<u32> = std::iter::once(0).chain(targets).take(vertices).collect();
+        let (appearances, continues) = (first_appearances(simplified), continues(simplified));
+        let by_vertex = Csr::new(vertices, appearances.iter().map(|a| a.vertices[0]).zip(0..));
+        let points = points(&by_vertex.offsets, &continues);
+        let splits = Splits {
+            targets: &targets,
+            points,
+            appearances: &appearances,
+            by_vertex: &by_vertex,
+            triangles: mesh.triangles(),
+        };
+        let parents = splits.coding_parents();
         let order = coding_order(&appearances, &parents);
         let entries = order.iter().map(|&t| (appearances[t as usize].vertices[0], t));
         let by_vertex = Csr::new(vertices, entries);
@@ -67,10 +81,9 @@ impl EncoderSource {
             let lod = Lod(last - new);
             [error_code(collapses.error_at(lod)), rms_code(collapses.rms_at(lod))]
         };
-        let continues = continues(simplified);
         Ok(Self {
-            points: points(&by_vertex.offsets, &continues),
-            subtree: subtrees(&parents),
+            points,
+            subtree: subtrees(&targets),
             continues,
             submesh: mesh.vertex_submesh().iter().rev().copied().collect(),
             channels: layout.systems.len(),
@@ -79,6 +92,7 @@ impl EncoderSource {
             first_triangle: by_vertex.offsets,
             final_vertices: order.iter().flat_map(final_corners).collect(),
             error_codes: (0..=last).map(errors).collect(),
+            targets,
             parents,
             strips,
         })
@@ -86,6 +100,11 @@ impl EncoderSource {
 }
 
 impl EncoderSource {
+    /// Returns the version that the splits need.
+    pub(crate) fn version(&self) -> StreamVersion {
+        if self.parents == self.targets { StreamVersion::Seven } else { StreamVersion::Eight }
+    }
+
     /// Returns the number of steps as a stream counts them: those behind the points, and one for
     /// each group with points that are left when all vertices have come.
     pub(crate) fn steps(&self) -> u32 {
@@ -125,6 +144,9 @@ impl SplitSource for EncoderSource {
     }
     fn parent(&self, new: u32) -> u32 {
         self.parents[new as usize]
+    }
+    fn repeats_target(&self, new: u32) -> bool {
+        self.parents[new as usize] != self.targets[new as usize]
     }
     fn continues(&self, new: u32) -> bool {
         self.continues[new as usize]

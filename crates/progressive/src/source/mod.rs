@@ -1,6 +1,7 @@
 //! Knowledge that an encoder has and a decoder lacks: the next vertex split, asked for piece by
 //! piece.
 
+pub(crate) mod coding_parents;
 pub(crate) mod encoder_source;
 pub(crate) mod first_appearance;
 pub(crate) mod split_source;

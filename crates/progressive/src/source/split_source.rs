@@ -26,6 +26,8 @@ pub(crate) trait SplitSource {
     fn points(&self) -> u32;
     /// Returns the vertex that a new one splits off.
     fn parent(&self, new: u32) -> u32;
+    /// Returns whether the target of a new vertex is that of its parent, and not its parent.
+    fn repeats_target(&self, new: u32) -> bool;
     /// Returns whether the step continues after a vertex.
     fn continues(&self, new: u32) -> bool;
     /// Returns the submesh of a vertex.
@@ -58,6 +60,9 @@ impl SplitSource for DecoderSource {
     }
     fn parent(&self, _: u32) -> u32 {
         0
+    }
+    fn repeats_target(&self, _: u32) -> bool {
+        false
     }
     fn continues(&self, _: u32) -> bool {
         false

@@ -1,7 +1,11 @@
+use crate::header::StreamVersion;
+use crate::mesh_decoder::{MeshDecoder, StepBlock};
+use crate::mesh_encoder::{BlockTarget, EncodedSteps, MeshEncoder};
 use crate::source::encoder_source::EncoderSource;
 use crate::source::first_appearance::first_appearances;
 use crate::source::split_source::SplitSource;
 use crate::vertex_data::vertex_layout::VertexLayout;
+use crate::vertex_split::contexts::Contexts;
 use lodc_mesh::{
     CollapseSequence, Lod, Mesh, MeshParts, NONE, PositionIds, SequenceParts, Simplified, Submesh,
     is_degenerate, removal_lods,
@@ -96,4 +100,37 @@ fn chains_and_hubs_take_near_linear_time() {
         assert!((1..n).all(|v| source.parent(v) < v && source.indices(v).len() == 3));
         assert_ne!(source.parent(n - 1), NONE);
     }
+}
+
+#[test]
+fn vertices_that_take_nothing_from_a_hub_are_coded_as_split_off_one_another() {
+    // The last triangle is the first in the stream: each vertex brings one, and takes over none.
+    let n = 5_000;
+    let positions = (0..n).map(|i| [i as f32, (i % 89 * (i % 97)) as f32, 0.0]).collect();
+    let triangles = (0..n - 2).map(|i| [i, n - 2, n - 1]).collect();
+    let target_of = |v: u32| if v.is_multiple_of(2) || v == n - 2 { n - 1 } else { n - 2 };
+    let book = simplified(positions, triangles, (0..n - 1).map(target_of).collect());
+    let layout = VertexLayout::choose(&book);
+    let source = EncoderSource::new(&book, &layout, None).expect("no strips to mismatch");
+    let target = |new: u32| n - 1 - target_of(n - 1 - new);
+    for new in 2..n {
+        // Each of the first 256 triangles leaves the stars of both hubs small enough.
+        let wanted = if new < 2 + 257 { target(new) } else { new - 2 };
+        assert_eq!(source.parent(new), wanted, "{new}");
+        assert_eq!(source.repeats_target(new), new >= 2 + 257, "{new}");
+    }
+    // The thesis's packages have a bit for each triangle of a star.
+    let mut encoder = MeshEncoder::new(&book, layout, None).expect("no strips to mismatch");
+    let (mut contexts, mut decoded) = (Contexts::new(), Contexts::new());
+    let mut decoder = MeshDecoder::new(encoder.header().clone());
+    assert_eq!(decoder.header().version, StreamVersion::Eight);
+    while !encoder.is_complete() {
+        let target = BlockTarget { bytes: 1000, before: 1 << 20, until_triangle: false };
+        let EncodedSteps { steps, splits, strips } = encoder.encode(&mut contexts, target);
+        let block = StepBlock { steps, splits: &splits, strips: &strips, bytes: 1 << 20 };
+        decoder.decode(&mut decoded, block).expect("a sound block");
+    }
+    assert!(encoder.package_bytes() < 40 * u64::from(n), "{}", encoder.package_bytes());
+    assert!(decoder.is_complete());
+    assert!((2..n).all(|new| decoder.targets()[new as usize] == target(new)));
 }

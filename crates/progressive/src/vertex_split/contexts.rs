@@ -22,6 +22,8 @@ pub struct Contexts {
     pub(crate) same_submesh: AdaptiveBit,
     pub(crate) triangles: TriangleContexts,
     pub(crate) transfer: TransferContexts,
+    /// The target is the parent's, of a vertex that takes over no triangle.
+    pub(crate) repeats_target: AdaptiveBit,
     /// The position is that of the vertex before.
     pub(crate) same_position: AdaptiveBit,
     /// By whether the step continued with this vertex: it continues with the next.
@@ -48,6 +50,7 @@ impl Contexts {
             same_submesh: AdaptiveBit::NEW,
             triangles: TriangleContexts::NEW,
             transfer: TransferContexts::NEW,
+            repeats_target: AdaptiveBit::NEW,
             same_position: AdaptiveBit::NEW,
             continues: [AdaptiveBit::NEW; 2],
             error_falls: AdaptiveBit::NEW,

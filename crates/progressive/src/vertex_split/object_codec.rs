@@ -40,10 +40,10 @@ pub(crate) struct ObjectCodec {
     pub(crate) values: VertexValues,
     pub(crate) strips: Option<StripOrder>,
     pub(super) submeshes: u32,
-    pub(super) version: StreamVersion,
+    pub(crate) version: StreamVersion,
     /// The vertices before the first triangle, from version 7 on.
     pub(crate) points: Points,
-    /// For each vertex its parent, and whether its step continues with the next vertex.
+    /// For each vertex its target, and whether its step continues with the next vertex.
     pub(crate) parents: Vec<u32>,
     pub(crate) continues: Vec<bool>,
     /// The codes of the error after the last step, and of the root mean square distance.
@@ -214,7 +214,13 @@ impl ObjectCodec {
         self.work += 2 + self.split.star.len() as u64;
         self.package_bytes += 5 + self.split.star.len().div_ceil(8) as u64;
         let pattern = self.code_triangles(coder, source, contexts)?;
-        self.split_mesh(coder, source, contexts, pattern)?;
+        let keeps_all = self.split_mesh(coder, source, contexts, pattern)?;
+        if keeps_all && self.version >= StreamVersion::Eight {
+            let repeats = source.repeats_target(new);
+            if coder.bit(&mut contexts.repeats_target, repeats) {
+                self.parents[new as usize] = self.parents[parent as usize];
+            }
+        }
         self.code_strip_positions(&mut coders.strips, source, &mut contexts.strips)?;
         self.code_values(&mut coders.splits, source, contexts);
         Ok(())
@@ -287,19 +293,22 @@ impl ObjectCodec {
     }
 
     /// Codes the transfer of triangles, splits the mesh, and collects the new vertex's link.
+    /// Returns whether the parent keeps all its triangles.
     fn split_mesh<C: Coder, S: SplitSource>(
         &mut self,
         coder: &mut C,
         source: &S,
         contexts: &mut Contexts,
         pattern: SplitPattern,
-    ) -> Result<(), InvalidStream> {
+    ) -> Result<bool, InvalidStream> {
         let (split, buffers) = (&mut self.split, &mut self.buffers);
         let edge = SplitEdge { parent: split.parent, new: split.new };
         let arcs = if pattern == SplitPattern::Both { split.arcs() } else { None };
         let link = &mut buffers.new_link;
+        let mut keeps_all = false;
         if !arcs.is_some_and(|arcs| self.mesh.split_arcs(edge, &split.star, arcs, link)) {
             split.code_transfer(coder, source, &mut contexts.transfer, pattern.transfer_rule())?;
+            keeps_all = !split.transfer.contains(&true);
             let star = ParentStar { faces: &split.star, transfer: &split.transfer };
             let new_star = &mut buffers.new_star;
             self.mesh.split(edge, star, &split.triangles, &mut buffers.split, new_star);
@@ -311,7 +320,7 @@ impl ObjectCodec {
         let count = |v: u32| u64::from(self.mesh.corners.count(v));
         let longest = split.triangles.iter().map(|t| count(t.next).max(count(t.previous)));
         self.work += longest.sum::<u64>();
-        Ok(())
+        Ok(keeps_all)
     }
 
     /// Codes where the newest triangles are drawn, if strips are coded.

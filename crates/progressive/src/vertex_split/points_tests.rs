@@ -51,7 +51,7 @@ fn points_come_when_a_split_or_a_triangle_needs_them_and_the_others_last() {
     let wanted = [(6, vec![0, 1, 5]), (7, vec![0, 1, 3, 4, 5, 6]), (7, (0..7).collect())];
     assert_eq!(come, wanted);
     assert!(decoder.is_complete() && decoder.header().steps == 3);
-    assert_eq!(decoder.parents(), [0, 0, 0, 0, 3, 1, 4]);
+    assert_eq!(decoder.targets(), [0, 0, 0, 0, 3, 1, 4]);
     assert_eq!(decoder.mesh_parts().positions, simplified.mesh().positions());
 }
 

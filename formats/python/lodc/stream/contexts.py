@@ -37,6 +37,7 @@ class Contexts:
         self.in_link = table(Bit, 4)
         self.place = table(Symbol, 3, 17)
         self.transferred = table(Bit, 4, 3)
+        self.repeats_target = Bit()
         self.same_position = Bit()
         self.values = Values()
         self.point_count = Gamma()

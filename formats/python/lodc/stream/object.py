@@ -312,6 +312,8 @@ class StreamObject:
             if self.points.is_missing(corner):
                 bring(self, coder, contexts, corner, alone=not self.steps)
         transfer = self._transfer(coder, contexts, star, pattern, triangles)
+        if self.version >= 8 and not any(transfer):
+            coder.bit(contexts.repeats_target)  # of interest to who wants the collapse sequence
         first = len(mesh.triangles)
         mesh.split(parent, new, star, transfer, triangles)
         for t in mesh.triangles[first:]:

@@ -67,7 +67,7 @@ fn other_files_are_refused_by_name() {
     refused(&[&bytes[..], b"x"].concat(), "follows the end");
     refused(b"v 0 0 0\n", "not a .lods stream");
     let mut newer = bytes.clone();
-    for version in super::super::VERSION + 1..300 {
+    for version in super::super::HUB_VERSION + 1..300 {
         newer[8..PREAMBLE].copy_from_slice(&version.to_le_bytes());
         refused(&newer, "newer than this program");
     }

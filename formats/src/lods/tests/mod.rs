@@ -4,6 +4,7 @@ mod damage;
 mod every_step;
 mod geometry_first;
 mod golden;
+mod hubs;
 mod points;
 mod quantize;
 

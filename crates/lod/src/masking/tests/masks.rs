@@ -2,6 +2,7 @@
 //! cutting; storage.
 
 use super::*;
+use crate::cut;
 
 /// One band of five triangles, and one triangle beside it:
 ///

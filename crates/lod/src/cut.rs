@@ -1,13 +1,30 @@
-//! Cutting long strips: masks have one bit for each vertex of a strip.
+//! Cutting long strips. Masks have one bit for each vertex of a strip; and a record costs as much
+//! as the strips that it changes are long.
 
-use lodc_strip::StripSet;
+use lodc_strip::{StripSet, Strips};
 use std::cmp::Reverse;
+use std::sync::Arc;
+
+/// The most vertices of a strip that is traced through a sequence. Where a vertex has thousands of
+/// triangles, strips around it would have thousands of vertices, and each record there would cost a
+/// walk along one of them. Those of other meshes are shorter (bunny: up to 604).
+pub const LONGEST_TRACED: usize = 1024;
+
+/// Returns the strips with those of more than `longest` vertices (even, at least 4) cut into pieces
+/// that draw the same: the same ones if there are none.
+#[must_use]
+pub fn cut_long(strips: Arc<Strips>, longest: usize) -> Arc<Strips> {
+    match cut(&strips, longest) {
+        Some(set) => Arc::new(Strips { kind: strips.kind, set }),
+        None => strips,
+    }
+}
 
 /// The same strips with those of more than `longest` (even, at least 4) vertices cut into as few
 /// pieces as possible; `None` if there are none. Pieces start at even positions, so that every
 /// triangle keeps its orientation, and each repeats two vertices of the one before, or one where
 /// the strip turns.
-pub(super) fn cut(strips: &StripSet, longest: usize) -> Option<StripSet> {
+pub(crate) fn cut(strips: &StripSet, longest: usize) -> Option<StripSet> {
     if strips.iter().all(|strip| strip.len() <= longest) {
         return None;
     }
