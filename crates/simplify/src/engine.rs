@@ -11,11 +11,14 @@ use crate::pricing::{Pricer, Scratch};
 use crate::region::Region;
 use crate::scratch_pool::ScratchPool;
 use crate::selection::{LegalCollapse, SelectionBuffers, Selector};
-use crate::working::{DEAD, HUB_VALENCE, LOCKED, RESTRICTED, STALE};
+use crate::working::{DEAD, HUB_VALENCE, LOCKED, OPEN, RESTRICTED, STALE};
 use rayon::prelude::*;
 
 /// Restricted groups next to a group with more faces than this wait until the queue is empty.
 const MAX_WALKED: usize = 32;
+/// After this many of them in one collapse the others wait too: where all is tangled, they would be
+/// ranked again and again.
+const MAX_RESTRICTED: usize = 16;
 /// The queue is filled again if at least one in so many groups collapsed since.
 const REFILL_PART: usize = 64;
 /// The most collapses after which groups wait to be priced anew by a metric, so that all threads
@@ -275,9 +278,13 @@ impl<'a, M: Reprice> Engine<'a, M> {
     /// Adds the restricted groups next to those that are due.
     fn add_restricted(&mut self, due: &mut Vec<u32>, before: usize) {
         let Self { region, state, .. } = self;
-        for i in before..due.len() {
+        let touched = due.len();
+        for i in before..touched {
             if region.mesh.valence(due[i]) > MAX_WALKED {
                 continue;
+            }
+            if due.len() - touched > MAX_RESTRICTED {
+                break;
             }
             region.mesh.each_neighbour(due[i], |other| {
                 if region.mesh.has(other, RESTRICTED) && state.touched.first_time(other) {
@@ -294,13 +301,21 @@ impl<'a, M: Reprice> Engine<'a, M> {
             return;
         }
         let Region { mesh, choices, .. } = &mut *self.region;
+        let touched = &self.state.touched;
+        let is_bound = |g: u32| {
+            choices.get(g as usize).is_some_and(|c| c.to == to) && !touched.is_marked(g)
+        };
+        let closed = !mesh.has(to, OPEN);
         for i in 0..mesh.valence(to) {
             let corner = mesh.star(to)[i];
-            for g in mesh.others(corner) {
-                let is_bound = choices.get(g as usize).is_some_and(|c| c.to == to);
-                if is_bound && !self.state.touched.is_marked(g) {
-                    mesh.add_flags(g, STALE);
+            if closed {
+                if is_bound(corner.ahead) {
+                    mesh.add_flags(corner.ahead, STALE);
                 }
+                continue;
+            }
+            for g in mesh.others(corner).into_iter().filter(|&g| is_bound(g)) {
+                mesh.add_flags(g, STALE);
             }
         }
     }

@@ -5,9 +5,11 @@ use crate::region::Region;
 use crate::table::Table;
 use crate::wedges::Wedge;
 use crate::working::{
-    Corner, Face, IS_HUB, LOCKED, OPEN, RESTRICTED, SEAM, SHARED_POSITION, STALE, Star, next,
+    Corner, Face, HUB_VALENCE, IS_HUB, LOCKED, OPEN, RESTRICTED, SEAM, SHARED_POSITION, STALE,
+    Star, next, previous,
 };
 use lodc_mesh::NONE;
+use std::ops::Range;
 
 /// The region of a group, and its number there.
 #[derive(Clone, Copy, Debug)]
@@ -45,43 +47,94 @@ impl Kept {
     }
 }
 
-/// Gathers the region of some live groups, given by their numbers in the whole mesh.
-pub(crate) fn gather(old: &[Region], kept: Kept, homes: &[Home], members: &[u32]) -> Region {
-    let mut gathering = Gathering {
-        old,
-        homes,
-        new: Region::default(),
-        groups: Table::new(members.len() + members.len() / 4),
-        faces: Table::new(2 * members.len() + members.len() / 4),
-        wedges: Table::new(members.len() + members.len() / 4),
-        kept,
-    };
-    for &g in members {
-        gathering.add_own(g);
+/// The regions of a round, and where their groups are and go.
+#[derive(Clone, Copy)]
+pub(crate) struct Round<'a> {
+    pub(crate) old: &'a [Region],
+    pub(crate) kept: Kept,
+    /// The home of each group of the whole mesh.
+    pub(crate) homes: &'a [Home],
+    /// The live groups in their new order.
+    pub(crate) order: &'a [u32],
+    /// The place of each live group in that order.
+    pub(crate) ranks: &'a [u32],
+}
+
+impl Round<'_> {
+    /// Gathers the region of consecutive groups of the new order into the lists of another that
+    /// nobody needs any more.
+    pub(crate) fn gather(&self, range: Range<usize>, mut room: Region) -> Region {
+        room.clear();
+        let own = range.len();
+        let mut gathering = Gathering {
+            round: *self,
+            first: range.start as u32,
+            own: own as u32,
+            new: room,
+            others: Table::new(own / 4),
+            hub_faces: Table::new(0),
+            wedges: Table::new(if self.kept.bare { 0 } else { own + own / 4 }),
+        };
+        gathering.reserve(&self.order[range.clone()]);
+        for &group in &self.order[range] {
+            gathering.add_own(group);
+        }
+        for own in 0..own as u32 {
+            gathering.add_star(own);
+        }
+        gathering.point_choices();
+        gathering.new
     }
-    for own in 0..members.len() as u32 {
-        gathering.add_star(own);
-    }
-    gathering.point_choices();
-    gathering.new
 }
 
 /// A region that is being gathered.
 struct Gathering<'a> {
-    old: &'a [Region],
-    homes: &'a [Home],
+    round: Round<'a>,
+    /// The first own group's place in the new order, and how many follow it.
+    first: u32,
+    own: u32,
     new: Region,
+    /// From the numbers of other regions' groups in the whole mesh to those in the new region.
+    others: Table,
+    /// From triangles at hubs to faces of the new region.
+    hub_faces: Table,
     /// From numbers in the whole mesh to those in the new region.
-    groups: Table,
-    faces: Table,
     wedges: Table,
-    kept: Kept,
 }
 
 impl<'a> Gathering<'a> {
     fn home(&self, group: u32) -> (&'a Region, u32) {
-        let home = self.homes[group as usize];
-        (&self.old[home.region as usize], home.group)
+        let home = self.round.homes[group as usize];
+        (&self.round.old[home.region as usize], home.group)
+    }
+
+    /// Makes room for the own groups and their stars, and for about as many others and faces as
+    /// there will be.
+    fn reserve(&mut self, own: &[u32]) {
+        let corners: usize = own
+            .iter()
+            .map(|&g| {
+                let (old, local) = self.home(g);
+                old.mesh.valence(local) + SLACK as usize
+            })
+            .sum();
+        let (own, all) = (own.len(), own.len() + own.len() / 8);
+        let Region { mesh, quadrics, choices, stamps, groups, .. } = &mut self.new;
+        mesh.arena.reserve_exact(corners);
+        mesh.faces.reserve(2 * all);
+        mesh.places.reserve(all);
+        mesh.flags.reserve(all);
+        mesh.stars.reserve(all);
+        groups.reserve(all);
+        quadrics.surface.reserve_exact(own);
+        choices.reserve_exact(own);
+        stamps.reserve_exact(own);
+    }
+
+    /// The number of an own group of the new region; greater than those for other groups.
+    #[inline]
+    fn own_number(&self, group: u32) -> u32 {
+        self.round.ranks[group as usize].wrapping_sub(self.first)
     }
 
     /// Adds a group of the whole mesh as the next one of the region.
@@ -92,7 +145,7 @@ impl<'a> Gathering<'a> {
         let mesh = &mut self.new.mesh;
         mesh.places.push(old.mesh.places[local as usize]);
         mesh.flags.push(old.mesh.flags[local as usize] & KEPT_FLAGS);
-        if self.kept.shared {
+        if self.round.kept.shared {
             mesh.position_id.push(old.mesh.position_id[local as usize]);
         }
         mesh.stars.push(Star::default());
@@ -102,7 +155,6 @@ impl<'a> Gathering<'a> {
     fn add_own(&mut self, group: u32) {
         let (old, local) = self.home(group);
         let number = self.add_group(group);
-        self.groups.get_or_insert(group, number);
         let new = &mut self.new;
         new.quadrics.surface.push(old.quadrics.surface[local as usize]);
         if !new.quadrics.border_of.is_empty() {
@@ -119,7 +171,7 @@ impl<'a> Gathering<'a> {
         if old.mesh.has(local, LOCKED | STALE) {
             new.mesh.add_flags(number, STALE);
         }
-        if self.kept.bare {
+        if self.round.kept.bare {
             return;
         }
         let first = new.wedges.ids.len() as u32;
@@ -135,19 +187,20 @@ impl<'a> Gathering<'a> {
         let (old, local) = self.home(self.new.groups[own as usize]);
         let star = old.mesh.star(local);
         let start = self.new.mesh.arena.len();
-        let count = self.new.choices.len() as u32;
+        self.new.mesh.stars[own as usize].start = start as u32;
         let mut locks = false;
         for &corner in star {
-            let face = self.add_face(old, corner.face());
+            let face = self.add_face(old, corner, own);
             let groups = &self.new.mesh.faces[face as usize].groups;
-            locks |= groups.iter().any(|&g| g >= count);
+            locks |= groups.iter().any(|&g| g >= self.own);
             let ahead = groups[next(corner.at())];
             self.new.mesh.arena.push(Corner::new(face, corner.at(), ahead));
+            self.new.mesh.stars[own as usize].len += 1;
         }
         let mesh = &mut self.new.mesh;
-        let len = star.len() as u32;
-        mesh.arena.resize(start + (len + SLACK) as usize, Corner::new(0, 0, 0));
-        mesh.stars[own as usize] = Star { start: start as u32, len, capacity: len + SLACK };
+        let capacity = star.len() + SLACK as usize;
+        mesh.arena.resize(start + capacity, Corner::new(0, 0, 0));
+        mesh.stars[own as usize].capacity = capacity as u32;
         if old.mesh.has(local, IS_HUB) {
             mesh.make_hub(own);
         }
@@ -156,27 +209,54 @@ impl<'a> Gathering<'a> {
         }
     }
 
-    /// The number of an old region's face, which is added if it is new.
-    fn add_face(&mut self, old: &'a Region, face: u32) -> u32 {
-        let Face { groups, triangle } = old.mesh.faces[face as usize];
-        let number = self.new.mesh.faces.len() as u32;
-        let (number, known) = self.faces.get_or_insert(triangle, number);
-        if known {
-            return number;
+    /// The number of the face at a corner of an own group, which is added if it is new.
+    #[inline]
+    fn add_face(&mut self, old: &'a Region, corner: Corner, own: u32) -> u32 {
+        let Face { groups, triangle } = old.mesh.faces[corner.face() as usize];
+        let groups = groups.map(|g| old.groups[g as usize]);
+        let numbers = groups.map(|g| self.own_number(g));
+        // A face is added at the first of its groups.
+        let known = [next(corner.at()), previous(corner.at()), corner.at()]
+            .into_iter()
+            .filter(|&at| numbers[at] <= own)
+            .find_map(|at| self.face_at(numbers[at], at, triangle));
+        known.unwrap_or_else(|| self.insert_face(old, corner.face(), groups))
+    }
+
+    /// The face of a triangle at a corner of an own group, if it has been added there.
+    #[inline]
+    fn face_at(&self, own: u32, at: usize, triangle: u32) -> Option<u32> {
+        let mesh = &self.new.mesh;
+        if mesh.valence(own) > HUB_VALENCE {
+            return self.hub_faces.get(triangle);
         }
-        let groups = groups.map(|g| {
-            let group = old.groups[g as usize];
-            let (number, known) = self.groups.get_or_insert(group, self.new.groups.len() as u32);
+        let mut faces = mesh.star(own).iter().filter(|c| c.at() == at).map(|c| c.face());
+        faces.find(|&f| mesh.faces[f as usize].triangle == triangle)
+    }
+
+    /// Adds a face between groups of the whole mesh.
+    fn insert_face(&mut self, old: &'a Region, face: u32, groups: [u32; 3]) -> u32 {
+        let triangle = old.mesh.faces[face as usize].triangle;
+        let number = self.new.mesh.faces.len() as u32;
+        let groups = groups.map(|group| {
+            let own = self.own_number(group);
+            if own < self.own {
+                return own;
+            }
+            let (other, known) = self.others.get_or_insert(group, self.new.groups.len() as u32);
             if !known {
                 self.add_group(group);
             }
-            number
+            other
         });
+        if old.mesh.faces[face as usize].groups.iter().any(|&g| old.mesh.has(g, IS_HUB)) {
+            self.hub_faces.get_or_insert(triangle, number);
+        }
         self.new.mesh.faces.push(Face { groups, triangle });
         self.new.mesh.live_faces += 1;
-        if !self.kept.bare {
+        if !self.round.kept.bare {
             let wedges = old.mesh.wedges(face).map(|w| self.add_wedge(old.wedges.wedge(w)));
-            if !self.kept.one_wedge_each {
+            if !self.round.kept.one_wedge_each {
                 self.new.mesh.wedges.push(wedges);
             }
         }
@@ -195,8 +275,14 @@ impl<'a> Gathering<'a> {
     /// Gives the choices of own groups the region's numbers.
     fn point_choices(&mut self) {
         for (own, choice) in (0..).zip(&mut self.new.choices) {
-            match self.groups.get(choice.to) {
-                Some(to) if choice.to != NONE => choice.to = to,
+            let to = match choice.to {
+                NONE => None,
+                to => Some(self.round.ranks[to as usize].wrapping_sub(self.first))
+                    .filter(|&own| own < self.own)
+                    .or_else(|| self.others.get(to)),
+            };
+            match to {
+                Some(to) => choice.to = to,
                 // A neighbour no more: what a hub has not noticed yet.
                 _ => self.new.mesh.flags[own as usize] |= STALE,
             }

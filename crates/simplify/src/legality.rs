@@ -5,7 +5,7 @@ use crate::attributes::Attributes;
 use crate::link::{Link, Marks};
 use crate::plan::WedgePlan;
 use crate::wedges::Wedges;
-use crate::working::{SHARED_POSITION, WorkingMesh, next, previous};
+use crate::working::{OPEN, SHARED_POSITION, WorkingMesh, next, previous};
 use glam::DVec3;
 use lodc_mesh::NONE;
 
@@ -72,6 +72,10 @@ impl Rules {
         if self.stage < Stage::Valence && is_overcrowded(mesh, from, to) {
             return None;
         }
+        // Before the link: where much is refused, a few faces say so.
+        if self.stage < Stage::Flips && !keeps_orientation(mesh, from, to) {
+            return None;
+        }
         let link = Link::new(mesh, from, to, marks);
         if link.shared_faces == 0 {
             // A hub's ranking may be older than its star.
@@ -87,9 +91,6 @@ impl Rules {
             if valence > MAX_VALENCE && valence > at_to {
                 return None;
             }
-        }
-        if self.stage < Stage::Flips && !keeps_orientation(mesh, from, to) {
-            return None;
         }
         if !self.unites && mesh.has(to, SHARED_POSITION) && meets_twin(mesh, from, to) {
             return None;
@@ -144,6 +145,19 @@ pub(crate) fn keeps_texture(
 /// position of `to`.
 fn keeps_orientation(mesh: &WorkingMesh, from: u32, to: u32) -> bool {
     let (here, there) = (mesh.position(from), mesh.position(to));
+    if !mesh.has(from, OPEN) {
+        // The next corner leads to the group behind.
+        let star = mesh.star(from);
+        let Some(mut ahead) = star.last().map(|c| c.ahead) else { return true };
+        let mut ahead_at = mesh.position(ahead);
+        return star.iter().map(|corner| corner.ahead).all(|behind| {
+            let behind_at = mesh.position(behind);
+            let dies = ahead == to || behind == to;
+            let stays = dies || stays_upright(here, there, ahead_at, behind_at);
+            (ahead, ahead_at) = (behind, behind_at);
+            stays
+        });
+    }
     mesh.star(from).iter().all(|&corner| {
         let [g, h] = mesh.others(corner);
         g == to || h == to || stays_upright(here, there, mesh.position(g), mesh.position(h))

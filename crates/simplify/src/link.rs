@@ -3,7 +3,10 @@
 //! another.
 
 use crate::working::{IS_HUB, OPEN, WorkingMesh};
+use lodc_mesh::NONE;
 
+/// Groups that are compared at a time.
+const RING: usize = 8;
 /// Pairs of hubs that are remembered.
 const MAX_PAIRS: usize = 64;
 
@@ -61,7 +64,7 @@ pub(crate) struct Link {
 impl Link {
     pub(crate) fn new(mesh: &WorkingMesh, from: u32, to: u32, marks: &mut Marks) -> Self {
         if !mesh.has(from, OPEN) && !mesh.has(to, OPEN) && mesh.valence(from) > 3 {
-            Self::closed(mesh, from, to, marks)
+            Self::closed(mesh, from, to)
         } else {
             Self::general(mesh, from, to, marks)
         }
@@ -69,19 +72,20 @@ impl Link {
 
     /// Between closed fans: the groups on both sides of the edge are common, and no others may be.
     /// With more than three neighbours they are not next to each other around `from`.
-    fn closed(mesh: &WorkingMesh, from: u32, to: u32, marks: &mut Marks) -> Self {
-        let (near, _) = marks.fresh(mesh.places.len());
-        let marks = &mut marks.marks;
+    fn closed(mesh: &WorkingMesh, from: u32, to: u32) -> Self {
+        let mut near = [NONE; RING];
         let mut found = false;
-        for corner in mesh.star(from) {
-            marks[corner.ahead as usize] = near;
-            found |= corner.ahead == to;
+        let mut common = 0;
+        for ring in mesh.star(from).chunks(RING) {
+            for (near, corner) in near.iter_mut().zip(ring) {
+                *near = corner.ahead;
+            }
+            near[ring.len()..].fill(NONE);
+            found |= near.contains(&to);
+            let is_near = |group: u32| near.iter().fold(false, |any, &g| any | (g == group));
+            common += mesh.star(to).iter().filter(|c| is_near(c.ahead)).count();
         }
-        if !found {
-            return Self { holds: false, shared_faces: 0 };
-        }
-        let common = mesh.star(to).iter().filter(|c| marks[c.ahead as usize] == near).count();
-        Self { holds: common == 2, shared_faces: 2 }
+        Self { holds: found && common == 2, shared_faces: if found { 2 } else { 0 } }
     }
 
     /// Between any two stars.

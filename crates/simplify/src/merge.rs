@@ -15,12 +15,20 @@ impl WorkingMesh {
         let turn = self.arena[range.clone()].iter().position(|c| c.ahead == to).unwrap_or(0);
         self.arena[range.clone()].rotate_left(turn);
         let spliced = self.flags[from as usize] & OPEN == 0 && self.flags[to as usize] & OPEN == 0;
-        let mut kept = range.start;
+        // In a closed fan the next corner leads to the group behind: no face has to be looked at.
+        let closed = !self.has(from, OPEN);
+        let first = self.arena[range.clone()].first().map_or(to, |c| c.ahead);
+        let (mut kept, end) = (range.start, range.end);
         // Where the path of the moving group belongs in the star of `to`.
         let mut gap = self.valence(to);
         for i in range {
             let corner = self.arena[i];
-            let (face, [ahead, behind]) = (corner.face(), self.others(corner));
+            let face = corner.face();
+            let [ahead, behind] = if closed {
+                [corner.ahead, if i + 1 < end { self.arena[i + 1].ahead } else { first }]
+            } else {
+                self.others(corner)
+            };
             if ahead != to && behind != to {
                 self.faces[face as usize].groups[corner.at()] = to;
                 self.update_facet(face);
@@ -67,6 +75,10 @@ impl WorkingMesh {
             } else {
                 let start = self.arena.len();
                 let capacity = len + len / 2;
+                if start + capacity > self.arena.capacity() {
+                    // By little: all regions are there at once.
+                    self.arena.reserve_exact(capacity + start / 8);
+                }
                 self.arena.resize(start + capacity, Corner::new(0, 0, 0));
                 (start, capacity as u32)
             };

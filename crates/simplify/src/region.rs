@@ -98,6 +98,16 @@ impl Region {
         Self::new(input, 0..input.groups() as u32, triangles, bare)
     }
 
+    /// Takes everything out. Lists keep their room.
+    pub(crate) fn clear(&mut self) {
+        self.mesh.clear();
+        self.wedges.clear();
+        self.quadrics.clear();
+        self.choices.clear();
+        self.stamps.clear();
+        self.groups.clear();
+    }
+
     /// Number of own groups.
     pub(crate) fn own(&self) -> usize {
         self.choices.len()

@@ -8,7 +8,7 @@
 use crate::context::{Context, Progress};
 use crate::engine::Engine;
 use crate::final_log::FinalLog;
-use crate::gather::{Home, Kept, gather};
+use crate::gather::{Home, Kept, Round};
 use crate::legality::Stage;
 use crate::log::CollapseLog;
 use crate::metric::QuadricOnly;
@@ -16,17 +16,18 @@ use crate::numbering::Curve;
 use crate::output::{Sources, name_wedges};
 use crate::region::Region;
 use crate::working::DEAD;
-use lodc_mesh::Csr;
+use lodc_mesh::{Csr, NONE};
 use rayon::prelude::*;
+use std::sync::Mutex;
 
 /// Groups of a region, about: what collapsing them reads fits the second-level cache.
-pub(crate) const REGION: usize = 2048;
+pub(crate) const REGION: usize = 4096;
 /// A mesh of fewer groups than so many regions have is one region: borders would lie everywhere.
 pub(crate) const FEWEST: usize = 16;
 /// When fewer groups than so many regions have are left, one region takes them all.
 const FEWEST_LEFT: usize = 4;
 /// The share of live groups whose cost is within the limit of a round.
-const SHARE: f64 = 0.35;
+const SHARE: f64 = 0.65;
 /// If a round collapses less than this share of the groups, the next one takes more.
 const LEAST_PROGRESS: f64 = 0.02;
 /// About how many costs are sampled for a limit.
@@ -142,7 +143,7 @@ impl<'a> Rounds<'a> {
         let collapsed = self.log.steps.len() - before;
         self.live = self
             .regions
-            .iter()
+            .par_iter()
             .map(|r| r.mesh.flags[..r.own()].iter().filter(|&f| f & DEAD == 0).count())
             .sum();
         progress.end_round(collapsed as u64);
@@ -184,45 +185,58 @@ impl<'a> Rounds<'a> {
         let (lo, hi) = input.mesh.bounds();
         let order =
             Curve::new(lo, hi, shift).order(live.len(), |i| input.position(live[i] as usize));
-        let members: Vec<u32> = order.into_iter().map(|i| live[i as usize]).collect();
+        let order: Vec<u32> = order.into_iter().map(|i| live[i as usize]).collect();
         drop(live);
-        let len = members.len();
-        let share = |r: usize| &members[len * r / count..len * (r + 1) / count];
+        let mut ranks = vec![NONE; input.groups()];
+        for (rank, &group) in (0..).zip(&order) {
+            ranks[group as usize] = rank;
+        }
+        let bound = |r: usize| order.len() * r / count;
         // Wave by wave, and what no later wave reads goes at once: two full sets of regions are
         // never there together.
         let waves = count.min(WAVES);
         let first_of = |wave: usize| (count * wave).div_ceil(waves);
-        let mut wave_of = vec![0u8; input.groups()];
-        for wave in 0..waves {
-            for &group in (first_of(wave)..first_of(wave + 1)).flat_map(share) {
-                wave_of[group as usize] = wave as u8;
-            }
-        }
-        let last: Vec<u8> = self.regions.par_iter().map(|r| last_wave(r, &wave_of)).collect();
+        let last: Vec<u32> = self.regions.par_iter().map(|r| last_read(r, &ranks)).collect();
         let kept = Kept::new(&self.regions);
+        let mut rooms = Rooms::default();
         let mut regions = Vec::with_capacity(count);
         for wave in 0..waves {
-            let old = &self.regions;
+            let (old, homes, order, ranks) = (&self.regions, &homes, &order, &ranks);
+            let round = Round { old, kept, homes, order, ranks };
             let gathered = (first_of(wave)..first_of(wave + 1))
                 .into_par_iter()
                 .with_max_len(1)
-                .map(|r| gather(old, kept, &homes, share(r)));
+                .map(|r| round.gather(bound(r)..bound(r + 1), rooms.take()));
             regions.par_extend(gathered);
-            for (region, _) in self.regions.iter_mut().zip(&last).filter(|l| *l.1 == wave as u8) {
-                *region = Region::default();
-            }
+            let read = bound(first_of(wave))..bound(first_of(wave + 1));
+            let read = |last: &u32| read.contains(&(*last as usize));
+            let over = self.regions.iter_mut().zip(&last).filter(|(_, last)| read(last));
+            rooms.keep(over.map(|(region, _)| std::mem::take(region)), count.div_ceil(waves));
         }
         self.regions = regions;
     }
 }
 
-/// The last wave that reads a region: its own groups, and those of faces around them.
-fn last_wave(region: &Region, wave_of: &[u8]) -> u8 {
-    let own = (0..region.own() as u32).filter(|&g| !region.mesh.has(g, DEAD));
-    let around = own.flat_map(|g| {
-        let corners = region.mesh.star(g).iter();
-        let faces = corners.flat_map(|c| region.mesh.faces[c.face() as usize].groups);
-        std::iter::once(g).chain(faces)
-    });
-    around.map(|g| wave_of[region.groups[g as usize] as usize]).max().unwrap_or(0)
+/// Regions that nobody needs any more: their lists take new ones, without asking for memory.
+#[derive(Default)]
+struct Rooms(Mutex<Vec<Region>>);
+
+impl Rooms {
+    /// A region to be filled, whatever is in it.
+    fn take(&self) -> Region {
+        self.0.lock().map_or(None, |mut rooms| rooms.pop()).unwrap_or_default()
+    }
+
+    /// Keeps at most so many regions.
+    fn keep(&mut self, regions: impl Iterator<Item = Region>, most: usize) {
+        let Ok(rooms) = self.0.get_mut() else { return };
+        rooms.extend(regions);
+        rooms.truncate(most);
+    }
+}
+
+/// The last place in the new order that needs a region: its own groups, and those next to them.
+fn last_read(region: &Region, ranks: &[u32]) -> u32 {
+    let ranks = region.groups.iter().map(|&g| ranks[g as usize]);
+    ranks.filter(|&rank| rank != NONE).max().unwrap_or(0)
 }

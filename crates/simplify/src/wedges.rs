@@ -37,6 +37,15 @@ pub(crate) struct Wedge {
 }
 
 impl Wedges {
+    /// Takes all wedges out. Lists keep their room.
+    pub(crate) fn clear(&mut self) {
+        let Self { ids, position_source, attribute_source, submesh, class, first, next, .. } = self;
+        for list in [ids, position_source, attribute_source, submesh, class, first, next] {
+            list.clear();
+        }
+        self.numbered = 0;
+    }
+
     /// Returns whether wedges are groups, and no lists are kept.
     pub(crate) fn is_bare(&self) -> bool {
         self.ids.is_empty()

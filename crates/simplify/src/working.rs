@@ -147,6 +147,21 @@ pub(crate) struct WorkingMesh {
 }
 
 impl WorkingMesh {
+    /// Takes everything out. Lists keep their room.
+    pub(crate) fn clear(&mut self) {
+        self.places.clear();
+        self.flags.clear();
+        self.faces.clear();
+        self.wedges.clear();
+        self.position_id.clear();
+        self.facets.clear();
+        self.stars.clear();
+        self.arena.clear();
+        self.hub_slots.clear();
+        self.joined.clear();
+        (self.hub_epoch, self.live_faces) = (0, 0);
+    }
+
     #[inline]
     pub(crate) fn position(&self, group: u32) -> DVec3 {
         self.places[group as usize].position.as_dvec3()

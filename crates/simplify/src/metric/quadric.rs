@@ -82,6 +82,13 @@ impl Quadrics {
         quadrics
     }
 
+    /// Takes all quadrics out. Lists keep their room.
+    pub(crate) fn clear(&mut self) {
+        self.surface.clear();
+        self.border.clear();
+        self.border_of.clear();
+    }
+
     /// The border quadric of a group.
     #[inline]
     pub(crate) fn border(&self, group: u32) -> Option<&Quadric> {
