@@ -20,10 +20,11 @@ use lodc_mesh::{Csr, NONE};
 use rayon::prelude::*;
 use std::sync::Mutex;
 
-/// Groups of a region, about: what collapsing them reads fits the second-level cache.
-pub(crate) const REGION: usize = 4096;
-/// A mesh of fewer groups than so many regions have is one region: borders would lie everywhere.
-pub(crate) const FEWEST: usize = 16;
+/// Groups of a region, about: few lie at borders, and what collapsing them reads stays near.
+pub(crate) const REGION: usize = 8192;
+/// A mesh of fewer groups than so many regions have is one region: sharing them out would take as
+/// long as is won.
+pub(crate) const FEWEST: usize = 12;
 /// When fewer groups than so many regions have are left, one region takes them all.
 const FEWEST_LEFT: usize = 4;
 /// The share of live groups whose cost is within the limit of a round.

@@ -3,9 +3,10 @@
 use super::view::View;
 use super::{Score, VisualMetric, log_area};
 use crate::input::Input;
+use crate::link::{Link, Marks};
 use crate::metric::Reprice;
 use crate::region::Region;
-use crate::working::WorkingMesh;
+use crate::working::{OPEN, WorkingMesh};
 use crate::{MetricKind, Options, simplify};
 use lodc_fixtures as shapes;
 use lodc_mesh::{Mesh, Simplified};
@@ -44,13 +45,23 @@ fn collapse_at_random(mesh: &Mesh, seed: u64, score: Score, what: &str) {
     let mut metric = VisualMetric::new(&working, score, SIZE);
     metric.open(&working);
     let mut random = shapes::Rng::new(seed);
+    let mut marks = Marks::default();
     let mut commits = 0;
     while working.live_faces > 0 && commits < 300 {
         let from = random.below(working.places.len()) as u32;
         let Some(&corner) = working.star(from).first() else { continue };
         let to = working.others(corner)[random.below(2)];
         metric.collapsed(&working, &wedges, from, to);
+        // Fans stay closed where the link condition holds, and only there.
+        let holds = Link::new(&working, from, to, &mut marks).holds;
+        let mut around = vec![to];
+        working.each_neighbour(from, |g| around.push(g));
+        let inherited = working.flags[from as usize] & OPEN;
         working.merge(from, to, |_| {});
+        for g in around {
+            let is_open = !holds || g == to && inherited != 0;
+            working.add_flags(g, if is_open { OPEN } else { 0 });
+        }
         commits += 1;
         if commits % 16 == 0 || working.live_faces < 8 {
             check(&metric, &working, what);
