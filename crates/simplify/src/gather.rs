@@ -73,6 +73,7 @@ impl Round<'_> {
             new: room,
             others: Table::new(own / 4),
             hub_faces: Table::new(0),
+            hubs: Vec::new(),
             wedges: Table::new(if self.kept.bare { 0 } else { own + own / 4 }),
         };
         gathering.reserve(&self.order[range.clone()]);
@@ -81,6 +82,10 @@ impl Round<'_> {
         }
         for own in 0..own as u32 {
             gathering.add_star(own);
+        }
+        // Not before all faces are there: each may come to a hub.
+        for hub in std::mem::take(&mut gathering.hubs) {
+            gathering.new.mesh.make_hub(hub);
         }
         gathering.point_choices();
         gathering.new
@@ -98,6 +103,7 @@ struct Gathering<'a> {
     others: Table,
     /// From triangles at hubs to faces of the new region.
     hub_faces: Table,
+    hubs: Vec<u32>,
     /// From numbers in the whole mesh to those in the new region.
     wedges: Table,
 }
@@ -202,7 +208,7 @@ impl<'a> Gathering<'a> {
         mesh.arena.resize(start + capacity, Corner::new(0, 0, 0));
         mesh.stars[own as usize].capacity = capacity as u32;
         if old.mesh.has(local, IS_HUB) {
-            mesh.make_hub(own);
+            self.hubs.push(own);
         }
         if locks {
             mesh.add_flags(own, LOCKED);
