@@ -90,18 +90,22 @@ fn imports(c: &mut Criterion) {
     std::fs::remove_dir_all(&folder).expect("my own folder");
 }
 
+/// Simplification down to a single vertex, on one thread and on two. The largest mesh is cut into
+/// regions.
 fn simplification(c: &mut Criterion) {
     let mut group = c.benchmark_group("simplify");
     for (name, mesh) in shapes() {
         group.throughput(Throughput::Elements(mesh.triangles().len() as u64));
-        // Down to a single vertex, on one thread.
-        let threads =
-            rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("one thread can be had");
-        group.bench_function(BenchmarkId::new("whole_sequence", name), |b| {
-            b.iter(|| {
-                threads.install(|| simplify(black_box(&mesh), &Options::DEFAULT, &|_, _| ()))
+        for threads in [1, 2] {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+            let pool = pool.expect("two threads can be had");
+            let id = BenchmarkId::new(format!("whole_sequence_threads_{threads}"), name);
+            group.bench_function(id, |b| {
+                b.iter(|| {
+                    pool.install(|| simplify(black_box(&mesh), &Options::DEFAULT, &|_, _| ()))
+                });
             });
-        });
+        }
     }
     group.finish();
 }

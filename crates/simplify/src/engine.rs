@@ -302,9 +302,8 @@ impl<'a, M: Reprice> Engine<'a, M> {
         }
         let Region { mesh, choices, .. } = &mut *self.region;
         let touched = &self.state.touched;
-        let is_bound = |g: u32| {
-            choices.get(g as usize).is_some_and(|c| c.to == to) && !touched.is_marked(g)
-        };
+        let is_bound =
+            |g: u32| choices.get(g as usize).is_some_and(|c| c.to == to) && !touched.is_marked(g);
         let closed = !mesh.has(to, OPEN);
         for i in 0..mesh.valence(to) {
             let corner = mesh.star(to)[i];
