@@ -89,6 +89,7 @@ const DRAWING: &[(&str, &[&str])] = &[
             "ctrlc",
             "globset",
             "indicatif",
+            "mimalloc",
             "rayon",
             "serde",
             "serde_json",

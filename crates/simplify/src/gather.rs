@@ -295,3 +295,27 @@ impl<'a> Gathering<'a> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::{Guidance, Options, simplify_with};
+
+    #[test]
+    fn hubs_go_from_region_to_region() {
+        // Poles of hundreds of faces, in regions that are gathered while faces are still being added.
+        for mesh in [lodc_fixtures::uv_sphere(600, 8), lodc_fixtures::pole(900)] {
+            for region in [24, 100, 400] {
+                let simplified = simplify_with(
+                    &mesh,
+                    &Options::DEFAULT,
+                    Guidance::default(),
+                    region,
+                    &|_, _| {},
+                );
+                if let Err(broken) = lodc_fixtures::check_rules(&mesh, &simplified) {
+                    panic!("regions of {region}: {broken}");
+                }
+            }
+        }
+    }
+}

@@ -82,19 +82,6 @@ fn random_meshes_obey_the_rules_whatever_the_options() {
 const TINY_REGION: usize = 8;
 
 #[test]
-fn hubs_go_from_region_to_region() {
-    // Poles of hundreds of faces, in regions that are gathered while faces are still being added.
-    for mesh in [shapes::uv_sphere(600, 8), shapes::pole(900)] {
-        for region in [24, 100, 400] {
-            let simplified = simplify_in(&mesh, &Options::DEFAULT, region, &|_, _| {});
-            if let Err(broken) = shapes::check_rules(&mesh, &simplified) {
-                panic!("regions of {region}: {broken}");
-            }
-        }
-    }
-}
-
-#[test]
 fn regions_obey_the_rules_whatever_the_options() {
     for (name, shape) in shapes::ALL {
         let mesh = shape();
