@@ -11,7 +11,7 @@ use crate::pricing::{Pricer, Scratch};
 use crate::region::Region;
 use crate::scratch_pool::ScratchPool;
 use crate::selection::{LegalCollapse, SelectionBuffers, Selector};
-use crate::working::{DEAD, HUB_VALENCE, LOCKED, OPEN, RESTRICTED, STALE};
+use crate::working::{DEAD, HUB_VALENCE, LOCKED, RESTRICTED, STALE};
 use rayon::prelude::*;
 
 /// Restricted groups next to a group with more faces than this wait until the queue is empty.
@@ -249,9 +249,9 @@ impl<'a, M: Reprice> Engine<'a, M> {
             self.rerank(g);
             self.requeue(g, limit, heap);
         }
-        self.note_risen_costs(to);
         due.clear();
         self.state.due = due;
+        self.note_risen_costs(to);
     }
 
     /// Flags the groups due since the last collapse as stale, and ranks all that wait if they are
@@ -301,21 +301,12 @@ impl<'a, M: Reprice> Engine<'a, M> {
             return;
         }
         let Region { mesh, choices, .. } = &mut *self.region;
-        let touched = &self.state.touched;
+        let LoopState { touched, due, .. } = &mut self.state;
         let is_bound =
             |g: u32| choices.get(g as usize).is_some_and(|c| c.to == to) && !touched.is_marked(g);
-        let closed = !mesh.has(to, OPEN);
-        for i in 0..mesh.valence(to) {
-            let corner = mesh.star(to)[i];
-            if closed {
-                if is_bound(corner.ahead) {
-                    mesh.add_flags(corner.ahead, STALE);
-                }
-                continue;
-            }
-            for g in mesh.others(corner).into_iter().filter(|&g| is_bound(g)) {
-                mesh.add_flags(g, STALE);
-            }
+        mesh.each_neighbour(to, |g| due.extend(is_bound(g).then_some(g)));
+        for g in due.drain(..) {
+            mesh.add_flags(g, STALE);
         }
     }
 

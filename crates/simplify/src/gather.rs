@@ -226,7 +226,7 @@ impl<'a> Gathering<'a> {
             .into_iter()
             .filter(|&at| numbers[at] <= own)
             .find_map(|at| self.face_at(numbers[at], at, triangle));
-        known.unwrap_or_else(|| self.insert_face(old, corner.face(), groups))
+        known.unwrap_or_else(|| self.insert_face(old, corner.face(), Face { groups, triangle }))
     }
 
     /// The face of a triangle at a corner of an own group, if it has been added there.
@@ -240,9 +240,9 @@ impl<'a> Gathering<'a> {
         faces.find(|&f| mesh.faces[f as usize].triangle == triangle)
     }
 
-    /// Adds a face between groups of the whole mesh.
-    fn insert_face(&mut self, old: &'a Region, face: u32, groups: [u32; 3]) -> u32 {
-        let triangle = old.mesh.faces[face as usize].triangle;
+    /// Adds a face of an old region, `whole` by the numbers of the whole mesh.
+    fn insert_face(&mut self, old: &'a Region, face: u32, whole: Face) -> u32 {
+        let Face { groups, triangle } = whole;
         let number = self.new.mesh.faces.len() as u32;
         let groups = groups.map(|group| {
             let own = self.own_number(group);

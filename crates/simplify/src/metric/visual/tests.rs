@@ -58,9 +58,9 @@ fn collapse_at_random(mesh: &Mesh, seed: u64, score: Score, what: &str) {
         working.each_neighbour(from, |g| around.push(g));
         let inherited = working.flags[from as usize] & OPEN;
         working.merge(from, to, |_| {});
-        for g in around {
-            let is_open = !holds || g == to && inherited != 0;
-            working.add_flags(g, if is_open { OPEN } else { 0 });
+        working.add_flags(to, inherited);
+        for g in around.into_iter().filter(|_| !holds) {
+            working.add_flags(g, OPEN);
         }
         commits += 1;
         if commits % 16 == 0 || working.live_faces < 8 {
