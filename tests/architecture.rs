@@ -91,6 +91,7 @@ const DRAWING: &[(&str, &[&str])] = &[
             "indicatif",
             "mimalloc",
             "rayon",
+            "rustix",
             "serde",
             "serde_json",
             "strsim",

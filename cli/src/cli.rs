@@ -83,12 +83,13 @@ impl Command {
         }
     }
 
-    /// Returns whether meshes are simplified or whole sequences replayed.
+    /// Returns whether meshes that may be large are simplified, or whole sequences replayed.
     pub(crate) fn takes_memory(&self) -> bool {
-        use Command::{Bench, Build, Chain, Extract, Pack, Unpack, Verify};
-        matches!(
-            self,
-            Build(_) | Bench(_) | Chain(_) | Extract(_) | Pack(_) | Unpack(_) | Verify(_)
-        )
+        match self {
+            Self::Build(args) => !args.is_small(),
+            Self::Bench(_) | Self::Chain(_) | Self::Extract(_) => true,
+            Self::Pack(_) | Self::Unpack(_) | Self::Verify(_) => true,
+            _ => false,
+        }
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::estimate::{Need, Size};
 use crate::exit::{Failure, Outcome, Status};
+use crate::huge_pages;
 use crate::text::{count, size as size_of};
 use clap::Args;
 use lodc_formats::Limits;
@@ -78,12 +79,15 @@ impl LimitArgs {
     }
 
     /// Refuses work on an asset that would not fit into memory, before the system kills the process
-    /// for it. `name` is the asset's, `needs` are those of the stages that follow.
+    /// for it. `name` is the asset's, `needs` are those of the stages that follow. Large work,
+    /// or work in little memory, gets no more huge pages.
     ///
     /// # Errors
     /// If a stage needs more than there is, or than `--limit-memory` allows.
     pub(crate) fn check_memory(&self, name: &str, size: Size, needs: &[Need]) -> Outcome<()> {
-        match (needs.iter().max(), self.memory()) {
+        let (most, limit) = (needs.iter().max(), self.memory());
+        huge_pages::forbid_for(most.map_or(0, |need| need.bytes), limit);
+        match (most, limit) {
             (Some(Need { bytes, stage }), Some(limit)) if *bytes > limit => Err(Failure::new(
                 Status::Limit,
                 format!(

@@ -15,6 +15,7 @@ mod estimate;
 mod exit;
 mod gpu;
 mod html;
+mod huge_pages;
 mod importance;
 mod interrupt;
 mod kinds;
@@ -56,6 +57,7 @@ use std::process::ExitCode;
 static ALLOCATOR: MiMalloc = MiMalloc;
 
 fn main() -> ExitCode {
+    huge_pages::forbid();
     panic::set_hook(Box::new(report_panic));
     let status = panic::catch_unwind(run).unwrap_or(Status::Bug);
     ExitCode::from(status.code())

@@ -3,6 +3,7 @@
 use crate::batch::{self, Asset, Budget, OptionValues};
 use crate::console;
 use crate::exit::{Failure, Outcome, Status};
+use crate::huge_pages;
 use crate::output::{self, Target};
 use crate::progress::BatchProgress;
 use clap::FromArgMatches;
@@ -13,6 +14,8 @@ use std::path::Path;
 /// Bytes of memory that a byte of an input file may come to. Text has some 70 bytes for each
 /// triangle, a GLB some 30; images only make this more.
 const MEMORY_OF_BYTE: u64 = 14;
+/// Bytes of memory that may be kept although they are free: those of a file of half a megabyte.
+const SMALL: u64 = 8_000_000;
 
 /// Options of a command by asset, parsed once for every set of them.
 #[derive(Debug)]
@@ -53,6 +56,9 @@ pub(crate) fn all<R: Send>(
     work: impl Fn(&Asset, &BatchProgress) -> R + Sync,
 ) -> Vec<R> {
     let needs: Vec<u64> = assets.iter().map(|asset| expected_bytes(&asset.input)).collect();
+    if let [bytes] = needs[..] {
+        huge_pages::allow_for(bytes);
+    }
     let bar = BatchProgress::new(assets.len());
     batch::run(&needs, budget, |number| {
         let asset = &assets[number];
@@ -60,6 +66,11 @@ pub(crate) fn all<R: Send>(
         bar.done(&asset.name);
         result
     })
+}
+
+/// Returns whether an input is a file whose work is done before memory has to come back.
+pub(crate) fn is_small(input: &Path) -> bool {
+    (1..=SMALL).contains(&expected_bytes(input))
 }
 
 /// Memory that an asset may need, from the bytes of its file and, for glTF, of its buffers.
@@ -99,5 +110,19 @@ fn naming(input: &Path, failure: Failure) -> Failure {
 pub(crate) fn print(failure: &Failure) {
     if failure.message != PANIC {
         console::error(failure);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_a_file_of_known_size_is_small() {
+        let package = Path::new(env!("CARGO_MANIFEST_DIR"));
+        assert!(is_small(&package.join("Cargo.toml")));
+        assert!(!is_small(Path::new("-")));
+        assert!(!is_small(&package.join("no such file.obj")));
+        assert!(expected_bytes(&package.join("Cargo.toml")) > MEMORY_OF_BYTE);
     }
 }

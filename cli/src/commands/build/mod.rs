@@ -18,6 +18,7 @@ pub(crate) use pipeline::{object_options, paints};
 pub(crate) use simplify::simplify_all;
 
 use crate::batch::{self, BatchArgs, MESHES, Sources};
+use crate::commands::each;
 use crate::config::{ConfigArgs, Configs};
 use crate::exit::{Failure, Outcome, Status};
 use crate::importance::ImportanceArgs;
@@ -94,6 +95,11 @@ enum ReportFormat {
 }
 
 impl BuildArgs {
+    /// Returns whether there is one input, in a small file.
+    pub(crate) fn is_small(&self) -> bool {
+        !self.batch.takes_many(&self.inputs) && self.inputs.iter().all(|i| each::is_small(i))
+    }
+
     /// Options of simplifying an asset.
     fn simplify_options(&self) -> Options {
         Options {
