@@ -5,6 +5,7 @@ use crate::faces::{Changes, Faces};
 use crate::input::Input;
 use crate::refine::{FLOOR, Refine};
 use crate::samples::{Sample, Samples};
+use crate::thinning::Thinning;
 use crate::work::Work;
 use glam::DVec3;
 use lodc_mesh::{CollapseSequence, NONE};
@@ -37,6 +38,7 @@ pub(crate) struct Forward<'a> {
     input: &'a Input,
     faces: Faces,
     samples: Samples,
+    thinning: Thinning,
     changes: Changes,
     /// Corners of the changed faces.
     corners: Vec<[DVec3; 3]>,
@@ -63,6 +65,7 @@ impl<'a> Forward<'a> {
             input,
             faces,
             samples,
+            thinning: Thinning::default(),
             changes: Changes::default(),
             corners: vec![],
             bound: 0.0,
@@ -158,7 +161,8 @@ impl<'a> Forward<'a> {
         self.take_new_samples();
         self.refine_doubtful();
         for i in 0..self.changes.changed.len() {
-            self.samples.thin(&mut self.faces.all, self.changes.changed[i], self.faces.live);
+            let (face, live) = (self.changes.changed[i], self.faces.live);
+            self.thinning.thin(&mut self.samples, &mut self.faces.all, face, live, self.bound);
         }
         if self.input.triangles.len() <= EXHAUSTIVE {
             self.refine_all();

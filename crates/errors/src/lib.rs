@@ -18,6 +18,7 @@ mod pass;
 mod refine;
 mod samples;
 mod step_errors;
+mod thinning;
 mod work;
 
 pub use step_errors::StepErrors;

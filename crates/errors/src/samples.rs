@@ -6,12 +6,6 @@ use crate::input::{Input, wide};
 use glam::DVec3;
 use lodc_mesh::{NONE, SplitMix64};
 
-/// Samples that a face keeps when it has half as many more; where few faces are left, so many that
-/// all of them have so many.
-const KEPT: usize = 16;
-const KEPT_IN_ALL: usize = 10_000;
-const MOST_KEPT: usize = 256;
-
 /// Most samples put on a large or long triangle besides its corners.
 const MOST_INSIDE: f64 = 24.0;
 
@@ -89,9 +83,6 @@ pub(crate) struct Samples {
     /// The sum of weights, and the share of it that points have.
     pub(crate) weight: f64,
     pub(crate) at_points: f64,
-    nearest_kept: Vec<(f64, u32)>,
-    kept: Vec<u32>,
-    scratch: Vec<u32>,
 }
 
 impl Samples {
@@ -106,9 +97,6 @@ impl Samples {
             sum: 0.0,
             weight: areas.iter().copied().map(f64::from).sum(),
             at_points: 0.0,
-            nearest_kept: vec![],
-            kept: vec![],
-            scratch: vec![],
         };
         let share = |(&area, &n): (&f32, &u8)| (f64::from(area) / (3.0 + f64::from(n))) as f32;
         let shares: Vec<f32> = areas.iter().zip(&inside).map(share).collect();
@@ -177,58 +165,6 @@ impl Samples {
     pub(crate) fn of(&self, face: &Face) -> impl Iterator<Item = u32> {
         let some = |sample: u32| (sample != NONE).then_some(sample);
         std::iter::successors(some(face.first_sample), move |&s| some(self.all[s as usize].next))
-    }
-
-    /// Leaves a face that has many samples the farthest, and others far from each other. The ones
-    /// that stay stand for the area of those that go.
-    pub(crate) fn thin(&mut self, faces: &mut [Face], face: u32, live: u32) {
-        let keep = (KEPT_IN_ALL / live.max(1) as usize).clamp(KEPT, MOST_KEPT);
-        if faces[face as usize].samples as usize <= keep + keep / 2 {
-            return;
-        }
-        let mut all = std::mem::take(&mut self.scratch);
-        all.clear();
-        all.extend(self.of(&faces[face as usize]));
-        let farther = |&a: &usize, &b: &usize| {
-            let key = |i: usize| self.all[all[i] as usize].squared;
-            key(a).total_cmp(&key(b)).then(all[b].cmp(&all[a]))
-        };
-        let mut choice = (0..all.len()).max_by(farther).expect("there are many");
-        self.kept.clear();
-        self.nearest_kept.clear();
-        self.nearest_kept.resize(all.len(), (f64::INFINITY, 0));
-        while self.kept.len() < keep {
-            let number = self.kept.len() as u32;
-            self.kept.push(all[choice]);
-            let place = self.all[all[choice] as usize].place();
-            self.nearest_kept[choice].0 = -1.0;
-            let mut far = (-1.0, choice);
-            for (i, nearest) in self.nearest_kept.iter_mut().enumerate() {
-                let apart = (self.all[all[i] as usize].place() - place).length_squared();
-                if apart < nearest.0 {
-                    *nearest = (apart, number);
-                }
-                if nearest.0 > far.0 {
-                    far = (nearest.0, i);
-                }
-            }
-            choice = far.1;
-        }
-        for (i, &(apart, number)) in self.nearest_kept.iter().enumerate() {
-            if apart >= 0.0 {
-                let gone = self.all[all[i] as usize].clone();
-                let kept = &mut self.all[self.kept[number as usize] as usize];
-                kept.weight += gone.weight;
-                self.sum +=
-                    f64::from(gone.weight) * (f64::from(kept.squared) - f64::from(gone.squared));
-            }
-        }
-        faces[face as usize].first_sample = NONE;
-        faces[face as usize].samples = 0;
-        for i in 0..self.kept.len() {
-            self.link(faces, face, self.kept[i]);
-        }
-        self.scratch = all;
     }
 
     /// Returns the mean squared distance of all samples.

@@ -234,6 +234,25 @@ fn fan(n: u32) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
 }
 
 #[test]
+fn a_face_that_takes_over_a_round_border_keeps_its_farthest_point() {
+    // A cone of needles. Its border closes around one face, which becomes half a disc while most
+    // needles are left.
+    let n = 3_000;
+    let border = |i: u32| {
+        // A rational circle: no sines are needed.
+        let t = 4.0 * i as f32 / n as f32;
+        let (quarter, t) = (t as u32, t.fract());
+        let (x, y) = ((1.0 - t * t) / (1.0 + t * t), 2.0 * t / (1.0 + t * t));
+        [[x, y, 0.0], [-y, x, 0.0], [-x, -y, 0.0], [y, -x, 0.0]][quarter as usize]
+    };
+    let mut positions: Vec<[f32; 3]> = (0..n).map(border).collect();
+    positions.push([0.0, 0.0, 1.0]);
+    let triangles: Vec<[u32; 3]> = (0..n).map(|i| [i, (i + 1) % n, n]).collect();
+    let targets: Vec<u32> = (1..=n).collect();
+    check("cone", &sequence(&positions, &triangles, &targets), 290);
+}
+
+#[test]
 fn large_fans_take_no_quadratic_time_while_their_middle_stays() {
     let n = 100_000;
     let (positions, triangles) = fan(n);
