@@ -162,6 +162,7 @@ impl<'a, M: Reprice> Engine<'a, M> {
                 self.rerank_waiting(&mut heap);
                 continue;
             };
+            self.region.fetch(heap.first());
             if self.region.mesh.has(from, STALE) {
                 if self.state.waiting > 0 {
                     self.rerank_waiting(&mut heap);

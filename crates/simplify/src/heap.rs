@@ -42,6 +42,11 @@ impl Heap {
         self.keys.first().map_or(f32::INFINITY, |&k| f32::from_bits((k >> 32) as u32))
     }
 
+    /// The cheapest group.
+    pub(crate) fn first(&self) -> Option<u32> {
+        self.keys.first().map(|&k| group_of(k))
+    }
+
     /// Takes the cheapest group out.
     pub(crate) fn pop(&mut self) -> Option<(u32, f32)> {
         let &k = self.keys.first()?;

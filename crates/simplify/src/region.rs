@@ -113,6 +113,22 @@ impl Region {
         self.choices.len()
     }
 
+    /// Reads the far ends of what will be read of some groups soon: the processor waits for all of
+    /// it at once, not for one group after the other.
+    #[inline]
+    pub(crate) fn fetch(&self, groups: impl IntoIterator<Item = u32>) {
+        let (mut cost, mut ahead) = (0.0, 0);
+        for group in groups {
+            if let Some(quadric) = self.quadrics.surface.get(group as usize) {
+                cost += quadric.a[0] + quadric.c;
+            }
+            if let [first, .., last] = self.mesh.star(group) {
+                ahead ^= first.ahead ^ last.ahead;
+            }
+        }
+        std::hint::black_box((cost, ahead));
+    }
+
     /// The number of a wedge in the whole mesh.
     #[inline]
     pub(crate) fn wedge_id(&self, wedge: u32) -> u32 {
