@@ -1,8 +1,8 @@
 //! Attributes as numbers that can be compared with lengths: one flat row per vertex of the input.
 
 use crate::options::Weights;
-use crate::working::{Facet, WorkingMesh, next, previous};
-use glam::DVec3;
+use crate::working::Facet;
+use glam::{DVec3, Vec4};
 use lodc_mesh::{Attribute, Mesh, Semantic};
 
 /// A change of the normal by one (60°) counts like a displacement by this share of the mesh's size.
@@ -136,6 +136,12 @@ impl Attributes {
         &self.rows[vertex as usize * stride..][..stride]
     }
 
+    /// Four numbers of a vertex, from the number `first` on, a multiple of four.
+    #[inline]
+    pub(crate) fn four(&self, vertex: u32, first: usize) -> Vec4 {
+        Vec4::from_slice(&self.padded(vertex)[first..first + 4])
+    }
+
     /// Returns whether the mesh is skinned.
     #[inline]
     pub(crate) fn has_joints(&self) -> bool {
@@ -219,67 +225,4 @@ fn joints(mesh: &Mesh) -> Vec<[(u32, f32); 4]> {
             list
         })
         .collect()
-}
-
-/// The attribute function around one wedge: how far off a straight continuation the attributes
-/// would be if the wedge moved. A vertex-centred quadric over position and attributes together
-/// (Hoppe 1999), refitted to the current faces.
-pub(crate) struct Gradient {
-    weight: f64,
-    a: crate::quadric::Symmetric,
-    /// Area-weighted gradient of each number.
-    slopes: Vec<DVec3>,
-}
-
-impl Gradient {
-    pub(crate) fn new(width: usize) -> Self {
-        Self { weight: 0.0, a: [0.0; 6], slopes: vec![DVec3::ZERO; width] }
-    }
-
-    /// Area of its faces.
-    pub(crate) fn weight(&self) -> f64 {
-        self.weight
-    }
-
-    pub(crate) fn clear(&mut self) {
-        self.weight = 0.0;
-        self.a = [0.0; 6];
-        self.slopes.fill(DVec3::ZERO);
-    }
-
-    /// Adds a face at whose corner `at` the wedge is. `rows` are the attributes at its three
-    /// corners.
-    pub(crate) fn add_face(&mut self, mesh: &WorkingMesh, face: u32, at: usize, rows: [&[f32]; 3]) {
-        let f = &mesh.faces[face as usize];
-        let p = mesh.position(f.groups[at]);
-        let (e1, e2) =
-            (mesh.position(f.groups[next(at)]) - p, mesh.position(f.groups[previous(at)]) - p);
-        let n = e1.cross(e2);
-        let nn = n.length_squared();
-        if nn <= 0.0 {
-            return;
-        }
-        let area = 0.5 * nn.sqrt();
-        // The dual basis of the face's plane: a difference along e1 and e2 becomes a gradient.
-        let (d1, d2) = (e2.cross(n) / nn, n.cross(e1) / nn);
-        self.weight += area;
-        let [here, ahead, behind] = [rows[at], rows[next(at)], rows[previous(at)]];
-        for (slope, ((h, x), y)) in self.slopes.iter_mut().zip(here.iter().zip(ahead).zip(behind)) {
-            let g = d1 * f64::from(x - h) + d2 * f64::from(y - h);
-            *slope += g * area;
-            crate::quadric::add_outer(&mut self.a, g, area);
-        }
-    }
-
-    /// Area-weighted squared distance between the attributes at `delta` from the wedge, continued
-    /// from each of its faces, and `there`.
-    #[inline]
-    pub(crate) fn at(&self, delta: DVec3, here: &[f32], there: &[f32]) -> f64 {
-        let mut sum = delta.dot(crate::quadric::times(&self.a, delta));
-        for (slope, (h, t)) in self.slopes.iter().zip(here.iter().zip(there)) {
-            let change = f64::from(t - h);
-            sum += change * (self.weight * change - 2.0 * slope.dot(delta));
-        }
-        sum.max(0.0)
-    }
 }

@@ -238,6 +238,7 @@ impl<'a, M: Reprice> Engine<'a, M> {
         let mut due = std::mem::take(&mut self.state.due);
         let before = due.len();
         due.extend(self.state.touched.groups.iter().copied().filter(|&g| self.is_due(g)));
+        let changed = due.len();
         if matches!(queue, Queue::All) && self.state.restricted > 0 {
             self.add_restricted(&mut due, before);
         }
@@ -246,8 +247,13 @@ impl<'a, M: Reprice> Engine<'a, M> {
             self.wait(before, heap);
             return;
         }
-        for &g in &due {
+        for &g in &due[..changed] {
             self.rerank(g);
+            self.requeue(g, limit, heap);
+        }
+        self.region.fetch(due[changed..].iter().copied());
+        for &g in &due[changed..] {
+            self.search_again(g);
             self.requeue(g, limit, heap);
         }
         due.clear();
@@ -357,6 +363,17 @@ impl<'a, M: Reprice> Engine<'a, M> {
         let (Selector { pricer, .. }, state) = self.parts();
         let choice = pricer.rank(g, &mut state.selection.scratch);
         self.region.choices[g as usize] = choice;
+    }
+
+    /// Looks for the cheapest legal collapse of a restricted group, whose own faces are as they
+    /// were.
+    fn search_again(&mut self, g: u32) {
+        let (selector, state) = self.parts();
+        let found = selector.search(g, &mut state.selection);
+        let restricted = state.selection.refused;
+        self.set_restricted(g, restricted);
+        self.region.mesh.clear_flags(g, STALE);
+        self.region.choices[g as usize] = found.map_or(Choice::NONE, |legal| legal.choice);
     }
 
     /// Notes whether some of a group's collapses were refused, and how many such groups there are.

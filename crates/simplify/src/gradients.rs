@@ -1,10 +1,25 @@
-//! The price of attributes: every wedge's gradients, and what moving along an edge would
-//! cost them.
+//! The price of attributes: every wedge's gradients, and what moving along an edge would cost
+//! them. Four numbers at a time.
+//!
+//! Let `gᵢ` be the gradient of a number on face `i` of area `aᵢ` around a wedge, `W` the area of
+//! all its faces and `ḡ` the mean gradient. The wedge moves by `δ` to where the number differs by
+//! `c`. How far off a straight continuation of each face it would be (a vertex-centred quadric over
+//! position and attributes together, Hoppe 1999, refitted to the current faces) is
+//!
+//! ```text
+//! Σ aᵢ(gᵢ·δ − c)²  =  W(ḡ·δ − c)² + Σ aᵢ((gᵢ − ḡ)·δ)²
+//! ```
+//!
+//! of which the right side cancels nothing, so that single precision is enough.
 
-use crate::attributes::{Attributes, Gradient};
+use crate::attributes::Attributes;
 use crate::neighborhood::{IncidentEdge, Neighborhood};
 use crate::wedges::Wedges;
-use crate::working::WorkingMesh;
+use crate::working::{Corner, WorkingMesh, next, previous};
+use glam::{Vec3, Vec4};
+
+/// A gradient of four numbers: one coordinate of each for each vector.
+pub(crate) type FourGradients = [Vec4; 3];
 
 /// The attributes of the wedges of one region.
 #[derive(Clone, Copy)]
@@ -14,47 +29,178 @@ pub(crate) struct WedgeAttributes<'a> {
     pub(crate) attributes: &'a Attributes,
 }
 
-impl WedgeAttributes<'_> {
-    /// Fits the attributes around every wedge of a group.
-    pub(crate) fn fit_gradients(&self, from: u32, gradients: &mut Vec<(u32, Gradient)>) {
-        let mut used = 0;
-        for &corner in self.mesh.star(from) {
-            let face = corner.face();
-            let wedges = self.mesh.wedges(face);
-            let wedge = wedges[corner.at()];
-            let i = gradients[..used].iter().rposition(|g| g.0 == wedge).unwrap_or_else(|| {
-                if used == gradients.len() {
-                    gradients.push((wedge, Gradient::new(self.attributes.width)));
-                }
-                gradients[used].0 = wedge;
-                gradients[used].1.clear();
-                used += 1;
-                used - 1
-            });
-            let rows =
-                wedges.map(|w| self.attributes.row(self.wedges.attribute_source[w as usize]));
-            gradients[i].1.add_face(self.mesh, face, corner.at(), rows);
+/// The dual basis of a face's plane, by which differences along its two spokes become gradients,
+/// and the face's area.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Dual {
+    along: [Vec3; 2],
+    pub(crate) area: f32,
+}
+
+impl Dual {
+    /// The dual basis of two spokes with their cross product; zero if the face has no area.
+    #[inline]
+    pub(crate) fn new([spoke, following]: [Vec3; 2], normal: Vec3) -> Self {
+        let squared = normal.length_squared();
+        if squared <= 0.0 {
+            return Self::default();
         }
-        gradients.truncate(used);
+        let along = [following.cross(normal) / squared, normal.cross(spoke) / squared];
+        Self { along, area: 0.5 * squared.sqrt() }
+    }
+
+    /// The gradient of four numbers that change so much along the spokes.
+    #[inline]
+    pub(crate) fn gradient(&self, [first, second]: [Vec4; 2]) -> FourGradients {
+        let [d, e] = self.along;
+        [first * d.x + second * e.x, first * d.y + second * e.y, first * d.z + second * e.z]
+    }
+}
+
+/// How gradients scatter about their means: the sum of `weight · v vᵀ`, for four numbers at a time,
+/// in the order of [`Symmetric`](crate::quadric::Symmetric).
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Scatter([Vec4; 6]);
+
+impl Scatter {
+    /// Adds the gradients on one face.
+    #[inline]
+    pub(crate) fn add(&mut self, gradient: &FourGradients, mean: &FourGradients, area: f32) {
+        let [x, y, z] = [gradient[0] - mean[0], gradient[1] - mean[1], gradient[2] - mean[2]];
+        let weighted = [x * area, y * area, z * area];
+        let outer = &mut self.0;
+        outer[0] += weighted[0] * x;
+        outer[1] += weighted[0] * y;
+        outer[2] += weighted[0] * z;
+        outer[3] += weighted[1] * y;
+        outer[4] += weighted[1] * z;
+        outer[5] += weighted[2] * z;
+    }
+
+    /// The quadratic form of all numbers.
+    #[inline]
+    pub(crate) fn form(&self) -> [f32; 6] {
+        self.0.map(sum)
+    }
+}
+
+/// A continuation of four numbers by `delta`.
+#[inline]
+pub(crate) fn continued(mean: &FourGradients, delta: Vec3) -> Vec4 {
+    mean[0] * delta.x + mean[1] * delta.y + mean[2] * delta.z
+}
+
+#[inline]
+pub(crate) fn sum(v: Vec4) -> f32 {
+    (v.x + v.y) + (v.z + v.w)
+}
+
+/// A face around one of the wedges.
+struct WedgeFace {
+    /// Which wedge's, by its place in [`Gradients::wedges`].
+    at: usize,
+    dual: Dual,
+    /// The input vertices whose attributes its corners have, from the wedge's on.
+    rows: [u32; 3],
+}
+
+/// The gradients around the wedges of one group; used again for the next.
+#[derive(Default)]
+pub(crate) struct Gradients {
+    /// Each wedge and the area of its faces.
+    wedges: Vec<(u32, f32)>,
+    /// The mean gradients of each wedge, of the first four numbers, of the next four, and so on.
+    means: Vec<FourGradients>,
+    form: [f32; 6],
+    faces: Vec<WedgeFace>,
+    on_faces: Vec<FourGradients>,
+}
+
+impl Gradients {
+    /// Fits the attributes around every wedge of a group.
+    pub(crate) fn fit(&mut self, view: WedgeAttributes<'_>, from: u32) {
+        self.wedges.clear();
+        self.faces.clear();
+        self.means.clear();
+        for &corner in view.mesh.star(from) {
+            self.add_face(view, from, corner);
+        }
+        let mut scatter = Scatter::default();
+        for first in (0..view.attributes.width).step_by(4) {
+            self.fit_four(view.attributes, first, &mut scatter);
+        }
+        self.form = scatter.form();
+    }
+
+    fn add_face(&mut self, view: WedgeAttributes<'_>, from: u32, corner: Corner) {
+        let (here, face, at) =
+            (view.mesh.places[from as usize].position, corner.face(), corner.at());
+        let spokes = view.mesh.others(corner).map(|g| view.mesh.places[g as usize].position - here);
+        let dual = Dual::new(spokes, spokes[0].cross(spokes[1]));
+        let corners = view.mesh.wedges(face);
+        let wedge = corners[at];
+        let place = self.wedges.iter().rposition(|w| w.0 == wedge).unwrap_or_else(|| {
+            self.wedges.push((wedge, 0.0));
+            self.wedges.len() - 1
+        });
+        self.wedges[place].1 += dual.area;
+        let rows = [wedge, corners[next(at)], corners[previous(at)]]
+            .map(|w| view.wedges.attribute_source[w as usize]);
+        self.faces.push(WedgeFace { at: place, dual, rows });
+    }
+
+    /// Fits four numbers, from `first` on.
+    fn fit_four(&mut self, attributes: &Attributes, first: usize, scatter: &mut Scatter) {
+        let start = self.means.len();
+        self.means.resize(start + self.wedges.len(), [Vec4::ZERO; 3]);
+        let means = &mut self.means[start..];
+        self.on_faces.clear();
+        for face in &self.faces {
+            let [here, ahead, behind] = face.rows.map(|row| attributes.four(row, first));
+            let gradient = face.dual.gradient([ahead - here, behind - here]);
+            for (mean, gradient) in means[face.at].iter_mut().zip(gradient) {
+                *mean += gradient * face.dual.area;
+            }
+            self.on_faces.push(gradient);
+        }
+        for (mean, &(_, area)) in means.iter_mut().zip(&self.wedges) {
+            let share = if area > 0.0 { 1.0 / area } else { 0.0 };
+            *mean = mean.map(|sum| sum * share);
+        }
+        for (face, gradient) in self.faces.iter().zip(&self.on_faces) {
+            scatter.add(gradient, &means[face.at], face.dual.area);
+        }
     }
 
     /// Error of the attributes around a group if it moved along an edge. Scaled units
     /// to the fourth power.
     pub(crate) fn cost(
         &self,
+        view: WedgeAttributes<'_>,
         from: u32,
         edge: &IncidentEdge,
         around: &Neighborhood,
-        gradients: &[(u32, Gradient)],
     ) -> f64 {
-        let delta = self.mesh.position(edge.group) - self.mesh.position(from);
-        let mut cost = 0.0;
-        for (wedge, gradient) in gradients {
-            let target = around.target(self.wedges, edge, *wedge).unwrap_or(*wedge);
-            let [here, there] = [*wedge, target].map(|w| self.wedges.attribute_source[w as usize]);
-            cost += gradient.at(delta, self.attributes.row(here), self.attributes.row(there));
-            let [here, there] = [*wedge, target].map(|w| self.wedges.position_source[w as usize]);
-            cost += gradient.weight() * self.attributes.joint_distance_squared(here, there);
+        let position = |g: u32| view.mesh.places[g as usize].position;
+        let delta = position(edge.group) - position(from);
+        let [xx, xy, xz, yy, yz, zz] = self.form;
+        let (x, y, z) = (delta.x, delta.y, delta.z);
+        let scattered =
+            x * (xx * x + 2.0 * (xy * y + xz * z)) + y * (yy * y + 2.0 * (yz * z)) + z * (zz * z);
+        let mut cost = f64::from(scattered.max(0.0));
+        for (i, &(wedge, area)) in self.wedges.iter().enumerate() {
+            let target = around.target(view.wedges, edge, wedge).unwrap_or(wedge);
+            let rows = [wedge, target].map(|w| view.wedges.attribute_source[w as usize]);
+            let mut squared = Vec4::ZERO;
+            let means = self.means.iter().skip(i).step_by(self.wedges.len());
+            for (first, mean) in (0..view.attributes.width).step_by(4).zip(means) {
+                let [here, there] = rows.map(|row| view.attributes.four(row, first));
+                let rest = there - here - continued(mean, delta);
+                squared += rest * rest;
+            }
+            cost += f64::from(area * sum(squared));
+            let [here, there] = [wedge, target].map(|w| view.wedges.position_source[w as usize]);
+            cost += f64::from(area) * view.attributes.joint_distance_squared(here, there);
         }
         cost
     }

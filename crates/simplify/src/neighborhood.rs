@@ -47,11 +47,10 @@ pub(crate) struct Entry {
 }
 
 impl Entry {
-    /// All of it as one number, by which entries are sorted.
+    /// The wedges and the slot as one number, by which the entries of an edge are sorted.
     #[inline]
     fn key(&self) -> u128 {
-        let pair = |a: u32, b: u32| u128::from(u64::from(a) << 32 | u64::from(b));
-        pair(self.group, self.here) << 64 | pair(self.there, self.slot)
+        u128::from(self.here) << 64 | u128::from(u64::from(self.there) << 32 | u64::from(self.slot))
     }
 }
 
@@ -66,6 +65,10 @@ pub(crate) struct FeaturePlane {
 pub(crate) struct Neighborhood {
     pub(crate) edges: Vec<IncidentEdge>,
     pub(crate) entries: Vec<Entry>,
+    /// The entries in the order of faces.
+    unsorted: Vec<Entry>,
+    /// Group and place of each, which are sorted instead.
+    keys: Vec<u64>,
     pub(crate) planes: Vec<FeaturePlane>,
     /// The faces of the star.
     pub(crate) facets: Vec<Facet>,
@@ -84,6 +87,7 @@ impl Neighborhood {
         while start < self.entries.len() {
             let first = self.entries[start];
             let run = self.entries[start..].iter().take_while(|e| e.group == first.group).count();
+            self.entries[start..start + run].sort_unstable_by_key(Entry::key);
             let kind = self.add_edge(mesh, wedges, group, start..start + run);
             let entries = (start as u32, (start + run) as u32);
             self.edges.push(IncidentEdge { group: first.group, kind, entries });
@@ -93,14 +97,17 @@ impl Neighborhood {
 
     /// Gathers the faces of the star, and their edges at the group sorted by where they lead.
     fn gather_faces(&mut self, mesh: &WorkingMesh, group: u32) {
-        self.entries.clear();
-        self.facets.clear();
+        let Self { entries, unsorted, keys, facets, .. } = self;
+        unsorted.clear();
+        keys.clear();
+        facets.clear();
         for (slot, &corner) in (0..).zip(mesh.star(group)) {
             let (face, at) = (corner.face(), corner.at());
-            self.facets.push(mesh.facet(face));
+            facets.push(mesh.facet(face));
             let (groups, corners) = (&mesh.faces[face as usize].groups, mesh.wedges(face));
             for end in [next(at), previous(at)] {
-                self.entries.push(Entry {
+                keys.push(u64::from(groups[end]) << 32 | unsorted.len() as u64);
+                unsorted.push(Entry {
                     group: groups[end],
                     here: corners[at],
                     there: corners[end],
@@ -108,7 +115,9 @@ impl Neighborhood {
                 });
             }
         }
-        self.entries.sort_unstable_by_key(Entry::key);
+        keys.sort_unstable();
+        entries.clear();
+        entries.extend(keys.iter().map(|&key| unsorted[key as u32 as usize]));
     }
 
     /// Adds the planes that collapses should keep for the edge with these entries. Returns its

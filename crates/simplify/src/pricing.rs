@@ -1,9 +1,8 @@
 //! The price of every collapse of a group, legality left aside.
 
-use crate::attributes::Gradient;
 use crate::choice::{Choice, scaled};
 use crate::context::Context;
-use crate::gradients::WedgeAttributes;
+use crate::gradients::{Gradients, WedgeAttributes};
 use crate::legality::Stage;
 use crate::metric::Reprice;
 use crate::neighborhood::{EdgeKind, Neighborhood};
@@ -20,7 +19,7 @@ const MAX_ATTRIBUTE_FACES: usize = 1024;
 #[derive(Default)]
 pub(crate) struct Scratch<S> {
     pub(crate) around: Neighborhood,
-    gradients: Vec<(u32, Gradient)>,
+    gradients: Gradients,
     /// Candidates of one group: cost and target.
     pub(crate) candidates: Vec<(f64, u32)>,
     repricing: S,
@@ -128,7 +127,7 @@ impl<M: Reprice> Pricer<'_, M> {
         let Some(permitted) = self.permitted(from, around) else { return };
         let refitted = quadrics.refit(from, &around.facets, &around.planes);
         if with_attributes {
-            attributes.fit_gradients(from, gradients);
+            gradients.fit(attributes, from);
         }
         let attribute_weight = self.metric.attribute_weight();
         let here = mesh.position(from);
@@ -136,7 +135,7 @@ impl<M: Reprice> Pricer<'_, M> {
             let place = &mesh.places[edge.group as usize];
             let mut cost = refitted.cost(place.position.as_dvec3() - here, place.target_cost);
             if with_attributes {
-                cost += attribute_weight * attributes.cost(from, edge, around, gradients);
+                cost += attribute_weight * gradients.cost(attributes, from, edge, around);
             }
             candidates.push((if cost.is_nan() { f64::INFINITY } else { cost }, edge.group));
         }

@@ -1,20 +1,12 @@
-//! The attributes' part of the price of plain groups, four numbers at a time.
-//!
-//! Let `gᵢ` be the gradient of an attribute on face `i` of area `aᵢ` around a group of one wedge,
-//! `W` the area of all and `ḡ` the mean gradient. The group moves by `δ` to where the attribute
-//! differs by `c`. What [`Gradient`](crate::attributes::Gradient) costs is the sum of squares
-//!
-//! ```text
-//! Σ aᵢ(gᵢ·δ − c)²  =  W(ḡ·δ − c)² + Σ aᵢ((gᵢ − ḡ)·δ)²
-//! ```
-//!
-//! of which the right side cancels nothing, so that single precision is enough.
+//! The attributes' part of the price of plain groups: what [`gradients`](crate::gradients) says, for
+//! all neighbours of one wedge at once.
 
 use crate::attributes::Attributes;
+use crate::gradients::{Dual, FourGradients, Scatter, continued, sum};
 use crate::one_ring::{LaneArray, MAX_LEN, OneRing, Surcharge};
 use crate::wedges::Wedges;
 use crate::working::{Corner, WorkingMesh, next};
-use glam::{Vec3, Vec4};
+use glam::Vec4;
 
 /// The attributes around a group that has one wedge and a closed fan without seams.
 pub(crate) struct RingAttributes<'a> {
@@ -27,18 +19,9 @@ pub(crate) struct RingAttributes<'a> {
 
 /// The faces of a ring.
 struct Faces {
-    /// The dual basis of each face's plane: a difference along its two spokes becomes a gradient.
-    dual: [[Vec3; 2]; MAX_LEN],
-    area: [f32; MAX_LEN],
+    duals: [Dual; MAX_LEN],
     whole: f32,
 }
-
-/// A gradient of four numbers: one coordinate of each for each vector.
-type Gradients = [Vec4; 3];
-
-/// The sum of `weight · v vᵀ` for four vectors at a time, in the order of
-/// [`Symmetric`](crate::quadric::Symmetric).
-type Outer = [Vec4; 6];
 
 impl Surcharge for RingAttributes<'_> {
     const IS_ZERO: bool = false;
@@ -50,7 +33,7 @@ impl Surcharge for RingAttributes<'_> {
             return [Vec4::ZERO; N];
         }
         let spokes = ring.spokes();
-        let (mut offsets, mut outer) = ([Vec4::ZERO; MAX_LEN], [Vec4::ZERO; 6]);
+        let (mut offsets, mut scatter) = ([Vec4::ZERO; MAX_LEN], Scatter::default());
         let (here, rows) = self.rows(star);
         for first in (0..self.attributes.width).step_by(4) {
             let four = |row: &[f32]| Vec4::from_slice(&row[first..first + 4]);
@@ -60,11 +43,11 @@ impl Surcharge for RingAttributes<'_> {
                 *change = four(row) - here;
             }
             changes[ring.len] = changes[0];
-            let mean = faces.add(ring.len, &changes, &mut outer);
+            let mean = faces.add(ring.len, &changes, &mut scatter);
             for ((offset, change), spoke) in
                 offsets.iter_mut().zip(changes).zip(&spokes[..ring.len])
             {
-                let rest = change - (mean[0] * spoke.x + mean[1] * spoke.y + mean[2] * spoke.z);
+                let rest = change - continued(&mean, *spoke);
                 *offset += rest * rest;
             }
         }
@@ -72,7 +55,7 @@ impl Surcharge for RingAttributes<'_> {
             *cost = faces.whole * sum(offset);
         }
         self.add_joints(star, faces.whole, &mut costs);
-        let moved = ring.quadratic(outer.map(sum));
+        let moved = ring.quadratic(scatter.form());
         std::array::from_fn(|t| {
             let cost = Vec4::from_slice(&costs[4 * t..4 * t + 4]) + moved[t].max(Vec4::ZERO);
             // Whatever the attributes are, no price may be NaN.
@@ -112,16 +95,11 @@ impl RingAttributes<'_> {
 impl Faces {
     #[inline]
     fn new<const N: usize>(ring: &OneRing<N>) -> Self {
-        let mut faces = Self { dual: [[Vec3::ZERO; 2]; MAX_LEN], area: [0.0; MAX_LEN], whole: 0.0 };
+        let mut faces = Self { duals: [Dual::default(); MAX_LEN], whole: 0.0 };
         let (spokes, normals) = (ring.spokes(), ring.normals());
-        for i in 0..ring.len {
-            let (spoke, following, normal) = (spokes[i], spokes[i + 1], normals[i]);
-            let squared = normal.length_squared();
-            if squared > 0.0 {
-                faces.dual[i] = [following.cross(normal) / squared, normal.cross(spoke) / squared];
-                faces.area[i] = 0.5 * squared.sqrt();
-                faces.whole += faces.area[i];
-            }
+        for (i, dual) in faces.duals[..ring.len].iter_mut().enumerate() {
+            *dual = Dual::new([spokes[i], spokes[i + 1]], normals[i]);
+            faces.whole += dual.area;
         }
         faces
     }
@@ -129,37 +107,24 @@ impl Faces {
     /// Returns the mean gradient of four numbers, given by their changes along the spokes, and adds
     /// how the faces' gradients scatter about it.
     #[inline]
-    fn add(&self, len: usize, changes: &[Vec4; MAX_LEN + 1], outer: &mut Outer) -> Gradients {
+    fn add(
+        &self,
+        len: usize,
+        changes: &[Vec4; MAX_LEN + 1],
+        scatter: &mut Scatter,
+    ) -> FourGradients {
         let mut gradients = [[Vec4::ZERO; 3]; MAX_LEN];
         let mut mean = [Vec4::ZERO; 3];
-        for i in 0..len {
-            let ([d, e], (change, following)) = (self.dual[i], (changes[i], changes[i + 1]));
-            let gradient = [
-                change * d.x + following * e.x,
-                change * d.y + following * e.y,
-                change * d.z + following * e.z,
-            ];
-            gradients[i] = gradient;
+        for (i, (gradient, dual)) in gradients[..len].iter_mut().zip(&self.duals).enumerate() {
+            *gradient = dual.gradient([changes[i], changes[i + 1]]);
             for (mean, gradient) in mean.iter_mut().zip(gradient) {
-                *mean += gradient * self.area[i];
+                *mean += *gradient * dual.area;
             }
         }
         let mean = mean.map(|sum| sum / self.whole);
-        for (gradient, &area) in gradients[..len].iter().zip(&self.area) {
-            let [x, y, z] = [gradient[0] - mean[0], gradient[1] - mean[1], gradient[2] - mean[2]];
-            let weighted = [x * area, y * area, z * area];
-            outer[0] += weighted[0] * x;
-            outer[1] += weighted[0] * y;
-            outer[2] += weighted[0] * z;
-            outer[3] += weighted[1] * y;
-            outer[4] += weighted[1] * z;
-            outer[5] += weighted[2] * z;
+        for (gradient, dual) in gradients[..len].iter().zip(&self.duals) {
+            scatter.add(gradient, &mean, dual.area);
         }
         mean
     }
-}
-
-#[inline]
-fn sum(v: Vec4) -> f32 {
-    (v.x + v.y) + (v.z + v.w)
 }

@@ -6,7 +6,7 @@ use crate::link::Marks;
 use crate::metric::Reprice;
 use crate::plan::{Planner, WedgePlan};
 use crate::pricing::{Pricer, Scratch};
-use crate::working::{HUB_VALENCE, SEAM};
+use crate::working::{HUB_VALENCE, RESTRICTED, SEAM};
 
 /// Price of each fake, as a multiple of the geometric cost.
 const FAKE_PRICE: f64 = 8.0;
@@ -49,7 +49,6 @@ impl<M: Reprice> Selector<'_, M> {
         known: Choice,
         buffers: &mut SelectionBuffers<M::ViewScratch>,
     ) -> Option<LegalCollapse> {
-        buffers.refused = false;
         self.confirm(from, known, buffers).or_else(|| self.search(from, buffers))
     }
 
@@ -66,12 +65,15 @@ impl<M: Reprice> Selector<'_, M> {
         buffers: &mut SelectionBuffers<M::ViewScratch>,
     ) -> Option<LegalCollapse> {
         let is_planned = self.wedges_matter(from);
+        let is_restricted = self.pricer.region.mesh.has(from, RESTRICTED);
+        let is_found = is_restricted && !self.pricer.metric.is_active();
+        buffers.refused = is_restricted;
         let verdict = self.check(from, known.to, buffers)?;
-        if verdict.price > 1.0 {
+        if verdict.price > 1.0 && !is_found {
             return None;
         }
         if is_planned {
-            if !self.try_plan(from, known.to, buffers) || buffers.tried.fakes > 0 {
+            if !self.try_plan(from, known.to, buffers) || buffers.tried.fakes > 0 && !is_found {
                 return None;
             }
             std::mem::swap(&mut buffers.tried, &mut buffers.plan);
@@ -85,11 +87,12 @@ impl<M: Reprice> Selector<'_, M> {
     }
 
     /// Prices all collapses and takes the cheapest that is legal.
-    fn search(
+    pub(crate) fn search(
         &self,
         from: u32,
         buffers: &mut SelectionBuffers<M::ViewScratch>,
     ) -> Option<LegalCollapse> {
+        buffers.refused = false;
         let is_planned = self.wedges_matter(from);
         self.pricer.price_all(from, &mut buffers.scratch);
         let mut candidates = std::mem::take(&mut buffers.scratch.candidates);
