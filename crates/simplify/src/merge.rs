@@ -117,6 +117,15 @@ impl WorkingMesh {
             let slot = self.hub_slots[face as usize][at] as usize;
             return (slot < self.valence(group)).then_some(slot);
         }
+        let start = self.stars[group as usize].start as usize;
+        if let Some(&eight) = self.arena[start..].first_chunk::<8>() {
+            // No guess where the search ends. What lies behind a star's end is found after it.
+            let found = (0..8).fold(0, |found, i| found | u32::from(eight[i].face() == face) << i);
+            let slot = found.trailing_zeros() as usize;
+            if slot < self.valence(group).min(8) {
+                return Some(slot);
+            }
+        }
         self.star(group).iter().position(|c| c.face() == face)
     }
 
