@@ -32,7 +32,7 @@ const DRAWING: &[(&str, &[&str])] = &[
     ),
     ("crates/errors", &["lodc-mesh", "lodc-nearest", "glam", "rayon"]),
     ("crates/select", &["lodc-mesh", "lodc-raster", "lodc-scene", "glam", "rayon"]),
-    ("crates/simplify", &["lodc-mesh", "lodc-raster", "glam", "rayon"]),
+    ("crates/simplify", &["lodc-mesh", "lodc-raster", "glam", "prefetch-index", "rayon"]),
     ("crates/refit", &["lodc-mesh", "lodc-nearest", "glam", "rayon"]),
     ("crates/strip", &["lodc-mesh", "rayon"]),
     ("crates/progressive", &["lodc-mesh", "lodc-strip"]),

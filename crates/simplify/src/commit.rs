@@ -68,8 +68,7 @@ impl<M: Reprice> Commit<'_, M> {
         self.touched.add(to);
         let Self { region, touched, .. } = &mut self;
         region.mesh.each_neighbour(from, |g| touched.add(g));
-        region.fetch(touched.groups.iter().copied());
-        region.mesh.fetch_faces(from);
+        touched.groups.iter().for_each(|&g| region.prefetch(g));
         let seam_moves = plan.ambiguous || plan.fakes > 0;
         self.move_wedges(from, to, plan);
 

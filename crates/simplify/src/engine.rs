@@ -162,7 +162,7 @@ impl<'a, M: Reprice> Engine<'a, M> {
                 self.rerank_waiting(&mut heap);
                 continue;
             };
-            self.region.fetch(heap.first());
+            self.region.mesh.prefetch_neighbours(from);
             if self.region.mesh.has(from, STALE) {
                 if self.state.waiting > 0 {
                     self.rerank_waiting(&mut heap);
@@ -251,7 +251,7 @@ impl<'a, M: Reprice> Engine<'a, M> {
             self.rerank(g);
             self.requeue(g, limit, heap);
         }
-        self.region.fetch(due[changed..].iter().copied());
+        due[changed..].iter().for_each(|&g| self.region.prefetch(g));
         for &g in &due[changed..] {
             self.search_again(g);
             self.requeue(g, limit, heap);
@@ -259,6 +259,9 @@ impl<'a, M: Reprice> Engine<'a, M> {
         due.clear();
         self.state.due = due;
         self.note_risen_costs(to);
+        if let Some(first) = heap.first() {
+            self.region.prefetch(first);
+        }
     }
 
     /// Flags the groups due since the last collapse as stale, and ranks all that wait if they are

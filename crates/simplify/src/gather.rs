@@ -27,6 +27,8 @@ impl Home {
 const KEPT_FLAGS: u8 = OPEN | SEAM | SHARED_POSITION | RESTRICTED;
 /// Spare room in each star.
 const SLACK: u32 = 2;
+/// Groups between the one that is added and the one that memory is asked for.
+const AHEAD: usize = 16;
 
 /// Lists that all regions of a mesh keep, or none does.
 #[derive(Clone, Copy, Debug)]
@@ -77,10 +79,19 @@ impl Round<'_> {
             wedges: Table::new(if self.kept.bare { 0 } else { own + own / 4 }),
         };
         gathering.reserve(&self.order[range.clone()]);
-        for &group in &self.order[range] {
+        let order = &self.order[range];
+        for (i, &group) in order.iter().enumerate() {
+            if let Some(&soon) = order.get(i + AHEAD) {
+                let (old, local) = gathering.home(soon);
+                old.prefetch(local);
+            }
             gathering.add_own(group);
         }
-        for own in 0..own as u32 {
+        for (own, i) in (0..own as u32).zip(AHEAD / 2..) {
+            if let Some(&soon) = order.get(i) {
+                let (old, local) = gathering.home(soon);
+                old.mesh.prefetch_faces(local);
+            }
             gathering.add_star(own);
         }
         // Not before all faces are there: each may come to a hub.

@@ -57,8 +57,8 @@ impl Dual {
     }
 }
 
-/// How gradients scatter about their means: the sum of `weight · v vᵀ`, for four numbers at a time,
-/// in the order of [`Symmetric`](crate::quadric::Symmetric).
+/// The scatter of gradients about their means: the sum of `weight · v vᵀ`, for four numbers at a
+/// time, in the order of [`Symmetric`](crate::quadric::Symmetric).
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Scatter([Vec4; 6]);
 
@@ -97,7 +97,7 @@ pub(crate) fn sum(v: Vec4) -> f32 {
 
 /// A face around one of the wedges.
 struct WedgeFace {
-    /// Which wedge's, by its place in [`Gradients::wedges`].
+    /// The wedge's place in [`Gradients::wedges`].
     at: usize,
     dual: Dual,
     /// The input vertices whose attributes its corners have, from the wedge's on.

@@ -13,6 +13,7 @@ use crate::working::{
     Corner, Face, HUB_VALENCE, LOCKED, OPEN, SEAM, SHARED_POSITION, Star, WorkingMesh, next,
     previous,
 };
+use prefetch_index::prefetch_index;
 use std::ops::Range;
 
 /// Part of the mesh, or all of it.
@@ -113,20 +114,13 @@ impl Region {
         self.choices.len()
     }
 
-    /// Reads the far ends of what will be read of some groups soon: the processor waits for all of
-    /// it at once, not for one group after the other.
+    /// Asks memory for the quadric and the corners of a group, so that they are there when it is
+    /// priced.
     #[inline]
-    pub(crate) fn fetch(&self, groups: impl IntoIterator<Item = u32>) {
-        let (mut cost, mut ahead) = (0.0, 0);
-        for group in groups {
-            if let Some(quadric) = self.quadrics.surface.get(group as usize) {
-                cost += quadric.a[0] + quadric.c;
-            }
-            if let [first, .., last] = self.mesh.star(group) {
-                ahead ^= first.ahead ^ last.ahead;
-            }
-        }
-        std::hint::black_box((cost, ahead));
+    pub(crate) fn prefetch(&self, group: u32) {
+        self.mesh.prefetch_star(group);
+        prefetch_index(&self.quadrics.surface, group as usize);
+        prefetch_index(&self.quadrics.surface, group as usize + 1);
     }
 
     /// The number of a wedge in the whole mesh.

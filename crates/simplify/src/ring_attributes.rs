@@ -1,5 +1,5 @@
-//! The attributes' part of the price of plain groups: what [`gradients`](crate::gradients) says, for
-//! all neighbours of one wedge at once.
+//! The attributes' part of the price of plain groups: what [`gradients`](crate::gradients) says,
+//! for all neighbours of one wedge at once.
 
 use crate::attributes::Attributes;
 use crate::gradients::{Dual, FourGradients, Scatter, continued, sum};

@@ -21,19 +21,17 @@ use rayon::prelude::*;
 use std::sync::Mutex;
 
 /// Groups of a region, about: few lie at borders, and what collapsing them reads stays near.
-pub(crate) const REGION: usize = 8192;
+pub(crate) const REGION: usize = 12288;
 /// A mesh of fewer groups than so many regions have is one region: sharing them out would take as
 /// long as is won.
-pub(crate) const FEWEST: usize = 12;
-/// When fewer groups than so many regions have are left, one region takes them all.
-const FEWEST_LEFT: usize = 4;
+pub(crate) const FEWEST: usize = 8;
 /// The share of live groups whose cost is within the limit of a round.
 const SHARE: f64 = 0.65;
 /// If a round collapses less than this share of the groups, the next one takes more.
 const LEAST_PROGRESS: f64 = 0.02;
 /// About how many costs are sampled for a limit.
 const SAMPLES: usize = 4096;
-/// Waves in which regions are gathered.
+/// The most waves in which regions are gathered.
 const WAVES: usize = 16;
 /// The shares of the mesh's extent by which the curve is shifted in successive rounds.
 const SHIFTS: [f64; 5] = [0.37, 0.11, 0.53, 0.23, 0.71];
@@ -58,7 +56,7 @@ pub(crate) fn simplify(
     for round in 0.. {
         let collapsed = rounds.run(share, sources, progress);
         let least = (LEAST_PROGRESS * (rounds.live + collapsed) as f64) as usize;
-        if rounds.live < FEWEST_LEFT * size || collapsed <= least && share >= 1.0 {
+        if rounds.live < size || collapsed <= least && share >= 1.0 {
             break;
         }
         share = if collapsed <= least { (2.0 * share).min(1.0) } else { SHARE };
@@ -195,7 +193,7 @@ impl<'a> Rounds<'a> {
         let bound = |r: usize| order.len() * r / count;
         // Wave by wave, and what no later wave reads goes at once: two full sets of regions are
         // never there together.
-        let waves = count.min(WAVES);
+        let waves = waves(count);
         let first_of = |wave: usize| (count * wave).div_ceil(waves);
         let last: Vec<u32> = self.regions.par_iter().map(|r| last_read(r, &ranks)).collect();
         let kept = Kept::new(&self.regions);
@@ -216,6 +214,13 @@ impl<'a> Rounds<'a> {
         }
         self.regions = regions;
     }
+}
+
+/// The number of waves for so many regions. While they are few, memory is no matter, and each wave
+/// has two for every thread.
+fn waves(regions: usize) -> usize {
+    let fewest = if regions < 4 * WAVES { 2 * rayon::current_num_threads() } else { 1 };
+    (regions / fewest).clamp(1, WAVES)
 }
 
 /// Regions that nobody needs any more: their lists take new ones, without asking for memory.

@@ -5,6 +5,7 @@
 //! neighbours in memory.
 
 use glam::{DVec3, Vec3, Vec4};
+use prefetch_index::prefetch_index;
 
 /// A corner of a face in the star of its group.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -249,11 +250,29 @@ impl WorkingMesh {
         }
     }
 
-    /// Reads something of each face at a group, all at once.
+    /// Asks memory for the corners of a group.
     #[inline]
-    pub(crate) fn fetch_faces(&self, group: u32) {
-        let read = |c: &Corner| self.faces[c.face() as usize].triangle;
-        std::hint::black_box(self.star(group).iter().fold(0, |all, c| all ^ read(c)));
+    pub(crate) fn prefetch_star(&self, group: u32) {
+        let star = self.stars[group as usize];
+        prefetch_index(&self.arena, star.start as usize);
+        prefetch_index(&self.arena, (star.start + star.len.saturating_sub(1)) as usize);
+    }
+
+    /// Asks memory for what says where the corners of a group's neighbours are, and for its faces.
+    #[inline]
+    pub(crate) fn prefetch_neighbours(&self, group: u32) {
+        for corner in self.star(group) {
+            prefetch_index(&self.stars, corner.ahead as usize);
+            prefetch_index(&self.faces, corner.face() as usize);
+        }
+    }
+
+    /// Asks memory for the faces at a group.
+    #[inline]
+    pub(crate) fn prefetch_faces(&self, group: u32) {
+        for corner in self.star(group) {
+            prefetch_index(&self.faces, corner.face() as usize);
+        }
     }
 
     /// A face's plane and area.
