@@ -80,6 +80,9 @@ impl<'a, M: Reprice> Engine<'a, M> {
     /// Runs all stages, then joins the points that are left. Returns the log and how many of its
     /// steps are legal.
     pub(crate) fn run_all(mut self, progress: &Progress<'_>) -> (CollapseLog, usize) {
+        let Region { mesh, wedges, groups, .. } = &*self.region;
+        let wedges = wedges.ids.len().max(groups.len());
+        self.log = CollapseLog::with_room(groups.len(), wedges, mesh.live_faces as usize);
         let mut legal = 0;
         for stage in Stage::ALL {
             self.rules.stage = stage;

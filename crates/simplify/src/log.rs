@@ -29,6 +29,16 @@ pub(crate) struct CollapseLog {
 }
 
 impl CollapseLog {
+    /// A log with room for all steps of a mesh with so many groups, wedges and faces.
+    pub(crate) fn with_room(groups: usize, wedges: usize, faces: usize) -> Self {
+        Self {
+            steps: Vec::with_capacity(groups),
+            wedges: Vec::with_capacity(wedges),
+            targets: Vec::with_capacity(wedges),
+            dead: Vec::with_capacity(faces),
+        }
+    }
+
     /// Notes that a wedge becomes another in the present step.
     #[inline]
     pub(crate) fn record(&mut self, wedge: u32, target: u32) {

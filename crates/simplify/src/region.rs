@@ -171,7 +171,9 @@ impl Region {
             s.capacity += SLACK;
             start += s.capacity;
         }
-        mesh.arena = vec![Corner::new(0, 0, 0); start as usize];
+        // With room for stars that grow.
+        mesh.arena = Vec::with_capacity(start as usize + start as usize / 2);
+        mesh.arena.resize(start as usize, Corner::new(0, 0, 0));
         for (f, face) in (0..).zip(&mesh.faces) {
             let locks = face.groups.iter().any(|&g| g as usize >= own);
             for (c, &g) in face.groups.iter().enumerate().filter(|(_, g)| (**g as usize) < own) {
