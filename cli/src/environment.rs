@@ -13,9 +13,9 @@ pub(crate) const RUNTIME_FOLDER: Variable =
     ("XDG_RUNTIME_DIR", "/nonexistent", |folder| folder.is_absolute());
 
 /// Set for work on large meshes, in milliseconds after which the allocator gives free memory back.
-/// By default a thousand: a quarter more at the peak of a million triangles. One: a twentieth more
-/// time, for as much memory.
-pub(crate) const RETURN_MEMORY: Variable = ("MIMALLOC_PURGE_DELAY", "50", |_| true);
+/// By default a thousand: a quarter more at the peak of a million triangles. Fifty: a tenth more.
+/// One: a twentieth more time, for as much memory.
+pub(crate) const RETURN_MEMORY: Variable = ("MIMALLOC_PURGE_DELAY", "10", |_| true);
 
 /// Starts the program again with those of some variables that are not as they should be. Returns
 /// only if there is nothing to do or it cannot be done; then nothing else is lost.
