@@ -78,8 +78,8 @@ impl Round<'_> {
             hubs: Vec::new(),
             wedges: Table::new(if self.kept.bare { 0 } else { own + own / 4 }),
         };
-        gathering.reserve(&self.order[range.clone()]);
         let order = &self.order[range];
+        gathering.reserve(order);
         for (i, &group) in order.iter().enumerate() {
             if let Some(&soon) = order.get(i + AHEAD) {
                 let (old, local) = gathering.home(soon);

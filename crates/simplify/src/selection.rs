@@ -65,9 +65,10 @@ impl<M: Reprice> Selector<'_, M> {
         buffers: &mut SelectionBuffers<M::ViewScratch>,
     ) -> Option<LegalCollapse> {
         let is_planned = self.wedges_matter(from);
-        let is_restricted = self.pricer.region.mesh.has(from, RESTRICTED);
-        let is_found = is_restricted && !self.pricer.metric.is_active();
-        buffers.refused = is_restricted;
+        buffers.refused = false;
+        // A restricted group's choice is what a search has found, penalties included.
+        let is_found =
+            self.pricer.region.mesh.has(from, RESTRICTED) && !self.pricer.metric.is_active();
         let verdict = self.check(from, known.to, buffers)?;
         if verdict.price > 1.0 && !is_found {
             return None;
