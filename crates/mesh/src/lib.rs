@@ -22,6 +22,7 @@ mod primitive;
 mod random;
 mod removal;
 mod sequence;
+mod shortcuts;
 mod simplified;
 mod weld;
 
@@ -39,5 +40,6 @@ pub use primitive::{NONE, is_degenerate};
 pub use random::SplitMix64;
 pub use removal::removal_lods;
 pub use sequence::{CollapseSequence, Lod, SequenceError, SequenceParts, Step};
+pub use shortcuts::Shortcuts;
 pub use simplified::{Simplified, SimplifiedError};
 pub use weld::weld_positions;

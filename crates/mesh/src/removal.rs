@@ -1,6 +1,6 @@
 //! The removal LOD of each triangle: derived from the collapse sequence, not stored.
 
-use crate::{PositionIds, Simplified, is_degenerate};
+use crate::{PositionIds, Shortcuts, Simplified, is_degenerate};
 
 /// Number of steps of one triangle's corners that are followed one by one. Real triangles need
 /// about ten; beyond this, which takes a sequence made to be slow, the rest is found by bisection.
@@ -17,7 +17,7 @@ pub fn removal_lods(simplified: &Simplified, positions: &PositionIds) -> Vec<u32
     let step_ends = &simplified.collapses().parts().step_ends;
     let end_of = simplified.collapses().step_ends_by_record();
     let dead = |corners: [u32; 3]| is_degenerate(corners.map(|v| positions.of_vertex[v as usize]));
-    let mut jumps = None;
+    let mut shortcuts = None;
     let removal_lod = |&triangle: &[u32; 3]| {
         let mut corners: [u32; 3] = triangle;
         for _ in 0..WALK {
@@ -34,63 +34,10 @@ pub fn removal_lods(simplified: &Simplified, positions: &PositionIds) -> Vec<u32
                 return lod;
             }
         }
-        let jumps = jumps.get_or_insert_with(|| Jumps::new(targets));
-        let step = step_ends
-            .partition_point(|&end| !dead(triangle.map(|v| jumps.resolve(targets, v, end))));
+        let shortcuts = shortcuts.get_or_insert_with(|| Shortcuts::new(targets));
+        let resolve = |v: u32, end: u32| shortcuts.first(targets, v, |v| v >= end);
+        let step = step_ends.partition_point(|&end| !dead(triangle.map(|v| resolve(v, end))));
         step_ends[step]
     };
     simplified.mesh().triangles().iter().map(removal_lod).collect()
-}
-
-/// For each vertex one further vertex down its chain of collapses, chosen so that any chain is
-/// walked in a logarithmic number of moves (the skew-binary jump pointers of Myers 1983).
-struct Jumps(Vec<u32>);
-
-impl Jumps {
-    fn new(targets: &[u32]) -> Self {
-        let last = targets.len();
-        let mut jump = vec![last as u32; last + 1];
-        let mut depth = vec![0u32; last + 1];
-        for v in (0..last).rev() {
-            let next = targets[v] as usize;
-            let far = jump[next] as usize;
-            let farther = jump[far] as usize;
-            depth[v] = depth[next] + 1;
-            let even = depth[next] - depth[far] == depth[far] - depth[farther];
-            jump[v] = if even { farther } else { next } as u32;
-        }
-        Self(jump)
-    }
-
-    fn resolve(&self, targets: &[u32], mut v: u32, lod: u32) -> u32 {
-        while v < lod {
-            let far = self.0[v as usize];
-            v = if far < lod { far } else { targets[v as usize] };
-        }
-        v
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn jumps_lead_where_single_collapses_lead() {
-        for spread in [1, 2, 7, 300] {
-            let last = 300u32;
-            let targets: Vec<u32> =
-                (0..last).map(|v| (v + 1 + v * 7919 % spread).min(last)).collect();
-            let jumps = Jumps::new(&targets);
-            for v in 0..=last {
-                for lod in 0..=last {
-                    let mut slow = v;
-                    while slow < lod {
-                        slow = targets[slow as usize];
-                    }
-                    assert_eq!(jumps.resolve(&targets, v, lod), slow, "vertex {v}, LOD {lod}");
-                }
-            }
-        }
-    }
 }

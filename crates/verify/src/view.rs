@@ -2,7 +2,7 @@
 
 use crate::boundary::{boundary, edges, first_rest, value};
 use crate::difference::{Failure, first_difference};
-use lodc_mesh::{Lod, OrientedTriangle, PositionIds, Simplified, is_degenerate};
+use lodc_mesh::{CollapseSequence, Lod, OrientedTriangle, PositionIds, Simplified, is_degenerate};
 
 /// The content of a view in which every vertex of LOD 0 has a LOD of its own. All lists but
 /// `indices` have one entry for each vertex.
@@ -38,7 +38,7 @@ impl<'a> ViewReference<'a> {
         Self { simplified, positions, border }
     }
 
-    /// Returns the first thing that is wrong with a view, in linear time if nothing is.
+    /// Returns the first thing that is wrong with a view, in near-linear time if nothing is.
     ///
     /// Without morphing each triangle of LOD 0 is compared with every corner resolved at its own
     /// LOD by the plain sequence (and, where all corners are at one LOD, with the reference
@@ -55,7 +55,7 @@ impl<'a> ViewReference<'a> {
                 let truth = self.simplified.triangles_at_with(coarsest, &self.positions);
                 first_difference(coarsest, truth, drawn.clone())
             });
-            let resolved = || resolved(self.simplified, &self.positions, &lod);
+            let resolved = || resolved(self.simplified, &self.positions, view.lods);
             reference.flatten().or_else(|| first_difference(coarsest, resolved(), drawn))
         };
         let wrong = if view.morphs { None } else { compared() };
@@ -85,19 +85,45 @@ impl<'a> ViewReference<'a> {
 fn resolved(
     simplified: &Simplified,
     positions: &PositionIds,
-    lod: &impl Fn(u32) -> Lod,
+    lods: &[Lod],
 ) -> Vec<OrientedTriangle> {
-    let (mesh, collapses) = (simplified.mesh(), simplified.collapses());
+    let mesh = simplified.mesh();
+    let image = images(simplified.collapses(), lods);
     let mut live = Vec::with_capacity(mesh.triangles().len());
     for (s, submesh) in mesh.submeshes().iter().enumerate() {
         for triangle in &mesh.triangles()[submesh.triangles()] {
-            let corners = triangle.map(|v| collapses.resolve(v, lod(v)));
+            let corners = triangle.map(|v| image[v as usize]);
             if !is_degenerate(corners.map(|v| positions.of_vertex[v as usize])) {
                 live.push(OrientedTriangle::new(s as u32, corners));
             }
         }
     }
     live
+}
+
+/// The vertex that each stands for at a LOD of its own, in near-linear time however long chains of
+/// collapses are: records are applied in order, and all that has become one vertex is a set.
+fn images(collapses: &CollapseSequence, lods: &[Lod]) -> Vec<u32> {
+    let ends: Vec<u32> = lods.iter().map(|&lod| collapses.floor(lod).0).collect();
+    let mut order: Vec<u32> = (0..ends.len() as u32).collect();
+    order.sort_unstable_by_key(|&v| ends[v as usize]);
+    let mut becomes: Vec<u32> = (0..=collapses.records()).collect();
+    let mut images = vec![0; ends.len()];
+    let mut done = 0;
+    for v in order {
+        while done < ends[v as usize] {
+            becomes[done as usize] = collapses.targets()[done as usize];
+            done += 1;
+        }
+        let mut at = v;
+        while becomes[at as usize] != at {
+            // Halves the path for those who come later.
+            becomes[at as usize] = becomes[becomes[at as usize] as usize];
+            at = becomes[at as usize];
+        }
+        images[v as usize] = at;
+    }
+    images
 }
 
 fn drawn(simplified: &Simplified, view: &ShownView<'_>) -> Vec<OrientedTriangle> {
@@ -107,4 +133,26 @@ fn drawn(simplified: &Simplified, view: &ShownView<'_>) -> Vec<OrientedTriangle>
         OrientedTriangle::new(submesh[t[0] as usize], corners)
     };
     view.indices.chunks_exact(3).map(triangle).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lodc_fixtures as fixtures;
+    use lodc_mesh::SplitMix64;
+
+    #[test]
+    fn images_are_what_the_plain_sequence_says() {
+        for seed in 0..20 {
+            let simplified = fixtures::random_collapse(&fixtures::random(seed), seed);
+            let collapses = simplified.collapses();
+            let mut random = SplitMix64::new(seed);
+            let lods: Vec<Lod> = (0..simplified.mesh().vertex_count())
+                .map(|_| Lod((random.bits() >> 32) as u32 % (collapses.records() + 1)))
+                .collect();
+            let plain = |(v, &lod)| collapses.resolve(v, collapses.floor(lod));
+            let plain: Vec<u32> = (0..).zip(&lods).map(plain).collect();
+            assert_eq!(images(collapses, &lods), plain, "seed {seed}");
+        }
+    }
 }

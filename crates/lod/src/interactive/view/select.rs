@@ -6,6 +6,13 @@ use super::deterministic_math::{dot, inverse_power, rsqrt};
 use super::{Cone, Cones};
 use lodc_mesh::{CollapseSequence, Lod, NONE};
 
+/// Collapses of one vertex that are followed one by one.
+const WALK: u32 = 64;
+
+/// Share of a move below which nobody sees it, nor those that it goes on with. Around a vertex of
+/// thousands of triangles that many may be under way one after the other.
+const LEAST_SHARE: f32 = 1e-7;
+
 /// The state of a vertex between the steps in which it moves.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct State {
@@ -165,12 +172,26 @@ impl Parameters {
     }
 }
 
-/// The state of one vertex at a LOD.
-pub(super) fn state(vertex: u32, lod: u32, links: &[[u32; 2]], morph: bool) -> State {
+/// The vertex that is shown for one at a LOD. Short chains of collapses are walked as the kernel
+/// walks all; `further` finds the end of long ones, as around a vertex of thousands of triangles.
+pub(super) fn entry(
+    vertex: u32,
+    lod: u32,
+    links: &[[u32; 2]],
+    further: impl FnOnce(u32) -> u32,
+) -> u32 {
     let mut entry = vertex;
-    while links[entry as usize][1] <= lod {
+    for _ in 0..WALK {
+        if links[entry as usize][1] > lod {
+            return entry;
+        }
         entry = links[entry as usize][0];
     }
+    further(entry)
+}
+
+/// The state of a vertex that is shown as `entry` at a LOD.
+pub(super) fn state(entry: u32, lod: u32, links: &[[u32; 2]], morph: bool) -> State {
     let [next, leaves] = links[entry as usize];
     let way = if morph { way(leaves, lod, links.len() as u32) } else { 0 };
     State { lod, entry, next, way }
@@ -203,6 +224,9 @@ pub(super) fn place(
             return moved;
         }
         share *= gone as f32 * (1.0 / 65536.0);
+        if share < LEAST_SHARE {
+            return moved;
+        }
         let (a, b) = (position(here), position(next));
         moved = std::array::from_fn(|i| moved[i] + share * (b[i] - a[i]));
         here = next;

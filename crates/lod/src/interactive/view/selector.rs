@@ -2,8 +2,9 @@
 
 use super::select::{self, ByError, Parameters};
 use super::{Cones, Criterion, Family, LodRange, Point, State, ViewQuery};
-use lodc_mesh::Simplified;
+use lodc_mesh::{Shortcuts, Simplified};
 use rayon::prelude::*;
+use std::sync::OnceLock;
 
 /// Selects a LOD for every vertex, the same for all vertices of a wedge group.
 #[derive(Clone, Debug)]
@@ -14,6 +15,8 @@ pub struct Selector<'a> {
     pub(super) points: Vec<Point>,
     pub(super) links: Vec<[u32; 2]>,
     pub(super) by_error: ByError,
+    /// Made when a chain of collapses is long.
+    shortcuts: OnceLock<Shortcuts>,
 }
 
 impl<'a> Selector<'a> {
@@ -41,6 +44,7 @@ impl<'a> Selector<'a> {
             points: select::points(&cones, shape),
             links: select::links(collapses),
             by_error: ByError::new(collapses),
+            shortcuts: OnceLock::new(),
         }
     }
 
@@ -69,7 +73,14 @@ impl<'a> Selector<'a> {
     /// Returns the state of each vertex at its LOD.
     #[must_use]
     pub fn states(&self, lods: &[u32], morph: bool) -> Vec<State> {
-        let state = |(v, &lod): (usize, &u32)| select::state(v as u32, lod, &self.links, morph);
+        let (links, targets) = (&self.links, self.simplified.collapses().targets());
+        let state = |(v, &lod): (usize, &u32)| {
+            let entry = select::entry(v as u32, lod, links, |from| {
+                let shortcuts = self.shortcuts.get_or_init(|| Shortcuts::new(targets));
+                shortcuts.first(targets, from, |v| links[v as usize][1] > lod)
+            });
+            select::state(entry, lod, links, morph)
+        };
         lods.par_iter().enumerate().map(state).collect()
     }
 }

@@ -138,6 +138,8 @@ fn main(thread: Thread) {
             let gone = way(link.y, lod);
             if (gone == 0u) { break; }
             share = r(share * (f32(gone) * (1.0 / 65536.0)));
+            // Nobody sees it, nor what follows.
+            if (share < 1e-7) { break; }
             let a = bitcast<vec3<f32>>(place(here));
             let b = bitcast<vec3<f32>>(place(link.x));
             moved = vec3<f32>(
