@@ -24,27 +24,39 @@ impl Touched {
 
     fn start(&mut self) {
         self.groups.clear();
-        self.epoch = self.epoch.checked_add(1).unwrap_or_else(|| {
+        self.epoch = self.epoch.checked_add(2).unwrap_or_else(|| {
             self.marks.fill(0);
-            1
+            2
         });
     }
 
-    /// Marks a group; whether that is the first time since the last commit.
+    /// Marks a group besides those that were touched. Returns whether it had no mark since the last
+    /// commit.
     #[inline]
-    pub(crate) fn first_time(&mut self, group: u32) -> bool {
-        std::mem::replace(&mut self.marks[group as usize], self.epoch) != self.epoch
+    pub(crate) fn mark(&mut self, group: u32) -> bool {
+        let is_new = !self.is_marked(group);
+        if is_new {
+            self.marks[group as usize] = self.epoch + 1;
+        }
+        is_new
     }
 
-    /// Returns whether a group has been marked since the last commit.
+    /// Returns whether a group has been marked or touched since the last commit.
     #[inline]
     pub(crate) fn is_marked(&self, group: u32) -> bool {
+        self.marks[group as usize] >= self.epoch
+    }
+
+    /// Returns whether the last commit touched a group.
+    #[inline]
+    pub(crate) fn is_touched(&self, group: u32) -> bool {
         self.marks[group as usize] == self.epoch
     }
 
     #[inline]
     fn add(&mut self, group: u32) {
-        if self.first_time(group) {
+        if !self.is_marked(group) {
+            self.marks[group as usize] = self.epoch;
             self.groups.push(group);
         }
     }
@@ -64,7 +76,7 @@ impl<M: Reprice> Commit<'_, M> {
     pub(crate) fn run(mut self, from: u32, legal: LegalCollapse, plan: &mut WedgePlan) {
         let to = legal.choice.to;
         self.touched.start();
-        self.touched.first_time(from);
+        self.touched.mark(from);
         self.touched.add(to);
         let Self { region, touched, .. } = &mut self;
         region.mesh.each_neighbour(from, |g| touched.add(g));

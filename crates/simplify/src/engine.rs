@@ -68,7 +68,9 @@ impl<'a, M: Reprice> Engine<'a, M> {
         stage: Stage,
     ) -> Self {
         let preserve_topology = context.options.preserve_topology;
+        let lists = if M::REPRICES { 0 } else { region.groups.len() };
         let state = LoopState {
+            selection: SelectionBuffers::new(lists),
             touched: Touched::new(region.groups.len()),
             pool: ScratchPool::new(M::REPRICES),
             ..LoopState::default()
@@ -139,6 +141,7 @@ impl<'a, M: Reprice> Engine<'a, M> {
             .map_init(Scratch::default, rank)
             .collect();
         self.region.choices = choices;
+        self.state.selection.lists.clear();
         for flags in &mut self.region.mesh.flags {
             *flags &= !(STALE | RESTRICTED);
         }
@@ -227,6 +230,7 @@ impl<'a, M: Reprice> Engine<'a, M> {
             }
         }
         self.set_restricted(from, false);
+        self.state.selection.lists.release(from);
         let Self { context, region, metric, log, state, .. } = self;
         let LoopState { selection, touched, .. } = state;
         Commit { context, region, metric: &mut **metric, log, touched }.run(
@@ -256,8 +260,10 @@ impl<'a, M: Reprice> Engine<'a, M> {
         }
         due[changed..].iter().for_each(|&g| self.region.prefetch(g));
         for &g in &due[changed..] {
-            self.search_again(g);
-            self.requeue(g, limit, heap);
+            if !self.is_still_best(g) {
+                self.search_again(g);
+                self.requeue(g, limit, heap);
+            }
         }
         due.clear();
         self.state.due = due;
@@ -300,7 +306,7 @@ impl<'a, M: Reprice> Engine<'a, M> {
                 break;
             }
             region.mesh.each_neighbour(due[i], |other| {
-                if region.mesh.has(other, RESTRICTED) && state.touched.first_time(other) {
+                if region.mesh.has(other, RESTRICTED) && state.touched.mark(other) {
                     due.push(other);
                 }
             });
@@ -367,8 +373,23 @@ impl<'a, M: Reprice> Engine<'a, M> {
         self.set_restricted(g, false);
         self.region.mesh.clear_flags(g, STALE);
         let (Selector { pricer, .. }, state) = self.parts();
-        let choice = pricer.rank(g, &mut state.selection.scratch);
+        let SelectionBuffers { scratch, lists, .. } = &mut state.selection;
+        let choice = if let Some(choice) = pricer.rank_plain(g) {
+            lists.forget(g);
+            choice
+        } else {
+            let choice = pricer.rank_any(g, scratch);
+            lists.keep(g, &scratch.priced);
+            choice
+        };
         self.region.choices[g as usize] = choice;
+    }
+
+    /// Returns whether nothing that the last commit touched changes the choice of a restricted
+    /// group, whose own faces are as they were.
+    fn is_still_best(&mut self, g: u32) -> bool {
+        let (selector, LoopState { selection, touched, .. }) = self.parts();
+        selector.is_still_best(g, touched, selection)
     }
 
     /// Looks for the cheapest legal collapse of a restricted group, whose own faces are as they

@@ -27,6 +27,7 @@ mod one_ring;
 mod options;
 mod output;
 mod plan;
+mod price_lists;
 mod pricing;
 mod quadric;
 mod region;

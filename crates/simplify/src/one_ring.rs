@@ -293,7 +293,7 @@ mod tests {
                 let refitted = Quadrics::refit(quadrics, g, &around.facets, &planes);
                 let cost = |to: u32| {
                     let delta = mesh.position(to) - mesh.position(g);
-                    refitted.cost(delta, mesh.places[to as usize].target_cost)
+                    refitted.cost(delta) + f64::from(mesh.places[to as usize].target_cost)
                 };
                 let best = around.edges.iter().map(|e| cost(e.group)).fold(f64::INFINITY, f64::min);
                 let found = cost(choice.to);

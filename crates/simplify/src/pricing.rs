@@ -7,6 +7,7 @@ use crate::legality::Stage;
 use crate::metric::Reprice;
 use crate::neighborhood::{EdgeKind, Neighborhood};
 use crate::one_ring::{self, NoSurcharge};
+use crate::price_lists::Priced;
 use crate::region::Region;
 use crate::ring_attributes::RingAttributes;
 use crate::working::{OPEN, SEAM};
@@ -20,6 +21,8 @@ const MAX_ATTRIBUTE_FACES: usize = 1024;
 pub(crate) struct Scratch<S> {
     pub(crate) around: Neighborhood,
     gradients: Gradients,
+    /// The collapses of one group by the quadric and attributes.
+    pub(crate) priced: Vec<Priced>,
     /// Candidates of one group: cost and target.
     pub(crate) candidates: Vec<(f64, u32)>,
     repricing: S,
@@ -57,25 +60,29 @@ impl<M: Reprice> Pricer<'_, M> {
     #[inline]
     pub(crate) fn rank(&self, from: u32, scratch: &mut Scratch<M::ViewScratch>) -> Choice {
         // By far the most common case.
-        if self.is_plain(from) {
-            let Region { mesh, wedges, quadrics, .. } = self.region;
-            let quadric = &quadrics.surface[from as usize];
-            let attributes = &self.context.attributes;
-            let choice = if attributes.is_empty() {
-                one_ring::cheapest(mesh, quadric, from, &NoSurcharge)
-            } else {
-                let weight = self.metric.attribute_weight() as f32;
-                let surcharge = RingAttributes { mesh, wedges, attributes, weight };
-                one_ring::cheapest(mesh, quadric, from, &surcharge)
-            };
-            if let Some(choice) = choice {
-                return choice;
-            }
-        }
-        self.rank_all(from, scratch)
+        self.rank_plain(from).unwrap_or_else(|| self.rank_any(from, scratch))
     }
 
-    fn rank_all(&self, from: u32, scratch: &mut Scratch<M::ViewScratch>) -> Choice {
+    /// The cheapest collapse of a plain group; none of another.
+    #[inline]
+    pub(crate) fn rank_plain(&self, from: u32) -> Option<Choice> {
+        if !self.is_plain(from) {
+            return None;
+        }
+        let Region { mesh, wedges, quadrics, .. } = self.region;
+        let quadric = &quadrics.surface[from as usize];
+        let attributes = &self.context.attributes;
+        if attributes.is_empty() {
+            one_ring::cheapest(mesh, quadric, from, &NoSurcharge)
+        } else {
+            let weight = self.metric.attribute_weight() as f32;
+            let surcharge = RingAttributes { mesh, wedges, attributes, weight };
+            one_ring::cheapest(mesh, quadric, from, &surcharge)
+        }
+    }
+
+    /// The cheapest collapse of any group.
+    pub(crate) fn rank_any(&self, from: u32, scratch: &mut Scratch<M::ViewScratch>) -> Choice {
         self.price_all(from, scratch);
         let mut best = (f64::INFINITY, NONE);
         for &(cost, to) in &scratch.candidates {
@@ -105,6 +112,9 @@ impl<M: Reprice> Pricer<'_, M> {
     /// Prices all collapses of a group, as the metric sees them.
     pub(crate) fn price_all(&self, from: u32, scratch: &mut Scratch<M::ViewScratch>) {
         self.price_geometry(from, scratch);
+        let Scratch { priced, candidates, .. } = scratch;
+        candidates.clear();
+        candidates.extend(priced.iter().map(|p| (p.cost(&self.region.mesh), p.to)));
         if self.metric.is_active() {
             let Scratch { candidates, repricing, .. } = scratch;
             let Region { mesh, wedges, .. } = self.region;
@@ -114,8 +124,8 @@ impl<M: Reprice> Pricer<'_, M> {
 
     /// Prices all collapses of a group by the quadric and attributes.
     fn price_geometry(&self, from: u32, scratch: &mut Scratch<M::ViewScratch>) {
-        let Scratch { around, gradients, candidates, .. } = scratch;
-        candidates.clear();
+        let Scratch { around, gradients, priced, .. } = scratch;
+        priced.clear();
         let Region { mesh, wedges, quadrics, .. } = self.region;
         if mesh.star(from).is_empty() {
             return;
@@ -132,12 +142,13 @@ impl<M: Reprice> Pricer<'_, M> {
         let attribute_weight = self.metric.attribute_weight();
         let here = mesh.position(from);
         for edge in around.edges.iter().filter(|e| permitted.allows(e.kind)) {
-            let place = &mesh.places[edge.group as usize];
-            let mut cost = refitted.cost(place.position.as_dvec3() - here, place.target_cost);
-            if with_attributes {
-                cost += attribute_weight * gradients.cost(attributes, from, edge, around);
-            }
-            candidates.push((if cost.is_nan() { f64::INFINITY } else { cost }, edge.group));
+            let moved = refitted.cost(mesh.position(edge.group) - here);
+            let surcharge = if with_attributes {
+                attribute_weight * gradients.cost(attributes, from, edge, around)
+            } else {
+                0.0
+            };
+            priced.push(Priced { moved, surcharge, to: edge.group });
         }
     }
 
@@ -168,9 +179,9 @@ impl<M: Reprice> Pricer<'_, M> {
         scratch: &mut Scratch<M::ViewScratch>,
     ) -> Option<Choice> {
         self.price_geometry(from, scratch);
-        let Scratch { candidates, repricing, .. } = scratch;
-        let mut one = [*candidates.iter().find(|c| c.1 == known.to)?];
+        let Scratch { priced, repricing, .. } = scratch;
         let Region { mesh, wedges, .. } = self.region;
+        let mut one = [(priced.iter().find(|p| p.to == known.to)?.cost(mesh), known.to)];
         self.metric.reprice(mesh, wedges, from, &mut one, repricing);
         let cost = scaled(one[0].0);
         (cost <= known.cost).then_some(Choice { cost, ..known })

@@ -1,12 +1,15 @@
 //! The cheapest legal collapse of a group.
 
 use crate::choice::{Choice, scaled};
+use crate::commit::Touched;
 use crate::legality::{Rules, Stage, Verdict, keeps_texture};
 use crate::link::Marks;
 use crate::metric::Reprice;
 use crate::plan::{Planner, WedgePlan};
+use crate::price_lists::{PriceLists, Priced};
 use crate::pricing::{Pricer, Scratch};
-use crate::working::{HUB_VALENCE, RESTRICTED, SEAM};
+use crate::region::Region;
+use crate::working::{HUB_VALENCE, RESTRICTED, SEAM, STALE};
 
 /// Price of each fake, as a multiple of the geometric cost.
 const FAKE_PRICE: f64 = 8.0;
@@ -26,6 +29,8 @@ pub(crate) struct LegalCollapse {
 #[derive(Default)]
 pub(crate) struct SelectionBuffers<S> {
     pub(crate) scratch: Scratch<S>,
+    /// The prices of groups that were priced one by one, for metrics that never change them.
+    pub(crate) lists: PriceLists,
     marks: Marks,
     /// The plan of a candidate.
     tried: WedgePlan,
@@ -33,6 +38,13 @@ pub(crate) struct SelectionBuffers<S> {
     pub(crate) plan: WedgePlan,
     /// True if a collapse of the group was refused, or made dearer.
     pub(crate) refused: bool,
+}
+
+impl<S: Default> SelectionBuffers<S> {
+    /// Buffers that keep the prices of so many groups.
+    pub(crate) fn new(groups: usize) -> Self {
+        Self { lists: PriceLists::new(groups), ..Self::default() }
+    }
 }
 
 /// The data that selecting reads.
@@ -95,7 +107,7 @@ impl<M: Reprice> Selector<'_, M> {
     ) -> Option<LegalCollapse> {
         buffers.refused = false;
         let is_planned = self.wedges_matter(from);
-        self.pricer.price_all(from, &mut buffers.scratch);
+        self.price_all(from, buffers);
         let mut candidates = std::mem::take(&mut buffers.scratch.candidates);
         candidates.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let faces = self.pricer.region.mesh.valence(from);
@@ -133,6 +145,46 @@ impl<M: Reprice> Selector<'_, M> {
             choice: Choice { cost: scaled(cost), to },
             changes_topology,
             is_planned,
+        })
+    }
+
+    /// Prices all collapses, or finds their prices.
+    fn price_all(&self, from: u32, buffers: &mut SelectionBuffers<M::ViewScratch>) {
+        let SelectionBuffers { scratch, lists, .. } = buffers;
+        let mesh = &self.pricer.region.mesh;
+        if let Some(list) = self.prices(from, lists) {
+            scratch.candidates.clear();
+            scratch.candidates.extend(list.iter().map(|p| (p.cost(mesh), p.to)));
+        } else {
+            self.pricer.price_all(from, scratch);
+            lists.keep(from, &scratch.priced);
+        }
+    }
+
+    /// The kept prices of a group. Hubs have none: not all that changes them is noticed.
+    fn prices<'l>(&self, from: u32, lists: &'l PriceLists) -> Option<&'l [Priced]> {
+        lists.get(from).filter(|_| self.pricer.region.mesh.valence(from) < HUB_VALENCE)
+    }
+
+    /// Returns whether the choice of a restricted group, whose own faces are as they were, is the
+    /// cheapest although some of its neighbours were touched: neither is it one of them, nor may
+    /// the group move onto one of them that costs no more.
+    pub(crate) fn is_still_best(
+        &self,
+        from: u32,
+        touched: &Touched,
+        buffers: &mut SelectionBuffers<M::ViewScratch>,
+    ) -> bool {
+        let Region { mesh, choices, .. } = self.pricer.region;
+        let SelectionBuffers { lists, marks, .. } = buffers;
+        let known = choices[from as usize];
+        let Some(list) = self.prices(from, lists).filter(|_| !mesh.has(from, STALE)) else {
+            return false;
+        };
+        list.iter().filter(|p| touched.is_touched(p.to)).all(|p| {
+            p.to != known.to
+                && (scaled(p.cost(mesh)) > known.cost
+                    || self.rules.check(mesh, from, p.to, marks).is_none())
         })
     }
 

@@ -47,13 +47,13 @@ impl Refitted {
         self.c += MEMORY * old.c;
     }
 
-    /// The cost of moving the group by `delta` onto a group with that target cost. Scaled units to
-    /// the fourth power; not negative.
+    /// The cost of moving the group by `delta`, without the target's own. Working units to the
+    /// fourth power; not negative.
     #[inline]
-    pub(crate) fn cost(&self, delta: DVec3, target_cost: f32) -> f64 {
+    pub(crate) fn cost(&self, delta: DVec3) -> f64 {
         let moved =
             delta.dot(crate::quadric::times(&self.a, delta)) + 2.0 * self.b.dot(delta) + self.c;
-        moved.max(0.0) + f64::from(target_cost)
+        moved.max(0.0)
     }
 }
 

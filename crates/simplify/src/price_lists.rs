@@ -1,0 +1,154 @@
+//! Lists of prices that are still right: those of groups whose faces have not changed since.
+//!
+//! A group that was refused is searched again and again, mostly because one of its neighbours
+//! changed. What its collapses cost has not changed by that, but for the target's own cost.
+
+use crate::working::WorkingMesh;
+
+/// A priced collapse, without the target's own cost.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Priced {
+    /// By the group's own quadric, not negative.
+    pub(crate) moved: f64,
+    /// By attributes.
+    pub(crate) surcharge: f64,
+    pub(crate) to: u32,
+}
+
+impl Priced {
+    /// The whole cost as of now, not NaN.
+    #[inline]
+    pub(crate) fn cost(&self, mesh: &WorkingMesh) -> f64 {
+        let there = f64::from(mesh.places[self.to as usize].target_cost);
+        let cost = self.moved + there + self.surcharge;
+        if cost.is_nan() { f64::INFINITY } else { cost }
+    }
+}
+
+/// A list's place among all, in blocks of a power of two.
+#[derive(Clone, Copy)]
+struct Slot {
+    start: u32,
+    /// `NO_LIST` if there is none.
+    len: u8,
+    /// The block's capacity; zero without a block.
+    capacity: u8,
+}
+
+const NO_LIST: u8 = u8::MAX;
+const NO_SLOT: Slot = Slot { start: 0, len: NO_LIST, capacity: 0 };
+/// The least and the greatest block, as exponents of two.
+const LEAST: u32 = 2;
+const GREATEST: u32 = 7;
+
+/// The lists of one region.
+#[derive(Default)]
+pub(crate) struct PriceLists {
+    slots: Vec<Slot>,
+    blocks: Vec<Priced>,
+    /// Blocks of each size that nobody has.
+    free: [Vec<u32>; (GREATEST - LEAST + 1) as usize],
+}
+
+impl PriceLists {
+    /// No lists, and room for those of so many groups. The default never keeps any.
+    pub(crate) fn new(groups: usize) -> Self {
+        Self { slots: vec![NO_SLOT; groups], ..Self::default() }
+    }
+
+    /// Drops all lists.
+    pub(crate) fn clear(&mut self) {
+        self.slots.fill(NO_SLOT);
+        self.blocks.clear();
+        self.free.iter_mut().for_each(Vec::clear);
+    }
+
+    /// The prices of a group, if they are still right.
+    #[inline]
+    pub(crate) fn get(&self, group: u32) -> Option<&[Priced]> {
+        let slot = self.slots.get(group as usize).filter(|slot| slot.len != NO_LIST)?;
+        Some(&self.blocks[slot.start as usize..][..usize::from(slot.len)])
+    }
+
+    /// Drops the list of a group whose faces changed.
+    #[inline]
+    pub(crate) fn forget(&mut self, group: u32) {
+        if let Some(slot) = self.slots.get_mut(group as usize) {
+            slot.len = NO_LIST;
+        }
+    }
+
+    /// Gives back the block of a group that is gone.
+    pub(crate) fn release(&mut self, group: u32) {
+        let Some(slot) = self.slots.get_mut(group as usize) else { return };
+        let slot = std::mem::replace(slot, NO_SLOT);
+        if slot.capacity > 0 {
+            self.free[size_of(usize::from(slot.capacity))].push(slot.start);
+        }
+    }
+
+    /// Keeps a list until the group's faces change. Very long ones are not kept.
+    pub(crate) fn keep(&mut self, group: u32, list: &[Priced]) {
+        let Some(&slot) = self.slots.get(group as usize) else { return };
+        if list.len() > usize::from(slot.capacity) {
+            self.release(group);
+            if list.len() > 1 << GREATEST {
+                return;
+            }
+            let size = size_of(list.len());
+            let capacity = 1 << (LEAST + size as u32);
+            let start = self.free[size].pop().unwrap_or_else(|| {
+                self.blocks.resize(self.blocks.len() + capacity, Priced::default());
+                (self.blocks.len() - capacity) as u32
+            });
+            self.slots[group as usize] = Slot { start, len: NO_LIST, capacity: capacity as u8 };
+        }
+        let slot = &mut self.slots[group as usize];
+        slot.len = list.len() as u8;
+        self.blocks[slot.start as usize..][..list.len()].copy_from_slice(list);
+    }
+}
+
+/// The least size of a block that holds so many.
+fn size_of(len: usize) -> usize {
+    (len.next_power_of_two().trailing_zeros().max(LEAST) - LEAST) as usize
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn list(of: u32, len: usize) -> Vec<Priced> {
+        (0..len as u32).map(|to| Priced { to: 1000 * of + to, ..Priced::default() }).collect()
+    }
+
+    #[test]
+    fn lists_stay_until_they_are_forgotten() {
+        let mut lists = PriceLists::new(200);
+        let mut lens: Vec<Option<usize>> = vec![None; 200];
+        for step in 0..4000usize {
+            let (group, len) = (step * 7919 % 200, step * 104_729 % 130);
+            match step % 5 {
+                0 => lists.forget(group as u32),
+                1 => lists.release(group as u32),
+                _ => lists.keep(group as u32, &list(group as u32, len)),
+            }
+            lens[group] = (step % 5 > 1 && len <= 128).then_some(len);
+            for (other, &len) in (0..).zip(&lens) {
+                let got = lists.get(other).map(|l| l.iter().map(|p| p.to).collect::<Vec<_>>());
+                let want = len.map(|l| list(other, l).iter().map(|p| p.to).collect::<Vec<_>>());
+                assert_eq!(got, want, "group {other} at step {step}");
+            }
+        }
+        assert!(lists.blocks.len() <= 200 * 128 * 2, "{}", lists.blocks.len());
+        lists.clear();
+        assert!((0..200).all(|g| lists.get(g).is_none()));
+    }
+
+    #[test]
+    fn the_default_keeps_none() {
+        let mut lists = PriceLists::default();
+        lists.keep(0, &list(0, 3));
+        assert!(lists.get(0).is_none());
+    }
+}
