@@ -13,9 +13,10 @@
 //! of which the right side cancels nothing, so that single precision is enough.
 
 use crate::attributes::Attributes;
-use crate::neighborhood::{IncidentEdge, Neighborhood};
+use crate::neighborhood::{Entry, target};
+use crate::one_ring::OneRing;
 use crate::wedges::Wedges;
-use crate::working::{Corner, WorkingMesh, next, previous};
+use crate::working::{WorkingMesh, next, previous};
 use glam::{Vec3, Vec4};
 
 /// A gradient of four numbers: one coordinate of each for each vector.
@@ -119,12 +120,43 @@ pub(crate) struct Gradients {
 impl Gradients {
     /// Fits the attributes around every wedge of a group.
     pub(crate) fn fit(&mut self, view: WedgeAttributes<'_>, from: u32) {
+        self.clear();
+        for &corner in view.mesh.star(from) {
+            let (here, face, at) =
+                (view.mesh.places[from as usize].position, corner.face(), corner.at());
+            let position = |g: u32| view.mesh.places[g as usize].position;
+            let spokes = view.mesh.others(corner).map(|g| position(g) - here);
+            let corners = view.mesh.wedges(face);
+            let dual = Dual::new(spokes, spokes[0].cross(spokes[1]));
+            self.add_face(view, dual, [corners[at], corners[next(at)], corners[previous(at)]]);
+        }
+        self.fit_all(view);
+    }
+
+    /// Fits the attributes around every wedge of a group with a closed fan, given the wedges at the
+    /// corners of its faces.
+    pub(crate) fn fit_ring<const N: usize>(
+        &mut self,
+        view: WedgeAttributes<'_>,
+        ring: &OneRing<N>,
+        corners: &[[u32; 3]],
+    ) {
+        self.clear();
+        let (spokes, normals) = (ring.spokes(), ring.normals());
+        for (i, &corners) in corners[..ring.len].iter().enumerate() {
+            let dual = Dual::new([spokes[i], spokes[i + 1]], normals[i]);
+            self.add_face(view, dual, corners);
+        }
+        self.fit_all(view);
+    }
+
+    fn clear(&mut self) {
         self.wedges.clear();
         self.faces.clear();
         self.means.clear();
-        for &corner in view.mesh.star(from) {
-            self.add_face(view, from, corner);
-        }
+    }
+
+    fn fit_all(&mut self, view: WedgeAttributes<'_>) {
         let mut scatter = Scatter::default();
         for first in (0..view.attributes.width).step_by(4) {
             self.fit_four(view.attributes, first, &mut scatter);
@@ -132,20 +164,16 @@ impl Gradients {
         self.form = scatter.form();
     }
 
-    fn add_face(&mut self, view: WedgeAttributes<'_>, from: u32, corner: Corner) {
-        let (here, face, at) =
-            (view.mesh.places[from as usize].position, corner.face(), corner.at());
-        let spokes = view.mesh.others(corner).map(|g| view.mesh.places[g as usize].position - here);
-        let dual = Dual::new(spokes, spokes[0].cross(spokes[1]));
-        let corners = view.mesh.wedges(face);
-        let wedge = corners[at];
+    /// Adds a face with the wedges at its corners, the group's first.
+    #[inline]
+    fn add_face(&mut self, view: WedgeAttributes<'_>, dual: Dual, corners: [u32; 3]) {
+        let wedge = corners[0];
         let place = self.wedges.iter().rposition(|w| w.0 == wedge).unwrap_or_else(|| {
             self.wedges.push((wedge, 0.0));
             self.wedges.len() - 1
         });
         self.wedges[place].1 += dual.area;
-        let rows = [wedge, corners[next(at)], corners[previous(at)]]
-            .map(|w| view.wedges.attribute_source[w as usize]);
+        let rows = corners.map(|w| view.wedges.attribute_source[w as usize]);
         self.faces.push(WedgeFace { at: place, dual, rows });
     }
 
@@ -172,24 +200,16 @@ impl Gradients {
         }
     }
 
-    /// Error of the attributes around a group if it moved along an edge. Scaled units
-    /// to the fourth power.
-    pub(crate) fn cost(
-        &self,
-        view: WedgeAttributes<'_>,
-        from: u32,
-        edge: &IncidentEdge,
-        around: &Neighborhood,
-    ) -> f64 {
-        let position = |g: u32| view.mesh.places[g as usize].position;
-        let delta = position(edge.group) - position(from);
+    /// Error of the attributes around a group if it moved by `delta`, along an edge with these
+    /// faces, which are sorted. Scaled units to the fourth power.
+    pub(crate) fn cost(&self, view: WedgeAttributes<'_>, delta: Vec3, faces: &[Entry]) -> f64 {
         let [xx, xy, xz, yy, yz, zz] = self.form;
         let (x, y, z) = (delta.x, delta.y, delta.z);
         let scattered =
             x * (xx * x + 2.0 * (xy * y + xz * z)) + y * (yy * y + 2.0 * (yz * z)) + z * (zz * z);
         let mut cost = f64::from(scattered.max(0.0));
         for (i, &(wedge, area)) in self.wedges.iter().enumerate() {
-            let target = around.target(view.wedges, edge, wedge).unwrap_or(wedge);
+            let target = target(view.wedges, faces, wedge).unwrap_or(wedge);
             let rows = [wedge, target].map(|w| view.wedges.attribute_source[w as usize]);
             let mut squared = Vec4::ZERO;
             let means = self.means.iter().skip(i).step_by(self.wedges.len());

@@ -3,6 +3,7 @@
 
 use crate::attributes::Attributes;
 use crate::link::{Link, Marks};
+use crate::one_ring::{MAX_LEN, OneRing};
 use crate::plan::WedgePlan;
 use crate::wedges::Wedges;
 use crate::working::{OPEN, SHARED_POSITION, WorkingMesh, next, previous};
@@ -14,6 +15,8 @@ const MAX_VALENCE: usize = 24;
 /// A face's normal may turn by at most this cosine in one collapse (75.5°). With zero, flips add up
 /// over steps.
 const MIN_TURN: f64 = 0.25;
+/// The same where single precision decides, whose error in that cosine is below 0.005.
+const SURE_TURN: f32 = 0.26;
 /// A face's area must stay above this share of its longest edge squared.
 const MIN_AREA: f64 = 1e-12;
 /// Price of a collapse that changes the topology, as a multiple of its geometric cost.
@@ -144,6 +147,24 @@ pub(crate) fn keeps_texture(
 /// Returns whether no face around `from` turns too far or loses its area when `from` moves to the
 /// position of `to`.
 fn keeps_orientation(mesh: &WorkingMesh, from: u32, to: u32) -> bool {
+    surely_keeps_orientation(mesh, from, to) || keeps_orientation_exactly(mesh, from, to)
+}
+
+/// The same, if four faces at a time in single precision leave no doubt.
+fn surely_keeps_orientation(mesh: &WorkingMesh, from: u32, to: u32) -> bool {
+    if mesh.has(from, OPEN) {
+        return false;
+    }
+    let star = mesh.star(from);
+    let Some(place) = star.iter().position(|c| c.ahead == to) else { return false };
+    match star.len() {
+        3..=7 => OneRing::<2>::new(mesh, from, star).surely_turns_less(place, SURE_TURN),
+        8..=MAX_LEN => OneRing::<3>::new(mesh, from, star).surely_turns_less(place, SURE_TURN),
+        _ => false,
+    }
+}
+
+fn keeps_orientation_exactly(mesh: &WorkingMesh, from: u32, to: u32) -> bool {
     let (here, there) = (mesh.position(from), mesh.position(to));
     if !mesh.has(from, OPEN) {
         // The next corner leads to the group behind.
@@ -182,4 +203,30 @@ fn stays_upright(here: DVec3, there: DVec3, ahead: DVec3, behind: DVec3) -> bool
     turn > 0.0
         && turn * turn > (MIN_TURN * MIN_TURN) * (area * old_squared)
         && area > (2.0 * MIN_AREA * longest).powi(2)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::input::Input;
+    use crate::region::Region;
+
+    #[test]
+    fn single_precision_permits_only_what_double_precision_permits() {
+        let (mut sure, mut refused) = (0, 0);
+        for mesh in [lodc_fixtures::icosphere(3), lodc_fixtures::machine_part()] {
+            let region = Region::whole(&Input::new(&mesh), true);
+            for from in (0..region.own() as u32).filter(|&g| !region.mesh.has(g, OPEN)) {
+                let star = region.mesh.star(from);
+                for to in star.iter().map(|c| c.ahead) {
+                    let keeps = keeps_orientation_exactly(&region.mesh, from, to);
+                    let surely = surely_keeps_orientation(&region.mesh, from, to);
+                    assert!(keeps || !surely, "{from} onto {to}");
+                    sure += usize::from(surely);
+                    refused += usize::from(!keeps);
+                }
+            }
+        }
+        assert!(sure > 1000 && refused > 10, "{sure}, {refused}");
+    }
 }

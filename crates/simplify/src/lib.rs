@@ -34,8 +34,10 @@ mod region;
 mod ring_attributes;
 mod rounds;
 mod scratch_pool;
+mod seam_ring;
 mod selection;
 mod table;
+mod touched;
 mod wedges;
 mod working;
 

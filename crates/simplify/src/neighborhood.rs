@@ -37,19 +37,19 @@ pub(crate) enum EdgeKind {
 }
 
 /// One face at an edge: the wedges at both ends.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Entry {
     pub(crate) group: u32,
     pub(crate) here: u32,
     pub(crate) there: u32,
     /// The face's place in the star.
-    slot: u32,
+    pub(crate) slot: u32,
 }
 
 impl Entry {
     /// The wedges and the slot as one number, by which the entries of an edge are sorted.
     #[inline]
-    fn key(&self) -> u128 {
+    pub(crate) fn key(&self) -> u128 {
         u128::from(self.here) << 64 | u128::from(u64::from(self.there) << 32 | u64::from(self.slot))
     }
 }
@@ -149,12 +149,7 @@ impl Neighborhood {
             }
             EdgeKind::Seam => {
                 self.seams += 1;
-                let submesh = |e: &Entry| wedges.submesh(e.here);
-                if faces.iter().all(|e| submesh(e) == submesh(&faces[0])) {
-                    SEAM_WEIGHT
-                } else {
-                    MATERIAL_WEIGHT
-                }
+                seam_weight(wedges, faces)
             }
         };
         let normals = faces.iter().map(|e| self.facets[e.slot as usize].normal.as_dvec3());
@@ -163,20 +158,33 @@ impl Neighborhood {
         kind
     }
 
-    /// The wedge that `wedge` becomes if the group moves along `edge`: the one it shares a face
-    /// with there, or the one that a wedge with the same attributes shares a face with.
-    pub(crate) fn target(&self, wedges: &Wedges, edge: &IncidentEdge, wedge: u32) -> Option<u32> {
-        let faces = &self.entries[edge.entries.0 as usize..edge.entries.1 as usize];
-        let first = faces.partition_point(|e| e.here < wedge);
-        let same = faces.get(first).filter(|e| e.here == wedge);
-        let class = wedges.class(wedge);
-        same.or_else(|| faces.iter().take(64).find(|e| wedges.class(e.here) == class))
-            .map(|e| e.there)
+    /// The faces at an edge.
+    pub(crate) fn entries_at(&self, edge: &IncidentEdge) -> &[Entry] {
+        &self.entries[edge.entries.0 as usize..edge.entries.1 as usize]
     }
 }
 
+/// The wedge that `wedge` becomes if the group moves along an edge, given by its sorted faces: the
+/// one it shares a face with there, or the one that a wedge with the same attributes shares a face
+/// with.
+#[inline]
+pub(crate) fn target(wedges: &Wedges, faces: &[Entry], wedge: u32) -> Option<u32> {
+    let first = faces.partition_point(|e| e.here < wedge);
+    let same = faces.get(first).filter(|e| e.here == wedge);
+    let class = wedges.class(wedge);
+    same.or_else(|| faces.iter().take(64).find(|e| wedges.class(e.here) == class)).map(|e| e.there)
+}
+
+/// The weight of the planes along a seam with these faces, times its squared length.
+#[inline]
+pub(crate) fn seam_weight(wedges: &Wedges, faces: &[Entry]) -> f64 {
+    let submesh = |e: &Entry| wedges.submesh(e.here);
+    let one = faces.iter().all(|e| submesh(e) == submesh(&faces[0]));
+    if one { SEAM_WEIGHT } else { MATERIAL_WEIGHT }
+}
+
 /// The plane along an edge, upright on a face there; none if the face has no area.
-fn plane_along(face_normal: DVec3, edge: DVec3, weight: f64) -> Option<FeaturePlane> {
+pub(crate) fn plane_along(face_normal: DVec3, edge: DVec3, weight: f64) -> Option<FeaturePlane> {
     let normal = face_normal.cross(edge);
     let length = normal.length();
     (length > 0.0).then(|| FeaturePlane { normal: normal / length, weight })

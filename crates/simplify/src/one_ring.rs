@@ -7,12 +7,19 @@
 use crate::choice::{COST_SCALE, Choice};
 use crate::metric::{MEMORY, TIE_WEIGHT};
 use crate::neighborhood::fold_plane;
-use crate::quadric::{Quadric, Symmetric, add_outer};
+use crate::quadric::Quadric;
 use crate::working::{Corner, WorkingMesh};
 use glam::{BVec4A, Mat4, Vec3, Vec4};
 
 /// Rings with more neighbours than this are priced one by one.
 pub(crate) const MAX_LEN: usize = 11;
+
+/// The numbers of all lanes.
+const LANES: [Vec4; 3] =
+    [Vec4::new(0.0, 1.0, 2.0, 3.0), Vec4::new(4.0, 5.0, 6.0, 7.0), Vec4::new(8.0, 9.0, 10.0, 11.0)];
+/// Twice a face's area by the longest spoke squared, from which on single precision says for sure
+/// how far the face turns.
+const LEAST_AREA: f32 = 1e-3;
 
 /// One coordinate of up to four neighbours for each vector.
 pub(crate) type LaneArray<const N: usize> = [Vec4; N];
@@ -91,7 +98,7 @@ fn shifted(a: Vec4, next: Vec4) -> Vec4 {
 
 impl<const N: usize> OneRing<N> {
     #[inline]
-    fn new(mesh: &WorkingMesh, from: u32, star: &[Corner]) -> Self {
+    pub(crate) fn new(mesh: &WorkingMesh, from: u32, star: &[Corner]) -> Self {
         let len = star.len();
         let here = mesh.places[from as usize].position.extend(0.0);
         let mut row = [Vec4::ZERO; MAX_LEN + 2];
@@ -141,7 +148,7 @@ impl<const N: usize> OneRing<N> {
 
     /// Returns whether two consecutive faces are more than 90° apart.
     #[inline]
-    fn is_folded(&self) -> bool {
+    pub(crate) fn is_folded(&self) -> bool {
         let mut folded = BVec4A::FALSE;
         for t in 0..N {
             let next =
@@ -154,18 +161,21 @@ impl<const N: usize> OneRing<N> {
         folded.any()
     }
 
-    /// Adds the planes along folded edges.
+    /// Adds what moving off the planes along folded edges costs.
     #[cold]
     #[inline(never)]
-    fn add_folds(&self, a: &mut Symmetric) {
-        let at = |lanes: &LaneArray<N>, i: usize| lanes[i / 4][i % 4];
-        let normal = |i: usize| {
-            Vec3::new(at(&self.cx, i), at(&self.cy, i), at(&self.cz, i)).normalize_or_zero()
-        };
+    fn add_folds(&self, sums: &mut LaneArray<N>) {
+        let (spokes, normals) = (self.spokes(), self.normals().map(Vec3::normalize_or_zero));
         for i in 1..=self.len {
-            let edge = Vec3::new(at(&self.x, i), at(&self.y, i), at(&self.z, i)).as_dvec3();
-            if let Some(plane) = fold_plane(normal(i - 1), normal(i), edge) {
-                add_outer(a, plane.normal, plane.weight);
+            let edge = spokes[i].as_dvec3();
+            let next = if i == self.len { 0 } else { i };
+            if let Some(plane) = fold_plane(normals[i - 1], normals[next], edge) {
+                let [nx, ny, nz] = plane.normal.as_vec3().to_array().map(Vec4::splat);
+                let weight = Vec4::splat(plane.weight as f32);
+                for (t, sum) in sums.iter_mut().enumerate() {
+                    let distance = nx * self.x[t] + ny * self.y[t] + nz * self.z[t];
+                    *sum += distance * weight * distance;
+                }
             }
         }
     }
@@ -173,12 +183,7 @@ impl<const N: usize> OneRing<N> {
     /// Half the inverse length of each cross product, zero where there is no face, and the area of
     /// all faces.
     #[inline]
-    fn weights(&self) -> (LaneArray<N>, f32) {
-        const LANES: [Vec4; 3] = [
-            Vec4::new(0.0, 1.0, 2.0, 3.0),
-            Vec4::new(4.0, 5.0, 6.0, 7.0),
-            Vec4::new(8.0, 9.0, 10.0, 11.0),
-        ];
+    pub(crate) fn weights(&self) -> (LaneArray<N>, f32) {
         let mut weights = [Vec4::ZERO; N];
         let mut area = Vec4::ZERO;
         let len = Vec4::splat(self.len as f32);
@@ -193,25 +198,88 @@ impl<const N: usize> OneRing<N> {
         (weights, 0.5 * ((area.x + area.y) + (area.z + area.w)))
     }
 
-    /// The accumulated part of the costs, and what orders equal ones by length.
+    /// The accumulated part of the costs, and what orders equal ones by length. In double
+    /// precision: where a surface is flat, nearly all of it cancels.
     #[inline]
-    fn accumulated(&self, quadric: &Quadric, folds: &Symmetric, area: f32) -> LaneArray<N> {
-        let a: [f64; 6] = std::array::from_fn(|i| folds[i] + MEMORY * quadric.a[i]);
-        let splat = |v: f64| Vec4::splat(v as f32);
-        let (xx, yy, zz) = (splat(a[0]), splat(a[3]), splat(a[5]));
-        let (xy, xz, yz) = (splat(2.0 * a[1]), splat(2.0 * a[2]), splat(2.0 * a[4]));
-        let b = (2.0 * MEMORY) * quadric.b;
-        let (bx, by, bz) = (splat(b.x), splat(b.y), splat(b.z));
-        let c = splat(MEMORY * quadric.c);
-        let tie = splat(TIE_WEIGHT * f64::from(area));
+    fn accumulated(&self, quadric: &Quadric, area: f32) -> LaneArray<N> {
+        let tie = TIE_WEIGHT * f64::from(area);
+        let a = quadric.a.map(|a| MEMORY * a);
+        let (xx, yy, zz) = (a[0] + tie, a[3] + tie, a[5] + tie);
+        let [xy, xz, yz] = [2.0 * a[1], 2.0 * a[2], 2.0 * a[4]];
+        let (b, c) = ((2.0 * MEMORY) * quadric.b, MEMORY * quadric.c);
         std::array::from_fn(|t| {
-            let (x, y, z) = (self.x[t], self.y[t], self.z[t]);
-            let moved = x * ((xx * x + xy * y) + (xz * z + bx))
-                + y * ((yy * y + yz * z) + by)
-                + z * (zz * z + bz)
-                + c;
-            moved.max(Vec4::ZERO) + tie * (x * x + y * y + z * z)
+            let [x, y, z] = [self.x[t], self.y[t], self.z[t]].map(|v| v.to_array().map(f64::from));
+            Vec4::from_array(std::array::from_fn(|i| {
+                let (x, y, z) = (x[i], y[i], z[i]);
+                let moved = x * ((xx * x + xy * y) + (xz * z + b.x))
+                    + y * ((yy * y + yz * z) + b.y)
+                    + (z * (zz * z + b.z) + c);
+                if moved > 0.0 { moved as f32 } else { 0.0 }
+            }))
         })
+    }
+}
+
+impl<const N: usize> OneRing<N> {
+    /// Adds what moving onto each neighbour costs by the planes of the faces.
+    #[inline(always)]
+    pub(crate) fn add_faces(&self, weights: &LaneArray<N>, sums: &mut LaneArray<N>) {
+        for (f, weights) in weights.iter().enumerate() {
+            let (cx, cy, cz) = (self.cx[f], self.cy[f], self.cz[f]);
+            let faces = cx.to_array().into_iter().zip(cy.to_array()).zip(cz.to_array());
+            let faces = faces.zip(weights.to_array()).take(self.len - (4 * f).min(self.len));
+            for (((cx, cy), cz), weight) in faces {
+                let (cx, cy, cz) = (Vec4::splat(cx), Vec4::splat(cy), Vec4::splat(cz));
+                let weight = Vec4::splat(weight);
+                for (t, sum) in sums.iter_mut().enumerate() {
+                    let distance = cx * self.x[t] + cy * self.y[t] + cz * self.z[t];
+                    *sum += distance * weight * distance;
+                }
+            }
+        }
+    }
+}
+
+impl<const N: usize> OneRing<N> {
+    /// Returns whether, beyond doubt, no face turns by more than the cosine `turn` or loses its
+    /// area when the group moves onto a neighbour. Single precision leaves some in doubt: faces
+    /// whose area is below a thousandth of the longest spoke squared.
+    #[inline]
+    pub(crate) fn surely_turns_less(&self, to: usize, turn: f32) -> bool {
+        let at = |lanes: &LaneArray<N>| Vec4::splat(lanes[to / 4][to % 4]);
+        let (dx, dy, dz) = (at(&self.x), at(&self.y), at(&self.z));
+        let mut longest = Vec4::ZERO;
+        for t in 0..N {
+            let (x, y, z) = (self.x[t], self.y[t], self.z[t]);
+            longest = longest.max(x * x + y * y + z * z);
+        }
+        let least = longest.max_element() * LEAST_AREA;
+        let least = Vec4::splat(least * least);
+        let limit = Vec4::splat(turn * turn);
+        let before = if to == 0 { self.len - 1 } else { to - 1 };
+        let (to, before) = (Vec4::splat(to as f32), Vec4::splat(before as f32));
+        let len = Vec4::splat(self.len as f32);
+        let mut fails = BVec4A::FALSE;
+        for t in 0..N {
+            let (cx, cy, cz) = (self.cx[t], self.cy[t], self.cz[t]);
+            let next =
+                |a: &LaneArray<N>| shifted(a[t], if t + 1 < N { a[t + 1] } else { Vec4::ZERO });
+            let (ex, ey, ez) =
+                (next(&self.x) - self.x[t], next(&self.y) - self.y[t], next(&self.z) - self.z[t]);
+            // The spokes from the neighbour: their cross product.
+            let (nx, ny, nz) =
+                (cx + (ey * dz - ez * dy), cy + (ez * dx - ex * dz), cz + (ex * dy - ey * dx));
+            let old = cx * cx + cy * cy + cz * cz;
+            let new = nx * nx + ny * ny + nz * nz;
+            let dot = nx * cx + ny * cy + nz * cz;
+            let holds = dot.cmpgt(Vec4::ZERO)
+                & (dot * dot).cmpgt(limit * (new * old))
+                & new.cmpgt(least)
+                & old.cmpgt(least);
+            let dies = LANES[t].cmpeq(to) | LANES[t].cmpeq(before);
+            fails |= !(holds | dies) & LANES[t].cmplt(len);
+        }
+        !fails.any()
     }
 }
 
@@ -230,24 +298,11 @@ fn price<const N: usize>(
     surcharge: &impl Surcharge,
 ) -> Choice {
     let ring = OneRing::<N>::new(mesh, from, star);
-    let mut folds = [0.0; 6];
-    if ring.is_folded() {
-        ring.add_folds(&mut folds);
-    }
     let (weights, area) = ring.weights();
-    let mut sums = ring.accumulated(quadric, &folds, area);
-    for (f, weights) in weights.iter().enumerate() {
-        let (cx, cy, cz) = (ring.cx[f], ring.cy[f], ring.cz[f]);
-        let faces = cx.to_array().into_iter().zip(cy.to_array()).zip(cz.to_array());
-        let faces = faces.zip(weights.to_array()).take(ring.len - (4 * f).min(ring.len));
-        for (((cx, cy), cz), weight) in faces {
-            let (cx, cy, cz) = (Vec4::splat(cx), Vec4::splat(cy), Vec4::splat(cz));
-            let weight = Vec4::splat(weight);
-            for (t, sum) in sums.iter_mut().enumerate() {
-                let distance = cx * ring.x[t] + cy * ring.y[t] + cz * ring.z[t];
-                *sum += distance * weight * distance;
-            }
-        }
+    let mut sums = ring.accumulated(quadric, area);
+    ring.add_faces(&weights, &mut sums);
+    if ring.is_folded() {
+        ring.add_folds(&mut sums);
     }
     if !is_zero(surcharge) {
         for (sum, cost) in sums.iter_mut().zip(surcharge.costs(&ring, star)) {

@@ -8,10 +8,8 @@ use crate::working::WorkingMesh;
 /// A priced collapse, without the target's own cost.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Priced {
-    /// By the group's own quadric, not negative.
+    /// By the group's own quadric and by attributes.
     pub(crate) moved: f64,
-    /// By attributes.
-    pub(crate) surcharge: f64,
     pub(crate) to: u32,
 }
 
@@ -20,7 +18,7 @@ impl Priced {
     #[inline]
     pub(crate) fn cost(&self, mesh: &WorkingMesh) -> f64 {
         let there = f64::from(mesh.places[self.to as usize].target_cost);
-        let cost = self.moved + there + self.surcharge;
+        let cost = self.moved + there;
         if cost.is_nan() { f64::INFINITY } else { cost }
     }
 }
@@ -53,7 +51,9 @@ pub(crate) struct PriceLists {
 impl PriceLists {
     /// No lists, and room for those of so many groups. The default never keeps any.
     pub(crate) fn new(groups: usize) -> Self {
-        Self { slots: vec![NO_SLOT; groups], ..Self::default() }
+        // Room that is not used is never touched.
+        let blocks = Vec::with_capacity(groups << LEAST);
+        Self { slots: vec![NO_SLOT; groups], blocks, ..Self::default() }
     }
 
     /// Drops all lists.

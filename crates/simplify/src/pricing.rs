@@ -10,7 +10,9 @@ use crate::one_ring::{self, NoSurcharge};
 use crate::price_lists::Priced;
 use crate::region::Region;
 use crate::ring_attributes::RingAttributes;
+use crate::seam_ring::SeamRing;
 use crate::working::{OPEN, SEAM};
+use glam::Vec4;
 use lodc_mesh::NONE;
 
 /// Groups with more faces than this are priced without their attributes.
@@ -124,17 +126,25 @@ impl<M: Reprice> Pricer<'_, M> {
 
     /// Prices all collapses of a group by the quadric and attributes.
     fn price_geometry(&self, from: u32, scratch: &mut Scratch<M::ViewScratch>) {
-        let Scratch { around, gradients, priced, .. } = scratch;
-        priced.clear();
-        let Region { mesh, wedges, quadrics, .. } = self.region;
-        if mesh.star(from).is_empty() {
-            return;
+        scratch.priced.clear();
+        let is_ring = !self.region.mesh.has(from, OPEN) && !self.metric.is_active();
+        match self.region.mesh.valence(from) {
+            0 => {}
+            3..=7 if is_ring => self.price_ring::<2>(from, scratch),
+            8..=one_ring::MAX_LEN if is_ring => self.price_ring::<3>(from, scratch),
+            _ => self.price_star(from, scratch),
         }
+    }
+
+    /// Prices all collapses of any group.
+    fn price_star(&self, from: u32, scratch: &mut Scratch<M::ViewScratch>) {
+        let Scratch { around, gradients, priced, .. } = scratch;
+        let Region { mesh, wedges, quadrics, .. } = self.region;
         let attributes = WedgeAttributes { mesh, wedges, attributes: &self.context.attributes };
         let with_attributes =
             !attributes.attributes.is_empty() && mesh.valence(from) <= MAX_ATTRIBUTE_FACES;
         around.gather(mesh, wedges, from);
-        let Some(permitted) = self.permitted(from, around) else { return };
+        let Some(permitted) = self.permitted(from, around.borders, around.seams) else { return };
         let refitted = quadrics.refit(from, &around.facets, &around.planes);
         if with_attributes {
             gradients.fit(attributes, from);
@@ -144,24 +154,59 @@ impl<M: Reprice> Pricer<'_, M> {
         for edge in around.edges.iter().filter(|e| permitted.allows(e.kind)) {
             let moved = refitted.cost(mesh.position(edge.group) - here);
             let surcharge = if with_attributes {
-                attribute_weight * gradients.cost(attributes, from, edge, around)
+                let delta =
+                    mesh.places[edge.group as usize].position - mesh.places[from as usize].position;
+                attribute_weight * gradients.cost(attributes, delta, around.entries_at(edge))
             } else {
                 0.0
             };
-            priced.push(Priced { moved, surcharge, to: edge.group });
+            priced.push(Priced { moved: moved + surcharge, to: edge.group });
         }
     }
 
-    /// Returns the kinds of edges that a group may move along at the present stage, if any.
-    fn permitted(&self, from: u32, around: &Neighborhood) -> Option<Permitted> {
+    /// Prices all collapses of a group with a closed fan of less than `4 N` faces.
+    fn price_ring<const N: usize>(&self, from: u32, scratch: &mut Scratch<M::ViewScratch>) {
+        let Scratch { around, gradients, priced, .. } = scratch;
+        let Region { mesh, wedges, quadrics, .. } = self.region;
+        let star = mesh.star(from);
+        let ring = SeamRing::<N>::new(mesh, wedges, from, star);
+        let Some(permitted) = self.permitted(from, 0, ring.seams) else { return };
+        around.planes.clear();
+        ring.add_planes(wedges, &mut around.planes);
+        let (weights, area) = ring.ring.weights();
+        let refitted = quadrics.refit_features(from, [0.0; 6], f64::from(area), &around.planes);
+        let mut by_faces = [Vec4::ZERO; N];
+        ring.ring.add_faces(&weights, &mut by_faces);
+        let attributes = WedgeAttributes { mesh, wedges, attributes: &self.context.attributes };
+        let with_attributes = !attributes.attributes.is_empty();
+        if with_attributes {
+            gradients.fit_ring(attributes, &ring.ring, &ring.corners);
+        }
+        let attribute_weight = self.metric.attribute_weight();
+        let spokes = ring.ring.spokes();
+        for (i, _, faces) in ring.edges().filter(|e| permitted.allows(e.1)) {
+            let surcharge = if with_attributes {
+                attribute_weight * gradients.cost(attributes, spokes[i], faces)
+            } else {
+                0.0
+            };
+            let by_faces = f64::from(by_faces[i / 4][i % 4]);
+            let moved = by_faces + refitted.cost(spokes[i].as_dvec3());
+            priced.push(Priced { moved: moved + surcharge, to: star[i].ahead });
+        }
+    }
+
+    /// Returns the kinds of edges that a group with so many borders and seams may move along at the
+    /// present stage, if any.
+    fn permitted(&self, from: u32, borders: u32, seams: u32) -> Option<Permitted> {
         if self.stage >= Stage::Seams {
             return Some(Permitted::All);
         }
         if self.is_locked(from) {
             return None;
         }
-        match around.borders {
-            0 if around.seams < 2 => Some(Permitted::All),
+        match borders {
+            0 if seams < 2 => Some(Permitted::All),
             0 => Some(Permitted::Features),
             _ if self.context.options.lock_border => None,
             2 => Some(Permitted::Borders),
@@ -226,6 +271,53 @@ mod tests {
             assert!((said - at).abs() <= 1e-3 * at + 1e-6 * most, "{g}: {said}, {at}");
         }
         plain.len()
+    }
+
+    /// Prices all closed fans of a mesh as rings and as any star. Returns how many have seams.
+    fn compare_rings(mesh: &lodc_mesh::Mesh) -> usize {
+        let input = Input::new(mesh);
+        let attributes =
+            Attributes::new(mesh, |_| crate::Weights::DEFAULT, input.scale, input.size);
+        let context = Context { input: &input, options: Options::DEFAULT, attributes };
+        let region = Region::whole(&input, false);
+        let pricer = Pricer {
+            context: &context,
+            region: &region,
+            metric: &QuadricOnly,
+            stage: Stage::Legal,
+        };
+        let (mut ring, mut star) = (Scratch::default(), Scratch::default());
+        let mut seams = 0;
+        for g in (0..region.own() as u32).filter(|&g| !region.mesh.has(g, OPEN)) {
+            match region.mesh.valence(g) {
+                3..=7 => pricer.price_ring::<2>(g, &mut ring),
+                8..=one_ring::MAX_LEN => pricer.price_ring::<3>(g, &mut ring),
+                _ => continue,
+            }
+            pricer.price_star(g, &mut star);
+            seams += usize::from(region.mesh.has(g, SEAM));
+            assert_eq!(region.mesh.has(g, SEAM), star.around.seams > 0);
+            let [found, wanted] = [&mut ring, &mut star].map(|scratch| {
+                let mut priced = std::mem::take(&mut scratch.priced);
+                priced.sort_by_key(|p| p.to);
+                priced
+            });
+            let targets = |list: &[Priced]| list.iter().map(|p| p.to).collect::<Vec<_>>();
+            assert_eq!(targets(&found), targets(&wanted), "{g}");
+            let most = wanted.iter().map(|p| p.moved).fold(0.0, f64::max);
+            for (f, w) in found.iter().zip(&wanted) {
+                let close = 1e-3 * w.moved + 1e-6 * most;
+                assert!((f.moved - w.moved).abs() <= close, "{g}: {}, {}", f.moved, w.moved);
+            }
+        }
+        seams
+    }
+
+    #[test]
+    fn rings_cost_what_any_star_costs() {
+        assert!(compare_rings(&lodc_fixtures::uv_sphere(24, 16)) >= 14);
+        assert!(compare_rings(&lodc_fixtures::machine_part()) > 0);
+        compare_rings(&lodc_fixtures::icosphere(3));
     }
 
     #[test]

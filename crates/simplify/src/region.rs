@@ -7,6 +7,7 @@ use crate::choice::Choice;
 use crate::input::Input;
 use crate::metric::Quadrics;
 use crate::neighborhood::Neighborhood;
+use crate::seam_ring::has_seams;
 use crate::table::Table;
 use crate::wedges::Wedges;
 use crate::working::{
@@ -199,11 +200,14 @@ impl Region {
             } else if !put_in_order(&mut self.mesh, star, &mut fan) {
                 self.mesh.add_flags(g, OPEN);
             }
-            if input.may_have_seams() || self.mesh.has(g, OPEN) {
+            let seams = if self.mesh.has(g, OPEN) {
                 around.gather(&self.mesh, &self.wedges, g);
-                if around.seams > 0 {
-                    self.mesh.add_flags(g, SEAM);
-                }
+                around.seams > 0
+            } else {
+                input.may_have_seams() && has_seams(&self.mesh, &self.wedges, g)
+            };
+            if seams {
+                self.mesh.add_flags(g, SEAM);
             }
         }
     }

@@ -1,7 +1,6 @@
 //! The cheapest legal collapse of a group.
 
 use crate::choice::{Choice, scaled};
-use crate::commit::Touched;
 use crate::legality::{Rules, Stage, Verdict, keeps_texture};
 use crate::link::Marks;
 use crate::metric::Reprice;
@@ -9,6 +8,7 @@ use crate::plan::{Planner, WedgePlan};
 use crate::price_lists::{PriceLists, Priced};
 use crate::pricing::{Pricer, Scratch};
 use crate::region::Region;
+use crate::touched::Touched;
 use crate::working::{HUB_VALENCE, RESTRICTED, SEAM, STALE};
 
 /// Price of each fake, as a multiple of the geometric cost.

@@ -47,7 +47,7 @@ impl Refitted {
         self.c += MEMORY * old.c;
     }
 
-    /// The cost of moving the group by `delta`, without the target's own. Working units to the
+    /// The cost of moving the group by `delta`, without the target's own. Scaled units to the
     /// fourth power; not negative.
     #[inline]
     pub(crate) fn cost(&self, delta: DVec3) -> f64 {
@@ -67,7 +67,9 @@ impl Quadrics {
                 surface[g as usize].add_plane(facet.normal.as_dvec3(), f64::from(facet.area));
             }
         }
-        let mut quadrics = Self { surface, ..Self::default() };
+        let open = mesh.flags[..own].iter().filter(|&f| f & OPEN != 0).count();
+        let border = Vec::with_capacity(open);
+        let mut quadrics = Self { surface, border, ..Self::default() };
         let mut around = Neighborhood::default();
         for g in (0..own as u32).filter(|&g| mesh.has(g, OPEN)) {
             around.gather(mesh, wedges, g);
@@ -108,16 +110,28 @@ impl Quadrics {
     /// Fits a group's quadric to the faces of its star and the planes of features through it.
     pub(crate) fn refit(&self, from: u32, facets: &[Facet], features: &[FeaturePlane]) -> Refitted {
         let mut a = [0.0; 6];
-        let mut weight = 0.0;
+        let mut area = 0.0;
         for f in facets {
             add_outer(&mut a, f.normal.as_dvec3(), f64::from(f.area));
-            weight += f64::from(f.area);
+            area += f64::from(f.area);
         }
+        self.refit_features(from, a, area, features)
+    }
+
+    /// Completes a quadric that has been fitted to the faces of a group's star, or leaves them out,
+    /// with the planes of features through it. `area` is that of the faces.
+    pub(crate) fn refit_features(
+        &self,
+        from: u32,
+        mut a: Symmetric,
+        area: f64,
+        features: &[FeaturePlane],
+    ) -> Refitted {
         for plane in features {
             add_outer(&mut a, plane.normal, plane.weight);
         }
         for i in [0, 3, 5] {
-            a[i] += TIE_WEIGHT * weight;
+            a[i] += TIE_WEIGHT * area;
         }
         let mut refitted = Refitted { a, b: DVec3::ZERO, c: 0.0 };
         refitted.remember(&self.surface[from as usize]);
