@@ -5,7 +5,7 @@ use crate::input::{Input, wide};
 use crate::refine::FLOOR;
 use crate::samples::sources;
 use glam::DVec3;
-use lodc_nearest::{Hit, Triangles, distance_squared, point_at};
+use lodc_nearest::{Hit, Triangles, point_at};
 
 /// Neighbours whose triangle of the input is tried.
 const NEIGHBOURS: usize = 8;
@@ -79,16 +79,21 @@ impl Ask<'_> {
             }
         }
         let mut nearest = Hit::NOTHING;
-        nearest.offer(distance_squared(p, self.input.corners(self.near)), self.near);
+        nearest.look(p, self.input.corners(self.near), self.near);
         if nearest.squared <= enough {
             return Ok(nearest.squared);
         }
-        let squared = |hint: &&Hint| (wide(hint.place) - p).length_squared();
-        let sample = self.hints.iter().min_by(|a, b| squared(a).total_cmp(&squared(b)));
-        let sample = sample.map(|hint| sources(self.input, hint.origin).as_slice()[0]);
+        let mut sample = (f64::INFINITY, None);
+        for hint in self.hints {
+            let squared = (wide(hint.place) - p).length_squared();
+            if squared < sample.0 {
+                sample = (squared, Some(hint));
+            }
+        }
+        let sample = sample.1.map(|hint| sources(self.input, hint.origin).as_slice()[0]);
         let others = self.others.iter().take(NEIGHBOURS).copied();
         for other in sample.into_iter().chain(others).filter(|&t| t != self.near) {
-            nearest.offer(distance_squared(p, self.input.corners(other)), other);
+            nearest.look(p, self.input.corners(other), other);
             if nearest.squared <= enough {
                 self.near = other;
                 return Ok(nearest.squared);

@@ -9,7 +9,7 @@ use crate::thinning::Thinning;
 use crate::work::Work;
 use glam::DVec3;
 use lodc_mesh::{CollapseSequence, NONE};
-use lodc_nearest::{Hit, centroid, distance_squared};
+use lodc_nearest::{Hit, centroid};
 use std::ops::Range;
 
 /// Distances within this share of the bound need no better face.
@@ -269,7 +269,7 @@ impl<'a> Forward<'a> {
         let near = near.max(FLOOR);
         if self.faces.all[own as usize].is_live() {
             let corners = self.input.at(self.faces.all[own as usize].points);
-            nearest.offer(distance_squared(p, corners), own);
+            nearest.look(p, corners, own);
         }
         for (&t, corners) in self.changes.changed.iter().zip(&self.corners).take(TRIED) {
             if nearest.squared <= near {
@@ -277,7 +277,7 @@ impl<'a> Forward<'a> {
             }
             if t != own {
                 self.work.done += 1;
-                nearest.offer(distance_squared(p, *corners), t);
+                nearest.look(p, *corners, t);
             }
         }
         let enough = self.enough();

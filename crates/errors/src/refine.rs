@@ -4,8 +4,7 @@
 use crate::work::PATIENCE;
 use glam::DVec3;
 use lodc_mesh::NONE;
-use lodc_nearest::{Hit, MovingTree, Triangles};
-use lodc_nearest::{centroid, distance_squared};
+use lodc_nearest::{Hit, MovingTree, Triangles, centroid, is_within};
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
@@ -149,6 +148,6 @@ impl<'a, T: Triangles> Refine<'a, T> {
     fn is_within(&self, corners: [DVec3; 3], triangle: u32) -> bool {
         let surface = self.triangles.corners(triangle);
         let allowed = self.allowed();
-        corners.iter().all(|&c| distance_squared(c, surface) <= allowed * allowed)
+        corners.iter().all(|&c| is_within(c, surface, allowed * allowed))
     }
 }

@@ -132,10 +132,17 @@ pub fn farther_than(
     bound: f64,
     sampling: &Sampling,
 ) -> Option<f64> {
-    let area = over_area(from, sampling.samples, sampling.seed);
-    let lattice = over_triangles(from, sampling.lattice);
-    let points = area.par_iter().chain(&lattice);
-    let off = points.filter(|&&p| !to.may_be_within(p, bound * bound));
-    let largest = off.map(|&p| to.distance_squared(p)).max_by(f64::total_cmp)?.sqrt();
+    let Samples { area, lattice } = Samples::new(from, sampling);
+    let farthest = |(points, order): &(Vec<DVec3>, Vec<u32>)| {
+        let along = |run: &[u32]| {
+            let mut hint = NONE;
+            let points = run.iter().map(|&i| points[i as usize]);
+            let off = points.filter(|&p| !to.may_be_within(p, bound * bound, &mut hint));
+            off.map(|p| to.distance_squared(p)).max_by(f64::total_cmp)
+        };
+        order.par_chunks(RUN).filter_map(along).max_by(f64::total_cmp)
+    };
+    let farthest = farthest(&area).into_iter().chain(farthest(&lattice));
+    let largest = farthest.max_by(f64::total_cmp)?.sqrt();
     (largest > bound).then_some(largest)
 }

@@ -23,4 +23,4 @@ mod triangle;
 pub use morton::morton_order;
 pub use moving::{Hit, MovingTree, Triangles};
 pub use tree::{Nearest, TriangleTree};
-pub use triangle::{area, centroid, closest, distance_squared, point_at};
+pub use triangle::{area, centroid, closest, distance_squared, is_within, point_at};

@@ -29,7 +29,15 @@ impl Hit {
     /// Before there is one.
     pub const NOTHING: Self = Self { squared: f64::INFINITY, triangle: NONE };
 
-    /// Takes a triangle if it is nearer.
+    /// Takes a triangle by its corners if it is nearer to a point.
+    #[inline]
+    pub fn look(&mut self, p: DVec3, corners: [DVec3; 3], triangle: u32) {
+        if triangle::may_be_within(p, corners, self.squared) {
+            self.offer(triangle::distance_squared(p, corners), triangle);
+        }
+    }
+
+    /// Takes a triangle at a squared distance if it is nearer.
     #[inline]
     pub fn offer(&mut self, squared: f64, triangle: u32) {
         if squared < self.squared {
@@ -193,8 +201,7 @@ impl<T: Triangles> Search<'_, T> {
     fn leaf(&mut self, i: usize) {
         for t in self.tree.leaf(i - self.tree.first_leaf) {
             if self.triangles.is_live(t) {
-                self.nearest
-                    .offer(triangle::distance_squared(self.p, self.triangles.corners(t)), t);
+                self.nearest.look(self.p, self.triangles.corners(t), t);
                 if self.nearest.squared <= self.enough {
                     return;
                 }

@@ -1,7 +1,7 @@
 //! A tree of boxes over triangles that stay.
 
 use crate::bounds::Bounds;
-use crate::triangle::{closest, distance_squared};
+use crate::triangle::{closest, distance_squared, is_within, may_be_within};
 use glam::DVec3;
 use lodc_mesh::NONE;
 use rayon::prelude::*;
@@ -143,6 +143,9 @@ impl TriangleTree {
     pub fn distance_from(&self, p: DVec3, hint: u32) -> (f64, u32) {
         let mut best = (f64::INFINITY, NONE);
         let visit = |slot: usize, best: &mut (f64, u32)| {
+            if !may_be_within(p, self.corners[slot], best.0) {
+                return;
+            }
             let squared = distance_squared(p, self.corners[slot]);
             if squared < best.0 {
                 *best = (squared, self.order[slot]);
@@ -160,16 +163,22 @@ impl TriangleTree {
 
     /// Returns false if no triangle is within a squared distance of a point. Ends at the first that
     /// is, so it is far cheaper than [`Self::distance_squared`] where the answer is true; and true
-    /// is also the answer where 4,000 boxes were opened without one.
+    /// is also the answer where 4,000 boxes were opened without one. `hint` is a triangle that is
+    /// probably near, or [`NONE`], and becomes the one that was found.
     #[must_use]
-    pub fn may_be_within(&self, p: DVec3, squared: f64) -> bool {
-        let mut found = false;
+    pub fn may_be_within(&self, p: DVec3, squared: f64, hint: &mut u32) -> bool {
+        let is_within = |slot: usize| is_within(p, self.corners[slot], squared);
+        if self.slot.get(*hint as usize).is_some_and(|&slot| is_within(slot as usize)) {
+            return true;
+        }
+        let mut found = None;
         let beyond = squared.next_up();
-        let all = self.search(p, beyond, PATIENCE, |slots| {
-            found |= self.corners[slots].iter().any(|t| distance_squared(p, *t) <= squared);
-            if found { 0.0 } else { beyond }
+        let all = self.search(p, beyond, PATIENCE, |mut slots| {
+            found = slots.find(|&slot| is_within(slot));
+            if found.is_some() { 0.0 } else { beyond }
         });
-        found || !all
+        *hint = found.map_or(*hint, |slot| self.order[slot]);
+        found.is_some() || !all
     }
 
     /// Visits the leaves that are nearer to a point than a squared distance, which every visit may
@@ -342,8 +351,12 @@ mod tests {
             assert_eq!(same, squared);
             assert_eq!(same, distance_squared(p, corners[triangle as usize]));
             assert!((squared - slow).abs() <= 1e-12 * (1.0 + slow), "{squared} {slow}");
-            assert!(tree.may_be_within(p, squared));
-            assert!(squared == 0.0 || !tree.may_be_within(p, squared * (1.0 - 1e-9)));
+            for mut hint in [NONE, i] {
+                assert!(tree.may_be_within(p, squared, &mut hint));
+                assert_eq!(distance_squared(p, corners[hint as usize]), squared);
+                let less = squared * (1.0 - 1e-9);
+                assert!(squared == 0.0 || !tree.may_be_within(p, less, &mut hint));
+            }
         }
     }
 }

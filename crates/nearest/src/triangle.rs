@@ -68,6 +68,23 @@ pub fn distance_squared(p: DVec3, t: [DVec3; 3]) -> f64 {
     }
 }
 
+/// Returns false if a triangle's box is farther from a point than a squared distance: then the
+/// triangle is, too, and [`distance_squared`] says so with much more work.
+#[inline]
+pub(crate) fn may_be_within(p: DVec3, [a, b, c]: [DVec3; 3], squared: f64) -> bool {
+    let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+    let apart = (low - p).max(p - high).max(DVec3::ZERO).length_squared();
+    // Less than what rounding may make of the distance.
+    apart * (1.0 - 1e-9) <= squared
+}
+
+/// Returns whether a triangle is within a squared distance of a point.
+#[inline]
+#[must_use]
+pub fn is_within(p: DVec3, t: [DVec3; 3], squared: f64) -> bool {
+    may_be_within(p, t, squared) && distance_squared(p, t) <= squared
+}
+
 /// Returns the closest point of a triangle as barycentric coordinates, and its squared distance.
 #[inline]
 #[must_use]
@@ -153,6 +170,17 @@ mod tests {
             ([4.0, 4.0, 0.0], 8.0),
         ] {
             assert_distance(DVec3::from(p), t, squared);
+        }
+    }
+
+    #[test]
+    fn boxes_change_no_answer() {
+        let mut random = lodc_mesh::SplitMix64::new(5);
+        let mut point = || DVec3::from_array([(); 3].map(|()| f64::from(random.unit())));
+        for _ in 0..2000 {
+            let (p, t) = (point() * 2.0, [point(), point(), point()]);
+            let squared = distance_squared(p, t);
+            assert!(is_within(p, t, squared) && !is_within(p, t, squared.next_down()));
         }
     }
 
