@@ -25,7 +25,7 @@ pub(crate) fn print() -> Outcome<()> {
         "version": env!("CARGO_PKG_VERSION"),
         "formats": {
             "lodc": { "writes": lodc::VERSION, "reads_up_to": lodc::VERSION },
-            "lods": { "writes": lods::VERSION, "reads_up_to": lods::HUB_VERSION },
+            "lods": { "writes": lods::VERSION, "reads_up_to": lods::NAMING_VERSION },
         },
         "features": if gpu { vec!["gpu"] } else { vec![] },
         "graphics_apis": if gpu { vec!["vulkan"] } else { vec![] },

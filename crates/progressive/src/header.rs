@@ -18,6 +18,8 @@ pub enum StreamVersion {
     Seven,
     /// A split that transfers nothing may be that of a vertex with the target of its parent.
     Eight,
+    /// Of a large star only the triangles that are transferred may be named.
+    Eleven,
 }
 
 /// The header of an object: everything but its vertices and triangles.

@@ -106,6 +106,12 @@ impl MeshDecoder {
         Ok(())
     }
 
+    /// Reads a stream of which other stars are large.
+    #[cfg(test)]
+    pub(crate) fn set_large_star(&mut self, large: u32) {
+        self.codec.large_star = large;
+    }
+
     /// The header, known before the first step.
     #[must_use]
     pub fn header(&self) -> &MeshHeader {

@@ -3,6 +3,7 @@
 use crate::entropy::coder::Substreams;
 use crate::entropy::encoder::Encoder;
 use crate::header::{MeshHeader, StreamVersion};
+use crate::source::coding_parents::StarRule;
 use crate::source::encoder_source::EncoderSource;
 use crate::source::strip_neighbors::StripMismatch;
 use crate::vertex_data::vertex_layout::VertexLayout;
@@ -54,11 +55,22 @@ impl<'a> MeshEncoder<'a> {
         layout: VertexLayout,
         strips: Option<&StripSet>,
     ) -> Result<Self, StripMismatch> {
-        let source = EncoderSource::new(simplified, &layout, strips)?;
+        Self::with_rule(simplified, layout, strips, StarRule::DEFAULT)
+    }
+
+    /// Prepares a mesh of which other stars are large.
+    pub(crate) fn with_rule(
+        simplified: &'a Simplified,
+        layout: VertexLayout,
+        strips: Option<&StripSet>,
+        rule: StarRule,
+    ) -> Result<Self, StripMismatch> {
+        let source = EncoderSource::new(simplified, &layout, strips, rule)?;
         let submeshes = simplified.mesh().submeshes().len() as u32;
         let (steps, version) = (source.steps(), source.version());
         let header = MeshHeader::new(simplified, layout.clone(), strips.is_some(), steps, version);
-        let codec = ObjectCodec::new(layout, submeshes, strips.is_some(), header.version);
+        let mut codec = ObjectCodec::new(layout, submeshes, strips.is_some(), header.version);
+        codec.large_star = rule.large;
         Ok(Self { simplified, source, codec, header })
     }
 

@@ -25,13 +25,17 @@ pub use pack::{PackOptions, Packed, PackedObject, pack};
 pub use rebuild::Rebuilt;
 pub use unpack::{Progress, Unpacker};
 
-/// The version that this program writes unless [`HUB_VERSION`] is needed. Versions have an odd
+/// The version that this program writes unless a mesh needs a later one. Versions have an odd
 /// number of set bits, so that one flipped bit makes no version of another: 1, 2, 4, 7, 8, 11, …
 pub const VERSION: u32 = 7;
 
 /// The version of streams of which some vertices repeat the target of their parent, so that stars
-/// of thousands of triangles are not coded time and again. The newest that this program reads.
+/// of thousands of triangles are not coded time and again.
 pub const HUB_VERSION: u32 = 8;
+
+/// The version of streams that name what is transferred of such stars, as there are too many splits
+/// of them that transfer something. The newest that this program reads.
+pub const NAMING_VERSION: u32 = 11;
 
 /// Returns whether bytes claim to be a `.lods` stream.
 #[must_use]

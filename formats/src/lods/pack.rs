@@ -4,7 +4,7 @@ use super::block::{self, Block, MAGIC};
 use super::document::{EncodedDocument, SequenceFacts};
 use super::head::Head;
 use super::object_header::ObjectHeader;
-use super::{HUB_VERSION, VERSION};
+use super::{HUB_VERSION, NAMING_VERSION, VERSION};
 use crate::lodc::{LodFile, LodObject};
 use crate::{Fault, FormatError};
 use lodc_mesh::put_leb128;
@@ -99,7 +99,11 @@ pub fn pack(
     let needs = |w: &ObjectWriter<'_>| w.encoder.header().version;
     let version = writers.iter().map(needs).max().unwrap_or(StreamVersion::Seven);
     writers.iter_mut().for_each(|w| w.encoder.set_version(version));
-    let version = if version < StreamVersion::Eight { VERSION } else { HUB_VERSION };
+    let version = match version {
+        StreamVersion::Eleven => NAMING_VERSION,
+        StreamVersion::Eight => HUB_VERSION,
+        _ => VERSION,
+    };
     let mut stream = StreamWriter::new(file, document, version);
     let block_bytes = options.block_bytes.unwrap_or(BLOCK_BYTES) as usize;
     let mut contexts = Box::new(Contexts::new());

@@ -5,7 +5,7 @@ use super::document::SequenceFacts;
 use super::object_header::ObjectHeader;
 use super::rebuild::{self, Rebuilt};
 use super::received::{Received, ReceivedObject};
-use super::{Arrived, HUB_VERSION, VERSION};
+use super::{Arrived, HUB_VERSION, NAMING_VERSION, VERSION};
 use crate::{Document, Fault, FormatError, Limits, ObjectInfo, Source};
 use lodc_mesh::{Cleaning, Mesh, MeshParts, take_leb128};
 use lodc_progressive::{Contexts, MeshDecoder, StepBlock, StreamVersion};
@@ -319,7 +319,8 @@ impl Unpacker {
             ..4 => StreamVersion::Two,
             4..7 => StreamVersion::Four,
             7..HUB_VERSION => StreamVersion::Seven,
-            _ => StreamVersion::Eight,
+            HUB_VERSION..NAMING_VERSION => StreamVersion::Eight,
+            _ => StreamVersion::Eleven,
         };
         let received = self.received.as_mut().expect("block 0 was read");
         let (object, mut payload) = (block.tag as usize - 1, block.payload);
@@ -376,10 +377,10 @@ fn check_preamble(bytes: &[u8]) -> Result<Option<u32>, FormatError> {
     }
     let Some(version) = bytes.get(MAGIC.len()..PREAMBLE) else { return Ok(None) };
     match u32::from_le_bytes(version.try_into().expect("four bytes")) {
-        version @ ..=HUB_VERSION if version.count_ones() % 2 == 1 => Ok(Some(version)),
-        never @ ..=HUB_VERSION => Err(malformed(&format!("version {never} never existed"))),
+        version @ ..=NAMING_VERSION if version.count_ones() % 2 == 1 => Ok(Some(version)),
+        never @ ..=NAMING_VERSION => Err(malformed(&format!("version {never} never existed"))),
         newer => {
-            let upto = format!("which reads up to version {HUB_VERSION}");
+            let upto = format!("which reads up to version {NAMING_VERSION}");
             let what = format!("version {newer} is newer than this program, {upto}");
             Err(FormatError::new(Fault::Unsupported, "header", what))
         }

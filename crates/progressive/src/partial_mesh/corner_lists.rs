@@ -104,6 +104,40 @@ impl CornerLists {
         &mut list.inline
     }
 
+    /// Returns whether a corner is in the list of a vertex, given that it is in no other one.
+    pub(crate) fn contains(&self, vertex: u32, corner: u32) -> bool {
+        match self.inline(vertex) {
+            Some(corners) => corners.contains(&corner),
+            None => self.long.contains(corner),
+        }
+    }
+
+    /// Takes corners out of the list of a vertex, which has all of them, and puts others before and
+    /// behind the rest. In a long list the time depends on their number alone.
+    pub(crate) fn exchange(&mut self, vertex: u32, out: &[u32], before: &[u32], behind: &[u32]) {
+        let rest: Vec<u32> = match self.inline(vertex) {
+            Some(corners) => {
+                let rest = corners.iter().filter(|corner| !out.contains(corner));
+                before.iter().chain(rest).chain(behind).copied().collect()
+            }
+            None => {
+                let list = &mut self.lists[vertex as usize];
+                let mut blocks = list.blocks();
+                before.iter().rev().for_each(|&c| self.long.push_front(&mut blocks, c));
+                behind.iter().for_each(|&c| self.long.push(&mut blocks, c));
+                out.iter().for_each(|&c| self.long.take_out(&mut blocks, c));
+                list.set_blocks(blocks);
+                let count = list.count as usize + before.len() + behind.len() - out.len();
+                if count > INLINE_CORNERS {
+                    list.count = count as u32;
+                    return;
+                }
+                self.long.corners(blocks).collect()
+            }
+        };
+        self.set(vertex, &rest);
+    }
+
     /// Inserts a corner into the list of a vertex.
     #[inline]
     pub(crate) fn insert(&mut self, vertex: u32, corner: u32, insertion: Insertion) {
@@ -163,6 +197,21 @@ mod tests {
                 list.truncate(random.below(300));
                 lists.set(vertex as u32, list);
             }
+            if random.below(30) == 0 {
+                // Some numbers of corners are used for these alone.
+                let new: Vec<u32> =
+                    (1..1 + random.below(4) as u32).map(|i| corner + i * 20_000).collect();
+                let (before, behind) = new.split_at(random.below(new.len() + 1));
+                let all_but = random.below(list.len() / 2 + 1);
+                let mut out = list.clone();
+                out.rotate_left(random.below(list.len() + 1) % list.len().max(1));
+                out.truncate(if random.below(2) == 0 { list.len() - all_but } else { all_but });
+                assert!(out.iter().all(|&c| lists.contains(vertex as u32, c)));
+                lists.exchange(vertex as u32, &out, before, behind);
+                list.retain(|c| !out.contains(c));
+                *list = [before, list, behind].concat();
+                assert!(out.iter().all(|&c| !lists.contains(vertex as u32, c)));
+            }
             let insertion = if list.is_empty() || random.below(3) == 0 {
                 Insertion::Last
             } else {
@@ -194,5 +243,9 @@ mod tests {
         }
         assert_eq!(lists.long(0).count(), n as usize);
         assert!(lists.long.moves < 70 * n as usize, "{}", lists.long.moves);
+        for corner in 0..n - 300 {
+            lists.exchange(0, &[corner], &[], &[]);
+        }
+        assert!(lists.long(0).count() == 300 && lists.long.used_blocks() <= 300);
     }
 }

@@ -1,5 +1,5 @@
-//! Long lists of corners, in blocks: a corner finds its block, so that inserting beside it costs no
-//! more in a list of a million than in one of a hundred.
+//! Long lists of corners, in blocks: a corner finds its block, so that inserting beside it and
+//! taking it out cost no more in a list of a million than in one of a hundred.
 
 use lodc_mesh::NONE;
 
@@ -9,6 +9,7 @@ const MAX_BLOCK: usize = 128;
 #[derive(Clone, Debug, Default)]
 struct Block {
     corners: Vec<u32>,
+    previous: u32,
     next: u32,
 }
 
@@ -32,11 +33,17 @@ pub(crate) struct LongLists {
 }
 
 impl LongLists {
+    /// Returns the number of blocks that are in lists.
+    #[cfg(test)]
+    pub(crate) fn used_blocks(&self) -> usize {
+        self.blocks.len() - self.unused.len()
+    }
+
     /// Makes a list.
     pub(crate) fn add(&mut self, corners: &[u32]) -> Blocks {
         let mut list = Blocks { first: NONE, last: NONE };
         for corners in corners.chunks(MAX_BLOCK / 2) {
-            let block = self.add_block(corners.to_vec(), NONE);
+            let block = self.add_block(corners.to_vec(), list.last, NONE);
             match list.last {
                 NONE => list.first = block,
                 last => self.blocks[last as usize].next = block,
@@ -63,12 +70,18 @@ impl LongLists {
         blocks.flat_map(|b| b.corners.iter().copied())
     }
 
-    /// Inserts a corner beside another one of the list: before or after it.
+    /// Inserts a corner beside another one of the list: before or after it. If the other one is in
+    /// no list, as only a crafted stream has it, the corner goes to the end.
     pub(crate) fn insert(&mut self, list: &mut Blocks, corner: u32, other: u32, after: bool) {
-        let block = self.block_of[other as usize];
-        let corners = &self.blocks[block as usize].corners;
-        let at = corners.iter().position(|&c| c == other).unwrap_or(corners.len());
-        self.insert_at(list, block, (at + usize::from(after)).min(corners.len()), corner);
+        match self.find(other) {
+            Some((block, at)) => self.insert_at(list, block, at + usize::from(after), corner),
+            None => self.push(list, corner),
+        }
+    }
+
+    /// Inserts a corner at the beginning of a list.
+    pub(crate) fn push_front(&mut self, list: &mut Blocks, corner: u32) {
+        self.insert_at(list, list.first, 0, corner);
     }
 
     /// Inserts a corner at the end of a list.
@@ -85,18 +98,52 @@ impl LongLists {
         }
         corners.insert(at, corner);
         self.place(corner, block);
-        let Block { corners, next } = &mut self.blocks[block as usize];
+        let Block { corners, next, .. } = &mut self.blocks[block as usize];
         if corners.len() > MAX_BLOCK {
             let (rest, next) = (corners.split_off(MAX_BLOCK / 2), *next);
-            let new = self.add_block(rest, next);
+            let new = self.add_block(rest, block, next);
             self.blocks[block as usize].next = new;
-            if list.last == block {
-                list.last = new;
+            match next {
+                NONE => list.last = new,
+                next => self.blocks[next as usize].previous = new,
             }
         }
     }
 
-    fn add_block(&mut self, corners: Vec<u32>, next: u32) -> u32 {
+    /// Returns whether a corner is in a list.
+    pub(crate) fn contains(&self, corner: u32) -> bool {
+        self.find(corner).is_some()
+    }
+
+    /// Returns the block of a corner and its place there, if it is in a list.
+    fn find(&self, corner: u32) -> Option<(u32, usize)> {
+        let block = self.block_of.get(corner as usize).copied().filter(|&b| b != NONE)?;
+        let at = self.blocks[block as usize].corners.iter().position(|&c| c == corner)?;
+        Some((block, at))
+    }
+
+    /// Takes a corner out of a list, which holds it. Blocks that become empty are taken away, so
+    /// that a list has no more of them than corners.
+    pub(crate) fn take_out(&mut self, list: &mut Blocks, corner: u32) {
+        let Some((number, at)) = self.find(corner) else { return };
+        let block = &mut self.blocks[number as usize];
+        block.corners.remove(at);
+        if !block.corners.is_empty() {
+            return;
+        }
+        let Block { previous, next, .. } = std::mem::take(block);
+        self.unused.push(number);
+        match previous {
+            NONE => list.first = next,
+            previous => self.blocks[previous as usize].next = next,
+        }
+        match next {
+            NONE => list.last = previous,
+            next => self.blocks[next as usize].previous = previous,
+        }
+    }
+
+    fn add_block(&mut self, corners: Vec<u32>, previous: u32, next: u32) -> u32 {
         let number = self.unused.pop().unwrap_or_else(|| {
             self.blocks.push(Block::default());
             self.blocks.len() as u32 - 1
@@ -106,7 +153,7 @@ impl LongLists {
             self.moves += corners.len();
         }
         corners.iter().for_each(|&corner| self.place(corner, number));
-        self.blocks[number as usize] = Block { corners, next };
+        self.blocks[number as usize] = Block { corners, previous, next };
         number
     }
 

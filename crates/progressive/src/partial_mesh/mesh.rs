@@ -70,6 +70,15 @@ impl PartialMesh {
         chain && star.first().is_some_and(|first| first.a == end)
     }
 
+    /// Returns a triangle as a vertex sees it; none if it is not in the star of that vertex.
+    pub(crate) fn star_face(&self, face: u32, vertex: u32) -> Option<StarFace> {
+        let corners = self.face(face);
+        let at = corners.iter().position(|&v| v == vertex)?;
+        let corner = 4 * face + at as u32;
+        let star_face = StarFace { corner, a: corners[(at + 1) % 3], b: corners[(at + 2) % 3] };
+        self.corners.contains(vertex, corner).then_some(star_face)
+    }
+
     /// Loads the corner list of a vertex that is needed soon into the caches. Changes nothing.
     pub(crate) fn prefetch_corners(&self, vertex: u32) {
         black_box(self.corners.count(vertex));

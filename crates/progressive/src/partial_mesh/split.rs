@@ -119,6 +119,7 @@ impl PartialMesh {
         new_star.clear();
         let left = triangles.iter().enumerate().filter(|(_, t)| t.side == Side::Left);
         kept.extend(left.map(|(i, _)| corner(i, 2)));
+        let lefts = kept.len();
         for (face, is_transferred) in parent_star.rotated() {
             if is_transferred {
                 transferred.push(face.corner);
@@ -145,7 +146,13 @@ impl PartialMesh {
                 }
             }
         }
-        self.corners.set(parent, kept);
+        if parent_star.is_part {
+            let out = &transferred[..parent_star.faces.len()];
+            let (before, behind) = kept.split_at(lefts);
+            self.corners.exchange(parent, out, before, behind);
+        } else {
+            self.corners.set(parent, kept);
+        }
         self.corners.set(new, transferred);
     }
 }
@@ -155,6 +162,8 @@ impl PartialMesh {
 pub(crate) struct ParentStar<'a> {
     pub(crate) faces: &'a [StarFace],
     pub(crate) transfer: &'a [bool],
+    /// True if these are only the triangles that are transferred, of a star that has more.
+    pub(crate) is_part: bool,
 }
 
 impl ParentStar<'_> {

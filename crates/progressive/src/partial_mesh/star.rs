@@ -1,10 +1,15 @@
 //! The triangles and vertices around a vertex.
 
 use lodc_mesh::NONE;
+use std::cmp::Reverse;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// For each corner of a triangle the next one, counter-clockwise. A corner is four times the
 /// triangle plus 0, 1 or 2; the fourth entry only makes masked accesses safe.
 pub(crate) const NEXT: [u32; 4] = [1, 2, 0, 0];
+
+/// Stars of more triangles are large: those of hubs, which meshes without hubs have none of.
+pub(crate) const LARGE_STAR: u32 = 256;
 
 /// A triangle seen from one of its corners, at vertex v: (v, a, b) counter-clockwise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,6 +62,32 @@ pub(crate) fn collect_link(star: &[StarFace], link: &mut Vec<LinkVertex>) {
                 link.push(LinkVertex { vertex: face.b, outgoing: NONE, incoming: i as u32 });
             }
             fan = i + 1;
+        }
+    }
+}
+
+/// Returns whether a star is a single closed fan.
+pub(crate) fn is_closed_fan(star: &[StarFace]) -> bool {
+    let joins = |(i, face): (usize, &StarFace)| face.b == star[(i + 1) % star.len()].a;
+    !star.is_empty() && star.iter().enumerate().all(joins)
+}
+
+/// Puts the triangles of a star in the order of its fans: open ones first, then closed ones.
+pub(crate) fn arrange_in_fans(star: &mut [StarFace]) {
+    star.sort_unstable_by_key(|face| Reverse(face.corner));
+    let mut by_a: BTreeMap<u32, Vec<StarFace>> = BTreeMap::new();
+    for &face in &*star {
+        by_a.entry(face.a).or_default().push(face);
+    }
+    let ends: BTreeSet<u32> = star.iter().map(|face| face.b).collect();
+    let starts: Vec<u32> = star.iter().rev().map(|face| face.a).collect();
+    let open = starts.iter().filter(|a| !ends.contains(a));
+    let mut at = 0;
+    for &start in open.chain(&starts) {
+        let mut next = start;
+        while let Some(face) = by_a.get_mut(&next).and_then(Vec::pop) {
+            (next, star[at]) = (face.b, face);
+            at += 1;
         }
     }
 }

@@ -12,7 +12,7 @@ fn hexagon() -> PartialMesh {
     }
     let triangles: Vec<NewTriangle> =
         (1..7).map(|i| NewTriangle::unconnected(i, i % 6 + 1, Side::Detached)).collect();
-    let empty = ParentStar { faces: &[], transfer: &[] };
+    let empty = ParentStar { faces: &[], transfer: &[], is_part: false };
     let edge = SplitEdge { parent: 7, new: 0 };
     mesh.split(edge, empty, &triangles, &mut SplitBuffers::default(), &mut Vec::new());
     mesh
@@ -51,7 +51,7 @@ fn split(common: bool) -> PartialMesh {
     let left = beside(link[2], NewTriangle::unconnected(3, 0, Side::Left));
     let right = beside(link[5], NewTriangle::unconnected(0, 6, Side::Right));
     let transfer = [true, true, false, false, false, true];
-    let parent = ParentStar { faces: &star, transfer: &transfer };
+    let parent = ParentStar { faces: &star, transfer: &transfer, is_part: false };
     let mut new_star = Vec::new();
     mesh.split(edge, parent, &[left, right], &mut SplitBuffers::default(), &mut new_star);
     let edges: Vec<_> = new_star.iter().map(|f| (f.a, f.b)).collect();

@@ -3,14 +3,40 @@
 //! A split pays for the star of its parent: a bit for each triangle, transferred or not. A vertex
 //! that takes over no triangle of its target needs nothing of that star. Where it is large, the
 //! vertex is split off another one with the same target: it repeats that one's target.
+//!
+//! What is left are large stars of which a vertex takes over a few triangles. Where these cost much
+//! more than the rest of the mesh, only the triangles that are transferred are named.
 
+use crate::partial_mesh::star::LARGE_STAR;
 use crate::source::first_appearance::FirstAppearance;
 use lodc_mesh::{Csr, NONE};
 
-/// Stars of more triangles are large. Meshes without hubs have none.
-pub(crate) const LARGE_STAR: u32 = 256;
 /// Vertices of the same target that are tried, from the latest on.
 const TRIES: usize = 8;
+
+/// The stars that are too large to be walked around.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct StarRule {
+    /// Stars of more triangles are large.
+    pub(crate) large: u32,
+    /// A large star is named if it is more than so many times as large as what is transferred.
+    pub(crate) share: u64,
+    /// Stars are named only if all these have more than so many triangles for each of the mesh.
+    pub(crate) worth: u64,
+}
+
+impl StarRule {
+    /// A triangle of a star costs a few nanoseconds, a triangle of the mesh some microseconds.
+    pub(crate) const DEFAULT: Self = Self { large: LARGE_STAR, share: 32, worth: 32 };
+}
+
+/// The coding of the splits of a mesh.
+pub(crate) struct SplitPlan {
+    /// The vertex that each one is coded as split off.
+    pub(crate) parents: Vec<u32>,
+    /// The vertices with a named star, in falling order; none if naming is not worth it.
+    pub(crate) named: Vec<u32>,
+}
 
 /// The splits of a mesh in stream order, as far as they concern stars.
 pub(crate) struct Splits<'a> {
@@ -26,9 +52,9 @@ pub(crate) struct Splits<'a> {
 }
 
 impl Splits<'_> {
-    /// Returns the vertex that each one is coded as split off: its target, or a vertex with the
-    /// same target, which is no point, of a smaller star. Linear time: stars are counted backwards.
-    pub(crate) fn coding_parents(self) -> Vec<u32> {
+    /// Plans how they are coded. The parent of a vertex is its target, or a vertex with the same
+    /// target, which is no point, of a smaller star. Linear time: stars are counted backwards.
+    pub(crate) fn plan(self, rule: StarRule) -> SplitPlan {
         let Self { targets, points, appearances, by_vertex, triangles } = self;
         let mut star = vec![0u32; targets.len()];
         for v in triangles.as_flattened() {
@@ -36,6 +62,7 @@ impl Splits<'_> {
         }
         let earlier = earlier_siblings(targets, points);
         let mut parents = targets.to_vec();
+        let (mut named, mut walked) = (Vec::new(), 0);
         for new in (1..targets.len()).rev() {
             for &triangle in by_vertex.row(new as u32) {
                 for vertex in appearances[triangle as usize].vertices {
@@ -43,15 +70,24 @@ impl Splits<'_> {
                 }
             }
             let (target, transferred) = (targets[new], star[new]);
-            if transferred == 0 && star[target as usize] > LARGE_STAR && new as u32 >= points {
+            if transferred == 0 && star[target as usize] > rule.large && new as u32 >= points {
                 let before = |v: usize| Some(earlier[v]).filter(|&v| v != NONE);
                 let siblings = std::iter::successors(before(new), |&v| before(v as usize));
-                let small = siblings.take(TRIES).find(|&v| star[v as usize] <= LARGE_STAR);
+                let small = siblings.take(TRIES).find(|&v| star[v as usize] <= rule.large);
                 parents[new] = small.unwrap_or(target);
             }
             star[target as usize] += transferred;
+            let size = star[target as usize];
+            let is_large = parents[new] == target && size > rule.large;
+            if is_large && u64::from(size) > rule.share * u64::from(transferred) {
+                named.push(new as u32);
+                walked += u64::from(size);
+            }
         }
-        parents
+        if walked <= rule.worth * triangles.len() as u64 {
+            named.clear();
+        }
+        SplitPlan { parents, named }
     }
 }
 

@@ -5,12 +5,13 @@
 use crate::error_code::{error_code, rms_code};
 use crate::header::StreamVersion;
 use crate::partial_mesh::new_triangle::Side;
-use crate::source::coding_parents::Splits;
+use crate::source::coding_parents::{SplitPlan, Splits, StarRule};
 use crate::source::first_appearance::{FirstAppearance, first_appearances};
+use crate::source::named_stars::{NamedStars, Transfers};
 use crate::source::split_source::{DecoderSource, SourceTriangle, SplitSource, StripPosition};
 use crate::source::strip_neighbors::{StripMismatch, StripNeighbors};
 use crate::vertex_data::vertex_layout::VertexLayout;
-use lodc_mesh::{Csr, Lod, NONE, Simplified};
+use lodc_mesh::{CollapseSequence, Csr, Lod, NONE, Simplified};
 use lodc_strip::StripSet;
 use std::ops::Range;
 
@@ -32,6 +33,7 @@ pub(crate) struct EncoderSource {
     /// For each vertex the numbers of it and of all vertices that split off it, directly or not: an
     /// interval, because they are numbered in preorder.
     subtree: Vec<Range<u32>>,
+    named_stars: NamedStars,
     error_codes: Vec<[u32; 2]>,
     points: u32,
     strips: Option<StripNeighbors>,
@@ -43,6 +45,7 @@ impl EncoderSource {
         simplified: &Simplified,
         layout: &VertexLayout,
         strips: Option<&StripSet>,
+        rule: StarRule,
     ) -> Result<Self, StripMismatch> {
         let (mesh, collapses) = (simplified.mesh(), simplified.collapses());
         let vertices = mesh.vertex_count();
@@ -59,7 +62,7 @@ impl EncoderSource {
             by_vertex: &by_vertex,
             triangles: mesh.triangles(),
         };
-        let parents = splits.coding_parents();
+        let SplitPlan { parents, named } = splits.plan(rule);
         let order = coding_order(&appearances, &parents);
         let entries = order.iter().map(|&t| (appearances[t as usize].vertices[0], t));
         let by_vertex = Csr::new(vertices, entries);
@@ -67,21 +70,19 @@ impl EncoderSource {
             let [_, next, previous] = appearances[t as usize].vertices;
             SourceTriangle { next, previous }
         };
-        let final_corners = |&t: &u32| {
-            let (vertices, rotation) =
-                (mesh.triangles()[t as usize], appearances[t as usize].rotation);
-            let corner = |c| if c < 3 { last - vertices[(rotation + c) % 3] } else { NONE };
-            [corner(0), corner(1), corner(2), corner(3)]
-        };
         let strips = match strips {
             Some(strips) => Some(StripNeighbors::new(mesh, strips, &order)?),
             None => None,
         };
-        let errors = |new| {
-            let lod = Lod(last - new);
-            [error_code(collapses.error_at(lod)), rms_code(collapses.rms_at(lod))]
+        let first_triangle = by_vertex.offsets;
+        let final_vertices = final_vertices(mesh.triangles(), &appearances, &order, last);
+        let transfers = Transfers {
+            targets: &targets,
+            first_triangle: &first_triangle,
+            final_vertices: &final_vertices,
         };
         Ok(Self {
+            named_stars: transfers.named_stars(named),
             points,
             subtree: subtrees(&targets),
             continues,
@@ -89,9 +90,9 @@ impl EncoderSource {
             channels: layout.systems.len(),
             indices: layout.indices(mesh),
             triangles: order.iter().map(triangle).collect(),
-            first_triangle: by_vertex.offsets,
-            final_vertices: order.iter().flat_map(final_corners).collect(),
-            error_codes: (0..=last).map(errors).collect(),
+            first_triangle,
+            final_vertices,
+            error_codes: error_codes(collapses),
             targets,
             parents,
             strips,
@@ -102,7 +103,13 @@ impl EncoderSource {
 impl EncoderSource {
     /// Returns the version that the splits need.
     pub(crate) fn version(&self) -> StreamVersion {
-        if self.parents == self.targets { StreamVersion::Seven } else { StreamVersion::Eight }
+        if !self.named_stars.is_empty() {
+            StreamVersion::Eleven
+        } else if self.parents != self.targets {
+            StreamVersion::Eight
+        } else {
+            StreamVersion::Seven
+        }
     }
 
     /// Returns the number of steps as a stream counts them: those behind the points, and one for
@@ -162,6 +169,9 @@ impl SplitSource for EncoderSource {
         let vertex = self.final_vertices[corner as usize];
         self.subtree[new as usize].contains(&self.subtree[vertex as usize].start)
     }
+    fn named_star(&self, new: u32) -> Option<&[u32]> {
+        self.named_stars.of(new)
+    }
     fn indices(&self, new: u32) -> &[i32] {
         &self.indices[new as usize * self.channels..][..self.channels]
     }
@@ -203,6 +213,31 @@ fn continues(simplified: &Simplified) -> Vec<bool> {
         }
     }
     continues
+}
+
+/// Returns the vertex of LOD 0 at each corner of each triangle in stream order; the fourth is none.
+fn final_vertices(
+    triangles: &[[u32; 3]],
+    appearances: &[FirstAppearance],
+    order: &[u32],
+    last: u32,
+) -> Vec<u32> {
+    let corners = |&t: &u32| {
+        let (vertices, rotation) = (triangles[t as usize], appearances[t as usize].rotation);
+        let corner = |c| if c < 3 { last - vertices[(rotation + c) % 3] } else { NONE };
+        [corner(0), corner(1), corner(2), corner(3)]
+    };
+    order.iter().flat_map(corners).collect()
+}
+
+/// Returns the codes of the errors after each vertex, as if its step ended there.
+fn error_codes(collapses: &CollapseSequence) -> Vec<[u32; 2]> {
+    let last = collapses.records();
+    let errors = |new| {
+        let lod = Lod(last - new);
+        [error_code(collapses.error_at(lod)), rms_code(collapses.rms_at(lod))]
+    };
+    (0..=last).map(errors).collect()
 }
 
 /// Returns the triangles of the mesh in stream order: by vertex, then by side of the split edge.

@@ -4,6 +4,7 @@
 pub(crate) mod coding_parents;
 pub(crate) mod encoder_source;
 pub(crate) mod first_appearance;
+pub(crate) mod named_stars;
 pub(crate) mod split_source;
 pub(crate) mod strip_neighbors;
 #[cfg(test)]

@@ -36,6 +36,8 @@ pub(crate) trait SplitSource {
     fn new_triangles(&self, new: u32) -> &[SourceTriangle];
     /// Returns whether a corner of a live triangle is transferred to a new vertex.
     fn is_transferred(&self, corner: u32, new: u32) -> bool;
+    /// Returns the triangles that a new vertex takes over, if they are to be named.
+    fn named_star(&self, new: u32) -> Option<&[u32]>;
     /// Returns the indices of all channels of a vertex; none for a decoder.
     fn indices(&self, new: u32) -> &[i32];
     /// Returns where a new triangle is drawn, given the number of strips and the strip of each live
@@ -75,6 +77,9 @@ impl SplitSource for DecoderSource {
     }
     fn is_transferred(&self, _: u32, _: u32) -> bool {
         false
+    }
+    fn named_star(&self, _: u32) -> Option<&[u32]> {
+        None
     }
     fn indices(&self, _: u32) -> &[i32] {
         &[]

@@ -1,6 +1,7 @@
 use crate::header::StreamVersion;
 use crate::mesh_decoder::{MeshDecoder, StepBlock};
 use crate::mesh_encoder::{BlockTarget, EncodedSteps, MeshEncoder};
+use crate::source::coding_parents::StarRule;
 use crate::source::encoder_source::EncoderSource;
 use crate::source::first_appearance::first_appearances;
 use crate::source::split_source::SplitSource;
@@ -94,7 +95,8 @@ fn chains_and_hubs_take_near_linear_time() {
     let n = 100_000;
     for simplified in [chain(n), hub(n)] {
         let layout = VertexLayout::choose(&simplified);
-        let source = EncoderSource::new(&simplified, &layout, None).expect("no strips to mismatch");
+        let source = EncoderSource::new(&simplified, &layout, None, StarRule::DEFAULT)
+            .expect("no strips to mismatch");
         let triangles: usize = (0..n).map(|v| source.new_triangles(v).len()).sum();
         assert_eq!(triangles, n as usize - 2);
         assert!((1..n).all(|v| source.parent(v) < v && source.indices(v).len() == 3));
@@ -111,7 +113,8 @@ fn vertices_that_take_nothing_from_a_hub_are_coded_as_split_off_one_another() {
     let target_of = |v: u32| if v.is_multiple_of(2) || v == n - 2 { n - 1 } else { n - 2 };
     let book = simplified(positions, triangles, (0..n - 1).map(target_of).collect());
     let layout = VertexLayout::choose(&book);
-    let source = EncoderSource::new(&book, &layout, None).expect("no strips to mismatch");
+    let source =
+        EncoderSource::new(&book, &layout, None, StarRule::DEFAULT).expect("no strips to mismatch");
     let target = |new: u32| n - 1 - target_of(n - 1 - new);
     for new in 2..n {
         // Each of the first 256 triangles leaves the stars of both hubs small enough.

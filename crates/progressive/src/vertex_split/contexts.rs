@@ -5,6 +5,7 @@ use crate::entropy::integer_codes::{BoundedCode, GammaCode};
 use crate::strips::position_code::StripContexts;
 use crate::vertex_data::values::ValueContexts;
 use crate::vertex_split::corner_transfer::TransferContexts;
+use crate::vertex_split::named_star::NamedStarContexts;
 use crate::vertex_split::new_triangles::TriangleContexts;
 use crate::vertex_split::point_contexts::PointContexts;
 
@@ -20,6 +21,7 @@ pub struct Contexts {
     pub(crate) wedge_distance: AdaptiveSymbol,
     /// The submesh is the parent's.
     pub(crate) same_submesh: AdaptiveBit,
+    pub(crate) named_star: NamedStarContexts,
     pub(crate) triangles: TriangleContexts,
     pub(crate) transfer: TransferContexts,
     /// The target is the parent's, of a vertex that takes over no triangle.
@@ -48,6 +50,7 @@ impl Contexts {
             parent: BoundedCode::NEW,
             wedge_distance: AdaptiveSymbol::NEW,
             same_submesh: AdaptiveBit::NEW,
+            named_star: NamedStarContexts::NEW,
             triangles: TriangleContexts::NEW,
             transfer: TransferContexts::NEW,
             repeats_target: AdaptiveBit::NEW,

@@ -4,7 +4,7 @@
 //!
 //! ```text
 //!  step   = vertex, vertex, ... , error
-//!  vertex = parent | submesh | continues | next parent | pattern | new triangles
+//!  vertex = parent | submesh | continues | next parent | named star | pattern | new triangles
 //!           | corner transfer | same position | values        (strip positions: other substream)
 //! ```
 //!
@@ -14,9 +14,13 @@
 pub(crate) mod budget;
 pub(crate) mod contexts;
 pub(crate) mod corner_transfer;
+pub(crate) mod named_star;
+#[cfg(test)]
+mod named_star_tests;
 pub(crate) mod neighborhood;
 pub(crate) mod new_triangles;
 pub(crate) mod object_codec;
+mod parent_distance;
 pub(crate) mod point_contexts;
 pub(crate) mod points;
 pub(crate) mod points_code;

@@ -3,7 +3,7 @@
 use crate::invalid::InvalidStream;
 use crate::partial_mesh::mesh::PartialMesh;
 use crate::partial_mesh::new_triangle::{NewTriangle, Side};
-use crate::partial_mesh::star::{LinkVertex, StarFace, collect_link};
+use crate::partial_mesh::star::{LinkVertex, StarFace, collect_link, is_closed_fan};
 
 /// A vertex of the parent's link, by its place there, if it is in the link.
 #[derive(Clone, Copy, Debug)]
@@ -19,8 +19,10 @@ pub(crate) struct SplitNeighborhood {
     pub(crate) parent: u32,
     /// True if the step continued with this vertex.
     pub(crate) continued: bool,
-    /// The parent's star, and whether it is a single closed fan.
+    /// The parent's star, and whether it is a single closed fan. A star that is named has only the
+    /// triangles that are transferred.
     pub(crate) star: Vec<StarFace>,
+    pub(crate) is_named: bool,
     pub(crate) closed: bool,
     /// The parent's link; unused if the star is closed, whose link follows from it.
     link: Vec<LinkVertex>,
@@ -32,14 +34,27 @@ pub(crate) struct SplitNeighborhood {
 }
 
 impl SplitNeighborhood {
-    /// Starts a split.
-    pub(crate) fn start(&mut self, mesh: &PartialMesh, new: u32, parent: u32, continued: bool) {
+    /// Starts a split, of which the star is still to come.
+    pub(crate) fn start(&mut self, new: u32, parent: u32, continued: bool) {
         (self.new, self.parent, self.continued) = (new, parent, continued);
-        self.closed = mesh.collect_star(parent, &mut self.star);
+        self.triangles.clear();
+    }
+
+    /// Collects the star of the parent and its link.
+    pub(crate) fn collect_star(&mut self, mesh: &PartialMesh) {
+        self.is_named = false;
+        self.closed = mesh.collect_star(self.parent, &mut self.star);
         if !self.closed {
             collect_link(&self.star, &mut self.link);
         }
-        self.triangles.clear();
+    }
+
+    /// Takes the star that stands there, which is named, and collects its link.
+    pub(crate) fn take_named_star(&mut self) {
+        (self.is_named, self.closed) = (true, is_closed_fan(&self.star));
+        if !self.closed {
+            collect_link(&self.star, &mut self.link);
+        }
     }
 
     /// Returns the number of vertices in the parent's link.

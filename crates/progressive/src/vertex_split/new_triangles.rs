@@ -135,7 +135,7 @@ impl<C: Coder> TriangleCode<'_, C> {
             }
             split.add_triangle(side(t), Apex { vertex, place });
         }
-        if split.follows_rule(source, pattern.transfer_rule()) {
+        if split.is_named || split.follows_rule(source, pattern.transfer_rule()) {
             pattern
         } else {
             SplitPattern::General

@@ -8,7 +8,7 @@ use crate::header::StreamVersion;
 use crate::invalid::InvalidStream;
 use crate::partial_mesh::mesh::PartialMesh;
 use crate::partial_mesh::split::{ParentStar, SplitBuffers, SplitEdge};
-use crate::partial_mesh::star::{LinkVertex, StarFace, collect_link};
+use crate::partial_mesh::star::{LARGE_STAR, LinkVertex, StarFace, collect_link};
 use crate::source::split_source::SplitSource;
 use crate::strips::position_code::{StripContexts, code_position};
 use crate::strips::strip_order::StripOrder;
@@ -16,8 +16,10 @@ use crate::vertex_data::values::{Neighborhood, VertexValues};
 use crate::vertex_data::vertex_layout::VertexLayout;
 use crate::vertex_split::budget::Cost;
 use crate::vertex_split::contexts::Contexts;
+use crate::vertex_split::corner_transfer::TransferRule;
 use crate::vertex_split::neighborhood::SplitNeighborhood;
 use crate::vertex_split::new_triangles::{SplitPattern, TriangleCode};
+use crate::vertex_split::parent_distance::ParentDistance;
 use crate::vertex_split::points::Points;
 use lodc_mesh::NONE;
 
@@ -41,6 +43,8 @@ pub(crate) struct ObjectCodec {
     pub(crate) strips: Option<StripOrder>,
     pub(super) submeshes: u32,
     pub(crate) version: StreamVersion,
+    /// Stars of more triangles may be named, from version 11 on: [`LARGE_STAR`].
+    pub(crate) large_star: u32,
     /// The vertices before the first triangle, from version 7 on.
     pub(crate) points: Points,
     /// For each vertex its target, and whether its step continues with the next vertex.
@@ -87,6 +91,7 @@ impl ObjectCodec {
             strips: strips.then(StripOrder::new),
             submeshes,
             version,
+            large_star: LARGE_STAR,
             points: Points::default(),
             parents: Vec::new(),
             continues: Vec::new(),
@@ -210,7 +215,9 @@ impl ObjectCodec {
             self.mesh.prefetch_corners(self.next_parent);
         }
 
-        self.split.start(&self.mesh, new, parent, continued);
+        self.split.start(new, parent, continued);
+        let large = if self.version >= StreamVersion::Eleven { self.large_star } else { u32::MAX };
+        self.split.code_star(coder, source, &mut contexts.named_star, &self.mesh, large)?;
         self.work += 2 + self.split.star.len() as u64;
         self.package_bytes += 5 + self.split.star.len().div_ceil(8) as u64;
         let pattern = self.code_triangles(coder, source, contexts)?;
@@ -303,21 +310,25 @@ impl ObjectCodec {
     ) -> Result<bool, InvalidStream> {
         let (split, buffers) = (&mut self.split, &mut self.buffers);
         let edge = SplitEdge { parent: split.parent, new: split.new };
-        let arcs = if pattern == SplitPattern::Both { split.arcs() } else { None };
+        let may_be_arcs = pattern == SplitPattern::Both && !split.is_named;
+        let arcs = if may_be_arcs { split.arcs() } else { None };
         let link = &mut buffers.new_link;
         let mut keeps_all = false;
         if !arcs.is_some_and(|arcs| self.mesh.split_arcs(edge, &split.star, arcs, link)) {
-            split.code_transfer(coder, source, &mut contexts.transfer, pattern.transfer_rule())?;
+            let rule = if split.is_named { TransferRule::All } else { pattern.transfer_rule() };
+            split.code_transfer(coder, source, &mut contexts.transfer, rule)?;
             keeps_all = !split.transfer.contains(&true);
-            let star = ParentStar { faces: &split.star, transfer: &split.transfer };
+            let (faces, transfer) = (&split.star[..], &split.transfer[..]);
+            let star = ParentStar { faces, transfer, is_part: split.is_named };
             let new_star = &mut buffers.new_star;
             self.mesh.split(edge, star, &split.triangles, &mut buffers.split, new_star);
             collect_link(new_star, &mut buffers.new_star_link);
             link.clear();
             link.extend(buffers.new_star_link.iter().map(|l| l.vertex));
         }
-        // The corner lists into which new corners were inserted.
-        let count = |v: u32| u64::from(self.mesh.corners.count(v));
+        // The corner lists into which new corners were inserted; long ones take no more time.
+        let most = if self.version >= StreamVersion::Eleven { LARGE_STAR } else { u32::MAX };
+        let count = |v: u32| u64::from(self.mesh.corners.count(v).min(most));
         let longest = split.triangles.iter().map(|t| count(t.next).max(count(t.previous)));
         self.work += longest.sum::<u64>();
         Ok(keeps_all)
@@ -369,27 +380,5 @@ impl ObjectCodec {
         let coded = &mut self.buffers.indices;
         self.values.code(coder, &mut contexts.values, neighborhood, wanted, coded);
         self.values.indices.extend_from_slice(coded);
-    }
-}
-
-/// The distance from one vertex to a parent, around the `vertices` that there are.
-pub(super) struct ParentDistance {
-    pub(super) from: u32,
-    pub(super) vertices: u32,
-}
-
-impl ParentDistance {
-    /// Codes the distance and returns the parent.
-    pub(super) fn code<C: Coder>(
-        &self,
-        coder: &mut C,
-        contexts: &mut Contexts,
-        wanted: u32,
-    ) -> u32 {
-        let Self { from, vertices } = *self;
-        let distance = if wanted >= from { wanted - from } else { wanted + vertices - from };
-        let distance = contexts.parent.code(coder, vertices, distance);
-        let to_end = vertices - from;
-        if distance >= to_end { distance - to_end } else { from + distance }
     }
 }

@@ -12,7 +12,7 @@ from .numbers import Decimal, Float, Grid, Integer, Significant
 from .object import Header, StreamObject, read_header
 
 MAGIC = b"\x89LODS\r\n\x1a"
-NEWEST = 8
+NEWEST = 11
 MAX_PAYLOAD = 16 << 20
 
 

@@ -29,6 +29,8 @@ class Contexts:
         self.wedge_distance = Symbol()
         self.same_submesh = Bit()
         self.continues = table(Bit, 2)
+        self.is_named = Bit()
+        self.named = Gamma()
         self.pattern = table(Symbol, 4, 2, 2)
         self.count = table(Symbol, 2)
         self.more = Gamma()

@@ -8,7 +8,7 @@ from ..attribute import COMPONENTS, MEANINGS, Attribute, Submesh, component
 from ..cursor import Cursor
 from ..errors import need
 from .coder import Substream, decode_text
-from .mesh import PartialMesh, Star
+from .mesh import LONG, PartialMesh, Star
 from .numbers import Decimal, Float, Grid, Integer, Significant, values
 from .points import Points, absolute, announce, bring
 from .strips import StripOrder, indices
@@ -305,7 +305,7 @@ class StreamObject:
         self._continued = coder.bit(contexts.continues[continued])
         if not self._continued and new + 1 < self.header.vertices:
             self.next_parent = (parent + coder.bounded(contexts.parent, new + 1)) % (new + 1)
-        star = Star(mesh, parent)
+        star = Star(mesh, parent, self._named_star(coder, contexts, parent))
         mesh.add_vertex(submesh)
         pattern, triangles = self._triangles(coder, contexts, star, parent, new, continued)
         for corner in [v for t in triangles for v in t[1:3]]:
@@ -334,6 +334,19 @@ class StreamObject:
         self.indices.append(
             code_values(coder, contexts.values, layout, self.indices, parent, wedge, link)
         )
+
+    def _named_star(self, coder, contexts, parent):
+        """The triangles that are transferred if they are named, else None."""
+        size, triangles = len(self.mesh.corners[parent]), self.mesh.triangles
+        if self.version < 11 or size <= LONG or not coder.bit(contexts.is_named):
+            return None
+        count = coder.gamma(contexts.named)
+        need(count <= size, self.place, "names more triangles than a star has")
+        named = [coder.uniform(len(triangles)) for _ in range(count)]
+        need(len(set(named)) == count, self.place, "names a triangle twice")
+        is_there = all(parent in triangles[t] for t in named)
+        need(is_there, self.place, "names a triangle of another star")
+        return named
 
     def _wedge_parent(self, coder, contexts):
         before, count = self.parents[-1], len(self.mesh.corners)
@@ -404,7 +417,7 @@ class StreamObject:
 
     def _transfer(self, coder, contexts, star, pattern, triangles):
         """For each triangle of the star whether it goes to the new vertex."""
-        if pattern == 3:
+        if pattern == 3 or star.is_named:
             return [True] * len(star.faces)
         expected = [0] * len(star.faces)  # bits: 1 kept, 2 transferred
         for side, _, _, outgoing, incoming in triangles:

@@ -67,11 +67,11 @@ fn other_files_are_refused_by_name() {
     refused(&[&bytes[..], b"x"].concat(), "follows the end");
     refused(b"v 0 0 0\n", "not a .lods stream");
     let mut newer = bytes.clone();
-    for version in super::super::HUB_VERSION + 1..300 {
+    for version in super::super::NAMING_VERSION + 1..300 {
         newer[8..PREAMBLE].copy_from_slice(&version.to_le_bytes());
         refused(&newer, "newer than this program");
     }
-    for version in [0, 3, 5, 6u8] {
+    for version in [0, 3, 5, 6, 9, 10u8] {
         newer[8] = version;
         newer[9] = 0;
         refused(&newer, &format!("version {version} never existed"));

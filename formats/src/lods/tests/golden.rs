@@ -1,5 +1,6 @@
 //! Streams of every version that ever was stay readable: `fixtures/golden/lods1/`, `lods2/`,
-//! `lods4/`, `lods7/` and `lods8/` (`hubs.rs`). Those of the last two are written as they were.
+//! `lods4/`, `lods7/`, and `lods8/` and `lods11/` (`hubs.rs`). Those from version 7 on are written
+//! as they were.
 //!
 //! They are made of the golden `.lodc` files by
 //! `cargo test -p lodc-formats make_golden_streams -- --ignored`.

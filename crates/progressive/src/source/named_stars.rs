@@ -1,0 +1,104 @@
+//! The triangles that vertices take over from large stars, found without walking around these.
+
+/// The triangles of some vertices.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct NamedStars {
+    /// The vertices, in falling order.
+    vertices: Vec<u32>,
+    /// For each the end of its triangles in `faces`.
+    ends: Vec<u32>,
+    faces: Vec<u32>,
+}
+
+/// The triangles of a mesh in stream order, as vertices take them over.
+pub(crate) struct Transfers<'a> {
+    /// The target of each vertex.
+    pub(crate) targets: &'a [u32],
+    /// For each vertex the first triangle that comes with it, and the end.
+    pub(crate) first_triangle: &'a [u32],
+    /// The vertex of LOD 0 at each corner of each triangle; the fourth is unused.
+    pub(crate) final_vertices: &'a [u32],
+}
+
+impl Transfers<'_> {
+    /// Collects what these vertices, in falling order, take over. Linear time: every vertex has a
+    /// list of its corners, which is joined to that of its target as the vertex goes.
+    pub(crate) fn named_stars(&self, vertices: Vec<u32>) -> NamedStars {
+        let (mut ends, mut faces) = (Vec::with_capacity(vertices.len()), Vec::new());
+        let mut wanted = vertices.iter().peekable();
+        let mut lists = Rings::new(self.final_vertices.len() + self.targets.len());
+        let ring_of = |vertex: u32| self.final_vertices.len() as u32 + vertex;
+        for (corner, &vertex) in (0..).zip(self.final_vertices) {
+            if corner & 3 < 3 {
+                lists.join(ring_of(vertex), corner);
+            }
+        }
+        for new in (0..self.targets.len() as u32).rev() {
+            if wanted.peek().is_none() {
+                break;
+            }
+            let [from, to] = [new, new + 1].map(|v| self.first_triangle[v as usize]);
+            (4 * from..4 * to).for_each(|corner| lists.take_out(corner));
+            let ring = ring_of(new);
+            if wanted.next_if_eq(&&new).is_some() {
+                faces.extend(lists.others(ring).map(|corner| corner >> 2));
+                ends.push(faces.len() as u32);
+            }
+            lists.join(ring_of(self.targets[new as usize]), ring);
+            lists.take_out(ring);
+        }
+        NamedStars { vertices, ends, faces }
+    }
+}
+
+impl NamedStars {
+    /// Returns the triangles of a vertex, if it is one of these.
+    pub(crate) fn of(&self, vertex: u32) -> Option<&[u32]> {
+        let at = self.vertices.binary_search_by(|v| vertex.cmp(v)).ok()?;
+        let start = if at == 0 { 0 } else { self.ends[at - 1] };
+        Some(&self.faces[start as usize..self.ends[at] as usize])
+    }
+
+    /// Returns whether there are any vertices.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.vertices.is_empty()
+    }
+}
+
+/// Rings of numbers: doubly linked lists without ends.
+struct Rings {
+    next: Vec<u32>,
+    previous: Vec<u32>,
+}
+
+impl Rings {
+    /// A ring of each number.
+    fn new(count: usize) -> Self {
+        let numbers: Vec<u32> = (0..count as u32).collect();
+        Self { next: numbers.clone(), previous: numbers }
+    }
+
+    /// Joins the rings of two numbers, which are not in the same one.
+    fn join(&mut self, a: u32, b: u32) {
+        let [after_a, after_b] = [a, b].map(|i| self.next[i as usize]);
+        self.link(a, after_b);
+        self.link(b, after_a);
+    }
+
+    /// Leaves a number in a ring of its own.
+    fn take_out(&mut self, i: u32) {
+        self.link(self.previous[i as usize], self.next[i as usize]);
+        self.link(i, i);
+    }
+
+    /// Iterates over what else is in the ring of a number.
+    fn others(&self, i: u32) -> impl Iterator<Item = u32> + '_ {
+        let next = |i: u32| self.next[i as usize];
+        std::iter::successors(Some(next(i)), move |&i| Some(next(i))).take_while(move |&j| j != i)
+    }
+
+    fn link(&mut self, before: u32, after: u32) {
+        self.next[before as usize] = after;
+        self.previous[after as usize] = before;
+    }
+}

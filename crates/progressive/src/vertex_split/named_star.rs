@@ -1,0 +1,93 @@
+//! Stars that are named: of the star of a hub only the triangles that are transferred, by their
+//! numbers.
+//!
+//! A hub that hands over a few triangles at each of thousands of splits would be walked around each
+//! time if every triangle of its star had a bit. What is named stands for the star: the new
+//! triangles are coded in its link, and nothing of it is kept.
+//!
+//! ```text
+//!     \   |   /                        named: t, u
+//!   ---  hub  --- p                    link of the named star: p q r
+//!     /   | \ t \
+//!    /    |u  \  q                     left apex r and right apex p are the first and the last
+//!         r                            of it, however many triangles the hub has
+//! ```
+
+use crate::entropy::adaptive_probability::AdaptiveBit;
+use crate::entropy::coder::Coder;
+use crate::entropy::integer_codes::GammaCode;
+use crate::invalid::InvalidStream;
+use crate::partial_mesh::mesh::PartialMesh;
+use crate::partial_mesh::star::{StarFace, arrange_in_fans};
+use crate::source::split_source::SplitSource;
+use crate::vertex_split::neighborhood::SplitNeighborhood;
+
+/// Contexts of named stars.
+#[derive(Clone, Debug)]
+pub(crate) struct NamedStarContexts {
+    /// The star is named.
+    pub(crate) is_named: AdaptiveBit,
+    /// The number of triangles that are named.
+    pub(crate) size: GammaCode,
+}
+
+impl NamedStarContexts {
+    pub(crate) const NEW: Self = Self { is_named: AdaptiveBit::NEW, size: GammaCode::NEW };
+}
+
+impl SplitNeighborhood {
+    /// Collects the star of the parent, or codes what is named of one of more than `large`
+    /// triangles.
+    #[inline]
+    pub(crate) fn code_star<C: Coder, S: SplitSource>(
+        &mut self,
+        coder: &mut C,
+        source: &S,
+        contexts: &mut NamedStarContexts,
+        mesh: &PartialMesh,
+        large: u32,
+    ) -> Result<(), InvalidStream> {
+        if mesh.corners.count(self.parent) > large {
+            let wanted = source.named_star(self.new);
+            if coder.bit(&mut contexts.is_named, wanted.is_some()) {
+                return self.code_named_star(coder, contexts, mesh, wanted.unwrap_or_default());
+            }
+        }
+        self.collect_star(mesh);
+        Ok(())
+    }
+
+    fn code_named_star<C: Coder>(
+        &mut self,
+        coder: &mut C,
+        contexts: &mut NamedStarContexts,
+        mesh: &PartialMesh,
+        wanted: &[u32],
+    ) -> Result<(), InvalidStream> {
+        let face_at = |face: u32| mesh.star_face(face, self.parent);
+        let mut wanted: Vec<StarFace> = wanted.iter().filter_map(|&face| face_at(face)).collect();
+        arrange_in_fans(&mut wanted);
+        let size = contexts.size.code(coder, wanted.len() as u32);
+        if size > mesh.corners.count(self.parent) {
+            return Err(InvalidStream("names more triangles than a star has"));
+        }
+        self.star.clear();
+        for i in 0..size as usize {
+            let face = wanted.get(i).map_or(0, |face| face.face());
+            let face = face_at(coder.uniform(mesh.face_count(), face));
+            self.star.push(face.ok_or(InvalidStream("names a triangle of another star"))?);
+        }
+        if !C::ENCODES && !are_different(&self.star) {
+            return Err(InvalidStream("names a triangle twice"));
+        }
+        self.take_named_star();
+        Ok(())
+    }
+}
+
+/// Returns whether no triangle is there twice.
+fn are_different(star: &[StarFace]) -> bool {
+    let mut corners: Vec<u32> = star.iter().map(|face| face.corner).collect();
+    corners.sort_unstable();
+    corners.windows(2).all(|pair| pair[0] != pair[1])
+}
