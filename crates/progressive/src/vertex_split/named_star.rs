@@ -57,6 +57,7 @@ impl SplitNeighborhood {
         Ok(())
     }
 
+    #[cold]
     fn code_named_star<C: Coder>(
         &mut self,
         coder: &mut C,
