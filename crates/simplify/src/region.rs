@@ -87,8 +87,8 @@ impl Region {
         }
         region.place_groups(input);
         region.build_stars(own);
+        region.quadrics = Quadrics::new(&region.mesh, own);
         region.classify(input, own);
-        region.quadrics = Quadrics::new(&region.mesh, &region.wedges, own);
         region.choices = vec![Choice::NONE; own];
         region.stamps = vec![0.0; own];
         region
@@ -189,7 +189,8 @@ impl Region {
         mesh.live_faces = mesh.faces.len() as u32;
     }
 
-    /// Puts closed fans in order, and flags groups whose star is none, and groups on seams.
+    /// Puts closed fans in order, flags groups whose star is none, and groups on seams, and gives
+    /// groups at borders their quadrics.
     fn classify(&mut self, input: &Input<'_>, own: usize) {
         let mut around = Neighborhood::default();
         let mut fan = Vec::new();
@@ -202,6 +203,7 @@ impl Region {
             }
             let seams = if self.mesh.has(g, OPEN) {
                 around.gather(&self.mesh, &self.wedges, g);
+                self.quadrics.add_border(g, &around);
                 around.seams > 0
             } else {
                 input.may_have_seams() && has_seams(&self.mesh, &self.wedges, g)

@@ -9,8 +9,7 @@
 
 use crate::neighborhood::{FeaturePlane, Neighborhood};
 use crate::quadric::{Quadric, Symmetric, add_outer};
-use crate::wedges::Wedges;
-use crate::working::{Facet, OPEN, WorkingMesh};
+use crate::working::{Facet, WorkingMesh};
 use glam::DVec3;
 use lodc_mesh::NONE;
 
@@ -59,7 +58,7 @@ impl Refitted {
 
 impl Quadrics {
     /// The quadrics of the input's surface for the first `own` groups of a region.
-    pub(crate) fn new(mesh: &WorkingMesh, wedges: &Wedges, own: usize) -> Self {
+    pub(crate) fn new(mesh: &WorkingMesh, own: usize) -> Self {
         let mut surface = vec![Quadric::default(); own];
         for f in 0..mesh.faces.len() as u32 {
             let facet = mesh.facet(f);
@@ -67,21 +66,7 @@ impl Quadrics {
                 surface[g as usize].add_plane(facet.normal.as_dvec3(), f64::from(facet.area));
             }
         }
-        let open = mesh.flags[..own].iter().filter(|&f| f & OPEN != 0).count();
-        let border = Vec::with_capacity(open);
-        let mut quadrics = Self { surface, border, ..Self::default() };
-        let mut around = Neighborhood::default();
-        for g in (0..own as u32).filter(|&g| mesh.has(g, OPEN)) {
-            around.gather(mesh, wedges, g);
-            let mut quadric = Quadric::default();
-            for plane in around.planes.iter().filter(|_| around.borders > 0) {
-                quadric.add_plane(plane.normal, plane.weight);
-            }
-            if quadric.weight > 0.0 {
-                quadrics.set_border(g, quadric);
-            }
-        }
-        quadrics
+        Self { surface, ..Self::default() }
     }
 
     /// Takes all quadrics out. Lists keep their room.
@@ -98,10 +83,25 @@ impl Quadrics {
         self.border.get(at as usize)
     }
 
+    /// Gives a group of the input its border quadric, if it is at a border.
+    pub(crate) fn add_border(&mut self, group: u32, around: &Neighborhood) {
+        if around.borders == 0 {
+            return;
+        }
+        let mut quadric = Quadric::default();
+        for plane in &around.planes {
+            quadric.add_plane(plane.normal, plane.weight);
+        }
+        if quadric.weight > 0.0 {
+            self.set_border(group, quadric);
+        }
+    }
+
     /// Gives a group, which has none, a border quadric.
     pub(crate) fn set_border(&mut self, group: u32, quadric: Quadric) {
         if self.border_of.is_empty() {
             self.border_of = vec![NONE; self.surface.len()];
+            self.border.reserve(self.surface.len() / 4);
         }
         self.border_of[group as usize] = self.border.len() as u32;
         self.border.push(quadric);
