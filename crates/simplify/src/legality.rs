@@ -72,11 +72,34 @@ impl Rules {
         to: u32,
         marks: &mut Marks,
     ) -> Option<Verdict> {
+        self.check_with(mesh, from, to, marks, || keeps_orientation(mesh, from, to))
+    }
+
+    /// The same for a group whose faces have been gathered, to be checked for many neighbours.
+    pub(crate) fn check_gathered(
+        self,
+        mesh: &WorkingMesh,
+        from: u32,
+        to: u32,
+        marks: &mut Marks,
+        faces: &MovingFaces,
+    ) -> Option<Verdict> {
+        self.check_with(mesh, from, to, marks, || faces.keep_orientation(mesh, to))
+    }
+
+    fn check_with(
+        self,
+        mesh: &WorkingMesh,
+        from: u32,
+        to: u32,
+        marks: &mut Marks,
+        keeps_orientation: impl FnOnce() -> bool,
+    ) -> Option<Verdict> {
         if self.stage < Stage::Valence && is_overcrowded(mesh, from, to) {
             return None;
         }
         // Before the link: where much is refused, a few faces say so.
-        if self.stage < Stage::Flips && !keeps_orientation(mesh, from, to) {
+        if self.stage < Stage::Flips && !keeps_orientation() {
             return None;
         }
         let link = Link::new(mesh, from, to, marks);
@@ -144,6 +167,41 @@ pub(crate) fn keeps_texture(
     })
 }
 
+/// A face around a group that may move.
+struct MovingFace {
+    others: [u32; 2],
+    ahead: DVec3,
+    behind: DVec3,
+    /// Normal, twice the area long.
+    normal: DVec3,
+}
+
+/// The faces around a group, gathered once for all collapses of it that are checked.
+#[derive(Default)]
+pub(crate) struct MovingFaces(Vec<MovingFace>);
+
+impl MovingFaces {
+    /// Gathers the faces around a group.
+    pub(crate) fn gather(&mut self, mesh: &WorkingMesh, from: u32) {
+        let here = mesh.position(from);
+        self.0.clear();
+        self.0.extend(mesh.star(from).iter().map(|&corner| {
+            let others = mesh.others(corner);
+            let [ahead, behind] = others.map(|g| mesh.position(g));
+            MovingFace { others, ahead, behind, normal: (ahead - here).cross(behind - here) }
+        }));
+    }
+
+    /// Returns whether none of the faces turns too far or loses its area when the group moves to
+    /// the position of `to`.
+    fn keep_orientation(&self, mesh: &WorkingMesh, to: u32) -> bool {
+        let there = mesh.position(to);
+        self.0
+            .iter()
+            .all(|f| f.others.contains(&to) || stays_upright(f.normal, there, f.ahead, f.behind))
+    }
+}
+
 /// Returns whether no face around `from` turns too far or loses its area when `from` moves to the
 /// position of `to`.
 fn keeps_orientation(mesh: &WorkingMesh, from: u32, to: u32) -> bool {
@@ -166,6 +224,7 @@ fn surely_keeps_orientation(mesh: &WorkingMesh, from: u32, to: u32) -> bool {
 
 fn keeps_orientation_exactly(mesh: &WorkingMesh, from: u32, to: u32) -> bool {
     let (here, there) = (mesh.position(from), mesh.position(to));
+    let normal = |ahead: DVec3, behind: DVec3| (ahead - here).cross(behind - here);
     if !mesh.has(from, OPEN) {
         // The next corner leads to the group behind.
         let star = mesh.star(from);
@@ -174,22 +233,23 @@ fn keeps_orientation_exactly(mesh: &WorkingMesh, from: u32, to: u32) -> bool {
         return star.iter().map(|corner| corner.ahead).all(|behind| {
             let behind_at = mesh.position(behind);
             let dies = ahead == to || behind == to;
-            let stays = dies || stays_upright(here, there, ahead_at, behind_at);
+            let stays =
+                dies || stays_upright(normal(ahead_at, behind_at), there, ahead_at, behind_at);
             (ahead, ahead_at) = (behind, behind_at);
             stays
         });
     }
     mesh.star(from).iter().all(|&corner| {
         let [g, h] = mesh.others(corner);
-        g == to || h == to || stays_upright(here, there, mesh.position(g), mesh.position(h))
+        let (ahead, behind) = (mesh.position(g), mesh.position(h));
+        g == to || h == to || stays_upright(normal(ahead, behind), there, ahead, behind)
     })
 }
 
-/// Returns whether the triangle of a moving corner, `ahead` and `behind` keeps orientation and
-/// area.
+/// Returns whether the triangle of a moving corner, `ahead` and `behind` keeps the orientation of
+/// its normal `old` and its area.
 #[inline]
-fn stays_upright(here: DVec3, there: DVec3, ahead: DVec3, behind: DVec3) -> bool {
-    let old = (ahead - here).cross(behind - here);
+fn stays_upright(old: DVec3, there: DVec3, ahead: DVec3, behind: DVec3) -> bool {
     let old_squared = old.length_squared();
     if old_squared == 0.0 {
         return true;

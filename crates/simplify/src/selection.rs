@@ -1,7 +1,7 @@
 //! The cheapest legal collapse of a group.
 
 use crate::choice::{Choice, scaled};
-use crate::legality::{Rules, Stage, Verdict, keeps_texture};
+use crate::legality::{MovingFaces, Rules, Stage, Verdict, keeps_texture};
 use crate::link::Marks;
 use crate::metric::Reprice;
 use crate::plan::{Planner, WedgePlan};
@@ -9,7 +9,7 @@ use crate::price_lists::{PriceLists, Priced};
 use crate::pricing::{Pricer, Scratch};
 use crate::region::Region;
 use crate::touched::Touched;
-use crate::working::{HUB_VALENCE, RESTRICTED, SEAM, STALE};
+use crate::working::{HUB_VALENCE, OPEN, RESTRICTED, SEAM, STALE};
 
 /// Price of each fake, as a multiple of the geometric cost.
 const FAKE_PRICE: f64 = 8.0;
@@ -32,6 +32,8 @@ pub(crate) struct SelectionBuffers<S> {
     /// The prices of groups that were priced one by one, for metrics that never change them.
     pub(crate) lists: PriceLists,
     marks: Marks,
+    /// The faces of a group whose star is no ring.
+    faces: MovingFaces,
     /// The plan of a candidate.
     tried: WedgePlan,
     /// The plan of the selected collapse.
@@ -116,12 +118,23 @@ impl<M: Reprice> Selector<'_, M> {
         } else {
             usize::MAX
         };
+        let mesh = &self.pricer.region.mesh;
+        let gathered = mesh.has(from, OPEN) && faces <= HUB_VALENCE;
+        if gathered {
+            buffers.faces.gather(mesh, from);
+        }
         let mut best: Option<(f64, u32, bool)> = None;
         for &(cost, to) in candidates.iter().take(most) {
             if best.is_some_and(|b| cost >= b.0) {
                 break;
             }
-            let Some(verdict) = self.check(from, to, buffers) else {
+            let SelectionBuffers { marks, faces, .. } = &mut *buffers;
+            let verdict = if gathered {
+                self.rules.check_gathered(mesh, from, to, marks, faces)
+            } else {
+                self.rules.check(mesh, from, to, marks)
+            };
+            let Some(verdict) = verdict else {
                 buffers.refused = true;
                 continue;
             };
