@@ -27,7 +27,8 @@ pub(crate) const REGION: usize = 12288;
 pub(crate) const FEWEST: usize = 8;
 /// The share of live groups whose cost is within the limit of a round.
 const SHARE: f64 = 0.65;
-/// If a round collapses less than this share of the groups, the next one takes more.
+/// If a round collapses less than this share of the groups, it is the last: where most faces meet
+/// in one vertex, only its region can go on, and a higher limit would let it go on too far.
 const LEAST_PROGRESS: f64 = 0.02;
 /// About how many costs are sampled for a limit.
 const SAMPLES: usize = 4096;
@@ -52,14 +53,12 @@ pub(crate) fn simplify(
     progress: &Progress<'_>,
 ) -> FinalLog {
     let mut rounds = Rounds::new(context, size);
-    let mut share = SHARE;
     for round in 0.. {
-        let collapsed = rounds.run(share, sources, progress);
+        let collapsed = rounds.run(sources, progress);
         let least = (LEAST_PROGRESS * (rounds.live + collapsed) as f64) as usize;
-        if rounds.live < size || collapsed <= least && share >= 1.0 {
+        if rounds.live < size || collapsed <= least {
             break;
         }
-        share = if collapsed <= least { (2.0 * share).min(1.0) } else { SHARE };
         let regions = rounds.live.div_ceil(size);
         rounds.share_out(regions, SHIFTS[round % SHIFTS.len()]);
     }
@@ -113,8 +112,8 @@ impl<'a> Rounds<'a> {
     }
 
     /// Runs one round. Returns how many groups collapsed.
-    fn run(&mut self, share: f64, sources: &mut Sources<'_>, progress: &Progress<'_>) -> usize {
-        let limit = self.limit(share);
+    fn run(&mut self, sources: &mut Sources<'_>, progress: &Progress<'_>) -> usize {
+        let limit = self.limit();
         let context = self.context;
         let mut logs: Vec<CollapseLog> = self
             .regions
@@ -149,8 +148,8 @@ impl<'a> Rounds<'a> {
         collapsed
     }
 
-    /// The cost that about this share of all live groups do not exceed.
-    fn limit(&self, share: f64) -> f32 {
+    /// The cost that about the share of a round of all live groups do not exceed.
+    fn limit(&self) -> f32 {
         let step = (self.live / SAMPLES).max(1);
         let mut costs: Vec<f32> = self
             .regions
@@ -160,7 +159,7 @@ impl<'a> Rounds<'a> {
             .map(|c| c.cost)
             .filter(|c| !c.is_nan())
             .collect();
-        let at = (share * costs.len() as f64) as usize;
+        let at = (SHARE * costs.len() as f64) as usize;
         if at >= costs.len() {
             return f32::INFINITY;
         }
@@ -246,3 +245,7 @@ fn last_read(region: &Region, ranks: &[u32]) -> u32 {
     let ranks = region.groups.iter().map(|&g| ranks[g as usize]);
     ranks.filter(|&rank| rank != NONE).max().unwrap_or(0)
 }
+
+#[cfg(test)]
+#[path = "rounds_tests.rs"]
+mod tests;
