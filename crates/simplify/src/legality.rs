@@ -6,7 +6,7 @@ use crate::link::{Link, Marks};
 use crate::one_ring::{MAX_LEN, OneRing};
 use crate::plan::WedgePlan;
 use crate::wedges::Wedges;
-use crate::working::{OPEN, SHARED_POSITION, WorkingMesh, next, previous};
+use crate::working::{Corner, OPEN, SHARED_POSITION, WorkingMesh, next, previous};
 use glam::DVec3;
 use lodc_mesh::NONE;
 
@@ -176,6 +176,23 @@ struct MovingFace {
     normal: DVec3,
 }
 
+impl MovingFace {
+    /// The face at a corner of a group that is here.
+    #[inline]
+    fn new(mesh: &WorkingMesh, corner: Corner, here: DVec3) -> Self {
+        let others = mesh.others(corner);
+        let [ahead, behind] = others.map(|g| mesh.position(g));
+        Self { others, ahead, behind, normal: (ahead - here).cross(behind - here) }
+    }
+
+    /// Returns whether it neither turns too far nor loses its area, or dies, when the group moves
+    /// there onto `to`.
+    #[inline]
+    fn keeps_orientation(&self, to: u32, there: DVec3) -> bool {
+        self.others.contains(&to) || stays_upright(self.normal, there, self.ahead, self.behind)
+    }
+}
+
 /// The faces around a group, gathered once for all collapses of it that are checked.
 #[derive(Default)]
 pub(crate) struct MovingFaces(Vec<MovingFace>);
@@ -185,20 +202,15 @@ impl MovingFaces {
     pub(crate) fn gather(&mut self, mesh: &WorkingMesh, from: u32) {
         let here = mesh.position(from);
         self.0.clear();
-        self.0.extend(mesh.star(from).iter().map(|&corner| {
-            let others = mesh.others(corner);
-            let [ahead, behind] = others.map(|g| mesh.position(g));
-            MovingFace { others, ahead, behind, normal: (ahead - here).cross(behind - here) }
-        }));
+        let faces = mesh.star(from).iter().map(|&corner| MovingFace::new(mesh, corner, here));
+        self.0.extend(faces);
     }
 
     /// Returns whether none of the faces turns too far or loses its area when the group moves to
     /// the position of `to`.
     fn keep_orientation(&self, mesh: &WorkingMesh, to: u32) -> bool {
         let there = mesh.position(to);
-        self.0
-            .iter()
-            .all(|f| f.others.contains(&to) || stays_upright(f.normal, there, f.ahead, f.behind))
+        self.0.iter().all(|face| face.keeps_orientation(to, there))
     }
 }
 
@@ -224,7 +236,6 @@ fn surely_keeps_orientation(mesh: &WorkingMesh, from: u32, to: u32) -> bool {
 
 fn keeps_orientation_exactly(mesh: &WorkingMesh, from: u32, to: u32) -> bool {
     let (here, there) = (mesh.position(from), mesh.position(to));
-    let normal = |ahead: DVec3, behind: DVec3| (ahead - here).cross(behind - here);
     if !mesh.has(from, OPEN) {
         // The next corner leads to the group behind.
         let star = mesh.star(from);
@@ -233,17 +244,14 @@ fn keeps_orientation_exactly(mesh: &WorkingMesh, from: u32, to: u32) -> bool {
         return star.iter().map(|corner| corner.ahead).all(|behind| {
             let behind_at = mesh.position(behind);
             let dies = ahead == to || behind == to;
-            let stays =
-                dies || stays_upright(normal(ahead_at, behind_at), there, ahead_at, behind_at);
+            let normal = || (ahead_at - here).cross(behind_at - here);
+            let stays = dies || stays_upright(normal(), there, ahead_at, behind_at);
             (ahead, ahead_at) = (behind, behind_at);
             stays
         });
     }
-    mesh.star(from).iter().all(|&corner| {
-        let [g, h] = mesh.others(corner);
-        let (ahead, behind) = (mesh.position(g), mesh.position(h));
-        g == to || h == to || stays_upright(normal(ahead, behind), there, ahead, behind)
-    })
+    let mut faces = mesh.star(from).iter().map(|&corner| MovingFace::new(mesh, corner, here));
+    faces.all(|face| face.keeps_orientation(to, there))
 }
 
 /// Returns whether the triangle of a moving corner, `ahead` and `behind` keeps the orientation of

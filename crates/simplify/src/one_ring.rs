@@ -90,9 +90,10 @@ fn vectors<const N: usize>(
     all
 }
 
-/// The first lanes of a vector, and of the next.
+/// The lanes one place further on; zero behind the last.
 #[inline]
-fn shifted(a: Vec4, next: Vec4) -> Vec4 {
+fn following<const N: usize>(lanes: &LaneArray<N>, t: usize) -> Vec4 {
+    let (a, next) = (lanes[t], if t + 1 < N { lanes[t + 1] } else { Vec4::ZERO });
     Vec4::new(a.y, a.z, a.w, next.x)
 }
 
@@ -151,8 +152,7 @@ impl<const N: usize> OneRing<N> {
     pub(crate) fn is_folded(&self) -> bool {
         let mut folded = BVec4A::FALSE;
         for t in 0..N {
-            let next =
-                |a: &LaneArray<N>| shifted(a[t], if t + 1 < N { a[t + 1] } else { Vec4::ZERO });
+            let next = |a| following(a, t);
             let dot = self.cx[t] * next(&self.cx)
                 + self.cy[t] * next(&self.cy)
                 + self.cz[t] * next(&self.cz);
@@ -168,14 +168,8 @@ impl<const N: usize> OneRing<N> {
         let (spokes, normals) = (self.spokes(), self.normals().map(Vec3::normalize_or_zero));
         for i in 1..=self.len {
             let edge = spokes[i].as_dvec3();
-            let next = if i == self.len { 0 } else { i };
-            if let Some(plane) = fold_plane(normals[i - 1], normals[next], edge) {
-                let [nx, ny, nz] = plane.normal.as_vec3().to_array().map(Vec4::splat);
-                let weight = Vec4::splat(plane.weight as f32);
-                for (t, sum) in sums.iter_mut().enumerate() {
-                    let distance = nx * self.x[t] + ny * self.y[t] + nz * self.z[t];
-                    *sum += distance * weight * distance;
-                }
+            if let Some(plane) = fold_plane(normals[i - 1], normals[i], edge) {
+                self.add_plane(plane.normal.as_vec3().to_array(), plane.weight as f32, sums);
             }
         }
     }
@@ -218,9 +212,7 @@ impl<const N: usize> OneRing<N> {
             }))
         })
     }
-}
 
-impl<const N: usize> OneRing<N> {
     /// Adds what moving onto each neighbour costs by the planes of the faces.
     #[inline(always)]
     pub(crate) fn add_faces(&self, weights: &LaneArray<N>, sums: &mut LaneArray<N>) {
@@ -229,18 +221,22 @@ impl<const N: usize> OneRing<N> {
             let faces = cx.to_array().into_iter().zip(cy.to_array()).zip(cz.to_array());
             let faces = faces.zip(weights.to_array()).take(self.len - (4 * f).min(self.len));
             for (((cx, cy), cz), weight) in faces {
-                let (cx, cy, cz) = (Vec4::splat(cx), Vec4::splat(cy), Vec4::splat(cz));
-                let weight = Vec4::splat(weight);
-                for (t, sum) in sums.iter_mut().enumerate() {
-                    let distance = cx * self.x[t] + cy * self.y[t] + cz * self.z[t];
-                    *sum += distance * weight * distance;
-                }
+                self.add_plane([cx, cy, cz], weight, sums);
             }
         }
     }
-}
 
-impl<const N: usize> OneRing<N> {
+    /// Adds what moving off a plane through the group costs: its weight times the square of the
+    /// product with its normal.
+    #[inline(always)]
+    fn add_plane(&self, normal: [f32; 3], weight: f32, sums: &mut LaneArray<N>) {
+        let ([nx, ny, nz], weight) = (normal.map(Vec4::splat), Vec4::splat(weight));
+        for (t, sum) in sums.iter_mut().enumerate() {
+            let distance = nx * self.x[t] + ny * self.y[t] + nz * self.z[t];
+            *sum += distance * weight * distance;
+        }
+    }
+
     /// Returns whether, beyond doubt, no face turns by more than the cosine `turn` or loses its
     /// area when the group moves onto a neighbour. Single precision leaves some in doubt: faces
     /// whose area is below a thousandth of the longest spoke squared.
@@ -260,10 +256,9 @@ impl<const N: usize> OneRing<N> {
         let (to, before) = (Vec4::splat(to as f32), Vec4::splat(before as f32));
         let len = Vec4::splat(self.len as f32);
         let mut fails = BVec4A::FALSE;
-        for t in 0..N {
+        for (t, &lanes) in LANES[..N].iter().enumerate() {
             let (cx, cy, cz) = (self.cx[t], self.cy[t], self.cz[t]);
-            let next =
-                |a: &LaneArray<N>| shifted(a[t], if t + 1 < N { a[t + 1] } else { Vec4::ZERO });
+            let next = |a| following(a, t);
             let (ex, ey, ez) =
                 (next(&self.x) - self.x[t], next(&self.y) - self.y[t], next(&self.z) - self.z[t]);
             // The spokes from the neighbour: their cross product.
@@ -276,8 +271,8 @@ impl<const N: usize> OneRing<N> {
                 & (dot * dot).cmpgt(limit * (new * old))
                 & new.cmpgt(least)
                 & old.cmpgt(least);
-            let dies = LANES[t].cmpeq(to) | LANES[t].cmpeq(before);
-            fails |= !(holds | dies) & LANES[t].cmplt(len);
+            let dies = lanes.cmpeq(to) | lanes.cmpeq(before);
+            fails |= !(holds | dies) & lanes.cmplt(len);
         }
         !fails.any()
     }

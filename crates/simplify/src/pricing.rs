@@ -241,21 +241,26 @@ mod tests {
     use crate::metric::QuadricOnly;
     use crate::options::Options;
 
-    /// Prices all plain groups of a mesh, four collapses at a time and one by one. Returns how many
-    /// there are.
-    fn compare(mesh: &lodc_mesh::Mesh) -> usize {
+    /// Calls `test` with the pricer of a mesh.
+    fn with_pricer<T>(mesh: &lodc_mesh::Mesh, test: fn(&Pricer<'_, QuadricOnly>) -> T) -> T {
         let input = Input::new(mesh);
         let attributes =
             Attributes::new(mesh, |_| crate::Weights::DEFAULT, input.scale, input.size);
-        assert!(!attributes.is_empty());
         let context = Context { input: &input, options: Options::DEFAULT, attributes };
         let region = Region::whole(&input, false);
-        let pricer = Pricer {
+        test(&Pricer {
             context: &context,
             region: &region,
             metric: &QuadricOnly,
             stage: Stage::Legal,
-        };
+        })
+    }
+
+    /// Prices all plain groups of a mesh, four collapses at a time and one by one. Returns how many
+    /// there are.
+    fn compare(pricer: &Pricer<'_, QuadricOnly>) -> usize {
+        assert!(!pricer.context.attributes.is_empty());
+        let region = pricer.region;
         let plain: Vec<u32> = (0..region.own() as u32).filter(|&g| pricer.is_plain(g)).collect();
         let mut scratch = Scratch::default();
         for &g in &plain {
@@ -274,18 +279,8 @@ mod tests {
     }
 
     /// Prices all closed fans of a mesh as rings and as any star. Returns how many have seams.
-    fn compare_rings(mesh: &lodc_mesh::Mesh) -> usize {
-        let input = Input::new(mesh);
-        let attributes =
-            Attributes::new(mesh, |_| crate::Weights::DEFAULT, input.scale, input.size);
-        let context = Context { input: &input, options: Options::DEFAULT, attributes };
-        let region = Region::whole(&input, false);
-        let pricer = Pricer {
-            context: &context,
-            region: &region,
-            metric: &QuadricOnly,
-            stage: Stage::Legal,
-        };
+    fn compare_rings(pricer: &Pricer<'_, QuadricOnly>) -> usize {
+        let region = pricer.region;
         let (mut ring, mut star) = (Scratch::default(), Scratch::default());
         let mut seams = 0;
         for g in (0..region.own() as u32).filter(|&g| !region.mesh.has(g, OPEN)) {
@@ -315,14 +310,14 @@ mod tests {
 
     #[test]
     fn rings_cost_what_any_star_costs() {
-        assert!(compare_rings(&lodc_fixtures::uv_sphere(24, 16)) >= 14);
-        assert!(compare_rings(&lodc_fixtures::machine_part()) > 0);
-        compare_rings(&lodc_fixtures::icosphere(3));
+        assert!(with_pricer(&lodc_fixtures::uv_sphere(24, 16), compare_rings) >= 14);
+        assert!(with_pricer(&lodc_fixtures::machine_part(), compare_rings) > 0);
+        with_pricer(&lodc_fixtures::icosphere(3), compare_rings);
     }
 
     #[test]
     fn attributes_cost_the_same_four_at_a_time_and_one_by_one() {
-        assert!(compare(&lodc_fixtures::uv_sphere(24, 16)) > 200);
-        assert!(compare(&lodc_fixtures::uv_sphere(11, 30)) > 200);
+        assert!(with_pricer(&lodc_fixtures::uv_sphere(24, 16), compare) > 200);
+        assert!(with_pricer(&lodc_fixtures::uv_sphere(11, 30), compare) > 200);
     }
 }

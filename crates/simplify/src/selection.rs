@@ -1,7 +1,7 @@
 //! The cheapest legal collapse of a group.
 
 use crate::choice::{Choice, scaled};
-use crate::legality::{MovingFaces, Rules, Stage, Verdict, keeps_texture};
+use crate::legality::{MovingFaces, Rules, Stage, keeps_texture};
 use crate::link::Marks;
 use crate::metric::Reprice;
 use crate::plan::{Planner, WedgePlan};
@@ -83,7 +83,8 @@ impl<M: Reprice> Selector<'_, M> {
         // A restricted group's choice is what a search has found, penalties included.
         let is_found =
             self.pricer.region.mesh.has(from, RESTRICTED) && !self.pricer.metric.is_active();
-        let verdict = self.check(from, known.to, buffers)?;
+        let Region { mesh, .. } = self.pricer.region;
+        let verdict = self.rules.check(mesh, from, known.to, &mut buffers.marks)?;
         if verdict.price > 1.0 && !is_found {
             return None;
         }
@@ -199,15 +200,6 @@ impl<M: Reprice> Selector<'_, M> {
                 && (scaled(p.cost(mesh)) > known.cost
                     || self.rules.check(mesh, from, p.to, marks).is_none())
         })
-    }
-
-    fn check(
-        &self,
-        from: u32,
-        to: u32,
-        buffers: &mut SelectionBuffers<M::ViewScratch>,
-    ) -> Option<Verdict> {
-        self.rules.check(&self.pricer.region.mesh, from, to, &mut buffers.marks)
     }
 
     /// The data that planning reads.
