@@ -6,7 +6,7 @@ default:
 
 # Build lodc
 build:
-    cargo build --release -p lodc
+    cargo build --release --bin lodc
 
 # Format every file
 fmt:
@@ -26,7 +26,7 @@ ci:
 
 # Benchmarks of every stage and every model (three minutes)
 bench:
-    cargo bench -p lodc --bench pipeline --bench models
+    cargo bench -p lodc-cli --bench pipeline --bench models
 
 # Four models of the corpus (folder: LODC_CORPUS) at 5 % by two metrics: contact sheets, distances and image errors in target/study
 study: build
@@ -50,7 +50,7 @@ fixtures:
 
 # Write the answers of the README's tour anew
 tour:
-    UPDATE=1 cargo test -p lodc --test cli readme
+    UPDATE=1 cargo test -p lodc-cli --test cli readme
 
 # Draw the pictures of README and CLI.md again (docs/*.png; needs a graphics device)
 picture: build
@@ -64,7 +64,7 @@ picture: build
 
 # Draw the picture of the packages again (docs/packages.svg)
 drawing:
-    UPDATE=1 cargo test -p lodc --test architecture picture
+    UPDATE=1 cargo test -p lodc-cli --test architecture picture
 
 # Build the browser package, and serve its example on port 8000: http://localhost:8000/example/
 web: build

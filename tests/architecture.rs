@@ -61,10 +61,12 @@ const DRAWING: &[(&str, &[&str])] = &[
             "zune-jpeg",
         ],
     ),
+    ("crates/lodc", &["lodc-formats", "lodc-lod", "lodc-mesh", "lodc-model"]),
     ("crates/web", &["lodc-formats"]),
     (
         "cli",
         &[
+            "lodc",
             "lodc-baseline",
             "lodc-errors",
             "lodc-formats",
