@@ -45,7 +45,6 @@ const DRAWING: &[(&str, &[&str])] = &[
     (
         "formats",
         &[
-            "lodc-lod",
             "lodc-mesh",
             "lodc-model",
             "lodc-progressive",

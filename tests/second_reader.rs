@@ -5,8 +5,9 @@
 
 mod support;
 
+use lodc::{LodFile, LodObject};
 use lodc_fixtures::{Rng, named, random_collapse};
-use lodc_formats::lodc::{self, Layout, LodFile, LodObject};
+use lodc_formats::lodc::{self as container, Layout};
 use lodc_formats::lods::{PackOptions, Unpacker, pack};
 use lodc_formats::{Document, Limits, ObjDocument, ObjectInfo, Source, SourceFormat, SubmeshInfo};
 use lodc_lod::{AnyModel, ModelKind};
@@ -227,7 +228,7 @@ fn streams_with_many_points_are_read_alike_step_by_step() {
 
 #[test]
 fn golden_files_give_their_facts() {
-    for version in 1..=lodc::VERSION {
+    for version in 1..=container::VERSION {
         let golden = root().join(format!("fixtures/golden/v{version}"));
         let Some(said) = python(&[Path::new("facts"), &golden]) else { return };
         let facts = std::fs::read_to_string(golden.join("facts.txt")).expect("the facts");

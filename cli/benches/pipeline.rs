@@ -6,9 +6,10 @@
 //! per second.
 
 use criterion::{BenchmarkId, Criterion, Throughput};
+use lodc::{LodFile, LodObject, read, write};
 use lodc_formats::export::{ExportFormat, ExportObject, export};
 use lodc_formats::import::{ImportOptions, import};
-use lodc_formats::lodc::{Layout, LodFile, LodObject, read, sections, write};
+use lodc_formats::lodc::{Layout, sections};
 use lodc_formats::{Document, ObjDocument, ObjectInfo, Source, SourceFormat, SubmeshInfo};
 use lodc_lod::{AnyModel, ModelKind};
 use lodc_mesh::{Lod, Mesh};

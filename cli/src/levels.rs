@@ -1,6 +1,6 @@
 //! The models of an object, and the triangles that one of them shows at a LOD.
 
-use lodc_formats::lodc::LodObject;
+use lodc::LodObject;
 use lodc_lod::{AnyModel, ModelKind};
 use lodc_mesh::{CollapseSequence, Lod, OrientedTriangle, PositionIds, TriangleHash};
 use lodc_model::Model;

@@ -1,7 +1,7 @@
 //! Refitted levels: closer in space, and held back where pictures would get worse.
 
 use crate::paints::Paints;
-use lodc_formats::lodc::LodObject;
+use lodc::LodObject;
 use lodc_measure::{Distances, Original, Portrait, Sampling, SceneSurface, Surface, Viewing};
 use lodc_mesh::{Lod, Mesh};
 use lodc_refit::{Options, Refit};

@@ -2,7 +2,7 @@
 
 use crate::exit::{Failure, Outcome};
 use clap::Args;
-use lodc_formats::lodc::LodObject;
+use lodc::LodObject;
 use lodc_formats::{Document, Limits, ObjectInfo, scene_graph};
 use lodc_mesh::Simplified;
 use lodc_scene::{Arrangement, Graph};

@@ -1,7 +1,7 @@
 //! Every external byte of lodc: meshes in and out, the `.lodc` container and the `.lods` stream.
 //!
-//! Nothing outside this package parses or writes files. It knows no model by name: models list
-//! their arrays (`lodc_lod::any`), this package lays them out.
+//! Nothing outside this package parses or writes files. It knows no model: a file has their arrays
+//! under the names of their kinds ([`lodc::StoredModel`]), and `lodc-lod` makes models of them.
 
 mod animations;
 pub mod appearance;

@@ -1,6 +1,33 @@
 //! Helpers that the tests of this package share.
 
+use crate::FormatError;
+use crate::lodc::{self, Layout, StoredModel};
+use lodc_lod::{AnyModel, ModelKind};
+use lodc_model::Model;
 use std::path::{Path, PathBuf};
+
+/// A file with models that work.
+pub(crate) type LodFile = lodc::LodFile<AnyModel>;
+/// An object of such a file.
+pub(crate) type LodObject = lodc::LodObject<AnyModel>;
+
+/// Reads a file and the models in it.
+pub(crate) fn read(bytes: &[u8]) -> Result<LodFile, FormatError> {
+    lodc::read(bytes, &ModelKind::ALL.map(ModelKind::name))?.with_models(|simplified, model| {
+        let kind = model.name.parse().expect("only kinds that are known are read");
+        AnyModel::load(kind, simplified, &model.arrays).map_err(|e| e.to_string())
+    })
+}
+
+/// Lays out a file with its models.
+pub(crate) fn write(file: &LodFile) -> Vec<u8> {
+    lodc::write(file, stored)
+}
+
+/// A model as it is stored.
+pub(crate) fn stored(model: &AnyModel, layout: Layout) -> StoredModel {
+    StoredModel { name: model.name().to_owned(), arrays: model.arrays(layout) }
+}
 
 /// A folder of its own for one test, removed at the end.
 #[derive(Debug)]

@@ -1,7 +1,6 @@
 //! Errors of levels: they hold, they are asked for, and a file whose errors are wrong is found.
 
 use crate::support::{Folder, grid};
-use lodc_formats::lodc;
 use std::sync::Arc;
 
 /// A hilly grid and its file.

@@ -13,9 +13,9 @@ use crate::parts::PartArgs;
 use crate::progress::Progress;
 use crate::stages::Stages;
 use clap::Args;
+use lodc::LodObject;
+use lodc::{Input, read_input};
 use lodc_formats::appearance::appearance;
-use lodc_formats::import::{Either, either};
-use lodc_formats::lodc::LodObject;
 use lodc_formats::{Assets, Document, ObjectInfo, Scene, Source};
 use lodc_select::Target;
 use lodc_simplify::{MetricKind, Options};
@@ -129,14 +129,14 @@ pub(crate) fn read_showing(
     errors: Errors,
     stages: &mut Stages,
 ) -> Outcome<Asset> {
-    let read = stages.run("read", || either(input, &import.options()))?;
-    if matches!(read, Either::Levels(_)) {
+    let read = stages.run("read", || read_input(input, &import.options()))?;
+    if matches!(read, Input::Levels(_)) {
         let name = input.display().to_string();
         how.importance.refuse(&name)?;
         how.parts.refuse(&name)?;
     }
     match read {
-        Either::Levels(file) => Ok(Asset {
+        Input::Levels(file) => Ok(Asset {
             source: file.source,
             objects: file.objects,
             document: file.document,
@@ -145,7 +145,7 @@ pub(crate) fn read_showing(
             warnings: file.left_out,
             paints: None,
         }),
-        Either::Scene(scene) => {
+        Input::Scene(scene) => {
             simplified_showing(progress, (input, import), how, errors, scene, stages)
         }
     }

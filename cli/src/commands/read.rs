@@ -2,7 +2,7 @@
 
 use crate::console;
 use crate::exit::Outcome;
-use lodc_formats::lodc::{LodFile, read};
+use lodc::{LodFile, read};
 use lodc_formats::{Assets, Limits};
 use std::path::Path;
 

@@ -3,7 +3,7 @@
 use crate::exit::{Failure, Outcome};
 use crate::selector::{SelectorArgs, positive, share};
 use clap::{Args, ValueEnum};
-use lodc_formats::lodc::LodObject;
+use lodc::LodObject;
 use lodc_lod::interactive::view::Family;
 use lodc_lod::{AnyModel, ModelKind};
 use lodc_model::Model;

@@ -4,7 +4,7 @@ use super::ViewArgs;
 use super::options::{CriterionName, Extent};
 use crate::exit::{Failure, Outcome, Status};
 use crate::selector::{SceneLevels, SelectorArgs};
-use lodc_formats::lodc::LodObject;
+use lodc::LodObject;
 use lodc_lod::interactive::view::{
     Family, LodRange, Selector, State, finest_within, kept, live_triangles, morphed_mesh,
 };

@@ -42,7 +42,7 @@ impl Session {
     /// ([`export_levels`]).
     pub fn open(&mut self) -> Status {
         let input = std::mem::take(&mut self.input);
-        let glb = lodc::read(&input).and_then(|file| levels(&file));
+        let glb = lodc::read(&input, &[]).and_then(|file| levels(&file));
         self.answer(glb)
     }
 

@@ -3,7 +3,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use lodc_formats::lodc::{read, write};
+use lodc::{read, write};
 use lodc_model::Model;
 use lodc_mesh::Lod;
 

@@ -22,22 +22,26 @@ pub struct ImportOptions {
 
 /// A mesh file or a file of levels of detail.
 #[derive(Debug)]
-pub enum Either {
+pub enum Either<M> {
     /// OBJ, glTF or GLB.
     Scene(Scene),
     /// `.lodc`.
-    Levels(LodFile),
+    Levels(LodFile<M>),
 }
 
-/// Reads a mesh file or a `.lodc` file, `-` from standard input.
+/// Reads a mesh file, or a `.lodc` file by `levels`; `-` from standard input.
 ///
 /// # Errors
 /// See [`import`].
-pub fn either(path: &Path, options: &ImportOptions) -> Result<Either, FormatError> {
+pub fn either<M>(
+    path: &Path,
+    options: &ImportOptions,
+    levels: impl FnOnce(&[u8]) -> Result<LodFile<M>, FormatError>,
+) -> Result<Either<M>, FormatError> {
     let mut assets = Assets::new(path, &options.allowed, options.limits);
     let bytes = assets.read_main()?;
     if lodc::is_lodc(&bytes) {
-        return lodc::read(&bytes).map(Either::Levels).map_err(|e| e.in_file(&assets.main_name()));
+        return levels(&bytes).map(Either::Levels).map_err(|e| e.in_file(&assets.main_name()));
     }
     read(bytes, path, &mut assets, options).map(Either::Scene)
 }

@@ -6,6 +6,8 @@
 
 use super::tests::{all_models_file, gltf_file, measured_file, two_parts_file, wide};
 use super::*;
+use crate::testing::{read, write};
+use lodc_model::Model;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 

@@ -2,7 +2,9 @@
 
 use super::tests::{all_models_file, gltf_file, obj_file, same, two_parts_file, wide};
 use super::*;
+use crate::testing::{LodFile, read, stored, write};
 use lodc_fixtures as fixtures;
+use lodc_model::Model;
 
 fn fails(bytes: &[u8], fault: Fault, what: &str) {
     let error = read(bytes).expect_err("this must be refused");
@@ -160,7 +162,10 @@ fn sections_that_are_unknown_are_skipped_or_refused_as_they_ask() {
         Layout::Packed,
         &mut ZeroBudget::default(),
     );
-    let manifest = manifest_codec::encode(&Manifest::of(&file, std::slice::from_ref(&plan)));
+    let object = &file.objects[0];
+    let models: Vec<_> = object.models.iter().map(|m| stored(m, Layout::Packed)).collect();
+    let manifest = Manifest::of(&file, std::slice::from_ref(&models), std::slice::from_ref(&plan));
+    let manifest = manifest_codec::encode(&manifest);
     let mut writer = Writer::default();
     writer.required(tag::MANIFEST, SCENE, 0, |out| out.extend_from_slice(&manifest));
     writer.optional(*b"ZZZZ", SCENE, 0, |out| out.extend_from_slice(b"from the future"));
@@ -168,7 +173,7 @@ fn sections_that_are_unknown_are_skipped_or_refused_as_they_ask() {
         out.extend_from_slice(br#"{"asset":{"version":"2.0"}}"#);
     });
     writer.required(tag::DOCUMENT_BLOB, SCENE, 0, |out| out.extend(0..37));
-    object::write(&mut writer, 0, &file.objects[0], &plan, Layout::Packed);
+    object::write(&mut writer, 0, &object.simplified, models, &plan, Layout::Packed);
     writer.optional(tag::MODEL_ARRAY, 0, 5, |out| out.push(7));
     let read = read(&writer.finish()).expect("optional sections are skipped");
     same(&read, &file);

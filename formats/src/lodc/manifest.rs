@@ -4,10 +4,9 @@
 //! and the file not. Fields are only ever added, at the end of a record.
 
 use super::record::Record;
-use super::{LodFile, LodObject};
+use super::{LodFile, LodObject, StoredModel};
 use crate::{Document, Fault, FormatError, ObjDocument, ObjMaterial, Source, SourceFormat};
 use lodc_mesh::{Attribute, Component, Semantic};
-use lodc_model::{Layout, Model};
 use serde::{Deserialize, Serialize};
 
 #[derive(Serialize, Deserialize)]
@@ -84,9 +83,14 @@ pub(super) struct ModelEntry {
 }
 
 impl Manifest {
-    pub(super) fn of(file: &LodFile, plans: &[Vec<bool>]) -> Self {
+    pub(super) fn of<M>(
+        file: &LodFile<M>,
+        models: &[Vec<StoredModel>],
+        plans: &[Vec<bool>],
+    ) -> Self {
+        let objects = file.objects.iter().zip(models).zip(plans);
         let objects =
-            file.objects.iter().zip(plans).map(|(o, plan)| Record(object_entry(o, plan))).collect();
+            objects.map(|((o, models), plan)| Record(object_entry(o, models, plan))).collect();
         let document = DocumentEntry::of(&file.document);
         Self {
             format: format_code(file.source.format),
@@ -142,7 +146,7 @@ impl DocumentEntry {
     }
 }
 
-fn object_entry(object: &LodObject, plan: &[bool]) -> ObjectEntry {
+fn object_entry<M>(object: &LodObject<M>, models: &[StoredModel], plan: &[bool]) -> ObjectEntry {
     let (mesh, sequence) = (object.simplified.mesh(), object.simplified.collapses().parts());
     let submeshes = mesh.submeshes().iter().enumerate().map(|(i, s)| {
         let info = object.info.submeshes.get(i);
@@ -156,11 +160,9 @@ fn object_entry(object: &LodObject, plan: &[bool]) -> ObjectEntry {
     });
     let attributes =
         mesh.attributes().iter().zip(plan).map(|(a, &full)| Record(AttributeEntry::of(a, full)));
-    let models = object.models.iter().map(|m| {
-        Record(ModelEntry {
-            name: m.name().to_owned(),
-            arrays: m.arrays(Layout::Packed).into_iter().map(|a| a.name).collect(),
-        })
+    let models = models.iter().map(|m| {
+        let arrays = m.arrays.iter().map(|a| a.name.clone()).collect();
+        Record(ModelEntry { name: m.name.clone(), arrays })
     });
     ObjectEntry {
         name: object.info.name.clone(),

@@ -23,10 +23,9 @@ mod tests;
 use crate::{Document, Fault, FormatError, GltfDocument, ObjectInfo, Source};
 use container::{Container, Writer};
 use left_out::LeftOut;
-use lodc_lod::AnyModel;
 use lodc_mesh::Simplified;
+use lodc_model::Array;
 pub use lodc_model::Layout;
-use lodc_model::Model;
 pub use made_from::MadeFrom;
 use manifest::{DocumentEntry, Manifest};
 pub use sections::{Section, sections};
@@ -37,15 +36,16 @@ use table::{SCENE, tag};
 /// The version that this program writes, and the newest that it reads.
 pub const VERSION: u32 = 3;
 
-/// A `.lodc` file in memory.
+/// A `.lodc` file in memory. `M` is a model: [`StoredModel`] as the file has it, or whatever its
+/// arrays were turned into.
 #[derive(Debug)]
-pub struct LodFile {
+pub struct LodFile<M = StoredModel> {
     /// Origin of the scene.
     pub source: Source,
     /// Everything that is not a triangle mesh.
     pub document: Document,
     /// The objects.
-    pub objects: Vec<LodObject>,
+    pub objects: Vec<LodObject<M>>,
     /// Width of its indices.
     pub layout: Layout,
     /// Origin of its content, if whoever made it knew.
@@ -58,13 +58,53 @@ pub struct LodFile {
 
 /// One object of a `.lodc` file.
 #[derive(Debug)]
-pub struct LodObject {
+pub struct LodObject<M = StoredModel> {
     /// Its description.
     pub info: ObjectInfo,
     /// Its mesh in collapse order and the sequence.
     pub simplified: Arc<Simplified>,
-    /// Its models, in the order of the file. Models that this version does not have are left out.
-    pub models: Vec<AnyModel>,
+    /// Its models, in the order of the file. Models that a reader does not know are left out.
+    pub models: Vec<M>,
+}
+
+/// A model as a file has it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct StoredModel {
+    /// The name of its kind, unique within its object.
+    pub name: String,
+    /// Its arrays, in its own order.
+    pub arrays: Vec<Array>,
+}
+
+impl StoredModel {
+    /// Bytes of all arrays.
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        self.arrays.iter().map(|array| array.bytes.len() as u64).sum()
+    }
+}
+
+impl<M> LodFile<M> {
+    /// Turns every model into something else.
+    ///
+    /// # Errors
+    /// If `change` fails: its error, with the object as its place.
+    pub fn with_models<N>(
+        self,
+        change: impl Fn(&Arc<Simplified>, M) -> Result<N, String>,
+    ) -> Result<LodFile<N>, FormatError> {
+        let Self { source, document, objects, layout, made_from, left_out } = self;
+        let object = |(number, object): (usize, LodObject<M>)| {
+            let LodObject { info, simplified, models } = object;
+            let models = models.into_iter().map(|model| change(&simplified, model));
+            let models = models.collect::<Result<_, _>>().map_err(|what| {
+                FormatError::new(Fault::Malformed, format!("object {number}"), what)
+            })?;
+            Ok(LodObject { info, simplified, models })
+        };
+        let objects = objects.into_iter().enumerate().map(object).collect::<Result<_, _>>()?;
+        Ok(LodFile { source, document, objects, layout, made_from, left_out })
+    }
 }
 
 /// The identity of a file: XXH3-128 of all its bytes.
@@ -73,13 +113,12 @@ pub fn key(bytes: &[u8]) -> u128 {
     xxhash_rust::xxh3::xxh3_128(bytes)
 }
 
-/// Number of bytes of a file of some layout a model needs: positions, submeshes of vertices,
-/// triangles, collapse sequence and its own arrays. Attribute streams, padding, the table and the
-/// manifest are left out.
+/// Number of bytes of a file of some layout that every model of an object needs: positions,
+/// submeshes of vertices, triangles and collapse sequence. Attribute streams, padding, the table
+/// and the manifest are left out.
 #[must_use]
-pub fn stored_bytes(model: &AnyModel, layout: Layout) -> u64 {
-    let own: usize = model.arrays(layout).iter().map(|a| a.bytes.len()).sum();
-    object::geometry_bytes(model.simplified(), layout) + own as u64
+pub fn geometry_bytes(simplified: &Simplified, layout: Layout) -> u64 {
+    object::geometry_bytes(simplified, layout)
 }
 
 /// Returns the version that a file says it is of; none if it is too short to say.
@@ -95,11 +134,11 @@ pub fn is_lodc(bytes: &[u8]) -> bool {
     bytes.starts_with(b"\x89LODC")
 }
 
-/// Reads a container.
+/// Reads a container, with models of the kinds in `known`; others are left out.
 ///
 /// # Errors
 /// If a checksum, count, offset or index is wrong, or the file needs a newer program.
-pub fn read(bytes: &[u8]) -> Result<LodFile, FormatError> {
+pub fn read(bytes: &[u8], known: &[&str]) -> Result<LodFile, FormatError> {
     let mut container = Container::read(bytes)?;
     let (version, layout) = (container.version(), container.layout());
     let manifest = manifest_codec::decode(container.take(tag::MANIFEST, SCENE, 0)?, version)?;
@@ -122,7 +161,7 @@ pub fn read(bytes: &[u8]) -> Result<LodFile, FormatError> {
     let objects = (0..)
         .zip(manifest.objects)
         .map(|(number, entry)| {
-            object::read(&mut container, number, entry.0, &mut zeros, &mut left_out)
+            object::read(&mut container, number, entry.0, known, &mut zeros, &mut left_out)
         })
         .collect::<Result<_, _>>()?;
     container.finish(&mut left_out)?;
@@ -138,13 +177,16 @@ pub fn made_from(bytes: &[u8]) -> Result<Option<MadeFrom>, FormatError> {
     container.take_optional(tag::MADE_FROM, SCENE, 0).map(MadeFrom::read).transpose()
 }
 
-/// Lays a container out. Equal contents give equal bytes.
+/// Lays a container out. `store` lists the arrays of a model in a layout. Equal contents give equal
+/// bytes.
 #[must_use]
-pub fn write(file: &LodFile) -> Vec<u8> {
+pub fn write<M>(file: &LodFile<M>, store: impl Fn(&M, Layout) -> StoredModel) -> Vec<u8> {
     let mut zeros = ZeroBudget::default();
-    let plan = |o: &LodObject| streams::plan(o.simplified.mesh(), file.layout, &mut zeros);
+    let plan = |o: &LodObject<M>| streams::plan(o.simplified.mesh(), file.layout, &mut zeros);
     let plans: Vec<_> = file.objects.iter().map(plan).collect();
-    let manifest = manifest_codec::encode(&Manifest::of(file, &plans));
+    let stored = |o: &LodObject<M>| o.models.iter().map(|m| store(m, file.layout)).collect();
+    let models: Vec<Vec<StoredModel>> = file.objects.iter().map(stored).collect();
+    let manifest = manifest_codec::encode(&Manifest::of(file, &models, &plans));
     let mut writer = Writer::default();
     writer.required(tag::MANIFEST, SCENE, 0, |out| out.extend_from_slice(&manifest));
     if let Document::Gltf(gltf) = &file.document {
@@ -156,8 +198,8 @@ pub fn write(file: &LodFile) -> Vec<u8> {
     if let Some(made) = &file.made_from {
         writer.optional(tag::MADE_FROM, SCENE, 0, |out| out.extend_from_slice(&made.bytes()));
     }
-    for ((number, object), plan) in (0..).zip(&file.objects).zip(&plans) {
-        object::write(&mut writer, number, object, plan, file.layout);
+    for (((number, object), plan), models) in (0..).zip(&file.objects).zip(&plans).zip(models) {
+        object::write(&mut writer, number, &object.simplified, models, plan, file.layout);
     }
     writer.finish()
 }

@@ -6,13 +6,12 @@ use super::manifest::{AttributeEntry, ModelEntry, ObjectEntry};
 use super::record::Record;
 use super::streams::{self, ZeroBudget};
 use super::table::{Tag, place, tag};
-use super::{LodObject, arrays, steps};
+use super::{LodObject, StoredModel, arrays, steps};
 use crate::{Fault, FormatError, ObjectInfo, SubmeshInfo};
-use lodc_lod::{AnyModel, ModelKind};
 use lodc_mesh::{
     Attribute, CollapseSequence, Lod, Mesh, MeshParts, SequenceParts, Simplified, Submesh,
 };
-use lodc_model::{Array, Layout, Model};
+use lodc_model::{Array, Layout};
 use std::sync::Arc;
 
 /// Bytes for each entry of `VSUB`: the fewest that hold the last submesh's number; 0 if there is
@@ -54,11 +53,12 @@ pub(super) fn geometry_bytes(simplified: &Simplified, layout: Layout) -> u64 {
 pub(super) fn write<'a>(
     writer: &mut Writer<'a>,
     number: u32,
-    object: &'a LodObject,
+    simplified: &'a Simplified,
+    models: Vec<StoredModel>,
     plan: &'a [bool],
     layout: Layout,
 ) {
-    let (mesh, sequence) = (object.simplified.mesh(), object.simplified.collapses().parts());
+    let (mesh, sequence) = (simplified.mesh(), simplified.collapses().parts());
     writer.required(tag::POSITIONS, number, 0, |out| {
         arrays::put_f32s(out, mesh.positions().as_flattened());
     });
@@ -84,7 +84,7 @@ pub(super) fn write<'a>(
     writer.required(tag::STEP_TRIANGLES, number, 0, |out| {
         out.extend(steps::lost_triangles(sequence.triangles, &sequence.step_triangles));
     });
-    if object.simplified.collapses().is_measured() {
+    if simplified.collapses().is_measured() {
         writer.optional(tag::STEP_RMS, number, 0, |out| {
             out.extend(steps::error_growth(&sequence.step_rms));
         });
@@ -94,8 +94,7 @@ pub(super) fn write<'a>(
             streams::put(out, mesh, i, full);
         });
     }
-    let model_arrays = object.models.iter().flat_map(|model| model.arrays(layout));
-    for (index, array) in (0..).zip(model_arrays) {
+    for (index, array) in (0..).zip(models.into_iter().flat_map(|model| model.arrays)) {
         writer.array(number, index, array);
     }
 }
@@ -104,6 +103,7 @@ pub(super) fn read(
     container: &mut Container<'_>,
     number: u32,
     entry: ObjectEntry,
+    known: &[&str],
     zeros: &mut ZeroBudget,
     left_out: &mut LeftOut,
 ) -> Result<LodObject, FormatError> {
@@ -118,7 +118,7 @@ pub(super) fn read(
     let collapses = read_sequence(container, number, &entry, &mesh)?;
     let simplified = Arc::new(Simplified::new(mesh, collapses).map_err(|e| wrong(e.to_string()))?);
 
-    let models = read_models(container, number, entry.models, &simplified, left_out)?;
+    let models = read_models(container, number, entry.models, known, left_out)?;
     let submeshes = entry.submeshes.into_iter().map(|Record(s)| SubmeshInfo {
         name: s.name,
         material: s.material,
@@ -133,44 +133,40 @@ pub(super) fn read(
     Ok(LodObject { info, simplified, models })
 }
 
-/// Reads the models of an object; those that this version does not have are left out.
+/// Reads the models of an object; those whose kind is not `known` are left out.
 fn read_models(
     container: &mut Container<'_>,
     number: u32,
     entries: Vec<Record<ModelEntry>>,
-    simplified: &Arc<Simplified>,
+    known: &[&str],
     left_out: &mut LeftOut,
-) -> Result<Vec<AnyModel>, FormatError> {
-    let wrong = |what: String| FormatError::new(Fault::Malformed, format!("object {number}"), what);
-    let mut models = Vec::new();
+) -> Result<Vec<StoredModel>, FormatError> {
+    let mut models: Vec<StoredModel> = Vec::new();
     let mut index = 0;
-    for Record(model) in entries {
-        let kind = model.name.parse::<ModelKind>().ok();
-        let mut stored = Vec::new();
-        for name in model.arrays {
-            if kind.is_some() {
-                let section = container.take_section(tag::MODEL_ARRAY, number, index)?;
-                let (bytes, wide) = (section.bytes.to_vec(), section.wide);
-                stored.push(Array { name, bytes, wide });
-            } else {
-                container.skip(tag::MODEL_ARRAY, number, index);
-            }
-            index += 1;
-        }
-        if let Some(kind) = kind {
-            if models.iter().any(|m: &AnyModel| m.kind() == kind) {
-                return Err(wrong(format!("the model {} is there twice", kind.name())));
-            }
-            models
-                .push(AnyModel::load(kind, simplified, &stored).map_err(|e| wrong(e.to_string()))?);
-        } else {
+    for Record(ModelEntry { name, arrays }) in entries {
+        let first = index;
+        // Each name took at least a byte of the manifest, which is far smaller than 2^32.
+        index += arrays.len() as u32;
+        let sections = (first..index).zip(arrays);
+        if !known.contains(&name.as_str()) {
+            sections.for_each(|(index, _)| container.skip(tag::MODEL_ARRAY, number, index));
             left_out.tell(|| {
-                let name = shortened(&model.name);
+                let name = shortened(&name);
                 format!(
                     "object {number}: the model \"{name}\" is not in this version and was left out"
                 )
             });
+            continue;
         }
+        if models.iter().any(|m| m.name == name) {
+            let what = format!("the model {name} is there twice");
+            return Err(FormatError::new(Fault::Malformed, format!("object {number}"), what));
+        }
+        let array = |(index, name)| {
+            let section = container.take_section(tag::MODEL_ARRAY, number, index)?;
+            Ok(Array { name, bytes: section.bytes.to_vec(), wide: section.wide })
+        };
+        models.push(StoredModel { name, arrays: sections.map(array).collect::<Result<_, _>>()? });
     }
     Ok(models)
 }

@@ -2,9 +2,10 @@
 //! refused.
 
 use super::*;
+use crate::testing::{LodFile, LodObject, read, stored, write};
 use crate::{ObjDocument, ObjMaterial, SourceFormat, SubmeshInfo};
 use lodc_fixtures as fixtures;
-use lodc_lod::ModelKind;
+use lodc_lod::{AnyModel, ModelKind};
 use lodc_mesh::{Attribute, Component, Mesh, MeshParts, Semantic, Submesh};
 use lodc_strip::{StripOptions, StripPool};
 
@@ -187,7 +188,9 @@ fn sections_are_aligned_and_geometry_takes_no_more_than_is_needed() {
     let file = obj_file("icosphere");
     let bytes = write(&file);
     let v = file.objects[0].simplified.mesh().vertex_count() as u64;
-    let stored = stored_bytes(&file.objects[0].models[0], Layout::Packed);
+    let object = &file.objects[0];
+    let stored = geometry_bytes(&object.simplified, Layout::Packed)
+        + stored(&object.models[0], Layout::Packed).bytes();
     // Ten words, and five bytes and a bit for the step: error, triangles lost, last of its step or
     // not.
     assert!(stored <= 45 * v + v / 8 + 1, "{stored} bytes for {v} vertices");
@@ -226,7 +229,8 @@ fn sections_of_the_gpu_layout_are_what_a_device_is_given() {
     for section in sections(&bytes).expect("a whole file").iter().filter(|s| s.tag == *b"ATTR") {
         assert_eq!(section.bytes, mesh.attributes()[section.index as usize].bytes);
     }
-    let stored = |layout| stored_bytes(&object.models[0], layout);
+    let model = |layout| stored(&object.models[0], layout).bytes();
+    let stored = |layout| geometry_bytes(&object.simplified, layout) + model(layout);
     assert!(stored(Layout::Packed) < stored(Layout::Gpu));
     let more = bytes.len() - write(&all_models_file()).len();
     assert!(stored(Layout::Gpu) - stored(Layout::Packed) < more as u64);

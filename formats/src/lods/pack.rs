@@ -83,8 +83,8 @@ struct ObjectWriter<'a> {
 ///
 /// # Errors
 /// If strips do not draw their object, or something is larger than the format allows.
-pub fn pack(
-    file: &LodFile,
+pub fn pack<M>(
+    file: &LodFile<M>,
     strips: &[Option<&StripSet>],
     options: &PackOptions,
 ) -> Result<Packed, FormatError> {
@@ -143,7 +143,7 @@ const NOT_SHOWN: u64 = u64::MAX;
 /// Bytes of the block that ends a stream.
 const END_BYTES: u64 = 9;
 
-fn sequence_facts(object: &LodObject) -> SequenceFacts {
+fn sequence_facts<M>(object: &LodObject<M>) -> SequenceFacts {
     let parts = object.simplified.collapses().parts();
     SequenceFacts {
         last_legal_lod: parts.last_legal_lod.0,
@@ -165,7 +165,7 @@ struct StreamWriter<'a> {
 
 impl<'a> StreamWriter<'a> {
     /// Starts a stream with its first block.
-    fn new(file: &LodFile, document: EncodedDocument<'a>, version: u32) -> Self {
+    fn new<M>(file: &LodFile<M>, document: EncodedDocument<'a>, version: u32) -> Self {
         let head = Head {
             format: file.source.format,
             objects: file.objects.len() as u32,
@@ -211,8 +211,8 @@ impl<'a> StreamWriter<'a> {
 }
 
 impl<'a> ObjectWriter<'a> {
-    fn new(
-        object: &'a LodObject,
+    fn new<M>(
+        object: &'a LodObject<M>,
         strips: Option<&StripSet>,
         options: &PackOptions,
     ) -> Result<Self, FormatError> {

@@ -6,7 +6,7 @@ use super::report::{BenchObject, DeviceCurve};
 use super::subject::Subject;
 use crate::exit::Outcome;
 use crate::gpu::{self, Device, GpuArgs, GpuUse};
-use lodc_formats::lodc::LodObject;
+use lodc::LodObject;
 use lodc_mesh::{Lod, Simplified};
 #[cfg(feature = "gpu")]
 use std::collections::BTreeMap;

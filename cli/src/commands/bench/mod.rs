@@ -31,7 +31,7 @@ use crate::report::SCHEMA_VERSION;
 use crate::stages::Stages;
 use clap::Args;
 use crowd::CrowdArgs;
-use lodc_formats::lodc::LodObject;
+use lodc::LodObject;
 use lodc_formats::{Document, ObjectInfo, import};
 use lodc_lod::{AnyModel, ModelKind};
 use lodc_mesh::Simplified;

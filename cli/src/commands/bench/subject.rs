@@ -1,8 +1,9 @@
 //! Subjects of measurement: models and baselines, each with a cursor on it, as one list.
 
 use crate::exit::{Failure, Outcome, Status};
+use lodc::{LodObject, stored_bytes};
 use lodc_baseline::Baseline;
-use lodc_formats::lodc::{Layout, LodObject, stored_bytes};
+use lodc_formats::lodc::Layout;
 use lodc_lod::AnyModel;
 use lodc_mesh::{Lod, OrientedTriangle, Simplified};
 use lodc_model::{Model, StorageCost, Traffic};

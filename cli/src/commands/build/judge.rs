@@ -5,7 +5,7 @@ use super::known::Known;
 use crate::exit::Outcome;
 use crate::level_mesh;
 use crate::selector::SceneLevels;
-use lodc_formats::lodc::LodObject;
+use lodc::LodObject;
 use lodc_formats::{ObjectInfo, SceneObject, scene_graph};
 use lodc_measure::{Looks, Portrait, SceneSurface, Viewing};
 use lodc_mesh::Mesh;

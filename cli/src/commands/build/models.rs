@@ -4,7 +4,7 @@ use super::errors::SimplifiedObjects;
 use crate::levels;
 use crate::progress::Progress;
 use crate::stages::Stages;
-use lodc_formats::lodc::LodObject;
+use lodc::LodObject;
 use lodc_lod::ModelKind;
 use lodc_strip::{StripKind, StripOptions, StripPool, Strips};
 use rayon::prelude::*;

@@ -5,7 +5,7 @@ use crate::parts::PartArgs;
 use crate::report::ChainLevel;
 use crate::selector::{SceneLevels, ScreenArgs, bound, positive, size};
 use clap::Args;
-use lodc_formats::lodc::LodObject;
+use lodc::LodObject;
 use lodc_mesh::Lod;
 use lodc_select::{Selection, Target};
 use std::path::Path;

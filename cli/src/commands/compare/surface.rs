@@ -9,8 +9,8 @@ use crate::paints::Paints;
 use crate::progress::Progress;
 use crate::selector::SceneLevels;
 use crate::stages::Stages;
-use lodc_formats::import::{Either, either};
-use lodc_formats::lodc::LodObject;
+use lodc::LodObject;
+use lodc::{Input, read_input};
 use lodc_formats::{Document, ObjectInfo, scene_graph};
 use lodc_measure::SceneSurface;
 use lodc_mesh::{Lod, Mesh};
@@ -76,12 +76,12 @@ impl Subject {
             paints = needs_paints.then(|| asset.paints(path, import)).transpose()?;
             (asset.document, Objects::Levels(asset.objects), asset.warnings)
         } else {
-            match stages.run("import", || either(path, &options))? {
-                Either::Scene(scene) => {
+            match stages.run("import", || read_input(path, &options))? {
+                Input::Scene(scene) => {
                     let objects = scene.objects.into_iter().map(|o| (o.info, o.mesh)).collect();
                     (scene.document, Objects::Meshes(objects), scene.warnings)
                 }
-                Either::Levels(file) => {
+                Input::Levels(file) => {
                     (file.document, Objects::Levels(file.objects), file.left_out)
                 }
             }

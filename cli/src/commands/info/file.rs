@@ -10,8 +10,9 @@ use crate::report::{
     ObjectReport, SCHEMA_VERSION, SourceReport,
 };
 use crate::text::{count, distance, grouped, size};
+use lodc::LodObject;
 use lodc_formats::SourceFormat;
-use lodc_formats::lodc::{self, Layout, LodObject};
+use lodc_formats::lodc::{self as container, Layout};
 use lodc_lod::AnyModel;
 use lodc_lod::interactive::CollapseLists;
 use lodc_mesh::{CollapseSequence, Lod};
@@ -35,8 +36,8 @@ pub(super) fn report(name: &str, bytes: &[u8], baselines: bool) -> Outcome<InfoR
     Ok(InfoReport {
         schema_version: SCHEMA_VERSION,
         format: "lodc",
-        format_version: lodc::version(bytes).expect("a file that was read has a version"),
-        key: format!("{:032x}", lodc::key(bytes)),
+        format_version: container::version(bytes).expect("a file that was read has a version"),
+        key: format!("{:032x}", container::key(bytes)),
         bytes: bytes.len() as u64,
         source: SourceReport {
             format: match file.source.format {

@@ -8,7 +8,7 @@ use crate::levels;
 use crate::selector::SceneLevels;
 use crate::text::{count, distance};
 use crate::views::{CriterionName, SceneViews};
-use lodc_formats::lodc::LodObject;
+use lodc::LodObject;
 use lodc_lod::AnyModel;
 use lodc_mesh::{Lod, Mesh, OrientedTriangle};
 use lodc_select::Target;

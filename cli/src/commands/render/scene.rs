@@ -5,9 +5,9 @@ use super::options::Colouring;
 use crate::commands::asset::{self, SimplifyArgs};
 use crate::exit::{Failure, Outcome, Status};
 use crate::stages::Stages;
+use lodc::LodObject;
+use lodc::{Input, read_input};
 use lodc_formats::appearance::appearance;
-use lodc_formats::import::{Either, either};
-use lodc_formats::lodc::LodObject;
 use lodc_formats::{Assets, Document, ObjectInfo, Scene, scene_graph};
 use lodc_mesh::Mesh;
 use lodc_scene::{Appearance, Arrangement};
@@ -61,10 +61,10 @@ impl Objects {
 /// If the input cannot be read, or there is too much to draw.
 pub(super) fn read(args: &RenderArgs, stages: &mut Stages) -> Outcome<Shown> {
     let options = args.import.options();
-    let read = stages.run("read", || either(&args.input, &options))?;
+    let read = stages.run("read", || read_input(&args.input, &options))?;
     let (objects, document, warnings) = match read {
-        Either::Levels(file) => (Objects::Levels(file.objects), file.document, file.left_out),
-        Either::Scene(scene) => of_scene(args, scene, stages)?,
+        Input::Levels(file) => (Objects::Levels(file.objects), file.document, file.left_out),
+        Input::Scene(scene) => of_scene(args, scene, stages)?,
     };
     let infos: Vec<&ObjectInfo> = (0..objects.len()).map(|o| objects.info(o)).collect();
     // Only the folder of that path counts: textures are looked for there.

@@ -2,7 +2,7 @@
 
 use crate::commands::read::read_lodc;
 use crate::exit::{Failure, Outcome, Status};
-use lodc_formats::lodc::LodFile;
+use lodc::LodFile;
 use lodc_formats::{Limits, ObjectInfo, scene_graph};
 use lodc_scene::{Arrangement, posed};
 use lodc_select::LevelCurve;

@@ -8,7 +8,7 @@ use crate::exit::{Failure, Outcome, Status};
 use crate::output;
 use crate::progress::Progress;
 use crate::stages::Stages;
-use lodc_formats::lodc::{self, LodFile};
+use lodc::LodFile;
 use lodc_formats::lods::Unpacker;
 use lodc_strip::StripOptions;
 use lodc_verify::Reference;

@@ -1,7 +1,7 @@
 //! Stored errors against distances that are measured here, at a few levels of every object.
 
 use crate::report::CheckReport;
-use lodc_formats::lodc::LodObject;
+use lodc::LodObject;
 use lodc_measure::{Sampling, Surface, TriangleTree, farther_than};
 use lodc_mesh::{CollapseSequence, Lod, PositionIds, Simplified, SplitMix64, is_degenerate};
 use rayon::prelude::*;

@@ -3,7 +3,7 @@
 use crate::exit::{Failure, Outcome};
 use crate::gpu::{self, Device, GpuUse};
 use crate::report::CheckReport;
-use lodc_formats::lodc::LodFile;
+use lodc::LodFile;
 
 /// A graphics device that takes part, or why none does.
 pub(super) enum Gpu {

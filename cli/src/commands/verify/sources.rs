@@ -2,8 +2,8 @@
 
 use crate::batch::{self, MESHES};
 use crate::exit::{Failure, Outcome, Status};
+use lodc::LodFile;
 use lodc_formats::import::{ImportOptions, import};
-use lodc_formats::lodc::LodFile;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 

@@ -15,7 +15,7 @@ pub(crate) struct Mapped<'a> {
 impl<'a> Mapped<'a> {
     /// Reads a file, and finds the sections in its bytes.
     pub(crate) fn read(bytes: &'a [u8]) -> Result<Self, Box<dyn Error>> {
-        let (file, sections): (_, Result<_, FormatError>) = (read(bytes)?, sections(bytes));
+        let (file, sections): (_, Result<_, FormatError>) = (read(bytes, &[])?, sections(bytes));
         let mapped = Self { file, sections: sections? };
         if mapped.file.objects.is_empty() {
             return Err("the file has no object".into());

@@ -16,14 +16,15 @@ fn file(simplified: Simplified, layout: Layout) -> Vec<u8> {
         world_scale: 1.0,
         document_mesh: 0,
     };
-    write(&LodFile {
+    let file: LodFile = LodFile {
         source: Source { format: SourceFormat::Obj, content_hash: 0 },
         document: Document::Obj(ObjDocument::default()),
         objects: vec![LodObject { info, simplified: Arc::new(simplified), models: vec![] }],
         layout,
         made_from: None,
         left_out: vec![],
-    })
+    };
+    write(&file, |model, _| model.clone())
 }
 
 fn simplified(name: &str) -> Simplified {

@@ -21,7 +21,7 @@ fn golden(name: &str) -> PathBuf {
 
 fn source((name, version): (&str, u32)) -> LodFile {
     let bytes = std::fs::read(golden(&format!("v{version}/{name}.lodc"))).expect("a golden file");
-    crate::lodc::read(&bytes).expect("a golden file")
+    crate::testing::read(&bytes).expect("a golden file")
 }
 
 fn stream(version: u32, name: &str) -> Vec<u8> {

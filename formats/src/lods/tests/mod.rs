@@ -10,7 +10,8 @@ mod quantize;
 
 use super::block::{self, Block, Parsed};
 use super::{PackOptions, Packed, Unpacker, pack};
-use crate::lodc::{Layout, LodFile, LodObject};
+use crate::lodc::Layout;
+use crate::testing::{LodFile, LodObject};
 use crate::{
     Document, GltfDocument, Limits, ObjDocument, ObjectInfo, Source, SourceFormat, SubmeshInfo,
 };

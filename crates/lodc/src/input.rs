@@ -1,0 +1,18 @@
+//! Inputs that are meshes or files of levels.
+
+use lodc_formats::FormatError;
+use lodc_formats::import::{self, ImportOptions};
+use lodc_lod::AnyModel;
+use std::path::Path;
+
+/// A mesh file or a `.lodc` file.
+pub type Input = import::Either<AnyModel>;
+
+/// Reads a mesh file or a `.lodc` file, `-` from standard input.
+///
+/// # Errors
+/// If it cannot be read, is malformed, unsupported, or larger than the limits. The error names the
+/// file.
+pub fn read_input(path: &Path, options: &ImportOptions) -> Result<Input, FormatError> {
+    import::either(path, options, crate::read)
+}
