@@ -2,9 +2,9 @@
 
 use crate::bits;
 use crate::exit::{Failure, Outcome};
-use crate::level_mesh::Order;
 use crate::mesh_output::FormatName;
 use clap::{Args, ValueEnum};
+use lodc::level_mesh::Order;
 use lodc_formats::export::{Additions, Precision, Provenance};
 use lodc_formats::textures::PlacedTextures;
 

@@ -72,6 +72,17 @@ impl From<FormatError> for Failure {
     }
 }
 
+impl From<lodc::Error> for Failure {
+    fn from(error: lodc::Error) -> Self {
+        match error {
+            lodc::Error::Format(error) => error.into(),
+            lodc::Error::Request(what) => Self::usage(what),
+            lodc::Error::Bug(what) => Self::new(Status::Bug, what),
+            other => Self::new(Status::Bug, other.to_string()),
+        }
+    }
+}
+
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}", self.message)

@@ -2,7 +2,6 @@
 //! what may be named, what help says of it, and what its default is.
 
 use crate::exit::{Failure, Outcome};
-use crate::levels;
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use lodc_formats::lodc::Layout;
@@ -156,9 +155,15 @@ impl ModelArgs {
         match (none, named.is_empty()) {
             (true, true) => Ok(vec![]),
             (true, false) => Err(Failure::usage("--models none goes with no other name")),
-            (false, _) => Ok(levels::chosen(&named)),
+            (false, _) => Ok(chosen(&named)),
         }
     }
+}
+
+/// The kinds that were asked for, in the order of files; all if none was named.
+pub(crate) fn chosen(named: &[ModelKind]) -> Vec<ModelKind> {
+    let wanted = |kind: &ModelKind| named.is_empty() || named.contains(kind);
+    ModelKind::ALL.into_iter().filter(wanted).collect()
 }
 
 /// The names of all that may be written.

@@ -1,10 +1,10 @@
 //! Options that raise or lower the limits on inputs.
 
-use crate::estimate::{Need, Size};
 use crate::exit::{Failure, Outcome, Status};
 use crate::huge_pages;
 use crate::text::{count, size as size_of};
 use clap::Args;
+use lodc::build::{Need, Size};
 use lodc_formats::Limits;
 use lodc_formats::import::ImportOptions;
 use std::path::PathBuf;

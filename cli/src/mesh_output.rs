@@ -4,6 +4,7 @@ use crate::console;
 use crate::exit::{Failure, Outcome};
 use crate::output::{self, Target};
 use clap::ValueEnum;
+use lodc::level_mesh::Order;
 use lodc_formats::export::{Additions, ExportFormat, ExportObject, export_with};
 use lodc_formats::{Document, OutputFile};
 use std::path::{Path, PathBuf};
@@ -15,6 +16,27 @@ pub(crate) enum FormatName {
     Gltf,
     Obj,
     Ply,
+}
+
+/// Orders of triangles and vertices that can be asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum OrderName {
+    /// For vertex caches; vertices by first use, identical ones once
+    Cache,
+    /// For compression; vertices by first use, identical ones once
+    Size,
+    /// As in the input
+    File,
+}
+
+impl From<OrderName> for Order {
+    fn from(name: OrderName) -> Self {
+        match name {
+            OrderName::Cache => Self::Cache,
+            OrderName::Size => Self::Size,
+            OrderName::File => Self::File,
+        }
+    }
 }
 
 impl FormatName {

@@ -2,12 +2,7 @@
 
 use crate::exit::{Failure, Outcome};
 use clap::Args;
-use lodc::LodObject;
-use lodc_formats::{Document, Limits, ObjectInfo, scene_graph};
-use lodc_mesh::Simplified;
-use lodc_scene::{Arrangement, Graph};
-use lodc_select::{Candidate, Selection, Target, View, losses, select};
-use std::sync::OnceLock;
+use lodc_select::{Target, View};
 
 /// At most one of these says which level of detail is wanted.
 #[derive(Args, Clone, Debug)]
@@ -109,109 +104,6 @@ impl SelectorArgs {
         let seen = t.pixels.zip(self.distance).map(|(p, d)| self.screen.error(p, d));
         let chosen = t.lod.map(Target::Lod).or(t.ratio.map(Target::Ratio));
         chosen.or(t.triangles.map(Target::Triangles)).or(t.error).or(t.rms).or(seen)
-    }
-}
-
-/// Objects to choose levels of detail for, and the scene that shows them.
-pub(crate) struct SceneLevels<'a> {
-    objects: &'a [LodObject],
-    scene: Arrangement,
-    losses: OnceLock<Vec<Vec<f64>>>,
-}
-
-impl<'a> SceneLevels<'a> {
-    /// # Errors
-    /// If the stored document is damaged.
-    pub(crate) fn new(
-        objects: &'a [LodObject],
-        document: &Document,
-        limits: &Limits,
-    ) -> Outcome<Self> {
-        let infos: Vec<&ObjectInfo> = objects.iter().map(|o| &o.info).collect();
-        let graph = match objects {
-            // Only what several objects lose depends on where they stand.
-            [] | [_] => Graph::of_objects(objects.len() as u32),
-            _ => scene_graph(document, &infos, limits)?,
-        };
-        let scene = Arrangement::new(&graph, &graph.rest_pose(), objects.len());
-        Ok(Self { objects, scene, losses: OnceLock::new() })
-    }
-
-    /// Returns the objects.
-    pub(crate) fn objects(&self) -> &'a [LodObject] {
-        self.objects
-    }
-
-    /// Objects as they are selected from.
-    pub(crate) fn candidates(&self) -> Vec<Candidate<'a>> {
-        let candidate = |o: &'a LodObject| Candidate {
-            name: &o.info.name,
-            collapses: o.simplified.collapses(),
-            scale: o.info.world_scale,
-            diagonal: o.simplified.mesh().diagonal(),
-        };
-        self.objects.iter().map(candidate).collect()
-    }
-
-    /// Chooses one level of detail per object.
-    ///
-    /// # Errors
-    /// If a record number is asked of several objects at once, or a root mean square distance where
-    /// none was measured.
-    pub(crate) fn select(&self, target: Target, per_object: bool) -> Outcome<Selection> {
-        self.check_measured(target)?;
-        let losses = || {
-            self.losses.get_or_init(|| {
-                let objects: Vec<&Simplified> =
-                    self.objects.iter().map(|o| &*o.simplified).collect();
-                losses(&objects, &self.scene)
-            })
-        };
-        select(&self.candidates(), target, per_object, losses).map_err(|e| {
-            Failure::usage(format!(
-                "--lod counts the records of one object, and there are {}: add --per-object, or \
-                 use --ratio, --triangles or --error",
-                e.objects
-            ))
-        })
-    }
-
-    /// Chooses as [`Self::select`] does, but no level coarser than `cap`, an error, allows. Objects
-    /// for which `own` has a target by their name have their level by themselves.
-    ///
-    /// # Errors
-    /// As [`Self::select`].
-    pub(crate) fn select_capped(
-        &self,
-        target: Target,
-        own: impl Fn(&str) -> Option<Target>,
-        cap: Option<Target>,
-        per_object: bool,
-    ) -> Outcome<Selection> {
-        let mut chosen = self.select(target, per_object)?;
-        let objects = self.objects.iter().enumerate();
-        let own: Vec<_> = objects.filter_map(|(i, o)| Some((i, own(&o.info.name)?))).collect();
-        if !own.is_empty() {
-            chosen.put(&self.candidates(), own.into_iter());
-        }
-        if let Some(cap) = cap {
-            chosen.cap(&self.candidates(), &self.select(cap, per_object)?);
-        }
-        Ok(chosen)
-    }
-
-    /// Refuses to choose by a distance that was not measured.
-    fn check_measured(&self, target: Target) -> Outcome<()> {
-        let by_rms = matches!(target, Target::Rms(_) | Target::RmsShare(_));
-        let estimate = |o: &&LodObject| !o.simplified.collapses().is_measured();
-        match self.objects.iter().find(|o| by_rms && estimate(o)) {
-            Some(o) => Err(Failure::usage(format!(
-                "{}: has errors that are estimates, and no root mean square distances: build it \
-                 again for --rms, or use --error",
-                o.info.name
-            ))),
-            None => Ok(()),
-        }
     }
 }
 

@@ -1,19 +1,16 @@
 //! An asset with its levels: read from a `.lodc` file, or simplified in memory from a mesh.
 
-use crate::commands::build::{
-    Importance, Known, measure_all, object_options, paints, simplify_all,
-};
-use crate::estimate::Size;
+use crate::commands::build::{importance, object_options, paints};
 use crate::exit::Outcome;
 use crate::importance::ImportanceArgs;
 use crate::kinds::LookArgs;
 use crate::limits::ImportArgs;
-use crate::paints::Paints;
 use crate::parts::PartArgs;
 use crate::progress::Progress;
 use crate::stages::Stages;
 use clap::Args;
 use lodc::LodObject;
+use lodc::build::{Known, Paints, Size, measure_all, simplify_all};
 use lodc::{Input, read_input};
 use lodc_formats::appearance::appearance;
 use lodc_formats::{Assets, Document, ObjectInfo, Scene, Source};
@@ -184,11 +181,12 @@ fn simplified_showing(
     let needs = [size.simplify(options.iter().map(|o| o.metric)), size.errors()];
     import.limits().check_memory(&name, size, &needs)?;
     let paints = paints(import, input, &scene, &options)?;
-    let importance = Importance::new(&scene, &options, &how.importance, &how.parts)?;
+    let importance = importance(&scene, &options, &how.importance, &how.parts)?;
     let Scene { source, document, objects, mut warnings, mut files_read, compressed } = scene;
     let known =
         Known { paints: paints.shown(), importance: &importance, document: &document, limits };
-    let simplified = stages.run("simplify", || simplify_all(objects, &options, known, progress))?;
+    let watch = stages.watched(progress);
+    let simplified = simplify_all(objects, &options, known, &watch)?;
     if how.metric.is_given() {
         // Else the command says what it cannot show; the metric sees what there is.
         warnings.extend(paints.warnings);
@@ -196,9 +194,7 @@ fn simplified_showing(
     files_read.extend(paints.files_read);
     let simplified = match errors {
         Errors::Unused => simplified,
-        Errors::Measured => {
-            stages.run("errors", || measure_all(simplified, &document, &limits, progress))?
-        }
+        Errors::Measured => measure_all(simplified, &document, &limits, &watch)?,
     };
     let object = |(info, simplified)| LodObject { info, simplified, models: Vec::new() };
     let objects = simplified.into_iter().map(object).collect();

@@ -1,7 +1,6 @@
 //! `lodc strips`: the strip generators by themselves, for study and comparison.
 
 use crate::console::{note, warning};
-use crate::estimate::Size;
 use crate::exit::{Failure, Outcome, Status};
 use crate::kinds::{Choice, parser, parser_with};
 use crate::limits::ImportArgs;
@@ -10,6 +9,7 @@ use crate::stages::Stages;
 use crate::text::count;
 use clap::Args;
 use clap::builder::TypedValueParser;
+use lodc::build::Size;
 use lodc_formats::import;
 use lodc_mesh::Mesh;
 use lodc_strip::{CacheModel, CacheOptions, Effort, StripKind, measure, order};

@@ -3,8 +3,9 @@
 use super::ViewArgs;
 use super::options::{CriterionName, Extent};
 use crate::exit::{Failure, Outcome, Status};
-use crate::selector::{SceneLevels, SelectorArgs};
+use crate::selector::SelectorArgs;
 use lodc::LodObject;
+use lodc::SceneLevels;
 use lodc_lod::interactive::view::{
     Family, LodRange, Selector, State, finest_within, kept, live_triangles, morphed_mesh,
 };

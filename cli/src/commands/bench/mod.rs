@@ -22,8 +22,8 @@ use super::read::read_lodc;
 use crate::console::{self, error, warning};
 use crate::exit::{Failure, Outcome, Status};
 use crate::gpu::{Device, GpuArgs};
+use crate::kinds::chosen;
 use crate::kinds::{MetricArgs, StripArgs, parser};
-use crate::levels;
 use crate::limits::ImportArgs;
 use crate::output::{self, Target};
 use crate::progress::Progress;
@@ -32,6 +32,7 @@ use crate::stages::Stages;
 use clap::Args;
 use crowd::CrowdArgs;
 use lodc::LodObject;
+use lodc::build;
 use lodc_formats::{Document, ObjectInfo, import};
 use lodc_lod::{AnyModel, ModelKind};
 use lodc_mesh::Simplified;
@@ -216,7 +217,7 @@ fn prepare(
     pool.make(&StripKind::ALL, &|_| {});
     let strips = StripKind::ALL.map(|kind| pool.get(kind));
     let has = |models: &[AnyModel], kind: ModelKind| models.iter().any(|m| m.kind() == kind);
-    let kinds = levels::chosen(&args.models);
+    let kinds = chosen(&args.models);
     if !args.models.is_empty() {
         models.retain(|m| kinds.contains(&m.kind()));
     }
@@ -224,8 +225,8 @@ fn prepare(
     if options.kind.is_some() {
         pool = StripPool::new(&simplified, options);
     }
-    let bug = |what: String| Failure::new(Status::Bug, format!("{}: {what}", info.name));
-    models.extend(levels::models(&mut pool, &missing, &|_| {}).map_err(bug)?);
+    let bug = |e: lodc::Error| Failure::new(Status::Bug, format!("{}: {e}", info.name));
+    models.extend(build::models(&mut pool, &missing, &|_| {}).map_err(bug)?);
     models.sort_by_key(AnyModel::kind);
     Ok(Prepared { object: LodObject { info, simplified, models }, strips })
 }

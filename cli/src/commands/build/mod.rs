@@ -1,21 +1,14 @@
 //! `lodc build`: OBJ, glTF and GLB to `.lodc`.
 
 mod counts;
-mod errors;
-mod judge;
 mod known;
-mod models;
 mod pipeline;
-mod simplify;
 mod summary;
 mod work;
 
 pub(crate) use counts::counts;
-pub(crate) use errors::{SimplifiedObjects, measure_all};
-pub(crate) use known::{Importance, Known};
-pub(crate) use models::ModelWork;
+pub(crate) use known::importance;
 pub(crate) use pipeline::{object_options, paints};
-pub(crate) use simplify::simplify_all;
 
 use crate::batch::{self, BatchArgs, MESHES, Sources};
 use crate::commands::each;

@@ -1,19 +1,14 @@
 //! The stages of one build: import, simplify, errors, strips, models, check, write.
 
-use super::errors::measure_all;
-use super::known::{Importance, Known};
-use super::models::ModelWork;
-use super::simplify::simplify_all;
-use super::{BuildArgs, counts};
-use crate::estimate::Size;
+use super::{BuildArgs, counts, importance};
 use crate::exit::{Failure, Outcome, Status};
 use crate::limits::ImportArgs;
 use crate::output::{self, Target};
-use crate::paints::Paints;
 use crate::parts::PartArgs;
 use crate::progress::Progress;
 use crate::report::InputReport;
 use crate::stages::Stages;
+use lodc::build::{Known, Paints, Size, build_models, check_models, measure_all, simplify_all};
 use lodc::{LodFile, LodObject, write};
 use lodc_formats::appearance::appearance;
 use lodc_formats::lodc::MadeFrom;
@@ -53,30 +48,31 @@ pub(super) fn make(
     let kinds = args.models.kinds()?;
     check_memory(args, input, size, &options, &kinds)?;
     let paints = paints(&args.import, input, &scene, &options)?;
-    let importance = Importance::new(&scene, &options, &args.importance, &args.parts)?;
+    let importance = importance(&scene, &options, &args.importance, &args.parts)?;
     let Scene { source, document, objects, mut files_read, .. } = scene;
     let limits = args.import.options().limits;
     let seen = paints.shown();
     let known = Known { paints: seen, importance: &importance, document: &document, limits };
-    let simplified = stages.run("simplify", || simplify_all(objects, &options, known, progress))?;
+    let watch = stages.watched(progress);
+    let simplified = simplify_all(objects, &options, known, &watch)?;
     report.warnings.extend(paints.warnings);
     for image in paints.files_read.into_iter().chain(images(args, input, &document)?) {
         if !files_read.contains(&image) {
             files_read.push(image);
         }
     }
-    let simplified =
-        stages.run("errors", || measure_all(simplified, &document, &limits, progress))?;
+    let simplified = measure_all(simplified, &document, &limits, &watch)?;
 
-    let bug = |what: String| {
-        Failure::new(Status::Bug, format!("{}: {what}; nothing was written", input.display()))
+    let bug = |error: lodc::Error| {
+        Failure::new(Status::Bug, format!("{}: {error}; nothing was written", input.display()))
     };
     report.models = kinds.iter().map(|kind| kind.name()).collect();
-    let mut work = ModelWork { kinds: &kinds, triangles: size.triangles, stages, progress };
-    let objects = work.build_all(simplified, args.strips.options(), vec![]).map_err(bug)?;
+    let strips = args.strips.options();
+    let objects = build_models(simplified, &kinds, strips, vec![], &watch).map_err(bug)?;
     fill_in(report, &objects);
 
-    work.check_all(&objects).map_err(bug)?;
+    check_models(&objects, &watch).map_err(bug)?;
+    drop(watch);
 
     progress.stage("write");
     let made_from = MadeFrom::of(input, &files_read, &args.resolved, start);

@@ -2,10 +2,10 @@
 
 use super::pipeline::BuildOutput;
 use crate::console::{Loudness, note, wants};
-use crate::levels::TABLE;
 use crate::output::Target as Output;
-use crate::selector::SceneLevels;
 use crate::text::{count, distance, grouped, percent, quoted, size};
+use lodc::SceneLevels;
+use lodc::levels::TABLE;
 use lodc_formats::Limits;
 use lodc_select::{Selection, Target, scene_diagonal};
 use std::fmt::Write;

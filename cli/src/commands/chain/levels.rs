@@ -3,9 +3,10 @@
 use crate::exit::{Failure, Outcome};
 use crate::parts::PartArgs;
 use crate::report::ChainLevel;
-use crate::selector::{SceneLevels, ScreenArgs, bound, positive, size};
+use crate::selector::{ScreenArgs, bound, positive, size};
 use clap::Args;
 use lodc::LodObject;
+use lodc::SceneLevels;
 use lodc_mesh::Lod;
 use lodc_select::{Selection, Target};
 use std::path::Path;

@@ -16,14 +16,14 @@ use crate::output::{self, Rule, Target};
 use crate::progress::Progress;
 use crate::report::ChainReport;
 use crate::results::reported;
-use crate::selector::{SceneLevels, bound};
+use crate::selector::bound;
 use crate::stages::Stages;
 use clap::Args;
 use levels::{Level, LevelArgs};
+use lodc::SceneLevels;
 use lodc_formats::OutputFile;
 use lodc_formats::export::{LevelFacts, Provenance};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 /// Options of `chain`.
 #[derive(Args, Debug)]
@@ -132,10 +132,11 @@ fn chain(
     warnings.extend_from_slice(&textures.warnings);
     let packing = args.export.compress.wanted(format, asset.compressed)?;
     let additions = packing.additions(textures, None);
-    let paints =
-        if args.refit { asset.paints(input, &args.export.import)? } else { Arc::default() };
+    let paints = args.refit.then(|| asset.paints(input, import)).transpose()?;
     let made = stages.run("export", || match args.separate {
-        true => separate::files(args, &paints, out, format, &asset, &mut levels, additions),
+        true => {
+            separate::files(args, paints.as_deref(), out, format, &asset, &mut levels, additions)
+        }
         false => shared::files(args, out, format, &asset, &mut levels, additions),
     })?;
     stages.run("write", || output::commit(&made.files))?;

@@ -5,16 +5,16 @@ use super::{ChainArgs, Files, provenance};
 use crate::commands::asset::Asset;
 use crate::compression::Packing;
 use crate::exit::Outcome;
-use crate::level_mesh::{self, Shape};
 use crate::mesh_output::{self, FormatName};
 use crate::output::Target;
-use crate::paints::Paints;
+use lodc::build::{Paints, refitted_meshes};
+use lodc::level_mesh::{self, Shape};
 use lodc_formats::export::Additions;
 use std::path::{Path, PathBuf};
 
 pub(super) fn files(
     args: &ChainArgs,
-    paints: &Paints,
+    paints: Option<&Paints>,
     out: &Path,
     format: FormatName,
     asset: &Asset,
@@ -23,9 +23,12 @@ pub(super) fn files(
 ) -> Outcome<Files> {
     let (mut files, mut of_level) = (Vec::new(), Vec::new());
     let order = Packing::of(&additions).order();
-    let shape = Shape { model: None, refit: args.refit, order };
+    let shape = Shape { model: None, order };
     for (number, level) in levels.iter_mut().enumerate() {
-        let meshes = level_mesh::meshes(&asset.objects, &level.lods, shape, paints)?;
+        let meshes = match paints {
+            Some(paints) => refitted_meshes(&asset.objects, &level.lods, order, paints),
+            None => level_mesh::meshes(&asset.objects, &level.lods, shape)?,
+        };
         // Of refitted meshes they are measured.
         (level.error, level.rms) = level_mesh::distance(&asset.objects, &meshes);
         level.vertices = meshes.iter().map(|m| m.mesh.vertex_count() as u64).sum();

@@ -8,8 +8,7 @@ use crate::batch::Asset;
 use crate::console::{self, Loudness, note, wants};
 use crate::exit::{Failure, Outcome, Status};
 use crate::kinds::{Choice, parser_with};
-use crate::level_mesh::Order;
-use crate::mesh_output::{self, FormatName};
+use crate::mesh_output::{self, FormatName, OrderName};
 use crate::output;
 use crate::pose::PoseArgs;
 use crate::report::ExtractReport;
@@ -52,7 +51,7 @@ pub(crate) struct ExtractArgs {
     refit: bool,
     /// The order of triangles and vertices [default: size where geometry is compressed, else cache]
     #[arg(long, value_enum)]
-    order: Option<Order>,
+    order: Option<OrderName>,
     #[command(flatten)]
     export: ExportArgs,
 }

@@ -4,22 +4,22 @@ use super::ExtractArgs;
 use crate::commands::asset::{self, Asset, Errors};
 use crate::commands::export::Made;
 use crate::exit::{Failure, Outcome};
-use crate::level_mesh::{self, LevelMesh, Order, Shape};
 use crate::mesh_output::{self, FormatName};
 use crate::output::{Rule, Target};
 use crate::progress::Progress;
 use crate::report::{ExtractReport, ExtractedObject, SCHEMA_VERSION};
-use crate::selector::SceneLevels;
 use crate::stages::Stages;
 use crate::views::{CriterionName, SceneViews};
 use lodc::LodObject;
+use lodc::SceneLevels;
+use lodc::build::refitted_meshes;
+use lodc::level_mesh::{self, LevelMesh, Order, Shape};
 use lodc_formats::export::{LevelFacts, Provenance};
 use lodc_formats::{ObjectInfo, scene_graph};
 use lodc_lod::{AnyModel, ModelKind};
 use lodc_mesh::{Lod, Mesh};
 use lodc_scene::Arrangement;
 use std::path::Path;
-use std::sync::Arc;
 
 /// Extracts the level of one input.
 ///
@@ -38,7 +38,7 @@ pub(super) fn extract(
     let errors = errors(args);
     let asset = asset::read_showing(progress, input, import, simplify, errors, &mut stages)?;
     let packing = args.export.compress.wanted(format, asset.compressed)?;
-    let order = args.order.unwrap_or(packing.order());
+    let order = args.order.map_or(packing.order(), Into::into);
     let level = match criterion {
         Some(name) => view(args, name, order, input, &asset, &mut stages)?,
         None => uniform(args, order, input, &asset, &mut stages)?,
@@ -93,7 +93,7 @@ fn uniform(
     asset: &Asset,
     stages: &mut Stages,
 ) -> Outcome<Level> {
-    let shape = Shape { model: model(args, input, asset)?, refit: args.refit, order };
+    let shape = Shape { model: model(args, input, asset)?, order };
     let limits = args.export.import.limits().limits();
     let scene = SceneLevels::new(&asset.objects, &asset.document, &limits)?;
     let wish = args.selector.target().expect("there is a level or a criterion");
@@ -101,10 +101,12 @@ fn uniform(
     let own = |object: &str| args.export.simplify.parts.ratio(object);
     let chosen =
         stages.run("select", || scene.select_capped(wish, own, args.max_error, per_object))?;
-    let paints =
-        if args.refit { asset.paints(input, &args.export.import)? } else { Arc::default() };
-    let meshes = stages
-        .run("extract", || level_mesh::meshes(&asset.objects, &chosen.lods, shape, &paints))?;
+    let meshes = if args.refit {
+        let paints = asset.paints(input, &args.export.import)?;
+        stages.run("extract", || refitted_meshes(&asset.objects, &chosen.lods, order, &paints))
+    } else {
+        stages.run("extract", || level_mesh::meshes(&asset.objects, &chosen.lods, shape))?
+    };
     Ok(Level {
         meshes,
         lods: chosen.lods.into_iter().map(Some).collect(),

@@ -4,13 +4,13 @@ use crate::commands::bench;
 use crate::commands::build::counts;
 use crate::commands::read::parse_lodc;
 use crate::exit::Outcome;
-use crate::levels;
 use crate::report::{
     BitsPerVertex, InfoReport, ListsReport, ListsToReport, LodReport, ModelReport, ObjectCounts,
     ObjectReport, SCHEMA_VERSION, SourceReport,
 };
 use crate::text::{count, distance, grouped, size};
 use lodc::LodObject;
+use lodc::levels;
 use lodc_formats::SourceFormat;
 use lodc_formats::lodc::{self as container, Layout};
 use lodc_lod::AnyModel;

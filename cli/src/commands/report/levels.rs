@@ -3,8 +3,8 @@
 use crate::colours::heat;
 use crate::commands::asset::Asset;
 use crate::exit::Outcome;
-use crate::level_mesh;
-use crate::selector::SceneLevels;
+use lodc::SceneLevels;
+use lodc::level_mesh;
 use lodc_formats::picture::png;
 use lodc_measure::{ImageError, Looks, Picture, Portrait, SceneSurface, TriangleTree, Viewing};
 use lodc_mesh::Mesh;

@@ -2,13 +2,12 @@
 //! measured and models made anew (thesis 4.3.3).
 
 use super::{Stream, UnpackArgs, read, summary};
-use crate::commands::build::{ModelWork, SimplifiedObjects, measure_all};
-use crate::estimate::Size;
 use crate::exit::{Failure, Outcome, Status};
 use crate::output;
 use crate::progress::Progress;
 use crate::stages::Stages;
 use lodc::LodFile;
+use lodc::build::{SimplifiedObjects, Size, build_models, check_models, measure_all};
 use lodc_formats::lods::Unpacker;
 use lodc_strip::StripOptions;
 use lodc_verify::Reference;
@@ -74,20 +73,21 @@ fn file(
 ) -> Outcome<LodFile> {
     let meshes = simplified.iter().map(|(_, s)| s.mesh());
     let size = Size::of(meshes.map(|m| (m.triangles().len(), m.vertex_count())));
-    let triangles = size.triangles;
     let kinds = args.models.kinds()?;
     args.limits.check_memory(name, size, &[size.errors(), size.models(&kinds)])?;
     stages.run("verify", || check(&simplified, name))?;
     let progress = Progress::new(name);
     let document = unpacker.document().expect("a complete stream has a document").clone();
     let limits = args.limits.limits();
-    let measured =
-        stages.run("errors", || measure_all(simplified, &document, &limits, &progress))?;
-    let bug = |what| Failure::new(Status::Bug, format!("{name}: {what}; nothing was written"));
+    let watch = stages.watched(&progress);
+    let measured = measure_all(simplified, &document, &limits, &watch)?;
+    let bug = |error: lodc::Error| {
+        Failure::new(Status::Bug, format!("{name}: {error}; nothing was written"))
+    };
     let strips = (0..unpacker.objects()).map(|i| unpacker.rebuilt_strips(i)).collect();
-    let mut work = ModelWork { kinds: &kinds, triangles, stages, progress: &progress };
-    let objects = work.build_all(measured, StripOptions::default(), strips).map_err(bug)?;
-    work.check_all(&objects).map_err(bug)?;
+    let options = StripOptions::default();
+    let objects = build_models(measured, &kinds, options, strips, &watch).map_err(bug)?;
+    check_models(&objects, &watch).map_err(bug)?;
     let source = unpacker.source().expect("a complete stream has a source").clone();
     let (layout, left_out) = (args.models.layout(), Vec::new());
     Ok(LodFile { source, document, objects, layout, made_from: None, left_out })

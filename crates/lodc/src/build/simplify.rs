@@ -1,11 +1,10 @@
 //! The stage that simplifies. Where objects are to look good, pictures decide how.
 
-use super::errors::SimplifiedObjects;
+use super::estimate::Size;
 use super::judge::{Judge, Verdict, verdict};
-use super::known::Known;
-use crate::estimate::Size;
-use crate::exit::Outcome;
-use crate::progress::Progress;
+use super::watch::staged;
+use super::{Known, SimplifiedObjects, Watch};
+use crate::Error;
 use lodc_formats::SceneObject;
 use lodc_simplify::{Guidance, MetricKind, Options, SurfaceColours, simplify_guided};
 use rayon::prelude::*;
@@ -22,28 +21,37 @@ const SAMPLES_OF_SMALL: u64 = 64_000;
 ///
 /// # Errors
 /// If the stored document is damaged.
-pub(crate) fn simplify_all(
+pub fn simplify_all(
     objects: Vec<SceneObject>,
     options: &[Options],
     known: Known<'_>,
-    progress: &Progress,
-) -> Outcome<SimplifiedObjects> {
+    watch: &dyn Watch,
+) -> Result<SimplifiedObjects, Error> {
+    staged(watch, "simplify", None, || best(objects, options, known, watch))
+}
+
+fn best(
+    objects: Vec<SceneObject>,
+    options: &[Options],
+    known: Known<'_>,
+    watch: &dyn Watch,
+) -> Result<SimplifiedObjects, Error> {
     if !options.iter().any(is_hybrid) {
-        return Ok(each(objects, options, known, progress));
+        return Ok(each(objects, options, known, watch));
     }
     let Some(judge) = Judge::new(&objects, known)? else {
-        return Ok(each(objects, options, known, progress));
+        return Ok(each(objects, options, known, watch));
     };
     let by_quadric = instead(options, |o| Options { metric: MetricKind::Quadric, ..o });
-    let quadric = each(objects.clone(), &by_quadric, known, progress);
+    let quadric = each(objects.clone(), &by_quadric, known, watch);
     let plain = judge.errors(&quadric)?;
     if let Some(options) = with_samples(options, &objects) {
-        let closer = each(objects.clone(), &options, known, progress);
+        let closer = each(objects.clone(), &options, known, watch);
         if verdict(&plain, &judge.errors(&closer)?) == Verdict::Everywhere {
             return Ok(closer);
         }
     }
-    let hybrid = each(objects.clone(), options, known, progress);
+    let hybrid = each(objects.clone(), options, known, watch);
     let between = match verdict(&plain, &judge.errors(&hybrid)?) {
         Verdict::Everywhere => return Ok(hybrid),
         Verdict::Nowhere => return Ok(quadric),
@@ -51,7 +59,7 @@ pub(crate) fn simplify_all(
     };
     drop(hybrid);
     let partly = instead(options, |o| Options { hybrid_between: between, ..o });
-    let mixed = each(objects, &partly, known, progress);
+    let mixed = each(objects, &partly, known, watch);
     let is_better = verdict(&plain, &judge.errors(&mixed)?) == Verdict::Everywhere;
     Ok(if is_better { mixed } else { quadric })
 }
@@ -82,10 +90,10 @@ fn each(
     objects: Vec<SceneObject>,
     options: &[Options],
     known: Known<'_>,
-    progress: &Progress,
+    watch: &dyn Watch,
 ) -> SimplifiedObjects {
     let triangles = |object: &SceneObject| object.mesh.triangles().len() as u64;
-    progress.stage_of("simplify", objects.iter().map(triangles).sum());
+    watch.begin("simplify", Some(objects.iter().map(triangles).sum()));
     let one = |(number, object): (usize, SceneObject)| {
         // Objects weigh in by their triangles; each says how many of its groups are gone.
         let weight = triangles(&object);
@@ -93,7 +101,7 @@ fn each(
         let report_progress = |gone: u64, groups: u64| {
             let now = weight * gone / groups.max(1);
             let last = before.fetch_max(now, Ordering::Relaxed);
-            progress.add(now.saturating_sub(last));
+            watch.add(now.saturating_sub(last));
         };
         let textured = known.paints.filter(|p| p.has_textures());
         let colours = textured.map(|p| p.of_object(number));

@@ -7,23 +7,27 @@ use lodc_formats::SceneObject;
 use lodc_lod::ModelKind;
 use lodc_simplify::MetricKind;
 
-/// Triangles and vertices of all objects.
+/// The size of a scene.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Size {
-    pub(crate) triangles: u64,
-    pub(crate) vertices: u64,
+pub struct Size {
+    /// Triangles of all objects.
+    pub triangles: u64,
+    /// Vertices of all objects.
+    pub vertices: u64,
 }
 
 /// Bytes that a stage may need.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) struct Need {
-    pub(crate) bytes: u64,
-    pub(crate) stage: &'static str,
+pub struct Need {
+    /// Bytes at its peak.
+    pub bytes: u64,
+    /// Its name in reports.
+    pub stage: &'static str,
 }
 
 impl Size {
     /// The size of some meshes, given by their triangles and vertices.
-    pub(crate) fn of(meshes: impl Iterator<Item = (usize, usize)>) -> Self {
+    pub fn of(meshes: impl Iterator<Item = (usize, usize)>) -> Self {
         meshes.fold(Self { triangles: 0, vertices: 0 }, |all, (triangles, vertices)| Self {
             triangles: all.triangles.saturating_add(triangles as u64),
             vertices: all.vertices.saturating_add(vertices as u64),
@@ -31,12 +35,12 @@ impl Size {
     }
 
     /// The size of the objects of a scene.
-    pub(crate) fn of_objects(objects: &[SceneObject]) -> Self {
+    pub fn of_objects(objects: &[SceneObject]) -> Self {
         Self::of(objects.iter().map(|o| (o.mesh.triangles().len(), o.mesh.vertex_count())))
     }
 
     /// The need of simplification. Metrics that look at the surface take the mesh as a whole.
-    pub(crate) fn simplify(self, metrics: impl Iterator<Item = MetricKind>) -> Need {
+    pub fn simplify(self, metrics: impl Iterator<Item = MetricKind>) -> Need {
         let looks = |metric| metric != MetricKind::Quadric;
         let loose = self.bytes(0, 490).saturating_sub(self.bytes(60, 0));
         let plain = self.bytes(205, 0).max(loose);
@@ -45,12 +49,12 @@ impl Size {
     }
 
     /// The need of measuring errors.
-    pub(crate) fn errors(self) -> Need {
+    pub fn errors(self) -> Need {
         Need { bytes: self.bytes(100, 230), stage: "errors" }
     }
 
     /// The need of models and of their check.
-    pub(crate) fn models(self, kinds: &[ModelKind]) -> Need {
+    pub fn models(self, kinds: &[ModelKind]) -> Need {
         let bytes = match kinds.len() as u64 {
             0 => 0,
             n => self.bytes(70 + 40 * n, 150 + 30 * n),
@@ -59,7 +63,7 @@ impl Size {
     }
 
     /// The need of strips alone.
-    pub(crate) fn strips(self) -> Need {
+    pub fn strips(self) -> Need {
         Need { bytes: self.bytes(60, 160), stage: "strips" }
     }
 

@@ -7,31 +7,33 @@ use std::sync::Arc;
 
 /// Base colours and textures of a scene. The default is none.
 #[derive(Default)]
-pub(crate) struct Paints {
+pub struct Paints {
     looks: Appearance,
     /// The images of the scene, ready to be read at any size.
     images: Arc<[Pyramid]>,
 }
 
 impl Paints {
-    pub(crate) fn new(mut looks: Appearance) -> Self {
+    /// Makes the images of a scene ready to be read.
+    #[must_use]
+    pub fn new(mut looks: Appearance) -> Self {
         let images = looks.images.iter().map(Pyramid::new).collect();
         looks.images = Vec::new();
         Self { looks, images }
     }
 
     /// Returns true if any material has a texture.
-    pub(crate) fn has_textures(&self) -> bool {
+    pub fn has_textures(&self) -> bool {
         self.looks.materials.iter().any(|m| m.texture.is_some())
     }
 
     /// The materials of the scene, without images.
-    pub(crate) fn looks(&self) -> &Appearance {
+    pub fn looks(&self) -> &Appearance {
         &self.looks
     }
 
     /// The materials of one object by itself: textures of others are left out.
-    pub(crate) fn looks_of(&self, object: usize) -> Appearance {
+    pub fn looks_of(&self, object: usize) -> Appearance {
         let Some(worn) = self.looks.of_submesh.get(object) else { return Appearance::default() };
         let mut materials = self.looks.materials.clone();
         for (m, material) in materials.iter_mut().enumerate() {
@@ -41,18 +43,18 @@ impl Paints {
     }
 
     /// The images.
-    pub(crate) fn images(&self) -> Arc<[Pyramid]> {
+    pub fn images(&self) -> Arc<[Pyramid]> {
         Arc::clone(&self.images)
     }
 
     /// The colours of one object of the scene.
-    pub(crate) fn of_object(&self, object: usize) -> ObjectColours<'_> {
+    pub fn of_object(&self, object: usize) -> ObjectColours<'_> {
         ObjectColours { paints: self, materials: &self.looks.of_submesh[object] }
     }
 }
 
 /// Colours of one object by its submeshes.
-pub(crate) struct ObjectColours<'a> {
+pub struct ObjectColours<'a> {
     paints: &'a Paints,
     materials: &'a [usize],
 }

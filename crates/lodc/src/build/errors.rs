@@ -1,33 +1,27 @@
 //! The stage that measures how far every level is from the input.
 
-use crate::exit::Outcome;
-use crate::progress::Progress;
-use lodc_formats::{Document, Limits, ObjectInfo, scene_graph};
+use super::watch::staged;
+use super::{SimplifiedObjects, Watch};
+use lodc_formats::{Document, FormatError, Limits, ObjectInfo, scene_graph};
 use lodc_mesh::Simplified;
 use lodc_scene::{Arrangement, shape_in_scene};
 use rayon::prelude::*;
 use std::sync::Arc;
-
-/// Objects on their way from the simplifier to a file.
-pub(crate) type SimplifiedObjects = Vec<(ObjectInfo, Arc<Simplified>)>;
 
 /// Puts measured distances in the place of what the simplifier was guided by, several objects at
 /// once. Distances are those of the shape that the document's default scene gives an object.
 ///
 /// # Errors
 /// If the stored document is damaged.
-pub(crate) fn measure_all(
+pub fn measure_all(
     objects: SimplifiedObjects,
     document: &Document,
     limits: &Limits,
-    progress: &Progress,
-) -> Outcome<SimplifiedObjects> {
+    watch: &dyn Watch,
+) -> Result<SimplifiedObjects, FormatError> {
     let triangles = |s: &Simplified| s.mesh().triangles().len() as u64;
-    if objects.len() > 1 {
-        progress.stage_of("errors", objects.iter().map(|(_, s)| triangles(s)).sum());
-    } else {
-        progress.stage("errors");
-    }
+    let counted = objects.len() > 1;
+    let units = counted.then(|| objects.iter().map(|(_, s)| triangles(s)).sum());
     let infos: Vec<&ObjectInfo> = objects.iter().map(|(info, _)| info).collect();
     let graph = scene_graph(document, &infos, limits)?;
     let scene = Arrangement::new(&graph, &graph.rest_pose(), objects.len());
@@ -38,8 +32,8 @@ pub(crate) fn measure_all(
         let measured = Arc::unwrap_or_clone(simplified)
             .with_distances(distances.error, distances.rms)
             .expect("the pass has a distance for each step, none below the one before");
-        progress.add(triangles(&measured));
+        watch.add(triangles(&measured));
         (info, Arc::new(measured))
     };
-    Ok(objects.into_par_iter().enumerate().map(one).collect())
+    Ok(staged(watch, "errors", units, || objects.into_par_iter().enumerate().map(one).collect()))
 }

@@ -1,11 +1,8 @@
 //! Pictures of a scene's levels, to tell which of two simplifications looks better.
 
-use super::errors::SimplifiedObjects;
-use super::known::Known;
-use crate::exit::Outcome;
+use super::{Known, SimplifiedObjects};
 use crate::level_mesh;
-use crate::selector::SceneLevels;
-use lodc::LodObject;
+use crate::{Error, LodObject, SceneLevels};
 use lodc_formats::{ObjectInfo, SceneObject, scene_graph};
 use lodc_measure::{Looks, Portrait, SceneSurface, Viewing};
 use lodc_mesh::Mesh;
@@ -67,7 +64,7 @@ impl<'a> Judge<'a> {
     ///
     /// # Errors
     /// If the stored document is damaged.
-    pub(super) fn new(objects: &[SceneObject], known: Known<'a>) -> Outcome<Option<Self>> {
+    pub(super) fn new(objects: &[SceneObject], known: Known<'a>) -> Result<Option<Self>, Error> {
         let infos: Vec<&ObjectInfo> = objects.iter().map(|o| &o.info).collect();
         let graph = scene_graph(known.document, &infos, &known.limits)?;
         let scene = Arrangement::new(&graph, &graph.rest_pose(), objects.len());
@@ -89,7 +86,7 @@ impl<'a> Judge<'a> {
     ///
     /// # Errors
     /// If a level is no mesh: a bug.
-    pub(super) fn errors(&self, objects: &SimplifiedObjects) -> Outcome<[f64; 4]> {
+    pub(super) fn errors(&self, objects: &SimplifiedObjects) -> Result<[f64; 4], Error> {
         let object = |(info, simplified): &(ObjectInfo, _)| LodObject {
             info: info.clone(),
             simplified: Arc::clone(simplified),

@@ -1,11 +1,13 @@
 //! Refitted levels: closer in space, and held back where pictures would get worse.
 
-use crate::paints::Paints;
-use lodc::LodObject;
+use super::Paints;
+use crate::LodObject;
+use crate::level_mesh::{LevelMesh, Order, ordered};
 use lodc_measure::{Distances, Original, Portrait, Sampling, SceneSurface, Surface, Viewing};
 use lodc_mesh::{Lod, Mesh};
 use lodc_refit::{Options, Refit};
 use lodc_scene::{Appearance, Arrangement, Graph, Pose};
+use rayon::prelude::*;
 use std::sync::Arc;
 
 /// Pictures that decide whether attributes look right.
@@ -18,13 +20,25 @@ const FARTHER: f64 = 1.05;
 const WORSE: f64 = 1.005;
 const NOTHING: f64 = 0.02;
 
+/// Makes the meshes of the objects at `lods`, one each, with vertices where they fit the input
+/// best. `paints` is what they are judged in.
+#[must_use]
+pub fn refitted_meshes(
+    objects: &[LodObject],
+    lods: &[Lod],
+    order: Order,
+    paints: &Paints,
+) -> Vec<LevelMesh> {
+    let one = |(i, (object, &lod)): (usize, (&LodObject, &Lod))| {
+        let (mesh, error, rms) = refitted(object, lod, (paints, i));
+        LevelMesh { mesh: ordered(mesh, order), error, rms: Some(rms) }
+    };
+    objects.par_iter().zip(lods).enumerate().map(one).collect()
+}
+
 /// A refitted level of an object of a scene, its error and its root mean square distance. These are
 /// measured: the stored ones are of the vertices where they were.
-pub(crate) fn refitted(
-    object: &LodObject,
-    lod: Lod,
-    (paints, number): (&Paints, usize),
-) -> (Mesh, f64, f64) {
+fn refitted(object: &LodObject, lod: Lod, (paints, number): (&Paints, usize)) -> (Mesh, f64, f64) {
     let original = object.simplified.mesh();
     let found = Refit::new(&object.simplified, lod, &Options::DEFAULT);
     if lod.0 == 0 {

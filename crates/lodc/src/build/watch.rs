@@ -1,0 +1,26 @@
+//! What a caller hears of long work.
+
+/// Hears which stage of some work runs, and how far it is. `()` does not listen.
+pub trait Watch: Sync {
+    /// A stage begins, or the one that runs starts over: `units` of work, if they are counted.
+    fn begin(&self, _stage: &'static str, _units: Option<u64>) {}
+    /// So many more units of the stage are done; called by any thread.
+    fn add(&self, _units: u64) {}
+    /// The stage is over.
+    fn end(&self, _stage: &'static str) {}
+}
+
+impl Watch for () {}
+
+/// Does some work as a stage.
+pub(crate) fn staged<T>(
+    watch: &dyn Watch,
+    stage: &'static str,
+    units: Option<u64>,
+    work: impl FnOnce() -> T,
+) -> T {
+    watch.begin(stage, units);
+    let result = work();
+    watch.end(stage);
+    result
+}

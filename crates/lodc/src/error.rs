@@ -1,0 +1,34 @@
+//! Errors of the front door, by whose fault they are.
+
+use lodc_formats::FormatError;
+use std::fmt;
+
+/// Why something came to nothing. Displays as one line.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Error {
+    /// A file is unreadable, malformed, unsupported or too large, or was not written.
+    Format(FormatError),
+    /// What was asked for does not fit the file.
+    Request(String),
+    /// A bug of this library.
+    Bug(String),
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Format(error) => error.fmt(f),
+            Self::Request(what) => f.write_str(what),
+            Self::Bug(what) => write!(f, "internal error: {what}"),
+        }
+    }
+}
+
+impl std::error::Error for Error {}
+
+impl From<FormatError> for Error {
+    fn from(error: FormatError) -> Self {
+        Self::Format(error)
+    }
+}
