@@ -1,8 +1,8 @@
 //! The context that all regions share while they are being simplified.
 
-use crate::attributes::Attributes;
-use crate::input::Input;
+use crate::number::input::Input;
 use crate::options::Options;
+use crate::price::attributes::Attributes;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// The data that all regions read.

@@ -1,8 +1,8 @@
 //! The order in which collapses count.
 
-use crate::input::Input;
-use crate::log::CollapseLog;
-use crate::numbering::sorted;
+use crate::commit::log::CollapseLog;
+use crate::number::curve::sorted;
+use crate::number::input::Input;
 use lodc_mesh::Lod;
 
 /// The collapses of a whole mesh in their final order.

@@ -6,52 +6,32 @@
 //! (*twin*), or a new vertex (*fake*) where there is none. (Thesis 3.2.1 and 4.2.1; rules of
 //! legality and metrics: see [`MetricKind`] and `legality`.)
 
-mod attributes;
 mod choice;
+mod choose;
 mod commit;
 mod context;
-mod engine;
+mod cut;
 mod final_log;
-mod gather;
-mod gradients;
-mod heap;
-mod input;
-mod legality;
-mod link;
-mod log;
-mod merge;
 mod metric;
-mod neighborhood;
-mod numbering;
-mod one_ring;
+mod number;
 mod options;
 mod output;
-mod plan;
-mod price_lists;
-mod pricing;
-mod quadric;
-mod region;
-mod ring_attributes;
+mod price;
 mod rounds;
 mod scratch_pool;
-mod seam_ring;
-mod selection;
-mod table;
 mod touched;
-mod wedges;
-mod working;
 
-use attributes::Attributes;
+use choose::legality::Stage;
 use context::{Context, Progress};
-use engine::Engine;
+use cut::region::Region;
 use final_log::FinalLog;
-use input::Input;
-use legality::Stage;
 use lodc_mesh::{CollapseSequence, Mesh, SequenceParts, Simplified};
 pub use metric::{Checkerboard, SurfaceColours};
 use metric::{HybridMetric, QuadricOnly, Reprice, Score, VisualMetric};
+use number::input::Input;
 use output::Sources;
-use region::Region;
+use price::attributes::Attributes;
+use rounds::engine::Engine;
 
 pub use options::{MetricKind, Options, Weights};
 

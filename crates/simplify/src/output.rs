@@ -1,10 +1,10 @@
 //! From a finished log to a [`Simplified`]: vertices in the order in which they went, triangles
 //! last to die first.
 
+use crate::commit::log::CollapseLog;
+use crate::cut::region::Region;
 use crate::final_log::FinalLog;
-use crate::input::Input;
-use crate::log::CollapseLog;
-use crate::region::Region;
+use crate::number::input::Input;
 use lodc_mesh::{CollapseSequence, Mesh, MeshParts, SequenceParts, Simplified};
 use rayon::prelude::*;
 

@@ -11,8 +11,8 @@ pub use hybrid::{Checkerboard, SurfaceColours};
 pub(crate) use quadric::{MEMORY, Quadrics, TIE_WEIGHT};
 pub(crate) use visual::{Score, VisualMetric};
 
-use crate::wedges::Wedges;
-use crate::working::WorkingMesh;
+use crate::cut::mesh::WorkingMesh;
+use crate::cut::wedges::Wedges;
 
 /// Prices collapses anew that the quadric has priced. Pricing is pure, so it runs in parallel;
 /// committing is serial.

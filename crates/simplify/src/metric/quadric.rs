@@ -7,9 +7,9 @@
 //! already; a share of the accumulated quadrics repairs that, and they also give the reported
 //! error.
 
-use crate::neighborhood::{FeaturePlane, Neighborhood};
-use crate::quadric::{Quadric, Symmetric, add_outer};
-use crate::working::{Facet, WorkingMesh};
+use crate::cut::mesh::{Facet, WorkingMesh};
+use crate::cut::neighborhood::{FeaturePlane, Neighborhood};
+use crate::cut::quadrics::{Quadric, Symmetric, add_outer};
 use glam::DVec3;
 use lodc_mesh::NONE;
 
@@ -50,8 +50,9 @@ impl Refitted {
     /// fourth power; not negative.
     #[inline]
     pub(crate) fn cost(&self, delta: DVec3) -> f64 {
-        let moved =
-            delta.dot(crate::quadric::times(&self.a, delta)) + 2.0 * self.b.dot(delta) + self.c;
+        let moved = delta.dot(crate::cut::quadrics::times(&self.a, delta))
+            + 2.0 * self.b.dot(delta)
+            + self.c;
         moved.max(0.0)
     }
 }

@@ -1,7 +1,7 @@
 //! The look of the input's vertices: the normals and texture coordinates that renderers read.
 
 use super::colours::SurfaceColours;
-use crate::wedges::Wedges;
+use crate::cut::wedges::Wedges;
 use glam::Vec3;
 use lodc_mesh::{Attribute, Mesh, Semantic};
 

@@ -32,10 +32,10 @@ pub use colours::{Checkerboard, SurfaceColours};
 pub(crate) use patch::Patch;
 
 use super::Reprice;
+use crate::cut::mesh::WorkingMesh;
+use crate::cut::region::Region;
+use crate::cut::wedges::Wedges;
 use crate::options::Options;
-use crate::region::Region;
-use crate::wedges::Wedges;
-use crate::working::WorkingMesh;
 use appearance::Appearance;
 use lodc_mesh::Mesh;
 use patch::Source;

@@ -5,8 +5,8 @@ use super::appearance::{Appearance, attribute_vertex};
 use super::lanes::{Four, Shaded4};
 use super::placed::Placed;
 use super::samples::{CREASE, MAX_AVERAGED, Samples};
-use crate::wedges::Wedges;
-use crate::working::WorkingMesh;
+use crate::cut::mesh::WorkingMesh;
+use crate::cut::wedges::Wedges;
 use glam::Vec3;
 use lodc_mesh::NONE;
 

@@ -2,8 +2,8 @@
 
 use super::appearance::{Appearance, Colour, attribute_vertex};
 use super::pixel::Shading;
-use crate::wedges::Wedges;
-use crate::working::WorkingMesh;
+use crate::cut::mesh::WorkingMesh;
+use crate::cut::wedges::Wedges;
 use glam::Vec3;
 use lodc_mesh::NONE;
 use rayon::prelude::*;

@@ -3,8 +3,8 @@
 use super::SurfaceColours;
 use super::samples::Samples;
 use super::{Appearance, Checkerboard, visibility};
-use crate::input::Input;
-use crate::region::Region;
+use crate::cut::region::Region;
+use crate::number::input::Input;
 use crate::{MetricKind, Options, simplify, simplify_coloured};
 use glam::Vec3;
 use lodc_fixtures as shapes;

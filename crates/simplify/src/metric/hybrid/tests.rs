@@ -2,9 +2,9 @@
 //! those it would measure.
 
 use super::{Checkerboard, HybridMetric, Patch};
-use crate::input::Input;
+use crate::cut::region::Region;
 use crate::metric::Reprice;
-use crate::region::Region;
+use crate::number::input::Input;
 use crate::{MetricKind, Options, simplify};
 use lodc_fixtures as shapes;
 use lodc_mesh::{Mesh, Simplified};

@@ -1,7 +1,7 @@
 //! The visible share of each sample, over 20 cameras.
 
 use super::samples::Samples;
-use crate::working::WorkingMesh;
+use crate::cut::mesh::WorkingMesh;
 use glam::{DVec3, Vec3};
 use lodc_raster::{Camera, SUBPIXELS, Window, metric_cameras, scan};
 use rayon::prelude::*;

@@ -20,8 +20,8 @@ pub(crate) use reprice::ViewScratch;
 pub(crate) use score::Score;
 
 use super::Reprice;
-use crate::wedges::Wedges;
-use crate::working::WorkingMesh;
+use crate::cut::mesh::WorkingMesh;
+use crate::cut::wedges::Wedges;
 use glam::DVec3;
 use lodc_raster::{Camera, Window, metric_cameras, scan};
 use rayon::prelude::*;

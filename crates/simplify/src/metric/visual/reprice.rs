@@ -3,7 +3,7 @@
 use super::score::{Score, log_area};
 use super::view::{BACKGROUND, View};
 use super::{VisualMetric, divergence};
-use crate::working::{Corner, WorkingMesh};
+use crate::cut::mesh::{Corner, WorkingMesh};
 use lodc_raster::{Fragment, Window};
 
 /// Faces times candidates that are looked at; beyond, only the geometrically cheapest are.

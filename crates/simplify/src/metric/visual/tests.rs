@@ -2,11 +2,11 @@
 
 use super::view::View;
 use super::{Score, VisualMetric, log_area};
-use crate::input::Input;
-use crate::link::{Link, Marks};
+use crate::choose::link::{Link, Marks};
+use crate::cut::mesh::{OPEN, WorkingMesh};
+use crate::cut::region::Region;
 use crate::metric::Reprice;
-use crate::region::Region;
-use crate::working::{OPEN, WorkingMesh};
+use crate::number::input::Input;
 use crate::{MetricKind, Options, simplify};
 use lodc_fixtures as shapes;
 use lodc_mesh::{Mesh, Simplified};

@@ -1,7 +1,7 @@
 //! One camera's picture of the mesh while it is being simplified, exact to the pixel after every
 //! collapse.
 
-use crate::working::{Corner, WorkingMesh};
+use crate::cut::mesh::{Corner, WorkingMesh};
 use lodc_raster::{Camera, Fragment, Layers, Point, Window, scan};
 
 /// The background, as an item.

@@ -3,18 +3,18 @@
 mod refresh;
 
 use crate::choice::Choice;
+use crate::choose::heap::Heap;
+use crate::choose::legality::{Rules, Stage};
+use crate::choose::{LegalCollapse, SelectionBuffers, Selector};
+use crate::commit::log::CollapseLog;
 use crate::commit::{Commit, join_points};
 use crate::context::{Context, Progress};
-use crate::heap::Heap;
-use crate::legality::{Rules, Stage};
-use crate::log::CollapseLog;
+use crate::cut::mesh::{LOCKED, RESTRICTED, STALE};
+use crate::cut::region::Region;
 use crate::metric::Reprice;
-use crate::pricing::{Pricer, Scratch};
-use crate::region::Region;
+use crate::price::{Pricer, Scratch};
 use crate::scratch_pool::ScratchPool;
-use crate::selection::{LegalCollapse, SelectionBuffers, Selector};
 use crate::touched::Touched;
-use crate::working::{LOCKED, RESTRICTED, STALE};
 use rayon::prelude::*;
 
 /// The queue is filled again if at least one in so many groups collapsed since.
@@ -238,11 +238,11 @@ impl<'a, M: Reprice> Engine<'a, M> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::attributes::Attributes;
-    use crate::input::Input;
     use crate::metric::QuadricOnly;
+    use crate::number::input::Input;
     use crate::options::Options;
-    use crate::price_lists::PriceLists;
+    use crate::price::attributes::Attributes;
+    use crate::price::price_lists::PriceLists;
 
     #[test]
     fn prices_that_are_kept_change_nothing() {

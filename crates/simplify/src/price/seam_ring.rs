@@ -1,9 +1,11 @@
 //! Closed fans with any wedges: which edges are seams, and the planes that collapses should keep.
 
-use crate::neighborhood::{EdgeKind, Entry, FeaturePlane, fold_plane, plane_along, seam_weight};
-use crate::one_ring::{MAX_LEN, OneRing};
-use crate::wedges::Wedges;
-use crate::working::{Corner, WorkingMesh, next, previous};
+use crate::cut::mesh::{Corner, WorkingMesh, next, previous};
+use crate::cut::neighborhood::{
+    EdgeKind, Entry, FeaturePlane, fold_plane, plane_along, seam_weight,
+};
+use crate::cut::wedges::Wedges;
+use crate::price::one_ring::{MAX_LEN, OneRing};
 
 /// The ring of a group, and its edges.
 pub(crate) struct SeamRing<const N: usize> {

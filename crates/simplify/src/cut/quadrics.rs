@@ -77,5 +77,5 @@ impl Quadric {
 }
 
 #[cfg(test)]
-#[path = "quadric_tests.rs"]
+#[path = "quadrics_tests.rs"]
 mod tests;

@@ -2,11 +2,11 @@
 
 use super::{Engine, LoopState, Queue};
 use crate::choice::Choice;
-use crate::heap::Heap;
+use crate::choose::heap::Heap;
+use crate::choose::{SelectionBuffers, Selector};
+use crate::cut::mesh::{DEAD, HUB_VALENCE, LOCKED, RESTRICTED, STALE};
+use crate::cut::region::Region;
 use crate::metric::Reprice;
-use crate::region::Region;
-use crate::selection::{SelectionBuffers, Selector};
-use crate::working::{DEAD, HUB_VALENCE, LOCKED, RESTRICTED, STALE};
 use rayon::prelude::*;
 
 /// Restricted groups next to a group with more faces than this wait until the queue is empty.

@@ -1,17 +1,24 @@
 //! The price of every collapse of a group, legality left aside.
 
+pub(crate) mod attributes;
+pub(crate) mod gradients;
+pub(crate) mod one_ring;
+pub(crate) mod price_lists;
+pub(crate) mod ring_attributes;
+pub(crate) mod seam_ring;
+
 use crate::choice::{Choice, scaled};
+use crate::choose::legality::Stage;
 use crate::context::Context;
-use crate::gradients::{Gradients, WedgeAttributes};
-use crate::legality::Stage;
+use crate::cut::mesh::{OPEN, SEAM};
+use crate::cut::neighborhood::{EdgeKind, Neighborhood};
+use crate::cut::region::Region;
 use crate::metric::Reprice;
-use crate::neighborhood::{EdgeKind, Neighborhood};
-use crate::one_ring::{self, NoSurcharge};
-use crate::price_lists::Priced;
-use crate::region::Region;
-use crate::ring_attributes::RingAttributes;
-use crate::seam_ring::SeamRing;
-use crate::working::{OPEN, SEAM};
+use crate::price::gradients::{Gradients, WedgeAttributes};
+use crate::price::one_ring::NoSurcharge;
+use crate::price::price_lists::Priced;
+use crate::price::ring_attributes::RingAttributes;
+use crate::price::seam_ring::SeamRing;
 use glam::Vec4;
 use lodc_mesh::NONE;
 
@@ -236,10 +243,10 @@ impl<M: Reprice> Pricer<'_, M> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::attributes::Attributes;
-    use crate::input::Input;
     use crate::metric::QuadricOnly;
+    use crate::number::input::Input;
     use crate::options::Options;
+    use crate::price::attributes::Attributes;
 
     /// Calls `test` with the pricer of a mesh.
     fn with_pricer<T>(mesh: &lodc_mesh::Mesh, test: fn(&Pricer<'_, QuadricOnly>) -> T) -> T {

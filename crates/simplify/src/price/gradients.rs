@@ -12,11 +12,11 @@
 //!
 //! of which the right side cancels nothing, so that single precision is enough.
 
-use crate::attributes::Attributes;
-use crate::neighborhood::{Entry, target};
-use crate::one_ring::OneRing;
-use crate::wedges::Wedges;
-use crate::working::{WorkingMesh, next, previous};
+use crate::cut::mesh::{WorkingMesh, next, previous};
+use crate::cut::neighborhood::{Entry, target};
+use crate::cut::wedges::Wedges;
+use crate::price::attributes::Attributes;
+use crate::price::one_ring::OneRing;
 use glam::{Vec3, Vec4};
 
 /// A gradient of four numbers: one coordinate of each for each vector.
@@ -59,7 +59,7 @@ impl Dual {
 }
 
 /// The scatter of gradients about their means: the sum of `weight · v vᵀ`, for four numbers at a
-/// time, in the order of [`Symmetric`](crate::quadric::Symmetric).
+/// time, in the order of [`Symmetric`](crate::cut::quadrics::Symmetric).
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Scatter([Vec4; 6]);
 

@@ -1,7 +1,7 @@
 //! Attributes as numbers that can be compared with lengths: one flat row per vertex of the input.
 
+use crate::cut::mesh::Facet;
 use crate::options::Weights;
-use crate::working::Facet;
 use glam::{DVec3, Vec4};
 use lodc_mesh::{Attribute, Mesh, Semantic};
 

@@ -5,17 +5,19 @@
 //! was locked at a border comes to lie inside. Regions follow from the mesh alone, so the result is
 //! the same for any number of threads. When few groups are left, one region takes them all.
 
+pub(crate) mod engine;
+
+use crate::choose::legality::Stage;
+use crate::commit::log::CollapseLog;
 use crate::context::{Context, Progress};
-use crate::engine::Engine;
+use crate::cut::gather::{Home, Kept, Round};
+use crate::cut::mesh::DEAD;
+use crate::cut::region::Region;
 use crate::final_log::FinalLog;
-use crate::gather::{Home, Kept, Round};
-use crate::legality::Stage;
-use crate::log::CollapseLog;
 use crate::metric::QuadricOnly;
-use crate::numbering::Curve;
+use crate::number::curve::Curve;
 use crate::output::{Sources, name_wedges};
-use crate::region::Region;
-use crate::working::DEAD;
+use crate::rounds::engine::Engine;
 use lodc_mesh::{Csr, NONE};
 use rayon::prelude::*;
 use std::sync::Mutex;
@@ -247,5 +249,4 @@ fn last_read(region: &Region, ranks: &[u32]) -> u32 {
 }
 
 #[cfg(test)]
-#[path = "rounds_tests.rs"]
 mod tests;

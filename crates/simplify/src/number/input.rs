@@ -1,8 +1,8 @@
 //! The input mesh with its groups and wedges numbered along a space-filling curve.
 
-use crate::numbering::Curve;
-use crate::wedges::{Wedge, same_attributes};
-use crate::working::GroupPosition;
+use crate::cut::mesh::GroupPosition;
+use crate::cut::wedges::{Wedge, same_attributes};
+use crate::number::curve::Curve;
 use glam::Vec3;
 use lodc_mesh::{Mesh, PositionIds, WedgeGroups};
 use rayon::prelude::*;

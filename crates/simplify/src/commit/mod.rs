@@ -1,13 +1,16 @@
 //! Committing one collapse: records, wedges, faces, groups that have come to share a position.
 
+pub(crate) mod log;
+mod merge;
+
+use crate::choose::LegalCollapse;
+use crate::choose::plan::WedgePlan;
+use crate::commit::log::CollapseLog;
 use crate::context::Context;
-use crate::log::CollapseLog;
+use crate::cut::mesh::{DEAD, OPEN, SEAM, SHARED_POSITION};
+use crate::cut::region::Region;
 use crate::metric::Reprice;
-use crate::plan::WedgePlan;
-use crate::region::Region;
-use crate::selection::LegalCollapse;
 use crate::touched::Touched;
-use crate::working::{DEAD, OPEN, SEAM, SHARED_POSITION};
 use lodc_mesh::NONE;
 
 /// Everything that a commit changes.

@@ -5,10 +5,10 @@
 //! precision. Only element-wise operations: the same bits on every machine.
 
 use crate::choice::{COST_SCALE, Choice};
+use crate::cut::mesh::{Corner, WorkingMesh};
+use crate::cut::neighborhood::fold_plane;
+use crate::cut::quadrics::Quadric;
 use crate::metric::{MEMORY, TIE_WEIGHT};
-use crate::neighborhood::fold_plane;
-use crate::quadric::Quadric;
-use crate::working::{Corner, WorkingMesh};
 use glam::{BVec4A, Mat4, Vec3, Vec4};
 
 /// Rings with more neighbours than this are priced one by one.
@@ -317,11 +317,11 @@ fn price<const N: usize>(
 #[cfg(test)]
 mod tests {
     use super::NoSurcharge;
-    use crate::input::Input;
+    use crate::cut::mesh::OPEN;
+    use crate::cut::neighborhood::Neighborhood;
+    use crate::cut::region::Region;
     use crate::metric::Quadrics;
-    use crate::neighborhood::Neighborhood;
-    use crate::region::Region;
-    use crate::working::OPEN;
+    use crate::number::input::Input;
 
     #[test]
     fn four_at_a_time_cost_what_one_by_one_costs() {

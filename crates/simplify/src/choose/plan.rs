@@ -1,9 +1,9 @@
 //! The plan of a collapse for every wedge of the group: true and twin edges, reuse, and fakes
 //! (thesis 4.2.1).
 
-use crate::attributes::Attributes;
-use crate::wedges::Wedges;
-use crate::working::{SEAM, WorkingMesh, next, previous};
+use crate::cut::mesh::{SEAM, WorkingMesh, next, previous};
+use crate::cut::wedges::Wedges;
+use crate::price::attributes::Attributes;
 use lodc_mesh::{Mesh, NONE};
 
 /// A wedge without an edge to the target takes an existing wedge there if their attributes differ
@@ -216,8 +216,8 @@ impl Planner<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::input::Input;
-    use crate::region::Region;
+    use crate::cut::region::Region;
+    use crate::number::input::Input;
 
     /// Plans all collapses of groups on the seam of a sphere: (target is on the seam, wedges,
     /// distinct targets, fakes).

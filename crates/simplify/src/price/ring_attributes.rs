@@ -1,11 +1,11 @@
-//! The attributes' part of the price of plain groups: what [`gradients`](crate::gradients) says,
+//! The attributes' part of the price of plain groups: what [`gradients`](super::gradients) says,
 //! for all neighbours of one wedge at once.
 
-use crate::attributes::Attributes;
-use crate::gradients::{Dual, FourGradients, Scatter, continued, sum};
-use crate::one_ring::{LaneArray, MAX_LEN, OneRing, Surcharge};
-use crate::wedges::Wedges;
-use crate::working::{Corner, WorkingMesh, next};
+use crate::cut::mesh::{Corner, WorkingMesh, next};
+use crate::cut::wedges::Wedges;
+use crate::price::attributes::Attributes;
+use crate::price::gradients::{Dual, FourGradients, Scatter, continued, sum};
+use crate::price::one_ring::{LaneArray, MAX_LEN, OneRing, Surcharge};
 use glam::Vec4;
 
 /// The attributes around a group that has one wedge and a closed fan without seams.

@@ -4,7 +4,7 @@
 //! the collapsed edge to the other takes the place of the two faces that die. Faces at hubs know
 //! their places there, so that leaving takes constant time whatever the star.
 
-use crate::working::{Corner, HUB_VALENCE, IS_HUB, OPEN, Star, WorkingMesh, next, previous};
+use crate::cut::mesh::{Corner, HUB_VALENCE, IS_HUB, OPEN, Star, WorkingMesh, next, previous};
 
 impl WorkingMesh {
     /// Moves all of `from`'s faces to `to`. Faces that lose a corner die, and `died` gets their

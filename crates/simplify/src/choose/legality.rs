@@ -1,12 +1,12 @@
 //! The legality of collapses (algorithmic rules: Dey et al. for the link condition; thresholds
 //! measured).
 
-use crate::attributes::Attributes;
-use crate::link::{Link, Marks};
-use crate::one_ring::{MAX_LEN, OneRing};
-use crate::plan::WedgePlan;
-use crate::wedges::Wedges;
-use crate::working::{Corner, OPEN, SHARED_POSITION, WorkingMesh, next, previous};
+use crate::choose::link::{Link, Marks};
+use crate::choose::plan::WedgePlan;
+use crate::cut::mesh::{Corner, OPEN, SHARED_POSITION, WorkingMesh, next, previous};
+use crate::cut::wedges::Wedges;
+use crate::price::attributes::Attributes;
+use crate::price::one_ring::{MAX_LEN, OneRing};
 use glam::DVec3;
 use lodc_mesh::NONE;
 
@@ -276,8 +276,8 @@ fn stays_upright(old: DVec3, there: DVec3, ahead: DVec3, behind: DVec3) -> bool 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::input::Input;
-    use crate::region::Region;
+    use crate::cut::region::Region;
+    use crate::number::input::Input;
 
     #[test]
     fn single_precision_permits_only_what_double_precision_permits() {

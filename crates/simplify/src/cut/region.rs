@@ -4,16 +4,16 @@
 //! with them: position and cost only. Own groups next to those are locked.
 
 use crate::choice::Choice;
-use crate::input::Input;
-use crate::metric::Quadrics;
-use crate::neighborhood::Neighborhood;
-use crate::seam_ring::has_seams;
-use crate::table::Table;
-use crate::wedges::Wedges;
-use crate::working::{
+use crate::cut::mesh::{
     Corner, Face, HUB_VALENCE, LOCKED, OPEN, SEAM, SHARED_POSITION, Star, WorkingMesh, next,
     previous,
 };
+use crate::cut::neighborhood::Neighborhood;
+use crate::cut::table::Table;
+use crate::cut::wedges::Wedges;
+use crate::metric::Quadrics;
+use crate::number::input::Input;
+use crate::price::seam_ring::has_seams;
 use prefetch_index::prefetch_index;
 use std::ops::Range;
 

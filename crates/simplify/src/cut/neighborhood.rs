@@ -1,8 +1,8 @@
 //! The surroundings of a group: its edges to other groups, and which of them are borders or
 //! seams.
 
-use crate::wedges::Wedges;
-use crate::working::{Facet, WorkingMesh, next, previous};
+use crate::cut::mesh::{Facet, WorkingMesh, next, previous};
+use crate::cut::wedges::Wedges;
 use glam::{DVec3, Vec3};
 use std::ops::Range;
 

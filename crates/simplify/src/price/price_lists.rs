@@ -3,7 +3,7 @@
 //! A group that was refused is searched again and again, mostly because one of its neighbours
 //! changed. What its collapses cost has not changed by that, but for the target's own cost.
 
-use crate::working::WorkingMesh;
+use crate::cut::mesh::WorkingMesh;
 
 /// A priced collapse, without the target's own cost.
 #[derive(Clone, Copy, Debug, Default)]

@@ -1,13 +1,13 @@
 //! Sharing groups out anew: a region gathered from the regions of the round before.
 
 use crate::choice::Choice;
-use crate::region::Region;
-use crate::table::Table;
-use crate::wedges::Wedge;
-use crate::working::{
+use crate::cut::mesh::{
     Corner, Face, HUB_VALENCE, IS_HUB, LOCKED, OPEN, RESTRICTED, SEAM, SHARED_POSITION, STALE,
     Star, next, previous,
 };
+use crate::cut::region::Region;
+use crate::cut::table::Table;
+use crate::cut::wedges::Wedge;
 use lodc_mesh::NONE;
 use std::ops::Range;
 

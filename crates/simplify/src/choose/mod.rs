@@ -1,15 +1,20 @@
 //! The cheapest legal collapse of a group.
 
+pub(crate) mod heap;
+pub(crate) mod legality;
+pub(crate) mod link;
+pub(crate) mod plan;
+
 use crate::choice::{Choice, scaled};
-use crate::legality::{MovingFaces, Rules, Stage, keeps_texture};
-use crate::link::Marks;
+use crate::choose::legality::{MovingFaces, Rules, Stage, keeps_texture};
+use crate::choose::link::Marks;
+use crate::choose::plan::{Planner, WedgePlan};
+use crate::cut::mesh::{HUB_VALENCE, OPEN, RESTRICTED, SEAM, STALE};
+use crate::cut::region::Region;
 use crate::metric::Reprice;
-use crate::plan::{Planner, WedgePlan};
-use crate::price_lists::{PriceLists, Priced};
-use crate::pricing::{Pricer, Scratch};
-use crate::region::Region;
+use crate::price::price_lists::{PriceLists, Priced};
+use crate::price::{Pricer, Scratch};
 use crate::touched::Touched;
-use crate::working::{HUB_VALENCE, OPEN, RESTRICTED, SEAM, STALE};
 
 /// Price of each fake, as a multiple of the geometric cost.
 const FAKE_PRICE: f64 = 8.0;
