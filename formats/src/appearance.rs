@@ -1,14 +1,7 @@
 //! The looks of a scene: base colours and textures of its submeshes. For pictures only;
 //! nothing here is needed to simplify or to write a scene again.
 
-mod gltf;
-mod gltf_material;
-mod mtl;
-mod pictures;
-#[cfg(test)]
-mod tests;
-
-use crate::{Assets, Document, FormatError, ObjectInfo};
+use crate::{Assets, Document, FormatError, ObjectInfo, gltf, obj};
 use lodc_scene::Appearance;
 
 /// Reads the looks of a scene. Images are read from where `assets` has its main file; one that
@@ -22,7 +15,11 @@ pub fn appearance(
     assets: &mut Assets,
 ) -> Result<Appearance, FormatError> {
     match document {
-        Document::Obj(obj) => Ok(mtl::appearance(obj, objects, assets)),
-        Document::Gltf(document) => gltf::appearance(document, objects, assets),
+        Document::Obj(obj) => Ok(obj::appearance(obj, objects, assets)),
+        Document::Gltf(gltf) => gltf::appearance(gltf, objects, assets),
     }
 }
+
+#[cfg(test)]
+#[path = "appearance_tests.rs"]
+mod tests;

@@ -1,5 +1,5 @@
 use super::*;
-use crate::picture::png;
+use crate::images::png;
 use crate::testing::Scratch;
 use crate::{GltfDocument, Limits, ObjDocument, ObjMaterial, SubmeshInfo, scene_graph};
 use lodc_scene::{AlphaMode, Arrangement, Image, Placement, Texture, Wrap};

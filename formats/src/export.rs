@@ -1,21 +1,10 @@
-//! Writing one level of detail: one file or folder per format.
+//! Writing one level of detail, in any format.
 
-mod flatten;
-mod gltf;
-mod obj;
-mod ply;
-mod precision;
-mod provenance;
+pub use crate::options::{Additions, ExportObject, Precision};
+pub use crate::provenance::{LevelFacts, Provenance};
 
-pub(crate) use flatten::parse as parse_json;
-pub(crate) use gltf::gltf_without_missing;
-pub use gltf::{ChainObject, ChainShape, LevelsObject, export_chain, export_levels};
-pub use precision::Precision;
-pub use provenance::{LevelFacts, Provenance};
-
-use crate::textures::PlacedTextures;
-use crate::{Document, FormatError, ObjectInfo, OutputFile};
-use lodc_mesh::Mesh;
+use crate::flatten::{Placed, placed};
+use crate::{Document, FormatError, Limits, ObjectInfo, OutputFile, gltf, obj, ply, scene_graph};
 use std::path::Path;
 
 /// A format that can be written.
@@ -29,28 +18,6 @@ pub enum ExportFormat {
     Obj,
     /// Stanford PLY, binary little-endian.
     Ply,
-}
-
-/// One object at one level of detail.
-#[derive(Clone, Copy, Debug)]
-pub struct ExportObject<'a> {
-    /// Its description.
-    pub info: &'a ObjectInfo,
-    /// Its triangles, with exactly the submeshes of `info` (some may be empty).
-    pub mesh: &'a Mesh,
-}
-
-/// Contents of an export besides the document and its objects. The default adds nothing.
-#[derive(Clone, Debug, Default)]
-pub struct Additions {
-    /// The places of image files.
-    pub textures: PlacedTextures,
-    /// True to compress geometry by EXT_meshopt_compression.
-    pub compress: bool,
-    /// Bits that numbers keep (KHR_mesh_quantization); the default keeps all.
-    pub precision: Precision,
-    /// The origin to state.
-    pub provenance: Option<Provenance>,
 }
 
 /// Makes the files of an export in memory; nothing is written. Image files keep their names.
@@ -78,12 +45,34 @@ pub fn export_with(
     objects: &[ExportObject<'_>],
     additions: &Additions,
 ) -> Result<Vec<OutputFile>, FormatError> {
+    // Texture coordinates of a glTF begin at the top.
+    let top_left = matches!(document, Document::Gltf(_));
     let mut files = match format {
-        ExportFormat::Glb => gltf::export(path, true, document, objects, additions),
-        ExportFormat::Gltf => gltf::export(path, false, document, objects, additions),
-        ExportFormat::Obj => obj::export(path, document, objects, additions),
-        ExportFormat::Ply => ply::export(path, document, objects, additions.provenance.as_ref()),
-    }?;
+        ExportFormat::Glb | ExportFormat::Gltf => {
+            gltf::write::export(path, format == ExportFormat::Glb, document, objects, additions)?
+        }
+        ExportFormat::Obj => {
+            let library = match document {
+                Document::Obj(obj) => obj::write::Library::new(obj, &additions.textures),
+                Document::Gltf(gltf) => gltf::library(gltf, &additions.textures)?,
+            };
+            let placed = all_placed(document, objects)?;
+            obj::write::export(path, &placed, top_left, &library, additions.provenance.as_ref())
+        }
+        ExportFormat::Ply => {
+            let placed = all_placed(document, objects)?;
+            ply::write::export(path, &placed, top_left, additions.provenance.as_ref())?
+        }
+    };
     files.extend(additions.textures.copies.iter().cloned());
     Ok(files)
+}
+
+/// The objects where the document shows them.
+fn all_placed<'a>(
+    document: &Document,
+    objects: &[ExportObject<'a>],
+) -> Result<Vec<Placed<'a>>, FormatError> {
+    let infos: Vec<&ObjectInfo> = objects.iter().map(|o| o.info).collect();
+    placed(&scene_graph(document, &infos, &Limits::DEFAULT)?, objects)
 }

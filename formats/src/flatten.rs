@@ -1,12 +1,9 @@
 //! A scene as plain meshes in one space, for formats without nodes.
 
-use super::ExportObject;
-use crate::graph::gltf_graph;
-use crate::import::gltf::stored::Stored;
-use crate::{Document, Fault, FormatError, GltfDocument, Limits};
+use crate::options::ExportObject;
+use crate::{Fault, FormatError};
 use lodc_mesh::{Attribute, Mesh};
 use lodc_scene::{Arrangement, Graph, Placement, PosedVertices, Transform, posed};
-use serde_json::Value;
 
 /// Flattening repeats an object for every node that shows it, but not beyond this many triangles.
 const MAX_TRIANGLES: usize = 1 << 28;
@@ -65,20 +62,16 @@ impl Vertices<'_> {
     }
 }
 
-/// Every object of an OBJ as it is; every object of a glTF where the default scene shows it, joints
-/// at rest and default morph weights, and one that it does not show as it was modelled.
+/// Every object where the default scene shows it, joints at rest and default morph weights, and one
+/// that it does not show as it was modelled.
 ///
 /// # Errors
-/// If the document is damaged or the instances together are too large.
+/// If the instances together are too large.
 pub(crate) fn placed<'a>(
-    document: &Document,
+    graph: &Graph,
     objects: &[ExportObject<'a>],
 ) -> Result<Vec<Placed<'a>>, FormatError> {
-    let graph = match document {
-        Document::Obj(_) => Graph::of_objects(objects.len() as u32),
-        Document::Gltf(gltf) => graph(gltf, objects)?,
-    };
-    let scene = Arrangement::new(&graph, &graph.rest_pose(), objects.len());
+    let scene = Arrangement::new(graph, &graph.rest_pose(), objects.len());
     let mut out = Vec::new();
     let mut triangles = 0;
     for placement in scene.placements() {
@@ -114,26 +107,6 @@ fn stays(placement: &Placement) -> bool {
         && placement.weights.iter().all(|&w| w == 0.0)
 }
 
-/// The nodes of a stored document. Its accessors are checked and read only if skins or instances
-/// need them.
-fn graph(gltf: &GltfDocument, objects: &[ExportObject<'_>]) -> Result<Graph, FormatError> {
-    let Value::Object(root) = parse(gltf)? else { return Ok(Graph::default()) };
-    let meshes: Vec<u32> = objects.iter().map(|o| o.info.document_mesh).collect();
-    let needed = |_| Err(FormatError::new(Fault::Unsupported, "", "an accessor is needed"));
-    gltf_graph(&root, &meshes, &needed).or_else(|_| {
-        Stored::read(gltf, &Limits::DEFAULT, |stored, root| {
-            gltf_graph(root, &meshes, &|accessor| stored.numbers(accessor))
-        })
-    })
-}
-
-/// The document's JSON.
-pub(crate) fn parse(gltf: &GltfDocument) -> Result<Value, FormatError> {
-    serde_json::from_str(&gltf.json).map_err(|e| {
-        FormatError::new(Fault::Malformed, "", format!("the stored glTF document is damaged: {e}"))
-    })
-}
-
 #[expect(clippy::cast_possible_truncation, reason = "the formats store single precision")]
 fn finite(x: f64) -> f32 {
     (x as f32).clamp(f32::MIN, f32::MAX) + 0.0 // a transform makes no -0
@@ -146,4 +119,4 @@ pub(crate) fn component(stream: &Attribute, vertex: u32, i: usize) -> f32 {
 
 #[cfg(test)]
 #[path = "flatten_tests.rs"]
-pub(super) mod tests;
+pub(crate) mod tests;

@@ -1,24 +1,11 @@
-//! Reading meshes: one file or folder per format.
+//! Reading meshes: the format is told by content.
 
-pub mod gltf;
-pub mod obj;
 mod sniff;
 
 use crate::lodc::{self, LodFile};
-use crate::{Assets, Fault, FormatError, Limits, Scene};
-use std::path::{Path, PathBuf};
-
-/// Options of an import.
-#[derive(Clone, Debug, Default)]
-pub struct ImportOptions {
-    /// Limits on the size of inputs.
-    pub limits: Limits,
-    /// Folders besides the asset's own that may be read.
-    pub allowed: Vec<PathBuf>,
-    /// Weld positions closer than this share of the bounding box's diagonal; 0 joins identical
-    /// positions only.
-    pub weld: f64,
-}
+pub use crate::options::ImportOptions;
+use crate::{Assets, Fault, FormatError, Scene, gltf, obj};
+use std::path::Path;
 
 /// A mesh file or a file of levels of detail.
 #[derive(Debug)]
@@ -62,8 +49,8 @@ fn read(
 ) -> Result<Scene, FormatError> {
     let name = assets.main_name();
     let scene = match sniff::format(&bytes, path) {
-        sniff::Sniffed::Glb | sniff::Sniffed::Gltf => gltf::import(bytes, assets, options),
-        sniff::Sniffed::Obj => obj::import(bytes, assets, options),
+        sniff::Sniffed::Glb | sniff::Sniffed::Gltf => gltf::read::import(bytes, assets, options),
+        sniff::Sniffed::Obj => obj::read::import(bytes, assets, options),
         sniff::Sniffed::Other(what) => {
             let what = format!("{what} cannot be read: convert it to OBJ or glTF first");
             Err(FormatError::new(Fault::Unsupported, "", what))

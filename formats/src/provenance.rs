@@ -1,9 +1,7 @@
 //! Origin of an export, stated in the file itself.
 
-use serde_json::{Map, Value, json};
-
 /// The name and version of this program.
-const GENERATOR: &str = concat!("lodc ", env!("CARGO_PKG_VERSION"));
+pub(crate) const GENERATOR: &str = concat!("lodc ", env!("CARGO_PKG_VERSION"));
 
 /// A level of detail as its file states it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,33 +26,8 @@ pub struct Provenance {
 }
 
 impl Provenance {
-    /// Puts `asset.generator` and `extras.lodc` into a glTF document. Extras that are not an
-    /// object stay as they are.
-    pub(super) fn put(&self, root: &mut Map<String, Value>) {
-        if let Some(asset) = root.get_mut("asset").and_then(Value::as_object_mut) {
-            asset.insert("generator".to_owned(), GENERATOR.into());
-        }
-        let extras = root.entry("extras").or_insert_with(|| json!({}));
-        if let Some(extras) = extras.as_object_mut() {
-            extras.insert("lodc".to_owned(), self.json());
-        }
-    }
-
-    fn json(&self) -> Value {
-        let finite = |x: f64| x.is_finite().then_some(x);
-        let level =
-            |l: &LevelFacts| json!({ "lod": l.lod, "error": finite(l.error), "rms": l.rms });
-        let mut all = match &self.levels[..] {
-            [one] => level(one),
-            several => json!({ "levels": several.iter().map(level).collect::<Vec<_>>() }),
-        };
-        all["refitted"] = self.refitted.into();
-        all["source"] = format!("{:032x}", self.source).into();
-        all
-    }
-
     /// One line for text formats.
-    pub(super) fn line(&self) -> String {
+    pub(crate) fn line(&self) -> String {
         let mut line = GENERATOR.to_owned();
         for l in &self.levels {
             if let Some(lod) = l.lod {

@@ -1,7 +1,9 @@
 //! Places of image files: inside, beside under their name, beside under another one.
 
 use super::*;
-use crate::{Assets, Document, GltfDocument, Limits, ObjDocument, ObjMaterial};
+use crate::images::{Place, TextureMode};
+use crate::obj::mtl;
+use crate::{GltfDocument, Limits, ObjDocument, ObjMaterial};
 use std::fs;
 use std::path::PathBuf;
 
@@ -86,9 +88,9 @@ fn only_known_images_are_embedded() {
 #[test]
 fn a_line_gets_another_file_behind_its_options() {
     let line = "map_Kd -o 1 2 -clamp on my wood.png ";
-    assert_eq!(map_line::file(line), Some("my wood.png"));
-    assert_eq!(map_line::with_file(line, "x.png"), "map_Kd -o 1 2 -clamp on x.png");
+    assert_eq!(mtl::file(line), Some("my wood.png"));
+    assert_eq!(mtl::with_file(line, "x.png"), "map_Kd -o 1 2 -clamp on x.png");
     for none in ["Kd 1 0 0", "map_Kd", "map_aat on", "newmtl map_Kd x"] {
-        assert_eq!(map_line::file(none), None, "{none}");
+        assert_eq!(mtl::file(none), None, "{none}");
     }
 }

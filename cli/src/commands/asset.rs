@@ -13,7 +13,7 @@ use crate::parts::PartArgs;
 use crate::progress::Progress;
 use crate::stages::Stages;
 use clap::Args;
-use lodc_formats::appearance::appearance;
+use lodc_formats::appearance;
 use lodc_formats::import::{Either, either};
 use lodc_formats::lodc::LodObject;
 use lodc_formats::{Assets, Document, ObjectInfo, Scene, Source};

@@ -1,8 +1,8 @@
 //! The animations of a document.
 
-use crate::graph::index;
-use crate::import::gltf::json::{Object, entries, malformed};
-use crate::import::gltf::stored::Stored;
+use super::document::Stored;
+use super::graph::index;
+use super::json::{Object, entries, malformed};
 use crate::{Document, FormatError, Limits};
 use lodc_scene::{Animation, Channel, Interpolation, Property};
 use serde_json::Value;

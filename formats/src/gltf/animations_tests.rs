@@ -1,5 +1,5 @@
 use super::*;
-use crate::import::gltf::tests::{Builder, sound};
+use crate::gltf::read::tests::{Builder, sound};
 use serde_json::{Value, json};
 
 /// A triangle whose node moves along x within a second; `times` are the keys'.

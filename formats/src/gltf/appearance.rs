@@ -1,25 +1,62 @@
-//! Base colours of glTF materials (glTF 2.0, 3.9), of the older specular-glossiness ones, and their
-//! textures.
+//! The looks of a stored document: base colours of materials (glTF 2.0, 3.9), of the older
+//! specular-glossiness ones, and their textures.
 
-use super::pictures::Pictures;
-use crate::import::gltf::uri;
-use crate::nodes::{as_index, numbers};
-use crate::{Assets, FormatError};
-use lodc_scene::{AlphaMode, Coordinates, Material, Texture, Wrap};
+use super::document::Stored;
+use super::uri;
+use crate::gltf::json::{as_index, numbers};
+use crate::images::Pictures;
+use crate::{Assets, Fault, FormatError, GltfDocument, ObjectInfo};
+use lodc_scene::{AlphaMode, Appearance, Coordinates, Material, Texture, Wrap};
 use serde_json::Value;
 
+/// Linear colour of a mesh without a material. glTF says white, which leaves no room for light.
+const PLAIN: [f32; 4] = [0.6, 0.6, 0.6, 1.0];
+
+/// Reads the looks of a document.
+///
+/// # Errors
+/// If it is damaged.
+pub(crate) fn appearance(
+    document: &GltfDocument,
+    objects: &[&ObjectInfo],
+    assets: &mut Assets,
+) -> Result<Appearance, FormatError> {
+    let limits = *assets.limits();
+    Stored::read(document, &limits, |stored, root| {
+        let json = &Value::Object(root.clone());
+        let number = |object: &ObjectInfo, primitive: u32| {
+            let mesh = &json["meshes"][object.document_mesh as usize];
+            as_index(&mesh["primitives"][primitive as usize]["material"]).map_or(0, |m| m + 1)
+        };
+        let of = |o: &&ObjectInfo| -> Vec<usize> {
+            o.submeshes.iter().map(|s| number(o, s.document_primitive)).collect()
+        };
+        let of_submesh: Vec<Vec<usize>> = objects.iter().map(of).collect();
+        let view = |index| stored.view(index);
+        let mut reader = Reader { json, pictures: Pictures::default(), assets, view: &view };
+        let mut materials = vec![Material { colour: PLAIN, ..Material::default() }];
+        for (number, source) in (1..).zip(json["materials"].as_array().into_iter().flatten()) {
+            // What nothing uses need not have its pictures read.
+            let used = of_submesh.iter().flatten().any(|&m| m == number);
+            materials.push(if used { reader.material(source) } else { Material::default() });
+        }
+        let Pictures { list, warnings, .. } = reader.pictures;
+        Ok(Appearance { materials, of_submesh, images: list, warnings })
+    })
+}
+
 /// Reads textures of one document.
-pub(super) struct Reader<'a> {
-    pub(super) json: &'a Value,
-    pub(super) pictures: Pictures,
-    pub(super) assets: &'a mut Assets,
+struct Reader<'a> {
+    json: &'a Value,
+    pictures: Pictures,
+    assets: &'a mut Assets,
     /// The bytes of a buffer view.
-    pub(super) view: &'a dyn Fn(usize) -> Result<Vec<u8>, FormatError>,
+    view: &'a dyn Fn(usize) -> Result<Vec<u8>, FormatError>,
 }
 
 impl Reader<'_> {
     /// A material of the document.
-    pub(super) fn material(&mut self, source: &Value) -> Material {
+    fn material(&mut self, source: &Value) -> Material {
         let glossy = &source["extensions"]["KHR_materials_pbrSpecularGlossiness"];
         let metal = &source["pbrMetallicRoughness"];
         let (colour, texture) = if metal.is_object() || !glossy.is_object() {
@@ -73,11 +110,7 @@ impl Reader<'_> {
         let Some(image) = image else {
             let extensions = "in a format that an extension names";
             self.pictures.get("", extensions, || {
-                Err(FormatError::new(
-                    crate::Fault::Unsupported,
-                    "",
-                    "a texture without a PNG or JPEG",
-                ))
+                Err(FormatError::new(Fault::Unsupported, "", "a texture without a PNG or JPEG"))
             });
             return None;
         };
@@ -90,7 +123,7 @@ impl Reader<'_> {
                 (Some(uri), _) => uri::read(uri, &place, assets),
                 (None, Some(index)) => view(index),
                 (None, None) => Err(FormatError::new(
-                    crate::Fault::Malformed,
+                    Fault::Malformed,
                     place.clone(),
                     "has neither uri nor bufferView",
                 )),

@@ -5,7 +5,7 @@ use crate::{Fault, FormatError};
 use serde_json::Value;
 
 /// Compressed vertex and index data: decoded.
-pub(super) const MESHOPT: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
+pub(crate) const MESHOPT: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
 
 /// Returns whether buffer views of a document are compressed.
 pub(super) fn is_compressed(root: &Object) -> bool {
@@ -153,6 +153,16 @@ pub(super) fn forget(root: &mut Object, name: &str) {
         if names.is_empty() && before > 0 {
             root.shift_remove(key);
         }
+    }
+}
+
+/// Names an extension in one of the lists of the document.
+pub(crate) fn add(root: &mut Object, list: &str, name: &str) {
+    let names = root.entry(list).or_insert_with(|| Value::Array(Vec::new()));
+    if let Value::Array(names) = names
+        && !names.iter().any(|n| n == name)
+    {
+        names.push(name.into());
     }
 }
 

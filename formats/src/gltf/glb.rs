@@ -77,6 +77,31 @@ pub(super) fn split(bytes: &[u8]) -> Result<Chunks, FormatError> {
     Ok(Chunks { json, bin, warnings })
 }
 
+/// A GLB of a document and its buffer, which may be empty.
+pub(super) fn joined(mut text: Vec<u8>, blob: &[u8]) -> Result<Vec<u8>, FormatError> {
+    text.resize(text.len().next_multiple_of(4), b' ');
+    let padded = blob.len().next_multiple_of(4);
+    let chunk = if blob.is_empty() { 0 } else { 8 + padded };
+    let length = 12 + 8 + text.len() + chunk;
+    let word = |n: usize| {
+        let what = "larger than the 4 GiB of a GLB: write .gltf instead";
+        u32::try_from(n).map_err(|_| FormatError::new(Fault::Limit, "", what))
+    };
+    let mut bytes = Vec::with_capacity(length);
+    bytes.extend(MAGIC);
+    for n in [2, word(length)?, word(text.len())?, JSON] {
+        bytes.extend(n.to_le_bytes());
+    }
+    bytes.extend(text);
+    if !blob.is_empty() {
+        bytes.extend(word(padded)?.to_le_bytes());
+        bytes.extend(BIN.to_le_bytes());
+        bytes.extend_from_slice(blob);
+        bytes.resize(length, 0);
+    }
+    Ok(bytes)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

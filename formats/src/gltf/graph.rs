@@ -1,7 +1,7 @@
 //! The nodes, skins and default scene of a document, as `lodc_scene` has them.
 
-use crate::import::gltf::json::{Object, entries, extension, integer, list};
-use crate::import::gltf::stored::Stored;
+use super::document::Stored;
+use super::json::{Object, entries, extension, integer, list};
 use crate::{Document, Fault, FormatError, Limits, ObjectInfo};
 use lodc_scene::{Graph, LocalTransform, Node, Skin, Transform, transform_from_columns};
 use serde_json::Value;

@@ -1,7 +1,7 @@
 use super::*;
 use crate::Scene;
 use crate::export::{ExportFormat, ExportObject, export};
-use crate::import::gltf::tests::{Builder, sound};
+use crate::gltf::read::tests::{Builder, sound};
 use lodc_scene::{Arrangement, object_in_scene};
 use serde_json::json;
 use std::path::Path;

@@ -1,7 +1,7 @@
 //! The JSON of a glTF: checked before it is parsed, and read through small accessors that never
 //! panic.
 
-use crate::{Fault, FormatError, Limits};
+use crate::{Fault, FormatError, GltfDocument, Limits};
 use serde_json::{Map, Value};
 
 /// A JSON object.
@@ -122,4 +122,24 @@ pub(crate) fn remove_extension(object: &mut Object, name: &str) {
             object.shift_remove("extensions");
         }
     }
+}
+
+/// An index into one of the document's lists.
+pub(crate) fn as_index(value: &Value) -> Option<usize> {
+    value.as_u64().and_then(|i| usize::try_from(i).ok())
+}
+
+/// As many numbers as there should be, or the default.
+pub(crate) fn numbers<const N: usize>(value: &Value, default: [f64; N]) -> [f64; N] {
+    match value.as_array() {
+        Some(a) if a.len() == N => std::array::from_fn(|i| a[i].as_f64().unwrap_or(default[i])),
+        _ => default,
+    }
+}
+
+/// The document's JSON.
+pub(crate) fn parse_json(gltf: &GltfDocument) -> Result<Value, FormatError> {
+    serde_json::from_str(&gltf.json).map_err(|e| {
+        FormatError::new(Fault::Malformed, "", format!("the stored glTF document is damaged: {e}"))
+    })
 }

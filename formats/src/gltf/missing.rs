@@ -1,9 +1,9 @@
 //! A glTF whose buffer has not come to its end: everything that refers to missing bytes is left
 //! out, so that the rest is a valid document.
 
-use crate::import::gltf::json::{self, Object, entries, integer, list};
-use crate::import::gltf::opaque_extension;
-use crate::import::gltf::schema::{self, Pool, references, retain};
+use super::extensions::opaque as opaque_extension;
+use super::json::{self, Object, entries, integer, list};
+use super::schema::{self, Pool, references, retain};
 use crate::{FormatError, GltfDocument, Limits};
 use serde_json::Value;
 

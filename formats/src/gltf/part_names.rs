@@ -1,7 +1,6 @@
 //! Names that a scene has for its parts.
 
-use crate::export::parse_json;
-use crate::nodes::as_index;
+use super::json::{as_index, parse_json};
 use crate::{Document, FormatError, ObjectInfo};
 use serde_json::Value;
 

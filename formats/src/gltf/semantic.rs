@@ -1,7 +1,7 @@
 //! Names of attributes, and which formats each may have.
 
 use super::accessor::{Accessor, Shape};
-use lodc_mesh::{Component, Semantic};
+use lodc_mesh::{Attribute, Component, Semantic};
 
 /// The meaning of an attribute's name. Names that glTF does not know are kept as they are.
 pub(super) fn from_name(name: &str) -> Semantic {
@@ -54,4 +54,16 @@ pub(super) fn accepts(semantic: &Semantic, morph_target: bool, accessor: &Access
     };
     let integer = !matches!(semantic, Semantic::Joints(_)) || accessor.component != Component::F32;
     shape && integer && accessor.component != Component::U32
+}
+
+/// Positions as a stream.
+pub(super) fn positions(positions: &[[f32; 3]]) -> Attribute {
+    Attribute {
+        semantic: Semantic::Position,
+        morph_target: None,
+        component: Component::F32,
+        components: 3,
+        normalized: false,
+        bytes: positions.iter().flatten().flat_map(|c| c.to_le_bytes()).collect(),
+    }
 }

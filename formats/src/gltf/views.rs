@@ -3,12 +3,11 @@
 use super::budget::Budget;
 use super::extensions;
 use super::json::{self, Object, entries, malformed, optional, required};
-use super::meshopt::{self, Filter, Layout, Mode};
+use super::meshopt::{self, Layout};
 use super::typed;
 use super::uri;
 use crate::{Assets, FormatError};
 use ::gltf::json::buffer as stated;
-use serde_json::Value;
 use std::cell::OnceCell;
 use std::ops::Range;
 
@@ -196,7 +195,7 @@ fn compressed(
     let offset = optional(packed, "byteOffset", place)?.unwrap_or(0);
     let length = required(packed, "byteLength", place)?;
     let range = byte_range(lengths, buffer, offset, length, place)?;
-    let layout = layout(packed, place)?;
+    let layout = Layout::read(packed, place)?;
     // The uncompressed size is what accessors are checked against; it must be a size that memory
     // can have.
     if layout.count.checked_mul(layout.stride) != Some(plain.range.len()) {
@@ -212,26 +211,4 @@ fn compressed(
         return Err(malformed(place, format!("buffers[{buffer}] has no bytes")));
     }
     Ok(View { buffer, range, compressed: Some(layout), ..plain })
-}
-
-fn layout(packed: &Object, place: &str) -> Result<Layout, FormatError> {
-    let mode = match packed.get("mode").and_then(Value::as_str) {
-        Some("ATTRIBUTES") => Mode::Attributes,
-        Some("TRIANGLES") => Mode::Triangles,
-        Some("INDICES") => Mode::Indices,
-        _ => return Err(malformed(place, "`mode` is not one of ATTRIBUTES, TRIANGLES, INDICES")),
-    };
-    let filter = match packed.get("filter").map_or(Some("NONE"), Value::as_str) {
-        Some("NONE") => Filter::None,
-        Some("OCTAHEDRAL") => Filter::Octahedral,
-        Some("QUATERNION") => Filter::Quaternion,
-        Some("EXPONENTIAL") => Filter::Exponential,
-        Some("COLOR") => Filter::Color,
-        _ => return Err(malformed(place, "`filter` is unknown")),
-    };
-    let count = required(packed, "count", place)? as usize;
-    let stride = required(packed, "byteStride", place)? as usize;
-    let layout = Layout { mode, filter, count, stride };
-    layout.check().map_err(|what| malformed(place, what))?;
-    Ok(layout)
 }

@@ -1,7 +1,7 @@
 //! Pictures as they are asked for: each read once, all together bounded.
 
+use super::decode;
 use crate::FormatError;
-use crate::picture::decode;
 use lodc_scene::Image;
 
 /// Longest side that is kept.
@@ -11,18 +11,18 @@ const PIXELS: u64 = 1 << 28;
 
 /// The pictures of one scene.
 #[derive(Debug, Default)]
-pub(super) struct Pictures {
+pub(crate) struct Pictures {
     /// By the key they were asked for with: where they are, or nowhere.
     known: Vec<(String, Option<usize>)>,
-    pub(super) list: Vec<Image>,
-    pub(super) warnings: Vec<String>,
+    pub(crate) list: Vec<Image>,
+    pub(crate) warnings: Vec<String>,
     taken: u64,
 }
 
 impl Pictures {
     /// The picture of this key, read if it has not been asked for before. `name` is what a warning
     /// calls it.
-    pub(super) fn get(
+    pub(crate) fn get(
         &mut self,
         key: &str,
         name: &str,

@@ -1,11 +1,20 @@
-//! The place of every image file in or beside an export.
+//! The image files that a document names, and the place of each in or beside an export, so that a
+//! model that moves to another folder keeps its textures.
 
-use super::{Textures, extension_of, mime_of};
-use crate::OutputFile;
+use crate::{Assets, FormatError, OutputFile};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Component, Path, PathBuf};
 use xxhash_rust::xxh3::xxh3_64;
+
+/// The image files of a document.
+#[derive(Clone, Debug, Default)]
+pub struct Textures {
+    /// Bytes by the path that the document has for them: decoded, with `/` between folders.
+    pub(crate) files: BTreeMap<String, Vec<u8>>,
+    /// One line for each that could not be read.
+    pub warnings: Vec<String>,
+}
 
 /// Places for the image files that a document names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,6 +45,27 @@ pub(crate) enum Place {
 }
 
 impl Textures {
+    /// Adds the file that the document calls `path`, once.
+    pub(crate) fn add(
+        &mut self,
+        path: &str,
+        read: impl FnOnce(&mut Assets) -> Result<Vec<u8>, FormatError>,
+        assets: &mut Assets,
+    ) {
+        if self.files.contains_key(path) {
+            return;
+        }
+        match read(assets) {
+            Ok(bytes) => drop(self.files.insert(path.to_owned(), bytes)),
+            Err(e) => {
+                let warning = format!("a texture is missing: {}", e.in_file(path));
+                if !self.warnings.contains(&warning) {
+                    self.warnings.push(warning);
+                }
+            }
+        }
+    }
+
     /// Gives every file its place in or beside `output`. A copy whose name another file has already
     /// takes a name with a hash of its bytes; a file with the same bytes is left as it is.
     #[must_use]
@@ -46,7 +76,7 @@ impl Textures {
         let mut taken: BTreeMap<PathBuf, u64> =
             own.into_iter().chain([output.to_owned()]).map(|path| (path, 0)).collect();
         for (name, bytes) in self.files {
-            let place = match (mode, mime_of(&bytes)) {
+            let place = match (mode, kind(&bytes).map(|(mime, _)| mime)) {
                 (TextureMode::Embed, Some(mime)) => Place::Inside { mime, bytes },
                 (TextureMode::Embed, None) => {
                     let what = format!("{name}: no image that glTF can hold: not embedded");
@@ -98,12 +128,32 @@ impl PlacedTextures {
     }
 }
 
+/// The name of an image that a glTF document holds itself. No file can have it.
+pub(crate) fn embedded_name(image: usize) -> String {
+    format!("data:{image}")
+}
+
+/// The media type of an image that glTF can hold, by its first bytes, and its extension in file
+/// names; none for other bytes.
+fn kind(bytes: &[u8]) -> Option<(&'static str, &'static str)> {
+    Some(match bytes {
+        [0x89, b'P', b'N', b'G', ..] => ("image/png", "png"),
+        [0xff, 0xd8, 0xff, ..] => ("image/jpeg", "jpg"),
+        [0xab, b'K', b'T', b'X', b' ', b'2', b'0', ..] => ("image/ktx2", "ktx2"),
+        [b'D', b'D', b'S', b' ', ..] => ("image/vnd-ms.dds", "dds"),
+        [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] => ("image/webp", "webp"),
+        [_, _, _, _, b'f', b't', b'y', b'p', b'a', b'v', b'i', b'f', ..] => ("image/avif", "avif"),
+        _ => return None,
+    })
+}
+
 /// The path from the output's folder: that of the document where it leads downwards, else the
 /// file's name alone.
 fn relative(name: &str, bytes: &[u8], output: &Path) -> String {
     if let Some(number) = name.strip_prefix("data:") {
         let stem = output.file_stem().unwrap_or_default().to_string_lossy();
-        return format!("{stem}_image{number}.{}", extension_of(bytes));
+        let extension = kind(bytes).map_or("bin", |(_, extension)| extension);
+        return format!("{stem}_image{number}.{extension}");
     }
     let parts: Vec<Component<'_>> =
         Path::new(name).components().filter(|c| *c != Component::CurDir).collect();

@@ -1,8 +1,8 @@
 //! Materials of an OBJ: `Kd`, `d`, `Tr` and `map_Kd`; `map_d` means that the texture's own opacity
 //! cuts.
 
-use super::pictures::Pictures;
-use crate::import::obj::meaning;
+use super::mtl::{self, Meaning};
+use crate::images::Pictures;
 use crate::{Assets, ObjDocument, ObjMaterial, ObjectInfo};
 use lodc_scene::{AlphaMode, Appearance, Coordinates, Material, Texture, Wrap, to_linear};
 
@@ -17,7 +17,8 @@ const PLAIN: Material = Material {
     unlit: false,
 };
 
-pub(super) fn appearance(
+/// The looks of an OBJ.
+pub(crate) fn appearance(
     obj: &ObjDocument,
     objects: &[&ObjectInfo],
     assets: &mut Assets,
@@ -52,21 +53,18 @@ pub(super) fn appearance(
 
 fn material(source: &ObjMaterial, pictures: &mut Pictures, assets: &mut Assets) -> Material {
     // `Kd` has no colour space of its own; programs show it as they show texels.
-    let linear = |v: f32| to_linear(v.clamp(0.0, 1.0));
+    let linear = |v: f64| to_linear((v as f32).clamp(0.0, 1.0));
     let mut material = PLAIN;
-    let meaning = meaning(source);
+    let meaning = Meaning::of(source);
     if let Some(diffuse) = meaning.diffuse {
         material.colour[..3].copy_from_slice(&diffuse.map(linear));
     }
     if let Some(dissolve) = meaning.dissolve {
-        material.colour[3] = dissolve.clamp(0.0, 1.0);
+        material.colour[3] = (dissolve as f32).clamp(0.0, 1.0);
     }
-    if let Some(map) = &meaning.diffuse_texture {
-        material.texture = texture(map, pictures, assets);
-    }
-    let (stated, cut) = (meaning.diffuse.is_some(), meaning.dissolve_texture.is_some());
+    material.texture = meaning.texture.and_then(|map| texture(map, pictures, assets));
     let black = material.colour[..3].iter().all(|&c| c == 0.0);
-    if material.texture.is_some() && (black || !stated) {
+    if material.texture.is_some() && (black || meaning.diffuse.is_none()) {
         // Many writers leave `Kd` black or out where a texture says the colour.
         material.colour[..3].copy_from_slice(&[1.0; 3]);
     }
@@ -78,48 +76,25 @@ fn material(source: &ObjMaterial, pictures: &mut Pictures, assets: &mut Assets) 
             AlphaMode::Opaque
         }
         d if d < 1.0 => AlphaMode::Blend,
-        _ if cut => AlphaMode::Mask(0.5),
+        _ if meaning.cut => AlphaMode::Mask(0.5),
         _ => AlphaMode::Opaque,
     };
     material
 }
 
-/// `map_Kd [-option value...]... FILE`; the file's name may contain spaces.
+/// The texture of `map_Kd [-option value...]... FILE`.
 fn texture(rest: &str, pictures: &mut Pictures, assets: &mut Assets) -> Option<Texture> {
-    let mut name = rest.trim();
+    let (options, name) = mtl::options_and_file(rest)?;
     let (mut scale, mut offset, mut wrap) = ([1.0f32; 2], [0.0f32; 2], Wrap::Repeat);
-    while let Some(option) = name.strip_prefix('-') {
-        let (word, mut after) = option.split_once(char::is_whitespace)?;
-        let numbers = match word {
-            "s" | "o" | "t" => 3,
-            "mm" => 2,
-            "blendu" | "blendv" | "cc" | "clamp" | "texres" | "bm" | "boost" | "imfchan"
-            | "type" => 1,
-            _ => break,
-        };
-        let mut values = Vec::new();
-        for i in 0..numbers {
-            after = after.trim_start();
-            let (value, tail) = after.split_once(char::is_whitespace)?;
-            // The second and third number of a vector may be missing.
-            if numbers == 3 && i > 0 && value.parse::<f32>().is_err() {
-                break;
-            }
-            values.push(value);
-            after = tail;
-        }
+    for (option, values) in options {
         let number =
             |i: usize, default: f32| values.get(i).and_then(|v| v.parse().ok()).unwrap_or(default);
-        match word {
-            "s" => scale = [number(0, 1.0), number(1, 1.0)],
-            "o" => offset = [number(0, 0.0), number(1, 0.0)],
-            "clamp" if values == ["on"] => wrap = Wrap::Clamp,
+        match option {
+            "-s" => scale = [number(0, 1.0), number(1, 1.0)],
+            "-o" => offset = [number(0, 0.0), number(1, 0.0)],
+            "-clamp" if values == ["on"] => wrap = Wrap::Clamp,
             _ => {}
         }
-        name = after.trim_start();
-    }
-    if name.is_empty() {
-        return None;
     }
     let turned = name.replace('\\', "/");
     let image = pictures.get(&turned, name, || assets.read_reference(&turned))?;

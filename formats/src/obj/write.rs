@@ -1,37 +1,33 @@
 //! Wavefront OBJ and MTL: numbers are written so that reading them gives the same bits.
 
-use super::flatten::{self, Placed, Vertices, component};
-use super::{Additions, ExportObject, Provenance};
-use crate::import::gltf::uri;
-use crate::textures::{Place, PlacedTextures, embedded_name, map_line};
-use crate::{Document, FormatError, OutputFile};
+use super::mtl;
+use crate::flatten::{Placed, Vertices, component};
+use crate::images::{Place, PlacedTextures};
+use crate::provenance::Provenance;
+use crate::{ObjDocument, OutputFile};
 use lodc_mesh::{Mesh, Semantic};
 use lodc_scene::stream;
-use serde_json::Value;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::hash::Hash;
 use std::io::Write;
 use std::path::Path;
 
 /// The OBJ and, if there are materials and `path` is not standard output, the MTL beside it.
-///
-/// # Errors
-/// See [`super::export`].
-pub(super) fn export(
+/// `top_left` says that texture coordinates begin at the top.
+pub(crate) fn export(
     path: &Path,
-    document: &Document,
-    objects: &[ExportObject<'_>],
-    additions: &Additions,
-) -> Result<Vec<OutputFile>, FormatError> {
-    let materials = Materials::new(document, &additions.textures)?;
-    let origin = additions.provenance.as_ref().map(Provenance::line);
+    placed: &[Placed<'_>],
+    top_left: bool,
+    library: &Library,
+    provenance: Option<&Provenance>,
+) -> Vec<OutputFile> {
+    let origin = provenance.map(Provenance::line);
     let mut text = format!("# {}\n", origin.as_deref().unwrap_or("lodc")).into_bytes();
-    let library = path.with_extension("mtl");
-    let has_library = !materials.text.is_empty() && path.as_os_str() != "-";
+    let beside = path.with_extension("mtl");
+    let has_library = !library.text.is_empty() && path.as_os_str() != "-";
     if has_library {
-        let name =
-            library.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-        line(&mut text, "mtllib", &name);
+        let name = beside.file_name().map(|n| n.to_string_lossy().into_owned());
+        line(&mut text, "mtllib", &name.unwrap_or_default());
     }
     let mut writer = Writer {
         text,
@@ -41,14 +37,14 @@ pub(super) fn export(
         numbers: Vec::new(),
         material: String::new(),
     };
-    for placed in flatten::placed(document, objects)? {
-        writer.object(&placed, &materials, matches!(document, Document::Gltf(_)));
+    for placed in placed {
+        writer.object(placed, library, top_left);
     }
     let mut files = vec![OutputFile { path: path.to_owned(), bytes: writer.text }];
     if has_library {
-        files.push(OutputFile { path: library, bytes: materials.text });
+        files.push(OutputFile { path: beside, bytes: library.text.clone() });
     }
-    Ok(files)
+    files
 }
 
 /// The numbers of values already written, from 1.
@@ -66,7 +62,7 @@ struct Writer {
 }
 
 impl Writer {
-    fn object(&mut self, placed: &Placed<'_>, materials: &Materials, top_left: bool) {
+    fn object(&mut self, placed: &Placed<'_>, library: &Library, top_left: bool) {
         let (mesh, info) = (placed.object.mesh, placed.object.info);
         line(&mut self.text, "o", &clean(&placed.name));
         self.numbers.clear();
@@ -86,7 +82,7 @@ impl Writer {
             }
             let material = match &submesh_info.material {
                 Some(name) => clean(name),
-                None => materials.of_primitive(info.document_mesh, submesh_info.document_primitive),
+                None => library.of_primitive(info.document_mesh, submesh_info.document_primitive),
             };
             if material != self.material {
                 line(&mut self.text, "usemtl", &material);
@@ -226,101 +222,81 @@ fn clean(name: &str) -> String {
     if out == "#" { "_".to_owned() } else { out }
 }
 
-/// The text of the library, and the names of glTF materials.
+/// The text of a material library, and the names of materials that primitives have.
 #[derive(Debug, Default)]
-struct Materials {
+pub(crate) struct Library {
     text: Vec<u8>,
-    /// By mesh and primitive.
-    of_primitive: BTreeMap<(usize, usize), String>,
+    names: Vec<String>,
+    taken: BTreeSet<String>,
+    /// By mesh and primitive, glTF only: one of the names.
+    of_primitive: BTreeMap<(usize, usize), usize>,
 }
 
-impl Materials {
-    fn new(document: &Document, textures: &PlacedTextures) -> Result<Self, FormatError> {
-        match document {
-            Document::Obj(obj) => {
-                let mut text = Vec::new();
-                for material in &obj.materials {
-                    line(&mut text, "newmtl", &clean(&material.name));
-                    for l in &material.lines {
-                        line(&mut text, &renamed(&l.replace(['\n', '\r'], " "), textures), "");
-                    }
-                }
-                Ok(Self { text, of_primitive: BTreeMap::new() })
+/// Name, colour, opacity and texture: what an MTL and other formats have in common.
+#[derive(Debug)]
+pub(crate) struct SimpleMaterial<'a> {
+    pub(crate) name: &'a str,
+    pub(crate) colour: [f64; 3],
+    pub(crate) opacity: Option<f64>,
+    pub(crate) texture: Option<String>,
+}
+
+impl Library {
+    /// The library of an OBJ, its images under the names that their copies have.
+    pub(crate) fn new(document: &ObjDocument, textures: &PlacedTextures) -> Self {
+        let mut text = Vec::new();
+        for material in &document.materials {
+            line(&mut text, "newmtl", &clean(&material.name));
+            for l in &material.lines {
+                line(&mut text, &renamed(&l.replace(['\n', '\r'], " "), textures), "");
             }
-            Document::Gltf(gltf) => Ok(Self::of_gltf(&flatten::parse(gltf)?, textures)),
+        }
+        Self { text, ..Self::default() }
+    }
+
+    /// Adds a material. A name that another has, and none, get a number.
+    pub(crate) fn add(&mut self, material: &SimpleMaterial<'_>) {
+        let mut name = clean(material.name);
+        if name.is_empty() || self.taken.contains(&name) {
+            name =
+                format!("{name}_material{}", self.names.len()).trim_start_matches('_').to_owned();
+        }
+        let text = &mut self.text;
+        line(text, "newmtl", &name);
+        let [r, g, b] = material.colour;
+        line(text, &format!("Kd {r} {g} {b}"), "");
+        if let Some(opacity) = material.opacity {
+            line(text, &format!("d {opacity}"), "");
+        }
+        if let Some(file) = &material.texture {
+            line(text, "map_Kd", &clean(file));
+        }
+        self.taken.insert(name.clone());
+        self.names.push(name);
+    }
+
+    /// Gives a primitive the material of this number, if there is one.
+    pub(crate) fn assign(&mut self, mesh: usize, primitive: usize, material: usize) {
+        if material < self.names.len() {
+            self.of_primitive.insert((mesh, primitive), material);
         }
     }
 
     fn of_primitive(&self, mesh: u32, primitive: u32) -> String {
-        self.of_primitive.get(&(mesh as usize, primitive as usize)).cloned().unwrap_or_default()
-    }
-
-    /// Name, colour, opacity and texture: what an MTL and a glTF have in common.
-    fn of_gltf(json: &Value, textures: &PlacedTextures) -> Self {
-        let mut text = Vec::new();
-        let mut names: Vec<String> = Vec::new();
-        let mut taken = BTreeMap::new();
-        for (i, material) in list(&json["materials"]).iter().enumerate() {
-            let mut name = clean(material["name"].as_str().unwrap_or_default());
-            if name.is_empty() || taken.contains_key(&name) {
-                name = format!("{name}_material{i}").trim_start_matches('_').to_owned();
-            }
-            taken.insert(name.clone(), i);
-            line(&mut text, "newmtl", &name);
-            names.push(name);
-            let pbr = &material["pbrMetallicRoughness"];
-            let factor: [f64; 4] = std::array::from_fn(|k| {
-                pbr["baseColorFactor"][k].as_f64().filter(|f| f.is_finite()).unwrap_or(1.0)
-            });
-            line(&mut text, &format!("Kd {} {} {}", factor[0], factor[1], factor[2]), "");
-            if material["alphaMode"].as_str() == Some("BLEND") {
-                line(&mut text, &format!("d {}", factor[3]), "");
-            }
-            let index = |v: &Value| v.as_u64().and_then(|i| usize::try_from(i).ok());
-            let source = index(&pbr["baseColorTexture"]["index"])
-                .and_then(|t| index(&json["textures"][t]["source"]));
-            if let Some(file) = source.and_then(|s| image_file(json, s, textures)) {
-                line(&mut text, "map_Kd", &clean(&file));
-            }
-        }
-        let mut of_primitive = BTreeMap::new();
-        for (m, mesh) in list(&json["meshes"]).iter().enumerate() {
-            for (p, primitive) in list(&mesh["primitives"]).iter().enumerate() {
-                let material = primitive["material"]
-                    .as_u64()
-                    .and_then(|i| names.get(usize::try_from(i).ok()?));
-                if let Some(name) = material {
-                    of_primitive.insert((m, p), name.clone());
-                }
-            }
-        }
-        Self { text, of_primitive }
+        let material = self.of_primitive.get(&(mesh as usize, primitive as usize));
+        material.map(|&m| self.names[m].clone()).unwrap_or_default()
     }
 }
 
 /// The line of a material with the name that the copy of its image has.
 fn renamed(source: &str, textures: &PlacedTextures) -> String {
-    let file = map_line::file(source).map(|name| name.replace('\\', "/"));
+    let file = mtl::file(source).map(|name| name.replace('\\', "/"));
     match file.as_deref().and_then(|name| Some((name, textures.of(name)?))) {
-        Some((name, Place::Beside(other))) if name != other => map_line::with_file(source, other),
+        Some((name, Place::Beside(other))) if name != other => mtl::with_file(source, other),
         _ => source.to_owned(),
     }
 }
 
-/// The file of an image of a glTF document; none if it has none.
-fn image_file(json: &Value, image: usize, textures: &PlacedTextures) -> Option<String> {
-    let path = json["images"][image]["uri"].as_str().and_then(uri::path);
-    let name = path.clone().unwrap_or_else(|| embedded_name(image));
-    match textures.of(&name) {
-        Some(Place::Beside(relative)) => Some(relative.clone()),
-        _ => path,
-    }
-}
-
-fn list(value: &Value) -> &[Value] {
-    value.as_array().map(Vec::as_slice).unwrap_or_default()
-}
-
 #[cfg(test)]
-#[path = "obj_tests.rs"]
+#[path = "write_tests.rs"]
 mod tests;

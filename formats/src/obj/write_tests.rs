@@ -1,9 +1,14 @@
 use super::*;
-use crate::export::flatten::tests::{gltf, info, triangle};
+use crate::export::{ExportFormat, ExportObject};
+use crate::flatten::tests::{gltf, info, triangle};
 use crate::import::{ImportOptions, import};
 use crate::testing::{Random, Scratch, corpus};
-use crate::{Scene, write_all};
+use crate::{Document, ObjMaterial, Scene, write_all};
 use lodc_mesh::Mesh;
+
+fn export(path: &Path, document: &Document, objects: &[ExportObject<'_>]) -> Vec<OutputFile> {
+    crate::export::export(path, ExportFormat::Obj, document, objects).expect("exported")
+}
 
 /// Per material: the triangles as bytes of all corners, rotated and sorted so that equal multisets
 /// are equal lists.
@@ -36,7 +41,7 @@ fn triangles(scene: &Scene) -> BTreeMap<Option<String>, Vec<[Vec<u8>; 3]>> {
 fn written(scene: &Scene, path: &Path) -> Vec<OutputFile> {
     let objects: Vec<_> =
         scene.objects.iter().map(|o| ExportObject { info: &o.info, mesh: &o.mesh }).collect();
-    export(path, &scene.document, &objects, &Additions::default()).expect("exported")
+    export(path, &scene.document, &objects)
 }
 
 fn round_trip(scene: &Scene, scratch: &Scratch) -> Scene {
@@ -127,23 +132,15 @@ fn the_library_is_written_beside_the_file_and_never_to_standard_output() {
     let (mesh, info) = (triangle(), info(0));
     let objects = [ExportObject { info: &info, mesh: &mesh }];
     let materials =
-        vec![crate::ObjMaterial { name: "red".to_owned(), lines: vec!["Kd 1 0 0".to_owned()] }];
-    let document = Document::Obj(crate::ObjDocument { libraries: Vec::new(), materials });
-    let files = export(Path::new("some/out file.obj"), &document, &objects, &Additions::default())
-        .expect("exported");
+        vec![ObjMaterial { name: "red".to_owned(), lines: vec!["Kd 1 0 0".to_owned()] }];
+    let document = Document::Obj(ObjDocument { libraries: Vec::new(), materials });
+    let files = export(Path::new("some/out file.obj"), &document, &objects);
     assert_eq!(files[1].path, Path::new("some/out file.mtl"));
     assert_eq!(files[1].bytes, b"newmtl red\nKd 1 0 0\n");
     assert!(files[0].bytes.starts_with(b"# lodc\nmtllib out file.mtl\no mesh0\n"));
-    let files =
-        export(Path::new("-"), &document, &objects, &Additions::default()).expect("exported");
+    let files = export(Path::new("-"), &document, &objects);
     assert!(files.len() == 1 && !files[0].bytes.windows(6).any(|w| w == b"mtllib"));
-    let bare = export(
-        Path::new("x.obj"),
-        &Document::Obj(crate::ObjDocument::default()),
-        &objects,
-        &Additions::default(),
-    )
-    .expect("exported");
+    let bare = export(Path::new("x.obj"), &Document::Obj(ObjDocument::default()), &objects);
     assert_eq!(bare.len(), 1);
 }
 
@@ -157,13 +154,8 @@ fn gltf_scenes_become_objects_with_simple_materials() {
         "textures":[{"source":0}],"images":[{"uri":"a%20b.png"}],
         "meshes":[{"primitives":[{"material":1}]}]}"#,
     );
-    let files = export(
-        Path::new("x.obj"),
-        &document,
-        &[ExportObject { info: &info, mesh: &mesh }],
-        &Additions::default(),
-    )
-    .expect("exported");
+    let objects = [ExportObject { info: &info, mesh: &mesh }];
+    let files = export(Path::new("x.obj"), &document, &objects);
     let text = |i: usize| String::from_utf8(files[i].bytes.clone()).expect("text");
     assert_eq!(
         text(1),

@@ -1,25 +1,24 @@
 //! Stanford PLY, binary little-endian: one list of vertices, one list of triangles.
 
-use super::flatten::{self, Placed, Vertices, component};
-use super::{ExportObject, Provenance};
-use crate::{Document, Fault, FormatError, OutputFile};
+use crate::flatten::{Placed, Vertices, component};
+use crate::provenance::Provenance;
+use crate::{Fault, FormatError, OutputFile};
 use lodc_mesh::{Mesh, Semantic};
 use lodc_scene::stream;
 use std::fmt::Write;
 use std::path::Path;
 
 /// The one file. Streams that only some submeshes have are zero (colours: white) for the others.
+/// `top_left` says that texture coordinates begin at the top.
 ///
 /// # Errors
-/// See [`super::export`].
-pub(super) fn export(
+/// If there are more vertices than a PLY can number.
+pub(crate) fn export(
     path: &Path,
-    document: &Document,
-    objects: &[ExportObject<'_>],
+    placed: &[Placed<'_>],
+    top_left: bool,
     provenance: Option<&Provenance>,
 ) -> Result<Vec<OutputFile>, FormatError> {
-    let placed = flatten::placed(document, objects)?;
-    let top_left = matches!(document, Document::Gltf(_));
     let vertices: usize = placed.iter().map(|p| p.object.mesh.vertex_count()).sum();
     let triangles: usize = placed.iter().map(|p| p.object.mesh.triangles().len()).sum();
     if i32::try_from(vertices).is_err() {
@@ -29,11 +28,11 @@ pub(super) fn export(
             format!("{vertices} vertices are too many for a PLY"),
         ));
     }
-    let columns = Columns::of(&placed);
+    let columns = Columns::of(placed);
     let mut bytes = columns.header(vertices, triangles, provenance).into_bytes();
     bytes.reserve(vertices * columns.stride() + triangles * 13);
     let (mut first, mut faces) = (0u32, Vec::with_capacity(triangles * 13));
-    for p in &placed {
+    for p in placed {
         let (mesh, vertices) = (p.object.mesh, p.vertices());
         columns.write(&mut bytes, mesh, &vertices, top_left);
         for &triangle in mesh.triangles() {
@@ -139,5 +138,5 @@ fn byte(x: f32) -> u8 {
 }
 
 #[cfg(test)]
-#[path = "ply_tests.rs"]
+#[path = "write_tests.rs"]
 mod tests;

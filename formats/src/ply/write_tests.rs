@@ -1,15 +1,18 @@
 use super::*;
-use crate::ObjDocument;
-use crate::export::flatten::tests::{gltf, info, triangle};
+use crate::export::{ExportFormat, ExportObject};
+use crate::flatten::tests::{gltf, info, triangle};
+use crate::{Document, ObjDocument};
+
+fn export(document: &Document, objects: &[ExportObject<'_>]) -> Vec<u8> {
+    let files = crate::export::export(Path::new("x.ply"), ExportFormat::Ply, document, objects);
+    files.expect("exported").remove(0).bytes
+}
 
 #[test]
 fn the_file_is_laid_out_as_its_header_says() {
     let (mesh, info) = (triangle(), info(0));
     let document = Document::Obj(ObjDocument::default());
-    let files =
-        export(Path::new("x.ply"), &document, &[ExportObject { info: &info, mesh: &mesh }], None)
-            .expect("exported");
-    let bytes = &files[0].bytes;
+    let bytes = export(&document, &[ExportObject { info: &info, mesh: &mesh }]);
     let header = "ply\nformat binary_little_endian 1.0\ncomment lodc\nelement vertex 3\n\
         property float x\nproperty float y\nproperty float z\n\
         property float nx\nproperty float ny\nproperty float nz\n\
@@ -27,11 +30,8 @@ fn the_file_is_laid_out_as_its_header_says() {
 #[test]
 fn instances_follow_each_other_and_mirrored_ones_are_turned() {
     let (mesh, info) = (triangle(), info(0));
-    let document = gltf(r#"{"nodes":[{"mesh":0},{"mesh":0,"scale":[-1,1,1]}]}"#);
-    let files =
-        export(Path::new("x.ply"), &document, &[ExportObject { info: &info, mesh: &mesh }], None)
-            .expect("exported");
-    let bytes = &files[0].bytes;
+    let document = gltf(r#"{"nodes":[{"mesh":0},{"mesh":0,"scale":[-1,1,1]}],"meshes":[{}]}"#);
+    let bytes = export(&document, &[ExportObject { info: &info, mesh: &mesh }]);
     assert_eq!(
         bytes[bytes.len() - 26..],
         [3, 0, 0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0, 3, 3, 0, 0, 0, 5, 0, 0, 0, 4, 0, 0, 0]
@@ -46,7 +46,6 @@ fn colours_are_bytes_to_nearest() {
 
 #[test]
 fn a_scene_without_triangles_is_an_empty_list() {
-    let files = export(Path::new("x.ply"), &Document::Obj(ObjDocument::default()), &[], None)
-        .expect("exported");
-    assert!(String::from_utf8_lossy(&files[0].bytes).contains("element vertex 0\n"));
+    let bytes = export(&Document::Obj(ObjDocument::default()), &[]);
+    assert!(String::from_utf8_lossy(&bytes).contains("element vertex 0\n"));
 }

@@ -5,7 +5,7 @@ use super::options::Colouring;
 use crate::commands::asset::{self, SimplifyArgs};
 use crate::exit::{Failure, Outcome, Status};
 use crate::stages::Stages;
-use lodc_formats::appearance::appearance;
+use lodc_formats::appearance;
 use lodc_formats::import::{Either, either};
 use lodc_formats::lodc::LodObject;
 use lodc_formats::{Assets, Document, ObjectInfo, Scene, scene_graph};

@@ -5,7 +5,7 @@ use crate::commands::asset::Asset;
 use crate::exit::Outcome;
 use crate::level_mesh;
 use crate::selector::SceneLevels;
-use lodc_formats::picture::png;
+use lodc_formats::images::png;
 use lodc_measure::{ImageError, Looks, Picture, Portrait, SceneSurface, TriangleTree, Viewing};
 use lodc_mesh::Mesh;
 use lodc_scene::{Appearance, Arrangement, Image};

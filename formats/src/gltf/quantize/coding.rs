@@ -1,7 +1,8 @@
 //! Streams as integers of few bits.
 
-use super::super::meshopt::octahedral;
 use super::grid::{Grid, last_number};
+use crate::gltf::meshopt::{packed_direction, unpacked_direction};
+use crate::gltf::semantic;
 use lodc_mesh::{Attribute, Component, Mesh, MeshParts};
 
 /// The coding of a stream of one submesh.
@@ -66,8 +67,8 @@ impl Coding {
             Self::Deltas(bits) => values.iter().map(|&v| signed(v.into(), bits)).collect(),
             Self::Directions(bits) => {
                 let w = values.get(3).copied().unwrap_or(0.0);
-                let packed = octahedral::packed(bits, three(values), w);
-                octahedral::unpacked(bits, packed)[..values.len()].to_vec()
+                let packed = packed_direction(bits, three(values), w);
+                unpacked_direction(bits, packed)[..values.len()].to_vec()
             }
         }
     }
@@ -124,7 +125,7 @@ pub(super) fn coded(
         put(&mut parts, &stream, &codings);
     }
     if let Some(grid) = positions {
-        let stream = super::super::writer::floats(mesh.positions());
+        let stream = semantic::positions(mesh.positions());
         let all: Vec<_> = (0..users.len()).map(|s| (s, Coding::Positions(grid))).collect();
         put(&mut parts, &stream, &all);
     }

@@ -10,9 +10,9 @@ mod skins;
 mod tests;
 mod textures;
 
-use super::add_extension;
-use crate::export::Precision;
-use crate::import::gltf::json::{self, Object, entries};
+use crate::gltf::extensions::add as add_extension;
+use crate::gltf::json::{self, Object, entries};
+use crate::options::Precision;
 use crate::{Document, FormatError, ObjectInfo};
 use coding::{Coding, coded};
 use grid::{Bounds, Grid};

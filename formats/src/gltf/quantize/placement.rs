@@ -3,7 +3,7 @@
 
 use super::grid::Grid;
 use super::skins;
-use crate::import::gltf::json::{Object, integer};
+use crate::gltf::json::{Object, integer};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 

@@ -3,7 +3,7 @@
 
 use super::grid::{Bounds, Grid, last_number, short};
 use super::{Subject, primitives, skins};
-use crate::import::gltf::json::{self, Object, entries, integer};
+use crate::gltf::json::{self, Object, entries, integer};
 use crate::{Document, FormatError, Limits, ObjectInfo, scene_graph};
 use lodc_mesh::{Attribute, Component, DisjointSets, Mesh, Semantic};
 use lodc_scene::Arrangement;

@@ -1,7 +1,7 @@
 //! Skins: the inverse bind matrices take the transform of a grid.
 
 use super::grid::Grid;
-use crate::import::gltf::json::{Object, entries, integer, list};
+use crate::gltf::json::{Object, entries, integer, list};
 use serde_json::Value;
 
 /// The accessor of the inverse bind matrices of a node's skin.

@@ -1,8 +1,8 @@
 //! What is quantised stands where it stood, to half a step.
 
 use crate::export::{Additions, ExportFormat, ExportObject, Precision, export_with};
+use crate::gltf::read::tests::{Builder, parsed, read_bytes, sound};
 use crate::import::ImportOptions;
-use crate::import::gltf::tests::{Builder, parsed, read_bytes, sound};
 use crate::{Limits, Scene, scene_graph};
 use lodc_mesh::{Attribute, Component, Semantic};
 use lodc_scene::{Arrangement, posed};

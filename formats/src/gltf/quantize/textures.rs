@@ -4,9 +4,9 @@
 use super::coding::Coding;
 use super::grid::{Bounds, Grid};
 use super::{Subject, bounds, primitives};
-use crate::export::gltf::add_extension;
-use crate::import::gltf::json::{self, Object, entries, integer};
-use crate::nodes::{as_index, numbers};
+use crate::gltf::extensions::add as add_extension;
+use crate::gltf::json::{self, Object, entries, integer};
+use crate::gltf::json::{as_index, numbers};
 use lodc_mesh::{Attribute, Component, DisjointSets, Semantic};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};

@@ -1,11 +1,11 @@
 //! One buffer, the blob, for all the buffer views that a document keeps.
 
-use super::extensions::MESHOPT;
-use super::json::{self, Object};
-use super::schema::Pool;
-use super::uri;
-use super::views::Views;
 use crate::FormatError;
+use crate::gltf::extensions::MESHOPT;
+use crate::gltf::json::{self, Object};
+use crate::gltf::schema::Pool;
+use crate::gltf::uri;
+use crate::gltf::views::Views;
 use serde_json::Value;
 
 /// Lays the kept views out in one buffer, the document's first; after it come buffers that have no

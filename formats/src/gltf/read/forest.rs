@@ -1,7 +1,7 @@
 //! The node hierarchy: a forest, and the scale at which it shows each mesh.
 
-use super::json::{Object, entries, integer, list, malformed};
-use crate::graph::{Numbers, gltf_graph};
+use crate::gltf::graph::{Numbers, gltf_graph};
+use crate::gltf::json::{Object, entries, integer, list, malformed};
 use crate::{FormatError, SceneObject};
 use lodc_scene::{Arrangement, representative};
 

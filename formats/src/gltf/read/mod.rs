@@ -6,45 +6,31 @@
 //! external bytes can do: JSON nesting and size (`json`), paths (`uri`, [`Assets`]), ranges
 //! (`views`, `accessor`), memory in all (`budget`).
 
-mod accessor;
 mod blob;
-mod budget;
-mod document;
-mod extensions;
-mod glb;
-pub(crate) mod json;
-pub(crate) mod meshopt;
+mod forest;
 mod object;
 mod primitive;
-mod scene_graph;
-pub(crate) mod schema;
-pub(crate) mod semantic;
-pub(crate) mod stored;
-mod typed;
-pub(crate) mod uri;
-mod views;
+mod remainder;
 
-pub(crate) use accessor::{Shape, component_number};
-pub(crate) use extensions::opaque as opaque_extension;
-
-use super::ImportOptions;
+use super::accessor::Accessor;
+use super::budget::Budget;
+use super::json::{self, Object, entries, list};
+use super::views::{self, Views};
+use super::{document, extensions, glb, schema, uri};
+use crate::options::ImportOptions;
 use crate::{
     Assets, Document, FormatError, ObjectInfo, Scene, SceneObject, Source, SourceFormat,
     SubmeshInfo,
 };
-use accessor::Accessor;
-use budget::Budget;
-use json::{Object, entries, list};
 use lodc_mesh::Mesh;
 use object::Reading;
 use primitive::{Primitive, Read};
 use serde_json::Value;
-use views::Views;
 
 /// Reads a glTF or GLB; `bytes` is the main file.
 ///
 /// # Errors
-/// See [`super::import`].
+/// See [`crate::import::import`].
 #[expect(
     clippy::needless_pass_by_value,
     reason = "importers have one signature, and others consume their bytes"
@@ -82,18 +68,18 @@ pub(crate) fn import(
     let accessors = accessors.map(|(i, a)| Accessor::new(a, format!("accessors[{i}]"), &views));
     let accessors: Vec<Option<Accessor>> = accessors.collect::<Result<_, _>>()?;
 
-    scene_graph::check(&root)?;
+    forest::check(&root)?;
     let compressed = extensions::is_compressed(&root);
     let mut reading = Reading::new(&accessors, &views, options.limits, options.weld);
     let mut objects = read_objects(&root, &mut reading, &mut warnings)?;
-    let numbers = |accessor| stored::numbers(&accessors, &views, accessor);
-    scene_graph::set_world_scales(&root, &mut objects, &numbers)?;
+    let numbers = |accessor| document::numbers(&accessors, &views, accessor);
+    forest::set_world_scales(&root, &mut objects, &numbers)?;
     let of_object = |o: &SceneObject| -> Vec<(usize, usize)> {
         let mesh = o.info.document_mesh as usize;
         o.info.submeshes.iter().map(|s| (mesh, s.document_primitive as usize)).collect()
     };
     let stripped: Vec<(usize, usize)> = objects.iter().flat_map(of_object).collect();
-    let document = document::remainder(root, &stripped, &views, &mut warnings)?;
+    let document = remainder::remainder(root, &stripped, &views, &mut warnings)?;
     Ok(Scene {
         source: Source { format, content_hash: hasher.digest128() },
         document: Document::Gltf(document),

@@ -1,10 +1,10 @@
 //! A glTF mesh becomes one object: its triangle primitives are its submeshes.
 
-use super::accessor::Accessor;
-use super::budget::Budget;
-use super::json::malformed;
 use super::primitive::Primitive;
-use super::views::Views;
+use crate::gltf::accessor::Accessor;
+use crate::gltf::budget::Budget;
+use crate::gltf::json::malformed;
+use crate::gltf::views::Views;
 use crate::{Fault, FormatError, Limits};
 use lodc_mesh::{Attribute, Component, Mesh, MeshParts, Semantic, Submesh, weld_positions};
 use std::collections::{BTreeMap, BTreeSet};

@@ -1,10 +1,10 @@
 //! One primitive: which accessors it has, and its corners as triangles.
 
-use super::accessor::{Accessor, unsigned};
-use super::extensions::{DRACO, DROPPED_FROM_PRIMITIVES};
-use super::json::{self, Object, integer, list, malformed, optional};
-use super::semantic;
-use super::views::Views;
+use crate::gltf::accessor::{Accessor, unsigned};
+use crate::gltf::extensions::{DRACO, DROPPED_FROM_PRIMITIVES};
+use crate::gltf::json::{self, Object, integer, list, malformed, optional};
+use crate::gltf::semantic;
+use crate::gltf::views::Views;
 use crate::{Fault, FormatError};
 use lodc_mesh::{Component, Semantic};
 use serde_json::Value;

@@ -2,11 +2,11 @@
 //! compacted into one blob.
 
 use super::blob::compact;
-use super::extensions::{self, DRACO, MESHOPT};
-use super::json::{self, Object, integer};
 use super::primitive;
-use super::schema::{Pool, references, retain};
-use super::views::Views;
+use crate::gltf::extensions::{self, DRACO, MESHOPT};
+use crate::gltf::json::{self, Object, integer};
+use crate::gltf::schema::{Pool, references, retain};
+use crate::gltf::views::Views;
 use crate::{FormatError, GltfDocument};
 use serde_json::Value;
 

@@ -3,10 +3,12 @@
 //! `MSFT_lod` puts each level into a node of its own, beside the node that shows the finest one;
 //! index ranges put all levels of a primitive into one index accessor, one behind the other.
 
-use super::quantize::Quantizer;
 use super::writer::{Numbering, Writer};
-use super::{Additions, glb, gltf, prune, source_document, submesh_primitive};
-use crate::import::gltf::json::{Object, integer};
+use super::{glb, gltf, prune, source_document, submesh_primitive};
+use crate::gltf::extensions;
+use crate::gltf::json::{Object, integer};
+use crate::gltf::quantize::Quantizer;
+use crate::options::Additions;
 use crate::{Document, FormatError, ObjectInfo, OutputFile};
 use lodc_mesh::Mesh;
 use serde_json::{Value, json};
@@ -190,7 +192,7 @@ impl<'a> Levels<'a> {
             entry["extras"] = json!({});
         }
         entry["extras"]["MSFT_screencoverage"] = json!(self.object.coverage);
-        super::add_extension(root, "extensionsUsed", "MSFT_lod");
+        extensions::add(root, "extensionsUsed", "MSFT_lod");
     }
 }
 

@@ -1,9 +1,9 @@
 //! A glTF document for what did not come from glTF: one mesh and node per object, one material per
 //! OBJ material.
 
-use crate::import::gltf::json::Object;
-use crate::import::gltf::uri;
-use crate::textures::map_line;
+use crate::gltf::json::Object;
+use crate::gltf::uri;
+use crate::obj::mtl::{Meaning, options_and_file};
 use crate::{ObjDocument, ObjMaterial, ObjectInfo};
 use lodc_mesh::{Attribute, Component, Mesh, Semantic};
 use serde_json::{Value, json};
@@ -44,37 +44,21 @@ pub(super) fn document(obj: &ObjDocument, objects: &[&ObjectInfo]) -> Object {
 }
 
 fn material(material: &ObjMaterial, images: &mut Vec<String>) -> Value {
-    let mut color = [1.0, 1.0, 1.0, 1.0];
-    let mut emissive = [0.0; 3];
-    let mut texture = None;
-    for line in &material.lines {
-        let (key, rest) = line.trim().split_once(char::is_whitespace).unwrap_or((line.trim(), ""));
-        let numbers: Vec<f64> = rest
-            .split_whitespace()
-            .map_while(|w| w.parse().ok())
-            .filter(|n: &f64| n.is_finite())
-            .collect();
-        match (key, &numbers[..]) {
-            ("Kd", &[r, g, b, ..]) => {
-                color[..3].copy_from_slice(&[r, g, b].map(|c| c.clamp(0.0, 1.0)));
-            }
-            ("Kd", &[grey]) => color[..3].fill(grey.clamp(0.0, 1.0)),
-            ("Ke", &[r, g, b, ..]) => emissive = [r, g, b].map(|c| c.clamp(0.0, 1.0)),
-            ("d", &[alpha, ..]) => color[3] = alpha.clamp(0.0, 1.0),
-            ("Tr", &[transparency, ..]) => color[3] = 1.0 - transparency.clamp(0.0, 1.0),
-            ("map_Kd", _) => texture = file_name(rest).or(texture),
-            _ => {}
-        }
-    }
+    let meaning = Meaning::of(material);
+    let unit = |c: f64| c.clamp(0.0, 1.0);
+    let [r, g, b] = meaning.diffuse.unwrap_or([1.0; 3]).map(unit);
+    let mut color = [r, g, b, meaning.dissolve.map_or(1.0, unit)];
+    let emissive = meaning.emissive.unwrap_or_default().map(unit);
     let mut pbr = json!({ "baseColorFactor": color, "metallicFactor": 0.0 });
-    if let Some(uri) = texture {
+    if let Some(uri) = meaning.texture.and_then(file_name) {
         let index = images.iter().position(|i| *i == uri).unwrap_or_else(|| {
             images.push(uri);
             images.len() - 1
         });
         // A factor of black would hide the texture; OBJ files with a texture often have it.
         if color[..3] == [0.0; 3] {
-            pbr["baseColorFactor"] = json!([1.0, 1.0, 1.0, color[3]]);
+            color[..3].fill(1.0);
+            pbr["baseColorFactor"] = json!(color);
         }
         pbr["baseColorTexture"] = json!({ "index": index });
     }
@@ -90,7 +74,7 @@ fn material(material: &ObjMaterial, images: &mut Vec<String>) -> Value {
 
 /// The file of a `map_` statement as a URI. None for paths that no relative URI can name.
 fn file_name(rest: &str) -> Option<String> {
-    let path = map_line::after_options(rest)?.replace('\\', "/");
+    let path = options_and_file(rest)?.1.replace('\\', "/");
     let relative = !path.starts_with('/') && !path.contains(':') && !path.contains('\0');
     relative.then(|| uri::of_path(&path))
 }

@@ -1,8 +1,8 @@
 //! Images of the document: embedded, or under the name that their copy has.
 
-use crate::import::gltf::json::Object;
-use crate::import::gltf::uri;
-use crate::textures::{Place, PlacedTextures};
+use crate::gltf::json::Object;
+use crate::gltf::uri;
+use crate::images::{Place, PlacedTextures};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 

@@ -7,10 +7,10 @@ use super::writer::Writer;
 use super::{
     adapted, document_mesh, document_primitive, glb, prune, source_document, submesh_primitive,
 };
-use crate::export::Additions;
-use crate::import::gltf::json::Object;
-use crate::textures::{TextureMode, Textures};
-use crate::{Assets, Document, FormatError, ObjectInfo, OutputFile};
+use crate::gltf::json::Object;
+use crate::images::{TextureMode, Textures};
+use crate::options::Additions;
+use crate::{Document, FormatError, ObjectInfo, OutputFile};
 use lodc_mesh::{
     Attribute, Component, Mesh, PositionIds, SequenceParts, Simplified, Submesh, removal_lods,
 };
@@ -28,8 +28,8 @@ pub struct LevelsObject<'a> {
     pub strips: Option<&'a [u32]>,
 }
 
-/// Makes one GLB of a scene with every level, textures embedded, and a warning for each texture
-/// that cannot be read (`assets` says where they are).
+/// Makes one GLB of a scene with every level, its textures embedded, and a warning for each texture
+/// that is missing.
 ///
 /// Each primitive has `extras.lodc` with the accessors `numbers` (of each vertex in the collapse
 /// order: it is there at LOD k if its number is at least k), `targets` (the earlier vertex of the
@@ -44,10 +44,9 @@ pub fn export_levels(
     path: &Path,
     document: &Document,
     objects: &[LevelsObject<'_>],
-    assets: &mut Assets,
+    textures: Textures,
 ) -> Result<(OutputFile, Vec<String>), FormatError> {
     let infos: Vec<&ObjectInfo> = objects.iter().map(|o| o.info).collect();
-    let textures = Textures::read(document, assets)?;
     let mut warnings = textures.warnings.clone();
     let textures = textures.placed(TextureMode::Embed, path);
     warnings.extend_from_slice(&textures.warnings);

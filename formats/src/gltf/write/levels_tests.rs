@@ -1,5 +1,6 @@
 use super::{LevelsObject, export_levels};
-use crate::{Assets, Document, Limits, ObjDocument, ObjectInfo, SubmeshInfo};
+use crate::images::Textures;
+use crate::{Document, ObjDocument, ObjectInfo, SubmeshInfo};
 use lodc_mesh::{Lod, Simplified};
 use lodc_simplify::{Options, simplify};
 use serde_json::Value;
@@ -73,10 +74,10 @@ fn exported(simplified: &Simplified) -> Glb {
     let triangles = simplified.mesh().triangles().len() as u32;
     let strips: Vec<u32> = (0..triangles).collect();
     let object = LevelsObject { info: &info, simplified, strips: Some(&strips) };
-    let mut assets = Assets::new(Path::new("-"), &[], Limits::DEFAULT);
     let document = Document::Obj(ObjDocument::default());
-    let (file, warnings) = export_levels(Path::new("l.glb"), &document, &[object], &mut assets)
-        .expect("it can be written");
+    let (file, warnings) =
+        export_levels(Path::new("l.glb"), &document, &[object], Textures::default())
+            .expect("it can be written");
     assert!(warnings.is_empty(), "{warnings:?}");
     Glb::new(&file.bytes)
 }

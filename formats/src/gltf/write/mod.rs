@@ -1,38 +1,32 @@
 //! glTF 2.0 and GLB: the document as it was, its triangles at one level of detail.
 
 mod chain;
+mod compressed;
 mod fresh;
 mod images;
 mod levels;
-mod meshopt;
-mod missing;
 mod prune;
-mod quantize;
 mod samples;
 mod writer;
 
-use super::{Additions, ExportObject};
-use crate::import::gltf::json::{self, Object};
-use crate::import::gltf::{schema, uri};
-use crate::{Document, Fault, FormatError, Limits, ObjectInfo, OutputFile, SubmeshInfo};
+use super::json::{self, Object};
+use super::quantize::{Quantizer, Subject};
+use super::{glb, schema, uri};
+use crate::options::{Additions, ExportObject};
+use crate::provenance::{GENERATOR, LevelFacts, Provenance};
+use crate::{Document, FormatError, Limits, ObjectInfo, OutputFile, SubmeshInfo};
 use lodc_mesh::Mesh;
-use quantize::{Quantizer, Subject};
-use serde_json::Value;
+use serde_json::{Value, json};
 use std::borrow::Cow;
 use std::path::Path;
 use writer::Writer;
 
 pub use chain::{ChainObject, ChainShape, export_chain};
 pub use levels::{LevelsObject, export_levels};
-pub(crate) use missing::gltf_without_missing;
-
-const MAGIC: u32 = 0x4654_6c67;
-const JSON: u32 = 0x4e4f_534a;
-const BIN: u32 = 0x004e_4942;
 
 /// Makes one `.glb`, or a `.gltf` and the `.bin` beside it. Primitives without triangles are left
 /// out, and meshes without primitives with them: their nodes stay.
-pub(super) fn export<'a>(
+pub(crate) fn export<'a>(
     path: &Path,
     binary: bool,
     document: &Document,
@@ -77,9 +71,29 @@ fn source_document(
     schema::check(&mut root)?;
     images::put(&mut root, &mut blob, &additions.textures);
     if let Some(provenance) = &additions.provenance {
-        provenance.put(&mut root);
+        put_provenance(&mut root, provenance);
     }
     Ok((root, blob))
+}
+
+/// Puts `asset.generator` and `extras.lodc` into a document. Extras that are not an object stay as
+/// they are.
+fn put_provenance(root: &mut Object, provenance: &Provenance) {
+    if let Some(asset) = root.get_mut("asset").and_then(Value::as_object_mut) {
+        asset.insert("generator".to_owned(), GENERATOR.into());
+    }
+    let finite = |x: f64| x.is_finite().then_some(x);
+    let level = |l: &LevelFacts| json!({ "lod": l.lod, "error": finite(l.error), "rms": l.rms });
+    let mut all = match &provenance.levels[..] {
+        [one] => level(one),
+        several => json!({ "levels": several.iter().map(level).collect::<Vec<_>>() }),
+    };
+    all["refitted"] = provenance.refitted.into();
+    all["source"] = format!("{:032x}", provenance.source).into();
+    let extras = root.entry("extras").or_insert_with(|| json!({}));
+    if let Some(extras) = extras.as_object_mut() {
+        extras.insert("lodc".to_owned(), all);
+    }
 }
 
 /// The number of an object's mesh in the document.
@@ -141,33 +155,7 @@ fn find_primitive(root: &mut Object, mesh: usize, primitive: usize) -> Option<&m
 }
 
 fn glb(path: &Path, root: &Object, blob: &[u8]) -> Result<OutputFile, FormatError> {
-    let mut text = to_json(root, false);
-    text.resize(text.len().next_multiple_of(4), b' ');
-    let padded = blob.len().next_multiple_of(4);
-    let chunk = if blob.is_empty() { 0 } else { 8 + padded };
-    let length = 12 + 8 + text.len() + chunk;
-    let word = |n: usize| {
-        let too_large = || {
-            FormatError::new(
-                Fault::Limit,
-                "",
-                "larger than the 4 GiB of a GLB: write .gltf instead",
-            )
-        };
-        u32::try_from(n).map_err(|_| too_large())
-    };
-    let mut bytes = Vec::with_capacity(length);
-    for n in [MAGIC, 2, word(length)?, word(text.len())?, JSON] {
-        bytes.extend(n.to_le_bytes());
-    }
-    bytes.extend(text);
-    if !blob.is_empty() {
-        bytes.extend(word(padded)?.to_le_bytes());
-        bytes.extend(BIN.to_le_bytes());
-        bytes.extend_from_slice(blob);
-        bytes.resize(length, 0);
-    }
-    Ok(OutputFile { path: path.to_owned(), bytes })
+    Ok(OutputFile { path: path.to_owned(), bytes: glb::joined(to_json(root, false), blob)? })
 }
 
 fn gltf(path: &Path, mut root: Object, blob: Vec<u8>) -> Vec<OutputFile> {
@@ -188,16 +176,6 @@ fn gltf(path: &Path, mut root: Object, blob: Vec<u8>) -> Vec<OutputFile> {
         files.push(OutputFile { path: beside, bytes: blob });
     }
     files
-}
-
-/// Names an extension in one of the lists of the document.
-fn add_extension(root: &mut Object, list: &str, name: &str) {
-    let names = root.entry(list).or_insert_with(|| Value::Array(Vec::new()));
-    if let Value::Array(names) = names
-        && !names.iter().any(|n| n == name)
-    {
-        names.push(name.into());
-    }
 }
 
 fn to_json(root: &Object, pretty: bool) -> Vec<u8> {

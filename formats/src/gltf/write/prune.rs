@@ -1,8 +1,8 @@
 //! Leaving out what has no triangles at this level of detail, so that the document stays valid
 //! glTF.
 
-use crate::import::gltf::json::{self, Object, integer};
-use crate::import::gltf::schema::{Pool, references, retain};
+use crate::gltf::json::{self, Object, integer};
+use crate::gltf::schema::{Pool, references, retain};
 use serde_json::Value;
 
 /// Drops primitives (mesh, primitive), then meshes without primitives. Nodes that showed such a

@@ -1,8 +1,8 @@
 //! Samples of animations and matrices of skins, taken out of the bytes of the document so that they
 //! can be compressed: likes in one buffer view, equal ones once.
 
-use crate::import::gltf::json::{Object, entries, integer, list};
-use crate::import::gltf::schema::{Pool, references};
+use crate::gltf::json::{Object, entries, integer, list};
+use crate::gltf::schema::{Pool, references};
 use lodc_mesh::Component;
 use serde_json::Value;
 use std::collections::BTreeMap;

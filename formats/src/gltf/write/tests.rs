@@ -1,8 +1,8 @@
 //! Written documents equal those read, and are valid where nothing is left.
 
 use crate::export::{ExportFormat, ExportObject, export};
+use crate::gltf::read::tests::{Builder, exact_triangles, parsed, read_bytes, sound};
 use crate::import::ImportOptions;
-use crate::import::gltf::tests::{Builder, exact_triangles, parsed, read_bytes, sound};
 use crate::testing::{Scratch, corpus};
 use crate::{Document, ObjDocument, ObjMaterial, ObjectInfo, OutputFile, Scene, SubmeshInfo};
 use lodc_mesh::{Attribute, Component, Mesh, MeshParts, Semantic, Submesh};

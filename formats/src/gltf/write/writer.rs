@@ -1,12 +1,14 @@
 //! Geometry becomes accessors again: one buffer view per stride and one per index type; where it is
 //! compressed, one per stream, since likes compress best.
 
-use super::meshopt::{Compressed, Content};
+use super::compressed::Compressed;
 use super::samples::{self, Samples};
-use crate::export::Additions;
-use crate::import::gltf::json::{Object, malformed};
-use crate::import::gltf::schema::{Pool, retain};
-use crate::import::gltf::{Shape, component_number, semantic};
+use crate::gltf::accessor::{Shape, component_number};
+use crate::gltf::json::{Object, malformed};
+use crate::gltf::meshopt::Content;
+use crate::gltf::schema::{Pool, retain};
+use crate::gltf::semantic;
+use crate::options::Additions;
 use crate::{Fault, FormatError};
 use lodc_mesh::{Attribute, Component, Mesh, Semantic};
 use serde_json::{Value, json};
@@ -277,7 +279,7 @@ impl Numbering<'_> {
         let mut targets: Vec<Object> = vec![Object::new(); declared];
         let streams = || submesh.attributes.iter().map(|&a| &mesh.attributes()[a as usize]);
         if !streams().any(|a| a.semantic == Semantic::Position && a.morph_target.is_none()) {
-            let positions = floats(mesh.positions());
+            let positions = semantic::positions(mesh.positions());
             attributes.insert("POSITION".to_owned(), self.writer.stream(&positions, vertices)?);
         }
         for a in streams() {
@@ -307,17 +309,6 @@ impl Numbering<'_> {
     /// An accessor of indices into as many vertices.
     pub(super) fn indices(&mut self, indices: &[u32], vertices: usize) -> Value {
         self.writer.indices(indices, vertices)
-    }
-}
-
-pub(super) fn floats(positions: &[[f32; 3]]) -> Attribute {
-    Attribute {
-        semantic: Semantic::Position,
-        morph_target: None,
-        component: Component::F32,
-        components: 3,
-        normalized: false,
-        bytes: positions.iter().flatten().flat_map(|c| c.to_le_bytes()).collect(),
     }
 }
 

@@ -1,5 +1,4 @@
-//! Material libraries: names and lines, kept so that they go out as they came; what they mean is
-//! read by tobj.
+//! Material libraries: names and lines, kept so that they go out as they came.
 
 use super::lines::text;
 use crate::{Assets, Fault, FormatError, ObjMaterial};
@@ -82,28 +81,6 @@ impl Materials {
     }
 }
 
-/// The meaning of a material's colour, opacity and their textures, as tobj reads them.
-///
-/// tobj 4.0.5 panics on `Kd 0.5`, gives up on a whole library for one line that it cannot read, and
-/// does not know that `Tr` is the opposite of `d`: it is shown lines that it can read.
-pub(crate) fn meaning(material: &ObjMaterial) -> tobj::Material {
-    let mut text = "newmtl m\n".to_owned();
-    for line in &material.lines {
-        let (word, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
-        let numbers = rest.split_whitespace().map_while(|w| w.parse().ok());
-        let numbers: Vec<f32> = numbers.filter(|v: &f32| v.is_finite()).collect();
-        text += &match (word, &numbers[..]) {
-            ("Kd", [r, g, b, ..]) => format!("Kd {r} {g} {b}\n"),
-            ("d", [d, ..]) => format!("d {d}\n"),
-            ("Tr", [t, ..]) => format!("d {}\n", 1.0 - t.clamp(0.0, 1.0)),
-            ("map_Kd" | "map_d", _) if !rest.trim().is_empty() => format!("{word} {rest}\n"),
-            _ => continue,
-        };
-    }
-    let materials = tobj::load_mtl_buf(&mut text.as_bytes()).map(|(materials, _)| materials);
-    materials.ok().and_then(|mut materials| materials.pop()).unwrap_or_default()
-}
-
 /// Finds a library: under the name as it stands, with backslashes turned, or else as a list of
 /// names.
 fn find(library: &str, assets: &mut Assets) -> Result<Vec<Vec<u8>>, FormatError> {
@@ -143,5 +120,5 @@ fn joined(bytes: &[u8]) -> impl Iterator<Item = String> {
 }
 
 #[cfg(test)]
-#[path = "mtl_tests.rs"]
+#[path = "libraries_tests.rs"]
 mod tests;

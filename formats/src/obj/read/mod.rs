@@ -1,4 +1,4 @@
-//! Wavefront OBJ and MTL.
+//! Reading OBJ files and their material libraries.
 //!
 //! One file is one object. Its submeshes are its materials, in order of first use; the faces
 //! without a material are a submesh of their own.
@@ -6,8 +6,8 @@
 mod assemble;
 mod feed;
 mod guard;
+mod libraries;
 mod lines;
-mod mtl;
 mod notes;
 mod number;
 mod parse;
@@ -17,9 +17,7 @@ mod tests;
 mod triangulate;
 mod unique;
 
-pub(crate) use mtl::meaning;
-
-use super::ImportOptions;
+use crate::options::ImportOptions;
 use crate::{
     Assets, Document, Fault, FormatError, ObjDocument, ObjectInfo, Scene, SceneObject, Source,
     SourceFormat,
@@ -30,7 +28,7 @@ use xxhash_rust::xxh3::xxh3_128;
 /// Reads an OBJ; `bytes` is the main file.
 ///
 /// # Errors
-/// See [`super::import`].
+/// See [`crate::import::import`].
 pub(crate) fn import(
     bytes: Vec<u8>,
     assets: &mut Assets,
@@ -44,7 +42,7 @@ pub(crate) fn import(
     // The text is the largest thing in memory and has said what it had to say.
     drop(bytes);
     let libraries = std::mem::take(&mut parsed.libraries);
-    let materials = mtl::Materials::read(&libraries, assets)?;
+    let materials = libraries::Materials::read(&libraries, assets)?;
 
     let mut warnings = materials.warnings;
     let mut assembled = assemble::assemble(&parsed, content_hash as u64);
