@@ -6,7 +6,7 @@ use crate::mesh_output::FormatName;
 use clap::{Args, ValueEnum};
 use lodc::level_mesh::Order;
 use lodc_formats::export::{Additions, Precision, Provenance};
-use lodc_formats::textures::PlacedTextures;
+use lodc_formats::images::PlacedTextures;
 
 /// Options of compression.
 #[derive(Args, Clone, Copy, Debug)]

@@ -5,7 +5,7 @@ use crate::limits::ImportArgs;
 use crate::mesh_output::FormatName;
 use crate::output::Target;
 use clap::{Args, ValueEnum};
-use lodc_formats::textures::{PlacedTextures, TextureMode, Textures};
+use lodc_formats::images::{PlacedTextures, TextureMode, Textures};
 use lodc_formats::{Assets, Document};
 use std::path::{Path, PathBuf};
 

@@ -1,33 +1,37 @@
 //! Every external byte of lodc: meshes in and out, the `.lodc` container and the `.lods` stream.
 //!
 //! Nothing outside this package parses or writes files. It knows no model: a file has their arrays
-//! under the names of their kinds ([`lodc::StoredModel`]), and `lodc-lod` makes models of them.
+//! under the names of their kinds ([`lodc::StoredModel`]). Each format has a room: [`gltf`], [`obj`],
+//! `ply`, [`images`], [`lodc`] and [`lods`]; what they share stands beside them, and [`import`],
+//! [`export`], [`appearance`](fn@appearance) and [`images::Textures`] choose among them. No format
+//! uses what chooses, and its reader and writer do not use each other.
 
-mod animations;
-pub mod appearance;
+mod appearance;
 mod assets;
 mod error;
 pub mod export;
-mod graph;
+mod flatten;
+pub mod gltf;
+pub mod images;
 pub mod import;
 mod limits;
 pub mod lodc;
 pub mod lods;
-mod nodes;
-mod part_names;
-pub mod picture;
+mod obj;
+mod options;
+mod ply;
+mod provenance;
 mod scene;
 #[cfg(test)]
 mod testing;
-pub mod textures;
+mod textures;
 mod write;
 
-pub use animations::{animation, animation_names};
+pub use appearance::appearance;
 pub use assets::Assets;
 pub use error::{Fault, FormatError};
-pub use graph::scene_graph;
+pub use gltf::{PartNames, animation, animation_names, scene_graph};
 pub use limits::Limits;
-pub use part_names::PartNames;
 pub use scene::{
     Document, GltfDocument, ObjDocument, ObjMaterial, ObjectInfo, Scene, SceneObject, Source,
     SourceFormat, SubmeshInfo,

@@ -1,7 +1,7 @@
 //! `lodc compare`: numbers for scripts, limits for pipelines, pictures for people.
 
 use crate::support::{Folder, grid};
-use lodc_formats::picture::png;
+use lodc_formats::images::png;
 use lodc_scene::Image;
 
 /// The grid, lifted.

@@ -1,7 +1,7 @@
 //! `lodc render`: pictures judged by what they show and where, never by hashes.
 
 use crate::support::{Folder, Run, grid, scene};
-use lodc_formats::picture::{decode, png};
+use lodc_formats::images::{decode, png};
 use lodc_scene::Image;
 use std::ffi::OsStr;
 

@@ -2,7 +2,7 @@
 
 use crate::support::browser::Browser;
 use crate::support::{Folder, grid, scene};
-use lodc_formats::picture::png;
+use lodc_formats::images::png;
 use lodc_scene::Image;
 use serde_json::Value;
 

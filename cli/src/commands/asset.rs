@@ -12,7 +12,7 @@ use clap::Args;
 use lodc::LodObject;
 use lodc::build::{Known, Paints, Size, measure_all, simplify_all};
 use lodc::{Input, read_input};
-use lodc_formats::appearance::appearance;
+use lodc_formats::appearance;
 use lodc_formats::{Assets, Document, ObjectInfo, Scene, Source};
 use lodc_select::Target;
 use lodc_simplify::{MetricKind, Options};

@@ -1,9 +1,11 @@
 //! One file or stream: its input, what has been read of it, and its output.
 
-use lodc_formats::export::{ExportFormat, ExportObject, LevelsObject, export, export_levels};
+use lodc_formats::export::{ExportFormat, ExportObject, export};
+use lodc_formats::gltf::{LevelsObject, export_levels};
+use lodc_formats::images::Textures;
 use lodc_formats::lodc::LodFile;
 use lodc_formats::lods::Unpacker;
-use lodc_formats::{Assets, FormatError, Limits, lodc};
+use lodc_formats::{FormatError, Limits, lodc};
 use std::fmt::Write;
 use std::path::Path;
 
@@ -83,9 +85,9 @@ fn levels(file: &LodFile) -> Result<Vec<u8>, FormatError> {
         LevelsObject { info: &o.info, simplified: &o.simplified, strips: None }
     };
     let objects: Vec<LevelsObject<'_>> = file.objects.iter().map(object).collect();
-    // A browser has no folder: images of other files stay references.
-    let mut assets = Assets::new(Path::new("-"), &[], Limits::DEFAULT);
-    Ok(export_levels(Path::new("levels.glb"), &file.document, &objects, &mut assets)?.0.bytes)
+    // A browser has no folder: images of other files cannot be read.
+    let textures = Textures::default();
+    Ok(export_levels(Path::new("levels.glb"), &file.document, &objects, textures)?.0.bytes)
 }
 
 fn mesh(stream: &Unpacker) -> Result<Vec<u8>, FormatError> {

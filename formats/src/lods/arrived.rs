@@ -1,7 +1,7 @@
 //! The scene of a prefix: what has come of the document, fit to be written with the meshes so far.
 
 use super::received::Received;
-use crate::export::gltf_without_missing;
+use crate::gltf::gltf_without_missing;
 use crate::{Document, FormatError, GltfDocument, ObjDocument, ObjectInfo, SourceFormat};
 use serde_json::{Value, json};
 use std::borrow::Cow;

@@ -1,7 +1,7 @@
 //! A sheet of pictures: A, B, and how far each place of A is from B, from four sides.
 
 use crate::colours::heat;
-use lodc_formats::picture::png;
+use lodc_formats::images::png;
 use lodc_measure::{Looks, Picture, Surface, TriangleTree, Viewing, pictures};
 use lodc_scene::Image;
 use rayon::prelude::*;

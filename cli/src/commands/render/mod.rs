@@ -194,7 +194,7 @@ fn picture(args: &RenderArgs, target: &Target, device: &Device) -> Outcome<()> {
         sheet::compose(args, &chosen, heat.as_ref(), &pictures)?
     };
     let size = format!("{} x {} pixels", picture.width, picture.height);
-    let bytes = stages.run("encode", || lodc_formats::picture::png(&picture));
+    let bytes = stages.run("encode", || lodc_formats::images::png(&picture));
     stages.run("write", || output::write(target, bytes))?;
     let where_to =
         if *target == Target::Stdout { "standard output".to_owned() } else { target.name() };

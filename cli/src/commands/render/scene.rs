@@ -7,7 +7,7 @@ use crate::exit::{Failure, Outcome, Status};
 use crate::stages::Stages;
 use lodc::LodObject;
 use lodc::{Input, read_input};
-use lodc_formats::appearance::appearance;
+use lodc_formats::appearance;
 use lodc_formats::{Assets, Document, ObjectInfo, Scene, scene_graph};
 use lodc_mesh::Mesh;
 use lodc_scene::{Appearance, Arrangement};

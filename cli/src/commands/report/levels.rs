@@ -5,7 +5,7 @@ use crate::commands::asset::Asset;
 use crate::exit::Outcome;
 use lodc::SceneLevels;
 use lodc::level_mesh;
-use lodc_formats::picture::png;
+use lodc_formats::images::png;
 use lodc_measure::{ImageError, Looks, Picture, Portrait, SceneSurface, TriangleTree, Viewing};
 use lodc_mesh::Mesh;
 use lodc_scene::{Appearance, Arrangement, Image};

@@ -14,7 +14,7 @@ use crate::report::CheckReport;
 use crate::stages::Stages;
 use crate::text::size;
 use lodc::SceneLevels;
-use lodc_formats::appearance::appearance;
+use lodc_formats::appearance;
 use lodc_formats::{Assets, ObjectInfo, OutputFile, scene_graph};
 use lodc_scene::Arrangement;
 use lodc_select::scene_diagonal;

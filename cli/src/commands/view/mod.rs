@@ -12,7 +12,8 @@ use crate::stages::Stages;
 use crate::text::{count, size};
 use clap::Args;
 use lodc::LodObject;
-use lodc_formats::export::{LevelsObject, export_levels};
+use lodc_formats::gltf::{LevelsObject, export_levels};
+use lodc_formats::images::Textures;
 use lodc_formats::{Assets, OutputFile};
 use lodc_lod::AnyModel;
 use lodc_strip::Strips;
@@ -107,7 +108,8 @@ fn model(args: &PageArgs, asset: &Asset) -> Outcome<(Vec<u8>, Vec<String>)> {
             strips: strips.as_deref(),
         })
         .collect();
-    let (file, warnings) = export_levels(&args.output, &asset.document, &objects, &mut assets)?;
+    let textures = Textures::read(&asset.document, &mut assets)?;
+    let (file, warnings) = export_levels(&args.output, &asset.document, &objects, textures)?;
     Ok((file.bytes, warnings))
 }
 

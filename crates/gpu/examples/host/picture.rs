@@ -5,7 +5,7 @@ use crate::levels::{OnDevice, STRIDE};
 use lodc_mesh::Mesh;
 use lodc_scene::Image;
 
-pub(crate) use lodc_formats::picture::png;
+pub(crate) use lodc_formats::images::png;
 
 /// Pixels across and down. Rows of 4 × 512 bytes are what a copy to a buffer allows.
 const SIZE: u32 = 512;

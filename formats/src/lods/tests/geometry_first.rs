@@ -2,7 +2,8 @@
 
 use super::*;
 use crate::export::{ExportFormat, ExportObject, export};
-use crate::import::{ImportOptions, gltf::tests::read_bytes};
+use crate::gltf::read::tests::read_bytes;
+use crate::import::ImportOptions;
 use lodc_fixtures as fixtures;
 use serde_json::{Value, json};
 use std::path::Path;

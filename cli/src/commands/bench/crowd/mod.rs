@@ -142,7 +142,7 @@ fn on_device(
     if let Some(out) = &args.crowd.picture {
         let target = output::Target::File(out.clone());
         let picture = picture::picture(device, &mut figures, stands, &levels[0].lods)?;
-        output::write(&target, lodc_formats::picture::png(&picture))?;
+        output::write(&target, lodc_formats::images::png(&picture))?;
     }
     if args.gpu.gpu.is_none() || args.no_times {
         return Ok(None);

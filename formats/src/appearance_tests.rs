@@ -1,0 +1,197 @@
+use super::*;
+use crate::images::png;
+use crate::testing::Scratch;
+use crate::{GltfDocument, Limits, ObjDocument, ObjMaterial, SubmeshInfo, scene_graph};
+use lodc_scene::{AlphaMode, Arrangement, Image, Placement, Texture, Wrap};
+
+fn info(mesh: u32, material: Option<&str>) -> ObjectInfo {
+    let submesh = SubmeshInfo {
+        name: String::new(),
+        material: material.map(str::to_owned),
+        document_primitive: 0,
+    };
+    ObjectInfo {
+        name: "o".to_owned(),
+        submeshes: vec![submesh],
+        world_scale: 1.0,
+        document_mesh: mesh,
+    }
+}
+
+fn red() -> Vec<u8> {
+    png(&Image { width: 2, height: 1, bytes: vec![255, 0, 0, 255, 0, 0, 0, 255] })
+}
+
+fn of_mtl(lines: &[&str], folder: &Scratch) -> Appearance {
+    let material = ObjMaterial {
+        name: "m".to_owned(),
+        lines: lines.iter().map(|l| (*l).to_owned()).collect(),
+    };
+    let document = Document::Obj(ObjDocument { libraries: Vec::new(), materials: vec![material] });
+    let mut assets = Assets::new(&folder.path("a.obj"), &[], Limits::DEFAULT);
+    appearance(&document, &[&info(0, Some("m"))], &mut assets).expect("nothing can fail")
+}
+
+fn of_gltf(
+    json: &str,
+    blob: Vec<u8>,
+    meshes: &[u32],
+    folder: &Scratch,
+) -> Result<Appearance, FormatError> {
+    let document = Document::Gltf(GltfDocument { json: json.to_owned(), blob });
+    let infos: Vec<ObjectInfo> = meshes.iter().map(|&m| info(m, None)).collect();
+    let mut assets = Assets::new(&folder.path("a.gltf"), &[], Limits::DEFAULT);
+    appearance(&document, &infos.iter().collect::<Vec<_>>(), &mut assets)
+}
+
+/// The objects of some meshes where a document shows them.
+fn arranged(json: &str, blob: Vec<u8>, meshes: &[u32]) -> Result<Arrangement, FormatError> {
+    let document = Document::Gltf(GltfDocument { json: json.to_owned(), blob });
+    let infos: Vec<ObjectInfo> = meshes.iter().map(|&m| info(m, None)).collect();
+    let infos: Vec<&ObjectInfo> = infos.iter().collect();
+    let graph = scene_graph(&document, &infos, &Limits::DEFAULT)?;
+    Ok(Arrangement::new(&graph, &graph.rest_pose(), infos.len()))
+}
+
+#[test]
+fn an_mtl_gives_colours_opacity_and_textures() {
+    let folder = Scratch::new("appearance-mtl");
+    folder.write("in a/te xture.png", &red());
+    let looks = of_mtl(&["Kd 1 0.5 0", "d 0.25"], &folder);
+    let material = &looks.materials[looks.of_submesh[0][0]];
+    assert!(
+        material.colour[0] == 1.0
+            && (material.colour[1] - 0.214).abs() < 1e-3
+            && material.colour[3] == 0.25
+    );
+    assert!(
+        material.alpha == AlphaMode::Blend && material.double_sided && material.texture.is_none()
+    );
+
+    let looks =
+        of_mtl(&["Kd 0 0 0", "map_Kd -s 2 3 -clamp on -o 0.5 0 0 in a\\te xture.png"], &folder);
+    let material = &looks.materials[looks.of_submesh[0][0]];
+    let texture = material.texture.expect("a texture");
+    assert_eq!(material.colour, [1.0; 4], "a black that a texture paints over");
+    assert_eq!((texture.image, texture.wrap), (0, [Wrap::Clamp; 2]));
+    // The bottom left corner of the coordinates is the bottom left of the picture.
+    assert_eq!(texture.transform, [[2.0, 0.0, 0.5], [0.0, -3.0, 1.0]]);
+    assert_eq!((looks.images[0].width, looks.images[0].height), (2, 1));
+    assert!(looks.warnings.is_empty(), "{:?}", looks.warnings);
+}
+
+#[test]
+fn textures_that_cannot_be_had_are_warnings_and_none_is_read_from_elsewhere() {
+    let folder = Scratch::new("appearance-missing");
+    folder.write("outside.png", &red());
+    folder.write("in/broken.png", b"\x89PNG but no picture");
+    let inner = Scratch::new("appearance-missing/in");
+    for (line, word) in [
+        ("map_Kd missing.png", "missing.png"),
+        ("map_Kd ../outside.png", "outside"),
+        ("map_Kd http://127.0.0.1/x.png", "http"),
+        ("map_Kd broken.png", "damaged"),
+    ] {
+        let looks = of_mtl(&[line], &inner);
+        assert!(looks.images.is_empty() && looks.materials[1].texture.is_none(), "{line}");
+        assert!(
+            looks.warnings.len() == 1 && looks.warnings[0].contains(word),
+            "{line}: {:?}",
+            looks.warnings
+        );
+    }
+}
+
+#[test]
+fn a_gltf_material_is_read_with_its_sampler_and_transform() {
+    let folder = Scratch::new("appearance-gltf");
+    let blob = red();
+    let json = serde_json::json!({
+        "asset": {"version": "2.0"},
+        "meshes": [{"primitives": [{"attributes": {}, "material": 1}]}],
+        "materials": [{}, {
+            "pbrMetallicRoughness": {
+                "baseColorFactor": [0.5, 0.25, 1, 0.75],
+                "baseColorTexture": {"index": 0, "texCoord": 3,
+                    "extensions": {"KHR_texture_transform": {
+                    "offset": [0.5, 0.25], "scale": [2, 4], "texCoord": 1}}}
+            },
+            "alphaMode": "MASK", "alphaCutoff": 0.25, "doubleSided": true,
+            "extensions": {"KHR_materials_unlit": {}}
+        }],
+        "textures": [{"source": 0, "sampler": 0}],
+        "samplers": [{"wrapS": 33071, "wrapT": 33648, "magFilter": 9728}],
+        "images": [{"bufferView": 0, "mimeType": "image/png"}],
+        "bufferViews": [{"buffer": 0, "byteLength": blob.len()}],
+        "buffers": [{"byteLength": blob.len()}]
+    });
+    let looks = of_gltf(&json.to_string(), blob, &[0], &folder).expect("a document");
+    let material = &looks.materials[looks.of_submesh[0][0]];
+    assert_eq!(material.colour, [0.5, 0.25, 1.0, 0.75]);
+    assert_eq!(
+        (material.alpha, material.double_sided, material.unlit),
+        (AlphaMode::Mask(0.25), true, true)
+    );
+    let wanted = Texture {
+        image: 0,
+        set: 1,
+        transform: [[2.0, 0.0, 0.5], [0.0, 4.0, 0.25]],
+        wrap: [Wrap::Clamp, Wrap::Mirror],
+        nearest: true,
+    };
+    assert_eq!(material.texture, Some(wanted));
+}
+
+#[test]
+fn nodes_joints_weights_and_instances_say_where_objects_are() {
+    let floats = |values: &[f32]| values.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>();
+    let mut bind = [0.0f32; 16];
+    (0..4).for_each(|i| bind[5 * i] = 1.0);
+    bind[12] = -1.0;
+    let mut blob = floats(&bind);
+    blob.extend(floats(&[0.0, 0.0, 1.0, 0.0, 0.0, 2.0]));
+    let json = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0,4]}],
+        "nodes":[{"translation":[1,0,0],"children":[1,2]},{"mesh":0,"weights":[0.5]},
+            {"mesh":1,"skin":0},{"translation":[0,7,0]},{"mesh":2,"scale":[2,2,2],
+                "extensions":{"EXT_mesh_gpu_instancing":{"attributes":{"TRANSLATION":1}}}}],
+        "skins":[{"joints":[3],"inverseBindMatrices":0}],
+        "meshes":[{"primitives":[{"attributes":{}}]},{"primitives":[{"attributes":{}}]},
+            {"primitives":[{"attributes":{}}]}],
+        "accessors":[{"bufferView":0,"componentType":5126,"count":1,"type":"MAT4"},
+            {"bufferView":1,"componentType":5126,"count":2,"type":"VEC3"}],
+        "bufferViews":[{"buffer":0,"byteLength":64},{"buffer":0,"byteOffset":64,"byteLength":24}],
+        "buffers":[{"byteLength":88}]}"#;
+    let placements = arranged(json, blob, &[0, 1, 2]).expect("a document");
+    let placements = placements.placements();
+    let moved = |p: &Placement| p.transform.translation.to_array();
+    let objects: Vec<usize> = placements.iter().map(|p| p.object).collect();
+    assert_eq!(objects, [0, 1, 2, 2]);
+    assert_eq!((moved(&placements[0]), &placements[0].weights[..]), ([1.0, 0.0, 0.0], &[0.5][..]));
+    assert_eq!(
+        placements[1].joints[0].translation.to_array(),
+        [-1.0, 7.0, 0.0],
+        "the joint, whatever the node says"
+    );
+    assert_eq!((moved(&placements[2]), moved(&placements[3])), ([0.0, 0.0, 2.0], [0.0, 0.0, 4.0]));
+}
+
+#[test]
+fn a_document_that_lies_is_refused_without_a_panic() {
+    let folder = Scratch::new("appearance-lies");
+    for json in [
+        "",
+        "[]",
+        r#"{"asset":{"version":"2.0"},"buffers":[{"byteLength":9}],
+            "bufferViews":[{"buffer":0,"byteLength":9}]}"#,
+        r#"{"asset":{"version":"2.0"},"scenes":[{"nodes":[7]}],"scene":0}"#,
+        r#"{"asset":{"version":"2.0"},"nodes":[{"mesh":3}]}"#,
+    ] {
+        assert!(of_gltf(json, Vec::new(), &[0], &folder).is_err(), "{json}");
+        assert!(arranged(json, Vec::new(), &[0]).is_err(), "{json}");
+    }
+    // Loops of nodes end.
+    let loops = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],
+        "meshes":[{"primitives":[{"attributes":{}}]}],
+        "nodes":[{"mesh":0,"children":[1]},{"children":[0]}]}"#;
+    assert_eq!(arranged(loops, Vec::new(), &[0]).map(|a| a.placements().len()), Ok(1));
+}

@@ -1,0 +1,122 @@
+//! A scene as plain meshes in one space, for formats without nodes.
+
+use crate::options::ExportObject;
+use crate::{Fault, FormatError};
+use lodc_mesh::{Attribute, Mesh};
+use lodc_scene::{Arrangement, Graph, Placement, PosedVertices, Transform, posed};
+
+/// Flattening repeats an object for every node that shows it, but not beyond this many triangles.
+const MAX_TRIANGLES: usize = 1 << 28;
+
+/// An object where a node of the scene shows it.
+#[derive(Clone, Debug)]
+pub(crate) struct Placed<'a> {
+    /// The object.
+    pub(crate) object: ExportObject<'a>,
+    /// The node's name or, lacking that, the object's.
+    pub(crate) name: String,
+    /// None where the object stands as it was modelled, so that bits survive.
+    placement: Option<Placement>,
+}
+
+impl<'a> Placed<'a> {
+    /// Poses its vertices.
+    pub(crate) fn vertices(&self) -> Vertices<'a> {
+        let mesh = self.object.mesh;
+        Vertices { mesh, posed: self.placement.as_ref().map(|p| posed(mesh, p)) }
+    }
+}
+
+/// The vertices of a placed object.
+#[derive(Clone, Debug)]
+pub(crate) struct Vertices<'a> {
+    mesh: &'a Mesh,
+    posed: Option<PosedVertices>,
+}
+
+impl Vertices<'_> {
+    /// A vertex's position in the scene.
+    pub(crate) fn position(&self, vertex: u32) -> [f32; 3] {
+        match &self.posed {
+            None => self.mesh.positions()[vertex as usize],
+            Some(posed) => posed.positions[vertex as usize].to_array().map(finite),
+        }
+    }
+
+    /// A vertex's normal in the scene: as it is in the file where nothing moves, of length one
+    /// otherwise.
+    pub(crate) fn normal(&self, stream: &Attribute, vertex: u32) -> [f32; 3] {
+        match &self.posed {
+            None => std::array::from_fn(|i| component(stream, vertex, i)),
+            Some(posed) => {
+                let normal = posed.normals[vertex as usize];
+                normal.try_normalize().unwrap_or(normal).to_array().map(finite)
+            }
+        }
+    }
+
+    /// A triangle with its corners in the order that faces outwards in the scene.
+    pub(crate) fn corners(&self, [a, b, c]: [u32; 3]) -> [u32; 3] {
+        let mirrored = self.posed.as_ref().is_some_and(|p| p.mirrored);
+        if mirrored { [a, c, b] } else { [a, b, c] }
+    }
+}
+
+/// Every object where the default scene shows it, joints at rest and default morph weights, and one
+/// that it does not show as it was modelled.
+///
+/// # Errors
+/// If the instances together are too large.
+pub(crate) fn placed<'a>(
+    graph: &Graph,
+    objects: &[ExportObject<'a>],
+) -> Result<Vec<Placed<'a>>, FormatError> {
+    let scene = Arrangement::new(graph, &graph.rest_pose(), objects.len());
+    let mut out = Vec::new();
+    let mut triangles = 0;
+    for placement in scene.placements() {
+        let object = objects[placement.object];
+        triangles += object.mesh.triangles().len();
+        if triangles > MAX_TRIANGLES {
+            let what = format!(
+                "its instances have more than {MAX_TRIANGLES} triangles together: write a glTF \
+                 instead"
+            );
+            return Err(FormatError::new(Fault::Limit, "", what));
+        }
+        let node = placement.node.map(|n| graph.nodes[n as usize].name.clone());
+        let name = node.filter(|name| !name.is_empty());
+        out.push(Placed {
+            object,
+            name: name.unwrap_or_else(|| object.info.name.clone()),
+            placement: (!stays(placement)).then(|| placement.clone()),
+        });
+    }
+    let hidden = (0..objects.len()).filter(|&o| scene.of(o).next().is_none());
+    out.extend(hidden.map(|o| Placed {
+        object: objects[o],
+        name: objects[o].info.name.clone(),
+        placement: None,
+    }));
+    Ok(out)
+}
+
+fn stays(placement: &Placement) -> bool {
+    placement.transform == Transform::IDENTITY
+        && placement.joints.is_empty()
+        && placement.weights.iter().all(|&w| w == 0.0)
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "the formats store single precision")]
+fn finite(x: f64) -> f32 {
+    (x as f32).clamp(f32::MIN, f32::MAX) + 0.0 // a transform makes no -0
+}
+
+/// A component of a stream, zero if it has fewer.
+pub(crate) fn component(stream: &Attribute, vertex: u32, i: usize) -> f32 {
+    if i < usize::from(stream.components) { stream.value(vertex, i) } else { 0.0 }
+}
+
+#[cfg(test)]
+#[path = "flatten_tests.rs"]
+pub(crate) mod tests;

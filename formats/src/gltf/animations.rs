@@ -1,0 +1,102 @@
+//! The animations of a document.
+
+use super::document::Stored;
+use super::graph::index;
+use super::json::{Object, entries, malformed};
+use crate::{Document, FormatError, Limits};
+use lodc_scene::{Animation, Channel, Interpolation, Property};
+use serde_json::Value;
+
+/// Returns the names of a document's animations, in order; empty where they have none.
+///
+/// # Errors
+/// If the stored document is damaged.
+pub fn animation_names(document: &Document, limits: &Limits) -> Result<Vec<String>, FormatError> {
+    let Document::Gltf(gltf) = document else { return Ok(Vec::new()) };
+    Stored::read(gltf, limits, |_, root| Ok(entries(root, "animations").map(name).collect()))
+}
+
+fn name(animation: &Object) -> String {
+    animation.get("name").and_then(Value::as_str).unwrap_or_default().to_owned()
+}
+
+/// Reads an animation by its number. What it changes beside nodes and their morph weights is left
+/// out.
+///
+/// # Errors
+/// If there is none of that number, or it is damaged.
+pub fn animation(
+    document: &Document,
+    number: usize,
+    limits: &Limits,
+) -> Result<Animation, FormatError> {
+    let place = format!("animations[{number}]");
+    let Document::Gltf(gltf) = document else { return Err(malformed(place, "is not there")) };
+    Stored::read(gltf, limits, |stored, root| {
+        let missing = || malformed(&*place, "is not there");
+        let animation = entries(root, "animations").nth(number).ok_or_else(missing)?;
+        let samplers: Vec<&Object> = entries(animation, "samplers").collect();
+        let mut channels = Vec::new();
+        for (i, source) in entries(animation, "channels").enumerate() {
+            let sampler = index(source, "sampler").and_then(|s| samplers.get(s));
+            let target = source.get("target").and_then(Value::as_object);
+            let (Some(sampler), Some(target)) = (sampler, target) else { continue };
+            let place = format!("{place}.channels[{i}]");
+            channels.extend(channel(stored, sampler, target, &place)?);
+        }
+        Ok(Animation { name: name(animation), channels })
+    })
+}
+
+/// One channel; none if it changes something else.
+fn channel(
+    stored: &Stored<'_>,
+    sampler: &Object,
+    target: &Object,
+    place: &str,
+) -> Result<Option<Channel>, FormatError> {
+    let property = match target.get("path").and_then(Value::as_str) {
+        Some("translation") => Property::Translation,
+        Some("rotation") => Property::Rotation,
+        Some("scale") => Property::Scale,
+        Some("weights") => Property::Weights,
+        _ => return Ok(None),
+    };
+    let Some(node) = index(target, "node") else { return Ok(None) };
+    let interpolation = match sampler.get("interpolation").and_then(Value::as_str) {
+        Some("STEP") => Interpolation::Step,
+        Some("CUBICSPLINE") => Interpolation::CubicSpline,
+        _ => Interpolation::Linear,
+    };
+    let numbers = |key: &str| match index(sampler, key) {
+        Some(accessor) => stored.numbers(accessor),
+        None => Err(malformed(place, format!("its sampler has no {key}"))),
+    };
+    let ((times, _), (values, components)) = (numbers("input")?, numbers("output")?);
+    let rising = times.windows(2).all(|pair| pair[0] < pair[1]);
+    if !rising || times.iter().chain(&values).any(|v| !v.is_finite()) {
+        return Err(malformed(
+            place,
+            "its times do not rise, or it has numbers that are not finite",
+        ));
+    }
+    let keys = times.len() * interpolation.values_per_key();
+    let width = match property {
+        Property::Translation | Property::Scale => Some(3),
+        Property::Rotation => Some(4),
+        Property::Weights => None,
+    };
+    let fits = match width {
+        Some(width) => components == width && values.len() == keys * width,
+        None => components == 1 && keys > 0 && values.len().is_multiple_of(keys),
+    };
+    if !fits {
+        let what = format!("has {} values for {} keys", values.len(), times.len());
+        return Err(malformed(place, what));
+    }
+    Ok(Some(Channel { node: node as u32, property, interpolation, times, values }))
+}
+
+#[cfg(test)]
+#[path = "animations_tests.rs"]
+mod tests;

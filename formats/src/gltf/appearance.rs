@@ -1,0 +1,156 @@
+//! The looks of a stored document: base colours of materials (glTF 2.0, 3.9), of the older
+//! specular-glossiness ones, and their textures.
+
+use super::document::Stored;
+use super::uri;
+use crate::gltf::json::{as_index, numbers};
+use crate::images::Pictures;
+use crate::{Assets, Fault, FormatError, GltfDocument, ObjectInfo};
+use lodc_scene::{AlphaMode, Appearance, Coordinates, Material, Texture, Wrap};
+use serde_json::Value;
+
+/// Linear colour of a mesh without a material. glTF says white, which leaves no room for light.
+const PLAIN: [f32; 4] = [0.6, 0.6, 0.6, 1.0];
+
+/// Reads the looks of a document.
+///
+/// # Errors
+/// If it is damaged.
+pub(crate) fn appearance(
+    document: &GltfDocument,
+    objects: &[&ObjectInfo],
+    assets: &mut Assets,
+) -> Result<Appearance, FormatError> {
+    let limits = *assets.limits();
+    Stored::read(document, &limits, |stored, root| {
+        let json = &Value::Object(root.clone());
+        let number = |object: &ObjectInfo, primitive: u32| {
+            let mesh = &json["meshes"][object.document_mesh as usize];
+            as_index(&mesh["primitives"][primitive as usize]["material"]).map_or(0, |m| m + 1)
+        };
+        let of = |o: &&ObjectInfo| -> Vec<usize> {
+            o.submeshes.iter().map(|s| number(o, s.document_primitive)).collect()
+        };
+        let of_submesh: Vec<Vec<usize>> = objects.iter().map(of).collect();
+        let view = |index| stored.view(index);
+        let mut reader = Reader { json, pictures: Pictures::default(), assets, view: &view };
+        let mut materials = vec![Material { colour: PLAIN, ..Material::default() }];
+        for (number, source) in (1..).zip(json["materials"].as_array().into_iter().flatten()) {
+            // What nothing uses need not have its pictures read.
+            let used = of_submesh.iter().flatten().any(|&m| m == number);
+            materials.push(if used { reader.material(source) } else { Material::default() });
+        }
+        let Pictures { list, warnings, .. } = reader.pictures;
+        Ok(Appearance { materials, of_submesh, images: list, warnings })
+    })
+}
+
+/// Reads textures of one document.
+struct Reader<'a> {
+    json: &'a Value,
+    pictures: Pictures,
+    assets: &'a mut Assets,
+    /// The bytes of a buffer view.
+    view: &'a dyn Fn(usize) -> Result<Vec<u8>, FormatError>,
+}
+
+impl Reader<'_> {
+    /// A material of the document.
+    fn material(&mut self, source: &Value) -> Material {
+        let glossy = &source["extensions"]["KHR_materials_pbrSpecularGlossiness"];
+        let metal = &source["pbrMetallicRoughness"];
+        let (colour, texture) = if metal.is_object() || !glossy.is_object() {
+            (&metal["baseColorFactor"], &metal["baseColorTexture"])
+        } else {
+            (&glossy["diffuseFactor"], &glossy["diffuseTexture"])
+        };
+        let cut_off = source["alphaCutoff"].as_f64().unwrap_or(0.5) as f32;
+        let mut colour = numbers(colour, [1.0; 4]).map(|v| (v as f32).clamp(0.0, 1.0));
+        let found = self.texture(texture);
+        if found.is_none() && texture.is_object() {
+            // White stands for the texture that could not be had; grey shows the shape.
+            colour[..3].iter_mut().for_each(|c| *c *= 0.6);
+        }
+        let read = if texture.is_object() { Some(texture) } else { any_texture(source) };
+        Material {
+            colour,
+            texture: found,
+            coordinates: read.map_or(Coordinates::PLAIN, coordinates),
+            double_sided: source["doubleSided"].as_bool().unwrap_or(false),
+            alpha: match source["alphaMode"].as_str() {
+                Some("MASK") => AlphaMode::Mask(cut_off),
+                Some("BLEND") => AlphaMode::Blend,
+                _ => AlphaMode::Opaque,
+            },
+            unlit: source["extensions"]["KHR_materials_unlit"].is_object(),
+        }
+    }
+
+    fn texture(&mut self, info: &Value) -> Option<Texture> {
+        let texture = &self.json["textures"][as_index(&info["index"])?];
+        let image = self.image(as_index(&texture["source"]))?;
+        let Coordinates { set, transform } = coordinates(info);
+        let sampler =
+            as_index(&texture["sampler"]).map_or(&Value::Null, |s| &self.json["samplers"][s]);
+        let wrap = |key: &str| match sampler[key].as_u64() {
+            Some(33071) => Wrap::Clamp,
+            Some(33648) => Wrap::Mirror,
+            _ => Wrap::Repeat,
+        };
+        Some(Texture {
+            image,
+            set,
+            transform,
+            wrap: [wrap("wrapS"), wrap("wrapT")],
+            nearest: sampler["magFilter"].as_u64() == Some(9728),
+        })
+    }
+
+    fn image(&mut self, image: Option<usize>) -> Option<usize> {
+        let Some(image) = image else {
+            let extensions = "in a format that an extension names";
+            self.pictures.get("", extensions, || {
+                Err(FormatError::new(Fault::Unsupported, "", "a texture without a PNG or JPEG"))
+            });
+            return None;
+        };
+        let source = &self.json["images"][image];
+        let place = format!("images[{image}]");
+        let name = source["name"].as_str().unwrap_or(&place);
+        let Self { pictures, assets, view, .. } = self;
+        pictures.get(&place, name, || {
+            match (source["uri"].as_str(), as_index(&source["bufferView"])) {
+                (Some(uri), _) => uri::read(uri, &place, assets),
+                (None, Some(index)) => view(index),
+                (None, None) => Err(FormatError::new(
+                    Fault::Malformed,
+                    place.clone(),
+                    "has neither uri nor bufferView",
+                )),
+            }
+        })
+    }
+}
+
+/// The first texture of a material, whatever it is for.
+fn any_texture(source: &Value) -> Option<&Value> {
+    source.as_object()?.iter().find_map(|(name, value)| {
+        let is_texture = name.ends_with("Texture") && as_index(&value["index"]).is_some();
+        if is_texture { Some(value) } else { any_texture(value) }
+    })
+}
+
+/// The texture coordinates that a texture reads.
+fn coordinates(info: &Value) -> Coordinates {
+    let moved = &info["extensions"]["KHR_texture_transform"];
+    let set = as_index(&moved["texCoord"]).or(as_index(&info["texCoord"])).unwrap_or(0);
+    Coordinates { set: u32::try_from(set).unwrap_or(u32::MAX), transform: transform(moved) }
+}
+
+/// `KHR_texture_transform`: first scaled, then turned, then moved.
+fn transform(source: &Value) -> [[f32; 3]; 2] {
+    let [x, y] = numbers(&source["offset"], [0.0; 2]);
+    let [sx, sy] = numbers(&source["scale"], [1.0; 2]);
+    let (sine, cosine) = source["rotation"].as_f64().unwrap_or(0.0).sin_cos();
+    [[cosine * sx, sine * sy, x], [-sine * sx, cosine * sy, y]].map(|row| row.map(|v| v as f32))
+}

@@ -1,0 +1,172 @@
+//! Extensions that this package reads, passes through, or must refuse.
+
+use super::json::{self, Object, integer, list, malformed};
+use crate::{Fault, FormatError};
+use serde_json::Value;
+
+/// Compressed vertex and index data: decoded.
+pub(crate) const MESHOPT: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
+
+/// Returns whether buffer views of a document are compressed.
+pub(super) fn is_compressed(root: &Object) -> bool {
+    json::entries(root, "bufferViews").any(|view| {
+        let extensions = view.get("extensions");
+        extensions.is_some_and(|e| MESHOPT.iter().any(|name| e.get(name).is_some()))
+    })
+}
+/// Compressed primitives: refused unless the same data is there uncompressed.
+pub(super) const DRACO: &str = "KHR_draco_mesh_compression";
+
+/// Extensions of a primitive that count its vertices or triangles, which change: dropped from
+/// primitives with triangles.
+pub(super) const DROPPED_FROM_PRIMITIVES: [&str; 3] =
+    [DRACO, "CESIUM_primitive_outline", "FB_ngon_encoding"];
+
+/// Extensions that can be required without a reader of triangles having to know them, and in whose
+/// objects no number is the index of an accessor or buffer view that `schema` does not list.
+const HARMLESS: [&str; 22] = [
+    "KHR_mesh_quantization",
+    "EXT_meshopt_compression",
+    "KHR_meshopt_compression",
+    "EXT_mesh_gpu_instancing",
+    "EXT_mesh_features",
+    "EXT_structural_metadata",
+    "EXT_instance_features",
+    "EXT_feature_metadata",
+    "EXT_lights_image_based",
+    "EXT_lights_ies",
+    "KHR_animation_pointer",
+    "KHR_audio_emitter",
+    "KHR_lights_punctual",
+    "KHR_node_hoverability",
+    "KHR_node_selectability",
+    "KHR_node_visibility",
+    "KHR_xmp",
+    "KHR_xmp_json_ld",
+    "MSFT_lod",
+    "MSFT_audio_emitter",
+    "AGI_articulations",
+    "CESIUM_RTC",
+];
+
+/// The same by prefix: materials and textures.
+const HARMLESS_PREFIXES: [&str; 8] = [
+    "KHR_materials_",
+    "EXT_materials_",
+    "MSFT_materials_",
+    "ADOBE_materials_",
+    "KHR_texture_",
+    "EXT_texture_",
+    "MSFT_texture_",
+    "KHR_techniques_",
+];
+
+fn is_harmless(name: &str) -> bool {
+    HARMLESS.contains(&name) || HARMLESS_PREFIXES.iter().any(|p| name.starts_with(p))
+}
+
+/// Refuses glTF versions other than 2, and required extensions that nobody here knows. Draco is
+/// decided later, when it is known whether there is a fallback.
+pub(super) fn check(root: &Object) -> Result<(), FormatError> {
+    let asset = root.get("asset").and_then(Value::as_object);
+    let asset = asset.ok_or_else(|| malformed("asset", "is missing: not a glTF 2.0 document"))?;
+    let version = asset.get("version").and_then(Value::as_str);
+    let version = version.ok_or_else(|| malformed("asset.version", "is missing"))?;
+    let Some((major, minor)) = numbers(version) else {
+        return Err(malformed("asset.version", format!("`{version}` is not a version")));
+    };
+    let minimum = asset.get("minVersion").and_then(Value::as_str).map(numbers);
+    let unsupported =
+        |place: &str, what: String| Err(FormatError::new(Fault::Unsupported, place, what));
+    match minimum {
+        _ if major != 2 => {
+            return unsupported("asset.version", format!("glTF {major}.{minor}, only 2.0 is read"));
+        }
+        Some(None) => return Err(malformed("asset.minVersion", "is not a version")),
+        Some(Some(needed)) if needed > (2, 0) => {
+            return unsupported(
+                "asset.minVersion",
+                format!("needs glTF {}.{}, only 2.0 is read", needed.0, needed.1),
+            );
+        }
+        _ => {}
+    }
+    for name in list(root, "extensionsRequired").iter().filter_map(Value::as_str) {
+        if name != DRACO && !is_harmless(name) {
+            return unsupported(
+                "extensionsRequired",
+                format!("the extension {name} is required, but not supported"),
+            );
+        }
+    }
+    Ok(())
+}
+
+fn numbers(version: &str) -> Option<(u32, u32)> {
+    let (major, minor) = version.split_once('.')?;
+    let digits = |s: &str| s.bytes().all(|b| b.is_ascii_digit()).then(|| s.parse().ok()).flatten();
+    Some((digits(major)?, digits(minor)?))
+}
+
+/// The first extension that might point to accessors or buffer views in a way nobody here knows:
+/// one that is not known and has a whole number somewhere. While there is one, nothing must be
+/// renumbered.
+pub(crate) fn opaque(root: &Object) -> Option<String> {
+    root.iter().find_map(|(key, value)| opaque_below(key, value))
+}
+
+// The document's depth is bounded, so recursion is.
+fn opaque_below(key: &str, value: &Value) -> Option<String> {
+    match value {
+        Value::Object(members) if key == "extensions" => members.iter().find_map(|(name, body)| {
+            if !is_harmless(name)
+                && !DROPPED_FROM_PRIMITIVES.contains(&name.as_str())
+                && has_whole_number(body)
+            {
+                return Some(name.clone());
+            }
+            opaque_below("", body)
+        }),
+        Value::Object(_) if key == "extras" => None,
+        Value::Object(members) => members.iter().find_map(|(name, body)| opaque_below(name, body)),
+        Value::Array(elements) => elements.iter().find_map(|body| opaque_below("", body)),
+        _ => None,
+    }
+}
+
+fn has_whole_number(value: &Value) -> bool {
+    match value {
+        Value::Number(_) => integer(value).is_some(),
+        Value::Array(elements) => elements.iter().any(has_whole_number),
+        Value::Object(members) => members.values().any(has_whole_number),
+        _ => false,
+    }
+}
+
+/// Takes a name off `extensionsUsed` and `extensionsRequired`.
+pub(super) fn forget(root: &mut Object, name: &str) {
+    for key in ["extensionsUsed", "extensionsRequired"] {
+        let Some(Value::Array(names)) = root.get_mut(key) else { continue };
+        let before = names.len();
+        names.retain(|n| n.as_str() != Some(name));
+        // An array that was empty before is the file's own business.
+        if names.is_empty() && before > 0 {
+            root.shift_remove(key);
+        }
+    }
+}
+
+/// Names an extension in one of the lists of the document.
+pub(crate) fn add(root: &mut Object, list: &str, name: &str) {
+    let names = root.entry(list).or_insert_with(|| Value::Array(Vec::new()));
+    if let Value::Array(names) = names
+        && !names.iter().any(|n| n == name)
+    {
+        names.push(name.into());
+    }
+}
+
+/// The compression of a buffer view, by whichever name.
+pub(super) fn meshopt(view: &Object) -> Option<(&'static str, &Object)> {
+    MESHOPT.into_iter().find_map(|name| Some((name, json::extension(view, name)?)))
+}

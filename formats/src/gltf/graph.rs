@@ -1,0 +1,157 @@
+//! The nodes, skins and default scene of a document, as `lodc_scene` has them.
+
+use super::document::Stored;
+use super::json::{Object, entries, extension, integer, list};
+use crate::{Document, Fault, FormatError, Limits, ObjectInfo};
+use lodc_scene::{Graph, LocalTransform, Node, Skin, Transform, transform_from_columns};
+use serde_json::Value;
+use std::collections::BTreeMap;
+
+/// More instances than this in one document are refused.
+const MAX_INSTANCES: usize = 1 << 22;
+/// The extension that repeats a node's mesh.
+const INSTANCING: &str = "EXT_mesh_gpu_instancing";
+
+/// Reads all components of all elements of an accessor, and how many components an element has.
+pub(crate) type Numbers<'a> = dyn Fn(usize) -> Result<(Vec<f64>, usize), FormatError> + 'a;
+
+/// Returns the nodes of a scene, each with the indices of the `objects` that it shows. The default
+/// scene is the one that the document names, else its first one; all nodes where it has no scenes.
+/// An OBJ shows each object once.
+///
+/// # Errors
+/// If the stored document is damaged, or has more than four million instances.
+pub fn scene_graph(
+    document: &Document,
+    objects: &[&ObjectInfo],
+    limits: &Limits,
+) -> Result<Graph, FormatError> {
+    match document {
+        Document::Obj(_) => Ok(Graph::of_objects(objects.len() as u32)),
+        Document::Gltf(gltf) => Stored::read(gltf, limits, |stored, root| {
+            let meshes: Vec<u32> = objects.iter().map(|o| o.document_mesh).collect();
+            gltf_graph(root, &meshes, &|accessor| stored.numbers(accessor))
+        }),
+    }
+}
+
+/// Reads the nodes of a glTF document. `meshes` says which of the document's meshes each object is.
+pub(crate) fn gltf_graph(
+    root: &Object,
+    meshes: &[u32],
+    read: &Numbers<'_>,
+) -> Result<Graph, FormatError> {
+    let mut objects_of: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+    for (object, &mesh) in (0..).zip(meshes) {
+        objects_of.entry(mesh).or_default().push(object);
+    }
+    let meshes: Vec<&Object> = entries(root, "meshes").collect();
+    let mut instances = 0;
+    let mut nodes = Vec::with_capacity(entries(root, "nodes").len());
+    for source in entries(root, "nodes") {
+        let mesh = index(source, "mesh");
+        let weights = [Some(source), mesh.and_then(|m| meshes.get(m).copied())];
+        let weights = weights.into_iter().flatten().find_map(|o| o.get("weights")?.as_array());
+        let weight = |w: &Value| w.as_f64().unwrap_or(0.0);
+        let node = Node {
+            name: source.get("name").and_then(Value::as_str).unwrap_or_default().to_owned(),
+            local: local(source),
+            children: indices(source, "children"),
+            objects: mesh.and_then(|m| objects_of.get(&(m as u32))).cloned().unwrap_or_default(),
+            skin: index(source, "skin").map(|s| s as u32),
+            weights: weights.into_iter().flatten().map(weight).collect(),
+            instances: extension(source, INSTANCING)
+                .map(|e| self::instances(e, read))
+                .transpose()?,
+        };
+        instances += node.instances.as_ref().map_or(0, Vec::len);
+        if instances > MAX_INSTANCES {
+            let what = format!("show more than {MAX_INSTANCES} instances");
+            return Err(FormatError::new(Fault::Limit, "nodes", what));
+        }
+        nodes.push(node);
+    }
+    let skins = entries(root, "skins").map(|s| skin(s, read)).collect::<Result<_, _>>()?;
+    let mut graph = Graph { nodes, roots: Vec::new(), skins };
+    let scenes: Vec<&Object> = entries(root, "scenes").collect();
+    graph.roots = match scenes.get(index(root, "scene").unwrap_or(0)) {
+        Some(scene) => indices(scene, "nodes"),
+        None if root.contains_key("scenes") => Vec::new(),
+        None => graph.topmost(),
+    };
+    Ok(graph)
+}
+
+pub(crate) fn index(object: &Object, key: &str) -> Option<usize> {
+    object.get(key).and_then(integer).and_then(|i| usize::try_from(i).ok())
+}
+
+fn indices(object: &Object, key: &str) -> Vec<u32> {
+    list(object, key).iter().filter_map(integer).filter_map(|i| u32::try_from(i).ok()).collect()
+}
+
+/// As many numbers as there should be, or the default.
+fn numbers<const N: usize>(object: &Object, key: &str, default: [f64; N]) -> [f64; N] {
+    match list(object, key) {
+        all if all.len() == N => std::array::from_fn(|i| all[i].as_f64().unwrap_or(default[i])),
+        _ => default,
+    }
+}
+
+fn local(node: &Object) -> LocalTransform {
+    if list(node, "matrix").len() == 16 {
+        return LocalTransform::from_columns(&numbers(node, "matrix", [0.0; 16]));
+    }
+    LocalTransform::Trs {
+        translation: numbers(node, "translation", [0.0; 3]),
+        rotation: numbers(node, "rotation", [0.0, 0.0, 0.0, 1.0]),
+        scale: numbers(node, "scale", [1.0; 3]),
+    }
+}
+
+fn skin(skin: &Object, read: &Numbers<'_>) -> Result<Skin, FormatError> {
+    let (values, components) = match index(skin, "inverseBindMatrices") {
+        Some(accessor) => read(accessor)?,
+        None => (Vec::new(), 16),
+    };
+    // Matrices of another shape are none.
+    let matrices = if components == 16 { values.as_chunks::<16>().0 } else { &[] };
+    Ok(Skin {
+        joints: indices(skin, "joints"),
+        inverse_bind: matrices.iter().map(transform_from_columns).collect(),
+    })
+}
+
+/// The transforms of instances. One that has no property of a kind has that of a node without it.
+fn instances(extension: &Object, read: &Numbers<'_>) -> Result<Vec<Transform>, FormatError> {
+    let attributes = extension.get("attributes").and_then(Value::as_object);
+    let column = |name: &str, components: usize| -> Result<Option<Vec<f64>>, FormatError> {
+        let Some(accessor) = attributes.and_then(|a| index(a, name)) else { return Ok(None) };
+        let (values, found) = read(accessor)?;
+        Ok((found == components).then_some(values))
+    };
+    let translations = column("TRANSLATION", 3)?;
+    let rotations = column("ROTATION", 4)?;
+    let scales = column("SCALE", 3)?;
+    let counts = [(&translations, 3), (&rotations, 4), (&scales, 3)];
+    let counts = counts.into_iter().filter_map(|(c, n)| Some(c.as_ref()?.len() / n));
+    let count = counts.min().unwrap_or(1);
+    let three = |column: &Option<Vec<f64>>, i: usize, default: f64| match column {
+        Some(values) => [values[3 * i], values[3 * i + 1], values[3 * i + 2]],
+        None => [default; 3],
+    };
+    let one = |i: usize| {
+        let rotation = rotations.as_ref().map(|r| std::array::from_fn(|k| r[4 * i + k]));
+        let local = LocalTransform::Trs {
+            translation: three(&translations, i, 0.0),
+            rotation: rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]),
+            scale: three(&scales, i, 1.0),
+        };
+        local.matrix()
+    };
+    Ok((0..count).map(one).collect())
+}
+
+#[cfg(test)]
+#[path = "graph_tests.rs"]
+mod tests;

@@ -1,0 +1,177 @@
+//! Streams as integers of few bits.
+
+use super::grid::{Grid, last_number};
+use crate::gltf::meshopt::{packed_direction, unpacked_direction};
+use crate::gltf::semantic;
+use lodc_mesh::{Attribute, Component, Mesh, MeshParts};
+
+/// The coding of a stream of one submesh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Coding {
+    /// Nothing: they stay as they are.
+    Exact,
+    /// Positions on a grid.
+    Positions(Grid<3>),
+    /// Differences of positions, in steps of so much.
+    Offsets(f64),
+    /// Texture coordinates on a grid.
+    TextureCoordinates(Grid<2>),
+    /// Floats that are multiples of a power of two.
+    Multiples(f64),
+    /// Numbers from 0 to 1 with so many bits.
+    Fractions(u8),
+    /// Numbers from 0 to 1 with so many bits whose sum is 1.
+    Shares(u8),
+    /// Numbers from −1 to 1 with so many bits.
+    Deltas(u8),
+    /// Unit vectors with so many bits on the octahedron, and a fourth number of −1 or 1.
+    Directions(u8),
+}
+
+impl Coding {
+    /// The type of the integers, and whether they stand for fractions; none if they stay.
+    fn format(self) -> Option<(Component, bool)> {
+        let sized = |bits, narrow, wide| (if bits <= 8 { narrow } else { wide }, true);
+        Some(match self {
+            Self::Exact => return None,
+            Self::Positions(_) | Self::TextureCoordinates(_) => (Component::U16, false),
+            Self::Offsets(_) => (Component::I16, false),
+            Self::Multiples(_) => (Component::F32, false),
+            Self::Fractions(bits) | Self::Shares(bits) => {
+                sized(bits, Component::U8, Component::U16)
+            }
+            Self::Deltas(bits) | Self::Directions(bits) => {
+                sized(bits, Component::I8, Component::I16)
+            }
+        })
+    }
+
+    /// The integers of one vertex; of floats their bits.
+    fn integers(self, values: &[f32]) -> Vec<i32> {
+        let three = |values: &[f32]| [values[0], values[1], values[2]];
+        match self {
+            Self::Exact => Vec::new(),
+            Self::Positions(grid) => grid.numbers(three(values)).map(i32::from).to_vec(),
+            Self::Offsets(step) => {
+                values.iter().map(|&v| (f64::from(v) / step).round() as i32).collect()
+            }
+            Self::TextureCoordinates(grid) => {
+                grid.numbers([values[0], values[1]]).map(i32::from).to_vec()
+            }
+            Self::Multiples(step) => {
+                let multiple = |v: f32| ((f64::from(v) / step).round() * step + 0.0) as f32;
+                values.iter().map(|&v| multiple(v).to_bits() as i32).collect()
+            }
+            Self::Fractions(bits) => values.iter().map(|&v| fraction(v.into(), bits)).collect(),
+            Self::Shares(bits) => shares(values, bits),
+            Self::Deltas(bits) => values.iter().map(|&v| signed(v.into(), bits)).collect(),
+            Self::Directions(bits) => {
+                let w = values.get(3).copied().unwrap_or(0.0);
+                let packed = packed_direction(bits, three(values), w);
+                unpacked_direction(bits, packed)[..values.len()].to_vec()
+            }
+        }
+    }
+}
+
+/// The largest integer of the bytes that so many bits need.
+fn largest(bits: u8) -> f64 {
+    last_number(if bits <= 8 { 8 } else { 16 })
+}
+
+/// A number from 0 to 1 as one of 2^bits levels, spread over all values of its bytes.
+fn fraction(value: f64, bits: u8) -> i32 {
+    let level = (value.clamp(0.0, 1.0) * last_number(bits)).round();
+    (level / last_number(bits) * largest(bits)).round() as i32
+}
+
+/// A number from −1 to 1 as one of 2^bits − 1 levels, spread over all values of its bytes.
+fn signed(value: f64, bits: u8) -> i32 {
+    let levels = last_number(bits - 1);
+    let level = (value.clamp(-1.0, 1.0) * levels).round();
+    let all = last_number(if bits <= 8 { 7 } else { 15 });
+    (level / levels * all).round() as i32
+}
+
+/// Numbers whose sum is that of 1; the largest one takes what rounding leaves. All are 0 if their
+/// sum is.
+fn shares(values: &[f32], bits: u8) -> Vec<i32> {
+    let sum: f64 = values.iter().map(|&v| f64::from(v.max(0.0))).sum();
+    if sum <= 0.0 || !sum.is_finite() {
+        return vec![0; values.len()];
+    }
+    let mut out: Vec<i32> = values.iter().map(|&v| fraction(f64::from(v) / sum, bits)).collect();
+    let rest = largest(bits) as i32 - out.iter().sum::<i32>();
+    let most = (0..out.len()).max_by_key(|&i| (out[i], std::cmp::Reverse(i)));
+    most.into_iter().for_each(|i| out[i] += rest);
+    out
+}
+
+/// A mesh whose streams are coded as `coding` says by submesh and stream, and whose positions have
+/// a stream of their own if `positions` says how.
+pub(super) fn coded(
+    mesh: &Mesh,
+    positions: Option<Grid<3>>,
+    coding: impl Fn(usize, &Attribute) -> Coding,
+) -> Mesh {
+    let mut parts = mesh.clone().into_parts();
+    let streams = std::mem::take(&mut parts.attributes);
+    let users: Vec<Vec<u32>> =
+        parts.submeshes.iter_mut().map(|s| std::mem::take(&mut s.attributes)).collect();
+    for (number, stream) in streams.into_iter().enumerate() {
+        let uses = |s: &usize| users[*s].contains(&(number as u32));
+        let codings: Vec<(usize, Coding)> =
+            (0..users.len()).filter(uses).map(|s| (s, coding(s, &stream))).collect();
+        put(&mut parts, &stream, &codings);
+    }
+    if let Some(grid) = positions {
+        let stream = semantic::positions(mesh.positions());
+        let all: Vec<_> = (0..users.len()).map(|s| (s, Coding::Positions(grid))).collect();
+        put(&mut parts, &stream, &all);
+    }
+    Mesh::try_from(parts).expect("only values of attributes have changed")
+}
+
+/// Adds a stream of some submeshes, once for every format that it gets.
+fn put(parts: &mut MeshParts, stream: &Attribute, codings: &[(usize, Coding)]) {
+    let mut formats: Vec<_> = codings.iter().map(|(_, c)| c.format()).collect();
+    formats.dedup();
+    for (i, &format) in formats.iter().enumerate() {
+        if formats[..i].contains(&format) {
+            continue;
+        }
+        let of_format: Vec<_> = codings.iter().filter(|(_, c)| c.format() == format).collect();
+        for (submesh, _) in &of_format {
+            parts.submeshes[*submesh].attributes.push(parts.attributes.len() as u32);
+        }
+        parts.attributes.push(match format {
+            None => stream.clone(),
+            Some((component, normalized)) => {
+                let mut coded = Attribute { component, normalized, ..stream.described() };
+                coded.bytes = vec![0; coded.stride() * parts.vertex_submesh.len()];
+                fill(&mut coded, stream, &parts.vertex_submesh, &of_format);
+                coded
+            }
+        });
+    }
+}
+
+/// Fills a stream in for the vertices of some submeshes.
+fn fill(to: &mut Attribute, from: &Attribute, submesh: &[u32], codings: &[&(usize, Coding)]) {
+    let (size, stride) = (to.component.size(), to.stride());
+    let mut by_submesh: Vec<Option<Coding>> = Vec::new();
+    for (s, coding) in codings {
+        by_submesh.resize(by_submesh.len().max(s + 1), None);
+        by_submesh[*s] = Some(*coding);
+    }
+    let mut values = vec![0.0; usize::from(from.components)];
+    for (v, (bytes, &s)) in to.bytes.chunks_exact_mut(stride).zip(submesh).enumerate() {
+        let Some(coding) = by_submesh.get(s as usize).copied().flatten() else { continue };
+        for (c, value) in values.iter_mut().enumerate() {
+            *value = from.value(v as u32, c);
+        }
+        for (bytes, integer) in bytes.chunks_exact_mut(size).zip(coding.integers(&values)) {
+            bytes.copy_from_slice(&integer.to_le_bytes()[..size]);
+        }
+    }
+}

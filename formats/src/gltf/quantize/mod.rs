@@ -1,0 +1,173 @@
+//! Quantised geometry (KHR_mesh_quantization): streams become integers of few bits, and nodes,
+//! skins and textures get the transforms that turn integers back into what they were.
+
+mod coding;
+mod grid;
+mod placement;
+mod positions;
+mod skins;
+#[cfg(test)]
+mod tests;
+mod textures;
+
+use crate::gltf::extensions::add as add_extension;
+use crate::gltf::json::{self, Object, entries};
+use crate::options::Precision;
+use crate::{Document, FormatError, ObjectInfo};
+use coding::{Coding, coded};
+use grid::{Bounds, Grid};
+use lodc_mesh::{Attribute, Component, Mesh, Semantic};
+use serde_json::Value;
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use textures::TextureGrids;
+
+/// An object as the document shows it.
+#[derive(Clone, Debug)]
+pub(super) struct Subject<'a> {
+    pub(super) info: &'a ObjectInfo,
+    /// The number of its mesh in the document.
+    pub(super) mesh: usize,
+    /// The numbers of its submeshes' primitives there.
+    pub(super) primitives: Vec<usize>,
+    /// Its geometry as it will be written.
+    pub(super) geometry: Cow<'a, Mesh>,
+}
+
+/// The quantisation of a scene.
+#[derive(Debug)]
+pub(super) struct Quantizer {
+    precision: Precision,
+    /// By object.
+    positions: Vec<Option<Grid<3>>>,
+    textures: TextureGrids,
+}
+
+impl Quantizer {
+    /// Decides what becomes of every stream, and puts the transforms into the document. Streams
+    /// stay as they are where no transform can say what integers mean, or they are integers.
+    pub(super) fn new(
+        precision: Precision,
+        document: &Document,
+        subjects: &[Subject<'_>],
+        root: &mut Object,
+        blob: &mut [u8],
+    ) -> Result<Self, FormatError> {
+        let positions = match precision.position {
+            Some(bits) => positions::grids(document, root, subjects, bits)?,
+            None => vec![None; subjects.len()],
+        };
+        let textures = match precision.uv {
+            Some(bits) => TextureGrids::new(root, subjects, bits),
+            None => TextureGrids::default(),
+        };
+        let of_mesh: BTreeMap<usize, Grid<3>> =
+            subjects.iter().zip(&positions).filter_map(|(s, g)| Some((s.mesh, (*g)?))).collect();
+        placement::place(root, blob, &of_mesh);
+        textures.transform(root);
+        if precision != Precision::default() {
+            shorten_numbers(root);
+            for list in ["extensionsUsed", "extensionsRequired"] {
+                add_extension(root, list, "KHR_mesh_quantization");
+            }
+        }
+        Ok(Self { precision, positions, textures })
+    }
+
+    /// The geometry of an object, quantised.
+    pub(super) fn geometry<'a>(&self, object: usize, subject: &Subject<'a>) -> Cow<'a, Mesh> {
+        if self.precision == Precision::default() {
+            return subject.geometry.clone();
+        }
+        let grid = self.positions[object];
+        let coding = |submesh: usize, stream: &Attribute| {
+            self.coding(object, submesh, stream, &subject.geometry)
+        };
+        Cow::Owned(coded(&subject.geometry, grid, coding))
+    }
+
+    fn coding(&self, object: usize, submesh: usize, stream: &Attribute, mesh: &Mesh) -> Coding {
+        let bits = &self.precision;
+        let float = stream.component == Component::F32;
+        let at_rest = stream.morph_target.is_none();
+        let coding = match &stream.semantic {
+            Semantic::Position if !at_rest => {
+                self.positions[object].map(|grid| Coding::Offsets(grid.step))
+            }
+            Semantic::Normal | Semantic::Tangent if float && at_rest => {
+                bits.normal.map(Coding::Directions)
+            }
+            Semantic::Normal | Semantic::Tangent if float && is_within(mesh, stream, -1.0, 1.0) => {
+                bits.normal.map(Coding::Deltas)
+            }
+            Semantic::TexCoord(set) if float && at_rest => {
+                Some(self.textures.coding(object, submesh, *set))
+            }
+            Semantic::Color(_) if at_rest && is_within(mesh, stream, 0.0, 1.0) => {
+                let narrower = |bits| if bits <= 8 { 1 } else { 2 };
+                let narrower = |&bits: &u8| narrower(bits) < stream.component.size();
+                bits.color.filter(narrower).map(Coding::Fractions)
+            }
+            Semantic::Weights(0) if float && has_one_set(mesh, submesh) => {
+                bits.weight.map(Coding::Shares)
+            }
+            _ => None,
+        };
+        coding.unwrap_or(Coding::Exact)
+    }
+}
+
+/// States the numbers of nodes and materials as shortly as single precision allows.
+fn shorten_numbers(root: &mut Object) {
+    for key in ["nodes", "materials"] {
+        root.get_mut(key).into_iter().for_each(shorten);
+    }
+}
+
+fn shorten(value: &mut Value) {
+    match value {
+        Value::Array(values) => values.iter_mut().for_each(shorten),
+        Value::Object(members) => {
+            members.iter_mut().filter(|(key, _)| *key != "extras").for_each(|(_, v)| shorten(v));
+        }
+        Value::Number(number) if number.is_f64() => {
+            let single = number.as_f64().map_or(f32::NAN, |v| v as f32);
+            // The shortest text that means the same float, as the number that it states.
+            let short: f64 = single.to_string().parse().unwrap_or(f64::NAN);
+            if single.is_normal() || single == 0.0 {
+                let whole = short.fract() == 0.0 && short.abs() < 1e9;
+                *value = if whole { (short as i64).into() } else { short.into() };
+            }
+        }
+        _ => {}
+    }
+}
+
+/// Returns whether all numbers of a stream are between two others.
+fn is_within(mesh: &Mesh, stream: &Attribute, lo: f32, hi: f32) -> bool {
+    let components = usize::from(stream.components);
+    (0..mesh.vertex_count() as u32)
+        .all(|v| (0..components).all(|c| (lo..=hi).contains(&stream.value(v, c))))
+}
+
+/// Returns whether a submesh has one set of weights: only then is their sum known to be 1.
+fn has_one_set(mesh: &Mesh, submesh: usize) -> bool {
+    let streams = mesh.submeshes()[submesh].attributes.iter();
+    let semantics = streams.map(|&a| &mesh.attributes()[a as usize].semantic);
+    semantics.filter(|s| matches!(s, Semantic::Weights(_))).count() == 1
+}
+
+/// The primitives of a mesh of the document.
+fn primitives(root: &Object, mesh: usize) -> &[Value] {
+    entries(root, "meshes").nth(mesh).map_or(&[], |mesh| json::list(mesh, "primitives"))
+}
+
+/// The box of a stream of `N` floats at the vertices of a submesh; none if one is not finite.
+fn bounds<const N: usize>(mesh: &Mesh, submesh: usize, stream: &Attribute) -> Option<Bounds<N>> {
+    let mut bounds = Bounds::EMPTY;
+    for (v, _) in (0..).zip(mesh.vertex_submesh()).filter(|(_, s)| **s as usize == submesh) {
+        let value: [f32; N] = std::array::from_fn(|c| stream.value(v, c));
+        value.iter().all(|c| c.is_finite()).then(|| bounds.add(value.map(f64::from)))?;
+    }
+    Some(bounds)
+}

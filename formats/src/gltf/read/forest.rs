@@ -1,0 +1,92 @@
+//! The node hierarchy: a forest, and the scale at which it shows each mesh.
+
+use crate::gltf::graph::{Numbers, gltf_graph};
+use crate::gltf::json::{Object, entries, integer, list, malformed};
+use crate::{FormatError, SceneObject};
+use lodc_scene::{Arrangement, representative};
+
+/// Checks that no node has two parents and none is its own ancestor, without recursion.
+/// Returns the nodes, parents before their children.
+fn forest(root: &Object) -> Result<Vec<usize>, FormatError> {
+    let nodes = entries(root, "nodes").len();
+    let mut parent = vec![None; nodes];
+    for (i, node) in entries(root, "nodes").enumerate() {
+        for child in children(node) {
+            if let Some(other) = parent[child].replace(i) {
+                let what = format!(
+                    "is a child of nodes[{other}] and of nodes[{i}]: the scene is not a tree"
+                );
+                return Err(malformed(format!("nodes[{child}]"), what));
+            }
+        }
+    }
+    let mut order: Vec<usize> = (0..nodes).filter(|&i| parent[i].is_none()).collect();
+    let all: Vec<&Object> = entries(root, "nodes").collect();
+    let mut at = 0;
+    while let Some(&node) = order.get(at) {
+        order.extend(children(all[node]));
+        at += 1;
+    }
+    if order.len() < nodes {
+        let mut reached = vec![false; nodes];
+        order.iter().for_each(|&i| reached[i] = true);
+        let node = reached.iter().position(|r| !r).unwrap_or(0);
+        return Err(malformed(
+            format!("nodes[{node}]"),
+            "is its own ancestor: the nodes form a loop",
+        ));
+    }
+    Ok(order)
+}
+
+fn children(node: &Object) -> impl Iterator<Item = usize> {
+    list(node, "children").iter().filter_map(integer).map(|i| i as usize)
+}
+
+/// Checks that the nodes are a forest.
+///
+/// # Errors
+/// If a node has two parents or is its own ancestor.
+pub(super) fn check(root: &Object) -> Result<(), FormatError> {
+    forest(root).map(|_| ())
+}
+
+/// Sets the world scale of every object: how much larger the default scene shows it than it was
+/// modelled.
+pub(super) fn set_world_scales(
+    root: &Object,
+    objects: &mut [SceneObject],
+    numbers: &Numbers<'_>,
+) -> Result<(), FormatError> {
+    let meshes: Vec<u32> = objects.iter().map(|o| o.info.document_mesh).collect();
+    let graph = gltf_graph(root, &meshes, numbers)?;
+    let scene = Arrangement::new(&graph, &graph.rest_pose(), objects.len());
+    for (number, object) in objects.iter_mut().enumerate() {
+        object.info.world_scale = representative(&object.mesh, number, &scene).1;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::Value;
+
+    #[test]
+    fn loops_and_second_parents_are_refused() {
+        for nodes in [
+            r#"[{"children":[0]}]"#,
+            r#"[{"children":[1]},{"children":[0]}]"#,
+            r#"[{"children":[2]},{"children":[2]},{}]"#,
+        ] {
+            let root = json_object(&format!(r#"{{"nodes":{nodes}}}"#));
+            assert!(forest(root.as_object().expect("one")).is_err(), "{nodes}");
+        }
+        let root = json_object(r#"{"nodes":[{},{"children":[0,2]},{}]}"#);
+        assert_eq!(forest(root.as_object().expect("one")).ok(), Some(vec![1, 0, 2]));
+    }
+
+    fn json_object(text: &str) -> Value {
+        serde_json::from_str(text).expect("JSON of the test")
+    }
+}

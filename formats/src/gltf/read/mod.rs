@@ -1,0 +1,173 @@
+//! glTF 2.0 and GLB.
+//!
+//! The document stays a tree of JSON values, so that everything that is not a triangle comes out as
+//! it went in; what is read from it is checked against a table (`schema`) first, and accessors,
+//! buffer views and buffers are read as types of the package `gltf` (`typed`). Limits of what
+//! external bytes can do: JSON nesting and size (`json`), paths (`uri`, [`Assets`]), ranges
+//! (`views`, `accessor`), memory in all (`budget`).
+
+mod blob;
+mod forest;
+mod object;
+mod primitive;
+mod remainder;
+
+use super::accessor::Accessor;
+use super::budget::Budget;
+use super::json::{self, Object, entries, list};
+use super::views::{self, Views};
+use super::{document, extensions, glb, schema, uri};
+use crate::options::ImportOptions;
+use crate::{
+    Assets, Document, FormatError, ObjectInfo, Scene, SceneObject, Source, SourceFormat,
+    SubmeshInfo,
+};
+use lodc_mesh::Mesh;
+use object::Reading;
+use primitive::{Primitive, Read};
+use serde_json::Value;
+
+/// Reads a glTF or GLB; `bytes` is the main file.
+///
+/// # Errors
+/// See [`crate::import::import`].
+#[expect(
+    clippy::needless_pass_by_value,
+    reason = "importers have one signature, and others consume their bytes"
+)]
+pub(crate) fn import(
+    bytes: Vec<u8>,
+    assets: &mut Assets,
+    options: &ImportOptions,
+) -> Result<Scene, FormatError> {
+    let mut warnings = Vec::new();
+    let (format, text, chunk) = if glb::is_glb(&bytes) {
+        let chunks = glb::split(&bytes)?;
+        warnings.extend(chunks.warnings);
+        (SourceFormat::Glb, &bytes[chunks.json], chunks.bin.map(|bin| &bytes[bin]))
+    } else {
+        let text = bytes.strip_prefix(b"\xef\xbb\xbf");
+        if text.is_some() {
+            warnings.push("a byte order mark before the JSON ignored".to_owned());
+        }
+        (SourceFormat::Gltf, text.unwrap_or(&bytes), None)
+    };
+    let mut root = json::parse(text, &options.limits)?;
+    extensions::check(&root)?;
+    schema::check(&mut root)?;
+
+    let buffers = views::read_buffers(&root, chunk, assets)?;
+    let mut hasher = xxhash_rust::xxh3::Xxh3::new();
+    hasher.update(&bytes);
+    let files = entries(&root, "buffers").zip(&buffers).filter(|(buffer, _)| names_file(buffer));
+    files.filter_map(|(_, b)| b.as_deref()).for_each(|b| hasher.update(b));
+    let input_bytes = bytes.len() + buffers.iter().flatten().map(|b| b.len()).sum::<usize>();
+    let budget = Budget::new(input_bytes as u64);
+    let views = Views::new(&root, &buffers, &budget)?;
+    let accessors = entries(&root, "accessors").enumerate();
+    let accessors = accessors.map(|(i, a)| Accessor::new(a, format!("accessors[{i}]"), &views));
+    let accessors: Vec<Option<Accessor>> = accessors.collect::<Result<_, _>>()?;
+
+    forest::check(&root)?;
+    let compressed = extensions::is_compressed(&root);
+    let mut reading = Reading::new(&accessors, &views, options.limits, options.weld);
+    let mut objects = read_objects(&root, &mut reading, &mut warnings)?;
+    let numbers = |accessor| document::numbers(&accessors, &views, accessor);
+    forest::set_world_scales(&root, &mut objects, &numbers)?;
+    let of_object = |o: &SceneObject| -> Vec<(usize, usize)> {
+        let mesh = o.info.document_mesh as usize;
+        o.info.submeshes.iter().map(|s| (mesh, s.document_primitive as usize)).collect()
+    };
+    let stripped: Vec<(usize, usize)> = objects.iter().flat_map(of_object).collect();
+    let document = remainder::remainder(root, &stripped, &views, &mut warnings)?;
+    Ok(Scene {
+        source: Source { format, content_hash: hasher.digest128() },
+        document: Document::Gltf(document),
+        objects,
+        warnings,
+        files_read: assets.files_read().to_vec(),
+        compressed,
+    })
+}
+
+fn names_file(buffer: &Object) -> bool {
+    buffer.get("uri").and_then(Value::as_str).is_some_and(|uri| !uri::is_data(uri))
+}
+
+/// Every mesh with triangles.
+fn read_objects(
+    root: &Object,
+    reading: &mut Reading<'_>,
+    warnings: &mut Vec<String>,
+) -> Result<Vec<SceneObject>, FormatError> {
+    let mut objects = Vec::new();
+    let (mut other, mut no_position) = (0, 0);
+    for (m, mesh) in entries(root, "meshes").enumerate() {
+        let (mut primitives, mut numbers): (Vec<Primitive>, Vec<u32>) = (Vec::new(), Vec::new());
+        for (p, object) in list(mesh, "primitives").iter().filter_map(Value::as_object).enumerate()
+        {
+            match primitive::read(
+                object,
+                format!("meshes[{m}].primitives[{p}]"),
+                reading.accessors,
+            )? {
+                Read::Triangles(primitive) => {
+                    primitives.push(primitive);
+                    numbers.push(p as u32);
+                }
+                Read::Other => other += 1,
+                Read::NoPosition => no_position += 1,
+            }
+        }
+        let Some((triangles, kept)) = reading.object(&primitives)? else { continue };
+        let name = mesh
+            .get("name")
+            .and_then(Value::as_str)
+            .map_or_else(|| format!("mesh{m}"), str::to_owned);
+        objects.push(scene_object(name, m, triangles, kept.iter().map(|&k| numbers[k])));
+    }
+    let counts = &reading.counts;
+    let mut tell = |what: &str, count: usize| {
+        if count > 0 {
+            warnings.push(format!("{what}: {count}"));
+        }
+    };
+    tell("triangles with two corners at one position dropped", counts.degenerate);
+    tell(
+        "vertices that no triangle uses dropped",
+        reading.unused_vertices() + counts.lonely_vertices,
+    );
+    tell("vertices moved onto others by welding", counts.welded);
+    tell(
+        "corners after the last whole triangle of their primitive dropped",
+        counts.leftover_corners,
+    );
+    tell("attribute values that are not finite numbers, kept as they are", counts.not_finite);
+    tell("primitives of points or lines, passed through unchanged", other);
+    tell("primitives without positions, passed through unchanged", no_position);
+    tell(
+        "primitives without a triangle of any area, passed through unchanged",
+        counts.only_degenerate,
+    );
+    Ok(objects)
+}
+
+fn scene_object(
+    name: String,
+    document_mesh: usize,
+    mesh: Mesh,
+    primitives: impl Iterator<Item = u32>,
+) -> SceneObject {
+    let submesh = |document_primitive| SubmeshInfo {
+        name: String::new(),
+        material: None,
+        document_primitive,
+    };
+    let submeshes = primitives.map(submesh).collect();
+    let document_mesh = document_mesh as u32;
+    let info = ObjectInfo { name, submeshes, world_scale: 1.0, document_mesh };
+    SceneObject { info, mesh, source_positions: Vec::new() }
+}
+
+#[cfg(test)]
+pub(crate) mod tests;

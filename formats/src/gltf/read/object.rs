@@ -1,0 +1,341 @@
+//! A glTF mesh becomes one object: its triangle primitives are its submeshes.
+
+use super::primitive::Primitive;
+use crate::gltf::accessor::Accessor;
+use crate::gltf::budget::Budget;
+use crate::gltf::json::malformed;
+use crate::gltf::views::Views;
+use crate::{Fault, FormatError, Limits};
+use lodc_mesh::{Attribute, Component, Mesh, MeshParts, Semantic, Submesh, weld_positions};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// State that all meshes of a document share while they are read.
+#[derive(Debug)]
+pub(super) struct Reading<'a> {
+    pub(super) accessors: &'a [Option<Accessor>],
+    pub(super) views: &'a Views<'a>,
+    pub(super) limits: Limits,
+    pub(super) weld: f64,
+    pub(super) numbering: Numbering,
+    pub(super) counts: Counts,
+    vertices: u64,
+    triangles: u64,
+    /// Elements of each accessor of positions that some triangle uses, one bit each.
+    used: BTreeMap<usize, Vec<u64>>,
+    /// Those of them whose primitives have become submeshes.
+    converted: BTreeSet<usize>,
+}
+
+/// Counts of what was dropped or moved.
+#[derive(Debug, Default)]
+pub(super) struct Counts {
+    pub(super) degenerate: usize,
+    pub(super) lonely_vertices: usize,
+    pub(super) welded: usize,
+    pub(super) only_degenerate: usize,
+    pub(super) leftover_corners: usize,
+    pub(super) not_finite: usize,
+}
+
+/// Gives the vertices that a primitive uses consecutive numbers, in time that depends on its
+/// corners alone.
+#[derive(Debug, Default)]
+pub(super) struct Numbering {
+    epoch: u32,
+    seen: Vec<(u32, u32)>,
+}
+
+impl Numbering {
+    /// Replaces every vertex by its number; returns the vertices in the order of their numbers.
+    fn number(
+        &mut self,
+        corners: &mut [u32],
+        vertices: usize,
+        budget: &Budget,
+    ) -> Result<Vec<u32>, FormatError> {
+        if self.seen.len() < vertices {
+            budget.charge((vertices - self.seen.len()) as u64, 8, "")?;
+            self.seen.resize(vertices, (0, 0));
+        }
+        self.epoch += 1;
+        let mut sources = Vec::new();
+        for corner in corners {
+            let (epoch, number) = &mut self.seen[*corner as usize];
+            if *epoch != self.epoch {
+                (*epoch, *number) = (self.epoch, sources.len() as u32);
+                sources.push(*corner);
+            }
+            *corner = *number;
+        }
+        Ok(sources)
+    }
+}
+
+impl<'a> Reading<'a> {
+    pub(super) fn new(
+        accessors: &'a [Option<Accessor>],
+        views: &'a Views<'a>,
+        limits: Limits,
+        weld: f64,
+    ) -> Self {
+        Self {
+            accessors,
+            views,
+            limits,
+            weld,
+            numbering: Numbering::default(),
+            counts: Counts::default(),
+            vertices: 0,
+            triangles: 0,
+            used: BTreeMap::new(),
+            converted: BTreeSet::new(),
+        }
+    }
+
+    /// Reads the primitives of one mesh. Returns the mesh and which of the primitives are its
+    /// submeshes: not those in which no triangle has an area. `None` if there is no triangle at
+    /// all.
+    pub(super) fn object(
+        &mut self,
+        primitives: &[Primitive],
+    ) -> Result<Option<(Mesh, Vec<usize>)>, FormatError> {
+        let mut parts = MeshParts::default();
+        for primitive in primitives {
+            self.add(primitive, &mut parts)?;
+        }
+        let total = parts.positions.len();
+        for a in &mut parts.attributes {
+            extend_with_zeros(a, total, self.views.budget)?;
+        }
+        if self.weld > 0.0 {
+            let tolerance = self.weld * diagonal(&parts.positions);
+            self.counts.welded += weld_positions(&mut parts, tolerance);
+        }
+        let sizes = SubmeshSizes::of(&parts);
+        parts.clean();
+        let cleaned = SubmeshSizes::of(&parts);
+        let kept = drop_empty_submeshes(&mut parts);
+        for &s in &kept {
+            self.counts.degenerate += sizes.triangles[s] - cleaned.triangles[s];
+            self.counts.lonely_vertices += sizes.vertices[s] - cleaned.vertices[s];
+            self.converted.insert(primitives[s].position);
+        }
+        self.counts.only_degenerate += primitives.len() - kept.len();
+        if kept.is_empty() {
+            return Ok(None);
+        }
+        let place = |e: &dyn std::fmt::Display| {
+            malformed(primitives.first().map_or("", |p| p.place.as_str()), e.to_string())
+        };
+        Ok(Some((Mesh::try_from(parts).map_err(|e| place(&e))?, kept)))
+    }
+
+    fn add(&mut self, primitive: &Primitive, parts: &mut MeshParts) -> Result<(), FormatError> {
+        let (place, budget, views) = (primitive.place.as_str(), self.views.budget, self.views);
+        let accessors = self.accessors;
+        let get = |a: usize| {
+            accessors
+                .get(a)
+                .and_then(Option::as_ref)
+                .ok_or_else(|| malformed(place, "unknown accessor"))
+        };
+        let position = get(primitive.position)?;
+        let mut corners = primitive.corners(position.count, accessors, views)?;
+        let triangles = primitive.triangle_count(corners.len());
+        self.triangles += triangles as u64;
+        if self.triangles > self.limits.triangles {
+            let what = format!("more than {} triangles in all", self.limits.triangles);
+            return Err(FormatError::new(Fault::Limit, place, what));
+        }
+        if corners.len() % 3 != 0 && triangles == corners.len() / 3 {
+            self.counts.leftover_corners += corners.len() % 3;
+        }
+        self.mark_used(primitive.position, position.count, &corners)?;
+        let sources = self.numbering.number(&mut corners, position.count, budget)?;
+        self.vertices += sources.len() as u64;
+        if self.vertices > self.limits.vertices {
+            let what = format!("more than {} vertices in all", self.limits.vertices);
+            return Err(FormatError::new(Fault::Limit, place, what));
+        }
+        budget.charge(sources.len() as u64, 4 + 12 + 4, place)?;
+        budget.charge(triangles as u64, 12, place)?;
+
+        let base = parts.positions.len();
+        let submesh = parts.submeshes.len() as u32;
+        parts.positions.extend(positions(position, &sources, views, place)?);
+        parts.vertex_submesh.resize(base + sources.len(), submesh);
+        let first_triangle = parts.triangles.len() as u32;
+        parts.triangles.reserve(triangles);
+        primitive.triangles(&corners, |t| parts.triangles.push(t.map(|v| v + base as u32)));
+        let mut used = Vec::with_capacity(primitive.streams.len());
+        for (semantic, morph_target, index) in &primitive.streams {
+            let accessor = get(*index)?;
+            let stream = find_stream(&mut parts.attributes, semantic, *morph_target, accessor);
+            let a = &mut parts.attributes[stream];
+            extend_with_zeros(a, base, budget)?;
+            budget.charge(sources.len() as u64, a.stride() as u64, place)?;
+            let reader = accessor.reader(views)?;
+            sources.iter().for_each(|&v| reader.append(v, &mut a.bytes));
+            if a.component == Component::F32 {
+                self.counts.not_finite += not_finite(&a.bytes[base * a.stride()..]);
+            }
+            used.push(stream as u32);
+        }
+        parts.submeshes.push(Submesh {
+            first_triangle,
+            triangle_count: triangles as u32,
+            attributes: used,
+        });
+        Ok(())
+    }
+
+    fn mark_used(
+        &mut self,
+        accessor: usize,
+        count: usize,
+        corners: &[u32],
+    ) -> Result<(), FormatError> {
+        if !self.used.contains_key(&accessor) {
+            self.views.budget.charge(count as u64 / 64 + 1, 8, "")?;
+            self.used.insert(accessor, vec![0; count / 64 + 1]);
+        }
+        let bits = self.used.get_mut(&accessor).expect("it was just inserted");
+        for &v in corners {
+            bits[v as usize / 64] |= 1 << (v % 64);
+        }
+        Ok(())
+    }
+
+    /// Number of elements of all accessors of positions that no primitive uses.
+    pub(super) fn unused_vertices(&self) -> usize {
+        let unused = |(accessor, bits): (&usize, &Vec<u64>)| {
+            let used: usize = bits.iter().map(|b| b.count_ones() as usize).sum();
+            self.accessors[*accessor].as_ref().map_or(0, |a| a.count - used)
+        };
+        self.used.iter().filter(|(a, _)| self.converted.contains(a)).map(unused).sum()
+    }
+}
+
+/// Numbers of triangles and vertices of each submesh.
+struct SubmeshSizes {
+    triangles: Vec<usize>,
+    vertices: Vec<usize>,
+}
+
+impl SubmeshSizes {
+    fn of(parts: &MeshParts) -> Self {
+        let mut vertices = vec![0; parts.submeshes.len()];
+        parts.vertex_submesh.iter().for_each(|&s| vertices[s as usize] += 1);
+        Self {
+            triangles: parts.submeshes.iter().map(|s| s.triangle_count as usize).collect(),
+            vertices,
+        }
+    }
+}
+
+/// Positions as numbers, whatever they are stored as.
+fn positions(
+    accessor: &Accessor,
+    sources: &[u32],
+    views: &Views<'_>,
+    place: &str,
+) -> Result<Vec<[f32; 3]>, FormatError> {
+    let reader = accessor.reader(views)?;
+    let mut one = described(&Semantic::Position, None, accessor);
+    let mut out = Vec::with_capacity(sources.len());
+    for &v in sources {
+        one.bytes.clear();
+        reader.append(v, &mut one.bytes);
+        let p: [f32; 3] = std::array::from_fn(|i| one.value(0, i));
+        if p.iter().any(|c| !c.is_finite()) {
+            let what = format!("vertex {v} has a coordinate that is not a finite number");
+            return Err(malformed(format!("{place}.attributes.POSITION"), what));
+        }
+        out.push(p);
+    }
+    Ok(out)
+}
+
+/// The stream of this meaning and format, which primitives share.
+fn find_stream(
+    streams: &mut Vec<Attribute>,
+    semantic: &Semantic,
+    morph_target: Option<u32>,
+    accessor: &Accessor,
+) -> usize {
+    let wanted = described(semantic, morph_target, accessor);
+    let same = |a: &Attribute| {
+        a.component == wanted.component
+            && a.components == wanted.components
+            && a.normalized == wanted.normalized
+            && a.morph_target == wanted.morph_target
+            && a.semantic == wanted.semantic
+    };
+    streams.iter().position(same).unwrap_or_else(|| {
+        streams.push(wanted);
+        streams.len() - 1
+    })
+}
+
+fn described(semantic: &Semantic, morph_target: Option<u32>, accessor: &Accessor) -> Attribute {
+    Attribute {
+        semantic: semantic.clone(),
+        morph_target,
+        component: accessor.component,
+        components: accessor.shape.components() as u8,
+        // Floats are never fractions of anything, whatever the file says.
+        normalized: accessor.normalized && accessor.component != Component::F32,
+        bytes: Vec::new(),
+    }
+}
+
+fn extend_with_zeros(
+    a: &mut Attribute,
+    vertices: usize,
+    budget: &Budget,
+) -> Result<(), FormatError> {
+    let wanted = vertices * a.stride();
+    budget.charge((wanted - a.bytes.len()) as u64, 1, "")?;
+    a.bytes.resize(wanted, 0);
+    Ok(())
+}
+
+fn not_finite(bytes: &[u8]) -> usize {
+    bytes
+        .chunks_exact(4)
+        .filter(|b| !f32::from_le_bytes([b[0], b[1], b[2], b[3]]).is_finite())
+        .count()
+}
+
+fn diagonal(positions: &[[f32; 3]]) -> f64 {
+    let side = |i: usize| {
+        let (lo, hi) =
+            positions.iter().fold((f32::MAX, f32::MIN), |(lo, hi), p| (lo.min(p[i]), hi.max(p[i])));
+        f64::from(hi) - f64::from(lo)
+    };
+    if positions.is_empty() { 0.0 } else { (0..3).map(|i| side(i).powi(2)).sum::<f64>().sqrt() }
+}
+
+/// Drops submeshes without triangles, and streams that no submesh is left to use. Returns which
+/// submeshes stay.
+fn drop_empty_submeshes(parts: &mut MeshParts) -> Vec<usize> {
+    let kept: Vec<usize> =
+        (0..parts.submeshes.len()).filter(|&s| parts.submeshes[s].triangle_count > 0).collect();
+    if kept.len() == parts.submeshes.len() {
+        return kept;
+    }
+    // Vertices are already gone from submeshes without triangles.
+    for s in &mut parts.vertex_submesh {
+        *s = kept.binary_search(&(*s as usize)).expect("a vertex is in a submesh with triangles")
+            as u32;
+    }
+    parts.submeshes = kept.iter().map(|&s| std::mem::take(&mut parts.submeshes[s])).collect();
+    let used =
+        |stream: usize| parts.submeshes.iter().any(|s| s.attributes.contains(&(stream as u32)));
+    let streams: Vec<usize> = (0..parts.attributes.len()).filter(|&a| used(a)).collect();
+    parts.attributes = streams.iter().map(|&a| parts.attributes[a].clone()).collect();
+    for stream in parts.submeshes.iter_mut().flat_map(|s| &mut s.attributes) {
+        *stream = streams.binary_search(&(*stream as usize)).expect("it is used") as u32;
+    }
+    kept
+}

@@ -1,0 +1,216 @@
+//! One primitive: which accessors it has, and its corners as triangles.
+
+use crate::gltf::accessor::{Accessor, unsigned};
+use crate::gltf::extensions::{DRACO, DROPPED_FROM_PRIMITIVES};
+use crate::gltf::json::{self, Object, integer, list, malformed, optional};
+use crate::gltf::semantic;
+use crate::gltf::views::Views;
+use crate::{Fault, FormatError};
+use lodc_mesh::{Component, Semantic};
+use serde_json::Value;
+
+/// A primitive that draws triangles.
+#[derive(Debug)]
+pub(super) struct Primitive {
+    /// Its place in the document.
+    pub(super) place: String,
+    /// 4 list, 5 strip, 6 fan.
+    mode: u64,
+    indices: Option<usize>,
+    /// The accessor of its positions.
+    pub(super) position: usize,
+    /// Everything but the positions at rest: meaning, morph target, accessor.
+    pub(super) streams: Vec<Stream>,
+}
+
+/// Outcome of reading a primitive.
+#[derive(Debug)]
+pub(super) enum Read {
+    /// It draws triangles.
+    Triangles(Primitive),
+    /// Points or lines.
+    Other,
+    /// Triangles without positions: nothing is drawn.
+    NoPosition,
+}
+
+/// Reads which accessors a primitive has, and checks that they can be what they are used for.
+pub(super) fn read(
+    object: &Object,
+    place: String,
+    accessors: &[Option<Accessor>],
+) -> Result<Read, FormatError> {
+    let mode = optional(object, "mode", &place)?.unwrap_or(4);
+    match mode {
+        0..=3 => return Ok(Read::Other),
+        4..=6 => {}
+        _ => {
+            return Err(malformed(
+                format!("{place}.mode"),
+                format!("{mode} is not a mode from 0 to 6"),
+            ));
+        }
+    }
+    let attributes = object.get("attributes").and_then(Value::as_object);
+    let attributes = attributes.ok_or_else(|| malformed(&*place, "has no `attributes`"))?;
+    let Some(position) = attributes.get("POSITION").map(index) else { return Ok(Read::NoPosition) };
+    let indices = object.get("indices").map(index);
+    if json::extension(object, DRACO).is_some() {
+        let there =
+            |a: usize| accessors.get(a).and_then(Option::as_ref).is_some_and(Accessor::has_data);
+        if !there(position) || indices.is_some_and(|i| !there(i)) {
+            let what =
+                format!("is compressed with {DRACO}, which is not supported: decompress it first");
+            return Err(FormatError::new(Fault::Unsupported, place, what));
+        }
+    }
+    let mut streams = streams(object, attributes);
+    check_streams(&streams, &place, accessors)?;
+    streams.retain(|(s, target, a)| {
+        *s != Semantic::Position || target.is_some() || !is_plain(accessors, *a)
+    });
+    Ok(Read::Triangles(Primitive { place, mode, indices, position, streams }))
+}
+
+/// The number of what a member refers to; one that nothing has where it is none.
+fn index(value: &Value) -> usize {
+    integer(value).map_or(usize::MAX, |i| i as usize)
+}
+
+/// A stream of values: its meaning, its morph target, its accessor.
+type Stream = (Semantic, Option<u32>, usize);
+
+/// The streams of a primitive's attributes and morph targets.
+fn streams(primitive: &Object, attributes: &Object) -> Vec<Stream> {
+    let stream = |(name, value): (&String, &Value), target| {
+        (semantic::from_name(name), target, index(value))
+    };
+    let at_rest = attributes.iter().map(|entry| stream(entry, None));
+    let targets = (0..).zip(list(primitive, "targets"));
+    let moved = targets.flat_map(|(t, target)| {
+        let entries = target.as_object().into_iter().flatten();
+        entries.map(move |entry| stream(entry, Some(t)))
+    });
+    at_rest.chain(moved).collect()
+}
+
+/// Checks that accessors can be what they are used for, and that all have as many elements.
+fn check_streams(
+    streams: &[Stream],
+    place: &str,
+    accessors: &[Option<Accessor>],
+) -> Result<(), FormatError> {
+    let mut count = None;
+    for (semantic, target, accessor) in streams {
+        let name = semantic::to_name(semantic);
+        let place = || match target {
+            None => format!("{place}.attributes.{name}"),
+            Some(t) => format!("{place}.targets[{t}].{name}"),
+        };
+        let a = accessors.get(*accessor).and_then(Option::as_ref);
+        let a = a.ok_or_else(|| malformed(place(), "the accessor has an unknown type"))?;
+        if !semantic::accepts(semantic, target.is_some(), a) {
+            return Err(malformed(place(), "the accessor's type does not fit"));
+        }
+        if *count.get_or_insert(a.count) != a.count {
+            return Err(malformed(
+                place(),
+                format!("has {} elements where others have {}", a.count, count.unwrap_or(0)),
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// Returns whether positions are three `f32` and need no stream besides.
+fn is_plain(accessors: &[Option<Accessor>], accessor: usize) -> bool {
+    accessors.get(accessor).and_then(Option::as_ref).is_some_and(|a| a.component == Component::F32)
+}
+
+impl Primitive {
+    /// The vertices of its corners, one after another, each below `vertices`.
+    pub(super) fn corners(
+        &self,
+        vertices: usize,
+        accessors: &[Option<Accessor>],
+        views: &Views<'_>,
+    ) -> Result<Vec<u32>, FormatError> {
+        let place = || format!("{}.indices", self.place);
+        let end = u32::try_from(vertices).expect("accessors are smaller");
+        let Some(index) = self.indices else {
+            views.budget.charge(vertices as u64, 4, &self.place)?;
+            return Ok((0..end).collect());
+        };
+        let accessor = accessors.get(index).and_then(Option::as_ref);
+        let accessor = accessor.filter(|a| {
+            a.shape.components() == 1
+                && matches!(a.component, Component::U8 | Component::U16 | Component::U32)
+                && !a.normalized
+        });
+        let accessor =
+            accessor.ok_or_else(|| malformed(place(), "must be a SCALAR of unsigned integers"))?;
+        let reader = accessor.reader(views)?;
+        views.budget.charge(accessor.count as u64, 4, &self.place)?;
+        let size = accessor.component.size();
+        let restart = u32::MAX >> (32 - 8 * size);
+        let mut corners = Vec::with_capacity(accessor.count);
+        let mut bytes = Vec::with_capacity(4);
+        for i in 0..accessor.count {
+            bytes.clear();
+            reader.append(i as u32, &mut bytes);
+            let v = unsigned(&bytes);
+            if v == restart {
+                return Err(malformed(
+                    place(),
+                    format!("element {i} is {v}, which glTF reserves for restarts"),
+                ));
+            }
+            if v >= end {
+                return Err(malformed(
+                    place(),
+                    format!("element {i} is {v}, but there are {end} vertices"),
+                ));
+            }
+            corners.push(v);
+        }
+        Ok(corners)
+    }
+
+    /// Number of triangles that this many corners make.
+    pub(super) const fn triangle_count(&self, corners: usize) -> usize {
+        match self.mode {
+            4 => corners / 3,
+            _ => corners.saturating_sub(2),
+        }
+    }
+
+    /// The triangles that corners make, wound as glTF 2.0, 3.7.2.1 has it.
+    pub(super) fn triangles(&self, corners: &[u32], mut each: impl FnMut([u32; 3])) {
+        match self.mode {
+            4 => corners.chunks_exact(3).for_each(|c| each([c[0], c[1], c[2]])),
+            5 => corners.windows(3).enumerate().for_each(|(i, c)| {
+                // Every other triangle of a strip is turned over.
+                let odd = i % 2;
+                each([c[0], c[1 + odd], c[2 - odd]]);
+            }),
+            _ => corners.windows(2).skip(1).for_each(|c| each([c[0], c[1], corners[0]])),
+        }
+    }
+}
+
+/// Takes the geometry of a primitive out of the document; morph targets leave their number behind.
+/// Returns whether an extension was dropped that held something besides.
+pub(super) fn strip(object: &mut Object) -> bool {
+    object.insert("attributes".to_owned(), Value::Object(Object::new()));
+    object.shift_remove("indices");
+    object.shift_remove("mode");
+    for target in object.get_mut("targets").and_then(Value::as_array_mut).into_iter().flatten() {
+        *target = Value::Object(Object::new());
+    }
+    let mut others = false;
+    for name in DROPPED_FROM_PRIMITIVES {
+        others |= name != DRACO && json::extension(object, name).is_some();
+        json::remove_extension(object, name);
+    }
+    others
+}

@@ -1,0 +1,216 @@
+//! All levels in one GLB: LOD 0 as any reader of glTF shows it, its collapse sequence in `extras`.
+//!
+//! Vertices of a primitive stand in reverse order of their disappearance, so those of a level are
+//! the first ones; triangles that disappear last come first.
+
+use super::writer::Writer;
+use super::{
+    adapted, document_mesh, document_primitive, glb, prune, source_document, submesh_primitive,
+};
+use crate::gltf::json::Object;
+use crate::images::{TextureMode, Textures};
+use crate::options::Additions;
+use crate::{Document, FormatError, ObjectInfo, OutputFile};
+use lodc_mesh::{
+    Attribute, Component, Mesh, PositionIds, SequenceParts, Simplified, Submesh, removal_lods,
+};
+use serde_json::{Value, json};
+use std::path::Path;
+
+/// An object with all of its levels.
+#[derive(Clone, Copy, Debug)]
+pub struct LevelsObject<'a> {
+    /// Its description.
+    pub info: &'a ObjectInfo,
+    /// Its mesh and collapse sequence.
+    pub simplified: &'a Simplified,
+    /// The strip of each triangle of the mesh, if strips are known.
+    pub strips: Option<&'a [u32]>,
+}
+
+/// Makes one GLB of a scene with every level, its textures embedded, and a warning for each texture
+/// that is missing.
+///
+/// Each primitive has `extras.lodc` with the accessors `numbers` (of each vertex in the collapse
+/// order: it is there at LOD k if its number is at least k), `targets` (the earlier vertex of the
+/// primitive that it becomes), `removals` (LOD at which each triangle goes) and, if known,
+/// `strips`. Each mesh has `extras.lodc` with `records`, `scale` (world units per unit),
+/// `diagonal`, and the accessors `ends`, `triangles` and `errors` by step (the last finite error
+/// stands where no triangle is left).
+///
+/// # Errors
+/// If glTF cannot hold the scene.
+pub fn export_levels(
+    path: &Path,
+    document: &Document,
+    objects: &[LevelsObject<'_>],
+    textures: Textures,
+) -> Result<(OutputFile, Vec<String>), FormatError> {
+    let infos: Vec<&ObjectInfo> = objects.iter().map(|o| o.info).collect();
+    let mut warnings = textures.warnings.clone();
+    let textures = textures.placed(TextureMode::Embed, path);
+    warnings.extend_from_slice(&textures.warnings);
+    let additions = Additions { textures, ..Additions::default() };
+    let (mut root, mut blob) = source_document(document, &infos, &additions)?;
+    forget_missing(&mut root);
+    let mut writer = Writer::new(&root, &additions);
+    let mut empty = Vec::new();
+    for (i, object) in objects.iter().enumerate() {
+        let mesh = document_mesh(document, object.info, i);
+        let own = object.simplified.mesh();
+        let adapted = adapted(document, own);
+        let levels = Levels::new(object, &adapted);
+        for (s, info) in object.info.submeshes.iter().enumerate() {
+            let number = document_primitive(document, info, s);
+            let primitive = submesh_primitive(&mut root, mesh, number)?;
+            if !levels.primitive(&mut writer, s, primitive)? {
+                empty.push((mesh, number));
+            }
+        }
+        let extras = levels.sequence(&mut writer)?;
+        put_extras(&mut root["meshes"][mesh], extras);
+    }
+    prune::without(&mut root, &empty);
+    writer.finish(&mut root, &mut blob);
+    Ok((glb(path, &root, &blob)?, warnings))
+}
+
+/// Makes images of files that could not be read into images without a file: one page holds
+/// everything, so there is nowhere to look for them.
+fn forget_missing(root: &mut Object) {
+    let images = root.get_mut("images").and_then(Value::as_array_mut);
+    for image in images.into_iter().flatten().filter_map(Value::as_object_mut) {
+        let named = image.get("uri").and_then(Value::as_str);
+        if named.is_some_and(|uri| !uri.starts_with("data:")) {
+            image.shift_remove("uri");
+        }
+    }
+}
+
+/// The levels of one object.
+struct Levels<'a> {
+    object: &'a LevelsObject<'a>,
+    mesh: &'a Mesh,
+    removals: Vec<u32>,
+    /// Vertices of each submesh, the last to disappear first.
+    vertices: Vec<Vec<u32>>,
+    /// Number of each vertex among those of its submesh.
+    local: Vec<u32>,
+}
+
+impl<'a> Levels<'a> {
+    fn new(object: &'a LevelsObject<'a>, mesh: &'a Mesh) -> Self {
+        let positions = PositionIds::new(mesh.positions());
+        let mut vertices = vec![Vec::new(); mesh.submeshes().len()];
+        let mut local = vec![0; mesh.vertex_count()];
+        for (v, &s) in mesh.vertex_submesh().iter().enumerate().rev() {
+            let of_submesh: &mut Vec<u32> = &mut vertices[s as usize];
+            local[v] = of_submesh.len() as u32;
+            of_submesh.push(v as u32);
+        }
+        let removals = removal_lods(object.simplified, &positions);
+        Self { object, mesh, removals, vertices, local }
+    }
+
+    /// Writes a submesh. False if it has no triangle.
+    fn primitive(
+        &self,
+        writer: &mut Writer,
+        s: usize,
+        primitive: &mut Object,
+    ) -> Result<bool, FormatError> {
+        let submesh: &Submesh = &self.mesh.submeshes()[s];
+        if submesh.triangle_count == 0 {
+            return Ok(false);
+        }
+        let range = submesh.triangles();
+        let vertices = &self.vertices[s];
+        let indices: Vec<u32> = self.mesh.triangles()[range.clone()]
+            .as_flattened()
+            .iter()
+            .map(|&v| self.local[v as usize])
+            .collect();
+        let mut numbering = writer.numbering(self.mesh);
+        numbering.attributes(s, vertices, primitive)?;
+        let indices = numbering.indices(&indices, vertices.len());
+        primitive.insert("indices".to_owned(), indices);
+        let targets: Vec<u32> = vertices.iter().map(|&v| self.target(v, s)).collect();
+        let mut extras = json!({
+            "numbers": words(writer, vertices)?,
+            "targets": words(writer, &targets)?,
+            "removals": words(writer, &self.removals[range.clone()])?,
+        });
+        if let Some(strips) = self.object.strips {
+            extras["strips"] = words(writer, &strips[range])?;
+        }
+        let mut value = Value::Object(std::mem::take(primitive));
+        put_extras(&mut value, extras);
+        if let Value::Object(object) = value {
+            *primitive = object;
+        }
+        Ok(true)
+    }
+
+    /// The vertex of submesh `s` that `v` becomes; itself if it is the last one there. A vertex
+    /// only leaves its submesh when no triangle needs it any more.
+    fn target(&self, v: u32, s: usize) -> u32 {
+        let own = self.local[v as usize];
+        match self.object.simplified.collapses().targets().get(v as usize) {
+            Some(&t) if self.mesh.vertex_submesh()[t as usize] as usize == s => {
+                self.local[t as usize]
+            }
+            _ => own.saturating_sub(1),
+        }
+    }
+
+    /// The steps of the sequence.
+    fn sequence(&self, writer: &mut Writer) -> Result<Value, FormatError> {
+        let parts: &SequenceParts = self.object.simplified.collapses().parts();
+        let finite = parts.step_errors.iter().copied().filter(|e| e.is_finite());
+        let last = finite.fold(0.0, f32::max);
+        let errors: Vec<u8> =
+            parts.step_errors.iter().flat_map(|e| e.min(last).to_le_bytes()).collect();
+        let numbers = parts.step_ends.len();
+        let mut extras = json!({
+            "records": parts.targets.len(),
+            "scale": self.object.info.world_scale,
+            "diagonal": self.mesh.diagonal(),
+        });
+        if numbers > 0 {
+            extras["ends"] = words(writer, &parts.step_ends)?;
+            extras["triangles"] = words(writer, &parts.step_triangles)?;
+            extras["errors"] = scalars(writer, Component::F32, errors)?;
+        }
+        Ok(extras)
+    }
+}
+
+fn words(writer: &mut Writer, values: &[u32]) -> Result<Value, FormatError> {
+    let bytes = values.iter().flat_map(|w| w.to_le_bytes()).collect();
+    scalars(writer, Component::U32, bytes)
+}
+
+/// An accessor of single numbers of four bytes each.
+fn scalars(
+    writer: &mut Writer,
+    component: Component,
+    bytes: Vec<u8>,
+) -> Result<Value, FormatError> {
+    let count = (bytes.len() / 4) as u32;
+    let semantic = lodc_mesh::Semantic::Custom(String::new());
+    let (components, normalized, morph_target) = (1, false, None);
+    let a = Attribute { semantic, morph_target, component, components, normalized, bytes };
+    writer.stream(&a, &(0..count).collect::<Vec<u32>>())
+}
+
+/// Puts `extras.lodc` into a primitive or mesh, beside what its file had there.
+fn put_extras(value: &mut Value, lodc: Value) {
+    if !value["extras"].is_object() {
+        value["extras"] = json!({});
+    }
+    value["extras"]["lodc"] = lodc;
+}
+
+#[cfg(test)]
+#[path = "levels_tests.rs"]
+mod tests;

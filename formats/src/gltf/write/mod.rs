@@ -1,0 +1,187 @@
+//! glTF 2.0 and GLB: the document as it was, its triangles at one level of detail.
+
+mod chain;
+mod compressed;
+mod fresh;
+mod images;
+mod levels;
+mod prune;
+mod samples;
+mod writer;
+
+use super::json::{self, Object};
+use super::quantize::{Quantizer, Subject};
+use super::{glb, schema, uri};
+use crate::options::{Additions, ExportObject};
+use crate::provenance::{GENERATOR, LevelFacts, Provenance};
+use crate::{Document, FormatError, Limits, ObjectInfo, OutputFile, SubmeshInfo};
+use lodc_mesh::Mesh;
+use serde_json::{Value, json};
+use std::borrow::Cow;
+use std::path::Path;
+use writer::Writer;
+
+pub use chain::{ChainObject, ChainShape, export_chain};
+pub use levels::{LevelsObject, export_levels};
+
+/// Makes one `.glb`, or a `.gltf` and the `.bin` beside it. Primitives without triangles are left
+/// out, and meshes without primitives with them: their nodes stay.
+pub(crate) fn export<'a>(
+    path: &Path,
+    binary: bool,
+    document: &Document,
+    objects: &[ExportObject<'a>],
+    additions: &Additions,
+) -> Result<Vec<OutputFile>, FormatError> {
+    let infos: Vec<&ObjectInfo> = objects.iter().map(|o| o.info).collect();
+    let (mut root, mut blob) = source_document(document, &infos, additions)?;
+    let subject = |(i, o): (usize, &ExportObject<'a>)| subject(document, i, o.info, o.mesh);
+    let subjects = objects.iter().enumerate().map(subject).collect::<Result<Vec<_>, _>>()?;
+    let quantizer = Quantizer::new(additions.precision, document, &subjects, &mut root, &mut blob)?;
+    let mut writer = Writer::new(&root, additions);
+    let mut empty = Vec::new();
+    for (i, subject) in subjects.iter().enumerate() {
+        let geometry = quantizer.geometry(i, subject);
+        let mut numbering = writer.numbering(&geometry);
+        for (s, &number) in subject.primitives.iter().enumerate() {
+            if !numbering.primitive(s, submesh_primitive(&mut root, subject.mesh, number)?)? {
+                empty.push((subject.mesh, number));
+            }
+        }
+    }
+    prune::without(&mut root, &empty);
+    writer.finish(&mut root, &mut blob);
+    if binary { glb(path, &root, &blob).map(|file| vec![file]) } else { Ok(gltf(path, root, blob)) }
+}
+
+/// The document that geometry goes into, additions included, and the bytes that it refers to
+/// already.
+fn source_document(
+    document: &Document,
+    objects: &[&ObjectInfo],
+    additions: &Additions,
+) -> Result<(Object, Vec<u8>), FormatError> {
+    let (mut root, mut blob) = match document {
+        Document::Gltf(gltf) => {
+            (json::parse(gltf.json.as_bytes(), &Limits::DEFAULT)?, gltf.blob.clone())
+        }
+        Document::Obj(obj) => (fresh::document(obj, objects), Vec::new()),
+    };
+    // The document may come from a file that someone made up.
+    schema::check(&mut root)?;
+    images::put(&mut root, &mut blob, &additions.textures);
+    if let Some(provenance) = &additions.provenance {
+        put_provenance(&mut root, provenance);
+    }
+    Ok((root, blob))
+}
+
+/// Puts `asset.generator` and `extras.lodc` into a document. Extras that are not an object stay as
+/// they are.
+fn put_provenance(root: &mut Object, provenance: &Provenance) {
+    if let Some(asset) = root.get_mut("asset").and_then(Value::as_object_mut) {
+        asset.insert("generator".to_owned(), GENERATOR.into());
+    }
+    let finite = |x: f64| x.is_finite().then_some(x);
+    let level = |l: &LevelFacts| json!({ "lod": l.lod, "error": finite(l.error), "rms": l.rms });
+    let mut all = match &provenance.levels[..] {
+        [one] => level(one),
+        several => json!({ "levels": several.iter().map(level).collect::<Vec<_>>() }),
+    };
+    all["refitted"] = provenance.refitted.into();
+    all["source"] = format!("{:032x}", provenance.source).into();
+    let extras = root.entry("extras").or_insert_with(|| json!({}));
+    if let Some(extras) = extras.as_object_mut() {
+        extras.insert("lodc".to_owned(), all);
+    }
+}
+
+/// The number of an object's mesh in the document.
+fn document_mesh(document: &Document, info: &ObjectInfo, object: usize) -> usize {
+    match document {
+        Document::Gltf(_) => info.document_mesh as usize,
+        Document::Obj(_) => object,
+    }
+}
+
+/// The number of a submesh's primitive in its mesh.
+fn document_primitive(document: &Document, info: &SubmeshInfo, submesh: usize) -> usize {
+    match document {
+        Document::Gltf(_) => info.document_primitive as usize,
+        Document::Obj(_) => submesh,
+    }
+}
+
+/// The mesh as glTF wants it.
+fn adapted<'a>(document: &Document, mesh: &'a Mesh) -> Cow<'a, Mesh> {
+    match document {
+        Document::Obj(_) => Cow::Owned(fresh::adapted(mesh)),
+        Document::Gltf(_) => Cow::Borrowed(mesh),
+    }
+}
+
+/// An object and its places in the document.
+fn subject<'a>(
+    document: &Document,
+    object: usize,
+    info: &'a ObjectInfo,
+    mesh: &'a Mesh,
+) -> Result<Subject<'a>, FormatError> {
+    if info.submeshes.len() != mesh.submeshes().len() {
+        return Err(json::malformed(&*info.name, "has other submeshes than its description"));
+    }
+    let primitive = |(s, submesh)| document_primitive(document, submesh, s);
+    Ok(Subject {
+        info,
+        mesh: document_mesh(document, info, object),
+        primitives: info.submeshes.iter().enumerate().map(primitive).collect(),
+        geometry: adapted(document, mesh),
+    })
+}
+
+fn submesh_primitive(
+    root: &mut Object,
+    mesh: usize,
+    primitive: usize,
+) -> Result<&mut Object, FormatError> {
+    find_primitive(root, mesh, primitive).ok_or_else(|| {
+        json::malformed(format!("meshes[{mesh}].primitives[{primitive}]"), "is not in the document")
+    })
+}
+
+fn find_primitive(root: &mut Object, mesh: usize, primitive: usize) -> Option<&mut Object> {
+    let mesh = root.get_mut("meshes")?.as_array_mut()?.get_mut(mesh)?;
+    mesh.get_mut("primitives")?.as_array_mut()?.get_mut(primitive)?.as_object_mut()
+}
+
+fn glb(path: &Path, root: &Object, blob: &[u8]) -> Result<OutputFile, FormatError> {
+    Ok(OutputFile { path: path.to_owned(), bytes: glb::joined(to_json(root, false), blob)? })
+}
+
+fn gltf(path: &Path, mut root: Object, blob: Vec<u8>) -> Vec<OutputFile> {
+    let beside = path.with_extension("bin");
+    if !blob.is_empty() {
+        let name = beside
+            .file_name()
+            .map(|n| uri::percent_encoded(&n.to_string_lossy()))
+            .unwrap_or_default();
+        if let Some(buffer) =
+            root.get_mut("buffers").and_then(|b| b.get_mut(0)).and_then(Value::as_object_mut)
+        {
+            buffer.insert("uri".to_owned(), name.into());
+        }
+    }
+    let mut files = vec![OutputFile { path: path.to_owned(), bytes: to_json(&root, true) }];
+    if !blob.is_empty() {
+        files.push(OutputFile { path: beside, bytes: blob });
+    }
+    files
+}
+
+fn to_json(root: &Object, pretty: bool) -> Vec<u8> {
+    let text = if pretty { serde_json::to_vec_pretty(root) } else { serde_json::to_vec(root) };
+    text.expect("values from JSON can be written as JSON")
+}
+
+#[cfg(test)]
+mod tests;

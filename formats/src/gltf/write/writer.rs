@@ -1,0 +1,343 @@
+//! Geometry becomes accessors again: one buffer view per stride and one per index type; where it is
+//! compressed, one per stream, since likes compress best.
+
+use super::compressed::Compressed;
+use super::samples::{self, Samples};
+use crate::gltf::accessor::{Shape, component_number};
+use crate::gltf::json::{Object, malformed};
+use crate::gltf::meshopt::Content;
+use crate::gltf::schema::{Pool, retain};
+use crate::gltf::semantic;
+use crate::options::Additions;
+use crate::{Fault, FormatError};
+use lodc_mesh::{Attribute, Component, Mesh, Semantic};
+use serde_json::{Value, json};
+
+const ARRAY_BUFFER: u32 = 34962;
+const ELEMENT_ARRAY_BUFFER: u32 = 34963;
+
+/// A buffer view being filled.
+#[derive(Debug)]
+struct Group {
+    target: u32,
+    /// The stream, where each has a view of its own; else empty.
+    name: String,
+    /// Of vertex data; of indices the size of one.
+    stride: usize,
+    /// The type of the first stream in it.
+    component: Component,
+    bytes: Vec<u8>,
+}
+
+impl Group {
+    /// Its bytes as the codecs see them; `direction_bits` is what unit vectors were rounded to.
+    fn content(&self, direction_bits: Option<u8>) -> Content<'_> {
+        let (stride, bytes) = (self.stride, &self.bytes[..]);
+        match (self.target, direction_bits, &self.name[..]) {
+            (ARRAY_BUFFER, Some(bits), "NORMAL" | "TANGENT") => {
+                Content::Directions { bits, stride, bytes }
+            }
+            (ARRAY_BUFFER, ..) if self.component == Component::F32 => {
+                Content::Floats { stride, bytes }
+            }
+            (ARRAY_BUFFER, ..) => Content::Attributes { stride, bytes },
+            _ => Content::Triangles { size: stride, bytes },
+        }
+    }
+}
+
+/// Collects accessors and their data.
+#[derive(Debug)]
+pub(super) struct Writer {
+    first_accessor: usize,
+    first_view: usize,
+    accessors: Vec<Value>,
+    groups: Vec<Group>,
+    compress: bool,
+    direction_bits: Option<u8>,
+}
+
+impl Writer {
+    /// A writer whose accessors follow those of the document.
+    pub(super) fn new(root: &Object, additions: &Additions) -> Self {
+        Self {
+            compress: additions.compress,
+            direction_bits: additions.precision.normal,
+            first_accessor: Pool::Accessors.len(root),
+            first_view: Pool::BufferViews.len(root),
+            accessors: Vec::new(),
+            groups: Vec::new(),
+        }
+    }
+
+    /// Starts a mesh.
+    pub(super) fn numbering<'w>(&'w mut self, mesh: &'w Mesh) -> Numbering<'w> {
+        Numbering { writer: self, mesh, number: vec![u32::MAX; mesh.vertex_count()] }
+    }
+
+    /// Puts accessors, buffer views and the buffer into the document, and the data behind what
+    /// `blob` holds.
+    pub(super) fn finish(self, root: &mut Object, blob: &mut Vec<u8>) {
+        let mut views = Vec::with_capacity(self.groups.len());
+        let mut compressed = Compressed::new(root);
+        let samples = if self.compress { samples::of(root, blob) } else { vec![] };
+        for (samples, i) in samples.iter().zip(self.first_view + self.groups.len()..) {
+            samples.refer(root, i);
+        }
+        let used = samples::used(root, self.first_view);
+        if !samples.is_empty() {
+            samples::drop_unused(root, blob, &used);
+        }
+        for group in self.groups {
+            let (content, length) = (group.content(self.direction_bits), group.bytes.len());
+            let mut view = if self.compress && content.fits() {
+                compressed.view(&content, length, blob)
+            } else {
+                blob.resize(blob.len().next_multiple_of(4), 0);
+                let offset = blob.len();
+                blob.extend_from_slice(&group.bytes);
+                json!({ "buffer": 0, "byteOffset": offset, "byteLength": length })
+            };
+            if group.target == ARRAY_BUFFER {
+                view["byteStride"] = group.stride.into();
+            }
+            view["target"] = group.target.into();
+            views.push(view);
+        }
+        for Samples { stride, bytes, .. } in &samples {
+            let content = Content::Floats { stride: *stride, bytes };
+            views.push(compressed.view(&content, bytes.len(), blob));
+        }
+        append(root, "accessors", self.accessors);
+        append(root, "bufferViews", views);
+        if !samples.is_empty() {
+            let new = Pool::BufferViews.len(root) - self.first_view;
+            retain(root, Pool::BufferViews, &[used, vec![true; new]].concat());
+        }
+        if blob.is_empty() {
+            return;
+        }
+        let buffers = root.entry("buffers").or_insert_with(|| json!([{}]));
+        if buffers.as_array().is_none_or(Vec::is_empty) {
+            *buffers = json!([{}]);
+        }
+        if let Some(buffer) = buffers.get_mut(0).and_then(Value::as_object_mut) {
+            buffer.insert("byteLength".to_owned(), blob.len().into());
+        }
+        compressed.finish(root);
+    }
+
+    /// The group of this kind, at a multiple of four bytes. Indices that will be compressed follow
+    /// each other without gaps.
+    fn group(
+        &mut self,
+        target: u32,
+        component: Component,
+        stride: usize,
+        name: &str,
+    ) -> (usize, &mut Vec<u8>) {
+        let name = if self.compress { name } else { "" };
+        let same = |g: &Group| g.target == target && g.stride == stride && g.name == name;
+        let i = self.groups.iter().position(same).unwrap_or_else(|| {
+            let (name, bytes) = (name.to_owned(), Vec::new());
+            self.groups.push(Group { target, name, stride, component, bytes });
+            self.groups.len() - 1
+        });
+        let bytes = &mut self.groups[i].bytes;
+        if !self.compress || target == ARRAY_BUFFER {
+            bytes.resize(bytes.len().next_multiple_of(4), 0);
+        }
+        (self.first_view + i, bytes)
+    }
+
+    fn accessor(&mut self, accessor: Value) -> Value {
+        self.accessors.push(accessor);
+        (self.first_accessor + self.accessors.len() - 1).into()
+    }
+
+    /// Vertex data: the elements of a stream in the given order.
+    pub(super) fn stream(&mut self, a: &Attribute, vertices: &[u32]) -> Result<Value, FormatError> {
+        let (name, columns) = match a.components {
+            1 => ("SCALAR", 1),
+            2 => ("VEC2", 1),
+            3 => ("VEC3", 1),
+            4 => ("VEC4", 1),
+            9 => ("MAT3", 3),
+            16 => ("MAT4", 4),
+            n => {
+                let what = format!("glTF has no type of {n} components");
+                return Err(FormatError::new(
+                    Fault::Unsupported,
+                    semantic::to_name(&a.semantic),
+                    what,
+                ));
+            }
+        };
+        let shape = Shape { columns, rows: usize::from(a.components) / columns };
+        let row = shape.rows * a.component.size();
+        let column = shape.column_stride(a.component);
+        let stride = (columns * column).next_multiple_of(4);
+        let (view, bytes) =
+            self.group(ARRAY_BUFFER, a.component, stride, &semantic::to_name(&a.semantic));
+        let offset = bytes.len();
+        bytes.reserve(vertices.len() * stride);
+        for &v in vertices {
+            let start = bytes.len();
+            for (i, values) in a.at(v).chunks_exact(row).enumerate() {
+                bytes.resize(start + i * column, 0);
+                bytes.extend_from_slice(values);
+            }
+            bytes.resize(start + stride, 0);
+        }
+        let mut accessor = json!({ "bufferView": view });
+        if offset > 0 {
+            accessor["byteOffset"] = offset.into();
+        }
+        accessor["componentType"] = component_number(a.component).into();
+        if a.normalized {
+            accessor["normalized"] = true.into();
+        }
+        accessor["count"] = vertices.len().into();
+        accessor["type"] = name.into();
+        if a.semantic == Semantic::Position {
+            let (min, max) = bounds(a, vertices);
+            accessor["min"] = min.into();
+            accessor["max"] = max.into();
+        }
+        Ok(self.accessor(accessor))
+    }
+
+    fn indices(&mut self, indices: &[u32], vertices: usize) -> Value {
+        // The largest number of each type is reserved, so one vertex less than fits.
+        let short = u16::try_from(vertices).is_ok();
+        let component = if short { Component::U16 } else { Component::U32 };
+        let (view, bytes) = self.group(ELEMENT_ARRAY_BUFFER, component, component.size(), "");
+        let offset = bytes.len();
+        bytes.extend(
+            indices.iter().flat_map(|i| i.to_le_bytes().into_iter().take(component.size())),
+        );
+        let mut accessor = json!({ "bufferView": view });
+        if offset > 0 {
+            accessor["byteOffset"] = offset.into();
+        }
+        accessor["componentType"] = component_number(component).into();
+        accessor["count"] = indices.len().into();
+        accessor["type"] = "SCALAR".into();
+        self.accessor(accessor)
+    }
+}
+
+/// One mesh being written.
+#[derive(Debug)]
+pub(super) struct Numbering<'w> {
+    writer: &'w mut Writer,
+    mesh: &'w Mesh,
+    /// Of each vertex in its primitive, once it is known. A vertex belongs to one submesh only.
+    number: Vec<u32>,
+}
+
+impl Numbering<'_> {
+    /// Puts the triangles of a submesh into a primitive; false if there are none. Vertices stand in
+    /// the order in which triangles first use them; those that none uses are left out.
+    pub(super) fn primitive(
+        &mut self,
+        number: usize,
+        primitive: &mut Object,
+    ) -> Result<bool, FormatError> {
+        let mesh = self.mesh;
+        let submesh = &mesh.submeshes()[number];
+        if submesh.triangle_count == 0 {
+            return Ok(false);
+        }
+        let mut vertices = Vec::new();
+        let mut indices = Vec::with_capacity(3 * submesh.triangle_count as usize);
+        for &v in mesh.triangles()[submesh.triangles()].iter().flatten() {
+            let number = &mut self.number[v as usize];
+            if *number == u32::MAX {
+                *number = vertices.len() as u32;
+                vertices.push(v);
+            }
+            indices.push(*number);
+        }
+        self.attributes(number, &vertices, primitive)?;
+        let indices = self.indices(&indices, vertices.len());
+        primitive.insert("indices".to_owned(), indices);
+        Ok(true)
+    }
+
+    /// Puts the streams of a submesh into a primitive, `vertices` in the given order.
+    pub(super) fn attributes(
+        &mut self,
+        submesh: usize,
+        vertices: &[u32],
+        primitive: &mut Object,
+    ) -> Result<(), FormatError> {
+        let mesh = self.mesh;
+        let submesh = &mesh.submeshes()[submesh];
+        let mut attributes = Object::new();
+        let declared = primitive.get("targets").and_then(Value::as_array).map_or(0, Vec::len);
+        let mut targets: Vec<Object> = vec![Object::new(); declared];
+        let streams = || submesh.attributes.iter().map(|&a| &mesh.attributes()[a as usize]);
+        if !streams().any(|a| a.semantic == Semantic::Position && a.morph_target.is_none()) {
+            let positions = semantic::positions(mesh.positions());
+            attributes.insert("POSITION".to_owned(), self.writer.stream(&positions, vertices)?);
+        }
+        for a in streams() {
+            let accessor = self.writer.stream(a, vertices)?;
+            let name = semantic::to_name(&a.semantic);
+            match a.morph_target {
+                None => attributes.insert(name, accessor),
+                Some(t) => match targets.get_mut(t as usize) {
+                    Some(target) => target.insert(name, accessor),
+                    None => {
+                        return Err(malformed(
+                            name,
+                            format!("belongs to morph target {t}, which is not there"),
+                        ));
+                    }
+                },
+            };
+        }
+        primitive.insert("attributes".to_owned(), Value::Object(attributes));
+        if declared > 0 {
+            let targets = targets.into_iter().map(Value::Object).collect();
+            primitive.insert("targets".to_owned(), targets);
+        }
+        Ok(())
+    }
+
+    /// An accessor of indices into as many vertices.
+    pub(super) fn indices(&mut self, indices: &[u32], vertices: usize) -> Value {
+        self.writer.indices(indices, vertices)
+    }
+}
+
+/// Smallest and largest of each component as they are stored: integers stay integers even where
+/// they mean fractions.
+fn bounds(a: &Attribute, vertices: &[u32]) -> (Vec<Value>, Vec<Value>) {
+    let mut one = Attribute { normalized: false, ..a.described() };
+    let mut lo = vec![f32::INFINITY; usize::from(a.components)];
+    let mut hi = vec![f32::NEG_INFINITY; usize::from(a.components)];
+    for &v in vertices {
+        one.bytes.clear();
+        one.bytes.extend_from_slice(a.at(v));
+        for c in 0..lo.len() {
+            let value = one.value(0, c);
+            lo[c] = lo[c].min(value);
+            hi[c] = hi[c].max(value);
+        }
+    }
+    let number = |v: f32| {
+        if a.component == Component::F32 { f64::from(v).into() } else { Value::from(v as i64) }
+    };
+    (lo.into_iter().map(number).collect(), hi.into_iter().map(number).collect())
+}
+
+fn append(root: &mut Object, key: &str, values: Vec<Value>) {
+    if values.is_empty() {
+        return;
+    }
+    if let Value::Array(all) = root.entry(key).or_insert_with(|| json!([])) {
+        all.extend(values);
+    }
+}

@@ -1,0 +1,178 @@
+//! The image files that a document names, and the place of each in or beside an export, so that a
+//! model that moves to another folder keeps its textures.
+
+use crate::{Assets, FormatError, OutputFile};
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Component, Path, PathBuf};
+use xxhash_rust::xxh3::xxh3_64;
+
+/// The image files of a document.
+#[derive(Clone, Debug, Default)]
+pub struct Textures {
+    /// Bytes by the path that the document has for them: decoded, with `/` between folders.
+    pub(crate) files: BTreeMap<String, Vec<u8>>,
+    /// One line for each that could not be read.
+    pub warnings: Vec<String>,
+}
+
+/// Places for the image files that a document names.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TextureMode {
+    /// They go into the glTF itself.
+    Embed,
+    /// They are copied beside the output.
+    Copy,
+}
+
+/// Image files with a place in or beside an export. The default leaves every name as it is.
+#[derive(Clone, Debug, Default)]
+pub struct PlacedTextures {
+    places: BTreeMap<String, Place>,
+    /// Files to write beside the output.
+    pub copies: Vec<OutputFile>,
+    /// One line for each that has another name than in the document, or no place.
+    pub warnings: Vec<String>,
+}
+
+/// The place of one image file.
+#[derive(Clone, Debug)]
+pub(crate) enum Place {
+    /// In the glTF.
+    Inside { mime: &'static str, bytes: Vec<u8> },
+    /// Beside the output, by its path from there with `/` between folders.
+    Beside(String),
+}
+
+impl Textures {
+    /// Adds the file that the document calls `path`, once.
+    pub(crate) fn add(
+        &mut self,
+        path: &str,
+        read: impl FnOnce(&mut Assets) -> Result<Vec<u8>, FormatError>,
+        assets: &mut Assets,
+    ) {
+        if self.files.contains_key(path) {
+            return;
+        }
+        match read(assets) {
+            Ok(bytes) => drop(self.files.insert(path.to_owned(), bytes)),
+            Err(e) => {
+                let warning = format!("a texture is missing: {}", e.in_file(path));
+                if !self.warnings.contains(&warning) {
+                    self.warnings.push(warning);
+                }
+            }
+        }
+    }
+
+    /// Gives every file its place in or beside `output`. A copy whose name another file has already
+    /// takes a name with a hash of its bytes; a file with the same bytes is left as it is.
+    #[must_use]
+    pub fn placed(self, mode: TextureMode, output: &Path) -> PlacedTextures {
+        let mut placed = PlacedTextures::default();
+        // Names that the export itself takes.
+        let own = ["bin", "mtl"].map(|extension| output.with_extension(extension));
+        let mut taken: BTreeMap<PathBuf, u64> =
+            own.into_iter().chain([output.to_owned()]).map(|path| (path, 0)).collect();
+        for (name, bytes) in self.files {
+            let place = match (mode, kind(&bytes).map(|(mime, _)| mime)) {
+                (TextureMode::Embed, Some(mime)) => Place::Inside { mime, bytes },
+                (TextureMode::Embed, None) => {
+                    let what = format!("{name}: no image that glTF can hold: not embedded");
+                    placed.warnings.push(what);
+                    continue;
+                }
+                (TextureMode::Copy, _) => placed.beside(&name, bytes, output, &mut taken),
+            };
+            placed.places.insert(name, place);
+        }
+        placed
+    }
+}
+
+impl PlacedTextures {
+    /// The place of the file that the document calls `name`; none if it stays as it is.
+    pub(crate) fn of(&self, name: &str) -> Option<&Place> {
+        self.places.get(name)
+    }
+
+    /// A file beside `output`; `taken` has the hashes of those that this run puts there.
+    fn beside(
+        &mut self,
+        name: &str,
+        bytes: Vec<u8>,
+        output: &Path,
+        taken: &mut BTreeMap<PathBuf, u64>,
+    ) -> Place {
+        let folder = output.parent().unwrap_or(Path::new(""));
+        let hash = xxh3_64(&bytes);
+        let mut relative = relative(name, &bytes, output);
+        let differs = |path: &PathBuf| match taken.get(path) {
+            Some(&other) => other != hash,
+            None => path.symlink_metadata().is_ok() && fs::read(path).ok().as_ref() != Some(&bytes),
+        };
+        if differs(&folder.join(&relative)) {
+            let other = hashed(&relative, hash);
+            self.warnings.push(format!(
+                "{relative}: another file has this name: the texture was written as {other}"
+            ));
+            relative = other;
+        }
+        let path = folder.join(&relative);
+        if !path.exists() && !taken.contains_key(&path) {
+            self.copies.push(OutputFile { path: path.clone(), bytes });
+        }
+        taken.insert(path, hash);
+        Place::Beside(relative)
+    }
+}
+
+/// The name of an image that a glTF document holds itself. No file can have it.
+pub(crate) fn embedded_name(image: usize) -> String {
+    format!("data:{image}")
+}
+
+/// The media type of an image that glTF can hold, by its first bytes, and its extension in file
+/// names; none for other bytes.
+fn kind(bytes: &[u8]) -> Option<(&'static str, &'static str)> {
+    Some(match bytes {
+        [0x89, b'P', b'N', b'G', ..] => ("image/png", "png"),
+        [0xff, 0xd8, 0xff, ..] => ("image/jpeg", "jpg"),
+        [0xab, b'K', b'T', b'X', b' ', b'2', b'0', ..] => ("image/ktx2", "ktx2"),
+        [b'D', b'D', b'S', b' ', ..] => ("image/vnd-ms.dds", "dds"),
+        [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] => ("image/webp", "webp"),
+        [_, _, _, _, b'f', b't', b'y', b'p', b'a', b'v', b'i', b'f', ..] => ("image/avif", "avif"),
+        _ => return None,
+    })
+}
+
+/// The path from the output's folder: that of the document where it leads downwards, else the
+/// file's name alone.
+fn relative(name: &str, bytes: &[u8], output: &Path) -> String {
+    if let Some(number) = name.strip_prefix("data:") {
+        let stem = output.file_stem().unwrap_or_default().to_string_lossy();
+        let extension = kind(bytes).map_or("bin", |(_, extension)| extension);
+        return format!("{stem}_image{number}.{extension}");
+    }
+    let parts: Vec<Component<'_>> =
+        Path::new(name).components().filter(|c| *c != Component::CurDir).collect();
+    let text = |c: &Component<'_>| c.as_os_str().to_string_lossy().into_owned();
+    if parts.iter().all(|c| matches!(c, Component::Normal(_))) {
+        parts.iter().map(text).collect::<Vec<_>>().join("/")
+    } else {
+        parts.last().map(text).unwrap_or_default()
+    }
+}
+
+/// `wood.png` becomes `wood-0123456789abcdef.png`.
+fn hashed(relative: &str, hash: u64) -> String {
+    let path = Path::new(relative);
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let extension = path.extension().map(|e| format!(".{}", e.to_string_lossy()));
+    let name = format!("{stem}-{hash:016x}{}", extension.unwrap_or_default());
+    match relative.rsplit_once('/') {
+        Some((folder, _)) => format!("{folder}/{name}"),
+        None => name,
+    }
+}

@@ -1,0 +1,302 @@
+//! Wavefront OBJ and MTL: numbers are written so that reading them gives the same bits.
+
+use super::mtl;
+use crate::flatten::{Placed, Vertices, component};
+use crate::images::{Place, PlacedTextures};
+use crate::provenance::Provenance;
+use crate::{ObjDocument, OutputFile};
+use lodc_mesh::{Mesh, Semantic};
+use lodc_scene::stream;
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::hash::Hash;
+use std::io::Write;
+use std::path::Path;
+
+/// The OBJ and, if there are materials and `path` is not standard output, the MTL beside it.
+/// `top_left` says that texture coordinates begin at the top.
+pub(crate) fn export(
+    path: &Path,
+    placed: &[Placed<'_>],
+    top_left: bool,
+    library: &Library,
+    provenance: Option<&Provenance>,
+) -> Vec<OutputFile> {
+    let origin = provenance.map(Provenance::line);
+    let mut text = format!("# {}\n", origin.as_deref().unwrap_or("lodc")).into_bytes();
+    let beside = path.with_extension("mtl");
+    let has_library = !library.text.is_empty() && path.as_os_str() != "-";
+    if has_library {
+        let name = beside.file_name().map(|n| n.to_string_lossy().into_owned());
+        line(&mut text, "mtllib", &name.unwrap_or_default());
+    }
+    let mut writer = Writer {
+        text,
+        v: Table::new(),
+        vt: Table::new(),
+        vn: Table::new(),
+        numbers: Vec::new(),
+        material: String::new(),
+    };
+    for placed in placed {
+        writer.object(placed, library, top_left);
+    }
+    let mut files = vec![OutputFile { path: path.to_owned(), bytes: writer.text }];
+    if has_library {
+        files.push(OutputFile { path: beside, bytes: library.text.clone() });
+    }
+    files
+}
+
+/// The numbers of values already written, from 1.
+type Table<K> = HashMap<K, usize>;
+
+struct Writer {
+    text: Vec<u8>,
+    /// Position and colour.
+    v: Table<([u32; 3], [u32; 4])>,
+    vt: Table<[u32; 3]>,
+    vn: Table<[u32; 3]>,
+    /// Of each vertex of the object: the numbers of its v, vt and vn; zeros before it is written.
+    numbers: Vec<[usize; 3]>,
+    material: String,
+}
+
+impl Writer {
+    fn object(&mut self, placed: &Placed<'_>, library: &Library, top_left: bool) {
+        let (mesh, info) = (placed.object.mesh, placed.object.info);
+        line(&mut self.text, "o", &clean(&placed.name));
+        self.numbers.clear();
+        self.numbers.resize(mesh.vertex_count(), [0; 3]);
+        let vertices = placed.vertices();
+        let mut label = String::new();
+        for (i, (submesh, submesh_info)) in mesh.submeshes().iter().zip(&info.submeshes).enumerate()
+        {
+            if submesh.triangle_count == 0 {
+                continue;
+            }
+            let faces = self.vertices(mesh, &vertices, i, top_left);
+            let name = clean(&submesh_info.name);
+            if name != label {
+                line(&mut self.text, "g", &name);
+                label = name;
+            }
+            let material = match &submesh_info.material {
+                Some(name) => clean(name),
+                None => library.of_primitive(info.document_mesh, submesh_info.document_primitive),
+            };
+            if material != self.material {
+                line(&mut self.text, "usemtl", &material);
+                self.material = material;
+            }
+            self.text.extend_from_slice(&faces);
+        }
+    }
+
+    /// Writes the vertices of a submesh that were not written before; returns its faces.
+    fn vertices(
+        &mut self,
+        mesh: &Mesh,
+        placed: &Vertices<'_>,
+        submesh: usize,
+        top_left: bool,
+    ) -> Vec<u8> {
+        let [color, uv, normal] = [Semantic::Color(0), Semantic::TexCoord(0), Semantic::Normal]
+            .map(|semantic| stream(mesh, submesh, &semantic));
+        let mut faces = Vec::new();
+        for &triangle in &mesh.triangles()[mesh.submeshes()[submesh].triangles()] {
+            faces.push(b'f');
+            for vertex in placed.corners(triangle) {
+                let numbers = &mut self.numbers[vertex as usize];
+                if numbers[0] == 0 {
+                    let position = placed.position(vertex);
+                    let components = color.map_or(0, |c| usize::from(c.components).clamp(3, 4));
+                    let channel = |i| {
+                        color.filter(|_| i < components).map_or(0.0, |c| component(c, vertex, i))
+                    };
+                    let rgba: [f32; 4] = std::array::from_fn(channel);
+                    let key = (position.map(f32::to_bits), rgba.map(f32::to_bits));
+                    let values = position.iter().chain(&rgba[..components]);
+                    numbers[0] = number(&mut self.v, key, &mut self.text, "v", values);
+                    if let Some(s) = uv {
+                        let mut uvw: [f32; 3] = std::array::from_fn(|i| component(s, vertex, i));
+                        if top_left {
+                            uvw[1] = 1.0 - uvw[1];
+                        }
+                        let count = usize::from(s.components).clamp(2, 3);
+                        numbers[1] = number(
+                            &mut self.vt,
+                            uvw.map(f32::to_bits),
+                            &mut self.text,
+                            "vt",
+                            &uvw[..count],
+                        );
+                    }
+                    if let Some(s) = normal {
+                        let n = placed.normal(s, vertex);
+                        numbers[2] =
+                            number(&mut self.vn, n.map(f32::to_bits), &mut self.text, "vn", &n);
+                    }
+                }
+                corner(&mut faces, *numbers);
+            }
+            faces.push(b'\n');
+        }
+        faces
+    }
+}
+
+/// A corner of a face: ` v`, ` v/vt`, ` v//vn` or ` v/vt/vn`.
+fn corner(text: &mut Vec<u8>, [v, vt, vn]: [usize; 3]) {
+    text.push(b' ');
+    decimal(text, v);
+    if vt > 0 || vn > 0 {
+        text.push(b'/');
+    }
+    if vt > 0 {
+        decimal(text, vt);
+    }
+    if vn > 0 {
+        text.push(b'/');
+        decimal(text, vn);
+    }
+}
+
+fn decimal(text: &mut Vec<u8>, mut value: usize) {
+    let mut digits = [0; 20];
+    let mut first = digits.len();
+    while first == digits.len() || value > 0 {
+        first -= 1;
+        digits[first] = b'0' + (value % 10) as u8;
+        value /= 10;
+    }
+    text.extend_from_slice(&digits[first..]);
+}
+
+/// The number of a value; writes it first if it is new.
+fn number<'a, K: Eq + Hash>(
+    table: &mut Table<K>,
+    key: K,
+    text: &mut Vec<u8>,
+    word: &str,
+    values: impl IntoIterator<Item = &'a f32>,
+) -> usize {
+    let next = table.len() + 1;
+    *table.entry(key).or_insert_with(|| {
+        text.extend_from_slice(word.as_bytes());
+        for &value in values {
+            text.push(b' ');
+            float(text, value);
+        }
+        text.push(b'\n');
+        next
+    })
+}
+
+/// The shortest decimal that reads back as the same number.
+fn float(text: &mut Vec<u8>, value: f32) {
+    let plain = value == 0.0 || !value.is_finite() || (1e-5..1e9).contains(&value.abs());
+    let written = if plain { write!(text, "{value}") } else { write!(text, "{value:e}") };
+    written.expect("a Vec takes everything");
+}
+
+fn line(text: &mut Vec<u8>, word: &str, name: &str) {
+    text.extend_from_slice(word.as_bytes());
+    if !name.is_empty() {
+        text.push(b' ');
+        text.extend_from_slice(name.as_bytes());
+    }
+    text.push(b'\n');
+}
+
+/// A name as one line that reads back as itself: no line ends, no `#` by itself, no backslash at
+/// the end.
+fn clean(name: &str) -> String {
+    let one_line: String = name.chars().map(|c| if c.is_control() { '_' } else { c }).collect();
+    let mut out = one_line.trim().to_owned();
+    while let Some(at) = out.find(" # ").or_else(|| out.ends_with(" #").then(|| out.len() - 2)) {
+        out.replace_range(at + 1..at + 2, "_");
+    }
+    if out.ends_with('\\') {
+        out.push('_');
+    }
+    if out == "#" { "_".to_owned() } else { out }
+}
+
+/// The text of a material library, and the names of materials that primitives have.
+#[derive(Debug, Default)]
+pub(crate) struct Library {
+    text: Vec<u8>,
+    names: Vec<String>,
+    taken: BTreeSet<String>,
+    /// By mesh and primitive, glTF only: one of the names.
+    of_primitive: BTreeMap<(usize, usize), usize>,
+}
+
+/// Name, colour, opacity and texture: what an MTL and other formats have in common.
+#[derive(Debug)]
+pub(crate) struct SimpleMaterial<'a> {
+    pub(crate) name: &'a str,
+    pub(crate) colour: [f64; 3],
+    pub(crate) opacity: Option<f64>,
+    pub(crate) texture: Option<String>,
+}
+
+impl Library {
+    /// The library of an OBJ, its images under the names that their copies have.
+    pub(crate) fn new(document: &ObjDocument, textures: &PlacedTextures) -> Self {
+        let mut text = Vec::new();
+        for material in &document.materials {
+            line(&mut text, "newmtl", &clean(&material.name));
+            for l in &material.lines {
+                line(&mut text, &renamed(&l.replace(['\n', '\r'], " "), textures), "");
+            }
+        }
+        Self { text, ..Self::default() }
+    }
+
+    /// Adds a material. A name that another has, and none, get a number.
+    pub(crate) fn add(&mut self, material: &SimpleMaterial<'_>) {
+        let mut name = clean(material.name);
+        if name.is_empty() || self.taken.contains(&name) {
+            name =
+                format!("{name}_material{}", self.names.len()).trim_start_matches('_').to_owned();
+        }
+        let text = &mut self.text;
+        line(text, "newmtl", &name);
+        let [r, g, b] = material.colour;
+        line(text, &format!("Kd {r} {g} {b}"), "");
+        if let Some(opacity) = material.opacity {
+            line(text, &format!("d {opacity}"), "");
+        }
+        if let Some(file) = &material.texture {
+            line(text, "map_Kd", &clean(file));
+        }
+        self.taken.insert(name.clone());
+        self.names.push(name);
+    }
+
+    /// Gives a primitive the material of this number, if there is one.
+    pub(crate) fn assign(&mut self, mesh: usize, primitive: usize, material: usize) {
+        if material < self.names.len() {
+            self.of_primitive.insert((mesh, primitive), material);
+        }
+    }
+
+    fn of_primitive(&self, mesh: u32, primitive: u32) -> String {
+        let material = self.of_primitive.get(&(mesh as usize, primitive as usize));
+        material.map(|&m| self.names[m].clone()).unwrap_or_default()
+    }
+}
+
+/// The line of a material with the name that the copy of its image has.
+fn renamed(source: &str, textures: &PlacedTextures) -> String {
+    let file = mtl::file(source).map(|name| name.replace('\\', "/"));
+    match file.as_deref().and_then(|name| Some((name, textures.of(name)?))) {
+        Some((name, Place::Beside(other))) if name != other => mtl::with_file(source, other),
+        _ => source.to_owned(),
+    }
+}
+
+#[cfg(test)]
+#[path = "write_tests.rs"]
+mod tests;

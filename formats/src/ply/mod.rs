@@ -1,0 +1,3 @@
+//! Stanford PLY.
+
+pub(crate) mod write;

@@ -1,0 +1,48 @@
+//! Origin of an export, stated in the file itself.
+
+/// The name and version of this program.
+pub(crate) const GENERATOR: &str = concat!("lodc ", env!("CARGO_PKG_VERSION"));
+
+/// A level of detail as its file states it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LevelFacts {
+    /// Its number of records; none if several objects each have their own.
+    pub lod: Option<u32>,
+    /// Its error, in mesh units for one object, in world units for several.
+    pub error: f64,
+    /// Its root mean square distance, in the same units, if it was measured.
+    pub rms: Option<f64>,
+}
+
+/// Origin of an export.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Provenance {
+    /// XXH3-128 of the source (`Source::content_hash`).
+    pub source: u128,
+    /// The levels in the file, the finest first.
+    pub levels: Vec<LevelFacts>,
+    /// True if vertices were moved to where they fit best.
+    pub refitted: bool,
+}
+
+impl Provenance {
+    /// One line for text formats.
+    pub(crate) fn line(&self) -> String {
+        let mut line = GENERATOR.to_owned();
+        for l in &self.levels {
+            if let Some(lod) = l.lod {
+                line += &format!(", LOD {lod}");
+            }
+            if l.error.is_finite() {
+                line += &format!(", error {}", l.error);
+            }
+            if let Some(rms) = l.rms {
+                line += &format!(", rms {rms}");
+            }
+        }
+        if self.refitted {
+            line += ", refitted";
+        }
+        format!("{line}, source {:032x}", self.source)
+    }
+}

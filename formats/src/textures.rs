@@ -1,0 +1,35 @@
+//! Reading every image file that a document names.
+
+use crate::images::Textures;
+use crate::{Assets, Document, FormatError, gltf, obj};
+
+impl Textures {
+    /// Reads the image files that a document names from where `assets` has its main file. What
+    /// cannot be read is a warning.
+    ///
+    /// # Errors
+    /// If the stored document is damaged.
+    pub fn read(document: &Document, assets: &mut Assets) -> Result<Self, FormatError> {
+        let mut textures = Self::default();
+        match document {
+            Document::Obj(document) => obj::read_textures(document, &mut textures, assets),
+            Document::Gltf(document) => gltf::read_textures(document, &mut textures, assets)?,
+        }
+        Ok(textures)
+    }
+
+    /// Adds the images that a glTF document holds itself, for formats that cannot.
+    ///
+    /// # Errors
+    /// If the stored document is damaged.
+    pub fn add_embedded(&mut self, document: &Document) -> Result<(), FormatError> {
+        match document {
+            Document::Obj(_) => Ok(()),
+            Document::Gltf(document) => gltf::add_embedded(document, self),
+        }
+    }
+}
+
+#[cfg(test)]
+#[path = "textures_tests.rs"]
+mod tests;
