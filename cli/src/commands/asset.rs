@@ -1,6 +1,6 @@
 //! An asset with its levels: read from a `.lodc` file, or simplified in memory from a mesh.
 
-use crate::commands::build::{importance, object_options, paints};
+use crate::commands::build::{importance, object_options};
 use crate::exit::Outcome;
 use crate::importance::ImportanceArgs;
 use crate::kinds::LookArgs;
@@ -10,7 +10,7 @@ use crate::progress::Progress;
 use crate::stages::Stages;
 use clap::Args;
 use lodc::LodObject;
-use lodc::build::{Known, Paints, Size, measure_all, simplify_all};
+use lodc::build::{Known, Paints, ScenePaints, Size, measure_all, simplify_all};
 use lodc::{Input, read_input};
 use lodc_formats::appearance;
 use lodc_formats::{Assets, Document, ObjectInfo, Scene, Source};
@@ -180,7 +180,7 @@ fn simplified_showing(
     let options = object_options(&scene, options, &how.parts);
     let needs = [size.simplify(options.iter().map(|o| o.metric)), size.errors()];
     import.limits().check_memory(&name, size, &needs)?;
-    let paints = paints(import, input, &scene, &options)?;
+    let paints = ScenePaints::read(input, &import.options(), &scene, &options)?;
     let importance = importance(&scene, &options, &how.importance, &how.parts)?;
     let Scene { source, document, objects, mut warnings, mut files_read, compressed } = scene;
     let known =

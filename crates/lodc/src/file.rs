@@ -1,45 +1,242 @@
-//! `.lodc` files with models that work.
+//! A file with every level of its objects, and levels taken out of it.
 
-use lodc_formats::lodc::{self, StoredModel};
-use lodc_formats::{FormatError, lodc::Layout};
-use lodc_lod::{AnyModel, ModelKind};
-use lodc_mesh::Simplified;
-use lodc_model::Model;
-use std::sync::Arc;
+use crate::level_mesh::{self, LevelMesh, Order, Shape};
+use crate::{Error, LodFile, LodObject, SceneLevels};
+use lodc_formats::{Fault, FormatError, Limits};
+use lodc_mesh::{Attribute, Lod, Mesh};
+use lodc_select::Target;
+use std::path::{Path, PathBuf};
 
-/// A `.lodc` file in memory.
-pub type LodFile = lodc::LodFile<AnyModel>;
-/// One object of a `.lodc` file: its mesh in collapse order, the sequence, and its models.
-pub type LodObject = lodc::LodObject<AnyModel>;
+/// A file with every level of its objects, and the path that images are looked for beside.
+#[derive(Debug)]
+pub struct File {
+    content: LodFile,
+    path: PathBuf,
+    warnings: Vec<String>,
+}
 
-/// Reads a file. Models that this version does not have are left out, with a line in
-/// [`left_out`](lodc::LodFile::left_out).
+/// Opens a `.lodc` file.
 ///
 /// # Errors
-/// If a checksum, count, offset or index is wrong, or the file needs a newer program.
-pub fn read(bytes: &[u8]) -> Result<LodFile, FormatError> {
-    lodc::read(bytes, &ModelKind::ALL.map(ModelKind::name))?.with_models(
-        |simplified: &Arc<Simplified>, stored: StoredModel| {
-            let kind = stored.name.parse().expect("only kinds that are known are read");
-            AnyModel::load(kind, simplified, &stored.arrays).map_err(|e| e.to_string())
-        },
-    )
+/// If it cannot be read, is damaged, or needs a newer program.
+pub fn open(path: impl AsRef<Path>) -> Result<File, Error> {
+    let path = path.as_ref();
+    let name = path.display().to_string();
+    let bytes = std::fs::read(path)
+        .map_err(|e| FormatError::new(Fault::Unreadable, "", e.to_string()).in_file(&name))?;
+    let content = crate::read(&bytes).map_err(|e| e.in_file(&name))?;
+    Ok(File::new(content, path, Vec::new()))
 }
 
-/// Lays a file out. Equal contents give equal bytes.
-#[must_use]
-pub fn write(file: &LodFile) -> Vec<u8> {
-    lodc::write(file, store)
+impl File {
+    pub(crate) fn new(mut content: LodFile, path: &Path, mut warnings: Vec<String>) -> Self {
+        warnings.append(&mut content.left_out);
+        Self { content, path: path.to_owned(), warnings }
+    }
+
+    /// Its objects: meshes in collapse order, sequences and models.
+    #[must_use]
+    pub fn objects(&self) -> &[LodObject] {
+        &self.content.objects
+    }
+
+    /// The path that it came from; images are looked for beside it.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Everything in it.
+    #[must_use]
+    pub fn content(&self) -> &LodFile {
+        &self.content
+    }
+
+    /// One line for each thing that was repaired, dropped or left out while reading.
+    #[must_use]
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+
+    /// Triangles of the input, over all objects.
+    #[must_use]
+    pub fn triangles(&self) -> usize {
+        self.objects().iter().map(|o| o.simplified.mesh().triangles().len()).sum()
+    }
+
+    /// Takes out one level for the whole scene, where detail goes where it is needed.
+    ///
+    /// # Errors
+    /// If a record number is asked of several objects, or a root mean square distance where none
+    /// was measured.
+    pub fn level(&self, select: Target) -> Result<Level<'_>, Error> {
+        let scene = SceneLevels::new(self.objects(), &self.content.document, &Limits::DEFAULT)?;
+        let chosen = scene.select(select, false)?;
+        let shape = Shape { model: None, order: Order::Cache };
+        let meshes = level_mesh::meshes(self.objects(), &chosen.lods, shape)?;
+        let (error, rms) = level_mesh::distance(self.objects(), &meshes);
+        Ok(Level { file: self, lods: chosen.lods, meshes, error, rms, warnings: chosen.warnings })
+    }
+
+    /// The bytes of a `.lodc` file.
+    #[must_use]
+    pub fn to_bytes(&self) -> Vec<u8> {
+        crate::write(&self.content)
+    }
+
+    /// Writes a `.lodc` file, whole or not at all.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub fn write(&self, path: impl AsRef<Path>) -> Result<(), Error> {
+        let path = path.as_ref().to_owned();
+        let file = lodc_formats::OutputFile { path, bytes: self.to_bytes() };
+        Ok(lodc_formats::write_all(&[file])?)
+    }
 }
 
-/// Number of bytes of a file of some layout that a model needs: what every model of the object
-/// needs ([`lodc::geometry_bytes`]) and its own arrays.
-#[must_use]
-pub fn stored_bytes(model: &AnyModel, layout: Layout) -> u64 {
-    lodc::geometry_bytes(model.simplified(), layout) + store(model, layout).bytes()
+/// One level of detail of a file's objects.
+#[derive(Debug)]
+pub struct Level<'a> {
+    file: &'a File,
+    lods: Vec<Lod>,
+    meshes: Vec<LevelMesh>,
+    error: f64,
+    rms: Option<f64>,
+    warnings: Vec<String>,
 }
 
-/// A model as it is stored.
-fn store(model: &AnyModel, layout: Layout) -> StoredModel {
-    StoredModel { name: model.name().to_owned(), arrays: model.arrays(layout) }
+impl<'a> Level<'a> {
+    /// Triangles of all objects.
+    #[must_use]
+    pub fn triangles(&self) -> usize {
+        self.meshes.iter().map(|m| m.mesh.triangles().len()).sum()
+    }
+
+    /// Upper bound of the Hausdorff distance from the input: in mesh units for one object, in world
+    /// units for several.
+    #[must_use]
+    pub fn error(&self) -> f64 {
+        self.error
+    }
+
+    /// Root mean square distance from the input, in the same units; none if it was not measured.
+    #[must_use]
+    pub fn rms(&self) -> Option<f64> {
+        self.rms
+    }
+
+    /// Its objects, in the order of the file. One that is left without triangles is there too.
+    pub fn objects(&self) -> impl ExactSizeIterator<Item = LevelObject<'_>> {
+        let objects = self.file.objects().iter().zip(&self.meshes).zip(&self.lods);
+        objects.map(|((object, level), &lod)| LevelObject { object, level, lod })
+    }
+
+    /// Wishes that could not be met in full: one line each.
+    #[must_use]
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+
+    /// Writes the level as a mesh file by the extension of its path (.glb, .gltf, .obj, .ply), with
+    /// the nodes, materials, skins and animations of the input. Images go into a .glb and beside a
+    /// .gltf or .obj; those that cannot be read are left out.
+    ///
+    /// # Errors
+    /// If the extension names no format, the format cannot hold the scene, or the file cannot be
+    /// written.
+    #[cfg(feature = "export")]
+    pub fn write(&self, path: impl AsRef<Path>) -> Result<(), Error> {
+        use lodc_formats::export::{Additions, ExportFormat, LevelFacts, Provenance, export_with};
+        use lodc_formats::images::{TextureMode, Textures};
+        let path = path.as_ref();
+        let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+        let (format, mode) = match &*extension {
+            "glb" => (ExportFormat::Glb, Some(TextureMode::Embed)),
+            "gltf" => (ExportFormat::Gltf, Some(TextureMode::Copy)),
+            "obj" => (ExportFormat::Obj, Some(TextureMode::Copy)),
+            "ply" => (ExportFormat::Ply, None),
+            _ => {
+                let what = "the extension names no known format: .glb, .gltf, .obj, .ply";
+                return Err(Error::Request(format!("{}: {what}", path.display())));
+            }
+        };
+        let content = &self.file.content;
+        let mut additions = Additions::default();
+        if let Some(mode) = mode {
+            let mut assets = lodc_formats::Assets::new(&self.file.path, &[], Limits::DEFAULT);
+            let mut textures = Textures::read(&content.document, &mut assets)?;
+            if format == ExportFormat::Obj {
+                textures.add_embedded(&content.document)?;
+            }
+            additions.textures = textures.placed(mode, path);
+        }
+        let lod = match self.lods[..] {
+            [one] => Some(one.0),
+            _ => None,
+        };
+        let levels = vec![LevelFacts { lod, error: self.error, rms: self.rms }];
+        let source = content.source.content_hash;
+        additions.provenance = Some(Provenance { source, levels, refitted: false });
+        let objects = level_mesh::exported(&content.objects, &self.meshes);
+        let files = export_with(path, format, &content.document, &objects, &additions)?;
+        Ok(lodc_formats::write_all(&files)?)
+    }
+}
+
+/// One object at one level of detail.
+#[derive(Clone, Copy, Debug)]
+pub struct LevelObject<'a> {
+    object: &'a LodObject,
+    level: &'a LevelMesh,
+    lod: Lod,
+}
+
+impl<'a> LevelObject<'a> {
+    /// Its name in the input.
+    #[must_use]
+    pub fn name(&self) -> &'a str {
+        &self.object.info.name
+    }
+
+    /// Records that were applied: 0 is the input.
+    #[must_use]
+    pub fn lod(&self) -> u32 {
+        self.lod.0
+    }
+
+    /// Upper bound of the distance from the input, in the mesh's units.
+    #[must_use]
+    pub fn error(&self) -> f64 {
+        self.level.error
+    }
+
+    /// The mesh itself, with its submeshes.
+    #[must_use]
+    pub fn mesh(&self) -> &'a Mesh {
+        &self.level.mesh
+    }
+
+    /// Positions of its vertices.
+    #[must_use]
+    pub fn positions(&self) -> &'a [[f32; 3]] {
+        self.mesh().positions()
+    }
+
+    /// Its triangles as indices of vertices, sorted by submesh.
+    #[must_use]
+    pub fn indices(&self) -> &'a [[u32; 3]] {
+        self.mesh().triangles()
+    }
+
+    /// The other attributes of its vertices.
+    #[must_use]
+    pub fn attributes(&self) -> &'a [Attribute] {
+        self.mesh().attributes()
+    }
+
+    /// The material of each submesh by name, if the input names one.
+    pub fn materials(&self) -> impl ExactSizeIterator<Item = Option<&'a str>> + use<'a> {
+        self.object.info.submeshes.iter().map(|s| s.material.as_deref())
+    }
 }

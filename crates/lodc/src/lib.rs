@@ -1,14 +1,71 @@
-//! The front door of the library: files that hold every level of a mesh.
+//! Continuous level of detail: every level between a full mesh and a single point.
+//!
+//! [`build`] makes a file from OBJ, glTF or GLB, [`open`] reads one; [`File::level`] takes a level
+//! out of it:
+//!
+#![cfg_attr(all(feature = "build", feature = "export"), doc = "```")]
+#![cfg_attr(not(all(feature = "build", feature = "export")), doc = "```ignore")]
+//! use lodc::{Metric, Select};
+//!
+//! # std::env::set_current_dir("../..")?;
+//! let file = lodc::build("fixtures/machine_part.glb").metric(Metric::Quadric).run()?;
+//! let level = file.level(Select::Triangles(100))?;
+//! for part in level.objects() {
+//!     println!("{}: {} triangles, error {}", part.name(), part.indices().len(), part.error());
+//! }
+//! # let folder = std::env::temp_dir().join("lodc-front-door");
+//! # std::fs::create_dir_all(&folder)?;
+//! # std::env::set_current_dir(&folder)?;
+//! level.write("part.100.glb")?;
+//! file.write("part.lodc")?; // lodc::open reads it again
+//! # assert_eq!(lodc::open("part.lodc")?.triangles(), 480);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Everything that it exchanges is plain: positions are `[f32; 3]`, triangles `[u32; 3]`,
+//! attributes bytes with a type. The packages below have more: [`formats`] every byte of files,
+//! [`mesh`] meshes and collapse sequences, [`models`] the structures of the thesis.
+//!
+//! | feature | gives |
+//! | --- | --- |
+//! | `read` (default) | `.lodc` files, their levels and models |
+//! | `stream` | `.lods` streams: `formats::lods` |
+//! | `import` | OBJ, glTF and GLB as scenes |
+//! | `build` | files from meshes; takes `import` |
+//! | `export` | levels as glTF, GLB, OBJ and PLY |
+//! | `gpu` | models on a graphics device |
 
+#[cfg(feature = "build")]
 pub mod build;
+mod container;
 mod error;
 mod file;
+#[cfg(feature = "import")]
 mod input;
 pub mod level_mesh;
 pub mod levels;
 mod scene_levels;
 
+#[cfg(feature = "build")]
+pub use build::Builder;
+pub use container::{LodFile, LodObject, read, stored_bytes, write};
 pub use error::Error;
-pub use file::{LodFile, LodObject, read, stored_bytes, write};
+pub use file::{File, Level, LevelObject, open};
+#[cfg(feature = "import")]
 pub use input::{Input, read_input};
+pub use lodc_formats as formats;
+#[cfg(feature = "gpu")]
+pub use lodc_gpu as gpu;
+pub use lodc_lod as models;
+pub use lodc_mesh as mesh;
+pub use lodc_select::Target as Select;
+#[cfg(feature = "build")]
+pub use lodc_simplify::MetricKind as Metric;
 pub use scene_levels::SceneLevels;
+
+/// Builds a file from an OBJ, glTF or GLB file: [`Builder::run`] does the work.
+#[cfg(feature = "build")]
+#[must_use]
+pub fn build(path: impl AsRef<std::path::Path>) -> Builder {
+    Builder::new(path.as_ref())
+}

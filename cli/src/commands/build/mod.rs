@@ -8,7 +8,7 @@ mod work;
 
 pub(crate) use counts::counts;
 pub(crate) use known::importance;
-pub(crate) use pipeline::{object_options, paints};
+pub(crate) use pipeline::object_options;
 
 use crate::batch::{self, BatchArgs, MESHES, Sources};
 use crate::commands::each;

@@ -2,22 +2,21 @@
 
 use super::{BuildArgs, counts, importance};
 use crate::exit::{Failure, Outcome, Status};
-use crate::limits::ImportArgs;
 use crate::output::{self, Target};
 use crate::parts::PartArgs;
 use crate::progress::Progress;
 use crate::report::InputReport;
 use crate::stages::Stages;
-use lodc::build::{Known, Paints, Size, build_models, check_models, measure_all, simplify_all};
+use lodc::build::{
+    Known, ScenePaints, Size, build_models, check_models, measure_all, simplify_all,
+};
 use lodc::{LodFile, LodObject, write};
-use lodc_formats::appearance;
 use lodc_formats::images::Textures;
 use lodc_formats::lodc::MadeFrom;
-use lodc_formats::{Assets, Document, ObjectInfo, Scene, import};
+use lodc_formats::{Assets, Document, Scene, import};
 use lodc_lod::ModelKind;
-use lodc_simplify::{MetricKind, Options};
+use lodc_simplify::Options;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::time::SystemTime;
 
 /// The result of a build.
@@ -47,7 +46,7 @@ pub(super) fn make(
     let options = object_options(&scene, args.simplify_options(), &args.parts);
     let kinds = args.models.kinds()?;
     check_memory(args, input, size, &options, &kinds)?;
-    let paints = paints(&args.import, input, &scene, &options)?;
+    let paints = ScenePaints::read(input, &args.import.options(), &scene, &options)?;
     let importance = importance(&scene, &options, &args.importance, &args.parts)?;
     let Scene { source, document, objects, mut files_read, .. } = scene;
     let limits = args.import.options().limits;
@@ -112,47 +111,6 @@ fn check_memory(
 /// The options of every object: those of the asset, or its own.
 pub(crate) fn object_options(scene: &Scene, options: Options, parts: &PartArgs) -> Vec<Options> {
     scene.objects.iter().map(|o| parts.options(&o.info.name, options)).collect()
-}
-
-/// The colours of a scene, if the metric sees them.
-#[derive(Default)]
-pub(crate) struct ScenePaints {
-    pub(crate) paints: Option<Arc<Paints>>,
-    /// The image files they are in.
-    pub(crate) files_read: Vec<PathBuf>,
-    /// One line for each image that could not be read.
-    pub(crate) warnings: Vec<String>,
-}
-
-impl ScenePaints {
-    /// The colours, if a metric sees them.
-    pub(crate) fn shown(&self) -> Option<&Paints> {
-        self.paints.as_deref()
-    }
-}
-
-/// Reads the colours of a scene, if the metric of an object sees them.
-///
-/// # Errors
-/// If the stored document is damaged.
-pub(crate) fn paints(
-    import: &ImportArgs,
-    input: &Path,
-    scene: &Scene,
-    options: &[Options],
-) -> Outcome<ScenePaints> {
-    let sees = |o: &Options| o.attributes && o.metric == MetricKind::Hybrid;
-    if !options.iter().any(sees) {
-        return Ok(ScenePaints::default());
-    }
-    let import = import.options();
-    let infos: Vec<&ObjectInfo> = scene.objects.iter().map(|o| &o.info).collect();
-    let mut assets = Assets::new(input, &import.allowed, import.limits);
-    let looks = appearance(&scene.document, &infos, &mut assets)
-        .map_err(|e| e.in_file(&input.display().to_string()))?;
-    let warnings = looks.warnings.clone();
-    let files_read = assets.files_read().to_vec();
-    Ok(ScenePaints { paints: Some(Arc::new(Paints::new(looks))), files_read, warnings })
 }
 
 fn fill_in(report: &mut InputReport, objects: &[LodObject]) {

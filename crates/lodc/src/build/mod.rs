@@ -1,5 +1,9 @@
 //! From a scene to objects with levels: simplify, measure errors, make models, check them.
+//!
+//! [`Builder`] does all of it. A host that shows progress or has options of its own for parts of a
+//! scene calls the stages one after the other, as the program `lodc` does.
 
+mod builder;
 mod errors;
 mod estimate;
 mod judge;
@@ -10,11 +14,12 @@ mod refitted;
 mod simplify;
 mod watch;
 
+pub use builder::Builder;
 pub use errors::measure_all;
 pub use estimate::{Need, Size};
 pub use known::{Importance, Known};
 pub use models::{build_models, check_models, models};
-pub use paints::{ObjectColours, Paints};
+pub use paints::{ObjectColours, Paints, ScenePaints};
 pub use refitted::refitted_meshes;
 pub use simplify::simplify_all;
 pub use watch::Watch;

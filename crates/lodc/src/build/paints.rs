@@ -1,12 +1,58 @@
 //! The colours of a scene's objects, for all that sees them.
 
+use lodc_formats::import::ImportOptions;
+use lodc_formats::{Assets, FormatError, ObjectInfo, Scene, appearance};
 use lodc_measure::Pyramid;
 use lodc_scene::Appearance;
-use lodc_simplify::SurfaceColours;
+use lodc_simplify::{MetricKind, Options, SurfaceColours};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+/// The colours of a scene, if a metric sees them.
+#[derive(Debug, Default)]
+pub struct ScenePaints {
+    /// The colours.
+    pub paints: Option<Arc<Paints>>,
+    /// The image files they are in.
+    pub files_read: Vec<PathBuf>,
+    /// One line for each image that could not be read.
+    pub warnings: Vec<String>,
+}
+
+impl ScenePaints {
+    /// Reads the colours of a scene, if the metric of an object sees them. `options` are those of
+    /// the objects.
+    ///
+    /// # Errors
+    /// If the stored document is damaged.
+    pub fn read(
+        input: &Path,
+        import: &ImportOptions,
+        scene: &Scene,
+        options: &[Options],
+    ) -> Result<Self, FormatError> {
+        let sees = |o: &Options| o.attributes && o.metric == MetricKind::Hybrid;
+        if !options.iter().any(sees) {
+            return Ok(Self::default());
+        }
+        let infos: Vec<&ObjectInfo> = scene.objects.iter().map(|o| &o.info).collect();
+        let mut assets = Assets::new(input, &import.allowed, import.limits);
+        let looks = appearance(&scene.document, &infos, &mut assets)
+            .map_err(|e| e.in_file(&input.display().to_string()))?;
+        let warnings = looks.warnings.clone();
+        let files_read = assets.files_read().to_vec();
+        Ok(Self { paints: Some(Arc::new(Paints::new(looks))), files_read, warnings })
+    }
+
+    /// The colours, if a metric sees them.
+    #[must_use]
+    pub fn shown(&self) -> Option<&Paints> {
+        self.paints.as_deref()
+    }
+}
+
 /// Base colours and textures of a scene. The default is none.
-#[derive(Default)]
+#[derive(Debug, Default)]
 pub struct Paints {
     looks: Appearance,
     /// The images of the scene, ready to be read at any size.
@@ -54,6 +100,7 @@ impl Paints {
 }
 
 /// Colours of one object by its submeshes.
+#[derive(Debug)]
 pub struct ObjectColours<'a> {
     paints: &'a Paints,
     materials: &'a [usize],

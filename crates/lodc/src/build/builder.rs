@@ -1,0 +1,98 @@
+//! The whole way from a mesh file to a file with every level of it.
+
+use super::{
+    Importance, Known, ScenePaints, build_models, check_models, measure_all, simplify_all,
+};
+use crate::{Error, File, LodFile};
+use lodc_formats::Scene;
+use lodc_formats::import::{ImportOptions, import};
+use lodc_formats::lodc::Layout;
+use lodc_lod::ModelKind;
+use lodc_simplify::{MetricKind, Options};
+use lodc_strip::StripOptions;
+use std::path::{Path, PathBuf};
+
+/// Options of building a file from a mesh.
+#[derive(Clone, Debug)]
+pub struct Builder {
+    path: PathBuf,
+    options: Options,
+    import: ImportOptions,
+    kinds: Vec<ModelKind>,
+    layout: Layout,
+}
+
+impl Builder {
+    pub(crate) fn new(path: &Path) -> Self {
+        Self {
+            path: path.to_owned(),
+            options: Options::DEFAULT,
+            import: ImportOptions::default(),
+            kinds: Vec::new(),
+            layout: Layout::default(),
+        }
+    }
+
+    /// What decides the order of collapses; the quadric unless something else is asked for.
+    #[must_use]
+    pub fn metric(mut self, metric: MetricKind) -> Self {
+        self.options.metric = metric;
+        self
+    }
+
+    /// All options of simplification, the metric among them.
+    #[must_use]
+    pub fn options(mut self, options: Options) -> Self {
+        self.options = options;
+        self
+    }
+
+    /// Limits, folders that may be read, and welding.
+    #[must_use]
+    pub fn import(mut self, import: ImportOptions) -> Self {
+        self.import = import;
+        self
+    }
+
+    /// The structures to make besides the collapse sequence, which is enough for levels: none
+    /// unless asked for.
+    #[must_use]
+    pub fn models(mut self, kinds: &[ModelKind]) -> Self {
+        self.kinds = ModelKind::ALL.into_iter().filter(|kind| kinds.contains(kind)).collect();
+        self
+    }
+
+    /// The width of indices in the file.
+    #[must_use]
+    pub fn layout(mut self, layout: Layout) -> Self {
+        self.layout = layout;
+        self
+    }
+
+    /// Reads the mesh, simplifies it and measures every level, on all cores.
+    ///
+    /// # Errors
+    /// If the mesh cannot be read or is larger than the limits.
+    pub fn run(self) -> Result<File, Error> {
+        let scene = import(&self.path, &self.import)?;
+        let options = vec![self.options; scene.objects.len()];
+        let paints = ScenePaints::read(&self.path, &self.import, &scene, &options)?;
+        let Scene { source, document, objects, mut warnings, .. } = scene;
+        let limits = self.import.limits;
+        let known = Known {
+            paints: paints.shown(),
+            importance: &Importance::default(),
+            document: &document,
+            limits,
+        };
+        let simplified = simplify_all(objects, &options, known, &())?;
+        warnings.extend(paints.warnings);
+        let simplified = measure_all(simplified, &document, &limits, &())?;
+        let strips = StripOptions::default();
+        let objects = build_models(simplified, &self.kinds, strips, vec![], &())?;
+        check_models(&objects, &())?;
+        let (layout, left_out) = (self.layout, vec![]);
+        let content = LodFile { source, document, objects, layout, made_from: None, left_out };
+        Ok(File::new(content, &self.path, warnings))
+    }
+}
