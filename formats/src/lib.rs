@@ -8,6 +8,7 @@ pub mod appearance;
 mod assets;
 mod error;
 pub mod export;
+mod file_header;
 mod graph;
 pub mod import;
 mod limits;

@@ -1,4 +1,4 @@
-//! The `.lodc` container, versions 1 to 3 (docs/FORMAT.md).
+//! The `.lodc` container (docs/FORMAT.md).
 
 mod arrays;
 mod container;
@@ -9,9 +9,7 @@ mod hostile_tests;
 mod left_out;
 mod made_from;
 pub(crate) mod manifest;
-mod manifest_codec;
 mod object;
-mod old;
 mod record;
 mod sections;
 mod steps;
@@ -34,8 +32,8 @@ use std::sync::Arc;
 use streams::ZeroBudget;
 use table::{SCENE, tag};
 
-/// The version that this program writes, and the newest that it reads.
-pub const VERSION: u32 = 3;
+/// The version of the format.
+pub const VERSION: u16 = 1;
 
 /// A `.lodc` file in memory.
 #[derive(Debug)]
@@ -82,13 +80,6 @@ pub fn stored_bytes(model: &AnyModel, layout: Layout) -> u64 {
     object::geometry_bytes(model.simplified(), layout) + own as u64
 }
 
-/// Returns the version that a file says it is of; none if it is too short to say.
-#[must_use]
-pub fn version(bytes: &[u8]) -> Option<u32> {
-    let version = bytes.get(8..12)?.try_into().ok()?;
-    Some(u32::from_le_bytes(version))
-}
-
 /// Returns whether bytes claim to be a `.lodc` file.
 #[must_use]
 pub fn is_lodc(bytes: &[u8]) -> bool {
@@ -101,8 +92,8 @@ pub fn is_lodc(bytes: &[u8]) -> bool {
 /// If a checksum, count, offset or index is wrong, or the file needs a newer program.
 pub fn read(bytes: &[u8]) -> Result<LodFile, FormatError> {
     let mut container = Container::read(bytes)?;
-    let (version, layout) = (container.version(), container.layout());
-    let manifest = manifest_codec::decode(container.take(tag::MANIFEST, SCENE, 0)?, version)?;
+    let layout = container.layout();
+    let manifest = Manifest::decode(container.take(tag::MANIFEST, SCENE, 0)?)?;
     let source = manifest.source()?;
     let document = match manifest.document {
         DocumentEntry::Obj(obj) => Document::Obj(obj.into()),
@@ -138,13 +129,21 @@ pub fn made_from(bytes: &[u8]) -> Result<Option<MadeFrom>, FormatError> {
     container.take_optional(tag::MADE_FROM, SCENE, 0).map(MadeFrom::read).transpose()
 }
 
+/// Returns the bytes with the checksums that they should have as a file: for tests with crafted
+/// files, and for fuzzing.
+#[doc(hidden)]
+#[must_use]
+pub fn with_valid_checksums(bytes: &[u8]) -> Vec<u8> {
+    table::with_valid_checksums(bytes)
+}
+
 /// Lays a container out. Equal contents give equal bytes.
 #[must_use]
 pub fn write(file: &LodFile) -> Vec<u8> {
     let mut zeros = ZeroBudget::default();
     let plan = |o: &LodObject| streams::plan(o.simplified.mesh(), file.layout, &mut zeros);
     let plans: Vec<_> = file.objects.iter().map(plan).collect();
-    let manifest = manifest_codec::encode(&Manifest::of(file, &plans));
+    let manifest = Manifest::of(file, &plans).encode();
     let mut writer = Writer::default();
     writer.required(tag::MANIFEST, SCENE, 0, |out| out.extend_from_slice(&manifest));
     if let Document::Gltf(gltf) = &file.document {
