@@ -7,12 +7,12 @@
 
 mod support;
 
+use lodc_formats::lodc::with_valid_checksums;
 use std::fmt::Write;
 use std::io::Write as _;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 use support::{Folder, LODC};
-use xxhash_rust::xxh3::{Xxh3, xxh3_64};
 
 /// A bomb's file, and what a run of the program on it took.
 struct Range(Folder);
@@ -205,38 +205,17 @@ fn a_line_without_end_is_given_up() {
     range.build("continued.obj", "v 1 \\\n".repeat(16 << 20));
 }
 
-/// Makes the checksums right again, so that what lies behind them is met.
-fn repaired(mut bytes: Vec<u8>) -> Vec<u8> {
-    let number =
-        |bytes: &[u8], at: usize| u64::from_le_bytes(std::array::from_fn(|i| bytes[at + i]));
-    let count = u32::from_le_bytes(std::array::from_fn(|i| bytes[12 + i])) as usize;
-    let table_end = count.saturating_mul(40).saturating_add(32).min(bytes.len());
-    for entry in (32..table_end).step_by(40).filter(|e| e + 40 <= table_end) {
-        let (start, length) =
-            (number(&bytes, entry + 16) as usize, number(&bytes, entry + 24) as usize);
-        let content = start.checked_add(length).and_then(|end| bytes.get(start..end));
-        if let Some(checksum) = content.map(xxh3_64) {
-            bytes[entry + 32..entry + 40].copy_from_slice(&checksum.to_le_bytes());
-        }
-    }
-    let mut all = Xxh3::new();
-    all.update(&bytes[..24]);
-    all.update(&bytes[32..table_end]);
-    bytes[24..32].copy_from_slice(&all.digest().to_le_bytes());
-    bytes
-}
-
 #[test]
 fn counts_in_a_lodc_file_are_compared_with_its_bytes() {
     let range = Range(Folder::new());
     range.0.file("good.obj", support::grid(4));
     range.0.lodc(["build", "good.obj", "-q"]).ends(0);
     let good = range.0.read("good.lodc");
-    assert_eq!(repaired(good.clone()), good, "the checksums are understood");
-    let manifest = u64::from_le_bytes(std::array::from_fn(|i| good[48 + i])) as usize;
-    let manifest_end =
-        manifest + u64::from_le_bytes(std::array::from_fn(|i| good[56 + i])) as usize;
-    let mut places: Vec<usize> = vec![12, 16, 32 + 16, 32 + 24, 72 + 16, 72 + 24];
+    assert_eq!(with_valid_checksums(&good), good, "the checksums are understood");
+    let number = |at: usize| u64::from_le_bytes(std::array::from_fn(|i| good[at + i])) as usize;
+    let [manifest, length] = [40 + 16, 40 + 24].map(number);
+    let manifest_end = manifest + length;
+    let mut places: Vec<usize> = vec![12, 16, 40 + 16, 40 + 24, 80 + 16, 80 + 24];
     places.extend((manifest..manifest_end - 8).step_by(5));
     let mut refused = String::new();
     for at in places {
@@ -244,7 +223,7 @@ fn counts_in_a_lodc_file_are_compared_with_its_bytes() {
             let mut bytes = good.clone();
             let width = if at == 12 { 4 } else { 8 };
             bytes[at..at + width].copy_from_slice(&value.to_le_bytes()[8 - width..]);
-            range.0.file("bomb.lodc", repaired(bytes));
+            range.0.file("bomb.lodc", with_valid_checksums(&bytes));
             // Some numbers only describe: a name's hash, a scale. Those files are sound.
             if range.0.lodc(["info", "bomb.lodc"]).status == Some(0) {
                 continue;

@@ -1,6 +1,6 @@
 """Compares the Python package with what this program wrote: see tests/second_reader.rs.
 
-usage: second_reader.py levels FOLDER | streams FOLDER GOLDEN | facts FOLDER | damage FILES STREAMS
+usage: second_reader.py levels FOLDER | streams STATES FOLDER | facts FOLDER | damage FOLDER
 """
 
 import json
@@ -106,23 +106,25 @@ def levels(folder):
     print(f"{files} files, {count} levels in every structure, {extracted} of them by extract")
 
 
-def streams(folder, golden):
+def streams(states, folder):
     count = steps = 0
-    for path in sorted(folder.glob("*/*.states")):
-        sources = [golden / v / f"{path.stem}.lodc" for v in ("v2", "v3")]
-        files = lodc.open(next(s for s in sources if s.exists())).objects
+    for path in sorted(states.glob("*.states")):
+        files = lodc.open(folder / f"{path.stem}.lodc").objects
 
         def step(obj):
             nonlocal steps
             whole, steps = files[obj.number], steps + 1
             last = len(whole.positions) - 1
             found = oriented(last - obj.triangles.astype(np.int64), obj.triangle_submesh)
-            wanted = oriented(*whole.live_triangles(last + 1 - len(obj.parents)))
+            wanted = oriented(*whole.live_triangles(last + 1 - len(obj.targets)))
             assert np.array_equal(found, wanted), f"{path.stem}: step {obj.steps}"
+            targets = last - whole.targets[::-1][: len(obj.targets) - 1].astype(np.int64)
+            come = obj.has_come[1:]
+            assert (np.array(obj.targets[1:])[come] == targets[come]).all(), path.stem
 
         stream, words = lodc.open_stream(), Words(path)
         stream.each_step = step
-        data, end = (golden / path.parent.name / f"{path.stem}.lods").read_bytes(), 0
+        data, end = (folder / f"{path.stem}.lods").read_bytes(), 0
         while not words.is_read():
             start, end = end, words.one()
             stream.feed(data[start:end])
@@ -145,7 +147,7 @@ def streams(folder, golden):
 def compare(obj, words, what):
     """Compares an object of a stream with the next state of a dump."""
     vertices, error, rms = words.one(), words.one(), words.one()
-    assert len(obj.parents) == vertices, what
+    assert len(obj.targets) == vertices, what
     assert struct.pack("<f", obj.error) == struct.pack("<I", error) or not obj.steps, what
     has_rms = struct.unpack("<f", struct.pack("<I", rms))[0]
     assert obj.rms == (has_rms if has_rms == has_rms else None), what
@@ -179,10 +181,10 @@ def facts(folder):
             print(line)
 
 
-def damage(files, streams):
+def damage(folder):
     """Every flipped byte of a file is found; of a stream, what comes before it stays."""
     found, generator = 0, random.Random(1)
-    for path in [*sorted(files.glob("*.lodc")), *sorted(streams.glob("*.lods"))]:
+    for path in [*sorted(folder.glob("*.lodc")), *sorted(folder.glob("*.lods"))]:
         whole = path.read_bytes()
         for at in sorted(generator.sample(range(len(whole)), min(len(whole), 60))):
             data = bytearray(whole)
@@ -198,7 +200,7 @@ def damage(files, streams):
             else:
                 raise AssertionError(f"{path}: byte {at} changed unnoticed")
     for prefix in range(0, 165, 7):
-        stream = lodc.open_stream((streams / "triangle.lods").read_bytes()[:prefix])
+        stream = lodc.open_stream((folder / "triangle.lods").read_bytes()[:prefix])
         assert not stream.is_complete()
     print(f"all {found} damaged files were refused")
 

@@ -131,7 +131,7 @@ pub(crate) struct InfoReport {
     pub(crate) schema_version: u32,
     /// `lodc`.
     pub(crate) format: &'static str,
-    pub(crate) format_version: u32,
+    pub(crate) format_version: u16,
     pub(crate) key: String,
     pub(crate) bytes: u64,
     /// `packed` or `gpu`.
@@ -154,7 +154,7 @@ pub(crate) struct ObjectReport {
     pub(crate) counts: ObjectCounts,
     pub(crate) world_scale: f64,
     pub(crate) diagonal: f64,
-    /// `measured`, or `estimate` in files before version 3.
+    /// `measured` or `estimate`.
     pub(crate) errors: &'static str,
     pub(crate) collapse_lists: ListsReport,
     pub(crate) lods: Vec<LodReport>,
@@ -261,9 +261,6 @@ pub(crate) struct PackReport {
     pub(crate) schema_version: u32,
     pub(crate) input: String,
     pub(crate) output: String,
-    /// The version of the stream.
-    #[serde(skip)]
-    pub(crate) version: u32,
     pub(crate) bytes: u64,
     /// Bytes of all that is not a growing mesh.
     pub(crate) head_bytes: u64,
@@ -307,7 +304,7 @@ pub(crate) struct StreamInfoReport {
     pub(crate) schema_version: u32,
     /// `lods`.
     pub(crate) format: &'static str,
-    pub(crate) format_version: u32,
+    pub(crate) format_version: u16,
     /// Bytes of the file, and those of them that are whole blocks.
     pub(crate) bytes: u64,
     pub(crate) used: u64,

@@ -23,10 +23,7 @@ pub(crate) fn print() -> Outcome<()> {
         "schema_version": crate::report::SCHEMA_VERSION,
         "name": "lodc",
         "version": env!("CARGO_PKG_VERSION"),
-        "formats": {
-            "lodc": { "writes": lodc::VERSION, "reads_up_to": lodc::VERSION },
-            "lods": { "writes": lods::VERSION, "reads_up_to": lods::NAMING_VERSION },
-        },
+        "formats": { "lodc": lodc::VERSION, "lods": lods::VERSION },
         "features": if gpu { vec!["gpu"] } else { vec![] },
         "graphics_apis": if gpu { vec!["vulkan"] } else { vec![] },
     }))

@@ -10,6 +10,7 @@ mod appearance;
 mod assets;
 mod error;
 pub mod export;
+mod file_header;
 mod flatten;
 pub mod gltf;
 pub mod images;

@@ -78,20 +78,21 @@ fn errors_that_are_half_of_the_true_ones_are_found() {
 }
 
 #[test]
-fn files_of_older_versions_say_that_errors_are_estimates() {
-    let golden = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/golden/v2/triangle.lodc");
+fn files_without_measured_errors_say_that_they_are_estimates() {
+    let golden = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/golden/v1/two_parts.lodc");
     let f = Folder::new();
-    f.file("old.lodc", std::fs::read(golden).expect("a golden file"));
-    let info = f.lodc(["info", "old.lodc", "--json"]).ends(0).json();
-    assert_eq!(info["format_version"], 2);
+    f.file("estimate.lodc", std::fs::read(golden).expect("a golden file"));
+    let info = f.lodc(["info", "estimate.lodc", "--json"]).ends(0).json();
+    assert_eq!(info["format_version"], 1);
     for object in info["objects"].as_array().expect("objects") {
         assert_eq!(object["errors"], "estimate");
         assert!(object["lods"].as_array().expect("a table").iter().all(|l| l["rms"].is_null()));
     }
-    assert!(f.lodc(["info", "old.lodc"]).ends(0).text().contains("error: estimate"));
-    f.lodc(["extract", "old.lodc", "--rms", "1%", "-o", "l.obj"]).fails(2);
-    let run = f.lodc(["extract", "old.lodc", "--error", "1%", "-o", "l.obj", "--json"]).ends(0);
+    assert!(f.lodc(["info", "estimate.lodc"]).ends(0).text().contains("error: estimate"));
+    f.lodc(["extract", "estimate.lodc", "--rms", "1%", "-o", "l.obj"]).fails(2);
+    let run =
+        f.lodc(["extract", "estimate.lodc", "--error", "1%", "-o", "l.obj", "--json"]).ends(0);
     assert!(run.json()["rms"].is_null());
-    let text = f.lodc(["verify", "old.lodc"]).ends(0).text();
+    let text = f.lodc(["verify", "estimate.lodc"]).ends(0).text();
     assert!(text.contains("errors hold, cpu: skipped"), "{text}");
 }

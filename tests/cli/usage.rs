@@ -114,7 +114,7 @@ fn versions_are_a_document_if_asked_for() {
     let f = Folder::new();
     let document = f.lodc(["--version", "--json"]).ends(0).json();
     assert_eq!(document["version"], env!("CARGO_PKG_VERSION"));
-    assert_eq!(document["formats"]["lodc"]["writes"], 3);
+    assert_eq!(document["formats"], serde_json::json!({ "lodc": 1, "lods": 1 }));
     let features = document["features"].as_array().expect("a list");
     assert_eq!(features.contains(&"gpu".into()), cfg!(feature = "gpu"));
     assert_eq!(document, f.lodc(["--json", "-V"]).ends(0).json());

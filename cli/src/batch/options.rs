@@ -7,10 +7,6 @@ use std::collections::BTreeMap;
 use std::ffi::OsString;
 use std::sync::OnceLock;
 
-/// Options that were added, and the value that changes nothing: a result with it is the one of
-/// before.
-const ADDED: [(&str, &str); 1] = [("layout", "packed")];
-
 /// Options that belong to a run, not to an asset.
 const OF_THE_RUN: [&str; 21] = [
     "annotate",
@@ -184,10 +180,6 @@ fn resolved(matches: &ArgMatches, command: &Command) -> String {
         }
         let values = matches.get_raw(id).into_iter().flatten();
         let values: Vec<_> = values.map(|v| v.to_string_lossy()).collect();
-        let default = |added: &(&str, &str)| added.0 == name && (values == [added.1]);
-        if ADDED.iter().any(default) {
-            continue;
-        }
         text.push_str(&format!("{name}={};", values.join(",")));
     }
     text

@@ -17,7 +17,7 @@ use lodc::{LodFile, LodObject};
 use lodc_formats::Limits;
 use lodc_formats::lods::{ErrorBound, PackOptions, Packed, PackedObject, Quantize, Unpacker, pack};
 use lodc_lod::AnyModel;
-use lodc_strip::{Effort, StripKind, StripOptions, StripPool, StripSet};
+use lodc_strip::{Effort, StripKind, Strips};
 use rayon::prelude::*;
 use std::path::PathBuf;
 
@@ -69,11 +69,9 @@ pub(crate) fn run(args: &PackArgs) -> Outcome<()> {
     let mut stages = Stages::default();
     let (file, _) = stages.run("read", || read_lodc(&args.input, args.limits.limits()))?;
     let strips = stages.run("strips", || strips(args, &file));
-    let coded: Vec<Option<&StripSet>> = strips.iter().map(Option::as_ref).collect();
+    let coded: Vec<Option<&Strips>> = strips.iter().map(Option::as_ref).collect();
     let options =
         PackOptions { quantize: args.quantize.unwrap_or_default(), ..PackOptions::default() };
-    let options =
-        PackOptions { strip_kind: args.strips.kind().unwrap_or(options.strip_kind), ..options };
     let packed = stages.run("pack", || pack(&file, &coded, &options))?;
     stages.run("check", || check(&packed))?;
     let report = report(args, &file, &strips, &packed, &target);
@@ -88,16 +86,12 @@ pub(crate) fn run(args: &PackArgs) -> Outcome<()> {
 }
 
 /// Returns the strips of every object: those of the file if it has any of this kind, else new ones.
-fn strips(args: &PackArgs, file: &LodFile) -> Vec<Option<StripSet>> {
+fn strips(args: &PackArgs, file: &LodFile) -> Vec<Option<Strips>> {
     let Some(kind) = args.strips.kind() else { return vec![None; file.objects.len()] };
-    let options = StripOptions { kind: Some(kind), effort: args.effort };
     let of = |o: &LodObject| {
         let stored = o.models.iter().filter_map(AnyModel::strips).find(|s| s.kind == kind);
-        let set = stored.map_or_else(
-            || StripPool::new(&o.simplified, options).get(kind).set.clone(),
-            |s| s.set.clone(),
-        );
-        Some(set)
+        let make = || Strips::generate(&o.simplified, kind, args.effort);
+        Some(stored.cloned().unwrap_or_else(make))
     };
     file.objects.par_iter().map(of).collect()
 }
@@ -115,7 +109,7 @@ fn check(packed: &Packed) -> Outcome<()> {
 fn report(
     args: &PackArgs,
     file: &LodFile,
-    strips: &[Option<StripSet>],
+    strips: &[Option<Strips>],
     packed: &Packed,
     target: &Target,
 ) -> PackReport {
@@ -125,7 +119,7 @@ fn report(
         coordinate: b.coordinate,
         distance: b.distance,
     };
-    let object = |((o, p), strips): ((&LodObject, &PackedObject), &Option<StripSet>)| {
+    let object = |((o, p), strips): ((&LodObject, &PackedObject), &Option<Strips>)| {
         let counts = counts(&o.info, &o.simplified);
         let per_vertex = |bytes: u64| {
             if counts.referenced_vertices == 0 {
@@ -142,7 +136,7 @@ fn report(
         let bounds = p.bounds.iter().map(bound).collect();
         PackedReport {
             counts,
-            strips: strips.as_ref().map(|s| s.len() as u64),
+            strips: strips.as_ref().map(|s| s.set.len() as u64),
             bytes: p.bytes,
             bits_per_vertex,
             bounds,
@@ -152,7 +146,6 @@ fn report(
         schema_version: SCHEMA_VERSION,
         input: args.input.display().to_string(),
         output: target.name(),
-        version: packed.version,
         bytes: packed.bytes.len() as u64,
         head_bytes: packed.head_bytes,
         objects: file.objects.iter().zip(&packed.objects).zip(strips).map(object).collect(),
@@ -163,8 +156,7 @@ fn text(report: &PackReport) -> String {
     let output = if report.output == "-" { "standard output" } else { &report.output };
     let head = size(report.head_bytes);
     let mut lines = vec![format!(
-        "{output}: format version {}, {}, {head} of it names, nodes, materials and buffers",
-        report.version,
+        "{output}: {}, {head} of it names, nodes, materials and buffers",
         size(report.bytes)
     )];
     for o in &report.objects {

@@ -3,24 +3,7 @@
 use crate::vertex_data::number_system::NumberSystem;
 use crate::vertex_data::vertex_layout::VertexLayout;
 use lodc_mesh::{Attribute, Simplified, Submesh};
-
-/// The version of the stream that an object is coded in: what of a step depends on it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum StreamVersion {
-    /// The first vertex is coded in plain bits.
-    One,
-    /// Its indices are coded by their lengths.
-    Two,
-    /// Steps have a root mean square distance, too.
-    Four,
-    /// Points come when a split needs them. A version has an odd number of set bits, so that one
-    /// flipped bit makes no version of another.
-    Seven,
-    /// A split that transfers nothing may be that of a vertex with the target of its parent.
-    Eight,
-    /// Of a large star only the triangles that are transferred may be named.
-    Eleven,
-}
+use lodc_strip::StripKind;
 
 /// The header of an object: everything but its vertices and triangles.
 #[derive(Clone, Debug)]
@@ -36,12 +19,10 @@ pub struct MeshHeader {
     /// Triangles at the end of the stream.
     pub triangles: u32,
     /// Steps: one for each collapse behind the points, and one for each group with points that are
-    /// left at the end. Before version 7 one for the first vertex and one for each collapse.
+    /// left at the end.
     pub steps: u32,
-    /// True if strip positions are coded.
-    pub strips: bool,
-    /// The version of the stream.
-    pub version: StreamVersion,
+    /// The kind of the strips whose positions are coded, if there are any.
+    pub strips: Option<StripKind>,
 }
 
 impl MeshHeader {
@@ -49,9 +30,8 @@ impl MeshHeader {
     pub(crate) fn new(
         simplified: &Simplified,
         layout: VertexLayout,
-        strips: bool,
+        strips: Option<StripKind>,
         steps: u32,
-        version: StreamVersion,
     ) -> Self {
         let mesh = simplified.mesh();
         let submesh = |s: &Submesh| Submesh { first_triangle: 0, triangle_count: 0, ..s.clone() };
@@ -64,7 +44,6 @@ impl MeshHeader {
             triangles: mesh.triangles().len() as u32,
             steps,
             strips,
-            version,
         }
     }
 
@@ -81,8 +60,7 @@ impl MeshHeader {
             vertices: 0,
             triangles: 0,
             steps: 0,
-            strips: false,
-            version: StreamVersion::Seven,
+            strips: None,
         }
     }
 }

@@ -100,7 +100,7 @@ mod vertex_data;
 mod vertex_split;
 
 pub use entropy::text_codec;
-pub use header::{MeshHeader, StreamVersion};
+pub use header::MeshHeader;
 pub use invalid::InvalidStream;
 pub use mesh_decoder::{MeshDecoder, StepBlock};
 pub use mesh_encoder::{BlockTarget, EncodedSteps, MeshEncoder};

@@ -43,7 +43,7 @@ impl MeshDecoder {
     /// A decoder before the first step.
     #[must_use]
     pub fn new(header: MeshHeader) -> Self {
-        let strips = header.strips;
+        let strips = header.strips.is_some();
         Self::with_strips(header, strips)
     }
 
@@ -55,7 +55,7 @@ impl MeshDecoder {
 
     fn with_strips(header: MeshHeader, strips: bool) -> Self {
         let submeshes = header.submeshes.len() as u32;
-        let codec = ObjectCodec::new(header.layout.clone(), submeshes, strips, header.version);
+        let codec = ObjectCodec::new(header.layout.clone(), submeshes, strips);
         Self { skips_strips: !strips, header, codec, steps: 0 }
     }
 
@@ -163,8 +163,7 @@ impl MeshDecoder {
     /// Nothing if the stream has none.
     #[must_use]
     pub fn rms(&self) -> Option<f32> {
-        let has_some = self.codec.has_rms() && self.vertex_count() > 0;
-        has_some.then(|| rms_value(self.codec.rms_code)).flatten()
+        (self.vertex_count() > 0).then(|| rms_value(self.codec.rms_code)).flatten()
     }
 
     /// The triangles so far.

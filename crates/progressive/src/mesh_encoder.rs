@@ -2,7 +2,7 @@
 
 use crate::entropy::coder::Substreams;
 use crate::entropy::encoder::Encoder;
-use crate::header::{MeshHeader, StreamVersion};
+use crate::header::MeshHeader;
 use crate::source::coding_parents::StarRule;
 use crate::source::encoder_source::EncoderSource;
 use crate::source::strip_neighbors::StripMismatch;
@@ -10,7 +10,7 @@ use crate::vertex_data::vertex_layout::VertexLayout;
 use crate::vertex_split::contexts::Contexts;
 use crate::vertex_split::object_codec::{ObjectCodec, StepLimits};
 use lodc_mesh::{Lod, Simplified};
-use lodc_strip::StripSet;
+use lodc_strip::Strips;
 
 /// Encodes the steps of one object, coarse to fine.
 pub struct MeshEncoder<'a> {
@@ -53,7 +53,7 @@ impl<'a> MeshEncoder<'a> {
     pub fn new(
         simplified: &'a Simplified,
         layout: VertexLayout,
-        strips: Option<&StripSet>,
+        strips: Option<&Strips>,
     ) -> Result<Self, StripMismatch> {
         Self::with_rule(simplified, layout, strips, StarRule::DEFAULT)
     }
@@ -62,14 +62,14 @@ impl<'a> MeshEncoder<'a> {
     pub(crate) fn with_rule(
         simplified: &'a Simplified,
         layout: VertexLayout,
-        strips: Option<&StripSet>,
+        strips: Option<&Strips>,
         rule: StarRule,
     ) -> Result<Self, StripMismatch> {
-        let source = EncoderSource::new(simplified, &layout, strips, rule)?;
+        let source = EncoderSource::new(simplified, &layout, strips.map(|s| &s.set), rule)?;
         let submeshes = simplified.mesh().submeshes().len() as u32;
-        let (steps, version) = (source.steps(), source.version());
-        let header = MeshHeader::new(simplified, layout.clone(), strips.is_some(), steps, version);
-        let mut codec = ObjectCodec::new(layout, submeshes, strips.is_some(), header.version);
+        let kind = strips.map(|s| s.kind);
+        let header = MeshHeader::new(simplified, layout.clone(), kind, source.steps());
+        let mut codec = ObjectCodec::new(layout, submeshes, strips.is_some());
         codec.large_star = rule.large;
         Ok(Self { simplified, source, codec, header })
     }
@@ -78,12 +78,6 @@ impl<'a> MeshEncoder<'a> {
     #[must_use]
     pub fn header(&self) -> &MeshHeader {
         &self.header
-    }
-
-    /// Sets the version of the stream, at least that of the header, before the first step: all
-    /// objects of a stream have one.
-    pub fn set_version(&mut self, version: StreamVersion) {
-        (self.header.version, self.codec.version) = (version, version);
     }
 
     /// Number of vertices so far, with the points that are only announced.

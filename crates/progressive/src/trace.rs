@@ -4,7 +4,6 @@ use crate::entropy::adaptive_probability::{AdaptiveBit, AdaptiveSymbol};
 use crate::entropy::coder::{Coder, Substreams};
 use crate::entropy::decoder::Decoder;
 use crate::entropy::integer_codes::{BoundedCode, GammaCode, ResidualCode};
-use crate::header::StreamVersion;
 use crate::source::split_source::DecoderSource;
 use crate::strips::position_code::StripContexts;
 use crate::vertex_data::number_system::NumberSystem;
@@ -17,8 +16,8 @@ use lodc_mesh::{Attribute, Component, Semantic, take_leb128};
 use std::cell::RefCell;
 use std::fmt::Write as _;
 
-const TRIANGLE: &[u8] = include_bytes!("../../../fixtures/golden/lods7/triangle.lods");
-const TWO_PARTS: &[u8] = include_bytes!("../../../fixtures/golden/lods7/two_parts.lods");
+const TRIANGLE: &[u8] = include_bytes!("../../../fixtures/golden/v1/triangle.lods");
+const TWO_PARTS: &[u8] = include_bytes!("../../../fixtures/golden/v1/two_parts.lods");
 const PAGE: &str = include_str!("../../../docs/STREAM.md");
 
 /// The name of each context by its address, and how many bytes the contexts take that have one.
@@ -179,7 +178,7 @@ impl Coder for Tracer<'_> {
 /// The blocks of steps of a stream with one object: their steps and payloads, without the header of
 /// the object.
 fn step_blocks(stream: &[u8]) -> Vec<(u32, &[u8])> {
-    let mut rest = &stream[12..];
+    let mut rest = &stream[16..];
     let mut blocks = Vec::new();
     while !rest.is_empty() {
         let mut field = || take_leb128(&mut rest, u64::from(u32::MAX)).expect("a number") as u32;
@@ -203,7 +202,7 @@ fn trace(stream: &[u8], layout: VertexLayout, submeshes: u32, vertices: u32) -> 
     let mut contexts = Box::new(Contexts::new());
     let names = Names::of(&contexts);
     let lines = RefCell::new(String::new());
-    let mut codec = ObjectCodec::new(layout, submeshes, true, StreamVersion::Seven);
+    let mut codec = ObjectCodec::new(layout, submeshes, true);
     for (steps, payload) in step_blocks(stream) {
         let mut rest = payload;
         let length = take_leb128(&mut rest, 1 << 20).expect("a length") as usize;

@@ -24,7 +24,7 @@ __all__ = [
 
 
 def open(path):
-    """Opens a .lodc file of any version, by path or as bytes. Checks every sum."""
+    """Opens a .lodc file, by path or as bytes. Checks every sum."""
     return _named(path, LodFile)
 
 

@@ -3,10 +3,11 @@
 import struct
 
 from .errors import FormatError, need
+from .header import check_header
 from .xxh3 import xxh3_64
 
 MAGIC = b"\x89LODC\r\n\x1a"
-NEWEST = 3
+HEADER = 40
 SCENE = 0xFFFFFFFF
 REQUIRED, WIDE, HINTS = 1, 2, 0xFFFF0000
 MAY_BE_WIDE = {b"TRIS", b"TARG", b"MODA"}
@@ -21,21 +22,18 @@ class Container:
     know and need not know, ``wide`` holds the keys of those whose numbers are u32."""
 
     def __init__(self, data):
-        need(len(data) >= 32 and data[:8] == MAGIC, "header", "this is not a .lodc file")
-        self.version, count, length, check = struct.unpack_from("<IIQQ", data, 8)
-        if self.version > NEWEST:
-            what = f"version {self.version} is newer than this reader, which reads up to {NEWEST}"
-            raise FormatError("header", what)
-        need(self.version > 0, "header", "version 0 never existed")
-        end = 32 + 40 * count
+        need(len(data) >= HEADER, "header", "the file ends within its header")
+        check_header(data[:HEADER], MAGIC, ".lodc file")
+        count, length, check = struct.unpack_from("<IQQ", data, 12)
+        end = HEADER + 40 * count
         need(length == len(data), "header", f"the file has {len(data)} bytes, not {length}")
         need(end <= length, "header", "the section table is longer than the file")
-        found = xxh3_64(bytes(data[:24]) + bytes(data[32:end]))
-        need(found == check, "header", "does not match its checksum")
+        found = xxh3_64(bytes(data[HEADER:end]))
+        need(found == check, "section table", "does not match its checksum")
         self.sections, self.wide, self.skipped = {}, set(), []
         at = end
-        for number in range(count):
-            at = self._section(data, 32 + 40 * number, at)
+        for entry in range(HEADER, end, 40):
+            at = self._section(data, entry, at)
         need(at == length, "section table", "the file goes on after its last section")
 
     def _section(self, data, entry, before):
@@ -47,9 +45,7 @@ class Container:
         start = -(-before // 16) * 16
         need(offset == start and offset + length <= len(data), place, "is not where it should be")
         need(not any(data[before:start]), place, "follows bytes that are not 0")
-        allowed = REQUIRED if self.version < 3 else REQUIRED | HINTS
-        if self.version >= 3 and tag in MAY_BE_WIDE:
-            allowed |= WIDE
+        allowed = REQUIRED | HINTS | (WIDE if tag in MAY_BE_WIDE else 0)
         need(not flags & ~allowed & 0xFFFFFFFF, place, "has a flag that is not known")
         content = data[start : start + length]
         need(xxh3_64(content) == check, place, "does not match its checksum")

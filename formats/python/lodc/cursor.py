@@ -6,10 +6,10 @@ from .errors import FormatError
 
 
 class Cursor:
-    """The rest of some bytes. ``framed`` says that records have their length in front."""
+    """The rest of some bytes."""
 
-    def __init__(self, data, place, framed=True):
-        self.data, self.place, self.framed, self.at = data, place, framed, 0
+    def __init__(self, data, place):
+        self.data, self.place, self.at = data, place, 0
 
     def take(self, length):
         """The next bytes."""
@@ -64,8 +64,6 @@ class Cursor:
 
     def record(self, read):
         """A record; what follows its known fields belongs to later versions."""
-        if not self.framed:
-            return read()
         length = self.u64()
         end = self.at + length
         if end > len(self.data):

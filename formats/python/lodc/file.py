@@ -39,14 +39,13 @@ class LodFile:
 
     def __init__(self, data):
         container = Container(memoryview(data))
-        self.version, self.skipped = container.version, container.skipped
+        self.skipped = container.skipped
         self.layout = "gpu" if container.wide else "packed"
-        cursor = Cursor(container.take(b"MANI"), PLACE, framed=self.version >= 3)
+        cursor = Cursor(container.take(b"MANI"), PLACE)
         kind, content_hash = cursor.u8(), cursor.u128()
         self.source = Source(source_format(kind, PLACE), content_hash)
         self.obj = read_document(cursor)
         entries = cursor.many(lambda: cursor.record(lambda: _object(cursor)))
-        need(self.version >= 3 or cursor.at == len(cursor.data), PLACE, "has bytes left over")
         self.gltf, self.buffer = None, b""
         if not self.obj:
             self.gltf = json.loads(bytes(container.take(b"DJSN")))
@@ -54,7 +53,7 @@ class LodFile:
         self.objects = [Object(container, i, entry) for i, entry in enumerate(entries)]
 
     def __repr__(self):
-        return f"<lodc file of version {self.version}: {self.objects}>"
+        return f"<lodc file: {self.objects}>"
 
 
 def _object(cursor):

@@ -26,7 +26,7 @@ class Object:
         need(len(positions) % 12 == 0, self.place, "has positions that are no whole number")
         self.positions = np.frombuffer(positions, "<f4").reshape(-1, 3)
         v = len(self.positions)
-        wide = lambda tag: container.version == 1 or (tag, number, 0) in container.wide
+        wide = lambda tag: (tag, number, 0) in container.wide
         self.triangles = read_indices(take(b"TRIS"), v, wide(b"TRIS"), self.place)
         need(len(self.triangles) % 3 == 0, self.place, "has corners that are no triangle")
         self.triangles = self.triangles.reshape(-1, 3)
@@ -62,11 +62,11 @@ class Object:
         ends = np.flatnonzero(joins[:records] == 0) + 1
         self.lods = np.concatenate(([0], ends)).astype(np.int64)
         steps = len(ends)
-        errors = curve(take(b"SERR"), steps, container.version == 1, f"{self.place}: SERR")
+        errors = curve(take(b"SERR"), steps, f"{self.place}: SERR")
         self.errors = np.concatenate(([0], errors)).astype(np.float32)
         self.rms = None
         if (b"SRMS", self.number, 0) in container.sections:
-            rms = curve(take(b"SRMS"), steps, False, f"{self.place}: SRMS")
+            rms = curve(take(b"SRMS"), steps, f"{self.place}: SRMS")
             self.rms = np.concatenate(([0], rms)).astype(np.float32)
         lost = lost_triangles(take(b"STRI"), steps, f"{self.place}: STRI")
         self.counts = len(self.triangles) - np.concatenate(([0], np.cumsum(lost)))
@@ -153,7 +153,7 @@ class Object:
         else:
             curve = self.errors if error is not None else self.rms
             if curve is None:
-                raise ValueError(f"{self.place} has no mean errors: the file is of an old version")
+                raise ValueError(f"{self.place} has no mean errors: they were not measured")
             limit = error if error is not None else rms
             step = int(np.searchsorted(curve, np.float64(limit), side="right")) - 1
         last = int((self.counts > 0).sum()) - 1

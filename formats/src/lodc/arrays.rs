@@ -27,11 +27,6 @@ pub(super) fn put_narrow(out: &mut Vec<u8>, values: &[u32], width: usize) {
     }
 }
 
-pub(super) fn f32s(bytes: &[u8], place: impl Fn() -> String) -> Result<Vec<f32>, FormatError> {
-    whole(bytes, 4, place)?;
-    Ok(words(bytes).map(f32::from_bits).collect())
-}
-
 pub(super) fn f32_triples(
     bytes: &[u8],
     place: impl Fn() -> String,
@@ -62,10 +57,6 @@ pub(super) fn narrow_triples(
 
 fn value(bytes: &[u8]) -> u32 {
     bytes.iter().rev().fold(0, |value, &byte| value << 8 | u32::from(byte))
-}
-
-fn words(bytes: &[u8]) -> impl Iterator<Item = u32> {
-    bytes.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]))
 }
 
 fn triple(b: &[u8]) -> [u32; 3] {

@@ -1,10 +1,8 @@
 //! Sections in a file: the container without their meaning.
 
-use super::VERSION;
 use super::left_out::LeftOut;
 use super::table::{
-    ALIGN, CHECKED, ENTRY, HEADER, Header, Id, MAGIC, REQUIRED, Tag, WIDE, header_checksum, place,
-    tag,
+    ALIGN, ENTRY, Entry, HEADER, Id, REQUIRED, Tag, WIDE, place, put_header, table, tag,
 };
 use crate::{Fault, FormatError};
 use lodc_model::{Array, Layout};
@@ -14,7 +12,6 @@ use xxhash_rust::xxh3::xxh3_64;
 /// A file whose header, table and checksums are right, and whose sections lie one after another
 /// without gaps.
 pub(super) struct Container<'a> {
-    version: u32,
     /// Sections of known kinds that nobody has taken yet.
     sections: BTreeMap<Id, Section<'a>>,
     /// Sections of unknown kinds, none of them required.
@@ -29,19 +26,14 @@ pub(super) struct Section<'a> {
 }
 
 impl<'a> Container<'a> {
-    /// The version that the file says it is of.
-    pub(super) fn version(&self) -> u32 {
-        self.version
-    }
-
     pub(super) fn read(bytes: &'a [u8]) -> Result<Self, FormatError> {
-        let header = Header::read(bytes)?;
+        let table = table(bytes)?;
         let (mut sections, mut unknown) = (BTreeMap::new(), Vec::new());
-        let mut end = header.table_end;
-        for entry in header.entries(bytes) {
+        let mut end = HEADER + table.len();
+        for entry in table.chunks_exact(ENTRY).map(Entry::read) {
             let content = entry.content(bytes, end)?;
             end = end.next_multiple_of(ALIGN) + content.len();
-            entry.check_flags(header.version)?;
+            entry.check_flags()?;
             let (required, wide) = (entry.is_required(), entry.is_wide());
             if tag::KNOWN.contains(&entry.id.0) {
                 let section = Section { bytes: content, required, wide };
@@ -59,7 +51,7 @@ impl<'a> Container<'a> {
             let what = format!("{} bytes follow the last section", bytes.len() - end);
             return Err(FormatError::new(Fault::Malformed, "header", what));
         }
-        Ok(Self { version: header.version, sections, unknown })
+        Ok(Self { sections, unknown })
     }
 
     /// Returns the layout that the file was written in.
@@ -176,11 +168,8 @@ impl<'a> Writer<'a> {
     }
 
     pub(super) fn finish(self) -> Vec<u8> {
-        let table_end = HEADER + ENTRY * self.sections.len();
-        let mut out = vec![0; table_end];
-        out[..8].copy_from_slice(&MAGIC);
-        out[8..12].copy_from_slice(&VERSION.to_le_bytes());
-        out[12..16].copy_from_slice(&(self.sections.len() as u32).to_le_bytes());
+        let count = self.sections.len();
+        let mut out = vec![0; HEADER + ENTRY * count];
         for (i, ((tag, object, index), flags, content)) in self.sections.into_iter().enumerate() {
             let start = out.len().next_multiple_of(ALIGN);
             out.resize(start, 0);
@@ -195,10 +184,7 @@ impl<'a> Writer<'a> {
             entry[24..32].copy_from_slice(&length.to_le_bytes());
             entry[32..].copy_from_slice(&checksum.to_le_bytes());
         }
-        let length = (out.len() as u64).to_le_bytes();
-        out[16..24].copy_from_slice(&length);
-        let checksum = header_checksum(&out, table_end).to_le_bytes();
-        out[CHECKED..HEADER].copy_from_slice(&checksum);
+        put_header(&mut out, count as u32);
         out
     }
 }

@@ -1,8 +1,7 @@
-//! Files of every version that ever was stay readable: `fixtures/golden/`, with the facts that they
-//! must give.
+//! The golden files, `fixtures/golden/v1/*.lodc`, give their facts and are written as ever.
 //!
-//! The files are made once, by `cargo test -p lodc-formats make_golden_files -- --ignored`, and not
-//! again unless the format changes together with its version.
+//! They are made by `cargo test -p lodc-formats make_golden_files -- --ignored`, and not again
+//! unless the format changes.
 
 use super::tests::{all_models_file, gltf_file, measured_file, two_parts_file, wide};
 use super::*;
@@ -15,8 +14,8 @@ fn root() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-fn golden(version: u32) -> PathBuf {
-    root().join(format!("fixtures/golden/v{version}"))
+fn golden() -> PathBuf {
+    root().join("fixtures/golden/v1")
 }
 
 /// Expected facts of a file: one line for the file, one for each object. `tests/second_reader.py`
@@ -59,8 +58,8 @@ fn facts(name: &str, bytes: &[u8]) -> String {
     text
 }
 
-fn files(version: u32) -> Vec<(String, Vec<u8>)> {
-    let mut files: Vec<(String, Vec<u8>)> = std::fs::read_dir(golden(version))
+fn files() -> Vec<(String, Vec<u8>)> {
+    let mut files: Vec<(String, Vec<u8>)> = std::fs::read_dir(golden())
         .expect("the folder of golden files")
         .map(|entry| entry.expect("an entry").path())
         .filter(|path| path.extension().is_some_and(|e| e == "lodc"))
@@ -75,29 +74,13 @@ fn files(version: u32) -> Vec<(String, Vec<u8>)> {
 
 #[test]
 fn golden_files_give_their_facts_and_the_same_bytes_again() {
-    for version in 1..=VERSION {
-        let files = files(version);
-        assert_eq!(files.len(), [3, 4, 8][version as usize - 1]);
-        let all: String = files.iter().map(|(name, bytes)| facts(name, bytes)).collect();
-        assert_eq!(
-            all,
-            std::fs::read_to_string(golden(version).join("facts.txt")).expect("the facts")
-        );
-        for (name, bytes) in files {
-            let again = write(&read(&bytes).expect("a golden file"));
-            if version == VERSION {
-                assert!(again == bytes, "{name} is written otherwise than it was");
-            } else {
-                let (old, new) = (
-                    read(&bytes).expect("a golden file"),
-                    read(&again).expect("a file just written"),
-                );
-                for (old, new) in old.objects.iter().zip(&new.objects) {
-                    assert_eq!(old.simplified, new.simplified, "{name} of version {version}");
-                }
-                assert_eq!(facts(&name, &again), facts(&name, &bytes));
-            }
-        }
+    let files = files();
+    assert_eq!(files.len(), 8);
+    let all: String = files.iter().map(|(name, bytes)| facts(name, bytes)).collect();
+    assert_eq!(all, std::fs::read_to_string(golden().join("facts.txt")).expect("the facts"));
+    for (name, bytes) in files {
+        let again = write(&read(&bytes).expect("a golden file"));
+        assert!(again == bytes, "{name} is written otherwise than it was");
     }
 }
 
@@ -110,7 +93,7 @@ struct Shown {
 
 impl Shown {
     fn new(name: &str) -> Self {
-        let bytes = std::fs::read(golden(3).join(name)).expect("a golden file");
+        let bytes = std::fs::read(golden().join(name)).expect("a golden file");
         Self { name: name.to_owned(), seen: vec![false; bytes.len()], bytes }
     }
 
@@ -142,7 +125,7 @@ fn the_page_shows_golden_files_byte_by_byte() {
     let mut files: Vec<Shown> = Vec::new();
     for line in page.lines() {
         if let Some((name, _)) =
-            line.strip_prefix("`fixtures/golden/v3/").and_then(|rest| rest.split_once('`'))
+            line.strip_prefix("`fixtures/golden/v1/").and_then(|rest| rest.split_once('`'))
         {
             files.push(Shown::new(name));
         } else if let Some(file) = files.last_mut() {
@@ -156,7 +139,7 @@ fn the_page_shows_golden_files_byte_by_byte() {
 }
 
 #[test]
-#[ignore = "writes the golden files; only for a new version of the format"]
+#[ignore = "writes the golden files; only when the format changes"]
 fn make_golden_files() {
     let files = [
         ("all_models.lodc", all_models_file()),
@@ -168,12 +151,12 @@ fn make_golden_files() {
         ("two_parts.lodc", two_parts_file()),
         ("two_parts_gpu.lodc", wide(&two_parts_file())),
     ];
-    std::fs::create_dir_all(golden(VERSION)).expect("a folder");
+    std::fs::create_dir_all(golden()).expect("a folder");
     let mut all = String::new();
     for (name, file) in files {
         let bytes = write(&file);
         all += &facts(name, &bytes);
-        std::fs::write(golden(VERSION).join(name), bytes).expect("a file");
+        std::fs::write(golden().join(name), bytes).expect("a file");
     }
-    std::fs::write(golden(VERSION).join("facts.txt"), all).expect("a file");
+    std::fs::write(golden().join("facts.txt"), all).expect("a file");
 }

@@ -5,6 +5,7 @@ use super::*;
 use crate::testing::{LodFile, read, stored, write};
 use lodc_fixtures as fixtures;
 use lodc_model::Model;
+use table::HEADER;
 
 fn fails(bytes: &[u8], fault: Fault, what: &str) {
     let error = read(bytes).expect_err("this must be refused");
@@ -13,14 +14,9 @@ fn fails(bytes: &[u8], fault: Fault, what: &str) {
 }
 
 #[test]
-fn flags_that_a_reader_may_not_know_are_passed_over_from_version_3_on() {
+fn flags_that_are_hints_are_passed_over() {
     let flagged = crafted(|b| set(b, SECOND + 4, 0x0004_0001u32.to_le_bytes()));
     assert!(read(&flagged).is_ok());
-    let old = crafted(|b| {
-        set(b, SECOND + 4, 0x0004_0001u32.to_le_bytes());
-        set(b, 8, 2u32.to_le_bytes());
-    });
-    assert!(read(&old).is_err());
 }
 
 #[test]
@@ -35,14 +31,16 @@ fn every_single_bit_flip_is_detected() {
     ];
     let bytes = write(&gltf_file(&names));
     assert!((48 << 10..160 << 10).contains(&bytes.len()), "{} bytes", bytes.len());
-    let table = 32 + 40 * u32::from_le_bytes(std::array::from_fn(|i| bytes[12 + i])) as usize;
+    let table = HEADER + 40 * u32::from_le_bytes(std::array::from_fn(|i| bytes[12 + i])) as usize;
     let mut flipped = bytes.clone();
     for bit in 0..8 * bytes.len() {
         flipped[bit / 8] ^= 1 << (bit % 8);
         // Nothing is read before the container is: what it refuses, `read` refuses. That is tried
         // for some.
         assert!(Container::read(&flipped).is_err(), "bit {bit}");
-        if bit < 8 * table || bit % 97 == 0 {
+        if bit < 8 * HEADER {
+            fails(&flipped, Fault::Malformed, "header: the header is damaged");
+        } else if bit < 8 * table || bit % 97 == 0 {
             assert!(read(&flipped).is_err(), "bit {bit}");
         }
         flipped[bit / 8] ^= 1 << (bit % 8);
@@ -65,37 +63,34 @@ fn damage_to_the_gpu_layout_is_found_as_in_the_packed_one() {
     fails(&bytes[..bytes.len() - 1], Fault::Malformed, "cut off");
 }
 
-/// Sets or clears bits of the flags of a section, and the version.
-fn flagged(file: &LodFile, tag: &[u8; 4], index: u32, bits: u32, version: u32) -> Vec<u8> {
+/// Sets or clears bits of the flags of a section.
+fn flagged(file: &LodFile, tag: &[u8; 4], index: u32, bits: u32) -> Vec<u8> {
     let mut bytes = write(file);
-    let at = (32..).step_by(40).find(|&e| {
+    let at = (HEADER..).step_by(40).find(|&e| {
         bytes[e..].starts_with(tag) && bytes[e + 12..].starts_with(&index.to_le_bytes())
     });
     let at = at.expect("the section's entry");
     bytes[at + 4] ^= bits as u8;
-    set(&mut bytes, 8, version.to_le_bytes());
-    table::repair_checksums(&mut bytes);
-    bytes
+    with_valid_checksums(&bytes)
 }
 
 #[test]
 fn the_flag_of_wide_numbers_stands_where_they_are() {
     let (packed, gpu) = (two_parts_file(), wide(&two_parts_file()));
     let tris = "section TRIS of object 0: 9 bytes are not a whole number of entries of 12";
-    fails(&flagged(&packed, b"TRIS", 0, 2, 3), Fault::Malformed, tris);
-    fails(&flagged(&packed, b"TARG", 0, 2, 3), Fault::Malformed, "not a whole number of entries");
-    fails(&flagged(&gpu, b"TARG", 0, 2, 3), Fault::Malformed, "object 0: ");
+    fails(&flagged(&packed, b"TRIS", 0, 2), Fault::Malformed, tris);
+    fails(&flagged(&packed, b"TARG", 0, 2), Fault::Malformed, "not a whole number of entries");
+    fails(&flagged(&gpu, b"TARG", 0, 2), Fault::Malformed, "object 0: ");
     let strips = "the array \"strips\"";
-    fails(&flagged(&packed, b"MODA", 0, 2, 3), Fault::Malformed, strips);
-    fails(&flagged(&gpu, b"MODA", 0, 2, 3), Fault::Malformed, strips);
+    fails(&flagged(&packed, b"MODA", 0, 2), Fault::Malformed, strips);
+    fails(&flagged(&gpu, b"MODA", 0, 2), Fault::Malformed, strips);
     let removals = "the array \"removals\" is never written wide";
-    fails(&flagged(&packed, b"MODA", 1, 2, 3), Fault::Malformed, removals);
-    // Elsewhere, and in older versions, it is a flag that is not known.
+    fails(&flagged(&packed, b"MODA", 1, 2), Fault::Malformed, removals);
+    // Elsewhere it is a flag that is not known.
     for tag in [b"POSI", b"JOIN", b"SERR", b"STRI", b"VSUB", b"ATTR"] {
-        let flagged = flagged(&packed, tag, 0, 2, 3);
+        let flagged = flagged(&packed, tag, 0, 2);
         fails(&flagged, Fault::Unsupported, "has unknown flags 0x3");
     }
-    fails(&flagged(&gpu, b"TRIS", 0, 0, 2), Fault::Unsupported, "has unknown flags 0x3");
 }
 
 #[test]
@@ -111,7 +106,7 @@ fn every_truncation_and_every_longer_file_is_refused() {
     // Even if the header agrees.
     let length = longer.len() as u64;
     longer[16..24].copy_from_slice(&length.to_le_bytes());
-    table::repair_checksums(&mut longer);
+    let longer = with_valid_checksums(&longer);
     fails(&longer, Fault::Malformed, "follow the last section");
 }
 
@@ -119,8 +114,7 @@ fn every_truncation_and_every_longer_file_is_refused() {
 fn crafted(change: impl FnOnce(&mut Vec<u8>)) -> Vec<u8> {
     let mut bytes = write(&gltf_file(&["cube"]));
     change(&mut bytes);
-    table::repair_checksums(&mut bytes);
-    bytes
+    with_valid_checksums(&bytes)
 }
 
 fn set<const N: usize>(bytes: &mut [u8], at: usize, value: [u8; N]) {
@@ -129,13 +123,18 @@ fn set<const N: usize>(bytes: &mut [u8], at: usize, value: [u8; N]) {
 
 #[test]
 fn other_files_and_other_versions_are_refused_by_name() {
-    fails(b"", Fault::Malformed, "not a .lodc file");
     fails(b"glTF\x02\0\0\0", Fault::Malformed, "not a .lodc file");
-    fails(&crafted(|b| set(b, 8, 4u32.to_le_bytes())), Fault::Unsupported, "version 4 is newer");
-    fails(&crafted(|b| set(b, 8, 0u32.to_le_bytes())), Fault::Malformed, "no version 0");
+    fails(b"", Fault::Malformed, "the file ends after 0 bytes, within its header");
+    let newer = concat!("written by a newer lodc than ", env!("CARGO_PKG_VERSION"));
+    let version = format!("header: version 2: {newer}; this one reads version 1");
+    fails(&crafted(|b| set(b, 8, 2u16.to_le_bytes())), Fault::Unsupported, &version);
+    fails(&crafted(|b| set(b, 8, 0u16.to_le_bytes())), Fault::Malformed, "no version 0");
+    let feature = format!("header: features 0x4: {newer}; this one knows none");
+    fails(&crafted(|b| set(b, 10, 4u16.to_le_bytes())), Fault::Unsupported, &feature);
+    assert!(read(&crafted(|b| set(b, 10, 0x400u16.to_le_bytes()))).is_ok(), "a hint");
 }
 
-const FIRST: usize = 32;
+const FIRST: usize = HEADER;
 const SECOND: usize = FIRST + 40;
 
 #[test]
@@ -165,7 +164,7 @@ fn sections_that_are_unknown_are_skipped_or_refused_as_they_ask() {
     let object = &file.objects[0];
     let models: Vec<_> = object.models.iter().map(|m| stored(m, Layout::Packed)).collect();
     let manifest = Manifest::of(&file, std::slice::from_ref(&models), std::slice::from_ref(&plan));
-    let manifest = manifest_codec::encode(&manifest);
+    let manifest = manifest.encode();
     let mut writer = Writer::default();
     writer.required(tag::MANIFEST, SCENE, 0, |out| out.extend_from_slice(&manifest));
     writer.optional(*b"ZZZZ", SCENE, 0, |out| out.extend_from_slice(b"from the future"));
@@ -189,8 +188,7 @@ fn models_of_later_versions_are_left_out_and_their_sections_skipped() {
     let mut bytes = write(&obj_file("cube"));
     let at = bytes.windows(11).position(|w| w == b"interactive").expect("the model's name");
     set(&mut bytes, at, *b"imaginative");
-    table::repair_checksums(&mut bytes);
-    let file = read(&bytes).expect("unknown models are no error");
+    let file = read(&with_valid_checksums(&bytes)).expect("unknown models are no error");
     assert!(file.objects[0].models.is_empty());
     assert_eq!(
         file.left_out,
@@ -220,7 +218,7 @@ fn scales_that_are_no_positive_number_are_refused() {
     for wrong in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -1.0, 0.0, -0.0] {
         let mut bytes = bytes.clone();
         set(&mut bytes, at, wrong.to_le_bytes());
-        table::repair_checksums(&mut bytes);
+        let bytes = with_valid_checksums(&bytes);
         fails(&bytes, Fault::Malformed, "object 0: is shown at a scale of");
     }
 }
@@ -228,13 +226,15 @@ fn scales_that_are_no_positive_number_are_refused() {
 #[test]
 fn a_sequence_that_ends_with_triangles_left_is_refused() {
     let mut bytes = write(&obj_file("cube"));
-    let entry =
-        (32..).step_by(40).find(|&e| bytes[e..].starts_with(b"STRI")).expect("the section's entry");
+    let entry = (HEADER..)
+        .step_by(40)
+        .find(|&e| bytes[e..].starts_with(b"STRI"))
+        .expect("the section's entry");
     let u64_at = |at: usize| u64::from_le_bytes(std::array::from_fn(|i| bytes[at + i])) as usize;
     let (start, length) = (u64_at(entry + 16), u64_at(entry + 24));
     let killer = (start..start + length).rfind(|&i| bytes[i] > 0).expect("a step that kills");
     bytes[killer] -= 1;
-    table::repair_checksums(&mut bytes);
+    let bytes = with_valid_checksums(&bytes);
     fails(&bytes, Fault::Malformed, "section STRI of object 0: the last step leaves 1 triangles");
 }
 
@@ -305,7 +305,7 @@ fn mutations_that_pass_the_checksums_never_panic() {
         let sections = u32::from_le_bytes(std::array::from_fn(|i| bytes[12 + i])) as usize;
         for _ in 0..=rng.below(3) {
             // Half of the changes hit the table and the manifest, which are small.
-            let front = 32 + 40 * sections + 600;
+            let front = HEADER + 40 * sections + 600;
             let range = if rng.one_in(2) { front.min(bytes.len()) } else { bytes.len() };
             let at = rng.below(range);
             match rng.below(4) {
@@ -322,12 +322,11 @@ fn mutations_that_pass_the_checksums_never_panic() {
         if rng.one_in(10) {
             bytes.truncate(rng.below(bytes.len()));
             let length = bytes.len() as u64;
-            if length >= 32 {
+            if length >= HEADER as u64 {
                 set(&mut bytes, 16, length.to_le_bytes());
             }
         }
-        table::repair_checksums(&mut bytes);
-        if let Ok(file) = read(&bytes) {
+        if let Ok(file) = read(&with_valid_checksums(&bytes)) {
             read_whole += 1;
             for o in &file.objects {
                 // What can be read can be used.

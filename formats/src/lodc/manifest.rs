@@ -3,11 +3,13 @@
 //! These types are the file format: they are not those of the scene, so that the scene can change
 //! and the file not. Fields are only ever added, at the end of a record.
 
-use super::record::Record;
+use super::record::{LIMIT, Record};
 use super::{LodFile, LodObject, StoredModel};
 use crate::{Document, Fault, FormatError, ObjDocument, ObjMaterial, Source, SourceFormat};
 use lodc_mesh::{Attribute, Component, Semantic};
 use serde::{Deserialize, Serialize};
+
+const PLACE: &str = "section MANI";
 
 #[derive(Serialize, Deserialize)]
 pub(super) struct Manifest {
@@ -52,7 +54,7 @@ pub(super) struct SubmeshEntry {
 }
 
 #[derive(Serialize, Deserialize)]
-pub(crate) struct AttributeEntry {
+pub(super) struct AttributeEntry {
     semantic: SemanticEntry,
     pub(super) morph_target: Option<u32>,
     component: u8,
@@ -64,7 +66,7 @@ pub(crate) struct AttributeEntry {
 }
 
 #[derive(Serialize, Deserialize)]
-pub(crate) enum SemanticEntry {
+pub(super) enum SemanticEntry {
     Position,
     Normal,
     Tangent,
@@ -83,6 +85,24 @@ pub(super) struct ModelEntry {
 }
 
 impl Manifest {
+    /// Decodes the section; what follows the known fields belongs to later versions.
+    pub(super) fn decode(bytes: &[u8]) -> Result<Self, FormatError> {
+        if bytes.len() > LIMIT {
+            let what = format!("has more than {LIMIT} bytes");
+            return Err(FormatError::new(Fault::Limit, PLACE, what));
+        }
+        let config = bincode::config::legacy().with_limit::<LIMIT>();
+        bincode::serde::decode_from_slice(bytes, config).map(|(manifest, _)| manifest).map_err(
+            |e| FormatError::new(Fault::Malformed, PLACE, format!("cannot be decoded: {e}")),
+        )
+    }
+
+    /// Encodes the section: bincode's legacy encoding, fixed-width little-endian integers.
+    pub(super) fn encode(&self) -> Vec<u8> {
+        bincode::serde::encode_to_vec(self, bincode::config::legacy())
+            .expect("plain data can be written to memory")
+    }
+
     pub(super) fn of<M>(
         file: &LodFile<M>,
         models: &[Vec<StoredModel>],
@@ -102,7 +122,7 @@ impl Manifest {
 
     pub(super) fn source(&self) -> Result<Source, FormatError> {
         source_of(self.format, self.content_hash)
-            .map_err(|what| FormatError::new(Fault::Malformed, "section MANI", what))
+            .map_err(|what| FormatError::new(Fault::Malformed, PLACE, what))
     }
 }
 
@@ -178,7 +198,7 @@ fn object_entry<M>(object: &LodObject<M>, models: &[StoredModel], plan: &[bool])
 }
 
 impl AttributeEntry {
-    pub(crate) fn of(a: &Attribute, full: bool) -> Self {
+    pub(super) fn of(a: &Attribute, full: bool) -> Self {
         Self {
             semantic: match &a.semantic {
                 Semantic::Position => SemanticEntry::Position,
@@ -203,18 +223,6 @@ impl AttributeEntry {
             normalized: a.normalized,
             full,
         }
-    }
-
-    /// The stream without its bytes; none if this version does not know its type of components.
-    pub(crate) fn described(&self) -> Option<Attribute> {
-        Some(Attribute {
-            semantic: self.semantic(),
-            morph_target: self.morph_target,
-            component: self.component()?,
-            components: self.components,
-            normalized: self.normalized,
-            bytes: Vec::new(),
-        })
     }
 
     pub(super) fn semantic(&self) -> Semantic {

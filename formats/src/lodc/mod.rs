@@ -1,4 +1,4 @@
-//! The `.lodc` container, versions 1 to 3 (docs/FORMAT.md).
+//! The `.lodc` container (docs/FORMAT.md).
 
 mod arrays;
 mod container;
@@ -9,9 +9,7 @@ mod hostile_tests;
 mod left_out;
 mod made_from;
 pub(crate) mod manifest;
-mod manifest_codec;
 mod object;
-mod old;
 mod record;
 mod sections;
 mod steps;
@@ -33,8 +31,8 @@ use std::sync::Arc;
 use streams::ZeroBudget;
 use table::{SCENE, tag};
 
-/// The version that this program writes, and the newest that it reads.
-pub const VERSION: u32 = 3;
+/// The version of the format.
+pub const VERSION: u16 = 1;
 
 /// A `.lodc` file in memory. `M` is a model: [`StoredModel`] as the file has it, or whatever its
 /// arrays were turned into.
@@ -121,13 +119,6 @@ pub fn geometry_bytes(simplified: &Simplified, layout: Layout) -> u64 {
     object::geometry_bytes(simplified, layout)
 }
 
-/// Returns the version that a file says it is of; none if it is too short to say.
-#[must_use]
-pub fn version(bytes: &[u8]) -> Option<u32> {
-    let version = bytes.get(8..12)?.try_into().ok()?;
-    Some(u32::from_le_bytes(version))
-}
-
 /// Returns whether bytes claim to be a `.lodc` file.
 #[must_use]
 pub fn is_lodc(bytes: &[u8]) -> bool {
@@ -140,8 +131,8 @@ pub fn is_lodc(bytes: &[u8]) -> bool {
 /// If a checksum, count, offset or index is wrong, or the file needs a newer program.
 pub fn read(bytes: &[u8], known: &[&str]) -> Result<LodFile, FormatError> {
     let mut container = Container::read(bytes)?;
-    let (version, layout) = (container.version(), container.layout());
-    let manifest = manifest_codec::decode(container.take(tag::MANIFEST, SCENE, 0)?, version)?;
+    let layout = container.layout();
+    let manifest = Manifest::decode(container.take(tag::MANIFEST, SCENE, 0)?)?;
     let source = manifest.source()?;
     let document = match manifest.document {
         DocumentEntry::Obj(obj) => Document::Obj(obj.into()),
@@ -177,6 +168,14 @@ pub fn made_from(bytes: &[u8]) -> Result<Option<MadeFrom>, FormatError> {
     container.take_optional(tag::MADE_FROM, SCENE, 0).map(MadeFrom::read).transpose()
 }
 
+/// Returns the bytes with the checksums that they should have as a file: for tests with crafted
+/// files, and for fuzzing.
+#[doc(hidden)]
+#[must_use]
+pub fn with_valid_checksums(bytes: &[u8]) -> Vec<u8> {
+    table::with_valid_checksums(bytes)
+}
+
 /// Lays a container out. `store` lists the arrays of a model in a layout. Equal contents give equal
 /// bytes.
 #[must_use]
@@ -186,7 +185,7 @@ pub fn write<M>(file: &LodFile<M>, store: impl Fn(&M, Layout) -> StoredModel) ->
     let plans: Vec<_> = file.objects.iter().map(plan).collect();
     let stored = |o: &LodObject<M>| o.models.iter().map(|m| store(m, file.layout)).collect();
     let models: Vec<Vec<StoredModel>> = file.objects.iter().map(stored).collect();
-    let manifest = manifest_codec::encode(&Manifest::of(file, &models, &plans));
+    let manifest = Manifest::of(file, &models, &plans).encode();
     let mut writer = Writer::default();
     writer.required(tag::MANIFEST, SCENE, 0, |out| out.extend_from_slice(&manifest));
     if let Document::Gltf(gltf) = &file.document {

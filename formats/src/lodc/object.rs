@@ -25,15 +25,14 @@ fn submesh_width(submeshes: usize) -> usize {
     }
 }
 
-/// Indices of vertices as they are stored, and the bytes of each: version 1 has four always.
+/// Indices of vertices as they are stored, and the bytes of each.
 fn take_indices<'a>(
     container: &mut Container<'a>,
     (tag, number): (Tag, u32),
     vertices: usize,
 ) -> Result<(&'a [u8], usize), FormatError> {
     let section = container.take_section(tag, number, 0)?;
-    let wide = section.wide || container.version() == 1;
-    let layout = if wide { Layout::Gpu } else { Layout::Packed };
+    let layout = if section.wide { Layout::Gpu } else { Layout::Packed };
     Ok((section.bytes, layout.width(vertices)))
 }
 
@@ -267,12 +266,9 @@ fn read_sequence(
     let bits = container.take(tag::JOINED, number, 0)?;
     let step_ends = steps::step_ends(bits, targets.len()).map_err(wrong(tag::JOINED))?;
     let stored = container.take(tag::STEP_ERRORS, number, 0)?;
-    let step_errors = if container.version() == 1 {
-        arrays::f32s(stored, at(tag::STEP_ERRORS))?
-    } else {
-        steps::step_errors(stored, step_ends.len()).map_err(wrong(tag::STEP_ERRORS))?
-    };
-    // Errors without these are estimates, as in all files of versions 1 and 2.
+    let step_errors =
+        steps::step_errors(stored, step_ends.len()).map_err(wrong(tag::STEP_ERRORS))?;
+    // Errors without these are estimates.
     let step_rms = match container.take_optional(tag::STEP_RMS, number, 0) {
         Some(stored) => {
             steps::step_errors(stored, step_ends.len()).map_err(wrong(tag::STEP_RMS))?

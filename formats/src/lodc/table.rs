@@ -1,25 +1,27 @@
 //! Header and section table of a container: their layout, and what must hold of them.
 
 use super::VERSION;
+use crate::file_header::FileHeader;
 use crate::{Fault, FormatError};
-use xxhash_rust::xxh3::{Xxh3, xxh3_64};
+use xxhash_rust::xxh3::xxh3_64;
 
-/// First bytes of a file. Not text, not valid UTF-8, and damaged by a transfer that changes line
-/// ends.
-pub(super) const MAGIC: [u8; 8] = *b"\x89LODC\r\n\x1a";
 /// Bytes of the header.
-pub(super) const HEADER: usize = 32;
-/// Bytes of the header before its checksum.
-pub(super) const CHECKED: usize = 24;
+pub(super) const HEADER: usize = 40;
+const FILE_HEADER: FileHeader = FileHeader {
+    name: ".lodc file",
+    magic: *b"\x89LODC\r\n\x1a",
+    version: VERSION,
+    length: HEADER,
+};
 /// Bytes of an entry of the table.
 pub(super) const ENTRY: usize = 40;
 /// Sections begin at multiples of this.
 pub(super) const ALIGN: usize = 16;
 /// Flag of a section without which the file cannot be understood.
 pub(super) const REQUIRED: u32 = 1;
-/// Flag of a section in which each number is a `u32`: of [`tag::MAY_BE_WIDE`], from version 3 on.
+/// Flag of a section in which each number is a `u32`: of [`tag::MAY_BE_WIDE`].
 pub(super) const WIDE: u32 = 2;
-/// Flags that a reader may pass over where it does not know them, from version 3 on.
+/// Flags that a reader may pass over where it does not know them.
 const OPTIONAL: u32 = 0xffff_0000;
 
 /// The object number of sections that belong to no object.
@@ -76,60 +78,44 @@ pub(super) fn place(tag: Tag, object: u32, index: u32) -> String {
     }
 }
 
-/// A header that fits its file, whose checksum is right.
-pub(super) struct Header {
-    pub(super) version: u32,
-    /// Offset of the byte behind the table.
-    pub(super) table_end: usize,
+/// The section table of a file whose header is sound and states the file's length.
+pub(super) fn table(bytes: &[u8]) -> Result<&[u8], FormatError> {
+    if !FILE_HEADER.check(bytes)? {
+        let what = format!("the file ends after {} bytes, within its header", bytes.len());
+        return Err(malformed(what));
+    }
+    check_length(bytes.len() as u64, u64_at(bytes, 16))?;
+    let count = u32_at(bytes, 12) as usize;
+    let table = count.checked_mul(ENTRY).and_then(|length| bytes[HEADER..].get(..length));
+    let table = table.ok_or_else(|| {
+        let length = bytes.len();
+        malformed(format!("a table of {count} sections does not fit into {length} bytes"))
+    })?;
+    if xxh3_64(table) != u64_at(bytes, 24) {
+        return Err(malformed("the section table is damaged (checksum)"));
+    }
+    Ok(table)
 }
 
-impl Header {
-    pub(super) fn read(bytes: &[u8]) -> Result<Self, FormatError> {
-        if !bytes.starts_with(&MAGIC) {
-            return Err(malformed("this is not a .lodc file"));
-        }
-        if bytes.len() < HEADER {
-            let what = format!("the file ends after {} bytes, within its header", bytes.len());
-            return Err(malformed(what));
-        }
-        let (version, count) = (u32_at(bytes, 8), u32_at(bytes, 12) as usize);
-        check_version(version)?;
-        check_length(bytes.len() as u64, u64_at(bytes, 16))?;
-        let fits = count
-            .checked_mul(ENTRY)
-            .and_then(|n| n.checked_add(HEADER))
-            .filter(|&end| end <= bytes.len());
-        let table_end = fits.ok_or_else(|| {
-            let length = bytes.len();
-            malformed(format!("a table of {count} sections does not fit into {length} bytes"))
-        })?;
-        if header_checksum(bytes, table_end) != u64_at(bytes, CHECKED) {
-            return Err(malformed("the header or the section table is damaged (checksum)"));
-        }
-        Ok(Self { version, table_end })
-    }
+/// Puts the header in front of a file, which has a place for it and its table.
+pub(super) fn put_header(file: &mut [u8], sections: u32) {
+    file[..HEADER].copy_from_slice(&FILE_HEADER.start());
+    file[12..16].copy_from_slice(&sections.to_le_bytes());
+    let length = (file.len() as u64).to_le_bytes();
+    file[16..24].copy_from_slice(&length);
+    seal(file);
+}
 
-    /// The entries of the table, in the order of the file.
-    pub(super) fn entries(&self, bytes: &[u8]) -> impl Iterator<Item = Entry> {
-        (HEADER..self.table_end).step_by(ENTRY).map(|at| Entry::read(&bytes[at..at + ENTRY]))
-    }
+/// Makes the checksums of the table and the header right.
+fn seal(file: &mut [u8]) {
+    let table = (u32_at(file, 12) as usize).saturating_mul(ENTRY).min(file.len() - HEADER);
+    let checksum = xxh3_64(&file[HEADER..HEADER + table]).to_le_bytes();
+    file[24..32].copy_from_slice(&checksum);
+    FILE_HEADER.seal(file);
 }
 
 fn malformed(what: impl Into<String>) -> FormatError {
     FormatError::new(Fault::Malformed, "header", what.into())
-}
-
-fn check_version(version: u32) -> Result<(), FormatError> {
-    if version > VERSION {
-        let what = format!(
-            "version {version} is newer than this program, which reads up to version {VERSION}"
-        );
-        return Err(FormatError::new(Fault::Unsupported, "header", what));
-    }
-    if version == 0 {
-        return Err(malformed("there is no version 0"));
-    }
-    Ok(())
 }
 
 /// Compares the bytes that are there with the length that the header states.
@@ -154,7 +140,7 @@ pub(super) struct Entry {
 }
 
 impl Entry {
-    fn read(entry: &[u8]) -> Self {
+    pub(super) fn read(entry: &[u8]) -> Self {
         Self {
             id: (std::array::from_fn(|i| entry[i]), u32_at(entry, 8), u32_at(entry, 12)),
             flags: u32_at(entry, 4),
@@ -211,10 +197,9 @@ impl Entry {
     }
 
     /// Refuses flags that this version does not know, but for those that it may pass over.
-    pub(super) fn check_flags(&self, version: u32) -> Result<(), FormatError> {
+    pub(super) fn check_flags(&self) -> Result<(), FormatError> {
         let wide = if tag::MAY_BE_WIDE.contains(&self.id.0) { WIDE } else { 0 };
-        let known = if version < 3 { REQUIRED } else { REQUIRED | wide | OPTIONAL };
-        if self.flags & !known != 0 {
+        if self.flags & !(REQUIRED | wide | OPTIONAL) != 0 {
             let what = format!("has unknown flags {:#x}", self.flags);
             return Err(self.error(Fault::Unsupported, what));
         }
@@ -230,32 +215,21 @@ fn u64_at(bytes: &[u8], at: usize) -> u64 {
     u64::from_le_bytes(std::array::from_fn(|i| bytes[at + i]))
 }
 
-/// Covers the header up to the checksum and the table.
-pub(super) fn header_checksum(bytes: &[u8], table_end: usize) -> u64 {
-    let mut state = Xxh3::new();
-    state.update(&bytes[..CHECKED]);
-    state.update(&bytes[HEADER..table_end]);
-    state.digest()
-}
-
-/// Makes checksums right again after bytes were changed, as far as the table can be followed: for
-/// tests that have to get past them.
-#[cfg(test)]
-pub(super) fn repair_checksums(bytes: &mut [u8]) {
-    if bytes.len() < HEADER {
-        return;
+/// Returns the bytes with the checksums that they should have as a file, as far as their table can
+/// be followed.
+pub(super) fn with_valid_checksums(bytes: &[u8]) -> Vec<u8> {
+    let mut file = bytes.to_vec();
+    if file.len() < HEADER {
+        return file;
     }
-    let count = u32::from_le_bytes(std::array::from_fn(|i| bytes[12 + i])) as usize;
-    let table_end = (HEADER + count.saturating_mul(ENTRY)).min(bytes.len());
-    for entry in (HEADER..table_end).step_by(ENTRY).filter(|entry| entry + ENTRY <= table_end) {
-        let u64_at =
-            |at: usize| u64::from_le_bytes(std::array::from_fn(|i| bytes[at + i])) as usize;
-        let (start, length) = (u64_at(entry + 16), u64_at(entry + 24));
-        if let Some(content) = start.checked_add(length).and_then(|stop| bytes.get(start..stop)) {
+    let count = u32_at(&file, 12) as usize;
+    for at in (HEADER..=file.len().saturating_sub(ENTRY)).step_by(ENTRY).take(count) {
+        let (start, length) = (u64_at(&file, at + 16) as usize, u64_at(&file, at + 24) as usize);
+        if let Some(content) = start.checked_add(length).and_then(|stop| file.get(start..stop)) {
             let checksum = xxh3_64(content).to_le_bytes();
-            bytes[entry + 32..entry + 40].copy_from_slice(&checksum);
+            file[at + 32..at + ENTRY].copy_from_slice(&checksum);
         }
     }
-    let checksum = header_checksum(bytes, table_end).to_le_bytes();
-    bytes[CHECKED..HEADER].copy_from_slice(&checksum);
+    seal(&mut file);
+    file
 }

@@ -1,13 +1,13 @@
 //! Blocks: the units of a stream, each with checksums of its own.
 
+use super::VERSION;
+use crate::file_header::FileHeader;
 use lodc_mesh::{put_leb128, take_leb128};
 use xxhash_rust::xxh3::xxh3_64_with_seed;
 
-/// First bytes of a stream. Not text, not valid UTF-8, and damaged by a transfer that changes line
-/// ends.
-pub(super) const MAGIC: [u8; 8] = *b"\x89LODS\r\n\x1a";
-/// Bytes before the first block: [`MAGIC`] and the version.
-pub(super) const PREAMBLE: usize = 12;
+/// The bytes before the first block.
+pub(super) const FILE_HEADER: FileHeader =
+    FileHeader { name: ".lods stream", magic: *b"\x89LODS\r\n\x1a", version: VERSION, length: 20 };
 /// The most bytes of a payload of steps; that of the first block may be longer.
 pub(super) const MAX_PAYLOAD: usize = 16 << 20;
 const HEADER_CHECK: usize = 2;

@@ -1,36 +1,26 @@
 //! Writing a stream: the head, then steps in the order of their errors, cut into blocks.
 
-use super::block::{self, Block, MAGIC};
+use super::block::{self, Block, FILE_HEADER};
 use super::document::{EncodedDocument, SequenceFacts};
 use super::head::Head;
-use super::object_header::ObjectHeader;
-use super::{HUB_VERSION, NAMING_VERSION, VERSION};
+use super::mesh_header;
 use crate::lodc::{LodFile, LodObject};
 use crate::{Fault, FormatError};
 use lodc_mesh::put_leb128;
 use lodc_progressive::{
-    BlockTarget, Contexts, EncodedSteps, ErrorBound, MeshEncoder, Quantize, StreamVersion,
-    VertexLayout,
+    BlockTarget, Contexts, EncodedSteps, ErrorBound, MeshEncoder, Quantize, VertexLayout,
 };
-use lodc_strip::{StripKind, StripSet};
+use lodc_strip::Strips;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 /// Options of a stream.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PackOptions {
     /// Bits per value; lossless by default.
     pub quantize: Quantize,
     /// The most bytes of a block, as far as whole steps allow; 0 for a block for each step.
     pub block_bytes: Option<u32>,
-    /// The kind of the strips whose positions are coded.
-    pub strip_kind: StripKind,
-}
-
-impl Default for PackOptions {
-    fn default() -> Self {
-        Self { quantize: Quantize::default(), block_bytes: None, strip_kind: StripKind::Cache }
-    }
 }
 
 /// A stream and its statistics.
@@ -38,8 +28,6 @@ impl Default for PackOptions {
 pub struct Packed {
     /// The stream.
     pub bytes: Vec<u8>,
-    /// Its version.
-    pub version: u32,
     /// Bytes of all that is not steps: the head, headers of objects, the document.
     pub head_bytes: u64,
     /// Its objects.
@@ -72,7 +60,6 @@ const MAX_DOCUMENT_BLOCK: usize = 1 << 20;
 /// An object while it is written.
 struct ObjectWriter<'a> {
     encoder: MeshEncoder<'a>,
-    strips: Option<StripKind>,
     bounds: Vec<ErrorBound>,
     scale: f64,
     started: bool,
@@ -85,7 +72,7 @@ struct ObjectWriter<'a> {
 /// If strips do not draw their object, or something is larger than the format allows.
 pub fn pack<M>(
     file: &LodFile<M>,
-    strips: &[Option<&StripSet>],
+    strips: &[Option<&Strips>],
     options: &PackOptions,
 ) -> Result<Packed, FormatError> {
     let mut writers = Vec::new();
@@ -96,15 +83,7 @@ pub fn pack<M>(
     let names = file.objects.iter().map(|o| (&o.info, sequence_facts(o)));
     let document = EncodedDocument::new(&file.source, &file.document, names)
         .ok_or_else(|| too_large("the names and the JSON of the scene have more than 4 GiB"))?;
-    let needs = |w: &ObjectWriter<'_>| w.encoder.header().version;
-    let version = writers.iter().map(needs).max().unwrap_or(StreamVersion::Seven);
-    writers.iter_mut().for_each(|w| w.encoder.set_version(version));
-    let version = match version {
-        StreamVersion::Eleven => NAMING_VERSION,
-        StreamVersion::Eight => HUB_VERSION,
-        _ => VERSION,
-    };
-    let mut stream = StreamWriter::new(file, document, version);
+    let mut stream = StreamWriter::new(file, document);
     let block_bytes = options.block_bytes.unwrap_or(BLOCK_BYTES) as usize;
     let mut contexts = Box::new(Contexts::new());
     // The object that is farthest from its final mesh comes next, the first of equals.
@@ -135,7 +114,7 @@ pub fn pack<M>(
     stream.put(Block { tag: 0, steps: 0, payload: &[] });
     let head_bytes = stream.bytes.len() as u64 - stream.step_bytes - END_BYTES;
     let objects = writers.into_iter().map(ObjectWriter::finish).collect();
-    Ok(Packed { bytes: stream.bytes, version, head_bytes, objects })
+    Ok(Packed { bytes: stream.bytes, head_bytes, objects })
 }
 
 /// The priority of an object that has triangles, but none of them in the stream yet.
@@ -165,7 +144,7 @@ struct StreamWriter<'a> {
 
 impl<'a> StreamWriter<'a> {
     /// Starts a stream with its first block.
-    fn new<M>(file: &LodFile<M>, document: EncodedDocument<'a>, version: u32) -> Self {
+    fn new<M>(file: &LodFile<M>, document: EncodedDocument<'a>) -> Self {
         let head = Head {
             format: file.source.format,
             objects: file.objects.len() as u32,
@@ -173,8 +152,8 @@ impl<'a> StreamWriter<'a> {
             stored: document.text.len() as u32,
             buffer: document.buffer.len() as u64,
         };
-        let mut bytes = MAGIC.to_vec();
-        bytes.extend(version.to_le_bytes());
+        let mut bytes = FILE_HEADER.start();
+        FILE_HEADER.seal(&mut bytes);
         let mut stream = Self { bytes, blocks: 0, document, document_bytes: 0, step_bytes: 0 };
         stream.put(Block { tag: 0, steps: 0, payload: &head.to_bytes() });
         stream
@@ -213,7 +192,7 @@ impl<'a> StreamWriter<'a> {
 impl<'a> ObjectWriter<'a> {
     fn new<M>(
         object: &'a LodObject<M>,
-        strips: Option<&StripSet>,
+        strips: Option<&Strips>,
         options: &PackOptions,
     ) -> Result<Self, FormatError> {
         let simplified = &*object.simplified;
@@ -223,14 +202,7 @@ impl<'a> ObjectWriter<'a> {
             let place = format!("object \"{}\"", object.info.name);
             FormatError::new(Fault::Malformed, place, e.to_string())
         })?;
-        Ok(Self {
-            encoder,
-            strips: strips.map(|_| options.strip_kind),
-            bounds,
-            scale: object.info.world_scale,
-            started: false,
-            bytes: 0,
-        })
+        Ok(Self { encoder, bounds, scale: object.info.world_scale, started: false, bytes: 0 })
     }
 
     /// Returns a number that rises with the world error of the mesh so far; none if it is complete.
@@ -250,9 +222,7 @@ impl<'a> ObjectWriter<'a> {
         if std::mem::replace(&mut self.started, true) {
             return Ok(Vec::new());
         }
-        let header = ObjectHeader { mesh: self.encoder.header().clone(), strips: self.strips };
-        header
-            .to_bytes()
+        mesh_header::to_bytes(self.encoder.header())
             .ok_or_else(|| too_large("an object has too many submeshes and attributes"))
     }
 
@@ -269,7 +239,7 @@ impl<'a> ObjectWriter<'a> {
         let mut encoded = EncodedSteps::default();
         if !self.encoder.is_complete() {
             encoded = self.encoder.encode(contexts, target);
-            if self.encoder.header().strips {
+            if self.encoder.header().strips.is_some() {
                 put_leb128(&mut payload, encoded.splits.len() as u64);
             }
         }

@@ -2,11 +2,8 @@
 
 use super::document::{Names, ReceivedDocument, SequenceFacts};
 use super::head::Head;
-use super::object_header::ObjectHeader;
-use super::old;
 use crate::{Document, Fault, FormatError, GltfDocument, Limits, ObjectInfo, SubmeshInfo};
 use lodc_progressive::{MeshDecoder, MeshHeader};
-use lodc_strip::StripKind;
 
 /// An object so far.
 #[derive(Debug)]
@@ -14,7 +11,6 @@ pub(super) struct ReceivedObject {
     pub(super) info: ObjectInfo,
     pub(super) facts: SequenceFacts,
     pub(super) decoder: MeshDecoder,
-    pub(super) strips: Option<StripKind>,
 }
 
 /// A scene so far.
@@ -30,35 +26,12 @@ pub(super) struct Received {
 
 impl Received {
     /// A scene of which the first block has come.
-    pub(super) fn new(
-        version: u32,
-        payload: &[u8],
-        limits: &Limits,
-        triangles_only: bool,
-    ) -> Result<Self, FormatError> {
-        let document = ReceivedDocument::default();
-        if version > 1 {
-            let head = Head::parse(payload)?;
-            let mut received =
-                Self { head, document, objects: Vec::new(), announced: 0, triangles_only };
-            // A document without bytes has no blocks.
-            received.read_document(&[])?;
-            return Ok(received);
-        }
-        let old = old::Head::parse(payload)?;
-        let format = old.source.format;
-        let head =
-            Head { format, objects: old.objects.len() as u32, text: 0, stored: 0, buffer: 0 };
+    pub(super) fn new(payload: &[u8], triangles_only: bool) -> Result<Self, FormatError> {
+        let (head, document) = (Head::parse(payload)?, ReceivedDocument::default());
         let mut received =
             Self { head, document, objects: Vec::new(), announced: 0, triangles_only };
-        let mut names = Vec::new();
-        for (info, header) in old.objects {
-            received.announce(header, limits)?;
-            names.push((info, SequenceFacts::default()));
-        }
-        let names = Names { source: old.source, document: old.document, objects: names };
-        received.name_objects(&names)?;
-        received.document.names = Some(names);
+        // A document without bytes has no blocks.
+        received.read_document(&[])?;
         Ok(received)
     }
 
@@ -88,29 +61,29 @@ impl Received {
     /// Adds the next object.
     pub(super) fn announce(
         &mut self,
-        header: ObjectHeader,
+        header: MeshHeader,
         limits: &Limits,
     ) -> Result<(), FormatError> {
         let sum = |of: fn(&MeshHeader) -> u32| -> u64 {
             let before: u64 = self.objects.iter().map(|o| u64::from(of(o.decoder.header()))).sum();
-            before + u64::from(of(&header.mesh))
+            before + u64::from(of(&header))
         };
         if sum(|m| m.vertices) > limits.vertices || sum(|m| m.triangles) > limits.triangles {
             let what = "announces more vertices or triangles than the limit";
             return Err(FormatError::new(Fault::Limit, "objects", what));
         }
-        let submeshes = header.mesh.submeshes.len();
+        let submeshes = header.submeshes.len();
         let new = if self.triangles_only { MeshDecoder::triangles_only } else { MeshDecoder::new };
-        let (decoder, strips) = (new(header.mesh), header.strips);
+        let decoder = new(header);
         let number = self.announced;
         self.announced += 1;
         if let Some(object) = self.objects.get_mut(number) {
             check_submeshes(&object.info, submeshes)?;
-            (object.decoder, object.strips) = (decoder, strips);
+            object.decoder = decoder;
         } else {
             let info = unnamed(number, submeshes);
             let facts = SequenceFacts::default();
-            self.objects.push(ReceivedObject { info, facts, decoder, strips });
+            self.objects.push(ReceivedObject { info, facts, decoder });
         }
         Ok(())
     }
@@ -124,7 +97,7 @@ impl Received {
                 (object.info, object.facts) = (info, facts);
             } else {
                 let decoder = MeshDecoder::new(MeshHeader::unknown(info.submeshes.len()));
-                self.objects.push(ReceivedObject { info, facts, decoder, strips: None });
+                self.objects.push(ReceivedObject { info, facts, decoder });
             }
         }
         Ok(())

@@ -1,14 +1,14 @@
 //! Reading a stream as it comes: after any piece it has the meshes of the last whole block.
 
-use super::block::{self, Block, MAGIC, PREAMBLE, Parsed};
+use super::Arrived;
+use super::block::{self, Block, FILE_HEADER, Parsed};
 use super::document::SequenceFacts;
-use super::object_header::ObjectHeader;
+use super::mesh_header;
 use super::rebuild::{self, Rebuilt};
 use super::received::{Received, ReceivedObject};
-use super::{Arrived, HUB_VERSION, NAMING_VERSION, VERSION};
 use crate::{Document, Fault, FormatError, Limits, ObjectInfo, Source};
 use lodc_mesh::{Cleaning, Mesh, MeshParts, take_leb128};
-use lodc_progressive::{Contexts, MeshDecoder, StepBlock, StreamVersion};
+use lodc_progressive::{Contexts, MeshDecoder, StepBlock};
 use lodc_strip::{StripKind, StripSet, Strips};
 
 /// Reads a stream from wherever its bytes come.
@@ -35,7 +35,6 @@ pub struct Unpacker {
     /// Bytes of all whole blocks so far.
     bytes: u64,
     blocks: u64,
-    version: u32,
     /// Everything from the first block on.
     received: Option<Received>,
     contexts: Box<Contexts>,
@@ -70,7 +69,6 @@ impl Unpacker {
             read: 0,
             bytes: 0,
             blocks: 0,
-            version: VERSION,
             received: None,
             contexts: Box::new(Contexts::new()),
             complete: false,
@@ -119,12 +117,6 @@ impl Unpacker {
     #[must_use]
     pub fn bytes(&self) -> u64 {
         self.bytes
-    }
-
-    /// The version of the stream, once its first bytes have come.
-    #[must_use]
-    pub fn version(&self) -> u32 {
-        self.version
     }
 
     /// The source of the scene; none before the text of the document.
@@ -183,10 +175,10 @@ impl Unpacker {
         self.object(object).facts
     }
 
-    /// The kind of an object's strips; none if the stream does not say or has none.
+    /// The kind of an object's strips; none if the stream has none.
     #[must_use]
     pub fn strip_kind(&self, object: usize) -> Option<StripKind> {
-        self.object(object).strips
+        self.object(object).decoder.header().strips
     }
 
     fn object(&self, object: usize) -> &ReceivedObject {
@@ -252,12 +244,11 @@ impl Unpacker {
         })
     }
 
-    /// The strips of an object with the vertices of [`Self::rebuilt`]; none if the stream has none,
-    /// or does not say of which kind.
+    /// The strips of an object with the vertices of [`Self::rebuilt`]; none if the stream has none.
     #[must_use]
     pub fn rebuilt_strips(&self, object: usize) -> Option<Strips> {
-        let ReceivedObject { strips, decoder, .. } = self.object(object);
-        Some(Strips { kind: (*strips)?, set: rebuild::strips(decoder)? })
+        let kind = self.strip_kind(object)?;
+        Some(Strips { kind, set: rebuild::strips(self.decoder(object))? })
     }
 
     /// The mesh of an object so far with all its vertices, valid or not.
@@ -267,9 +258,10 @@ impl Unpacker {
 
     fn read_blocks(&mut self, waiting: &[u8]) -> Result<(), FormatError> {
         if self.bytes == 0 {
-            let Some(version) = check_preamble(waiting)? else { return Ok(()) };
-            self.version = version;
-            (self.read, self.bytes) = (PREAMBLE, PREAMBLE as u64);
+            if !FILE_HEADER.check(waiting)? {
+                return Ok(());
+            }
+            (self.read, self.bytes) = (FILE_HEADER.length, FILE_HEADER.length as u64);
         }
         while self.read < waiting.len() {
             let number = self.blocks;
@@ -297,9 +289,7 @@ impl Unpacker {
         if (block.tag, block.steps) != (0, 0) {
             return Err(malformed("is not a head"));
         }
-        let received =
-            Received::new(self.version, block.payload, &self.limits, self.triangles_only)?;
-        self.received = Some(received);
+        self.received = Some(Received::new(block.payload, self.triangles_only)?);
         Ok(())
     }
 
@@ -315,18 +305,11 @@ impl Unpacker {
     }
 
     fn read_steps(&mut self, block: Block<'_>) -> Result<(), FormatError> {
-        let version = match self.version {
-            ..4 => StreamVersion::Two,
-            4..7 => StreamVersion::Four,
-            7..HUB_VERSION => StreamVersion::Seven,
-            HUB_VERSION..NAMING_VERSION => StreamVersion::Eight,
-            _ => StreamVersion::Eleven,
-        };
         let received = self.received.as_mut().expect("block 0 was read");
         let (object, mut payload) = (block.tag as usize - 1, block.payload);
         let is_first = received.awaits_header(object);
         if is_first {
-            received.announce(ObjectHeader::take(&mut payload, version)?, &self.limits)?;
+            received.announce(mesh_header::take(&mut payload)?, &self.limits)?;
         }
         let decoder = &mut received
             .objects
@@ -336,7 +319,7 @@ impl Unpacker {
         if is_first && block.steps == 0 && payload.is_empty() && decoder.header().steps == 0 {
             return Ok(());
         }
-        let (splits, strips) = substreams(payload, decoder.header().strips)
+        let (splits, strips) = substreams(payload, decoder.header().strips.is_some())
             .ok_or_else(|| malformed("has a substream that is longer than it"))?;
         let bytes = self.bytes as usize + block.payload.len();
         let steps = StepBlock { steps: block.steps, splits, strips, bytes };
@@ -366,23 +349,4 @@ fn substreams(payload: &[u8], strips: bool) -> Option<(&[u8], &[u8])> {
     let mut rest = payload;
     let splits = take_leb128(&mut rest, u64::from(u32::MAX))?;
     rest.split_at_checked(splits as usize)
-}
-
-/// Returns the version of a stream that starts with these bytes; none while some are missing.
-fn check_preamble(bytes: &[u8]) -> Result<Option<u32>, FormatError> {
-    let malformed = |what: &str| FormatError::new(Fault::Malformed, "header", what);
-    let magic = bytes.len().min(MAGIC.len());
-    if bytes[..magic] != MAGIC[..magic] {
-        return Err(malformed("this is not a .lods stream"));
-    }
-    let Some(version) = bytes.get(MAGIC.len()..PREAMBLE) else { return Ok(None) };
-    match u32::from_le_bytes(version.try_into().expect("four bytes")) {
-        version @ ..=NAMING_VERSION if version.count_ones() % 2 == 1 => Ok(Some(version)),
-        never @ ..=NAMING_VERSION => Err(malformed(&format!("version {never} never existed"))),
-        newer => {
-            let upto = format!("which reads up to version {NAMING_VERSION}");
-            let what = format!("version {newer} is newer than this program, {upto}");
-            Err(FormatError::new(Fault::Unsupported, "header", what))
-        }
-    }
 }

@@ -12,7 +12,7 @@ use lodc_formats::lods::{PackOptions, Quantize, Unpacker, pack};
 use lodc_formats::{Document, FormatError, Limits, ObjDocument, Source, SourceFormat};
 use lodc_measure::{Looks, Sampling, Surface, Viewing, compare_pictures, distances, pictures};
 use lodc_mesh::Mesh;
-use lodc_strip::{StripKind, StripSet};
+use lodc_strip::{StripKind, Strips};
 use rayon::ThreadPoolBuilder;
 use std::hint::black_box;
 use std::sync::Arc;
@@ -30,7 +30,7 @@ pub(super) fn measure(args: &BenchArgs, prepared: &Prepared) -> Outcome<StreamRe
     let object = &prepared.object;
     let file = alone(object);
     let bug = |e: FormatError| Failure::new(Status::Bug, format!("{}: {e}", object.info.name));
-    let packed = |strips: Option<&StripSet>, bits: Option<u8>| {
+    let packed = |strips: Option<&Strips>, bits: Option<u8>| {
         let quantize = Quantize {
             position: bits,
             normal: bits.map(|b| b.min(10)),
@@ -38,7 +38,7 @@ pub(super) fn measure(args: &BenchArgs, prepared: &Prepared) -> Outcome<StreamRe
         };
         pack(&file, &[strips], &PackOptions { quantize, ..PackOptions::default() }).map_err(bug)
     };
-    let strips = &prepared.strips(StripKind::FEWEST_MISSES).set;
+    let strips = &**prepared.strips(StripKind::FEWEST_MISSES);
     let (plain, whole) = (packed(None, None)?, packed(Some(strips), None)?);
     let quantized = packed(Some(strips), Some(16))?;
     let vertices = object.simplified.mesh().vertex_count().max(1) as f64;

@@ -36,7 +36,7 @@ pub(super) fn report(name: &str, bytes: &[u8], baselines: bool) -> Outcome<InfoR
     Ok(InfoReport {
         schema_version: SCHEMA_VERSION,
         format: "lodc",
-        format_version: container::version(bytes).expect("a file that was read has a version"),
+        format_version: container::VERSION,
         key: format!("{:032x}", container::key(bytes)),
         bytes: bytes.len() as u64,
         source: SourceReport {

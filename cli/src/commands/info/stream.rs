@@ -5,7 +5,7 @@ use crate::exit::{Failure, Outcome, one_line};
 use crate::report::{SCHEMA_VERSION, StreamInfoReport};
 use crate::text::{count, distance, grouped, size};
 use lodc_formats::Limits;
-use lodc_formats::lods::Unpacker;
+use lodc_formats::lods::{self, Unpacker};
 use std::fmt::Write;
 
 /// Returns what has come of a stream, with the failure of the first part that cannot be used.
@@ -28,7 +28,7 @@ pub(super) fn report(
     let report = StreamInfoReport {
         schema_version: SCHEMA_VERSION,
         format: "lods",
-        format_version: unpacker.version(),
+        format_version: lods::VERSION,
         bytes: bytes.len() as u64,
         used: unpacker.bytes(),
         whole: unpacker.is_complete(),

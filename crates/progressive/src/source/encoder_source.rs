@@ -3,7 +3,6 @@
 //! The stream runs backwards through the sequence: vertex `i` here is vertex `last − i` there.
 
 use crate::error_code::{error_code, rms_code};
-use crate::header::StreamVersion;
 use crate::partial_mesh::new_triangle::Side;
 use crate::source::coding_parents::{SplitPlan, Splits, StarRule};
 use crate::source::first_appearance::{FirstAppearance, first_appearances};
@@ -101,17 +100,6 @@ impl EncoderSource {
 }
 
 impl EncoderSource {
-    /// Returns the version that the splits need.
-    pub(crate) fn version(&self) -> StreamVersion {
-        if !self.named_stars.is_empty() {
-            StreamVersion::Eleven
-        } else if self.parents != self.targets {
-            StreamVersion::Eight
-        } else {
-            StreamVersion::Seven
-        }
-    }
-
     /// Returns the number of steps as a stream counts them: those behind the points, and one for
     /// each group with points that are left when all vertices have come.
     pub(crate) fn steps(&self) -> u32 {

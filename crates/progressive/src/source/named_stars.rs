@@ -58,11 +58,6 @@ impl NamedStars {
         let start = if at == 0 { 0 } else { self.ends[at - 1] };
         Some(&self.faces[start as usize..self.ends[at] as usize])
     }
-
-    /// Returns whether there are any vertices.
-    pub(crate) fn is_empty(&self) -> bool {
-        self.vertices.is_empty()
-    }
 }
 
 /// Rings of numbers: doubly linked lists without ends.

@@ -1,4 +1,3 @@
-use crate::header::StreamVersion;
 use crate::mesh_decoder::{MeshDecoder, StepBlock};
 use crate::mesh_encoder::{BlockTarget, EncodedSteps, MeshEncoder};
 use crate::source::coding_parents::StarRule;
@@ -126,7 +125,6 @@ fn vertices_that_take_nothing_from_a_hub_are_coded_as_split_off_one_another() {
     let mut encoder = MeshEncoder::new(&book, layout, None).expect("no strips to mismatch");
     let (mut contexts, mut decoded) = (Contexts::new(), Contexts::new());
     let mut decoder = MeshDecoder::new(encoder.header().clone());
-    assert_eq!(decoder.header().version, StreamVersion::Eight);
     while !encoder.is_complete() {
         let target = BlockTarget { bytes: 1000, before: 1 << 20, until_triangle: false };
         let EncodedSteps { steps, splits, strips } = encoder.encode(&mut contexts, target);

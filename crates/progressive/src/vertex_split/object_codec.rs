@@ -4,7 +4,6 @@
 
 use crate::entropy::coder::{Coder, Substreams};
 use crate::entropy::integer_codes::GammaCode;
-use crate::header::StreamVersion;
 use crate::invalid::InvalidStream;
 use crate::partial_mesh::mesh::PartialMesh;
 use crate::partial_mesh::split::{ParentStar, SplitBuffers, SplitEdge};
@@ -42,10 +41,9 @@ pub(crate) struct ObjectCodec {
     pub(crate) values: VertexValues,
     pub(crate) strips: Option<StripOrder>,
     pub(super) submeshes: u32,
-    pub(crate) version: StreamVersion,
-    /// Stars of more triangles may be named, from version 11 on: [`LARGE_STAR`].
+    /// Stars of more triangles are large: [`LARGE_STAR`], or another number in tests.
     pub(crate) large_star: u32,
-    /// The vertices before the first triangle, from version 7 on.
+    /// The vertices before the first triangle.
     pub(crate) points: Points,
     /// For each vertex its target, and whether its step continues with the next vertex.
     pub(crate) parents: Vec<u32>,
@@ -79,18 +77,12 @@ pub(super) struct Buffers {
 }
 
 impl ObjectCodec {
-    pub(crate) fn new(
-        layout: VertexLayout,
-        submeshes: u32,
-        strips: bool,
-        version: StreamVersion,
-    ) -> Self {
+    pub(crate) fn new(layout: VertexLayout, submeshes: u32, strips: bool) -> Self {
         Self {
             mesh: PartialMesh::default(),
             values: VertexValues::new(layout),
             strips: strips.then(StripOrder::new),
             submeshes,
-            version,
             large_star: LARGE_STAR,
             points: Points::default(),
             parents: Vec::new(),
@@ -104,11 +96,6 @@ impl ObjectCodec {
             split: SplitNeighborhood::default(),
             buffers: Buffers::default(),
         }
-    }
-
-    /// Returns whether steps have a root mean square distance.
-    pub(crate) fn has_rms(&self) -> bool {
-        self.version >= StreamVersion::Four
     }
 
     /// Returns what the object has cost so far.
@@ -128,7 +115,7 @@ impl ObjectCodec {
         contexts: &mut Contexts,
         limits: StepLimits,
     ) -> Result<(), InvalidStream> {
-        if self.mesh.vertex_count() == 0 && self.version >= StreamVersion::Seven {
+        if self.mesh.vertex_count() == 0 {
             self.announce_points(&mut coders.splits, source, contexts, limits)?;
         }
         if self.mesh.vertex_count() == limits.vertices && !self.points.are_complete() {
@@ -142,11 +129,7 @@ impl ObjectCodec {
             if new >= limits.vertices {
                 return Err(InvalidStream("has more vertices than its header says"));
             }
-            if new == 0 {
-                self.code_first_vertex(&mut coders.splits, source, contexts);
-            } else {
-                self.code_vertex(coders, source, contexts, limits.vertices)?;
-            }
+            self.code_vertex(coders, source, contexts, limits.vertices)?;
             self.continues.push(self.continued);
             if !self.cost().is_within_budget(limits.bytes) {
                 return Err(InvalidStream("expands more than any real stream"));
@@ -177,11 +160,8 @@ impl ObjectCodec {
                 *last = last.wrapping_sub(by.code(coder, drop));
             }
         };
-        let has_rms = self.version >= StreamVersion::Four;
         code(&mut self.error_code, error, &mut contexts.error_falls, &mut contexts.error_drop);
-        if has_rms {
-            code(&mut self.rms_code, rms, &mut contexts.rms_falls, &mut contexts.rms_drop);
-        }
+        code(&mut self.rms_code, rms, &mut contexts.rms_falls, &mut contexts.rms_drop);
     }
 
     fn code_vertex<C: Coder, S: SplitSource>(
@@ -216,16 +196,18 @@ impl ObjectCodec {
         }
 
         self.split.start(new, parent, continued);
-        let large = if self.version >= StreamVersion::Eleven { self.large_star } else { u32::MAX };
-        self.split.code_star(coder, source, &mut contexts.named_star, &self.mesh, large)?;
+        let (named_star, large) = (&mut contexts.named_star, self.large_star);
+        self.split.code_star(coder, source, named_star, &self.mesh, large)?;
         self.work += 2 + self.split.star.len() as u64;
         self.package_bytes += 5 + self.split.star.len().div_ceil(8) as u64;
         let pattern = self.code_triangles(coder, source, contexts)?;
         let keeps_all = self.split_mesh(coder, source, contexts, pattern)?;
-        if keeps_all && self.version >= StreamVersion::Eight {
+        // A writer goes to a sibling only to keep away from a large star.
+        let target = self.parents[parent as usize];
+        if keeps_all && self.mesh.corners.count(target) > large {
             let repeats = source.repeats_target(new);
             if coder.bit(&mut contexts.repeats_target, repeats) {
-                self.parents[new as usize] = self.parents[parent as usize];
+                self.parents[new as usize] = target;
             }
         }
         self.code_strip_positions(&mut coders.strips, source, &mut contexts.strips)?;
@@ -327,8 +309,7 @@ impl ObjectCodec {
             link.extend(buffers.new_star_link.iter().map(|l| l.vertex));
         }
         // The corner lists into which new corners were inserted; long ones take no more time.
-        let most = if self.version >= StreamVersion::Eleven { LARGE_STAR } else { u32::MAX };
-        let count = |v: u32| u64::from(self.mesh.corners.count(v).min(most));
+        let count = |v: u32| u64::from(self.mesh.corners.count(v).min(LARGE_STAR));
         let longest = split.triangles.iter().map(|t| count(t.next).max(count(t.previous)));
         self.work += longest.sum::<u64>();
         Ok(keeps_all)

@@ -1,7 +1,6 @@
 //! Coding of points: their number, and what each has when it comes (docs/STREAM.md, section 4).
 
 use crate::entropy::coder::Coder;
-use crate::header::StreamVersion;
 use crate::invalid::InvalidStream;
 use crate::source::split_source::SplitSource;
 use crate::vertex_data::values::Neighborhood;
@@ -14,31 +13,13 @@ use crate::vertex_split::points::Points;
 use std::ops::Range;
 
 impl ObjectCodec {
-    /// Codes the vertex that an object starts with in versions without points: its indices as they
-    /// are.
-    pub(super) fn code_first_vertex<C: Coder, S: SplitSource>(
-        &mut self,
-        coder: &mut C,
-        source: &S,
-        contexts: &mut Contexts,
-    ) {
-        let submesh = coder.uniform(self.submeshes, source.submesh(0));
-        self.mesh.add_vertex(submesh);
-        self.parents.push(0);
-        self.code_absolute(coder, source.indices(0), contexts);
-        self.values.indices.extend_from_slice(&self.buffers.indices);
-    }
-
     /// Codes the indices of a vertex without a reference into the buffer of indices.
     fn code_absolute<C: Coder>(&mut self, coder: &mut C, wanted: &[i32], contexts: &mut Contexts) {
         self.buffers.indices.clear();
         for channel in 0..self.values.channels() {
             let wanted = wanted.get(channel).copied().unwrap_or_default();
-            let index = match self.version {
-                StreamVersion::One => coder.raw(32, wanted as u32) as i32,
-                _ => unfold(contexts.first_index.code(coder, fold(wanted))),
-            };
-            self.buffers.indices.push(index);
+            let index = contexts.first_index.code(coder, fold(wanted));
+            self.buffers.indices.push(unfold(index));
         }
     }
 

@@ -2,17 +2,17 @@
 
 import json
 
-from ..attribute import Source, read_attribute, read_document, source_format
+from ..attribute import Source, read_document, source_format
 from ..cursor import Cursor
 from ..errors import FormatError, need
+from ..header import check_header
 from ..xxh3 import xxh3_64
 from .coder import decode_text
 from .contexts import Contexts
-from .numbers import Decimal, Float, Grid, Integer, Significant
-from .object import Header, StreamObject, read_header
+from .object import StreamObject, read_header
 
 MAGIC = b"\x89LODS\r\n\x1a"
-NEWEST = 11
+HEADER = 20
 MAX_PAYLOAD = 16 << 20
 
 
@@ -24,7 +24,7 @@ class Stream:
     """
 
     def __init__(self):
-        self.version = self.source = self.obj = self.gltf = self.all_objects = None
+        self.source = self.obj = self.gltf = self.all_objects = None
         self.objects, self.buffer, self.used = [], b"", 0
         self.each_step = None
         self._waiting, self._blocks, self._contexts = b"", 0, Contexts()
@@ -37,19 +37,13 @@ class Stream:
     def feed(self, data):
         """Takes the next bytes and reads the blocks that they complete."""
         self._waiting += bytes(data)
-        if self.version is None:
-            magic = self._waiting[:8]
-            need(magic == MAGIC[: len(magic)], "header", "this is not a .lods stream")
-            if len(self._waiting) < 12:
+        if not self.used:
+            if len(self._waiting) < HEADER:
+                magic = self._waiting[:8]
+                need(magic == MAGIC[: len(magic)], "header", "this is not a .lods stream")
                 return self
-            version = int.from_bytes(self._waiting[8:12], "little")
-            need(
-                version > NEWEST or version.bit_count() % 2,
-                "header",
-                f"version {version} never existed",
-            )
-            need(version <= NEWEST, "header", f"version {version} is newer than this reader")
-            self.version, self._waiting, self.used = version, self._waiting[12:], 12
+            check_header(self._waiting[:HEADER], MAGIC, ".lods stream")
+            self._waiting, self.used = self._waiting[HEADER:], HEADER
         while self._waiting and self._block():
             pass
         return self
@@ -85,8 +79,8 @@ class Stream:
     def _read(self, place, tag, steps, payload):
         if self._blocks == 0:
             need(tag == steps == 0, place, "is not a head")
-            (self._old_head if self.version == 1 else self._head)(payload, place)
-        elif tag == 0 and payload and self.version > 1:
+            self._head(payload, place)
+        elif tag == 0 and payload:
             need(steps == 0, place, "has steps without an object")
             self._document(payload, place)
         elif tag == 0:
@@ -110,7 +104,7 @@ class Stream:
             if number == len(self.objects):
                 self.objects.append(StreamObject(number, place))
             self.objects[number].place = place
-            self.objects[number].start(read_header(cursor), self.version)
+            self.objects[number].start(read_header(cursor))
             self._announced += 1
         need(number < self._announced, place, "belongs to an object that does not exist")
         obj, payload = self.objects[number], payload[cursor.at :]
@@ -170,31 +164,6 @@ class Stream:
         except ValueError as e:
             raise FormatError(place, f"has JSON that cannot be read: {e}") from None
 
-    def _old_head(self, payload, place):
-        """The head of version 1: headers and names of all objects, and the whole document."""
-        c = Cursor(payload, place)
-        coded, entries, text, stored = c.u8(), c.u32(), c.u32(), c.u32()
-        data = c.take(stored)
-        need(
-            coded < 2 and (coded or stored == text) and entries <= text,
-            place,
-            "is stored in an unknown way",
-        )
-        data = decode_text(data, text) if coded else data
-        need(data is not None, place, "cannot be decoded")
-        self.buffer, self._document_left = bytes(payload[c.at :]), 0
-        c = Cursor(data[:entries], place)
-        self._source(c)
-        for number, (header, names) in enumerate(c.many(lambda: _old_object(c))):
-            obj = StreamObject(number, place)
-            obj.start(header, 1)
-            obj.name_as(*names)
-            self.objects.append(obj)
-        need(c.at == entries, place, "has bytes left over")
-        self.all_objects = self._announced = len(self.objects)
-        self.format = self.source.format
-        self._json(data[entries:], place)
-
 
 def _has_fields(data):
     """Whether the three numbers of a block have come; one that is wrong counts."""
@@ -214,36 +183,3 @@ def _object_text(c):
     need(0 < scale < float("inf"), c.place, "has an object whose scale is not a number above 0")
     submesh = lambda: (c.string(), c.optional(c.string), c.u32())
     return name, scale, c.many(submesh)
-
-
-def _old_object(c):
-    name, scale, _ = c.string(), c.f64(), c.u32()
-    submesh = lambda: (c.string(), c.optional(c.string), c.u32(), tuple(c.many(c.u32)))
-    submeshes = c.many(submesh)
-    attributes = [a for a, _ in c.many(lambda: read_attribute(c))]
-    count = c.u64()
-    need(count == len(attributes) + 1, c.place, "does not have one number system for each stream")
-    channels = [3] + [a.components for a in attributes]
-    systems = [_old_system(c, n) for n in channels]
-    vertices, triangles, steps = c.u32(), c.u32(), c.u32()
-    strips = "cache" if c.boolean() else None
-    streams = [s[3] for s in submeshes]
-    header = Header(vertices, triangles, steps, strips, attributes, systems, streams)
-    return header, (name, scale, [s[:3] for s in submeshes])
-
-
-def _old_system(c, channels):
-    kind = c.u32()
-    need(kind < 5, c.place, "has an unknown number system")
-    if kind == 4:
-        origins = c.many(c.f32)
-        step = c.f32()
-        need(len(origins) == channels and step > 0, c.place, "has a grid that cannot be")
-        return [Grid(origin, step) for origin in origins]
-    if kind in (1, 2):
-        digits = c.u8()
-        need(
-            digits <= 9 if kind == 1 else 1 <= digits <= 7, c.place, "has an unknown number system"
-        )
-        return [Decimal(digits) if kind == 1 else Significant(digits)] * channels
-    return [Float() if kind == 0 else Integer()] * channels

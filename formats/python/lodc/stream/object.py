@@ -10,9 +10,9 @@ from ..errors import need
 from .coder import Substream, decode_text
 from .mesh import LONG, PartialMesh, Star
 from .numbers import Decimal, Float, Grid, Integer, Significant, values
-from .points import Points, absolute, announce, bring
+from .points import Points, announce, bring
 from .strips import StripOrder, indices
-from .values import Layout, code_values, wrap
+from .values import Layout, code_values
 
 MAX_TRIANGLES = 1 << 20
 
@@ -109,22 +109,22 @@ class StreamObject:
     """One mesh as far as it has come.
 
     Vertices and triangles are numbered in stream order: vertex *a* is vertex *v* − 1 − *a* of the
-    collapse order of a ``.lodc`` file.
+    collapse order of a ``.lodc`` file. ``targets`` are the collapse targets, in that order.
     """
 
     def __init__(self, number, place):
         self.number, self.place, self.name = number, place, f"mesh{number}"
         self.world_scale, self.submeshes = 1.0, None
-        self.header, self.version = None, 7
+        self.header = None
         self.mesh, self.order = PartialMesh(), None
-        self.indices, self.parents, self.continues = [], [], []
+        self.indices, self.targets, self.continues = [], [], []
         self.steps, self.error_code, self.rms_code = 0, 0, 0
-        self.next_parent, self._continued = 0, False
+        self.next_parent, self._parent, self._continued = 0, 0, False
         self.points, self.used = Points(), 0
 
-    def start(self, header, version):
+    def start(self, header):
         """Takes the header."""
-        self.header, self.version = header, version
+        self.header = header
         names = self.submeshes
         if names is not None:
             need(
@@ -178,7 +178,7 @@ class StreamObject:
     def rms(self):
         """The root mean square distance of the mesh so far, as precise; None if there is none."""
         rms = _distance(self.rms_code)
-        return rms if self.version > 2 and self.steps and rms == rms else None
+        return rms if self.steps and rms == rms else None
 
     @property
     def triangles(self):
@@ -258,7 +258,7 @@ class StreamObject:
         )
 
     def _step(self, splits, strips, contexts):
-        if self.version >= 7 and not self.mesh.corners:
+        if not self.mesh.corners:
             announce(self, splits, contexts)
         if len(self.mesh.corners) == self.header.vertices and self.points.left:
             bring(self, splits, contexts, self.points.missing.index(True), alone=False)
@@ -266,7 +266,7 @@ class StreamObject:
             self._vertices(splits, strips, contexts)
         if splits.bit(contexts.error_falls):
             self.error_code = self.error_code - splits.gamma(contexts.error_drop) & 0xFFFFFFFF
-        if self.version > 2 and splits.bit(contexts.rms_falls):
+        if splits.bit(contexts.rms_falls):
             self.rms_code = self.rms_code - splits.gamma(contexts.rms_drop) & 0xFFFFFFFF
 
     def _vertices(self, splits, strips, contexts):
@@ -276,29 +276,17 @@ class StreamObject:
                 self.place,
                 "has more vertices than its header says",
             )
-            if not self.mesh.corners:
-                self._first_vertex(splits, contexts)
-            else:
-                self._vertex(splits, strips, contexts)
+            self._vertex(splits, strips, contexts)
             self.continues.append(self._continued)
             if not self._continued:
                 break
-
-    def _first_vertex(self, coder, contexts):
-        self.mesh.add_vertex(coder.uniform(len(self.header.streams)))
-        self.parents.append(0)
-        channels = self.header.layout.channels
-        if self.version == 1:
-            self.indices.append([wrap(coder.raw(32)) for _ in range(channels)])
-            return
-        self.indices.append(absolute(coder, contexts, channels))
 
     def _vertex(self, coder, strips, contexts):
         mesh, new, continued = self.mesh, len(self.mesh.corners), self._continued
         parent = self._wedge_parent(coder, contexts) if continued else self.next_parent
         if self.points.is_missing(parent):
             bring(self, coder, contexts, parent, alone=not self.steps)
-        self.parents.append(parent)
+        self._parent = parent
         submesh = mesh.submesh[parent]
         if len(self.header.streams) > 1 and not coder.bit(contexts.same_submesh):
             submesh = coder.uniform(len(self.header.streams))
@@ -312,10 +300,11 @@ class StreamObject:
             if self.points.is_missing(corner):
                 bring(self, coder, contexts, corner, alone=not self.steps)
         transfer = self._transfer(coder, contexts, star, pattern, triangles)
-        if self.version >= 8 and not any(transfer):
-            coder.bit(contexts.repeats_target)  # of interest to who wants the collapse sequence
-        first = len(mesh.triangles)
+        first, target = len(mesh.triangles), self.targets[parent]
         mesh.split(parent, new, star, transfer, triangles)
+        may_repeat = not any(transfer) and len(mesh.corners[target]) > LONG
+        repeats = may_repeat and coder.bit(contexts.repeats_target)
+        self.targets.append(target if repeats else parent)
         for t in mesh.triangles[first:]:
             need(len(set(t)) == 3, self.place, "adds a triangle without area")
             need(
@@ -338,7 +327,7 @@ class StreamObject:
     def _named_star(self, coder, contexts, parent):
         """The triangles that are transferred if they are named, else None."""
         size, triangles = len(self.mesh.corners[parent]), self.mesh.triangles
-        if self.version < 11 or size <= LONG or not coder.bit(contexts.is_named):
+        if size <= LONG or not coder.bit(contexts.is_named):
             return None
         count = coder.gamma(contexts.named)
         need(count <= size, self.place, "names more triangles than a star has")
@@ -349,7 +338,7 @@ class StreamObject:
         return named
 
     def _wedge_parent(self, coder, contexts):
-        before, count = self.parents[-1], len(self.mesh.corners)
+        before, count = self._parent, len(self.mesh.corners)
         distance = coder.symbol(contexts.wedge_distance)
         if distance >= 8:
             return (before + coder.bounded(contexts.parent, count)) % count

@@ -51,7 +51,7 @@ def announce(obj, coder, contexts):
     obj.points = Points(count)
     for _ in range(count):
         obj.mesh.add_vertex(0)
-    obj.parents, obj.continues = [0] * count, [False] * count
+    obj.targets, obj.continues = [0] * count, [False] * count
     obj.indices = [[0] * channels for _ in range(count)]
     if count < vertices:
         obj.next_parent = coder.bounded(contexts.parent, count)
@@ -70,7 +70,7 @@ def bring(obj, coder, contexts, point, alone):
 def _point(obj, coder, contexts, point):
     mesh, points, header = obj.mesh, obj.points, obj.header
     wedge = points.last_wedge.get(points.group[point][0])
-    parent = obj.parents[point] = _parent(obj, coder, contexts, point, wedge)
+    parent = obj.targets[point] = _parent(obj, coder, contexts, point, wedge)
     reference = _reference(obj, point, parent, wedge)
     submeshes = len(header.streams)
     if submeshes > 1:
@@ -108,7 +108,7 @@ def _parent(obj, coder, contexts, point, wedge):
         return 0
     if wedge is not None:
         distance = coder.gamma(contexts.point_next_parent)
-        return (min(obj.parents[wedge], point - 1) + distance) % point
+        return (min(obj.targets[wedge], point - 1) + distance) % point
     start, end = obj.points.group[obj.points.last] if obj.points.last is not None else (0, 0)
     end = min(end, point)
     if start < end and coder.bit(contexts.point_in_last):
@@ -119,7 +119,7 @@ def _parent(obj, coder, contexts, point, wedge):
 def _reference(obj, point, parent, wedge):
     """The vertex from which a point is predicted; None for the first of all."""
     points = obj.points
-    if wedge is not None and obj.parents[wedge] == parent:
+    if wedge is not None and obj.targets[wedge] == parent:
         return wedge
     if points.child[point] is not None:
         return points.child[point]

@@ -1,6 +1,5 @@
 //! Cut, damaged, longer, newer, crafted.
 
-use super::super::block::PREAMBLE;
 use super::*;
 use crate::Fault;
 use crate::testing::Random;
@@ -66,16 +65,7 @@ fn other_files_are_refused_by_name() {
     let (_, bytes) = small();
     refused(&[&bytes[..], b"x"].concat(), "follows the end");
     refused(b"v 0 0 0\n", "not a .lods stream");
-    let mut newer = bytes.clone();
-    for version in super::super::NAMING_VERSION + 1..300 {
-        newer[8..PREAMBLE].copy_from_slice(&version.to_le_bytes());
-        refused(&newer, "newer than this program");
-    }
-    for version in [0, 3, 5, 6, 9, 10u8] {
-        newer[8] = version;
-        newer[9] = 0;
-        refused(&newer, &format!("version {version} never existed"));
-    }
+    refused(&[&bytes[1..], &[0]].concat(), "not a .lods stream");
     let ends = ends(&bytes);
     // A block twice, left out, or in another's place.
     refused(&[&bytes[..ends[3]], &bytes[ends[2]..]].concat(), "checksum");
@@ -83,6 +73,40 @@ fn other_files_are_refused_by_name() {
     let mut early = bytes[..ends[4]].to_vec();
     block::put(&mut early, 4, Block { tag: 0, steps: 0, payload: &[] });
     refused(&early, "before everything is complete");
+}
+
+#[test]
+fn a_flipped_bit_of_the_header_is_damage() {
+    let (_, bytes) = small();
+    for bit in 0..8 * FILE_HEADER.length {
+        let mut damaged = bytes.clone();
+        damaged[bit / 8] ^= 1 << (bit % 8);
+        refused(&damaged, "header: the header is damaged");
+    }
+}
+
+#[test]
+fn other_versions_and_features_say_what_they_need() {
+    let (_, bytes) = small();
+    let newer = concat!("written by a newer lodc than ", env!("CARGO_PKG_VERSION"));
+    let with = |at: usize, value: u16| {
+        let mut other = bytes.clone();
+        other[at..at + 2].copy_from_slice(&value.to_le_bytes());
+        FILE_HEADER.seal(&mut other);
+        other
+    };
+    refused(&with(8, 0), "there is no version 0");
+    for version in [2, 3, 300, u16::MAX] {
+        let what = format!("header: version {version}: {newer}; this one reads version 1");
+        refused(&with(8, version), &what);
+    }
+    for bit in 0..8 {
+        let what = format!("header: features {:#x}: {newer}; this one knows none", 1 << bit);
+        refused(&with(10, 1 << bit), &what);
+    }
+    for hint in 8..16 {
+        assert!(fed(&with(10, 1 << hint)).is_complete(), "bit {hint} is a hint");
+    }
 }
 
 #[test]
@@ -95,8 +119,8 @@ fn more_than_the_limits_allow_is_refused() {
 
 /// The stream with a payload changed and its checksums made right again.
 pub(super) fn forged(bytes: &[u8], random: &mut Random) -> Vec<u8> {
-    let mut out = bytes[..PREAMBLE].to_vec();
-    let mut at = PREAMBLE;
+    let mut out = bytes[..FILE_HEADER.length].to_vec();
+    let mut at = FILE_HEADER.length;
     for number in 0.. {
         let Parsed::Block(found, length) = block::parse(&bytes[at..], number) else { break };
         let mut payload = found.payload.to_vec();

@@ -1,15 +1,12 @@
-//! Streams of meshes with vertices of hundreds of triangles: version 8 where a vertex repeats the
-//! target of its parent, 11 where too much of their stars is handed over piece by piece.
+//! Streams of meshes with vertices of hundreds of triangles: a vertex repeats the target of its
+//! parent, and where too much of a star is handed over piece by piece, the pieces are named.
 
-use super::super::block::PREAMBLE;
-use super::super::{HUB_VERSION, NAMING_VERSION, VERSION};
-use super::every_step::{check_every_step, same_mesh};
+use super::every_step::check_every_step;
 use super::*;
 use crate::testing::Random;
 use lodc_fixtures as fixtures;
 use lodc_mesh::{Mesh, MeshParts, Submesh};
 use std::collections::BTreeSet;
-use std::path::PathBuf;
 
 /// Pages of a book in two submeshes: each has a spine of its own, at the same two positions.
 fn book_of_two_parts(pages: u32) -> Mesh {
@@ -42,22 +39,15 @@ fn simplified(mesh: &Mesh) -> Simplified {
     lodc_simplify::simplify(mesh, &lodc_simplify::Options::DEFAULT, &|_, _| {})
 }
 
-fn version(file: &LodFile) -> u32 {
-    u32::from(stepwise(file).0.bytes[8])
-}
-
 #[test]
-fn hubs_are_decoded_at_every_step_and_only_they_need_version_8() {
+fn hubs_are_decoded_at_every_step() {
     let book = obj(vec![object("book", simplified(&fixtures::book(700)))]);
     let parts = obj(vec![object("parts", simplified(&book_of_two_parts(400)))]);
     let fan = object("fan", simplified(&fixtures::fan(300)));
     let scene = obj(vec![fan, object("book", simplified(&fixtures::book(400)))]);
     for (name, file) in [("book", &book), ("parts", &parts), ("scene", &scene)] {
-        assert_eq!(version(file), HUB_VERSION, "{name}");
         check_every_step(file, name);
     }
-    let small = obj(vec![object("book", simplified(&fixtures::book(200)))]);
-    assert_eq!(version(&small), VERSION);
 }
 
 #[test]
@@ -109,16 +99,13 @@ fn hubs_that_are_named_are_decoded_at_every_step() {
     for (name, file) in
         [("simple", &simple), ("random", &random), ("parts", &parts), ("scene", &scene)]
     {
-        assert_eq!(version(file), NAMING_VERSION, "{name}");
         check_every_step(file, name);
     }
-    let small = obj(vec![object("flaps", simplified(&fixtures::flaps(250)))]);
-    assert_eq!(version(&small), VERSION);
 }
 
 /// The stream with a byte of this block changed and its checksums made right again.
 fn forged(bytes: &[u8], number: usize, random: &mut Random) -> Vec<u8> {
-    let mut out = bytes[..PREAMBLE].to_vec();
+    let mut out = bytes[..FILE_HEADER.length].to_vec();
     for (i, (_, found)) in (0..).zip(blocks(bytes)) {
         let mut payload = found.payload.to_vec();
         if i == number && !payload.is_empty() {
@@ -132,8 +119,8 @@ fn forged(bytes: &[u8], number: usize, random: &mut Random) -> Vec<u8> {
 #[test]
 fn forged_hubs_do_no_harm() {
     let mut random = Random(17);
-    let [_, (_, _, file)] = golden();
-    let bytes = packed(&file);
+    let flaps = fixtures::random_collapse(&fixtures::flaps(600), 1);
+    let bytes = stepwise(&obj(vec![object("flaps", flaps)])).0.bytes;
     let all = blocks(&bytes).len();
     let mut said = BTreeSet::new();
     for i in 0..600 {
@@ -147,47 +134,4 @@ fn forged_hubs_do_no_harm() {
         }
     }
     assert!(said.iter().any(|what| what.contains("names a triangle")), "{said:?}");
-}
-
-/// The golden streams of hubs, each with its version.
-fn golden() -> [(u32, PathBuf, LodFile); 2] {
-    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../fixtures/golden");
-    let of = |version: u32, name: &str, mesh: &Mesh| {
-        let file = obj(vec![object(name, fixtures::random_collapse(mesh, 1))]);
-        (version, folder.join(format!("lods{version}/{name}.lods")), file)
-    };
-    [
-        of(HUB_VERSION, "book", &fixtures::book(400)),
-        of(NAMING_VERSION, "flaps", &fixtures::flaps(600)),
-    ]
-}
-
-/// Writes the golden streams of hubs.
-pub(super) fn make_golden() {
-    for (_, path, file) in golden() {
-        std::fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
-        std::fs::write(path, packed(&file)).expect("a file");
-    }
-}
-
-/// A stream with strips: the book in a block for each step, flaps in larger ones.
-fn packed(file: &LodFile) -> Vec<u8> {
-    let strips = strips_of(file);
-    let is_book = file.objects[0].info.name == "book";
-    let options =
-        PackOptions { block_bytes: if is_book { Some(0) } else { None }, ..PackOptions::default() };
-    pack(file, &[Some(&strips[0])], &options).expect("a sound file").bytes
-}
-
-#[test]
-fn golden_streams_of_hubs_are_read_and_written_as_ever() {
-    for (version, path, file) in golden() {
-        let bytes = std::fs::read(path).expect("a golden stream");
-        let unpacker = fed(&bytes);
-        assert!(unpacker.is_complete());
-        assert_eq!(unpacker.version(), version);
-        check(&unpacker, 0, &file.objects[0].simplified, "hub");
-        same_mesh(&unpacker, 0, file.objects[0].simplified.mesh(), "hub");
-        assert!(packed(&file) == bytes, "version {version} is written otherwise than it was");
-    }
 }

@@ -8,7 +8,7 @@ mod hubs;
 mod points;
 mod quantize;
 
-use super::block::{self, Block, Parsed};
+use super::block::{self, Block, FILE_HEADER, Parsed};
 use super::{PackOptions, Packed, Unpacker, pack};
 use crate::lodc::Layout;
 use crate::testing::{LodFile, LodObject};
@@ -16,7 +16,7 @@ use crate::{
     Document, GltfDocument, Limits, ObjDocument, ObjectInfo, Source, SourceFormat, SubmeshInfo,
 };
 use lodc_mesh::{Lod, OrientedTriangle, Simplified};
-use lodc_strip::{CacheOptions, Effort, StripSet, cache};
+use lodc_strip::{Effort, StripKind, Strips};
 use std::sync::Arc;
 
 fn object(name: &str, simplified: Simplified) -> LodObject {
@@ -55,13 +55,13 @@ fn gltf(objects: Vec<LodObject>) -> LodFile {
     }
 }
 
-fn strips_of(file: &LodFile) -> Vec<StripSet> {
-    let options = CacheOptions { effort: Effort::Fast, ..CacheOptions::default() };
-    file.objects.iter().map(|o| cache(o.simplified.mesh(), &options)).collect()
+fn strips_of(file: &LodFile) -> Vec<Strips> {
+    let strips = |o: &LodObject| Strips::generate(&o.simplified, StripKind::Cache, Effort::Fast);
+    file.objects.iter().map(strips).collect()
 }
 
 /// A stream with strips, a block to each step.
-fn stepwise(file: &LodFile) -> (Packed, Vec<StripSet>) {
+fn stepwise(file: &LodFile) -> (Packed, Vec<Strips>) {
     let strips = strips_of(file);
     let all: Vec<_> = strips.iter().map(Some).collect();
     let options = PackOptions { block_bytes: Some(0), ..PackOptions::default() };
@@ -103,15 +103,15 @@ fn check(unpacker: &Unpacker, object: usize, simplified: &Simplified, what: &str
     assert_eq!(simplified.collapses().floor(lod), lod, "{what}: not the end of a step");
 }
 
-/// Returns the end of the preamble and of each block of a stream.
+/// Returns the end of the header and of each block of a stream.
 fn ends(bytes: &[u8]) -> Vec<usize> {
     let ends = blocks(bytes).into_iter().map(|(end, _)| end);
-    std::iter::once(block::PREAMBLE).chain(ends).collect()
+    std::iter::once(FILE_HEADER.length).chain(ends).collect()
 }
 
 /// Returns the blocks of a stream, each with its end.
 fn blocks(bytes: &[u8]) -> Vec<(usize, Block<'_>)> {
-    let (mut blocks, mut at) = (Vec::new(), block::PREAMBLE);
+    let (mut blocks, mut at) = (Vec::new(), FILE_HEADER.length);
     for number in 0.. {
         let Parsed::Block(block, length) = block::parse(&bytes[at..], number) else { break };
         at += length;

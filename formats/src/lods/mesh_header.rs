@@ -1,0 +1,143 @@
+//! The header of an object: what a reader has to know before the object's first vertex.
+
+use crate::{Fault, FormatError};
+use lodc_mesh::{Attribute, Component, Submesh, put_leb128, take_leb128};
+use lodc_progressive::{MeshHeader, VertexLayout, text_codec};
+use lodc_strip::StripKind;
+
+mod attribute;
+mod systems;
+
+use attribute::{attribute, put_attribute};
+
+const PLACE: &str = "header of an object";
+/// Bytes of a header; a reader refuses more.
+const MAX_BYTES: u64 = 1 << 24;
+/// Streams that all submeshes list together; a reader refuses more.
+const MAX_ENTRIES: usize = 1 << 22;
+
+pub(super) fn malformed(what: &str) -> FormatError {
+    FormatError::new(Fault::Malformed, PLACE, what)
+}
+
+/// Returns the header as a payload begins with it; `None` if it would be too long.
+pub(super) fn to_bytes(mesh: &MeshHeader) -> Option<Vec<u8>> {
+    let entries: usize = mesh.submeshes.iter().map(|s| s.attributes.len()).sum();
+    let (plain, mut out) = (plain(mesh), Vec::new());
+    if entries > MAX_ENTRIES || plain.len() as u64 > MAX_BYTES {
+        return None;
+    }
+    let coded = text_codec::encode(&plain).filter(|coded| coded.len() < plain.len());
+    let stored = coded.as_ref().unwrap_or(&plain);
+    put_leb128(&mut out, plain.len() as u64);
+    put_leb128(&mut out, stored.len() as u64);
+    out.extend_from_slice(stored);
+    Some(out)
+}
+
+/// Takes a header off the front of a payload.
+pub(super) fn take(bytes: &mut &[u8]) -> Result<MeshHeader, FormatError> {
+    let short = || malformed("is too short for what it should hold");
+    let mut length = || take_leb128(bytes, MAX_BYTES).ok_or_else(short);
+    let [plain, stored] = [length()? as usize, length()? as usize];
+    let (header, rest) = bytes.split_at_checked(stored).ok_or_else(short)?;
+    *bytes = rest;
+    if stored == plain {
+        return parse(header);
+    }
+    let decoded = text_codec::decode(header, plain).filter(|_| stored < plain);
+    parse(&decoded.ok_or_else(|| malformed("cannot be decoded"))?)
+}
+
+fn plain(mesh: &MeshHeader) -> Vec<u8> {
+    let mut out = Vec::new();
+    let strips = match mesh.strips {
+        None => 0,
+        Some(StripKind::Stripe) => 1,
+        Some(StripKind::Cache) => 2,
+    };
+    for n in [mesh.vertices, mesh.triangles, mesh.steps, strips] {
+        put_leb128(&mut out, n.into());
+    }
+    put_leb128(&mut out, mesh.attributes.len() as u64);
+    for (i, stream) in mesh.layout.streams.iter().enumerate() {
+        if let Some(attribute) = i.checked_sub(1).and_then(|i| mesh.attributes.get(i)) {
+            put_attribute(&mut out, attribute);
+        }
+        systems::put(&mut out, &mesh.layout.systems[stream.first..][..stream.channels]);
+    }
+    put_leb128(&mut out, mesh.submeshes.len() as u64);
+    let mut before: &[u32] = &[];
+    for Submesh { attributes, .. } in &mesh.submeshes {
+        if attributes == before {
+            out.push(0);
+            continue;
+        }
+        put_leb128(&mut out, attributes.len() as u64 + 1);
+        attributes.iter().for_each(|&a| put_leb128(&mut out, a.into()));
+        before = attributes;
+    }
+    out
+}
+
+fn parse(mut bytes: &[u8]) -> Result<MeshHeader, FormatError> {
+    let rest = &mut bytes;
+    let [vertices, triangles, steps] = [number(rest)?, number(rest)?, number(rest)?];
+    let strips = match number(rest)? {
+        0 => None,
+        1 => Some(StripKind::Stripe),
+        2 => Some(StripKind::Cache),
+        _ => return Err(malformed("has strips of an unknown kind")),
+    };
+    let count = number(rest)?;
+    let mut attributes: Vec<Attribute> = Vec::new();
+    let mut systems = systems::take(rest, 3, Component::F32)?;
+    // Each takes bytes, so their number is bounded by those that are there.
+    for _ in 0..count {
+        let attribute = attribute(rest)?;
+        systems.extend(systems::take(rest, attribute.components.into(), attribute.component)?);
+        attributes.push(attribute);
+    }
+    let layout = VertexLayout { systems, streams: VertexLayout::streams(&attributes) };
+    let submeshes = submeshes(rest)?;
+    if submeshes.is_empty() && vertices > 0 {
+        return Err(malformed("has vertices without a submesh"));
+    }
+    if !bytes.is_empty() {
+        return Err(malformed("has bytes left over"));
+    }
+    Ok(MeshHeader { submeshes, attributes, layout, vertices, triangles, steps, strips })
+}
+
+fn submeshes(rest: &mut &[u8]) -> Result<Vec<Submesh>, FormatError> {
+    let count = number(rest)?;
+    let (mut submeshes, mut before) = (Vec::new(), Vec::new());
+    let mut entries = 0;
+    for _ in 0..count {
+        if let Some(streams) = number(rest)?.checked_sub(1) {
+            before = (0..streams).map(|_| number(rest)).collect::<Result<_, _>>()?;
+        }
+        // A byte can repeat a list of any length.
+        entries += before.len();
+        if entries > MAX_ENTRIES {
+            let what = format!("has more than {MAX_ENTRIES} streams of submeshes");
+            return Err(FormatError::new(Fault::Limit, PLACE, what));
+        }
+        submeshes.push(Submesh { attributes: before.clone(), ..Submesh::default() });
+    }
+    Ok(submeshes)
+}
+
+/// Takes a number below 2^32 off the front.
+fn number(bytes: &mut &[u8]) -> Result<u32, FormatError> {
+    let number = take_leb128(bytes, u64::from(u32::MAX));
+    number.map(|n| n as u32).ok_or_else(|| malformed("has a number that cannot be"))
+}
+
+/// Takes a byte off the front.
+fn byte(bytes: &mut &[u8]) -> Result<u8, FormatError> {
+    let (&first, rest) =
+        bytes.split_first().ok_or_else(|| malformed("is too short for what it should hold"))?;
+    *bytes = rest;
+    Ok(first)
+}

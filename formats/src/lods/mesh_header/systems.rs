@@ -1,0 +1,71 @@
+//! The number systems of an object's streams.
+
+use super::{byte, malformed};
+use crate::FormatError;
+use lodc_mesh::Component;
+use lodc_progressive::NumberSystem;
+
+const FLOAT: u8 = 0;
+const INTEGER: u8 = 1;
+const GRID: u8 = 2;
+/// Plus the number of digits, up to 9.
+const DECIMAL: u8 = 16;
+const MOST_DECIMAL: u8 = DECIMAL + 9;
+/// Plus the number of digits, 1 to 7.
+const SIGNIFICANT: u8 = 32;
+const LEAST_SIGNIFICANT: u8 = SIGNIFICANT + 1;
+const MOST_SIGNIFICANT: u8 = SIGNIFICANT + 7;
+
+/// Appends the system of a stream with these channels.
+pub(super) fn put(out: &mut Vec<u8>, channels: &[NumberSystem]) {
+    match channels[0] {
+        NumberSystem::Float => out.push(FLOAT),
+        NumberSystem::Integer => out.push(INTEGER),
+        NumberSystem::Decimal(n) => out.push(DECIMAL + n),
+        NumberSystem::Significant(n) => out.push(SIGNIFICANT + n),
+        NumberSystem::Grid { step, .. } => {
+            out.push(GRID);
+            out.extend(step.to_le_bytes());
+            for channel in channels {
+                let origin = match channel {
+                    NumberSystem::Grid { origin, .. } => *origin,
+                    _ => 0.0,
+                };
+                out.extend(origin.to_le_bytes());
+            }
+        }
+    }
+}
+
+/// Takes the system of a stream with so many channels of this component off the front: one for
+/// each channel.
+pub(super) fn take(
+    bytes: &mut &[u8],
+    channels: usize,
+    component: Component,
+) -> Result<Vec<NumberSystem>, FormatError> {
+    let wrong = || malformed("has a system of numbers that cannot be");
+    let system = match (byte(bytes)?, component) {
+        (INTEGER, component) if component != Component::F32 => NumberSystem::Integer,
+        (FLOAT, Component::F32) => NumberSystem::Float,
+        (GRID, Component::F32) => {
+            let step = float(bytes)?;
+            let grid = |_| Ok(NumberSystem::Grid { origin: float(bytes)?, step });
+            let grids = (0..channels).map(grid).collect::<Result<_, _>>()?;
+            return if step > 0.0 { Ok(grids) } else { Err(wrong()) };
+        }
+        (n @ DECIMAL..=MOST_DECIMAL, Component::F32) => NumberSystem::Decimal(n - DECIMAL),
+        (n @ LEAST_SIGNIFICANT..=MOST_SIGNIFICANT, Component::F32) => {
+            NumberSystem::Significant(n - SIGNIFICANT)
+        }
+        _ => return Err(wrong()),
+    };
+    Ok(vec![system; channels])
+}
+
+fn float(bytes: &mut &[u8]) -> Result<f32, FormatError> {
+    let four = bytes.split_first_chunk();
+    let (four, rest) = four.ok_or_else(|| malformed("is too short for what it should hold"))?;
+    *bytes = rest;
+    Ok(f32::from_le_bytes(*four))
+}
