@@ -1,5 +1,7 @@
 """Tasks on a cluster: memory claimed, lost workers made good, results as they come."""
 
+import uuid
+
 from distributed import Client, as_completed
 
 from . import tasks as work
@@ -9,13 +11,20 @@ def build(tasks, scheduler_file, lodc="lodc", output=None, options=(), on_result
     """Builds all tasks on the cluster of a scheduler file.
 
     Returns one line of the report for each, in their order. `on_result(done, of, line)` is called
-    as results come.
+    as results come. Tasks that are the same work are done once.
     """
-    lines = [None] * len(tasks)
+    lines, done = [None] * len(tasks), 0
+    # A scheduler answers a key that it knows with the result that it has, whoever asks: keys of
+    # one run must not be those of another.
+    run = uuid.uuid4().hex
     with Client(scheduler_file=scheduler_file) as client:
         most = largest_worker(client)
-        owners = {}
+        futures, owners = [], {}
         for task in sorted(tasks, key=lambda task: (-task.memory, task.number)):
+            key = f"lodc-{run}-{work.content_key(task, lodc, output, options)}"
+            owners.setdefault(key, []).append(task)
+            if len(owners[key]) > 1:
+                continue
             # What no worker has room for still runs once, alone, and ends with status 5.
             memory = min(task.memory, most)
             future = client.submit(
@@ -25,20 +34,21 @@ def build(tasks, scheduler_file, lodc="lodc", output=None, options=(), on_result
                 output,
                 tuple(options),
                 memory,
-                key=f"lodc-{task.number}",
+                key=key,
                 resources={"MEM": memory},
                 pure=False,
             )
-            owners[future] = task
-        for done, future in enumerate(as_completed(owners), 1):
-            task = owners[future]
-            if future.status == "finished":
-                line = future.result()
-            else:
-                line = work.failure(task, 70, f"no result: {future.exception()}")
-            lines[task.number] = line
-            if on_result:
-                on_result(done, len(tasks), line)
+            futures.append(future)
+        for future in as_completed(futures):
+            for task in owners[future.key]:
+                if future.status == "finished":
+                    line = future.result()
+                else:
+                    line = work.failure(task, 70, f"no result: {future.exception()}")
+                lines[task.number] = line
+                done += 1
+                if on_result:
+                    on_result(done, len(tasks), line)
     return lines
 
 

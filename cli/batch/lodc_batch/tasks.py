@@ -1,5 +1,6 @@
 """Tasks: one asset each, and what a worker does with it."""
 
+import hashlib
 import json
 import os
 import signal
@@ -40,13 +41,40 @@ def read_list(path):
     return tasks
 
 
+def files_of(name):
+    """Returns the files of an asset that are there: itself and the `.bin` beside it."""
+    names = {name, str(Path(name).with_suffix(".bin"))}
+    return sorted(path for path in names if os.path.isfile(path))
+
+
 def expected_memory(name):
     """Returns the bytes of memory that an asset may need, from the size of its files."""
-    size = 0
-    for path in {name, str(Path(name).with_suffix(".bin"))}:
-        if os.path.exists(path):
-            size += os.path.getsize(path)
-    return max(LEAST_MEMORY, size * MEMORY_OF_BYTE)
+    return max(LEAST_MEMORY, sum(map(os.path.getsize, files_of(name))) * MEMORY_OF_BYTE)
+
+
+def content_key(task, lodc, output, options):
+    """Returns what identifies the work of a task: contents of its files, options, output.
+
+    64 hexadecimal digits. The task's line names its own options and output.
+    """
+    words = [task.line, lodc, output, *options]
+    key = hashlib.sha256(json.dumps(words).encode())
+    for path in files_of(task.input):
+        key.update(digest(path))
+    return key.hexdigest()
+
+
+def digest(path):
+    """Returns 32 bytes that stand for a file's content; none if the file cannot be read."""
+    hashed = hashlib.sha256()
+    try:
+        with open(path, "rb") as file:
+            while chunk := file.read(1 << 20):
+                hashed.update(chunk)
+    except OSError:
+        # The build will fail and say why.
+        return b""
+    return hashed.digest()
 
 
 def run(task, lodc, output, options, memory):

@@ -1,5 +1,5 @@
-"""A scheduler and three workers on this machine: 200 assets, three of them poison, one too large,
-and a worker that is killed in the middle. `LODC` names the program."""
+"""Schedulers and workers on this machine: 200 assets, three of them poison, one too large, and a
+worker that is killed in the middle; two runs on one scheduler. `LODC` names the program."""
 
 import json
 import os
@@ -8,12 +8,13 @@ import subprocess
 import sys
 import tempfile
 import threading
-import time
 import unittest
+from dataclasses import replace
 from pathlib import Path
 
 from lodc_batch import build, read_list
 from lodc_batch.cluster import summary
+from lodc_batch.tasks import content_key
 
 LODC = os.environ["LODC"]
 MEM = 200 << 20
@@ -59,7 +60,7 @@ class Cluster:
 
 class Batch(unittest.TestCase):
     def setUp(self):
-        self.folder = Path(tempfile.mkdtemp(prefix="lodc-batch-"))
+        self.folder = Path(tempfile.mkdtemp(prefix="lodc-batch-")).resolve()
         os.chdir(self.folder)
 
     def assets(self):
@@ -106,9 +107,7 @@ class Batch(unittest.TestCase):
 
         try:
             tasks = read_list("list.jsonl")
-            start = time.monotonic()
             lines = build(tasks, cluster.file, self.wrapper(), "out", (), on_result)
-            seconds = time.monotonic() - start
         finally:
             cluster.stop()
         self.assertTrue(killed.is_set())
@@ -123,7 +122,51 @@ class Batch(unittest.TestCase):
         for name in there:
             files = [Path(folder, name).read_bytes() for folder in ("out", "serial")]
             self.assertEqual(*files)
-        print(f"200 assets on three workers, one lost: {seconds:.1f} s")
+
+    def test_two_runs_at_once_each_get_their_own_results(self):
+        runs = [self.meshes("first", 0), self.meshes("second", 100)]
+        cluster = Cluster(self.folder, 2)
+        others = []
+
+        def on_result(done, _of, _line):
+            # The second run comes and goes while the first one holds its results.
+            if done == 3:
+                others.extend(build(runs[1], cluster.file, LODC, "second.out"))
+
+        try:
+            lines = build(runs[0], cluster.file, LODC, "first.out", (), on_result)
+        finally:
+            cluster.stop()
+        for name, lines in (("first", lines), ("second", others)):
+            self.assertEqual(summary(lines), {"built": 6, "up_to_date": 0, "failed": 0})
+            for number, line in enumerate(lines):
+                mesh = f"{name}/{number}.obj"
+                out = f"{name}.out/{mesh}.lodc"
+                self.assertEqual([line["input"], line["output"]], [mesh, out])
+                subprocess.run([LODC, "build", mesh, "-o", "serial.lodc", "-q"], check=True)
+                self.assertEqual(Path(out).read_bytes(), Path("serial.lodc").read_bytes(), mesh)
+
+    def meshes(self, name, seed):
+        """Tasks of a list of six meshes in a folder."""
+        Path(name).mkdir()
+        lines = []
+        for number in range(6):
+            path = f"{name}/{number}.obj"
+            Path(path).write_text(grid(4, seed + number))
+            lines.append(json.dumps({"input": path}))
+        Path(f"{name}.jsonl").write_text("\n".join(lines))
+        return read_list(f"{name}.jsonl")
+
+    def test_the_key_of_a_task_is_that_of_its_work(self):
+        first, *_ = self.meshes("in", 0)
+        key = lambda task=first, output="out", options=(): content_key(task, LODC, output, options)
+        as_it_was = key()
+        self.assertEqual(as_it_was, key(replace(first, number=7)))
+        line = json.dumps({"input": first.input, "options": {"models": "speed"}})
+        keys = [key(replace(first, line=line)), key(output="other"), key(options=("--force",))]
+        Path(first.input).write_text(grid(4, 50))
+        keys.append(key())
+        self.assertEqual(len({as_it_was, *keys}), 5)
 
     def test_a_list_that_is_none_is_refused_with_its_line(self):
         Path("list.jsonl").write_text('{"input": "a.obj"}\n{"output": "x"}\n')
