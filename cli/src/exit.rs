@@ -1,5 +1,6 @@
 //! Exit statuses, and failures that carry one: one line each, whoever's fault it is.
 
+use lodc_assets::AssetError;
 use lodc_formats::{Fault, FormatError};
 use std::fmt;
 
@@ -69,6 +70,17 @@ impl From<FormatError> for Failure {
             Fault::NotWritten => Status::Output,
         };
         Self::new(status, error.to_string())
+    }
+}
+
+impl From<AssetError> for Failure {
+    fn from(error: AssetError) -> Self {
+        match error {
+            AssetError::Usage(what) => Self::new(Status::Usage, what),
+            AssetError::Input(what) => Self::new(Status::Input, what),
+            AssetError::Output(what) => Self::new(Status::Output, what),
+            AssetError::Format(error) => error.into(),
+        }
     }
 }
 

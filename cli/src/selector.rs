@@ -1,13 +1,14 @@
 //! From what a person asks for (a record, a share, a count, an error) to one LOD per object.
 
-use crate::exit::{Failure, Outcome};
+use crate::exit::{Failure, Outcome, Status};
 use clap::Args;
 use lodc_formats::lodc::LodObject;
 use lodc_formats::{Document, Limits, ObjectInfo, scene_graph};
-use lodc_mesh::Simplified;
 use lodc_scene::{Arrangement, Graph};
-use lodc_select::{Candidate, Selection, Target, View, losses, select};
-use std::sync::OnceLock;
+use lodc_select::{ObjectLevels, SelectError, Target, View, count, rms_bound};
+use std::ops::Deref;
+
+pub(crate) use lodc_select::{bound, share, size};
 
 /// At most one of these says which level of detail is wanted.
 #[derive(Args, Clone, Debug)]
@@ -112,12 +113,8 @@ impl SelectorArgs {
     }
 }
 
-/// Objects to choose levels of detail for, and the scene that shows them.
-pub(crate) struct SceneLevels<'a> {
-    objects: &'a [LodObject],
-    scene: Arrangement,
-    losses: OnceLock<Vec<Vec<f64>>>,
-}
+/// The levels of what a file holds.
+pub(crate) struct SceneLevels<'a>(lodc_select::SceneLevels<'a>);
 
 impl<'a> SceneLevels<'a> {
     /// # Errors
@@ -134,132 +131,37 @@ impl<'a> SceneLevels<'a> {
             _ => scene_graph(document, &infos, limits)?,
         };
         let scene = Arrangement::new(&graph, &graph.rest_pose(), objects.len());
-        Ok(Self { objects, scene, losses: OnceLock::new() })
-    }
-
-    /// Returns the objects.
-    pub(crate) fn objects(&self) -> &'a [LodObject] {
-        self.objects
-    }
-
-    /// Objects as they are selected from.
-    pub(crate) fn candidates(&self) -> Vec<Candidate<'a>> {
-        let candidate = |o: &'a LodObject| Candidate {
+        let object = |o: &'a LodObject| ObjectLevels {
             name: &o.info.name,
-            collapses: o.simplified.collapses(),
+            simplified: &o.simplified,
             scale: o.info.world_scale,
-            diagonal: o.simplified.mesh().diagonal(),
         };
-        self.objects.iter().map(candidate).collect()
+        Ok(Self(lodc_select::SceneLevels::new(objects.iter().map(object).collect(), scene)))
     }
+}
 
-    /// Chooses one level of detail per object.
-    ///
-    /// # Errors
-    /// If a record number is asked of several objects at once, or a root mean square distance where
-    /// none was measured.
-    pub(crate) fn select(&self, target: Target, per_object: bool) -> Outcome<Selection> {
-        self.check_measured(target)?;
-        let losses = || {
-            self.losses.get_or_init(|| {
-                let objects: Vec<&Simplified> =
-                    self.objects.iter().map(|o| &*o.simplified).collect();
-                losses(&objects, &self.scene)
-            })
-        };
-        select(&self.candidates(), target, per_object, losses).map_err(|e| {
-            Failure::usage(format!(
+impl<'a> Deref for SceneLevels<'a> {
+    type Target = lodc_select::SceneLevels<'a>;
+
+    fn deref(&self) -> &Self::Target {
+        &self.0
+    }
+}
+
+impl From<SelectError> for Failure {
+    fn from(error: SelectError) -> Self {
+        match error {
+            SelectError::RecordOfScene(e) => Self::usage(format!(
                 "--lod counts the records of one object, and there are {}: add --per-object, or \
                  use --ratio, --triangles or --error",
                 e.objects
-            ))
-        })
-    }
-
-    /// Chooses as [`Self::select`] does, but no level coarser than `cap`, an error, allows. Objects
-    /// for which `own` has a target by their name have their level by themselves.
-    ///
-    /// # Errors
-    /// As [`Self::select`].
-    pub(crate) fn select_capped(
-        &self,
-        target: Target,
-        own: impl Fn(&str) -> Option<Target>,
-        cap: Option<Target>,
-        per_object: bool,
-    ) -> Outcome<Selection> {
-        let mut chosen = self.select(target, per_object)?;
-        let objects = self.objects.iter().enumerate();
-        let own: Vec<_> = objects.filter_map(|(i, o)| Some((i, own(&o.info.name)?))).collect();
-        if !own.is_empty() {
-            chosen.put(&self.candidates(), own.into_iter());
+            )),
+            SelectError::NotMeasured { .. } => {
+                Self::usage(format!("{error}: build it again for --rms, or use --error"))
+            }
+            SelectError::TooManyVertices { .. } => Self::new(Status::Limit, error.to_string()),
+            SelectError::NoMesh { .. } => Self::new(Status::Bug, error.to_string()),
         }
-        if let Some(cap) = cap {
-            chosen.cap(&self.candidates(), &self.select(cap, per_object)?);
-        }
-        Ok(chosen)
-    }
-
-    /// Refuses to choose by a distance that was not measured.
-    fn check_measured(&self, target: Target) -> Outcome<()> {
-        let by_rms = matches!(target, Target::Rms(_) | Target::RmsShare(_));
-        let estimate = |o: &&LodObject| !o.simplified.collapses().is_measured();
-        match self.objects.iter().find(|o| by_rms && estimate(o)) {
-            Some(o) => Err(Failure::usage(format!(
-                "{}: has errors that are estimates, and no root mean square distances: build it \
-                 again for --rms, or use --error",
-                o.info.name
-            ))),
-            None => Ok(()),
-        }
-    }
-}
-
-/// A share of triangles: `25%`, `0.25`, `1`.
-pub(crate) fn share(text: &str) -> Result<f64, String> {
-    match size(text) {
-        Ok(Target::Ratio(share)) => Ok(share),
-        Ok(_) if text == "0" => Ok(0.0),
-        Ok(_) => {
-            Err("a share from 0 to 1, for example 0.25 or 25% (--triangles takes counts)"
-                .to_owned())
-        }
-        Err(e) => Err(e),
-    }
-}
-
-/// A number of triangles: `500`, `10k`, `2m`.
-fn count(text: &str) -> Result<u64, String> {
-    match size(text) {
-        Ok(Target::Triangles(count)) => Ok(count),
-        Ok(_) if text == "1" => Ok(1),
-        Ok(_) => Err("a count, for example 500 or 10k (--ratio takes shares)".to_owned()),
-        Err(e) => Err(e),
-    }
-}
-
-/// `25%`, `0.25`, `1` (all), `500`, `10k` or `2m`.
-pub(crate) fn size(text: &str) -> Result<Target, String> {
-    let wrong = || format!("{text}: not a share (25%, 0.25) or a count (500, 10k)");
-    let number = |digits: &str| -> Result<f64, String> {
-        let value: f64 = digits.parse().map_err(|_| wrong())?;
-        if value.is_finite() && value >= 0.0 { Ok(value) } else { Err(wrong()) }
-    };
-    let share = |value: f64| {
-        if value <= 1.0 { Ok(Target::Ratio(value)) } else { Err(format!("{text}: above 100 %")) }
-    };
-    let count = |value: f64| Ok(Target::Triangles(value as u64));
-    let lower = text.to_lowercase();
-    if let Some(percent) = lower.strip_suffix('%') {
-        share(number(percent)? / 100.0)
-    } else if let Some(thousands) = lower.strip_suffix('k') {
-        count(number(thousands)? * 1e3)
-    } else if let Some(millions) = lower.strip_suffix('m') {
-        count(number(millions)? * 1e6)
-    } else if lower.contains(['.', 'e']) || lower == "1" {
-        share(number(&lower)?)
-    } else {
-        count(number(&lower)?.trunc())
     }
 }
 
@@ -274,26 +176,3 @@ pub(crate) fn positive(text: &str) -> Result<f64, String> {
 fn field_of_view(text: &str) -> Result<f64, String> {
     positive(text).and_then(|v| if v < 180.0 { Ok(v) } else { Err("below 180 degrees".to_owned()) })
 }
-
-/// A distance in mesh units or in percent of the diagonal.
-pub(crate) fn bound(text: &str) -> Result<Target, String> {
-    let (number, percent) = text.strip_suffix('%').map_or((text, false), |number| (number, true));
-    let value: f64 = number.trim().parse().map_err(|e| format!("{e}"))?;
-    if !value.is_finite() || value < 0.0 {
-        return Err("a distance of at least 0, or a percentage such as 0.5%".to_owned());
-    }
-    Ok(if percent { Target::ErrorShare(value / 100.0) } else { Target::Error(value) })
-}
-
-/// A bound of the root mean square distance.
-fn rms_bound(text: &str) -> Result<Target, String> {
-    Ok(match bound(text)? {
-        Target::ErrorShare(share) => Target::RmsShare(share),
-        Target::Error(rms) => Target::Rms(rms),
-        other => other,
-    })
-}
-
-#[cfg(test)]
-#[path = "selector_tests.rs"]
-mod tests;

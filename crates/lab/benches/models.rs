@@ -1,4 +1,4 @@
-//! Strips and models, each beside a baseline of the same run: `cargo bench -p lodc-cli --bench models`.
+//! Strips and models, each beside a baseline of the same run: `cargo bench -p lodc-lab --bench models`.
 //!
 //! Strips against sorting the triangles for a cache; making a model against simplifying the mesh; a
 //! step of 0.1 % of the LODs, there and back, against Progressive Meshes; a jump from LOD 0 to 1 %
@@ -6,7 +6,7 @@
 //! records passed, per second.
 
 use criterion::{BenchmarkGroup, BenchmarkId, Criterion, Throughput, measurement::WallTime};
-use lodc_baseline::{Baseline, Rebuild};
+use lodc_lab::{Baseline, Rebuild};
 use lodc_lod::{AnyModel, ModelKind};
 use lodc_mesh::{Lod, Mesh, Simplified};
 use lodc_model::Model;

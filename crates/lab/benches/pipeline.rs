@@ -1,5 +1,5 @@
 //! The stages of the program, one after another, each beside what it can at best cost: `cargo bench
-//! -p lodc-cli`.
+//! -p lodc-lab`.
 //!
 //! Import against a checksum of the text, reading against a checksum of the file, writing against
 //! copying it, extraction against copying the triangles. Throughput is in triangles of the input

@@ -1,5 +1,6 @@
 //! Charts as SVG: curves over two axes, as part of a page or as a file of its own.
 
+use crate::text::grouped;
 use std::fmt::Write;
 
 const WIDTH: f64 = 460.0;
@@ -18,9 +19,18 @@ const STYLE: &str = "text{font:11px sans-serif;fill:#333;text-anchor:middle}\
     .left{text-anchor:end}.name{text-anchor:start}.grid{stroke:#ddd}\
     .curve{fill:none;stroke-width:1.6}.dashed{stroke-dasharray:5 3}";
 
+/// Structures in the order of their colours.
+const COLOURED: [&str; 6] =
+    ["speed", "masking", "interactive", "progressive_mesh", "lodstrips", "discrete"];
+
+/// The number of a structure's colour, the same in all charts.
+pub(crate) fn colour_of(structure: &str) -> usize {
+    COLOURED.iter().position(|&name| name == structure).unwrap_or(COLOURED.len())
+}
+
 /// The spacing of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Scale {
+pub enum Scale {
     /// From 0 on.
     Linear,
     /// Powers of ten; values that are not above 0 have no place.
@@ -29,22 +39,26 @@ pub(crate) enum Scale {
 
 /// One curve.
 #[derive(Clone, Debug)]
-pub(crate) struct Curve {
-    pub(crate) name: String,
+pub struct Curve {
+    /// Its name beside the chart, where there are several.
+    pub name: String,
     /// Number of its colour.
-    pub(crate) colour: usize,
-    pub(crate) dashed: bool,
+    pub colour: usize,
+    /// Dashed, not solid.
+    pub dashed: bool,
     /// x and y.
-    pub(crate) points: Vec<[f64; 2]>,
+    pub points: Vec<[f64; 2]>,
 }
 
 /// A chart of one or more curves.
 #[derive(Clone, Debug)]
-pub(crate) struct Chart<'a> {
+pub struct Chart<'a> {
     /// Of x and y.
-    pub(crate) labels: [&'a str; 2],
-    pub(crate) scales: [Scale; 2],
-    pub(crate) curves: Vec<Curve>,
+    pub labels: [&'a str; 2],
+    /// Of x and y.
+    pub scales: [Scale; 2],
+    /// One or more.
+    pub curves: Vec<Curve>,
 }
 
 /// The range of an axis.
@@ -93,12 +107,14 @@ impl Axis {
 impl Chart<'_> {
     /// The chart as a part of a page, which says what `curve`, `grid` and `left` look like. Empty
     /// if fewer than two points have a place.
-    pub(crate) fn svg(&self) -> String {
+    #[must_use]
+    pub fn svg(&self) -> String {
         self.draw(MARGINS, "", "")
     }
 
     /// The chart as a file.
-    pub(crate) fn file(&self) -> String {
+    #[must_use]
+    pub fn file(&self) -> String {
         let style = format!(
             "<style>{STYLE}</style>\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n"
         );
@@ -205,7 +221,7 @@ fn step(high: f64) -> f64 {
 /// `0`, `0.05`, `1.5`, `20,000`.
 fn linear(v: f64) -> String {
     if v >= 10.0 || v == 0.0 {
-        return crate::text::grouped(v.round() as u64);
+        return grouped(v.round() as u64);
     }
     let text = format!("{v:.4}");
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
@@ -214,7 +230,7 @@ fn linear(v: f64) -> String {
 /// `0.001`, `1`, `1,000`, `10⁻⁶`.
 fn power(exponent: i32) -> String {
     match exponent {
-        0..=6 => crate::text::grouped(10_u64.pow(exponent as u32)),
+        0..=6 => grouped(10_u64.pow(exponent as u32)),
         -3..0 => format!("{:.*}", -exponent as usize, 10_f64.powi(exponent)),
         _ => format!("10<tspan baseline-shift=\"super\" font-size=\"8\">{exponent}</tspan>"),
     }

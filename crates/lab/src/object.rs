@@ -1,40 +1,39 @@
 //! All measurements of one object.
 
-use super::measure::{Times, counts, points, stops, times};
-use super::report::{
-    BenchObject, Bits, CurveReport, DrawnReport, ExtractionReport, ExtractionSpread, SubjectReport,
-    TrafficReport, value,
+use crate::device::{self, Device};
+use crate::error::LabError;
+use crate::prepared::Prepared;
+use crate::report::{
+    BenchObject, Bits, CurveReport, DrawnReport, ExtractionReport, ExtractionSpread, Settings,
+    SubjectReport, TrafficReport, value,
 };
-use super::subject::{Subject, baselines, plain, subjects};
-use super::timings::Timings;
-use super::{BenchArgs, Prepared, gpu, primitives, stream};
-use crate::commands::build::counts as object_counts;
-use crate::exit::Outcome;
-use crate::gpu::Device;
+use crate::subject::{Subject, baselines, plain, subjects};
+use crate::sweep::{Times, counts, points, stops, times};
+use crate::timings::Timings;
+use crate::{primitives, stream};
 use lodc_mesh::{CollapseSequence, Lod, Simplified};
 use lodc_model::StorageCost;
 use lodc_strip::StripKind;
 use serde_json::{Map, Value};
 
-/// Measures one object.
+/// Measures one object; on a graphics device too, if there is one and times are wanted.
 ///
 /// # Errors
-/// If a baseline cannot be made of its sequence (a bug), or a graphics device fails.
-pub(super) fn measure(
-    args: &BenchArgs,
-    device: Option<&Device>,
+/// If a baseline or a stream cannot be made of its sequence (a bug), or the device fails.
+pub fn measure(
     prepared: &Prepared,
-) -> Outcome<BenchObject> {
+    settings: &Settings,
+    device: Option<&Device>,
+) -> Result<BenchObject, LabError> {
     let (object, long) = (&prepared.object, prepared.strips(StripKind::LONGEST));
     let collapses = object.simplified.collapses();
-    let sweep = Sweep::new(collapses, args.steps);
+    let sweep = Sweep::new(collapses, settings.steps);
     let baselines = baselines(object, long)?;
     let mut subjects = subjects(object, &baselines);
-    let times = if args.no_times || sweep.stops.is_empty() {
-        None
-    } else {
-        Some(ObjectTimes::new(&mut subjects, &object.simplified, &sweep, args.rounds.get()))
-    };
+    let times = settings
+        .rounds
+        .filter(|_| !sweep.stops.is_empty())
+        .map(|rounds| ObjectTimes::new(&mut subjects, &object.simplified, &sweep, rounds));
     let mut models = Map::new();
     for subject in &mut subjects {
         let row = subject_report(subject, &sweep, times.as_ref());
@@ -44,7 +43,7 @@ pub(super) fn measure(
         models.insert(name.to_owned(), value(&plain_report(cost)));
     }
     let mut report = BenchObject {
-        counts: object_counts(&object.info, &object.simplified),
+        records: collapses.records(),
         updates: sweep.stops.len() as u64,
         jump_lod: sweep.far.0,
         curve: curve(collapses, &sweep.stops),
@@ -53,15 +52,13 @@ pub(super) fn measure(
         primitives: primitives_of(prepared),
         models,
         gpu: None,
-        stream: if args.streams { Some(stream::measure(args, prepared)?) } else { None },
+        stream: None,
     };
-    if let (Some(device), false) = (device, args.no_times) {
-        let rounds = args.rounds.get();
-        gpu::measure(device, object, rounds, &mut report)?;
-        let curve = gpu::curve(device, &object.simplified, &mut subjects, &sweep.stops, rounds)?;
-        if let Some(gpu) = &mut report.gpu {
-            gpu.curve = curve;
-        }
+    if settings.streams {
+        report.stream = Some(stream::measure(prepared, settings.rounds)?);
+    }
+    if let (Some(device), Some(rounds)) = (device, settings.rounds) {
+        report.gpu = device::measure(device, object, &mut subjects, &sweep.stops, rounds)?;
     }
     Ok(report)
 }

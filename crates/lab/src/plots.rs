@@ -1,33 +1,15 @@
 //! Curves over LODs as SVG: indices drawn (thesis fig. 4.9), extraction time (figs. 3.9, 4.10), and
 //! draws on a device.
 
-use super::report::{BenchFile, BenchObject};
-use crate::chart::{Chart, Curve, Scale};
+use crate::chart::{Chart, Curve, Scale, colour_of};
+use crate::report::BenchObject;
 use serde_json::Value;
-use std::path::Path;
 
-/// Names of files and what is in them, of all objects of all inputs. Objects after the first of a
-/// name have a number.
-pub(super) fn plots(files: &[BenchFile]) -> Vec<(String, String)> {
-    let mut plots: Vec<(String, String)> = Vec::new();
-    for file in files {
-        let stem = Path::new(&file.file).file_stem().unwrap_or_default().to_string_lossy();
-        for object in &file.objects {
-            let taken = |name: &str| plots.iter().any(|(other, _)| other.starts_with(name));
-            let numbered = (2..).map(|i| format!("{stem}-{i}"));
-            let mut names = std::iter::once(stem.to_string()).chain(numbered);
-            let name = names.find(|name| !taken(&format!("{name}-indices"))).expect("some number");
-            let of = |(kind, svg): (&str, String)| (format!("{name}-{kind}.svg"), svg);
-            plots.extend(charts(object).into_iter().filter(|(_, svg)| !svg.is_empty()).map(of));
-        }
-    }
-    plots
-}
-
-/// The charts of an object; empty ones where nothing was measured.
-fn charts(object: &BenchObject) -> [(&'static str, String); 3] {
-    let records = object.counts.records.max(1);
-    let share = |lod: u32| 100.0 * f64::from(lod) / records as f64;
+/// Charts of an object as SVG, with the names of their kinds; empty ones where nothing was measured.
+#[must_use]
+pub fn charts(object: &BenchObject) -> [(&'static str, String); 3] {
+    let records = f64::from(object.records.max(1));
+    let share = |lod: u32| 100.0 * f64::from(lod) / records;
     let of_models = |path: &str| -> Vec<(String, Vec<f64>)> {
         let list = |row: &Value| -> Option<Vec<f64>> {
             row.pointer(path)?.as_array()?.iter().map(Value::as_f64).collect()
@@ -47,15 +29,6 @@ fn charts(object: &BenchObject) -> [(&'static str, String); 3] {
         ("extraction", chart("update, µs", Scale::Log, &curve, of_models("/extraction/curve_us"))),
         ("draw", chart("draw, ms", linear, &on_device, draws)),
     ]
-}
-
-/// Structures in the order of their colours.
-const COLOURED: [&str; 6] =
-    ["speed", "masking", "interactive", "progressive_mesh", "lodstrips", "discrete"];
-
-/// The number of a structure's colour, the same in all charts.
-pub(super) fn colour_of(structure: &str) -> usize {
-    COLOURED.iter().position(|&name| name == structure).unwrap_or(COLOURED.len())
 }
 
 /// A chart over the share of the LODs.

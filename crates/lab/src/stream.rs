@@ -1,11 +1,11 @@
 //! An object as a progressive stream: its size, how fast it is written and read, and what a part of
 //! it looks like.
 
-use super::report::{PrefixReport, StreamReport, StreamSpeed};
-use super::timings::Timings;
-use super::{BenchArgs, Prepared};
-use crate::exit::{Failure, Outcome, Status};
-use lodc_baseline::ProgressiveMesh;
+use crate::baseline::ProgressiveMesh;
+use crate::error::LabError;
+use crate::prepared::Prepared;
+use crate::report::{PrefixReport, StreamReport, StreamSpeed};
+use crate::timings::Timings;
 use lodc_formats::lodc::{Layout, LodFile, LodObject};
 use lodc_formats::lods::{PackOptions, Quantize, Unpacker, pack};
 use lodc_formats::{Document, FormatError, Limits, ObjDocument, Source, SourceFormat};
@@ -25,10 +25,10 @@ const SAMPLING: Sampling = Sampling { samples: 50_000, lattice: 50_000, ..Sampli
 ///
 /// # Errors
 /// If one cannot be packed or unpacked: a bug.
-pub(super) fn measure(args: &BenchArgs, prepared: &Prepared) -> Outcome<StreamReport> {
+pub(crate) fn measure(prepared: &Prepared, rounds: Option<u32>) -> Result<StreamReport, LabError> {
     let object = &prepared.object;
     let file = alone(object);
-    let bug = |e: FormatError| Failure::new(Status::Bug, format!("{}: {e}", object.info.name));
+    let bug = |e: FormatError| LabError::Bug(format!("{}: {e}", object.info.name));
     let packed = |strips: Option<&StripSet>, bits: Option<u8>| {
         let quantize = Quantize {
             position: bits,
@@ -42,19 +42,16 @@ pub(super) fn measure(args: &BenchArgs, prepared: &Prepared) -> Outcome<StreamRe
     let quantized = packed(Some(strips), Some(16))?;
     let vertices = object.simplified.mesh().vertex_count().max(1) as f64;
     let bits = |bytes: u64| 8.0 * bytes as f64 / vertices;
-    let speed = if args.no_times {
-        None
-    } else {
+    let speed = |rounds: u32| -> Result<StreamSpeed, LabError> {
         let one = ThreadPoolBuilder::new().num_threads(1).build();
-        let one =
-            one.map_err(|e| Failure::new(Status::Limit, format!("no thread to work with: {e}")))?;
-        let encode = one.install(|| timed(args, || packed(None, None).map(|p| p.bytes.len())))?;
-        let decode = one.install(|| timed(args, || index_list(&plain.bytes).map_err(bug)))?;
+        let one = one.map_err(|e| LabError::Limit(format!("no thread to work with: {e}")))?;
+        let encode = one.install(|| timed(rounds, || packed(None, None).map(|p| p.bytes.len())))?;
+        let decode = one.install(|| timed(rounds, || index_list(&plain.bytes).map_err(bug)))?;
         let decode_strips =
-            one.install(|| timed(args, || index_list(&whole.bytes).map_err(bug)))?;
+            one.install(|| timed(rounds, || index_list(&whole.bytes).map_err(bug)))?;
         let triangles = object.simplified.mesh().triangles().len() as f64;
         let rate = |timings: &Timings| triangles / timings.best() / 1e3;
-        Some(StreamSpeed {
+        Ok(StreamSpeed {
             encode_ms: encode.best(),
             decode_ms: decode.best(),
             encode_spread: encode.spread(),
@@ -65,7 +62,7 @@ pub(super) fn measure(args: &BenchArgs, prepared: &Prepared) -> Outcome<StreamRe
         })
     };
     let progressive = ProgressiveMesh::build(&object.simplified)
-        .map_err(|e| Failure::new(Status::Bug, format!("{}: {e}", object.info.name)))?;
+        .map_err(|e| LabError::Bug(format!("{}: {e}", object.info.name)))?;
     Ok(StreamReport {
         bytes: whole.bytes.len() as u64,
         lossless: bits(plain.objects[0].bytes),
@@ -75,7 +72,7 @@ pub(super) fn measure(args: &BenchArgs, prepared: &Prepared) -> Outcome<StreamRe
         packages_normals: bits(whole.objects[0].package_bytes_with_normals),
         progressive_mesh: bits(progressive.packages(false)),
         progressive_mesh_normals: bits(progressive.packages(true)),
-        speed,
+        speed: rounds.map(speed).transpose()?,
         prefixes: prefixes(&whole.bytes).map_err(bug)?,
     })
 }
@@ -98,13 +95,13 @@ fn alone(object: &LodObject) -> LodFile {
 }
 
 /// Milliseconds of all rounds.
-fn timed<T>(args: &BenchArgs, work: impl Fn() -> Outcome<T>) -> Outcome<Timings> {
+fn timed<T>(rounds: u32, work: impl Fn() -> Result<T, LabError>) -> Result<Timings, LabError> {
     let round = |_| {
         let start = Instant::now();
         black_box(work()?);
         Ok(start.elapsed().as_secs_f64() * 1e3)
     };
-    (0..args.rounds.get()).map(round).collect()
+    (0..rounds).map(round).collect()
 }
 
 /// A stream's bytes to the index list of what it shows.

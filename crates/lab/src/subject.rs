@@ -1,17 +1,16 @@
 //! Subjects of measurement: models and baselines, each with a cursor on it, as one list.
 
-use crate::exit::{Failure, Outcome, Status};
-use lodc_baseline::Baseline;
+use crate::baseline::Baseline;
+use crate::error::LabError;
 use lodc_formats::lodc::{Layout, LodObject, stored_bytes};
 use lodc_lod::AnyModel;
 use lodc_mesh::{Lod, OrientedTriangle, Simplified};
 use lodc_model::{Model, StorageCost, Traffic};
-use lodc_strip::StripSet;
-use lodc_strip::Strips;
+use lodc_strip::{StripSet, Strips};
 use std::sync::Arc;
 
 /// A model with a cursor on it, whatever its kind.
-pub(super) trait Runner {
+pub(crate) trait Runner {
     /// Moves the cursor; nobody listens to what changes.
     fn seek(&mut self, lod: Lod) -> Traffic;
     /// Moves it, and says how many bytes that sends to a GPU besides.
@@ -46,21 +45,21 @@ impl<M: Model> Runner for Run<'_, M> {
 }
 
 /// One row of the tables.
-pub(super) struct Subject<'a> {
-    pub(super) name: &'static str,
+pub(crate) struct Subject<'a> {
+    pub(crate) name: &'static str,
     /// For comparison only: never stored.
-    pub(super) baseline: bool,
+    pub(crate) baseline: bool,
     /// True if it shows every LOD.
-    pub(super) continuous: bool,
+    pub(crate) continuous: bool,
     /// All LODs, and those down to 95 % of them (thesis eq. 5.5).
-    pub(super) storage: [StorageCost; 2],
+    pub(crate) storage: [StorageCost; 2],
     /// Bytes in a file; of baselines, what the structure really holds where that is known.
-    pub(super) file_bytes: Option<u64>,
-    pub(super) tight_bytes: Option<u64>,
+    pub(crate) file_bytes: Option<u64>,
+    pub(crate) tight_bytes: Option<u64>,
     /// Of Speed Strips.
-    pub(super) degenerates_removed: Option<f64>,
-    pub(super) length_changes: Option<f64>,
-    pub(super) runner: Box<dyn Runner + 'a>,
+    pub(crate) degenerates_removed: Option<f64>,
+    pub(crate) length_changes: Option<f64>,
+    pub(crate) runner: Box<dyn Runner + 'a>,
 }
 
 /// The LOD at which eq. 5.5 of the thesis stops.
@@ -87,7 +86,7 @@ where
 }
 
 /// Every row that has levels of detail: the models of an object, then the baselines.
-pub(super) fn subjects<'a>(object: &'a LodObject, baselines: &'a [Baseline]) -> Vec<Subject<'a>> {
+pub(crate) fn subjects<'a>(object: &'a LodObject, baselines: &'a [Baseline]) -> Vec<Subject<'a>> {
     let models = object.models.iter().map(|m| Subject {
         file_bytes: Some(stored_bytes(m, Layout::Packed)),
         degenerates_removed: match m {
@@ -109,20 +108,20 @@ pub(super) fn subjects<'a>(object: &'a LodObject, baselines: &'a [Baseline]) -> 
 }
 
 /// A structure that shows every LOD.
-pub(super) enum Structure<'a> {
+pub(crate) enum Structure<'a> {
     Model(&'a AnyModel),
     Baseline(&'a Baseline),
 }
 
 impl<'a> Structure<'a> {
-    pub(super) fn name(&self) -> &'static str {
+    pub(crate) fn name(&self) -> &'static str {
         match self {
             Self::Model(model) => model.name(),
             Self::Baseline(baseline) => baseline.name(),
         }
     }
     /// Returns a new cursor at LOD 0.
-    pub(super) fn runner(&self) -> Box<dyn Runner + 'a> {
+    pub(crate) fn runner(&self) -> Box<dyn Runner + 'a> {
         match *self {
             Self::Model(model) => Box::new(Run { model, cursor: model.cursor() }),
             Self::Baseline(model) => Box::new(Run { model, cursor: model.cursor() }),
@@ -131,7 +130,7 @@ impl<'a> Structure<'a> {
 }
 
 /// The models of an object, then the baselines that show every LOD.
-pub(super) fn structures<'a>(
+pub(crate) fn structures<'a>(
     object: &'a LodObject,
     baselines: &'a [Baseline],
 ) -> Vec<Structure<'a>> {
@@ -141,21 +140,19 @@ pub(super) fn structures<'a>(
 
 /// Returns the storage without levels of detail: plain triangles, and plain strips drawn one by
 /// one.
-pub(crate) fn plain(
-    simplified: &Simplified,
-    strips: &StripSet,
-) -> [(&'static str, StorageCost); 2] {
+#[must_use]
+pub fn plain(simplified: &Simplified, strips: &StripSet) -> [(&'static str, StorageCost); 2] {
     [
         ("triangles", StorageCost::of_triangles(simplified)),
         ("strips", StorageCost::of_strips(simplified, strips.separate_indices())),
     ]
 }
 
-/// The baselines of an object, over strips of its mesh.
+/// Returns the baselines of an object, over strips of its mesh.
 ///
 /// # Errors
 /// If one cannot be made of the sequence: a bug.
-pub(crate) fn baselines(object: &LodObject, strips: &Arc<Strips>) -> Outcome<Vec<Baseline>> {
+pub fn baselines(object: &LodObject, strips: &Arc<Strips>) -> Result<Vec<Baseline>, LabError> {
     Baseline::all(&object.simplified, strips)
-        .map_err(|e| Failure::new(Status::Bug, format!("{}: {e}", object.info.name)))
+        .map_err(|e| LabError::Bug(format!("{}: {e}", object.info.name)))
 }

@@ -1,9 +1,9 @@
 //! Times of moves, and what they send and draw: linear sweeps over all LODs, down and up
 //! (thesis 3.5.2).
 
-use super::subject::Runner;
-use super::timings::Timings;
-use lodc_baseline::Rebuild;
+use crate::baseline::Rebuild;
+use crate::subject::Runner;
+use crate::timings::Timings;
 use lodc_mesh::{CollapseSequence, Lod, Simplified};
 use std::hint::black_box;
 use std::ops::Range;
@@ -25,19 +25,19 @@ fn parts(of: usize) -> Vec<Range<usize>> {
 }
 
 /// Every so many stops, the last one included: the points of a curve.
-pub(super) fn points<T: Copy>(of_stops: &[T]) -> Vec<T> {
+pub(crate) fn points<T: Copy>(of_stops: &[T]) -> Vec<T> {
     parts(of_stops.len()).into_iter().map(|part| of_stops[part.end - 1]).collect()
 }
 
 /// Means of as many runs of values: the points of a curve.
-pub(super) fn means(values: &[f64]) -> Vec<f64> {
+pub(crate) fn means(values: &[f64]) -> Vec<f64> {
     let mean = |run: &[f64]| run.iter().sum::<f64>() / run.len() as f64;
     parts(values.len()).into_iter().map(|part| mean(&values[part])).collect()
 }
 
 /// Returns the stops of a sweep on its way down: every `share` of the LODs, the last one included,
 /// LOD 0 not.
-pub(super) fn stops(collapses: &CollapseSequence, share: f64) -> Vec<Lod> {
+pub(crate) fn stops(collapses: &CollapseSequence, share: f64) -> Vec<Lod> {
     let records = f64::from(collapses.records());
     let count = (1.0 / share).round().clamp(1.0, 1e6);
     let mut stops: Vec<Lod> =
@@ -49,17 +49,17 @@ pub(super) fn stops(collapses: &CollapseSequence, share: f64) -> Vec<Lod> {
 
 /// The traffic of a sweep and the indices that its LODs draw; the same in every run.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Counts {
+pub(crate) struct Counts {
     /// Bytes sent in all, down and up.
-    pub(super) bytes: u64,
+    pub(crate) bytes: u64,
     /// Indices or vertices rewritten in all, down and up.
-    pub(super) rewritten: u64,
+    pub(crate) rewritten: u64,
     /// Indices drawn at each stop on the way down.
-    pub(super) drawn: Vec<u64>,
+    pub(crate) drawn: Vec<u64>,
 }
 
 /// Counts over one sweep. The cursor is at LOD 0 before and after.
-pub(super) fn counts(runner: &mut dyn Runner, stops: &[Lod]) -> Counts {
+pub(crate) fn counts(runner: &mut dyn Runner, stops: &[Lod]) -> Counts {
     let mut counts = Counts::default();
     let mut seek = |lod: Lod, draw: bool| {
         let (traffic, bytes) = runner.send(lod);
@@ -79,27 +79,27 @@ fn back(stops: &[Lod]) -> impl Iterator<Item = Lod> {
 
 /// Times of one model in microseconds.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Times {
+pub(crate) struct Times {
     /// A move to a coarser LOD, by rounds.
-    pub(super) coarser: Timings,
+    pub(crate) coarser: Timings,
     /// A move to a finer LOD, by rounds.
-    pub(super) finer: Timings,
+    pub(crate) finer: Timings,
     /// One jump from LOD 0 to the far LOD, each by itself.
-    pub(super) jump: Timings,
+    pub(crate) jump: Timings,
     /// A move, both ways, at each point of the curve over LODs, in its best round.
-    pub(super) curve: Vec<f64>,
+    pub(crate) curve: Vec<f64>,
 }
 
 impl Times {
     /// Mean of a move to a coarser and one to a finer LOD, each of its best round.
-    pub(super) fn both_ways(&self) -> f64 {
+    pub(crate) fn both_ways(&self) -> f64 {
         f64::midpoint(self.coarser.best(), self.finer.best())
     }
 }
 
 /// Times everybody in turn, round after round, so that a busy machine is busy for all of them. Also
 /// the time to make the far LOD's index list from scratch.
-pub(super) fn times(
+pub(crate) fn times(
     runners: &mut [&mut Box<dyn Runner + '_>],
     simplified: &Simplified,
     stops: &[Lod],

@@ -1,9 +1,8 @@
-//! The tables of `bench` for people.
+//! The figures of an object as tables for people.
 
-use super::report::{BenchFile, BenchObject, PrefixReport, StreamReport, value};
-use super::timings::Spread;
-use crate::exit::one_line;
-use crate::text::{count, grouped};
+use crate::report::{BenchObject, PrefixReport, StreamReport, value};
+use crate::text::grouped;
+use crate::timings::Spread;
 use serde_json::{Map, Value};
 use std::fmt::Write;
 
@@ -65,34 +64,21 @@ const PRIMITIVES: &[Column] = &[
     ("ACMR", "/acmr_fifo16", 3),
 ];
 
-/// Everything measured on one input.
-pub(super) fn file(file: &BenchFile, share: f64) -> String {
+/// All tables of an object; `share` is that of the LODs from one update to the next.
+#[must_use]
+pub fn tables(object: &BenchObject, share: f64) -> String {
     let mut text = String::new();
-    for object in &file.objects {
-        // Writing to a string cannot fail.
-        let _ = writeln!(
-            text,
-            "{}: {}\n  {}, {}, {}, {}, {}",
-            one_line(&file.file),
-            one_line(&object.counts.name),
-            count(object.counts.referenced_vertices, "vertex"),
-            count(object.counts.triangles, "triangle"),
-            count(object.counts.submeshes, "submesh"),
-            count(object.counts.fakes, "fake"),
-            count(object.counts.records, "record"),
-        );
-        tables(&mut text, object, share);
-        text.push('\n');
-    }
+    put_tables(&mut text, object, share);
     text
 }
 
-fn tables(text: &mut String, object: &BenchObject, share: f64) {
+fn put_tables(text: &mut String, object: &BenchObject, share: f64) {
     let percent = share * 100.0;
     table(text, "storage, bits per vertex", &object.models, STORAGE);
     table(text, &format!("µs per update of {percent} %"), &object.models, EXTRACTION);
     if let Some(scratch) = object.rebuild_us {
         let lod = grouped(u64::from(object.jump_lod));
+        // Writing to a string cannot fail.
         let _ = writeln!(
             text,
             "  (jump: LOD 0 to {lod}, 1 % of the triangles; from scratch {scratch:.1} µs)"
@@ -105,7 +91,8 @@ fn tables(text: &mut String, object: &BenchObject, share: f64) {
         streams(text, stream);
     }
     let Some(gpu) = &object.gpu else { return };
-    let _ = writeln!(text, "\n  on {}, by the clock of the {}", one_line(&gpu.adapter), gpu.clock);
+    let adapter = gpu.adapter.replace(char::is_control, "");
+    let _ = writeln!(text, "\n  on {adapter}, by the clock of the {}", gpu.clock);
     for (model, words) in &gpu.words_per_vertex {
         if let Some(variants) = words.as_object() {
             table(text, &format!("{model}, words per vertex"), variants, MEMORY);

@@ -5,21 +5,21 @@ use serde::Serialize;
 
 /// Timings of one thing in the order of the rounds, all in one unit.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Timings(Vec<f64>);
+pub(crate) struct Timings(Vec<f64>);
 
 impl Timings {
     /// Adds the timing of one more round.
-    pub(super) fn add(&mut self, timing: f64) {
+    pub(crate) fn add(&mut self, timing: f64) {
         self.0.push(timing);
     }
 
     /// The shortest one; infinite if there is none.
-    pub(super) fn best(&self) -> f64 {
+    pub(crate) fn best(&self) -> f64 {
         self.0.iter().copied().fold(f64::INFINITY, f64::min)
     }
 
     /// Mean and spread over all rounds.
-    pub(super) fn spread(&self) -> Spread {
+    pub(crate) fn spread(&self) -> Spread {
         let estimate: Variance = self.0.iter().collect();
         Spread {
             rounds: self.0.len() as u64,
@@ -37,12 +37,12 @@ impl FromIterator<f64> for Timings {
 
 /// Mean and spread of timings, in their unit.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub(super) struct Spread {
+pub(crate) struct Spread {
     /// Number of timings.
-    pub(super) rounds: u64,
-    pub(super) mean: f64,
+    pub(crate) rounds: u64,
+    pub(crate) mean: f64,
     /// Sample standard deviation; null for a single timing.
-    pub(super) deviation: Option<f64>,
+    pub(crate) deviation: Option<f64>,
 }
 
 #[cfg(test)]

@@ -2,15 +2,16 @@
 
 /// The colour of a share: from 0 (blue) over green, yellow and orange to 1 (red), in sRGB. The
 /// scheme is Spectral (Harrower and Brewer 2003), reversed.
-pub(crate) fn heat(share: f64) -> [u8; 3] {
+#[must_use]
+pub fn heat(share: f64) -> [u8; 3] {
     let colorous::Color { r, g, b } =
         colorous::SPECTRAL.eval_continuous(1.0 - share.clamp(0.0, 1.0));
     [r, g, b]
 }
 
 /// A colour for every number, neighbours far apart, in sRGB. Grey and black never occur.
-#[cfg(feature = "gpu")]
-pub(crate) fn distinct(number: u32) -> [u8; 3] {
+#[must_use]
+pub fn distinct(number: u32) -> [u8; 3] {
     // Steps of the golden section visit all hues evenly, however many there are; palettes of
     // libraries end after a dozen colours.
     let hue = (f64::from(number) * 0.618_033_988_749_895).fract() * 6.0;
@@ -28,7 +29,6 @@ pub(crate) fn distinct(number: u32) -> [u8; 3] {
 mod tests {
     use super::*;
 
-    #[cfg(feature = "gpu")]
     #[test]
     fn neighbouring_numbers_have_different_colours() {
         let near = |a: [u8; 3], b: [u8; 3]| a.iter().zip(b).all(|(x, y)| x.abs_diff(y) < 25);

@@ -6,7 +6,7 @@
 //! of detail, are in [`StorageCost`]. [`Rebuild`] is what a far jump is measured against.
 //!
 //! ```
-//! use lodc_baseline::Baseline;
+//! use lodc_lab::Baseline;
 //! use lodc_mesh::Lod;
 //! use lodc_model::Model;
 //! use lodc_strip::{Effort, StripKind, Strips};

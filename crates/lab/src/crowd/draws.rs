@@ -4,8 +4,8 @@ use super::figures::{Figure, place, turn};
 use super::report::{CrowdOnDevice, DrawnFrames};
 use super::walk::Stand;
 use super::{CrowdLevels, picture};
-use crate::exit::Outcome;
-use crate::gpu::{Device, failure};
+use crate::device::Device;
+use crate::error::LabError;
 use lodc_gpu::picture::Camera;
 use lodc_gpu::{GpuError, Instance, Instanced, InstancedDraw, InstancedFrame};
 use lodc_mesh::Lod;
@@ -22,20 +22,20 @@ const ENOUGH: Duration = Duration::from_secs(20);
 ///
 /// # Errors
 /// If the device fails or is too small.
-pub(super) fn measure(
+pub(crate) fn measure(
     device: &Device,
     figures: &mut [Figure<'_>],
     stands: &[Vec<Stand>],
     levels: [&CrowdLevels; 3],
     rounds: u32,
-) -> Outcome<CrowdOnDevice> {
+) -> Result<CrowdOnDevice, LabError> {
     let camera = picture::camera(figures, stands);
     let mut buffers = Buffers::default();
     let meshes = buffers.all(figures);
     let frames = stands.len() - 1;
     let count = frames.min(DRAWN);
     let drawn: Vec<usize> = (1..=count).map(|i| i * frames / count).collect();
-    let stage = Instanced::new(device, &meshes, &camera).map_err(|e| failure(&e))?;
+    let stage = Instanced::new(device, &meshes, &camera)?;
     let start = Instant::now();
     let mut one = |levels: &CrowdLevels| -> Result<DrawnFrames, GpuError> {
         let frames: Vec<InstancedFrame> = drawn
@@ -76,9 +76,9 @@ pub(super) fn measure(
         adapter: device.adapter().to_string(),
         clock: if device.has_clock() { "device" } else { "host" },
         frames: count as u32,
-        continuous: continuous.map_err(|e| failure(&e))?,
-        discrete: discrete.map_err(|e| failure(&e))?,
-        none: none.map_err(|e| failure(&e))?,
+        continuous: continuous?,
+        discrete: discrete?,
+        none: none?,
     })
 }
 

@@ -1,20 +1,19 @@
 //! What a crowd looks like: each input in a few poses of its first animation, and the triangles of
 //! its levels.
 
-use super::super::Input;
 use super::walk::Stand;
-use crate::exit::Outcome;
+use crate::error::LabError;
+use crate::prepared::Input;
 use lodc_formats::{Limits, ObjectInfo, animation, animation_names, scene_graph};
 use lodc_mesh::Lod;
 use lodc_scene::{Arrangement, Graph, Pose, posed};
 use std::collections::BTreeMap;
-use std::path::Path;
 
 /// Poses of an animation that a crowd shows at once.
 const PHASES: usize = 8;
 
 /// An input as it walks.
-pub(super) struct Figure<'a> {
+pub(crate) struct Figure<'a> {
     input: &'a Input,
     /// By phase.
     phases: Vec<Vec<Part>>,
@@ -24,11 +23,11 @@ pub(super) struct Figure<'a> {
 
 /// An object where its input shows it. One size is the largest extent of the input; it stands on
 /// the origin.
-pub(super) struct Part {
-    pub(super) object: usize,
-    pub(super) positions: Vec<[f32; 3]>,
+pub(crate) struct Part {
+    pub(crate) object: usize,
+    pub(crate) positions: Vec<[f32; 3]>,
     /// True if the corners of triangles are taken the other way round.
-    pub(super) mirrored: bool,
+    pub(crate) mirrored: bool,
 }
 
 impl<'a> Figure<'a> {
@@ -36,14 +35,14 @@ impl<'a> Figure<'a> {
     ///
     /// # Errors
     /// If the file's scene or its animation is damaged.
-    pub(super) fn new(input: &'a Input, path: &Path, limits: &Limits) -> Outcome<Self> {
-        let name = path.display().to_string();
+    fn new(input: &'a Input, limits: &Limits) -> Result<Self, LabError> {
+        let name = &input.name;
         let infos: Vec<&ObjectInfo> = input.objects.iter().map(|o| &o.object.info).collect();
         let document = &input.document;
-        let graph = scene_graph(document, &infos, limits).map_err(|e| e.in_file(&name))?;
-        let animated = !animation_names(document, limits).map_err(|e| e.in_file(&name))?.is_empty();
+        let graph = scene_graph(document, &infos, limits).map_err(|e| e.in_file(name))?;
+        let animated = !animation_names(document, limits).map_err(|e| e.in_file(name))?.is_empty();
         let poses: Vec<Pose> = if animated {
-            let found = animation(document, 0, limits).map_err(|e| e.in_file(&name))?;
+            let found = animation(document, 0, limits).map_err(|e| e.in_file(name))?;
             let moment = |i: usize| found.duration() * i as f64 / PHASES as f64;
             (0..PHASES).map(|i| found.pose(&graph, moment(i))).collect()
         } else {
@@ -56,27 +55,35 @@ impl<'a> Figure<'a> {
     }
 
     /// The parts of one of the crowd.
-    pub(super) fn parts(&self, phase: usize) -> &[Part] {
+    pub(crate) fn parts(&self, phase: usize) -> &[Part] {
         &self.phases[phase]
     }
 
     /// Number of poses.
-    pub(super) fn phases(&self) -> usize {
+    pub(crate) fn phases(&self) -> usize {
         self.phases.len()
     }
 
     /// The pose of one of the crowd in a frame, a tenth of a second each.
-    pub(super) fn phase(&self, instance: usize, frame: usize) -> usize {
+    pub(crate) fn phase(&self, instance: usize, frame: usize) -> usize {
         (instance * 5 + frame) % self.phases.len()
     }
 
     /// Triangles of an object at a LOD.
-    pub(super) fn level(&mut self, object: usize, lod: Lod) -> &[[u32; 3]] {
+    pub(crate) fn level(&mut self, object: usize, lod: Lod) -> &[[u32; 3]] {
         let simplified = &self.input.objects[object].object.simplified;
         let triangles =
             || simplified.triangles_at(lod).into_iter().map(|t| t.corners).collect::<Vec<_>>();
         self.levels.entry((object, lod)).or_insert_with(triangles)
     }
+}
+
+/// Poses all inputs.
+///
+/// # Errors
+/// If a file's scene or its animation is damaged.
+pub(super) fn all<'a>(inputs: &'a [Input], limits: &Limits) -> Result<Vec<Figure<'a>>, LabError> {
+    inputs.iter().map(|input| Figure::new(input, limits)).collect()
 }
 
 /// Every object where a pose puts it.
@@ -114,11 +121,11 @@ fn stand(phases: &mut [Vec<Part>]) {
 
 /// Cosine and sine of the turn that makes a figure, whose front looks along the third axis, look
 /// along its way.
-pub(super) fn turn(stand: &Stand) -> [f32; 2] {
+pub(crate) fn turn(stand: &Stand) -> [f32; 2] {
     [stand.ahead[1] as f32, stand.ahead[0] as f32]
 }
 
 /// The place of one of a crowd on the ground.
-pub(super) fn place(stand: &Stand) -> [f64; 3] {
+pub(crate) fn place(stand: &Stand) -> [f64; 3] {
     [stand.place[0], 0.0, stand.place[1]]
 }

@@ -11,48 +11,41 @@ mod plots;
 mod report;
 mod walk;
 
-pub(super) use report::CrowdReport;
+pub use plots::crowd_charts;
+pub use report::CrowdReport;
 
-use super::measure::means;
-use super::subject::{Runner, Structure, baselines, structures};
-use super::{BenchArgs, Input, Prepared};
-use crate::exit::Outcome;
-use crate::gpu::Device;
+use crate::baseline::{Baseline, Discrete, LEVELS};
+use crate::device::Device;
+use crate::error::LabError;
+use crate::prepared::{Input, Prepared};
+use crate::subject::{Runner, Structure, baselines, structures};
+use crate::sweep::{means, points};
 use crate::text::grouped;
-use clap::Args;
-use lodc_baseline::{Baseline, Discrete};
+use lodc_formats::Limits;
 use lodc_formats::lodc::LodObject;
 use lodc_mesh::{CollapseSequence, Lod};
+use lodc_scene::Image;
 use lodc_strip::StripKind;
-use report::{CrowdCurve, Frames, Policies};
+use report::{CrowdCurve, CrowdOnDevice, Frames, Policies};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::hint::black_box;
-use std::path::PathBuf;
 use std::time::Instant;
 use walk::{Crowd, FRAMES_PER_SECOND, Stand};
 
-/// Options of a crowd.
-#[derive(Args, Clone, Debug)]
-pub(super) struct CrowdArgs {
-    /// Measure a crowd of all inputs instead, in turn: it walks around a viewer, ten frames a
-    /// second, and every instance has a level by its distance
-    #[arg(long, conflicts_with = "streams")]
-    pub(super) crowd: bool,
-    /// Instances of a crowd
-    #[arg(long, value_name = "N", default_value = "250", requires = "crowd",
-          value_parser = clap::value_parser!(u32).range(1..=100_000))]
-    instances: u32,
-    /// Seconds that it walks
-    #[arg(long, value_name = "S", default_value = "50", requires = "crowd",
-          value_parser = clap::value_parser!(u32).range(1..=10_000))]
-    seconds: u32,
-    /// Makes its paths
-    #[arg(long, value_name = "K", default_value = "1", requires = "crowd")]
-    seed: u64,
-    /// Draw the crowd in the middle of its time into a PNG, coloured by level, on a GPU
-    #[arg(long, value_name = "OUT.png", requires = "crowd")]
-    pub(super) picture: Option<PathBuf>,
+/// A crowd, and how it is measured.
+#[derive(Clone, Copy, Debug)]
+pub struct CrowdSettings {
+    /// Those that walk: the inputs in turn.
+    pub instances: u32,
+    /// The time that they walk, ten frames a second.
+    pub seconds: u32,
+    /// Makes their paths.
+    pub seed: u64,
+    /// Rounds of timing, of which the best counts; with none nothing is timed.
+    pub rounds: Option<u32>,
+    /// Limits on the inputs' scenes and animations.
+    pub limits: Limits,
 }
 
 /// The levels of everyone in every frame.
@@ -64,35 +57,31 @@ struct CrowdLevels {
     frames: Frames,
 }
 
-/// Lets a crowd of some inputs walk.
+/// Lets a crowd of some inputs walk. Where there is a device, frames are drawn on it and timed.
 ///
 /// # Errors
-/// If a baseline cannot be made (a bug), a graphics device fails, or a file cannot be written.
-pub(super) fn measure(
-    args: &BenchArgs,
-    device: Option<&Device>,
+/// If a baseline cannot be made (a bug), a scene or an animation is damaged, or the device fails or
+/// is too small.
+pub fn crowd(
     inputs: &[Input],
-) -> Outcome<CrowdReport> {
-    let CrowdArgs { instances, seconds, seed, .. } = args.crowd;
+    settings: &CrowdSettings,
+    device: Option<&Device>,
+) -> Result<CrowdReport, LabError> {
+    let CrowdSettings { instances, seconds, seed, rounds, .. } = *settings;
     let frames = seconds * FRAMES_PER_SECOND;
-    let baselines: Vec<Vec<Vec<Baseline>>> = inputs
-        .iter()
-        .map(|input| {
-            let strips = |o: &Prepared| baselines(&o.object, o.strips(StripKind::LONGEST));
-            input.objects.iter().map(strips).collect()
-        })
-        .collect::<Outcome<_>>()?;
+    let strips = |o: &Prepared| baselines(&o.object, o.strips(StripKind::LONGEST));
+    let of_input = |input: &Input| input.objects.iter().map(strips).collect();
+    let baselines: Vec<Vec<Vec<Baseline>>> =
+        inputs.iter().map(of_input).collect::<Result<_, LabError>>()?;
     let stands = stands(instances, frames, seed);
     let [continuous, discrete, none] = [at_distance, of_five, |_: &CollapseSequence, _| Lod(0)]
-        .map(|policy: fn(&CollapseSequence, f64) -> Lod| levels(inputs, &stands, policy));
+        .map(|policy: Policy| levels(inputs, &stands, policy));
     let mut models = BTreeMap::new();
     for name in names(inputs, &baselines) {
         let run = |levels: &CrowdLevels| {
             let frames = levels.frames.clone();
-            if args.no_times {
-                return frames;
-            }
-            let rounds = extraction(name, inputs, &baselines, levels, args.rounds.get());
+            let Some(rounds) = rounds else { return frames };
+            let rounds = extraction(name, inputs, &baselines, levels, rounds);
             let of = |round: &Vec<f64>| round.iter().sum::<f64>() / round.len() as f64;
             let least =
                 |f: usize| rounds.iter().map(|round| round[f]).fold(f64::INFINITY, f64::min);
@@ -109,45 +98,61 @@ pub(super) fn measure(
     let second: Vec<f64> =
         (1..=frames).map(|f| f64::from(f) / f64::from(FRAMES_PER_SECOND)).collect();
     let curve = CrowdCurve {
-        seconds: super::measure::points(&second),
+        seconds: points(&second),
         continuous: means(&continuous.triangles),
         discrete: means(&discrete.triangles),
         none: means(&none.triangles),
     };
-    let gpu = on_device(args, device, inputs, &stands, [&continuous, &discrete, &none])?;
-    let nothing = (!args.no_times).then_some(0.0);
-    let none = Frames { extraction_ms_per_frame: nothing, ..none.frames };
-    Ok(CrowdReport { instances, frames, seed, models, none, curve, gpu })
+    let levels = [&continuous, &discrete, &none];
+    let gpu = device.zip(rounds);
+    let gpu = gpu.map(|(device, rounds)| drawn(device, inputs, settings, &stands, levels, rounds));
+    let none = Frames { extraction_ms_per_frame: rounds.map(|_| 0.0), ..none.frames };
+    Ok(CrowdReport { instances, frames, seed, models, none, curve, gpu: gpu.transpose()? })
 }
 
-/// Draws the picture that was asked for, and times draws of frames.
-///
-/// # Errors
-/// If the device fails or is too small, or the picture cannot be written.
+/// Times draws of frames.
 #[cfg(feature = "gpu")]
-fn on_device(
-    args: &BenchArgs,
-    device: Option<&Device>,
+fn drawn(
+    device: &Device,
     inputs: &[Input],
+    settings: &CrowdSettings,
     stands: &[Vec<Stand>],
     levels: [&CrowdLevels; 3],
-) -> Outcome<Option<report::CrowdOnDevice>> {
-    use crate::output;
-    let Some(device) = device else { return Ok(None) };
-    let limits = args.import.options().limits;
-    let figures = inputs.iter().zip(&args.inputs);
-    let mut figures: Vec<figures::Figure<'_>> = figures
-        .map(|(input, path)| figures::Figure::new(input, path, &limits))
-        .collect::<Outcome<_>>()?;
-    if let Some(out) = &args.crowd.picture {
-        let target = output::Target::File(out.clone());
-        let picture = picture::picture(device, &mut figures, stands, &levels[0].lods)?;
-        output::write(&target, lodc_formats::picture::png(&picture))?;
-    }
-    if args.gpu.gpu.is_none() || args.no_times {
-        return Ok(None);
-    }
-    draws::measure(device, &mut figures, stands, levels, args.rounds.get()).map(Some)
+    rounds: u32,
+) -> Result<CrowdOnDevice, LabError> {
+    draws::measure(device, &mut figures::all(inputs, &settings.limits)?, stands, levels, rounds)
+}
+
+/// There is no device.
+#[cfg(not(feature = "gpu"))]
+fn drawn(
+    device: &Device,
+    _: &[Input],
+    _: &CrowdSettings,
+    _: &[Vec<Stand>],
+    _: [&CrowdLevels; 3],
+    _: u32,
+) -> Result<CrowdOnDevice, LabError> {
+    match *device {}
+}
+
+/// Draws the crowd in the middle of its time, coloured by level: from blue (every triangle) to red
+/// (none).
+///
+/// # Errors
+/// If a scene or an animation is damaged, or the device fails or is too small.
+#[cfg(feature = "gpu")]
+pub fn crowd_picture(
+    inputs: &[Input],
+    settings: &CrowdSettings,
+    device: &Device,
+) -> Result<Image, LabError> {
+    let frames = settings.seconds * FRAMES_PER_SECOND;
+    let all = stands(settings.instances, frames, settings.seed);
+    let now = all.len() / 2;
+    let lods = lods(inputs, &all[now], at_distance);
+    let mut figures = figures::all(inputs, &settings.limits)?;
+    Ok(picture::picture(device, &mut figures, &all[now], &lods, now)?)
 }
 
 /// There is no device.
@@ -155,19 +160,8 @@ fn on_device(
 /// # Errors
 /// Never.
 #[cfg(not(feature = "gpu"))]
-fn on_device(
-    _: &BenchArgs,
-    device: Option<&Device>,
-    _: &[Input],
-    _: &[Vec<Stand>],
-    _: [&CrowdLevels; 3],
-) -> Outcome<Option<report::CrowdOnDevice>> {
-    device.map(|device| match *device {}).transpose()
-}
-
-/// Charts of a crowd, as names of files and what is in them.
-pub(super) fn plots(report: &CrowdReport) -> Vec<(&'static str, String)> {
-    plots::plots(report)
+pub fn crowd_picture(_: &[Input], _: &CrowdSettings, device: &Device) -> Result<Image, LabError> {
+    match *device {}
 }
 
 /// The names of all structures that every object of every input has.
@@ -198,23 +192,25 @@ fn at_distance(collapses: &CollapseSequence, distance: f64) -> Lod {
 
 /// The discrete level at a distance, each for a fifth of it.
 fn of_five(collapses: &CollapseSequence, distance: f64) -> Lod {
-    let levels = lodc_baseline::LEVELS;
-    let level = ((distance * levels as f64) as usize).min(levels - 1);
+    let level = ((distance * LEVELS as f64) as usize).min(LEVELS - 1);
     Discrete::lod(collapses, level)
 }
 
-/// The levels of everyone by a policy.
-fn levels(
-    inputs: &[Input],
-    stands: &[Vec<Stand>],
-    policy: fn(&CollapseSequence, f64) -> Lod,
-) -> CrowdLevels {
-    let of = |(i, stand): (usize, &Stand)| -> Vec<Lod> {
+/// A level at a distance from 0 to 1.
+type Policy = fn(&CollapseSequence, f64) -> Lod;
+
+/// The levels of everyone in a frame by a policy.
+fn lods(inputs: &[Input], stands: &[Stand], policy: Policy) -> Vec<Vec<Lod>> {
+    let of = |(i, stand): (usize, &Stand)| {
         let objects = inputs[i % inputs.len()].objects.iter();
         objects.map(|o| policy(o.object.simplified.collapses(), stand.distance)).collect()
     };
-    let frame = |all: &Vec<Stand>| all.iter().enumerate().map(of).collect::<Vec<_>>();
-    let lods: Vec<Vec<Vec<Lod>>> = stands.iter().map(frame).collect();
+    stands.iter().enumerate().map(of).collect()
+}
+
+/// The levels of everyone in all frames by a policy.
+fn levels(inputs: &[Input], stands: &[Vec<Stand>], policy: Policy) -> CrowdLevels {
+    let lods: Vec<Vec<Vec<Lod>>> = stands.iter().map(|all| lods(inputs, all, policy)).collect();
     let (mut triangles, mut shared, mut changed) = (Vec::new(), 0, 0);
     for pair in lods.windows(2) {
         let mut seen: BTreeMap<(usize, &[Lod]), u64> = BTreeMap::new();
@@ -281,8 +277,9 @@ fn cursor<'a>(
     all.iter().find(|s| s.name() == name).map(Structure::runner)
 }
 
-/// The report as people read it.
-pub(super) fn text(report: &CrowdReport) -> String {
+/// The figures of a crowd as people read them.
+#[must_use]
+pub fn crowd_table(report: &CrowdReport) -> String {
     let mut text = format!(
         "{} instances, {} frames: per frame\n{:<18} {:>14} {:>12} {:>8}\n",
         grouped(u64::from(report.instances)),

@@ -2,12 +2,12 @@
 
 use super::figures::{Figure, place, turn};
 use super::walk::Stand;
-use crate::colours::heat;
-use crate::exit::Outcome;
-use crate::gpu::{Device, failure};
+use crate::device::Device;
+use lodc_gpu::GpuError;
 use lodc_gpu::picture::{
     BackFaces, Camera, Corner, Frame, Framing, Lens, Painter, Style, Up, Viewpoint,
 };
+use lodc_measure::heat;
 use lodc_mesh::Lod;
 use lodc_scene::{Image, Material, to_linear};
 
@@ -17,15 +17,15 @@ const SIZE: [u32; 2] = [1280, 640];
 const DEGREES: f64 = 30.0;
 
 /// The camera that sees all of a crowd in all its frames.
-pub(super) fn camera(figures: &[Figure<'_>], stands: &[Vec<Stand>]) -> Camera {
+pub(crate) fn camera(figures: &[Figure<'_>], stands: &[Vec<Stand>]) -> Camera {
     let lens = Lens::Perspective(DEGREES);
     let framing = Framing { up: Up::Y, azimuth: 0.0, elevation: DEGREES, lens, zoom: 1.0 };
-    Camera::around(&points(figures, stands), &framing, 1.0)
+    Camera::around(&points(figures, stands.iter().flatten()), &framing, 1.0)
 }
 
 /// The camera behind and above the viewer.
-fn behind(figures: &[Figure<'_>], stands: &[Vec<Stand>]) -> Camera {
-    let points = points(figures, stands);
+fn behind(figures: &[Figure<'_>], stands: &[Stand]) -> Camera {
+    let points = points(figures, stands.iter());
     let far = points.iter().flatten().fold(1.0, |a: f64, c| a.max(c.abs()));
     let (eye, target) = ([0.0, 0.16 * far, -0.5 * far], [0.0, 0.0, 0.2 * far]);
     let view = Viewpoint { eye, target, up: Up::Y, degrees: DEGREES, zoom: 1.0 };
@@ -33,11 +33,11 @@ fn behind(figures: &[Figure<'_>], stands: &[Vec<Stand>]) -> Camera {
 }
 
 /// Boxes around everyone.
-fn points(figures: &[Figure<'_>], stands: &[Vec<Stand>]) -> Vec<[f64; 3]> {
+fn points<'a>(figures: &[Figure<'_>], stands: impl Iterator<Item = &'a Stand>) -> Vec<[f64; 3]> {
     let high = figures.iter().flat_map(|f| (0..f.phases()).flat_map(|p| f.parts(p)));
     let high = high.flat_map(|part| &part.positions).map(|p| f64::from(p[1])).fold(0.0, f64::max);
     let mut points = Vec::new();
-    for stand in stands.iter().flatten() {
+    for stand in stands {
         let [x, _, z] = place(stand);
         for (dx, dz) in [(-0.5, -0.5), (0.5, -0.5), (-0.5, 0.5), (0.5, 0.5)] {
             points.extend([[x + dx, 0.0, z + dz], [x + dx, high, z + dz]]);
@@ -46,31 +46,28 @@ fn points(figures: &[Figure<'_>], stands: &[Vec<Stand>]) -> Vec<[f64; 3]> {
     points
 }
 
-/// Draws one frame: from blue (every triangle) to red (none).
+/// Draws the frame `now`: from blue (every triangle) to red (none).
 ///
 /// # Errors
 /// If the device fails or is too small.
-pub(super) fn picture(
+pub(crate) fn picture(
     device: &Device,
     figures: &mut [Figure<'_>],
-    stands: &[Vec<Stand>],
-    lods: &[Vec<Vec<Lod>>],
-) -> Outcome<Image> {
-    let now = stands.len() / 2;
-    let camera = behind(figures, &stands[now..=now]);
+    stands: &[Stand],
+    lods: &[Vec<Lod>],
+    now: usize,
+) -> Result<Image, GpuError> {
+    let camera = behind(figures, stands);
     let style = Style { size: SIZE, background: [1.0; 4], back_faces: BackFaces::Shown, wire: 0.0 };
     let matte = Material { double_sided: true, ..Material::default() };
-    let mut draw = || {
-        let painter = Painter::new(device, &[], &[matte])?;
-        let mut frame = Frame::new(&painter, &camera, &style)?;
-        for (i, (stand, lods)) in stands[now].iter().zip(&lods[now]).enumerate() {
-            let f = i % figures.len();
-            let phase = figures[f].phase(i, now);
-            frame.draw(0, false, &corners(&mut figures[f], phase, stand, lods, &camera))?;
-        }
-        frame.finish()
-    };
-    draw().map_err(|e| failure(&e))
+    let painter = Painter::new(device, &[], &[matte])?;
+    let mut frame = Frame::new(&painter, &camera, &style)?;
+    for (i, (stand, lods)) in stands.iter().zip(lods).enumerate() {
+        let f = i % figures.len();
+        let phase = figures[f].phase(i, now);
+        frame.draw(0, false, &corners(&mut figures[f], phase, stand, lods, &camera))?;
+    }
+    frame.finish()
 }
 
 /// The triangles of one of the crowd.

@@ -1,12 +1,12 @@
 //! Curves of a crowd as SVG: triangles and extraction time over the seconds (thesis figs. 4.11 to
 //! 4.14).
 
-use super::super::plots::colour_of;
 use super::report::CrowdReport;
-use crate::chart::{Chart, Curve, Scale};
+use crate::chart::{Chart, Curve, Scale, colour_of};
 
-/// Names of files and what is in them; no times if none were taken.
-pub(super) fn plots(report: &CrowdReport) -> Vec<(&'static str, String)> {
+/// Charts of a crowd as SVG, with names for their files; no times if none were taken.
+#[must_use]
+pub fn crowd_charts(report: &CrowdReport) -> Vec<(&'static str, String)> {
     let curve = &report.curve;
     let points = |values: &[f64]| -> Vec<[f64; 2]> {
         curve.seconds.iter().zip(values).map(|(&x, &y)| [x, y]).collect()

@@ -3,14 +3,14 @@
 use lodc_mesh::SplitMix64;
 
 /// Frames of a second.
-pub(super) const FRAMES_PER_SECOND: u32 = 10;
+pub(crate) const FRAMES_PER_SECOND: u32 = 10;
 /// Side of the square for each instance, in sizes of what walks: the crowd's square grows with it.
 const ROOM: f64 = 6.0;
 /// Speed in sizes a second.
 const SPEED: f64 = 0.8;
 
 /// A crowd in a square whose middle the viewer stands in. Lengths are in sizes of what walks.
-pub(super) struct Crowd {
+pub(crate) struct Crowd {
     random: SplitMix64,
     /// Half the side of the square.
     half: f64,
@@ -25,17 +25,17 @@ struct Walker {
 
 /// The place of one of a crowd in a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Stand {
+pub(crate) struct Stand {
     /// Relative to the viewer.
-    pub(super) place: [f64; 2],
+    pub(crate) place: [f64; 2],
     /// Direction of the way, of length 1.
-    pub(super) ahead: [f64; 2],
+    pub(crate) ahead: [f64; 2],
     /// From the viewer: 0 up to one size away, 1 in the corners.
-    pub(super) distance: f64,
+    pub(crate) distance: f64,
 }
 
 impl Crowd {
-    pub(super) fn new(instances: u32, seed: u64) -> Self {
+    pub(crate) fn new(instances: u32, seed: u64) -> Self {
         let half = ROOM * f64::from(instances).sqrt() / 2.0;
         let mut crowd = Self { random: SplitMix64::new(seed), half, walkers: Vec::new() };
         for _ in 0..instances {
@@ -50,7 +50,7 @@ impl Crowd {
     }
 
     /// Moves everyone by one frame.
-    pub(super) fn step(&mut self) {
+    pub(crate) fn step(&mut self) {
         let step = SPEED / f64::from(FRAMES_PER_SECOND);
         for i in 0..self.walkers.len() {
             let Walker { place, goal } = &mut self.walkers[i];
@@ -66,7 +66,7 @@ impl Crowd {
     }
 
     /// Returns where everyone is.
-    pub(super) fn stands(&self) -> Vec<Stand> {
+    pub(crate) fn stands(&self) -> Vec<Stand> {
         let far = length([self.half; 2]);
         let stand = |w: &Walker| {
             let way = [w.goal[0] - w.place[0], w.goal[1] - w.place[1]];

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 /// Returns the nearest file of this name beside or above an input, but not above `folder`; without
 /// one, not above the current folder. None if there is none, or if the input is a stream.
 pub(super) fn nearest(name: &str, input: &Path, folder: Option<&Path>) -> Option<PathBuf> {
-    if crate::output::is_stream(input) {
+    if crate::target::is_stream(input) {
         return None;
     }
     let parent = match input.parent() {

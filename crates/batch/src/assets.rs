@@ -1,37 +1,42 @@
 //! The assets of a run: named files, files below folders, lines of a list.
 
-use super::folder::{Filter, files, slashed};
-use super::{BatchArgs, OptionValues, manifest};
-use crate::exit::{Failure, Outcome};
-use crate::output::{self, Target};
+use crate::error::AssetError;
+use crate::folder::{Filter, files, slashed};
+use crate::manifest;
+use crate::options::OptionValues;
+use crate::shard::Shard;
+use crate::target::{Target, is_folder, is_stream, named_target, refuse_clashes};
 use std::path::{Path, PathBuf};
 
 /// One asset of a run.
 #[derive(Clone, Debug)]
-pub(crate) struct Asset {
-    pub(crate) input: PathBuf,
+pub struct Asset {
+    /// Its file; `-` for standard input.
+    pub input: PathBuf,
     /// Its path as named, or below the folder that was given; with slashes.
-    pub(crate) name: String,
+    pub name: String,
     /// The folder that was given and that it was found in.
-    pub(crate) folder: Option<PathBuf>,
+    pub folder: Option<PathBuf>,
     /// The target of its result, or the reason why there is none.
-    pub(crate) target: Outcome<Target>,
+    pub target: Result<Target, AssetError>,
     /// Options of its own.
-    pub(crate) options: OptionValues,
+    pub options: OptionValues,
     /// The list and the line that names it, for messages.
-    pub(crate) line: Option<(PathBuf, usize)>,
+    pub line: Option<(PathBuf, usize)>,
     /// Missing folders of its result are made.
-    pub(crate) makes_folders: bool,
+    pub makes_folders: bool,
 }
 
 impl Asset {
     /// Returns whether it came from a folder or a list: one of many.
-    pub(crate) fn is_listed(&self) -> bool {
+    #[must_use]
+    pub fn is_listed(&self) -> bool {
         self.folder.is_some() || self.line.is_some()
     }
 
     /// A message about its options, with the line that they stand in.
-    pub(crate) fn with_line(&self, what: &str) -> String {
+    #[must_use]
+    pub fn with_line(&self, what: &str) -> String {
         match &self.line {
             Some((list, line)) => format!("{}: line {line}: {what}", list.display()),
             None => format!("{}: {what}", self.input.display()),
@@ -39,17 +44,38 @@ impl Asset {
     }
 }
 
+/// The choice of assets besides those that are named.
+#[derive(Clone, Debug, Default)]
+pub struct Choice {
+    /// A list: a JSON document in each line. `-` for standard input.
+    pub list: Option<PathBuf>,
+    /// Globs of paths below a folder that is given: only these are taken.
+    pub include: Vec<String>,
+    /// Globs of paths that are not.
+    pub exclude: Vec<String>,
+    /// Only one of several parts of all assets.
+    pub shard: Option<Shard>,
+}
+
+impl Choice {
+    /// Returns whether a run with these inputs has several results, or may have them.
+    #[must_use]
+    pub fn takes_many(&self, inputs: &[PathBuf]) -> bool {
+        inputs.len() > 1 || self.list.is_some() || inputs.iter().any(|input| input.is_dir())
+    }
+}
+
 /// Inputs and outputs of a command.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Sources<'a> {
+pub struct Sources<'a> {
     /// Named files and folders.
-    pub(crate) inputs: &'a [PathBuf],
+    pub inputs: &'a [PathBuf],
     /// `-o`.
-    pub(crate) output: Option<&'a Path>,
+    pub output: Option<&'a Path>,
     /// Extensions of the files that are taken from folders.
-    pub(crate) reads: &'a [&'a str],
+    pub reads: &'a [&'a str],
     /// Extension of results.
-    pub(crate) writes: &'a str,
+    pub writes: &'a str,
 }
 
 /// Returns the assets of a run in order: named ones and folders as they were given, then the
@@ -58,10 +84,10 @@ pub(crate) struct Sources<'a> {
 /// # Errors
 /// If a folder or the list cannot be read, or holds nothing; if there is nothing to do with what
 /// was given.
-pub(crate) fn assets(sources: Sources<'_>, batch: &BatchArgs) -> Outcome<Vec<Asset>> {
-    let filter = Filter::new(&batch.include, &batch.exclude)?;
-    let several = batch.takes_many(sources.inputs);
-    let folder_out = sources.output.filter(|out| several || output::is_folder(out));
+pub fn assets(sources: Sources<'_>, choice: &Choice) -> Result<Vec<Asset>, AssetError> {
+    let filter = Filter::new(&choice.include, &choice.exclude)?;
+    let several = choice.takes_many(sources.inputs);
+    let folder_out = sources.output.filter(|out| several || is_folder(out));
     if let Some(out) = folder_out {
         check_folder(out)?;
     }
@@ -74,12 +100,12 @@ pub(crate) fn assets(sources: Sources<'_>, batch: &BatchArgs) -> Outcome<Vec<Ass
                 all.push(found(path, name, Some(input.clone()), Ok(target)));
             }
         } else {
-            let target = output::named_target(input, folder_out, sources.output, sources.writes);
+            let target = named_target(input, folder_out, sources.output, sources.writes);
             let name = input.to_string_lossy().replace('\\', "/");
             all.push(found(input.clone(), name, None, target));
         }
     }
-    if let Some(list) = &batch.manifest {
+    if let Some(list) = &choice.list {
         for (number, line) in manifest::read(list)? {
             let options = match line.a {
                 Some(_) => Err("a is for compare alone".to_owned()),
@@ -97,20 +123,20 @@ pub(crate) fn assets(sources: Sources<'_>, batch: &BatchArgs) -> Outcome<Vec<Ass
             });
         }
     }
-    if let Some(shard) = batch.shard {
+    if let Some(shard) = choice.shard {
         all.retain(|asset| shard.has(&asset.name));
     }
     all.iter_mut().for_each(|asset| asset.makes_folders |= folder_out.is_some());
-    output::refuse_clashes(all.iter_mut().map(|a| (a.input.as_path(), &mut a.target)));
+    refuse_clashes(all.iter_mut().map(|a| (a.input.as_path(), &mut a.target)));
     Ok(all)
 }
 
 /// An asset without options of its own.
-pub(super) fn found(
+pub(crate) fn found(
     input: PathBuf,
     name: String,
     folder: Option<PathBuf>,
-    target: Outcome<Target>,
+    target: Result<Target, AssetError>,
 ) -> Asset {
     let makes_folders = folder.is_some();
     Asset {
@@ -124,14 +150,14 @@ pub(super) fn found(
     }
 }
 
-fn check_folder(out: &Path) -> Outcome<()> {
-    if output::is_stream(out) {
+fn check_folder(out: &Path) -> Result<(), AssetError> {
+    if is_stream(out) {
         let what = "several results do not fit one standard output: name a folder";
-        return Err(Failure::usage(what));
+        return Err(AssetError::Usage(what.to_owned()));
     }
     if out.exists() && !out.is_dir() {
         let what = "several inputs need a folder, this is a file";
-        return Err(Failure::usage(format!("{}: {what}", out.display())));
+        return Err(AssetError::Usage(format!("{}: {what}", out.display())));
     }
     Ok(())
 }
@@ -158,7 +184,7 @@ mod tests {
         let inputs: Vec<PathBuf> = names.iter().map(PathBuf::from).collect();
         let output = output.map(Path::new);
         let sources = Sources { inputs: &inputs, output, reads: &["obj"], writes: "lodc" };
-        assets(sources, &BatchArgs::default()).expect("assets")
+        assets(sources, &Choice::default()).expect("assets")
     }
 
     #[test]
@@ -166,7 +192,7 @@ mod tests {
         let all = of_names(&["a/x.obj", "b/x.glb", "b/y.obj"], Some("out"));
         let failed: Vec<bool> = all.iter().map(|asset| asset.target.is_err()).collect();
         assert_eq!(failed, [true, true, false]);
-        let what = all[0].target.clone().expect_err("a clash").message;
+        let what = all[0].target.clone().expect_err("a clash").to_string();
         assert_eq!(what, "out/x.lodc: a/x.obj and b/x.glb would both be written there");
         assert!(of_names(&["a/x.obj", "b/x.glb"], None).iter().all(|a| a.target.is_ok()));
         let three = of_names(&["a/x.obj", "a/y.obj", "a/x.glb"], None);

@@ -1,19 +1,19 @@
 //! Lists of assets: a JSON document in each line.
 
-use super::OptionValues;
-use crate::exit::{Failure, Outcome, Status};
-use crate::output::is_stream;
+use crate::error::AssetError;
+use crate::options::OptionValues;
+use crate::target::is_stream;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
 /// One line of a list.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Line {
-    pub(super) input: PathBuf,
+pub(crate) struct Line {
+    pub(crate) input: PathBuf,
     /// The file that `compare` compares it with.
-    pub(super) a: Option<PathBuf>,
-    pub(super) output: Option<PathBuf>,
+    pub(crate) a: Option<PathBuf>,
+    pub(crate) output: Option<PathBuf>,
     #[serde(default)]
     options: serde_json::Map<String, serde_json::Value>,
 }
@@ -23,14 +23,14 @@ impl Line {
     ///
     /// # Errors
     /// If a value is neither text, number, true, false nor a list of texts and numbers.
-    pub(super) fn options(&self) -> Result<OptionValues, String> {
+    pub(crate) fn options(&self) -> Result<OptionValues, String> {
         OptionValues::from_json(&self.options)
     }
 }
 
 /// Something wrong with a line of a list.
-pub(super) fn wrong(list: &Path, number: usize, what: &str) -> Failure {
-    Failure::new(Status::Input, format!("{}: line {number}: {what}", list.display()))
+pub(crate) fn wrong(list: &Path, number: usize, what: &str) -> AssetError {
+    AssetError::Input(format!("{}: line {number}: {what}", list.display()))
 }
 
 /// Reads a list, `-` from standard input; blank lines are passed over. Returns pairs of line
@@ -38,8 +38,8 @@ pub(super) fn wrong(list: &Path, number: usize, what: &str) -> Failure {
 ///
 /// # Errors
 /// If the list cannot be read, or a line is not such a document.
-pub(super) fn read(path: &Path) -> Outcome<Vec<(usize, Line)>> {
-    let failure = |what: String| Failure::new(Status::Input, format!("{}: {what}", path.display()));
+pub(crate) fn read(path: &Path) -> Result<Vec<(usize, Line)>, AssetError> {
+    let failure = |what: String| AssetError::Input(format!("{}: {what}", path.display()));
     let text = match is_stream(path) {
         true => std::io::read_to_string(std::io::stdin()),
         false => std::fs::read_to_string(path),

@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 /// Part `index` of `count`, from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Shard {
+pub struct Shard {
     index: u64,
     count: u64,
 }
@@ -15,7 +15,7 @@ impl Shard {
     ///
     /// # Errors
     /// Unless 1 ≤ I ≤ N.
-    pub(crate) fn parse(text: &str) -> Result<Self, String> {
+    pub fn parse(text: &str) -> Result<Self, String> {
         let number = |part: &str| u64::from_str(part).ok();
         let parts = text.split_once('/').and_then(|(i, n)| Some((number(i)?, number(n)?)));
         match parts {
@@ -25,7 +25,8 @@ impl Shard {
     }
 
     /// Returns whether an asset of this name belongs to the part: by XXH3-128 of its bytes.
-    pub(crate) fn has(self, name: &str) -> bool {
+    #[must_use]
+    pub fn has(self, name: &str) -> bool {
         key(name.as_bytes()) % u128::from(self.count) == u128::from(self.index - 1)
     }
 }

@@ -4,11 +4,11 @@ use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
 /// Limits on work at one time.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Budget {
+pub struct Budget {
     /// Assets at one time.
-    pub(crate) workers: usize,
+    pub workers: usize,
     /// Bytes of memory, all assets together; an asset that is expected to need more runs alone.
-    pub(crate) bytes: u64,
+    pub bytes: u64,
 }
 
 /// Assets at work and assets taken from the queue.
@@ -21,11 +21,7 @@ struct State {
 
 /// Does `work` for each of `needs.len()` assets, which are expected to need so many bytes each.
 /// The results are in the order of `needs`, whatever the order of work.
-pub(crate) fn run<R: Send>(
-    needs: &[u64],
-    budget: Budget,
-    work: impl Fn(usize) -> R + Sync,
-) -> Vec<R> {
+pub fn run<R: Send>(needs: &[u64], budget: Budget, work: impl Fn(usize) -> R + Sync) -> Vec<R> {
     let mut order: Vec<usize> = (0..needs.len()).collect();
     order.sort_by_key(|&i| (std::cmp::Reverse(needs[i]), i));
     let (state, freed) = (Mutex::new(State::default()), Condvar::new());

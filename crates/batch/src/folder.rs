@@ -1,13 +1,19 @@
 //! Files below a folder, by extension and glob.
 
-use crate::exit::{Failure, Outcome, Status};
+use crate::error::AssetError;
 use globset::{GlobBuilder, GlobSet, GlobSetBuilder};
 use std::path::{Component, Path, PathBuf};
 use walkdir::WalkDir;
 
+/// Extensions of the meshes that are taken from folders.
+pub const MESHES: [&str; 3] = ["obj", "gltf", "glb"];
+
+/// Extensions of the files with levels, stored or to be made, that are taken from folders.
+pub const LEVELS: [&str; 4] = ["obj", "gltf", "glb", "lodc"];
+
 /// Choice of files by their paths below a folder.
 #[derive(Debug)]
-pub(super) struct Filter {
+pub(crate) struct Filter {
     include: Option<GlobSet>,
     exclude: GlobSet,
 }
@@ -17,7 +23,7 @@ impl Filter {
     ///
     /// # Errors
     /// If a glob is none.
-    pub(super) fn new(include: &[String], exclude: &[String]) -> Outcome<Self> {
+    pub(crate) fn new(include: &[String], exclude: &[String]) -> Result<Self, AssetError> {
         let include = (!include.is_empty()).then(|| globs(include)).transpose()?;
         Ok(Self { include, exclude: globs(exclude)? })
     }
@@ -27,14 +33,38 @@ impl Filter {
     }
 }
 
+/// Returns the files that were named and, in the place of each folder, its files with one of the
+/// extensions whose paths below it match the globs: any of `include`, if there are some, and none
+/// of `exclude`.
+///
+/// # Errors
+/// If a folder cannot be read or has no such file, or a glob is none.
+pub fn expand(
+    inputs: &[PathBuf],
+    extensions: &[&str],
+    include: &[String],
+    exclude: &[String],
+) -> Result<Vec<PathBuf>, AssetError> {
+    let filter = Filter::new(include, exclude)?;
+    let mut all = Vec::new();
+    for input in inputs {
+        if input.is_dir() {
+            all.extend(files(input, extensions, &filter)?.into_iter().map(|(path, _)| path));
+        } else {
+            all.push(input.clone());
+        }
+    }
+    Ok(all)
+}
+
 /// Compiles globs, in which `*` and `?` do not match a slash.
-pub(crate) fn globs(patterns: &[String]) -> Outcome<GlobSet> {
+pub(crate) fn globs(patterns: &[String]) -> Result<GlobSet, AssetError> {
     let mut set = GlobSetBuilder::new();
     for pattern in patterns {
         let glob = GlobBuilder::new(pattern).literal_separator(true).build();
-        set.add(glob.map_err(|e| Failure::usage(format!("glob {pattern}: {}", e.kind())))?);
+        set.add(glob.map_err(|e| AssetError::Usage(format!("glob {pattern}: {}", e.kind())))?);
     }
-    set.build().map_err(|e| Failure::usage(format!("globs: {e}")))
+    set.build().map_err(|e| AssetError::Usage(format!("globs: {e}")))
 }
 
 /// Returns the files below `folder` with one of the extensions: paths, and names below the folder
@@ -43,11 +73,11 @@ pub(crate) fn globs(patterns: &[String]) -> Outcome<GlobSet> {
 ///
 /// # Errors
 /// If a folder cannot be read, or no file matches.
-pub(super) fn files(
+pub(crate) fn files(
     folder: &Path,
     extensions: &[&str],
     filter: &Filter,
-) -> Outcome<Vec<(PathBuf, String)>> {
+) -> Result<Vec<(PathBuf, String)>, AssetError> {
     let hidden = |name: &std::ffi::OsStr| name.to_string_lossy().starts_with('.');
     let walk = WalkDir::new(folder).sort_by_file_name().into_iter();
     let mut found = Vec::new();
@@ -57,7 +87,7 @@ pub(super) fn files(
             let why = e
                 .into_io_error()
                 .map_or("is part of a circle of links".to_owned(), |e| e.to_string());
-            Failure::new(Status::Input, format!("{place}: {why}"))
+            AssetError::Input(format!("{place}: {why}"))
         })?;
         let path = entry.path();
         let name = slashed(path.strip_prefix(folder).unwrap_or(path));
@@ -68,7 +98,7 @@ pub(super) fn files(
     if found.is_empty() {
         let wanted = extensions.join(", ");
         let what = format!("{}: no file of this folder matches ({wanted})", folder.display());
-        return Err(Failure::new(Status::Input, what));
+        return Err(AssetError::Input(what));
     }
     found.sort_by(|a, b| a.1.cmp(&b.1));
     Ok(found)
@@ -79,7 +109,7 @@ fn has_extension(path: &Path, extensions: &[&str]) -> bool {
 }
 
 /// The normal parts of a path, with slashes on every system.
-pub(super) fn slashed(path: &Path) -> String {
+pub(crate) fn slashed(path: &Path) -> String {
     let normal = path.components().filter_map(|part| match part {
         Component::Normal(name) => Some(name.to_string_lossy()),
         _ => None,

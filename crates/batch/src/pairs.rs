@@ -1,34 +1,34 @@
 //! Pairs of files to be compared: two files, the files of two folders by their names, or those of a
 //! list.
 
-use super::assets::found;
-use super::folder::{Filter, files, slashed};
-use super::{Asset, BatchArgs, LEVELS, manifest};
-use crate::exit::{Failure, Outcome, Status};
-use crate::output::Target;
+use crate::assets::{Asset, Choice, found};
+use crate::error::AssetError;
+use crate::folder::{Filter, LEVELS, files, slashed};
+use crate::manifest;
+use crate::target::Target;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// A file to be judged, and the one that it is compared with.
 #[derive(Debug)]
-pub(crate) struct Pair {
+pub struct Pair {
     /// The file to be judged. It has no result of its own: its target is standard output.
-    pub(crate) asset: Asset,
+    pub asset: Asset,
     /// The other file, or the reason why there is none.
-    pub(crate) other: Outcome<PathBuf>,
+    pub other: Result<PathBuf, AssetError>,
 }
 
 /// Returns the pairs of two files, of two folders or of a list, those of the part that is wanted.
 ///
 /// # Errors
 /// If one is a folder and the other is none, a folder has no file to compare, or a list is none.
-pub(crate) fn pairs(named: Option<[&Path; 2]>, batch: &BatchArgs) -> Outcome<Vec<Pair>> {
-    let mut pairs = match (named, &batch.manifest) {
-        (Some([a, b]), _) => of_paths(a, b, batch)?,
+pub fn pairs(named: Option<[&Path; 2]>, choice: &Choice) -> Result<Vec<Pair>, AssetError> {
+    let mut pairs = match (named, &choice.list) {
+        (Some([a, b]), _) => of_paths(a, b, choice)?,
         (None, Some(list)) => of_list(list)?,
         (None, None) => Vec::new(),
     };
-    if let Some(shard) = batch.shard {
+    if let Some(shard) = choice.shard {
         pairs.retain(|pair| shard.has(&pair.asset.name));
     }
     Ok(pairs)
@@ -42,8 +42,8 @@ fn judged(path: PathBuf, name: String, folder: Option<PathBuf>) -> Asset {
 /// Of `b`, files that the globs choose are taken; each is compared with the file of `a` of the same
 /// path, else of the path without its extension (`club.obj` for `club.obj.lodc`), else with the
 /// only one that differs in its extension.
-fn of_paths(a: &Path, b: &Path, batch: &BatchArgs) -> Outcome<Vec<Pair>> {
-    let filter = Filter::new(&batch.include, &batch.exclude)?;
+fn of_paths(a: &Path, b: &Path, choice: &Choice) -> Result<Vec<Pair>, AssetError> {
+    let filter = Filter::new(&choice.include, &choice.exclude)?;
     match (a.is_dir(), b.is_dir()) {
         (false, false) => {
             let asset = judged(b.to_owned(), slashed(b), None);
@@ -55,18 +55,21 @@ fn of_paths(a: &Path, b: &Path, batch: &BatchArgs) -> Outcome<Vec<Pair>> {
             let pair = |(path, name): (PathBuf, String)| Pair {
                 other: counterpart(&all, &name).cloned().ok_or_else(|| {
                     let what = format!("{} has no file of this name", a.display());
-                    Failure::new(Status::Input, format!("{}: {what}", path.display()))
+                    AssetError::Input(format!("{}: {what}", path.display()))
                 }),
                 asset: judged(path, name, Some(b.to_owned())),
             };
             Ok(files(b, &LEVELS, &filter)?.into_iter().map(pair).collect())
         }
-        _ => Err(Failure::usage("a folder is compared with a folder, a file with a file")),
+        _ => {
+            let what = "a folder is compared with a folder, a file with a file";
+            Err(AssetError::Usage(what.to_owned()))
+        }
     }
 }
 
 /// The pairs of a list: in each line `a`, what the file is compared with.
-fn of_list(list: &Path) -> Outcome<Vec<Pair>> {
+fn of_list(list: &Path) -> Result<Vec<Pair>, AssetError> {
     let pair = |(number, line): (usize, manifest::Line)| {
         let wrong = |what: &str| manifest::wrong(list, number, what);
         if line.output.is_some() {

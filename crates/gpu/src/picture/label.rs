@@ -4,7 +4,7 @@ use ab_glyph::{Font, FontRef, Glyph, PxScale, ScaleFont, point};
 use lodc_scene::Image;
 
 /// Open Sans; its origin and licence are noted beside it.
-const FONT: &[u8] = include_bytes!("../../../fonts/OpenSans-Latin.ttf");
+const FONT: &[u8] = include_bytes!("../../fonts/OpenSans-Latin.ttf");
 
 /// A font for labels at one size.
 pub(super) struct Lettering {

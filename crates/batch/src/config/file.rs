@@ -1,15 +1,15 @@
 //! One configuration file: defaults, profiles, and overrides by glob.
 
-use crate::batch::{OptionValues, globs, has_option, is_command, is_of_the_run, suggestion};
-use crate::exit::{Failure, Outcome, Status};
-use crate::parts::Part;
+use crate::error::AssetError;
+use crate::folder::globs;
+use crate::options::{CommandOptions, OptionValues, Vocabulary};
 use serde::Deserialize;
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Options by long name; a table under a command's name holds options of that command alone.
-pub(crate) type Options = Map<String, Value>;
+pub(super) type Options = Map<String, Value>;
 
 /// A file as TOML has it.
 #[derive(Debug, Default, Deserialize)]
@@ -41,12 +41,13 @@ struct Override {
 
 /// Options and where they stand.
 #[derive(Clone, Debug)]
-pub(crate) struct Layer {
+pub struct Layer {
     /// File and table, for people.
-    pub(crate) source: String,
-    pub(crate) values: OptionValues,
+    pub source: String,
+    /// The options.
+    pub values: OptionValues,
     /// Options of a part, in place of `values`.
-    pub(crate) part: Option<Options>,
+    pub part: Option<Map<String, Value>>,
 }
 
 /// A configuration that was read.
@@ -62,23 +63,21 @@ impl File {
     ///
     /// # Errors
     /// If it cannot be read, is no TOML, or has a key that nothing knows.
-    pub(super) fn read(path: &Path) -> Outcome<Self> {
-        let wrong = |status: Status, what: String| {
-            Failure::new(status, format!("{}: {what}", path.display()))
-        };
-        let text =
-            std::fs::read_to_string(path).map_err(|e| wrong(Status::Input, e.to_string()))?;
+    pub(super) fn read(path: &Path, words: &Vocabulary) -> Result<Self, AssetError> {
+        let named = |what: String| format!("{}: {what}", path.display());
+        let unreadable = |e: std::io::Error| AssetError::Input(named(e.to_string()));
+        let text = std::fs::read_to_string(path).map_err(unreadable)?;
         let document: Document = toml::from_str(&text).map_err(|e| {
             let line = e.span().map_or(1, |span| text[..span.start].matches('\n').count() + 1);
-            wrong(Status::Usage, format!("line {line}: {}", e.message()))
+            AssetError::Usage(named(format!("line {line}: {}", e.message())))
         })?;
         let folder = match path.parent() {
             Some(parent) if parent != Path::new("") => parent,
             _ => Path::new("."),
         };
-        let folder = folder.canonicalize().map_err(|e| wrong(Status::Input, e.to_string()))?;
+        let folder = folder.canonicalize().map_err(unreadable)?;
         let file = Self { path: path.to_owned(), folder, document };
-        file.check()?;
+        file.check(words)?;
         Ok(file)
     }
 
@@ -92,47 +91,52 @@ impl File {
         defaults.chain(profiles).chain(overrides)
     }
 
-    fn check(&self) -> Outcome<()> {
+    fn check(&self, words: &Vocabulary) -> Result<(), AssetError> {
+        let any: Vec<&CommandOptions> = words.commands.iter().collect();
         for (table, options) in self.tables() {
             for (key, value) in options {
                 match value {
-                    Value::Object(inner) if is_command(key) => {
+                    Value::Object(inner) if words.is_command(key) => {
+                        let command = [words.of(key)];
                         for option in inner.keys() {
-                            self.check_option(&format!("{table}, {key}"), option, Some(key))?;
+                            let table = format!("{table}, {key}");
+                            self.check_option(&table, option, words, &command)?;
                         }
                     }
-                    _ => self.check_option(&table, key, None)?,
+                    _ => self.check_option(&table, key, words, &any)?,
                 }
             }
         }
         for (number, one) in (1..).zip(&self.document.overrides) {
-            one.check().map_err(|what| {
+            one.check(words).map_err(|what| {
                 let table = format!("[[override]] {number}");
-                Failure::usage(format!("{}: {table}: {what}", self.path.display()))
+                AssetError::Usage(format!("{}: {table}: {what}", self.path.display()))
             })?;
         }
         Ok(())
     }
 
-    fn check_option(&self, table: &str, option: &str, command: Option<&str>) -> Outcome<()> {
-        let fail = |what: String| {
-            Err(Failure::usage(format!("{}: {table}: {option}: {what}", self.path.display())))
-        };
-        if option == "allow-path" {
-            return fail("only the command line permits further folders".to_owned());
-        }
-        if has_option(command, option) {
+    /// Refuses an option that none of some commands has for assets.
+    fn check_option(
+        &self,
+        table: &str,
+        option: &str,
+        words: &Vocabulary,
+        commands: &[&CommandOptions],
+    ) -> Result<(), AssetError> {
+        let what = if option == "allow-path" {
+            "only the command line permits further folders".to_owned()
+        } else if commands.iter().any(|command| command.has(option)) {
             return Ok(());
-        }
-        if is_of_the_run(option) {
-            return fail(
-                "is for a whole run, not for assets: say it on the command line".to_owned(),
-            );
-        }
-        match suggestion(option, command) {
-            Some(near) => fail(format!("no such option; is {near} meant?")),
-            None => fail("no such option".to_owned()),
-        }
+        } else if words.of_the_run.contains(&option) {
+            "is for a whole run, not for assets: say it on the command line".to_owned()
+        } else {
+            match Vocabulary::suggestion(option, commands) {
+                Some(near) => format!("no such option; is {near} meant?"),
+                None => "no such option".to_owned(),
+            }
+        };
+        Err(AssetError::Usage(format!("{}: {table}: {option}: {what}", self.path.display())))
     }
 
     /// Layers that hold for an input: defaults, then a profile, then each override that matches.
@@ -141,13 +145,13 @@ impl File {
     /// If it lacks the profile, or a value is none.
     pub(super) fn layers(
         &self,
-        command: &str,
+        (words, command): (&Vocabulary, &str),
         profile: Option<&str>,
         input: &Path,
-    ) -> Outcome<Vec<Layer>> {
+    ) -> Result<Vec<Layer>, AssetError> {
         if let Some(name) = profile.filter(|name| !self.document.profile.contains_key(*name)) {
             let there: Vec<&str> = self.document.profile.keys().map(String::as_str).collect();
-            return Err(Failure::usage(format!(
+            return Err(AssetError::Usage(format!(
                 "{}: no profile {name}; there are: {}",
                 self.path.display(),
                 there.join(", ")
@@ -165,7 +169,7 @@ impl File {
             };
             if takes {
                 let source = format!("{} {table}", self.path.display());
-                let own = own(options, command);
+                let own = own(options, words, command);
                 let part = one.and_then(|one| one.part(&own));
                 let values = if part.is_some() {
                     Ok(OptionValues::default())
@@ -173,7 +177,7 @@ impl File {
                     OptionValues::from_json(&own)
                 };
                 let values = values.map_err(|what| {
-                    Failure::usage(format!("{}: {table}: {what}", self.path.display()))
+                    AssetError::Usage(format!("{}: {table}: {what}", self.path.display()))
                 })?;
                 layers.push(Layer { source, values, part });
             }
@@ -184,18 +188,18 @@ impl File {
 
 impl Override {
     /// Checks its globs and, of parts, its options.
-    fn check(&self) -> Result<(), String> {
-        globs(&self.files).map_err(|failure| failure.message)?;
+    fn check(&self, words: &Vocabulary) -> Result<(), String> {
+        globs(&self.files).map_err(|e| e.to_string())?;
         if self.files.is_empty() && self.objects.is_empty() && self.materials.is_empty() {
             return Err("names neither files nor objects nor materials".to_owned());
         }
         let tables = self.options.iter().filter(|(_, value)| value.is_object());
-        let tables = tables.map(|(name, _)| own(&self.options, name));
+        let tables = tables.map(|(name, _)| own(&self.options, words, name));
         let plain = self.options.iter().filter(|(_, value)| !value.is_object());
         let plain: Options = plain.map(|(name, value)| (name.clone(), value.clone())).collect();
         for own in tables.chain([plain]) {
             if let Some(part) = self.part(&own) {
-                Part::parse(&Value::Object(part).to_string())?;
+                (words.check_part)(&Value::Object(part).to_string())?;
             }
         }
         Ok(())
@@ -214,11 +218,11 @@ impl Override {
 }
 
 /// The options of a table that a command has.
-fn own(options: &Options, command: &str) -> Options {
-    let has = |option: &str| has_option(Some(command), option);
+fn own(options: &Options, words: &Vocabulary, command: &str) -> Options {
+    let has = |option: &str| words.is_command(command) && words.of(command).has(option);
     let mut own: Options = options
         .iter()
-        .filter(|(key, value)| !(value.is_object() && is_command(key)) && has(key))
+        .filter(|(key, value)| !(value.is_object() && words.is_command(key)) && has(key))
         .map(|(key, value)| (key.clone(), value.clone()))
         .collect();
     if let Some(Value::Object(inner)) = options.get(command) {
