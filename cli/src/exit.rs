@@ -1,5 +1,6 @@
 //! Exit statuses, and failures that carry one: one line each, whoever's fault it is.
 
+use lodc_assets::AssetError;
 use lodc_formats::{Fault, FormatError};
 use std::fmt;
 
@@ -76,9 +77,21 @@ impl From<lodc::Error> for Failure {
     fn from(error: lodc::Error) -> Self {
         match error {
             lodc::Error::Format(error) => error.into(),
+            lodc::Error::Select(error) => error.into(),
             lodc::Error::Request(what) => Self::usage(what),
             lodc::Error::Bug(what) => Self::new(Status::Bug, what),
             other => Self::new(Status::Bug, other.to_string()),
+        }
+    }
+}
+
+impl From<AssetError> for Failure {
+    fn from(error: AssetError) -> Self {
+        match error {
+            AssetError::Usage(what) => Self::new(Status::Usage, what),
+            AssetError::Input(what) => Self::new(Status::Input, what),
+            AssetError::Output(what) => Self::new(Status::Output, what),
+            AssetError::Format(error) => error.into(),
         }
     }
 }

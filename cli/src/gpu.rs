@@ -1,7 +1,6 @@
 //! The graphics device as commands ask for it; a build without the feature `gpu` has none.
 
-#[cfg(feature = "gpu")]
-pub(crate) use lodc_gpu::Device;
+pub(crate) use lodc_lab::Device;
 
 use crate::exit::{Failure, Status};
 use clap::{Args, ValueEnum};
@@ -29,11 +28,6 @@ pub(crate) struct GpuArgs {
     #[arg(long, value_name = "NAME", requires = "gpu")]
     pub(crate) adapter: Option<String>,
 }
-
-/// A device that cannot be there.
-#[cfg(not(feature = "gpu"))]
-#[derive(Debug)]
-pub(crate) enum Device {}
 
 /// Opens the device with `adapter` in its name, or the most capable one.
 ///

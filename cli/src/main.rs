@@ -3,9 +3,7 @@
 
 mod batch;
 mod bits;
-mod chart;
 mod cli;
-mod colours;
 mod commands;
 mod compression;
 mod config;
@@ -24,6 +22,7 @@ mod mesh_output;
 mod output;
 mod parts;
 mod pose;
+mod program;
 mod progress;
 mod report;
 mod results;
@@ -43,6 +42,7 @@ use commands::{
 use console::Loudness;
 use exit::{Outcome, Status};
 use mimalloc::MiMalloc;
+use program::Program;
 use std::panic;
 use std::process::ExitCode;
 
@@ -70,7 +70,7 @@ fn run() -> Status {
             return if error.use_stderr() { Status::Usage } else { Status::Done };
         }
     };
-    batch::know(Cli::command);
+    let program = Program::new(Cli::command());
     let mut variables = Vec::new();
     if cfg!(feature = "gpu") && cli.command.takes_gpu() {
         variables.push(environment::RUNTIME_FOLDER);
@@ -86,12 +86,12 @@ fn run() -> Status {
     });
     let done = |outcome: Outcome<()>| outcome.map(|()| Status::Done);
     let outcome = interrupt::install().and_then(|()| match &cli.command {
-        Command::Build(args) => build::run(args),
-        Command::Extract(args) => extract::run(args),
-        Command::Chain(args) => chain::run(args),
+        Command::Build(args) => build::run(args, &program),
+        Command::Extract(args) => extract::run(args, &program),
+        Command::Chain(args) => chain::run(args, &program),
         Command::Info(args) => info::run(args),
         Command::Verify(args) => verify::run(args),
-        Command::Compare(args) => compare::run(args),
+        Command::Compare(args) => compare::run(args, &program),
         Command::Render(args) => done(render::run(args)),
         Command::Report(args) => commands::report::run(args),
         Command::View(args) => done(view::run(args)),
@@ -101,7 +101,7 @@ fn run() -> Status {
         Command::Shaders(args) => done(shaders::run(args)),
         Command::Select(args) => done(select::run(args)),
         Command::Bench(args) => bench::run(args),
-        Command::Config(args) => done(config_command::run(args)),
+        Command::Config(args) => done(config_command::run(args, &program)),
         Command::Completions(args) => done(completions::run(args, Cli::command())),
         Command::Man(args) => done(man::run(args, Cli::command())),
     });

@@ -1,8 +1,10 @@
 //! From what a person asks for (a record, a share, a count, an error) to one LOD per object.
 
-use crate::exit::{Failure, Outcome};
+use crate::exit::{Failure, Outcome, Status};
 use clap::Args;
-use lodc_select::{Target, View};
+use lodc_select::{SelectError, Target, View, count, rms_bound};
+
+pub(crate) use lodc_select::{bound, share, size};
 
 /// At most one of these says which level of detail is wanted.
 #[derive(Args, Clone, Debug)]
@@ -107,51 +109,20 @@ impl SelectorArgs {
     }
 }
 
-/// A share of triangles: `25%`, `0.25`, `1`.
-pub(crate) fn share(text: &str) -> Result<f64, String> {
-    match size(text) {
-        Ok(Target::Ratio(share)) => Ok(share),
-        Ok(_) if text == "0" => Ok(0.0),
-        Ok(_) => {
-            Err("a share from 0 to 1, for example 0.25 or 25% (--triangles takes counts)"
-                .to_owned())
+impl From<SelectError> for Failure {
+    fn from(error: SelectError) -> Self {
+        match error {
+            SelectError::RecordOfScene(e) => Self::usage(format!(
+                "--lod counts the records of one object, and there are {}: add --per-object, or \
+                 use --ratio, --triangles or --error",
+                e.objects
+            )),
+            SelectError::NotMeasured { .. } => {
+                Self::usage(format!("{error}: build it again for --rms, or use --error"))
+            }
+            SelectError::TooManyVertices { .. } => Self::new(Status::Limit, error.to_string()),
+            SelectError::NoMesh { .. } => Self::new(Status::Bug, error.to_string()),
         }
-        Err(e) => Err(e),
-    }
-}
-
-/// A number of triangles: `500`, `10k`, `2m`.
-fn count(text: &str) -> Result<u64, String> {
-    match size(text) {
-        Ok(Target::Triangles(count)) => Ok(count),
-        Ok(_) if text == "1" => Ok(1),
-        Ok(_) => Err("a count, for example 500 or 10k (--ratio takes shares)".to_owned()),
-        Err(e) => Err(e),
-    }
-}
-
-/// `25%`, `0.25`, `1` (all), `500`, `10k` or `2m`.
-pub(crate) fn size(text: &str) -> Result<Target, String> {
-    let wrong = || format!("{text}: not a share (25%, 0.25) or a count (500, 10k)");
-    let number = |digits: &str| -> Result<f64, String> {
-        let value: f64 = digits.parse().map_err(|_| wrong())?;
-        if value.is_finite() && value >= 0.0 { Ok(value) } else { Err(wrong()) }
-    };
-    let share = |value: f64| {
-        if value <= 1.0 { Ok(Target::Ratio(value)) } else { Err(format!("{text}: above 100 %")) }
-    };
-    let count = |value: f64| Ok(Target::Triangles(value as u64));
-    let lower = text.to_lowercase();
-    if let Some(percent) = lower.strip_suffix('%') {
-        share(number(percent)? / 100.0)
-    } else if let Some(thousands) = lower.strip_suffix('k') {
-        count(number(thousands)? * 1e3)
-    } else if let Some(millions) = lower.strip_suffix('m') {
-        count(number(millions)? * 1e6)
-    } else if lower.contains(['.', 'e']) || lower == "1" {
-        share(number(&lower)?)
-    } else {
-        count(number(&lower)?.trunc())
     }
 }
 
@@ -166,26 +137,3 @@ pub(crate) fn positive(text: &str) -> Result<f64, String> {
 fn field_of_view(text: &str) -> Result<f64, String> {
     positive(text).and_then(|v| if v < 180.0 { Ok(v) } else { Err("below 180 degrees".to_owned()) })
 }
-
-/// A distance in mesh units or in percent of the diagonal.
-pub(crate) fn bound(text: &str) -> Result<Target, String> {
-    let (number, percent) = text.strip_suffix('%').map_or((text, false), |number| (number, true));
-    let value: f64 = number.trim().parse().map_err(|e| format!("{e}"))?;
-    if !value.is_finite() || value < 0.0 {
-        return Err("a distance of at least 0, or a percentage such as 0.5%".to_owned());
-    }
-    Ok(if percent { Target::ErrorShare(value / 100.0) } else { Target::Error(value) })
-}
-
-/// A bound of the root mean square distance.
-fn rms_bound(text: &str) -> Result<Target, String> {
-    Ok(match bound(text)? {
-        Target::ErrorShare(share) => Target::RmsShare(share),
-        Target::Error(rms) => Target::Rms(rms),
-        other => other,
-    })
-}
-
-#[cfg(test)]
-#[path = "selector_tests.rs"]
-mod tests;

@@ -1,5 +1,7 @@
 //! Numbers, sizes and paths as people read them.
 
+pub(crate) use lodc_lab::grouped;
+
 use std::path::Path;
 
 /// `1 triangle`, `2,000 triangles`, `3 vertices`, `4 submeshes`.
@@ -10,19 +12,6 @@ pub(crate) fn count(n: u64, noun: &str) -> String {
         None => format!("{noun}s"),
     };
     format!("{} {}", grouped(n), if n == 1 { noun } else { &plural })
-}
-
-/// Digits in groups of three.
-pub(crate) fn grouped(n: u64) -> String {
-    let digits = n.to_string();
-    let mut text = String::new();
-    for (i, digit) in digits.chars().enumerate() {
-        if i > 0 && (digits.len() - i).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
 }
 
 /// `part` of `whole` in percent; 0 of nothing.

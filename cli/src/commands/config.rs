@@ -1,8 +1,9 @@
 //! `lodc config`: what configuration files say of an asset.
 
-use crate::config::{ConfigArgs, Configs};
+use crate::config::ConfigArgs;
 use crate::console;
 use crate::exit::Outcome;
+use crate::program::Program;
 use clap::Args;
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -21,10 +22,10 @@ pub(crate) struct ShowArgs {
     configuration: ConfigArgs,
 }
 
-pub(crate) fn run(args: &ShowArgs) -> Outcome<()> {
+pub(crate) fn run(args: &ShowArgs, program: &Program) -> Outcome<()> {
     let mut lines = Vec::new();
     for command in COMMANDS {
-        let layers = Configs::new(&args.configuration, command).layers(&args.show, None)?;
+        let layers = args.configuration.layers(program, command, &args.show)?;
         let mut options = BTreeMap::new();
         for layer in &layers {
             if let Some(part) = &layer.part {

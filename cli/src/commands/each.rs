@@ -5,6 +5,7 @@ use crate::console;
 use crate::exit::{Failure, Outcome, Status};
 use crate::huge_pages;
 use crate::output::{self, Target};
+use crate::program::Program;
 use crate::progress::BatchProgress;
 use clap::FromArgMatches;
 use std::collections::BTreeMap;
@@ -24,11 +25,16 @@ pub(crate) struct AssetOptions<A>(BTreeMap<OptionValues, Result<A, String>>);
 impl<A: FromArgMatches> AssetOptions<A> {
     /// Reads the command line anew for every set of options that assets have. `finished` also gets
     /// all options as text.
-    pub(crate) fn new(command: &str, assets: &[Asset], finished: impl Fn(A, String) -> A) -> Self {
+    pub(crate) fn new(
+        program: &Program,
+        command: &str,
+        assets: &[Asset],
+        finished: impl Fn(A, String) -> A,
+    ) -> Self {
         let mut parsed = BTreeMap::new();
         for asset in assets {
             parsed.entry(asset.options.clone()).or_insert_with(|| {
-                let read = batch::arguments::<A>(command, &asset.options);
+                let read = program.arguments::<A>(command, &asset.options);
                 read.map(|(args, resolved)| finished(args, resolved))
             });
         }
@@ -40,7 +46,7 @@ impl<A: FromArgMatches> AssetOptions<A> {
     /// # Errors
     /// If an option is wrong, the asset has no target, or there is no place for the result.
     pub(crate) fn ready<'a>(&'a self, asset: &'a Asset) -> Outcome<(&'a A, &'a Target)> {
-        let target = asset.target.as_ref().map_err(Clone::clone)?;
+        let target = asset.target.as_ref().map_err(|e| Failure::from(e.clone()))?;
         let args = self.0[&asset.options].as_ref();
         let args = args.map_err(|what| Failure::usage(asset.with_line(what)))?;
         output::prepare([target], asset.makes_folders)?;

@@ -4,12 +4,13 @@ use super::asset::SimplifyArgs;
 use super::each;
 use crate::batch::{self, Asset, BatchArgs, Budget, LEVELS, Sources};
 use crate::compression::CompressArgs;
-use crate::config::{ConfigArgs, Configs};
+use crate::config::ConfigArgs;
 use crate::console;
 use crate::exit::{Outcome, Status};
 use crate::limits::ImportArgs;
 use crate::mesh_output::FormatName;
 use crate::output::{self, Rule, Target};
+use crate::program::Program;
 use crate::results::{self, FailureReport, ResultReport};
 use crate::textures::TextureArgs;
 use clap::Args;
@@ -52,10 +53,10 @@ impl ExportArgs {
     /// options are known to fit together.
     ///
     /// # Errors
-    /// If they do not, or as [`batch::assets`] and [`Configs::apply`].
+    /// If they do not, or as [`batch::assets`] and [`ConfigArgs::apply`].
     pub(crate) fn assets(
         &self,
-        command: &'static str,
+        (program, command): (&Program, &str),
         inputs: &[PathBuf],
         output: &Path,
         format: FormatName,
@@ -63,7 +64,7 @@ impl ExportArgs {
         let writes = format.extension();
         let sources = Sources { inputs, output: Some(output), reads: &LEVELS, writes };
         let mut assets = batch::assets(sources, &self.batch)?;
-        Configs::new(&self.configuration, command).apply(&mut assets)?;
+        self.configuration.apply(program, command, &mut assets)?;
         batch::check_streams(&assets, self.json, self.depfile.as_deref())?;
         let mut targets = assets.iter().filter_map(|asset| asset.target.as_ref().ok());
         targets.try_for_each(|target| self.check(format, target))?;

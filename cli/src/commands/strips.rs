@@ -11,8 +11,8 @@ use clap::Args;
 use clap::builder::TypedValueParser;
 use lodc::build::Size;
 use lodc_formats::import;
-use lodc_mesh::Mesh;
-use lodc_strip::{CacheModel, CacheOptions, Effort, StripKind, measure, order};
+use lodc_lab::StripText;
+use lodc_strip::{CacheOptions, Effort, StripKind};
 use rayon::ThreadPoolBuilder;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
@@ -67,15 +67,6 @@ fn price(text: &str) -> Result<f32, String> {
     }
 }
 
-/// The sums over all objects, for the note at the end.
-#[derive(Default)]
-struct Totals {
-    triangles: u64,
-    strips: u64,
-    indices: u64,
-    misses: u64,
-}
-
 pub(crate) fn run(args: &StripsArgs) -> Outcome<()> {
     let target = output::target(&args.input, Some(&args.output), "strips")?;
     output::prepare([&target], output::is_folder(&args.output))?;
@@ -93,78 +84,26 @@ fn make(args: &StripsArgs, target: &Target) -> Outcome<()> {
         warning(&args.input.display().to_string(), what);
     }
     let size = Size::of_objects(&scene.objects);
-    let triangles = size.triangles;
     let name = args.input.display().to_string();
     args.import.limits().check_memory(&name, size, &[size.strips()])?;
-    let mut text = String::new();
-    let mut totals = Totals { triangles, ..Totals::default() };
     let options = CacheOptions {
         cache_size: args.cache_size,
         index_price: args.index_price,
         effort: args.effort,
     };
-    // The vertices of an object start where those of the object before end.
-    let mut base = 0;
+    let mut made = StripText::default();
     for object in &scene.objects {
-        let mesh = &object.mesh;
-        let number = |v: u32| {
-            object.source_positions.get(v as usize).map_or(base + u64::from(v), |&p| u64::from(p))
-        };
-        let Some(kind) = args.strips.kind() else {
-            let list = stages.run("strips", || order(mesh, args.cache_size));
-            totals.add(mesh, args.cache_size, list.as_flattened());
-            // One line per submesh: lines are no longer than a part that is drawn at once.
-            for submesh in mesh.submeshes() {
-                line(&mut text, 'l', number, list[submesh.triangles()].as_flattened());
-            }
-            base += mesh.vertex_count() as u64;
-            continue;
-        };
-        let strips = stages.run("strips", || kind.generate(mesh, &options));
-        totals.strips += strips.len() as u64;
-        totals.add(mesh, args.cache_size, strips.indices());
-        for strip in strips.iter() {
-            line(&mut text, 's', number, strip);
-        }
-        base += mesh.vertex_count() as u64;
+        stages.run("strips", || made.add(object, args.strips.kind(), &options));
     }
-    stages.run("write", || output::write(target, text.into_bytes()))?;
-    note(&totals.text(&args.input.display().to_string()));
+    let per_triangle = |n: u64| n as f64 / size.triangles.max(1) as f64;
+    let sums = format!(
+        "{name}: {}, {}, {:.3} indices and {:.3} cache misses per triangle",
+        count(size.triangles, "triangle"),
+        count(made.strips, "strip"),
+        per_triangle(made.indices),
+        per_triangle(made.misses)
+    );
+    stages.run("write", || output::write(target, made.text.into_bytes()))?;
+    note(&sums);
     Ok(())
-}
-
-impl Totals {
-    fn add(&mut self, mesh: &Mesh, size: u32, indices: &[u32]) {
-        self.indices += indices.len() as u64;
-        self.misses += measure(
-            indices.iter().copied(),
-            mesh.vertex_count(),
-            CacheModel { size, ..CacheModel::default() },
-        )
-        .misses;
-    }
-    fn text(&self, input: &str) -> String {
-        let per = |n: u64| n as f64 / self.triangles.max(1) as f64;
-        format!(
-            "{input}: {}, {}, {:.3} indices and {:.3} cache misses per triangle",
-            count(self.triangles, "triangle"),
-            count(self.strips, "strip"),
-            per(self.indices),
-            per(self.misses)
-        )
-    }
-}
-
-/// Appends a line of vertex numbers, if there are any.
-fn line(text: &mut String, kind: char, number: impl Fn(u32) -> u64, vertices: &[u32]) {
-    use std::fmt::Write;
-    if vertices.is_empty() {
-        return;
-    }
-    text.push(kind);
-    for v in vertices {
-        // Writing to a string cannot fail.
-        let _ = write!(text, " {}", number(*v));
-    }
-    text.push('\n');
 }

@@ -4,9 +4,9 @@ use crate::exit::{Failure, Outcome};
 use crate::selector::{SelectorArgs, positive, share};
 use clap::{Args, ValueEnum};
 use lodc::LodObject;
-use lodc_lod::interactive::view::Family;
 use lodc_lod::{AnyModel, ModelKind};
 use lodc_model::Model;
+use lodc_select::{Criterion, ViewOptions};
 use std::path::Path;
 
 /// Criteria that can be named.
@@ -70,7 +70,7 @@ pub(crate) struct ViewArgs {
     /// Share of the triangles where detail is wanted (silhouette, sphere, box)
     #[arg(long, value_name = "R", value_parser = share, default_value = "100%",
           requires = "criterion")]
-    pub(crate) fine: f64,
+    fine: f64,
     /// Share of the triangles elsewhere [default: 1%; of a silhouette with --triangles or --ratio
     /// 0.4 of what these ask for]
     #[arg(long, value_name = "R", value_parser = share, requires = "criterion")]
@@ -78,28 +78,6 @@ pub(crate) struct ViewArgs {
     /// Move vertices smoothly between levels (geomorphing)
     #[arg(long, requires = "criterion")]
     pub(crate) morph: bool,
-}
-
-/// Share of the triangles where no detail is wanted.
-const COARSE: f64 = 0.01;
-/// Share of the triangles asked for that lies beside outlines: with fewer, facets beside them stand
-/// out, with more, outlines lack them (on the bunny at 25, 10 and 5 %, in pixels of its outline).
-const BESIDE_OUTLINES: f64 = 0.4;
-
-/// The box of a scene.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Extent {
-    pub(super) low: [f64; 3],
-    pub(super) high: [f64; 3],
-}
-
-impl Extent {
-    fn middle(&self) -> [f32; 3] {
-        std::array::from_fn(|i| f64::midpoint(self.low[i], self.high[i]) as f32)
-    }
-    fn diagonal(&self) -> f64 {
-        (0..3).map(|i| (self.high[i] - self.low[i]).powi(2)).sum::<f64>().sqrt()
-    }
 }
 
 impl ViewArgs {
@@ -137,14 +115,6 @@ impl ViewArgs {
         Ok(Some(name))
     }
 
-    /// Returns the share of triangles that is kept where no detail is wanted, `wanted` being the
-    /// share of all that is asked for.
-    pub(super) fn coarse_share(&self, name: CriterionName, wanted: Option<f64>) -> f64 {
-        let beside_outlines = wanted.filter(|_| name == CriterionName::Silhouette);
-        let usual = beside_outlines.map_or(COARSE, |share| share * BESIDE_OUTLINES);
-        self.coarse.unwrap_or(usual).min(self.fine)
-    }
-
     /// Refuses files whose models leave out the one that views are made of.
     ///
     /// # Errors
@@ -162,35 +132,21 @@ impl ViewArgs {
         )))
     }
 
-    /// Returns the criteria of a scene of this extent for objects whose mesh unit is `scale` world
-    /// units; `slope` is the error per distance that the screen allows.
-    pub(super) fn family(
-        &self,
-        name: CriterionName,
-        scene: &Extent,
-        slope: f64,
-        scale: f64,
-    ) -> Family {
-        let centre = self.at.target.unwrap_or_else(|| scene.middle());
-        let quarter = scene.diagonal() / 4.0;
-        let eye = self.at.eye.unwrap_or(centre);
-        match name {
-            CriterionName::Silhouette => Family::Silhouette { eye },
+    /// The view of a criterion.
+    pub(super) fn options(&self, name: CriterionName, selector: &SelectorArgs) -> ViewOptions {
+        let criterion = match name {
+            CriterionName::Silhouette => Criterion::Silhouette,
             CriterionName::Pixels => {
-                Family::ScreenError { eye, slope: slope as f32, unit: (1.0 / scale) as f32 }
+                Criterion::Pixels { slope: selector.slope(selector.pixels().unwrap_or(1.0)) }
             }
-            CriterionName::Sphere => {
-                Family::Sphere { centre, radius: self.radius.unwrap_or(quarter) as f32 }
-            }
-            CriterionName::Box => {
-                let around = |sign: f32| centre.map(|c| c + sign * quarter as f32);
-                let [low, high] = self.corners.map_or_else(
-                    || [around(-1.0), around(1.0)],
-                    |[a, b, c, x, y, z]| [[a, b, c], [x, y, z]],
-                );
-                Family::Region { low, high }
-            }
-        }
+            CriterionName::Sphere => Criterion::Sphere { radius: self.radius },
+            CriterionName::Box => Criterion::Box {
+                corners: self.corners.map(|[a, b, c, x, y, z]| [[a, b, c], [x, y, z]]),
+            },
+        };
+        let Self { at: EyeArgs { eye, target }, fine, coarse, morph, .. } = *self;
+        let per_object = selector.per_object();
+        ViewOptions { criterion, eye, target, fine, coarse, morph, per_object }
     }
 }
 

@@ -1,6 +1,7 @@
 //! Errors of the front door, by whose fault they are.
 
 use lodc_formats::FormatError;
+use lodc_select::SelectError;
 use std::fmt;
 
 /// Why something came to nothing. Displays as one line.
@@ -9,6 +10,8 @@ use std::fmt;
 pub enum Error {
     /// A file is unreadable, malformed, unsupported or too large, or was not written.
     Format(FormatError),
+    /// A level that the scene does not have was asked for.
+    Select(SelectError),
     /// What was asked for does not fit the file.
     Request(String),
     /// A bug of this library.
@@ -19,6 +22,7 @@ impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Format(error) => error.fmt(f),
+            Self::Select(error) => error.fmt(f),
             Self::Request(what) => f.write_str(what),
             Self::Bug(what) => write!(f, "internal error: {what}"),
         }
@@ -30,5 +34,11 @@ impl std::error::Error for Error {}
 impl From<FormatError> for Error {
     fn from(error: FormatError) -> Self {
         Self::Format(error)
+    }
+}
+
+impl From<SelectError> for Error {
+    fn from(error: SelectError) -> Self {
+        Self::Select(error)
     }
 }

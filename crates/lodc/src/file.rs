@@ -1,7 +1,7 @@
 //! A file with every level of its objects, and levels taken out of it.
 
 use crate::level_mesh::{self, LevelMesh, Order, Shape};
-use crate::{Error, LodFile, LodObject, SceneLevels};
+use crate::{Error, LodFile, LodObject, scene_levels};
 use lodc_formats::{Fault, FormatError, Limits};
 use lodc_mesh::{Attribute, Lod, Mesh};
 use lodc_select::Target;
@@ -70,7 +70,7 @@ impl File {
     /// If a record number is asked of several objects, or a root mean square distance where none
     /// was measured.
     pub fn level(&self, select: Target) -> Result<Level<'_>, Error> {
-        let scene = SceneLevels::new(self.objects(), &self.content.document, &Limits::DEFAULT)?;
+        let scene = scene_levels(self.objects(), &self.content.document, &Limits::DEFAULT)?;
         let chosen = scene.select(select, false)?;
         let shape = Shape { model: None, order: Order::Cache };
         let meshes = level_mesh::meshes(self.objects(), &chosen.lods, shape)?;

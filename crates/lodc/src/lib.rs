@@ -58,10 +58,11 @@ pub use lodc_formats as formats;
 pub use lodc_gpu as gpu;
 pub use lodc_lod as models;
 pub use lodc_mesh as mesh;
+pub use lodc_select::SceneLevels;
 pub use lodc_select::Target as Select;
 #[cfg(feature = "build")]
 pub use lodc_simplify::MetricKind as Metric;
-pub use scene_levels::SceneLevels;
+pub use scene_levels::scene_levels;
 
 /// Builds a file from an OBJ, glTF or GLB file: [`Builder::run`] does the work.
 #[cfg(feature = "build")]

@@ -21,8 +21,10 @@
 //! assert_eq!(compare_pictures(&shown, &shown).rmse, 0.0);
 //! ```
 
+mod colours;
 mod distance;
 mod field;
+mod heat;
 mod picture;
 mod portrait;
 mod scene;
@@ -30,8 +32,10 @@ mod spread;
 mod surface;
 mod texture;
 
+pub use colours::{distinct, heat};
 pub use distance::{Distances, Original, Sampling, distances, farther_than};
 pub use field::DistanceField;
+pub use heat::heat_sheet;
 pub use lodc_nearest::TriangleTree;
 pub use picture::{ImageError, Looks, Picture, Viewing, compare_pictures, pictures};
 pub use portrait::Portrait;

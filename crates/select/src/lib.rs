@@ -3,8 +3,9 @@
 //!
 //! [`select`] answers. Errors are met by each object for itself. Numbers of triangles are shared
 //! out: [`losses`] says what the scene loses with every step of every object, and triangles are
-//! given up where least is lost for each. [`SceneManager`] chooses levels for many instances,
-//! frame by frame.
+//! given up where least is lost for each. [`SceneLevels`] does both for the objects of a scene,
+//! [`SceneViews`] chooses a level for every part of their surfaces, and [`SceneManager`] levels for
+//! many instances, frame by frame.
 //!
 //! ```
 //! use lodc_scene::{Arrangement, Graph};
@@ -34,15 +35,21 @@
 //! ```
 
 mod budget;
+mod levels;
 mod loss;
 mod number;
 mod order;
 mod quadric;
 mod selection;
+mod views;
 mod visibility;
+mod wish;
 
 pub use budget::{CurveLevel, Goal, Instance, LevelCurve, SceneManager, View};
+pub use levels::{ObjectLevels, SceneLevels, SelectError};
 pub use loss::losses;
 pub use number::decimal;
 pub use quadric::accumulated_error;
 pub use selection::{Candidate, RecordOfScene, Selection, Target, scene_diagonal, select};
+pub use views::{Criterion, SceneViews, ShownScene, ViewOptions};
+pub use wish::{bound, count, rms_bound, share, size};

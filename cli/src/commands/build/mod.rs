@@ -12,12 +12,13 @@ pub(crate) use pipeline::object_options;
 
 use crate::batch::{self, BatchArgs, MESHES, Sources};
 use crate::commands::each;
-use crate::config::{ConfigArgs, Configs};
+use crate::config::ConfigArgs;
 use crate::exit::{Failure, Outcome, Status};
 use crate::importance::ImportanceArgs;
 use crate::kinds::{MetricArgs, ModelArgs, StripArgs};
 use crate::limits::ImportArgs;
 use crate::parts::PartArgs;
+use crate::program::Program;
 use clap::{Args, ValueEnum};
 use lodc_simplify::Options;
 use rayon::ThreadPoolBuilder;
@@ -106,7 +107,7 @@ impl BuildArgs {
     }
 }
 
-pub(crate) fn run(args: &BuildArgs) -> Outcome<Status> {
+pub(crate) fn run(args: &BuildArgs, program: &Program) -> Outcome<Status> {
     args.models.kinds()?;
     let sources = Sources {
         inputs: &args.inputs,
@@ -115,11 +116,11 @@ pub(crate) fn run(args: &BuildArgs) -> Outcome<Status> {
         writes: "lodc",
     };
     let mut assets = batch::assets(sources, &args.batch)?;
-    Configs::new(&args.configuration, "build").apply(&mut assets)?;
+    args.configuration.apply(program, "build", &mut assets)?;
     batch::check_streams(&assets, args.report.is_some(), args.depfile.as_deref())?;
     let threads = args.jobs.map_or(0, |n| n.get().min(MOST_THREADS));
     let pool = ThreadPoolBuilder::new().num_threads(threads).build();
     let pool =
         pool.map_err(|e| Failure::new(Status::Limit, format!("no threads to work with: {e}")))?;
-    work::all(args, &assets, &pool)
+    work::all(args, program, &assets, &pool)
 }

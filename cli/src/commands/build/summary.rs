@@ -4,8 +4,8 @@ use super::pipeline::BuildOutput;
 use crate::console::{Loudness, note, wants};
 use crate::output::Target as Output;
 use crate::text::{count, distance, grouped, percent, quoted, size};
-use lodc::SceneLevels;
 use lodc::levels::TABLE;
+use lodc::scene_levels;
 use lodc_formats::Limits;
 use lodc_select::{Selection, Target, scene_diagonal};
 use std::fmt::Write;
@@ -77,7 +77,7 @@ fn text(made: &BuildOutput, output: &Output, seconds: f64) -> String {
 
 fn table(text: &mut String, made: &BuildOutput) {
     let objects = &made.file.objects;
-    let Ok(levels) = SceneLevels::new(objects, &made.file.document, &Limits::DEFAULT) else {
+    let Ok(levels) = scene_levels(objects, &made.file.document, &Limits::DEFAULT) else {
         return;
     };
     let candidates = levels.candidates();

@@ -6,6 +6,7 @@ use crate::commands::each::{self, AssetOptions};
 use crate::console::{self, error};
 use crate::exit::{Outcome, Status};
 use crate::output::{self, Rule, Target};
+use crate::program::Program;
 use crate::progress::{BatchProgress, Progress};
 use crate::report::{BuildReport, InputReport, SCHEMA_VERSION, Summary, SummaryReport};
 use crate::stages::Stages;
@@ -25,9 +26,14 @@ struct Done {
 ///
 /// # Errors
 /// If a report or the dependency file cannot be written.
-pub(super) fn all(args: &BuildArgs, assets: &[Asset], pool: &ThreadPool) -> Outcome<Status> {
+pub(super) fn all(
+    args: &BuildArgs,
+    program: &Program,
+    assets: &[Asset],
+    pool: &ThreadPool,
+) -> Outcome<Status> {
     let resolving = |args, resolved| BuildArgs { resolved, ..args };
-    let options = AssetOptions::new("build", assets, resolving);
+    let options = AssetOptions::new(program, "build", assets, resolving);
     let bytes = args.import.limits().memory().unwrap_or(u64::MAX);
     let budget = Budget { workers: pool.current_num_threads(), bytes };
     let done = each::all(assets, budget, |asset, bar| {

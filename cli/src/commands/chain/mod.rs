@@ -13,6 +13,7 @@ use crate::console;
 use crate::exit::{Failure, Outcome, Status};
 use crate::mesh_output::{self, FormatName};
 use crate::output::{self, Rule, Target};
+use crate::program::Program;
 use crate::progress::Progress;
 use crate::report::ChainReport;
 use crate::results::reported;
@@ -20,7 +21,7 @@ use crate::selector::bound;
 use crate::stages::Stages;
 use clap::Args;
 use levels::{Level, LevelArgs};
-use lodc::SceneLevels;
+use lodc::scene_levels;
 use lodc_formats::OutputFile;
 use lodc_formats::export::{LevelFacts, Provenance};
 use std::path::{Path, PathBuf};
@@ -65,9 +66,9 @@ struct Files {
     of_level: Vec<PathBuf>,
 }
 
-pub(crate) fn run(args: &ChainArgs) -> Outcome<Status> {
-    let (assets, format) = reported(args.export.json, assets(args))?;
-    let options = AssetOptions::new("chain", &assets, |args: ChainArgs, _| args);
+pub(crate) fn run(args: &ChainArgs, program: &Program) -> Outcome<Status> {
+    let (assets, format) = reported(args.export.json, assets(args, program))?;
+    let options = AssetOptions::new(program, "chain", &assets, |args: ChainArgs, _| args);
     let several = args.export.batch.takes_many(&args.inputs);
     let done = each::all(&assets, args.export.budget(), |asset, bar| {
         export::one(asset, || {
@@ -83,7 +84,7 @@ pub(crate) fn run(args: &ChainArgs) -> Outcome<Status> {
 }
 
 /// The assets and the format of their results.
-fn assets(args: &ChainArgs) -> Outcome<(Vec<Asset>, FormatName)> {
+fn assets(args: &ChainArgs, program: &Program) -> Outcome<(Vec<Asset>, FormatName)> {
     if output::is_stream(&args.output) {
         return Err(no_stream(&args.output));
     }
@@ -95,7 +96,7 @@ fn assets(args: &ChainArgs) -> Outcome<(Vec<Asset>, FormatName)> {
             args.output.display()
         )));
     }
-    let mut assets = args.export.assets("chain", &args.inputs, &args.output, format)?;
+    let mut assets = args.export.assets((program, "chain"), &args.inputs, &args.output, format)?;
     assets.iter_mut().for_each(|asset| asset.makes_folders = true);
     Ok((assets, format))
 }
@@ -120,7 +121,7 @@ fn chain(
     let errors = errors(args);
     let asset = asset::read_showing(progress, input, import, simplify, errors, &mut stages)?;
     let limits = import.limits().limits();
-    let scene = SceneLevels::new(&asset.objects, &asset.document, &limits)?;
+    let scene = scene_levels(&asset.objects, &asset.document, &limits)?;
     let (mut levels, mut warnings) =
         args.levels.choose(&asset.objects, &scene, &simplify.parts, args.max_error)?;
     warnings.splice(0..0, asset.warnings.iter().cloned());

@@ -57,7 +57,7 @@ impl CiArgs {
         if output::is_stream(junit) || inputs.any(|input| input == junit) {
             return Err(Failure::usage("--junit needs a file of its own"));
         }
-        output::prepare(&[Target::File(junit.clone())], false)
+        Ok(output::prepare(&[Target::File(junit.clone())], false)?)
     }
 
     /// Writes and prints what was asked for. `title` is the command.

@@ -1,7 +1,6 @@
 //! Two files: B at every level that is wanted, measured from A.
 
 use super::baseline::{Baseline, Recorded, worse};
-use super::heatmap;
 use super::report::{Comparison, ImageReport, PairReport};
 use super::surface::{Subject, Wish};
 use super::{CompareArgs, ROUNDING};
@@ -10,7 +9,8 @@ use crate::exit::Outcome;
 use crate::output;
 use crate::progress::Progress;
 use crate::stages::Stages;
-use lodc_measure::{Looks, Original, Portrait, Sampling, SceneSurface, Viewing};
+use lodc_formats::images::png;
+use lodc_measure::{Looks, Original, Portrait, Sampling, SceneSurface, Viewing, heat_sheet};
 use lodc_select::Target;
 use std::path::Path;
 
@@ -64,9 +64,9 @@ pub(super) fn compare(
         if let Some(path) = &args.heatmap {
             let looks = looks(&a, &surface, args);
             let hottest = comparison.hausdorff.a_to_b.max(ROUNDING * diagonal);
-            let png = stages
-                .run("heatmap", || heatmap::draw(&a.surface, &surface.surface, looks, hottest));
-            output::write(&output::Target::File(path.clone()), png)?;
+            let sheet = || heat_sheet(&a.surface, &surface.surface, looks, hottest);
+            let bytes = stages.run("heatmap", || png(&sheet()));
+            output::write(&output::Target::File(path.clone()), bytes)?;
         }
         all.push((level, comparison));
         names.push(level_name);

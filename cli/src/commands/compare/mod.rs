@@ -2,7 +2,6 @@
 //! pictures; with limits or numbers of the last time, a gate for pipelines.
 
 mod baseline;
-mod heatmap;
 mod measure;
 mod report;
 mod suites;
@@ -12,17 +11,19 @@ use super::asset::SimplifyArgs;
 use super::ci::CiArgs;
 use super::each::{self, AssetOptions};
 use crate::batch::{self, Asset, BatchArgs, Pair};
-use crate::config::{ConfigArgs, Configs};
+use crate::config::ConfigArgs;
 use crate::console::{self, Loudness, note, wants};
 use crate::exit::{Failure, Outcome, Status};
 use crate::limits::ImportArgs;
 use crate::output::{self, Target as Output};
 use crate::pose::PoseArgs;
+use crate::program::Program;
 use crate::progress::BatchProgress;
 use crate::results::{self, FailureReport, ResultReport, reported};
 use crate::selector::{SelectorArgs, size};
 use baseline::Baseline;
 use clap::Args;
+use lodc_assets::AssetError;
 use lodc_select::Target;
 use measure::Measured;
 use rayon::ThreadPoolBuilder;
@@ -191,26 +192,26 @@ fn grey(text: &str) -> Result<f64, String> {
     }
 }
 
-pub(crate) fn run(args: &CompareArgs) -> Outcome<Status> {
-    reported(args.json, checked(args))
+pub(crate) fn run(args: &CompareArgs, program: &Program) -> Outcome<Status> {
+    reported(args.json, checked(args, program))
 }
 
 /// Compares, once options are known to fit together.
-fn checked(args: &CompareArgs) -> Outcome<Status> {
+fn checked(args: &CompareArgs, program: &Program) -> Outcome<Status> {
     check(args)?;
     let baseline = Baseline::open(args)?;
     let pairs = batch::pairs(args.named(), &args.batch)?;
-    let (mut assets, others): (Vec<Asset>, Vec<Outcome<PathBuf>>) =
+    let (mut assets, others): (Vec<Asset>, Vec<_>) =
         pairs.into_iter().map(|Pair { asset, other }| (asset, other)).unzip();
-    Configs::new(&args.configuration, "compare").apply(&mut assets)?;
-    let options = AssetOptions::new("compare", &assets, |args: CompareArgs, _| args);
+    args.configuration.apply(program, "compare", &mut assets)?;
+    let options = AssetOptions::new(program, "compare", &assets, |args: CompareArgs, _| args);
     let threads = args.jobs.map_or(0, |n| n.get().min(super::build::MOST_THREADS));
     let pool = ThreadPoolBuilder::new().num_threads(threads).build();
     let pool =
         pool.map_err(|e| Failure::new(Status::Limit, format!("no threads to work with: {e}")))?;
     let (several, bar) = (args.takes_many(), BatchProgress::new(assets.len()));
     // One after the other: each takes all threads, and much memory for its pictures.
-    let one = |(asset, other): (&Asset, Outcome<PathBuf>)| {
+    let one = |(asset, other): (&Asset, Result<PathBuf, AssetError>)| {
         let done = each::guarded(&asset.input, || {
             let (other, (args, _)) = (other?, options.ready(asset)?);
             let progress = bar.of_asset(&asset.name);
@@ -243,7 +244,7 @@ fn check(args: &CompareArgs) -> Outcome<()> {
     if output::is_stream(path) || inputs.contains(&path) {
         return Err(Failure::usage("--heatmap needs a file of its own"));
     }
-    output::prepare(&[Output::File(path.clone())], false)
+    Ok(output::prepare(&[Output::File(path.clone())], false)?)
 }
 
 /// Prints what was measured; of several with `-q` only what exceeds a limit.

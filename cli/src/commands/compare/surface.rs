@@ -7,9 +7,9 @@ use crate::exit::{Failure, Outcome, Status};
 use crate::progress::Progress;
 use crate::stages::Stages;
 use lodc::LodObject;
-use lodc::SceneLevels;
 use lodc::build::Paints;
 use lodc::level_mesh;
+use lodc::scene_levels;
 use lodc::{Input, read_input};
 use lodc_formats::{Document, ObjectInfo, scene_graph};
 use lodc_measure::SceneSurface;
@@ -136,7 +136,7 @@ impl Subject {
         let lods = match wish.target {
             Some(target) => {
                 let limits = args.import.limits().limits();
-                let levels = SceneLevels::new(objects, &self.document, &limits)?;
+                let levels = scene_levels(objects, &self.document, &limits)?;
                 let chosen = levels.select(target, wish.per_object)?;
                 for warning in &chosen.warnings {
                     console::warning(&self.name, warning);

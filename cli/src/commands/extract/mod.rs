@@ -11,6 +11,7 @@ use crate::kinds::{Choice, parser_with};
 use crate::mesh_output::{self, FormatName, OrderName};
 use crate::output;
 use crate::pose::PoseArgs;
+use crate::program::Program;
 use crate::report::ExtractReport;
 use crate::results::reported;
 use crate::selector::{SelectorArgs, bound};
@@ -84,9 +85,9 @@ impl ExtractArgs {
     }
 }
 
-pub(crate) fn run(args: &ExtractArgs) -> Outcome<Status> {
-    let (assets, format) = reported(args.export.json, assets(args))?;
-    let options = AssetOptions::new("extract", &assets, |args: ExtractArgs, _| args);
+pub(crate) fn run(args: &ExtractArgs, program: &Program) -> Outcome<Status> {
+    let (assets, format) = reported(args.export.json, assets(args, program))?;
+    let options = AssetOptions::new(program, "extract", &assets, |args: ExtractArgs, _| args);
     let done = each::all(&assets, args.export.budget(), |asset, bar| {
         export::one(asset, || {
             let (args, target) = options.ready(asset)?;
@@ -101,10 +102,10 @@ pub(crate) fn run(args: &ExtractArgs) -> Outcome<Status> {
 }
 
 /// The assets and the format of their results.
-fn assets(args: &ExtractArgs) -> Outcome<(Vec<Asset>, FormatName)> {
+fn assets(args: &ExtractArgs, program: &Program) -> Outcome<(Vec<Asset>, FormatName)> {
     let folder = args.export.batch.takes_many(&args.inputs) || output::is_folder(&args.output);
     let format = mesh_output::format(&args.output, args.format, folder)?;
-    Ok((args.export.assets("extract", &args.inputs, &args.output, format)?, format))
+    Ok((args.export.assets((program, "extract"), &args.inputs, &args.output, format)?, format))
 }
 
 /// Prints warnings and what was extracted.

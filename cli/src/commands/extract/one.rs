@@ -11,9 +11,9 @@ use crate::report::{ExtractReport, ExtractedObject, SCHEMA_VERSION};
 use crate::stages::Stages;
 use crate::views::{CriterionName, SceneViews};
 use lodc::LodObject;
-use lodc::SceneLevels;
 use lodc::build::refitted_meshes;
 use lodc::level_mesh::{self, LevelMesh, Order, Shape};
+use lodc::scene_levels;
 use lodc_formats::export::{LevelFacts, Provenance};
 use lodc_formats::{ObjectInfo, scene_graph};
 use lodc_lod::{AnyModel, ModelKind};
@@ -95,7 +95,7 @@ fn uniform(
 ) -> Outcome<Level> {
     let shape = Shape { model: model(args, input, asset)?, order };
     let limits = args.export.import.limits().limits();
-    let scene = SceneLevels::new(&asset.objects, &asset.document, &limits)?;
+    let scene = scene_levels(&asset.objects, &asset.document, &limits)?;
     let wish = args.selector.target().expect("there is a level or a criterion");
     let per_object = args.selector.per_object();
     let own = |object: &str| args.export.simplify.parts.ratio(object);
@@ -127,7 +127,7 @@ fn view(
 ) -> Outcome<Level> {
     args.view.check_models(input, &asset.objects)?;
     let limits = args.export.import.limits().limits();
-    let levels = SceneLevels::new(&asset.objects, &asset.document, &limits)?;
+    let levels = scene_levels(&asset.objects, &asset.document, &limits)?;
     let infos: Vec<&ObjectInfo> = asset.objects.iter().map(|o| &o.info).collect();
     let graph = scene_graph(&asset.document, &infos, &limits)?;
     let pose = args.pose.of(input, &asset.document, &graph, &limits)?;

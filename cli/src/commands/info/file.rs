@@ -1,6 +1,5 @@
 //! The inside of a `.lodc` file: counts, levels, strips, storage.
 
-use crate::commands::bench;
 use crate::commands::build::counts;
 use crate::commands::read::parse_lodc;
 use crate::exit::Outcome;
@@ -68,10 +67,10 @@ fn object(o: &LodObject, layout: Layout, baselines: bool) -> Outcome<ObjectRepor
         o.models.iter().map(|m| (m.name().to_owned(), stored(m, layout))).collect();
     if baselines {
         let strips = Arc::new(plain_strips(o));
-        for baseline in bench::baselines(o, &strips)? {
+        for baseline in lodc_lab::baselines(o, &strips)? {
             models.insert(baseline.name().to_owned(), bits(&baseline.storage(), None));
         }
-        for (name, cost) in bench::plain(&o.simplified, &strips) {
+        for (name, cost) in lodc_lab::plain(&o.simplified, &strips) {
             models.insert(name.to_owned(), bits(&cost, None));
         }
     }
@@ -120,7 +119,7 @@ fn plain_strips(o: &LodObject) -> Strips {
 fn strips(o: &LodObject) -> Map<String, Value> {
     let mut all = Map::new();
     for strips in o.models.iter().filter_map(AnyModel::strips) {
-        let report = bench::strips_of(o.simplified.mesh(), strips);
+        let report = lodc_lab::strip_primitives(o.simplified.mesh(), strips);
         let value = json!({
             "strips": report.strips,
             "indices": report.indices,

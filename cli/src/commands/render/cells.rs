@@ -7,8 +7,8 @@ use crate::exit::{Failure, Outcome};
 use crate::text::{count, distance};
 use crate::views::{CriterionName, SceneViews};
 use lodc::LodObject;
-use lodc::SceneLevels;
 use lodc::levels;
+use lodc::{SceneLevels, scene_levels};
 use lodc_lod::AnyModel;
 use lodc_mesh::{Lod, Mesh, OrientedTriangle};
 use lodc_select::Target;
@@ -82,8 +82,9 @@ pub(super) fn chosen(args: &RenderArgs, shown: &Shown) -> Outcome<Vec<Cell>> {
             }]);
         }
     };
-    let levels = SceneLevels::new(objects, &shown.document, &args.import.options().limits)?;
+    let levels = scene_levels(objects, &shown.document, &args.import.options().limits)?;
     if let Some(name) = args.views.criterion {
+        args.views.check_models(&args.input, objects)?;
         return seen(args, name, shown, &levels);
     }
     let wanted: Vec<Target> = if args.contact_sheet.is_empty() {
@@ -125,7 +126,6 @@ fn seen(
     shown: &Shown,
     levels: &SceneLevels<'_>,
 ) -> Outcome<Vec<Cell>> {
-    args.views.check_models(&args.input, levels.objects())?;
     let views = SceneViews::new(&args.views, name, &args.selector, levels, &shown.arrangement)
         .map_err(|f| Failure { message: format!("{}: {f}", args.input.display()), ..f })?;
     let sheet = args.contact_sheet.iter().map(|&share| Some(Target::Ratio(share)));

@@ -1,25 +1,25 @@
-//! Triangles to corners to pixels.
+//! Cells to pictures, and pictures to sheets.
 
 use super::RenderArgs;
 use super::cells::Cell;
 use super::heat::Heat;
 use super::options::{Backs, Colouring, Shading, UpAxis, View};
 use super::scene::Shown;
-use crate::colours::distinct;
-use crate::exit::Outcome;
+use crate::exit::{Failure, Outcome, Status};
 use crate::gpu::{Device, failure};
+use crate::text::distance;
+use lodc_gpu::GpuError;
 use lodc_gpu::picture::{
-    BackFaces, Camera, Corner, Frame, Framing, Lens, Painter, Style, Up, Viewpoint,
+    BackFaces, Camera, Colours, Division, Frame, Framing, Legend, Lens, Level, Scene, Sheet, Style,
+    Up, Viewpoint,
 };
-use lodc_mesh::{Attribute, Mesh, OrientedTriangle, PositionIds, Semantic};
-use lodc_scene::{
-    AlphaMode, Image, Material, Placement, PosedVertices, flat_normals, posed, smooth_normals,
-    stream, to_linear,
-};
-use rayon::prelude::*;
+use lodc_measure::{distinct, heat as colour_of_heat};
+use lodc_scene::{Image, posed, to_linear};
 
 /// Linear grey of what has no colour of its own.
 const PLAIN: [f32; 3] = [0.52, 0.51, 0.49];
+/// More pixels than this do not become one picture.
+const MAX_PIXELS: u64 = 1 << 28;
 
 /// One picture for every cell, all by the same camera.
 ///
@@ -32,14 +32,8 @@ pub(super) fn pictures(
     heat: Option<&Heat>,
     device: &Device,
 ) -> Outcome<Vec<Image>> {
-    let (materials, images) = materials(args, shown);
-    let painter = Painter::new(device, images, &materials).map_err(|e| failure(&e))?;
     let size =
         args.size.unwrap_or(if args.contact_sheet.is_empty() { [1024, 768] } else { [480, 360] });
-    let ids = |cell: &Cell| -> Vec<PositionIds> {
-        let of = |o| PositionIds::new(cell.mesh(shown, o).positions());
-        (0..shown.objects.len()).into_par_iter().map(of).collect()
-    };
     let camera = camera(args, shown, f64::from(size[0]) / f64::from(size[1]));
     let style = Style {
         size,
@@ -52,48 +46,44 @@ pub(super) fn pictures(
         },
         wire: if args.wireframe { 1.0 } else { 0.0 },
     };
-    let one = |(number, cell): (usize, &Cell)| {
-        let mut frame = Frame::new(&painter, &camera, &style)?;
-        let points = ids(cell);
-        let mut blended: Vec<(f32, usize, [Corner; 3])> = Vec::new();
-        for placement in shown.arrangement.placements() {
-            let o = placement.object;
-            let heat = heat.map(|heat| (heat, number));
-            let part =
-                Part { args, shown, placement, cell, heat, points: &points[o], camera: &camera };
-            for (material, corners) in part.corners(materials.len() - 1) {
-                if materials[material].alpha == AlphaMode::Blend {
-                    let triples = corners.as_chunks::<3>().0;
-                    blended.extend(triples.iter().map(|&t| (depth(&camera, &t), material, t)));
-                } else {
-                    frame.draw(material, false, &corners)?;
-                }
-            }
+    let objects = shown.objects.len();
+    let submeshes = |o: usize| shown.objects.mesh(o).submeshes().len();
+    let of_submesh = |object: usize, submesh: usize| match args.color {
+        Colouring::Submesh => {
+            colour_of(((0..object).map(submeshes).sum::<usize>() + submesh) as u32)
         }
-        // Far ones first; the sort is stable, so that equal ones keep the order of the file.
-        blended.sort_by(|a, b| b.0.total_cmp(&a.0));
-        for run in blended.chunk_by(|a, b| a.1 == b.1) {
-            let corners: Vec<Corner> = run.iter().flat_map(|(_, _, t)| *t).collect();
-            frame.draw(run[0].1, true, &corners)?;
-        }
-        frame.finish()
+        _ => PLAIN,
     };
-    let drawn: Result<Vec<Image>, _> = cells.iter().enumerate().map(one).collect();
-    drawn.map_err(|e| failure(&e))
-}
-
-fn depth(camera: &Camera, t: &[Corner; 3]) -> f32 {
-    t.iter().map(|c| camera.distance(c.position)).sum()
-}
-
-/// All materials, and one more for colours that stand for something; with the images of the first.
-fn materials<'a>(args: &RenderArgs, shown: &'a Shown) -> (Vec<Material>, &'a [Image]) {
-    let matte = Material { double_sided: true, ..Material::default() };
-    if args.color != Colouring::Material {
-        return (vec![matte], &[]);
-    }
-    let looks = &shown.appearance;
-    (looks.materials.iter().copied().chain([matte]).collect(), &looks.images)
+    let scene = Scene {
+        arrangement: &shown.arrangement,
+        colours: match args.color {
+            Colouring::Material => Colours::Materials(&shown.appearance),
+            _ => Colours::Submeshes(&of_submesh),
+        },
+        smooth: args.shading == Shading::Smooth,
+    };
+    let level = |cell: usize, object: usize| Level {
+        mesh: cells[cell].mesh(shown, object),
+        triangles: &cells[cell].objects[object],
+        colours: cells[cell]
+            .strips
+            .get(object)
+            .map_or_else(Vec::new, |strips| strips.iter().map(|&strip| colour_of(strip)).collect()),
+        division: heat.map(|heat| -> Box<Division<'_>> {
+            Box::new(move |t, corners| heat.parts(cell, object, t, corners))
+        }),
+    };
+    let draw = || -> Result<Vec<Image>, GpuError> {
+        let painter = scene.painter(device)?;
+        let one = |cell| {
+            let mut frame = Frame::new(&painter, &camera, &style)?;
+            let levels: Vec<Level<'_>> = (0..objects).map(|o| level(cell, o)).collect();
+            scene.draw(&mut frame, &camera, &levels)?;
+            frame.finish()
+        };
+        (0..cells.len()).map(one).collect()
+    };
+    draw().map_err(|e| failure(&e))
 }
 
 /// The camera that frames the input, whatever level of detail is shown.
@@ -131,125 +121,33 @@ fn colour_of(number: u32) -> [f32; 3] {
     distinct(number).map(|v| to_linear(f32::from(v) / 255.0))
 }
 
-/// An object where it is shown, at the level of detail of a cell.
-struct Part<'a> {
-    args: &'a RenderArgs,
-    shown: &'a Shown,
-    placement: &'a Placement,
-    cell: &'a Cell,
-    /// The distances of this cell, if colours mean distances.
-    heat: Option<(&'a Heat, usize)>,
-    points: &'a PositionIds,
-    camera: &'a Camera,
-}
-
-/// The looks that a submesh gives its corners.
-struct Look<'a> {
-    material: usize,
-    normals: bool,
-    uv: Option<&'a Attribute>,
-    colour: Option<&'a Attribute>,
-    /// The one colour of all of it, if colours stand for something.
-    fixed: Option<[f32; 3]>,
-}
-
-impl Part<'_> {
-    /// Runs of triangles with one material.
-    fn corners(&self, matte: usize) -> Vec<(usize, Vec<Corner>)> {
-        let object = self.placement.object;
-        let mesh = self.cell.mesh(self.shown, object);
-        let triangles = &self.cell.objects[object];
-        let smooth_shading = self.args.shading == Shading::Smooth;
-        let posed = posed(mesh, self.placement);
-        let indices: Vec<[u32; 3]> = triangles.iter().map(|t| t.corners).collect();
-        let looks: Vec<Look<'_>> =
-            (0..mesh.submeshes().len()).map(|s| self.look(mesh, s, matte)).collect();
-        let made: Vec<[[f32; 3]; 3]> = if smooth_shading {
-            let smooth = smooth_normals(&indices, &posed.positions, self.points);
-            smooth.into_iter().map(|t| t.map(Into::into)).collect()
-        } else {
-            let flat = flat_normals(&indices, &posed.positions);
-            flat.into_iter().map(|n| [n.into(); 3]).collect()
-        };
-        let strips = self.cell.strips.get(object);
-        let triangle = |(t, tri): (usize, &OrientedTriangle)| {
-            let look = &looks[tri.submesh as usize];
-            let fixed = strips.map(|ids| colour_of(ids[t])).or(look.fixed);
-            let corners: [Corner; 3] = std::array::from_fn(|k| {
-                self.corner(&posed, look, fixed, tri.corners[k], made[t][k])
-            });
-            let mut corners = match self.heat {
-                Some((heat, cell)) => heat.parts(cell, object, t, &corners),
-                None => corners.to_vec(),
-            };
-            if posed.mirrored {
-                corners.as_chunks_mut::<3>().0.iter_mut().for_each(|t| t.swap(1, 2));
-            }
-            corners
-        };
-        let mut runs: Vec<(usize, Vec<Corner>)> = Vec::new();
-        let mut first = 0;
-        for run in triangles.chunk_by(|a, b| {
-            looks[a.submesh as usize].material == looks[b.submesh as usize].material
-        }) {
-            let corners = run.par_iter().enumerate().map(|(i, tri)| triangle((first + i, tri)));
-            runs.push((looks[run[0].submesh as usize].material, corners.flatten_iter().collect()));
-            first += run.len();
-        }
-        runs
+/// Puts pictures of one size into rows, each with its label below unless there are none.
+///
+/// # Errors
+/// If that is more than a picture may hold.
+pub(super) fn sheet(
+    args: &RenderArgs,
+    cells: &[Cell],
+    heat: Option<&Heat>,
+    pictures: &[Image],
+) -> Outcome<Image> {
+    let labels: Vec<[String; 2]> = cells.iter().map(Cell::label).collect();
+    let sheet = Sheet {
+        pictures,
+        columns: args.columns.map(|c| c as usize),
+        labels: if args.no_labels { &[] } else { &labels },
+        background: args.background,
+    };
+    let [across, down] = sheet.size(heat.is_some());
+    if (across as u64) * (down as u64) > MAX_PIXELS {
+        let message = format!(
+            "a contact sheet of {across} x {down} pixels is too large: use a smaller --size"
+        );
+        return Err(Failure::new(Status::Limit, message));
     }
-
-    fn look<'a>(&self, mesh: &'a Mesh, submesh: usize, matte: usize) -> Look<'a> {
-        let object = self.placement.object;
-        let normals = stream(mesh, submesh, &Semantic::Normal).is_some();
-        if self.args.color != Colouring::Material {
-            let before: usize =
-                (0..object).map(|o| self.shown.objects.mesh(o).submeshes().len()).sum();
-            let fixed = match self.args.color {
-                Colouring::Submesh => colour_of((before + submesh) as u32),
-                _ => PLAIN,
-            };
-            return Look { material: matte, normals, uv: None, colour: None, fixed: Some(fixed) };
-        }
-        let material = self.shown.appearance.of_submesh[object][submesh];
-        let set = self.shown.appearance.materials[material].texture.map(|t| t.set);
-        let uv = set.and_then(|set| stream(mesh, submesh, &Semantic::TexCoord(set)));
-        let colour = stream(mesh, submesh, &Semantic::Color(0));
-        Look { material, normals, uv, colour, fixed: None }
-    }
-
-    fn corner(
-        &self,
-        posed: &PosedVertices,
-        look: &Look<'_>,
-        fixed: Option<[f32; 3]>,
-        v: u32,
-        made: [f32; 3],
-    ) -> Corner {
-        let p = posed.positions[v as usize];
-        let own = posed.normals[v as usize].as_vec3().to_array();
-        let usable =
-            look.normals && own.iter().all(|c| c.is_finite()) && own.iter().any(|c| c.abs() > 1e-6);
-        let smooth_shading = self.args.shading == Shading::Smooth;
-        let normal = if smooth_shading && usable { own } else { made };
-        let component = |a: &Attribute, i: usize, default: f32| {
-            let value = if i < usize::from(a.components) { a.value(v, i) } else { default };
-            if value.is_finite() { value } else { default }
-        };
-        let colour = match (fixed, look.colour) {
-            (Some([r, g, b]), _) => [r, g, b, 1.0],
-            (None, Some(stream)) => {
-                std::array::from_fn(|i| component(stream, i, 1.0).clamp(0.0, 1.0))
-            }
-            (None, None) => [1.0; 4],
-        };
-        Corner {
-            position: std::array::from_fn(|i| (p[i] - self.camera.centre[i]) as f32),
-            normal,
-            uv: look
-                .uv
-                .map_or([0.0; 2], |stream| std::array::from_fn(|i| component(stream, i, 0.0))),
-            colour,
-        }
-    }
+    let text = heat.map(|heat| {
+        let share = if heat.diagonal > 0.0 { heat.largest / heat.diagonal * 100.0 } else { 0.0 };
+        format!("distance 0 to {} ({share:.3} % of the diagonal)", distance(heat.largest))
+    });
+    Ok(sheet.compose(text.as_deref().map(|text| Legend { colour: colour_of_heat, text })))
 }

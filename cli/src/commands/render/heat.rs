@@ -2,10 +2,9 @@
 
 use super::cells::{Cell, whole};
 use super::scene::Shown;
-use crate::colours::heat;
 use lodc_formats::ObjectInfo;
 use lodc_gpu::picture::Corner;
-use lodc_measure::{DistanceField, TriangleTree};
+use lodc_measure::{DistanceField, TriangleTree, heat};
 use lodc_mesh::{Mesh, OrientedTriangle};
 use lodc_scene::to_linear;
 use rayon::prelude::*;

@@ -6,13 +6,9 @@ mod cells;
 mod draw;
 #[cfg(feature = "gpu")]
 mod heat;
-#[cfg(feature = "gpu")]
-mod label;
 mod options;
 #[cfg(feature = "gpu")]
 mod scene;
-#[cfg(feature = "gpu")]
-mod sheet;
 
 use crate::exit::{Failure, Outcome};
 use crate::gpu::{self, Device};
@@ -191,7 +187,7 @@ fn picture(args: &RenderArgs, target: &Target, device: &Device) -> Outcome<()> {
     let picture = if args.contact_sheet.is_empty() && heat.is_none() {
         pictures.into_iter().next().expect("there is always one")
     } else {
-        sheet::compose(args, &chosen, heat.as_ref(), &pictures)?
+        draw::sheet(args, &chosen, heat.as_ref(), &pictures)?
     };
     let size = format!("{} x {} pixels", picture.width, picture.height);
     let bytes = stages.run("encode", || lodc_formats::images::png(&picture));

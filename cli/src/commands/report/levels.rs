@@ -1,14 +1,13 @@
 //! The levels that a report shows: counts, distances, and pictures from four sides.
 
-use crate::colours::heat;
 use crate::commands::asset::Asset;
 use crate::exit::Outcome;
 use lodc::SceneLevels;
 use lodc::level_mesh;
 use lodc_formats::images::png;
-use lodc_measure::{ImageError, Looks, Picture, Portrait, SceneSurface, TriangleTree, Viewing};
+use lodc_measure::{ImageError, Looks, Picture, Portrait, SceneSurface, Viewing, heat};
 use lodc_mesh::Mesh;
-use lodc_scene::{Appearance, Arrangement, Image};
+use lodc_scene::{Appearance, Arrangement};
 use lodc_select::{Selection, Target};
 use rayon::prelude::*;
 
@@ -62,7 +61,7 @@ pub(super) fn shown(
         let refs: Vec<&Mesh> = meshes.iter().collect();
         let surface = SceneSurface::new(&refs, arrangement, appearance).surface;
         let drawn = portrait.pictures_of(&surface);
-        let far: Vec<Vec<f64>> = drawn.par_iter().map(|p| distances(p, &tree)).collect();
+        let far: Vec<Vec<f64>> = drawn.par_iter().map(|p| p.distances(&tree)).collect();
         let hottest = far.iter().flatten().copied().fold(0.0, f64::max);
         let warm = levels.is_empty().then(Vec::new);
         levels.push(Level {
@@ -81,33 +80,12 @@ pub(super) fn shown(
     Ok(levels)
 }
 
-/// Distance of each pixel's place from the input; 0 where nothing is.
-fn distances(picture: &Picture, tree: &TriangleTree) -> Vec<f64> {
-    let of = |(colour, &place): (&[f32; 3], &_)| match colour[0] < 0.0 {
-        true => 0.0,
-        false => tree.distance_squared(place).sqrt(),
-    };
-    picture.colours.iter().zip(&picture.points).map(of).collect()
-}
-
 fn plain(picture: &Picture) -> Vec<u8> {
-    encoded(picture, |_, colour| colour.map(|v| v as u8))
+    png(&picture.image([0; 4], |_, colour| colour.map(|v| v as u8)).halved())
 }
 
-/// Colours by distance, as dark as the surface is there.
+/// Colours by distance.
 fn heated(picture: &Picture, far: &[f64], hottest: f64) -> Vec<u8> {
-    encoded(picture, |pixel, _| heat(if hottest > 0.0 { far[pixel] / hottest } else { 0.0 }))
-}
-
-/// A PNG of half the size, transparent where nothing is.
-fn encoded(picture: &Picture, colour: impl Fn(usize, [f32; 3]) -> [u8; 3]) -> Vec<u8> {
-    let pixel = |(i, &c): (usize, &[f32; 3])| match c[0] < 0.0 {
-        true => [0; 4],
-        false => {
-            let [r, g, b] = colour(i, c);
-            [r, g, b, 255]
-        }
-    };
-    let bytes = picture.colours.iter().enumerate().flat_map(pixel).collect();
-    png(&Image { width: picture.size, height: picture.size, bytes }.halved())
+    let share = |pixel: usize| if hottest > 0.0 { far[pixel] / hottest } else { 0.0 };
+    png(&picture.image([0; 4], |pixel, _| heat(share(pixel))).halved())
 }

@@ -13,7 +13,7 @@ use crate::output::{self, Rule};
 use crate::report::CheckReport;
 use crate::stages::Stages;
 use crate::text::size;
-use lodc::SceneLevels;
+use lodc::{SceneLevels, scene_levels};
 use lodc_formats::appearance;
 use lodc_formats::{Assets, ObjectInfo, OutputFile, scene_graph};
 use lodc_scene::Arrangement;
@@ -75,7 +75,7 @@ fn facts<'a>(args: &PageArgs, asset: &'a Asset, stages: &mut Stages) -> Outcome<
     let graph =
         scene_graph(&asset.document, &infos, &options.limits).map_err(|e| e.in_file(&name))?;
     let arrangement = Arrangement::new(&graph, &graph.rest_pose(), infos.len());
-    let scene = SceneLevels::new(&asset.objects, &asset.document, &options.limits)?;
+    let scene = scene_levels(&asset.objects, &asset.document, &options.limits)?;
     let levels = stages.run("pictures", || levels::shown(asset, &scene, &arrangement, &looks))?;
     if levels[0].triangles == 0 {
         let message = format!("{name}: has no triangles: there is nothing to report");

@@ -2,10 +2,10 @@
 
 use super::Facts;
 use super::levels::Level;
-use crate::chart::{Chart, Curve, Scale};
 use crate::html::{base64, escaped};
 use crate::report::CheckReport;
 use crate::text::{count, distance, grouped, size};
+use lodc_lab::{Chart, Curve, Scale};
 use lodc_model::{Layout, Model};
 use std::fmt::Write;
 

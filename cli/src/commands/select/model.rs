@@ -2,7 +2,7 @@
 
 use crate::commands::read::read_lodc;
 use crate::exit::{Failure, Outcome, Status};
-use lodc::LodFile;
+use lodc::{LodFile, scene_levels};
 use lodc_formats::{Limits, ObjectInfo, scene_graph};
 use lodc_scene::{Arrangement, posed};
 use lodc_select::LevelCurve;
@@ -24,7 +24,7 @@ impl Model {
     /// If the file cannot be read or has no triangles.
     pub(super) fn read(path: &Path, limits: Limits) -> Outcome<Self> {
         let (file, _) = read_lodc(path, limits)?;
-        let levels = levels(&file);
+        let levels = scene_levels(&file.objects, &file.document, &limits)?.by_error();
         if levels.first().is_none_or(|&(_, triangles)| triangles == 0) {
             let what = format!("{}: has no triangles to choose a level of", path.display());
             return Err(Failure::new(Status::Input, what));
@@ -47,33 +47,6 @@ impl Model {
     pub(super) fn lod(&self, index: u32) -> Option<u32> {
         self.lods.as_ref().map(|lods| lods[index as usize])
     }
-}
-
-/// Levels under one error in world units: each object at its coarsest level within it. Levels in
-/// which an object has vanished are left out.
-fn levels(file: &LodFile) -> Vec<(f64, u32)> {
-    let mut steps: Vec<(f64, u32)> = Vec::new();
-    let mut total = 0;
-    for object in &file.objects {
-        let collapses = object.simplified.collapses();
-        let last = collapses.last_visible();
-        let mut before = collapses.parts().triangles;
-        total += before;
-        for step in (0..collapses.steps()).map(|i| collapses.step(i)) {
-            if step.lod > last {
-                break;
-            }
-            steps.push((f64::from(step.error) * object.info.world_scale, before - step.triangles));
-            before = step.triangles;
-        }
-    }
-    // Stable: the steps of one object keep their order.
-    steps.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let rest = steps.into_iter().scan(total, |left, (error, gone)| {
-        *left -= gone;
-        Some((error, *left))
-    });
-    std::iter::once((0.0, total)).chain(rest).collect()
 }
 
 fn radius(file: &LodFile, limits: Limits) -> Outcome<f32> {

@@ -1,5 +1,5 @@
-//! Pictures: triangles, materials and a camera become pixels, off screen. Everything that needs no
-//! device is decided before: which triangles, where, which normals, which colours.
+//! Pictures: triangles, materials and a camera become pixels, off screen. Which triangles are shown
+//! is decided before; [`Scene`] puts them into place, with normals and colours.
 //!
 //! Pictures are made at twice their size with four samples for each pixel, and made smaller in
 //! linear light. On one machine the same input gives the same bytes; drivers differ by a shade at
@@ -7,14 +7,22 @@
 
 mod camera;
 mod frame;
+#[cfg(feature = "sheets")]
+mod label;
 mod painter;
 mod pixels;
+mod scene;
+#[cfg(feature = "sheets")]
+mod sheet;
 
 pub use camera::{Camera, Framing, Lens, Up, Viewpoint};
 pub use frame::Frame;
 pub use painter::Painter;
 #[cfg(test)]
 pub(crate) use pixels::read_back;
+pub use scene::{Colours, Division, Level, Scene};
+#[cfg(feature = "sheets")]
+pub use sheet::{Legend, Sheet};
 
 /// A corner of a triangle. Three in a row are one, counter-clockwise from outside.
 #[repr(C)]

@@ -2,7 +2,7 @@
 
 use super::{Known, SimplifiedObjects};
 use crate::level_mesh;
-use crate::{Error, LodObject, SceneLevels};
+use crate::{Error, LodObject, scene_levels};
 use lodc_formats::{ObjectInfo, SceneObject, scene_graph};
 use lodc_measure::{Looks, Portrait, SceneSurface, Viewing};
 use lodc_mesh::Mesh;
@@ -93,7 +93,7 @@ impl<'a> Judge<'a> {
             models: Vec::new(),
         };
         let objects: Vec<LodObject> = objects.iter().map(object).collect();
-        let levels = SceneLevels::new(&objects, self.known.document, &self.known.limits)?;
+        let levels = scene_levels(&objects, self.known.document, &self.known.limits)?;
         let mut errors = [0.0; 4];
         for (share, error) in LEVELS.into_iter().zip(&mut errors) {
             let lods = levels.select(Target::Ratio(share), false)?.lods;

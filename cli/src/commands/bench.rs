@@ -1,0 +1,335 @@
+//! `lodc bench`: storage, extraction time, bus traffic and primitives of every model and baseline
+//! (thesis 3.5, 4.5, 5.5).
+
+use super::asset::{self, SimplifyArgs};
+use super::build::{MOST_THREADS, counts};
+use super::read::read_lodc;
+use crate::console::{self, error, warning};
+use crate::exit::{Failure, Outcome, Status, one_line};
+use crate::gpu::{self, Device, GpuArgs, GpuUse};
+use crate::kinds::{MetricArgs, StripArgs, parser};
+use crate::limits::ImportArgs;
+use crate::output::{self, Target};
+use crate::progress::Progress;
+use crate::report::{ObjectCounts, SCHEMA_VERSION};
+use crate::stages::Stages;
+use crate::text::count;
+use clap::Args;
+use lodc_formats::{images, import};
+use lodc_lab::{
+    BenchObject, CrowdReport, CrowdSettings, Input, LabError, Prepared, Settings, charts, crowd,
+    crowd_charts, crowd_picture, crowd_table, measure, tables,
+};
+use lodc_lod::ModelKind;
+use rayon::ThreadPoolBuilder;
+use serde::Serialize;
+use std::num::{NonZeroU32, NonZeroUsize};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+
+/// Options of `bench`.
+#[derive(Args, Debug)]
+#[command(
+    after_help = "Times are the best of several rounds in which everything takes turns; they \
+                  differ from run to run. Everything else does not."
+)]
+pub(crate) struct BenchArgs {
+    /// Meshes (OBJ, glTF, GLB), or .lodc files with their models as they are
+    #[arg(required = true)]
+    inputs: Vec<PathBuf>,
+    /// Models to measure, separated by commas; those that a .lodc file has not are made [default:
+    /// every one]
+    #[arg(long, value_delimiter = ',', value_name = "MODELS", value_parser = parser::<ModelKind>())]
+    models: Vec<ModelKind>,
+    #[command(flatten)]
+    metric: MetricArgs,
+    #[command(flatten)]
+    strips: StripArgs,
+    /// Share of the LODs from one update to the next, in percent
+    #[arg(long, value_name = "SHARE%", default_value = "0.1%", value_parser = share)]
+    steps: f64,
+    /// Rounds of timing, of which the best counts
+    #[arg(long, value_name = "N", default_value = "5")]
+    rounds: NonZeroU32,
+    /// Leave out everything that differs from run to run
+    #[arg(long)]
+    no_times: bool,
+    #[command(flatten)]
+    pub(crate) gpu: GpuArgs,
+    /// Also pack each object as a progressive stream: its size, its speed, and how far its prefixes
+    /// are from the whole
+    #[arg(long)]
+    streams: bool,
+    #[command(flatten)]
+    crowd: CrowdArgs,
+    /// Write the curves as SVG files into a folder
+    #[arg(long, value_name = "DIR")]
+    plots: Option<PathBuf>,
+    /// Print one JSON document
+    #[arg(long)]
+    json: bool,
+    /// Threads for making models; timing uses one [default: all cores]
+    #[arg(long, value_name = "N")]
+    jobs: Option<NonZeroUsize>,
+    #[command(flatten)]
+    import: ImportArgs,
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    match text.strip_suffix('%').unwrap_or(text).trim().parse::<f64>() {
+        Ok(percent) if (1e-4..=100.0).contains(&percent) => Ok(percent / 100.0),
+        _ => Err("not a percentage from 0.0001 to 100".to_owned()),
+    }
+}
+
+impl BenchArgs {
+    /// Rounds of timing; none if nothing is timed.
+    fn rounds(&self) -> Option<u32> {
+        (!self.no_times).then(|| self.rounds.get())
+    }
+
+    /// Returns whether a picture is wanted.
+    pub(crate) fn draws(&self) -> bool {
+        self.crowd.picture.is_some()
+    }
+}
+
+/// Options of a crowd.
+#[derive(Args, Clone, Debug)]
+struct CrowdArgs {
+    /// Measure a crowd of all inputs instead, in turn: it walks around a viewer, ten frames a
+    /// second, and every instance has a level by its distance
+    #[arg(long, conflicts_with = "streams")]
+    crowd: bool,
+    /// Instances of a crowd
+    #[arg(long, value_name = "N", default_value = "250", requires = "crowd",
+          value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    instances: u32,
+    /// Seconds that it walks
+    #[arg(long, value_name = "S", default_value = "50", requires = "crowd",
+          value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    seconds: u32,
+    /// Makes its paths
+    #[arg(long, value_name = "K", default_value = "1", requires = "crowd")]
+    seed: u64,
+    /// Draw the crowd in the middle of its time into a PNG, coloured by level, on a GPU
+    #[arg(long, value_name = "OUT.png", requires = "crowd")]
+    picture: Option<PathBuf>,
+}
+
+/// `bench --json`.
+#[derive(Debug, Serialize)]
+struct BenchReport {
+    schema_version: u32,
+    tool_version: &'static str,
+    /// Share of the LODs between two updates of a sweep.
+    steps: f64,
+    files: Vec<BenchFile>,
+    /// Null if no crowd was asked for.
+    crowd: Option<CrowdReport>,
+}
+
+/// One input.
+#[derive(Debug, Serialize)]
+struct BenchFile {
+    file: String,
+    error: Option<String>,
+    objects: Vec<ObjectFigures>,
+}
+
+/// One object of an input.
+#[derive(Debug, Serialize)]
+struct ObjectFigures {
+    #[serde(flatten)]
+    counts: ObjectCounts,
+    #[serde(flatten)]
+    figures: BenchObject,
+}
+
+impl From<LabError> for Failure {
+    fn from(error: LabError) -> Self {
+        match error {
+            LabError::Bug(what) => Self::new(Status::Bug, what),
+            LabError::Limit(what) => Self::new(Status::Limit, what),
+            LabError::Format(error) => error.into(),
+            #[cfg(feature = "gpu")]
+            LabError::Gpu(error) => gpu::failure(&error),
+        }
+    }
+}
+
+pub(crate) fn run(args: &BenchArgs) -> Outcome<Status> {
+    if args.inputs.iter().filter(|input| output::is_stream(input)).count() > 1 {
+        return Err(Failure::usage("standard input can be read once only"));
+    }
+    let outputs = args.plots.iter().map(|folder| folder.join("-")).map(|file| (file, true));
+    for (file, make_folder) in outputs.chain(args.crowd.picture.iter().map(|f| (f.clone(), false)))
+    {
+        output::prepare([&Target::File(file)], make_folder)?;
+    }
+    let device = open(&args.gpu)?;
+    let threads = args.jobs.map_or(0, |n| n.get().min(MOST_THREADS));
+    let pool = ThreadPoolBuilder::new().num_threads(threads).build();
+    let pool =
+        pool.map_err(|e| Failure::new(Status::Limit, format!("no threads to work with: {e}")))?;
+    let mut report = BenchReport {
+        schema_version: SCHEMA_VERSION,
+        tool_version: env!("CARGO_PKG_VERSION"),
+        steps: args.steps,
+        files: vec![],
+        crowd: None,
+    };
+    if args.crowd.crowd {
+        return pool.install(|| crowd_of(args, device, report));
+    }
+    let mut worst = Status::Done;
+    for input in &args.inputs {
+        let (file, status) = pool.install(|| bench_one(args, device.as_ref(), input));
+        worst = worst.max(status);
+        if !args.json && file.error.is_none() {
+            console::result(text(&file, args.steps).trim_end())?;
+        }
+        report.files.push(file);
+    }
+    if let Some(folder) = &args.plots {
+        write_plots(folder, plots(&report.files))?;
+    }
+    if args.json {
+        console::json(&report)?;
+    }
+    Ok(worst)
+}
+
+/// Opens the device that was asked for; none if none was, or none is there that need not be.
+fn open(args: &GpuArgs) -> Outcome<Option<Device>> {
+    match (args.gpu, args.gpu.map(|_| gpu::open(args.adapter.as_deref()))) {
+        (_, None) => Ok(None),
+        (Some(GpuUse::Auto), Some(Err(failure))) => {
+            console::note(&format!("nothing is timed on a GPU: {failure}"));
+            Ok(None)
+        }
+        (_, Some(opened)) => opened.map(Some),
+    }
+}
+
+/// A crowd of all inputs, and nothing else.
+fn crowd_of(args: &BenchArgs, device: Option<Device>, mut report: BenchReport) -> Outcome<Status> {
+    let nothing_drawn = |out: &Path, failure: Failure| {
+        let message = format!("{}: {failure}; nothing was drawn", out.display());
+        Failure { message, ..failure }
+    };
+    // A device that only a picture asks for times nothing.
+    let more = args.crowd.picture.as_ref().filter(|_| device.is_none());
+    let more = more.map(|out| gpu::open(None).map_err(|failure| nothing_drawn(out, failure)));
+    let more = more.transpose()?;
+    let inputs: Vec<Input> =
+        args.inputs.iter().map(|input| read(args, input)).collect::<Outcome<_>>()?;
+    let CrowdArgs { instances, seconds, seed, .. } = args.crowd;
+    let limits = args.import.options().limits;
+    let settings = CrowdSettings { instances, seconds, seed, rounds: args.rounds(), limits };
+    let figures = crowd(&inputs, &settings, device.as_ref())?;
+    if let (Some(out), Some(device)) = (&args.crowd.picture, more.or(device)) {
+        let drawn = crowd_picture(&inputs, &settings, &device)?;
+        output::write(&Target::File(out.clone()), images::png(&drawn))?;
+    }
+    if let Some(folder) = &args.plots {
+        write_plots(folder, crowd_charts(&figures))?;
+    }
+    if args.json {
+        report.crowd = Some(figures);
+        console::json(&report)?;
+    } else {
+        console::result(crowd_table(&figures).trim_end())?;
+    }
+    Ok(Status::Done)
+}
+
+/// One input. Whatever happens, there is a report, and the other inputs have their turn.
+fn bench_one(args: &BenchArgs, device: Option<&Device>, input: &Path) -> (BenchFile, Status) {
+    let name = input.display().to_string();
+    let settings = Settings { steps: args.steps, rounds: args.rounds(), streams: args.streams };
+    let one = |prepared: &Prepared| {
+        let object = prepared.object();
+        let counts = counts(&object.info, &object.simplified);
+        Ok(ObjectFigures { counts, figures: measure(prepared, &settings, device)? })
+    };
+    let measured = catch_unwind(AssertUnwindSafe(|| {
+        read(args, input)?.objects.iter().map(one).collect::<Outcome<Vec<_>>>()
+    }));
+    let failure = match measured {
+        Ok(Ok(objects)) => return (BenchFile { file: name, error: None, objects }, Status::Done),
+        Ok(Err(failure)) => {
+            error(&failure);
+            failure
+        }
+        // The panic hook has said what and where.
+        Err(_) => Failure::new(Status::Bug, "internal error"),
+    };
+    (BenchFile { file: name, error: Some(failure.message), objects: vec![] }, failure.status)
+}
+
+/// Reads an input and makes what is measured.
+fn read(args: &BenchArgs, input: &Path) -> Outcome<Input> {
+    let name = input.display().to_string();
+    let progress = Progress::new(&name);
+    let (objects, document) = if input.extension().is_some_and(|e| e.eq_ignore_ascii_case("lodc")) {
+        let (file, _) = read_lodc(input, args.import.options().limits)?;
+        (file.objects, file.document)
+    } else {
+        let scene = import::import(input, &args.import.options())?;
+        let how = SimplifyArgs::by(args.metric.metric);
+        let stages = &mut Stages::default();
+        let asset = asset::simplified(input, &args.import, &how, scene, stages)?;
+        asset.warnings.iter().for_each(|what| warning(&name, what));
+        (asset.objects, asset.document)
+    };
+    progress.stage("models");
+    let prepared = |object| Prepared::new(object, &args.models, args.strips.options());
+    let objects = objects.into_iter().map(prepared).collect::<Result<_, _>>()?;
+    Ok(Input { name, objects, document })
+}
+
+/// Everything measured on one input.
+fn text(file: &BenchFile, share: f64) -> String {
+    let object = |ObjectFigures { counts: c, figures }: &ObjectFigures| {
+        format!(
+            "{}: {}\n  {}, {}, {}, {}, {}\n{}\n",
+            one_line(&file.file),
+            one_line(&c.name),
+            count(c.referenced_vertices, "vertex"),
+            count(c.triangles, "triangle"),
+            count(c.submeshes, "submesh"),
+            count(c.fakes, "fake"),
+            count(c.records, "record"),
+            tables(figures, share)
+        )
+    };
+    file.objects.iter().map(object).collect()
+}
+
+/// Names of charts and what is in them, of all objects of all inputs. Objects after the first of a
+/// name have a number.
+fn plots(files: &[BenchFile]) -> Vec<(String, String)> {
+    let mut plots: Vec<(String, String)> = Vec::new();
+    for file in files {
+        let stem = Path::new(&file.file).file_stem().unwrap_or_default().to_string_lossy();
+        for object in &file.objects {
+            let taken = |name: &str| plots.iter().any(|(other, _)| other.starts_with(name));
+            let numbered = (2..).map(|i| format!("{stem}-{i}"));
+            let mut names = std::iter::once(stem.to_string()).chain(numbered);
+            let name = names.find(|name| !taken(&format!("{name}-indices"))).expect("some number");
+            let of = |(kind, svg): (&str, String)| (format!("{name}-{kind}.svg"), svg);
+            let drawn = charts(&object.figures).into_iter().filter(|(_, svg)| !svg.is_empty());
+            plots.extend(drawn.map(of));
+        }
+    }
+    plots
+}
+
+/// Writes charts into a folder.
+fn write_plots<N: AsRef<Path>>(folder: &Path, plots: Vec<(N, String)>) -> Outcome<()> {
+    let (targets, texts): (Vec<Target>, Vec<String>) =
+        plots.into_iter().map(|(name, svg)| (Target::File(folder.join(name)), svg)).unzip();
+    output::prepare(&targets, true)?;
+    targets.iter().zip(texts).try_for_each(|(to, svg)| output::write(to, svg.into_bytes()))
+}

@@ -1,0 +1,53 @@
+//! Options that choose a configuration, `lodc.toml`.
+
+use crate::exit::Outcome;
+use crate::program::Program;
+use clap::Args;
+use lodc_assets::{Asset, Configs, Layer};
+use std::path::{Path, PathBuf};
+
+/// Options that choose a configuration.
+#[derive(Args, Clone, Debug, Default)]
+#[command(next_help_heading = "Configuration")]
+pub(crate) struct ConfigArgs {
+    /// Read options from FILE [default: the nearest lodc.toml above the input, not above the
+    /// folder that was given or, for a named file, the current one]
+    #[arg(long, value_name = "FILE")]
+    pub(crate) config: Option<PathBuf>,
+    /// Take the options of this profile of the configuration
+    #[arg(long, value_name = "NAME")]
+    pub(crate) profile: Option<String>,
+}
+
+impl ConfigArgs {
+    /// Puts what configurations say under the options of a command's assets.
+    ///
+    /// # Errors
+    /// As [`Configs::apply`].
+    pub(crate) fn apply(
+        &self,
+        program: &Program,
+        command: &str,
+        assets: &mut [Asset],
+    ) -> Outcome<()> {
+        Ok(self.configs(program, command).apply(assets, || program.given(command))?)
+    }
+
+    /// Returns what the configuration says of a named file.
+    ///
+    /// # Errors
+    /// As [`Configs::layers`].
+    pub(crate) fn layers(
+        &self,
+        program: &Program,
+        command: &str,
+        input: &Path,
+    ) -> Outcome<Vec<Layer>> {
+        Ok(self.configs(program, command).layers(input, None)?)
+    }
+
+    fn configs<'a>(&'a self, program: &'a Program, command: &'a str) -> Configs<'a> {
+        let (path, profile) = (self.config.as_deref(), self.profile.as_deref());
+        Configs::new(path, profile, program.words(), command)
+    }
+}

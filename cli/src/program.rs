@@ -1,0 +1,162 @@
+//! The command line as the program defines it, for options that assets have of their own: they are
+//! read as if they had been typed.
+
+use crate::parts;
+use clap::parser::ValueSource;
+use clap::{ArgMatches, Command, FromArgMatches, Id};
+use lodc_assets::{CommandOptions, OptionValues, Vocabulary};
+use std::ffi::OsString;
+
+/// Options that belong to a run, not to an asset.
+const OF_THE_RUN: &[&str] = &[
+    "annotate",
+    "baseline",
+    "config",
+    "depfile",
+    "exclude",
+    "format",
+    "heatmap",
+    "help",
+    "if-changed",
+    "include",
+    "jobs",
+    "json",
+    "junit",
+    "manifest",
+    "output",
+    "profile",
+    "quiet",
+    "record",
+    "report",
+    "shard",
+    "verbose",
+];
+
+/// Options that were added, and the value that changes nothing: a result with it is the one of
+/// before.
+const ADDED: [(&str, &str); 1] = [("layout", "packed")];
+
+/// The command line, and what of it assets can have of their own.
+pub(crate) struct Program {
+    root: Command,
+    words: Vocabulary,
+}
+
+impl Program {
+    pub(crate) fn new(root: Command) -> Self {
+        // Groups that only arguments name are known then.
+        let mut built = root.clone();
+        built.build();
+        let words = Vocabulary {
+            commands: built.get_subcommands().map(options_of).collect(),
+            of_the_run: OF_THE_RUN,
+            check_part: |text| parts::part(text).map(drop),
+        };
+        Self { root, words }
+    }
+
+    /// The names of commands and of their options.
+    pub(crate) fn words(&self) -> &Vocabulary {
+        &self.words
+    }
+
+    /// Returns the long names of the options of a command that stand on the command line itself, or
+    /// are excluded by those.
+    pub(crate) fn given(&self, name: &str) -> Vec<String> {
+        let typed = self.root.clone().get_matches_from(std::env::args_os());
+        let typed = typed.subcommand_matches(name).expect("the command that runs");
+        let there = self
+            .command(name)
+            .get_arguments()
+            .filter(|a| typed.value_source(a.get_id().as_str()) == Some(ValueSource::CommandLine));
+        let given: Vec<String> = there.filter_map(|a| a.get_long().map(str::to_owned)).collect();
+        let excluded: Vec<String> =
+            self.words.of(name).excluded(&given).map(str::to_owned).collect();
+        [given, excluded].concat()
+    }
+
+    /// Reads the arguments of a command anew, with an asset's own options where the command line
+    /// has none of that name. Returns what the command sees, and every option with its values as
+    /// text, for keys: equal texts mean equal options.
+    ///
+    /// # Errors
+    /// In one line, if an option is unknown, belongs to a run, or has a value that is none.
+    pub(crate) fn arguments<A: FromArgMatches>(
+        &self,
+        name: &str,
+        own: &OptionValues,
+    ) -> Result<(A, String), String> {
+        let mut raw: Vec<OsString> = std::env::args_os().collect();
+        let given = self.given(name);
+        let mut more = Vec::new();
+        for (option, values) in &own.0 {
+            if OF_THE_RUN.contains(&option.as_str()) {
+                return Err(format!("option {option} is for a whole run, not for one asset"));
+            }
+            if given.contains(option) {
+                continue;
+            }
+            match values.as_slice() {
+                [] => more.push(format!("--{option}").into()),
+                values => more.extend(values.iter().map(|v| format!("--{option}={v}").into())),
+            }
+        }
+        let place = raw.iter().position(|arg| arg == name).expect("the command's name") + 1;
+        raw.splice(place..place, more);
+        let matches = self.root.clone().try_get_matches_from(raw).map_err(|e| first_line(&e))?;
+        let matches = matches.subcommand_matches(name).expect("the same command");
+        let read = A::from_arg_matches(matches).map_err(|e| first_line(&e))?;
+        Ok((read, resolved(matches, self.command(name))))
+    }
+
+    fn command(&self, name: &str) -> &Command {
+        self.root.find_subcommand(name).expect("a command of this program")
+    }
+}
+
+/// The options of a command that belong to assets.
+fn options_of(command: &Command) -> CommandOptions {
+    let names = command.get_arguments().filter_map(|a| a.get_long());
+    let options = names.filter(|n| !OF_THE_RUN.contains(n)).map(str::to_owned).collect();
+    let long = |id: &Id| {
+        let mut all = command.get_arguments();
+        all.find(|a| a.get_id() == id).and_then(|a| a.get_long()).map(str::to_owned)
+    };
+    // Whether a group allows several can only be asked of a mutable one.
+    let exclusive = command.get_groups().cloned().filter_map(|mut group| {
+        let names = group.get_args().filter_map(long).collect();
+        (!group.is_multiple()).then_some(names)
+    });
+    CommandOptions { name: command.get_name().to_owned(), options, exclusive: exclusive.collect() }
+}
+
+/// The message about an option, without the usage around it.
+fn first_line(error: &clap::Error) -> String {
+    let text = error.to_string();
+    let mut lines = text.lines().map(str::trim);
+    let what = lines.next().unwrap_or_default().trim_start_matches("error: ").to_owned();
+    match lines.find(|line| line.starts_with("tip: ")) {
+        Some(tip) => format!("{what} ({tip})"),
+        None => what,
+    }
+}
+
+/// Every option of an asset that can change its result, with its values.
+fn resolved(matches: &ArgMatches, command: &Command) -> String {
+    let mut text = String::new();
+    for argument in command.get_arguments() {
+        let id = argument.get_id().as_str();
+        let name = argument.get_long().unwrap_or_default();
+        if name.is_empty() || OF_THE_RUN.contains(&name) || name.starts_with("limit-") {
+            continue;
+        }
+        let values = matches.get_raw(id).into_iter().flatten();
+        let values: Vec<_> = values.map(|v| v.to_string_lossy()).collect();
+        let default = |added: &(&str, &str)| added.0 == name && (values == [added.1]);
+        if ADDED.iter().any(default) {
+            continue;
+        }
+        text.push_str(&format!("{name}={};", values.join(",")));
+    }
+    text
+}

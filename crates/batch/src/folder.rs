@@ -1,0 +1,138 @@
+//! Files below a folder, by extension and glob.
+
+use crate::error::AssetError;
+use globset::{GlobBuilder, GlobSet, GlobSetBuilder};
+use std::path::{Component, Path, PathBuf};
+use walkdir::WalkDir;
+
+/// Extensions of the meshes that are taken from folders.
+pub const MESHES: [&str; 3] = ["obj", "gltf", "glb"];
+
+/// Extensions of the files with levels, stored or to be made, that are taken from folders.
+pub const LEVELS: [&str; 4] = ["obj", "gltf", "glb", "lodc"];
+
+/// Choice of files by their paths below a folder.
+#[derive(Debug)]
+pub(crate) struct Filter {
+    include: Option<GlobSet>,
+    exclude: GlobSet,
+}
+
+impl Filter {
+    /// The choice of `--include` and `--exclude`.
+    ///
+    /// # Errors
+    /// If a glob is none.
+    pub(crate) fn new(include: &[String], exclude: &[String]) -> Result<Self, AssetError> {
+        let include = (!include.is_empty()).then(|| globs(include)).transpose()?;
+        Ok(Self { include, exclude: globs(exclude)? })
+    }
+
+    fn takes(&self, name: &str) -> bool {
+        self.include.as_ref().is_none_or(|set| set.is_match(name)) && !self.exclude.is_match(name)
+    }
+}
+
+/// Returns the files that were named and, in the place of each folder, its files with one of the
+/// extensions whose paths below it match the globs: any of `include`, if there are some, and none
+/// of `exclude`.
+///
+/// # Errors
+/// If a folder cannot be read or has no such file, or a glob is none.
+pub fn expand(
+    inputs: &[PathBuf],
+    extensions: &[&str],
+    include: &[String],
+    exclude: &[String],
+) -> Result<Vec<PathBuf>, AssetError> {
+    let filter = Filter::new(include, exclude)?;
+    let mut all = Vec::new();
+    for input in inputs {
+        if input.is_dir() {
+            all.extend(files(input, extensions, &filter)?.into_iter().map(|(path, _)| path));
+        } else {
+            all.push(input.clone());
+        }
+    }
+    Ok(all)
+}
+
+/// Compiles globs, in which `*` and `?` do not match a slash.
+pub(crate) fn globs(patterns: &[String]) -> Result<GlobSet, AssetError> {
+    let mut set = GlobSetBuilder::new();
+    for pattern in patterns {
+        let glob = GlobBuilder::new(pattern).literal_separator(true).build();
+        set.add(glob.map_err(|e| AssetError::Usage(format!("glob {pattern}: {}", e.kind())))?);
+    }
+    set.build().map_err(|e| AssetError::Usage(format!("globs: {e}")))
+}
+
+/// Returns the files below `folder` with one of the extensions: paths, and names below the folder
+/// with slashes, sorted by name. Hidden files and folders are passed over; links to folders are
+/// not followed.
+///
+/// # Errors
+/// If a folder cannot be read, or no file matches.
+pub(crate) fn files(
+    folder: &Path,
+    extensions: &[&str],
+    filter: &Filter,
+) -> Result<Vec<(PathBuf, String)>, AssetError> {
+    let hidden = |name: &std::ffi::OsStr| name.to_string_lossy().starts_with('.');
+    let walk = WalkDir::new(folder).sort_by_file_name().into_iter();
+    let mut found = Vec::new();
+    for entry in walk.filter_entry(|e| e.depth() == 0 || !hidden(e.file_name())) {
+        let entry = entry.map_err(|e| {
+            let place = e.path().unwrap_or(folder).display().to_string();
+            let why = e
+                .into_io_error()
+                .map_or("is part of a circle of links".to_owned(), |e| e.to_string());
+            AssetError::Input(format!("{place}: {why}"))
+        })?;
+        let path = entry.path();
+        let name = slashed(path.strip_prefix(folder).unwrap_or(path));
+        if path.is_file() && has_extension(path, extensions) && filter.takes(&name) {
+            found.push((path.to_owned(), name));
+        }
+    }
+    if found.is_empty() {
+        let wanted = extensions.join(", ");
+        let what = format!("{}: no file of this folder matches ({wanted})", folder.display());
+        return Err(AssetError::Input(what));
+    }
+    found.sort_by(|a, b| a.1.cmp(&b.1));
+    Ok(found)
+}
+
+fn has_extension(path: &Path, extensions: &[&str]) -> bool {
+    path.extension().is_some_and(|e| extensions.iter().any(|x| e.eq_ignore_ascii_case(x)))
+}
+
+/// The normal parts of a path, with slashes on every system.
+pub(crate) fn slashed(path: &Path) -> String {
+    let normal = path.components().filter_map(|part| match part {
+        Component::Normal(name) => Some(name.to_string_lossy()),
+        _ => None,
+    });
+    normal.collect::<Vec<_>>().join("/")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stars_stay_within_one_folder_and_double_stars_do_not() {
+        let one = globs(&["*.obj".to_owned()]).expect("a glob");
+        assert!(one.is_match("a.obj") && !one.is_match("b/a.obj"));
+        let all = globs(&["**/*.obj".to_owned()]).expect("a glob");
+        assert!(all.is_match("a.obj") && all.is_match("b/c/a.obj"));
+        assert!(globs(&["a[".to_owned()]).is_err());
+    }
+
+    #[test]
+    fn names_below_a_folder_have_slashes_and_no_way_out() {
+        assert_eq!(slashed(Path::new("a/./b/../c.obj")), "a/b/c.obj");
+        assert_eq!(slashed(Path::new("/x/y.glb")), "x/y.glb");
+    }
+}

@@ -1,0 +1,59 @@
+//! Lists of assets: a JSON document in each line.
+
+use crate::error::AssetError;
+use crate::options::OptionValues;
+use crate::target::is_stream;
+use serde::Deserialize;
+use std::path::{Path, PathBuf};
+
+/// One line of a list.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Line {
+    pub(crate) input: PathBuf,
+    /// The file that `compare` compares it with.
+    pub(crate) a: Option<PathBuf>,
+    pub(crate) output: Option<PathBuf>,
+    #[serde(default)]
+    options: serde_json::Map<String, serde_json::Value>,
+}
+
+impl Line {
+    /// Its options by long name.
+    ///
+    /// # Errors
+    /// If a value is neither text, number, true, false nor a list of texts and numbers.
+    pub(crate) fn options(&self) -> Result<OptionValues, String> {
+        OptionValues::from_json(&self.options)
+    }
+}
+
+/// Something wrong with a line of a list.
+pub(crate) fn wrong(list: &Path, number: usize, what: &str) -> AssetError {
+    AssetError::Input(format!("{}: line {number}: {what}", list.display()))
+}
+
+/// Reads a list, `-` from standard input; blank lines are passed over. Returns pairs of line
+/// number, from 1, and line.
+///
+/// # Errors
+/// If the list cannot be read, or a line is not such a document.
+pub(crate) fn read(path: &Path) -> Result<Vec<(usize, Line)>, AssetError> {
+    let failure = |what: String| AssetError::Input(format!("{}: {what}", path.display()));
+    let text = match is_stream(path) {
+        true => std::io::read_to_string(std::io::stdin()),
+        false => std::fs::read_to_string(path),
+    };
+    let text = text.map_err(|e| failure(e.to_string()))?;
+    let mut lines = Vec::new();
+    for (number, line) in (1..).zip(text.lines()).filter(|(_, line)| !line.trim().is_empty()) {
+        let line = serde_json::from_str(line).map_err(|e| {
+            // The parser counts lines within the line.
+            let what = e.to_string();
+            let what = what.split(" at line ").next().unwrap_or_default().to_owned();
+            failure(format!("line {number}, column {}: {what}", e.column()))
+        })?;
+        lines.push((number, line));
+    }
+    Ok(lines)
+}

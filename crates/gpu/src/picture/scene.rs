@@ -1,0 +1,220 @@
+//! A scene at some levels of detail: triangles to corners, and in the order in which they are drawn.
+
+use super::{Camera, Corner, Frame, Painter};
+use crate::{Device, GpuError};
+use lodc_mesh::{Attribute, Mesh, OrientedTriangle, PositionIds, Semantic};
+use lodc_scene::{
+    AlphaMode, Appearance, Arrangement, Material, Placement, PosedVertices, flat_normals, posed,
+    smooth_normals, stream,
+};
+use rayon::prelude::*;
+
+/// The looks of a scene's surfaces.
+#[derive(Clone, Copy)]
+pub enum Colours<'a> {
+    /// Materials, textures and vertex colours.
+    Materials(&'a Appearance),
+    /// Colours that stand for something: the linear one of a submesh, by object and submesh.
+    Submeshes(&'a (dyn Fn(usize, usize) -> [f32; 3] + Sync)),
+}
+
+/// Divides a triangle, given by its number and its corners, into triangles of other colours.
+pub type Division<'a> = dyn Fn(usize, &[Corner; 3]) -> Vec<Corner> + Sync + 'a;
+
+/// An object at a level of detail.
+pub struct Level<'a> {
+    /// The vertices.
+    pub mesh: &'a Mesh,
+    /// The triangles, in the order in which they are drawn.
+    pub triangles: &'a [OrientedTriangle],
+    /// The linear colour of each triangle, in the place of that of its submesh; else empty.
+    pub colours: Vec<[f32; 3]>,
+    /// Triangles that are drawn in parts.
+    pub division: Option<Box<Division<'a>>>,
+}
+
+/// A scene to be drawn.
+#[derive(Clone, Copy)]
+pub struct Scene<'a> {
+    /// The places of its objects.
+    pub arrangement: &'a Arrangement,
+    /// Its looks.
+    pub colours: Colours<'a>,
+    /// Normals of the file, rounded ones where it has none; else one for each triangle.
+    pub smooth: bool,
+}
+
+impl Scene<'_> {
+    /// Prepares drawing its materials.
+    ///
+    /// # Errors
+    /// If an image is larger than the device allows, or the device fails.
+    pub fn painter<'d>(&self, device: &'d Device) -> Result<Painter<'d>, GpuError> {
+        let images = match self.colours {
+            Colours::Materials(looks) => &looks.images[..],
+            Colours::Submeshes(_) => &[],
+        };
+        Painter::new(device, images, &self.materials())
+    }
+
+    /// All materials, and one more for colours that stand for something.
+    fn materials(&self) -> Vec<Material> {
+        let matte = Material { double_sided: true, ..Material::default() };
+        match self.colours {
+            Colours::Materials(looks) => looks.materials.iter().copied().chain([matte]).collect(),
+            Colours::Submeshes(_) => vec![matte],
+        }
+    }
+
+    /// Draws every object where the scene shows it, what is blended last and from far to near.
+    /// `frame` is of the scene's own painter.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub fn draw(
+        &self,
+        frame: &mut Frame<'_>,
+        camera: &Camera,
+        levels: &[Level<'_>],
+    ) -> Result<(), GpuError> {
+        let materials = self.materials();
+        let points: Vec<PositionIds> =
+            levels.par_iter().map(|level| PositionIds::new(level.mesh.positions())).collect();
+        let mut blended: Vec<(f32, usize, [Corner; 3])> = Vec::new();
+        for placement in self.arrangement.placements() {
+            let (level, points) = (&levels[placement.object], &points[placement.object]);
+            let part = Part { scene: self, placement, level, points, camera };
+            for (material, corners) in part.corners(materials.len() - 1) {
+                if materials[material].alpha == AlphaMode::Blend {
+                    let triples = corners.as_chunks::<3>().0;
+                    blended.extend(triples.iter().map(|&t| (depth(camera, &t), material, t)));
+                } else {
+                    frame.draw(material, false, &corners)?;
+                }
+            }
+        }
+        // Far ones first; the sort is stable, so that equal ones keep the order of the file.
+        blended.sort_by(|a, b| b.0.total_cmp(&a.0));
+        for run in blended.chunk_by(|a, b| a.1 == b.1) {
+            let corners: Vec<Corner> = run.iter().flat_map(|(_, _, t)| *t).collect();
+            frame.draw(run[0].1, true, &corners)?;
+        }
+        Ok(())
+    }
+}
+
+fn depth(camera: &Camera, t: &[Corner; 3]) -> f32 {
+    t.iter().map(|c| camera.distance(c.position)).sum()
+}
+
+/// An object where it is shown.
+struct Part<'a> {
+    scene: &'a Scene<'a>,
+    placement: &'a Placement,
+    level: &'a Level<'a>,
+    points: &'a PositionIds,
+    camera: &'a Camera,
+}
+
+/// The looks that a submesh gives its corners.
+struct Look<'a> {
+    material: usize,
+    normals: bool,
+    uv: Option<&'a Attribute>,
+    colour: Option<&'a Attribute>,
+    /// The one colour of all of it, if colours stand for something.
+    fixed: Option<[f32; 3]>,
+}
+
+impl Part<'_> {
+    /// Runs of triangles with one material.
+    fn corners(&self, matte: usize) -> Vec<(usize, Vec<Corner>)> {
+        let Level { mesh, triangles, ref colours, ref division } = *self.level;
+        let posed = posed(mesh, self.placement);
+        let indices: Vec<[u32; 3]> = triangles.iter().map(|t| t.corners).collect();
+        let looks: Vec<Look<'_>> =
+            (0..mesh.submeshes().len()).map(|s| self.look(mesh, s, matte)).collect();
+        let made: Vec<[[f32; 3]; 3]> = if self.scene.smooth {
+            let smooth = smooth_normals(&indices, &posed.positions, self.points);
+            smooth.into_iter().map(|t| t.map(Into::into)).collect()
+        } else {
+            let flat = flat_normals(&indices, &posed.positions);
+            flat.into_iter().map(|n| [n.into(); 3]).collect()
+        };
+        let triangle = |(t, tri): (usize, &OrientedTriangle)| {
+            let look = &looks[tri.submesh as usize];
+            let fixed = colours.get(t).copied().or(look.fixed);
+            let corners: [Corner; 3] = std::array::from_fn(|k| {
+                self.corner(&posed, look, fixed, tri.corners[k], made[t][k])
+            });
+            let mut corners = match division {
+                Some(divide) => divide(t, &corners),
+                None => corners.to_vec(),
+            };
+            if posed.mirrored {
+                corners.as_chunks_mut::<3>().0.iter_mut().for_each(|t| t.swap(1, 2));
+            }
+            corners
+        };
+        let mut runs: Vec<(usize, Vec<Corner>)> = Vec::new();
+        let mut first = 0;
+        let material = |t: &OrientedTriangle| looks[t.submesh as usize].material;
+        for run in triangles.chunk_by(|a, b| material(a) == material(b)) {
+            let corners = run.par_iter().enumerate().map(|(i, tri)| triangle((first + i, tri)));
+            runs.push((material(&run[0]), corners.flatten_iter().collect()));
+            first += run.len();
+        }
+        runs
+    }
+
+    fn look<'a>(&self, mesh: &'a Mesh, submesh: usize, matte: usize) -> Look<'a> {
+        let object = self.placement.object;
+        let normals = stream(mesh, submesh, &Semantic::Normal).is_some();
+        let looks = match self.scene.colours {
+            Colours::Materials(looks) => looks,
+            Colours::Submeshes(colour) => {
+                let fixed = Some(colour(object, submesh));
+                return Look { material: matte, normals, uv: None, colour: None, fixed };
+            }
+        };
+        let material = looks.of_submesh[object][submesh];
+        let set = looks.materials[material].texture.map(|t| t.set);
+        let uv = set.and_then(|set| stream(mesh, submesh, &Semantic::TexCoord(set)));
+        let colour = stream(mesh, submesh, &Semantic::Color(0));
+        Look { material, normals, uv, colour, fixed: None }
+    }
+
+    fn corner(
+        &self,
+        posed: &PosedVertices,
+        look: &Look<'_>,
+        fixed: Option<[f32; 3]>,
+        v: u32,
+        made: [f32; 3],
+    ) -> Corner {
+        let p = posed.positions[v as usize];
+        let own = posed.normals[v as usize].as_vec3().to_array();
+        let usable =
+            look.normals && own.iter().all(|c| c.is_finite()) && own.iter().any(|c| c.abs() > 1e-6);
+        let normal = if self.scene.smooth && usable { own } else { made };
+        let component = |a: &Attribute, i: usize, default: f32| {
+            let value = if i < usize::from(a.components) { a.value(v, i) } else { default };
+            if value.is_finite() { value } else { default }
+        };
+        let colour = match (fixed, look.colour) {
+            (Some([r, g, b]), _) => [r, g, b, 1.0],
+            (None, Some(stream)) => {
+                std::array::from_fn(|i| component(stream, i, 1.0).clamp(0.0, 1.0))
+            }
+            (None, None) => [1.0; 4],
+        };
+        Corner {
+            position: std::array::from_fn(|i| (p[i] - self.camera.centre[i]) as f32),
+            normal,
+            uv: look
+                .uv
+                .map_or([0.0; 2], |stream| std::array::from_fn(|i| component(stream, i, 0.0))),
+            colour,
+        }
+    }
+}

@@ -1,0 +1,325 @@
+//! A crowd that walks around a viewer (thesis 4.4.2, figs. 4.11 to 4.14): every instance has a
+//! level by its distance, of all levels or of five, and a cursor of its own.
+
+#[cfg(feature = "gpu")]
+mod draws;
+#[cfg(feature = "gpu")]
+mod figures;
+#[cfg(feature = "gpu")]
+mod picture;
+mod plots;
+mod report;
+mod walk;
+
+pub use plots::crowd_charts;
+pub use report::CrowdReport;
+
+use crate::baseline::{Baseline, Discrete, LEVELS};
+use crate::device::Device;
+use crate::error::LabError;
+use crate::prepared::{Input, Prepared};
+use crate::subject::{Runner, Structure, baselines, structures};
+use crate::sweep::{means, points};
+use crate::text::grouped;
+use lodc::LodObject;
+use lodc_formats::Limits;
+use lodc_mesh::{CollapseSequence, Lod};
+use lodc_scene::Image;
+use lodc_strip::StripKind;
+use report::{CrowdCurve, CrowdOnDevice, Frames, Policies};
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::hint::black_box;
+use std::time::Instant;
+use walk::{Crowd, FRAMES_PER_SECOND, Stand};
+
+/// A crowd, and how it is measured.
+#[derive(Clone, Copy, Debug)]
+pub struct CrowdSettings {
+    /// Those that walk: the inputs in turn.
+    pub instances: u32,
+    /// The time that they walk, ten frames a second.
+    pub seconds: u32,
+    /// Makes their paths.
+    pub seed: u64,
+    /// Rounds of timing, of which the best counts; with none nothing is timed.
+    pub rounds: Option<u32>,
+    /// Limits on the inputs' scenes and animations.
+    pub limits: Limits,
+}
+
+/// The levels of everyone in every frame.
+struct CrowdLevels {
+    /// By frame, then by instance; an instance of several objects has several.
+    lods: Vec<Vec<Vec<Lod>>>,
+    /// Triangles of each frame but the first.
+    triangles: Vec<f64>,
+    frames: Frames,
+}
+
+/// Lets a crowd of some inputs walk. Where there is a device, frames are drawn on it and timed.
+///
+/// # Errors
+/// If a baseline cannot be made (a bug), a scene or an animation is damaged, or the device fails or
+/// is too small.
+pub fn crowd(
+    inputs: &[Input],
+    settings: &CrowdSettings,
+    device: Option<&Device>,
+) -> Result<CrowdReport, LabError> {
+    let CrowdSettings { instances, seconds, seed, rounds, .. } = *settings;
+    let frames = seconds * FRAMES_PER_SECOND;
+    let strips = |o: &Prepared| baselines(&o.object, o.strips(StripKind::LONGEST));
+    let of_input = |input: &Input| input.objects.iter().map(strips).collect();
+    let baselines: Vec<Vec<Vec<Baseline>>> =
+        inputs.iter().map(of_input).collect::<Result<_, LabError>>()?;
+    let stands = stands(instances, frames, seed);
+    let [continuous, discrete, none] = [at_distance, of_five, |_: &CollapseSequence, _| Lod(0)]
+        .map(|policy: Policy| levels(inputs, &stands, policy));
+    let mut models = BTreeMap::new();
+    for name in names(inputs, &baselines) {
+        let run = |levels: &CrowdLevels| {
+            let frames = levels.frames.clone();
+            let Some(rounds) = rounds else { return frames };
+            let rounds = extraction(name, inputs, &baselines, levels, rounds);
+            let of = |round: &Vec<f64>| round.iter().sum::<f64>() / round.len() as f64;
+            let least =
+                |f: usize| rounds.iter().map(|round| round[f]).fold(f64::INFINITY, f64::min);
+            let times: Vec<f64> = (0..rounds[0].len()).map(least).collect();
+            Frames {
+                extraction_ms_per_frame: rounds.iter().map(of).min_by(f64::total_cmp),
+                extraction_ms_curve: Some(means(&times)),
+                ..frames
+            }
+        };
+        let policies = Policies { continuous: run(&continuous), discrete: run(&discrete) };
+        models.insert(name, policies);
+    }
+    let second: Vec<f64> =
+        (1..=frames).map(|f| f64::from(f) / f64::from(FRAMES_PER_SECOND)).collect();
+    let curve = CrowdCurve {
+        seconds: points(&second),
+        continuous: means(&continuous.triangles),
+        discrete: means(&discrete.triangles),
+        none: means(&none.triangles),
+    };
+    let levels = [&continuous, &discrete, &none];
+    let gpu = device.zip(rounds);
+    let gpu = gpu.map(|(device, rounds)| drawn(device, inputs, settings, &stands, levels, rounds));
+    let none = Frames { extraction_ms_per_frame: rounds.map(|_| 0.0), ..none.frames };
+    Ok(CrowdReport { instances, frames, seed, models, none, curve, gpu: gpu.transpose()? })
+}
+
+/// Times draws of frames.
+#[cfg(feature = "gpu")]
+fn drawn(
+    device: &Device,
+    inputs: &[Input],
+    settings: &CrowdSettings,
+    stands: &[Vec<Stand>],
+    levels: [&CrowdLevels; 3],
+    rounds: u32,
+) -> Result<CrowdOnDevice, LabError> {
+    draws::measure(device, &mut figures::all(inputs, &settings.limits)?, stands, levels, rounds)
+}
+
+/// There is no device.
+#[cfg(not(feature = "gpu"))]
+fn drawn(
+    device: &Device,
+    _: &[Input],
+    _: &CrowdSettings,
+    _: &[Vec<Stand>],
+    _: [&CrowdLevels; 3],
+    _: u32,
+) -> Result<CrowdOnDevice, LabError> {
+    match *device {}
+}
+
+/// Draws the crowd in the middle of its time, coloured by level: from blue (every triangle) to red
+/// (none).
+///
+/// # Errors
+/// If a scene or an animation is damaged, or the device fails or is too small.
+#[cfg(feature = "gpu")]
+pub fn crowd_picture(
+    inputs: &[Input],
+    settings: &CrowdSettings,
+    device: &Device,
+) -> Result<Image, LabError> {
+    let frames = settings.seconds * FRAMES_PER_SECOND;
+    let all = stands(settings.instances, frames, settings.seed);
+    let now = all.len() / 2;
+    let lods = lods(inputs, &all[now], at_distance);
+    let mut figures = figures::all(inputs, &settings.limits)?;
+    Ok(picture::picture(device, &mut figures, &all[now], &lods, now)?)
+}
+
+/// There is no device.
+///
+/// # Errors
+/// Never.
+#[cfg(not(feature = "gpu"))]
+pub fn crowd_picture(_: &[Input], _: &CrowdSettings, device: &Device) -> Result<Image, LabError> {
+    match *device {}
+}
+
+/// The names of all structures that every object of every input has.
+fn names(inputs: &[Input], baselines: &[Vec<Vec<Baseline>>]) -> Vec<&'static str> {
+    let first = inputs.iter().zip(baselines).find(|(input, _)| !input.objects.is_empty());
+    first.map_or_else(Vec::new, |(input, baselines)| {
+        structures(&input.objects[0].object, &baselines[0]).iter().map(Structure::name).collect()
+    })
+}
+
+/// The places of everyone in every frame, the start included.
+fn stands(instances: u32, frames: u32, seed: u64) -> Vec<Vec<Stand>> {
+    let mut crowd = Crowd::new(instances, seed);
+    let mut all = vec![crowd.stands()];
+    for _ in 0..frames {
+        crowd.step();
+        all.push(crowd.stands());
+    }
+    all
+}
+
+/// The LOD at a distance from 0 to 1 (the criterion of 3.1): linear in records, down to the last
+/// one that has a triangle.
+fn at_distance(collapses: &CollapseSequence, distance: f64) -> Lod {
+    let last = f64::from(collapses.last_visible().0);
+    collapses.floor(Lod((last * distance) as u32))
+}
+
+/// The discrete level at a distance, each for a fifth of it.
+fn of_five(collapses: &CollapseSequence, distance: f64) -> Lod {
+    let level = ((distance * LEVELS as f64) as usize).min(LEVELS - 1);
+    Discrete::lod(collapses, level)
+}
+
+/// A level at a distance from 0 to 1.
+type Policy = fn(&CollapseSequence, f64) -> Lod;
+
+/// The levels of everyone in a frame by a policy.
+fn lods(inputs: &[Input], stands: &[Stand], policy: Policy) -> Vec<Vec<Lod>> {
+    let of = |(i, stand): (usize, &Stand)| {
+        let objects = inputs[i % inputs.len()].objects.iter();
+        objects.map(|o| policy(o.object.simplified.collapses(), stand.distance)).collect()
+    };
+    stands.iter().enumerate().map(of).collect()
+}
+
+/// The levels of everyone in all frames by a policy.
+fn levels(inputs: &[Input], stands: &[Vec<Stand>], policy: Policy) -> CrowdLevels {
+    let lods: Vec<Vec<Vec<Lod>>> = stands.iter().map(|all| lods(inputs, all, policy)).collect();
+    let (mut triangles, mut shared, mut changed) = (Vec::new(), 0, 0);
+    for pair in lods.windows(2) {
+        let mut seen: BTreeMap<(usize, &[Lod]), u64> = BTreeMap::new();
+        let mut drawn = 0;
+        for (i, (before, now)) in pair[0].iter().zip(&pair[1]).enumerate() {
+            let input = i % inputs.len();
+            let of = inputs[input].objects.iter().zip(now);
+            drawn += of
+                .map(|(o, &lod)| u64::from(o.object.simplified.collapses().triangles_at(lod)))
+                .sum::<u64>();
+            changed += u64::from(before != now);
+            *seen.entry((input, now)).or_default() += 1;
+        }
+        triangles.push(drawn as f64);
+        shared += seen.values().filter(|&&n| n > 1).sum::<u64>();
+    }
+    let all = (triangles.len() * stands[0].len()) as f64;
+    let frames = Frames {
+        triangles_per_frame: triangles.iter().sum::<f64>() / triangles.len() as f64,
+        extraction_ms_per_frame: None,
+        extraction_ms_curve: None,
+        shared: shared as f64 / all,
+        changed: changed as f64 / all,
+    };
+    CrowdLevels { lods, triangles, frames }
+}
+
+/// Milliseconds, by round and frame, in which every cursor of a structure goes where its instance
+/// is.
+fn extraction(
+    name: &str,
+    inputs: &[Input],
+    baselines: &[Vec<Vec<Baseline>>],
+    levels: &CrowdLevels,
+    rounds: u32,
+) -> Vec<Vec<f64>> {
+    let cursors = |i: usize| -> Vec<_> {
+        let input = i % inputs.len();
+        let objects = inputs[input].objects.iter().zip(&baselines[input]);
+        objects.filter_map(|(o, baselines)| cursor(name, &o.object, baselines)).collect()
+    };
+    let mut crowd: Vec<Vec<_>> = (0..levels.lods[0].len()).map(cursors).collect();
+    let mut move_all = |frame: &[Vec<Lod>]| -> f64 {
+        let start = Instant::now();
+        let everyone = crowd.iter_mut().flatten().zip(frame.iter().flatten());
+        black_box(everyone.map(|(cursor, &lod)| cursor.seek(lod).rewritten).sum::<u64>());
+        start.elapsed().as_secs_f64() * 1e3
+    };
+    let round = |_| -> Vec<f64> {
+        // The way to where everyone starts is no part of it.
+        move_all(&levels.lods[0]);
+        levels.lods[1..].iter().map(|frame| move_all(frame)).collect()
+    };
+    (0..rounds).map(round).collect()
+}
+
+/// A new cursor over one structure of an object.
+fn cursor<'a>(
+    name: &str,
+    object: &'a LodObject,
+    baselines: &'a [Baseline],
+) -> Option<Box<dyn Runner + 'a>> {
+    let all = structures(object, baselines);
+    all.iter().find(|s| s.name() == name).map(Structure::runner)
+}
+
+/// The figures of a crowd as people read them.
+#[must_use]
+pub fn crowd_table(report: &CrowdReport) -> String {
+    let mut text = format!(
+        "{} instances, {} frames: per frame\n{:<18} {:>14} {:>12} {:>8}\n",
+        grouped(u64::from(report.instances)),
+        grouped(u64::from(report.frames)),
+        "",
+        "triangles",
+        "ms",
+        "shared"
+    );
+    let mut row = |name: &str, frames: &Frames| {
+        let ms = frames.extraction_ms_per_frame.map_or("–".to_owned(), |ms| format!("{ms:.3}"));
+        let triangles = grouped(frames.triangles_per_frame.round() as u64);
+        // Writing to a string cannot fail.
+        let shared = frames.shared * 100.0;
+        let _ = writeln!(text, "{name:<18} {triangles:>14} {ms:>12} {shared:>6.1} %");
+    };
+    for (name, policies) in &report.models {
+        row(name, &policies.continuous);
+        row("  five levels", &policies.discrete);
+    }
+    row("no levels", &report.none);
+    if let Some(gpu) = &report.gpu {
+        let frames = grouped(u64::from(gpu.frames));
+        let _ = writeln!(
+            text,
+            "\n{}, {frames} frames drawn: per frame\n{:<18} {:>14} {:>12} {:>8} {:>12}",
+            gpu.adapter, "", "triangles", "ms", "draws", "index bytes"
+        );
+        let rows = [
+            ("continuous", gpu.continuous),
+            ("five levels", gpu.discrete),
+            ("no levels", gpu.none),
+        ];
+        for (name, frames) in rows {
+            let [triangles, draws, bytes] =
+                [frames.triangles_per_frame, frames.draws_per_frame, frames.index_bytes_per_frame]
+                    .map(|n| grouped(n.round() as u64));
+            let ms = frames.draw_ms_per_frame;
+            let _ = writeln!(text, "{name:<18} {triangles:>14} {ms:>12.3} {draws:>8} {bytes:>12}");
+        }
+    }
+    text
+}

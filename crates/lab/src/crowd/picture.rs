@@ -1,0 +1,108 @@
+//! A picture of a crowd in the middle of its time, coloured by level.
+
+use super::figures::{Figure, place, turn};
+use super::walk::Stand;
+use crate::device::Device;
+use lodc_gpu::GpuError;
+use lodc_gpu::picture::{
+    BackFaces, Camera, Corner, Frame, Framing, Lens, Painter, Style, Up, Viewpoint,
+};
+use lodc_measure::heat;
+use lodc_mesh::Lod;
+use lodc_scene::{Image, Material, to_linear};
+
+/// Pixels, across and down.
+const SIZE: [u32; 2] = [1280, 640];
+/// Degrees of view, from the upper to the lower edge.
+const DEGREES: f64 = 30.0;
+
+/// The camera that sees all of a crowd in all its frames.
+pub(crate) fn camera(figures: &[Figure<'_>], stands: &[Vec<Stand>]) -> Camera {
+    let lens = Lens::Perspective(DEGREES);
+    let framing = Framing { up: Up::Y, azimuth: 0.0, elevation: DEGREES, lens, zoom: 1.0 };
+    Camera::around(&points(figures, stands.iter().flatten()), &framing, 1.0)
+}
+
+/// The camera behind and above the viewer.
+fn behind(figures: &[Figure<'_>], stands: &[Stand]) -> Camera {
+    let points = points(figures, stands.iter());
+    let far = points.iter().flatten().fold(1.0, |a: f64, c| a.max(c.abs()));
+    let (eye, target) = ([0.0, 0.16 * far, -0.5 * far], [0.0, 0.0, 0.2 * far]);
+    let view = Viewpoint { eye, target, up: Up::Y, degrees: DEGREES, zoom: 1.0 };
+    Camera::at(&points, &view, f64::from(SIZE[0]) / f64::from(SIZE[1]))
+}
+
+/// Boxes around everyone.
+fn points<'a>(figures: &[Figure<'_>], stands: impl Iterator<Item = &'a Stand>) -> Vec<[f64; 3]> {
+    let high = figures.iter().flat_map(|f| (0..f.phases()).flat_map(|p| f.parts(p)));
+    let high = high.flat_map(|part| &part.positions).map(|p| f64::from(p[1])).fold(0.0, f64::max);
+    let mut points = Vec::new();
+    for stand in stands {
+        let [x, _, z] = place(stand);
+        for (dx, dz) in [(-0.5, -0.5), (0.5, -0.5), (-0.5, 0.5), (0.5, 0.5)] {
+            points.extend([[x + dx, 0.0, z + dz], [x + dx, high, z + dz]]);
+        }
+    }
+    points
+}
+
+/// Draws the frame `now`: from blue (every triangle) to red (none).
+///
+/// # Errors
+/// If the device fails or is too small.
+pub(crate) fn picture(
+    device: &Device,
+    figures: &mut [Figure<'_>],
+    stands: &[Stand],
+    lods: &[Vec<Lod>],
+    now: usize,
+) -> Result<Image, GpuError> {
+    let camera = behind(figures, stands);
+    let style = Style { size: SIZE, background: [1.0; 4], back_faces: BackFaces::Shown, wire: 0.0 };
+    let matte = Material { double_sided: true, ..Material::default() };
+    let painter = Painter::new(device, &[], &[matte])?;
+    let mut frame = Frame::new(&painter, &camera, &style)?;
+    for (i, (stand, lods)) in stands.iter().zip(lods).enumerate() {
+        let f = i % figures.len();
+        let phase = figures[f].phase(i, now);
+        frame.draw(0, false, &corners(&mut figures[f], phase, stand, lods, &camera))?;
+    }
+    frame.finish()
+}
+
+/// The triangles of one of the crowd.
+fn corners(
+    figure: &mut Figure<'_>,
+    phase: usize,
+    stand: &Stand,
+    lods: &[Lod],
+    camera: &Camera,
+) -> Vec<Corner> {
+    let [cos, sin] = turn(stand);
+    let at = place(stand);
+    let mut corners = Vec::new();
+    for p in 0..figure.parts(phase).len() {
+        let object = figure.parts(phase)[p].object;
+        let whole = figure.level(object, Lod(0)).len().max(1) as f64;
+        let triangles = figure.level(object, lods[object]).to_vec();
+        let share = 1.0 - triangles.len() as f64 / whole;
+        let [r, g, b] = heat(share).map(|v| to_linear(f32::from(v) / 255.0));
+        let part = &figure.parts(phase)[p];
+        let vertex = |v: u32| -> [f32; 3] {
+            let [x, y, z] = part.positions[v as usize];
+            let turned = [cos * x + sin * z, y, cos * z - sin * x];
+            std::array::from_fn(|k| (at[k] - camera.centre[k]) as f32 + turned[k])
+        };
+        for [a, b_, c] in triangles {
+            let [p, q, s] = (if part.mirrored { [a, c, b_] } else { [a, b_, c] }).map(vertex);
+            let [u, v]: [[f32; 3]; 2] = [q, s].map(|to| std::array::from_fn(|k| to[k] - p[k]));
+            let normal = std::array::from_fn(|k| {
+                u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3]
+            });
+            let corner =
+                |position| Corner { position, normal, uv: [0.0; 2], colour: [r, g, b, 1.0] };
+            corners.extend([p, q, s].map(corner));
+        }
+    }
+    corners
+}

@@ -1,0 +1,118 @@
+//! Timing models on a graphics device, by the device's own clock.
+
+use crate::error::LabError;
+use crate::report::{CaseReport, DeviceCurve, DrawnCurve, GpuReport, MemoryReport, value};
+use crate::subject::Subject;
+use crate::timings::Timings;
+use lodc::LodObject;
+pub use lodc_gpu::Device;
+use lodc_gpu::picture::{Camera, Framing, Lens, Up};
+use lodc_gpu::{GpuError, Instance, Instanced, InstancedDraw, InstancedFrame};
+use lodc_mesh::{Lod, Simplified};
+use lodc_model::Model;
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::time::Instant;
+
+/// Returns what the device takes for each model that it can show, and for draws of every
+/// subject over the LODs of a sweep; none if there is no such model.
+///
+/// # Errors
+/// If the device fails or is too small.
+pub(crate) fn measure(
+    device: &Device,
+    object: &LodObject,
+    subjects: &mut [Subject<'_>],
+    stops: &[Lod],
+    rounds: u32,
+) -> Result<Option<GpuReport>, LabError> {
+    let mut report = GpuReport {
+        adapter: device.adapter().to_string(),
+        clock: if device.has_clock() { "device" } else { "host" },
+        ..GpuReport::default()
+    };
+    let simplified = &object.simplified;
+    let vertices = (simplified.mesh().vertex_count() - simplified.fakes()).max(1) as f64;
+    let start = Instant::now();
+    for model in &object.models {
+        let failed = |e| LabError::Limit(format!("{}: {e}", object.info.name));
+        let benchmark = model.benchmark().map_err(failed)?;
+        let figures = lodc_gpu::measure(device, &benchmark, rounds, &|| start.elapsed())?;
+        let cases = figures.iter().map(|f| {
+            let timings: Timings = f.milliseconds.iter().copied().collect();
+            let case = CaseReport {
+                runs: f.runs as u64,
+                milliseconds: timings.best(),
+                spread: timings.spread(),
+                bytes: f.bytes,
+                million_vertices_per_second: f.vertices.map(|n| n / timings.best() / 1e3),
+            };
+            (f.name.to_owned(), value(&case))
+        });
+        let memory = benchmark.memory.iter().map(|m| {
+            let [positions, normals] = [m.positions, m.normals].map(|w| w as f64 / vertices);
+            (m.variant.to_owned(), value(&MemoryReport { positions, normals }))
+        });
+        let name = model.name().to_owned();
+        report.words_per_vertex.insert(name.clone(), Value::Object(memory.collect()));
+        report.models.insert(name, Value::Object(cases.collect()));
+    }
+    report.curve = curve(device, simplified, subjects, stops, rounds)?;
+    Ok((!object.models.is_empty()).then_some(report))
+}
+
+/// LODs of a curve on a device.
+const LODS: usize = 20;
+
+/// Draws of every structure over LODs, and what its last update before each sends.
+fn curve(
+    device: &Device,
+    simplified: &Simplified,
+    subjects: &mut [Subject<'_>],
+    stops: &[Lod],
+    rounds: u32,
+) -> Result<DeviceCurve, LabError> {
+    let positions = simplified.mesh().positions().to_vec();
+    let wide: Vec<[f64; 3]> = positions.iter().map(|p| p.map(f64::from)).collect();
+    let lens = Lens::Orthographic;
+    let framing = Framing { up: Up::Y, azimuth: 30.0, elevation: 20.0, lens, zoom: 1.0 };
+    let camera = Camera::around(&wide, &framing, 1.0);
+    let stage = Instanced::new(device, &[positions], &camera)?;
+    let place = camera.centre.map(|c| -c as f32);
+    let count = stops.len().min(LODS);
+    let at: Vec<usize> = (1..=count).map(|i| i * stops.len() / count - 1).collect();
+    let collapses = simplified.collapses();
+    let start = Instant::now();
+    let now = || start.elapsed();
+    let best = |time: &dyn Fn() -> Result<f64, GpuError>| -> Result<f64, LabError> {
+        // In the first round drivers compile.
+        let all = (0..=rounds).map(|_| time()).collect::<Result<Vec<f64>, _>>()?;
+        Ok(all[1..].iter().copied().fold(f64::INFINITY, f64::min) / 1e6)
+    };
+    let mut curve = DeviceCurve {
+        lods: at.iter().map(|&i| stops[i].0).collect(),
+        triangles: at.iter().map(|&i| collapses.triangles_at(stops[i])).collect(),
+        structures: BTreeMap::new(),
+    };
+    for subject in subjects.iter_mut().filter(|s| s.continuous) {
+        let mut drawn = DrawnCurve::default();
+        for &i in &at {
+            subject.runner.seek(if i == 0 { Lod(0) } else { stops[i - 1] });
+            let (_, bytes) = subject.runner.send(stops[i]);
+            let triangles = subject.runner.triangles();
+            let indices: Vec<u32> = triangles.iter().flat_map(|t| t.corners).collect();
+            let all = 0..indices.len() as u32;
+            let frame = InstancedFrame {
+                indices,
+                instances: vec![Instance { place, turn: [1.0, 0.0] }],
+                draws: vec![InstancedDraw { mesh: 0, indices: all, instances: 0..1 }],
+            };
+            drawn.draw_ms.push(best(&|| stage.timed(&frame, &now))?);
+            drawn.bytes.push(bytes);
+            drawn.upload_ms.push(best(&|| stage.upload(bytes, &now))?);
+        }
+        subject.runner.seek(Lod(0));
+        curve.structures.insert(subject.name.to_owned(), drawn);
+    }
+    Ok(curve)
+}

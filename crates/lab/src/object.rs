@@ -1,0 +1,200 @@
+//! All measurements of one object.
+
+use crate::device::{self, Device};
+use crate::error::LabError;
+use crate::prepared::Prepared;
+use crate::report::{
+    BenchObject, Bits, CurveReport, DrawnReport, ExtractionReport, ExtractionSpread, Settings,
+    SubjectReport, TrafficReport, value,
+};
+use crate::subject::{Subject, baselines, plain, subjects};
+use crate::sweep::{Times, counts, points, stops, times};
+use crate::timings::Timings;
+use crate::{primitives, stream};
+use lodc_mesh::{CollapseSequence, Lod, Simplified};
+use lodc_model::StorageCost;
+use lodc_strip::StripKind;
+use serde_json::{Map, Value};
+
+/// Measures one object; on a graphics device too, if there is one and times are wanted.
+///
+/// # Errors
+/// If a baseline or a stream cannot be made of its sequence (a bug), or the device fails.
+pub fn measure(
+    prepared: &Prepared,
+    settings: &Settings,
+    device: Option<&Device>,
+) -> Result<BenchObject, LabError> {
+    let (object, long) = (&prepared.object, prepared.strips(StripKind::LONGEST));
+    let collapses = object.simplified.collapses();
+    let sweep = Sweep::new(collapses, settings.steps);
+    let baselines = baselines(object, long)?;
+    let mut subjects = subjects(object, &baselines);
+    let times = settings
+        .rounds
+        .filter(|_| !sweep.stops.is_empty())
+        .map(|rounds| ObjectTimes::new(&mut subjects, &object.simplified, &sweep, rounds));
+    let mut models = Map::new();
+    for subject in &mut subjects {
+        let row = subject_report(subject, &sweep, times.as_ref());
+        models.insert(subject.name.to_owned(), value(&row));
+    }
+    for (name, cost) in plain(&object.simplified, long) {
+        models.insert(name.to_owned(), value(&plain_report(cost)));
+    }
+    let mut report = BenchObject {
+        records: collapses.records(),
+        updates: sweep.stops.len() as u64,
+        jump_lod: sweep.far.0,
+        curve: curve(collapses, &sweep.stops),
+        rebuild_us: times.as_ref().map(|t| t.rebuild.best()),
+        rebuild_spread: times.as_ref().map(|t| t.rebuild.spread()),
+        primitives: primitives_of(prepared),
+        models,
+        gpu: None,
+        stream: None,
+    };
+    if settings.streams {
+        report.stream = Some(stream::measure(prepared, settings.rounds)?);
+    }
+    if let (Some(device), Some(rounds)) = (device, settings.rounds) {
+        report.gpu = device::measure(device, object, &mut subjects, &sweep.stops, rounds)?;
+    }
+    Ok(report)
+}
+
+/// LODs and their triangles for curves.
+fn curve(collapses: &CollapseSequence, stops: &[Lod]) -> CurveReport {
+    let lods = points(stops);
+    CurveReport {
+        triangles: lods.iter().map(|&lod| collapses.triangles_at(lod)).collect(),
+        lods: lods.into_iter().map(|lod| lod.0).collect(),
+    }
+}
+
+/// The LODs that models are moved to.
+struct Sweep {
+    /// On the way down; the way up is the same.
+    stops: Vec<Lod>,
+    /// Triangles at all stops together.
+    triangles: u64,
+    /// The target of the jump from LOD 0.
+    far: Lod,
+}
+
+impl Sweep {
+    fn new(collapses: &CollapseSequence, share: f64) -> Self {
+        let stops = stops(collapses, share);
+        let triangles = stops.iter().map(|&lod| u64::from(collapses.triangles_at(lod))).sum();
+        let far = collapses.lod_for_triangles(collapses.parts().triangles / 100);
+        Self { stops, triangles, far: far.min(collapses.last_visible()) }
+    }
+}
+
+/// Times of everything that shows every LOD.
+struct ObjectTimes {
+    by_name: Vec<(&'static str, Times)>,
+    /// Microseconds to make the far LOD's index list from scratch.
+    rebuild: Timings,
+}
+
+impl ObjectTimes {
+    fn new(
+        subjects: &mut [Subject<'_>],
+        simplified: &Simplified,
+        sweep: &Sweep,
+        rounds: u32,
+    ) -> Self {
+        let continuous = subjects.iter_mut().filter(|s| s.continuous);
+        let (names, mut runners): (Vec<_>, Vec<_>) =
+            continuous.map(|s| (s.name, &mut s.runner)).unzip();
+        let (all, rebuild) = times(&mut runners, simplified, &sweep.stops, sweep.far, rounds);
+        Self { by_name: names.into_iter().zip(all).collect(), rebuild }
+    }
+
+    fn of(&self, name: &str) -> Option<&Times> {
+        self.by_name.iter().find(|(other, _)| *other == name).map(|(_, times)| times)
+    }
+
+    fn extraction(&self, name: &str) -> Option<ExtractionReport> {
+        let own = self.of(name)?;
+        let per = |baseline: &str| self.of(baseline).map(|b| own.both_ways() / b.both_ways());
+        Some(ExtractionReport {
+            coarser_us: own.coarser.best(),
+            finer_us: own.finer.best(),
+            mean_us: own.both_ways(),
+            per_progressive_mesh: per("progressive_mesh"),
+            per_lodstrips: per("lodstrips"),
+            jump_us: own.jump.best(),
+            jump_per_rebuild: own.jump.best() / self.rebuild.best(),
+            curve_us: own.curve.clone(),
+            spread: ExtractionSpread {
+                coarser: own.coarser.spread(),
+                finer: own.finer.spread(),
+                jump: own.jump.spread(),
+            },
+        })
+    }
+}
+
+/// The row of a model or baseline that has levels of detail.
+fn subject_report(
+    subject: &mut Subject<'_>,
+    sweep: &Sweep,
+    times: Option<&ObjectTimes>,
+) -> SubjectReport {
+    let moved = counts(subject.runner.as_mut(), &sweep.stops);
+    let per = |all: u64, each: u64| all as f64 / each.max(1) as f64;
+    let (updates, drawn) = (sweep.stops.len() as u64, moved.drawn.iter().sum());
+    SubjectReport {
+        baseline: subject.baseline,
+        bits_per_vertex: of_cost(subject.storage, subject.file_bytes, subject.tight_bytes),
+        drawn: Some(DrawnReport {
+            indices_per_lod: per(drawn, updates),
+            indices_per_triangle: per(drawn, sweep.triangles),
+            curve: points(&moved.drawn),
+            degenerates_removed: subject.degenerates_removed,
+        }),
+        traffic: subject.continuous.then(|| TrafficReport {
+            bytes_per_update: per(moved.bytes, 2 * updates),
+            rewritten_per_update: per(moved.rewritten, 2 * updates),
+            length_changes: subject.length_changes,
+        }),
+        extraction: times.and_then(|times| times.extraction(subject.name)),
+    }
+}
+
+/// The row of what has no levels of detail: its storage.
+fn plain_report(cost: StorageCost) -> SubjectReport {
+    SubjectReport {
+        baseline: true,
+        bits_per_vertex: of_cost([cost, cost], None, None),
+        drawn: None,
+        traffic: None,
+        extraction: None,
+    }
+}
+
+/// LOD 0 as triangles and strips.
+fn primitives_of(prepared: &Prepared) -> Map<String, Value> {
+    let mesh = prepared.object.simplified.mesh();
+    let lists = [
+        ("triangles", primitives::triangles(mesh)),
+        ("triangles_cache", primitives::cache_ordered(mesh)),
+    ];
+    let strips = prepared.strips.iter().map(|s| (s.kind.name(), primitives::strips(mesh, s)));
+    let rows = lists.into_iter().chain(strips);
+    rows.map(|(name, row)| (name.to_owned(), value(&row))).collect()
+}
+
+fn of_cost([all, most]: [StorageCost; 2], file: Option<u64>, tight: Option<u64>) -> Bits {
+    let per_vertex = |bytes: Option<u64>| bytes.map(|b| all.bits_per_vertex(b));
+    Bits {
+        thesis: all.thesis(),
+        thesis_normals: all.thesis_normals(),
+        thesis_95: most.thesis(),
+        thesis_normals_95: most.thesis_normals(),
+        file: per_vertex(file),
+        tight: per_vertex(tight),
+    }
+}

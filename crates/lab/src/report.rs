@@ -1,0 +1,237 @@
+//! The figures of an object as `bench --json` has them. Their keys are a contract with scripts
+//! (docs/CLI.md): more may be added, none may change.
+
+use crate::timings::Spread;
+use serde::Serialize;
+use serde_json::{Map, Value};
+use std::collections::BTreeMap;
+
+/// The way in which objects are measured.
+#[derive(Clone, Copy, Debug)]
+pub struct Settings {
+    /// Share of the LODs from one update of a sweep to the next.
+    pub steps: f64,
+    /// Rounds of timing, of which the best counts; with none everything that differs from run to
+    /// run is left out.
+    pub rounds: Option<u32>,
+    /// Objects are packed as progressive streams, too.
+    pub streams: bool,
+}
+
+/// The figures of one object.
+#[derive(Debug, Serialize)]
+pub struct BenchObject {
+    /// All records of its sequence: what shares of the LODs are shares of.
+    #[serde(skip)]
+    pub(crate) records: u32,
+    /// Updates of a sweep in each direction.
+    pub(crate) updates: u64,
+    /// The target of the jump from LOD 0: 1 % of the triangles.
+    pub(crate) jump_lod: u32,
+    pub(crate) curve: CurveReport,
+    /// Microseconds to make that LOD's index list from scratch.
+    pub(crate) rebuild_us: Option<f64>,
+    /// The same over all rounds.
+    pub(crate) rebuild_spread: Option<Spread>,
+    /// By name: `triangles`, `triangles_cache`, `stripe`, `cache`.
+    pub(crate) primitives: Map<String, Value>,
+    /// By name: models, baselines, then `triangles` and `strips` for storage.
+    pub(crate) models: Map<String, Value>,
+    /// Null if nothing was timed on a GPU.
+    pub(crate) gpu: Option<GpuReport>,
+    /// Null if streams were not asked for.
+    pub(crate) stream: Option<StreamReport>,
+}
+
+/// An object as a progressive stream. Bits are per vertex of LOD 0, without the stream's head.
+#[derive(Debug, Serialize)]
+pub(crate) struct StreamReport {
+    /// Of the lossless stream with strips, its head included.
+    pub(crate) bytes: u64,
+    pub(crate) lossless: f64,
+    pub(crate) lossless_strips: f64,
+    /// Positions in 16 bits, normals in 10, texture coordinates in 12.
+    pub(crate) quantized_strips: f64,
+    /// The same packages as plain words and bytes (thesis, table 4.3), with positions only and with
+    /// normals.
+    pub(crate) packages: f64,
+    pub(crate) packages_normals: f64,
+    /// A Progressive Mesh sent as vertex splits of Hoppe's words, from its last vertex on, with
+    /// positions only and with normals.
+    pub(crate) progressive_mesh: f64,
+    pub(crate) progressive_mesh_normals: f64,
+    /// Null if nothing was timed.
+    pub(crate) speed: Option<StreamSpeed>,
+    /// Of the lossless stream with strips.
+    pub(crate) prefixes: Vec<PrefixReport>,
+}
+
+/// The speed of a stream on one thread, in memory: triangles only, from and to an index list.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(crate) struct StreamSpeed {
+    pub(crate) encode_ms: f64,
+    pub(crate) decode_ms: f64,
+    /// Milliseconds over all rounds.
+    pub(crate) encode_spread: Spread,
+    pub(crate) decode_spread: Spread,
+    pub(crate) encode_million_triangles_per_second: f64,
+    pub(crate) decode_million_triangles_per_second: f64,
+    /// From a stream with strips, which are passed over.
+    pub(crate) decode_past_strips_million_triangles_per_second: f64,
+}
+
+/// The mesh that the first bytes of a stream show.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(crate) struct PrefixReport {
+    pub(crate) percent: u32,
+    pub(crate) bytes: u64,
+    pub(crate) triangles: u64,
+    /// In percent of the diagonal, the greater of both ways; null as all that follows while there
+    /// are no triangles.
+    pub(crate) rms: Option<f64>,
+    pub(crate) hausdorff: Option<f64>,
+    /// Root mean square difference of grey (0 to 255) over 24 pictures.
+    pub(crate) image: Option<f64>,
+}
+
+/// Times on a graphics device, and the memory that it needs.
+#[derive(Debug, Default, Serialize)]
+pub(crate) struct GpuReport {
+    pub(crate) adapter: String,
+    /// Whose clock: `device` (time stamps around passes) or `host` (from submitting to being done).
+    pub(crate) clock: &'static str,
+    /// By model and variant: words on the device for each vertex of LOD 0.
+    pub(crate) words_per_vertex: Map<String, Value>,
+    /// By model and case.
+    pub(crate) models: Map<String, Value>,
+    /// Everything over LODs, baselines as well.
+    pub(crate) curve: DeviceCurve,
+}
+
+/// Times over LODs of models and baselines that a processor moves and a device draws: the triangles
+/// that each shows, in its order, as an index list.
+#[derive(Clone, Debug, Default, Serialize)]
+pub(crate) struct DeviceCurve {
+    pub(crate) lods: Vec<u32>,
+    pub(crate) triangles: Vec<u32>,
+    /// By name: a value for each LOD.
+    pub(crate) structures: BTreeMap<String, DrawnCurve>,
+}
+
+/// One structure over LODs.
+#[derive(Clone, Debug, Default, Serialize)]
+pub(crate) struct DrawnCurve {
+    /// Drawing one LOD.
+    pub(crate) draw_ms: Vec<f64>,
+    /// Bytes that the update before it sends.
+    pub(crate) bytes: Vec<u64>,
+    /// Sending them, by the host's clock.
+    pub(crate) upload_ms: Vec<f64>,
+}
+
+/// Words on a device for each vertex of LOD 0.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[cfg_attr(not(feature = "gpu"), expect(dead_code, reason = "made only where there is a device"))]
+pub(crate) struct MemoryReport {
+    pub(crate) positions: f64,
+    pub(crate) normals: f64,
+}
+
+/// One thing that was timed on a graphics device.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[cfg_attr(not(feature = "gpu"), expect(dead_code, reason = "made only where there is a device"))]
+pub(crate) struct CaseReport {
+    /// Number of updates or views.
+    pub(crate) runs: u64,
+    /// Of one, on average.
+    pub(crate) milliseconds: f64,
+    /// The same over all rounds.
+    pub(crate) spread: Spread,
+    /// That a host sends for one.
+    pub(crate) bytes: f64,
+    /// Vertices looked at; null for draws and where none need be.
+    pub(crate) million_vertices_per_second: Option<f64>,
+}
+
+/// One model or baseline.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct SubjectReport {
+    pub(crate) baseline: bool,
+    pub(crate) bits_per_vertex: Bits,
+    /// Null for what has no levels of detail.
+    pub(crate) drawn: Option<DrawnReport>,
+    /// Null for what does not show every LOD.
+    pub(crate) traffic: Option<TrafficReport>,
+    /// Null too if nothing was timed.
+    pub(crate) extraction: Option<ExtractionReport>,
+}
+
+/// Bits per vertex of LOD 0.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(crate) struct Bits {
+    pub(crate) thesis: f64,
+    pub(crate) thesis_normals: f64,
+    /// Down to 95 % of the LODs.
+    pub(crate) thesis_95: f64,
+    pub(crate) thesis_normals_95: f64,
+    /// Null for what is not stored.
+    pub(crate) file: Option<f64>,
+    /// The bits that the structure really holds; null where that is what `thesis` counts.
+    pub(crate) tight: Option<f64>,
+}
+
+/// LODs over which models have curves, up to a hundred from fine to coarse.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct CurveReport {
+    pub(crate) lods: Vec<u32>,
+    pub(crate) triangles: Vec<u32>,
+}
+
+/// Indices drawn over all LODs.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct DrawnReport {
+    pub(crate) indices_per_lod: f64,
+    pub(crate) indices_per_triangle: f64,
+    /// Indices at each LOD of the object's curve.
+    pub(crate) curve: Vec<u64>,
+    /// Share of the degenerate triangles of strips that is taken out; null but for Speed Strips.
+    pub(crate) degenerates_removed: Option<f64>,
+}
+
+/// The traffic of an update, on average.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(crate) struct TrafficReport {
+    pub(crate) bytes_per_update: f64,
+    pub(crate) rewritten_per_update: f64,
+    /// Share of the records that change the length of a strip; null but for Speed Strips.
+    pub(crate) length_changes: Option<f64>,
+}
+
+/// Times of moves, the best of all rounds. Ratios below 1 are faster than what they name.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct ExtractionReport {
+    pub(crate) coarser_us: f64,
+    pub(crate) finer_us: f64,
+    pub(crate) mean_us: f64,
+    /// `mean_us` as a multiple of that of a baseline in the same run; null if it took no part.
+    pub(crate) per_progressive_mesh: Option<f64>,
+    pub(crate) per_lodstrips: Option<f64>,
+    pub(crate) jump_us: f64,
+    pub(crate) jump_per_rebuild: f64,
+    /// Of an update, both ways, at each LOD of the object's curve.
+    pub(crate) curve_us: Vec<f64>,
+    pub(crate) spread: ExtractionSpread,
+}
+
+/// Microseconds of moves over all rounds.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(crate) struct ExtractionSpread {
+    pub(crate) coarser: Spread,
+    pub(crate) finer: Spread,
+    pub(crate) jump: Spread,
+}
+
+/// A row as JSON.
+pub(crate) fn value(row: &impl Serialize) -> Value {
+    serde_json::to_value(row).expect("a struct of numbers is JSON")
+}

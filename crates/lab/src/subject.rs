@@ -1,0 +1,159 @@
+//! Subjects of measurement: models and baselines, each with a cursor on it, as one list.
+
+use crate::baseline::Baseline;
+use crate::error::LabError;
+use lodc::{LodObject, stored_bytes};
+use lodc_formats::lodc::Layout;
+use lodc_lod::AnyModel;
+use lodc_mesh::{Lod, OrientedTriangle, Simplified};
+use lodc_model::{Model, StorageCost, Traffic};
+use lodc_strip::{StripSet, Strips};
+use std::sync::Arc;
+
+/// A model with a cursor on it, whatever its kind.
+pub(crate) trait Runner {
+    /// Moves the cursor; nobody listens to what changes.
+    fn seek(&mut self, lod: Lod) -> Traffic;
+    /// Moves it, and says how many bytes that sends to a GPU besides.
+    fn send(&mut self, lod: Lod) -> (Traffic, u64);
+    /// Indices drawn where the cursor is.
+    fn drawn(&self) -> u64;
+    /// Triangles shown where the cursor is, in the order in which they are drawn.
+    #[cfg_attr(not(feature = "gpu"), expect(dead_code, reason = "nothing is drawn"))]
+    fn triangles(&self) -> Vec<OrientedTriangle>;
+}
+
+struct Run<'a, M: Model> {
+    model: &'a M,
+    cursor: M::Cursor,
+}
+
+impl<M: Model> Runner for Run<'_, M> {
+    fn seek(&mut self, lod: Lod) -> Traffic {
+        self.model.seek(&mut self.cursor, lod, &mut ())
+    }
+    fn send(&mut self, lod: Lod) -> (Traffic, u64) {
+        let from = self.model.lod(&self.cursor);
+        let traffic = self.seek(lod);
+        (traffic, self.model.sent(from, self.model.lod(&self.cursor), traffic))
+    }
+    fn drawn(&self) -> u64 {
+        self.model.drawn(&self.cursor)
+    }
+    fn triangles(&self) -> Vec<OrientedTriangle> {
+        self.model.triangles(&self.cursor)
+    }
+}
+
+/// One row of the tables.
+pub(crate) struct Subject<'a> {
+    pub(crate) name: &'static str,
+    /// For comparison only: never stored.
+    pub(crate) baseline: bool,
+    /// True if it shows every LOD.
+    pub(crate) continuous: bool,
+    /// All LODs, and those down to 95 % of them (thesis eq. 5.5).
+    pub(crate) storage: [StorageCost; 2],
+    /// Bytes in a file; of baselines, what the structure really holds where that is known.
+    pub(crate) file_bytes: Option<u64>,
+    pub(crate) tight_bytes: Option<u64>,
+    /// Of Speed Strips.
+    pub(crate) degenerates_removed: Option<f64>,
+    pub(crate) length_changes: Option<f64>,
+    pub(crate) runner: Box<dyn Runner + 'a>,
+}
+
+/// The LOD at which eq. 5.5 of the thesis stops.
+fn most(model: &impl Model) -> Lod {
+    let collapses = model.simplified().collapses();
+    collapses.floor(Lod((u64::from(collapses.records()) * 95 / 100) as u32))
+}
+
+fn subject<'a, M: Model>(model: &'a M, baseline: bool) -> Subject<'a>
+where
+    M::Cursor: 'a,
+{
+    Subject {
+        name: model.name(),
+        baseline,
+        continuous: true,
+        storage: [model.storage(), model.storage_to(most(model))],
+        file_bytes: None,
+        tight_bytes: None,
+        degenerates_removed: None,
+        length_changes: None,
+        runner: Box::new(Run { model, cursor: model.cursor() }),
+    }
+}
+
+/// Every row that has levels of detail: the models of an object, then the baselines.
+pub(crate) fn subjects<'a>(object: &'a LodObject, baselines: &'a [Baseline]) -> Vec<Subject<'a>> {
+    let models = object.models.iter().map(|m| Subject {
+        file_bytes: Some(stored_bytes(m, Layout::Packed)),
+        degenerates_removed: match m {
+            AnyModel::Speed(speed) => Some(speed.degenerates_removed()),
+            _ => None,
+        },
+        length_changes: match m {
+            AnyModel::Speed(speed) => Some(speed.length_changes()),
+            _ => None,
+        },
+        ..subject(m, false)
+    });
+    let baselines = baselines.iter().map(|b| Subject {
+        continuous: b.continuous(),
+        tight_bytes: b.tight_bytes(),
+        ..subject(b, true)
+    });
+    models.chain(baselines).collect()
+}
+
+/// A structure that shows every LOD.
+pub(crate) enum Structure<'a> {
+    Model(&'a AnyModel),
+    Baseline(&'a Baseline),
+}
+
+impl<'a> Structure<'a> {
+    pub(crate) fn name(&self) -> &'static str {
+        match self {
+            Self::Model(model) => model.name(),
+            Self::Baseline(baseline) => baseline.name(),
+        }
+    }
+    /// Returns a new cursor at LOD 0.
+    pub(crate) fn runner(&self) -> Box<dyn Runner + 'a> {
+        match *self {
+            Self::Model(model) => Box::new(Run { model, cursor: model.cursor() }),
+            Self::Baseline(model) => Box::new(Run { model, cursor: model.cursor() }),
+        }
+    }
+}
+
+/// The models of an object, then the baselines that show every LOD.
+pub(crate) fn structures<'a>(
+    object: &'a LodObject,
+    baselines: &'a [Baseline],
+) -> Vec<Structure<'a>> {
+    let baselines = baselines.iter().filter(|b| b.continuous()).map(Structure::Baseline);
+    object.models.iter().map(Structure::Model).chain(baselines).collect()
+}
+
+/// Returns the storage without levels of detail: plain triangles, and plain strips drawn one by
+/// one.
+#[must_use]
+pub fn plain(simplified: &Simplified, strips: &StripSet) -> [(&'static str, StorageCost); 2] {
+    [
+        ("triangles", StorageCost::of_triangles(simplified)),
+        ("strips", StorageCost::of_strips(simplified, strips.separate_indices())),
+    ]
+}
+
+/// Returns the baselines of an object, over strips of its mesh.
+///
+/// # Errors
+/// If one cannot be made of the sequence: a bug.
+pub fn baselines(object: &LodObject, strips: &Arc<Strips>) -> Result<Vec<Baseline>, LabError> {
+    Baseline::all(&object.simplified, strips)
+        .map_err(|e| LabError::Bug(format!("{}: {e}", object.info.name)))
+}

@@ -1,0 +1,175 @@
+//! Times of moves, and what they send and draw: linear sweeps over all LODs, down and up
+//! (thesis 3.5.2).
+
+use crate::baseline::Rebuild;
+use crate::subject::Runner;
+use crate::timings::Timings;
+use lodc_mesh::{CollapseSequence, Lod, Simplified};
+use std::hint::black_box;
+use std::ops::Range;
+use std::time::Instant;
+
+/// A measurement shorter than this is repeated until it is not: clocks and interruptions would blur
+/// it.
+const SHORTEST: f64 = 0.01;
+/// Jumps of each round; each is timed by itself.
+const JUMPS: u32 = 5;
+
+/// Points of a curve over LODs.
+const POINTS: usize = 100;
+
+/// Ranges of so many things for the points of a curve: each point stands at the last of its range.
+fn parts(of: usize) -> Vec<Range<usize>> {
+    let count = of.min(POINTS);
+    (0..count).map(|i| i * of / count..(i + 1) * of / count).collect()
+}
+
+/// Every so many stops, the last one included: the points of a curve.
+pub(crate) fn points<T: Copy>(of_stops: &[T]) -> Vec<T> {
+    parts(of_stops.len()).into_iter().map(|part| of_stops[part.end - 1]).collect()
+}
+
+/// Means of as many runs of values: the points of a curve.
+pub(crate) fn means(values: &[f64]) -> Vec<f64> {
+    let mean = |run: &[f64]| run.iter().sum::<f64>() / run.len() as f64;
+    parts(values.len()).into_iter().map(|part| mean(&values[part])).collect()
+}
+
+/// Returns the stops of a sweep on its way down: every `share` of the LODs, the last one included,
+/// LOD 0 not.
+pub(crate) fn stops(collapses: &CollapseSequence, share: f64) -> Vec<Lod> {
+    let records = f64::from(collapses.records());
+    let count = (1.0 / share).round().clamp(1.0, 1e6);
+    let mut stops: Vec<Lod> =
+        (1..=count as u64).map(|i| Lod((records * i as f64 / count).round() as u32)).collect();
+    stops.dedup();
+    stops.retain(|&lod| lod > Lod(0));
+    stops
+}
+
+/// The traffic of a sweep and the indices that its LODs draw; the same in every run.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Counts {
+    /// Bytes sent in all, down and up.
+    pub(crate) bytes: u64,
+    /// Indices or vertices rewritten in all, down and up.
+    pub(crate) rewritten: u64,
+    /// Indices drawn at each stop on the way down.
+    pub(crate) drawn: Vec<u64>,
+}
+
+/// Counts over one sweep. The cursor is at LOD 0 before and after.
+pub(crate) fn counts(runner: &mut dyn Runner, stops: &[Lod]) -> Counts {
+    let mut counts = Counts::default();
+    let mut seek = |lod: Lod, draw: bool| {
+        let (traffic, bytes) = runner.send(lod);
+        counts.bytes += bytes;
+        counts.rewritten += traffic.rewritten;
+        counts.drawn.extend(draw.then(|| runner.drawn()));
+    };
+    stops.iter().for_each(|&lod| seek(lod, true));
+    back(stops).for_each(|lod| seek(lod, false));
+    counts
+}
+
+/// The way up again, to LOD 0.
+fn back(stops: &[Lod]) -> impl Iterator<Item = Lod> {
+    stops.iter().rev().skip(1).copied().chain([Lod(0)])
+}
+
+/// Times of one model in microseconds.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Times {
+    /// A move to a coarser LOD, by rounds.
+    pub(crate) coarser: Timings,
+    /// A move to a finer LOD, by rounds.
+    pub(crate) finer: Timings,
+    /// One jump from LOD 0 to the far LOD, each by itself.
+    pub(crate) jump: Timings,
+    /// A move, both ways, at each point of the curve over LODs, in its best round.
+    pub(crate) curve: Vec<f64>,
+}
+
+impl Times {
+    /// Mean of a move to a coarser and one to a finer LOD, each of its best round.
+    pub(crate) fn both_ways(&self) -> f64 {
+        f64::midpoint(self.coarser.best(), self.finer.best())
+    }
+}
+
+/// Times everybody in turn, round after round, so that a busy machine is busy for all of them. Also
+/// the time to make the far LOD's index list from scratch.
+pub(crate) fn times(
+    runners: &mut [&mut Box<dyn Runner + '_>],
+    simplified: &Simplified,
+    stops: &[Lod],
+    far: Lod,
+    rounds: u32,
+) -> (Vec<Times>, Timings) {
+    let mut all = vec![Times::default(); runners.len()];
+    let mut rebuild = Rebuild::new(simplified);
+    let mut scratch = Timings::default();
+    for _ in 0..rounds {
+        for (runner, times) in runners.iter_mut().zip(&mut all) {
+            let sweeps = sweeps(runner.as_mut(), stops);
+            times.coarser.add(sweeps.down);
+            times.finer.add(sweeps.up);
+            times.curve.resize(sweeps.curve.len(), f64::INFINITY);
+            times.curve.iter_mut().zip(sweeps.curve).for_each(|(best, t)| *best = best.min(t));
+        }
+    }
+    // After the sweeps: a jump leaves work for later moves of some models.
+    for _ in 0..rounds {
+        for (runner, times) in runners.iter_mut().zip(&mut all) {
+            for _ in 0..JUMPS {
+                times.jump.add(micros(|| runner.seek(far)));
+                runner.seek(Lod(0));
+            }
+        }
+        for _ in 0..JUMPS {
+            scratch.add(micros(|| rebuild.at(far).len()));
+        }
+    }
+    (all, scratch)
+}
+
+/// Mean microseconds of a move.
+struct Sweeps {
+    down: f64,
+    up: f64,
+    /// Both ways, at each point of a curve.
+    curve: Vec<f64>,
+}
+
+/// Times as many sweeps as it takes to measure them.
+fn sweeps(runner: &mut dyn Runner, stops: &[Lod]) -> Sweeps {
+    let parts = parts(stops.len());
+    let mut curve = vec![0.0; parts.len()];
+    let (mut down, mut up, mut sweeps) = (0.0, 0.0, 0.0);
+    let way_back: Vec<Lod> = back(stops).collect();
+    while down < SHORTEST * 1e6 || up < SHORTEST * 1e6 {
+        let mut part = |lods: &[Lod], sum: &mut f64, at: &mut f64| {
+            let time = micros(|| lods.iter().map(|&lod| runner.seek(lod).rewritten).sum::<u64>());
+            *sum += time;
+            *at += time;
+        };
+        for (range, at) in parts.iter().zip(&mut curve) {
+            part(&stops[range.clone()], &mut down, at);
+        }
+        // The way back leaves the stops of a part in the opposite order.
+        for (range, at) in parts.iter().zip(&mut curve).rev() {
+            let range = stops.len() - range.end..stops.len() - range.start;
+            part(&way_back[range], &mut up, at);
+        }
+        sweeps += 1.0;
+    }
+    let updates = sweeps * stops.len() as f64;
+    let means = parts.iter().zip(curve).map(|(p, t)| t / (2.0 * sweeps * p.len() as f64));
+    Sweeps { down: down / updates, up: up / updates, curve: means.collect() }
+}
+
+fn micros<T>(work: impl FnOnce() -> T) -> f64 {
+    let start = Instant::now();
+    black_box(work());
+    start.elapsed().as_secs_f64() * 1e6
+}

@@ -1,0 +1,173 @@
+//! The figures of an object as tables for people.
+
+use crate::report::{BenchObject, PrefixReport, StreamReport, value};
+use crate::text::grouped;
+use crate::timings::Spread;
+use serde_json::{Map, Value};
+use std::fmt::Write;
+
+/// A column: its heading, where its number is, and how many digits it gets after the point.
+type Column = (&'static str, &'static str, usize);
+
+const STORAGE: &[Column] = &[
+    ("thesis", "/bits_per_vertex/thesis", 1),
+    ("normals", "/bits_per_vertex/thesis_normals", 1),
+    ("to 95 %", "/bits_per_vertex/thesis_95", 1),
+    ("normals", "/bits_per_vertex/thesis_normals_95", 1),
+    ("file", "/bits_per_vertex/file", 1),
+    ("tight", "/bits_per_vertex/tight", 1),
+];
+const EXTRACTION: &[Column] = &[
+    ("coarser", "/extraction/coarser_us", 3),
+    ("finer", "/extraction/finer_us", 3),
+    ("mean", "/extraction/mean_us", 3),
+    ("× PM", "/extraction/per_progressive_mesh", 2),
+    ("× LodStrips", "/extraction/per_lodstrips", 2),
+    ("jump", "/extraction/jump_us", 1),
+    ("× rebuild", "/extraction/jump_per_rebuild", 2),
+];
+const SPREAD: &[Column] = &[
+    ("coarser", "/extraction/spread/coarser/mean", 3),
+    ("±", "/extraction/spread/coarser/deviation", 3),
+    ("finer", "/extraction/spread/finer/mean", 3),
+    ("±", "/extraction/spread/finer/deviation", 3),
+    ("jump", "/extraction/spread/jump/mean", 1),
+    ("±", "/extraction/spread/jump/deviation", 1),
+];
+const TRAFFIC: &[Column] = &[
+    ("bytes", "/traffic/bytes_per_update", 0),
+    ("rewritten", "/traffic/rewritten_per_update", 1),
+    ("drawn", "/drawn/indices_per_lod", 0),
+    ("per triangle", "/drawn/indices_per_triangle", 3),
+    ("less degen.", "/drawn/degenerates_removed", 2),
+];
+const GPU: &[Column] = &[
+    ("runs", "/runs", 0),
+    ("ms", "/milliseconds", 3),
+    ("mean", "/spread/mean", 3),
+    ("±", "/spread/deviation", 3),
+    ("bytes sent", "/bytes", 0),
+    ("M vertices/s", "/million_vertices_per_second", 1),
+];
+const PREFIXES: &[Column] = &[
+    ("bytes", "/bytes", 0),
+    ("triangles", "/triangles", 0),
+    ("RMS %", "/rms", 4),
+    ("Hausdorff %", "/hausdorff", 3),
+    ("image", "/image", 2),
+];
+const MEMORY: &[Column] = &[("positions", "/positions", 1), ("and normals", "/normals", 1)];
+const PRIMITIVES: &[Column] = &[
+    ("strips", "/strips", 0),
+    ("indices", "/indices", 0),
+    ("per triangle", "/indices_per_triangle", 3),
+    ("ACMR", "/acmr_fifo16", 3),
+];
+
+/// All tables of an object; `share` is that of the LODs from one update to the next.
+#[must_use]
+pub fn tables(object: &BenchObject, share: f64) -> String {
+    let mut text = String::new();
+    put_tables(&mut text, object, share);
+    text
+}
+
+fn put_tables(text: &mut String, object: &BenchObject, share: f64) {
+    let percent = share * 100.0;
+    table(text, "storage, bits per vertex", &object.models, STORAGE);
+    table(text, &format!("µs per update of {percent} %"), &object.models, EXTRACTION);
+    if let Some(scratch) = object.rebuild_us {
+        let lod = grouped(u64::from(object.jump_lod));
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            text,
+            "  (jump: LOD 0 to {lod}, 1 % of the triangles; from scratch {scratch:.1} µs)"
+        );
+    }
+    table(text, "the same, mean ± deviation", &object.models, SPREAD);
+    table(text, "per update, and per LOD", &object.models, TRAFFIC);
+    table(text, "primitives at LOD 0", &object.primitives, PRIMITIVES);
+    if let Some(stream) = &object.stream {
+        streams(text, stream);
+    }
+    let Some(gpu) = &object.gpu else { return };
+    let adapter = gpu.adapter.replace(char::is_control, "");
+    let _ = writeln!(text, "\n  on {adapter}, by the clock of the {}", gpu.clock);
+    for (model, words) in &gpu.words_per_vertex {
+        if let Some(variants) = words.as_object() {
+            table(text, &format!("{model}, words per vertex"), variants, MEMORY);
+        }
+    }
+    for (model, cases) in &gpu.models {
+        if let Some(cases) = cases.as_object() {
+            table(text, &format!("{model}, per update"), cases, GPU);
+        }
+    }
+}
+
+fn streams(text: &mut String, stream: &StreamReport) {
+    let StreamReport {
+        lossless,
+        lossless_strips,
+        quantized_strips,
+        packages,
+        packages_normals,
+        progressive_mesh,
+        progressive_mesh_normals,
+        ..
+    } = stream;
+    let _ = writeln!(
+        text,
+        "\n  stream, bits per vertex: {lossless:.1}, with strips {lossless_strips:.1}, \
+         in 16 bits {quantized_strips:.1}; as packages {packages:.0}, \
+         with normals {packages_normals:.0}; as Progressive Meshes {progressive_mesh:.0}, \
+         with normals {progressive_mesh_normals:.0}"
+    );
+    if let Some(speed) = stream.speed {
+        let (encode, decode) =
+            (speed.encode_million_triangles_per_second, speed.decode_million_triangles_per_second);
+        let past = speed.decode_past_strips_million_triangles_per_second;
+        let _ = writeln!(
+            text,
+            "  encoded {encode:.2}, decoded {decode:.2}, past strips {past:.2} \
+             million triangles per second\n  encoded in {} ms, decoded in {} ms (mean ± deviation)",
+            of_rounds(&speed.encode_spread),
+            of_rounds(&speed.decode_spread)
+        );
+    }
+    let row = |p: &PrefixReport| (format!("{} %", p.percent), value(p));
+    table(text, "of the stream's bytes", &stream.prefixes.iter().map(row).collect(), PREFIXES);
+}
+
+/// Mean and deviation of timings.
+fn of_rounds(spread: &Spread) -> String {
+    let deviation = spread.deviation.map(|d| format!(" ± {d:.1}"));
+    format!("{:.1}{}", spread.mean, deviation.unwrap_or_default())
+}
+
+/// Rows that have at least one of the columns' numbers.
+fn table(text: &mut String, title: &str, rows: &Map<String, Value>, columns: &[Column]) {
+    let number = |row: &Value, path: &str| row.pointer(path).and_then(Value::as_f64);
+    let rows: Vec<_> =
+        rows.iter().filter(|(_, row)| columns.iter().any(|c| number(row, c.1).is_some())).collect();
+    if rows.is_empty() {
+        return;
+    }
+    let _ = write!(text, "\n  {title:<26}");
+    for (heading, ..) in columns {
+        let _ = write!(text, "{heading:>13}");
+    }
+    text.push('\n');
+    for (name, row) in rows {
+        let _ = write!(text, "    {name:<24}");
+        for &(_, path, places) in columns {
+            let cell = match number(row, path) {
+                None => "-".to_owned(),
+                Some(n) if places == 0 => grouped(n.round() as u64),
+                Some(n) => format!("{n:.places$}"),
+            };
+            let _ = write!(text, "{cell:>13}");
+        }
+        text.push('\n');
+    }
+}

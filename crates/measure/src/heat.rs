@@ -1,0 +1,70 @@
+//! Pictures coloured by how far each place of a surface is from another one.
+
+use crate::colours::heat;
+use crate::picture::{Looks, Picture, Viewing, pictures};
+use crate::surface::Surface;
+use lodc_nearest::TriangleTree;
+use lodc_scene::Image;
+use rayon::prelude::*;
+
+/// Pictures side by side, and pixels across each.
+const VIEWING: Viewing = Viewing { views: 4, size: 320 };
+
+impl Picture {
+    /// Distance of each pixel's place from a surface, row by row from the top; 0 where nothing is.
+    #[must_use]
+    pub fn distances(&self, tree: &TriangleTree) -> Vec<f64> {
+        let of = |(colour, &place): (&[f32; 3], &_)| match colour[0] < 0.0 {
+            true => 0.0,
+            false => tree.distance_squared(place).sqrt(),
+        };
+        self.colours.iter().zip(&self.points).map(of).collect()
+    }
+
+    /// The picture in colours by the number and the own colour of each pixel, row by row from the
+    /// top; `nothing` where nothing is.
+    #[must_use]
+    pub fn image(&self, nothing: [u8; 4], colour: impl Fn(usize, [f32; 3]) -> [u8; 3]) -> Image {
+        let pixel = |(i, &own): (usize, &[f32; 3])| {
+            if own[0] < 0.0 {
+                return nothing;
+            }
+            let [r, g, b] = colour(i, own);
+            [r, g, b, 255]
+        };
+        let bytes = self.colours.iter().enumerate().flat_map(pixel).collect();
+        Image { width: self.size, height: self.size, bytes }
+    }
+}
+
+/// A sheet of pictures from four sides: `a`, `b`, and how far each place of `a` is from `b`.
+/// `hottest` is the distance that is drawn reddest.
+#[must_use]
+pub fn heat_sheet(a: &Surface, b: &Surface, looks: Looks, hottest: f64) -> Image {
+    const BLACK: [u8; 4] = [0, 0, 0, 255];
+    let cameras = VIEWING.cameras(a);
+    let (of_a, of_b) = (pictures(a, &cameras, looks), pictures(b, &cameras, looks));
+    let tree = b.tree();
+    let heated = |picture: &Picture| {
+        let far = picture.distances(&tree);
+        // The root shows small differences, too.
+        let share = |i: usize| if hottest > 0.0 { (far[i] / hottest).sqrt() } else { 0.0 };
+        picture.image(BLACK, |i, _| heat(share(i)))
+    };
+    let seen = |p: &Picture| p.image(BLACK, |_, colour| colour.map(|v| v as u8));
+    let rows: [Vec<Image>; 3] = [
+        of_a.iter().map(seen).collect(),
+        of_b.iter().map(seen).collect(),
+        of_a.par_iter().map(heated).collect(),
+    ];
+    let line = 4 * VIEWING.size as usize;
+    let lines = rows.iter().flat_map(|row| {
+        (0..VIEWING.size as usize)
+            .flat_map(move |y| row.iter().map(move |image| &image.bytes[y * line..(y + 1) * line]))
+    });
+    Image {
+        width: VIEWING.size * VIEWING.views,
+        height: VIEWING.size * rows.len() as u32,
+        bytes: lines.flatten().copied().collect(),
+    }
+}

@@ -1,0 +1,180 @@
+//! Levels of the objects of a scene: one for each, together or each by itself.
+
+use crate::loss::losses;
+use crate::selection::{Candidate, RecordOfScene, Selection, Target, select};
+use lodc_mesh::Simplified;
+use lodc_scene::Arrangement;
+use std::fmt;
+use std::sync::OnceLock;
+
+/// Why levels cannot be chosen or shown.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum SelectError {
+    /// A record number was asked of several objects at once.
+    RecordOfScene(RecordOfScene),
+    /// A root mean square distance was asked of an object that has none.
+    NotMeasured {
+        /// Its name.
+        object: String,
+    },
+    /// Instances have more vertices in all than can be looked at.
+    TooManyVertices {
+        /// That many.
+        most: usize,
+    },
+    /// A view is no mesh: a bug.
+    NoMesh {
+        /// The object's name.
+        object: String,
+        /// The fault of the mesh.
+        what: String,
+    },
+}
+
+impl fmt::Display for SelectError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::RecordOfScene(error) => error.fmt(f),
+            Self::NotMeasured { object } => write!(
+                f,
+                "{object}: has errors that are estimates, and no root mean square distances"
+            ),
+            Self::TooManyVertices { most } => {
+                write!(f, "instances have more than {most} vertices in all")
+            }
+            Self::NoMesh { object, what } => write!(f, "{object}: a view is no mesh: {what}"),
+        }
+    }
+}
+
+impl std::error::Error for SelectError {}
+
+impl From<RecordOfScene> for SelectError {
+    fn from(error: RecordOfScene) -> Self {
+        Self::RecordOfScene(error)
+    }
+}
+
+/// An object of a scene with its levels.
+#[derive(Clone, Copy, Debug)]
+pub struct ObjectLevels<'a> {
+    /// Its name, for messages.
+    pub name: &'a str,
+    /// Its mesh and the sequence of its levels.
+    pub simplified: &'a Simplified,
+    /// World units per mesh unit.
+    pub scale: f64,
+}
+
+/// Objects to choose levels of detail for, and the scene that shows them.
+#[derive(Debug)]
+pub struct SceneLevels<'a> {
+    objects: Vec<ObjectLevels<'a>>,
+    scene: Arrangement,
+    losses: OnceLock<Vec<Vec<f64>>>,
+}
+
+impl<'a> SceneLevels<'a> {
+    /// Objects, and the scene in its rest pose. What a single object loses does not depend on the
+    /// scene: any will do.
+    #[must_use]
+    pub fn new(objects: Vec<ObjectLevels<'a>>, scene: Arrangement) -> Self {
+        Self { objects, scene, losses: OnceLock::new() }
+    }
+
+    /// The objects.
+    #[must_use]
+    pub fn objects(&self) -> &[ObjectLevels<'a>] {
+        &self.objects
+    }
+
+    /// Objects as they are selected from.
+    #[must_use]
+    pub fn candidates(&self) -> Vec<Candidate<'a>> {
+        let candidate = |o: &ObjectLevels<'a>| Candidate {
+            name: o.name,
+            collapses: o.simplified.collapses(),
+            scale: o.scale,
+            diagonal: o.simplified.mesh().diagonal(),
+        };
+        self.objects.iter().map(candidate).collect()
+    }
+
+    /// World error and triangles of levels under one error, the finest first: each object has its
+    /// coarsest level within it. Levels in which an object has vanished are left out.
+    #[must_use]
+    pub fn by_error(&self) -> Vec<(f64, u32)> {
+        let mut steps: Vec<(f64, u32)> = Vec::new();
+        let mut total = 0;
+        for object in &self.objects {
+            let collapses = object.simplified.collapses();
+            let last = collapses.last_visible();
+            let mut before = collapses.parts().triangles;
+            total += before;
+            for step in (0..collapses.steps()).map(|i| collapses.step(i)) {
+                if step.lod > last {
+                    break;
+                }
+                steps.push((f64::from(step.error) * object.scale, before - step.triangles));
+                before = step.triangles;
+            }
+        }
+        // Stable: the steps of one object keep their order.
+        steps.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let rest = steps.into_iter().scan(total, |left, (error, gone)| {
+            *left -= gone;
+            Some((error, *left))
+        });
+        std::iter::once((0.0, total)).chain(rest).collect()
+    }
+
+    /// Chooses one level of detail per object.
+    ///
+    /// # Errors
+    /// If a record number is asked of several objects at once, or a root mean square distance where
+    /// none was measured.
+    pub fn select(&self, target: Target, per_object: bool) -> Result<Selection, SelectError> {
+        self.check_measured(target)?;
+        let losses = || {
+            self.losses.get_or_init(|| {
+                let objects: Vec<&Simplified> = self.objects.iter().map(|o| o.simplified).collect();
+                losses(&objects, &self.scene)
+            })
+        };
+        Ok(select(&self.candidates(), target, per_object, losses)?)
+    }
+
+    /// Chooses as [`Self::select`] does, but no level coarser than `cap`, an error, allows. Objects
+    /// for which `own` has a target by their name have their level by themselves.
+    ///
+    /// # Errors
+    /// As [`Self::select`].
+    pub fn select_capped(
+        &self,
+        target: Target,
+        own: impl Fn(&str) -> Option<Target>,
+        cap: Option<Target>,
+        per_object: bool,
+    ) -> Result<Selection, SelectError> {
+        let mut chosen = self.select(target, per_object)?;
+        let objects = self.objects.iter().enumerate();
+        let own: Vec<_> = objects.filter_map(|(i, o)| Some((i, own(o.name)?))).collect();
+        if !own.is_empty() {
+            chosen.put(&self.candidates(), own.into_iter());
+        }
+        if let Some(cap) = cap {
+            chosen.cap(&self.candidates(), &self.select(cap, per_object)?);
+        }
+        Ok(chosen)
+    }
+
+    /// Refuses to choose by a distance that was not measured.
+    fn check_measured(&self, target: Target) -> Result<(), SelectError> {
+        let by_rms = matches!(target, Target::Rms(_) | Target::RmsShare(_));
+        let estimate = |o: &&ObjectLevels<'_>| !o.simplified.collapses().is_measured();
+        match self.objects.iter().find(|o| by_rms && estimate(o)) {
+            Some(o) => Err(SelectError::NotMeasured { object: o.name.to_owned() }),
+            None => Ok(()),
+        }
+    }
+}

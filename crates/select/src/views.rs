@@ -1,0 +1,298 @@
+//! A level of detail for every part of a scene's surfaces, by how they are looked at.
+
+use crate::levels::{ObjectLevels, SceneLevels, SelectError};
+use crate::selection::Target;
+use lodc_lod::interactive::view::{
+    Family, LodRange, Selector, State, finest_within, kept, live_triangles, morphed_mesh,
+};
+use lodc_mesh::{Lod, Mesh, OrientedTriangle, PositionIds};
+use lodc_scene::{Arrangement, Placement, placement_scales, posed};
+use rayon::prelude::*;
+
+/// More vertices than this, instances counted, are not looked at.
+const MAX_VERTICES: usize = 1 << 27;
+
+/// Share of the triangles where no detail is wanted.
+const COARSE: f64 = 0.01;
+/// Share of the triangles asked for that lies beside outlines: with fewer, facets beside them stand
+/// out, with more, outlines lack them (on the bunny at 25, 10 and 5 %, in pixels of its outline).
+const BESIDE_OUTLINES: f64 = 0.4;
+
+/// The rule by which every part of a surface gets a level of its own.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Criterion {
+    /// Fine where the surface is seen edge-on, coarse where it faces the eye.
+    Silhouette,
+    /// An error of at most `slope` times the distance from the eye.
+    Pixels {
+        /// Error per distance.
+        slope: f64,
+    },
+    /// Fine in a sphere around the target, coarse outside.
+    Sphere {
+        /// In the scene's units; none: a quarter of its diagonal.
+        radius: Option<f64>,
+    },
+    /// Fine in a box, coarse outside.
+    Box {
+        /// Its lowest and its highest corner; none: a cube around the target, its side half the
+        /// scene's diagonal.
+        corners: Option<[[f32; 3]; 2]>,
+    },
+}
+
+/// A view of a scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ViewOptions {
+    /// The rule.
+    pub criterion: Criterion,
+    /// Place of the eye, in the scene's units; none: that of the target.
+    pub eye: Option<[f32; 3]>,
+    /// The point looked at; none: the middle of the scene.
+    pub target: Option<[f32; 3]>,
+    /// Share of the triangles where detail is wanted.
+    pub fine: f64,
+    /// Share of the triangles elsewhere; none: a hundredth or, beside outlines, a part of what is
+    /// asked for.
+    pub coarse: Option<f64>,
+    /// Vertices are on their way between levels (geomorphing).
+    pub morph: bool,
+    /// Shares are those of each object, not of the scene.
+    pub per_object: bool,
+}
+
+impl ViewOptions {
+    /// The share of triangles that is kept where no detail is wanted, `wanted` being the share of
+    /// all that is asked for.
+    fn coarse_share(&self, wanted: Option<f64>) -> f64 {
+        let beside_outlines = wanted.filter(|_| self.criterion == Criterion::Silhouette);
+        let usual = beside_outlines.map_or(COARSE, |share| share * BESIDE_OUTLINES);
+        self.coarse.unwrap_or(usual).min(self.fine)
+    }
+
+    /// The criteria of a scene of this extent for objects whose mesh unit is `scale` world units.
+    fn family(&self, scene: &Extent, scale: f64) -> Family {
+        let centre = self.target.unwrap_or_else(|| scene.middle());
+        let quarter = scene.diagonal() / 4.0;
+        let eye = self.eye.unwrap_or(centre);
+        match self.criterion {
+            Criterion::Silhouette => Family::Silhouette { eye },
+            Criterion::Pixels { slope } => {
+                Family::ScreenError { eye, slope: slope as f32, unit: (1.0 / scale) as f32 }
+            }
+            Criterion::Sphere { radius } => {
+                Family::Sphere { centre, radius: radius.unwrap_or(quarter) as f32 }
+            }
+            Criterion::Box { corners } => {
+                let around = |sign: f32| centre.map(|c| c + sign * quarter as f32);
+                let [low, high] = corners.unwrap_or_else(|| [around(-1.0), around(1.0)]);
+                Family::Region { low, high }
+            }
+        }
+    }
+}
+
+/// The box of a scene.
+#[derive(Clone, Copy, Debug)]
+struct Extent {
+    low: [f64; 3],
+    high: [f64; 3],
+}
+
+impl Extent {
+    fn middle(&self) -> [f32; 3] {
+        std::array::from_fn(|i| f64::midpoint(self.low[i], self.high[i]) as f32)
+    }
+    fn diagonal(&self) -> f64 {
+        (0..3).map(|i| (self.high[i] - self.low[i]).powi(2)).sum::<f64>().sqrt()
+    }
+}
+
+/// An object where the scene shows it.
+struct Surface<'a> {
+    selector: Selector<'a>,
+    family: Family,
+}
+
+/// The surfaces of a scene, and what may be shown of them.
+pub struct SceneViews<'a> {
+    options: ViewOptions,
+    levels: &'a SceneLevels<'a>,
+    ids: Vec<PositionIds>,
+    /// Of each object where it is shown, at least one.
+    surfaces: Vec<Vec<Surface<'a>>>,
+}
+
+/// A scene as a view shows it.
+#[derive(Debug)]
+pub struct ShownScene {
+    /// Of each object the state of every vertex.
+    states: Vec<Vec<State>>,
+    /// Wishes that could not be met in full: one line each.
+    pub warnings: Vec<String>,
+}
+
+impl<'a> SceneViews<'a> {
+    /// Looks at objects where a scene shows them; one that it does not show is as modelled.
+    ///
+    /// # Errors
+    /// If instances have too many vertices.
+    pub fn new(
+        options: ViewOptions,
+        levels: &'a SceneLevels<'a>,
+        scene: &Arrangement,
+    ) -> Result<Self, SelectError> {
+        let objects = levels.objects();
+        let modelled: Vec<Placement> = (0..objects.len()).map(Placement::as_modelled).collect();
+        let places: Vec<Vec<(&Placement, f64)>> = (0..objects.len())
+            .map(|o| match placement_scales(objects[o].simplified.mesh(), o, scene) {
+                places if places.is_empty() => vec![(&modelled[o], 1.0)],
+                places => places,
+            })
+            .collect();
+        let vertices = |o: usize| objects[o].simplified.mesh().vertex_count() * places[o].len();
+        if (0..objects.len()).map(vertices).sum::<usize>() > MAX_VERTICES {
+            return Err(SelectError::TooManyVertices { most: MAX_VERTICES });
+        }
+        let shapes = shapes(objects, &places);
+        let extent = extent(&shapes);
+        let surface = |(o, (shape, &(_, scale))): (usize, (&Vec<[f32; 3]>, &(_, f64)))| Surface {
+            selector: Selector::in_shape(objects[o].simplified, shape),
+            family: options.family(&extent, if scale > 0.0 { scale } else { 1.0 }),
+        };
+        let surfaces = shapes.par_iter().zip(&places).enumerate().map(|(o, (shapes, places))| {
+            shapes.par_iter().zip(places).map(|pair| surface((o, pair))).collect()
+        });
+        let ids = objects.par_iter().map(|o| PositionIds::new(o.simplified.mesh().positions()));
+        let surfaces = surfaces.collect();
+        Ok(Self { options, levels, ids: ids.collect(), surfaces })
+    }
+
+    /// Shows the criterion as it was given, or the finest that has at most `most` triangles.
+    ///
+    /// # Errors
+    /// As [`SceneLevels::select`].
+    pub fn show(&self, most: Option<u64>) -> Result<ShownScene, SelectError> {
+        let family = self.surfaces.iter().flatten().map(|s| s.family).next();
+        let Some(family) = family else {
+            return Ok(ShownScene { states: Vec::new(), warnings: Vec::new() });
+        };
+        let ranges = self.ranges(most)?;
+        let setting = most.map_or_else(
+            || family.given(),
+            |most| {
+                finest_within(most, family.coarsest(), |at| self.count(&self.states(at, &ranges)))
+            },
+        );
+        let states = self.states(setting, &ranges);
+        let triangles = self.count(&states);
+        let above = most.filter(|&most| triangles > most);
+        let warning =
+            |most| format!("the coarsest view has {triangles} triangles, more than {most}");
+        Ok(ShownScene { states, warnings: above.map(warning).into_iter().collect() })
+    }
+
+    /// Returns the number of triangles that a wish for triangles means.
+    #[must_use]
+    pub fn most(&self, wish: Option<Target>) -> Option<u64> {
+        match wish? {
+            Target::Triangles(most) => Some(most),
+            Target::Ratio(share) => Some((share * self.all() as f64) as u64),
+            _ => None,
+        }
+    }
+
+    /// Returns the triangles of LOD 0.
+    #[must_use]
+    pub fn all(&self) -> u64 {
+        let objects = self.levels.objects().iter();
+        objects.map(|o| o.simplified.mesh().triangles().len() as u64).sum()
+    }
+
+    /// The states of all vertices; where an object is shown several times, each vertex as the
+    /// finest of them needs it.
+    fn states(&self, setting: u32, ranges: &[LodRange]) -> Vec<Vec<State>> {
+        let object = |(surfaces, range): (&Vec<Surface<'_>>, &LodRange)| {
+            let lods = surfaces
+                .par_iter()
+                .map(|s| s.selector.lods_at(&s.family, setting, range))
+                .reduce_with(|a, b| a.iter().zip(&b).map(|(a, b)| *a.min(b)).collect());
+            surfaces[0].selector.states(&lods.unwrap_or_default(), self.options.morph)
+        };
+        self.surfaces.par_iter().zip(ranges).map(object).collect()
+    }
+
+    /// The LODs of `--fine` and `--coarse`, and the coarsest with triangles, of each object.
+    fn ranges(&self, most: Option<u64>) -> Result<Vec<LodRange>, SelectError> {
+        let all = self.all().max(1) as f64;
+        let share = self.options.coarse_share(most.map(|most| most as f64 / all));
+        let at = |share: f64| self.levels.select(Target::Ratio(share), self.options.per_object);
+        let (fine, coarse) = (at(self.options.fine)?, at(share)?);
+        let range = |((o, &fine), &coarse): ((&ObjectLevels<'_>, &Lod), &Lod)| LodRange {
+            fine: fine.min(coarse),
+            coarse,
+            last: o.simplified.collapses().last_visible().max(coarse),
+        };
+        Ok(self.levels.objects().iter().zip(&fine.lods).zip(&coarse.lods).map(range).collect())
+    }
+
+    fn count(&self, states: &[Vec<State>]) -> u64 {
+        let objects = self.levels.objects();
+        let of = |o: usize| kept(objects[o].simplified, &self.ids[o], &states[o]);
+        (0..objects.len()).into_par_iter().map(of).sum()
+    }
+
+    /// Returns the triangles of each object, corners as they are shown without morphing.
+    #[must_use]
+    pub fn triangles(&self, shown: &ShownScene) -> Vec<Vec<OrientedTriangle>> {
+        let of = |(o, states): (usize, &Vec<State>)| {
+            live_triangles(self.levels.objects()[o].simplified, &self.ids[o], states)
+        };
+        shown.states.par_iter().enumerate().map(of).collect()
+    }
+
+    /// Returns a mesh of each object that only this view has; with morphing its vertices are on
+    /// their way.
+    ///
+    /// # Errors
+    /// If one is no mesh: a bug.
+    pub fn meshes(&self, shown: &ShownScene) -> Result<Vec<Mesh>, SelectError> {
+        let of = |(o, states): (usize, &Vec<State>)| {
+            let ObjectLevels { name, simplified, .. } = self.levels.objects()[o];
+            let mesh = if self.options.morph {
+                morphed_mesh(simplified, states)
+            } else {
+                simplified.mesh().extract(&live_triangles(simplified, &self.ids[o], states))
+            };
+            let failed = |what| SelectError::NoMesh { object: name.to_owned(), what };
+            mesh.map_err(|e| failed(e.to_string()))
+        };
+        shown.states.par_iter().enumerate().map(of).collect()
+    }
+}
+
+/// The places of all vertices of each object, for each of its placements.
+fn shapes(
+    objects: &[ObjectLevels<'_>],
+    places: &[Vec<(&Placement, f64)>],
+) -> Vec<Vec<Vec<[f32; 3]>>> {
+    let shape = |o: usize, placement: &Placement| {
+        let posed = posed(objects[o].simplified.mesh(), placement).positions;
+        posed.iter().map(|p| p.as_vec3().to_array()).collect()
+    };
+    let of = |(o, places): (usize, &Vec<(&Placement, f64)>)| {
+        places.iter().map(|(placement, _)| shape(o, placement)).collect()
+    };
+    places.par_iter().enumerate().map(of).collect()
+}
+
+/// The box around all places that are finite.
+fn extent(shapes: &[Vec<Vec<[f32; 3]>>]) -> Extent {
+    let mut extent = Extent { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] };
+    for p in shapes.iter().flatten().flatten().filter(|p| p.iter().all(|c| c.is_finite())) {
+        let p = p.map(f64::from);
+        extent.low = std::array::from_fn(|i| extent.low[i].min(p[i]));
+        extent.high = std::array::from_fn(|i| extent.high[i].max(p[i]));
+    }
+    if extent.low[0] <= extent.high[0] { extent } else { Extent { low: [0.0; 3], high: [0.0; 3] } }
+}
