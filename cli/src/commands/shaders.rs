@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 /// The guide that stands beside the shaders.
-const GUIDE: &str = include_str!("../../../docs/ENGINE.md");
+const GUIDE: &str = include_str!("../../ENGINE.md");
 
 /// Options of `shaders`.
 #[derive(Args, Debug)]

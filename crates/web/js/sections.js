@@ -2,7 +2,8 @@
 // layout are uploaded as they lie there. Sums are not compared: `Lodc.open` does that.
 
 const MAGIC = [0x89, 0x4c, 0x4f, 0x44, 0x43, 0x0d, 0x0a, 0x1a];
-const HEADER = 32;
+const HEADER = 40;
+const VERSION = 1;
 const ENTRY = 40;
 /** The flag of sections in which every number is a u32. */
 const WIDE = 2;
@@ -14,8 +15,11 @@ export class Sections {
     this.view = new DataView(buffer);
     const front = new Uint8Array(buffer, 0, Math.min(8, buffer.byteLength));
     const known = MAGIC.every((byte, i) => front[i] === byte) && buffer.byteLength >= HEADER;
-    if (!known || this.view.getUint32(8, true) !== 3) {
-      throw new Error('not a .lodc file of version 3');
+    if (!known) throw new Error('not a .lodc file');
+    const version = this.view.getUint16(8, true);
+    // The lower half of the features are those without which a file cannot be read.
+    if (version !== VERSION || this.view.getUint8(10) !== 0) {
+      throw new Error(`a .lodc file of version ${version} that a newer lodc has written`);
     }
     const count = this.view.getUint32(12, true);
     if (this.view.getBigUint64(16, true) !== BigInt(buffer.byteLength)

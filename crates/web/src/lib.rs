@@ -3,8 +3,10 @@
 //! Everything is a number or bytes, so that `wasm/` can offer it without knowing any type: a host
 //! writes bytes into an input and reads them from an output. [`Sessions`] keeps what is open.
 
+mod modules;
 mod session;
 
+pub use modules::MODULES;
 pub use session::{Session, Status};
 
 /// Everything that a host has open, by number.

@@ -6,32 +6,8 @@ use lodc_lod::interactive::shaders;
 const TEMPLATE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("page.css");
 
-/// Modules, each after those that it imports. `crates/web/js` is also what the npm package has.
-const MODULES: &[(&str, &str)] = &[
-    ("levels.js", include_str!("../../../../crates/web/js/levels.js")),
-    ("glb.js", include_str!("../../../../crates/web/js/glb.js")),
-    ("math.js", include_str!("../../../../crates/web/js/math.js")),
-    ("animation.js", include_str!("../../../../crates/web/js/animation.js")),
-    ("scene.js", include_str!("../../../../crates/web/js/scene.js")),
-    ("order.js", include_str!("../../../../crates/web/js/order.js")),
-    ("normals.js", include_str!("../../../../crates/web/js/normals.js")),
-    ("geometry.js", include_str!("../../../../crates/web/js/geometry.js")),
-    ("selection.js", include_str!("../../../../crates/web/js/selection.js")),
-    ("orbit.js", include_str!("../../../../crates/web/js/orbit.js")),
-    ("crowd.js", include_str!("../../../../crates/web/js/crowd.js")),
-    ("motion.js", include_str!("../../../../crates/web/js/motion.js")),
-    ("material.js", include_str!("../../../../crates/web/js/material.js")),
-    ("plan.js", include_str!("../../../../crates/web/js/plan.js")),
-    ("views.js", include_str!("../../../../crates/web/js/views.js")),
-    ("viewdependent.js", include_str!("../../../../crates/web/js/viewdependent.js")),
-    ("glsl.js", include_str!("../../../../crates/web/js/glsl.js")),
-    ("glprogram.js", include_str!("../../../../crates/web/js/glprogram.js")),
-    ("webgl.js", include_str!("../../../../crates/web/js/webgl.js")),
-    ("wgsl.js", include_str!("../../../../crates/web/js/wgsl.js")),
-    ("presenter.js", include_str!("../../../../crates/web/js/presenter.js")),
-    ("gputextures.js", include_str!("../../../../crates/web/js/gputextures.js")),
-    ("gpupipelines.js", include_str!("../../../../crates/web/js/gpupipelines.js")),
-    ("webgpu.js", include_str!("../../../../crates/web/js/webgpu.js")),
+/// The page's own modules, behind those that the npm package has as well.
+const MODULES: [(&str, &str); 3] = [
     ("viewer.js", include_str!("viewer.js")),
     ("controls.js", include_str!("controls.js")),
     ("main.js", include_str!("main.js")),
@@ -39,7 +15,8 @@ const MODULES: &[(&str, &str)] = &[
 
 /// The page of a model, a GLB with all levels.
 pub(super) fn page(title: &str, glb: &[u8]) -> String {
-    let script: String = MODULES.iter().map(|(name, text)| joined(name, text)).collect();
+    let modules = lodc_web::MODULES.iter().chain(&MODULES);
+    let script: String = modules.map(|(name, text)| joined(name, text)).collect();
     let model = base64(glb);
     let mut page = String::with_capacity(model.len() + script.len() + TEMPLATE.len() + STYLE.len());
     let mut rest = TEMPLATE;
