@@ -5,6 +5,14 @@
 //! faces around it, it goes to the nearest one (Klein, Liebich and Straßer 1996; Ciampalini et al.
 //! 1997). New faces are asked the other way. Where either is near the largest distance so far,
 //! branch and bound looks closer. The pass knows nothing of the simplifier.
+//!
+//! ```
+//! let mesh = lodc_fixtures::torus();
+//! let simplified = lodc_simplify::simplify(&mesh, &lodc_simplify::Options::DEFAULT, &|_, _| ());
+//! let distances = lodc_errors::measure(&simplified, simplified.mesh().positions());
+//! assert_eq!(distances.error.len(), simplified.collapses().steps());
+//! assert!(distances.error.is_sorted(), "coarser is never nearer");
+//! ```
 
 mod ask;
 mod backward;

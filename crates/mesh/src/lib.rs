@@ -5,6 +5,25 @@
 //! [`Simplified::triangles_at`] is the reference answer against which everything else is judged.
 //!
 //! Terms (vertex, position, wedge group, record, step, LOD) are defined in `docs/GLOSSARY.md`.
+//!
+//! ```
+//! use lodc_mesh::{Lod, Mesh, MeshParts, Submesh};
+//!
+//! // Two triangles of one submesh.
+//! let mesh = Mesh::try_from(MeshParts {
+//!     positions: vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]],
+//!     vertex_submesh: vec![0; 4],
+//!     attributes: vec![],
+//!     triangles: vec![[0, 1, 2], [0, 2, 3]],
+//!     submeshes: vec![Submesh { first_triangle: 0, triangle_count: 2, attributes: vec![] }],
+//! })?;
+//! // Any sequence of collapses will do here; a simplifier makes better ones.
+//! let simplified = lodc_fixtures::random_collapse(&mesh, 1);
+//! let coarser = simplified.collapses().lod_for_triangles(1);
+//! assert_eq!(simplified.triangles_at(Lod(0)).len(), 2);
+//! assert!(simplified.triangles_at(coarser).len() <= 1);
+//! # Ok::<(), lodc_mesh::MeshError>(())
+//! ```
 
 mod arrange;
 mod attribute;

@@ -2,6 +2,19 @@
 //!
 //! Everything is a number or bytes, so that `wasm/` can offer it without knowing any type: a host
 //! writes bytes into an input and reads them from an output. [`Sessions`] keeps what is open.
+//!
+//! ```
+//! use lodc_web::{Sessions, Status};
+//!
+//! let file = std::fs::read("../../fixtures/golden/v1/triangle.lodc")?;
+//! let mut sessions = Sessions::new();
+//! let number = sessions.open();
+//! let session = sessions.get(number).expect("it was just opened");
+//! session.input(file.len()).copy_from_slice(&file);
+//! assert_eq!(session.open(), Status::Done);
+//! assert!(session.output().starts_with(b"glTF"));
+//! # Ok::<(), std::io::Error>(())
+//! ```
 
 mod modules;
 mod session;
