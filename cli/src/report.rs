@@ -395,3 +395,26 @@ pub(crate) struct CheckReport {
     pub(crate) skipped: Option<String>,
     pub(crate) first_difference: Option<String>,
 }
+
+impl CheckReport {
+    /// A check about which nothing is known yet.
+    pub(crate) fn new(object: Option<&str>, model: &'static str, check: &'static str) -> Self {
+        Self {
+            object: object.map(str::to_owned),
+            model,
+            check,
+            device: "cpu",
+            adapter: None,
+            lods: 0,
+            full: 0,
+            ok: None,
+            skipped: None,
+            first_difference: None,
+        }
+    }
+
+    /// The same of some LODs, all compared in full, with what differs first.
+    pub(crate) fn of(self, lods: u64, first_difference: Option<String>) -> Self {
+        Self { lods, full: lods, ok: Some(first_difference.is_none()), first_difference, ..self }
+    }
+}

@@ -21,6 +21,7 @@
 //! assert_eq!(compare_pictures(&shown, &shown).rmse, 0.0);
 //! ```
 
+mod baseline;
 mod colours;
 mod distance;
 mod field;
@@ -29,9 +30,11 @@ mod picture;
 mod portrait;
 mod scene;
 mod spread;
+mod stated;
 mod surface;
 mod texture;
 
+pub use baseline::{Numbers, Recorded, Worse};
 pub use colours::{distinct, heat};
 pub use distance::{Distances, Original, Sampling, distances, farther_than};
 pub use field::DistanceField;
@@ -40,6 +43,7 @@ pub use lodc_nearest::TriangleTree;
 pub use picture::{ImageError, Looks, Picture, Viewing, compare_pictures, pictures};
 pub use portrait::Portrait;
 pub use scene::SceneSurface;
+pub use stated::check_errors;
 pub use surface::Surface;
 pub use texture::Pyramid;
 

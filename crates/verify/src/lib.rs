@@ -27,6 +27,7 @@ mod facts;
 mod reference;
 #[cfg(test)]
 mod sequence_tests;
+mod source;
 #[cfg(test)]
 mod tests;
 mod ties;
@@ -36,6 +37,7 @@ mod view;
 pub use check::Check;
 pub use difference::{Failure, first_difference};
 pub use reference::Reference;
+pub use source::source_difference;
 pub use track::TooMuchWork;
 pub use view::{ShownView, ViewReference};
 

@@ -1,18 +1,15 @@
 //! `--baseline`: distances of the last time, in one file or in a file for each asset of a folder.
 
 use super::CompareArgs;
-use super::report::Numbers;
 use crate::exit::{Failure, Outcome, Status};
 use crate::output::{self, Target};
 use crate::report::SCHEMA_VERSION;
 use crate::text::distance;
+use lodc_measure::{Numbers, Recorded, Worse};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-
-/// Distances that are rounding, as shares of the diagonal, and grey levels that are.
-const ROUNDING: [f64; 2] = [1e-6, 0.01];
 
 /// The numbers of the last time.
 #[derive(Debug)]
@@ -30,15 +27,6 @@ pub(super) struct Baseline {
 struct Document {
     schema_version: u32,
     assets: BTreeMap<String, Recorded>,
-}
-
-/// An asset as it was.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct Recorded {
-    /// Options that the numbers depend on.
-    options: String,
-    /// By the name of the level.
-    levels: BTreeMap<String, Numbers>,
 }
 
 impl Baseline {
@@ -114,40 +102,21 @@ impl Baseline {
     }
 }
 
-impl Recorded {
-    /// The asset as it is now.
-    pub(super) fn now<'a>(
-        args: &CompareArgs,
-        levels: impl Iterator<Item = (&'a str, Numbers)>,
-    ) -> Self {
-        let levels = levels.map(|(name, now)| (name.to_owned(), now));
-        Self { options: options(args), levels: levels.collect() }
-    }
-
-    /// Returns a level as it was.
-    pub(super) fn level(&self, name: &str) -> Option<Numbers> {
-        self.levels.get(name).copied()
-    }
-}
-
-/// Returns a line for each number that is worse now by more than the share `tolerance`.
-pub(super) fn worse(then: Numbers, now: Numbers, tolerance: f64, diagonal: f64) -> Vec<String> {
-    let images = then.image_rmse.zip(now.image_rmse);
-    let pairs = [
-        Some(("rms distance", then.rms, now.rms, ROUNDING[0] * diagonal)),
-        Some(("hausdorff distance", then.hausdorff, now.hausdorff, ROUNDING[0] * diagonal)),
-        images.map(|(then, now)| ("image RMSE", then, now, ROUNDING[1])),
-    ];
-    let is_worse =
-        |&(_, then, now, slack): &(_, f64, f64, f64)| now > then * (1.0 + tolerance) + slack;
-    let line = |(name, then, now, _)| {
+/// Returns a line for each number that is worse now.
+pub(super) fn worse(
+    args: &CompareArgs,
+    then: &Numbers,
+    now: &Numbers,
+    diagonal: f64,
+) -> Vec<String> {
+    let line = |Worse { name, now, then }| {
         format!("{name} {} is worse than {} of the baseline", distance(now), distance(then))
     };
-    pairs.into_iter().flatten().filter(is_worse).map(line).collect()
+    now.worse_than(then, args.tolerance, diagonal).into_iter().map(line).collect()
 }
 
 /// Options that the numbers depend on, as text.
-fn options(args: &CompareArgs) -> String {
+pub(super) fn options(args: &CompareArgs) -> String {
     let CompareArgs { samples, seed, views, size, .. } = args;
     let attributes = if args.no_attributes { " --no-attributes" } else { "" };
     format!("--samples {samples} --seed {seed} --views {views} --size {size}{attributes}")

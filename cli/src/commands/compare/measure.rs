@@ -1,6 +1,6 @@
 //! Two files: B at every level that is wanted, measured from A.
 
-use super::baseline::{Baseline, Recorded, worse};
+use super::baseline::{Baseline, options, worse};
 use super::report::{Comparison, ImageReport, PairReport};
 use super::surface::{Subject, Wish};
 use super::{CompareArgs, ROUNDING};
@@ -10,7 +10,9 @@ use crate::output;
 use crate::progress::Progress;
 use crate::stages::Stages;
 use lodc_formats::images::png;
-use lodc_measure::{Looks, Original, Portrait, Sampling, SceneSurface, Viewing, heat_sheet};
+use lodc_measure::{
+    Looks, Original, Portrait, Recorded, Sampling, SceneSurface, Viewing, heat_sheet,
+};
 use lodc_select::Target;
 use std::path::Path;
 
@@ -55,11 +57,11 @@ pub(super) fn compare(
         let level_name = level.clone().unwrap_or_else(|| label(wish.target));
         comparison.check(args, diagonal);
         if let Some(then) = &then {
-            let then = then.as_ref().and_then(|recorded| recorded.level(&level_name));
+            let then = then.as_ref().and_then(|recorded| recorded.levels.get(&level_name));
             let now = comparison.numbers();
-            let worse = then.map(|then| worse(then, now, args.tolerance, diagonal));
+            let worse = then.map(|then| worse(args, then, &now, diagonal));
             comparison.exceeded.extend(worse.unwrap_or_default());
-            comparison.baseline = Some(then);
+            comparison.baseline = Some(then.copied());
         }
         if let Some(path) = &args.heatmap {
             let looks = looks(&a, &surface, args);
@@ -71,8 +73,8 @@ pub(super) fn compare(
         all.push((level, comparison));
         names.push(level_name);
     }
-    let named = names.iter().map(String::as_str).zip(all.iter().map(|(_, c)| c.numbers()));
-    let recorded = Recorded::now(args, named);
+    let levels = names.into_iter().zip(all.iter().map(|(_, c)| c.numbers())).collect();
+    let recorded = Recorded { options: options(args), levels };
     let paths = [path_a, path_b].map(|path| path.display().to_string());
     Ok(Measured { report: PairReport::new(paths, diagonal, all), recorded })
 }

@@ -3,8 +3,8 @@
 use super::CompareArgs;
 use crate::report::SCHEMA_VERSION;
 use crate::text::{count, distance};
-use lodc_measure::{Distances, ImageError, Looks, Viewing};
-use serde::{Deserialize, Serialize};
+use lodc_measure::{Distances, ImageError, Looks, Numbers, Viewing};
+use serde::Serialize;
 
 /// `compare --json` of two files. Lengths are in A's unit.
 #[derive(Debug, Serialize)]
@@ -56,16 +56,6 @@ pub(super) struct Comparison {
     pub(super) baseline: Option<Option<Numbers>>,
     /// One line for each limit that is exceeded.
     pub(super) exceeded: Vec<String>,
-}
-
-/// The numbers of a comparison that tell whether a level is worse than another.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct Numbers {
-    triangles: usize,
-    pub(super) rms: f64,
-    pub(super) hausdorff: f64,
-    /// Null if no pictures were compared.
-    pub(super) image_rmse: Option<f64>,
 }
 
 #[derive(Debug, Serialize)]

@@ -3,22 +3,16 @@
 mod levels;
 mod page;
 
-use super::asset::{self, Asset};
+use super::asset::Asset;
 use super::verify;
-use super::view::{self, PageArgs};
-use crate::console::{self, Loudness, note, wants};
+use super::view::{self, Page, PageArgs, Shown};
 use crate::exit::{Failure, Outcome, Status};
-use crate::mesh_output;
-use crate::output::{self, Rule};
 use crate::report::CheckReport;
-use crate::stages::Stages;
-use crate::text::size;
 use lodc::{SceneLevels, scene_levels};
 use lodc_formats::appearance;
-use lodc_formats::{Assets, ObjectInfo, OutputFile, scene_graph};
+use lodc_formats::{ObjectInfo, scene_graph};
 use lodc_scene::Arrangement;
 use lodc_select::scene_diagonal;
-use std::path::PathBuf;
 
 /// All that a page is made of.
 struct Facts<'a> {
@@ -37,40 +31,25 @@ struct Facts<'a> {
 /// Writes the page. A failed check stands on the page and is exit status 1.
 ///
 /// # Errors
-/// If the input cannot be read or shown, or the page not be written.
+/// As [`view::write`].
 pub(crate) fn run(args: &PageArgs) -> Outcome<Status> {
-    let target = view::target(args)?;
-    let mut stages = Stages::default();
-    let asset = asset::read(&args.input, &args.import, &args.simplify, &mut stages)?;
-    let facts = facts(args, &asset, &mut stages)?;
-    let bytes = page::page(&facts).into_bytes();
-    let (length, path) = (bytes.len() as u64, PathBuf::from(target.name()));
-    let file = OutputFile { path: path.clone(), bytes };
-    stages.run("write", || mesh_output::write(&target, vec![file]))?;
-    if let Some(depfile) = &args.depfile {
-        let rule = Rule { output: path, inputs: asset.files_read.clone() };
-        output::write_depfile(depfile, &[rule])?;
-    }
-    let name = args.input.display().to_string();
-    for warning in &facts.warnings {
-        console::warning(&name, warning);
-    }
-    let failed = facts.checks.iter().filter(|c| c.ok == Some(false)).count();
-    if wants(Loudness::Normal) {
-        let what = if failed > 0 { format!(", {failed} checks failed") } else { String::new() };
-        note(&format!("{}: {}{what}; open it in a browser", target.name(), size(length)));
-    }
-    Ok(if failed > 0 { Status::Difference } else { Status::Done })
+    view::write(args, |shown| {
+        let (facts, warnings) = facts(args, shown)?;
+        let text = page::page(&facts);
+        let (status, what) = match facts.checks.iter().filter(|c| c.ok == Some(false)).count() {
+            0 => (Status::Done, String::new()),
+            failed => (Status::Difference, format!(", {failed} checks failed")),
+        };
+        Ok((Page { text, warnings, facts: [String::new(), what] }, status))
+    })
 }
 
-fn facts<'a>(args: &PageArgs, asset: &'a Asset, stages: &mut Stages) -> Outcome<Facts<'a>> {
+/// The facts, and warnings about textures.
+fn facts<'a>(args: &PageArgs, shown: Shown<'a>) -> Outcome<(Facts<'a>, Vec<String>)> {
+    let Shown { asset, mut assets, title, stages } = shown;
     let name = args.input.display().to_string();
     let options = args.import.options();
     let infos: Vec<&ObjectInfo> = asset.objects.iter().map(|o| &o.info).collect();
-    // Only the folder of that path counts: textures are looked for there.
-    let beside =
-        args.textures.as_ref().map_or_else(|| args.input.clone(), |folder| folder.join("-"));
-    let mut assets = Assets::new(&beside, &options.allowed, options.limits);
     let looks = appearance(&asset.document, &infos, &mut assets).map_err(|e| e.in_file(&name))?;
     let graph =
         scene_graph(&asset.document, &infos, &options.limits).map_err(|e| e.in_file(&name))?;
@@ -81,20 +60,19 @@ fn facts<'a>(args: &PageArgs, asset: &'a Asset, stages: &mut Stages) -> Outcome<
         let message = format!("{name}: has no triangles: there is nothing to report");
         return Err(Failure::new(Status::Input, message));
     }
-    let limits = args.import.options().limits;
-    let checks =
-        stages.run("check", || verify::models(&asset.objects, &asset.document, 1, &limits))?;
-    let warnings = asset.warnings.iter().chain(&looks.warnings).cloned().collect();
-    Ok(Facts {
-        title: args.title.clone().unwrap_or_else(|| view::title(&args.input)),
+    let check = || verify::models(&asset.objects, &asset.document, 1, &options.limits);
+    let checks = stages.run("check", check)?;
+    let facts = Facts {
+        title,
         asset,
         curve: curve(&scene, levels[0].triangles)?,
         diagonal: scene_diagonal(&scene.candidates()),
         levels,
         checks,
-        warnings,
+        warnings: [&asset.warnings[..], &looks.warnings].concat(),
         bytes: std::fs::metadata(&args.input).ok().map(|m| m.len()),
-    })
+    };
+    Ok((facts, looks.warnings))
 }
 
 /// Triangles and error of levels that each have nine tenths of the triangles of the one before.

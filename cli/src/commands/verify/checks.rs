@@ -1,15 +1,14 @@
 //! The checks of one file, as the report shows them.
 
-use super::errors;
-use super::source::first_difference;
 use crate::exit::{Failure, Outcome, Status};
 use crate::report::CheckReport;
 use lodc::{LodFile, LodObject};
 use lodc_formats::import::{ImportOptions, import};
 use lodc_formats::{Document, Limits, ObjectInfo, scene_graph};
 use lodc_lod::AnyModel;
+use lodc_measure::check_errors;
 use lodc_scene::{Arrangement, shape_in_scene};
-use lodc_verify::{Check, Reference, VerifyOptions, verify};
+use lodc_verify::{Check, Reference, VerifyOptions, source_difference, verify};
 use rayon::prelude::*;
 use std::path::Path;
 
@@ -41,7 +40,7 @@ fn object(
 ) -> Outcome<Vec<CheckReport>> {
     let name = &object.info.name;
     let (reference, errors) =
-        rayon::join(|| Reference::new(&object.simplified), || errors::check(object, shape));
+        rayon::join(|| Reference::new(&object.simplified), || errors(object, shape));
     let reference = reference.map_err(|e| {
         Failure::new(Status::Limit, format!("{name}: {e}; nothing more was verified"))
     })?;
@@ -60,43 +59,29 @@ fn object(
     let replays: Vec<_> = replays.map(replayed).collect();
     checks.extend(replays.iter().flatten().map(|c| report(name, c)));
     if object.models.is_empty() {
-        checks.push(absent(name));
+        let none = "the file has none, only the collapse sequence".to_owned();
+        let models = CheckReport::new(Some(name), "models", "replay");
+        checks.push(CheckReport { skipped: Some(none), ..models });
     }
     Ok(checks)
 }
 
-/// The models of an object that has none.
-fn absent(object: &str) -> CheckReport {
-    CheckReport {
-        object: Some(object.to_owned()),
-        model: "models",
-        check: "replay",
-        device: "cpu",
-        adapter: None,
-        lods: 0,
-        full: 0,
-        ok: None,
-        skipped: Some("the file has none, only the collapse sequence".to_owned()),
-        first_difference: None,
+/// Stored errors against measured ones; those that are estimates are skipped.
+fn errors(object: &LodObject, shape: &[[f32; 3]]) -> CheckReport {
+    let report = CheckReport::new(Some(&object.info.name), "sequence", "errors hold");
+    if !object.simplified.collapses().is_measured() {
+        let what = "the errors are estimates, as files before version 3 have them";
+        return CheckReport { skipped: Some(what.to_owned()), ..report };
     }
+    let (lods, difference) = check_errors(&object.simplified, shape);
+    report.of(lods as u64, difference)
 }
 
 fn report(object: &str, check: &Check) -> CheckReport {
-    CheckReport {
-        object: Some(object.to_owned()),
-        model: check.model,
-        check: check.name,
-        device: "cpu",
-        adapter: None,
-        lods: check.lods,
-        full: check.full,
-        ok: Some(check.ok()),
-        skipped: None,
-        first_difference: check
-            .failure
-            .as_ref()
-            .map(|failure| format!("{}: {failure}", check.model)),
-    }
+    let failure = check.failure.as_ref();
+    let difference = failure.map(|failure| format!("{}: {failure}", check.model));
+    let report = CheckReport::new(Some(object), check.model, check.name);
+    CheckReport { full: check.full, ..report.of(check.lods, difference) }
 }
 
 /// LOD 0 against the mesh it was made from.
@@ -108,7 +93,7 @@ pub(super) fn source(
     let scene = import(source, options)?;
     let difference = if scene.objects.len() == file.objects.len() {
         scene.objects.iter().zip(&file.objects).find_map(|(source, stored)| {
-            let what = first_difference(&source.mesh, stored.simplified.mesh());
+            let what = source_difference(&source.mesh, stored.simplified.mesh());
             what.map(|what| format!("{}: {what}", stored.info.name))
         })
     } else {
@@ -118,16 +103,5 @@ pub(super) fn source(
             file.objects.len()
         ))
     };
-    Ok(CheckReport {
-        object: None,
-        model: "source",
-        check: "LOD 0 is the input",
-        device: "cpu",
-        adapter: None,
-        lods: 1,
-        full: 1,
-        ok: Some(difference.is_none()),
-        skipped: None,
-        first_difference: difference,
-    })
+    Ok(CheckReport::new(None, "source", "LOD 0 is the input").of(1, difference))
 }

@@ -36,31 +36,11 @@ pub(super) fn open(wanted: Option<GpuUse>, adapter: Option<&str>) -> Outcome<Opt
 pub(super) fn checks(file: &LodFile, gpu: &Gpu, wanted: GpuUse) -> Outcome<Vec<CheckReport>> {
     match gpu {
         Gpu::Skipped(why) => Ok(vec![CheckReport {
+            device: "gpu",
             skipped: Some(why.clone()),
-            ..blank(None, "all", "replay", None)
+            ..CheckReport::new(None, "all", "replay")
         }]),
         Gpu::Device(device) => on_device(file, device, wanted),
-    }
-}
-
-/// A check about which nothing is known yet.
-fn blank(
-    object: Option<&str>,
-    model: &'static str,
-    check: &'static str,
-    adapter: Option<String>,
-) -> CheckReport {
-    CheckReport {
-        object: object.map(str::to_owned),
-        model,
-        check,
-        device: "gpu",
-        adapter,
-        lods: 0,
-        full: 0,
-        ok: None,
-        skipped: None,
-        first_difference: None,
     }
 }
 
@@ -82,7 +62,11 @@ fn on_device(file: &LodFile, device: &Device, wanted: GpuUse) -> Outcome<Vec<Che
         let name = &object.info.name;
         let stops = plan::stops(&object.simplified);
         for model in &object.models {
-            let report = |check| blank(Some(name), model.name(), check, adapter.clone());
+            let report = |check| CheckReport {
+                device: "gpu",
+                adapter: adapter.clone(),
+                ..CheckReport::new(Some(name), model.name(), check)
+            };
             // Where a device was only asked for if there is one, what it is too small for is left
             // out, aloud.
             let too_much = |failure: Failure, check| match wanted {
@@ -101,15 +85,10 @@ fn on_device(file: &LodFile, device: &Device, wanted: GpuUse) -> Outcome<Vec<Che
             for plan in plans {
                 let check = plan.name;
                 reports.push(match replay(device, plan) {
-                    Ok(done) => CheckReport {
-                        lods: done.lods,
-                        full: done.lods,
-                        ok: Some(done.difference.is_none()),
-                        first_difference: done
-                            .difference
-                            .map(|d| format!("{}, {check}: {d}", model.name())),
-                        ..report(check)
-                    },
+                    Ok(done) => {
+                        let differs = |d| format!("{}, {check}: {d}", model.name());
+                        report(check).of(done.lods, done.difference.map(differs))
+                    }
                     Err(e) => too_much(gpu::failure(&e), check)?,
                 });
             }

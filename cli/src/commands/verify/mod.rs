@@ -1,9 +1,7 @@
 //! `lodc verify`: every model of every file, replayed against the reference.
 
 mod checks;
-mod errors;
 mod gpu;
-mod source;
 mod sources;
 mod suites;
 

@@ -42,40 +42,71 @@ pub(crate) struct PageArgs {
     pub(super) import: ImportArgs,
 }
 
+/// A page that was made.
+pub(super) struct Page {
+    pub(super) text: String,
+    /// A line each, besides those of the asset.
+    pub(super) warnings: Vec<String>,
+    /// What is said of it before its size and after it.
+    pub(super) facts: [String; 2],
+}
+
+/// An asset for a page, and the files that it refers to.
+pub(super) struct Shown<'a> {
+    pub(super) asset: &'a Asset,
+    pub(super) assets: Assets,
+    pub(super) title: String,
+    pub(super) stages: &'a mut Stages,
+}
+
 pub(crate) fn run(args: &PageArgs) -> Outcome<()> {
+    write(args, |Shown { asset, mut assets, title, stages }| {
+        let (glb, warnings) = stages.run("export", || model(args, asset, &mut assets))?;
+        let text = stages.run("page", || page::page(&title, &glb));
+        let triangles = asset.objects.iter().map(|o| o.simplified.mesh().triangles().len() as u64);
+        let shown = format!("{}, ", count(triangles.sum(), "triangle"));
+        Ok((Page { text, warnings, facts: [shown, String::new()] }, ()))
+    })
+}
+
+/// Reads the input, makes its page, writes it and says so. `make` also returns a result.
+///
+/// # Errors
+/// If the input cannot be read or shown, or the page not be written.
+pub(super) fn write<R>(
+    args: &PageArgs,
+    make: impl FnOnce(Shown<'_>) -> Outcome<(Page, R)>,
+) -> Outcome<R> {
     let target = target(args)?;
     let mut stages = Stages::default();
     let asset = asset::read(&args.input, &args.import, &args.simplify, &mut stages)?;
-    let name = args.input.display().to_string();
-    let (glb, warnings) = stages.run("export", || model(args, &asset))?;
+    let options = args.import.options();
+    // Only the folder of that path counts: textures are looked for there.
+    let beside =
+        args.textures.as_ref().map_or_else(|| args.input.clone(), |folder| folder.join("-"));
+    let assets = Assets::new(&beside, &options.allowed, options.limits);
     let title = args.title.clone().unwrap_or_else(|| title(&args.input));
-    let bytes = stages.run("page", || page::page(&title, &glb)).into_bytes();
-    let length = bytes.len() as u64;
-    let path = PathBuf::from(target.name());
-    stages.run("write", || {
-        mesh_output::write(&target, vec![OutputFile { path: path.clone(), bytes }])
-    })?;
+    let shown = Shown { asset: &asset, assets, title, stages: &mut stages };
+    let (Page { text, warnings, facts: [before, after] }, result) = make(shown)?;
+    let (length, path) = (text.len() as u64, PathBuf::from(target.name()));
+    let file = OutputFile { path: path.clone(), bytes: text.into_bytes() };
+    stages.run("write", || mesh_output::write(&target, vec![file]))?;
     if let Some(depfile) = &args.depfile {
-        let mut inputs = asset.files_read.clone();
-        inputs.dedup();
-        output::write_depfile(depfile, &[Rule { output: path, inputs }])?;
+        output::write_depfile(depfile, &[Rule { output: path, inputs: asset.files_read }])?;
     }
+    let name = args.input.display().to_string();
     for warning in asset.warnings.iter().chain(&warnings) {
         console::warning(&name, warning);
     }
     if wants(Loudness::Normal) {
-        let triangles = asset.objects.iter().map(|o| o.simplified.mesh().triangles().len() as u64);
-        let shown = count(triangles.sum(), "triangle");
-        note(&format!("{}: {shown}, {}; open it in a browser", target.name(), size(length)));
+        let page = format!("{before}{}{after}", size(length));
+        note(&format!("{}: {page}; open it in a browser", target.name()));
     }
-    Ok(())
+    Ok(result)
 }
 
-/// The page's target, ready to be written.
-///
-/// # Errors
-/// If it, or the dependency file, cannot be written.
-pub(super) fn target(args: &PageArgs) -> Outcome<Target> {
+/// The page's target, ready to be written, as is the dependency file.
+fn target(args: &PageArgs) -> Outcome<Target> {
     if output::is_stream(&args.output) && args.depfile.is_some() {
         return Err(Failure::usage("a dependency file needs an output file, not standard output"));
     }
@@ -88,18 +119,13 @@ pub(super) fn target(args: &PageArgs) -> Outcome<Target> {
 }
 
 /// The file name of the input.
-pub(super) fn title(input: &Path) -> String {
+fn title(input: &Path) -> String {
     let name = if output::is_stream(input) { None } else { input.file_name() };
     name.map_or_else(|| "standard input".to_owned(), |n| n.to_string_lossy().into_owned())
 }
 
 /// The asset as a GLB with all levels, and warnings about its textures.
-fn model(args: &PageArgs, asset: &Asset) -> Outcome<(Vec<u8>, Vec<String>)> {
-    let options = args.import.options();
-    // Only the folder of that path counts: textures are looked for there.
-    let beside =
-        args.textures.as_ref().map_or_else(|| args.input.clone(), |folder| folder.join("-"));
-    let mut assets = Assets::new(&beside, &options.allowed, options.limits);
+fn model(args: &PageArgs, asset: &Asset, assets: &mut Assets) -> Outcome<(Vec<u8>, Vec<String>)> {
     let strips: Vec<Option<Vec<u32>>> = asset.objects.iter().map(strips_by_triangle).collect();
     let objects: Vec<LevelsObject<'_>> = (asset.objects.iter().zip(&strips))
         .map(|(object, strips)| LevelsObject {
@@ -108,7 +134,7 @@ fn model(args: &PageArgs, asset: &Asset) -> Outcome<(Vec<u8>, Vec<String>)> {
             strips: strips.as_deref(),
         })
         .collect();
-    let textures = Textures::read(&asset.document, &mut assets)?;
+    let textures = Textures::read(&asset.document, assets)?;
     let (file, warnings) = export_levels(&args.output, &asset.document, &objects, textures)?;
     Ok((file.bytes, warnings))
 }

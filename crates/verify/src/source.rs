@@ -1,10 +1,11 @@
-//! `--source`: proves that LOD 0 is the input, by the bytes of its triangles.
+//! Proof that LOD 0 is the mesh it was made from, by the bytes of its triangles.
 
 use lodc_mesh::{Attribute, Mesh, OrientedTriangle};
 
 /// Compares two meshes submesh by submesh as multisets of oriented triangles of attribute bytes;
-/// the order of vertices and triangles does not matter. Says what differs first.
-pub(super) fn first_difference(source: &Mesh, stored: &Mesh) -> Option<String> {
+/// the order of vertices and triangles does not matter. Returns what differs first.
+#[must_use]
+pub fn source_difference(source: &Mesh, stored: &Mesh) -> Option<String> {
     let submeshes = [source, stored].map(|mesh| mesh.submeshes().len());
     if submeshes[0] != submeshes[1] {
         return Some(format!(

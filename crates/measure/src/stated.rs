@@ -1,9 +1,9 @@
-//! Stored errors against distances that are measured here, at a few levels of every object.
+//! The errors that a sequence states, against distances that are measured here at a few levels.
 
-use crate::report::CheckReport;
-use lodc::LodObject;
-use lodc_measure::{Sampling, Surface, TriangleTree, farther_than};
+use crate::distance::{Sampling, farther_than};
+use crate::surface::Surface;
 use lodc_mesh::{CollapseSequence, Lod, PositionIds, Simplified, SplitMix64, is_degenerate};
+use lodc_nearest::TriangleTree;
 use rayon::prelude::*;
 
 /// Levels that are measured, spread over the triangle counts.
@@ -12,38 +12,20 @@ const LEVELS: u32 = 8;
 /// Chooses the levels.
 const SEED: u64 = 0x6572_726f_7273;
 
-/// Fewer samples than `compare` takes: a stored error that is half of the true one is found all the
+/// Fewer samples than [`Sampling::DEFAULT`]: a stored error that is half of the true one is found all the
 /// same.
 const SAMPLING: Sampling = Sampling { samples: 20_000, lattice: 30_000, seed: 0x5eed };
 
 /// Measured distances may be so much larger than the stored ones, which know samples only.
 const TOLERANCE: f64 = 1.05;
 
-/// Compares the stored errors of an object with measured ones; errors that are estimates are
-/// skipped. `shape` is the surface that the scene shows, a place for each vertex.
-pub(super) fn check(object: &LodObject, shape: &[[f32; 3]]) -> CheckReport {
-    let collapses = object.simplified.collapses();
-    let mut report = CheckReport {
-        object: Some(object.info.name.clone()),
-        model: "sequence",
-        check: "errors hold",
-        device: "cpu",
-        adapter: None,
-        lods: 0,
-        full: 0,
-        ok: None,
-        skipped: None,
-        first_difference: None,
-    };
-    if !collapses.is_measured() {
-        report.skipped = Some("the errors are estimates, not measured".to_owned());
-        return report;
-    }
-    let lods = levels(collapses);
-    (report.lods, report.full) = (lods.len() as u64, lods.len() as u64);
-    report.first_difference = first_difference(&object.simplified, shape, &lods);
-    report.ok = Some(report.first_difference.is_none());
-    report
+/// Compares the errors of a sequence with measured ones: returns how many levels were measured, and
+/// what is wrong with the first whose error does not hold. `shape` is the surface that the scene
+/// shows, a place for each vertex.
+#[must_use]
+pub fn check_errors(simplified: &Simplified, shape: &[[f32; 3]]) -> (usize, Option<String>) {
+    let lods = levels(simplified.collapses());
+    (lods.len(), first_difference(simplified, shape, &lods))
 }
 
 /// Returns levels with triangles, one by chance from each of some ranges of triangle counts.
