@@ -1,4 +1,4 @@
-"""Compares the Python package with what this program wrote: see tests/second_reader.rs.
+"""Compares the Python package with what this program wrote: see tests/cli/second_reader.rs.
 
 usage: second_reader.py levels FOLDER | streams FOLDER GOLDEN | facts FOLDER | damage FILES STREAMS
 """
