@@ -16,9 +16,9 @@ fmt:
 lint:
     .ci/lint
 
-# All tests
-test:
-    tests/run
+# Tests that need nothing from outside; --all: every test
+test *words:
+    tests/run {{words}}
 
 # What CI runs
 ci:
@@ -64,7 +64,7 @@ picture: build
 
 # Draw the picture of the packages again (docs/packages.svg)
 drawing:
-    UPDATE=1 cargo test -p lodc-cli --test architecture picture
+    UPDATE=1 cargo test -p lodc-fixtures --test architecture picture
 
 # Build the browser package, and serve its example on port 8000: http://localhost:8000/example/
 web: build

@@ -1,4 +1,4 @@
-"""Compares the Python package with what this program wrote: see tests/second_reader.rs.
+"""Compares the Python package with what this program wrote: see tests/cli/second_reader.rs.
 
 usage: second_reader.py levels FOLDER | streams STATES FOLDER | facts FOLDER | damage FOLDER
 """
@@ -9,7 +9,7 @@ import random
 import struct
 import sys
 
-sys.path.insert(0, str(pathlib.Path(__file__).parent.parent / "formats/python"))
+sys.path.insert(0, str(pathlib.Path(__file__).parent.parent / "cli/packaging/python"))
 
 import numpy as np
 

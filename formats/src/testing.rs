@@ -65,15 +65,15 @@ pub(crate) fn say(what: &str) {
     println!("{what}");
 }
 
-/// The folder of real models, or none, said aloud.
+/// The folder of real models. None, said aloud, if it is not asked for, or if `LODC_CORPUS=none`
+/// leaves it out.
 pub(crate) fn corpus() -> Option<PathBuf> {
-    let default = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/models");
-    let folder = std::env::var_os("LODC_CORPUS").map_or(default, PathBuf::from);
-    if folder.is_dir() {
-        return Some(folder);
+    if !lodc_fixtures::all_asked() {
+        say("SKIPPED: needs real models (tests/run --all)");
+        return None;
     }
-    say(&format!("SKIPPED: no models at {} (set LODC_CORPUS)", folder.display()));
-    None
+    let folder: PathBuf = std::env::var_os("LODC_CORPUS").expect("LODC_CORPUS is set").into();
+    (folder != Path::new("none")).then_some(folder)
 }
 
 /// A small generator of numbers that depend on the seed alone (SplitMix64).

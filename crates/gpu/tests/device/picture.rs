@@ -1,14 +1,10 @@
 //! Pictures of a few triangles, judged by what must be where: never by hashes, which differ from
 //! driver to driver.
 
-#![expect(clippy::print_stderr, reason = "a test that is left out says so aloud")]
-
-mod support;
-
+use crate::support::device;
 use lodc_gpu::picture::{BackFaces, Camera, Corner, Frame, Framing, Lens, Painter, Style, Up};
 use lodc_gpu::{Device, GpuError};
 use lodc_scene::{AlphaMode, Coordinates, Image, Material, Texture, Wrap};
-use support::device;
 
 const WHITE: [f32; 4] = [1.0; 4];
 /// Opaque white, seen from both sides.

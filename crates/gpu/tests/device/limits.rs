@@ -1,15 +1,11 @@
 //! Meshes that are too large are refused; small ones stand in for them under lowered limits.
 
-#![expect(clippy::print_stderr, reason = "a test that is left out says so aloud")]
-
-mod support;
-
+use crate::support::{device, models};
 use lodc_fixtures as fixtures;
 use lodc_gpu::{Device, GpuError, LimitOverrides, replay};
 use lodc_lod::AnyModel;
 use lodc_model::Model;
 use lodc_plan::schedule;
-use support::{device, models};
 
 fn lowered(lowered: &LimitOverrides) -> Option<Device> {
     device().map(|_| Device::open_with(None, lowered).expect("limits below those of an adapter"))

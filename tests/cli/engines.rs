@@ -1,25 +1,16 @@
 //! Engines read chains: Babylon.js, which knows MSFT_lod, and three.js through its parser.
 
-#![expect(clippy::print_stderr, reason = "a test that is left out says so aloud")]
-
-mod support;
-
+use crate::support::{Folder, corpus, outside};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
-use support::{Folder, corpus};
 
 /// Bits that quantised files keep.
 const BITS: &str = "pos=14,normal=10,uv=12,color=8,weight=8";
 
-/// The node_modules folder with the engines. None, said aloud, if it is not there.
+/// The node_modules folder with the engines. None if they are not asked for.
 fn modules() -> Option<PathBuf> {
-    let modules = std::env::var_os("LODC_ENGINES").map(PathBuf::from);
-    if modules.is_none() {
-        assert!(std::env::var_os("CI").is_none(), "LODC_ENGINES must be set where CI is set");
-        eprintln!("SKIPPED: LODC_ENGINES names no node_modules folder (tests/run makes one)");
-    }
-    modules
+    outside("LODC_ENGINES")
 }
 
 /// Runs a script of this folder over a list; returns what it prints.

@@ -1,10 +1,7 @@
 //! Real meshes that nobody here made: the sound ones build, verify and extract; the broken ones end
 //! as promised.
 
-#![expect(clippy::print_stderr, reason = "a test that is left out says so aloud")]
-
-mod support;
-
+use crate::support::{Folder, REFUSED, Run, corpus, manifest};
 use lodc_formats::Limits;
 use lodc_formats::lods::Unpacker;
 use std::collections::VecDeque;
@@ -12,7 +9,6 @@ use std::path::Path;
 use std::sync::Mutex;
 use std::thread;
 use std::time::Instant;
-use support::{Folder, REFUSED, Run, corpus, manifest};
 
 /// Above this many triangles a mesh is verified at every thousandth step and extracted once: the
 /// test has to end.

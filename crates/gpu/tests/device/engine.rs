@@ -1,13 +1,9 @@
 //! docs/ENGINE.md, followed to the letter by a host that has nothing but wgpu, the WGSL files and
 //! what a `.lodc` holds.
 
-#![expect(clippy::print_stderr, reason = "a test that is left out says so aloud")]
-
 /// The host that the page quotes.
-#[path = "../examples/host/gpu.rs"]
+#[path = "../../examples/host/gpu.rs"]
 mod gpu;
-mod support;
-
 use gpu::Gpu;
 use lodc_fixtures as fixtures;
 use lodc_lod::ModelKind;
@@ -70,7 +66,7 @@ fn sample() -> (Simplified, VertexRecords) {
 
 #[test]
 fn the_guide_leads_to_every_lod() {
-    if support::device().is_none() {
+    if crate::support::device().is_none() {
         return;
     }
     let engine = Gpu::open().expect("a device");
@@ -127,7 +123,7 @@ fn the_guide_leads_to_every_lod() {
 
 #[test]
 fn the_guide_leads_to_views() {
-    if support::device().is_none() {
+    if crate::support::device().is_none() {
         return;
     }
     let engine = Gpu::open().expect("a device");
@@ -184,7 +180,7 @@ fn the_guide_leads_to_views() {
 
 #[test]
 fn every_file_is_a_shader_by_itself() {
-    if support::device().is_none() {
+    if crate::support::device().is_none() {
         return;
     }
     let engine = Gpu::open().expect("a device");

@@ -1,18 +1,14 @@
 //! Small files that ask for much: refused soon, and without taking the memory they ask for.
 //!
 //! Promised are 64 MiB plus twice the file; memory is the system's high-water mark of the process.
-//! Times differ with the machine, so they are printed when something else fails, not judged.
+//! Times differ with the machine: what a run took is printed when something else fails.
 
-#![expect(clippy::print_stderr, reason = "a test that is left out says so aloud")]
-
-mod support;
-
+use crate::support::{Folder, LODC, Run, grid};
 use lodc_formats::lodc::with_valid_checksums;
 use std::fmt::Write;
 use std::io::Write as _;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
-use support::{Folder, LODC};
 
 /// A bomb's file, and what a run of the program on it took.
 struct Range(Folder);
@@ -68,14 +64,14 @@ impl Range {
         let (start, mut taken) = (Instant::now(), Taken::default());
         while child.try_wait().expect("it can be asked").is_none() {
             taken.look(child.id());
-            // Times are not asserted, only that there is an end.
-            if start.elapsed() > Duration::from_secs(120) {
+            // A thousand times what it takes: only what hangs gets here.
+            if start.elapsed() > Duration::from_secs(600) {
                 child.kill().expect("it can be ended");
-                panic!("{name} {args:?}: still at it after two minutes, {taken:?}");
+                panic!("{name} {args:?}: still at it after ten minutes, {taken:?}");
             }
             std::thread::sleep(Duration::from_micros(300));
         }
-        let run = support::Run::from(child.wait_with_output().expect("it has ended"));
+        let run = Run::from(child.wait_with_output().expect("it has ended"));
         assert!(matches!(run.status, Some(3 | 5)), "{name}: {run:?}");
         assert_eq!(run.err.lines().count(), 1, "{name}: {}", run.err);
         assert!(run.err.contains(name) && run.err.len() < 500, "{name}: {}", run.err);
@@ -208,7 +204,7 @@ fn a_line_without_end_is_given_up() {
 #[test]
 fn counts_in_a_lodc_file_are_compared_with_its_bytes() {
     let range = Range(Folder::new());
-    range.0.file("good.obj", support::grid(4));
+    range.0.file("good.obj", grid(4));
     range.0.lodc(["build", "good.obj", "-q"]).ends(0);
     let good = range.0.read("good.lodc");
     assert_eq!(with_valid_checksums(&good), good, "the checksums are understood");

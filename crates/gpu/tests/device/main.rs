@@ -1,0 +1,8 @@
+//! Replays and pictures on a graphics device, compared with what must come out.
+
+mod engine;
+mod faults;
+mod limits;
+mod picture;
+mod replay;
+mod support;
