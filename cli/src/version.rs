@@ -3,7 +3,29 @@
 use crate::console;
 use crate::exit::Outcome;
 use lodc_formats::{lodc, lods};
-use serde_json::json;
+use serde::Serialize;
+
+#[derive(Serialize)]
+struct Versions {
+    schema_version: u32,
+    name: &'static str,
+    version: &'static str,
+    formats: Formats,
+    features: &'static [&'static str],
+    graphics_apis: &'static [&'static str],
+}
+
+#[derive(Serialize)]
+struct Formats {
+    lodc: Format,
+    lods: Format,
+}
+
+#[derive(Serialize)]
+struct Format {
+    writes: u32,
+    reads_up_to: u32,
+}
 
 /// Returns whether the arguments are `--version` (or `-V`) and `--json`, in either order. Without
 /// `--json`, and with anything else, the command line answers by itself.
@@ -19,15 +41,15 @@ pub(crate) fn is_asked_for_as_json() -> bool {
 /// If standard output cannot be written.
 pub(crate) fn print() -> Outcome<()> {
     let gpu = cfg!(feature = "gpu");
-    console::json(&json!({
-        "schema_version": crate::report::SCHEMA_VERSION,
-        "name": "lodc",
-        "version": env!("CARGO_PKG_VERSION"),
-        "formats": {
-            "lodc": { "writes": lodc::VERSION, "reads_up_to": lodc::VERSION },
-            "lods": { "writes": lods::VERSION, "reads_up_to": lods::NAMING_VERSION },
+    console::json(&Versions {
+        schema_version: crate::report::SCHEMA_VERSION,
+        name: "lodc",
+        version: env!("CARGO_PKG_VERSION"),
+        formats: Formats {
+            lodc: Format { writes: lodc::VERSION, reads_up_to: lodc::VERSION },
+            lods: Format { writes: lods::VERSION, reads_up_to: lods::NAMING_VERSION },
         },
-        "features": if gpu { vec!["gpu"] } else { vec![] },
-        "graphics_apis": if gpu { vec!["vulkan"] } else { vec![] },
-    }))
+        features: if gpu { &["gpu"] } else { &[] },
+        graphics_apis: if gpu { &["vulkan"] } else { &[] },
+    })
 }

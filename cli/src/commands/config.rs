@@ -1,10 +1,9 @@
 //! `lodc config`: what configuration files say of an asset.
 
-use crate::config::{ConfigArgs, Configs};
+use crate::config::{ConfigArgs, Configs, text};
 use crate::console;
 use crate::exit::Outcome;
 use clap::Args;
-use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
@@ -28,7 +27,7 @@ pub(crate) fn run(args: &ShowArgs) -> Outcome<()> {
         let mut options = BTreeMap::new();
         for layer in &layers {
             if let Some(part) = &layer.part {
-                let part = Value::Object(part.clone());
+                let part = text(part);
                 lines.push(format!("{command} --part '{part}' # {}", layer.source));
             }
             for (name, values) in &layer.values.0 {

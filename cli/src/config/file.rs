@@ -3,13 +3,14 @@
 use crate::batch::{OptionValues, globs, has_option, is_command, is_of_the_run, suggestion};
 use crate::exit::{Failure, Outcome, Status};
 use crate::parts::Part;
+use indexmap::IndexMap;
 use serde::Deserialize;
-use serde_json::{Map, Value};
+use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Options by long name; a table under a command's name holds options of that command alone.
-pub(crate) type Options = Map<String, Value>;
+pub(crate) type Options = IndexMap<String, Value>;
 
 /// A file as TOML has it.
 #[derive(Debug, Default, Deserialize)]
@@ -195,7 +196,7 @@ impl Override {
         let plain: Options = plain.map(|(name, value)| (name.clone(), value.clone())).collect();
         for own in tables.chain([plain]) {
             if let Some(part) = self.part(&own) {
-                Part::parse(&Value::Object(part).to_string())?;
+                Part::parse(&super::text(&part))?;
             }
         }
         Ok(())

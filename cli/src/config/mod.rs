@@ -9,7 +9,6 @@ use crate::batch::{self, Asset, OptionValues};
 use crate::exit::{Failure, Outcome};
 use clap::Args;
 use file::{File, Options};
-use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -32,6 +31,11 @@ pub(crate) struct ConfigArgs {
     /// Take the options of this profile of the configuration
     #[arg(long, value_name = "NAME")]
     pub(crate) profile: Option<String>,
+}
+
+/// The options of a part as JSON.
+pub(crate) fn text(part: &Options) -> String {
+    serde_json::to_string(part).expect("options are values of JSON")
 }
 
 /// The configurations of a run, each read once.
@@ -93,7 +97,7 @@ impl<'a> Configs<'a> {
             if !parts.is_empty() {
                 let if_there = |mut part: Options| {
                     part.insert("if-there".to_owned(), true.into());
-                    Value::Object(part).to_string()
+                    text(&part)
                 };
                 let texts = parts.into_iter().map(if_there);
                 under.0.insert("part".to_owned(), texts.collect());

@@ -39,7 +39,7 @@ pub(super) fn measure(
     rounds: u32,
     report: &mut BenchObject,
 ) -> Outcome<()> {
-    use super::report::{CaseReport, GpuReport, MemoryReport, value};
+    use super::report::{CaseReport, GpuReport, MemoryReport};
     use super::timings::Timings;
     use crate::exit::{Failure, Status};
     use lodc_model::Model;
@@ -62,7 +62,7 @@ pub(super) fn measure(
                 bytes: f.bytes,
                 million_vertices_per_second: f.vertices.map(|n| n / timings.best() / 1e3),
             };
-            (f.name.to_owned(), value(&case))
+            (f.name.to_owned(), case)
         });
         let report = report.gpu.get_or_insert_with(|| GpuReport {
             adapter: device.adapter().to_string(),
@@ -72,12 +72,10 @@ pub(super) fn measure(
         let memory = benchmark.memory.iter().map(|m| {
             let words =
                 MemoryReport { positions: per_vertex(m.positions), normals: per_vertex(m.normals) };
-            (m.variant.to_owned(), value(&words))
+            (m.variant.to_owned(), words)
         });
-        report
-            .words_per_vertex
-            .insert(model.name().to_owned(), serde_json::Value::Object(memory.collect()));
-        report.models.insert(model.name().to_owned(), serde_json::Value::Object(cases.collect()));
+        report.words_per_vertex.insert(model.name(), memory.collect());
+        report.models.insert(model.name(), cases.collect());
     }
     Ok(())
 }

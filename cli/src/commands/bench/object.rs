@@ -2,8 +2,8 @@
 
 use super::measure::{Times, counts, points, stops, times};
 use super::report::{
-    BenchObject, Bits, CurveReport, DrawnReport, ExtractionReport, ExtractionSpread, SubjectReport,
-    TrafficReport, value,
+    BenchObject, Bits, CurveReport, DrawnReport, ExtractionReport, ExtractionSpread,
+    PrimitiveReport, SubjectReport, TrafficReport,
 };
 use super::subject::{Subject, baselines, plain, subjects};
 use super::timings::Timings;
@@ -11,10 +11,10 @@ use super::{BenchArgs, Prepared, gpu, primitives, stream};
 use crate::commands::build::counts as object_counts;
 use crate::exit::Outcome;
 use crate::gpu::Device;
+use indexmap::IndexMap;
 use lodc_mesh::{CollapseSequence, Lod, Simplified};
 use lodc_model::StorageCost;
 use lodc_strip::StripKind;
-use serde_json::{Map, Value};
 
 /// Measures one object.
 ///
@@ -35,13 +35,13 @@ pub(super) fn measure(
     } else {
         Some(ObjectTimes::new(&mut subjects, &object.simplified, &sweep, args.rounds.get()))
     };
-    let mut models = Map::new();
+    let mut models = IndexMap::new();
     for subject in &mut subjects {
         let row = subject_report(subject, &sweep, times.as_ref());
-        models.insert(subject.name.to_owned(), value(&row));
+        models.insert(subject.name, row);
     }
     for (name, cost) in plain(&object.simplified, long) {
-        models.insert(name.to_owned(), value(&plain_report(cost)));
+        models.insert(name, plain_report(cost));
     }
     let mut report = BenchObject {
         counts: object_counts(&object.info, &object.simplified),
@@ -179,15 +179,14 @@ fn plain_report(cost: StorageCost) -> SubjectReport {
 }
 
 /// LOD 0 as triangles and strips.
-fn primitives_of(prepared: &Prepared) -> Map<String, Value> {
+fn primitives_of(prepared: &Prepared) -> IndexMap<&'static str, PrimitiveReport> {
     let mesh = prepared.object.simplified.mesh();
     let lists = [
         ("triangles", primitives::triangles(mesh)),
         ("triangles_cache", primitives::cache_ordered(mesh)),
     ];
     let strips = prepared.strips.iter().map(|s| (s.kind.name(), primitives::strips(mesh, s)));
-    let rows = lists.into_iter().chain(strips);
-    rows.map(|(name, row)| (name.to_owned(), value(&row))).collect()
+    lists.into_iter().chain(strips).collect()
 }
 
 fn of_cost([all, most]: [StorageCost; 2], file: Option<u64>, tight: Option<u64>) -> Bits {

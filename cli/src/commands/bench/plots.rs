@@ -1,7 +1,7 @@
 //! Curves over LODs as SVG: indices drawn (thesis fig. 4.9), extraction time (figs. 3.9, 4.10), and
 //! draws on a device.
 
-use super::report::{BenchFile, BenchObject};
+use super::report::{BenchFile, BenchObject, value};
 use crate::chart::{Chart, Curve, Scale};
 use serde_json::Value;
 use std::path::Path;
@@ -33,7 +33,7 @@ fn charts(object: &BenchObject) -> [(&'static str, String); 3] {
             row.pointer(path)?.as_array()?.iter().map(Value::as_f64).collect()
         };
         let models = object.models.iter();
-        models.filter_map(|(name, row)| Some((name.clone(), list(row)?))).collect()
+        models.filter_map(|(name, row)| Some(((*name).to_owned(), list(&value(row))?))).collect()
     };
     let curve: Vec<f64> = object.curve.lods.iter().map(|&lod| share(lod)).collect();
     let device = object.gpu.as_ref().map(|gpu| &gpu.curve);

@@ -3,8 +3,9 @@
 use super::crowd::CrowdReport;
 use super::timings::Spread;
 use crate::report::ObjectCounts;
+use indexmap::IndexMap;
 use serde::Serialize;
-use serde_json::{Map, Value};
+use serde_json::Value;
 use std::collections::BTreeMap;
 
 /// `bench --json`.
@@ -42,9 +43,9 @@ pub(super) struct BenchObject {
     /// The same over all rounds.
     pub(super) rebuild_spread: Option<Spread>,
     /// By name: `triangles`, `triangles_cache`, `stripe`, `cache`.
-    pub(super) primitives: Map<String, Value>,
+    pub(super) primitives: IndexMap<&'static str, PrimitiveReport>,
     /// By name: models, baselines, then `triangles` and `strips` for storage.
-    pub(super) models: Map<String, Value>,
+    pub(super) models: IndexMap<&'static str, SubjectReport>,
     /// Null if nothing was timed on a GPU.
     pub(super) gpu: Option<GpuReport>,
     /// Null if streams were not asked for.
@@ -109,9 +110,9 @@ pub(super) struct GpuReport {
     /// Whose clock: `device` (time stamps around passes) or `host` (from submitting to being done).
     pub(super) clock: &'static str,
     /// By model and variant: words on the device for each vertex of LOD 0.
-    pub(super) words_per_vertex: Map<String, Value>,
+    pub(super) words_per_vertex: IndexMap<&'static str, IndexMap<String, MemoryReport>>,
     /// By model and case.
-    pub(super) models: Map<String, Value>,
+    pub(super) models: IndexMap<&'static str, IndexMap<String, CaseReport>>,
     /// Everything over LODs, baselines as well.
     pub(super) curve: DeviceCurve,
 }
