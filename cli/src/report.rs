@@ -1,6 +1,7 @@
 //! The JSON documents. Their keys are a contract with scripts (docs/CLI.md): more may be added,
 //! none may change.
 
+use indexmap::IndexMap;
 use serde::Serialize;
 
 /// Version of all documents below; rises only if a key changes its meaning or goes away.
@@ -159,9 +160,9 @@ pub(crate) struct ObjectReport {
     pub(crate) collapse_lists: ListsReport,
     pub(crate) lods: Vec<LodReport>,
     /// Strips by generator; empty until the file has strip models.
-    pub(crate) strips: serde_json::Map<String, serde_json::Value>,
+    pub(crate) strips: IndexMap<&'static str, StripsReport>,
     /// Models by name.
-    pub(crate) models: serde_json::Map<String, serde_json::Value>,
+    pub(crate) models: IndexMap<&'static str, ModelReport>,
 }
 
 /// Entries of the collapse lists of an object, over the whole sequence.
@@ -192,6 +193,14 @@ pub(crate) struct LodReport {
     pub(crate) error: f64,
     /// Null if it was not measured.
     pub(crate) rms: Option<f64>,
+}
+
+/// Strips as they are stored.
+#[derive(Debug, Serialize)]
+pub(crate) struct StripsReport {
+    pub(crate) strips: Option<u64>,
+    pub(crate) indices: u64,
+    pub(crate) acmr_fifo16: f64,
 }
 
 /// Storage cost of one model.

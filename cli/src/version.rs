@@ -3,7 +3,23 @@
 use crate::console;
 use crate::exit::Outcome;
 use lodc_formats::{lodc, lods};
-use serde_json::json;
+use serde::Serialize;
+
+#[derive(Serialize)]
+struct Versions {
+    schema_version: u32,
+    name: &'static str,
+    version: &'static str,
+    formats: Formats,
+    features: &'static [&'static str],
+    graphics_apis: &'static [&'static str],
+}
+
+#[derive(Serialize)]
+struct Formats {
+    lodc: u16,
+    lods: u16,
+}
 
 /// Returns whether the arguments are `--version` (or `-V`) and `--json`, in either order. Without
 /// `--json`, and with anything else, the command line answers by itself.
@@ -19,12 +35,12 @@ pub(crate) fn is_asked_for_as_json() -> bool {
 /// If standard output cannot be written.
 pub(crate) fn print() -> Outcome<()> {
     let gpu = cfg!(feature = "gpu");
-    console::json(&json!({
-        "schema_version": crate::report::SCHEMA_VERSION,
-        "name": "lodc",
-        "version": env!("CARGO_PKG_VERSION"),
-        "formats": { "lodc": lodc::VERSION, "lods": lods::VERSION },
-        "features": if gpu { vec!["gpu"] } else { vec![] },
-        "graphics_apis": if gpu { vec!["vulkan"] } else { vec![] },
-    }))
+    console::json(&Versions {
+        schema_version: crate::report::SCHEMA_VERSION,
+        name: "lodc",
+        version: env!("CARGO_PKG_VERSION"),
+        formats: Formats { lodc: lodc::VERSION, lods: lods::VERSION },
+        features: if gpu { &["gpu"] } else { &[] },
+        graphics_apis: if gpu { &["vulkan"] } else { &[] },
+    })
 }

@@ -5,7 +5,6 @@ use crate::console;
 use crate::exit::Outcome;
 use crate::program::Program;
 use clap::Args;
-use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
@@ -28,8 +27,7 @@ pub(crate) fn run(args: &ShowArgs, program: &Program) -> Outcome<()> {
         let layers = args.configuration.layers(program, command, &args.show)?;
         let mut options = BTreeMap::new();
         for layer in &layers {
-            if let Some(part) = &layer.part {
-                let part = Value::Object(part.clone());
+            if let Some(part) = layer.part_text() {
                 lines.push(format!("{command} --part '{part}' # {}", layer.source));
             }
             for (name, values) in &layer.values.0 {

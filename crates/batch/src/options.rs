@@ -12,7 +12,9 @@ impl OptionValues {
     ///
     /// # Errors
     /// If a value is neither text, number, true, false nor a list of texts and numbers.
-    pub fn from_json(object: &serde_json::Map<String, serde_json::Value>) -> Result<Self, String> {
+    pub fn from_json<'a>(
+        object: impl IntoIterator<Item = (&'a String, &'a serde_json::Value)>,
+    ) -> Result<Self, String> {
         use serde_json::Value;
         let one = |name: &str, value: &Value| match value {
             Value::String(text) => Ok(text.clone()),

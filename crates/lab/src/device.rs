@@ -1,7 +1,7 @@
 //! Timing models on a graphics device, by the device's own clock.
 
 use crate::error::LabError;
-use crate::report::{CaseReport, DeviceCurve, DrawnCurve, GpuReport, MemoryReport, value};
+use crate::report::{CaseReport, DeviceCurve, DrawnCurve, GpuReport, MemoryReport};
 use crate::subject::Subject;
 use crate::timings::Timings;
 use lodc::LodObject;
@@ -10,7 +10,6 @@ use lodc_gpu::picture::{Camera, Framing, Lens, Up};
 use lodc_gpu::{GpuError, Instance, Instanced, InstancedDraw, InstancedFrame};
 use lodc_mesh::{Lod, Simplified};
 use lodc_model::Model;
-use serde_json::Value;
 use std::collections::BTreeMap;
 use std::time::Instant;
 
@@ -47,15 +46,14 @@ pub(crate) fn measure(
                 bytes: f.bytes,
                 million_vertices_per_second: f.vertices.map(|n| n / timings.best() / 1e3),
             };
-            (f.name.to_owned(), value(&case))
+            (f.name.to_owned(), case)
         });
         let memory = benchmark.memory.iter().map(|m| {
             let [positions, normals] = [m.positions, m.normals].map(|w| w as f64 / vertices);
-            (m.variant.to_owned(), value(&MemoryReport { positions, normals }))
+            (m.variant.to_owned(), MemoryReport { positions, normals })
         });
-        let name = model.name().to_owned();
-        report.words_per_vertex.insert(name.clone(), Value::Object(memory.collect()));
-        report.models.insert(name, Value::Object(cases.collect()));
+        report.words_per_vertex.insert(model.name(), memory.collect());
+        report.models.insert(model.name(), cases.collect());
     }
     report.curve = curve(device, simplified, subjects, stops, rounds)?;
     Ok((!object.models.is_empty()).then_some(report))

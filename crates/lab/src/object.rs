@@ -3,18 +3,19 @@
 use crate::device::{self, Device};
 use crate::error::LabError;
 use crate::prepared::Prepared;
+use crate::primitives::{self, PrimitiveReport};
 use crate::report::{
     BenchObject, Bits, CurveReport, DrawnReport, ExtractionReport, ExtractionSpread, Settings,
-    SubjectReport, TrafficReport, value,
+    SubjectReport, TrafficReport,
 };
+use crate::stream;
 use crate::subject::{Subject, baselines, plain, subjects};
 use crate::sweep::{Times, counts, points, stops, times};
 use crate::timings::Timings;
-use crate::{primitives, stream};
+use indexmap::IndexMap;
 use lodc_mesh::{CollapseSequence, Lod, Simplified};
 use lodc_model::StorageCost;
 use lodc_strip::StripKind;
-use serde_json::{Map, Value};
 
 /// Measures one object; on a graphics device too, if there is one and times are wanted.
 ///
@@ -34,13 +35,13 @@ pub fn measure(
         .rounds
         .filter(|_| !sweep.stops.is_empty())
         .map(|rounds| ObjectTimes::new(&mut subjects, &object.simplified, &sweep, rounds));
-    let mut models = Map::new();
+    let mut models = IndexMap::new();
     for subject in &mut subjects {
         let row = subject_report(subject, &sweep, times.as_ref());
-        models.insert(subject.name.to_owned(), value(&row));
+        models.insert(subject.name, row);
     }
     for (name, cost) in plain(&object.simplified, long) {
-        models.insert(name.to_owned(), value(&plain_report(cost)));
+        models.insert(name, plain_report(cost));
     }
     let mut report = BenchObject {
         records: collapses.records(),
@@ -176,15 +177,14 @@ fn plain_report(cost: StorageCost) -> SubjectReport {
 }
 
 /// LOD 0 as triangles and strips.
-fn primitives_of(prepared: &Prepared) -> Map<String, Value> {
+fn primitives_of(prepared: &Prepared) -> IndexMap<&'static str, PrimitiveReport> {
     let mesh = prepared.object.simplified.mesh();
     let lists = [
         ("triangles", primitives::triangles(mesh)),
         ("triangles_cache", primitives::cache_ordered(mesh)),
     ];
     let strips = prepared.strips.iter().map(|s| (s.kind.name(), primitives::strips(mesh, s)));
-    let rows = lists.into_iter().chain(strips);
-    rows.map(|(name, row)| (name.to_owned(), value(&row))).collect()
+    lists.into_iter().chain(strips).collect()
 }
 
 fn of_cost([all, most]: [StorageCost; 2], file: Option<u64>, tight: Option<u64>) -> Bits {

@@ -2,7 +2,7 @@
 //! draws on a device.
 
 use crate::chart::{Chart, Curve, Scale, colour_of};
-use crate::report::BenchObject;
+use crate::report::{BenchObject, value};
 use serde_json::Value;
 
 /// Charts of an object as SVG, with the names of their kinds; empty ones where nothing was measured.
@@ -15,7 +15,7 @@ pub fn charts(object: &BenchObject) -> [(&'static str, String); 3] {
             row.pointer(path)?.as_array()?.iter().map(Value::as_f64).collect()
         };
         let models = object.models.iter();
-        models.filter_map(|(name, row)| Some((name.clone(), list(row)?))).collect()
+        models.filter_map(|(name, row)| Some(((*name).to_owned(), list(&value(row))?))).collect()
     };
     let curve: Vec<f64> = object.curve.lods.iter().map(|&lod| share(lod)).collect();
     let device = object.gpu.as_ref().map(|gpu| &gpu.curve);

@@ -1,9 +1,11 @@
 //! The figures of an object as `bench --json` has them. Their keys are a contract with scripts
 //! (docs/CLI.md): more may be added, none may change.
 
+use crate::primitives::PrimitiveReport;
 use crate::timings::Spread;
+use indexmap::IndexMap;
 use serde::Serialize;
-use serde_json::{Map, Value};
+use serde_json::Value;
 use std::collections::BTreeMap;
 
 /// The way in which objects are measured.
@@ -34,9 +36,9 @@ pub struct BenchObject {
     /// The same over all rounds.
     pub(crate) rebuild_spread: Option<Spread>,
     /// By name: `triangles`, `triangles_cache`, `stripe`, `cache`.
-    pub(crate) primitives: Map<String, Value>,
+    pub(crate) primitives: IndexMap<&'static str, PrimitiveReport>,
     /// By name: models, baselines, then `triangles` and `strips` for storage.
-    pub(crate) models: Map<String, Value>,
+    pub(crate) models: IndexMap<&'static str, SubjectReport>,
     /// Null if nothing was timed on a GPU.
     pub(crate) gpu: Option<GpuReport>,
     /// Null if streams were not asked for.
@@ -101,9 +103,9 @@ pub(crate) struct GpuReport {
     /// Whose clock: `device` (time stamps around passes) or `host` (from submitting to being done).
     pub(crate) clock: &'static str,
     /// By model and variant: words on the device for each vertex of LOD 0.
-    pub(crate) words_per_vertex: Map<String, Value>,
+    pub(crate) words_per_vertex: IndexMap<&'static str, IndexMap<String, MemoryReport>>,
     /// By model and case.
-    pub(crate) models: Map<String, Value>,
+    pub(crate) models: IndexMap<&'static str, IndexMap<String, CaseReport>>,
     /// Everything over LODs, baselines as well.
     pub(crate) curve: DeviceCurve,
 }

@@ -3,8 +3,10 @@
 use crate::report::{BenchObject, PrefixReport, StreamReport, value};
 use crate::text::grouped;
 use crate::timings::Spread;
-use serde_json::{Map, Value};
-use std::fmt::Write;
+use indexmap::IndexMap;
+use serde::Serialize;
+use serde_json::Value;
+use std::fmt::{Display, Write};
 
 /// A column: its heading, where its number is, and how many digits it gets after the point.
 type Column = (&'static str, &'static str, usize);
@@ -94,14 +96,10 @@ fn put_tables(text: &mut String, object: &BenchObject, share: f64) {
     let adapter = gpu.adapter.replace(char::is_control, "");
     let _ = writeln!(text, "\n  on {adapter}, by the clock of the {}", gpu.clock);
     for (model, words) in &gpu.words_per_vertex {
-        if let Some(variants) = words.as_object() {
-            table(text, &format!("{model}, words per vertex"), variants, MEMORY);
-        }
+        table(text, &format!("{model}, words per vertex"), words, MEMORY);
     }
     for (model, cases) in &gpu.models {
-        if let Some(cases) = cases.as_object() {
-            table(text, &format!("{model}, per update"), cases, GPU);
-        }
+        table(text, &format!("{model}, per update"), cases, GPU);
     }
 }
 
@@ -135,7 +133,7 @@ fn streams(text: &mut String, stream: &StreamReport) {
             of_rounds(&speed.decode_spread)
         );
     }
-    let row = |p: &PrefixReport| (format!("{} %", p.percent), value(p));
+    let row = |p: &PrefixReport| (format!("{} %", p.percent), *p);
     table(text, "of the stream's bytes", &stream.prefixes.iter().map(row).collect(), PREFIXES);
 }
 
@@ -146,10 +144,16 @@ fn of_rounds(spread: &Spread) -> String {
 }
 
 /// Rows that have at least one of the columns' numbers.
-fn table(text: &mut String, title: &str, rows: &Map<String, Value>, columns: &[Column]) {
+fn table<N: Display>(
+    text: &mut String,
+    title: &str,
+    rows: &IndexMap<N, impl Serialize>,
+    columns: &[Column],
+) {
     let number = |row: &Value, path: &str| row.pointer(path).and_then(Value::as_f64);
+    let rows = rows.iter().map(|(name, row)| (name, value(row)));
     let rows: Vec<_> =
-        rows.iter().filter(|(_, row)| columns.iter().any(|c| number(row, c.1).is_some())).collect();
+        rows.filter(|(_, row)| columns.iter().any(|c| number(row, c.1).is_some())).collect();
     if rows.is_empty() {
         return;
     }
@@ -161,7 +165,7 @@ fn table(text: &mut String, title: &str, rows: &Map<String, Value>, columns: &[C
     for (name, row) in rows {
         let _ = write!(text, "    {name:<24}");
         for &(_, path, places) in columns {
-            let cell = match number(row, path) {
+            let cell = match number(&row, path) {
                 None => "-".to_owned(),
                 Some(n) if places == 0 => grouped(n.round() as u64),
                 Some(n) => format!("{n:.places$}"),

@@ -19,19 +19,37 @@ pub(crate) struct Shape {
     pub(crate) rows: usize,
 }
 
-impl From<Type> for Shape {
-    fn from(kind: Type) -> Self {
-        let columns = match kind {
-            Type::Mat2 => 2,
-            Type::Mat3 => 3,
-            Type::Mat4 => 4,
-            _ => 1,
-        };
-        Self { columns, rows: kind.multiplicity() / columns }
-    }
-}
+/// Shapes by their types in glTF.
+const SHAPES: [(Type, &str, Shape); 7] = [
+    (Type::Scalar, "SCALAR", Shape { columns: 1, rows: 1 }),
+    (Type::Vec2, "VEC2", Shape { columns: 1, rows: 2 }),
+    (Type::Vec3, "VEC3", Shape { columns: 1, rows: 3 }),
+    (Type::Vec4, "VEC4", Shape { columns: 1, rows: 4 }),
+    (Type::Mat2, "MAT2", Shape { columns: 2, rows: 2 }),
+    (Type::Mat3, "MAT3", Shape { columns: 3, rows: 3 }),
+    (Type::Mat4, "MAT4", Shape { columns: 4, rows: 4 }),
+];
+
+/// Types of components by those of glTF.
+const COMPONENTS: [(ComponentType, Component); 6] = [
+    (ComponentType::I8, Component::I8),
+    (ComponentType::U8, Component::U8),
+    (ComponentType::I16, Component::I16),
+    (ComponentType::U16, Component::U16),
+    (ComponentType::U32, Component::U32),
+    (ComponentType::F32, Component::F32),
+];
 
 impl Shape {
+    /// The shape of this many components and its type; none if glTF has no such type.
+    pub(crate) fn of_components(count: usize) -> Option<(Self, &'static str)> {
+        let found = SHAPES.iter().find(|(_, _, shape)| shape.components() == count);
+        found.map(|&(_, name, shape)| (shape, name))
+    }
+    /// The shape of a type by its name.
+    pub(crate) fn named(name: &str) -> Option<Self> {
+        SHAPES.iter().find(|(_, known, _)| *known == name).map(|&(_, _, shape)| shape)
+    }
     /// Components in all.
     pub(crate) const fn components(self) -> usize {
         self.columns * self.rows
@@ -44,27 +62,14 @@ impl Shape {
     }
 }
 
-const fn component(of: ComponentType) -> Component {
-    match of {
-        ComponentType::I8 => Component::I8,
-        ComponentType::U8 => Component::U8,
-        ComponentType::I16 => Component::I16,
-        ComponentType::U16 => Component::U16,
-        ComponentType::U32 => Component::U32,
-        ComponentType::F32 => Component::F32,
-    }
+fn component(of: ComponentType) -> Component {
+    COMPONENTS.iter().find(|(other, _)| *other == of).expect("the table has all").1
 }
 
 /// The number of a component type in glTF.
-pub(crate) const fn component_number(component: Component) -> u32 {
-    match component {
-        Component::I8 => 5120,
-        Component::U8 => 5121,
-        Component::I16 => 5122,
-        Component::U16 => 5123,
-        Component::U32 => 5125,
-        Component::F32 => 5126,
-    }
+pub(crate) fn component_number(component: Component) -> u32 {
+    let found = COMPONENTS.iter().find(|(_, other)| *other == component);
+    found.expect("the table has all").0.as_gl_enum()
 }
 
 /// Description of an accessor, known to fit its buffer views.
@@ -88,13 +93,15 @@ struct Sparse {
 }
 
 impl Accessor {
+    /// All accessors of a document, as [`Self::new`] has them.
+    pub(super) fn all(root: &Object, views: &Views<'_>) -> Result<Vec<Option<Self>>, FormatError> {
+        let all = root.entries("accessors").enumerate();
+        all.map(|(i, object)| Self::new(object, format!("accessors[{i}]"), views)).collect()
+    }
+
     /// Reads and checks the description, no data. `None` for a type or component type that glTF
     /// does not know: such an accessor can be kept, but not read.
-    pub(super) fn new(
-        object: &Object,
-        place: String,
-        views: &Views<'_>,
-    ) -> Result<Option<Self>, FormatError> {
+    fn new(object: &Object, place: String, views: &Views<'_>) -> Result<Option<Self>, FormatError> {
         let stated: json::Accessor = typed::entry(object, &place)?;
         let count = stated.count.0;
         if count == 0 {
@@ -104,7 +111,8 @@ impl Accessor {
         else {
             return Ok(None);
         };
-        let (shape, component) = (Shape::from(shape), component(number.0));
+        let &(_, _, shape) = SHAPES.iter().find(|s| s.0 == shape).expect("the table has all");
+        let component = component(number.0);
         // A vertex number is 32 bits wide and its largest value is reserved.
         let count = usize::try_from(count).ok().filter(|&c| c < u32::MAX as usize);
         let count =

@@ -1,11 +1,9 @@
 //! The animations of a document.
 
 use super::document::Stored;
-use super::graph::index;
-use super::json::{Object, entries, malformed};
+use super::json::{Object, malformed};
 use crate::{Document, FormatError, Limits};
 use lodc_scene::{Animation, Channel, Interpolation, Property};
-use serde_json::Value;
 
 /// Returns the names of a document's animations, in order; empty where they have none.
 ///
@@ -13,11 +11,11 @@ use serde_json::Value;
 /// If the stored document is damaged.
 pub fn animation_names(document: &Document, limits: &Limits) -> Result<Vec<String>, FormatError> {
     let Document::Gltf(gltf) = document else { return Ok(Vec::new()) };
-    Stored::read(gltf, limits, |_, root| Ok(entries(root, "animations").map(name).collect()))
+    Stored::read(gltf, limits, |_, root| Ok(root.entries("animations").map(name).collect()))
 }
 
 fn name(animation: &Object) -> String {
-    animation.get("name").and_then(Value::as_str).unwrap_or_default().to_owned()
+    animation["name"].as_str().unwrap_or_default().to_owned()
 }
 
 /// Reads an animation by its number. What it changes beside nodes and their morph weights is left
@@ -34,12 +32,12 @@ pub fn animation(
     let Document::Gltf(gltf) = document else { return Err(malformed(place, "is not there")) };
     Stored::read(gltf, limits, |stored, root| {
         let missing = || malformed(&*place, "is not there");
-        let animation = entries(root, "animations").nth(number).ok_or_else(missing)?;
-        let samplers: Vec<&Object> = entries(animation, "samplers").collect();
+        let animation = root.entries("animations").nth(number).ok_or_else(missing)?;
+        let samplers: Vec<&Object> = animation.entries("samplers").collect();
         let mut channels = Vec::new();
-        for (i, source) in entries(animation, "channels").enumerate() {
-            let sampler = index(source, "sampler").and_then(|s| samplers.get(s));
-            let target = source.get("target").and_then(Value::as_object);
+        for (i, source) in animation.entries("channels").enumerate() {
+            let sampler = source["sampler"].as_index().and_then(|s| samplers.get(s));
+            let target = source["target"].as_object();
             let (Some(sampler), Some(target)) = (sampler, target) else { continue };
             let place = format!("{place}.channels[{i}]");
             channels.extend(channel(stored, sampler, target, &place)?);
@@ -55,20 +53,20 @@ fn channel(
     target: &Object,
     place: &str,
 ) -> Result<Option<Channel>, FormatError> {
-    let property = match target.get("path").and_then(Value::as_str) {
+    let property = match target["path"].as_str() {
         Some("translation") => Property::Translation,
         Some("rotation") => Property::Rotation,
         Some("scale") => Property::Scale,
         Some("weights") => Property::Weights,
         _ => return Ok(None),
     };
-    let Some(node) = index(target, "node") else { return Ok(None) };
-    let interpolation = match sampler.get("interpolation").and_then(Value::as_str) {
+    let Some(node) = target["node"].as_index() else { return Ok(None) };
+    let interpolation = match sampler["interpolation"].as_str() {
         Some("STEP") => Interpolation::Step,
         Some("CUBICSPLINE") => Interpolation::CubicSpline,
         _ => Interpolation::Linear,
     };
-    let numbers = |key: &str| match index(sampler, key) {
+    let numbers = |key: &str| match sampler[key].as_index() {
         Some(accessor) => stored.numbers(accessor),
         None => Err(malformed(place, format!("its sampler has no {key}"))),
     };

@@ -2,12 +2,11 @@
 //! specular-glossiness ones, and their textures.
 
 use super::document::Stored;
+use super::json::{Json, Object};
 use super::uri;
-use crate::gltf::json::{as_index, numbers};
 use crate::images::Pictures;
 use crate::{Assets, Fault, FormatError, GltfDocument, ObjectInfo};
 use lodc_scene::{AlphaMode, Appearance, Coordinates, Material, Texture, Wrap};
-use serde_json::Value;
 
 /// Linear colour of a mesh without a material. glTF says white, which leaves no room for light.
 const PLAIN: [f32; 4] = [0.6, 0.6, 0.6, 1.0];
@@ -23,19 +22,18 @@ pub(crate) fn appearance(
 ) -> Result<Appearance, FormatError> {
     let limits = *assets.limits();
     Stored::read(document, &limits, |stored, root| {
-        let json = &Value::Object(root.clone());
         let number = |object: &ObjectInfo, primitive: u32| {
-            let mesh = &json["meshes"][object.document_mesh as usize];
-            as_index(&mesh["primitives"][primitive as usize]["material"]).map_or(0, |m| m + 1)
+            let mesh = &root["meshes"][object.document_mesh as usize];
+            mesh["primitives"][primitive as usize]["material"].as_index().map_or(0, |m| m + 1)
         };
         let of = |o: &&ObjectInfo| -> Vec<usize> {
             o.submeshes.iter().map(|s| number(o, s.document_primitive)).collect()
         };
         let of_submesh: Vec<Vec<usize>> = objects.iter().map(of).collect();
         let view = |index| stored.view(index);
-        let mut reader = Reader { json, pictures: Pictures::default(), assets, view: &view };
+        let mut reader = Reader { root, pictures: Pictures::default(), assets, view: &view };
         let mut materials = vec![Material { colour: PLAIN, ..Material::default() }];
-        for (number, source) in (1..).zip(json["materials"].as_array().into_iter().flatten()) {
+        for (number, source) in (1..).zip(root.list("materials")) {
             // What nothing uses need not have its pictures read.
             let used = of_submesh.iter().flatten().any(|&m| m == number);
             materials.push(if used { reader.material(source) } else { Material::default() });
@@ -47,7 +45,7 @@ pub(crate) fn appearance(
 
 /// Reads textures of one document.
 struct Reader<'a> {
-    json: &'a Value,
+    root: &'a Object,
     pictures: Pictures,
     assets: &'a mut Assets,
     /// The bytes of a buffer view.
@@ -56,7 +54,7 @@ struct Reader<'a> {
 
 impl Reader<'_> {
     /// A material of the document.
-    fn material(&mut self, source: &Value) -> Material {
+    fn material(&mut self, source: &Json) -> Material {
         let glossy = &source["extensions"]["KHR_materials_pbrSpecularGlossiness"];
         let metal = &source["pbrMetallicRoughness"];
         let (colour, texture) = if metal.is_object() || !glossy.is_object() {
@@ -65,7 +63,7 @@ impl Reader<'_> {
             (&glossy["diffuseFactor"], &glossy["diffuseTexture"])
         };
         let cut_off = source["alphaCutoff"].as_f64().unwrap_or(0.5) as f32;
-        let mut colour = numbers(colour, [1.0; 4]).map(|v| (v as f32).clamp(0.0, 1.0));
+        let mut colour = colour.numbers([1.0; 4]).map(|v| (v as f32).clamp(0.0, 1.0));
         let found = self.texture(texture);
         if found.is_none() && texture.is_object() {
             // White stands for the texture that could not be had; grey shows the shape.
@@ -86,12 +84,12 @@ impl Reader<'_> {
         }
     }
 
-    fn texture(&mut self, info: &Value) -> Option<Texture> {
-        let texture = &self.json["textures"][as_index(&info["index"])?];
-        let image = self.image(as_index(&texture["source"]))?;
+    fn texture(&mut self, info: &Json) -> Option<Texture> {
+        let texture = &self.root["textures"][info["index"].as_index()?];
+        let image = self.image(texture["source"].as_index())?;
         let Coordinates { set, transform } = coordinates(info);
         let sampler =
-            as_index(&texture["sampler"]).map_or(&Value::Null, |s| &self.json["samplers"][s]);
+            texture["sampler"].as_index().map_or(&Json::Null, |s| &self.root["samplers"][s]);
         let wrap = |key: &str| match sampler[key].as_u64() {
             Some(33071) => Wrap::Clamp,
             Some(33648) => Wrap::Mirror,
@@ -114,12 +112,12 @@ impl Reader<'_> {
             });
             return None;
         };
-        let source = &self.json["images"][image];
+        let source = &self.root["images"][image];
         let place = format!("images[{image}]");
         let name = source["name"].as_str().unwrap_or(&place);
         let Self { pictures, assets, view, .. } = self;
         pictures.get(&place, name, || {
-            match (source["uri"].as_str(), as_index(&source["bufferView"])) {
+            match (source["uri"].as_str(), source["bufferView"].as_index()) {
                 (Some(uri), _) => uri::read(uri, &place, assets),
                 (None, Some(index)) => view(index),
                 (None, None) => Err(FormatError::new(
@@ -133,24 +131,24 @@ impl Reader<'_> {
 }
 
 /// The first texture of a material, whatever it is for.
-fn any_texture(source: &Value) -> Option<&Value> {
+fn any_texture(source: &Json) -> Option<&Json> {
     source.as_object()?.iter().find_map(|(name, value)| {
-        let is_texture = name.ends_with("Texture") && as_index(&value["index"]).is_some();
+        let is_texture = name.ends_with("Texture") && value["index"].as_index().is_some();
         if is_texture { Some(value) } else { any_texture(value) }
     })
 }
 
 /// The texture coordinates that a texture reads.
-fn coordinates(info: &Value) -> Coordinates {
+fn coordinates(info: &Json) -> Coordinates {
     let moved = &info["extensions"]["KHR_texture_transform"];
-    let set = as_index(&moved["texCoord"]).or(as_index(&info["texCoord"])).unwrap_or(0);
+    let set = moved["texCoord"].as_index().or(info["texCoord"].as_index()).unwrap_or(0);
     Coordinates { set: u32::try_from(set).unwrap_or(u32::MAX), transform: transform(moved) }
 }
 
 /// `KHR_texture_transform`: first scaled, then turned, then moved.
-fn transform(source: &Value) -> [[f32; 3]; 2] {
-    let [x, y] = numbers(&source["offset"], [0.0; 2]);
-    let [sx, sy] = numbers(&source["scale"], [1.0; 2]);
+fn transform(source: &Json) -> [[f32; 3]; 2] {
+    let [x, y] = source["offset"].numbers([0.0; 2]);
+    let [sx, sy] = source["scale"].numbers([1.0; 2]);
     let (sine, cosine) = source["rotation"].as_f64().unwrap_or(0.0).sin_cos();
     [[cosine * sx, sine * sy, x], [-sine * sx, cosine * sy, y]].map(|row| row.map(|v| v as f32))
 }

@@ -27,16 +27,14 @@ impl Stored<'_> {
     ) -> Result<T, FormatError> {
         let mut root = json::parse(document.json.as_bytes(), limits)?;
         schema::check(&mut root)?;
-        let mut buffers: Buffers<'_> = vec![None; json::entries(&root, "buffers").len()];
+        let mut buffers: Buffers<'_> = vec![None; root.entries("buffers").len()];
         if let Some(first) = buffers.first_mut() {
             *first = Some(document.blob.as_slice().into());
         }
         check_length(&root, document.blob.len())?;
         let budget = Budget::new(document.blob.len() as u64);
         let views = Views::new(&root, &buffers, &budget)?;
-        let accessors = json::entries(&root, "accessors").enumerate();
-        let accessors = accessors.map(|(i, a)| Accessor::new(a, format!("accessors[{i}]"), &views));
-        let accessors: Vec<Option<Accessor>> = accessors.collect::<Result<_, _>>()?;
+        let accessors = Accessor::all(&root, &views)?;
         work(&Stored { accessors: &accessors, views: &views }, &root)
     }
 
@@ -88,8 +86,8 @@ pub(super) fn numbers(
 
 /// Buffer 0 must have the bytes that its views count on.
 fn check_length(root: &Object, blob: usize) -> Result<(), FormatError> {
-    match json::entries(root, "buffers").next() {
-        Some(first) if json::required(first, "byteLength", "buffers[0]")? > blob as u64 => {
+    match root.entries("buffers").next() {
+        Some(first) if first.required("byteLength", "buffers[0]")? > blob as u64 => {
             Err(malformed("buffers[0]", format!("says more bytes than the {blob} that there are")))
         }
         _ => Ok(()),

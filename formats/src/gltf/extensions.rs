@@ -1,18 +1,15 @@
 //! Extensions that this package reads, passes through, or must refuse.
 
-use super::json::{self, Object, integer, list, malformed};
+use super::json::{Json, Object, malformed};
 use crate::{Fault, FormatError};
-use serde_json::Value;
 
 /// Compressed vertex and index data: decoded.
 pub(crate) const MESHOPT: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
 
 /// Returns whether buffer views of a document are compressed.
 pub(super) fn is_compressed(root: &Object) -> bool {
-    json::entries(root, "bufferViews").any(|view| {
-        let extensions = view.get("extensions");
-        extensions.is_some_and(|e| MESHOPT.iter().any(|name| e.get(name).is_some()))
-    })
+    let mut views = root.entries("bufferViews");
+    views.any(|view| MESHOPT.iter().any(|name| view["extensions"].get(name).is_some()))
 }
 /// Compressed primitives: refused unless the same data is there uncompressed.
 pub(super) const DRACO: &str = "KHR_draco_mesh_compression";
@@ -68,14 +65,14 @@ fn is_harmless(name: &str) -> bool {
 /// Refuses glTF versions other than 2, and required extensions that nobody here knows. Draco is
 /// decided later, when it is known whether there is a fallback.
 pub(super) fn check(root: &Object) -> Result<(), FormatError> {
-    let asset = root.get("asset").and_then(Value::as_object);
+    let asset = root["asset"].as_object();
     let asset = asset.ok_or_else(|| malformed("asset", "is missing: not a glTF 2.0 document"))?;
-    let version = asset.get("version").and_then(Value::as_str);
+    let version = asset["version"].as_str();
     let version = version.ok_or_else(|| malformed("asset.version", "is missing"))?;
     let Some((major, minor)) = numbers(version) else {
         return Err(malformed("asset.version", format!("`{version}` is not a version")));
     };
-    let minimum = asset.get("minVersion").and_then(Value::as_str).map(numbers);
+    let minimum = asset["minVersion"].as_str().map(numbers);
     let unsupported =
         |place: &str, what: String| Err(FormatError::new(Fault::Unsupported, place, what));
     match minimum {
@@ -91,7 +88,7 @@ pub(super) fn check(root: &Object) -> Result<(), FormatError> {
         }
         _ => {}
     }
-    for name in list(root, "extensionsRequired").iter().filter_map(Value::as_str) {
+    for name in root.list("extensionsRequired").iter().filter_map(Json::as_str) {
         if name != DRACO && !is_harmless(name) {
             return unsupported(
                 "extensionsRequired",
@@ -116,9 +113,9 @@ pub(crate) fn opaque(root: &Object) -> Option<String> {
 }
 
 // The document's depth is bounded, so recursion is.
-fn opaque_below(key: &str, value: &Value) -> Option<String> {
+fn opaque_below(key: &str, value: &Json) -> Option<String> {
     match value {
-        Value::Object(members) if key == "extensions" => members.iter().find_map(|(name, body)| {
+        Json::Object(members) if key == "extensions" => members.iter().find_map(|(name, body)| {
             if !is_harmless(name)
                 && !DROPPED_FROM_PRIMITIVES.contains(&name.as_str())
                 && has_whole_number(body)
@@ -127,18 +124,18 @@ fn opaque_below(key: &str, value: &Value) -> Option<String> {
             }
             opaque_below("", body)
         }),
-        Value::Object(_) if key == "extras" => None,
-        Value::Object(members) => members.iter().find_map(|(name, body)| opaque_below(name, body)),
-        Value::Array(elements) => elements.iter().find_map(|body| opaque_below("", body)),
+        Json::Object(_) if key == "extras" => None,
+        Json::Object(members) => members.iter().find_map(|(name, body)| opaque_below(name, body)),
+        Json::Array(elements) => elements.iter().find_map(|body| opaque_below("", body)),
         _ => None,
     }
 }
 
-fn has_whole_number(value: &Value) -> bool {
+fn has_whole_number(value: &Json) -> bool {
     match value {
-        Value::Number(_) => integer(value).is_some(),
-        Value::Array(elements) => elements.iter().any(has_whole_number),
-        Value::Object(members) => members.values().any(has_whole_number),
+        Json::Number(_) => value.as_u64().is_some(),
+        Json::Array(elements) => elements.iter().any(has_whole_number),
+        Json::Object(members) => members.values().any(has_whole_number),
         _ => false,
     }
 }
@@ -146,7 +143,7 @@ fn has_whole_number(value: &Value) -> bool {
 /// Takes a name off `extensionsUsed` and `extensionsRequired`.
 pub(super) fn forget(root: &mut Object, name: &str) {
     for key in ["extensionsUsed", "extensionsRequired"] {
-        let Some(Value::Array(names)) = root.get_mut(key) else { continue };
+        let Some(Json::Array(names)) = root.get_mut(key) else { continue };
         let before = names.len();
         names.retain(|n| n.as_str() != Some(name));
         // An array that was empty before is the file's own business.
@@ -158,15 +155,21 @@ pub(super) fn forget(root: &mut Object, name: &str) {
 
 /// Names an extension in one of the lists of the document.
 pub(crate) fn add(root: &mut Object, list: &str, name: &str) {
-    let names = root.entry(list).or_insert_with(|| Value::Array(Vec::new()));
-    if let Value::Array(names) = names
-        && !names.iter().any(|n| n == name)
-    {
-        names.push(name.into());
+    if !root.list(list).iter().any(|n| n.as_str() == Some(name)) {
+        root.append(list, vec![name.into()]);
+    }
+}
+
+/// The pointer of an animation channel's target (KHR_animation_pointer).
+pub(crate) fn animation_pointer(target: &mut Json) -> Option<&mut String> {
+    let extension = target.get_mut("extensions")?.get_mut("KHR_animation_pointer")?;
+    match extension.get_mut("pointer")? {
+        Json::String(pointer) => Some(pointer),
+        _ => None,
     }
 }
 
 /// The compression of a buffer view, by whichever name.
 pub(super) fn meshopt(view: &Object) -> Option<(&'static str, &Object)> {
-    MESHOPT.into_iter().find_map(|name| Some((name, json::extension(view, name)?)))
+    MESHOPT.into_iter().find_map(|name| Some((name, view.extension(name)?)))
 }

@@ -1,10 +1,9 @@
 //! The nodes, skins and default scene of a document, as `lodc_scene` has them.
 
 use super::document::Stored;
-use super::json::{Object, entries, extension, integer, list};
+use super::json::{Json, Object};
 use crate::{Document, Fault, FormatError, Limits, ObjectInfo};
 use lodc_scene::{Graph, LocalTransform, Node, Skin, Transform, transform_from_columns};
-use serde_json::Value;
 use std::collections::BTreeMap;
 
 /// More instances than this in one document are refused.
@@ -45,22 +44,23 @@ pub(crate) fn gltf_graph(
     for (object, &mesh) in (0..).zip(meshes) {
         objects_of.entry(mesh).or_default().push(object);
     }
-    let meshes: Vec<&Object> = entries(root, "meshes").collect();
+    let meshes: Vec<&Object> = root.entries("meshes").collect();
     let mut instances = 0;
-    let mut nodes = Vec::with_capacity(entries(root, "nodes").len());
-    for source in entries(root, "nodes") {
-        let mesh = index(source, "mesh");
+    let mut nodes = Vec::with_capacity(root.entries("nodes").len());
+    for source in root.entries("nodes") {
+        let mesh = source["mesh"].as_index();
         let weights = [Some(source), mesh.and_then(|m| meshes.get(m).copied())];
         let weights = weights.into_iter().flatten().find_map(|o| o.get("weights")?.as_array());
-        let weight = |w: &Value| w.as_f64().unwrap_or(0.0);
+        let weight = |w: &Json| w.as_f64().unwrap_or(0.0);
         let node = Node {
-            name: source.get("name").and_then(Value::as_str).unwrap_or_default().to_owned(),
+            name: source["name"].as_str().unwrap_or_default().to_owned(),
             local: local(source),
             children: indices(source, "children"),
             objects: mesh.and_then(|m| objects_of.get(&(m as u32))).cloned().unwrap_or_default(),
-            skin: index(source, "skin").map(|s| s as u32),
+            skin: source["skin"].as_index().map(|s| s as u32),
             weights: weights.into_iter().flatten().map(weight).collect(),
-            instances: extension(source, INSTANCING)
+            instances: source
+                .extension(INSTANCING)
                 .map(|e| self::instances(e, read))
                 .transpose()?,
         };
@@ -71,10 +71,10 @@ pub(crate) fn gltf_graph(
         }
         nodes.push(node);
     }
-    let skins = entries(root, "skins").map(|s| skin(s, read)).collect::<Result<_, _>>()?;
+    let skins = root.entries("skins").map(|s| skin(s, read)).collect::<Result<_, _>>()?;
     let mut graph = Graph { nodes, roots: Vec::new(), skins };
-    let scenes: Vec<&Object> = entries(root, "scenes").collect();
-    graph.roots = match scenes.get(index(root, "scene").unwrap_or(0)) {
+    let scenes: Vec<&Object> = root.entries("scenes").collect();
+    graph.roots = match scenes.get(root["scene"].as_index().unwrap_or(0)) {
         Some(scene) => indices(scene, "nodes"),
         None if root.contains_key("scenes") => Vec::new(),
         None => graph.topmost(),
@@ -82,35 +82,24 @@ pub(crate) fn gltf_graph(
     Ok(graph)
 }
 
-pub(crate) fn index(object: &Object, key: &str) -> Option<usize> {
-    object.get(key).and_then(integer).and_then(|i| usize::try_from(i).ok())
-}
-
 fn indices(object: &Object, key: &str) -> Vec<u32> {
-    list(object, key).iter().filter_map(integer).filter_map(|i| u32::try_from(i).ok()).collect()
-}
-
-/// As many numbers as there should be, or the default.
-fn numbers<const N: usize>(object: &Object, key: &str, default: [f64; N]) -> [f64; N] {
-    match list(object, key) {
-        all if all.len() == N => std::array::from_fn(|i| all[i].as_f64().unwrap_or(default[i])),
-        _ => default,
-    }
+    let all = object.list(key).iter().filter_map(Json::as_u64);
+    all.filter_map(|i| u32::try_from(i).ok()).collect()
 }
 
 fn local(node: &Object) -> LocalTransform {
-    if list(node, "matrix").len() == 16 {
-        return LocalTransform::from_columns(&numbers(node, "matrix", [0.0; 16]));
+    if node.list("matrix").len() == 16 {
+        return LocalTransform::from_columns(&node["matrix"].numbers([0.0; 16]));
     }
     LocalTransform::Trs {
-        translation: numbers(node, "translation", [0.0; 3]),
-        rotation: numbers(node, "rotation", [0.0, 0.0, 0.0, 1.0]),
-        scale: numbers(node, "scale", [1.0; 3]),
+        translation: node["translation"].numbers([0.0; 3]),
+        rotation: node["rotation"].numbers([0.0, 0.0, 0.0, 1.0]),
+        scale: node["scale"].numbers([1.0; 3]),
     }
 }
 
 fn skin(skin: &Object, read: &Numbers<'_>) -> Result<Skin, FormatError> {
-    let (values, components) = match index(skin, "inverseBindMatrices") {
+    let (values, components) = match skin["inverseBindMatrices"].as_index() {
         Some(accessor) => read(accessor)?,
         None => (Vec::new(), 16),
     };
@@ -124,9 +113,9 @@ fn skin(skin: &Object, read: &Numbers<'_>) -> Result<Skin, FormatError> {
 
 /// The transforms of instances. One that has no property of a kind has that of a node without it.
 fn instances(extension: &Object, read: &Numbers<'_>) -> Result<Vec<Transform>, FormatError> {
-    let attributes = extension.get("attributes").and_then(Value::as_object);
+    let attributes = &extension["attributes"];
     let column = |name: &str, components: usize| -> Result<Option<Vec<f64>>, FormatError> {
-        let Some(accessor) = attributes.and_then(|a| index(a, name)) else { return Ok(None) };
+        let Some(accessor) = attributes[name].as_index() else { return Ok(None) };
         let (values, found) = read(accessor)?;
         Ok((found == components).then_some(values))
     };

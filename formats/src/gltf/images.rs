@@ -2,10 +2,8 @@
 
 use super::document::Stored;
 use super::{json, uri};
-use crate::gltf::json::as_index;
 use crate::images::{Textures, embedded_name};
 use crate::{Assets, FormatError, GltfDocument, Limits};
-use serde_json::Value;
 
 /// Reads the image files that a document names.
 ///
@@ -17,8 +15,8 @@ pub(crate) fn read_textures(
     assets: &mut Assets,
 ) -> Result<(), FormatError> {
     let root = json::parse(document.json.as_bytes(), assets.limits())?;
-    for (i, image) in json::entries(&root, "images").enumerate() {
-        let Some(text) = image.get("uri").and_then(Value::as_str) else { continue };
+    for (i, image) in root.entries("images").enumerate() {
+        let Some(text) = image["uri"].as_str() else { continue };
         let Some(path) = uri::path(text) else { continue };
         let place = format!("images[{i}]");
         textures.add(&path, |assets| uri::read(text, &place, assets), assets);
@@ -35,9 +33,9 @@ pub(crate) fn add_embedded(
     textures: &mut Textures,
 ) -> Result<(), FormatError> {
     Stored::read(document, &Limits::DEFAULT, |stored, root| {
-        for (i, image) in json::entries(root, "images").enumerate() {
-            let data = image.get("uri").and_then(Value::as_str).and_then(uri::decoded_data);
-            let bytes = match (data, image.get("bufferView").and_then(as_index)) {
+        for (i, image) in root.entries("images").enumerate() {
+            let data = image["uri"].as_str().and_then(uri::decoded_data);
+            let bytes = match (data, image["bufferView"].as_index()) {
                 (Some((_, bytes)), _) => bytes,
                 (None, Some(view)) => stored.view(view)?,
                 (None, None) => continue,

@@ -1,17 +1,46 @@
-//! The JSON of a glTF: checked before it is parsed, and read through small accessors that never
-//! panic.
+//! JSON that goes out as it came in: members in their order, numbers as they are spelt. Bounded
+//! while it is parsed, and read through small accessors that never panic.
 
-use crate::{Fault, FormatError, GltfDocument, Limits};
-use serde_json::{Map, Value};
+use crate::{Fault, FormatError, Limits};
+use hifijson::SliceLexer;
+use hifijson::num::LexWrite;
+use hifijson::str::LexAlloc;
+use hifijson::token::{Expect, Lex};
+use indexmap::IndexMap;
+use std::fmt::{self, Display, Formatter, Write};
+use std::ops::{Deref, DerefMut, Index, IndexMut};
 
-/// A JSON object.
-pub(crate) type Object = Map<String, Value>;
+/// More values than this are refused: in memory each takes around a hundred bytes.
+const VALUES: u32 = 4 << 20;
 
-/// More values than this are refused before parsing: in memory each takes around a hundred bytes.
-const VALUES: u64 = 4 << 20;
+/// A bound on nesting which no limit may exceed: documents are walked by recursion.
+const DEPTH: u32 = 126;
 
-/// The parser's own bound on nesting, which no limit may exceed.
-const PARSER_DEPTH: u32 = 126;
+/// A JSON value.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Json {
+    Null,
+    Bool(bool),
+    /// As it is spelt.
+    Number(Box<str>),
+    String(String),
+    Array(Vec<Json>),
+    Object(Object),
+}
+
+/// A JSON object: members in order. A name that comes twice has its first place and its last value.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Object(IndexMap<String, Json>);
+
+/// `object! { "name" => value, … }`: an object as JSON.
+macro_rules! object {
+    ($($key:expr => $value:expr),* $(,)?) => {
+        $crate::gltf::json::Json::Object(
+            [$((($key).to_owned(), $crate::gltf::json::Json::from($value))),*].into_iter().collect(),
+        )
+    };
+}
+pub(crate) use object;
 
 /// Something that breaks the rules of glTF.
 pub(crate) fn malformed(place: impl Into<String>, what: impl Into<String>) -> FormatError {
@@ -20,126 +49,422 @@ pub(crate) fn malformed(place: impl Into<String>, what: impl Into<String>) -> Fo
 
 /// Parses a document whose root is an object.
 pub(crate) fn parse(text: &[u8], limits: &Limits) -> Result<Object, FormatError> {
-    scan(text, limits)?;
-    match serde_json::from_slice(text) {
-        Ok(Value::Object(root)) => Ok(root),
-        Ok(_) => Err(malformed("", "the JSON document is not an object")),
-        Err(e) => Err(malformed(
-            format!("line {} column {}", e.line(), e.column()),
-            format!("not valid JSON: {e}"),
-        )),
+    let mut lexer = SliceLexer::new(text);
+    let mut parser = Parser { depth: 0, most: limits.json_depth.min(DEPTH), values: 0 };
+    let parsed = lexer.exactly_one(Lex::ws_peek, |next, lexer| parser.value(next, lexer));
+    let what = match parsed {
+        Ok(Json::Object(root)) => return Ok(root),
+        Ok(_) => return Err(malformed("", "the JSON document is not an object")),
+        Err(Refusal::Limit(what)) => return Err(FormatError::new(Fault::Limit, "", what)),
+        Err(Refusal::Syntax(what)) => what,
+    };
+    let read = &text[..text.len() - lexer.as_slice().len()];
+    let line = 1 + read.iter().filter(|b| **b == b'\n').count();
+    let column = 1 + read.iter().rev().take_while(|b| **b != b'\n').count();
+    Err(malformed(format!("line {line} column {column}"), format!("not valid JSON: {what}")))
+}
+
+/// Why a text is no document.
+enum Refusal {
+    Syntax(hifijson::Error),
+    Limit(String),
+}
+
+impl<E: Into<hifijson::Error>> From<E> for Refusal {
+    fn from(error: E) -> Self {
+        Self::Syntax(error.into())
     }
 }
 
-/// Refuses deep nesting and huge numbers of values without recursion and without allocating.
-fn scan(text: &[u8], limits: &Limits) -> Result<(), FormatError> {
-    let (mut depth, mut values) = (0u32, 0u64);
-    let (mut in_string, mut escaped) = (false, false);
-    for &b in text {
-        if in_string {
-            match b {
-                _ if escaped => escaped = false,
-                b'\\' => escaped = true,
-                b'"' => in_string = false,
-                _ => {}
+struct Parser {
+    depth: u32,
+    most: u32,
+    values: u32,
+}
+
+impl Parser {
+    /// The value that begins with the byte `next`.
+    fn value(&mut self, next: u8, lexer: &mut SliceLexer<'_>) -> Result<Json, Refusal> {
+        self.values += 1;
+        if self.values > VALUES {
+            return Err(Refusal::Limit(format!("JSON of more than {VALUES} values")));
+        }
+        Ok(match next {
+            b'a'..=b'z' => match lexer.null_or_bool().ok_or(Expect::Value)? {
+                Some(flag) => Json::Bool(flag),
+                None => Json::Null,
+            },
+            b'0'..=b'9' | b'-' => Json::Number(lexer.num_string().validated()?.0.into()),
+            b'"' => Json::String(lexer.discarded().str_string()?.into_owned()),
+            b'[' => {
+                let mut elements = Vec::new();
+                self.inside(lexer, b']', |parser, next, lexer| {
+                    elements.push(parser.value(next, lexer)?);
+                    Ok(())
+                })?;
+                Json::Array(elements)
             }
-            continue;
-        }
-        match b {
-            b'"' => in_string = true,
-            b'[' | b'{' => {
-                depth += 1;
-                values += 1;
-                if depth > limits.json_depth.min(PARSER_DEPTH) {
-                    return Err(FormatError::new(
-                        Fault::Limit,
-                        "",
-                        format!("JSON nested deeper than {depth} levels"),
-                    ));
-                }
+            b'{' => {
+                let mut members = Object::default();
+                self.inside(lexer, b'}', |parser, next, lexer| {
+                    lexer.expect(|_| Some(next), b'"').ok_or(Expect::String)?;
+                    let name = lexer.str_string()?.into_owned();
+                    lexer.expect(Lex::ws_peek, b':').ok_or(Expect::Colon)?;
+                    let next = lexer.ws_peek().ok_or(Expect::Value)?;
+                    members.insert(name, parser.value(next, lexer)?);
+                    Ok(())
+                })?;
+                Json::Object(members)
             }
-            b']' | b'}' => depth = depth.saturating_sub(1),
-            b',' => values += 1,
-            _ => {}
-        }
-        if values > VALUES {
-            return Err(FormatError::new(
-                Fault::Limit,
-                "",
-                format!("JSON of more than {VALUES} values"),
-            ));
-        }
+            _ => return Err(Expect::Value.into()),
+        })
     }
-    Ok(())
-}
 
-/// A number without a fraction, however it is spelt.
-pub(crate) fn integer(value: &Value) -> Option<u64> {
-    let whole = |x: f64| (x >= 0.0 && x.fract() == 0.0 && x < 9e15).then_some(x as u64);
-    value.as_u64().or_else(|| value.as_f64().and_then(whole))
-}
-
-/// The member `key`, which must be a whole number if it is there.
-pub(crate) fn optional(
-    object: &Object,
-    key: &str,
-    place: &str,
-) -> Result<Option<u64>, FormatError> {
-    let number =
-        |v| integer(v).ok_or_else(|| malformed(format!("{place}.{key}"), "must be a whole number"));
-    object.get(key).map(number).transpose()
-}
-
-/// The member `key`, a whole number that must be there.
-pub(crate) fn required(object: &Object, key: &str, place: &str) -> Result<u64, FormatError> {
-    optional(object, key, place)?.ok_or_else(|| malformed(place, format!("has no `{key}`")))
-}
-
-/// The objects of the top-level array `key`; none if there is no such array.
-pub(crate) fn entries<'a>(
-    root: &'a Object,
-    key: &str,
-) -> impl ExactSizeIterator<Item = &'a Object> {
-    static EMPTY: std::sync::LazyLock<Object> = std::sync::LazyLock::new(Object::new);
-    list(root, key).iter().map(|v| v.as_object().unwrap_or(&EMPTY))
-}
-
-/// The elements of the array `key`; none if there is no such array.
-pub(crate) fn list<'a>(object: &'a Object, key: &str) -> &'a [Value] {
-    object.get(key).and_then(Value::as_array).map_or(&[], Vec::as_slice)
-}
-
-/// The extension `name` of an object.
-pub(crate) fn extension<'a>(object: &'a Object, name: &str) -> Option<&'a Object> {
-    object.get("extensions")?.as_object()?.get(name)?.as_object()
-}
-
-/// Takes the extension `name` off an object, and `extensions` with the last one.
-pub(crate) fn remove_extension(object: &mut Object, name: &str) {
-    if let Some(all) = object.get_mut("extensions").and_then(Value::as_object_mut) {
-        all.shift_remove(name);
-        if all.is_empty() {
-            object.shift_remove("extensions");
+    /// The elements of an array or object, one level down.
+    fn inside<'t>(
+        &mut self,
+        lexer: &mut SliceLexer<'t>,
+        end: u8,
+        mut each: impl FnMut(&mut Self, u8, &mut SliceLexer<'t>) -> Result<(), Refusal>,
+    ) -> Result<(), Refusal> {
+        self.depth += 1;
+        if self.depth > self.most {
+            return Err(Refusal::Limit(format!("JSON nested deeper than {} levels", self.depth)));
         }
+        let read = lexer.discarded().seq(end, Lex::ws_peek, |next, lexer| each(self, next, lexer));
+        self.depth -= 1;
+        read
     }
 }
 
-/// An index into one of the document's lists.
-pub(crate) fn as_index(value: &Value) -> Option<usize> {
-    value.as_u64().and_then(|i| usize::try_from(i).ok())
-}
+static NULL: Json = Json::Null;
 
-/// As many numbers as there should be, or the default.
-pub(crate) fn numbers<const N: usize>(value: &Value, default: [f64; N]) -> [f64; N] {
-    match value.as_array() {
-        Some(a) if a.len() == N => std::array::from_fn(|i| a[i].as_f64().unwrap_or(default[i])),
-        _ => default,
+impl Json {
+    pub(crate) fn get(&self, key: &str) -> Option<&Self> {
+        self.as_object()?.get(key)
+    }
+    pub(crate) fn get_mut(&mut self, key: &str) -> Option<&mut Self> {
+        self.as_object_mut()?.get_mut(key)
+    }
+    pub(crate) fn as_str(&self) -> Option<&str> {
+        if let Self::String(text) = self { Some(text) } else { None }
+    }
+    pub(crate) fn as_bool(&self) -> Option<bool> {
+        if let Self::Bool(flag) = self { Some(*flag) } else { None }
+    }
+    /// A finite number.
+    pub(crate) fn as_f64(&self) -> Option<f64> {
+        let Self::Number(spelt) = self else { return None };
+        spelt.parse().ok().filter(|number: &f64| number.is_finite())
+    }
+    /// A number without a fraction, however it is spelt.
+    pub(crate) fn as_u64(&self) -> Option<u64> {
+        let Self::Number(spelt) = self else { return None };
+        let whole = |x: f64| (x >= 0.0 && x.fract() == 0.0 && x < 9e15).then_some(x as u64);
+        spelt.parse().ok().or_else(|| self.as_f64().and_then(whole))
+    }
+    /// An index into one of a document's lists.
+    pub(crate) fn as_index(&self) -> Option<usize> {
+        self.as_u64().and_then(|i| usize::try_from(i).ok())
+    }
+    /// As many numbers as there should be, or the default.
+    pub(crate) fn numbers<const N: usize>(&self, default: [f64; N]) -> [f64; N] {
+        match self.list() {
+            all if all.len() == N => std::array::from_fn(|i| all[i].as_f64().unwrap_or(default[i])),
+            _ => default,
+        }
+    }
+    pub(crate) fn as_array(&self) -> Option<&Vec<Self>> {
+        if let Self::Array(elements) = self { Some(elements) } else { None }
+    }
+    pub(crate) fn as_array_mut(&mut self) -> Option<&mut Vec<Self>> {
+        if let Self::Array(elements) = self { Some(elements) } else { None }
+    }
+    /// The elements of an array; none of anything else.
+    pub(crate) fn list(&self) -> &[Self] {
+        self.as_array().map_or(&[], Vec::as_slice)
+    }
+    pub(crate) fn as_object(&self) -> Option<&Object> {
+        if let Self::Object(members) = self { Some(members) } else { None }
+    }
+    pub(crate) fn as_object_mut(&mut self) -> Option<&mut Object> {
+        if let Self::Object(members) = self { Some(members) } else { None }
+    }
+    pub(crate) fn is_object(&self) -> bool {
+        self.as_object().is_some()
     }
 }
 
-/// The document's JSON.
-pub(crate) fn parse_json(gltf: &GltfDocument) -> Result<Value, FormatError> {
-    serde_json::from_str(&gltf.json).map_err(|e| {
-        FormatError::new(Fault::Malformed, "", format!("the stored glTF document is damaged: {e}"))
+impl Object {
+    /// The elements of the array `key`; none if there is no such array.
+    pub(crate) fn list(&self, key: &str) -> &[Json] {
+        self[key].list()
+    }
+    /// The elements of the array `key` that are objects, to be changed.
+    pub(crate) fn objects_mut(&mut self, key: &str) -> impl Iterator<Item = &mut Object> {
+        let elements = self.get_mut(key).and_then(Json::as_array_mut);
+        elements.into_iter().flatten().filter_map(Json::as_object_mut)
+    }
+    /// The elements of the array `key` as objects, empty ones for others; none if there is no such
+    /// array.
+    pub(crate) fn entries(&self, key: &str) -> impl ExactSizeIterator<Item = &Object> {
+        static EMPTY: std::sync::LazyLock<Object> = std::sync::LazyLock::new(Object::default);
+        self.list(key).iter().map(|value| value.as_object().unwrap_or(&EMPTY))
+    }
+    /// Adds elements to the array `key`.
+    pub(crate) fn append(&mut self, key: &str, values: Vec<Json>) {
+        if values.is_empty() {
+            return;
+        }
+        let all = self.entry(key.to_owned()).or_insert_with(|| Json::Array(Vec::new()));
+        if let Json::Array(all) = all {
+            all.extend(values);
+        }
+    }
+    /// The member `key`, which must be a whole number if it is there.
+    pub(crate) fn optional(&self, key: &str, place: &str) -> Result<Option<u64>, FormatError> {
+        let wrong = || malformed(format!("{place}.{key}"), "must be a whole number");
+        self.get(key).map(|value| value.as_u64().ok_or_else(wrong)).transpose()
+    }
+    /// The member `key`, a whole number that must be there.
+    pub(crate) fn required(&self, key: &str, place: &str) -> Result<u64, FormatError> {
+        self.optional(key, place)?.ok_or_else(|| malformed(place, format!("has no `{key}`")))
+    }
+    /// The extension `name`.
+    pub(crate) fn extension(&self, name: &str) -> Option<&Object> {
+        self.get("extensions")?.get(name)?.as_object()
+    }
+    /// Takes the extension `name` away, and `extensions` with the last one.
+    pub(crate) fn remove_extension(&mut self, name: &str) {
+        if let Some(all) = self.get_mut("extensions").and_then(Json::as_object_mut) {
+            all.shift_remove(name);
+            if all.is_empty() {
+                self.shift_remove("extensions");
+            }
+        }
+    }
+}
+
+impl Json {
+    fn made_object(&mut self) -> &mut Object {
+        if !self.is_object() {
+            *self = Self::Object(Object::default());
+        }
+        self.as_object_mut().expect("it was just made one")
+    }
+}
+
+impl Deref for Object {
+    type Target = IndexMap<String, Json>;
+    fn deref(&self) -> &Self::Target {
+        &self.0
+    }
+}
+
+impl DerefMut for Object {
+    fn deref_mut(&mut self) -> &mut Self::Target {
+        &mut self.0
+    }
+}
+
+impl FromIterator<(String, Json)> for Object {
+    fn from_iter<I: IntoIterator<Item = (String, Json)>>(members: I) -> Self {
+        Self(members.into_iter().collect())
+    }
+}
+
+/// Null for members that are not there.
+impl Index<&str> for Object {
+    type Output = Json;
+    fn index(&self, key: &str) -> &Json {
+        self.get(key).unwrap_or(&NULL)
+    }
+}
+
+/// A member that is not there is made, as null.
+impl IndexMut<&str> for Object {
+    fn index_mut(&mut self, key: &str) -> &mut Json {
+        self.entry(key.to_owned()).or_insert(Json::Null)
+    }
+}
+
+/// Null for members that are not there, and of what is no object.
+impl Index<&str> for Json {
+    type Output = Self;
+    fn index(&self, key: &str) -> &Self {
+        self.get(key).unwrap_or(&NULL)
+    }
+}
+
+/// What is no object becomes one; a member that is not there is made, as null.
+impl IndexMut<&str> for Json {
+    fn index_mut(&mut self, key: &str) -> &mut Self {
+        &mut self.made_object()[key]
+    }
+}
+
+/// Null for elements that are not there, and of what is no array.
+impl Index<usize> for Json {
+    type Output = Self;
+    fn index(&self, i: usize) -> &Self {
+        self.list().get(i).unwrap_or(&NULL)
+    }
+}
+
+impl From<bool> for Json {
+    fn from(flag: bool) -> Self {
+        Self::Bool(flag)
+    }
+}
+
+impl From<&str> for Json {
+    fn from(text: &str) -> Self {
+        Self::String(text.to_owned())
+    }
+}
+
+impl From<String> for Json {
+    fn from(text: String) -> Self {
+        Self::String(text)
+    }
+}
+
+macro_rules! from_whole {
+    ($($whole:ty),*) => {$(
+        impl From<$whole> for Json {
+            fn from(number: $whole) -> Self {
+                Self::Number(number.to_string().into())
+            }
+        }
+    )*};
+}
+from_whole!(u32, u64, usize, i64);
+
+/// The shortest spelling that means the same number; null if it is not finite.
+impl From<f64> for Json {
+    fn from(number: f64) -> Self {
+        if !number.is_finite() {
+            return Self::Null;
+        }
+        let scientific = format!("{number:e}");
+        let (digits, power) = scientific.split_once('e').expect("the form of the format");
+        let power: i32 = power.parse().expect("the form of the format");
+        Self::Number(Box::from(match power {
+            -5..16 if number.fract() == 0.0 => format!("{number}.0"),
+            -5..16 => number.to_string(),
+            ..=-6 => scientific,
+            _ => format!("{digits}e+{power}"),
+        }))
+    }
+}
+
+impl<T: Into<Json>> From<Option<T>> for Json {
+    fn from(value: Option<T>) -> Self {
+        value.map_or(Self::Null, T::into)
+    }
+}
+
+impl<T: Into<Json>> From<Vec<T>> for Json {
+    fn from(elements: Vec<T>) -> Self {
+        elements.into_iter().collect()
+    }
+}
+
+impl<T: Into<Json>, const N: usize> From<[T; N]> for Json {
+    fn from(elements: [T; N]) -> Self {
+        elements.into_iter().collect()
+    }
+}
+
+impl<T: Into<Json>> FromIterator<T> for Json {
+    fn from_iter<I: IntoIterator<Item = T>>(elements: I) -> Self {
+        Self::Array(elements.into_iter().map(T::into).collect())
+    }
+}
+
+/// One line; `{:#}` has a line for each member and element.
+impl Display for Json {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        self.write(f, 0)
+    }
+}
+
+/// As of [`Json`].
+impl Display for Object {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        write_object(self, f, 0)
+    }
+}
+
+impl Json {
+    fn write(&self, f: &mut Formatter<'_>, depth: usize) -> fmt::Result {
+        match self {
+            Self::Null => f.write_str("null"),
+            Self::Bool(flag) => write!(f, "{flag}"),
+            Self::Number(spelt) => f.write_str(spelt),
+            Self::String(text) => write_text(text, f),
+            Self::Object(members) => write_object(members, f, depth),
+            Self::Array(elements) => {
+                write_all(f, ['[', ']'], depth, elements, |f, element| element.write(f, depth + 1))
+            }
+        }
+    }
+}
+
+fn write_object(members: &Object, f: &mut Formatter<'_>, depth: usize) -> fmt::Result {
+    write_all(f, ['{', '}'], depth, members.iter(), |f, (name, value)| {
+        write_text(name, f)?;
+        f.write_str(if f.alternate() { ": " } else { ":" })?;
+        value.write(f, depth + 1)
     })
 }
+
+fn write_all<T>(
+    f: &mut Formatter<'_>,
+    [open, close]: [char; 2],
+    depth: usize,
+    all: impl IntoIterator<Item = T>,
+    one: impl Fn(&mut Formatter<'_>, T) -> fmt::Result,
+) -> fmt::Result {
+    let line = |f: &mut Formatter<'_>, depth: usize| {
+        if f.alternate() { write!(f, "\n{:1$}", "", 2 * depth) } else { Ok(()) }
+    };
+    f.write_char(open)?;
+    let mut is_empty = true;
+    for value in all {
+        if !is_empty {
+            f.write_char(',')?;
+        }
+        is_empty = false;
+        line(f, depth + 1)?;
+        one(f, value)?;
+    }
+    if !is_empty {
+        line(f, depth)?;
+    }
+    f.write_char(close)
+}
+
+fn write_text(text: &str, f: &mut Formatter<'_>) -> fmt::Result {
+    f.write_char('"')?;
+    let mut rest = text;
+    while let Some(at) = rest.find(|c: char| c < ' ' || c == '"' || c == '\\') {
+        f.write_str(&rest[..at])?;
+        match rest.as_bytes()[at] {
+            b'\n' => f.write_str("\\n"),
+            b'\r' => f.write_str("\\r"),
+            b'\t' => f.write_str("\\t"),
+            0x08 => f.write_str("\\b"),
+            0x0c => f.write_str("\\f"),
+            c if c < b' ' => write!(f, "\\u{c:04x}"),
+            c => write!(f, "\\{}", char::from(c)),
+        }?;
+        rest = &rest[at + 1..];
+    }
+    f.write_str(rest)?;
+    f.write_char('"')
+}
+
+#[cfg(test)]
+#[path = "json_tests.rs"]
+mod tests;

@@ -1,11 +1,10 @@
-//! A glTF whose buffer has not come to its end: everything that refers to missing bytes is left
-//! out, so that the rest is a valid document.
+//! Documents that have not come to their end: everything that refers to missing bytes is left out,
+//! so that the rest is a valid document.
 
-use super::extensions::opaque as opaque_extension;
-use super::json::{self, Object, entries, integer, list};
+use super::extensions;
+use super::json::{Json, Object, object, parse};
 use super::schema::{self, Pool, references, retain};
-use crate::{FormatError, GltfDocument, Limits};
-use serde_json::Value;
+use crate::{FormatError, GltfDocument, Limits, ObjectInfo};
 
 const INSTANCING: &str = "EXT_mesh_gpu_instancing";
 /// Extensions that refer to images and textures in a way that is not listed.
@@ -28,15 +27,13 @@ pub(crate) type Shortened = (GltfDocument, Vec<String>);
 pub(crate) fn gltf_without_missing(
     document: &GltfDocument,
 ) -> Result<Option<Shortened>, FormatError> {
-    let mut root = json::parse(document.json.as_bytes(), &Limits::DEFAULT)?;
+    let mut root = parse(document.json.as_bytes(), &Limits::DEFAULT)?;
     schema::check(&mut root)?;
-    let used = list(&root, "extensionsUsed").iter().filter_map(Value::as_str);
-    let is_listed =
-        !used.into_iter().any(|e| UNLISTED.contains(&e)) && opaque_extension(&root).is_none();
-    if !is_listed {
+    let used = root.list("extensionsUsed").iter().filter_map(Json::as_str);
+    if used.into_iter().any(|e| UNLISTED.contains(&e)) || extensions::opaque(&root).is_some() {
         return Ok(None);
     }
-    let missing = Missing::of(&mut root, document.blob.len() as u64);
+    let missing = Missing::of(&root, document.blob.len() as u64);
     let mut left_out = Vec::new();
     let mut note = |number: usize, what: &str| match number {
         0 => {}
@@ -52,12 +49,34 @@ pub(crate) fn gltf_without_missing(
     if document.blob.is_empty() {
         root.shift_remove("buffers");
         is_free &= Pool::BufferViews.len(&root) == 0;
-    } else if let Some(buffer) = objects(&mut root, "buffers").next() {
-        let length = buffer.get("byteLength").and_then(integer).unwrap_or(0);
-        buffer.insert("byteLength".to_owned(), length.min(document.blob.len() as u64).into());
+    } else if let Some(buffer) = root.objects_mut("buffers").next() {
+        let length = buffer["byteLength"].as_u64().unwrap_or(0);
+        buffer["byteLength"] = length.min(document.blob.len() as u64).into();
     }
-    let json = serde_json::to_string(&root).expect("values from JSON can be written as JSON");
-    Ok(is_free.then(|| (GltfDocument { json, blob: document.blob.clone() }, left_out)))
+    let shortened = || GltfDocument { json: root.to_string(), blob: document.blob.clone() };
+    Ok(is_free.then(|| (shortened(), left_out)))
+}
+
+/// A document with a mesh and a node for each object, whose numbers become those of this document.
+pub(crate) fn bare_gltf(infos: &mut [ObjectInfo]) -> GltfDocument {
+    let mut meshes: Vec<Json> = Vec::new();
+    for (number, info) in (0..).zip(infos) {
+        info.document_mesh = number;
+        for (primitive, submesh) in (0..).zip(&mut info.submeshes) {
+            submesh.document_primitive = primitive;
+        }
+        let primitives: Json = info.submeshes.iter().map(|_| object! {}).collect();
+        meshes.push(object! { "name" => &*info.name, "primitives" => primitives });
+    }
+    let mut root = object! { "asset" => object! { "version" => "2.0", "generator" => "lodc" } };
+    if !meshes.is_empty() {
+        let roots: Vec<usize> = (0..meshes.len()).collect();
+        root["nodes"] = roots.iter().map(|&i| object! { "mesh" => i }).collect();
+        root["scenes"] = [object! { "nodes" => roots }].into();
+        root["scene"] = 0u32.into();
+        root["meshes"] = meshes.into();
+    }
+    GltfDocument { json: root.to_string(), blob: Vec::new() }
 }
 
 /// The entries of a document that refer to missing bytes.
@@ -69,49 +88,38 @@ struct Missing {
 
 impl Missing {
     /// Finds what refers to bytes from number `end` on.
-    fn of(root: &mut Object, end: u64) -> Self {
-        let number = |view: &Object, key: &str| view.get(key).and_then(integer);
+    fn of(root: &Object, end: u64) -> Self {
         let ends = |view: &Object| {
-            let length = number(view, "byteLength")?;
-            number(view, "byteOffset").unwrap_or(0).checked_add(length)
+            let length = view["byteLength"].as_u64()?;
+            view["byteOffset"].as_u64().unwrap_or(0).checked_add(length)
         };
-        let views: Vec<bool> =
-            entries(root, "bufferViews").map(|view| ends(view).is_none_or(|e| e > end)).collect();
-        let is_missing = |v: Option<&Value>| {
-            let view = v.and_then(integer).and_then(|i| views.get(i as usize));
-            view.copied().unwrap_or(false)
-        };
+        let views = root.entries("bufferViews");
+        let views: Vec<bool> = views.map(|view| ends(view).is_none_or(|e| e > end)).collect();
         let accessor = |a: &Object| {
-            let sparse = |key: &str| a.get("sparse").and_then(|s| s.get(key)?.get("bufferView"));
-            [a.get("bufferView"), sparse("indices"), sparse("values")].into_iter().any(is_missing)
+            let sparse = ["indices", "values"].map(|key| &a["sparse"][key]["bufferView"]);
+            [&a["bufferView"], sparse[0], sparse[1]].into_iter().any(|v| is_marked(&views, v))
         };
-        let accessors = entries(root, "accessors").map(accessor).collect();
-        let images =
-            entries(root, "images").map(|image| is_missing(image.get("bufferView"))).collect();
+        let accessors = root.entries("accessors").map(accessor).collect();
+        let images = root.entries("images").map(|i| is_marked(&views, &i["bufferView"])).collect();
         Self { views, accessors, images }
-    }
-
-    fn is_missing_accessor(&self, value: Option<&Value>) -> bool {
-        is_marked(&self.accessors, value)
     }
 
     /// Drops textures without an image, also from materials. Returns their number.
     fn drop_textures(&self, root: &mut Object) -> usize {
         let mut bare = Vec::new();
-        for texture in objects(root, "textures") {
-            let had = texture.contains_key("source") || texture.contains_key("extensions");
-            let is_missing = |v: Option<&Value>| is_marked(&self.images, v);
-            if is_missing(texture.get("source")) {
+        for texture in root.objects_mut("textures") {
+            let has = |t: &Object| ["source", "extensions"].iter().any(|key| t.contains_key(*key));
+            let had = has(texture);
+            if is_marked(&self.images, &texture["source"]) {
                 texture.shift_remove("source");
             }
-            if let Some(Value::Object(extensions)) = texture.get_mut("extensions") {
-                extensions.retain(|_, e| !is_missing(e.get("source")));
+            if let Some(Json::Object(extensions)) = texture.get_mut("extensions") {
+                extensions.retain(|_, e| !is_marked(&self.images, &e["source"]));
                 if extensions.is_empty() {
                     texture.shift_remove("extensions");
                 }
             }
-            let has = texture.contains_key("source") || texture.contains_key("extensions");
-            bare.push(had && !has);
+            bare.push(had && !has(texture));
         }
         let dropped = bare.iter().filter(|b| **b).count();
         if let (Some(materials), true) = (root.get_mut("materials"), dropped > 0) {
@@ -119,7 +127,7 @@ impl Missing {
         }
         if dropped == bare.len() {
             root.shift_remove("textures");
-        } else if let Some(Value::Array(textures)) = root.get_mut("textures") {
+        } else if let Some(Json::Array(textures)) = root.get_mut("textures") {
             let mut bare = bare.iter();
             textures.retain(|_| !bare.next().copied().unwrap_or(false));
         }
@@ -128,20 +136,15 @@ impl Missing {
 
     /// Drops animations with missing samplers, and those that point into materials.
     fn drop_animations(&self, root: &mut Object) -> usize {
-        let Some(Value::Array(animations)) = root.get_mut("animations") else { return 0 };
+        let Some(Json::Array(animations)) = root.get_mut("animations") else { return 0 };
         let before = animations.len();
-        let is_missing = |sampler: &Value| {
-            ["input", "output"].iter().any(|key| self.is_missing_accessor(sampler.get(*key)))
+        let is_missing = |sampler: &Json| {
+            ["input", "output"].iter().any(|key| is_marked(&self.accessors, &sampler[*key]))
         };
-        let points = |channel: &Value| {
-            let target = channel.get("target").and_then(|t| t.get("extensions"));
-            target.is_some_and(|e| e.get("KHR_animation_pointer").is_some())
-        };
-        let all = |animation: &Value, key: &str| -> Vec<Value> {
-            animation.get(key).and_then(Value::as_array).cloned().unwrap_or_default()
-        };
+        let points =
+            |channel: &Json| channel["target"]["extensions"].get("KHR_animation_pointer").is_some();
         animations.retain(|a| {
-            !all(a, "samplers").iter().any(is_missing) && !all(a, "channels").iter().any(points)
+            !a["samplers"].list().iter().any(is_missing) && !a["channels"].list().iter().any(points)
         });
         let dropped = before - animations.len();
         if animations.is_empty() {
@@ -152,10 +155,10 @@ impl Missing {
 
     /// Drops skins without their matrices; nodes stay.
     fn drop_skins(&self, root: &mut Object) -> usize {
-        let missing = |s: &Object| self.is_missing_accessor(s.get("inverseBindMatrices"));
-        let skins: Vec<bool> = entries(root, "skins").map(missing).collect();
-        for node in objects(root, "nodes") {
-            if is_marked(&skins, node.get("skin")) {
+        let missing = |s: &Object| is_marked(&self.accessors, &s["inverseBindMatrices"]);
+        let skins: Vec<bool> = root.entries("skins").map(missing).collect();
+        for node in root.objects_mut("nodes") {
+            if is_marked(&skins, &node["skin"]) {
                 node.shift_remove("skin");
             }
         }
@@ -166,11 +169,11 @@ impl Missing {
     /// Shows nodes once whose instances are missing.
     fn drop_instances(&self, root: &mut Object) -> usize {
         let mut dropped = 0;
-        for node in objects(root, "nodes") {
-            let attributes = json::extension(node, INSTANCING).and_then(|e| e.get("attributes"));
-            let Some(attributes) = attributes.and_then(Value::as_object) else { continue };
-            if attributes.values().any(|a| self.is_missing_accessor(Some(a))) {
-                json::remove_extension(node, INSTANCING);
+        for node in root.objects_mut("nodes") {
+            let attributes = node.extension(INSTANCING).and_then(|e| e["attributes"].as_object());
+            let mut accessors = attributes.into_iter().flat_map(|a| a.values());
+            if accessors.any(|a| is_marked(&self.accessors, a)) {
+                node.remove_extension(INSTANCING);
                 dropped += 1;
             }
         }
@@ -186,7 +189,7 @@ impl Missing {
         ];
         pools.into_iter().all(|(pool, missing)| {
             let mut is_free = true;
-            references(root, pool, &mut |value, _| is_free &= !is_marked(missing, Some(value)));
+            references(root, pool, &mut |value, _| is_free &= !is_marked(missing, value));
             if is_free {
                 keep(root, pool, missing);
             }
@@ -195,9 +198,8 @@ impl Missing {
     }
 }
 
-fn is_marked(marks: &[bool], index: Option<&Value>) -> bool {
-    let mark = index.and_then(integer).and_then(|i| marks.get(usize::try_from(i).ok()?));
-    mark.copied().unwrap_or(false)
+fn is_marked(marks: &[bool], index: &Json) -> bool {
+    index.as_index().and_then(|i| marks.get(i)).copied().unwrap_or(false)
 }
 
 /// Drops the marked entries of a pool to which nothing refers.
@@ -206,25 +208,17 @@ fn keep(root: &mut Object, pool: Pool, missing: &[bool]) {
     retain(root, pool, &kept);
 }
 
-fn objects<'a>(parent: &'a mut Object, key: &str) -> impl Iterator<Item = &'a mut Object> {
-    let array = parent.get_mut(key).and_then(Value::as_array_mut);
-    array.into_iter().flatten().filter_map(Value::as_object_mut)
-}
-
 /// Drops every `…Texture` whose index is marked, and renumbers the others.
-fn renumber_textures(value: &mut Value, marked: &[bool]) {
+fn renumber_textures(value: &mut Json, marked: &[bool]) {
     match value {
-        Value::Array(values) => values.iter_mut().for_each(|v| renumber_textures(v, marked)),
-        Value::Object(members) => {
-            members
-                .retain(|key, v| !(key.ends_with("Texture") && is_marked(marked, v.get("index"))));
+        Json::Array(values) => values.iter_mut().for_each(|v| renumber_textures(v, marked)),
+        Json::Object(members) => {
+            members.retain(|key, v| !(key.ends_with("Texture") && is_marked(marked, &v["index"])));
             for (key, member) in members.iter_mut() {
-                if key.ends_with("Texture")
-                    && let Some(index) = member.get_mut("index")
-                    && let Some(number) = integer(index)
+                if let (true, Some(index)) = (key.ends_with("Texture"), member["index"].as_index())
                 {
-                    let before = marked.iter().take(number as usize);
-                    *index = before.filter(|m| !**m).count().into();
+                    let before = marked.iter().take(index);
+                    member["index"] = before.filter(|m| !**m).count().into();
                 }
                 renumber_textures(member, marked);
             }

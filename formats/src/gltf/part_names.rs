@@ -1,8 +1,7 @@
 //! Names that a scene has for its parts.
 
-use super::json::{as_index, parse_json};
-use crate::{Document, FormatError, ObjectInfo};
-use serde_json::Value;
+use super::json::{Object, parse};
+use crate::{Document, FormatError, Limits, ObjectInfo, SubmeshInfo};
 
 /// The names of the parts of a scene.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -21,7 +20,10 @@ impl PartNames {
     pub fn new(document: &Document, objects: &[&ObjectInfo]) -> Result<Self, FormatError> {
         match document {
             Document::Obj(_) => Ok(Self::of_obj(objects)),
-            Document::Gltf(gltf) => Ok(Self::of_gltf(&parse_json(gltf)?, objects)),
+            Document::Gltf(gltf) => {
+                let root = parse(gltf.json.as_bytes(), &Limits::DEFAULT)?;
+                Ok(Self::of_gltf(&root, objects))
+            }
         }
     }
 
@@ -35,20 +37,21 @@ impl PartNames {
         }
     }
 
-    fn of_gltf(json: &Value, objects: &[&ObjectInfo]) -> Self {
-        let name = |v: &Value| v["name"].as_str().unwrap_or_default().to_owned();
+    fn of_gltf(root: &Object, objects: &[&ObjectInfo]) -> Self {
+        let name = |v: &Object| v["name"].as_str().unwrap_or_default().to_owned();
+        let material_names: Vec<String> = root.entries("materials").map(name).collect();
         let materials = |o: &&ObjectInfo| {
-            let primitives = &json["meshes"][o.document_mesh as usize]["primitives"];
-            let of = |primitive: u32| match as_index(&primitives[primitive as usize]["material"]) {
-                Some(m) => name(&json["materials"][m]),
-                None => String::new(),
+            let primitives = &root["meshes"][o.document_mesh as usize]["primitives"];
+            let of = |s: &SubmeshInfo| {
+                let material = primitives[s.document_primitive as usize]["material"].as_index();
+                material.and_then(|m| material_names.get(m)).cloned().unwrap_or_default()
             };
-            o.submeshes.iter().map(|s| of(s.document_primitive)).collect()
+            o.submeshes.iter().map(of).collect()
         };
         let nodes = |o: &&ObjectInfo| {
-            let all = json["nodes"].as_array().into_iter().flatten();
-            let shows = |n: &&Value| as_index(&n["mesh"]) == Some(o.document_mesh as usize);
-            all.filter(shows).map(name).filter(|n| !n.is_empty()).collect()
+            let shows = |n: &&Object| n["mesh"].as_index() == Some(o.document_mesh as usize);
+            let shown = root.entries("nodes").filter(shows).map(name);
+            shown.filter(|n| !n.is_empty()).collect()
         };
         Self {
             materials: objects.iter().map(materials).collect(),

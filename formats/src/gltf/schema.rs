@@ -1,9 +1,8 @@
 //! Members of a glTF document: one table for checking types, resolving references and
 //! renumbering them.
 
-use super::json::{Object, integer, malformed};
+use super::json::{Json, Object, malformed};
 use crate::FormatError;
-use serde_json::Value;
 use std::fmt::Write;
 
 /// A top-level array that other members point into by index.
@@ -62,12 +61,9 @@ impl Pool {
 
     /// Number of entries in the document.
     pub(crate) fn len(self, root: &Object) -> usize {
-        let lights = |root: &Object| {
-            root.get("extensions")?.get("KHR_lights_punctual")?.get("lights").cloned()
-        };
         match self {
-            Self::Lights => lights(root).and_then(|v| v.as_array().map(Vec::len)).unwrap_or(0),
-            _ => root.get(self.name()).and_then(Value::as_array).map_or(0, Vec::len),
+            Self::Lights => root["extensions"]["KHR_lights_punctual"]["lights"].list().len(),
+            _ => root.list(self.name()).len(),
         }
     }
 }
@@ -219,7 +215,7 @@ pub(crate) fn check(root: &mut Object) -> Result<(), FormatError> {
     for pool in
         Pool::ALL.into_iter().map(Pool::name).filter(|&n| n != "lights").chain(["animations"])
     {
-        if root.get(pool).is_some_and(|v| !v.is_array()) {
+        if root.get(pool).is_some_and(|v| v.as_array().is_none()) {
             return Err(malformed(pool, "must be an array"));
         }
     }
@@ -232,7 +228,7 @@ pub(crate) fn check(root: &mut Object) -> Result<(), FormatError> {
 
 /// Calls `visit` for every reference into `pool` and the place where it stands. The document has
 /// been checked.
-pub(crate) fn references(root: &mut Object, pool: Pool, visit: &mut dyn FnMut(&mut Value, &str)) {
+pub(crate) fn references(root: &mut Object, pool: Pool, visit: &mut dyn FnMut(&mut Json, &str)) {
     for (path, kind) in TABLE {
         if matches!(kind, Index(p) if *p == pool) {
             let walked = walk_root(root, path, &mut |value, place| {
@@ -242,6 +238,27 @@ pub(crate) fn references(root: &mut Object, pool: Pool, visit: &mut dyn FnMut(&m
             walked.expect("the shape of a checked document fits the table");
         }
     }
+}
+
+/// Returns which entries of a pool something refers to.
+pub(crate) fn referenced(root: &mut Object, pool: Pool) -> Vec<bool> {
+    let mut marks = vec![false; pool.len(root)];
+    references(root, pool, &mut |value, _| {
+        if let Some(mark) = value.as_index().and_then(|i| marks.get_mut(i)) {
+            *mark = true;
+        }
+    });
+    marks
+}
+
+/// A primitive of a mesh, to be changed; none if it is not there.
+pub(crate) fn primitive_mut(
+    root: &mut Object,
+    mesh: usize,
+    primitive: usize,
+) -> Option<&mut Object> {
+    let mesh = root.get_mut("meshes")?.as_array_mut()?.get_mut(mesh)?;
+    mesh.get_mut("primitives")?.as_array_mut()?.get_mut(primitive)?.as_object_mut()
 }
 
 /// Drops the entries of a pool that are not kept and renumbers all references to the others.
@@ -254,10 +271,10 @@ pub(crate) fn retain(root: &mut Object, pool: Pool, kept: &[bool]) {
     };
     let numbers: Vec<u64> = kept.iter().map(number).collect();
     references(root, pool, &mut |value, _| {
-        let old = integer(value).and_then(|i| numbers.get(i as usize).copied());
+        let old = value.as_u64().and_then(|i| numbers.get(i as usize).copied());
         *value = old.expect("the reference has been checked").into();
     });
-    if let Some(Value::Array(entries)) = root.get_mut(pool.name())
+    if let Some(Json::Array(entries)) = root.get_mut(pool.name())
         && kept.contains(&false)
     {
         let mut keep = kept.iter();
@@ -269,26 +286,26 @@ pub(crate) fn retain(root: &mut Object, pool: Pool, kept: &[bool]) {
 }
 
 fn check_one(
-    value: &Value,
+    value: &Json,
     kind: Kind,
     lengths: &[usize; 13],
     place: &str,
 ) -> Result<(), FormatError> {
-    let finite = |v: &Value| v.as_f64().is_some_and(f64::is_finite);
+    let finite = |v: &Json| v.as_f64().is_some();
     let (fits, expected) = match kind {
         Obj => (value.is_object(), "an object".to_owned()),
-        Whole => (integer(value).is_some(), "a whole number".to_owned()),
+        Whole => (value.as_u64().is_some(), "a whole number".to_owned()),
         Number => (finite(value), "a finite number".to_owned()),
         Numbers(n) => {
-            let fits = value.as_array().is_some_and(|a| a.len() == n && a.iter().all(finite));
+            let fits = value.list().len() == n && value.list().iter().all(finite);
             (fits, format!("an array of {n} finite numbers"))
         }
-        Text => (value.is_string(), "a string".to_owned()),
-        Flag => (value.is_boolean(), "true or false".to_owned()),
+        Text => (value.as_str().is_some(), "a string".to_owned()),
+        Flag => (value.as_bool().is_some(), "true or false".to_owned()),
         Index(pool) => {
             let position = Pool::ALL.iter().position(|&p| p == pool).expect("ALL has every pool");
             let length = lengths[position];
-            let fits = integer(value).is_some_and(|i| i < length as u64);
+            let fits = value.as_u64().is_some_and(|i| i < length as u64);
             (fits, format!("the index of one of the {length} {}", pool.name()))
         }
     };
@@ -302,7 +319,7 @@ fn check_one(
     Err(malformed(place, format!("must be {expected}, not {shown}")))
 }
 
-type Visit<'a> = dyn FnMut(&mut Value, &str) -> Result<(), FormatError> + 'a;
+type Visit<'a> = dyn FnMut(&mut Json, &str) -> Result<(), FormatError> + 'a;
 
 fn walk_root(root: &mut Object, path: &str, visit: &mut Visit<'_>) -> Result<(), FormatError> {
     let mut place = String::new();
@@ -330,14 +347,14 @@ fn walk_member(
 
 /// `path` is what follows a value: nothing, `.member…`, `[]…` or `{}…`.
 fn walk_value(
-    value: &mut Value,
+    value: &mut Json,
     path: &str,
     place: &mut String,
     visit: &mut Visit<'_>,
 ) -> Result<(), FormatError> {
     let before = place.len();
     if let Some(rest) = path.strip_prefix("[]") {
-        let Value::Array(elements) = value else {
+        let Json::Array(elements) = value else {
             return Err(malformed(place.as_str(), "must be an array"));
         };
         for (i, element) in elements.iter_mut().enumerate() {
@@ -346,7 +363,7 @@ fn walk_value(
             place.truncate(before);
         }
     } else if let Some(rest) = path.strip_prefix("{}") {
-        let Value::Object(members) = value else {
+        let Json::Object(members) = value else {
             return Err(malformed(place.as_str(), "must be an object"));
         };
         for (name, member) in members.iter_mut() {
@@ -356,7 +373,7 @@ fn walk_value(
             place.truncate(before);
         }
     } else if let Some(rest) = path.strip_prefix('.') {
-        let Value::Object(members) = value else {
+        let Json::Object(members) = value else {
             return Err(malformed(place.as_str(), "must be an object"));
         };
         walk_member(members, rest, place, visit)?;

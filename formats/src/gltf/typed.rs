@@ -4,10 +4,9 @@
 //! scene, the node of an animation's channel). Attributes and morph targets stay JSON, because its
 //! types sort and merge their names; so do transformations, which it has in single precision.
 
-use super::json::{Object, integer, malformed};
+use super::json::{Json, Object, malformed};
 use crate::FormatError;
 use serde::de::DeserializeOwned;
-use serde_json::Value;
 
 /// Members that are passed through as they are, whatever they hold.
 const PASSED_THROUGH: [&str; 6] = ["extensions", "extras", "max", "min", "name", "target"];
@@ -17,15 +16,18 @@ const PASSED_THROUGH: [&str; 6] = ["extensions", "extras", "max", "min", "name",
 /// # Errors
 /// If a member has the wrong type, or one is missing that must be there.
 pub(super) fn entry<T: DeserializeOwned>(object: &Object, place: &str) -> Result<T, FormatError> {
-    serde_json::from_value(Value::Object(read(object))).map_err(|e| malformed(place, e.to_string()))
+    serde_json::from_str(&read(object).to_string()).map_err(|e| {
+        // A place in the text of this entry alone says nothing.
+        let what = e.to_string();
+        malformed(place, what.split(" at line ").next().unwrap_or(&what))
+    })
 }
 
 /// The members of an object that are read, its whole numbers spelt as such: `3.0` is one, too.
 fn read(object: &Object) -> Object {
-    let read = |value: &Value| match value {
-        Value::Object(members) => Value::Object(read(members)),
-        Value::Number(_) => integer(value).map_or_else(|| value.clone(), Value::from),
-        _ => value.clone(),
+    let read = |value: &Json| match value {
+        Json::Object(members) => Json::Object(read(members)),
+        other => other.as_u64().map_or_else(|| other.clone(), Json::from),
     };
     let members = object.iter().filter(|(name, _)| !PASSED_THROUGH.contains(&name.as_str()));
     members.map(|(name, value)| (name.clone(), read(value))).collect()
@@ -34,40 +36,38 @@ fn read(object: &Object) -> Object {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Limits;
+    use crate::gltf::json::parse;
     use ::gltf::json::{Accessor, buffer::View};
-    use serde_json::json;
 
-    fn typed<T: DeserializeOwned>(value: &Value) -> Result<T, FormatError> {
-        entry(value.as_object().expect("an object"), "here")
+    fn typed<T: DeserializeOwned>(text: &str) -> Result<T, FormatError> {
+        entry(&parse(text.as_bytes(), &Limits::DEFAULT).expect("an object"), "here")
     }
 
     #[test]
     fn whole_numbers_may_have_a_point_or_an_exponent() {
-        let value = json!({
-            "componentType": 5126.0, "count": 3e0, "type": "VEC3", "bufferView": 1.0,
-            "sparse": {
-                "count": 2.0,
-                "indices": { "bufferView": 0.0, "componentType": 5121.0 },
-                "values": { "bufferView": 7, "byteOffset": 4.0 },
-            },
-        });
-        let accessor: Accessor = typed(&value).expect("sound");
+        let with_count = |count: &str| {
+            let sparse = r#"{"count": 2.0, "indices": {"bufferView": 0.0, "componentType": 5121.0},
+                "values": {"bufferView": 7, "byteOffset": 4.0}}"#;
+            typed::<Accessor>(&format!(
+                r#"{{"componentType": 5126.0, "count": {count}, "type": "VEC3", "bufferView": 1.0,
+                "sparse": {sparse}}}"#
+            ))
+        };
+        let accessor = with_count("3e0").expect("sound");
         assert_eq!((accessor.count.0, accessor.buffer_view.map(|v| v.value())), (3, Some(1)));
         let sparse = accessor.sparse.expect("sparse");
         assert_eq!((sparse.values.buffer_view.value(), sparse.values.byte_offset.0), (7, 4));
-        for count in [json!(1.5), json!(-1), json!(1e300), json!("3"), json!(null)] {
-            let mut value = value.clone();
-            value["count"] = count;
-            assert_eq!(typed::<Accessor>(&value).expect_err("not whole").place, "here");
+        for count in ["1.5", "-1", "1e300", "1e999", "\"3\"", "null"] {
+            let error = with_count(count).expect_err("not whole");
+            assert!(error.place == "here" && !error.what.contains("line"), "{error}");
         }
     }
 
     #[test]
     fn what_is_passed_through_may_hold_anything() {
-        let value = json!({
-            "buffer": 0, "byteLength": 4,
-            "name": 5, "target": "x", "extras": [1], "extensions": { "X": 1 },
-        });
-        assert_eq!(typed::<View>(&value).expect("sound").byte_length.0, 4);
+        let view = r#"{"buffer": 0, "byteLength": 4, "name": 5, "target": "x", "extras": [1],
+            "extensions": {"X": 1}}"#;
+        assert_eq!(typed::<View>(view).expect("sound").byte_length.0, 4);
     }
 }

@@ -2,7 +2,7 @@
 
 use super::budget::Budget;
 use super::extensions;
-use super::json::{self, Object, entries, malformed, optional, required};
+use super::json::{Json, Object, malformed, object};
 use super::meshopt::{self, Layout};
 use super::typed;
 use super::uri;
@@ -21,7 +21,7 @@ pub(super) fn read_buffers<'a>(
     assets: &mut Assets,
 ) -> Result<Buffers<'a>, FormatError> {
     let mut buffers: Buffers<'a> = Vec::new();
-    for (i, buffer) in entries(root, "buffers").enumerate() {
+    for (i, buffer) in root.entries("buffers").enumerate() {
         let place = format!("buffers[{i}]");
         let stated: ::gltf::json::Buffer = typed::entry(buffer, &place)?;
         let length = stated.byte_length.0;
@@ -49,7 +49,7 @@ pub(super) fn read_buffers<'a>(
 
 /// A buffer that stands in for what is compressed elsewhere is not read: nothing needs it.
 fn is_fallback(buffer: &Object) -> bool {
-    let marked = |name| json::extension(buffer, name)?.get("fallback")?.as_bool();
+    let marked = |name| buffer.extension(name)?.get("fallback")?.as_bool();
     extensions::MESHOPT.into_iter().filter_map(marked).any(|b| b)
 }
 
@@ -79,10 +79,11 @@ impl<'a> Views<'a> {
         buffers: &'a Buffers<'a>,
         budget: &'a Budget,
     ) -> Result<Self, FormatError> {
-        let lengths: Vec<u64> = entries(root, "buffers")
-            .map(|b| optional(b, "byteLength", "").ok().flatten().unwrap_or(0))
+        let lengths: Vec<u64> = root
+            .entries("buffers")
+            .map(|b| b.optional("byteLength", "").ok().flatten().unwrap_or(0))
             .collect();
-        let views = entries(root, "bufferViews").enumerate();
+        let views = root.entries("bufferViews").enumerate();
         let views =
             views.map(|(i, view)| read_view(view, &format!("bufferViews[{i}]"), buffers, &lengths));
         Ok(Self { buffers, views: views.collect::<Result<_, _>>()?, budget })
@@ -134,6 +135,14 @@ impl<'a> Views<'a> {
         })?;
         Ok(view.decoded.get_or_init(|| decoded))
     }
+}
+
+/// Puts bytes behind what a blob holds, at a multiple of four; returns the buffer view of them.
+pub(super) fn put(blob: &mut Vec<u8>, bytes: &[u8]) -> Json {
+    blob.resize(blob.len().next_multiple_of(4), 0);
+    let offset = blob.len();
+    blob.extend_from_slice(bytes);
+    object! { "buffer" => 0u32, "byteOffset" => offset, "byteLength" => bytes.len() }
 }
 
 fn read_view(
@@ -191,9 +200,9 @@ fn compressed(
     buffers: &Buffers<'_>,
     lengths: &[u64],
 ) -> Result<View, FormatError> {
-    let buffer = required(packed, "buffer", place)? as usize;
-    let offset = optional(packed, "byteOffset", place)?.unwrap_or(0);
-    let length = required(packed, "byteLength", place)?;
+    let buffer = packed.required("buffer", place)? as usize;
+    let offset = packed.optional("byteOffset", place)?.unwrap_or(0);
+    let length = packed.required("byteLength", place)?;
     let range = byte_range(lengths, buffer, offset, length, place)?;
     let layout = Layout::read(packed, place)?;
     // The uncompressed size is what accessors are checked against; it must be a size that memory

@@ -1,9 +1,8 @@
 //! The scene of a prefix: what has come of the document, fit to be written with the meshes so far.
 
 use super::received::Received;
-use crate::gltf::gltf_without_missing;
-use crate::{Document, FormatError, GltfDocument, ObjDocument, ObjectInfo, SourceFormat};
-use serde_json::{Value, json};
+use crate::gltf::{bare_gltf, gltf_without_missing};
+use crate::{Document, FormatError, ObjDocument, ObjectInfo, SourceFormat};
 use std::borrow::Cow;
 
 /// The document and the names of a prefix.
@@ -43,26 +42,4 @@ impl<'a> Arrived<'a> {
         };
         Self { document: Cow::Owned(document), infos, left_out: vec![what.to_owned()] }
     }
-}
-
-/// A glTF with a mesh and a node for each object, whose numbers become those of this document.
-fn bare_gltf(infos: &mut [ObjectInfo]) -> GltfDocument {
-    let mut meshes: Vec<Value> = Vec::new();
-    for (number, info) in (0..).zip(infos) {
-        info.document_mesh = number;
-        for (primitive, submesh) in (0..).zip(&mut info.submeshes) {
-            submesh.document_primitive = primitive;
-        }
-        let primitives: Vec<Value> = info.submeshes.iter().map(|_| json!({})).collect();
-        meshes.push(json!({ "name": info.name, "primitives": primitives }));
-    }
-    let mut root = json!({ "asset": { "version": "2.0", "generator": "lodc" } });
-    if !meshes.is_empty() {
-        let roots: Vec<usize> = (0..meshes.len()).collect();
-        root["nodes"] = roots.iter().map(|i| json!({ "mesh": i })).collect();
-        root["scenes"] = json!([{ "nodes": roots }]);
-        root["scene"] = 0.into();
-        root["meshes"] = meshes.into();
-    }
-    GltfDocument { json: root.to_string(), blob: Vec::new() }
 }

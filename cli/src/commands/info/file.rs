@@ -5,9 +5,10 @@ use crate::commands::read::parse_lodc;
 use crate::exit::Outcome;
 use crate::report::{
     BitsPerVertex, InfoReport, ListsReport, ListsToReport, LodReport, ModelReport, ObjectCounts,
-    ObjectReport, SCHEMA_VERSION, SourceReport,
+    ObjectReport, SCHEMA_VERSION, SourceReport, StripsReport,
 };
 use crate::text::{count, distance, grouped, size};
+use indexmap::IndexMap;
 use lodc::LodObject;
 use lodc::levels;
 use lodc_formats::SourceFormat;
@@ -19,7 +20,6 @@ use lodc_model::{Model, StorageCost};
 use lodc_select::decimal;
 use lodc_strip::Effort;
 use lodc_strip::{StripKind, Strips};
-use serde_json::{Map, Value, json};
 use std::fmt::Write;
 use std::sync::Arc;
 
@@ -63,15 +63,15 @@ fn object(o: &LodObject, layout: Layout, baselines: bool) -> Outcome<ObjectRepor
         error: decimal(collapses.error_at(lod)),
         rms: collapses.rms_at(lod).map(decimal),
     });
-    let mut models: Map<String, Value> =
-        o.models.iter().map(|m| (m.name().to_owned(), stored(m, layout))).collect();
+    let mut models: IndexMap<_, _> =
+        o.models.iter().map(|m| (m.name(), stored(m, layout))).collect();
     if baselines {
         let strips = Arc::new(plain_strips(o));
         for baseline in lodc_lab::baselines(o, &strips)? {
-            models.insert(baseline.name().to_owned(), bits(&baseline.storage(), None));
+            models.insert(baseline.name(), bits(&baseline.storage(), None));
         }
         for (name, cost) in lodc_lab::plain(&o.simplified, &strips) {
-            models.insert(name.to_owned(), bits(&cost, None));
+            models.insert(name, bits(&cost, None));
         }
     }
     Ok(ObjectReport {
@@ -116,33 +116,31 @@ fn plain_strips(o: &LodObject) -> Strips {
 }
 
 /// Strips that are stored, by their generator.
-fn strips(o: &LodObject) -> Map<String, Value> {
-    let mut all = Map::new();
+fn strips(o: &LodObject) -> IndexMap<&'static str, StripsReport> {
+    let mut all = IndexMap::new();
     for strips in o.models.iter().filter_map(AnyModel::strips) {
         let report = lodc_lab::strip_primitives(o.simplified.mesh(), strips);
-        let value = json!({
-            "strips": report.strips,
-            "indices": report.indices,
-            "acmr_fifo16": report.acmr_fifo16,
+        all.entry(strips.kind.name()).or_insert(StripsReport {
+            strips: report.strips,
+            indices: report.indices,
+            acmr_fifo16: report.acmr_fifo16,
         });
-        all.entry(strips.kind.name()).or_insert(value);
     }
     all
 }
 
-fn stored(model: &AnyModel, layout: Layout) -> Value {
+fn stored(model: &AnyModel, layout: Layout) -> ModelReport {
     bits(&model.storage(), Some(lodc::stored_bytes(model, layout)))
 }
 
-fn bits(cost: &StorageCost, file: Option<u64>) -> Value {
-    let report = ModelReport {
+fn bits(cost: &StorageCost, file: Option<u64>) -> ModelReport {
+    ModelReport {
         bits_per_vertex: BitsPerVertex {
             thesis: cost.thesis(),
             thesis_normals: cost.thesis_normals(),
             file: file.map(|bytes| cost.bits_per_vertex(bytes)),
         },
-    };
-    serde_json::to_value(report).expect("a struct of numbers is JSON")
+    }
 }
 
 /// The report for people.
@@ -173,15 +171,13 @@ pub(super) fn text(name: &str, report: &InfoReport) -> String {
             let _ = writeln!(text, "  no models, only the collapse sequence");
         }
         for (model, cost) in &o.models {
-            let bits = &cost["bits_per_vertex"];
-            let number =
-                |key: &str| bits[key].as_f64().map_or("-".to_owned(), |b| format!("{b:.1}"));
+            let bits = &cost.bits_per_vertex;
+            let file = bits.file.map_or("-".to_owned(), |file| format!("{file:.1}"));
             let _ = writeln!(
                 text,
-                "  {model}: bits per vertex {} (thesis), {} (with normals), {} (in this file)",
-                number("thesis"),
-                number("thesis_normals"),
-                number("file")
+                "  {model}: bits per vertex {:.1} (thesis), {:.1} (with normals), {file} (in this \
+                 file)",
+                bits.thesis, bits.thesis_normals
             );
         }
     }

@@ -3,13 +3,14 @@
 use crate::error::AssetError;
 use crate::folder::globs;
 use crate::options::{CommandOptions, OptionValues, Vocabulary};
+use indexmap::IndexMap;
 use serde::Deserialize;
-use serde_json::{Map, Value};
+use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Options by long name; a table under a command's name holds options of that command alone.
-pub(super) type Options = Map<String, Value>;
+pub(super) type Options = IndexMap<String, Value>;
 
 /// A file as TOML has it.
 #[derive(Debug, Default, Deserialize)]
@@ -47,7 +48,15 @@ pub struct Layer {
     /// The options.
     pub values: OptionValues,
     /// Options of a part, in place of `values`.
-    pub part: Option<Map<String, Value>>,
+    pub part: Option<Options>,
+}
+
+impl Layer {
+    /// The options of a part as JSON, if they are those of a part.
+    #[must_use]
+    pub fn part_text(&self) -> Option<String> {
+        self.part.as_ref().map(super::text)
+    }
 }
 
 /// A configuration that was read.
@@ -199,7 +208,7 @@ impl Override {
         let plain: Options = plain.map(|(name, value)| (name.clone(), value.clone())).collect();
         for own in tables.chain([plain]) {
             if let Some(part) = self.part(&own) {
-                (words.check_part)(&Value::Object(part).to_string())?;
+                (words.check_part)(&super::text(&part))?;
             }
         }
         Ok(())

@@ -9,7 +9,6 @@ use crate::assets::Asset;
 use crate::error::AssetError;
 use crate::options::{OptionValues, Vocabulary};
 use file::{File, Options};
-use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -20,6 +19,11 @@ const NAME: &str = "lodc.toml";
 /// Options that shape the order of collapses, which a `.lodc` file has already.
 const OF_THE_ORDER: [&str; 6] =
     ["lock", "lock-border", "metric", "no-attributes", "preserve-topology", "weight"];
+
+/// The options of a part as JSON.
+pub(super) fn text(part: &Options) -> String {
+    serde_json::to_string(part).expect("options are values of JSON")
+}
 
 /// The configurations of a run, each read once.
 #[derive(Debug)]
@@ -98,7 +102,7 @@ impl<'a> Configs<'a> {
             if !parts.is_empty() {
                 let if_there = |mut part: Options| {
                     part.insert("if-there".to_owned(), true.into());
-                    Value::Object(part).to_string()
+                    text(&part)
                 };
                 let texts = parts.into_iter().map(if_there);
                 under.0.insert("part".to_owned(), texts.collect());

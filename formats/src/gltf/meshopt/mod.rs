@@ -6,10 +6,9 @@ mod filter;
 mod index;
 mod vertex;
 
-use super::json::{Object, malformed, required};
+use super::json::{Json, Object, malformed, object};
 use crate::FormatError;
 pub(crate) use filter::{packed_direction, unpacked_direction};
-use serde_json::{Value, json};
 
 /// Contents of a compressed buffer view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -66,7 +65,7 @@ pub(crate) struct Layout {
 impl Layout {
     /// Reads and checks what a view's extension says.
     pub(crate) fn read(packed: &Object, place: &str) -> Result<Self, FormatError> {
-        let named = |key: &str| packed.get(key).map_or(Some("NONE"), Value::as_str);
+        let named = |key: &str| packed.get(key).map_or(Some("NONE"), Json::as_str);
         let (mode, filter) = (named("mode"), named("filter"));
         let mode = MODES.iter().find(|(name, _)| Some(*name) == mode);
         let filter = FILTERS.iter().find(|(name, _)| Some(*name) == filter);
@@ -74,17 +73,18 @@ impl Layout {
         let layout = Self {
             mode: mode.ok_or_else(|| malformed(place, unknown))?.1,
             filter: filter.ok_or_else(|| malformed(place, "`filter` is unknown"))?.1,
-            count: required(packed, "count", place)? as usize,
-            stride: required(packed, "byteStride", place)? as usize,
+            count: packed.required("count", place)? as usize,
+            stride: packed.required("byteStride", place)? as usize,
         };
         layout.check().map_err(|what| malformed(place, what))?;
         Ok(layout)
     }
 
     /// What a view's extension says, besides where the bytes are.
-    pub(crate) fn json(&self) -> Value {
+    pub(crate) fn json(&self) -> Json {
         let mode = MODES.iter().find(|(_, mode)| *mode == self.mode).map(|(name, _)| *name);
-        let mut json = json!({ "byteStride": self.stride, "count": self.count, "mode": mode });
+        let mut json =
+            object! { "byteStride" => self.stride, "count" => self.count, "mode" => mode };
         if let Some((name, _)) = FILTERS[1..].iter().find(|(_, filter)| *filter == self.filter) {
             json["filter"] = (*name).into();
         }

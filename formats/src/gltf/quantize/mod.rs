@@ -11,13 +11,12 @@ mod tests;
 mod textures;
 
 use crate::gltf::extensions::add as add_extension;
-use crate::gltf::json::{self, Object, entries};
+use crate::gltf::json::{Json, Object};
 use crate::options::Precision;
 use crate::{Document, FormatError, ObjectInfo};
 use coding::{Coding, coded};
 use grid::{Bounds, Grid};
 use lodc_mesh::{Attribute, Component, Mesh, Semantic};
-use serde_json::Value;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use textures::TextureGrids;
@@ -124,14 +123,14 @@ fn shorten_numbers(root: &mut Object) {
     }
 }
 
-fn shorten(value: &mut Value) {
+fn shorten(value: &mut Json) {
     match value {
-        Value::Array(values) => values.iter_mut().for_each(shorten),
-        Value::Object(members) => {
+        Json::Array(values) => values.iter_mut().for_each(shorten),
+        Json::Object(members) => {
             members.iter_mut().filter(|(key, _)| *key != "extras").for_each(|(_, v)| shorten(v));
         }
-        Value::Number(number) if number.is_f64() => {
-            let single = number.as_f64().map_or(f32::NAN, |v| v as f32);
+        Json::Number(spelt) if spelt.contains(['.', 'e', 'E']) => {
+            let single = spelt.parse::<f64>().map_or(f32::NAN, |v| v as f32);
             // The shortest text that means the same float, as the number that it states.
             let short: f64 = single.to_string().parse().unwrap_or(f64::NAN);
             if single.is_normal() || single == 0.0 {
@@ -158,8 +157,8 @@ fn has_one_set(mesh: &Mesh, submesh: usize) -> bool {
 }
 
 /// The primitives of a mesh of the document.
-fn primitives(root: &Object, mesh: usize) -> &[Value] {
-    entries(root, "meshes").nth(mesh).map_or(&[], |mesh| json::list(mesh, "primitives"))
+fn primitives(root: &Object, mesh: usize) -> &[Json] {
+    root["meshes"][mesh]["primitives"].list()
 }
 
 /// The box of a stream of `N` floats at the vertices of a submesh; none if one is not finite.

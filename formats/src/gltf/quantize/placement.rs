@@ -3,23 +3,25 @@
 
 use super::grid::Grid;
 use super::skins;
-use crate::gltf::json::{Object, integer};
-use serde_json::{Value, json};
+use crate::gltf::extensions::animation_pointer;
+use crate::gltf::json::{Json, Object};
 use std::collections::BTreeMap;
 
 /// Places all meshes of the document that stand on a grid.
 pub(super) fn place(root: &mut Object, blob: &mut [u8], grids: &BTreeMap<usize, Grid<3>>) {
-    let skinned: BTreeMap<u64, Grid<3>> = skins::shown(root)
+    let skinned: BTreeMap<usize, Grid<3>> = skins::shown(root)
         .filter_map(|(mesh, matrices)| Some((matrices, *grids.get(&mesh)?)))
         .collect();
     for (matrices, grid) in &skinned {
         skins::transform(root, blob, *matrices, grid);
     }
-    let nodes = root.get("nodes").and_then(Value::as_array).map_or(0, Vec::len);
+    let nodes = root.list("nodes").len();
     for node in 0..nodes {
         let shown = &root["nodes"][node];
-        let mesh = shown.get("mesh").and_then(integer).and_then(|m| usize::try_from(m).ok());
-        let grid = mesh.and_then(|m| grids.get(&m)).filter(|_| shown.get("skin").is_none());
+        let grid = shown["mesh"]
+            .as_index()
+            .and_then(|m| grids.get(&m))
+            .filter(|_| shown.get("skin").is_none());
         if let Some(grid) = grid {
             let child = move_mesh(root, node, grid);
             redirect_weights(root, node, child);
@@ -29,38 +31,29 @@ pub(super) fn place(root: &mut Object, blob: &mut [u8], grids: &BTreeMap<usize, 
 
 /// Moves a node's mesh, and the weights of its morph targets, to a new child; returns its number.
 fn move_mesh(root: &mut Object, node: usize, grid: &Grid<3>) -> usize {
-    let mut child = Object::new();
-    if let Some(node) = root["nodes"][node].as_object_mut() {
-        for key in ["mesh", "weights"] {
-            child.extend(node.shift_remove(key).map(|value| (key.to_owned(), value)));
-        }
+    let number = root.list("nodes").len();
+    let node = root.objects_mut("nodes").nth(node).expect("the document has the node");
+    let mut child = Object::default();
+    for key in ["mesh", "weights"] {
+        child.extend(node.shift_remove(key).map(|value| (key.to_owned(), value)));
     }
-    child.insert("translation".to_owned(), json!(grid.offset));
-    child.insert("scale".to_owned(), json!([grid.step, grid.step, grid.step]));
-    let nodes = root["nodes"].as_array_mut().expect("the document has nodes");
-    let number = nodes.len();
-    match &mut nodes[node]["children"] {
-        Value::Array(children) => children.push(number.into()),
-        none => *none = json!([number]),
-    }
-    nodes.push(child.into());
+    child["translation"] = grid.offset.into();
+    child["scale"] = [grid.step; 3].into();
+    node.append("children", vec![number.into()]);
+    root.append("nodes", vec![Json::Object(child)]);
     number
 }
 
 /// Lets animations of a node's weights move those of another one.
 fn redirect_weights(root: &mut Object, from: usize, to: usize) {
-    let animations = root.get_mut("animations").and_then(Value::as_array_mut);
-    let channels = animations.into_iter().flatten().filter_map(|a| a["channels"].as_array_mut());
-    for target in channels.flatten().map(|channel| &mut channel["target"]) {
-        let own = target.get("node").and_then(integer) == Some(from as u64);
-        if own && target["path"] == "weights" {
+    let channels = root.objects_mut("animations").flat_map(|a| a.objects_mut("channels"));
+    for target in channels.filter_map(|channel| channel.get_mut("target")) {
+        if target["node"].as_index() == Some(from) && target["path"].as_str() == Some("weights") {
             target["node"] = to.into();
         }
-        let pointer = target.pointer_mut("/extensions/KHR_animation_pointer/pointer");
-        let Some(pointer) = pointer else { continue };
-        let rest = pointer.as_str().and_then(|p| p.strip_prefix(&format!("/nodes/{from}/weights")));
-        if let Some(moved) = rest.map(|rest| format!("/nodes/{to}/weights{rest}")) {
-            *pointer = moved.into();
+        let Some(pointer) = animation_pointer(target) else { continue };
+        if let Some(rest) = pointer.strip_prefix(&format!("/nodes/{from}/weights")) {
+            *pointer = format!("/nodes/{to}/weights{rest}");
         }
     }
 }

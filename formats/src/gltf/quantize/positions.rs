@@ -3,8 +3,9 @@
 
 use super::grid::{Bounds, Grid, last_number, short};
 use super::{Subject, primitives, skins};
-use crate::gltf::json::{self, Object, entries, integer};
-use crate::{Document, FormatError, Limits, ObjectInfo, scene_graph};
+use crate::gltf::graph::scene_graph;
+use crate::gltf::json::Object;
+use crate::{Document, FormatError, Limits, ObjectInfo};
 use lodc_mesh::{Attribute, Component, DisjointSets, Mesh, Semantic};
 use lodc_scene::Arrangement;
 use std::collections::BTreeMap;
@@ -71,7 +72,7 @@ fn scene_size(
 /// Objects that need one grid because a skin's matrices hold its transform for all of them.
 fn groups(root: &Object, subjects: &[Subject<'_>]) -> Vec<Vec<usize>> {
     let mut joined = DisjointSets::new(subjects.len());
-    let mut first: BTreeMap<u64, u32> = BTreeMap::new();
+    let mut first: BTreeMap<usize, u32> = BTreeMap::new();
     for (o, subject) in (0..).zip(subjects) {
         for matrices in showing(root, subject.mesh).filter_map(|n| skins::matrices(root, n)) {
             joined.join(*first.entry(matrices).or_insert(o), o);
@@ -95,7 +96,7 @@ fn is_movable(root: &Object, subjects: &[Subject<'_>], object: usize) -> bool {
             || (a.morph_target.is_some() && a.component == Component::F32)
     };
     let can_move = |node: &Object| {
-        let instanced = json::extension(node, "EXT_mesh_gpu_instancing").is_some();
+        let instanced = node.extension("EXT_mesh_gpu_instancing").is_some();
         !instanced && (!node.contains_key("skin") || skins::is_movable(root, node, written))
     };
     primitives(root, subject.mesh).len() == subject.primitives.len()
@@ -105,8 +106,8 @@ fn is_movable(root: &Object, subjects: &[Subject<'_>], object: usize) -> bool {
 
 /// The nodes that show a mesh of the document.
 fn showing(root: &Object, mesh: usize) -> impl Iterator<Item = &Object> {
-    let shows = move |n: &&Object| n.get("mesh").and_then(integer) == Some(mesh as u64);
-    entries(root, "nodes").filter(shows)
+    let shows = move |n: &&Object| n["mesh"].as_index() == Some(mesh);
+    root.entries("nodes").filter(shows)
 }
 
 /// World units per mesh unit.

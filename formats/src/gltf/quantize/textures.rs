@@ -5,10 +5,8 @@ use super::coding::Coding;
 use super::grid::{Bounds, Grid};
 use super::{Subject, bounds, primitives};
 use crate::gltf::extensions::add as add_extension;
-use crate::gltf::json::{self, Object, entries, integer};
-use crate::gltf::json::{as_index, numbers};
+use crate::gltf::json::{Json, Object};
 use lodc_mesh::{Attribute, Component, DisjointSets, Semantic};
-use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 
 const TRANSFORM: &str = "KHR_texture_transform";
@@ -59,7 +57,7 @@ impl TextureGrids {
 
     /// Gives every texture that reads from a grid the transform of it, before the one it has.
     pub(super) fn transform(&self, root: &mut Object) {
-        let materials = root.get_mut("materials").and_then(Value::as_array_mut);
+        let materials = root.get_mut("materials").and_then(Json::as_array_mut);
         for (m, material) in materials.into_iter().flatten().enumerate() {
             each_texture(material, &mut |info| {
                 if let Some(grid) = self.grids.get(&(m, set_of(info))) {
@@ -96,9 +94,9 @@ struct Stream {
 impl<'a> Readers<'a> {
     fn new(root: &'a Object, subjects: &[Subject<'_>]) -> Self {
         let (mut sets, mut blocked) = (BTreeSet::new(), BTreeSet::new());
-        let animated = json::list(root, "extensionsUsed").iter();
-        let animated = animated.into_iter().any(|e| e == "KHR_animation_pointer");
-        for (m, material) in json::list(root, "materials").iter().enumerate() {
+        let animated = root.list("extensionsUsed").iter();
+        let animated = animated.into_iter().any(|e| e.as_str() == Some("KHR_animation_pointer"));
+        for (m, material) in root.list("materials").iter().enumerate() {
             each_texture(&mut material.clone(), &mut |info| {
                 let key = (m, set_of(info));
                 sets.insert(key);
@@ -110,8 +108,8 @@ impl<'a> Readers<'a> {
         }
         // What is not written here keeps its coordinates, and its materials their meaning.
         let mut other = BTreeSet::new();
-        for (m, mesh) in entries(root, "meshes").enumerate() {
-            for (p, primitive) in json::list(mesh, "primitives").iter().enumerate() {
+        for (m, mesh) in root.entries("meshes").enumerate() {
+            for (p, primitive) in mesh.list("primitives").iter().enumerate() {
                 let is_written = |s: &Subject<'_>| s.mesh == m && s.primitives.contains(&p);
                 if !subjects.iter().any(is_written) {
                     other.extend(materials(primitive));
@@ -177,10 +175,9 @@ fn is_plain(stream: &Attribute) -> bool {
 }
 
 /// The materials that a primitive may be drawn with.
-fn materials(primitive: &Value) -> Vec<usize> {
+fn materials(primitive: &Json) -> Vec<usize> {
     let variants = &primitive["extensions"]["KHR_materials_variants"]["mappings"];
-    let variants = variants.as_array().into_iter().flatten();
-    let all = variants.chain([primitive]).filter_map(|m| as_index(&m["material"]));
+    let all = variants.list().iter().chain([primitive]).filter_map(|m| m["material"].as_index());
     let mut all: Vec<usize> = all.collect();
     all.sort_unstable();
     all.dedup();
@@ -188,10 +185,10 @@ fn materials(primitive: &Value) -> Vec<usize> {
 }
 
 /// Visits the textures of a material: objects with an `index` under names that end with `Texture`.
-fn each_texture(value: &mut Value, visit: &mut dyn FnMut(&mut Value)) {
+fn each_texture(value: &mut Json, visit: &mut dyn FnMut(&mut Json)) {
     let Some(object) = value.as_object_mut() else { return };
-    for (name, value) in object {
-        if name.ends_with("Texture") && value.get("index").and_then(integer).is_some() {
+    for (name, value) in object.iter_mut() {
+        if name.ends_with("Texture") && value["index"].as_u64().is_some() {
             visit(value);
         } else {
             each_texture(value, visit);
@@ -200,25 +197,19 @@ fn each_texture(value: &mut Value, visit: &mut dyn FnMut(&mut Value)) {
 }
 
 /// The set of coordinates that a texture reads.
-fn set_of(info: &Value) -> u32 {
-    let number = |value: &Value| value.as_u64().and_then(|n| u32::try_from(n).ok());
-    let there = info["extensions"][TRANSFORM].get("texCoord").and_then(number);
-    there.or_else(|| info.get("texCoord").and_then(number)).unwrap_or(0)
+fn set_of(info: &Json) -> u32 {
+    let number = |value: &Json| value.as_u64().and_then(|n| u32::try_from(n).ok());
+    let there = number(&info["extensions"][TRANSFORM]["texCoord"]);
+    there.or_else(|| number(&info["texCoord"])).unwrap_or(0)
 }
 
 /// A point is scaled and moved from the grid, then by the transform that is there.
-fn compose(info: &mut Value, grid: &Grid<2>) {
+fn compose(info: &mut Json, grid: &Grid<2>) {
     let there = &info["extensions"][TRANSFORM];
-    let [x, y] = numbers(&there["offset"], [0.0; 2]);
-    let [sx, sy] = numbers(&there["scale"], [1.0; 2]);
+    let [x, y] = there["offset"].numbers([0.0; 2]);
+    let [sx, sy] = there["scale"].numbers([1.0; 2]);
     let offset = [x + sx * grid.offset[0], y + sy * grid.offset[1]];
-    if !info["extensions"].is_object() {
-        info["extensions"] = json!({});
-    }
     let transform = &mut info["extensions"][TRANSFORM];
-    if !transform.is_object() {
-        *transform = json!({});
-    }
-    transform["offset"] = json!(offset);
-    transform["scale"] = json!([sx * grid.step, sy * grid.step]);
+    transform["offset"] = offset.into();
+    transform["scale"] = [sx * grid.step, sy * grid.step].into();
 }

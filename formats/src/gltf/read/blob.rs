@@ -2,11 +2,10 @@
 
 use crate::FormatError;
 use crate::gltf::extensions::MESHOPT;
-use crate::gltf::json::{self, Object};
+use crate::gltf::json::{Object, object};
 use crate::gltf::schema::Pool;
 use crate::gltf::uri;
-use crate::gltf::views::Views;
-use serde_json::Value;
+use crate::gltf::views::{Views, put};
 
 /// Lays the kept views out in one buffer, the document's first; after it come buffers that have no
 /// bytes, if a view still needs them. Overlapping views stay overlapping, so the blob is never
@@ -118,14 +117,12 @@ impl BlobLayout {
 
 /// Writes the new places into the document's views, which are not compressed any more.
 fn relocate_views(root: &mut Object, located: &[Located]) {
-    let entries = root.get_mut("bufferViews").and_then(Value::as_array_mut);
-    for (view, to) in entries.into_iter().flatten().zip(located) {
-        let Some(view) = view.as_object_mut() else { continue };
-        view.insert("buffer".to_owned(), to.buffer.into());
+    for (view, to) in root.objects_mut("bufferViews").zip(located) {
+        view["buffer"] = to.buffer.into();
         if to.offset > 0 || view.contains_key("byteOffset") {
-            view.insert("byteOffset".to_owned(), to.offset.into());
+            view["byteOffset"] = to.offset.into();
         }
-        MESHOPT.iter().for_each(|name| json::remove_extension(view, name));
+        MESHOPT.iter().for_each(|name| view.remove_extension(name));
     }
 }
 
@@ -135,17 +132,19 @@ fn replace_buffers(root: &mut Object, placeholders: &[usize], blob: &mut Vec<u8>
         // Buffers cannot be empty, and the first one is the blob.
         blob.resize(4, 0);
     }
-    let old = json::list(root, "buffers");
-    let mut buffers: Vec<Value> = placeholders.iter().map(|&b| old[b].clone()).collect();
-    for buffer in buffers.iter_mut().filter_map(Value::as_object_mut) {
-        MESHOPT.iter().for_each(|name| json::remove_extension(buffer, name));
-    }
     if blob.is_empty() {
         root.shift_remove("buffers");
-    } else {
-        buffers.insert(0, serde_json::json!({ "byteLength": blob.len() }));
-        root.insert("buffers".to_owned(), Value::Array(buffers));
+        return;
     }
+    let without_bytes = |&b: &usize| {
+        let mut buffer = root["buffers"][b].clone();
+        let members = buffer.as_object_mut().into_iter();
+        members.for_each(|b| MESHOPT.iter().for_each(|name| b.remove_extension(name)));
+        buffer
+    };
+    let mut buffers = vec![object! { "byteLength" => blob.len() }];
+    buffers.extend(placeholders.iter().map(without_bytes));
+    root["buffers"] = buffers.into();
 }
 
 /// Images in base 64 become bytes of the blob: a third smaller, and what a GLB should have. One
@@ -153,9 +152,8 @@ fn replace_buffers(root: &mut Object, placeholders: &[usize], blob: &mut Vec<u8>
 fn embed_data_images(root: &mut Object, blob: &mut Vec<u8>) {
     let first = Pool::BufferViews.len(root);
     let mut added = Vec::new();
-    for image in root.get_mut("images").and_then(Value::as_array_mut).into_iter().flatten() {
-        let Some(image) = image.as_object_mut() else { continue };
-        let decoded = image.get("uri").and_then(Value::as_str).and_then(uri::decoded_data);
+    for image in root.objects_mut("images") {
+        let decoded = image["uri"].as_str().and_then(uri::decoded_data);
         let Some((media_type, bytes)) = decoded.filter(|(_, bytes)| !bytes.is_empty()) else {
             continue;
         };
@@ -163,20 +161,11 @@ fn embed_data_images(root: &mut Object, blob: &mut Vec<u8>) {
             if !matches!(&*media_type, "image/png" | "image/jpeg") {
                 continue;
             }
-            image.insert("mimeType".to_owned(), media_type.into());
+            image["mimeType"] = media_type.into();
         }
         image.shift_remove("uri");
-        image.insert("bufferView".to_owned(), (first + added.len()).into());
-        blob.resize(blob.len().next_multiple_of(4), 0);
-        added.push(
-            serde_json::json!({ "buffer": 0, "byteOffset": blob.len(), "byteLength": bytes.len() }),
-        );
-        blob.extend(bytes);
+        image["bufferView"] = (first + added.len()).into();
+        added.push(put(blob, &bytes));
     }
-    if !added.is_empty()
-        && let Value::Array(views) =
-            root.entry("bufferViews").or_insert_with(|| Value::Array(Vec::new()))
-    {
-        views.extend(added);
-    }
+    root.append("bufferViews", added);
 }

@@ -1,16 +1,16 @@
 //! The node hierarchy: a forest, and the scale at which it shows each mesh.
 
 use crate::gltf::graph::{Numbers, gltf_graph};
-use crate::gltf::json::{Object, entries, integer, list, malformed};
+use crate::gltf::json::{Json, Object, malformed};
 use crate::{FormatError, SceneObject};
 use lodc_scene::{Arrangement, representative};
 
 /// Checks that no node has two parents and none is its own ancestor, without recursion.
 /// Returns the nodes, parents before their children.
 fn forest(root: &Object) -> Result<Vec<usize>, FormatError> {
-    let nodes = entries(root, "nodes").len();
+    let nodes = root.entries("nodes").len();
     let mut parent = vec![None; nodes];
-    for (i, node) in entries(root, "nodes").enumerate() {
+    for (i, node) in root.entries("nodes").enumerate() {
         for child in children(node) {
             if let Some(other) = parent[child].replace(i) {
                 let what = format!(
@@ -21,7 +21,7 @@ fn forest(root: &Object) -> Result<Vec<usize>, FormatError> {
         }
     }
     let mut order: Vec<usize> = (0..nodes).filter(|&i| parent[i].is_none()).collect();
-    let all: Vec<&Object> = entries(root, "nodes").collect();
+    let all: Vec<&Object> = root.entries("nodes").collect();
     let mut at = 0;
     while let Some(&node) = order.get(at) {
         order.extend(children(all[node]));
@@ -40,7 +40,7 @@ fn forest(root: &Object) -> Result<Vec<usize>, FormatError> {
 }
 
 fn children(node: &Object) -> impl Iterator<Item = usize> {
-    list(node, "children").iter().filter_map(integer).map(|i| i as usize)
+    node.list("children").iter().filter_map(Json::as_index)
 }
 
 /// Checks that the nodes are a forest.
@@ -70,7 +70,8 @@ pub(super) fn set_world_scales(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use serde_json::Value;
+    use crate::Limits;
+    use crate::gltf::json::parse;
 
     #[test]
     fn loops_and_second_parents_are_refused() {
@@ -80,13 +81,13 @@ mod tests {
             r#"[{"children":[2]},{"children":[2]},{}]"#,
         ] {
             let root = json_object(&format!(r#"{{"nodes":{nodes}}}"#));
-            assert!(forest(root.as_object().expect("one")).is_err(), "{nodes}");
+            assert!(forest(&root).is_err(), "{nodes}");
         }
         let root = json_object(r#"{"nodes":[{},{"children":[0,2]},{}]}"#);
-        assert_eq!(forest(root.as_object().expect("one")).ok(), Some(vec![1, 0, 2]));
+        assert_eq!(forest(&root).ok(), Some(vec![1, 0, 2]));
     }
 
-    fn json_object(text: &str) -> Value {
-        serde_json::from_str(text).expect("JSON of the test")
+    fn json_object(text: &str) -> Object {
+        parse(text.as_bytes(), &Limits::DEFAULT).expect("JSON of the test")
     }
 }

@@ -14,7 +14,7 @@ mod remainder;
 
 use super::accessor::Accessor;
 use super::budget::Budget;
-use super::json::{self, Object, entries, list};
+use super::json::{self, Json, Object};
 use super::views::{self, Views};
 use super::{document, extensions, glb, schema, uri};
 use crate::options::ImportOptions;
@@ -25,7 +25,6 @@ use crate::{
 use lodc_mesh::Mesh;
 use object::Reading;
 use primitive::{Primitive, Read};
-use serde_json::Value;
 
 /// Reads a glTF or GLB; `bytes` is the main file.
 ///
@@ -59,14 +58,12 @@ pub(crate) fn import(
     let buffers = views::read_buffers(&root, chunk, assets)?;
     let mut hasher = xxhash_rust::xxh3::Xxh3::new();
     hasher.update(&bytes);
-    let files = entries(&root, "buffers").zip(&buffers).filter(|(buffer, _)| names_file(buffer));
+    let files = root.entries("buffers").zip(&buffers).filter(|(buffer, _)| names_file(buffer));
     files.filter_map(|(_, b)| b.as_deref()).for_each(|b| hasher.update(b));
     let input_bytes = bytes.len() + buffers.iter().flatten().map(|b| b.len()).sum::<usize>();
     let budget = Budget::new(input_bytes as u64);
     let views = Views::new(&root, &buffers, &budget)?;
-    let accessors = entries(&root, "accessors").enumerate();
-    let accessors = accessors.map(|(i, a)| Accessor::new(a, format!("accessors[{i}]"), &views));
-    let accessors: Vec<Option<Accessor>> = accessors.collect::<Result<_, _>>()?;
+    let accessors = Accessor::all(&root, &views)?;
 
     forest::check(&root)?;
     let compressed = extensions::is_compressed(&root);
@@ -91,7 +88,7 @@ pub(crate) fn import(
 }
 
 fn names_file(buffer: &Object) -> bool {
-    buffer.get("uri").and_then(Value::as_str).is_some_and(|uri| !uri::is_data(uri))
+    buffer["uri"].as_str().is_some_and(|uri| !uri::is_data(uri))
 }
 
 /// Every mesh with triangles.
@@ -102,10 +99,9 @@ fn read_objects(
 ) -> Result<Vec<SceneObject>, FormatError> {
     let mut objects = Vec::new();
     let (mut other, mut no_position) = (0, 0);
-    for (m, mesh) in entries(root, "meshes").enumerate() {
+    for (m, mesh) in root.entries("meshes").enumerate() {
         let (mut primitives, mut numbers): (Vec<Primitive>, Vec<u32>) = (Vec::new(), Vec::new());
-        for (p, object) in list(mesh, "primitives").iter().filter_map(Value::as_object).enumerate()
-        {
+        for (p, object) in mesh.list("primitives").iter().filter_map(Json::as_object).enumerate() {
             match primitive::read(
                 object,
                 format!("meshes[{m}].primitives[{p}]"),
@@ -120,10 +116,7 @@ fn read_objects(
             }
         }
         let Some((triangles, kept)) = reading.object(&primitives)? else { continue };
-        let name = mesh
-            .get("name")
-            .and_then(Value::as_str)
-            .map_or_else(|| format!("mesh{m}"), str::to_owned);
+        let name = mesh["name"].as_str().map_or_else(|| format!("mesh{m}"), str::to_owned);
         objects.push(scene_object(name, m, triangles, kept.iter().map(|&k| numbers[k])));
     }
     let counts = &reading.counts;

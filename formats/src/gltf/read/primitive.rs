@@ -2,12 +2,11 @@
 
 use crate::gltf::accessor::{Accessor, unsigned};
 use crate::gltf::extensions::{DRACO, DROPPED_FROM_PRIMITIVES};
-use crate::gltf::json::{self, Object, integer, list, malformed, optional};
+use crate::gltf::json::{Json, Object, malformed};
 use crate::gltf::semantic;
 use crate::gltf::views::Views;
 use crate::{Fault, FormatError};
 use lodc_mesh::{Component, Semantic};
-use serde_json::Value;
 
 /// A primitive that draws triangles.
 #[derive(Debug)]
@@ -40,7 +39,7 @@ pub(super) fn read(
     place: String,
     accessors: &[Option<Accessor>],
 ) -> Result<Read, FormatError> {
-    let mode = optional(object, "mode", &place)?.unwrap_or(4);
+    let mode = object.optional("mode", &place)?.unwrap_or(4);
     match mode {
         0..=3 => return Ok(Read::Other),
         4..=6 => {}
@@ -51,11 +50,11 @@ pub(super) fn read(
             ));
         }
     }
-    let attributes = object.get("attributes").and_then(Value::as_object);
+    let attributes = object["attributes"].as_object();
     let attributes = attributes.ok_or_else(|| malformed(&*place, "has no `attributes`"))?;
     let Some(position) = attributes.get("POSITION").map(index) else { return Ok(Read::NoPosition) };
     let indices = object.get("indices").map(index);
-    if json::extension(object, DRACO).is_some() {
+    if object.extension(DRACO).is_some() {
         let there =
             |a: usize| accessors.get(a).and_then(Option::as_ref).is_some_and(Accessor::has_data);
         if !there(position) || indices.is_some_and(|i| !there(i)) {
@@ -73,8 +72,8 @@ pub(super) fn read(
 }
 
 /// The number of what a member refers to; one that nothing has where it is none.
-fn index(value: &Value) -> usize {
-    integer(value).map_or(usize::MAX, |i| i as usize)
+fn index(value: &Json) -> usize {
+    value.as_index().unwrap_or(usize::MAX)
 }
 
 /// A stream of values: its meaning, its morph target, its accessor.
@@ -82,13 +81,12 @@ type Stream = (Semantic, Option<u32>, usize);
 
 /// The streams of a primitive's attributes and morph targets.
 fn streams(primitive: &Object, attributes: &Object) -> Vec<Stream> {
-    let stream = |(name, value): (&String, &Value), target| {
-        (semantic::from_name(name), target, index(value))
-    };
+    let stream =
+        |(name, value): (&String, &Json), target| (semantic::from_name(name), target, index(value));
     let at_rest = attributes.iter().map(|entry| stream(entry, None));
-    let targets = (0..).zip(list(primitive, "targets"));
+    let targets = (0..).zip(primitive.list("targets"));
     let moved = targets.flat_map(|(t, target)| {
-        let entries = target.as_object().into_iter().flatten();
+        let entries = target.as_object().into_iter().flat_map(|members| members.iter());
         entries.map(move |entry| stream(entry, Some(t)))
     });
     at_rest.chain(moved).collect()
@@ -201,16 +199,16 @@ impl Primitive {
 /// Takes the geometry of a primitive out of the document; morph targets leave their number behind.
 /// Returns whether an extension was dropped that held something besides.
 pub(super) fn strip(object: &mut Object) -> bool {
-    object.insert("attributes".to_owned(), Value::Object(Object::new()));
+    object["attributes"] = Json::Object(Object::default());
     object.shift_remove("indices");
     object.shift_remove("mode");
-    for target in object.get_mut("targets").and_then(Value::as_array_mut).into_iter().flatten() {
-        *target = Value::Object(Object::new());
+    for target in object.get_mut("targets").and_then(Json::as_array_mut).into_iter().flatten() {
+        *target = Json::Object(Object::default());
     }
     let mut others = false;
     for name in DROPPED_FROM_PRIMITIVES {
-        others |= name != DRACO && json::extension(object, name).is_some();
-        json::remove_extension(object, name);
+        others |= name != DRACO && object.extension(name).is_some();
+        object.remove_extension(name);
     }
     others
 }

@@ -6,12 +6,11 @@
 use super::writer::{Numbering, Writer};
 use super::{glb, gltf, prune, source_document, submesh_primitive};
 use crate::gltf::extensions;
-use crate::gltf::json::{Object, integer};
+use crate::gltf::json::{Json, Object, object};
 use crate::gltf::quantize::Quantizer;
 use crate::options::Additions;
 use crate::{Document, FormatError, ObjectInfo, OutputFile};
 use lodc_mesh::Mesh;
-use serde_json::{Value, json};
 use std::path::Path;
 
 /// An object with several levels.
@@ -87,7 +86,7 @@ struct Levels<'a> {
     /// Its primitives that are submeshes of the object.
     numbers: Vec<usize>,
     /// For each level the primitives that have triangles there, with their index accessors.
-    indices: Vec<Vec<(usize, Value)>>,
+    indices: Vec<Vec<(usize, Json)>>,
 }
 
 impl<'a> Levels<'a> {
@@ -119,14 +118,14 @@ impl<'a> Levels<'a> {
             levels.iter().map(|l| l.iter().map(number_of).collect()).collect();
         if shape == ChainShape::IndexRanges {
             let all = numbering.indices(&local.concat(), vertices.len());
-            primitive.insert("indices".to_owned(), all);
+            primitive["indices"] = all;
             put_ranges(primitive, &local);
             return Ok(true);
         }
         for (level, indices) in local.iter().enumerate().filter(|(_, i)| !i.is_empty()) {
             let accessor = numbering.indices(indices, vertices.len());
             if level == 0 {
-                primitive.insert("indices".to_owned(), accessor.clone());
+                primitive["indices"] = accessor.clone();
             }
             self.indices[level].push((number, accessor));
         }
@@ -142,10 +141,10 @@ impl<'a> Levels<'a> {
             let before = meshes[level - 1];
             meshes.push(self.put_mesh(root, level).unwrap_or(before));
         }
-        let nodes = root.get("nodes").and_then(Value::as_array).map_or(0, Vec::len);
+        let nodes = root.list("nodes").len();
         for node in 0..nodes {
-            let shows = root["nodes"][node].get("mesh").and_then(integer);
-            if shows == Some(self.mesh as u64) && meshes.len() > 1 {
+            let shows = root["nodes"][node]["mesh"].as_index();
+            if shows == Some(self.mesh) && meshes.len() > 1 {
                 self.put_nodes(root, node, &meshes[1..]);
             }
         }
@@ -153,45 +152,39 @@ impl<'a> Levels<'a> {
 
     /// Adds the mesh of a level. None if it would have no primitive, which glTF does not allow.
     fn put_mesh(&self, root: &mut Object, level: usize) -> Option<usize> {
-        let list = root["meshes"].as_array_mut()?;
-        let mut mesh = list[self.mesh].clone();
+        let mut mesh = root["meshes"][self.mesh].clone();
         mesh["name"] = format!("{}_LOD{level}", self.object.info.name).into();
         let primitives = std::mem::take(mesh["primitives"].as_array_mut()?);
         // Points and lines are no submeshes: they are shown at every level.
-        let at_level = |(number, mut primitive): (usize, Value)| {
+        let at_level = |(number, mut primitive): (usize, Json)| {
             let own = self.indices[level].iter().find(|(n, _)| *n == number);
             if let Some((_, indices)) = own {
                 primitive["indices"] = indices.clone();
             }
             (own.is_some() || !self.numbers.contains(&number)).then_some(primitive)
         };
-        let kept: Vec<Value> = primitives.into_iter().enumerate().filter_map(at_level).collect();
+        let kept: Vec<Json> = primitives.into_iter().enumerate().filter_map(at_level).collect();
         if kept.is_empty() {
             return None;
         }
         mesh["primitives"] = kept.into();
-        list.push(mesh);
-        Some(list.len() - 1)
+        root.append("meshes", vec![mesh]);
+        Some(root.list("meshes").len() - 1)
     }
 
     /// Adds a node per coarser level beside `node`, with its transform, skin and animations.
     fn put_nodes(&self, root: &mut Object, node: usize, meshes: &[usize]) {
-        let mut ids = Vec::with_capacity(meshes.len());
-        for (k, &mesh) in meshes.iter().enumerate() {
-            let copy = copied(&root["nodes"][node], mesh, k + 1);
-            let nodes = root["nodes"].as_array_mut().expect("the document has nodes");
-            nodes.push(copy);
-            ids.push(nodes.len() - 1);
-        }
+        let first = root.list("nodes").len();
+        let ids: Vec<usize> = (first..first + meshes.len()).collect();
+        let source = &root["nodes"][node];
+        let copies = (1..).zip(meshes).map(|(level, &mesh)| copied(source, mesh, level)).collect();
+        root.append("nodes", copies);
         for &id in &ids {
             copy_channels(root, node, id);
         }
-        let entry = &mut root["nodes"][node];
-        entry["extensions"]["MSFT_lod"] = json!({ "ids": ids });
-        if !entry["extras"].is_object() {
-            entry["extras"] = json!({});
-        }
-        entry["extras"]["MSFT_screencoverage"] = json!(self.object.coverage);
+        let entry = root.objects_mut("nodes").nth(node).expect("the node that was copied");
+        entry["extensions"]["MSFT_lod"] = object! { "ids" => ids };
+        entry["extras"]["MSFT_screencoverage"] = self.object.coverage.clone().into();
         extensions::add(root, "extensionsUsed", "MSFT_lod");
     }
 }
@@ -201,62 +194,49 @@ fn put_ranges(primitive: &mut Object, levels: &[Vec<u32>]) {
     let mut first = 0;
     let range = |indices: &Vec<u32>| {
         let vertices = indices.iter().max().map_or(0, |v| v + 1);
-        let range = json!({ "first": first, "count": indices.len(), "vertices": vertices });
-        first += indices.len();
-        range
+        let count = indices.len();
+        first += count;
+        object! { "first" => first - count, "count" => count, "vertices" => vertices }
     };
-    let ranges: Vec<Value> = levels.iter().map(range).collect();
-    let extras = primitive.entry("extras").or_insert_with(|| json!({}));
-    if !extras.is_object() {
-        *extras = json!({});
-    }
-    extras["lodc"] = json!({ "levels": ranges });
+    let ranges: Vec<Json> = levels.iter().map(range).collect();
+    primitive["extras"]["lodc"] = object! { "levels" => ranges };
 }
 
 /// A node for a coarser level: what places and deforms the mesh, nothing that hangs below it.
-fn copied(node: &Value, mesh: usize, level: usize) -> Value {
-    let mut copy = Object::new();
+fn copied(node: &Json, mesh: usize, level: usize) -> Json {
+    let mut copy = Object::default();
     if let Some(name) = node["name"].as_str() {
-        copy.insert("name".to_owned(), format!("{name}_LOD{level}").into());
+        copy["name"] = format!("{name}_LOD{level}").into();
     }
     for key in ["matrix", "translation", "rotation", "scale", "skin", "weights"] {
         if let Some(value) = node.get(key) {
-            copy.insert(key.to_owned(), value.clone());
+            copy[key] = value.clone();
         }
     }
-    if let Some(instances) = node.get("extensions").and_then(|e| e.get("EXT_mesh_gpu_instancing")) {
-        let extensions = json!({ "EXT_mesh_gpu_instancing": instances });
-        copy.insert("extensions".to_owned(), extensions);
+    if let Some(instances) = node["extensions"].get("EXT_mesh_gpu_instancing") {
+        copy["extensions"] = object! { "EXT_mesh_gpu_instancing" => instances.clone() };
     }
-    copy.insert("mesh".to_owned(), mesh.into());
-    copy.into()
+    copy["mesh"] = mesh.into();
+    Json::Object(copy)
 }
 
 /// Repeats the animation channels of a node for its copy.
 fn copy_channels(root: &mut Object, node: usize, copy: usize) {
-    let animations = root.get_mut("animations").and_then(Value::as_array_mut);
-    for animation in animations.into_iter().flatten() {
-        let Some(channels) = animation.get_mut("channels").and_then(Value::as_array_mut) else {
-            continue;
-        };
+    for animation in root.objects_mut("animations") {
         let mut copies = Vec::new();
-        for channel in &*channels {
+        for channel in animation.list("channels") {
             let mut own = channel.clone();
-            if channel["target"].get("node").and_then(integer) == Some(node as u64) {
-                own["target"]["node"] = copy.into();
+            let target = &mut own["target"];
+            if target["node"].as_index() == Some(node) {
+                target["node"] = copy.into();
                 copies.push(own);
-            } else if let Some(rest) = pointed(channel, node) {
-                let pointer = format!("/nodes/{copy}/{rest}");
-                own["target"]["extensions"]["KHR_animation_pointer"]["pointer"] = pointer.into();
+            } else if let Some(pointer) = extensions::animation_pointer(target)
+                && let Some(rest) = pointer.strip_prefix(&format!("/nodes/{node}/"))
+            {
+                *pointer = format!("/nodes/{copy}/{rest}");
                 copies.push(own);
             }
         }
-        channels.extend(copies);
+        animation.append("channels", copies);
     }
-}
-
-/// The property of `node` that a channel's animation pointer leads to.
-fn pointed(channel: &Value, node: usize) -> Option<String> {
-    let pointer = channel["target"]["extensions"]["KHR_animation_pointer"]["pointer"].as_str()?;
-    pointer.strip_prefix(&format!("/nodes/{node}/")).map(str::to_owned)
 }

@@ -1,9 +1,9 @@
 //! Buffer views compressed by EXT_meshopt_compression.
 
 use crate::gltf::extensions;
-use crate::gltf::json::Object;
+use crate::gltf::json::{Json, Object, object};
 use crate::gltf::meshopt::Content;
-use serde_json::{Value, json};
+use crate::gltf::views::put;
 
 const NAME: &str = extensions::MESHOPT[0];
 
@@ -19,7 +19,7 @@ pub(super) struct Compressed {
 impl Compressed {
     /// No view yet.
     pub(super) fn new(root: &Object) -> Self {
-        let buffers = root.get("buffers").and_then(Value::as_array).map_or(0, Vec::len);
+        let buffers = root.list("buffers").len();
         Self { buffer: buffers.max(1), length: 0 }
     }
 
@@ -29,18 +29,17 @@ impl Compressed {
         content: &Content<'_>,
         length: usize,
         blob: &mut Vec<u8>,
-    ) -> Value {
+    ) -> Json {
         let (bytes, layout) = content.encoded();
-        let mut layout = layout.json();
-        blob.resize(blob.len().next_multiple_of(4), 0);
-        layout["buffer"] = 0.into();
-        layout["byteOffset"] = blob.len().into();
-        layout["byteLength"] = bytes.len().into();
-        blob.extend(bytes);
-        let view = json!({
-            "buffer": self.buffer, "byteOffset": self.length, "byteLength": length,
-            "extensions": { NAME: layout }
-        });
+        let view = put(blob, &bytes);
+        let mut packed = layout.json();
+        for key in ["buffer", "byteOffset", "byteLength"] {
+            packed[key] = view[key].clone();
+        }
+        let view = object! {
+            "buffer" => self.buffer, "byteOffset" => self.length, "byteLength" => length,
+            "extensions" => object! { NAME => packed },
+        };
         self.length = (self.length + length).next_multiple_of(4);
         view
     }
@@ -50,10 +49,9 @@ impl Compressed {
         if self.length == 0 {
             return;
         }
-        if let Some(Value::Array(buffers)) = root.get_mut("buffers") {
-            let fallback = json!({ NAME: { "fallback": true } });
-            buffers.push(json!({ "byteLength": self.length, "extensions": fallback }));
-        }
+        let fallback = object! { NAME => object! { "fallback" => true } };
+        let buffer = object! { "byteLength" => self.length, "extensions" => fallback };
+        root.append("buffers", vec![buffer]);
         for key in ["extensionsUsed", "extensionsRequired"] {
             extensions::add(root, key, NAME);
         }

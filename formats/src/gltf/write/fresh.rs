@@ -1,55 +1,54 @@
 //! A glTF document for what did not come from glTF: one mesh and node per object, one material per
 //! OBJ material.
 
-use crate::gltf::json::Object;
+use crate::gltf::json::{Json, Object, object};
 use crate::gltf::uri;
 use crate::obj::mtl::{Meaning, options_and_file};
 use crate::{ObjDocument, ObjMaterial, ObjectInfo};
 use lodc_mesh::{Attribute, Component, Mesh, Semantic};
-use serde_json::{Value, json};
 
 /// A document whose primitives have no geometry yet.
 pub(super) fn document(obj: &ObjDocument, objects: &[&ObjectInfo]) -> Object {
     let mut images: Vec<String> = Vec::new();
-    let materials: Vec<Value> = obj.materials.iter().map(|m| material(m, &mut images)).collect();
+    let materials: Vec<Json> = obj.materials.iter().map(|m| material(m, &mut images)).collect();
     let number = |name: &str| obj.materials.iter().position(|m| m.name == name);
     let mesh = |object: &&ObjectInfo| {
         let primitive = |name: Option<&String>| match name.and_then(|n| number(n)) {
-            Some(material) => json!({ "material": material }),
-            None => json!({}),
+            Some(material) => object! { "material" => material },
+            None => object! {},
         };
-        let primitives: Vec<Value> =
+        let primitives: Vec<Json> =
             object.submeshes.iter().map(|s| primitive(s.material.as_ref())).collect();
-        json!({ "name": object.name, "primitives": primitives })
+        object! { "name" => &*object.name, "primitives" => primitives }
     };
-    let node = |i: usize| json!({ "name": objects[i].name, "mesh": i });
-    let mut root = Object::new();
-    let mut put = |key: &str, values: Vec<Value>| {
+    let node = |i: usize| object! { "name" => &*objects[i].name, "mesh" => i };
+    let mut root = Object::default();
+    let mut put = |key: &str, values: Vec<Json>| {
         if !values.is_empty() {
-            root.insert(key.to_owned(), values.into());
+            root[key] = values.into();
         }
     };
     put("meshes", objects.iter().map(mesh).collect());
     put("nodes", (0..objects.len()).map(node).collect());
     put("materials", materials);
-    put("textures", (0..images.len()).map(|i| json!({ "source": i })).collect());
-    put("images", images.iter().map(|uri| json!({ "uri": uri })).collect());
+    put("textures", (0..images.len()).map(|i| object! { "source" => i }).collect());
+    put("images", images.iter().map(|uri| object! { "uri" => &**uri }).collect());
     let roots: Vec<usize> = (0..objects.len()).collect();
     if !roots.is_empty() {
-        put("scenes", vec![json!({ "nodes": roots })]);
-        root.insert("scene".to_owned(), 0.into());
+        put("scenes", vec![object! { "nodes" => roots }]);
+        root["scene"] = 0u32.into();
     }
-    root.insert("asset".to_owned(), json!({ "version": "2.0", "generator": "lodc" }));
+    root["asset"] = object! { "version" => "2.0", "generator" => "lodc" };
     root
 }
 
-fn material(material: &ObjMaterial, images: &mut Vec<String>) -> Value {
+fn material(material: &ObjMaterial, images: &mut Vec<String>) -> Json {
     let meaning = Meaning::of(material);
     let unit = |c: f64| c.clamp(0.0, 1.0);
     let [r, g, b] = meaning.diffuse.unwrap_or([1.0; 3]).map(unit);
     let mut color = [r, g, b, meaning.dissolve.map_or(1.0, unit)];
     let emissive = meaning.emissive.unwrap_or_default().map(unit);
-    let mut pbr = json!({ "baseColorFactor": color, "metallicFactor": 0.0 });
+    let mut pbr = object! { "baseColorFactor" => color, "metallicFactor" => 0.0 };
     if let Some(uri) = meaning.texture.and_then(file_name) {
         let index = images.iter().position(|i| *i == uri).unwrap_or_else(|| {
             images.push(uri);
@@ -58,13 +57,13 @@ fn material(material: &ObjMaterial, images: &mut Vec<String>) -> Value {
         // A factor of black would hide the texture; OBJ files with a texture often have it.
         if color[..3] == [0.0; 3] {
             color[..3].fill(1.0);
-            pbr["baseColorFactor"] = json!(color);
+            pbr["baseColorFactor"] = color.into();
         }
-        pbr["baseColorTexture"] = json!({ "index": index });
+        pbr["baseColorTexture"] = object! { "index" => index };
     }
-    let mut out = json!({ "name": material.name, "pbrMetallicRoughness": pbr });
+    let mut out = object! { "name" => &*material.name, "pbrMetallicRoughness" => pbr };
     if emissive != [0.0; 3] {
-        out["emissiveFactor"] = json!(emissive);
+        out["emissiveFactor"] = emissive.into();
     }
     if color[3] < 1.0 {
         out["alphaMode"] = "BLEND".into();

@@ -7,14 +7,13 @@ use super::writer::Writer;
 use super::{
     adapted, document_mesh, document_primitive, glb, prune, source_document, submesh_primitive,
 };
-use crate::gltf::json::Object;
+use crate::gltf::json::{Json, Object, object};
 use crate::images::{TextureMode, Textures};
 use crate::options::Additions;
 use crate::{Document, FormatError, ObjectInfo, OutputFile};
 use lodc_mesh::{
     Attribute, Component, Mesh, PositionIds, SequenceParts, Simplified, Submesh, removal_lods,
 };
-use serde_json::{Value, json};
 use std::path::Path;
 
 /// An object with all of its levels.
@@ -68,7 +67,9 @@ pub fn export_levels(
             }
         }
         let extras = levels.sequence(&mut writer)?;
-        put_extras(&mut root["meshes"][mesh], extras);
+        if let Some(mesh) = root.objects_mut("meshes").nth(mesh) {
+            mesh["extras"]["lodc"] = extras;
+        }
     }
     prune::without(&mut root, &empty);
     writer.finish(&mut root, &mut blob);
@@ -78,9 +79,8 @@ pub fn export_levels(
 /// Makes images of files that could not be read into images without a file: one page holds
 /// everything, so there is nowhere to look for them.
 fn forget_missing(root: &mut Object) {
-    let images = root.get_mut("images").and_then(Value::as_array_mut);
-    for image in images.into_iter().flatten().filter_map(Value::as_object_mut) {
-        let named = image.get("uri").and_then(Value::as_str);
+    for image in root.objects_mut("images") {
+        let named = image["uri"].as_str();
         if named.is_some_and(|uri| !uri.starts_with("data:")) {
             image.shift_remove("uri");
         }
@@ -133,20 +133,16 @@ impl<'a> Levels<'a> {
         let mut numbering = writer.numbering(self.mesh);
         numbering.attributes(s, vertices, primitive)?;
         let indices = numbering.indices(&indices, vertices.len());
-        primitive.insert("indices".to_owned(), indices);
+        primitive["indices"] = indices;
         let targets: Vec<u32> = vertices.iter().map(|&v| self.target(v, s)).collect();
-        let mut extras = json!({
-            "numbers": words(writer, vertices)?,
-            "targets": words(writer, &targets)?,
-            "removals": words(writer, &self.removals[range.clone()])?,
-        });
+        let extras = &mut primitive["extras"]["lodc"];
+        *extras = object! {
+            "numbers" => words(writer, vertices)?,
+            "targets" => words(writer, &targets)?,
+            "removals" => words(writer, &self.removals[range.clone()])?,
+        };
         if let Some(strips) = self.object.strips {
             extras["strips"] = words(writer, &strips[range])?;
-        }
-        let mut value = Value::Object(std::mem::take(primitive));
-        put_extras(&mut value, extras);
-        if let Value::Object(object) = value {
-            *primitive = object;
         }
         Ok(true)
     }
@@ -164,18 +160,18 @@ impl<'a> Levels<'a> {
     }
 
     /// The steps of the sequence.
-    fn sequence(&self, writer: &mut Writer) -> Result<Value, FormatError> {
+    fn sequence(&self, writer: &mut Writer) -> Result<Json, FormatError> {
         let parts: &SequenceParts = self.object.simplified.collapses().parts();
         let finite = parts.step_errors.iter().copied().filter(|e| e.is_finite());
         let last = finite.fold(0.0, f32::max);
         let errors: Vec<u8> =
             parts.step_errors.iter().flat_map(|e| e.min(last).to_le_bytes()).collect();
         let numbers = parts.step_ends.len();
-        let mut extras = json!({
-            "records": parts.targets.len(),
-            "scale": self.object.info.world_scale,
-            "diagonal": self.mesh.diagonal(),
-        });
+        let mut extras = object! {
+            "records" => parts.targets.len(),
+            "scale" => self.object.info.world_scale,
+            "diagonal" => self.mesh.diagonal(),
+        };
         if numbers > 0 {
             extras["ends"] = words(writer, &parts.step_ends)?;
             extras["triangles"] = words(writer, &parts.step_triangles)?;
@@ -185,30 +181,18 @@ impl<'a> Levels<'a> {
     }
 }
 
-fn words(writer: &mut Writer, values: &[u32]) -> Result<Value, FormatError> {
+fn words(writer: &mut Writer, values: &[u32]) -> Result<Json, FormatError> {
     let bytes = values.iter().flat_map(|w| w.to_le_bytes()).collect();
     scalars(writer, Component::U32, bytes)
 }
 
 /// An accessor of single numbers of four bytes each.
-fn scalars(
-    writer: &mut Writer,
-    component: Component,
-    bytes: Vec<u8>,
-) -> Result<Value, FormatError> {
+fn scalars(writer: &mut Writer, component: Component, bytes: Vec<u8>) -> Result<Json, FormatError> {
     let count = (bytes.len() / 4) as u32;
     let semantic = lodc_mesh::Semantic::Custom(String::new());
     let (components, normalized, morph_target) = (1, false, None);
     let a = Attribute { semantic, morph_target, component, components, normalized, bytes };
     writer.stream(&a, &(0..count).collect::<Vec<u32>>())
-}
-
-/// Puts `extras.lodc` into a primitive or mesh, beside what its file had there.
-fn put_extras(value: &mut Value, lodc: Value) {
-    if !value["extras"].is_object() {
-        value["extras"] = json!({});
-    }
-    value["extras"]["lodc"] = lodc;
 }
 
 #[cfg(test)]

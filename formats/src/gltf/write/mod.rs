@@ -9,14 +9,13 @@ mod prune;
 mod samples;
 mod writer;
 
-use super::json::{self, Object};
+use super::json::{self, Json, Object, object};
 use super::quantize::{Quantizer, Subject};
 use super::{glb, schema, uri};
 use crate::options::{Additions, ExportObject};
 use crate::provenance::{GENERATOR, LevelFacts, Provenance};
 use crate::{Document, FormatError, Limits, ObjectInfo, OutputFile, SubmeshInfo};
 use lodc_mesh::Mesh;
-use serde_json::{Value, json};
 use std::borrow::Cow;
 use std::path::Path;
 use writer::Writer;
@@ -79,20 +78,20 @@ fn source_document(
 /// Puts `asset.generator` and `extras.lodc` into a document. Extras that are not an object stay as
 /// they are.
 fn put_provenance(root: &mut Object, provenance: &Provenance) {
-    if let Some(asset) = root.get_mut("asset").and_then(Value::as_object_mut) {
-        asset.insert("generator".to_owned(), GENERATOR.into());
+    if let Some(asset) = root.get_mut("asset") {
+        asset["generator"] = GENERATOR.into();
     }
     let finite = |x: f64| x.is_finite().then_some(x);
-    let level = |l: &LevelFacts| json!({ "lod": l.lod, "error": finite(l.error), "rms": l.rms });
+    let level =
+        |l: &LevelFacts| object! { "lod" => l.lod, "error" => finite(l.error), "rms" => l.rms };
     let mut all = match &provenance.levels[..] {
         [one] => level(one),
-        several => json!({ "levels": several.iter().map(level).collect::<Vec<_>>() }),
+        several => object! { "levels" => several.iter().map(level).collect::<Json>() },
     };
     all["refitted"] = provenance.refitted.into();
     all["source"] = format!("{:032x}", provenance.source).into();
-    let extras = root.entry("extras").or_insert_with(|| json!({}));
-    if let Some(extras) = extras.as_object_mut() {
-        extras.insert("lodc".to_owned(), all);
+    if root.get("extras").is_none_or(Json::is_object) {
+        root["extras"]["lodc"] = all;
     }
 }
 
@@ -144,43 +143,32 @@ fn submesh_primitive(
     mesh: usize,
     primitive: usize,
 ) -> Result<&mut Object, FormatError> {
-    find_primitive(root, mesh, primitive).ok_or_else(|| {
+    schema::primitive_mut(root, mesh, primitive).ok_or_else(|| {
         json::malformed(format!("meshes[{mesh}].primitives[{primitive}]"), "is not in the document")
     })
 }
 
-fn find_primitive(root: &mut Object, mesh: usize, primitive: usize) -> Option<&mut Object> {
-    let mesh = root.get_mut("meshes")?.as_array_mut()?.get_mut(mesh)?;
-    mesh.get_mut("primitives")?.as_array_mut()?.get_mut(primitive)?.as_object_mut()
-}
-
 fn glb(path: &Path, root: &Object, blob: &[u8]) -> Result<OutputFile, FormatError> {
-    Ok(OutputFile { path: path.to_owned(), bytes: glb::joined(to_json(root, false), blob)? })
+    Ok(OutputFile {
+        path: path.to_owned(),
+        bytes: glb::joined(root.to_string().into_bytes(), blob)?,
+    })
 }
 
 fn gltf(path: &Path, mut root: Object, blob: Vec<u8>) -> Vec<OutputFile> {
     let beside = path.with_extension("bin");
     if !blob.is_empty() {
-        let name = beside
-            .file_name()
-            .map(|n| uri::percent_encoded(&n.to_string_lossy()))
-            .unwrap_or_default();
-        if let Some(buffer) =
-            root.get_mut("buffers").and_then(|b| b.get_mut(0)).and_then(Value::as_object_mut)
-        {
-            buffer.insert("uri".to_owned(), name.into());
+        let name = beside.file_name().map(|n| uri::percent_encoded(&n.to_string_lossy()));
+        if let Some(buffer) = root.objects_mut("buffers").next() {
+            buffer["uri"] = name.unwrap_or_default().into();
         }
     }
-    let mut files = vec![OutputFile { path: path.to_owned(), bytes: to_json(&root, true) }];
+    let mut files =
+        vec![OutputFile { path: path.to_owned(), bytes: format!("{root:#}").into_bytes() }];
     if !blob.is_empty() {
         files.push(OutputFile { path: beside, bytes: blob });
     }
     files
-}
-
-fn to_json(root: &Object, pretty: bool) -> Vec<u8> {
-    let text = if pretty { serde_json::to_vec_pretty(root) } else { serde_json::to_vec(root) };
-    text.expect("values from JSON can be written as JSON")
 }
 
 #[cfg(test)]

@@ -1,20 +1,16 @@
 //! Leaving out what has no triangles at this level of detail, so that the document stays valid
 //! glTF.
 
-use crate::gltf::json::{self, Object, integer};
+use crate::gltf::extensions::animation_pointer;
+use crate::gltf::json::{Json, Object};
 use crate::gltf::schema::{Pool, references, retain};
-use serde_json::Value;
 
 /// Drops primitives (mesh, primitive), then meshes without primitives. Nodes that showed such a
 /// mesh stay, without mesh, skin and weights, and animation channels of those weights go.
 pub(super) fn without(root: &mut Object, empty: &[(usize, usize)]) {
     let mut kept = vec![true; Pool::Meshes.len(root)];
-    for (m, mesh) in
-        root.get_mut("meshes").and_then(Value::as_array_mut).into_iter().flatten().enumerate()
-    {
-        let Some(primitives) = mesh.get_mut("primitives").and_then(Value::as_array_mut) else {
-            continue;
-        };
+    for (m, mesh) in root.objects_mut("meshes").enumerate() {
+        let Some(Json::Array(primitives)) = mesh.get_mut("primitives") else { continue };
         let before = primitives.len();
         let mut number = 0..;
         primitives.retain(|_| number.next().is_some_and(|p| !empty.contains(&(m, p))));
@@ -25,15 +21,12 @@ pub(super) fn without(root: &mut Object, empty: &[(usize, usize)]) {
     }
     let gone = |mesh: Option<u64>| mesh.is_some_and(|m| kept.get(m as usize) == Some(&false));
     let mut bare = Vec::new();
-    for (n, node) in
-        root.get_mut("nodes").and_then(Value::as_array_mut).into_iter().flatten().enumerate()
-    {
-        let Some(node) = node.as_object_mut() else { continue };
-        if gone(node.get("mesh").and_then(integer)) {
+    for (n, node) in root.objects_mut("nodes").enumerate() {
+        if gone(node["mesh"].as_u64()) {
             for key in ["mesh", "skin", "weights"] {
                 node.shift_remove(key);
             }
-            json::remove_extension(node, "EXT_mesh_gpu_instancing");
+            node.remove_extension("EXT_mesh_gpu_instancing");
             bare.push(n as u64);
         }
     }
@@ -41,7 +34,7 @@ pub(super) fn without(root: &mut Object, empty: &[(usize, usize)]) {
     // Only nodes refer to meshes, and those that referred to these do so no more.
     debug_assert!({
         let mut dangling = false;
-        references(root, Pool::Meshes, &mut |v, _| dangling |= gone(integer(v)));
+        references(root, Pool::Meshes, &mut |v, _| dangling |= gone(v.as_u64()));
         !dangling
     });
     retain(root, Pool::Meshes, &kept);
@@ -50,10 +43,10 @@ pub(super) fn without(root: &mut Object, empty: &[(usize, usize)]) {
 /// Drops animation channels that move something gone, and renumbers meshes in the pointers of the
 /// others.
 fn drop_channels(root: &mut Object, kept: &[bool], bare: &[u64]) {
-    let Some(Value::Array(animations)) = root.get_mut("animations") else { return };
+    let Some(Json::Array(animations)) = root.get_mut("animations") else { return };
     let before = animations.len();
     animations.retain_mut(|animation| {
-        let Some(Value::Array(channels)) = animation.get_mut("channels") else { return true };
+        let Some(Json::Array(channels)) = animation.get_mut("channels") else { return true };
         channels.retain_mut(|channel| {
             channel.get_mut("target").is_none_or(|target| stays(target, kept, bare))
         });
@@ -64,15 +57,12 @@ fn drop_channels(root: &mut Object, kept: &[bool], bare: &[u64]) {
     }
 }
 
-fn stays(target: &mut Value, kept: &[bool], bare: &[u64]) -> bool {
-    let node = target.get("node").and_then(integer);
-    if target.get("path").and_then(Value::as_str) == Some("weights") {
+fn stays(target: &mut Json, kept: &[bool], bare: &[u64]) -> bool {
+    let node = target["node"].as_u64();
+    if target["path"].as_str() == Some("weights") {
         return node.is_none_or(|n| !bare.contains(&n));
     }
-    let pointer = target
-        .get_mut("extensions")
-        .and_then(|e| e.get_mut("KHR_animation_pointer")?.get_mut("pointer"));
-    let Some(Value::String(pointer)) = pointer else { return true };
+    let Some(pointer) = animation_pointer(target) else { return true };
     let mut parts = pointer.splitn(4, '/').skip(1);
     let (pool, number, rest) =
         (parts.next(), parts.next().and_then(|n| n.parse::<usize>().ok()), parts.next());

@@ -4,14 +4,14 @@
 use super::compressed::Compressed;
 use super::samples::{self, Samples};
 use crate::gltf::accessor::{Shape, component_number};
-use crate::gltf::json::{Object, malformed};
+use crate::gltf::json::{Json, Object, malformed, object};
 use crate::gltf::meshopt::Content;
-use crate::gltf::schema::{Pool, retain};
+use crate::gltf::schema::{Pool, referenced, retain};
 use crate::gltf::semantic;
+use crate::gltf::views::put;
 use crate::options::Additions;
 use crate::{Fault, FormatError};
 use lodc_mesh::{Attribute, Component, Mesh, Semantic};
-use serde_json::{Value, json};
 
 const ARRAY_BUFFER: u32 = 34962;
 const ELEMENT_ARRAY_BUFFER: u32 = 34963;
@@ -51,7 +51,7 @@ impl Group {
 pub(super) struct Writer {
     first_accessor: usize,
     first_view: usize,
-    accessors: Vec<Value>,
+    accessors: Vec<Json>,
     groups: Vec<Group>,
     compress: bool,
     direction_bits: Option<u8>,
@@ -84,7 +84,7 @@ impl Writer {
         for (samples, i) in samples.iter().zip(self.first_view + self.groups.len()..) {
             samples.refer(root, i);
         }
-        let used = samples::used(root, self.first_view);
+        let used = referenced(root, Pool::BufferViews);
         if !samples.is_empty() {
             samples::drop_unused(root, blob, &used);
         }
@@ -93,10 +93,7 @@ impl Writer {
             let mut view = if self.compress && content.fits() {
                 compressed.view(&content, length, blob)
             } else {
-                blob.resize(blob.len().next_multiple_of(4), 0);
-                let offset = blob.len();
-                blob.extend_from_slice(&group.bytes);
-                json!({ "buffer": 0, "byteOffset": offset, "byteLength": length })
+                put(blob, &group.bytes)
             };
             if group.target == ARRAY_BUFFER {
                 view["byteStride"] = group.stride.into();
@@ -108,8 +105,8 @@ impl Writer {
             let content = Content::Floats { stride: *stride, bytes };
             views.push(compressed.view(&content, bytes.len(), blob));
         }
-        append(root, "accessors", self.accessors);
-        append(root, "bufferViews", views);
+        root.append("accessors", self.accessors);
+        root.append("bufferViews", views);
         if !samples.is_empty() {
             let new = Pool::BufferViews.len(root) - self.first_view;
             retain(root, Pool::BufferViews, &[used, vec![true; new]].concat());
@@ -117,12 +114,11 @@ impl Writer {
         if blob.is_empty() {
             return;
         }
-        let buffers = root.entry("buffers").or_insert_with(|| json!([{}]));
-        if buffers.as_array().is_none_or(Vec::is_empty) {
-            *buffers = json!([{}]);
+        if root.list("buffers").is_empty() {
+            root["buffers"] = [object! {}].into();
         }
-        if let Some(buffer) = buffers.get_mut(0).and_then(Value::as_object_mut) {
-            buffer.insert("byteLength".to_owned(), blob.len().into());
+        if let Some(buffer) = root.objects_mut("buffers").next() {
+            buffer["byteLength"] = blob.len().into();
         }
         compressed.finish(root);
     }
@@ -150,35 +146,22 @@ impl Writer {
         (self.first_view + i, bytes)
     }
 
-    fn accessor(&mut self, accessor: Value) -> Value {
+    fn accessor(&mut self, accessor: Json) -> Json {
         self.accessors.push(accessor);
         (self.first_accessor + self.accessors.len() - 1).into()
     }
 
     /// Vertex data: the elements of a stream in the given order.
-    pub(super) fn stream(&mut self, a: &Attribute, vertices: &[u32]) -> Result<Value, FormatError> {
-        let (name, columns) = match a.components {
-            1 => ("SCALAR", 1),
-            2 => ("VEC2", 1),
-            3 => ("VEC3", 1),
-            4 => ("VEC4", 1),
-            9 => ("MAT3", 3),
-            16 => ("MAT4", 4),
-            n => {
-                let what = format!("glTF has no type of {n} components");
-                return Err(FormatError::new(
-                    Fault::Unsupported,
-                    semantic::to_name(&a.semantic),
-                    what,
-                ));
-            }
+    pub(super) fn stream(&mut self, a: &Attribute, vertices: &[u32]) -> Result<Json, FormatError> {
+        let name = semantic::to_name(&a.semantic);
+        let Some((shape, kind)) = Shape::of_components(usize::from(a.components)) else {
+            let what = format!("glTF has no type of {} components", a.components);
+            return Err(FormatError::new(Fault::Unsupported, name, what));
         };
-        let shape = Shape { columns, rows: usize::from(a.components) / columns };
         let row = shape.rows * a.component.size();
         let column = shape.column_stride(a.component);
-        let stride = (columns * column).next_multiple_of(4);
-        let (view, bytes) =
-            self.group(ARRAY_BUFFER, a.component, stride, &semantic::to_name(&a.semantic));
+        let stride = (shape.columns * column).next_multiple_of(4);
+        let (view, bytes) = self.group(ARRAY_BUFFER, a.component, stride, &name);
         let offset = bytes.len();
         bytes.reserve(vertices.len() * stride);
         for &v in vertices {
@@ -189,7 +172,7 @@ impl Writer {
             }
             bytes.resize(start + stride, 0);
         }
-        let mut accessor = json!({ "bufferView": view });
+        let mut accessor = object! { "bufferView" => view };
         if offset > 0 {
             accessor["byteOffset"] = offset.into();
         }
@@ -198,7 +181,7 @@ impl Writer {
             accessor["normalized"] = true.into();
         }
         accessor["count"] = vertices.len().into();
-        accessor["type"] = name.into();
+        accessor["type"] = kind.into();
         if a.semantic == Semantic::Position {
             let (min, max) = bounds(a, vertices);
             accessor["min"] = min.into();
@@ -207,7 +190,7 @@ impl Writer {
         Ok(self.accessor(accessor))
     }
 
-    fn indices(&mut self, indices: &[u32], vertices: usize) -> Value {
+    fn indices(&mut self, indices: &[u32], vertices: usize) -> Json {
         // The largest number of each type is reserved, so one vertex less than fits.
         let short = u16::try_from(vertices).is_ok();
         let component = if short { Component::U16 } else { Component::U32 };
@@ -216,7 +199,7 @@ impl Writer {
         bytes.extend(
             indices.iter().flat_map(|i| i.to_le_bytes().into_iter().take(component.size())),
         );
-        let mut accessor = json!({ "bufferView": view });
+        let mut accessor = object! { "bufferView" => view };
         if offset > 0 {
             accessor["byteOffset"] = offset.into();
         }
@@ -261,7 +244,7 @@ impl Numbering<'_> {
         }
         self.attributes(number, &vertices, primitive)?;
         let indices = self.indices(&indices, vertices.len());
-        primitive.insert("indices".to_owned(), indices);
+        primitive["indices"] = indices;
         Ok(true)
     }
 
@@ -274,47 +257,41 @@ impl Numbering<'_> {
     ) -> Result<(), FormatError> {
         let mesh = self.mesh;
         let submesh = &mesh.submeshes()[submesh];
-        let mut attributes = Object::new();
-        let declared = primitive.get("targets").and_then(Value::as_array).map_or(0, Vec::len);
-        let mut targets: Vec<Object> = vec![Object::new(); declared];
+        let mut attributes = Object::default();
+        let declared = primitive.list("targets").len();
+        let mut targets: Vec<Object> = vec![Object::default(); declared];
         let streams = || submesh.attributes.iter().map(|&a| &mesh.attributes()[a as usize]);
         if !streams().any(|a| a.semantic == Semantic::Position && a.morph_target.is_none()) {
             let positions = semantic::positions(mesh.positions());
-            attributes.insert("POSITION".to_owned(), self.writer.stream(&positions, vertices)?);
+            attributes["POSITION"] = self.writer.stream(&positions, vertices)?;
         }
         for a in streams() {
             let accessor = self.writer.stream(a, vertices)?;
             let name = semantic::to_name(&a.semantic);
-            match a.morph_target {
-                None => attributes.insert(name, accessor),
-                Some(t) => match targets.get_mut(t as usize) {
-                    Some(target) => target.insert(name, accessor),
-                    None => {
-                        return Err(malformed(
-                            name,
-                            format!("belongs to morph target {t}, which is not there"),
-                        ));
-                    }
-                },
+            let members = match a.morph_target {
+                None => &mut attributes,
+                Some(t) => targets.get_mut(t as usize).ok_or_else(|| {
+                    malformed(&*name, format!("belongs to morph target {t}, which is not there"))
+                })?,
             };
+            members.insert(name, accessor);
         }
-        primitive.insert("attributes".to_owned(), Value::Object(attributes));
+        primitive["attributes"] = Json::Object(attributes);
         if declared > 0 {
-            let targets = targets.into_iter().map(Value::Object).collect();
-            primitive.insert("targets".to_owned(), targets);
+            primitive["targets"] = targets.into_iter().map(Json::Object).collect();
         }
         Ok(())
     }
 
     /// An accessor of indices into as many vertices.
-    pub(super) fn indices(&mut self, indices: &[u32], vertices: usize) -> Value {
+    pub(super) fn indices(&mut self, indices: &[u32], vertices: usize) -> Json {
         self.writer.indices(indices, vertices)
     }
 }
 
 /// Smallest and largest of each component as they are stored: integers stay integers even where
 /// they mean fractions.
-fn bounds(a: &Attribute, vertices: &[u32]) -> (Vec<Value>, Vec<Value>) {
+fn bounds(a: &Attribute, vertices: &[u32]) -> (Vec<Json>, Vec<Json>) {
     let mut one = Attribute { normalized: false, ..a.described() };
     let mut lo = vec![f32::INFINITY; usize::from(a.components)];
     let mut hi = vec![f32::NEG_INFINITY; usize::from(a.components)];
@@ -328,16 +305,7 @@ fn bounds(a: &Attribute, vertices: &[u32]) -> (Vec<Value>, Vec<Value>) {
         }
     }
     let number = |v: f32| {
-        if a.component == Component::F32 { f64::from(v).into() } else { Value::from(v as i64) }
+        if a.component == Component::F32 { f64::from(v).into() } else { (v as i64).into() }
     };
     (lo.into_iter().map(number).collect(), hi.into_iter().map(number).collect())
-}
-
-fn append(root: &mut Object, key: &str, values: Vec<Value>) {
-    if values.is_empty() {
-        return;
-    }
-    if let Value::Array(all) = root.entry(key).or_insert_with(|| json!([])) {
-        all.extend(values);
-    }
 }

@@ -56,6 +56,18 @@ fn nothing_is_renumbered_under_an_unknown_extension_with_numbers() {
 }
 
 #[test]
+fn an_accessor_that_nothing_names_keeps_the_view_that_geometry_left() {
+    let mut root = animated();
+    let position = root["accessors"][0].clone();
+    root["accessors"].as_array_mut().expect("accessors").push(position);
+    let left = parsed(&sound(&root));
+    let accessors = left["accessors"].as_array().expect("accessors");
+    assert_eq!(accessors.len(), 3);
+    let view = accessors[2]["bufferView"].as_u64().expect("a view") as usize;
+    assert_eq!(left["bufferViews"][view]["byteLength"], 3 * 12);
+}
+
+#[test]
 fn views_that_overlap_do_not_multiply() {
     let mut b = Builder::default();
     let p = b.zigzag(3);
