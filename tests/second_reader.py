@@ -9,7 +9,7 @@ import random
 import struct
 import sys
 
-sys.path.insert(0, str(pathlib.Path(__file__).parent.parent / "formats/python"))
+sys.path.insert(0, str(pathlib.Path(__file__).parent.parent / "cli/packaging/python"))
 
 import numpy as np
 
