@@ -9,10 +9,6 @@ mod drawing;
 mod locks;
 #[path = "architecture/pages.rs"]
 mod pages;
-#[path = "architecture/scan.rs"]
-mod scan;
-#[path = "architecture/shape.rs"]
-mod shape;
 #[path = "architecture/words.rs"]
 mod words;
 

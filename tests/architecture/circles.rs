@@ -1,279 +1,326 @@
-//! Files of one package do not use each other in circles.
-//!
-//! An edge leads from a file to the file that defines what it names through `crate::`, `super::`,
-//! `self::` or a child module. Re-exports are followed to their origin and are no edges themselves;
-//! neither is what passes between a module and those inside it, which are one room.
+//! Files, and the folders they lie in, do not use each other in circles: Rust, JavaScript and
+//! Python.
 
-use super::scan::{blanked, is_word};
-use super::{code, is_test, sources};
+use super::{code, is_test, sources_of};
 use std::collections::{BTreeMap, BTreeSet};
 
+/// Packages that are being rebuilt: circles in them are not judged yet.
+const BEING_REBUILT: &[&str] = &["cli/", "formats/"];
+
+/// A file by its folders and its name, or a name in it. A module with a folder of its own is that
+/// folder.
 type Path = Vec<String>;
 
-/// A file of a package as a module.
-#[derive(Default)]
-struct Module {
-    children: BTreeSet<String>,
-    /// Names that `use` brings in, with the path they stand for.
-    names: BTreeMap<String, Path>,
-    /// Modules of which everything is brought in.
-    globs: Vec<Path>,
-    /// Every path that the file names.
-    paths: Vec<Path>,
-    /// Words of the code, to find where a glob leads.
-    defines: BTreeSet<String>,
-}
+/// Pairs of files of which the first uses the second.
+type Uses = BTreeSet<(Path, Path)>;
 
-/// All modules of a package, by their path from the crate's root.
-struct Package {
-    modules: BTreeMap<Path, Module>,
-}
-
-impl Package {
-    fn new(files: &[(&str, &str)]) -> Self {
-        let mut modules: BTreeMap<Path, Module> = BTreeMap::new();
-        for (name, text) in files {
-            modules.insert(module_path(name), Module::new(text));
-        }
-        let paths: Vec<Path> = modules.keys().cloned().collect();
-        for path in &paths {
-            if let Some((last, parent)) = path.split_last()
-                && let Some(module) = modules.get_mut(parent)
-            {
-                module.children.insert(last.clone());
-            }
-        }
-        Self { modules }
+/// The circles of rooms, each as the uses that make it. A room is a file, or a folder with all that
+/// is in it: a use leads from room to room of the innermost folder that holds both files. What
+/// passes between a module and those inside it stays in one room.
+fn circles(uses: &Uses) -> BTreeSet<Vec<String>> {
+    let rooms = |(from, to): &(Path, Path)| {
+        let shared = from.iter().zip(to).take_while(|(a, b)| a == b).count();
+        let apart = shared < from.len().min(to.len());
+        apart.then(|| (from[..=shared].join("/"), to[..=shared].join("/")))
+    };
+    let mut edges: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+    for (from, to) in uses.iter().filter_map(rooms) {
+        edges.entry(from).or_default().insert(to);
     }
-
-    /// The module that defines what `path` names in `from`; none outside the package.
-    fn resolve(&self, from: &Path, path: &[String], depth: usize) -> Option<Path> {
-        let (first, rest) = path.split_first()?;
-        let start = match first.as_str() {
-            "crate" => Vec::new(),
-            "self" => from.clone(),
-            "super" => from.split_last()?.1.to_vec(),
-            _ if self.modules[from].children.contains(first) => {
-                return self.walk([from.clone(), vec![first.clone()]].concat(), rest, depth);
-            }
-            _ => return None,
+    let reach: BTreeMap<&String, BTreeSet<&String>> =
+        edges.keys().map(|from| (from, reachable(&edges, from))).collect();
+    let is_round = |a: &String, b: &String| reach[a].contains(b) && reach[b].contains(a);
+    let circle = |room: &String| {
+        let inside = |used: &&(Path, Path)| {
+            rooms(used).is_some_and(|(a, b)| {
+                reach.contains_key(&b) && is_round(room, &a) && is_round(room, &b)
+            })
         };
-        self.walk(start, rest, depth)
-    }
-
-    fn walk(&self, mut at: Path, rest: &[String], depth: usize) -> Option<Path> {
-        let mut rest = rest;
-        while let Some((first, after)) = rest.split_first() {
-            let module = self.modules.get(&at)?;
-            if first == "super" {
-                at.pop();
-            } else if module.children.contains(first) {
-                at.push(first.clone());
-            } else if let Some(origin) = module.names.get(first).filter(|_| depth < 8) {
-                let whole = [origin.clone(), after.to_vec()].concat();
-                return self.resolve(&at, &whole, depth + 1).or(Some(at));
-            } else {
-                let of_glob = |glob: &Path| {
-                    let origin = self.resolve(&at, glob, depth + 1)?;
-                    self.modules.get(&origin)?.defines.contains(first).then_some(origin)
-                };
-                let defined_here = module.defines.contains(first);
-                let found = module.globs.iter().filter(|_| depth < 8 && !defined_here);
-                return found.filter_map(of_glob).next().or(Some(at));
-            }
-            rest = after;
-        }
-        Some(at)
-    }
-
-    fn edges(&self) -> BTreeMap<&Path, BTreeSet<Path>> {
-        let of = |(path, module): (_, &Module)| {
-            let mut to: BTreeSet<Path> =
-                module.paths.iter().filter_map(|p| self.resolve(path, p, 0)).collect();
-            to.retain(|to| !to.starts_with(path) && !path.starts_with(to));
-            (path, to)
-        };
-        self.modules.iter().map(of).collect()
-    }
-
-    /// Groups of files each of which reaches the others.
-    fn circles(&self) -> Vec<BTreeSet<String>> {
-        let edges = self.edges();
-        let reach: BTreeMap<&Path, BTreeSet<Path>> =
-            edges.keys().map(|from| (*from, reachable(&edges, from))).collect();
-        let mut found = BTreeSet::new();
-        for (from, to) in &reach {
-            if to.contains(*from) {
-                let group = to.iter().filter(|t| reach[t].contains(*from));
-                found.insert(group.map(|p| format!("crate::{}", p.join("::"))).collect());
-            }
-        }
-        found.into_iter().collect()
-    }
+        let told = |(a, b): &(Path, Path)| format!("{} uses {}", a.join("/"), b.join("/"));
+        uses.iter().filter(inside).map(told).collect()
+    };
+    edges.keys().filter(|room| is_round(room, room)).map(circle).collect()
 }
 
-fn reachable(edges: &BTreeMap<&Path, BTreeSet<Path>>, from: &Path) -> BTreeSet<Path> {
+fn reachable<'a>(
+    edges: &'a BTreeMap<String, BTreeSet<String>>,
+    from: &String,
+) -> BTreeSet<&'a String> {
     let mut seen = BTreeSet::new();
-    let mut open: Vec<&Path> = edges[from].iter().collect();
+    let mut open: Vec<&String> = edges[from].iter().collect();
     while let Some(next) = open.pop() {
-        if seen.insert(next.clone()) {
-            open.extend(&edges[next]);
+        if seen.insert(next) {
+            open.extend(edges.get(next).into_iter().flatten());
         }
     }
     seen
 }
 
-impl Module {
-    fn new(text: &str) -> Self {
-        let text = blanked(text);
-        let mut module = Self::default();
-        for (at, word) in starts_of_paths(&text) {
-            let mut paths = Vec::new();
-            tree(&text[at..], &[], &mut paths);
-            match word {
-                Start::ReExport => module.bring_in(paths),
-                Start::Use => {
-                    module.paths.extend(paths.iter().map(|(path, _)| path.clone()));
-                    module.bring_in(paths);
-                }
-                Start::Code => module.paths.extend(paths.into_iter().map(|(path, _)| path)),
+/// The path of a file without its extension.
+fn path(file: &str) -> Path {
+    let whole = file.rsplit_once('.').map_or(file, |(stem, _)| stem);
+    whole.split('/').map(str::to_owned).collect()
+}
+
+fn below(folder: &[String], name: &str) -> Path {
+    [folder, &[name.to_owned()]].concat()
+}
+
+/// A Rust file as others see it.
+#[derive(Default)]
+struct Module {
+    /// Names that `use` brings in, with the paths they stand for.
+    names: BTreeMap<String, Path>,
+    /// Every path that the file names. Re-exports are none: they are followed to their origin.
+    paths: Vec<Path>,
+}
+
+fn rust<'a>(files: impl Iterator<Item = (&'a str, &'a str)>) -> Uses {
+    let modules: BTreeMap<Path, Module> =
+        files.map(|(file, text)| (module_of(file), Module::new(file, text))).collect();
+    let uses = |(from, module): (&Path, &Module)| {
+        let to = module.paths.iter().filter_map(|path| resolve(&modules, from, path, 0));
+        to.map(|to| (from.clone(), to)).collect::<Vec<_>>()
+    };
+    modules.iter().flat_map(uses).collect()
+}
+
+/// `src/a/mod.rs` and `src/a.rs` are the module `a`, `src/lib.rs` is the crate.
+fn module_of(file: &str) -> Path {
+    let mut path = path(file);
+    let names = if path[path.len() - 2] == "src" { ["lib", "main"] } else { ["mod"; 2] };
+    path.pop_if(|last| names.contains(&last.as_str()));
+    path
+}
+
+/// The module that defines what `path` names in `from`; none outside its package.
+fn resolve(
+    modules: &BTreeMap<Path, Module>,
+    from: &Path,
+    path: &[String],
+    depth: usize,
+) -> Option<Path> {
+    let mut at = from.clone();
+    for (i, name) in path.iter().enumerate() {
+        let child = below(&at, name);
+        match name.as_str() {
+            "crate" => at.truncate(at.iter().position(|folder| folder == "src")? + 1),
+            "self" => {}
+            "super" => drop(at.pop()),
+            _ if modules.contains_key(&child) => at = child,
+            _ if i == 0 => return None,
+            _ => {
+                let origin = modules.get(&at)?.names.get(name).filter(|_| depth < 8);
+                let whole = origin.map(|origin| [origin, &path[i + 1..]].concat());
+                let followed = whole.and_then(|path| resolve(modules, &at, &path, depth + 1));
+                return followed.or(Some(at));
             }
         }
-        let items = ["fn ", "struct ", "enum ", "trait ", "const ", "static ", "type ", "union "];
-        for item in items {
-            for (at, _) in text.match_indices(item) {
-                let name = text[at + item.len()..].trim_start_matches("mut ");
-                module.defines.insert(name.chars().take_while(|&c| is_word(c)).collect());
+    }
+    Some(at)
+}
+
+impl Module {
+    fn new(file: &str, text: &str) -> Self {
+        let (mut module, tokens) = (Self::default(), tokens(text));
+        let token = |at: usize| tokens.get(at).copied().unwrap_or(";");
+        let mut at = 0;
+        while at < tokens.len() {
+            let before = token(at.wrapping_sub(1));
+            let starts = [";", "{", "}", "]", ")", "pub"].contains(&before);
+            let mut named = Vec::new();
+            if token(at) == "use" && starts {
+                at = tree(&tokens, at + 1, &[], &mut named);
+                let re_exports = [")", "pub"].contains(&before);
+                for (path, name) in named {
+                    let blind = re_exports && name == "*";
+                    assert!(!blind, "{file} re-exports what it does not name");
+                    if !re_exports {
+                        module.paths.push(path.clone());
+                    }
+                    module.names.insert(name, path);
+                }
+            } else if is_word(token(at)) && token(at + 1) == "::" {
+                at = tree(&tokens, at, &[], &mut named);
+                module.paths.extend(named.into_iter().map(|(path, _)| path));
+            } else {
+                at += 1;
             }
         }
         module
     }
-
-    fn bring_in(&mut self, paths: Vec<(Path, String)>) {
-        for (mut path, name) in paths {
-            if name == "*" {
-                path.pop();
-                self.globs.push(path);
-            } else {
-                self.names.insert(name, path);
-            }
-        }
-    }
 }
 
-#[derive(Clone, Copy)]
-enum Start {
-    Code,
-    Use,
-    ReExport,
+fn is_word(token: &str) -> bool {
+    token.starts_with(|c: char| c.is_alphanumeric() || c == '_')
 }
 
-/// Beginnings of paths of more than one word.
-fn starts_of_paths(text: &str) -> Vec<(usize, Start)> {
-    let mut found = Vec::new();
-    let mut before = ' ';
-    let mut used_until = 0;
-    for (at, c) in text.char_indices() {
-        if is_word(c) && !is_word(before) && at >= used_until {
-            let rest = &text[at..];
-            let after_colons = text[..at].ends_with("::");
-            if rest.starts_with("use ") {
-                let line = text[..at].rsplit(['\n', ';', '{', '}']).next().unwrap_or_default();
-                let start =
-                    if line.trim_start().starts_with("pub") { Start::ReExport } else { Start::Use };
-                used_until = at + rest.find(';').unwrap_or(rest.len());
-                found.push((at + "use ".len(), start));
-            } else if !after_colons {
-                let end = rest.find(|c| !is_word(c)).unwrap_or(rest.len());
-                if rest[end..].starts_with("::") {
-                    found.push((at, Start::Code));
-                }
-            }
-        }
-        before = c;
-    }
-    found
-}
-
-/// Reads the tree of paths that begins `text`; each with the name that it brings in.
-fn tree<'a>(text: &'a str, prefix: &[String], out: &mut Vec<(Path, String)>) -> &'a str {
-    let mut path = prefix.to_vec();
+/// Words, `::` and other signs one by one.
+fn tokens(text: &str) -> Vec<&str> {
+    let mut tokens = Vec::new();
     let mut rest = text.trim_start();
+    while let Some(first) = rest.chars().next() {
+        let len = match rest {
+            _ if is_word(rest) => rest.find(|c: char| !c.is_alphanumeric() && c != '_'),
+            _ => Some(if rest.starts_with("::") { 2 } else { first.len_utf8() }),
+        };
+        let (token, after) = rest.split_at(len.unwrap_or(rest.len()));
+        tokens.push(token);
+        rest = after.trim_start();
+    }
+    tokens
+}
+
+/// Reads a tree of paths, each with the name that it brings in. Returns where it ends.
+fn tree(tokens: &[&str], mut at: usize, prefix: &[String], out: &mut Vec<(Path, String)>) -> usize {
+    let token = |at: usize| tokens.get(at).copied().unwrap_or(";");
+    let mut path = prefix.to_vec();
     loop {
-        if let Some(group) = rest.strip_prefix('{') {
-            rest = group.trim_start();
-            while !rest.is_empty() && !rest.starts_with('}') {
-                let before = rest.len();
-                rest = tree(rest, &path, out).trim_start();
-                rest = rest.strip_prefix(',').unwrap_or(rest).trim_start();
-                if rest.len() == before {
-                    return "";
-                }
+        if token(at) == "{" {
+            at += 1;
+            while !["}", ";"].contains(&token(at)) {
+                at = tree(tokens, at, &path, out);
+                at += usize::from(token(at) == ",");
             }
-            return rest.get(1..).unwrap_or_default();
+            return at + 1;
         }
-        let end = rest.find(|c: char| !is_word(c) && c != '*').unwrap_or(rest.len());
-        if end == 0 {
+        path.push(token(at).to_owned());
+        at += 1;
+        if token(at) != "::" {
             break;
         }
-        path.push(rest[..end].to_owned());
-        rest = &rest[end..];
-        let Some(further) = rest.strip_prefix("::") else { break };
-        rest = further;
+        at += 1;
     }
+    path.pop_if(|last| last == "self" && !prefix.is_empty());
     let mut name = path.last().cloned().unwrap_or_default();
-    if let Some(alias) = rest.trim_start().strip_prefix("as ") {
-        name = alias.trim_start().chars().take_while(|&c| is_word(c)).collect();
-        rest = &alias.trim_start()[name.len()..];
-    }
-    if path.last().is_some_and(|last| last == "self") {
-        path.pop();
-        name = path.last().cloned().unwrap_or_default();
+    if token(at) == "as" {
+        name = token(at + 1).to_owned();
+        at += 2;
     }
     out.push((path, name));
-    rest
+    at
 }
 
-/// `src/a/mod.rs` and `src/a.rs` are the module `a`.
-fn module_path(file: &str) -> Path {
-    let inside = file.rsplit_once("/src/").map_or(file, |(_, inside)| inside);
-    let mut parts: Path = inside.trim_end_matches(".rs").split('/').map(str::to_owned).collect();
-    if parts.last().is_some_and(|last| last == "mod")
-        || parts.len() == 1 && (parts[0] == "lib" || parts[0] == "main")
-    {
-        parts.pop();
+fn javascript<'a>(files: impl Iterator<Item = (&'a str, &'a str)> + Clone) -> Uses {
+    let known: BTreeSet<Path> = files.clone().map(|(file, _)| path(file)).collect();
+    let uses = |(file, text): (&str, &'a str)| {
+        let from = path(file);
+        let relative = |quoted: &&str| quoted.starts_with('.') && quoted.ends_with(".js");
+        let to = text.split(['\'', '"']).filter(relative).map(|relative| {
+            let mut to = from[..from.len() - 1].to_vec();
+            for part in path(relative) {
+                match part.as_str() {
+                    "." => {}
+                    ".." => drop(to.pop()),
+                    _ => to.push(part),
+                }
+            }
+            to
+        });
+        to.filter(|to| known.contains(to)).map(|to| (from.clone(), to)).collect::<Vec<_>>()
+    };
+    files.flat_map(uses).collect()
+}
+
+fn python<'a>(files: impl Iterator<Item = (&'a str, &'a str)> + Clone) -> Uses {
+    let module = |file: &str| {
+        let mut path = path(file);
+        path.pop_if(|last| last == "__init__");
+        path
+    };
+    let known: BTreeSet<Path> = files.clone().map(|(file, _)| module(file)).collect();
+    let mut uses = Uses::new();
+    for (file, text) in files {
+        let mut folder = path(file);
+        folder.pop();
+        for line in text.lines().map(str::trim_start) {
+            let from = line.strip_prefix("from ").and_then(|rest| rest.split_once(" import "));
+            let first = |rest: &'a str| rest.split([' ', ',']).next().map(|name| (name, ""));
+            let plain = || line.strip_prefix("import ").and_then(first);
+            let Some((source, names)) = from.or_else(plain) else { continue };
+            let inside = source.trim_start_matches('.');
+            let base = match source.len() - inside.len() {
+                // By the whole name of the package that the file lies in.
+                0 => folder.iter().position(|name| source.split('.').next() == Some(name)),
+                dots => (folder.len() + 1).checked_sub(dots),
+            };
+            let Some(base) = base else { continue };
+            let parts = inside.split('.').filter(|part| !part.is_empty());
+            let source = parts.fold(folder[..base].to_vec(), |path, part| below(&path, part));
+            for name in names.split([',', '(']).map(str::trim) {
+                let to = below(&source, name.split(' ').next().unwrap_or_default());
+                let to = if known.contains(&to) { to } else { source.clone() };
+                if known.contains(&to) {
+                    uses.insert((module(file), to));
+                }
+            }
+        }
     }
-    parts
+    uses
 }
 
 #[test]
-fn files_of_a_package_do_not_use_each_other_in_circles() {
-    let mut packages: BTreeMap<String, Vec<(String, String)>> = BTreeMap::new();
-    for (path, text) in sources() {
-        if let Some((package, _)) = path.split_once("/src/")
-            && !is_test(&path)
-        {
-            packages.entry(package.to_owned()).or_default().push((path.clone(), code(&text)));
-        }
-    }
-    let mut wrong = Vec::new();
-    for (name, files) in &packages {
-        let files: Vec<(&str, &str)> =
-            files.iter().map(|(path, text)| (path.as_str(), text.as_str())).collect();
-        let circles = Package::new(&files).circles();
-        wrong.extend(circles.into_iter().map(|circle| (name, circle)));
-    }
-    assert!(wrong.is_empty(), "files that use each other in circles: {wrong:#?}");
+fn files_and_folders_do_not_use_each_other_in_circles() {
+    let of = |extension: &str| {
+        let mut files = sources_of(&[extension]);
+        files.retain(|file, _| !is_test(file));
+        files
+    };
+    let (rs, js, py) = (of("rs"), of("js"), of("py"));
+    let code: Vec<(&str, String)> = rs
+        .iter()
+        .filter(|(file, _)| file.contains("/src/"))
+        .filter(|(file, _)| !BEING_REBUILT.iter().any(|package| file.starts_with(package)))
+        .map(|(file, text)| (file.as_str(), code(text)))
+        .collect();
+    let rust = rust(code.iter().map(|(file, text)| (*file, text.as_str())));
+    let [js, py] = [&js, &py].map(|files| files.iter().map(|(f, t)| (f.as_str(), t.as_str())));
+    let (js, py) = (javascript(js), python(py));
+    let all = [&rust, &js, &py];
+    assert!(all.iter().all(|uses| uses.len() > 30), "uses are not found any more");
+    let found: Vec<_> = all.map(circles).into_iter().flatten().collect();
+    assert!(found.is_empty(), "{} circles: {found:#?}", found.len());
 }
 
 #[test]
 fn circles_are_found_and_re_exports_are_none() {
+    let found = |files: &[(&str, &str)]| circles(&rust(files.iter().copied()));
     let lib = ("x/src/lib.rs", "mod a; mod b; pub use a::A; use b::B; fn f() { b::g() }");
     let a = ("x/src/a.rs", "use crate::b::{self, C as D}; pub struct A;");
-    let straight = ("x/src/b.rs", "pub struct B; pub struct C;");
-    assert!(Package::new(&[lib, a, straight]).circles().is_empty());
-    let round = ("x/src/b.rs", "pub struct B(crate::A); pub struct C;");
-    let found = Package::new(&[lib, a, round]).circles();
-    assert_eq!(found.len(), 1);
-    assert_eq!(found[0].iter().collect::<Vec<_>>(), ["crate::a", "crate::b"]);
+    assert!(found(&[lib, a, ("x/src/b.rs", "pub struct B; pub struct C;")]).is_empty());
+    let round = found(&[lib, a, ("x/src/b.rs", "pub struct B(crate::A); pub struct C;")]);
+    assert_eq!(round, [vec!["x/src/a uses x/src/b".into(), "x/src/b uses x/src/a".into()]].into());
+}
+
+#[test]
+fn circles_of_folders_are_found_where_no_file_is_in_one() {
+    let files = [
+        ("x/src/lib.rs", "mod a; mod b;"),
+        ("x/src/a/mod.rs", "pub(crate) mod one; pub(crate) use one::One; mod two;"),
+        ("x/src/a/one.rs", "pub(crate) struct One;"),
+        ("x/src/a/two.rs", "use crate::b::Three;"),
+        ("x/src/b.rs", "pub(crate) struct Three(crate::a::One);"),
+    ];
+    let round = circles(&rust(files.into_iter()));
+    let ties = vec!["x/src/a/two uses x/src/b".into(), "x/src/b uses x/src/a/one".into()];
+    assert_eq!(round, [ties].into());
+}
+
+#[test]
+fn circles_of_scripts_are_found() {
+    let js = |b: &'static str| {
+        let files = [("x/js/a.js", "import { b } from './b.js';"), ("x/js/b.js", b)];
+        circles(&javascript(files.into_iter())).len()
+    };
+    assert_eq!([js("import '../a.js';"), js("import {\n  a,\n} from '../js/a.js';")], [0, 1]);
+    let py = |b: &'static str| {
+        let files = [
+            ("x/lodc/__init__.py", "from .a import A"),
+            ("x/lodc/a.py", "from .b import c as d"),
+            ("x/lodc/b/__init__.py", b),
+        ];
+        circles(&python(files.into_iter())).len()
+    };
+    assert_eq!([py("import a"), py("from .. import json, a")], [0, 1]);
+    assert_eq!([py("from lodc.a import A"), py("import lodc.a as a")], [1, 1]);
 }

@@ -3,36 +3,30 @@
 //! A *wedge group* (the vertices at one position whose triangles hang together) moves onto a
 //! neighbouring group as a whole, so no crack can open. Every vertex of the group gets a target
 //! there: along the chosen edge (*true*), along the edges beside it in other wedges and submeshes
-//! (*twin*), or a new vertex (*fake*) where there is none. (Thesis 3.2.1 and 4.2.1; rules of
-//! legality and metrics: see [`MetricKind`] and `legality`.)
+//! (*twin*), or a new vertex (*fake*) where there is none. (Thesis 3.2.1 and 4.2.1.)
+//!
+//! A mesh goes through seven steps, each a module that says what it does and why: `number`, `cut`,
+//! `price` (by a [`metric`](MetricKind)), `choose`, `commit`, `rounds` and `output`.
 
-mod choice;
 mod choose;
 mod commit;
-mod context;
 mod cut;
-mod final_log;
 mod metric;
 mod number;
 mod options;
 mod output;
 mod price;
 mod rounds;
-mod scratch_pool;
-mod touched;
 
-use choose::legality::Stage;
-use context::{Context, Progress};
-use cut::region::Region;
-use final_log::FinalLog;
+use commit::Sources;
+use cut::Region;
 use lodc_mesh::{CollapseSequence, Mesh, SequenceParts, Simplified};
-pub use metric::{Checkerboard, SurfaceColours};
-use metric::{HybridMetric, QuadricOnly, Reprice, Score, VisualMetric};
-use number::input::Input;
-use output::Sources;
-use price::attributes::Attributes;
-use rounds::engine::Engine;
+use metric::{HybridMetric, QuadricOnly, Score, VisualMetric};
+use number::Input;
+use price::{Attributes, Context};
+use rounds::{Progress, as_one, in_regions};
 
+pub use metric::{Checkerboard, SurfaceColours};
 pub use options::{MetricKind, Options, Weights};
 
 /// Simplifies a mesh down to one vertex. `progress` gets (steps done, groups in all) now and then.
@@ -106,53 +100,32 @@ fn simplify_with(
     let progress = Progress::new(progress, input.groups() as u64);
     let context = Context { input: &input, options: *options, attributes };
     let mut sources = Sources::new(&input);
-    let log = match options.metric {
-        MetricKind::Quadric if input.groups() / rounds::FEWEST >= region => {
-            rounds::simplify(&context, region, &mut sources, &progress)
-        }
-        MetricKind::Quadric => run_whole(&context, |_| QuadricOnly, &mut sources, &progress),
+    let in_rounds =
+        options.metric == MetricKind::Quadric && input.groups() / rounds::FEWEST >= region;
+    let (log, legal) = match options.metric {
+        MetricKind::Quadric if in_rounds => in_regions(&context, region, &mut sources, &progress),
+        MetricKind::Quadric => as_one(&context, |_| QuadricOnly, &mut sources, &progress),
         MetricKind::Hybrid => {
             let checkerboard = Checkerboard::new(mesh);
             let colours = guidance.colours.unwrap_or(&checkerboard);
             let colours = options.attributes.then_some(colours);
             let metric = |r: &Region| HybridMetric::new(mesh, colours, r, input.size, options);
-            run_whole(&context, metric, &mut sources, &progress)
+            as_one(&context, metric, &mut sources, &progress)
         }
         MetricKind::Viewpoint => {
             let metric = |r: &Region| VisualMetric::new(&r.mesh, Score::Entropy, options.picture);
-            run_whole(&context, metric, &mut sources, &progress)
+            as_one(&context, metric, &mut sources, &progress)
         }
         MetricKind::Divergence => {
             let metric =
                 |r: &Region| VisualMetric::new(&r.mesh, Score::Divergence, options.picture);
-            run_whole(&context, metric, &mut sources, &progress)
+            as_one(&context, metric, &mut sources, &progress)
         }
     };
     // What only collapsing needs goes before the result comes: this is where memory peaks.
     drop(context);
-    output::output(&input, &sources, log)
+    output::output(&input, &sources, log, legal, in_rounds)
 }
 
-/// Simplifies the mesh as one region, in the exact order of costs.
-fn run_whole<M: Reprice>(
-    context: &Context<'_>,
-    metric: impl FnOnce(&Region) -> M,
-    sources: &mut Sources<'_>,
-    progress: &Progress<'_>,
-) -> FinalLog {
-    let input = context.input;
-    let mut region = Region::whole(input, context.is_bare());
-    if M::REPRICES {
-        region.mesh.keep_facets();
-    }
-    let mut metric = metric(&region);
-    let engine = Engine::new(context, &mut region, &mut metric, Stage::Legal);
-    let (mut log, legal) = engine.run_all(progress);
-    sources.number(&mut region, &mut log);
-    FinalLog::new(&log, legal, input, false)
-}
-
-#[cfg(test)]
-mod importance_tests;
 #[cfg(test)]
 mod tests;

@@ -1,71 +1,37 @@
-//! From a finished log to a [`Simplified`]: vertices in the order in which they went, triangles
-//! last to die first.
+//! The last step: the log becomes a [`Simplified`].
+//!
+//! What comes in is the log of the whole mesh. Regions wrote it side by side, so the legal steps
+//! are sorted by their stamps first. What goes out are the vertices in the order in which they
+//! disappeared, fakes among them, each with the bytes of the vertices that it has its data from,
+//! and the triangles, last to die first. Models rely on both orders: a level is a range of either.
 
-use crate::commit::log::CollapseLog;
-use crate::cut::region::Region;
-use crate::final_log::FinalLog;
-use crate::number::input::Input;
-use lodc_mesh::{CollapseSequence, Mesh, MeshParts, SequenceParts, Simplified};
+use crate::commit::{CollapseLog, Sources};
+use crate::number::{Input, sorted};
+use lodc_mesh::{CollapseSequence, Lod, Mesh, MeshParts, SequenceParts, Simplified};
 use rayon::prelude::*;
 
-/// The sources of the data of every wedge of the whole mesh.
-pub(crate) struct Sources<'a> {
-    input: &'a Input<'a>,
-    /// The input vertices of the fakes' positions and attributes.
-    fakes: Vec<(u32, u32)>,
-}
-
-impl<'a> Sources<'a> {
-    pub(crate) fn new(input: &'a Input<'a>) -> Self {
-        Self { input, fakes: Vec::new() }
-    }
-
-    /// Gives a region's new fakes their numbers, and its log those of the whole mesh.
-    pub(crate) fn number(&mut self, region: &mut Region, log: &mut CollapseLog) {
-        let first = self.first_free();
-        self.fakes.extend(region.wedges.number_fakes(first));
-        name_wedges(region, log);
-    }
-
-    /// The number of the next fake.
-    pub(crate) fn first_free(&self) -> u32 {
-        (self.input.wedges() + self.fakes.len()) as u32
-    }
-
-    /// The vertex whose position and other spatial data a wedge has.
-    fn position(&self, wedge: u32) -> u32 {
-        match self.input.vertex_of().get(wedge as usize) {
-            Some(&vertex) => vertex,
-            None => self.fakes[wedge as usize - self.input.wedges()].0,
-        }
-    }
-
-    /// The vertex whose other attributes a wedge has.
-    fn attributes(&self, wedge: u32) -> u32 {
-        match self.input.vertex_of().get(wedge as usize) {
-            Some(&vertex) => vertex,
-            None => self.fakes[wedge as usize - self.input.wedges()].1,
-        }
-    }
-}
-
-/// Replaces a region's wedge numbers in its log by those of the whole mesh.
-pub(crate) fn name_wedges(region: &Region, log: &mut CollapseLog) {
-    for wedge in log.wedges.iter_mut().chain(&mut log.targets) {
-        *wedge = region.wedge_id(*wedge);
-    }
-}
-
-/// Puts the mesh into the order of the log.
-pub(crate) fn output(input: &Input<'_>, sources: &Sources<'_>, log: FinalLog) -> Simplified {
+/// Puts the mesh into the order of its log, of which the first `legal` steps are legal.
+/// `by_stamp` says that they are not in order yet.
+pub(crate) fn output(
+    input: &Input<'_>,
+    sources: &Sources<'_>,
+    log: CollapseLog,
+    legal: usize,
+    by_stamp: bool,
+) -> Simplified {
+    let Ordered { wedges, death, mut sequence } = Ordered::new(&log, legal, input, by_stamp);
+    drop(log);
     let mesh = input.mesh;
-    let mut new_index = vec![u32::MAX; log.order.len()];
-    for (new, &w) in (0u32..).zip(&log.order) {
+    let mut new_index = vec![u32::MAX; wedges.len()];
+    for (new, &w) in (0u32..).zip(&wedges) {
         new_index[w as usize] = new;
     }
-    let targets = log.targets.par_iter().map(|&w| new_index[w as usize]).collect();
-    let place = |w: u32| sources.position(w);
-    let look = |w: u32| sources.attributes(w);
+    sequence.targets.par_iter_mut().for_each(|w| *w = new_index[*w as usize]);
+    for e in &mut sequence.step_errors {
+        *e = (f64::from(*e) / input.scale).min(f64::from(f32::MAX)) as f32;
+    }
+    let place = |w: u32| sources.of(w).0;
+    let look = |w: u32| sources.of(w).1;
     // A fake's place may belong to a submesh without some stream; then its own attributes' vertex
     // has to do.
     let streams_of =
@@ -75,92 +41,109 @@ pub(crate) fn output(input: &Input<'_>, sources: &Sources<'_>, log: FinalLog) ->
         .iter()
         .zip(0u32..)
         .map(|(a, i)| {
-            a.gathered(log.order.iter().map(|&w| {
+            a.gathered(wedges.iter().map(|&w| {
                 if a.is_spatial() && streams_of(place(w)).contains(&i) { place(w) } else { look(w) }
             }))
         })
         .collect();
-
-    let triangles = last_to_die_first(mesh, &log.death)
+    let triangles = last_to_die_first(mesh, &death)
         .into_par_iter()
         .map(|t| {
             let vertices = mesh.triangles()[t as usize];
             vertices.map(|v| new_index[input.wedge_of()[v as usize] as usize])
         })
         .collect();
-
-    let parts = MeshParts {
-        positions: log.order.par_iter().map(|&w| mesh.positions()[place(w) as usize]).collect(),
-        vertex_submesh: log
-            .order
+    let mesh = Mesh::try_from(MeshParts {
+        positions: wedges.par_iter().map(|&w| mesh.positions()[place(w) as usize]).collect(),
+        vertex_submesh: wedges
             .par_iter()
             .map(|&w| mesh.vertex_submesh()[look(w) as usize])
             .collect(),
         attributes,
         triangles,
         submeshes: mesh.submeshes().to_vec(),
-    };
-    let collapses = SequenceParts {
-        targets,
-        step_ends: log.step_ends,
-        step_errors: log.step_errors.iter().map(|&e| in_mesh_units(e, input.scale)).collect(),
-        step_rms: vec![],
-        step_triangles: log.step_triangles,
-        triangles: mesh.triangles().len() as u32,
-        last_legal_lod: log.last_legal,
-        topology_changes: log.topology_changes,
-        first_topology_change: log.first_topology_change,
-    };
-    let mesh = Mesh::try_from(parts)
-        .expect("the input's vertices and triangles in another order are still a mesh");
-    let collapses = CollapseSequence::try_from(collapses)
+    })
+    .expect("the input's vertices and triangles in another order are still a mesh");
+    let collapses = CollapseSequence::try_from(sequence)
         .expect("the log is written in order, targets outlive sources");
     Simplified::new(mesh, collapses).expect("every wedge but the last has one record")
 }
 
-/// An error in the mesh's units.
-fn in_mesh_units(error: f32, scale: f64) -> f32 {
-    (f64::from(error) / scale).min(f64::from(f32::MAX)) as f32
+/// The collapses of a whole mesh in their final order.
+struct Ordered {
+    /// Wedges in the order in which they disappear.
+    wedges: Vec<u32>,
+    /// The LOD at which each input triangle dies.
+    death: Vec<u32>,
+    /// Its targets are wedges still, its errors in working units.
+    sequence: SequenceParts,
+}
+
+impl Ordered {
+    /// Puts a log in order: the first `legal` steps by stamp, equal ones as they happened; the
+    /// others follow. A step's stamp is no less than those of the steps it builds on, so these stay
+    /// before it.
+    fn new(log: &CollapseLog, legal: usize, input: &Input<'_>, by_stamp: bool) -> Self {
+        let triangles = input.mesh.triangles().len();
+        let steps = log.steps.len();
+        let sequence = SequenceParts {
+            targets: Vec::with_capacity(log.targets.len()),
+            step_ends: Vec::with_capacity(steps),
+            step_errors: Vec::with_capacity(steps),
+            step_triangles: Vec::with_capacity(steps),
+            triangles: triangles as u32,
+            ..SequenceParts::default()
+        };
+        let wedges = Vec::with_capacity(log.wedges.len());
+        let mut ordered = Self { wedges, death: vec![0; triangles], sequence };
+        let stamp = |i: u32| u64::from(log.steps[i as usize].stamp.to_bits());
+        let mut order =
+            if by_stamp { sorted(legal, 32, stamp) } else { (0..legal as u32).collect() };
+        order.extend(legal as u32..steps as u32);
+        let mut live = triangles as u32;
+        for i in order {
+            ordered.take(log, i as usize, i as usize >= legal, &mut live);
+        }
+        // The last wedge becomes nothing.
+        ordered.wedges.extend(log.wedges.get(log.targets.len()..).into_iter().flatten());
+        ordered
+    }
+
+    /// Appends a step.
+    fn take(&mut self, log: &CollapseLog, i: usize, is_terminal: bool, live: &mut u32) {
+        let (step, records, dead) = (log.steps[i], log.records(i), log.removals(i));
+        self.wedges.extend_from_slice(&log.wedges[records.clone()]);
+        let lod = self.wedges.len() as u32;
+        for &triangle in dead {
+            self.death[triangle as usize] = lod;
+        }
+        *live -= dead.len() as u32;
+        let sequence = &mut self.sequence;
+        sequence.targets.extend_from_slice(&log.targets[records]);
+        let error = sequence.step_errors.last().copied().unwrap_or(0.0).max(step.error);
+        sequence.step_ends.push(lod);
+        sequence.step_errors.push(error);
+        sequence.step_triangles.push(*live);
+        if !is_terminal {
+            sequence.last_legal_lod = Lod(lod);
+            if step.changes_topology {
+                sequence.topology_changes += 1;
+                sequence.first_topology_change.get_or_insert(Lod(lod));
+            }
+        }
+    }
 }
 
 /// The input's triangles, within each submesh the last to die first, ties in the input's order.
 fn last_to_die_first(input: &Mesh, death: &[u32]) -> Vec<u32> {
-    // Two passes of a counting sort over the LODs: by death, then by submesh.
     let last = death.iter().copied().max().unwrap_or(0);
-    let by_death = counting_sort(0..death.len() as u32, death.len(), last as usize + 1, |t| {
-        last - death[t as usize]
-    });
     let mut submesh_of = vec![0u32; death.len()];
     for (i, s) in (0..).zip(input.submeshes()) {
         submesh_of[s.triangles()].fill(i);
     }
-    if input.submeshes().len() <= 1 {
-        return by_death;
-    }
-    counting_sort(by_death.iter().copied(), death.len(), input.submeshes().len(), |t| {
-        submesh_of[t as usize]
+    let bits = |most: u32| u32::BITS - most.leading_zeros();
+    let (by_death, submeshes) = (bits(last), input.submeshes().len() as u32);
+    sorted(death.len(), by_death + bits(submeshes.saturating_sub(1)), |t| {
+        u64::from(submesh_of[t as usize]) << by_death | u64::from(last - death[t as usize])
     })
-}
-
-/// Items in order of a key below `keys`; items of equal keys keep their order.
-fn counting_sort(
-    items: impl Iterator<Item = u32> + Clone,
-    count: usize,
-    keys: usize,
-    key: impl Fn(u32) -> u32,
-) -> Vec<u32> {
-    let mut start = vec![0u32; keys + 1];
-    for item in items.clone() {
-        start[key(item) as usize + 1] += 1;
-    }
-    for i in 1..start.len() {
-        start[i] += start[i - 1];
-    }
-    let mut sorted = vec![0; count];
-    for item in items {
-        let slot = &mut start[key(item) as usize];
-        sorted[*slot as usize] = item;
-        *slot += 1;
-    }
-    sorted
 }

@@ -1,12 +1,10 @@
 //! The legality of collapses (algorithmic rules: Dey et al. for the link condition; thresholds
 //! measured).
 
-use crate::choose::link::{Link, Marks};
-use crate::choose::plan::WedgePlan;
-use crate::cut::mesh::{Corner, OPEN, SHARED_POSITION, WorkingMesh, next, previous};
-use crate::cut::wedges::Wedges;
-use crate::price::attributes::Attributes;
-use crate::price::one_ring::{MAX_LEN, OneRing};
+use super::link::{Link, Marks};
+use super::plan::WedgePlan;
+use crate::cut::{Corner, OPEN, Wedges, WorkingMesh};
+use crate::price::{Attributes, MAX_LEN, OneRing};
 use glam::DVec3;
 use lodc_mesh::NONE;
 
@@ -45,11 +43,11 @@ impl Stage {
 
 /// A legal collapse.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Verdict {
+pub(super) struct Verdict {
     /// The cost is multiplied by this, at least 1.
-    pub(crate) price: f64,
+    pub(super) price: f64,
     /// It closes a handle, joins sheets or takes a component away.
-    pub(crate) changes_topology: bool,
+    pub(super) changes_topology: bool,
 }
 
 /// The rules that hold at present.
@@ -65,7 +63,7 @@ pub(crate) struct Rules {
 
 impl Rules {
     /// Returns the price of moving `from` onto its neighbour `to`, or none if that is illegal.
-    pub(crate) fn check(
+    pub(super) fn check(
         self,
         mesh: &WorkingMesh,
         from: u32,
@@ -76,7 +74,7 @@ impl Rules {
     }
 
     /// The same for a group whose faces have been gathered, to be checked for many neighbours.
-    pub(crate) fn check_gathered(
+    pub(super) fn check_gathered(
         self,
         mesh: &WorkingMesh,
         from: u32,
@@ -118,7 +116,7 @@ impl Rules {
                 return None;
             }
         }
-        if !self.unites && mesh.has(to, SHARED_POSITION) && meets_twin(mesh, from, to) {
+        if !self.unites && mesh.twins(from, to).next().is_some() {
             return None;
         }
         let price = if changes_topology { TOPOLOGY_PRICE } else { 1.0 };
@@ -133,15 +131,8 @@ fn is_overcrowded(mesh: &WorkingMesh, from: u32, to: u32) -> bool {
     mesh.valence(from).saturating_sub(at_to) > at_to.max(MAX_VALENCE)
 }
 
-/// Returns whether the collapse would also move another group onto `to`: one at the same position.
-fn meets_twin(mesh: &WorkingMesh, from: u32, to: u32) -> bool {
-    let position = mesh.position_id[to as usize];
-    let mut others = mesh.star(from).iter().flat_map(|&c| mesh.others(c));
-    others.any(|g| g != to && mesh.position_id[g as usize] == position)
-}
-
 /// Returns whether no face around `from` turns its texture over in the planned collapse.
-pub(crate) fn keeps_texture(
+pub(super) fn keeps_texture(
     mesh: &WorkingMesh,
     wedges: &Wedges,
     attributes: &Attributes,
@@ -158,10 +149,9 @@ pub(crate) fn keeps_texture(
         if mesh.others(corner).contains(&to) {
             return true;
         }
-        let corners = mesh.wedges(corner.face());
-        let here = corners[corner.at()];
+        let [here, ahead, behind] = mesh.wedges_from(corner);
         let Some(target) = plan.target(here).filter(|&t| t != NONE) else { return true };
-        let (b, c) = (at(corners[next(corner.at())]), at(corners[previous(corner.at())]));
+        let (b, c) = (at(ahead), at(behind));
         let area = |a: [f64; 2]| (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
         area(at(here)) * area(at(target)) >= 0.0
     })
@@ -195,11 +185,11 @@ impl MovingFace {
 
 /// The faces around a group, gathered once for all collapses of it that are checked.
 #[derive(Default)]
-pub(crate) struct MovingFaces(Vec<MovingFace>);
+pub(super) struct MovingFaces(Vec<MovingFace>);
 
 impl MovingFaces {
     /// Gathers the faces around a group.
-    pub(crate) fn gather(&mut self, mesh: &WorkingMesh, from: u32) {
+    pub(super) fn gather(&mut self, mesh: &WorkingMesh, from: u32) {
         let here = mesh.position(from);
         self.0.clear();
         let faces = mesh.star(from).iter().map(|&corner| MovingFace::new(mesh, corner, here));
@@ -276,8 +266,8 @@ fn stays_upright(old: DVec3, there: DVec3, ahead: DVec3, behind: DVec3) -> bool 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cut::region::Region;
-    use crate::number::input::Input;
+    use crate::cut::Region;
+    use crate::number::Input;
 
     #[test]
     fn single_precision_permits_only_what_double_precision_permits() {

@@ -2,7 +2,7 @@
 //! the groups next to both ends are those opposite the edge, and no face would come to lie on
 //! another.
 
-use crate::cut::mesh::{IS_HUB, OPEN, WorkingMesh};
+use crate::cut::{IS_HUB, OPEN, WorkingMesh};
 use lodc_mesh::NONE;
 
 /// Groups that are compared at a time.
@@ -58,7 +58,7 @@ impl Marks {
 pub(crate) struct Link {
     /// True if the condition holds.
     pub(crate) holds: bool,
-    pub(crate) shared_faces: usize,
+    pub(super) shared_faces: usize,
 }
 
 impl Link {
@@ -147,8 +147,8 @@ impl Link {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cut::region::Region;
-    use crate::number::input::Input;
+    use crate::cut::Region;
+    use crate::number::Input;
     use lodc_mesh::{Mesh, MeshParts, Submesh};
 
     fn links(triangles: &[[u32; 3]], from: u32, to: u32) -> [Link; 2] {

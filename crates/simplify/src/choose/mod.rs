@@ -1,20 +1,27 @@
-//! The cheapest legal collapse of a group.
+//! The fourth step: which collapse of a group is the cheapest that is legal?
+//!
+//! What comes in is a group and its prices; what goes out is a [`LegalCollapse`], and the plan of
+//! what becomes of each wedge (true, twin or fake). Rules refuse what would turn a face over,
+//! change the topology or tear a border; the terminal phase drops them one after another, so that
+//! in the end every mesh is one vertex. Nearly always the collapse that was ranked best is legal,
+//! and nothing else is priced. [`Heap`] says which group is asked first: the cheapest, and of equal
+//! ones that with the smaller number.
 
-pub(crate) mod heap;
-pub(crate) mod legality;
+mod heap;
+mod legality;
 pub(crate) mod link;
-pub(crate) mod plan;
+mod plan;
 
-use crate::choice::{Choice, scaled};
-use crate::choose::legality::{MovingFaces, Rules, Stage, keeps_texture};
-use crate::choose::link::Marks;
-use crate::choose::plan::{Planner, WedgePlan};
-use crate::cut::mesh::{HUB_VALENCE, OPEN, RESTRICTED, SEAM, STALE};
-use crate::cut::region::Region;
+pub(crate) use heap::Heap;
+pub(crate) use legality::{Rules, Stage};
+pub(crate) use plan::WedgePlan;
+
+use crate::cut::{Choice, HUB_VALENCE, OPEN, RESTRICTED, Region, SEAM, STALE};
 use crate::metric::Reprice;
-use crate::price::price_lists::{PriceLists, Priced};
-use crate::price::{Pricer, Scratch};
-use crate::touched::Touched;
+use crate::price::{PriceLists, Priced, Pricer, Scratch, scaled};
+use legality::{MovingFaces, keeps_texture};
+use link::Marks;
+use plan::Planner;
 
 /// Price of each fake, as a multiple of the geometric cost.
 const FAKE_PRICE: f64 = 8.0;
@@ -191,7 +198,7 @@ impl<M: Reprice> Selector<'_, M> {
     pub(crate) fn is_still_best(
         &self,
         from: u32,
-        touched: &Touched,
+        is_touched: impl Fn(u32) -> bool,
         buffers: &mut SelectionBuffers<M::ViewScratch>,
     ) -> bool {
         let Region { mesh, choices, .. } = self.pricer.region;
@@ -200,7 +207,7 @@ impl<M: Reprice> Selector<'_, M> {
         let Some(list) = self.prices(from, lists).filter(|_| !mesh.has(from, STALE)) else {
             return false;
         };
-        list.iter().filter(|p| touched.is_touched(p.to)).all(|p| {
+        list.iter().filter(|p| is_touched(p.to)).all(|p| {
             p.to != known.to
                 && (scaled(p.cost(mesh)) > known.cost
                     || self.rules.check(mesh, from, p.to, marks).is_none())

@@ -1,9 +1,8 @@
 //! The plan of a collapse for every wedge of the group: true and twin edges, reuse, and fakes
 //! (thesis 4.2.1).
 
-use crate::cut::mesh::{SEAM, WorkingMesh, next, previous};
-use crate::cut::wedges::Wedges;
-use crate::price::attributes::Attributes;
+use crate::cut::{SEAM, Wedges, WorkingMesh, next, previous};
+use crate::price::Attributes;
 use lodc_mesh::{Mesh, NONE};
 
 /// A wedge without an edge to the target takes an existing wedge there if their attributes differ
@@ -58,14 +57,14 @@ impl WedgePlan {
 /// The data that planning reads.
 #[derive(Clone, Copy)]
 pub(crate) struct Planner<'a> {
-    pub(crate) input: &'a Mesh,
-    pub(crate) mesh: &'a WorkingMesh,
-    pub(crate) wedges: &'a Wedges,
-    pub(crate) attributes: &'a Attributes,
+    pub(super) input: &'a Mesh,
+    pub(super) mesh: &'a WorkingMesh,
+    pub(super) wedges: &'a Wedges,
+    pub(super) attributes: &'a Attributes,
     /// A wedge without an edge to the target takes any wedge there rather than a fake.
-    pub(crate) takes_any: bool,
+    pub(super) takes_any: bool,
     /// The mesh's diagonal in working units.
-    pub(crate) size: f64,
+    pub(super) size: f64,
 }
 
 impl Planner<'_> {
@@ -216,8 +215,8 @@ impl Planner<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cut::region::Region;
-    use crate::number::input::Input;
+    use crate::cut::Region;
+    use crate::number::Input;
 
     /// Plans all collapses of groups on the seam of a sphere: (target is on the seam, wedges,
     /// distinct targets, fakes).

@@ -1,5 +1,8 @@
-//! The record of collapses, in the order in which they happen.
+//! The record of collapses, in the order in which they happen, and where the data of all wedges
+//! comes from.
 
+use crate::cut::Region;
+use crate::number::Input;
 use std::ops::Range;
 
 /// One collapse of a group.
@@ -25,7 +28,7 @@ pub(crate) struct CollapseLog {
     /// The wedge that each becomes.
     pub(crate) targets: Vec<u32>,
     /// Triangles that die.
-    pub(crate) dead: Vec<u32>,
+    pub(super) dead: Vec<u32>,
 }
 
 impl CollapseLog {
@@ -41,14 +44,14 @@ impl CollapseLog {
 
     /// Notes that a wedge becomes another in the present step.
     #[inline]
-    pub(crate) fn record(&mut self, wedge: u32, target: u32) {
+    pub(super) fn record(&mut self, wedge: u32, target: u32) {
         self.wedges.push(wedge);
         self.targets.push(target);
     }
 
     /// Ends the present step.
     #[inline]
-    pub(crate) fn end_step(&mut self, stamp: f32, error: f32, changes_topology: bool) {
+    pub(super) fn end_step(&mut self, stamp: f32, error: f32, changes_topology: bool) {
         self.steps.push(Step {
             stamp,
             error,
@@ -83,5 +86,41 @@ impl CollapseLog {
 
     fn before(&self, step: usize, end: fn(&Step) -> u32) -> u32 {
         step.checked_sub(1).map_or(0, |before| end(&self.steps[before]))
+    }
+}
+
+/// The sources of the data of every wedge of the whole mesh.
+pub(crate) struct Sources<'a> {
+    input: &'a Input<'a>,
+    /// The input vertices of the fakes' positions and attributes.
+    fakes: Vec<(u32, u32)>,
+}
+
+impl<'a> Sources<'a> {
+    pub(crate) fn new(input: &'a Input<'a>) -> Self {
+        Self { input, fakes: Vec::new() }
+    }
+
+    /// Gives a region's new fakes their numbers, and its log those of the whole mesh.
+    pub(crate) fn number(&mut self, region: &mut Region, log: &mut CollapseLog) {
+        let first = (self.input.wedges() + self.fakes.len()) as u32;
+        self.fakes.extend(region.wedges.number_fakes(first));
+        name_wedges(region, log);
+    }
+
+    /// The vertex whose position and other spatial data a wedge has, and the one whose other
+    /// attributes it has.
+    pub(crate) fn of(&self, wedge: u32) -> (u32, u32) {
+        match self.input.vertex_of().get(wedge as usize) {
+            Some(&vertex) => (vertex, vertex),
+            None => self.fakes[wedge as usize - self.input.wedges()],
+        }
+    }
+}
+
+/// Replaces a region's wedge numbers in its log by those of the whole mesh.
+pub(crate) fn name_wedges(region: &Region, log: &mut CollapseLog) {
+    for wedge in log.wedges.iter_mut().chain(&mut log.targets) {
+        *wedge = region.wedge_id(*wedge);
     }
 }

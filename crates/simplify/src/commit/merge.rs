@@ -4,7 +4,7 @@
 //! the collapsed edge to the other takes the place of the two faces that die. Faces at hubs know
 //! their places there, so that leaving takes constant time whatever the star.
 
-use crate::cut::mesh::{Corner, HUB_VALENCE, IS_HUB, OPEN, Star, WorkingMesh, next, previous};
+use crate::cut::{Corner, HUB_VALENCE, IS_HUB, OPEN, Star, WorkingMesh, next, previous};
 
 impl WorkingMesh {
     /// Moves all of `from`'s faces to `to`. Faces that lose a corner die, and `died` gets their
@@ -90,23 +90,6 @@ impl WorkingMesh {
             self.number_slots(to, kept);
         } else if len > HUB_VALENCE {
             self.make_hub(to);
-        }
-    }
-
-    /// Makes a group a hub: from now on its faces know their places in its star.
-    pub(crate) fn make_hub(&mut self, group: u32) {
-        self.add_flags(group, IS_HUB | OPEN);
-        self.hub_epoch += 1;
-        self.hub_slots.resize(self.faces.len(), [0; 3]);
-        self.number_slots(group, 0);
-    }
-
-    /// Tells the faces of a hub their places, from the place `first` on.
-    fn number_slots(&mut self, hub: u32, first: usize) {
-        let star = self.stars[hub as usize];
-        for slot in first as u32..star.len {
-            let corner = self.arena[(star.start + slot) as usize];
-            self.hub_slots[corner.face() as usize][corner.at()] = slot;
         }
     }
 

@@ -1,21 +1,79 @@
-//! Committing one collapse: records, wedges, faces, groups that have come to share a position.
+//! The fifth step: one collapse is carried out and written down.
+//!
+//! What comes in is a legal collapse with its plan. Wedges, then faces and quadrics of the group
+//! move onto its target, and groups that have come to share a position there are united with it.
+//! What goes out is a step of the [`CollapseLog`]: each wedge with the one that it became, the
+//! triangles that died, the error, and a stamp that puts the step behind all that it builds on.
+//! Everything that was ranked by what is now different is [`Touched`].
 
-pub(crate) mod log;
+mod log;
 mod merge;
 
-use crate::choose::LegalCollapse;
-use crate::choose::plan::WedgePlan;
-use crate::commit::log::CollapseLog;
-use crate::context::Context;
-use crate::cut::mesh::{DEAD, OPEN, SEAM, SHARED_POSITION};
-use crate::cut::region::Region;
+pub(crate) use log::{CollapseLog, Sources, name_wedges};
+
+use crate::choose::{LegalCollapse, WedgePlan};
+use crate::cut::{DEAD, OPEN, Region, SEAM};
 use crate::metric::Reprice;
-use crate::touched::Touched;
-use lodc_mesh::NONE;
+use lodc_mesh::{Mesh, NONE};
+
+/// The groups whose faces a commit changed.
+#[derive(Default)]
+pub(crate) struct Touched {
+    pub(crate) groups: Vec<u32>,
+    marks: Vec<u32>,
+    epoch: u32,
+}
+
+impl Touched {
+    pub(crate) fn new(groups: usize) -> Self {
+        Self { marks: vec![0; groups], ..Self::default() }
+    }
+
+    /// Begins a commit: nothing is touched.
+    fn start(&mut self) {
+        self.groups.clear();
+        self.epoch = self.epoch.checked_add(2).unwrap_or_else(|| {
+            self.marks.fill(0);
+            2
+        });
+    }
+
+    /// Marks a group besides those that were touched. Returns whether it had no mark since the last
+    /// commit.
+    #[inline]
+    pub(crate) fn mark(&mut self, group: u32) -> bool {
+        let is_new = !self.is_marked(group);
+        if is_new {
+            self.marks[group as usize] = self.epoch + 1;
+        }
+        is_new
+    }
+
+    /// Returns whether a group has been marked or touched since the last commit.
+    #[inline]
+    pub(crate) fn is_marked(&self, group: u32) -> bool {
+        self.marks[group as usize] >= self.epoch
+    }
+
+    /// Returns whether the last commit touched a group.
+    #[inline]
+    pub(crate) fn is_touched(&self, group: u32) -> bool {
+        self.marks[group as usize] == self.epoch
+    }
+
+    /// Adds a touched group, once.
+    #[inline]
+    fn add(&mut self, group: u32) {
+        if !self.is_marked(group) {
+            self.marks[group as usize] = self.epoch;
+            self.groups.push(group);
+        }
+    }
+}
 
 /// Everything that a commit changes.
 pub(crate) struct Commit<'a, M> {
-    pub(crate) context: &'a Context<'a>,
+    pub(crate) input: &'a Mesh,
     pub(crate) region: &'a mut Region,
     pub(crate) metric: &'a mut M,
     pub(crate) log: &'a mut CollapseLog,
@@ -35,8 +93,7 @@ impl<M: Reprice> Commit<'_, M> {
         let seam_moves = plan.ambiguous || plan.fakes > 0;
         self.move_wedges(from, to, plan);
 
-        let mut twins = Vec::new();
-        self.add_twins(from, to, &mut twins);
+        let twins = self.region.mesh.twins(from, to).collect();
         self.merge(from, to);
         let mesh = &mut self.region.mesh;
         let inherited = mesh.flags[from as usize] & (OPEN | SEAM);
@@ -76,17 +133,6 @@ impl<M: Reprice> Commit<'_, M> {
         log.end_step(stamp, error as f32, legal.changes_topology);
     }
 
-    /// Adds the neighbours of `from` that are other groups at the position of `to`.
-    fn add_twins(&self, from: u32, to: u32, twins: &mut Vec<u32>) {
-        let mesh = &self.region.mesh;
-        if !mesh.has(to, SHARED_POSITION) {
-            return;
-        }
-        let position = mesh.position_id[to as usize];
-        let others = mesh.star(from).iter().flat_map(|&c| mesh.others(c));
-        twins.extend(others.filter(|&g| g != to && mesh.position_id[g as usize] == position));
-    }
-
     /// Unites groups at the position of `to` that have come to share a face with it: they are one
     /// group from now on.
     fn unite_position(&mut self, mut twins: Vec<u32>, to: u32) {
@@ -101,7 +147,7 @@ impl<M: Reprice> Commit<'_, M> {
                     self.touched.add(g);
                 }
             }
-            self.add_twins(twin, to, &mut twins);
+            twins.extend(self.region.mesh.twins(twin, to));
             self.merge(twin, to);
             self.region.wedges.merge_groups(twin, to);
             self.region.mesh.add_flags(to, OPEN | SEAM);
@@ -110,7 +156,7 @@ impl<M: Reprice> Commit<'_, M> {
 
     /// Records a planned collapse and gives the faces their new wedges.
     fn move_wedges(&mut self, from: u32, to: u32, plan: &mut WedgePlan) {
-        let Self { context, region, log, .. } = self;
+        let Self { input, region, log, .. } = self;
         if region.wedges.is_bare() {
             log.record(from, to);
             return;
@@ -127,7 +173,7 @@ impl<M: Reprice> Commit<'_, M> {
             }
             // Two wedges that look alike share one fake.
             let mut earlier = plan.wedges[..i].iter().filter(|p| p.fake).take(64);
-            let target = match earlier.find(|p| wedges.alike(context.input.mesh, p.wedge, wedge)) {
+            let target = match earlier.find(|p| wedges.alike(input, p.wedge, wedge)) {
                 Some(p) => p.target,
                 None => wedges.add_fake(to, plan.truth, wedge),
             };

@@ -1,13 +1,12 @@
 //! Sharing groups out anew: a region gathered from the regions of the round before.
 
-use crate::choice::Choice;
-use crate::cut::mesh::{
+use super::mesh::{
     Corner, Face, HUB_VALENCE, IS_HUB, LOCKED, OPEN, RESTRICTED, SEAM, SHARED_POSITION, STALE,
     Star, next, previous,
 };
-use crate::cut::region::Region;
-use crate::cut::table::Table;
-use crate::cut::wedges::Wedge;
+use super::region::{Choice, Region, SLACK};
+use super::table::Table;
+use crate::number::Wedge;
 use lodc_mesh::NONE;
 use std::ops::Range;
 
@@ -25,8 +24,6 @@ impl Home {
 
 /// Flags that a group takes along.
 const KEPT_FLAGS: u8 = OPEN | SEAM | SHARED_POSITION | RESTRICTED;
-/// Spare room in each star.
-const SLACK: u32 = 2;
 /// Groups between the one that is added and the one that memory is asked for.
 const AHEAD: usize = 16;
 

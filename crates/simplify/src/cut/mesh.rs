@@ -109,7 +109,7 @@ pub(crate) const RESTRICTED: u8 = 2;
 /// An edge at this group is a seam: wedges or submeshes differ across it.
 pub(crate) const SEAM: u8 = 4;
 /// Another group started at the same position.
-pub(crate) const SHARED_POSITION: u8 = 8;
+pub(super) const SHARED_POSITION: u8 = 8;
 /// A neighbour belongs to another region: the group stays where it is in this round.
 pub(crate) const LOCKED: u8 = 16;
 /// The group's cost may have risen since it was computed.
@@ -131,9 +131,9 @@ pub(crate) struct WorkingMesh {
     pub(crate) faces: Vec<Face>,
     /// The wedge at each corner of each face; empty where every group has one wedge, with the
     /// group's number.
-    pub(crate) wedges: Vec<[u32; 3]>,
+    pub(super) wedges: Vec<[u32; 3]>,
     /// Each group's position, as a number shared by the groups there; empty if no two share one.
-    pub(crate) position_id: Vec<u32>,
+    pub(super) position_id: Vec<u32>,
     /// The facet of each face, if they are kept instead of computed.
     facets: Vec<Facet>,
     pub(crate) stars: Vec<Star>,
@@ -149,7 +149,7 @@ pub(crate) struct WorkingMesh {
 
 impl WorkingMesh {
     /// Takes everything out. Lists keep their room.
-    pub(crate) fn clear(&mut self) {
+    pub(super) fn clear(&mut self) {
         self.places.clear();
         self.flags.clear();
         self.faces.clear();
@@ -190,6 +190,13 @@ impl WorkingMesh {
             Some(&wedges) => wedges,
             None => self.faces[face as usize].groups,
         }
+    }
+
+    /// The wedges at a face's corners, from this one on.
+    #[inline]
+    pub(crate) fn wedges_from(&self, corner: Corner) -> [u32; 3] {
+        let (wedges, at) = (self.wedges(corner.face()), corner.at());
+        [wedges[at], wedges[next(at)], wedges[previous(at)]]
     }
 
     /// Puts another wedge at a corner.
@@ -250,9 +257,17 @@ impl WorkingMesh {
         }
     }
 
+    /// The neighbours of `from` that are other groups at the position of `to`, some of them twice.
+    pub(crate) fn twins(&self, from: u32, to: u32) -> impl Iterator<Item = u32> + '_ {
+        let star = if self.has(to, SHARED_POSITION) { self.star(from) } else { &[] };
+        let position = |group: u32| self.position_id[group as usize];
+        let others = star.iter().flat_map(|&corner| self.others(corner));
+        others.filter(move |&g| g != to && position(g) == position(to))
+    }
+
     /// Asks memory for the corners of a group.
     #[inline]
-    pub(crate) fn prefetch_star(&self, group: u32) {
+    pub(super) fn prefetch_star(&self, group: u32) {
         let star = self.stars[group as usize];
         prefetch_index(&self.arena, star.start as usize);
         prefetch_index(&self.arena, (star.start + star.len.saturating_sub(1)) as usize);
@@ -269,7 +284,7 @@ impl WorkingMesh {
 
     /// Asks memory for the faces at a group.
     #[inline]
-    pub(crate) fn prefetch_faces(&self, group: u32) {
+    pub(super) fn prefetch_faces(&self, group: u32) {
         for corner in self.star(group) {
             prefetch_index(&self.faces, corner.face() as usize);
         }
@@ -309,5 +324,22 @@ impl WorkingMesh {
     pub(crate) fn area_of(&self, groups: [u32; 3]) -> f64 {
         let [a, b, c] = groups.map(|g| self.position(g));
         0.5 * (b - a).cross(c - a).length()
+    }
+
+    /// Makes a group a hub: from now on its faces know their places in its star.
+    pub(crate) fn make_hub(&mut self, group: u32) {
+        self.add_flags(group, IS_HUB | OPEN);
+        self.hub_epoch += 1;
+        self.hub_slots.resize(self.faces.len(), [0; 3]);
+        self.number_slots(group, 0);
+    }
+
+    /// Tells the faces of a hub their places, from the place `first` on.
+    pub(crate) fn number_slots(&mut self, hub: u32, first: usize) {
+        let star = self.stars[hub as usize];
+        for slot in first as u32..star.len {
+            let corner = self.arena[(star.start + slot) as usize];
+            self.hub_slots[corner.face() as usize][corner.at()] = slot;
+        }
     }
 }

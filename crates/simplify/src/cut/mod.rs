@@ -1,9 +1,29 @@
-//! Cuts the mesh into regions.
+//! The second step: the mesh is cut into regions of neighbouring groups.
+//!
+//! What comes in is [`Input`](crate::number::Input), or, between two rounds, the regions of the
+//! round before; what goes out is [`Region`]s. A region is a small mesh with numbers of its own and
+//! everything that collapsing its groups needs, so that one thread works in its own cache and asks
+//! no other. Groups of other regions that share faces with it come along as position and cost only;
+//! those next to them are locked. The mesh alone decides where it is cut, never the number of
+//! threads.
 
-pub(crate) mod gather;
-pub(crate) mod mesh;
-pub(crate) mod neighborhood;
-pub(crate) mod quadrics;
-pub(crate) mod region;
-pub(crate) mod table;
-pub(crate) mod wedges;
+mod gather;
+mod mesh;
+mod neighborhood;
+mod quadrics;
+mod region;
+mod table;
+mod wedges;
+
+pub(crate) use gather::{Home, Kept, Round};
+pub(crate) use mesh::{
+    Corner, DEAD, Facet, HUB_VALENCE, IS_HUB, LOCKED, OPEN, RESTRICTED, SEAM, STALE, Star,
+    WorkingMesh, next, previous,
+};
+pub(crate) use neighborhood::{
+    EdgeKind, Entry, FeaturePlane, Neighborhood, fold_plane, is_seam, plane_along, seam_weight,
+    target,
+};
+pub(crate) use quadrics::{Quadric, Quadrics, Symmetric, add_outer, times};
+pub(crate) use region::{Choice, Region};
+pub(crate) use wedges::Wedges;

@@ -1,13 +1,13 @@
 //! The surroundings of a group: its edges to other groups, and which of them are borders or
 //! seams.
 
-use crate::cut::mesh::{Facet, WorkingMesh, next, previous};
-use crate::cut::wedges::Wedges;
+use super::mesh::{Facet, WorkingMesh, next, previous};
+use super::wedges::Wedges;
 use glam::{DVec3, Vec3};
 use std::ops::Range;
 
 /// Weight of the plane along a border edge, times its squared length.
-pub(crate) const BORDER_WEIGHT: f64 = 10.0;
+const BORDER_WEIGHT: f64 = 10.0;
 /// Weight of the planes along an edge between two submeshes, times its squared length.
 const MATERIAL_WEIGHT: f64 = 10.0;
 /// Weight of the planes along an edge where attributes differ, times its squared length.
@@ -22,7 +22,7 @@ pub(crate) struct IncidentEdge {
     pub(crate) group: u32,
     pub(crate) kind: EdgeKind,
     /// Its entries, as a range.
-    pub(crate) entries: (u32, u32),
+    entries: (u32, u32),
 }
 
 /// The kind of an edge at a group.
@@ -64,7 +64,7 @@ pub(crate) struct FeaturePlane {
 #[derive(Default)]
 pub(crate) struct Neighborhood {
     pub(crate) edges: Vec<IncidentEdge>,
-    pub(crate) entries: Vec<Entry>,
+    entries: Vec<Entry>,
     /// The entries in the order of faces.
     unsorted: Vec<Entry>,
     /// Group and place of each, which are sorted instead.
@@ -173,6 +173,25 @@ pub(crate) fn target(wedges: &Wedges, faces: &[Entry], wedge: u32) -> Option<u32
     let same = faces.get(first).filter(|e| e.here == wedge);
     let class = wedges.class(wedge);
     same.or_else(|| faces.iter().take(64).find(|e| wedges.class(e.here) == class)).map(|e| e.there)
+}
+
+/// Returns whether an edge between two faces of a closed fan is a seam, given the wedges at the
+/// group and at its other end in both.
+#[inline]
+pub(crate) fn is_seam(wedges: &Wedges, here: [u32; 2], there: [u32; 2]) -> bool {
+    let alike = |[a, b]: [u32; 2]| a == b || wedges.class(a) == wedges.class(b);
+    !alike(here) || !alike(there)
+}
+
+/// Returns whether an edge at a group with a closed fan is a seam.
+pub(super) fn has_seams(mesh: &WorkingMesh, wedges: &Wedges, group: u32) -> bool {
+    let mut star = mesh.star(group).iter().map(|&corner| mesh.wedges_from(corner));
+    let Some([mut here, _, mut behind]) = star.clone().next_back() else { return false };
+    star.any(|[next_here, ahead, next_behind]| {
+        let seam = is_seam(wedges, [here, next_here], [behind, ahead]);
+        (here, behind) = (next_here, next_behind);
+        seam
+    })
 }
 
 /// The weight of the planes along a seam with these faces, times its squared length.

@@ -3,19 +3,32 @@
 //! A region's own groups come first. After them come the groups of other regions that share faces
 //! with them: position and cost only. Own groups next to those are locked.
 
-use crate::choice::Choice;
-use crate::cut::mesh::{
-    Corner, Face, HUB_VALENCE, LOCKED, OPEN, SEAM, SHARED_POSITION, Star, WorkingMesh, next,
-    previous,
+use super::mesh::{
+    Corner, Face, GroupPosition, HUB_VALENCE, LOCKED, OPEN, SEAM, SHARED_POSITION, Star,
+    WorkingMesh, next, previous,
 };
-use crate::cut::neighborhood::Neighborhood;
-use crate::cut::table::Table;
-use crate::cut::wedges::Wedges;
-use crate::metric::Quadrics;
-use crate::number::input::Input;
-use crate::price::seam_ring::has_seams;
+use super::neighborhood::{Neighborhood, has_seams};
+use super::quadrics::Quadrics;
+use super::table::Table;
+use super::wedges::Wedges;
+use crate::number::Input;
+use lodc_mesh::NONE;
 use prefetch_index::prefetch_index;
 use std::ops::Range;
+
+/// The best collapse of a group.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Choice {
+    /// The scaled cost; NaN if there is no collapse.
+    pub(crate) cost: f32,
+    /// The group to move onto.
+    pub(crate) to: u32,
+}
+
+impl Choice {
+    /// No collapse at all.
+    pub(crate) const NONE: Self = Self { cost: f32::NAN, to: NONE };
+}
 
 /// Part of the mesh, or all of it.
 #[derive(Default)]
@@ -32,7 +45,7 @@ pub(crate) struct Region {
 }
 
 /// Spare room in each star.
-const SLACK: u32 = 2;
+pub(super) const SLACK: u32 = 2;
 
 impl Region {
     /// The region of consecutive groups, from all triangles with a corner there.
@@ -101,7 +114,7 @@ impl Region {
     }
 
     /// Takes everything out. Lists keep their room.
-    pub(crate) fn clear(&mut self) {
+    pub(super) fn clear(&mut self) {
         self.mesh.clear();
         self.wedges.clear();
         self.quadrics.clear();
@@ -151,7 +164,8 @@ impl Region {
 
     fn place_groups(&mut self, input: &Input<'_>) {
         let mesh = &mut self.mesh;
-        mesh.places = self.groups.iter().map(|&g| input.place(g)).collect();
+        let place = |g: u32| GroupPosition { position: input.place(g), target_cost: 0.0 };
+        mesh.places = self.groups.iter().map(|&g| place(g)).collect();
         let flag = |g: u32| if input.shares_position(g) { SHARED_POSITION } else { 0 };
         mesh.flags = self.groups.iter().map(|&g| flag(g)).collect();
         if !input.position_id.is_empty() {

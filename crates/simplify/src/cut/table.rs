@@ -4,7 +4,7 @@ use lodc_mesh::NONE;
 
 /// A table from numbers of the whole mesh to those of a region. Open addressing; what is in it
 /// depends on the insertions alone.
-pub(crate) struct Table {
+pub(super) struct Table {
     keys: Vec<u32>,
     values: Vec<u32>,
     len: usize,
@@ -12,7 +12,7 @@ pub(crate) struct Table {
 
 impl Table {
     /// A table with room for about so many entries.
-    pub(crate) fn new(entries: usize) -> Self {
+    pub(super) fn new(entries: usize) -> Self {
         let slots = (2 * entries.max(8)).next_power_of_two();
         Self { keys: vec![NONE; slots], values: vec![0; slots], len: 0 }
     }
@@ -30,14 +30,14 @@ impl Table {
     }
 
     #[inline]
-    pub(crate) fn get(&self, key: u32) -> Option<u32> {
+    pub(super) fn get(&self, key: u32) -> Option<u32> {
         let slot = self.slot(key);
         (self.keys[slot] == key).then(|| self.values[slot])
     }
 
     /// The value of a key, which is `new` if the key was not there, and whether it was there.
     #[inline]
-    pub(crate) fn get_or_insert(&mut self, key: u32, new: u32) -> (u32, bool) {
+    pub(super) fn get_or_insert(&mut self, key: u32, new: u32) -> (u32, bool) {
         let slot = self.slot(key);
         if self.keys[slot] == key {
             return (self.values[slot], true);

@@ -1,6 +1,7 @@
 //! The wedges of every group: the vertices there, where their data comes from, and which are alike.
 
-use lodc_mesh::{Mesh, NONE, Semantic};
+use crate::number::{Wedge, same_attributes};
+use lodc_mesh::{Mesh, NONE};
 
 /// The wedges of one region, originals first, fakes after them. A fake is where one vertex's
 /// position data meets another's attributes, so two numbers say all about it.
@@ -24,21 +25,9 @@ pub(crate) struct Wedges {
     numbered: usize,
 }
 
-/// The data of one wedge.
-#[derive(Clone, Copy)]
-pub(crate) struct Wedge {
-    /// Its number in the whole mesh.
-    pub(crate) id: u32,
-    pub(crate) position_source: u32,
-    pub(crate) attribute_source: u32,
-    pub(crate) submesh: u32,
-    /// Equal for the wedges of a group with the same attributes.
-    pub(crate) class: u32,
-}
-
 impl Wedges {
     /// Takes all wedges out. Lists keep their room.
-    pub(crate) fn clear(&mut self) {
+    pub(super) fn clear(&mut self) {
         let Self { ids, position_source, attribute_source, submesh, class, first, next, .. } = self;
         for list in [ids, position_source, attribute_source, submesh, class, first, next] {
             list.clear();
@@ -64,7 +53,7 @@ impl Wedges {
     }
 
     /// Adds a wedge that belongs to no group yet.
-    pub(crate) fn push(&mut self, wedge: Wedge) -> u32 {
+    pub(super) fn push(&mut self, wedge: Wedge) -> u32 {
         self.ids.push(wedge.id);
         self.position_source.push(wedge.position_source);
         self.attribute_source.push(wedge.attribute_source);
@@ -76,7 +65,7 @@ impl Wedges {
     }
 
     /// Makes consecutive wedges those of the next group.
-    pub(crate) fn push_group(&mut self, wedges: std::ops::Range<u32>) {
+    pub(super) fn push_group(&mut self, wedges: std::ops::Range<u32>) {
         self.first.push(if wedges.is_empty() { NONE } else { wedges.start });
         for w in wedges.skip(1) {
             self.next[w as usize - 1] = w;
@@ -162,12 +151,4 @@ impl Wedges {
         let source = |w: u32| self.attribute_source[w as usize];
         self.submesh(a) == self.submesh(b) && same_attributes(mesh, source(a), source(b))
     }
-}
-
-/// Compares two vertices' attributes. Tangents do not count: they follow from normals and texture
-/// coordinates, and exporters make them anew for each face.
-pub(crate) fn same_attributes(mesh: &Mesh, a: u32, b: u32) -> bool {
-    let compared =
-        mesh.attributes().iter().filter(|s| !s.is_spatial() && s.semantic != Semantic::Tangent);
-    a == b || compared.into_iter().all(|s| s.at(a) == s.at(b))
 }

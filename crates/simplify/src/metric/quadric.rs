@@ -7,9 +7,10 @@
 //! already; a share of the accumulated quadrics repairs that, and they also give the reported
 //! error.
 
-use crate::cut::mesh::{Facet, WorkingMesh};
-use crate::cut::neighborhood::{FeaturePlane, Neighborhood};
-use crate::cut::quadrics::{Quadric, Symmetric, add_outer};
+use super::reprice::Reprice;
+use crate::cut::{
+    Facet, FeaturePlane, Quadric, Quadrics, Symmetric, Wedges, WorkingMesh, add_outer, times,
+};
 use glam::DVec3;
 use lodc_mesh::NONE;
 
@@ -17,17 +18,6 @@ use lodc_mesh::NONE;
 pub(crate) const TIE_WEIGHT: f64 = 1e-9;
 /// The share of the accumulated quadrics.
 pub(crate) const MEMORY: f64 = 0.08;
-
-/// Accumulated quadrics, one per group of a region.
-#[derive(Default)]
-pub(crate) struct Quadrics {
-    /// Planes of the input's faces.
-    pub(crate) surface: Vec<Quadric>,
-    /// Planes along the input's borders, for the few groups that have any.
-    pub(crate) border: Vec<Quadric>,
-    /// The border quadric of each group; empty if none has one.
-    pub(crate) border_of: Vec<u32>,
-}
 
 /// A group's refitted quadric, with its share of the accumulated one.
 pub(crate) struct Refitted {
@@ -50,64 +40,12 @@ impl Refitted {
     /// fourth power; not negative.
     #[inline]
     pub(crate) fn cost(&self, delta: DVec3) -> f64 {
-        let moved = delta.dot(crate::cut::quadrics::times(&self.a, delta))
-            + 2.0 * self.b.dot(delta)
-            + self.c;
+        let moved = delta.dot(times(&self.a, delta)) + 2.0 * self.b.dot(delta) + self.c;
         moved.max(0.0)
     }
 }
 
 impl Quadrics {
-    /// The quadrics of the input's surface for the first `own` groups of a region.
-    pub(crate) fn new(mesh: &WorkingMesh, own: usize) -> Self {
-        let mut surface = vec![Quadric::default(); own];
-        for f in 0..mesh.faces.len() as u32 {
-            let facet = mesh.facet(f);
-            for &g in mesh.faces[f as usize].groups.iter().filter(|&&g| (g as usize) < own) {
-                surface[g as usize].add_plane(facet.normal.as_dvec3(), f64::from(facet.area));
-            }
-        }
-        Self { surface, ..Self::default() }
-    }
-
-    /// Takes all quadrics out. Lists keep their room.
-    pub(crate) fn clear(&mut self) {
-        self.surface.clear();
-        self.border.clear();
-        self.border_of.clear();
-    }
-
-    /// The border quadric of a group.
-    #[inline]
-    pub(crate) fn border(&self, group: u32) -> Option<&Quadric> {
-        let at = *self.border_of.get(group as usize)?;
-        self.border.get(at as usize)
-    }
-
-    /// Gives a group of the input its border quadric, if it is at a border.
-    pub(crate) fn add_border(&mut self, group: u32, around: &Neighborhood) {
-        if around.borders == 0 {
-            return;
-        }
-        let mut quadric = Quadric::default();
-        for plane in &around.planes {
-            quadric.add_plane(plane.normal, plane.weight);
-        }
-        if quadric.weight > 0.0 {
-            self.set_border(group, quadric);
-        }
-    }
-
-    /// Gives a group, which has none, a border quadric.
-    pub(crate) fn set_border(&mut self, group: u32, quadric: Quadric) {
-        if self.border_of.is_empty() {
-            self.border_of = vec![NONE; self.surface.len()];
-            self.border.reserve(self.surface.len() / 4);
-        }
-        self.border_of[group as usize] = self.border.len() as u32;
-        self.border.push(quadric);
-    }
-
     /// Fits a group's quadric to the faces of its star and the planes of features through it.
     pub(crate) fn refit(&self, from: u32, facets: &[Facet], features: &[FeaturePlane]) -> Refitted {
         let mut a = [0.0; 6];
@@ -165,4 +103,22 @@ impl Quadrics {
         let border = self.border(group).map_or(0.0, Quadric::distance);
         self.surface[group as usize].distance().max(border)
     }
+}
+
+/// The quadric's costs as they are.
+pub(crate) struct QuadricOnly;
+
+impl Reprice for QuadricOnly {
+    const REPRICES: bool = false;
+    type ViewScratch = ();
+
+    fn is_active(&self) -> bool {
+        false
+    }
+    fn should_toggle(&self, _mesh: &WorkingMesh) -> bool {
+        false
+    }
+    fn toggle(&mut self, _mesh: &WorkingMesh, _legal: bool) {}
+    fn reprice(&self, _: &WorkingMesh, _: &Wedges, _: u32, _: &mut [(f64, u32)], (): &mut ()) {}
+    fn collapsed(&mut self, _: &WorkingMesh, _: &Wedges, _: u32, _: u32) {}
 }

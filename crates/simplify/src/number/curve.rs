@@ -41,7 +41,7 @@ impl Curve {
                 *key = self.code(point(i));
             }
         });
-        sorted(&keys, 3 * BITS)
+        sorted(len, 3 * BITS, |i| keys[i as usize])
     }
 }
 
@@ -60,14 +60,15 @@ fn spread(x: u64) -> u64 {
     x
 }
 
-/// The places of keys below `2^bits` in rising order, equal keys by place (radix sort).
-pub(crate) fn sorted(keys: &[u64], bits: u32) -> Vec<u32> {
-    let mut order: Vec<u32> = (0..keys.len() as u32).collect();
-    let mut sorted = vec![0u32; keys.len()];
+/// The numbers below `len` in rising order of keys below `2^bits`, equal keys by number (radix
+/// sort).
+pub(crate) fn sorted(len: usize, bits: u32, key: impl Fn(u32) -> u64) -> Vec<u32> {
+    let mut order: Vec<u32> = (0..len as u32).collect();
+    let mut sorted = vec![0u32; len];
     for shift in (0..bits).step_by(DIGIT as usize) {
-        let digit = |i: u32| (keys[i as usize] >> shift) as usize & ((1 << DIGIT) - 1);
+        let digit = |i: u32| (key(i) >> shift) as usize & ((1 << DIGIT) - 1);
         let mut start = vec![0u32; (1 << DIGIT) + 1];
-        for i in 0..keys.len() as u32 {
+        for i in 0..len as u32 {
             start[digit(i) + 1] += 1;
         }
         for d in 1..start.len() {
@@ -93,7 +94,7 @@ mod tests {
         let keys: Vec<u64> = (0..5000).map(|_| random.below(1 << 20) as u64 >> 8).collect();
         let mut expected: Vec<u32> = (0..5000).collect();
         expected.sort_by_key(|&i| (keys[i as usize], i));
-        assert_eq!(sorted(&keys, 33), expected);
+        assert_eq!(sorted(5000, 33, |i| keys[i as usize]), expected);
     }
 
     #[test]

@@ -1,10 +1,8 @@
 //! The input mesh with its groups and wedges numbered along a space-filling curve.
 
-use crate::cut::mesh::GroupPosition;
-use crate::cut::wedges::{Wedge, same_attributes};
-use crate::number::curve::Curve;
+use super::curve::Curve;
 use glam::Vec3;
-use lodc_mesh::{Mesh, PositionIds, WedgeGroups};
+use lodc_mesh::{Csr, Mesh, PositionIds, Semantic, WedgeGroups};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -36,6 +34,18 @@ struct WedgeLists {
     /// The wedges of a group are `bounds[g]..bounds[g + 1]`.
     bounds: Vec<u32>,
     class: Vec<u32>,
+}
+
+/// The data of one wedge.
+#[derive(Clone, Copy)]
+pub(crate) struct Wedge {
+    /// Its number in the whole mesh.
+    pub(crate) id: u32,
+    pub(crate) position_source: u32,
+    pub(crate) attribute_source: u32,
+    pub(crate) submesh: u32,
+    /// Equal for the wedges of a group with the same attributes.
+    pub(crate) class: u32,
 }
 
 impl<'a> Input<'a> {
@@ -132,10 +142,9 @@ impl<'a> Input<'a> {
     }
 
     /// Position of a group in working units.
-    pub(crate) fn place(&self, group: u32) -> GroupPosition {
+    pub(crate) fn place(&self, group: u32) -> Vec3 {
         let p = self.position(group as usize);
-        let position = Vec3::from(p.map(|c| (f64::from(c) * self.scale) as f32));
-        GroupPosition { position, target_cost: 0.0 }
+        Vec3::from(p.map(|c| (f64::from(c) * self.scale) as f32))
     }
 
     /// Position of a group in the mesh's units.
@@ -163,7 +172,7 @@ fn locked_groups(vertices: &[bool], group_of: &[u32], groups: usize) -> Vec<bool
 
 impl WedgeLists {
     fn new(mesh: &Mesh, group_of: &[u32], groups: usize) -> Self {
-        let csr = lodc_mesh::Csr::new(groups, group_of.iter().copied().zip(0..));
+        let csr = Csr::new(groups, group_of.iter().copied().zip(0..));
         let (bounds, vertex) = (csr.offsets, csr.values);
         let mut of_vertex = vec![0u32; vertex.len()];
         for (wedge, &v) in (0..).zip(&vertex) {
@@ -194,4 +203,12 @@ fn classes(mesh: &Mesh, vertex: &[u32], wedges: Range<u32>) -> Vec<u32> {
         }
     }
     class
+}
+
+/// Compares two vertices' attributes. Tangents do not count: they follow from normals and texture
+/// coordinates, and exporters make them anew for each face.
+pub(crate) fn same_attributes(mesh: &Mesh, a: u32, b: u32) -> bool {
+    let compared =
+        mesh.attributes().iter().filter(|s| !s.is_spatial() && s.semantic != Semantic::Tangent);
+    a == b || compared.into_iter().all(|s| s.at(a) == s.at(b))
 }

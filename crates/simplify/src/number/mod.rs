@@ -1,4 +1,13 @@
-//! Numbers groups and wedges along a space-filling curve.
+//! The first step: groups and wedges get numbers.
+//!
+//! What comes in is a [`Mesh`](lodc_mesh::Mesh) as its file has it, with vertices in any order.
+//! Vertices at one position whose triangles hang together are a group, and each is one of its
+//! wedges. Groups are numbered along a space-filling curve, wedges group by group. All that follows
+//! reads a group together with its neighbours, so neighbours in space have to be neighbours in
+//! memory. The mesh itself stays as it is: what goes out, [`Input`], says what has which number.
 
-pub(crate) mod curve;
-pub(crate) mod input;
+mod curve;
+mod input;
+
+pub(crate) use curve::{Curve, sorted};
+pub(crate) use input::{Input, Wedge, same_attributes};

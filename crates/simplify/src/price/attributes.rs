@@ -1,6 +1,6 @@
 //! Attributes as numbers that can be compared with lengths: one flat row per vertex of the input.
 
-use crate::cut::mesh::Facet;
+use crate::cut::Facet;
 use crate::options::Weights;
 use glam::{DVec3, Vec4};
 use lodc_mesh::{Attribute, Mesh, Semantic};
@@ -24,7 +24,7 @@ const PALETTE_LENGTH: f64 = 10.0;
 /// The non-spatial attributes of every vertex, scaled to working units.
 pub(crate) struct Attributes {
     /// Numbers per vertex.
-    pub(crate) width: usize,
+    pub(super) width: usize,
     /// The rows, each filled up with zeros to a multiple of four.
     rows: Vec<f32>,
     /// Column of the first texture coordinates in a row.
@@ -131,20 +131,20 @@ impl Attributes {
 
     /// The numbers of a vertex, and zeros up to a multiple of four.
     #[inline]
-    pub(crate) fn padded(&self, vertex: u32) -> &[f32] {
+    pub(super) fn padded(&self, vertex: u32) -> &[f32] {
         let stride = self.width.next_multiple_of(4);
         &self.rows[vertex as usize * stride..][..stride]
     }
 
     /// Four numbers of a vertex, from the number `first` on, a multiple of four.
     #[inline]
-    pub(crate) fn four(&self, vertex: u32, first: usize) -> Vec4 {
+    pub(super) fn four(&self, vertex: u32, first: usize) -> Vec4 {
         Vec4::from_slice(&self.padded(vertex)[first..first + 4])
     }
 
     /// Returns whether the mesh is skinned.
     #[inline]
-    pub(crate) fn has_joints(&self) -> bool {
+    pub(super) fn has_joints(&self) -> bool {
         !self.joints.is_empty()
     }
 
@@ -158,7 +158,7 @@ impl Attributes {
     }
 
     /// Squared difference of two vertices' skinning weights, in squared working units of the first.
-    pub(crate) fn joint_distance_squared(&self, a: u32, b: u32) -> f64 {
+    pub(super) fn joint_distance_squared(&self, a: u32, b: u32) -> f64 {
         if self.joints.is_empty() || a == b {
             return 0.0;
         }

@@ -12,36 +12,34 @@
 //!
 //! of which the right side cancels nothing, so that single precision is enough.
 
-use crate::cut::mesh::{WorkingMesh, next, previous};
-use crate::cut::neighborhood::{Entry, target};
-use crate::cut::wedges::Wedges;
-use crate::price::attributes::Attributes;
-use crate::price::one_ring::OneRing;
+use super::attributes::Attributes;
+use super::one_ring::OneRing;
+use crate::cut::{Entry, Wedges, WorkingMesh, target};
 use glam::{Vec3, Vec4};
 
 /// A gradient of four numbers: one coordinate of each for each vector.
-pub(crate) type FourGradients = [Vec4; 3];
+pub(super) type FourGradients = [Vec4; 3];
 
 /// The attributes of the wedges of one region.
 #[derive(Clone, Copy)]
-pub(crate) struct WedgeAttributes<'a> {
-    pub(crate) mesh: &'a WorkingMesh,
-    pub(crate) wedges: &'a Wedges,
-    pub(crate) attributes: &'a Attributes,
+pub(super) struct WedgeAttributes<'a> {
+    pub(super) mesh: &'a WorkingMesh,
+    pub(super) wedges: &'a Wedges,
+    pub(super) attributes: &'a Attributes,
 }
 
 /// The dual basis of a face's plane, by which differences along its two spokes become gradients,
 /// and the face's area.
 #[derive(Clone, Copy, Default)]
-pub(crate) struct Dual {
+pub(super) struct Dual {
     along: [Vec3; 2],
-    pub(crate) area: f32,
+    pub(super) area: f32,
 }
 
 impl Dual {
     /// The dual basis of two spokes with their cross product; zero if the face has no area.
     #[inline]
-    pub(crate) fn new([spoke, following]: [Vec3; 2], normal: Vec3) -> Self {
+    pub(super) fn new([spoke, following]: [Vec3; 2], normal: Vec3) -> Self {
         let squared = normal.length_squared();
         if squared <= 0.0 {
             return Self::default();
@@ -52,21 +50,21 @@ impl Dual {
 
     /// The gradient of four numbers that change so much along the spokes.
     #[inline]
-    pub(crate) fn gradient(&self, [first, second]: [Vec4; 2]) -> FourGradients {
+    pub(super) fn gradient(&self, [first, second]: [Vec4; 2]) -> FourGradients {
         let [d, e] = self.along;
         [first * d.x + second * e.x, first * d.y + second * e.y, first * d.z + second * e.z]
     }
 }
 
 /// The scatter of gradients about their means: the sum of `weight · v vᵀ`, for four numbers at a
-/// time, in the order of [`Symmetric`](crate::cut::quadrics::Symmetric).
+/// time, in the order of [`Symmetric`](crate::cut::Symmetric).
 #[derive(Clone, Copy, Default)]
-pub(crate) struct Scatter([Vec4; 6]);
+pub(super) struct Scatter([Vec4; 6]);
 
 impl Scatter {
     /// Adds the gradients on one face.
     #[inline]
-    pub(crate) fn add(&mut self, gradient: &FourGradients, mean: &FourGradients, area: f32) {
+    pub(super) fn add(&mut self, gradient: &FourGradients, mean: &FourGradients, area: f32) {
         let [x, y, z] = [gradient[0] - mean[0], gradient[1] - mean[1], gradient[2] - mean[2]];
         let weighted = [x * area, y * area, z * area];
         let outer = &mut self.0;
@@ -80,19 +78,19 @@ impl Scatter {
 
     /// The quadratic form of all numbers.
     #[inline]
-    pub(crate) fn form(&self) -> [f32; 6] {
+    pub(super) fn form(&self) -> [f32; 6] {
         self.0.map(sum)
     }
 }
 
 /// A continuation of four numbers by `delta`.
 #[inline]
-pub(crate) fn continued(mean: &FourGradients, delta: Vec3) -> Vec4 {
+pub(super) fn continued(mean: &FourGradients, delta: Vec3) -> Vec4 {
     mean[0] * delta.x + mean[1] * delta.y + mean[2] * delta.z
 }
 
 #[inline]
-pub(crate) fn sum(v: Vec4) -> f32 {
+pub(super) fn sum(v: Vec4) -> f32 {
     (v.x + v.y) + (v.z + v.w)
 }
 
@@ -107,7 +105,7 @@ struct WedgeFace {
 
 /// The gradients around the wedges of one group; used again for the next.
 #[derive(Default)]
-pub(crate) struct Gradients {
+pub(super) struct Gradients {
     /// Each wedge and the area of its faces.
     wedges: Vec<(u32, f32)>,
     /// The mean gradients of each wedge, of the first four numbers, of the next four, and so on.
@@ -119,23 +117,20 @@ pub(crate) struct Gradients {
 
 impl Gradients {
     /// Fits the attributes around every wedge of a group.
-    pub(crate) fn fit(&mut self, view: WedgeAttributes<'_>, from: u32) {
+    pub(super) fn fit(&mut self, view: WedgeAttributes<'_>, from: u32) {
         self.clear();
         for &corner in view.mesh.star(from) {
-            let (here, face, at) =
-                (view.mesh.places[from as usize].position, corner.face(), corner.at());
             let position = |g: u32| view.mesh.places[g as usize].position;
-            let spokes = view.mesh.others(corner).map(|g| position(g) - here);
-            let corners = view.mesh.wedges(face);
+            let spokes = view.mesh.others(corner).map(|g| position(g) - position(from));
             let dual = Dual::new(spokes, spokes[0].cross(spokes[1]));
-            self.add_face(view, dual, [corners[at], corners[next(at)], corners[previous(at)]]);
+            self.add_face(view, dual, view.mesh.wedges_from(corner));
         }
         self.fit_all(view);
     }
 
     /// Fits the attributes around every wedge of a group with a closed fan, given the wedges at the
     /// corners of its faces.
-    pub(crate) fn fit_ring<const N: usize>(
+    pub(super) fn fit_ring<const N: usize>(
         &mut self,
         view: WedgeAttributes<'_>,
         ring: &OneRing<N>,
@@ -202,7 +197,7 @@ impl Gradients {
 
     /// Error of the attributes around a group if it moved by `delta`, along an edge with these
     /// faces, which are sorted. Scaled units to the fourth power.
-    pub(crate) fn cost(&self, view: WedgeAttributes<'_>, delta: Vec3, faces: &[Entry]) -> f64 {
+    pub(super) fn cost(&self, view: WedgeAttributes<'_>, delta: Vec3, faces: &[Entry]) -> f64 {
         let [xx, xy, xz, yy, yz, zz] = self.form;
         let (x, y, z) = (delta.x, delta.y, delta.z);
         let scattered =

@@ -1,34 +1,55 @@
-//! The price of every collapse of a group, legality left aside.
+//! The third step: what does every collapse of a group cost? Legality is left aside.
+//!
+//! What comes in is a group of a [`Region`]; what goes out is its cheapest collapse as a
+//! [`Choice`], or the prices of all. The quadric prices first, and attributes add their part. A
+//! closed fan without seams is by far the most common case: four of its collapses are priced at a
+//! time (`one_ring`), and with one seam through it nearly so (`seam_ring`); any other star is
+//! priced edge by edge. While a metric that sees is active, it prices anew what geometry has
+//! priced.
 
-pub(crate) mod attributes;
-pub(crate) mod gradients;
-pub(crate) mod one_ring;
-pub(crate) mod price_lists;
-pub(crate) mod ring_attributes;
-pub(crate) mod seam_ring;
+mod attributes;
+mod gradients;
+mod one_ring;
+mod price_lists;
+mod ring_attributes;
+mod seam_ring;
 
-use crate::choice::{Choice, scaled};
-use crate::choose::legality::Stage;
-use crate::context::Context;
-use crate::cut::mesh::{OPEN, SEAM};
-use crate::cut::neighborhood::{EdgeKind, Neighborhood};
-use crate::cut::region::Region;
+pub(crate) use attributes::Attributes;
+pub(crate) use one_ring::{MAX_LEN, OneRing};
+pub(crate) use price_lists::{PriceLists, Priced};
+
+use crate::cut::{Choice, EdgeKind, Neighborhood, OPEN, Region, SEAM};
 use crate::metric::Reprice;
-use crate::price::gradients::{Gradients, WedgeAttributes};
-use crate::price::one_ring::NoSurcharge;
-use crate::price::price_lists::Priced;
-use crate::price::ring_attributes::RingAttributes;
-use crate::price::seam_ring::SeamRing;
+use crate::number::Input;
+use crate::options::Options;
 use glam::Vec4;
+use gradients::{Gradients, WedgeAttributes};
 use lodc_mesh::NONE;
+use one_ring::{COST_SCALE, NoSurcharge};
+use ring_attributes::RingAttributes;
+use seam_ring::SeamRing;
 
 /// Groups with more faces than this are priced without their attributes.
 const MAX_ATTRIBUTE_FACES: usize = 1024;
 
+/// The data that all regions read.
+pub(crate) struct Context<'a> {
+    pub(crate) input: &'a Input<'a>,
+    pub(crate) options: Options,
+    pub(crate) attributes: Attributes,
+}
+
+impl Context<'_> {
+    /// Returns whether wedges are groups, and nothing about them is compared.
+    pub(crate) fn is_bare(&self) -> bool {
+        self.input.one_wedge_each() && self.attributes.is_empty()
+    }
+}
+
 /// Buffers of one thread.
 #[derive(Default)]
 pub(crate) struct Scratch<S> {
-    pub(crate) around: Neighborhood,
+    around: Neighborhood,
     gradients: Gradients,
     /// The collapses of one group by the quadric and attributes.
     pub(crate) priced: Vec<Priced>,
@@ -61,7 +82,13 @@ pub(crate) struct Pricer<'a, M> {
     pub(crate) context: &'a Context<'a>,
     pub(crate) region: &'a Region,
     pub(crate) metric: &'a M,
-    pub(crate) stage: Stage,
+    /// Borders and seams may be left, and what is locked may move.
+    pub(crate) leaves_features: bool,
+}
+
+/// A cost as a key.
+pub(crate) fn scaled(cost: f64) -> f32 {
+    (cost * f64::from(COST_SCALE)).min(f64::from(f32::MAX)) as f32
 }
 
 impl<M: Reprice> Pricer<'_, M> {
@@ -78,14 +105,13 @@ impl<M: Reprice> Pricer<'_, M> {
         if !self.is_plain(from) {
             return None;
         }
-        let Region { mesh, wedges, quadrics, .. } = self.region;
+        let Region { mesh, quadrics, .. } = self.region;
         let quadric = &quadrics.surface[from as usize];
-        let attributes = &self.context.attributes;
-        if attributes.is_empty() {
+        if self.context.attributes.is_empty() {
             one_ring::cheapest(mesh, quadric, from, &NoSurcharge)
         } else {
             let weight = self.metric.attribute_weight() as f32;
-            let surcharge = RingAttributes { mesh, wedges, attributes, weight };
+            let surcharge = RingAttributes { view: self.attributes(), weight };
             one_ring::cheapest(mesh, quadric, from, &surcharge)
         }
     }
@@ -99,7 +125,14 @@ impl<M: Reprice> Pricer<'_, M> {
                 best = (cost, to);
             }
         }
-        if best.1 == NONE { Choice::NONE } else { Choice::new(best.0, best.1) }
+        if best.1 == NONE { Choice::NONE } else { Choice { cost: scaled(best.0), to: best.1 } }
+    }
+
+    /// The attributes of the region's wedges.
+    #[inline]
+    fn attributes(&self) -> WedgeAttributes<'_> {
+        let Region { mesh, wedges, .. } = self.region;
+        WedgeAttributes { mesh, wedges, attributes: &self.context.attributes }
     }
 
     /// Returns whether a group has a closed fan of faces, none of them at a border or seam, and one
@@ -138,7 +171,7 @@ impl<M: Reprice> Pricer<'_, M> {
         match self.region.mesh.valence(from) {
             0 => {}
             3..=7 if is_ring => self.price_ring::<2>(from, scratch),
-            8..=one_ring::MAX_LEN if is_ring => self.price_ring::<3>(from, scratch),
+            8..=MAX_LEN if is_ring => self.price_ring::<3>(from, scratch),
             _ => self.price_star(from, scratch),
         }
     }
@@ -147,7 +180,7 @@ impl<M: Reprice> Pricer<'_, M> {
     fn price_star(&self, from: u32, scratch: &mut Scratch<M::ViewScratch>) {
         let Scratch { around, gradients, priced, .. } = scratch;
         let Region { mesh, wedges, quadrics, .. } = self.region;
-        let attributes = WedgeAttributes { mesh, wedges, attributes: &self.context.attributes };
+        let attributes = self.attributes();
         let with_attributes =
             !attributes.attributes.is_empty() && mesh.valence(from) <= MAX_ATTRIBUTE_FACES;
         around.gather(mesh, wedges, from);
@@ -184,7 +217,7 @@ impl<M: Reprice> Pricer<'_, M> {
         let refitted = quadrics.refit_features(from, [0.0; 6], f64::from(area), &around.planes);
         let mut by_faces = [Vec4::ZERO; N];
         ring.ring.add_faces(&weights, &mut by_faces);
-        let attributes = WedgeAttributes { mesh, wedges, attributes: &self.context.attributes };
+        let attributes = self.attributes();
         let with_attributes = !attributes.attributes.is_empty();
         if with_attributes {
             gradients.fit_ring(attributes, &ring.ring, &ring.corners);
@@ -206,7 +239,7 @@ impl<M: Reprice> Pricer<'_, M> {
     /// Returns the kinds of edges that a group with so many borders and seams may move along at the
     /// present stage, if any.
     fn permitted(&self, from: u32, borders: u32, seams: u32) -> Option<Permitted> {
-        if self.stage >= Stage::Seams {
+        if self.leaves_features {
             return Some(Permitted::All);
         }
         if self.is_locked(from) {
@@ -244,9 +277,9 @@ impl<M: Reprice> Pricer<'_, M> {
 mod tests {
     use super::*;
     use crate::metric::QuadricOnly;
-    use crate::number::input::Input;
+    use crate::number::Input;
     use crate::options::Options;
-    use crate::price::attributes::Attributes;
+    use attributes::Attributes;
 
     /// Calls `test` with the pricer of a mesh.
     fn with_pricer<T>(mesh: &lodc_mesh::Mesh, test: fn(&Pricer<'_, QuadricOnly>) -> T) -> T {
@@ -259,7 +292,7 @@ mod tests {
             context: &context,
             region: &region,
             metric: &QuadricOnly,
-            stage: Stage::Legal,
+            leaves_features: false,
         })
     }
 
@@ -279,7 +312,7 @@ mod tests {
                 (costs.clone().fold(f64::INFINITY, f64::min), costs.fold(0.0, f64::max));
             let at = cost(found.to).expect("a neighbour");
             assert!(at <= least * 1.001 + 1e-6 * most, "{g}: found {at}, least {least}");
-            let said = f64::from(found.cost) / f64::from(crate::choice::COST_SCALE);
+            let said = f64::from(found.cost) / f64::from(COST_SCALE);
             assert!((said - at).abs() <= 1e-3 * at + 1e-6 * most, "{g}: {said}, {at}");
         }
         plain.len()
@@ -293,7 +326,7 @@ mod tests {
         for g in (0..region.own() as u32).filter(|&g| !region.mesh.has(g, OPEN)) {
             match region.mesh.valence(g) {
                 3..=7 => pricer.price_ring::<2>(g, &mut ring),
-                8..=one_ring::MAX_LEN => pricer.price_ring::<3>(g, &mut ring),
+                8..=MAX_LEN => pricer.price_ring::<3>(g, &mut ring),
                 _ => continue,
             }
             pricer.price_star(g, &mut star);

@@ -4,13 +4,13 @@
 //! consecutive spokes, a face costs `wᵢ(cᵢ·δ)²` with `wᵢ = ½/|cᵢ|`, so nothing cancels in single
 //! precision. Only element-wise operations: the same bits on every machine.
 
-use crate::choice::{COST_SCALE, Choice};
-use crate::cut::mesh::{Corner, WorkingMesh};
-use crate::cut::neighborhood::fold_plane;
-use crate::cut::quadrics::Quadric;
+use crate::cut::{Choice, Corner, Quadric, WorkingMesh, fold_plane};
 use crate::metric::{MEMORY, TIE_WEIGHT};
 use glam::{BVec4A, Mat4, Vec3, Vec4};
 
+/// Factor of a cost before it becomes a key: everything that a mesh of `f32` can cost fits `f32`
+/// then.
+pub(super) const COST_SCALE: f32 = 1e12;
 /// Rings with more neighbours than this are priced one by one.
 pub(crate) const MAX_LEN: usize = 11;
 
@@ -22,10 +22,10 @@ const LANES: [Vec4; 3] =
 const LEAST_AREA: f32 = 1e-3;
 
 /// One coordinate of up to four neighbours for each vector.
-pub(crate) type LaneArray<const N: usize> = [Vec4; N];
+pub(super) type LaneArray<const N: usize> = [Vec4; N];
 
 /// A cost besides that of the quadric.
-pub(crate) trait Surcharge {
+pub(super) trait Surcharge {
     /// True if there is none.
     const IS_ZERO: bool;
 
@@ -34,7 +34,7 @@ pub(crate) trait Surcharge {
 }
 
 /// No surcharge.
-pub(crate) struct NoSurcharge;
+pub(super) struct NoSurcharge;
 
 impl Surcharge for NoSurcharge {
     const IS_ZERO: bool = true;
@@ -46,7 +46,7 @@ impl Surcharge for NoSurcharge {
 
 /// The cheapest collapse of a plain group; none if its ring is too short or too long.
 #[inline]
-pub(crate) fn cheapest(
+pub(super) fn cheapest(
     mesh: &WorkingMesh,
     quadric: &Quadric,
     from: u32,
@@ -63,7 +63,7 @@ pub(crate) fn cheapest(
 /// The ring of a group in lanes.
 pub(crate) struct OneRing<const N: usize> {
     /// Number of neighbours, less than `4 N`.
-    pub(crate) len: usize,
+    pub(super) len: usize,
     /// Spokes, from the group to each neighbour, and the first once more.
     x: LaneArray<N>,
     y: LaneArray<N>,
@@ -126,19 +126,19 @@ impl<const N: usize> OneRing<N> {
 
     /// The spokes, and the first once more.
     #[inline]
-    pub(crate) fn spokes(&self) -> [Vec3; MAX_LEN + 1] {
+    pub(super) fn spokes(&self) -> [Vec3; MAX_LEN + 1] {
         vectors(&self.x, &self.y, &self.z)
     }
 
     /// The cross product of each spoke and the next.
     #[inline]
-    pub(crate) fn normals(&self) -> [Vec3; MAX_LEN + 1] {
+    pub(super) fn normals(&self) -> [Vec3; MAX_LEN + 1] {
         vectors(&self.cx, &self.cy, &self.cz)
     }
 
     /// A quadratic form at each spoke.
     #[inline]
-    pub(crate) fn quadratic(&self, a: [f32; 6]) -> LaneArray<N> {
+    pub(super) fn quadratic(&self, a: [f32; 6]) -> LaneArray<N> {
         let [xx, xy, xz, yy, yz, zz] = a.map(Vec4::splat);
         let two = Vec4::splat(2.0);
         std::array::from_fn(|t| {
@@ -149,7 +149,7 @@ impl<const N: usize> OneRing<N> {
 
     /// Returns whether two consecutive faces are more than 90° apart.
     #[inline]
-    pub(crate) fn is_folded(&self) -> bool {
+    pub(super) fn is_folded(&self) -> bool {
         let mut folded = BVec4A::FALSE;
         for t in 0..N {
             let next = |a| following(a, t);
@@ -177,7 +177,7 @@ impl<const N: usize> OneRing<N> {
     /// Half the inverse length of each cross product, zero where there is no face, and the area of
     /// all faces.
     #[inline]
-    pub(crate) fn weights(&self) -> (LaneArray<N>, f32) {
+    pub(super) fn weights(&self) -> (LaneArray<N>, f32) {
         let mut weights = [Vec4::ZERO; N];
         let mut area = Vec4::ZERO;
         let len = Vec4::splat(self.len as f32);
@@ -215,7 +215,7 @@ impl<const N: usize> OneRing<N> {
 
     /// Adds what moving onto each neighbour costs by the planes of the faces.
     #[inline(always)]
-    pub(crate) fn add_faces(&self, weights: &LaneArray<N>, sums: &mut LaneArray<N>) {
+    pub(super) fn add_faces(&self, weights: &LaneArray<N>, sums: &mut LaneArray<N>) {
         for (f, weights) in weights.iter().enumerate() {
             let (cx, cy, cz) = (self.cx[f], self.cy[f], self.cz[f]);
             let faces = cx.to_array().into_iter().zip(cy.to_array()).zip(cz.to_array());
@@ -317,11 +317,8 @@ fn price<const N: usize>(
 #[cfg(test)]
 mod tests {
     use super::NoSurcharge;
-    use crate::cut::mesh::OPEN;
-    use crate::cut::neighborhood::Neighborhood;
-    use crate::cut::region::Region;
-    use crate::metric::Quadrics;
-    use crate::number::input::Input;
+    use crate::cut::{Neighborhood, OPEN, Quadrics, Region};
+    use crate::number::Input;
 
     #[test]
     fn four_at_a_time_cost_what_one_by_one_costs() {

@@ -3,13 +3,13 @@
 //! A group that was refused is searched again and again, mostly because one of its neighbours
 //! changed. What its collapses cost has not changed by that, but for the target's own cost.
 
-use crate::cut::mesh::WorkingMesh;
+use crate::cut::WorkingMesh;
 
 /// A priced collapse, without the target's own cost.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Priced {
     /// By the group's own quadric and by attributes.
-    pub(crate) moved: f64,
+    pub(super) moved: f64,
     pub(crate) to: u32,
 }
 

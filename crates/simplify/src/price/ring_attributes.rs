@@ -1,20 +1,16 @@
 //! The attributes' part of the price of plain groups: what [`gradients`](super::gradients) says,
 //! for all neighbours of one wedge at once.
 
-use crate::cut::mesh::{Corner, WorkingMesh, next};
-use crate::cut::wedges::Wedges;
-use crate::price::attributes::Attributes;
-use crate::price::gradients::{Dual, FourGradients, Scatter, continued, sum};
-use crate::price::one_ring::{LaneArray, MAX_LEN, OneRing, Surcharge};
+use super::gradients::{Dual, FourGradients, Scatter, WedgeAttributes, continued, sum};
+use super::one_ring::{LaneArray, MAX_LEN, OneRing, Surcharge};
+use crate::cut::{Corner, next};
 use glam::Vec4;
 
 /// The attributes around a group that has one wedge and a closed fan without seams.
-pub(crate) struct RingAttributes<'a> {
-    pub(crate) mesh: &'a WorkingMesh,
-    pub(crate) wedges: &'a Wedges,
-    pub(crate) attributes: &'a Attributes,
+pub(super) struct RingAttributes<'a> {
+    pub(super) view: WedgeAttributes<'a>,
     /// Factor of the attributes' cost.
-    pub(crate) weight: f32,
+    pub(super) weight: f32,
 }
 
 /// The faces of a ring.
@@ -35,7 +31,7 @@ impl Surcharge for RingAttributes<'_> {
         let spokes = ring.spokes();
         let (mut offsets, mut scatter) = ([Vec4::ZERO; MAX_LEN], Scatter::default());
         let (here, rows) = self.rows(star);
-        for first in (0..self.attributes.width).step_by(4) {
+        for first in (0..self.view.attributes.width).step_by(4) {
             let four = |row: &[f32]| Vec4::from_slice(&row[first..first + 4]);
             let here = four(here);
             let mut changes = [Vec4::ZERO; MAX_LEN + 1];
@@ -69,25 +65,27 @@ impl RingAttributes<'_> {
     /// The attributes of the group and of its neighbours.
     #[inline]
     fn rows(&self, star: &[Corner]) -> (&[f32], [&[f32]; MAX_LEN]) {
-        let row = |wedge: u32| self.attributes.padded(self.wedges.attribute_source[wedge as usize]);
+        let row = |wedge: u32| {
+            self.view.attributes.padded(self.view.wedges.attribute_source[wedge as usize])
+        };
         let mut rows: [&[f32]; MAX_LEN] = [&[]; MAX_LEN];
         for (place, corner) in rows.iter_mut().zip(star) {
-            *place = row(self.mesh.wedges(corner.face())[next(corner.at())]);
+            *place = row(self.view.mesh.wedges(corner.face())[next(corner.at())]);
         }
-        (row(self.mesh.wedges(star[0].face())[star[0].at()]), rows)
+        (row(self.view.mesh.wedges(star[0].face())[star[0].at()]), rows)
     }
 
     /// Adds what the skinning weights of the neighbours cost.
     fn add_joints(&self, star: &[Corner], area: f32, costs: &mut [f32; MAX_LEN + 1]) {
-        if !self.attributes.has_joints() {
+        if !self.view.attributes.has_joints() {
             return;
         }
-        let source = |wedge: u32| self.wedges.position_source[wedge as usize];
-        let faces = |corner: Corner| self.mesh.wedges(corner.face());
+        let source = |wedge: u32| self.view.wedges.position_source[wedge as usize];
+        let faces = |corner: Corner| self.view.mesh.wedges(corner.face());
         let here = source(faces(star[0])[star[0].at()]);
         for (cost, &corner) in costs.iter_mut().zip(star) {
             let there = source(faces(corner)[next(corner.at())]);
-            *cost += area * self.attributes.joint_distance_squared(here, there) as f32;
+            *cost += area * self.view.attributes.joint_distance_squared(here, there) as f32;
         }
     }
 }

@@ -1,23 +1,22 @@
-//! Simplification in regions, all at once, round after round.
+//! The sixth step: choose and commit, again and again, until one vertex is left.
 //!
-//! In each round every region collapses what costs at most a common limit, by itself, as far as no
+//! What comes in is a numbered mesh; what goes out is the [`CollapseLog`] of all its collapses. In
+//! each round every region collapses what costs at most a common limit, by itself, as far as no
 //! other region is touched. Then the groups are shared out anew along a shifted curve, so that what
 //! was locked at a border comes to lie inside. Regions follow from the mesh alone, so the result is
-//! the same for any number of threads. When few groups are left, one region takes them all.
+//! the same for any number of threads. When few groups are left, one region takes them all; a
+//! metric that sees has one region from the start, which keeps the exact order of costs.
 
-pub(crate) mod engine;
+mod engine;
 
-use crate::choose::legality::Stage;
-use crate::commit::log::CollapseLog;
-use crate::context::{Context, Progress};
-use crate::cut::gather::{Home, Kept, Round};
-use crate::cut::mesh::DEAD;
-use crate::cut::region::Region;
-use crate::final_log::FinalLog;
-use crate::metric::QuadricOnly;
-use crate::number::curve::Curve;
-use crate::output::{Sources, name_wedges};
-use crate::rounds::engine::Engine;
+pub(crate) use engine::Progress;
+
+use crate::commit::{CollapseLog, Sources, name_wedges};
+use crate::cut::{DEAD, Home, Kept, Region, Round};
+use crate::metric::{QuadricOnly, Reprice};
+use crate::number::Curve;
+use crate::price::Context;
+use engine::Engine;
 use lodc_mesh::{Csr, NONE};
 use rayon::prelude::*;
 use std::sync::Mutex;
@@ -47,13 +46,14 @@ struct Rounds<'a> {
     live: usize,
 }
 
-/// Simplifies a mesh in regions of about `size` groups.
-pub(crate) fn simplify(
+/// Simplifies a mesh in regions of about `size` groups. Returns the log and how many of its steps
+/// are legal; those are in order of their stamps only once they are sorted.
+pub(crate) fn in_regions(
     context: &Context<'_>,
     size: usize,
     sources: &mut Sources<'_>,
     progress: &Progress<'_>,
-) -> FinalLog {
+) -> (CollapseLog, usize) {
     let mut rounds = Rounds::new(context, size);
     for round in 0.. {
         let collapsed = rounds.run(sources, progress);
@@ -66,15 +66,39 @@ pub(crate) fn simplify(
     }
     rounds.share_out(1, 0.0);
     let Rounds { mut regions, mut log, .. } = rounds;
-    let last = &mut regions[0];
-    let mut metric = QuadricOnly;
-    let engine = Engine::new(context, last, &mut metric, Stage::Legal);
-    let (mut rest, legal) = engine.run_all(progress);
+    let (rest, legal) = finish(context, &mut regions[0], &mut QuadricOnly, sources, progress);
     let legal = log.steps.len() + legal;
-    sources.number(last, &mut rest);
     log.append(&rest);
-    drop((regions, rest));
-    FinalLog::new(&log, legal, context.input, true)
+    (log, legal)
+}
+
+/// Simplifies a mesh as one region, in the exact order of costs. Returns the log and how many of
+/// its steps are legal.
+pub(crate) fn as_one<M: Reprice>(
+    context: &Context<'_>,
+    metric: impl FnOnce(&Region) -> M,
+    sources: &mut Sources<'_>,
+    progress: &Progress<'_>,
+) -> (CollapseLog, usize) {
+    let mut region = Region::whole(context.input, context.is_bare());
+    if M::REPRICES {
+        region.mesh.keep_facets();
+    }
+    let mut metric = metric(&region);
+    finish(context, &mut region, &mut metric, sources, progress)
+}
+
+/// Collapses the region that holds all that is left of the mesh, down to one vertex.
+fn finish(
+    context: &Context<'_>,
+    region: &mut Region,
+    metric: &mut impl Reprice,
+    sources: &mut Sources<'_>,
+    progress: &Progress<'_>,
+) -> (CollapseLog, usize) {
+    let (mut log, legal) = Engine::new(context, region, metric).run_all(progress);
+    sources.number(region, &mut log);
+    (log, legal)
 }
 
 impl<'a> Rounds<'a> {
@@ -106,7 +130,7 @@ impl<'a> Rounds<'a> {
                 let range = bound(r)..bound(r + 1);
                 let row = rows.row(r as u32).iter().copied();
                 let mut region = Region::new(input, range, row, bare);
-                Engine::new(context, &mut region, &mut QuadricOnly, Stage::Legal).rank_all();
+                Engine::new(context, &mut region, &mut QuadricOnly).rank_all();
                 region
             })
             .collect();
@@ -123,7 +147,7 @@ impl<'a> Rounds<'a> {
             .with_max_len(1)
             .map(|region| {
                 let mut metric = QuadricOnly;
-                let engine = Engine::new(context, region, &mut metric, Stage::Legal);
+                let engine = Engine::new(context, region, &mut metric);
                 let mut log = engine.run_round(limit, progress);
                 if region.wedges.new_fakes() == 0 {
                     name_wedges(region, &mut log);
@@ -249,4 +273,25 @@ fn last_read(region: &Region, ranks: &[u32]) -> u32 {
 }
 
 #[cfg(test)]
-mod tests;
+mod tests {
+    use crate::{Guidance, Options, simplify_with};
+    use lodc_fixtures as shapes;
+
+    #[test]
+    fn no_vertex_runs_round_the_border_of_a_fan() {
+        // All faces meet in one vertex, so only its region can go on.
+        let mesh = shapes::fan(8000);
+        let simplified =
+            simplify_with(&mesh, &Options::DEFAULT, Guidance::default(), 1000, &|_, _| {});
+        let collapses = simplified.collapses();
+        let mut depth = vec![0u32; collapses.records() as usize + 1];
+        for record in (0..mesh.vertex_count() / 2).rev() {
+            depth[record] = 1 + depth[collapses.targets()[record] as usize];
+        }
+        let longest = depth.into_iter().max();
+        assert!(
+            longest.is_some_and(|most| most < 40),
+            "{longest:?} collapses, one after the other"
+        );
+    }
+}

@@ -14,7 +14,6 @@
 //! 1996). No picture is drawn while collapsing: pricing a collapse takes microseconds.
 
 mod appearance;
-mod colours;
 mod energy;
 mod lanes;
 mod patch;
@@ -28,13 +27,11 @@ mod tests;
 mod vectors;
 mod visibility;
 
-pub use colours::{Checkerboard, SurfaceColours};
+pub use appearance::{Checkerboard, SurfaceColours};
 pub(crate) use patch::Patch;
 
-use super::Reprice;
-use crate::cut::mesh::WorkingMesh;
-use crate::cut::region::Region;
-use crate::cut::wedges::Wedges;
+use crate::cut::{Region, Wedges, WorkingMesh};
+use crate::metric::reprice::Reprice;
 use crate::options::Options;
 use appearance::Appearance;
 use lodc_mesh::Mesh;

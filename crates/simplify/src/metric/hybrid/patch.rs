@@ -5,8 +5,7 @@ use super::appearance::{Appearance, attribute_vertex};
 use super::lanes::{Four, Shaded4};
 use super::placed::Placed;
 use super::samples::{CREASE, MAX_AVERAGED, Samples};
-use crate::cut::mesh::WorkingMesh;
-use crate::cut::wedges::Wedges;
+use crate::cut::{Wedges, WorkingMesh};
 use glam::Vec3;
 use lodc_mesh::NONE;
 

@@ -2,8 +2,7 @@
 
 use super::appearance::{Appearance, Colour, attribute_vertex};
 use super::pixel::Shading;
-use crate::cut::mesh::WorkingMesh;
-use crate::cut::wedges::Wedges;
+use crate::cut::{Wedges, WorkingMesh};
 use glam::Vec3;
 use lodc_mesh::NONE;
 use rayon::prelude::*;

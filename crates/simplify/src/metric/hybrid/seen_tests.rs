@@ -1,10 +1,9 @@
 //! Properties of what is seen: loose pieces, doubled faces, cards, texture coordinates.
 
-use super::SurfaceColours;
 use super::samples::Samples;
-use super::{Appearance, Checkerboard, visibility};
-use crate::cut::region::Region;
-use crate::number::input::Input;
+use super::{Appearance, Checkerboard, SurfaceColours, visibility};
+use crate::cut::Region;
+use crate::number::Input;
 use crate::{MetricKind, Options, simplify, simplify_coloured};
 use glam::Vec3;
 use lodc_fixtures as shapes;

@@ -2,9 +2,9 @@
 //! those it would measure.
 
 use super::{Checkerboard, HybridMetric, Patch};
-use crate::cut::region::Region;
+use crate::cut::Region;
 use crate::metric::Reprice;
-use crate::number::input::Input;
+use crate::number::Input;
 use crate::{MetricKind, Options, simplify};
 use lodc_fixtures as shapes;
 use lodc_mesh::{Mesh, Simplified};

@@ -1,9 +1,10 @@
 //! The visible share of each sample, over 20 cameras.
 
 use super::samples::Samples;
-use crate::cut::mesh::WorkingMesh;
-use glam::{DVec3, Vec3};
-use lodc_raster::{Camera, SUBPIXELS, Window, metric_cameras, scan};
+use crate::cut::WorkingMesh;
+use crate::metric::reprice::cameras;
+use glam::Vec3;
+use lodc_raster::{Camera, SUBPIXELS, Window, scan};
 use rayon::prelude::*;
 
 /// Pixels across the pictures that say what is hidden.
@@ -15,12 +16,7 @@ const TOLERANCE: i32 = 512;
 /// Multiplies every sample's weight by its visible share: the mean projected area that is seen, 1
 /// for one side of a surface with nothing in front of it. Both sides of a face are seen.
 pub(super) fn weigh(mesh: &WorkingMesh, samples: &mut Samples) {
-    let points = || mesh.places.iter().map(|p| p.position.as_dvec3());
-    let (lo, hi) =
-        points().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)));
-    let center = 0.5 * (lo + hi);
-    let radius = points().map(|p| p.distance(center)).fold(0.0, f64::max);
-    let cameras = metric_cameras(center, radius, SIZE);
+    let cameras = cameras(mesh, SIZE);
     let pictures: Vec<Vec<i32>> =
         cameras.par_iter().map(|camera| farthest_around(&depths(mesh, camera))).collect();
     let views = cameras.len() as f32;

@@ -10,26 +10,31 @@
 //! Faces smaller than pixels leave nothing to count: as long as there is more than one
 //! face for every eight pixels covered (all views together), the quadric alone decides.
 
-mod reprice;
+mod looking;
 mod score;
 #[cfg(test)]
 mod tests;
 mod view;
 
-pub(crate) use reprice::ViewScratch;
+pub(crate) use looking::ViewScratch;
 pub(crate) use score::Score;
 
-use super::Reprice;
-use crate::cut::mesh::WorkingMesh;
-use crate::cut::wedges::Wedges;
-use glam::DVec3;
-use lodc_raster::{Camera, Window, metric_cameras, scan};
+use crate::cut::{Corner, Wedges, WorkingMesh};
+use crate::metric::reprice::{Reprice, cameras};
+use lodc_raster::{Camera, Window, scan};
 use rayon::prelude::*;
 use score::{Table, log_area};
 use view::{BACKGROUND, View};
 
 /// Covered pixels, of all views together, that a face needs so that what is seen can be priced.
 const PIXELS_PER_FACE: u64 = 8;
+
+/// Faces times candidates that are looked at; beyond, only the geometrically cheapest are.
+const PATIENCE: usize = 64;
+/// No more candidates than this are looked at.
+const MOST: usize = 8;
+/// Weight of geometry beside what is seen: it decides where nothing is.
+const TIE: f64 = 1e-6;
 
 pub(crate) struct VisualMetric {
     score: Score,
@@ -91,11 +96,7 @@ impl VisualMetric {
             return;
         }
         let star = mesh.star(from);
-        let moved = |face: u32| {
-            let groups = mesh.faces[face as usize].groups;
-            log_area(mesh.area_of(groups.map(|g| if g == from { to } else { g })))
-        };
-        let new: Vec<f64> = star.iter().map(|c| moved(c.face())).collect();
+        let new: Vec<f64> = areas_after(mesh, from, to).collect();
         let (table, areas) = (&self.table, &self.areas);
         self.views.par_iter_mut().zip(&mut self.divergences).with_min_len(10).for_each(
             |(view, sum)| {
@@ -115,16 +116,47 @@ impl VisualMetric {
             self.areas[corner.face() as usize] = new;
         }
     }
-}
 
-/// All cameras, around the sphere about the middle of the bounding box.
-fn cameras(mesh: &WorkingMesh, size: u32) -> Vec<Camera> {
-    let points = || mesh.places.iter().map(|p| p.position.as_dvec3());
-    let (lo, hi) =
-        points().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)));
-    let center = 0.5 * (lo + hi);
-    let radius = points().map(|p| p.distance(center)).fold(0.0, f64::max);
-    metric_cameras(center, radius, size)
+    /// `|H' − H|` of one view.
+    fn entropy_change(&self, view: &View, scratch: &mut ViewScratch) -> f64 {
+        let background = scratch.change.len() - 1;
+        let mut sum = 0.0;
+        for &item in &scratch.changed {
+            let by = std::mem::take(&mut scratch.change[(item as usize).min(background)]);
+            let area = view.area(item);
+            sum += self.table.at(area.wrapping_add_signed(by)) - self.table.at(area);
+        }
+        sum.abs() / f64::from(view.pixels())
+    }
+
+    /// `|KL' − KL|` of one view; `now` is its sum.
+    fn divergence_change(
+        &self,
+        view: &View,
+        now: f64,
+        star: &[Corner],
+        i: usize,
+        scratch: &mut ViewScratch,
+    ) -> f64 {
+        let background = scratch.change.len() - 1;
+        let uncovered = std::mem::take(&mut scratch.change[background]);
+        let mut sum = now;
+        for (corner, &area) in star.iter().zip(&scratch.areas[i * star.len()..]) {
+            let face = corner.face() as usize;
+            let pixels = view.area(corner.face());
+            let by = std::mem::take(&mut scratch.change[face]);
+            sum += self.term(pixels.wrapping_add_signed(by), area)
+                - self.term(pixels, self.areas[face]);
+        }
+        for &item in scratch.changed.iter().filter(|&&item| item != BACKGROUND) {
+            let by = std::mem::take(&mut scratch.change[item as usize]);
+            let (pixels, area) = (view.area(item), self.areas[item as usize]);
+            sum += self.term(pixels.wrapping_add_signed(by), area) - self.term(pixels, area);
+        }
+        let covered = view.pixels() - view.area(BACKGROUND);
+        let later = covered.wrapping_add_signed(-uncovered);
+        (divergence(sum, later, &self.table) - divergence(now, covered, &self.table)).abs()
+    }
 }
 
 /// Number of covered pixels of a picture.
@@ -138,6 +170,14 @@ fn covered(mesh: &WorkingMesh, camera: &Camera) -> u64 {
         });
     }
     seen.into_iter().filter(|&s| s).count() as u64
+}
+
+/// The logarithm of the area in space of every face around `from` after its collapse onto `to`.
+fn areas_after(mesh: &WorkingMesh, from: u32, to: u32) -> impl Iterator<Item = f64> + '_ {
+    mesh.star(from).iter().map(move |corner| {
+        let groups = mesh.faces[corner.face() as usize].groups;
+        log_area(mesh.area_of(groups.map(|g| if g == from { to } else { g })))
+    })
 }
 
 /// The part of a divergence that changes.
@@ -182,6 +222,42 @@ impl Reprice for VisualMetric {
         candidates: &mut [(f64, u32)],
         scratch: &mut ViewScratch,
     ) {
-        self.see(mesh, from, candidates, scratch);
+        let star = mesh.star(from);
+        scratch.prepare(mesh.faces.len(), star);
+        let looked_at = (PATIENCE / star.len().max(1)).clamp(1, MOST);
+        candidates.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let (near, far) = candidates.split_at_mut(looked_at.min(candidates.len()));
+        scratch.seen.clear();
+        scratch.seen.resize(near.len(), 0.0);
+        if self.score == Score::Divergence {
+            scratch.areas.clear();
+            for &(_, to) in near.iter() {
+                scratch.areas.extend(areas_after(mesh, from, to));
+            }
+        }
+        for (v, view) in self.views.iter().enumerate() {
+            let window = view.window(mesh, star);
+            if window.is_empty() {
+                continue;
+            }
+            scratch.gather(view, window);
+            for (i, &(_, to)) in near.iter().enumerate() {
+                scratch.compare(view, window, mesh, from, to);
+                scratch.seen[i] += match self.score {
+                    Score::Entropy => self.entropy_change(view, scratch),
+                    Score::Divergence => {
+                        self.divergence_change(view, self.divergences[v], star, i, scratch)
+                    }
+                };
+            }
+        }
+        let mut worst = 0.0;
+        for (candidate, &seen) in near.iter_mut().zip(&scratch.seen) {
+            candidate.0 = seen + TIE * candidate.0;
+            worst = candidate.0.max(worst);
+        }
+        for candidate in far {
+            candidate.0 = worst + TIE * candidate.0;
+        }
     }
 }

@@ -16,21 +16,21 @@ pub(crate) enum Score {
 }
 
 /// `f(a) = a log₂ a` of every number of pixels.
-pub(crate) struct Table(Vec<f64>);
+pub(super) struct Table(Vec<f64>);
 
 impl Table {
-    pub(crate) fn new(pixels: usize) -> Self {
+    pub(super) fn new(pixels: usize) -> Self {
         Self((0..=pixels).map(|a| if a == 0 { 0.0 } else { a as f64 * log2(a as f64) }).collect())
     }
 
     #[inline]
-    pub(crate) fn at(&self, pixels: u32) -> f64 {
+    pub(super) fn at(&self, pixels: u32) -> f64 {
         self.0[pixels as usize]
     }
 }
 
 /// Binary logarithm of a positive number, the same on every machine: no library is asked.
-pub(crate) fn log2(x: f64) -> f64 {
+fn log2(x: f64) -> f64 {
     let bits = x.to_bits();
     let mut exponent = ((bits >> 52) & 0x7ff) as i32 - 1023;
     let mut mantissa = f64::from_bits(bits & 0x000f_ffff_ffff_ffff | 0x3ff0_0000_0000_0000);
@@ -48,7 +48,7 @@ pub(crate) fn log2(x: f64) -> f64 {
 }
 
 /// Binary logarithm of an area, which may be nothing.
-pub(crate) fn log_area(area: f64) -> f64 {
+pub(super) fn log_area(area: f64) -> f64 {
     log2(area.max(1e-30))
 }
 

@@ -3,10 +3,9 @@
 use super::view::View;
 use super::{Score, VisualMetric, log_area};
 use crate::choose::link::{Link, Marks};
-use crate::cut::mesh::{OPEN, WorkingMesh};
-use crate::cut::region::Region;
+use crate::cut::{OPEN, Region, WorkingMesh};
 use crate::metric::Reprice;
-use crate::number::input::Input;
+use crate::number::Input;
 use crate::{MetricKind, Options, simplify};
 use lodc_fixtures as shapes;
 use lodc_mesh::{Mesh, Simplified};

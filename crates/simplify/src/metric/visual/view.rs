@@ -1,14 +1,14 @@
 //! One camera's picture of the mesh while it is being simplified, exact to the pixel after every
 //! collapse.
 
-use crate::cut::mesh::{Corner, WorkingMesh};
+use crate::cut::{Corner, WorkingMesh};
 use lodc_raster::{Camera, Fragment, Layers, Point, Window, scan};
 
 /// The background, as an item.
-pub(crate) const BACKGROUND: u32 = u32::MAX;
+pub(super) const BACKGROUND: u32 = u32::MAX;
 
 /// The picture of one camera.
-pub(crate) struct View {
+pub(super) struct View {
     /// The place of each group in the picture.
     points: Vec<Point>,
     layers: Layers,
@@ -23,7 +23,7 @@ pub(crate) struct View {
 
 impl View {
     /// Draws the live faces.
-    pub(crate) fn new(mesh: &WorkingMesh, camera: &Camera) -> Self {
+    pub(super) fn new(mesh: &WorkingMesh, camera: &Camera) -> Self {
         let size = camera.size;
         let mut view = Self {
             points: mesh.places.iter().map(|p| camera.project(p.position.as_dvec3())).collect(),
@@ -47,23 +47,23 @@ impl View {
 
     /// The pixels that an item covers.
     #[inline]
-    pub(crate) fn area(&self, item: u32) -> u32 {
+    pub(super) fn area(&self, item: u32) -> u32 {
         if item == BACKGROUND { self.background } else { self.area[item as usize] }
     }
 
     /// The pixels that each face and, last, the background cover.
     #[cfg(test)]
-    pub(crate) fn areas(&self) -> Vec<u32> {
+    pub(super) fn areas(&self) -> Vec<u32> {
         self.area.iter().copied().chain([self.background]).collect()
     }
 
     /// Pixels in all.
-    pub(crate) fn pixels(&self) -> u32 {
+    pub(super) fn pixels(&self) -> u32 {
         self.size * self.size
     }
 
     /// The pixels that a group's faces may cover, before and after a collapse onto any neighbour.
-    pub(crate) fn window(&self, mesh: &WorkingMesh, star: &[Corner]) -> Window {
+    pub(super) fn window(&self, mesh: &WorkingMesh, star: &[Corner]) -> Window {
         let groups = star.iter().flat_map(|c| mesh.faces[c.face() as usize].groups);
         Window::whole(self.size).around(groups.map(|g| self.points[g as usize]))
     }
@@ -75,7 +75,7 @@ impl View {
     }
 
     /// Calls `visit` with the pixels of a window, row by row.
-    pub(crate) fn each_pixel(&self, window: Window, mut visit: impl FnMut(usize)) {
+    fn each_pixel(&self, window: Window, mut visit: impl FnMut(usize)) {
         for row in window.top..window.bottom {
             for column in window.left..window.right {
                 visit(self.pixel(column, row));
@@ -85,7 +85,7 @@ impl View {
 
     /// Calls `visit` with every pixel of a window and what is in front of it, row by row.
     #[inline]
-    pub(crate) fn each_front(&self, window: Window, mut visit: impl FnMut(usize, Fragment)) {
+    pub(super) fn each_front(&self, window: Window, mut visit: impl FnMut(usize, Fragment)) {
         for row in window.top..window.bottom {
             let first = self.pixel(window.left, row);
             for (pixel, front) in (first..).zip(self.layers.fronts(first, window.width())) {
@@ -96,14 +96,14 @@ impl View {
 
     /// The first fragment behind the front whose item is not `left_out`.
     #[inline]
-    pub(crate) fn behind(&self, pixel: usize, left_out: impl Fn(u32) -> bool) -> Fragment {
+    pub(super) fn behind(&self, pixel: usize, left_out: impl Fn(u32) -> bool) -> Fragment {
         self.layers.behind(pixel).find(|f| !left_out(f.item())).unwrap_or(Fragment::NOTHING)
     }
 
     /// Calls `visit` with column, row and fragment of everything that a face would cover with its
     /// corners at `groups`.
     #[inline]
-    pub(crate) fn cover(
+    pub(super) fn cover(
         &self,
         groups: [u32; 3],
         face: u32,
@@ -132,7 +132,7 @@ impl View {
 
     /// `from`'s faces move to `to`; those that hold both go. `changed` is called for every item
     /// whose area changes, with the areas before and after, pixel by pixel.
-    pub(crate) fn collapse(
+    pub(super) fn collapse(
         &mut self,
         mesh: &WorkingMesh,
         from: u32,

@@ -1,0 +1,60 @@
+//! What a metric does beside the quadric, and the cameras of those that see.
+
+use crate::cut::{Wedges, WorkingMesh};
+use glam::DVec3;
+use lodc_raster::{Camera, metric_cameras};
+
+/// Prices collapses anew that the quadric has priced. Pricing is pure, so it runs in parallel;
+/// committing is serial.
+pub(crate) trait Reprice: Sync {
+    /// False if it never does.
+    const REPRICES: bool = true;
+    /// True if a price stays as it is until something next to the group changes.
+    const IS_LOCAL: bool = true;
+    /// Buffers of one thread.
+    type ViewScratch: Default + Send;
+
+    /// Returns whether it does at present.
+    fn is_active(&self) -> bool;
+
+    /// Returns whether pricing should toggle. Called after each collapse of the legal phase.
+    fn should_toggle(&self, mesh: &WorkingMesh) -> bool;
+
+    /// Starts or ends pricing. `legal` says that every rule holds.
+    fn toggle(&mut self, mesh: &WorkingMesh, legal: bool);
+
+    /// Factor of the attributes' cost before it is added.
+    fn attribute_weight(&self) -> f64 {
+        1.0
+    }
+
+    /// Replaces the costs of `from`'s candidates (cost and target), which come in no order.
+    fn reprice(
+        &self,
+        mesh: &WorkingMesh,
+        wedges: &Wedges,
+        from: u32,
+        candidates: &mut [(f64, u32)],
+        scratch: &mut Self::ViewScratch,
+    );
+
+    /// Updates the metric for the collapse of `from` onto `to`. The faces of `from` have their new
+    /// wedges already, but their groups are the old ones.
+    fn collapsed(&mut self, mesh: &WorkingMesh, wedges: &Wedges, from: u32, to: u32);
+
+    /// The error of the last collapse in working units, if it is not the quadric's.
+    fn error(&self) -> Option<f64> {
+        None
+    }
+}
+
+/// The cameras of metrics that see, around the sphere about the middle of the bounding box. `size`
+/// is the number of pixels across each picture.
+pub(super) fn cameras(mesh: &WorkingMesh, size: u32) -> Vec<Camera> {
+    let points = || mesh.places.iter().map(|p| p.position.as_dvec3());
+    let (lo, hi) =
+        points().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)));
+    let center = 0.5 * (lo + hi);
+    let radius = points().map(|p| p.distance(center)).fold(0.0, f64::max);
+    metric_cameras(center, radius, size)
+}

@@ -1,0 +1,494 @@
+//! The collapse loop of one region: always commit the cheapest legal collapse, and rank again what
+//! it has changed.
+
+use crate::choose::{Heap, LegalCollapse, Rules, SelectionBuffers, Selector, Stage};
+use crate::commit::{CollapseLog, Commit, Touched, join_points};
+use crate::cut::{Choice, DEAD, HUB_VALENCE, LOCKED, RESTRICTED, Region, STALE};
+use crate::metric::Reprice;
+use crate::price::{Context, Pricer, Scratch};
+use rayon::prelude::*;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// The queue is filled again if at least one in so many groups collapsed since.
+const REFILL_PART: usize = 64;
+
+/// Restricted groups next to a group with more faces than this wait until the queue is empty.
+const MAX_WALKED: usize = 32;
+/// After this many of them in one collapse the others wait too: where all is tangled, they would be
+/// ranked again and again.
+const MAX_RESTRICTED: usize = 16;
+/// The most collapses after which groups wait to be priced anew by a metric, so that all threads
+/// have work at once, and the faces that there are for each.
+const MAX_WAITING: usize = 32;
+const FACES_PER_WAITING: usize = 512;
+
+/// Reports of progress from all threads.
+pub(crate) struct Progress<'a> {
+    report: &'a (dyn Fn(u64, u64) + Sync),
+    /// Collapses of the rounds that are over.
+    done: AtomicU64,
+    groups: u64,
+}
+
+impl<'a> Progress<'a> {
+    pub(crate) fn new(report: &'a (dyn Fn(u64, u64) + Sync), groups: u64) -> Self {
+        Self { report, done: AtomicU64::new(0), groups }
+    }
+
+    /// Reports collapses since the end of the last round.
+    fn report(&self, steps: u64) {
+        (self.report)((self.done.load(Ordering::Relaxed) + steps).min(self.groups), self.groups);
+    }
+
+    /// Ends a round with so many collapses.
+    pub(super) fn end_round(&self, steps: u64) {
+        self.done.fetch_add(steps, Ordering::Relaxed);
+        self.report(0);
+    }
+}
+
+/// One set of buffers for each thread.
+struct ScratchPool<T>(Vec<Mutex<T>>);
+
+impl<T> Default for ScratchPool<T> {
+    fn default() -> Self {
+        Self(Vec::new())
+    }
+}
+
+impl<T: Default> ScratchPool<T> {
+    /// One for each thread of the present pool, or none if they are not needed.
+    fn new(needed: bool) -> Self {
+        let threads = if needed { rayon::current_num_threads() } else { 0 };
+        Self((0..threads).map(|_| Mutex::default()).collect())
+    }
+
+    /// Does something with buffers that nobody else uses meanwhile.
+    fn with<R>(&self, work: impl FnOnce(&mut T) -> R) -> R {
+        match self.0.iter().find_map(|slot| slot.try_lock().ok()) {
+            Some(mut scratch) => work(&mut scratch),
+            // More threads than were counted: slower, no less right.
+            None => work(&mut T::default()),
+        }
+    }
+}
+
+/// The simplification of one region.
+pub(super) struct Engine<'a, M: Reprice> {
+    context: &'a Context<'a>,
+    region: &'a mut Region,
+    metric: &'a mut M,
+    rules: Rules,
+    log: CollapseLog,
+    state: LoopState<M::ViewScratch>,
+}
+
+/// Buffers of the loop.
+#[derive(Default)]
+struct LoopState<S> {
+    selection: SelectionBuffers<S>,
+    /// Buffers of other threads.
+    pool: ScratchPool<Scratch<S>>,
+    touched: Touched,
+    /// Groups to be ranked again.
+    due: Vec<u32>,
+    /// Collapses whose neighbours wait for it.
+    waiting: usize,
+    /// Number of groups that are flagged as restricted.
+    restricted: u32,
+}
+
+/// The groups that a queue takes.
+#[derive(Clone, Copy, Debug)]
+enum Queue {
+    /// Those that cost at most this and are not locked. What is refused waits for the next round.
+    UpTo(f32),
+    /// All. What is refused is checked again when something near it changes.
+    All,
+}
+
+impl<'a, M: Reprice> Engine<'a, M> {
+    pub(super) fn new(context: &'a Context<'a>, region: &'a mut Region, metric: &'a mut M) -> Self {
+        let preserve_topology = context.options.preserve_topology;
+        let lists = if M::REPRICES { 0 } else { region.groups.len() };
+        let state = LoopState {
+            selection: SelectionBuffers::new(lists),
+            touched: Touched::new(region.groups.len()),
+            pool: ScratchPool::new(M::REPRICES),
+            ..LoopState::default()
+        };
+        let rules = Rules { stage: Stage::Legal, preserve_topology, unites: true };
+        Self { context, region, metric, rules, log: CollapseLog::default(), state }
+    }
+
+    /// Runs all stages, then joins the points that are left. Returns the log and how many of its
+    /// steps are legal.
+    pub(super) fn run_all(mut self, progress: &Progress<'_>) -> (CollapseLog, usize) {
+        let Region { mesh, wedges, groups, .. } = &*self.region;
+        let wedges = wedges.ids.len().max(groups.len());
+        self.log = CollapseLog::with_room(groups.len(), wedges, mesh.live_faces as usize);
+        let mut legal = 0;
+        for stage in Stage::ALL {
+            self.rules.stage = stage;
+            if M::REPRICES {
+                self.metric.toggle(&self.region.mesh, stage == Stage::Legal);
+            }
+            while self.region.mesh.live_faces > 0 {
+                let (before, faces) = (self.log.steps.len(), self.region.mesh.live_faces as usize);
+                self.rank_all();
+                if !self.run_queue(Queue::All, progress) {
+                    self.metric.toggle(&self.region.mesh, stage == Stage::Legal);
+                } else if (self.log.steps.len() - before) * REFILL_PART <= faces {
+                    // What is still refused stays so: hardly anything has changed.
+                    break;
+                }
+            }
+            if stage == Stage::Legal {
+                legal = self.log.steps.len();
+            }
+        }
+        join_points(self.region, &mut self.log);
+        (self.log, legal)
+    }
+
+    /// Collapses what costs at most `limit`, as far as it is this region's alone.
+    pub(super) fn run_round(mut self, limit: f32, progress: &Progress<'_>) -> CollapseLog {
+        self.rules.unites = false;
+        for group in 0..self.region.own() as u32 {
+            let choice = self.region.choices[group as usize];
+            let restricted = self.region.mesh.has(group, RESTRICTED);
+            if (choice.cost.is_nan() || restricted) && !self.region.mesh.star(group).is_empty() {
+                self.rerank(group);
+            }
+        }
+        self.run_queue(Queue::UpTo(limit), progress);
+        self.log
+    }
+
+    /// The parts that pricing and selecting read, and the buffers that they write.
+    fn parts(&mut self) -> (Selector<'_, M>, &mut LoopState<M::ViewScratch>) {
+        let Self { context, region, metric, rules, state, .. } = self;
+        let pricer = Pricer {
+            context,
+            region,
+            metric: &**metric,
+            leaves_features: rules.stage >= Stage::Seams,
+        };
+        (Selector { pricer, rules: *rules }, state)
+    }
+
+    /// Ranks every group.
+    pub(super) fn rank_all(&mut self) {
+        let own = self.region.own() as u32;
+        let (Selector { pricer, .. }, _) = self.parts();
+        let rank = |scratch: &mut Scratch<M::ViewScratch>, g: u32| pricer.rank(g, scratch);
+        let choices = (0..own)
+            .into_par_iter()
+            .with_min_len(if M::REPRICES { 64 } else { 4096 })
+            .map_init(Scratch::default, rank)
+            .collect();
+        self.region.choices = choices;
+        self.state.selection.lists.clear();
+        for flags in &mut self.region.mesh.flags {
+            *flags &= !(STALE | RESTRICTED);
+        }
+        self.state.restricted = 0;
+    }
+
+    /// Collapses while there is something to collapse: true when there is not, false when prices
+    /// change their meaning.
+    fn run_queue(&mut self, queue: Queue, progress: &Progress<'_>) -> bool {
+        let mesh = &self.region.mesh;
+        let limit = match queue {
+            Queue::UpTo(limit) => limit,
+            Queue::All => f32::INFINITY,
+        };
+        let choices = (0..).zip(&self.region.choices);
+        let takes = |(g, c): (u32, &Choice)| c.cost <= limit && !mesh.has(g, LOCKED);
+        let cost = |choice: (u32, &Choice)| if takes(choice) { choice.1.cost } else { f32::NAN };
+        let mut heap = Heap::new(choices.map(cost).collect::<Vec<f32>>().into_iter());
+        loop {
+            let Some((from, key)) = heap.pop() else {
+                if self.state.waiting == 0 {
+                    return true;
+                }
+                self.rerank_waiting(&mut heap);
+                continue;
+            };
+            self.region.mesh.prefetch_neighbours(from);
+            if self.region.mesh.has(from, STALE) {
+                if self.state.waiting > 0 {
+                    self.rerank_waiting(&mut heap);
+                    continue;
+                }
+                self.rerank(from);
+                let cost = self.region.choices[from as usize].cost;
+                if cost.is_nan() || cost > limit {
+                    continue;
+                }
+                if cost > key && cost > heap.least() {
+                    heap.set(from, cost);
+                    continue;
+                }
+            }
+            let Some(legal) = self.select_legal_collapse(from) else {
+                self.region.choices[from as usize] = Choice::NONE;
+                continue;
+            };
+            self.region.choices[from as usize] = legal.choice;
+            if legal.choice.cost > limit {
+                continue;
+            }
+            if legal.choice.cost > key && legal.choice.cost > heap.least() {
+                heap.set(from, legal.choice.cost);
+                continue;
+            }
+            self.commit(from, legal);
+            self.refresh(legal.choice.to, queue, limit, &mut heap);
+            if self.log.steps.len().is_multiple_of(if M::REPRICES { 64 } else { 4096 }) {
+                progress.report(self.log.steps.len() as u64);
+            }
+            if M::REPRICES && self.metric.should_toggle(&self.region.mesh) {
+                self.rerank_waiting(&mut heap);
+                return false;
+            }
+        }
+    }
+
+    /// The cheapest legal collapse of a group.
+    fn select_legal_collapse(&mut self, from: u32) -> Option<LegalCollapse> {
+        let known = self.region.choices[from as usize];
+        let (selector, state) = self.parts();
+        let selected = selector.select(from, known, &mut state.selection);
+        if self.state.selection.refused {
+            self.set_restricted(from, true);
+        }
+        selected
+    }
+
+    /// Commits a collapse, planned before or now.
+    fn commit(&mut self, from: u32, legal: LegalCollapse) {
+        if !legal.is_planned {
+            let (selector, state) = self.parts();
+            let plan = &mut state.selection.plan;
+            plan.clear();
+            if !selector.pricer.region.wedges.is_bare() {
+                selector.planner().plan(from, legal.choice.to, plan);
+            }
+        }
+        self.set_restricted(from, false);
+        self.state.selection.lists.release(from);
+        let Self { context, region, metric, log, state, .. } = self;
+        let LoopState { selection, touched, .. } = state;
+        Commit { input: context.input.mesh, region, metric: &mut **metric, log, touched }.run(
+            from,
+            legal,
+            &mut selection.plan,
+        );
+    }
+
+    /// Ranks again what a commit onto `to` may have changed.
+    fn refresh(&mut self, to: u32, queue: Queue, limit: f32, heap: &mut Heap) {
+        let mut due = std::mem::take(&mut self.state.due);
+        let before = due.len();
+        due.extend(self.state.touched.groups.iter().copied().filter(|&g| self.is_due(g)));
+        let changed = due.len();
+        if matches!(queue, Queue::All) && self.state.restricted > 0 {
+            self.add_restricted(&mut due, before);
+        }
+        if self.metric.is_active() {
+            self.state.due = due;
+            self.wait(before, heap);
+            return;
+        }
+        for &g in &due[..changed] {
+            self.rerank(g);
+            self.requeue(g, limit, heap);
+        }
+        due[changed..].iter().for_each(|&g| self.region.prefetch(g));
+        for &g in &due[changed..] {
+            if !self.is_still_best(g) {
+                self.search_again(g);
+                self.requeue(g, limit, heap);
+            }
+        }
+        due.clear();
+        self.state.due = due;
+        self.note_risen_costs(to);
+        if let Some(first) = heap.first() {
+            self.region.prefetch(first);
+        }
+    }
+
+    /// Flags the groups due since the last collapse as stale, and ranks all that wait if they are
+    /// many.
+    fn wait(&mut self, before: usize, heap: &mut Heap) {
+        let Self { region, state, .. } = self;
+        let mut kept = before;
+        for i in before..state.due.len() {
+            let g = state.due[i];
+            if !region.mesh.has(g, STALE) {
+                region.mesh.add_flags(g, STALE);
+                state.due[kept] = g;
+                kept += 1;
+            }
+        }
+        state.due.truncate(kept);
+        state.waiting += 1;
+        let most = region.mesh.live_faces as usize / FACES_PER_WAITING;
+        if state.waiting >= most.clamp(1, MAX_WAITING) {
+            self.rerank_waiting(heap);
+        }
+    }
+
+    /// Adds the restricted groups next to those that are due.
+    fn add_restricted(&mut self, due: &mut Vec<u32>, before: usize) {
+        let Self { region, state, .. } = self;
+        let touched = due.len();
+        for i in before..touched {
+            if region.mesh.valence(due[i]) > MAX_WALKED {
+                continue;
+            }
+            if due.len() - touched > MAX_RESTRICTED {
+                break;
+            }
+            region.mesh.each_neighbour(due[i], |other| {
+                if region.mesh.has(other, RESTRICTED) && state.touched.mark(other) {
+                    due.push(other);
+                }
+            });
+        }
+    }
+
+    /// Flags the groups bound for `to`. Around it nothing moved but its own history, and that only
+    /// grew: their costs are lower bounds from now on.
+    fn note_risen_costs(&mut self, to: u32) {
+        if !self.is_due(to) {
+            return;
+        }
+        let Region { mesh, choices, .. } = &mut *self.region;
+        let LoopState { touched, due, .. } = &mut self.state;
+        let is_bound =
+            |g: u32| choices.get(g as usize).is_some_and(|c| c.to == to) && !touched.is_marked(g);
+        mesh.each_neighbour(to, |g| due.extend(is_bound(g).then_some(g)));
+        for g in due.drain(..) {
+            mesh.add_flags(g, STALE);
+        }
+    }
+
+    /// Ranks the groups that wait for it, all at once. What changed elsewhere, hidden or uncovered
+    /// by now, is noticed when its turn comes.
+    fn rerank_waiting(&mut self, heap: &mut Heap) {
+        let mut due = std::mem::take(&mut self.state.due);
+        due.retain(|&g| !self.region.mesh.has(g, DEAD));
+        for &g in &due {
+            self.set_restricted(g, false);
+        }
+        let (Selector { pricer, .. }, state) = self.parts();
+        let pool = &state.pool;
+        let rank = |&g: &u32| pool.with(|scratch| pricer.rank(g, scratch));
+        let choices: Vec<Choice> = due.par_iter().with_max_len(4).map(rank).collect();
+        for (&g, choice) in due.iter().zip(choices) {
+            self.region.choices[g as usize] = choice;
+            self.region.mesh.clear_flags(g, STALE);
+            self.requeue(g, f32::INFINITY, heap);
+        }
+        due.clear();
+        (self.state.due, self.state.waiting) = (due, 0);
+    }
+
+    /// Puts a group where it belongs in the queue.
+    #[inline]
+    fn requeue(&mut self, g: u32, limit: f32, heap: &mut Heap) {
+        let cost = self.region.choices[g as usize].cost;
+        if cost <= limit && !self.region.mesh.has(g, LOCKED) {
+            heap.set(g, cost);
+        } else {
+            heap.remove(g);
+        }
+    }
+
+    /// Returns whether a group is to be ranked again after a neighbour moved. Hubs with hundreds of
+    /// neighbours are ranked after some of them moved, else a fan would take quadratic time;
+    /// legality is always checked anew.
+    fn is_due(&self, group: u32) -> bool {
+        let faces = self.region.mesh.valence(group);
+        faces < HUB_VALENCE || faces % (faces / 16).next_power_of_two() < 2
+    }
+
+    fn rerank(&mut self, g: u32) {
+        self.set_restricted(g, false);
+        self.region.mesh.clear_flags(g, STALE);
+        let (Selector { pricer, .. }, state) = self.parts();
+        let SelectionBuffers { scratch, lists, .. } = &mut state.selection;
+        let choice = if let Some(choice) = pricer.rank_plain(g) {
+            lists.forget(g);
+            choice
+        } else {
+            let choice = pricer.rank_any(g, scratch);
+            lists.keep(g, &scratch.priced);
+            choice
+        };
+        self.region.choices[g as usize] = choice;
+    }
+
+    /// Returns whether nothing that the last commit touched changes the choice of a restricted
+    /// group, whose own faces are as they were.
+    fn is_still_best(&mut self, g: u32) -> bool {
+        let (selector, LoopState { selection, touched, .. }) = self.parts();
+        selector.is_still_best(g, |group| touched.is_touched(group), selection)
+    }
+
+    /// Looks for the cheapest legal collapse of a restricted group, whose own faces are as they
+    /// were.
+    fn search_again(&mut self, g: u32) {
+        let (selector, state) = self.parts();
+        let found = selector.search(g, &mut state.selection);
+        let restricted = state.selection.refused;
+        self.set_restricted(g, restricted);
+        self.region.mesh.clear_flags(g, STALE);
+        self.region.choices[g as usize] = found.map_or(Choice::NONE, |legal| legal.choice);
+    }
+
+    /// Notes whether some of a group's collapses were refused, and how many such groups there are.
+    fn set_restricted(&mut self, group: u32, restricted: bool) {
+        if self.region.mesh.has(group, RESTRICTED) != restricted {
+            self.region.mesh.flags[group as usize] ^= RESTRICTED;
+            let count = &mut self.state.restricted;
+            *count = if restricted { *count + 1 } else { count.saturating_sub(1) };
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::metric::QuadricOnly;
+    use crate::number::Input;
+    use crate::options::Options;
+    use crate::price::{Attributes, PriceLists};
+
+    #[test]
+    fn prices_that_are_kept_change_nothing() {
+        let random = (0..20).map(lodc_fixtures::random);
+        let shapes = [lodc_fixtures::machine_part(), lodc_fixtures::uv_sphere(24, 16)];
+        for mesh in random.chain(shapes) {
+            let input = Input::new(&mesh);
+            let attributes =
+                Attributes::new(&mesh, |_| crate::Weights::DEFAULT, input.scale, input.size);
+            let context = Context { input: &input, options: Options::DEFAULT, attributes };
+            let steps = |kept: bool| {
+                let mut region = Region::whole(&input, context.is_bare());
+                let mut metric = QuadricOnly;
+                let mut engine = Engine::new(&context, &mut region, &mut metric);
+                if !kept {
+                    engine.state.selection.lists = PriceLists::default();
+                }
+                let (log, legal) = engine.run_all(&Progress::new(&|_, _| {}, 1));
+                (log.wedges, log.targets, legal)
+            };
+            assert_eq!(steps(true), steps(false));
+        }
+    }
+}
