@@ -36,8 +36,7 @@ pub(super) fn check(object: &LodObject, shape: &[[f32; 3]]) -> CheckReport {
         first_difference: None,
     };
     if !collapses.is_measured() {
-        report.skipped =
-            Some("the errors are estimates, not measured".to_owned());
+        report.skipped = Some("the errors are estimates, not measured".to_owned());
         return report;
     }
     let lods = levels(collapses);
