@@ -57,7 +57,7 @@ pub(super) struct SubmeshEntry {
 pub(super) struct AttributeEntry {
     semantic: SemanticEntry,
     pub(super) morph_target: Option<u32>,
-    component: u8,
+    pub(super) component: u8,
     pub(super) components: u8,
     pub(super) normalized: bool,
     /// True if the section has bytes for all vertices, not only for those of submeshes that have
@@ -145,6 +145,21 @@ pub(crate) fn source_format(number: u8) -> Result<SourceFormat, String> {
     }
 }
 
+/// Types of components, in the order of their numbers.
+const COMPONENTS: [Component; 6] =
+    [Component::I8, Component::U8, Component::I16, Component::U16, Component::U32, Component::F32];
+
+/// The number that stands for a type of components.
+pub(crate) fn component_code(component: Component) -> u8 {
+    let number = (0..).zip(COMPONENTS).find(|(_, c)| *c == component);
+    number.expect("all types have one").0
+}
+
+/// The type of components by its number; none if it is not known.
+pub(crate) fn component(number: u8) -> Option<Component> {
+    COMPONENTS.get(usize::from(number)).copied()
+}
+
 /// Origin of a file, as the file states it.
 pub(crate) fn source_of(format: u8, content_hash: u128) -> Result<Source, String> {
     Ok(Source { format: source_format(format)?, content_hash })
@@ -211,14 +226,7 @@ impl AttributeEntry {
                 Semantic::Custom(name) => SemanticEntry::Custom(name.clone()),
             },
             morph_target: a.morph_target,
-            component: match a.component {
-                Component::I8 => 0,
-                Component::U8 => 1,
-                Component::I16 => 2,
-                Component::U16 => 3,
-                Component::U32 => 4,
-                Component::F32 => 5,
-            },
+            component: component_code(a.component),
             components: a.components,
             normalized: a.normalized,
             full,
@@ -236,19 +244,6 @@ impl AttributeEntry {
             SemanticEntry::Weights(set) => Semantic::Weights(*set),
             SemanticEntry::Custom(name) => Semantic::Custom(name.clone()),
         }
-    }
-
-    /// None if this version does not know the type.
-    pub(super) fn component(&self) -> Option<Component> {
-        Some(match self.component {
-            0 => Component::I8,
-            1 => Component::U8,
-            2 => Component::I16,
-            3 => Component::U16,
-            4 => Component::U32,
-            5 => Component::F32,
-            _ => return None,
-        })
     }
 }
 

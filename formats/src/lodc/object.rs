@@ -2,7 +2,7 @@
 
 use super::container::{Container, Writer};
 use super::left_out::{LeftOut, shortened};
-use super::manifest::{AttributeEntry, ModelEntry, ObjectEntry};
+use super::manifest::{self, AttributeEntry, ModelEntry, ObjectEntry};
 use super::record::Record;
 use super::streams::{self, ZeroBudget};
 use super::table::{Tag, place, tag};
@@ -233,7 +233,8 @@ fn read_stream(
 ) -> Result<Attribute, FormatError> {
     let place = || place(tag::ATTRIBUTE, number, i);
     let wrong = |what: &str| FormatError::new(Fault::Malformed, place(), what);
-    let component = entry.component().ok_or_else(|| wrong("has components of an unknown type"))?;
+    let component = manifest::component(entry.component)
+        .ok_or_else(|| wrong("has components of an unknown type"))?;
     if !(1..=16).contains(&entry.components) {
         return Err(wrong("has no, or more than 16, components"));
     }

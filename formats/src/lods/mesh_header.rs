@@ -51,11 +51,7 @@ pub(super) fn take(bytes: &mut &[u8]) -> Result<MeshHeader, FormatError> {
 
 fn plain(mesh: &MeshHeader) -> Vec<u8> {
     let mut out = Vec::new();
-    let strips = match mesh.strips {
-        None => 0,
-        Some(StripKind::Stripe) => 1,
-        Some(StripKind::Cache) => 2,
-    };
+    let strips = mesh.strips.map_or(0, |kind| kind as u32 + 1);
     for n in [mesh.vertices, mesh.triangles, mesh.steps, strips] {
         put_leb128(&mut out, n.into());
     }
@@ -85,9 +81,10 @@ fn parse(mut bytes: &[u8]) -> Result<MeshHeader, FormatError> {
     let [vertices, triangles, steps] = [number(rest)?, number(rest)?, number(rest)?];
     let strips = match number(rest)? {
         0 => None,
-        1 => Some(StripKind::Stripe),
-        2 => Some(StripKind::Cache),
-        _ => return Err(malformed("has strips of an unknown kind")),
+        n => {
+            let kind = StripKind::ALL.get(n as usize - 1);
+            Some(*kind.ok_or_else(|| malformed("has strips of an unknown kind"))?)
+        }
     };
     let count = number(rest)?;
     let mut attributes: Vec<Attribute> = Vec::new();

@@ -2,7 +2,8 @@
 
 use super::{byte, malformed, number};
 use crate::FormatError;
-use lodc_mesh::{Attribute, Component, Semantic, put_leb128};
+use crate::lodc::manifest::{component, component_code};
+use lodc_mesh::{Attribute, Semantic, put_leb128};
 
 const NORMALIZED: u8 = 8;
 
@@ -23,14 +24,7 @@ pub(super) fn put_attribute(out: &mut Vec<u8>, attribute: &Attribute) {
         out.extend_from_slice(name.as_bytes());
     }
     put_leb128(out, attribute.morph_target.map_or(0, |t| u64::from(t) + 1));
-    let component = match attribute.component {
-        Component::I8 => 0,
-        Component::U8 => 1,
-        Component::I16 => 2,
-        Component::U16 => 3,
-        Component::U32 => 4,
-        Component::F32 => 5,
-    };
+    let component = component_code(attribute.component);
     let normalized = if attribute.normalized { NORMALIZED } else { 0 };
     out.push(component | normalized | (attribute.components - 1) << 4);
 }
@@ -61,19 +55,10 @@ pub(super) fn attribute(bytes: &mut &[u8]) -> Result<Attribute, FormatError> {
         n => Some(n - 1),
     };
     let kind = byte(bytes)?;
-    let component = match kind & 7 {
-        0 => Component::I8,
-        1 => Component::U8,
-        2 => Component::I16,
-        3 => Component::U16,
-        4 => Component::U32,
-        5 => Component::F32,
-        _ => return Err(unknown()),
-    };
     Ok(Attribute {
         semantic,
         morph_target,
-        component,
+        component: component(kind & 7).ok_or_else(unknown)?,
         components: (kind >> 4) + 1,
         normalized: kind & NORMALIZED != 0,
         bytes: Vec::new(),
