@@ -1,8 +1,8 @@
 //! The tour of the README, run: what it shows is what the program prints.
 //!
 //! Lines that begin with `$ ` in `console` blocks are run by a shell in a fresh folder with the
-//! fixtures in it, one after the other. `UPDATE=1 cargo test -p lodc-cli --test cli readme` writes the
-//! answers into the README.
+//! fixtures in it, one after the other. `UPDATE=1 cargo test -p lodc-cli --test cli readme` writes
+//! the answers into the README.
 
 use crate::support::{Folder, LODC};
 use std::fs;
