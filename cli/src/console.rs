@@ -3,12 +3,10 @@
 use crate::exit::{Failure, Outcome, Status, one_line};
 use std::fmt::Display;
 use std::io::{self, ErrorKind, Write};
-use std::sync::atomic::{AtomicU8, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Verbosity of messages on standard error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-#[repr(u8)]
 pub(crate) enum Loudness {
     /// Errors only (`-q`).
     Quiet,
@@ -18,28 +16,34 @@ pub(crate) enum Loudness {
     Verbose,
 }
 
-// Set once at the start; a global because warnings arise everywhere and there is one standard
-// error.
-static LOUDNESS: AtomicU8 = AtomicU8::new(Loudness::Normal as u8);
-
 /// Takes what is in the way off the terminal while it prints.
 pub(crate) type Around = Box<dyn Fn(&dyn Fn()) + Send>;
 
-static AROUND: Mutex<Option<Around>> = Mutex::new(None);
+struct Console {
+    loudness: Loudness,
+    around: Option<Around>,
+}
+
+// A global because warnings arise everywhere and there is one standard error.
+static CONSOLE: Mutex<Console> = Mutex::new(Console { loudness: Loudness::Normal, around: None });
+
+fn console() -> MutexGuard<'static, Console> {
+    CONSOLE.lock().unwrap_or_else(PoisonError::into_inner)
+}
 
 /// Makes every message print inside `around`, from now on.
 pub(crate) fn print_inside(around: Option<Around>) {
-    *AROUND.lock().unwrap_or_else(PoisonError::into_inner) = around;
+    console().around = around;
 }
 
 /// Chooses how much is said.
 pub(crate) fn set_loudness(loudness: Loudness) {
-    LOUDNESS.store(loudness as u8, Ordering::Relaxed);
+    console().loudness = loudness;
 }
 
 /// Returns whether messages of this loudness are wanted.
 pub(crate) fn wants(loudness: Loudness) -> bool {
-    LOUDNESS.load(Ordering::Relaxed) >= loudness as u8
+    console().loudness >= loudness
 }
 
 /// Prints an error. Never fails: there is nowhere left to complain.
@@ -76,7 +80,7 @@ pub(crate) fn detail(text: &str) {
 fn line(text: &str) {
     // Whole lines in one call, so that lines of several threads do not mix.
     let print = || drop(io::stderr().lock().write_all(format!("{text}\n").as_bytes()));
-    match &*AROUND.lock().unwrap_or_else(PoisonError::into_inner) {
+    match &console().around {
         Some(around) => around(&print),
         None => print(),
     }

@@ -30,6 +30,7 @@ mod selector;
 mod stages;
 mod text;
 mod textures;
+mod threads;
 mod version;
 mod views;
 
@@ -70,7 +71,7 @@ fn run() -> Status {
             return if error.use_stderr() { Status::Usage } else { Status::Done };
         }
     };
-    let program = Program::new(Cli::command());
+    let program = Program::new(Cli::command);
     let mut variables = Vec::new();
     if cfg!(feature = "gpu") && cli.command.takes_gpu() {
         variables.push(environment::RUNTIME_FOLDER);

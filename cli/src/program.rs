@@ -5,6 +5,7 @@ use crate::parts;
 use clap::parser::ValueSource;
 use clap::{ArgMatches, Command, FromArgMatches, Id};
 use lodc_assets::{CommandOptions, OptionValues, Vocabulary};
+use std::cell::OnceCell;
 use std::ffi::OsString;
 
 /// Options that belong to a run, not to an asset.
@@ -36,42 +37,43 @@ const OF_THE_RUN: &[&str] = &[
 /// before.
 const ADDED: [(&str, &str); 1] = [("layout", "packed")];
 
-/// The command line, and what of it assets can have of their own.
+/// The command line, and what of it assets can have of their own. Most runs need neither: both are
+/// made when they are asked for.
 pub(crate) struct Program {
-    root: Command,
-    words: Vocabulary,
+    root: fn() -> Command,
+    words: OnceCell<Vocabulary>,
 }
 
 impl Program {
-    pub(crate) fn new(root: Command) -> Self {
-        // Groups that only arguments name are known then.
-        let mut built = root.clone();
-        built.build();
-        let words = Vocabulary {
-            commands: built.get_subcommands().map(options_of).collect(),
-            of_the_run: OF_THE_RUN,
-            check_part: |text| parts::part(text).map(drop),
-        };
-        Self { root, words }
+    pub(crate) fn new(root: fn() -> Command) -> Self {
+        Self { root, words: OnceCell::new() }
     }
 
     /// The names of commands and of their options.
     pub(crate) fn words(&self) -> &Vocabulary {
-        &self.words
+        self.words.get_or_init(|| {
+            let mut root = (self.root)();
+            // Groups that only arguments name are known then.
+            root.build();
+            Vocabulary {
+                commands: root.get_subcommands().map(options_of).collect(),
+                of_the_run: OF_THE_RUN,
+                check_part: |text| parts::part(text).map(drop),
+            }
+        })
     }
 
     /// Returns the long names of the options of a command that stand on the command line itself, or
     /// are excluded by those.
     pub(crate) fn given(&self, name: &str) -> Vec<String> {
-        let typed = self.root.clone().get_matches_from(std::env::args_os());
+        let root = (self.root)();
+        let typed = root.clone().get_matches_from(std::env::args_os());
         let typed = typed.subcommand_matches(name).expect("the command that runs");
-        let there = self
-            .command(name)
-            .get_arguments()
-            .filter(|a| typed.value_source(a.get_id().as_str()) == Some(ValueSource::CommandLine));
+        let typed = |id: &Id| typed.value_source(id.as_str()) == Some(ValueSource::CommandLine);
+        let there = command(&root, name).get_arguments().filter(|a| typed(a.get_id()));
         let given: Vec<String> = there.filter_map(|a| a.get_long().map(str::to_owned)).collect();
-        let excluded: Vec<String> =
-            self.words.of(name).excluded(&given).map(str::to_owned).collect();
+        let excluded = self.words().of(name).excluded(&given).map(str::to_owned);
+        let excluded: Vec<String> = excluded.collect();
         [given, excluded].concat()
     }
 
@@ -101,17 +103,19 @@ impl Program {
                 values => more.extend(values.iter().map(|v| format!("--{option}={v}").into())),
             }
         }
-        let place = raw.iter().position(|arg| arg == name).expect("the command's name") + 1;
+        let typed = raw.iter().position(|arg| arg == name);
+        let place = typed.expect("the command's name is there") + 1;
         raw.splice(place..place, more);
-        let matches = self.root.clone().try_get_matches_from(raw).map_err(|e| first_line(&e))?;
+        let root = (self.root)();
+        let matches = root.clone().try_get_matches_from(raw).map_err(|e| first_line(&e))?;
         let matches = matches.subcommand_matches(name).expect("the same command");
         let read = A::from_arg_matches(matches).map_err(|e| first_line(&e))?;
-        Ok((read, resolved(matches, self.command(name))))
+        Ok((read, resolved(matches, command(&root, name))))
     }
+}
 
-    fn command(&self, name: &str) -> &Command {
-        self.root.find_subcommand(name).expect("a command of this program")
-    }
+fn command<'a>(root: &'a Command, name: &str) -> &'a Command {
+    root.find_subcommand(name).expect("a command of this program")
 }
 
 /// The options of a command that belong to assets.

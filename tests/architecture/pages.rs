@@ -1,4 +1,5 @@
-//! Measurements: pages are short, every row has its command, plots are drawn from the rows.
+//! Pages that others refer to are there. Measurements: pages are short, every row has its command,
+//! plots are drawn from the rows.
 
 use super::{read, root};
 use std::fs;
@@ -50,5 +51,44 @@ fn plots_are_drawn_from_the_rows() {
     match Command::new("python3").arg(script).arg("--check").output() {
         Ok(run) => assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr)),
         Err(e) => eprintln!("SKIPPED: no python3 to draw the plots with ({e})"),
+    }
+}
+
+#[test]
+fn documents_that_others_refer_to_are_there() {
+    let root = root();
+    let wanted = [
+        "README.md",
+        "CONTRIBUTING.md",
+        "LICENSE-MIT",
+        "LICENSE-APACHE",
+        "justfile",
+        "deny.toml",
+        "tests/run",
+        "docs/ARCHITECTURE.md",
+        "docs/ENGINE.md",
+        "docs/FORMAT.md",
+        "docs/GLOSSARY.md",
+        "docs/THESIS.md",
+        "docs/BENCHMARKS.md",
+        "docs/CHANGELOG.md",
+    ];
+    let missing: Vec<&str> = wanted.into_iter().filter(|name| !root.join(name).is_file()).collect();
+    assert!(missing.is_empty(), "{missing:?}");
+    // Anything that is named in backticks as a file below docs/, crates/ or formats/ exists.
+    for document in
+        wanted.iter().filter(|name| name.ends_with(".md") && !name.ends_with("CHANGELOG.md"))
+    {
+        let text = read(&root.join(document));
+        for name in text.split('`').skip(1).step_by(2) {
+            let path = ["docs/", "crates/", "formats/", "cli/", "fixtures/", "tests/"]
+                .iter()
+                .any(|f| name.starts_with(f));
+            let plain = !name.contains(|c: char| c.is_whitespace() || "*<>{}…:".contains(c));
+            assert!(
+                !path || !plain || root.join(name).exists(),
+                "{document} names {name}, which is not there"
+            );
+        }
     }
 }

@@ -2,7 +2,7 @@
 //! (thesis 3.5, 4.5, 5.5).
 
 use super::asset::{self, SimplifyArgs};
-use super::build::{MOST_THREADS, counts};
+use super::build::counts;
 use super::read::read_lodc;
 use crate::console::{self, error, warning};
 use crate::exit::{Failure, Outcome, Status, one_line};
@@ -14,6 +14,7 @@ use crate::progress::Progress;
 use crate::report::{ObjectCounts, SCHEMA_VERSION};
 use crate::stages::Stages;
 use crate::text::count;
+use crate::threads;
 use clap::Args;
 use lodc_formats::{images, import};
 use lodc_lab::{
@@ -21,7 +22,6 @@ use lodc_lab::{
     crowd_charts, crowd_picture, crowd_table, measure, tables,
 };
 use lodc_lod::ModelKind;
-use rayon::ThreadPoolBuilder;
 use serde::Serialize;
 use std::num::{NonZeroU32, NonZeroUsize};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -168,10 +168,7 @@ pub(crate) fn run(args: &BenchArgs) -> Outcome<Status> {
         output::prepare([&Target::File(file)], make_folder)?;
     }
     let device = open(&args.gpu)?;
-    let threads = args.jobs.map_or(0, |n| n.get().min(MOST_THREADS));
-    let pool = ThreadPoolBuilder::new().num_threads(threads).build();
-    let pool =
-        pool.map_err(|e| Failure::new(Status::Limit, format!("no threads to work with: {e}")))?;
+    let pool = threads::pool(args.jobs)?;
     let mut report = BenchReport {
         schema_version: SCHEMA_VERSION,
         tool_version: env!("CARGO_PKG_VERSION"),
@@ -214,21 +211,22 @@ fn open(args: &GpuArgs) -> Outcome<Option<Device>> {
 
 /// A crowd of all inputs, and nothing else.
 fn crowd_of(args: &BenchArgs, device: Option<Device>, mut report: BenchReport) -> Outcome<Status> {
-    let nothing_drawn = |out: &Path, failure: Failure| {
-        let message = format!("{}: {failure}; nothing was drawn", out.display());
-        Failure { message, ..failure }
+    let open = |out: &PathBuf| {
+        gpu::open(None).map_err(|failure| {
+            let message = format!("{}: {failure}; nothing was drawn", out.display());
+            Failure { message, ..failure }
+        })
     };
-    // A device that only a picture asks for times nothing.
-    let more = args.crowd.picture.as_ref().filter(|_| device.is_none());
-    let more = more.map(|out| gpu::open(None).map_err(|failure| nothing_drawn(out, failure)));
-    let more = more.transpose()?;
+    // A device that only the picture asks for times nothing.
+    let painting = args.crowd.picture.as_ref().filter(|_| device.is_none());
+    let painting = painting.map(open).transpose()?;
     let inputs: Vec<Input> =
         args.inputs.iter().map(|input| read(args, input)).collect::<Outcome<_>>()?;
     let CrowdArgs { instances, seconds, seed, .. } = args.crowd;
     let limits = args.import.options().limits;
     let settings = CrowdSettings { instances, seconds, seed, rounds: args.rounds(), limits };
     let figures = crowd(&inputs, &settings, device.as_ref())?;
-    if let (Some(out), Some(device)) = (&args.crowd.picture, more.or(device)) {
+    if let (Some(out), Some(device)) = (&args.crowd.picture, painting.or(device)) {
         let drawn = crowd_picture(&inputs, &settings, &device)?;
         output::write(&Target::File(out.clone()), images::png(&drawn))?;
     }
@@ -271,7 +269,6 @@ fn bench_one(args: &BenchArgs, device: Option<&Device>, input: &Path) -> (BenchF
 /// Reads an input and makes what is measured.
 fn read(args: &BenchArgs, input: &Path) -> Outcome<Input> {
     let name = input.display().to_string();
-    let progress = Progress::new(&name);
     let (objects, document) = if input.extension().is_some_and(|e| e.eq_ignore_ascii_case("lodc")) {
         let (file, _) = read_lodc(input, args.import.options().limits)?;
         (file.objects, file.document)
@@ -283,6 +280,7 @@ fn read(args: &BenchArgs, input: &Path) -> Outcome<Input> {
         asset.warnings.iter().for_each(|what| warning(&name, what));
         (asset.objects, asset.document)
     };
+    let progress = Progress::new(&name);
     progress.stage("models");
     let prepared = |object| Prepared::new(object, &args.models, args.strips.options());
     let objects = objects.into_iter().map(prepared).collect::<Result<_, _>>()?;

@@ -8,13 +8,11 @@ use crate::output::{self, Target};
 use crate::program::Program;
 use crate::progress::BatchProgress;
 use clap::FromArgMatches;
+use lodc_assets::expected_bytes;
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
-/// Bytes of memory that a byte of an input file may come to. Text has some 70 bytes for each
-/// triangle, a GLB some 30; images only make this more.
-const MEMORY_OF_BYTE: u64 = 14;
 /// Bytes of memory that may be kept although they are free: those of a file of half a megabyte.
 const SMALL: u64 = 8_000_000;
 
@@ -79,16 +77,6 @@ pub(crate) fn is_small(input: &Path) -> bool {
     (1..=SMALL).contains(&expected_bytes(input))
 }
 
-/// Memory that an asset may need, from the bytes of its file and, for glTF, of its buffers.
-fn expected_bytes(input: &Path) -> u64 {
-    let size = |path: &Path| path.metadata().map_or(0, |m| m.len());
-    let mut bytes = size(input);
-    if input.extension().is_some_and(|e| e.eq_ignore_ascii_case("gltf")) {
-        bytes += size(&input.with_extension("bin"));
-    }
-    bytes.saturating_mul(MEMORY_OF_BYTE)
-}
-
 /// The message of a panic. The panic hook has said what and where.
 const PANIC: &str = "internal error";
 
@@ -116,19 +104,5 @@ fn naming(input: &Path, failure: Failure) -> Failure {
 pub(crate) fn print(failure: &Failure) {
     if failure.message != PANIC {
         console::error(failure);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn only_a_file_of_known_size_is_small() {
-        let package = Path::new(env!("CARGO_MANIFEST_DIR"));
-        assert!(is_small(&package.join("Cargo.toml")));
-        assert!(!is_small(Path::new("-")));
-        assert!(!is_small(&package.join("no such file.obj")));
-        assert!(expected_bytes(&package.join("Cargo.toml")) > MEMORY_OF_BYTE);
     }
 }

@@ -12,6 +12,7 @@ mod each;
 mod export;
 pub(crate) mod extract;
 pub(crate) mod info;
+mod input;
 pub(crate) mod man;
 pub(crate) mod pack;
 mod read;

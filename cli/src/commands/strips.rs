@@ -1,19 +1,19 @@
 //! `lodc strips`: the strip generators by themselves, for study and comparison.
 
 use crate::console::{note, warning};
-use crate::exit::{Failure, Outcome, Status};
+use crate::exit::Outcome;
 use crate::kinds::{Choice, parser, parser_with};
 use crate::limits::ImportArgs;
 use crate::output::{self, Target};
 use crate::stages::Stages;
 use crate::text::count;
+use crate::threads;
 use clap::Args;
 use clap::builder::TypedValueParser;
 use lodc::build::Size;
 use lodc_formats::import;
 use lodc_lab::StripText;
 use lodc_strip::{CacheOptions, Effort, StripKind};
-use rayon::ThreadPoolBuilder;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
@@ -70,10 +70,7 @@ fn price(text: &str) -> Result<f32, String> {
 pub(crate) fn run(args: &StripsArgs) -> Outcome<()> {
     let target = output::target(&args.input, Some(&args.output), "strips")?;
     output::prepare([&target], output::is_folder(&args.output))?;
-    let threads = args.jobs.map_or(0, |n| n.get().min(super::build::MOST_THREADS));
-    let pool = ThreadPoolBuilder::new().num_threads(threads).build();
-    let pool =
-        pool.map_err(|e| Failure::new(Status::Limit, format!("no threads to work with: {e}")))?;
+    let pool = threads::pool(args.jobs)?;
     pool.install(|| make(args, &target))
 }
 

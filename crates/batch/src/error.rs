@@ -6,7 +6,7 @@ use std::fmt;
 /// Why there is nothing to do with what a run was given, by whose fault it is: a sentence each.
 #[derive(Clone, Debug, PartialEq)]
 pub enum AssetError {
-    /// What was asked for makes no sense.
+    /// The wishes make no sense.
     Usage(String),
     /// A folder, a list or a file cannot be read, or holds nothing of use.
     Input(String),

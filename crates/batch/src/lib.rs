@@ -1,7 +1,7 @@
 //! Many assets in one run, in one room: which they are (files, folders, lists, parts of a batch for
 //! many machines), what each is given (its own options, those of `lodc.toml`, those of its parts),
 //! where its result goes, and in which order they are worked off within the memory there is. It
-//! knows no command line: what options there are is told by [`Vocabulary`].
+//! knows no command line: [`Vocabulary`] says which options there are.
 //!
 //! ```
 //! use lodc_assets::{Choice, Sources, assets};
@@ -36,7 +36,7 @@ pub use folder::{LEVELS, MESHES, expand};
 pub use options::{CommandOptions, OptionValues, Vocabulary};
 pub use pairs::{Pair, pairs};
 pub use parts::{Part, Parts};
-pub use queue::{Budget, run};
+pub use queue::{Budget, expected_bytes, run};
 pub use shard::Shard;
 pub use streams::check_streams;
 pub use target::{Rule, Target, is_folder, is_stream, prepare, target};

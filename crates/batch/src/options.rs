@@ -1,5 +1,5 @@
-//! Options that an asset has of its own, from a list or a configuration: those of commands, by their
-//! long names.
+//! Options that an asset has of its own, from a list or a configuration: those of commands, by
+//! their long names.
 
 use std::collections::BTreeMap;
 

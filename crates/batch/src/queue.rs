@@ -1,6 +1,23 @@
 //! A queue of assets: several at a time, the largest first, within one budget of memory.
 
+use std::path::Path;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+
+/// Bytes of memory that a byte of an input file may come to. Text has some 70 bytes for each
+/// triangle, a GLB some 30; images only make this more.
+const MEMORY_OF_BYTE: u64 = 14;
+
+/// Bytes of memory that an asset may need, from the bytes of its file and, for glTF, of its
+/// buffers; 0 if nobody knows.
+#[must_use]
+pub fn expected_bytes(input: &Path) -> u64 {
+    let size = |path: &Path| path.metadata().map_or(0, |m| m.len());
+    let mut bytes = size(input);
+    if input.extension().is_some_and(|e| e.eq_ignore_ascii_case("gltf")) {
+        bytes += size(&input.with_extension("bin"));
+    }
+    bytes.saturating_mul(MEMORY_OF_BYTE)
+}
 
 /// Limits on work at one time.
 #[derive(Clone, Copy, Debug)]
@@ -90,6 +107,14 @@ mod tests {
         });
         assert_eq!(results, (0..40).collect::<Vec<_>>());
         assert!(most.load(Ordering::SeqCst) <= budget.bytes);
+    }
+
+    #[test]
+    fn only_files_are_expected_to_need_memory() {
+        let package = Path::new(env!("CARGO_MANIFEST_DIR"));
+        assert!(expected_bytes(&package.join("Cargo.toml")) > MEMORY_OF_BYTE);
+        assert_eq!(expected_bytes(Path::new("-")), 0);
+        assert_eq!(expected_bytes(&package.join("no such file.obj")), 0);
     }
 
     #[test]

@@ -1,4 +1,5 @@
-//! Strips and models, each beside a baseline of the same run: `cargo bench -p lodc-lab --bench models`.
+//! Strips and models, each beside a baseline of the same run: `cargo bench -p lodc-lab --bench
+//! models`.
 //!
 //! Strips against sorting the triangles for a cache; making a model against simplifying the mesh; a
 //! step of 0.1 % of the LODs, there and back, against Progressive Meshes; a jump from LOD 0 to 1 %

@@ -5,7 +5,8 @@ use crate::chart::{Chart, Curve, Scale, colour_of};
 use crate::report::{BenchObject, value};
 use serde_json::Value;
 
-/// Charts of an object as SVG, with the names of their kinds; empty ones where nothing was measured.
+/// Charts of an object as SVG, with the names of their kinds; empty ones where nothing was
+/// measured.
 #[must_use]
 pub fn charts(object: &BenchObject) -> [(&'static str, String); 3] {
     let records = f64::from(object.records.max(1));

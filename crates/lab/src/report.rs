@@ -63,14 +63,14 @@ pub(crate) struct StreamReport {
     pub(crate) progressive_mesh: f64,
     pub(crate) progressive_mesh_normals: f64,
     /// Null if nothing was timed.
-    pub(crate) speed: Option<StreamSpeed>,
+    pub(crate) speed: Option<StreamTimings>,
     /// Of the lossless stream with strips.
     pub(crate) prefixes: Vec<PrefixReport>,
 }
 
 /// The speed of a stream on one thread, in memory: triangles only, from and to an index list.
 #[derive(Clone, Copy, Debug, Serialize)]
-pub(crate) struct StreamSpeed {
+pub(crate) struct StreamTimings {
     pub(crate) encode_ms: f64,
     pub(crate) decode_ms: f64,
     /// Milliseconds over all rounds.

@@ -4,7 +4,7 @@
 use crate::baseline::ProgressiveMesh;
 use crate::error::LabError;
 use crate::prepared::Prepared;
-use crate::report::{PrefixReport, StreamReport, StreamSpeed};
+use crate::report::{PrefixReport, StreamReport, StreamTimings};
 use crate::timings::Timings;
 use lodc::{LodFile, LodObject};
 use lodc_formats::lodc::Layout;
@@ -43,7 +43,7 @@ pub(crate) fn measure(prepared: &Prepared, rounds: Option<u32>) -> Result<Stream
     let quantized = packed(Some(strips), Some(16))?;
     let vertices = object.simplified.mesh().vertex_count().max(1) as f64;
     let bits = |bytes: u64| 8.0 * bytes as f64 / vertices;
-    let speed = |rounds: u32| -> Result<StreamSpeed, LabError> {
+    let speed = |rounds: u32| -> Result<StreamTimings, LabError> {
         let one = ThreadPoolBuilder::new().num_threads(1).build();
         let one = one.map_err(|e| LabError::Limit(format!("no thread to work with: {e}")))?;
         let encode = one.install(|| timed(rounds, || packed(None, None).map(|p| p.bytes.len())))?;
@@ -52,7 +52,7 @@ pub(crate) fn measure(prepared: &Prepared, rounds: Option<u32>) -> Result<Stream
             one.install(|| timed(rounds, || index_list(&whole.bytes).map_err(bug)))?;
         let triangles = object.simplified.mesh().triangles().len() as f64;
         let rate = |timings: &Timings| triangles / timings.best() / 1e3;
-        Ok(StreamSpeed {
+        Ok(StreamTimings {
             encode_ms: encode.best(),
             decode_ms: decode.best(),
             encode_spread: encode.spread(),

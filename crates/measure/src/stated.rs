@@ -12,8 +12,8 @@ const LEVELS: u32 = 8;
 /// Chooses the levels.
 const SEED: u64 = 0x6572_726f_7273;
 
-/// Fewer samples than [`Sampling::DEFAULT`]: a stored error that is half of the true one is found all the
-/// same.
+/// Fewer samples than [`Sampling::DEFAULT`]: a stored error that is half of the true one is found
+/// all the same.
 const SAMPLING: Sampling = Sampling { samples: 20_000, lattice: 30_000, seed: 0x5eed };
 
 /// Measured distances may be so much larger than the stored ones, which know samples only.

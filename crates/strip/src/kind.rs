@@ -4,7 +4,7 @@ use crate::cache::cache_reporting;
 use crate::meter::Report;
 use crate::stripe::stripe_reporting;
 use crate::{CacheOptions, Effort, StripSet};
-use lodc_mesh::{Mesh, Simplified};
+use lodc_mesh::{Lod, Mesh, OrientedTriangle, Simplified, is_degenerate, position_key};
 use rayon::prelude::*;
 use std::ops::Deref;
 use std::sync::Arc;
@@ -90,6 +90,48 @@ impl Strips {
     ) -> Self {
         let options = CacheOptions { effort, ..CacheOptions::default() };
         Self { kind, set: kind.generate_reporting(simplified.mesh(), &options, report) }
+    }
+}
+
+impl Strips {
+    /// Remains of the strips at a LOD: their triangles with every vertex resolved, and the strip of
+    /// each. `simplified` is what they were made of.
+    #[must_use]
+    pub fn remains(&self, simplified: &Simplified, lod: Lod) -> (Vec<OrientedTriangle>, Vec<u32>) {
+        let map = simplified.collapses().resolve_all(lod);
+        let positions = simplified.mesh().positions();
+        let at = |v: u32| position_key(positions[map[v as usize] as usize]);
+        let (mut triangles, mut strips) = (Vec::new(), Vec::new());
+        for ((number, strip), submesh) in (0..).zip(self.iter()).zip(self.submeshes()) {
+            for (k, w) in strip.windows(3).enumerate() {
+                let corners = if k % 2 == 0 { [w[0], w[1], w[2]] } else { [w[1], w[0], w[2]] };
+                if !is_degenerate(corners.map(at)) {
+                    let shown = corners.map(|v| map[v as usize]);
+                    triangles.push(OrientedTriangle::new(submesh, shown));
+                    strips.push(number);
+                }
+            }
+        }
+        (triangles, strips)
+    }
+
+    /// The strip that draws each triangle of the mesh; 0 where none does.
+    #[must_use]
+    pub fn of_triangles(&self, mesh: &Mesh) -> Vec<u32> {
+        let sorted = |mut corners: [u32; 3]| {
+            corners.sort_unstable();
+            corners
+        };
+        let mut known: Vec<([u32; 3], u32)> = Vec::new();
+        for (number, strip) in (0..).zip(self.iter()) {
+            known.extend(strip.windows(3).map(|w| (sorted([w[0], w[1], w[2]]), number)));
+        }
+        known.sort_unstable();
+        let of = |t: &[u32; 3]| {
+            let at = known.partition_point(|(corners, _)| *corners < sorted(*t));
+            known.get(at).map_or(0, |&(_, number)| number)
+        };
+        mesh.triangles().iter().map(of).collect()
     }
 }
 

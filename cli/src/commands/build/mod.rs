@@ -13,20 +13,17 @@ pub(crate) use pipeline::object_options;
 use crate::batch::{self, BatchArgs, MESHES, Sources};
 use crate::commands::each;
 use crate::config::ConfigArgs;
-use crate::exit::{Failure, Outcome, Status};
+use crate::exit::{Outcome, Status};
 use crate::importance::ImportanceArgs;
 use crate::kinds::{MetricArgs, ModelArgs, StripArgs};
 use crate::limits::ImportArgs;
 use crate::parts::PartArgs;
 use crate::program::Program;
+use crate::threads;
 use clap::{Args, ValueEnum};
 use lodc_simplify::Options;
-use rayon::ThreadPoolBuilder;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
-
-/// More threads than this help nobody; asking for more is no mistake.
-pub(crate) const MOST_THREADS: usize = 256;
 
 /// Options of `build`.
 #[derive(Args, Clone, Debug)]
@@ -118,9 +115,6 @@ pub(crate) fn run(args: &BuildArgs, program: &Program) -> Outcome<Status> {
     let mut assets = batch::assets(sources, &args.batch)?;
     args.configuration.apply(program, "build", &mut assets)?;
     batch::check_streams(&assets, args.report.is_some(), args.depfile.as_deref())?;
-    let threads = args.jobs.map_or(0, |n| n.get().min(MOST_THREADS));
-    let pool = ThreadPoolBuilder::new().num_threads(threads).build();
-    let pool =
-        pool.map_err(|e| Failure::new(Status::Limit, format!("no threads to work with: {e}")))?;
+    let pool = threads::pool(args.jobs)?;
     work::all(args, program, &assets, &pool)
 }

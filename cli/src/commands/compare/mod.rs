@@ -21,12 +21,12 @@ use crate::program::Program;
 use crate::progress::BatchProgress;
 use crate::results::{self, FailureReport, ResultReport, reported};
 use crate::selector::{SelectorArgs, size};
+use crate::threads;
 use baseline::Baseline;
 use clap::Args;
 use lodc_assets::AssetError;
 use lodc_select::Target;
 use measure::Measured;
-use rayon::ThreadPoolBuilder;
 use report::PairReport;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -205,10 +205,7 @@ fn checked(args: &CompareArgs, program: &Program) -> Outcome<Status> {
         pairs.into_iter().map(|Pair { asset, other }| (asset, other)).unzip();
     args.configuration.apply(program, "compare", &mut assets)?;
     let options = AssetOptions::new(program, "compare", &assets, |args: CompareArgs, _| args);
-    let threads = args.jobs.map_or(0, |n| n.get().min(super::build::MOST_THREADS));
-    let pool = ThreadPoolBuilder::new().num_threads(threads).build();
-    let pool =
-        pool.map_err(|e| Failure::new(Status::Limit, format!("no threads to work with: {e}")))?;
+    let pool = threads::pool(args.jobs)?;
     let (several, bar) = (args.takes_many(), BatchProgress::new(assets.len()));
     // One after the other: each takes all threads, and much memory for its pictures.
     let one = |(asset, other): (&Asset, Result<PathBuf, AssetError>)| {

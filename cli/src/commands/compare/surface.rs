@@ -2,16 +2,16 @@
 
 use super::CompareArgs;
 use crate::commands::asset::{self, Errors};
+use crate::commands::input::Objects;
 use crate::console;
 use crate::exit::{Failure, Outcome, Status};
 use crate::progress::Progress;
 use crate::stages::Stages;
-use lodc::LodObject;
 use lodc::build::Paints;
 use lodc::level_mesh;
 use lodc::scene_levels;
 use lodc::{Input, read_input};
-use lodc_formats::{Document, ObjectInfo, scene_graph};
+use lodc_formats::{Document, scene_graph};
 use lodc_measure::SceneSurface;
 use lodc_mesh::{Lod, Mesh};
 use lodc_scene::Arrangement;
@@ -39,20 +39,6 @@ pub(super) struct Subject {
     paints: Arc<Paints>,
 }
 
-enum Objects {
-    Meshes(Vec<(ObjectInfo, Mesh)>),
-    Levels(Vec<LodObject>),
-}
-
-impl Objects {
-    fn infos(&self) -> Vec<&ObjectInfo> {
-        match self {
-            Self::Meshes(objects) => objects.iter().map(|(info, _)| info).collect(),
-            Self::Levels(objects) => objects.iter().map(|o| &o.info).collect(),
-        }
-    }
-}
-
 impl Subject {
     /// Reads a scene. A mesh is simplified only if `levels` of it are wanted, chosen by such
     /// errors.
@@ -78,8 +64,7 @@ impl Subject {
         } else {
             match stages.run("import", || read_input(path, &options))? {
                 Input::Scene(scene) => {
-                    let objects = scene.objects.into_iter().map(|o| (o.info, o.mesh)).collect();
-                    (scene.document, Objects::Meshes(objects), scene.warnings)
+                    (scene.document, Objects::Meshes(scene.objects), scene.warnings)
                 }
                 Input::Levels(file) => {
                     (file.document, Objects::Levels(file.objects), file.left_out)
@@ -129,7 +114,7 @@ impl Subject {
     fn meshes(&self, wish: Wish, args: &CompareArgs) -> Outcome<Vec<Cow<'_, Mesh>>> {
         let objects = match &self.objects {
             Objects::Meshes(objects) => {
-                return Ok(objects.iter().map(|(_, mesh)| Cow::Borrowed(mesh)).collect());
+                return Ok(objects.iter().map(|o| Cow::Borrowed(&o.mesh)).collect());
             }
             Objects::Levels(objects) => objects,
         };

@@ -2,7 +2,8 @@
 
 use super::RenderArgs;
 use super::options::Colouring;
-use super::scene::{Objects, Shown};
+use super::scene::Shown;
+use crate::commands::input::Objects;
 use crate::exit::{Failure, Outcome};
 use crate::text::{count, distance};
 use crate::views::{CriterionName, SceneViews};
@@ -12,8 +13,7 @@ use lodc::{SceneLevels, scene_levels};
 use lodc_lod::AnyModel;
 use lodc_mesh::{Lod, Mesh, OrientedTriangle};
 use lodc_select::Target;
-use lodc_strip::Effort;
-use lodc_strip::{StripKind, Strips};
+use lodc_strip::{Effort, StripKind, Strips};
 use rayon::prelude::*;
 
 /// One picture: the triangles of every object.
@@ -68,7 +68,7 @@ pub(super) fn chosen(args: &RenderArgs, shown: &Shown) -> Outcome<Vec<Cell>> {
     let objects = match &shown.objects {
         Objects::Levels(objects) => objects,
         Objects::Meshes(meshes) => {
-            let objects: Vec<_> = meshes.iter().map(|(_, mesh)| whole(mesh)).collect();
+            let objects: Vec<_> = meshes.iter().map(|object| whole(&object.mesh)).collect();
             let triangles = objects.iter().map(|o| o.len() as u64).sum();
             let warnings = Vec::new();
             return Ok(vec![Cell {
@@ -171,32 +171,18 @@ fn strips(object: &LodObject) -> Strips {
     })
 }
 
-/// Remains of strips at a LOD: their triangles with every vertex resolved, and the strip of
-/// each.
+/// Remains of strips at a LOD, and the strip of each triangle, counted over all objects.
 fn of_strips(
     objects: &[LodObject],
     strips: &[Strips],
     lods: &[Lod],
 ) -> (Vec<Vec<OrientedTriangle>>, Vec<Vec<u32>>) {
     let mut first = 0;
-    let mut one = |((object, strips), &lod): ((&LodObject, &Strips), &Lod)| {
-        let map = object.simplified.collapses().resolve_all(lod);
-        let positions = object.simplified.mesh().positions();
-        let at = |v: u32| lodc_mesh::position_key(positions[map[v as usize] as usize]);
-        let (mut triangles, mut ids) = (Vec::new(), Vec::new());
-        for ((number, strip), submesh) in (0..).zip(strips.iter()).zip(strips.submeshes()) {
-            for (k, w) in strip.windows(3).enumerate() {
-                let corners = if k % 2 == 0 { [w[0], w[1], w[2]] } else { [w[1], w[0], w[2]] };
-                let [a, b, c] = corners.map(at);
-                if a != b && b != c && c != a {
-                    triangles
-                        .push(OrientedTriangle::new(submesh, corners.map(|v| map[v as usize])));
-                    ids.push(first + number);
-                }
-            }
-        }
+    let one = |((object, strips), &lod): ((&LodObject, &Strips), &Lod)| {
+        let (triangles, mut ids) = strips.remains(&object.simplified, lod);
+        ids.iter_mut().for_each(|id| *id += first);
         first += strips.len() as u32;
         (triangles, ids)
     };
-    objects.iter().zip(strips).zip(lods).map(&mut one).unzip()
+    objects.iter().zip(strips).zip(lods).map(one).unzip()
 }

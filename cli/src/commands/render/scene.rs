@@ -3,13 +3,12 @@
 use super::RenderArgs;
 use super::options::Colouring;
 use crate::commands::asset::{self, SimplifyArgs};
+use crate::commands::input::Objects;
 use crate::exit::{Failure, Outcome, Status};
 use crate::stages::Stages;
-use lodc::LodObject;
 use lodc::{Input, read_input};
 use lodc_formats::appearance;
-use lodc_formats::{Assets, Document, ObjectInfo, Scene, scene_graph};
-use lodc_mesh::Mesh;
+use lodc_formats::{Assets, Document, Scene, scene_graph};
 use lodc_scene::{Appearance, Arrangement};
 
 /// More triangles than this, instances counted, are not drawn in one picture.
@@ -28,33 +27,6 @@ pub(super) struct Shown {
     pub(super) warnings: Vec<String>,
 }
 
-/// Objects with levels of detail or without.
-pub(super) enum Objects {
-    Levels(Vec<LodObject>),
-    Meshes(Vec<(ObjectInfo, Mesh)>),
-}
-
-impl Objects {
-    pub(super) fn len(&self) -> usize {
-        match self {
-            Self::Levels(objects) => objects.len(),
-            Self::Meshes(objects) => objects.len(),
-        }
-    }
-    pub(super) fn mesh(&self, object: usize) -> &Mesh {
-        match self {
-            Self::Levels(objects) => objects[object].simplified.mesh(),
-            Self::Meshes(objects) => &objects[object].1,
-        }
-    }
-    pub(super) fn info(&self, object: usize) -> &ObjectInfo {
-        match self {
-            Self::Levels(objects) => &objects[object].info,
-            Self::Meshes(objects) => &objects[object].0,
-        }
-    }
-}
-
 /// Reads the input, and simplifies a mesh as `build` would if levels of detail are asked for.
 ///
 /// # Errors
@@ -66,7 +38,7 @@ pub(super) fn read(args: &RenderArgs, stages: &mut Stages) -> Outcome<Shown> {
         Input::Levels(file) => (Objects::Levels(file.objects), file.document, file.left_out),
         Input::Scene(scene) => of_scene(args, scene, stages)?,
     };
-    let infos: Vec<&ObjectInfo> = (0..objects.len()).map(|o| objects.info(o)).collect();
+    let infos = objects.infos();
     // Only the folder of that path counts: textures are looked for there.
     let beside =
         args.textures.as_ref().map_or_else(|| args.input.clone(), |folder| folder.join("-"));
@@ -104,8 +76,7 @@ fn of_scene(
         || args.views.criterion.is_some()
         || !args.contact_sheet.is_empty();
     if !levels && args.color != Colouring::Strips {
-        let objects = scene.objects.into_iter().map(|o| (o.info, o.mesh)).collect();
-        return Ok((Objects::Meshes(objects), scene.document, scene.warnings));
+        return Ok((Objects::Meshes(scene.objects), scene.document, scene.warnings));
     }
     let how = SimplifyArgs::default();
     let asset = asset::simplified(&args.input, &args.import, &how, scene, stages)?;

@@ -2,8 +2,8 @@
 
 use super::Facts;
 use super::levels::Level;
+use crate::commands::verify::CheckReport;
 use crate::html::{base64, escaped};
-use crate::report::CheckReport;
 use crate::text::{count, distance, grouped, size};
 use lodc_lab::{Chart, Curve, Scale};
 use lodc_model::{Layout, Model};

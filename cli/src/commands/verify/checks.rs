@@ -1,7 +1,7 @@
 //! The checks of one file, as the report shows them.
 
+use super::report::CheckReport;
 use crate::exit::{Failure, Outcome, Status};
-use crate::report::CheckReport;
 use lodc::{LodFile, LodObject};
 use lodc_formats::import::{ImportOptions, import};
 use lodc_formats::{Document, Limits, ObjectInfo, scene_graph};

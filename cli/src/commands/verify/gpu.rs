@@ -1,8 +1,8 @@
 //! Replaying models on a graphics device.
 
+use super::report::CheckReport;
 use crate::exit::{Failure, Outcome};
 use crate::gpu::{self, Device, GpuUse};
-use crate::report::CheckReport;
 use lodc::LodFile;
 
 /// A graphics device that takes part, or why none does.

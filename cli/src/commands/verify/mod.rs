@@ -2,10 +2,12 @@
 
 mod checks;
 mod gpu;
+mod report;
 mod sources;
 mod suites;
 
 pub(in crate::commands) use checks::models;
+pub(in crate::commands) use report::CheckReport;
 
 use super::ci::CiArgs;
 use super::read::read_lodc;
@@ -15,11 +17,12 @@ use crate::exit::{Failure, Outcome, Status, one_line};
 use crate::gpu::GpuArgs;
 use crate::limits::ImportArgs;
 use crate::output;
-use crate::report::{CheckReport, FileReport, SCHEMA_VERSION, VerifyReport};
+use crate::report::SCHEMA_VERSION;
 use crate::text::{count, grouped};
 use clap::Args;
 use gpu::Gpu;
 use rayon::prelude::*;
+use report::{FileReport, VerifyReport};
 use sources::Sources;
 use std::num::NonZeroU32;
 use std::panic::{AssertUnwindSafe, catch_unwind};

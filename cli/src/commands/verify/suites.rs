@@ -1,7 +1,7 @@
 //! The checks of a report as CI systems show them.
 
+use super::report::{CheckReport, FileReport, VerifyReport};
 use crate::commands::ci::{Case, Suite, Verdict};
-use crate::report::{CheckReport, FileReport, VerifyReport};
 
 /// A suite for each file.
 pub(super) fn suites(report: &VerifyReport) -> Vec<Suite> {

@@ -47,7 +47,7 @@ pub(super) struct Page {
     pub(super) text: String,
     /// A line each, besides those of the asset.
     pub(super) warnings: Vec<String>,
-    /// What is said of it before its size and after it.
+    /// Words about it that stand before its size and after it.
     pub(super) facts: [String; 2],
 }
 
@@ -142,19 +142,5 @@ fn model(args: &PageArgs, asset: &Asset, assets: &mut Assets) -> Outcome<(Vec<u8
 /// The strip of each triangle in the first model that is made of strips, if there is one.
 fn strips_by_triangle(object: &LodObject) -> Option<Vec<u32>> {
     let strips: &Strips = object.models.iter().find_map(AnyModel::strips)?;
-    let mut known: Vec<([u32; 3], u32)> = Vec::new();
-    for (number, strip) in (0..).zip(strips.iter()) {
-        known.extend(strip.windows(3).map(|w| (sorted([w[0], w[1], w[2]]), number)));
-    }
-    known.sort_unstable();
-    let of = |t: &[u32; 3]| {
-        let at = known.partition_point(|(corners, _)| *corners < sorted(*t));
-        known.get(at).map_or(0, |&(_, number)| number)
-    };
-    Some(object.simplified.mesh().triangles().iter().map(of).collect())
-}
-
-fn sorted(mut corners: [u32; 3]) -> [u32; 3] {
-    corners.sort_unstable();
-    corners
+    Some(strips.of_triangles(object.simplified.mesh()))
 }

@@ -1,4 +1,4 @@
-//! A scene at some levels of detail: triangles to corners, and in the order in which they are drawn.
+//! A scene at some levels of detail: triangles to corners, in the order in which they are drawn.
 
 use super::{Camera, Corner, Frame, Painter};
 use crate::{Device, GpuError};

@@ -1,0 +1,39 @@
+//! What an input shows: meshes as they are, or objects with levels of detail.
+
+use lodc::LodObject;
+use lodc_formats::{ObjectInfo, SceneObject};
+use lodc_mesh::Mesh;
+
+/// Objects with levels of detail or without.
+pub(super) enum Objects {
+    Levels(Vec<LodObject>),
+    Meshes(Vec<SceneObject>),
+}
+
+impl Objects {
+    pub(super) fn len(&self) -> usize {
+        match self {
+            Self::Levels(objects) => objects.len(),
+            Self::Meshes(objects) => objects.len(),
+        }
+    }
+
+    /// The mesh of an object, of one with levels the finest.
+    pub(super) fn mesh(&self, object: usize) -> &Mesh {
+        match self {
+            Self::Levels(objects) => objects[object].simplified.mesh(),
+            Self::Meshes(objects) => &objects[object].mesh,
+        }
+    }
+
+    pub(super) fn info(&self, object: usize) -> &ObjectInfo {
+        match self {
+            Self::Levels(objects) => &objects[object].info,
+            Self::Meshes(objects) => &objects[object].info,
+        }
+    }
+
+    pub(super) fn infos(&self) -> Vec<&ObjectInfo> {
+        (0..self.len()).map(|object| self.info(object)).collect()
+    }
+}
