@@ -14,6 +14,7 @@ mod environment;
 mod estimate;
 mod exit;
 mod gpu;
+mod help;
 mod html;
 mod huge_pages;
 mod importance;
@@ -39,6 +40,7 @@ mod textures;
 mod version;
 mod views;
 
+use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser};
 use cli::{Cli, Command};
 use commands::{
@@ -69,6 +71,13 @@ fn run() -> Status {
     }
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
+        Err(error) if error.kind() == ErrorKind::ValueValidation => {
+            // The first line has the reason; the others point to help that has no more of it.
+            let text = error.to_string();
+            let line = text.lines().next().unwrap_or_default();
+            console::error(&line.trim_start_matches("error: "));
+            return Status::Usage;
+        }
         Err(error) => {
             // Help and versions come as errors too. A closed pipe is none of our business here.
             let _ = error.print();

@@ -2,6 +2,7 @@
 
 use crate::batch::globs;
 use crate::exit::{Failure, Outcome};
+use crate::help::SIMPLIFIED;
 use crate::importance::{listed, part_names, weights};
 use crate::selector;
 use clap::Args;
@@ -14,11 +15,13 @@ use serde::Deserialize;
 /// Options of parts.
 #[derive(Args, Clone, Debug, Default)]
 pub(crate) struct PartArgs {
-    /// Options of a part, a JSON object: {"objects": [GLOB, ...], "metric": "hybrid", "weight":
-    /// "uv=2", "lock": true}, or {"materials": [GLOB, ...], "weight": "uv=2", "lock": true}; may be
-    /// given several times, and later ones win
+    /// Options of objects or materials by name, as JSON
+    ///
+    /// {"objects": [GLOB, ...], "metric": "hybrid", "weight": "uv=2", "lock": true}, or {"materials":
+    /// [GLOB, ...], "weight": "uv=2", "lock": true}. May be given several times; later ones win. People
+    /// write this in lodc.toml.
     #[arg(long = "part", value_name = "JSON", value_parser = Part::parse,
-          help_heading = "Importance")]
+          help_heading = SIMPLIFIED, hide_short_help = true)]
     parts: Vec<Part>,
 }
 

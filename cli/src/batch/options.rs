@@ -36,6 +36,9 @@ const OF_THE_RUN: [&str; 21] = [
     "verbose",
 ];
 
+/// The option whose values have keys: each key counts by itself, the last one given.
+const LIMIT: &str = "limit";
+
 /// The command line as the program defines it: set once, so that nothing here depends on the
 /// commands.
 static ROOT: OnceLock<fn() -> Command> = OnceLock::new();
@@ -82,11 +85,18 @@ impl OptionValues {
         Ok(Self(values))
     }
 
-    /// Those of `stronger`, and these where it has none, nor one that excludes them.
-    pub(crate) fn under(mut self, stronger: Self, command: &str) -> Self {
+    /// Those of `stronger`, and these where it has none, nor one that excludes them. Limits are
+    /// known by their keys: of both, those of `stronger` stand last and count.
+    pub(crate) fn under(mut self, mut stronger: Self, command: &str) -> Self {
         let names: Vec<&str> = stronger.0.keys().map(String::as_str).collect();
         for name in excluded(&names, command) {
             self.0.remove(name);
+        }
+        if let Some(last) = stronger.0.get_mut(LIMIT)
+            && let Some(mut limits) = self.0.remove(LIMIT)
+        {
+            limits.append(last);
+            *last = limits;
         }
         self.0.extend(stronger.0);
         self
@@ -146,7 +156,8 @@ pub(crate) fn arguments<A: FromArgMatches>(
         if OF_THE_RUN.contains(&option.as_str()) {
             return Err(format!("option {option} is for a whole run, not for one asset"));
         }
-        if given.contains(option) {
+        // These stand before those of the command line, so that its limits count.
+        if given.contains(option) && option != LIMIT {
             continue;
         }
         match values.as_slice() {
@@ -179,7 +190,7 @@ fn resolved(matches: &ArgMatches, command: &Command) -> String {
     for argument in command.get_arguments() {
         let id = argument.get_id().as_str();
         let name = argument.get_long().unwrap_or_default();
-        if name.is_empty() || OF_THE_RUN.contains(&name) || name.starts_with("limit-") {
+        if name.is_empty() || OF_THE_RUN.contains(&name) || name.starts_with(LIMIT) {
             continue;
         }
         let values = matches.get_raw(id).into_iter().flatten();
@@ -204,7 +215,8 @@ struct CommandOptions {
 
 impl CommandOptions {
     fn of(command: &Command) -> Self {
-        let names = command.get_arguments().filter_map(|a| a.get_long());
+        let shown = command.get_arguments().filter(|a| !a.is_hide_set());
+        let names = shown.filter_map(|a| a.get_long());
         let for_assets = names.filter(|n| !OF_THE_RUN.contains(n)).map(str::to_owned).collect();
         let long = |id: &Id| {
             let mut all = command.get_arguments();

@@ -7,6 +7,7 @@ pub(crate) use file::Layer;
 
 use crate::batch::{self, Asset, OptionValues};
 use crate::exit::{Failure, Outcome};
+use crate::help::CONFIGURATION;
 use clap::Args;
 use file::{File, Options};
 use serde_json::Value;
@@ -23,14 +24,16 @@ const OF_THE_ORDER: [&str; 6] =
 
 /// Options that choose a configuration.
 #[derive(Args, Clone, Debug, Default)]
-#[command(next_help_heading = "Configuration")]
+#[command(next_help_heading = CONFIGURATION)]
 pub(crate) struct ConfigArgs {
-    /// Read options from FILE [default: the nearest lodc.toml above the input, not above the
-    /// folder that was given or, for a named file, the current one]
-    #[arg(long, value_name = "FILE")]
+    /// Read options from FILE [default: the nearest lodc.toml above the input]
+    ///
+    /// The default is looked for up to the folder that was given or, for a named file, up to the
+    /// current one. Options of the command line win.
+    #[arg(long, value_name = "FILE", hide_short_help = true)]
     pub(crate) config: Option<PathBuf>,
-    /// Take the options of this profile of the configuration
-    #[arg(long, value_name = "NAME")]
+    /// Also take the options of this profile of the configuration
+    #[arg(long, value_name = "NAME", hide_short_help = true)]
     pub(crate) profile: Option<String>,
 }
 

@@ -18,6 +18,7 @@ use super::subject::{Runner, Structure, baselines, structures};
 use super::{BenchArgs, Input, Prepared};
 use crate::exit::Outcome;
 use crate::gpu::Device;
+use crate::help::{MEASURED, OUTPUT};
 use crate::text::grouped;
 use clap::Args;
 use lodc_baseline::{Baseline, Discrete};
@@ -34,24 +35,27 @@ use walk::{Crowd, FRAMES_PER_SECOND, Stand};
 
 /// Options of a crowd.
 #[derive(Args, Clone, Debug)]
+#[command(next_help_heading = MEASURED)]
 pub(super) struct CrowdArgs {
-    /// Measure a crowd of all inputs instead, in turn: it walks around a viewer, ten frames a
-    /// second, and every instance has a level by its distance
+    /// Measure a crowd of all inputs instead
+    ///
+    /// It walks around a viewer, ten frames a second; every instance has a level by its distance.
     #[arg(long, conflicts_with = "streams")]
     pub(super) crowd: bool,
-    /// Instances of a crowd
+    /// Instances of the crowd, up to 100,000
     #[arg(long, value_name = "N", default_value = "250", requires = "crowd",
-          value_parser = clap::value_parser!(u32).range(1..=100_000))]
+          value_parser = clap::value_parser!(u32).range(1..=100_000), hide_short_help = true)]
     instances: u32,
-    /// Seconds that it walks
+    /// Seconds that it walks, up to 10,000
     #[arg(long, value_name = "S", default_value = "50", requires = "crowd",
-          value_parser = clap::value_parser!(u32).range(1..=10_000))]
+          value_parser = clap::value_parser!(u32).range(1..=10_000), hide_short_help = true)]
     seconds: u32,
-    /// Makes its paths
-    #[arg(long, value_name = "K", default_value = "1", requires = "crowd")]
+    /// Number that makes its paths; the same one gives the same paths
+    #[arg(long, value_name = "K", default_value = "1", requires = "crowd", hide_short_help = true)]
     seed: u64,
-    /// Draw the crowd in the middle of its time into a PNG, coloured by level, on a GPU
-    #[arg(long, value_name = "OUT.png", requires = "crowd")]
+    /// Draw the crowd in the middle of its time, by level, on a graphics device
+    #[arg(long, value_name = "OUT.png", requires = "crowd", help_heading = OUTPUT,
+          hide_short_help = true)]
     pub(super) picture: Option<PathBuf>,
 }
 
