@@ -52,6 +52,10 @@ fixtures:
 tour:
     UPDATE=1 cargo test -p lodc-cli --test cli readme
 
+# Write the tables of options in docs/CLI.md anew
+options:
+    UPDATE=1 cargo test -p lodc-cli --bin lodc page
+
 # Draw the pictures of README and CLI.md again (docs/*.png; needs a graphics device)
 picture: build
     cargo run --release -p lodc-fixtures --example shell -- target/shell.obj

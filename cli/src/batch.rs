@@ -1,6 +1,7 @@
 //! Options of commands that take many assets.
 
 use crate::exit::Outcome;
+use crate::help::MANY;
 use clap::Args;
 use lodc_assets::{Choice, Shard};
 use std::path::{Path, PathBuf};
@@ -11,23 +12,28 @@ pub(crate) use lodc_assets::{
 
 /// Options of commands that take many assets.
 #[derive(Args, Clone, Debug, Default)]
-#[command(next_help_heading = "Many assets")]
+#[command(next_help_heading = MANY)]
 pub(crate) struct BatchArgs {
-    /// Read assets from FILE, a JSON document in each line: {"input": PATH, "output": PATH,
-    /// "options": {"metric": "hybrid", ...}}; the last two may be left out; of `compare`, {"a":
-    /// PATH, "input": PATH, "options": ...}; `-` for standard input
-    #[arg(long, value_name = "FILE")]
+    /// List of assets, a JSON document in each line; - for standard input
+    ///
+    /// {"input": PATH, "output": PATH, "options": {"metric": "hybrid", ...}}; output and options may be
+    /// left out. Of compare, {"a": PATH, "input": PATH, "options": ...}.
+    #[arg(long, value_name = "FILE", hide_short_help = true)]
     pub(crate) manifest: Option<PathBuf>,
-    /// Of folders, take only files whose path below the folder matches (may be given several
-    /// times)
-    #[arg(long, value_name = "GLOB")]
+    /// Of folders, only files whose path below the folder matches
+    ///
+    /// * does not match a slash, ** does. May be given several times.
+    #[arg(long, value_name = "GLOB", hide_short_help = true)]
     pub(crate) include: Vec<String>,
-    /// Of folders, leave out files whose path below the folder matches (may be given several
-    /// times)
-    #[arg(long, value_name = "GLOB")]
+    /// Of folders, no files whose path below the folder matches
+    ///
+    /// * does not match a slash, ** does. May be given several times.
+    #[arg(long, value_name = "GLOB", hide_short_help = true)]
     pub(crate) exclude: Vec<String>,
-    /// Do part I of N only, I from 1; which part an asset is in depends on its path alone
-    #[arg(long, value_name = "I/N", value_parser = Shard::parse)]
+    /// Do part I of N only, I from 1, for several machines
+    ///
+    /// The part of an asset depends on its path alone.
+    #[arg(long, value_name = "I/N", value_parser = Shard::parse, hide_short_help = true)]
     pub(crate) shard: Option<Shard>,
 }
 

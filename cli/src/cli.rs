@@ -1,18 +1,24 @@
 //! The command line as `clap` sees it: every command, and the options all of them have.
 
 use crate::commands::{
-    bench, build, chain, compare, completions, config, extract, info, man, pack, render, select,
-    shaders, strips, unpack, verify, view,
+    bench, build, chain, compare, completions, config, extract, info, man, pack, render, report,
+    select, shaders, strips, unpack, verify, view,
 };
-use clap::{Args, Parser, Subcommand};
+use crate::help::{GENERAL, MORE};
+use clap::{ArgAction, Args, Parser, Subcommand};
 
 /// Continuous level of detail: every level between a full mesh and a single point, in one verified
 /// file.
 #[derive(Debug, Parser)]
-#[command(name = "lodc", version, propagate_version = true, arg_required_else_help = true)]
-#[command(after_help = "Exit status: 0 done, 1 a check found a difference, 2 wrong usage, \
-                  3 bad input, 4 output not written, 5 a limit was reached, 6 no usable GPU, \
-                  70 a bug.")]
+#[command(
+    name = "lodc",
+    version,
+    propagate_version = true,
+    arg_required_else_help = true,
+    disable_help_flag = true,
+    disable_version_flag = true,
+    after_help = EXAMPLES
+)]
 pub(crate) struct Cli {
     #[command(subcommand)]
     pub(crate) command: Command,
@@ -20,27 +26,48 @@ pub(crate) struct Cli {
     pub(crate) common: CommonArgs,
 }
 
+const EXAMPLES: &str = "\
+Examples:
+  lodc extract chair.glb --ratio 25% -o chair.quarter.glb
+  lodc build chair.glb -o chair.lodc
+  lodc verify chair.lodc --source chair.glb
+
+`lodc COMMAND -h` shows the options needed most, `lodc COMMAND --help` all of them.
+Exit status: 0 done, 1 a check found a difference, 2 wrong usage, 3 bad input, 4 output not written, \
+5 a limit was reached, 6 no usable GPU, 70 a bug.";
+
 /// Options of every command.
 #[derive(Args, Clone, Copy, Debug)]
+#[command(next_help_heading = GENERAL)]
 pub(crate) struct CommonArgs {
     /// Print errors only
     #[arg(short, long, global = true)]
     pub(crate) quiet: bool,
     /// Print seconds and peak memory of every stage
-    #[arg(short, long, global = true, conflicts_with = "quiet")]
+    #[arg(short, long, global = true, conflicts_with = "quiet", hide_short_help = true)]
     pub(crate) verbose: bool,
+    /// -h: the options needed most; --help: all of them, and examples
+    #[arg(id = "help", short, long, global = true, action = ArgAction::Help)]
+    _help: Option<bool>,
+    /// Print the version
+    #[arg(id = "version", short = 'V', long, global = true, action = ArgAction::Version,
+          hide_short_help = true)]
+    _version: Option<bool>,
 }
 
 /// The command and its options.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// Turn OBJ, glTF or GLB files into .lodc files
+    /// Turn OBJ, glTF or GLB files into .lodc files, which hold every level
     Build(build::BuildArgs),
     /// Take one level of detail out of meshes or .lodc files
     Extract(extract::ExtractArgs),
     /// Write a few levels for engines: one file over one vertex buffer, or a file each
     Chain(chain::ChainArgs),
-    /// Show what is inside a .lodc file
+    /// Make an offline page that shows every level in a browser
+    #[command(after_help = MORE, after_long_help = view::EXAMPLES)]
+    View(view::PageArgs),
+    /// Show what is inside .lodc files and .lods streams
     Info(info::InfoArgs),
     /// Replay every model of .lodc files against the reference
     Verify(verify::VerifyArgs),
@@ -48,27 +75,28 @@ pub(crate) enum Command {
     Compare(compare::CompareArgs),
     /// Make a picture of a mesh, or of levels of detail, with a graphics device
     Render(render::RenderArgs),
-    /// Make an offline page that shows every level in a browser
-    View(view::PageArgs),
     /// Make an offline page for approving an asset: pictures, errors, storage, checks
+    #[command(after_help = MORE, after_long_help = report::EXAMPLES)]
     Report(view::PageArgs),
+    /// Choose levels for a distance, or for all instances of a scene under a budget
+    Select(select::SelectArgs),
+    /// Write the WGSL that an engine needs to show models, and a guide to it
+    Shaders(shaders::ShadersArgs),
     /// Turn a .lodc file into a progressive stream
     Pack(pack::PackArgs),
     /// Turn a progressive stream, or as much as there is of it, into a mesh file
     Unpack(unpack::UnpackArgs),
-    /// Write the triangle strips of a mesh as text
-    Strips(strips::StripsArgs),
-    /// Write the WGSL that an engine needs to show models, and a guide to it
-    Shaders(shaders::ShadersArgs),
-    /// Choose levels for a distance, or for all instances of a scene under a budget
-    Select(select::SelectArgs),
-    /// Measure storage, extraction time, bus traffic and primitives
-    Bench(bench::BenchArgs),
     /// Show what lodc.toml says of an asset
     Config(config::ShowArgs),
+    /// Measure storage, extraction time, bus traffic and primitives
+    Bench(bench::BenchArgs),
+    /// Write the triangle strips of a mesh as text
+    Strips(strips::StripsArgs),
     /// Print a completion script for a shell
+    #[command(hide = true)]
     Completions(completions::CompletionsArgs),
     /// Print a manual page
+    #[command(hide = true)]
     Man(man::ManArgs),
 }
 
@@ -93,3 +121,10 @@ impl Command {
         }
     }
 }
+
+#[cfg(test)]
+#[path = "page_tests.rs"]
+mod page_tests;
+#[cfg(test)]
+#[path = "cli_tests.rs"]
+mod tests;

@@ -2,6 +2,7 @@
 
 use crate::bits;
 use crate::exit::{Failure, Outcome};
+use crate::help::BECOMES;
 use crate::mesh_output::FormatName;
 use clap::{Args, ValueEnum};
 use lodc::level_mesh::Order;
@@ -10,12 +11,18 @@ use lodc_formats::images::PlacedTextures;
 
 /// Options of compression.
 #[derive(Args, Clone, Copy, Debug)]
+#[command(next_help_heading = BECOMES)]
 pub(crate) struct CompressArgs {
-    /// Compression of geometry in .glb and .gltf [default: as in the input]
+    /// Compression of .glb and .gltf [default: as in the input]
+    ///
+    /// Of geometry, samples of animations and matrices of skins. A .lodc file is not compressed.
     #[arg(long, value_enum)]
     compress: Option<Compression>,
-    /// Bits per number, 2 to 16, in .glb and .gltf: pos=14,normal=10,uv=12,color=8,weight=8
-    /// [default: all]
+    /// Bits per number in .glb and .gltf: pos=14,normal=10,uv=12 [default: all]
+    ///
+    /// From 2 to 16 for pos, normal (tangents, too), uv, color and weight (of skins), by
+    /// KHR_mesh_quantization; kinds left out stay as they are. The step of positions is the same for
+    /// all objects as the scene shows them.
     #[arg(long, value_name = "KIND=BITS,…", value_parser = precision)]
     quantize: Option<Precision>,
 }

@@ -1,6 +1,7 @@
 //! Options that choose a configuration, `lodc.toml`.
 
 use crate::exit::Outcome;
+use crate::help::CONFIGURATION;
 use crate::program::Program;
 use clap::Args;
 use lodc_assets::{Asset, Configs, Layer};
@@ -8,14 +9,16 @@ use std::path::{Path, PathBuf};
 
 /// Options that choose a configuration.
 #[derive(Args, Clone, Debug, Default)]
-#[command(next_help_heading = "Configuration")]
+#[command(next_help_heading = CONFIGURATION)]
 pub(crate) struct ConfigArgs {
-    /// Read options from FILE [default: the nearest lodc.toml above the input, not above the
-    /// folder that was given or, for a named file, the current one]
-    #[arg(long, value_name = "FILE")]
+    /// Read options from FILE [default: the nearest lodc.toml above the input]
+    ///
+    /// The default is looked for up to the folder that was given or, for a named file, up to the
+    /// current one. Options of the command line win.
+    #[arg(long, value_name = "FILE", hide_short_help = true)]
     pub(crate) config: Option<PathBuf>,
-    /// Take the options of this profile of the configuration
-    #[arg(long, value_name = "NAME")]
+    /// Also take the options of this profile of the configuration
+    #[arg(long, value_name = "NAME", hide_short_help = true)]
     pub(crate) profile: Option<String>,
 }
 

@@ -3,6 +3,7 @@
 pub(crate) use lodc_lab::Device;
 
 use crate::exit::{Failure, Status};
+use crate::help::DEVICE;
 use clap::{Args, ValueEnum};
 
 /// Demand for a graphics device.
@@ -14,8 +15,11 @@ pub(crate) enum GpuUse {
 
 /// Options of commands that also work on a graphics device.
 #[derive(Args, Clone, Debug)]
+#[command(next_help_heading = DEVICE)]
 pub(crate) struct GpuArgs {
-    /// Also work on a GPU: `require` one (plain --gpu), or take it if there is one (`auto`)
+    /// Also work on a graphics device; --gpu=auto: if there is one
+    ///
+    /// --gpu, or --gpu=require, ends with status 6 where none is usable.
     #[arg(
         long,
         value_name = "WHEN",
@@ -24,8 +28,8 @@ pub(crate) struct GpuArgs {
         default_missing_value = "require"
     )]
     pub(crate) gpu: Option<GpuUse>,
-    /// The GPU to use, by a part of its name
-    #[arg(long, value_name = "NAME", requires = "gpu")]
+    /// Graphics device to use, by a part of its name
+    #[arg(long, value_name = "NAME", requires = "gpu", hide_short_help = true)]
     pub(crate) adapter: Option<String>,
 }
 

@@ -1,6 +1,7 @@
 //! Options that say what matters of a mesh: weights of attributes, parts that stay.
 
 use crate::exit::{Failure, Outcome};
+use crate::help::SIMPLIFIED;
 use clap::Args;
 use lodc_formats::{ObjectInfo, PartNames, Scene};
 use lodc_mesh::{Mesh, Semantic};
@@ -9,14 +10,18 @@ use std::collections::BTreeSet;
 
 /// Weights and locks. They shape the order of collapses, so that a `.lodc` file has its own.
 #[derive(Args, Clone, Debug, Default)]
-#[command(next_help_heading = "Importance")]
+#[command(next_help_heading = SIMPLIFIED)]
 pub(crate) struct ImportanceArgs {
-    /// Importance of attributes, as factors of the defaults: normal=2,uv=0.5,color=1,skin=1
-    #[arg(long, value_name = "LIST", value_parser = weights)]
+    /// Importance of attributes: normal=2,uv=0.5,color=1,skin=1
+    ///
+    /// Factors of the defaults, from 0 to 1e6; kinds left out weigh 1.
+    #[arg(long, value_name = "LIST", value_parser = weights, hide_short_help = true)]
     weight: Option<Weights>,
-    /// A part that stays until the terminal phase: material:NAME, node:NAME, or color (vertices
-    /// whose red is 1); may be given several times
-    #[arg(long, value_name = "PART", value_parser = lock)]
+    /// Part that stays: material:NAME, node:NAME or color
+    ///
+    /// Until the terminal phase. node of an OBJ is the object; color means vertices whose red is 1.
+    /// May be given several times.
+    #[arg(long, value_name = "PART", value_parser = lock, hide_short_help = true)]
     lock: Vec<Lock>,
 }
 

@@ -2,6 +2,7 @@
 //! what may be named, what help says of it, and what its default is.
 
 use crate::exit::{Failure, Outcome};
+use crate::help::{SIMPLIFIED, STORED};
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use lodc_formats::lodc::Layout;
@@ -83,11 +84,14 @@ fn values<K: Kind>() -> impl Iterator<Item = PossibleValue> {
 /// The option of commands that simplify meshes.
 #[derive(Args, Clone, Copy, Debug, Default)]
 pub(crate) struct MetricArgs {
-    /// Metric that drives the collapses of meshes (a .lodc file has its own)
+    /// Metric that drives the collapses of meshes
+    ///
+    /// A .lodc file has its order of collapses already.
     #[arg(
         long,
         value_parser = parser::<MetricKind>(),
-        default_value = MetricKind::default().name()
+        default_value = MetricKind::default().name(),
+        help_heading = SIMPLIFIED
     )]
     pub(crate) metric: MetricKind,
 }
@@ -98,9 +102,11 @@ const MOST_BY_LOOKS: u64 = 200_000;
 /// The option of commands that simplify a mesh on the way to something that is looked at.
 #[derive(Args, Clone, Copy, Debug, Default)]
 pub(crate) struct LookArgs {
-    /// Metric that simplifies a mesh (a .lodc file has its own) [default: hybrid up to 200,000
-    /// triangles, quadric beyond]
-    #[arg(long, value_parser = parser::<MetricKind>())]
+    /// Metric that drives the collapses of meshes [default: hybrid up to 200,000
+    /// triangles, else quadric]
+    ///
+    /// A .lodc file has its order of collapses already.
+    #[arg(long, value_parser = parser::<MetricKind>(), help_heading = SIMPLIFIED)]
     metric: Option<MetricKind>,
 }
 
@@ -126,11 +132,16 @@ impl LookArgs {
 /// Options of commands that write .lodc files.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct ModelArgs {
-    /// Structures to write, separated by commas [default: every one that this version has]
-    #[arg(long, value_delimiter = ',', value_name = "MODELS", value_parser = structures())]
+    /// Structures to store, separated by commas [default: all]
+    ///
+    /// Each lets an engine move between levels in its own way. To take levels out of the file, none
+    /// is enough.
+    #[arg(long, value_delimiter = ',', value_name = "MODELS", value_parser = structures(),
+          help_heading = STORED)]
     models: Vec<Choice<ModelKind>>,
-    /// Width of the indices in the file
-    #[arg(long, value_parser = parser::<Layout>(), default_value = Layout::default().name())]
+    /// Width of the indices in the file; levels are the same
+    #[arg(long, value_parser = parser::<Layout>(), default_value = Layout::default().name(),
+          help_heading = STORED, hide_short_help = true)]
     layout: Layout,
 }
 
@@ -168,16 +179,18 @@ pub(crate) fn chosen(named: &[ModelKind]) -> Vec<ModelKind> {
 
 /// The names of all that may be written.
 fn structures() -> impl TypedValueParser<Value = Choice<ModelKind>> {
-    parser_with("none", "None: extract, render and chain need the collapse sequence alone")
+    parser_with("none", "The collapse sequence alone: extract, chain, render and pack need no more")
 }
 
 /// Options of commands that make strips.
 #[derive(Args, Clone, Copy, Debug)]
 pub(crate) struct StripArgs {
-    #[arg(long, value_parser = parser::<StripKind>(), help = strips_help())]
+    #[arg(long, value_parser = parser::<StripKind>(), help = strips_help(),
+          help_heading = STORED, hide_short_help = true)]
     strips: Option<StripKind>,
-    /// Effort of strip generation
-    #[arg(long, value_parser = parser::<Effort>(), default_value = Effort::default().name())]
+    /// Effort of the search for strips
+    #[arg(long, value_parser = parser::<Effort>(), default_value = Effort::default().name(),
+          help_heading = STORED, hide_short_help = true)]
     effort: Effort,
 }
 
@@ -194,7 +207,7 @@ fn strips_help() -> String {
         .into_iter()
         .filter_map(|model| Some(format!("{} for {}", model.strips()?.name(), model.name())));
     let defaults: Vec<String> = defaults.collect();
-    format!("Strip generator of all strip models [default: {}]", defaults.join(", "))
+    format!("Strips of all models made of strips [default: {}]", defaults.join(", "))
 }
 
 #[cfg(test)]

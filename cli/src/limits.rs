@@ -1,9 +1,10 @@
-//! Options that raise or lower the limits on inputs.
+//! Options of reading inputs, and the limits on them.
 
 use crate::exit::{Failure, Outcome, Status};
+use crate::help::{LIMITS, READ};
 use crate::huge_pages;
 use crate::text::{count, size as size_of};
-use clap::Args;
+use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
 use lodc::build::{Need, Size};
 use lodc_formats::Limits;
 use lodc_formats::import::ImportOptions;
@@ -12,11 +13,17 @@ use std::path::PathBuf;
 /// Options of reading inputs, shared by every command that reads a mesh.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct ImportArgs {
-    /// Join positions closer than EPS times the bounding box's diagonal (0: identical ones only)
-    #[arg(long, value_name = "EPS", default_value = "0", value_parser = weld)]
+    /// Join positions closer than EPS times the bounding box's diagonal
+    ///
+    /// From 0 (identical positions only) to below 1.
+    #[arg(long, value_name = "EPS", default_value = "0", value_parser = weld,
+          help_heading = READ, hide_short_help = true)]
     weld: f64,
-    /// Also read files under DIR that the input refers to (may be given several times)
-    #[arg(long, value_name = "DIR")]
+    /// Also read files under DIR that the input refers to
+    ///
+    /// Without it only files in the input's own folder and below are read. May be given several
+    /// times.
+    #[arg(long, value_name = "DIR", help_heading = READ, hide_short_help = true)]
     allow_path: Vec<PathBuf>,
     #[command(flatten)]
     limits: LimitArgs,
@@ -36,46 +43,166 @@ impl ImportArgs {
 }
 
 /// The limits themselves. Reaching one ends with status 5.
-#[derive(Args, Clone, Debug)]
-#[command(next_help_heading = "Limits")]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct LimitArgs {
-    /// Largest single file, in bytes (K, M, G, T: powers of 1024) [default: 4G]
-    #[arg(long, value_name = "SIZE", value_parser = size)]
-    limit_file_bytes: Option<u64>,
-    /// Largest sum of all files of one input [default: 8G]
-    #[arg(long, value_name = "SIZE", value_parser = size)]
-    limit_total_bytes: Option<u64>,
-    /// Longest line of a text format [default: 64M]
-    #[arg(long, value_name = "SIZE", value_parser = size)]
-    limit_line_bytes: Option<u64>,
-    /// Most vertices of one input [default: 256M]
-    #[arg(long, value_name = "COUNT", value_parser = size)]
-    limit_vertices: Option<u64>,
-    /// Most triangles of one input [default: 256M]
-    #[arg(long, value_name = "COUNT", value_parser = size)]
-    limit_triangles: Option<u64>,
-    /// Memory that a build may be expected to need [default: what the machine has]
-    #[arg(long, value_name = "SIZE", value_parser = size)]
-    limit_memory: Option<u64>,
+    limits: Limits,
+    memory: Option<u64>,
+}
+
+/// The option, repeated for several keys.
+const LIMIT: &str = "limit";
+
+/// A key of `--limit`.
+#[derive(Debug)]
+struct Key {
+    name: &'static str,
+    /// An option of its own that says the same.
+    option: &'static str,
+    /// The numbers that the key takes.
+    counts: &'static str,
+    /// None: the memory of the machine.
+    default: Option<u64>,
+    set: fn(&mut LimitArgs, u64),
+}
+
+static KEYS: [Key; 6] = [
+    Key {
+        name: "file",
+        option: "limit-file-bytes",
+        counts: "bytes of a single file",
+        default: Some(Limits::DEFAULT.file_bytes),
+        set: |args, number| args.limits.file_bytes = number,
+    },
+    Key {
+        name: "total",
+        option: "limit-total-bytes",
+        counts: "bytes of all files of one input together",
+        default: Some(Limits::DEFAULT.total_bytes),
+        set: |args, number| args.limits.total_bytes = number,
+    },
+    Key {
+        name: "line",
+        option: "limit-line-bytes",
+        counts: "bytes of a line of a text format",
+        default: Some(Limits::DEFAULT.line_bytes),
+        set: |args, number| args.limits.line_bytes = number,
+    },
+    Key {
+        name: "vertices",
+        option: "limit-vertices",
+        counts: "vertices",
+        default: Some(Limits::DEFAULT.vertices),
+        set: |args, number| args.limits.vertices = number,
+    },
+    Key {
+        name: "triangles",
+        option: "limit-triangles",
+        counts: "triangles",
+        default: Some(Limits::DEFAULT.triangles),
+        set: |args, number| args.limits.triangles = number,
+    },
+    Key {
+        name: "memory",
+        option: "limit-memory",
+        counts: "bytes that the work on one input may be expected to need",
+        default: None,
+        set: |args, number| args.memory = Some(number),
+    },
+];
+
+impl Args for LimitArgs {
+    fn augment_args(command: Command) -> Command {
+        let limit = Arg::new(LIMIT)
+            .long(LIMIT)
+            .value_name("KEY=VALUE")
+            .action(ArgAction::Append)
+            .value_parser(limit)
+            .help("Limit on each input, such as memory=8G (see --help)")
+            .long_help(long_help())
+            .help_heading(LIMITS)
+            .hide_short_help(true);
+        let own = |key: &'static Key| {
+            let own = Arg::new(key.option).long(key.option).value_parser(size);
+            own.help("The same as --limit with a key").help_heading(LIMITS).hide(true)
+        };
+        command.arg(limit).args(KEYS.iter().map(own))
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Self::augment_args(command)
+    }
+}
+
+/// The help of `--limit`, with every key.
+fn long_help() -> String {
+    let default = |number: u64| match number.trailing_zeros() {
+        30.. => format!("{}G", number >> 30),
+        _ => format!("{}M", number >> 20),
+    };
+    let line = |key: &Key| {
+        let default = key.default.map_or_else(|| "what the machine has".to_owned(), default);
+        format!("\n  {:10} {} ({default})", key.name, key.counts)
+    };
+    let lines: String = KEYS.iter().map(line).collect();
+    format!(
+        "Limit on each input, such as memory=8G\n\nMay be given several times; of several for one \
+         key the last counts. Reaching a limit ends with status 5. Values are whole numbers, with \
+         K, M, G or T behind them for powers of 1024. Keys and their defaults:\n{lines}"
+    )
+}
+
+impl FromArgMatches for LimitArgs {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        let mut args = Self::default();
+        args.update_from_arg_matches(matches)?;
+        Ok(args)
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        let places = |option| matches.indices_of(option).into_iter().flatten();
+        let keyed = matches.get_many::<Limit>(LIMIT).into_iter().flatten();
+        let mut given: Vec<(usize, Limit)> = places(LIMIT).zip(keyed.copied()).collect();
+        for key in &KEYS {
+            let numbers = matches.get_many::<u64>(key.option).into_iter().flatten();
+            given.extend(places(key.option).zip(numbers.map(|&number| Limit { key, number })));
+        }
+        // The last one counts, by whichever name.
+        given.sort_by_key(|(place, _)| *place);
+        given.into_iter().for_each(|(_, limit)| (limit.key.set)(self, limit.number));
+        Ok(())
+    }
+}
+
+/// A limit as it was given.
+#[derive(Clone, Copy, Debug)]
+struct Limit {
+    key: &'static Key,
+    number: u64,
+}
+
+/// `memory=8G`.
+fn limit(text: &str) -> Result<Limit, String> {
+    let read = || {
+        let (name, number) = text.split_once('=').ok_or("KEY=VALUE is needed")?;
+        let key = KEYS.iter().find(|key| key.name == name);
+        let key = key.ok_or_else(|| format!("there is no key {name}"))?;
+        Ok(Limit { key, number: size(number)? })
+    };
+    read().map_err(|why: String| {
+        let names: Vec<&str> = KEYS.iter().map(|key| key.name).collect();
+        format!("{why}; keys are {}", names.join(", "))
+    })
 }
 
 impl LimitArgs {
     pub(crate) fn limits(&self) -> Limits {
-        let default = Limits::DEFAULT;
-        Limits {
-            file_bytes: self.limit_file_bytes.unwrap_or(default.file_bytes),
-            total_bytes: self.limit_total_bytes.unwrap_or(default.total_bytes),
-            line_bytes: self.limit_line_bytes.unwrap_or(default.line_bytes),
-            vertices: self.limit_vertices.unwrap_or(default.vertices),
-            triangles: self.limit_triangles.unwrap_or(default.triangles),
-            ..default
-        }
+        self.limits
     }
 
     /// Bytes of memory that may be used: what was asked for, or what the machine has; none if
     /// nobody knows.
     pub(crate) fn memory(&self) -> Option<u64> {
-        self.limit_memory.or_else(crate::memory::available_bytes)
+        self.memory.or_else(crate::memory::available_bytes)
     }
 
     /// Refuses work on an asset that would not fit into memory, before the system kills the process
@@ -83,7 +210,7 @@ impl LimitArgs {
     /// or work in little memory, gets no more huge pages.
     ///
     /// # Errors
-    /// If a stage needs more than there is, or than `--limit-memory` allows.
+    /// If a stage needs more than there is, or than `--limit memory=` allows.
     pub(crate) fn check_memory(&self, name: &str, size: Size, needs: &[Need]) -> Outcome<()> {
         let (most, limit) = (needs.iter().max(), self.memory());
         huge_pages::forbid_for(most.map_or(0, |need| need.bytes), limit);
@@ -92,7 +219,7 @@ impl LimitArgs {
                 Status::Limit,
                 format!(
                     "{name}: {} may need {} of memory (stage {stage}), more than the limit of {} \
-                     (--limit-memory)",
+                     (--limit memory=SIZE)",
                     count(size.triangles, "triangle"),
                     size_of(*bytes),
                     size_of(limit)
@@ -122,7 +249,8 @@ fn size(text: &str) -> Result<u64, String> {
             Some((i, 'T')) => (&text[..i], 40),
             _ => (text, 0),
         };
-    let number: u64 = digits.parse().map_err(|e| format!("{e}"))?;
+    let wrong = || "a whole number, with or without K, M, G or T, is needed".to_owned();
+    let number: u64 = digits.parse().map_err(|_| wrong())?;
     number.checked_mul(1 << shift).ok_or_else(|| "too large".to_owned())
 }
 
@@ -137,6 +265,48 @@ mod tests {
         assert_eq!(size("2G"), Ok(2 << 30));
         for wrong in ["", "K", "-1", "1.5M", "99999999999T", "3X", "é"] {
             assert!(size(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    fn given(words: &[&str]) -> Result<LimitArgs, clap::Error> {
+        let command = LimitArgs::augment_args(Command::new("lodc"));
+        let matches = command.try_get_matches_from(["lodc"].iter().chain(words))?;
+        LimitArgs::from_arg_matches(&matches)
+    }
+
+    #[test]
+    fn keys_and_options_of_their_own_say_the_same_and_the_last_counts() {
+        let numbers = |args: &LimitArgs| {
+            let l = args.limits();
+            [l.file_bytes, l.total_bytes, l.line_bytes, l.vertices, l.triangles]
+                .map(Some)
+                .into_iter()
+                .chain([args.memory])
+                .collect::<Vec<_>>()
+        };
+        let before = numbers(&given(&[]).expect("no limits"));
+        for (place, key) in KEYS.iter().enumerate() {
+            let (keyed, own) = (format!("{}=64K", key.name), format!("--{}", key.option));
+            let mut expected = before.clone();
+            expected[place] = Some(64 << 10);
+            for words in [
+                &["--limit", &keyed][..],
+                &[&own, "64k"],
+                &["--limit", &format!("{}=1", key.name), "--limit", &keyed],
+                &["--limit", &format!("{}=1", key.name), &own, "64K"],
+                &[&own, "1", "--limit", &keyed],
+            ] {
+                assert_eq!(numbers(&given(words).expect("limits")), expected, "{words:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn wrong_limits_are_answered_with_the_keys() {
+        for wrong in ["", "memory", "memory=", "memory=x", "=1", "Memory=1", "vertex=1", "line=-1"]
+        {
+            let why = limit(wrong).expect_err(wrong);
+            assert!(KEYS.iter().all(|key| why.contains(key.name)), "{wrong}: {why}");
         }
     }
 

@@ -11,6 +11,7 @@ mod console;
 mod environment;
 mod exit;
 mod gpu;
+mod help;
 mod html;
 mod huge_pages;
 mod importance;
@@ -34,6 +35,7 @@ mod threads;
 mod version;
 mod views;
 
+use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser};
 use cli::{Cli, Command};
 use commands::{
@@ -65,6 +67,13 @@ fn run() -> Status {
     }
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
+        Err(error) if error.kind() == ErrorKind::ValueValidation => {
+            // The first line has the reason; the others point to help that has no more of it.
+            let text = error.to_string();
+            let line = text.lines().next().unwrap_or_default();
+            console::error(&line.trim_start_matches("error: "));
+            return Status::Usage;
+        }
         Err(error) => {
             // Help and versions come as errors too. A closed pipe is none of our business here.
             let _ = error.print();

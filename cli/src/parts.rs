@@ -1,6 +1,7 @@
 //! Options of parts of an asset: of objects and of materials, by their names.
 
 use crate::exit::Outcome;
+use crate::help::SIMPLIFIED;
 use crate::importance;
 use clap::Args;
 use lodc_assets::{Part, Parts};
@@ -11,11 +12,13 @@ use lodc_simplify::{Options, Weights};
 /// Options of parts.
 #[derive(Args, Clone, Debug, Default)]
 pub(crate) struct PartArgs {
-    /// Options of a part, a JSON object: {"objects": [GLOB, ...], "metric": "hybrid", "weight":
-    /// "uv=2", "lock": true}, or {"materials": [GLOB, ...], "weight": "uv=2", "lock": true}; may be
-    /// given several times, and later ones win
+    /// Options of objects or materials by name, as JSON
+    ///
+    /// {"objects": [GLOB, ...], "metric": "hybrid", "weight": "uv=2", "lock": true}, or {"materials":
+    /// [GLOB, ...], "weight": "uv=2", "lock": true}. May be given several times; later ones win. People
+    /// write this in lodc.toml.
     #[arg(long = "part", value_name = "JSON", value_parser = part,
-          help_heading = "Importance")]
+          help_heading = SIMPLIFIED, hide_short_help = true)]
     parts: Vec<Part>,
 }
 

@@ -1,6 +1,7 @@
 //! Poses: how a scene stands at a moment of one of its animations.
 
 use crate::exit::{Failure, Outcome};
+use crate::help::SEEN;
 use clap::Args;
 use lodc_formats::{Document, Limits, animation, animation_names};
 use lodc_scene::{Graph, Pose};
@@ -9,9 +10,13 @@ use std::path::Path;
 /// The moment at which a scene is looked at.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct PoseArgs {
-    /// The scene as it stands after so many seconds of an animation, by its number (from 0) or
-    /// name: 0@1.5, Walk@0.3 [default: at rest]
-    #[arg(long, value_name = "INDEX|NAME@SECONDS", value_parser = moment)]
+    /// Moment of an animation: 0@1.5, Walk@0.3 [default: at rest]
+    ///
+    /// The animation's number (from 0) or name, and seconds; without seconds its first moment. Skins,
+    /// nodes and morph targets stand as the animation says. An animation that is not there ends with
+    /// status 2 and a list of those that are.
+    #[arg(long, value_name = "NAME@SECONDS", value_parser = moment, help_heading = SEEN,
+          hide_short_help = true)]
     pose: Option<Moment>,
 }
 

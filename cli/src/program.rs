@@ -4,7 +4,7 @@
 use crate::parts;
 use clap::parser::ValueSource;
 use clap::{ArgMatches, Command, FromArgMatches, Id};
-use lodc_assets::{CommandOptions, OptionValues, Vocabulary};
+use lodc_assets::{CommandOptions, LIMIT, OptionValues, Vocabulary};
 use std::cell::OnceCell;
 use std::ffi::OsString;
 
@@ -32,10 +32,6 @@ const OF_THE_RUN: &[&str] = &[
     "shard",
     "verbose",
 ];
-
-/// Options that were added, and the value that changes nothing: a result with it is the one of
-/// before.
-const ADDED: [(&str, &str); 1] = [("layout", "packed")];
 
 /// The command line, and what of it assets can have of their own. Most runs need neither: both are
 /// made when they are asked for.
@@ -95,7 +91,8 @@ impl Program {
             if OF_THE_RUN.contains(&option.as_str()) {
                 return Err(format!("option {option} is for a whole run, not for one asset"));
             }
-            if given.contains(option) {
+            // Limits stand before those of the command line, so that these count.
+            if given.contains(option) && option != LIMIT {
                 continue;
             }
             match values.as_slice() {
@@ -120,7 +117,8 @@ fn command<'a>(root: &'a Command, name: &str) -> &'a Command {
 
 /// The options of a command that belong to assets.
 fn options_of(command: &Command) -> CommandOptions {
-    let names = command.get_arguments().filter_map(|a| a.get_long());
+    let shown = command.get_arguments().filter(|a| !a.is_hide_set());
+    let names = shown.filter_map(|a| a.get_long());
     let options = names.filter(|n| !OF_THE_RUN.contains(n)).map(str::to_owned).collect();
     let long = |id: &Id| {
         let mut all = command.get_arguments();
@@ -151,15 +149,11 @@ fn resolved(matches: &ArgMatches, command: &Command) -> String {
     for argument in command.get_arguments() {
         let id = argument.get_id().as_str();
         let name = argument.get_long().unwrap_or_default();
-        if name.is_empty() || OF_THE_RUN.contains(&name) || name.starts_with("limit-") {
+        if name.is_empty() || OF_THE_RUN.contains(&name) || name.starts_with(LIMIT) {
             continue;
         }
         let values = matches.get_raw(id).into_iter().flatten();
         let values: Vec<_> = values.map(|v| v.to_string_lossy()).collect();
-        let default = |added: &(&str, &str)| added.0 == name && (values == [added.1]);
-        if ADDED.iter().any(default) {
-            continue;
-        }
         text.push_str(&format!("{name}={};", values.join(",")));
     }
     text

@@ -1,6 +1,7 @@
 //! From what a person asks for (a record, a share, a count, an error) to one LOD per object.
 
 use crate::exit::{Failure, Outcome, Status};
+use crate::help::{LEVEL, SEEN};
 use clap::Args;
 use lodc_select::{SelectError, Target, View, count, rms_bound};
 
@@ -11,56 +12,73 @@ pub(crate) use lodc_select::{bound, share, size};
 pub(crate) struct SelectorArgs {
     #[command(flatten)]
     target: TargetArgs,
+    /// Distance of the eye for --pixels, in the units of errors
+    #[arg(long, value_name = "D", value_parser = positive, requires = "pixels",
+          help_heading = LEVEL)]
+    distance: Option<f64>,
+    /// Choose the level of each object by itself, in its own units
+    ///
+    /// Without it the objects of a scene are treated as a whole. --lod needs it where there are
+    /// several.
+    #[arg(long, help_heading = LEVEL, hide_short_help = true)]
+    per_object: bool,
     #[command(flatten)]
     screen: ScreenArgs,
-    /// Distance from the eye for --pixels, in the units of errors
-    #[arg(long, value_name = "D", value_parser = positive, requires = "pixels")]
-    distance: Option<f64>,
-    /// Apply the selection to each object by itself instead of to the scene as a whole
-    #[arg(long)]
-    per_object: bool,
 }
 
 #[derive(Args, Clone, Debug)]
 #[group(multiple = false)]
+#[command(next_help_heading = LEVEL)]
 struct TargetArgs {
-    /// The LOD after N records, rounded down to a step (0: the input; larger is coarser)
-    #[arg(long, value_name = "N")]
-    lod: Option<u32>,
-    /// At most this share of the input's triangles, rounded down: 0.25 or 25%
+    /// At most this share of the triangles: 0.25 or 25%
+    ///
+    /// As --triangles with R times the input's triangles, rounded down.
     #[arg(long, value_name = "R", value_parser = share)]
     ratio: Option<f64>,
-    /// The finest LOD with at most N triangles: 500, 10k, 2m
+    /// At most N triangles: 500, 10k, 2m
+    ///
+    /// The finest level that has no more. Of several objects, triangles go first where least is lost
+    /// by it. An object never comes back empty: the selection stops at its last level that has a
+    /// triangle, with a warning (as with every selector but --lod).
     #[arg(long, value_name = "N", value_parser = count)]
     triangles: Option<u64>,
-    /// The coarsest LOD whose error is at most E, in the mesh's units (E%: of the bounding box's
-    /// diagonal)
+    /// At most this far from the input, in its units; E% of its diagonal
+    ///
+    /// The coarsest level whose error is at most E. The error is the largest distance between the
+    /// surfaces of level and input, measured from both. Of several objects it is met by each, in
+    /// world units; the diagonal is that of the largest object's bounding box as the scene shows it.
     #[arg(long, value_name = "E", value_parser = bound)]
     error: Option<Target>,
-    /// The coarsest LOD whose root mean square distance from the input is at most E (or E%, as
-    /// above)
-    #[arg(long, value_name = "E", value_parser = rms_bound)]
+    /// The same for the root mean square distance
+    #[arg(long, value_name = "E", value_parser = rms_bound, hide_short_help = true)]
     rms: Option<Target>,
-    /// The coarsest LOD whose error is at most P pixels on the screen, seen from --distance
+    /// An error of at most P pixels on the screen, seen from --distance
     #[arg(long, value_name = "P", value_parser = positive)]
     pixels: Option<f64>,
+    /// The level after N collapse records (0: the input; larger is coarser)
+    ///
+    /// Rounded down to a whole step; numbers past the last mean the last.
+    #[arg(long, value_name = "N", hide_short_help = true)]
+    lod: Option<u32>,
 }
 
 /// The screen that a mesh is seen on.
 #[derive(Args, Clone, Copy, Debug)]
+#[command(next_help_heading = SEEN)]
 pub(crate) struct ScreenArgs {
     /// Height of the screen in pixels
-    #[arg(long, value_name = "PIXELS", default_value = "1080", value_parser = positive)]
+    #[arg(long, value_name = "PIXELS", default_value = "1080", value_parser = positive,
+          hide_short_help = true)]
     height: f64,
-    /// Vertical field of view in degrees
-    #[arg(long, value_name = "DEGREES", default_value = "60", value_parser = field_of_view)]
-    fovy: f64,
+    /// Vertical field of view in degrees, below 180 [default: 60]
+    #[arg(long, value_name = "DEGREES", value_parser = field_of_view, hide_short_help = true)]
+    fovy: Option<f64>,
 }
 
 impl ScreenArgs {
     /// Returns a camera at a place with this screen.
     pub(crate) fn view(&self, eye: [f32; 3]) -> View {
-        View::new(eye, self.fovy as f32, self.height as f32)
+        View::new(eye, self.degrees() as f32, self.height as f32)
     }
     /// Returns the error that takes up so many pixels at a distance.
     pub(crate) fn error(&self, pixels: f64, distance: f64) -> Target {
@@ -68,8 +86,11 @@ impl ScreenArgs {
     }
     /// Returns the same at distance 1.
     pub(crate) fn slope(&self, pixels: f64) -> f64 {
-        let height = 2.0 * (self.fovy.to_radians() / 2.0).tan();
+        let height = 2.0 * (self.degrees().to_radians() / 2.0).tan();
         pixels * height / self.height
+    }
+    fn degrees(&self) -> f64 {
+        self.fovy.unwrap_or(60.0)
     }
 }
 
@@ -85,10 +106,14 @@ impl SelectorArgs {
     pub(crate) fn slope(&self, pixels: f64) -> f64 {
         self.screen.slope(pixels)
     }
-    /// Returns the vertical field of view in degrees.
-    #[cfg(feature = "gpu")]
-    pub(crate) fn field_of_view(&self) -> f64 {
+    /// Returns the vertical field of view that was given, in degrees.
+    pub(crate) fn field_of_view(&self) -> Option<f64> {
         self.screen.fovy
+    }
+    /// Returns the vertical field of view of an eye, in degrees.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn field_of_view_of_eye(&self) -> f64 {
+        self.screen.degrees()
     }
     /// Refuses pixels without a distance.
     ///

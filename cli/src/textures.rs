@@ -1,6 +1,7 @@
 //! Options that say what becomes of a model's image files.
 
 use crate::exit::{Failure, Outcome};
+use crate::help::BECOMES;
 use crate::limits::ImportArgs;
 use crate::mesh_output::FormatName;
 use crate::output::Target;
@@ -11,12 +12,13 @@ use std::path::{Path, PathBuf};
 
 /// Options of image files.
 #[derive(Args, Clone, Debug)]
+#[command(next_help_heading = BECOMES)]
 pub(crate) struct TextureArgs {
     /// Places of image files [default: embed for .glb, copy for .gltf and .obj]
-    #[arg(long, value_enum)]
+    #[arg(long, value_enum, hide_short_help = true)]
     textures: Option<TextureChoice>,
-    /// The folder in which image files are looked for [default: where the input lies]
-    #[arg(long, value_name = "DIR")]
+    /// Folder to look for image files in [default: that of the input]
+    #[arg(long, value_name = "DIR", hide_short_help = true)]
     textures_from: Option<PathBuf>,
 }
 

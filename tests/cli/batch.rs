@@ -220,6 +220,31 @@ fn a_configuration_gives_defaults_that_flags_beat() {
 }
 
 #[test]
+fn limits_of_a_configuration_a_list_and_the_command_line_count_key_by_key() {
+    let f = Folder::new();
+    f.file("a.obj", grid(4));
+    f.file("lodc.toml", "[defaults]\nlimit = [\"vertices=3\", \"file=1G\"]\n");
+    f.file("raised.jsonl", "{\"input\": \"a.obj\", \"options\": {\"limit\": \"vertices=1M\"}}\n");
+    f.file("lowered.jsonl", "{\"input\": \"a.obj\", \"options\": {\"limit\": [\"file=3\"]}}\n");
+    for (args, status) in [
+        (&["a.obj"][..], 5),
+        (&["a.obj", "--limit", "file=2G"], 5),
+        (&["a.obj", "--limit", "vertices=1M"], 0),
+        (&["a.obj", "--limit-vertices", "1M"], 0),
+        (&["a.obj", "--limit", "vertices=1M", "--limit", "file=3"], 5),
+        (&["--manifest", "raised.jsonl"], 0),
+        (&["--manifest", "raised.jsonl", "--limit", "vertices=3"], 5),
+        (&["--manifest", "lowered.jsonl", "--limit", "vertices=1M"], 5),
+        (&["--manifest", "lowered.jsonl", "--limit", "vertices=1M", "--limit", "file=1M"], 0),
+    ] {
+        f.lodc(["build", "-q"].iter().chain(args)).ends(status);
+    }
+    f.file("lodc.toml", "[defaults]\nlimit-vertices = 3\n");
+    let run = f.lodc(["build", "a.obj"]).fails(2);
+    assert!(run.err.contains("is limit meant?"), "{}", run.err);
+}
+
+#[test]
 fn a_configuration_above_the_folder_that_was_given_is_not_read() {
     let f = models();
     f.file("lodc.toml", "[defaults]\nnonsense = 1\n");

@@ -107,15 +107,27 @@ fn a_bad_input_does_not_stop_the_others_and_the_worst_status_counts() {
 fn a_limit_ends_with_5_and_says_which() {
     let f = Folder::new();
     f.file("grid.obj", grid(10));
-    for limit in [
-        "--limit-file-bytes",
-        "--limit-total-bytes",
-        "--limit-vertices",
-        "--limit-triangles",
-        "--limit-memory",
+    for (key, name) in [
+        ("file", "--limit-file-bytes"),
+        ("total", "--limit-total-bytes"),
+        ("vertices", "--limit-vertices"),
+        ("triangles", "--limit-triangles"),
+        ("memory", "--limit-memory"),
+        ("line", "--limit-line-bytes"),
     ] {
-        let run = f.lodc(["build", "grid.obj", limit, "100"]).fails(5);
-        assert!(run.err.contains("grid.obj"), "{}", run.err);
+        for limit in [["--limit", &format!("{key}=3")], [name, "3"]] {
+            let run = f.lodc(["build", "grid.obj"].iter().chain(&limit)).fails(5);
+            assert!(run.err.contains("grid.obj"), "{}", run.err);
+        }
+        // Of several the last one counts.
+        let raised = ["--limit", &format!("{key}=1"), name, "1", "--limit", &format!("{key}=8G")];
+        f.lodc(["build", "grid.obj", "-o", "grid.lodc"].iter().chain(&raised)).ends(0);
+    }
+    std::fs::remove_file(f.join("grid.lodc")).expect("built");
+    for wrong in ["memory", "memory=much", "size=1", "=1"] {
+        let run = f.lodc(["build", "grid.obj", "--limit", wrong]).fails(2);
+        assert_eq!(run.err.lines().count(), 1, "{}", run.err);
+        assert!(run.err.contains("file, total, line, vertices, triangles, memory"), "{}", run.err);
     }
     for (stage, options) in [
         ("models", ["--models", "speed,masking,interactive"]),
@@ -123,7 +135,7 @@ fn a_limit_ends_with_5_and_says_which() {
         ("simplify", ["--metric", "kl"]),
     ] {
         let run = f
-            .lodc(["build", "grid.obj", "--limit-memory", "100"].into_iter().chain(options))
+            .lodc(["build", "grid.obj", "--limit", "memory=100"].into_iter().chain(options))
             .fails(5);
         assert!(run.err.contains(&format!("(stage {stage})")), "{}", run.err);
     }

@@ -49,7 +49,7 @@ fn a_texture_is_upright_from_a_mesh_and_from_its_levels() {
     f.lodc(["build", "s.obj", "-q"]).ends(0);
     for input in ["s.obj", "s.lodc"] {
         let args =
-            ["render", input, "-o", "s.png", "--view", "front", "--size", "80x80", "--fov", "5"];
+            ["render", input, "-o", "s.png", "--view", "front", "--size", "80x80", "--fovy", "5"];
         let Some(_) = render(&f, args) else { return };
         let p = picture(&f, "s.png");
         assert_eq!((p.width, p.height), (80, 80));
@@ -107,7 +107,7 @@ fn a_jpeg_is_a_texture() {
     f.lodc(["build", "s.obj", "-q"]).ends(0);
     for input in ["s.obj", "s.lodc"] {
         let args =
-            ["render", input, "-o", "s.png", "--view", "front", "--size", "80x80", "--fov", "5"];
+            ["render", input, "-o", "s.png", "--view", "front", "--size", "80x80", "--fovy", "5"];
         let Some(run) = render(&f, args) else { return };
         assert!(!run.err.contains("texture"), "{}", run.err);
         let p = picture(&f, "s.png");
@@ -278,7 +278,7 @@ fn nonsense_and_failures_are_one_line_and_leave_what_was_there() {
         &["--columns", "2"],
         &["--zoom", "0"],
         &["--background", "red"],
-        &["--fov", "5", "--orthographic"],
+        &["--fovy", "5", "--orthographic"],
         &["--color", "error", "--wireframe"],
     ] {
         f.lodc(["render", "g.obj", "-o", "old.png"].iter().chain(args)).ends(2);

@@ -80,7 +80,7 @@ def digest(path):
 def run(task, lodc, output, options, memory):
     """Builds one asset within `memory` bytes. Returns its line of the report."""
     command = [lodc, "build", "--manifest", "-", "--report", "json", "-q", "--jobs", "1"]
-    command += ["--limit-memory", str(memory), *options]
+    command += ["--limit", f"memory={memory}", *options]
     if output:
         command += ["-o", output]
     done = subprocess.run(command, input=task.line, capture_output=True, text=True)

@@ -7,6 +7,7 @@ use super::read::read_lodc;
 use crate::console::{self, error, warning};
 use crate::exit::{Failure, Outcome, Status, one_line};
 use crate::gpu::{self, Device, GpuArgs, GpuUse};
+use crate::help::{LIMITS, MEASURED, MORE, OUTPUT};
 use crate::kinds::{MetricArgs, StripArgs, parser};
 use crate::limits::ImportArgs;
 use crate::output::{self, Target};
@@ -29,51 +30,62 @@ use std::path::{Path, PathBuf};
 
 /// Options of `bench`.
 #[derive(Args, Debug)]
-#[command(
-    after_help = "Times are the best of several rounds in which everything takes turns; they \
-                  differ from run to run. Everything else does not."
-)]
+#[command(after_help = MORE, after_long_help = EXAMPLES)]
 pub(crate) struct BenchArgs {
-    /// Meshes (OBJ, glTF, GLB), or .lodc files with their models as they are
-    #[arg(required = true)]
+    /// Meshes (.obj, .gltf, .glb), or .lodc files with their models as they are
+    #[arg(value_name = "INPUT", required = true)]
     inputs: Vec<PathBuf>,
-    /// Models to measure, separated by commas; those that a .lodc file has not are made [default:
-    /// every one]
-    #[arg(long, value_delimiter = ',', value_name = "MODELS", value_parser = parser::<ModelKind>())]
-    models: Vec<ModelKind>,
     #[command(flatten)]
     metric: MetricArgs,
-    #[command(flatten)]
-    strips: StripArgs,
+    /// Models to measure, separated by commas [default: all]
+    ///
+    /// Those that a .lodc file has not are made.
+    #[arg(long, value_delimiter = ',', value_name = "MODELS", value_parser = parser::<ModelKind>(),
+          help_heading = MEASURED)]
+    models: Vec<ModelKind>,
     /// Share of the LODs from one update to the next, in percent
-    #[arg(long, value_name = "SHARE%", default_value = "0.1%", value_parser = share)]
+    #[arg(long, value_name = "SHARE%", default_value = "0.1%", value_parser = share,
+          help_heading = MEASURED, hide_short_help = true)]
     steps: f64,
     /// Rounds of timing, of which the best counts
-    #[arg(long, value_name = "N", default_value = "5")]
+    #[arg(long, value_name = "N", default_value = "5", help_heading = MEASURED)]
     rounds: NonZeroU32,
     /// Leave out everything that differs from run to run
-    #[arg(long)]
+    #[arg(long, help_heading = MEASURED)]
     no_times: bool,
-    #[command(flatten)]
-    pub(crate) gpu: GpuArgs,
-    /// Also pack each object as a progressive stream: its size, its speed, and how far its prefixes
-    /// are from the whole
-    #[arg(long)]
+    /// Also pack each object as a progressive stream
+    ///
+    /// Its size, its speed, and how far its prefixes are from the whole.
+    #[arg(long, help_heading = MEASURED)]
     streams: bool,
     #[command(flatten)]
     crowd: CrowdArgs,
-    /// Write the curves as SVG files into a folder
-    #[arg(long, value_name = "DIR")]
-    plots: Option<PathBuf>,
-    /// Print one JSON document
-    #[arg(long)]
+    #[command(flatten)]
+    strips: StripArgs,
+    #[command(flatten)]
+    pub(crate) gpu: GpuArgs,
+    /// Print one JSON document on standard output
+    #[arg(long, help_heading = OUTPUT)]
     json: bool,
-    /// Threads for making models; timing uses one [default: all cores]
-    #[arg(long, value_name = "N")]
-    jobs: Option<NonZeroUsize>,
+    /// Write the curves as SVG files into a folder
+    #[arg(long, value_name = "DIR", help_heading = OUTPUT)]
+    plots: Option<PathBuf>,
     #[command(flatten)]
     import: ImportArgs,
+    /// Threads for making models; timing uses one [default: all cores]
+    #[arg(long, value_name = "N", help_heading = LIMITS, hide_short_help = true)]
+    jobs: Option<NonZeroUsize>,
 }
+
+const EXAMPLES: &str = "\
+Everything is measured over the same collapse sequence, object by object, beside baselines that are \
+never stored. Times are the best of several rounds in which everything takes turns; they differ from \
+run to run. Everything else does not.
+
+Examples:
+  lodc bench chair.glb
+  lodc bench chair.lodc --gpu --streams --json
+  lodc bench figure.glb --crowd --plots charts --picture crowd.png";
 
 fn share(text: &str) -> Result<f64, String> {
     match text.strip_suffix('%').unwrap_or(text).trim().parse::<f64>() {
@@ -96,24 +108,27 @@ impl BenchArgs {
 
 /// Options of a crowd.
 #[derive(Args, Clone, Debug)]
+#[command(next_help_heading = MEASURED)]
 struct CrowdArgs {
-    /// Measure a crowd of all inputs instead, in turn: it walks around a viewer, ten frames a
-    /// second, and every instance has a level by its distance
+    /// Measure a crowd of all inputs instead
+    ///
+    /// It walks around a viewer, ten frames a second; every instance has a level by its distance.
     #[arg(long, conflicts_with = "streams")]
     crowd: bool,
-    /// Instances of a crowd
+    /// Instances of the crowd, up to 100,000
     #[arg(long, value_name = "N", default_value = "250", requires = "crowd",
-          value_parser = clap::value_parser!(u32).range(1..=100_000))]
+          value_parser = clap::value_parser!(u32).range(1..=100_000), hide_short_help = true)]
     instances: u32,
-    /// Seconds that it walks
+    /// Seconds that it walks, up to 10,000
     #[arg(long, value_name = "S", default_value = "50", requires = "crowd",
-          value_parser = clap::value_parser!(u32).range(1..=10_000))]
+          value_parser = clap::value_parser!(u32).range(1..=10_000), hide_short_help = true)]
     seconds: u32,
-    /// Makes its paths
-    #[arg(long, value_name = "K", default_value = "1", requires = "crowd")]
+    /// Number that makes its paths; the same one gives the same paths
+    #[arg(long, value_name = "K", default_value = "1", requires = "crowd", hide_short_help = true)]
     seed: u64,
-    /// Draw the crowd in the middle of its time into a PNG, coloured by level, on a GPU
-    #[arg(long, value_name = "OUT.png", requires = "crowd")]
+    /// Draw the crowd in the middle of its time, by level, on a graphics device
+    #[arg(long, value_name = "OUT.png", requires = "crowd", help_heading = OUTPUT,
+          hide_short_help = true)]
     picture: Option<PathBuf>,
 }
 

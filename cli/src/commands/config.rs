@@ -3,6 +3,7 @@
 use crate::config::ConfigArgs;
 use crate::console;
 use crate::exit::Outcome;
+use crate::help::{CONFIGURATION, MORE};
 use crate::program::Program;
 use clap::Args;
 use std::collections::BTreeMap;
@@ -13,13 +14,19 @@ const COMMANDS: [&str; 4] = ["build", "chain", "compare", "extract"];
 
 /// Options of `config`.
 #[derive(Args, Debug)]
+#[command(after_help = MORE, after_long_help = EXAMPLES)]
 pub(crate) struct ShowArgs {
     /// Show which options apply to FILE, and from where
-    #[arg(long, value_name = "FILE", required = true)]
+    #[arg(long, value_name = "FILE", required = true, help_heading = CONFIGURATION)]
     show: PathBuf,
     #[command(flatten)]
     configuration: ConfigArgs,
 }
+
+const EXAMPLES: &str = "\
+Examples:
+  lodc config --show models/chair.glb
+  lodc config --show models/chair.glb --profile mobile";
 
 pub(crate) fn run(args: &ShowArgs, program: &Program) -> Outcome<()> {
     let mut lines = Vec::new();

@@ -7,6 +7,7 @@ use crate::compression::CompressArgs;
 use crate::config::ConfigArgs;
 use crate::console;
 use crate::exit::{Outcome, Status};
+use crate::help::OUTPUT;
 use crate::limits::ImportArgs;
 use crate::mesh_output::FormatName;
 use crate::output::{self, Rule, Target};
@@ -26,18 +27,18 @@ pub(crate) struct ExportArgs {
     pub(crate) textures: TextureArgs,
     #[command(flatten)]
     pub(crate) compress: CompressArgs,
-    /// Print what was written as JSON on standard output
-    #[arg(long)]
+    /// Print one JSON document on standard output
+    #[arg(long, help_heading = OUTPUT)]
     pub(crate) json: bool,
     /// Write a Make/Ninja dependency file that names every file read
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", help_heading = OUTPUT, hide_short_help = true)]
     pub(crate) depfile: Option<PathBuf>,
-    #[command(flatten)]
-    pub(crate) import: ImportArgs,
     #[command(flatten)]
     pub(crate) batch: BatchArgs,
     #[command(flatten)]
     configuration: ConfigArgs,
+    #[command(flatten)]
+    pub(crate) import: ImportArgs,
 }
 
 /// Result of the work on one asset.

@@ -2,14 +2,21 @@
 
 use crate::console;
 use crate::exit::{Failure, Outcome, Status};
+use crate::help::MORE;
 use clap::{Args, Command};
 
 /// Options of `man`.
 #[derive(Args, Debug)]
+#[command(after_help = MORE, after_long_help = EXAMPLES)]
 pub(crate) struct ManArgs {
-    /// The command to describe; all of lodc without it
+    /// Command to describe [default: lodc as a whole]
     command: Option<String>,
 }
+
+const EXAMPLES: &str = "\
+Examples:
+  lodc man
+  lodc man extract | man -l -";
 
 /// Prints the page of `program`, the whole command line, or of one of its commands.
 pub(crate) fn run(args: &ManArgs, mut program: Command) -> Outcome<()> {

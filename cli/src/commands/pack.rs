@@ -5,6 +5,7 @@ use super::read::read_lodc;
 use crate::bits;
 use crate::console::{self, Loudness, note, wants};
 use crate::exit::{Failure, Outcome, Status};
+use crate::help::{BECOMES, MORE, OUTPUT};
 use crate::kinds::{Choice, parser, parser_with};
 use crate::limits::LimitArgs;
 use crate::output::{self, Target};
@@ -23,32 +24,42 @@ use std::path::PathBuf;
 
 /// Options of `pack`.
 #[derive(Args, Debug)]
-#[command(
-    after_help = "Every prefix of a stream can be unpacked: the more of it, the finer the mesh. \
-                  Without --quantize the whole stream gives back every bit."
-)]
+#[command(after_help = MORE, after_long_help = EXAMPLES)]
 pub(crate) struct PackArgs {
-    /// The .lodc file; `-` for standard input
+    /// The .lodc file; - for standard input
     input: PathBuf,
-    /// Output file for the stream; `-` for standard output
-    #[arg(short, long, value_name = "OUT")]
-    output: PathBuf,
-    /// Keep fewer bits, for example pos=16,normal=10,uv=12 (2 to 24 each); prints how far anything
-    /// can move
-    #[arg(long, value_name = "KIND=BITS,…", value_parser = quantize)]
+    /// Bits per number: pos=16,normal=10,uv=12 [default: all]
+    ///
+    /// From 2 to 24; kinds left out stay as they are. Prints how far anything can move. Without it
+    /// the whole stream gives back every bit.
+    #[arg(long, value_name = "KIND=BITS,…", value_parser = quantize, help_heading = BECOMES)]
     quantize: Option<Quantize>,
-    /// Strips to stream with the triangles; made if the file has none of that kind
-    #[arg(long, value_parser = stream_strips(), default_value = StripKind::FEWEST_MISSES.name())]
+    /// Strips to stream with the triangles
+    ///
+    /// Those of the file if it has that kind, else new ones.
+    #[arg(long, value_parser = stream_strips(), default_value = StripKind::FEWEST_MISSES.name(),
+          help_heading = BECOMES)]
     strips: Choice<StripKind>,
     /// Effort of the search for strips
-    #[arg(long, value_parser = parser::<Effort>(), default_value = Effort::default().name())]
+    #[arg(long, value_parser = parser::<Effort>(), default_value = Effort::default().name(),
+          help_heading = BECOMES)]
     effort: Effort,
-    /// Print what was packed as JSON on standard output
-    #[arg(long)]
+    /// Stream, a .lods file, or folder; - for standard output
+    #[arg(short, long, value_name = "OUT", help_heading = OUTPUT)]
+    output: PathBuf,
+    /// Print one JSON document on standard output
+    #[arg(long, help_heading = OUTPUT)]
     json: bool,
     #[command(flatten)]
     limits: LimitArgs,
 }
+
+const EXAMPLES: &str = "\
+Every prefix of a stream can be unpacked: the more of it, the finer the mesh.
+
+Examples:
+  lodc pack chair.lodc -o chair.lods
+  lodc pack chair.lodc -o chair.lods --quantize pos=14,normal=10,uv=12";
 
 /// The names of strips that a stream can have.
 fn stream_strips() -> impl TypedValueParser<Value = Choice<StripKind>> {

@@ -2,6 +2,7 @@
 
 use crate::console::note;
 use crate::exit::{Failure, Outcome};
+use crate::help::{MORE, OUTPUT};
 use crate::output::{self, Target};
 use crate::text::count;
 use clap::Args;
@@ -15,11 +16,17 @@ const GUIDE: &str = include_str!("../../ENGINE.md");
 
 /// Options of `shaders`.
 #[derive(Args, Debug)]
+#[command(after_help = MORE, after_long_help = EXAMPLES)]
 pub(crate) struct ShadersArgs {
-    /// The folder to write to; made if need be
-    #[arg(short, long, value_name = "DIR")]
+    /// Folder to write to; made if need be
+    #[arg(short, long, value_name = "DIR", help_heading = OUTPUT)]
     output: PathBuf,
 }
+
+const EXAMPLES: &str = "\
+Examples:
+  lodc shaders -o shaders
+  lodc shaders -o engine/src/wgsl -q";
 
 pub(crate) fn run(args: &ShadersArgs) -> Outcome<()> {
     if output::is_stream(&args.output) {

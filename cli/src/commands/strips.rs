@@ -2,6 +2,7 @@
 
 use crate::console::{note, warning};
 use crate::exit::Outcome;
+use crate::help::{BECOMES, LIMITS, MORE, OUTPUT};
 use crate::kinds::{Choice, parser, parser_with};
 use crate::limits::ImportArgs;
 use crate::output::{self, Target};
@@ -19,41 +20,46 @@ use std::path::PathBuf;
 
 /// Options of `strips`.
 #[derive(Args, Debug)]
-#[command(
-    after_help = "Every line of the output is `s` and the vertices of a strip, or `l` and the \
-                  vertices of a triangle list; vertices are numbered from 0: for an OBJ in the \
-                  order of its `v` lines, for glTF as loaded, one mesh after the other."
-)]
+#[command(after_help = MORE, after_long_help = EXAMPLES)]
 pub(crate) struct StripsArgs {
-    /// The mesh to read: OBJ, glTF or GLB; `-` for standard input
+    /// A mesh (.obj, .gltf, .glb); - for standard input
     input: PathBuf,
-    /// Output file for the strips; `-` for standard output
-    #[arg(short, long, value_name = "OUT")]
-    output: PathBuf,
     /// Few long strips, strips that reuse a vertex cache, or a triangle list that does
-    #[arg(long, value_parser = generators(), default_value = StripKind::LONGEST.name())]
+    #[arg(long, value_parser = generators(), default_value = StripKind::LONGEST.name(),
+          help_heading = BECOMES)]
     strips: Choice<StripKind>,
-    /// Effort of the search
-    #[arg(long, value_parser = parser::<Effort>(), default_value = Effort::default().name())]
+    /// Effort of the search for strips
+    #[arg(long, value_parser = parser::<Effort>(), default_value = Effort::default().name(),
+          help_heading = BECOMES)]
     effort: Effort,
-    /// Vertices in the cache that `cache` and `list` are made for
-    #[arg(
-        long,
-        value_name = "N",
-        default_value = "16",
-        value_parser = clap::value_parser!(u32).range(4..=64)
-    )]
+    /// Vertices in the cache that cache and list are made for, 4 to 64
+    #[arg(long, value_name = "N", default_value = "16",
+          value_parser = clap::value_parser!(u32).range(4..=64), help_heading = BECOMES)]
     cache_size: u32,
-    /// Fetched vertices that an index is worth to `cache`: more makes fewer indices, less fewer
-    /// misses
-    #[arg(long, value_name = "PRICE", default_value = "1", value_parser = price)]
+    /// Fetched vertices that an index is worth to cache, 0 to 100
+    ///
+    /// More makes fewer indices, less fewer misses.
+    #[arg(long, value_name = "PRICE", default_value = "1", value_parser = price,
+          help_heading = BECOMES)]
     index_price: f32,
-    /// Threads; the output does not depend on it [default: all cores]
-    #[arg(long, value_name = "N")]
-    jobs: Option<NonZeroUsize>,
+    /// Text file; - for standard output
+    #[arg(short, long, value_name = "OUT", help_heading = OUTPUT)]
+    output: PathBuf,
     #[command(flatten)]
     import: ImportArgs,
+    /// Threads; the result does not depend on it [default: all cores]
+    #[arg(long, value_name = "N", help_heading = LIMITS, hide_short_help = true)]
+    jobs: Option<NonZeroUsize>,
 }
+
+const EXAMPLES: &str = "\
+Every line of the output is `s` and the vertices of a strip, or `l` and the vertices of a triangle \
+list; vertices are numbered from 0: for an OBJ in the order of its `v` lines, for glTF as loaded, one \
+mesh after the other.
+
+Examples:
+  lodc strips chair.obj -o chair.strips
+  lodc strips chair.obj -o - --strips list --cache-size 32";
 
 /// The names of all that can make the output.
 fn generators() -> impl TypedValueParser<Value = Choice<StripKind>> {

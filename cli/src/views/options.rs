@@ -1,6 +1,7 @@
 //! Options of view-dependent levels.
 
 use crate::exit::{Failure, Outcome};
+use crate::help::SEEN;
 use crate::selector::{SelectorArgs, positive, share};
 use clap::{Args, ValueEnum};
 use lodc::LodObject;
@@ -36,47 +37,63 @@ impl CriterionName {
 
 /// The eye.
 #[derive(Args, Clone, Copy, Debug)]
+#[command(next_help_heading = SEEN)]
 pub(crate) struct EyeArgs {
     /// Place of the eye, in the scene's units
-    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
+    ///
+    /// The criteria silhouette and pixels need it.
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true,
+          hide_short_help = true)]
     pub(crate) eye: Option<[f32; 3]>,
-    /// Point that the eye looks at, and centre of a sphere or box of detail [default: the middle of
-    /// the scene]
-    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
+    /// Point looked at; middle of a sphere or box [default: that of the scene]
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true,
+          hide_short_help = true)]
     pub(crate) target: Option<[f32; 3]>,
 }
 
 /// The rule by which every part of a surface gets a level of its own.
 #[derive(Args, Clone, Debug)]
+#[command(next_help_heading = SEEN)]
 pub(crate) struct ViewArgs {
-    /// Give every part of the surface a level of its own. With --triangles or --ratio the criterion
-    /// is scaled by bisection until it just has as few: outlines first narrow, then grow coarser
-    #[arg(
-        long,
-        value_enum,
-        conflicts_with_all = ["lod", "error", "rms", "distance"]
-    )]
+    /// Give every part of the surface a level of its own
+    ///
+    /// With --triangles or --ratio the criterion is scaled by bisection until the view just has as
+    /// few: what is coarse goes from --fine to --coarse, detail along outlines narrows to a line,
+    /// what is fine follows, then everything goes on to the last level with a triangle; pixels
+    /// allows more pixels. Needs a mesh, or a .lodc file with the model interactive or with none.
+    #[arg(long, value_enum, conflicts_with_all = ["lod", "error", "rms", "distance"],
+          hide_short_help = true)]
     pub(crate) criterion: Option<CriterionName>,
     #[command(flatten)]
     pub(crate) at: EyeArgs,
-    /// Radius of the sphere around --target [default: a quarter of the scene's diagonal]
-    #[arg(long, value_name = "R", value_parser = positive, requires = "criterion")]
+    /// Radius of the sphere [default: a quarter of the scene's diagonal]
+    #[arg(long, value_name = "R", value_parser = positive, requires = "criterion",
+          hide_short_help = true)]
     radius: Option<f64>,
-    /// Lowest and highest corner of the box [default: a cube around --target, its side half the
-    /// scene's diagonal]
+    /// Lowest and highest corner of the box [default: around --target]
+    ///
+    /// The default is a cube whose side is half the scene's diagonal.
     #[arg(long = "box", value_name = "X,Y,Z,X,Y,Z", value_parser = corners,
-          allow_hyphen_values = true, requires = "criterion")]
+          allow_hyphen_values = true, requires = "criterion", hide_short_help = true)]
     corners: Option<[f32; 6]>,
-    /// Share of the triangles where detail is wanted (silhouette, sphere, box)
+    /// Share of the triangles where detail is wanted
+    ///
+    /// For silhouette, sphere and box.
     #[arg(long, value_name = "R", value_parser = share, default_value = "100%",
-          requires = "criterion")]
+          requires = "criterion", hide_short_help = true)]
     fine: f64,
-    /// Share of the triangles elsewhere [default: 1%; of a silhouette with --triangles or --ratio
-    /// 0.4 of what these ask for]
-    #[arg(long, value_name = "R", value_parser = share, requires = "criterion")]
+    /// Share of the triangles elsewhere [default: 1%]
+    ///
+    /// Beside outlines (silhouette), with --triangles or --ratio, the default is 0.4 of what these
+    /// ask for.
+    #[arg(long, value_name = "R", value_parser = share, requires = "criterion",
+          hide_short_help = true)]
     coarse: Option<f64>,
     /// Move vertices smoothly between levels (geomorphing)
-    #[arg(long, requires = "criterion")]
+    ///
+    /// A vertex sets out n/8 records before the step that takes it away, n vertices staying longer,
+    /// and arrives at that step where its target is by then. The triangles are those without --morph.
+    #[arg(long, requires = "criterion", hide_short_help = true)]
     pub(crate) morph: bool,
 }
 

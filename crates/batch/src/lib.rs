@@ -33,7 +33,7 @@ pub use assets::{Asset, Choice, Sources, assets};
 pub use config::{Configs, Layer};
 pub use error::AssetError;
 pub use folder::{LEVELS, MESHES, expand};
-pub use options::{CommandOptions, OptionValues, Vocabulary};
+pub use options::{CommandOptions, LIMIT, OptionValues, Vocabulary};
 pub use pairs::{Pair, pairs};
 pub use parts::{Part, Parts};
 pub use queue::{Budget, expected_bytes, run};

@@ -3,6 +3,9 @@
 
 use std::collections::BTreeMap;
 
+/// The option whose values have keys: each key counts by itself, the last one given.
+pub const LIMIT: &str = "limit";
+
 /// Values of options by long name, without dashes. A switch has none.
 #[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct OptionValues(pub BTreeMap<String, Vec<String>>);
@@ -36,11 +39,18 @@ impl OptionValues {
         Ok(Self(values))
     }
 
-    /// Those of `stronger`, and these where it has none, nor one that excludes them.
+    /// Those of `stronger`, and these where it has none, nor one that excludes them. Limits are
+    /// known by their keys: of both, those of `stronger` stand last and count.
     #[must_use]
-    pub fn under(mut self, stronger: Self, command: &CommandOptions) -> Self {
+    pub fn under(mut self, mut stronger: Self, command: &CommandOptions) -> Self {
         for name in command.excluded(stronger.0.keys()) {
             self.0.remove(name);
+        }
+        if let Some(last) = stronger.0.get_mut(LIMIT)
+            && let Some(mut limits) = self.0.remove(LIMIT)
+        {
+            limits.append(last);
+            *last = limits;
         }
         self.0.extend(stronger.0);
         self

@@ -14,6 +14,7 @@ use crate::batch::{self, BatchArgs, MESHES, Sources};
 use crate::commands::each;
 use crate::config::ConfigArgs;
 use crate::exit::{Outcome, Status};
+use crate::help::{LIMITS, MORE, OUTPUT, SIMPLIFIED};
 use crate::importance::ImportanceArgs;
 use crate::kinds::{MetricArgs, ModelArgs, StripArgs};
 use crate::limits::ImportArgs;
@@ -27,56 +28,71 @@ use std::path::PathBuf;
 
 /// Options of `build`.
 #[derive(Args, Clone, Debug)]
+#[command(after_help = MORE, after_long_help = EXAMPLES)]
 pub(crate) struct BuildArgs {
-    /// Meshes to read: OBJ, glTF or GLB, or folders of them; `-` for standard input
-    #[arg(required_unless_present = "manifest")]
+    /// Meshes (.obj, .gltf, .glb), or folders of them; - for standard input
+    #[arg(value_name = "INPUT", required_unless_present = "manifest")]
     inputs: Vec<PathBuf>,
-    /// A file for one input, a folder for several; `-` for standard output [default: beside the
-    /// input, as .lodc]. Results of a folder keep its structure and their extensions
-    /// (club.obj.lodc)
-    #[arg(short, long, value_name = "OUT")]
-    output: Option<PathBuf>,
-    #[command(flatten)]
-    models: ModelArgs,
     #[command(flatten)]
     metric: MetricArgs,
-    /// No change of topology before the terminal phase
-    #[arg(long)]
+    /// Keep the topology until the terminal phase
+    #[arg(long, help_heading = SIMPLIFIED, hide_short_help = true)]
     preserve_topology: bool,
-    /// Border vertices stay until the terminal phase
-    #[arg(long)]
+    /// Keep border vertices until the terminal phase
+    #[arg(long, help_heading = SIMPLIFIED)]
     lock_border: bool,
-    /// Normals, texture coordinates and colours take no part in the cost
-    #[arg(long)]
+    /// Look at the shape alone: no normals, texture coordinates or colours
+    ///
+    /// They take no part in the cost, and are kept all the same.
+    #[arg(long, help_heading = SIMPLIFIED)]
     no_attributes: bool,
     #[command(flatten)]
     importance: ImportanceArgs,
     #[command(flatten)]
     parts: PartArgs,
     #[command(flatten)]
+    models: ModelArgs,
+    #[command(flatten)]
     strips: StripArgs,
-    /// Threads; the output does not depend on it [default: all cores]
-    #[arg(long, value_name = "N")]
-    jobs: Option<NonZeroUsize>,
-    /// Leave results alone whose input, the files it names, options and version are as they were
-    #[arg(long)]
+    /// File, or folder for several inputs; - for standard output [default: beside the input]
+    ///
+    /// A folder that is there, or a name with / at its end, means a file inside it. Results of a
+    /// folder keep its structure and the inputs' extensions (club.obj.lodc).
+    #[arg(short, long, value_name = "OUT", help_heading = OUTPUT)]
+    output: Option<PathBuf>,
+    /// Leave results alone that are up to date
+    ///
+    /// The input, the files it names, options and version are those that the result was made from.
+    /// Contents are compared, never times.
+    #[arg(long, help_heading = OUTPUT)]
     if_changed: bool,
-    /// Print a report on standard output: one document, or one in each line as results come
-    #[arg(long, value_enum, value_name = "FORMAT")]
+    /// Print a report on standard output: one document, or one in each line
+    ///
+    /// Also when inputs failed. jsonl prints as results come.
+    #[arg(long, value_enum, value_name = "FORMAT", help_heading = OUTPUT)]
     report: Option<ReportFormat>,
     /// Write a Make/Ninja dependency file that names every file read
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", help_heading = OUTPUT, hide_short_help = true)]
     depfile: Option<PathBuf>,
-    #[command(flatten)]
-    import: ImportArgs,
     #[command(flatten)]
     batch: BatchArgs,
     #[command(flatten)]
     configuration: ConfigArgs,
+    #[command(flatten)]
+    import: ImportArgs,
+    /// Threads; the result does not depend on it [default: all cores]
+    #[arg(long, value_name = "N", help_heading = LIMITS)]
+    jobs: Option<NonZeroUsize>,
     /// Every option that can change the result, as text.
     #[arg(skip)]
     resolved: String,
 }
+
+const EXAMPLES: &str = "\
+Examples:
+  lodc build chair.glb -o chair.lodc
+  lodc build models -o levels --if-changed --exclude 'drafts/**'
+  lodc build hero.glb --metric hybrid --lock material:face --models none";
 
 /// Formats of the report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

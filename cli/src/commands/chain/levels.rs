@@ -1,6 +1,7 @@
 //! From what was asked for to the LODs of every level.
 
 use crate::exit::{Failure, Outcome};
+use crate::help::LEVEL;
 use crate::parts::PartArgs;
 use crate::report::ChainLevel;
 use crate::selector::{ScreenArgs, bound, positive, size};
@@ -13,24 +14,27 @@ use std::path::Path;
 
 /// The levels, in one of four ways.
 #[derive(Args, Clone, Debug)]
+#[command(next_help_heading = LEVEL)]
 pub(super) struct LevelArgs {
-    /// Shares (`25%`, `0.25`) or counts (`10k`, `500`) of triangles, finest first
+    /// Shares (25%) or counts (10k) of triangles, finest first [default: 100%,50%,25%,10%]
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = size, group = "which")]
     levels: Vec<Target>,
-    /// Errors, in mesh units or in percent of the diagonal (`0.5%`), finest first
+    /// Errors, in mesh units or in percent of the diagonal, finest first
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = bound, group = "which")]
     errors: Vec<Target>,
-    /// For each of --distances the coarsest level whose error is at most P pixels on the screen
+    /// For each of --distances an error of at most P pixels on the screen
     #[arg(long, value_name = "P", value_parser = positive, group = "which", requires = "distances")]
     pixels: Option<f64>,
-    /// N levels, each with half of the triangles of the one before; ends early at --max-error
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=32),
-          group = "which")]
-    auto: Option<u32>,
-    /// Distances from the eye, nearest first
+    /// Distances of the eye for --pixels, nearest first
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = positive,
           requires = "pixels")]
     distances: Vec<f64>,
+    /// N levels, each with half of the triangles of the one before
+    ///
+    /// From 1 to 32; ends early where --max-error allows no coarser one.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=32),
+          group = "which")]
+    auto: Option<u32>,
     #[command(flatten)]
     screen: ScreenArgs,
 }

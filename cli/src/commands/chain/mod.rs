@@ -11,6 +11,7 @@ use super::export::{self, ExportArgs, Made};
 use crate::batch::Asset;
 use crate::console;
 use crate::exit::{Failure, Outcome, Status};
+use crate::help::{BECOMES, LEVEL, MORE, OUTPUT};
 use crate::mesh_output::{self, FormatName};
 use crate::output::{self, Rule, Target};
 use crate::program::Program;
@@ -28,36 +29,51 @@ use std::path::{Path, PathBuf};
 
 /// Options of `chain`.
 #[derive(Args, Debug)]
-#[command(after_help = "With no option for levels, --levels 100%,50%,25%,10% is taken.")]
+#[command(after_help = MORE, after_long_help = EXAMPLES)]
 pub(crate) struct ChainArgs {
-    /// Meshes (.obj, .gltf, .glb), .lodc files, or folders of both; `-` for standard input
-    #[arg(required_unless_present = "manifest")]
+    /// Meshes (.obj, .gltf, .glb), .lodc files, or folders of both; - for standard input
+    #[arg(value_name = "INPUT", required_unless_present = "manifest")]
     inputs: Vec<PathBuf>,
-    /// Output: .glb or .gltf; with --separate also .obj or .ply; a folder, for several inputs
-    /// always. Results of a folder keep its structure and their extensions (club.obj.glb)
-    #[arg(short, long, value_name = "OUT")]
-    output: PathBuf,
-    /// The format, where OUT does not tell [default: glb]
-    #[arg(long, value_enum)]
-    format: Option<FormatName>,
     #[command(flatten)]
     levels: LevelArgs,
-    /// No level errs more than E (mesh units; E%: of the diagonal), however few triangles are
-    /// wanted
-    #[arg(long, value_name = "E", value_parser = bound)]
+    /// No level errs more than E (or E%), however few triangles are asked for
+    #[arg(long, value_name = "E", value_parser = bound, help_heading = LEVEL)]
     max_error: Option<lodc_select::Target>,
-    /// Write a file per level: STEM_LOD0.EXT, STEM_LOD1.EXT, ...
-    #[arg(long)]
-    separate: bool,
-    /// Put all levels into one index accessor per primitive, their ranges into `extras`
-    #[arg(long, conflicts_with = "separate")]
-    index_ranges: bool,
-    /// Move the vertices of each level to where they fit the input best (needs --separate)
-    #[arg(long, requires = "separate")]
-    refit: bool,
     #[command(flatten)]
     export: ExportArgs,
+    /// A file for each level: STEM_LOD0.EXT, STEM_LOD1.EXT, ...
+    #[arg(long, help_heading = BECOMES, display_order = 0)]
+    separate: bool,
+    /// All levels in one index accessor for each primitive
+    ///
+    /// extras.lodc.levels of the accessor says where each begins.
+    #[arg(long, conflicts_with = "separate", help_heading = BECOMES, display_order = 1)]
+    index_ranges: bool,
+    /// Move the vertices of each level to where they fit the input best
+    ///
+    /// Needs --separate. Errors are measured on the result.
+    #[arg(long, requires = "separate", help_heading = BECOMES, display_order = 2)]
+    refit: bool,
+    /// File (.glb, .gltf; with --separate also .obj, .ply), or folder
+    ///
+    /// For several inputs always a folder. A folder that is there, or a name with / at its end, means
+    /// a file inside it. Results of a folder keep its structure and the inputs' extensions
+    /// (club.obj.glb).
+    #[arg(short, long, value_name = "OUT", help_heading = OUTPUT, display_order = 0)]
+    output: PathBuf,
+    /// Format, where OUT does not tell [default: glb]
+    #[arg(long, value_enum, help_heading = OUTPUT, display_order = 0)]
+    format: Option<FormatName>,
 }
+
+const EXAMPLES: &str = "\
+All levels share one vertex buffer, last to disappear first: each level needs a prefix only. Without \
+--separate and --index-ranges the levels are tied together by MSFT_lod.
+
+Examples:
+  lodc chain chair.glb -o chair.levels.glb
+  lodc chain chair.glb -o chair.obj --separate --levels 100%,10k,1k --refit
+  lodc chain chair.glb -o chair.levels.glb --pixels 1 --distances 2,5,20";
 
 /// Files of a chain, each with the levels in it, by their place in the table.
 struct Files {

@@ -6,18 +6,20 @@ mod junit;
 use annotate::{Annotate, annotate};
 
 use crate::exit::{Failure, Outcome};
+use crate::help::OUTPUT;
 use crate::output::{self, Target};
 use clap::Args;
 use std::path::PathBuf;
 
 /// Options of commands that check many things.
 #[derive(Args, Clone, Debug)]
+#[command(next_help_heading = OUTPUT)]
 pub(crate) struct CiArgs {
     /// Write the results as a JUnit file
     #[arg(long, value_name = "FILE")]
     junit: Option<PathBuf>,
-    /// Also print every failure as an annotation of this CI system, on standard error
-    #[arg(long, value_enum, value_name = "SYSTEM")]
+    /// Print every failure as an annotation of this CI system, on standard error
+    #[arg(long, value_enum, value_name = "SYSTEM", hide_short_help = true)]
     annotate: Option<Annotate>,
 }
 

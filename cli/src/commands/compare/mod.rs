@@ -14,6 +14,7 @@ use crate::batch::{self, Asset, BatchArgs, Pair};
 use crate::config::ConfigArgs;
 use crate::console::{self, Loudness, note, wants};
 use crate::exit::{Failure, Outcome, Status};
+use crate::help::{FAILS, LEVEL, LIMITS, MEASURED, MORE, OUTPUT};
 use crate::limits::ImportArgs;
 use crate::output::{self, Target as Output};
 use crate::pose::PoseArgs;
@@ -37,96 +38,113 @@ const ROUNDING: f64 = 1e-6;
 
 /// Options of `compare`.
 #[derive(Args, Clone, Debug)]
+#[command(after_help = MORE, after_long_help = EXAMPLES)]
 pub(crate) struct CompareArgs {
-    /// The mesh to compare with: OBJ, glTF, GLB or .lodc; `-` for standard input; or a folder
+    /// Mesh to compare with (.obj, .gltf, .glb, .lodc), or folder; - for standard input
     #[arg(required_unless_present = "manifest", conflicts_with = "manifest", requires = "b")]
     a: Option<PathBuf>,
-    /// The mesh to be judged, or the asset whose level is: a mesh is then simplified in memory; or
-    /// a folder, whose files are compared with those of A of the same path, with or without a
-    /// further extension
+    /// Mesh to be judged, or of which levels are; or folder
+    ///
+    /// Levels of a mesh are made in memory. Of folders, each file of B is compared with that of A of
+    /// the same path, with or without a further extension.
     #[arg(required_unless_present = "manifest")]
     b: Option<PathBuf>,
-    /// The level of A: a share (25%, 0.25) or a number (10k) of triangles [default: all]
-    #[arg(long, value_name = "LEVEL", value_parser = size)]
-    level_a: Option<Target>,
-    #[command(flatten, next_help_heading = "Level of B [default: all triangles]")]
+    #[command(flatten)]
     level_b: SelectorArgs,
-    /// Levels of B, each compared by itself: shares (25%, 0.25) or numbers (10k) of triangles
+    /// Levels of B, each by itself: shares (25%) or counts (10k) of triangles
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = level,
-          conflicts_with = "TargetArgs")]
+          conflicts_with = "TargetArgs", help_heading = LEVEL)]
     levels: Vec<Level>,
+    /// Level of A: a share (25%) or a count (10k) of triangles [default: all]
+    #[arg(long, value_name = "LEVEL", value_parser = size, help_heading = LEVEL,
+          hide_short_help = true)]
+    level_a: Option<Target>,
     #[command(flatten)]
     pose: PoseArgs,
     #[command(flatten)]
     simplify: SimplifyArgs,
-    /// Print the result as JSON on standard output
-    #[arg(long)]
-    json: bool,
-    /// Write a PNG: A and B from four sides, and how far each place of A is from B
-    #[arg(long, value_name = "OUT.png")]
-    heatmap: Option<PathBuf>,
-    /// Exit 1 if the root mean square distance is greater, either way: in A's unit, or with `%` of
-    /// its diagonal
-    #[arg(long, value_name = "D", value_parser = length, allow_negative_numbers = true)]
+    /// Points spread over the area of each mesh, up to 100 million
+    #[arg(long, value_name = "N", default_value = "200000",
+          value_parser = clap::value_parser!(u32).range(1..=100_000_000),
+          help_heading = MEASURED, hide_short_help = true)]
+    samples: u32,
+    /// Number that makes the points; the same one gives the same points
+    #[arg(long, value_name = "N", default_value = "1", help_heading = MEASURED,
+          hide_short_help = true)]
+    seed: u64,
+    /// Pictures, from all sides, up to 1000; 0 for none
+    #[arg(long, value_name = "N", default_value = "24",
+          value_parser = clap::value_parser!(u32).range(0..=1000), help_heading = MEASURED,
+          hide_short_help = true)]
+    views: u32,
+    /// Pixels across each picture, 16 to 2048
+    #[arg(long, value_name = "N", default_value = "512",
+          value_parser = clap::value_parser!(u32).range(16..=2048), help_heading = MEASURED,
+          hide_short_help = true)]
+    size: u32,
+    /// Look at the shape alone: no normals, textures or texture coordinates
+    ///
+    /// Else pictures have those that both meshes have.
+    #[arg(long, help_heading = MEASURED, hide_short_help = true)]
+    no_attributes: bool,
+    /// Exit 1 if the root mean square distance is greater: in A's unit, or D%
+    ///
+    /// Either way, from A to B and back. A percentage is of A's diagonal.
+    #[arg(long, value_name = "D", value_parser = length, allow_negative_numbers = true,
+          help_heading = FAILS)]
     max_rms: Option<Length>,
-    /// Exit 1 if the largest distance found is greater, either way
-    #[arg(long, value_name = "D", value_parser = length, allow_negative_numbers = true)]
+    /// Exit 1 if the largest distance is greater: in A's unit, or D%
+    #[arg(long, value_name = "D", value_parser = length, allow_negative_numbers = true,
+          help_heading = FAILS)]
     max_hausdorff: Option<Length>,
-    /// Exit 1 if the root mean square difference of pixels (0 to 255) is greater
-    #[arg(long, value_name = "GREY", value_parser = grey, allow_negative_numbers = true)]
+    /// Exit 1 if pictures differ by more: root mean square of 0 to 255
+    #[arg(long, value_name = "GREY", value_parser = grey, allow_negative_numbers = true,
+          help_heading = FAILS)]
     max_image_rmse: Option<f64>,
-    /// Exit 1 if a distance or a difference of pixels is greater than the last time: as FILE has
-    /// it or, for each file of B, a file in DIR
-    #[arg(long, value_name = "FILE|DIR")]
+    /// Exit 1 if a level is worse than the last time, which FILE or DIR has
+    ///
+    /// FILE is one document for all assets. DIR (one that is there, or a name with / at its end) has
+    /// a file for each file of B.
+    #[arg(long, value_name = "FILE|DIR", help_heading = FAILS)]
     baseline: Option<PathBuf>,
     /// Write the baseline in place of comparing with it
-    #[arg(long, requires = "baseline")]
+    #[arg(long, requires = "baseline", help_heading = FAILS)]
     record: bool,
-    /// A number counts as worse if it is more than this above the baseline: a share, or with `%`
-    #[arg(long, value_name = "SHARE", default_value = "2%", value_parser = share)]
+    /// Share by which a number may be above the baseline
+    #[arg(long, value_name = "SHARE", default_value = "2%", value_parser = share,
+          help_heading = FAILS, hide_short_help = true)]
     tolerance: f64,
+    /// Print one JSON document on standard output
+    #[arg(long, help_heading = OUTPUT)]
+    json: bool,
+    /// Write a PNG: A and B from four sides, and how far each place of A is from B
+    #[arg(long, value_name = "OUT.png", help_heading = OUTPUT)]
+    heatmap: Option<PathBuf>,
     #[command(flatten)]
     ci: CiArgs,
-    /// Points spread over the area of each mesh
-    #[arg(
-        long,
-        value_name = "N",
-        default_value = "200000",
-        value_parser = clap::value_parser!(u32).range(1..=100_000_000)
-    )]
-    samples: u32,
-    /// Makes the points
-    #[arg(long, value_name = "N", default_value = "1")]
-    seed: u64,
-    /// Pictures, from all sides; 0 for none
-    #[arg(
-        long,
-        value_name = "N",
-        default_value = "24",
-        value_parser = clap::value_parser!(u32).range(0..=1000)
-    )]
-    views: u32,
-    /// Pixels across each picture
-    #[arg(
-        long,
-        value_name = "N",
-        default_value = "512",
-        value_parser = clap::value_parser!(u32).range(16..=2048)
-    )]
-    size: u32,
-    /// Look at shape only, not at normals, textures and texture coordinates that both meshes have
-    #[arg(long)]
-    no_attributes: bool,
-    /// Threads; the result does not depend on it [default: all cores]
-    #[arg(long, value_name = "N")]
-    jobs: Option<NonZeroUsize>,
-    #[command(flatten)]
-    import: ImportArgs,
     #[command(flatten)]
     batch: BatchArgs,
     #[command(flatten)]
     configuration: ConfigArgs,
+    #[command(flatten)]
+    import: ImportArgs,
+    /// Threads; the result does not depend on it [default: all cores]
+    #[arg(long, value_name = "N", help_heading = LIMITS, hide_short_help = true)]
+    jobs: Option<NonZeroUsize>,
 }
+
+const EXAMPLES: &str = "\
+Both meshes are read as their default scenes show them, at rest. Distances are sampled: root mean \
+squares use points spread evenly by area; the largest distance also uses vertices and a lattice on \
+every triangle, and never exceeds the true one. Pictures have a lamp at the camera. Normals are those \
+of the meshes if both have some, else smooth ones with sharp edges from 60 degrees on. Textures are \
+compared in colour if both meshes have some; else, if both have texture coordinates, a checkerboard \
+of 16 squares per unit shows where a texture would be stretched or has slipped.
+
+Examples:
+  lodc compare chair.glb chair.quarter.glb
+  lodc compare chair.glb chair.glb --levels 50%,25%,10% --max-rms 0.5%
+  lodc compare models levels --baseline numbers/ --junit results.xml";
 
 /// A level, as it was asked for.
 #[derive(Clone, Debug)]

@@ -7,6 +7,7 @@ use super::export::{self, ExportArgs};
 use crate::batch::Asset;
 use crate::console::{self, Loudness, note, wants};
 use crate::exit::{Failure, Outcome, Status};
+use crate::help::{BECOMES, LEVEL, MORE, OUTPUT};
 use crate::kinds::{Choice, parser_with};
 use crate::mesh_output::{self, FormatName, OrderName};
 use crate::output;
@@ -24,42 +25,60 @@ use std::path::{Path, PathBuf};
 
 /// Options of `extract`.
 #[derive(Args, Debug)]
+#[command(after_help = MORE, after_long_help = EXAMPLES)]
 pub(crate) struct ExtractArgs {
-    /// Meshes (.obj, .gltf, .glb), .lodc files, or folders of both; `-` for standard input
-    #[arg(required_unless_present = "manifest")]
+    /// Meshes (.obj, .gltf, .glb), .lodc files, or folders of both; - for standard input
+    #[arg(value_name = "INPUT", required_unless_present = "manifest")]
     inputs: Vec<PathBuf>,
-    /// Output: .glb, .gltf, .obj or .ply; a folder, for several inputs always; `-` for standard
-    /// output. Results of a folder keep its structure and their extensions (club.obj.glb)
-    #[arg(short, long, value_name = "OUT")]
-    output: PathBuf,
     #[command(flatten)]
     selector: SelectorArgs,
+    /// Never err more than E (or E%), whatever else is asked for
+    #[arg(long, value_name = "E", value_parser = bound, conflicts_with = "criterion",
+          help_heading = LEVEL, hide_short_help = true)]
+    max_error: Option<lodc_select::Target>,
     #[command(flatten)]
     view: ViewArgs,
     #[command(flatten)]
     pose: PoseArgs,
-    /// The level errs no more than E (mesh units; E%: of the diagonal), whatever else is wanted
-    #[arg(long, value_name = "E", value_parser = bound, conflicts_with = "criterion")]
-    max_error: Option<lodc_select::Target>,
-    /// The structure that is replayed to get there [default: the first in the file]
-    #[arg(long, value_parser = replays(), conflicts_with = "criterion")]
-    model: Option<Choice<ModelKind>>,
-    /// The format, where OUT does not tell [default: glb]
-    #[arg(long, value_enum)]
-    format: Option<FormatName>,
-    /// Move the vertices of the level to where they fit the input best; states the error measured
-    #[arg(long, conflicts_with = "criterion")]
-    refit: bool,
-    /// The order of triangles and vertices [default: size where geometry is compressed, else cache]
-    #[arg(long, value_enum)]
-    order: Option<OrderName>,
     #[command(flatten)]
     export: ExportArgs,
+    /// Move the vertices to where they fit the input best
+    ///
+    /// But no object so far that it looks worse or its largest distance grows by more than 5 %. Errors
+    /// are measured on the result.
+    #[arg(long, conflicts_with = "criterion", help_heading = BECOMES, display_order = 0)]
+    refit: bool,
+    /// Order of triangles and vertices [default: cache; size with compression]
+    #[arg(long, value_enum, help_heading = BECOMES, display_order = 1,
+          hide_short_help = true)]
+    order: Option<OrderName>,
+    /// Structure that is replayed to get there [default: the first in the file]
+    ///
+    /// All give the same triangles.
+    #[arg(long, value_parser = replays(), conflicts_with = "criterion", help_heading = BECOMES,
+          display_order = 2, hide_short_help = true)]
+    model: Option<Choice<ModelKind>>,
+    /// File (.glb, .gltf, .obj, .ply), or folder; - for standard output
+    ///
+    /// For several inputs always a folder. A folder that is there, or a name with / at its end, means
+    /// a file inside it. Results of a folder keep its structure and the inputs' extensions
+    /// (club.obj.glb).
+    #[arg(short, long, value_name = "OUT", help_heading = OUTPUT, display_order = 0)]
+    output: PathBuf,
+    /// Format, where OUT does not tell [default: glb]
+    #[arg(long, value_enum, help_heading = OUTPUT, display_order = 0)]
+    format: Option<FormatName>,
 }
+
+const EXAMPLES: &str = "\
+Examples:
+  lodc extract chair.glb --ratio 25% -o chair.quarter.glb
+  lodc extract chair.lodc --error 0.5% --textures keep -o chair.obj
+  lodc extract models --triangles 10k --compress meshopt -o levels";
 
 /// The names of all that may be replayed.
 fn replays() -> impl TypedValueParser<Value = Choice<ModelKind>> {
-    parser_with("reference", "The naive answer that every model is judged by")
+    parser_with("reference", "No structure: the naive answer that every model is judged by")
 }
 
 impl ExtractArgs {

@@ -7,6 +7,7 @@ use super::each;
 use crate::batch;
 use crate::console;
 use crate::exit::{Failure, Outcome, Status};
+use crate::help::{MANY, MEASURED, MORE, OUTPUT};
 use crate::limits::LimitArgs;
 use crate::output::is_stream;
 use crate::report::{InfoReport, StreamInfoReport};
@@ -18,28 +19,37 @@ use std::path::{Path, PathBuf};
 
 /// Options of `info`.
 #[derive(Args, Debug)]
+#[command(after_help = MORE, after_long_help = EXAMPLES)]
 pub(crate) struct InfoArgs {
-    /// .lodc files, .lods streams or prefixes of them, or folders of both; `-` for standard input
-    #[arg(required = true)]
+    /// .lodc files, .lods streams (or prefixes), or folders of both; - for standard input
+    #[arg(value_name = "INPUT", required = true)]
     inputs: Vec<PathBuf>,
-    /// Print one JSON document
-    #[arg(long)]
-    json: bool,
-    /// Count other structures too, for comparison: they are made for this and take a while on large
-    /// meshes
-    #[arg(long)]
+    /// Count the bits of other structures, too, for comparison
+    ///
+    /// They are made for this: it takes a while on large meshes.
+    #[arg(long, help_heading = MEASURED)]
     baselines: bool,
-    /// Of folders, take only files whose path below the folder matches (may be given several
-    /// times)
-    #[arg(long, value_name = "GLOB")]
+    /// Print one JSON document on standard output
+    #[arg(long, help_heading = OUTPUT)]
+    json: bool,
+    /// Of folders, only files whose path below the folder matches
+    ///
+    /// * does not match a slash, ** does. May be given several times.
+    #[arg(long, value_name = "GLOB", help_heading = MANY, hide_short_help = true)]
     include: Vec<String>,
-    /// Of folders, leave out files whose path below the folder matches (may be given several
-    /// times)
-    #[arg(long, value_name = "GLOB")]
+    /// Of folders, no files whose path below the folder matches
+    ///
+    /// * does not match a slash, ** does. May be given several times.
+    #[arg(long, value_name = "GLOB", help_heading = MANY, hide_short_help = true)]
     exclude: Vec<String>,
     #[command(flatten)]
     limits: LimitArgs,
 }
+
+const EXAMPLES: &str = "\
+Examples:
+  lodc info chair.lodc
+  lodc info levels --json";
 
 /// The document about one input.
 #[derive(Debug, Serialize)]

@@ -86,6 +86,9 @@ pub(super) fn pictures(
     draw().map_err(|e| failure(&e))
 }
 
+/// Degrees between the upper and the lower edge of a picture from a side.
+const FROM_A_SIDE: f64 = 30.0;
+
 /// The camera that frames the input, whatever level of detail is shown.
 fn camera(args: &RenderArgs, shown: &Shown, aspect: f64) -> Camera {
     let mut points: Vec<[f64; 3]> = Vec::new();
@@ -100,7 +103,7 @@ fn camera(args: &RenderArgs, shown: &Shown, aspect: f64) -> Camera {
     if let Some(eye) = args.eye_of_picture() {
         let middle = Camera::middle(&points);
         let target = args.views.at.target.map_or(middle, |target| target.map(f64::from));
-        let (eye, degrees) = (eye.map(f64::from), args.selector.field_of_view());
+        let (eye, degrees) = (eye.map(f64::from), args.selector.field_of_view_of_eye());
         let view = Viewpoint { eye, target, up, degrees, zoom: args.zoom };
         return Camera::at(&points, &view, aspect);
     }
@@ -110,7 +113,11 @@ fn camera(args: &RenderArgs, shown: &Shown, aspect: f64) -> Camera {
         up,
         azimuth: args.azimuth.unwrap_or(if any { 0.0 } else { azimuth }),
         elevation: args.elevation.unwrap_or(if any { 0.0 } else { elevation }),
-        lens: if args.orthographic { Lens::Orthographic } else { Lens::Perspective(args.fov) },
+        lens: if args.orthographic {
+            Lens::Orthographic
+        } else {
+            Lens::Perspective(args.selector.field_of_view().unwrap_or(FROM_A_SIDE))
+        },
         zoom: args.zoom,
     };
     Camera::around(&points, &framing, aspect)

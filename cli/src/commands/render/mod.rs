@@ -12,112 +12,112 @@ mod scene;
 
 use crate::exit::{Failure, Outcome};
 use crate::gpu::{self, Device};
+use crate::help::{BECOMES, DEVICE, LEVEL, MORE, OUTPUT, SEEN};
 use crate::limits::ImportArgs;
 use crate::output::{self, Target};
 use crate::pose::PoseArgs;
 use crate::selector::{SelectorArgs, share};
 use crate::views::ViewArgs;
-use clap::Args;
+use clap::{Arg, Args};
 use options::{Backs, Colouring, Shading, UpAxis, View};
 use std::path::PathBuf;
 
 /// Options of `render`.
 #[derive(Args, Debug)]
+#[command(after_help = MORE, after_long_help = EXAMPLES, mut_arg("fovy", of_the_picture))]
 pub(crate) struct RenderArgs {
-    /// The mesh (OBJ, glTF, GLB) or .lodc file to show; `-` for standard input
+    /// A mesh (.obj, .gltf, .glb) or a .lodc file; - for standard input
     input: PathBuf,
-    /// Output PNG; a folder; `-` for standard output
-    #[arg(short, long, value_name = "OUT")]
-    output: PathBuf,
     #[command(flatten)]
     selector: SelectorArgs,
+    /// Several levels side by side, each a share of the triangles, 0 to 1
+    #[arg(long, value_name = "SHARES", value_delimiter = ',', value_parser = share,
+          conflicts_with = "TargetArgs", help_heading = LEVEL)]
+    contact_sheet: Vec<f64>,
     #[command(flatten)]
     views: ViewArgs,
     #[command(flatten)]
     pose: PoseArgs,
-    /// Several levels of detail side by side, each a share of the triangles, 0 to 1
-    #[arg(
-        long,
-        value_name = "SHARES",
-        value_delimiter = ',',
-        value_parser = share,
-        conflicts_with = "TargetArgs"
-    )]
-    contact_sheet: Vec<f64>,
-    /// Pictures in a row of a contact sheet [default: up to 4]
-    #[arg(
-        long,
-        value_name = "N",
-        requires = "contact_sheet",
-        value_parser = clap::value_parser!(u32).range(1..=64)
-    )]
-    columns: Option<u32>,
-    /// Leave out the text below the pictures of a contact sheet, and the meaning of error colours
-    #[arg(long)]
-    no_labels: bool,
-    /// Pixels of each picture [default: 1024x768, in a contact sheet 480x360]
-    #[arg(long, value_name = "WxH", value_parser = options::size)]
-    size: Option<[u32; 2]>,
-    /// The side to show [default: three-quarter; with --eye what it sees, --fovy degrees high]
-    #[arg(long, value_enum, conflicts_with_all = ["azimuth", "elevation"])]
+    /// Side to show [default: three-quarter; with --eye what it sees]
+    #[arg(long, value_enum, conflicts_with_all = ["azimuth", "elevation"], help_heading = SEEN)]
     view: Option<View>,
-    /// Degrees around the upward axis: 0 is the front, 90 the side to the right of who looks at it
-    #[arg(
-        long,
-        value_name = "DEGREES",
-        allow_negative_numbers = true,
-        value_parser = options::degrees
-    )]
+    /// Degrees around the upward axis; 0 is the front, 90 its right
+    ///
+    /// Right of who looks at the front; -360 to 360.
+    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true,
+          value_parser = options::degrees, help_heading = SEEN)]
     azimuth: Option<f64>,
     /// Degrees above the horizon, -90 to 90
-    #[arg(
-        long,
-        value_name = "DEGREES",
-        allow_negative_numbers = true,
-        value_parser = options::elevation
-    )]
+    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true,
+          value_parser = options::elevation, help_heading = SEEN)]
     elevation: Option<f64>,
-    /// The axis that points up in the file
-    #[arg(long, value_enum, default_value = "y")]
+    /// Axis that points up in the file
+    #[arg(long, value_enum, default_value = "y", help_heading = SEEN)]
     up: UpAxis,
-    /// Zoom: 1 just fits; 0.01 to 1000
-    #[arg(long, value_name = "FACTOR", default_value = "1", value_parser = options::zoom)]
+    /// Size in the picture, 0.01 to 1000; 1 just fits
+    #[arg(long, value_name = "FACTOR", default_value = "1", value_parser = options::zoom,
+          help_heading = SEEN, hide_short_help = true)]
     zoom: f64,
-    /// Degrees between the upper and the lower edge of the picture, 1 to 150
-    #[arg(
-        long,
-        value_name = "DEGREES",
-        default_value = "30",
-        value_parser = options::field_of_view
-    )]
-    fov: f64,
     /// No perspective
-    #[arg(long, conflicts_with = "fov")]
+    #[arg(long, help_heading = SEEN, hide_short_help = true)]
     orthographic: bool,
-    /// Normals of the file (rounded ones where it has none), or one for each triangle
-    #[arg(long, value_enum, default_value = "smooth")]
-    shading: Shading,
-    /// Meaning of colours
-    #[arg(long, value_enum, default_value = "material")]
-    color: Colouring,
-    /// Draw the edges of triangles
-    #[arg(long)]
-    wireframe: bool,
-    /// Behind everything: a colour as #rrggbb or #rrggbbaa, white, black, grey or transparent
-    #[arg(long, value_name = "COLOR", default_value = "white", value_parser = options::colour)]
-    background: [u8; 4],
-    /// Triangles seen from behind: as their material says, shown, hidden, or in a warning colour
-    #[arg(long, value_enum, default_value = "material")]
-    back_faces: Backs,
-    /// The folder in which the file's textures are looked for [default: where the file lies]
-    #[arg(long, value_name = "DIR")]
+    /// Folder to look for image files in [default: that of the input]
+    #[arg(long, value_name = "DIR", help_heading = BECOMES, hide_short_help = true)]
     textures: Option<PathBuf>,
-    /// The GPU to use, by a part of its name
-    #[arg(long, value_name = "NAME")]
+    /// Meaning of colours
+    #[arg(long, value_enum, default_value = "material", help_heading = BECOMES)]
+    color: Colouring,
+    /// Normals of the file, or one for each triangle
+    ///
+    /// Rounded ones, with sharp edges kept, where the file has none.
+    #[arg(long, value_enum, default_value = "smooth", help_heading = BECOMES)]
+    shading: Shading,
+    /// Draw the edges of triangles
+    #[arg(long, help_heading = BECOMES)]
+    wireframe: bool,
+    /// Colour behind everything: #rrggbb, #rrggbbaa or a name
+    ///
+    /// white, black, grey or transparent.
+    #[arg(long, value_name = "COLOR", default_value = "white", value_parser = options::colour,
+          help_heading = BECOMES)]
+    background: [u8; 4],
+    /// Triangles seen from behind
+    ///
+    /// As their material says (those of an OBJ are shown), shown, hidden, or in a warning colour.
+    #[arg(long, value_enum, default_value = "material", help_heading = BECOMES,
+          hide_short_help = true)]
+    back_faces: Backs,
+    /// Pixels of each picture [default: 1024x768; in a contact sheet 480x360]
+    #[arg(long, value_name = "WxH", value_parser = options::size, help_heading = BECOMES)]
+    size: Option<[u32; 2]>,
+    /// Pictures in a row of a contact sheet, 1 to 64 [default: up to 4]
+    #[arg(long, value_name = "N", requires = "contact_sheet",
+          value_parser = clap::value_parser!(u32).range(1..=64), help_heading = BECOMES,
+          hide_short_help = true)]
+    columns: Option<u32>,
+    /// Pictures alone: no text below them, no meaning of error colours
+    #[arg(long, help_heading = BECOMES, hide_short_help = true)]
+    no_labels: bool,
+    /// Graphics device to use, by a part of its name
+    #[arg(long, value_name = "NAME", help_heading = DEVICE, hide_short_help = true)]
     adapter: Option<String>,
+    /// PNG file, or folder; - for standard output
+    #[arg(short, long, value_name = "OUT", help_heading = OUTPUT)]
+    output: PathBuf,
     #[command(flatten)]
     import: ImportArgs,
 }
+
+/// The field of view is that of an eye, and also of the picture.
+fn of_the_picture(fovy: Arg) -> Arg {
+    fovy.help("Vertical field of view in degrees, below 180 [default: 60 of an eye, 30 of a side]")
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  lodc render chair.glb -o chair.png
+  lodc render chair.lodc --contact-sheet 1,0.5,0.25,0.1 --wireframe -o levels.png
+  lodc render chair.lodc --ratio 10% --color error --view front -o error.png";
 
 pub(crate) fn run(args: &RenderArgs) -> Outcome<()> {
     let folder = output::is_folder(&args.output);
@@ -140,6 +140,10 @@ fn check_view(args: &RenderArgs) -> Outcome<()> {
         return Err(Failure::usage(
             "--color strips shows one level of each object, no --criterion",
         ));
+    }
+    let for_a_level = args.selector.pixels().is_some();
+    if args.orthographic && args.selector.field_of_view().is_some() && !for_a_level {
+        return Err(Failure::usage("--fovy is of a perspective: leave --orthographic out"));
     }
     if args.orthographic && args.eye_of_picture().is_some() {
         return Err(Failure::usage(

@@ -100,10 +100,6 @@ pub(super) fn zoom(text: &str) -> Result<f64, String> {
     between(text, 0.01, 1000.0)
 }
 
-pub(super) fn field_of_view(text: &str) -> Result<f64, String> {
-    between(text, 1.0, 150.0)
-}
-
 /// `#rrggbb`, `#rrggbbaa` or a name.
 pub(super) fn colour(text: &str) -> Result<[u8; 4], String> {
     match text {

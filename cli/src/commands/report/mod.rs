@@ -14,6 +14,12 @@ use lodc_formats::{ObjectInfo, scene_graph};
 use lodc_scene::Arrangement;
 use lodc_select::scene_diagonal;
 
+/// Examples in the help.
+pub(crate) const EXAMPLES: &str = "\
+Examples:
+  lodc report chair.glb -o chair.html
+  lodc report chair.lodc -o chair.html --depfile chair.d";
+
 /// All that a page is made of.
 struct Facts<'a> {
     title: String,

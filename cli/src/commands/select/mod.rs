@@ -5,6 +5,7 @@ mod scene;
 
 use crate::console;
 use crate::exit::{Failure, Outcome};
+use crate::help::{LEVEL, MORE, OUTPUT, SEEN};
 use crate::limits::LimitArgs;
 use crate::report::SCHEMA_VERSION;
 use crate::selector::ScreenArgs;
@@ -18,40 +19,53 @@ use std::path::PathBuf;
 
 /// Options of `select`.
 #[derive(Args, Debug)]
+#[command(after_help = MORE, after_long_help = EXAMPLES)]
 pub(crate) struct SelectArgs {
     /// The .lodc file to choose a level of
     #[arg(required_unless_present = "scene", conflicts_with = "scene")]
     file: Option<PathBuf>,
     /// Pixels that the error may take on the screen
-    #[arg(long, value_name = "P", value_parser = positive,
+    #[arg(long, value_name = "P", value_parser = positive, help_heading = LEVEL,
           required_unless_present = "budget", conflicts_with = "budget")]
     pixels: Option<f32>,
-    /// Distance of the file's model from the eye, in the scene's units
-    #[arg(long, value_name = "D", value_parser = positive, required_unless_present = "scene",
-          conflicts_with = "scene")]
+    /// Distance of the eye from the model's nearest point, in its units
+    #[arg(long, value_name = "D", value_parser = positive, help_heading = LEVEL,
+          required_unless_present = "scene", conflicts_with = "scene")]
     distance: Option<f32>,
-    /// Choose for every instance of a scene: a JSON document {"file": PATH, "position": [X, Y, Z],
-    /// "scale": S} in each line of FILE
-    #[arg(long, value_name = "FILE", requires = "eye")]
+    /// Choose for every instance of a scene, one in each line of FILE
+    ///
+    /// {"file": PATH, "position": [X, Y, Z], "scale": S}; scale may be left out.
+    #[arg(long, value_name = "FILE", requires = "eye", help_heading = LEVEL)]
     scene: Option<PathBuf>,
     /// Triangles that all instances may have together
-    #[arg(long, value_name = "N", requires = "scene")]
+    ///
+    /// The largest error on the screen is as small as it can be, within 2 %. The last level with
+    /// triangles is never left.
+    #[arg(long, value_name = "N", requires = "scene", help_heading = LEVEL)]
     budget: Option<u64>,
     /// Place of the eye
-    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
-    eye: Option<[f32; 3]>,
-    /// Point that the eye looks at; what is wholly behind the eye has its coarsest level
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true,
-          requires = "eye")]
+          help_heading = SEEN)]
+    eye: Option<[f32; 3]>,
+    /// Point looked at; what is wholly behind the eye has its coarsest level
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true,
+          requires = "eye", help_heading = SEEN)]
     target: Option<[f32; 3]>,
     #[command(flatten)]
     screen: ScreenArgs,
-    /// Print one JSON document
-    #[arg(long)]
+    /// Print one JSON document on standard output
+    #[arg(long, help_heading = OUTPUT)]
     json: bool,
     #[command(flatten)]
     limits: LimitArgs,
 }
+
+const EXAMPLES: &str = "\
+A file needs --pixels and --distance, a scene --eye and either --budget or --pixels.
+
+Examples:
+  lodc select chair.lodc --pixels 1 --distance 20
+  lodc select --scene hall.jsonl --eye 0,1.7,0 --target 0,1.7,-5 --budget 500000 --json";
 
 /// `select FILE --json`.
 #[derive(Debug, Serialize)]

@@ -5,6 +5,7 @@ mod rebuilt;
 mod summary;
 
 use crate::exit::{Failure, Outcome, Status};
+use crate::help::{MORE, OUTPUT, READ};
 use crate::kinds::ModelArgs;
 use crate::limits::LimitArgs;
 use crate::mesh_output::FormatName;
@@ -17,32 +18,38 @@ use std::path::PathBuf;
 
 /// Options of `unpack`.
 #[derive(Args, Debug)]
-#[command(
-    after_help = "A stream that ends early is a normal case: what has come is a complete mesh. \
-                  One that is damaged gives the part before the damage and ends with status 3. \
-                  A .lodc file needs the whole stream."
-)]
+#[command(after_help = MORE, after_long_help = EXAMPLES)]
 pub(crate) struct UnpackArgs {
-    /// The .lods stream, or any prefix of one; `-` for standard input
+    /// The .lods stream, or any prefix of one; - for standard input
     input: PathBuf,
-    /// Output: .glb, .gltf, .obj or .ply; .lodc for a complete stream; a folder; `-` for standard
-    /// output
-    #[arg(short, long, value_name = "OUT")]
-    output: PathBuf,
-    /// Only a complete stream will do
-    #[arg(long)]
-    whole: bool,
-    /// The format, if the name of OUT does not say [default: glb]
-    #[arg(long, value_enum)]
-    format: Option<FormatName>,
-    #[command(flatten, next_help_heading = "Of a .lodc file")]
+    #[command(flatten)]
     models: ModelArgs,
-    /// Print what was unpacked as JSON on standard output
-    #[arg(long)]
+    /// File (.glb, .gltf, .obj, .ply or .lodc), or folder; - for standard output
+    ///
+    /// A .lodc file needs the whole stream.
+    #[arg(short, long, value_name = "OUT", help_heading = OUTPUT)]
+    output: PathBuf,
+    /// Format, where OUT does not tell [default: glb]
+    #[arg(long, value_enum, help_heading = OUTPUT)]
+    format: Option<FormatName>,
+    /// Print one JSON document on standard output
+    #[arg(long, help_heading = OUTPUT)]
     json: bool,
+    /// Take the complete stream only, else end with status 3
+    #[arg(long, help_heading = READ)]
+    whole: bool,
     #[command(flatten)]
     limits: LimitArgs,
 }
+
+const EXAMPLES: &str = "\
+A stream that ends early is a normal case: what has come is a complete mesh. One that is damaged gives \
+the part before the damage and ends with status 3.
+
+Examples:
+  lodc unpack chair.lods -o chair.glb
+  lodc unpack - -o early.obj
+  lodc unpack chair.lods -o chair.lodc --models none";
 
 pub(crate) fn run(args: &UnpackArgs) -> Outcome<Status> {
     if rebuilt::is_wanted(args) {

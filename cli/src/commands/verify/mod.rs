@@ -15,6 +15,7 @@ use crate::batch;
 use crate::console::{self, Loudness, error, wants};
 use crate::exit::{Failure, Outcome, Status, one_line};
 use crate::gpu::GpuArgs;
+use crate::help::{CHECKED, MANY, MORE, OUTPUT};
 use crate::limits::ImportArgs;
 use crate::output;
 use crate::report::SCHEMA_VERSION;
@@ -30,35 +31,46 @@ use std::path::{Path, PathBuf};
 
 /// Options of `verify`.
 #[derive(Args, Debug)]
+#[command(after_help = MORE, after_long_help = EXAMPLES)]
 pub(crate) struct VerifyArgs {
-    /// The .lodc files, or folders of them; `-` for standard input
-    #[arg(required = true)]
+    /// .lodc files, or folders of them; - for standard input
+    #[arg(value_name = "INPUT", required = true)]
     inputs: Vec<PathBuf>,
-    /// Also prove that LOD 0 is this mesh, triangle by triangle and byte by byte; of a folder, the
-    /// mesh whose content a file was made from
-    #[arg(long, value_name = "INPUT")]
+    /// Also prove that LOD 0 is this mesh, byte by byte
+    ///
+    /// Triangle by triangle. Of a folder, the mesh whose content a file was made from, wherever it is
+    /// in there.
+    #[arg(long, value_name = "MESH", help_heading = CHECKED)]
     source: Option<PathBuf>,
-    /// Check every N-th step instead of every step
-    #[arg(long, value_name = "N", default_value = "1")]
+    /// Check every N-th step
+    #[arg(long, value_name = "N", default_value = "1", help_heading = CHECKED)]
     stride: NonZeroU32,
     #[command(flatten)]
     pub(crate) gpu: GpuArgs,
-    /// Print one JSON document
-    #[arg(long)]
+    /// Print one JSON document on standard output
+    #[arg(long, help_heading = OUTPUT)]
     json: bool,
     #[command(flatten)]
     ci: CiArgs,
-    /// Of folders, take only files whose path below the folder matches (may be given several
-    /// times)
-    #[arg(long, value_name = "GLOB")]
+    /// Of folders, only files whose path below the folder matches
+    ///
+    /// * does not match a slash, ** does. May be given several times.
+    #[arg(long, value_name = "GLOB", help_heading = MANY, hide_short_help = true)]
     include: Vec<String>,
-    /// Of folders, leave out files whose path below the folder matches (may be given several
-    /// times)
-    #[arg(long, value_name = "GLOB")]
+    /// Of folders, no files whose path below the folder matches
+    ///
+    /// * does not match a slash, ** does. May be given several times.
+    #[arg(long, value_name = "GLOB", help_heading = MANY, hide_short_help = true)]
     exclude: Vec<String>,
     #[command(flatten)]
     import: ImportArgs,
 }
+
+const EXAMPLES: &str = "\
+Examples:
+  lodc verify chair.lodc --source chair.glb
+  lodc verify levels --source models --junit results.xml
+  lodc verify chair.lodc --gpu";
 
 pub(crate) fn run(args: &VerifyArgs) -> Outcome<Status> {
     let streams = args.inputs.iter().chain(&args.source).filter(|path| output::is_stream(path));

@@ -5,6 +5,7 @@ mod page;
 use super::asset::{self, Asset, SimplifyArgs};
 use crate::console::{self, Loudness, note, wants};
 use crate::exit::{Failure, Outcome};
+use crate::help::{BECOMES, OUTPUT};
 use crate::limits::ImportArgs;
 use crate::mesh_output;
 use crate::output::{self, Rule, Target};
@@ -22,25 +23,31 @@ use std::path::{Path, PathBuf};
 /// Options of commands that make a page: `view` and `report`.
 #[derive(Args, Debug)]
 pub(crate) struct PageArgs {
-    /// A mesh (.obj, .gltf, .glb) or a .lodc file; `-` for standard input
+    /// A mesh (.obj, .gltf, .glb) or a .lodc file; - for standard input
     pub(super) input: PathBuf,
-    /// The page: an .html file; `-` for standard output
-    #[arg(short, long, value_name = "OUT")]
-    pub(super) output: PathBuf,
-    /// Name that the page shows [default: the name of the input]
-    #[arg(long, value_name = "TEXT")]
-    pub(super) title: Option<String>,
-    /// Folder of the file's textures [default: FILE's folder]
-    #[arg(long, value_name = "DIR")]
-    pub(super) textures: Option<PathBuf>,
     #[command(flatten)]
     pub(super) simplify: SimplifyArgs,
+    /// Name on the page [default: name of the input]
+    #[arg(long, value_name = "TEXT", help_heading = BECOMES)]
+    pub(super) title: Option<String>,
+    /// Folder to look for image files in [default: that of the input]
+    #[arg(long, value_name = "DIR", help_heading = BECOMES)]
+    pub(super) textures: Option<PathBuf>,
+    /// Page, an .html file, or folder; - for standard output
+    #[arg(short, long, value_name = "OUT", help_heading = OUTPUT)]
+    pub(super) output: PathBuf,
     /// Write a Make/Ninja dependency file that names every file read
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", help_heading = OUTPUT, hide_short_help = true)]
     pub(super) depfile: Option<PathBuf>,
     #[command(flatten)]
     pub(super) import: ImportArgs,
 }
+
+/// Examples in the help.
+pub(crate) const EXAMPLES: &str = "\
+Examples:
+  lodc view chair.glb -o chair.html
+  lodc view chair.lodc -o chair.html --title 'Chair, oak'";
 
 /// A page that was made.
 pub(super) struct Page {

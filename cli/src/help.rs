@@ -1,0 +1,36 @@
+//! Words that the help of all commands shares: the headings of groups of options, and the line that
+//! leads from `-h` to `--help`.
+
+/// Options that choose a level of detail.
+pub(crate) const LEVEL: &str = "Which level";
+/// The eye, the screen, the moment.
+pub(crate) const SEEN: &str = "Where it is seen";
+/// Options of simplifying a mesh.
+pub(crate) const SIMPLIFIED: &str = "How it is simplified";
+/// Contents of a `.lodc` file.
+pub(crate) const STORED: &str = "What is stored";
+/// Shape of a result.
+pub(crate) const BECOMES: &str = "What it becomes";
+/// The checks of `verify`.
+pub(crate) const CHECKED: &str = "What is checked";
+/// The measurements of `compare` and `bench`.
+pub(crate) const MEASURED: &str = "What is measured";
+/// The limits of `compare`, beyond which it ends with status 1.
+pub(crate) const FAILS: &str = "What counts as a difference";
+/// The graphics device.
+pub(crate) const DEVICE: &str = "Graphics device";
+/// Places of results, and reports about them.
+pub(crate) const OUTPUT: &str = "Output";
+/// Folders, lists and parts of them.
+pub(crate) const MANY: &str = "Many assets";
+/// Options from files.
+pub(crate) const CONFIGURATION: &str = "Configuration";
+/// Inputs and what they may name.
+pub(crate) const READ: &str = "What is read";
+/// Bounds on size and work.
+pub(crate) const LIMITS: &str = "Limits";
+/// Options of every command.
+pub(crate) const GENERAL: &str = "General";
+
+/// The last line of `-h`.
+pub(crate) const MORE: &str = "--help has the rest: every option in full, and examples.";
