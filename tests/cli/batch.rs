@@ -139,7 +139,7 @@ fn what_is_up_to_date_is_not_touched() {
     f.file("in/a.obj", grid(5));
     f.file("in/m.mtl", "newmtl a\nKd 0 1 0\n");
     assert_eq!(counts(&build), summary(2, 2));
-    let other: Vec<&str> = build.iter().copied().chain(["--metric", "hybrid"]).collect();
+    let other: Vec<&str> = build.iter().copied().chain(["--lock-border"]).collect();
     assert_eq!(counts(&other), summary(4, 0));
     // So do image files, of which the build itself reads none.
     f.file("in/m.mtl", "newmtl a\nmap_Kd m.png\n");

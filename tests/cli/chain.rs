@@ -1,6 +1,6 @@
 //! `lodc chain`: levels of one asset, over one vertex buffer or as a file each.
 
-use crate::support::{Folder, grid};
+use crate::support::{Folder, QUADRIC, grid};
 use serde_json::Value;
 
 fn chained(f: &Folder, input: &str, more: &[&str]) -> Value {
@@ -23,6 +23,7 @@ fn triangles(report: &Value) -> Vec<u64> {
 fn part(f: &Folder) {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/machine_part.glb");
     f.file("part.glb", std::fs::read(path).expect("a fixture"));
+    f.file("lodc.toml", QUADRIC);
 }
 
 #[test]
@@ -61,7 +62,7 @@ fn four_levels_share_one_vertex_buffer() {
 fn a_chain_of_a_file_has_the_levels_of_extract() {
     let f = Folder::new();
     part(&f);
-    f.lodc(["build", "part.glb", "-o", "part.lodc", "-q", "--metric", "hybrid"]).ends(0);
+    f.lodc(["build", "part.glb", "-o", "part.lodc", "-q"]).ends(0);
     let levels = ["-o", "c.glb", "--levels", "100%,0.3,100,20"];
     let from_file = chained(&f, "part.lodc", &levels);
     let from_mesh = chained(&f, "part.glb", &levels);

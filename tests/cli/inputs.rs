@@ -1,6 +1,6 @@
 //! `lodc extract` of meshes and of several inputs.
 
-use crate::support::{Folder, grid};
+use crate::support::{Folder, QUADRIC, grid};
 use serde_json::Value;
 
 fn part(f: &Folder) {
@@ -12,13 +12,18 @@ fn part(f: &Folder) {
 fn a_mesh_gives_the_level_that_its_lodc_file_gives() {
     let f = Folder::new();
     part(&f);
-    f.lodc(["build", "part.glb", "-o", "part.lodc", "-q", "--metric", "hybrid"]).ends(0);
-    for selector in [["--ratio", "25%"], ["--triangles", "0.1k"], ["--error", "1%"]] {
+    let same = |selector: [&str; 2]| {
         for (input, output) in [("part.glb", "a.glb"), ("part.lodc", "b.glb")] {
             f.lodc(["extract", input, "-o", output, "-q"].iter().chain(&selector)).ends(0);
         }
         assert!(f.read("a.glb") == f.read("b.glb"), "{selector:?}");
-    }
+    };
+    f.lodc(["build", "part.glb", "-o", "part.lodc", "-q", "--metric", "hybrid"]).ends(0);
+    same(["--ratio", "25%"]);
+    f.file("lodc.toml", QUADRIC);
+    f.lodc(["build", "part.glb", "-o", "part.lodc", "-q"]).ends(0);
+    same(["--triangles", "0.1k"]);
+    same(["--error", "1%"]);
     let run = f.lodc(["extract", "part.glb", "-o", "c.glb", "--ratio", "0.5", "--model", "speed"]);
     assert!(run.fails(2).err.contains("it has: reference"));
 }
@@ -27,6 +32,7 @@ fn a_mesh_gives_the_level_that_its_lodc_file_gives() {
 fn a_cap_holds_whatever_is_wanted() {
     let f = Folder::new();
     part(&f);
+    f.file("lodc.toml", QUADRIC);
     let extract = |more: &[&str]| -> Value {
         let args = ["extract", "part.glb", "-o", "o.glb", "--json", "-q"];
         f.lodc(args.iter().chain(more)).ends(0).json()

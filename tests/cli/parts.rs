@@ -3,10 +3,10 @@
 use crate::support::{Folder, scene};
 use serde_json::Value;
 
-/// Two equal grids, `grid0` and `grid1`, in one scene.
-fn folder() -> Folder {
+/// Two equal grids of `n` by `n` squares, `grid0` and `grid1`, in one scene.
+fn folder(n: usize) -> Folder {
     let f = Folder::new();
-    f.file("s.gltf", scene(&[1.0, 1.0], 10));
+    f.file("s.gltf", scene(&[1.0, 1.0], n));
     f
 }
 
@@ -23,7 +23,7 @@ fn objects(f: &Folder, more: &[&str]) -> [Value; 2] {
 
 #[test]
 fn an_object_has_a_metric_of_its_own_and_flags_win() {
-    let f = folder();
+    let f = folder(4);
     let [plain, same] = objects(&f, &[]);
     assert_eq!(plain, same, "equal grids have equal levels");
     let [by_kl, _] = objects(&f, &["--metric", "kl"]);
@@ -42,10 +42,10 @@ fn an_object_has_a_metric_of_its_own_and_flags_win() {
 
 #[test]
 fn objects_have_levels_of_their_own() {
-    let f = folder();
+    let f = folder(10);
     f.file(
         "lodc.toml",
-        "[defaults.extract]\nratio = \"10%\"\n[defaults.chain]\nlevels = [\"50%\", \"10%\"]\n\
+        "[defaults]\nmetric = \"quadric\"\n[defaults.extract]\nratio = \"10%\"\n[defaults.chain]\nlevels = [\"50%\", \"10%\"]\n\
          [[override]]\nobjects = [\"grid1\"]\n[override.extract]\nratio = 0.8\n\
          [override.chain]\nlevels = [\"80%\"]\n",
     );
@@ -66,7 +66,7 @@ fn objects_have_levels_of_their_own() {
 
 #[test]
 fn a_part_that_is_none_is_named() {
-    let f = folder();
+    let f = folder(4);
     for (table, part) in [
         ("objects = [\"a\"]\nmodels = [\"speed\"]", "models"),
         ("objects = [\"a\"]\nmetrik = \"kl\"", "is metric meant?"),
