@@ -71,7 +71,6 @@ pub(super) fn make(
     fill_in(report, &objects);
 
     check_models(&objects, &watch).map_err(bug)?;
-    drop(watch);
 
     progress.stage("write");
     let made_from = MadeFrom::of(input, &files_read, &args.resolved, start);
