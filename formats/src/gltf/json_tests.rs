@@ -34,7 +34,7 @@ fn texts_are_spelt_like_those_of_other_writers() {
     let text = value.to_string();
     let other: Value = serde_json::from_str(&text).expect("JSON");
     assert_eq!(other[&*all][0], *all);
-    assert_eq!(parsed(&text).map(Json::Object), Ok(value.clone()));
+    assert_eq!(parsed(&text).map(Json::Object), Ok(value));
     // Members in the order of their names, as any map of the other package has them.
     let sorted = parsed(&other.to_string()).expect("JSON");
     assert_eq!(sorted.to_string(), other.to_string());
