@@ -1,34 +1,70 @@
 //! Every external byte of lodc: meshes in and out, the `.lodc` container and the `.lods` stream.
 //!
-//! Nothing outside this package parses or writes files. Each format has a room: [`gltf`], [`obj`],
-//! `ply`, [`images`], [`lodc`] and [`lods`]; what they share stands beside them, and [`import`],
-//! [`export`], [`appearance`](fn@appearance) and [`images::Textures`] choose among them. No format
-//! uses what chooses, and its reader and writer do not use each other.
+//! Nothing outside this package parses or writes files. Each format has a room: `gltf`, `obj`,
+//! `ply`, `images`, [`lodc`] and `lods`; what they share stands beside them, and `import`,
+//! `export`, `appearance` and `images::Textures` choose among them. No format uses what chooses,
+//! and its reader and writer do not use each other.
+//!
+//! Features: `import` (OBJ and glTF in), `export` (glTF, OBJ and PLY out), `stream` (`.lods`); all
+//! of them by default, and without any the container alone.
 
+#[cfg(feature = "import")]
 mod appearance;
 mod assets;
 mod error;
+#[cfg(feature = "export")]
 pub mod export;
+#[cfg(feature = "export")]
 mod flatten;
+#[cfg(feature = "json")]
+#[cfg_attr(
+    not(all(feature = "import", feature = "export", feature = "stream")),
+    allow(
+        dead_code,
+        unused_imports,
+        unused_macros,
+        reason = "each part has a user among all features"
+    )
+)]
 pub mod gltf;
+#[cfg(any(feature = "import", feature = "export"))]
 pub mod images;
+#[cfg(feature = "import")]
 pub mod import;
 mod limits;
+#[cfg_attr(not(feature = "stream"), allow(dead_code, reason = "streams describe attributes alike"))]
 pub mod lodc;
+#[cfg(feature = "stream")]
 pub mod lods;
+#[cfg(any(feature = "import", feature = "export"))]
+#[cfg_attr(
+    not(all(feature = "import", feature = "export", feature = "stream")),
+    allow(
+        dead_code,
+        unused_imports,
+        unused_macros,
+        reason = "each part has a user among all features"
+    )
+)]
 mod obj;
+#[cfg(any(feature = "import", feature = "export"))]
 mod options;
+#[cfg(feature = "export")]
 mod ply;
+#[cfg(feature = "export")]
 mod provenance;
 mod scene;
 #[cfg(test)]
 mod testing;
+#[cfg(feature = "export")]
 mod textures;
 mod write;
 
+#[cfg(feature = "import")]
 pub use appearance::appearance;
 pub use assets::Assets;
 pub use error::{Fault, FormatError};
+#[cfg(feature = "gltf")]
 pub use gltf::{PartNames, animation, animation_names, scene_graph};
 pub use limits::Limits;
 pub use scene::{

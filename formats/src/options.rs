@@ -1,12 +1,16 @@
 //! What readers and writers are told.
 
-use crate::images::PlacedTextures;
-use crate::provenance::Provenance;
-use crate::{Limits, ObjectInfo};
+#[cfg(feature = "import")]
+use crate::Limits;
+#[cfg(feature = "export")]
+use crate::{ObjectInfo, images::PlacedTextures, provenance::Provenance};
+#[cfg(feature = "export")]
 use lodc_mesh::Mesh;
+#[cfg(feature = "import")]
 use std::path::PathBuf;
 
 /// Options of an import.
+#[cfg(feature = "import")]
 #[derive(Clone, Debug, Default)]
 pub struct ImportOptions {
     /// Limits on the size of inputs.
@@ -19,6 +23,7 @@ pub struct ImportOptions {
 }
 
 /// One object at one level of detail.
+#[cfg(feature = "export")]
 #[derive(Clone, Copy, Debug)]
 pub struct ExportObject<'a> {
     /// Its description.
@@ -28,6 +33,7 @@ pub struct ExportObject<'a> {
 }
 
 /// Contents of an export besides the document and its objects. The default adds nothing.
+#[cfg(feature = "export")]
 #[derive(Clone, Debug, Default)]
 pub struct Additions {
     /// The places of image files.
@@ -41,6 +47,7 @@ pub struct Additions {
 }
 
 /// Bits per number, 2 to 16, of each kind of stream; `None` keeps the numbers as they are.
+#[cfg(feature = "export")]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Precision {
     /// Positions: the longest side of the scene has 2^n − 2 steps.

@@ -1,7 +1,8 @@
 //! Reading every image file that a document names.
 
 use crate::images::Textures;
-use crate::{Assets, Document, FormatError, gltf, obj};
+use crate::obj::mtl;
+use crate::{Assets, Document, FormatError, gltf};
 
 impl Textures {
     /// Reads the image files that a document names from where `assets` has its main file. What
@@ -12,7 +13,13 @@ impl Textures {
     pub fn read(document: &Document, assets: &mut Assets) -> Result<Self, FormatError> {
         let mut textures = Self::default();
         match document {
-            Document::Obj(document) => obj::read_textures(document, &mut textures, assets),
+            Document::Obj(document) => {
+                let lines = document.materials.iter().flat_map(|m| &m.lines);
+                for name in lines.filter_map(|line| mtl::file(line)) {
+                    let path = name.replace('\\', "/");
+                    textures.add(&path, |assets| assets.read_reference(&path), assets);
+                }
+            }
             Document::Gltf(document) => gltf::read_textures(document, &mut textures, assets)?,
         }
         Ok(textures)

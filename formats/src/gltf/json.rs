@@ -341,20 +341,13 @@ macro_rules! from_whole {
 from_whole!(u32, u64, usize, i64);
 
 /// The shortest spelling that means the same number; null if it is not finite.
+#[cfg(feature = "gltf")]
 impl From<f64> for Json {
     fn from(number: f64) -> Self {
         if !number.is_finite() {
             return Self::Null;
         }
-        let scientific = format!("{number:e}");
-        let (digits, power) = scientific.split_once('e').expect("the form of the format");
-        let power: i32 = power.parse().expect("the form of the format");
-        Self::Number(Box::from(match power {
-            -5..16 if number.fract() == 0.0 => format!("{number}.0"),
-            -5..16 => number.to_string(),
-            ..=-6 => scientific,
-            _ => format!("{digits}e+{power}"),
-        }))
+        Self::Number(serde_json::to_string(&number).expect("a finite number").into())
     }
 }
 

@@ -6,35 +6,63 @@
 //! external bytes can do: JSON nesting and size (`json`), paths (`uri`, [`Assets`](crate::Assets)),
 //! ranges (`views`, `accessor`), memory in all (`budget`).
 
+#[cfg(feature = "gltf")]
 mod accessor;
+#[cfg(feature = "gltf")]
 mod animations;
+#[cfg(feature = "import")]
 mod appearance;
+#[cfg(feature = "gltf")]
 mod budget;
+#[cfg(feature = "gltf")]
 mod document;
 mod extensions;
+#[cfg(feature = "export")]
 mod floats;
+#[cfg(any(feature = "import", feature = "export"))]
 mod glb;
+#[cfg(feature = "gltf")]
 mod graph;
+#[cfg(feature = "export")]
 mod images;
 mod json;
+#[cfg(feature = "export")]
 mod materials;
+#[cfg(feature = "gltf")]
 mod meshopt;
+#[cfg(feature = "stream")]
 mod missing;
+#[cfg(feature = "gltf")]
 mod part_names;
+#[cfg(feature = "export")]
 mod quantize;
+#[cfg(feature = "import")]
 pub(crate) mod read;
 mod schema;
+#[cfg(any(feature = "import", feature = "export"))]
 mod semantic;
+#[cfg(feature = "gltf")]
 mod typed;
+#[cfg(feature = "gltf")]
 mod uri;
+#[cfg(feature = "gltf")]
 mod views;
+#[cfg(feature = "export")]
 pub(crate) mod write;
 
+#[cfg(feature = "gltf")]
 pub use animations::{animation, animation_names};
+#[cfg(feature = "import")]
 pub(crate) use appearance::appearance;
+#[cfg(feature = "gltf")]
 pub use graph::scene_graph;
+#[cfg(feature = "export")]
 pub(crate) use images::{add_embedded, read_textures};
+#[cfg(feature = "export")]
 pub(crate) use materials::library;
+#[cfg(feature = "stream")]
 pub(crate) use missing::{bare_gltf, gltf_without_missing};
+#[cfg(feature = "gltf")]
 pub use part_names::PartNames;
+#[cfg(feature = "export")]
 pub use write::{ChainObject, ChainShape, LevelsObject, export_chain, export_levels};

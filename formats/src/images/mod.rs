@@ -1,14 +1,23 @@
 //! Images as files: PNG and JPEG in, PNG out, and the places of those that a document names.
 
+#[cfg(feature = "import")]
 mod decode;
+#[cfg(feature = "import")]
 mod encode;
+#[cfg(feature = "import")]
 mod pictures;
+#[cfg(feature = "export")]
 mod place;
-#[cfg(test)]
+#[cfg(all(test, feature = "import"))]
 mod tests;
 
+#[cfg(feature = "import")]
 pub use decode::decode;
+#[cfg(feature = "import")]
 pub use encode::png;
+#[cfg(feature = "import")]
 pub(crate) use pictures::Pictures;
+#[cfg(feature = "export")]
 pub(crate) use place::{Place, embedded_name};
+#[cfg(feature = "export")]
 pub use place::{PlacedTextures, TextureMode, Textures};

@@ -1,9 +1,12 @@
 //! Wavefront OBJ and MTL.
 
+#[cfg(feature = "import")]
 mod appearance;
 pub(crate) mod mtl;
+#[cfg(feature = "import")]
 pub(crate) mod read;
+#[cfg(feature = "export")]
 pub(crate) mod write;
 
+#[cfg(feature = "import")]
 pub(crate) use appearance::appearance;
-pub(crate) use mtl::read_textures;

@@ -1,7 +1,6 @@
 //! Statements of MTL files: what a material's colours and textures are, and which files they name.
 
-use crate::images::Textures;
-use crate::{Assets, ObjDocument, ObjMaterial};
+use crate::ObjMaterial;
 
 /// The file that a line of a material names: what follows the options. It may contain spaces. None
 /// for lines that name no file.
@@ -55,14 +54,6 @@ pub(crate) fn with_file(line: &str, file: &str) -> String {
     match self::file(line) {
         Some(old) => format!("{}{file}", &line[..line.len() - old.len()]),
         None => line.to_owned(),
-    }
-}
-
-/// Reads the image files that the materials of a document name.
-pub(crate) fn read_textures(obj: &ObjDocument, textures: &mut Textures, assets: &mut Assets) {
-    for name in obj.materials.iter().flat_map(|m| &m.lines).filter_map(|line| file(line)) {
-        let path = name.replace('\\', "/");
-        textures.add(&path, |assets| assets.read_reference(&path), assets);
     }
 }
 
