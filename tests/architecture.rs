@@ -53,6 +53,8 @@ const DRAWING: &[(&str, &[&str])] = &[
             "lodc-strip",
             "bincode",
             "gltf",
+            "hifijson",
+            "indexmap",
             "png",
             "serde",
             "serde_json",
@@ -90,6 +92,7 @@ const DRAWING: &[(&str, &[&str])] = &[
             "colorous",
             "ctrlc",
             "globset",
+            "indexmap",
             "indicatif",
             "mimalloc",
             "rayon",
@@ -125,7 +128,8 @@ const FOR_TESTS: &[&str] = &[
 /// A word in code, and the only places that may use it.
 const OWNED: &[(&str, &[&str])] = &[
     ("average::", &["cli/"]),
-    ("gltf::", &["formats/"]),
+    ("gltf::json", &["formats/"]),
+    ("hifijson::", &["formats/"]),
     ("tobj::", &["formats/"]),
     ("bincode::", &["formats/"]),
     ("xxhash_rust::", &["formats/"]),
