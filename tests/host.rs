@@ -19,7 +19,7 @@ serde_json = "1"
 [workspace]
 "#;
 
-const PROGRAM: &str = r#"
+const PROGRAM: &str = r##"
 use serde::Deserialize;
 use serde_json::{Value, json};
 
@@ -60,7 +60,7 @@ fn main() {
 
     println!("{}", json!({ "b": 1, "a": 2 }));
 }
-"#;
+"##;
 
 #[test]
 fn features_of_dependencies_do_not_change_the_code_of_a_host() {
