@@ -70,6 +70,8 @@ const DRAWING: &[(&str, &[&str])] = &[
             "lodc-strip",
             "bincode",
             "gltf",
+            "hifijson",
+            "indexmap",
             "png",
             "serde",
             "serde_json",
@@ -135,6 +137,7 @@ const DRAWING: &[(&str, &[&str])] = &[
             "clap_complete",
             "clap_mangen",
             "ctrlc",
+            "indexmap",
             "indicatif",
             "mimalloc",
             "rayon",
@@ -167,7 +170,8 @@ const FOR_TESTS: &[&str] = &[
 /// A word in code, and the only places that may use it.
 const OWNED: &[(&str, &[&str])] = &[
     ("average::", &["crates/lab/"]),
-    ("gltf::", &["formats/"]),
+    ("gltf::json", &["formats/"]),
+    ("hifijson::", &["formats/"]),
     ("tobj::", &["formats/"]),
     ("bincode::", &["formats/"]),
     ("xxhash_rust::", &["formats/"]),
