@@ -24,7 +24,7 @@ use std::path::PathBuf;
 pub(crate) struct StripsArgs {
     /// A mesh (.obj, .gltf, .glb); - for standard input
     input: PathBuf,
-    /// Few long strips, strips that reuse a vertex cache, or a triangle list that does
+    /// Strips to make, or a triangle list in their place
     #[arg(long, value_parser = generators(), default_value = StripKind::LONGEST.name(),
           help_heading = BECOMES)]
     strips: Choice<StripKind>,
