@@ -87,6 +87,7 @@ const DRAWING: &[(&str, &[&str])] = &[
             "lodc-select",
             "lodc-simplify",
             "globset",
+            "indexmap",
             "serde",
             "serde_json",
             "strsim",
@@ -95,8 +96,27 @@ const DRAWING: &[(&str, &[&str])] = &[
         ],
     ),
     (
+        "crates/lodc",
+        &[
+            "lodc-errors",
+            "lodc-formats",
+            "lodc-gpu",
+            "lodc-lod",
+            "lodc-measure",
+            "lodc-mesh",
+            "lodc-model",
+            "lodc-refit",
+            "lodc-scene",
+            "lodc-select",
+            "lodc-simplify",
+            "lodc-strip",
+            "rayon",
+        ],
+    ),
+    (
         "crates/lab",
         &[
+            "lodc",
             "lodc-formats",
             "lodc-gpu",
             "lodc-lod",
@@ -106,12 +126,12 @@ const DRAWING: &[(&str, &[&str])] = &[
             "lodc-scene",
             "lodc-strip",
             "average",
+            "indexmap",
             "rayon",
             "serde",
             "serde_json",
         ],
     ),
-    ("crates/lodc", &["lodc-formats", "lodc-lod", "lodc-mesh", "lodc-model"]),
     ("crates/web", &["lodc-formats"]),
     (
         "cli",
@@ -133,6 +153,7 @@ const DRAWING: &[(&str, &[&str])] = &[
             "lodc-simplify",
             "lodc-strip",
             "lodc-verify",
+            "lodc-web",
             "clap",
             "clap_complete",
             "clap_mangen",
@@ -179,7 +200,7 @@ const OWNED: &[(&str, &[&str])] = &[
     ("zune_jpeg::", &["formats/"]),
     ("wgpu::", &["crates/gpu/"]),
     // Lists and configurations are read where assets are chosen.
-    ("std::fs", &["formats/", "crates/batch/", "cli/"]),
+    ("std::fs", &["formats/", "crates/batch/", "crates/lodc/", "cli/"]),
     ("std::net", &[]),
     ("clap::", &["cli/"]),
     ("indicatif::", &["cli/"]),
@@ -326,7 +347,7 @@ fn dependencies_are_those_of_the_drawing() {
 }
 
 #[test]
-fn every_version_is_pinned_in_one_place() {
+fn every_version_stands_in_one_place() {
     let root = root();
     let workspace = read(&root.join("Cargo.toml"));
     let listed = workspace
@@ -338,7 +359,8 @@ fn every_version_is_pinned_in_one_place() {
         .lines()
         .filter(|l| l.contains('=') && !l.starts_with('#'))
     {
-        assert!(line.contains("path = ") || line.contains("\"="), "not pinned: {line}");
+        // Hosts of the library choose among later ones; Cargo.lock pins those of the program.
+        assert!(!line.contains("\"="), "pinned: {line}");
     }
     for (folder, _) in DRAWING {
         let Ok(manifest) = std::fs::read_to_string(root.join(folder).join("Cargo.toml")) else {
@@ -352,7 +374,7 @@ fn every_version_is_pinned_in_one_place() {
         for line in sections.flat_map(|s| s.split("\n[").next().unwrap_or_default().lines()) {
             let silent = line.is_empty() || line.starts_with('#');
             assert!(
-                silent || line.contains("workspace = true"),
+                silent || line.contains("workspace = true") || line.contains("{ path = "),
                 "{folder} states a version itself: {line}"
             );
         }

@@ -16,8 +16,8 @@ pub(crate) use lodc_assets::{
 pub(crate) struct BatchArgs {
     /// List of assets, a JSON document in each line; - for standard input
     ///
-    /// {"input": PATH, "output": PATH, "options": {"metric": "hybrid", ...}}; output and options may be
-    /// left out. Of compare, {"a": PATH, "input": PATH, "options": ...}.
+    /// {"input": PATH, "output": PATH, "options": {"metric": "hybrid", ...}}; output and options
+    /// may be left out. Of compare, {"a": PATH, "input": PATH, "options": ...}.
     #[arg(long, value_name = "FILE", hide_short_help = true)]
     pub(crate) manifest: Option<PathBuf>,
     /// Of folders, only files whose path below the folder matches

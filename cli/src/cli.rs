@@ -33,8 +33,8 @@ Examples:
   lodc verify chair.lodc --source chair.glb
 
 `lodc COMMAND -h` shows the options needed most, `lodc COMMAND --help` all of them.
-Exit status: 0 done, 1 a check found a difference, 2 wrong usage, 3 bad input, 4 output not written, \
-5 a limit was reached, 6 no usable GPU, 70 a bug.";
+Exit status: 0 done, 1 a check found a difference, 2 wrong usage, 3 bad input, 4 output not \
+written, 5 a limit was reached, 6 no usable GPU, 70 a bug.";
 
 /// Options of every command.
 #[derive(Args, Clone, Copy, Debug)]

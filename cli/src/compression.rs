@@ -21,8 +21,8 @@ pub(crate) struct CompressArgs {
     /// Bits per number in .glb and .gltf: pos=14,normal=10,uv=12 [default: all]
     ///
     /// From 2 to 16 for pos, normal (tangents, too), uv, color and weight (of skins), by
-    /// KHR_mesh_quantization; kinds left out stay as they are. The step of positions is the same for
-    /// all objects as the scene shows them.
+    /// KHR_mesh_quantization; kinds left out stay as they are. The step of positions is the same
+    /// for all objects as the scene shows them.
     #[arg(long, value_name = "KIND=BITS,…", value_parser = precision)]
     quantize: Option<Precision>,
 }

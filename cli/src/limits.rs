@@ -65,7 +65,7 @@ struct Key {
     set: fn(&mut LimitArgs, u64),
 }
 
-static KEYS: [Key; 6] = [
+const KEYS: [Key; 6] = [
     Key {
         name: "file",
         option: "limit-file-bytes",

@@ -14,9 +14,9 @@ use lodc_simplify::{Options, Weights};
 pub(crate) struct PartArgs {
     /// Options of objects or materials by name, as JSON
     ///
-    /// {"objects": [GLOB, ...], "metric": "hybrid", "weight": "uv=2", "lock": true}, or {"materials":
-    /// [GLOB, ...], "weight": "uv=2", "lock": true}. May be given several times; later ones win. People
-    /// write this in lodc.toml.
+    /// {"objects": [GLOB, ...], "metric": "hybrid", "weight": "uv=2", "lock": true}, or
+    /// {"materials": [GLOB, ...], "weight": "uv=2", "lock": true}. May be given several times;
+    /// later ones win. People write this in lodc.toml.
     #[arg(long = "part", value_name = "JSON", value_parser = part,
           help_heading = SIMPLIFIED, hide_short_help = true)]
     parts: Vec<Part>,

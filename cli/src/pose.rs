@@ -12,9 +12,9 @@ use std::path::Path;
 pub(crate) struct PoseArgs {
     /// Moment of an animation: 0@1.5, Walk@0.3 [default: at rest]
     ///
-    /// The animation's number (from 0) or name, and seconds; without seconds its first moment. Skins,
-    /// nodes and morph targets stand as the animation says. An animation that is not there ends with
-    /// status 2 and a list of those that are.
+    /// The animation's number (from 0) or name, and seconds; without seconds its first moment.
+    /// Skins, nodes and morph targets stand as the animation says. An animation that is not there
+    /// ends with status 2 and a list of those that are.
     #[arg(long, value_name = "NAME@SECONDS", value_parser = moment, help_heading = SEEN,
           hide_short_help = true)]
     pose: Option<Moment>,

@@ -37,16 +37,17 @@ struct TargetArgs {
     ratio: Option<f64>,
     /// At most N triangles: 500, 10k, 2m
     ///
-    /// The finest level that has no more. Of several objects, triangles go first where least is lost
-    /// by it. An object never comes back empty: the selection stops at its last level that has a
-    /// triangle, with a warning (as with every selector but --lod).
+    /// The finest level that has no more. Of several objects, triangles go first where least is
+    /// lost by it. An object never comes back empty: the selection stops at its last level that has
+    /// a triangle, with a warning (as with every selector but --lod).
     #[arg(long, value_name = "N", value_parser = count)]
     triangles: Option<u64>,
     /// At most this far from the input, in its units; E% of its diagonal
     ///
     /// The coarsest level whose error is at most E. The error is the largest distance between the
     /// surfaces of level and input, measured from both. Of several objects it is met by each, in
-    /// world units; the diagonal is that of the largest object's bounding box as the scene shows it.
+    /// world units; the diagonal is that of the largest object's bounding box as the scene shows
+    /// it.
     #[arg(long, value_name = "E", value_parser = bound)]
     error: Option<Target>,
     /// The same for the root mean square distance

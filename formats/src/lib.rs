@@ -2,9 +2,9 @@
 //!
 //! Nothing outside this package parses or writes files. It knows no model: a file has their arrays
 //! under the names of their kinds ([`lodc::StoredModel`]). Each format has a room: `gltf`, `obj`,
-//! `ply`, `images`, [`lodc`] and `lods`; what they share stands beside them, and `import`, `export`,
-//! `appearance` and `images::Textures` choose among them. No format uses what chooses, and its reader
-//! and writer do not use each other.
+//! `ply`, `images`, [`lodc`] and `lods`; what they share stands beside them, and `import`,
+//! `export`, `appearance` and `images::Textures` choose among them. No format uses what chooses,
+//! and its reader and writer do not use each other.
 //!
 //! Features: `import` (OBJ and glTF in), `export` (glTF, OBJ and PLY out), `stream` (`.lods`); all
 //! of them by default, and without any the container alone.

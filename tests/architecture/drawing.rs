@@ -178,7 +178,8 @@ fn picture() -> String {
     svg + "</svg>\n"
 }
 
-/// `UPDATE=1 cargo test -p lodc-fixtures --test architecture picture` (`just drawing`) draws it again.
+/// `UPDATE=1 cargo test -p lodc-fixtures --test architecture picture` (`just drawing`) draws it
+/// again.
 #[test]
 fn picture_of_the_packages_is_that_of_the_workspace() {
     let path = root().join("docs/packages.svg");

@@ -78,9 +78,9 @@ pub(crate) struct BenchArgs {
 }
 
 const EXAMPLES: &str = "\
-Everything is measured over the same collapse sequence, object by object, beside baselines that are \
-never stored. Times are the best of several rounds in which everything takes turns; they differ from \
-run to run. Everything else does not.
+Everything is measured over the same collapse sequence, object by object, beside baselines that \
+are never stored. Times are the best of several rounds in which everything takes turns; they \
+differ from run to run. Everything else does not.
 
 Examples:
   lodc bench chair.glb

@@ -54,8 +54,8 @@ pub(crate) struct StripsArgs {
 
 const EXAMPLES: &str = "\
 Every line of the output is `s` and the vertices of a strip, or `l` and the vertices of a triangle \
-list; vertices are numbered from 0: for an OBJ in the order of its `v` lines, for glTF as loaded, one \
-mesh after the other.
+list; vertices are numbered from 0: for an OBJ in the order of its `v` lines, for glTF as \
+loaded, one mesh after the other.
 
 Examples:
   lodc strips chair.obj -o chair.strips

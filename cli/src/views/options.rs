@@ -92,7 +92,8 @@ pub(crate) struct ViewArgs {
     /// Move vertices smoothly between levels (geomorphing)
     ///
     /// A vertex sets out n/8 records before the step that takes it away, n vertices staying longer,
-    /// and arrives at that step where its target is by then. The triangles are those without --morph.
+    /// and arrives at that step where its target is by then. The triangles are those without
+    /// --morph.
     #[arg(long, requires = "criterion", hide_short_help = true)]
     pub(crate) morph: bool,
 }

@@ -36,7 +36,9 @@ pub(crate) struct Object(IndexMap<String, Json>);
 macro_rules! object {
     ($($key:expr => $value:expr),* $(,)?) => {
         $crate::gltf::json::Json::Object(
-            [$((($key).to_owned(), $crate::gltf::json::Json::from($value))),*].into_iter().collect(),
+            [$((($key).to_owned(), $crate::gltf::json::Json::from($value))),*]
+                .into_iter()
+                .collect(),
         )
     };
 }

@@ -148,8 +148,8 @@ impl Run {
         assert_eq!(self.status, Some(status), "out: {}\nerr: {}", self.text(), self.err);
         self
     }
-    /// Ended well. None, said aloud, if there is no graphics device to draw with; where all tests are
-    /// asked for there must be one.
+    /// Ended well. None, said aloud, if there is no graphics device to draw with; where all tests
+    /// are asked for there must be one.
     #[track_caller]
     pub(crate) fn drawn(self) -> Option<Self> {
         if self.status == Some(6) && !lodc_fixtures::all_asked() {

@@ -56,8 +56,8 @@ pub(crate) struct ChainArgs {
     refit: bool,
     /// File (.glb, .gltf; with --separate also .obj, .ply), or folder
     ///
-    /// For several inputs always a folder. A folder that is there, or a name with / at its end, means
-    /// a file inside it. Results of a folder keep its structure and the inputs' extensions
+    /// For several inputs always a folder. A folder that is there, or a name with / at its end,
+    /// means a file inside it. Results of a folder keep its structure and the inputs' extensions
     /// (club.obj.glb).
     #[arg(short, long, value_name = "OUT", help_heading = OUTPUT, display_order = 0)]
     output: PathBuf,
@@ -67,8 +67,8 @@ pub(crate) struct ChainArgs {
 }
 
 const EXAMPLES: &str = "\
-All levels share one vertex buffer, last to disappear first: each level needs a prefix only. Without \
---separate and --index-ranges the levels are tied together by MSFT_lod.
+All levels share one vertex buffer, last to disappear first: each level needs a prefix only. \
+Without --separate and --index-ranges the levels are tied together by MSFT_lod.
 
 Examples:
   lodc chain chair.glb -o chair.levels.glb

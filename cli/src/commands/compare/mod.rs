@@ -45,8 +45,8 @@ pub(crate) struct CompareArgs {
     a: Option<PathBuf>,
     /// Mesh to be judged, or of which levels are; or folder
     ///
-    /// Levels of a mesh are made in memory. Of folders, each file of B is compared with that of A of
-    /// the same path, with or without a further extension.
+    /// Levels of a mesh are made in memory. Of folders, each file of B is compared with that of A
+    /// of the same path, with or without a further extension.
     #[arg(required_unless_present = "manifest")]
     b: Option<PathBuf>,
     #[command(flatten)]
@@ -103,8 +103,8 @@ pub(crate) struct CompareArgs {
     max_image_rmse: Option<f64>,
     /// Exit 1 if a level is worse than the last time, which FILE or DIR has
     ///
-    /// FILE is one document for all assets. DIR (one that is there, or a name with / at its end) has
-    /// a file for each file of B.
+    /// FILE is one document for all assets. DIR (one that is there, or a name with / at its end)
+    /// has a file for each file of B.
     #[arg(long, value_name = "FILE|DIR", help_heading = FAILS)]
     baseline: Option<PathBuf>,
     /// Write the baseline in place of comparing with it
@@ -136,10 +136,10 @@ pub(crate) struct CompareArgs {
 const EXAMPLES: &str = "\
 Both meshes are read as their default scenes show them, at rest. Distances are sampled: root mean \
 squares use points spread evenly by area; the largest distance also uses vertices and a lattice on \
-every triangle, and never exceeds the true one. Pictures have a lamp at the camera. Normals are those \
-of the meshes if both have some, else smooth ones with sharp edges from 60 degrees on. Textures are \
-compared in colour if both meshes have some; else, if both have texture coordinates, a checkerboard \
-of 16 squares per unit shows where a texture would be stretched or has slipped.
+every triangle, and never exceeds the true one. Pictures have a lamp at the camera. Normals are \
+those of the meshes if both have some, else smooth ones with sharp edges from 60 degrees on. \
+Textures are compared in colour if both meshes have some; else, if both have texture \
+coordinates, a checkerboard of 16 squares per unit shows where a texture would be stretched or has slipped.
 
 Examples:
   lodc compare chair.glb chair.quarter.glb

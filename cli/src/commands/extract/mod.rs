@@ -44,8 +44,8 @@ pub(crate) struct ExtractArgs {
     export: ExportArgs,
     /// Move the vertices to where they fit the input best
     ///
-    /// But no object so far that it looks worse or its largest distance grows by more than 5 %. Errors
-    /// are measured on the result.
+    /// But no object so far that it looks worse or its largest distance grows by more than 5 %.
+    /// Errors are measured on the result.
     #[arg(long, conflicts_with = "criterion", help_heading = BECOMES, display_order = 0)]
     refit: bool,
     /// Order of triangles and vertices [default: cache; size with compression]
@@ -60,8 +60,8 @@ pub(crate) struct ExtractArgs {
     model: Option<Choice<ModelKind>>,
     /// File (.glb, .gltf, .obj, .ply), or folder; - for standard output
     ///
-    /// For several inputs always a folder. A folder that is there, or a name with / at its end, means
-    /// a file inside it. Results of a folder keep its structure and the inputs' extensions
+    /// For several inputs always a folder. A folder that is there, or a name with / at its end,
+    /// means a file inside it. Results of a folder keep its structure and the inputs' extensions
     /// (club.obj.glb).
     #[arg(short, long, value_name = "OUT", help_heading = OUTPUT, display_order = 0)]
     output: PathBuf,

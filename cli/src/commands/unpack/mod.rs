@@ -43,8 +43,8 @@ pub(crate) struct UnpackArgs {
 }
 
 const EXAMPLES: &str = "\
-A stream that ends early is a normal case: what has come is a complete mesh. One that is damaged gives \
-the part before the damage and ends with status 3.
+A stream that ends early is a normal case: what has come is a complete mesh. One that is damaged \
+gives the part before the damage and ends with status 3.
 
 Examples:
   lodc unpack chair.lods -o chair.glb
