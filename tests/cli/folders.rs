@@ -69,7 +69,8 @@ fn assets_of_one_run_have_levels_of_their_own() {
     let f = assets();
     f.file(
         "in/lodc.toml",
-        "[defaults]\nmetric = \"quadric\"\nweight = \"uv=2\"\n[defaults.chain]\nlevels = [\"50%\", \"25%\"]\n\
+        "[defaults]\nmetric = \"quadric\"\nweight = \"uv=2\"\n\
+         [defaults.chain]\nlevels = [\"50%\", \"25%\"]\n\
          [[override]]\nfiles = [\"props/*\"]\n[override.chain]\nlevels = [\"10%\"]\n",
     );
     let levels = |more: &[&str]| -> Vec<usize> {

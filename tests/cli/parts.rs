@@ -45,7 +45,8 @@ fn objects_have_levels_of_their_own() {
     let f = folder(10);
     f.file(
         "lodc.toml",
-        "[defaults]\nmetric = \"quadric\"\n[defaults.extract]\nratio = \"10%\"\n[defaults.chain]\nlevels = [\"50%\", \"10%\"]\n\
+        "[defaults]\nmetric = \"quadric\"\n[defaults.extract]\nratio = \"10%\"\n\
+         [defaults.chain]\nlevels = [\"50%\", \"10%\"]\n\
          [[override]]\nobjects = [\"grid1\"]\n[override.extract]\nratio = 0.8\n\
          [override.chain]\nlevels = [\"80%\"]\n",
     );

@@ -133,7 +133,6 @@ pub(crate) struct DrawnCurve {
 
 /// Words on a device for each vertex of LOD 0.
 #[derive(Clone, Copy, Debug, Serialize)]
-#[cfg_attr(not(feature = "gpu"), expect(dead_code, reason = "made only where there is a device"))]
 pub(crate) struct MemoryReport {
     pub(crate) positions: f64,
     pub(crate) normals: f64,
@@ -141,7 +140,7 @@ pub(crate) struct MemoryReport {
 
 /// One thing that was timed on a graphics device.
 #[derive(Clone, Copy, Debug, Serialize)]
-#[cfg_attr(not(feature = "gpu"), expect(dead_code, reason = "made only where there is a device"))]
+
 pub(crate) struct CaseReport {
     /// Number of updates or views.
     pub(crate) runs: u64,

@@ -10,8 +10,8 @@ use indexmap::IndexMap;
 use std::fmt::{self, Display, Formatter, Write};
 use std::ops::{Deref, DerefMut, Index, IndexMut};
 
-/// More values than this are refused: in memory each takes around a hundred bytes.
-const VALUES: u32 = 4 << 20;
+/// More values than this are refused before parsing: in memory each takes around a hundred bytes.
+const VALUES: usize = 4 << 20;
 
 /// A bound on nesting which no limit may exceed: documents are walked by recursion.
 const DEPTH: u32 = 126;
@@ -51,8 +51,12 @@ pub(crate) fn malformed(place: impl Into<String>, what: impl Into<String>) -> Fo
 
 /// Parses a document whose root is an object.
 pub(crate) fn parse(text: &[u8], limits: &Limits) -> Result<Object, FormatError> {
+    if most_values(text) > VALUES {
+        let what = format!("JSON of more than {VALUES} values");
+        return Err(FormatError::new(Fault::Limit, "", what));
+    }
     let mut lexer = SliceLexer::new(text);
-    let mut parser = Parser { depth: 0, most: limits.json_depth.min(DEPTH), values: 0 };
+    let mut parser = Parser { depth: 0, most: limits.json_depth.min(DEPTH) };
     let parsed = lexer.exactly_one(Lex::ws_peek, |next, lexer| parser.value(next, lexer));
     let what = match parsed {
         Ok(Json::Object(root)) => return Ok(root),
@@ -64,6 +68,22 @@ pub(crate) fn parse(text: &[u8], limits: &Limits) -> Result<Object, FormatError>
     let line = 1 + read.iter().filter(|b| **b == b'\n').count();
     let column = 1 + read.iter().rev().take_while(|b| **b != b'\n').count();
     Err(malformed(format!("line {line} column {column}"), format!("not valid JSON: {what}")))
+}
+
+/// Number of values that a text may have, without allocating: one for each comma and each opening
+/// bracket that is not in a string.
+fn most_values(text: &[u8]) -> usize {
+    let (mut values, mut in_string, mut escaped) = (1, false, false);
+    for &b in text {
+        match b {
+            _ if escaped => escaped = false,
+            b'\\' => escaped = in_string,
+            b'"' => in_string = !in_string,
+            b',' | b'[' | b'{' if !in_string => values += 1,
+            _ => {}
+        }
+    }
+    values
 }
 
 /// Why a text is no document.
@@ -81,16 +101,11 @@ impl<E: Into<hifijson::Error>> From<E> for Refusal {
 struct Parser {
     depth: u32,
     most: u32,
-    values: u32,
 }
 
 impl Parser {
     /// The value that begins with the byte `next`.
     fn value(&mut self, next: u8, lexer: &mut SliceLexer<'_>) -> Result<Json, Refusal> {
-        self.values += 1;
-        if self.values > VALUES {
-            return Err(Refusal::Limit(format!("JSON of more than {VALUES} values")));
-        }
         Ok(match next {
             b'a'..=b'z' => match lexer.null_or_bool().ok_or(Expect::Value)? {
                 Some(flag) => Json::Bool(flag),

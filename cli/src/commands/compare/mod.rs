@@ -139,7 +139,8 @@ squares use points spread evenly by area; the largest distance also uses vertice
 every triangle, and never exceeds the true one. Pictures have a lamp at the camera. Normals are \
 those of the meshes if both have some, else smooth ones with sharp edges from 60 degrees on. \
 Textures are compared in colour if both meshes have some; else, if both have texture \
-coordinates, a checkerboard of 16 squares per unit shows where a texture would be stretched or has slipped.
+coordinates, a checkerboard of 16 squares per unit shows where a texture would be stretched or \
+has slipped.
 
 Examples:
   lodc compare chair.glb chair.quarter.glb
