@@ -1,6 +1,6 @@
 //! Continuous level of detail: every level between a full mesh and a single point.
 //!
-//! [`build`] makes a file from OBJ, glTF or GLB, [`open`] reads one; [`File::level`] takes a level
+//! [`build()`] makes a file from OBJ, glTF or GLB, [`open`] reads one; [`File::level`] takes a level
 //! out of it:
 //!
 #![cfg_attr(all(feature = "build", feature = "export"), doc = "```")]

@@ -17,7 +17,7 @@ const SMALL: u64 = 16_000;
 const SAMPLES_OF_SMALL: u64 = 64_000;
 
 /// Simplifies every object by its options. Where that is by `hybrid`, the quadric decides at those
-/// levels at which the scene looks worse otherwise: see [`verdict`].
+/// levels at which the scene looks worse otherwise: pictures of both decide.
 ///
 /// # Errors
 /// If the stored document is damaged.
