@@ -3,6 +3,7 @@
 use crate::exit::{Failure, Outcome};
 use crate::help::SIMPLIFIED;
 use clap::Args;
+use lodc_assets::listed;
 use lodc_formats::{ObjectInfo, PartNames, Scene};
 use lodc_mesh::{Mesh, Semantic};
 use lodc_simplify::Weights;
@@ -84,7 +85,7 @@ impl ImportanceArgs {
 ///
 /// # Errors
 /// If the stored document is damaged.
-pub(crate) fn part_names(scene: &Scene) -> Outcome<PartNames> {
+fn part_names(scene: &Scene) -> Outcome<PartNames> {
     let infos: Vec<&ObjectInfo> = scene.objects.iter().map(|o| &o.info).collect();
     Ok(PartNames::new(&scene.document, &infos)?)
 }
@@ -122,15 +123,6 @@ fn unknown(lock: &Lock, names: &PartNames) -> Failure {
         }
         Lock::Color => "--lock color: no vertex has a colour whose red is 1".to_owned(),
     })
-}
-
-/// Names in order, each once, for a message.
-pub(crate) fn listed<'a>(names: impl Iterator<Item = &'a str>) -> String {
-    let unique: BTreeSet<&str> = names.filter(|name| !name.is_empty()).collect();
-    match unique.is_empty() {
-        true => "none".to_owned(),
-        false => unique.into_iter().collect::<Vec<_>>().join(", "),
-    }
 }
 
 fn lock(text: &str) -> Result<Lock, String> {

@@ -9,9 +9,11 @@ use crate::parts::PartArgs;
 use crate::progress::Progress;
 use crate::stages::Stages;
 use clap::Args;
-use lodc::LodObject;
-use lodc::build::{Known, Paints, ScenePaints, Size, measure_all, simplify_all};
-use lodc::{Input, read_input};
+use lodc::{
+    Input, LodObject,
+    build::{Known, Paints, ScenePaints, Size, measure_all, simplify_all},
+    read_input,
+};
 use lodc_formats::appearance;
 use lodc_formats::{Assets, Document, ObjectInfo, Scene, Source};
 use lodc_select::Target;
@@ -130,7 +132,7 @@ pub(crate) fn read_showing(
     if matches!(read, Input::Levels(_)) {
         let name = input.display().to_string();
         how.importance.refuse(&name)?;
-        how.parts.refuse(&name)?;
+        how.parts.all().refuse(&name)?;
     }
     match read {
         Input::Levels(file) => Ok(Asset {
@@ -177,11 +179,11 @@ fn simplified_showing(
     let weights = how.importance.weights();
     let metric = how.metric.metric(size.triangles);
     let options = Options { metric, weights, ..Options::DEFAULT };
-    let options = object_options(&scene, options, &how.parts);
+    let options = object_options(&scene, options, how.parts.all());
     let needs = [size.simplify(options.iter().map(|o| o.metric)), size.errors()];
     import.limits().check_memory(&name, size, &needs)?;
     let paints = ScenePaints::read(input, &import.options(), &scene, &options)?;
-    let importance = importance(&scene, &options, &how.importance, &how.parts)?;
+    let importance = importance(&scene, &options, &how.importance, how.parts.all())?;
     let Scene { source, document, objects, mut warnings, mut files_read, compressed } = scene;
     let known =
         Known { paints: paints.shown(), importance: &importance, document: &document, limits };

@@ -2,6 +2,7 @@
 
 use lodc::LodObject;
 use lodc_formats::{ObjectInfo, SceneObject};
+#[cfg(feature = "gpu")]
 use lodc_mesh::Mesh;
 
 /// Objects with levels of detail or without.
@@ -18,7 +19,8 @@ impl Objects {
         }
     }
 
-    /// The mesh of an object, of one with levels the finest.
+    /// The mesh of an object, of one with levels the finest. Only pictures ask for it.
+    #[cfg(feature = "gpu")]
     pub(super) fn mesh(&self, object: usize) -> &Mesh {
         match self {
             Self::Levels(objects) => objects[object].simplified.mesh(),

@@ -35,7 +35,7 @@ pub use error::AssetError;
 pub use folder::{LEVELS, MESHES, expand};
 pub use options::{CommandOptions, LIMIT, OptionValues, Vocabulary};
 pub use pairs::{Pair, pairs};
-pub use parts::{Part, Parts};
+pub use parts::{Part, Parts, listed};
 pub use queue::{Budget, expected_bytes, run};
 pub use shard::Shard;
 pub use streams::check_streams;

@@ -207,12 +207,10 @@ impl Parts<'_> {
                     ("material", &names.materials, within.flat_map(|(_, all)| all).collect())
                 }
             };
-            let there: BTreeSet<&String> = there.into_iter().filter(|n| !n.is_empty()).collect();
-            let there: Vec<&str> = there.into_iter().map(String::as_str).collect();
             return Err(AssetError::Usage(format!(
                 "--part: no {kind} is named {} (there are: {})",
                 given.join(" or "),
-                if there.is_empty() { "none".to_owned() } else { there.join(", ") }
+                listed(there.into_iter().map(String::as_str))
             )));
         }
         Ok(())
@@ -270,6 +268,15 @@ impl Parts<'_> {
         }
         let what = "has its order of collapses: give metric, weight and lock of parts to build";
         Err(AssetError::Usage(format!("{input}: {what}")))
+    }
+}
+
+/// Names in order, each once, for a message.
+pub fn listed<'a>(names: impl Iterator<Item = &'a str>) -> String {
+    let unique: BTreeSet<&str> = names.filter(|name| !name.is_empty()).collect();
+    match unique.is_empty() {
+        true => "none".to_owned(),
+        false => unique.into_iter().collect::<Vec<_>>().join(", "),
     }
 }
 

@@ -140,7 +140,6 @@ pub(crate) struct MemoryReport {
 
 /// One thing that was timed on a graphics device.
 #[derive(Clone, Copy, Debug, Serialize)]
-
 pub(crate) struct CaseReport {
     /// Number of updates or views.
     pub(crate) runs: u64,

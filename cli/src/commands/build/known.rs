@@ -2,8 +2,8 @@
 
 use crate::exit::Outcome;
 use crate::importance::ImportanceArgs;
-use crate::parts::PartArgs;
 use lodc::build::Importance;
+use lodc_assets::Parts;
 use lodc_formats::Scene;
 use lodc_simplify::Options;
 
@@ -15,7 +15,7 @@ pub(crate) fn importance(
     scene: &Scene,
     options: &[Options],
     args: &ImportanceArgs,
-    parts: &PartArgs,
+    parts: Parts<'_>,
 ) -> Outcome<Importance> {
     parts.check(scene)?;
     let mut locked = args.locked(scene)?;

@@ -3,7 +3,6 @@
 use super::{BuildArgs, counts, importance};
 use crate::exit::{Failure, Outcome, Status};
 use crate::output::{self, Target};
-use crate::parts::PartArgs;
 use crate::progress::Progress;
 use crate::report::InputReport;
 use crate::stages::Stages;
@@ -11,6 +10,7 @@ use lodc::build::{
     Known, ScenePaints, Size, build_models, check_models, measure_all, simplify_all,
 };
 use lodc::{LodFile, LodObject, write};
+use lodc_assets::Parts;
 use lodc_formats::images::Textures;
 use lodc_formats::lodc::MadeFrom;
 use lodc_formats::{Assets, Document, Scene, import};
@@ -43,11 +43,11 @@ pub(super) fn make(
     let size = Size::of_objects(&scene.objects);
     report.triangles = Some(size.triangles);
 
-    let options = object_options(&scene, args.simplify_options(), &args.parts);
+    let options = object_options(&scene, args.simplify_options(), args.parts.all());
     let kinds = args.models.kinds()?;
     check_memory(args, input, size, &options, &kinds)?;
     let paints = ScenePaints::read(input, &args.import.options(), &scene, &options)?;
-    let importance = importance(&scene, &options, &args.importance, &args.parts)?;
+    let importance = importance(&scene, &options, &args.importance, args.parts.all())?;
     let Scene { source, document, objects, mut files_read, .. } = scene;
     let limits = args.import.options().limits;
     let seen = paints.shown();
@@ -108,7 +108,7 @@ fn check_memory(
 }
 
 /// The options of every object: those of the asset, or its own.
-pub(crate) fn object_options(scene: &Scene, options: Options, parts: &PartArgs) -> Vec<Options> {
+pub(crate) fn object_options(scene: &Scene, options: Options, parts: Parts<'_>) -> Vec<Options> {
     scene.objects.iter().map(|o| parts.options(&o.info.name, options)).collect()
 }
 

@@ -2,12 +2,11 @@
 
 use crate::exit::{Failure, Outcome};
 use crate::help::LEVEL;
-use crate::parts::PartArgs;
 use crate::report::ChainLevel;
 use crate::selector::{ScreenArgs, bound, positive, size};
 use clap::Args;
-use lodc::LodObject;
-use lodc::SceneLevels;
+use lodc::{LodObject, SceneLevels};
+use lodc_assets::Parts;
 use lodc_mesh::Lod;
 use lodc_select::{Selection, Target};
 use std::path::Path;
@@ -84,7 +83,7 @@ impl LevelArgs {
         &self,
         objects: &[LodObject],
         scene: &SceneLevels<'_>,
-        parts: &PartArgs,
+        parts: Parts<'_>,
         cap: Option<Target>,
     ) -> Outcome<(Vec<Level>, Vec<String>)> {
         let (mut levels, mut warnings): (Vec<Level>, Vec<String>) = Default::default();

@@ -139,7 +139,7 @@ fn chain(
     let limits = import.limits().limits();
     let scene = scene_levels(&asset.objects, &asset.document, &limits)?;
     let (mut levels, mut warnings) =
-        args.levels.choose(&asset.objects, &scene, &simplify.parts, args.max_error)?;
+        args.levels.choose(&asset.objects, &scene, simplify.parts.all(), args.max_error)?;
     warnings.splice(0..0, asset.warnings.iter().cloned());
     let target = Target::File(out.to_owned());
     let textures = stages.run("textures", || {

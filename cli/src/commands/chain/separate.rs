@@ -7,8 +7,10 @@ use crate::compression::Packing;
 use crate::exit::Outcome;
 use crate::mesh_output::{self, FormatName};
 use crate::output::Target;
-use lodc::build::{Paints, refitted_meshes};
-use lodc::level_mesh::{self, Shape};
+use lodc::{
+    build::{Paints, refitted_meshes},
+    level_mesh::{self, Shape},
+};
 use lodc_formats::export::Additions;
 use std::path::{Path, PathBuf};
 

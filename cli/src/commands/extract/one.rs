@@ -9,11 +9,13 @@ use crate::output::{Rule, Target};
 use crate::progress::Progress;
 use crate::report::{ExtractReport, ExtractedObject, SCHEMA_VERSION};
 use crate::stages::Stages;
-use crate::views::{CriterionName, SceneViews};
-use lodc::LodObject;
-use lodc::build::refitted_meshes;
-use lodc::level_mesh::{self, LevelMesh, Order, Shape};
-use lodc::scene_levels;
+use crate::views::CriterionName;
+use lodc::{
+    LodObject,
+    build::refitted_meshes,
+    level_mesh::{self, LevelMesh, Order, Shape},
+    scene_levels,
+};
 use lodc_formats::export::{LevelFacts, Provenance};
 use lodc_formats::{ObjectInfo, scene_graph};
 use lodc_lod::{AnyModel, ModelKind};
@@ -98,7 +100,7 @@ fn uniform(
     let scene = scene_levels(&asset.objects, &asset.document, &limits)?;
     let wish = args.selector.target().expect("there is a level or a criterion");
     let per_object = args.selector.per_object();
-    let own = |object: &str| args.export.simplify.parts.ratio(object);
+    let own = |object: &str| args.export.simplify.parts.all().ratio(object);
     let chosen =
         stages.run("select", || scene.select_capped(wish, own, args.max_error, per_object))?;
     let meshes = if args.refit {
@@ -133,7 +135,7 @@ fn view(
     let pose = args.pose.of(input, &asset.document, &graph, &limits)?;
     let scene = Arrangement::new(&graph, &pose, infos.len());
     let views = stages
-        .run("select", || SceneViews::new(&args.view, name, &args.selector, &levels, &scene))
+        .run("select", || args.view.of_scene(name, &args.selector, &levels, &scene))
         .map_err(|f| Failure { message: format!("{}: {f}", input.display()), ..f })?;
     let shown = stages.run("extract", || views.show(views.most(args.selector.target())))?;
     let level = |mesh: Mesh| {

@@ -9,8 +9,7 @@ use crate::report::{
 };
 use crate::text::{count, distance, grouped, size};
 use indexmap::IndexMap;
-use lodc::LodObject;
-use lodc::levels;
+use lodc::{LodObject, levels};
 use lodc_formats::SourceFormat;
 use lodc_formats::lodc::{self as container, Layout};
 use lodc_lod::AnyModel;

@@ -6,10 +6,8 @@ use super::scene::Shown;
 use crate::commands::input::Objects;
 use crate::exit::{Failure, Outcome};
 use crate::text::{count, distance};
-use crate::views::{CriterionName, SceneViews};
-use lodc::LodObject;
-use lodc::levels;
-use lodc::{SceneLevels, scene_levels};
+use crate::views::CriterionName;
+use lodc::{LodObject, SceneLevels, levels, scene_levels};
 use lodc_lod::AnyModel;
 use lodc_mesh::{Lod, Mesh, OrientedTriangle};
 use lodc_select::Target;
@@ -126,8 +124,9 @@ fn seen(
     shown: &Shown,
     levels: &SceneLevels<'_>,
 ) -> Outcome<Vec<Cell>> {
-    let views = SceneViews::new(&args.views, name, &args.selector, levels, &shown.arrangement)
-        .map_err(|f| Failure { message: format!("{}: {f}", args.input.display()), ..f })?;
+    let views = args.views.of_scene(name, &args.selector, levels, &shown.arrangement);
+    let views =
+        views.map_err(|f| Failure { message: format!("{}: {f}", args.input.display()), ..f })?;
     let sheet = args.contact_sheet.iter().map(|&share| Some(Target::Ratio(share)));
     let wanted: Vec<Option<Target>> =
         if sheet.len() > 0 { sheet.collect() } else { vec![args.selector.target()] };

@@ -2,8 +2,7 @@
 
 use crate::commands::asset::Asset;
 use crate::exit::Outcome;
-use lodc::SceneLevels;
-use lodc::level_mesh;
+use lodc::{SceneLevels, level_mesh};
 use lodc_formats::images::png;
 use lodc_measure::{ImageError, Looks, Picture, Portrait, SceneSurface, Viewing, heat};
 use lodc_mesh::Mesh;

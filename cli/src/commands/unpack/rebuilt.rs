@@ -6,8 +6,10 @@ use crate::exit::{Failure, Outcome, Status};
 use crate::output;
 use crate::progress::Progress;
 use crate::stages::Stages;
-use lodc::LodFile;
-use lodc::build::{SimplifiedObjects, Size, build_models, check_models, measure_all};
+use lodc::{
+    LodFile,
+    build::{SimplifiedObjects, Size, build_models, check_models, measure_all},
+};
 use lodc_formats::lods::Unpacker;
 use lodc_strip::StripOptions;
 use lodc_verify::Reference;

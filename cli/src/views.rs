@@ -1,4 +1,4 @@
-//! Options of view-dependent levels.
+//! Levels of detail that depend on the view, as options ask for them.
 
 use crate::exit::{Failure, Outcome};
 use crate::help::SEEN;
@@ -7,7 +7,8 @@ use clap::{Args, ValueEnum};
 use lodc::LodObject;
 use lodc_lod::{AnyModel, ModelKind};
 use lodc_model::Model;
-use lodc_select::{Criterion, ViewOptions};
+use lodc_scene::Arrangement;
+use lodc_select::{Criterion, SceneLevels, SceneViews, ViewOptions};
 use std::path::Path;
 
 /// Criteria that can be named.
@@ -150,8 +151,22 @@ impl ViewArgs {
         )))
     }
 
+    /// A scene as a criterion shows it.
+    ///
+    /// # Errors
+    /// As [`SceneViews::new`].
+    pub(crate) fn of_scene<'a>(
+        &self,
+        name: CriterionName,
+        selector: &SelectorArgs,
+        levels: &'a SceneLevels<'a>,
+        scene: &Arrangement,
+    ) -> Outcome<SceneViews<'a>> {
+        Ok(SceneViews::new(self.options(name, selector), levels, scene)?)
+    }
+
     /// The view of a criterion.
-    pub(super) fn options(&self, name: CriterionName, selector: &SelectorArgs) -> ViewOptions {
+    fn options(&self, name: CriterionName, selector: &SelectorArgs) -> ViewOptions {
         let criterion = match name {
             CriterionName::Silhouette => Criterion::Silhouette,
             CriterionName::Pixels => {
