@@ -6,7 +6,8 @@
 //! (*twin*), or a new vertex (*fake*) where there is none. (Thesis 3.2.1 and 4.2.1.)
 //!
 //! A mesh goes through seven steps, each a module that says what it does and why: `number`, `cut`,
-//! `price` (by a [`metric`](MetricKind)), `choose`, `commit`, `rounds` and `output`.
+//! `price` (by a [`metric`](MetricKind)), `choose`, `commit`, `rounds` and `output`. Where faces lie
+//! on each other, one layer goes through them, and the others follow it (`skin`).
 
 mod choose;
 mod commit;
@@ -17,14 +18,16 @@ mod options;
 mod output;
 mod price;
 mod rounds;
+mod skin;
 
-use commit::Sources;
+use commit::{CollapseLog, Sources};
 use cut::Region;
 use lodc_mesh::{CollapseSequence, Mesh, SequenceParts, Simplified};
 use metric::{HybridMetric, QuadricOnly, Score, VisualMetric};
 use number::Input;
 use price::{Attributes, Context};
 use rounds::{Progress, as_one, in_regions};
+use skin::Skin;
 
 pub use metric::{Checkerboard, SurfaceColours};
 pub use options::{MetricKind, Options, Weights};
@@ -88,43 +91,102 @@ fn simplify_with(
             .expect("an empty sequence is valid");
         return Simplified::new(mesh.clone(), empty).expect("no vertices need no records");
     }
+    let run = Run { mesh, options, guidance, region, progress };
+    if let Some(simplified) = Skin::of(mesh).and_then(|skin| run.by_skin(&skin)) {
+        return simplified;
+    }
     let mut input = Input::new(mesh);
     input.lock(guidance.locked);
-    let attributes = if options.attributes {
-        let own = |submesh: u32| guidance.weights.get(submesh as usize).copied();
-        let weights = |submesh: u32| own(submesh).unwrap_or(options.weights);
-        Attributes::new(mesh, weights, input.scale, input.size)
-    } else {
-        Attributes::none()
-    };
-    let progress = Progress::new(progress, input.groups() as u64);
-    let context = Context { input: &input, options: *options, attributes };
     let mut sources = Sources::new(&input);
-    let in_rounds =
-        options.metric == MetricKind::Quadric && input.groups() / rounds::FEWEST >= region;
-    let (log, legal) = match options.metric {
-        MetricKind::Quadric if in_rounds => in_regions(&context, region, &mut sources, &progress),
-        MetricKind::Quadric => as_one(&context, |_| QuadricOnly, &mut sources, &progress),
-        MetricKind::Hybrid => {
-            let checkerboard = Checkerboard::new(mesh);
-            let colours = guidance.colours.unwrap_or(&checkerboard);
-            let colours = options.attributes.then_some(colours);
-            let metric = |r: &Region| HybridMetric::new(mesh, colours, r, input.size, options);
-            as_one(&context, metric, &mut sources, &progress)
-        }
-        MetricKind::Viewpoint => {
-            let metric = |r: &Region| VisualMetric::new(&r.mesh, Score::Entropy, options.picture);
-            as_one(&context, metric, &mut sources, &progress)
-        }
-        MetricKind::Divergence => {
-            let metric =
-                |r: &Region| VisualMetric::new(&r.mesh, Score::Divergence, options.picture);
-            as_one(&context, metric, &mut sources, &progress)
-        }
-    };
-    // What only collapsing needs goes before the result comes: this is where memory peaks.
-    drop(context);
-    output::output(&input, &sources, log, legal, in_rounds)
+    let Collapsed { log, legal, by_stamp } = run.collapse(&input, &mut sources);
+    output::output(&input, &sources, log, legal, by_stamp)
+}
+
+/// One simplification: what it is of, and how it is done.
+#[derive(Clone, Copy)]
+struct Run<'a> {
+    mesh: &'a Mesh,
+    options: &'a Options,
+    guidance: Guidance<'a>,
+    /// Groups of a region, about.
+    region: usize,
+    progress: &'a (dyn Fn(u64, u64) + Sync),
+}
+
+/// The log of a mesh down to one vertex.
+struct Collapsed {
+    log: CollapseLog,
+    /// Number of its steps that are legal.
+    legal: usize,
+    /// They are not in their final order yet.
+    by_stamp: bool,
+}
+
+impl<'a> Run<'a> {
+    /// Simplifies one layer of a mesh whose faces lie on each other; the whole mesh follows. None if
+    /// it cannot.
+    fn by_skin(self, skin: &Skin) -> Option<Simplified> {
+        let (moves, legal) = {
+            let mut input = Input::new(&skin.mesh);
+            input.lock(&skin.locked(self.mesh, self.guidance.locked));
+            input.planes = skin.planes(self.mesh, &input);
+            let mut sources = Sources::new(&input);
+            let run = Run { mesh: &skin.mesh, ..self };
+            let Collapsed { log, legal, by_stamp } = run.collapse(&input, &mut sources);
+            (skin::moves(&input, &skin.vertices, &log, legal, by_stamp), legal)
+        };
+        let input = Input::new(self.mesh);
+        let context = self.context(&input);
+        let mut sources = Sources::new(&input);
+        let (log, legal) = skin::follow(&context, &moves, legal, &mut sources)?;
+        drop(context);
+        Some(output::output(&input, &sources, log, legal, false))
+    }
+
+    /// The data that all regions read.
+    fn context<'i>(&self, input: &'i Input<'i>) -> Context<'i> {
+        let Self { mesh, options, guidance, .. } = *self;
+        let attributes = if options.attributes {
+            let own = |submesh: u32| guidance.weights.get(submesh as usize).copied();
+            let weights = |submesh: u32| own(submesh).unwrap_or(options.weights);
+            Attributes::new(mesh, weights, input.scale, input.size)
+        } else {
+            Attributes::none()
+        };
+        Context { input, options: *options, attributes }
+    }
+
+    /// Collapses all groups. What only that needs is gone when the log is returned: the result that
+    /// is made of it is where memory peaks.
+    fn collapse(&self, input: &Input<'_>, sources: &mut Sources<'_>) -> Collapsed {
+        let Self { mesh, options, guidance, region, .. } = *self;
+        let progress = Progress::new(self.progress, input.groups() as u64);
+        let context = self.context(input);
+        let in_rounds =
+            options.metric == MetricKind::Quadric && input.groups() / rounds::FEWEST >= region;
+        let (log, legal) = match options.metric {
+            MetricKind::Quadric if in_rounds => in_regions(&context, region, sources, &progress),
+            MetricKind::Quadric => as_one(&context, |_| QuadricOnly, sources, &progress),
+            MetricKind::Hybrid => {
+                let checkerboard = Checkerboard::new(mesh);
+                let colours = guidance.colours.unwrap_or(&checkerboard);
+                let colours = options.attributes.then_some(colours);
+                let metric = |r: &Region| HybridMetric::new(mesh, colours, r, input.size, options);
+                as_one(&context, metric, sources, &progress)
+            }
+            MetricKind::Viewpoint => {
+                let metric =
+                    |r: &Region| VisualMetric::new(&r.mesh, Score::Entropy, options.picture);
+                as_one(&context, metric, sources, &progress)
+            }
+            MetricKind::Divergence => {
+                let metric =
+                    |r: &Region| VisualMetric::new(&r.mesh, Score::Divergence, options.picture);
+                as_one(&context, metric, sources, &progress)
+            }
+        };
+        Collapsed { log, legal, by_stamp: in_rounds }
+    }
 }
 
 #[cfg(test)]

@@ -80,9 +80,7 @@ struct Ordered {
 }
 
 impl Ordered {
-    /// Puts a log in order: the first `legal` steps by stamp, equal ones as they happened; the
-    /// others follow. A step's stamp is no less than those of the steps it builds on, so these stay
-    /// before it.
+    /// Puts a log in its final order.
     fn new(log: &CollapseLog, legal: usize, input: &Input<'_>, by_stamp: bool) -> Self {
         let triangles = input.mesh.triangles().len();
         let steps = log.steps.len();
@@ -96,12 +94,8 @@ impl Ordered {
         };
         let wedges = Vec::with_capacity(log.wedges.len());
         let mut ordered = Self { wedges, death: vec![0; triangles], sequence };
-        let stamp = |i: u32| u64::from(log.steps[i as usize].stamp.to_bits());
-        let mut order =
-            if by_stamp { sorted(legal, 32, stamp) } else { (0..legal as u32).collect() };
-        order.extend(legal as u32..steps as u32);
         let mut live = triangles as u32;
-        for i in order {
+        for i in final_order(log, legal, by_stamp) {
             ordered.take(log, i as usize, i as usize >= legal, &mut live);
         }
         // The last wedge becomes nothing.
@@ -132,6 +126,16 @@ impl Ordered {
             }
         }
     }
+}
+
+/// The steps of a log in their final order: the first `legal` ones by stamp, equal ones as they
+/// happened, unless they are in order already; the others follow. A step's stamp is no less than
+/// those of the steps it builds on, so these stay before it.
+pub(crate) fn final_order(log: &CollapseLog, legal: usize, by_stamp: bool) -> Vec<u32> {
+    let stamp = |i: u32| u64::from(log.steps[i as usize].stamp.to_bits());
+    let mut order = if by_stamp { sorted(legal, 32, stamp) } else { (0..legal as u32).collect() };
+    order.extend(legal as u32..log.steps.len() as u32);
+    order
 }
 
 /// The input's triangles, within each submesh the last to die first, ties in the input's order.

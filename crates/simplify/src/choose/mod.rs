@@ -14,14 +14,13 @@ mod plan;
 
 pub(crate) use heap::Heap;
 pub(crate) use legality::{Rules, Stage};
-pub(crate) use plan::WedgePlan;
+pub(crate) use plan::{Planner, WedgePlan};
 
 use crate::cut::{Choice, HUB_VALENCE, OPEN, RESTRICTED, Region, SEAM, STALE};
 use crate::metric::Reprice;
 use crate::price::{PriceLists, Priced, Pricer, Scratch, scaled};
 use legality::{MovingFaces, keeps_texture};
 use link::Marks;
-use plan::Planner;
 
 /// Price of each fake, as a multiple of the geometric cost.
 const FAKE_PRICE: f64 = 8.0;

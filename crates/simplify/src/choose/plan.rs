@@ -57,14 +57,14 @@ impl WedgePlan {
 /// The data that planning reads.
 #[derive(Clone, Copy)]
 pub(crate) struct Planner<'a> {
-    pub(super) input: &'a Mesh,
-    pub(super) mesh: &'a WorkingMesh,
-    pub(super) wedges: &'a Wedges,
-    pub(super) attributes: &'a Attributes,
+    pub(crate) input: &'a Mesh,
+    pub(crate) mesh: &'a WorkingMesh,
+    pub(crate) wedges: &'a Wedges,
+    pub(crate) attributes: &'a Attributes,
     /// A wedge without an edge to the target takes any wedge there rather than a fake.
-    pub(super) takes_any: bool,
+    pub(crate) takes_any: bool,
     /// The mesh's diagonal in working units.
-    pub(super) size: f64,
+    pub(crate) size: f64,
 }
 
 impl Planner<'_> {

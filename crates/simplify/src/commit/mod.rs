@@ -20,6 +20,8 @@ use lodc_mesh::{Mesh, NONE};
 #[derive(Default)]
 pub(crate) struct Touched {
     pub(crate) groups: Vec<u32>,
+    /// Groups that were united with the target.
+    pub(crate) united: Vec<u32>,
     marks: Vec<u32>,
     epoch: u32,
 }
@@ -32,6 +34,7 @@ impl Touched {
     /// Begins a commit: nothing is touched.
     fn start(&mut self) {
         self.groups.clear();
+        self.united.clear();
         self.epoch = self.epoch.checked_add(2).unwrap_or_else(|| {
             self.marks.fill(0);
             2
@@ -148,6 +151,7 @@ impl<M: Reprice> Commit<'_, M> {
                 }
             }
             twins.extend(self.region.mesh.twins(twin, to));
+            self.touched.united.push(twin);
             self.merge(twin, to);
             self.region.wedges.merge_groups(twin, to);
             self.region.mesh.add_flags(to, OPEN | SEAM);

@@ -47,7 +47,7 @@ pub(crate) struct Quadric {
 
 impl Quadric {
     /// Adds a plane through the quadric's point.
-    fn add_plane(&mut self, unit_normal: DVec3, weight: f64) {
+    pub(super) fn add_plane(&mut self, unit_normal: DVec3, weight: f64) {
         add_outer(&mut self.a, unit_normal, weight);
         self.weight += weight;
     }

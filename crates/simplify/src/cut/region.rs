@@ -101,6 +101,11 @@ impl Region {
         region.place_groups(input);
         region.build_stars(own);
         region.quadrics = Quadrics::new(&region.mesh, own);
+        let first = input.planes.partition_point(|p| p.group < range.start);
+        for p in input.planes[first..].iter().take_while(|p| p.group < range.end) {
+            let quadric = &mut region.quadrics.surface[(p.group - range.start) as usize];
+            quadric.add_plane(p.unit_normal, p.area);
+        }
         region.classify(input, own);
         region.choices = vec![Choice::NONE; own];
         region.stamps = vec![0.0; own];

@@ -1,7 +1,7 @@
 //! The input mesh with its groups and wedges numbered along a space-filling curve.
 
 use super::curve::Curve;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use lodc_mesh::{Csr, Mesh, PositionIds, Semantic, WedgeGroups};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -23,8 +23,18 @@ pub(crate) struct Input<'a> {
     shared: Vec<bool>,
     /// For each group: true if it stays until the terminal phase; empty if none does.
     locked: Vec<bool>,
+    /// Planes besides those of the faces, by group.
+    pub(crate) planes: Vec<FollowerPlane>,
     /// None if every group has one wedge, with the group's number.
     lists: Option<WedgeLists>,
+}
+
+/// The plane of a face that is not in the mesh, but follows faces that are, at one of its corners.
+pub(crate) struct FollowerPlane {
+    pub(crate) group: u32,
+    pub(crate) unit_normal: DVec3,
+    /// In squared working units.
+    pub(crate) area: f64,
 }
 
 /// Wedges numbered group by group.
@@ -76,8 +86,19 @@ impl<'a> Input<'a> {
         let one_wedge_each = positions.len() == mesh.vertex_count();
         let lists = (!one_wedge_each).then(|| WedgeLists::new(mesh, &group_of, order.len()));
         let size = diagonal * scale;
-        let locked = Vec::new();
-        Self { mesh, scale, size, group_of, first_vertex, position_id, shared, locked, lists }
+        let (locked, planes) = (Vec::new(), Vec::new());
+        Self {
+            mesh,
+            scale,
+            size,
+            group_of,
+            first_vertex,
+            position_id,
+            shared,
+            locked,
+            planes,
+            lists,
+        }
     }
 
     /// Locks the groups of some vertices: they stay until the terminal phase. No list means none.

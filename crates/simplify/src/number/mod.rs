@@ -10,4 +10,4 @@ mod curve;
 mod input;
 
 pub(crate) use curve::{Curve, sorted};
-pub(crate) use input::{Input, Wedge, same_attributes};
+pub(crate) use input::{FollowerPlane, Input, Wedge, same_attributes};

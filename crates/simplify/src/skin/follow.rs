@@ -1,0 +1,169 @@
+//! Carries the skin's collapses out on the whole mesh.
+
+use crate::choose::{LegalCollapse, Planner, WedgePlan};
+use crate::commit::{CollapseLog, Commit, Sources, Touched, join_points};
+use crate::cut::{Choice, DEAD, Region};
+use crate::metric::QuadricOnly;
+use crate::number::Input;
+use crate::output;
+use crate::price::Context;
+use lodc_mesh::NONE;
+
+/// A collapse of the skin.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Move {
+    /// A vertex of the whole mesh in the place that moves.
+    from: u32,
+    /// One in the place that it moves onto.
+    to: u32,
+    /// In working units.
+    error: f32,
+    changes_topology: bool,
+}
+
+/// The collapses of a log in their final order, of which the first `legal` ones are legal.
+/// `vertices` are the vertices of the whole mesh that the skin's are.
+pub(crate) fn moves(
+    input: &Input<'_>,
+    vertices: &[u32],
+    log: &CollapseLog,
+    legal: usize,
+    by_stamp: bool,
+) -> Vec<Move> {
+    // For each fake the vertex in its place, once there is one.
+    let mut fakes: Vec<u32> = Vec::new();
+    let place = |fakes: &[u32], wedge: u32| match input.vertex_of().get(wedge as usize) {
+        Some(&vertex) => vertices[vertex as usize],
+        None => fakes.get(wedge as usize - input.wedges()).copied().unwrap_or(NONE),
+    };
+    let order = output::final_order(log, legal, by_stamp);
+    let mut moves = Vec::with_capacity(order.len());
+    for step in order {
+        let (records, step) = (log.records(step as usize), &log.steps[step as usize]);
+        let (wedges, targets) = (&log.wedges[records.clone()], &log.targets[records]);
+        let known = |list: &[u32]| {
+            list.iter().map(|&wedge| place(&fakes, wedge)).find(|&v| v != NONE).unwrap_or(NONE)
+        };
+        let (from, to) = (known(wedges), known(targets));
+        for &fake in targets.iter().filter(|&&t| t as usize >= input.wedges()) {
+            let at = fake as usize - input.wedges();
+            fakes.resize(fakes.len().max(at + 1), NONE);
+            fakes[at] = to;
+        }
+        let (error, changes_topology) = (step.error, step.changes_topology);
+        moves.push(Move { from, to, error, changes_topology });
+    }
+    moves
+}
+
+/// Carries collapses out, of which the first `legal` ones are legal. Returns the log and how many
+/// of its steps are legal; none if the whole mesh cannot follow: what hangs together in it then does
+/// not in the skin.
+pub(crate) fn follow(
+    context: &Context<'_>,
+    moves: &[Move],
+    legal: usize,
+    sources: &mut Sources<'_>,
+) -> Option<(CollapseLog, usize)> {
+    let input = context.input;
+    let mut region = Region::whole(input, context.is_bare());
+    let mut log = CollapseLog::with_room(input.groups(), input.wedges(), moves.len());
+    let mut following = Following {
+        context,
+        touched: Touched::new(region.groups.len()),
+        plan: WedgePlan::default(),
+        united: vec![NONE; region.groups.len()],
+        region: &mut region,
+        log: &mut log,
+    };
+    let mut legal_steps = 0;
+    for (i, step) in moves.iter().enumerate() {
+        let [from, to] = [step.from, step.to].map(|v| following.group(v));
+        if from == to {
+            // Groups in one place that were united earlier than in the skin.
+            continue;
+        }
+        if !following.is_edge(from, to) {
+            if i < legal {
+                return None;
+            }
+            // What is left of the skin are points.
+            break;
+        }
+        following.collapse(from, to, i >= legal, step.changes_topology);
+        if let Some(last) = following.log.steps.last_mut() {
+            last.error = step.error;
+        }
+        legal_steps += usize::from(i < legal);
+    }
+    following.collapse_rest();
+    join_points(&region, &mut log);
+    sources.number(&mut region, &mut log);
+    Some((log, legal_steps))
+}
+
+/// The whole mesh while it follows.
+struct Following<'a> {
+    context: &'a Context<'a>,
+    region: &'a mut Region,
+    log: &'a mut CollapseLog,
+    touched: Touched,
+    plan: WedgePlan,
+    /// The group with which each was united, if any.
+    united: Vec<u32>,
+}
+
+impl Following<'_> {
+    /// The group in whose place a vertex started.
+    fn group(&self, vertex: u32) -> u32 {
+        let mut group = self.context.input.group_of[vertex as usize];
+        while self.united[group as usize] != NONE {
+            group = self.united[group as usize];
+        }
+        group
+    }
+
+    /// Returns whether two groups share a face.
+    fn is_edge(&self, from: u32, to: u32) -> bool {
+        let mesh = &self.region.mesh;
+        mesh.star(from).iter().any(|&corner| mesh.others(corner).contains(&to))
+    }
+
+    /// Moves a group onto a neighbour.
+    fn collapse(&mut self, from: u32, to: u32, takes_any: bool, changes_topology: bool) {
+        let Self { context, region, log, touched, plan, united } = self;
+        let input = context.input;
+        plan.clear();
+        if !region.wedges.is_bare() {
+            let planner = Planner {
+                input: input.mesh,
+                mesh: &region.mesh,
+                wedges: &region.wedges,
+                attributes: &context.attributes,
+                takes_any,
+                size: input.size,
+            };
+            planner.plan(from, to, plan);
+        }
+        let choice = Choice { cost: 0.0, to };
+        let legal = LegalCollapse { choice, changes_topology, is_planned: true };
+        let metric = &mut QuadricOnly;
+        let commit = Commit { input: input.mesh, region, metric, log, touched };
+        commit.run(from, legal, plan);
+        for &twin in &touched.united {
+            united[twin as usize] = to;
+        }
+    }
+
+    /// Collapses faces that outlive the skin: they followed others with the same positions, but not
+    /// the same edges.
+    fn collapse_rest(&mut self) {
+        for group in 0..self.region.own() as u32 {
+            while !self.region.mesh.has(group, DEAD) {
+                let Some(&corner) = self.region.mesh.star(group).first() else { break };
+                let [to, _] = self.region.mesh.others(corner);
+                self.collapse(group, to, true, true);
+            }
+        }
+    }
+}

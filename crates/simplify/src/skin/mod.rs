@@ -1,0 +1,159 @@
+//! Before the first step: faces that lie on others are put aside, and follow them.
+//!
+//! Exporters write capes, leaves and cloth twice, with the back as faces of its own, and some
+//! meshes have all their faces, or some, two times. To edges and stars that is a tangle: the rim of
+//! a sheet looks like a fold, and every edge inside like a seam of four faces. But it is one
+//! surface. So one layer of it, the *skin*, is simplified as if it were alone, and then all faces
+//! follow: whatever moves in the skin moves in the whole mesh, where each wedge of each layer gets
+//! a target of its own. A doubled mesh thus loses the same positions in the same order as the single
+//! one.
+//!
+//! What comes in is a mesh; what goes out is the skin as a mesh (`layers` finds it), and later the
+//! log of the skin's collapses carried out on the whole mesh (`follow`).
+
+mod follow;
+mod layers;
+
+pub(crate) use follow::{follow, moves};
+
+use crate::number::{FollowerPlane, Input};
+use glam::DVec3;
+use lodc_mesh::{Mesh, MeshParts, NONE, PositionIds, Submesh, WedgeGroups};
+
+/// Layers are chosen anew at most this often because they did not hang together as they should.
+const MAX_TRIES: usize = 8;
+
+/// One layer of a mesh whose faces lie on each other in places.
+pub(crate) struct Skin {
+    /// The faces that lie on no other, and of those that lie on each other one each.
+    pub(crate) mesh: Mesh,
+    /// The vertex of the whole mesh that each vertex is.
+    pub(crate) vertices: Vec<u32>,
+    /// Faces of the whole mesh that follow two of the skin over the same quadrilateral.
+    divided_otherwise: Vec<u32>,
+}
+
+impl Skin {
+    /// The skin of a mesh; none if no faces lie on each other.
+    pub(crate) fn of(mesh: &Mesh) -> Option<Self> {
+        let positions = PositionIds::new(mesh.positions());
+        let (mut follows, mut divided_otherwise) = layers::followers(mesh, &positions)?;
+        let whole = WedgeGroups::new(mesh, &positions);
+        for _ in 0..MAX_TRIES {
+            let mut skin = Self::without(mesh, &follows);
+            if !skin.keep_split_groups(mesh, &whole, &mut follows) {
+                divided_otherwise.retain(|&face| follows[face as usize]);
+                skin.divided_otherwise = divided_otherwise;
+                return Some(skin);
+            }
+            if !follows.contains(&true) {
+                break;
+            }
+        }
+        None
+    }
+
+    /// The faces that do not follow others, with their vertices.
+    fn without(mesh: &Mesh, follows: &[bool]) -> Self {
+        let mut new_index = vec![NONE; mesh.vertex_count()];
+        let mut vertices = Vec::new();
+        let mut triangles = Vec::new();
+        let mut submeshes = Vec::with_capacity(mesh.submeshes().len());
+        for submesh in mesh.submeshes() {
+            let first = triangles.len();
+            for t in submesh.triangles().filter(|&t| !follows[t]) {
+                triangles.push(mesh.triangles()[t].map(|v| {
+                    let new = &mut new_index[v as usize];
+                    if *new == NONE {
+                        *new = vertices.len() as u32;
+                        vertices.push(v);
+                    }
+                    *new
+                }));
+            }
+            submeshes.push(Submesh {
+                first_triangle: first as u32,
+                triangle_count: (triangles.len() - first) as u32,
+                attributes: submesh.attributes.clone(),
+            });
+        }
+        let gathered = |a: &lodc_mesh::Attribute| a.gathered(vertices.iter().copied());
+        let mesh = Mesh::try_from(MeshParts {
+            positions: vertices.iter().map(|&v| mesh.positions()[v as usize]).collect(),
+            vertex_submesh: vertices.iter().map(|&v| mesh.vertex_submesh()[v as usize]).collect(),
+            attributes: mesh.attributes().iter().map(gathered).collect(),
+            triangles,
+            submeshes,
+        })
+        .expect("some of a mesh's triangles, with their vertices, are a mesh");
+        Self { mesh, vertices, divided_otherwise: Vec::new() }
+    }
+
+    /// Where a group of the whole mesh is several groups of the skin, only faces that follow join
+    /// them there: these stay in the skin. Returns whether there are such groups.
+    fn keep_split_groups(&self, mesh: &Mesh, whole: &WedgeGroups, follows: &mut [bool]) -> bool {
+        let groups = WedgeGroups::new(&self.mesh, &PositionIds::new(self.mesh.positions()));
+        let mut of_whole = vec![NONE; whole.len()];
+        let mut split = vec![false; whole.len()];
+        let mut any = false;
+        for (&group, &vertex) in groups.of_vertex.iter().zip(&self.vertices) {
+            let in_whole = whole.of_vertex[vertex as usize] as usize;
+            if of_whole[in_whole] == NONE {
+                of_whole[in_whole] = group;
+            } else if of_whole[in_whole] != group {
+                split[in_whole] = true;
+                any = true;
+            }
+        }
+        if any {
+            for (follows, triangle) in follows.iter_mut().zip(mesh.triangles()) {
+                *follows &= !triangle.iter().any(|&v| split[whole.of_vertex[v as usize] as usize]);
+            }
+        }
+        any
+    }
+
+    /// The planes of the faces that lie on the skin but divide it otherwise. They are remembered as
+    /// if they were faces of it: what is flat for one layer may not be for the other.
+    pub(crate) fn planes(&self, mesh: &Mesh, input: &Input<'_>) -> Vec<FollowerPlane> {
+        if self.divided_otherwise.is_empty() {
+            return Vec::new();
+        }
+        let positions = PositionIds::new(mesh.positions());
+        let mut group_at = vec![NONE; positions.len()];
+        for (&group, &vertex) in input.group_of.iter().zip(&self.vertices) {
+            group_at[positions.of_vertex[vertex as usize] as usize] = group;
+        }
+        let mut planes = Vec::with_capacity(3 * self.divided_otherwise.len());
+        for &face in &self.divided_otherwise {
+            let corners = mesh.triangles()[face as usize];
+            let place = |v: u32| DVec3::from(mesh.positions()[v as usize].map(f64::from));
+            let [a, b, c] = corners.map(|v| input.scale * place(v));
+            let normal = (b - a).cross(c - a);
+            planes.extend(corners.map(|v| FollowerPlane {
+                group: group_at[positions.of_vertex[v as usize] as usize],
+                unit_normal: normal.normalize_or_zero(),
+                area: 0.5 * normal.length(),
+            }));
+        }
+        planes.sort_by_key(|plane| plane.group);
+        planes
+    }
+
+    /// For each vertex of the skin: true if a vertex in its place, in whatever layer, is locked.
+    pub(crate) fn locked(&self, mesh: &Mesh, locked: &[bool]) -> Vec<bool> {
+        if !locked.contains(&true) {
+            return Vec::new();
+        }
+        let groups = WedgeGroups::new(mesh, &PositionIds::new(mesh.positions()));
+        let mut is_locked = vec![false; groups.len()];
+        for (&group, _) in groups.of_vertex.iter().zip(locked).filter(|(_, locked)| **locked) {
+            is_locked[group as usize] = true;
+        }
+        let of = |&v: &u32| is_locked[groups.of_vertex[v as usize] as usize];
+        self.vertices.iter().map(of).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests;
