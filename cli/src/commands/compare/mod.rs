@@ -3,8 +3,6 @@
 
 mod baseline;
 mod measure;
-mod report;
-mod suites;
 mod surface;
 
 use super::asset::SimplifyArgs;
@@ -26,9 +24,9 @@ use crate::threads;
 use baseline::Baseline;
 use clap::Args;
 use lodc_assets::AssetError;
+use lodc_report::{Case, Length, MostAllowed, PairReport, Suite, Verdict};
 use lodc_select::Target;
 use measure::Measured;
-use report::PairReport;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use surface::Wish;
@@ -174,6 +172,12 @@ impl CompareArgs {
         self.named().is_none_or(|[a, _]| a.is_dir())
     }
 
+    /// The limits given.
+    fn most_allowed(&self) -> MostAllowed {
+        let Self { max_rms: rms, max_hausdorff: hausdorff, max_image_rmse: image_rmse, .. } = *self;
+        MostAllowed { rms, hausdorff, image_rmse }
+    }
+
     /// The levels of B, with their names if there may be several.
     fn wishes(&self) -> Vec<(Option<String>, Wish)> {
         let per_object = self.level_b.per_object();
@@ -182,19 +186,6 @@ impl CompareArgs {
             return vec![(None, wish(self.level_b.target()))];
         }
         self.levels.iter().map(|l| (Some(l.name.clone()), wish(Some(l.target)))).collect()
-    }
-}
-
-/// A length, possibly as a share of A's diagonal.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Length {
-    value: f64,
-    of_diagonal: bool,
-}
-
-impl Length {
-    fn resolve(self, diagonal: f64) -> f64 {
-        if self.of_diagonal { self.value / 100.0 * diagonal } else { self.value }
     }
 }
 
@@ -218,7 +209,7 @@ pub(crate) fn run(args: &CompareArgs, program: &Program) -> Outcome<Status> {
 /// Compares, once options are known to fit together.
 fn checked(args: &CompareArgs, program: &Program) -> Outcome<Status> {
     check(args)?;
-    let baseline = Baseline::open(args)?;
+    let baseline = baseline::open(args)?;
     let pairs = batch::pairs(args.named(), &args.batch)?;
     let (mut assets, others): (Vec<Asset>, Vec<_>) =
         pairs.into_iter().map(|Pair { asset, other }| (asset, other)).unzip();
@@ -276,6 +267,20 @@ fn say(args: &CompareArgs, measured: &Measured, several: bool) -> Outcome<()> {
     Ok(())
 }
 
+/// Comparisons as CI systems show them. A pair that could not be compared has the name of the file
+/// that was to be judged.
+fn suites(assets: &[Asset], done: &[Outcome<Measured>]) -> Vec<Suite> {
+    let suite = |(asset, measured): (&Asset, &Outcome<Measured>)| match measured {
+        Ok(measured) => measured.report.suite(),
+        Err(failure) => {
+            let verdict = Verdict::Error(failure.message.clone());
+            let cases = vec![Case { name: "compare".to_owned(), verdict }];
+            Suite { name: asset.input.display().to_string(), cases }
+        }
+    };
+    assets.iter().zip(done).map(suite).collect()
+}
+
 /// Ends a run: reports, baseline, documents. Returns the highest status.
 fn finish(
     args: &CompareArgs,
@@ -283,7 +288,7 @@ fn finish(
     baseline: Option<Baseline>,
     done: Vec<Outcome<Measured>>,
 ) -> Outcome<Status> {
-    args.ci.publish("lodc compare", &suites::suites(assets, &done))?;
+    args.ci.publish("lodc compare", &suites(assets, &done))?;
     let (mut worst, mut results, mut recorded) = (Status::Done, Vec::new(), Vec::new());
     for (asset, measured) in assets.iter().zip(done) {
         results.push(match measured {
@@ -298,8 +303,8 @@ fn finish(
             }
         });
     }
-    if let Some(baseline) = baseline {
-        baseline.write(recorded)?;
+    if let Some(baseline) = baseline.filter(|_| args.record) {
+        baseline::write(baseline, recorded)?;
     }
     let several = args.takes_many();
     if several {

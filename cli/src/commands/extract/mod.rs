@@ -16,11 +16,11 @@ use crate::program::Program;
 use crate::report::ExtractReport;
 use crate::results::reported;
 use crate::selector::{SelectorArgs, bound};
-use crate::text::{count, distance};
 use crate::views::{CriterionName, ViewArgs};
 use clap::Args;
 use clap::builder::TypedValueParser;
 use lodc_lod::ModelKind;
+use lodc_report::text::{count, distance};
 use std::path::{Path, PathBuf};
 
 /// Options of `extract`.
