@@ -49,7 +49,9 @@ pub(crate) struct CompareArgs {
     b: Option<PathBuf>,
     #[command(flatten)]
     level_b: SelectorArgs,
-    /// Levels of B, each by itself: shares (25%) or counts (10k) of triangles
+    /// Levels of B, each by itself: shares (25%) or counts (10k)
+    ///
+    /// Of triangles.
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = level,
           conflicts_with = "TargetArgs", help_heading = LEVEL)]
     levels: Vec<Level>,
@@ -85,24 +87,29 @@ pub(crate) struct CompareArgs {
     /// Else pictures have those that both meshes have.
     #[arg(long, help_heading = MEASURED, hide_short_help = true)]
     no_attributes: bool,
-    /// Exit 1 if the root mean square distance is greater: in A's unit, or D%
+    /// Root mean square distance above D (or D%)
     ///
-    /// Either way, from A to B and back. A percentage is of A's diagonal.
+    /// Then the exit status is 1. Either way, from A to B and back; in A's unit, a percentage of A's
+    /// diagonal.
     #[arg(long, value_name = "D", value_parser = length, allow_negative_numbers = true,
           help_heading = FAILS)]
     max_rms: Option<Length>,
-    /// Exit 1 if the largest distance is greater: in A's unit, or D%
+    /// Largest distance above D (or D%)
+    ///
+    /// Then the exit status is 1. In A's unit, a percentage of A's diagonal.
     #[arg(long, value_name = "D", value_parser = length, allow_negative_numbers = true,
           help_heading = FAILS)]
     max_hausdorff: Option<Length>,
-    /// Exit 1 if pictures differ by more: root mean square of 0 to 255
+    /// Pictures that differ by more than GREY, 0 to 255
+    ///
+    /// Then the exit status is 1. Root mean square of all pixels.
     #[arg(long, value_name = "GREY", value_parser = grey, allow_negative_numbers = true,
           help_heading = FAILS)]
     max_image_rmse: Option<f64>,
-    /// Exit 1 if a level is worse than the last time, which FILE or DIR has
+    /// Levels worse than the last time, by FILE or DIR
     ///
-    /// FILE is one document for all assets. DIR (one that is there, or a name with / at its end)
-    /// has a file for each file of B.
+    /// Then the exit status is 1. FILE is one document for all assets. DIR (one that is there, or a
+    /// name with / at its end) has a file for each file of B.
     #[arg(long, value_name = "FILE|DIR", help_heading = FAILS)]
     baseline: Option<PathBuf>,
     /// Write the baseline in place of comparing with it

@@ -42,7 +42,7 @@ pub(crate) struct ExtractArgs {
     pose: PoseArgs,
     #[command(flatten)]
     export: ExportArgs,
-    /// Move the vertices to where they fit the input best
+    /// Move vertices to where they fit the input best
     ///
     /// But no object so far that it looks worse or its largest distance grows by more than 5 %.
     /// Errors are measured on the result.
