@@ -104,7 +104,8 @@ const MOST_BY_LOOKS: u64 = 200_000;
 pub(crate) struct LookArgs {
     /// Metric of collapses [default: hybrid, large: quadric]
     ///
-    /// Meshes of more than 200,000 triangles are large. A .lodc file has its order of collapses already.
+    /// Meshes of more than 200,000 triangles are large. A .lodc file has its order of collapses
+    /// already.
     #[arg(long, value_parser = parser::<MetricKind>(), help_heading = SIMPLIFIED)]
     metric: Option<MetricKind>,
 }

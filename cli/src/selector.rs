@@ -46,10 +46,10 @@ struct TargetArgs {
     triangles: Option<u64>,
     /// Error of at most E, in the input's units, or E%
     ///
-    /// A percentage is of the input's diagonal. The coarsest level whose error is at most E. The error is the largest distance between the
-    /// surfaces of level and input, measured from both. Of several objects it is met by each, in
-    /// world units; the diagonal is that of the largest object's bounding box as the scene shows
-    /// it.
+    /// The coarsest level whose error is at most E. The error is the largest distance between the
+    /// surfaces of level and input, measured from both; a percentage is of the input's diagonal. Of
+    /// several objects it is met by each, in world units; the diagonal is that of the largest
+    /// object's bounding box as the scene shows it.
     #[arg(long, value_name = "E", value_parser = bound)]
     error: Option<Target>,
     /// The same for the root mean square distance

@@ -89,8 +89,8 @@ pub(crate) struct CompareArgs {
     no_attributes: bool,
     /// Root mean square distance above D (or D%)
     ///
-    /// Then the exit status is 1. Either way, from A to B and back; in A's unit, a percentage of A's
-    /// diagonal.
+    /// Then the exit status is 1. Either way, from A to B and back; in A's unit, a percentage of
+    /// A's diagonal.
     #[arg(long, value_name = "D", value_parser = length, allow_negative_numbers = true,
           help_heading = FAILS)]
     max_rms: Option<Length>,
