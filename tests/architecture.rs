@@ -114,6 +114,22 @@ const DRAWING: &[(&str, &[&str])] = &[
         ],
     ),
     (
+        "crates/report",
+        &[
+            "lodc",
+            "lodc-formats",
+            "lodc-lod",
+            "lodc-measure",
+            "lodc-mesh",
+            "lodc-model",
+            "lodc-scene",
+            "lodc-select",
+            "lodc-verify",
+            "rayon",
+            "serde",
+        ],
+    ),
+    (
         "crates/lab",
         &[
             "lodc",
@@ -123,6 +139,7 @@ const DRAWING: &[(&str, &[&str])] = &[
             "lodc-measure",
             "lodc-mesh",
             "lodc-model",
+            "lodc-report",
             "lodc-scene",
             "lodc-strip",
             "average",
@@ -148,6 +165,7 @@ const DRAWING: &[(&str, &[&str])] = &[
             "lodc-model",
             "lodc-plan",
             "lodc-refit",
+            "lodc-report",
             "lodc-scene",
             "lodc-select",
             "lodc-simplify",

@@ -62,7 +62,7 @@ pub(crate) enum Command {
     Build(build::BuildArgs),
     /// Take one level of detail out of meshes or .lodc files
     Extract(extract::ExtractArgs),
-    /// Write a few levels for engines: one file over one vertex buffer, or a file each
+    /// Write a few levels for engines: one file, or a file for each
     Chain(chain::ChainArgs),
     /// Make an offline page that shows every level in a browser
     #[command(after_help = MORE, after_long_help = view::EXAMPLES)]
@@ -73,18 +73,18 @@ pub(crate) enum Command {
     Verify(verify::VerifyArgs),
     /// Say how far apart two meshes are, in space and in pictures
     Compare(compare::CompareArgs),
-    /// Make a picture of a mesh, or of levels of detail, with a graphics device
+    /// Make a picture of a mesh, or of levels, on a graphics device
     Render(render::RenderArgs),
-    /// Make an offline page for approving an asset: pictures, errors, storage, checks
+    /// Make an offline page for approving an asset: pictures, errors, checks
     #[command(after_help = MORE, after_long_help = report::EXAMPLES)]
     Report(view::PageArgs),
-    /// Choose levels for a distance, or for all instances of a scene under a budget
+    /// Choose levels for a distance, or for all instances under a budget
     Select(select::SelectArgs),
     /// Write the WGSL that an engine needs to show models, and a guide to it
     Shaders(shaders::ShadersArgs),
     /// Turn a .lodc file into a progressive stream
     Pack(pack::PackArgs),
-    /// Turn a progressive stream, or as much as there is of it, into a mesh file
+    /// Turn a stream, or as much as there is of it, into a mesh file
     Unpack(unpack::UnpackArgs),
     /// Show what lodc.toml says of an asset
     Config(config::ShowArgs),

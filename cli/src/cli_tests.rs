@@ -3,10 +3,15 @@ use clap::{Arg, CommandFactory};
 
 /// The program and every command, hidden ones included, as they are when they print help.
 fn commands() -> Vec<clap::Command> {
-    let mut program = Cli::command().term_width(100);
+    commands_in(100)
+}
+
+/// The same in a terminal of so many columns.
+fn commands_in(columns: usize) -> Vec<clap::Command> {
+    let mut program = Cli::command().term_width(columns);
     program.build();
     let each = program.get_subcommands().filter(|c| c.get_name() != "help");
-    let each: Vec<clap::Command> = each.map(|c| c.clone().term_width(100)).collect();
+    let each: Vec<clap::Command> = each.map(|c| c.clone().term_width(columns)).collect();
     [vec![program], each].concat()
 }
 
@@ -26,13 +31,15 @@ fn the_definition_is_sound() {
 
 #[test]
 fn short_help_fits_a_screen_and_leads_to_the_rest() {
-    for mut command in commands() {
-        let help = command.render_help().to_string();
-        let lines = help.lines().count();
-        assert!(lines <= 40, "{}: {lines} lines\n{help}", command.get_name());
-        assert!(help.lines().all(|line| line.chars().count() <= 100), "{help}");
-        let last = help.lines().last().expect("a last line");
-        assert!(last.contains("--help") || command.get_name() == "lodc", "{help}");
+    for columns in [80, 100] {
+        for mut command in commands_in(columns) {
+            let help = command.render_help().to_string();
+            let lines = help.lines().count();
+            assert!(lines <= 40, "{}: {lines} lines\n{help}", command.get_name());
+            assert!(help.lines().all(|line| line.chars().count() <= columns), "{help}");
+            let last = help.lines().last().expect("a last line");
+            assert!(last.contains("--help") || command.get_name() == "lodc", "{help}");
+        }
     }
 }
 

@@ -102,10 +102,10 @@ const MOST_BY_LOOKS: u64 = 200_000;
 /// The option of commands that simplify a mesh on the way to something that is looked at.
 #[derive(Args, Clone, Copy, Debug, Default)]
 pub(crate) struct LookArgs {
-    /// Metric that drives the collapses of meshes [default: hybrid up to 200,000
-    /// triangles, else quadric]
+    /// Metric of collapses [default: hybrid, large: quadric]
     ///
-    /// A .lodc file has its order of collapses already.
+    /// Meshes of more than 200,000 triangles are large. A .lodc file has its order of collapses
+    /// already.
     #[arg(long, value_parser = parser::<MetricKind>(), help_heading = SIMPLIFIED)]
     metric: Option<MetricKind>,
 }

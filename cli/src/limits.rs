@@ -3,11 +3,11 @@
 use crate::exit::{Failure, Outcome, Status};
 use crate::help::{LIMITS, READ};
 use crate::huge_pages;
-use crate::text::{count, size as size_of};
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
 use lodc::build::{Need, Size};
 use lodc_formats::Limits;
 use lodc_formats::import::ImportOptions;
+use lodc_report::text::{count, size as size_of};
 use std::path::PathBuf;
 
 /// Options of reading inputs, shared by every command that reads a mesh.

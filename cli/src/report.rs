@@ -4,9 +4,6 @@
 use indexmap::IndexMap;
 use serde::Serialize;
 
-/// Version of all documents below; rises only if a key changes its meaning or goes away.
-pub(crate) const SCHEMA_VERSION: u32 = 1;
-
 /// `build --report json`.
 #[derive(Debug, Serialize)]
 pub(crate) struct BuildReport {

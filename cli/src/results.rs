@@ -2,7 +2,7 @@
 
 use crate::console;
 use crate::exit::{Failure, Outcome, Status};
-use crate::report::SCHEMA_VERSION;
+use lodc_report::SCHEMA_VERSION;
 use serde::Serialize;
 use std::path::Path;
 

@@ -12,7 +12,9 @@ pub(crate) use lodc_select::{bound, share, size};
 pub(crate) struct SelectorArgs {
     #[command(flatten)]
     target: TargetArgs,
-    /// Distance of the eye for --pixels, in the units of errors
+    /// Distance of the eye for --pixels
+    ///
+    /// In the units of errors.
     #[arg(long, value_name = "D", value_parser = positive, requires = "pixels",
           help_heading = LEVEL)]
     distance: Option<f64>,
@@ -42,18 +44,18 @@ struct TargetArgs {
     /// a triangle, with a warning (as with every selector but --lod).
     #[arg(long, value_name = "N", value_parser = count)]
     triangles: Option<u64>,
-    /// At most this far from the input, in its units; E% of its diagonal
+    /// Error of at most E, in the input's units, or E%
     ///
     /// The coarsest level whose error is at most E. The error is the largest distance between the
-    /// surfaces of level and input, measured from both. Of several objects it is met by each, in
-    /// world units; the diagonal is that of the largest object's bounding box as the scene shows
-    /// it.
+    /// surfaces of level and input, measured from both; a percentage is of the input's diagonal. Of
+    /// several objects it is met by each, in world units; the diagonal is that of the largest
+    /// object's bounding box as the scene shows it.
     #[arg(long, value_name = "E", value_parser = bound)]
     error: Option<Target>,
     /// The same for the root mean square distance
     #[arg(long, value_name = "E", value_parser = rms_bound, hide_short_help = true)]
     rms: Option<Target>,
-    /// An error of at most P pixels on the screen, seen from --distance
+    /// At most P pixels of error, seen from --distance
     #[arg(long, value_name = "P", value_parser = positive)]
     pixels: Option<f64>,
     /// The level after N collapse records (0: the input; larger is coarser)

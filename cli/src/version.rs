@@ -36,7 +36,7 @@ pub(crate) fn is_asked_for_as_json() -> bool {
 pub(crate) fn print() -> Outcome<()> {
     let gpu = cfg!(feature = "gpu");
     console::json(&Versions {
-        schema_version: crate::report::SCHEMA_VERSION,
+        schema_version: lodc_report::SCHEMA_VERSION,
         name: "lodc",
         version: env!("CARGO_PKG_VERSION"),
         formats: Formats { lodc: lodc::VERSION, lods: lods::VERSION },

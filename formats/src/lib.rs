@@ -6,6 +6,22 @@
 //! `export`, `appearance` and `images::Textures` choose among them. No format uses what chooses,
 //! and its reader and writer do not use each other.
 //!
+#![cfg_attr(all(feature = "import", feature = "export"), doc = "```")]
+#![cfg_attr(not(all(feature = "import", feature = "export")), doc = "```ignore")]
+//! use lodc_formats::export::{ExportFormat, ExportObject, export};
+//! use lodc_formats::import::{ImportOptions, import};
+//! use std::path::Path;
+//!
+//! let scene = import(Path::new("../fixtures/machine_part.glb"), &ImportOptions::default())?;
+//! let object = &scene.objects[0];
+//! assert_eq!(object.mesh.triangles().len(), 480);
+//!
+//! let objects = [ExportObject { info: &object.info, mesh: &object.mesh }];
+//! let files = export(Path::new("part.ply"), ExportFormat::Ply, &scene.document, &objects)?;
+//! assert!(files[0].bytes.starts_with(b"ply\nformat binary_little_endian"));
+//! # Ok::<(), lodc_formats::FormatError>(())
+//! ```
+//!
 //! Features: `import` (OBJ and glTF in), `export` (glTF, OBJ and PLY out), `stream` (`.lods`); all
 //! of them by default, and without any the container alone.
 

@@ -12,9 +12,8 @@ use crate::kinds::{MetricArgs, StripArgs, parser};
 use crate::limits::ImportArgs;
 use crate::output::{self, Target};
 use crate::progress::Progress;
-use crate::report::{ObjectCounts, SCHEMA_VERSION};
+use crate::report::ObjectCounts;
 use crate::stages::Stages;
-use crate::text::count;
 use crate::threads;
 use clap::Args;
 use lodc_formats::{images, import};
@@ -23,6 +22,8 @@ use lodc_lab::{
     crowd_charts, crowd_picture, crowd_table, measure, tables,
 };
 use lodc_lod::ModelKind;
+use lodc_report::SCHEMA_VERSION;
+use lodc_report::text::count;
 use serde::Serialize;
 use std::num::{NonZeroU32, NonZeroUsize};
 use std::panic::{AssertUnwindSafe, catch_unwind};

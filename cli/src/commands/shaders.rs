@@ -4,10 +4,10 @@ use crate::console::note;
 use crate::exit::{Failure, Outcome};
 use crate::help::{MORE, OUTPUT};
 use crate::output::{self, Target};
-use crate::text::count;
 use clap::Args;
 use lodc_formats::OutputFile;
 use lodc_lod::ModelKind;
+use lodc_report::text::count;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 

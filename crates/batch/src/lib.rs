@@ -17,6 +17,7 @@
 //! ```
 
 mod assets;
+mod baseline;
 mod config;
 mod error;
 mod folder;
@@ -30,6 +31,7 @@ mod streams;
 mod target;
 
 pub use assets::{Asset, Choice, Sources, assets};
+pub use baseline::Baseline;
 pub use config::{Configs, Layer};
 pub use error::AssetError;
 pub use folder::{LEVELS, MESHES, expand};

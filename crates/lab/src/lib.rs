@@ -24,7 +24,6 @@
 //! ```
 
 mod baseline;
-mod chart;
 mod crowd;
 #[cfg(feature = "gpu")]
 mod device;
@@ -42,14 +41,12 @@ mod strip_text;
 mod subject;
 mod sweep;
 mod tables;
-mod text;
 mod timings;
 
 pub use baseline::{
     Baseline, BaselineCursor, Discrete, DiscreteCursor, LEVELS, LodStrips, LodStripsCursor,
     ProgressiveMesh, ProgressiveMeshCursor, Rebuild,
 };
-pub use chart::{Chart, Curve, Scale};
 pub use crowd::{CrowdReport, CrowdSettings, crowd, crowd_charts, crowd_picture, crowd_table};
 pub use device::Device;
 pub use error::LabError;
@@ -61,4 +58,3 @@ pub use report::{BenchObject, Settings};
 pub use strip_text::StripText;
 pub use subject::{baselines, plain};
 pub use tables::tables;
-pub use text::grouped;

@@ -1,8 +1,8 @@
 //! Curves over LODs as SVG: indices drawn (thesis fig. 4.9), extraction time (figs. 3.9, 4.10), and
 //! draws on a device.
 
-use crate::chart::{Chart, Curve, Scale, colour_of};
 use crate::report::{BenchObject, value};
+use lodc_report::{Chart, Curve, Scale, colour_of};
 use serde_json::Value;
 
 /// Charts of an object as SVG, with the names of their kinds; empty ones where nothing was

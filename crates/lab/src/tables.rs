@@ -1,9 +1,9 @@
 //! The figures of an object as tables for people.
 
 use crate::report::{BenchObject, PrefixReport, StreamReport, value};
-use crate::text::grouped;
 use crate::timings::Spread;
 use indexmap::IndexMap;
+use lodc_report::text::grouped;
 use serde::Serialize;
 use serde_json::Value;
 use std::fmt::{Display, Write};

@@ -5,6 +5,7 @@ use lodc_mesh::{Lod, OrientedTriangle, Simplified};
 use lodc_model::{Array, BuildError, Changes, Layout, Model, StorageCost, Traffic};
 use lodc_plan::{Benchmark, Plan, PlanError, Shader};
 use lodc_strip::{StripKind, StripPool, Strips};
+use lodc_verify::Check;
 use std::{str::FromStr, sync::Arc};
 
 /// The kinds of models.
@@ -150,6 +151,15 @@ impl AnyModel {
             Self::Speed(model) => Some(model.strips()),
             Self::Masking(model) => Some(model.strips()),
             Self::Interactive(_) => None,
+        }
+    }
+
+    /// Compares a few levels that depend on the view with the plain sequence, if it has such.
+    #[must_use]
+    pub fn verify_views(&self) -> Option<Check> {
+        match self {
+            Self::Interactive(model) => Some(model.verify_views()),
+            Self::Speed(_) | Self::Masking(_) => None,
         }
     }
 

@@ -104,3 +104,38 @@ fn hash(key: [u32; 3]) -> usize {
     h = h.wrapping_mul(0xc4ce_b9fe_1a85_ec53);
     (h ^ (h >> 29)) as usize
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lodc_fixtures::Rng;
+
+    #[test]
+    fn positions_made_to_collide_are_not_searched_for_and_numbered_all_the_same() {
+        // x and y are chosen for each z so that all hash alike: each would be compared with all
+        // before it.
+        let mut rng = Rng::new(10);
+        let mut positions = Vec::new();
+        while positions.len() < 20_000 {
+            let z = rng.unit();
+            let mixed =
+                0x3f80_0000_3f80_0000 ^ u64::from(z.to_bits()).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+            let p = [f32::from_bits(mixed as u32), f32::from_bits((mixed >> 32) as u32), z];
+            if p.iter().all(|c| c.is_finite()) {
+                positions.push(p);
+            }
+        }
+        let hashes = |i: usize| hash(position_key(positions[i]));
+        assert!((1..positions.len()).all(|i| hashes(i) == hashes(0)));
+        assert!(PositionIds::by_hashing(&positions).is_none(), "its patience ends");
+        // In any order, and some twice.
+        let twice: Vec<_> = positions.iter().chain(positions.iter().rev()).copied().collect();
+        let ids = PositionIds::new(&twice);
+        let mut first = std::collections::BTreeMap::new();
+        for (vertex, p) in twice.iter().enumerate() {
+            let next = first.len() as u32;
+            assert_eq!(ids.of_vertex[vertex], *first.entry(position_key(*p)).or_insert(next));
+        }
+        assert_eq!(ids.len(), first.len());
+    }
+}

@@ -8,6 +8,17 @@
 //! A mesh goes through seven steps, each a module that says what it does and why: `number`, `cut`,
 //! `price` (by a [`metric`](MetricKind)), `choose`, `commit`, `rounds` and `output`. Where faces lie
 //! on each other, one layer goes through them, and the others follow it (`skin`).
+//!
+//! ```
+//! use lodc_simplify::{Options, simplify};
+//!
+//! let mesh = lodc_fixtures::icosphere(3);
+//! let simplified = simplify(&mesh, &Options::DEFAULT, &|_, _| ());
+//! let collapses = simplified.collapses();
+//! let lod = collapses.lod_for_triangles(100);
+//! assert_eq!(simplified.triangles_at(lod).len(), 100);
+//! assert!(collapses.error_at(lod) < 0.1, "of a sphere whose radius is 1");
+//! ```
 
 mod choose;
 mod commit;

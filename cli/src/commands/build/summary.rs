@@ -3,9 +3,9 @@
 use super::pipeline::BuildOutput;
 use crate::console::{Loudness, note, wants};
 use crate::output::Target as Output;
-use crate::text::{count, distance, grouped, percent, quoted, size};
 use lodc::{levels::TABLE, scene_levels};
 use lodc_formats::Limits;
+use lodc_report::text::{count, distance, grouped, percent, quoted, size};
 use lodc_select::{Selection, Target, scene_diagonal};
 use std::fmt::Write;
 

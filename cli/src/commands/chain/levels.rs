@@ -18,19 +18,21 @@ pub(super) struct LevelArgs {
     /// Shares (25%) or counts (10k) of triangles, finest first [default: 100%,50%,25%,10%]
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = size, group = "which")]
     levels: Vec<Target>,
-    /// Errors, in mesh units or in percent of the diagonal, finest first
+    /// Errors, finest first, in mesh units or as E%
+    ///
+    /// A percentage is of the diagonal.
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = bound, group = "which")]
     errors: Vec<Target>,
-    /// For each of --distances an error of at most P pixels on the screen
+    /// At most P pixels of error from each of --distances
     #[arg(long, value_name = "P", value_parser = positive, group = "which", requires = "distances")]
     pixels: Option<f64>,
     /// Distances of the eye for --pixels, nearest first
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = positive,
           requires = "pixels")]
     distances: Vec<f64>,
-    /// N levels, each with half of the triangles of the one before
+    /// N levels, each with half as many triangles
     ///
-    /// From 1 to 32; ends early where --max-error allows no coarser one.
+    /// As the one before. From 1 to 32; ends early where --max-error allows no coarser one.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=32),
           group = "which")]
     auto: Option<u32>,

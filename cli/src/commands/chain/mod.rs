@@ -36,25 +36,28 @@ pub(crate) struct ChainArgs {
     inputs: Vec<PathBuf>,
     #[command(flatten)]
     levels: LevelArgs,
-    /// No level errs more than E (or E%), however few triangles are asked for
+    /// No level errs more than E (or E%)
+    ///
+    /// However few triangles are asked for.
     #[arg(long, value_name = "E", value_parser = bound, help_heading = LEVEL)]
     max_error: Option<lodc_select::Target>,
     #[command(flatten)]
     export: ExportArgs,
-    /// A file for each level: STEM_LOD0.EXT, STEM_LOD1.EXT, ...
+    /// A file for each level: STEM_LOD0.EXT, ...
     #[arg(long, help_heading = BECOMES, display_order = 0)]
     separate: bool,
     /// All levels in one index accessor for each primitive
     ///
     /// extras.lodc.levels of the accessor says where each begins.
-    #[arg(long, conflicts_with = "separate", help_heading = BECOMES, display_order = 1)]
+    #[arg(long, conflicts_with = "separate", help_heading = BECOMES, display_order = 1,
+          hide_short_help = true)]
     index_ranges: bool,
-    /// Move the vertices of each level to where they fit the input best
+    /// Move vertices to where they fit the input best
     ///
     /// Needs --separate. Errors are measured on the result.
     #[arg(long, requires = "separate", help_heading = BECOMES, display_order = 2)]
     refit: bool,
-    /// File (.glb, .gltf; with --separate also .obj, .ply), or folder
+    /// File (.glb, .gltf; --separate: .obj, .ply), or folder
     ///
     /// For several inputs always a folder. A folder that is there, or a name with / at its end,
     /// means a file inside it. Results of a folder keep its structure and the inputs' extensions

@@ -1,7 +1,6 @@
 //! Two files: B at every level that is wanted, measured from A.
 
-use super::baseline::{Baseline, options, worse};
-use super::report::{Comparison, ImageReport, PairReport};
+use super::baseline::{self, Baseline, options};
 use super::surface::{Subject, Wish};
 use super::{CompareArgs, ROUNDING};
 use crate::commands::asset::Errors;
@@ -13,6 +12,7 @@ use lodc_formats::images::png;
 use lodc_measure::{
     Looks, Original, Portrait, Recorded, Sampling, SceneSurface, Viewing, heat_sheet,
 };
+use lodc_report::{Comparison, ImageReport, PairReport};
 use lodc_select::Target;
 use std::path::Path;
 
@@ -35,7 +35,7 @@ pub(super) fn compare(
     baseline: Option<&Baseline>,
     progress: &Progress,
 ) -> Outcome<Measured> {
-    let then = baseline.map(|b| b.of(name, args)).transpose()?;
+    let then = baseline.map(|b| baseline::of(b, name, args)).transpose()?;
     let mut stages = Stages::default();
     let wish_a = Wish { target: args.level_a, per_object: false };
     let level_a = args.level_a.map(|target| Errors::to_choose([target]));
@@ -55,13 +55,10 @@ pub(super) fn compare(
         let surface = b.surface(wish, args)?;
         let mut comparison = comparison(args, (&a, &original), &surface, &mut of_a, &mut stages);
         let level_name = level.clone().unwrap_or_else(|| label(wish.target));
-        comparison.check(args, diagonal);
+        comparison.check(&args.most_allowed(), diagonal);
         if let Some(then) = &then {
             let then = then.as_ref().and_then(|recorded| recorded.levels.get(&level_name));
-            let now = comparison.numbers();
-            let worse = then.map(|then| worse(args, then, &now, diagonal));
-            comparison.exceeded.extend(worse.unwrap_or_default());
-            comparison.baseline = Some(then.copied());
+            comparison.check_baseline(then, args.tolerance, diagonal);
         }
         if let Some(path) = &args.heatmap {
             let looks = looks(&a, &surface, args);

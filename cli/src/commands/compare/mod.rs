@@ -3,8 +3,6 @@
 
 mod baseline;
 mod measure;
-mod report;
-mod suites;
 mod surface;
 
 use super::asset::SimplifyArgs;
@@ -26,9 +24,9 @@ use crate::threads;
 use baseline::Baseline;
 use clap::Args;
 use lodc_assets::AssetError;
+use lodc_report::{Case, Length, MostAllowed, PairReport, Suite, Verdict};
 use lodc_select::Target;
 use measure::Measured;
-use report::PairReport;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use surface::Wish;
@@ -51,7 +49,9 @@ pub(crate) struct CompareArgs {
     b: Option<PathBuf>,
     #[command(flatten)]
     level_b: SelectorArgs,
-    /// Levels of B, each by itself: shares (25%) or counts (10k) of triangles
+    /// Levels of B, each by itself: shares (25%) or counts (10k)
+    ///
+    /// Of triangles.
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = level,
           conflicts_with = "TargetArgs", help_heading = LEVEL)]
     levels: Vec<Level>,
@@ -87,24 +87,29 @@ pub(crate) struct CompareArgs {
     /// Else pictures have those that both meshes have.
     #[arg(long, help_heading = MEASURED, hide_short_help = true)]
     no_attributes: bool,
-    /// Exit 1 if the root mean square distance is greater: in A's unit, or D%
+    /// Root mean square distance above D (or D%)
     ///
-    /// Either way, from A to B and back. A percentage is of A's diagonal.
+    /// Then the exit status is 1. Either way, from A to B and back; in A's unit, a percentage of
+    /// A's diagonal.
     #[arg(long, value_name = "D", value_parser = length, allow_negative_numbers = true,
           help_heading = FAILS)]
     max_rms: Option<Length>,
-    /// Exit 1 if the largest distance is greater: in A's unit, or D%
+    /// Largest distance above D (or D%)
+    ///
+    /// Then the exit status is 1. In A's unit, a percentage of A's diagonal.
     #[arg(long, value_name = "D", value_parser = length, allow_negative_numbers = true,
           help_heading = FAILS)]
     max_hausdorff: Option<Length>,
-    /// Exit 1 if pictures differ by more: root mean square of 0 to 255
+    /// Pictures that differ by more than GREY, 0 to 255
+    ///
+    /// Then the exit status is 1. Root mean square of all pixels.
     #[arg(long, value_name = "GREY", value_parser = grey, allow_negative_numbers = true,
           help_heading = FAILS)]
     max_image_rmse: Option<f64>,
-    /// Exit 1 if a level is worse than the last time, which FILE or DIR has
+    /// Levels worse than the last time, by FILE or DIR
     ///
-    /// FILE is one document for all assets. DIR (one that is there, or a name with / at its end)
-    /// has a file for each file of B.
+    /// Then the exit status is 1. FILE is one document for all assets. DIR (one that is there, or a
+    /// name with / at its end) has a file for each file of B.
     #[arg(long, value_name = "FILE|DIR", help_heading = FAILS)]
     baseline: Option<PathBuf>,
     /// Write the baseline in place of comparing with it
@@ -174,6 +179,12 @@ impl CompareArgs {
         self.named().is_none_or(|[a, _]| a.is_dir())
     }
 
+    /// The limits given.
+    fn most_allowed(&self) -> MostAllowed {
+        let Self { max_rms: rms, max_hausdorff: hausdorff, max_image_rmse: image_rmse, .. } = *self;
+        MostAllowed { rms, hausdorff, image_rmse }
+    }
+
     /// The levels of B, with their names if there may be several.
     fn wishes(&self) -> Vec<(Option<String>, Wish)> {
         let per_object = self.level_b.per_object();
@@ -182,19 +193,6 @@ impl CompareArgs {
             return vec![(None, wish(self.level_b.target()))];
         }
         self.levels.iter().map(|l| (Some(l.name.clone()), wish(Some(l.target)))).collect()
-    }
-}
-
-/// A length, possibly as a share of A's diagonal.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Length {
-    value: f64,
-    of_diagonal: bool,
-}
-
-impl Length {
-    fn resolve(self, diagonal: f64) -> f64 {
-        if self.of_diagonal { self.value / 100.0 * diagonal } else { self.value }
     }
 }
 
@@ -218,7 +216,7 @@ pub(crate) fn run(args: &CompareArgs, program: &Program) -> Outcome<Status> {
 /// Compares, once options are known to fit together.
 fn checked(args: &CompareArgs, program: &Program) -> Outcome<Status> {
     check(args)?;
-    let baseline = Baseline::open(args)?;
+    let baseline = baseline::open(args)?;
     let pairs = batch::pairs(args.named(), &args.batch)?;
     let (mut assets, others): (Vec<Asset>, Vec<_>) =
         pairs.into_iter().map(|Pair { asset, other }| (asset, other)).unzip();
@@ -276,6 +274,20 @@ fn say(args: &CompareArgs, measured: &Measured, several: bool) -> Outcome<()> {
     Ok(())
 }
 
+/// Comparisons as CI systems show them. A pair that could not be compared has the name of the file
+/// that was to be judged.
+fn suites(assets: &[Asset], done: &[Outcome<Measured>]) -> Vec<Suite> {
+    let suite = |(asset, measured): (&Asset, &Outcome<Measured>)| match measured {
+        Ok(measured) => measured.report.suite(),
+        Err(failure) => {
+            let verdict = Verdict::Error(failure.message.clone());
+            let cases = vec![Case { name: "compare".to_owned(), verdict }];
+            Suite { name: asset.input.display().to_string(), cases }
+        }
+    };
+    assets.iter().zip(done).map(suite).collect()
+}
+
 /// Ends a run: reports, baseline, documents. Returns the highest status.
 fn finish(
     args: &CompareArgs,
@@ -283,7 +295,7 @@ fn finish(
     baseline: Option<Baseline>,
     done: Vec<Outcome<Measured>>,
 ) -> Outcome<Status> {
-    args.ci.publish("lodc compare", &suites::suites(assets, &done))?;
+    args.ci.publish("lodc compare", &suites(assets, &done))?;
     let (mut worst, mut results, mut recorded) = (Status::Done, Vec::new(), Vec::new());
     for (asset, measured) in assets.iter().zip(done) {
         results.push(match measured {
@@ -298,8 +310,8 @@ fn finish(
             }
         });
     }
-    if let Some(baseline) = baseline {
-        baseline.write(recorded)?;
+    if let Some(baseline) = baseline.filter(|_| args.record) {
+        baseline::write(baseline, recorded)?;
     }
     let several = args.takes_many();
     if several {

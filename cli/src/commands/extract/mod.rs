@@ -16,11 +16,11 @@ use crate::program::Program;
 use crate::report::ExtractReport;
 use crate::results::reported;
 use crate::selector::{SelectorArgs, bound};
-use crate::text::{count, distance};
 use crate::views::{CriterionName, ViewArgs};
 use clap::Args;
 use clap::builder::TypedValueParser;
 use lodc_lod::ModelKind;
+use lodc_report::text::{count, distance};
 use std::path::{Path, PathBuf};
 
 /// Options of `extract`.
@@ -42,7 +42,7 @@ pub(crate) struct ExtractArgs {
     pose: PoseArgs,
     #[command(flatten)]
     export: ExportArgs,
-    /// Move the vertices to where they fit the input best
+    /// Move vertices to where they fit the input best
     ///
     /// But no object so far that it looks worse or its largest distance grows by more than 5 %.
     /// Errors are measured on the result.

@@ -7,7 +7,7 @@ use crate::exit::{Failure, Outcome};
 use crate::mesh_output::{self, FormatName};
 use crate::output::{Rule, Target};
 use crate::progress::Progress;
-use crate::report::{ExtractReport, ExtractedObject, SCHEMA_VERSION};
+use crate::report::{ExtractReport, ExtractedObject};
 use crate::stages::Stages;
 use crate::views::CriterionName;
 use lodc::{
@@ -20,6 +20,7 @@ use lodc_formats::export::{LevelFacts, Provenance};
 use lodc_formats::{ObjectInfo, scene_graph};
 use lodc_lod::{AnyModel, ModelKind};
 use lodc_mesh::{Lod, Mesh};
+use lodc_report::SCHEMA_VERSION;
 use lodc_scene::Arrangement;
 use std::path::Path;
 

@@ -5,9 +5,8 @@ use crate::commands::read::parse_lodc;
 use crate::exit::Outcome;
 use crate::report::{
     BitsPerVertex, InfoReport, ListsReport, ListsToReport, LodReport, ModelReport, ObjectCounts,
-    ObjectReport, SCHEMA_VERSION, SourceReport, StripsReport,
+    ObjectReport, SourceReport, StripsReport,
 };
-use crate::text::{count, distance, grouped, size};
 use indexmap::IndexMap;
 use lodc::{LodObject, levels};
 use lodc_formats::SourceFormat;
@@ -16,6 +15,8 @@ use lodc_lod::AnyModel;
 use lodc_lod::interactive::CollapseLists;
 use lodc_mesh::{CollapseSequence, Lod};
 use lodc_model::{Model, StorageCost};
+use lodc_report::SCHEMA_VERSION;
+use lodc_report::text::{count, distance, grouped, size};
 use lodc_select::decimal;
 use lodc_strip::Effort;
 use lodc_strip::{StripKind, Strips};

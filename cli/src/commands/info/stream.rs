@@ -2,10 +2,11 @@
 
 use crate::commands::stream_objects;
 use crate::exit::{Failure, Outcome, one_line};
-use crate::report::{SCHEMA_VERSION, StreamInfoReport};
-use crate::text::{count, distance, grouped, size};
+use crate::report::StreamInfoReport;
 use lodc_formats::Limits;
 use lodc_formats::lods::{self, Unpacker};
+use lodc_report::SCHEMA_VERSION;
+use lodc_report::text::{count, distance, grouped, size};
 use std::fmt::Write;
 
 /// Returns what has come of a stream, with the failure of the first part that cannot be used.

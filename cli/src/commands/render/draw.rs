@@ -7,13 +7,13 @@ use super::options::{Backs, Colouring, Shading, UpAxis, View};
 use super::scene::Shown;
 use crate::exit::{Failure, Outcome, Status};
 use crate::gpu::{Device, failure};
-use crate::text::distance;
 use lodc_gpu::GpuError;
 use lodc_gpu::picture::{
     BackFaces, Camera, Colours, Division, Frame, Framing, Legend, Lens, Level, Scene, Sheet, Style,
     Up, Viewpoint,
 };
 use lodc_measure::{distinct, heat as colour_of_heat};
+use lodc_report::text::distance;
 use lodc_scene::{Image, posed, to_linear};
 
 /// Linear grey of what has no colour of its own.

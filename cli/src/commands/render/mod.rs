@@ -30,7 +30,9 @@ pub(crate) struct RenderArgs {
     input: PathBuf,
     #[command(flatten)]
     selector: SelectorArgs,
-    /// Several levels side by side, each a share of the triangles, 0 to 1
+    /// Levels side by side, each a share of triangles
+    ///
+    /// Shares from 0 to 1.
     #[arg(long, value_name = "SHARES", value_delimiter = ',', value_parser = share,
           conflicts_with = "TargetArgs", help_heading = LEVEL)]
     contact_sheet: Vec<f64>,
@@ -41,9 +43,9 @@ pub(crate) struct RenderArgs {
     /// Side to show [default: three-quarter; with --eye what it sees]
     #[arg(long, value_enum, conflicts_with_all = ["azimuth", "elevation"], help_heading = SEEN)]
     view: Option<View>,
-    /// Degrees around the upward axis; 0 is the front, 90 its right
+    /// Degrees around the upward axis; 0 is the front
     ///
-    /// Right of who looks at the front; -360 to 360.
+    /// 90 is its right, of who looks at the front; -360 to 360.
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true,
           value_parser = options::degrees, help_heading = SEEN)]
     azimuth: Option<f64>,
@@ -51,7 +53,9 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true,
           value_parser = options::elevation, help_heading = SEEN)]
     elevation: Option<f64>,
-    /// Axis that points up in the file
+    /// Upward axis
+    ///
+    /// As the file has it.
     #[arg(long, value_enum, default_value = "y", help_heading = SEEN)]
     up: UpAxis,
     /// Size in the picture, 0.01 to 1000; 1 just fits
@@ -75,9 +79,9 @@ pub(crate) struct RenderArgs {
     /// Draw the edges of triangles
     #[arg(long, help_heading = BECOMES)]
     wireframe: bool,
-    /// Colour behind everything: #rrggbb, #rrggbbaa or a name
+    /// Colour behind it: #rrggbb or a name
     ///
-    /// white, black, grey or transparent.
+    /// Also #rrggbbaa; names are white, black, grey or transparent.
     #[arg(long, value_name = "COLOR", default_value = "white", value_parser = options::colour,
           help_heading = BECOMES)]
     background: [u8; 4],
@@ -87,7 +91,9 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_enum, default_value = "material", help_heading = BECOMES,
           hide_short_help = true)]
     back_faces: Backs,
-    /// Pixels of each picture [default: 1024x768; in a contact sheet 480x360]
+    /// Picture size [default: 1024x768, in sheets 480x360]
+    ///
+    /// In pixels, of each picture of a contact sheet too.
     #[arg(long, value_name = "WxH", value_parser = options::size, help_heading = BECOMES)]
     size: Option<[u32; 2]>,
     /// Pictures in a row of a contact sheet, 1 to 64 [default: up to 4]

@@ -10,10 +10,10 @@ use crate::kinds::ModelArgs;
 use crate::limits::LimitArgs;
 use crate::mesh_output::FormatName;
 use crate::stages::Stages;
-use crate::text::count;
 use clap::Args;
 use lodc_formats::lods::Unpacker;
 use lodc_formats::{Assets, FormatError};
+use lodc_report::text::count;
 use std::path::PathBuf;
 
 /// Options of `unpack`.

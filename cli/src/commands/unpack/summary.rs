@@ -5,9 +5,10 @@ use crate::commands::stream_objects;
 use crate::console::{self, Loudness, note, wants};
 use crate::exit::Outcome;
 use crate::output::Target;
-use crate::report::{SCHEMA_VERSION, UnpackReport, UnpackedReport};
-use crate::text::{count, distance, grouped, size};
+use crate::report::{UnpackReport, UnpackedReport};
 use lodc_formats::lods::Arrived;
+use lodc_report::SCHEMA_VERSION;
+use lodc_report::text::{count, distance, grouped, size};
 
 /// Prints warnings and what was unpacked.
 ///

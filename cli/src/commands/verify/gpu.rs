@@ -1,9 +1,9 @@
 //! Replaying models on a graphics device.
 
-use super::report::CheckReport;
 use crate::exit::{Failure, Outcome};
 use crate::gpu::{self, Device, GpuUse};
 use lodc::LodFile;
+use lodc_report::CheckReport;
 
 /// A graphics device that takes part, or why none does.
 pub(super) enum Gpu {

@@ -1,13 +1,7 @@
 //! `lodc verify`: every model of every file, replayed against the reference.
 
-mod checks;
 mod gpu;
-mod report;
 mod sources;
-mod suites;
-
-pub(in crate::commands) use checks::models;
-pub(in crate::commands) use report::CheckReport;
 
 use super::ci::CiArgs;
 use super::read::read_lodc;
@@ -18,12 +12,13 @@ use crate::gpu::GpuArgs;
 use crate::help::{CHECKED, MANY, MORE, OUTPUT};
 use crate::limits::ImportArgs;
 use crate::output;
-use crate::report::SCHEMA_VERSION;
-use crate::text::{count, grouped};
 use clap::Args;
 use gpu::Gpu;
+use lodc_report::text::{count, grouped};
+use lodc_report::{
+    CheckReport, FileReport, SCHEMA_VERSION, VerifyReport, check_models, check_source,
+};
 use rayon::prelude::*;
-use report::{FileReport, VerifyReport};
 use sources::Sources;
 use std::num::NonZeroU32;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -97,7 +92,7 @@ pub(crate) fn run(args: &VerifyArgs) -> Outcome<Status> {
             report.files.push(file);
         }
     }
-    args.ci.publish("lodc verify", &suites::suites(&report))?;
+    args.ci.publish("lodc verify", &report.suites())?;
     if args.json {
         console::json(&report)?;
     }
@@ -157,10 +152,14 @@ fn check(
     input: &Path,
 ) -> Outcome<Vec<CheckReport>> {
     let (file, _) = read_lodc(input, args.import.options().limits)?;
-    let mut all =
-        models(&file.objects, &file.document, args.stride.get(), &args.import.options().limits)?;
+    let mut all = check_models(
+        &file.objects,
+        &file.document,
+        args.stride.get(),
+        &args.import.options().limits,
+    )?;
     if let Some(source) = sources.of(&file, input)? {
-        all.push(checks::source(&file, source, &args.import.options())?);
+        all.push(check_source(&file, source, &args.import.options())?);
     }
     if let (Some(gpu), Some(wanted)) = (gpu, args.gpu.gpu) {
         all.extend(gpu::checks(&file, gpu, wanted)?);

@@ -10,13 +10,13 @@ use crate::limits::ImportArgs;
 use crate::mesh_output;
 use crate::output::{self, Rule, Target};
 use crate::stages::Stages;
-use crate::text::{count, size};
 use clap::Args;
 use lodc::LodObject;
 use lodc_formats::gltf::{LevelsObject, export_levels};
 use lodc_formats::images::Textures;
 use lodc_formats::{Assets, OutputFile};
 use lodc_lod::AnyModel;
+use lodc_report::text::{count, size};
 use lodc_strip::Strips;
 use std::path::{Path, PathBuf};
 

@@ -1,7 +1,7 @@
 //! The page: a template, a style, modules of JavaScript and the model, put into one file.
 
-use crate::html::{base64, escaped};
 use lodc_lod::interactive::shaders;
+use lodc_report::html::{base64, escaped};
 
 const TEMPLATE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("page.css");

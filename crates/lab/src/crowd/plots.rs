@@ -2,7 +2,7 @@
 //! 4.14).
 
 use super::report::CrowdReport;
-use crate::chart::{Chart, Curve, Scale, colour_of};
+use lodc_report::{Chart, Curve, Scale, colour_of};
 
 /// Charts of a crowd as SVG, with names for their files; no times if none were taken.
 #[must_use]

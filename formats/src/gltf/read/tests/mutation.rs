@@ -7,7 +7,6 @@ use crate::import::ImportOptions;
 use crate::testing::Random;
 use serde_json::{Value, json};
 use std::path::Path;
-use std::time::{Duration, Instant};
 
 const CASES: u64 = 20_000;
 
@@ -67,7 +66,6 @@ fn seed_document() -> Value {
 
 /// Imports, and exports what was imported, at full and at no detail.
 fn survives(bytes: &[u8], what: &str) -> bool {
-    let start = Instant::now();
     let result = read_bytes(bytes, &ImportOptions::default());
     let sound = result.is_ok();
     if let Ok(scene) = result {
@@ -79,7 +77,6 @@ fn survives(bytes: &[u8], what: &str) -> bool {
             assert!(again.is_ok(), "{what}: {:?}", again.err());
         }
     }
-    assert!(start.elapsed() < Duration::from_secs(60), "{what}");
     sound
 }
 

@@ -2,10 +2,10 @@
 
 use super::Facts;
 use super::levels::Level;
-use crate::commands::verify::CheckReport;
+use crate::CheckReport;
+use crate::chart::{Chart, Curve, Scale};
 use crate::html::{base64, escaped};
 use crate::text::{count, distance, grouped, size};
-use lodc_lab::{Chart, Curve, Scale};
 use lodc_model::{Layout, Model};
 use std::fmt::Write;
 
@@ -15,8 +15,9 @@ const STYLE: &str = include_str!("page.css");
 const HEIGHT: f64 = 1080.0;
 const FOVY: f64 = 60.0;
 
-/// Parts of the page in their order.
-pub(super) fn page(facts: &Facts<'_>) -> String {
+/// The page, one file that needs no other: its parts in their order.
+#[must_use]
+pub fn page(facts: &Facts<'_>) -> String {
     let title = escaped(&facts.title);
     let mut out = format!(
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
@@ -43,7 +44,7 @@ pub(super) fn page(facts: &Facts<'_>) -> String {
 }
 
 fn summary(facts: &Facts<'_>) -> String {
-    let objects = &facts.asset.objects;
+    let objects = facts.objects;
     let vertices: u64 = objects.iter().map(|o| o.simplified.mesh().vertex_count() as u64).sum();
     let steps: u64 = objects.iter().map(|o| o.simplified.collapses().steps() as u64).sum();
     let mut parts = vec![
@@ -153,7 +154,7 @@ fn put_charts(out: &mut String, facts: &Facts<'_>) {
 }
 
 fn put_storage(out: &mut String, facts: &Facts<'_>) {
-    let objects = &facts.asset.objects;
+    let objects = facts.objects;
     let mut models: Vec<(&str, u64)> = Vec::new();
     for model in objects.iter().flat_map(|o| &o.models) {
         let bytes: u64 = model.arrays(Layout::Packed).iter().map(|a| a.bytes.len() as u64).sum();

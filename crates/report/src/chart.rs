@@ -24,7 +24,7 @@ const COLOURED: [&str; 6] =
     ["speed", "masking", "interactive", "progressive_mesh", "lodstrips", "discrete"];
 
 /// The number of a structure's colour, the same in all charts.
-pub(crate) fn colour_of(structure: &str) -> usize {
+pub fn colour_of(structure: &str) -> usize {
     COLOURED.iter().position(|&name| name == structure).unwrap_or(COLOURED.len())
 }
 

@@ -1,33 +1,39 @@
 //! Results of `compare`: numbers for scripts and for people, and which limits they exceed.
 
-use super::CompareArgs;
-use crate::report::SCHEMA_VERSION;
+use crate::SCHEMA_VERSION;
 use crate::text::{count, distance};
-use lodc_measure::{Distances, ImageError, Looks, Numbers, Viewing};
+use lodc_measure::{Distances, ImageError, Looks, Numbers, Viewing, Worse};
 use serde::Serialize;
 
 /// `compare --json` of two files. Lengths are in A's unit.
 #[derive(Debug, Serialize)]
-pub(super) struct PairReport {
-    schema_version: u32,
+pub struct PairReport {
+    /// [`SCHEMA_VERSION`].
+    pub schema_version: u32,
     /// No limit is exceeded.
-    pub(super) ok: bool,
+    pub ok: bool,
     /// The input; named as those of other commands.
-    input: String,
-    pub(super) a: String,
-    pub(super) b: String,
+    pub input: String,
+    /// The mesh that was compared with.
+    pub a: String,
+    /// The mesh that was judged.
+    pub b: String,
     /// Of A's bounding box.
-    diagonal: f64,
+    pub diagonal: f64,
+    /// One comparison or several.
     #[serde(flatten)]
-    pub(super) content: Content,
+    pub content: Content,
 }
 
 /// One comparison, or one for each level that was asked for.
 #[derive(Debug, Serialize)]
 #[serde(untagged)]
-pub(super) enum Content {
+pub enum Content {
+    /// Of the only level.
     Single(Comparison),
+    /// Of several levels.
     Levels {
+        /// Each by its name.
         levels: Vec<LevelComparison>,
         /// Those of all levels.
         exceeded: Vec<String>,
@@ -36,41 +42,52 @@ pub(super) enum Content {
 
 /// The comparison of a level.
 #[derive(Debug, Serialize)]
-pub(super) struct LevelComparison {
+pub struct LevelComparison {
     /// As it was asked for.
-    pub(super) level: String,
+    pub level: String,
+    /// What it differs by.
     #[serde(flatten)]
-    pub(super) comparison: Comparison,
+    pub comparison: Comparison,
 }
 
 /// Differences between A and a level of B.
 #[derive(Debug, Serialize)]
-pub(super) struct Comparison {
-    pub(super) triangles: TriangleCounts,
-    pub(super) hausdorff: BothWays,
-    pub(super) rms: BothWays,
+pub struct Comparison {
+    /// Of both meshes.
+    pub triangles: TriangleCounts,
+    /// Largest distances.
+    pub hausdorff: BothWays,
+    /// Root mean square distances.
+    pub rms: BothWays,
     /// Null with `--views 0`.
-    pub(super) image: Option<ImageReport>,
+    pub image: Option<ImageReport>,
     /// The numbers of the last time; only with `--baseline`, null if there are none.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) baseline: Option<Option<Numbers>>,
+    pub baseline: Option<Option<Numbers>>,
     /// One line for each limit that is exceeded.
-    pub(super) exceeded: Vec<String>,
+    pub exceeded: Vec<String>,
 }
 
+/// Triangles of two meshes.
 #[derive(Debug, Serialize)]
-pub(super) struct TriangleCounts {
-    a: usize,
-    b: usize,
+pub struct TriangleCounts {
+    /// Of A.
+    pub a: usize,
+    /// Of B.
+    pub b: usize,
 }
 
+/// A distance from A to B and back.
 #[derive(Debug, Serialize)]
-pub(super) struct BothWays {
-    pub(super) a_to_b: f64,
-    b_to_a: f64,
-    pub(super) max: f64,
+pub struct BothWays {
+    /// From A to B.
+    pub a_to_b: f64,
+    /// Back.
+    pub b_to_a: f64,
+    /// The greater of both.
+    pub max: f64,
     /// Root of the mean of both squares.
-    mean: f64,
+    pub mean: f64,
 }
 
 impl BothWays {
@@ -82,23 +99,27 @@ impl BothWays {
 
 /// Image differences between two meshes.
 #[derive(Debug, Serialize)]
-pub(super) struct ImageReport {
-    views: u32,
-    size: u32,
+pub struct ImageReport {
+    /// Pictures of each mesh.
+    pub views: u32,
+    /// Pixels across each.
+    pub size: u32,
     /// Of red, green and blue (0 to 255), over the pixels that either mesh covers.
-    pub(super) rmse: f64,
+    pub rmse: f64,
     /// The share of those pixels that only one covers.
-    silhouette: f64,
+    pub silhouette: f64,
     /// Both meshes were shaded with normals of their own.
-    normals: bool,
+    pub normals: bool,
     /// Both meshes wore a checkerboard by their texture coordinates, having no textures.
-    texture: bool,
+    pub texture: bool,
     /// Both meshes wore their materials' colours and textures.
-    textures: bool,
+    pub textures: bool,
 }
 
 impl ImageReport {
-    pub(super) fn new(viewing: Viewing, looks: Looks, error: ImageError) -> Self {
+    /// The difference of pictures that were taken so.
+    #[must_use]
+    pub fn new(viewing: Viewing, looks: Looks, error: ImageError) -> Self {
         Self {
             views: viewing.views,
             size: viewing.size,
@@ -111,8 +132,36 @@ impl ImageReport {
     }
 }
 
+/// A length, possibly as a share of A's diagonal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Length {
+    /// In A's unit, or percent.
+    pub value: f64,
+    /// It is percent.
+    pub of_diagonal: bool,
+}
+
+impl Length {
+    fn resolve(self, diagonal: f64) -> f64 {
+        if self.of_diagonal { self.value / 100.0 * diagonal } else { self.value }
+    }
+}
+
+/// Limits; none where anything is allowed.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MostAllowed {
+    /// Root mean square distance, either way.
+    pub rms: Option<Length>,
+    /// Largest distance, either way.
+    pub hausdorff: Option<Length>,
+    /// Root mean square difference of pictures, 0 to 255.
+    pub image_rmse: Option<f64>,
+}
+
 impl Comparison {
-    pub(super) fn new([a, b]: [usize; 2], space: Distances, image: Option<ImageReport>) -> Self {
+    /// Distances of two meshes of so many triangles, of which no limit is exceeded yet.
+    #[must_use]
+    pub fn new([a, b]: [usize; 2], space: Distances, image: Option<ImageReport>) -> Self {
         Self {
             triangles: TriangleCounts { a, b },
             hausdorff: BothWays::new(space.hausdorff),
@@ -124,7 +173,8 @@ impl Comparison {
     }
 
     /// The greater of both ways.
-    pub(super) fn numbers(&self) -> Numbers {
+    #[must_use]
+    pub fn numbers(&self) -> Numbers {
         Numbers {
             triangles: self.triangles.b,
             rms: self.rms.max,
@@ -133,12 +183,10 @@ impl Comparison {
         }
     }
 
-    /// Compares with the limits given.
-    pub(super) fn check(&mut self, args: &CompareArgs, diagonal: f64) {
-        let lengths = [
-            ("rms", self.rms.max, args.max_rms),
-            ("hausdorff", self.hausdorff.max, args.max_hausdorff),
-        ];
+    /// Adds a line for each limit that is exceeded.
+    pub fn check(&mut self, most: &MostAllowed, diagonal: f64) {
+        let lengths =
+            [("rms", self.rms.max, most.rms), ("hausdorff", self.hausdorff.max, most.hausdorff)];
         for (name, found, limit) in lengths {
             if let Some(limit) = limit.map(|l| l.resolve(diagonal))
                 && found > limit
@@ -150,18 +198,36 @@ impl Comparison {
                 ));
             }
         }
-        if let (Some(image), Some(limit)) = (&self.image, args.max_image_rmse)
+        if let (Some(image), Some(limit)) = (&self.image, most.image_rmse)
             && image.rmse > limit
         {
             self.exceeded.push(format!("image RMSE {:.3} is more than {limit}", image.rmse));
         }
     }
+
+    /// Adds the numbers of the last time, if there are any, and a line for each that is worse now
+    /// by more than the share `tolerance`.
+    pub fn check_baseline(&mut self, then: Option<&Numbers>, tolerance: f64, diagonal: f64) {
+        let now = self.numbers();
+        let worse = then.map(|then| worse(&now, then, tolerance, diagonal));
+        self.exceeded.extend(worse.unwrap_or_default());
+        self.baseline = Some(then.copied());
+    }
+}
+
+/// A line for each number that is worse than that of the last time by more than a share.
+fn worse(now: &Numbers, then: &Numbers, tolerance: f64, diagonal: f64) -> Vec<String> {
+    let line = |Worse { name, now, then }| {
+        format!("{name} {} is worse than {} of the baseline", distance(now), distance(then))
+    };
+    now.worse_than(then, tolerance, diagonal).into_iter().map(line).collect()
 }
 
 impl PairReport {
     /// The document of two files. Levels have the names by which they were asked for; a single
     /// comparison may have none.
-    pub(super) fn new(
+    #[must_use]
+    pub fn new(
         [a, b]: [String; 2],
         diagonal: f64,
         mut levels: Vec<(Option<String>, Comparison)>,
@@ -186,7 +252,8 @@ impl PairReport {
     }
 
     /// One line for each limit that is exceeded.
-    pub(super) fn exceeded(&self) -> &[String] {
+    #[must_use]
+    pub fn exceeded(&self) -> &[String] {
         match &self.content {
             Content::Single(Comparison { exceeded, .. }) | Content::Levels { exceeded, .. } => {
                 exceeded
@@ -195,7 +262,8 @@ impl PairReport {
     }
 
     /// Every comparison, with the name of its level.
-    pub(super) fn comparisons(&self) -> Vec<(Option<&str>, &Comparison)> {
+    #[must_use]
+    pub fn comparisons(&self) -> Vec<(Option<&str>, &Comparison)> {
         match &self.content {
             Content::Single(comparison) => vec![(None, comparison)],
             Content::Levels { levels, .. } => {
@@ -205,7 +273,8 @@ impl PairReport {
     }
 
     /// A few lines for people, or with `brief` a line for each level.
-    pub(super) fn text(&self, brief: bool) -> String {
+    #[must_use]
+    pub fn text(&self, brief: bool) -> String {
         match &self.content {
             Content::Single(comparison) if !brief => self.lines(comparison),
             _ => {

@@ -1,11 +1,24 @@
 //! Numbers, sizes and paths as people read them.
 
-pub(crate) use lodc_lab::grouped;
-
 use std::path::Path;
 
+/// Digits in groups of three: `1,234,567`.
+#[must_use]
+pub fn grouped(n: u64) -> String {
+    let digits = n.to_string();
+    let mut text = String::new();
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
 /// `1 triangle`, `2,000 triangles`, `3 vertices`, `4 submeshes`.
-pub(crate) fn count(n: u64, noun: &str) -> String {
+#[must_use]
+pub fn count(n: u64, noun: &str) -> String {
     let plural = match noun.strip_suffix("ex") {
         Some(stem) => format!("{stem}ices"),
         None if noun.ends_with("sh") => format!("{noun}es"),
@@ -15,12 +28,14 @@ pub(crate) fn count(n: u64, noun: &str) -> String {
 }
 
 /// `part` of `whole` in percent; 0 of nothing.
-pub(crate) fn percent(part: u64, whole: u64) -> f64 {
+#[must_use]
+pub fn percent(part: u64, whole: u64) -> f64 {
     if whole == 0 { 0.0 } else { part as f64 / whole as f64 * 100.0 }
 }
 
 /// A number of bytes.
-pub(crate) fn size(bytes: u64) -> String {
+#[must_use]
+pub fn size(bytes: u64) -> String {
     match bytes {
         0..1024 => format!("{bytes} bytes"),
         1024..1_048_576 => format!("{:.1} KiB", bytes as f64 / 1024.0),
@@ -29,7 +44,8 @@ pub(crate) fn size(bytes: u64) -> String {
 }
 
 /// A distance with four digits that count; plain where that is short.
-pub(crate) fn distance(d: f64) -> String {
+#[must_use]
+pub fn distance(d: f64) -> String {
     if d == 0.0 {
         "0".to_owned()
     } else if d == f64::INFINITY {
@@ -43,7 +59,8 @@ pub(crate) fn distance(d: f64) -> String {
 }
 
 /// A path that a shell takes as one word.
-pub(crate) fn quoted(path: &Path) -> String {
+#[must_use]
+pub fn quoted(path: &Path) -> String {
     let text = path.display().to_string();
     let plain = |c: char| c.is_ascii_alphanumeric() || "/._-+,:@%".contains(c);
     if !text.is_empty() && text.chars().all(plain) {

@@ -1,11 +1,14 @@
 //! The checks of a report as CI systems show them.
 
 use super::report::{CheckReport, FileReport, VerifyReport};
-use crate::commands::ci::{Case, Suite, Verdict};
+use crate::{Case, Suite, Verdict};
 
-/// A suite for each file.
-pub(super) fn suites(report: &VerifyReport) -> Vec<Suite> {
-    report.files.iter().map(suite).collect()
+impl VerifyReport {
+    /// A suite for each file.
+    #[must_use]
+    pub fn suites(&self) -> Vec<Suite> {
+        self.files.iter().map(suite).collect()
+    }
 }
 
 fn suite(file: &FileReport) -> Suite {

@@ -1,10 +1,9 @@
-//! The checks of one file, as the report shows them.
+//! The checks of one file.
 
 use super::report::CheckReport;
-use crate::exit::{Failure, Outcome, Status};
 use lodc::{LodFile, LodObject};
 use lodc_formats::import::{ImportOptions, import};
-use lodc_formats::{Document, Limits, ObjectInfo, scene_graph};
+use lodc_formats::{Document, Fault, FormatError, Limits, ObjectInfo, scene_graph};
 use lodc_lod::AnyModel;
 use lodc_measure::check_errors;
 use lodc_scene::{Arrangement, shape_in_scene};
@@ -16,12 +15,12 @@ use std::path::Path;
 ///
 /// # Errors
 /// If the stored document is damaged, or an object is more than can be verified.
-pub(in crate::commands) fn models(
+pub fn check_models(
     objects: &[LodObject],
     document: &Document,
     stride: u32,
     limits: &Limits,
-) -> Outcome<Vec<CheckReport>> {
+) -> Result<Vec<CheckReport>, FormatError> {
     let options = VerifyOptions { stride, ..VerifyOptions::default() };
     let infos: Vec<&ObjectInfo> = objects.iter().map(|o| &o.info).collect();
     let graph = scene_graph(document, &infos, limits)?;
@@ -29,7 +28,7 @@ pub(in crate::commands) fn models(
     let one = |(number, o): (usize, &LodObject)| {
         object(o, &shape_in_scene(o.simplified.mesh(), number, &scene), &options)
     };
-    let checked: Outcome<Vec<_>> = objects.par_iter().enumerate().map(one).collect();
+    let checked: Result<Vec<_>, FormatError> = objects.par_iter().enumerate().map(one).collect();
     Ok(checked?.concat())
 }
 
@@ -37,22 +36,20 @@ fn object(
     object: &LodObject,
     shape: &[[f32; 3]],
     options: &VerifyOptions,
-) -> Outcome<Vec<CheckReport>> {
+) -> Result<Vec<CheckReport>, FormatError> {
     let name = &object.info.name;
     let (reference, errors) =
         rayon::join(|| Reference::new(&object.simplified), || errors(object, shape));
     let reference = reference.map_err(|e| {
-        Failure::new(Status::Limit, format!("{name}: {e}; nothing more was verified"))
+        let what = format!("{name}: {e}; nothing more was verified");
+        FormatError::new(Fault::Limit, "", what)
     })?;
     let mut checks: Vec<_> = reference.checks().iter().map(|c| report(name, c)).collect();
     checks.push(errors);
     let replays = object.models.par_iter().with_max_len(1);
     let replayed = |model: &AnyModel| {
-        let views = || match model {
-            AnyModel::Interactive(model) => Some(model.verify_views()),
-            _ => None,
-        };
-        let (mut checks, views) = rayon::join(|| verify(model, &reference, options), views);
+        let (mut checks, views) =
+            rayon::join(|| verify(model, &reference, options), || model.verify_views());
         checks.extend(views);
         checks
     };
@@ -85,11 +82,14 @@ fn report(object: &str, check: &Check) -> CheckReport {
 }
 
 /// LOD 0 against the mesh it was made from.
-pub(super) fn source(
+///
+/// # Errors
+/// If the mesh cannot be read.
+pub fn check_source(
     file: &LodFile,
     source: &Path,
     options: &ImportOptions,
-) -> Outcome<CheckReport> {
+) -> Result<CheckReport, FormatError> {
     let scene = import(source, options)?;
     let difference = if scene.objects.len() == file.objects.len() {
         scene.objects.iter().zip(&file.objects).find_map(|(source, stored)| {

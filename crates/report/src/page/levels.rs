@@ -1,8 +1,6 @@
 //! The levels that a report shows: counts, distances, and pictures from four sides.
 
-use crate::commands::asset::Asset;
-use crate::exit::Outcome;
-use lodc::{SceneLevels, level_mesh};
+use lodc::{Error, LodObject, SceneLevels, level_mesh};
 use lodc_formats::images::png;
 use lodc_measure::{ImageError, Looks, Picture, Portrait, SceneSurface, Viewing, heat};
 use lodc_mesh::Mesh;
@@ -16,33 +14,36 @@ const SHARES: [f64; 6] = [1.0, 0.5, 0.25, 0.1, 0.05, 0.01];
 const VIEWING: Viewing = Viewing { views: 4, size: 480 };
 
 /// A level of the whole scene.
-pub(super) struct Level {
-    pub(super) triangles: u64,
+#[derive(Debug)]
+pub struct Level {
+    /// Of all objects.
+    pub triangles: u64,
     /// Share of the input's triangles.
-    pub(super) share: f64,
-    pub(super) error: f64,
-    pub(super) rms: Option<f64>,
+    pub share: f64,
+    /// In world units.
+    pub error: f64,
+    /// Root mean square of the distances; none if they are not measured.
+    pub rms: Option<f64>,
     /// Difference of the pictures from those of the input.
-    pub(super) image: ImageError,
+    pub image: ImageError,
     /// One PNG for each side.
-    pub(super) pictures: Vec<Vec<u8>>,
+    pub pictures: Vec<Vec<u8>>,
     /// The same with colours by the distance from the input; none for the input.
-    pub(super) heat: Vec<Vec<u8>>,
+    pub heat: Vec<Vec<u8>>,
     /// The distance of the reddest colour, in world units.
-    pub(super) hottest: f64,
+    pub hottest: f64,
 }
 
 /// The input and its levels, the finest first, each once.
 ///
 /// # Errors
 /// If a level is no mesh, which is a bug.
-pub(super) fn shown(
-    asset: &Asset,
+pub fn levels(
+    objects: &[LodObject],
     scene: &SceneLevels<'_>,
     arrangement: &Arrangement,
     appearance: &Appearance,
-) -> Outcome<Vec<Level>> {
-    let objects = &asset.objects;
+) -> Result<Vec<Level>, Error> {
     let whole: Vec<&Mesh> = objects.iter().map(|o| o.simplified.mesh()).collect();
     let all: usize = whole.iter().map(|m| m.triangles().len()).sum();
     let input = SceneSurface::new(&whole, arrangement, appearance);

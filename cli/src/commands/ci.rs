@@ -1,14 +1,11 @@
 //! Results of checks as CI systems show them: JUnit files and annotations.
 
-mod annotate;
-mod junit;
-
-use annotate::{Annotate, annotate};
-
+use crate::console;
 use crate::exit::{Failure, Outcome};
 use crate::help::OUTPUT;
 use crate::output::{self, Target};
-use clap::Args;
+use clap::{Args, ValueEnum};
+use lodc_report::{Suite, github, junit};
 use std::path::PathBuf;
 
 /// Options of commands that check many things.
@@ -23,30 +20,11 @@ pub(crate) struct CiArgs {
     annotate: Option<Annotate>,
 }
 
-/// The checks of one file.
-pub(crate) struct Suite {
-    /// The file.
-    pub(crate) name: String,
-    pub(crate) cases: Vec<Case>,
-}
-
-/// One check.
-pub(crate) struct Case {
-    pub(crate) name: String,
-    pub(crate) verdict: Verdict,
-}
-
-/// Result of a check.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum Verdict {
-    /// It holds.
-    Passed,
-    /// It was not made, and why.
-    Skipped(String),
-    /// It does not hold, and why.
-    Failed(String),
-    /// It could not be made, and why.
-    Error(String),
+/// CI systems with annotations.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Annotate {
+    /// Workflow commands of GitHub Actions
+    Github,
 }
 
 impl CiArgs {
@@ -67,10 +45,10 @@ impl CiArgs {
     /// # Errors
     /// If the JUnit file cannot be written.
     pub(crate) fn publish(&self, title: &str, suites: &[Suite]) -> Outcome<()> {
-        if let Some(system) = self.annotate {
-            annotate(system, title, suites);
+        if let Some(Annotate::Github) = self.annotate {
+            github(title, suites).for_each(|line| console::annotation(&line));
         }
         let Some(path) = &self.junit else { return Ok(()) };
-        output::write(&Target::File(path.clone()), junit::xml(title, suites).into_bytes())
+        output::write(&Target::File(path.clone()), junit(title, suites).into_bytes())
     }
 }

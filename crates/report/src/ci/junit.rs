@@ -4,7 +4,8 @@ use super::{Case, Suite, Verdict};
 use std::fmt::Write;
 
 /// The checks as XML.
-pub(super) fn xml(title: &str, suites: &[Suite]) -> String {
+#[must_use]
+pub fn junit(title: &str, suites: &[Suite]) -> String {
     let cases: Vec<&Case> = suites.iter().flat_map(|suite| &suite.cases).collect();
     let mut xml = String::from("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
     // Writing to a string cannot fail.
@@ -102,7 +103,7 @@ mod tests {
             case(Verdict::Failed("<x>".to_owned())),
             case(Verdict::Error("gone".to_owned())),
         ];
-        let text = xml("lodc verify", &[Suite { name: "f".to_owned(), cases }]);
+        let text = junit("lodc verify", &[Suite { name: "f".to_owned(), cases }]);
         assert!(text.contains("classname=\"f\" name=\"a&lt;b&gt;&amp;&quot;c?\""), "{text}");
         for element in ["skipped message=\"why\"", "failure message=\"&lt;x&gt;\"", "error message"]
         {

@@ -1,16 +1,11 @@
 //! `lodc report`: one offline page for people who approve assets.
 
-mod levels;
-mod page;
-
-use super::asset::Asset;
-use super::verify;
 use super::view::{self, Page, PageArgs, Shown};
-use crate::commands::verify::CheckReport;
 use crate::exit::{Failure, Outcome, Status};
-use lodc::{SceneLevels, scene_levels};
+use lodc::scene_levels;
 use lodc_formats::appearance;
 use lodc_formats::{ObjectInfo, scene_graph};
+use lodc_report::{Facts, check_models, curve, levels, page};
 use lodc_scene::Arrangement;
 use lodc_select::scene_diagonal;
 
@@ -20,20 +15,6 @@ Examples:
   lodc report chair.glb -o chair.html
   lodc report chair.lodc -o chair.html --depfile chair.d";
 
-/// All that a page is made of.
-struct Facts<'a> {
-    title: String,
-    asset: &'a Asset,
-    levels: Vec<levels::Level>,
-    /// Triangles and error in world units of many levels, fine to coarse.
-    curve: Vec<[f64; 2]>,
-    diagonal: f64,
-    checks: Vec<CheckReport>,
-    warnings: Vec<String>,
-    /// Bytes of the input file.
-    bytes: Option<u64>,
-}
-
 /// Writes the page. A failed check stands on the page and is exit status 1.
 ///
 /// # Errors
@@ -41,7 +22,7 @@ struct Facts<'a> {
 pub(crate) fn run(args: &PageArgs) -> Outcome<Status> {
     view::write(args, |shown| {
         let (facts, warnings) = facts(args, shown)?;
-        let text = page::page(&facts);
+        let text = page(&facts);
         let (status, what) = match facts.checks.iter().filter(|c| c.ok == Some(false)).count() {
             0 => (Status::Done, String::new()),
             failed => (Status::Difference, format!(", {failed} checks failed")),
@@ -61,16 +42,16 @@ fn facts<'a>(args: &PageArgs, shown: Shown<'a>) -> Outcome<(Facts<'a>, Vec<Strin
         scene_graph(&asset.document, &infos, &options.limits).map_err(|e| e.in_file(&name))?;
     let arrangement = Arrangement::new(&graph, &graph.rest_pose(), infos.len());
     let scene = scene_levels(&asset.objects, &asset.document, &options.limits)?;
-    let levels = stages.run("pictures", || levels::shown(asset, &scene, &arrangement, &looks))?;
+    let levels = stages.run("pictures", || levels(&asset.objects, &scene, &arrangement, &looks))?;
     if levels[0].triangles == 0 {
         let message = format!("{name}: has no triangles: there is nothing to report");
         return Err(Failure::new(Status::Input, message));
     }
-    let check = || verify::models(&asset.objects, &asset.document, 1, &options.limits);
+    let check = || check_models(&asset.objects, &asset.document, 1, &options.limits);
     let checks = stages.run("check", check)?;
     let facts = Facts {
         title,
-        asset,
+        objects: &asset.objects,
         curve: curve(&scene, levels[0].triangles)?,
         diagonal: scene_diagonal(&scene.candidates()),
         levels,
@@ -79,22 +60,4 @@ fn facts<'a>(args: &PageArgs, shown: Shown<'a>) -> Outcome<(Facts<'a>, Vec<Strin
         bytes: std::fs::metadata(&args.input).ok().map(|m| m.len()),
     };
     Ok((facts, looks.warnings))
-}
-
-/// Triangles and error of levels that each have nine tenths of the triangles of the one before.
-fn curve(scene: &SceneLevels<'_>, triangles: u64) -> Outcome<Vec<[f64; 2]>> {
-    let mut points = Vec::new();
-    let mut wanted = triangles;
-    while wanted > 3 && points.len() < 200 {
-        let chosen = scene.select(lodc_select::Target::Triangles(wanted), false)?;
-        let candidates = scene.candidates();
-        let left: u32 = candidates
-            .iter()
-            .zip(&chosen.lods)
-            .map(|(c, &lod)| c.collapses.triangles_at(lod))
-            .sum();
-        points.push([f64::from(left), chosen.error]);
-        wanted = wanted * 9 / 10;
-    }
-    Ok(points)
 }

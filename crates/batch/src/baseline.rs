@@ -1,0 +1,114 @@
+//! What was recorded of assets the last time, in one file or in a file for each asset of a folder.
+
+use crate::error::AssetError;
+use crate::target::is_folder;
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// Records of the last time.
+#[derive(Debug)]
+pub struct Baseline<T> {
+    path: PathBuf,
+    /// True: a folder with a file for each asset.
+    is_folder: bool,
+    /// The assets of the only file.
+    assets: BTreeMap<String, T>,
+}
+
+/// The only file of a baseline.
+#[derive(Debug, Serialize, Deserialize)]
+struct Document<T> {
+    schema_version: u32,
+    assets: BTreeMap<String, T>,
+}
+
+impl<T: Serialize + DeserializeOwned + Clone> Baseline<T> {
+    /// Reads a baseline; one that is not there is empty.
+    ///
+    /// # Errors
+    /// If it cannot be read.
+    pub fn open(path: &Path) -> Result<Self, AssetError> {
+        let is_folder = is_folder(path);
+        let assets = match !is_folder && path.exists() {
+            true => read::<Document<T>>(path)?.assets,
+            false => BTreeMap::new(),
+        };
+        Ok(Self { path: path.to_owned(), is_folder, assets })
+    }
+
+    /// Its file or folder.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Returns an asset as it was; none if it was not recorded.
+    ///
+    /// # Errors
+    /// If its file cannot be read.
+    pub fn of(&self, name: &str) -> Result<Option<T>, AssetError> {
+        let file = self.file(name);
+        match self.is_folder {
+            true if file.exists() => Ok(Some(read(&file)?)),
+            true => Ok(None),
+            false => Ok(self.assets.get(name).cloned()),
+        }
+    }
+
+    fn file(&self, name: &str) -> PathBuf {
+        self.path.join(format!("{name}.json"))
+    }
+
+    /// Returns the files that record what is new, as text; other assets stay as they were.
+    #[must_use]
+    pub fn files(mut self, schema_version: u32, new: Vec<(String, T)>) -> Vec<(PathBuf, String)> {
+        if self.is_folder {
+            return new.into_iter().map(|(name, one)| (self.file(&name), text(&one))).collect();
+        }
+        self.assets.extend(new);
+        let document = Document { schema_version, assets: self.assets };
+        vec![(self.path, text(&document))]
+    }
+
+    /// Whether new files may need new folders.
+    #[must_use]
+    pub fn is_folder(&self) -> bool {
+        self.is_folder
+    }
+}
+
+fn read<T: DeserializeOwned>(path: &Path) -> Result<T, AssetError> {
+    let failure = |what: String| AssetError::Input(format!("{}: {what}", path.display()));
+    let text = std::fs::read_to_string(path).map_err(|e| failure(e.to_string()))?;
+    serde_json::from_str(&text).map_err(|e| failure(format!("is no baseline: {e}")))
+}
+
+fn text(document: &impl Serialize) -> String {
+    let text = serde_json::to_string_pretty(document);
+    text.expect("string keys and finite numbers") + "\n"
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_keeps_assets_that_are_not_new_and_a_folder_has_one_for_each() {
+        let new = || vec![("a/x".to_owned(), 1), ("b".to_owned(), 2)];
+        let assets = BTreeMap::from([("b".to_owned(), 7), ("c".to_owned(), 8)]);
+        let file = Baseline { path: "f.json".into(), is_folder: false, assets };
+        assert_eq!((file.of("b"), file.of("d")), (Ok(Some(7)), Ok(None)));
+        let [(path, text)] = &file.files(1, new())[..] else { panic!("one file") };
+        assert_eq!(path, Path::new("f.json"));
+        let written: Document<u32> = serde_json::from_str(text).expect("a document");
+        let all = [("a/x", 1), ("b", 2), ("c", 8)].map(|(name, n)| (name.to_owned(), n));
+        assert_eq!(written.assets, BTreeMap::from(all));
+
+        let folder = Baseline { path: "d".into(), is_folder: true, assets: BTreeMap::new() };
+        let files = folder.files(1, new());
+        assert_eq!(files[0], (Path::new("d").join("a/x.json"), "1\n".to_owned()));
+        assert_eq!(files.len(), 2);
+    }
+}

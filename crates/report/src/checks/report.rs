@@ -1,0 +1,79 @@
+//! Results of checks. Their keys are a contract with scripts (docs/CLI.md): more may be added, none
+//! may change.
+
+use serde::Serialize;
+
+/// `verify --json`.
+#[derive(Debug, Serialize)]
+pub struct VerifyReport {
+    /// [`SCHEMA_VERSION`](crate::SCHEMA_VERSION).
+    pub schema_version: u32,
+    /// No check found a difference.
+    pub ok: bool,
+    /// Each file.
+    pub files: Vec<FileReport>,
+}
+
+/// One file of a verification.
+#[derive(Debug, Serialize)]
+pub struct FileReport {
+    /// As it was named.
+    pub file: String,
+    /// No check found a difference, and it could be read.
+    pub ok: bool,
+    /// Each check.
+    pub checks: Vec<CheckReport>,
+    /// Why there are no checks, if the file could not be read.
+    pub error: Option<String>,
+}
+
+/// One check.
+#[derive(Clone, Debug, Serialize)]
+pub struct CheckReport {
+    /// The object; none for the whole file.
+    pub object: Option<String>,
+    /// The model; `sequence` for facts stored with the collapse sequence, `source` for `--source`.
+    pub model: &'static str,
+    /// Name of the check.
+    pub check: &'static str,
+    /// `cpu` or `gpu`.
+    pub device: &'static str,
+    /// The name of the graphics device.
+    pub adapter: Option<String>,
+    /// LODs compared.
+    pub lods: u64,
+    /// LODs of these at which whole meshes were compared triangle by triangle, not only their
+    /// hashes.
+    pub full: u64,
+    /// Null if the check was skipped.
+    pub ok: Option<bool>,
+    /// Why it was skipped.
+    pub skipped: Option<String>,
+    /// What differs first.
+    pub first_difference: Option<String>,
+}
+
+impl CheckReport {
+    /// A check about which nothing is known yet.
+    #[must_use]
+    pub fn new(object: Option<&str>, model: &'static str, check: &'static str) -> Self {
+        Self {
+            object: object.map(str::to_owned),
+            model,
+            check,
+            device: "cpu",
+            adapter: None,
+            lods: 0,
+            full: 0,
+            ok: None,
+            skipped: None,
+            first_difference: None,
+        }
+    }
+
+    /// The same of some LODs, all compared in full, with what differs first.
+    #[must_use]
+    pub fn of(self, lods: u64, first_difference: Option<String>) -> Self {
+        Self { lods, full: lods, ok: Some(first_difference.is_none()), first_difference, ..self }
+    }
+}

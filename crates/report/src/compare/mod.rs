@@ -1,0 +1,9 @@
+//! What two meshes, or levels of one, differ by, and whether that is allowed.
+
+mod report;
+mod suites;
+
+pub use report::{
+    BothWays, Comparison, Content, ImageReport, Length, LevelComparison, MostAllowed, PairReport,
+    TriangleCounts,
+};

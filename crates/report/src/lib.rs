@@ -1,0 +1,34 @@
+//! Results as people, browsers and CI systems read them: numbers in text, charts, the page that a
+//! reviewer opens, checks with JUnit files, comparisons with what they exceed. It measures nothing
+//! itself and writes nothing: results are structs to be serialised, text, XML and HTML.
+//!
+//! ```
+//! use lodc_report::{Case, CheckReport, Suite, Verdict, junit, text};
+//!
+//! let check = CheckReport::new(Some("chair"), "speed", "replay").of(1200, None);
+//! assert_eq!((check.ok, text::count(check.lods, "LOD").as_str()), (Some(true), "1,200 LODs"));
+//!
+//! let case = Case { name: "chair: speed, replay".to_owned(), verdict: Verdict::Passed };
+//! let suites = [Suite { name: "chair.lodc".to_owned(), cases: vec![case] }];
+//! assert!(junit("lodc verify", &suites).contains("<testsuite name=\"chair.lodc\" tests=\"1\""));
+//! ```
+
+mod chart;
+mod checks;
+mod ci;
+mod compare;
+pub mod html;
+mod page;
+pub mod text;
+
+pub use chart::{Chart, Curve, Scale, colour_of};
+pub use checks::{CheckReport, FileReport, VerifyReport, check_models, check_source};
+pub use ci::{Case, Suite, Verdict, github, junit};
+pub use compare::{
+    BothWays, Comparison, Content, ImageReport, Length, LevelComparison, MostAllowed, PairReport,
+    TriangleCounts,
+};
+pub use page::{Facts, Level, curve, levels, page};
+
+/// Version of all documents; rises only if a key changes its meaning or goes away.
+pub const SCHEMA_VERSION: u32 = 1;
