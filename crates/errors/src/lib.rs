@@ -17,6 +17,7 @@
 mod ask;
 mod backward;
 mod block;
+mod direct;
 mod faces;
 mod follower;
 mod forward;
@@ -44,7 +45,11 @@ use lodc_mesh::Simplified;
 pub fn measure(simplified: &Simplified, shown: &[[f32; 3]]) -> StepErrors {
     assert_eq!(shown.len(), simplified.mesh().vertex_count(), "a place for each vertex");
     let (input, wedges) = input::Input::new(simplified, shown);
-    rayon::scope(|_| pass::run(&input, wedges, simplified))
+    rayon::scope(|_| {
+        let mut errors = pass::run(&input, wedges, simplified);
+        direct::complete(&mut errors, &input, simplified);
+        errors
+    })
 }
 
 #[cfg(test)]

@@ -33,7 +33,7 @@ const AHEAD: usize = 3;
 /// Meshes of fewer steps are followed on one thread.
 const FEW_STEPS: u32 = 1_000;
 
-/// Runs through all steps.
+/// Runs through all steps, or as many as can be followed in time.
 pub(crate) fn run(input: &Input, wedges: Vec<[u32; 3]>, simplified: &Simplified) -> StepErrors {
     let (forward, backward) = rayon::join(|| Forward::new(input, wedges), || Backward::new(input));
     let steps = simplified.collapses().steps() as u32;
@@ -79,7 +79,7 @@ fn follow(
     for _ in 0..under_way {
         other.receive().iter().for_each(|followed| stated.push(followed));
     }
-    stated.finish(&sequence.parts().step_triangles)
+    stated.errors
 }
 
 /// Errors of the steps that both ways have followed.
@@ -125,16 +125,5 @@ impl<'a> Stated<'a> {
         let share = f64::from(self.gone) / self.input.places.len() as f64;
         let lumped = (0.5 + 0.5 * share).min(1.0);
         ((1.0 - self.at_points * (1.0 - lumped)) * mean_square).sqrt()
-    }
-
-    /// States the diagonal for the steps that were not followed. `triangles` has the number that
-    /// each step leaves.
-    fn finish(mut self, triangles: &[u32]) -> StepErrors {
-        let diagonal = self.input.diagonal * self.input.unit;
-        for &left in &triangles[self.errors.error.len()..] {
-            let error = if left > 0 { diagonal } else { f64::INFINITY };
-            self.errors.push(error, error);
-        }
-        self.errors
     }
 }

@@ -3,11 +3,13 @@
 
 use crate::pass::MARGIN;
 use crate::{StepErrors, measure};
+use glam::DVec3;
 use lodc_fixtures as fixtures;
 use lodc_measure::{Sampling, Surface, distances};
 use lodc_mesh::{
     CollapseSequence, Lod, Mesh, MeshParts, PositionIds, SequenceParts, Simplified, Submesh,
 };
+use lodc_nearest::{Search, TriangleTree};
 
 /// A mesh whose vertices collapse as they stand, one in each step.
 fn sequence(positions: &[[f32; 3]], triangles: &[[u32; 3]], targets: &[u32]) -> Simplified {
@@ -317,5 +319,45 @@ fn the_number_of_threads_changes_nothing() {
     assert!(one.error.iter().any(|e| *e > 0.0));
     for threads in [2, 3, 8] {
         assert_eq!(with(threads), one, "{threads} threads");
+    }
+}
+
+/// The corners of a level's triangles.
+fn corners(simplified: &Simplified, lod: Lod) -> Vec<[DVec3; 3]> {
+    let place = |v: u32| DVec3::from(simplified.mesh().positions()[v as usize].map(f64::from));
+    simplified.triangles_at(lod).iter().map(|t| t.corners.map(place)).collect()
+}
+
+#[test]
+fn slivers_are_stated_as_they_are() {
+    for kind in (0..fixtures::SLIVERS).step_by(if fixtures::all_asked() { 1 } else { 5 }) {
+        let mesh = fixtures::slivers(kind, 1);
+        let options = lodc_simplify::Options::DEFAULT;
+        let simplified = lodc_simplify::simplify(&mesh, &options, &|_, _| {});
+        let (collapses, errors) = (simplified.collapses(), measured(&simplified));
+        let size = mesh.diagonal();
+        let search = Search { tolerance: 0.01, ..Search::within(size) };
+        let input = corners(&simplified, Lod(0));
+        let tree = TriangleTree::new(&input);
+        let farthest = |lod: Lod| {
+            let level = corners(&simplified, lod);
+            let there = search.farthest(&input, &TriangleTree::new(&level));
+            let back = search.farthest(&level, &tree);
+            there.least.max(back.least)
+        };
+        for share in [90, 70, 50, 35, 25, 15, 10, 7, 5, 3, 2, 1] {
+            let wanted = mesh.triangles().len() as u32 * share / 100;
+            let lod = collapses.lod_for_triangles(wanted).min(collapses.last_visible());
+            let Some(step) = collapses.steps_at(lod).checked_sub(1) else { continue };
+            let stated = errors.error[step];
+            let found = farthest(lod);
+            let here = format!("kind {kind} at {share} %: {stated} is stated, {found} found");
+            assert!(found <= 1.05 * (f64::from(stated) + 1e-6 * size), "{here}");
+            // The level where the error rose to what is stated, or one beside it, is that far.
+            let rose = errors.error.partition_point(|&e| e < stated);
+            let largest = found.max(farthest(collapses.step(rose).lod));
+            let most = if [50, 25, 10, 5, 2, 1].contains(&share) { 1.3 } else { 3.0 };
+            assert!(f64::from(stated) <= most * (largest + 1e-6 * size), "{here}, {largest}");
+        }
     }
 }

@@ -4,7 +4,8 @@ use crate::input::Input;
 use std::ops::Add;
 
 /// Work for each input triangle, in faces touched, distances to faces and boxes opened, after which
-/// the pass gives up: then the diagonal bounds all errors. Real meshes need less than a third.
+/// the pass gives up: the steps that are left are measured directly. Real meshes need less than a
+/// third.
 const PER_TRIANGLE: u64 = 1_000;
 
 /// Work that any mesh may take besides.

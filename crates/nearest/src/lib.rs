@@ -15,11 +15,13 @@
 //! ```
 
 mod bounds;
+mod farthest;
 mod morton;
 mod moving;
 mod tree;
 mod triangle;
 
+pub use farthest::{Farthest, Search};
 pub use morton::morton_order;
 pub use moving::{Hit, MovingTree, Triangles};
 pub use tree::{Nearest, TriangleTree};

@@ -109,6 +109,12 @@ impl TriangleTree {
         &self.order
     }
 
+    /// The corners of a triangle, as they are now.
+    #[must_use]
+    pub fn corners_of(&self, triangle: u32) -> [DVec3; 3] {
+        self.corners[self.slot[triangle as usize] as usize]
+    }
+
     /// Returns the nearest point to `p`, of equally near triangles one that the search meets first;
     /// `hint` is a triangle that is probably near, or [`NONE`]. Nothing if there is no triangle.
     #[must_use]

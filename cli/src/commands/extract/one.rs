@@ -12,14 +12,14 @@ use crate::stages::Stages;
 use crate::views::CriterionName;
 use lodc::{
     LodObject,
-    build::refitted_meshes,
+    build::{measured, refitted_meshes},
     level_mesh::{self, LevelMesh, Order, Shape},
     scene_levels,
 };
 use lodc_formats::export::{LevelFacts, Provenance};
 use lodc_formats::{ObjectInfo, scene_graph};
 use lodc_lod::{AnyModel, ModelKind};
-use lodc_mesh::{Lod, Mesh};
+use lodc_mesh::Lod;
 use lodc_report::SCHEMA_VERSION;
 use lodc_scene::Arrangement;
 use std::path::Path;
@@ -119,7 +119,7 @@ fn uniform(
     })
 }
 
-/// A level of detail for every part of the surface. Its error is not known.
+/// A level of detail for every part of the surface. Its error is measured.
 fn view(
     args: &ExtractArgs,
     name: CriterionName,
@@ -139,12 +139,10 @@ fn view(
         .run("select", || args.view.of_scene(name, &args.selector, &levels, &scene))
         .map_err(|f| Failure { message: format!("{}: {f}", input.display()), ..f })?;
     let shown = stages.run("extract", || views.show(views.most(args.selector.target())))?;
-    let level = |mesh: Mesh| {
-        let mesh = level_mesh::ordered(mesh, order);
-        LevelMesh { mesh, error: f64::INFINITY, rms: None }
-    };
+    let meshes = views.meshes(&shown)?.into_iter().map(|m| level_mesh::ordered(m, order));
+    let meshes = meshes.collect();
     Ok(Level {
-        meshes: views.meshes(&shown)?.into_iter().map(level).collect(),
+        meshes: stages.run("measure", || measured(&asset.objects, meshes)),
         lods: vec![None; asset.objects.len()],
         model: ModelKind::Interactive.name(),
         criterion: Some(name),

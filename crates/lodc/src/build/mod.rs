@@ -20,7 +20,7 @@ pub use estimate::{Need, Size};
 pub use known::{Importance, Known};
 pub use models::{build_models, check_models, models};
 pub use paints::{ObjectColours, Paints, ScenePaints};
-pub use refitted::refitted_meshes;
+pub use refitted::{measured, refitted_meshes};
 pub use simplify::simplify_all;
 pub use watch::Watch;
 

@@ -3,7 +3,7 @@
 use super::Paints;
 use crate::LodObject;
 use crate::level_mesh::{LevelMesh, Order, ordered};
-use lodc_measure::{Distances, Original, Portrait, Sampling, SceneSurface, Surface, Viewing};
+use lodc_measure::{Original, Portrait, Sampling, SceneSurface, Surface, TriangleTree, Viewing};
 use lodc_mesh::{Lod, Mesh};
 use lodc_refit::{Options, Refit};
 use lodc_scene::{Appearance, Arrangement, Graph, Pose};
@@ -36,39 +36,54 @@ pub fn refitted_meshes(
     objects.par_iter().zip(lods).enumerate().map(one).collect()
 }
 
+/// Measures meshes against the objects that they are levels of: for each an upper bound of its
+/// distance, and the root mean square distance. For levels that no sequence has.
+#[must_use]
+pub fn measured(objects: &[LodObject], meshes: Vec<Mesh>) -> Vec<LevelMesh> {
+    let one = |(object, mesh): (&LodObject, Mesh)| {
+        let from_input = original(object.simplified.mesh(), None);
+        let (error, rms) = distance(&from_input, &mesh);
+        LevelMesh { mesh, error, rms: Some(rms) }
+    };
+    objects.par_iter().zip(meshes).map(one).collect()
+}
+
 /// A refitted level of an object of a scene, its error and its root mean square distance. These are
 /// measured: the stored ones are of the vertices where they were.
 fn refitted(object: &LodObject, lod: Lod, (paints, number): (&Paints, usize)) -> (Mesh, f64, f64) {
-    let original = object.simplified.mesh();
+    let input = object.simplified.mesh();
     let found = Refit::new(&object.simplified, lod, &Options::DEFAULT);
     if lod.0 == 0 {
         return (found.mesh(0.0), 0.0, 0.0);
     }
     let unmoved = found.mesh(0.0);
     let looks = paints.looks_of(number);
-    let from_original = {
-        let (surface, sampling) = (bare(original), &Sampling::DEFAULT);
-        let tree = found.tree().unwrap_or_else(|| Arc::new(surface.tree()));
-        Original::with_tree(&surface, tree, sampling)
-    };
-    let before = from_original.distances(&bare(&unmoved));
-    let farthest = FARTHER * larger(&before).0;
-    let worse = looks_worse(original, &unmoved, (paints, &looks));
+    let from_input = original(input, found.tree());
+    let before = distance(&from_input, &unmoved);
+    let farthest = FARTHER * before.0;
+    let worse = looks_worse(input, &unmoved, (paints, &looks));
     for share in SHARES {
         let mesh = found.mesh(share);
-        let (error, rms) = larger(&from_original.distances(&bare(&mesh)));
+        let (error, rms) = distance(&from_input, &mesh);
         if error <= farthest && !worse(&mesh) {
             return (mesh, error, rms);
         }
     }
-    let (error, rms) = larger(&before);
-    (unmoved, error, rms)
+    (unmoved, before.0, before.1)
 }
 
-/// The largest and the root mean square distance, the larger of both ways.
-fn larger(distances: &Distances) -> (f64, f64) {
-    let larger = |[a, b]: [f64; 2]| a.max(b);
-    (larger(distances.hausdorff), larger(distances.rms))
+/// A mesh, ready for levels to be measured from it. `tree` is that of its triangles, if there is one.
+fn original(mesh: &Mesh, tree: Option<Arc<TriangleTree>>) -> Original {
+    let surface = bare(mesh);
+    let tree = tree.unwrap_or_else(|| Arc::new(surface.tree()));
+    Original::with_tree(&surface, tree, &Sampling::DEFAULT)
+}
+
+/// An upper bound of the distance, and the root mean square distance, the larger of both ways.
+fn distance(from: &Original, mesh: &Mesh) -> (f64, f64) {
+    let level = bare(mesh);
+    let [there, back] = from.distances(&level).rms;
+    (from.bound(&level), there.max(back))
 }
 
 /// Returns the question whether a mesh looks worse than where the simplifier left it. Meshes
