@@ -11,6 +11,15 @@ use std::sync::Arc;
 /// Points that one thread looks up one after the other.
 const RUN: usize = 256;
 
+/// Samples whose triangles are looked at more closely, those that are farthest.
+const WORST_SAMPLES: usize = 256;
+
+/// Parts of them that are looked at, for each triangle and besides.
+const LOOKED_AT: [u32; 2] = [16, 1_000];
+
+/// A sample is as good as beyond a bound from this share of it on.
+const NEARLY: f64 = 0.8;
+
 /// Density of samples on surfaces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sampling {
@@ -32,7 +41,7 @@ impl Sampling {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Distances {
     /// The largest distance found from any point of the first to the second surface, and the other
-    /// way. Sampled, so never more than the true one.
+    /// way. Sampled, then searched where samples are farthest: never more than the true one.
     pub hausdorff: [f64; 2],
     /// Root mean square distance, over the area, from the first to the second, and the other way.
     pub rms: [f64; 2],
@@ -68,8 +77,9 @@ impl Original {
     /// Measures both ways, as [`distances`] does.
     #[must_use]
     pub fn distances(&self, other: &Surface) -> Distances {
-        let there = self.samples.farthest_and_mean(&other.tree());
-        let back = Samples::new(other, &self.sampling).farthest_and_mean(&self.tree);
+        let there = self.samples.farthest_and_mean(&other.tree(), |t| self.tree.corners_of(t));
+        let back = Samples::new(other, &self.sampling);
+        let back = back.farthest_and_mean(&self.tree, |t| other.corners(t as usize));
         Distances { hausdorff: [there.0, back.0], rms: [there.1, back.1] }
     }
 }
@@ -102,49 +112,93 @@ impl Original {
     }
 }
 
-/// Points of a surface, each kind with an order in which neighbours are near each other.
+/// Points of a surface.
 #[derive(Clone, Debug)]
 struct Samples {
-    area: (Vec<DVec3>, Vec<u32>),
-    lattice: (Vec<DVec3>, Vec<u32>),
+    area: Points,
+    lattice: Points,
+}
+
+/// Points with the triangles that they are on, and an order in which neighbours are near each other.
+#[derive(Clone, Debug)]
+struct Points {
+    places: Vec<DVec3>,
+    triangles: Vec<u32>,
+    order: Vec<u32>,
+}
+
+impl Points {
+    fn new(points: Vec<(DVec3, u32)>) -> Self {
+        let (places, triangles): (Vec<DVec3>, Vec<u32>) = points.into_iter().unzip();
+        let place = |i: u32| [places[i as usize].as_vec3().into(); 3];
+        let order = morton_order(0..places.len() as u32, place);
+        Self { places, triangles, order }
+    }
 }
 
 impl Samples {
     fn new(surface: &Surface, sampling: &Sampling) -> Self {
-        let ordered = |points: Vec<DVec3>| {
-            let place = |i: u32| [points[i as usize].as_vec3().into(); 3];
-            let order = morton_order(0..points.len() as u32, place);
-            (points, order)
-        };
         Self {
-            area: ordered(over_area(surface, sampling.samples, sampling.seed)),
-            lattice: ordered(over_triangles(surface, sampling.lattice)),
+            area: Points::new(over_area(surface, sampling.samples, sampling.seed)),
+            lattice: Points::new(over_triangles(surface, sampling.lattice)),
         }
     }
 
-    /// The largest and the root mean square distance to another surface.
-    fn farthest_and_mean(&self, to: &TriangleTree) -> (f64, f64) {
-        let [area, lattice] = [&self.area, &self.lattice].map(|(p, order)| squares(p, order, to));
-        let largest = area.iter().chain(&lattice).copied().fold(0.0, f64::max);
+    /// The largest and the root mean square distance to another surface. The triangles of the
+    /// samples that are farthest, with `corners`, are looked at more closely.
+    fn farthest_and_mean(
+        &self,
+        to: &TriangleTree,
+        corners: impl Fn(u32) -> [DVec3; 3],
+    ) -> (f64, f64) {
+        let [area, lattice] = [&self.area, &self.lattice].map(|points| squares(points, to));
         let mean = if area.is_empty() { 0.0 } else { area.iter().sum::<f64>() / area.len() as f64 };
-        (largest.sqrt(), mean.sqrt())
+        let with_triangles = |squares: Vec<f64>, points: &Points| {
+            squares.into_iter().zip(points.triangles.iter().copied()).collect::<Vec<_>>()
+        };
+        let mut all = with_triangles(area, &self.area);
+        all.extend(with_triangles(lattice, &self.lattice));
+        (beyond_samples(all, to, corners), mean.sqrt())
     }
+}
+
+/// The largest distance found from the triangles of samples, given with their squared distances.
+fn beyond_samples(
+    mut samples: Vec<(f64, u32)>,
+    to: &TriangleTree,
+    corners: impl Fn(u32) -> [DVec3; 3],
+) -> f64 {
+    let worst = samples.len().min(WORST_SAMPLES);
+    if worst < samples.len() {
+        samples.select_nth_unstable_by(worst, |a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+    }
+    let largest = samples.iter().map(|s| s.0).fold(0.0, f64::max).sqrt();
+    if largest == 0.0 || largest.is_infinite() {
+        return largest;
+    }
+    let mut triangles: Vec<u32> = samples[..worst].iter().map(|s| s.1).collect();
+    triangles.sort_unstable();
+    triangles.dedup();
+    let from: Vec<[DVec3; 3]> = triangles.into_iter().map(corners).collect();
+    let search = Search { tolerance: 0.01, parts: LOOKED_AT, ..Search::within(largest) };
+    largest.max(search.farthest(&from, to).least)
 }
 
 /// The squared distances of points, each searched for from the triangle of the one before it in an
 /// order.
-fn squares(points: &[DVec3], order: &[u32], to: &TriangleTree) -> Vec<f64> {
+fn squares(points: &Points, to: &TriangleTree) -> Vec<f64> {
+    let Points { places, order, .. } = points;
     let along = |run: &[u32]| {
         let mut hint = NONE;
         let look = |&i: &u32| {
-            let (squared, triangle) = to.distance_from(points[i as usize], hint);
+            let (squared, triangle) = to.distance_from(places[i as usize], hint);
             hint = triangle;
             squared
         };
         run.iter().map(look).collect::<Vec<f64>>()
     };
     let found: Vec<Vec<f64>> = order.par_chunks(RUN).map(along).collect();
-    let mut squares = vec![0.0; points.len()];
+    let mut squares = vec![0.0; places.len()];
     for (&i, squared) in order.iter().zip(found.into_iter().flatten()) {
         squares[i as usize] = squared;
     }
@@ -152,7 +206,8 @@ fn squares(points: &[DVec3], order: &[u32], to: &TriangleTree) -> Vec<f64> {
 }
 
 /// Returns the largest distance found from one surface to another, if it is more than `bound`.
-/// Asks the points that [`distances`] asks, but each only whether it is that far off.
+/// Asks the points that [`distances`] asks, each first whether it is about that far off, and looks
+/// more closely at the triangles of those that are.
 #[must_use]
 pub fn farther_than(
     from: &Surface,
@@ -161,16 +216,31 @@ pub fn farther_than(
     sampling: &Sampling,
 ) -> Option<f64> {
     let Samples { area, lattice } = Samples::new(from, sampling);
-    let farthest = |(points, order): &(Vec<DVec3>, Vec<u32>)| {
+    let near = NEARLY * bound;
+    let far_ones = |points: &Points| {
         let along = |run: &[u32]| {
             let mut hint = NONE;
-            let points = run.iter().map(|&i| points[i as usize]);
-            let off = points.filter(|&p| !to.may_be_within(p, bound * bound, &mut hint));
-            off.map(|p| to.distance_squared(p)).max_by(f64::total_cmp)
+            let is_far =
+                |&&i: &&u32| !to.may_be_within(points.places[i as usize], near * near, &mut hint);
+            let far: Vec<u32> = run.iter().filter(is_far).copied().collect();
+            let squared = |i: u32| to.distance_squared(points.places[i as usize]);
+            far.into_iter().map(|i| (squared(i), points.triangles[i as usize])).collect::<Vec<_>>()
         };
-        order.par_chunks(RUN).filter_map(along).max_by(f64::total_cmp)
+        points.order.par_chunks(RUN).flat_map_iter(along).collect::<Vec<_>>()
     };
-    let farthest = farthest(&area).into_iter().chain(farthest(&lattice));
-    let largest = farthest.max_by(f64::total_cmp)?.sqrt();
+    let mut far = far_ones(&area);
+    far.extend(far_ones(&lattice));
+    if far.is_empty() {
+        return None;
+    }
+    let largest = beyond_samples(far, to, |t| from.corners(t as usize));
     (largest > bound).then_some(largest)
+}
+
+/// The mean squared distance over the area of one surface to another. 0 without area.
+#[must_use]
+pub(crate) fn mean_square(from: &Surface, to: &TriangleTree, sampling: &Sampling) -> f64 {
+    let points = Points::new(over_area(from, sampling.samples, sampling.seed));
+    let squares = squares(&points, to);
+    if squares.is_empty() { 0.0 } else { squares.iter().sum::<f64>() / squares.len() as f64 }
 }

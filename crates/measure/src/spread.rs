@@ -8,8 +8,8 @@ use rayon::prelude::*;
 /// Most intervals into which a triangle's edge is cut by a lattice.
 const FINEST: usize = 7;
 
-/// `count` points, one in each of as many slices of equal area.
-pub(crate) fn over_area(surface: &Surface, count: usize, seed: u64) -> Vec<DVec3> {
+/// `count` points, one in each of as many slices of equal area, with their triangles.
+pub(crate) fn over_area(surface: &Surface, count: usize, seed: u64) -> Vec<(DVec3, u32)> {
     let mut sum = 0.0;
     let sums: Vec<f64> = (0..surface.triangles.len())
         .map(|t| {
@@ -29,15 +29,15 @@ pub(crate) fn over_area(surface: &Surface, count: usize, seed: u64) -> Vec<DVec3
             let triangle = sums.partition_point(|&s| s <= slice).min(sums.len() - 1);
             let (r, t) = (unit(1).sqrt(), unit(2));
             let [a, b, c] = surface.corners(triangle);
-            a * (1.0 - r) + b * (r * (1.0 - t)) + c * (r * t)
+            (a * (1.0 - r) + b * (r * (1.0 - t)) + c * (r * t), triangle as u32)
         })
         .collect()
 }
 
 /// A regular lattice on every triangle, corners and edges included, as fine as `most` points in all
 /// allow: it finds what area samples miss on slivers. With more triangles than that, the corners of
-/// some.
-pub(crate) fn over_triangles(surface: &Surface, most: usize) -> Vec<DVec3> {
+/// some. With their triangles.
+pub(crate) fn over_triangles(surface: &Surface, most: usize) -> Vec<(DVec3, u32)> {
     let triangles = surface.triangles.len();
     let points = |k: usize| (k + 1) * (k + 2) / 2;
     let k = (1..=FINEST).rev().find(|&k| points(k) * triangles <= most).unwrap_or(1);
@@ -47,6 +47,7 @@ pub(crate) fn over_triangles(surface: &Surface, most: usize) -> Vec<DVec3> {
         (0..=k).flat_map(move |i| {
             (0..=k - i)
                 .map(move |j| (a * i as f64 + b * j as f64 + c * (k - i - j) as f64) / k as f64)
+                .map(move |point| (point, t as u32))
         })
     };
     (0..triangles).step_by(stride).flat_map(lattice).collect()

@@ -39,15 +39,17 @@ pub struct Search {
     pub tolerance: f64,
     /// Distances below this are none.
     pub floor: f64,
-    /// Parts that may be looked at for each triangle. Beyond, the bounds stay apart.
-    pub parts: u32,
+    /// Parts that may be looked at: so many for each triangle, and so many besides. Beyond, the
+    /// bounds stay apart.
+    pub parts: [u32; 2],
 }
 
 impl Search {
-    /// Within 2 %, distances below a billionth of a length as none, at most 60 parts a triangle.
+    /// Within 2 %, distances below a billionth of a length as none, 60 parts a
+    /// triangle and 100,000 besides.
     #[must_use]
     pub fn within(length: f64) -> Self {
-        Self { tolerance: 0.02, floor: 1e-9 * length, parts: 60 }
+        Self { tolerance: 0.02, floor: 1e-9 * length, parts: [60, 100_000] }
     }
 
     /// Looks for the point of `from` that is farthest from `to`. Infinite if only `to` is empty.
@@ -63,7 +65,8 @@ impl Search {
         let first = |t: &[DVec3; 3]| Part::new(Polygon::triangle(*t), NONE, to);
         let first: Vec<(Part, f64)> = from.par_iter().map(first).collect();
         open.take(first);
-        let mut left = u64::from(self.parts) * from.len() as u64 + 100_000;
+        let [each, besides] = self.parts.map(u64::from);
+        let mut left = each * from.len() as u64 + besides;
         loop {
             let next = open.next();
             if next.is_empty() || left == 0 {
@@ -367,7 +370,7 @@ mod tests {
     fn one_plane_divided_in_two_ways_is_nowhere_apart() {
         // Bisection alone would go on along all edges.
         let (a, b) = (sheet(7, |x, y| 0.3 * x + 0.1 * y), sheet(5, |x, y| 0.3 * x + 0.1 * y));
-        let search = Search { parts: 60, ..Search::within(1.0) };
+        let search = Search::within(1.0);
         let found = search.farthest(&a, &tree(&b));
         assert!(found.most <= 2e-9, "{found:?}");
         assert!(search.farthest(&b, &tree(&a)).most <= 2e-9);
