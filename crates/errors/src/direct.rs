@@ -9,7 +9,7 @@ use crate::input::Input;
 use crate::pass::MARGIN;
 use crate::step_errors::StepErrors;
 use glam::DVec3;
-use lodc_mesh::Simplified;
+use lodc_mesh::{NONE, Simplified};
 use lodc_nearest::{Search, TriangleTree, area, point_at};
 use rayon::prelude::*;
 
@@ -23,6 +23,13 @@ const LEAP: f64 = 2.0;
 
 /// Most levels that are measured.
 const MOST: usize = 40;
+
+/// Boxes that may be opened for each triangle of the input, and besides: then the last level is
+/// stated for all that are left.
+const BOXES: [u64; 2] = [3_000, 10_000_000];
+
+/// Boxes that the search for one of the points below may open.
+const PATIENCE: u32 = 64;
 
 /// Points on either surface that the mean is of.
 const POINTS: f64 = 30_000.0;
@@ -70,22 +77,41 @@ impl<'a> Direct<'a> {
     fn new(input: &'a Input, simplified: &'a Simplified) -> Self {
         let triangles: Vec<_> = input.triangles.iter().map(|&t| input.at(t)).collect();
         let tree = TriangleTree::new(&triangles);
-        Self { input, simplified, triangles, tree, search: Search::within(input.diagonal) }
+        Self {
+            input,
+            simplified,
+            triangles,
+            tree,
+            search: Search { boxes: [200, 1_000_000], ..Search::within(input.diagonal) },
+        }
     }
 
     /// Measures the levels after so many steps, and others between them. Returns them in order, with
     /// error and root mean square distance in mesh units.
     fn measure(&self, first: usize, before: f64, ends: &[usize]) -> Vec<(usize, [f64; 2])> {
-        let mut measured: Vec<_> = ends.iter().map(|&end| (end, self.level(end))).collect();
+        let Some((&last, others)) = ends.split_last() else { return Vec::new() };
+        let most = BOXES[0] * self.triangles.len() as u64 + BOXES[1];
+        let (coarsest, mut opened) = self.level(last);
+        let mut measured = Vec::new();
+        for &end in others {
+            if opened < most {
+                let (level, more) = self.level(end);
+                measured.push((end, level));
+                opened += more;
+            }
+        }
+        measured.push((last, coarsest));
+        let tiny = 1e-6 * self.input.diagonal * self.input.unit;
         let mut finest = (first, before);
         let mut i = 0;
         while i < measured.len() {
             let (end, [error, _]) = measured[i];
-            let tiny = 1e-6 * self.input.diagonal * self.input.unit;
             let leaps = error > LEAP * finest.1.max(tiny) && end > finest.0 + 1;
-            if leaps && measured.len() < MOST {
+            if leaps && measured.len() < MOST && opened < most {
                 let middle = finest.0 + (end - finest.0) / 2;
-                measured.insert(i, (middle, self.level(middle)));
+                let (level, more) = self.level(middle);
+                measured.insert(i, (middle, level));
+                opened += more;
             } else {
                 finest = (end, error.max(finest.1));
                 i += 1;
@@ -94,8 +120,8 @@ impl<'a> Direct<'a> {
         measured
     }
 
-    /// Measures the level after so many steps.
-    fn level(&self, steps: usize) -> [f64; 2] {
+    /// Measures the level after so many steps. Returns the boxes that were opened for it, too.
+    fn level(&self, steps: usize) -> ([f64; 2], u64) {
         let Self { input, simplified, .. } = self;
         let map = simplified.collapses().resolve_all(simplified.collapses().step(steps - 1).lod);
         let level: Vec<_> = simplified
@@ -110,11 +136,14 @@ impl<'a> Direct<'a> {
             .map(|t| input.at(t))
             .collect();
         let tree = TriangleTree::new(&level);
-        let there =
-            || (self.search.farthest(&self.triangles, &tree).most, mean(&self.triangles, &tree));
-        let back = || (self.search.farthest(&level, &self.tree).most, mean(&level, &self.tree));
-        let (there, back) = rayon::join(there, back);
-        [there.0.max(back.0), there.1.max(back.1)].map(|distance| distance * input.unit)
+        let one_way = |from: &[[DVec3; 3]], to: &TriangleTree| {
+            (self.search.farthest(from, to), mean(from, to))
+        };
+        let (there, back) =
+            rayon::join(|| one_way(&self.triangles, &tree), || one_way(&level, &self.tree));
+        let error = there.0.most.max(back.0.most).min(input.diagonal);
+        let rms = there.1.max(back.1).min(error);
+        ([error, rms].map(|distance| distance * input.unit), there.0.opened + back.0.opened)
     }
 }
 
@@ -131,7 +160,8 @@ fn mean(triangles: &[[DVec3; 3]], to: &TriangleTree) -> f64 {
         let count = n as u32;
         let at = |i: u32, j: u32, third: f64| {
             let [u, v] = [i, j].map(|k| (f64::from(k) + third) / n);
-            to.distance_squared(point_at(t, [u, v, 1.0 - u - v]))
+            let p = point_at(t, [u, v, 1.0 - u - v]);
+            to.distance_at_most(p, NONE, &mut { PATIENCE }).0
         };
         let upright = (0..count).flat_map(|i| (0..count - i).map(move |j| at(i, j, 1.0 / 3.0)));
         let turned =

@@ -14,8 +14,8 @@ const RUN: usize = 256;
 /// Samples whose triangles are looked at more closely, those that are farthest.
 const WORST_SAMPLES: usize = 256;
 
-/// Parts of them that are looked at, for each triangle and besides.
-const LOOKED_AT: [u32; 2] = [16, 1_000];
+/// Boxes that may be opened for that, for each triangle and besides.
+const LOOKED_AT: [u32; 2] = [500, 30_000];
 
 /// A sample is as good as beyond a bound from this share of it on.
 const NEARLY: f64 = 0.8;
@@ -180,7 +180,7 @@ fn beyond_samples(
     triangles.sort_unstable();
     triangles.dedup();
     let from: Vec<[DVec3; 3]> = triangles.into_iter().map(corners).collect();
-    let search = Search { tolerance: 0.01, parts: LOOKED_AT, ..Search::within(largest) };
+    let search = Search { tolerance: 0.01, boxes: LOOKED_AT, ..Search::within(largest) };
     largest.max(search.farthest(&from, to).least)
 }
 

@@ -23,6 +23,9 @@ const CORNERS: usize = 8;
 /// A part is clipped if at least this share of it lies over the triangle next to its middle.
 const WORTH_CLIPPING: f64 = 0.125;
 
+/// Boxes that the search for one triangle may open: at first, and for a part that may be farthest.
+const PATIENCE: [u32; 2] = [128, 4_096];
+
 /// The largest distance of any point of a surface from another one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Farthest {
@@ -30,6 +33,8 @@ pub struct Farthest {
     pub least: f64,
     /// No point is farther.
     pub most: f64,
+    /// Boxes of the tree that were opened: the work that it took.
+    pub opened: u64,
 }
 
 /// What a search for the farthest point may do.
@@ -39,47 +44,55 @@ pub struct Search {
     pub tolerance: f64,
     /// Distances below this are none.
     pub floor: f64,
-    /// Parts that may be looked at: so many for each triangle, and so many besides. Beyond, the
-    /// bounds stay apart.
-    pub parts: [u32; 2],
+    /// Boxes of the tree that may be opened after all triangles were looked at once: so many for
+    /// each of them, and so many besides. Beyond, the bounds stay apart.
+    pub boxes: [u32; 2],
 }
 
 impl Search {
-    /// Within 2 %, distances below a billionth of a length as none, 60 parts a
-    /// triangle and 100,000 besides.
+    /// Within 2 %, distances below a billionth of a length as none, 2,000 boxes a triangle and three
+    /// million besides.
     #[must_use]
     pub fn within(length: f64) -> Self {
-        Self { tolerance: 0.02, floor: 1e-9 * length, parts: [60, 100_000] }
+        Self { tolerance: 0.02, floor: 1e-9 * length, boxes: [2_000, 3_000_000] }
     }
 
     /// Looks for the point of `from` that is farthest from `to`. Infinite if only `to` is empty.
     #[must_use]
     pub fn farthest(&self, from: &[[DVec3; 3]], to: &TriangleTree) -> Farthest {
         if from.is_empty() {
-            return Farthest { least: 0.0, most: 0.0 };
+            return Farthest { least: 0.0, most: 0.0, opened: 0 };
         }
         if to.order().is_empty() {
-            return Farthest { least: f64::INFINITY, most: f64::INFINITY };
+            return Farthest { least: f64::INFINITY, most: f64::INFINITY, opened: 0 };
         }
-        let mut open = Open { search: *self, least: 0.0, closed: 0.0, parts: BinaryHeap::new() };
-        let first = |t: &[DVec3; 3]| Part::new(Polygon::triangle(*t), NONE, to);
-        let first: Vec<(Part, f64)> = from.par_iter().map(first).collect();
-        open.take(first);
-        let [each, besides] = self.parts.map(u64::from);
-        let mut left = each * from.len() as u64 + besides;
+        let mut open =
+            Open { search: *self, least: 0.0, closed: 0.0, opened: 0, parts: BinaryHeap::new() };
+        let first = |t: &[DVec3; 3]| Part::new(Polygon::triangle(*t), NONE, to, PATIENCE[0]);
+        open.take(&from.par_iter().map(first).collect::<Vec<_>>());
+        let [each, besides] = self.boxes.map(u64::from);
+        let most = open.opened + each * from.len() as u64 + besides;
         loop {
             let next = open.next();
-            if next.is_empty() || left == 0 {
-                next.into_iter().for_each(|part| open.parts.push(part));
+            if next.is_empty() || open.opened >= most {
+                open.parts.extend(next);
                 return open.bounds();
             }
-            left = left.saturating_sub(next.len() as u64);
             let allowed = open.allowed();
-            let divided: Vec<Vec<(Part, f64)>> =
-                next.par_iter().map(|part| part.divided(to, allowed, 0.25 * self.floor)).collect();
-            open.take(divided.into_iter().flatten());
+            let slack = 0.25 * self.floor;
+            let divided: Vec<Vec<(Part, Found)>> =
+                next.par_iter().map(|part| part.divided(to, allowed, slack)).collect();
+            open.take(&divided.concat());
         }
     }
+}
+
+/// What looking at a part has found.
+#[derive(Clone, Copy, Debug)]
+struct Found {
+    /// A point of it is that far off.
+    distance: f64,
+    opened: u32,
 }
 
 /// The parts that may have a point farther than any found.
@@ -89,6 +102,8 @@ struct Open {
     least: f64,
     /// No point of the parts that were closed is farther than this.
     closed: f64,
+    /// Boxes that were opened, and parts looked at.
+    opened: u64,
     parts: BinaryHeap<Part>,
 }
 
@@ -98,14 +113,15 @@ impl Open {
         self.least * (1.0 + self.search.tolerance) + self.search.floor
     }
 
-    /// Takes parts, each with a distance found in it, and closes those that are near enough.
-    fn take(&mut self, parts: impl IntoIterator<Item = (Part, f64)> + Clone) {
-        for (_, found) in parts.clone() {
-            self.least = self.least.max(found);
+    /// Takes parts with what was found in them, and closes those that are near enough.
+    fn take(&mut self, parts: &[(Part, Found)]) {
+        for (_, found) in parts {
+            self.least = self.least.max(found.distance);
+            self.opened += u64::from(found.opened) + 1;
         }
         for (part, _) in parts {
             if part.most > self.allowed() {
-                self.parts.push(part);
+                self.parts.push(*part);
             } else {
                 self.closed = self.closed.max(part.most);
             }
@@ -132,7 +148,8 @@ impl Open {
 
     fn bounds(&self) -> Farthest {
         let open = self.parts.peek().map_or(0.0, |part| part.most);
-        Farthest { least: self.least, most: self.least.max(self.closed).max(open) }
+        let most = self.least.max(self.closed).max(open);
+        Farthest { least: self.least, most, opened: self.opened }
     }
 }
 
@@ -255,21 +272,20 @@ struct Part {
 
 impl Part {
     /// A part with the distance of its middle. `hint` is a triangle that is probably near.
-    fn new(polygon: Polygon, hint: u32, to: &TriangleTree) -> (Self, f64) {
+    fn new(polygon: Polygon, hint: u32, to: &TriangleTree, patience: u32) -> (Self, Found) {
         let middle = polygon.middle();
-        let (squared, near) = to.distance_from(middle, hint);
-        let distance = squared.sqrt();
+        let (distance, near, found) = ask(middle, hint, to, patience);
         let radius = polygon.corners().iter().map(|c| (*c - middle).length_squared());
         let radius = radius.fold(0.0, f64::max).sqrt();
         let most = (distance + radius).min(farthest_corner(&polygon, to.corners_of(near)).0);
-        (Self { polygon, near, most: most.max(distance) }, distance)
+        (Self { polygon, near, most: most.max(found.distance) }, found)
     }
 
-    /// The parts that it falls into, each with a distance found in it.
-    fn divided(&self, to: &TriangleTree, allowed: f64, slack: f64) -> Vec<(Self, f64)> {
+    /// The parts that it falls into, with what was found there.
+    fn divided(&self, to: &TriangleTree, allowed: f64, slack: f64) -> Vec<(Self, Found)> {
         let triangle = to.corners_of(self.near);
         let (_, corner) = farthest_corner(&self.polygon, triangle);
-        let found = to.distance_from(corner, self.near).0.sqrt();
+        let (_, _, found) = ask(corner, self.near, to, PATIENCE[1]);
         let mut parts = Vec::with_capacity(8);
         let (over, beyond) = clip(&self.polygon, triangle, slack);
         let most = farthest_corner(&over, triangle).0;
@@ -284,11 +300,24 @@ impl Part {
             [a, b, Polygon::EMPTY]
         };
         for polygon in rest.iter().flat_map(Polygon::simple).filter(Polygon::has_area) {
-            let (part, distance) = Self::new(polygon, self.near, to);
-            parts.push((part, distance.max(found)));
+            parts.push(Self::new(polygon, self.near, to, PATIENCE[1]));
+        }
+        if let Some((_, first)) = parts.first_mut() {
+            first.distance = first.distance.max(found.distance);
+            first.opened += found.opened;
         }
         parts
     }
+}
+
+/// An upper bound of the distance of a point, the triangle that has it, and what was found: the
+/// distance, unless the search ended early.
+fn ask(p: DVec3, hint: u32, to: &TriangleTree, patience: u32) -> (f64, u32, Found) {
+    let mut left = patience;
+    let (squared, near, is_sure) = to.distance_at_most(p, hint, &mut left);
+    let distance = squared.sqrt();
+    let found = Found { distance: if is_sure { distance } else { 0.0 }, opened: patience - left };
+    (distance, near, found)
 }
 
 impl Ord for Part {
@@ -361,7 +390,7 @@ mod tests {
         let flat = sheet(1, |_, _| 0.0);
         let bump = sheet(8, |x, y| if x == 0.5 && y == 0.5 { 0.25 } else { 0.0 });
         for (from, to, far) in [(&bump, &flat, 0.25), (&flat, &flat, 0.0), (&bump, &bump, 0.0)] {
-            let Farthest { least, most } = Search::within(1.0).farthest(from, &tree(to));
+            let Farthest { least, most, .. } = Search::within(1.0).farthest(from, &tree(to));
             assert!((least - far).abs() < 1e-9 && (far - 1e-9..=1.02 * far + 1e-9).contains(&most));
         }
     }
@@ -381,7 +410,7 @@ mod tests {
         let whole = sheet(1, |_, _| 0.0);
         let mut holed = sheet(40, |_, _| 0.0);
         holed.remove(1234);
-        let Farthest { least, most } = Search::within(1.0).farthest(&whole, &tree(&holed));
+        let Farthest { least, most, .. } = Search::within(1.0).farthest(&whole, &tree(&holed));
         // The radius of the circle in a triangle with two sides of 1/40.
         let radius = (2.0 - 2.0f64.sqrt()) / 2.0 / 40.0;
         assert!(least <= radius * 1.0001 && most >= radius * 0.9999, "{least} {most} {radius}");
@@ -396,7 +425,7 @@ mod tests {
             let mut some = |n: usize| (0..n).map(|_| [0; 3].map(|_| point())).collect::<Vec<_>>();
             let (from, to) = (some(1 + round % 5), some(1 + round / 5));
             let tree = tree(&to);
-            let Farthest { least, most } = Search::within(1.0).farthest(&from, &tree);
+            let Farthest { least, most, .. } = Search::within(1.0).farthest(&from, &tree);
             assert!(least <= most && most <= 1.021 * least + 1e-8, "{round}: {least} {most}");
             let mut seen = 0.0f64;
             for &[a, b, c] in &from {

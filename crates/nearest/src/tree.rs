@@ -129,7 +129,7 @@ impl TriangleTree {
         if let Some(&slot) = self.slot.get(hint as usize) {
             visit(slot as usize, &mut best);
         }
-        self.search(p, best.squared, u32::MAX, |slots| {
+        self.search(p, best.squared, &mut { u32::MAX }, |slots| {
             slots.for_each(|slot| visit(slot, &mut best));
             best.squared
         });
@@ -147,6 +147,15 @@ impl TriangleTree {
     /// for [`Self::nearest`].
     #[must_use]
     pub fn distance_from(&self, p: DVec3, hint: u32) -> (f64, u32) {
+        let (squared, triangle, _) = self.distance_at_most(p, hint, &mut { u32::MAX });
+        (squared, triangle)
+    }
+
+    /// The same, but no more boxes are opened than `patience`, from which those are taken that
+    /// were. Where it ends early, the distance may be too large, never too small, and the last is
+    /// false. At a vertex of thousands of triangles a search would open the boxes of all of them.
+    #[must_use]
+    pub fn distance_at_most(&self, p: DVec3, hint: u32, patience: &mut u32) -> (f64, u32, bool) {
         let mut best = (f64::INFINITY, NONE);
         let visit = |slot: usize, best: &mut (f64, u32)| {
             if !may_be_within(p, self.corners[slot], best.0) {
@@ -160,11 +169,11 @@ impl TriangleTree {
         if let Some(&slot) = self.slot.get(hint as usize) {
             visit(slot as usize, &mut best);
         }
-        self.search(p, best.0, u32::MAX, |slots| {
+        let is_sure = self.search(p, best.0, patience, |slots| {
             slots.for_each(|slot| visit(slot, &mut best));
             best.0
         });
-        best
+        (best.0, best.1, is_sure)
     }
 
     /// Returns false if no triangle is within a squared distance of a point. Ends at the first that
@@ -179,7 +188,7 @@ impl TriangleTree {
         }
         let mut found = None;
         let beyond = squared.next_up();
-        let all = self.search(p, beyond, PATIENCE, |mut slots| {
+        let all = self.search(p, beyond, &mut { PATIENCE }, |mut slots| {
             found = slots.find(|&slot| is_within(slot));
             if found.is_some() { 0.0 } else { beyond }
         });
@@ -188,13 +197,14 @@ impl TriangleTree {
     }
 
     /// Visits the leaves that are nearer to a point than a squared distance, which every visit may
-    /// lower, the nearest box first. Returns false if `patience` boxes were opened before the end.
+    /// lower, the nearest box first. Returns false if `patience` boxes were opened before the end;
+    /// those that were opened are taken from it.
     #[inline]
     fn search(
         &self,
         p: DVec3,
         mut limit: f64,
-        patience: u32,
+        patience: &mut u32,
         mut leaf: impl FnMut(Range<usize>) -> f64,
     ) -> bool {
         if self.order.is_empty() {
@@ -202,13 +212,13 @@ impl TriangleTree {
         }
         // One entry for each level that was passed: halves of 2^32 triangles.
         let mut open = [(0.0, self.root); 32];
-        let (mut depth, mut opened, mut at) = (0, 0, self.root);
+        let (mut depth, mut at) = (0, self.root);
         loop {
             if at.count == 0 {
-                if opened == patience {
+                if *patience == 0 {
                     return false;
                 }
-                opened += 1;
+                *patience -= 1;
                 let node = &self.nodes[at.at as usize];
                 let (a, b) =
                     (node.bounds[0].distance_squared(p), node.bounds[1].distance_squared(p));
