@@ -5,8 +5,8 @@ use crate::gltf::{bare_gltf, gltf_without_missing};
 use crate::{Document, FormatError, ObjDocument, ObjectInfo, SourceFormat};
 use std::borrow::Cow;
 
-/// Morph targets of an object's submeshes together that a prefix is written with before the document
-/// has said how many there are: a crafted header may name any number.
+/// Morph targets of an object's submeshes together that a prefix is written with before the
+/// document has said how many there are: a crafted header may name any number.
 const MOST_TARGETS: usize = 1 << 20;
 
 /// The document and the names of a prefix.
