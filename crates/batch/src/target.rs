@@ -3,7 +3,7 @@
 use crate::error::AssetError;
 use lodc_formats::Sought;
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 /// Target of one result.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -183,7 +183,8 @@ impl Rule {
     /// A rule of files that were looked for.
     #[must_use]
     pub fn new(output: &Path, files: &Sought) -> Self {
-        Self { output: output.to_owned(), inputs: files.read(), absent: files.absent() }
+        let absent = files.absent().into_iter().filter(|path| has_rule(path)).collect();
+        Self { output: output.to_owned(), inputs: files.read(), absent }
     }
 
     /// The rule as Make reads it; what was read twice stands once. A rule without inputs for each
@@ -203,6 +204,14 @@ impl Rule {
         text.extend(absent.into_iter().map(|path| format!("{}:\n", escaped(path))));
         text
     }
+}
+
+/// Returns whether a file that is not there can have a rule of its own, without which Make would
+/// stop: some characters mean something else in one, however they are written.
+fn has_rule(path: &Path) -> bool {
+    let plain =
+        |c: Component<'_>| !c.as_os_str().to_string_lossy().contains(['\\', '%', ':', '=', ';']);
+    path.components().all(|c| !matches!(c, Component::Normal(_)) || plain(c))
 }
 
 /// A path as Make reads it.
@@ -248,6 +257,13 @@ mod tests {
         let text = Rule { output: "m.glb".into(), inputs, absent }.text();
         let named = "m.glb: \\\n  m.gltf \\\n  a.png \\\n  b.png \\\n  c.png\nc.png:\n";
         assert_eq!(text, named);
+    }
+
+    #[test]
+    fn names_that_make_takes_for_something_else_are_no_rules() {
+        for (name, plain) in [("a/b c.png", true), ("a/%2e/b.mtl", false), ("a/..\\b.png", false)] {
+            assert_eq!(has_rule(Path::new(name)), plain, "{name}");
+        }
     }
 
     #[test]
