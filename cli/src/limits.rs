@@ -5,10 +5,10 @@ use crate::help::{LIMITS, READ};
 use crate::huge_pages;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
 use lodc::build::{Need, Size};
-use lodc_formats::Limits;
 use lodc_formats::import::ImportOptions;
+use lodc_formats::{Assets, Limits};
 use lodc_report::text::{count, size as size_of};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Options of reading inputs, shared by every command that reads a mesh.
 #[derive(Args, Clone, Debug)]
@@ -39,6 +39,12 @@ impl ImportArgs {
     }
     pub(crate) fn limits(&self) -> &LimitArgs {
         &self.limits
+    }
+    /// The files of an asset; those that it names are in another folder, if there is one.
+    pub(crate) fn assets(&self, input: &Path, folder: Option<&PathBuf>) -> Assets {
+        // Only the folder of that path counts.
+        let main = folder.map_or_else(|| input.to_owned(), |folder| folder.join("-"));
+        Assets::new(&main, &self.allow_path, self.limits.limits())
     }
 }
 

@@ -7,7 +7,7 @@ use crate::mesh_output::FormatName;
 use crate::output::Target;
 use clap::{Args, ValueEnum};
 use lodc_formats::images::{PlacedTextures, TextureMode, Textures};
-use lodc_formats::{Assets, Document};
+use lodc_formats::{Document, Sought};
 use std::path::{Path, PathBuf};
 
 /// Options of image files.
@@ -52,7 +52,7 @@ impl TextureArgs {
     }
 
     /// Reads the image files of a document and gives each its place; with the files that were
-    /// read.
+    /// looked for.
     ///
     /// # Errors
     /// If the stored document is damaged.
@@ -63,12 +63,9 @@ impl TextureArgs {
         import: &ImportArgs,
         target: &Target,
         format: FormatName,
-    ) -> Outcome<(PlacedTextures, Vec<PathBuf>)> {
+    ) -> Outcome<(PlacedTextures, Sought)> {
         let Some(mode) = self.mode(target, format) else { return Ok(Default::default()) };
-        let beside =
-            self.textures_from.as_ref().map_or_else(|| input.to_owned(), |dir| dir.join("-"));
-        let options = import.options();
-        let mut assets = Assets::new(&beside, &options.allowed, options.limits);
+        let mut assets = import.assets(input, self.textures_from.as_ref());
         let mut textures = Textures::read(document, &mut assets)?;
         if format == FormatName::Obj {
             textures.add_embedded(document)?;
@@ -80,7 +77,7 @@ impl TextureArgs {
         let missing = std::mem::take(&mut textures.warnings);
         let mut placed = textures.placed(mode, &output);
         placed.warnings.splice(0..0, missing);
-        Ok((placed, assets.files_read().to_vec()))
+        Ok((placed, assets.files().clone()))
     }
 
     fn mode(&self, target: &Target, format: FormatName) -> Option<TextureMode> {

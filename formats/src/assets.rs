@@ -1,19 +1,22 @@
 //! Reading the files of one asset, and nothing else: no path leads out of its folder.
 
-use crate::{Fault, FormatError, Limits};
+use crate::{Fault, FormatError, Limits, Sought};
 use std::ffi::OsStr;
 use std::fs::{File, Metadata, OpenOptions};
 use std::io::{self, Read};
 use std::path::{Component, Path, PathBuf};
 
+const OUTSIDE: &str =
+    "leads out of the asset's own folder (--allow-path FOLDER permits another one)";
+
 /// The folder of an asset and what has been read from it.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Assets {
     main: PathBuf,
     allowed: Vec<PathBuf>,
     limits: Limits,
     total: u64,
-    read: Vec<PathBuf>,
+    sought: Sought,
 }
 
 impl Assets {
@@ -26,7 +29,7 @@ impl Assets {
             allowed: allowed.to_owned(),
             limits,
             total: 0,
-            read: Vec::new(),
+            sought: Sought::default(),
         }
     }
     /// The limits in force.
@@ -34,10 +37,10 @@ impl Assets {
     pub fn limits(&self) -> &Limits {
         &self.limits
     }
-    /// Every file read so far, in order and each once, named as the user would.
+    /// Every file looked for so far, named as the user would.
     #[must_use]
-    pub fn files_read(&self) -> &[PathBuf] {
-        &self.read
+    pub fn files(&self) -> &Sought {
+        &self.sought
     }
     /// The main file as the user named it, for messages.
     #[must_use]
@@ -67,7 +70,7 @@ impl Assets {
             return bytes.map_err(|e| e.in_file(&name));
         }
         let path = self.main.clone();
-        self.read_file(&path, path.clone()).map_err(|e| e.in_file(&name))
+        self.read_file(&path, &path).map_err(|e| e.in_file(&name))
     }
 
     /// Reads a file that the asset refers to by a path relative to its folder (percent-decoding is
@@ -78,12 +81,25 @@ impl Assets {
     /// folders, be it by name or through a symbolic link; else if the file is not there, not a
     /// regular file, or too large. The error names the reference as its file.
     pub fn read_reference(&mut self, reference: &str) -> Result<Vec<u8>, FormatError> {
-        let (real, named) = self.resolve(reference).map_err(|e| e.in_file(reference))?;
-        self.read_file(&real, named).map_err(|e| e.in_file(reference))
+        let place = self.place(reference).map_err(|e| e.in_file(reference))?;
+        let real = place.real();
+        let bytes = real.and_then(|real| self.read_file(&real, &place.named));
+        if bytes.is_err() {
+            self.sought.add_absent(&place.named);
+        }
+        bytes.map_err(|e| e.in_file(reference))
     }
 
-    /// Target of a reference: the real path, and the path as the user would name it.
-    fn resolve(&self, reference: &str) -> Result<(PathBuf, PathBuf), FormatError> {
+    /// Notes that another file was read in the place of one that is not there.
+    #[cfg(feature = "import")]
+    pub(crate) fn substitute(&mut self, reference: &str) {
+        if let Ok(place) = self.place(reference) {
+            self.sought.substitute(&place.named);
+        }
+    }
+
+    /// Place of a file that a reference names, inside the allowed folders by its name.
+    fn place(&self, reference: &str) -> Result<Place, FormatError> {
         let forbidden = |what: &str| Err(FormatError::new(Fault::Forbidden, "", what));
         if reference.contains('\0') {
             return forbidden("a file name cannot contain NUL");
@@ -112,26 +128,18 @@ impl Assets {
             .cloned()
             .chain(self.allowed.iter().filter_map(|a| a.canonicalize().ok()))
             .collect();
-        let inside = |path: &Path| roots.iter().any(|root| path.starts_with(root));
-        let outside =
-            "leads out of the asset's own folder (--allow-path FOLDER permits another one)";
-
         // By name first, so that not even the existence of anything outside is asked about; then by
         // what it really is.
         let absolute = own.unwrap_or_default().join(relative);
-        if !normalised(&absolute).is_some_and(|path| inside(&path)) {
-            return forbidden(outside);
-        }
-        let real = absolute.canonicalize().map_err(|e| unreadable(&e))?;
-        if !inside(&real) {
-            return forbidden(outside);
+        if !normalised(&absolute).is_some_and(|path| is_inside(&path, &roots)) {
+            return forbidden(OUTSIDE);
         }
         let named =
             if folder == Path::new(".") { relative.to_owned() } else { folder.join(relative) };
-        Ok((real, named))
+        Ok(Place { absolute, named, roots })
     }
 
-    fn read_file(&mut self, path: &Path, named: PathBuf) -> Result<Vec<u8>, FormatError> {
+    fn read_file(&mut self, path: &Path, named: &Path) -> Result<Vec<u8>, FormatError> {
         // Asked before opening, because opening a FIFO waits for a writer and opening a device may
         // do anything.
         require_regular(&std::fs::metadata(path).map_err(|e| unreadable(&e))?)?;
@@ -143,9 +151,7 @@ impl Assets {
             return Err(self.too_large());
         }
         let bytes = self.read_bounded(&mut file, metadata.len())?;
-        if !self.read.contains(&named) {
-            self.read.push(named);
-        }
+        self.sought.add_read(named, &bytes);
         Ok(bytes)
     }
 
@@ -192,8 +198,38 @@ impl Assets {
     }
 }
 
+/// Place of a file that a reference names.
+struct Place {
+    absolute: PathBuf,
+    /// As the user would name it.
+    named: PathBuf,
+    /// The folders that may be read.
+    roots: Vec<PathBuf>,
+}
+
+impl Place {
+    /// What it really is: a link may lead anywhere.
+    fn real(&self) -> Result<PathBuf, FormatError> {
+        let real = self.absolute.canonicalize().map_err(|e| unreadable(&e))?;
+        if is_inside(&real, &self.roots) {
+            return Ok(real);
+        }
+        Err(FormatError::new(Fault::Forbidden, "", OUTSIDE))
+    }
+}
+
+fn is_inside(path: &Path, roots: &[PathBuf]) -> bool {
+    roots.iter().any(|root| path.starts_with(root))
+}
+
+/// The message does not depend on the system: warnings stand in files, too.
 fn unreadable(error: &io::Error) -> FormatError {
-    FormatError::new(Fault::Unreadable, "", format!("cannot be read: {error}"))
+    let what = match error.kind() {
+        io::ErrorKind::NotFound => "there is no such file".to_owned(),
+        io::ErrorKind::PermissionDenied => "permission denied".to_owned(),
+        _ => error.to_string(),
+    };
+    FormatError::new(Fault::Unreadable, "", format!("cannot be read: {what}"))
 }
 
 fn require_regular(metadata: &Metadata) -> Result<(), FormatError> {

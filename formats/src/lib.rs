@@ -72,6 +72,7 @@ mod ply;
 #[cfg(feature = "export")]
 mod provenance;
 mod scene;
+mod sought;
 #[cfg(test)]
 mod testing;
 #[cfg(feature = "export")]
@@ -89,4 +90,5 @@ pub use scene::{
     Document, GltfDocument, ObjDocument, ObjMaterial, ObjectInfo, Scene, SceneObject, Source,
     SourceFormat, SubmeshInfo,
 };
+pub use sought::Sought;
 pub use write::{OutputFile, write_all};

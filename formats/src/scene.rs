@@ -1,8 +1,8 @@
 //! A whole asset: its meshes as lodc sees them, and everything else as the file had it.
 
+use crate::Sought;
 use lodc_mesh::Mesh;
 use serde::{Deserialize, Serialize};
-use std::path::PathBuf;
 
 /// The format that a scene came from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -35,8 +35,8 @@ pub struct Scene {
     pub objects: Vec<SceneObject>,
     /// Repairs, and what was dropped or left alone: one line each, with counts.
     pub warnings: Vec<String>,
-    /// Every file that was read, for dependency files.
-    pub files_read: Vec<PathBuf>,
+    /// Every file that was looked for.
+    pub files: Sought,
     /// True if its geometry was compressed by EXT_meshopt_compression or its successor.
     pub compressed: bool,
 }

@@ -1,6 +1,6 @@
 //! Many assets in one run: folders, lists, parts, what is up to date, and configurations.
 
-use crate::support::{Folder, Run, asked, grid};
+use crate::support::{Folder, Run, asked, grid, scene};
 use serde_json::Value;
 use std::process::Command;
 
@@ -158,6 +158,94 @@ fn what_is_up_to_date_is_not_touched() {
     assert_eq!(counts(&other), summary(1, 3));
 }
 
+/// Builds an input if something has changed: its report, the warnings on standard error, the
+/// dependency file.
+fn rebuilt(f: &Folder, input: &str, more: &[&str]) -> (Value, Vec<String>, String) {
+    let args = ["build", input, "-o", "m.lodc", "--if-changed", "--report", "json"];
+    let run = f.lodc([&args[..], &["--depfile", "d"], more].concat()).ends(0);
+    let warnings = run.err.lines().filter(|l| l.contains("warning")).map(str::to_owned).collect();
+    let deps = String::from_utf8_lossy(&f.read("d")).into_owned();
+    (run.json()["inputs"][0].clone(), warnings, deps)
+}
+
+#[test]
+fn a_file_that_was_missing_counts_when_it_comes() {
+    let f = Folder::new();
+    f.file("in/m.obj", format!("mtllib m.mtl\nusemtl a\n{}", grid(3)));
+    let mut gltf: Value = serde_json::from_str(&scene(&[1.0], 2)).expect("sound");
+    gltf["images"] = serde_json::json!([{ "uri": "m.png" }]);
+    f.file("in/m.gltf", gltf.to_string());
+    let hybrid = ["--metric", "hybrid"];
+    for (input, more) in [("in/m.obj", &[][..]), ("in/m.obj", &hybrid), ("in/m.gltf", &[])] {
+        let is_old = |missing: &[&str]| {
+            let (report, _, deps) = rebuilt(&f, input, more);
+            for name in missing {
+                assert!(deps.contains(&format!("\n{name}:\n")), "{name}: {deps}");
+                assert!(deps.contains(&format!("\\\n  {name}")), "{name}: {deps}");
+            }
+            assert!(missing.len() == deps.matches(":\n").count(), "{deps}");
+            report["up_to_date"] == false
+        };
+        let mut missing = if input == "in/m.obj" { vec!["in/m.mtl"] } else { vec!["in/m.png"] };
+        assert!(is_old(&missing) && !is_old(&missing), "{input} {more:?}");
+        if input == "in/m.obj" {
+            f.file("in/m.mtl", "newmtl a\nmap_Kd m.png\n");
+            missing = vec!["in/m.png"];
+            assert!(is_old(&missing) && !is_old(&missing), "{input} {more:?}");
+        }
+        f.file("in/m.png", "no picture, but there");
+        assert!(is_old(&[]) && !is_old(&[]), "{input} {more:?}");
+        for name in ["in/m.mtl", "in/m.png"].iter().filter(|name| f.has(name)) {
+            std::fs::remove_file(f.join(name)).expect("it is there");
+        }
+        assert!(is_old(&[if input == "in/m.obj" { "in/m.mtl" } else { "in/m.png" }]));
+    }
+}
+
+#[test]
+fn a_library_under_another_spelling_is_not_missed() {
+    let f = Folder::new();
+    f.file("in/m.obj", format!("mtllib .\\a.mtl b.mtl\n{}", grid(3)));
+    for name in ["in/a.mtl", "in/b.mtl"] {
+        f.file(name, "newmtl a\n");
+    }
+    let (_, _, deps) = rebuilt(&f, "in/m.obj", &[]);
+    assert!(!deps.contains(":\n") && deps.contains("b.mtl"), "{deps}");
+    assert_eq!(rebuilt(&f, "in/m.obj", &[]).0["up_to_date"], true);
+}
+
+#[test]
+fn no_time_says_what_is_up_to_date() {
+    let f = Folder::new();
+    f.file("in/m.obj", grid(3));
+    let stamp = |seconds: u64| {
+        let time = std::time::SystemTime::UNIX_EPOCH + std::time::Duration::from_secs(seconds);
+        let file = std::fs::File::options().write(true).open(f.join("in/m.obj")).expect("m.obj");
+        file.set_modified(time).expect("a time can be set");
+    };
+    let up_to_date = || rebuilt(&f, "in/m.obj", &[]).0["up_to_date"].clone();
+    // A clock that is ahead of this one's.
+    stamp(1 << 32);
+    assert_eq!([up_to_date(), up_to_date()], [false, true]);
+    f.file("in/m.obj", grid(4));
+    stamp(1 << 32);
+    assert_eq!([up_to_date(), up_to_date()], [false, true]);
+    stamp(1 << 30);
+    assert_eq!(up_to_date(), true);
+}
+
+#[test]
+fn warnings_of_the_run_that_built_are_repeated() {
+    let f = Folder::new();
+    f.file("in/m.obj", format!("mtllib m.mtl\nusemtl a\n{}f 1 1 2\n", grid(3)));
+    let (built, said, _) = rebuilt(&f, "in/m.obj", &[]);
+    assert!(said.len() >= 2, "{said:?}");
+    let (report, again, _) = rebuilt(&f, "in/m.obj", &[]);
+    assert_eq!((&built["up_to_date"], &report["up_to_date"]), (&false.into(), &true.into()));
+    assert_eq!((&report["warnings"], again), (&built["warnings"], said));
+    assert!(report["warnings"].as_array().is_some_and(|all| all.len() >= 2), "{report}");
+}
+
 #[test]
 fn a_folder_is_verified_against_the_meshes_of_another() {
     let f = models();
@@ -280,6 +368,22 @@ fn make_builds_again_when_a_file_that_the_input_names_changes() {
     let library = std::fs::File::options().write(true).open(f.join("m.mtl")).expect("m.mtl");
     library.set_modified(later).expect("a time can be set");
     assert!(tool(&f, "make", &[]).is_some_and(|out| out.contains("build -q m.obj")));
+}
+
+#[test]
+fn make_builds_until_a_missing_file_has_come() {
+    let f = Folder::new();
+    f.file("m.obj", format!("mtllib m.mtl\n{}", grid(3)));
+    let build = format!("{} build -q m.obj -o $@ --depfile m.d --if-changed", crate::support::LODC);
+    f.file("Makefile", format!("m.lodc: m.obj\n\t{build}\n-include m.d\n"));
+    for _ in 0..2 {
+        let Some(out) = tool(&f, "make", &[]) else { return };
+        assert!(out.contains("build -q m.obj"), "{out}");
+    }
+    f.file("m.mtl", "newmtl a\n");
+    let out = tool(&f, "make", &[]).expect("make is there");
+    assert!(out.contains("build -q m.obj"), "{out}");
+    assert!(tool(&f, "make", &[]).is_some_and(|out| out.contains("up to date")));
 }
 
 #[test]

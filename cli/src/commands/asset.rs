@@ -14,11 +14,10 @@ use lodc::{
     build::{Known, Paints, ScenePaints, Size, measure_all, simplify_all},
     read_input,
 };
-use lodc_formats::appearance;
-use lodc_formats::{Assets, Document, ObjectInfo, Scene, Source};
+use lodc_formats::{Document, ObjectInfo, Scene, Sought, Source, appearance};
 use lodc_select::Target;
 use lodc_simplify::{MetricKind, Options};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 /// An asset whose levels can be taken out.
@@ -28,8 +27,8 @@ pub(crate) struct Asset {
     pub(crate) document: Document,
     /// True if the geometry was compressed.
     pub(crate) compressed: bool,
-    /// Every file that was read, for dependency files.
-    pub(crate) files_read: Vec<PathBuf>,
+    /// Every file that was looked for.
+    pub(crate) files: Sought,
     /// Messages about what was repaired, dropped or left out while reading.
     pub(crate) warnings: Vec<String>,
     /// The looks of the scene, if the metric saw them.
@@ -77,8 +76,7 @@ pub(crate) fn read_paints(
     document: &Document,
     infos: &[&ObjectInfo],
 ) -> Outcome<Arc<Paints>> {
-    let options = import.options();
-    let mut assets = Assets::new(input, &options.allowed, options.limits);
+    let mut assets = import.assets(input, None);
     let looks = appearance(document, infos, &mut assets);
     Ok(Arc::new(Paints::new(looks.map_err(|e| e.in_file(&input.display().to_string()))?)))
 }
@@ -140,7 +138,7 @@ pub(crate) fn read_showing(
             objects: file.objects,
             document: file.document,
             compressed: false,
-            files_read: vec![input.to_owned()],
+            files: Sought::only(input),
             warnings: file.left_out,
             paints: None,
         }),
@@ -184,7 +182,7 @@ fn simplified_showing(
     import.limits().check_memory(&name, size, &needs)?;
     let paints = ScenePaints::read(input, &import.options(), &scene, &options)?;
     let importance = importance(&scene, &options, &how.importance, how.parts.all())?;
-    let Scene { source, document, objects, mut warnings, mut files_read, compressed } = scene;
+    let Scene { source, document, objects, mut warnings, mut files, compressed } = scene;
     let known =
         Known { paints: paints.shown(), importance: &importance, document: &document, limits };
     let watch = stages.watched(progress);
@@ -193,7 +191,7 @@ fn simplified_showing(
         // Else the command says what it cannot show; the metric sees what there is.
         warnings.extend(paints.warnings);
     }
-    files_read.extend(paints.files_read);
+    files.extend(&paints.files);
     let simplified = match errors {
         Errors::Unused => simplified,
         Errors::Measured => measure_all(simplified, &document, &limits, &watch)?,
@@ -201,5 +199,5 @@ fn simplified_showing(
     let object = |(info, simplified)| LodObject { info, simplified, models: Vec::new() };
     let objects = simplified.into_iter().map(object).collect();
     let paints = paints.paints;
-    Ok(Asset { source, objects, document, compressed, files_read, warnings, paints })
+    Ok(Asset { source, objects, document, compressed, files, warnings, paints })
 }

@@ -33,11 +33,11 @@ pub(crate) fn run(args: &PageArgs) -> Outcome<Status> {
 
 /// The facts, and warnings about textures.
 fn facts<'a>(args: &PageArgs, shown: Shown<'a>) -> Outcome<(Facts<'a>, Vec<String>)> {
-    let Shown { asset, mut assets, title, stages } = shown;
+    let Shown { asset, assets, title, stages } = shown;
     let name = args.input.display().to_string();
     let options = args.import.options();
     let infos: Vec<&ObjectInfo> = asset.objects.iter().map(|o| &o.info).collect();
-    let looks = appearance(&asset.document, &infos, &mut assets).map_err(|e| e.in_file(&name))?;
+    let looks = appearance(&asset.document, &infos, assets).map_err(|e| e.in_file(&name))?;
     let graph =
         scene_graph(&asset.document, &infos, &options.limits).map_err(|e| e.in_file(&name))?;
     let arrangement = Arrangement::new(&graph, &graph.rest_pose(), infos.len());

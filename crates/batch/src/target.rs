@@ -1,8 +1,9 @@
 //! Where results go: a file, a folder or standard output; and rules of dependency files.
 
 use crate::error::AssetError;
+use lodc_formats::Sought;
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 /// Target of one result.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -166,30 +167,51 @@ fn not_written(path: &Path, why: &str) -> AssetError {
     AssetError::Output(format!("{}: not written: {why}", path.display()))
 }
 
-/// One rule of a dependency file: a result and the files it was made from.
+/// One rule of a dependency file: a result, the files it was made from, and those that were not
+/// there.
 #[derive(Clone, Debug)]
 pub struct Rule {
     /// The result.
     pub output: PathBuf,
     /// The files.
     pub inputs: Vec<PathBuf>,
+    /// Files that would have been read, had they been there.
+    pub absent: Vec<PathBuf>,
 }
 
 impl Rule {
-    /// The rule as Make reads it; what was read twice, as images for the metric are, stands once.
+    /// A rule of files that were looked for.
+    #[must_use]
+    pub fn new(output: &Path, files: &Sought) -> Self {
+        let absent = files.absent().into_iter().filter(|path| has_rule(path)).collect();
+        Self { output: output.to_owned(), inputs: files.read(), absent }
+    }
+
+    /// The rule as Make reads it; what was read twice stands once. A rule without inputs for each
+    /// file that is not there keeps Make from asking how to make it.
     #[must_use]
     pub fn text(&self) -> String {
         let (mut text, mut named) = (escaped(&self.output), BTreeSet::new());
         text.push(':');
-        for input in &self.inputs {
+        for input in self.inputs.iter().chain(&self.absent) {
             if !is_stream(input) && named.insert(input) {
                 text.push_str(" \\\n  ");
                 text.push_str(&escaped(input));
             }
         }
         text.push('\n');
+        let absent = self.absent.iter().collect::<BTreeSet<_>>();
+        text.extend(absent.into_iter().map(|path| format!("{}:\n", escaped(path))));
         text
     }
+}
+
+/// Returns whether a file that is not there can have a rule of its own, without which Make would
+/// stop: some characters mean something else in one, however they are written.
+fn has_rule(path: &Path) -> bool {
+    let plain =
+        |c: Component<'_>| !c.as_os_str().to_string_lossy().contains(['\\', '%', ':', '=', ';']);
+    path.components().all(|c| !matches!(c, Component::Normal(_)) || plain(c))
 }
 
 /// A path as Make reads it.
@@ -231,8 +253,17 @@ mod tests {
     #[test]
     fn a_rule_names_each_input_once() {
         let inputs = ["m.gltf", "a.png", "b.png", "a.png"].map(PathBuf::from).to_vec();
-        let text = Rule { output: "m.glb".into(), inputs }.text();
-        assert_eq!(text, "m.glb: \\\n  m.gltf \\\n  a.png \\\n  b.png\n");
+        let absent = vec!["c.png".into()];
+        let text = Rule { output: "m.glb".into(), inputs, absent }.text();
+        let named = "m.glb: \\\n  m.gltf \\\n  a.png \\\n  b.png \\\n  c.png\nc.png:\n";
+        assert_eq!(text, named);
+    }
+
+    #[test]
+    fn names_that_make_takes_for_something_else_are_no_rules() {
+        for (name, plain) in [("a/b c.png", true), ("a/%2e/b.mtl", false), ("a/..\\b.png", false)] {
+            assert_eq!(has_rule(Path::new(name)), plain, "{name}");
+        }
     }
 
     #[test]

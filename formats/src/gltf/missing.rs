@@ -58,14 +58,19 @@ pub(crate) fn gltf_without_missing(
 }
 
 /// A document with a mesh and a node for each object, whose numbers become those of this document.
-pub(crate) fn bare_gltf(infos: &mut [ObjectInfo]) -> GltfDocument {
+/// `targets` are the numbers of their morph targets.
+pub(crate) fn bare_gltf(infos: &mut [ObjectInfo], targets: &[usize]) -> GltfDocument {
     let mut meshes: Vec<Json> = Vec::new();
-    for (number, info) in (0..).zip(infos) {
+    for ((number, info), &targets) in (0..).zip(infos).zip(targets) {
         info.document_mesh = number;
         for (primitive, submesh) in (0..).zip(&mut info.submeshes) {
             submesh.document_primitive = primitive;
         }
-        let primitives: Json = info.submeshes.iter().map(|_| object! {}).collect();
+        let primitive = |_| match targets {
+            0 => object! {},
+            n => object! { "targets" => vec![object! {}; n] },
+        };
+        let primitives: Json = info.submeshes.iter().map(primitive).collect();
         meshes.push(object! { "name" => &*info.name, "primitives" => primitives });
     }
     let mut root = object! { "asset" => object! { "version" => "2.0", "generator" => "lodc" } };

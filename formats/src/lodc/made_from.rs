@@ -1,13 +1,12 @@
 //! Origin of a file's content, so that a later run can see whether the file is up to date: by the
-//! content of everything that it was made from, never by times.
+//! content of everything that it was made from, as it was read, never by times.
 
 use super::record::LIMIT;
 use super::{VERSION, key};
-use crate::{Fault, FormatError};
+use crate::{Assets, Fault, FormatError, Sought};
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
-use std::fs;
-use std::path::{Path, PathBuf};
-use std::time::SystemTime;
+use std::path::Path;
 
 /// Origin of a file's content: the optional section `MADE`.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -16,38 +15,62 @@ pub struct MadeFrom {
     /// options, the versions of program and format.
     pub key: u128,
     /// The files that the input names, relative to its folder, in the order in which the key
-    /// covers them.
+    /// covers them: also those that were looked for and not there.
     pub files: Vec<String>,
+    /// What the run that made the file had to say about its input.
+    pub warnings: Vec<String>,
 }
 
 impl MadeFrom {
-    /// The origin of a result of `input` and the other files that were read for it, with options
-    /// as text. None if that is not certain: an input that came as a stream (`-`), a file that has
-    /// changed since `start`.
+    /// The origin of a result of `input`, for which `files` were looked for, with options as text
+    /// and the warnings of the run. None if that is not certain: an input that came as a stream
+    /// (`-`), a file that was read twice and had changed.
     #[must_use]
-    pub fn of(input: &Path, files: &[PathBuf], options: &str, start: SystemTime) -> Option<Self> {
-        let settled =
-            |file: &Path| file.metadata().and_then(|m| m.modified()).is_ok_and(|t| t <= start);
-        let known = input.as_os_str() != "-" && settled(input);
-        if !known || !files.iter().all(|file| settled(file)) {
-            return None;
-        }
-        let others = files.iter().filter(|file| *file != input);
-        let named = |file: &PathBuf| {
-            let name = file.strip_prefix(folder(input)).unwrap_or(file);
-            name.to_string_lossy().into_owned()
+    pub fn of(input: &Path, files: &Sought, options: &str, warnings: &[String]) -> Option<Self> {
+        let mut all = Vec::new();
+        let mut part = |bytes: &[u8]| {
+            all.extend_from_slice(&(bytes.len() as u64).to_le_bytes());
+            all.extend_from_slice(bytes);
         };
-        let files: Vec<String> = others.map(named).collect();
-        Some(Self { key: hash(input, &files, options)?, files })
+        part(env!("CARGO_PKG_VERSION").as_bytes());
+        part(&VERSION.to_le_bytes());
+        part(options.as_bytes());
+        let folder = input.parent().unwrap_or(Path::new(""));
+        let mut names = Vec::new();
+        let mut has_input = false;
+        for (path, content) in files.contents()? {
+            if path == input {
+                has_input = content.is_some();
+            } else {
+                let name = path.strip_prefix(folder).unwrap_or(path).to_string_lossy();
+                part(name.as_bytes());
+                names.push(name.into_owned());
+            }
+            part(content.map(u128::to_le_bytes).as_ref().map_or(b"", |content| &content[..]));
+        }
+        let made = || Self { key: key(&all), files: names, warnings: warnings.to_vec() };
+        has_input.then(made)
     }
 
-    /// Returns every file of a result that is up to date, the input first; none if something has
-    /// changed or cannot be read.
+    /// Returns every file that was looked for, if each of them is still what it was, or still not
+    /// there. `assets` has the input as its main file and has read nothing.
     #[must_use]
-    pub fn unchanged(&self, input: &Path, options: &str) -> Option<Vec<PathBuf>> {
-        let same = hash(input, &self.files, options)? == self.key;
-        let others = self.files.iter().map(|name| folder(input).join(name));
-        same.then(|| std::iter::once(input.to_owned()).chain(others).collect())
+    pub fn unchanged(&self, input: &Path, assets: &Assets, options: &str) -> Option<Sought> {
+        if input.as_os_str() == "-" {
+            return None;
+        }
+        let mut main = assets.clone();
+        main.read_main().ok()?;
+        let mut files = main.files().clone();
+        for name in &self.files {
+            // Each by itself: the limit of all together is for those that a build reads at once.
+            let mut assets = assets.clone();
+            // What cannot be read counts as well.
+            let _ = assets.read_reference(name);
+            files.extend(assets.files());
+        }
+        let now = Self::of(input, &files, options, &self.warnings)?;
+        (now == *self).then_some(files)
     }
 
     pub(super) fn bytes(&self) -> Vec<u8> {
@@ -55,33 +78,23 @@ impl MadeFrom {
             .expect("plain data can be written to memory")
     }
 
-    /// Reads the section; what follows the known fields belongs to later versions.
+    /// Reads the section; what follows the known fields belongs to later versions. The first files
+    /// of this version have no warnings.
     pub(super) fn read(bytes: &[u8]) -> Result<Self, FormatError> {
-        let config = bincode::config::legacy().with_limit::<LIMIT>();
-        bincode::serde::decode_from_slice(bytes, config).map(|(made, _)| made).map_err(|e| {
-            FormatError::new(Fault::Malformed, "section MADE", format!("cannot be decoded: {e}"))
-        })
+        let ((key, files), used) = decoded(bytes)?;
+        let rest = &bytes[used..];
+        let warnings = if rest.is_empty() { Vec::new() } else { decoded(rest)?.0 };
+        Ok(Self { key, files, warnings })
     }
 }
 
-/// A hash of program, format, options and the content of all files; none if one cannot be read.
-fn hash(input: &Path, names: &[String], options: &str) -> Option<u128> {
-    let mut all = Vec::new();
-    let mut part = |bytes: &[u8]| {
-        all.extend_from_slice(&(bytes.len() as u64).to_le_bytes());
-        all.extend_from_slice(bytes);
-    };
-    part(env!("CARGO_PKG_VERSION").as_bytes());
-    part(&VERSION.to_le_bytes());
-    part(options.as_bytes());
-    part(&key(&fs::read(input).ok()?).to_le_bytes());
-    for name in names {
-        part(name.as_bytes());
-        part(&key(&fs::read(folder(input).join(name)).ok()?).to_le_bytes());
-    }
-    Some(key(&all))
+fn decoded<T: DeserializeOwned>(bytes: &[u8]) -> Result<(T, usize), FormatError> {
+    let config = bincode::config::legacy().with_limit::<LIMIT>();
+    bincode::serde::decode_from_slice(bytes, config).map_err(|e| {
+        FormatError::new(Fault::Malformed, "section MADE", format!("cannot be decoded: {e}"))
+    })
 }
 
-fn folder(input: &Path) -> &Path {
-    input.parent().unwrap_or(Path::new(""))
-}
+#[cfg(test)]
+#[path = "made_from_tests.rs"]
+mod tests;

@@ -1,9 +1,13 @@
 //! The scene of a prefix: what has come of the document, fit to be written with the meshes so far.
 
-use super::received::Received;
+use super::received::{Received, ReceivedObject};
 use crate::gltf::{bare_gltf, gltf_without_missing};
 use crate::{Document, FormatError, ObjDocument, ObjectInfo, SourceFormat};
 use std::borrow::Cow;
+
+/// Morph targets of an object's submeshes together that a prefix is written with before the
+/// document has said how many there are: a crafted header may name any number.
+const MOST_TARGETS: usize = 1 << 20;
 
 /// The document and the names of a prefix.
 #[derive(Clone, Debug)]
@@ -27,19 +31,29 @@ impl<'a> Arrived<'a> {
         {
             return Ok(Self { document: Cow::Owned(Document::Gltf(document)), infos, left_out });
         }
-        Ok(Self::bare(infos, received.head.format))
+        let targets: Vec<usize> = received.objects.iter().map(morph_targets).collect();
+        Ok(Self::bare(infos, &targets, received.head.format))
     }
 
     /// A document that shows each object once and has nothing else.
-    fn bare(mut infos: Vec<ObjectInfo>, format: SourceFormat) -> Self {
+    fn bare(mut infos: Vec<ObjectInfo>, targets: &[usize], format: SourceFormat) -> Self {
         let what = match format {
             SourceFormat::Obj => "names and materials",
             _ => "names, nodes, materials, textures, skins and animations",
         };
         let document = match format {
             SourceFormat::Obj => Document::Obj(ObjDocument::default()),
-            _ => Document::Gltf(bare_gltf(&mut infos)),
+            _ => Document::Gltf(bare_gltf(&mut infos, targets)),
         };
         Self { document: Cow::Owned(document), infos, left_out: vec![what.to_owned()] }
     }
+}
+
+/// Returns how many morph targets each submesh of an object has: as many as its vertices have
+/// streams for, or none where that is too much.
+fn morph_targets(object: &ReceivedObject) -> usize {
+    let header = object.decoder.header();
+    let last = header.attributes.iter().filter_map(|a| a.morph_target).max();
+    let number = last.map_or(0, |last| last as usize + 1);
+    if number.saturating_mul(header.submeshes.len()) > MOST_TARGETS { 0 } else { number }
 }

@@ -13,18 +13,17 @@ use lodc::{LodFile, LodObject, write};
 use lodc_assets::Parts;
 use lodc_formats::images::Textures;
 use lodc_formats::lodc::MadeFrom;
-use lodc_formats::{Assets, Document, Scene, import};
+use lodc_formats::{Document, Scene, Sought, import};
 use lodc_lod::ModelKind;
 use lodc_simplify::Options;
-use std::path::{Path, PathBuf};
-use std::time::SystemTime;
+use std::path::Path;
 
 /// The result of a build.
 pub(super) struct BuildOutput {
     pub(super) file: LodFile,
     /// Bytes of the file.
     pub(super) bytes: usize,
-    pub(super) files_read: Vec<PathBuf>,
+    pub(super) files: Sought,
 }
 
 /// Makes one file. `report` is filled in as far as the work gets.
@@ -36,7 +35,6 @@ pub(super) fn make(
     progress: &Progress,
     report: &mut InputReport,
 ) -> Outcome<BuildOutput> {
-    let start = SystemTime::now();
     progress.stage("import");
     let scene = stages.run("import", || import::import(input, &args.import.options()))?;
     report.warnings.clone_from(&scene.warnings);
@@ -48,18 +46,15 @@ pub(super) fn make(
     check_memory(args, input, size, &options, &kinds)?;
     let paints = ScenePaints::read(input, &args.import.options(), &scene, &options)?;
     let importance = importance(&scene, &options, &args.importance, args.parts.all())?;
-    let Scene { source, document, objects, mut files_read, .. } = scene;
+    let Scene { source, document, objects, mut files, .. } = scene;
     let limits = args.import.options().limits;
     let seen = paints.shown();
     let known = Known { paints: seen, importance: &importance, document: &document, limits };
     let watch = stages.watched(progress);
     let simplified = simplify_all(objects, &options, known, &watch)?;
     report.warnings.extend(paints.warnings);
-    for image in paints.files_read.into_iter().chain(images(args, input, &document)?) {
-        if !files_read.contains(&image) {
-            files_read.push(image);
-        }
-    }
+    files.extend(&paints.files);
+    files.extend(&images(args, input, &document)?);
     let simplified = measure_all(simplified, &document, &limits, &watch)?;
 
     let bug = |error: lodc::Error| {
@@ -73,7 +68,7 @@ pub(super) fn make(
     check_models(&objects, &watch).map_err(bug)?;
 
     progress.stage("write");
-    let made_from = MadeFrom::of(input, &files_read, &args.resolved, start);
+    let made_from = MadeFrom::of(input, &files, &args.resolved, &report.warnings);
     let layout = args.models.layout();
     let file = LodFile { source, document, objects, layout, made_from, left_out: vec![] };
     let bytes = stages.run("write", || {
@@ -82,16 +77,15 @@ pub(super) fn make(
         output::write(target, bytes).map(|()| length)
     })?;
     report.bytes = Some(bytes as u64);
-    Ok(BuildOutput { file, bytes, files_read })
+    Ok(BuildOutput { file, bytes, files })
 }
 
-/// Returns the image files that a document names and that are there: a file is up to date only
-/// with those that its levels are shown with.
-fn images(args: &BuildArgs, input: &Path, document: &Document) -> Outcome<Vec<PathBuf>> {
-    let import = args.import.options();
-    let mut assets = Assets::new(input, &import.allowed, import.limits);
+/// Looks for the image files that a document names: a file is up to date only with those that its
+/// levels are shown with.
+fn images(args: &BuildArgs, input: &Path, document: &Document) -> Outcome<Sought> {
+    let mut assets = args.import.assets(input, None);
     Textures::read(document, &mut assets).map_err(|e| e.in_file(&input.display().to_string()))?;
-    Ok(assets.files_read().to_vec())
+    Ok(assets.files().clone())
 }
 
 /// Checks that the work on a scene fits into memory.

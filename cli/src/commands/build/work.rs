@@ -95,8 +95,9 @@ fn one(
     let result = each::guarded(input, || {
         let (args, target) = options.ready(asset)?;
         report.output = target.name();
-        if let Some(rule) = fresh(args, input, target) {
-            report.up_to_date = true;
+        if let Some((rule, warnings)) = fresh(args, input, target) {
+            (report.up_to_date, report.warnings) = (true, warnings);
+            warn(&report);
             return Ok(Some(rule));
         }
         let progress = bar.of_asset(&report.input);
@@ -115,16 +116,17 @@ fn one(
     Done { report, rule, status }
 }
 
-/// The rule of a result that is up to date, if that was asked for and it is.
-fn fresh(args: &BuildArgs, input: &Path, target: &Target) -> Option<Rule> {
+/// The rule of a result that is up to date, with the warnings of the run that made it, if that was
+/// asked for and it is.
+fn fresh(args: &BuildArgs, input: &Path, target: &Target) -> Option<(Rule, Vec<String>)> {
     let Target::File(path) = target else { return None };
     if !args.if_changed {
         return None;
     }
     // A damaged result, or one that does not say, is made again.
     let made = lodc::made_from(&std::fs::read(path).ok()?).ok()??;
-    let inputs = made.unchanged(input, &args.resolved)?;
-    Some(Rule { output: path.clone(), inputs })
+    let files = made.unchanged(input, &args.import.assets(input, None), &args.resolved)?;
+    Some((Rule::new(path, &files), made.warnings))
 }
 
 fn build(
@@ -139,9 +141,7 @@ fn build(
     crate::memory::reset_peak();
     let made = pipeline::make(args, input, target, &mut stages, progress, report);
     report.peak_bytes = crate::memory::peak_bytes();
-    for warning in &report.warnings {
-        console::warning(&report.input, warning);
-    }
+    warn(report);
     let seconds = stages.seconds();
     report.stages = stages.into_reports();
     let made = made?;
@@ -152,5 +152,9 @@ fn build(
         summary::print(&made, target, seconds);
     }
     let Target::File(path) = target else { return Ok(None) };
-    Ok(Some(Rule { output: path.clone(), inputs: made.files_read }))
+    Ok(Some(Rule::new(path, &made.files)))
+}
+
+fn warn(report: &InputReport) {
+    report.warnings.iter().for_each(|warning| console::warning(&report.input, warning));
 }

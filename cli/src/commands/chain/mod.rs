@@ -23,8 +23,8 @@ use crate::stages::Stages;
 use clap::Args;
 use levels::{Level, LevelArgs};
 use lodc::scene_levels;
-use lodc_formats::OutputFile;
 use lodc_formats::export::{LevelFacts, Provenance};
+use lodc_formats::{OutputFile, Sought};
 use std::path::{Path, PathBuf};
 
 /// Options of `chain`.
@@ -148,7 +148,7 @@ fn chain(
     let textures = stages.run("textures", || {
         args.export.textures.placed(&asset.document, input, import, &target, format)
     });
-    let (textures, images_read) = textures?;
+    let (textures, images) = textures?;
     warnings.extend_from_slice(&textures.warnings);
     let packing = args.export.compress.wanted(format, asset.compressed)?;
     let additions = packing.additions(textures, None);
@@ -163,7 +163,9 @@ fn chain(
     progress.clear();
     let name = input.display().to_string();
     warnings.iter().for_each(|warning| console::warning(&name, warning));
-    let rules = rules(&made, &[asset.files_read, images_read].concat());
+    let mut files = asset.files;
+    files.extend(&images);
+    let rules = rules(&made, &files);
     Ok(Made { report: summary::report(name, &levels, &made, warnings), rules })
 }
 
@@ -190,8 +192,8 @@ fn provenance(args: &ChainArgs, asset: &asset::Asset, levels: &[Level]) -> Prove
 }
 
 /// A rule for each file with levels.
-fn rules(made: &Files, inputs: &[PathBuf]) -> Vec<Rule> {
+fn rules(made: &Files, files: &Sought) -> Vec<Rule> {
     let mut outputs = made.of_level.clone();
     outputs.dedup();
-    outputs.into_iter().map(|output| Rule { output, inputs: inputs.to_owned() }).collect()
+    outputs.iter().map(|output| Rule::new(output, files)).collect()
 }

@@ -49,7 +49,7 @@ pub(super) fn extract(
     let textures = stages.run("textures", || {
         args.export.textures.placed(&asset.document, input, &args.export.import, target, format)
     });
-    let (textures, images_read) = textures?;
+    let (textures, images) = textures?;
     let mut report = report(args, input, &asset, &level, target);
     report.warnings.extend_from_slice(&textures.warnings);
     let provenance = Some(provenance(&asset, &report));
@@ -60,11 +60,10 @@ pub(super) fn extract(
     })?;
     stages.run("write", || mesh_output::write(target, files))?;
     progress.clear();
+    let mut files = asset.files;
+    files.extend(&images);
     let rules = match target {
-        Target::File(path) => {
-            let inputs = [asset.files_read, images_read].concat();
-            vec![Rule { output: path.clone(), inputs }]
-        }
+        Target::File(path) => vec![Rule::new(path, &files)],
         Target::Stdout => vec![],
     };
     Ok(Made { report, rules })

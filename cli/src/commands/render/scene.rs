@@ -8,7 +8,7 @@ use crate::exit::{Failure, Outcome, Status};
 use crate::stages::Stages;
 use lodc::{Input, read_input};
 use lodc_formats::appearance;
-use lodc_formats::{Assets, Document, Scene, scene_graph};
+use lodc_formats::{Document, Scene, scene_graph};
 use lodc_scene::{Appearance, Arrangement};
 
 /// More triangles than this, instances counted, are not drawn in one picture.
@@ -39,11 +39,8 @@ pub(super) fn read(args: &RenderArgs, stages: &mut Stages) -> Outcome<Shown> {
         Input::Scene(scene) => of_scene(args, scene, stages)?,
     };
     let infos = objects.infos();
-    // Only the folder of that path counts: textures are looked for there.
-    let beside =
-        args.textures.as_ref().map_or_else(|| args.input.clone(), |folder| folder.join("-"));
     let name = args.input.display().to_string();
-    let mut assets = Assets::new(&beside, &options.allowed, options.limits);
+    let mut assets = args.import.assets(&args.input, args.textures.as_ref());
     let looks = stages
         .run("textures", || appearance(&document, &infos, &mut assets))
         .map_err(|e| e.in_file(&name))?;

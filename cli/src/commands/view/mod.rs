@@ -61,14 +61,14 @@ pub(super) struct Page {
 /// An asset for a page, and the files that it refers to.
 pub(super) struct Shown<'a> {
     pub(super) asset: &'a Asset,
-    pub(super) assets: Assets,
+    pub(super) assets: &'a mut Assets,
     pub(super) title: String,
     pub(super) stages: &'a mut Stages,
 }
 
 pub(crate) fn run(args: &PageArgs) -> Outcome<()> {
-    write(args, |Shown { asset, mut assets, title, stages }| {
-        let (glb, warnings) = stages.run("export", || model(args, asset, &mut assets))?;
+    write(args, |Shown { asset, assets, title, stages }| {
+        let (glb, warnings) = stages.run("export", || model(args, asset, assets))?;
         let text = stages.run("page", || page::page(&title, &glb));
         let triangles = asset.objects.iter().map(|o| o.simplified.mesh().triangles().len() as u64);
         let shown = format!("{}, ", count(triangles.sum(), "triangle"));
@@ -87,19 +87,17 @@ pub(super) fn write<R>(
     let target = target(args)?;
     let mut stages = Stages::default();
     let asset = asset::read(&args.input, &args.import, &args.simplify, &mut stages)?;
-    let options = args.import.options();
-    // Only the folder of that path counts: textures are looked for there.
-    let beside =
-        args.textures.as_ref().map_or_else(|| args.input.clone(), |folder| folder.join("-"));
-    let assets = Assets::new(&beside, &options.allowed, options.limits);
+    let mut assets = args.import.assets(&args.input, args.textures.as_ref());
     let title = args.title.clone().unwrap_or_else(|| title(&args.input));
-    let shown = Shown { asset: &asset, assets, title, stages: &mut stages };
+    let shown = Shown { asset: &asset, assets: &mut assets, title, stages: &mut stages };
     let (Page { text, warnings, facts: [before, after] }, result) = make(shown)?;
     let (length, path) = (text.len() as u64, PathBuf::from(target.name()));
     let file = OutputFile { path: path.clone(), bytes: text.into_bytes() };
     stages.run("write", || mesh_output::write(&target, vec![file]))?;
     if let Some(depfile) = &args.depfile {
-        output::write_depfile(depfile, &[Rule { output: path, inputs: asset.files_read }])?;
+        let mut files = asset.files;
+        files.extend(assets.files());
+        output::write_depfile(depfile, &[Rule::new(&path, &files)])?;
     }
     let name = args.input.display().to_string();
     for warning in asset.warnings.iter().chain(&warnings) {

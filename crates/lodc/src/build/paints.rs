@@ -1,11 +1,11 @@
 //! The colours of a scene's objects, for all that sees them.
 
 use lodc_formats::import::ImportOptions;
-use lodc_formats::{Assets, FormatError, ObjectInfo, Scene, appearance};
+use lodc_formats::{Assets, FormatError, ObjectInfo, Scene, Sought, appearance};
 use lodc_measure::Pyramid;
 use lodc_scene::Appearance;
 use lodc_simplify::{MetricKind, Options, SurfaceColours};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 /// The colours of a scene, if a metric sees them.
@@ -13,8 +13,8 @@ use std::sync::Arc;
 pub struct ScenePaints {
     /// The colours.
     pub paints: Option<Arc<Paints>>,
-    /// The image files they are in.
-    pub files_read: Vec<PathBuf>,
+    /// The image files that were looked for.
+    pub files: Sought,
     /// One line for each image that could not be read.
     pub warnings: Vec<String>,
 }
@@ -40,8 +40,8 @@ impl ScenePaints {
         let looks = appearance(&scene.document, &infos, &mut assets)
             .map_err(|e| e.in_file(&input.display().to_string()))?;
         let warnings = looks.warnings.clone();
-        let files_read = assets.files_read().to_vec();
-        Ok(Self { paints: Some(Arc::new(Paints::new(looks))), files_read, warnings })
+        let files = assets.files().clone();
+        Ok(Self { paints: Some(Arc::new(Paints::new(looks))), files, warnings })
     }
 
     /// The colours, if a metric sees them.

@@ -82,7 +82,7 @@ pub(crate) fn import(
         document: Document::Gltf(document),
         objects,
         warnings,
-        files_read: assets.files_read().to_vec(),
+        files: assets.files().clone(),
         compressed,
     })
 }

@@ -6,6 +6,7 @@ mod geometry_first;
 mod golden;
 mod hubs;
 mod points;
+mod prefixes;
 mod quantize;
 
 use super::block::{self, Block, FILE_HEADER, Parsed};

@@ -87,7 +87,11 @@ fn find(library: &str, assets: &mut Assets) -> Result<Vec<Vec<u8>>, FormatError>
     let turned = library.replace('\\', "/");
     let mut read = |name: &str| match assets.read_reference(name) {
         Err(e) if e.fault == Fault::Unreadable && name.contains('\\') => {
-            assets.read_reference(&name.replace('\\', "/"))
+            let turned = assets.read_reference(&name.replace('\\', "/"));
+            if turned.is_ok() {
+                assets.substitute(name);
+            }
+            turned
         }
         other => other,
     };
@@ -98,7 +102,14 @@ fn find(library: &str, assets: &mut Assets) -> Result<Vec<Vec<u8>>, FormatError>
         return whole.map(|bytes| vec![bytes]);
     }
     // `mtllib a.mtl b.mtl`. If any of them is missing, the message about the whole is as good.
-    names.into_iter().map(read).collect::<Result<_, _>>().or(whole.map(|bytes| vec![bytes]))
+    match names.into_iter().map(read).collect() {
+        Ok(all) => {
+            assets.substitute(library);
+            assets.substitute(&turned);
+            Ok(all)
+        }
+        Err(_) => whole.map(|bytes| vec![bytes]),
+    }
 }
 
 /// Lines as text; a backslash at the end of one joins the next to it.

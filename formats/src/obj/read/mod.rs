@@ -67,7 +67,7 @@ pub(crate) fn import(
         document: Document::Obj(ObjDocument { libraries, materials: materials.list }),
         objects: vec![SceneObject { info, mesh, source_positions }],
         warnings,
-        files_read: assets.files_read().to_vec(),
+        files: assets.files().clone(),
         compressed: false,
     })
 }

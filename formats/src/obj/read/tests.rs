@@ -98,7 +98,7 @@ fn libraries_are_read_from_the_own_folder_only() {
     {
         let scene = read(found);
         assert_eq!(names(&scene), ["red"], "{found}: {:?}", scene.warnings);
-        assert_eq!(scene.files_read.len(), 2, "{found}");
+        assert_eq!(scene.files.read().len(), 2, "{found}");
         assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
     }
     let absolute = format!("mtllib {}\n", scratch.path("secret.mtl").display());
@@ -124,9 +124,9 @@ fn libraries_are_read_from_the_own_folder_only() {
         assert!(warned(&scene, "was not read"), "{lost}: {:?}", scene.warnings);
         assert!(warned(&scene, "1 materials are used but not defined (first `red`)"), "{lost}");
         assert!(
-            scene.files_read.iter().all(|f| f.starts_with(scratch.path("asset"))),
+            scene.files.read().iter().all(|f| f.starts_with(scratch.path("asset"))),
             "{:?}",
-            scene.files_read
+            scene.files.read()
         );
     }
     assert_eq!(names(&read("mtllib c.mtl\nmtllib sub/a b.mtl\n")), ["blue", "red"]);

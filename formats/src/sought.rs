@@ -1,0 +1,89 @@
+//! Files that were looked for: the content that each was read with, or that it was not there.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use xxhash_rust::xxh3::xxh3_128;
+
+/// Files that were looked for, each once, in the order of the first look.
+#[derive(Clone, Debug, Default)]
+pub struct Sought {
+    files: Vec<File>,
+    /// The number of each file: a document may name any number of files that are not there.
+    numbers: BTreeMap<PathBuf, usize>,
+    has_changed: bool,
+}
+
+#[derive(Clone, Debug)]
+struct File {
+    path: PathBuf,
+    /// XXH3-128 of the bytes that were read; none if there were none to read.
+    content: Option<u128>,
+    /// Another file did as well.
+    has_substitute: bool,
+}
+
+impl Sought {
+    /// A file whose content does not matter.
+    #[must_use]
+    pub fn only(path: &Path) -> Self {
+        let mut files = Self::default();
+        files.add(path, Some(0));
+        files
+    }
+
+    /// Every file that was read.
+    #[must_use]
+    pub fn read(&self) -> Vec<PathBuf> {
+        let read = self.files.iter().filter(|f| f.content.is_some());
+        read.map(|f| f.path.clone()).collect()
+    }
+
+    /// Every file that was not there, or could not be read, and in whose place no other was.
+    #[must_use]
+    pub fn absent(&self) -> Vec<PathBuf> {
+        let absent = self.files.iter().filter(|f| f.content.is_none() && !f.has_substitute);
+        absent.map(|f| f.path.clone()).collect()
+    }
+
+    /// Every file with a hash of the content that it was read with; none if one of them was found
+    /// to be something else at another time.
+    pub(crate) fn contents(&self) -> Option<impl Iterator<Item = (&Path, Option<u128>)>> {
+        (!self.has_changed).then(|| self.files.iter().map(|f| (f.path.as_path(), f.content)))
+    }
+
+    /// Adds what others have looked for.
+    pub fn extend(&mut self, others: &Self) {
+        self.has_changed |= others.has_changed;
+        for file in &others.files {
+            self.add(&file.path, file.content);
+            if file.has_substitute {
+                self.substitute(&file.path);
+            }
+        }
+    }
+
+    pub(crate) fn add_read(&mut self, path: &Path, bytes: &[u8]) {
+        self.add(path, Some(xxh3_128(bytes)));
+    }
+
+    pub(crate) fn add_absent(&mut self, path: &Path) {
+        self.add(path, None);
+    }
+
+    /// Notes that another file was found in the place of one that is not there.
+    pub(crate) fn substitute(&mut self, path: &Path) {
+        if let Some(&number) = self.numbers.get(path) {
+            self.files[number].has_substitute = true;
+        }
+    }
+
+    fn add(&mut self, path: &Path, content: Option<u128>) {
+        if let Some(&number) = self.numbers.get(path) {
+            self.has_changed |= self.files[number].content != content;
+            return;
+        }
+        let path = path.to_owned();
+        self.numbers.insert(path.clone(), self.files.len());
+        self.files.push(File { path, content, has_substitute: false });
+    }
+}
