@@ -149,7 +149,7 @@ const DRAWING: &[(&str, &[&str])] = &[
             "serde_json",
         ],
     ),
-    ("crates/web", &["lodc-formats"]),
+    ("crates/web", &["lodc-formats", "lodc-scene", "lodc-select"]),
     (
         "cli",
         &[

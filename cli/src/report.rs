@@ -2,6 +2,7 @@
 //! none may change.
 
 use indexmap::IndexMap;
+use lodc_report::Gone;
 use serde::Serialize;
 
 /// `build --report json`.
@@ -119,6 +120,8 @@ pub(crate) struct ChainLevel {
     pub(crate) rms: Option<f64>,
     /// The distance that the level was chosen for; null unless pixels were asked for.
     pub(crate) distance: Option<f64>,
+    /// What it no longer shows.
+    pub(crate) gone: Vec<Gone>,
     /// The file with the level.
     pub(crate) output: String,
 }
@@ -244,6 +247,8 @@ pub(crate) struct ExtractReport {
     pub(crate) input: String,
     pub(crate) model: &'static str,
     pub(crate) objects: Vec<ExtractedObject>,
+    /// What the level no longer shows; null in a view.
+    pub(crate) gone: Option<Vec<Gone>>,
     pub(crate) warnings: Vec<String>,
 }
 

@@ -170,3 +170,17 @@ fn wishes_that_make_no_sense_are_refused() {
     }
     f.lodc(["chain", "gone.glb", "-o", "c.glb"]).fails(3);
 }
+
+#[test]
+fn a_level_that_shows_less_says_what_is_gone() {
+    let f = Folder::new();
+    let pane = "v 30 0 0\nv 36 0 0\nv 36 6 0\nv 30 6 0\nf -4 -3 -2 -1\n";
+    f.file("w.obj", grid(12) + pane);
+    let run = f.lodc(["chain", "w.obj", "-o", "w.glb", "--levels", "100%,1%", "--json"]).ends(0);
+    let report = run.json();
+    let levels = report["levels"].as_array().expect("levels");
+    assert_eq!(levels[0]["gone"], serde_json::json!([]));
+    let last = levels[1]["gone"].as_array().and_then(|gone| gone.last()).expect("something");
+    assert_eq!(last["kind"], "surface");
+    assert!(run.err.contains("level 1: ") && run.err.contains("is gone"), "{}", run.err);
+}

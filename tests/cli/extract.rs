@@ -57,7 +57,7 @@ fn an_object_with_triangles_never_comes_back_empty() {
         assert!(run.json()["triangles"].as_u64() > Some(0), "{selector:?}");
         // No level without a triangle is within any error, so that an error is met as it stands.
         let stopped = selector[0] != "--error";
-        assert_eq!(run.err.contains("warning"), stopped, "{selector:?}: {}", run.err);
+        assert_eq!(run.err.contains("stopped at"), stopped, "{selector:?}: {}", run.err);
     }
     let last = extracted(&f, &["--lod", "4000000000"]);
     assert_eq!(last["triangles"], 0, "a record number is taken literally");
@@ -186,4 +186,39 @@ fn a_whole_gltf_scene_comes_back() {
     assert_eq!(half["nodes"][1]["translation"][0], 20.0);
     assert!(f.has("half.bin") || f.names().iter().any(|n| n.ends_with(".bin")), "{:?}", f.names());
     f.lodc(["build", "half.gltf", "-q"]).ends(0);
+}
+
+/// A wall of one material and, far beside it, a pane of another, which goes first.
+fn wall_and_pane() -> String {
+    let wall = grid(12).replacen("f ", "usemtl wall\nf ", 1);
+    let pane = "v 30 0 0\nv 36 0 0\nv 36 6 0\nv 30 6 0\nusemtl pane\nf -4 -3 -2 -1\n";
+    wall + pane
+}
+
+#[test]
+fn a_level_names_what_it_no_longer_shows() {
+    let f = built("w.obj", &wall_and_pane());
+    let report = |input: &str, level: &[&str]| {
+        let args = ["extract", input, "-o", "l.glb", "--json"];
+        let run = f.lodc(args.iter().chain(level)).ends(0);
+        (run.json()["gone"].clone(), run.err)
+    };
+    let (gone, _) = report("m.lodc", &["--ratio", "50%"]);
+    assert_eq!(gone, serde_json::json!([]));
+    let (gone, warned) = report("m.lodc", &["--triangles", "1"]);
+    let kinds: Vec<_> = gone.as_array().expect("a list").iter().map(|g| &g["kind"]).collect();
+    assert!(kinds.iter().any(|kind| *kind == "material"), "{gone}");
+    assert!(kinds.iter().any(|kind| *kind == "surface"), "{gone}");
+    assert!(warned.contains("of the visible surface is gone"), "{warned}");
+    // Of a scene whose objects have lost all their triangles.
+    f.file("scene.gltf", scene(&[1.0, 2.0], 8));
+    let (gone, warned) = report("scene.gltf", &["--lod", "999999", "--per-object"]);
+    let named =
+        |kind: &str, name: Value| serde_json::json!({"kind": kind, "name": name, "share": 1.0});
+    let object = |name: &str| named("object", name.into());
+    assert_eq!(
+        gone,
+        serde_json::json!([object("grid0"), object("grid1"), named("surface", Value::Null)])
+    );
+    assert!(warned.contains("the object grid0 is gone"), "{warned}");
 }

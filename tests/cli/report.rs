@@ -19,8 +19,18 @@ fn a_report_shows_levels_charts_storage_and_checks() {
     {
         assert!(page.contains(word), "{word}");
     }
-    // Four sides of six levels, and of all but the input also the distance from it.
-    assert_eq!(page.matches("src=\"data:image/png;base64,").count(), 4 * 6 + 4 * 5);
+    // Four sides of six levels, and of all but the input also the distance from it and back.
+    assert_eq!(page.matches("src=\"data:image/png;base64,").count(), 4 * 6 + 2 * 4 * 5);
+    assert_eq!(page.matches("distance of the input from").count(), 4 * 5);
+    // Colours end where the error does, and the last level says what it does not show.
+    let quarter = page.split("<h3>25 %</h3>").nth(1).expect("a level");
+    let between = |before: &str, after: char| {
+        let (_, rest) = quarter.split_once(before).expect("it is there");
+        rest.split(after).next().expect("text").to_owned()
+    };
+    let error = between("<dt>Error</dt><dd>", ' ');
+    assert_eq!(between("<i></i><span>", '<'), error);
+    assert!(page.contains("of the visible surface is gone"));
     assert_eq!(page.matches("class=\"curve\"").count(), 2);
     assert!(!page.contains("http") && !page.contains("<script"), "it needs no network, no script");
     assert!(!page.contains("different"), "a check failed");

@@ -41,18 +41,24 @@ fn a_browser_shows_the_levels_that_extract_gives() {
 fn a_browser_finds_levels_by_triangles_and_by_error_as_extract_does() {
     let Some(browser) = Browser::find() else { return };
     let f = Folder::new();
-    f.lodc(["build", PART, "-o", "m.lodc", "-q"]).ends(0);
-    f.lodc(["view", "m.lodc", "-o", "view.html", "-q"]).ends(0);
-    for (option, key, value) in [
-        ("--triangles", "triangles", "100"),
-        ("--error", "error", "0.5"),
-        ("--error", "error", "0"),
-    ] {
-        let args = ["extract", "m.lodc", option, value, "-o", "l.glb", "--json", "-q"];
-        let report = f.lodc(args).ends(0).json();
-        let page = browser.attributes(&f.join("view.html"), &format!("{key}={value}"));
-        assert_eq!(page["data-triangles"], report["triangles"].to_string(), "{key} {value}");
-        assert_eq!(page["data-lod"], report["lod"].to_string(), "{key} {value}");
+    // Objects of one shape at several scales: the common error asks for other levels of them than
+    // the order over objects does.
+    f.file("scene.gltf", scene(&[1.0, 4.0, 0.5], 12));
+    for (input, counts) in [(PART, ["100", "9"]), ("scene.gltf", ["400", "97"])] {
+        f.lodc(["build", input, "-o", "m.lodc", "-q"]).ends(0);
+        f.lodc(["view", "m.lodc", "-o", "view.html", "-q"]).ends(0);
+        let counts = counts.map(|count| ("triangles", count));
+        for (key, value) in counts.into_iter().chain([("error", "0.5"), ("error", "0")]) {
+            let option = format!("--{key}");
+            let args = ["extract", "m.lodc", &option, value, "-o", "l.glb", "--json", "-q"];
+            let report = f.lodc(args).ends(0).json();
+            let page = browser.attributes(&f.join("view.html"), &format!("{key}={value}"));
+            let what = format!("{input}: {key} {value}");
+            assert_eq!(page["data-triangles"], report["triangles"].to_string(), "{what}");
+            let objects = report["objects"].as_array().expect("objects");
+            let lods: Vec<String> = objects.iter().map(|o| o["lod"].to_string()).collect();
+            assert_eq!(page["data-lods"], lods.join(" "), "{what}");
+        }
     }
 }
 

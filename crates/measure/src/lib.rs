@@ -22,6 +22,7 @@
 //! ```
 
 mod baseline;
+mod beyond;
 mod colours;
 mod distance;
 mod field;
@@ -35,6 +36,7 @@ mod surface;
 mod texture;
 
 pub use baseline::{Numbers, Recorded, Worse};
+pub use beyond::share_beyond;
 pub use colours::{distinct, heat};
 pub use distance::{Distances, Original, Sampling, distances, farther_than};
 pub use field::DistanceField;

@@ -10,14 +10,27 @@ const FINEST: usize = 7;
 
 /// `count` points, one in each of as many slices of equal area, with their triangles.
 pub(crate) fn over_area(surface: &Surface, count: usize, seed: u64) -> Vec<(DVec3, u32)> {
+    let area = |t| {
+        let [a, b, c] = surface.corners(t);
+        (b - a).cross(c - a).length()
+    };
+    let areas: Vec<f64> = (0..surface.triangles.len()).map(area).collect();
+    over_weights(surface, &areas, count, seed)
+}
+
+/// The same with slices of equal weight; the weight of a triangle lies evenly on it.
+pub(crate) fn over_weights(
+    surface: &Surface,
+    weights: &[f64],
+    count: usize,
+    seed: u64,
+) -> Vec<(DVec3, u32)> {
     let mut sum = 0.0;
-    let sums: Vec<f64> = (0..surface.triangles.len())
-        .map(|t| {
-            let [a, b, c] = surface.corners(t);
-            sum += (b - a).cross(c - a).length();
-            sum
-        })
-        .collect();
+    let add = |weight: &f64| {
+        sum += weight;
+        sum
+    };
+    let sums: Vec<f64> = weights.iter().map(add).collect();
     if sum <= 0.0 || !sum.is_finite() {
         return Vec::new();
     }

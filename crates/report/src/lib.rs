@@ -17,6 +17,7 @@ mod chart;
 mod checks;
 mod ci;
 mod compare;
+mod gone;
 pub mod html;
 mod page;
 pub mod text;
@@ -28,6 +29,7 @@ pub use compare::{
     BothWays, Comparison, Content, ImageReport, Length, LevelComparison, MostAllowed, PairReport,
     TriangleCounts,
 };
+pub use gone::{Gone, Roll};
 pub use page::{Facts, Level, curve, levels, page};
 
 /// Version of all documents; rises only if a key changes its meaning or goes away.

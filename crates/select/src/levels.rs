@@ -1,6 +1,6 @@
 //! Levels of the objects of a scene: one for each, together or each by itself.
 
-use crate::loss::losses;
+use crate::loss::{losses, seen};
 use crate::selection::{Candidate, RecordOfScene, Selection, Target, select};
 use lodc_mesh::Simplified;
 use lodc_scene::Arrangement;
@@ -72,6 +72,7 @@ pub struct SceneLevels<'a> {
     objects: Vec<ObjectLevels<'a>>,
     scene: Arrangement,
     losses: OnceLock<Vec<Vec<f64>>>,
+    seen: OnceLock<Vec<Vec<f64>>>,
 }
 
 impl<'a> SceneLevels<'a> {
@@ -79,7 +80,7 @@ impl<'a> SceneLevels<'a> {
     /// scene: any will do.
     #[must_use]
     pub fn new(objects: Vec<ObjectLevels<'a>>, scene: Arrangement) -> Self {
-        Self { objects, scene, losses: OnceLock::new() }
+        Self { objects, scene, losses: OnceLock::new(), seen: OnceLock::new() }
     }
 
     /// The objects.
@@ -98,6 +99,15 @@ impl<'a> SceneLevels<'a> {
             diagonal: o.simplified.mesh().diagonal(),
         };
         self.objects.iter().map(candidate).collect()
+    }
+
+    /// For each object the area of each triangle that is seen of it: [`seen()`](crate::seen()).
+    pub fn seen(&self) -> &[Vec<f64>] {
+        self.seen.get_or_init(|| seen(&self.simplified(), &self.scene))
+    }
+
+    fn simplified(&self) -> Vec<&'a Simplified> {
+        self.objects.iter().map(|o| o.simplified).collect()
     }
 
     /// World error and triangles of levels under one error, the finest first: each object has its
@@ -135,12 +145,7 @@ impl<'a> SceneLevels<'a> {
     /// none was measured.
     pub fn select(&self, target: Target, per_object: bool) -> Result<Selection, SelectError> {
         self.check_measured(target)?;
-        let losses = || {
-            self.losses.get_or_init(|| {
-                let objects: Vec<&Simplified> = self.objects.iter().map(|o| o.simplified).collect();
-                losses(&objects, &self.scene)
-            })
-        };
+        let losses = || self.losses.get_or_init(|| losses(&self.simplified(), &self.scene));
         Ok(select(&self.candidates(), target, per_object, losses)?)
     }
 

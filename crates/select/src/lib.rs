@@ -47,8 +47,9 @@ mod wish;
 
 pub use budget::{CurveLevel, Goal, Instance, LevelCurve, SceneManager, View};
 pub use levels::{ObjectLevels, SceneLevels, SelectError};
-pub use loss::losses;
+pub use loss::{losses, seen};
 pub use number::decimal;
+pub use order::{Turn, turns};
 pub use quadric::accumulated_error;
 pub use selection::{Candidate, RecordOfScene, Selection, Target, scene_diagonal, select};
 pub use views::{Criterion, SceneViews, ShownScene, ViewOptions};

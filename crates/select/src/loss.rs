@@ -20,6 +20,29 @@ const MAX_TRIANGLES: usize = 1 << 24;
 /// scene from all sides. Instances count by their scales.
 #[must_use]
 pub fn losses(objects: &[&Simplified], scene: &Arrangement) -> Vec<Vec<f64>> {
+    let (shown, seen) = looked_at(objects, scene);
+    let loss = |((simplified, shown), seen): ((&&Simplified, &Shown), &Vec<Vec<f64>>)| {
+        shown.loss(simplified, seen)
+    };
+    objects.par_iter().zip(&shown).zip(&seen).map(loss).collect()
+}
+
+/// Returns for each object the area of each triangle that is seen in pictures of the whole scene
+/// from all sides, in world units, instances together. An object that the scene does not show, and
+/// all of a scene too large to look at, counts with its whole area.
+#[must_use]
+pub fn seen(objects: &[&Simplified], scene: &Arrangement) -> Vec<Vec<f64>> {
+    let (shown, seen) = looked_at(objects, scene);
+    let of_object = |((simplified, shown), seen): ((&&Simplified, &Shown), &Vec<Vec<f64>>)| {
+        let squares = shown.squares();
+        let area = |(t, tri)| squares * shown.area(t, tri, seen, 0.0);
+        simplified.mesh().triangles().iter().enumerate().map(area).collect()
+    };
+    objects.par_iter().zip(&shown).zip(&seen).map(of_object).collect()
+}
+
+/// The objects with all their placements, and what is seen of each triangle of each placement.
+fn looked_at(objects: &[&Simplified], scene: &Arrangement) -> (Vec<Shown>, Vec<Vec<Vec<f64>>>) {
     let of_placement = |p: &Placement| objects[p.object].mesh().triangles().len();
     let triangles = scene.placements().iter().map(of_placement).fold(0, usize::saturating_add);
     let visible = triangles <= MAX_TRIANGLES;
@@ -29,10 +52,7 @@ pub fn losses(objects: &[&Simplified], scene: &Arrangement) -> Vec<Vec<f64>> {
     let mut seen = seen_areas(&parts).into_iter();
     let seen: Vec<Vec<Vec<f64>>> =
         shown.iter().map(|s| seen.by_ref().take(s.parts.len()).collect()).collect();
-    let loss = |((simplified, shown), seen): ((&&Simplified, &Shown), &Vec<Vec<f64>>)| {
-        shown.loss(simplified, seen)
-    };
-    objects.par_iter().zip(&shown).zip(&seen).map(loss).collect()
+    (shown, seen)
 }
 
 /// An object with all its placements.
@@ -73,19 +93,31 @@ fn shown(object: usize, simplified: &Simplified, scene: &Arrangement, visible: b
 }
 
 impl Shown {
+    /// Scales of the placements, of the largest.
+    fn ratios(&self) -> impl Iterator<Item = f64> {
+        self.scales.iter().map(|s| s / self.scales[self.largest])
+    }
+
+    /// The area of all placements, in areas of the largest.
+    fn squares(&self) -> f64 {
+        self.ratios().map(|r| r * r).sum()
+    }
+
+    /// What is seen of a triangle of the largest placement, on the mean of all, and a share
+    /// `hidden` of the rest of its area; all of it where nothing was looked at.
+    fn area(&self, t: usize, triangle: &[u32; 3], seen: &[Vec<f64>], hidden: f64) -> f64 {
+        let [a, b, c] = triangle.map(|v| self.positions[v as usize]);
+        let area = 0.5 * (b - a).cross(c - a).length();
+        if seen.is_empty() {
+            return area;
+        }
+        let seen = seen.iter().map(|part| part[t]).sum::<f64>() / self.squares();
+        hidden * area + (1.0 - hidden) * seen.min(area)
+    }
+
     fn loss(&self, simplified: &Simplified, seen: &[Vec<f64>]) -> Vec<f64> {
         let mesh = simplified.mesh();
-        let ratios: Vec<f64> = self.scales.iter().map(|s| s / self.scales[self.largest]).collect();
-        let squares: f64 = ratios.iter().map(|r| r * r).sum();
-        let weight = |(t, tri): (usize, &[u32; 3])| {
-            let [a, b, c] = tri.map(|v| self.positions[v as usize]);
-            let area = 0.5 * (b - a).cross(c - a).length();
-            if seen.is_empty() {
-                return area;
-            }
-            let seen: f64 = seen.iter().map(|part| part[t]).sum::<f64>() / squares;
-            HIDDEN * area + (1.0 - HIDDEN) * seen.min(area)
-        };
+        let weight = |(t, tri)| self.area(t, tri, seen, HIDDEN);
         let weights: Vec<f64> = mesh.triangles().iter().enumerate().map(weight).collect();
         let total: f64 = weights.iter().sum();
         let ids = PositionIds::new(mesh.positions());
@@ -97,7 +129,7 @@ impl Shown {
             simplified.collapses(),
         );
         // Scale to the power of 2 + 3/2 for each instance.
-        let instances: f64 = ratios.iter().map(|r| r * r * r * r.sqrt()).sum();
+        let instances: f64 = self.ratios().map(|r| r * r * r * r.sqrt()).sum();
         let power =
             |w: f64| if total > 0.0 { (w / total).sqrt() * (w / total).sqrt().sqrt() } else { 0.0 };
         error.into_iter().map(|w| instances * total * power(w)).collect()

@@ -5,7 +5,9 @@
 //! scene is a prefix of it, so that scenes of different budgets are nested, and one of a hull's
 //! corners is the best for its number of triangles (Shoham and Gersho 1988).
 
-use lodc_mesh::{CollapseSequence, Lod};
+use crate::loss::losses;
+use lodc_mesh::{CollapseSequence, Lod, Simplified};
+use lodc_scene::Arrangement;
 
 /// Of every object this many triangles are given up last, so that none vanishes while others have
 /// triangles to spare.
@@ -25,6 +27,41 @@ struct Segment {
     spared: u64,
 }
 
+/// A place in the order of a scene where one of its objects gives up triangles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Turn {
+    /// Its place, from 0 on, among the turns of all objects.
+    pub place: u32,
+    /// The level that the object has after it.
+    pub lod: Lod,
+}
+
+/// For each object of a scene its turns: with them a number of triangles can be met elsewhere as
+/// [`select`](crate::select()) meets it, without the losses. All turns are taken in the order of
+/// their places while the scene has too many triangles; of the one that would leave too few, the
+/// object takes the finest level that is enough.
+#[must_use]
+pub fn turns(objects: &[&Simplified], scene: &Arrangement) -> Vec<Vec<Turn>> {
+    let collapses: Vec<&CollapseSequence> = objects.iter().map(|o| o.collapses()).collect();
+    let mut turns = vec![Vec::new(); objects.len()];
+    for (place, segment) in (0..).zip(order(&collapses, &losses(objects, scene))) {
+        let lod = Lod(collapses[segment.object].parts().step_ends[segment.end - 1]);
+        turns[segment.object].push(Turn { place, lod });
+    }
+    turns
+}
+
+/// The segments of all hulls in the order in which they are given up.
+fn order(objects: &[&CollapseSequence], losses: &[Vec<f64>]) -> Vec<Segment> {
+    let mut segments: Vec<Segment> = Vec::new();
+    for (number, (collapses, loss)) in objects.iter().zip(losses).enumerate() {
+        segments.extend(hull(number, collapses, loss));
+    }
+    // Stable: segments of one slope keep the order of the objects.
+    segments.sort_by(|a, b| a.last.cmp(&b.last).then(a.slope.total_cmp(&b.slope)));
+    segments
+}
+
 /// Chooses the finest state of a scene on the order that has at most `budget` triangles; the
 /// coarsest one where every object still has a triangle if there is none. `losses` has for each
 /// object the loss after each step, never falling.
@@ -33,15 +70,9 @@ pub(crate) fn within_triangles(
     losses: &[Vec<f64>],
     budget: u64,
 ) -> Vec<Lod> {
-    let mut segments: Vec<Segment> = Vec::new();
-    for (number, (collapses, loss)) in objects.iter().zip(losses).enumerate() {
-        segments.extend(hull(number, collapses, loss));
-    }
-    // Stable: segments of one slope keep the order of the objects.
-    segments.sort_by(|a, b| a.last.cmp(&b.last).then(a.slope.total_cmp(&b.slope)));
     let mut total: u64 = objects.iter().map(|c| u64::from(c.parts().triangles)).sum();
     let mut lods = vec![Lod(0); objects.len()];
-    for segment in segments {
+    for segment in order(objects, losses) {
         if total <= budget {
             break;
         }

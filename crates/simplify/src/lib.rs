@@ -6,8 +6,8 @@
 //! (*twin*), or a new vertex (*fake*) where there is none. (Thesis 3.2.1 and 4.2.1.)
 //!
 //! A mesh goes through seven steps, each a module that says what it does and why: `number`, `cut`,
-//! `price` (by a [`metric`](MetricKind)), `choose`, `commit`, `rounds` and `output`. Where faces lie
-//! on each other, one layer goes through them, and the others follow it (`skin`).
+//! `price` (by a [`metric`](MetricKind)), `choose`, `commit`, `rounds` and `output`. Where faces
+//! lie on each other, one layer goes through them, and the others follow it (`skin`).
 //!
 //! ```
 //! use lodc_simplify::{Options, simplify};
@@ -134,8 +134,8 @@ struct Collapsed {
 }
 
 impl<'a> Run<'a> {
-    /// Simplifies one layer of a mesh whose faces lie on each other; the whole mesh follows. None if
-    /// it cannot.
+    /// Simplifies one layer of a mesh whose faces lie on each other; the whole mesh follows. None
+    /// if it cannot.
     fn by_skin(self, skin: &Skin) -> Option<Simplified> {
         let (moves, legal) = {
             let mut input = Input::new(&skin.mesh);

@@ -14,6 +14,7 @@ export class Selection {
     this.least = sum(this.objects, (o) => o.trianglesAt(o.lastVisible()));
     this.largest = this.objects.reduce((most, o) => (
       Math.max(most, o.scale * o.errorAt(o.lastVisible()))), 0);
+    this.turns = turns(objects);
     this.diagonal = this.objects.reduce((most, o) => Math.max(most, o.scale * o.diagonal), 0);
   }
 
@@ -28,14 +29,36 @@ export class Selection {
   }
 
   /**
-   * The finest levels with at most so many triangles. Of one object exactly; of several at the
-   * smallest error that fits.
+   * The finest levels with at most so many triangles, as `lodc extract --triangles` has them: of
+   * several objects they give up triangles in their order. Objects that have none, since they are
+   * of several files, meet the smallest error in common.
    */
   byTriangles(most) {
     if (this.objects.length === 1) {
       return this.all.map((o) => Math.min(o.forTriangles(most), o.lastVisible()));
     }
     if (this.triangles <= most) return this.byLod(0);
+    return this.turns ? this.inTurn(most) : this.inCommon(most);
+  }
+
+  inTurn(most) {
+    const lods = this.all.map(() => 0);
+    let total = this.triangles;
+    for (const { object, lod, spared } of this.turns) {
+      if (total <= most) break;
+      if (total - spared < most) {
+        // Within a turn steps are taken one by one.
+        const levels = this.all[object];
+        lods[object] = levels.forTriangles(levels.trianglesAt(lods[object]) - (total - most));
+        break;
+      }
+      lods[object] = lod;
+      total -= spared;
+    }
+    return lods;
+  }
+
+  inCommon(most) {
     let [low, high] = [0, this.largest];
     for (let i = 0; i < 48; i++) {
       const middle = (low + high) / 2;
@@ -73,6 +96,26 @@ export class Selection {
   seek(lods) {
     return this.all.map((o, i) => o.seek(lods[i])).some(Boolean);
   }
+}
+
+/**
+ * The turns of all objects in their order: the object's number, its LOD after the turn and the
+ * triangles that it gives up. Null if an object that has triangles to give has no turns.
+ */
+function turns(objects) {
+  if (objects.some((o) => !o.turns && o.lastVisible() > 0)) return null;
+  const all = objects.flatMap((levels, object) => {
+    if (!levels.turns) return [];
+    const { places, lods } = levels.turns;
+    const left = Array.from(lods, (lod) => levels.trianglesAt(lod));
+    return left.map((triangles, i) => ({
+      place: places[i],
+      object,
+      lod: lods[i],
+      spared: (i === 0 ? levels.triangles : left[i - 1]) - triangles,
+    }));
+  });
+  return all.sort((a, b) => a.place - b.place);
 }
 
 function sum(list, of) {

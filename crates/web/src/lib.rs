@@ -16,9 +16,11 @@
 //! # Ok::<(), std::io::Error>(())
 //! ```
 
+mod levels;
 mod modules;
 mod session;
 
+pub use levels::levels;
 pub use modules::MODULES;
 pub use session::{Session, Status};
 

@@ -1,7 +1,6 @@
 //! One file or stream: its input, what has been read of it, and its output.
 
 use lodc_formats::export::{ExportFormat, ExportObject, export};
-use lodc_formats::gltf::{LevelsObject, export_levels};
 use lodc_formats::images::Textures;
 use lodc_formats::lodc::LodFile;
 use lodc_formats::lods::Unpacker;
@@ -41,7 +40,7 @@ impl Session {
     }
 
     /// Takes the input as a whole `.lodc` file. The output is a GLB with all levels
-    /// ([`export_levels`]).
+    /// ([`crate::levels`]).
     pub fn open(&mut self) -> Status {
         let input = std::mem::take(&mut self.input);
         let glb = lodc::read(&input, &[]).and_then(|file| levels(&file));
@@ -80,14 +79,11 @@ impl Session {
 }
 
 fn levels(file: &LodFile) -> Result<Vec<u8>, FormatError> {
-    let object = |o| {
-        let o: &lodc::LodObject = o;
-        LevelsObject { info: &o.info, simplified: &o.simplified, strips: None }
-    };
-    let objects: Vec<LevelsObject<'_>> = file.objects.iter().map(object).collect();
     // A browser has no folder: images of other files cannot be read.
-    let textures = Textures::default();
-    Ok(export_levels(Path::new("levels.glb"), &file.document, &objects, textures)?.0.bytes)
+    let (path, textures) = (Path::new("levels.glb"), Textures::default());
+    let (document, objects) = (&file.document, &file.objects);
+    let (glb, _) = crate::levels(path, document, objects, |_| None, textures, &Limits::DEFAULT)?;
+    Ok(glb.bytes)
 }
 
 fn mesh(stream: &Unpacker) -> Result<Vec<u8>, FormatError> {

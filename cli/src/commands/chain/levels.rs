@@ -8,6 +8,7 @@ use clap::Args;
 use lodc::{LodObject, SceneLevels};
 use lodc_assets::Parts;
 use lodc_mesh::Lod;
+use lodc_report::{Gone, Roll};
 use lodc_select::{Selection, Target};
 use std::path::Path;
 
@@ -51,6 +52,7 @@ pub(super) struct Level {
     pub(super) rms: Option<f64>,
     /// Distance that the level was chosen for.
     pub(super) distance: Option<f64>,
+    pub(super) gone: Vec<Gone>,
 }
 
 impl Level {
@@ -70,6 +72,7 @@ impl Level {
             error: self.error.is_finite().then_some(self.error),
             rms: self.rms.filter(|rms| rms.is_finite()),
             distance: self.distance,
+            gone: self.gone.clone(),
             output: output.display().to_string(),
         }
     }
@@ -85,6 +88,7 @@ impl LevelArgs {
         &self,
         objects: &[LodObject],
         scene: &SceneLevels<'_>,
+        roll: &Roll<'_>,
         parts: Parts<'_>,
         cap: Option<Target>,
     ) -> Outcome<(Vec<Level>, Vec<String>)> {
@@ -92,7 +96,9 @@ impl LevelArgs {
         for (place, (target, distance)) in self.targets().into_iter().enumerate() {
             let own = |object: &str| parts.level(object, place);
             let chosen = scene.select_capped(target, own, cap, false)?;
-            let level = level(objects, &chosen, distance);
+            let gone = roll.gone(&chosen.lods);
+            let place = levels.len();
+            let level = level(objects, &chosen, distance, gone);
             let before = levels.last().map(|l| (l.triangles, &l.lods));
             if before.is_some_and(|(triangles, _)| triangles < level.triangles) {
                 return Err(Failure::usage(format!(
@@ -103,10 +109,11 @@ impl LevelArgs {
             if self.auto.is_some() && before.is_some_and(|(_, lods)| *lods == level.lods) {
                 break;
             }
-            levels.push(level);
             warnings.extend(chosen.warnings);
+            warnings.dedup();
+            warnings.extend(level.gone.iter().map(|gone| format!("level {place}: {gone}")));
+            levels.push(level);
         }
-        warnings.dedup();
         Ok((levels, warnings))
     }
 
@@ -132,7 +139,12 @@ impl LevelArgs {
     }
 }
 
-fn level(objects: &[LodObject], chosen: &Selection, distance: Option<f64>) -> Level {
+fn level(
+    objects: &[LodObject],
+    chosen: &Selection,
+    distance: Option<f64>,
+    gone: Vec<Gone>,
+) -> Level {
     let triangles =
         |(o, &lod): (&LodObject, &Lod)| u64::from(o.simplified.collapses().triangles_at(lod));
     Level {
@@ -142,5 +154,6 @@ fn level(objects: &[LodObject], chosen: &Selection, distance: Option<f64>) -> Le
         rms: chosen.rms,
         lods: chosen.lods.clone(),
         distance,
+        gone,
     }
 }

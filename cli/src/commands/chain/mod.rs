@@ -25,6 +25,7 @@ use levels::{Level, LevelArgs};
 use lodc::scene_levels;
 use lodc_formats::export::{LevelFacts, Provenance};
 use lodc_formats::{OutputFile, Sought};
+use lodc_report::Roll;
 use std::path::{Path, PathBuf};
 
 /// Options of `chain`.
@@ -141,8 +142,9 @@ fn chain(
     let asset = asset::read_showing(progress, input, import, simplify, errors, &mut stages)?;
     let limits = import.limits().limits();
     let scene = scene_levels(&asset.objects, &asset.document, &limits)?;
+    let roll = Roll::new(&asset.objects, &scene, &asset.document)?;
     let (mut levels, mut warnings) =
-        args.levels.choose(&asset.objects, &scene, simplify.parts.all(), args.max_error)?;
+        args.levels.choose(&asset.objects, &scene, &roll, simplify.parts.all(), args.max_error)?;
     warnings.splice(0..0, asset.warnings.iter().cloned());
     let target = Target::File(out.to_owned());
     let textures = stages.run("textures", || {

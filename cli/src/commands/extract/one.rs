@@ -20,7 +20,7 @@ use lodc_formats::export::{LevelFacts, Provenance};
 use lodc_formats::{ObjectInfo, scene_graph};
 use lodc_lod::{AnyModel, ModelKind};
 use lodc_mesh::Lod;
-use lodc_report::SCHEMA_VERSION;
+use lodc_report::{Gone, Roll, SCHEMA_VERSION};
 use lodc_scene::Arrangement;
 use std::path::Path;
 
@@ -84,6 +84,8 @@ struct Level {
     lods: Vec<Option<Lod>>,
     model: &'static str,
     criterion: Option<CriterionName>,
+    /// None in a view.
+    gone: Option<Vec<Gone>>,
     warnings: Vec<String>,
 }
 
@@ -103,6 +105,7 @@ fn uniform(
     let own = |object: &str| args.export.simplify.parts.all().ratio(object);
     let chosen =
         stages.run("select", || scene.select_capped(wish, own, args.max_error, per_object))?;
+    let gone = Roll::new(&asset.objects, &scene, &asset.document)?.gone(&chosen.lods);
     let meshes = if args.refit {
         let paints = asset.paints(input, &args.export.import)?;
         stages.run("extract", || refitted_meshes(&asset.objects, &chosen.lods, order, &paints))
@@ -114,7 +117,8 @@ fn uniform(
         lods: chosen.lods.into_iter().map(Some).collect(),
         model: shape.model.map_or("reference", ModelKind::name),
         criterion: None,
-        warnings: chosen.warnings,
+        warnings: chosen.warnings.into_iter().chain(gone.iter().map(Gone::to_string)).collect(),
+        gone: Some(gone),
     })
 }
 
@@ -145,6 +149,7 @@ fn view(
         lods: vec![None; asset.objects.len()],
         model: ModelKind::Interactive.name(),
         criterion: Some(name),
+        gone: None,
         warnings: shown.warnings,
     })
 }
@@ -216,6 +221,7 @@ fn report(
         input: input.display().to_string(),
         model: level.model,
         objects,
+        gone: level.gone.clone(),
         warnings: [&asset.warnings[..], &level.warnings].concat(),
     }
 }

@@ -18,7 +18,8 @@ pub(super) struct Heat {
     fields: Vec<Vec<DistanceField>>,
     /// World units per mesh unit of each object; 1 if there is one object only.
     scales: Vec<f64>,
-    /// The largest distance: in mesh units for one object, in world units for several.
+    /// Where colours end, in mesh units for one object, in world units for several: at the largest
+    /// stated error; of what states none, at the largest distance.
     pub(super) largest: f64,
     /// Of the input: of the largest object as the scene shows it.
     pub(super) diagonal: f64,
@@ -44,7 +45,8 @@ pub(super) fn measure(shown: &Shown, cells: &[Cell]) -> Heat {
         .collect();
     let in_scene = |(f, scale): (&DistanceField, &f64)| f64::from(f.largest()) * scale;
     let largest = fields.iter().flat_map(|cell| cell.iter().zip(&scales)).map(in_scene);
-    let largest = largest.fold(0.0, f64::max);
+    let stated = cells.iter().filter_map(|cell| cell.error).filter(|e| e.is_finite());
+    let largest = stated.reduce(f64::max).unwrap_or_else(|| largest.fold(0.0, f64::max));
     let diagonals = (0..objects).map(|o| shown.objects.mesh(o).diagonal() * scales[o]);
     let diagonal = diagonals.fold(0.0, f64::max);
     Heat { fields, scales, largest, diagonal }

@@ -201,6 +201,7 @@ export class Controls {
     Object.assign(page, {
       ready: 'true',
       lod: one ? lods[0] : viewer.asked?.lod ?? '',
+      lods: lods.join(' '),
       triangles,
       drawn,
       backend: viewer.renderer.constructor.backend,

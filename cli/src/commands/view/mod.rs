@@ -12,7 +12,6 @@ use crate::output::{self, Rule, Target};
 use crate::stages::Stages;
 use clap::Args;
 use lodc::LodObject;
-use lodc_formats::gltf::{LevelsObject, export_levels};
 use lodc_formats::images::Textures;
 use lodc_formats::{Assets, OutputFile};
 use lodc_lod::AnyModel;
@@ -131,16 +130,11 @@ fn title(input: &Path) -> String {
 
 /// The asset as a GLB with all levels, and warnings about its textures.
 fn model(args: &PageArgs, asset: &Asset, assets: &mut Assets) -> Outcome<(Vec<u8>, Vec<String>)> {
-    let strips: Vec<Option<Vec<u32>>> = asset.objects.iter().map(strips_by_triangle).collect();
-    let objects: Vec<LevelsObject<'_>> = (asset.objects.iter().zip(&strips))
-        .map(|(object, strips)| LevelsObject {
-            info: &object.info,
-            simplified: &object.simplified,
-            strips: strips.as_deref(),
-        })
-        .collect();
     let textures = Textures::read(&asset.document, assets)?;
-    let (file, warnings) = export_levels(&args.output, &asset.document, &objects, textures)?;
+    let limits = args.import.limits().limits();
+    let (path, objects) = (&args.output, &asset.objects);
+    let (file, warnings) =
+        lodc_web::levels(path, &asset.document, objects, strips_by_triangle, textures, &limits)?;
     Ok((file.bytes, warnings))
 }
 

@@ -1,8 +1,11 @@
 //! The levels that a report shows: counts, distances, and pictures from four sides.
 
+use crate::gone::{Gone, Roll};
 use lodc::{Error, LodObject, SceneLevels, level_mesh};
 use lodc_formats::images::png;
-use lodc_measure::{ImageError, Looks, Picture, Portrait, SceneSurface, Viewing, heat};
+use lodc_measure::{
+    ImageError, Looks, Picture, Portrait, SceneSurface, TriangleTree, Viewing, heat,
+};
 use lodc_mesh::Mesh;
 use lodc_scene::{Appearance, Arrangement};
 use lodc_select::{Selection, Target};
@@ -12,6 +15,9 @@ use rayon::prelude::*;
 const SHARES: [f64; 6] = [1.0, 0.5, 0.25, 0.1, 0.05, 0.01];
 /// Pictures of a level, and twice the pixels across each: they are smoothed by halving.
 const VIEWING: Viewing = Viewing { views: 4, size: 480 };
+
+/// Distances up to this share of the diagonal come of rounded coordinates.
+const ROUNDING: f64 = 1e-6;
 
 /// A level of the whole scene.
 #[derive(Debug)]
@@ -30,8 +36,13 @@ pub struct Level {
     pub pictures: Vec<Vec<u8>>,
     /// The same with colours by the distance from the input; none for the input.
     pub heat: Vec<Vec<u8>>,
-    /// The distance of the reddest colour, in world units.
+    /// Pictures of the input with colours by the distance from the level: what it has lost; none
+    /// for the input.
+    pub lost: Vec<Vec<u8>>,
+    /// The distance of the reddest colour: the error, in the units of the scene.
     pub hottest: f64,
+    /// What it no longer shows.
+    pub gone: Vec<Gone>,
 }
 
 /// The input and its levels, the finest first, each once.
@@ -41,6 +52,7 @@ pub struct Level {
 pub fn levels(
     objects: &[LodObject],
     scene: &SceneLevels<'_>,
+    roll: &Roll<'_>,
     arrangement: &Arrangement,
     appearance: &Appearance,
 ) -> Result<Vec<Level>, Error> {
@@ -50,6 +62,13 @@ pub fn levels(
     let looks = Looks { checkerboard: false, ..input.common_looks(&input) };
     let portrait = Portrait::new(&input.surface, VIEWING, looks);
     let tree = input.surface.tree();
+    let rounding = ROUNDING * input.surface.diagonal();
+    let whole = portrait.pictures_of(&input.surface);
+    // The error of a single object is in its own units.
+    let unit = match objects {
+        [one] if one.info.world_scale.is_finite() => one.info.world_scale.abs(),
+        _ => 1.0,
+    };
     let mut levels: Vec<Level> = Vec::new();
     for share in SHARES {
         let Selection { lods, error, rms, .. } = scene.select(Target::Ratio(share), false)?;
@@ -61,9 +80,14 @@ pub fn levels(
         let refs: Vec<&Mesh> = meshes.iter().collect();
         let surface = SceneSurface::new(&refs, arrangement, appearance).surface;
         let drawn = portrait.pictures_of(&surface);
-        let far: Vec<Vec<f64>> = drawn.par_iter().map(|p| p.distances(&tree)).collect();
-        let hottest = far.iter().flatten().copied().fold(0.0, f64::max);
-        let warm = levels.is_empty().then(Vec::new);
+        let hottest = unit * error;
+        let heated = |pictures: &[Picture], from: &TriangleTree| -> Vec<Vec<u8>> {
+            pictures.par_iter().map(|p| heated(p, &p.distances(from), hottest, rounding)).collect()
+        };
+        let (heat, lost) = match levels.is_empty() {
+            true => Default::default(),
+            false => (heated(&drawn, &tree), heated(&whole, &surface.tree())),
+        };
         levels.push(Level {
             triangles,
             share: triangles as f64 / all.max(1) as f64,
@@ -71,10 +95,10 @@ pub fn levels(
             rms,
             image: portrait.compare_pictures(&drawn),
             pictures: drawn.iter().map(plain).collect(),
-            heat: warm.unwrap_or_else(|| {
-                drawn.iter().zip(&far).map(|(p, far)| heated(p, far, hottest)).collect()
-            }),
+            heat,
+            lost,
             hottest,
+            gone: roll.gone(&lods),
         });
     }
     Ok(levels)
@@ -84,8 +108,8 @@ fn plain(picture: &Picture) -> Vec<u8> {
     png(&picture.image([0; 4], |_, colour| colour.map(|v| v as u8)).halved())
 }
 
-/// Colours by distance.
-fn heated(picture: &Picture, far: &[f64], hottest: f64) -> Vec<u8> {
-    let share = |pixel: usize| if hottest > 0.0 { far[pixel] / hottest } else { 0.0 };
+/// Colours by distance; places no farther than rounding makes them are not apart.
+fn heated(picture: &Picture, far: &[f64], hottest: f64, rounding: f64) -> Vec<u8> {
+    let share = |pixel: usize| if far[pixel] > rounding { far[pixel] / hottest } else { 0.0 };
     png(&picture.image([0; 4], |pixel, _| heat(share(pixel))).halved())
 }

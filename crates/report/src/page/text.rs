@@ -94,20 +94,28 @@ fn put_level(out: &mut String, level: &Level, facts: &Facts<'_>) {
             let _ = writeln!(out, "<dt>{name}</dt><dd>{value}</dd>");
         }
         out.push_str("</dl>\n");
+        for gone in &level.gone {
+            let _ = writeln!(out, "<p class=\"bad\"><b>{}</b></p>", escaped(&gone.to_string()));
+        }
     }
     out.push_str("</div>\n<div class=\"pictures\">\n");
     for (side, png) in (1..).zip(&level.pictures) {
         put_picture(out, png, &format!("{name} from side {side}"));
     }
     if !input {
-        for (side, png) in (1..).zip(&level.heat) {
-            put_picture(out, png, &format!("distance of {name} from the input, side {side}"));
+        for (pictures, a, b, what) in [
+            (&level.lost, "the input", &*name, "The input by its distance from the level"),
+            (&level.heat, &*name, "the input", "The level by its distance from the input"),
+        ] {
+            for (side, png) in (1..).zip(pictures) {
+                put_picture(out, png, &format!("distance of {a} from {b}, side {side}"));
+            }
+            let _ = writeln!(
+                out,
+                "<p class=\"scale\">{what}: <span>0</span><i></i><span>{}</span></p>",
+                distance(level.hottest)
+            );
         }
-        let _ = writeln!(
-            out,
-            "<p class=\"scale\"><span>0</span><i></i><span>{} from the input</span></p>",
-            distance(level.hottest)
-        );
     }
     out.push_str("</div>\n</section>\n");
 }

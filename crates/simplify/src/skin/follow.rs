@@ -57,8 +57,8 @@ pub(crate) fn moves(
 }
 
 /// Carries collapses out, of which the first `legal` ones are legal. Returns the log and how many
-/// of its steps are legal; none if the whole mesh cannot follow: what hangs together in it then does
-/// not in the skin.
+/// of its steps are legal; none if the whole mesh cannot follow: what hangs together in it then
+/// does not in the skin.
 pub(crate) fn follow(
     context: &Context<'_>,
     moves: &[Move],

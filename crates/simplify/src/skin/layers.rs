@@ -11,7 +11,8 @@ use lodc_mesh::{Csr, Mesh, NONE, PositionIds};
 use rayon::prelude::*;
 use std::collections::VecDeque;
 
-/// Rows longer than this are not searched for quadrilaterals: the work would grow with their square.
+/// Rows longer than this are not searched for quadrilaterals: the work would grow with their
+/// square.
 const MAX_SEARCHED: usize = 64;
 /// No layer is sought across edges with more faces of cells than this.
 const MAX_AT_EDGE: usize = 32;
@@ -25,8 +26,8 @@ struct Cell {
     sides: Vec<[u32; 2]>,
 }
 
-/// For each triangle: true if it lies on another that stands for it; and those of them that lie on a
-/// pair. None if no triangle does.
+/// For each triangle: true if it lies on another that stands for it; and those of them that lie on
+/// a pair. None if no triangle does.
 pub(super) fn followers(mesh: &Mesh, positions: &PositionIds) -> Option<(Vec<bool>, Vec<u32>)> {
     let faces = Faces::new(mesh, positions);
     let cells = faces.cells();
@@ -162,8 +163,8 @@ impl<'a> Faces<'a> {
         }
     }
 
-    /// How flat two pairs of faces are, each pair with a diagonal: the least cosine between normals,
-    /// whichever way the pairs turn. None if they enclose something, or a pair is folded.
+    /// How flat two pairs of faces are, each pair with a diagonal: the least cosine between
+    /// normals, whichever way the pairs turn. None if they enclose something, or a pair is folded.
     fn flatness(&self, p: [u32; 2], q: [u32; 2], d: [u32; 2], e: [u32; 2]) -> Option<f64> {
         let continues = |[a, b]: [u32; 2], diagonal: [u32; 2]| {
             self.runs_along(a, diagonal) != self.runs_along(b, diagonal)

@@ -5,8 +5,8 @@
 //! a sheet looks like a fold, and every edge inside like a seam of four faces. But it is one
 //! surface. So one layer of it, the *skin*, is simplified as if it were alone, and then all faces
 //! follow: whatever moves in the skin moves in the whole mesh, where each wedge of each layer gets
-//! a target of its own. A doubled mesh thus loses the same positions in the same order as the single
-//! one.
+//! a target of its own. A doubled mesh thus loses the same positions in the same order as the
+//! single one.
 //!
 //! What comes in is a mesh; what goes out is the skin as a mesh (`layers` finds it), and later the
 //! log of the skin's collapses carried out on the whole mesh (`follow`).

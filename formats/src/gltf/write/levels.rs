@@ -25,6 +25,9 @@ pub struct LevelsObject<'a> {
     pub simplified: &'a Simplified,
     /// The strip of each triangle of the mesh, if strips are known.
     pub strips: Option<&'a [u32]>,
+    /// Where it gives up triangles in the order over the objects of the scene: places in that
+    /// order, rising, and the LOD after each. Empty for the only object.
+    pub turns: &'a [(u32, u32)],
 }
 
 /// Makes one GLB of a scene with every level, its textures embedded, and a warning for each texture
@@ -35,7 +38,8 @@ pub struct LevelsObject<'a> {
 /// primitive that it becomes), `removals` (LOD at which each triangle goes) and, if known,
 /// `strips`. Each mesh has `extras.lodc` with `records`, `scale` (world units per unit),
 /// `diagonal`, and the accessors `ends`, `triangles` and `errors` by step (the last finite error
-/// stands where no triangle is left).
+/// stands where no triangle is left); of several objects also `turns` and `turn_lods`, the places
+/// where the object gives up triangles in the order over all of them, and its LOD after each.
 ///
 /// # Errors
 /// If glTF cannot hold the scene.
@@ -176,6 +180,11 @@ impl<'a> Levels<'a> {
             extras["ends"] = words(writer, &parts.step_ends)?;
             extras["triangles"] = words(writer, &parts.step_triangles)?;
             extras["errors"] = scalars(writer, Component::F32, errors)?;
+        }
+        if !self.object.turns.is_empty() {
+            let (places, lods): (Vec<u32>, Vec<u32>) = self.object.turns.iter().copied().unzip();
+            extras["turns"] = words(writer, &places)?;
+            extras["turn_lods"] = words(writer, &lods)?;
         }
         Ok(extras)
     }

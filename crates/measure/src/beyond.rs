@@ -1,0 +1,47 @@
+//! How much of a surface is far from another one.
+
+use crate::spread::over_weights;
+use crate::surface::Surface;
+use lodc_nearest::TriangleTree;
+use rayon::prelude::*;
+
+/// Places that are looked at: a share is known to about a hundredth.
+const SAMPLES: usize = 4096;
+/// Chooses the places.
+const SEED: u64 = 0x676f_6e65;
+
+/// The share of a surface that is farther than `distance` from another one; triangles count by
+/// their weights. 0 if nothing has weight, all if the other surface has no triangle.
+#[must_use]
+pub fn share_beyond(
+    surface: &Surface,
+    weights: &[f64],
+    other: &TriangleTree,
+    distance: f64,
+) -> f64 {
+    let places = over_weights(surface, weights, SAMPLES, SEED);
+    let far = |(place, _): &&(_, u32)| other.distance_squared(*place) > distance * distance;
+    places.par_iter().filter(far).count() as f64 / places.len().max(1) as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn half_of_a_square_is_far_from_its_other_half() {
+        let corner = |i: u16| glam::Vec3::new(f32::from(i & 1), f32::from(i >> 1), 0.0);
+        let square = Surface {
+            positions: (0..4).map(corner).collect(),
+            triangles: vec![[0, 1, 2], [1, 3, 2]],
+            ..Surface::default()
+        };
+        let half = Surface { triangles: vec![[0, 1, 2]], ..square.clone() };
+        let share = |weights, other: &Surface| share_beyond(&square, weights, &other.tree(), 1e-6);
+        assert!((share(&[1.0, 1.0], &half) - 0.5).abs() < 0.01);
+        assert!((share(&[1.0, 3.0], &half) - 0.75).abs() < 0.01);
+        assert_eq!(share(&[1.0, 1.0], &square), 0.0);
+        assert_eq!(share(&[1.0, 1.0], &Surface::default()), 1.0);
+        assert_eq!(share(&[0.0, 0.0], &half), 0.0);
+    }
+}

@@ -1,0 +1,137 @@
+//! What of a scene a level no longer shows: objects, materials, and how much of what is seen.
+
+use lodc::{LodObject, SceneLevels};
+use lodc_formats::{Document, FormatError, ObjectInfo, PartNames};
+use lodc_measure::{Surface, TriangleTree, share_beyond};
+use lodc_mesh::{Lod, OrientedTriangle};
+use rayon::prelude::*;
+use serde::Serialize;
+use std::collections::BTreeSet;
+use std::fmt;
+
+/// A place of an object is gone where its level has nothing within this share of its diagonal. An
+/// object whose error is smaller has lost nothing.
+const BEYOND: f64 = 0.05;
+/// An object is named if more than this share of what is seen of it is gone.
+const OF_OBJECT: f64 = 0.5;
+/// The scene is named if more than this share of all that is seen is gone.
+const OF_SCENE: f64 = 0.02;
+
+/// Something that a level no longer shows.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Gone {
+    /// `object`, `material` or `surface`: that of the whole scene.
+    pub kind: &'static str,
+    /// The name of the object or material; none of the surface.
+    pub name: Option<String>,
+    /// The share that is gone of what is seen of it.
+    pub share: f64,
+}
+
+impl fmt::Display for Gone {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { kind, name, share } = self;
+        let percent = 100.0 * share;
+        match name {
+            Some(name) if *share >= 1.0 => write!(f, "the {kind} {name} is gone"),
+            Some(name) => write!(f, "the {kind} {name} is gone ({percent:.0} % of what is seen)"),
+            None => write!(f, "{percent:.1} % of the visible {kind} is gone"),
+        }
+    }
+}
+
+/// A scene whose levels are looked through.
+#[derive(Debug)]
+pub struct Roll<'a> {
+    objects: &'a [LodObject],
+    scene: &'a SceneLevels<'a>,
+    names: PartNames,
+}
+
+impl<'a> Roll<'a> {
+    /// Objects, the scene that shows them, and the document with their names.
+    ///
+    /// # Errors
+    /// If the document is damaged.
+    pub fn new(
+        objects: &'a [LodObject],
+        scene: &'a SceneLevels<'a>,
+        document: &Document,
+    ) -> Result<Self, FormatError> {
+        let infos: Vec<&ObjectInfo> = objects.iter().map(|o| &o.info).collect();
+        Ok(Self { objects, scene, names: PartNames::new(document, &infos)? })
+    }
+
+    /// What is gone where the objects are at `lods`, one each. Materials without names are left
+    /// out.
+    #[must_use]
+    pub fn gone(&self, lods: &[Lod]) -> Vec<Gone> {
+        if lods.iter().all(|lod| lod.0 == 0) {
+            return Vec::new();
+        }
+        let live: Vec<Vec<OrientedTriangle>> = (self.objects.par_iter().zip(lods))
+            .map(|(object, &lod)| object.simplified.triangles_at(lod))
+            .collect();
+        let share = |(o, &lod)| self.lost(o, lod, &live[o]);
+        let shares: Vec<f64> = lods.iter().enumerate().map(share).collect();
+        let mut gone = Vec::new();
+        for (object, &share) in self.objects.iter().zip(&shares) {
+            if share > OF_OBJECT {
+                gone.push(Gone { kind: "object", name: Some(object.info.name.clone()), share });
+            }
+        }
+        for name in self.materials(&live) {
+            gone.push(Gone { kind: "material", name: Some(name), share: 1.0 });
+        }
+        if shares.iter().any(|&share| share > 0.0) {
+            let areas = || self.scene.seen().iter().map(|areas| areas.iter().sum::<f64>());
+            let lost: f64 = areas().zip(&shares).map(|(area, share)| area * share).sum();
+            let share = lost / areas().sum::<f64>();
+            if share > OF_SCENE {
+                gone.push(Gone { kind: "surface", name: None, share });
+            }
+        }
+        gone
+    }
+
+    /// The share of what is seen of an object that is gone at a level.
+    fn lost(&self, number: usize, lod: Lod, live: &[OrientedTriangle]) -> f64 {
+        let simplified = &self.objects[number].simplified;
+        let (mesh, collapses) = (simplified.mesh(), simplified.collapses());
+        let beyond = BEYOND * mesh.diagonal();
+        let error = f64::from(collapses.error_at(lod));
+        if lod.0 == 0 || mesh.triangles().is_empty() {
+            return 0.0;
+        }
+        if live.is_empty() {
+            return 1.0;
+        }
+        if collapses.is_measured() && error <= beyond {
+            return 0.0;
+        }
+        let surface = Surface {
+            positions: mesh.positions().iter().map(|&p| p.into()).collect(),
+            triangles: mesh.triangles().to_vec(),
+            ..Surface::default()
+        };
+        let corners = |t: &OrientedTriangle| {
+            t.corners.map(|v| mesh.positions()[v as usize].map(f64::from).into())
+        };
+        let level = TriangleTree::new(&live.iter().map(corners).collect::<Vec<_>>());
+        share_beyond(&surface, &self.scene.seen()[number], &level, beyond)
+    }
+
+    /// Materials of which the input has triangles and the level none.
+    fn materials(&self, live: &[Vec<OrientedTriangle>]) -> BTreeSet<String> {
+        let (mut before, mut after) = (BTreeSet::new(), BTreeSet::new());
+        for ((object, live), names) in self.objects.iter().zip(live).zip(&self.names.materials) {
+            let submeshes = object.simplified.mesh().submeshes();
+            let of_input = submeshes.iter().zip(names).filter(|(s, _)| s.triangle_count > 0);
+            before.extend(of_input.map(|(_, name)| name));
+            let mut there = vec![false; names.len()];
+            live.iter().for_each(|t| there[t.submesh as usize] = true);
+            after.extend(names.iter().zip(there).filter(|(_, there)| *there).map(|(n, _)| n));
+        }
+        before.difference(&after).filter(|n| !n.is_empty()).map(|n| (*n).clone()).collect()
+    }
+}

@@ -1,0 +1,58 @@
+//! Objects with all their levels as one GLB, and the order in which they give up triangles.
+
+use lodc_formats::gltf::{LevelsObject, export_levels};
+use lodc_formats::images::Textures;
+use lodc_formats::lodc::LodObject;
+use lodc_formats::{Document, FormatError, Limits, ObjectInfo, OutputFile, scene_graph};
+use lodc_scene::Arrangement;
+use lodc_select::turns;
+use std::path::Path;
+
+/// Makes a GLB with all levels ([`export_levels`]), and a warning for each texture that is missing.
+/// Its levels by triangles are those of `lodc extract`: several objects have their order with them.
+/// `strips` may say the strip of each triangle of an object.
+///
+/// # Errors
+/// If the document is damaged, or glTF cannot hold the scene.
+pub fn levels<M>(
+    path: &Path,
+    document: &Document,
+    objects: &[LodObject<M>],
+    strips: impl Fn(&LodObject<M>) -> Option<Vec<u32>>,
+    textures: Textures,
+    limits: &Limits,
+) -> Result<(OutputFile, Vec<String>), FormatError> {
+    let strips: Vec<Option<Vec<u32>>> = objects.iter().map(strips).collect();
+    let turns = order(document, objects, limits)?;
+    let object = |((object, strips), turns)| {
+        let (object, strips): (&LodObject<M>, &Option<Vec<u32>>) = (object, strips);
+        let turns: &Vec<(u32, u32)> = turns;
+        LevelsObject {
+            info: &object.info,
+            simplified: &object.simplified,
+            strips: strips.as_deref(),
+            turns,
+        }
+    };
+    let objects: Vec<_> = objects.iter().zip(&strips).zip(&turns).map(object).collect();
+    export_levels(path, document, &objects, textures)
+}
+
+/// The turns of each object, none for a single one.
+fn order<M>(
+    document: &Document,
+    objects: &[LodObject<M>],
+    limits: &Limits,
+) -> Result<Vec<Vec<(u32, u32)>>, FormatError> {
+    if objects.len() < 2 {
+        return Ok(vec![Vec::new(); objects.len()]);
+    }
+    let infos: Vec<&ObjectInfo> = objects.iter().map(|o| &o.info).collect();
+    let graph = scene_graph(document, &infos, limits)?;
+    let scene = Arrangement::new(&graph, &graph.rest_pose(), objects.len());
+    let simplified: Vec<_> = objects.iter().map(|o| &*o.simplified).collect();
+    let of_object = |turns: Vec<lodc_select::Turn>| {
+        turns.into_iter().map(|turn| (turn.place, turn.lod.0)).collect()
+    };
+    Ok(turns(&simplified, &scene).into_iter().map(of_object).collect())
+}
