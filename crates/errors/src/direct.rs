@@ -86,8 +86,8 @@ impl<'a> Direct<'a> {
         }
     }
 
-    /// Measures the levels after so many steps, and others between them. Returns them in order, with
-    /// error and root mean square distance in mesh units.
+    /// Measures the levels after so many steps, and others between them. Returns them in order,
+    /// with error and root mean square distance in mesh units.
     fn measure(&self, first: usize, before: f64, ends: &[usize]) -> Vec<(usize, [f64; 2])> {
         let Some((&last, others)) = ends.split_last() else { return Vec::new() };
         let most = BOXES[0] * self.triangles.len() as u64 + BOXES[1];

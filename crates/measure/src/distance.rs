@@ -119,7 +119,8 @@ struct Samples {
     lattice: Points,
 }
 
-/// Points with the triangles that they are on, and an order in which neighbours are near each other.
+/// Points with the triangles that they are on, and an order in which neighbours are near each
+/// other.
 #[derive(Clone, Debug)]
 struct Points {
     places: Vec<DVec3>,

@@ -22,8 +22,8 @@ const TOLERANCE: f64 = 1.05;
 /// Stored distances may be so many times the measured ones.
 const OVERSTATED: f64 = 3.0;
 
-/// Root mean square distances are estimates that follow few samples: on slivers they were up to five
-/// times too large or too small, elsewhere within a third.
+/// Root mean square distances are estimates that follow few samples: on slivers they were up to
+/// five times too large or too small, elsewhere within a third.
 const ESTIMATED: f64 = 5.0;
 
 /// Compares the errors of a sequence with measured ones: returns how many levels were measured, and

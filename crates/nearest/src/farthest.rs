@@ -50,8 +50,8 @@ pub struct Search {
 }
 
 impl Search {
-    /// Within 2 %, distances below a billionth of a length as none, 2,000 boxes a triangle and three
-    /// million besides.
+    /// Within 2 %, distances below a billionth of a length as none, 2,000 boxes a triangle and
+    /// three million besides.
     #[must_use]
     pub fn within(length: f64) -> Self {
         Self { tolerance: 0.02, floor: 1e-9 * length, boxes: [2_000, 3_000_000] }
@@ -348,8 +348,8 @@ fn farthest_corner(polygon: &Polygon, triangle: [DVec3; 3]) -> (f64, DVec3) {
     (squared.sqrt(), corner)
 }
 
-/// Divides a polygon into the part in the prism over a triangle, upright on its edges, and the parts
-/// beyond each edge.
+/// Divides a polygon into the part in the prism over a triangle, upright on its edges, and the
+/// parts beyond each edge.
 fn clip(polygon: &Polygon, [a, b, c]: [DVec3; 3], slack: f64) -> (Polygon, [Polygon; 3]) {
     let normal = (b - a).cross(c - a);
     let mut rest = *polygon;

@@ -40,7 +40,7 @@ impl Session {
     }
 
     /// Takes the input as a whole `.lodc` file. The output is a GLB with all levels
-    /// ([`crate::levels`]).
+    /// ([`crate::levels()`]).
     pub fn open(&mut self) -> Status {
         let input = std::mem::take(&mut self.input);
         let glb = lodc::read(&input, &[]).and_then(|file| levels(&file));

@@ -72,7 +72,8 @@ fn refitted(object: &LodObject, lod: Lod, (paints, number): (&Paints, usize)) ->
     (unmoved, before.0, before.1)
 }
 
-/// A mesh, ready for levels to be measured from it. `tree` is that of its triangles, if there is one.
+/// A mesh, ready for levels to be measured from it. `tree` is that of its triangles, if there is
+/// one.
 fn original(mesh: &Mesh, tree: Option<Arc<TriangleTree>>) -> Original {
     let surface = bare(mesh);
     let tree = tree.unwrap_or_else(|| Arc::new(surface.tree()));
