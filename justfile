@@ -52,7 +52,7 @@ fixtures:
 tour:
     UPDATE=1 cargo test -p lodc-cli --test cli readme
 
-# Write the tables of options in docs/CLI.md anew
+# Write docs/OPTIONS.md anew
 options:
     UPDATE=1 cargo test -p lodc-cli --bin lodc page
 

@@ -1,4 +1,4 @@
-//! The tables of docs/CLI.md are those of the program: `UPDATE=1` writes them (`just options`).
+//! docs/OPTIONS.md is what the program says of itself: `UPDATE=1` writes it (`just options`).
 
 use super::Cli;
 use clap::{Arg, Command, CommandFactory};
@@ -172,45 +172,37 @@ fn commands(program: &Command) -> String {
     format!("| command | does |\n| --- | --- |\n{}", rows.join("\n"))
 }
 
-/// The page with every part between `<!-- made: NAME -->` and `<!-- end -->` made anew.
-fn made(text: &str, parts: &BTreeMap<String, String>) -> String {
-    let mut out = String::new();
-    let mut lines = text.lines();
-    while let Some(line) = lines.next() {
-        out = out + line + "\n";
-        let name = line.strip_prefix("<!-- made: ").and_then(|rest| rest.strip_suffix(" -->"));
-        let Some(name) = name else { continue };
-        let part = parts.get(name).unwrap_or_else(|| panic!("nothing makes {name}"));
-        assert!(lines.any(|line| line == "<!-- end -->"), "{name} has no end");
-        out = out + part + "\n<!-- end -->\n";
+/// The whole page.
+fn page(program: &Command) -> String {
+    let options = Options::new(program);
+    let mut parts = vec![
+        "# Commands and options".to_owned(),
+        "Made from the program. [CLI.md](CLI.md) says what they promise.".to_owned(),
+        commands(program),
+        "## Options of several commands".to_owned(),
+        options.shared(),
+    ];
+    let mut names: Vec<&str> = options.all.iter().map(|(command, ..)| command.as_str()).collect();
+    names.dedup();
+    for name in names {
+        parts.extend([format!("## {name}"), options.own(name)]);
     }
-    out
+    parts.join("\n\n") + "\n"
 }
 
 #[test]
-fn the_tables_of_the_page_are_those_of_the_program() {
+fn the_page_of_options_is_that_of_the_program() {
     let mut program = Cli::command();
     program.build();
-    let options = Options::new(&program);
-    let mut parts = BTreeMap::from([
-        ("commands".to_owned(), commands(&program)),
-        ("options of several commands".to_owned(), options.shared()),
-    ]);
-    for (command, ..) in &options.all {
-        parts.entry(format!("options of {command}")).or_insert_with(|| options.own(command));
-    }
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/CLI.md");
-    let text = fs::read_to_string(&path).expect("the page");
-    for name in parts.keys() {
-        assert!(text.contains(&format!("<!-- made: {name} -->")), "docs/CLI.md lacks {name}");
-    }
-    let true_text = made(&text, &parts);
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/OPTIONS.md");
+    let made = page(&program);
     if std::env::var_os("UPDATE").is_some() {
-        fs::write(&path, &true_text).expect("the page can be written");
+        fs::write(&path, &made).expect("the page can be written");
         return;
     }
-    for (shown, made) in text.lines().zip(true_text.lines()) {
-        assert_eq!(shown, made, "docs/CLI.md shows something else: `just options` writes it anew");
+    let text = fs::read_to_string(&path).expect("the page");
+    for (shown, made) in text.lines().zip(made.lines()) {
+        assert_eq!(shown, made, "docs/OPTIONS.md shows something else: `just options` writes it");
     }
-    assert_eq!(text.lines().count(), true_text.lines().count(), "docs/CLI.md: run `just options`");
+    assert_eq!(text.lines().count(), made.lines().count(), "docs/OPTIONS.md: run `just options`");
 }
