@@ -237,11 +237,3 @@ pub fn farther_than(
     let largest = beyond_samples(far, to, |t| from.corners(t as usize));
     (largest > bound).then_some(largest)
 }
-
-/// The mean squared distance over the area of one surface to another. 0 without area.
-#[must_use]
-pub(crate) fn mean_square(from: &Surface, to: &TriangleTree, sampling: &Sampling) -> f64 {
-    let points = Points::new(over_area(from, sampling.samples, sampling.seed));
-    let squares = squares(&points, to);
-    if squares.is_empty() { 0.0 } else { squares.iter().sum::<f64>() / squares.len() as f64 }
-}

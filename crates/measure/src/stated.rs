@@ -1,9 +1,9 @@
 //! The errors that a sequence states, against distances that are measured here at a few levels.
 
-use crate::distance::{Sampling, farther_than, mean_square};
+use crate::distance::{Sampling, farther_than};
 use crate::surface::Surface;
 use lodc_mesh::{CollapseSequence, Lod, PositionIds, Simplified, SplitMix64, is_degenerate};
-use lodc_nearest::TriangleTree;
+use lodc_nearest::{Search, TriangleTree};
 use rayon::prelude::*;
 
 /// Levels that are measured, spread over the triangle counts.
@@ -21,10 +21,6 @@ const TOLERANCE: f64 = 1.05;
 
 /// Stored distances may be so many times the measured ones.
 const OVERSTATED: f64 = 3.0;
-
-/// Root mean square distances are estimates that follow few samples: on slivers they were up to
-/// five times too large or too small, elsewhere within a third.
-const ESTIMATED: f64 = 5.0;
 
 /// Compares the errors of a sequence with measured ones: returns how many levels were measured, and
 /// what is wrong with the first whose error does not hold. `shape` is the surface that the scene
@@ -66,21 +62,11 @@ struct Levels<'a> {
     shape: &'a [[f32; 3]],
     positions: PositionIds,
     input: TriangleTree,
-    /// The area of the input.
-    area: f64,
+    diagonal: f64,
     /// Distances that are none: rounding errors of coordinates are no differences.
     slack: f64,
     /// Errors that are not worth a refusal if they are too large.
     tiny: f64,
-    /// Likewise root mean square distances, too large or too small.
-    seen: f64,
-}
-
-/// Distances between the input and a level, the larger of both ways.
-struct Measured {
-    /// The largest, if it is more than what was asked for.
-    largest: Option<f64>,
-    rms: f64,
 }
 
 impl<'a> Levels<'a> {
@@ -91,11 +77,10 @@ impl<'a> Levels<'a> {
             simplified,
             shape,
             positions: PositionIds::new(simplified.mesh().positions()),
-            area: area(&input),
+            diagonal,
             input: input.tree(),
             slack: 1e-9 * diagonal,
             tiny: 1e-6 * diagonal,
-            seen: 3e-4 * diagonal,
         }
     }
 
@@ -104,42 +89,26 @@ impl<'a> Levels<'a> {
         let collapses = self.simplified.collapses();
         let stored = collapses.error_at(lod);
         let error = f64::from(stored);
-        let Measured { largest, rms } = self.measure(lod, error / OVERSTATED);
-        if let Some(largest) = largest.filter(|&most| most > TOLERANCE * error + self.slack) {
-            return Some(format!("the error is {stored}, measured are {largest}"));
-        }
-        // Errors never fall: a finer level may be the one that is that far.
-        let rose = |value: f32, at: fn(&CollapseSequence, Lod) -> f32| {
-            let steps = (0..collapses.steps_at(lod)).map(|i| collapses.step(i).lod);
-            let lods: Vec<Lod> = steps.collect();
-            lods[lods.partition_point(|&finer| at(collapses, finer) < value)]
-        };
-        if largest.is_none() && error > self.tiny {
-            let finer = self.measure(rose(stored, CollapseSequence::error_at), error / OVERSTATED);
-            if finer.largest.is_none() {
-                let third = error / OVERSTATED;
-                return Some(format!("the error is {stored}, no point is farther than {third}"));
+        let third = error / OVERSTATED;
+        match self.changes(lod).farther_than(third) {
+            Some(largest) if largest > TOLERANCE * error + self.slack => {
+                return Some(format!("the error is {stored}, measured are {largest}"));
             }
+            Some(_) => return None,
+            None if error <= self.tiny => return None,
+            None => {}
         }
-        let stored = collapses.rms_at(lod)?;
-        let stated = f64::from(stored);
-        let wrong = || Some(format!("the RMS distance is {stored}, measured are {rms}"));
-        if rms > ESTIMATED * stated + self.seen {
-            return wrong();
-        }
-        if stated > ESTIMATED * rms + self.seen {
-            let rms_at = |collapses: &CollapseSequence, lod| collapses.rms_at(lod).unwrap_or(0.0);
-            let finer = self.measure(rose(stored, rms_at), f64::INFINITY);
-            if stated > ESTIMATED * finer.rms + self.seen {
-                return wrong();
-            }
-        }
-        None
+        // Errors never fall: a finer level may be the one that is that far. Samples may miss a
+        // small part, so only a bound tells that there is none.
+        let lods: Vec<Lod> = (0..collapses.steps_at(lod)).map(|i| collapses.step(i).lod).collect();
+        let rose = lods[lods.partition_point(|&finer| collapses.error_at(finer) < stored)];
+        let bound = self.changes(rose).bound(Search::within(self.diagonal));
+        (bound < third).then(|| format!("the error is {stored}, no point is farther than {bound}"))
     }
 
-    /// Measures a level. Triangles that it has in common with the input are nowhere apart, so
-    /// samples lie on the others. `bound` is what the largest distance has to exceed to be told.
-    fn measure(&self, lod: Lod, bound: f64) -> Measured {
+    /// What a level changes. Triangles that it has in common with the input are nowhere apart, so
+    /// only the others are measured.
+    fn changes(&self, lod: Lod) -> Changes<'_> {
         let Self { simplified, shape, positions, .. } = self;
         let is_changed = |t: &[u32; 3]| t.iter().any(|&v| v < lod.0);
         let map = simplified.collapses().resolve_all(lod);
@@ -148,34 +117,47 @@ impl<'a> Levels<'a> {
         let all = simplified.mesh().triangles();
         let changed: Vec<[u32; 3]> = all.iter().copied().filter(is_changed).collect();
         let result = changed.iter().copied().map(resolved).filter(is_live).collect();
-        let [changed, result] = [changed, result].map(|triangles| surface(shape, triangles));
-        let [area_there, area_back] = [&changed, &result].map(area);
-        let kept = (self.area - area_there).max(0.0);
-        // The mean is over the whole surface.
-        let rms = |surface: &Surface, to: &TriangleTree, own: f64| match kept + own {
-            all if all > 0.0 => mean_square(surface, to, &SAMPLING) * own / all,
-            _ => 0.0,
-        };
-        let one_way = |from: &Surface, to: &TriangleTree, own: f64| {
-            let largest =
-                if bound.is_finite() { farther_than(from, to, bound, &SAMPLING) } else { None };
-            (largest, rms(from, to, own))
-        };
-        let back = || one_way(&result, &self.input, area_back);
-        let there = || {
-            let shown = simplified.triangles_at_with(lod, positions);
-            let shown = shown.iter().map(|t| t.corners).collect();
-            let tree = surface(shape, shown).tree();
-            one_way(&changed, &tree, area_there)
-        };
-        let (there, back) = rayon::join(there, back);
-        let largest = there.0.into_iter().chain(back.0).max_by(f64::total_cmp);
-        Measured { largest, rms: there.1.max(back.1).sqrt() }
+        let shown = simplified.triangles_at_with(lod, positions);
+        let shown = shown.iter().map(|t| t.corners).collect();
+        Changes {
+            input: &self.input,
+            level: surface(shape, shown).tree(),
+            before: surface(shape, changed),
+            after: surface(shape, result),
+        }
     }
 }
 
-fn area(surface: &Surface) -> f64 {
-    (0..surface.triangles.len()).map(|t| lodc_nearest::area(surface.corners(t))).sum()
+/// What a level changes.
+struct Changes<'a> {
+    /// All triangles of the input, and of the level.
+    input: &'a TriangleTree,
+    level: TriangleTree,
+    /// Those of the input that the level has not, and those of the level that the input has not.
+    before: Surface,
+    after: Surface,
+}
+
+impl Changes<'_> {
+    /// Returns the largest distance that samples find, either way, if it is more than `bound`.
+    fn farther_than(&self, bound: f64) -> Option<f64> {
+        let (there, back) = rayon::join(
+            || farther_than(&self.before, &self.level, bound, &SAMPLING),
+            || farther_than(&self.after, self.input, bound, &SAMPLING),
+        );
+        there.into_iter().chain(back).max_by(f64::total_cmp)
+    }
+
+    /// An upper bound of the distance, either way.
+    fn bound(&self, search: Search) -> f64 {
+        let most = |from: &Surface, to: &TriangleTree| {
+            let corners: Vec<_> = (0..from.triangles.len()).map(|t| from.corners(t)).collect();
+            search.farthest(&corners, to).most
+        };
+        let (there, back) =
+            rayon::join(|| most(&self.before, &self.level), || most(&self.after, self.input));
+        there.max(back)
+    }
 }
 
 fn surface(shape: &[[f32; 3]], triangles: Vec<[u32; 3]>) -> Surface {
