@@ -361,3 +361,24 @@ fn slivers_are_stated_as_they_are() {
         }
     }
 }
+
+#[test]
+fn curves_that_are_too_small_or_too_large_are_refused() {
+    for name in ["torus", "terrain", "machine_part", "uv_sphere"] {
+        let mesh = fixtures::named(name).expect("a shape");
+        let options = lodc_simplify::Options::DEFAULT;
+        let simplified = lodc_simplify::simplify(&mesh, &options, &|_, _| {});
+        let StepErrors { error, rms } = measured(&simplified);
+        let shape = simplified.mesh().positions();
+        for (scale, holds) in [(0.0, false), (0.5, false), (1.0, true), (4.0, false), (10.0, false)]
+        {
+            let scaled = |e: &f32| if e.is_finite() { e * scale } else { *e };
+            let error: Vec<f32> = error.iter().map(scaled).collect();
+            let rms = rms.iter().zip(&error).map(|(rms, &error)| rms.min(error)).collect();
+            let stated = simplified.clone().with_distances(error, rms).expect("they never fall");
+            let (levels, wrong) = lodc_measure::check_errors(&stated, shape);
+            assert!(levels > 4);
+            assert_eq!(wrong.is_none(), holds, "{name} × {scale}: {wrong:?}");
+        }
+    }
+}
