@@ -100,9 +100,8 @@ impl<'a> Levels<'a> {
         }
         // Errors never fall: a finer level may be the one that is that far. Samples may miss a
         // small part, so only a bound tells that there is none.
-        let lods: Vec<Lod> = (0..collapses.steps_at(lod)).map(|i| collapses.step(i).lod).collect();
-        let rose = lods[lods.partition_point(|&finer| collapses.error_at(finer) < stored)];
-        let bound = self.changes(rose).bound(Search::within(self.diagonal));
+        let rose = collapses.parts().step_errors.partition_point(|&e| e < stored);
+        let bound = self.changes(collapses.step(rose).lod).bound(Search::within(self.diagonal));
         (bound < third).then(|| format!("the error is {stored}, no point is farther than {bound}"))
     }
 

@@ -355,7 +355,7 @@ fn clip(polygon: &Polygon, [a, b, c]: [DVec3; 3], slack: f64) -> (Polygon, [Poly
     let mut rest = *polygon;
     let mut beyond = [Polygon::EMPTY; 3];
     for (out, [from, to]) in beyond.iter_mut().zip([[a, b], [b, c], [c, a]]) {
-        if rest.count < 3 {
+        if !rest.has_area() {
             break;
         }
         // Points outwards.

@@ -33,7 +33,7 @@ mod skin;
 
 use commit::{CollapseLog, Sources};
 use cut::Region;
-use lodc_mesh::{CollapseSequence, Mesh, SequenceParts, Simplified};
+use lodc_mesh::{CollapseSequence, Mesh, PositionIds, SequenceParts, Simplified};
 use metric::{HybridMetric, QuadricOnly, Score, VisualMetric};
 use number::Input;
 use price::{Attributes, Context};
@@ -103,10 +103,13 @@ fn simplify_with(
         return Simplified::new(mesh.clone(), empty).expect("no vertices need no records");
     }
     let run = Run { mesh, options, guidance, region, progress };
-    if let Some(simplified) = Skin::of(mesh).and_then(|skin| run.by_skin(&skin)) {
+    let positions = PositionIds::new(mesh.positions());
+    let skin = Skin::of(mesh, &positions);
+    if let Some(simplified) = skin.and_then(|skin| run.by_skin(&skin, &positions)) {
         return simplified;
     }
-    let mut input = Input::new(mesh);
+    let mut input = Input::with_positions(mesh, &positions);
+    drop(positions);
     input.lock(guidance.locked);
     let mut sources = Sources::new(&input);
     let Collapsed { log, legal, by_stamp } = run.collapse(&input, &mut sources);
@@ -136,17 +139,17 @@ struct Collapsed {
 impl<'a> Run<'a> {
     /// Simplifies one layer of a mesh whose faces lie on each other; the whole mesh follows. None
     /// if it cannot.
-    fn by_skin(self, skin: &Skin) -> Option<Simplified> {
+    fn by_skin(self, skin: &Skin, positions: &PositionIds) -> Option<Simplified> {
         let (moves, legal) = {
             let mut input = Input::new(&skin.mesh);
-            input.lock(&skin.locked(self.mesh, self.guidance.locked));
-            input.planes = skin.planes(self.mesh, &input);
+            input.lock(&skin.locked(self.mesh, positions, self.guidance.locked));
+            input.planes = skin.planes(self.mesh, positions, &input);
             let mut sources = Sources::new(&input);
             let run = Run { mesh: &skin.mesh, ..self };
             let Collapsed { log, legal, by_stamp } = run.collapse(&input, &mut sources);
             (skin::moves(&input, &skin.vertices, &log, legal, by_stamp), legal)
         };
-        let input = Input::new(self.mesh);
+        let input = Input::with_positions(self.mesh, positions);
         let context = self.context(&input);
         let mut sources = Sources::new(&input);
         let (log, legal) = skin::follow(&context, &moves, legal, &mut sources)?;

@@ -42,7 +42,7 @@ pub fn refitted_meshes(
 pub fn measured(objects: &[LodObject], meshes: Vec<Mesh>) -> Vec<LevelMesh> {
     let one = |(object, mesh): (&LodObject, Mesh)| {
         let from_input = original(object.simplified.mesh(), None);
-        let (error, rms) = distance(&from_input, &mesh);
+        let (error, rms) = from_input.bound_and_rms(&bare(&mesh));
         LevelMesh { mesh, error, rms: Some(rms) }
     };
     objects.par_iter().zip(meshes).map(one).collect()
@@ -59,12 +59,12 @@ fn refitted(object: &LodObject, lod: Lod, (paints, number): (&Paints, usize)) ->
     let unmoved = found.mesh(0.0);
     let looks = paints.looks_of(number);
     let from_input = original(input, found.tree());
-    let before = distance(&from_input, &unmoved);
+    let before = from_input.bound_and_rms(&bare(&unmoved));
     let farthest = FARTHER * before.0;
     let worse = looks_worse(input, &unmoved, (paints, &looks));
     for share in SHARES {
         let mesh = found.mesh(share);
-        let (error, rms) = distance(&from_input, &mesh);
+        let (error, rms) = from_input.bound_and_rms(&bare(&mesh));
         if error <= farthest && !worse(&mesh) {
             return (mesh, error, rms);
         }
@@ -78,13 +78,6 @@ fn original(mesh: &Mesh, tree: Option<Arc<TriangleTree>>) -> Original {
     let surface = bare(mesh);
     let tree = tree.unwrap_or_else(|| Arc::new(surface.tree()));
     Original::with_tree(&surface, tree, &Sampling::DEFAULT)
-}
-
-/// An upper bound of the distance, and the root mean square distance, the larger of both ways.
-fn distance(from: &Original, mesh: &Mesh) -> (f64, f64) {
-    let level = bare(mesh);
-    let [there, back] = from.distances(&level).rms;
-    (from.bound(&level), there.max(back))
 }
 
 /// Returns the question whether a mesh looks worse than where the simplifier left it. Meshes

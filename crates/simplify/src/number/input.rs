@@ -60,8 +60,12 @@ pub(crate) struct Wedge {
 
 impl<'a> Input<'a> {
     pub(crate) fn new(mesh: &'a Mesh) -> Self {
-        let positions = PositionIds::new(mesh.positions());
-        let groups = WedgeGroups::new(mesh, &positions);
+        Self::with_positions(mesh, &PositionIds::new(mesh.positions()))
+    }
+
+    /// The same where the positions are numbered already.
+    pub(crate) fn with_positions(mesh: &'a Mesh, positions: &PositionIds) -> Self {
+        let groups = WedgeGroups::new(mesh, positions);
         let diagonal = mesh.diagonal();
         let scale = if diagonal > 0.0 { (-diagonal.log2().floor()).exp2() } else { 1.0 };
         let (lo, hi) = mesh.bounds();

@@ -35,10 +35,9 @@ pub(crate) struct Skin {
 
 impl Skin {
     /// The skin of a mesh; none if no faces lie on each other.
-    pub(crate) fn of(mesh: &Mesh) -> Option<Self> {
-        let positions = PositionIds::new(mesh.positions());
-        let (mut follows, mut divided_otherwise) = layers::followers(mesh, &positions)?;
-        let whole = WedgeGroups::new(mesh, &positions);
+    pub(crate) fn of(mesh: &Mesh, positions: &PositionIds) -> Option<Self> {
+        let (mut follows, mut divided_otherwise) = layers::followers(mesh, positions)?;
+        let whole = WedgeGroups::new(mesh, positions);
         for _ in 0..MAX_TRIES {
             let mut skin = Self::without(mesh, &follows);
             if !skin.keep_split_groups(mesh, &whole, &mut follows) {
@@ -115,11 +114,15 @@ impl Skin {
 
     /// The planes of the faces that lie on the skin but divide it otherwise. They are remembered as
     /// if they were faces of it: what is flat for one layer may not be for the other.
-    pub(crate) fn planes(&self, mesh: &Mesh, input: &Input<'_>) -> Vec<FollowerPlane> {
+    pub(crate) fn planes(
+        &self,
+        mesh: &Mesh,
+        positions: &PositionIds,
+        input: &Input<'_>,
+    ) -> Vec<FollowerPlane> {
         if self.divided_otherwise.is_empty() {
             return Vec::new();
         }
-        let positions = PositionIds::new(mesh.positions());
         let mut group_at = vec![NONE; positions.len()];
         for (&group, &vertex) in input.group_of.iter().zip(&self.vertices) {
             group_at[positions.of_vertex[vertex as usize] as usize] = group;
@@ -141,11 +144,16 @@ impl Skin {
     }
 
     /// For each vertex of the skin: true if a vertex in its place, in whatever layer, is locked.
-    pub(crate) fn locked(&self, mesh: &Mesh, locked: &[bool]) -> Vec<bool> {
+    pub(crate) fn locked(
+        &self,
+        mesh: &Mesh,
+        positions: &PositionIds,
+        locked: &[bool],
+    ) -> Vec<bool> {
         if !locked.contains(&true) {
             return Vec::new();
         }
-        let groups = WedgeGroups::new(mesh, &PositionIds::new(mesh.positions()));
+        let groups = WedgeGroups::new(mesh, positions);
         let mut is_locked = vec![false; groups.len()];
         for (&group, _) in groups.of_vertex.iter().zip(locked).filter(|(_, locked)| **locked) {
             is_locked[group as usize] = true;
