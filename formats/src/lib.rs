@@ -92,3 +92,6 @@ pub use scene::{
 };
 pub use sought::Sought;
 pub use write::{OutputFile, write_all};
+
+/// The name and version of this program.
+pub(crate) const GENERATOR: &str = concat!("lodc ", env!("CARGO_PKG_VERSION"));

@@ -1,7 +1,6 @@
 //! Origin of an export, stated in the file itself.
 
-/// The name and version of this program.
-pub(crate) const GENERATOR: &str = concat!("lodc ", env!("CARGO_PKG_VERSION"));
+use crate::GENERATOR;
 
 /// A level of detail as its file states it.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -23,7 +23,9 @@ mod page;
 pub mod text;
 
 pub use chart::{Chart, Curve, Scale, colour_of};
-pub use checks::{CheckReport, FileReport, VerifyReport, check_models, check_source};
+pub use checks::{
+    CheckReport, FileReport, VerifyReport, check_errors_again, check_models, check_source,
+};
 pub use ci::{Case, Suite, Verdict, github, junit};
 pub use compare::{
     BothWays, Comparison, Content, ImageReport, Length, LevelComparison, MostAllowed, PairReport,

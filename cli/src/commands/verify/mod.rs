@@ -16,7 +16,8 @@ use clap::Args;
 use gpu::Gpu;
 use lodc_report::text::{count, grouped};
 use lodc_report::{
-    CheckReport, FileReport, SCHEMA_VERSION, VerifyReport, check_models, check_source,
+    CheckReport, FileReport, SCHEMA_VERSION, VerifyReport, check_errors_again, check_models,
+    check_source,
 };
 use rayon::prelude::*;
 use sources::Sources;
@@ -151,13 +152,10 @@ fn check(
     gpu: Option<&Gpu>,
     input: &Path,
 ) -> Outcome<Vec<CheckReport>> {
-    let (file, _) = read_lodc(input, args.import.options().limits)?;
-    let mut all = check_models(
-        &file.objects,
-        &file.document,
-        args.stride.get(),
-        &args.import.options().limits,
-    )?;
+    let limits = args.import.options().limits;
+    let (file, _) = read_lodc(input, limits)?;
+    let mut all = check_models(&file.objects, &file.document, args.stride.get(), &limits)?;
+    all.extend(check_errors_again(&file, &limits)?);
     if let Some(source) = sources.of(&file, input)? {
         all.push(check_source(&file, source, &args.import.options())?);
     }

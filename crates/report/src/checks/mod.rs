@@ -4,5 +4,5 @@ mod models;
 mod report;
 mod suites;
 
-pub use models::{check_models, check_source};
+pub use models::{check_errors_again, check_models, check_source};
 pub use report::{CheckReport, FileReport, VerifyReport};

@@ -1,8 +1,10 @@
 //! The checks of one file.
 
 use super::report::CheckReport;
+use lodc::build::step_errors;
 use lodc::{LodFile, LodObject};
 use lodc_formats::import::{ImportOptions, import};
+use lodc_formats::lodc::MadeFrom;
 use lodc_formats::{Document, Fault, FormatError, Limits, ObjectInfo, scene_graph};
 use lodc_lod::AnyModel;
 use lodc_measure::check_errors;
@@ -66,12 +68,53 @@ fn object(
 /// Stored errors against measured ones; those that are estimates are skipped.
 fn errors(object: &LodObject, shape: &[[f32; 3]]) -> CheckReport {
     let report = CheckReport::new(Some(&object.info.name), "sequence", "errors hold");
-    if !object.simplified.collapses().is_measured() {
-        let what = "the errors are estimates, as files before version 3 have them";
+    if !is_measured(object) {
+        let what = "the errors are estimates";
         return CheckReport { skipped: Some(what.to_owned()), ..report };
     }
     let (lods, difference) = check_errors(&object.simplified, shape);
     report.of(lods as u64, difference)
+}
+
+/// Stored errors against what measuring them again gives: of a file that this version made the
+/// same numbers, of others nothing is known.
+///
+/// # Errors
+/// If the stored document is damaged.
+pub fn check_errors_again(
+    file: &LodFile,
+    limits: &Limits,
+) -> Result<Vec<CheckReport>, FormatError> {
+    if !file.made_from.as_ref().is_some_and(MadeFrom::is_of_this_version) {
+        return Ok(Vec::new());
+    }
+    let infos: Vec<&ObjectInfo> = file.objects.iter().map(|o| &o.info).collect();
+    let graph = scene_graph(&file.document, &infos, limits)?;
+    let scene = Arrangement::new(&graph, &graph.rest_pose(), infos.len());
+    let measured = file.objects.par_iter().enumerate().filter(|(_, o)| is_measured(o));
+    let one = |(number, o): (usize, &LodObject)| {
+        errors_again(o, &shape_in_scene(o.simplified.mesh(), number, &scene))
+    };
+    Ok(measured.map(one).collect())
+}
+
+fn errors_again(object: &LodObject, shape: &[[f32; 3]]) -> CheckReport {
+    let collapses = object.simplified.collapses();
+    let (stored, again) = (collapses.parts(), step_errors(&object.simplified, shape));
+    let differs = |stored: &[f32], again: &[f32], what: &str| {
+        let (step, (stored, again)) =
+            stored.iter().zip(again).enumerate().find(|(_, (stored, again))| stored != again)?;
+        let lod = collapses.step(step).lod.0;
+        Some(format!("LOD {lod}: the {what} is {stored}, measured again {again}"))
+    };
+    let difference = differs(&stored.step_errors, &again.error, "error")
+        .or_else(|| differs(&stored.step_rms, &again.rms, "root mean square distance"));
+    let report = CheckReport::new(Some(&object.info.name), "sequence", "errors measured again");
+    report.of(again.error.len() as u64, difference)
+}
+
+fn is_measured(object: &LodObject) -> bool {
+    object.simplified.collapses().is_measured()
 }
 
 fn report(object: &str, check: &Check) -> CheckReport {
