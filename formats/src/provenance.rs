@@ -44,4 +44,20 @@ impl Provenance {
         }
         format!("{line}, source {:032x}", self.source)
     }
+
+    /// Reads such a line; none if it is something else.
+    pub(crate) fn of_line(line: &str) -> Option<Self> {
+        let mut stated = LevelFacts { lod: None, error: f64::INFINITY, rms: None };
+        let (mut source, mut refitted) = (None, false);
+        for part in line.strip_prefix("lodc ")?.split(", ").skip(1) {
+            match part.split_once(' ') {
+                Some(("LOD", lod)) => stated.lod = lod.parse().ok(),
+                Some(("error", error)) => stated.error = error.parse().ok()?,
+                Some(("rms", rms)) => stated.rms = rms.parse().ok(),
+                Some(("source", hash)) => source = u128::from_str_radix(hash, 16).ok(),
+                _ => refitted |= part == "refitted",
+            }
+        }
+        Some(Self { source: source?, levels: vec![stated], refitted })
+    }
 }

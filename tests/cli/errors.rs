@@ -23,7 +23,8 @@ fn spoil(f: &Folder, [error, rms]: [f32; 2], program: &str) {
     let mut file = lodc::read(&f.read("g.lodc")).expect("a sound file");
     for object in &mut file.objects {
         let parts = object.simplified.collapses().parts().clone();
-        let scaled = |all: &[f32], factor: f32| all.iter().map(|e| e * factor).collect();
+        let by = |factor: f32| move |&e: &f32| if e.is_finite() { e * factor } else { e };
+        let scaled = |all: &[f32], factor: f32| all.iter().map(by(factor)).collect();
         let (largest, rms) = (scaled(&parts.step_errors, error), scaled(&parts.step_rms, rms));
         let simplified = (*object.simplified).clone().with_distances(largest, rms);
         object.simplified = Arc::new(simplified.expect("they do not fall"));

@@ -4,8 +4,8 @@ use super::Files;
 use super::levels::Level;
 use crate::console::{Loudness, note, result, wants};
 use crate::exit::Outcome;
-use crate::report::ChainReport;
 use lodc_report::SCHEMA_VERSION;
+use lodc_report::documents::ChainReport;
 use lodc_report::text::{count, distance, grouped, size};
 
 /// The document of a chain.
