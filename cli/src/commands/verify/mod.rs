@@ -22,6 +22,8 @@ use lodc_report::{
 };
 use rayon::prelude::*;
 use sources::Sources;
+use std::fs::File;
+use std::io::Read;
 use std::num::NonZeroU32;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
@@ -165,7 +167,7 @@ fn check(
     input: &Path,
 ) -> Outcome<Vec<CheckReport>> {
     let options = args.import.options();
-    if !is_stream(input) && states_levels(input, &options) {
+    if !is_stream(input) && !starts_as_lodc(input) {
         return check_shipped(sources, input, &options);
     }
     let limits = options.limits;
@@ -179,6 +181,13 @@ fn check(
         all.extend(gpu::checks(&file, gpu, wanted)?);
     }
     Ok(all)
+}
+
+/// Returns whether a file begins as a .lodc file does, or cannot be read.
+fn starts_as_lodc(input: &Path) -> bool {
+    let mut head = [0; 8];
+    let read = File::open(input).and_then(|mut file| file.read(&mut head));
+    read.map_or(true, |n| lodc_formats::lodc::is_lodc(&head[..n]))
 }
 
 /// What `extract` and `chain` wrote, against the mesh.
@@ -241,7 +250,7 @@ mod tests {
         let folder = std::env::temp_dir().join(format!("lodc-groups-{}", std::process::id()));
         std::fs::create_dir_all(&folder).expect("a folder");
         let large = folder.join("large");
-        let file = std::fs::File::create(&large).expect("a file");
+        let file = File::create(&large).expect("a file");
         file.set_len(TOGETHER + 1).expect("a sparse file");
         let small = folder.join("small");
         let inputs = [&small, &small, &small, &large, &small].map(Clone::clone);
