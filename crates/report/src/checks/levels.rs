@@ -237,7 +237,7 @@ fn is_quantized(scene: &Scene) -> bool {
 }
 
 /// Every vertex of the source, object by object: the bytes of its position, and those of its
-/// attributes. Where vertices at one position differ, one may go to a position where none has its
+/// other values. Where vertices at one position differ, one may go to a position where none has its
 /// values: it takes them along.
 struct Vertices {
     of_object: Vec<[HashSet<Vec<u8>>; 2]>,
@@ -280,20 +280,21 @@ impl Vertices {
     }
 }
 
-/// The bytes of each vertex: its position; its attributes with their meanings.
+/// The bytes of each vertex: its position and what belongs to it, as joints and offsets of morph
+/// targets do; its other attributes. Each with its meaning.
 fn vertices(mesh: &Mesh) -> impl Iterator<Item = [Vec<u8>; 2]> {
     (0..mesh.vertex_count() as u32).map(move |v| {
-        let position =
-            mesh.positions()[v as usize].iter().flat_map(|x| x.to_bits().to_le_bytes()).collect();
+        let position = mesh.positions()[v as usize].iter().flat_map(|x| x.to_bits().to_le_bytes());
+        let mut bytes = [position.collect(), Vec::new()];
         let submesh = mesh.vertex_submesh()[v as usize] as usize;
-        let mut values = Vec::new();
         for &number in &mesh.submeshes()[submesh].attributes {
             let attribute = &mesh.attributes()[number as usize];
-            values.extend(
+            let kind = &mut bytes[usize::from(!attribute.is_spatial())];
+            kind.extend(
                 format!("{:?}{:?}", attribute.semantic, attribute.morph_target).into_bytes(),
             );
-            values.extend(attribute.at(v));
+            kind.extend(attribute.at(v));
         }
-        [position, values]
+        bytes
     })
 }
