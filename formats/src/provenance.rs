@@ -1,5 +1,6 @@
 //! Origin of an export, stated in the file itself.
 
+#[cfg(feature = "export")]
 use crate::GENERATOR;
 
 /// A level of detail as its file states it.
@@ -26,6 +27,7 @@ pub struct Provenance {
 
 impl Provenance {
     /// One line for text formats.
+    #[cfg(feature = "export")]
     pub(crate) fn line(&self) -> String {
         let mut line = GENERATOR.to_owned();
         for l in &self.levels {
@@ -46,6 +48,7 @@ impl Provenance {
     }
 
     /// Reads such a line; none if it is something else.
+    #[cfg(feature = "import")]
     pub(crate) fn of_line(line: &str) -> Option<Self> {
         let mut stated = LevelFacts { lod: None, error: f64::INFINITY, rms: None };
         let (mut source, mut refitted) = (None, false);
