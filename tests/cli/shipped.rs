@@ -249,3 +249,20 @@ fn planted_ranges_are_found() {
         assert!(found(&run).iter().any(|c| c == "levels share vertices"), "{key}: {}", run.text());
     }
 }
+
+/// glTF has two numbers for each texture coordinate, OBJ one to three.
+#[test]
+fn texture_coordinates_of_one_or_three_numbers_become_two() {
+    for uv in ["0.5", "0.5 0.25", "0.5 0.25 0.75"] {
+        let f = Folder::new();
+        let corners = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 1\n";
+        let faces = "f 1/1 2/1 3/1\nf 1/1 3/1 4/1\n";
+        f.file("m.obj", format!("{corners}vt {uv}\n{faces}"));
+        f.lodc(["chain", "m.obj", "-o", "c.glb", "--index-ranges", "-q"]).ends(0);
+        verify(&f, "c.glb", "m.obj").ends(0);
+        f.lodc(["extract", "c.glb", "--lod", "0", "-o", "again.obj", "-q"]).ends(0);
+        let text = String::from_utf8(f.read("again.obj")).expect("text");
+        let expected = if uv == "0.5" { "vt 0.5 0" } else { "vt 0.5 0.25" };
+        assert!(text.contains(expected), "{uv}: {text}");
+    }
+}

@@ -43,7 +43,8 @@ pub(crate) fn shipped(
     let (root, opened) = open(bytes, assets, options)?;
     let stated = stated(&root)?;
     let chain = Chain::of(&root, stated.levels.len());
-    if stated.levels.len() > 1 && chain.nodes.is_empty() && !chain.has_ranges {
+    let is_chain = !chain.nodes.is_empty() || chain.has_ranges;
+    if stated.levels.len() > 1 && !is_chain && primitives(&root).next().is_some() {
         let what = format!(
             "states {} levels, of which no node or primitive has more than one",
             stated.levels.len()

@@ -84,7 +84,10 @@ pub(super) fn adapted(mesh: &Mesh) -> Mesh {
     let mut parts = mesh.clone().into_parts();
     for a in parts.attributes.iter_mut().filter(|a| a.component == Component::F32) {
         match (&a.semantic, a.components) {
-            (Semantic::TexCoord(_), 2) => each(a, |uv| uv[1] = 1.0 - uv[1]),
+            (Semantic::TexCoord(_), _) => {
+                two_components(a);
+                each(a, |uv| uv[1] = 1.0 - uv[1]);
+            }
             (Semantic::Normal, 3) => each(a, unit),
             (Semantic::Color(_), _) => each(a, |c| {
                 c.iter_mut().for_each(|v| *v = if v.is_nan() { 0.0 } else { v.clamp(0.0, 1.0) });
@@ -93,6 +96,19 @@ pub(super) fn adapted(mesh: &Mesh) -> Mesh {
         }
     }
     Mesh::try_from(parts).expect("only values of attributes have changed")
+}
+
+/// Leaves texture coordinates the two numbers that glTF has: of OBJ there may be one or three.
+fn two_components(a: &mut Attribute) {
+    if a.components != 2 {
+        let of_vertex = |all: &[u8]| {
+            let mut two = [0; 8];
+            two.iter_mut().zip(all).for_each(|(byte, &own)| *byte = own);
+            two
+        };
+        a.bytes = a.bytes.chunks_exact(a.stride()).flat_map(of_vertex).collect();
+        a.components = 2;
+    }
 }
 
 fn unit(n: &mut [f32]) {
