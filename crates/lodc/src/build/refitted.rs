@@ -1,39 +1,43 @@
 //! Refitted levels: closer in space, and held back where pictures would get worse.
 
-use super::Paints;
-use crate::LodObject;
+use super::likeness::Likeness;
 use crate::level_mesh::{LevelMesh, Order, ordered};
-use lodc_measure::{Original, Portrait, Sampling, SceneSurface, Surface, TriangleTree, Viewing};
+use crate::{Error, LodObject};
+use lodc_formats::{Document, Limits, ObjectInfo, coordinates};
+use lodc_measure::{Original, Sampling, Surface, TriangleTree};
 use lodc_mesh::{Lod, Mesh};
 use lodc_refit::{Options, Refit};
-use lodc_scene::{Appearance, Arrangement, Graph, Pose};
+use lodc_scene::Coordinates;
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Pictures that decide whether attributes look right.
-const VIEWING: Viewing = Viewing { views: 12, size: 256 };
-/// Shares of the way to the best fit, of which the first that makes nothing worse counts.
+/// Shares of the way to the best fit, of which the first that looks better counts.
 const SHARES: [f64; 3] = [1.0, 0.5, 0.25];
 /// Most that the largest distance may grow.
 const FARTHER: f64 = 1.05;
-/// Most that the image error may grow, as a share and in addition (of 255).
-const WORSE: f64 = 1.005;
-const NOTHING: f64 = 0.02;
+/// Share of its image error that a level keeps at most, in the mean of all kinds of pictures.
+const BETTER: f64 = 0.99;
 
-/// Makes the meshes of the objects at `lods`, one each, with vertices where they fit the input
-/// best. `paints` is what they are judged in.
-#[must_use]
+/// Makes the meshes of the objects at `lods`, one each, with vertices and normals where they fit
+/// the input best. The same objects and document give the same meshes, whether they come from a
+/// mesh or from a file of its levels, with textures at hand or without.
+///
+/// # Errors
+/// If the stored document is damaged.
 pub fn refitted_meshes(
     objects: &[LodObject],
+    document: &Document,
     lods: &[Lod],
     order: Order,
-    paints: &Paints,
-) -> Vec<LevelMesh> {
-    let one = |(i, (object, &lod)): (usize, (&LodObject, &Lod))| {
-        let (mesh, error, rms) = refitted(object, lod, (paints, i));
+    limits: &Limits,
+) -> Result<Vec<LevelMesh>, Error> {
+    let infos: Vec<&ObjectInfo> = objects.iter().map(|o| &o.info).collect();
+    let shown = coordinates(document, &infos, limits)?;
+    let one = |((object, &lod), shown): ((&LodObject, &Lod), &Vec<Coordinates>)| {
+        let (mesh, error, rms) = refitted(object, lod, shown);
         LevelMesh { mesh: ordered(mesh, order), error, rms: Some(rms) }
     };
-    objects.par_iter().zip(lods).enumerate().map(one).collect()
+    Ok(objects.par_iter().zip(lods).zip(&shown).map(one).collect())
 }
 
 /// Measures meshes against the objects that they are levels of: for each an upper bound of its
@@ -49,27 +53,28 @@ pub fn measured(objects: &[LodObject], meshes: Vec<Mesh>) -> Vec<LevelMesh> {
 }
 
 /// A refitted level of an object of a scene, its error and its root mean square distance. These are
-/// measured: the stored ones are of the vertices where they were.
-fn refitted(object: &LodObject, lod: Lod, (paints, number): (&Paints, usize)) -> (Mesh, f64, f64) {
+/// measured: the stored ones are of the vertices where they were. `shown` are the texture
+/// coordinates of its submeshes.
+fn refitted(object: &LodObject, lod: Lod, shown: &[Coordinates]) -> (Mesh, f64, f64) {
     let input = object.simplified.mesh();
     let found = Refit::new(&object.simplified, lod, &Options::DEFAULT);
     if lod.0 == 0 {
-        return (found.mesh(0.0), 0.0, 0.0);
+        return (found.unmoved(), 0.0, 0.0);
     }
-    let unmoved = found.mesh(0.0);
-    let looks = paints.looks_of(number);
+    let unmoved = found.unmoved();
     let from_input = original(input, found.tree());
     let before = from_input.bound_and_rms(&bare(&unmoved));
     let farthest = FARTHER * before.0;
-    let worse = looks_worse(input, &unmoved, (paints, &looks));
+    let better = looks_better(input, &unmoved, shown);
     for share in SHARES {
         let mesh = found.mesh(share);
         let (error, rms) = from_input.bound_and_rms(&bare(&mesh));
-        if error <= farthest && !worse(&mesh) {
+        if error <= farthest && better(&mesh) {
             return (mesh, error, rms);
         }
     }
-    (unmoved, before.0, before.1)
+    let shaded = found.mesh(0.0);
+    (if better(&shaded) { shaded } else { unmoved }, before.0, before.1)
 }
 
 /// A mesh, ready for levels to be measured from it. `tree` is that of its triangles, if there is
@@ -80,25 +85,27 @@ fn original(mesh: &Mesh, tree: Option<Arc<TriangleTree>>) -> Original {
     Original::with_tree(&surface, tree, &Sampling::DEFAULT)
 }
 
-/// Returns the question whether a mesh looks worse than where the simplifier left it. Meshes
-/// without attributes never do.
-fn looks_worse<'a>(
+/// Returns the question whether a mesh looks better than where the simplifier left it: no worse in
+/// any kind of picture. Meshes without attributes always do.
+fn looks_better(
     original: &Mesh,
     unmoved: &Mesh,
-    (paints, looks): (&'a Paints, &'a Appearance),
-) -> Box<dyn Fn(&Mesh) -> bool + 'a> {
+    shown: &[Coordinates],
+) -> Box<dyn Fn(&Mesh) -> bool> {
     if original.attributes().is_empty() {
-        return Box::new(|_| false);
+        return Box::new(|_| true);
     }
-    let surface = |mesh: &Mesh| {
-        let scene = Arrangement::new(&Graph::default(), &Pose::default(), 1);
-        SceneSurface::with_images(&[mesh], &scene, looks, || paints.images())
-    };
-    let whole = surface(original);
-    let portrait = Portrait::new(&whole.surface, VIEWING, whole.common_looks(&whole));
-    let error = move |mesh: &Mesh| portrait.compare(&surface(mesh).surface).rmse;
-    let most = WORSE * error(unmoved) + NOTHING;
-    Box::new(move |mesh| error(mesh) > most)
+    let likeness = Likeness::new(original, shown);
+    let before = likeness.errors(unmoved);
+    Box::new(move |mesh| is_better(&before, &likeness.errors(mesh)))
+}
+
+/// Returns whether no image error grew, and all together fell by enough to count.
+fn is_better(before: &[f64], now: &[f64]) -> bool {
+    let pairs = || before.iter().zip(now);
+    let shares: Vec<f64> = pairs().filter(|(b, _)| **b > 0.0).map(|(b, n)| n / b).collect();
+    let enough = shares.iter().sum::<f64>() <= BETTER * shares.len() as f64;
+    pairs().all(|(b, n)| n <= b) && !shares.is_empty() && enough
 }
 
 fn bare(mesh: &Mesh) -> Surface {
@@ -113,17 +120,8 @@ fn bare(mesh: &Mesh) -> Surface {
 mod tests {
     use super::*;
 
-    fn image_error(original: &Mesh, level: &Mesh) -> f64 {
-        let scene = Arrangement::new(&Graph::default(), &Pose::default(), 1);
-        let surface = |mesh| SceneSurface::new(&[mesh], &scene, &Appearance::default());
-        let [original, level] = [original, level].map(surface);
-        let looks = original.common_looks(&original);
-        Portrait::new(&original.surface, VIEWING, looks).compare(&level.surface).rmse
-    }
-
     #[test]
-    fn levels_that_look_worse_are_known() {
-        let (paints, looks) = (Paints::default(), Appearance::default());
+    fn levels_look_better_or_stay() {
         let (mut moved, mut held) = (0, 0);
         for (name, make) in lodc_fixtures::ALL {
             let mesh = make();
@@ -134,14 +132,19 @@ mod tests {
             let simplified = lodc_simplify::simplify(&mesh, &options, &|_, _| {});
             let lod = simplified.collapses().lod_for_triangles(mesh.triangles().len() as u32 / 4);
             let found = Refit::new(&simplified, lod, &Options::DEFAULT);
-            let (whole, none) = (found.mesh(1.0), found.mesh(0.0));
-            let worse = looks_worse(simplified.mesh(), &none, (&paints, &looks));
-            let [before, after] = [&none, &whole].map(|m| image_error(simplified.mesh(), m));
-            assert!(!worse(&none), "{name}");
-            assert_eq!(worse(&whole), after > WORSE * before + NOTHING, "{name}: {before} {after}");
-            held += u32::from(worse(&whole));
-            moved += u32::from(!worse(&whole));
+            let shown = vec![Coordinates::PLAIN; mesh.submeshes().len()];
+            let better = looks_better(simplified.mesh(), &found.unmoved(), &shown);
+            assert!(!better(&found.unmoved()), "{name}");
+            held += u32::from(!better(&found.mesh(1.0)));
+            moved += u32::from(better(&found.mesh(1.0)));
         }
         assert!(moved > 0 && held > 0, "{moved} moved, {held} held back");
+    }
+
+    #[test]
+    fn better_is_worse_in_no_picture() {
+        assert!(is_better(&[2.0, 4.0], &[2.0, 3.8]) && is_better(&[2.0, 0.0], &[1.0, 0.0]));
+        assert!(!is_better(&[2.0, 4.0], &[2.1, 1.0]) && !is_better(&[2.0, 0.0], &[1.0, 0.1]));
+        assert!(!is_better(&[2.0, 4.0], &[2.0, 3.99]) && !is_better(&[0.0], &[0.0]));
     }
 }
