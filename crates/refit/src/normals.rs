@@ -71,9 +71,8 @@ struct Wedges {
 impl Wedges {
     fn new(level: &Level, parts: &MeshParts) -> Self {
         let (own, there) = (unit_normals(&level.mesh.clone().into_parts()), unit_normals(parts));
-        let key = |v: u32| {
-            (level.point_of[v as usize], own[v as usize].to_array().map(f64::to_bits))
-        };
+        let key =
+            |v: u32| (level.point_of[v as usize], own[v as usize].to_array().map(f64::to_bits));
         let has = |v: &u32| own[*v as usize] != DVec3::ZERO;
         let mut order: Vec<u32> = (0..own.len() as u32).filter(has).collect();
         order.sort_unstable_by_key(|&v| (key(v), v));

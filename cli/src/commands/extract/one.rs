@@ -108,7 +108,8 @@ fn uniform(
     let gone = Roll::new(&asset.objects, &scene, &asset.document)?.gone(&chosen.lods);
     let meshes = if args.refit {
         let (objects, document) = (&asset.objects, &asset.document);
-        stages.run("extract", || refitted_meshes(objects, document, &chosen.lods, order, &limits))?
+        stages
+            .run("extract", || refitted_meshes(objects, document, &chosen.lods, order, &limits))?
     } else {
         stages.run("extract", || level_mesh::meshes(&asset.objects, &chosen.lods, shape))?
     };
