@@ -10,7 +10,7 @@ use lodc_mesh::{Mesh, SplitMix64};
 use lodc_scene::{
     Appearance, Arrangement, Coordinates, Graph, Image, Material, Pose, Texture, Wrap,
 };
-use std::sync::{Arc, LazyLock};
+use std::sync::Arc;
 
 /// The pictures: fewer and smaller than those of `compare`, and from other sides.
 const VIEWING: Viewing = Viewing { views: 17, size: 256 };
@@ -21,20 +21,24 @@ const GRAINS: [usize; 6] = [2, 4, 8, 16, 32, 64];
 /// Shift of texture coordinates from one submesh to the next, so that each has colours of its own.
 const SHIFT: [f32; 2] = [0.37, 0.61];
 
-static IMAGES: LazyLock<Arc<[Pyramid]>> = LazyLock::new(|| [Pyramid::new(&noise())].into());
+/// The noise, ready to be shown on any object.
+pub(super) fn noise() -> Arc<[Pyramid]> {
+    [Pyramid::new(&image())].into()
+}
 
 /// An object as it looks from all sides.
 pub(super) struct Likeness {
     looks: Appearance,
+    noise: Arc<[Pyramid]>,
     portraits: Vec<Portrait>,
 }
 
 impl Likeness {
     /// Takes the pictures: shaded by its normals, and painted by its texture coordinates where it
-    /// has any. `coordinates` are those that its submeshes show.
-    pub(super) fn new(mesh: &Mesh, coordinates: &[Coordinates]) -> Self {
+    /// has any. `coordinates` are those that its submeshes show, `noise` is [`noise()`].
+    pub(super) fn new(mesh: &Mesh, coordinates: &[Coordinates], noise: &Arc<[Pyramid]>) -> Self {
         let looks = painted(coordinates);
-        let shown = surface(mesh, &looks);
+        let shown = surface(mesh, &looks, noise);
         let all = shown.common_looks(&shown);
         let shaded = Looks { materials: false, ..all };
         let mut kinds = vec![shaded];
@@ -45,20 +49,20 @@ impl Likeness {
         kinds.dedup();
         let portraits =
             kinds.into_iter().map(|looks| Portrait::new(&shown.surface, VIEWING, looks)).collect();
-        Self { looks, portraits }
+        Self { looks, noise: Arc::clone(noise), portraits }
     }
 
     /// The image errors of a level, one for each kind of picture: 0 to 255.
     pub(super) fn errors(&self, level: &Mesh) -> Vec<f64> {
-        let shown = surface(level, &self.looks).surface;
+        let shown = surface(level, &self.looks, &self.noise).surface;
         self.portraits.iter().map(|p| p.compare(&shown).rmse).collect()
     }
 }
 
 /// An object by itself.
-fn surface(mesh: &Mesh, looks: &Appearance) -> SceneSurface {
+fn surface(mesh: &Mesh, looks: &Appearance, noise: &Arc<[Pyramid]>) -> SceneSurface {
     let scene = Arrangement::new(&Graph::default(), &Pose::default(), 1);
-    SceneSurface::with_images(&[mesh], &scene, looks, || Arc::clone(&IMAGES))
+    SceneSurface::with_images(&[mesh], &scene, looks, || Arc::clone(noise))
 }
 
 /// A material of noise for each submesh.
@@ -81,8 +85,8 @@ fn painted(coordinates: &[Coordinates]) -> Appearance {
 }
 
 /// Noise that repeats both ways: equal parts of all grains, each red, green and blue of its own.
-fn noise() -> Image {
-    let mut random = SplitMix64::new(0x6e6f_6973_65);
+fn image() -> Image {
+    let mut random = SplitMix64::new(0x6e6f_6973);
     let mut sums = vec![[0.0f32; 3]; NOISE * NOISE];
     for cells in GRAINS {
         let values: Vec<[f32; 3]> =

@@ -1,10 +1,10 @@
 //! Refitted levels: closer in space, and held back where pictures would get worse.
 
-use super::likeness::Likeness;
+use super::likeness::{Likeness, noise};
 use crate::level_mesh::{LevelMesh, Order, ordered};
 use crate::{Error, LodObject};
 use lodc_formats::{Document, Limits, ObjectInfo, coordinates};
-use lodc_measure::{Original, Sampling, Surface, TriangleTree};
+use lodc_measure::{Original, Pyramid, Sampling, Surface, TriangleTree};
 use lodc_mesh::{Lod, Mesh};
 use lodc_refit::{Options, Refit};
 use lodc_scene::Coordinates;
@@ -35,8 +35,9 @@ pub fn refitted_meshes(
 ) -> Result<Vec<LevelMesh>, Error> {
     let infos: Vec<&ObjectInfo> = objects.iter().map(|o| &o.info).collect();
     let shown = coordinates(document, &infos, limits)?;
+    let noise = noise();
     let one = |((object, &lod), shown): ((&LodObject, &Lod), &Vec<Coordinates>)| {
-        let (mesh, error, rms) = refitted(object, lod, shown);
+        let (mesh, error, rms) = refitted(object, lod, (shown, &noise));
         LevelMesh { mesh: ordered(mesh, order), error, rms: Some(rms) }
     };
     Ok(objects.par_iter().zip(lods).zip(&shown).map(one).collect())
@@ -56,8 +57,8 @@ pub fn measured(objects: &[LodObject], meshes: Vec<Mesh>) -> Vec<LevelMesh> {
 
 /// A refitted level of an object of a scene, its error and its root mean square distance. These are
 /// measured: the stored ones are of the vertices where they were. `shown` are the texture
-/// coordinates of its submeshes.
-fn refitted(object: &LodObject, lod: Lod, shown: &[Coordinates]) -> (Mesh, f64, f64) {
+/// coordinates of its submeshes, and what is painted by them.
+fn refitted(object: &LodObject, lod: Lod, shown: Shown<'_>) -> (Mesh, f64, f64) {
     let input = object.simplified.mesh();
     let found = Refit::new(&object.simplified, lod, &Options::DEFAULT);
     if lod.0 == 0 {
@@ -93,6 +94,9 @@ fn original(mesh: &Mesh, tree: Option<Arc<TriangleTree>>) -> Original {
     Original::with_tree(&surface, tree, &Sampling::DEFAULT)
 }
 
+/// The texture coordinates of an object's submeshes, and the noise that is painted by them.
+type Shown<'a> = (&'a [Coordinates], &'a Arc<[Pyramid]>);
+
 /// Tells how much better a refitted level looks than where the simplifier left it.
 struct Judge {
     likeness: Likeness,
@@ -101,11 +105,11 @@ struct Judge {
 
 impl Judge {
     /// None for meshes without attributes: whatever is closer looks better.
-    fn new(input: &Mesh, unmoved: &Mesh, shown: &[Coordinates]) -> Option<Self> {
+    fn new(input: &Mesh, unmoved: &Mesh, (shown, noise): Shown<'_>) -> Option<Self> {
         if input.attributes().is_empty() {
             return None;
         }
-        let likeness = Likeness::new(input, shown);
+        let likeness = Likeness::new(input, shown, noise);
         let before = likeness.errors(unmoved);
         Some(Self { likeness, before })
     }
@@ -135,7 +139,7 @@ mod tests {
 
     #[test]
     fn levels_look_better_or_stay() {
-        let (mut moved, mut held) = (0, 0);
+        let (noise, mut moved, mut held) = (noise(), 0, 0);
         for (name, make) in lodc_fixtures::ALL {
             let mesh = make();
             if mesh.attributes().is_empty() || mesh.triangles().len() < 100 {
@@ -154,8 +158,8 @@ mod tests {
             let simplified = Arc::new(simplified);
             let object = LodObject { info, simplified, models: Vec::new() };
             let unmoved = Refit::new(&object.simplified, lod, &Options::DEFAULT).unmoved();
-            let judge = Judge::new(&mesh, &unmoved, &shown).expect("attributes");
-            let (level, ..) = refitted(&object, lod, &shown);
+            let judge = Judge::new(&mesh, &unmoved, (&shown, &noise)).expect("attributes");
+            let (level, ..) = refitted(&object, lod, (&shown, &noise));
             let is_held = level == unmoved;
             assert!(is_held || judge.kept(&level) <= BETTER, "{name}");
             held += u32::from(is_held);
