@@ -1,8 +1,8 @@
 //! The looks of a scene: base colours and textures of its submeshes. For pictures only;
 //! nothing here is needed to simplify or to write a scene again.
 
-use crate::{Assets, Document, FormatError, ObjectInfo, gltf, obj};
-use lodc_scene::Appearance;
+use crate::{Assets, Document, FormatError, Limits, ObjectInfo, gltf, obj};
+use lodc_scene::{Appearance, Coordinates};
 
 /// Reads the looks of a scene. Images are read from where `assets` has its main file; one that
 /// cannot be had is a warning.
@@ -17,6 +17,22 @@ pub fn appearance(
     match document {
         Document::Obj(obj) => Ok(obj::appearance(obj, objects, assets)),
         Document::Gltf(gltf) => gltf::appearance(gltf, objects, assets),
+    }
+}
+
+/// Returns, for every object and submesh, the texture coordinates that its textures read. No image
+/// is looked for: the answer is the same wherever they are.
+///
+/// # Errors
+/// If the stored document is damaged.
+pub fn coordinates(
+    document: &Document,
+    objects: &[&ObjectInfo],
+    limits: &Limits,
+) -> Result<Vec<Vec<Coordinates>>, FormatError> {
+    match document {
+        Document::Obj(_) => Ok(obj::coordinates(objects)),
+        Document::Gltf(gltf) => gltf::coordinates(gltf, objects, limits),
     }
 }
 

@@ -82,7 +82,7 @@ mod textures;
 mod write;
 
 #[cfg(feature = "import")]
-pub use appearance::appearance;
+pub use appearance::{appearance, coordinates};
 pub use assets::Assets;
 pub use error::{Fault, FormatError};
 #[cfg(feature = "gltf")]

@@ -172,6 +172,35 @@ fn a_refitted_level_states_what_was_measured() {
     assert_eq!(chain["levels"][0]["rms"], refitted["rms"]);
 }
 
+#[test]
+fn a_refitted_level_is_the_same_from_a_mesh_and_from_its_file() {
+    let f = Folder::new();
+    let fixture = |name: &str| {
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/");
+        std::fs::read(format!("{folder}{name}")).expect("a fixture")
+    };
+    f.file("lodc.toml", QUADRIC);
+    f.file("in/part.glb", fixture("machine_part.glb"));
+    f.file("in/quarters.jpg", include_bytes!("quarters.jpg"));
+    f.file("in/m.mtl", "newmtl w\nKd 1 1 1\nmap_Kd quarters.jpg\n");
+    let sphere = String::from_utf8(fixture("uv_sphere.obj")).expect("text");
+    f.file("in/beside.obj", format!("mtllib m.mtl\nusemtl w\n{sphere}"));
+    f.lodc(["extract", "in/beside.obj", "--ratio", "1", "-o", "in/embedded.glb", "-q"]).ends(0);
+    for name in ["in/part.glb", "in/beside.obj", "in/embedded.glb"] {
+        f.lodc(["build", name, "-o", "m.lodc", "-q"]).ends(0);
+        let refitted = |from: &[&str]| {
+            let args = ["extract", "--refit", "--ratio", "20%", "-o", "r.ply", "-q"];
+            f.lodc(args.iter().chain(from)).ends(0);
+            f.read("r.ply")
+        };
+        let of_mesh = refitted(&[name]);
+        assert_eq!(of_mesh, refitted(&["m.lodc"]), "{name}");
+        let there = f.lodc(["extract", "m.lodc", "--ratio", "20%", "-o", "p.ply", "-q"]);
+        there.ends(0);
+        assert_ne!(of_mesh, f.read("p.ply"), "{name}");
+    }
+}
+
 /// Fetched vertices per triangle with a cache of 16, first in, first out.
 fn acmr(triangles: &[Vec<u32>]) -> f64 {
     let (mut cache, mut misses) = (Vec::new(), 0);

@@ -37,28 +37,39 @@ impl ByFace {
         self.farthest.iter().copied().fold(0.0, f64::max)
     }
 
-    /// Returns for each point whether its part of the level, the faces that hang together, came
-    /// hardly closer than at `first`.
-    ///
-    /// Where most points of a part are held back, the others make the best of it: they may end up
-    /// far from where they were, as spikes, for next to nothing.
-    pub(crate) fn hardly_closer(
-        &self,
-        first: &Self,
-        faces: &[[u32; 3]],
-        points: usize,
-    ) -> Vec<bool> {
-        let mut parts = DisjointSets::new(points);
-        for &[a, b, c] in faces {
-            parts.join(a, b);
-            parts.join(a, c);
+    /// The energies of the faces around each point, added up.
+    pub(crate) fn around(&self, faces: &[[u32; 3]], points: usize) -> Vec<f64> {
+        let mut around = vec![0.0; points];
+        for (face, energy) in faces.iter().zip(&self.energy) {
+            face.iter().for_each(|&p| around[p as usize] += energy);
         }
-        let mut sums = vec![[0.0; 2]; points];
-        for ((face, before), now) in faces.iter().zip(&first.energy).zip(&self.energy) {
-            let sum: &mut [f64; 2] = &mut sums[parts.find(face[0]) as usize];
-            *sum = [sum[0] + before, sum[1] + now];
-        }
-        let of_part = |p: u32| sums[parts.find(p) as usize];
-        (0..points as u32).map(of_part).map(|[before, now]| now > WORTH * before).collect()
+        around
     }
+}
+
+/// Returns for each point whether its part of a level, the faces that hang together, comes hardly
+/// closer than at `first` even if every point that comes farther stays: energies [around] points.
+///
+/// Where most points of a part are held back, the others make the best of it: they may end up
+/// far from where they were, as spikes, for next to nothing.
+///
+/// [around]: ByFace::around
+pub(crate) fn hardly_closer(first: &[f64], now: &[f64], faces: &[[u32; 3]]) -> Vec<bool> {
+    let mut parts = DisjointSets::new(first.len());
+    for &[a, b, c] in faces {
+        parts.join(a, b);
+        parts.join(a, c);
+    }
+    let mut sums = vec![[0.0; 2]; first.len()];
+    for ((p, before), now) in (0..).zip(first).zip(now) {
+        let sum: &mut [f64; 2] = &mut sums[parts.find(p) as usize];
+        *sum = [sum[0] + before, sum[1] + now.min(*before)];
+    }
+    let of_part = |p: u32| sums[parts.find(p) as usize];
+    (0..first.len() as u32).map(of_part).map(|[before, now]| now > WORTH * before).collect()
+}
+
+/// The sum of energies around points if every point that comes farther than at `first` stays.
+pub(crate) fn within_reach(first: &[f64], now: &[f64]) -> f64 {
+    first.iter().zip(now).map(|(a, b)| a.min(*b)).sum()
 }

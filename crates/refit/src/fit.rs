@@ -1,6 +1,6 @@
 //! The iteration: tie both surfaces together, solve for the moves, guard them, keep the best.
 
-use crate::by_face::ByFace;
+use crate::by_face::{ByFace, hardly_closer, within_reach};
 use crate::charts::curves;
 use crate::guard::{Guard, cross};
 use crate::input::Input;
@@ -29,8 +29,10 @@ const RUN: usize = 1 << 8;
 const FARTHER: f64 = 1.05 * 1.05;
 /// Number of times that what goes beyond is held back.
 const HELD_ROUNDS: usize = 4;
+/// Share of the squared distance at the start that may be added where points come farther.
+const SPOILT: f64 = 0.02;
 /// Root mean square distance, as a share of the diagonal, below which a level is left alone.
-const ENOUGH: f64 = 1e-5;
+const ENOUGH: f64 = 1e-6;
 
 /// Points of the level on their way to a better fit.
 pub(crate) struct Fit<'a> {
@@ -56,6 +58,34 @@ struct Ties<'a> {
     energy: f64,
     by_face: ByFace,
     input_normals: Vec<DVec3>,
+}
+
+/// Distances of the level where the simplifier left it.
+struct First {
+    /// Mean squared distance, both directions added.
+    energy: f64,
+    /// The same around each point.
+    around: Vec<f64>,
+    /// Most that a squared distance of any sample may become.
+    limit: f64,
+}
+
+impl First {
+    /// Marks the points that come farther than they were, if they spoil more than a little of the
+    /// whole; returns whether any was not marked before.
+    fn hold_worse(&self, around: &[f64], held: &mut [bool]) -> bool {
+        let worse = |p: usize| around[p] - self.around[p];
+        let spoilt: f64 = (0..held.len()).map(|p| worse(p).max(0.0)).sum();
+        if spoilt <= SPOILT * self.around.iter().sum::<f64>() {
+            return false;
+        }
+        let mut new = false;
+        for p in (0..held.len()).filter(|&p| worse(p) > 0.0) {
+            new |= !held[p];
+            held[p] = true;
+        }
+        new
+    }
 }
 
 impl Ties<'_> {
@@ -90,11 +120,12 @@ impl<'a> Fit<'a> {
     /// Returns the best positions of the points that `iterations` find. No sample ends up much
     /// farther from the other surface than the farthest was at the start.
     pub(crate) fn run(mut self, iterations: u32) -> Vec<DVec3> {
-        let start = self.tie(&self.level.points);
-        let (first, limit) = (start.energy, FARTHER * start.by_face.farthest());
-        let at_first = start.by_face.clone();
-        let (mut best, mut positions) = (None, self.level.points.clone());
-        let (mut least, mut ties) = (first, start);
+        let (points, faces) = (&self.level.points, &self.level.faces);
+        let start = self.tie(points);
+        let limit = FARTHER * start.by_face.farthest();
+        let first = First { energy: start.energy, around: self.around(&start.by_face), limit };
+        let (mut best, mut positions) = (None, points.clone());
+        let (mut least, mut ties) = (first.around.iter().sum(), start);
         for _ in 0..iterations {
             if ties.energy.sqrt() < ENOUGH * self.input.diagonal {
                 break;
@@ -102,32 +133,43 @@ impl<'a> Fit<'a> {
             let moves = self.clamped(&positions, &ties.system.solve());
             positions = self.guard(&ties.input_normals).limit(&positions, &moves);
             ties = self.tie(&positions);
-            if ties.energy < least {
-                least = ties.energy;
-                best = Some((positions.clone(), ties.by_face.clone()));
+            let around = self.around(&ties.by_face);
+            let reach = within_reach(&first.around, &around);
+            if reach < least {
+                least = reach;
+                best = Some((positions.clone(), ties.energy, ties.by_face.clone(), around));
             }
         }
-        let Some((best, by_face)) = best else { return self.level.points.clone() };
-        let held = by_face.hardly_closer(&at_first, &self.level.faces, best.len());
-        if by_face.farthest() <= limit && !held.contains(&true) {
+        let Some((best, energy, by_face, around)) = best else { return points.clone() };
+        let mut held = hardly_closer(&first.around, &around, faces);
+        let is_good = energy < first.energy && by_face.farthest() <= limit && !held.contains(&true);
+        if !first.hold_worse(&around, &mut held) && is_good {
             return best;
         }
-        let held = self.held_back(&best, held, by_face, &ties.input_normals, limit);
+        let held = self.held_back(&best, held, by_face, &ties.input_normals, &first);
         let ties = self.tie(&held);
-        let better = ties.energy < first && ties.by_face.farthest() <= limit;
-        if better { held } else { self.level.points.clone() }
+        let most = if is_good { energy } else { first.energy };
+        match () {
+            () if ties.energy < most && ties.by_face.farthest() <= limit => held,
+            () if is_good => best,
+            () => self.level.points.clone(),
+        }
     }
 
-    /// Puts the points that are `held`, and the corners of faces with a sample beyond `limit`, a
-    /// squared distance, back to where they were, wider around them each time, until none is
-    /// beyond.
+    fn around(&self, by_face: &ByFace) -> Vec<f64> {
+        by_face.around(&self.level.faces, self.level.points.len())
+    }
+
+    /// Puts the points that are `held`, and the corners of faces with a sample beyond the limit,
+    /// back to where they were, wider around them each time, and points that come farther, until
+    /// none is beyond and hardly any comes farther.
     fn held_back(
         &mut self,
         moved: &[DVec3],
         mut held: Vec<bool>,
         mut by_face: ByFace,
         input_normals: &[DVec3],
-        limit: f64,
+        first: &First,
     ) -> Vec<DVec3> {
         let level = self.level;
         let mut beyond = vec![false; moved.len()];
@@ -135,7 +177,7 @@ impl<'a> Fit<'a> {
         for _ in 0..HELD_ROUNDS {
             let touched = |f: &usize| {
                 let is_beyond = |&p: &u32| beyond[p as usize];
-                by_face.farthest_of(*f) > limit || level.faces[*f].iter().any(is_beyond)
+                by_face.farthest_of(*f) > first.limit || level.faces[*f].iter().any(is_beyond)
             };
             let wider: Vec<usize> = (0..level.faces.len()).filter(touched).collect();
             for &p in wider.iter().flat_map(|&f| &level.faces[f]) {
@@ -147,7 +189,8 @@ impl<'a> Fit<'a> {
                 .collect();
             positions = self.guard(input_normals).limit(&level.points, &moves);
             by_face = self.tie(&positions).by_face;
-            if by_face.farthest() <= limit {
+            let again = first.hold_worse(&self.around(&by_face), &mut held);
+            if by_face.farthest() <= first.limit && !again {
                 break;
             }
         }

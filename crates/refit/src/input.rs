@@ -75,10 +75,16 @@ impl Input {
 
     /// A sample, and its share of the whole area. Samples with near numbers are near each other.
     pub(crate) fn sample(&self, i: usize) -> (DVec3, f64) {
+        let (triangle, barycentric, weight) = self.place(i);
+        (self.at(triangle, barycentric), weight)
+    }
+
+    /// The triangle of a sample, its barycentric coordinates there, and its share of the whole
+    /// area.
+    pub(crate) fn place(&self, i: usize) -> (usize, [f64; 3], f64) {
         let triangle = self.tree.order()[i / self.rule.len()] as usize;
-        let ([u, v, w], share) = self.rule[i % self.rule.len()];
-        let [a, b, c] = self.corners[triangle];
-        (a * u + b * v + c * w, self.areas[triangle] * share / self.area)
+        let (barycentric, share) = self.rule[i % self.rule.len()];
+        (triangle, barycentric, self.areas[triangle] * share / self.area)
     }
 
     /// The point of a triangle with given barycentric coordinates.

@@ -26,6 +26,7 @@ mod fit;
 mod guard;
 mod input;
 mod level;
+mod normals;
 mod quadrature;
 mod seams;
 mod sides;
@@ -97,19 +98,24 @@ impl<'a> Refit<'a> {
         self.found.as_ref().map(|(input, _)| Arc::clone(&input.tree))
     }
 
-    /// Returns the level with its vertices a share of the way to those places, from 0 to 1, and
-    /// with attributes as LOD 0 has them there. The triangles are those of the level, in the order
-    /// of [`Mesh::extract`].
+    /// Returns the level as the simplifier left it.
+    #[must_use]
+    pub fn unmoved(&self) -> Mesh {
+        self.level.mesh.clone()
+    }
+
+    /// Returns the level with its vertices a share of the way to those places, from 0 to 1, with
+    /// normals that fit LOD 0's best and with other attributes as LOD 0 has them there. The
+    /// triangles are those of the level, in the order of [`Mesh::extract`].
     #[must_use]
     pub fn mesh(&self, share: f64) -> Mesh {
         let level = &self.level;
-        let Some((input, positions)) = self.found.as_ref().filter(|_| share > 0.0) else {
-            return level.mesh.clone();
-        };
+        let Some((input, positions)) = &self.found else { return self.unmoved() };
         let mut positions = part_way(level, positions, share);
         // Positions are stored as f32: what that makes of slivers is known only afterwards.
         loop {
-            let parts = attributes::resample(self.original, &input.tree, level, &positions);
+            let mut parts = attributes::resample(self.original, &input.tree, level, &positions);
+            normals::fit(self.original, input, level, &positions, &mut parts);
             match Mesh::try_from(parts) {
                 Ok(mesh) => return mesh,
                 Err(MeshError::Degenerate { .. }) => put_back(level, &mut positions),

@@ -46,11 +46,98 @@ fn levels_of_curved_surfaces_come_closer() {
 }
 
 #[test]
+fn fine_levels_of_scans_come_closer() {
+    // Within some 10⁻⁵ of the diagonal; and a level of which the most is as it was.
+    let s = simplified(&lodc_fixtures::icosphere(5));
+    for share in [0.8, 0.5] {
+        let lod = level(&s, share);
+        let (before, after) = (unrefitted(&s, lod), refit(&s, lod, &Options::DEFAULT));
+        let [before, after] = [before, after].map(|m| rms(s.mesh(), &m));
+        assert!(after < 0.85 * before, "{share}: {after} {before}");
+    }
+}
+
+/// The mean angle, in degrees, between shading normals at the corners and centres of a mesh's
+/// triangles and those of another where it is nearest.
+fn mean_angle(a: &Mesh, b: &Mesh) -> f64 {
+    let normal = |m: &Mesh, t: [u32; 3], at: [f64; 3]| {
+        let is_normal = |s: &&Attribute| s.semantic == Semantic::Normal && s.morph_target.is_none();
+        let stream = m.attributes().iter().find(is_normal).expect("normals");
+        let of = |v| DVec3::from_array([0, 1, 2].map(|k| f64::from(stream.value(v, k))));
+        lodc_nearest::point_at(t.map(of), at).normalize()
+    };
+    let tree = surface(b).tree();
+    let (mut sum, mut count) = (0.0, 0.0);
+    for (t, &corners) in a.triangles().iter().enumerate() {
+        for at in [[1.0 / 3.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]] {
+            let place = lodc_nearest::point_at(surface(a).corners(t), at);
+            let near = tree.nearest(place, lodc_mesh::NONE).expect("triangles");
+            let there = b.triangles()[near.triangle as usize];
+            let cosine = normal(a, corners, at).dot(normal(b, there, near.barycentric));
+            sum += cosine.clamp(-1.0, 1.0).acos().to_degrees();
+            count += 1.0;
+        }
+    }
+    sum / count
+}
+
+#[test]
+fn normals_are_nearer_than_those_that_are_looked_up() {
+    for name in ["uv_sphere", "morphing_sphere"] {
+        let s = simplified(&named(name).expect("a fixture"));
+        for share in [0.25, 0.1] {
+            let found = Refit::new(&s, level(&s, share), &Options::DEFAULT);
+            let (input, positions) = found.found.as_ref().expect("places");
+            let looked_up = attributes::resample(s.mesh(), &input.tree, &found.level, positions);
+            let looked_up = Mesh::try_from(looked_up).expect("a mesh");
+            let [before, after] =
+                [looked_up, found.mesh(1.0)].map(|level| mean_angle(s.mesh(), &level));
+            assert!(after < before, "{name} {share}: {after} {before}");
+        }
+    }
+}
+
+#[test]
+fn tangents_stand_upright_on_normals() {
+    let s = simplified(&tangential(&named("uv_sphere").expect("a fixture")));
+    let after = refit(&s, level(&s, 0.25), &Options::DEFAULT);
+    let stream = |semantic| after.attributes().iter().find(|a| a.semantic == semantic);
+    let [normals, tangents] =
+        [Semantic::Normal, Semantic::Tangent].map(|s| stream(s).expect("one"));
+    for v in 0..after.vertex_count() as u32 {
+        let dot: f32 = (0..3).map(|k| normals.value(v, k) * tangents.value(v, k)).sum();
+        assert!(dot.abs() < 1e-5 && tangents.value(v, 3) == -1.0, "vertex {v}: {dot}");
+    }
+}
+
+/// A mesh with tangents besides, level and round the z axis, left-handed.
+fn tangential(mesh: &Mesh) -> Mesh {
+    let mut parts = mesh.clone().into_parts();
+    let number = parts.attributes.len() as u32;
+    let along = |p: &[f32; 3]| {
+        let round = glam::Vec3::new(-p[1], p[0], 0.0).try_normalize();
+        let [x, y, z] = round.unwrap_or(glam::Vec3::X).to_array();
+        [x, y, z, -1.0].map(f32::to_le_bytes)
+    };
+    parts.attributes.push(Attribute {
+        semantic: Semantic::Tangent,
+        morph_target: None,
+        component: Component::F32,
+        components: 4,
+        normalized: false,
+        bytes: parts.positions.iter().flat_map(along).flatten().collect(),
+    });
+    parts.submeshes.iter_mut().for_each(|s| s.attributes.push(number));
+    Mesh::try_from(parts).expect("a mesh")
+}
+
+#[test]
 fn part_of_the_way_is_between_both_ends() {
     let s = simplified(&named("torus").expect("a fixture"));
     let lod = level(&s, 0.25);
     let found = Refit::new(&s, lod, &Options::DEFAULT);
-    assert_eq!(found.mesh(0.0), unrefitted(&s, lod));
+    assert_eq!(found.unmoved(), unrefitted(&s, lod));
+    assert_eq!(found.mesh(0.0).positions(), found.unmoved().positions());
     assert_eq!(found.mesh(1.0), refit(&s, lod, &Options::DEFAULT));
     let [none, half, all] = [0.0, 0.5, 1.0].map(|share| rms(s.mesh(), &found.mesh(share)));
     assert!(all < half && half < none, "{none} {half} {all}");
@@ -90,13 +177,15 @@ fn no_face_turns_over() {
 
 #[test]
 fn bytes_do_not_depend_on_threads() {
-    let s = simplified(&named("machine_part").expect("a fixture"));
-    let with = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-        pool.install(|| refit(&s, level(&s, 0.3), &Options::DEFAULT))
-    };
-    let one = with(1);
-    assert!([2, 3, 8].into_iter().all(|threads| with(threads) == one));
+    for name in ["machine_part", "uv_sphere"] {
+        let s = simplified(&named(name).expect("a fixture"));
+        let with = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+            pool.expect("threads").install(|| refit(&s, level(&s, 0.3), &Options::DEFAULT))
+        };
+        let one = with(1);
+        assert!([2, 3, 8].into_iter().all(|threads| with(threads) == one), "{name}");
+    }
 }
 
 #[test]

@@ -5,7 +5,7 @@ use super::document::Stored;
 use super::json::{Json, Object};
 use super::uri;
 use crate::images::Pictures;
-use crate::{Assets, Fault, FormatError, GltfDocument, ObjectInfo};
+use crate::{Assets, Fault, FormatError, GltfDocument, Limits, ObjectInfo};
 use lodc_scene::{AlphaMode, Appearance, Coordinates, Material, Texture, Wrap};
 
 /// Linear colour of a mesh without a material. glTF says white, which leaves no room for light.
@@ -22,14 +22,7 @@ pub(crate) fn appearance(
 ) -> Result<Appearance, FormatError> {
     let limits = *assets.limits();
     Stored::read(document, &limits, |stored, root| {
-        let number = |object: &ObjectInfo, primitive: u32| {
-            let mesh = &root["meshes"][object.document_mesh as usize];
-            mesh["primitives"][primitive as usize]["material"].as_index().map_or(0, |m| m + 1)
-        };
-        let of = |o: &&ObjectInfo| -> Vec<usize> {
-            o.submeshes.iter().map(|s| number(o, s.document_primitive)).collect()
-        };
-        let of_submesh: Vec<Vec<usize>> = objects.iter().map(of).collect();
+        let of_submesh = materials(root, objects);
         let view = |index| stored.view(index);
         let mut reader = Reader { root, pictures: Pictures::default(), assets, view: &view };
         let mut materials = vec![Material { colour: PLAIN, ..Material::default() }];
@@ -41,6 +34,38 @@ pub(crate) fn appearance(
         let Pictures { list, warnings, .. } = reader.pictures;
         Ok(Appearance { materials, of_submesh, images: list, warnings })
     })
+}
+
+/// The texture coordinates that the textures of submeshes read, by object.
+///
+/// # Errors
+/// If the document is damaged.
+pub(crate) fn coordinates(
+    document: &GltfDocument,
+    objects: &[&ObjectInfo],
+    limits: &Limits,
+) -> Result<Vec<Vec<Coordinates>>, FormatError> {
+    Stored::read(document, limits, |_, root| {
+        let list = root.list("materials");
+        let of_material = |m: &usize| match m.checked_sub(1).and_then(|m| list.get(m)) {
+            Some(source) => shown(source),
+            None => Coordinates::PLAIN,
+        };
+        let of_object = |of: Vec<usize>| of.iter().map(of_material).collect();
+        Ok(materials(root, objects).into_iter().map(of_object).collect())
+    })
+}
+
+/// For every object and submesh the number of its material plus 1, or 0 without one.
+fn materials(root: &Object, objects: &[&ObjectInfo]) -> Vec<Vec<usize>> {
+    let number = |object: &ObjectInfo, primitive: u32| {
+        let mesh = &root["meshes"][object.document_mesh as usize];
+        mesh["primitives"][primitive as usize]["material"].as_index().map_or(0, |m| m + 1)
+    };
+    let of = |o: &&ObjectInfo| -> Vec<usize> {
+        o.submeshes.iter().map(|s| number(o, s.document_primitive)).collect()
+    };
+    objects.iter().map(of).collect()
 }
 
 /// Reads textures of one document.
@@ -55,13 +80,7 @@ struct Reader<'a> {
 impl Reader<'_> {
     /// A material of the document.
     fn material(&mut self, source: &Json) -> Material {
-        let glossy = &source["extensions"]["KHR_materials_pbrSpecularGlossiness"];
-        let metal = &source["pbrMetallicRoughness"];
-        let (colour, texture) = if metal.is_object() || !glossy.is_object() {
-            (&metal["baseColorFactor"], &metal["baseColorTexture"])
-        } else {
-            (&glossy["diffuseFactor"], &glossy["diffuseTexture"])
-        };
+        let (colour, texture) = base(source);
         let cut_off = source["alphaCutoff"].as_f64().unwrap_or(0.5) as f32;
         let mut colour = colour.numbers([1.0; 4]).map(|v| (v as f32).clamp(0.0, 1.0));
         let found = self.texture(texture);
@@ -69,11 +88,10 @@ impl Reader<'_> {
             // White stands for the texture that could not be had; grey shows the shape.
             colour[..3].iter_mut().for_each(|c| *c *= 0.6);
         }
-        let read = if texture.is_object() { Some(texture) } else { any_texture(source) };
         Material {
             colour,
             texture: found,
-            coordinates: read.map_or(Coordinates::PLAIN, coordinates),
+            coordinates: shown(source),
             double_sided: source["doubleSided"].as_bool().unwrap_or(false),
             alpha: match source["alphaMode"].as_str() {
                 Some("MASK") => AlphaMode::Mask(cut_off),
@@ -87,7 +105,7 @@ impl Reader<'_> {
     fn texture(&mut self, info: &Json) -> Option<Texture> {
         let texture = &self.root["textures"][info["index"].as_index()?];
         let image = self.image(texture["source"].as_index())?;
-        let Coordinates { set, transform } = coordinates(info);
+        let Coordinates { set, transform } = texture_coordinates(info);
         let sampler =
             texture["sampler"].as_index().map_or(&Json::Null, |s| &self.root["samplers"][s]);
         let wrap = |key: &str| match sampler[key].as_u64() {
@@ -130,6 +148,24 @@ impl Reader<'_> {
     }
 }
 
+/// The base colour of a material, and its texture.
+fn base(source: &Json) -> (&Json, &Json) {
+    let glossy = &source["extensions"]["KHR_materials_pbrSpecularGlossiness"];
+    let metal = &source["pbrMetallicRoughness"];
+    if metal.is_object() || !glossy.is_object() {
+        (&metal["baseColorFactor"], &metal["baseColorTexture"])
+    } else {
+        (&glossy["diffuseFactor"], &glossy["diffuseTexture"])
+    }
+}
+
+/// The texture coordinates that a material's textures read.
+fn shown(source: &Json) -> Coordinates {
+    let texture = base(source).1;
+    let read = if texture.is_object() { Some(texture) } else { any_texture(source) };
+    read.map_or(Coordinates::PLAIN, texture_coordinates)
+}
+
 /// The first texture of a material, whatever it is for.
 fn any_texture(source: &Json) -> Option<&Json> {
     source.as_object()?.iter().find_map(|(name, value)| {
@@ -139,7 +175,7 @@ fn any_texture(source: &Json) -> Option<&Json> {
 }
 
 /// The texture coordinates that a texture reads.
-fn coordinates(info: &Json) -> Coordinates {
+fn texture_coordinates(info: &Json) -> Coordinates {
     let moved = &info["extensions"]["KHR_texture_transform"];
     let set = moved["texCoord"].as_index().or(info["texCoord"].as_index()).unwrap_or(0);
     Coordinates { set: u32::try_from(set).unwrap_or(u32::MAX), transform: transform(moved) }

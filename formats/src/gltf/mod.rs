@@ -56,7 +56,7 @@ pub(crate) mod write;
 #[cfg(feature = "gltf")]
 pub use animations::{animation, animation_names};
 #[cfg(feature = "import")]
-pub(crate) use appearance::appearance;
+pub(crate) use appearance::{appearance, coordinates};
 #[cfg(feature = "import")]
 pub(crate) use difference::difference;
 #[cfg(feature = "gltf")]

@@ -51,6 +51,11 @@ pub(crate) fn appearance(
     }
 }
 
+/// The texture coordinates that submeshes of an OBJ show.
+pub(crate) fn coordinates(objects: &[&ObjectInfo]) -> Vec<Vec<Coordinates>> {
+    objects.iter().map(|o| vec![PLAIN.coordinates; o.submeshes.len()]).collect()
+}
+
 fn material(source: &ObjMaterial, pictures: &mut Pictures, assets: &mut Assets) -> Material {
     // `Kd` has no colour space of its own; programs show it as they show texels.
     let linear = |v: f64| to_linear((v as f32).clamp(0.0, 1.0));

@@ -9,4 +9,4 @@ pub(crate) mod read;
 pub(crate) mod write;
 
 #[cfg(feature = "import")]
-pub(crate) use appearance::appearance;
+pub(crate) use appearance::{appearance, coordinates};

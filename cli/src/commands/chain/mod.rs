@@ -154,11 +154,8 @@ fn chain(
     warnings.extend_from_slice(&textures.warnings);
     let packing = args.export.compress.wanted(format, asset.compressed)?;
     let additions = packing.additions(textures, None);
-    let paints = args.refit.then(|| asset.paints(input, import)).transpose()?;
     let made = stages.run("export", || match args.separate {
-        true => {
-            separate::files(args, paints.as_deref(), out, format, &asset, &mut levels, additions)
-        }
+        true => separate::files(args, out, format, &asset, &mut levels, additions),
         false => shared::files(args, out, format, &asset, &mut levels, additions),
     })?;
     stages.run("write", || output::commit(&made.files))?;

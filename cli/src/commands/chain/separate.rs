@@ -8,7 +8,7 @@ use crate::exit::Outcome;
 use crate::mesh_output::{self, FormatName};
 use crate::output::Target;
 use lodc::{
-    build::{Paints, refitted_meshes},
+    build::refitted_meshes,
     level_mesh::{self, Shape},
 };
 use lodc_formats::export::Additions;
@@ -16,23 +16,23 @@ use std::path::{Path, PathBuf};
 
 pub(super) fn files(
     args: &ChainArgs,
-    paints: Option<&Paints>,
     out: &Path,
     format: FormatName,
     asset: &Asset,
     levels: &mut [Level],
     mut additions: Additions,
 ) -> Outcome<Files> {
+    let limits = args.export.import.limits().limits();
     let (mut files, mut of_level) = (Vec::new(), Vec::new());
     let order = Packing::of(&additions).order();
     let shape = Shape { model: None, order };
     for (number, level) in levels.iter_mut().enumerate() {
-        let mut meshes = match paints {
-            Some(paints) => refitted_meshes(&asset.objects, &level.lods, order, paints),
-            None => level_mesh::meshes(&asset.objects, &level.lods, shape)?,
+        let (objects, document, lods) = (&asset.objects, &asset.document, &level.lods);
+        let mut meshes = match args.refit {
+            true => refitted_meshes(objects, document, lods, order, &limits)?,
+            false => level_mesh::meshes(objects, lods, shape)?,
         };
-        let precision = additions.precision;
-        level_mesh::round(&asset.objects, &asset.document, &mut meshes, precision)?;
+        level_mesh::round(objects, document, &mut meshes, additions.precision)?;
         // Of refitted meshes they are measured.
         (level.error, level.rms) = level_mesh::distance(&asset.objects, &meshes);
         level.vertices = meshes.iter().map(|m| m.mesh.vertex_count() as u64).sum();

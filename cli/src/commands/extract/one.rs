@@ -108,8 +108,9 @@ fn uniform(
         stages.run("select", || scene.select_capped(wish, own, args.max_error, per_object))?;
     let gone = Roll::new(&asset.objects, &scene, &asset.document)?.gone(&chosen.lods);
     let meshes = if args.refit {
-        let paints = asset.paints(input, &args.export.import)?;
-        stages.run("extract", || refitted_meshes(&asset.objects, &chosen.lods, order, &paints))
+        let (objects, document) = (&asset.objects, &asset.document);
+        stages
+            .run("extract", || refitted_meshes(objects, document, &chosen.lods, order, &limits))?
     } else {
         stages.run("extract", || level_mesh::meshes(&asset.objects, &chosen.lods, shape))?
     };

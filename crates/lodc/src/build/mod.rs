@@ -8,6 +8,7 @@ mod errors;
 mod estimate;
 mod judge;
 mod known;
+mod likeness;
 mod models;
 mod paints;
 mod refitted;

@@ -78,16 +78,6 @@ impl Paints {
         &self.looks
     }
 
-    /// The materials of one object by itself: textures of others are left out.
-    pub fn looks_of(&self, object: usize) -> Appearance {
-        let Some(worn) = self.looks.of_submesh.get(object) else { return Appearance::default() };
-        let mut materials = self.looks.materials.clone();
-        for (m, material) in materials.iter_mut().enumerate() {
-            material.texture = material.texture.filter(|_| worn.contains(&m));
-        }
-        Appearance { materials, of_submesh: vec![worn.clone()], ..Appearance::default() }
-    }
-
     /// The images.
     pub fn images(&self) -> Arc<[Pyramid]> {
         Arc::clone(&self.images)

@@ -1,39 +1,46 @@
 //! Refitted levels: closer in space, and held back where pictures would get worse.
 
-use super::Paints;
-use crate::LodObject;
+use super::likeness::{Likeness, noise};
 use crate::level_mesh::{LevelMesh, Order, ordered};
-use lodc_measure::{Original, Portrait, Sampling, SceneSurface, Surface, TriangleTree, Viewing};
+use crate::{Error, LodObject};
+use lodc_formats::{Document, Limits, ObjectInfo, coordinates};
+use lodc_measure::{Original, Pyramid, Sampling, Surface, TriangleTree};
 use lodc_mesh::{Lod, Mesh};
 use lodc_refit::{Options, Refit};
-use lodc_scene::{Appearance, Arrangement, Graph, Pose};
+use lodc_scene::Coordinates;
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Pictures that decide whether attributes look right.
-const VIEWING: Viewing = Viewing { views: 12, size: 256 };
-/// Shares of the way to the best fit, of which the first that makes nothing worse counts.
-const SHARES: [f64; 3] = [1.0, 0.5, 0.25];
+/// Shares of the way to the best fit, of which the first that looks plainly better counts, else the
+/// one that looks best. With none of it normals alone are fitted.
+const SHARES: [f64; 4] = [1.0, 0.5, 0.25, 0.0];
 /// Most that the largest distance may grow.
 const FARTHER: f64 = 1.05;
-/// Most that the image error may grow, as a share and in addition (of 255).
-const WORSE: f64 = 1.005;
-const NOTHING: f64 = 0.02;
+/// Share of its image error that a level keeps at most to look plainly better, and better.
+const PLAINLY: f64 = 0.95;
+const BETTER: f64 = 0.97;
 
-/// Makes the meshes of the objects at `lods`, one each, with vertices where they fit the input
-/// best. `paints` is what they are judged in.
-#[must_use]
+/// Makes the meshes of the objects at `lods`, one each, with vertices and normals where they fit
+/// the input best. The same objects and document give the same meshes, whether they come from a
+/// mesh or from a file of its levels, with textures at hand or without.
+///
+/// # Errors
+/// If the stored document is damaged.
 pub fn refitted_meshes(
     objects: &[LodObject],
+    document: &Document,
     lods: &[Lod],
     order: Order,
-    paints: &Paints,
-) -> Vec<LevelMesh> {
-    let one = |(i, (object, &lod)): (usize, (&LodObject, &Lod))| {
-        let (mesh, error, rms) = refitted(object, lod, (paints, i));
+    limits: &Limits,
+) -> Result<Vec<LevelMesh>, Error> {
+    let infos: Vec<&ObjectInfo> = objects.iter().map(|o| &o.info).collect();
+    let shown = coordinates(document, &infos, limits)?;
+    let noise = noise();
+    let one = |((object, &lod), shown): ((&LodObject, &Lod), &Vec<Coordinates>)| {
+        let (mesh, error, rms) = refitted(object, lod, (shown, &noise));
         LevelMesh { mesh: ordered(mesh, order), error, rms: Some(rms) }
     };
-    objects.par_iter().zip(lods).enumerate().map(one).collect()
+    Ok(objects.par_iter().zip(lods).zip(&shown).map(one).collect())
 }
 
 /// Measures meshes against the objects that they are levels of: for each an upper bound of its
@@ -49,27 +56,34 @@ pub fn measured(objects: &[LodObject], meshes: Vec<Mesh>) -> Vec<LevelMesh> {
 }
 
 /// A refitted level of an object of a scene, its error and its root mean square distance. These are
-/// measured: the stored ones are of the vertices where they were.
-fn refitted(object: &LodObject, lod: Lod, (paints, number): (&Paints, usize)) -> (Mesh, f64, f64) {
+/// measured: the stored ones are of the vertices where they were. `shown` are the texture
+/// coordinates of its submeshes, and what is painted by them.
+fn refitted(object: &LodObject, lod: Lod, shown: Shown<'_>) -> (Mesh, f64, f64) {
     let input = object.simplified.mesh();
     let found = Refit::new(&object.simplified, lod, &Options::DEFAULT);
     if lod.0 == 0 {
-        return (found.mesh(0.0), 0.0, 0.0);
+        return (found.unmoved(), 0.0, 0.0);
     }
-    let unmoved = found.mesh(0.0);
-    let looks = paints.looks_of(number);
+    let unmoved = found.unmoved();
     let from_input = original(input, found.tree());
     let before = from_input.bound_and_rms(&bare(&unmoved));
-    let farthest = FARTHER * before.0;
-    let worse = looks_worse(input, &unmoved, (paints, &looks));
+    let judge = Judge::new(input, &unmoved, shown);
+    let mut best = (BETTER, (unmoved, before.0, before.1));
     for share in SHARES {
         let mesh = found.mesh(share);
         let (error, rms) = from_input.bound_and_rms(&bare(&mesh));
-        if error <= farthest && !worse(&mesh) {
-            return (mesh, error, rms);
+        if error > FARTHER * before.0 {
+            continue;
+        }
+        let kept = judge.as_ref().map_or(0.0, |judge| judge.kept(&mesh));
+        if kept < best.0 {
+            best = (kept, (mesh, error, rms));
+        }
+        if kept <= PLAINLY {
+            break;
         }
     }
-    (unmoved, before.0, before.1)
+    best.1
 }
 
 /// A mesh, ready for levels to be measured from it. `tree` is that of its triangles, if there is
@@ -80,25 +94,35 @@ fn original(mesh: &Mesh, tree: Option<Arc<TriangleTree>>) -> Original {
     Original::with_tree(&surface, tree, &Sampling::DEFAULT)
 }
 
-/// Returns the question whether a mesh looks worse than where the simplifier left it. Meshes
-/// without attributes never do.
-fn looks_worse<'a>(
-    original: &Mesh,
-    unmoved: &Mesh,
-    (paints, looks): (&'a Paints, &'a Appearance),
-) -> Box<dyn Fn(&Mesh) -> bool + 'a> {
-    if original.attributes().is_empty() {
-        return Box::new(|_| false);
+/// The texture coordinates of an object's submeshes, and the noise that is painted by them.
+type Shown<'a> = (&'a [Coordinates], &'a Arc<[Pyramid]>);
+
+/// Tells how much better a refitted level looks than where the simplifier left it.
+struct Judge {
+    likeness: Likeness,
+    before: Vec<f64>,
+}
+
+impl Judge {
+    /// None for meshes without attributes: whatever is closer looks better.
+    fn new(input: &Mesh, unmoved: &Mesh, (shown, noise): Shown<'_>) -> Option<Self> {
+        if input.attributes().is_empty() {
+            return None;
+        }
+        let likeness = Likeness::new(input, shown, noise);
+        let before = likeness.errors(unmoved);
+        Some(Self { likeness, before })
     }
-    let surface = |mesh: &Mesh| {
-        let scene = Arrangement::new(&Graph::default(), &Pose::default(), 1);
-        SceneSurface::with_images(&[mesh], &scene, looks, || paints.images())
-    };
-    let whole = surface(original);
-    let portrait = Portrait::new(&whole.surface, VIEWING, whole.common_looks(&whole));
-    let error = move |mesh: &Mesh| portrait.compare(&surface(mesh).surface).rmse;
-    let most = WORSE * error(unmoved) + NOTHING;
-    Box::new(move |mesh| error(mesh) > most)
+
+    /// The share of its image error that a level keeps, in the kind of picture that gains least.
+    fn kept(&self, level: &Mesh) -> f64 {
+        kept(&self.before, &self.likeness.errors(level))
+    }
+}
+
+fn kept(before: &[f64], now: &[f64]) -> f64 {
+    let share = |(&before, &now): (&f64, &f64)| if now == 0.0 { 0.0 } else { now / before };
+    before.iter().zip(now).map(share).fold(0.0, f64::max)
 }
 
 fn bare(mesh: &Mesh) -> Surface {
@@ -113,18 +137,9 @@ fn bare(mesh: &Mesh) -> Surface {
 mod tests {
     use super::*;
 
-    fn image_error(original: &Mesh, level: &Mesh) -> f64 {
-        let scene = Arrangement::new(&Graph::default(), &Pose::default(), 1);
-        let surface = |mesh| SceneSurface::new(&[mesh], &scene, &Appearance::default());
-        let [original, level] = [original, level].map(surface);
-        let looks = original.common_looks(&original);
-        Portrait::new(&original.surface, VIEWING, looks).compare(&level.surface).rmse
-    }
-
     #[test]
-    fn levels_that_look_worse_are_known() {
-        let (paints, looks) = (Paints::default(), Appearance::default());
-        let (mut moved, mut held) = (0, 0);
+    fn levels_look_better_or_stay() {
+        let (noise, mut moved, mut held) = (noise(), 0, 0);
         for (name, make) in lodc_fixtures::ALL {
             let mesh = make();
             if mesh.attributes().is_empty() || mesh.triangles().len() < 100 {
@@ -133,15 +148,30 @@ mod tests {
             let options = lodc_simplify::Options::DEFAULT;
             let simplified = lodc_simplify::simplify(&mesh, &options, &|_, _| {});
             let lod = simplified.collapses().lod_for_triangles(mesh.triangles().len() as u32 / 4);
-            let found = Refit::new(&simplified, lod, &Options::DEFAULT);
-            let (whole, none) = (found.mesh(1.0), found.mesh(0.0));
-            let worse = looks_worse(simplified.mesh(), &none, (&paints, &looks));
-            let [before, after] = [&none, &whole].map(|m| image_error(simplified.mesh(), m));
-            assert!(!worse(&none), "{name}");
-            assert_eq!(worse(&whole), after > WORSE * before + NOTHING, "{name}: {before} {after}");
-            held += u32::from(worse(&whole));
-            moved += u32::from(!worse(&whole));
+            let shown = vec![Coordinates::PLAIN; mesh.submeshes().len()];
+            let info = ObjectInfo {
+                name: name.to_string(),
+                submeshes: Vec::new(),
+                world_scale: 1.0,
+                document_mesh: 0,
+            };
+            let simplified = Arc::new(simplified);
+            let object = LodObject { info, simplified, models: Vec::new() };
+            let unmoved = Refit::new(&object.simplified, lod, &Options::DEFAULT).unmoved();
+            let judge = Judge::new(&mesh, &unmoved, (&shown, &noise)).expect("attributes");
+            let (level, ..) = refitted(&object, lod, (&shown, &noise));
+            let is_held = level == unmoved;
+            assert!(is_held || judge.kept(&level) <= BETTER, "{name}");
+            held += u32::from(is_held);
+            moved += u32::from(!is_held);
         }
         assert!(moved > 0 && held > 0, "{moved} moved, {held} held back");
+    }
+
+    #[test]
+    fn the_kind_of_picture_that_gains_least_decides() {
+        assert_eq!(kept(&[2.0, 4.0], &[1.0, 3.0]), 0.75);
+        assert_eq!(kept(&[2.0, 0.0], &[1.0, 0.0]), 0.5);
+        assert!(kept(&[2.0, 0.0], &[1.0, 0.1]).is_infinite());
     }
 }

@@ -1,0 +1,116 @@
+//! Pictures that tell whether a level of one object looks more like it: from all sides, by what
+//! the mesh itself knows.
+//!
+//! Its textures have no part in it: a mesh has them and a file of its levels may not, and levels of
+//! both are to be the same. Noise stands for them, with as much detail of every size as pictures of
+//! the world have.
+
+use lodc_measure::{Looks, Portrait, Pyramid, SceneSurface, Viewing};
+use lodc_mesh::{Mesh, SplitMix64};
+use lodc_scene::{
+    Appearance, Arrangement, Coordinates, Graph, Image, Material, Pose, Texture, Wrap,
+};
+use std::sync::Arc;
+
+/// The pictures: fewer and smaller than those of `compare`, and from other sides.
+const VIEWING: Viewing = Viewing { views: 17, size: 256 };
+/// Pixels of the noise, across and down.
+const NOISE: usize = 256;
+/// Cells across of its coarsest and its finest grain, each twice the one before.
+const GRAINS: [usize; 6] = [2, 4, 8, 16, 32, 64];
+/// Shift of texture coordinates from one submesh to the next, so that each has colours of its own.
+const SHIFT: [f32; 2] = [0.37, 0.61];
+
+/// The noise, ready to be shown on any object.
+pub(super) fn noise() -> Arc<[Pyramid]> {
+    [Pyramid::new(&image())].into()
+}
+
+/// An object as it looks from all sides.
+pub(super) struct Likeness {
+    looks: Appearance,
+    noise: Arc<[Pyramid]>,
+    portraits: Vec<Portrait>,
+}
+
+impl Likeness {
+    /// Takes the pictures: shaded by its normals, and painted by its texture coordinates where it
+    /// has any. `coordinates` are those that its submeshes show, `noise` is [`noise()`].
+    pub(super) fn new(mesh: &Mesh, coordinates: &[Coordinates], noise: &Arc<[Pyramid]>) -> Self {
+        let looks = painted(coordinates);
+        let shown = surface(mesh, &looks, noise);
+        let all = shown.common_looks(&shown);
+        let shaded = Looks { materials: false, ..all };
+        let mut kinds = vec![shaded];
+        if all.materials {
+            kinds.push(all);
+            kinds.push(Looks { checkerboard: shown.all_textured, ..shaded });
+        }
+        kinds.dedup();
+        let portraits =
+            kinds.into_iter().map(|looks| Portrait::new(&shown.surface, VIEWING, looks)).collect();
+        Self { looks, noise: Arc::clone(noise), portraits }
+    }
+
+    /// The image errors of a level, one for each kind of picture: 0 to 255.
+    pub(super) fn errors(&self, level: &Mesh) -> Vec<f64> {
+        let shown = surface(level, &self.looks, &self.noise).surface;
+        self.portraits.iter().map(|p| p.compare(&shown).rmse).collect()
+    }
+}
+
+/// An object by itself.
+fn surface(mesh: &Mesh, looks: &Appearance, noise: &Arc<[Pyramid]>) -> SceneSurface {
+    let scene = Arrangement::new(&Graph::default(), &Pose::default(), 1);
+    SceneSurface::with_images(&[mesh], &scene, looks, || Arc::clone(noise))
+}
+
+/// A material of noise for each submesh.
+fn painted(coordinates: &[Coordinates]) -> Appearance {
+    let material = |(s, read): (usize, &Coordinates)| {
+        let Coordinates { set, mut transform } = *read;
+        for (row, shift) in transform.iter_mut().zip(SHIFT) {
+            row[2] += shift * s as f32;
+        }
+        let wrap = [Wrap::Repeat; 2];
+        let texture = Texture { image: 0, set, transform, wrap, nearest: false };
+        let coordinates = Coordinates { set, transform };
+        Material { texture: Some(texture), coordinates, ..Material::default() }
+    };
+    Appearance {
+        materials: coordinates.iter().enumerate().map(material).collect(),
+        of_submesh: vec![(0..coordinates.len()).collect()],
+        ..Appearance::default()
+    }
+}
+
+/// Noise that repeats both ways: equal parts of all grains, each red, green and blue of its own.
+fn image() -> Image {
+    let mut random = SplitMix64::new(0x6e6f_6973);
+    let mut sums = vec![[0.0f32; 3]; NOISE * NOISE];
+    for cells in GRAINS {
+        let values: Vec<[f32; 3]> =
+            (0..cells * cells).map(|_| std::array::from_fn(|_| random.unit())).collect();
+        let along = |pixel: usize| {
+            let at = (pixel * cells) as f32 / NOISE as f32;
+            let first = at as usize;
+            ([first, (first + 1) % cells], at - first as f32)
+        };
+        for (i, sum) in sums.iter_mut().enumerate() {
+            let (x, y) = (along(i % NOISE), along(i / NOISE));
+            for (c, sum) in sum.iter_mut().enumerate() {
+                let value = |column: usize, row: usize| values[y.0[row] * cells + x.0[column]][c];
+                let [top, bottom] =
+                    [0, 1].map(|row| value(0, row) + x.1 * (value(1, row) - value(0, row)));
+                *sum += top + y.1 * (bottom - top);
+            }
+        }
+    }
+    // Sums of so many grains keep near the middle.
+    let shade = |sum: f32| {
+        let middle = GRAINS.len() as f32 / 2.0;
+        (127.5 + 100.0 * (sum - middle)).clamp(0.0, 255.0) as u8
+    };
+    let bytes = sums.iter().flat_map(|&[r, g, b]| [shade(r), shade(g), shade(b), 255]).collect();
+    Image { width: NOISE as u32, height: NOISE as u32, bytes }
+}

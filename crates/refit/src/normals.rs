@@ -1,0 +1,287 @@
+//! Normals of a level, fitted: by least squares to those of the input, each over the part of the
+//! level that it stands for.
+//!
+//! What counts is the normal that is seen between the corners of a face, of unit length. So fits
+//! are repeated, each time to normals as long as the level's are there.
+
+use crate::blend::put;
+use crate::charts::{Continuity, charts};
+use crate::guard::cross;
+use crate::input::Input;
+use crate::level::Level;
+use crate::quadrature::SIX;
+use glam::DVec3;
+use lodc_mesh::{Mesh, MeshParts, NONE, Semantic};
+use lodc_nearest::{TriangleTree, point_at};
+use rayon::prelude::*;
+
+/// Number of fits.
+const ROUNDS: usize = 3;
+/// Length below which a fitted normal has no direction worth following: the input's cancel out.
+const SHORT: f64 = 0.1;
+/// Pull towards the normals at the start, as a share of a normal's own weight.
+const DAMPING: f64 = 0.02;
+/// Most steps of conjugate gradients, and the share of the residual at which they end.
+const MOST_STEPS: usize = 30;
+const RESIDUAL: f64 = 1e-4;
+/// Samples, or faces, that one thread looks up one after the other.
+const RUN: usize = 1 << 8;
+
+/// Replaces the normals in `parts`, a level with its points at `positions`, by those that fit the
+/// input's best; tangents follow. Starts from the normals that are there. Without normals nothing
+/// happens.
+pub(crate) fn fit(
+    mesh: &Mesh,
+    input: &Input,
+    level: &Level,
+    positions: &[DVec3],
+    parts: &mut MeshParts,
+) {
+    if !mesh.attributes().iter().any(|a| a.semantic == Semantic::Normal) {
+        return;
+    }
+    let input_parts = mesh.clone().into_parts();
+    let wedges = Wedges::new(level, parts);
+    let surface = Surface { mesh, normals: unit_normals(&input_parts), input };
+    let ties = surface.ties(level, positions, &wedges);
+    let mut fitted = wedges.first.clone();
+    for _ in 0..ROUNDS {
+        let mut system = System::new(&wedges.faces, fitted.len());
+        ties.iter().for_each(|tie| system.add(tie, &fitted));
+        let solved = system.solve(&fitted, &wedges.first);
+        for ((own, solved), first) in fitted.iter_mut().zip(solved).zip(&wedges.first) {
+            if solved.length() > SHORT && solved.dot(*first) > 0.0 {
+                *own = solved.normalize();
+            }
+        }
+    }
+    store(&wedges, &fitted, parts);
+}
+
+/// Normals of a level's vertices as unknowns: one for all that share position and normal.
+struct Wedges {
+    /// For each vertex its unknown; [`NONE`] without a normal.
+    of_vertex: Vec<u32>,
+    /// The same by the corners of faces.
+    faces: Vec<[u32; 3]>,
+    /// The unit normals at the start.
+    first: Vec<DVec3>,
+}
+
+impl Wedges {
+    fn new(level: &Level, parts: &MeshParts) -> Self {
+        let (own, there) = (unit_normals(&level.mesh.clone().into_parts()), unit_normals(parts));
+        let key =
+            |v: u32| (level.point_of[v as usize], own[v as usize].to_array().map(f64::to_bits));
+        let has = |v: &u32| own[*v as usize] != DVec3::ZERO;
+        let mut order: Vec<u32> = (0..own.len() as u32).filter(has).collect();
+        order.sort_unstable_by_key(|&v| (key(v), v));
+        let (mut of_vertex, mut first) = (vec![NONE; own.len()], Vec::new());
+        for alike in order.chunk_by(|&a, &b| key(a) == key(b)) {
+            let sum: DVec3 = alike.iter().map(|&v| there[v as usize]).sum();
+            alike.iter().for_each(|&v| of_vertex[v as usize] = first.len() as u32);
+            first.push(sum.try_normalize().unwrap_or(own[alike[0] as usize]));
+        }
+        let faces =
+            level.mesh.triangles().iter().map(|t| t.map(|v| of_vertex[v as usize])).collect();
+        Self { of_vertex, faces, first }
+    }
+}
+
+/// The unit normal of each vertex; zero where it has none.
+fn unit_normals(parts: &MeshParts) -> Vec<DVec3> {
+    let normal = |v: usize| {
+        let Some(stream) = stream_of(parts, v, &Semantic::Normal) else { return DVec3::ZERO };
+        direction(parts, stream, v).normalize_or_zero()
+    };
+    (0..parts.positions.len()).map(normal).collect()
+}
+
+/// The first three components of a vertex.
+fn direction(parts: &MeshParts, stream: usize, v: usize) -> DVec3 {
+    DVec3::from_array([0, 1, 2].map(|k| f64::from(parts.attributes[stream].value(v as u32, k))))
+}
+
+/// The stream of directions that a vertex has with some meaning.
+fn stream_of(parts: &MeshParts, v: usize, semantic: &Semantic) -> Option<usize> {
+    let submesh = &parts.submeshes[parts.vertex_submesh[v] as usize];
+    submesh.attributes.iter().map(|&a| a as usize).find(|&a| {
+        let a = &parts.attributes[a];
+        a.semantic == *semantic && a.morph_target.is_none() && a.components >= 3
+    })
+}
+
+/// A unit normal of the input, tied to a point of the level.
+#[derive(Clone, Copy, Debug)]
+struct Tie {
+    /// The face that the point lies on, and its barycentric coordinates there.
+    face: u32,
+    barycentric: [f64; 3],
+    normal: DVec3,
+    /// Share of the whole area.
+    weight: f64,
+}
+
+/// The input with its unit normals, one for each vertex.
+struct Surface<'a> {
+    mesh: &'a Mesh,
+    normals: Vec<DVec3>,
+    input: &'a Input,
+}
+
+impl Surface<'_> {
+    /// Normals at samples of the input, tied to where the level is nearest, and at points of the
+    /// level, of where the input is nearest. Only within a chart, and only on the outside.
+    fn ties(&self, level: &Level, positions: &[DVec3], wedges: &Wedges) -> Vec<Tie> {
+        let input = self.input;
+        let chart = charts(self.mesh, Continuity::Shading);
+        let corners = level.corners(positions);
+        let crosses: Vec<DVec3> = corners.iter().map(|&t| cross(t)).collect();
+        let area = crosses.iter().map(|c| c.length()).sum::<f64>().max(f64::MIN_POSITIVE);
+        let tie = |face: u32, barycentric, triangle: usize, there, weight| {
+            let normal = self.normal(triangle, there);
+            let source = level.source[face as usize] as usize;
+            let is_own = chart[triangle] == chart[source]
+                && normal.dot(crosses[face as usize]) > 0.0
+                && !wedges.faces[face as usize].contains(&NONE);
+            is_own.then_some(Tie { face, barycentric, normal, weight })
+        };
+        let tree = TriangleTree::new(&corners);
+        let starts: Vec<usize> = (0..input.samples()).step_by(RUN).collect();
+        let there = starts.par_iter().flat_map_iter(|&start| {
+            let (mut found, mut last) = (Vec::with_capacity(RUN), NONE);
+            for i in start..(start + RUN).min(input.samples()) {
+                let (triangle, place, weight) = input.place(i);
+                let Some(near) = tree.nearest(input.at(triangle, place), last) else { continue };
+                last = near.triangle;
+                found.extend(tie(last, near.barycentric, triangle, place, weight));
+            }
+            found
+        });
+        let back = tree.order().par_chunks(RUN).flat_map_iter(|faces| {
+            let mut found = Vec::with_capacity(SIX.len() * RUN);
+            for &face in faces {
+                let mut last = level.source[face as usize];
+                for &(place, share) in SIX {
+                    let q = point_at(corners[face as usize], place);
+                    let Some(near) = input.tree.nearest(q, last) else { continue };
+                    last = near.triangle;
+                    let weight = crosses[face as usize].length() * share / area;
+                    found.extend(tie(face, place, last as usize, near.barycentric, weight));
+                }
+            }
+            found
+        });
+        there.chain(back).collect()
+    }
+
+    fn normal(&self, triangle: usize, barycentric: [f64; 3]) -> DVec3 {
+        let corners = self.mesh.triangles()[triangle].map(|v| self.normals[v as usize]);
+        point_at(corners, barycentric).normalize_or_zero()
+    }
+}
+
+/// The normal equations: a block for each face, so that no edges need be known.
+struct System<'a> {
+    faces: &'a [[u32; 3]],
+    /// For each face the products of its corners' shares: 00, 11, 22, 01, 12, 20.
+    blocks: Vec<[f64; 6]>,
+    right: Vec<DVec3>,
+}
+
+impl<'a> System<'a> {
+    fn new(faces: &'a [[u32; 3]], unknowns: usize) -> Self {
+        Self { faces, blocks: vec![[0.0; 6]; faces.len()], right: vec![DVec3::ZERO; unknowns] }
+    }
+
+    /// Adds the squared distance of the level's normal from a tie's, made as long as it is now.
+    fn add(&mut self, tie: &Tie, now: &[DVec3]) {
+        let (face, [a, b, c]) = (tie.face as usize, tie.barycentric);
+        let products = [a * a, b * b, c * c, a * b, b * c, c * a];
+        self.blocks[face].iter_mut().zip(products).for_each(|(sum, p)| *sum += tie.weight * p);
+        let corners = self.faces[face];
+        let length = point_at(corners.map(|v| now[v as usize]), tie.barycentric).length();
+        for (&v, share) in corners.iter().zip(tie.barycentric) {
+            self.right[v as usize] += tie.normal * (tie.weight * share * length);
+        }
+    }
+
+    /// Returns the normals with the least sum of squares, not of unit length, searched for from
+    /// `now` and drawn to `first` (conjugate gradients, preconditioned by the diagonal).
+    fn solve(mut self, now: &[DVec3], first: &[DVec3]) -> Vec<DVec3> {
+        let mut diagonal = vec![0.0; self.right.len()];
+        for (f, block) in self.tied() {
+            (0..3).for_each(|k| diagonal[f[k] as usize] += block[k]);
+        }
+        let mean = diagonal.iter().sum::<f64>() / diagonal.len().max(1) as f64;
+        let least = f64::max(0.1 * mean, f64::MIN_POSITIVE);
+        let damping: Vec<f64> = diagonal.iter().map(|d| DAMPING * d.max(least)).collect();
+        for v in 0..diagonal.len() {
+            self.right[v] += first[v] * damping[v];
+            diagonal[v] += damping[v];
+        }
+        let precondition = |r: &[DVec3]| -> Vec<DVec3> {
+            r.iter().zip(&diagonal).map(|(&r, &d)| if d > 0.0 { r / d } else { r }).collect()
+        };
+        let mut x = now.to_vec();
+        let product = self.times(&x, &damping);
+        let mut r: Vec<DVec3> = self.right.iter().zip(product).map(|(&b, a)| b - a).collect();
+        let mut z = precondition(&r);
+        let mut p = z.clone();
+        let mut rz = dot(&r, &z);
+        let enough = RESIDUAL * RESIDUAL * rz;
+        for _ in 0..MOST_STEPS {
+            let q = self.times(&p, &damping);
+            let pq = dot(&p, &q);
+            if rz <= enough || pq <= 0.0 {
+                break;
+            }
+            for i in 0..x.len() {
+                x[i] += p[i] * (rz / pq);
+                r[i] -= q[i] * (rz / pq);
+            }
+            z = precondition(&r);
+            let next = dot(&r, &z);
+            for i in 0..x.len() {
+                p[i] = z[i] + p[i] * (next / rz);
+            }
+            rz = next;
+        }
+        x
+    }
+
+    /// The faces that all corners have a normal of, and their blocks.
+    fn tied(&self) -> impl Iterator<Item = (&[u32; 3], &[f64; 6])> {
+        self.faces.iter().zip(&self.blocks).filter(|(f, _)| !f.contains(&NONE))
+    }
+
+    fn times(&self, p: &[DVec3], damping: &[f64]) -> Vec<DVec3> {
+        let mut q: Vec<DVec3> = p.iter().zip(damping).map(|(&p, &d)| p * d).collect();
+        for (f, m) in self.tied() {
+            let [a, b, c] = f.map(|v| p[v as usize]);
+            q[f[0] as usize] += a * m[0] + b * m[3] + c * m[5];
+            q[f[1] as usize] += a * m[3] + b * m[1] + c * m[4];
+            q[f[2] as usize] += a * m[5] + b * m[4] + c * m[2];
+        }
+        q
+    }
+}
+
+fn dot(a: &[DVec3], b: &[DVec3]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a.dot(*b)).sum()
+}
+
+/// Writes normals into their streams, and turns tangents upright on them.
+fn store(wedges: &Wedges, fitted: &[DVec3], parts: &mut MeshParts) {
+    for (v, &wedge) in wedges.of_vertex.iter().enumerate().filter(|(_, w)| **w != NONE) {
+        let normal = fitted[wedge as usize];
+        if let Some(stream) = stream_of(parts, v, &Semantic::Normal) {
+            put(&mut parts.attributes[stream], v, &normal.to_array());
+        }
+        let Some(stream) = stream_of(parts, v, &Semantic::Tangent) else { continue };
+        let tangent = direction(parts, stream, v);
+        if let Some(upright) = (tangent - normal * tangent.dot(normal)).try_normalize() {
+            put(&mut parts.attributes[stream], v, &upright.to_array());
+        }
+    }
+}
