@@ -2,7 +2,7 @@
 //! none may change.
 
 use indexmap::IndexMap;
-use lodc_report::Gone;
+use lodc_report::{ErrorsOver, Gone};
 use serde::Serialize;
 
 /// `build --report json`.
@@ -87,6 +87,7 @@ pub(crate) struct ChainReport {
     pub(crate) schema_version: u32,
     pub(crate) input: String,
     pub(crate) outputs: Vec<OutputReport>,
+    pub(crate) errors_over: ErrorsOver,
     /// The finest first.
     pub(crate) levels: Vec<ChainLevel>,
     pub(crate) warnings: Vec<String>,
@@ -157,6 +158,7 @@ pub(crate) struct ObjectReport {
     pub(crate) diagonal: f64,
     /// `measured` or `estimate`.
     pub(crate) errors: &'static str,
+    pub(crate) errors_over: ErrorsOver,
     pub(crate) collapse_lists: ListsReport,
     pub(crate) lods: Vec<LodReport>,
     /// Strips by generator; empty until the file has strip models.
@@ -241,6 +243,7 @@ pub(crate) struct ExtractReport {
     /// The largest root mean square distance of an object, in the same units; null if it was not
     /// measured.
     pub(crate) rms: Option<f64>,
+    pub(crate) errors_over: ErrorsOver,
     /// True if the vertices were moved: then errors are measured on the result.
     pub(crate) refitted: bool,
     pub(crate) output: String,

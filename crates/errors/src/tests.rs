@@ -376,7 +376,7 @@ fn curves_that_are_too_small_or_too_large_are_refused() {
             let error: Vec<f32> = error.iter().map(scaled).collect();
             let rms = rms.iter().zip(&error).map(|(rms, &error)| rms.min(error)).collect();
             let stated = simplified.clone().with_distances(error, rms).expect("they never fall");
-            let (levels, wrong) = lodc_measure::check_errors(&stated, shape);
+            let (levels, wrong) = lodc_measure::check_errors(&stated, &[shape]);
             assert!(levels > 4);
             assert_eq!(wrong.is_none(), holds, "{name} × {scale}: {wrong:?}");
         }

@@ -17,6 +17,7 @@ mod chart;
 mod checks;
 mod ci;
 mod compare;
+mod errors_over;
 mod gone;
 pub mod html;
 mod page;
@@ -29,6 +30,7 @@ pub use compare::{
     BothWays, Comparison, Content, ImageReport, Length, LevelComparison, MostAllowed, PairReport,
     TriangleCounts,
 };
+pub use errors_over::ErrorsOver;
 pub use gone::{Gone, Roll};
 pub use page::{Facts, Level, curve, levels, page};
 

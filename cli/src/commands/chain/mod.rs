@@ -25,7 +25,7 @@ use levels::{Level, LevelArgs};
 use lodc::scene_levels;
 use lodc_formats::export::{LevelFacts, Provenance};
 use lodc_formats::{OutputFile, Sought};
-use lodc_report::Roll;
+use lodc_report::{ErrorsOver, Roll};
 use std::path::{Path, PathBuf};
 
 /// Options of `chain`.
@@ -168,7 +168,8 @@ fn chain(
     let mut files = asset.files;
     files.extend(&images);
     let rules = rules(&made, &files);
-    Ok(Made { report: summary::report(name, &levels, &made, warnings), rules })
+    let over = ErrorsOver::of(asset.objects.iter().map(|o| &o.info).filter(|_| !args.refit));
+    Ok(Made { report: summary::report(name, &levels, &made, warnings, over), rules })
 }
 
 /// The errors that are needed: those of refitted levels are measured on the result.

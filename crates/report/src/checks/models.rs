@@ -1,14 +1,15 @@
 //! The checks of one file.
 
 use super::report::CheckReport;
-use lodc::{LodFile, LodObject};
+use lodc::{LodFile, LodObject, stated_shapes};
 use lodc_formats::import::{ImportOptions, import};
-use lodc_formats::{Document, Fault, FormatError, Limits, ObjectInfo, scene_graph};
+use lodc_formats::{Document, Fault, FormatError, Limits};
 use lodc_lod::AnyModel;
 use lodc_measure::check_errors;
-use lodc_scene::{Arrangement, shape_in_scene};
+use lodc_scene::Shape;
 use lodc_verify::{Check, Reference, VerifyOptions, source_difference, verify};
 use rayon::prelude::*;
+use std::borrow::Cow;
 use std::path::Path;
 
 /// Stored facts and models of every object, several objects at once.
@@ -22,24 +23,23 @@ pub fn check_models(
     limits: &Limits,
 ) -> Result<Vec<CheckReport>, FormatError> {
     let options = VerifyOptions { stride, ..VerifyOptions::default() };
-    let infos: Vec<&ObjectInfo> = objects.iter().map(|o| &o.info).collect();
-    let graph = scene_graph(document, &infos, limits)?;
-    let scene = Arrangement::new(&graph, &graph.rest_pose(), infos.len());
-    let one = |(number, o): (usize, &LodObject)| {
-        object(o, &shape_in_scene(o.simplified.mesh(), number, &scene), &options)
+    let shapes = stated_shapes(objects, document, limits)?;
+    let one = |(o, shapes): (&LodObject, &Vec<Shape>)| {
+        let shapes: Vec<_> = shapes.iter().map(|shape| shape.of(o.simplified.mesh())).collect();
+        object(o, &shapes, &options)
     };
-    let checked: Result<Vec<_>, FormatError> = objects.par_iter().enumerate().map(one).collect();
+    let checked: Result<Vec<_>, FormatError> = objects.par_iter().zip(&shapes).map(one).collect();
     Ok(checked?.concat())
 }
 
 fn object(
     object: &LodObject,
-    shape: &[[f32; 3]],
+    shapes: &[Cow<'_, [[f32; 3]]>],
     options: &VerifyOptions,
 ) -> Result<Vec<CheckReport>, FormatError> {
     let name = &object.info.name;
     let (reference, errors) =
-        rayon::join(|| Reference::new(&object.simplified), || errors(object, shape));
+        rayon::join(|| Reference::new(&object.simplified), || errors(object, shapes));
     let reference = reference.map_err(|e| {
         let what = format!("{name}: {e}; nothing more was verified");
         FormatError::new(Fault::Limit, "", what)
@@ -64,13 +64,13 @@ fn object(
 }
 
 /// Stored errors against measured ones; those that are estimates are skipped.
-fn errors(object: &LodObject, shape: &[[f32; 3]]) -> CheckReport {
+fn errors(object: &LodObject, shapes: &[Cow<'_, [[f32; 3]]>]) -> CheckReport {
     let report = CheckReport::new(Some(&object.info.name), "sequence", "errors hold");
     if !object.simplified.collapses().is_measured() {
         let what = "the errors are estimates, as files before version 3 have them";
         return CheckReport { skipped: Some(what.to_owned()), ..report };
     }
-    let (lods, difference) = check_errors(&object.simplified, shape);
+    let (lods, difference) = check_errors(&object.simplified, shapes);
     report.of(lods as u64, difference)
 }
 
