@@ -99,3 +99,7 @@ fn targets(mesh: &Mesh) -> Vec<u32> {
     targets.dedup();
     targets
 }
+
+#[cfg(test)]
+#[path = "motion/tests.rs"]
+mod tests;
