@@ -254,10 +254,11 @@ impl<'a> Backward<'a> {
     /// bound of it if the face has samples.
     fn ask_face(&mut self, now: Now, i: usize, corners: [DVec3; 3], disc: bool) -> f64 {
         let Entry { face, points, mean_square, hints: [from, to], .. } = self.changed[i];
+        let care = if now.step.is_coarse(self.input, 32) { Care::AT_REST } else { self.care };
         let edges = [0, 1, 2].map(|k| self.is_new_edge(now, [points[k], points[(k + 1) % 3]]));
         let mut ask = Ask {
             input: self.input,
-            share: self.care.asked,
+            share: care.asked,
             corners,
             near: self.near[i],
             hints: &now.hints[from as usize..to as usize],
@@ -267,19 +268,19 @@ impl<'a> Backward<'a> {
             bound: self.bound,
             far: 0.0,
         };
-        let middle = ask.point(centroid(corners), self.care.means && mean_square.is_nan());
+        let middle = ask.point(centroid(corners), care.means && mean_square.is_nan());
         for k in (0..3).filter(|&k| edges[k]) {
             ask.point((corners[k] + corners[(k + 1) % 3]) * 0.5, false);
         }
         let is_coarse = |share| now.step.is_coarse(self.input, share);
-        if !disc || ask.is_beyond(self.care.warm) || is_coarse(8) {
+        if !disc || ask.is_beyond(care.warm) || is_coarse(8) {
             ask.points(&FEW);
         }
-        if ask.is_beyond(self.care.warm) || is_coarse(32) && ask.is_beyond(self.care.tepid) {
+        if ask.is_beyond(care.warm) || is_coarse(32) && ask.is_beyond(care.tepid) {
             ask.points(&VERY_FEW);
         }
         let Ask { near, far, bound, opened, .. } = ask;
-        let is_hot = ask.is_beyond(self.care.hot);
+        let is_hot = ask.is_beyond(care.hot);
         (self.near[i], self.faces[face as usize].near, self.bound) = (near, near, bound);
         self.work.done += opened;
         if is_hot {

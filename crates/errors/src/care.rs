@@ -54,7 +54,7 @@ impl Care {
         kept: 1_500,
         exhaustive: 0,
         means: false,
-        near: 0.5,
+        near: 0.25,
         near_enough: [0.95, 0.98],
         tries: false,
         asked: 0.8,

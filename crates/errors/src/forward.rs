@@ -29,6 +29,9 @@ const READ_AHEAD: u32 = 16;
 /// Share of the faces, one in so many, from which on the other way learns of all samples.
 const COARSE: u32 = 8;
 
+/// The same from which on levels are looked at as closely as at rest.
+const FEW: u32 = 32;
+
 /// The faces of the level, and the samples that travel over them.
 pub(crate) struct Forward<'a> {
     input: &'a Input,
@@ -42,7 +45,9 @@ pub(crate) struct Forward<'a> {
     corners: Vec<[DVec3; 3]>,
     /// The squared bound.
     bound: f64,
-    /// Distances within this share of it need no better face.
+    /// Distances within the first share of it need no other face that changed, within the second
+    /// no better face.
+    near: f64,
     near_enough: f64,
     work: Work,
     /// Work of the other way, as far as it is known.
@@ -74,6 +79,7 @@ impl<'a> Forward<'a> {
             changes: Changes::default(),
             corners: vec![],
             bound: 0.0,
+            near: care.near,
             near_enough: care.near_enough[0],
             work: Work::default(),
             other: Work::default(),
@@ -113,7 +119,11 @@ impl<'a> Forward<'a> {
             }
             let share = 2 * all * u64::from(step + 1) / ends.len() as u64;
             let late = both.queries > 4_000.min(4 * all) + share;
-            self.near_enough = self.care.near_enough[usize::from(late)];
+            // Where few faces are left, looking closely takes no time.
+            let few = self.faces.live <= (self.input.triangles.len() as u32 / FEW).max(64);
+            let care = if few { Care::AT_REST } else { self.care };
+            self.near = care.near;
+            self.near_enough = care.near_enough[usize::from(late)];
             self.bound = self.bound.max(self.floor.squared(step as usize));
             let end = ends[step as usize];
             if end > self.ahead {
@@ -195,7 +205,7 @@ impl<'a> Forward<'a> {
         self.work.done += taken.len() as u64;
         for &(number, own) in &taken {
             let p = self.samples.all[number as usize].place();
-            let nearest = self.nearest_face(p, own, self.bound * self.care.near * self.care.near);
+            let nearest = self.nearest_face(p, own, self.bound * (self.near * self.near));
             if nearest.squared > self.enough()
                 && nearest.squared > 1.1 * f64::from(self.samples.all[number as usize].refined)
             {

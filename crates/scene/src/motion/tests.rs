@@ -109,7 +109,7 @@ fn the_number_of_threads_changes_no_choice() {
     let (mesh, motion) = tube(vec![turning(3), turning(2)]);
     let with = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-        pool.install(|| motion.choose(&[&mesh, &mesh], 8))
+        pool.install(|| motion.choose(&[&mesh], 8))
     };
     let one = with(1);
     assert!(one[0].len() > 4);
