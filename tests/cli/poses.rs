@@ -45,7 +45,7 @@ fn levels_of_a_mesh_and_of_its_file_state_the_same() {
     let rest = level("m.glb", &["--metric", "quadric", "--poses", "0"]);
     assert_eq!(rest["errors_over"]["poses"], 0);
     assert!(rest["error"].as_f64() < of_mesh["error"].as_f64());
-    let chain = ["chain", "m.lodc", "-o", "c.glb", "--ratios", "0.5,0.2", "--json"];
+    let chain = ["chain", "m.lodc", "-o", "c.glb", "--levels", "50%,20%", "--json"];
     let chain = f.lodc(chain).ends(0).json();
     assert_eq!(chain["errors_over"]["poses"], 2);
 }

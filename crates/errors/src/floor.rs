@@ -1,6 +1,7 @@
 //! Errors that are stated already: a pass looks for what is above them.
 
-use crate::pass::MARGIN;
+/// Margin stated above the distance found, for what no sample saw.
+pub(crate) const MARGIN: f64 = 1.06;
 
 /// Errors of the steps that are stated already; none if there is nothing below a pass.
 #[derive(Clone, Copy)]

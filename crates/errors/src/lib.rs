@@ -38,8 +38,8 @@ use care::Care;
 use floor::Floor;
 use lodc_mesh::Simplified;
 
-/// An error that rises to less than so many times itself, and so much of the diagonal, is as good as
-/// the same.
+/// An error that rises to less than so many times itself, and so much of the diagonal, is as good
+/// as the same.
 const RISE: f64 = 1.05;
 const TINY: f64 = 1e-4;
 
@@ -61,11 +61,12 @@ pub fn measure(simplified: &Simplified, shown: &[[f32; 3]]) -> StepErrors {
     measure_above(simplified, shown, &StepErrors::default(), Care::AT_REST)
 }
 
-/// Raises what [`measure`] found to the distances of the same sequence in other shapes, in the same
-/// units: the errors are those of the shape in which a step is farthest, the mean distances, too.
-/// Shapes of large effect come first: two at a time are measured, and none after two that raise no
-/// error of a level above 1 % of the triangles by more than a twentieth. Returns how many were. What
-/// is not above the errors that are there is not looked at closely.
+/// Raises what [`measure`] found to the distances of the same sequence in other shapes, in the
+/// same units: the errors are those of the shape in which a step is farthest, the mean distances,
+/// too. What is not above the errors that are there is not looked at closely.
+///
+/// Shapes of large effect come first. Two at a time are measured, and none after two that raise no
+/// error of a level above 1 % of the triangles by more than a twentieth. Returns how many were.
 ///
 /// Two threads share the work; the result is the same with one.
 ///

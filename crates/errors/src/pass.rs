@@ -12,16 +12,13 @@
 use crate::backward::{Backward, Followed};
 use crate::block::Block;
 use crate::care::Care;
-use crate::floor::Floor;
+use crate::floor::{Floor, MARGIN};
 use crate::follower::{Follower, Here, beside};
 use crate::forward::Forward;
 use crate::input::Input;
 use crate::refine::FLOOR;
 use crate::step_errors::StepErrors;
 use lodc_mesh::Simplified;
-
-/// Margin stated above the distance found, for what no sample saw.
-pub(crate) const MARGIN: f64 = 1.06;
 
 /// Steps of a block: a share of the steps done and of those to come, for the bound grows fast at
 /// both ends.

@@ -1,7 +1,7 @@
 //! Distances that are known by hand, and every step of many sequences against samples of its
 //! surfaces.
 
-use crate::pass::MARGIN;
+use crate::floor::MARGIN;
 use crate::{StepErrors, measure, raise};
 use glam::DVec3;
 use lodc_fixtures as fixtures;
