@@ -125,6 +125,8 @@ const DRAWING: &[(&str, &[&str])] = &[
             "lodc-scene",
             "lodc-select",
             "lodc-verify",
+            "glam",
+            "indexmap",
             "rayon",
             "serde",
         ],

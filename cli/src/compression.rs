@@ -40,7 +40,7 @@ enum Compression {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Packing {
     compress: bool,
-    precision: Precision,
+    pub(crate) precision: Precision,
 }
 
 impl Packing {

@@ -24,7 +24,6 @@ mod parts;
 mod pose;
 mod program;
 mod progress;
-mod report;
 mod results;
 mod selector;
 mod stages;

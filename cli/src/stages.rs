@@ -3,8 +3,8 @@
 use crate::console::detail;
 use crate::memory;
 use crate::progress::Progress;
-use crate::report::StageReport;
 use lodc::build::Watch;
+use lodc_report::documents::StageReport;
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 

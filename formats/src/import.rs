@@ -4,7 +4,8 @@ mod sniff;
 
 use crate::lodc::{self, LodFile};
 pub use crate::options::ImportOptions;
-use crate::{Assets, Fault, FormatError, Scene, gltf, obj};
+use crate::provenance::Provenance;
+use crate::{Assets, Document, Fault, FormatError, Limits, Scene, ShippedLevels, gltf, obj};
 use std::path::Path;
 
 /// A mesh file or a file of levels of detail.
@@ -43,6 +44,62 @@ pub fn import(path: &Path, options: &ImportOptions) -> Result<Scene, FormatError
     let mut assets = Assets::new(path, &options.allowed, options.limits);
     let bytes = assets.read_main()?;
     read(bytes, path, &mut assets, options)
+}
+
+/// Reads what `extract` or `chain` wrote: OBJ, glTF or GLB with the levels that it states.
+///
+/// # Errors
+/// As [`import`], and if the file states no levels.
+pub fn import_levels(path: &Path, options: &ImportOptions) -> Result<ShippedLevels, FormatError> {
+    let mut assets = Assets::new(path, &options.allowed, options.limits);
+    let bytes = assets.read_main()?;
+    let name = assets.main_name();
+    if is_gltf(&bytes, path) {
+        return gltf::read::shipped(&bytes, &mut assets, options).map_err(|e| e.in_file(&name));
+    }
+    let stated = stated_in_text(&bytes);
+    let levels = vec![read(bytes, path, &mut assets, options)?];
+    let missing = || {
+        let what = "states no level: only what extract and chain wrote does";
+        FormatError::new(Fault::Malformed, "line 1", what).in_file(&name)
+    };
+    Ok(ShippedLevels { stated: stated.ok_or_else(missing)?, levels, difference: None })
+}
+
+/// Returns whether a file can be read and states levels, as those do that `extract` and `chain`
+/// write.
+#[must_use]
+pub fn states_levels(path: &Path, options: &ImportOptions) -> bool {
+    let bytes = Assets::new(path, &options.allowed, options.limits).read_main();
+    bytes.is_ok_and(|bytes| match is_gltf(&bytes, path) {
+        true => gltf::read::states_levels(&bytes, options),
+        false => stated_in_text(&bytes).is_some(),
+    })
+}
+
+/// Compares what a level has besides its geometry with what its source has; none between formats,
+/// and if there is no difference.
+///
+/// # Errors
+/// If a stored document is damaged.
+pub fn document_difference(
+    source: &Document,
+    level: &Document,
+    limits: &Limits,
+) -> Result<Option<String>, FormatError> {
+    match (source, level) {
+        (Document::Gltf(source), Document::Gltf(level)) => gltf::difference(source, level, limits),
+        _ => Ok(None),
+    }
+}
+
+fn is_gltf(bytes: &[u8], path: &Path) -> bool {
+    matches!(sniff::format(bytes, path), sniff::Sniffed::Glb | sniff::Sniffed::Gltf)
+}
+
+fn stated_in_text(bytes: &[u8]) -> Option<Provenance> {
+    let first = bytes.split(|&b| b == b'\n').next()?;
+    Provenance::of_line(std::str::from_utf8(first).ok()?.strip_prefix("# ")?)
 }
 
 fn read(

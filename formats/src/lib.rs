@@ -69,9 +69,11 @@ mod obj;
 mod options;
 #[cfg(feature = "export")]
 mod ply;
-#[cfg(feature = "export")]
+#[cfg(any(feature = "import", feature = "export"))]
 mod provenance;
 mod scene;
+#[cfg(feature = "import")]
+mod shipped;
 mod sought;
 #[cfg(test)]
 mod testing;
@@ -90,5 +92,10 @@ pub use scene::{
     Document, GltfDocument, ObjDocument, ObjMaterial, ObjectInfo, Scene, SceneObject, Source,
     SourceFormat, SubmeshInfo,
 };
+#[cfg(feature = "import")]
+pub use shipped::ShippedLevels;
 pub use sought::Sought;
 pub use write::{OutputFile, write_all};
+
+/// The name and version of this program.
+pub(crate) const GENERATOR: &str = concat!("lodc ", env!("CARGO_PKG_VERSION"));

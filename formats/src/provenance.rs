@@ -1,7 +1,7 @@
 //! Origin of an export, stated in the file itself.
 
-/// The name and version of this program.
-pub(crate) const GENERATOR: &str = concat!("lodc ", env!("CARGO_PKG_VERSION"));
+#[cfg(feature = "export")]
+use crate::GENERATOR;
 
 /// A level of detail as its file states it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,6 +27,7 @@ pub struct Provenance {
 
 impl Provenance {
     /// One line for text formats.
+    #[cfg(feature = "export")]
     pub(crate) fn line(&self) -> String {
         let mut line = GENERATOR.to_owned();
         for l in &self.levels {
@@ -44,5 +45,22 @@ impl Provenance {
             line += ", refitted";
         }
         format!("{line}, source {:032x}", self.source)
+    }
+
+    /// Reads such a line; none if it is something else.
+    #[cfg(feature = "import")]
+    pub(crate) fn of_line(line: &str) -> Option<Self> {
+        let mut stated = LevelFacts { lod: None, error: f64::INFINITY, rms: None };
+        let (mut source, mut refitted) = (None, false);
+        for part in line.strip_prefix("lodc ")?.split(", ").skip(1) {
+            match part.split_once(' ') {
+                Some(("LOD", lod)) => stated.lod = lod.parse().ok(),
+                Some(("error", error)) => stated.error = error.parse().ok()?,
+                Some(("rms", rms)) => stated.rms = rms.parse().ok(),
+                Some(("source", hash)) => source = u128::from_str_radix(hash, 16).ok(),
+                _ => refitted |= part == "refitted",
+            }
+        }
+        Some(Self { source: source?, levels: vec![stated], refitted })
     }
 }

@@ -18,16 +18,18 @@ fn built() -> Folder {
     f
 }
 
-/// Multiplies all stored distances.
-fn spoil(f: &Folder, factor: f32) {
+/// Multiplies all stored errors and root mean square distances, and says which program wrote them.
+fn spoil(f: &Folder, [error, rms]: [f32; 2], program: &str) {
     let mut file = lodc::read(&f.read("g.lodc")).expect("a sound file");
     for object in &mut file.objects {
         let parts = object.simplified.collapses().parts().clone();
-        let scaled = |all: &[f32]| all.iter().map(|e| e * factor).collect();
-        let (largest, rms) = (scaled(&parts.step_errors), scaled(&parts.step_rms));
+        let by = |factor: f32| move |&e: &f32| if e.is_finite() { e * factor } else { e };
+        let scaled = |all: &[f32], factor: f32| all.iter().map(by(factor)).collect();
+        let (largest, rms) = (scaled(&parts.step_errors, error), scaled(&parts.step_rms, rms));
         let simplified = (*object.simplified).clone().with_distances(largest, rms);
         object.simplified = Arc::new(simplified.expect("they do not fall"));
     }
+    file.made_from.as_mut().expect("a file's origin").program = program.to_owned();
     f.file("spoiled.lodc", lodc::write(&file));
 }
 
@@ -64,17 +66,34 @@ fn levels_are_asked_for_by_root_mean_square_distance() {
 }
 
 #[test]
-fn errors_that_are_half_of_the_true_ones_are_found() {
+fn errors_that_are_wrong_are_found() {
     let f = built();
-    let line = |text: String| {
-        text.lines().find(|l| l.contains("errors hold")).expect("the check").to_owned()
+    let line = |text: &str, check: &str| {
+        let line = text.lines().find(|line| line.contains(check));
+        line.map(str::to_owned).unwrap_or_default()
     };
-    assert!(line(f.lodc(["verify", "g.lodc"]).ends(0).text()).contains(": ok, "));
-    spoil(&f, 0.5);
-    let found = line(f.lodc(["verify", "spoiled.lodc"]).ends(1).text());
-    assert!(found.contains("DIFFERENT") && found.contains("measured are"), "{found}");
-    spoil(&f, 1.5);
-    f.lodc(["verify", "spoiled.lodc"]).ends(0);
+    let own = concat!("lodc ", env!("CARGO_PKG_VERSION"));
+    let sound = f.lodc(["verify", "g.lodc"]).ends(0).text();
+    for check in ["errors hold", "errors measured again"] {
+        assert!(line(&sound, check).contains(": ok, "), "{check}: {sound}");
+    }
+    // What this version wrote it measures again, to the last bit.
+    for factors in [[0.5, 1.0], [0.9, 1.0], [1.5, 1.0], [4.0, 1.0], [1.0, 0.0], [1.0, 0.9]] {
+        spoil(&f, factors, own);
+        let found = line(&f.lodc(["verify", "spoiled.lodc"]).ends(1).text(), "measured again");
+        assert!(found.contains("DIFFERENT"), "{factors:?}: {found}");
+    }
+    // What others wrote is measured in its own way.
+    for (factor, status) in [(0.0, 1), (0.5, 1), (1.0, 0), (1.5, 0), (10.0, 1)] {
+        spoil(&f, [factor, 1.0], "lodc 0.0.1");
+        let text = f.lodc(["verify", "spoiled.lodc"]).ends(status).text();
+        assert_eq!(line(&text, "measured again"), "");
+        assert_eq!(
+            line(&text, "errors hold").contains("DIFFERENT"),
+            status == 1,
+            "{factor}: {text}"
+        );
+    }
 }
 
 #[test]

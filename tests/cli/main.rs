@@ -35,6 +35,7 @@ mod report;
 mod second_reader;
 mod select;
 mod shaders;
+mod shipped;
 mod stream;
 mod strips;
 mod support;

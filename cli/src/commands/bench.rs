@@ -12,7 +12,6 @@ use crate::kinds::{MetricArgs, StripArgs, parser};
 use crate::limits::ImportArgs;
 use crate::output::{self, Target};
 use crate::progress::Progress;
-use crate::report::ObjectCounts;
 use crate::stages::Stages;
 use crate::threads;
 use clap::Args;
@@ -23,6 +22,7 @@ use lodc_lab::{
 };
 use lodc_lod::ModelKind;
 use lodc_report::SCHEMA_VERSION;
+use lodc_report::documents::ObjectCounts;
 use lodc_report::text::count;
 use serde::Serialize;
 use std::num::{NonZeroU32, NonZeroUsize};

@@ -1,8 +1,8 @@
 //! The objects of a stream in reports.
 
-use crate::report::UnpackedReport;
 use lodc_formats::ObjectInfo;
 use lodc_formats::lods::Unpacker;
+use lodc_report::documents::UnpackedReport;
 use lodc_select::decimal;
 
 /// Returns what has come of each object, of how much. `infos` has their names.

@@ -61,6 +61,20 @@ pub fn measure(simplified: &Simplified, shown: &[[f32; 3]]) -> StepErrors {
     measure_above(simplified, shown, &StepErrors::default(), Care::AT_REST)
 }
 
+/// Measures every step of a sequence in several shapes, [`measure`] in the first and [`raise`] in
+/// the others. Returns how many others were measured, too.
+///
+/// # Panics
+/// If there is no shape, or not as many places as vertices in one.
+pub fn measure_over<S: AsRef<[[f32; 3]]> + Send>(
+    simplified: &Simplified,
+    mut shapes: impl Iterator<Item = S>,
+) -> (StepErrors, usize) {
+    let mut errors = measure(simplified, shapes.next().expect("a shape").as_ref());
+    let raised = raise(&mut errors, simplified, shapes);
+    (errors, raised)
+}
+
 /// Raises what [`measure`] found to the distances of the same sequence in other shapes, in the
 /// same units: the errors are those of the shape in which a step is farthest, the mean distances,
 /// too. What is not above the errors that are there is not looked at closely.

@@ -2,7 +2,10 @@
 
 use crate::{Error, LodObject, levels};
 #[cfg(feature = "export")]
-use lodc_formats::export::ExportObject;
+use lodc_formats::{
+    Document, FormatError,
+    export::{ExportObject, Precision},
+};
 use lodc_lod::ModelKind;
 use lodc_mesh::{Lod, Mesh};
 use lodc_select::decimal;
@@ -93,11 +96,69 @@ fn stored(object: &LodObject, lod: Lod, shape: Shape) -> Result<LevelMesh, Error
 /// The largest error and root mean square distance of an object: in mesh units for one object, in
 /// world units for several.
 pub fn distance(objects: &[LodObject], meshes: &[LevelMesh]) -> (f64, Option<f64>) {
-    let unit = |o: &LodObject| if objects.len() > 1 { o.info.world_scale } else { 1.0 };
     let pairs = || objects.iter().zip(meshes);
-    let error = pairs().map(|(o, m)| unit(o) * m.error).fold(0.0, f64::max);
-    let rms = pairs().map(|(o, m)| Some(unit(o) * m.rms?)).collect::<Option<Vec<f64>>>();
+    let error = pairs().map(|(o, m)| unit(objects, o) * m.error).fold(0.0, f64::max);
+    let rms = pairs().map(|(o, m)| Some(unit(objects, o) * m.rms?)).collect::<Option<Vec<f64>>>();
     (error, rms.map(|all| all.into_iter().fold(0.0, f64::max)))
+}
+
+fn unit(objects: &[LodObject], object: &LodObject) -> f64 {
+    if objects.len() > 1 { object.info.world_scale } else { 1.0 }
+}
+
+/// Returns how far quantising moves the vertices of exported meshes, the farthest one of each, in
+/// mesh units: a level errs no more than it did and that.
+///
+/// # Errors
+/// If the document is damaged.
+#[cfg(feature = "export")]
+pub fn rounding<'a>(
+    objects: &'a [LodObject],
+    document: &Document,
+    meshes: impl Iterator<Item = &'a Mesh>,
+    precision: Precision,
+) -> Result<Rounding, FormatError> {
+    let one = |(o, mesh): (&'a LodObject, &'a Mesh)| ExportObject { info: &o.info, mesh };
+    let exported: Vec<ExportObject<'_>> = objects.iter().zip(meshes).map(one).collect();
+    let of_object = lodc_formats::export::rounding(document, &exported, precision)?;
+    let scaled = |(o, moved): (&LodObject, &f64)| unit(objects, o) * moved;
+    let largest = objects.iter().zip(&of_object).map(scaled).fold(0.0, f64::max);
+    Ok(Rounding { of_object, largest })
+}
+
+/// The farthest that quantising moves vertices.
+#[cfg(feature = "export")]
+#[derive(Clone, Debug)]
+pub struct Rounding {
+    /// Of each object, in mesh units.
+    pub of_object: Vec<f64>,
+    /// Of all, in the units of [`distance`].
+    pub largest: f64,
+}
+
+/// Adds to what levels state how far quantising will move their vertices.
+///
+/// # Errors
+/// If the document is damaged.
+#[cfg(feature = "export")]
+pub fn round(
+    objects: &[LodObject],
+    document: &Document,
+    meshes: &mut [LevelMesh],
+    precision: Precision,
+) -> Result<(), FormatError> {
+    let rounding = rounding(objects, document, meshes.iter().map(|m| &m.mesh), precision)?;
+    for (mesh, moved) in meshes.iter_mut().zip(rounding.of_object) {
+        add_rounding(&mut mesh.error, &mut mesh.rms, moved);
+    }
+    Ok(())
+}
+
+/// Adds what quantising moves to the error and the root mean square distance of a level.
+pub fn add_rounding(error: &mut f64, rms: &mut Option<f64>, moved: f64) {
+    *error += moved;
+    // Three coordinates, each uniform over a cell, have a mean square of a quarter of a step.
+    *rms = rms.map(|rms| rms.hypot(moved / 3f64.sqrt()));
 }
 
 /// The objects as they are exported.

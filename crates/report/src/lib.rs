@@ -1,6 +1,6 @@
 //! Results as people, browsers and CI systems read them: numbers in text, charts, the page that a
-//! reviewer opens, checks with JUnit files, comparisons with what they exceed. It measures nothing
-//! itself and writes nothing: results are structs to be serialised, text, XML and HTML.
+//! reviewer opens, the JSON documents of commands, checks with JUnit files, comparisons with what
+//! they exceed. It writes nothing: results are structs to be serialised, text, XML and HTML.
 //!
 //! ```
 //! use lodc_report::{Case, CheckReport, Suite, Verdict, junit, text};
@@ -17,6 +17,7 @@ mod chart;
 mod checks;
 mod ci;
 mod compare;
+pub mod documents;
 mod errors_over;
 mod gone;
 pub mod html;
@@ -24,7 +25,10 @@ mod page;
 pub mod text;
 
 pub use chart::{Chart, Curve, Scale, colour_of};
-pub use checks::{CheckReport, FileReport, VerifyReport, check_models, check_source};
+pub use checks::{
+    CheckReport, FileReport, VerifyReport, check_errors_again, check_levels, check_models,
+    check_source,
+};
 pub use ci::{Case, Suite, Verdict, github, junit};
 pub use compare::{
     BothWays, Comparison, Content, ImageReport, Length, LevelComparison, MostAllowed, PairReport,

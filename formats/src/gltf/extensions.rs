@@ -153,6 +153,16 @@ pub(super) fn forget(root: &mut Object, name: &str) {
     }
 }
 
+/// Takes a member out of an object's extras, and the extras with the last one.
+pub(super) fn forget_extra(entry: &mut Object, key: &str) {
+    if let Some(extras) = entry.get_mut("extras").and_then(Json::as_object_mut) {
+        extras.shift_remove(key);
+        if extras.is_empty() {
+            entry.shift_remove("extras");
+        }
+    }
+}
+
 /// Names an extension in one of the lists of the document.
 pub(crate) fn add(root: &mut Object, list: &str, name: &str) {
     if !root.list(list).iter().any(|n| n.as_str() == Some(name)) {

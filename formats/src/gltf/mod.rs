@@ -14,6 +14,8 @@ mod animations;
 mod appearance;
 #[cfg(feature = "gltf")]
 mod budget;
+#[cfg(feature = "import")]
+mod difference;
 #[cfg(feature = "gltf")]
 mod document;
 mod extensions;
@@ -34,6 +36,7 @@ mod meshopt;
 mod missing;
 #[cfg(feature = "gltf")]
 mod part_names;
+mod prune;
 #[cfg(feature = "export")]
 mod quantize;
 #[cfg(feature = "import")]
@@ -54,6 +57,8 @@ pub(crate) mod write;
 pub use animations::{animation, animation_names, scene_motion};
 #[cfg(feature = "import")]
 pub(crate) use appearance::appearance;
+#[cfg(feature = "import")]
+pub(crate) use difference::difference;
 #[cfg(feature = "gltf")]
 pub use graph::scene_graph;
 #[cfg(feature = "export")]

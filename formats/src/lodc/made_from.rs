@@ -3,8 +3,7 @@
 
 use super::record::LIMIT;
 use super::{VERSION, key};
-use crate::{Assets, Fault, FormatError, Sought};
-use serde::de::DeserializeOwned;
+use crate::{Assets, Fault, FormatError, GENERATOR, Sought};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -19,6 +18,8 @@ pub struct MadeFrom {
     pub files: Vec<String>,
     /// What the run that made the file had to say about its input.
     pub warnings: Vec<String>,
+    /// The program and its version that made it.
+    pub program: String,
 }
 
 impl MadeFrom {
@@ -48,7 +49,12 @@ impl MadeFrom {
             }
             part(content.map(u128::to_le_bytes).as_ref().map_or(b"", |content| &content[..]));
         }
-        let made = || Self { key: key(&all), files: names, warnings: warnings.to_vec() };
+        let made = || Self {
+            key: key(&all),
+            files: names,
+            warnings: warnings.to_vec(),
+            program: GENERATOR.to_owned(),
+        };
         has_input.then(made)
     }
 
@@ -73,26 +79,25 @@ impl MadeFrom {
         (now == *self).then_some(files)
     }
 
+    /// Returns whether this version made the file: then whatever it computed comes out again.
+    #[must_use]
+    pub fn is_of_this_version(&self) -> bool {
+        self.program == GENERATOR
+    }
+
     pub(super) fn bytes(&self) -> Vec<u8> {
         bincode::serde::encode_to_vec(self, bincode::config::legacy())
             .expect("plain data can be written to memory")
     }
 
-    /// Reads the section; what follows the known fields belongs to later versions. The first files
-    /// of this version have no warnings.
+    /// Reads the section; what follows the known fields belongs to later versions.
     pub(super) fn read(bytes: &[u8]) -> Result<Self, FormatError> {
-        let ((key, files), used) = decoded(bytes)?;
-        let rest = &bytes[used..];
-        let warnings = if rest.is_empty() { Vec::new() } else { decoded(rest)?.0 };
-        Ok(Self { key, files, warnings })
+        let config = bincode::config::legacy().with_limit::<LIMIT>();
+        let decoded = bincode::serde::decode_from_slice(bytes, config);
+        decoded.map(|(made, _)| made).map_err(|e| {
+            FormatError::new(Fault::Malformed, "section MADE", format!("cannot be decoded: {e}"))
+        })
     }
-}
-
-fn decoded<T: DeserializeOwned>(bytes: &[u8]) -> Result<(T, usize), FormatError> {
-    let config = bincode::config::legacy().with_limit::<LIMIT>();
-    bincode::serde::decode_from_slice(bytes, config).map_err(|e| {
-        FormatError::new(Fault::Malformed, "section MADE", format!("cannot be decoded: {e}"))
-    })
 }
 
 #[cfg(test)]

@@ -1,8 +1,8 @@
 //! Counts of an object's elements, as reports show them.
 
-use crate::report::ObjectCounts;
 use lodc_formats::ObjectInfo;
 use lodc_mesh::Simplified;
+use lodc_report::documents::ObjectCounts;
 
 /// Counts of one object.
 pub(crate) fn counts(info: &ObjectInfo, simplified: &Simplified) -> ObjectCounts {

@@ -4,7 +4,6 @@ use super::{BuildArgs, counts, importance};
 use crate::exit::{Failure, Outcome, Status};
 use crate::output::{self, Target};
 use crate::progress::Progress;
-use crate::report::InputReport;
 use crate::stages::Stages;
 use lodc::build::{
     Known, ScenePaints, Size, build_models, check_models, measure_all, simplify_all,
@@ -15,6 +14,7 @@ use lodc_formats::images::Textures;
 use lodc_formats::lodc::MadeFrom;
 use lodc_formats::{Document, Scene, Sought, import};
 use lodc_lod::ModelKind;
+use lodc_report::documents::InputReport;
 use lodc_simplify::Options;
 use std::path::Path;
 
@@ -108,8 +108,9 @@ pub(crate) fn object_options(scene: &Scene, options: Options, parts: Parts<'_>) 
 
 fn fill_in(report: &mut InputReport, objects: &[LodObject]) {
     report.objects = objects.iter().map(|o| counts(&o.info, &o.simplified)).collect();
-    let sum =
-        |of: fn(&crate::report::ObjectCounts) -> u64| Some(report.objects.iter().map(of).sum());
+    let sum = |of: fn(&lodc_report::documents::ObjectCounts) -> u64| {
+        Some(report.objects.iter().map(of).sum())
+    };
     let sums = [
         sum(|o| o.vertices),
         sum(|o| o.referenced_vertices),

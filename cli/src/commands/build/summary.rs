@@ -26,7 +26,8 @@ pub(super) fn print_line(made: &BuildOutput, output: &Output, seconds: f64) {
 fn text(made: &BuildOutput, output: &Output, seconds: f64) -> String {
     let objects = &made.file.objects;
     let counts: Vec<_> = objects.iter().map(|o| super::counts(&o.info, &o.simplified)).collect();
-    let sum = |of: fn(&crate::report::ObjectCounts) -> u64| counts.iter().map(of).sum::<u64>();
+    let sum =
+        |of: fn(&lodc_report::documents::ObjectCounts) -> u64| counts.iter().map(of).sum::<u64>();
     let (referenced, triangles, fakes) =
         (sum(|c| c.referenced_vertices), sum(|c| c.triangles), sum(|c| c.fakes));
     let mut text = String::new();

@@ -2,12 +2,12 @@
 
 use crate::exit::{Failure, Outcome};
 use crate::help::LEVEL;
-use crate::report::ChainLevel;
 use crate::selector::{ScreenArgs, bound, positive, size};
 use clap::Args;
 use lodc::{LodObject, SceneLevels};
 use lodc_assets::Parts;
 use lodc_mesh::Lod;
+use lodc_report::documents::ChainLevel;
 use lodc_report::{Gone, Roll};
 use lodc_select::{Selection, Target};
 use std::path::Path;

@@ -16,7 +16,6 @@ use crate::mesh_output::{self, FormatName};
 use crate::output::{self, Rule, Target};
 use crate::program::Program;
 use crate::progress::Progress;
-use crate::report::ChainReport;
 use crate::results::reported;
 use crate::selector::bound;
 use crate::stages::Stages;
@@ -25,6 +24,7 @@ use levels::{Level, LevelArgs};
 use lodc::scene_levels;
 use lodc_formats::export::{LevelFacts, Provenance};
 use lodc_formats::{OutputFile, Sought};
+use lodc_report::documents::ChainReport;
 use lodc_report::{ErrorsOver, Roll};
 use std::path::{Path, PathBuf};
 

@@ -27,10 +27,12 @@ pub(super) fn files(
     let order = Packing::of(&additions).order();
     let shape = Shape { model: None, order };
     for (number, level) in levels.iter_mut().enumerate() {
-        let meshes = match paints {
+        let mut meshes = match paints {
             Some(paints) => refitted_meshes(&asset.objects, &level.lods, order, paints),
             None => level_mesh::meshes(&asset.objects, &level.lods, shape)?,
         };
+        let precision = additions.precision;
+        level_mesh::round(&asset.objects, &asset.document, &mut meshes, precision)?;
         // Of refitted meshes they are measured.
         (level.error, level.rms) = level_mesh::distance(&asset.objects, &meshes);
         level.vertices = meshes.iter().map(|m| m.mesh.vertex_count() as u64).sum();

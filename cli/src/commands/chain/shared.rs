@@ -5,7 +5,10 @@ use super::{ChainArgs, Files, provenance};
 use crate::commands::asset::Asset;
 use crate::exit::{Failure, Outcome, Status};
 use crate::mesh_output::FormatName;
-use lodc::{LodObject, level_mesh::CACHE};
+use lodc::{
+    LodObject,
+    level_mesh::{self, CACHE},
+};
 use lodc_formats::export::Additions;
 use lodc_formats::gltf::{ChainObject, ChainShape, export_chain};
 use lodc_mesh::{Chain, Lod};
@@ -28,7 +31,10 @@ pub(super) fn files(
         .collect::<Outcome<_>>()?;
     let coverages: Vec<Vec<f64>> =
         asset.objects.iter().enumerate().map(|(o, object)| coverage(object, &lods(o))).collect();
+    let (meshes, precision) = (chains.iter().map(|c| &c.mesh), additions.precision);
+    let moved = level_mesh::rounding(&asset.objects, &asset.document, meshes, precision)?.largest;
     for (k, level) in levels.iter_mut().enumerate() {
+        level_mesh::add_rounding(&mut level.error, &mut level.rms, moved);
         level.vertices = chains.iter().map(|c| u64::from(c.prefixes[k])).sum();
     }
     let objects: Vec<ChainObject<'_>> = (asset.objects.iter().zip(&chains).zip(coverages))

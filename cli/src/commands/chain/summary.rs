@@ -4,7 +4,7 @@ use super::Files;
 use super::levels::Level;
 use crate::console::{Loudness, note, result, wants};
 use crate::exit::Outcome;
-use crate::report::ChainReport;
+use lodc_report::documents::ChainReport;
 use lodc_report::text::{count, distance, grouped, size};
 use lodc_report::{ErrorsOver, SCHEMA_VERSION};
 

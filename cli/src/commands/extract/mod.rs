@@ -13,13 +13,13 @@ use crate::mesh_output::{self, FormatName, OrderName};
 use crate::output;
 use crate::pose::PoseArgs;
 use crate::program::Program;
-use crate::report::ExtractReport;
 use crate::results::reported;
 use crate::selector::{SelectorArgs, bound};
 use crate::views::{CriterionName, ViewArgs};
 use clap::Args;
 use clap::builder::TypedValueParser;
 use lodc_lod::ModelKind;
+use lodc_report::documents::ExtractReport;
 use lodc_report::text::{count, distance};
 use std::path::{Path, PathBuf};
 

@@ -7,7 +7,6 @@ use crate::exit::{Failure, Outcome};
 use crate::mesh_output::{self, FormatName};
 use crate::output::{Rule, Target};
 use crate::progress::Progress;
-use crate::report::{ExtractReport, ExtractedObject};
 use crate::stages::Stages;
 use crate::views::CriterionName;
 use lodc::{
@@ -20,6 +19,7 @@ use lodc_formats::export::{LevelFacts, Provenance};
 use lodc_formats::{ObjectInfo, scene_graph};
 use lodc_lod::{AnyModel, ModelKind};
 use lodc_mesh::Lod;
+use lodc_report::documents::{ExtractReport, ExtractedObject};
 use lodc_report::{ErrorsOver, Gone, Roll, SCHEMA_VERSION};
 use lodc_scene::Arrangement;
 use std::path::Path;
@@ -42,10 +42,11 @@ pub(super) fn extract(
     let asset = asset::read_showing(progress, input, import, simplify, errors, &mut stages)?;
     let packing = args.export.compress.wanted(format, asset.compressed)?;
     let order = args.order.map_or(packing.order(), Into::into);
-    let level = match criterion {
+    let mut level = match criterion {
         Some(name) => view(args, name, order, input, &asset, &mut stages)?,
         None => uniform(args, order, input, &asset, &mut stages)?,
     };
+    level_mesh::round(&asset.objects, &asset.document, &mut level.meshes, packing.precision)?;
     let textures = stages.run("textures", || {
         args.export.textures.placed(&asset.document, input, &args.export.import, target, format)
     });

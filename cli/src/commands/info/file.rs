@@ -3,10 +3,6 @@
 use crate::commands::build::counts;
 use crate::commands::read::parse_lodc;
 use crate::exit::Outcome;
-use crate::report::{
-    BitsPerVertex, InfoReport, ListsReport, ListsToReport, LodReport, ModelReport, ObjectCounts,
-    ObjectReport, SourceReport, StripsReport,
-};
 use indexmap::IndexMap;
 use lodc::{LodObject, levels};
 use lodc_formats::SourceFormat;
@@ -15,6 +11,10 @@ use lodc_lod::AnyModel;
 use lodc_lod::interactive::CollapseLists;
 use lodc_mesh::{CollapseSequence, Lod};
 use lodc_model::{Model, StorageCost};
+use lodc_report::documents::{
+    BitsPerVertex, InfoReport, ListsReport, ListsToReport, LodReport, ModelReport, ObjectCounts,
+    ObjectReport, SourceReport, StripsReport,
+};
 use lodc_report::text::{count, distance, grouped, size};
 use lodc_report::{ErrorsOver, SCHEMA_VERSION};
 use lodc_select::decimal;

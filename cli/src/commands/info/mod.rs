@@ -10,10 +10,10 @@ use crate::exit::{Failure, Outcome, Status};
 use crate::help::{MANY, MEASURED, MORE, OUTPUT};
 use crate::limits::LimitArgs;
 use crate::output::is_stream;
-use crate::report::{InfoReport, StreamInfoReport};
 use crate::results::{self, FailureReport, ResultReport};
 use clap::Args;
 use lodc_formats::{Assets, lods};
+use lodc_report::documents::{InfoReport, StreamInfoReport};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 

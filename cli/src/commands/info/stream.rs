@@ -2,10 +2,10 @@
 
 use crate::commands::stream_objects;
 use crate::exit::{Failure, Outcome, one_line};
-use crate::report::StreamInfoReport;
 use lodc_formats::Limits;
 use lodc_formats::lods::{self, Unpacker};
 use lodc_report::SCHEMA_VERSION;
+use lodc_report::documents::StreamInfoReport;
 use lodc_report::text::{count, distance, grouped, size};
 use std::fmt::Write;
 

@@ -5,9 +5,9 @@ use crate::commands::stream_objects;
 use crate::console::{self, Loudness, note, wants};
 use crate::exit::Outcome;
 use crate::output::Target;
-use crate::report::{UnpackReport, UnpackedReport};
 use lodc_formats::lods::Arrived;
 use lodc_report::SCHEMA_VERSION;
+use lodc_report::documents::{UnpackReport, UnpackedReport};
 use lodc_report::text::{count, distance, grouped, size};
 
 /// Prints warnings and what was unpacked.

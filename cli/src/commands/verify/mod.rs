@@ -11,15 +11,19 @@ use crate::exit::{Failure, Outcome, Status, one_line};
 use crate::gpu::GpuArgs;
 use crate::help::{CHECKED, MANY, MORE, OUTPUT};
 use crate::limits::ImportArgs;
-use crate::output;
+use crate::output::is_stream;
 use clap::Args;
 use gpu::Gpu;
+use lodc_formats::import::{ImportOptions, import, import_levels, states_levels};
 use lodc_report::text::{count, grouped};
 use lodc_report::{
-    CheckReport, FileReport, SCHEMA_VERSION, VerifyReport, check_models, check_source,
+    CheckReport, FileReport, SCHEMA_VERSION, VerifyReport, check_errors_again, check_levels,
+    check_models, check_source,
 };
 use rayon::prelude::*;
 use sources::Sources;
+use std::fs::File;
+use std::io::Read;
 use std::num::NonZeroU32;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
@@ -28,12 +32,12 @@ use std::path::{Path, PathBuf};
 #[derive(Args, Debug)]
 #[command(after_help = MORE, after_long_help = EXAMPLES)]
 pub(crate) struct VerifyArgs {
-    /// .lodc files, or folders of them; - for standard input
+    /// .lodc files, levels (with --source), or folders of both; - for standard input
     #[arg(value_name = "INPUT", required = true)]
     inputs: Vec<PathBuf>,
-    /// Also prove that LOD 0 is this mesh, byte by byte
+    /// Also prove that LOD 0 is this mesh, byte by byte; or that levels are of it
     ///
-    /// Triangle by triangle. Of a folder, the mesh whose content a file was made from, wherever it
+    /// Triangle by triangle. Levels that extract and chain wrote are measured, and compared with the mesh. Of a folder, the mesh whose content a file was made from, wherever it
     /// is in there.
     #[arg(long, value_name = "MESH", help_heading = CHECKED)]
     source: Option<PathBuf>,
@@ -65,10 +69,14 @@ const EXAMPLES: &str = "\
 Examples:
   lodc verify chair.lodc --source chair.glb
   lodc verify levels --source models --junit results.xml
+  lodc verify chair.levels.glb --source chair.glb
   lodc verify chair.lodc --gpu";
 
+/// Extensions of files that hold levels: of all, and of some beside the mesh that they are of.
+const LEVELS: [&str; 4] = ["lodc", "glb", "gltf", "obj"];
+
 pub(crate) fn run(args: &VerifyArgs) -> Outcome<Status> {
-    let streams = args.inputs.iter().chain(&args.source).filter(|path| output::is_stream(path));
+    let streams = args.inputs.iter().chain(&args.source).filter(|path| is_stream(path));
     if streams.count() > 1 {
         return Err(Failure::usage("standard input can be read once only"));
     }
@@ -76,8 +84,15 @@ pub(crate) fn run(args: &VerifyArgs) -> Outcome<Status> {
     let gpu = gpu::open(args.gpu.gpu, args.gpu.adapter.as_deref())?;
     let mut report = VerifyReport { schema_version: SCHEMA_VERSION, ok: true, files: vec![] };
     let mut worst = Status::Done;
-    let inputs = batch::expand(&args.inputs, &["lodc"], &args.include, &args.exclude)?;
-    let sources = Sources::new(args.source.as_deref(), &args.import.options())?;
+    let options = args.import.options();
+    let kinds: &[&str] = if args.source.is_some() { &LEVELS } else { &LEVELS[..1] };
+    let mut inputs = batch::expand(&args.inputs, kinds, &args.include, &args.exclude)?;
+    // Of folders, meshes that are no levels are someone else's.
+    inputs.retain(|path| {
+        let is_named = args.inputs.contains(path) || path.extension() == Some(LEVELS[0].as_ref());
+        is_named || states_levels(path, &options)
+    });
+    let sources = Sources::new(args.source.as_deref(), &options)?;
     let one = |input: &PathBuf| verify_one(args, &sources, gpu.as_ref(), input);
     // A device has one file at a time.
     let at_once = if gpu.is_some() { 1 } else { 2 * rayon::current_num_threads() };
@@ -151,20 +166,43 @@ fn check(
     gpu: Option<&Gpu>,
     input: &Path,
 ) -> Outcome<Vec<CheckReport>> {
-    let (file, _) = read_lodc(input, args.import.options().limits)?;
-    let mut all = check_models(
-        &file.objects,
-        &file.document,
-        args.stride.get(),
-        &args.import.options().limits,
-    )?;
-    if let Some(source) = sources.of(&file, input)? {
-        all.push(check_source(&file, source, &args.import.options())?);
+    let options = args.import.options();
+    if !is_stream(input) && !starts_as_lodc(input) {
+        return check_shipped(sources, input, &options);
+    }
+    let limits = options.limits;
+    let (file, _) = read_lodc(input, limits)?;
+    let mut all = check_models(&file.objects, &file.document, args.stride.get(), &limits)?;
+    all.extend(check_errors_again(&file, &limits)?);
+    if let Some(source) = sources.of(file.source.content_hash, input)? {
+        all.push(check_source(&file, source, &options)?);
     }
     if let (Some(gpu), Some(wanted)) = (gpu, args.gpu.gpu) {
         all.extend(gpu::checks(&file, gpu, wanted)?);
     }
     Ok(all)
+}
+
+/// Returns whether a file begins as a .lodc file does, or cannot be read.
+fn starts_as_lodc(input: &Path) -> bool {
+    let mut head = [0; 8];
+    let read = File::open(input).and_then(|mut file| file.read(&mut head));
+    read.map_or(true, |n| lodc_formats::lodc::is_lodc(&head[..n]))
+}
+
+/// What `extract` and `chain` wrote, against the mesh.
+fn check_shipped(
+    sources: &Sources,
+    input: &Path,
+    options: &ImportOptions,
+) -> Outcome<Vec<CheckReport>> {
+    let levels = import_levels(input, options)?;
+    let Some(source) = sources.of(levels.stated.source, input)? else {
+        let name = input.display();
+        let what = format!("{name}: levels are verified against their mesh: add --source MESH");
+        return Err(Failure::usage(what));
+    };
+    Ok(check_levels(&levels, &import(source, options)?, &options.limits)?)
 }
 
 /// One line per check on standard output; with `-q` only those that failed.
@@ -212,7 +250,7 @@ mod tests {
         let folder = std::env::temp_dir().join(format!("lodc-groups-{}", std::process::id()));
         std::fs::create_dir_all(&folder).expect("a folder");
         let large = folder.join("large");
-        let file = std::fs::File::create(&large).expect("a file");
+        let file = File::create(&large).expect("a file");
         file.set_len(TOGETHER + 1).expect("a sparse file");
         let small = folder.join("small");
         let inputs = [&small, &small, &small, &large, &small].map(Clone::clone);

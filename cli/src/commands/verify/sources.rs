@@ -2,7 +2,6 @@
 
 use crate::batch::{self, MESHES};
 use crate::exit::{Failure, Outcome, Status};
-use lodc::LodFile;
 use lodc_formats::import::{ImportOptions, import};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -36,15 +35,15 @@ impl Sources {
         Ok(Self::Folder(source.to_owned(), meshes.into_iter().filter_map(hashed).collect()))
     }
 
-    /// Returns the mesh of a file.
+    /// Returns the mesh that a file was made from, by its hash.
     ///
     /// # Errors
     /// If the folder has none with its content.
-    pub(super) fn of(&self, file: &LodFile, input: &Path) -> Outcome<Option<&Path>> {
+    pub(super) fn of(&self, hash: u128, input: &Path) -> Outcome<Option<&Path>> {
         match self {
             Self::None => Ok(None),
             Self::One(path) => Ok(Some(path)),
-            Self::Folder(folder, meshes) => match meshes.get(&file.source.content_hash) {
+            Self::Folder(folder, meshes) => match meshes.get(&hash) {
                 Some(path) => Ok(Some(path)),
                 None => Err(Failure::new(
                     Status::Difference,

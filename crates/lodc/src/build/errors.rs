@@ -36,12 +36,9 @@ pub fn measure_all(
     let one = |(number, (mut info, simplified)): (usize, (ObjectInfo, Arc<Simplified>))| {
         let mesh = simplified.mesh();
         let shapes = motion.shapes(mesh, number, &info.poses);
-        let mut shapes = shapes.iter().map(|shape| shape.of(mesh));
-        let rest = shapes.next().expect("every object has a shape at rest");
-        let mut distances = lodc_errors::measure(&simplified, &rest);
-        drop(rest);
-        let measured = lodc_errors::raise(&mut distances, &simplified, shapes);
-        info.poses.truncate(measured);
+        let shapes = shapes.iter().map(|shape| shape.of(mesh));
+        let (distances, poses) = lodc_errors::measure_over(&simplified, shapes);
+        info.poses.truncate(poses);
         let measured = Arc::unwrap_or_clone(simplified)
             .with_distances(distances.error, distances.rms)
             .expect("the pass has a distance for each step, none below the one before");

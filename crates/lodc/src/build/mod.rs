@@ -24,6 +24,8 @@ pub use refitted::{measured, refitted_meshes};
 pub use simplify::simplify_all;
 pub use watch::Watch;
 
+pub use lodc_errors::measure_over as step_errors;
+
 use lodc_formats::ObjectInfo;
 use lodc_mesh::Simplified;
 use std::sync::Arc;

@@ -1,8 +1,10 @@
 //! The checks of one file.
 
 use super::report::CheckReport;
+use lodc::build::step_errors;
 use lodc::{LodFile, LodObject, stated_shapes};
 use lodc_formats::import::{ImportOptions, import};
+use lodc_formats::lodc::MadeFrom;
 use lodc_formats::{Document, Fault, FormatError, Limits};
 use lodc_lod::AnyModel;
 use lodc_measure::check_errors;
@@ -66,12 +68,52 @@ fn object(
 /// Stored errors against measured ones; those that are estimates are skipped.
 fn errors(object: &LodObject, shapes: &[Cow<'_, [[f32; 3]]>]) -> CheckReport {
     let report = CheckReport::new(Some(&object.info.name), "sequence", "errors hold");
-    if !object.simplified.collapses().is_measured() {
-        let what = "the errors are estimates, as files before version 3 have them";
+    if !is_measured(object) {
+        let what = "the errors are estimates";
         return CheckReport { skipped: Some(what.to_owned()), ..report };
     }
     let (lods, difference) = check_errors(&object.simplified, shapes);
     report.of(lods as u64, difference)
+}
+
+/// Stored errors against what measuring them again gives: of a file that this version made the
+/// same numbers, of others nothing is known.
+///
+/// # Errors
+/// If the stored document is damaged.
+pub fn check_errors_again(
+    file: &LodFile,
+    limits: &Limits,
+) -> Result<Vec<CheckReport>, FormatError> {
+    if !file.made_from.as_ref().is_some_and(MadeFrom::is_of_this_version) {
+        return Ok(Vec::new());
+    }
+    let shapes = stated_shapes(&file.objects, &file.document, limits)?;
+    let measured = file.objects.par_iter().zip(&shapes).filter(|(o, _)| is_measured(o));
+    Ok(measured.map(|(o, shapes)| errors_again(o, shapes)).collect())
+}
+
+fn errors_again(object: &LodObject, shapes: &[Shape]) -> CheckReport {
+    let simplified = &object.simplified;
+    let (collapses, shapes) = (simplified.collapses(), shapes.iter());
+    let (stored, (again, _)) = (
+        collapses.parts(),
+        step_errors(simplified, shapes.map(|shape| shape.of(simplified.mesh()))),
+    );
+    let differs = |stored: &[f32], again: &[f32], what: &str| {
+        let (step, (stored, again)) =
+            stored.iter().zip(again).enumerate().find(|(_, (stored, again))| stored != again)?;
+        let lod = collapses.step(step).lod.0;
+        Some(format!("LOD {lod}: the {what} is {stored}, measured again {again}"))
+    };
+    let difference = differs(&stored.step_errors, &again.error, "error")
+        .or_else(|| differs(&stored.step_rms, &again.rms, "root mean square distance"));
+    let report = CheckReport::new(Some(&object.info.name), "sequence", "errors measured again");
+    report.of(again.error.len() as u64, difference)
+}
+
+fn is_measured(object: &LodObject) -> bool {
+    object.simplified.collapses().is_measured()
 }
 
 fn report(object: &str, check: &Check) -> CheckReport {

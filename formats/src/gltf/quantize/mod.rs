@@ -52,10 +52,7 @@ impl Quantizer {
         root: &mut Object,
         blob: &mut [u8],
     ) -> Result<Self, FormatError> {
-        let positions = match precision.position {
-            Some(bits) => positions::grids(document, root, subjects, bits)?,
-            None => vec![None; subjects.len()],
-        };
+        let positions = position_grids(precision, document, root, subjects)?;
         let textures = match precision.uv {
             Some(bits) => TextureGrids::new(root, subjects, bits),
             None => TextureGrids::default(),
@@ -114,6 +111,33 @@ impl Quantizer {
         };
         coding.unwrap_or(Coding::Exact)
     }
+}
+
+fn position_grids(
+    precision: Precision,
+    document: &Document,
+    root: &Object,
+    subjects: &[Subject<'_>],
+) -> Result<Vec<Option<Grid<3>>>, FormatError> {
+    match precision.position {
+        Some(bits) => positions::grids(document, root, subjects, bits),
+        None => Ok(vec![None; subjects.len()]),
+    }
+}
+
+/// The farthest that a vertex of each object moves: half the diagonal of a cell, in mesh units.
+///
+/// # Errors
+/// If the document is damaged.
+pub(super) fn rounding(
+    precision: Precision,
+    document: &Document,
+    root: &Object,
+    subjects: &[Subject<'_>],
+) -> Result<Vec<f64>, FormatError> {
+    let grids = position_grids(precision, document, root, subjects)?;
+    let half_diagonal = |grid: Grid<3>| 0.5 * 3f64.sqrt() * grid.step;
+    Ok(grids.into_iter().map(|grid| grid.map_or(0.0, half_diagonal)).collect())
 }
 
 /// States the numbers of nodes and materials as shortly as single precision allows.

@@ -11,11 +11,12 @@ mod forest;
 mod object;
 mod primitive;
 mod remainder;
+mod shipped;
 
 use super::accessor::Accessor;
 use super::budget::Budget;
 use super::json::{self, Json, Object};
-use super::views::{self, Views};
+use super::views::{self, Buffers, Views};
 use super::{document, extensions, glb, schema, uri};
 use crate::options::ImportOptions;
 use crate::{
@@ -25,6 +26,7 @@ use crate::{
 use lodc_mesh::Mesh;
 use object::Reading;
 use primitive::{Primitive, Read};
+pub(crate) use shipped::{shipped, states_levels};
 
 /// Reads a glTF or GLB; `bytes` is the main file.
 ///
@@ -39,9 +41,28 @@ pub(crate) fn import(
     assets: &mut Assets,
     options: &ImportOptions,
 ) -> Result<Scene, FormatError> {
+    let (root, opened) = open(&bytes, assets, options)?;
+    opened.scene(root, assets, options)
+}
+
+/// A file besides its document.
+struct Opened<'a> {
+    source: Source,
+    buffers: Buffers<'a>,
+    /// Bytes of the file and of all buffers.
+    bytes: u64,
+    warnings: Vec<String>,
+}
+
+/// Reads the document, checked, and the buffers.
+fn open<'a>(
+    bytes: &'a [u8],
+    assets: &mut Assets,
+    options: &ImportOptions,
+) -> Result<(Object, Opened<'a>), FormatError> {
     let mut warnings = Vec::new();
-    let (format, text, chunk) = if glb::is_glb(&bytes) {
-        let chunks = glb::split(&bytes)?;
+    let (format, text, chunk) = if glb::is_glb(bytes) {
+        let chunks = glb::split(bytes)?;
         warnings.extend(chunks.warnings);
         (SourceFormat::Glb, &bytes[chunks.json], chunks.bin.map(|bin| &bytes[bin]))
     } else {
@@ -49,7 +70,7 @@ pub(crate) fn import(
         if text.is_some() {
             warnings.push("a byte order mark before the JSON ignored".to_owned());
         }
-        (SourceFormat::Gltf, text.unwrap_or(&bytes), None)
+        (SourceFormat::Gltf, text.unwrap_or(bytes), None)
     };
     let mut root = json::parse(text, &options.limits)?;
     extensions::check(&root)?;
@@ -57,34 +78,48 @@ pub(crate) fn import(
 
     let buffers = views::read_buffers(&root, chunk, assets)?;
     let mut hasher = xxhash_rust::xxh3::Xxh3::new();
-    hasher.update(&bytes);
+    hasher.update(bytes);
     let files = root.entries("buffers").zip(&buffers).filter(|(buffer, _)| names_file(buffer));
     files.filter_map(|(_, b)| b.as_deref()).for_each(|b| hasher.update(b));
-    let input_bytes = bytes.len() + buffers.iter().flatten().map(|b| b.len()).sum::<usize>();
-    let budget = Budget::new(input_bytes as u64);
-    let views = Views::new(&root, &buffers, &budget)?;
-    let accessors = Accessor::all(&root, &views)?;
+    let all = bytes.len() + buffers.iter().flatten().map(|b| b.len()).sum::<usize>();
+    let source = Source { format, content_hash: hasher.digest128() };
+    Ok((root, Opened { source, buffers, bytes: all as u64, warnings }))
+}
 
-    forest::check(&root)?;
-    let compressed = extensions::is_compressed(&root);
-    let mut reading = Reading::new(&accessors, &views, options.limits, options.weld);
-    let mut objects = read_objects(&root, &mut reading, &mut warnings)?;
-    let numbers = |accessor| document::numbers(&accessors, &views, accessor);
-    forest::set_world_scales(&root, &mut objects, &numbers)?;
-    let of_object = |o: &SceneObject| -> Vec<(usize, usize)> {
-        let mesh = o.info.document_mesh as usize;
-        o.info.submeshes.iter().map(|s| (mesh, s.document_primitive as usize)).collect()
-    };
-    let stripped: Vec<(usize, usize)> = objects.iter().flat_map(of_object).collect();
-    let document = remainder::remainder(root, &stripped, &views, &mut warnings)?;
-    Ok(Scene {
-        source: Source { format, content_hash: hasher.digest128() },
-        document: Document::Gltf(document),
-        objects,
-        warnings,
-        files: assets.files().clone(),
-        compressed,
-    })
+impl Opened<'_> {
+    /// The scene of the file's document, or of one with other references into the same buffers.
+    fn scene(
+        &self,
+        root: Object,
+        assets: &Assets,
+        options: &ImportOptions,
+    ) -> Result<Scene, FormatError> {
+        let mut warnings = self.warnings.clone();
+        let budget = Budget::new(self.bytes);
+        let views = Views::new(&root, &self.buffers, &budget)?;
+        let accessors = Accessor::all(&root, &views)?;
+
+        forest::check(&root)?;
+        let compressed = extensions::is_compressed(&root);
+        let mut reading = Reading::new(&accessors, &views, options.limits, options.weld);
+        let mut objects = read_objects(&root, &mut reading, &mut warnings)?;
+        let numbers = |accessor| document::numbers(&accessors, &views, accessor);
+        forest::set_world_scales(&root, &mut objects, &numbers)?;
+        let of_object = |o: &SceneObject| -> Vec<(usize, usize)> {
+            let mesh = o.info.document_mesh as usize;
+            o.info.submeshes.iter().map(|s| (mesh, s.document_primitive as usize)).collect()
+        };
+        let stripped: Vec<(usize, usize)> = objects.iter().flat_map(of_object).collect();
+        let document = remainder::remainder(root, &stripped, &views, &mut warnings)?;
+        Ok(Scene {
+            source: self.source.clone(),
+            document: Document::Gltf(document),
+            objects,
+            warnings,
+            files: assets.files().clone(),
+            compressed,
+        })
+    }
 }
 
 fn names_file(buffer: &Object) -> bool {

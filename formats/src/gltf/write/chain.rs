@@ -4,9 +4,10 @@
 //! index ranges put all levels of a primitive into one index accessor, one behind the other.
 
 use super::writer::{Numbering, Writer};
-use super::{glb, gltf, prune, source_document, submesh_primitive};
+use super::{glb, gltf, source_document, submesh_primitive};
 use crate::gltf::extensions;
 use crate::gltf::json::{Json, Object, object};
+use crate::gltf::prune;
 use crate::gltf::quantize::Quantizer;
 use crate::options::Additions;
 use crate::{Document, FormatError, ObjectInfo, OutputFile};

@@ -4,10 +4,9 @@
 //! the first ones; triangles that disappear last come first.
 
 use super::writer::Writer;
-use super::{
-    adapted, document_mesh, document_primitive, glb, prune, source_document, submesh_primitive,
-};
+use super::{adapted, document_mesh, document_primitive, glb, source_document, submesh_primitive};
 use crate::gltf::json::{Json, Object, object};
+use crate::gltf::prune;
 use crate::images::{TextureMode, Textures};
 use crate::options::Additions;
 use crate::{Document, FormatError, ObjectInfo, OutputFile};

@@ -2,14 +2,14 @@
 
 use super::{Criterion, Filter, ViewPasses, ViewQuery, Views, filtered};
 use crate::interactive::{Interactive, replay};
-use lodc_mesh::{CollapseSequence, Lod, SplitMix64};
+use lodc_mesh::{Lod, Simplified, SplitMix64};
 use lodc_model::Model;
 use lodc_plan::{Expected, Plan, PlanError, Program, Step, Tolerance, VertexRecords};
 use lodc_strip::order;
 use lodc_verify::{Check, ViewReference};
 
 /// Criteria of a round of [`sample`].
-const CRITERIA: usize = 5;
+const CRITERIA: usize = 8;
 /// Triangles up to which views are checked with morphing as well.
 const SMALL: usize = 200_000;
 /// Entries of the vertex cache that triangles are ordered for.
@@ -24,7 +24,7 @@ impl Interactive {
     pub fn replays(&self, stops: &[Lod]) -> Result<Vec<Plan<'_>>, PlanError> {
         let mesh = self.simplified().mesh();
         let rounds = (2_000_000 / mesh.triangles().len().max(1)).clamp(1, 8) as u32;
-        let views = sample(self.simplified().collapses(), mesh.bounds(), rounds, 1);
+        let views = sample(self.simplified(), rounds, 1);
         Ok(vec![self.continuous(stops.to_vec())?, self.views(views, order(mesh, CACHE))?])
     }
 
@@ -37,7 +37,7 @@ impl Interactive {
         let views = Views::new(simplified, VertexRecords::positions(mesh));
         let reference = ViewReference::new(simplified);
         let rounds = if mesh.triangles().len() <= SMALL { 2 } else { 1 };
-        let mut queries = sample(simplified.collapses(), mesh.bounds(), rounds, 2);
+        let mut queries = sample(simplified, rounds, 2);
         let numbered = queries.iter_mut().enumerate();
         numbered.for_each(|(i, query)| query.morph = i >= CRITERIA);
         let stride = views.records.stride;
@@ -130,17 +130,14 @@ fn name(view: &ViewQuery) -> String {
 }
 
 /// Views for a verification: one LOD everywhere at some LODs, and `rounds` seeded views by each
-/// criterion, every second one with morphing.
+/// criterion, every second one with morphing. Some eyes and a box stand exactly at a vertex, whose
+/// zeros have the other sign.
 #[must_use]
-pub fn sample(
-    collapses: &CollapseSequence,
-    bounds: ([f32; 3], [f32; 3]),
-    rounds: u32,
-    seed: u64,
-) -> Vec<ViewQuery> {
+pub fn sample(simplified: &Simplified, rounds: u32, seed: u64) -> Vec<ViewQuery> {
+    let (collapses, mesh) = (simplified.collapses(), simplified.mesh());
     let mut random = SplitMix64::new(seed);
     let mut unit = || random.unit();
-    let (low, high) = bounds;
+    let (low, high) = mesh.bounds();
     let size = (0..3).map(|i| high[i] - low[i]).fold(1e-6, f32::max);
     let last = collapses.last().0;
     let mut views = vec![];
@@ -151,9 +148,18 @@ pub fn sample(
         let mut point = |spread: f32| -> [f32; 3] {
             std::array::from_fn(|i| f32::midpoint(low[i], high[i]) + (unit() - 0.5) * spread * size)
         };
+        let vertex = |share: f32| {
+            let positions = mesh.positions();
+            let at = positions.get((share * positions.len() as f32) as usize);
+            at.map_or([0.0; 3], |p| p.map(|c| if c == 0.0 { -c } else { c }))
+        };
         let (eye, centre, corner) = (point(6.0), point(1.0), point(1.5));
         let reach = 0.6 * size;
         let slope = Criterion::slope(1.0 + 2.0 * round as f32, 1000.0, 0.5);
+        let at_corner = |low: [f32; 3]| {
+            let high = low.map(|c| if c == 0.0 { c } else { c + reach });
+            Criterion::Region { low, high, inside: fine, outside: coarse }
+        };
         let criteria = [
             Criterion::everywhere(a),
             Criterion::Silhouette { eye, edge: fine, face: coarse, width: 1.0 - unit() },
@@ -165,6 +171,9 @@ pub fn sample(
                 inside: b,
                 outside: a,
             },
+            Criterion::Silhouette { eye: vertex(unit()), edge: fine, face: coarse, width: 0.5 },
+            Criterion::ScreenError { eye: vertex(unit()), slope },
+            at_corner(vertex(unit())),
         ];
         let morph = |i: usize| (i + round as usize) % 2 == 1;
         views.extend(

@@ -31,7 +31,7 @@ fn views_show_what_the_sequence_says_and_never_tear() {
         }
         let views = views_of(simplified);
         let reference = ViewReference::new(simplified);
-        for view in sample(simplified.collapses(), mesh.bounds(), 8, 3) {
+        for view in sample(simplified, 8, 3) {
             let shown = views.show(&view);
             let left = filtered(mesh, mesh.triangles(), &shown.vertices, views.records.stride);
             assert_eq!(
@@ -189,5 +189,5 @@ fn a_few_views_are_checked_on_the_processor_with_and_without_morphing() {
     let simplified = Arc::new(fixtures::random_collapse(&fixtures::icosphere(2), 1));
     let model = crate::Interactive::build(&simplified).expect("a model");
     let check = model.verify_views();
-    assert!(check.ok() && check.lods == 10 && check.full == 10, "{check:?}");
+    assert!(check.ok() && check.lods == 16 && check.full == 16, "{check:?}");
 }

@@ -1,13 +1,13 @@
 //! Leaving out what has no triangles at this level of detail, so that the document stays valid
 //! glTF.
 
-use crate::gltf::extensions::animation_pointer;
-use crate::gltf::json::{Json, Object};
-use crate::gltf::schema::{Pool, references, retain};
+use super::extensions::animation_pointer;
+use super::json::{Json, Object};
+use super::schema::{Pool, references, retain};
 
 /// Drops primitives (mesh, primitive), then meshes without primitives. Nodes that showed such a
 /// mesh stay, without mesh, skin and weights, and animation channels of those weights go.
-pub(super) fn without(root: &mut Object, empty: &[(usize, usize)]) {
+pub(crate) fn without(root: &mut Object, empty: &[(usize, usize)]) {
     let mut kept = vec![true; Pool::Meshes.len(root)];
     for (m, mesh) in root.objects_mut("meshes").enumerate() {
         let Some(Json::Array(primitives)) = mesh.get_mut("primitives") else { continue };

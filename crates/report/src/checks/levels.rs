@@ -1,0 +1,309 @@
+//! The checks of what was shipped: levels of a mesh in the files that engines load.
+
+use super::report::CheckReport;
+use glam::DVec3;
+use lodc_formats::import::document_difference;
+use lodc_formats::{
+    Document, FormatError, Limits, ObjectInfo, Scene, SceneObject, ShippedLevels, SourceFormat,
+    scene_graph,
+};
+use lodc_measure::{Original, Sampling, Surface};
+use lodc_mesh::{Attribute, Mesh, Semantic};
+use lodc_scene::{Arrangement, Placement, posed, representative};
+use std::collections::HashSet;
+
+/// Measured distances may be so much larger than what a level states.
+const TOLERANCE: f64 = 1.05;
+
+/// What a level states may be so many times the largest distance that it can have.
+const OVERSTATED: f64 = 1.5;
+
+/// Fewer samples than by default: where they are farthest triangles are searched.
+const SAMPLING: Sampling = Sampling { samples: 20_000, lattice: 30_000, seed: 0x1e7e1 };
+
+/// Distances that are rounding errors, or too small to be refused, in diagonals.
+const TINY: f64 = 1e-6;
+
+/// Checks levels against the mesh that they were made from: that it is this one, that each errs no
+/// more than it states, that vertices are the mesh's, that nothing but geometry changed, and that
+/// levels of one file share what they should.
+///
+/// # Errors
+/// If a stored document is damaged.
+pub fn check_levels(
+    shipped: &ShippedLevels,
+    source: &Scene,
+    limits: &Limits,
+) -> Result<Vec<CheckReport>, FormatError> {
+    let stated = &shipped.stated;
+    let (ours, theirs) = (stated.source, source.source.content_hash);
+    let other = (ours != theirs).then(|| {
+        format!("the levels are of a mesh with hash {ours:032x}, this one's is {theirs:032x}")
+    });
+    let mut checks = vec![CheckReport::new(None, "source", "levels are of this mesh").of(1, other)];
+    let report = |check| CheckReport::new(None, "levels", check);
+    let count = shipped.levels.len() as u64;
+
+    let measure = Measure::new(source, limits)?;
+    let error = |number: usize, level: &Scene| {
+        measure.difference(level, stated.levels[number].error, limits)
+    };
+    checks.push(report("errors hold").of(count, first(shipped, error)?));
+
+    let is_kept =
+        !stated.refitted && shipped.levels.iter().all(|level| keeps_values(level, source));
+    checks.push(if is_kept {
+        let vertices = Vertices::of(source, &shipped.levels[0]);
+        report("vertices are the input's")
+            .of(count, first(shipped, |_, level| Ok(vertices.difference(level)))?)
+    } else {
+        let why = "values were refitted, quantised, compressed or put into another format";
+        CheckReport { skipped: Some(why.to_owned()), ..report("vertices are the input's") }
+    });
+
+    let rest = |_, level: &Scene| document_difference(&source.document, &level.document, limits);
+    checks.push(report("nothing else changed").of(count, first(shipped, rest)?));
+    if count > 1 {
+        checks.push(report("levels share vertices").of(count, shipped.difference.clone()));
+    }
+    Ok(checks)
+}
+
+/// What is wrong with the first level that has something.
+fn first(
+    shipped: &ShippedLevels,
+    check: impl Fn(usize, &Scene) -> Result<Option<String>, FormatError>,
+) -> Result<Option<String>, FormatError> {
+    for (number, level) in shipped.levels.iter().enumerate() {
+        if let Some(what) = check(number, level)? {
+            return Ok(Some(format!("level {number}: {what}")));
+        }
+    }
+    Ok(None)
+}
+
+/// The source, ready for levels to be measured.
+struct Measure<'a> {
+    source: &'a Scene,
+    arrangement: Arrangement,
+    units: Units,
+    diagonal: f64,
+}
+
+/// Of what is compared: coordinates are small, and in the units of stated errors.
+#[derive(Clone, Copy)]
+struct Units {
+    /// A point of the source, in world space.
+    origin: DVec3,
+    /// World units per unit: one object states errors in its own.
+    world: f64,
+}
+
+impl<'a> Measure<'a> {
+    fn new(source: &'a Scene, limits: &Limits) -> Result<Self, FormatError> {
+        let arrangement = arrangement(source, limits)?;
+        let world = match &source.objects[..] {
+            [one] => one.info.world_scale,
+            _ => 1.0,
+        };
+        let first = arrangement.placements().first();
+        let first = first.map(|at| posed(&source.objects[at.object].mesh, at).positions);
+        let origin = first.and_then(|places| places.first().copied()).unwrap_or_default();
+        let units = Units { origin, world };
+        let diagonal = whole(source, &arrangement, units).diagonal();
+        Ok(Self { source, arrangement, units, diagonal })
+    }
+
+    /// Returns how a level errs more than it states, or far less.
+    fn difference(
+        &self,
+        level: &Scene,
+        stated: f64,
+        limits: &Limits,
+    ) -> Result<Option<String>, FormatError> {
+        if !stated.is_finite() {
+            // What is gone altogether is infinitely far.
+            return Ok(None);
+        }
+        let shown = arrangement(level, limits)?;
+        let pairs = self.pairs(level, &shown);
+        let pairs: Vec<_> =
+            pairs.iter().map(|[from, to]| (Original::new(from, &SAMPLING), to)).collect();
+        let measured = |(original, to): &(Original, &Surface)| {
+            original.distances(to).hausdorff.into_iter().fold(0.0, f64::max)
+        };
+        let largest = pairs.iter().map(measured).fold(0.0, f64::max);
+        let tiny = TINY * self.diagonal;
+        if largest > TOLERANCE * stated + tiny {
+            return Ok(Some(format!("the error is {stated}, measured are {largest}")));
+        }
+        let allowed = |distance| OVERSTATED * distance + self.rounding(level, &shown) + tiny;
+        // Of objects that bend errors are the largest over poses that the files do not name.
+        let bends = self.source.objects.iter().any(|o| bends(&o.mesh));
+        if bends || stated <= allowed(largest) || pairs.len() < self.source.objects.len() {
+            return Ok(None);
+        }
+        // Samples may miss a small part: only a bound tells that there is none.
+        let bound = pairs.iter().map(|(original, to)| original.bound_and_rms(to).0);
+        let bound = bound.fold(0.0, f64::max);
+        let what = || format!("the error is {stated}, no point is farther than {bound}");
+        Ok((stated > allowed(bound)).then(what))
+    }
+
+    /// Half the diagonal of a cell of the coarsest grid that a level's vertices stand on: what is
+    /// stated allows for it.
+    fn rounding(&self, level: &Scene, shown: &Arrangement) -> f64 {
+        if !is_quantized(level) || is_quantized(self.source) {
+            return 0.0;
+        }
+        // Whole numbers are scaled to be what they were.
+        let step = |(o, object): (usize, &SceneObject)| representative(&object.mesh, o, shown).1;
+        let largest = level.objects.iter().enumerate().map(step).fold(0.0, f64::max);
+        0.5 * 3f64.sqrt() * largest / self.units.world
+    }
+
+    /// Surfaces of the source and of a level that belong together.
+    fn pairs(&self, level: &Scene, shown: &Arrangement) -> Vec<[Surface; 2]> {
+        let flattened = level.source.format == SourceFormat::Obj;
+        if flattened || level.objects.len() != self.source.objects.len() {
+            return vec![[
+                whole(self.source, &self.arrangement, self.units),
+                whole(level, shown, self.units),
+            ]];
+        }
+        let pair = |object: usize| {
+            let [source, own] = [&self.source.objects[object].mesh, &level.objects[object].mesh];
+            let (at, _) = representative(source, object, &self.arrangement);
+            let as_modelled = Placement::as_modelled(object);
+            let at = at.unwrap_or(&as_modelled);
+            let level_at = same_place(at, &self.arrangement, shown).unwrap_or(&as_modelled);
+            [(source, at), (own, level_at)].map(|(mesh, at)| {
+                let mut surface = Surface::default();
+                add(&mut surface, mesh, at, self.units);
+                surface
+            })
+        };
+        (0..level.objects.len()).map(pair).collect()
+    }
+}
+
+/// The placement of a level that stands where one of the source does: at the same node, or at the
+/// child that an object on a grid has been moved to.
+fn same_place<'a>(
+    at: &Placement,
+    source: &Arrangement,
+    level: &'a Arrangement,
+) -> Option<&'a Placement> {
+    let number = source.of(at.object).position(|other| std::ptr::eq(other, at))?;
+    level.of(at.object).nth(number).or_else(|| level.of(at.object).next())
+}
+
+fn arrangement(scene: &Scene, limits: &Limits) -> Result<Arrangement, FormatError> {
+    let infos: Vec<&ObjectInfo> = scene.objects.iter().map(|o| &o.info).collect();
+    let graph = scene_graph(&scene.document, &infos, limits)?;
+    Ok(Arrangement::new(&graph, &graph.rest_pose(), infos.len()))
+}
+
+/// Returns whether joints or morph targets may give a mesh another shape.
+fn bends(mesh: &Mesh) -> bool {
+    let moves =
+        |a: &Attribute| matches!(a.semantic, Semantic::Joints(_)) || a.morph_target.is_some();
+    mesh.attributes().iter().any(moves)
+}
+
+/// Everything that a scene shows.
+fn whole(scene: &Scene, arrangement: &Arrangement, units: Units) -> Surface {
+    let mut all = Surface::default();
+    for placement in arrangement.placements() {
+        add(&mut all, &scene.objects[placement.object].mesh, placement, units);
+    }
+    all
+}
+
+fn add(surface: &mut Surface, mesh: &Mesh, placement: &Placement, units: Units) {
+    let first = surface.positions.len() as u32;
+    let places = posed(mesh, placement).positions;
+    surface.positions.extend(places.iter().map(|&p| ((p - units.origin) / units.world).as_vec3()));
+    surface.triangles.extend(mesh.triangles().iter().map(|t| t.map(|v| first + v)));
+}
+
+/// Returns whether a level has the bits of the source's values.
+fn keeps_values(level: &Scene, source: &Scene) -> bool {
+    let same_kind = match (&source.document, &level.document) {
+        (Document::Gltf(_), Document::Gltf(_)) => !is_quantized(level) || is_quantized(source),
+        (Document::Obj(_), Document::Obj(_)) => true,
+        _ => false,
+    };
+    same_kind && (!level.compressed || source.compressed)
+}
+
+/// Returns whether a scene's document says that numbers may be short integers.
+fn is_quantized(scene: &Scene) -> bool {
+    match &scene.document {
+        Document::Gltf(document) => document.json.contains("\"KHR_mesh_quantization\""),
+        Document::Obj(_) => false,
+    }
+}
+
+/// Every vertex of the source, object by object: the bytes of its position, and those of its
+/// other values. Where vertices at one position differ, one may go to a position where none has its
+/// values: it takes them along.
+struct Vertices {
+    of_object: Vec<[HashSet<Vec<u8>>; 2]>,
+}
+
+impl Vertices {
+    /// Of several objects those of each if none is gone.
+    fn of(source: &Scene, level: &Scene) -> Self {
+        let sets = |meshes: &[&Mesh]| {
+            let mut sets = [HashSet::new(), HashSet::new()];
+            for [position, values] in meshes.iter().flat_map(|mesh| vertices(mesh)) {
+                sets[0].insert(position);
+                sets[1].insert(values);
+            }
+            sets
+        };
+        let meshes: Vec<&Mesh> = source.objects.iter().map(|o| &o.mesh).collect();
+        let all = source.objects.len() == level.objects.len();
+        let of_object = if all {
+            meshes.iter().map(|&mesh| sets(&[mesh])).collect()
+        } else {
+            vec![sets(&meshes)]
+        };
+        Self { of_object }
+    }
+
+    fn difference(&self, level: &Scene) -> Option<String> {
+        level.objects.iter().enumerate().find_map(|(o, object)| {
+            let known = self.of_object.get(o).unwrap_or(&self.of_object[0]);
+            vertices(&object.mesh).enumerate().find_map(|(v, vertex)| {
+                let place =
+                    vertex.iter().zip(known).position(|(bytes, known)| !known.contains(bytes))?;
+                let what = ["position", "values"][place];
+                Some(format!(
+                    "{}: the source has no vertex with the {what} of vertex {v}",
+                    object.info.name
+                ))
+            })
+        })
+    }
+}
+
+/// The bytes of each vertex: its position and what belongs to it, as joints and offsets of morph
+/// targets do; its other attributes. Each with its meaning.
+fn vertices(mesh: &Mesh) -> impl Iterator<Item = [Vec<u8>; 2]> {
+    (0..mesh.vertex_count() as u32).map(move |v| {
+        let position = mesh.positions()[v as usize].iter().flat_map(|x| x.to_bits().to_le_bytes());
+        let mut bytes = [position.collect(), Vec::new()];
+        let submesh = mesh.vertex_submesh()[v as usize] as usize;
+        for &number in &mesh.submeshes()[submesh].attributes {
+            let attribute = &mesh.attributes()[number as usize];
+            let kind = &mut bytes[usize::from(!attribute.is_spatial())];
+            kind.extend(
+                format!("{:?}{:?}", attribute.semantic, attribute.morph_target).into_bytes(),
+            );
+            kind.extend(attribute.at(v));
+        }
+        bytes
+    })
+}

@@ -1,0 +1,61 @@
+//! Whatever mesh is built, `verify` agrees with the file.
+
+use lodc::LodObject;
+use lodc::build::{build_models, step_errors};
+use lodc_formats::{Document, GltfDocument, Limits, ObjectInfo, SubmeshInfo};
+use lodc_lod::ModelKind;
+use lodc_mesh::Mesh;
+use lodc_report::{CheckReport, check_models};
+use lodc_simplify::{Options, simplify};
+use lodc_strip::StripOptions;
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// Triangles of meshes that are mutated.
+const MOST: usize = 700;
+
+/// What a build makes of a mesh.
+fn built(mesh: &Mesh) -> Vec<LodObject> {
+    let simplified = simplify(mesh, &Options::DEFAULT, &|_, _| {});
+    let errors = step_errors(&simplified, simplified.mesh().positions());
+    let measured = simplified.with_distances(errors.error, errors.rms);
+    let simplified = Arc::new(measured.expect("errors never fall"));
+    let submesh = |s| SubmeshInfo { name: String::new(), material: None, document_primitive: s };
+    let info = ObjectInfo {
+        name: "mesh".to_owned(),
+        submeshes: (0..mesh.submeshes().len() as u32).map(submesh).collect(),
+        world_scale: 1.0,
+        document_mesh: 0,
+        poses: vec![],
+    };
+    let options = StripOptions::default();
+    let built = build_models(vec![(info, simplified)], &ModelKind::ALL, options, vec![], &());
+    built.expect("every sequence can be modelled")
+}
+
+fn checks(mesh: &Mesh) -> Vec<CheckReport> {
+    let json = r#"{"asset":{"version":"2.0"}}"#.to_owned();
+    let document = Document::Gltf(GltfDocument { json, blob: Vec::new() });
+    check_models(&built(mesh), &document, 1, &Limits::DEFAULT).expect("a sound document")
+}
+
+/// `LODC_MUTATIONS` says how many instead.
+#[test]
+fn mutated_meshes_are_stated_as_they_are() {
+    let given = std::env::var("LODC_MUTATIONS").ok().and_then(|n| n.parse().ok());
+    let seeds = given.map_or_else(|| lodc_fixtures::seeds(20, 150), |n: u64| 0..n);
+    let shapes: Vec<Mesh> = lodc_fixtures::ALL
+        .iter()
+        .map(|(_, make)| make())
+        .filter(|mesh| (2..=MOST).contains(&mesh.triangles().len()))
+        .collect();
+    let wrong: Vec<String> = seeds
+        .into_par_iter()
+        .filter_map(|seed| {
+            let mesh = lodc_fixtures::mutated(&shapes[seed as usize % shapes.len()], seed);
+            let wrong = checks(&mesh).into_iter().find(|check| check.ok == Some(false))?;
+            Some(format!("seed {seed}: {}: {:?}", wrong.check, wrong.first_difference))
+        })
+        .collect();
+    assert!(wrong.is_empty(), "{} are wrong: {wrong:#?}", wrong.len());
+}

@@ -1,0 +1,193 @@
+//! What of a document is no triangle has to come out as it went in: a document and that of a level
+//! of it, compared.
+
+use super::extensions::{MESHOPT, forget_extra};
+use super::json::{self, Json, Object};
+use super::schema::{self, Pool, references};
+use crate::{FormatError, GltfDocument, Limits};
+use std::collections::BTreeMap;
+
+/// Compares what a level's document says besides its geometry with what the source's says: nodes,
+/// materials, skins, animations, cameras, names and extras. Where bytes lie and what images are
+/// called may differ; with quantisation what it adds; where objects or submeshes are gone what
+/// belongs to them. Returns the first difference with its place.
+///
+/// # Errors
+/// If a stored document is damaged.
+pub(crate) fn difference(
+    source: &GltfDocument,
+    level: &GltfDocument,
+    limits: &Limits,
+) -> Result<Option<String>, FormatError> {
+    let [mut source, mut level] =
+        [json::parse(source.json.as_bytes(), limits)?, json::parse(level.json.as_bytes(), limits)?];
+    let names = |root: &Object| root.list("extensionsUsed").to_vec();
+    let lost = names(&source).into_iter().find(|name| {
+        let is_coding = MESHOPT.iter().any(|m| name.as_str() == Some(m));
+        !is_coding && !names(&level).contains(name)
+    });
+    if let Some(Json::String(name)) = lost {
+        return Ok(Some(format!("extensionsUsed: {name} is gone")));
+    }
+    let quantized = |root: &Object| {
+        names(root).iter().any(|name| name.as_str() == Some("KHR_mesh_quantization"))
+    };
+    let kept = Kept {
+        nodes: Pool::Nodes.len(&source),
+        all_meshes: Pool::Meshes.len(&source) == Pool::Meshes.len(&level),
+        grids: !quantized(&level) || quantized(&source),
+    };
+    for root in [&mut source, &mut level] {
+        schema::check(root)?;
+        kept.strip(root);
+    }
+    if kept.all_meshes {
+        leave_out_gone_primitives(&mut source, &level);
+    }
+    Ok(first_difference(&Json::Object(source), &Json::Object(level), &mut String::new()))
+}
+
+/// What both documents have.
+struct Kept {
+    /// Nodes of the source; what follows belongs to the level alone.
+    nodes: usize,
+    /// No mesh is gone.
+    all_meshes: bool,
+    /// No mesh of the level stands on a grid of its own.
+    grids: bool,
+}
+
+impl Kept {
+    /// Takes out what may differ.
+    fn strip(&self, root: &mut Object) {
+        for pool in [Pool::Accessors, Pool::BufferViews] {
+            references(root, pool, &mut |value, _| *value = Json::Null);
+        }
+        let buffers = ["accessors", "bufferViews", "buffers"];
+        for key in buffers.into_iter().chain(["extensionsUsed", "extensionsRequired"]) {
+            root.shift_remove(key);
+        }
+        if let Some(asset) = root.get_mut("asset").and_then(Json::as_object_mut) {
+            asset.shift_remove("generator");
+        }
+        forget_extra(root, "lodc");
+        root.objects_mut("images").for_each(|image| image.retain(|key, _| key == "name"));
+        self.strip_nodes(root);
+        if self.all_meshes {
+            for mesh in root.objects_mut("meshes") {
+                mesh.objects_mut("primitives").for_each(strip_primitive);
+            }
+        } else {
+            root.shift_remove("meshes");
+            root.shift_remove("animations");
+        }
+        if !self.grids {
+            let materials = root.get_mut("materials").into_iter();
+            materials.for_each(forget_transforms);
+            for animation in root.objects_mut("animations") {
+                for channel in animation.objects_mut("channels") {
+                    if channel["target"]["path"].as_str() == Some("weights") {
+                        channel["target"]["node"] = Json::Null;
+                    }
+                }
+            }
+        }
+    }
+
+    fn strip_nodes(&self, root: &mut Object) {
+        if let Some(Json::Array(nodes)) = root.get_mut("nodes") {
+            nodes.truncate(self.nodes);
+        }
+        for node in root.objects_mut("nodes") {
+            if let Some(Json::Array(children)) = node.get_mut("children") {
+                let before = children.len();
+                children.retain(|child| child.as_index().is_none_or(|c| c < self.nodes));
+                if children.is_empty() && before > 0 {
+                    node.shift_remove("children");
+                }
+            }
+            if !self.all_meshes || !self.grids {
+                for key in ["mesh", "weights"] {
+                    node.shift_remove(key);
+                }
+            }
+            if !self.all_meshes {
+                node.shift_remove("skin");
+                node.remove_extension("EXT_mesh_gpu_instancing");
+            }
+        }
+    }
+}
+
+fn strip_primitive(primitive: &mut Object) {
+    primitive.shift_remove("indices");
+    primitive.shift_remove("attributes");
+    primitive.shift_remove("targets");
+    forget_extra(primitive, "lodc");
+}
+
+/// Takes out of the source's meshes the primitives that the level has not: those without a
+/// triangle there.
+fn leave_out_gone_primitives(source: &mut Object, level: &Object) {
+    let levels = level.entries("meshes");
+    for (mesh, level) in source.objects_mut("meshes").zip(levels) {
+        let Some(Json::Array(primitives)) = mesh.get_mut("primitives") else { continue };
+        let mut left = level.list("primitives").iter().peekable();
+        if primitives.len() > left.len() {
+            primitives.retain(|primitive| left.next_if_eq(&primitive).is_some());
+        }
+    }
+}
+
+/// Texture coordinates on a grid are scaled back by the textures of their material.
+fn forget_transforms(value: &mut Json) {
+    match value {
+        Json::Array(all) => all.iter_mut().for_each(forget_transforms),
+        Json::Object(members) => {
+            members.remove_extension("KHR_texture_transform");
+            members.values_mut().for_each(forget_transforms);
+        }
+        _ => {}
+    }
+}
+
+// The depth of a document is bounded, so recursion is.
+fn first_difference(source: &Json, level: &Json, place: &mut String) -> Option<String> {
+    let before = place.len();
+    let found = match (source, level) {
+        (Json::Object(a), Json::Object(b)) => {
+            let sorted = |all: &Object| -> BTreeMap<String, Json> {
+                all.iter().map(|(key, value)| (key.clone(), value.clone())).collect()
+            };
+            let (a, b) = (sorted(a), sorted(b));
+            a.keys().chain(b.keys()).find_map(|key| {
+                place.push_str(if before == 0 { "" } else { "." });
+                place.push_str(key);
+                let found = match (a.get(key), b.get(key)) {
+                    (Some(a), Some(b)) => first_difference(a, b, place),
+                    (Some(_), None) => Some(format!("{place}: is gone")),
+                    _ => Some(format!("{place}: is new")),
+                };
+                place.truncate(before);
+                found
+            })
+        }
+        (Json::Array(a), Json::Array(b)) if a.len() == b.len() => {
+            a.iter().zip(b).enumerate().find_map(|(i, (a, b))| {
+                place.push_str(&format!("[{i}]"));
+                let found = first_difference(a, b, place);
+                place.truncate(before);
+                found
+            })
+        }
+        // However they are spelt: readers take numbers as singles.
+        (Json::Number(_), Json::Number(_)) if single(source) == single(level) => None,
+        _ => (source != level).then(|| format!("{place}: is {level}, in the source {source}")),
+    };
+    place.truncate(before);
+    found
+}
+
+fn single(number: &Json) -> Option<f32> {
+    number.as_f64().map(|number| number as f32)
+}

@@ -1,0 +1,351 @@
+//! Levels that this program wrote, read back: each as a scene of its own, as if its document held
+//! nothing else.
+
+use super::{Opened, open};
+use crate::gltf::accessor::Accessor;
+use crate::gltf::budget::Budget;
+use crate::gltf::document;
+use crate::gltf::extensions::{animation_pointer, forget_extra};
+use crate::gltf::glb;
+use crate::gltf::json::{self, Json, Object, malformed};
+use crate::gltf::prune;
+use crate::gltf::schema::{Pool, primitive_mut, retain};
+use crate::gltf::views::Views;
+use crate::options::ImportOptions;
+use crate::provenance::{LevelFacts, Provenance};
+use crate::shipped::ShippedLevels;
+use crate::{Assets, FormatError};
+use std::collections::BTreeMap;
+
+/// Keys of a node that place and deform what it shows.
+const PLACING: [&str; 6] = ["matrix", "translation", "rotation", "scale", "skin", "weights"];
+
+/// Returns whether a glTF or GLB states levels.
+pub(crate) fn states_levels(bytes: &[u8], options: &ImportOptions) -> bool {
+    let text = if glb::is_glb(bytes) {
+        glb::split(bytes).ok().map(|chunks| &bytes[chunks.json])
+    } else {
+        Some(bytes)
+    };
+    let root = text.and_then(|text| json::parse(text, &options.limits).ok());
+    root.is_some_and(|root| stated(&root).is_ok())
+}
+
+/// Reads the levels of a glTF or GLB.
+///
+/// # Errors
+/// As of an import, and if it states no levels or has others than it states.
+pub(crate) fn shipped(
+    bytes: &[u8],
+    assets: &mut Assets,
+    options: &ImportOptions,
+) -> Result<ShippedLevels, FormatError> {
+    let (root, opened) = open(bytes, assets, options)?;
+    let stated = stated(&root)?;
+    let chain = Chain::of(&root, stated.levels.len());
+    if stated.levels.len() > 1 && chain.nodes.is_empty() && !chain.has_ranges {
+        let what = format!(
+            "states {} levels, of which no node or primitive has more than one",
+            stated.levels.len()
+        );
+        return Err(malformed("extras.lodc.levels", what));
+    }
+    let difference = chain.difference(&root, &opened)?;
+    let level = |level| opened.scene(chain.level(&root, level)?, assets, options);
+    let levels = (0..stated.levels.len()).map(level).collect::<Result<_, _>>()?;
+    Ok(ShippedLevels { stated, levels, difference })
+}
+
+/// What `extras.lodc` of a document says.
+fn stated(root: &Object) -> Result<Provenance, FormatError> {
+    let all = &root["extras"]["lodc"];
+    let source = all["source"].as_str().and_then(|hash| u128::from_str_radix(hash, 16).ok());
+    let source = source.ok_or_else(|| {
+        malformed("extras.lodc", "names no source: only what extract and chain wrote states levels")
+    })?;
+    let facts = |level: &Json| LevelFacts {
+        lod: level["lod"].as_u64().and_then(|lod| u32::try_from(lod).ok()),
+        error: level["error"].as_f64().unwrap_or(f64::INFINITY),
+        rms: level["rms"].as_f64(),
+    };
+    let levels = match all["levels"].list() {
+        [] => vec![facts(all)],
+        several => several.iter().map(facts).collect(),
+    };
+    Ok(Provenance { source, levels, refitted: all["refitted"].as_bool().unwrap_or(false) })
+}
+
+/// Where a document has several levels.
+struct Chain {
+    /// Number of levels.
+    levels: usize,
+    /// Nodes that show the finest level, and those of all others.
+    nodes: BTreeMap<usize, Vec<usize>>,
+    /// True if an index accessor has them all.
+    has_ranges: bool,
+}
+
+impl Chain {
+    fn of(root: &Object, levels: usize) -> Self {
+        let ids = |node: &Object| -> Vec<usize> {
+            let ids = node.extension("MSFT_lod").map_or(&[][..], |lod| lod.list("ids"));
+            ids.iter().filter_map(Json::as_index).collect()
+        };
+        let nodes = root.entries("nodes").enumerate();
+        let nodes = nodes.filter(|(_, node)| levels > 1 && node["mesh"].as_index().is_some());
+        let nodes = nodes.map(|(n, node)| (n, ids(node)));
+        let nodes = nodes.filter(|(_, ids)| ids.len() + 1 == levels).collect();
+        let has_ranges = levels > 1 && primitives(root).any(|(_, p)| ranges(p).len() == levels);
+        Self { levels, nodes, has_ranges }
+    }
+
+    /// Returns the document of one level.
+    fn level(&self, root: &Object, level: usize) -> Result<Object, FormatError> {
+        let mut own = root.clone();
+        let mut empty = Vec::new();
+        if self.has_ranges {
+            for (m, p) in primitives(root).map(|(place, _)| place) {
+                if !take_range(&mut own, (m, p), level, self.levels)? {
+                    empty.push((m, p));
+                }
+            }
+        }
+        self.take_nodes(root, &mut own, level);
+        prune::without(&mut own, &empty);
+        Ok(own)
+    }
+
+    /// Gives the meshes of level 0 the primitives of another level, whose own meshes and nodes go.
+    fn take_nodes(&self, root: &Object, own: &mut Object, level: usize) {
+        let mesh_of = |node: usize| root["nodes"][node]["mesh"].as_index();
+        let mut nodes_kept = vec![true; Pool::Nodes.len(root)];
+        let mut meshes_kept = vec![true; Pool::Meshes.len(root)];
+        for (&node, ids) in &self.nodes {
+            let finest = mesh_of(node);
+            let shown = std::iter::once(&node).chain(ids).nth(level).and_then(|&n| mesh_of(n));
+            if let (Some(finest), Some(shown)) = (finest, shown) {
+                own["meshes"].as_array_mut().into_iter().for_each(|meshes| {
+                    meshes[finest]["primitives"] = root["meshes"][shown]["primitives"].clone();
+                });
+            }
+            for &id in ids {
+                nodes_kept[id] = false;
+                if let Some(mesh) = mesh_of(id).filter(|&mesh| Some(mesh) != finest) {
+                    meshes_kept[mesh] = false;
+                }
+            }
+            if let Some(entry) = own.objects_mut("nodes").nth(node) {
+                entry.remove_extension("MSFT_lod");
+                forget_extra(entry, "MSFT_screencoverage");
+            }
+        }
+        if self.nodes.is_empty() {
+            return;
+        }
+        for node in own.objects_mut("nodes").zip(&nodes_kept).filter(|(_, kept)| !**kept) {
+            node.0.shift_remove("mesh");
+        }
+        for animation in own.objects_mut("animations") {
+            if let Some(Json::Array(channels)) = animation.get_mut("channels") {
+                channels.retain_mut(|channel| {
+                    target(channel).is_none_or(|node| nodes_kept.get(node) != Some(&false))
+                });
+            }
+        }
+        retain(own, Pool::Meshes, &meshes_kept);
+        retain(own, Pool::Nodes, &nodes_kept);
+    }
+
+    /// Returns what levels do not share although they should: the vertices, of which coarser levels
+    /// use a shorter prefix, and what places and moves their nodes.
+    fn difference(&self, root: &Object, file: &Opened<'_>) -> Result<Option<String>, FormatError> {
+        let budget = Budget::new(file.bytes);
+        let views = Views::new(root, &file.buffers, &budget)?;
+        let accessors = Accessor::all(root, &views)?;
+        let indices = |primitive: &Object| -> Result<Vec<u32>, FormatError> {
+            let Some(accessor) = primitive["indices"].as_index() else { return Ok(Vec::new()) };
+            let (numbers, _) = document::numbers(&accessors, &views, accessor)?;
+            Ok(numbers.into_iter().map(|i| i as u32).collect())
+        };
+        for ((m, p), primitive) in primitives(root) {
+            let place = || format!("meshes[{m}].primitives[{p}].extras.lodc.levels");
+            let ranges = ranges(primitive);
+            if ranges.len() != self.levels || !self.has_ranges {
+                continue;
+            }
+            if let Some(what) = wrong_ranges(ranges, &indices(primitive)?) {
+                return Ok(Some(format!("{}: {what}", place())));
+            }
+        }
+        for (&node, ids) in &self.nodes {
+            if let Some(what) = wrong_nodes(root, node, ids) {
+                return Ok(Some(what));
+            }
+            let meshes = std::iter::once(&node)
+                .chain(ids)
+                .filter_map(|&n| root["nodes"][n]["mesh"].as_index());
+            let mut prefixes: Vec<(&Object, usize)> = Vec::new();
+            for (k, mesh) in meshes.enumerate() {
+                for (p, primitive) in of_mesh(root, mesh) {
+                    let used = indices(primitive)?.into_iter().max().map_or(0, |v| v as usize + 1);
+                    let place = format!("meshes[{mesh}].primitives[{p}]");
+                    let same = |a: &&mut (&Object, usize)| {
+                        ["attributes", "targets", "material"]
+                            .iter()
+                            .all(|key| a.0[key] == primitive[key])
+                    };
+                    match prefixes.iter_mut().find(same) {
+                        _ if k == 0 => prefixes.push((primitive, used)),
+                        None => {
+                            return Ok(Some(format!(
+                                "{place}: has other vertices than the finest level"
+                            )));
+                        }
+                        Some((_, before)) if used > *before => {
+                            return Ok(Some(format!(
+                                "{place}: needs {used} vertices, the finer level {before}"
+                            )));
+                        }
+                        Some((_, before)) => *before = used,
+                    }
+                }
+            }
+        }
+        Ok(None)
+    }
+}
+
+/// All primitives with their places: mesh and number.
+fn primitives(root: &Object) -> impl Iterator<Item = ((usize, usize), &Object)> {
+    (0..Pool::Meshes.len(root)).flat_map(|m| of_mesh(root, m).map(move |(p, one)| ((m, p), one)))
+}
+
+fn of_mesh(root: &Object, mesh: usize) -> impl Iterator<Item = (usize, &Object)> {
+    let all = root["meshes"][mesh]["primitives"].list().iter().enumerate();
+    all.filter_map(|(p, one)| Some((p, one.as_object()?)))
+}
+
+/// The ranges of a primitive's index accessor, one for each level; none without them.
+fn ranges(primitive: &Object) -> &[Json] {
+    primitive["extras"]["lodc"]["levels"].list()
+}
+
+/// First index, number of indices, and number of vertices of a range.
+fn range(range: &Json) -> Option<[usize; 3]> {
+    let [first, count, vertices] = ["first", "count", "vertices"].map(|key| range[key].as_index());
+    Some([first?, count?, vertices?])
+}
+
+fn wrong_ranges(ranges: &[Json], indices: &[u32]) -> Option<String> {
+    let (mut next, mut most) = (0, usize::MAX);
+    for (level, entry) in ranges.iter().enumerate() {
+        let Some([first, count, vertices]) = range(entry) else {
+            return Some(format!("level {level} has no first, count and vertices"));
+        };
+        let Some(own) = indices.get(first..first.saturating_add(count)) else {
+            return Some(format!("level {level} ends beyond the {} indices", indices.len()));
+        };
+        let used = own.iter().max().map_or(0, |&v| v as usize + 1);
+        if used != vertices || used > most || first != next {
+            return Some(format!(
+                "level {level} begins at {first} and needs {used} vertices, not at {next} and {vertices}"
+            ));
+        }
+        (next, most) = (first + count, used);
+    }
+    (next != indices.len())
+        .then(|| format!("the ranges end at {next} of {} indices", indices.len()))
+}
+
+/// Returns how the nodes of coarser levels differ from the one of the finest.
+fn wrong_nodes(root: &Object, node: usize, ids: &[usize]) -> Option<String> {
+    let finest = &root["nodes"][node];
+    let coverage = finest["extras"]["MSFT_screencoverage"].list();
+    let coverage: Vec<f64> = coverage.iter().filter_map(Json::as_f64).collect();
+    if coverage.len() != ids.len() + 1 || !coverage.is_sorted_by(|a, b| a >= b) {
+        return Some(format!(
+            "nodes[{node}].extras.MSFT_screencoverage: no share for each level, falling"
+        ));
+    }
+    let channels = |wanted: usize| -> Vec<(usize, Json)> {
+        let animations = root.entries("animations").enumerate();
+        let all = animations.flat_map(|(a, animation)| {
+            animation.list("channels").iter().map(move |channel| (a, channel.clone()))
+        });
+        let own = all.filter_map(|(a, mut channel)| {
+            (target(&mut channel) == Some(wanted)).then_some((a, channel))
+        });
+        own.map(|(a, mut channel)| {
+            // Where it leads is the node; what it moves there has to be the same.
+            let pointer = animation_pointer(&mut channel["target"]).map(|pointer| {
+                *pointer = pointer.splitn(4, '/').last().unwrap_or_default().to_owned();
+            });
+            if pointer.is_none() {
+                channel["target"]["node"] = Json::Null;
+            }
+            (a, channel)
+        })
+        .collect()
+    };
+    let moved = channels(node);
+    ids.iter().find_map(|&id| {
+        let own = &root["nodes"][id];
+        let key = PLACING.into_iter().find(|key| own[*key] != finest[*key]);
+        let what = key.map(|key| format!("nodes[{id}].{key}: is not that of nodes[{node}]"));
+        what.or_else(|| {
+            (channels(id) != moved)
+                .then(|| format!("nodes[{id}]: is not animated as nodes[{node}] is"))
+        })
+    })
+}
+
+/// The node that an animation channel moves.
+fn target(channel: &mut Json) -> Option<usize> {
+    let target = channel.get_mut("target")?;
+    target["node"].as_index().or_else(|| {
+        let pointer = animation_pointer(target)?;
+        pointer.strip_prefix("/nodes/")?.split('/').next()?.parse().ok()
+    })
+}
+
+/// Leaves a primitive one level of its index accessor; false if it has no triangle there.
+fn take_range(
+    own: &mut Object,
+    (mesh, primitive): (usize, usize),
+    level: usize,
+    levels: usize,
+) -> Result<bool, FormatError> {
+    let place = || format!("meshes[{mesh}].primitives[{primitive}]");
+    let entry = primitive_mut(own, mesh, primitive);
+    let Some(entry) = entry else { return Ok(true) };
+    let ranges = ranges(entry);
+    if ranges.len() != levels {
+        return Ok(true);
+    }
+    let (range, accessor) = (range(&ranges[level]), entry["indices"].as_index());
+    let (Some([first, count, _]), Some(accessor)) = (range, accessor) else {
+        return Err(malformed(place(), "has no range for each level"));
+    };
+    if count == 0 {
+        return Ok(false);
+    }
+    let mut part = own["accessors"][accessor].clone();
+    let size = match part["componentType"].as_u64() {
+        Some(5121) => 1,
+        Some(5123) => 2,
+        _ => 4,
+    };
+    let offset = part["byteOffset"].as_index().unwrap_or(0) + first * size;
+    part["byteOffset"] = offset.into();
+    part["count"] = count.into();
+    for key in ["min", "max"] {
+        part.as_object_mut().map(|part| part.shift_remove(key));
+    }
+    let number = Pool::Accessors.len(own);
+    own.append("accessors", vec![part]);
+    if let Some(entry) = primitive_mut(own, mesh, primitive) {
+        entry["indices"] = number.into();
+        forget_extra(entry, "lodc");
+    }
+    Ok(true)
+}
