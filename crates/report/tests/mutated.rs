@@ -17,7 +17,8 @@ const MOST: usize = 700;
 /// What a build makes of a mesh.
 fn built(mesh: &Mesh) -> Vec<LodObject> {
     let simplified = simplify(mesh, &Options::DEFAULT, &|_, _| {});
-    let errors = step_errors(&simplified, simplified.mesh().positions());
+    let at_rest = std::iter::once(simplified.mesh().positions());
+    let (errors, _) = step_errors(&simplified, at_rest);
     let measured = simplified.with_distances(errors.error, errors.rms);
     let simplified = Arc::new(measured.expect("errors never fall"));
     let submesh = |s| SubmeshInfo { name: String::new(), material: None, document_primitive: s };
