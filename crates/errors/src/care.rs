@@ -50,16 +50,16 @@ impl Care {
     /// For shapes of which only what exceeds the errors of another one matters.
     pub(crate) const IN_POSES: Self = Self {
         threads: 4,
-        samples: 4_000.0,
-        kept: 1_500,
+        samples: 10_000.0,
+        kept: 4_000,
         exhaustive: 0,
         means: false,
         near: 0.25,
-        near_enough: [0.95, 0.98],
-        tries: false,
-        asked: 0.8,
-        warm: 0.8,
-        hot: 0.95,
-        tepid: 0.6,
+        near_enough: [0.75, 0.95],
+        tries: true,
+        asked: 0.6,
+        warm: 0.6,
+        hot: 0.75,
+        tepid: 0.3,
     };
 }
