@@ -50,8 +50,8 @@ impl Care {
     /// For shapes of which only what exceeds the errors of another one matters.
     pub(crate) const IN_POSES: Self = Self {
         threads: 4,
-        samples: 10_000.0,
-        kept: 4_000,
+        samples: 5_000.0,
+        kept: 2_000,
         exhaustive: 0,
         means: false,
         near: 0.25,
