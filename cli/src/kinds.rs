@@ -5,7 +5,8 @@ use crate::exit::{Failure, Outcome};
 use crate::help::{SIMPLIFIED, STORED};
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use lodc_formats::lodc::Layout;
+use lodc::build::POSES;
+use lodc_formats::lodc::{Layout, MOST_POSES};
 use lodc_lod::ModelKind;
 use lodc_simplify::MetricKind;
 use lodc_strip::{Effort, StripKind, StripOptions};
@@ -94,6 +95,26 @@ pub(crate) struct MetricArgs {
         help_heading = SIMPLIFIED
     )]
     pub(crate) metric: MetricKind,
+}
+
+/// The option of commands that measure errors.
+#[derive(Args, Clone, Copy, Debug, Default)]
+pub(crate) struct PosesArgs {
+    /// Poses besides rest that errors hold in [default: 8]
+    ///
+    /// Those in which an object's shape differs most, if it has a skin or morph targets: moments of
+    /// animations and single targets, at most 64. 0: errors are those at rest. A .lodc file has its
+    /// errors already.
+    #[arg(long, value_name = "N", help_heading = SIMPLIFIED, hide_short_help = true,
+          value_parser = clap::value_parser!(u8).range(..=MOST_POSES as i64))]
+    poses: Option<u8>,
+}
+
+impl PosesArgs {
+    /// The most poses.
+    pub(crate) fn most(self) -> usize {
+        self.poses.map_or(POSES, usize::from)
+    }
 }
 
 /// Meshes of more triangles than this are simplified by the quadric where a metric is not named.

@@ -15,6 +15,7 @@ fn info(mesh: u32, material: Option<&str>) -> ObjectInfo {
         submeshes: vec![submesh],
         world_scale: 1.0,
         document_mesh: mesh,
+        poses: vec![],
     }
 }
 

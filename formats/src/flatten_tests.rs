@@ -34,6 +34,7 @@ pub(crate) fn info(mesh: u32) -> ObjectInfo {
         submeshes: vec![submesh],
         world_scale: 1.0,
         document_mesh: mesh,
+        poses: vec![],
     }
 }
 

@@ -86,7 +86,7 @@ pub use appearance::{appearance, coordinates};
 pub use assets::Assets;
 pub use error::{Fault, FormatError};
 #[cfg(feature = "gltf")]
-pub use gltf::{PartNames, animation, animation_names, scene_graph};
+pub use gltf::{PartNames, animation, animation_names, scene_graph, scene_motion};
 pub use limits::Limits;
 pub use scene::{
     Document, GltfDocument, ObjDocument, ObjMaterial, ObjectInfo, Scene, SceneObject, Source,

@@ -1,7 +1,7 @@
 //! A whole asset: its meshes as lodc sees them, and everything else as the file had it.
 
 use crate::Sought;
-use lodc_mesh::Mesh;
+use lodc_mesh::{Mesh, Posture};
 use serde::{Deserialize, Serialize};
 
 /// The format that a scene came from.
@@ -53,7 +53,7 @@ pub struct SceneObject {
 }
 
 /// Description of an object besides its mesh.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ObjectInfo {
     /// Its name in the file, or `mesh0`, `mesh1`, … or the OBJ's file stem.
     pub name: String,
@@ -63,6 +63,8 @@ pub struct ObjectInfo {
     pub world_scale: f64,
     /// glTF: its index in the document's `meshes`. OBJ: 0.
     pub document_mesh: u32,
+    /// The poses that its errors hold in besides the one at rest.
+    pub poses: Vec<Posture>,
 }
 
 /// Description of a submesh besides its triangles.

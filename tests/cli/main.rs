@@ -26,6 +26,7 @@ mod output;
 mod parts;
 mod paths;
 mod pose;
+mod poses;
 mod readme;
 mod refused;
 #[cfg(feature = "gpu")]

@@ -81,6 +81,7 @@ fn file(name: &str, simplified: Simplified, layout: Layout) -> LodFile {
         submeshes: (0..simplified.mesh().submeshes().len() as u32).map(submesh).collect(),
         world_scale: 1.0,
         document_mesh: 0,
+        poses: vec![],
     };
     let mut strips = StripPool::new(&simplified, StripOptions::default());
     let model = |&kind| AnyModel::build(kind, &mut strips).expect("triangles are in order");

@@ -3,7 +3,7 @@
 use crate::commands::build::{importance, object_options};
 use crate::exit::Outcome;
 use crate::importance::ImportanceArgs;
-use crate::kinds::LookArgs;
+use crate::kinds::{LookArgs, PosesArgs};
 use crate::limits::ImportArgs;
 use crate::parts::PartArgs;
 use crate::progress::Progress;
@@ -90,6 +90,8 @@ pub(crate) struct SimplifyArgs {
     importance: ImportanceArgs,
     #[command(flatten)]
     pub(crate) parts: PartArgs,
+    #[command(flatten)]
+    poses: PosesArgs,
 }
 
 impl SimplifyArgs {
@@ -194,7 +196,7 @@ fn simplified_showing(
     files.extend(&paints.files);
     let simplified = match errors {
         Errors::Unused => simplified,
-        Errors::Measured => measure_all(simplified, &document, &limits, &watch)?,
+        Errors::Measured => measure_all(simplified, &document, &limits, how.poses.most(), &watch)?,
     };
     let object = |(info, simplified)| LodObject { info, simplified, models: Vec::new() };
     let objects = simplified.into_iter().map(object).collect();

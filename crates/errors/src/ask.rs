@@ -10,12 +10,11 @@ use lodc_nearest::{Hit, Triangles, point_at};
 /// Neighbours whose triangle of the input is tried.
 const NEIGHBOURS: usize = 8;
 
-/// Share of the bound within which no nearer triangle is looked for.
-const NEAR: f64 = 0.39;
-
 /// Questions of one face.
 pub(crate) struct Ask<'a> {
     pub(crate) input: &'a Input,
+    /// Share of the bound within which no nearer triangle is looked for.
+    pub(crate) share: f64,
     pub(crate) corners: [DVec3; 3],
     /// A triangle of the input near its middle, or the one found last.
     pub(crate) near: u32,
@@ -54,7 +53,7 @@ impl Ask<'_> {
 
     fn distance(&mut self, p: DVec3, exact: bool) -> f64 {
         // What is nearer than a point that was asked makes the face no farther.
-        let enough = (self.bound * (NEAR * NEAR)).max(FLOOR).max(self.far);
+        let enough = (self.bound * (self.share * self.share)).max(FLOOR).max(self.far);
         let hint = match self.guess(p, enough) {
             Ok(squared) if !exact => return squared,
             Ok(_) => self.near,

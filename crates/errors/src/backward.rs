@@ -2,7 +2,8 @@
 
 use crate::ask::Ask;
 use crate::block::{Block, Entry, Hint, Step};
-use crate::forward::{EXHAUSTIVE, EXHAUSTIVE_QUERIES};
+use crate::care::Care;
+use crate::forward::EXHAUSTIVE_QUERIES;
 use crate::gap::{self, gap};
 use crate::input::Input;
 use crate::refine::{FLOOR, Refine};
@@ -10,13 +11,6 @@ use crate::work::Work;
 use glam::DVec3;
 use lodc_mesh::NONE;
 use lodc_nearest::{area, centroid};
-
-/// Shares of the bound: a face with a point beyond the first is asked at more points, one beyond
-/// the second is searched.
-const WARM: f64 = 0.4;
-const HOT: f64 = 0.75;
-/// The share of the bound that is enough for more points where very few faces are left.
-const TEPID: f64 = 0.15;
 
 /// Barycentric coordinates asked besides on large faces and where few are left, and very few.
 const FEW: [[f64; 3]; 3] = [[0.6, 0.2, 0.2], [0.2, 0.6, 0.2], [0.2, 0.2, 0.6]];
@@ -69,6 +63,7 @@ pub(crate) struct Followed {
 /// The faces of the level as seen from the input.
 pub(crate) struct Backward<'a> {
     input: &'a Input,
+    care: Care,
     faces: Vec<Face>,
     /// The squared bound.
     bound: f64,
@@ -101,7 +96,7 @@ struct Now<'b> {
 
 impl<'a> Backward<'a> {
     /// Starts at LOD 0.
-    pub(crate) fn new(input: &'a Input) -> Self {
+    pub(crate) fn new(input: &'a Input, care: Care) -> Self {
         let face = |(near, &points)| {
             let area = area(input.at(points)) as f32;
             Face { near, area, mean_square: 0.0, reach: 0.0 }
@@ -110,6 +105,7 @@ impl<'a> Backward<'a> {
         let weight = faces.iter().map(|f| f64::from(f.area)).sum();
         Self {
             input,
+            care,
             faces,
             bound: 0.0,
             sums: [0.0, weight],
@@ -168,10 +164,13 @@ impl<'a> Backward<'a> {
             } else if let Some(reach) = reach {
                 self.faces[face as usize].reach = reach as f32;
             }
-            let mean = if mean_square.is_nan() { asked } else { f64::from(mean_square) };
-            self.settle(face, mean, area(corners) as f32);
+            match f64::from(mean_square) {
+                mean if !mean.is_nan() => self.settle(face, mean, area(corners) as f32),
+                _ if self.care.means => self.settle(face, asked, area(corners) as f32),
+                _ => self.settle(face, 0.0, 0.0),
+            }
         }
-        if self.input.triangles.len() <= EXHAUSTIVE {
+        if self.input.triangles.len() <= self.care.exhaustive {
             self.refine_all();
         }
     }
@@ -255,9 +254,11 @@ impl<'a> Backward<'a> {
     /// bound of it if the face has samples.
     fn ask_face(&mut self, now: Now, i: usize, corners: [DVec3; 3], disc: bool) -> f64 {
         let Entry { face, points, mean_square, hints: [from, to], .. } = self.changed[i];
+        let care = if now.step.is_coarse(self.input, 32) { Care::AT_REST } else { self.care };
         let edges = [0, 1, 2].map(|k| self.is_new_edge(now, [points[k], points[(k + 1) % 3]]));
         let mut ask = Ask {
             input: self.input,
+            share: care.asked,
             corners,
             near: self.near[i],
             hints: &now.hints[from as usize..to as usize],
@@ -267,19 +268,19 @@ impl<'a> Backward<'a> {
             bound: self.bound,
             far: 0.0,
         };
-        let middle = ask.point(centroid(corners), mean_square.is_nan());
+        let middle = ask.point(centroid(corners), care.means && mean_square.is_nan());
         for k in (0..3).filter(|&k| edges[k]) {
             ask.point((corners[k] + corners[(k + 1) % 3]) * 0.5, false);
         }
         let is_coarse = |share| now.step.is_coarse(self.input, share);
-        if !disc || ask.is_beyond(WARM) || is_coarse(8) {
+        if !disc || ask.is_beyond(care.warm) || is_coarse(8) {
             ask.points(&FEW);
         }
-        if ask.is_beyond(WARM) || is_coarse(32) && ask.is_beyond(TEPID) {
+        if ask.is_beyond(care.warm) || is_coarse(32) && ask.is_beyond(care.tepid) {
             ask.points(&VERY_FEW);
         }
         let Ask { near, far, bound, opened, .. } = ask;
-        let is_hot = ask.is_beyond(HOT);
+        let is_hot = ask.is_beyond(care.hot);
         (self.near[i], self.faces[face as usize].near, self.bound) = (near, near, bound);
         self.work.done += opened;
         if is_hot {

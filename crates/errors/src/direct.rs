@@ -5,8 +5,8 @@
 //! of them are stated as the coarser one; where it is far more than the finer one, one between them
 //! is measured, too.
 
+use crate::floor::MARGIN;
 use crate::input::Input;
-use crate::pass::MARGIN;
 use crate::step_errors::StepErrors;
 use glam::DVec3;
 use lodc_mesh::{NONE, Simplified};

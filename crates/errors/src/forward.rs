@@ -1,7 +1,9 @@
 //! One way: how far points of the input are from the level.
 
 use crate::block::{Block, Entry, Step};
+use crate::care::Care;
 use crate::faces::{Changes, Faces};
+use crate::floor::Floor;
 use crate::input::Input;
 use crate::refine::{FLOOR, Refine};
 use crate::samples::{Sample, Samples};
@@ -12,19 +14,13 @@ use lodc_mesh::{CollapseSequence, NONE};
 use lodc_nearest::{Hit, centroid};
 use std::ops::Range;
 
-/// Distances within this share of the bound need no better face.
-const NEAR_ENOUGH: f64 = 0.75;
-/// The same once many places have been refined.
-const NEAR_ENOUGH_LATE: f64 = 0.95;
-
 /// Changed faces that a sample is tried on before the tree is asked.
 const TRIED: usize = 48;
 
 /// Points asked in one refinement.
 const QUERIES: u32 = 150;
 
-/// Triangles of a mesh that is searched as a whole after every step.
-pub(crate) const EXHAUSTIVE: usize = 100;
+/// Points asked in one of the whole input.
 pub(crate) const EXHAUSTIVE_QUERIES: u32 = 10_000;
 
 /// Records that are read ahead at once.
@@ -33,9 +29,14 @@ const READ_AHEAD: u32 = 16;
 /// Share of the faces, one in so many, from which on the other way learns of all samples.
 const COARSE: u32 = 8;
 
+/// The same from which on levels are looked at as closely as at rest.
+const FEW: u32 = 32;
+
 /// The faces of the level, and the samples that travel over them.
 pub(crate) struct Forward<'a> {
     input: &'a Input,
+    floor: Floor<'a>,
+    care: Care,
     faces: Faces,
     samples: Samples,
     thinning: Thinning,
@@ -44,6 +45,9 @@ pub(crate) struct Forward<'a> {
     corners: Vec<[DVec3; 3]>,
     /// The squared bound.
     bound: f64,
+    /// Distances within the first share of it need no other face that changed, within the second
+    /// no better face.
+    near: f64,
     near_enough: f64,
     work: Work,
     /// Work of the other way, as far as it is known.
@@ -57,19 +61,26 @@ pub(crate) struct Forward<'a> {
 
 impl<'a> Forward<'a> {
     /// Starts at LOD 0. `wedges` has the corners of its triangles as vertices of the mesh.
-    pub(crate) fn new(input: &'a Input, wedges: Vec<[u32; 3]>) -> Self {
+    pub(crate) fn new(
+        input: &'a Input,
+        wedges: Vec<[u32; 3]>,
+        (floor, care): (Floor<'a>, Care),
+    ) -> Self {
         let mut faces = Faces::new(input, &wedges);
         drop(wedges);
-        let samples = Samples::new(input, &mut faces.all);
+        let samples = Samples::new(input, &mut faces.all, care.samples);
         Self {
             input,
+            floor,
+            care,
             faces,
             samples,
-            thinning: Thinning::default(),
+            thinning: Thinning::new(care.kept),
             changes: Changes::default(),
             corners: vec![],
             bound: 0.0,
-            near_enough: NEAR_ENOUGH,
+            near: care.near,
+            near_enough: care.near_enough[0],
             work: Work::default(),
             other: Work::default(),
             taken: vec![],
@@ -108,7 +119,12 @@ impl<'a> Forward<'a> {
             }
             let share = 2 * all * u64::from(step + 1) / ends.len() as u64;
             let late = both.queries > 4_000.min(4 * all) + share;
-            self.near_enough = if late { NEAR_ENOUGH_LATE } else { NEAR_ENOUGH };
+            // Where few faces are left, looking closely takes no time.
+            let few = self.faces.live <= (self.input.triangles.len() as u32 / FEW).max(64);
+            let care = if few { Care::AT_REST } else { self.care };
+            self.near = care.near;
+            self.near_enough = care.near_enough[usize::from(late)];
+            self.bound = self.bound.max(self.floor.squared(step as usize));
             let end = ends[step as usize];
             if end > self.ahead {
                 let to = (end + READ_AHEAD).min(targets.len() as u32);
@@ -164,7 +180,7 @@ impl<'a> Forward<'a> {
             let (face, live) = (self.changes.changed[i], self.faces.live);
             self.thinning.thin(&mut self.samples, &mut self.faces.all, face, live, self.bound);
         }
-        if self.input.triangles.len() <= EXHAUSTIVE {
+        if self.input.triangles.len() <= self.care.exhaustive {
             self.refine_all();
         }
     }
@@ -189,7 +205,7 @@ impl<'a> Forward<'a> {
         self.work.done += taken.len() as u64;
         for &(number, own) in &taken {
             let p = self.samples.all[number as usize].place();
-            let nearest = self.nearest_face(p, own, self.bound * 0.0625);
+            let nearest = self.nearest_face(p, own, self.bound * (self.near * self.near));
             if nearest.squared > self.enough()
                 && nearest.squared > 1.1 * f64::from(self.samples.all[number as usize].refined)
             {
@@ -207,7 +223,7 @@ impl<'a> Forward<'a> {
     fn take_new_samples(&mut self) {
         for i in 0..self.changes.touched.len() {
             let t = self.changes.touched[i];
-            if !self.faces.all[t as usize].take_original() {
+            if !self.faces.all[t as usize].take_original() || !self.care.tries {
                 continue;
             }
             let points = self.input.triangles[t as usize];

@@ -11,15 +11,14 @@
 
 use crate::backward::{Backward, Followed};
 use crate::block::Block;
+use crate::care::Care;
+use crate::floor::{Floor, MARGIN};
 use crate::follower::{Follower, Here, beside};
 use crate::forward::Forward;
 use crate::input::Input;
 use crate::refine::FLOOR;
 use crate::step_errors::StepErrors;
 use lodc_mesh::Simplified;
-
-/// Margin stated above the distance found, for what no sample saw.
-pub(crate) const MARGIN: f64 = 1.06;
 
 /// Steps of a block: a share of the steps done and of those to come, for the bound grows fast at
 /// both ends.
@@ -33,12 +32,18 @@ const AHEAD: usize = 3;
 /// Meshes of fewer steps are followed on one thread.
 const FEW_STEPS: u32 = 1_000;
 
-/// Runs through all steps, or as many as can be followed in time.
-pub(crate) fn run(input: &Input, wedges: Vec<[u32; 3]>, simplified: &Simplified) -> StepErrors {
-    let (forward, backward) = rayon::join(|| Forward::new(input, wedges), || Backward::new(input));
+/// Runs through all steps, or as many as can be followed in time. States no less than the floor.
+pub(crate) fn run(
+    input: &Input,
+    wedges: Vec<[u32; 3]>,
+    simplified: &Simplified,
+    (floor, care): (Floor<'_>, Care),
+) -> StepErrors {
+    let (forward, backward) =
+        rayon::join(|| Forward::new(input, wedges, (floor, care)), || Backward::new(input, care));
     let steps = simplified.collapses().steps() as u32;
-    let stated = Stated::new(input, steps, forward.at_points());
-    if rayon::current_num_threads() == 1 || steps < FEW_STEPS {
+    let stated = Stated::new(input, steps, forward.at_points(), floor);
+    if rayon::current_num_threads() < care.threads || steps < FEW_STEPS {
         return follow(forward, stated, simplified, Here::new(backward));
     }
     std::thread::scope(|scope| {
@@ -91,12 +96,13 @@ struct Stated<'a> {
     gone: u32,
     /// Share of the area that samples at points stand for.
     at_points: f64,
+    floor: Floor<'a>,
 }
 
 impl<'a> Stated<'a> {
-    fn new(input: &'a Input, steps: u32, at_points: f64) -> Self {
+    fn new(input: &'a Input, steps: u32, at_points: f64, floor: Floor<'a>) -> Self {
         let errors = StepErrors::with_capacity(steps as usize);
-        Self { input, errors, rms: 0.0, gone: 0, at_points }
+        Self { input, errors, rms: 0.0, gone: 0, at_points, floor }
     }
 
     /// Adds the steps of a block, as far as both ways have followed them.
@@ -111,9 +117,11 @@ impl<'a> Stated<'a> {
                 continue;
             }
             self.rms = self.rms.max(self.rms(step.mean_square.max(found.mean_square)));
-            let error = if found.bound <= FLOOR { 0.0 } else { found.bound.sqrt() * MARGIN };
-            let unit = self.input.unit;
-            self.errors.push(error * unit, self.rms.min(error) * unit);
+            let (step, unit) = (self.errors.error.len(), self.input.unit);
+            let raised = found.bound > self.floor.squared(step).max(FLOOR);
+            let error = if raised { found.bound.sqrt() * MARGIN * unit } else { 0.0 };
+            let error = error.max(self.floor.stated(step));
+            self.errors.push(error, (self.rms * unit).min(error));
         }
     }
 

@@ -13,9 +13,8 @@ const MOST_INSIDE: f64 = 24.0;
 /// samples along it.
 const LONG: f64 = 6.0;
 
-/// Samples that a mesh of few triangles gets in all, and most on one of its triangles.
-const FEWEST: f64 = 30_000.0;
-const MOST_OF_FEW: f64 = 160.0;
+/// Most of these samples on one triangle: one in so many.
+const MOST_OF_FEW: f64 = 1.0 / 187.5;
 
 /// A point of the input, half a cache line.
 #[derive(Clone, Debug)]
@@ -87,10 +86,10 @@ pub(crate) struct Samples {
 
 impl Samples {
     /// Puts a sample at every point of the input, and more on triangles above three times the mean
-    /// area.
-    pub(crate) fn new(input: &Input, faces: &mut [Face]) -> Self {
+    /// area; on all triangles of a mesh that has not `fewest` of them.
+    pub(crate) fn new(input: &Input, faces: &mut [Face], fewest: f64) -> Self {
         let areas: Vec<f32> = faces.iter().map(|f| area(input.at(f.points))).collect();
-        let inside = inside(input, faces, &areas);
+        let inside = inside(input, faces, &areas, fewest);
         let extra: u64 = inside.iter().map(|&n| u64::from(n)).sum();
         let mut samples = Self {
             all: Vec::with_capacity(input.places.len() + extra as usize),
@@ -216,12 +215,12 @@ impl Sample {
 }
 
 /// Returns for each face how many samples go inside it.
-fn inside(input: &Input, faces: &[Face], areas: &[f32]) -> Vec<u8> {
+fn inside(input: &Input, faces: &[Face], areas: &[f32], fewest: f64) -> Vec<u8> {
     let longest = |f: &Face| {
         let [a, b, c] = input.at(f.points);
         (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared()).sqrt()
     };
-    let is_few = (faces.len() as f64) < FEWEST;
+    let is_few = (faces.len() as f64) < fewest;
     let all: f64 = areas.iter().copied().map(f64::from).sum();
     let lengths: f64 = if is_few { faces.iter().map(longest).sum() } else { 0.0 };
     let mean = all / faces.len().max(1) as f64;
@@ -231,7 +230,7 @@ fn inside(input: &Input, faces: &[Face], areas: &[f32]) -> Vec<u8> {
         let long =
             if length > LONG * mean.sqrt() { length / (LONG / 2.0 * mean.sqrt()) } else { 0.0 };
         let few = if is_few && lengths > 0.0 && all > 0.0 {
-            (0.5 * FEWEST * (area / all + length / lengths)).min(MOST_OF_FEW)
+            (0.5 * fewest * (area / all + length / lengths)).min(fewest * MOST_OF_FEW)
         } else {
             0.0
         };

@@ -16,6 +16,15 @@ impl StepErrors {
         Self { error: Vec::with_capacity(steps), rms: Vec::with_capacity(steps) }
     }
 
+    /// Takes over what is larger for the same steps.
+    pub(crate) fn raise(&mut self, other: &Self) {
+        let each = |own: &mut [f32], other: &[f32]| {
+            own.iter_mut().zip(other).for_each(|(own, &other)| *own = own.max(other));
+        };
+        each(&mut self.error, &other.error);
+        each(&mut self.rms, &other.rms);
+    }
+
     /// Adds a step: distances are rounded up and kept from falling.
     pub(crate) fn push(&mut self, error: f64, rms: f64) {
         self.error.push(not_below(&self.error, error));

@@ -1,8 +1,8 @@
 //! Distances that are known by hand, and every step of many sequences against samples of its
 //! surfaces.
 
-use crate::pass::MARGIN;
-use crate::{StepErrors, measure};
+use crate::floor::MARGIN;
+use crate::{StepErrors, measure, raise};
 use glam::DVec3;
 use lodc_fixtures as fixtures;
 use lodc_measure::{Sampling, Surface, distances};
@@ -322,6 +322,81 @@ fn the_number_of_threads_changes_nothing() {
     }
 }
 
+/// Positions of a mesh that is twisted about z.
+fn twisted(mesh: &Mesh, turn: f64) -> Vec<[f32; 3]> {
+    let twist = |p: &[f32; 3]| {
+        let [x, y, z] = p.map(f64::from);
+        let (s, c) = (turn * z).sin_cos();
+        [x * c - y * s, x * s + y * c, z].map(|x| x as f32)
+    };
+    mesh.positions().iter().map(twist).collect()
+}
+
+#[test]
+fn errors_are_the_largest_over_all_shapes() {
+    for name in ["skinned_tube_u8", "torus", "machine_part"] {
+        let mesh = fixtures::named(name).expect("a shape");
+        let options = lodc_simplify::Options::DEFAULT;
+        let simplified = lodc_simplify::simplify(&mesh, &options, &|_, _| {});
+        let (mesh, collapses) = (simplified.mesh(), simplified.collapses());
+        let turn = 6.0 / mesh.diagonal();
+        let shapes = [turn, -turn / 2.0, 2.0 * turn].map(|turn| twisted(mesh, turn));
+        let rest = measured(&simplified);
+        let mut errors = rest.clone();
+        assert_eq!(raise(&mut errors, &simplified, shapes.iter()), 3, "{name}");
+        assert!(errors.error.is_sorted() && errors.rms.is_sorted());
+        assert!(rest.error.iter().zip(&errors.error).all(|(rest, all)| rest <= all));
+        assert!(rest.error.iter().zip(&errors.error).any(|(rest, all)| 1.1 * rest < *all));
+        for step in (0..collapses.steps()).step_by(7) {
+            let at = collapses.step(step);
+            let stated = f64::from(errors.error[step]);
+            for shape in &shapes {
+                let shown = |lod| Surface {
+                    positions: shape.iter().map(|&p| p.into()).collect(),
+                    ..surface(&simplified, lod)
+                };
+                let sampling = Sampling { samples: 2_000, lattice: 3_000, seed: step as u64 };
+                let d = distances(&shown(Lod(0)), &shown(at.lod), &sampling);
+                let largest = d.hausdorff[0].max(d.hausdorff[1]);
+                let here = format!("{name}: step {step} states {stated} and is {largest} away");
+                assert!(at.triangles == 0 || largest <= 1.05 * stated + 1e-6, "{here}");
+            }
+        }
+    }
+}
+
+#[test]
+fn shapes_that_raise_nothing_end_the_search() {
+    let sphere = fixtures::icosphere(4);
+    let simplified = lodc_simplify::simplify(&sphere, &lodc_simplify::Options::DEFAULT, &|_, _| {});
+    let rest = measured(&simplified);
+    let mut errors = rest.clone();
+    let same = vec![simplified.mesh().positions().to_vec(); 8];
+    assert_eq!(raise(&mut errors, &simplified, same.iter()), 2);
+    assert!(rest.error.iter().zip(&errors.error).all(|(rest, all)| *all <= 1.07 * rest));
+    assert_eq!(raise(&mut errors, &simplified, same[..1].iter()), 1);
+    assert_eq!(raise(&mut errors, &simplified, same[..0].iter()), 0);
+}
+
+#[test]
+fn the_number_of_threads_changes_no_shape() {
+    let sphere = fixtures::icosphere(5);
+    let simplified = lodc_simplify::simplify(&sphere, &lodc_simplify::Options::DEFAULT, &|_, _| {});
+    let shapes = [1.0, 2.0, -1.0].map(|turn| twisted(simplified.mesh(), turn));
+    let rest = measured(&simplified);
+    let with = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+        let mut errors = rest.clone();
+        pool.install(|| raise(&mut errors, &simplified, shapes.iter()));
+        errors
+    };
+    let one = with(1);
+    assert!(one != rest);
+    for threads in [2, 3, 8] {
+        assert_eq!(with(threads), one, "{threads} threads");
+    }
+}
+
 /// The corners of a level's triangles.
 fn corners(simplified: &Simplified, lod: Lod) -> Vec<[DVec3; 3]> {
     let place = |v: u32| DVec3::from(simplified.mesh().positions()[v as usize].map(f64::from));
@@ -376,7 +451,7 @@ fn curves_that_are_too_small_or_too_large_are_refused() {
             let error: Vec<f32> = error.iter().map(scaled).collect();
             let rms = rms.iter().zip(&error).map(|(rms, &error)| rms.min(error)).collect();
             let stated = simplified.clone().with_distances(error, rms).expect("they never fall");
-            let (levels, wrong) = lodc_measure::check_errors(&stated, shape);
+            let (levels, wrong) = lodc_measure::check_errors(&stated, &[shape]);
             assert!(levels > 4);
             assert_eq!(wrong.is_none(), holds, "{name} × {scale}: {wrong:?}");
         }

@@ -9,10 +9,8 @@ use crate::samples::{Sample, Samples};
 use glam::DVec3;
 use lodc_mesh::NONE;
 
-/// Samples that a face keeps when it has half as many more; where few faces are left, so many that
-/// all of them have so many.
+/// Samples that a face keeps when it has half as many more, unless few faces are left.
 const KEPT: usize = 16;
-const KEPT_IN_ALL: usize = 10_000;
 const MOST_KEPT: usize = 256;
 
 /// Share of the squared bound beyond which a face keeps the outermost samples, too, unless it keeps
@@ -30,6 +28,8 @@ const GOLDEN: [f64; 2] = [-0.737_368_878_078_319_7, 0.675_490_294_261_523_8];
 
 /// Directions that are spread evenly, and room for thinning.
 pub(crate) struct Thinning {
+    /// Samples that all faces keep together where few are left.
+    kept_in_all: usize,
     directions: Vec<DVec3>,
     all: Vec<u32>,
     /// Places in `all` of samples that are outermost.
@@ -39,8 +39,9 @@ pub(crate) struct Thinning {
     nearest_kept: Vec<(f64, u32)>,
 }
 
-impl Default for Thinning {
-    fn default() -> Self {
+impl Thinning {
+    /// Faces keep so many samples together where few of them are left.
+    pub(crate) fn new(kept_in_all: usize) -> Self {
         // Points on a spiral from pole to pole (as Swinbank and Purser 2006 place them).
         let mut turn = [1.0, 0.0];
         let point = |i: usize| {
@@ -51,6 +52,7 @@ impl Default for Thinning {
             DVec3::new(radius * x, radius * y, z)
         };
         Self {
+            kept_in_all,
             directions: (0..DIRECTIONS).map(point).collect(),
             all: vec![],
             outer: vec![],
@@ -58,9 +60,7 @@ impl Default for Thinning {
             nearest_kept: vec![],
         }
     }
-}
 
-impl Thinning {
     /// Leaves a face that has many samples the farthest, others far from each other, and the
     /// outermost ones where it may decide the squared `bound`. The ones that stay stand for the
     /// area of those that go. `live` faces are left.
@@ -72,7 +72,7 @@ impl Thinning {
         live: u32,
         bound: f64,
     ) {
-        let keep = (KEPT_IN_ALL / live.max(1) as usize).clamp(KEPT, MOST_KEPT);
+        let keep = (self.kept_in_all / live.max(1) as usize).clamp(KEPT, MOST_KEPT);
         let count = faces[face as usize].samples as usize;
         if count <= keep + keep / 2 {
             return;

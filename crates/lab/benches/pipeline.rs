@@ -35,7 +35,13 @@ fn info(mesh: &Mesh) -> ObjectInfo {
     let submeshes = (0..mesh.submeshes().len() as u32)
         .map(|i| SubmeshInfo { name: String::new(), material: None, document_primitive: i })
         .collect();
-    ObjectInfo { name: "shape".to_owned(), submeshes, world_scale: 1.0, document_mesh: 0 }
+    ObjectInfo {
+        name: "shape".to_owned(),
+        submeshes,
+        world_scale: 1.0,
+        document_mesh: 0,
+        poses: vec![],
+    }
 }
 
 /// The shape as a file of that format.

@@ -14,6 +14,7 @@
 //!     submeshes: Vec::new(),
 //!     world_scale: 1.0,
 //!     document_mesh: 0,
+//!     poses: vec![],
 //! };
 //! let object = LodObject { info, simplified, models: Vec::new() };
 //! let prepared = Prepared::new(object, &[], Default::default())?;

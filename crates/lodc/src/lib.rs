@@ -45,6 +45,7 @@ mod input;
 pub mod level_mesh;
 pub mod levels;
 mod scene_levels;
+mod shapes;
 
 #[cfg(feature = "build")]
 pub use build::Builder;
@@ -63,6 +64,7 @@ pub use lodc_select::Target as Select;
 #[cfg(feature = "build")]
 pub use lodc_simplify::MetricKind as Metric;
 pub use scene_levels::scene_levels;
+pub use shapes::stated_shapes;
 
 /// Builds a file from an OBJ, glTF or GLB file: [`Builder::run`] does the work.
 #[cfg(feature = "build")]

@@ -23,12 +23,16 @@ const TOLERANCE: f64 = 1.05;
 const OVERSTATED: f64 = 3.0;
 
 /// Compares the errors of a sequence with measured ones: returns how many levels were measured, and
-/// what is wrong with the first whose error does not hold. `shape` is the surface that the scene
-/// shows, a place for each vertex.
+/// what is wrong with the first whose error does not hold. `shapes` are the surfaces that the
+/// errors are the maximum over, each with a place for every vertex: the one at rest first.
 #[must_use]
-pub fn check_errors(simplified: &Simplified, shape: &[[f32; 3]]) -> (usize, Option<String>) {
+pub fn check_errors<S: AsRef<[[f32; 3]]> + Sync>(
+    simplified: &Simplified,
+    shapes: &[S],
+) -> (usize, Option<String>) {
     let lods = levels(simplified.collapses());
-    (lods.len(), first_difference(simplified, shape, &lods))
+    let shapes: Vec<&[[f32; 3]]> = shapes.iter().map(AsRef::as_ref).collect();
+    (lods.len(), first_difference(simplified, &shapes, &lods))
 }
 
 /// Returns levels with triangles, one by chance from each of some ranges of triangle counts.
@@ -49,8 +53,12 @@ fn levels(collapses: &CollapseSequence) -> Vec<Lod> {
 }
 
 /// Returns what is wrong with the first level whose errors do not hold.
-fn first_difference(simplified: &Simplified, shape: &[[f32; 3]], lods: &[Lod]) -> Option<String> {
-    let levels = Levels::new(simplified, shape);
+fn first_difference(
+    simplified: &Simplified,
+    shapes: &[&[[f32; 3]]],
+    lods: &[Lod],
+) -> Option<String> {
+    let levels = Levels::new(simplified, shapes);
     lods.par_iter()
         .with_max_len(1)
         .find_map_first(|&lod| levels.check(lod).map(|wrong| format!("LOD {}: {wrong}", lod.0)))
@@ -59,70 +67,104 @@ fn first_difference(simplified: &Simplified, shape: &[[f32; 3]], lods: &[Lod]) -
 /// The levels of a sequence, ready to be measured.
 struct Levels<'a> {
     simplified: &'a Simplified,
-    shape: &'a [[f32; 3]],
     positions: PositionIds,
+    shapes: Vec<Shape<'a>>,
+}
+
+/// The input in one shape.
+struct Shape<'a> {
+    places: &'a [[f32; 3]],
     input: TriangleTree,
     diagonal: f64,
+}
+
+impl Shape<'_> {
     /// Distances that are none: rounding errors of coordinates are no differences.
-    slack: f64,
+    fn slack(&self) -> f64 {
+        1e-9 * self.diagonal
+    }
+
     /// Errors that are not worth a refusal if they are too large.
-    tiny: f64,
+    fn tiny(&self) -> f64 {
+        1e-6 * self.diagonal
+    }
 }
 
 impl<'a> Levels<'a> {
-    fn new(simplified: &'a Simplified, shape: &'a [[f32; 3]]) -> Self {
-        let input = surface(shape, simplified.mesh().triangles().to_vec());
-        let diagonal = input.diagonal();
-        Self {
-            simplified,
-            shape,
-            positions: PositionIds::new(simplified.mesh().positions()),
-            diagonal,
-            input: input.tree(),
-            slack: 1e-9 * diagonal,
-            tiny: 1e-6 * diagonal,
-        }
+    fn new(simplified: &'a Simplified, shapes: &[&'a [[f32; 3]]]) -> Self {
+        let shape = |&places: &&'a [[f32; 3]]| {
+            let input = surface(places, simplified.mesh().triangles().to_vec());
+            Shape { places, diagonal: input.diagonal(), input: input.tree() }
+        };
+        let positions = PositionIds::new(simplified.mesh().positions());
+        Self { simplified, positions, shapes: shapes.par_iter().map(shape).collect() }
     }
 
-    /// Returns what is wrong with the errors that a level states.
+    /// Returns what is wrong with the errors that a level states. One shape that is far enough says
+    /// that they are not too large; of the others, only what is too far is looked for.
     fn check(&self, lod: Lod) -> Option<String> {
         let collapses = self.simplified.collapses();
         let stored = collapses.error_at(lod);
         let error = f64::from(stored);
         let third = error / OVERSTATED;
-        match self.changes(lod).farther_than(third) {
-            Some(largest) if largest > TOLERANCE * error + self.slack => {
-                return Some(format!("the error is {stored}, measured are {largest}"));
+        let level = self.level(lod);
+        let mut holds = error <= self.shapes.iter().map(Shape::tiny).fold(0.0, f64::max);
+        for (number, shape) in self.shapes.iter().enumerate() {
+            let most = TOLERANCE * error + shape.slack();
+            let found = level.changes(shape).farther_than(if holds { most } else { third });
+            match found {
+                Some(largest) if largest > most => {
+                    let pose =
+                        if number > 0 { format!(" in pose {number}") } else { String::new() };
+                    let what = format!("the error is {stored}, measured are {largest}{pose}");
+                    return Some(what);
+                }
+                found => holds |= found.is_some(),
             }
-            Some(_) => return None,
-            None if error <= self.tiny => return None,
-            None => {}
+        }
+        if holds {
+            return None;
         }
         // Errors never fall: a finer level may be the one that is that far. Samples may miss a
         // small part, so only a bound tells that there is none.
         let rose = collapses.parts().step_errors.partition_point(|&e| e < stored);
-        let bound = self.changes(collapses.step(rose).lod).bound(Search::within(self.diagonal));
+        let level = self.level(collapses.step(rose).lod);
+        let bound = |shape: &Shape| level.changes(shape).bound(Search::within(shape.diagonal));
+        let bound = self.shapes.iter().map(bound).fold(0.0, f64::max);
         (bound < third).then(|| format!("the error is {stored}, no point is farther than {bound}"))
     }
 
     /// What a level changes. Triangles that it has in common with the input are nowhere apart, so
     /// only the others are measured.
-    fn changes(&self, lod: Lod) -> Changes<'_> {
-        let Self { simplified, shape, positions, .. } = self;
+    fn level(&self, lod: Lod) -> Level {
+        let Self { simplified, positions, .. } = self;
         let is_changed = |t: &[u32; 3]| t.iter().any(|&v| v < lod.0);
         let map = simplified.collapses().resolve_all(lod);
         let resolved = |t: [u32; 3]| t.map(|v| map[v as usize]);
         let is_live = |t: &[u32; 3]| !is_degenerate(t.map(|v| positions.of_vertex[v as usize]));
         let all = simplified.mesh().triangles();
-        let changed: Vec<[u32; 3]> = all.iter().copied().filter(is_changed).collect();
-        let result = changed.iter().copied().map(resolved).filter(is_live).collect();
+        let before: Vec<[u32; 3]> = all.iter().copied().filter(is_changed).collect();
+        let after = before.iter().copied().map(resolved).filter(is_live).collect();
         let shown = simplified.triangles_at_with(lod, positions);
-        let shown = shown.iter().map(|t| t.corners).collect();
+        Level { all: shown.iter().map(|t| t.corners).collect(), before, after }
+    }
+}
+
+/// The triangles of a level, those of the input that it has not, and those that the input has not.
+struct Level {
+    all: Vec<[u32; 3]>,
+    before: Vec<[u32; 3]>,
+    after: Vec<[u32; 3]>,
+}
+
+impl Level {
+    /// What the level changes in a shape.
+    fn changes<'a>(&self, shape: &'a Shape<'_>) -> Changes<'a> {
         Changes {
-            input: &self.input,
-            level: surface(shape, shown).tree(),
-            before: surface(shape, changed),
-            after: surface(shape, result),
+            input: &shape.input,
+            level: surface(shape.places, self.all.clone()).tree(),
+            before: surface(shape.places, self.before.clone()),
+            after: surface(shape.places, self.after.clone()),
         }
     }
 }

@@ -2,7 +2,7 @@
 //! added, none may change.
 #![expect(missing_docs, reason = "docs/CLI.md says what each key means")]
 
-use crate::Gone;
+use crate::{ErrorsOver, Gone};
 use indexmap::IndexMap;
 use serde::Serialize;
 
@@ -88,6 +88,8 @@ pub struct ChainReport {
     pub schema_version: u32,
     pub input: String,
     pub outputs: Vec<OutputReport>,
+    /// The poses that errors hold in.
+    pub errors_over: ErrorsOver,
     /// The finest first.
     pub levels: Vec<ChainLevel>,
     pub warnings: Vec<String>,
@@ -158,6 +160,8 @@ pub struct ObjectReport {
     pub diagonal: f64,
     /// `measured` or `estimate`.
     pub errors: &'static str,
+    /// The poses that they hold in.
+    pub errors_over: ErrorsOver,
     pub collapse_lists: ListsReport,
     pub lods: Vec<LodReport>,
     /// Strips by generator; empty until the file has strip models.
@@ -242,6 +246,8 @@ pub struct ExtractReport {
     /// The largest root mean square distance of an object, in the same units; null if it was not
     /// measured.
     pub rms: Option<f64>,
+    /// The poses that both hold in.
+    pub errors_over: ErrorsOver,
     /// True if the vertices were moved: then errors are measured on the result.
     pub refitted: bool,
     pub output: String,

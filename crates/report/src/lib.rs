@@ -18,6 +18,7 @@ mod checks;
 mod ci;
 mod compare;
 pub mod documents;
+mod errors_over;
 mod gone;
 pub mod html;
 mod page;
@@ -33,6 +34,7 @@ pub use compare::{
     BothWays, Comparison, Content, ImageReport, Length, LevelComparison, MostAllowed, PairReport,
     TriangleCounts,
 };
+pub use errors_over::ErrorsOver;
 pub use gone::{Gone, Roll};
 pub use page::{Facts, Level, curve, levels, page};
 

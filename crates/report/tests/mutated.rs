@@ -17,7 +17,8 @@ const MOST: usize = 700;
 /// What a build makes of a mesh.
 fn built(mesh: &Mesh) -> Vec<LodObject> {
     let simplified = simplify(mesh, &Options::DEFAULT, &|_, _| {});
-    let errors = step_errors(&simplified, simplified.mesh().positions());
+    let at_rest = std::iter::once(simplified.mesh().positions());
+    let (errors, _) = step_errors(&simplified, at_rest);
     let measured = simplified.with_distances(errors.error, errors.rms);
     let simplified = Arc::new(measured.expect("errors never fall"));
     let submesh = |s| SubmeshInfo { name: String::new(), material: None, document_primitive: s };
@@ -26,6 +27,7 @@ fn built(mesh: &Mesh) -> Vec<LodObject> {
         submeshes: (0..mesh.submeshes().len() as u32).map(submesh).collect(),
         world_scale: 1.0,
         document_mesh: 0,
+        poses: vec![],
     };
     let options = StripOptions::default();
     let built = build_models(vec![(info, simplified)], &ModelKind::ALL, options, vec![], &());

@@ -33,6 +33,7 @@ mod animation;
 mod graph;
 mod image;
 mod material;
+mod motion;
 mod normals;
 mod placement;
 mod pose;
@@ -46,12 +47,13 @@ pub use animation::{Animation, Channel, Interpolation, Property};
 pub use graph::{Graph, Node, Skin};
 pub use image::Image;
 pub use material::{AlphaMode, Appearance, Coordinates, Material, Texture, Wrap};
+pub use motion::Motion;
 pub use normals::{flat_normals, smooth_normals};
 pub use placement::{Arrangement, Placement};
 pub use pose::Pose;
 pub use posed::{PosedVertices, posed, stream};
 pub use scale::{ObjectInScene, object_in_scene, placement_scales, representative};
-pub use shape::shape_in_scene;
+pub use shape::{Shape, shape_in_scene};
 pub use srgb::{to_linear, to_srgb};
 pub use transform::{
     LocalTransform, Transform, largest_stretch, transform_from_columns, transform_normal,

@@ -114,7 +114,7 @@ impl Graph {
 
 impl Skin {
     /// The skinning matrix of every joint.
-    fn matrices(&self, world: &[Transform]) -> Arc<[Transform]> {
+    pub(crate) fn matrices(&self, world: &[Transform]) -> Arc<[Transform]> {
         let matrix = |(i, &joint): (usize, &u32)| {
             let world = world.get(joint as usize).copied().unwrap_or_default();
             world * self.inverse_bind.get(i).copied().unwrap_or_default()

@@ -24,16 +24,26 @@ pub struct PosedVertices {
 pub fn posed(mesh: &Mesh, placement: &Placement) -> PosedVertices {
     let streams = Streams::of(mesh, placement);
     let place = |v: u32| {
-        let transform = streams.transform(mesh, placement, v);
-        let position = transform.transform_point3(streams.position(mesh, v));
-        // A position that overflows is drawn anywhere, but must not spoil cameras and bounds.
-        let position = if position.is_finite() { position } else { DVec3::ZERO };
+        let (position, transform) = place(&streams, mesh, placement, v);
         let normal = streams.normal(mesh, v).map(|n| transform_normal(&transform.matrix3, n));
         (position, normal.unwrap_or(DVec3::ZERO))
     };
     let vertices = mesh.vertex_count() as u32;
     let (positions, normals) = (0..vertices).into_par_iter().map(place).unzip();
     PosedVertices { positions, normals, mirrored: mirrored(mesh, placement, &streams) }
+}
+
+/// Returns the place of a vertex and its transform.
+pub(crate) fn place(
+    streams: &Streams<'_>,
+    mesh: &Mesh,
+    placement: &Placement,
+    v: u32,
+) -> (DVec3, Transform) {
+    let transform = streams.transform(mesh, placement, v);
+    let position = transform.transform_point3(streams.position(mesh, v));
+    // A position that overflows is drawn anywhere, but must not spoil cameras and bounds.
+    (if position.is_finite() { position } else { DVec3::ZERO }, transform)
 }
 
 /// Returns true if the transforms of most vertices mirror.

@@ -1,4 +1,4 @@
-//! The shape that a scene gives an object, in the object's own units.
+//! The shapes that a scene gives an object, in the object's own units.
 
 use crate::placement::{Arrangement, Placement};
 use crate::posed::posed;
@@ -10,33 +10,65 @@ use std::borrow::Cow;
 /// Deviation from a similarity, relative to its scale, that is taken for rounding.
 const ROUNDING: f64 = 1e-6;
 
-/// Returns the surface of an object at the placement that shows it largest, in mesh units: world
-/// positions divided by that placement's scale, up to a motion. Those of the mesh where the scene
-/// moves, turns, mirrors and scales it as a whole; else, bent by joints or morph targets or
-/// stretched, around their middle. All finite if those of the mesh are.
+/// How a scene shapes an object in one pose. Gives the surface of the object, or of a level of it,
+/// in mesh units: world positions divided by the scale at rest, around the middle of the object.
+#[derive(Clone, Debug)]
+pub struct Shape {
+    /// None for an object that keeps its positions.
+    placement: Option<Placement>,
+    scale: f64,
+    middle: DVec3,
+}
+
+impl Shape {
+    const AS_MODELLED: Self = Self { placement: None, scale: 1.0, middle: DVec3::ZERO };
+
+    /// The shape that a scene gives an object at the placement that shows it largest. The object
+    /// keeps its positions where the scene moves, turns, mirrors and scales it as a whole.
+    #[must_use]
+    pub fn at_rest(mesh: &Mesh, object: usize, scene: &Arrangement) -> Self {
+        let (Some(placement), scale) = representative(mesh, object, scene) else {
+            return Self::AS_MODELLED;
+        };
+        if !bends(mesh, placement) && is_similarity(&placement.transform.matrix3, scale) {
+            return Self::AS_MODELLED;
+        }
+        Self::placed(mesh, placement.clone(), scale).unwrap_or(Self::AS_MODELLED)
+    }
+
+    /// The shape of an object in a placement, as large as at rest: `scale` is its scale there. None
+    /// if it has coordinates that are no finite numbers.
+    pub(crate) fn placed(mesh: &Mesh, placement: Placement, scale: f64) -> Option<Self> {
+        let posed = posed(mesh, &placement).positions;
+        let (low, high) = posed
+            .iter()
+            .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), &p| (lo.min(p), hi.max(p)));
+        let shape = Self { placement: Some(placement), scale, middle: low.midpoint(high) };
+        let is_finite = |p| shape.place(p).iter().all(|x| x.is_finite());
+        ([low, high].into_iter().all(is_finite) || posed.is_empty()).then_some(shape)
+    }
+
+    /// Returns the places of the vertices of the object, or of another mesh with its attributes.
+    #[must_use]
+    pub fn of<'a>(&self, mesh: &'a Mesh) -> Cow<'a, [[f32; 3]]> {
+        let Some(placement) = &self.placement else { return Cow::Borrowed(mesh.positions()) };
+        let posed = posed(mesh, placement).positions;
+        Cow::Owned(posed.into_iter().map(|p| self.place(p)).collect())
+    }
+
+    fn place(&self, p: DVec3) -> [f32; 3] {
+        ((p - self.middle) / self.scale).as_vec3().to_array()
+    }
+}
+
+/// Returns the surface of an object [at rest](Shape::at_rest). All finite if its positions are.
 #[must_use]
 pub fn shape_in_scene<'a>(
     mesh: &'a Mesh,
     object: usize,
     scene: &Arrangement,
 ) -> Cow<'a, [[f32; 3]]> {
-    let as_modelled = Cow::Borrowed(mesh.positions());
-    let (Some(placement), scale) = representative(mesh, object, scene) else { return as_modelled };
-    if !bends(mesh, placement) && is_similarity(&placement.transform.matrix3, scale) {
-        return as_modelled;
-    }
-    let posed = posed(mesh, placement).positions;
-    let (low, high) = posed
-        .iter()
-        .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), &p| (lo.min(p), hi.max(p)));
-    let middle = low.midpoint(high);
-    let place = |p: &DVec3| ((*p - middle) / scale).as_vec3();
-    let places: Vec<[f32; 3]> = posed.iter().map(|p| place(p).to_array()).collect();
-    if places.as_flattened().iter().all(|x| x.is_finite()) {
-        Cow::Owned(places)
-    } else {
-        as_modelled
-    }
+    Shape::at_rest(mesh, object, scene).of(mesh)
 }
 
 /// Returns whether a placement moves vertices by more than one transform.

@@ -1,9 +1,10 @@
 //! The animations of a document.
 
 use super::document::Stored;
+use super::graph::scene_graph;
 use super::json::{Object, malformed};
-use crate::{Document, FormatError, Limits};
-use lodc_scene::{Animation, Channel, Interpolation, Property};
+use crate::{Document, FormatError, Limits, ObjectInfo};
+use lodc_scene::{Animation, Channel, Interpolation, Motion, Property};
 
 /// Returns the names of a document's animations, in order; empty where they have none.
 ///
@@ -33,17 +34,48 @@ pub fn animation(
     Stored::read(gltf, limits, |stored, root| {
         let missing = || malformed(&*place, "is not there");
         let animation = root.entries("animations").nth(number).ok_or_else(missing)?;
-        let samplers: Vec<&Object> = animation.entries("samplers").collect();
-        let mut channels = Vec::new();
-        for (i, source) in animation.entries("channels").enumerate() {
-            let sampler = source["sampler"].as_index().and_then(|s| samplers.get(s));
-            let target = source["target"].as_object();
-            let (Some(sampler), Some(target)) = (sampler, target) else { continue };
-            let place = format!("{place}.channels[{i}]");
-            channels.extend(channel(stored, sampler, target, &place)?);
-        }
-        Ok(Animation { name: name(animation), channels })
+        one(stored, animation, &place)
     })
+}
+
+/// Reads all animations, in order; damaged ones move nothing.
+///
+/// # Errors
+/// If the stored document is damaged.
+fn animations(document: &Document, limits: &Limits) -> Result<Vec<Animation>, FormatError> {
+    let Document::Gltf(gltf) = document else { return Ok(Vec::new()) };
+    Stored::read(gltf, limits, |stored, root| {
+        let all = (0..).zip(root.entries("animations"));
+        let read = |(i, animation): (usize, _)| one(stored, animation, &format!("animations[{i}]"));
+        Ok(all.map(|animation| read(animation).unwrap_or_default()).collect())
+    })
+}
+
+/// Reads a scene at rest and its animations, as [`scene_graph`] and [`animation`] do; damaged
+/// animations move nothing.
+///
+/// # Errors
+/// If the stored document is damaged.
+pub fn scene_motion(
+    document: &Document,
+    objects: &[&ObjectInfo],
+    limits: &Limits,
+) -> Result<Motion, FormatError> {
+    let graph = scene_graph(document, objects, limits)?;
+    Ok(Motion::new(graph, animations(document, limits)?, objects.len()))
+}
+
+fn one(stored: &Stored<'_>, animation: &Object, place: &str) -> Result<Animation, FormatError> {
+    let samplers: Vec<&Object> = animation.entries("samplers").collect();
+    let mut channels = Vec::new();
+    for (i, source) in animation.entries("channels").enumerate() {
+        let sampler = source["sampler"].as_index().and_then(|s| samplers.get(s));
+        let target = source["target"].as_object();
+        let (Some(sampler), Some(target)) = (sampler, target) else { continue };
+        let place = format!("{place}.channels[{i}]");
+        channels.extend(channel(stored, sampler, target, &place)?);
+    }
+    Ok(Animation { name: name(animation), channels })
 }
 
 /// One channel; none if it changes something else.

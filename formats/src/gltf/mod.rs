@@ -54,7 +54,7 @@ mod views;
 pub(crate) mod write;
 
 #[cfg(feature = "gltf")]
-pub use animations::{animation, animation_names};
+pub use animations::{animation, animation_names, scene_motion};
 #[cfg(feature = "import")]
 pub(crate) use appearance::{appearance, coordinates};
 #[cfg(feature = "import")]

@@ -67,7 +67,11 @@ fn triple(b: &[u8]) -> [u32; 3] {
     ]
 }
 
-fn whole(bytes: &[u8], size: usize, place: impl Fn() -> String) -> Result<(), FormatError> {
+pub(super) fn whole(
+    bytes: &[u8],
+    size: usize,
+    place: impl Fn() -> String,
+) -> Result<(), FormatError> {
     if bytes.len().is_multiple_of(size) {
         return Ok(());
     }

@@ -10,6 +10,7 @@ mod left_out;
 mod made_from;
 pub(crate) mod manifest;
 mod object;
+mod poses;
 mod record;
 mod sections;
 mod steps;
@@ -26,6 +27,7 @@ use lodc_model::Array;
 pub use lodc_model::Layout;
 pub use made_from::MadeFrom;
 use manifest::{DocumentEntry, Manifest};
+pub use poses::MOST_POSES;
 pub use sections::{Section, sections};
 use std::sync::Arc;
 use streams::ZeroBudget;
@@ -199,6 +201,9 @@ pub fn write<M>(file: &LodFile<M>, store: impl Fn(&M, Layout) -> StoredModel) ->
     }
     for (((number, object), plan), models) in (0..).zip(&file.objects).zip(&plans).zip(models) {
         object::write(&mut writer, number, &object.simplified, models, plan, file.layout);
+        if !object.info.poses.is_empty() {
+            writer.optional(tag::POSES, number, 0, |out| poses::put(out, &object.info.poses));
+        }
     }
     writer.finish()
 }

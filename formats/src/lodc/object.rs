@@ -6,7 +6,7 @@ use super::manifest::{self, AttributeEntry, ModelEntry, ObjectEntry};
 use super::record::Record;
 use super::streams::{self, ZeroBudget};
 use super::table::{Tag, place, tag};
-use super::{LodObject, StoredModel, arrays, steps};
+use super::{LodObject, StoredModel, arrays, poses, steps};
 use crate::{Fault, FormatError, ObjectInfo, SubmeshInfo};
 use lodc_mesh::{
     Attribute, CollapseSequence, Lod, Mesh, MeshParts, SequenceParts, Simplified, Submesh,
@@ -123,11 +123,13 @@ pub(super) fn read(
         material: s.material,
         document_primitive: s.document_primitive,
     });
+    let poses = container.take_optional(tag::POSES, number, 0).unwrap_or_default();
     let info = ObjectInfo {
         name: entry.name,
         submeshes: submeshes.collect(),
         world_scale: entry.world_scale,
         document_mesh: entry.document_mesh,
+        poses: poses::get(poses, number)?,
     };
     Ok(LodObject { info, simplified, models })
 }

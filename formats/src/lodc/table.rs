@@ -45,9 +45,10 @@ pub(super) mod tag {
     pub(crate) const STEP_RMS: Tag = *b"SRMS";
     pub(crate) const STEP_TRIANGLES: Tag = *b"STRI";
     pub(crate) const MODEL_ARRAY: Tag = *b"MODA";
+    pub(crate) const POSES: Tag = *b"POSE";
     pub(crate) const MADE_FROM: Tag = *b"MADE";
     pub(crate) const MAY_BE_WIDE: [Tag; 3] = [TRIANGLES, TARGETS, MODEL_ARRAY];
-    pub(crate) const KNOWN: [Tag; 14] = [
+    pub(crate) const KNOWN: [Tag; 15] = [
         MANIFEST,
         DOCUMENT_JSON,
         DOCUMENT_BLOB,
@@ -61,6 +62,7 @@ pub(super) mod tag {
         STEP_RMS,
         STEP_TRIANGLES,
         MODEL_ARRAY,
+        POSES,
         MADE_FROM,
     ];
 }

@@ -6,7 +6,7 @@ use crate::testing::{LodFile, LodObject, read, stored, write};
 use crate::{ObjDocument, ObjMaterial, SourceFormat, SubmeshInfo};
 use lodc_fixtures as fixtures;
 use lodc_lod::{AnyModel, ModelKind};
-use lodc_mesh::{Attribute, Component, Mesh, MeshParts, Semantic, Submesh};
+use lodc_mesh::{Attribute, Component, Mesh, MeshParts, Posture, Semantic, Submesh};
 use lodc_strip::{StripOptions, StripPool};
 
 fn object(name: &str, mesh: &Mesh) -> LodObject {
@@ -26,6 +26,7 @@ fn object_with(name: &str, simplified: Simplified, kinds: &[ModelKind]) -> LodOb
         submeshes: (0..mesh.submeshes().len() as u32).map(submesh).collect(),
         world_scale: 2.5,
         document_mesh: 3,
+        poses: vec![],
     };
     let mut strips = StripPool::new(&simplified, StripOptions::default());
     let model = |&kind| AnyModel::build(kind, &mut strips).expect("triangles are in order");
@@ -140,6 +141,16 @@ pub(super) fn measured_file(name: &str) -> LodFile {
         objects: vec![object_with(name, simplified, &[ModelKind::Interactive])],
         ..obj_file(name)
     }
+}
+
+#[test]
+fn poses_that_errors_hold_in_come_back() {
+    let mut file = gltf_file(&["cube", "morphing_sphere"]);
+    file.objects[1].info.poses =
+        vec![Posture::Moment { animation: 1, seconds: 0.5 }, Posture::Target(0)];
+    let again = read(&write(&file)).expect("what was written");
+    same(&file, &again);
+    assert!(again.left_out.is_empty());
 }
 
 #[test]

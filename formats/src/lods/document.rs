@@ -204,6 +204,7 @@ fn object_info(entry: ObjectEntry) -> Result<(ObjectInfo, SequenceFacts), Format
         submeshes: entry.submeshes.into_iter().map(submesh).collect(),
         world_scale: entry.world_scale,
         document_mesh: entry.document_mesh,
+        poses: vec![],
     };
     Ok((info, entry.facts))
 }

@@ -134,5 +134,6 @@ fn unnamed(number: usize, submeshes: usize) -> ObjectInfo {
         submeshes: (0..submeshes as u32).map(submesh).collect(),
         world_scale: 1.0,
         document_mesh: number as u32,
+        poses: vec![],
     }
 }

@@ -1,5 +1,7 @@
 """An object of a .lodc file: its vertices, its collapse sequence and its levels."""
 
+import struct
+
 import numpy as np
 
 from .arrays import curve, lost_triangles, read_indices
@@ -68,6 +70,11 @@ class Object:
         if (b"SRMS", self.number, 0) in container.sections:
             rms = curve(take(b"SRMS"), steps, f"{self.place}: SRMS")
             self.rms = np.concatenate(([0], rms)).astype(np.float32)
+        self.poses = []
+        if (b"POSE", self.number, 0) in container.sections:
+            stored = take(b"POSE")
+            need(len(stored) % 16 == 0, self.place, "has no whole number of poses")
+            self.poses = list(struct.iter_unpack("<IId", stored))
         lost = lost_triangles(take(b"STRI"), steps, f"{self.place}: STRI")
         self.counts = len(self.triangles) - np.concatenate(([0], np.cumsum(lost)))
         need((self.counts >= 0).all(), self.place, "loses more triangles than it has")

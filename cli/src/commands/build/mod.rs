@@ -16,7 +16,7 @@ use crate::config::ConfigArgs;
 use crate::exit::{Outcome, Status};
 use crate::help::{LIMITS, MORE, OUTPUT, SIMPLIFIED};
 use crate::importance::ImportanceArgs;
-use crate::kinds::{MetricArgs, ModelArgs, StripArgs};
+use crate::kinds::{MetricArgs, ModelArgs, PosesArgs, StripArgs};
 use crate::limits::ImportArgs;
 use crate::parts::PartArgs;
 use crate::program::Program;
@@ -50,6 +50,8 @@ pub(crate) struct BuildArgs {
     importance: ImportanceArgs,
     #[command(flatten)]
     parts: PartArgs,
+    #[command(flatten)]
+    poses: PosesArgs,
     #[command(flatten)]
     models: ModelArgs,
     #[command(flatten)]

@@ -55,7 +55,7 @@ pub(super) fn make(
     report.warnings.extend(paints.warnings);
     files.extend(&paints.files);
     files.extend(&images(args, input, &document)?);
-    let simplified = measure_all(simplified, &document, &limits, &watch)?;
+    let simplified = measure_all(simplified, &document, &limits, args.poses.most(), &watch)?;
 
     let bug = |error: lodc::Error| {
         Failure::new(Status::Bug, format!("{}: {error}; nothing was written", input.display()))

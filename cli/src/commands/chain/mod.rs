@@ -24,8 +24,8 @@ use levels::{Level, LevelArgs};
 use lodc::scene_levels;
 use lodc_formats::export::{LevelFacts, Provenance};
 use lodc_formats::{OutputFile, Sought};
-use lodc_report::Roll;
 use lodc_report::documents::ChainReport;
+use lodc_report::{ErrorsOver, Roll};
 use std::path::{Path, PathBuf};
 
 /// Options of `chain`.
@@ -165,7 +165,8 @@ fn chain(
     let mut files = asset.files;
     files.extend(&images);
     let rules = rules(&made, &files);
-    Ok(Made { report: summary::report(name, &levels, &made, warnings), rules })
+    let over = ErrorsOver::of(asset.objects.iter().map(|o| &o.info).filter(|_| !args.refit));
+    Ok(Made { report: summary::report(name, &levels, &made, warnings, over), rules })
 }
 
 /// The errors that are needed: those of refitted levels are measured on the result.

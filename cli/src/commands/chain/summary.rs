@@ -4,9 +4,9 @@ use super::Files;
 use super::levels::Level;
 use crate::console::{Loudness, note, result, wants};
 use crate::exit::Outcome;
-use lodc_report::SCHEMA_VERSION;
 use lodc_report::documents::ChainReport;
 use lodc_report::text::{count, distance, grouped, size};
+use lodc_report::{ErrorsOver, SCHEMA_VERSION};
 
 /// The document of a chain.
 pub(super) fn report(
@@ -14,12 +14,14 @@ pub(super) fn report(
     levels: &[Level],
     made: &Files,
     warnings: Vec<String>,
+    errors_over: ErrorsOver,
 ) -> ChainReport {
     let numbered = levels.iter().zip(&made.of_level).enumerate();
     ChainReport {
         schema_version: SCHEMA_VERSION,
         input,
         outputs: made.files.iter().map(Into::into).collect(),
+        errors_over,
         levels: numbered.map(|(level, (l, path))| l.report(level, path)).collect(),
         warnings,
     }

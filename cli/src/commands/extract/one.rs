@@ -20,7 +20,7 @@ use lodc_formats::{ObjectInfo, scene_graph};
 use lodc_lod::{AnyModel, ModelKind};
 use lodc_mesh::Lod;
 use lodc_report::documents::{ExtractReport, ExtractedObject};
-use lodc_report::{Gone, Roll, SCHEMA_VERSION};
+use lodc_report::{ErrorsOver, Gone, Roll, SCHEMA_VERSION};
 use lodc_scene::Arrangement;
 use std::path::Path;
 
@@ -218,6 +218,10 @@ fn report(
         vertices: objects.iter().map(|o| o.vertices).sum(),
         error: finite(error),
         rms: rms.and_then(finite),
+        errors_over: match level.criterion {
+            None if !args.refit => ErrorsOver::of(asset.objects.iter().map(|o| &o.info)),
+            _ => ErrorsOver::REST,
+        },
         refitted: args.refit,
         output: target.name(),
         input: input.display().to_string(),

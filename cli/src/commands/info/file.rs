@@ -11,12 +11,12 @@ use lodc_lod::AnyModel;
 use lodc_lod::interactive::CollapseLists;
 use lodc_mesh::{CollapseSequence, Lod};
 use lodc_model::{Model, StorageCost};
-use lodc_report::SCHEMA_VERSION;
 use lodc_report::documents::{
     BitsPerVertex, InfoReport, ListsReport, ListsToReport, LodReport, ModelReport, ObjectCounts,
     ObjectReport, SourceReport, StripsReport,
 };
 use lodc_report::text::{count, distance, grouped, size};
+use lodc_report::{ErrorsOver, SCHEMA_VERSION};
 use lodc_select::decimal;
 use lodc_strip::Effort;
 use lodc_strip::{StripKind, Strips};
@@ -78,6 +78,7 @@ fn object(o: &LodObject, layout: Layout, baselines: bool) -> Outcome<ObjectRepor
         counts: counts(&o.info, &o.simplified),
         world_scale: o.info.world_scale,
         diagonal: o.simplified.mesh().diagonal(),
+        errors_over: ErrorsOver::of([&o.info]),
         errors: if collapses.is_measured() { "measured" } else { "estimate" },
         collapse_lists: lists(collapses),
         lods: lods.collect(),
@@ -196,6 +197,9 @@ fn table(text: &mut String, o: &ObjectReport) {
             distance(lod.error),
             lod.rms.map_or("-".to_owned(), distance)
         );
+    }
+    if o.errors_over != ErrorsOver::REST {
+        let _ = writeln!(text, "  {}", o.errors_over);
     }
     if o.errors == "estimate" {
         let _ = writeln!(text, "  error: estimate (build the file again to have it measured)");

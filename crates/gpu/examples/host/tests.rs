@@ -15,6 +15,7 @@ fn file(simplified: Simplified, layout: Layout) -> Vec<u8> {
         submeshes: (0..simplified.mesh().submeshes().len() as u32).map(submesh).collect(),
         world_scale: 1.0,
         document_mesh: 0,
+        poses: vec![],
     };
     let file: LodFile = LodFile {
         source: Source { format: SourceFormat::Obj, content_hash: 0 },

@@ -1,7 +1,7 @@
 //! The whole way from a mesh file to a file with every level of it.
 
 use super::{
-    Importance, Known, ScenePaints, build_models, check_models, measure_all, simplify_all,
+    Importance, Known, POSES, ScenePaints, build_models, check_models, measure_all, simplify_all,
 };
 use crate::{Error, File, LodFile};
 use lodc_formats::Scene;
@@ -20,6 +20,7 @@ pub struct Builder {
     import: ImportOptions,
     kinds: Vec<ModelKind>,
     layout: Layout,
+    poses: usize,
 }
 
 impl Builder {
@@ -30,6 +31,7 @@ impl Builder {
             import: ImportOptions::default(),
             kinds: Vec::new(),
             layout: Layout::default(),
+            poses: POSES,
         }
     }
 
@@ -69,6 +71,14 @@ impl Builder {
         self
     }
 
+    /// The poses that errors hold in besides the one at rest, at most: 8 unless another number is
+    /// asked for.
+    #[must_use]
+    pub fn poses(mut self, most: usize) -> Self {
+        self.poses = most;
+        self
+    }
+
     /// Reads the mesh, simplifies it and measures every level, on all cores.
     ///
     /// # Errors
@@ -87,7 +97,7 @@ impl Builder {
         };
         let simplified = simplify_all(objects, &options, known, &())?;
         warnings.extend(paints.warnings);
-        let simplified = measure_all(simplified, &document, &limits, &())?;
+        let simplified = measure_all(simplified, &document, &limits, self.poses, &())?;
         let strips = StripOptions::default();
         let objects = build_models(simplified, &self.kinds, strips, vec![], &())?;
         check_models(&objects, &())?;

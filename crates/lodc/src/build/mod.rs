@@ -16,7 +16,7 @@ mod simplify;
 mod watch;
 
 pub use builder::Builder;
-pub use errors::measure_all;
+pub use errors::{POSES, measure_all};
 pub use estimate::{Need, Size};
 pub use known::{Importance, Known};
 pub use models::{build_models, check_models, models};
@@ -25,7 +25,7 @@ pub use refitted::{measured, refitted_meshes};
 pub use simplify::simplify_all;
 pub use watch::Watch;
 
-pub use lodc_errors::measure as step_errors;
+pub use lodc_errors::measure_over as step_errors;
 
 use lodc_formats::ObjectInfo;
 use lodc_mesh::Simplified;

@@ -2,15 +2,16 @@
 
 use super::report::CheckReport;
 use lodc::build::step_errors;
-use lodc::{LodFile, LodObject};
+use lodc::{LodFile, LodObject, stated_shapes};
 use lodc_formats::import::{ImportOptions, import};
 use lodc_formats::lodc::MadeFrom;
-use lodc_formats::{Document, Fault, FormatError, Limits, ObjectInfo, scene_graph};
+use lodc_formats::{Document, Fault, FormatError, Limits};
 use lodc_lod::AnyModel;
 use lodc_measure::check_errors;
-use lodc_scene::{Arrangement, shape_in_scene};
+use lodc_scene::Shape;
 use lodc_verify::{Check, Reference, VerifyOptions, source_difference, verify};
 use rayon::prelude::*;
+use std::borrow::Cow;
 use std::path::Path;
 
 /// Stored facts and models of every object, several objects at once.
@@ -24,24 +25,23 @@ pub fn check_models(
     limits: &Limits,
 ) -> Result<Vec<CheckReport>, FormatError> {
     let options = VerifyOptions { stride, ..VerifyOptions::default() };
-    let infos: Vec<&ObjectInfo> = objects.iter().map(|o| &o.info).collect();
-    let graph = scene_graph(document, &infos, limits)?;
-    let scene = Arrangement::new(&graph, &graph.rest_pose(), infos.len());
-    let one = |(number, o): (usize, &LodObject)| {
-        object(o, &shape_in_scene(o.simplified.mesh(), number, &scene), &options)
+    let shapes = stated_shapes(objects, document, limits)?;
+    let one = |(o, shapes): (&LodObject, &Vec<Shape>)| {
+        let shapes: Vec<_> = shapes.iter().map(|shape| shape.of(o.simplified.mesh())).collect();
+        object(o, &shapes, &options)
     };
-    let checked: Result<Vec<_>, FormatError> = objects.par_iter().enumerate().map(one).collect();
+    let checked: Result<Vec<_>, FormatError> = objects.par_iter().zip(&shapes).map(one).collect();
     Ok(checked?.concat())
 }
 
 fn object(
     object: &LodObject,
-    shape: &[[f32; 3]],
+    shapes: &[Cow<'_, [[f32; 3]]>],
     options: &VerifyOptions,
 ) -> Result<Vec<CheckReport>, FormatError> {
     let name = &object.info.name;
     let (reference, errors) =
-        rayon::join(|| Reference::new(&object.simplified), || errors(object, shape));
+        rayon::join(|| Reference::new(&object.simplified), || errors(object, shapes));
     let reference = reference.map_err(|e| {
         let what = format!("{name}: {e}; nothing more was verified");
         FormatError::new(Fault::Limit, "", what)
@@ -66,13 +66,13 @@ fn object(
 }
 
 /// Stored errors against measured ones; those that are estimates are skipped.
-fn errors(object: &LodObject, shape: &[[f32; 3]]) -> CheckReport {
+fn errors(object: &LodObject, shapes: &[Cow<'_, [[f32; 3]]>]) -> CheckReport {
     let report = CheckReport::new(Some(&object.info.name), "sequence", "errors hold");
     if !is_measured(object) {
         let what = "the errors are estimates";
         return CheckReport { skipped: Some(what.to_owned()), ..report };
     }
-    let (lods, difference) = check_errors(&object.simplified, shape);
+    let (lods, difference) = check_errors(&object.simplified, shapes);
     report.of(lods as u64, difference)
 }
 
@@ -88,19 +88,18 @@ pub fn check_errors_again(
     if !file.made_from.as_ref().is_some_and(MadeFrom::is_of_this_version) {
         return Ok(Vec::new());
     }
-    let infos: Vec<&ObjectInfo> = file.objects.iter().map(|o| &o.info).collect();
-    let graph = scene_graph(&file.document, &infos, limits)?;
-    let scene = Arrangement::new(&graph, &graph.rest_pose(), infos.len());
-    let measured = file.objects.par_iter().enumerate().filter(|(_, o)| is_measured(o));
-    let one = |(number, o): (usize, &LodObject)| {
-        errors_again(o, &shape_in_scene(o.simplified.mesh(), number, &scene))
-    };
-    Ok(measured.map(one).collect())
+    let shapes = stated_shapes(&file.objects, &file.document, limits)?;
+    let measured = file.objects.par_iter().zip(&shapes).filter(|(o, _)| is_measured(o));
+    Ok(measured.map(|(o, shapes)| errors_again(o, shapes)).collect())
 }
 
-fn errors_again(object: &LodObject, shape: &[[f32; 3]]) -> CheckReport {
-    let collapses = object.simplified.collapses();
-    let (stored, again) = (collapses.parts(), step_errors(&object.simplified, shape));
+fn errors_again(object: &LodObject, shapes: &[Shape]) -> CheckReport {
+    let simplified = &object.simplified;
+    let (collapses, shapes) = (simplified.collapses(), shapes.iter());
+    let (stored, (again, _)) = (
+        collapses.parts(),
+        step_errors(simplified, shapes.map(|shape| shape.of(simplified.mesh()))),
+    );
     let differs = |stored: &[f32], again: &[f32], what: &str| {
         let (step, (stored, again)) =
             stored.iter().zip(again).enumerate().find(|(_, (stored, again))| stored != again)?;

@@ -2,10 +2,10 @@
 
 use super::Facts;
 use super::levels::Level;
-use crate::CheckReport;
 use crate::chart::{Chart, Curve, Scale};
 use crate::html::{base64, escaped};
 use crate::text::{count, distance, grouped, size};
+use crate::{CheckReport, ErrorsOver};
 use lodc_model::{Layout, Model};
 use std::fmt::Write;
 
@@ -54,6 +54,8 @@ fn summary(facts: &Facts<'_>) -> String {
         count(steps + objects.len() as u64, "level"),
         format!("diagonal {}", distance(facts.diagonal)),
     ];
+    let over = ErrorsOver::of(objects.iter().map(|o| &o.info));
+    parts.extend((over != ErrorsOver::REST).then(|| over.to_string()));
     parts.extend(facts.bytes.map(size));
     parts.join(" · ")
 }

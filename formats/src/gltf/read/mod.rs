@@ -193,7 +193,7 @@ fn scene_object(
     };
     let submeshes = primitives.map(submesh).collect();
     let document_mesh = document_mesh as u32;
-    let info = ObjectInfo { name, submeshes, world_scale: 1.0, document_mesh };
+    let info = ObjectInfo { name, submeshes, world_scale: 1.0, document_mesh, poses: vec![] };
     SceneObject { info, mesh, source_positions: Vec::new() }
 }
 

@@ -66,6 +66,7 @@ fn info(simplified: &Simplified) -> ObjectInfo {
         submeshes: (0..simplified.mesh().submeshes().len() as u32).map(submesh).collect(),
         world_scale: 1.0,
         document_mesh: 0,
+        poses: vec![],
     }
 }
 

@@ -268,6 +268,7 @@ fn obj_like() -> (ObjDocument, ObjectInfo, Mesh) {
         submeshes: vec![submesh],
         world_scale: 1.0,
         document_mesh: 0,
+        poses: vec![],
     };
     let document = ObjDocument { libraries: Vec::new(), materials: vec![material] };
     (document, info, Mesh::try_from(parts).expect("a triangle"))

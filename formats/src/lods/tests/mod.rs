@@ -28,6 +28,7 @@ fn object(name: &str, simplified: Simplified) -> LodObject {
         submeshes: (0..simplified.mesh().submeshes().len() as u32).map(submesh).collect(),
         world_scale: 2.5,
         document_mesh: 3,
+        poses: vec![],
     };
     LodObject { info, simplified: Arc::new(simplified), models: Vec::new() }
 }

@@ -60,8 +60,13 @@ pub(crate) fn import(
     let mesh =
         Mesh::try_from(parts).map_err(|e| FormatError::new(Fault::Limit, "", e.to_string()))?;
     let name = if name.is_empty() { "mesh0".to_owned() } else { name };
-    let info =
-        ObjectInfo { name, submeshes: assembled.submeshes, world_scale: 1.0, document_mesh: 0 };
+    let info = ObjectInfo {
+        name,
+        submeshes: assembled.submeshes,
+        world_scale: 1.0,
+        document_mesh: 0,
+        poses: vec![],
+    };
     Ok(Scene {
         source: Source { format: SourceFormat::Obj, content_hash },
         document: Document::Obj(ObjDocument { libraries, materials: materials.list }),

@@ -1,0 +1,25 @@
+//! The shapes that stated errors hold in.
+
+use crate::LodObject;
+use lodc_formats::{Document, FormatError, Limits, ObjectInfo, scene_motion};
+use lodc_scene::Shape;
+
+/// Returns for each object of a file the shapes that its errors are the largest over: at rest, then
+/// in the poses of its description. Each gives the places of the vertices of the object's mesh, or
+/// of any other mesh with its attributes, in the object's units: an error of such a mesh is the
+/// largest distance between both in one of these shapes.
+///
+/// # Errors
+/// If the stored document is damaged.
+pub fn stated_shapes(
+    objects: &[LodObject],
+    document: &Document,
+    limits: &Limits,
+) -> Result<Vec<Vec<Shape>>, FormatError> {
+    let infos: Vec<&ObjectInfo> = objects.iter().map(|o| &o.info).collect();
+    let motion = scene_motion(document, &infos, limits)?;
+    let shapes = |(number, object): (usize, &LodObject)| {
+        motion.shapes(object.simplified.mesh(), number, &object.info.poses)
+    };
+    Ok(objects.iter().enumerate().map(shapes).collect())
+}

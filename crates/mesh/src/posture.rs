@@ -1,0 +1,15 @@
+//! Names of poses.
+
+/// A pose of one object, by what gives it a shape other than the one at rest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Posture {
+    /// A moment of an animation of its file.
+    Moment {
+        /// Number of the animation, from 0.
+        animation: u32,
+        /// Seconds, at least 0.
+        seconds: f64,
+    },
+    /// The morph target of this number at weight 1, all else at rest.
+    Target(u32),
+}

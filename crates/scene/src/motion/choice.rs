@@ -1,0 +1,140 @@
+//! The choice of poses: those in which an object's shape differs most from rest and from each
+//! other.
+//!
+//! Shapes are told apart by distances between pairs of vertices, which no motion as a whole
+//! changes. The pose that is farthest from all chosen ones is the next (Gonzalez 1985).
+
+use super::{Moment, Motion, targets};
+use crate::placement::Placement;
+use crate::posed::{Streams, place};
+use crate::scale::representative;
+use glam::DVec3;
+use lodc_mesh::{Mesh, Posture};
+use rayon::prelude::*;
+
+/// Moments that are looked at: of each second, of each animation at least, and in all.
+const PER_SECOND: f64 = 16.0;
+const FEWEST: usize = 4;
+const MOST: usize = 128;
+
+/// Vertices that are looked at.
+const VERTICES: usize = 1024;
+
+/// Shapes nearer to each other than this share of the diagonal are nearly the same.
+const NEARLY_SAME: f64 = 0.01;
+
+/// A pose that may be chosen, with its placement.
+type Candidate = (Posture, Placement);
+
+impl Motion {
+    /// Chooses for each object up to `most` poses in which its shape differs most from the one at
+    /// rest and from those before: moments of animations, and morph targets at weight 1. None for
+    /// an object without skin and morph targets, or that nothing moves but as a whole.
+    #[must_use]
+    pub fn choose(&self, meshes: &[&Mesh], most: usize) -> Vec<Vec<Posture>> {
+        let objects = meshes.iter().enumerate();
+        let bending: Vec<Option<Bending>> = objects.map(|(o, m)| self.bending(o, m)).collect();
+        if most == 0 || bending.iter().all(Option::is_none) {
+            return vec![Vec::new(); meshes.len()];
+        }
+        let moments = self.moments();
+        let choose = |bending: &Option<Bending>| {
+            let Some(bending) = bending else { return Vec::new() };
+            farthest(bending, &self.candidates(bending, &moments), most)
+        };
+        bending.par_iter().map(choose).collect()
+    }
+
+    /// Returns an object whose shape may change; none for any other.
+    fn bending<'a>(&'a self, object: usize, mesh: &'a Mesh) -> Option<Bending<'a>> {
+        let (Some(rest), scale) = representative(mesh, object, &self.rest) else { return None };
+        let targets = targets(mesh);
+        let bends = !rest.joints.is_empty() || !targets.is_empty();
+        bends.then_some(Bending { mesh, rest, scale, targets })
+    }
+
+    /// Moments of all animations, evenly spread over each.
+    fn moments(&self) -> Vec<(Posture, Moment)> {
+        let animations = self.animations.len();
+        let share = (MOST / animations.max(1)).max(FEWEST);
+        let times = |(number, animation): (usize, &crate::Animation)| {
+            let length = animation.duration();
+            let count = ((length * PER_SECOND) as usize + 1).clamp(FEWEST, share);
+            let seconds = move |i: usize| length * i as f64 / (count - 1) as f64;
+            (0..count).map(move |i| (number, seconds(i))).collect::<Vec<_>>()
+        };
+        let all: Vec<_> = self.animations.iter().enumerate().flat_map(times).collect();
+        let moment = |&(number, seconds): &(usize, f64)| {
+            let posture = Posture::Moment { animation: number as u32, seconds };
+            (posture, self.moment(&self.animations[number], seconds))
+        };
+        let every = all.len().div_ceil(MOST).max(1);
+        all.par_iter().step_by(every).map(moment).collect()
+    }
+
+    /// The poses that an object may take.
+    fn candidates(&self, bending: &Bending, moments: &[(Posture, Moment)]) -> Vec<Candidate> {
+        let Bending { rest, targets, .. } = bending;
+        let moments = moments.iter().map(|(posture, m)| (*posture, m.placed(&self.graph, rest)));
+        let targets = targets.iter().map(|&t| Posture::Target(t));
+        let targets = targets.filter_map(|posture| Some((posture, self.placed(rest, posture)?)));
+        moments.chain(targets).collect()
+    }
+}
+
+/// An object whose shape may change.
+struct Bending<'a> {
+    mesh: &'a Mesh,
+    rest: &'a Placement,
+    /// Its scale at rest.
+    scale: f64,
+    /// Its morph targets.
+    targets: Vec<u32>,
+}
+
+impl Bending<'_> {
+    /// Distances between pairs of vertices in a placement, in mesh units.
+    fn distances(&self, placement: &Placement) -> Vec<f64> {
+        let Self { mesh, scale, .. } = *self;
+        let vertices = mesh.vertex_count();
+        let every = vertices.div_ceil(VERTICES).max(1);
+        let streams = Streams::of(mesh, placement);
+        let chosen = (0..vertices).step_by(every);
+        let places: Vec<DVec3> =
+            chosen.map(|v| place(&streams, mesh, placement, v as u32).0).collect();
+        let half = places.len() / 2;
+        let apart = |i: usize| (places[i] - places[(i + half) % places.len()]).length() / scale;
+        (0..places.len()).map(apart).collect()
+    }
+}
+
+/// Chooses up to `most` of some poses, the farthest first.
+fn farthest(bending: &Bending, candidates: &[Candidate], most: usize) -> Vec<Posture> {
+    // Places that no mesh can have are no shape.
+    let sound = |distances: &Vec<f64>| distances.iter().all(|&d| d < f64::from(f32::MAX));
+    let (candidates, distances): (Vec<Posture>, Vec<Vec<f64>>) = candidates
+        .par_iter()
+        .map(|(posture, placement)| (*posture, bending.distances(placement)))
+        .filter(|(_, distances)| sound(distances))
+        .unzip();
+    let mut latest = bending.distances(bending.rest);
+    let least = NEARLY_SAME * latest.iter().copied().fold(0.0, f64::max);
+    let mut apart = vec![f64::INFINITY; candidates.len()];
+    let mut chosen = Vec::new();
+    while chosen.len() < most {
+        for (apart, other) in apart.iter_mut().zip(&distances) {
+            *apart = apart.min(difference(&latest, other));
+        }
+        // The first of equals.
+        let next = (0..apart.len()).rev().max_by(|&a, &b| apart[a].total_cmp(&apart[b]));
+        let Some(next) = next.filter(|&next| apart[next] > least) else { break };
+        latest.clone_from(&distances[next]);
+        chosen.push(candidates[next]);
+    }
+    chosen
+}
+
+/// The largest difference between two lists of distances.
+fn difference(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}

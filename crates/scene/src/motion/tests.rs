@@ -1,0 +1,117 @@
+//! Poses that are chosen, of objects that bend, morph, or move as a whole.
+
+use super::*;
+use crate::{Animation, Channel, Interpolation, LocalTransform, Node, Property, Skin, Transform};
+use glam::DVec3;
+
+fn trs(translation: [f64; 3]) -> LocalTransform {
+    LocalTransform::Trs { translation, rotation: [0.0, 0.0, 0.0, 1.0], scale: [1.0; 3] }
+}
+
+/// Turns a node about x within two seconds, by a right angle and back.
+fn turning(node: u32) -> Animation {
+    let half = 0.5f64.sqrt();
+    let values = [[0.0, 0.0, 0.0, 1.0], [half, 0.0, 0.0, half], [0.0, 0.0, 0.0, 1.0]].concat();
+    let times = vec![0.0, 1.0, 2.0];
+    let (property, interpolation) = (Property::Rotation, Interpolation::Linear);
+    let channels = vec![Channel { node, property, interpolation, times, values }];
+    Animation { channels, ..Animation::default() }
+}
+
+/// A tube along z with four joints, at 0, 2, 4 and 6, each the child of the one before; and a node
+/// that shows it, with the joints below it.
+fn tube(animations: Vec<Animation>) -> (Mesh, Motion) {
+    let joint = |i: u32| Node {
+        local: trs(if i > 1 { [0.0, 0.0, 2.0] } else { [0.0; 3] }),
+        children: if i < 4 { vec![i + 1] } else { vec![] },
+        ..Node::default()
+    };
+    let shows = Node { objects: vec![0], skin: Some(0), children: vec![1], ..Node::default() };
+    let bound = |i: u32| Transform::from_translation(DVec3::new(0.0, 0.0, -2.0 * f64::from(i)));
+    let graph = Graph {
+        nodes: std::iter::once(shows).chain((1..5).map(joint)).collect(),
+        roots: vec![0],
+        skins: vec![Skin { joints: vec![1, 2, 3, 4], inverse_bind: (0..4).map(bound).collect() }],
+    };
+    let mesh = lodc_fixtures::named("skinned_tube_u8").expect("a shape");
+    (mesh, Motion::new(graph, animations, 1))
+}
+
+#[test]
+fn the_farthest_pose_comes_first_and_the_others_differ_from_it() {
+    let (mesh, motion) = tube(vec![turning(3)]);
+    let chosen = motion.choose(&[&mesh], 3).remove(0);
+    let seconds = |posture: &Posture| match posture {
+        Posture::Moment { animation: 0, seconds } => *seconds,
+        other => panic!("{other:?}"),
+    };
+    let times: Vec<f64> = chosen.iter().map(seconds).collect();
+    assert_eq!(times[0], 1.0, "where it is bent most");
+    // The way back shows the same poses as the way there.
+    assert!(times.len() == 3 && times[1..].iter().all(|t| *t < 1.0), "{times:?}");
+    assert!(times[1] > 0.2 && times[1] < 0.8, "{times:?}");
+    assert_eq!(motion.choose(&[&mesh], 1), [&chosen[..1]]);
+    assert!(motion.choose(&[&mesh], 0)[0].is_empty());
+}
+
+#[test]
+fn what_moves_as_a_whole_keeps_its_shape() {
+    for node in [0, 1] {
+        let (mesh, motion) = tube(vec![turning(node)]);
+        assert!(motion.choose(&[&mesh], 8)[0].is_empty(), "node {node}");
+    }
+    let cube = lodc_fixtures::named("cube").expect("a shape");
+    let node = Node { local: trs([0.0; 3]), objects: vec![0], ..Node::default() };
+    let graph = Graph { nodes: vec![node], roots: vec![0], skins: Vec::new() };
+    let motion = Motion::new(graph, vec![turning(0)], 1);
+    assert!(motion.choose(&[&cube], 8)[0].is_empty());
+}
+
+#[test]
+fn a_rig_without_animations_is_at_rest() {
+    let (mesh, motion) = tube(vec![]);
+    assert!(motion.choose(&[&mesh], 8)[0].is_empty());
+}
+
+#[test]
+fn morph_targets_are_poses_that_need_no_animation() {
+    let sphere = lodc_fixtures::named("morphing_sphere").expect("a shape");
+    let graph = Graph::of_objects(1);
+    let motion = Motion::new(graph, vec![], 1);
+    let chosen = motion.choose(&[&sphere], 8).remove(0);
+    // The first moves z by itself, the second x by a half.
+    assert_eq!(chosen, [Posture::Target(0), Posture::Target(1)]);
+    let shapes = motion.shapes(&sphere, 0, &chosen);
+    let height = |shape: &Shape| {
+        let places = shape.of(&sphere);
+        places.iter().map(|p| p[2]).fold(f32::MIN, f32::max)
+    };
+    assert_eq!(shapes.len(), 3);
+    assert!((height(&shapes[1]) - 2.0 * height(&shapes[0])).abs() < 1e-5);
+}
+
+#[test]
+fn poses_are_as_large_as_at_rest() {
+    let (mesh, mut motion) = tube(vec![turning(3)]);
+    let chosen = motion.choose(&[&mesh], 1).remove(0);
+    let shape = |motion: &Motion| motion.shapes(&mesh, 0, &chosen)[1].of(&mesh).into_owned();
+    let before = shape(&motion);
+    let Motion { mut graph, animations, .. } = motion;
+    graph.nodes[0].local = LocalTransform::Matrix(Transform::from_scale(DVec3::splat(0.01)));
+    motion = Motion::new(graph, animations, 1);
+    for (a, b) in before.as_flattened().iter().zip(shape(&motion).as_flattened()) {
+        assert!((a - b).abs() < 1e-5, "{a} {b}");
+    }
+}
+
+#[test]
+fn the_number_of_threads_changes_no_choice() {
+    let (mesh, motion) = tube(vec![turning(3), turning(2)]);
+    let with = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+        pool.install(|| motion.choose(&[&mesh], 8))
+    };
+    let one = with(1);
+    assert!(one[0].len() > 4);
+    assert!([2, 3, 8].into_iter().all(|threads| with(threads) == one));
+}

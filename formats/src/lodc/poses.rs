@@ -1,0 +1,70 @@
+//! The poses that an object's errors hold in besides the one at rest: the optional section `POSE`.
+
+use super::arrays::whole;
+use super::table::{place, tag};
+use crate::{Fault, FormatError};
+use lodc_mesh::Posture;
+
+/// Bytes of a pose: its kind, its number, its seconds.
+const ENTRY: usize = 16;
+
+const MOMENT: u32 = 0;
+const TARGET: u32 = 1;
+
+/// Most poses of an object.
+pub const MOST_POSES: usize = 64;
+
+pub(super) fn put(out: &mut Vec<u8>, poses: &[Posture]) {
+    for &pose in poses {
+        let (kind, number, seconds) = match pose {
+            Posture::Moment { animation, seconds } => (MOMENT, animation, seconds),
+            Posture::Target(target) => (TARGET, target, 0.0),
+        };
+        out.extend(kind.to_le_bytes());
+        out.extend(number.to_le_bytes());
+        out.extend(seconds.to_le_bytes());
+    }
+}
+
+/// Reads the section of an object; nothing is no pose.
+pub(super) fn get(bytes: &[u8], number: u32) -> Result<Vec<Posture>, FormatError> {
+    let place = || place(tag::POSES, number, 0);
+    let wrong = |what: String| FormatError::new(Fault::Malformed, place(), what);
+    whole(bytes, ENTRY, place)?;
+    if bytes.len() / ENTRY > MOST_POSES {
+        return Err(wrong(format!("has more than {MOST_POSES} poses")));
+    }
+    let pose = |entry: &[u8]| {
+        let word = |at: usize| u32::from_le_bytes(std::array::from_fn(|i| entry[at + i]));
+        let seconds = f64::from_le_bytes(std::array::from_fn(|i| entry[8 + i]));
+        match (word(0), word(4)) {
+            (MOMENT, animation) if seconds.is_finite() && seconds >= 0.0 => {
+                Ok(Posture::Moment { animation, seconds })
+            }
+            (TARGET, target) if seconds.to_bits() == 0 => Ok(Posture::Target(target)),
+            (kind, _) => Err(wrong(format!("has a pose of kind {kind} at {seconds} s"))),
+        }
+    };
+    bytes.chunks_exact(ENTRY).map(pose).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn poses_come_back_and_nonsense_is_refused() {
+        let poses = [Posture::Moment { animation: 3, seconds: 1.25 }, Posture::Target(7)];
+        let mut bytes = Vec::new();
+        put(&mut bytes, &poses);
+        assert_eq!(get(&bytes, 0), Ok(poses.to_vec()));
+        for (at, byte) in [(0, 2), (0, 1), (15, 0xff), (31, 1)] {
+            let mut wrong = bytes.clone();
+            wrong[at] = byte;
+            assert!(get(&wrong, 0).is_err(), "{at}");
+        }
+        assert!(get(&bytes[1..], 0).is_err());
+        assert!(get(&bytes.repeat(MOST_POSES / 2), 0).is_ok());
+        assert!(get(&bytes.repeat(MOST_POSES / 2 + 1), 0).is_err());
+    }
+}
