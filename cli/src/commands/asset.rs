@@ -11,7 +11,7 @@ use crate::stages::Stages;
 use clap::Args;
 use lodc::{
     Input, LodObject,
-    build::{Known, Paints, ScenePaints, Size, measure_all, simplify_all},
+    build::{Known, Paints, ScenePaints, Size, measure_all, measure_bending, simplify_all},
     read_input,
 };
 use lodc_formats::{Document, ObjectInfo, Scene, Sought, Source, appearance};
@@ -39,7 +39,8 @@ pub(crate) struct Asset {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Errors {
     Measured,
-    /// Nothing asks for them, so those of a mesh may stay estimates.
+    /// Nothing asks for them, so those of a mesh may stay estimates. Of objects that bend they say
+    /// in which poses levels are measured.
     Unused,
 }
 
@@ -194,9 +195,10 @@ fn simplified_showing(
         warnings.extend(paints.warnings);
     }
     files.extend(&paints.files);
+    let poses = how.poses.most();
     let simplified = match errors {
-        Errors::Unused => simplified,
-        Errors::Measured => measure_all(simplified, &document, &limits, how.poses.most(), &watch)?,
+        Errors::Unused => measure_bending(simplified, &document, &limits, poses, &watch)?,
+        Errors::Measured => measure_all(simplified, &document, &limits, poses, &watch)?,
     };
     let object = |(info, simplified)| LodObject { info, simplified, models: Vec::new() };
     let objects = simplified.into_iter().map(object).collect();

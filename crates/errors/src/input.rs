@@ -10,8 +10,8 @@ use lodc_nearest::{MovingTree, Triangles, morton_order};
 /// at one position may be shown at several places. Triangles die by positions, distances are
 /// between places.
 pub(crate) struct Input {
-    /// The place of each point, scaled by a power of two so that the diagonal of all is from 1 to
-    /// 2.
+    /// The place of each point, moved towards the origin if it is far from there, and scaled by a
+    /// power of two so that the diagonal of all is from 1 to 2. All bits are kept.
     pub(crate) places: Vec<[f32; 3]>,
     /// The position of each point.
     pub(crate) positions: Vec<u32>,
@@ -36,9 +36,13 @@ impl Input {
         let mesh = simplified.mesh();
         let points = Points::new(mesh.positions(), shown);
         let raw = |t: u32| mesh.triangles()[t as usize].map(|v| shown[v as usize]);
-        let (size, diagonal) = size(mesh.triangles().iter().flatten().map(|&v| shown[v as usize]));
+        let Extent { origin, size, diagonal } =
+            Extent::of(mesh.triangles().iter().flatten().map(|&v| shown[v as usize]));
         let scale = 1.0 / size;
-        let place = |v: u32| shown[v as usize].map(|x| (f64::from(x) * scale) as f32);
+        let place = |v: u32| {
+            let p = shown[v as usize];
+            std::array::from_fn(|k| (f64::from(p[k] - origin[k]) * scale) as f32)
+        };
 
         let order = morton_order(0..mesh.triangles().len() as u32, raw);
         let wedges: Vec<[u32; 3]> = order.iter().map(|&t| mesh.triangles()[t as usize]).collect();
@@ -97,20 +101,38 @@ pub(crate) fn wide([x, y, z]: [f32; 3]) -> DVec3 {
     DVec3::new(f64::from(x), f64::from(y), f64::from(z))
 }
 
-/// Returns a power of two near the diagonal of the bounding box of some points, and the diagonal;
-/// 1 and 0 if there is none.
-fn size(points: impl Iterator<Item = [f32; 3]>) -> (f64, f64) {
-    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    for p in points {
-        let p = wide(p);
-        (low, high) = (low.min(p), high.max(p));
-    }
-    let diagonal = (high - low).length();
-    if diagonal > 0.0 && diagonal.is_finite() {
-        // The exponent alone: a power of two.
-        (f64::from_bits(diagonal.to_bits() >> 52 << 52), diagonal)
-    } else {
-        (1.0, 0.0)
+/// The extent of some points.
+struct Extent {
+    /// What may be taken off every point without rounding: its differences from points on the same
+    /// side of 0, of which the farthest is at most twice as far, are exact (Sterbenz 1974). Points
+    /// of samples, which are rounded, then lie on the surface however far it is from the origin.
+    origin: [f32; 3],
+    /// A power of two near the diagonal of the bounding box, and the diagonal; 1 and 0 without
+    /// points.
+    size: f64,
+    diagonal: f64,
+}
+
+impl Extent {
+    fn of(points: impl Iterator<Item = [f32; 3]>) -> Self {
+        let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
+        for p in points {
+            low = std::array::from_fn(|k| low[k].min(p[k]));
+            high = std::array::from_fn(|k| high[k].max(p[k]));
+        }
+        let origin = std::array::from_fn(|k| match (low[k], high[k]) {
+            (low, high) if low > 0.0 && high <= 2.0 * low => low,
+            (low, high) if high < 0.0 && low >= 2.0 * high => high,
+            _ => 0.0,
+        });
+        let diagonal = (wide(high) - wide(low)).length();
+        if diagonal > 0.0 && diagonal.is_finite() {
+            // The exponent alone: a power of two.
+            let size = f64::from_bits(diagonal.to_bits() >> 52 << 52);
+            Self { origin, size, diagonal }
+        } else {
+            Self { origin, size: 1.0, diagonal: 0.0 }
+        }
     }
 }
 

@@ -165,7 +165,7 @@ fn chain(
     let mut files = asset.files;
     files.extend(&images);
     let rules = rules(&made, &files);
-    let over = ErrorsOver::of(asset.objects.iter().map(|o| &o.info).filter(|_| !args.refit));
+    let over = ErrorsOver::of(asset.objects.iter().map(|o| &o.info));
     Ok(Made { report: summary::report(name, &levels, &made, warnings, over), rules })
 }
 

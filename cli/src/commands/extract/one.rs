@@ -147,7 +147,8 @@ fn view(
     let meshes = views.meshes(&shown)?.into_iter().map(|m| level_mesh::ordered(m, order));
     let meshes = meshes.collect();
     Ok(Level {
-        meshes: stages.run("measure", || measured(&asset.objects, meshes)),
+        meshes: stages
+            .run("measure", || measured(&asset.objects, &asset.document, meshes, &limits))?,
         lods: vec![None; asset.objects.len()],
         model: ModelKind::Interactive.name(),
         criterion: Some(name),
@@ -218,10 +219,7 @@ fn report(
         vertices: objects.iter().map(|o| o.vertices).sum(),
         error: finite(error),
         rms: rms.and_then(finite),
-        errors_over: match level.criterion {
-            None if !args.refit => ErrorsOver::of(asset.objects.iter().map(|o| &o.info)),
-            _ => ErrorsOver::REST,
-        },
+        errors_over: ErrorsOver::of(asset.objects.iter().map(|o| &o.info)),
         refitted: args.refit,
         output: target.name(),
         input: input.display().to_string(),

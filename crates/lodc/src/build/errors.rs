@@ -19,10 +19,35 @@ pub const POSES: usize = 8;
 /// # Errors
 /// If the stored document is damaged.
 pub fn measure_all(
-    mut objects: SimplifiedObjects,
+    objects: SimplifiedObjects,
     document: &Document,
     limits: &Limits,
     poses: usize,
+    watch: &dyn Watch,
+) -> Result<SimplifiedObjects, FormatError> {
+    measure_some(objects, document, limits, (poses, false), watch)
+}
+
+/// Measures those objects alone that have other shapes than at rest: for levels that are measured
+/// when they are made, over the same poses.
+///
+/// # Errors
+/// As [`measure_all`].
+pub fn measure_bending(
+    objects: SimplifiedObjects,
+    document: &Document,
+    limits: &Limits,
+    poses: usize,
+    watch: &dyn Watch,
+) -> Result<SimplifiedObjects, FormatError> {
+    measure_some(objects, document, limits, (poses, true), watch)
+}
+
+fn measure_some(
+    mut objects: SimplifiedObjects,
+    document: &Document,
+    limits: &Limits,
+    (poses, only_bending): (usize, bool),
     watch: &dyn Watch,
 ) -> Result<SimplifiedObjects, FormatError> {
     let triangles = |s: &Simplified| s.mesh().triangles().len() as u64;
@@ -34,6 +59,9 @@ pub fn measure_all(
     let mut chosen = motion.choose(&meshes, poses);
     objects.iter_mut().zip(&mut chosen).for_each(|((info, _), poses)| info.poses = take(poses));
     let one = |(number, (mut info, simplified)): (usize, (ObjectInfo, Arc<Simplified>))| {
+        if only_bending && info.poses.is_empty() {
+            return (info, simplified);
+        }
         let mesh = simplified.mesh();
         let shapes = motion.shapes(mesh, number, &info.poses);
         let shapes = shapes.iter().map(|shape| shape.of(mesh));
@@ -45,5 +73,8 @@ pub fn measure_all(
         watch.add(triangles(&measured));
         (info, Arc::new(measured))
     };
+    if only_bending && objects.iter().all(|(info, _)| info.poses.is_empty()) {
+        return Ok(objects);
+    }
     Ok(staged(watch, "errors", units, || objects.into_par_iter().enumerate().map(one).collect()))
 }

@@ -2,13 +2,14 @@
 
 use super::likeness::{Likeness, noise};
 use crate::level_mesh::{LevelMesh, Order, ordered};
-use crate::{Error, LodObject};
+use crate::{Error, LodObject, stated_shapes};
 use lodc_formats::{Document, Limits, ObjectInfo, coordinates};
 use lodc_measure::{Original, Pyramid, Sampling, Surface, TriangleTree};
 use lodc_mesh::{Lod, Mesh};
 use lodc_refit::{Options, Refit};
-use lodc_scene::Coordinates;
+use lodc_scene::{Coordinates, Shape};
 use rayon::prelude::*;
+use std::borrow::Cow;
 use std::sync::Arc;
 
 /// Shares of the way to the best fit, of which the first that looks plainly better counts, else the
@@ -35,40 +36,74 @@ pub fn refitted_meshes(
 ) -> Result<Vec<LevelMesh>, Error> {
     let infos: Vec<&ObjectInfo> = objects.iter().map(|o| &o.info).collect();
     let shown = coordinates(document, &infos, limits)?;
+    let shapes = stated_shapes(objects, document, limits)?;
     let noise = noise();
-    let one = |((object, &lod), shown): ((&LodObject, &Lod), &Vec<Coordinates>)| {
-        let (mesh, error, rms) = refitted(object, lod, (shown, &noise));
+    let one = |((object, &lod), (shown, shapes)): ((&LodObject, &Lod), (&Vec<_>, &Vec<Shape>))| {
+        let (mesh, at_rest) = refitted(object, lod, (shown, &noise));
+        let (error, rms) = over(shapes, object.simplified.mesh(), &mesh, Some(at_rest));
         LevelMesh { mesh: ordered(mesh, order), error, rms: Some(rms) }
     };
-    Ok(objects.par_iter().zip(lods).zip(&shown).map(one).collect())
+    Ok(objects.par_iter().zip(lods).zip(shown.par_iter().zip(&shapes)).map(one).collect())
 }
 
 /// Measures meshes against the objects that they are levels of: for each an upper bound of its
-/// distance, and the root mean square distance. For levels that no sequence has.
-#[must_use]
-pub fn measured(objects: &[LodObject], meshes: Vec<Mesh>) -> Vec<LevelMesh> {
-    let one = |(object, mesh): (&LodObject, Mesh)| {
-        let from_input = original(object.simplified.mesh(), None);
-        let (error, rms) = from_input.bound_and_rms(&bare(&mesh));
+/// distance, and the root mean square distance, the largest over the shapes that the objects'
+/// errors are over. For levels that no sequence has.
+///
+/// # Errors
+/// If the stored document is damaged.
+pub fn measured(
+    objects: &[LodObject],
+    document: &Document,
+    meshes: Vec<Mesh>,
+    limits: &Limits,
+) -> Result<Vec<LevelMesh>, Error> {
+    let shapes = stated_shapes(objects, document, limits)?;
+    let one = |((object, mesh), shapes): ((&LodObject, Mesh), &Vec<Shape>)| {
+        let (error, rms) = over(shapes, object.simplified.mesh(), &mesh, None);
         LevelMesh { mesh, error, rms: Some(rms) }
     };
-    objects.par_iter().zip(meshes).map(one).collect()
+    Ok(objects.par_iter().zip(meshes).zip(&shapes).map(one).collect())
 }
 
-/// A refitted level of an object of a scene, its error and its root mean square distance. These are
-/// measured: the stored ones are of the vertices where they were. `shown` are the texture
+/// Points that the mean distance in a pose is of.
+const IN_POSE: Sampling = Sampling { samples: 20_000, ..Sampling::DEFAULT };
+
+/// The bound and the root mean square distance of a level, the largest over some shapes, the first
+/// of them at rest. `as_modelled` are those of the meshes as they are, if they are known.
+fn over(
+    shapes: &[Shape],
+    input: &Mesh,
+    level: &Mesh,
+    as_modelled: Option<(f64, f64)>,
+) -> (f64, f64) {
+    let in_shape = |(number, shape): (usize, &Shape)| {
+        let [places, own] = [shape.of(input), shape.of(level)];
+        if let (Cow::Borrowed(_), Some(known)) = (&places, as_modelled) {
+            return known;
+        }
+        let sampling = if number == 0 { Sampling::DEFAULT } else { IN_POSE };
+        let original = Original::new(&surface(input, &places), &sampling);
+        original.bound_and_rms(&surface(level, &own))
+    };
+    let all = shapes.iter().enumerate().map(in_shape);
+    all.fold((0.0, 0.0), |(error, rms), (e, r)| (f64::max(error, e), f64::max(rms, r)))
+}
+
+/// A refitted level of an object, with its error and its root mean square distance as the object was
+/// modelled. These are measured: the stored ones are of the vertices where they were. `shown` are the texture
 /// coordinates of its submeshes, and what is painted by them.
-fn refitted(object: &LodObject, lod: Lod, shown: Shown<'_>) -> (Mesh, f64, f64) {
+fn refitted(object: &LodObject, lod: Lod, shown: Shown<'_>) -> (Mesh, (f64, f64)) {
     let input = object.simplified.mesh();
     let found = Refit::new(&object.simplified, lod, &Options::DEFAULT);
     if lod.0 == 0 {
-        return (found.unmoved(), 0.0, 0.0);
+        return (found.unmoved(), (0.0, 0.0));
     }
     let unmoved = found.unmoved();
     let from_input = original(input, found.tree());
     let before = from_input.bound_and_rms(&bare(&unmoved));
     let judge = Judge::new(input, &unmoved, shown);
-    let mut best = (BETTER, (unmoved, before.0, before.1));
+    let mut best = (BETTER, (unmoved, before));
     for share in SHARES {
         let mesh = found.mesh(share);
         let (error, rms) = from_input.bound_and_rms(&bare(&mesh));
@@ -77,7 +112,7 @@ fn refitted(object: &LodObject, lod: Lod, shown: Shown<'_>) -> (Mesh, f64, f64) 
         }
         let kept = judge.as_ref().map_or(0.0, |judge| judge.kept(&mesh));
         if kept < best.0 {
-            best = (kept, (mesh, error, rms));
+            best = (kept, (mesh, (error, rms)));
         }
         if kept <= PLAINLY {
             break;
@@ -126,8 +161,13 @@ fn kept(before: &[f64], now: &[f64]) -> f64 {
 }
 
 fn bare(mesh: &Mesh) -> Surface {
+    surface(mesh, mesh.positions())
+}
+
+/// The triangles of a mesh with its vertices at other places.
+fn surface(mesh: &Mesh, places: &[[f32; 3]]) -> Surface {
     Surface {
-        positions: mesh.positions().iter().map(|&p| p.into()).collect(),
+        positions: places.iter().map(|&p| p.into()).collect(),
         triangles: mesh.triangles().to_vec(),
         ..Surface::default()
     }
@@ -153,6 +193,7 @@ mod tests {
                 name: name.to_string(),
                 submeshes: Vec::new(),
                 world_scale: 1.0,
+                poses: vec![],
                 document_mesh: 0,
             };
             let simplified = Arc::new(simplified);
