@@ -10,7 +10,7 @@ use crate::refine::{FLOOR, Refine};
 use crate::work::Work;
 use glam::DVec3;
 use lodc_mesh::NONE;
-use lodc_nearest::{area, centroid};
+use lodc_nearest::{Search, TriangleTree, area, centroid};
 
 /// Barycentric coordinates asked besides on large faces and where few are left, and very few.
 const FEW: [[f64; 3]; 3] = [[0.6, 0.2, 0.2], [0.2, 0.6, 0.2], [0.2, 0.2, 0.6]];
@@ -28,6 +28,11 @@ const VERY_FEW: [[f64; 3]; 12] = [
     [0.7, 0.0, 0.3],
     [0.3, 0.0, 0.7],
 ];
+
+/// A face is looked at for holes below it while the squared bound is this share of its longest
+/// edge, squared; boxes that may be opened for one.
+const UNCOVERED: f64 = 2.5e-3;
+const COVERED: [u32; 2] = [2_000, 0];
 
 /// State of a face, as far as this way needs it.
 #[derive(Clone, Copy, Debug)]
@@ -65,6 +70,8 @@ pub(crate) struct Backward<'a> {
     input: &'a Input,
     care: Care,
     faces: Vec<Face>,
+    /// One over the input for [`Search`], once a face was looked at with it.
+    tree: Option<TriangleTree>,
     /// The squared bound.
     bound: f64,
     /// Sum of area times mean squared distance over live faces, and of areas.
@@ -107,6 +114,7 @@ impl<'a> Backward<'a> {
             input,
             care,
             faces,
+            tree: None,
             bound: 0.0,
             sums: [0.0, weight],
             work: Work::default(),
@@ -285,10 +293,35 @@ impl<'a> Backward<'a> {
         self.work.done += opened;
         if is_hot {
             self.refine_face(now, corners);
+        } else if !disc && self.may_uncover(corners) {
+            self.cover_face(corners);
         }
         let reach = if is_hot { self.bound.max(far) } else { far };
         self.faces[face as usize].reach = reach.sqrt() as f32;
         middle
+    }
+
+    /// Returns whether a face is so large beside the bound that a point of it may be beyond where
+    /// none was asked: over a hole that other faces in its plane surround.
+    fn may_uncover(&self, [a, b, c]: [DVec3; 3]) -> bool {
+        let edges = [b - a, c - b, a - c].map(DVec3::length_squared);
+        self.bound.max(FLOOR) < UNCOVERED * edges[0].max(edges[1]).max(edges[2])
+    }
+
+    /// Decides how far a face is by clipping it with the prisms of the input's triangles: flat
+    /// places end exactly.
+    fn cover_face(&mut self, corners: [DVec3; 3]) {
+        let input = self.input;
+        let tree = self.tree.get_or_insert_with(|| {
+            TriangleTree::new(&input.triangles.iter().map(|&t| input.at(t)).collect::<Vec<_>>())
+        });
+        let floor = self.bound.max(FLOOR).sqrt();
+        let search = Search { floor, boxes: COVERED, ..Search::within(input.diagonal) };
+        let found = search.farthest(&[corners], tree);
+        if found.least > floor {
+            self.bound = self.bound.max(found.least * found.least);
+        }
+        self.work.done += found.opened;
     }
 
     /// Returns whether a step made an edge and no face has asked it yet: each is asked once.

@@ -79,9 +79,9 @@ struct Shape<'a> {
 }
 
 impl Shape<'_> {
-    /// Distances that are none: rounding errors of coordinates are no differences.
+    /// Distances that are none: singles as long as the diagonal are rounded to about as much.
     fn slack(&self) -> f64 {
-        1e-9 * self.diagonal
+        1e-7 * self.diagonal
     }
 
     /// Errors that are not worth a refusal if they are too large.

@@ -1,5 +1,5 @@
-//! The JSON documents of commands. Their keys are a contract with scripts (docs/CLI.md): more may be
-//! added, none may change.
+//! The JSON documents of commands. Their keys are a contract with scripts (docs/CLI.md): more may
+//! be added, none may change.
 #![expect(missing_docs, reason = "docs/CLI.md says what each key means")]
 
 use crate::{ErrorsOver, Gone};

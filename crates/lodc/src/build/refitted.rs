@@ -90,9 +90,9 @@ fn over(
     all.fold((0.0, 0.0), |(error, rms), (e, r)| (f64::max(error, e), f64::max(rms, r)))
 }
 
-/// A refitted level of an object, with its error and its root mean square distance as the object was
-/// modelled. These are measured: the stored ones are of the vertices where they were. `shown` are the texture
-/// coordinates of its submeshes, and what is painted by them.
+/// A refitted level of an object, with its error and its root mean square distance as the object
+/// was modelled. These are measured: the stored ones are of the vertices where they were. `shown`
+/// are the texture coordinates of its submeshes, and what is painted by them.
 fn refitted(object: &LodObject, lod: Lod, shown: Shown<'_>) -> (Mesh, (f64, f64)) {
     let input = object.simplified.mesh();
     let found = Refit::new(&object.simplified, lod, &Options::DEFAULT);

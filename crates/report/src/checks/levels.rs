@@ -10,7 +10,6 @@ use lodc_formats::{
 use lodc_measure::{Original, Sampling, Surface};
 use lodc_mesh::{Attribute, Mesh, Semantic};
 use lodc_scene::{Arrangement, Placement, posed, representative};
-use std::collections::HashSet;
 
 /// Measured distances may be so much larger than what a level states.
 const TOLERANCE: f64 = 1.05;
@@ -249,19 +248,21 @@ fn is_quantized(scene: &Scene) -> bool {
 /// other values. Where vertices at one position differ, one may go to a position where none has its
 /// values: it takes them along.
 struct Vertices {
-    of_object: Vec<[HashSet<Vec<u8>>; 2]>,
+    /// Sorted.
+    of_object: Vec<[Vec<Vec<u8>>; 2]>,
 }
 
 impl Vertices {
     /// Of several objects those of each if none is gone.
     fn of(source: &Scene, level: &Scene) -> Self {
         let sets = |meshes: &[&Mesh]| {
-            let mut sets = [HashSet::new(), HashSet::new()];
-            for [position, values] in meshes.iter().flat_map(|mesh| vertices(mesh)) {
-                sets[0].insert(position);
-                sets[1].insert(values);
-            }
-            sets
+            let (positions, values) =
+                meshes.iter().flat_map(|mesh| vertices(mesh)).map(<(_, _)>::from).unzip();
+            [positions, values].map(|mut all: Vec<Vec<u8>>| {
+                all.sort_unstable();
+                all.dedup();
+                all
+            })
         };
         let meshes: Vec<&Mesh> = source.objects.iter().map(|o| &o.mesh).collect();
         let all = source.objects.len() == level.objects.len();
@@ -277,8 +278,10 @@ impl Vertices {
         level.objects.iter().enumerate().find_map(|(o, object)| {
             let known = self.of_object.get(o).unwrap_or(&self.of_object[0]);
             vertices(&object.mesh).enumerate().find_map(|(v, vertex)| {
-                let place =
-                    vertex.iter().zip(known).position(|(bytes, known)| !known.contains(bytes))?;
+                let place = vertex
+                    .iter()
+                    .zip(known)
+                    .position(|(own, all)| all.binary_search(own).is_err())?;
                 let what = ["position", "values"][place];
                 Some(format!(
                     "{}: the source has no vertex with the {what} of vertex {v}",
