@@ -24,8 +24,12 @@ fn spoil(f: &Folder, [error, rms]: [f32; 2], program: &str) {
     for object in &mut file.objects {
         let parts = object.simplified.collapses().parts().clone();
         let by = |factor: f32| move |&e: &f32| if e.is_finite() { e * factor } else { e };
-        let scaled = |all: &[f32], factor: f32| all.iter().map(by(factor)).collect();
-        let (largest, rms) = (scaled(&parts.step_errors, error), scaled(&parts.step_rms, rms));
+        let scaled =
+            |all: &[f32], factor: f32| -> Vec<f32> { all.iter().map(by(factor)).collect() };
+        let largest: Vec<f32> = scaled(&parts.step_errors, error);
+        let rms: Vec<f32> = scaled(&parts.step_rms, rms);
+        // A mean is not above the largest.
+        let rms = rms.iter().zip(&largest).map(|(rms, largest)| rms.min(*largest)).collect();
         let simplified = (*object.simplified).clone().with_distances(largest, rms);
         object.simplified = Arc::new(simplified.expect("they do not fall"));
     }
