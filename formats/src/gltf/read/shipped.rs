@@ -249,7 +249,7 @@ fn wrong_ranges(ranges: &[Json], indices: &[u32]) -> Option<String> {
         let used = own.iter().max().map_or(0, |&v| v as usize + 1);
         if used != vertices || used > most || first != next {
             return Some(format!(
-                "level {level} begins at {first}, not {next}, or needs {used} vertices, not {vertices}"
+                "level {level} is at {first}, not {next}, or uses {used} vertices, not {vertices}"
             ));
         }
         (next, most) = (first + count, used);
