@@ -29,6 +29,9 @@ const VERY_FEW: [[f64; 3]; 12] = [
     [0.3, 0.0, 0.7],
 ];
 
+/// Meshes of up to so many triangles have a tree for that: larger ones save its memory.
+const COVERABLE: usize = 1 << 16;
+
 /// A face is looked at for holes below it while the squared bound is this share of its longest
 /// edge, squared; boxes that may be opened for one.
 const UNCOVERED: f64 = 2.5e-3;
@@ -70,7 +73,7 @@ pub(crate) struct Backward<'a> {
     input: &'a Input,
     care: Care,
     faces: Vec<Face>,
-    /// One over the input for [`Search`], once a face was looked at with it.
+    /// One over the input for [`Search`], of a mesh that is not too large.
     tree: Option<TriangleTree>,
     /// The squared bound.
     bound: f64,
@@ -114,7 +117,10 @@ impl<'a> Backward<'a> {
             input,
             care,
             faces,
-            tree: None,
+            tree: (input.triangles.len() <= COVERABLE).then(|| {
+                let corners: Vec<_> = input.triangles.iter().map(|&t| input.at(t)).collect();
+                TriangleTree::new(&corners)
+            }),
             bound: 0.0,
             sums: [0.0, weight],
             work: Work::default(),
@@ -311,12 +317,11 @@ impl<'a> Backward<'a> {
     /// Decides how far a face is by clipping it with the prisms of the input's triangles: flat
     /// places end exactly.
     fn cover_face(&mut self, corners: [DVec3; 3]) {
-        let input = self.input;
-        let tree = self.tree.get_or_insert_with(|| {
-            TriangleTree::new(&input.triangles.iter().map(|&t| input.at(t)).collect::<Vec<_>>())
-        });
+        let Some(tree) = &self.tree else { return };
         let floor = self.bound.max(FLOOR).sqrt();
-        let search = Search { floor, boxes: COVERED, ..Search::within(input.diagonal) };
+        // A pool's threads may all be waiting for this way.
+        let within = Search::within(self.input.diagonal);
+        let search = Search { floor, boxes: COVERED, alone: true, ..within };
         let found = search.farthest(&[corners], tree);
         if found.least > floor {
             self.bound = self.bound.max(found.least * found.least);

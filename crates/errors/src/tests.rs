@@ -10,6 +10,7 @@ use lodc_mesh::{
     CollapseSequence, Lod, Mesh, MeshParts, PositionIds, SequenceParts, Simplified, Submesh,
 };
 use lodc_nearest::{Search, TriangleTree};
+use rayon::prelude::*;
 
 /// A mesh whose vertices collapse as they stand, one in each step.
 fn sequence(positions: &[[f32; 3]], triangles: &[[u32; 3]], targets: &[u32]) -> Simplified {
@@ -456,4 +457,15 @@ fn curves_that_are_too_small_or_too_large_are_refused() {
             assert_eq!(wrong.is_none(), holds, "{name} × {scale}: {wrong:?}");
         }
     }
+}
+
+/// The way back is followed on threads of its own, for which all threads of a pool may be waiting.
+#[test]
+fn many_meshes_at_once_end_on_two_threads() {
+    let mesh = fixtures::twin(&fixtures::icosphere(4), fixtures::Twin::HalfDoubled);
+    let simplified = lodc_simplify::simplify(&mesh, &lodc_simplify::Options::DEFAULT, &|_, _| {});
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("a pool");
+    let all: Vec<StepErrors> =
+        pool.install(|| (0..6).into_par_iter().map(|_| measured(&simplified)).collect());
+    assert!(all.iter().all(|errors| *errors == all[0]));
 }

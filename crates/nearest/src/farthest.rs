@@ -47,6 +47,8 @@ pub struct Search {
     /// Boxes of the tree that may be opened after all triangles were looked at once: so many for
     /// each of them, and so many besides. Beyond, the bounds stay apart.
     pub boxes: [u32; 2],
+    /// On the thread that asks, none besides: for one that a thread pool may be waiting for.
+    pub alone: bool,
 }
 
 impl Search {
@@ -54,7 +56,7 @@ impl Search {
     /// three million besides.
     #[must_use]
     pub fn within(length: f64) -> Self {
-        Self { tolerance: 0.02, floor: 1e-9 * length, boxes: [2_000, 3_000_000] }
+        Self { tolerance: 0.02, floor: 1e-9 * length, boxes: [2_000, 3_000_000], alone: false }
     }
 
     /// Looks for the point of `from` that is farthest from `to`. Infinite if only `to` is empty.
@@ -69,7 +71,11 @@ impl Search {
         let mut open =
             Open { search: *self, least: 0.0, closed: 0.0, opened: 0, parts: BinaryHeap::new() };
         let first = |t: &[DVec3; 3]| Part::new(Polygon::triangle(*t), NONE, to, PATIENCE[0]);
-        open.take(&from.par_iter().map(first).collect::<Vec<_>>());
+        let parts: Vec<(Part, Found)> = match self.alone {
+            true => from.iter().map(first).collect(),
+            false => from.par_iter().map(first).collect(),
+        };
+        open.take(&parts);
         let [each, besides] = self.boxes.map(u64::from);
         let most = open.opened + each * from.len() as u64 + besides;
         loop {
@@ -80,8 +86,11 @@ impl Search {
             }
             let allowed = open.allowed();
             let slack = 0.25 * self.floor;
-            let divided: Vec<Vec<(Part, Found)>> =
-                next.par_iter().map(|part| part.divided(to, allowed, slack)).collect();
+            let divide = |part: &Part| part.divided(to, allowed, slack);
+            let divided: Vec<Vec<(Part, Found)>> = match self.alone {
+                true => next.iter().map(divide).collect(),
+                false => next.par_iter().map(divide).collect(),
+            };
             open.take(&divided.concat());
         }
     }
