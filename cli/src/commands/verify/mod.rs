@@ -4,9 +4,10 @@ mod gpu;
 mod sources;
 
 use super::ci::CiArgs;
+use super::each;
 use super::read::read_lodc;
 use crate::batch;
-use crate::console::{self, Loudness, error, wants};
+use crate::console::{self, Loudness, wants};
 use crate::exit::{Failure, Outcome, Status, one_line};
 use crate::gpu::GpuArgs;
 use crate::help::{CHECKED, MANY, MORE, OUTPUT};
@@ -25,7 +26,6 @@ use sources::Sources;
 use std::fs::File;
 use std::io::Read;
 use std::num::NonZeroU32;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 
 /// Options of `verify`.
@@ -139,20 +139,15 @@ fn verify_one(
     input: &Path,
 ) -> (FileReport, Status) {
     let name = input.display().to_string();
-    let checked = catch_unwind(AssertUnwindSafe(|| check(args, sources, gpu, input)));
-    let failure = match checked {
-        Ok(Ok(checks)) => {
+    let failure = match each::guarded(input, || check(args, sources, gpu, input)) {
+        Ok(checks) => {
             let ok = checks.iter().all(|c| c.ok != Some(false));
             let status = if ok { Status::Done } else { Status::Difference };
             return (FileReport { file: name, ok, checks, error: None }, status);
         }
-        Ok(Err(failure)) => {
-            error(&failure);
-            failure
-        }
-        // The panic hook has said what and where.
-        Err(_) => Failure::new(Status::Bug, "internal error"),
+        Err(failure) => failure,
     };
+    each::print(&failure);
     (
         FileReport { file: name, ok: false, checks: vec![], error: Some(failure.message) },
         failure.status,
