@@ -39,6 +39,8 @@ pub struct Scene {
     pub files: Sought,
     /// True if its geometry was compressed by EXT_meshopt_compression or its successor.
     pub compressed: bool,
+    /// True if its document says that streams may be short integers (KHR_mesh_quantization).
+    pub quantized: bool,
 }
 
 /// One object of a scene.

@@ -185,7 +185,7 @@ fn simplified_showing(
     import.limits().check_memory(&name, size, &needs)?;
     let paints = ScenePaints::read(input, &import.options(), &scene, &options)?;
     let importance = importance(&scene, &options, &how.importance, how.parts.all())?;
-    let Scene { source, document, objects, mut warnings, mut files, compressed } = scene;
+    let Scene { source, document, objects, mut warnings, mut files, compressed, .. } = scene;
     let known =
         Known { paints: paints.shown(), importance: &importance, document: &document, limits };
     let watch = stages.watched(progress);

@@ -29,13 +29,16 @@ const VERY_FEW: [[f64; 3]; 12] = [
     [0.3, 0.0, 0.7],
 ];
 
-/// Meshes of up to so many triangles have a tree for that: larger ones save its memory.
-const COVERABLE: usize = 1 << 16;
+/// A face with a point beyond this share of the bound is searched.
+const HOT: f64 = 0.75;
 
 /// A face is looked at for holes below it while the squared bound is this share of its longest
 /// edge, squared; boxes that may be opened for one.
 const UNCOVERED: f64 = 2.5e-3;
 const COVERED: [u32; 2] = [2_000, 0];
+
+/// Meshes of up to so many triangles have a tree for that: larger ones save its memory.
+const COVERABLE: usize = 1 << 16;
 
 /// State of a face, as far as this way needs it.
 #[derive(Clone, Copy, Debug)]
@@ -294,7 +297,7 @@ impl<'a> Backward<'a> {
             ask.points(&VERY_FEW);
         }
         let Ask { near, far, bound, opened, .. } = ask;
-        let is_hot = ask.is_beyond(care.hot);
+        let is_hot = ask.is_beyond(HOT);
         (self.near[i], self.faces[face as usize].near, self.bound) = (near, near, bound);
         self.work.done += opened;
         if is_hot {

@@ -13,19 +13,10 @@ pub(crate) struct Care {
     pub(crate) exhaustive: usize,
     /// Whether faces without samples are asked for their mean distance.
     pub(crate) means: bool,
-    /// A sample takes the first changed face within this share.
-    pub(crate) near: f64,
-    /// The input is looked at closely around samples beyond this share, and beyond the second once
-    /// many places were.
-    pub(crate) near_enough: [f64; 2],
-    /// Whether triangles that change for the first time are tried besides their corners.
-    pub(crate) tries: bool,
     /// A point of a new face is near enough within this share.
     pub(crate) asked: f64,
-    /// A new face with a point beyond the first share is asked at more points, one beyond the
-    /// second is searched.
+    /// A new face with a point beyond this share is asked at more points.
     pub(crate) warm: f64,
-    pub(crate) hot: f64,
     /// The share beyond which a face is asked at more points where very few are left.
     pub(crate) tepid: f64,
 }
@@ -38,12 +29,8 @@ impl Care {
         kept: 10_000,
         exhaustive: 100,
         means: true,
-        near: 0.25,
-        near_enough: [0.75, 0.95],
-        tries: true,
         asked: 0.39,
         warm: 0.4,
-        hot: 0.75,
         tepid: 0.15,
     };
 
@@ -54,12 +41,8 @@ impl Care {
         kept: 2_000,
         exhaustive: 0,
         means: false,
-        near: 0.25,
-        near_enough: [0.75, 0.95],
-        tries: true,
         asked: 0.6,
         warm: 0.6,
-        hot: 0.75,
         tepid: 0.3,
     };
 }

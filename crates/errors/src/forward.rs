@@ -14,6 +14,14 @@ use lodc_mesh::{CollapseSequence, NONE};
 use lodc_nearest::{Hit, centroid};
 use std::ops::Range;
 
+/// A sample takes the first changed face within this share of the bound.
+const NEAR: f64 = 0.25;
+
+/// Distances within this share of the bound need no better face.
+const NEAR_ENOUGH: f64 = 0.75;
+/// The same once many places have been refined.
+const NEAR_ENOUGH_LATE: f64 = 0.95;
+
 /// Changed faces that a sample is tried on before the tree is asked.
 const TRIED: usize = 48;
 
@@ -29,9 +37,6 @@ const READ_AHEAD: u32 = 16;
 /// Share of the faces, one in so many, from which on the other way learns of all samples.
 const COARSE: u32 = 8;
 
-/// The same from which on levels are looked at as closely as at rest.
-const FEW: u32 = 32;
-
 /// The faces of the level, and the samples that travel over them.
 pub(crate) struct Forward<'a> {
     input: &'a Input,
@@ -45,9 +50,6 @@ pub(crate) struct Forward<'a> {
     corners: Vec<[DVec3; 3]>,
     /// The squared bound.
     bound: f64,
-    /// Distances within the first share of it need no other face that changed, within the second
-    /// no better face.
-    near: f64,
     near_enough: f64,
     work: Work,
     /// Work of the other way, as far as it is known.
@@ -79,8 +81,7 @@ impl<'a> Forward<'a> {
             changes: Changes::default(),
             corners: vec![],
             bound: 0.0,
-            near: care.near,
-            near_enough: care.near_enough[0],
+            near_enough: NEAR_ENOUGH,
             work: Work::default(),
             other: Work::default(),
             taken: vec![],
@@ -119,11 +120,7 @@ impl<'a> Forward<'a> {
             }
             let share = 2 * all * u64::from(step + 1) / ends.len() as u64;
             let late = both.queries > 4_000.min(4 * all) + share;
-            // Where few faces are left, looking closely takes no time.
-            let few = self.faces.live <= (self.input.triangles.len() as u32 / FEW).max(64);
-            let care = if few { Care::AT_REST } else { self.care };
-            self.near = care.near;
-            self.near_enough = care.near_enough[usize::from(late)];
+            self.near_enough = if late { NEAR_ENOUGH_LATE } else { NEAR_ENOUGH };
             self.bound = self.bound.max(self.floor.squared(step as usize));
             let end = ends[step as usize];
             if end > self.ahead {
@@ -205,7 +202,7 @@ impl<'a> Forward<'a> {
         self.work.done += taken.len() as u64;
         for &(number, own) in &taken {
             let p = self.samples.all[number as usize].place();
-            let nearest = self.nearest_face(p, own, self.bound * (self.near * self.near));
+            let nearest = self.nearest_face(p, own, self.bound * (NEAR * NEAR));
             if nearest.squared > self.enough()
                 && nearest.squared > 1.1 * f64::from(self.samples.all[number as usize].refined)
             {
@@ -223,7 +220,7 @@ impl<'a> Forward<'a> {
     fn take_new_samples(&mut self) {
         for i in 0..self.changes.touched.len() {
             let t = self.changes.touched[i];
-            if !self.faces.all[t as usize].take_original() || !self.care.tries {
+            if !self.faces.all[t as usize].take_original() {
                 continue;
             }
             let points = self.input.triangles[t as usize];

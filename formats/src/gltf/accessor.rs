@@ -66,6 +66,12 @@ fn component(of: ComponentType) -> Component {
     COMPONENTS.iter().find(|(other, _)| *other == of).expect("the table has all").1
 }
 
+/// The component type of a number in glTF.
+pub(super) fn numbered_component(number: u64) -> Option<Component> {
+    let found = COMPONENTS.iter().find(|(of, _)| u64::from(of.as_gl_enum()) == number);
+    found.map(|&(_, component)| component)
+}
+
 /// The number of a component type in glTF.
 pub(crate) fn component_number(component: Component) -> u32 {
     let found = COMPONENTS.iter().find(|(_, other)| *other == component);

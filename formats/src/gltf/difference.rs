@@ -1,7 +1,7 @@
 //! What of a document is no triangle has to come out as it went in: a document and that of a level
 //! of it, compared.
 
-use super::extensions::{MESHOPT, forget_extra};
+use super::extensions::{MESHOPT, QUANTIZATION, forget_extra, uses};
 use super::json::{self, Json, Object};
 use super::schema::{self, Pool, references};
 use crate::{FormatError, GltfDocument, Limits};
@@ -21,21 +21,15 @@ pub(crate) fn difference(
 ) -> Result<Option<String>, FormatError> {
     let [mut source, mut level] =
         [json::parse(source.json.as_bytes(), limits)?, json::parse(level.json.as_bytes(), limits)?];
-    let names = |root: &Object| root.list("extensionsUsed").to_vec();
-    let lost = names(&source).into_iter().find(|name| {
-        let is_coding = MESHOPT.iter().any(|m| name.as_str() == Some(m));
-        !is_coding && !names(&level).contains(name)
-    });
-    if let Some(Json::String(name)) = lost {
+    let lost = source.list("extensionsUsed").iter().filter_map(Json::as_str);
+    let lost = lost.filter(|name| !MESHOPT.contains(name)).find(|name| !uses(&level, name));
+    if let Some(name) = lost {
         return Ok(Some(format!("extensionsUsed: {name} is gone")));
     }
-    let quantized = |root: &Object| {
-        names(root).iter().any(|name| name.as_str() == Some("KHR_mesh_quantization"))
-    };
     let kept = Kept {
         nodes: Pool::Nodes.len(&source),
         all_meshes: Pool::Meshes.len(&source) == Pool::Meshes.len(&level),
-        grids: !quantized(&level) || quantized(&source),
+        grids: !uses(&level, QUANTIZATION) || uses(&source, QUANTIZATION),
     };
     for root in [&mut source, &mut level] {
         schema::check(root)?;

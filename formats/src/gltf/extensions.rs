@@ -11,6 +11,8 @@ pub(super) fn is_compressed(root: &Object) -> bool {
     let mut views = root.entries("bufferViews");
     views.any(|view| MESHOPT.iter().any(|name| view["extensions"].get(name).is_some()))
 }
+/// Streams of short integers.
+pub(super) const QUANTIZATION: &str = "KHR_mesh_quantization";
 /// Compressed primitives: refused unless the same data is there uncompressed.
 pub(super) const DRACO: &str = "KHR_draco_mesh_compression";
 
@@ -22,7 +24,7 @@ pub(super) const DROPPED_FROM_PRIMITIVES: [&str; 3] =
 /// Extensions that can be required without a reader of triangles having to know them, and in whose
 /// objects no number is the index of an accessor or buffer view that `schema` does not list.
 const HARMLESS: [&str; 22] = [
-    "KHR_mesh_quantization",
+    QUANTIZATION,
     "EXT_meshopt_compression",
     "KHR_meshopt_compression",
     "EXT_mesh_gpu_instancing",
@@ -138,6 +140,11 @@ fn has_whole_number(value: &Json) -> bool {
         Json::Object(members) => members.values().any(has_whole_number),
         _ => false,
     }
+}
+
+/// Returns whether a document says that it uses an extension.
+pub(super) fn uses(root: &Object, name: &str) -> bool {
+    root.list("extensionsUsed").iter().any(|used| used.as_str() == Some(name))
 }
 
 /// Takes a name off `extensionsUsed` and `extensionsRequired`.

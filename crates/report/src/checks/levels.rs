@@ -52,7 +52,7 @@ pub fn check_levels(
     let is_kept =
         !stated.refitted && shipped.levels.iter().all(|level| keeps_values(level, source));
     checks.push(if is_kept {
-        let vertices = Vertices::of(source, &shipped.levels[0]);
+        let vertices = Vertices::of(source);
         report("vertices are the input's")
             .of(count, first(shipped, |_, level| Ok(vertices.difference(level)))?)
     } else {
@@ -152,7 +152,7 @@ impl<'a> Measure<'a> {
     /// Half the diagonal of a cell of the coarsest grid that a level's vertices stand on: what is
     /// stated allows for it.
     fn rounding(&self, level: &Scene, shown: &Arrangement) -> f64 {
-        if !is_quantized(level) || is_quantized(self.source) {
+        if !level.quantized || self.source.quantized {
             return 0.0;
         }
         // Whole numbers are scaled to be what they were.
@@ -186,8 +186,8 @@ impl<'a> Measure<'a> {
     }
 }
 
-/// The placement of a level that stands where one of the source does: at the same node, or at the
-/// child that an object on a grid has been moved to.
+/// The placement of a level that stands where one of the source does. Their nodes come in the same
+/// order: an object on a grid has been moved to a child of its node.
 fn same_place<'a>(
     at: &Placement,
     source: &Arrangement,
@@ -229,19 +229,11 @@ fn add(surface: &mut Surface, mesh: &Mesh, placement: &Placement, units: Units) 
 /// Returns whether a level has the bits of the source's values.
 fn keeps_values(level: &Scene, source: &Scene) -> bool {
     let same_kind = match (&source.document, &level.document) {
-        (Document::Gltf(_), Document::Gltf(_)) => !is_quantized(level) || is_quantized(source),
+        (Document::Gltf(_), Document::Gltf(_)) => !level.quantized || source.quantized,
         (Document::Obj(_), Document::Obj(_)) => true,
         _ => false,
     };
     same_kind && (!level.compressed || source.compressed)
-}
-
-/// Returns whether a scene's document says that numbers may be short integers.
-fn is_quantized(scene: &Scene) -> bool {
-    match &scene.document {
-        Document::Gltf(document) => document.json.contains("\"KHR_mesh_quantization\""),
-        Document::Obj(_) => false,
-    }
 }
 
 /// Every vertex of the source, object by object: the bytes of its position, and those of its
@@ -253,40 +245,32 @@ struct Vertices {
 }
 
 impl Vertices {
-    /// Of several objects those of each if none is gone.
-    fn of(source: &Scene, level: &Scene) -> Self {
-        let sets = |meshes: &[&Mesh]| {
-            let (positions, values) =
-                meshes.iter().flat_map(|mesh| vertices(mesh)).map(<(_, _)>::from).unzip();
+    fn of(source: &Scene) -> Self {
+        let sets = |object: &SceneObject| {
+            let (positions, values) = vertices(&object.mesh).map(<(_, _)>::from).unzip();
             [positions, values].map(|mut all: Vec<Vec<u8>>| {
                 all.sort_unstable();
                 all.dedup();
                 all
             })
         };
-        let meshes: Vec<&Mesh> = source.objects.iter().map(|o| &o.mesh).collect();
-        let all = source.objects.len() == level.objects.len();
-        let of_object = if all {
-            meshes.iter().map(|&mesh| sets(&[mesh])).collect()
-        } else {
-            vec![sets(&meshes)]
-        };
-        Self { of_object }
+        Self { of_object: source.objects.iter().map(sets).collect() }
     }
 
+    /// Looks for the vertices of each object among those of the source's; where objects are gone,
+    /// among those of all.
     fn difference(&self, level: &Scene) -> Option<String> {
+        let all_there = level.objects.len() == self.of_object.len();
         level.objects.iter().enumerate().find_map(|(o, object)| {
-            let known = self.of_object.get(o).unwrap_or(&self.of_object[0]);
+            let known = if all_there { &self.of_object[o..=o] } else { &self.of_object[..] };
+            let is_known = |(kind, own): (usize, &Vec<u8>)| {
+                known.iter().any(|sets| sets[kind].binary_search(own).is_ok())
+            };
             vertices(&object.mesh).enumerate().find_map(|(v, vertex)| {
-                let place = vertex
-                    .iter()
-                    .zip(known)
-                    .position(|(own, all)| all.binary_search(own).is_err())?;
-                let what = ["position", "values"][place];
-                Some(format!(
-                    "{}: the source has no vertex with the {what} of vertex {v}",
-                    object.info.name
-                ))
+                let kind = vertex.iter().enumerate().position(|own| !is_known(own))?;
+                let what = ["position", "values"][kind];
+                let name = &object.info.name;
+                Some(format!("{name}: the source has no vertex with the {what} of vertex {v}"))
             })
         })
     }
@@ -295,16 +279,16 @@ impl Vertices {
 /// The bytes of each vertex: its position and what belongs to it, as joints and offsets of morph
 /// targets do; its other attributes. Each with its meaning.
 fn vertices(mesh: &Mesh) -> impl Iterator<Item = [Vec<u8>; 2]> {
+    let meaning = |a: &Attribute| format!("{:?}{:?}", a.semantic, a.morph_target).into_bytes();
+    let meanings: Vec<Vec<u8>> = mesh.attributes().iter().map(meaning).collect();
     (0..mesh.vertex_count() as u32).map(move |v| {
         let position = mesh.positions()[v as usize].iter().flat_map(|x| x.to_bits().to_le_bytes());
         let mut bytes = [position.collect(), Vec::new()];
         let submesh = mesh.vertex_submesh()[v as usize] as usize;
-        for &number in &mesh.submeshes()[submesh].attributes {
-            let attribute = &mesh.attributes()[number as usize];
+        for number in mesh.submeshes()[submesh].attributes.iter().map(|&a| a as usize) {
+            let attribute = &mesh.attributes()[number];
             let kind = &mut bytes[usize::from(!attribute.is_spatial())];
-            kind.extend(
-                format!("{:?}{:?}", attribute.semantic, attribute.morph_target).into_bytes(),
-            );
+            kind.extend(&meanings[number]);
             kind.extend(attribute.at(v));
         }
         bytes

@@ -10,7 +10,7 @@ mod skins;
 mod tests;
 mod textures;
 
-use crate::gltf::extensions::add as add_extension;
+use crate::gltf::extensions::{QUANTIZATION, add as add_extension};
 use crate::gltf::json::{Json, Object};
 use crate::options::Precision;
 use crate::{Document, FormatError, ObjectInfo};
@@ -64,7 +64,7 @@ impl Quantizer {
         if precision != Precision::default() {
             shorten_numbers(root);
             for list in ["extensionsUsed", "extensionsRequired"] {
-                add_extension(root, list, "KHR_mesh_quantization");
+                add_extension(root, list, QUANTIZATION);
             }
         }
         Ok(Self { precision, positions, textures })

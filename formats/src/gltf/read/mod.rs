@@ -15,6 +15,7 @@ mod shipped;
 
 use super::accessor::Accessor;
 use super::budget::Budget;
+use super::extensions::QUANTIZATION;
 use super::json::{self, Json, Object};
 use super::views::{self, Buffers, Views};
 use super::{document, extensions, glb, schema, uri};
@@ -101,6 +102,7 @@ impl Opened<'_> {
 
         forest::check(&root)?;
         let compressed = extensions::is_compressed(&root);
+        let quantized = extensions::uses(&root, QUANTIZATION);
         let mut reading = Reading::new(&accessors, &views, options.limits, options.weld);
         let mut objects = read_objects(&root, &mut reading, &mut warnings)?;
         let numbers = |accessor| document::numbers(&accessors, &views, accessor);
@@ -118,6 +120,7 @@ impl Opened<'_> {
             warnings,
             files: assets.files().clone(),
             compressed,
+            quantized,
         })
     }
 }

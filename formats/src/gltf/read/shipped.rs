@@ -1,10 +1,10 @@
 //! Levels that this program wrote, read back: each as a scene of its own, as if its document held
 //! nothing else.
 
+use super::primitive::{self, Read};
 use super::{Opened, open};
-use crate::gltf::accessor::Accessor;
+use crate::gltf::accessor::{Accessor, numbered_component};
 use crate::gltf::budget::Budget;
-use crate::gltf::document;
 use crate::gltf::extensions::{animation_pointer, forget_extra};
 use crate::gltf::glb;
 use crate::gltf::json::{self, Json, Object, malformed};
@@ -15,6 +15,7 @@ use crate::options::ImportOptions;
 use crate::provenance::{LevelFacts, Provenance};
 use crate::shipped::ShippedLevels;
 use crate::{Assets, FormatError};
+use lodc_mesh::Component;
 use std::collections::BTreeMap;
 
 /// Keys of a node that place and deform what it shows.
@@ -163,10 +164,14 @@ impl Chain {
         let budget = Budget::new(file.bytes);
         let views = Views::new(root, &file.buffers, &budget)?;
         let accessors = Accessor::all(root, &views)?;
-        let indices = |primitive: &Object| -> Result<Vec<u32>, FormatError> {
-            let Some(accessor) = primitive["indices"].as_index() else { return Ok(Vec::new()) };
-            let (numbers, _) = document::numbers(&accessors, &views, accessor)?;
-            Ok(numbers.into_iter().map(|i| i as u32).collect())
+        let indices = |(m, p): (usize, usize), primitive: &Object| {
+            let place = format!("meshes[{m}].primitives[{p}]");
+            let Read::Triangles(read) = primitive::read(primitive, place, &accessors)? else {
+                return Ok(Vec::new());
+            };
+            let positions = accessors.get(read.position).and_then(Option::as_ref);
+            let vertices = positions.map_or(0, |positions| positions.count);
+            read.corners(vertices, &accessors, &views)
         };
         for ((m, p), primitive) in primitives(root) {
             let place = || format!("meshes[{m}].primitives[{p}].extras.lodc.levels");
@@ -174,7 +179,7 @@ impl Chain {
             if ranges.len() != self.levels || !self.has_ranges {
                 continue;
             }
-            if let Some(what) = wrong_ranges(ranges, &indices(primitive)?) {
+            if let Some(what) = wrong_ranges(ranges, &indices((m, p), primitive)?) {
                 return Ok(Some(format!("{}: {what}", place())));
             }
         }
@@ -188,7 +193,10 @@ impl Chain {
             let mut prefixes: Vec<(&Object, usize)> = Vec::new();
             for (k, mesh) in meshes.enumerate() {
                 for (p, primitive) in of_mesh(root, mesh) {
-                    let used = indices(primitive)?.into_iter().max().map_or(0, |v| v as usize + 1);
+                    let used = indices((mesh, p), primitive)?
+                        .into_iter()
+                        .max()
+                        .map_or(0, |v| v as usize + 1);
                     let place = format!("meshes[{mesh}].primitives[{p}]");
                     let same = |a: &&mut (&Object, usize)| {
                         ["attributes", "targets", "material"]
@@ -331,11 +339,8 @@ fn take_range(
         return Ok(false);
     }
     let mut part = own["accessors"][accessor].clone();
-    let size = match part["componentType"].as_u64() {
-        Some(5121) => 1,
-        Some(5123) => 2,
-        _ => 4,
-    };
+    let component = part["componentType"].as_u64().and_then(numbered_component);
+    let size = component.map_or(0, Component::size);
     let offset = part["byteOffset"].as_index().unwrap_or(0) + first * size;
     part["byteOffset"] = offset.into();
     part["count"] = count.into();

@@ -74,6 +74,7 @@ pub(crate) fn import(
         warnings,
         files: assets.files().clone(),
         compressed: false,
+        quantized: false,
     })
 }
 
