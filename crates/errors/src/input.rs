@@ -1,7 +1,7 @@
 //! The surface of LOD 0, its triangles and points numbered so that neighbours lie near in memory.
 
 use glam::DVec3;
-use lodc_mesh::{Csr, NONE, PositionIds, Simplified};
+use lodc_mesh::{CollapseSequence, Csr, NONE, PositionIds, Simplified};
 use lodc_nearest::{MovingTree, Triangles, morton_order};
 
 /// LOD 0 and the moves that lead away from it.
@@ -47,7 +47,7 @@ impl Input {
 
         let order = morton_order(0..mesh.triangles().len() as u32, raw);
         let all: Vec<[u32; 3]> = order.iter().map(|&t| mesh.triangles()[t as usize]).collect();
-        let wedges = points.distinct(all);
+        let wedges = points.distinct(all, simplified.collapses());
         let mut numbers = vec![NONE; points.first_vertex.len()];
         let (mut places, mut positions) = (Vec::new(), Vec::new());
         let mut number = |v: u32| {
@@ -175,10 +175,14 @@ impl Points {
     }
 
     /// Leaves out triangles whose points another one before them has, in any order: doubled faces
-    /// and backs. A position moves as a whole, so they lie on each other at every level, as long as
-    /// each position is shown at one place.
-    fn distinct(&self, mut triangles: Vec<[u32; 3]>) -> Vec<[u32; 3]> {
-        if self.first_vertex.len() != self.positions {
+    /// and backs. They lie on each other at every level if positions move as a whole, as those of
+    /// every simplifier do, and each is shown at one place.
+    fn distinct(
+        &self,
+        mut triangles: Vec<[u32; 3]>,
+        collapses: &CollapseSequence,
+    ) -> Vec<[u32; 3]> {
+        if self.first_vertex.len() != self.positions || !self.move_as_a_whole(collapses) {
             return triangles;
         }
         let points = |t: u32| {
@@ -202,5 +206,21 @@ impl Points {
         let mut is_first = is_first.into_iter();
         triangles.retain(|_| is_first.next() == Some(true));
         triangles
+    }
+
+    /// Returns whether every step moves all vertices of a position to one other position.
+    fn move_as_a_whole(&self, collapses: &CollapseSequence) -> bool {
+        let mut counts = vec![0u32; self.positions];
+        self.position_of_vertex.iter().for_each(|&p| counts[p as usize] += 1);
+        let mut first = 0;
+        collapses.parts().step_ends.iter().all(|&end| {
+            let records = std::mem::replace(&mut first, end)..end;
+            let count = records.end - records.start;
+            let mut moves = records.map(|k| {
+                [k, collapses.targets()[k as usize]].map(|v| self.position_of_vertex[v as usize])
+            });
+            let Some(all) = moves.next() else { return true };
+            counts[all[0] as usize] == count && moves.all(|one| one == all)
+        })
     }
 }
