@@ -29,8 +29,8 @@ pub(crate) struct Skin {
     pub(crate) mesh: Mesh,
     /// The vertex of the whole mesh that each vertex is.
     pub(crate) vertices: Vec<u32>,
-    /// Faces of quadrilaterals that are divided both ways, and what their planes count besides.
-    divided_otherwise: Vec<(u32, f64)>,
+    /// Faces of quadrilaterals that are divided both ways.
+    divided_otherwise: Vec<layers::Counted>,
 }
 
 impl Skin {
