@@ -1,7 +1,7 @@
 //! Smooth normals: the one rule by which surfaces without normals of their own are shaded.
 //!
-//! Around a position, triangles that share an edge are smooth across it unless their normals are
-//! more than 60° apart. All triangles that smooth edges connect share a normal: the mean of theirs,
+//! Around a position, triangles that share an edge, one on each side of it, are smooth across it
+//! unless their normals are more than 60° apart. All triangles that smooth edges connect share a normal: the mean of theirs,
 //! weighted by the angle at the position (Thürmer and Wüthrich 1998), which does not depend on how
 //! a face is cut into triangles.
 
@@ -74,19 +74,23 @@ struct Star<'a> {
 impl Star<'_> {
     /// The normals of the corners at one position.
     fn normals(&self, corners: &[u32]) -> Vec<Vec3> {
-        // Edges from the position: the other end, and the corner that has the edge.
-        let mut spokes: Vec<(u32, usize)> = Vec::with_capacity(2 * corners.len());
+        // Edges from the position: the other end, the corner that has the edge, and whether its
+        // triangle runs along it outward.
+        let mut spokes: Vec<(u32, usize, bool)> = Vec::with_capacity(2 * corners.len());
         for (i, &corner) in corners.iter().enumerate() {
             let [_, b, c] = self.from(corner);
-            spokes.extend([b, c].map(|v| (self.ids.of_vertex[v as usize], i)));
+            let end = |v: u32| self.ids.of_vertex[v as usize];
+            spokes.extend([(end(b), i, true), (end(c), i, false)]);
         }
         spokes.sort_unstable();
         let mut sets: Vec<usize> = (0..corners.len()).collect();
         for edge in spokes.chunk_by(|a, b| a.0 == b.0) {
-            for (i, &(_, one)) in edge.iter().enumerate() {
-                for &(_, other) in edge[i + 1..].iter().take(MAX_COMPARED) {
+            for (i, &(_, one, outward)) in edge.iter().enumerate() {
+                for &(_, other, also) in edge[i + 1..].iter().take(MAX_COMPARED) {
                     let [n, m] = [one, other].map(|k| self.flat[corners[k] as usize / 3]);
-                    if n.dot(m) > CREASE {
+                    // Where both run the same way, they are not one face after the other: the back
+                    // of a two-sided sheet is near its front's neighbour beyond a sharp edge.
+                    if outward != also && n.dot(m) > CREASE {
                         let [a, b] = [one, other].map(|k| root(&mut sets, k));
                         sets[a.max(b)] = a.min(b);
                     }
@@ -192,6 +196,20 @@ mod tests {
         let ids = PositionIds::new(&single);
         let normals = smooth_normals(&[[0, 1, 2], [0, 2, 1]], &positions, &ids);
         assert_eq!(normals, [[Vec3::Z; 3], [-Vec3::Z; 3]]);
+    }
+
+    #[test]
+    fn the_back_of_a_sheet_changes_no_normal_of_its_front() {
+        // Two faces that meet in a blade, 160° between their normals.
+        let (sine, cosine) = 160.0f64.to_radians().sin_cos();
+        let positions = [[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [cosine, 0.0, -sine]];
+        let positions = positions.map(DVec3::from);
+        let single = positions.map(|p| p.as_vec3().to_array());
+        let ids = PositionIds::new(&single);
+        let front = [[0, 1, 2], [1, 0, 3]];
+        let normals = smooth_normals(&front, &positions, &ids);
+        let two_sided: Vec<_> = front.into_iter().chain(front.map(|[a, b, c]| [a, c, b])).collect();
+        assert_eq!(smooth_normals(&two_sided, &positions, &ids)[..2], normals);
     }
 
     #[test]

@@ -114,3 +114,53 @@ fn image() -> Image {
     let bytes = sums.iter().flat_map(|&[r, g, b]| [shade(r), shade(g), shade(b), 255]).collect();
     Image { width: NOISE as u32, height: NOISE as u32, bytes }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lodc_fixtures::{Twin, twin};
+    use lodc_measure::{ImageError, SceneSurface};
+    use lodc_simplify::{Options, simplify};
+
+    /// Image errors of levels with about these shares of the triangles, as `compare` shows them.
+    fn image_errors(mesh: &Mesh, shares: [f64; 4]) -> [(usize, ImageError); 4] {
+        let shown = |mesh: &Mesh| -> SceneSurface {
+            let coordinates = vec![Coordinates::PLAIN; mesh.submeshes().len()];
+            surface(mesh, &painted(&coordinates), &noise())
+        };
+        let simplified = simplify(mesh, &Options::DEFAULT, &|_, _| {});
+        let whole = shown(mesh);
+        let portrait = Portrait::new(&whole.surface, VIEWING, whole.common_looks(&whole));
+        shares.map(|share| {
+            let wanted = (share * mesh.triangles().len() as f64) as u32;
+            let lod = simplified.collapses().lod_for_triangles(wanted);
+            let triangles = simplified.triangles_at(lod);
+            let level = simplified.mesh().extract(&triangles).expect("a level is a mesh");
+            (level.triangles().len(), portrait.compare(&shown(&level).surface))
+        })
+    }
+
+    #[test]
+    fn levels_of_a_doubled_surface_look_like_those_of_the_single_one() {
+        let mut compared = 0;
+        for (name, make) in lodc_fixtures::ALL {
+            let mesh = make();
+            // The two sides of a Möbius strip are one.
+            if mesh.triangles().len() < 100 || *name == "mobius_strip" {
+                continue;
+            }
+            let single = image_errors(&mesh, [0.5, 0.25, 0.1, 0.05]);
+            for kind in [Twin::TwoSided, Twin::Doubled] {
+                let doubled = twin(&mesh, kind);
+                let share = |i: usize| single[i].0 as f64 / mesh.triangles().len() as f64;
+                let errors = image_errors(&doubled, [0, 1, 2, 3].map(share));
+                for ((_, one), (_, two)) in single.iter().zip(errors) {
+                    let most = 1.03 * one.rmse + 0.05;
+                    assert!(two.rmse <= most, "{name}, {kind:?}: {} for {}", two.rmse, one.rmse);
+                    compared += u32::from(one.rmse > 1.0);
+                }
+            }
+        }
+        assert!(compared > 50, "{compared} levels that differ from their meshes");
+    }
+}

@@ -26,9 +26,12 @@ struct Cell {
     sides: Vec<[u32; 2]>,
 }
 
-/// For each triangle: true if it lies on another that stands for it; and those of them that lie on
-/// a pair. None if no triangle does.
-pub(super) fn followers(mesh: &Mesh, positions: &PositionIds) -> Option<(Vec<bool>, Vec<u32>)> {
+/// A face, and what its plane counts besides what it does as a face of the skin.
+pub(super) type Counted = (u32, f64);
+
+/// For each triangle: true if it lies on another that stands for it; and all those of pairs, so that a
+/// quadrilateral counts once, all of its sides alike. None if no triangle lies on another.
+pub(super) fn followers(mesh: &Mesh, positions: &PositionIds) -> Option<(Vec<bool>, Vec<Counted>)> {
     let faces = Faces::new(mesh, positions);
     let cells = faces.cells();
     if cells.is_empty() {
@@ -38,12 +41,14 @@ pub(super) fn followers(mesh: &Mesh, positions: &PositionIds) -> Option<(Vec<boo
     let mut follows = vec![false; mesh.triangles().len()];
     let mut on_pairs = Vec::new();
     for (cell, &chosen) in cells.iter().zip(&chosen) {
-        let others = (0..).zip(&cell.sides).filter(|&(side, _)| side != chosen);
-        for &[face, second] in others.map(|(_, side)| side) {
-            follows[face as usize] = true;
+        let share = 1.0 / cell.sides.len() as f64;
+        for (side, &[face, second]) in (0..).zip(&cell.sides) {
+            let is_follower = side != chosen;
+            follows[face as usize] = is_follower;
             if second != NONE {
-                follows[second as usize] = true;
-                on_pairs.extend([face, second]);
+                follows[second as usize] = is_follower;
+                let weight = if is_follower { share } else { share - 1.0 };
+                on_pairs.extend([(face, weight), (second, weight)]);
             }
         }
     }

@@ -29,8 +29,8 @@ pub(crate) struct Skin {
     pub(crate) mesh: Mesh,
     /// The vertex of the whole mesh that each vertex is.
     pub(crate) vertices: Vec<u32>,
-    /// Faces of the whole mesh that follow two of the skin over the same quadrilateral.
-    divided_otherwise: Vec<u32>,
+    /// Faces of quadrilaterals that are divided both ways.
+    divided_otherwise: Vec<layers::Counted>,
 }
 
 impl Skin {
@@ -41,7 +41,7 @@ impl Skin {
         for _ in 0..MAX_TRIES {
             let mut skin = Self::without(mesh, &follows);
             if !skin.keep_split_groups(mesh, &whole, &mut follows) {
-                divided_otherwise.retain(|&face| follows[face as usize]);
+                divided_otherwise.retain(|&(face, w)| follows[face as usize] == (w > 0.0));
                 skin.divided_otherwise = divided_otherwise;
                 return Some(skin);
             }
@@ -52,24 +52,22 @@ impl Skin {
         None
     }
 
-    /// The faces that do not follow others, with their vertices.
+    /// The faces that do not follow others, with their vertices, both in the order of the mesh: ties
+    /// are broken by numbers, as in a mesh that has no other faces.
     fn without(mesh: &Mesh, follows: &[bool]) -> Self {
+        let mut is_used = vec![false; mesh.vertex_count()];
+        let stays = || mesh.triangles().iter().zip(follows).filter(|(_, follows)| !**follows);
+        stays().flat_map(|(t, _)| t).for_each(|&v| is_used[v as usize] = true);
+        let vertices: Vec<u32> =
+            (0..mesh.vertex_count() as u32).filter(|&v| is_used[v as usize]).collect();
         let mut new_index = vec![NONE; mesh.vertex_count()];
-        let mut vertices = Vec::new();
+        (0..).zip(&vertices).for_each(|(new, &v)| new_index[v as usize] = new);
         let mut triangles = Vec::new();
         let mut submeshes = Vec::with_capacity(mesh.submeshes().len());
         for submesh in mesh.submeshes() {
             let first = triangles.len();
-            for t in submesh.triangles().filter(|&t| !follows[t]) {
-                triangles.push(mesh.triangles()[t].map(|v| {
-                    let new = &mut new_index[v as usize];
-                    if *new == NONE {
-                        *new = vertices.len() as u32;
-                        vertices.push(v);
-                    }
-                    *new
-                }));
-            }
+            let own = submesh.triangles().filter(|&t| !follows[t]);
+            triangles.extend(own.map(|t| mesh.triangles()[t].map(|v| new_index[v as usize])));
             submeshes.push(Submesh {
                 first_triangle: first as u32,
                 triangle_count: (triangles.len() - first) as u32,
@@ -128,7 +126,7 @@ impl Skin {
             group_at[positions.of_vertex[vertex as usize] as usize] = group;
         }
         let mut planes = Vec::with_capacity(3 * self.divided_otherwise.len());
-        for &face in &self.divided_otherwise {
+        for &(face, weight) in &self.divided_otherwise {
             let corners = mesh.triangles()[face as usize];
             let place = |v: u32| DVec3::from(mesh.positions()[v as usize].map(f64::from));
             let [a, b, c] = corners.map(|v| input.scale * place(v));
@@ -136,7 +134,7 @@ impl Skin {
             planes.extend(corners.map(|v| FollowerPlane {
                 group: group_at[positions.of_vertex[v as usize] as usize],
                 unit_normal: normal.normalize_or_zero(),
-                area: 0.5 * normal.length(),
+                area: 0.5 * weight * normal.length(),
             }));
         }
         planes.sort_by_key(|plane| plane.group);
