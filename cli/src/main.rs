@@ -92,7 +92,7 @@ fn run() -> Status {
         _ => Loudness::Normal,
     });
     let done = |outcome: Outcome<()>| outcome.map(|()| Status::Done);
-    let outcome = interrupt::install().and_then(|()| match &cli.command {
+    let outcome = interrupt::install().and_then(|()| threads::start(cli.common.jobs)).and_then(|()| match &cli.command {
         Command::Build(args) => build::run(args, &program),
         Command::Extract(args) => extract::run(args, &program),
         Command::Chain(args) => chain::run(args, &program),

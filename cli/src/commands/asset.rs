@@ -3,7 +3,7 @@
 use crate::commands::build::{importance, object_options};
 use crate::exit::Outcome;
 use crate::importance::ImportanceArgs;
-use crate::kinds::{LookArgs, PosesArgs};
+use crate::kinds::{MetricArgs, PosesArgs};
 use crate::limits::ImportArgs;
 use crate::parts::PartArgs;
 use crate::progress::Progress;
@@ -86,7 +86,7 @@ pub(crate) fn read_paints(
 #[derive(Args, Clone, Debug, Default)]
 pub(crate) struct SimplifyArgs {
     #[command(flatten)]
-    metric: LookArgs,
+    metric: MetricArgs,
     #[command(flatten)]
     importance: ImportanceArgs,
     #[command(flatten)]
@@ -98,7 +98,7 @@ pub(crate) struct SimplifyArgs {
 impl SimplifyArgs {
     /// Simplification by a metric, with nothing weighted or locked.
     pub(crate) fn by(metric: MetricKind) -> Self {
-        Self { metric: LookArgs::by(metric), ..Self::default() }
+        Self { metric: MetricArgs { metric }, ..Self::default() }
     }
 }
 
@@ -178,8 +178,7 @@ fn simplified_showing(
     let name = input.display().to_string();
     let limits = import.options().limits;
     let weights = how.importance.weights();
-    let metric = how.metric.metric(size.triangles);
-    let options = Options { metric, weights, ..Options::DEFAULT };
+    let options = Options { metric: how.metric.metric, weights, ..Options::DEFAULT };
     let options = object_options(&scene, options, how.parts.all());
     let needs = [size.simplify(options.iter().map(|o| o.metric)), size.errors()];
     import.limits().check_memory(&name, size, &needs)?;
@@ -190,10 +189,7 @@ fn simplified_showing(
         Known { paints: paints.shown(), importance: &importance, document: &document, limits };
     let watch = stages.watched(progress);
     let simplified = simplify_all(objects, &options, known, &watch)?;
-    if how.metric.is_given() {
-        // Else the command says what it cannot show; the metric sees what there is.
-        warnings.extend(paints.warnings);
-    }
+    warnings.extend(paints.warnings);
     files.extend(&paints.files);
     let poses = how.poses.most();
     let simplified = match errors {

@@ -4,7 +4,7 @@ use crate::commands::read::read_lodc;
 use crate::exit::{Failure, Outcome, Status};
 use lodc::{LodFile, scene_levels};
 use lodc_formats::{Limits, ObjectInfo, scene_graph};
-use lodc_scene::{Arrangement, posed};
+use lodc_scene::{Arrangement, posed_positions};
 use lodc_select::LevelCurve;
 use std::path::Path;
 
@@ -55,7 +55,7 @@ fn radius(file: &LodFile, limits: Limits) -> Outcome<f32> {
     let scene = Arrangement::new(&graph, &graph.rest_pose(), infos.len());
     let farthest = scene.placements().iter().flat_map(|placement| {
         let mesh = file.objects[placement.object].simplified.mesh();
-        posed(mesh, placement).positions.into_iter().map(|p| p.length())
+        posed_positions(mesh, placement).into_iter().map(|p| p.length())
     });
     Ok(farthest.fold(0.0, f64::max) as f32)
 }
