@@ -324,7 +324,7 @@ impl<'a> Backward<'a> {
         let floor = self.bound.max(FLOOR).sqrt();
         // A pool's threads may all be waiting for this way.
         let within = Search::within(self.input.diagonal);
-        let search = Search { floor, boxes: COVERED, alone: true, ..within };
+        let search = Search { floor, boxes: COVERED, ..within };
         let found = search.farthest(&[corners], tree);
         if found.least > floor {
             self.bound = self.bound.max(found.least * found.least);

@@ -7,11 +7,10 @@
 
 use crate::floor::MARGIN;
 use crate::input::Input;
+use crate::levels::Original;
 use crate::step_errors::StepErrors;
-use glam::DVec3;
-use lodc_mesh::{NONE, Simplified};
-use lodc_nearest::{Search, TriangleTree, area, point_at};
-use rayon::prelude::*;
+use lodc_mesh::Simplified;
+use lodc_nearest::Search;
 
 /// Shares of the triangles, in percent, whose levels are measured in any case: those that people
 /// ask for.
@@ -28,20 +27,24 @@ const MOST: usize = 40;
 /// stated for all that are left.
 const BOXES: [u64; 2] = [3_000, 10_000_000];
 
-/// Boxes that the search for one of the points below may open.
-const PATIENCE: u32 = 64;
-
-/// Points on either surface that the mean is of.
-const POINTS: f64 = 30_000.0;
+/// The same for one search, for each triangle and besides.
+const EACH: [u32; 2] = [200, 1_000_000];
 
 /// States errors for all steps after those that have them.
-pub(crate) fn complete(errors: &mut StepErrors, input: &Input, simplified: &Simplified) {
+pub(crate) fn complete(
+    errors: &mut StepErrors,
+    input: &Input,
+    simplified: &Simplified,
+    shown: &[[f32; 3]],
+) {
     let sequence = simplified.collapses();
     let first = errors.error.len();
     let left = |step: usize| sequence.step(step).triangles;
     let last = sequence.steps_at(sequence.last_visible());
     if first < last {
-        let direct = Direct::new(input, simplified);
+        // Numbered again: the pass saves the memory.
+        let (_, wedges) = Input::new(simplified, shown);
+        let direct = Direct::new(input, simplified, &wedges);
         let mut ends: Vec<usize> = (0..u32::BITS)
             .map(|halving| u64::from(left(first)) >> halving)
             .chain(SHARES.map(|share| u64::from(sequence.parts().triangles) * share / 100))
@@ -64,33 +67,24 @@ pub(crate) fn complete(errors: &mut StepErrors, input: &Input, simplified: &Simp
     }
 }
 
-/// LOD 0, ready for levels to be measured from it.
+/// Levels that are measured one after the other.
 struct Direct<'a> {
     input: &'a Input,
     simplified: &'a Simplified,
-    triangles: Vec<[DVec3; 3]>,
-    tree: TriangleTree,
-    search: Search,
+    original: Original<'a>,
 }
 
 impl<'a> Direct<'a> {
-    fn new(input: &'a Input, simplified: &'a Simplified) -> Self {
-        let triangles: Vec<_> = input.triangles.iter().map(|&t| input.at(t)).collect();
-        let tree = TriangleTree::new(&triangles);
-        Self {
-            input,
-            simplified,
-            triangles,
-            tree,
-            search: Search { boxes: [200, 1_000_000], ..Search::within(input.diagonal) },
-        }
+    fn new(input: &'a Input, simplified: &'a Simplified, wedges: &'a [[u32; 3]]) -> Self {
+        let search = Search { boxes: EACH, ..Search::within(input.diagonal) };
+        Self { input, simplified, original: Original { input, simplified, wedges, search } }
     }
 
     /// Measures the levels after so many steps, and others between them. Returns them in order,
     /// with error and root mean square distance in mesh units.
     fn measure(&self, first: usize, before: f64, ends: &[usize]) -> Vec<(usize, [f64; 2])> {
         let Some((&last, others)) = ends.split_last() else { return Vec::new() };
-        let most = BOXES[0] * self.triangles.len() as u64 + BOXES[1];
+        let most = BOXES[0] * self.input.triangles.len() as u64 + BOXES[1];
         let (coarsest, mut opened) = self.level(last);
         let mut measured = Vec::new();
         for &end in others {
@@ -122,51 +116,8 @@ impl<'a> Direct<'a> {
 
     /// Measures the level after so many steps. Returns the boxes that were opened for it, too.
     fn level(&self, steps: usize) -> ([f64; 2], u64) {
-        let Self { input, simplified, .. } = self;
-        let map = simplified.collapses().resolve_all(simplified.collapses().step(steps - 1).lod);
-        let level: Vec<_> = simplified
-            .mesh()
-            .triangles()
-            .iter()
-            .map(|t| t.map(|v| input.point_of[map[v as usize] as usize]))
-            .filter(|t| {
-                let [a, b, c] = t.map(|p| input.positions[p as usize]);
-                a != b && b != c && c != a
-            })
-            .map(|t| input.at(t))
-            .collect();
-        let tree = TriangleTree::new(&level);
-        let one_way = |from: &[[DVec3; 3]], to: &TriangleTree| {
-            (self.search.farthest(from, to), mean(from, to))
-        };
-        let (there, back) =
-            rayon::join(|| one_way(&self.triangles, &tree), || one_way(&level, &self.tree));
-        let error = there.0.most.max(back.0.most).min(input.diagonal);
-        let rms = there.1.max(back.1).min(error);
-        ([error, rms].map(|distance| distance * input.unit), there.0.opened + back.0.opened)
+        let lod = self.simplified.collapses().step(steps - 1).lod;
+        let (distances, opened) = self.original.measure(lod, 0.0);
+        (distances.map(|distance| distance * self.input.unit), opened)
     }
-}
-
-/// The root mean square distance over the area of some triangles.
-fn mean(triangles: &[[DVec3; 3]], to: &TriangleTree) -> f64 {
-    let all: f64 = triangles.iter().map(|&t| area(t)).sum();
-    if all == 0.0 {
-        return 0.0;
-    }
-    let of_triangle = |&t: &[DVec3; 3]| {
-        // Middles of equal parts: the triangle divided `n` times each way.
-        let share = area(t) / all;
-        let n = (share * POINTS).sqrt().ceil().clamp(1.0, 200.0);
-        let count = n as u32;
-        let at = |i: u32, j: u32, third: f64| {
-            let [u, v] = [i, j].map(|k| (f64::from(k) + third) / n);
-            let p = point_at(t, [u, v, 1.0 - u - v]);
-            to.distance_at_most(p, NONE, &mut { PATIENCE }).0
-        };
-        let upright = (0..count).flat_map(|i| (0..count - i).map(move |j| at(i, j, 1.0 / 3.0)));
-        let turned =
-            (0..count).flat_map(|i| (0..(count - 1 - i)).map(move |j| at(i, j, 2.0 / 3.0)));
-        upright.chain(turned).sum::<f64>() / (n * n) * share
-    };
-    triangles.par_iter().map(of_triangle).collect::<Vec<f64>>().iter().sum::<f64>().sqrt()
 }

@@ -25,6 +25,7 @@ mod follower;
 mod forward;
 mod gap;
 mod input;
+mod levels;
 mod pass;
 mod refine;
 mod samples;
@@ -32,6 +33,7 @@ mod step_errors;
 mod thinning;
 mod work;
 
+pub use levels::{LevelError, at_levels};
 pub use step_errors::StepErrors;
 
 use care::Care;
@@ -131,7 +133,7 @@ fn measure_above(
     let floor = Floor::new(&before.error, input.unit);
     rayon::scope(|_| {
         let mut errors = pass::run(&input, wedges, simplified, (floor, care));
-        direct::complete(&mut errors, &input, simplified);
+        direct::complete(&mut errors, &input, simplified, shown);
         errors
     })
 }

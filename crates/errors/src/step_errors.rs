@@ -32,10 +32,15 @@ impl StepErrors {
     }
 }
 
-fn not_below(list: &[f32], distance: f64) -> f32 {
+/// Returns a distance, rounded up.
+pub(crate) fn above(distance: f64) -> f32 {
     let nearest = distance as f32;
     let above = if f64::from(nearest) < distance { nearest.next_up() } else { nearest };
     // What is too large for the type is no missing surface.
-    let above = if distance.is_finite() { above.min(f32::MAX) } else { above };
+    if distance.is_finite() { above.min(f32::MAX) } else { above }
+}
+
+fn not_below(list: &[f32], distance: f64) -> f32 {
+    let above = above(distance);
     list.last().map_or(above, |&before| above.max(before))
 }

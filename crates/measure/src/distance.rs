@@ -105,7 +105,7 @@ impl Original {
         let there = || (search.farthest(&own, &tree).most, self.samples.area.mean_square(&tree));
         let back = || {
             let area = over_area(other, self.sampling.samples, self.sampling.seed);
-            (search.farthest(&others, &self.tree).most, Points::new(area).mean_square(&self.tree))
+            (search.farthest(&others, &*self.tree).most, Points::new(area).mean_square(&self.tree))
         };
         let (there, back) = rayon::join(there, back);
         let bound = there.0.max(back.0);

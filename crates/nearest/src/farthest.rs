@@ -2,26 +2,34 @@
 //!
 //! Branch and bound (as Guthe, Borodin and Klein 2005), the part that may be farthest first. A part
 //! is a convex polygon. From one triangle its distance is convex, so it is largest at a corner: a
-//! part over a triangle is closed at once. A part that reaches beyond is clipped by the triangle's
-//! prism, and what is left over goes to the triangles beside it; so flat places end exactly, and
-//! cover is decided, where bisection alone would go on for ever along common edges.
+//! part whose corners are near enough to one triangle is closed. From any other part that is cut
+//! off which is near enough to the triangle next to its middle: over the triangle, and as far
+//! around it as the distance allows. What is left goes to the triangles beside it; so flat places
+//! end exactly, and cover is decided, where bisection alone would go on for ever along common edges.
 
-use crate::tree::TriangleTree;
-use crate::triangle::distance_squared;
+use crate::moving::Hit;
+use crate::polygon::Polygon;
+use crate::surface::Surface;
+use crate::triangle::is_within;
 use glam::DVec3;
 use lodc_mesh::NONE;
 use rayon::prelude::*;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-/// Parts that are looked at together. Part of the result, unlike the number of threads.
+/// Parts, and triangles in a row, that are looked at together. Part of the result, unlike the
+/// number of threads.
 const TOGETHER: usize = 512;
+const IN_A_ROW: usize = 32;
 
-/// Most corners of a part.
-const CORNERS: usize = 8;
+/// Triangles, spread evenly, that are looked at before all others, for a bound to begin with.
+const FIRST: usize = 1_024;
 
-/// A part is clipped if at least this share of it lies over the triangle next to its middle.
-const WORTH_CLIPPING: f64 = 0.125;
+/// A part is cut if at least this share of it is near the triangle next to its middle.
+const WORTH_CUTTING: f64 = 0.125;
+
+/// A triangle within this share of the bound is near enough to cut a part by.
+const NEAR: f64 = 0.25;
 
 /// Boxes that the search for one triangle may open: at first, and for a part that may be farthest.
 const PATIENCE: [u32; 2] = [128, 4_096];
@@ -47,8 +55,6 @@ pub struct Search {
     /// Boxes of the tree that may be opened after all triangles were looked at once: so many for
     /// each of them, and so many besides. Beyond, the bounds stay apart.
     pub boxes: [u32; 2],
-    /// On the thread that asks, none besides: for one that a thread pool may be waiting for.
-    pub alone: bool,
 }
 
 impl Search {
@@ -56,42 +62,138 @@ impl Search {
     /// three million besides.
     #[must_use]
     pub fn within(length: f64) -> Self {
-        Self { tolerance: 0.02, floor: 1e-9 * length, boxes: [2_000, 3_000_000], alone: false }
+        Self { tolerance: 0.02, floor: 1e-9 * length, boxes: [2_000, 3_000_000] }
     }
 
     /// Looks for the point of `from` that is farthest from `to`. Infinite if only `to` is empty.
     #[must_use]
-    pub fn farthest(&self, from: &[[DVec3; 3]], to: &TriangleTree) -> Farthest {
-        if from.is_empty() {
-            return Farthest { least: 0.0, most: 0.0, opened: 0 };
-        }
-        if to.order().is_empty() {
+    pub fn farthest(&self, from: &[[DVec3; 3]], to: &(impl Surface + Sync)) -> Farthest {
+        self.beyond(0.0, from, to)
+    }
+
+    /// The same where a point is known that is `least` off, of this surface or of any other that
+    /// the bounds are for, too.
+    #[must_use]
+    pub fn beyond(
+        &self,
+        least: f64,
+        from: &[[DVec3; 3]],
+        to: &(impl Surface + Sync),
+    ) -> Farthest {
+        let Some(&[p, ..]) = from.first() else {
+            return Farthest { least, most: least, opened: 0 };
+        };
+        if to.near(p, NONE, 0.0, PATIENCE[0]).0.triangle == NONE {
             return Farthest { least: f64::INFINITY, most: f64::INFINITY, opened: 0 };
         }
-        let mut open =
-            Open { search: *self, least: 0.0, closed: 0.0, opened: 0, parts: BinaryHeap::new() };
-        let first = |t: &[DVec3; 3]| Part::new(Polygon::triangle(*t), NONE, to, PATIENCE[0]);
-        let parts: Vec<(Part, Found)> = match self.alone {
-            true => from.iter().map(first).collect(),
-            false => from.par_iter().map(first).collect(),
-        };
-        open.take(&parts);
+        let mut open = Open::new(*self, least);
+        let stride = (from.len() / FIRST).max(1);
+        let bound = open.bound();
+        let first = |i: usize| Part::new(Polygon::triangle(from[i]), NONE, to, bound, PATIENCE[0]).1;
+        let firsts: Vec<usize> = (0..from.len()).step_by(stride).collect();
+        let found: Vec<Found> = firsts.into_par_iter().map(first).collect();
+        found.into_iter().for_each(|found| open.learn(found));
+        for together in from.chunks(TOGETHER * IN_A_ROW) {
+            let bound = open.bound();
+            let row = |row: &[[DVec3; 3]]| {
+                let mut parts = Vec::new();
+                let mut near = NONE;
+                for &corners in row {
+                    if bound.is_within(&corners, near, to) {
+                        continue;
+                    }
+                    let part = Part::new(Polygon::triangle(corners), near, to, bound, PATIENCE[0]);
+                    near = part.0.near;
+                    parts.push(part);
+                }
+                parts
+            };
+            let parts: Vec<_> = together.par_chunks(IN_A_ROW).map(row).collect();
+            open.closed = open.closed.max(bound.allowed);
+            parts.iter().flatten().for_each(|part| open.take(part));
+        }
         let [each, besides] = self.boxes.map(u64::from);
         let most = open.opened + each * from.len() as u64 + besides;
-        loop {
-            let next = open.next();
-            if next.is_empty() || open.opened >= most {
-                open.parts.extend(next);
-                return open.bounds();
+        while open.opened < most {
+            let next = open.next(TOGETHER);
+            if next.is_empty() {
+                break;
             }
-            let allowed = open.allowed();
-            let slack = 0.25 * self.floor;
-            let divide = |part: &Part| part.divided(to, allowed, slack);
-            let divided: Vec<Vec<(Part, Found)>> = match self.alone {
-                true => next.iter().map(divide).collect(),
-                false => next.par_iter().map(divide).collect(),
+            let bound = open.bound();
+            let divide = |part: &Part| {
+                let mut parts = Vec::new();
+                part.divide(to, bound, &mut parts);
+                parts
             };
-            open.take(&divided.concat());
+            let parts: Vec<Vec<(Part, Found)>> = next.par_iter().map(divide).collect();
+            parts.iter().flatten().for_each(|part| open.take(part));
+        }
+        open.bounds()
+    }
+}
+
+/// Looks for points beyond a bound in one triangle after the other, on the thread that asks.
+#[derive(Clone, Debug)]
+pub struct Seeker {
+    open: Open,
+    parts: Vec<(Part, Found)>,
+}
+
+impl Seeker {
+    /// One that searches as `search` says.
+    #[must_use]
+    pub fn new(search: Search) -> Self {
+        Self { open: Open::new(search, 0.0), parts: Vec::new() }
+    }
+
+    /// Looks for a point of a triangle that is farther than `least`, which is the least distance
+    /// that is returned. `near` is a triangle that is probably near, or [`NONE`]; of the boxes that
+    /// may be opened, those besides count.
+    pub fn seek(
+        &mut self,
+        least: f64,
+        corners: [DVec3; 3],
+        near: u32,
+        to: &impl Surface,
+    ) -> Farthest {
+        let Self { open, parts } = self;
+        open.clear(least);
+        let bound = open.bound();
+        if bound.is_within(&corners, near, to) {
+            open.closed = bound.allowed;
+            return open.bounds();
+        }
+        let part = Part::new(Polygon::triangle(corners), near, to, bound, PATIENCE[1]);
+        if part.0.near == NONE {
+            return Farthest { least: f64::INFINITY, most: f64::INFINITY, opened: 0 };
+        }
+        open.take(&part);
+        let most = u64::from(open.search.boxes[1]);
+        while open.opened < most {
+            let Some(part) = open.pop() else { break };
+            part.divide(to, open.bound(), parts);
+            parts.drain(..).for_each(|part| open.take(&part));
+        }
+        open.bounds()
+    }
+}
+
+/// Where a search stands.
+#[derive(Clone, Copy, Debug)]
+struct Bound {
+    /// The largest distance found, and the one up to which nothing is looked for.
+    least: f64,
+    allowed: f64,
+    /// Distances below this are rounding errors.
+    slack: f64,
+}
+
+impl Bound {
+    /// Returns whether a triangle is near enough to a triangle of the other surface.
+    fn is_within(&self, corners: &[DVec3; 3], near: u32, to: &impl Surface) -> bool {
+        near != NONE && {
+            let triangle = to.corners(near);
+            corners.iter().all(|&c| is_within(c, triangle, self.allowed * self.allowed))
         }
     }
 }
@@ -105,6 +207,7 @@ struct Found {
 }
 
 /// The parts that may have a point farther than any found.
+#[derive(Clone, Debug)]
 struct Open {
     search: Search,
     /// The largest distance found.
@@ -113,159 +216,74 @@ struct Open {
     closed: f64,
     /// Boxes that were opened, and parts looked at.
     opened: u64,
-    parts: BinaryHeap<Part>,
+    order: BinaryHeap<Rank>,
+    /// Parts by the numbers that their ranks have, and numbers that are free.
+    parts: Vec<Part>,
+    free: Vec<u32>,
 }
 
 impl Open {
-    /// The distance up to which nothing is looked for.
-    fn allowed(&self) -> f64 {
-        self.least * (1.0 + self.search.tolerance) + self.search.floor
+    fn new(search: Search, least: f64) -> Self {
+        let order = BinaryHeap::new();
+        Self { search, least, closed: 0.0, opened: 0, order, parts: vec![], free: vec![] }
     }
 
-    /// Takes parts with what was found in them, and closes those that are near enough.
-    fn take(&mut self, parts: &[(Part, Found)]) {
-        for (_, found) in parts {
-            self.least = self.least.max(found.distance);
-            self.opened += u64::from(found.opened) + 1;
+    /// Begins anew.
+    fn clear(&mut self, least: f64) {
+        (self.least, self.closed, self.opened) = (least, 0.0, 0);
+        self.order.clear();
+        self.parts.clear();
+        self.free.clear();
+    }
+
+    fn bound(&self) -> Bound {
+        let Search { tolerance, floor, .. } = self.search;
+        let allowed = self.least * (1.0 + tolerance) + floor;
+        Bound { least: self.least, allowed, slack: 0.1 * floor }
+    }
+
+    fn learn(&mut self, found: Found) {
+        self.least = self.least.max(found.distance);
+        self.opened += u64::from(found.opened) + 1;
+    }
+
+    /// Takes a part with what was found in it, and closes it if it is near enough.
+    fn take(&mut self, (part, found): &(Part, Found)) {
+        self.learn(*found);
+        if part.most <= self.bound().allowed || !part.polygon.has_area() {
+            self.closed = self.closed.max(part.most);
+            return;
         }
-        for (part, _) in parts {
-            if part.most > self.allowed() {
-                self.parts.push(*part);
-            } else {
-                self.closed = self.closed.max(part.most);
-            }
+        let number = self.free.pop().unwrap_or(self.parts.len() as u32);
+        match self.parts.get_mut(number as usize) {
+            Some(place) => *place = *part,
+            None => self.parts.push(*part),
         }
+        self.order.push(Rank { most: part.most, number });
+    }
+
+    /// Returns the part that may be farthest; none if all that are left are near enough.
+    fn pop(&mut self) -> Option<Part> {
+        let Rank { most, number } = self.order.pop()?;
+        if most <= self.bound().allowed {
+            // All others are nearer.
+            self.closed = self.closed.max(most);
+            self.order.clear();
+            return None;
+        }
+        self.free.push(number);
+        Some(self.parts[number as usize])
     }
 
     /// The parts to be looked at next, the farthest first.
-    fn next(&mut self) -> Vec<Part> {
-        let mut next = Vec::with_capacity(TOGETHER);
-        while let Some(part) = self.parts.pop() {
-            if part.most <= self.allowed() {
-                // All others are nearer.
-                self.closed = self.closed.max(part.most);
-                self.parts.clear();
-                break;
-            }
-            next.push(part);
-            if next.len() == TOGETHER {
-                break;
-            }
-        }
-        next
+    fn next(&mut self, count: usize) -> Vec<Part> {
+        std::iter::from_fn(|| self.pop()).take(count).collect()
     }
 
     fn bounds(&self) -> Farthest {
-        let open = self.parts.peek().map_or(0.0, |part| part.most);
+        let open = self.order.peek().map_or(0.0, |rank| rank.most);
         let most = self.least.max(self.closed).max(open);
         Farthest { least: self.least, most, opened: self.opened }
-    }
-}
-
-/// A convex polygon.
-#[derive(Clone, Copy, Debug)]
-struct Polygon {
-    corners: [DVec3; CORNERS],
-    count: usize,
-}
-
-impl Polygon {
-    const EMPTY: Self = Self { corners: [DVec3::ZERO; CORNERS], count: 0 };
-
-    fn triangle(corners: [DVec3; 3]) -> Self {
-        let mut polygon = Self::EMPTY;
-        polygon.corners[..3].copy_from_slice(&corners);
-        polygon.count = 3;
-        polygon
-    }
-
-    fn corners(&self) -> &[DVec3] {
-        &self.corners[..self.count]
-    }
-
-    fn push(&mut self, corner: DVec3) {
-        if self.count < CORNERS {
-            self.corners[self.count] = corner;
-            self.count += 1;
-        }
-    }
-
-    fn middle(&self) -> DVec3 {
-        self.corners().iter().sum::<DVec3>() / self.count as f64
-    }
-
-    /// Twice its area.
-    fn area(&self) -> f64 {
-        let c = self.corners();
-        (1..c.len().max(2) - 1)
-            .map(|i| (c[i] - c[0]).cross(c[i + 1] - c[0]))
-            .sum::<DVec3>()
-            .length()
-    }
-
-    /// The parts on the negative and the positive side of a plane. A corner within `slack` of it is
-    /// on both, and no side is thinner: slivers along common edges would be divided for ever.
-    fn cut(&self, at: DVec3, normal: DVec3, slack: f64) -> [Self; 2] {
-        let normal = normal.normalize_or_zero();
-        let height = |p: DVec3| (p - at).dot(normal);
-        let heights = self.corners.map(height);
-        let heights = &heights[..self.count];
-        if heights.iter().all(|&h| h <= slack) {
-            return [*self, Self::EMPTY];
-        }
-        if heights.iter().all(|&h| h >= -slack) {
-            return [Self::EMPTY, *self];
-        }
-        let mut sides = [Self::EMPTY; 2];
-        for i in 0..self.count {
-            let before = if i == 0 { self.count - 1 } else { i - 1 };
-            let (p, q) = (self.corners[before], self.corners[i]);
-            let (h, k) = (heights[before], heights[i]);
-            if h < -slack && k > slack || h > slack && k < -slack {
-                let crossing = p + (q - p) * (h / (h - k));
-                sides.iter_mut().for_each(|side| side.push(crossing));
-            }
-            if k <= slack {
-                sides[0].push(q);
-            }
-            if k >= -slack {
-                sides[1].push(q);
-            }
-        }
-        sides
-    }
-
-    /// Returns whether it is more than a line.
-    fn has_area(&self) -> bool {
-        self.count >= 3
-    }
-
-    /// The same in one or two parts that have room for the corners that clipping adds.
-    fn simple(&self) -> [Self; 2] {
-        if self.count <= CORNERS - 3 {
-            return [*self, Self::EMPTY];
-        }
-        let half = self.count / 2;
-        let mut parts = [Self::EMPTY; 2];
-        self.corners[..=half].iter().for_each(|&c| parts[0].push(c));
-        self.corners[half..self.count].iter().for_each(|&c| parts[1].push(c));
-        parts[1].push(self.corners[0]);
-        parts
-    }
-
-    /// Two halves, across its longest diagonal or edge.
-    fn halves(&self) -> [Self; 2] {
-        let mut longest = (0.0, DVec3::ZERO, DVec3::ZERO);
-        for (i, &a) in self.corners().iter().enumerate() {
-            for &b in &self.corners()[i + 1..] {
-                let length = (b - a).length_squared();
-                if length > longest.0 {
-                    longest = (length, a, b);
-                }
-            }
-        }
-        let (_, a, b) = longest;
-        self.cut((a + b) * 0.5, b - a, 0.0)
     }
 }
 
@@ -273,109 +291,101 @@ impl Polygon {
 #[derive(Clone, Copy, Debug)]
 struct Part {
     polygon: Polygon,
-    /// The triangle of the other surface nearest to its middle.
+    /// A triangle of the other surface near its middle.
     near: u32,
     /// No point of it is farther than this.
     most: f64,
 }
 
 impl Part {
-    /// A part with the distance of its middle. `hint` is a triangle that is probably near.
-    fn new(polygon: Polygon, hint: u32, to: &TriangleTree, patience: u32) -> (Self, Found) {
-        let middle = polygon.middle();
-        let (distance, near, found) = ask(middle, hint, to, patience);
-        let radius = polygon.corners().iter().map(|c| (*c - middle).length_squared());
-        let radius = radius.fold(0.0, f64::max).sqrt();
-        let most = (distance + radius).min(farthest_corner(&polygon, to.corners_of(near)).0);
-        (Self { polygon, near, most: most.max(found.distance) }, found)
+    /// A part with the distance of its middle, as far as it matters. `hint` is a triangle that is
+    /// probably near.
+    fn new(
+        polygon: Polygon,
+        hint: u32,
+        to: &impl Surface,
+        bound: Bound,
+        patience: u32,
+    ) -> (Self, Found) {
+        let (middle, radius) = polygon.disc();
+        let enough = (bound.allowed - radius).max(NEAR * bound.allowed);
+        let (near, found) = ask(middle, hint, to, enough, patience);
+        let mut most = near.squared.sqrt() + radius;
+        if most > bound.allowed && near.triangle != NONE {
+            most = most.min(polygon.farthest_corner(to.corners(near.triangle)).0);
+        }
+        (Self { polygon, near: near.triangle, most: most.max(found.distance) }, found)
     }
 
-    /// The parts that it falls into, with what was found there.
-    fn divided(&self, to: &TriangleTree, allowed: f64, slack: f64) -> Vec<(Self, Found)> {
-        let triangle = to.corners_of(self.near);
-        let (_, corner) = farthest_corner(&self.polygon, triangle);
-        let (_, _, found) = ask(corner, self.near, to, PATIENCE[1]);
-        let mut parts = Vec::with_capacity(8);
-        let (over, beyond) = clip(&self.polygon, triangle, slack);
-        let most = farthest_corner(&over, triangle).0;
-        let is_worth_it = most <= allowed
-            && over.area() >= WORTH_CLIPPING * self.polygon.area()
-            && beyond.iter().any(Polygon::has_area);
-        let rest = if is_worth_it {
-            parts.push((Self { polygon: over, near: self.near, most }, found));
-            beyond
-        } else {
-            let [a, b] = self.polygon.halves();
-            [a, b, Polygon::EMPTY]
+    /// Appends the parts that it falls into, with what was found there.
+    fn divide(&self, to: &impl Surface, bound: Bound, parts: &mut Vec<(Self, Found)>) {
+        let triangle = to.corners(self.near);
+        let start = parts.len();
+        let (far, corner) = self.polygon.farthest_corner(triangle);
+        let found = match far > bound.least {
+            true => ask(corner, self.near, to, bound.least, PATIENCE[1]).1,
+            false => Found { distance: 0.0, opened: 0 },
         };
-        for polygon in rest.iter().flat_map(Polygon::simple).filter(Polygon::has_area) {
-            parts.push(Self::new(polygon, self.near, to, PATIENCE[1]));
+        let (inside, around) = self.polygon.near(triangle, 0.999 * bound.allowed, bound.slack);
+        let most = inside.farthest_corner(triangle).0;
+        let mut add = |polygon: &Polygon| {
+            for polygon in polygon.simple().iter().filter(|p| p.has_area()) {
+                parts.push(Self::new(*polygon, self.near, to, bound, PATIENCE[1]));
+            }
+        };
+        if most <= bound.allowed && inside.area() >= WORTH_CUTTING * self.polygon.area() {
+            around.iter().for_each(&mut add);
+            parts.push((Self { polygon: inside, near: self.near, most }, found));
+        } else {
+            if self.polygon.disc().1 > bound.slack {
+                self.polygon.halves().iter().for_each(&mut add);
+            }
+            let most = if parts.len() > start { 0.0 } else { self.most };
+            parts.push((Self { polygon: Polygon::EMPTY, near: self.near, most }, found));
         }
-        if let Some((_, first)) = parts.first_mut() {
-            first.distance = first.distance.max(found.distance);
-            first.opened += found.opened;
-        }
-        parts
     }
 }
 
-/// An upper bound of the distance of a point, the triangle that has it, and what was found: the
-/// distance, unless the search ended early.
-fn ask(p: DVec3, hint: u32, to: &TriangleTree, patience: u32) -> (f64, u32, Found) {
-    let mut left = patience;
-    let (squared, near, is_sure) = to.distance_at_most(p, hint, &mut left);
-    let distance = squared.sqrt();
-    let found = Found { distance: if is_sure { distance } else { 0.0 }, opened: patience - left };
-    (distance, near, found)
+/// Looks for a triangle near a point, or the first within a distance `enough`. What is found is the
+/// distance, unless it is within that or the search ended early: then it may be smaller.
+fn ask(p: DVec3, hint: u32, to: &impl Surface, enough: f64, patience: u32) -> (Hit, Found) {
+    let (near, opened) = to.near(p, hint, enough * enough, patience);
+    let is_sure = opened < patience && near.squared > enough * enough;
+    let distance = if is_sure { near.squared.sqrt() } else { 0.0 };
+    (near, Found { distance, opened })
 }
 
-impl Ord for Part {
+/// The place of a part in the order: the farthest first.
+#[derive(Clone, Copy, Debug)]
+struct Rank {
+    most: f64,
+    number: u32,
+}
+
+impl Ord for Rank {
     fn cmp(&self, other: &Self) -> Ordering {
-        self.most.total_cmp(&other.most)
+        self.most.total_cmp(&other.most).then(other.number.cmp(&self.number))
     }
 }
 
-impl PartialOrd for Part {
+impl PartialOrd for Rank {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl Eq for Part {}
+impl Eq for Rank {}
 
-impl PartialEq for Part {
+impl PartialEq for Rank {
     fn eq(&self, other: &Self) -> bool {
         self.cmp(other) == Ordering::Equal
     }
 }
 
-/// The largest distance of a corner from a triangle, and the corner. 0 without corners.
-fn farthest_corner(polygon: &Polygon, triangle: [DVec3; 3]) -> (f64, DVec3) {
-    let distances = polygon.corners().iter().map(|&c| (distance_squared(c, triangle), c));
-    let (squared, corner) = distances
-        .fold((0.0, polygon.corners[0]), |best, new| if new.0 > best.0 { new } else { best });
-    (squared.sqrt(), corner)
-}
-
-/// Divides a polygon into the part in the prism over a triangle, upright on its edges, and the
-/// parts beyond each edge.
-fn clip(polygon: &Polygon, [a, b, c]: [DVec3; 3], slack: f64) -> (Polygon, [Polygon; 3]) {
-    let normal = (b - a).cross(c - a);
-    let mut rest = *polygon;
-    let mut beyond = [Polygon::EMPTY; 3];
-    for (out, [from, to]) in beyond.iter_mut().zip([[a, b], [b, c], [c, a]]) {
-        if !rest.has_area() {
-            break;
-        }
-        // Points outwards.
-        [rest, *out] = rest.cut(from, (to - from).cross(normal), slack);
-    }
-    (rest, beyond)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::TriangleTree;
 
     fn tree(triangles: &[[DVec3; 3]]) -> TriangleTree {
         TriangleTree::new(triangles)

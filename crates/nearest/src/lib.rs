@@ -18,11 +18,14 @@ mod bounds;
 mod farthest;
 mod morton;
 mod moving;
+mod polygon;
+mod surface;
 mod tree;
 mod triangle;
 
-pub use farthest::{Farthest, Search};
+pub use farthest::{Farthest, Seeker, Search};
 pub use morton::morton_order;
 pub use moving::{Hit, MovingTree, Triangles};
+pub use surface::{Moving, Surface};
 pub use tree::{Nearest, TriangleTree};
 pub use triangle::{area, centroid, closest, distance_squared, is_within, point_at};

@@ -1,7 +1,9 @@
 //! A tree of boxes over triangles that stay.
 
 use crate::bounds::Bounds;
-use crate::triangle::{closest, distance_squared, is_within, may_be_within};
+use crate::moving::Hit;
+use crate::surface::Surface;
+use crate::triangle::{closest, is_within};
 use glam::DVec3;
 use lodc_mesh::NONE;
 use rayon::prelude::*;
@@ -147,33 +149,8 @@ impl TriangleTree {
     /// for [`Self::nearest`].
     #[must_use]
     pub fn distance_from(&self, p: DVec3, hint: u32) -> (f64, u32) {
-        let (squared, triangle, _) = self.distance_at_most(p, hint, &mut { u32::MAX });
-        (squared, triangle)
-    }
-
-    /// The same, but no more boxes are opened than `patience`, from which those are taken that
-    /// were. Where it ends early, the distance may be too large, never too small, and the last is
-    /// false. At a vertex of thousands of triangles a search would open the boxes of all of them.
-    #[must_use]
-    pub fn distance_at_most(&self, p: DVec3, hint: u32, patience: &mut u32) -> (f64, u32, bool) {
-        let mut best = (f64::INFINITY, NONE);
-        let visit = |slot: usize, best: &mut (f64, u32)| {
-            if !may_be_within(p, self.corners[slot], best.0) {
-                return;
-            }
-            let squared = distance_squared(p, self.corners[slot]);
-            if squared < best.0 {
-                *best = (squared, self.order[slot]);
-            }
-        };
-        if let Some(&slot) = self.slot.get(hint as usize) {
-            visit(slot as usize, &mut best);
-        }
-        let is_sure = self.search(p, best.0, patience, |slots| {
-            slots.for_each(|slot| visit(slot, &mut best));
-            best.0
-        });
-        (best.0, best.1, is_sure)
+        let nearest = self.near(p, hint, 0.0, u32::MAX).0;
+        (nearest.squared, nearest.triangle)
     }
 
     /// Returns false if no triangle is within a squared distance of a point. Ends at the first that
@@ -247,6 +224,30 @@ impl TriangleTree {
             }
             at = open[depth].1;
         }
+    }
+}
+
+impl Surface for TriangleTree {
+    #[inline]
+    fn corners(&self, triangle: u32) -> [DVec3; 3] {
+        self.corners_of(triangle)
+    }
+
+    fn near(&self, p: DVec3, hint: u32, enough: f64, patience: u32) -> (Hit, u32) {
+        let mut best = Hit::NOTHING;
+        if let Some(&slot) = self.slot.get(hint as usize) {
+            best.look(p, self.corners[slot as usize], hint);
+        }
+        let mut left = patience;
+        if best.squared > enough {
+            self.search(p, best.squared, &mut left, |slots| {
+                for slot in slots {
+                    best.look(p, self.corners[slot], self.order[slot]);
+                }
+                if best.squared > enough { best.squared } else { 0.0 }
+            });
+        }
+        (best, patience - left)
     }
 }
 
@@ -325,6 +326,7 @@ fn build(items: &mut [Item], at: Place, nodes: &mut [Node]) -> (Bounds, Child) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::triangle::distance_squared;
     use lodc_mesh::SplitMix64;
 
     #[test]

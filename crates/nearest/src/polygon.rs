@@ -1,0 +1,215 @@
+//! Convex polygons, and what of them is near a triangle.
+
+use crate::triangle::distance_squared;
+use glam::DVec3;
+use std::f64::consts::FRAC_1_SQRT_2;
+
+/// Most corners of a polygon.
+const CORNERS: usize = 12;
+
+/// Most corners of one that is to be cut: each cut may add one.
+const FEW: usize = 6;
+
+/// Polygons around the part that is near a triangle, at most: below and above it, beyond its edges
+/// and its corners.
+const AROUND: usize = 8;
+
+/// Share of a distance up to which a polygon is looked at above a triangle, where it rises beyond.
+const HEIGHT: f64 = 0.8;
+
+/// A convex polygon.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Polygon {
+    corners: [DVec3; CORNERS],
+    count: usize,
+}
+
+impl Polygon {
+    pub(crate) const EMPTY: Self = Self { corners: [DVec3::ZERO; CORNERS], count: 0 };
+
+    pub(crate) fn triangle(corners: [DVec3; 3]) -> Self {
+        let mut polygon = Self::EMPTY;
+        polygon.corners[..3].copy_from_slice(&corners);
+        polygon.count = 3;
+        polygon
+    }
+
+    pub(crate) fn corners(&self) -> &[DVec3] {
+        &self.corners[..self.count]
+    }
+
+    /// Adds a corner. Returns false if there is no room.
+    fn push(&mut self, corner: DVec3) -> bool {
+        let Some(place) = self.corners.get_mut(self.count) else { return false };
+        *place = corner;
+        self.count += 1;
+        true
+    }
+
+    /// Returns the mean of its corners, and the largest distance of a corner from it.
+    pub(crate) fn disc(&self) -> (DVec3, f64) {
+        let middle = self.corners().iter().sum::<DVec3>() / self.count as f64;
+        let squared = self.corners().iter().map(|c| (*c - middle).length_squared());
+        (middle, squared.fold(0.0, f64::max).sqrt())
+    }
+
+    /// Twice its area.
+    pub(crate) fn area(&self) -> f64 {
+        let c = self.corners();
+        (1..c.len().max(2) - 1)
+            .map(|i| (c[i] - c[0]).cross(c[i + 1] - c[0]))
+            .sum::<DVec3>()
+            .length()
+    }
+
+    /// Returns whether it is more than a line.
+    pub(crate) fn has_area(&self) -> bool {
+        self.count >= 3
+    }
+
+    /// Returns the largest distance of a corner from a triangle, and the corner; of all points of
+    /// the polygon one is farthest that is a corner. 0 without corners.
+    pub(crate) fn farthest_corner(&self, triangle: [DVec3; 3]) -> (f64, DVec3) {
+        let distances = self.corners().iter().map(|&c| (distance_squared(c, triangle), c));
+        let (squared, corner) = distances
+            .fold((0.0, self.corners[0]), |best, new| if new.0 > best.0 { new } else { best });
+        (squared.sqrt(), corner)
+    }
+
+    /// The parts on the negative and the positive side of a plane with a normal of length 1. A
+    /// corner within `slack` of it is on both, and no side is thinner: slivers along common edges
+    /// would be divided for ever. All on the negative side if there is no room for more corners.
+    fn cut(&self, at: DVec3, normal: DVec3, slack: f64) -> [Self; 2] {
+        let heights = self.corners.map(|p| (p - at).dot(normal));
+        let heights = &heights[..self.count];
+        if heights.iter().all(|&h| h <= slack) {
+            return [*self, Self::EMPTY];
+        }
+        if heights.iter().all(|&h| h >= -slack) {
+            return [Self::EMPTY, *self];
+        }
+        let mut sides = [Self::EMPTY; 2];
+        let mut room = true;
+        for i in 0..self.count {
+            let before = if i == 0 { self.count - 1 } else { i - 1 };
+            let (p, q) = (self.corners[before], self.corners[i]);
+            let (h, k) = (heights[before], heights[i]);
+            if h < -slack && k > slack || h > slack && k < -slack {
+                let crossing = p + (q - p) * (h / (h - k));
+                room &= sides[0].push(crossing) & sides[1].push(crossing);
+            }
+            if k <= slack {
+                room &= sides[0].push(q);
+            }
+            if k >= -slack {
+                room &= sides[1].push(q);
+            }
+        }
+        if room { sides } else { [*self, Self::EMPTY] }
+    }
+
+    /// Divides it into the part that is within a distance of a triangle, nearly all of that, and
+    /// parts around it. The first is what lies in the triangle's prism, so high that the distance
+    /// is not exceeded and widened as far as it is not; it may be empty where there is more.
+    pub(crate) fn near(
+        &self,
+        [a, b, c]: [DVec3; 3],
+        distance: f64,
+        slack: f64,
+    ) -> (Self, [Self; AROUND]) {
+        let mut around = [Self::EMPTY; AROUND];
+        let Some(normal) = (b - a).cross(c - a).try_normalize() else {
+            return (Self::EMPTY, around);
+        };
+        let mut inside = *self;
+        let heights = || self.corners().iter().map(|&p| (p - a).dot(normal));
+        let (low, high) = heights().fold((0.0, 0.0), |(low, high): (f64, f64), h| {
+            (low.min(h), high.max(h))
+        });
+        let mut height = high.max(-low);
+        let mut number = 0;
+        let mut cut = |inside: &mut Self, at: DVec3, outwards: DVec3| {
+            [*inside, around[number]] = inside.cut(at, outwards, slack);
+            number += 1;
+        };
+        if height > distance {
+            let middle = (heights().sum::<f64>() / self.count as f64).abs().min(distance);
+            height = (HEIGHT * distance).max(0.5 * (middle + distance));
+            cut(&mut inside, a + normal * height, normal);
+            cut(&mut inside, a - normal * height, -normal);
+        }
+        // A corner between two planes that meet at no more than a right angle is no farther from
+        // the triangle than √2 times them.
+        let wide = (distance * distance - height * height).max(0.0).sqrt();
+        let wide = (wide * FRAC_1_SQRT_2 - slack).max(0.0);
+        let directions = [b - a, c - b, a - c].map(DVec3::normalize_or_zero);
+        for (corner, along) in [a, b, c].into_iter().zip(directions) {
+            let outwards = along.cross(normal);
+            cut(&mut inside, corner + outwards * wide, outwards);
+        }
+        for (i, corner) in [a, b, c].into_iter().enumerate() {
+            let (before, after) = (directions[(i + 2) % 3], directions[i]);
+            let is_sharp = before.dot(after) < 0.0;
+            if is_sharp && inside.has_area() {
+                let outwards = (before - after).normalize_or_zero();
+                cut(&mut inside, corner + outwards * wide, outwards);
+            }
+        }
+        (inside, around)
+    }
+
+    /// The same in one or two parts that have room for the corners that cutting adds.
+    pub(crate) fn simple(&self) -> [Self; 2] {
+        if self.count <= FEW {
+            return [*self, Self::EMPTY];
+        }
+        let half = self.count / 2;
+        let mut parts = [Self::EMPTY; 2];
+        parts[0].corners[..=half].copy_from_slice(&self.corners[..=half]);
+        parts[0].count = half + 1;
+        let rest = self.count - half;
+        parts[1].corners[..rest].copy_from_slice(&self.corners[half..self.count]);
+        parts[1].corners[rest] = self.corners[0];
+        parts[1].count = rest + 1;
+        parts
+    }
+
+    /// Two halves, across its longest diagonal or edge.
+    pub(crate) fn halves(&self) -> [Self; 2] {
+        let mut longest = (0.0, DVec3::ZERO, DVec3::ZERO);
+        for (i, &a) in self.corners().iter().enumerate() {
+            for &b in &self.corners()[i + 1..] {
+                let length = (b - a).length_squared();
+                if length > longest.0 {
+                    longest = (length, a, b);
+                }
+            }
+        }
+        let (_, a, b) = longest;
+        self.cut((a + b) * 0.5, (b - a).normalize_or_zero(), 0.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lodc_mesh::SplitMix64;
+
+    #[test]
+    fn what_is_near_a_triangle_is_within_the_distance_and_nothing_is_lost() {
+        let mut random = SplitMix64::new(7);
+        let mut point = || DVec3::from_array([0; 3].map(|_| f64::from(random.unit())));
+        let mut some = 0;
+        for round in 0..2_000 {
+            let [triangle, corners] = [0; 2].map(|_| [0; 3].map(|_| point()));
+            let distance = 0.05 * f64::from(round % 10);
+            let polygon = Polygon::triangle(corners);
+            let (inside, around) = polygon.near(triangle, distance, 1e-12);
+            assert!(inside.farthest_corner(triangle).0 <= distance + 1e-11, "{round}");
+            let sum = inside.area() + around.iter().map(Polygon::area).sum::<f64>();
+            assert!((sum - polygon.area()).abs() < 1e-9, "{round}: {sum} {}", polygon.area());
+            some += usize::from(inside.has_area());
+        }
+        assert!(some > 500, "{some}");
+    }
+}
