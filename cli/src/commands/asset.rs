@@ -11,10 +11,14 @@ use crate::stages::Stages;
 use clap::Args;
 use lodc::{
     Input, LodObject,
-    build::{Known, Paints, ScenePaints, Size, measure_all, measure_bending, simplify_all},
+    build::{
+        Known, LevelDistance, Paints, ScenePaints, Size, choose_poses, measure_all, measure_levels,
+        simplify_all,
+    },
     read_input,
 };
-use lodc_formats::{Document, ObjectInfo, Scene, Sought, Source, appearance};
+use lodc_formats::{Document, Limits, ObjectInfo, Scene, Sought, Source, appearance};
+use lodc_mesh::Lod;
 use lodc_select::Target;
 use lodc_simplify::{MetricKind, Options};
 use std::path::Path;
@@ -31,28 +35,49 @@ pub(crate) struct Asset {
     pub(crate) files: Sought,
     /// Messages about what was repaired, dropped or left out while reading.
     pub(crate) warnings: Vec<String>,
+    /// The errors that its sequences state.
+    errors: Errors,
     /// The looks of the scene, if the metric saw them.
     paints: Option<Arc<Paints>>,
 }
 
-/// Use of the errors of levels: measuring them takes longer than simplifying does.
+/// The levels whose errors are measured: all of them take longer than simplifying does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Errors {
-    Measured,
-    /// Nothing asks for them, so those of a mesh may stay estimates. Of objects that bend they say
-    /// in which poses levels are measured.
-    Unused,
+    /// Those of every level.
+    Curve,
+    /// Those of levels that are written, once they are chosen: [`Asset::distances`].
+    OfResult,
 }
 
 impl Errors {
     /// The errors that a choice of levels takes.
     pub(crate) fn to_choose(targets: impl IntoIterator<Item = Target>) -> Self {
         let counts = |t| matches!(t, Target::Lod(_) | Target::Ratio(_) | Target::Triangles(_));
-        if targets.into_iter().all(counts) { Self::Unused } else { Self::Measured }
+        if targets.into_iter().all(counts) { Self::OfResult } else { Self::Curve }
     }
 }
 
 impl Asset {
+    /// The distances of levels, fine to coarse, each with a LOD for every object: those that the
+    /// sequences state, or measured where they state none.
+    ///
+    /// # Errors
+    /// If the document is damaged.
+    pub(crate) fn distances(
+        &self,
+        levels: &[&[Lod]],
+        limits: &Limits,
+    ) -> Outcome<Vec<Vec<LevelDistance>>> {
+        if self.errors == Errors::OfResult {
+            return Ok(measure_levels(&self.objects, levels, &self.document, limits)?);
+        }
+        let stated = |(object, &lod): (&LodObject, &Lod)| LevelDistance::stated(object, lod);
+        let of_level =
+            |lods: &&[Lod]| self.objects.iter().zip(*lods).map(stated).collect::<Vec<_>>();
+        Ok(levels.iter().map(of_level).collect())
+    }
+
     /// The looks of the scene, read unless the metric saw them. Images that cannot be had are left
     /// out, with a line among the warnings of the looks.
     ///
@@ -114,7 +139,7 @@ pub(crate) fn read(
     stages: &mut Stages,
 ) -> Outcome<Asset> {
     let progress = Progress::new(&input.display().to_string());
-    read_showing(&progress, input, import, how, Errors::Measured, stages)
+    read_showing(&progress, input, import, how, Errors::Curve, stages)
 }
 
 /// Reads an input as [`read`] does, and shows the progress of simplifying on a bar of the caller's.
@@ -143,6 +168,7 @@ pub(crate) fn read_showing(
             compressed: false,
             files: Sought::only(input),
             warnings: file.left_out,
+            errors: Errors::Curve,
             paints: None,
         }),
         Input::Scene(scene) => {
@@ -163,7 +189,7 @@ pub(crate) fn simplified(
     stages: &mut Stages,
 ) -> Outcome<Asset> {
     let progress = Progress::new(&input.display().to_string());
-    simplified_showing(&progress, (input, import), how, Errors::Measured, scene, stages)
+    simplified_showing(&progress, (input, import), how, Errors::Curve, scene, stages)
 }
 
 fn simplified_showing(
@@ -188,16 +214,18 @@ fn simplified_showing(
     let known =
         Known { paints: paints.shown(), importance: &importance, document: &document, limits };
     let watch = stages.watched(progress);
-    let simplified = simplify_all(objects, &options, known, &watch)?;
+    let mut simplified = simplify_all(objects, &options, known, &watch)?;
     warnings.extend(paints.warnings);
     files.extend(&paints.files);
     let poses = how.poses.most();
-    let simplified = match errors {
-        Errors::Unused => measure_bending(simplified, &document, &limits, poses, &watch)?,
-        Errors::Measured => measure_all(simplified, &document, &limits, poses, &watch)?,
-    };
+    match errors {
+        Errors::OfResult => drop(choose_poses(&mut simplified, &document, &limits, poses)?),
+        Errors::Curve => {
+            simplified = measure_all(simplified, &document, &limits, poses, &watch)?;
+        }
+    }
     let object = |(info, simplified)| LodObject { info, simplified, models: Vec::new() };
     let objects = simplified.into_iter().map(object).collect();
     let paints = paints.paints;
-    Ok(Asset { source, objects, document, compressed, files, warnings, paints })
+    Ok(Asset { source, objects, document, compressed, files, warnings, errors, paints })
 }

@@ -154,8 +154,7 @@ impl<'a> SceneLevels<'a> {
     /// none was measured.
     pub fn select(&self, target: Target, per_object: bool) -> Result<Selection, SelectError> {
         self.check_measured(target)?;
-        let losses =
-            || self.losses.get_or_init(|| self.visibility().losses(&self.simplified()));
+        let losses = || self.losses.get_or_init(|| self.visibility().losses(&self.simplified()));
         Ok(select(&self.candidates(), target, per_object, losses)?)
     }
 

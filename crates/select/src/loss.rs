@@ -47,7 +47,8 @@ impl Visibility {
             parts.extend(shown.visible().iter().map(|positions| Part { positions, triangles }));
         }
         let mut areas = seen_areas(&parts).into_iter();
-        let areas = shown.iter().map(|s| areas.by_ref().take(s.visible().len()).collect()).collect();
+        let areas =
+            shown.iter().map(|s| areas.by_ref().take(s.visible().len()).collect()).collect();
         Self { shown, areas }
     }
 

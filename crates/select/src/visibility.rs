@@ -41,10 +41,15 @@ pub(crate) fn seen_areas(parts: &[Part<'_>]) -> Vec<Vec<f64>> {
         let cameras = spread_cameras(VIEWS, center, radius, SIZE);
         pixel = 1.0 / cameras[0].scale;
         // A few pictures at a time: each has a depth for every pixel.
-        for views in cameras.chunks(4) {
-            let fronts: Vec<Vec<Fragment>> = views.par_iter().map(|c| picture(parts, c)).collect();
-            for fragment in fronts.iter().flatten().filter(|f| **f != Fragment::NOTHING) {
-                pixels[fragment.item() as usize] += 1;
+        let mut fronts = vec![vec![Fragment::NOTHING; (SIZE * SIZE) as usize]; 4];
+        for views in cameras.chunks(fronts.len()) {
+            let draw = |(camera, front): (&Camera, &mut Vec<Fragment>)| draw(parts, camera, front);
+            views.par_iter().zip(&mut fronts).for_each(draw);
+            for fragment in fronts[..views.len()].iter_mut().flatten() {
+                let seen = std::mem::replace(fragment, Fragment::NOTHING);
+                if seen != Fragment::NOTHING {
+                    pixels[seen.item() as usize] += 1;
+                }
             }
         }
     }
@@ -58,8 +63,8 @@ pub(crate) fn seen_areas(parts: &[Part<'_>]) -> Vec<Vec<f64>> {
     parts.iter().map(&mut of_part).collect()
 }
 
-fn picture(parts: &[Part<'_>], camera: &Camera) -> Vec<Fragment> {
-    let mut front = vec![Fragment::NOTHING; (SIZE * SIZE) as usize];
+/// Draws a picture that is empty.
+fn draw(parts: &[Part<'_>], camera: &Camera, front: &mut [Fragment]) {
     let mut number = 0;
     for part in parts {
         let points: Vec<Point> = part.positions.iter().map(|&p| camera.project(p)).collect();
@@ -72,7 +77,6 @@ fn picture(parts: &[Part<'_>], camera: &Camera) -> Vec<Fragment> {
             number += 1;
         }
     }
-    front
 }
 
 #[cfg(test)]

@@ -26,11 +26,7 @@ struct Done {
 ///
 /// # Errors
 /// If a report or the dependency file cannot be written.
-pub(super) fn all(
-    args: &BuildArgs,
-    program: &Program,
-    assets: &[Asset],
-) -> Outcome<Status> {
+pub(super) fn all(args: &BuildArgs, program: &Program, assets: &[Asset]) -> Outcome<Status> {
     let resolving = |args, resolved| BuildArgs { resolved, ..args };
     let options = AssetOptions::new(program, "build", assets, resolving);
     let bytes = args.import.limits().memory().unwrap_or(u64::MAX);
@@ -81,11 +77,7 @@ fn report(args: &BuildArgs, done: Vec<Done>) -> Outcome<Status> {
 }
 
 /// One asset from bytes to bytes.
-fn one(
-    asset: &Asset,
-    options: &AssetOptions<BuildArgs>,
-    bar: &BatchProgress,
-) -> Done {
+fn one(asset: &Asset, options: &AssetOptions<BuildArgs>, bar: &BatchProgress) -> Done {
     let start = Instant::now();
     let input = asset.input.as_path();
     let mut report = InputReport { input: input.display().to_string(), ..InputReport::default() };

@@ -224,8 +224,7 @@ fn checked(args: &CompareArgs, program: &Program) -> Outcome<Status> {
             let (other, (args, _)) = (other?, options.ready(asset)?);
             let progress = bar.of_asset(&asset.name);
             let (paths, baseline) = ([&*other, &*asset.input], baseline.as_ref());
-            let measured =
-                measure::compare(args, paths, &asset.name, baseline, &progress)?;
+            let measured = measure::compare(args, paths, &asset.name, baseline, &progress)?;
             say(args, &measured, several)?;
             Ok(measured)
         });

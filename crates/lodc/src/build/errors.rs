@@ -3,9 +3,11 @@
 use super::watch::staged;
 use super::{SimplifiedObjects, Watch};
 use crate::{LodObject, stated_shapes};
+use lodc_errors::{LevelError, at_levels};
 use lodc_formats::{Document, FormatError, Limits, ObjectInfo, scene_motion};
 use lodc_mesh::{Lod, Mesh, Simplified};
-use lodc_scene::{Motion, Shape};
+use lodc_scene::Motion;
+use lodc_select::decimal;
 use rayon::prelude::*;
 use std::mem::take;
 use std::sync::Arc;
@@ -74,6 +76,15 @@ pub struct LevelDistance {
     pub rms: Option<f64>,
 }
 
+impl LevelDistance {
+    /// What an object's sequence states of a level.
+    #[must_use]
+    pub fn stated(object: &LodObject, lod: Lod) -> Self {
+        let collapses = object.simplified.collapses();
+        Self { error: decimal(collapses.error_at(lod)), rms: collapses.rms_at(lod).map(decimal) }
+    }
+}
+
 /// Measures a few levels by themselves, where the whole sequence would take too long. `levels` are
 /// fine to coarse, each with a LOD for every object. Returns the distances of every level and
 /// object, the largest over the shape at rest and the poses of the object's description, none below
@@ -90,7 +101,16 @@ pub fn measure_levels(
     let shapes = stated_shapes(objects, document, limits)?;
     let of_object = |(number, object): (usize, &LodObject)| {
         let lods: Vec<Lod> = levels.iter().map(|lods| lods[number]).collect();
-        over_shapes(&object.simplified, &lods, &shapes[number])
+        let mesh = object.simplified.mesh();
+        let shapes = shapes[number].iter().map(|shape| shape.of(mesh));
+        let coarser = |before: &mut LevelError, level: LevelError| {
+            before.error = before.error.max(level.error);
+            before.rms = before.rms.max(level.rms);
+            Some(LevelDistance { error: decimal(before.error), rms: Some(decimal(before.rms)) })
+        };
+        let measured = at_levels(&object.simplified, shapes, &lods);
+        let none = LevelError { error: 0.0, rms: 0.0 };
+        measured.into_iter().scan(none, coarser).collect()
     };
     let columns: Vec<Vec<LevelDistance>> = objects.par_iter().enumerate().map(of_object).collect();
     let row = |level: usize| columns.iter().map(|column| column[level]).collect();
