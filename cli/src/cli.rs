@@ -119,7 +119,9 @@ impl Command {
     pub(crate) fn takes_memory(&self) -> bool {
         match self {
             Self::Build(args) => !args.is_small(),
-            Self::Bench(_) | Self::Chain(_) | Self::Extract(_) => true,
+            Self::Chain(args) => !args.is_small(),
+            Self::Extract(args) => !args.is_small(),
+            Self::Bench(_) => true,
             Self::Pack(_) | Self::Unpack(_) | Self::Verify(_) => true,
             _ => false,
         }

@@ -85,10 +85,10 @@ fn values<K: Kind>() -> impl Iterator<Item = PossibleValue> {
 /// The option of commands that simplify meshes.
 #[derive(Args, Clone, Copy, Debug, Default)]
 pub(crate) struct MetricArgs {
-    /// Metric of collapses; hybrid: best looks of textured meshes, tens of times as long
+    /// Metric of collapses; hybrid looks best, tens of times as slowly
     ///
-    /// Worth its time where a textured mesh keeps 10 % of its triangles or less and is looked at. A
-    /// .lodc file has its order of collapses already.
+    /// It is worth its time where a textured mesh keeps 10 % of its triangles or less and is looked
+    /// at from near. A .lodc file has its order of collapses already.
     #[arg(
         long,
         value_parser = parser::<MetricKind>(),

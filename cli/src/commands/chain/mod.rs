@@ -71,6 +71,13 @@ pub(crate) struct ChainArgs {
     format: Option<FormatName>,
 }
 
+impl ChainArgs {
+    /// Returns whether there is one input, in a small file.
+    pub(crate) fn is_small(&self) -> bool {
+        self.export.is_small(&self.inputs)
+    }
+}
+
 const EXAMPLES: &str = "\
 All levels share one vertex buffer, last to disappear first: each level needs a prefix only. \
 Without --separate and --index-ranges the levels are tied together by MSFT_lod.

@@ -82,6 +82,11 @@ fn replays() -> impl TypedValueParser<Value = Choice<ModelKind>> {
 }
 
 impl ExtractArgs {
+    /// Returns whether there is one input, in a small file.
+    pub(crate) fn is_small(&self) -> bool {
+        self.export.is_small(&self.inputs)
+    }
+
     /// Returns the criterion of a view, if that is what is wanted.
     ///
     /// # Errors
