@@ -1,7 +1,7 @@
 //! Steps that one way has followed and the other has not: all that the other needs of them.
 
-use crate::input::Input;
 use crate::work::Work;
+use lodc_mesh::NONE;
 
 /// A face that a step touched, as it is after the step.
 #[derive(Clone, Copy, Debug)]
@@ -12,22 +12,15 @@ pub(crate) struct Entry {
     pub(crate) points: [u32; 3],
     /// The mean squared distance of its samples; not a number if it has none.
     pub(crate) mean_square: f32,
-    /// The first of its hints, and the end.
-    pub(crate) hints: [u32; 2],
+    /// The origin of the sample that is nearest to its middle; [`NONE`] if it has none.
+    pub(crate) hint: u32,
 }
 
 impl Entry {
     /// A face that is gone.
     pub(crate) fn dead(face: u32, points: [u32; 3]) -> Self {
-        Self { face, is_live: false, points, mean_square: f32::NAN, hints: [0; 2] }
+        Self { face, is_live: false, points, mean_square: f32::NAN, hint: NONE }
     }
-}
-
-/// A sample of a face, as a place to look near.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Hint {
-    pub(crate) place: [f32; 3],
-    pub(crate) origin: u32,
 }
 
 /// A step.
@@ -36,7 +29,7 @@ pub(crate) struct Step {
     /// Ends of its entries and of its targets.
     pub(crate) entries_end: u32,
     pub(crate) targets_end: u32,
-    /// The point that moved, if it was one; [`lodc_mesh::NONE`] otherwise.
+    /// The point that moved, if it was one; [`NONE`] otherwise.
     pub(crate) source: u32,
     /// Faces that are left.
     pub(crate) live: u32,
@@ -46,21 +39,11 @@ pub(crate) struct Step {
     pub(crate) mean_square: f64,
 }
 
-impl Step {
-    /// Returns whether no more than one in `share` faces is left, or so few that it does not
-    /// matter.
-    pub(crate) fn is_coarse(&self, input: &Input, share: u32) -> bool {
-        self.live <= (input.triangles.len() as u32 / share).max(64)
-    }
-}
-
 /// Some steps in a row.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Block {
     pub(crate) steps: Vec<Step>,
     pub(crate) entries: Vec<Entry>,
-    /// Samples of faces: all where few faces are left, else those nearest to the faces' middles.
-    pub(crate) hints: Vec<Hint>,
     /// The points that corners move to.
     pub(crate) targets: Vec<u32>,
     /// Work of the first way at the end.
@@ -74,7 +57,6 @@ impl Block {
     pub(crate) fn clear(&mut self) {
         self.steps.clear();
         self.entries.clear();
-        self.hints.clear();
         self.targets.clear();
         self.gave_up = false;
     }

@@ -4,14 +4,14 @@ use crate::block::{Block, Entry, Step};
 use crate::care::Care;
 use crate::faces::{Changes, Faces};
 use crate::floor::Floor;
+use crate::gap::gap_of;
 use crate::input::Input;
-use crate::refine::{FLOOR, Refine};
 use crate::samples::{Sample, Samples};
 use crate::thinning::Thinning;
-use crate::work::Work;
+use crate::work::{FLOOR, Work};
 use glam::DVec3;
 use lodc_mesh::{CollapseSequence, NONE};
-use lodc_nearest::{Hit, centroid};
+use lodc_nearest::{Hit, Moving, Search, Seeker, centroid};
 use std::ops::Range;
 
 /// A sample takes the first changed face within this share of the bound.
@@ -19,23 +19,16 @@ const NEAR: f64 = 0.25;
 
 /// Distances within this share of the bound need no better face.
 const NEAR_ENOUGH: f64 = 0.75;
-/// The same once many places have been refined.
-const NEAR_ENOUGH_LATE: f64 = 0.95;
+/// A triangle is looked at for holes above it while the squared bound is this share of its longest
+/// edge, squared; in meshes of up to so many triangles.
+const UNCOVERED: f64 = 2.5e-3;
+const COVERABLE: usize = 1 << 16;
 
 /// Changed faces that a sample is tried on before the tree is asked.
 const TRIED: usize = 48;
 
-/// Points asked in one refinement.
-const QUERIES: u32 = 150;
-
-/// Points asked in one of the whole input.
-pub(crate) const EXHAUSTIVE_QUERIES: u32 = 10_000;
-
 /// Records that are read ahead at once.
 const READ_AHEAD: u32 = 16;
-
-/// Share of the faces, one in so many, from which on the other way learns of all samples.
-const COARSE: u32 = 8;
 
 /// The faces of the level, and the samples that travel over them.
 pub(crate) struct Forward<'a> {
@@ -50,12 +43,17 @@ pub(crate) struct Forward<'a> {
     corners: Vec<[DVec3; 3]>,
     /// The squared bound.
     bound: f64,
-    near_enough: f64,
+    seeker: Seeker,
     work: Work,
     /// Work of the other way, as far as it is known.
     other: Work,
     taken: Vec<(u32, u32)>,
-    doubtful: Vec<u32>,
+    /// Samples that are far, with the face that each is nearest to.
+    doubtful: Vec<(u32, u32)>,
+    /// Triangles of the input that are looked at as a whole.
+    large: Vec<u32>,
+    /// The border of the fan that the step removes.
+    link: Vec<DVec3>,
     /// The first record of the next step, and the first that was not read ahead.
     record: u32,
     ahead: u32,
@@ -81,11 +79,13 @@ impl<'a> Forward<'a> {
             changes: Changes::default(),
             corners: vec![],
             bound: 0.0,
-            near_enough: NEAR_ENOUGH,
+            seeker: Seeker::new(Search::within(input.diagonal)),
             work: Work::default(),
             other: Work::default(),
             taken: vec![],
             doubtful: vec![],
+            large: vec![],
+            link: vec![],
             record: 0,
             ahead: 0,
         }
@@ -110,17 +110,12 @@ impl<'a> Forward<'a> {
         block: &mut Block,
     ) {
         let (targets, ends) = (sequence.targets(), &sequence.parts().step_ends);
-        let all = self.input.triangles.len() as u64;
         block.clear();
         for step in steps {
-            let both = self.work + self.other;
-            if both.is_too_much(self.input) {
+            if (self.work + self.other).is_too_much(self.input) {
                 block.gave_up = true;
                 break;
             }
-            let share = 2 * all * u64::from(step + 1) / ends.len() as u64;
-            let late = both.queries > 4_000.min(4 * all) + share;
-            self.near_enough = if late { NEAR_ENOUGH_LATE } else { NEAR_ENOUGH };
             self.bound = self.bound.max(self.floor.squared(step as usize));
             let end = ends[step as usize];
             if end > self.ahead {
@@ -143,12 +138,11 @@ impl<'a> Forward<'a> {
     /// Notes a step.
     fn note(&self, block: &mut Block) {
         let Self { faces, changes, samples, .. } = self;
-        let all = faces.live <= self.input.triangles.len() as u32 / COARSE;
         for &t in &changes.touched {
             let face = &faces.all[t as usize];
             block.entries.push(if face.is_live() {
                 let middle = centroid(self.input.at(face.points));
-                samples.entry(middle, t, face, all, &mut block.hints)
+                samples.entry(middle, t, face)
             } else {
                 Entry::dead(t, face.points)
             });
@@ -173,23 +167,67 @@ impl<'a> Forward<'a> {
         self.place_samples();
         self.take_new_samples();
         self.refine_doubtful();
+        self.cover_taken();
         for i in 0..self.changes.changed.len() {
             let (face, live) = (self.changes.changed[i], self.faces.live);
             self.thinning.thin(&mut self.samples, &mut self.faces.all, face, live, self.bound);
         }
         if self.input.triangles.len() <= self.care.exhaustive {
-            self.refine_all();
+            (0..self.input.triangles.len() as u32).for_each(|t| self.seek(t, t));
         }
     }
 
-    /// Searches the whole input by branch and bound.
-    fn refine_all(&mut self) {
-        let (level, tree) = self.faces.level(self.input);
-        let mut refine = Refine::new(&level, tree, self.bound, EXHAUSTIVE_QUERIES);
-        for &t in &self.input.triangles {
-            refine.triangle(self.input.at(t), NONE);
+    /// Looks for a point beyond the bound in a triangle of the input. `near` is a face near it.
+    fn seek(&mut self, triangle: u32, near: u32) {
+        let Self { input, faces, seeker, bound, work, .. } = self;
+        let (level, tree) = faces.level(input);
+        let least = bound.max(FLOOR).sqrt();
+        let corners = input.at(input.triangles[triangle as usize]);
+        let to = Moving { triangles: &level, tree };
+        let found = seeker.seek(least, corners, near, &to, (*work + self.other).boxes(input));
+        if found.least > least {
+            *bound = found.least * found.least;
         }
-        self.bound = refine.bound;
+        work.done += found.opened;
+    }
+
+    /// Decides how far those triangles of the input are whose samples the step has moved, where
+    /// they are so large beside the bound that a part may be uncovered in which no sample is.
+    fn cover_taken(&mut self) {
+        if self.input.triangles.len() > COVERABLE {
+            return;
+        }
+        let mut large = std::mem::take(&mut self.large);
+        large.clear();
+        for &(number, _) in &self.taken {
+            let sources = self.samples.all[number as usize].sources(self.input);
+            large.extend(sources.as_slice().iter().filter(|&&t| self.is_large(t)));
+        }
+        if large.is_empty() || self.unfolds() {
+            self.large = large;
+            return;
+        }
+        large.sort_unstable();
+        large.dedup();
+        for &t in &large {
+            self.seek(t, t);
+        }
+        self.large = large;
+    }
+
+    /// Returns whether the step made a closed fan smaller and nothing folds, which leaves no hole.
+    fn unfolds(&mut self) -> bool {
+        let Self { input, faces, changes, link, .. } = self;
+        let source = if let [source] = changes.sources[..] { source } else { NONE };
+        let touched = changes.touched.iter().map(|&t| &faces.all[t as usize]);
+        let touched = touched.map(|face| (face.is_live(), face.points));
+        gap_of(input, (source, &changes.targets), touched, link).is_some()
+    }
+
+    fn is_large(&self, triangle: u32) -> bool {
+        let [a, b, c] = self.input.at(self.input.triangles[triangle as usize]);
+        let edges = [b - a, c - b, a - c].map(DVec3::length_squared);
+        self.bound.max(FLOOR) < UNCOVERED * edges[0].max(edges[1]).max(edges[2])
     }
 
     /// Finds the nearest face for the samples of all faces that were touched.
@@ -206,7 +244,7 @@ impl<'a> Forward<'a> {
             if nearest.squared > self.enough()
                 && nearest.squared > 1.1 * f64::from(self.samples.all[number as usize].refined)
             {
-                self.doubtful.push(number);
+                self.doubtful.push((number, nearest.triangle));
             }
             self.bound = self.bound.max(nearest.squared);
             self.samples.set(number, nearest.squared);
@@ -243,7 +281,7 @@ impl<'a> Forward<'a> {
                 let number = self.samples.add(&mut self.faces.all, nearest.triangle, sample);
                 self.samples.set(number, nearest.squared);
                 if nearest.squared > self.enough() {
-                    self.doubtful.push(number);
+                    self.doubtful.push((number, nearest.triangle));
                 }
                 self.bound = self.bound.max(nearest.squared);
             }
@@ -253,25 +291,16 @@ impl<'a> Forward<'a> {
     /// Looks more closely at the input around samples that are far.
     fn refine_doubtful(&mut self) {
         for i in 0..self.doubtful.len() {
-            let sample = &mut self.samples.all[self.doubtful[i] as usize];
-            let sources = sample.sources(self.input);
-            let enough = (self.bound * self.near_enough * self.near_enough).max(FLOOR);
+            let (number, near) = self.doubtful[i];
+            let enough = self.enough();
+            let sample = &mut self.samples.all[number as usize];
             if f64::from(sample.squared) <= enough {
                 continue;
             }
             sample.refined = sample.squared;
-            let (level, tree) = self.faces.level(self.input);
-            let mut refine = Refine::new(&level, tree, self.bound, QUERIES);
-            refine.patience = (self.work + self.other).patience(self.input);
-            for &t in sources.as_slice() {
-                if refine.left == 0 {
-                    break;
-                }
-                refine.triangle(self.input.at(self.input.triangles[t as usize]), NONE);
+            for &t in sample.sources(self.input).as_slice() {
+                self.seek(t, near);
             }
-            self.bound = refine.bound;
-            self.work.queries += u64::from(QUERIES - refine.left);
-            self.work.done += refine.opened;
         }
     }
 
@@ -306,6 +335,6 @@ impl<'a> Forward<'a> {
 
     /// The squared distance within which nothing has to be looked for.
     fn enough(&self) -> f64 {
-        (self.bound * self.near_enough * self.near_enough).max(FLOOR)
+        (self.bound * (NEAR_ENOUGH * NEAR_ENOUGH)).max(FLOOR)
     }
 }

@@ -3,15 +3,74 @@
 //! Both have the same border. Where both lie over one plane without folding, the distance along the
 //! plane's normal is linear between the places where an edge of one crosses an edge of the other.
 
+use crate::input::Input;
 use glam::{DVec2, DVec3};
+use lodc_mesh::NONE;
 
 /// Most faces of a fan that is looked at.
-pub(crate) const MOST: usize = 24;
+const MOST: usize = 24;
+
+/// Returns how far the faces that a step left are from those before it, both ways, where a closed
+/// fan became a smaller one that does not fold. The step moved the point `source`, if it was one,
+/// to one of `targets`; `faces` are those that it touched, as they are after it, with whether they
+/// are left. `link` is room.
+pub(crate) fn gap_of(
+    input: &Input,
+    (source, targets): (u32, &[u32]),
+    faces: impl ExactSizeIterator<Item = (bool, [u32; 3])>,
+    link: &mut Vec<DVec3>,
+) -> Option<f64> {
+    let &[target] = targets else { return None };
+    if source == NONE || !(3..=MOST).contains(&faces.len()) {
+        return None;
+    }
+    let mut ends = [NONE; 2];
+    let mut dead = 0;
+    let mut edges = [[NONE; 2]; MOST];
+    let mut live = 0;
+    for (is_live, points) in faces {
+        let [a, b, c] = points;
+        // The border of the face: from one point to the next.
+        let edge = match target {
+            p if p == a => [b, c],
+            p if p == b => [c, a],
+            _ => [a, b],
+        };
+        if is_live {
+            edges[live] = edge;
+            live += 1;
+            continue;
+        }
+        // One of its other points is the target, too.
+        let mut others = points.into_iter().filter(|&p| p != target);
+        let (end, None) = (others.next()?, others.next()) else { return None };
+        *ends.get_mut(dead)? = end;
+        dead += 1;
+    }
+    if dead != 2 {
+        return None;
+    }
+    let edges = &mut edges[..live];
+    let first = usize::from(!edges.iter().any(|e| e[0] == ends[0]));
+    let mut at = ends[first];
+    link.clear();
+    link.extend([input.place(target), input.place(at)]);
+    for done in 0..edges.len() {
+        let next = (done..edges.len()).find(|&i| edges[i][0] == at)?;
+        edges.swap(done, next);
+        at = edges[done][1];
+        link.push(input.place(at));
+    }
+    if at != ends[1 - first] {
+        return None;
+    }
+    gap(input.place(source), link)
+}
 
 /// Returns an upper bound of the distance between the fan around `middle` and the one around
 /// `link[0]` with the same border `link`, given in order, in both directions; nothing if one of
 /// them folds or turns away from the plane that fits their border.
-pub(crate) fn gap(middle: DVec3, link: &[DVec3]) -> Option<f64> {
+fn gap(middle: DVec3, link: &[DVec3]) -> Option<f64> {
     let apex = link[0];
     let ring = |i: usize| link[i % link.len()] - apex;
     let normal: DVec3 = (1..link.len() - 1).map(|i| ring(i).cross(ring(i + 1))).sum();

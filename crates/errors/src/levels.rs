@@ -8,13 +8,13 @@ use lodc_nearest::{Moving, MovingTree, Search, Surface, Triangles, area, morton_
 use rayon::prelude::*;
 
 /// Points on either surface that the mean is of, at least: it is known to about a hundredth.
-const POINTS: f64 = 8_192.0;
+const POINTS: f64 = 4_096.0;
 
 /// Points that one thread looks up one after the other.
 const RUN: usize = 256;
 
 /// Boxes that the search for one of them may open.
-const PATIENCE: u32 = 256;
+const PATIENCE: u32 = 1_024;
 
 /// Most parts along an edge of a triangle, each with a point.
 const MOST: f64 = 200.0;
@@ -186,9 +186,9 @@ impl Changed {
             (sum, weight, far)
         };
         let runs: Vec<_> = starts.into_par_iter().map(run).collect();
-        let (sum, weight, far) = runs.iter().fold((0.0, 0.0, 0.0f64), |all, run| {
-            (all.0 + run.0, all.1 + run.1, all.2.max(run.2))
-        });
+        let (sum, weight, far) = runs
+            .iter()
+            .fold((0.0, 0.0, 0.0f64), |all, run| (all.0 + run.0, all.1 + run.1, all.2.max(run.2)));
         let changed: f64 = self.triangles.iter().map(|&t| area(t)).sum();
         let mean = if weight > 0.0 { sum / weight } else { 0.0 };
         let share = if self.area > 0.0 { changed / self.area } else { 0.0 };

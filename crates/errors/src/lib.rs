@@ -14,7 +14,6 @@
 //! assert!(distances.error.is_sorted(), "coarser is never nearer");
 //! ```
 
-mod ask;
 mod backward;
 mod block;
 mod care;
@@ -27,7 +26,6 @@ mod gap;
 mod input;
 mod levels;
 mod pass;
-mod refine;
 mod samples;
 mod step_errors;
 mod thinning;

@@ -16,8 +16,8 @@ use crate::floor::{Floor, MARGIN};
 use crate::follower::{Follower, Here, beside};
 use crate::forward::Forward;
 use crate::input::Input;
-use crate::refine::FLOOR;
 use crate::step_errors::StepErrors;
+use crate::work::FLOOR;
 use lodc_mesh::Simplified;
 
 /// Steps of a block: a share of the steps done and of those to come, for the bound grows fast at

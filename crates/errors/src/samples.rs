@@ -1,6 +1,6 @@
 //! Points of the input that travel along: each is tied to the face that it was found nearest to.
 
-use crate::block::{Entry, Hint};
+use crate::block::Entry;
 use crate::faces::Face;
 use crate::input::{Input, wide};
 use glam::DVec3;
@@ -172,30 +172,17 @@ impl Samples {
     }
 
     /// Returns what the other way needs of a live face.
-    pub(crate) fn entry(
-        &self,
-        middle: DVec3,
-        number: u32,
-        face: &Face,
-        all: bool,
-        hints: &mut Vec<Hint>,
-    ) -> Entry {
-        let (mut sum, mut near) = (0.0, f64::INFINITY);
-        let start = hints.len();
+    pub(crate) fn entry(&self, middle: DVec3, number: u32, face: &Face) -> Entry {
+        let (mut sum, mut near, mut hint) = (0.0, f64::INFINITY, NONE);
         for sample in self.of(face).map(|s| &self.all[s as usize]) {
             sum += f64::from(sample.squared);
-            let hint = Hint { place: sample.place, origin: sample.origin };
             let apart = (sample.place() - middle).length_squared();
-            if all || start == hints.len() {
-                hints.push(hint);
-            } else if apart < near {
-                hints[start] = hint;
+            if apart < near {
+                (near, hint) = (apart, sample.origin);
             }
-            near = near.min(apart);
         }
-        let hints = [start as u32, hints.len() as u32];
         let mean_square = (sum / f64::from(face.samples)) as f32;
-        Entry { face: number, is_live: true, points: face.points, mean_square, hints }
+        Entry { face: number, is_live: true, points: face.points, mean_square, hint }
     }
 }
 

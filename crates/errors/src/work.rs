@@ -15,13 +15,17 @@ const FREE: u64 = 10_000_000;
 /// ends early gives distances that are too large, never too small.
 pub(crate) const PATIENCE: [u32; 2] = [20_000, 64];
 
+/// The same for the search for the farthest point of a triangle.
+const BOXES: [u64; 2] = [4_000, 200];
+
+/// Squared distances below this are rounding errors: 2⁻⁴⁴ of the diagonal.
+pub(crate) const FLOOR: f64 = 3.0e-27;
+
 /// Work done.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Work {
     /// Faces touched, distances to faces and boxes opened.
     pub(crate) done: u64,
-    /// Points asked in refinements.
-    pub(crate) queries: u64,
 }
 
 impl Work {
@@ -34,12 +38,17 @@ impl Work {
     pub(crate) fn patience(self, input: &Input) -> u32 {
         PATIENCE[usize::from(self.done > most(input) / 2)]
     }
+
+    /// Returns how many boxes the search for the farthest point of a triangle may open.
+    pub(crate) fn boxes(self, input: &Input) -> u64 {
+        BOXES[usize::from(self.done > most(input) / 2)]
+    }
 }
 
 impl Add for Work {
     type Output = Self;
     fn add(self, other: Self) -> Self {
-        Self { done: self.done + other.done, queries: self.queries + other.queries }
+        Self { done: self.done + other.done }
     }
 }
 

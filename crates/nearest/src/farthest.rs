@@ -31,8 +31,15 @@ const WORTH_CUTTING: f64 = 0.125;
 /// A triangle within this share of the bound is near enough to cut a part by.
 const NEAR: f64 = 0.25;
 
+/// The farthest corner of a part that is cut is asked where it is at most this many times the
+/// bound off: farther ones have more often a triangle besides that is nearer.
+const PROMISING: f64 = 1.5;
+
 /// Boxes that the search for one triangle may open: at first, and for a part that may be farthest.
 const PATIENCE: [u32; 2] = [128, 4_096];
+
+/// Boxes that may be opened for a triangle before all others were looked at.
+const IN_TURN: u64 = 2_000;
 
 /// The largest distance of any point of a surface from another one.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,12 +81,7 @@ impl Search {
     /// The same where a point is known that is `least` off, of this surface or of any other that
     /// the bounds are for, too.
     #[must_use]
-    pub fn beyond(
-        &self,
-        least: f64,
-        from: &[[DVec3; 3]],
-        to: &(impl Surface + Sync),
-    ) -> Farthest {
+    pub fn beyond(&self, least: f64, from: &[[DVec3; 3]], to: &(impl Surface + Sync)) -> Farthest {
         let Some(&[p, ..]) = from.first() else {
             return Farthest { least, most: least, opened: 0 };
         };
@@ -87,30 +89,27 @@ impl Search {
             return Farthest { least: f64::INFINITY, most: f64::INFINITY, opened: 0 };
         }
         let mut open = Open::new(*self, least);
-        let stride = (from.len() / FIRST).max(1);
         let bound = open.bound();
-        let first = |i: usize| Part::new(Polygon::triangle(from[i]), NONE, to, bound, PATIENCE[0]).1;
-        let firsts: Vec<usize> = (0..from.len()).step_by(stride).collect();
-        let found: Vec<Found> = firsts.into_par_iter().map(first).collect();
+        // A bound to begin with, where none is known.
+        let stride = if least > 0.0 { from.len() } else { (from.len() / FIRST).max(1) };
+        let first = |row: &[[DVec3; 3]]| {
+            let part = Part::new(Polygon::triangle(row[0]), NONE, to, bound, PATIENCE[0]);
+            part.1
+        };
+        let found: Vec<Found> = from.par_chunks(stride).map(first).collect();
         found.into_iter().for_each(|found| open.learn(found));
         for together in from.chunks(TOGETHER * IN_A_ROW) {
-            let bound = open.bound();
             let row = |row: &[[DVec3; 3]]| {
-                let mut parts = Vec::new();
+                let mut open = Open::new(*self, open.least);
                 let mut near = NONE;
                 for &corners in row {
-                    if bound.is_within(&corners, near, to) {
-                        continue;
-                    }
-                    let part = Part::new(Polygon::triangle(corners), near, to, bound, PATIENCE[0]);
-                    near = part.0.near;
-                    parts.push(part);
+                    near = open.triangle(corners, near, to, PATIENCE[0]);
+                    open.explore(to, open.opened + IN_TURN);
                 }
-                parts
+                open
             };
-            let parts: Vec<_> = together.par_chunks(IN_A_ROW).map(row).collect();
-            open.closed = open.closed.max(bound.allowed);
-            parts.iter().flatten().for_each(|part| open.take(part));
+            let rows: Vec<Open> = together.par_chunks(IN_A_ROW).map(row).collect();
+            rows.into_iter().for_each(|row| open.join(row));
         }
         let [each, besides] = self.boxes.map(u64::from);
         let most = open.opened + each * from.len() as u64 + besides;
@@ -122,7 +121,7 @@ impl Search {
             let bound = open.bound();
             let divide = |part: &Part| {
                 let mut parts = Vec::new();
-                part.divide(to, bound, &mut parts);
+                part.divide(to, bound, &mut Vec::new(), |part| parts.push(part));
                 parts
             };
             let parts: Vec<Vec<(Part, Found)>> = next.par_iter().map(divide).collect();
@@ -134,46 +133,30 @@ impl Search {
 
 /// Looks for points beyond a bound in one triangle after the other, on the thread that asks.
 #[derive(Clone, Debug)]
-pub struct Seeker {
-    open: Open,
-    parts: Vec<(Part, Found)>,
-}
+pub struct Seeker(Open);
 
 impl Seeker {
     /// One that searches as `search` says.
     #[must_use]
     pub fn new(search: Search) -> Self {
-        Self { open: Open::new(search, 0.0), parts: Vec::new() }
+        Self(Open::new(search, 0.0))
     }
 
-    /// Looks for a point of a triangle that is farther than `least`, which is the least distance
-    /// that is returned. `near` is a triangle that is probably near, or [`NONE`]; of the boxes that
-    /// may be opened, those besides count.
+    /// Looks for a point of a triangle that is farther than `least`, the least distance that is
+    /// returned. `near` is a triangle that is probably near, or [`NONE`]; no more than `boxes` are
+    /// opened, or the bounds stay apart.
     pub fn seek(
         &mut self,
         least: f64,
         corners: [DVec3; 3],
         near: u32,
         to: &impl Surface,
+        boxes: u64,
     ) -> Farthest {
-        let Self { open, parts } = self;
+        let Self(open) = self;
         open.clear(least);
-        let bound = open.bound();
-        if bound.is_within(&corners, near, to) {
-            open.closed = bound.allowed;
-            return open.bounds();
-        }
-        let part = Part::new(Polygon::triangle(corners), near, to, bound, PATIENCE[1]);
-        if part.0.near == NONE {
-            return Farthest { least: f64::INFINITY, most: f64::INFINITY, opened: 0 };
-        }
-        open.take(&part);
-        let most = u64::from(open.search.boxes[1]);
-        while open.opened < most {
-            let Some(part) = open.pop() else { break };
-            part.divide(to, open.bound(), parts);
-            parts.drain(..).for_each(|part| open.take(&part));
-        }
+        open.triangle(corners, near, to, PATIENCE[1]);
+        open.explore(to, boxes);
         open.bounds()
     }
 }
@@ -190,7 +173,7 @@ struct Bound {
 
 impl Bound {
     /// Returns whether a triangle is near enough to a triangle of the other surface.
-    fn is_within(&self, corners: &[DVec3; 3], near: u32, to: &impl Surface) -> bool {
+    fn is_within(&self, corners: [DVec3; 3], near: u32, to: &impl Surface) -> bool {
         near != NONE && {
             let triangle = to.corners(near);
             corners.iter().all(|&c| is_within(c, triangle, self.allowed * self.allowed))
@@ -220,12 +203,24 @@ struct Open {
     /// Parts by the numbers that their ranks have, and numbers that are free.
     parts: Vec<Part>,
     free: Vec<u32>,
+    /// Room for dividing.
+    around: Vec<Polygon>,
+    divided: Vec<(Part, Found)>,
 }
 
 impl Open {
     fn new(search: Search, least: f64) -> Self {
-        let order = BinaryHeap::new();
-        Self { search, least, closed: 0.0, opened: 0, order, parts: vec![], free: vec![] }
+        Self {
+            search,
+            least,
+            closed: 0.0,
+            opened: 0,
+            order: BinaryHeap::new(),
+            parts: vec![],
+            free: vec![],
+            around: vec![],
+            divided: vec![],
+        }
     }
 
     /// Begins anew.
@@ -260,6 +255,47 @@ impl Open {
             None => self.parts.push(*part),
         }
         self.order.push(Rank { most: part.most, number });
+    }
+
+    /// Looks at a triangle. Returns a triangle of the other surface near it.
+    fn triangle(
+        &mut self,
+        corners: [DVec3; 3],
+        near: u32,
+        to: &impl Surface,
+        patience: u32,
+    ) -> u32 {
+        let bound = self.bound();
+        if bound.is_within(corners, near, to) {
+            self.closed = self.closed.max(bound.allowed);
+            return near;
+        }
+        let part = Part::new(Polygon::triangle(corners), near, to, bound, patience);
+        self.take(&part);
+        part.0.near
+    }
+
+    /// Divides parts until all are near enough or so many boxes were opened.
+    fn explore(&mut self, to: &impl Surface, most: u64) {
+        while self.opened < most {
+            let Some(part) = self.pop() else { return };
+            let bound = self.bound();
+            let mut divided = std::mem::take(&mut self.divided);
+            part.divide(to, bound, &mut self.around, |part| divided.push(part));
+            divided.drain(..).for_each(|part| self.take(&part));
+            self.divided = divided;
+        }
+    }
+
+    /// Takes over what another search has found and left.
+    fn join(&mut self, mut other: Self) {
+        self.least = self.least.max(other.least);
+        self.closed = self.closed.max(other.closed);
+        self.opened += other.opened;
+        while let Some(part) = other.pop() {
+            self.take(&(part, Found { distance: 0.0, opened: 0 }));
+        }
+        self.closed = self.closed.max(other.closed);
     }
 
     /// Returns the part that may be farthest; none if all that are left are near enough.
@@ -317,32 +353,47 @@ impl Part {
         (Self { polygon, near: near.triangle, most: most.max(found.distance) }, found)
     }
 
-    /// Appends the parts that it falls into, with what was found there.
-    fn divide(&self, to: &impl Surface, bound: Bound, parts: &mut Vec<(Self, Found)>) {
+    /// Calls `add` with the parts that it falls into, with what was found there. `around` is room
+    /// for them.
+    fn divide(
+        &self,
+        to: &impl Surface,
+        bound: Bound,
+        around: &mut Vec<Polygon>,
+        mut add: impl FnMut((Self, Found)),
+    ) {
         let triangle = to.corners(self.near);
-        let start = parts.len();
+        let inside = self.polygon.near(triangle, 0.999 * bound.allowed, bound.slack, around);
+        let mut most = inside.farthest_corner(triangle).0;
+        // Of a line nothing would be cut off.
+        let is_cut = most <= bound.allowed && inside.area() > WORTH_CUTTING * self.polygon.area();
         let (far, corner) = self.polygon.farthest_corner(triangle);
-        let found = match far > bound.least {
+        let found = match far > bound.least && (!is_cut || far <= PROMISING * bound.least) {
             true => ask(corner, self.near, to, bound.least, PATIENCE[1]).1,
             false => Found { distance: 0.0, opened: 0 },
         };
-        let (inside, around) = self.polygon.near(triangle, 0.999 * bound.allowed, bound.slack);
-        let most = inside.farthest_corner(triangle).0;
-        let mut add = |polygon: &Polygon| {
-            for polygon in polygon.simple().iter().filter(|p| p.has_area()) {
-                parts.push(Self::new(*polygon, self.near, to, bound, PATIENCE[1]));
+        if !is_cut {
+            around.clear();
+            // What is no larger than a rounding error stays as it is.
+            let is_small = self.polygon.disc().1 <= bound.slack;
+            most = if is_small { self.most } else { 0.0 };
+            if !is_small {
+                around.extend(self.polygon.halves());
+            }
+        }
+        let mut part = |polygon: Polygon| {
+            if polygon.has_area() {
+                add(Self::new(polygon, self.near, to, bound, PATIENCE[1]));
             }
         };
-        if most <= bound.allowed && inside.area() >= WORTH_CUTTING * self.polygon.area() {
-            around.iter().for_each(&mut add);
-            parts.push((Self { polygon: inside, near: self.near, most }, found));
-        } else {
-            if self.polygon.disc().1 > bound.slack {
-                self.polygon.halves().iter().for_each(&mut add);
+        for polygon in around.drain(..) {
+            if polygon.is_simple() {
+                part(polygon);
+            } else {
+                polygon.simple().into_iter().for_each(&mut part);
             }
-            let most = if parts.len() > start { 0.0 } else { self.most };
-            parts.push((Self { polygon: Polygon::EMPTY, near: self.near, most }, found));
         }
+        add((Self { polygon: Polygon::EMPTY, near: self.near, most }, found));
     }
 }
 

@@ -23,7 +23,7 @@ mod surface;
 mod tree;
 mod triangle;
 
-pub use farthest::{Farthest, Seeker, Search};
+pub use farthest::{Farthest, Search, Seeker};
 pub use morton::morton_order;
 pub use moving::{Hit, MovingTree, Triangles};
 pub use surface::{Moving, Surface};

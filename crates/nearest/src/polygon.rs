@@ -10,10 +10,6 @@ const CORNERS: usize = 12;
 /// Most corners of one that is to be cut: each cut may add one.
 const FEW: usize = 6;
 
-/// Polygons around the part that is near a triangle, at most: below and above it, beyond its edges
-/// and its corners.
-const AROUND: usize = 8;
-
 /// Share of a distance up to which a polygon is looked at above a triangle, where it rises beyond.
 const HEIGHT: f64 = 0.8;
 
@@ -80,12 +76,16 @@ impl Polygon {
     /// corner within `slack` of it is on both, and no side is thinner: slivers along common edges
     /// would be divided for ever. All on the negative side if there is no room for more corners.
     fn cut(&self, at: DVec3, normal: DVec3, slack: f64) -> [Self; 2] {
-        let heights = self.corners.map(|p| (p - at).dot(normal));
-        let heights = &heights[..self.count];
-        if heights.iter().all(|&h| h <= slack) {
+        let mut heights = [0.0; CORNERS];
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        for (height, &p) in heights.iter_mut().zip(self.corners()) {
+            *height = (p - at).dot(normal);
+            (low, high) = (low.min(*height), high.max(*height));
+        }
+        if high <= slack {
             return [*self, Self::EMPTY];
         }
-        if heights.iter().all(|&h| h >= -slack) {
+        if low >= -slack {
             return [Self::EMPTY, *self];
         }
         let mut sides = [Self::EMPTY; 2];
@@ -108,35 +108,40 @@ impl Polygon {
         if room { sides } else { [*self, Self::EMPTY] }
     }
 
-    /// Divides it into the part that is within a distance of a triangle, nearly all of that, and
-    /// parts around it. The first is what lies in the triangle's prism, so high that the distance
-    /// is not exceeded and widened as far as it is not; it may be empty where there is more.
+    /// Returns the part that is within a distance of a triangle, nearly all of it, and fills
+    /// `around` with the parts around that. The first is what lies in the triangle's prism, so high
+    /// that the distance is not exceeded and widened as far as it is not.
     pub(crate) fn near(
         &self,
         [a, b, c]: [DVec3; 3],
         distance: f64,
         slack: f64,
-    ) -> (Self, [Self; AROUND]) {
-        let mut around = [Self::EMPTY; AROUND];
+        around: &mut Vec<Self>,
+    ) -> Self {
+        around.clear();
         let Some(normal) = (b - a).cross(c - a).try_normalize() else {
-            return (Self::EMPTY, around);
+            around.push(*self);
+            return Self::EMPTY;
         };
         let mut inside = *self;
-        let heights = || self.corners().iter().map(|&p| (p - a).dot(normal));
-        let (low, high) = heights().fold((0.0, 0.0), |(low, high): (f64, f64), h| {
-            (low.min(h), high.max(h))
-        });
-        let mut height = high.max(-low);
-        let mut number = 0;
-        let mut cut = |inside: &mut Self, at: DVec3, outwards: DVec3| {
-            [*inside, around[number]] = inside.cut(at, outwards, slack);
-            number += 1;
+        let mut cut = |at: DVec3, outwards: DVec3| {
+            let [rest, out] = inside.cut(at, outwards, slack);
+            if out.has_area() {
+                inside = rest;
+                around.push(out);
+            }
         };
+        let (mut sum, mut low, mut high) = (0.0, 0.0f64, 0.0f64);
+        for &p in self.corners() {
+            let height = (p - a).dot(normal);
+            (sum, low, high) = (sum + height, low.min(height), high.max(height));
+        }
+        let mut height = high.max(-low);
         if height > distance {
-            let middle = (heights().sum::<f64>() / self.count as f64).abs().min(distance);
+            let middle = (sum / self.count as f64).abs().min(distance);
             height = (HEIGHT * distance).max(0.5 * (middle + distance));
-            cut(&mut inside, a + normal * height, normal);
-            cut(&mut inside, a - normal * height, -normal);
+            cut(a + normal * height, normal);
+            cut(a - normal * height, -normal);
         }
         // A corner between two planes that meet at no more than a right angle is no farther from
         // the triangle than √2 times them.
@@ -145,24 +150,26 @@ impl Polygon {
         let directions = [b - a, c - b, a - c].map(DVec3::normalize_or_zero);
         for (corner, along) in [a, b, c].into_iter().zip(directions) {
             let outwards = along.cross(normal);
-            cut(&mut inside, corner + outwards * wide, outwards);
+            cut(corner + outwards * wide, outwards);
         }
         for (i, corner) in [a, b, c].into_iter().enumerate() {
             let (before, after) = (directions[(i + 2) % 3], directions[i]);
             let is_sharp = before.dot(after) < 0.0;
-            if is_sharp && inside.has_area() {
+            if is_sharp {
                 let outwards = (before - after).normalize_or_zero();
-                cut(&mut inside, corner + outwards * wide, outwards);
+                cut(corner + outwards * wide, outwards);
             }
         }
-        (inside, around)
+        inside
     }
 
-    /// The same in one or two parts that have room for the corners that cutting adds.
+    /// Returns whether it has room for the corners that cutting adds.
+    pub(crate) fn is_simple(&self) -> bool {
+        self.count <= FEW
+    }
+
+    /// Two parts with fewer corners.
     pub(crate) fn simple(&self) -> [Self; 2] {
-        if self.count <= FEW {
-            return [*self, Self::EMPTY];
-        }
         let half = self.count / 2;
         let mut parts = [Self::EMPTY; 2];
         parts[0].corners[..=half].copy_from_slice(&self.corners[..=half]);
@@ -199,12 +206,12 @@ mod tests {
     fn what_is_near_a_triangle_is_within_the_distance_and_nothing_is_lost() {
         let mut random = SplitMix64::new(7);
         let mut point = || DVec3::from_array([0; 3].map(|_| f64::from(random.unit())));
-        let mut some = 0;
+        let (mut some, mut around) = (0, Vec::new());
         for round in 0..2_000 {
             let [triangle, corners] = [0; 2].map(|_| [0; 3].map(|_| point()));
             let distance = 0.05 * f64::from(round % 10);
             let polygon = Polygon::triangle(corners);
-            let (inside, around) = polygon.near(triangle, distance, 1e-12);
+            let inside = polygon.near(triangle, distance, 1e-12, &mut around);
             assert!(inside.farthest_corner(triangle).0 <= distance + 1e-11, "{round}");
             let sum = inside.area() + around.iter().map(Polygon::area).sum::<f64>();
             assert!((sum - polygon.area()).abs() < 1e-9, "{round}: {sum} {}", polygon.area());
