@@ -107,7 +107,7 @@ impl BuildArgs {
     /// Options of simplifying an asset.
     fn simplify_options(&self) -> Options {
         Options {
-            metric: self.metric.metric,
+            metric: self.metric.kind(),
             preserve_topology: self.preserve_topology,
             lock_border: self.lock_border,
             attributes: !self.no_attributes,

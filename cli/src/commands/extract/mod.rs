@@ -117,8 +117,11 @@ pub(crate) fn run(args: &ExtractArgs, program: &Program) -> Outcome<Status> {
             let (args, target) = options.ready(asset)?;
             args.export.check(format, target)?;
             let progress = bar.of_asset(&asset.name);
-            let made = one::extract(args, &asset.input, target, format, &progress)?;
+            let (made, tip) = one::extract(args, &asset.input, target, format, &progress)?;
             say(&asset.input, &made.report);
+            if !asset.is_listed() && !args.export.json && wants(Loudness::Normal) {
+                tip.into_iter().for_each(note);
+            }
             Ok(made)
         })
     });

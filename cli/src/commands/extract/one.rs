@@ -24,7 +24,7 @@ use lodc_report::{ErrorsOver, Gone, Roll, SCHEMA_VERSION};
 use lodc_scene::Arrangement;
 use std::path::Path;
 
-/// Extracts the level of one input.
+/// Extracts the level of one input. Returns a line for people, too, where another way is better.
 ///
 /// # Errors
 /// If the input cannot be read, has no such level or model, or the output cannot be written.
@@ -34,7 +34,7 @@ pub(super) fn extract(
     target: &Target,
     format: FormatName,
     progress: &Progress,
-) -> Outcome<Made<ExtractReport>> {
+) -> Outcome<(Made<ExtractReport>, Option<&'static str>)> {
     let mut stages = Stages::default();
     let criterion = args.criterion()?;
     let (import, simplify) = (&args.export.import, &args.export.simplify);
@@ -52,6 +52,8 @@ pub(super) fn extract(
     });
     let (textures, images) = textures?;
     let mut report = report(args, input, &asset, &level, target);
+    let looks_matter = asset.document.has_textures() && report.kept_share <= FEW;
+    let tip = (asset.is_by_default(simplify) && looks_matter).then_some(TIP);
     report.warnings.extend_from_slice(&textures.warnings);
     let provenance = Some(provenance(&asset, &report));
     let additions = packing.additions(textures, provenance);
@@ -67,8 +69,13 @@ pub(super) fn extract(
         Target::File(path) => vec![Rule::new(path, &files)],
         Target::Stdout => vec![],
     };
-    Ok(Made { report, rules })
+    Ok((Made { report, rules }, tip))
 }
+
+/// Share of the triangles up to which textured meshes look better by `hybrid`.
+const FEW: f64 = 0.1;
+const TIP: &str = "tip: with so few triangles textures look better by --metric hybrid, which takes \
+                   tens of times as long";
 
 /// The errors that choosing a level takes.
 fn errors(args: &ExtractArgs, criterion: Option<CriterionName>) -> Errors {

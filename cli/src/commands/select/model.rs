@@ -4,6 +4,7 @@ use crate::commands::read::read_lodc;
 use crate::exit::{Failure, Outcome, Status};
 use lodc::{LodFile, scene_levels};
 use lodc_formats::{Limits, ObjectInfo, scene_graph};
+use lodc_report::ErrorsOver;
 use lodc_scene::{Arrangement, posed_positions};
 use lodc_select::LevelCurve;
 use std::path::Path;
@@ -15,6 +16,8 @@ pub(super) struct Model {
     levels: Vec<(f64, u32)>,
     /// The LOD of each level, if there is a single object.
     lods: Option<Vec<u32>>,
+    /// What its errors are the largest over.
+    pub(super) errors_over: ErrorsOver,
     /// Radius of a sphere around the origin that holds everything that the scene shows.
     pub(super) radius: f32,
 }
@@ -37,7 +40,8 @@ impl Model {
             }
             _ => None,
         };
-        Ok(Self { levels, lods, radius: radius(&file, limits)? })
+        let errors_over = ErrorsOver::of(file.objects.iter().map(|o| &o.info));
+        Ok(Self { levels, lods, errors_over, radius: radius(&file, limits)? })
     }
 
     pub(super) fn curve(&self, radius: f32) -> LevelCurve {
