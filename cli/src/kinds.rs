@@ -85,19 +85,17 @@ fn values<K: Kind>() -> impl Iterator<Item = PossibleValue> {
 /// The option of commands that simplify meshes.
 #[derive(Args, Clone, Copy, Debug, Default)]
 pub(crate) struct MetricArgs {
-    /// Metric of collapses [default: quadric]; hybrid looks best, tens of times as slowly
+    /// Metric; hybrid looks best, slowly
     ///
-    /// It is worth its time where a textured mesh keeps 10 % of its triangles or less and is looked
+    /// It takes tens of times as long, and is worth it where a textured mesh keeps 10 % of its triangles or less and is looked
     /// at from near. A .lodc file has its order of collapses already.
-    #[arg(long, value_parser = parser::<MetricKind>(), help_heading = SIMPLIFIED)]
-    pub(crate) metric: Option<MetricKind>,
-}
-
-impl MetricArgs {
-    /// The metric that was asked for, or the default.
-    pub(crate) fn kind(self) -> MetricKind {
-        self.metric.unwrap_or_default()
-    }
+    #[arg(
+        long,
+        value_parser = parser::<MetricKind>(),
+        default_value = MetricKind::default().name(),
+        help_heading = SIMPLIFIED
+    )]
+    pub(crate) metric: MetricKind,
 }
 
 /// The option of commands that measure errors.

@@ -78,9 +78,9 @@ impl Asset {
         Ok(levels.iter().map(of_level).collect())
     }
 
-    /// Returns whether it came from a mesh, which the default metric simplified.
-    pub(crate) fn is_by_default(&self, how: &SimplifyArgs) -> bool {
-        self.errors == Errors::OfResult && how.metric.metric.is_none()
+    /// Returns whether it came from a mesh, which the quadric simplified.
+    pub(crate) fn is_by_quadric(&self, how: &SimplifyArgs) -> bool {
+        self.errors == Errors::OfResult && how.metric.metric == MetricKind::Quadric
     }
 
     /// The looks of the scene, read unless the metric saw them. Images that cannot be had are left
@@ -128,7 +128,7 @@ pub(crate) struct SimplifyArgs {
 impl SimplifyArgs {
     /// Simplification by a metric, with nothing weighted or locked.
     pub(crate) fn by(metric: MetricKind) -> Self {
-        Self { metric: MetricArgs { metric: Some(metric) }, ..Self::default() }
+        Self { metric: MetricArgs { metric: metric }, ..Self::default() }
     }
 }
 
@@ -209,7 +209,7 @@ fn simplified_showing(
     let name = input.display().to_string();
     let limits = import.options().limits;
     let weights = how.importance.weights();
-    let options = Options { metric: how.metric.kind(), weights, ..Options::DEFAULT };
+    let options = Options { metric: how.metric.metric, weights, ..Options::DEFAULT };
     let options = object_options(&scene, options, how.parts.all());
     let needs = [size.simplify(options.iter().map(|o| o.metric)), size.errors()];
     import.limits().check_memory(&name, size, &needs)?;

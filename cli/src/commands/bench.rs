@@ -285,7 +285,7 @@ fn read(args: &BenchArgs, input: &Path) -> Outcome<Input> {
         (file.objects, file.document)
     } else {
         let scene = import::import(input, &args.import.options())?;
-        let how = SimplifyArgs::by(args.metric.kind());
+        let how = SimplifyArgs::by(args.metric.metric);
         let stages = &mut Stages::default();
         let asset = asset::simplified(input, &args.import, &how, scene, stages)?;
         asset.warnings.iter().for_each(|what| warning(&name, what));

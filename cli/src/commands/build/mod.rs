@@ -107,7 +107,7 @@ impl BuildArgs {
     /// Options of simplifying an asset.
     fn simplify_options(&self) -> Options {
         Options {
-            metric: self.metric.kind(),
+            metric: self.metric.metric,
             preserve_topology: self.preserve_topology,
             lock_border: self.lock_border,
             attributes: !self.no_attributes,

@@ -53,7 +53,7 @@ pub(super) fn extract(
     let (textures, images) = textures?;
     let mut report = report(args, input, &asset, &level, target);
     let looks_matter = asset.document.has_textures() && report.kept_share <= FEW;
-    let tip = (asset.is_by_default(simplify) && looks_matter).then_some(TIP);
+    let tip = (asset.is_by_quadric(simplify) && looks_matter).then_some(TIP);
     report.warnings.extend_from_slice(&textures.warnings);
     let provenance = Some(provenance(&asset, &report));
     let additions = packing.additions(textures, provenance);
