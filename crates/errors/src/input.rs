@@ -15,7 +15,8 @@ pub(crate) struct Input {
     pub(crate) places: Vec<[f32; 3]>,
     /// The position of each point.
     pub(crate) positions: Vec<u32>,
-    /// The corners of each triangle, as points, along a Morton curve.
+    /// The corners of each triangle, as points, along a Morton curve. Of triangles that lie on each
+    /// other at every level there is one.
     pub(crate) triangles: Vec<[u32; 3]>,
     /// The point of each vertex.
     pub(crate) point_of: Vec<u32>,
@@ -45,7 +46,8 @@ impl Input {
         };
 
         let order = morton_order(0..mesh.triangles().len() as u32, raw);
-        let wedges: Vec<[u32; 3]> = order.iter().map(|&t| mesh.triangles()[t as usize]).collect();
+        let all: Vec<[u32; 3]> = order.iter().map(|&t| mesh.triangles()[t as usize]).collect();
+        let wedges = points.distinct(all);
         let mut numbers = vec![NONE; points.first_vertex.len()];
         let (mut places, mut positions) = (Vec::new(), Vec::new());
         let mut number = |v: u32| {
@@ -141,13 +143,21 @@ struct Points {
     of_vertex: Vec<u32>,
     first_vertex: Vec<u32>,
     position_of_vertex: Vec<u32>,
+    /// Number of positions.
+    positions: usize,
 }
 
 impl Points {
     fn new(positions: &[[f32; 3]], shown: &[[f32; 3]]) -> Self {
         if shown == positions {
             let PositionIds { of_vertex, first_vertex } = PositionIds::new(positions);
-            return Self { position_of_vertex: of_vertex.clone(), of_vertex, first_vertex };
+            let positions = first_vertex.len();
+            return Self {
+                position_of_vertex: of_vertex.clone(),
+                of_vertex,
+                first_vertex,
+                positions,
+            };
         }
         let (positions, places) = (PositionIds::new(positions), PositionIds::new(shown));
         let mut order: Vec<u32> = (0..shown.len() as u32).collect();
@@ -160,6 +170,37 @@ impl Points {
             }
             of_vertex[v as usize] = first_vertex.len() as u32 - 1;
         }
-        Self { of_vertex, first_vertex, position_of_vertex: positions.of_vertex }
+        let PositionIds { of_vertex: position_of_vertex, first_vertex: firsts } = positions;
+        Self { of_vertex, first_vertex, position_of_vertex, positions: firsts.len() }
+    }
+
+    /// Leaves out triangles whose points another one before them has, in any order: doubled faces
+    /// and backs. A position moves as a whole, so they lie on each other at every level, as long as
+    /// each position is shown at one place.
+    fn distinct(&self, mut triangles: Vec<[u32; 3]>) -> Vec<[u32; 3]> {
+        if self.first_vertex.len() != self.positions {
+            return triangles;
+        }
+        let points = |t: u32| {
+            let mut points = triangles[t as usize].map(|v| self.of_vertex[v as usize]);
+            points.sort_unstable();
+            points
+        };
+        let firsts = (0..triangles.len() as u32).map(|t| (points(t)[0], t));
+        let by_first = Csr::new(self.first_vertex.len(), firsts);
+        let mut is_first = vec![true; triangles.len()];
+        let mut row = Vec::new();
+        for point in 0..by_first.rows() as u32 {
+            row.clear();
+            row.extend_from_slice(by_first.row(point));
+            // Sorted, since all triangles of a fan may be in one row.
+            row.sort_unstable_by_key(|&t| (points(t), t));
+            for pair in row.windows(2) {
+                is_first[pair[1] as usize] &= points(pair[0]) != points(pair[1]);
+            }
+        }
+        let mut is_first = is_first.into_iter();
+        triangles.retain(|_| is_first.next() == Some(true));
+        triangles
     }
 }
