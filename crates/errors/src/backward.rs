@@ -10,6 +10,14 @@ use glam::DVec3;
 use lodc_mesh::NONE;
 use lodc_nearest::{Moving, Search, Seeker, Surface, area, centroid};
 
+/// A point is near enough within this share of the bound; a face with one beyond the second share
+/// is looked at as a whole.
+const ENOUGH: f64 = 0.39;
+const DOUBTFUL: f64 = 0.5;
+
+/// Where no more faces are left every one is looked at as a whole.
+const FEW: u32 = 600;
+
 /// State of a face, as far as this way needs it.
 #[derive(Clone, Copy, Debug)]
 struct Face {
@@ -122,6 +130,7 @@ impl<'a> Backward<'a> {
                 Some(reach) if reach <= near => {
                     self.faces[entry.face as usize].reach = reach as f32
                 }
+                Some(_) if now.step.live > FEW && !self.is_doubtful(entry, corners) => {}
                 _ => self.seek(entry, corners),
             }
             match f64::from(entry.mean_square) {
@@ -133,6 +142,29 @@ impl<'a> Backward<'a> {
                 _ => self.settle(entry.face, 0.0, 0.0),
             }
         }
+    }
+
+    /// Asks the middle of a face and of its edges. Returns whether one is so far that another point
+    /// may be beyond the bound: where a fan became a smaller one, no hole hides between them.
+    fn is_doubtful(&mut self, Entry { face, hint, .. }: Entry, corners: [DVec3; 3]) -> bool {
+        let Self { input, work, other, bound, .. } = self;
+        let face = &mut self.faces[face as usize];
+        if hint != NONE {
+            face.near = sources(input, hint).as_slice()[0];
+        }
+        let to = Moving { triangles: *input, tree: &input.tree };
+        let patience = (*work + *other).patience(input);
+        let mut far = 0.0f64;
+        let [a, b, c] = corners;
+        for p in [centroid(corners), (a + b) * 0.5, (b + c) * 0.5, (c + a) * 0.5] {
+            let enough = (*bound * (ENOUGH * ENOUGH)).max(FLOOR).max(far);
+            let (hit, opened) = to.near(p, face.near, enough, patience);
+            face.near = hit.triangle;
+            far = far.max(hit.squared);
+            work.done += u64::from(opened) + 1;
+        }
+        face.reach = far.sqrt() as f32;
+        far > (*bound * (DOUBTFUL * DOUBTFUL)).max(FLOOR)
     }
 
     /// Looks for a point of a face that is beyond the bound.
