@@ -6,6 +6,7 @@ use crate::commands::{
 };
 use crate::help::{GENERAL, MORE};
 use clap::{ArgAction, Args, Parser, Subcommand};
+use std::num::NonZeroUsize;
 
 /// Continuous level of detail: every level between a full mesh and a single point, in one verified
 /// file.
@@ -46,6 +47,9 @@ pub(crate) struct CommonArgs {
     /// Print seconds and peak memory of every stage
     #[arg(short, long, global = true, conflicts_with = "quiet", hide_short_help = true)]
     pub(crate) verbose: bool,
+    /// Threads; no result depends on it [default: all cores]
+    #[arg(long, value_name = "N", global = true, hide_short_help = true)]
+    pub(crate) jobs: Option<NonZeroUsize>,
     /// -h: the options needed most; --help: all of them, and examples
     #[arg(id = "help", short, long, global = true, action = ArgAction::Help)]
     _help: Option<bool>,
@@ -115,7 +119,9 @@ impl Command {
     pub(crate) fn takes_memory(&self) -> bool {
         match self {
             Self::Build(args) => !args.is_small(),
-            Self::Bench(_) | Self::Chain(_) | Self::Extract(_) => true,
+            Self::Chain(args) => !args.is_small(),
+            Self::Extract(args) => !args.is_small(),
+            Self::Bench(_) => true,
             Self::Pack(_) | Self::Unpack(_) | Self::Verify(_) => true,
             _ => false,
         }

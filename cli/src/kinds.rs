@@ -85,9 +85,10 @@ fn values<K: Kind>() -> impl Iterator<Item = PossibleValue> {
 /// The option of commands that simplify meshes.
 #[derive(Args, Clone, Copy, Debug, Default)]
 pub(crate) struct MetricArgs {
-    /// Metric that drives the collapses of meshes
+    /// Metric; hybrid looks best, slowly
     ///
-    /// A .lodc file has its order of collapses already.
+    /// It takes tens of times as long, and is worth it where a textured mesh keeps 10 % of its triangles or less and is looked
+    /// at from near. A .lodc file has its order of collapses already.
     #[arg(
         long,
         value_parser = parser::<MetricKind>(),
@@ -114,39 +115,6 @@ impl PosesArgs {
     /// The most poses.
     pub(crate) fn most(self) -> usize {
         self.poses.map_or(POSES, usize::from)
-    }
-}
-
-/// Meshes of more triangles than this are simplified by the quadric where a metric is not named.
-const MOST_BY_LOOKS: u64 = 200_000;
-
-/// The option of commands that simplify a mesh on the way to something that is looked at.
-#[derive(Args, Clone, Copy, Debug, Default)]
-pub(crate) struct LookArgs {
-    /// Metric of collapses [default: hybrid, large: quadric]
-    ///
-    /// Meshes of more than 200,000 triangles are large. A .lodc file has its order of collapses
-    /// already.
-    #[arg(long, value_parser = parser::<MetricKind>(), help_heading = SIMPLIFIED)]
-    metric: Option<MetricKind>,
-}
-
-impl LookArgs {
-    /// The option as if it was given.
-    pub(crate) fn by(metric: MetricKind) -> Self {
-        Self { metric: Some(metric) }
-    }
-
-    /// Returns whether the option was given.
-    pub(crate) fn is_given(self) -> bool {
-        self.metric.is_some()
-    }
-
-    /// The metric for a scene of so many triangles.
-    pub(crate) fn metric(self, triangles: u64) -> MetricKind {
-        let usual =
-            if triangles <= MOST_BY_LOOKS { MetricKind::Hybrid } else { MetricKind::Quadric };
-        self.metric.unwrap_or(usual)
     }
 }
 

@@ -92,26 +92,28 @@ fn run() -> Status {
         _ => Loudness::Normal,
     });
     let done = |outcome: Outcome<()>| outcome.map(|()| Status::Done);
-    let outcome = interrupt::install().and_then(|()| match &cli.command {
-        Command::Build(args) => build::run(args, &program),
-        Command::Extract(args) => extract::run(args, &program),
-        Command::Chain(args) => chain::run(args, &program),
-        Command::Info(args) => info::run(args),
-        Command::Verify(args) => verify::run(args),
-        Command::Compare(args) => compare::run(args, &program),
-        Command::Render(args) => done(render::run(args)),
-        Command::Report(args) => commands::report::run(args),
-        Command::View(args) => done(view::run(args)),
-        Command::Pack(args) => done(pack::run(args)),
-        Command::Unpack(args) => unpack::run(args),
-        Command::Strips(args) => done(strips::run(args)),
-        Command::Shaders(args) => done(shaders::run(args)),
-        Command::Select(args) => done(select::run(args)),
-        Command::Bench(args) => bench::run(args),
-        Command::Config(args) => done(config_command::run(args, &program)),
-        Command::Completions(args) => done(completions::run(args, Cli::command())),
-        Command::Man(args) => done(man::run(args, Cli::command())),
-    });
+    let outcome = interrupt::install().and_then(|()| threads::start(cli.common.jobs)).and_then(
+        |()| match &cli.command {
+            Command::Build(args) => build::run(args, &program),
+            Command::Extract(args) => extract::run(args, &program),
+            Command::Chain(args) => chain::run(args, &program),
+            Command::Info(args) => info::run(args),
+            Command::Verify(args) => verify::run(args),
+            Command::Compare(args) => compare::run(args, &program),
+            Command::Render(args) => done(render::run(args)),
+            Command::Report(args) => commands::report::run(args),
+            Command::View(args) => done(view::run(args)),
+            Command::Pack(args) => done(pack::run(args)),
+            Command::Unpack(args) => unpack::run(args),
+            Command::Strips(args) => done(strips::run(args)),
+            Command::Shaders(args) => done(shaders::run(args)),
+            Command::Select(args) => done(select::run(args)),
+            Command::Bench(args) => bench::run(args),
+            Command::Config(args) => done(config_command::run(args, &program)),
+            Command::Completions(args) => done(completions::run(args, Cli::command())),
+            Command::Man(args) => done(man::run(args, Cli::command())),
+        },
+    );
     outcome.unwrap_or_else(|failure| {
         console::error(&failure);
         failure.status

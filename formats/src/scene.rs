@@ -89,6 +89,20 @@ pub enum Document {
     Gltf(GltfDocument),
 }
 
+impl Document {
+    /// Returns whether it names images that materials may show.
+    #[must_use]
+    pub fn has_textures(&self) -> bool {
+        match self {
+            Self::Obj(obj) => {
+                let mut lines = obj.materials.iter().flat_map(|m| &m.lines);
+                lines.any(|line| line.trim_start().starts_with("map_Kd"))
+            }
+            Self::Gltf(gltf) => gltf.json.contains("\"textures\":"),
+        }
+    }
+}
+
 /// The rest of an OBJ.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ObjDocument {

@@ -32,7 +32,7 @@ fn a_folder_is_extracted_as_a_mirrored_tree() {
     assert_eq!(results(&report), wanted);
     assert!(run.err.contains("3 done, 1 failed"), "{}", run.err);
     assert!(f.has("out/a.obj.glb") && !f.has("out/bad.obj.glb"));
-    assert_eq!(f.read("out/props/b.obj.glb"), f.read("out/props/b.lodc.glb"));
+    assert_eq!(f.read_binary("out/props/b.obj.glb"), f.read_binary("out/props/b.lodc.glb"));
     f.lodc(["extract", "in/a.obj", "-o", "a.glb", "--ratio", "50%", "-q"]).ends(0);
     assert_eq!(f.read("out/a.obj.glb"), f.read("a.glb"), "as by itself");
     let rules = String::from_utf8(f.read("d")).expect("text");

@@ -16,7 +16,7 @@ fn a_mesh_gives_the_level_that_its_lodc_file_gives() {
         for (input, output) in [("part.glb", "a.glb"), ("part.lodc", "b.glb")] {
             f.lodc(["extract", input, "-o", output, "-q"].iter().chain(&selector)).ends(0);
         }
-        assert!(f.read("a.glb") == f.read("b.glb"), "{selector:?}");
+        assert!(f.read_binary("a.glb") == f.read_binary("b.glb"), "{selector:?}");
     };
     f.lodc(["build", "part.glb", "-o", "part.lodc", "-q", "--metric", "hybrid"]).ends(0);
     same(["--ratio", "25%"]);

@@ -3,7 +3,7 @@
 use crate::commands::build::{importance, object_options};
 use crate::exit::Outcome;
 use crate::importance::ImportanceArgs;
-use crate::kinds::{LookArgs, PosesArgs};
+use crate::kinds::{MetricArgs, PosesArgs};
 use crate::limits::ImportArgs;
 use crate::parts::PartArgs;
 use crate::progress::Progress;
@@ -11,10 +11,14 @@ use crate::stages::Stages;
 use clap::Args;
 use lodc::{
     Input, LodObject,
-    build::{Known, Paints, ScenePaints, Size, measure_all, measure_bending, simplify_all},
+    build::{
+        Known, LevelDistance, Paints, ScenePaints, Size, choose_poses, measure_all, measure_levels,
+        simplify_all,
+    },
     read_input,
 };
-use lodc_formats::{Document, ObjectInfo, Scene, Sought, Source, appearance};
+use lodc_formats::{Document, Limits, ObjectInfo, Scene, Sought, Source, appearance};
+use lodc_mesh::Lod;
 use lodc_select::Target;
 use lodc_simplify::{MetricKind, Options};
 use std::path::Path;
@@ -31,28 +35,54 @@ pub(crate) struct Asset {
     pub(crate) files: Sought,
     /// Messages about what was repaired, dropped or left out while reading.
     pub(crate) warnings: Vec<String>,
+    /// The errors that its sequences state.
+    errors: Errors,
     /// The looks of the scene, if the metric saw them.
     paints: Option<Arc<Paints>>,
 }
 
-/// Use of the errors of levels: measuring them takes longer than simplifying does.
+/// The levels whose errors are measured: all of them take longer than simplifying does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Errors {
-    Measured,
-    /// Nothing asks for them, so those of a mesh may stay estimates. Of objects that bend they say
-    /// in which poses levels are measured.
-    Unused,
+    /// Those of every level.
+    Curve,
+    /// Those of levels that are written, once they are chosen: [`Asset::distances`].
+    OfResult,
 }
 
 impl Errors {
     /// The errors that a choice of levels takes.
     pub(crate) fn to_choose(targets: impl IntoIterator<Item = Target>) -> Self {
         let counts = |t| matches!(t, Target::Lod(_) | Target::Ratio(_) | Target::Triangles(_));
-        if targets.into_iter().all(counts) { Self::Unused } else { Self::Measured }
+        if targets.into_iter().all(counts) { Self::OfResult } else { Self::Curve }
     }
 }
 
 impl Asset {
+    /// The distances of levels, fine to coarse, each with a LOD for every object: those that the
+    /// sequences state, or measured where they state none.
+    ///
+    /// # Errors
+    /// If the document is damaged.
+    pub(crate) fn distances(
+        &self,
+        levels: &[&[Lod]],
+        limits: &Limits,
+    ) -> Outcome<Vec<Vec<LevelDistance>>> {
+        if self.errors == Errors::OfResult {
+            return Ok(measure_levels(&self.objects, levels, &self.document, limits)?);
+        }
+        let stated = |(object, &lod): (&LodObject, &Lod)| LevelDistance::stated(object, lod);
+        let of_level =
+            |lods: &&[Lod]| self.objects.iter().zip(*lods).map(stated).collect::<Vec<_>>();
+        Ok(levels.iter().map(of_level).collect())
+    }
+
+    /// Returns whether it came from a mesh, which the quadric simplified.
+    pub(crate) fn is_by_quadric(&self, how: &SimplifyArgs) -> bool {
+        self.errors == Errors::OfResult && how.metric.metric == MetricKind::Quadric
+    }
+
     /// The looks of the scene, read unless the metric saw them. Images that cannot be had are left
     /// out, with a line among the warnings of the looks.
     ///
@@ -86,7 +116,7 @@ pub(crate) fn read_paints(
 #[derive(Args, Clone, Debug, Default)]
 pub(crate) struct SimplifyArgs {
     #[command(flatten)]
-    metric: LookArgs,
+    metric: MetricArgs,
     #[command(flatten)]
     importance: ImportanceArgs,
     #[command(flatten)]
@@ -98,7 +128,7 @@ pub(crate) struct SimplifyArgs {
 impl SimplifyArgs {
     /// Simplification by a metric, with nothing weighted or locked.
     pub(crate) fn by(metric: MetricKind) -> Self {
-        Self { metric: LookArgs::by(metric), ..Self::default() }
+        Self { metric: MetricArgs { metric: metric }, ..Self::default() }
     }
 }
 
@@ -114,7 +144,7 @@ pub(crate) fn read(
     stages: &mut Stages,
 ) -> Outcome<Asset> {
     let progress = Progress::new(&input.display().to_string());
-    read_showing(&progress, input, import, how, Errors::Measured, stages)
+    read_showing(&progress, input, import, how, Errors::Curve, stages)
 }
 
 /// Reads an input as [`read`] does, and shows the progress of simplifying on a bar of the caller's.
@@ -143,6 +173,7 @@ pub(crate) fn read_showing(
             compressed: false,
             files: Sought::only(input),
             warnings: file.left_out,
+            errors: Errors::Curve,
             paints: None,
         }),
         Input::Scene(scene) => {
@@ -163,7 +194,7 @@ pub(crate) fn simplified(
     stages: &mut Stages,
 ) -> Outcome<Asset> {
     let progress = Progress::new(&input.display().to_string());
-    simplified_showing(&progress, (input, import), how, Errors::Measured, scene, stages)
+    simplified_showing(&progress, (input, import), how, Errors::Curve, scene, stages)
 }
 
 fn simplified_showing(
@@ -178,8 +209,7 @@ fn simplified_showing(
     let name = input.display().to_string();
     let limits = import.options().limits;
     let weights = how.importance.weights();
-    let metric = how.metric.metric(size.triangles);
-    let options = Options { metric, weights, ..Options::DEFAULT };
+    let options = Options { metric: how.metric.metric, weights, ..Options::DEFAULT };
     let options = object_options(&scene, options, how.parts.all());
     let needs = [size.simplify(options.iter().map(|o| o.metric)), size.errors()];
     import.limits().check_memory(&name, size, &needs)?;
@@ -189,19 +219,18 @@ fn simplified_showing(
     let known =
         Known { paints: paints.shown(), importance: &importance, document: &document, limits };
     let watch = stages.watched(progress);
-    let simplified = simplify_all(objects, &options, known, &watch)?;
-    if how.metric.is_given() {
-        // Else the command says what it cannot show; the metric sees what there is.
-        warnings.extend(paints.warnings);
-    }
+    let mut simplified = simplify_all(objects, &options, known, &watch)?;
+    warnings.extend(paints.warnings);
     files.extend(&paints.files);
     let poses = how.poses.most();
-    let simplified = match errors {
-        Errors::Unused => measure_bending(simplified, &document, &limits, poses, &watch)?,
-        Errors::Measured => measure_all(simplified, &document, &limits, poses, &watch)?,
-    };
+    match errors {
+        Errors::OfResult => drop(choose_poses(&mut simplified, &document, &limits, poses)?),
+        Errors::Curve => {
+            simplified = measure_all(simplified, &document, &limits, poses, &watch)?;
+        }
+    }
     let object = |(info, simplified)| LodObject { info, simplified, models: Vec::new() };
     let objects = simplified.into_iter().map(object).collect();
     let paints = paints.paints;
-    Ok(Asset { source, objects, document, compressed, files, warnings, paints })
+    Ok(Asset { source, objects, document, compressed, files, warnings, errors, paints })
 }

@@ -7,13 +7,12 @@ use super::read::read_lodc;
 use crate::console::{self, error, warning};
 use crate::exit::{Failure, Outcome, Status, one_line};
 use crate::gpu::{self, Device, GpuArgs, GpuUse};
-use crate::help::{LIMITS, MEASURED, MORE, OUTPUT};
+use crate::help::{MEASURED, MORE, OUTPUT};
 use crate::kinds::{MetricArgs, StripArgs, parser};
 use crate::limits::ImportArgs;
 use crate::output::{self, Target};
 use crate::progress::Progress;
 use crate::stages::Stages;
-use crate::threads;
 use clap::Args;
 use lodc_formats::{images, import};
 use lodc_lab::{
@@ -25,7 +24,7 @@ use lodc_report::SCHEMA_VERSION;
 use lodc_report::documents::ObjectCounts;
 use lodc_report::text::count;
 use serde::Serialize;
-use std::num::{NonZeroU32, NonZeroUsize};
+use std::num::NonZeroU32;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 
@@ -73,9 +72,6 @@ pub(crate) struct BenchArgs {
     plots: Option<PathBuf>,
     #[command(flatten)]
     import: ImportArgs,
-    /// Threads for making models; timing uses one [default: all cores]
-    #[arg(long, value_name = "N", help_heading = LIMITS, hide_short_help = true)]
-    jobs: Option<NonZeroUsize>,
 }
 
 const EXAMPLES: &str = "\
@@ -184,7 +180,6 @@ pub(crate) fn run(args: &BenchArgs) -> Outcome<Status> {
         output::prepare([&Target::File(file)], make_folder)?;
     }
     let device = open(&args.gpu)?;
-    let pool = threads::pool(args.jobs)?;
     let mut report = BenchReport {
         schema_version: SCHEMA_VERSION,
         tool_version: env!("CARGO_PKG_VERSION"),
@@ -193,11 +188,11 @@ pub(crate) fn run(args: &BenchArgs) -> Outcome<Status> {
         crowd: None,
     };
     if args.crowd.crowd {
-        return pool.install(|| crowd_of(args, device, report));
+        return crowd_of(args, device, report);
     }
     let mut worst = Status::Done;
     for input in &args.inputs {
-        let (file, status) = pool.install(|| bench_one(args, device.as_ref(), input));
+        let (file, status) = bench_one(args, device.as_ref(), input);
         worst = worst.max(status);
         if !args.json && file.error.is_none() {
             console::result(text(&file, args.steps).trim_end())?;

@@ -66,7 +66,8 @@ pub(crate) fn all<R: Send>(
     let bar = BatchProgress::new(assets.len());
     batch::run(&needs, budget, |number| {
         let asset = &assets[number];
-        let result = work(asset, &bar);
+        // Inside the pool: else every piece of work in parallel waits for another thread to wake.
+        let result = rayon::scope(|_| work(asset, &bar));
         bar.done(&asset.name);
         result
     })

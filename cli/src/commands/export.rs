@@ -50,6 +50,11 @@ pub(crate) struct Made<R> {
 }
 
 impl ExportArgs {
+    /// Returns whether there is one input, in a small file.
+    pub(crate) fn is_small(&self, inputs: &[PathBuf]) -> bool {
+        !self.batch.takes_many(inputs) && inputs.iter().all(|input| each::is_small(input))
+    }
+
     /// Returns the assets of a run, with their targets at `output` and their own options, once
     /// options are known to fit together.
     ///

@@ -2,6 +2,7 @@
 
 use lodc_formats::ObjectInfo;
 use lodc_formats::lods::Unpacker;
+use lodc_report::ErrorsOver;
 use lodc_report::documents::UnpackedReport;
 use lodc_select::decimal;
 
@@ -22,6 +23,7 @@ pub(super) fn reports(unpacker: &Unpacker, infos: &[ObjectInfo]) -> Vec<Unpacked
             of_steps,
             error: decimal(progress.error),
             rms: progress.rms.map(decimal),
+            errors_over: ErrorsOver::of([info]),
         }
     };
     infos.iter().enumerate().map(object).collect()

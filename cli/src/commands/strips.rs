@@ -2,12 +2,11 @@
 
 use crate::console::{note, warning};
 use crate::exit::Outcome;
-use crate::help::{BECOMES, LIMITS, MORE, OUTPUT};
+use crate::help::{BECOMES, MORE, OUTPUT};
 use crate::kinds::{Choice, parser, parser_with};
 use crate::limits::ImportArgs;
-use crate::output::{self, Target};
+use crate::output;
 use crate::stages::Stages;
-use crate::threads;
 use clap::Args;
 use clap::builder::TypedValueParser;
 use lodc::build::Size;
@@ -15,7 +14,6 @@ use lodc_formats::import;
 use lodc_lab::StripText;
 use lodc_report::text::count;
 use lodc_strip::{CacheOptions, Effort, StripKind};
-use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 /// Options of `strips`.
@@ -47,9 +45,6 @@ pub(crate) struct StripsArgs {
     output: PathBuf,
     #[command(flatten)]
     import: ImportArgs,
-    /// Threads; the result does not depend on it [default: all cores]
-    #[arg(long, value_name = "N", help_heading = LIMITS, hide_short_help = true)]
-    jobs: Option<NonZeroUsize>,
 }
 
 const EXAMPLES: &str = "\
@@ -76,11 +71,6 @@ fn price(text: &str) -> Result<f32, String> {
 pub(crate) fn run(args: &StripsArgs) -> Outcome<()> {
     let target = output::target(&args.input, Some(&args.output), "strips")?;
     output::prepare([&target], output::is_folder(&args.output))?;
-    let pool = threads::pool(args.jobs)?;
-    pool.install(|| make(args, &target))
-}
-
-fn make(args: &StripsArgs, target: &Target) -> Outcome<()> {
     let mut stages = Stages::default();
     let scene = stages.run("import", || import::import(&args.input, &args.import.options()))?;
     for what in &scene.warnings {
@@ -106,7 +96,7 @@ fn make(args: &StripsArgs, target: &Target) -> Outcome<()> {
         per_triangle(made.indices),
         per_triangle(made.misses)
     );
-    stages.run("write", || output::write(target, made.text.into_bytes()))?;
+    stages.run("write", || output::write(&target, made.text.into_bytes()))?;
     note(&sums);
     Ok(())
 }

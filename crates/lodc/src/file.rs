@@ -140,13 +140,13 @@ impl<'a> Level<'a> {
 
     /// Writes the level as a mesh file by the extension of its path (.glb, .gltf, .obj, .ply), with
     /// the nodes, materials, skins and animations of the input. Images go into a .glb and beside a
-    /// .gltf or .obj; those that cannot be read are left out.
+    /// .gltf or .obj; those that cannot be read are left out, with a line in what is returned.
     ///
     /// # Errors
     /// If the extension names no format, the format cannot hold the scene, or the file cannot be
     /// written.
     #[cfg(feature = "export")]
-    pub fn write(&self, path: impl AsRef<Path>) -> Result<(), Error> {
+    pub fn write(&self, path: impl AsRef<Path>) -> Result<Vec<String>, Error> {
         use lodc_formats::export::{Additions, ExportFormat, LevelFacts, Provenance, export_with};
         use lodc_formats::images::{TextureMode, Textures};
         let path = path.as_ref();
@@ -163,13 +163,16 @@ impl<'a> Level<'a> {
         };
         let content = &self.file.content;
         let mut additions = Additions::default();
+        let mut warnings = Vec::new();
         if let Some(mode) = mode {
             let mut assets = lodc_formats::Assets::new(&self.file.path, &[], Limits::DEFAULT);
             let mut textures = Textures::read(&content.document, &mut assets)?;
             if format == ExportFormat::Obj {
                 textures.add_embedded(&content.document)?;
             }
+            warnings.append(&mut textures.warnings);
             additions.textures = textures.placed(mode, path);
+            warnings.extend_from_slice(&additions.textures.warnings);
         }
         let lod = match self.lods[..] {
             [one] => Some(one.0),
@@ -180,7 +183,8 @@ impl<'a> Level<'a> {
         additions.provenance = Some(Provenance { source, levels, refitted: false });
         let objects = level_mesh::exported(&content.objects, &self.meshes);
         let files = export_with(path, format, &content.document, &objects, &additions)?;
-        Ok(lodc_formats::write_all(&files)?)
+        lodc_formats::write_all(&files)?;
+        Ok(warnings)
     }
 }
 

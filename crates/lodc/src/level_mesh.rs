@@ -96,10 +96,21 @@ fn stored(object: &LodObject, lod: Lod, shape: Shape) -> Result<LevelMesh, Error
 /// The largest error and root mean square distance of an object: in mesh units for one object, in
 /// world units for several.
 pub fn distance(objects: &[LodObject], meshes: &[LevelMesh]) -> (f64, Option<f64>) {
-    let pairs = || objects.iter().zip(meshes);
-    let error = pairs().map(|(o, m)| unit(objects, o) * m.error).fold(0.0, f64::max);
-    let rms = pairs().map(|(o, m)| Some(unit(objects, o) * m.rms?)).collect::<Option<Vec<f64>>>();
-    (error, rms.map(|all| all.into_iter().fold(0.0, f64::max)))
+    largest(objects, meshes.iter().map(|m| (m.error, m.rms)))
+}
+
+/// The largest of errors and root mean square distances, those of each object in mesh units: in
+/// mesh units for one object, in world units for several.
+pub fn largest(
+    objects: &[LodObject],
+    distances: impl Iterator<Item = (f64, Option<f64>)>,
+) -> (f64, Option<f64>) {
+    let larger = |(error, rms): (f64, Option<f64>),
+                  (o, (e, r)): (&LodObject, (f64, Option<f64>))| {
+        let unit = unit(objects, o);
+        (error.max(unit * e), rms.zip(r).map(|(rms, r)| rms.max(unit * r)))
+    };
+    objects.iter().zip(distances).fold((0.0, Some(0.0)), larger)
 }
 
 fn unit(objects: &[LodObject], object: &LodObject) -> f64 {

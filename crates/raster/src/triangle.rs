@@ -67,6 +67,12 @@ impl Window {
 /// Runs shorter than this are tried column by column, which is quicker than a division.
 const SHORT: i64 = 6;
 
+/// Windows of at most this many pixels across and down are tried pixel by pixel.
+const FEW: usize = 8;
+
+/// Corners that are nearer to each other than this, across and down, have areas that 32 bits hold.
+const NEAR: i64 = 1 << 13;
+
 /// More than any depth.
 const DEEP: f64 = 1_073_741_824.0;
 
@@ -123,12 +129,24 @@ impl Edge {
 /// whichever side of it is seen. Two triangles that share an edge share no pixel there and leave
 /// none out. Depth is in [`Point::z`]'s unit.
 #[inline]
-pub fn scan(corners: [Point; 3], window: Window, mut visit: impl FnMut(i32, i32, i32)) {
-    let [a, mut b, mut c] = corners;
+pub fn scan(corners: [Point; 3], window: Window, visit: impl FnMut(i32, i32, i32)) {
+    let [a, b, c] = corners;
     let window = window.around(corners.into_iter());
     if window.is_empty() {
         return;
     }
+    let is_near = |p: i32, q: i32| (i64::from(p) - i64::from(q)).abs() < NEAR;
+    let all_near = [b, c].iter().all(|p| is_near(p.x, a.x) && is_near(p.y, a.y));
+    if all_near && window.width() <= FEW && window.len() <= FEW * FEW {
+        scan_few(corners, window, visit);
+    } else {
+        scan_rows(corners, window, visit);
+    }
+}
+
+/// [`scan`] row by row of a window that lies around the corners.
+fn scan_rows(corners: [Point; 3], window: Window, mut visit: impl FnMut(i32, i32, i32)) {
+    let [a, mut b, mut c] = corners;
     let side = |p: Point, q: Point| {
         (i64::from(p.x) - i64::from(a.x)) * (i64::from(q.y) - i64::from(a.y))
             - (i64::from(p.y) - i64::from(a.y)) * (i64::from(q.x) - i64::from(a.x))
@@ -165,5 +183,81 @@ pub fn scan(corners: [Point; 3], window: Window, mut visit: impl FnMut(i32, i32,
         for e in &mut edges {
             e.value += e.down;
         }
+    }
+}
+
+/// [`scan`] where the corners are near each other and the window around them has few pixels, as of
+/// most triangles of dense meshes.
+#[inline]
+fn scan_few(corners: [Point; 3], window: Window, mut visit: impl FnMut(i32, i32, i32)) {
+    let [a, mut b, mut c] = corners;
+    let area_of = |b: Point, c: Point| (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+    let mut area = area_of(b, c);
+    if area == 0 {
+        return;
+    }
+    if area < 0 {
+        (b, c, area) = (c, b, -area);
+    }
+    let center = |pixel: i32| pixel * SUBPIXELS + SUBPIXELS / 2;
+    let (x, y) = (center(window.left), center(window.top));
+    // As in [`Edge`]: the value at the first centre, steps right and down, and the bias.
+    let edge = |p: Point, q: Point| {
+        let (dx, dy) = (q.x - p.x, q.y - p.y);
+        let bias = if dy < 0 || dy == 0 && dx > 0 { 0 } else { -1 };
+        let value = dx * (y - p.y) - dy * (x - p.x);
+        (value, -dy * SUBPIXELS, dx * SUBPIXELS, bias)
+    };
+    let (e, f, g) = (edge(b, c), edge(c, a), edge(a, b));
+    let share = 1.0 / f64::from(area);
+    let depths = (f64::from(a.z), f64::from(b.z), f64::from(c.z));
+    let mut first = (e.0, f.0, g.0);
+    for row in window.top..window.bottom {
+        let (mut u, mut v, mut w) = first;
+        for column in window.left..window.right {
+            if (u + e.3) | (v + f.3) | (w + g.3) >= 0 {
+                let sum =
+                    f64::from(u) * depths.0 + f64::from(v) * depths.1 + f64::from(w) * depths.2;
+                visit(column, row, ((sum * share + (DEEP + 0.5)) as i64 - DEEP as i64) as i32);
+            }
+            (u, v, w) = (u + e.1, v + f.1, w + g.1);
+        }
+        first = (first.0 + e.2, first.1 + f.2, first.2 + g.2);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn few_pixels_are_the_same_as_rows_of_them() {
+        let mut state = 7u64;
+        let mut coordinate = |below: u64| {
+            // xorshift64
+            state ^= state << 13;
+            state ^= state >> 7;
+            state ^= state << 17;
+            (state % below) as i32
+        };
+        let mut visited = 0;
+        for size in [100, 400, 2000, 8000] {
+            for _ in 0..2000 {
+                // Some hang over the edge of the picture.
+                let at = [coordinate(4096) - 512, coordinate(4096) - 512];
+                let corners = [(); 3].map(|()| Point {
+                    x: at[0] + coordinate(size),
+                    y: at[1] + coordinate(size),
+                    z: coordinate(100_000) - 50_000,
+                });
+                let window = Window::whole(12).around(corners.into_iter());
+                let (mut few, mut rows) = (vec![], vec![]);
+                scan_few(corners, window, |x, y, z| few.push((x, y, z)));
+                scan_rows(corners, window, |x, y, z| rows.push((x, y, z)));
+                assert_eq!(few, rows, "{corners:?}");
+                visited += few.len();
+            }
+        }
+        assert!(visited > 5_000, "{visited}");
     }
 }

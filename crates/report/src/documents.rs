@@ -373,4 +373,5 @@ pub struct UnpackedReport {
     pub error: f64,
     /// Likewise; none if the stream has none.
     pub rms: Option<f64>,
+    pub errors_over: ErrorsOver,
 }

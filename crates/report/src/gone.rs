@@ -66,14 +66,25 @@ impl<'a> Roll<'a> {
     /// out.
     #[must_use]
     pub fn gone(&self, lods: &[Lod]) -> Vec<Gone> {
+        let error = |(object, &lod): (&LodObject, &Lod)| {
+            let collapses = object.simplified.collapses();
+            if collapses.is_measured() { collapses.error_at(lod).into() } else { f64::INFINITY }
+        };
+        self.gone_at(lods, self.objects.iter().zip(lods).map(error))
+    }
+
+    /// As [`Self::gone`], where bounds of the errors of the levels are known otherwise: one for
+    /// each object, in mesh units.
+    #[must_use]
+    pub fn gone_at(&self, lods: &[Lod], errors: impl IntoIterator<Item = f64>) -> Vec<Gone> {
         if lods.iter().all(|lod| lod.0 == 0) {
             return Vec::new();
         }
         let live: Vec<Vec<OrientedTriangle>> = (self.objects.par_iter().zip(lods))
             .map(|(object, &lod)| object.simplified.triangles_at(lod))
             .collect();
-        let share = |(o, &lod)| self.lost(o, lod, &live[o]);
-        let shares: Vec<f64> = lods.iter().enumerate().map(share).collect();
+        let share = |(o, error)| self.lost(o, error, &live[o]);
+        let shares: Vec<f64> = errors.into_iter().enumerate().map(share).collect();
         let mut gone = Vec::new();
         for (object, &share) in self.objects.iter().zip(&shares) {
             if share > OF_OBJECT {
@@ -94,19 +105,18 @@ impl<'a> Roll<'a> {
         gone
     }
 
-    /// The share of what is seen of an object that is gone at a level.
-    fn lost(&self, number: usize, lod: Lod, live: &[OrientedTriangle]) -> f64 {
-        let simplified = &self.objects[number].simplified;
-        let (mesh, collapses) = (simplified.mesh(), simplified.collapses());
+    /// The share of what is seen of an object that is gone at a level of an error of at most
+    /// `error`.
+    fn lost(&self, number: usize, error: f64, live: &[OrientedTriangle]) -> f64 {
+        let mesh = self.objects[number].simplified.mesh();
         let beyond = BEYOND * mesh.diagonal();
-        let error = f64::from(collapses.error_at(lod));
-        if lod.0 == 0 || mesh.triangles().is_empty() {
+        if mesh.triangles().is_empty() || live.len() == mesh.triangles().len() {
             return 0.0;
         }
         if live.is_empty() {
             return 1.0;
         }
-        if collapses.is_measured() && error <= beyond {
+        if error <= beyond {
             return 0.0;
         }
         let surface = Surface {

@@ -51,7 +51,7 @@ pub use motion::Motion;
 pub use normals::{flat_normals, smooth_normals};
 pub use placement::{Arrangement, Placement};
 pub use pose::Pose;
-pub use posed::{PosedVertices, posed, stream};
+pub use posed::{PosedVertices, posed, posed_positions, stream};
 pub use scale::{ObjectInScene, object_in_scene, placement_scales, representative};
 pub use shape::{Shape, shape_in_scene};
 pub use srgb::{to_linear, to_srgb};

@@ -33,6 +33,14 @@ pub fn posed(mesh: &Mesh, placement: &Placement) -> PosedVertices {
     PosedVertices { positions, normals, mirrored: mirrored(mesh, placement, &streams) }
 }
 
+/// Poses all vertices of a mesh, without their normals: [`PosedVertices::positions`].
+#[must_use]
+pub fn posed_positions(mesh: &Mesh, placement: &Placement) -> Vec<DVec3> {
+    let streams = Streams::of(mesh, placement);
+    let vertices = mesh.vertex_count() as u32;
+    (0..vertices).into_par_iter().map(|v| place(&streams, mesh, placement, v).0).collect()
+}
+
 /// Returns the place of a vertex and its transform.
 pub(crate) fn place(
     streams: &Streams<'_>,

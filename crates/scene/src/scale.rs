@@ -1,7 +1,7 @@
 //! World scale: how much larger a scene shows an object than it was modelled.
 
 use crate::placement::{Arrangement, Placement};
-use crate::posed::{Streams, posed};
+use crate::posed::{Streams, posed_positions};
 use crate::transform::{Transform, largest_stretch};
 use glam::DVec3;
 use lodc_mesh::Mesh;
@@ -24,7 +24,7 @@ pub struct ObjectInScene {
 pub fn object_in_scene(mesh: &Mesh, object: usize, scene: &Arrangement) -> ObjectInScene {
     let (placement, scale) = representative(mesh, object, scene);
     let as_modelled = Placement::as_modelled(object);
-    let positions = posed(mesh, placement.unwrap_or(&as_modelled)).positions;
+    let positions = posed_positions(mesh, placement.unwrap_or(&as_modelled));
     ObjectInScene { placement: placement.cloned(), positions, scale }
 }
 

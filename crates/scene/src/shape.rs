@@ -1,7 +1,7 @@
 //! The shapes that a scene gives an object, in the object's own units.
 
 use crate::placement::{Arrangement, Placement};
-use crate::posed::posed;
+use crate::posed::posed_positions;
 use crate::scale::representative;
 use glam::{DMat3, DVec3};
 use lodc_mesh::{Mesh, Semantic};
@@ -39,7 +39,7 @@ impl Shape {
     /// The shape of an object in a placement, as large as at rest: `scale` is its scale there. None
     /// if it has coordinates that are no finite numbers.
     pub(crate) fn placed(mesh: &Mesh, placement: Placement, scale: f64) -> Option<Self> {
-        let posed = posed(mesh, &placement).positions;
+        let posed = posed_positions(mesh, &placement);
         let (low, high) = posed
             .iter()
             .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), &p| (lo.min(p), hi.max(p)));
@@ -52,7 +52,7 @@ impl Shape {
     #[must_use]
     pub fn of<'a>(&self, mesh: &'a Mesh) -> Cow<'a, [[f32; 3]]> {
         let Some(placement) = &self.placement else { return Cow::Borrowed(mesh.positions()) };
-        let posed = posed(mesh, placement).positions;
+        let posed = posed_positions(mesh, placement);
         Cow::Owned(posed.into_iter().map(|p| self.place(p)).collect())
     }
 

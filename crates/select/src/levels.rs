@@ -1,6 +1,6 @@
 //! Levels of the objects of a scene: one for each, together or each by itself.
 
-use crate::loss::{losses, seen};
+use crate::loss::Visibility;
 use crate::selection::{Candidate, RecordOfScene, Selection, Target, select};
 use lodc_mesh::Simplified;
 use lodc_scene::Arrangement;
@@ -71,6 +71,7 @@ pub struct ObjectLevels<'a> {
 pub struct SceneLevels<'a> {
     objects: Vec<ObjectLevels<'a>>,
     scene: Arrangement,
+    visibility: OnceLock<Visibility>,
     losses: OnceLock<Vec<Vec<f64>>>,
     seen: OnceLock<Vec<Vec<f64>>>,
 }
@@ -80,7 +81,8 @@ impl<'a> SceneLevels<'a> {
     /// scene: any will do.
     #[must_use]
     pub fn new(objects: Vec<ObjectLevels<'a>>, scene: Arrangement) -> Self {
-        Self { objects, scene, losses: OnceLock::new(), seen: OnceLock::new() }
+        let (visibility, losses, seen) = Default::default();
+        Self { objects, scene, visibility, losses, seen }
     }
 
     /// The objects.
@@ -101,9 +103,16 @@ impl<'a> SceneLevels<'a> {
         self.objects.iter().map(candidate).collect()
     }
 
-    /// For each object the area of each triangle that is seen of it: [`seen()`](crate::seen()).
+    /// For each object the area of each triangle that is seen in pictures of the whole scene from
+    /// all sides, in world units, instances together. An object that the scene does not show, and
+    /// all of a scene too large to look at, counts with its whole area.
     pub fn seen(&self) -> &[Vec<f64>] {
-        self.seen.get_or_init(|| seen(&self.simplified(), &self.scene))
+        self.seen.get_or_init(|| self.visibility().areas(&self.simplified()))
+    }
+
+    /// What is seen of all objects: of losses and of [`Self::seen`].
+    fn visibility(&self) -> &Visibility {
+        self.visibility.get_or_init(|| Visibility::new(&self.simplified(), &self.scene))
     }
 
     fn simplified(&self) -> Vec<&'a Simplified> {
@@ -145,7 +154,7 @@ impl<'a> SceneLevels<'a> {
     /// none was measured.
     pub fn select(&self, target: Target, per_object: bool) -> Result<Selection, SelectError> {
         self.check_measured(target)?;
-        let losses = || self.losses.get_or_init(|| losses(&self.simplified(), &self.scene));
+        let losses = || self.losses.get_or_init(|| self.visibility().losses(&self.simplified()));
         Ok(select(&self.candidates(), target, per_object, losses)?)
     }
 

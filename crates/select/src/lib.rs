@@ -47,7 +47,7 @@ mod wish;
 
 pub use budget::{CurveLevel, Goal, Instance, LevelCurve, SceneManager, View};
 pub use levels::{ObjectLevels, SceneLevels, SelectError};
-pub use loss::{losses, seen};
+pub use loss::losses;
 pub use number::decimal;
 pub use order::{Turn, turns};
 pub use quadric::accumulated_error;

@@ -3,8 +3,9 @@
 
 use crate::quadric::accumulated_error;
 use crate::visibility::{Part, seen_areas};
+use glam::DVec3;
 use lodc_mesh::{PositionIds, Simplified};
-use lodc_scene::{Arrangement, Placement, placement_scales, posed};
+use lodc_scene::{Arrangement, Placement, placement_scales, posed_positions};
 use rayon::prelude::*;
 
 /// Weight of the area of a face that is not seen.
@@ -20,49 +21,66 @@ const MAX_TRIANGLES: usize = 1 << 24;
 /// scene from all sides. Instances count by their scales.
 #[must_use]
 pub fn losses(objects: &[&Simplified], scene: &Arrangement) -> Vec<Vec<f64>> {
-    let (shown, seen) = looked_at(objects, scene);
-    let loss = |((simplified, shown), seen): ((&&Simplified, &Shown), &Vec<Vec<f64>>)| {
-        shown.loss(simplified, seen)
-    };
-    objects.par_iter().zip(&shown).zip(&seen).map(loss).collect()
+    Visibility::new(objects, scene).losses(objects)
 }
 
-/// Returns for each object the area of each triangle that is seen in pictures of the whole scene
-/// from all sides, in world units, instances together. An object that the scene does not show, and
-/// all of a scene too large to look at, counts with its whole area.
-#[must_use]
-pub fn seen(objects: &[&Simplified], scene: &Arrangement) -> Vec<Vec<f64>> {
-    let (shown, seen) = looked_at(objects, scene);
-    let of_object = |((simplified, shown), seen): ((&&Simplified, &Shown), &Vec<Vec<f64>>)| {
-        let squares = shown.squares();
-        let area = |(t, tri)| squares * shown.area(t, tri, seen, 0.0);
-        simplified.mesh().triangles().iter().enumerate().map(area).collect()
-    };
-    objects.par_iter().zip(&shown).zip(&seen).map(of_object).collect()
+/// Objects with all their placements, and what is seen of each in pictures of the whole scene from
+/// all sides.
+#[derive(Debug)]
+pub(crate) struct Visibility {
+    shown: Vec<Shown>,
+    /// By object, placement and triangle the area that is seen. Nothing of an object that the scene
+    /// does not show, and of a scene too large to look at: it counts with its whole area.
+    areas: Vec<Vec<Vec<f64>>>,
 }
 
-/// The objects with all their placements, and what is seen of each triangle of each placement.
-fn looked_at(objects: &[&Simplified], scene: &Arrangement) -> (Vec<Shown>, Vec<Vec<Vec<f64>>>) {
-    let of_placement = |p: &Placement| objects[p.object].mesh().triangles().len();
-    let triangles = scene.placements().iter().map(of_placement).fold(0, usize::saturating_add);
-    let visible = triangles <= MAX_TRIANGLES;
-    let shown: Vec<Shown> =
-        objects.par_iter().enumerate().map(|(o, s)| shown(o, s, scene, visible)).collect();
-    let parts: Vec<Part> = shown.iter().flat_map(|s| s.parts.iter().cloned()).collect();
-    let mut seen = seen_areas(&parts).into_iter();
-    let seen: Vec<Vec<Vec<f64>>> =
-        shown.iter().map(|s| seen.by_ref().take(s.parts.len()).collect()).collect();
-    (shown, seen)
+impl Visibility {
+    pub(crate) fn new(objects: &[&Simplified], scene: &Arrangement) -> Self {
+        let of_placement = |p: &Placement| objects[p.object].mesh().triangles().len();
+        let triangles = scene.placements().iter().map(of_placement).fold(0, usize::saturating_add);
+        let visible = triangles <= MAX_TRIANGLES;
+        let shown: Vec<Shown> =
+            objects.par_iter().enumerate().map(|(o, s)| shown(o, s, scene, visible)).collect();
+        let mut parts = Vec::new();
+        for (simplified, shown) in objects.iter().zip(&shown) {
+            let triangles = simplified.mesh().triangles();
+            parts.extend(shown.visible().iter().map(|positions| Part { positions, triangles }));
+        }
+        let mut areas = seen_areas(&parts).into_iter();
+        let areas =
+            shown.iter().map(|s| areas.by_ref().take(s.visible().len()).collect()).collect();
+        Self { shown, areas }
+    }
+
+    /// The loss of each object after each of its steps, never falling: [`losses`].
+    pub(crate) fn losses(&self, objects: &[&Simplified]) -> Vec<Vec<f64>> {
+        let loss = |((simplified, shown), areas): ((&&Simplified, &Shown), &Vec<Vec<f64>>)| {
+            shown.loss(simplified, areas)
+        };
+        objects.par_iter().zip(&self.shown).zip(&self.areas).map(loss).collect()
+    }
+
+    /// For each object the area of each triangle that is seen, in world units, instances together.
+    pub(crate) fn areas(&self, objects: &[&Simplified]) -> Vec<Vec<f64>> {
+        let of_object = |((simplified, shown), seen): ((&&Simplified, &Shown), &Vec<_>)| {
+            let squares = shown.squares();
+            let area = |(t, tri)| squares * shown.area(t, tri, seen, 0.0);
+            simplified.mesh().triangles().iter().enumerate().map(area).collect()
+        };
+        objects.par_iter().zip(&self.shown).zip(&self.areas).map(of_object).collect()
+    }
 }
 
 /// An object with all its placements.
+#[derive(Debug)]
 struct Shown {
-    parts: Vec<Part>,
+    /// The vertices of each placement; only of that of largest scale if nothing is looked at.
+    placed: Vec<Vec<DVec3>>,
+    is_visible: bool,
     /// World units per mesh unit of each placement.
     scales: Vec<f64>,
-    /// The part of largest scale.
+    /// The placement of largest scale.
     largest: usize,
-    positions: Vec<glam::DVec3>,
 }
 
 fn shown(object: usize, simplified: &Simplified, scene: &Arrangement, visible: bool) -> Shown {
@@ -81,18 +99,27 @@ fn shown(object: usize, simplified: &Simplified, scene: &Arrangement, visible: b
             largest = i;
         }
     }
-    let positions = posed(mesh, placed[largest].0).positions;
-    let part = |(placement, _): &(&Placement, f64)| {
-        let positions = posed(mesh, placement).positions;
-        let corners = |t: &[u32; 3]| t.map(|v| positions[v as usize]);
-        Part { triangles: mesh.triangles().iter().map(corners).collect() }
-    };
+    let scales = placed.iter().map(|p| p.1).collect();
     // An object that nothing shows hides nothing.
-    let parts = if hidden || !visible { Vec::new() } else { placed.iter().map(part).collect() };
-    Shown { parts, scales: placed.iter().map(|p| p.1).collect(), largest, positions }
+    let is_visible = visible && !hidden;
+    if !is_visible {
+        placed = vec![placed[largest]];
+    }
+    let placed = placed.iter().map(|(placement, _)| posed_positions(mesh, placement)).collect();
+    Shown { placed, is_visible, scales, largest }
 }
 
 impl Shown {
+    /// The placements that are looked at.
+    fn visible(&self) -> &[Vec<DVec3>] {
+        if self.is_visible { &self.placed } else { &[] }
+    }
+
+    /// Vertices of the placement of largest scale.
+    fn positions(&self) -> &[DVec3] {
+        &self.placed[if self.is_visible { self.largest } else { 0 }]
+    }
+
     /// Scales of the placements, of the largest.
     fn ratios(&self) -> impl Iterator<Item = f64> {
         self.scales.iter().map(|s| s / self.scales[self.largest])
@@ -106,7 +133,7 @@ impl Shown {
     /// What is seen of a triangle of the largest placement, on the mean of all, and a share
     /// `hidden` of the rest of its area; all of it where nothing was looked at.
     fn area(&self, t: usize, triangle: &[u32; 3], seen: &[Vec<f64>], hidden: f64) -> f64 {
-        let [a, b, c] = triangle.map(|v| self.positions[v as usize]);
+        let [a, b, c] = triangle.map(|v| self.positions()[v as usize]);
         let area = 0.5 * (b - a).cross(c - a).length();
         if seen.is_empty() {
             return area;
@@ -123,7 +150,7 @@ impl Shown {
         let ids = PositionIds::new(mesh.positions());
         let error = accumulated_error(
             mesh.triangles(),
-            &self.positions,
+            self.positions(),
             &ids,
             &weights,
             simplified.collapses(),

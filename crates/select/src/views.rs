@@ -6,7 +6,7 @@ use lodc_lod::interactive::view::{
     Family, LodRange, Selector, State, finest_within, kept, live_triangles, morphed_mesh,
 };
 use lodc_mesh::{Lod, Mesh, OrientedTriangle, PositionIds};
-use lodc_scene::{Arrangement, Placement, placement_scales, posed};
+use lodc_scene::{Arrangement, Placement, placement_scales, posed_positions};
 use rayon::prelude::*;
 
 /// More vertices than this, instances counted, are not looked at.
@@ -277,7 +277,7 @@ fn shapes(
     places: &[Vec<(&Placement, f64)>],
 ) -> Vec<Vec<Vec<[f32; 3]>>> {
     let shape = |o: usize, placement: &Placement| {
-        let posed = posed(objects[o].simplified.mesh(), placement).positions;
+        let posed = posed_positions(objects[o].simplified.mesh(), placement);
         posed.iter().map(|p| p.as_vec3().to_array()).collect()
     };
     let of = |(o, places): (usize, &Vec<(&Placement, f64)>)| {

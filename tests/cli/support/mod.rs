@@ -51,6 +51,12 @@ impl Folder {
         fs::write(&path, bytes).expect("a file can be written");
         path
     }
+    /// What a GLB file has after its JSON: what it states of its level does not count.
+    pub(crate) fn read_binary(&self, glb: &str) -> Vec<u8> {
+        let bytes = self.read(glb);
+        let json = bytes[12..16].try_into().map(u32::from_le_bytes).expect("four bytes");
+        bytes[20 + json as usize..].to_vec()
+    }
     pub(crate) fn read(&self, name: &str) -> Vec<u8> {
         fs::read(self.join(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
     }

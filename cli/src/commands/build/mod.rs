@@ -14,16 +14,14 @@ use crate::batch::{self, BatchArgs, MESHES, Sources};
 use crate::commands::each;
 use crate::config::ConfigArgs;
 use crate::exit::{Outcome, Status};
-use crate::help::{LIMITS, MORE, OUTPUT, SIMPLIFIED};
+use crate::help::{MORE, OUTPUT, SIMPLIFIED};
 use crate::importance::ImportanceArgs;
 use crate::kinds::{MetricArgs, ModelArgs, PosesArgs, StripArgs};
 use crate::limits::ImportArgs;
 use crate::parts::PartArgs;
 use crate::program::Program;
-use crate::threads;
 use clap::{Args, ValueEnum};
 use lodc_simplify::Options;
-use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 /// Options of `build`.
@@ -82,9 +80,6 @@ pub(crate) struct BuildArgs {
     configuration: ConfigArgs,
     #[command(flatten)]
     import: ImportArgs,
-    /// Threads; the result does not depend on it [default: all cores]
-    #[arg(long, value_name = "N", help_heading = LIMITS)]
-    jobs: Option<NonZeroUsize>,
     /// Every option that can change the result, as text.
     #[arg(skip)]
     resolved: String,
@@ -133,6 +128,5 @@ pub(crate) fn run(args: &BuildArgs, program: &Program) -> Outcome<Status> {
     let mut assets = batch::assets(sources, &args.batch)?;
     args.configuration.apply(program, "build", &mut assets)?;
     batch::check_streams(&assets, args.report.is_some(), args.depfile.as_deref())?;
-    let pool = threads::pool(args.jobs)?;
-    work::all(args, program, &assets, &pool)
+    work::all(args, program, &assets)
 }

@@ -12,7 +12,6 @@ use crate::stages::Stages;
 use lodc_formats::lodc;
 use lodc_report::SCHEMA_VERSION;
 use lodc_report::documents::{BuildReport, InputReport, Summary, SummaryReport};
-use rayon::ThreadPool;
 use std::path::Path;
 use std::time::Instant;
 
@@ -27,18 +26,13 @@ struct Done {
 ///
 /// # Errors
 /// If a report or the dependency file cannot be written.
-pub(super) fn all(
-    args: &BuildArgs,
-    program: &Program,
-    assets: &[Asset],
-    pool: &ThreadPool,
-) -> Outcome<Status> {
+pub(super) fn all(args: &BuildArgs, program: &Program, assets: &[Asset]) -> Outcome<Status> {
     let resolving = |args, resolved| BuildArgs { resolved, ..args };
     let options = AssetOptions::new(program, "build", assets, resolving);
     let bytes = args.import.limits().memory().unwrap_or(u64::MAX);
-    let budget = Budget { workers: pool.current_num_threads(), bytes };
+    let budget = Budget { workers: rayon::current_num_threads(), bytes };
     let done = each::all(assets, budget, |asset, bar| {
-        let done = one(asset, &options, pool, bar);
+        let done = one(asset, &options, bar);
         if args.report == Some(ReportFormat::Jsonl) {
             console::json_line(&done.report)?;
         }
@@ -83,12 +77,7 @@ fn report(args: &BuildArgs, done: Vec<Done>) -> Outcome<Status> {
 }
 
 /// One asset from bytes to bytes.
-fn one(
-    asset: &Asset,
-    options: &AssetOptions<BuildArgs>,
-    pool: &ThreadPool,
-    bar: &BatchProgress,
-) -> Done {
+fn one(asset: &Asset, options: &AssetOptions<BuildArgs>, bar: &BatchProgress) -> Done {
     let start = Instant::now();
     let input = asset.input.as_path();
     let mut report = InputReport { input: input.display().to_string(), ..InputReport::default() };
@@ -101,7 +90,7 @@ fn one(
             return Ok(Some(rule));
         }
         let progress = bar.of_asset(&report.input);
-        pool.install(|| build(args, input, target, asset.is_listed(), &progress, &mut report))
+        build(args, input, target, asset.is_listed(), &progress, &mut report)
     });
     report.seconds = start.elapsed().as_secs_f64();
     let (status, rule) = match result {

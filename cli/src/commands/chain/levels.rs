@@ -4,7 +4,8 @@ use crate::exit::{Failure, Outcome};
 use crate::help::LEVEL;
 use crate::selector::{ScreenArgs, bound, positive, size};
 use clap::Args;
-use lodc::{LodObject, SceneLevels};
+use lodc::build::LevelDistance;
+use lodc::{LodObject, SceneLevels, level_mesh};
 use lodc_assets::Parts;
 use lodc_mesh::Lod;
 use lodc_report::documents::ChainLevel;
@@ -48,8 +49,11 @@ pub(super) struct Level {
     pub(super) triangles: u64,
     /// Vertices that the level needs, once its files are made.
     pub(super) vertices: u64,
+    /// The largest of all objects, as `rms`.
     pub(super) error: f64,
     pub(super) rms: Option<f64>,
+    /// The distances of each object by itself.
+    pub(super) distances: Vec<LevelDistance>,
     /// Distance that the level was chosen for.
     pub(super) distance: Option<f64>,
     pub(super) gone: Vec<Gone>,
@@ -79,8 +83,8 @@ impl Level {
 }
 
 impl LevelArgs {
-    /// Chooses the levels, finest first, none beyond `cap`, and says where a wish was not met.
-    /// Objects with levels of their own in `parts` have these.
+    /// Chooses the levels, finest first, none beyond `cap`. Objects with
+    /// levels of their own in `parts` have these.
     ///
     /// # Errors
     /// If the levels do not get coarser.
@@ -88,17 +92,16 @@ impl LevelArgs {
         &self,
         objects: &[LodObject],
         scene: &SceneLevels<'_>,
-        roll: &Roll<'_>,
         parts: Parts<'_>,
         cap: Option<Target>,
-    ) -> Outcome<(Vec<Level>, Vec<String>)> {
-        let (mut levels, mut warnings): (Vec<Level>, Vec<String>) = Default::default();
+    ) -> Outcome<Vec<Chosen>> {
+        let mut levels: Vec<Chosen> = Vec::new();
         for (place, (target, distance)) in self.targets().into_iter().enumerate() {
             let own = |object: &str| parts.level(object, place);
             let chosen = scene.select_capped(target, own, cap, false)?;
-            let gone = roll.gone(&chosen.lods);
-            let place = levels.len();
-            let level = level(objects, &chosen, distance, gone);
+            let Selection { lods, warnings, .. } = chosen;
+            let triangles = triangles(objects, &lods);
+            let level = Chosen { lods, triangles, distance, warnings };
             let before = levels.last().map(|l| (l.triangles, &l.lods));
             if before.is_some_and(|(triangles, _)| triangles < level.triangles) {
                 return Err(Failure::usage(format!(
@@ -109,12 +112,9 @@ impl LevelArgs {
             if self.auto.is_some() && before.is_some_and(|(_, lods)| *lods == level.lods) {
                 break;
             }
-            warnings.extend(chosen.warnings);
-            warnings.dedup();
-            warnings.extend(level.gone.iter().map(|gone| format!("level {place}: {gone}")));
             levels.push(level);
         }
-        Ok((levels, warnings))
+        Ok(levels)
     }
 
     /// The wishes, finest first.
@@ -139,21 +139,39 @@ impl LevelArgs {
     }
 }
 
-fn level(
-    objects: &[LodObject],
-    chosen: &Selection,
+/// A level before anything is known of it but its triangles.
+pub(super) struct Chosen {
+    /// One LOD per object.
+    pub(super) lods: Vec<Lod>,
+    triangles: u64,
+    /// Distance that it was chosen for.
     distance: Option<f64>,
-    gone: Vec<Gone>,
-) -> Level {
-    let triangles =
-        |(o, &lod): (&LodObject, &Lod)| u64::from(o.simplified.collapses().triangles_at(lod));
-    Level {
-        triangles: objects.iter().zip(&chosen.lods).map(triangles).sum(),
-        vertices: 0,
-        error: chosen.error,
-        rms: chosen.rms,
-        lods: chosen.lods.clone(),
-        distance,
-        gone,
+    /// Wishes that were not met.
+    warnings: Vec<String>,
+}
+
+/// Adds to levels how far they are from the input and what they no longer show; with all warnings.
+pub(super) fn described(
+    objects: &[LodObject],
+    chosen: Vec<Chosen>,
+    distances: Vec<Vec<LevelDistance>>,
+    roll: &Roll<'_>,
+) -> (Vec<Level>, Vec<String>) {
+    let (mut levels, mut warnings): (Vec<Level>, Vec<String>) = Default::default();
+    for (number, (chosen, distances)) in chosen.into_iter().zip(distances).enumerate() {
+        let Chosen { lods, triangles, distance, warnings: unmet } = chosen;
+        let gone = roll.gone_at(&lods, distances.iter().map(|d| d.error));
+        warnings.extend(unmet);
+        warnings.dedup();
+        warnings.extend(gone.iter().map(|gone| format!("level {number}: {gone}")));
+        let (error, rms) = level_mesh::largest(objects, distances.iter().map(|d| (d.error, d.rms)));
+        levels.push(Level { lods, triangles, vertices: 0, error, rms, distances, distance, gone });
     }
+    (levels, warnings)
+}
+
+fn triangles(objects: &[LodObject], lods: &[Lod]) -> u64 {
+    let of_object =
+        |(o, &lod): (&LodObject, &Lod)| u64::from(o.simplified.collapses().triangles_at(lod));
+    objects.iter().zip(lods).map(of_object).sum()
 }

@@ -24,6 +24,7 @@ use levels::{Level, LevelArgs};
 use lodc::scene_levels;
 use lodc_formats::export::{LevelFacts, Provenance};
 use lodc_formats::{OutputFile, Sought};
+use lodc_mesh::Lod;
 use lodc_report::documents::ChainReport;
 use lodc_report::{ErrorsOver, Roll};
 use std::path::{Path, PathBuf};
@@ -68,6 +69,13 @@ pub(crate) struct ChainArgs {
     /// Format, where OUT does not tell [default: glb]
     #[arg(long, value_enum, help_heading = OUTPUT, display_order = 0)]
     format: Option<FormatName>,
+}
+
+impl ChainArgs {
+    /// Returns whether there is one input, in a small file.
+    pub(crate) fn is_small(&self) -> bool {
+        self.export.is_small(&self.inputs)
+    }
 }
 
 const EXAMPLES: &str = "\
@@ -138,13 +146,18 @@ fn chain(
 ) -> Outcome<Made<ChainReport>> {
     let mut stages = Stages::default();
     let (import, simplify) = (&args.export.import, &args.export.simplify);
-    let errors = errors(args);
+    let errors = Errors::to_choose(args.levels.wanted().into_iter().chain(args.max_error));
     let asset = asset::read_showing(progress, input, import, simplify, errors, &mut stages)?;
     let limits = import.limits().limits();
     let scene = scene_levels(&asset.objects, &asset.document, &limits)?;
     let roll = Roll::new(&asset.objects, &scene, &asset.document)?;
+    let chosen = stages.run("select", || {
+        args.levels.choose(&asset.objects, &scene, simplify.parts.all(), args.max_error)
+    })?;
+    let lods: Vec<&[Lod]> = chosen.iter().map(|level| &*level.lods).collect();
+    let distances = stages.run("errors", || asset.distances(&lods, &limits))?;
     let (mut levels, mut warnings) =
-        args.levels.choose(&asset.objects, &scene, &roll, simplify.parts.all(), args.max_error)?;
+        stages.run("gone", || levels::described(&asset.objects, chosen, distances, &roll));
     warnings.splice(0..0, asset.warnings.iter().cloned());
     let target = Target::File(out.to_owned());
     let textures = stages.run("textures", || {
@@ -167,14 +180,6 @@ fn chain(
     let rules = rules(&made, &files);
     let over = ErrorsOver::of(asset.objects.iter().map(|o| &o.info));
     Ok(Made { report: summary::report(name, &levels, &made, warnings, over), rules })
-}
-
-/// The errors that are needed: those of refitted levels are measured on the result.
-fn errors(args: &ChainArgs) -> Errors {
-    if !args.refit {
-        return Errors::Measured;
-    }
-    Errors::to_choose(args.levels.wanted().into_iter().chain(args.max_error))
 }
 
 /// The origin of a file with these levels.

@@ -30,7 +30,7 @@ pub(super) fn files(
         .map(|o| chain(&asset.objects[o], &lods(o), additions.compress))
         .collect::<Outcome<_>>()?;
     let coverages: Vec<Vec<f64>> =
-        asset.objects.iter().enumerate().map(|(o, object)| coverage(object, &lods(o))).collect();
+        asset.objects.iter().enumerate().map(|(o, object)| coverage(object, o, levels)).collect();
     let (meshes, precision) = (chains.iter().map(|c| &c.mesh), additions.precision);
     let moved = level_mesh::rounding(&asset.objects, &asset.document, meshes, precision)?.largest;
     for (k, level) in levels.iter_mut().enumerate() {
@@ -70,10 +70,10 @@ fn chain(object: &LodObject, lods: &[Lod], compress: bool) -> Outcome<Chain> {
 
 /// Share of the screen below which the next level suits: where its error falls below a pixel of
 /// 1,080. The share is that of the bounding box's diagonal, squared.
-fn coverage(object: &LodObject, lods: &[Lod]) -> Vec<f64> {
+fn coverage(object: &LodObject, number: usize, levels: &[Level]) -> Vec<f64> {
     let diagonal = object.simplified.mesh().diagonal();
-    let next = lods.iter().skip(1).map(|&lod| {
-        let error = f64::from(object.simplified.collapses().error_at(lod));
+    let next = levels.iter().skip(1).map(|level| {
+        let error = level.distances[number].error;
         if error > 0.0 { (diagonal / (1080.0 * error)).powi(2).min(1.0) } else { 1.0 }
     });
     next.chain([0.0]).collect()

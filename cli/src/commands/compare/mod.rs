@@ -12,7 +12,7 @@ use crate::batch::{self, Asset, BatchArgs, Pair};
 use crate::config::ConfigArgs;
 use crate::console::{self, Loudness, note, wants};
 use crate::exit::{Failure, Outcome, Status};
-use crate::help::{FAILS, LEVEL, LIMITS, MEASURED, MORE, OUTPUT};
+use crate::help::{FAILS, LEVEL, MEASURED, MORE, OUTPUT};
 use crate::limits::ImportArgs;
 use crate::output::{self, Target as Output};
 use crate::pose::PoseArgs;
@@ -20,14 +20,12 @@ use crate::program::Program;
 use crate::progress::BatchProgress;
 use crate::results::{self, FailureReport, ResultReport, reported};
 use crate::selector::{SelectorArgs, size};
-use crate::threads;
 use baseline::Baseline;
 use clap::Args;
 use lodc_assets::AssetError;
 use lodc_report::{Case, Length, MostAllowed, PairReport, Suite, Verdict};
 use lodc_select::Target;
 use measure::Measured;
-use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use surface::Wish;
 
@@ -133,9 +131,6 @@ pub(crate) struct CompareArgs {
     configuration: ConfigArgs,
     #[command(flatten)]
     import: ImportArgs,
-    /// Threads; the result does not depend on it [default: all cores]
-    #[arg(long, value_name = "N", help_heading = LIMITS, hide_short_help = true)]
-    jobs: Option<NonZeroUsize>,
 }
 
 const EXAMPLES: &str = "\
@@ -222,7 +217,6 @@ fn checked(args: &CompareArgs, program: &Program) -> Outcome<Status> {
         pairs.into_iter().map(|Pair { asset, other }| (asset, other)).unzip();
     args.configuration.apply(program, "compare", &mut assets)?;
     let options = AssetOptions::new(program, "compare", &assets, |args: CompareArgs, _| args);
-    let pool = threads::pool(args.jobs)?;
     let (several, bar) = (args.takes_many(), BatchProgress::new(assets.len()));
     // One after the other: each takes all threads, and much memory for its pictures.
     let one = |(asset, other): (&Asset, Result<PathBuf, AssetError>)| {
@@ -230,8 +224,7 @@ fn checked(args: &CompareArgs, program: &Program) -> Outcome<Status> {
             let (other, (args, _)) = (other?, options.ready(asset)?);
             let progress = bar.of_asset(&asset.name);
             let (paths, baseline) = ([&*other, &*asset.input], baseline.as_ref());
-            let measured =
-                pool.install(|| measure::compare(args, paths, &asset.name, baseline, &progress))?;
+            let measured = measure::compare(args, paths, &asset.name, baseline, &progress)?;
             say(args, &measured, several)?;
             Ok(measured)
         });

@@ -82,6 +82,11 @@ fn replays() -> impl TypedValueParser<Value = Choice<ModelKind>> {
 }
 
 impl ExtractArgs {
+    /// Returns whether there is one input, in a small file.
+    pub(crate) fn is_small(&self) -> bool {
+        self.export.is_small(&self.inputs)
+    }
+
     /// Returns the criterion of a view, if that is what is wanted.
     ///
     /// # Errors
@@ -112,8 +117,11 @@ pub(crate) fn run(args: &ExtractArgs, program: &Program) -> Outcome<Status> {
             let (args, target) = options.ready(asset)?;
             args.export.check(format, target)?;
             let progress = bar.of_asset(&asset.name);
-            let made = one::extract(args, &asset.input, target, format, &progress)?;
+            let (made, tip) = one::extract(args, &asset.input, target, format, &progress)?;
             say(&asset.input, &made.report);
+            if !asset.is_listed() && !args.export.json && wants(Loudness::Normal) {
+                tip.into_iter().for_each(note);
+            }
             Ok(made)
         })
     });

@@ -24,7 +24,7 @@ use lodc_report::{ErrorsOver, Gone, Roll, SCHEMA_VERSION};
 use lodc_scene::Arrangement;
 use std::path::Path;
 
-/// Extracts the level of one input.
+/// Extracts the level of one input. Returns a line for people, too, where another way is better.
 ///
 /// # Errors
 /// If the input cannot be read, has no such level or model, or the output cannot be written.
@@ -34,11 +34,11 @@ pub(super) fn extract(
     target: &Target,
     format: FormatName,
     progress: &Progress,
-) -> Outcome<Made<ExtractReport>> {
+) -> Outcome<(Made<ExtractReport>, Option<&'static str>)> {
     let mut stages = Stages::default();
     let criterion = args.criterion()?;
     let (import, simplify) = (&args.export.import, &args.export.simplify);
-    let errors = errors(args);
+    let errors = errors(args, criterion);
     let asset = asset::read_showing(progress, input, import, simplify, errors, &mut stages)?;
     let packing = args.export.compress.wanted(format, asset.compressed)?;
     let order = args.order.map_or(packing.order(), Into::into);
@@ -52,6 +52,8 @@ pub(super) fn extract(
     });
     let (textures, images) = textures?;
     let mut report = report(args, input, &asset, &level, target);
+    let looks_matter = asset.document.has_textures() && report.kept_share <= FEW;
+    let tip = (asset.is_by_quadric(simplify) && looks_matter).then_some(TIP);
     report.warnings.extend_from_slice(&textures.warnings);
     let provenance = Some(provenance(&asset, &report));
     let additions = packing.additions(textures, provenance);
@@ -67,15 +69,20 @@ pub(super) fn extract(
         Target::File(path) => vec![Rule::new(path, &files)],
         Target::Stdout => vec![],
     };
-    Ok(Made { report, rules })
+    Ok((Made { report, rules }, tip))
 }
 
-/// The errors that are needed: those of refitted levels are measured on the result.
-fn errors(args: &ExtractArgs) -> Errors {
-    if !args.refit {
-        return Errors::Measured;
+/// Share of the triangles up to which textured meshes look better by `hybrid`.
+const FEW: f64 = 0.1;
+const TIP: &str = "tip: with so few triangles textures look better by --metric hybrid, which takes \
+                   tens of times as long";
+
+/// The errors that choosing a level takes.
+fn errors(args: &ExtractArgs, criterion: Option<CriterionName>) -> Errors {
+    match criterion {
+        Some(CriterionName::Pixels) => Errors::Curve,
+        _ => Errors::to_choose(args.selector.target().into_iter().chain(args.max_error)),
     }
-    Errors::to_choose(args.selector.target().into_iter().chain(args.max_error))
 }
 
 /// A level that was taken out.
@@ -106,14 +113,20 @@ fn uniform(
     let own = |object: &str| args.export.simplify.parts.all().ratio(object);
     let chosen =
         stages.run("select", || scene.select_capped(wish, own, args.max_error, per_object))?;
-    let gone = Roll::new(&asset.objects, &scene, &asset.document)?.gone(&chosen.lods);
-    let meshes = if args.refit {
-        let (objects, document) = (&asset.objects, &asset.document);
-        stages
-            .run("extract", || refitted_meshes(objects, document, &chosen.lods, order, &limits))?
-    } else {
-        stages.run("extract", || level_mesh::meshes(&asset.objects, &chosen.lods, shape))?
-    };
+    let lods = &chosen.lods;
+    let distances = stages.run("errors", || asset.distances(&[lods], &limits))?.swap_remove(0);
+    let roll = Roll::new(&asset.objects, &scene, &asset.document)?;
+    let gone = stages.run("gone", || roll.gone_at(lods, distances.iter().map(|d| d.error)));
+    let meshes = stages.run("extract", || {
+        if args.refit {
+            return refitted_meshes(&asset.objects, &asset.document, lods, order, &limits);
+        }
+        let mut meshes = level_mesh::meshes(&asset.objects, lods, shape)?;
+        for (mesh, distance) in meshes.iter_mut().zip(distances) {
+            (mesh.error, mesh.rms) = (distance.error, distance.rms);
+        }
+        Ok(meshes)
+    })?;
     Ok(Level {
         meshes,
         lods: chosen.lods.into_iter().map(Some).collect(),

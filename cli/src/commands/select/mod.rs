@@ -10,8 +10,8 @@ use crate::limits::LimitArgs;
 use crate::selector::ScreenArgs;
 use crate::views::point;
 use clap::Args;
-use lodc_report::SCHEMA_VERSION;
 use lodc_report::text::{distance, grouped};
+use lodc_report::{ErrorsOver, SCHEMA_VERSION};
 use lodc_select::{Goal, Instance, SceneManager, decimal};
 use model::Model;
 use serde::Serialize;
@@ -94,6 +94,7 @@ struct LevelReport {
     triangles: u32,
     /// In the file's world units.
     error: f64,
+    errors_over: ErrorsOver,
 }
 
 pub(crate) fn run(args: &SelectArgs) -> Outcome<()> {
@@ -157,7 +158,8 @@ fn many(args: &SelectArgs, list: &std::path::Path) -> Outcome<()> {
 fn level(model: &Model, manager: &SceneManager, instance: usize) -> LevelReport {
     let level = manager.level(instance);
     let lod = model.lod(level.index);
-    LevelReport { lod, triangles: level.triangles, error: decimal(level.error) }
+    let (triangles, error) = (level.triangles, decimal(level.error));
+    LevelReport { lod, triangles, error, errors_over: model.errors_over }
 }
 
 fn text(level: &LevelReport) -> String {

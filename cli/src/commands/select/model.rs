@@ -4,7 +4,8 @@ use crate::commands::read::read_lodc;
 use crate::exit::{Failure, Outcome, Status};
 use lodc::{LodFile, scene_levels};
 use lodc_formats::{Limits, ObjectInfo, scene_graph};
-use lodc_scene::{Arrangement, posed};
+use lodc_report::ErrorsOver;
+use lodc_scene::{Arrangement, posed_positions};
 use lodc_select::LevelCurve;
 use std::path::Path;
 
@@ -15,6 +16,8 @@ pub(super) struct Model {
     levels: Vec<(f64, u32)>,
     /// The LOD of each level, if there is a single object.
     lods: Option<Vec<u32>>,
+    /// What its errors are the largest over.
+    pub(super) errors_over: ErrorsOver,
     /// Radius of a sphere around the origin that holds everything that the scene shows.
     pub(super) radius: f32,
 }
@@ -37,7 +40,8 @@ impl Model {
             }
             _ => None,
         };
-        Ok(Self { levels, lods, radius: radius(&file, limits)? })
+        let errors_over = ErrorsOver::of(file.objects.iter().map(|o| &o.info));
+        Ok(Self { levels, lods, errors_over, radius: radius(&file, limits)? })
     }
 
     pub(super) fn curve(&self, radius: f32) -> LevelCurve {
@@ -55,7 +59,7 @@ fn radius(file: &LodFile, limits: Limits) -> Outcome<f32> {
     let scene = Arrangement::new(&graph, &graph.rest_pose(), infos.len());
     let farthest = scene.placements().iter().flat_map(|placement| {
         let mesh = file.objects[placement.object].simplified.mesh();
-        posed(mesh, placement).positions.into_iter().map(|p| p.length())
+        posed_positions(mesh, placement).into_iter().map(|p| p.length())
     });
     Ok(farthest.fold(0.0, f64::max) as f32)
 }

@@ -6,7 +6,7 @@ mod summary;
 
 use crate::exit::{Failure, Outcome, Status};
 use crate::help::{MORE, OUTPUT, READ};
-use crate::kinds::ModelArgs;
+use crate::kinds::{ModelArgs, PosesArgs};
 use crate::limits::LimitArgs;
 use crate::mesh_output::FormatName;
 use crate::stages::Stages;
@@ -24,6 +24,8 @@ pub(crate) struct UnpackArgs {
     input: PathBuf,
     #[command(flatten)]
     models: ModelArgs,
+    #[command(flatten)]
+    poses: PosesArgs,
     /// File (.glb, .gltf, .obj, .ply or .lodc), or folder; - for standard output
     ///
     /// A .lodc file needs the whole stream.

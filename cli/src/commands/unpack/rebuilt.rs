@@ -8,7 +8,7 @@ use crate::progress::Progress;
 use crate::stages::Stages;
 use lodc::{
     LodFile,
-    build::{POSES, SimplifiedObjects, Size, build_models, check_models, measure_all},
+    build::{SimplifiedObjects, Size, build_models, check_models, measure_all},
 };
 use lodc_formats::lods::Unpacker;
 use lodc_strip::StripOptions;
@@ -82,7 +82,7 @@ fn file(
     let document = unpacker.document().expect("a complete stream has a document").clone();
     let limits = args.limits.limits();
     let watch = stages.watched(&progress);
-    let measured = measure_all(simplified, &document, &limits, POSES, &watch)?;
+    let measured = measure_all(simplified, &document, &limits, args.poses.most(), &watch)?;
     let bug = |error: lodc::Error| {
         Failure::new(Status::Bug, format!("{name}: {error}; nothing was written"))
     };

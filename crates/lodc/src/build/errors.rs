@@ -2,8 +2,12 @@
 
 use super::watch::staged;
 use super::{SimplifiedObjects, Watch};
+use crate::{LodObject, stated_shapes};
+use lodc_errors::{LevelError, at_levels};
 use lodc_formats::{Document, FormatError, Limits, ObjectInfo, scene_motion};
-use lodc_mesh::{Mesh, Simplified};
+use lodc_mesh::{Lod, Mesh, Simplified};
+use lodc_scene::Motion;
+use lodc_select::decimal;
 use rayon::prelude::*;
 use std::mem::take;
 use std::sync::Arc;
@@ -19,49 +23,17 @@ pub const POSES: usize = 8;
 /// # Errors
 /// If the stored document is damaged.
 pub fn measure_all(
-    objects: SimplifiedObjects,
-    document: &Document,
-    limits: &Limits,
-    poses: usize,
-    watch: &dyn Watch,
-) -> Result<SimplifiedObjects, FormatError> {
-    measure_some(objects, document, limits, (poses, false), watch)
-}
-
-/// Measures those objects alone that have other shapes than at rest: for levels that are measured
-/// when they are made, over the same poses.
-///
-/// # Errors
-/// As [`measure_all`].
-pub fn measure_bending(
-    objects: SimplifiedObjects,
-    document: &Document,
-    limits: &Limits,
-    poses: usize,
-    watch: &dyn Watch,
-) -> Result<SimplifiedObjects, FormatError> {
-    measure_some(objects, document, limits, (poses, true), watch)
-}
-
-fn measure_some(
     mut objects: SimplifiedObjects,
     document: &Document,
     limits: &Limits,
-    (poses, only_bending): (usize, bool),
+    poses: usize,
     watch: &dyn Watch,
 ) -> Result<SimplifiedObjects, FormatError> {
     let triangles = |s: &Simplified| s.mesh().triangles().len() as u64;
     let counted = objects.len() > 1;
     let units = counted.then(|| objects.iter().map(|(_, s)| triangles(s)).sum());
-    let infos: Vec<&ObjectInfo> = objects.iter().map(|(info, _)| info).collect();
-    let motion = scene_motion(document, &infos, limits)?;
-    let meshes: Vec<&Mesh> = objects.iter().map(|(_, simplified)| simplified.mesh()).collect();
-    let mut chosen = motion.choose(&meshes, poses);
-    objects.iter_mut().zip(&mut chosen).for_each(|((info, _), poses)| info.poses = take(poses));
+    let motion = choose_poses(&mut objects, document, limits, poses)?;
     let one = |(number, (mut info, simplified)): (usize, (ObjectInfo, Arc<Simplified>))| {
-        if only_bending && info.poses.is_empty() {
-            return (info, simplified);
-        }
         let mesh = simplified.mesh();
         let shapes = motion.shapes(mesh, number, &info.poses);
         let shapes = shapes.iter().map(|shape| shape.of(mesh));
@@ -73,8 +45,74 @@ fn measure_some(
         watch.add(triangles(&measured));
         (info, Arc::new(measured))
     };
-    if only_bending && objects.iter().all(|(info, _)| info.poses.is_empty()) {
-        return Ok(objects);
-    }
     Ok(staged(watch, "errors", units, || objects.into_par_iter().enumerate().map(one).collect()))
+}
+
+/// Puts into the descriptions of objects the poses that their levels are to be measured over, of
+/// those that have other shapes than at rest: up to `poses`.
+///
+/// # Errors
+/// If the stored document is damaged.
+pub fn choose_poses(
+    objects: &mut SimplifiedObjects,
+    document: &Document,
+    limits: &Limits,
+    poses: usize,
+) -> Result<Motion, FormatError> {
+    let infos: Vec<&ObjectInfo> = objects.iter().map(|(info, _)| info).collect();
+    let motion = scene_motion(document, &infos, limits)?;
+    let meshes: Vec<&Mesh> = objects.iter().map(|(_, simplified)| simplified.mesh()).collect();
+    let mut chosen = motion.choose(&meshes, poses);
+    objects.iter_mut().zip(&mut chosen).for_each(|((info, _), poses)| info.poses = take(poses));
+    Ok(motion)
+}
+
+/// Distances of one level of one object from the input, in mesh units.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LevelDistance {
+    /// Upper bound of the Hausdorff distance.
+    pub error: f64,
+    /// Root mean square distance; none if it was not measured.
+    pub rms: Option<f64>,
+}
+
+impl LevelDistance {
+    /// What an object's sequence states of a level.
+    #[must_use]
+    pub fn stated(object: &LodObject, lod: Lod) -> Self {
+        let collapses = object.simplified.collapses();
+        Self { error: decimal(collapses.error_at(lod)), rms: collapses.rms_at(lod).map(decimal) }
+    }
+}
+
+/// Measures a few levels by themselves, where the whole sequence would take too long. `levels` are
+/// fine to coarse, each with a LOD for every object. Returns the distances of every level and
+/// object, the largest over the shape at rest and the poses of the object's description, none below
+/// that of a finer level.
+///
+/// # Errors
+/// If the stored document is damaged.
+pub fn measure_levels(
+    objects: &[LodObject],
+    levels: &[&[Lod]],
+    document: &Document,
+    limits: &Limits,
+) -> Result<Vec<Vec<LevelDistance>>, FormatError> {
+    let shapes = stated_shapes(objects, document, limits)?;
+    let of_object = |(number, object): (usize, &LodObject)| {
+        let lods: Vec<Lod> = levels.iter().map(|lods| lods[number]).collect();
+        let mesh = object.simplified.mesh();
+        let shapes = shapes[number].iter().map(|shape| shape.of(mesh));
+        let coarser = |before: &mut LevelError, level: LevelError| {
+            before.error = before.error.max(level.error);
+            before.rms = before.rms.max(level.rms);
+            Some(LevelDistance { error: decimal(before.error), rms: Some(decimal(before.rms)) })
+        };
+        let measured = at_levels(&object.simplified, shapes, &lods);
+        let none = LevelError { error: 0.0, rms: 0.0 };
+        measured.into_iter().scan(none, coarser).collect()
+    };
+    let columns: Vec<Vec<LevelDistance>> = objects.par_iter().enumerate().map(of_object).collect();
+    let row = |level: usize| columns.iter().map(|column| column[level]).collect();
+    Ok((0..levels.len()).map(row).collect())
 }

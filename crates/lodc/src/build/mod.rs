@@ -16,7 +16,7 @@ mod simplify;
 mod watch;
 
 pub use builder::Builder;
-pub use errors::{POSES, measure_all, measure_bending};
+pub use errors::{LevelDistance, POSES, choose_poses, measure_all, measure_levels};
 pub use estimate::{Need, Size};
 pub use known::{Importance, Known};
 pub use models::{build_models, check_models, models};
