@@ -10,11 +10,13 @@ use lodc_mesh::{NONE, is_degenerate};
 pub(crate) type Neighbours = Vec<[u32; 3]>;
 
 /// A slot of a triangle in one word. Meshes have less than 2³⁰ triangles.
+#[inline]
 pub(crate) fn code(triangle: u32, slot: u32) -> u32 {
     triangle << 2 | slot
 }
 
 /// The triangle and the slot of a code.
+#[inline]
 pub(crate) fn decode(code: u32) -> (u32, u32) {
     (code >> 2, code & 3)
 }

@@ -4,7 +4,7 @@
 //! turn the same way need a *swap*: one repeated index. A path of n triangles becomes n + 2 indices
 //! and one more per swap.
 
-use crate::adjacency::{Neighbours, code, decode};
+use crate::adjacency::{code, decode};
 use lodc_mesh::{Mesh, NONE};
 
 /// A triangle with its three neighbours (as codes) and, as bits, which of them follow or precede it
@@ -19,6 +19,12 @@ pub(crate) const LINKS: usize = 3;
 const WAY: [[u32; 4]; 8] =
     [[0; 4], [0; 4], [0; 4], [1, 2, 0, 0], [0; 4], [2, 0, 1, 0], [0, 1, 2, 0], [0; 4]];
 
+/// Returns whether the link between two triangles needs a swap, by the links of each and its slot.
+#[inline]
+pub(crate) fn needs_swap(links: u32, slot: u32, others: u32, entered: u32) -> bool {
+    WAY[links as usize][slot as usize] + WAY[others as usize][entered as usize] == 3
+}
+
 /// Paths that cover all triangles, each once.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Cover {
@@ -27,33 +33,33 @@ pub(crate) struct Cover {
 
 impl Cover {
     /// Every triangle by itself.
-    pub(crate) fn new(neighbours: &Neighbours) -> Self {
-        Self { nodes: neighbours.iter().map(|n| [n[0], n[1], n[2], 0]).collect() }
+    pub(crate) fn new(neighbours: impl Iterator<Item = [u32; 3]>) -> Self {
+        Self { nodes: neighbours.map(|n| [n[0], n[1], n[2], 0]).collect() }
     }
+    #[inline]
     pub(crate) fn links(&self, t: u32) -> u32 {
         self.nodes[t as usize][LINKS]
     }
+    #[inline]
     pub(crate) fn is_end(&self, t: u32) -> bool {
         self.links(t).count_ones() < 2
     }
+    #[inline]
     pub(crate) fn neighbour(&self, t: u32, slot: u32) -> u32 {
         self.nodes[t as usize][slot as usize]
     }
     /// Links or unlinks a triangle and the neighbour at one of its slots.
+    #[inline]
     pub(crate) fn toggle(&mut self, t: u32, slot: u32) {
         let (u, f) = decode(self.neighbour(t, slot));
         self.nodes[t as usize][LINKS] ^= 1 << slot;
         self.nodes[u as usize][LINKS] ^= 1 << f;
     }
     /// The linked slot of a triangle that is not the given one.
+    #[inline]
     pub(crate) fn other(&self, t: u32, slot: u32) -> Option<u32> {
         let rest = self.links(t) & !(1 << slot);
         (rest != 0).then(|| rest.trailing_zeros())
-    }
-    /// Returns whether the link at a slot needs a swap.
-    pub(crate) fn swaps(&self, t: u32, slot: u32) -> bool {
-        let (u, f) = decode(self.neighbour(t, slot));
-        WAY[self.links(t) as usize][slot as usize] + WAY[self.links(u) as usize][f as usize] == 3
     }
     /// Returns whether a link at slot `f` of `u` needs a swap, if the way on from it is `way`.
     pub(crate) fn would_swap(&self, way: u32, u: u32, f: u32) -> bool {

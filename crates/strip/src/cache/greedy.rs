@@ -6,7 +6,8 @@
 //! although they will be needed again. All bookkeeping is by counters, so a step of a candidate
 //! costs a few nanoseconds whatever the size of the mesh.
 
-use crate::adjacency::decode;
+use super::parts::Part;
+use crate::adjacency::{code, decode};
 use crate::cover::{Cover, is_none};
 use crate::front::{Front, Touch};
 
@@ -25,6 +26,9 @@ pub(crate) struct Weights {
     pub(crate) longest: usize,
     /// Number of corners of the first triangle that must be in the cache.
     pub(crate) cached: usize,
+    /// Number of first triangles that are tried, those at the vertices that leave the cache next
+    /// first: more gain nothing that can be measured.
+    pub(crate) tried: usize,
 }
 
 struct Candidate {
@@ -36,23 +40,18 @@ struct Candidate {
 
 struct Greedy<'a> {
     front: Front<'a>,
-    cover: &'a mut Cover,
+    cover: &'a Cover,
     weights: Weights,
     /// For each triangle, the number of the search that has tried it.
     tried: Vec<u32>,
 }
 
-/// Links triangles to strips; returns the first triangles of the strips in drawing order.
-pub(crate) fn strips(
-    triangles: &[[u32; 3]],
-    vertex_count: usize,
-    cover: &mut Cover,
-    size: u32,
-    weights: Weights,
-) -> Vec<u32> {
-    let front = Front::new(triangles, vertex_count, size);
-    let mut greedy = Greedy { front, cover, weights, tried: vec![0; triangles.len()] };
-    let mut strips = Vec::new();
+/// Makes strips of a part; returns their paths in drawing order, as codes of the mesh.
+pub(super) fn paths(part: &Part, size: u32, weights: Weights) -> Vec<Vec<u32>> {
+    let front = Front::new(&part.triangles, part.vertices, size);
+    let tried = vec![0; part.triangles.len()];
+    let mut greedy = Greedy { front, cover: &part.cover, weights, tried };
+    let mut paths = Vec::new();
     let mut cursor = 0;
     for search in 1.. {
         let mut best = greedy.near_the_cache(search);
@@ -61,24 +60,29 @@ pub(crate) fn strips(
         {
             best = greedy.near_vertex(v);
         }
-        while best.is_none() && cursor < triangles.len() {
+        while best.is_none() && cursor < part.triangles.len() {
             if !greedy.front.done[cursor] {
                 best = greedy.try_from(cursor as u32, None);
             }
             cursor += 1;
         }
         let Some(best) = best else { break };
-        greedy.take(&best);
-        strips.push(best.start);
+        let mut path = Vec::with_capacity(best.length);
+        greedy.take(&best, |t, slot| path.push(code(part.of[t as usize], slot)));
+        paths.push(path);
     }
-    strips
+    paths
 }
 
 impl Greedy<'_> {
     fn near_the_cache(&mut self, search: u32) -> Option<Candidate> {
         let mut best = None;
+        let mut count = 0;
         for miss in self.front.recent() {
             let Some(v) = self.front.live(miss) else { continue };
+            if count >= self.weights.tried {
+                break;
+            }
             for i in self.front.left(v) {
                 let t = self.front.incident(i);
                 if self.front.done[t as usize] || self.tried[t as usize] == search {
@@ -89,6 +93,7 @@ impl Greedy<'_> {
                 let cached = corners.iter().filter(|&&v| self.front.is_cached(v)).count();
                 if cached >= self.weights.cached {
                     best = self.try_from(t, best);
+                    count += 1;
                 }
             }
         }
@@ -148,8 +153,9 @@ impl Greedy<'_> {
             Touch::MissAndLoss => 1.0 + self.weights.evicted,
         }
     }
-    /// Makes a candidate a strip.
-    fn take(&mut self, best: &Candidate) {
+    /// Draws a candidate: `visit` gets its triangles and the slot through which each is left, 3 for
+    /// the last.
+    fn take(&mut self, best: &Candidate, mut visit: impl FnMut(u32, u32)) {
         let t = self.front.triangles[best.start as usize];
         let corner = |slot: u32| t[slot as usize % 3];
         self.touch(corner(best.leave + 2));
@@ -159,10 +165,9 @@ impl Greedy<'_> {
         for n in 1..=best.length {
             self.touch(new);
             self.front.draw(at);
+            visit(at, if n < best.length { slot } else { 3 });
             if n < best.length {
-                let next = self.cover.neighbour(at, slot);
-                self.cover.toggle(at, slot);
-                (at, slot, new) = self.step(next, n);
+                (at, slot, new) = self.step(self.cover.neighbour(at, slot), n);
             }
         }
         self.front.keep();

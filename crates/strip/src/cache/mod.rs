@@ -2,16 +2,18 @@
 //! stretches of the drawing order.
 
 mod greedy;
+mod parts;
 mod paths;
 mod refine;
 mod window;
 
 use crate::adjacency::neighbours;
-use crate::cover::{Cover, submesh_of};
+use crate::cover::submesh_of;
 use crate::meter::{Meter, Report};
 use crate::{Effort, StripSet};
 use greedy::Weights;
 use lodc_mesh::Mesh;
+use rayon::prelude::*;
 use refine::{Drawing, Goal, refine};
 use window::Search;
 
@@ -45,26 +47,21 @@ pub fn cache(mesh: &Mesh, options: &CacheOptions) -> StripSet {
 pub(crate) fn cache_reporting(mesh: &Mesh, options: &CacheOptions, report: Report<'_>) -> StripSet {
     let triangles = mesh.triangles();
     let size = options.cache_size.clamp(4, 64);
-    let mut cover = Cover::new(&neighbours(triangles, mesh.vertex_count()));
+    let neighbours = neighbours(triangles, mesh.vertex_count());
     let weights = weights(options.effort);
-    let order = greedy::strips(triangles, mesh.vertex_count(), &mut cover, size, weights);
-    let paths: Vec<Vec<u32>> = order
-        .iter()
-        .map(|&first| {
-            let mut path = Vec::new();
-            cover.path(first, &mut path);
-            path
-        })
-        .collect();
+    let parts = parts::divide(triangles, &neighbours, mesh.vertex_count());
+    let paths = parts.par_iter().map(|part| greedy::paths(part, size, weights));
+    let paths: Vec<Vec<Vec<u32>>> = paths.collect();
+    let paths: Vec<Vec<u32>> = paths.into_iter().flatten().collect();
     // Anything that is not a sensible price would only spoil comparisons.
     let price = if options.index_price >= 0.0 { options.index_price.min(100.0) } else { 0.0 };
-    let drawing = Drawing { paths: &paths, triangles, cover: &cover };
+    let drawing = Drawing { paths: &paths, triangles, neighbours: &neighbours };
     let searches = searches(options.effort);
     let goal = Goal { cache_size: size, index_price: price, searches };
     let refined = refine(&drawing, &goal, &Meter::new(report, 1));
     let submesh = submesh_of(mesh);
     let mut indices = Vec::with_capacity(triangles.len() * 3 / 2);
-    let mut strips = Vec::with_capacity(order.len());
+    let mut strips = Vec::with_capacity(refined.len());
     for (first, strip) in &refined {
         let start = indices.len();
         indices.extend(strip);
@@ -76,7 +73,7 @@ pub(crate) fn cache_reporting(mesh: &Mesh, options: &CacheOptions, report: Repor
 fn searches(effort: Effort) -> &'static [Search] {
     match effort {
         Effort::Fast => &[],
-        Effort::Default => &[Search { proposals: 5.0, window: 400, warm: 0.3, cold: 0.05 }],
+        Effort::Default => &[Search { proposals: 2.5, window: 200, warm: 0.3, cold: 0.05 }],
         Effort::Thorough => &[Search { proposals: 80.0, window: 400, warm: 0.4, cold: 0.05 }],
     }
 }
@@ -87,12 +84,12 @@ fn weights(effort: Effort) -> Weights {
         evicted: 0.28,
         finished: 0.56,
         triangle: 0.87,
-        longest: 20,
+        longest: 14,
         cached: 2,
+        tried: 12,
     };
     match effort {
-        Effort::Fast => Weights { longest: 14, ..all },
-        Effort::Default => all,
-        Effort::Thorough => Weights { cached: 1, ..all },
+        Effort::Fast | Effort::Default => all,
+        Effort::Thorough => Weights { longest: 20, cached: 1, tried: usize::MAX, ..all },
     }
 }

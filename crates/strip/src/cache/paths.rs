@@ -18,29 +18,22 @@ pub(crate) struct Surface {
 }
 
 impl Surface {
-    pub(crate) fn indices(&self, path: &[u32]) -> Vec<u32> {
-        let mut indices = Vec::with_capacity(path.len() + 4);
-        write_path(
-            path,
-            &self.triangles,
-            |t, slot| self.neighbours[t as usize][slot as usize],
-            &mut indices,
-        );
-        indices
+    pub(crate) fn indices(&self, path: &[u32], indices: &mut Vec<u32>) {
+        let near = |t: u32, slot: u32| self.neighbours[t as usize][slot as usize];
+        write_path(path, &self.triangles, near, indices);
     }
-    /// The same triangles from the other end.
-    pub(crate) fn reversed(&self, path: &[u32]) -> Vec<u32> {
-        let mut reversed = Vec::with_capacity(path.len());
-        for i in (0..path.len()).rev() {
-            let (t, _) = decode(path[i]);
-            let leave = if i == 0 {
-                3
-            } else {
-                let (before, left) = decode(path[i - 1]);
-                decode(self.neighbours[before as usize][left as usize]).1
-            };
-            reversed.push(code(t, leave));
+    /// Appends the same triangles from the other end.
+    pub(crate) fn reverse(&self, path: &[u32], reversed: &mut Vec<u32>) {
+        // The slot through which a triangle is left is that through which it was entered.
+        let mut entered = 3;
+        let first = reversed.len();
+        for &c in path {
+            let (t, slot) = decode(c);
+            reversed.push(code(t, entered));
+            if slot != 3 {
+                entered = decode(self.neighbours[t as usize][slot as usize]).1;
+            }
         }
-        reversed
+        reversed[first..].reverse();
     }
 }

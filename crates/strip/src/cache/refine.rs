@@ -2,9 +2,9 @@
 
 use super::paths::{Strip, Surface};
 use super::window::{Search, Window, Workspace};
-use crate::adjacency::{code, decode};
+use crate::adjacency::{Neighbours, code, decode};
 use crate::anneal::generator;
-use crate::cover::{Cover, is_none};
+use crate::cover::{is_none, write_path};
 use crate::meter::Meter;
 use lodc_mesh::{NONE, SplitMix64};
 use rayon::prelude::*;
@@ -21,7 +21,7 @@ const TAIL: usize = 48;
 pub(crate) struct Drawing<'a> {
     pub(crate) paths: &'a [Vec<u32>],
     pub(crate) triangles: &'a [[u32; 3]],
-    pub(crate) cover: &'a Cover,
+    pub(crate) neighbours: &'a Neighbours,
 }
 
 /// The aim of the search, and the time that it takes.
@@ -86,7 +86,8 @@ impl<'a> Chunks<'a> {
     /// The indices of a path as it is drawn now.
     fn indices(&self, path: &[u32]) -> Vec<u32> {
         let mut indices = Vec::new();
-        self.drawing.cover.write_forward(path, self.drawing.triangles, &mut indices);
+        let near = |t: u32, slot: u32| self.drawing.neighbours[t as usize][slot as usize];
+        write_path(path, self.drawing.triangles, near, &mut indices);
         indices
     }
 
@@ -125,7 +126,7 @@ impl<'a> Chunks<'a> {
             let inside = !is_none(c) && self.chunk_of[u as usize] == number as u32;
             if inside { code(self.place[u as usize], slot) } else { NONE }
         };
-        let neighbours = |&t: &u32| [0, 1, 2].map(|e| near(self.drawing.cover.neighbour(t, e)));
+        let neighbours = |&t: &u32| self.drawing.neighbours[t as usize].map(near);
         let surface = Surface {
             triangles: triangles.iter().map(|&t| corners(t).map(local)).collect(),
             neighbours: triangles.iter().map(neighbours).collect(),
@@ -133,7 +134,9 @@ impl<'a> Chunks<'a> {
         let strip = |path: &Vec<u32>| {
             let renumbered = |&c: &u32| code(self.place[decode(c).0 as usize], decode(c).1);
             let path: Vec<u32> = path.iter().map(renumbered).collect();
-            Strip { indices: surface.indices(&path), path }
+            let mut indices = Vec::with_capacity(path.len() + 4);
+            surface.indices(&path, &mut indices);
+            Strip { path, indices }
         };
         let strips = paths.iter().map(strip).collect();
         Chunk { triangles, vertices, surface, strips, head, tail }

@@ -1,6 +1,6 @@
-//! Local search on a stretch of the drawing order: strips are joined, cut, moved, turned, or take
-//! triangles from others, with simulated annealing. What a change costs is counted by sending the
-//! changed stretch through the cache again, until the cache holds what it held before.
+//! Local search on a stretch of the drawing order: strips take triangles from others or turn, with
+//! simulated annealing. What a change costs is counted by sending the changed stretch through the
+//! cache again, until the cache holds what it held before.
 
 use super::paths::{Strip, Surface};
 use crate::adjacency::decode;
@@ -21,8 +21,13 @@ pub(crate) struct Search {
     pub(crate) cold: f64,
 }
 
-/// The farthest that a strip moves in one change, in strips.
-const FAR: usize = 6;
+/// Of so many changes one turns a strip, all others link two. Cutting a strip, or moving it among the
+/// others, is not worth a proposal: links do both on the way.
+const CHANGES: u64 = 16;
+/// Fetched vertices that a change can be expected to save behind the stretch that it changes. It is
+/// given up where it lies behind by more than the luck of the draw allows: counting on costs a
+/// seventh more time and gains nothing that can be measured.
+const REGAINED: f32 = 1.0;
 /// The number of temperatures.
 const STAGES: usize = 16;
 
@@ -88,8 +93,6 @@ struct Made {
 }
 
 impl Made {
-    const NOTHING: Self = Self { strips: [0; 2], count: 0 };
-
     fn one(strip: u32) -> Self {
         Self { strips: [strip, 0], count: 1 }
     }
@@ -175,11 +178,10 @@ impl<'w, 'a> Window<'w, 'a> {
         let bits = self.shared.random.bits();
         let at = below(bits, self.sequence.len());
         self.trial.clone_from(&self.sequence);
-        let made = match bits & 7 {
-            0..=2 => self.propose_link(at, bits >> 3 & 0xff),
-            3 => self.propose_cut(at, bits >> 3 & 0x1fff_ffff),
-            4..=6 => self.propose_move(at, bits >> 3 & 0xff),
-            _ => self.propose_turn(at),
+        let made = if bits.is_multiple_of(CHANGES) {
+            self.propose_turn(at)
+        } else {
+            self.propose_link(at, bits >> 4 & 0xff)
         };
         let Some(made) = made else { return };
         let new = &made.strips[..made.count];
@@ -200,55 +202,34 @@ impl<'w, 'a> Window<'w, 'a> {
             self.unused.extend(new);
         }
     }
-    /// Takes up a strip under a number of its own.
-    fn add(&mut self, path: Vec<u32>) -> u32 {
-        let strip = Strip { indices: self.shared.surface.indices(&path), path };
-        match self.unused.pop() {
-            Some(s) => {
-                self.strips[s as usize] = strip;
-                s
-            }
-            None => {
-                self.strips.push(strip);
-                self.strips.len() as u32 - 1
-            }
-        }
+    /// Takes up a strip under a number of its own: `write` appends its path.
+    fn add(&mut self, write: impl FnOnce(&Self, &mut Vec<u32>)) -> u32 {
+        let s = self.unused.pop().unwrap_or_else(|| {
+            self.strips.push(Strip::default());
+            self.strips.len() as u32 - 1
+        });
+        let Strip { mut path, mut indices } = std::mem::take(&mut self.strips[s as usize]);
+        path.clear();
+        write(self, &mut path);
+        indices.clear();
+        self.shared.surface.indices(&path, &mut indices);
+        self.strips[s as usize] = Strip { path, indices };
+        s
     }
     fn path(&self, s: u32) -> &[u32] {
         &self.strips[s as usize].path
     }
     fn propose_turn(&mut self, at: usize) -> Option<Made> {
-        let path = self.path(self.sequence[at]);
-        if path.len() == 1 {
+        let turned = self.sequence[at];
+        if self.path(turned).len() == 1 {
             return None;
         }
-        let turned = self.shared.surface.reversed(path);
-        let s = self.add(turned);
+        let s = self.add(|window, path| window.reverse(window.path(turned), path));
         self.trial[at] = s;
         Some(Made::one(s))
     }
-    fn propose_move(&mut self, at: usize, bits: u64) -> Option<Made> {
-        let far = 1 + (bits >> 1) as usize % FAR;
-        let to = if bits & 1 == 0 { at.checked_sub(far)? } else { at + far };
-        if to >= self.trial.len() {
-            return None;
-        }
-        let s = self.trial.remove(at);
-        self.trial.insert(to, s);
-        Some(Made::NOTHING)
-    }
-    fn propose_cut(&mut self, at: usize, bits: u64) -> Option<Made> {
-        let path = self.path(self.sequence[at]);
-        if path.len() < 2 {
-            return None;
-        }
-        let place = 1 + (bits >> 1) as usize % (path.len() - 1);
-        let (a, b) = cut(path, place);
-        let (a, b) = (self.add(a), self.add(b));
-        let (a, b) = if bits & 1 == 0 { (a, b) } else { (b, a) };
-        self.trial[at] = a;
-        self.trial.insert(at + 1, b);
-        Some(Made::two(a, b))
+    fn reverse(&self, path: &[u32], reversed: &mut Vec<u32>) {
+        self.shared.surface.reverse(path, reversed);
     }
     /// Links an end of a strip to a neighbour in another, which is cut there if it goes on.
     fn propose_link(&mut self, at: usize, bits: u64) -> Option<Made> {
@@ -269,31 +250,42 @@ impl<'w, 'a> Window<'w, 'a> {
         let other = self.path(b);
         let k = other.iter().position(|&c| decode(c).0 == y)?;
         // What follows y, or what comes before it, goes along.
-        let forward =
-            if other.len() == 1 { true } else { k == 0 || (k + 1 < other.len() && bits & 8 == 0) };
-        let (part, rest) = if forward {
-            let (rest, part) = cut(other, k);
-            (part, rest)
-        } else {
-            let (part, rest) = cut(other, k + 1);
-            (self.shared.surface.reversed(&part), rest)
-        };
-        let mut joined = if from_end { path.to_vec() } else { self.shared.surface.reversed(path) };
-        let last = joined.len() - 1;
-        joined[last] = crate::adjacency::code(x, slot);
-        joined.extend(part);
-        if bits & 16 != 0 {
-            joined = self.shared.surface.reversed(&joined);
-        }
-        let there = self.sequence.iter().position(|&s| s == b)?;
-        let joined = self.add(joined);
+        let length = other.len();
+        let forward = length == 1 || k == 0 || (k + 1 < length && bits & 8 == 0);
+        let (part, rest) = if forward { (k..length, 0..k) } else { (0..k + 1, k + 1..length) };
+        let (there, turns) = (self.sequence.iter().position(|&s| s == b)?, bits & 16 != 0);
+        // From the far end of one strip to that of the other, or back.
+        let joined = self.add(|window, path| {
+            let (mine, taken) = (window.path(a), &window.path(b)[part.clone()]);
+            let push_mine = |path: &mut Vec<u32>, turned: bool| {
+                if turned { window.reverse(mine, path) } else { path.extend(mine) }
+            };
+            let push_taken = |path: &mut Vec<u32>, turned: bool| {
+                if turned { window.reverse(taken, path) } else { push_last(path, taken) }
+            };
+            // The first of the two is linked to the second through its last slot.
+            let link = if turns { decode(c).1 } else { slot };
+            if turns {
+                push_taken(path, forward);
+            } else {
+                push_mine(path, !from_end);
+            }
+            if let Some(last) = path.last_mut() {
+                *last = *last & !3 | link;
+            }
+            if turns {
+                push_mine(path, from_end);
+            } else {
+                push_taken(path, !forward);
+            }
+        });
         let mut made = Made::one(joined);
         if rest.is_empty() {
             let (stay, go) = if bits & 32 == 0 { (at, there) } else { (there, at) };
             self.trial[stay] = joined;
             self.trial.remove(go);
         } else {
-            let rest = self.add(rest);
+            let rest = self.add(|window, path| push_last(path, &window.path(b)[rest]));
             made = Made::two(joined, rest);
             self.trial[there] = rest;
             if bits & 32 == 0 {
@@ -329,13 +321,22 @@ impl<'w, 'a> Window<'w, 'a> {
         self.fresh_marks.clear();
         let shift = old.len() as isize - new.len() as isize;
         let mut joins = None;
+        let luck = (self.shared.random.bits() >> 32) as f64;
+        let refuses = |misses: f32| {
+            let delta = f64::from(misses + self.shared.price * indices);
+            delta > 0.0 && luck >= exp_minus(delta / temperature) * 4_294_967_296.0
+        };
         for i in first..=new.len() {
             let was = (i as isize + shift) as usize;
-            if i + same >= new.len()
-                && ends_alike(&self.fresh, &self.history[..self.marks[was]], size)
-            {
-                joins = Some(was);
-                break;
+            if i + same >= new.len() {
+                if ends_alike(&self.fresh, &self.history[..self.marks[was]], size) {
+                    joins = Some(was);
+                    break;
+                }
+                let lost = (start + self.fresh.len() - given) as f32 - self.marks[was] as f32;
+                if refuses(lost - REGAINED) {
+                    return false;
+                }
             }
             self.fresh_marks.push(start + self.fresh.len() - given);
             let indices = new.get(i).map_or(&self.tail, |&s| &self.strips[s as usize].indices);
@@ -344,11 +345,7 @@ impl<'w, 'a> Window<'w, 'a> {
         let end = start + self.fresh.len() - given;
         let joins = joins.unwrap_or(old.len() + 1);
         let misses = end as f32 - self.marks[joins] as f32;
-        let delta = f64::from(misses + self.shared.price * indices);
-        if delta > 0.0
-            && (self.shared.random.bits() >> 32) as f64
-                >= exp_minus(delta / temperature) * 4_294_967_296.0
-        {
+        if refuses(misses) {
             return false;
         }
         let moved = end as isize - self.marks[joins] as isize;
@@ -366,11 +363,10 @@ fn ends_alike(a: &[u32], b: &[u32], size: usize) -> bool {
     a[tail(a)..] == b[tail(b)..]
 }
 
-/// A path in two: the first `place` triangles, and the others.
-fn cut(path: &[u32], place: usize) -> (Vec<u32>, Vec<u32>) {
-    let mut a = path[..place].to_vec();
-    if let Some(last) = a.last_mut() {
+/// Appends a part of a path, which ends there.
+fn push_last(path: &mut Vec<u32>, part: &[u32]) {
+    path.extend(part);
+    if let Some(last) = path.last_mut() {
         *last |= 3;
     }
-    (a, path[place..].to_vec())
 }

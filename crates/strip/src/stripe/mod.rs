@@ -24,7 +24,7 @@ pub fn stripe(mesh: &Mesh, effort: Effort) -> StripSet {
 /// [`stripe`] with reports of progress.
 pub(crate) fn stripe_reporting(mesh: &Mesh, effort: Effort, report: Report<'_>) -> StripSet {
     let triangles = mesh.triangles();
-    let mut cover = Cover::new(&neighbours(triangles, mesh.vertex_count()));
+    let mut cover = Cover::new(neighbours(triangles, mesh.vertex_count()).into_iter());
     greedy::cover(&mut cover);
     let rounds = schedule(effort);
     regions::improve(&mut cover, rounds, &Meter::new(report, rounds.len()));
@@ -55,9 +55,9 @@ fn schedule(effort: Effort) -> &'static [search::Round] {
 const FAST: &[search::Round] =
     &[search::Round { proposals: 1.5, warm: 0.25, cold: 0.15, strip: 2 }];
 const DEFAULT: &[search::Round] = &[
-    search::Round { proposals: 9.0, warm: 0.6, cold: 0.4, strip: 2 },
-    search::Round { proposals: 9.0, warm: 0.4, cold: 0.2, strip: 2 },
-    search::Round { proposals: 9.0, warm: 0.35, cold: 0.15, strip: 3 },
+    search::Round { proposals: 4.0, warm: 0.6, cold: 0.4, strip: 2 },
+    search::Round { proposals: 4.0, warm: 0.4, cold: 0.2, strip: 2 },
+    search::Round { proposals: 4.0, warm: 0.35, cold: 0.15, strip: 3 },
 ];
 const THOROUGH: &[search::Round] = &[
     search::Round { proposals: 78.0, warm: 0.55, cold: 0.45, strip: 2 },

@@ -5,7 +5,7 @@
 //! through another region, and the result is the same for any number of threads. Each round divides
 //! the surface in another way, which heals the borders of the last one.
 
-use super::search::{Round, search};
+use super::search::{Region, Round, search};
 use crate::adjacency::{code, decode};
 use crate::cover::{Cover, LINKS, is_none};
 use crate::meter::Meter;
@@ -28,10 +28,10 @@ pub(crate) fn improve(cover: &mut Cover, rounds: &[Round], meter: &Meter<'_>) {
         let links: Vec<Vec<u8>> = regions
             .par_iter()
             .map(|&(start, end)| {
-                let mut local = gather(cover, &order[start..end], &place, start, end);
-                search(&mut local, round, (i as u64) << 32 | start as u64);
+                let mut region = gather(cover, &order[start..end], &place, start, end);
+                search(&mut region, round, (i as u64) << 32 | start as u64);
                 meter.add(end - start);
-                local.nodes.iter().map(|n| n[LINKS] as u8).collect()
+                region.links
             })
             .collect();
         for (&t, &links) in order.iter().zip(links.iter().flatten()) {
@@ -41,7 +41,7 @@ pub(crate) fn improve(cover: &mut Cover, rounds: &[Round], meter: &Meter<'_>) {
 }
 
 /// The triangles of a region with their neighbours in the region, numbered by their place in it.
-fn gather(cover: &Cover, order: &[u32], place: &[u32], start: usize, end: usize) -> Cover {
+fn gather(cover: &Cover, order: &[u32], place: &[u32], start: usize, end: usize) -> Region {
     let local = |c: u32| {
         if is_none(c) {
             return NONE;
@@ -50,11 +50,12 @@ fn gather(cover: &Cover, order: &[u32], place: &[u32], start: usize, end: usize)
         let at = place[u as usize] as usize;
         if (start..end).contains(&at) { code((at - start) as u32, slot) } else { NONE }
     };
-    let nodes = order.iter().map(|&t| {
+    let node = |&t: &u32| {
         let [a, b, c, links] = cover.nodes[t as usize];
-        [local(a), local(b), local(c), links]
-    });
-    Cover { nodes: nodes.collect() }
+        ([a, b, c].map(local), links as u8)
+    };
+    let (neighbours, links) = order.iter().map(node).unzip();
+    Region { neighbours, links }
 }
 
 /// All triangles, region by region and strip by strip, and where each region ends. Regions grow

@@ -4,7 +4,7 @@
 
 use crate::adjacency::{code, decode};
 use crate::anneal::{below, exp_minus, generator};
-use crate::cover::{Cover, is_none};
+use crate::cover::needs_swap;
 use lodc_mesh::{NONE, SplitMix64};
 
 /// One pass of the search.
@@ -33,18 +33,32 @@ const DIVIDE: u64 = 1;
 /// … and this many link two triangles anywhere, the others an end. What the two make is ends, which
 /// cost a little and then wander until they meet others: without that, swaps far from any end would
 /// stay for ever.
-const ANYWHERE: u64 = 6;
+const ANYWHERE: u64 = 4;
 
-/// Improves a cover.
-pub(crate) fn search(cover: &mut Cover, round: &Round, seed: u64) {
-    let ends = (0..cover.nodes.len() as u32).filter(|&t| cover.is_end(t)).collect::<Vec<_>>();
-    let mut place = vec![NONE; cover.nodes.len()];
+/// Triangles with their neighbours among them, as codes, and the links of a cover by paths: bit
+/// `slot` of a triangle's links says that the neighbour there follows or precedes it in its path.
+pub(super) struct Region {
+    pub(super) neighbours: Vec<[u32; 3]>,
+    pub(super) links: Vec<u8>,
+}
+
+/// Improves the cover of a region.
+pub(super) fn search(region: &mut Region, round: &Round, seed: u64) {
+    let count = region.links.len();
+    let ends: Vec<u32> = (0..count as u32).filter(|&t| region.is_end(t)).collect();
+    let mut place = vec![NONE; count];
     for (i, &t) in ends.iter().enumerate() {
         place[t as usize] = i as u32;
     }
-    let mut search =
-        Search { cover, ends, place, random: generator(seed), likely: [0; 12], strip: round.strip };
-    let proposals = (search.cover.nodes.len() as f64 * round.proposals) as usize;
+    let mut search = Search {
+        region,
+        ends,
+        place,
+        random: generator(seed),
+        likely: [0; 12],
+        strip: round.strip,
+    };
+    let proposals = (count as f64 * round.proposals) as usize;
     for stage in 0..STAGES {
         let share = stage as f64 / (STAGES - 1) as f64;
         search.set_temperature(round.warm + (round.cold - round.warm) * share);
@@ -54,8 +68,53 @@ pub(crate) fn search(cover: &mut Cover, round: &Round, seed: u64) {
     }
 }
 
+impl Region {
+    fn links(&self, t: u32) -> u32 {
+        u32::from(self.links[t as usize])
+    }
+    fn is_end(&self, t: u32) -> bool {
+        self.links(t).count_ones() < 2
+    }
+    fn neighbour(&self, t: u32, slot: u32) -> u32 {
+        self.neighbours[t as usize][slot as usize]
+    }
+    /// Links or unlinks a triangle and the neighbour at one of its slots.
+    fn toggle(&mut self, t: u32, slot: u32) {
+        let (u, f) = decode(self.neighbour(t, slot));
+        self.links[t as usize] ^= 1 << slot;
+        self.links[u as usize] ^= 1 << f;
+    }
+    /// The linked slot of a triangle that is not the given one.
+    fn other(&self, t: u32, slot: u32) -> Option<u32> {
+        let rest = self.links(t) & !(1 << slot);
+        (rest != 0).then(|| rest.trailing_zeros())
+    }
+    /// Swaps at all links of some triangles, each link once.
+    fn swaps(&self, around: &[u32]) -> i32 {
+        let mut swaps = 0;
+        for (i, &t) in around.iter().enumerate() {
+            let all = self.links(t);
+            let mut links = all;
+            // An end turns nowhere: its link needs no swap.
+            if links.count_ones() < 2 {
+                continue;
+            }
+            while links != 0 {
+                let slot = links.trailing_zeros();
+                links &= links - 1;
+                let (u, f) = decode(self.neighbour(t, slot));
+                // Those between two of the triangles are counted from the first.
+                if needs_swap(all, slot, self.links(u), f) && !around[..i].contains(&u) {
+                    swaps += 1;
+                }
+            }
+        }
+        swaps
+    }
+}
+
 struct Search<'a> {
-    cover: &'a mut Cover,
+    region: &'a mut Region,
     /// Triangles with fewer than two links, in any order, and where each stands.
     ends: Vec<u32>,
     place: Vec<u32>,
@@ -71,73 +130,76 @@ impl Search<'_> {
             *l = (exp_minus(i as f64 / t) * 4_294_967_296.0) as u64;
         }
     }
-    fn accepts(&self, delta: i32, bits: u64) -> bool {
-        delta <= 0 || self.likely.get(delta as usize).is_some_and(|&l| bits & 0xffff_ffff < l)
+    /// The most indices that a change may cost, drawn by random bits.
+    fn most(&self, bits: u64) -> i32 {
+        let bits = bits & 0xffff_ffff;
+        // Nothing, nearly always.
+        if bits >= self.likely[1] {
+            return 0;
+        }
+        self.likely[1..].iter().take_while(|&&l| bits < l).count() as i32
     }
     fn step(&mut self) {
         let bits = self.random.bits();
         let more = self.random.bits();
         let kind = (more >> 40) % CHANGES;
+        let count = self.region.links.len();
         if kind < DIVIDE {
-            let t = below(bits, self.cover.nodes.len()) as u32;
+            let t = below(bits, count) as u32;
             self.divide(t, more >> 8, bits);
             return;
         }
         let x = if kind < DIVIDE + ANYWHERE {
-            below(bits, self.cover.nodes.len()) as u32
+            below(bits, count) as u32
         } else if self.ends.is_empty() {
             return;
         } else {
             self.ends[below(bits, self.ends.len())]
         };
         // One of the edges that are not linked; which of two, by a bit.
-        let mut open = !self.cover.links(x) & 7;
+        let mut open = !self.region.links(x) & 7;
         match open.count_ones() {
             3 => open = 1 << ((more >> 8) % 3),
             2 if more & 16 != 0 => open &= open - 1,
             _ => {}
         }
         let slot = open.trailing_zeros();
-        let c = self.cover.neighbour(x, slot);
-        if !is_none(c) {
+        let c = self.region.neighbour(x, slot);
+        if c != NONE {
             self.link(x, slot, more, bits);
         }
     }
     /// Tries to take the link away at one of a triangle's slots.
     fn divide(&mut self, t: u32, choice: u64, bits: u64) {
         let slot = (choice % 3) as u32;
-        if self.cover.links(t) & 1 << slot == 0 {
+        if self.region.links(t) & 1 << slot == 0 {
             return;
         }
-        let (u, _) = decode(self.cover.neighbour(t, slot));
-        let around = [t, u];
-        let before = self.swaps_around(&around);
-        self.cover.toggle(t, slot);
-        let after = self.swaps_around(&around);
-        if self.accepts(self.strip + after - before, bits) {
-            for t in around {
-                self.update(t);
-            }
+        let around = [t, decode(self.region.neighbour(t, slot)).0];
+        let most = self.most(bits) + self.region.swaps(&around) - self.strip;
+        if most < 0 {
+            return;
+        }
+        self.region.toggle(t, slot);
+        if self.region.swaps(&around) <= most {
+            around.into_iter().for_each(|t| self.update(t));
         } else {
-            self.cover.toggle(t, slot);
+            self.region.toggle(t, slot);
         }
     }
     /// The slot that a triangle gives up when it gets another link, and the triangle there.
     fn given(&self, t: u32, second: bool) -> Option<(u32, u32)> {
-        let links = self.cover.links(t);
+        let links = self.region.links(t);
         (links.count_ones() == 2).then(|| {
-            let slot = if second {
-                (links & (links - 1)).trailing_zeros()
-            } else {
-                links.trailing_zeros()
-            };
-            (slot, decode(self.cover.neighbour(t, slot)).0)
+            let first = links.trailing_zeros();
+            let slot = if second { (links & (links - 1)).trailing_zeros() } else { first };
+            (slot, decode(self.region.neighbour(t, slot)).0)
         })
     }
     /// Tries to link a triangle to a neighbour. Each of them gives up one of its links if it has
     /// two.
     fn link(&mut self, x: u32, slot: u32, choice: u64, bits: u64) {
-        let (y, _) = decode(self.cover.neighbour(x, slot));
+        let (y, _) = decode(self.region.neighbour(x, slot));
         let from_x = self.given(x, choice & 64 != 0);
         let from_y = self.given(y, choice & 32 != 0);
         let delta = self.strip * (i32::from(from_x.is_some()) + i32::from(from_y.is_some()) - 1);
@@ -154,48 +216,34 @@ impl Search<'_> {
             }
         }
         let around = &around[..n];
-        let before = self.swaps_around(around);
-        let change = |search: &mut Self| {
-            from_x.into_iter().for_each(|(g, _)| search.cover.toggle(x, g));
-            from_y.into_iter().for_each(|(g, _)| search.cover.toggle(y, g));
-            search.cover.toggle(x, slot);
+        // The most swaps that may be left: often fewer than none.
+        let most = self.most(bits) + self.region.swaps(around) - delta;
+        if most < 0 {
+            return;
+        }
+        let change = |region: &mut Region| {
+            from_x.into_iter().for_each(|(g, _)| region.toggle(x, g));
+            from_y.into_iter().for_each(|(g, _)| region.toggle(y, g));
+            region.toggle(x, slot);
         };
-        change(self);
-        let after = self.swaps_around(around);
-        if self.accepts(delta + after - before, bits) && !self.closes(x, slot) {
-            for &t in around {
-                self.update(t);
-            }
+        change(self.region);
+        if self.region.swaps(around) <= most && !self.closes(x, slot) {
+            around.iter().for_each(|&t| self.update(t));
         } else {
-            change(self);
+            change(self.region);
         }
-    }
-    /// Swaps at all links of some triangles, each link once.
-    fn swaps_around(&self, around: &[u32]) -> i32 {
-        let mut swaps = 0;
-        for (i, &t) in around.iter().enumerate() {
-            let mut links = self.cover.links(t);
-            while links != 0 {
-                let slot = links.trailing_zeros();
-                links &= links - 1;
-                let (u, _) = decode(self.cover.neighbour(t, slot));
-                // Counted already from the other side.
-                swaps += i32::from(self.cover.swaps(t, slot) && !around[..i].contains(&u));
-            }
-        }
-        swaps
     }
     /// Returns whether the new link at a slot of x closes a ring: whether the way from x, away from
     /// the link, comes back.
     fn closes(&self, x: u32, slot: u32) -> bool {
         let back = code(x, slot);
-        let (mut at, mut leave) = (x, self.cover.other(x, slot));
+        let (mut at, mut leave) = (x, self.region.other(x, slot));
         for _ in 0..LONGEST_WALK {
             let Some(l) = leave else { return false };
-            let (next, entered) = decode(self.cover.neighbour(at, l));
-            leave = self.cover.other(next, entered);
+            let (next, entered) = decode(self.region.neighbour(at, l));
+            leave = self.region.other(next, entered);
             at = next;
-            if leave.is_some_and(|l| self.cover.neighbour(at, l) == back) {
+            if leave.is_some_and(|l| self.region.neighbour(at, l) == back) {
                 return true;
             }
         }
@@ -204,7 +252,7 @@ impl Search<'_> {
     /// Keeps the list of ends in step with a triangle's links.
     fn update(&mut self, t: u32) {
         let listed = self.place[t as usize];
-        if self.cover.is_end(t) {
+        if self.region.is_end(t) {
             if listed == NONE {
                 self.place[t as usize] = self.ends.len() as u32;
                 self.ends.push(t);
