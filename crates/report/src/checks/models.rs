@@ -3,9 +3,9 @@
 use super::report::CheckReport;
 use lodc::build::step_errors;
 use lodc::{LodFile, LodObject, stated_shapes};
-use lodc_formats::import::{ImportOptions, import};
+use lodc_formats::import::{ImportOptions, document_difference, import};
 use lodc_formats::lodc::MadeFrom;
-use lodc_formats::{Document, Fault, FormatError, Limits};
+use lodc_formats::{Document, Fault, FormatError, Limits, ObjectInfo, Scene};
 use lodc_lod::AnyModel;
 use lodc_measure::check_errors;
 use lodc_scene::Shape;
@@ -123,15 +123,15 @@ fn report(object: &str, check: &Check) -> CheckReport {
     CheckReport { full: check.full, ..report.of(check.lods, difference) }
 }
 
-/// LOD 0 against the mesh it was made from.
+/// LOD 0 and everything around the meshes against what they were made from.
 ///
 /// # Errors
-/// If the mesh cannot be read.
+/// If the mesh cannot be read, or the stored document is damaged.
 pub fn check_source(
     file: &LodFile,
     source: &Path,
     options: &ImportOptions,
-) -> Result<CheckReport, FormatError> {
+) -> Result<Vec<CheckReport>, FormatError> {
     let scene = import(source, options)?;
     let difference = if scene.objects.len() == file.objects.len() {
         scene.objects.iter().zip(&file.objects).find_map(|(source, stored)| {
@@ -145,5 +145,52 @@ pub fn check_source(
             file.objects.len()
         ))
     };
-    Ok(CheckReport::new(None, "source", "LOD 0 is the input").of(1, difference))
+    let rest = CheckReport::new(None, "source", "nothing else changed");
+    let same_kind = matches!(
+        (&scene.document, &file.document),
+        (Document::Gltf(_), Document::Gltf(_)) | (Document::Obj(_), Document::Obj(_))
+    );
+    let rest = if same_kind {
+        rest.of(1, surroundings_difference(&scene, file, &options.limits)?)
+    } else {
+        let why = "the file was made from another format".to_owned();
+        CheckReport { skipped: Some(why), ..rest }
+    };
+    Ok(vec![CheckReport::new(None, "source", "LOD 0 is the input").of(1, difference), rest])
+}
+
+/// What a file says otherwise than its source of documents and of objects besides their meshes.
+fn surroundings_difference(
+    scene: &Scene,
+    file: &LodFile,
+    limits: &Limits,
+) -> Result<Option<String>, FormatError> {
+    let difference = match (&scene.document, &file.document) {
+        (Document::Obj(source), Document::Obj(stored)) => {
+            (source != stored).then(|| "other materials or groups than the source".to_owned())
+        }
+        (source, stored) => document_difference(source, stored, limits)?,
+    };
+    let objects =
+        || scene.objects.iter().map(|o| &o.info).zip(file.objects.iter().map(|o| &o.info));
+    Ok(difference
+        .or_else(|| objects().find_map(|(source, stored)| info_difference(source, stored))))
+}
+
+fn info_difference(source: &ObjectInfo, stored: &ObjectInfo) -> Option<String> {
+    let name = &stored.name;
+    if source.name != stored.name {
+        return Some(format!("an object is named {name}, in the source {}", source.name));
+    }
+    if (source.document_mesh, &source.submeshes) != (stored.document_mesh, &stored.submeshes) {
+        return Some(format!("{name}: other names, materials or places in the document"));
+    }
+    // Another version may have summed up in another order.
+    let apart = (source.world_scale - stored.world_scale).abs();
+    (apart > 1e-6 * source.world_scale.abs()).then(|| {
+        format!(
+            "{name}: the world scale is {}, of the source {}",
+            stored.world_scale, source.world_scale
+        )
+    })
 }
