@@ -5,9 +5,10 @@ use lodc::build::step_errors;
 use lodc::{LodFile, LodObject, stated_shapes};
 use lodc_formats::import::{ImportOptions, document_difference, import};
 use lodc_formats::lodc::MadeFrom;
-use lodc_formats::{Document, Fault, FormatError, Limits, ObjectInfo, Scene};
+use lodc_formats::{Document, Fault, FormatError, Limits, ObjectInfo, Scene, animation_names};
 use lodc_lod::AnyModel;
 use lodc_measure::check_errors;
+use lodc_mesh::Posture;
 use lodc_scene::Shape;
 use lodc_verify::{Check, Reference, VerifyOptions, source_difference, verify};
 use rayon::prelude::*;
@@ -30,8 +31,27 @@ pub fn check_models(
         let shapes: Vec<_> = shapes.iter().map(|shape| shape.of(o.simplified.mesh())).collect();
         object(o, &shapes, &options)
     };
+    let animations = animation_names(document, limits)?.len();
     let checked: Result<Vec<_>, FormatError> = objects.par_iter().zip(&shapes).map(one).collect();
-    Ok(checked?.concat())
+    let mut checks = checked?.concat();
+    checks.extend(objects.iter().filter_map(|object| poses(object, animations)));
+    Ok(checks)
+}
+
+/// Whether the poses that errors are the largest over are of this file; none without any.
+fn poses(object: &LodObject, animations: usize) -> Option<CheckReport> {
+    let (poses, mesh) = (&object.info.poses, object.simplified.mesh());
+    let targets = mesh.attributes().iter().filter_map(|a| a.morph_target).max();
+    let unknown = poses.iter().enumerate().find_map(|(number, pose)| {
+        let what = match *pose {
+            Posture::Moment { animation, .. } if animation as usize >= animations => "an animation",
+            Posture::Target(target) if targets.is_none_or(|last| target > last) => "a morph target",
+            Posture::Moment { .. } | Posture::Target(_) => return None,
+        };
+        Some(format!("pose {} is of {what} that is not there", number + 1))
+    });
+    let report = CheckReport::new(Some(&object.info.name), "sequence", "poses are of this file");
+    (!poses.is_empty()).then(|| report.of(poses.len() as u64, unknown))
 }
 
 fn object(
@@ -171,6 +191,12 @@ fn surroundings_difference(
         }
         (source, stored) => document_difference(source, stored, limits)?,
     };
+    // Another version may lay a document out otherwise.
+    let same_version = file.made_from.as_ref().is_some_and(MadeFrom::is_of_this_version);
+    let difference = difference.or_else(|| {
+        let differs = same_version && scene.document != file.document;
+        differs.then(|| "the bytes of the document are not those of the source".to_owned())
+    });
     let objects =
         || scene.objects.iter().map(|o| &o.info).zip(file.objects.iter().map(|o| &o.info));
     Ok(difference
