@@ -244,11 +244,15 @@ impl Model for AnyModel {
             Self::Interactive(model) => model.sent(from, to, traffic),
         }
     }
-    fn triangles(&self, cursor: &AnyCursor) -> Vec<OrientedTriangle> {
+    fn for_each_triangle(&self, cursor: &AnyCursor, see: impl FnMut(OrientedTriangle)) {
         match (self, cursor) {
-            (Self::Speed(model), AnyCursor::Speed(cursor)) => model.triangles(cursor),
-            (Self::Masking(model), AnyCursor::Masking(cursor)) => model.triangles(cursor),
-            (Self::Interactive(model), AnyCursor::Interactive(cursor)) => model.triangles(cursor),
+            (Self::Speed(model), AnyCursor::Speed(cursor)) => model.for_each_triangle(cursor, see),
+            (Self::Masking(model), AnyCursor::Masking(cursor)) => {
+                model.for_each_triangle(cursor, see);
+            }
+            (Self::Interactive(model), AnyCursor::Interactive(cursor)) => {
+                model.for_each_triangle(cursor, see);
+            }
             _ => panic!("{OTHER_MODEL}"),
         }
     }

@@ -171,6 +171,12 @@ impl Samples {
     }
 }
 
+/// The mean squared distance from points of one surface, each in a slice of equal area, to another;
+/// 0 without area.
+pub(crate) fn mean_square(from: &Surface, to: &TriangleTree, samples: usize, seed: u64) -> f64 {
+    Points::new(over_area(from, samples, seed)).mean_square(to)
+}
+
 fn mean(squares: &[f64]) -> f64 {
     if squares.is_empty() { 0.0 } else { squares.iter().sum::<f64>() / squares.len() as f64 }
 }

@@ -1,6 +1,6 @@
 //! The errors that a sequence states, against distances that are measured here at a few levels.
 
-use crate::distance::{Sampling, farther_than};
+use crate::distance::{Sampling, farther_than, mean_square};
 use crate::surface::Surface;
 use lodc_mesh::{CollapseSequence, Lod, PositionIds, Simplified, SplitMix64, is_degenerate};
 use lodc_nearest::{Search, TriangleTree};
@@ -22,7 +22,18 @@ const TOLERANCE: f64 = 1.05;
 /// Stored distances may be so many times the measured ones.
 const OVERSTATED: f64 = 3.0;
 
-/// Compares the errors of a sequence with measured ones: returns how many levels were measured, and
+/// Measured root mean square distances may be so much larger than the stored ones. Both are means
+/// of samples.
+const RMS_TOLERANCE: f64 = 1.5;
+
+/// Samples of a root mean square distance: at first, and before it is refused.
+const RMS_SAMPLES: [u32; 2] = [2_000, 20_000];
+
+/// So many neighbouring slices of equal area may have been sampled where they are unusually near, or
+/// far: 3 of `n` that all miss a part have a chance of 5 % if that part is 3/n of the area.
+const MISSED_SLICES: f64 = 3.0;
+
+/// Compares the errors and root mean square distances of a sequence with measured ones: returns how many levels were measured, and
 /// what is wrong with the first whose error does not hold. `shapes` are the surfaces that the
 /// errors are the maximum over, each with a place for every vertex: the one at rest first.
 #[must_use]
@@ -76,6 +87,8 @@ struct Shape<'a> {
     places: &'a [[f32; 3]],
     input: TriangleTree,
     diagonal: f64,
+    /// Twice the area.
+    area: f64,
 }
 
 impl Shape<'_> {
@@ -94,24 +107,62 @@ impl<'a> Levels<'a> {
     fn new(simplified: &'a Simplified, shapes: &[&'a [[f32; 3]]]) -> Self {
         let shape = |&places: &&'a [[f32; 3]]| {
             let input = surface(places, simplified.mesh().triangles().to_vec());
-            Shape { places, diagonal: input.diagonal(), input: input.tree() }
+            let area = area(&input);
+            Shape { places, diagonal: input.diagonal(), input: input.tree(), area }
         };
         let positions = PositionIds::new(simplified.mesh().positions());
         Self { simplified, positions, shapes: shapes.par_iter().map(shape).collect() }
     }
 
+    /// Returns what is wrong with the distances that a level states.
+    fn check(&self, lod: Lod) -> Option<String> {
+        let changes = self.changes(lod);
+        self.check_error(lod, &changes).or_else(|| self.check_rms(lod, &changes))
+    }
+
+    /// Returns what is wrong with the root mean square distance that a level states: it is looked
+    /// at with more samples before it is refused.
+    fn check_rms(&self, lod: Lod, changes: &[Changes<'_>]) -> Option<String> {
+        let collapses = self.simplified.collapses();
+        let stored = collapses.rms_at(lod)?;
+        let (rms, error) = (f64::from(stored), f64::from(collapses.error_at(lod)));
+        let slack = self.shapes.iter().map(Shape::slack).fold(0.0, f64::max);
+        let tiny = self.shapes.iter().map(Shape::tiny).fold(0.0, f64::max);
+        let mut what = None;
+        for samples in RMS_SAMPLES {
+            // No point is farther than the error, so what samples miss cannot matter more.
+            let missed = MISSED_SLICES / f64::from(samples) * error * error;
+            let square = mean_square_of(changes, samples);
+            let least = (square - missed).max(0.0).sqrt();
+            let too_small = least > RMS_TOLERANCE * rms + slack;
+            let most = || {
+                // It never falls: a finer level may be the one that is that far.
+                let rose = collapses.parts().step_rms.partition_point(|&r| r < stored);
+                let finer = self.changes(collapses.step(rose).lod);
+                (square.max(mean_square_of(&finer, samples)) + missed).sqrt()
+            };
+            let is_tiny = rms <= tiny || rms <= OVERSTATED * (square + missed).sqrt();
+            if !too_small && (is_tiny || rms <= OVERSTATED * most()) {
+                return None;
+            }
+            what = Some(square.sqrt());
+        }
+        what.map(|measured| {
+            format!("the root mean square distance is {stored}, measured are {measured}")
+        })
+    }
+
     /// Returns what is wrong with the errors that a level states. One shape that is far enough says
     /// that they are not too large; of the others, only what is too far is looked for.
-    fn check(&self, lod: Lod) -> Option<String> {
+    fn check_error(&self, lod: Lod, changes: &[Changes<'_>]) -> Option<String> {
         let collapses = self.simplified.collapses();
         let stored = collapses.error_at(lod);
         let error = f64::from(stored);
         let third = error / OVERSTATED;
-        let level = self.level(lod);
         let mut holds = error <= self.shapes.iter().map(Shape::tiny).fold(0.0, f64::max);
         for (number, shape) in self.shapes.iter().enumerate() {
             let most = TOLERANCE * error + shape.slack();
-            let found = level.changes(shape).farther_than(if holds { most } else { third });
+            let found = changes[number].farther_than(if holds { most } else { third });
             match found {
                 Some(largest) if largest > most => {
                     let pose =
@@ -128,45 +179,40 @@ impl<'a> Levels<'a> {
         // Errors never fall: a finer level may be the one that is that far. Samples may miss a
         // small part, so only a bound tells that there is none.
         let rose = collapses.parts().step_errors.partition_point(|&e| e < stored);
-        let level = self.level(collapses.step(rose).lod);
-        let bound = |shape: &Shape| level.changes(shape).bound(Search::within(shape.diagonal));
-        let bound = self.shapes.iter().map(bound).fold(0.0, f64::max);
+        let finer = self.changes(collapses.step(rose).lod);
+        let search = |shape: &Shape| Search::within(shape.diagonal);
+        let bounds = finer.iter().zip(&self.shapes).map(|(c, shape)| c.bound(search(shape)));
+        let bound = bounds.fold(0.0, f64::max);
         (bound < third).then(|| format!("the error is {stored}, no point is farther than {bound}"))
     }
 
-    /// What a level changes. Triangles that it has in common with the input are nowhere apart, so
-    /// only the others are measured.
-    fn level(&self, lod: Lod) -> Level {
+    /// What a level changes in each shape. Triangles that it has in common with the input are
+    /// nowhere apart, so only the others are measured.
+    fn changes(&self, lod: Lod) -> Vec<Changes<'_>> {
         let Self { simplified, positions, .. } = self;
         let is_changed = |t: &[u32; 3]| t.iter().any(|&v| v < lod.0);
         let map = simplified.collapses().resolve_all(lod);
         let resolved = |t: [u32; 3]| t.map(|v| map[v as usize]);
         let is_live = |t: &[u32; 3]| !is_degenerate(t.map(|v| positions.of_vertex[v as usize]));
-        let all = simplified.mesh().triangles();
-        let before: Vec<[u32; 3]> = all.iter().copied().filter(is_changed).collect();
-        let after = before.iter().copied().map(resolved).filter(is_live).collect();
+        let triangles = simplified.mesh().triangles();
+        let before: Vec<[u32; 3]> = triangles.iter().copied().filter(is_changed).collect();
+        let after: Vec<[u32; 3]> = before.iter().copied().map(resolved).filter(is_live).collect();
         let shown = simplified.triangles_at_with(lod, positions);
-        Level { all: shown.iter().map(|t| t.corners).collect(), before, after }
-    }
-}
-
-/// The triangles of a level, those of the input that it has not, and those that the input has not.
-struct Level {
-    all: Vec<[u32; 3]>,
-    before: Vec<[u32; 3]>,
-    after: Vec<[u32; 3]>,
-}
-
-impl Level {
-    /// What the level changes in a shape.
-    fn changes<'a>(&self, shape: &'a Shape<'_>) -> Changes<'a> {
-        Changes {
-            input: &shape.input,
-            level: surface(shape.places, self.all.clone()).tree(),
-            before: surface(shape.places, self.before.clone()),
-            after: surface(shape.places, self.after.clone()),
+        let all: Vec<[u32; 3]> = shown.iter().map(|t| t.corners).collect();
+        let mut changes = Vec::with_capacity(self.shapes.len());
+        for shape in &self.shapes {
+            let [level, before, after] =
+                [&all, &before, &after].map(|triangles| surface(shape.places, triangles.clone()));
+            let (areas, level) = ([shape.area, area(&level)], level.tree());
+            changes.push(Changes { input: &shape.input, level, before, after, areas });
         }
+        changes
     }
+}
+
+/// The mean squared distance of a level, the largest over ways and shapes.
+fn mean_square_of(changes: &[Changes<'_>], samples: u32) -> f64 {
+    changes.iter().map(|change| change.mean_square(samples as usize)).fold(0.0, f64::max)
 }
 
 /// What a level changes.
@@ -177,6 +223,8 @@ struct Changes<'a> {
     /// Those of the input that the level has not, and those of the level that the input has not.
     before: Surface,
     after: Surface,
+    /// Twice the areas of the whole input and of the whole level.
+    areas: [f64; 2],
 }
 
 impl Changes<'_> {
@@ -189,6 +237,20 @@ impl Changes<'_> {
         there.into_iter().chain(back).max_by(f64::total_cmp)
     }
 
+    /// The mean squared distance over the whole area, the larger of both ways. What is the same on
+    /// both sides adds area alone.
+    fn mean_square(&self, samples: usize) -> f64 {
+        let way = |changed: &Surface, to: &TriangleTree, all: f64| {
+            let share = area(changed) / all;
+            if share > 0.0 { share * mean_square(changed, to, samples, SEED) } else { 0.0 }
+        };
+        let (there, back) = rayon::join(
+            || way(&self.before, &self.level, self.areas[0]),
+            || way(&self.after, self.input, self.areas[1]),
+        );
+        there.max(back)
+    }
+
     /// An upper bound of the distance, either way.
     fn bound(&self, search: Search) -> f64 {
         let most = |from: &Surface, to: &TriangleTree| {
@@ -199,6 +261,15 @@ impl Changes<'_> {
             rayon::join(|| most(&self.before, &self.level), || most(&self.after, self.input));
         there.max(back)
     }
+}
+
+/// Twice the area of a surface.
+fn area(surface: &Surface) -> f64 {
+    let twice = |t| {
+        let [a, b, c] = surface.corners(t);
+        (b - a).cross(c - a).length()
+    };
+    (0..surface.triangles.len()).map(twice).sum()
 }
 
 fn surface(shape: &[[f32; 3]], triangles: Vec<[u32; 3]>) -> Surface {

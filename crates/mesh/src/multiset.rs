@@ -14,6 +14,7 @@ pub struct OrientedTriangle {
 impl OrientedTriangle {
     /// Rotates the corners into canonical order.
     #[must_use]
+    #[inline]
     pub fn new(submesh: u32, [a, b, c]: [u32; 3]) -> Self {
         let corners = if a <= b && a <= c {
             [a, b, c]
@@ -34,10 +35,12 @@ pub struct TriangleHash(u128);
 
 impl TriangleHash {
     /// Adds a triangle.
+    #[inline]
     pub fn add(&mut self, t: OrientedTriangle) {
         self.0 = self.0.wrapping_add(hash(t));
     }
     /// Takes a triangle away.
+    #[inline]
     pub fn remove(&mut self, t: OrientedTriangle) {
         self.0 = self.0.wrapping_sub(hash(t));
     }
@@ -51,6 +54,7 @@ impl FromIterator<OrientedTriangle> for TriangleHash {
     }
 }
 
+#[inline]
 fn hash(t: OrientedTriangle) -> u128 {
     let a = u64::from(t.submesh) << 32 | u64::from(t.corners[0]);
     let b = u64::from(t.corners[1]) << 32 | u64::from(t.corners[2]);
@@ -63,6 +67,7 @@ fn hash(t: OrientedTriangle) -> u128 {
 
 /// A bijection of 64 bits in which every input bit moves half of the output (the finaliser of
 /// SplitMix64).
+#[inline]
 fn mix(mut x: u64) -> u64 {
     x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);

@@ -8,6 +8,7 @@ pub const NONE: u32 = u32::MAX;
 /// Given position numbers ([`crate::PositionIds`]) or keys ([`crate::position_key`]) instead of
 /// vertices, it tells whether two corners share a position.
 #[must_use]
+#[inline]
 pub fn is_degenerate<T: PartialEq>([a, b, c]: [T; 3]) -> bool {
     a == b || b == c || c == a
 }

@@ -36,8 +36,16 @@ pub trait Model {
         4 * traffic.rewritten
     }
 
+    /// Calls `see` with each triangle shown, in the order in which they would be drawn.
+    fn for_each_triangle(&self, cursor: &Self::Cursor, see: impl FnMut(OrientedTriangle));
+
     /// The triangles shown, in the order in which they would be drawn.
-    fn triangles(&self, cursor: &Self::Cursor) -> Vec<OrientedTriangle>;
+    fn triangles(&self, cursor: &Self::Cursor) -> Vec<OrientedTriangle> {
+        let stated = self.simplified().collapses().triangles_at(self.lod(cursor));
+        let mut triangles = Vec::with_capacity(stated as usize);
+        self.for_each_triangle(cursor, |t| triangles.push(t));
+        triangles
+    }
 
     /// Returns the number of indices that are drawn: three for each triangle, or all those of the
     /// strips as they are now.

@@ -5,14 +5,18 @@
 use crate::check::Check;
 use crate::facts;
 use crate::track::{TooMuchWork, Tracker};
-use lodc_mesh::{Lod, Simplified, TriangleHash};
+use lodc_mesh::{Lod, OrientedTriangle, PositionIds, Simplified, TriangleHash};
+use std::sync::OnceLock;
 
 /// The hash of the reference at every step, and whatever is wrong with the sequence itself.
 #[derive(Clone, Debug)]
 pub struct Reference<'a> {
     simplified: &'a Simplified,
+    positions: PositionIds,
     /// At LOD 0 and after each step.
     hashes: Vec<TriangleHash>,
+    /// Whether the naive list has that hash, where it was asked for.
+    listed: Vec<OnceLock<bool>>,
     checks: Vec<Check>,
 }
 
@@ -33,7 +37,8 @@ impl<'a> Reference<'a> {
         let positions = tracker.positions().clone();
         let mut checks = tracker.finish();
         checks.extend(facts::check(simplified, &positions));
-        Ok(Self { simplified, hashes, checks })
+        let listed = vec![OnceLock::new(); hashes.len()];
+        Ok(Self { simplified, positions, hashes, listed, checks })
     }
 
     /// Returns the checks of the sequence itself: stored triangle counts, order of triangles,
@@ -60,5 +65,18 @@ impl<'a> Reference<'a> {
     #[must_use]
     pub fn hash(&self, steps: usize) -> TriangleHash {
         self.hashes[steps]
+    }
+
+    /// Returns whether the naive function lists what was followed. It is asked once for each step,
+    /// however many models and walks come there, on the thread of the first of them.
+    pub(super) fn is_listed(&self, steps: usize) -> bool {
+        let agrees =
+            || self.list(steps).into_iter().collect::<TriangleHash>() == self.hashes[steps];
+        *self.listed[steps].get_or_init(agrees)
+    }
+
+    /// What the naive function says after so many steps.
+    pub(super) fn list(&self, steps: usize) -> Vec<OrientedTriangle> {
+        self.simplified.triangles_at_with(self.lod(steps), &self.positions)
     }
 }

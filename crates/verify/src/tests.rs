@@ -102,7 +102,7 @@ impl Model for Defective {
         }
         self.0.seek(&mut cursor.0, lod, changes)
     }
-    fn triangles(&self, cursor: &Self::Cursor) -> Vec<OrientedTriangle> {
+    fn for_each_triangle(&self, cursor: &Self::Cursor, see: impl FnMut(OrientedTriangle)) {
         let mut triangles = self.0.triangles(&cursor.0);
         let defective = self.lod(cursor) >= self.2;
         match self.1 {
@@ -119,7 +119,7 @@ impl Model for Defective {
             Defect::ForgetsToRefine if cursor.1 => drop(triangles.pop()),
             _ => {}
         }
-        triangles
+        triangles.into_iter().for_each(see);
     }
     fn drawn(&self, cursor: &Self::Cursor) -> u64 {
         self.0.drawn(&cursor.0)

@@ -169,7 +169,7 @@ fn check(
     let mut all = check_models(&file.objects, &file.document, args.stride.get(), &limits)?;
     all.extend(check_errors_again(&file, &limits)?);
     if let Some(source) = sources.of(file.source.content_hash, input)? {
-        all.push(check_source(&file, source, &options)?);
+        all.extend(check_source(&file, source, &options)?);
     }
     if let (Some(gpu), Some(wanted)) = (gpu, args.gpu.gpu) {
         all.extend(gpu::checks(&file, gpu, wanted)?);

@@ -92,8 +92,8 @@ impl Model for Discrete {
     fn sent(&self, _: Lod, _: Lod, traffic: Traffic) -> u64 {
         if traffic.records == 0 { 0 } else { 4 }
     }
-    fn triangles(&self, cursor: &Cursor) -> Vec<OrientedTriangle> {
-        self.levels[cursor.0].triangles.clone()
+    fn for_each_triangle(&self, cursor: &Cursor, see: impl FnMut(OrientedTriangle)) {
+        self.levels[cursor.0].triangles.iter().copied().for_each(see);
     }
     fn drawn(&self, cursor: &Cursor) -> u64 {
         3 * self.levels[cursor.0].triangles.len() as u64

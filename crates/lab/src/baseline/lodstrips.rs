@@ -191,8 +191,8 @@ impl Model for LodStrips {
     fn seek(&self, cursor: &mut Cursor, lod: Lod, changes: &mut impl Changes) -> Traffic {
         self.move_to(cursor, self.simplified.collapses().floor(lod).0, changes)
     }
-    fn triangles(&self, cursor: &Cursor) -> Vec<OrientedTriangle> {
-        (0..self.strips.len()).flat_map(|strip| self.drawn(cursor, strip)).collect()
+    fn for_each_triangle(&self, cursor: &Cursor, see: impl FnMut(OrientedTriangle)) {
+        (0..self.strips.len()).flat_map(|strip| self.drawn(cursor, strip)).for_each(see);
     }
     fn drawn(&self, cursor: &Cursor) -> u64 {
         let live = (0..self.strips.len()).filter(|&strip| self.removal_lods[strip] > cursor.lod);

@@ -139,8 +139,8 @@ impl Model for Baseline {
     fn sent(&self, from: Lod, to: Lod, traffic: Traffic) -> u64 {
         each!(self, model => model.sent(from, to, traffic))
     }
-    fn triangles(&self, cursor: &BaselineCursor) -> Vec<OrientedTriangle> {
-        each!(self, cursor, (model, at) => model.triangles(at))
+    fn for_each_triangle(&self, cursor: &BaselineCursor, see: impl FnMut(OrientedTriangle)) {
+        each!(self, cursor, (model, at) => model.for_each_triangle(at, see))
     }
     fn drawn(&self, cursor: &BaselineCursor) -> u64 {
         each!(self, cursor, (model, at) => model.drawn(at))

@@ -56,19 +56,19 @@ impl Cursor {
         3 * (self.index.triangles.len() - self.dead_triangles) as u64
     }
 
-    pub(super) fn triangles(&self, simplified: &Simplified) -> Vec<OrientedTriangle> {
-        let mut triangles = Vec::with_capacity(self.index.triangles.len() - self.dead_triangles);
+    pub(super) fn for_each_triangle(
+        &self,
+        simplified: &Simplified,
+        mut see: impl FnMut(OrientedTriangle),
+    ) {
         for (s, (submesh, &live)) in
             simplified.mesh().submeshes().iter().zip(&self.live).enumerate()
         {
             let drawn = &simplified.mesh().triangles()[submesh.triangles()][..live as usize];
-            triangles.extend(
-                drawn
-                    .iter()
-                    .map(|t| OrientedTriangle::new(s as u32, t.map(|v| self.shown[v as usize]))),
-            );
+            for triangle in drawn {
+                see(OrientedTriangle::new(s as u32, triangle.map(|v| self.shown[v as usize])));
+            }
         }
-        triangles
     }
 
     pub(super) fn seek(

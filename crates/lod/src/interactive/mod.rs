@@ -112,8 +112,8 @@ impl Model for Interactive {
     fn sent(&self, _: Lod, _: Lod, traffic: Traffic) -> u64 {
         if traffic.records == 0 { 0 } else { 4 }
     }
-    fn triangles(&self, cursor: &Cursor) -> Vec<OrientedTriangle> {
-        cursor.triangles(&self.simplified)
+    fn for_each_triangle(&self, cursor: &Cursor, see: impl FnMut(OrientedTriangle)) {
+        cursor.for_each_triangle(&self.simplified, see);
     }
     fn drawn(&self, cursor: &Cursor) -> u64 {
         cursor.drawn()

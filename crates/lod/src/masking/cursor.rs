@@ -76,14 +76,7 @@ impl Cursor {
         &self.buffer[self.lead + ROOM * strip + LONGEST..][..self.counts[strip] as usize]
     }
 
-    pub(super) fn triangles(&self, model: &Masking) -> Vec<OrientedTriangle> {
-        let mut triangles =
-            Vec::with_capacity(model.simplified.collapses().triangles_at(self.lod()) as usize);
-        (0..self.counts.len()).for_each(|strip| triangles.extend(self.drawn_by(model, strip)));
-        triangles
-    }
-
-    fn drawn_by<'a>(
+    pub(super) fn drawn_by<'a>(
         &'a self,
         model: &'a Masking,
         strip: usize,

@@ -146,8 +146,8 @@ impl Model for Masking {
     fn seek(&self, cursor: &mut Cursor, lod: Lod, changes: &mut impl Changes) -> Traffic {
         cursor.seek(self, lod, changes)
     }
-    fn triangles(&self, cursor: &Cursor) -> Vec<OrientedTriangle> {
-        cursor.triangles(self)
+    fn for_each_triangle(&self, cursor: &Cursor, mut see: impl FnMut(OrientedTriangle)) {
+        (0..self.strips.len()).for_each(|strip| cursor.drawn_by(self, strip).for_each(&mut see));
     }
     fn drawn(&self, cursor: &Cursor) -> u64 {
         cursor.drawn()

@@ -82,11 +82,7 @@ impl Cursor {
         self.heads.iter().filter(|h| h.live).map(|h| u64::from(h.span.end - h.span.start)).sum()
     }
 
-    pub(super) fn triangles(&self, model: &Speed) -> Vec<OrientedTriangle> {
-        (0..self.heads.len()).flat_map(|strip| self.drawn_by(model, strip)).collect()
-    }
-
-    fn drawn_by<'a>(
+    pub(super) fn drawn_by<'a>(
         &'a self,
         model: &'a Speed,
         strip: usize,

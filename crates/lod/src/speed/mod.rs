@@ -193,8 +193,8 @@ impl Model for Speed {
     fn sent(&self, from: Lod, to: Lod, _: Traffic) -> u64 {
         4 * self.edits.elements(&(from.0.min(to.0)..from.0.max(to.0)), to > from)
     }
-    fn triangles(&self, cursor: &Cursor) -> Vec<OrientedTriangle> {
-        cursor.triangles(self)
+    fn for_each_triangle(&self, cursor: &Cursor, mut see: impl FnMut(OrientedTriangle)) {
+        (0..self.strips.len()).for_each(|strip| cursor.drawn_by(self, strip).for_each(&mut see));
     }
     fn drawn(&self, cursor: &Cursor) -> u64 {
         cursor.drawn()

@@ -3,11 +3,12 @@
 use super::report::CheckReport;
 use lodc::build::step_errors;
 use lodc::{LodFile, LodObject, stated_shapes};
-use lodc_formats::import::{ImportOptions, import};
+use lodc_formats::import::{ImportOptions, document_difference, import};
 use lodc_formats::lodc::MadeFrom;
-use lodc_formats::{Document, Fault, FormatError, Limits};
+use lodc_formats::{Document, Fault, FormatError, Limits, ObjectInfo, Scene, animation_names};
 use lodc_lod::AnyModel;
 use lodc_measure::check_errors;
+use lodc_mesh::Posture;
 use lodc_scene::Shape;
 use lodc_verify::{Check, Reference, VerifyOptions, source_difference, verify};
 use rayon::prelude::*;
@@ -30,8 +31,27 @@ pub fn check_models(
         let shapes: Vec<_> = shapes.iter().map(|shape| shape.of(o.simplified.mesh())).collect();
         object(o, &shapes, &options)
     };
+    let animations = animation_names(document, limits)?.len();
     let checked: Result<Vec<_>, FormatError> = objects.par_iter().zip(&shapes).map(one).collect();
-    Ok(checked?.concat())
+    let mut checks = checked?.concat();
+    checks.extend(objects.iter().filter_map(|object| poses(object, animations)));
+    Ok(checks)
+}
+
+/// Whether the poses that errors are the largest over are of this file; none without any.
+fn poses(object: &LodObject, animations: usize) -> Option<CheckReport> {
+    let (poses, mesh) = (&object.info.poses, object.simplified.mesh());
+    let targets = mesh.attributes().iter().filter_map(|a| a.morph_target).max();
+    let unknown = poses.iter().enumerate().find_map(|(number, pose)| {
+        let what = match *pose {
+            Posture::Moment { animation, .. } if animation as usize >= animations => "an animation",
+            Posture::Target(target) if targets.is_none_or(|last| target > last) => "a morph target",
+            Posture::Moment { .. } | Posture::Target(_) => return None,
+        };
+        Some(format!("pose {} is of {what} that is not there", number + 1))
+    });
+    let report = CheckReport::new(Some(&object.info.name), "sequence", "poses are of this file");
+    (!poses.is_empty()).then(|| report.of(poses.len() as u64, unknown))
 }
 
 fn object(
@@ -123,15 +143,15 @@ fn report(object: &str, check: &Check) -> CheckReport {
     CheckReport { full: check.full, ..report.of(check.lods, difference) }
 }
 
-/// LOD 0 against the mesh it was made from.
+/// LOD 0 and everything around the meshes against what they were made from.
 ///
 /// # Errors
-/// If the mesh cannot be read.
+/// If the mesh cannot be read, or the stored document is damaged.
 pub fn check_source(
     file: &LodFile,
     source: &Path,
     options: &ImportOptions,
-) -> Result<CheckReport, FormatError> {
+) -> Result<Vec<CheckReport>, FormatError> {
     let scene = import(source, options)?;
     let difference = if scene.objects.len() == file.objects.len() {
         scene.objects.iter().zip(&file.objects).find_map(|(source, stored)| {
@@ -145,5 +165,58 @@ pub fn check_source(
             file.objects.len()
         ))
     };
-    Ok(CheckReport::new(None, "source", "LOD 0 is the input").of(1, difference))
+    let rest = CheckReport::new(None, "source", "nothing else changed");
+    let same_kind = matches!(
+        (&scene.document, &file.document),
+        (Document::Gltf(_), Document::Gltf(_)) | (Document::Obj(_), Document::Obj(_))
+    );
+    let rest = if same_kind {
+        rest.of(1, surroundings_difference(&scene, file, &options.limits)?)
+    } else {
+        let why = "the file was made from another format".to_owned();
+        CheckReport { skipped: Some(why), ..rest }
+    };
+    Ok(vec![CheckReport::new(None, "source", "LOD 0 is the input").of(1, difference), rest])
+}
+
+/// What a file says otherwise than its source of documents and of objects besides their meshes.
+fn surroundings_difference(
+    scene: &Scene,
+    file: &LodFile,
+    limits: &Limits,
+) -> Result<Option<String>, FormatError> {
+    let difference = match (&scene.document, &file.document) {
+        (Document::Obj(source), Document::Obj(stored)) => {
+            (source != stored).then(|| "other materials or groups than the source".to_owned())
+        }
+        (source, stored) => document_difference(source, stored, limits)?,
+    };
+    // Another version may lay a document out otherwise.
+    let same_version = file.made_from.as_ref().is_some_and(MadeFrom::is_of_this_version);
+    let difference = difference.or_else(|| {
+        let differs = same_version && scene.document != file.document;
+        differs.then(|| "the bytes of the document are not those of the source".to_owned())
+    });
+    let objects =
+        || scene.objects.iter().map(|o| &o.info).zip(file.objects.iter().map(|o| &o.info));
+    Ok(difference
+        .or_else(|| objects().find_map(|(source, stored)| info_difference(source, stored))))
+}
+
+fn info_difference(source: &ObjectInfo, stored: &ObjectInfo) -> Option<String> {
+    let name = &stored.name;
+    if source.name != stored.name {
+        return Some(format!("an object is named {name}, in the source {}", source.name));
+    }
+    if (source.document_mesh, &source.submeshes) != (stored.document_mesh, &stored.submeshes) {
+        return Some(format!("{name}: other names, materials or places in the document"));
+    }
+    // Another version may have summed up in another order.
+    let apart = (source.world_scale - stored.world_scale).abs();
+    (apart > 1e-6 * source.world_scale.abs()).then(|| {
+        format!(
+            "{name}: the world scale is {}, of the source {}",
+            stored.world_scale, source.world_scale
+        )
+    })
 }

@@ -56,14 +56,15 @@ impl Cursor {
         3 * self.live.iter().map(|&l| u64::from(l)).sum::<u64>()
     }
 
-    pub(super) fn triangles(&self, simplified: &Simplified) -> Vec<OrientedTriangle> {
-        let mut triangles = Vec::with_capacity(self.drawn() as usize / 3);
-        for (s, (submesh, &live)) in (0..).zip(simplified.mesh().submeshes().iter().zip(&self.live))
-        {
+    pub(super) fn triangles(
+        &self,
+        simplified: &Simplified,
+    ) -> impl Iterator<Item = OrientedTriangle> {
+        let submeshes = (0..).zip(simplified.mesh().submeshes().iter().zip(&self.live));
+        submeshes.flat_map(move |(s, (submesh, &live))| {
             let drawn = submesh.first_triangle..submesh.first_triangle + live;
-            triangles.extend(drawn.map(|t| OrientedTriangle::new(s, corners(&self.faces, t))));
-        }
-        triangles
+            drawn.map(move |t| OrientedTriangle::new(s, corners(&self.faces, t)))
+        })
     }
 
     pub(super) fn seek<C: Changes>(

@@ -111,8 +111,8 @@ impl Model for ProgressiveMesh {
             if traffic.records == 0 { 0 } else { self.simplified.mesh().submeshes().len() as u64 };
         4 * (traffic.rewritten + counts)
     }
-    fn triangles(&self, cursor: &Cursor) -> Vec<OrientedTriangle> {
-        cursor.triangles(&self.simplified)
+    fn for_each_triangle(&self, cursor: &Cursor, see: impl FnMut(OrientedTriangle)) {
+        cursor.triangles(&self.simplified).for_each(see);
     }
     fn drawn(&self, cursor: &Cursor) -> u64 {
         cursor.drawn()
