@@ -38,10 +38,7 @@ const DRAWING: &[(&str, &[&str])] = &[
         ],
     ),
     ("crates/errors", &["lodc-mesh", "lodc-nearest", "glam", "rayon"]),
-    (
-        "crates/simplify",
-        &["lodc-mesh", "lodc-nearest", "lodc-raster", "glam", "prefetch-index", "rayon"],
-    ),
+    ("crates/simplify", &["lodc-mesh", "lodc-raster", "glam", "prefetch-index", "rayon"]),
     ("crates/refit", &["lodc-mesh", "lodc-nearest", "glam", "rayon"]),
     ("crates/strip", &["lodc-mesh", "rayon"]),
     ("crates/progressive", &["lodc-mesh", "lodc-strip"]),

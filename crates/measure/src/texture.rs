@@ -27,7 +27,6 @@ impl Pyramid {
 
     /// Returns the colour at a place, sRGB values from 0 to 1, for a pixel of a picture as large
     /// as `texels` of the image. Linear between texels and between sizes.
-    #[inline]
     #[must_use]
     pub fn at(&self, place: Vec2, texels: f32, wrap: [Wrap; 2]) -> Vec3 {
         let (mut level, mut left) = (0, texels);
@@ -44,7 +43,6 @@ impl Pyramid {
     }
 }
 
-#[inline]
 fn bilinear(image: &Image, place: Vec2, wrap: [Wrap; 2]) -> Vec3 {
     let x = along(place.x, image.width, wrap[0]);
     let y = along(place.y, image.height, wrap[1]);
@@ -57,7 +55,6 @@ fn bilinear(image: &Image, place: Vec2, wrap: [Wrap; 2]) -> Vec3 {
 }
 
 /// The two texels beside a place along one axis, and how far it is from the first to the second.
-#[inline]
 fn along(place: f32, size: u32, wrap: Wrap) -> ([u32; 2], f32) {
     let place = if place.is_finite() { place } else { 0.0 };
     let turns = match wrap {
@@ -70,10 +67,7 @@ fn along(place: f32, size: u32, wrap: Wrap) -> ([u32; 2], f32) {
     let index = |i: i64| {
         let size = i64::from(size);
         (match wrap {
-            // At most one beyond either end.
-            Wrap::Repeat if i < 0 => i + size,
-            Wrap::Repeat if i >= size => i - size,
-            Wrap::Repeat => i,
+            Wrap::Repeat => i.rem_euclid(size),
             Wrap::Clamp => i.clamp(0, size - 1),
             Wrap::Mirror => {
                 let i = i.rem_euclid(2 * size);

@@ -24,7 +24,6 @@ impl Image {
     ///
     /// # Panics
     /// If it is outside.
-    #[inline]
     #[must_use]
     pub fn at(&self, x: u32, y: u32) -> [u8; 4] {
         assert!(x < self.width && y < self.height, "({x}, {y}) is outside");

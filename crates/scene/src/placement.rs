@@ -58,18 +58,6 @@ impl Arrangement {
         Self { of_object: Csr::new(objects, numbers), placements }
     }
 
-    /// The same with the first placement of each object alone.
-    #[must_use]
-    pub fn once(self) -> Self {
-        let Self { of_object, placements } = self;
-        let is_first =
-            |(i, p): &(u32, Placement)| of_object.row(p.object as u32).first() == Some(i);
-        let first = (0..).zip(placements).filter(is_first);
-        let placements: Vec<Placement> = first.map(|(_, p)| p).collect();
-        let numbers = placements.iter().zip(0..).map(|(p, i)| (p.object as u32, i));
-        Self { of_object: Csr::new(of_object.rows(), numbers), placements }
-    }
-
     /// Every placement, in the order of the nodes.
     #[must_use]
     pub fn placements(&self) -> &[Placement] {

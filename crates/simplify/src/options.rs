@@ -98,7 +98,7 @@ impl Options {
         weights: Weights::DEFAULT,
         picture: 256,
         hybrid_between: [0.0, 1.0],
-        hybrid_samples: 32_000,
+        hybrid_samples: 16_000,
     };
 }
 

@@ -11,14 +11,12 @@ use lodc_select::Target;
 use std::sync::Arc;
 
 /// Levels that are looked at, as shares of the scene's triangles.
-const LEVELS: [f64; 6] = [0.5, 0.25, 0.1, 0.05, 0.02, 0.01];
+const LEVELS: [f64; 4] = [0.5, 0.25, 0.1, 0.05];
 /// An image error up to this many times another's is no worse.
 const NO_WORSE: f64 = 1.01;
 /// The pictures: fewer and smaller than those of `compare`, and from other sides.
-const VIEWING: Viewing = Viewing { views: 17, size: 192 };
-/// Scenes that show more triangles than this are looked at with one instance of each object.
-const MANY_TRIANGLES: usize = 1 << 18;
-/// Scenes with more triangles than this are not looked at.
+const VIEWING: Viewing = Viewing { views: 17, size: 256 };
+/// Scenes with more triangles than this, instances counted, are not looked at.
 const MAX_TRIANGLES: usize = 1 << 23;
 
 /// The levels at which a metric decides, so that nothing looks worse than by the quadric.
@@ -32,7 +30,7 @@ pub(super) enum Verdict {
 
 /// Compares the image errors of a metric with those of the quadric at [`LEVELS`]: the metric
 /// decides around the levels that follow each other, look no worse, and gain most together.
-pub(super) fn verdict(quadric: &[f64; LEVELS.len()], other: &[f64; LEVELS.len()]) -> Verdict {
+pub(super) fn verdict(quadric: &[f64; 4], other: &[f64; 4]) -> Verdict {
     let is_good = |i: usize| other[i] <= NO_WORSE * quadric[i];
     if (0..LEVELS.len()).all(is_good) {
         return Verdict::Everywhere;
@@ -69,16 +67,10 @@ impl<'a> Judge<'a> {
     pub(super) fn new(objects: &[SceneObject], known: Known<'a>) -> Result<Option<Self>, Error> {
         let infos: Vec<&ObjectInfo> = objects.iter().map(|o| &o.info).collect();
         let graph = scene_graph(known.document, &infos, &known.limits)?;
-        let mut scene = Arrangement::new(&graph, &graph.rest_pose(), objects.len());
-        let count = |scene: &Arrangement| {
-            let counts =
-                scene.placements().iter().map(|p| objects[p.object].mesh.triangles().len());
-            counts.fold(0, usize::saturating_add)
-        };
-        if count(&scene) > MANY_TRIANGLES {
-            scene = scene.once();
-        }
-        let triangles = count(&scene);
+        let scene = Arrangement::new(&graph, &graph.rest_pose(), objects.len());
+        let count = |object: usize| objects[object].mesh.triangles().len();
+        let counts = scene.placements().iter().map(|p| count(p.object));
+        let triangles = counts.fold(0, usize::saturating_add);
         if triangles == 0 || triangles > MAX_TRIANGLES {
             return Ok(None);
         }
@@ -94,7 +86,7 @@ impl<'a> Judge<'a> {
     ///
     /// # Errors
     /// If a level is no mesh: a bug.
-    pub(super) fn errors(&self, objects: &SimplifiedObjects) -> Result<[f64; LEVELS.len()], Error> {
+    pub(super) fn errors(&self, objects: &SimplifiedObjects) -> Result<[f64; 4], Error> {
         let object = |(info, simplified): &(ObjectInfo, _)| LodObject {
             info: info.clone(),
             simplified: Arc::clone(simplified),
@@ -102,7 +94,7 @@ impl<'a> Judge<'a> {
         };
         let objects: Vec<LodObject> = objects.iter().map(object).collect();
         let levels = scene_levels(&objects, self.known.document, &self.known.limits)?;
-        let mut errors = [0.0; LEVELS.len()];
+        let mut errors = [0.0; 4];
         for (share, error) in LEVELS.into_iter().zip(&mut errors) {
             let lods = levels.select(Target::Ratio(share), false)?.lods;
             let meshes = level_mesh::plain(&objects, &lods)?;
@@ -125,23 +117,22 @@ fn surface(meshes: &[&Mesh], scene: &Arrangement, known: Known<'_>) -> SceneSurf
 
 #[cfg(test)]
 mod tests {
-    use super::{LEVELS, Verdict, verdict};
+    use super::{Verdict, verdict};
 
     #[test]
     fn the_metric_decides_where_it_looks_no_worse() {
-        let against =
-            |ratios: [f64; LEVELS.len()]| verdict(&[2.0; LEVELS.len()], &ratios.map(|r| 2.0 * r));
-        assert_eq!(against([1.0, 0.9, 0.8, 1.01, 1.0, 0.5]), Verdict::Everywhere);
-        assert_eq!(against([1.2, 1.1, 1.3, 1.04, 1.1, 1.1]), Verdict::Nowhere);
-        assert_eq!(against([1.2, 1.01, 1.3, 1.04, 1.1, 1.1]), Verdict::Nowhere);
-        let Verdict::Between([least, most]) = against([1.1, 1.2, 0.9, 0.8, 0.9, 1.0]) else {
+        let against = |ratios: [f64; 4]| verdict(&[2.0; 4], &ratios.map(|r| 2.0 * r));
+        assert_eq!(against([1.0, 0.9, 0.8, 1.01]), Verdict::Everywhere);
+        assert_eq!(against([1.2, 1.1, 1.3, 1.04]), Verdict::Nowhere);
+        assert_eq!(against([1.2, 1.01, 1.3, 1.04]), Verdict::Nowhere);
+        let Verdict::Between([least, most]) = against([1.1, 1.2, 0.9, 0.8]) else {
             panic!("it is better at coarse levels")
         };
         assert!(least == 0.0 && most > 0.1 && most < 0.25, "{least} {most}");
-        let Verdict::Between([least, most]) = against([0.9, 0.7, 1.4, 0.8, 1.2, 1.2]) else {
+        let Verdict::Between([least, most]) = against([0.9, 0.7, 1.4, 0.8]) else {
             panic!("it is better at fine levels")
         };
         assert!(most == 1.0 && least > 0.1 && least < 0.25, "{least} {most}");
-        assert_eq!(verdict(&[0.0; LEVELS.len()], &[0.0; LEVELS.len()]), Verdict::Everywhere);
+        assert_eq!(verdict(&[0.0; 4], &[0.0; 4]), Verdict::Everywhere);
     }
 }

@@ -11,6 +11,11 @@ use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+/// Scenes of fewer triangles are small: there is time to look at more samples first, so many in
+/// all. They help most models and harm some.
+const SMALL: u64 = 16_000;
+const SAMPLES_OF_SMALL: u64 = 64_000;
+
 /// Simplifies every object by its options. Where that is by `hybrid`, the quadric decides at those
 /// levels at which the scene looks worse otherwise: pictures of both decide.
 ///
@@ -34,13 +39,18 @@ fn best(
     if !options.iter().any(is_hybrid) {
         return Ok(each(objects, options, known, watch));
     }
-    let options = &with_samples(options, &objects);
     let Some(judge) = Judge::new(&objects, known)? else {
         return Ok(each(objects, options, known, watch));
     };
     let by_quadric = instead(options, |o| Options { metric: MetricKind::Quadric, ..o });
     let quadric = each(objects.clone(), &by_quadric, known, watch);
     let plain = judge.errors(&quadric)?;
+    if let Some(options) = with_samples(options, &objects) {
+        let closer = each(objects.clone(), &options, known, watch);
+        if verdict(&plain, &judge.errors(&closer)?) == Verdict::Everywhere {
+            return Ok(closer);
+        }
+    }
     let hybrid = each(objects.clone(), options, known, watch);
     let between = match verdict(&plain, &judge.errors(&hybrid)?) {
         Verdict::Everywhere => return Ok(hybrid),
@@ -54,15 +64,16 @@ fn best(
     Ok(if is_better { mixed } else { quadric })
 }
 
-/// The options of the objects of a scene, with its samples shared out by their triangles.
-fn with_samples(options: &[Options], objects: &[SceneObject]) -> Vec<Options> {
+/// The options of the objects of a small scene with more samples, shared out by their triangles;
+/// nothing if the scene is not small.
+fn with_samples(options: &[Options], objects: &[SceneObject]) -> Option<Vec<Options>> {
     let triangles = |o: &SceneObject| o.mesh.triangles().len() as u64;
-    let all = Size::of_objects(objects).triangles.max(1);
-    let share = |(o, object): (&Options, &SceneObject)| {
-        let samples = u64::from(o.hybrid_samples) * triangles(object) / all;
-        Options { hybrid_samples: samples as u32, ..*o }
+    let all = Size::of_objects(objects).triangles;
+    let more = |(o, object): (&Options, &SceneObject)| {
+        let share = SAMPLES_OF_SMALL * triangles(object) / all.max(1);
+        Options { hybrid_samples: o.hybrid_samples.max(share as u32), ..*o }
     };
-    options.iter().zip(objects).map(share).collect()
+    (all < SMALL).then(|| options.iter().zip(objects).map(more).collect())
 }
 
 fn is_hybrid(options: &Options) -> bool {

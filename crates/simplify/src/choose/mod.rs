@@ -82,12 +82,6 @@ impl<M: Reprice> Selector<'_, M> {
         self.pricer.region.mesh.has(from, SEAM) || self.pricer.context.attributes.texture.is_some()
     }
 
-    /// Returns whether what a group's collapse takes away may be all that is left of a piece, which
-    /// the metric does not see.
-    fn may_vanish(&self, from: u32) -> bool {
-        !self.pricer.metric.is_active() && self.pricer.region.mesh.is_in_small_piece(from)
-    }
-
     /// The known choice, if it is legal at its price.
     fn confirm(
         &self,
@@ -102,7 +96,7 @@ impl<M: Reprice> Selector<'_, M> {
             self.pricer.region.mesh.has(from, RESTRICTED) && !self.pricer.metric.is_active();
         let Region { mesh, .. } = self.pricer.region;
         let verdict = self.rules.check(mesh, from, known.to, &mut buffers.marks)?;
-        if !is_found && (verdict.price > 1.0 || self.may_vanish(from)) {
+        if verdict.price > 1.0 && !is_found {
             return None;
         }
         if is_planned {
@@ -141,8 +135,6 @@ impl<M: Reprice> Selector<'_, M> {
         if gathered {
             buffers.faces.gather(mesh, from);
         }
-        let may_vanish = self.may_vanish(from);
-        buffers.refused = may_vanish;
         let mut best: Option<(f64, u32, bool)> = None;
         for &(cost, to) in candidates.iter().take(most) {
             if best.is_some_and(|b| cost >= b.0) {
@@ -167,10 +159,7 @@ impl<M: Reprice> Selector<'_, M> {
                 price *= 1.0 + FAKE_PRICE * f64::from(buffers.tried.fakes);
             }
             buffers.refused |= price > 1.0;
-            let mut cost = cost * price;
-            if may_vanish {
-                cost += self.pricer.lost(from, to);
-            }
+            let cost = cost * price;
             if best.is_none_or(|b| cost < b.0) {
                 best = Some((cost, to, verdict.changes_topology));
                 std::mem::swap(&mut buffers.tried, &mut buffers.plan);

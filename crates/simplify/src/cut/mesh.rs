@@ -122,8 +122,6 @@ pub(crate) const DEAD: u8 = 128;
 
 /// Stars with more faces than this are hubs.
 pub(crate) const HUB_VALENCE: usize = 64;
-/// Groups of the largest piece that is looked at as a whole: a box has as many.
-const SMALL_PIECE: usize = 8;
 
 /// Groups, faces and stars of one region.
 #[derive(Default)]
@@ -257,33 +255,6 @@ impl WorkingMesh {
                 visit(corner.ahead);
             }
         }
-    }
-
-    /// Returns whether a group belongs to a piece of at most [`SMALL_PIECE`] groups that is not the
-    /// whole mesh.
-    pub(crate) fn is_in_small_piece(&self, group: u32) -> bool {
-        if self.valence(group) >= SMALL_PIECE {
-            return false;
-        }
-        let mut piece = [group; SMALL_PIECE];
-        let (mut known, mut seen, mut corners) = (1, 0, 0);
-        while seen < known {
-            let mut others = 0;
-            self.each_neighbour(piece[seen], |g| {
-                if !piece[..known].contains(&g) {
-                    match piece.get_mut(known) {
-                        Some(place) => (*place, known) = (g, known + 1),
-                        None => others += 1,
-                    }
-                }
-            });
-            if others > 0 {
-                return false;
-            }
-            corners += self.valence(piece[seen]);
-            seen += 1;
-        }
-        corners < 3 * self.live_faces as usize
     }
 
     /// The neighbours of `from` that are other groups at the position of `to`, some of them twice.

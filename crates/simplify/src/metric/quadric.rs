@@ -118,7 +118,7 @@ impl Reprice for QuadricOnly {
     fn should_toggle(&self, _mesh: &WorkingMesh) -> bool {
         false
     }
-    fn toggle(&mut self, _mesh: &WorkingMesh, _wedges: &Wedges, _legal: bool) {}
+    fn toggle(&mut self, _mesh: &WorkingMesh, _legal: bool) {}
     fn reprice(&self, _: &WorkingMesh, _: &Wedges, _: u32, _: &mut [(f64, u32)], (): &mut ()) {}
     fn collapsed(&mut self, _: &WorkingMesh, _: &Wedges, _: u32, _: u32) {}
 }

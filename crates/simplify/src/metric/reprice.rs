@@ -21,7 +21,7 @@ pub(crate) trait Reprice: Sync {
     fn should_toggle(&self, mesh: &WorkingMesh) -> bool;
 
     /// Starts or ends pricing. `legal` says that every rule holds.
-    fn toggle(&mut self, mesh: &WorkingMesh, wedges: &Wedges, legal: bool);
+    fn toggle(&mut self, mesh: &WorkingMesh, legal: bool);
 
     /// Factor of the attributes' cost before it is added.
     fn attribute_weight(&self) -> f64 {

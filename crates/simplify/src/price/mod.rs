@@ -58,10 +58,6 @@ pub(crate) struct Scratch<S> {
     repricing: S,
 }
 
-/// Area that a piece loses as it goes is as wrong as if it were this share of the mesh's size away.
-/// Measured: 0.05 and 0.15 look alike, the second costs geometry elsewhere.
-const VANISHED: f64 = 0.05;
-
 /// Edges that a group may move along.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Permitted {
@@ -166,23 +162,6 @@ impl<M: Reprice> Pricer<'_, M> {
             let Region { mesh, wedges, .. } = self.region;
             self.metric.reprice(mesh, wedges, from, candidates, repricing);
         }
-    }
-
-    /// The price of what a piece loses of its picture as one of its last groups moves: area that
-    /// is gone is as wrong as if it were [`VANISHED`] away.
-    pub(crate) fn lost(&self, from: u32, to: u32) -> f64 {
-        let mesh = &self.region.mesh;
-        let there = mesh.position(to);
-        let mut lost = 0.0;
-        for &corner in mesh.star(from) {
-            lost += f64::from(mesh.facet(corner.face()).area);
-            let others = mesh.others(corner);
-            if !others.contains(&to) {
-                let [ahead, behind] = others.map(|g| mesh.position(g) - there);
-                lost -= 0.5 * ahead.cross(behind).length();
-            }
-        }
-        lost.max(0.0) * (VANISHED * self.context.input.size).powi(2)
     }
 
     /// Prices all collapses of a group by the quadric and attributes.

@@ -3,7 +3,7 @@
 
 use crate::choose::{Heap, LegalCollapse, Rules, SelectionBuffers, Selector, Stage};
 use crate::commit::{CollapseLog, Commit, Touched, join_points};
-use crate::cut::{Choice, HUB_VALENCE, LOCKED, RESTRICTED, Region, STALE};
+use crate::cut::{Choice, DEAD, HUB_VALENCE, LOCKED, RESTRICTED, Region, STALE};
 use crate::metric::Reprice;
 use crate::price::{Context, Pricer, Scratch};
 use rayon::prelude::*;
@@ -18,14 +18,10 @@ const MAX_WALKED: usize = 32;
 /// After this many of them in one collapse the others wait too: where all is tangled, they would be
 /// ranked again and again.
 const MAX_RESTRICTED: usize = 16;
-/// The most groups that a metric prices anew at once, so that all threads have work, and the faces
-/// that there are for each: in a small mesh what is priced ahead soon changes again.
-const MAX_AT_ONCE: usize = 16;
-const FACES_PER_GROUP: usize = 256;
-/// The share of its last price at which a group whose surroundings changed comes up again: prices
-/// fall, too. Later is quicker and looks worse (1: 0.74 of the time and 3 % more image error),
-/// earlier takes longer for less than 1 %.
-const AHEAD: f32 = 0.5;
+/// The most collapses after which groups wait to be priced anew by a metric, so that all threads
+/// have work at once, and the faces that there are for each.
+const MAX_WAITING: usize = 32;
+const FACES_PER_WAITING: usize = 512;
 
 /// Reports of progress from all threads.
 pub(crate) struct Progress<'a> {
@@ -97,8 +93,8 @@ struct LoopState<S> {
     touched: Touched,
     /// Groups to be ranked again.
     due: Vec<u32>,
-    /// Groups at the head of the queue whose prices hold.
-    passed: Vec<(u32, f32)>,
+    /// Collapses whose neighbours wait for it.
+    waiting: usize,
     /// Number of groups that are flagged as restricted.
     restricted: u32,
 }
@@ -136,13 +132,13 @@ impl<'a, M: Reprice> Engine<'a, M> {
         for stage in Stage::ALL {
             self.rules.stage = stage;
             if M::REPRICES {
-                self.toggle();
+                self.metric.toggle(&self.region.mesh, stage == Stage::Legal);
             }
             while self.region.mesh.live_faces > 0 {
                 let (before, faces) = (self.log.steps.len(), self.region.mesh.live_faces as usize);
                 self.rank_all();
                 if !self.run_queue(Queue::All, progress) {
-                    self.toggle();
+                    self.metric.toggle(&self.region.mesh, stage == Stage::Legal);
                 } else if (self.log.steps.len() - before) * REFILL_PART <= faces {
                     // What is still refused stays so: hardly anything has changed.
                     break;
@@ -154,12 +150,6 @@ impl<'a, M: Reprice> Engine<'a, M> {
         }
         join_points(self.region, &mut self.log);
         (self.log, legal)
-    }
-
-    /// Lets the metric begin or end at this stage.
-    fn toggle(&mut self) {
-        let Region { mesh, wedges, .. } = &*self.region;
-        self.metric.toggle(mesh, wedges, self.rules.stage == Stage::Legal);
     }
 
     /// Collapses what costs at most `limit`, as far as it is this region's alone.
@@ -219,11 +209,17 @@ impl<'a, M: Reprice> Engine<'a, M> {
         let cost = |choice: (u32, &Choice)| if takes(choice) { choice.1.cost } else { f32::NAN };
         let mut heap = Heap::new(choices.map(cost).collect::<Vec<f32>>().into_iter());
         loop {
-            let Some((from, key)) = heap.pop() else { return true };
+            let Some((from, key)) = heap.pop() else {
+                if self.state.waiting == 0 {
+                    return true;
+                }
+                self.rerank_waiting(&mut heap);
+                continue;
+            };
             self.region.mesh.prefetch_neighbours(from);
             if self.region.mesh.has(from, STALE) {
-                if self.metric.is_active() {
-                    self.rerank_first(from, &mut heap);
+                if self.state.waiting > 0 {
+                    self.rerank_waiting(&mut heap);
                     continue;
                 }
                 self.rerank(from);
@@ -254,6 +250,7 @@ impl<'a, M: Reprice> Engine<'a, M> {
                 progress.report(self.log.steps.len() as u64);
             }
             if M::REPRICES && self.metric.should_toggle(&self.region.mesh) {
+                self.rerank_waiting(&mut heap);
                 return false;
             }
         }
@@ -301,10 +298,8 @@ impl<'a, M: Reprice> Engine<'a, M> {
             self.add_restricted(&mut due, before);
         }
         if self.metric.is_active() {
-            for g in due.drain(..) {
-                self.set_stale(g, heap);
-            }
             self.state.due = due;
+            self.wait(before, heap);
             return;
         }
         for &g in &due[..changed] {
@@ -326,14 +321,25 @@ impl<'a, M: Reprice> Engine<'a, M> {
         }
     }
 
-    /// Flags a group whose price a metric has to see anew. It is priced when its turn may have come.
-    fn set_stale(&mut self, g: u32, heap: &mut Heap) {
-        if self.region.mesh.has(g, STALE | LOCKED) {
-            return;
+    /// Flags the groups due since the last collapse as stale, and ranks all that wait if they are
+    /// many.
+    fn wait(&mut self, before: usize, heap: &mut Heap) {
+        let Self { region, state, .. } = self;
+        let mut kept = before;
+        for i in before..state.due.len() {
+            let g = state.due[i];
+            if !region.mesh.has(g, STALE) {
+                region.mesh.add_flags(g, STALE);
+                state.due[kept] = g;
+                kept += 1;
+            }
         }
-        self.region.mesh.add_flags(g, STALE);
-        let cost = self.region.choices[g as usize].cost;
-        heap.set(g, if cost.is_nan() { 0.0 } else { AHEAD * cost });
+        state.due.truncate(kept);
+        state.waiting += 1;
+        let most = region.mesh.live_faces as usize / FACES_PER_WAITING;
+        if state.waiting >= most.clamp(1, MAX_WAITING) {
+            self.rerank_waiting(heap);
+        }
     }
 
     /// Adds the restricted groups next to those that are due.
@@ -371,19 +377,11 @@ impl<'a, M: Reprice> Engine<'a, M> {
         }
     }
 
-    /// Ranks a stale group that was taken out of the queue and those behind it, all at once. What
-    /// changed elsewhere, hidden or uncovered by now, is noticed when its turn comes.
-    fn rerank_first(&mut self, first: u32, heap: &mut Heap) {
+    /// Ranks the groups that wait for it, all at once. What changed elsewhere, hidden or uncovered
+    /// by now, is noticed when its turn comes.
+    fn rerank_waiting(&mut self, heap: &mut Heap) {
         let mut due = std::mem::take(&mut self.state.due);
-        let mut passed = std::mem::take(&mut self.state.passed);
-        due.push(first);
-        let most = self.region.mesh.live_faces as usize / FACES_PER_GROUP;
-        let most = most.clamp(1, MAX_AT_ONCE);
-        while due.len() < most && passed.len() < most {
-            let Some((g, key)) = heap.pop() else { break };
-            if self.region.mesh.has(g, STALE) { due.push(g) } else { passed.push((g, key)) }
-        }
-        passed.drain(..).for_each(|(g, key)| heap.set(g, key));
+        due.retain(|&g| !self.region.mesh.has(g, DEAD));
         for &g in &due {
             self.set_restricted(g, false);
         }
@@ -397,7 +395,7 @@ impl<'a, M: Reprice> Engine<'a, M> {
             self.requeue(g, f32::INFINITY, heap);
         }
         due.clear();
-        (self.state.due, self.state.passed) = (due, passed);
+        (self.state.due, self.state.waiting) = (due, 0);
     }
 
     /// Puts a group where it belongs in the queue.

@@ -4,7 +4,7 @@ use super::appearance::Appearance;
 use super::lanes::{self, Four, Shaded4};
 use super::patch::{Patch, WIDE};
 use super::pixel::{MAX_GEOMETRY, Shading, UNCOVERED};
-use super::samples::{Sample, Samples, mix, mix_coordinates};
+use super::samples::{Samples, mix, mix_coordinates};
 use super::vectors::{Places, Vec3x4, cosines};
 use glam::{Vec3, Vec4};
 use lodc_mesh::NONE;
@@ -34,20 +34,16 @@ struct Fit {
 }
 
 impl Patch {
-    /// The energy of the patch with the star moved, or a part of it that is more than `enough`.
-    /// `distance_weight` is the energy of a squared distance of one.
+    /// The energy of the patch with the star moved. `distance_weight` is the energy of a squared
+    /// distance of one.
     pub(super) fn energy(
         &self,
         samples: &Samples,
         appearance: &Appearance<'_>,
         distance_weight: f32,
-        enough: f64,
     ) -> f64 {
         let mut sum = 0.0;
         for four in &self.samples {
-            if sum > enough {
-                return sum;
-            }
             let error = if self.moved.is_empty() {
                 // Nothing is left that could stand for them.
                 four.weight * UNCOVERED
@@ -58,9 +54,6 @@ impl Patch {
             sum += lanes::sum(error);
         }
         for i in 0..self.surrounding.len() {
-            if sum > enough {
-                return sum;
-            }
             sum += self.surrounding_energy(i, samples);
         }
         for i in 0..self.moved.len() {
@@ -140,7 +133,7 @@ impl Patch {
             for (i, &s) in four.ids.iter().enumerate().filter(|(_, s)| **s != NONE) {
                 let (s, f) = (samples.get(s), &self.moved[faces[i] as usize]);
                 let at = mix_coordinates(&f.texture, [u[i], v[i]]);
-                all[i] = shown_at(s, appearance, f.submesh, at);
+                all[i] = Shading::new(s.colour, appearance.colour(f.submesh, at, s.footprint));
                 lanes.set(i, &all[i]);
             }
             (shading, shown) = (lanes.lanes(), Some(all));
@@ -175,21 +168,9 @@ impl Patch {
     }
 }
 
-/// The error of shading a sample with the colour at texture coordinates of a submesh.
-pub(super) fn shown_at(
-    s: &Sample,
-    appearance: &Appearance<'_>,
-    submesh: u32,
-    at: [f32; 2],
-) -> Shading {
-    let slip = [0, 1].map(|k| at[k] - s.coordinates[k]);
-    let shading = Shading::new(s.colour, appearance.colour(submesh, at, s.footprint));
-    shading.slipped(slip[0] * slip[0] + slip[1] * slip[1])
-}
-
 /// The errors of four samples by their distances from their places. Beside its own plane nothing
 /// covers a sample.
-pub(super) fn geometric_error(four: &Four, places: &Places, distance_weight: f32) -> Vec4 {
+fn geometric_error(four: &Four, places: &Places, distance_weight: f32) -> Vec4 {
     let Places { away, squared, .. } = *places;
     let along = away.dot(four.normal);
     let beside = (squared - along * along).max(Vec4::ZERO).sqrt();

@@ -19,7 +19,6 @@ mod lanes;
 mod patch;
 mod pixel;
 mod placed;
-mod placing;
 mod samples;
 #[cfg(test)]
 mod seen_tests;
@@ -48,7 +47,7 @@ const ATTRIBUTES: f64 = 100.0;
 /// Pixels across a picture of the mesh: texels are averaged over one.
 const PIXELS: f64 = 512.0;
 /// The most candidates of a group that are repriced, the geometrically cheapest ones.
-const MAX_CANDIDATES: usize = 2;
+const MAX_CANDIDATES: usize = 3;
 /// The most faces times candidates that are repriced.
 const MAX_FACES_PRICED: usize = 64;
 /// Weight of geometry and attributes where nothing is visible, as a share of that elsewhere.
@@ -69,9 +68,9 @@ pub(crate) struct HybridMetric<'a> {
     tie_weight: f64,
     /// Numbers of faces between which it decides, the smaller first.
     between: [f64; 2],
-    /// Set in the legal phase.
-    legal: bool,
-    /// Set while it decides, and samples follow the faces.
+    /// Set in the legal phase: samples follow the faces.
+    follows: bool,
+    /// Set while it decides.
     active: bool,
     /// Distance of the visible samples of the last star that moved, if samples follow.
     moved: Option<f64>,
@@ -101,7 +100,7 @@ impl<'a> HybridMetric<'a> {
             distance_weight: per(DISTANCE) as f32,
             tie_weight: per(1.0),
             between: options.hybrid_between.map(|share| f64::from(share) * mesh.faces.len() as f64),
-            legal: false,
+            follows: false,
             active: false,
             moved: None,
             patch: Patch::default(),
@@ -118,7 +117,7 @@ impl Reprice for HybridMetric<'_> {
 
     fn collapsed(&mut self, mesh: &WorkingMesh, wedges: &Wedges, from: u32, to: u32) {
         self.moved = None;
-        if self.active {
+        if self.follows {
             let Self { appearance, samples, energy, patch, .. } = self;
             let source = Source { mesh, wedges, appearance, samples, energy };
             patch.gather(&source, from);
@@ -142,20 +141,14 @@ impl Reprice for HybridMetric<'_> {
 
     fn should_toggle(&self, mesh: &WorkingMesh) -> bool {
         let faces = f64::from(mesh.live_faces);
-        let decides = self.legal && faces > self.between[0] && faces <= self.between[1];
+        let decides = self.follows && faces > self.between[0] && faces <= self.between[1];
         decides != self.active
     }
 
-    fn toggle(&mut self, mesh: &WorkingMesh, wedges: &Wedges, legal: bool) {
-        self.legal = legal;
-        if !self.should_toggle(mesh) {
-            return;
-        }
-        self.active = !self.active;
-        if self.active && (mesh.live_faces as usize) < mesh.faces.len() {
-            let Self { appearance, samples, energy, .. } = self;
-            let size = self.distance_weight;
-            placing::place(mesh, wedges, appearance, samples, size, energy);
+    fn toggle(&mut self, mesh: &WorkingMesh, legal: bool) {
+        self.follows = legal;
+        if self.should_toggle(mesh) {
+            self.active = !self.active;
         }
     }
 
@@ -176,13 +169,11 @@ impl Reprice for HybridMetric<'_> {
             .min(candidates.len());
         let (near, far) = candidates.split_at_mut(priced);
         let tie = self.tie_weight * (patch.visible + HIDDEN);
-        let (mut worst, mut least) = (0.0, f64::INFINITY);
+        let mut worst = 0.0;
         for (cost, to) in near {
             patch.move_to(&source, from, *to);
-            let enough = least + patch.current_energy;
-            let moved = patch.energy(samples, appearance, self.distance_weight, enough);
+            let moved = patch.energy(samples, appearance, self.distance_weight);
             let added = moved - patch.current_energy + tie * *cost;
-            least = added.min(least);
             *cost = if added >= 0.0 { ZERO + added } else { ZERO * ZERO / (ZERO - added) };
             worst = cost.max(worst);
         }

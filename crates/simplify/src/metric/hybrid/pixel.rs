@@ -25,20 +25,7 @@ pub(super) struct Shading<T = f32> {
     most: T,
 }
 
-/// Error of a place that shows another of its texture, by more than [`SLIP`] of its coordinates'
-/// unit, although that looks alike from afar; less for less, by the square.
-const SLIPPED: f32 = 0.1;
-const SLIP: f32 = 0.05;
-
 impl Shading {
-    /// The same, and no less than what a texture that slips by so much costs. Squared units of
-    /// texture space.
-    pub(super) fn slipped(mut self, squared: f32) -> Self {
-        let share = (squared / (SLIP * SLIP)).min(1.0);
-        self.coefficients[0] = self.coefficients[0].max(SLIPPED * share);
-        self
-    }
-
     /// That of a place of one colour that shows another.
     pub(super) fn new(was: Colour, now: Colour) -> Self {
         let (c, d) = (was.channels(), now.channels());

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 pub(super) const CREASE: f32 = 0.5;
 
 /// The most samples of one face; beyond, every other one is dropped and the rest weigh more.
-const MAX_SAMPLES_PER_FACE: usize = 32;
+const MAX_SAMPLES_PER_FACE: usize = 64;
 /// Normals are averaged over at most this many faces, so that hubs take no quadratic time.
 pub(super) const MAX_AVERAGED: usize = 64;
 
@@ -29,8 +29,7 @@ pub(super) struct Sample {
     pub(super) shading: Shading,
     /// Mean convex curvature of the input there: the inverse of a radius in working units.
     pub(super) curvature: f32,
-    /// Its texture coordinates, and the area of texture space that a pixel covers there.
-    pub(super) coordinates: [f32; 2],
+    /// The area of texture space that a pixel covers there.
     pub(super) footprint: f32,
     /// The area it stands for, times its visible share.
     pub(super) weight: f32,
@@ -145,11 +144,6 @@ impl Samples {
         self.first[face as usize] = NONE;
     }
 
-    /// Number of samples.
-    pub(super) fn count(&self) -> usize {
-        self.all.len()
-    }
-
     /// Gives a sample to a face, with its weighted error by distance and what it shows now.
     pub(super) fn put(
         &mut self,
@@ -225,8 +219,7 @@ fn samples_of_face(
     (0..count)
         .map(|i| {
             let at = if count == 1 { [1.0 / 3.0; 2] } else { place(i, count) };
-            let coordinates = mix_coordinates(&places, at);
-            let colour = appearance.colour(submesh, coordinates, footprint);
+            let colour = appearance.colour(submesh, mix_coordinates(&places, at), footprint);
             Sample {
                 position: mix(&p, at),
                 normal: mix(&normals, at).normalize_or_zero(),
@@ -234,7 +227,6 @@ fn samples_of_face(
                 power: colour.power(),
                 shading: Shading::new(colour, colour),
                 curvature,
-                coordinates,
                 footprint,
                 weight: facet.area / count as f32,
                 at,

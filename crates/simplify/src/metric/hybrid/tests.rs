@@ -89,7 +89,7 @@ fn a_commit_costs_what_the_look_said() {
         let mut metric =
             HybridMetric::new(&mesh, Some(&colours), &region, input.size, &Options::DEFAULT);
         let Region { mesh: mut working, wedges, .. } = region;
-        metric.toggle(&working, &wedges, true);
+        metric.toggle(&working, true);
         let mut random = shapes::Rng::new(5);
         for _ in 0..60 {
             let from = random.below(working.places.len()) as u32;

@@ -203,7 +203,7 @@ impl Reprice for VisualMetric {
         !self.is_active() && !self.asleep_for_good && u64::from(mesh.live_faces) <= self.limit
     }
 
-    fn toggle(&mut self, mesh: &WorkingMesh, _wedges: &Wedges, legal: bool) {
+    fn toggle(&mut self, mesh: &WorkingMesh, legal: bool) {
         if legal {
             if self.should_toggle(mesh) {
                 self.open(mesh);
