@@ -70,7 +70,7 @@ fn a_chain_of_a_file_has_the_levels_of_extract() {
         for key in ["lod", "triangles", "vertices", "gone"] {
             assert_eq!(of_file[key], of_mesh[key], "{key}");
         }
-        let error = |level: &serde_json::Value| level["error"].as_f64().expect("a number");
+        let error = |level: &Value| level["error"].as_f64().expect("a number");
         // Bounds of levels by themselves are at most 2 % above the distances.
         assert!(error(of_mesh) <= 1.02 * error(of_file));
     }

@@ -128,7 +128,7 @@ impl<'a> Backward<'a> {
             let corners = self.input.at(entry.points);
             match reach {
                 Some(reach) if reach <= near => {
-                    self.faces[entry.face as usize].reach = reach as f32
+                    self.faces[entry.face as usize].reach = reach as f32;
                 }
                 Some(_) if now.step.live > FEW && !self.is_doubtful(entry, corners) => {}
                 _ => self.seek(entry, corners),

@@ -4,7 +4,7 @@ use super::tests::{sphere, verify_all};
 use super::*;
 use lodc_fixtures as fixtures;
 use lodc_lod::Interactive;
-use lodc_mesh::{CollapseSequence, SequenceParts, Simplified};
+use lodc_mesh::{CollapseSequence, PositionIds, SequenceParts, Simplified};
 use std::sync::Arc;
 
 /// A sequence with something changed.
