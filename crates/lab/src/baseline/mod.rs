@@ -140,7 +140,7 @@ impl Model for Baseline {
         each!(self, model => model.sent(from, to, traffic))
     }
     fn for_each_triangle(&self, cursor: &BaselineCursor, see: impl FnMut(OrientedTriangle)) {
-        each!(self, cursor, (model, at) => model.for_each_triangle(at, see))
+        each!(self, cursor, (model, at) => model.for_each_triangle(at, see));
     }
     fn drawn(&self, cursor: &BaselineCursor) -> u64 {
         each!(self, cursor, (model, at) => model.drawn(at))

@@ -191,12 +191,6 @@ fn surroundings_difference(
         }
         (source, stored) => document_difference(source, stored, limits)?,
     };
-    // Another version may lay a document out otherwise.
-    let same_version = file.made_from.as_ref().is_some_and(MadeFrom::is_of_this_version);
-    let difference = difference.or_else(|| {
-        let differs = same_version && scene.document != file.document;
-        differs.then(|| "the bytes of the document are not those of the source".to_owned())
-    });
     let objects =
         || scene.objects.iter().map(|o| &o.info).zip(file.objects.iter().map(|o| &o.info));
     Ok(difference
