@@ -128,7 +128,7 @@ pub(crate) struct SimplifyArgs {
 impl SimplifyArgs {
     /// Simplification by a metric, with nothing weighted or locked.
     pub(crate) fn by(metric: MetricKind) -> Self {
-        Self { metric: MetricArgs { metric: metric }, ..Self::default() }
+        Self { metric: MetricArgs { metric }, ..Self::default() }
     }
 }
 

@@ -29,13 +29,14 @@ const RMS_TOLERANCE: f64 = 1.5;
 /// Samples of a root mean square distance: at first, and before it is refused.
 const RMS_SAMPLES: [u32; 2] = [2_000, 20_000];
 
-/// So many neighbouring slices of equal area may have been sampled where they are unusually near, or
-/// far: 3 of `n` that all miss a part have a chance of 5 % if that part is 3/n of the area.
+/// So many neighbouring slices of equal area may have been sampled where they are unusually near,
+/// or far: 3 of `n` that all miss a part have a chance of 5 % if that part is 3/n of the area.
 const MISSED_SLICES: f64 = 3.0;
 
-/// Compares the errors and root mean square distances of a sequence with measured ones: returns how many levels were measured, and
-/// what is wrong with the first whose error does not hold. `shapes` are the surfaces that the
-/// errors are the maximum over, each with a place for every vertex: the one at rest first.
+/// Compares the errors and root mean square distances of a sequence with measured ones: returns how
+/// many levels were measured, and what is wrong with the first whose error does not hold. `shapes`
+/// are the surfaces that the errors are the maximum over, each with a place for every vertex: the
+/// one at rest first.
 #[must_use]
 pub fn check_errors<S: AsRef<[[f32; 3]]> + Sync>(
     simplified: &Simplified,

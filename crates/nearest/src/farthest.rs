@@ -5,7 +5,8 @@
 //! part whose corners are near enough to one triangle is closed. From any other part that is cut
 //! off which is near enough to the triangle next to its middle: over the triangle, and as far
 //! around it as the distance allows. What is left goes to the triangles beside it; so flat places
-//! end exactly, and cover is decided, where bisection alone would go on for ever along common edges.
+//! end exactly, and cover is decided, where bisection alone would go on for ever along common
+//! edges.
 
 use crate::moving::Hit;
 use crate::polygon::Polygon;

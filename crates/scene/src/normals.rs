@@ -1,9 +1,9 @@
 //! Smooth normals: the one rule by which surfaces without normals of their own are shaded.
 //!
 //! Around a position, triangles that share an edge, one on each side of it, are smooth across it
-//! unless their normals are more than 60° apart. All triangles that smooth edges connect share a normal: the mean of theirs,
-//! weighted by the angle at the position (Thürmer and Wüthrich 1998), which does not depend on how
-//! a face is cut into triangles.
+//! unless their normals are more than 60° apart. All triangles that smooth edges connect share a
+//! normal: the mean of theirs, weighted by the angle at the position (Thürmer and Wüthrich 1998),
+//! which does not depend on how a face is cut into triangles.
 
 use glam::{DVec3, Vec3};
 use lodc_mesh::{Csr, PositionIds};

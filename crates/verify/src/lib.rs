@@ -4,9 +4,9 @@
 //! order-independent hash, kept incrementally on both sides: by what the model says changed, and by
 //! [`Reference`], which follows the triangles by itself. At a schedule of stops (both ends, a grid
 //! down and up, seeded jumps) the model lists all that it shows, and so does
-//! [`Simplified::triangles_at`](lodc_mesh::Simplified::triangles_at), once for all models and walks:
-//! both lists must have the hash that was followed. That also catches a model that misreports its
-//! changes, and a reference that followed wrongly.
+//! [`Simplified::triangles_at`](lodc_mesh::Simplified::triangles_at), once for all models and
+//! walks: both lists must have the hash that was followed. That also catches a model that
+//! misreports its changes, and a reference that followed wrongly.
 //!
 //! A difference is missed where two multisets of triangles have the same [`TriangleHash`], a sum of
 //! 128-bit hashes: for two that differ by chance with probability 2⁻¹²⁸, so in all comparisons of a

@@ -29,8 +29,8 @@ struct Cell {
 /// A face, and what its plane counts besides what it does as a face of the skin.
 pub(super) type Counted = (u32, f64);
 
-/// For each triangle: true if it lies on another that stands for it; and all those of pairs, so that a
-/// quadrilateral counts once, all of its sides alike. None if no triangle lies on another.
+/// For each triangle: true if it lies on another that stands for it; and all those of pairs, so
+/// that a quadrilateral counts once, all of its sides alike. None if no triangle lies on another.
 pub(super) fn followers(mesh: &Mesh, positions: &PositionIds) -> Option<(Vec<bool>, Vec<Counted>)> {
     let faces = Faces::new(mesh, positions);
     let cells = faces.cells();

@@ -52,8 +52,8 @@ impl Skin {
         None
     }
 
-    /// The faces that do not follow others, with their vertices, both in the order of the mesh: ties
-    /// are broken by numbers, as in a mesh that has no other faces.
+    /// The faces that do not follow others, with their vertices, both in the order of the mesh:
+    /// ties are broken by numbers, as in a mesh that has no other faces.
     fn without(mesh: &Mesh, follows: &[bool]) -> Self {
         let mut is_used = vec![false; mesh.vertex_count()];
         let stays = || mesh.triangles().iter().zip(follows).filter(|(_, follows)| !**follows);

@@ -21,8 +21,8 @@ pub(crate) struct Search {
     pub(crate) cold: f64,
 }
 
-/// Of so many changes one turns a strip, all others link two. Cutting a strip, or moving it among the
-/// others, is not worth a proposal: links do both on the way.
+/// Of so many changes one turns a strip, all others link two. Cutting a strip, or moving it among
+/// the others, is not worth a proposal: links do both on the way.
 const CHANGES: u64 = 16;
 /// Fetched vertices that a change can be expected to save behind the stretch that it changes. It is
 /// given up where it lies behind by more than the luck of the draw allows: counting on costs a
