@@ -24,7 +24,11 @@ const OVERSTATED: f64 = 3.0;
 
 /// Measured root mean square distances may be so much larger than the stored ones. Both are means
 /// of samples.
-const RMS_TOLERANCE: f64 = 1.5;
+const RMS_TOLERANCE: f64 = 1.9;
+
+/// Stored ones may be so many times the measured ones: samples that travel stop where they are near
+/// enough, and faces that lie on each other count once.
+const RMS_OVERSTATED: f64 = 8.0;
 
 /// Samples of a root mean square distance: at first, and before it is refused.
 const RMS_SAMPLES: [u32; 2] = [2_000, 20_000];
@@ -142,8 +146,8 @@ impl<'a> Levels<'a> {
                 let finer = self.changes(collapses.step(rose).lod);
                 (square.max(mean_square_of(&finer, samples)) + missed).sqrt()
             };
-            let is_tiny = rms <= tiny || rms <= OVERSTATED * (square + missed).sqrt();
-            if !too_small && (is_tiny || rms <= OVERSTATED * most()) {
+            let is_tiny = rms <= tiny || rms <= RMS_OVERSTATED * (square + missed).sqrt();
+            if !too_small && (is_tiny || rms <= RMS_OVERSTATED * most()) {
                 return None;
             }
             what = Some(square.sqrt());
