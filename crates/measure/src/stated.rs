@@ -30,6 +30,10 @@ const RMS_TOLERANCE: f64 = 1.9;
 /// enough, and faces that lie on each other count once.
 const RMS_OVERSTATED: f64 = 8.0;
 
+/// Levels at which one must be too small: single levels of small
+/// parts may state too little.
+const FEWEST: usize = 2;
+
 /// Samples of a root mean square distance: at first, and before it is refused.
 const RMS_SAMPLES: [u32; 2] = [2_000, 20_000];
 
@@ -75,9 +79,15 @@ fn first_difference(
     lods: &[Lod],
 ) -> Option<String> {
     let levels = Levels::new(simplified, shapes);
-    lods.par_iter()
+    let said = |lod: Lod, wrong: String| format!("LOD {}: {wrong}", lod.0);
+    let checked: Vec<[Option<String>; 3]> = lods
+        .par_iter()
         .with_max_len(1)
-        .find_map_first(|&lod| levels.check(lod).map(|wrong| format!("LOD {}: {wrong}", lod.0)))
+        .map(|&lod| levels.check(lod).map(|wrong| wrong.map(|wrong| said(lod, wrong))))
+        .collect();
+    let of = |kind: usize| checked.iter().filter_map(move |wrong| wrong[kind].as_ref());
+    let first = of(0).next().or_else(|| of(1).next());
+    first.or_else(|| of(2).next().filter(|_| of(2).count() >= FEWEST)).cloned()
 }
 
 /// The levels of a sequence, ready to be measured.
@@ -119,21 +129,23 @@ impl<'a> Levels<'a> {
         Self { simplified, positions, shapes: shapes.par_iter().map(shape).collect() }
     }
 
-    /// Returns what is wrong with the distances that a level states.
-    fn check(&self, lod: Lod) -> Option<String> {
+    /// Returns what is wrong with the distances that a level states: with the error, with a root
+    /// mean square distance that is too large, with one that is too small.
+    fn check(&self, lod: Lod) -> [Option<String>; 3] {
         let changes = self.changes(lod);
-        self.check_error(lod, &changes).or_else(|| self.check_rms(lod, &changes))
+        let [too_large, too_small] = self.check_rms(lod, &changes);
+        [self.check_error(lod, &changes), too_large, too_small]
     }
 
     /// Returns what is wrong with the root mean square distance that a level states: it is looked
     /// at with more samples before it is refused.
-    fn check_rms(&self, lod: Lod, changes: &[Changes<'_>]) -> Option<String> {
+    fn check_rms(&self, lod: Lod, changes: &[Changes<'_>]) -> [Option<String>; 2] {
         let collapses = self.simplified.collapses();
-        let stored = collapses.rms_at(lod)?;
+        let Some(stored) = collapses.rms_at(lod) else { return [None, None] };
         let (rms, error) = (f64::from(stored), f64::from(collapses.error_at(lod)));
         let slack = self.shapes.iter().map(Shape::slack).fold(0.0, f64::max);
         let tiny = self.shapes.iter().map(Shape::tiny).fold(0.0, f64::max);
-        let mut what = None;
+        let mut what = [None, None];
         for samples in RMS_SAMPLES {
             // No point is farther than the error, so what samples miss cannot matter more.
             let missed = MISSED_SLICES / f64::from(samples) * error * error;
@@ -148,12 +160,14 @@ impl<'a> Levels<'a> {
             };
             let is_tiny = rms <= tiny || rms <= RMS_OVERSTATED * (square + missed).sqrt();
             if !too_small && (is_tiny || rms <= RMS_OVERSTATED * most()) {
-                return None;
+                return [None, None];
             }
-            what = Some(square.sqrt());
+            let measured = Some(square.sqrt());
+            what = if too_small { [None, measured] } else { [measured, None] };
         }
         what.map(|measured| {
-            format!("the root mean square distance is {stored}, measured are {measured}")
+            let measured = measured?;
+            Some(format!("the root mean square distance is {stored}, measured are {measured}"))
         })
     }
 
