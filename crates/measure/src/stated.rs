@@ -30,9 +30,9 @@ const RMS_TOLERANCE: f64 = 1.9;
 /// enough, and faces that lie on each other count once.
 const RMS_OVERSTATED: f64 = 8.0;
 
-/// Levels at which one must be too small: single levels of small
-/// parts may state too little.
-const FEWEST: usize = 2;
+/// Levels at which one must be too small, and three of four of those measured: single levels of
+/// small parts may state too little.
+const FEWEST: usize = 3;
 
 /// Samples of a root mean square distance: at first, and before it is refused.
 const RMS_SAMPLES: [u32; 2] = [2_000, 20_000];
@@ -87,7 +87,9 @@ fn first_difference(
         .collect();
     let of = |kind: usize| checked.iter().filter_map(move |wrong| wrong[kind].as_ref());
     let first = of(0).next().or_else(|| of(1).next());
-    first.or_else(|| of(2).next().filter(|_| of(2).count() >= FEWEST)).cloned()
+    let small = of(2).count();
+    let mostly = small >= FEWEST && 4 * small >= 3 * lods.len();
+    first.or_else(|| of(2).next().filter(|_| mostly)).cloned()
 }
 
 /// The levels of a sequence, ready to be measured.

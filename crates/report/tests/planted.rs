@@ -540,8 +540,8 @@ const FOREIGN: &[Defect] = &[
         "the root mean square distance is 0, measured are",
     ),
     (
-        "root mean squares of half the size",
-        |p| p.scale_rms(0.5),
+        "root mean squares of a tenth of the size",
+        |p| p.scale_rms(0.1),
         "the root mean square distance is",
     ),
     (
