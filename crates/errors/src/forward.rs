@@ -19,6 +19,7 @@ const NEAR: f64 = 0.25;
 
 /// Distances within this share of the bound need no better face.
 const NEAR_ENOUGH: f64 = 0.75;
+
 /// A triangle is looked at for holes above it while the squared bound is this share of its longest
 /// edge, squared; in meshes of up to so many triangles.
 const UNCOVERED: f64 = 2.5e-3;

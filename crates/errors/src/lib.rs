@@ -3,8 +3,8 @@
 //!
 //! Points of the input travel along the sequence, each tied to a face: when a step changes the
 //! faces around it, it goes to the nearest one (Klein, Liebich and Straßer 1996; Ciampalini et al.
-//! 1997). New faces are asked the other way. Where either is near the largest distance so far,
-//! branch and bound looks closer. The pass knows nothing of the simplifier.
+//! 1997). New faces are looked at the other way. Where either is near the largest distance so far,
+//! branch and bound decides whether a point is beyond it. The pass knows nothing of the simplifier.
 //!
 //! ```
 //! let mesh = lodc_fixtures::torus();

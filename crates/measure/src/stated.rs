@@ -80,16 +80,26 @@ fn first_difference(
 ) -> Option<String> {
     let levels = Levels::new(simplified, shapes);
     let said = |lod: Lod, wrong: String| format!("LOD {}: {wrong}", lod.0);
-    let checked: Vec<[Option<String>; 3]> = lods
+    let (sure, small): (Vec<_>, Vec<_>) = lods
         .par_iter()
         .with_max_len(1)
-        .map(|&lod| levels.check(lod).map(|wrong| wrong.map(|wrong| said(lod, wrong))))
-        .collect();
-    let of = |kind: usize| checked.iter().filter_map(move |wrong| wrong[kind].as_ref());
-    let first = of(0).next().or_else(|| of(1).next());
-    let small = of(2).count();
-    let mostly = small >= FEWEST && 4 * small >= 3 * lods.len();
-    first.or_else(|| of(2).next().filter(|_| mostly)).cloned()
+        .map(|&lod| {
+            let Wrong { sure, small } = levels.check(lod);
+            (sure.map(|wrong| said(lod, wrong)), small.map(|wrong| said(lod, wrong)))
+        })
+        .unzip();
+    let small: Vec<String> = small.into_iter().flatten().collect();
+    let mostly = small.len() >= FEWEST && 4 * small.len() >= 3 * lods.len();
+    sure.into_iter().flatten().next().or_else(|| small.into_iter().next().filter(|_| mostly))
+}
+
+/// What is wrong with the distances that a level states.
+#[derive(Default)]
+struct Wrong {
+    /// Enough for the sequence to be refused.
+    sure: Option<String>,
+    /// A root mean square distance that is too small.
+    small: Option<String>,
 }
 
 /// The levels of a sequence, ready to be measured.
@@ -131,23 +141,24 @@ impl<'a> Levels<'a> {
         Self { simplified, positions, shapes: shapes.par_iter().map(shape).collect() }
     }
 
-    /// Returns what is wrong with the distances that a level states: with the error, with a root
-    /// mean square distance that is too large, with one that is too small.
-    fn check(&self, lod: Lod) -> [Option<String>; 3] {
+    /// Returns what is wrong with the distances that a level states.
+    fn check(&self, lod: Lod) -> Wrong {
         let changes = self.changes(lod);
-        let [too_large, too_small] = self.check_rms(lod, &changes);
-        [self.check_error(lod, &changes), too_large, too_small]
+        match self.check_error(lod, &changes) {
+            Some(wrong) => Wrong { sure: Some(wrong), small: None },
+            None => self.check_rms(lod, &changes),
+        }
     }
 
     /// Returns what is wrong with the root mean square distance that a level states: it is looked
     /// at with more samples before it is refused.
-    fn check_rms(&self, lod: Lod, changes: &[Changes<'_>]) -> [Option<String>; 2] {
+    fn check_rms(&self, lod: Lod, changes: &[Changes<'_>]) -> Wrong {
         let collapses = self.simplified.collapses();
-        let Some(stored) = collapses.rms_at(lod) else { return [None, None] };
+        let Some(stored) = collapses.rms_at(lod) else { return Wrong::default() };
         let (rms, error) = (f64::from(stored), f64::from(collapses.error_at(lod)));
         let slack = self.shapes.iter().map(Shape::slack).fold(0.0, f64::max);
         let tiny = self.shapes.iter().map(Shape::tiny).fold(0.0, f64::max);
-        let mut what = [None, None];
+        let mut wrong = Wrong::default();
         for samples in RMS_SAMPLES {
             // No point is farther than the error, so what samples miss cannot matter more.
             let missed = MISSED_SLICES / f64::from(samples) * error * error;
@@ -162,15 +173,17 @@ impl<'a> Levels<'a> {
             };
             let is_tiny = rms <= tiny || rms <= RMS_OVERSTATED * (square + missed).sqrt();
             if !too_small && (is_tiny || rms <= RMS_OVERSTATED * most()) {
-                return [None, None];
+                return Wrong::default();
             }
-            let measured = Some(square.sqrt());
-            what = if too_small { [None, measured] } else { [measured, None] };
+            let measured = square.sqrt();
+            let what =
+                format!("the root mean square distance is {stored}, measured are {measured}");
+            wrong = match too_small {
+                true => Wrong { sure: None, small: Some(what) },
+                false => Wrong { sure: Some(what), small: None },
+            };
         }
-        what.map(|measured| {
-            let measured = measured?;
-            Some(format!("the root mean square distance is {stored}, measured are {measured}"))
-        })
+        wrong
     }
 
     /// Returns what is wrong with the errors that a level states. One shape that is far enough says

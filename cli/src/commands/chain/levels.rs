@@ -83,8 +83,8 @@ impl Level {
 }
 
 impl LevelArgs {
-    /// Chooses the levels, finest first, none beyond `cap`. Objects with
-    /// levels of their own in `parts` have these.
+    /// Chooses the levels, finest first, none beyond `cap`. Objects with levels of their own in
+    /// `parts` have these.
     ///
     /// # Errors
     /// If the levels do not get coarser.
