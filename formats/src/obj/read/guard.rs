@@ -41,7 +41,9 @@ pub(super) struct Guarded {
 impl Guarded {
     /// Takes the indices away that stood in for missing ones.
     pub(super) fn forget_missing(&self, parsed: &mut Parsed) {
-        for (kind, list) in [&mut parsed.corner_t, &mut parsed.corner_n].into_iter().enumerate() {
+        for (kind, list) in
+            [&mut parsed.faces.corner_t, &mut parsed.faces.corner_n].into_iter().enumerate()
+        {
             if !self.shapes.iter().any(|(_, has)| has[kind]) {
                 list.clear();
                 continue;
@@ -139,12 +141,12 @@ impl<'a> Guard<'a> {
                 b"f" | b"fo" => self.face()?,
                 b"usemtl" => {
                     let name = self.lines.rest();
-                    let names = &mut self.got.parsed.materials;
+                    let names = &mut self.got.parsed.faces.materials;
                     self.material = intern(&mut self.material_index, names, &name).unwrap_or(NONE);
                 }
                 b"g" => {
                     let name = self.lines.rest();
-                    let names = &mut self.got.parsed.labels;
+                    let names = &mut self.got.parsed.faces.labels;
                     self.label = intern(&mut self.label_index, names, &name).unwrap_or(self.object);
                 }
                 b"o" => self.object(),
@@ -160,9 +162,11 @@ impl<'a> Guard<'a> {
     fn object(&mut self) {
         let name = self.lines.rest();
         let parsed = &mut self.got.parsed;
-        let Some(label) = intern(&mut self.label_index, &mut parsed.labels, &name) else { return };
-        if parsed.objects.len() < 2 && parsed.objects.last() != Some(&name) {
-            parsed.objects.push(name);
+        let Some(label) = intern(&mut self.label_index, &mut parsed.faces.labels, &name) else {
+            return;
+        };
+        if parsed.faces.objects.len() < 2 && parsed.faces.objects.last() != Some(&name) {
+            parsed.faces.objects.push(name);
         }
         (self.object, self.label) = (label, label);
     }
@@ -180,7 +184,7 @@ impl<'a> Guard<'a> {
             self.got.parsed.notes.small_faces.add(self.lines.number());
             return Ok(());
         }
-        let runs = &mut self.got.parsed.runs;
+        let runs = &mut self.got.parsed.faces.runs;
         let (material, label) = (self.material, self.label);
         if runs.last().is_none_or(|r| (r.material, r.label) != (material, label)) {
             runs.push(Run { first_face: self.faces, material, label });

@@ -14,19 +14,19 @@ pub(super) fn parse(bytes: &[u8], limits: &Limits) -> Result<Parsed, FormatError
     }
     let mut parsed = std::mem::take(&mut guarded.parsed);
     let [positions, texcoords, normals] = guarded.counts.map(|n| n as usize);
-    parsed.positions.resize(positions, [0.0; 3]);
-    parsed.texcoords.resize(texcoords, [0.0; 2]);
-    parsed.normals.resize(normals, [0.0; 3]);
-    if !parsed.texcoords_w.is_empty() {
-        parsed.texcoords_w.resize(texcoords, 0.0);
+    parsed.faces.positions.resize(positions, [0.0; 3]);
+    parsed.faces.texcoords.resize(texcoords, [0.0; 2]);
+    parsed.faces.normals.resize(normals, [0.0; 3]);
+    if !parsed.faces.texcoords_w.is_empty() {
+        parsed.faces.texcoords_w.resize(texcoords, 0.0);
     }
-    parsed.colors.resize(if guarded.colored { positions } else { 0 }, [1.0; 4]);
+    parsed.faces.colors.resize(if guarded.colored { positions } else { 0 }, [1.0; 4]);
     let mut undo = Undo { first_uses: guarded.first_uses.each_ref().map(|f| &f[..]) };
     // One after another, so that each one's memory is free before the next one's is taken.
     for model in models.drain(..) {
         undo.take(&model.mesh, guarded.corners, &mut parsed);
     }
-    for (color, &alpha) in parsed.colors.iter_mut().zip(&guarded.alphas) {
+    for (color, &alpha) in parsed.faces.colors.iter_mut().zip(&guarded.alphas) {
         color[3] = alpha;
     }
     guarded.forget_missing(&mut parsed);
@@ -73,27 +73,27 @@ impl Undo<'_> {
             next += 1;
             now
         });
-        scatter(&mesh.positions, first_uses[0], &mut parsed.positions);
-        scatter(&mesh.texcoords, first_uses[1], &mut parsed.texcoords);
-        scatter(&mesh.normals, first_uses[2], &mut parsed.normals);
+        scatter(&mesh.positions, first_uses[0], &mut parsed.faces.positions);
+        scatter(&mesh.texcoords, first_uses[1], &mut parsed.faces.texcoords);
+        scatter(&mesh.normals, first_uses[2], &mut parsed.faces.normals);
         for (rgb, &at) in mesh.vertex_color.as_chunks::<3>().0.iter().zip(first_uses[0]) {
-            parsed.colors[at as usize][..3].copy_from_slice(rgb);
+            parsed.faces.colors[at as usize][..3].copy_from_slice(rgb);
         }
-        if parsed.corner_v.len() as u32 >= corners {
+        if parsed.faces.corner_v.len() as u32 >= corners {
             return;
         }
-        let mut end = parsed.corner_v.len() as u32;
+        let mut end = parsed.faces.corner_v.len() as u32;
         if mesh.face_arities.is_empty() {
-            parsed.face_ends.extend((1..=mesh.indices.len() as u32 / 3).map(|i| end + 3 * i));
+            parsed.faces.face_ends.extend((1..=mesh.indices.len() as u32 / 3).map(|i| end + 3 * i));
         }
-        parsed.face_ends.extend(mesh.face_arities.iter().map(|&arity| {
+        parsed.faces.face_ends.extend(mesh.face_arities.iter().map(|&arity| {
             end += arity;
             end
         }));
         let file = |kind: usize| move |&i: &u32| first_uses[kind][i as usize];
-        parsed.corner_v.extend(mesh.indices.iter().map(file(0)));
-        parsed.corner_t.extend(mesh.texcoord_indices.iter().map(file(1)));
-        parsed.corner_n.extend(mesh.normal_indices.iter().map(file(2)));
+        parsed.faces.corner_v.extend(mesh.indices.iter().map(file(0)));
+        parsed.faces.corner_t.extend(mesh.texcoord_indices.iter().map(file(1)));
+        parsed.faces.corner_n.extend(mesh.normal_indices.iter().map(file(2)));
     }
 }
 

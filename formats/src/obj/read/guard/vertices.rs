@@ -119,7 +119,7 @@ impl<'a> Guard<'a> {
         got.colors_came_late |= !got.colored && got.counts[0] > 0;
         got.colored = true;
         if count >= 7 {
-            got.parsed.color_has_alpha = true;
+            got.parsed.faces.color_has_alpha = true;
             got.alphas.resize(got.counts[0] as usize, 1.0);
             got.alphas.push(numbers[6].value());
         }
@@ -131,7 +131,7 @@ impl<'a> Guard<'a> {
         if count == 0 {
             return Err(self.malformed("texture coordinates need at least one number"));
         }
-        let (w, all) = (numbers[2].value(), &mut self.got.parsed.texcoords_w);
+        let (w, all) = (numbers[2].value(), &mut self.got.parsed.faces.texcoords_w);
         if count >= 3 && (w != 0.0 || !all.is_empty()) {
             all.resize(self.got.counts[1] as usize, 0.0);
             all.push(w);
