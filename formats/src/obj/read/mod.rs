@@ -4,8 +4,7 @@
 //! without a material are a submesh of their own.
 
 mod assemble;
-mod feed;
-mod guard;
+mod chunk;
 mod libraries;
 mod lines;
 mod notes;
