@@ -73,6 +73,7 @@ const DRAWING: &[(&str, &[&str])] = &[
             "hifijson",
             "indexmap",
             "png",
+            "rayon",
             "serde",
             "serde_json",
             "tobj",

@@ -3,10 +3,9 @@
 //! One file is one object. Its submeshes are its materials, in order of first use; the faces
 //! without a material are a submesh of their own.
 
+mod chunk;
 #[cfg(test)]
 mod faces_tests;
-mod feed;
-mod guard;
 mod libraries;
 mod lines;
 mod notes;

@@ -142,3 +142,29 @@ fn limits_hold() {
     let libraries: String = (0..1001).map(|i| format!("mtllib {i}.mtl\n")).collect();
     assert_eq!(refused(&libraries).fault, Fault::Limit);
 }
+
+/// Reads a text in chunks of a size; the answer as text.
+fn in_chunks(source: &str, size: usize) -> String {
+    format!("{:?}", parse_chunks(source.as_bytes(), size, &Limits::DEFAULT))
+}
+
+#[test]
+fn chunks_of_any_size_read_the_same() {
+    let good = "# all\nmtllib a.mtl\r\no box\rv 0 0 0\nv 1 0 \\\n 0\nv 1 1 0 .5 .5 .5\r\n\
+                v 0 1 0 1 0 0 .5\nvt 0 0\nvt 1 0 .5\nvt 1\nvn 0 0 1\nusemtl red\ng one two\n\
+                f 1 2 3\nf 1/1 2/2 3/3 4/1\nf -4//-1 -3//-1 -2//-1\nf 1/1/1 2/2/1 \\\r\n 3/3/1\n\
+                hello\nusemtl blue\nl 1 2\nf 1 2\nv 2 2 2 2\nf -1 -2 -3\n# end \\\nf 5 4 3";
+    assert!(parse(good.as_bytes(), &Limits::DEFAULT).is_ok());
+    let bad = ["f 1 2 9", "f 1 2 -9\nv 0 0\nf 0", "v 1 2\nf 9 9 9", "vt", "f 1//4 2 3\nvn 0 0 0"];
+    let sources = bad.map(|bad| format!("{good}\n{bad}\n{good}"));
+    for source in sources.iter().map(String::as_str).chain([good]) {
+        let whole = in_chunks(source, source.len());
+        for size in 1..source.len() {
+            assert_eq!(in_chunks(source, size), whole, "{size} bytes");
+        }
+    }
+    assert_eq!(
+        format!("{:?}", parse(format!("\u{feff}{good}").as_bytes(), &Limits::DEFAULT)),
+        in_chunks(good, good.len())
+    );
+}

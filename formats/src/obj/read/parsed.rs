@@ -25,6 +25,23 @@ pub(super) struct Notes {
     pub(super) uncolored: Count,
 }
 
+impl Notes {
+    /// Adds those of lines that follow, which have so many line ends before them.
+    pub(super) fn add(&mut self, more: &Self, lines: u32) {
+        if self.unknown.times == 0 {
+            self.unknown_first.clone_from(&more.unknown_first);
+        }
+        self.lines.append(more.lines, lines);
+        self.points.append(more.points, lines);
+        self.small_faces.append(more.small_faces, lines);
+        self.unknown.append(more.unknown, lines);
+        self.free_form.append(more.free_form, lines);
+        self.extra_values.append(more.extra_values, lines);
+        self.weights.append(more.weights, lines);
+        self.uncolored.append(more.uncolored, lines);
+    }
+}
+
 /// Count of occurrences, and the line of the first.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Count {
@@ -39,5 +56,13 @@ impl Count {
             self.line = line;
         }
         self.times += 1;
+    }
+
+    /// Adds those of lines that follow, which have so many line ends before them.
+    fn append(&mut self, more: Self, lines: u32) {
+        if self.times == 0 && more.times > 0 {
+            self.line = lines.saturating_add(more.line);
+        }
+        self.times += more.times;
     }
 }
