@@ -22,8 +22,8 @@
 //! # Ok::<(), lodc_formats::FormatError>(())
 //! ```
 //!
-//! Features: `import` (OBJ, glTF, PLY and STL in), `export` (glTF, OBJ and PLY out), `stream` (`.lods`); all
-//! of them by default, and without any the container alone.
+//! Features: `import` (OBJ, glTF, PLY and STL in), `export` (glTF, OBJ and PLY out), `stream`
+//! (`.lods`); all of them by default, and without any the container alone.
 
 #[cfg(feature = "import")]
 mod appearance;

@@ -1,7 +1,7 @@
 //! Continuous level of detail: every level between a full mesh and a single point.
 //!
-//! [`build()`] makes a file from glTF, GLB, OBJ, PLY or STL, [`open`] reads one; [`File::level`] takes a
-//! level out of it:
+//! [`build()`] makes a file from glTF, GLB, OBJ, PLY or STL, [`open`] reads one; [`File::level`]
+//! takes a level out of it:
 //!
 #![cfg_attr(all(feature = "build", feature = "export"), doc = "```")]
 #![cfg_attr(not(all(feature = "build", feature = "export")), doc = "```ignore")]
