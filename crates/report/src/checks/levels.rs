@@ -5,8 +5,7 @@ use super::report::CheckReport;
 use glam::DVec3;
 use lodc_formats::import::document_difference;
 use lodc_formats::{
-    Document, FormatError, Limits, ObjectInfo, Scene, SceneObject, ShippedLevels, SourceFormat,
-    scene_motion,
+    Document, FormatError, Limits, ObjectInfo, Scene, SceneObject, ShippedLevels, scene_motion,
 };
 use lodc_measure::{Original, Sampling, Surface};
 use lodc_mesh::{Attribute, Mesh, Posture, Semantic};
@@ -175,7 +174,7 @@ impl<'a> Measure<'a> {
 
     /// Returns whether a level has not the objects of the source, each by itself.
     fn is_flattened(&self, level: &Scene) -> bool {
-        let is_one = level.source.format == SourceFormat::Obj;
+        let is_one = !level.source.format.is_gltf();
         is_one || level.objects.len() != self.source.objects.len()
     }
 
