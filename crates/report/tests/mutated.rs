@@ -17,8 +17,7 @@ const MOST: usize = 700;
 /// These were refused once: errors too small by 6 %, where a triangle stood out between its corners
 /// (3444, 4643); root mean square distances of parts that were gone, counted for faces that were
 /// none (the others), and one of 0 for a face with none but near samples (229).
-const ONCE_WRONG: [u64; 11] =
-    [229, 648, 1368, 3444, 4643, 6158, 6535, 6651, 8768, 9474, 9551];
+const ONCE_WRONG: [u64; 11] = [229, 648, 1368, 3444, 4643, 6158, 6535, 6651, 8768, 9474, 9551];
 
 /// What a build makes of a mesh.
 fn built(mesh: &Mesh) -> Vec<LodObject> {
