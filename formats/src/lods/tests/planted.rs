@@ -38,7 +38,10 @@ const DEFECTS: &[(&str, Seen, Plant)] = &[
     ("a step as the document's", Refused, |blocks| blocks[3].tag = 0),
     ("one step more", Refused, |blocks| blocks[3].steps += 1),
     ("one step less", Refused, |blocks| blocks[3].steps -= 1),
-    ("a byte less", Refused, |blocks| drop(blocks[3].payload.pop())),
+    ("a byte less", Refused, |blocks| {
+        let shorter = blocks[3].payload.len() - 1;
+        blocks[3].payload.truncate(shorter);
+    }),
     ("a byte more", Refused, |blocks| blocks[3].payload.push(1)),
     ("another byte", AnotherMesh, |blocks| blocks[3].payload[0] ^= 1),
 ];
