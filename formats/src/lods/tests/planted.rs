@@ -25,26 +25,43 @@ use Seen::{AnotherMesh, Incomplete, Refused};
 
 type Plant = fn(&mut Vec<Owned>);
 
-/// Blocks 0 and the last are the head and the end; each of the others is a step.
+/// Block 0 is the head, the last one the end.
 const DEFECTS: &[(&str, Seen, Plant)] = &[
     ("no head", Refused, |blocks| drop(blocks.remove(0))),
     ("the head in second place", Refused, |blocks| blocks.swap(0, 1)),
-    ("a head that is cut", Refused, |blocks| blocks[0].payload.truncate(9)),
+    ("a head that is cut", Refused, |blocks| cut(&mut blocks[0])),
     ("no end", Incomplete, |blocks| drop(blocks.pop())),
     ("a block after the end", Refused, |blocks| again(blocks, 1)),
-    ("a step that is lost", Refused, |blocks| drop(blocks.remove(3))),
-    ("two steps in the other order", Refused, |blocks| blocks.swap(3, 4)),
-    ("a step of an object that is not there", Refused, |blocks| blocks[3].tag += 1),
-    ("a step as the document's", Refused, |blocks| blocks[3].tag = 0),
-    ("one step more", Refused, |blocks| blocks[3].steps += 1),
-    ("one step less", Refused, |blocks| blocks[3].steps -= 1),
-    ("a byte less", Refused, |blocks| {
-        let shorter = blocks[3].payload.len() - 1;
-        blocks[3].payload.truncate(shorter);
+    ("a step that is lost", Refused, |blocks| drop(blocks.remove(step(blocks)))),
+    ("two steps in the other order", Refused, |blocks| {
+        let step = step(blocks);
+        blocks.swap(step, step + 1);
     }),
-    ("a byte more", Refused, |blocks| blocks[3].payload.push(1)),
-    ("another byte", AnotherMesh, |blocks| blocks[3].payload[0] ^= 1),
+    ("a step of an object that is not there", Refused, |blocks| middle(blocks).tag += 1),
+    ("a step as the document's", Refused, |blocks| middle(blocks).tag = 0),
+    ("one step more", Refused, |blocks| middle(blocks).steps += 1),
+    ("one step less", Refused, |blocks| middle(blocks).steps -= 1),
+    ("a byte less", Refused, |blocks| cut(middle(blocks))),
+    ("a byte more", Refused, |blocks| middle(blocks).payload.push(1)),
+    ("another byte", Refused, |blocks| middle(blocks).payload[0] ^= 1),
 ];
+
+/// The number of a block in the middle that has a step, before another one.
+fn step(blocks: &[Owned]) -> usize {
+    let has_step = |&i: &usize| blocks[i].steps > 0 && blocks[i + 1].steps > 0;
+    (blocks.len() / 2..blocks.len() - 1).find(has_step).expect("a block to each step")
+}
+
+fn middle(blocks: &mut [Owned]) -> &mut Owned {
+    let step = step(blocks);
+    &mut blocks[step]
+}
+
+/// Takes off the last byte.
+fn cut(block: &mut Owned) {
+    let shorter = block.payload.len() - 1;
+    block.payload.truncate(shorter);
+}
 
 /// Puts a block at the end, too.
 fn again(blocks: &mut Vec<Owned>, number: usize) {
