@@ -1,9 +1,9 @@
 //! Whether the triangles of a level face the way that those of its source do.
 //!
-//! Edges of triangles, each in its direction, add up to the border of a surface: two faces that face
-//! the same way cancel out at the edge between them. A level is its source with vertices moved, so
-//! its border is the source's with vertices moved: nothing where the source has none. A face that is
-//! turned over leaves its edges twice.
+//! Edges of triangles, each in its direction, add up to the border of a surface: two faces that
+//! face the same way cancel out at the edge between them. A level is its source with vertices
+//! moved, so its border is the source's with vertices moved: nothing where the source has none. A
+//! face that is turned over leaves its edges twice.
 
 use glam::{DVec3, Vec3};
 use lodc_measure::{Surface, TriangleTree};
@@ -62,8 +62,8 @@ impl Facing {
     }
 
     /// Returns a triangle of a level that is turned over. A closed source decides it; of others,
-    /// edges inside of the source and edges that are there more often in one direction than any of the
-    /// source are doubted, and a face there has to look away from the source next to it.
+    /// edges inside of the source and edges that are there more often in one direction than any of
+    /// the source are doubted, and a face there has to look away from the source next to it.
     pub(super) fn turned(&self, level: &Mesh, moved: Moved) -> Option<usize> {
         if !self.is_closed() && moved == Moved::IntoOtherUnits {
             return None;
@@ -204,8 +204,8 @@ mod tests {
                     missed += usize::from(found.is_none());
                 }
             }
-            // Elsewhere edges tell nothing: one face is left, or the source itself is turned over in
-            // places.
+            // Elsewhere edges tell nothing: one face is left, or the source itself is turned over
+            // in places.
             if facing.is_closed() || facing.most == 1 && all > FEW {
                 assert_eq!(missed, 0, "{name}: of {all}");
             }
