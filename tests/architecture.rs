@@ -76,6 +76,8 @@ const DRAWING: &[(&str, &[&str])] = &[
             "rayon",
             "serde",
             "serde_json",
+            "serde-ply",
+            "stl_io",
             "tobj",
             "xxhash-rust",
             "zune-jpeg",

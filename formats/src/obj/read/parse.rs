@@ -119,25 +119,35 @@ impl Joined {
             }
         }
         let [before, texcoords, _] = base.counts.map(|n| n as usize);
-        append_filled(&mut parsed.colors, &chunk.colors, before, chunk.positions.len(), [1.0; 4]);
+        append_filled(
+            &mut parsed.faces.colors,
+            &chunk.colors,
+            before,
+            chunk.positions.len(),
+            [1.0; 4],
+        );
         let count = chunk.texcoords.len();
-        append_filled(&mut parsed.texcoords_w, &chunk.texcoords_w, texcoords, count, 0.0);
-        parsed.color_has_alpha |= chunk.color_has_alpha;
-        parsed.positions.append(&mut chunk.positions);
-        parsed.texcoords.append(&mut chunk.texcoords);
-        parsed.normals.append(&mut chunk.normals);
-        let (corners, [v, t, n]) = (parsed.corner_v.len(), &chunk.corners);
-        append_filled(&mut parsed.corner_t, t, corners, v.len(), NONE);
-        append_filled(&mut parsed.corner_n, n, corners, v.len(), NONE);
-        parsed.corner_v.extend_from_slice(v);
+        append_filled(&mut parsed.faces.texcoords_w, &chunk.texcoords_w, texcoords, count, 0.0);
+        parsed.faces.color_has_alpha |= chunk.color_has_alpha;
+        parsed.faces.positions.append(&mut chunk.positions);
+        parsed.faces.texcoords.append(&mut chunk.texcoords);
+        parsed.faces.normals.append(&mut chunk.normals);
+        let (corners, [v, t, n]) = (parsed.faces.corner_v.len(), &chunk.corners);
+        append_filled(&mut parsed.faces.corner_t, t, corners, v.len(), NONE);
+        append_filled(&mut parsed.faces.corner_n, n, corners, v.len(), NONE);
+        parsed.faces.corner_v.extend_from_slice(v);
         self.names.add(parsed, &chunk);
-        parsed.face_ends.extend(chunk.face_ends.iter().map(|end| corners as u32 + end));
+        parsed.faces.face_ends.extend(chunk.face_ends.iter().map(|end| corners as u32 + end));
         parsed.notes.add(&chunk.notes, base.lines);
         self.known |= chunk.known;
         self.base.lines += chunk.lines;
-        self.base.corners = parsed.corner_v.len() as u64;
-        self.base.counts = [parsed.positions.len(), parsed.texcoords.len(), parsed.normals.len()]
-            .map(|n| n as u64);
+        self.base.corners = parsed.faces.corner_v.len() as u64;
+        self.base.counts = [
+            parsed.faces.positions.len(),
+            parsed.faces.texcoords.len(),
+            parsed.faces.normals.len(),
+        ]
+        .map(|n| n as u64);
         Ok(())
     }
 
@@ -189,7 +199,7 @@ impl Default for Names {
 impl Names {
     /// Adds the runs of a chunk whose faces are to follow.
     fn add(&mut self, parsed: &mut Parsed, chunk: &Chunk) {
-        let (first, mut done) = (parsed.face_ends.len() as u32, 0);
+        let (first, mut done) = (parsed.faces.face_ends.len() as u32, 0);
         for (faces, name) in &chunk.names {
             self.begin_run(parsed, first + done, faces - done);
             done = *faces;
@@ -200,7 +210,7 @@ impl Names {
 
     fn begin_run(&self, parsed: &mut Parsed, first_face: u32, faces: u32) {
         let (material, label) = (self.material, self.label);
-        let runs = &mut parsed.runs;
+        let runs = &mut parsed.faces.runs;
         if faces > 0 && runs.last().is_none_or(|r| (r.material, r.label) != (material, label)) {
             runs.push(Run { first_face, material, label });
         }
@@ -209,18 +219,18 @@ impl Names {
     fn set(&mut self, parsed: &mut Parsed, name: &Name) {
         match name {
             Name::Material(name) => {
-                let number = intern(&mut self.material_index, &mut parsed.materials, name);
+                let number = intern(&mut self.material_index, &mut parsed.faces.materials, name);
                 self.material = number.unwrap_or(NONE);
             }
             Name::Group(name) => {
-                let number = intern(&mut self.label_index, &mut parsed.labels, name);
+                let number = intern(&mut self.label_index, &mut parsed.faces.labels, name);
                 self.label = number.unwrap_or(self.object);
             }
             Name::Object(name) => {
-                let number = intern(&mut self.label_index, &mut parsed.labels, name);
+                let number = intern(&mut self.label_index, &mut parsed.faces.labels, name);
                 let Some(number) = number else { return };
-                if parsed.objects.len() < 2 && parsed.objects.last() != Some(name) {
-                    parsed.objects.push(name.clone());
+                if parsed.faces.objects.len() < 2 && parsed.faces.objects.last() != Some(name) {
+                    parsed.faces.objects.push(name.clone());
                 }
                 (self.object, self.label) = (number, number);
             }
