@@ -12,9 +12,15 @@ const LEVELS: u32 = 8;
 /// Chooses the levels.
 const SEED: u64 = 0x6572_726f_7273;
 
-/// Fewer samples than [`Sampling::DEFAULT`]: a stored error that is half of the true one is found
-/// all the same.
-const SAMPLING: Sampling = Sampling { samples: 20_000, lattice: 30_000, seed: 0x5eed };
+/// Fewer samples than [`Sampling::DEFAULT`], and on small surfaces about one and the corners and
+/// middles of edges for a triangle: what samples find nearly too far is looked at closely.
+fn sampling(triangles: usize) -> Sampling {
+    Sampling {
+        samples: triangles.clamp(1_000, 20_000),
+        lattice: (6 * triangles).min(30_000),
+        seed: 0x5eed,
+    }
+}
 
 /// Measured distances may be so much larger than the stored ones, which know samples only.
 const TOLERANCE: f64 = 1.05;
@@ -233,10 +239,11 @@ struct Changes<'a> {
 impl Changes<'_> {
     /// Returns the largest distance that samples find, either way, if it is more than `bound`.
     fn farther_than(&self, bound: f64) -> Option<f64> {
-        let (there, back) = rayon::join(
-            || farther_than(&self.before, &self.level, bound, &SAMPLING),
-            || farther_than(&self.after, self.input, bound, &SAMPLING),
-        );
+        let way = |from: &Surface, to: &TriangleTree| {
+            farther_than(from, to, bound, &sampling(from.triangles.len()))
+        };
+        let (there, back) =
+            rayon::join(|| way(&self.before, &self.level), || way(&self.after, self.input));
         there.into_iter().chain(back).max_by(f64::total_cmp)
     }
 
