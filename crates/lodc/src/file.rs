@@ -178,9 +178,10 @@ impl<'a> Level<'a> {
             [one] => Some(one.0),
             _ => None,
         };
-        let levels = vec![LevelFacts { lod, error: self.error, rms: self.rms }];
+        let levels = vec![LevelFacts { lod, error: self.error, rms: self.rms, glide: None }];
         let source = content.source.content_hash;
-        additions.provenance = Some(Provenance { source, levels, refitted: false });
+        additions.provenance =
+            Some(Provenance { source, levels, refitted: false, screen: None, next: None });
         let objects = level_mesh::exported(&content.objects, &self.meshes);
         let files = export_with(path, format, &content.document, &objects, &additions)?;
         lodc_formats::write_all(&files)?;
