@@ -82,6 +82,7 @@ web: build
     target/release/lodc pack target/web/models/terrain.lodc -o target/web/models/stream.lods -q
     target/release/lodc build fixtures/terrain.glb --layout gpu -o target/web/models/gpu.lodc -q
     target/release/lodc shaders -o target/web/shaders -q
+    target/release/lodc chain fixtures/terrain.glb -o target/web/models/chain.glb --auto 5 --geomorph -q
     python3 -m http.server 8000 --directory target/web
 
 # lodc beside meshoptimizer and others on one mesh (made on the spot without one); --build-openmesh adds OpenMesh

@@ -4,6 +4,7 @@ use super::levels::{Level, LevelArgs};
 use crate::commands::asset::Asset;
 use crate::exit::{Failure, Outcome};
 use crate::help::BECOMES;
+use crate::mesh_output::FormatName;
 use clap::Args;
 use lodc::glide::{bends, joints_error, pose_error};
 use lodc_formats::Limits;
@@ -11,6 +12,11 @@ use lodc_formats::export::{GlideFacts, ScreenFacts};
 use lodc_formats::gltf::Carried;
 use lodc_mesh::{Lod, Mesh};
 use std::ops::Range;
+use std::path::Path;
+
+/// Part of the way to the next level's distance on which a level is shown as it is: the longer the
+/// rest, the less changes from one picture to the next.
+const AS_IT_IS: f64 = 0.125;
 
 /// Whether levels move to the next one.
 #[derive(Args, Clone, Copy, Debug)]
@@ -46,6 +52,17 @@ impl GlideArgs {
     pub(super) fn carried(self) -> Option<Carried> {
         self.geomorph
     }
+
+    /// Refuses formats without morph targets.
+    pub(super) fn check(self, format: FormatName, output: &Path) -> Outcome<()> {
+        if self.geomorph.is_some() && !matches!(format, FormatName::Glb | FormatName::Gltf) {
+            return Err(Failure::usage(format!(
+                "{}: only .glb and .gltf hold morph targets: --geomorph needs one of them",
+                output.display()
+            )));
+        }
+        Ok(())
+    }
 }
 
 /// Refuses levels that get finer: an object may have levels of its own.
@@ -69,8 +86,8 @@ pub(super) fn place(args: &LevelArgs, levels: &mut [Level], pose_errors: &[Optio
     let distances: Vec<Option<f64>> = levels.iter().map(|level| level.distance).collect();
     for (k, level) in levels.iter_mut().enumerate() {
         let next = distances.get(k + 1).copied().flatten();
-        // The second half of the way: the first shows the level as it is.
-        let morph_from = level.distance.zip(next).map(|(own, next)| 0.5 * (own + next));
+        let own_part = |(own, next): (f64, f64)| own + AS_IT_IS * (next - own);
+        let morph_from = level.distance.zip(next).map(own_part);
         let distance = level.distance;
         let pose_error = pose_errors.get(k).copied().flatten();
         level.glide = Some(GlideFacts { distance, morph_from, pose_error });

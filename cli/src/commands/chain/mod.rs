@@ -122,13 +122,7 @@ fn assets(args: &ChainArgs, program: &Program) -> Outcome<(Vec<Asset>, FormatNam
     }
     let folder = args.export.batch.takes_many(&args.inputs) || output::is_folder(&args.output);
     let format = mesh_output::format(&args.output, args.format, folder)?;
-    let glides = args.glide.carried().is_some();
-    if glides && !matches!(format, FormatName::Glb | FormatName::Gltf) {
-        return Err(Failure::usage(format!(
-            "{}: only .glb and .gltf hold morph targets: --geomorph needs one of them",
-            args.output.display()
-        )));
-    }
+    args.glide.check(format, &args.output)?;
     if !args.separate && !matches!(format, FormatName::Glb | FormatName::Gltf) {
         return Err(Failure::usage(format!(
             "{}: only .glb and .gltf hold several levels: add --separate for a file per level",
@@ -155,6 +149,8 @@ fn chain(
     format: FormatName,
     progress: &Progress,
 ) -> Outcome<Made<ChainReport>> {
+    // An asset may have options of its own.
+    args.glide.check(format, out)?;
     let mut stages = Stages::default();
     let (import, simplify) = (&args.export.import, &args.export.simplify);
     let errors = Errors::to_choose(args.levels.wanted().into_iter().chain(args.max_error));

@@ -178,7 +178,9 @@ fn parts(
         let mut triangles = Vec::new();
         read.triangles(&corners, |t| triangles.push(t));
         let has = |name: &&String| primitive["attributes"].get(name).is_some();
-        let present: Vec<&String> = names.iter().filter(has).collect();
+        let mut present: Vec<&String> = names.iter().filter(has).collect();
+        // Positions come first.
+        present.sort_by_key(|name| *name != "POSITION");
         let moves = &primitive["targets"][number.unwrap_or(usize::MAX)];
         let mut part = GlidePart {
             kind: format!("{} {present:?}", primitive["material"]),

@@ -57,8 +57,8 @@ pub(super) struct Writer {
     first_view: usize,
     accessors: Vec<Json>,
     groups: Vec<Group>,
-    /// Sparse accessors of `accessors`, and the elements that they replace.
-    runs: Vec<(usize, Range<u32>)>,
+    /// Sparse accessors of `accessors`, and the numbers of the elements that they replace.
+    sparse: Vec<(usize, Vec<u32>)>,
     compress: bool,
     direction_bits: Option<u8>,
 }
@@ -73,7 +73,7 @@ impl Writer {
             first_view: Pool::BufferViews.len(root),
             accessors: Vec::new(),
             groups: Vec::new(),
-            runs: Vec::new(),
+            sparse: Vec::new(),
         }
     }
 
@@ -85,7 +85,7 @@ impl Writer {
     /// Puts accessors, buffer views and the buffer into the document, and the data behind what
     /// `blob` holds.
     pub(super) fn finish(mut self, root: &mut Object, blob: &mut Vec<u8>) {
-        self.number_runs();
+        self.number_elements();
         let mut views = Vec::with_capacity(self.groups.len());
         let mut compressed = Compressed::new(root);
         let samples = if self.compress { samples::of(root, blob) } else { vec![] };
@@ -223,7 +223,8 @@ impl Writer {
         self.accessor(accessor)
     }
 
-    /// An accessor of `count` elements of floats that are 0 but for a run of them.
+    /// An accessor of `count` elements of floats that are 0 but for a run of them, and in it but for
+    /// some.
     pub(super) fn deltas(
         &mut self,
         (name, components, values): &(String, usize, Vec<f32>),
@@ -243,8 +244,18 @@ impl Writer {
             accessor["min"] = (0..*components).map(|c| of(c, f32::min)).collect();
             accessor["max"] = (0..*components).map(|c| of(c, f32::max)).collect();
         }
-        let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
-        self.sparse(accessor, name, Component::F32, components * Component::F32.size(), &bytes, run)
+        let elements: Vec<(u32, &[f32])> = run.zip(values.chunks_exact(*components)).collect();
+        let moving = elements.iter().filter(|(_, value)| value.iter().any(|&v| v != 0.0));
+        let moving: Vec<(u32, &[f32])> = moving.copied().collect();
+        let stride = components * Component::F32.size();
+        // Numbers that do not follow each other are a list of their own.
+        let number = Component::U32.size();
+        let is_less = moving.len() * (stride + number) < elements.len() * stride;
+        let chosen = if is_less { moving } else { elements };
+        let bytes = chosen.iter().flat_map(|(_, value)| *value).flat_map(|v| v.to_le_bytes());
+        let bytes: Vec<u8> = bytes.collect();
+        let numbers = chosen.iter().map(|(number, _)| *number).collect();
+        self.sparse(accessor, name, (Component::F32, stride), &bytes, numbers)
     }
 
     /// An accessor as another one of the document, but for a run of elements of a stream.
@@ -258,48 +269,59 @@ impl Writer {
         let number = base.as_index().map_or(0, |number| number - self.first_accessor);
         let accessor = self.accessors[number].clone();
         let bytes: Vec<u8> = vertices.iter().flat_map(|&v| a.at(v).iter().copied()).collect();
-        self.sparse(accessor, &semantic::to_name(&a.semantic), a.component, a.stride(), &bytes, run)
+        let name = semantic::to_name(&a.semantic);
+        self.sparse(accessor, &name, (a.component, a.stride()), &bytes, run.collect())
     }
 
+    /// An accessor with other values, `stride` bytes each, for the elements of these numbers.
     fn sparse(
         &mut self,
         mut accessor: Json,
         name: &str,
-        component: Component,
-        stride: usize,
+        (component, stride): (Component, usize),
         bytes: &[u8],
-        run: Range<u32>,
+        numbers: Vec<u32>,
     ) -> Json {
-        if !run.is_empty() {
+        if !numbers.is_empty() {
             let values = self.put(name, component, stride, bytes);
-            accessor["sparse"] = object! { "count" => run.len(), "values" => values };
-            self.runs.push((self.accessors.len(), run));
+            accessor["sparse"] = object! { "count" => numbers.len(), "values" => values };
+            self.sparse.push((self.accessors.len(), numbers));
         }
         self.accessor(accessor)
     }
 
-    /// Numbers the elements of all runs: one list of consecutive numbers, of which each takes its
-    /// part.
-    fn number_runs(&mut self) {
-        let runs = std::mem::take(&mut self.runs);
-        let first = runs.iter().map(|(_, run)| run.start).min().unwrap_or(0);
-        let end = runs.iter().map(|(_, run)| run.end).max().unwrap_or(0);
-        if runs.is_empty() {
+    /// Writes the numbers of the elements of sparse accessors. Those that follow each other are
+    /// parts of one list of consecutive numbers.
+    fn number_elements(&mut self) {
+        let all = std::mem::take(&mut self.sparse);
+        let follow = |numbers: &[u32]| match numbers {
+            [first, .., last] => (last - first) as usize + 1 == numbers.len(),
+            _ => true,
+        };
+        let ends = |numbers: &Vec<u32>| Some([*numbers.first()?, *numbers.last()?]);
+        let Some(most) = all.iter().filter_map(|(_, n)| ends(n)).map(|[_, last]| last).max() else {
             return;
-        }
-        // Wide numbers have a codec that makes next to nothing of them.
-        let wide = self.compress || end > 1 << 16;
+        };
+        // Wide numbers have a codec that makes next to nothing of those that follow each other.
+        let wide = self.compress || most > u32::from(u16::MAX);
         let component = if wide { Component::U32 } else { Component::U16 };
         let size = component.size();
-        let numbers = (first..end).flat_map(|i| i.to_le_bytes().into_iter().take(size));
-        let numbers: Vec<u8> = numbers.collect();
-        let view = self.put("numbers", component, size, &numbers)["bufferView"].clone();
-        for (accessor, run) in runs {
-            let mut place = object! { "bufferView" => view.clone() };
-            let offset = (run.start - first) as usize * size;
-            if offset > 0 {
-                place["byteOffset"] = offset.into();
-            }
+        let bytes = |numbers: &mut dyn Iterator<Item = u32>| -> Vec<u8> {
+            numbers.flat_map(|i| i.to_le_bytes().into_iter().take(size)).collect()
+        };
+        let runs = all.iter().filter(|(_, numbers)| follow(numbers));
+        let runs: Vec<[u32; 2]> = runs.filter_map(|(_, numbers)| ends(numbers)).collect();
+        let first = runs.iter().map(|[first, _]| *first).min().unwrap_or(0);
+        let end = runs.iter().map(|[_, last]| last + 1).max().unwrap_or(first);
+        let list = self.put("numbers", component, size, &bytes(&mut (first..end)));
+        let begins = list["byteOffset"].as_index().unwrap_or(0);
+        for (accessor, numbers) in all {
+            let mut place = if follow(&numbers) {
+                let offset = begins + (numbers[0] - first) as usize * size;
+                object! { "bufferView" => list["bufferView"].clone(), "byteOffset" => offset }
+            } else {
+                self.put("numbers", component, size, &bytes(&mut numbers.into_iter()))
+            };
             place["componentType"] = component_number(component).into();
             self.accessors[accessor]["sparse"]["indices"] = place;
         }
