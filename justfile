@@ -65,6 +65,7 @@ picture: build
         --wireframe --criterion silhouette --coarse 5% --eye 1.8,1.6,5 --fovy 31 -o docs/views.png
     target/release/lodc render target/shell.obj --size 300x300 --shading flat --wireframe --criterion box \
         --box -9,-9,-9,0.15,9,9 --azimuth 20 --elevation 12 -o docs/half-refined.png
+    python3 docs/glide.py target/release/lodc target/shell.obj docs/glide.png
 
 # Draw the picture of the packages again (docs/packages.svg)
 drawing:

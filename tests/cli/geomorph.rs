@@ -236,7 +236,10 @@ fn other_targets_and_their_animations_stay() {
 fn what_cannot_glide_is_refused() {
     let f = chained("machine_part.glb", &[]);
     for (args, what) in [
-        (&["-o", "x.obj", "--separate", "--geomorph"][..], "only .glb and .gltf hold morph targets"),
+        (
+            &["-o", "x.obj", "--separate", "--geomorph"][..],
+            "only .glb and .gltf hold morph targets",
+        ),
         (&["-o", "x.glb", "--geomorph=joint"], "`joint` is none of tangent, uv, color, joints"),
         (&["-o", "x.glb", "--geomorph", "--index-ranges"], "cannot be used with"),
     ] {
@@ -374,5 +377,8 @@ fn the_example_shows_a_crowd_of_chains() {
     let address = served(vec![f.path().to_owned(), web]);
     let page = browser.dump(&format!("{address}/example/chain.html?copies=500"));
     let root = page.split_once('>').map_or("", |(_, rest)| rest);
-    assert!(root.contains("data-ready=\"true\"") && root.contains("data-copies=\"500\""), "{page:.400}");
+    assert!(
+        root.contains("data-ready=\"true\"") && root.contains("data-copies=\"500\""),
+        "{page:.400}"
+    );
 }

@@ -12,11 +12,8 @@ pub fn crowd_charts(report: &CrowdReport) -> Vec<(&'static str, String)> {
         curve.seconds.iter().zip(values).map(|(&x, &y)| [x, y]).collect()
     };
     let far = &report.by_distance;
-    let over_distance = [
-        ("no levels", &far.none),
-        ("five levels", &far.discrete),
-        ("continuous", &far.continuous),
-    ];
+    let over_distance =
+        [("no levels", &far.none), ("five levels", &far.discrete), ("continuous", &far.continuous)];
     let over_distance = over_distance.into_iter().enumerate().map(|(colour, (name, values))| {
         let points = far.distance.iter().zip(values).map(|(&x, &y)| [x, y]).collect();
         Curve { name: name.to_owned(), colour, dashed: false, points }

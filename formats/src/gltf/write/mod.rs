@@ -2,6 +2,7 @@
 
 mod chain;
 mod compressed;
+mod differences;
 mod fresh;
 mod glide;
 mod images;
@@ -21,7 +22,8 @@ use std::path::Path;
 use writer::Writer;
 
 pub use chain::{ChainObject, ChainShape, export_chain};
-pub use glide::{Carried, Glide};
+pub use differences::Carried;
+pub use glide::Glide;
 pub use levels::{LevelsObject, export_levels};
 
 /// Makes one `.glb`, or a `.gltf` and the `.bin` beside it. Primitives without triangles are left

@@ -2,7 +2,7 @@
 //! compressed, one per stream, since likes compress best.
 
 use super::compressed::Compressed;
-use super::glide::{self, Carried};
+use super::differences::{Carried, differences};
 use super::samples::{self, Samples};
 use crate::gltf::accessor::{Shape, component_number};
 use crate::gltf::json::{Json, Object, malformed, object};
@@ -433,7 +433,7 @@ impl Numbering<'_> {
         let (mut target, mut taken) = (Object::default(), Object::default());
         let range = run.start as u32..run.end as u32;
         let moving = &vertices[run];
-        for values in glide::differences(self.mesh, next, submesh, moving, carried) {
+        for values in differences(self.mesh, next, submesh, moving, carried) {
             let accessor = self.writer.deltas(&values, range.clone(), vertices.len());
             target.insert(values.0, accessor);
         }
