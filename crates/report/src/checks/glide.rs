@@ -53,6 +53,9 @@ fn different(from: &GlidePart, to: &GlidePart) -> Option<String> {
     if width < 3 || from.values.len() != from.moved.len() {
         return (!from.triangles.is_empty()).then(|| "has no positions".to_owned());
     }
+    if from.width != to.width && !from.triangles.is_empty() && !to.triangles.is_empty() {
+        return Some("moves other values than the next level has".to_owned());
+    }
     let places = Places::of(to, width);
     let mut arrived: Vec<Corners> = Vec::new();
     for t in &from.triangles {

@@ -109,34 +109,45 @@ pub(super) fn glides(
     assets: &mut Assets,
     options: &ImportOptions,
 ) -> Result<Vec<Glide>, FormatError> {
+    let is_gliding = root.entries("meshes").any(|mesh| target(mesh).is_some());
+    if !is_gliding {
+        return Ok(Vec::new());
+    }
+    // Each level is read twice, as far as its triangles go.
+    let budget = Budget::new(file.bytes.saturating_mul(MOST_READ));
+    let views = Views::new(root, &file.buffers, &budget)?;
+    let own = Meshes { root, accessors: &Accessor::all(root, &views)?, views: &views };
     let mut all = Vec::new();
-    let of_file =
-        |root: &Object, file: &Opened<'_>, mesh: usize, names: Option<&BTreeSet<String>>| {
-            parts(root, file, mesh, names)
-        };
+    let mut add = |level: usize, mesh: usize, next: Option<(&Meshes<'_>, usize)>| {
+        if let Some(from) = own.moved(mesh)? {
+            let names = carried(root, mesh);
+            let to = next.map(|(file, mesh)| file.parts(mesh, None, &names)).transpose()?;
+            let (place, to) = (format!("meshes[{mesh}]"), to.unwrap_or_default());
+            all.push(Glide { level, place, from, to });
+        }
+        Ok::<_, FormatError>(())
+    };
     for &(level, [mesh, next]) in pairs {
-        let Some(from) = of_file(root, file, mesh, None)? else { continue };
-        let names = carried(root, mesh);
-        let to = of_file(root, file, next, Some(&names))?.unwrap_or_default();
-        all.push(Glide { level, place: format!("meshes[{mesh}]"), from, to });
+        add(level, mesh, Some((&own, next)))?;
     }
     let Some(name) = root["extras"]["lodc"]["next"].as_str() else { return Ok(all) };
     let bytes = uri::read(name, "extras.lodc.next", assets)?;
     let (other, other_file) = open(&bytes, assets, options)?;
+    let budget = Budget::new(other_file.bytes.saturating_mul(MOST_READ));
+    let views = Views::new(&other, &other_file.buffers, &budget)?;
+    let accessors = Accessor::all(&other, &views)?;
+    let next_file = Meshes { root: &other, accessors: &accessors, views: &views };
+    let same = Pool::Meshes.len(root) == Pool::Meshes.len(&other);
     for (mesh, entry) in root.entries("meshes").enumerate() {
-        let Some(from) = of_file(root, file, mesh, None)? else { continue };
-        let names = carried(root, mesh);
-        let same = Pool::Meshes.len(root) == Pool::Meshes.len(&other);
         let by_name = || other.entries("meshes").position(|m| m["name"] == entry["name"]);
         let next = if same { Some(mesh) } else { by_name() };
-        let to = match next {
-            Some(next) => of_file(&other, &other_file, next, Some(&names))?.unwrap_or_default(),
-            None => Vec::new(),
-        };
-        all.push(Glide { level: 0, place: format!("meshes[{mesh}]"), from, to });
+        add(0, mesh, next.map(|next| (&next_file, next)))?;
     }
     Ok(all)
 }
+
+/// Times that vertices are read: levels that halve, each on its way and as the next one.
+const MOST_READ: u64 = 8;
 
 /// What the target of a mesh moves.
 fn carried(root: &Object, mesh: usize) -> BTreeSet<String> {
@@ -147,76 +158,84 @@ fn carried(root: &Object, mesh: usize) -> BTreeSet<String> {
     moved.flat_map(|target| target.keys().cloned()).collect()
 }
 
-/// The primitives of a mesh with triangles, moved by its target where `names` are none; else with
-/// the values of these names. None if it has no target and needs one.
-fn parts(
-    root: &Object,
-    file: &Opened<'_>,
-    mesh: usize,
-    names: Option<&BTreeSet<String>>,
-) -> Result<Option<Vec<GlidePart>>, FormatError> {
-    let entry = &root["meshes"][mesh];
-    let number = entry.as_object().and_then(target);
-    if number.is_none() && names.is_none() {
-        return Ok(None);
+/// The meshes of a document.
+struct Meshes<'a> {
+    root: &'a Object,
+    accessors: &'a [Option<Accessor>],
+    views: &'a Views<'a>,
+}
+
+impl Meshes<'_> {
+    /// The primitives of a mesh with triangles, moved by its target. None if it has none.
+    fn moved(&self, mesh: usize) -> Result<Option<Vec<GlidePart>>, FormatError> {
+        let number = self.root["meshes"][mesh].as_object().and_then(target);
+        let parts = number.map(|_| self.parts(mesh, number, &carried(self.root, mesh)));
+        parts.transpose()
     }
-    let own = carried(root, mesh);
-    let names = names.unwrap_or(&own);
-    let budget = Budget::new(file.bytes);
-    let views = Views::new(root, &file.buffers, &budget)?;
-    let accessors = Accessor::all(root, &views)?;
-    let mut all = Vec::new();
-    for (p, primitive) in entry["primitives"].list().iter().enumerate() {
-        let Some(primitive) = primitive.as_object() else { continue };
-        let place = format!("meshes[{mesh}].primitives[{p}]");
-        let Read::Triangles(read) = primitive::read(primitive, place, &accessors)? else {
-            continue;
-        };
-        let position = accessors.get(read.position).and_then(Option::as_ref);
-        let vertices = position.map_or(0, |p| p.count);
-        let corners = read.corners(vertices, &accessors, &views)?;
-        let mut triangles = Vec::new();
-        read.triangles(&corners, |t| triangles.push(t));
-        let has = |name: &&String| primitive["attributes"].get(name).is_some();
-        let mut present: Vec<&String> = names.iter().filter(has).collect();
-        // Positions come first.
-        present.sort_by_key(|name| *name != "POSITION");
-        let moves = &primitive["targets"][number.unwrap_or(usize::MAX)];
-        let mut part = GlidePart {
-            kind: format!("{} {present:?}", primitive["material"]),
-            triangles,
-            ..GlidePart::default()
-        };
-        let mut columns = Vec::new();
-        for name in present {
-            let read = |value: &Json| -> Result<Option<Attribute>, FormatError> {
-                let accessor = value.as_index().and_then(|a| accessors.get(a)?.as_ref());
-                accessor.map(|a| stream(a, vertices, &views)).transpose()
+
+    /// The primitives of a mesh with triangles: what of these names they have, moved by a target.
+    fn parts(
+        &self,
+        mesh: usize,
+        number: Option<usize>,
+        names: &BTreeSet<String>,
+    ) -> Result<Vec<GlidePart>, FormatError> {
+        let Meshes { root, accessors, views } = *self;
+        let entry = &root["meshes"][mesh];
+        let mut all = Vec::new();
+        for (p, primitive) in entry["primitives"].list().iter().enumerate() {
+            let Some(primitive) = primitive.as_object() else { continue };
+            let place = format!("meshes[{mesh}].primitives[{p}]");
+            let Read::Triangles(read) = primitive::read(primitive, place, accessors)? else {
+                continue;
             };
-            let Some(stored) = read(&primitive["attributes"][&**name])? else { continue };
-            let delta = read(&moves[&**name])?;
-            // Tangents keep their handedness.
-            let width = match (&delta, &**name) {
-                (Some(delta), _) => delta.components,
-                (None, "TANGENT") => 3,
-                _ => stored.components,
+            let position = accessors.get(read.position).and_then(Option::as_ref);
+            let vertices = position.map_or(0, |p| p.count);
+            let corners = read.corners(vertices, accessors, views)?;
+            let vertices = corners.iter().max().map_or(0, |&v| v as usize + 1);
+            let mut triangles = Vec::new();
+            read.triangles(&corners, |t| triangles.push(t));
+            let has = |name: &&String| primitive["attributes"].get(name).is_some();
+            let mut present: Vec<&String> = names.iter().filter(has).collect();
+            // Positions come first.
+            present.sort_by_key(|name| *name != "POSITION");
+            let moves = &primitive["targets"][number.unwrap_or(usize::MAX)];
+            let mut part = GlidePart {
+                kind: format!("{} {present:?}", primitive["material"]),
+                triangles,
+                ..GlidePart::default()
             };
-            part.width += usize::from(width);
-            columns.push((stored, delta, usize::from(width)));
-        }
-        for v in 0..vertices as u32 {
-            for (stored, delta, width) in &columns {
-                for c in 0..*width {
-                    let value = stored.value(v, c);
-                    let by = delta.as_ref().map_or(0.0, |delta| delta.value(v, c));
-                    part.values.push(value);
-                    part.moved.push(value + by);
+            let mut columns = Vec::new();
+            for name in present {
+                let read = |value: &Json| -> Result<Option<Attribute>, FormatError> {
+                    let accessor = value.as_index().and_then(|a| accessors.get(a)?.as_ref());
+                    accessor.map(|a| stream(a, vertices, views)).transpose()
+                };
+                let Some(stored) = read(&primitive["attributes"][&**name])? else { continue };
+                let delta = read(&moves[&**name])?;
+                // Tangents keep their handedness.
+                let width = match (&delta, &**name) {
+                    (Some(delta), _) => delta.components.min(stored.components),
+                    (None, "TANGENT") => 3,
+                    _ => stored.components,
+                };
+                part.width += usize::from(width);
+                columns.push((stored, delta, usize::from(width)));
+            }
+            for v in 0..vertices as u32 {
+                for (stored, delta, width) in &columns {
+                    for c in 0..*width {
+                        let value = stored.value(v, c);
+                        let by = delta.as_ref().map_or(0.0, |delta| delta.value(v, c));
+                        part.values.push(value);
+                        part.moved.push(value + by);
+                    }
                 }
             }
+            all.push(part);
         }
-        all.push(part);
+        Ok(all)
     }
-    Ok(Some(all))
 }
 
 /// All elements of an accessor; zeros where it has fewer than there are vertices.
