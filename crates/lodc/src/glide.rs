@@ -1,7 +1,9 @@
 //! Levels of an object that move to the next one.
 
 use crate::{Error, LodObject, level_mesh::LevelMesh};
-use lodc_mesh::{Attribute, Lod, Mesh, MeshParts, Semantic, Simplified, Submesh};
+use lodc_mesh::{
+    Attribute, Lod, Mesh, MeshParts, NONE, PositionIds, Semantic, Simplified, Submesh,
+};
 use lodc_scene::Shape;
 use std::ops::Range;
 
@@ -62,7 +64,23 @@ impl GlidingLevel {
             attributes: s.attributes.clone(),
         };
         let mut moved = gathered(Vec::new(), now.submeshes().iter().map(none).collect());
-        moved.positions = goals.iter().map(|&(from, v)| from.positions()[v as usize]).collect();
+        // A vertex that no triangle of the next level uses may share its place with one that is
+        // used, and has moved: triangles between the two have no area.
+        let ids = PositionIds::new(input.positions());
+        let mut shown = vec![NONE; ids.len()];
+        for (&v, place) in others.iter().zip(0..) {
+            shown[ids.of_vertex[v as usize] as usize] = place;
+        }
+        let place = |&(from, v): &(&Mesh, u32)| {
+            let there = if std::ptr::eq(from, next) {
+                NONE
+            } else {
+                shown[ids.of_vertex[v as usize] as usize]
+            };
+            let (from, v) = if there == NONE { (from, v) } else { (next, there) };
+            from.positions()[v as usize]
+        };
+        moved.positions = goals.iter().map(place).collect();
         for stream in &mut moved.attributes {
             let same = |a: &&Attribute| a.described() == stream.described();
             let sources = [next, input].map(|mesh| mesh.attributes().iter().find(same).cloned());

@@ -5,8 +5,8 @@ use lodc_formats::{Glide, GlidePart, ShippedLevels};
 use lodc_mesh::position_key;
 use std::collections::BTreeMap;
 
-/// Values that rounding may put next to a coordinate, of which the nearest few are tried.
-const NEAR: usize = 8;
+/// Positions that rounding cannot tell apart, of which so many are compared.
+const ALIKE: usize = 64;
 
 /// Checks that each level that moves becomes the next one: every triangle that then has an area is
 /// one of its, corner by corner, with what else moves, to one unit in the last place of the larger
@@ -148,53 +148,55 @@ fn is_flat(part: &GlidePart, t: [u32; 3], width: usize) -> bool {
 struct Places {
     /// The number of a position, by its bits.
     numbers: BTreeMap<[u32; 3], u32>,
+    /// The positions by number.
+    places: Vec<[f32; 3]>,
     of_vertex: Vec<u32>,
-    /// The numbers that coordinates have, by axis, rising.
-    on_axis: [Vec<f32>; 3],
+    /// By axis the numbers, their coordinates rising.
+    on_axis: [Vec<u32>; 3],
 }
 
 impl Places {
     fn of(part: &GlidePart, width: usize) -> Self {
-        let mut all = Self {
-            numbers: BTreeMap::new(),
-            of_vertex: vec![u32::MAX; part.values.len() / width],
-            on_axis: Default::default(),
-        };
+        let vertices = part.values.len() / width;
+        let (mut numbers, mut places) = (BTreeMap::new(), Vec::new());
+        let mut of_vertex = vec![u32::MAX; vertices];
         for &v in part.triangles.as_flattened() {
             let place = position(row(&part.values, v, width));
-            let next = all.numbers.len() as u32;
-            all.of_vertex[v as usize] = *all.numbers.entry(position_key(place)).or_insert(next);
-            (0..3).for_each(|axis| all.on_axis[axis].push(place[axis]));
+            of_vertex[v as usize] = *numbers.entry(position_key(place)).or_insert_with(|| {
+                places.push(place);
+                places.len() as u32 - 1
+            });
         }
-        for axis in &mut all.on_axis {
-            axis.sort_unstable_by(f32::total_cmp);
-            axis.dedup();
-        }
-        all
+        let on_axis = [0, 1, 2].map(|axis| {
+            let mut all: Vec<u32> = (0..places.len() as u32).collect();
+            let at = |n: &u32| places[*n as usize][axis];
+            all.sort_by(|a, b| at(a).total_cmp(&at(b)));
+            all
+        });
+        Self { numbers, places, of_vertex, on_axis }
     }
 
-    /// Returns the position that a vertex has moved to.
+    /// Returns the position that a vertex has moved to: of those that rounding may have made it
+    /// miss the nearest.
     fn find(&self, before: &[f32], moved: &[f32]) -> Option<u32> {
         if let Some(&number) = self.numbers.get(&position_key(position(moved))) {
             return Some(number);
         }
-        // Rounding is by coordinate: of those that are there the nearest come first.
-        let near = |axis: usize| -> Vec<f32> {
-            let all = &self.on_axis[axis];
-            let is_near = |&&x: &&f32| is_near(before[axis], moved[axis], x);
-            let at = all.partition_point(|&x| x < moved[axis]);
-            let below = all[..at].iter().rev().take_while(is_near).take(NEAR);
-            let above = all[at..].iter().take_while(is_near).take(NEAR);
-            let mut near: Vec<f32> = below.chain(above).copied().collect();
-            near.sort_by(|a, b| (a - moved[axis]).abs().total_cmp(&(b - moved[axis]).abs()));
-            near
+        let near = |axis: usize| -> &[u32] {
+            let (all, to) = (&self.on_axis[axis], moved[axis]);
+            let at = |n: &u32| self.places[*n as usize][axis];
+            let is_near = |n: &u32| is_near(before[axis], to, at(n));
+            let first = all.partition_point(|n| at(n) < to && !is_near(n));
+            let end = all.partition_point(|n| at(n) <= to || is_near(n));
+            &all[first..end.max(first)]
         };
-        let [x, y, z] = [0, 1, 2].map(near);
-        x.iter().find_map(|&x| {
-            y.iter().find_map(|&y| {
-                z.iter().find_map(|&z| self.numbers.get(&position_key([x, y, z])).copied())
-            })
-        })
+        // One axis tells more apart than another: many coordinates may be next to zero.
+        let fewest = [0, 1, 2].map(near).into_iter().min_by_key(|all| all.len())?;
+        let place = |n: u32| self.places[n as usize];
+        let is_there = |n: &&u32| (0..3).all(|k| is_near(before[k], moved[k], place(**n)[k]));
+        let off = |n: u32| (0..3).map(|k| (place(n)[k] - moved[k]).abs()).fold(0.0, f32::max);
+        let there = fewest.iter().filter(is_there).take(ALIKE);
+        there.copied().min_by(|&a, &b| off(a).total_cmp(&off(b)))
     }
 }
 
