@@ -167,8 +167,8 @@ fn levels_say_where_they_are_shown_and_coverage_agrees() {
             let eighth = next.map(|next| distance + 0.125 * (next - distance));
             assert_eq!(of(k, "morph_from"), eighth, "{k}");
         }
-        let nodes = d["nodes"].as_array().expect("nodes").iter();
-        let shares = nodes.filter_map(|n| n["extras"]["MSFT_screencoverage"].as_array()).next();
+        let mut nodes = d["nodes"].as_array().expect("nodes").iter();
+        let shares = nodes.find_map(|n| n["extras"]["MSFT_screencoverage"].as_array());
         let mesh = meshes(&d)[0];
         let corners: Vec<f64> = ["min", "max"]
             .into_iter()
@@ -196,8 +196,7 @@ fn other_targets_and_their_animations_stay() {
     let f = chained("morphing_sphere.glb", &["--geomorph"]);
     let d = document(&f, "c.gltf");
     let all = meshes(&d);
-    let source = f.lodc(["chain", "morphing_sphere.glb", "-o", "plain.gltf", "-q"]).ends(0);
-    drop(source);
+    f.lodc(["chain", "morphing_sphere.glb", "-o", "plain.gltf", "-q"]).ends(0);
     let plain = document(&f, "plain.gltf");
     let before = targets(&plain, meshes(&plain)[0], 0);
     assert!(before > 0);
@@ -254,7 +253,7 @@ fn geometry(f: &Folder, plain: &str, more: &str) -> f64 {
     let views = d["bufferViews"].as_array().expect("views").iter();
     let drawn = views.filter(|v| v["target"].is_u64()).map(|v| number(&v["byteLength"]));
     let drawn: usize = drawn.sum();
-    let bytes = |name: &str| f.read(name.replace(".gltf", ".bin")).len();
+    let bytes = |name: &str| f.read(&name.replace(".gltf", ".bin")).len();
     (drawn + bytes(more) - bytes(plain)) as f64 / drawn as f64
 }
 
