@@ -326,13 +326,15 @@ const picture = () => {
   context.readPixels(0, 0, 256, 256, context.RGBA, context.UNSIGNED_BYTE, bytes);
   return bytes;
 };
+// Every step is the same share farther away: levels may begin at distances of any ratio.
+const first = model.levels.levels.find((level) => level.distance > 0).distance / 8;
 const end = model.levels.levels.at(-1).distance * 1.05;
 const largest = (glides) => {
   chain.glides = glides;
   chain.show(0, 0);
   let [most, before] = [0, picture()];
   for (let i = 1; i <= 300; i++) {
-    chain.at((end * i) / 300);
+    chain.at(first * (end / first) ** (i / 300));
     const now = picture();
     let sum = 0;
     for (let k = 0; k < now.length; k++) sum += (now[k] - before[k]) ** 2;
