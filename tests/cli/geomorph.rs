@@ -337,8 +337,9 @@ const largest = (glides) => {
     chain.at(first * (end / first) ** (i / 300));
     const now = picture();
     let sum = 0;
-    for (let k = 0; k < now.length; k++) sum += (now[k] - before[k]) ** 2;
-    most = Math.max(most, Math.sqrt(sum / now.length));
+    // Not squared: of what is less than one of 256 levels rounding shows the mean, not the square.
+    for (let k = 0; k < now.length; k++) sum += Math.abs(now[k] - before[k]);
+    most = Math.max(most, sum / now.length);
     before = now;
   }
   return most;
@@ -364,7 +365,7 @@ fn levels_that_glide_change_little_from_picture_to_picture() {
         let told = browser.result_at(&format!("{address}/sweep.html"));
         let numbers: Vec<f64> = told.split(' ').filter_map(|n| n.parse().ok()).collect();
         let [glide, switch] = numbers[..] else { panic!("{input}: {told}") };
-        assert!(switch > 0.5, "{input}: nothing switches: {told}");
+        assert!(switch > 0.1, "{input}: nothing switches: {told}");
         assert!(glide <= 0.25 * switch, "{input}: {glide} against {switch}");
     }
 }
