@@ -70,7 +70,7 @@ pub(crate) struct ChainArgs {
     #[arg(short, long, value_name = "OUT", help_heading = OUTPUT, display_order = 0)]
     output: PathBuf,
     /// Format, where OUT does not tell [default: glb]
-    #[arg(long, value_enum, help_heading = OUTPUT, display_order = 0)]
+    #[arg(long, value_enum, help_heading = OUTPUT, display_order = 0, hide_short_help = true)]
     format: Option<FormatName>,
 }
 
@@ -88,8 +88,7 @@ Without --separate and --index-ranges the levels are tied together by MSFT_lod.
 Examples:
   lodc chain chair.glb -o chair.levels.glb
   lodc chain chair.glb -o chair.obj --separate --levels 100%,10k,1k --refit
-  lodc chain chair.glb -o chair.levels.glb --pixels 1 --distances 2,5,20
-  lodc chain chair.glb -o chair.levels.glb --auto 6 --geomorph";
+  lodc chain chair.glb -o chair.levels.glb --pixels 1 --distances 2,5,20 --geomorph";
 
 /// Files of a chain, each with the levels in it, by their place in the table.
 struct Files {

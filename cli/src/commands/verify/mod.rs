@@ -69,8 +69,7 @@ const EXAMPLES: &str = "\
 Examples:
   lodc verify chair.lodc --source chair.glb --gpu
   lodc verify levels --source models --junit results.xml
-  lodc verify chair.levels.glb --source chair.glb
-  lodc verify chair.levels.glb    (of chain --geomorph)";
+  lodc verify chair.levels.glb --source chair.glb";
 
 /// Extensions of files that hold levels: of all, and of some beside the mesh that they are of.
 const LEVELS: [&str; 5] = ["lodc", "glb", "gltf", "obj", "ply"];
