@@ -1,5 +1,6 @@
-"""Draws levels of a chain on their way to the next one as an animated PNG: python3 glide.py LODC MESH OUT.png
+"""Draws levels of a chain on their way to the next one as an animated PNG.
 
+python3 glide.py LODC MESH OUT.png
 The pictures are those of `lodc render`, one for each weight of the morph target `lodc:next`.
 """
 import json
@@ -12,7 +13,8 @@ import zlib
 
 LEVELS = ["3000", "800", "200"]
 STEPS = 6
-VIEW = "--size 240x220 --shading flat --wireframe --eye 1.8,1.6,5 --target 0.25,0.75,0 --fovy 28".split()
+EYE = "--eye 1.8,1.6,5 --target 0.25,0.75,0 --fovy 28".split()
+VIEW = ["--size", "240x220", "--shading", "flat", "--wireframe", *EYE]
 
 
 def chunks(png):
@@ -25,7 +27,8 @@ def chunks(png):
 
 
 def chunk(kind, content):
-    return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(kind + content))
+    checked = kind + content
+    return struct.pack(">I", len(content)) + checked + struct.pack(">I", zlib.crc32(checked))
 
 
 def animated(pictures, milliseconds):
@@ -36,7 +39,8 @@ def animated(pictures, milliseconds):
         head = dict(parts)[b"IHDR"]
         if number == 0:
             out += [chunk(b"IHDR", head), chunk(b"acTL", struct.pack(">II", len(pictures), 0))]
-        frame = struct.pack(">I", sequence) + head[:8] + struct.pack(">IIHHBB", 0, 0, time, 1000, 0, 0)
+        frame = struct.pack(">I", sequence) + head[:8]
+        frame += struct.pack(">IIHHBB", 0, 0, time, 1000, 0, 0)
         out.append(chunk(b"fcTL", frame))
         sequence += 1
         for content in (content for kind, content in parts if kind == b"IDAT"):

@@ -1,4 +1,4 @@
-//! `lodc chain --geomorph`: a morph target takes each level to the next one, and `verify` proves it.
+//! `lodc chain --geomorph`: a morph target takes each level to the next, and `verify` proves it.
 
 use crate::support::browser::{Browser, served};
 use crate::support::{Folder, QUADRIC, corpus, outside};

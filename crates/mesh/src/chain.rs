@@ -22,9 +22,9 @@ pub struct Chain {
 pub struct GlidingChain {
     /// The levels; the mesh also has the vertices that others become without having a triangle.
     pub chain: Chain,
-    /// For each vertex of the mesh the one that it becomes at the first level without it; itself, if
-    /// the last level has it. With the vertices of level *k* moved there, its triangles are those of
-    /// level *k* + 1, by index, and others without an area.
+    /// For each vertex of the mesh the one that it becomes at the first level without it; itself,
+    /// if the last level has it. With the vertices of level *k* moved there, its triangles are
+    /// those of level *k* + 1, by index, and others without an area.
     pub becomes: Vec<u32>,
 }
 
@@ -69,8 +69,8 @@ impl Simplified {
         self.chain_with(lods, &[]).map(|(chain, _)| chain)
     }
 
-    /// Returns the levels at `lods`, which do not fall, and what each vertex becomes on the way from
-    /// one to the next.
+    /// Returns the levels at `lods`, which do not fall, and what each vertex becomes on the way
+    /// from one to the next.
     ///
     /// # Errors
     /// As [`Self::chain`].

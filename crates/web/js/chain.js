@@ -22,7 +22,7 @@ export class ChainLevels {
     this.screen = screen;
   }
 
-  /** The level at a distance and the weight of its way to the next one; `before` is the one shown. */
+  /** The level at a distance and the weight of its way to the next one; `before` is shown now. */
   at(distance, before = 0) {
     const from = (k) => this.levels[k]?.distance ?? Infinity;
     let level = this.levels.findLastIndex((_, k) => from(k) <= distance);
@@ -36,7 +36,7 @@ export class ChainLevels {
   }
 }
 
-/** What all copies of a chain share: `await ChainModel.of(gltf)` of what three's GLTFLoader made. */
+/** What all copies of a chain share: `await ChainModel.of(gltf)`, of what three's loader made. */
 export class ChainModel {
   static async of(gltf) {
     const { json } = gltf.parser;
@@ -63,7 +63,7 @@ export class ChainModel {
     });
   }
 
-  /** Marks the meshes of a node, not those of its children: primitives are a group without nodes. */
+  /** Marks the meshes of a node, not those of its children: primitives are no nodes. */
   mark(node, level) {
     const own = node.isMesh ? [node] : node.children.filter((c) => c.isMesh && !c.userData.name);
     for (const mesh of own) mesh.userData.lodcLevel = level;

@@ -98,9 +98,10 @@ pub(crate) fn served(folders: Vec<PathBuf>) -> String {
                 Some("js" | "mjs") => "text/javascript",
                 _ => "application/octet-stream",
             };
+            let length = bytes.len();
             let head = format!(
-                "HTTP/1.1 {status}\r\nContent-Type: {kind}\r\nContent-Length: {}\r\nConnection: close\r\n\r\n",
-                bytes.len()
+                "HTTP/1.1 {status}\r\nContent-Type: {kind}\r\nContent-Length: {length}\r\n\
+                 Connection: close\r\n\r\n"
             );
             // A browser that went away is no fault of the test.
             let _ = stream.write_all(head.as_bytes()).and_then(|()| stream.write_all(&bytes));

@@ -38,7 +38,8 @@ pub(crate) struct VerifyArgs {
     /// Also prove that LOD 0 is this mesh, byte by byte; or that levels are of it
     ///
     /// Triangle by triangle. Levels that extract and chain wrote are measured, and compared with
-    /// the mesh; without it only that levels of chain --geomorph become the next ones is proved. Of a folder, the mesh whose content a file was made from, wherever it is in there.
+    /// the mesh; without it only that levels of chain --geomorph become the next ones is proved. Of
+    /// a folder, the mesh whose content a file was made from, wherever it is in there.
     #[arg(long, value_name = "MESH", help_heading = CHECKED)]
     source: Option<PathBuf>,
     /// Check every N-th step

@@ -50,8 +50,8 @@ impl Discrete {
         Self { simplified: Arc::clone(simplified), levels: (0..LEVELS).map(level).collect() }
     }
 
-    /// Returns the LOD of a level of a sequence, 0 being the finest; also of those that would follow
-    /// the coarsest one.
+    /// Returns the LOD of a level of a sequence, 0 being the finest; also of those that would
+    /// follow the coarsest one.
     #[must_use]
     pub fn lod(collapses: &CollapseSequence, level: usize) -> Lod {
         let level = level.min(16) as u32;

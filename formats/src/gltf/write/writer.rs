@@ -200,8 +200,8 @@ impl Writer {
         Ok(self.accessor(accessor))
     }
 
-    /// Puts bytes of sparse elements or samples into a view of their kind; returns it and where they
-    /// begin.
+    /// Puts bytes of sparse elements or samples into a view of their kind; returns it and where
+    /// they begin.
     fn put(&mut self, name: &str, component: Component, stride: usize, values: &[u8]) -> Json {
         let (view, bytes) = self.group(NO_TARGET, component, stride, name);
         let offset = bytes.len();
@@ -223,8 +223,8 @@ impl Writer {
         self.accessor(accessor)
     }
 
-    /// An accessor of `count` elements of floats that are 0 but for a run of them, and in it but for
-    /// some.
+    /// An accessor of `count` elements of floats that are 0 but for a run of them, and in it but
+    /// for some.
     pub(super) fn deltas(
         &mut self,
         (name, components, values): &(String, usize, Vec<f32>),
