@@ -39,7 +39,7 @@ fn difference(glide: &Glide) -> Option<String> {
 fn joined<'a>(parts: impl Iterator<Item = &'a GlidePart>) -> GlidePart {
     let mut all = GlidePart::default();
     for part in parts {
-        let first = if part.width > 0 { (all.values.len() / part.width) as u32 } else { 0 };
+        let first = all.values.len().checked_div(part.width).unwrap_or(0) as u32;
         all.width = part.width;
         all.values.extend_from_slice(&part.values);
         all.moved.extend_from_slice(&part.moved);
