@@ -2,6 +2,7 @@
 
 #[cfg(feature = "export")]
 use crate::GENERATOR;
+use lodc_mesh::Posture;
 
 /// A level of detail as its file states it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,6 +55,9 @@ pub struct Provenance {
     pub screen: Option<ScreenFacts>,
     /// The file of the next level, where each has its own and glides to it.
     pub next: Option<String>,
+    /// For each object of the source the poses that its errors are the largest over, besides the
+    /// one at rest; none if that is not known.
+    pub poses: Option<Vec<Vec<Posture>>>,
 }
 
 impl Provenance {
@@ -92,6 +96,7 @@ impl Provenance {
                 _ => refitted |= part == "refitted",
             }
         }
-        Some(Self { source: source?, levels: vec![stated], refitted, screen: None, next: None })
+        let (screen, next, poses) = (None, None, None);
+        Some(Self { source: source?, levels: vec![stated], refitted, screen, next, poses })
     }
 }

@@ -208,6 +208,7 @@ fn provenance(args: &ChainArgs, asset: &asset::Asset, levels: &[Level]) -> Prove
         refitted: args.refit,
         screen: args.glide.carried().map(|_| glide::screen(&args.levels)),
         next: None,
+        poses: Some(asset.objects.iter().map(|o| o.info.poses.clone()).collect()),
     }
 }
 

@@ -196,6 +196,7 @@ fn provenance(asset: &Asset, report: &ExtractReport) -> Provenance {
         refitted: report.refitted,
         screen: None,
         next: None,
+        poses: Some(asset.objects.iter().map(|o| o.info.poses.clone()).collect()),
     }
 }
 

@@ -1,5 +1,6 @@
 //! What is checked of a file, and what came of it.
 
+mod facing;
 mod glide;
 mod levels;
 mod models;
