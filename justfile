@@ -65,6 +65,7 @@ picture: build
         --wireframe --criterion silhouette --coarse 5% --eye 1.8,1.6,5 --fovy 31 -o docs/views.png
     target/release/lodc render target/shell.obj --size 300x300 --shading flat --wireframe --criterion box \
         --box -9,-9,-9,0.15,9,9 --azimuth 20 --elevation 12 -o docs/half-refined.png
+    python3 docs/glide.py target/release/lodc target/shell.obj docs/glide.png
 
 # Draw the picture of the packages again (docs/packages.svg)
 drawing:
@@ -82,6 +83,7 @@ web: build
     target/release/lodc pack target/web/models/terrain.lodc -o target/web/models/stream.lods -q
     target/release/lodc build fixtures/terrain.glb --layout gpu -o target/web/models/gpu.lodc -q
     target/release/lodc shaders -o target/web/shaders -q
+    target/release/lodc chain fixtures/terrain.glb -o target/web/models/chain.glb --auto 5 --geomorph -q
     python3 -m http.server 8000 --directory target/web
 
 # The bars on lodc's time beside gltfpack and others; with a mesh how close levels are; --build-openmesh adds OpenMesh

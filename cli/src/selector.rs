@@ -92,6 +92,10 @@ impl ScreenArgs {
         let height = 2.0 * (self.degrees().to_radians() / 2.0).tan();
         pixels * height / self.height
     }
+    /// Returns the lines of the screen and its vertical field of view in degrees.
+    pub(crate) fn size(&self) -> (f64, f64) {
+        (self.height, self.degrees())
+    }
     fn degrees(&self) -> f64 {
         self.fovy.unwrap_or(60.0)
     }
@@ -108,6 +112,10 @@ impl SelectorArgs {
     /// Returns the error per distance that takes up so many pixels.
     pub(crate) fn slope(&self, pixels: f64) -> f64 {
         self.screen.slope(pixels)
+    }
+    /// Returns the tangent of half the vertical field of view.
+    pub(crate) fn tangent(&self) -> f64 {
+        (self.screen.degrees().to_radians() / 2.0).tan()
     }
     /// Returns the vertical field of view that was given, in degrees.
     pub(crate) fn field_of_view(&self) -> Option<f64> {

@@ -22,6 +22,8 @@ pub(crate) enum CriterionName {
     Sphere,
     /// Fine in --box, coarse outside
     Box,
+    /// Fine on the screen, coarse behind --eye and beside the screen
+    Frustum,
 }
 
 impl CriterionName {
@@ -32,6 +34,7 @@ impl CriterionName {
             Self::Pixels => "pixels",
             Self::Sphere => "sphere",
             Self::Box => "box",
+            Self::Frustum => "frustum",
         }
     }
 }
@@ -42,7 +45,7 @@ impl CriterionName {
 pub(crate) struct EyeArgs {
     /// Place of the eye, in the scene's units
     ///
-    /// The criteria silhouette and pixels need it.
+    /// The criteria silhouette, pixels and frustum need it.
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true,
           hide_short_help = true)]
     pub(crate) eye: Option<[f32; 3]>,
@@ -77,9 +80,15 @@ pub(crate) struct ViewArgs {
     #[arg(long = "box", value_name = "X,Y,Z,X,Y,Z", value_parser = corners,
           allow_hyphen_values = true, requires = "criterion", hide_short_help = true)]
     corners: Option<[f32; 6]>,
+    /// Width of the screen by its height, for --criterion frustum [default: 16:9]
+    ///
+    /// --fovy is its angle upwards, --target its middle.
+    #[arg(long, value_name = "R", value_parser = positive, requires = "criterion",
+          hide_short_help = true)]
+    aspect: Option<f64>,
     /// Share of the triangles where detail is wanted
     ///
-    /// For silhouette, sphere and box.
+    /// For silhouette, sphere, box and frustum.
     #[arg(long, value_name = "R", value_parser = share, default_value = "100%",
           requires = "criterion", hide_short_help = true)]
     fine: f64,
@@ -111,14 +120,14 @@ impl ViewArgs {
         };
         let wrong = |what: String| Err(Failure::usage(what));
         let named = name.name();
-        if matches!(name, CriterionName::Silhouette | CriterionName::Pixels)
-            && self.at.eye.is_none()
-        {
+        let from_eye = [CriterionName::Silhouette, CriterionName::Pixels, CriterionName::Frustum];
+        if from_eye.contains(&name) && self.at.eye.is_none() {
             return wrong(format!("--criterion {named} needs --eye X,Y,Z"));
         }
         for (option, given, belongs) in [
             ("--radius", self.radius.is_some(), CriterionName::Sphere),
             ("--box", self.corners.is_some(), CriterionName::Box),
+            ("--aspect", self.aspect.is_some(), CriterionName::Frustum),
             ("--pixels", selector.pixels().is_some(), CriterionName::Pixels),
         ] {
             if given && name != belongs {
@@ -176,6 +185,12 @@ impl ViewArgs {
             CriterionName::Box => Criterion::Box {
                 corners: self.corners.map(|[a, b, c, x, y, z]| [[a, b, c], [x, y, z]]),
             },
+            CriterionName::Frustum => {
+                let upwards = selector.tangent();
+                Criterion::Frustum {
+                    tangents: [self.aspect.unwrap_or(16.0 / 9.0) * upwards, upwards],
+                }
+            }
         };
         let Self { at: EyeArgs { eye, target }, fine, coarse, morph, .. } = *self;
         let per_object = selector.per_object();

@@ -2,7 +2,7 @@
 
 pub use crate::gltf::write::rounding;
 pub use crate::options::{Additions, ExportObject, Precision};
-pub use crate::provenance::{LevelFacts, Provenance};
+pub use crate::provenance::{GlideFacts, LevelFacts, Provenance, ScreenFacts};
 
 use crate::flatten::{Placed, placed};
 use crate::{Document, FormatError, Limits, ObjectInfo, OutputFile, gltf, obj, ply, scene_graph};

@@ -65,7 +65,12 @@ pub fn import_levels(path: &Path, options: &ImportOptions) -> Result<ShippedLeve
         let what = "states no level: only what extract and chain wrote does";
         FormatError::new(Fault::Malformed, "line 1", what).in_file(&name)
     };
-    Ok(ShippedLevels { stated: stated.ok_or_else(missing)?, levels, difference: None })
+    Ok(ShippedLevels {
+        stated: stated.ok_or_else(missing)?,
+        levels,
+        difference: None,
+        glides: Vec::new(),
+    })
 }
 
 /// Returns whether a file can be read and states levels, as those do that `extract` and `chain`

@@ -97,9 +97,13 @@ pub use scene::{
     SourceFormat, SubmeshInfo,
 };
 #[cfg(feature = "import")]
-pub use shipped::ShippedLevels;
+pub use shipped::{Glide, GlidePart, ShippedLevels};
 pub use sought::Sought;
 pub use write::{OutputFile, write_all};
+
+/// The name of the morph target that moves a level to the next one.
+#[cfg_attr(not(all(feature = "import", feature = "export")), allow(dead_code, reason = "of glTF"))]
+pub(crate) const GLIDE_TARGET: &str = "lodc:next";
 
 /// The name and version of this program.
 pub(crate) const GENERATOR: &str = concat!("lodc ", env!("CARGO_PKG_VERSION"));

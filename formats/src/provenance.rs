@@ -13,6 +13,33 @@ pub struct LevelFacts {
     pub error: f64,
     /// Its root mean square distance, in the same units, if it was measured.
     pub rms: Option<f64>,
+    /// Where it glides to the next level; none of a level that does not.
+    pub glide: Option<GlideFacts>,
+}
+
+/// Where a level of a chain that glides is shown, as far from the eye as stated, in the units of
+/// errors.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GlideFacts {
+    /// The distance from which the level suits.
+    pub distance: Option<f64>,
+    /// The distance from which it moves towards the next level, whose distance is the end of the
+    /// way; none of the last level.
+    pub morph_from: Option<f64>,
+    /// How far, in the poses that errors are over, it is from the next level at the end of the way;
+    /// none without skins and morph targets.
+    pub pose_error: Option<f64>,
+}
+
+/// The screen that distances of levels are for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ScreenFacts {
+    /// Pixels that an error takes up at most.
+    pub pixels: f64,
+    /// Lines of the screen.
+    pub height: f64,
+    /// The vertical field of view in degrees.
+    pub fovy: f64,
 }
 
 /// Origin of an export.
@@ -24,6 +51,10 @@ pub struct Provenance {
     pub levels: Vec<LevelFacts>,
     /// True if vertices were moved to where they fit best.
     pub refitted: bool,
+    /// The screen that distances are for, if levels state any.
+    pub screen: Option<ScreenFacts>,
+    /// The file of the next level, where each has its own and glides to it.
+    pub next: Option<String>,
     /// For each object of the source the poses that its errors are the largest over, besides the
     /// one at rest; none if that is not known.
     pub poses: Option<Vec<Vec<Posture>>>,
@@ -54,7 +85,7 @@ impl Provenance {
     /// Reads such a line; none if it is something else.
     #[cfg(feature = "import")]
     pub(crate) fn of_line(line: &str) -> Option<Self> {
-        let mut stated = LevelFacts { lod: None, error: f64::INFINITY, rms: None };
+        let mut stated = LevelFacts { lod: None, error: f64::INFINITY, rms: None, glide: None };
         let (mut source, mut refitted) = (None, false);
         for part in line.strip_prefix("lodc ")?.split(", ").skip(1) {
             match part.split_once(' ') {
@@ -65,6 +96,7 @@ impl Provenance {
                 _ => refitted |= part == "refitted",
             }
         }
-        Some(Self { source: source?, levels: vec![stated], refitted, poses: None })
+        let (screen, next, poses) = (None, None, None);
+        Some(Self { source: source?, levels: vec![stated], refitted, screen, next, poses })
     }
 }

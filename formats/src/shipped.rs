@@ -12,4 +12,34 @@ pub struct ShippedLevels {
     pub levels: Vec<Scene>,
     /// What the levels of one file do not share although they should, and where.
     pub difference: Option<String>,
+    /// The way from levels to the next ones, where they glide.
+    pub glides: Vec<Glide>,
+}
+
+/// The way from one level of a mesh to the next, as its morph target says it.
+#[derive(Clone, Debug)]
+pub struct Glide {
+    /// The level that moves.
+    pub level: usize,
+    /// The mesh.
+    pub place: String,
+    /// Its primitives.
+    pub from: Vec<GlidePart>,
+    /// Those of the next level.
+    pub to: Vec<GlidePart>,
+}
+
+/// A primitive that glides, or that another one glides to.
+#[derive(Clone, Debug, Default)]
+pub struct GlidePart {
+    /// Its material, and the names of what moves.
+    pub kind: String,
+    /// Numbers of a vertex, of which the first three are its position.
+    pub width: usize,
+    /// The numbers of all vertices.
+    pub values: Vec<f32>,
+    /// The same at the end of the way.
+    pub moved: Vec<f32>,
+    /// Its triangles.
+    pub triangles: Vec<[u32; 3]>,
 }

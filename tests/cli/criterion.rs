@@ -70,11 +70,12 @@ fn every_criterion_meets_a_number_of_triangles_and_no_view_tears() {
     let f = Folder::new();
     f.file("t.obj", torus(40));
     f.lodc(["build", "t.obj", "-q"]).ends(0);
-    let criteria: [&[&str]; 4] = [
+    let criteria: [&[&str]; 5] = [
         &["--criterion", "silhouette", EYE[0], EYE[1]],
         &["--criterion", "pixels", EYE[0], EYE[1]],
         &["--criterion", "sphere", "--target", "1,0,0", "--radius", "0.5"],
         &["--criterion", "box", "--box", "-2,-2,-2,0,2,2"],
+        &["--criterion", "frustum", "--eye", "0,0.2,0", "--target", "1,0,0"],
     ];
     for criterion in criteria {
         for morph in [&[][..], &["--morph"]] {

@@ -73,7 +73,16 @@ fn plots_of_a_crowd_show_what_its_report_says() {
     assert!(read("crowd-extraction.svg").expect("a chart").contains(">progressive_mesh<"));
     run(&["--plots", "q", "--no-times"]);
     let entries = std::fs::read_dir(f.path().join("q")).expect("a folder");
-    assert_eq!(entries.count(), 1, "no times, no charts of them");
+    assert_eq!(entries.count(), 2, "no times, no charts of them");
+    // Where a discrete level begins the continuous one is the same; in between it has fewer.
+    let far = &report["by_distance"];
+    let (all, five) = (list(&far["continuous"]), list(&far["discrete"]));
+    assert_eq!((all.len(), all[0]), (101, five[0]));
+    for (i, (all, five)) in all.iter().zip(&five).enumerate() {
+        assert!(all <= five && (i % 20 > 0 || i == 100 || all == five), "{i}: {all}, {five}");
+    }
+    let spread = &report["models"]["speed"]["continuous"]["extraction_spread"];
+    assert_eq!(spread["rounds"], 2);
     f.lodc(["bench", "g.obj", "--crowd", "--plots", "g.obj/x"]).ends(4);
 }
 

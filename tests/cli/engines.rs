@@ -66,6 +66,28 @@ fn engines_see_the_levels_that_the_table_states() {
 }
 
 #[test]
+fn engines_play_the_way_to_the_next_level() {
+    let Some(modules) = modules() else { return };
+    let folder = Folder::new();
+    let mut names = Vec::new();
+    for (i, input) in inputs().iter().enumerate() {
+        let input = input.to_string_lossy();
+        let name = format!("{i}.glb");
+        folder.lodc(["chain", &input, "-o", &name, "--geomorph", "-q", "--poses", "0"]).ends(0);
+        names.push(name);
+    }
+    let seen = script(&folder, &modules, "weights.mjs", &names.clone().into());
+    for (name, input) in names.iter().zip(inputs()) {
+        for engine in ["babylon", "three"] {
+            let off = seen[name][engine].as_array().expect("differences");
+            assert_eq!(off.len(), 3, "{engine}, {}", input.display());
+            let same = off.iter().all(|off| off.as_f64() < Some(1e-4));
+            assert!(same, "{engine}, {}: {off:?}", input.display());
+        }
+    }
+}
+
+#[test]
 fn the_reference_decoder_gives_every_byte_back() {
     let Some(modules) = modules() else { return };
     let folder = Folder::new();

@@ -19,6 +19,7 @@ mod errors;
 mod extract;
 mod fixtures;
 mod folders;
+mod geomorph;
 mod host;
 mod importance;
 mod inputs;

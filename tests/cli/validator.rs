@@ -69,7 +69,9 @@ fn exports_of_valid_gltf_files_are_valid_at_every_level() {
             names.push(name);
         }
         let bits = ["--quantize", "pos=14,normal=10,uv=12,color=8,weight=8"];
-        for (kind, more) in [("plain", &[][..]), ("quantised", &bits)] {
+        let gliding = ["--geomorph=uv,tangent,color,joints"];
+        let kinds = [("plain", &[][..]), ("quantised", &bits), ("gliding", &gliding)];
+        for (kind, more) in kinds {
             let name = format!("{}@{kind}-chain.glb", path.replace(['/', ' '], "_"));
             folder.lodc(["chain", "m.lodc", "-o", &name, "-q"].iter().chain(more)).ends(0);
             names.push(name);

@@ -10,7 +10,7 @@ use crate::report::{
 };
 use crate::stream;
 use crate::subject::{Subject, baselines, plain, subjects};
-use crate::sweep::{Times, counts, points, stops, times};
+use crate::sweep::{Counts, Times, counts, points, stops, times};
 use crate::timings::Timings;
 use indexmap::IndexMap;
 use lodc_mesh::{CollapseSequence, Lod, Simplified};
@@ -31,13 +31,16 @@ pub fn measure(
     let sweep = Sweep::new(collapses, settings.steps);
     let baselines = baselines(object, long)?;
     let mut subjects = subjects(object, &baselines);
+    // Before anything is timed: a jump leaves work for later moves.
+    let moved: Vec<Counts> =
+        subjects.iter_mut().map(|s| counts(s.runner.as_mut(), &sweep.stops)).collect();
     let times = settings
         .rounds
         .filter(|_| !sweep.stops.is_empty())
         .map(|rounds| ObjectTimes::new(&mut subjects, &object.simplified, &sweep, rounds));
     let mut models = IndexMap::new();
-    for subject in &mut subjects {
-        let row = subject_report(subject, &sweep, times.as_ref());
+    for (subject, moved) in subjects.iter().zip(&moved) {
+        let row = subject_report(subject, moved, &sweep, times.as_ref());
         models.insert(subject.name, row);
     }
     for (name, cost) in plain(&object.simplified, long) {
@@ -140,11 +143,11 @@ impl ObjectTimes {
 
 /// The row of a model or baseline that has levels of detail.
 fn subject_report(
-    subject: &mut Subject<'_>,
+    subject: &Subject<'_>,
+    moved: &Counts,
     sweep: &Sweep,
     times: Option<&ObjectTimes>,
 ) -> SubjectReport {
-    let moved = counts(subject.runner.as_mut(), &sweep.stops);
     let per = |all: u64, each: u64| all as f64 / each.max(1) as f64;
     let (updates, drawn) = (sweep.stops.len() as u64, moved.drawn.iter().sum());
     SubjectReport {
@@ -158,6 +161,10 @@ fn subject_report(
         }),
         traffic: subject.continuous.then(|| TrafficReport {
             bytes_per_update: per(moved.bytes, 2 * updates),
+            upload_bytes_per_update: per(
+                if subject.sends_strips() { moved.one_by_one } else { moved.bytes },
+                2 * updates,
+            ),
             rewritten_per_update: per(moved.rewritten, 2 * updates),
             length_changes: subject.length_changes,
         }),

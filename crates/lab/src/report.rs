@@ -201,7 +201,11 @@ pub(crate) struct DrawnReport {
 /// The traffic of an update, on average.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub(crate) struct TrafficReport {
+    /// Of Speed Strips whole strips that changed.
     pub(crate) bytes_per_update: f64,
+    /// As algorithm 1 of the thesis uploads them: single indices, and tails of strips that change
+    /// their length; of other structures the same as `bytes_per_update`.
+    pub(crate) upload_bytes_per_update: f64,
     pub(crate) rewritten_per_update: f64,
     /// Share of the records that change the length of a strip; null but for Speed Strips.
     pub(crate) length_changes: Option<f64>,

@@ -63,6 +63,13 @@ pub(crate) struct Subject<'a> {
     pub(crate) runner: Box<dyn Runner + 'a>,
 }
 
+impl Subject<'_> {
+    /// Returns whether it sends whole strips: Speed Strips do.
+    pub(crate) fn sends_strips(&self) -> bool {
+        self.length_changes.is_some()
+    }
+}
+
 /// The LOD at which eq. 5.5 of the thesis stops.
 fn most(model: &impl Model) -> Lod {
     let collapses = model.simplified().collapses();

@@ -52,6 +52,8 @@ pub(crate) fn stops(collapses: &CollapseSequence, share: f64) -> Vec<Lod> {
 pub(crate) struct Counts {
     /// Bytes sent in all, down and up.
     pub(crate) bytes: u64,
+    /// Bytes sent in all where indices are sent one by one, if those are fewer.
+    pub(crate) one_by_one: u64,
     /// Indices or vertices rewritten in all, down and up.
     pub(crate) rewritten: u64,
     /// Indices drawn at each stop on the way down.
@@ -64,6 +66,7 @@ pub(crate) fn counts(runner: &mut dyn Runner, stops: &[Lod]) -> Counts {
     let mut seek = |lod: Lod, draw: bool| {
         let (traffic, bytes) = runner.send(lod);
         counts.bytes += bytes;
+        counts.one_by_one += bytes.min(4 * traffic.rewritten);
         counts.rewritten += traffic.rewritten;
         counts.drawn.extend(draw.then(|| runner.drawn()));
     };

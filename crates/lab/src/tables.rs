@@ -38,6 +38,7 @@ const SPREAD: &[Column] = &[
 ];
 const TRAFFIC: &[Column] = &[
     ("bytes", "/traffic/bytes_per_update", 0),
+    ("upload", "/traffic/upload_bytes_per_update", 0),
     ("rewritten", "/traffic/rewritten_per_update", 1),
     ("drawn", "/drawn/indices_per_lod", 0),
     ("per triangle", "/drawn/indices_per_triangle", 3),

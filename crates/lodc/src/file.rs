@@ -178,10 +178,11 @@ impl<'a> Level<'a> {
             [one] => Some(one.0),
             _ => None,
         };
-        let levels = vec![LevelFacts { lod, error: self.error, rms: self.rms }];
+        let levels = vec![LevelFacts { lod, error: self.error, rms: self.rms, glide: None }];
         let source = content.source.content_hash;
         let poses = Some(content.objects.iter().map(|o| o.info.poses.clone()).collect());
-        additions.provenance = Some(Provenance { source, levels, refitted: false, poses });
+        let (screen, next, refitted) = (None, None, false);
+        additions.provenance = Some(Provenance { source, levels, refitted, screen, next, poses });
         let objects = level_mesh::exported(&content.objects, &self.meshes);
         let files = export_with(path, format, &content.document, &objects, &additions)?;
         lodc_formats::write_all(&files)?;

@@ -40,6 +40,7 @@ pub mod build;
 mod container;
 mod error;
 mod file;
+pub mod glide;
 #[cfg(feature = "import")]
 mod input;
 pub mod level_mesh;

@@ -1,6 +1,6 @@
 //! A chain of levels over one vertex buffer, of which every level uses a prefix.
 
-use crate::{Lod, Mesh, MeshError, MeshParts, Simplified, Submesh};
+use crate::{Attribute, Lod, Mesh, MeshError, MeshParts, Simplified, Submesh};
 
 /// Triangles of a level by submesh.
 pub type LevelTriangles = Vec<Vec<[u32; 3]>>;
@@ -17,6 +17,45 @@ pub struct Chain {
     pub prefixes: Vec<u32>,
 }
 
+/// A chain with the way from each level to the next.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GlidingChain {
+    /// The levels; the mesh also has the vertices that others become without having a triangle.
+    pub chain: Chain,
+    /// For each vertex of the mesh the one that it becomes at the first level without it; itself,
+    /// if the last level has it. With the vertices of level *k* moved there, its triangles are
+    /// those of level *k* + 1, by index, and others without an area.
+    pub becomes: Vec<u32>,
+}
+
+impl GlidingChain {
+    /// Returns the mesh with every vertex where it goes, without triangles. A vertex that becomes
+    /// one of another submesh takes its place alone: its other values stay.
+    #[must_use]
+    pub fn next(&self) -> Mesh {
+        let mesh = &self.chain.mesh;
+        let of = |v: u32| mesh.vertex_submesh()[v as usize];
+        let own = |(v, &to): (u32, &u32)| if of(v) == of(to) { to } else { v };
+        let values: Vec<u32> = (0..).zip(&self.becomes).map(own).collect();
+        let attribute = |a: &Attribute| match a.is_spatial() {
+            true => a.gathered(self.becomes.iter().copied()),
+            false => a.gathered(values.iter().copied()),
+        };
+        let parts = MeshParts {
+            positions: self.becomes.iter().map(|&v| mesh.positions()[v as usize]).collect(),
+            vertex_submesh: mesh.vertex_submesh().to_vec(),
+            attributes: mesh.attributes().iter().map(attribute).collect(),
+            triangles: Vec::new(),
+            submeshes: mesh.submeshes().iter().map(without_triangles).collect(),
+        };
+        Mesh::try_from(parts).expect("values of vertices of a mesh")
+    }
+}
+
+fn without_triangles(submesh: &Submesh) -> Submesh {
+    Submesh { first_triangle: 0, triangle_count: 0, attributes: submesh.attributes.clone() }
+}
+
 impl Simplified {
     /// Returns the levels at `lods`, of which the first is the finest.
     ///
@@ -27,6 +66,41 @@ impl Simplified {
     /// If there are more vertices or triangles than a mesh may have: never for LODs of this
     /// sequence.
     pub fn chain(&self, lods: &[Lod]) -> Result<Chain, MeshError> {
+        self.chain_with(lods, &[]).map(|(chain, _)| chain)
+    }
+
+    /// Returns the levels at `lods`, which do not fall, and what each vertex becomes on the way
+    /// from one to the next.
+    ///
+    /// # Errors
+    /// As [`Self::chain`].
+    pub fn gliding_chain(&self, lods: &[Lod]) -> Result<GlidingChain, MeshError> {
+        let floors: Vec<Lod> = lods.iter().map(|&lod| self.collapses().floor(lod)).collect();
+        // Of every vertex of the input, and of the one that it becomes.
+        let mut becomes: Vec<u32> = (0..self.mesh().vertex_count() as u32).collect();
+        for pair in floors.windows(2) {
+            let gone = pair[0].0 as usize..pair[1].0 as usize;
+            for v in gone.clone() {
+                becomes[v] = self.collapses().targets()[v];
+            }
+            for v in gone.clone().rev() {
+                // Targets come later: this one's own is resolved already.
+                let to = becomes[v] as usize;
+                becomes[v] = if gone.contains(&to) { becomes[to] } else { to as u32 };
+            }
+        }
+        let (chain, used) = self.chain_with(lods, &becomes)?;
+        // A vertex without triangles may become one that nothing else needs: it stays.
+        let number = |(own, &v): (usize, &u32)| {
+            let to = becomes[v as usize];
+            used.binary_search_by(|u| to.cmp(u)).unwrap_or(own) as u32
+        };
+        let becomes = used.iter().enumerate().map(number).collect();
+        Ok(GlidingChain { chain, becomes })
+    }
+
+    /// The chain, and the vertices in its mesh: those that levels use, and what these become.
+    fn chain_with(&self, lods: &[Lod], becomes: &[u32]) -> Result<(Chain, Vec<u32>), MeshError> {
         let submeshes = self.mesh().submeshes().len();
         let by_submesh = |&lod: &Lod| -> LevelTriangles {
             let mut level = vec![Vec::new(); submeshes];
@@ -40,6 +114,13 @@ impl Simplified {
         let mut used: Vec<u32> = levels.iter().flatten().flatten().flatten().copied().collect();
         used.sort_unstable_by(|a, b| b.cmp(a));
         used.dedup();
+        if !becomes.is_empty() {
+            let mut all: Vec<u32> = used.iter().map(|&v| becomes[v as usize]).collect();
+            all.append(&mut used);
+            all.sort_unstable_by(|a, b| b.cmp(a));
+            all.dedup();
+            used = all;
+        }
         let number = |v: u32| used.partition_point(|&u| u > v) as u32;
         for corner in levels.iter_mut().flatten().flatten().flatten() {
             *corner = number(*corner);
@@ -51,7 +132,7 @@ impl Simplified {
         let prefixes = lods.iter().map(alive).collect();
         let none = vec![Vec::new(); submeshes];
         let mesh = self.gathered(&used, levels.first().unwrap_or(&none))?;
-        Ok(Chain { mesh, levels, prefixes })
+        Ok((Chain { mesh, levels, prefixes }, used))
     }
 
     /// The mesh of the vertices `sources`, with the given triangles by submesh.

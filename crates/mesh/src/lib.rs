@@ -47,7 +47,7 @@ mod simplified;
 mod weld;
 
 pub use attribute::{Attribute, Component, Semantic};
-pub use chain::{Chain, LevelTriangles};
+pub use chain::{Chain, GlidingChain, LevelTriangles};
 pub use clean::Cleaning;
 pub use csr::Csr;
 pub use disjoint::DisjointSets;

@@ -121,8 +121,12 @@ pub struct ChainLevel {
     /// The largest error of an object, as `extract --json` has it; null if infinite.
     pub error: Option<f64>,
     pub rms: Option<f64>,
-    /// The distance that the level was chosen for; null unless pixels were asked for.
+    /// The distance that the level suits from; null unless pixels or geomorphing were asked for.
     pub distance: Option<f64>,
+    /// The distance from which it moves towards the next level; null unless it does.
+    pub morph_from: Option<f64>,
+    /// How far in poses it is from the next level once it has moved; null unless it does and bends.
+    pub geomorph_pose_error: Option<f64>,
     /// What it no longer shows.
     pub gone: Vec<Gone>,
     /// The file with the level.

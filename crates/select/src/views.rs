@@ -39,6 +39,11 @@ pub enum Criterion {
         /// scene's diagonal.
         corners: Option<[[f32; 3]; 2]>,
     },
+    /// Fine on the screen, coarse behind the eye and beside the screen. The target is its middle.
+    Frustum {
+        /// Tangents of half the angles that it shows, across and upwards.
+        tangents: [f64; 2],
+    },
 }
 
 /// A view of a scene.
@@ -87,6 +92,9 @@ impl ViewOptions {
                 let around = |sign: f32| centre.map(|c| c + sign * quarter as f32);
                 let [low, high] = corners.unwrap_or_else(|| [around(-1.0), around(1.0)]);
                 Family::Region { low, high }
+            }
+            Criterion::Frustum { tangents } => {
+                Family::Frustum { eye, target: centre, tangents: tangents.map(|t| t as f32) }
             }
         }
     }

@@ -70,4 +70,6 @@ pub(crate) use missing::{bare_gltf, gltf_without_missing};
 #[cfg(feature = "gltf")]
 pub use part_names::PartNames;
 #[cfg(feature = "export")]
-pub use write::{ChainObject, ChainShape, LevelsObject, export_chain, export_levels};
+pub use write::{
+    Carried, ChainObject, ChainShape, Glide, LevelsObject, export_chain, export_levels,
+};

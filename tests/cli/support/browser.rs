@@ -1,7 +1,8 @@
 //! A headless browser that opens pages from the file system.
 
 use std::collections::BTreeMap;
-use std::io::{BufRead, BufReader};
+use std::io::{BufRead, BufReader, Write};
+use std::net::TcpListener;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
@@ -38,9 +39,14 @@ impl Browser {
 
     /// Returns what a page writes to its console behind `done: `, in real time.
     pub(crate) fn result(&self, page: &Path) -> String {
+        self.result_at(&format!("file://{}", page.display()))
+    }
+
+    /// The same of a page at an address.
+    pub(crate) fn result_at(&self, address: &str) -> String {
         let mut child = Command::new(&self.0)
             .args(["--headless=new", "--no-sandbox", "--enable-unsafe-webgpu"])
-            .args(["--enable-logging=stderr", &format!("file://{}", page.display())])
+            .args(["--enable-logging=stderr", address])
             .stdin(Stdio::null())
             .stdout(Stdio::null())
             .stderr(Stdio::piped())
@@ -67,4 +73,39 @@ impl Browser {
             .expect("the browser starts");
         String::from_utf8_lossy(&output.stdout).into_owned()
     }
+}
+
+/// Serves the files of some folders, the first that has one, on a port of this machine; returns the
+/// address. Modules of a page come from nowhere else.
+pub(crate) fn served(folders: Vec<PathBuf>) -> String {
+    let listener = TcpListener::bind("127.0.0.1:0").expect("a port of this machine");
+    let address = format!("http://{}", listener.local_addr().expect("it is bound"));
+    std::thread::spawn(move || {
+        for mut stream in listener.incoming().map_while(Result::ok) {
+            let mut line = String::new();
+            if BufReader::new(&stream).read_line(&mut line).is_err() {
+                continue;
+            }
+            let name = line.split(' ').nth(1).unwrap_or_default();
+            let name = name.split('?').next().unwrap_or_default().trim_start_matches('/');
+            let found = folders.iter().find_map(|folder| std::fs::read(folder.join(name)).ok());
+            let (status, bytes) = match found {
+                Some(bytes) => ("200 OK", bytes),
+                None => ("404 Not Found", Vec::new()),
+            };
+            let kind = match Path::new(name).extension().and_then(|e| e.to_str()) {
+                Some("html") => "text/html",
+                Some("js" | "mjs") => "text/javascript",
+                _ => "application/octet-stream",
+            };
+            let length = bytes.len();
+            let head = format!(
+                "HTTP/1.1 {status}\r\nContent-Type: {kind}\r\nContent-Length: {length}\r\n\
+                 Connection: close\r\n\r\n"
+            );
+            // A browser that went away is no fault of the test.
+            let _ = stream.write_all(head.as_bytes()).and_then(|()| stream.write_all(&bytes));
+        }
+    });
+    address
 }

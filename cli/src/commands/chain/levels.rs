@@ -7,6 +7,7 @@ use clap::Args;
 use lodc::build::LevelDistance;
 use lodc::{LodObject, SceneLevels, level_mesh};
 use lodc_assets::Parts;
+use lodc_formats::export::GlideFacts;
 use lodc_mesh::Lod;
 use lodc_report::documents::ChainLevel;
 use lodc_report::{Gone, Roll};
@@ -56,6 +57,8 @@ pub(super) struct Level {
     pub(super) distances: Vec<LevelDistance>,
     /// Distance that the level was chosen for.
     pub(super) distance: Option<f64>,
+    /// Where it moves to the next level, if it does.
+    pub(super) glide: Option<GlideFacts>,
     pub(super) gone: Vec<Gone>,
 }
 
@@ -76,6 +79,8 @@ impl Level {
             error: self.error.is_finite().then_some(self.error),
             rms: self.rms.filter(|rms| rms.is_finite()),
             distance: self.distance,
+            morph_from: self.glide.and_then(|glide| glide.morph_from),
+            geomorph_pose_error: self.glide.and_then(|glide| glide.pose_error),
             gone: self.gone.clone(),
             output: output.display().to_string(),
         }
@@ -122,6 +127,24 @@ impl LevelArgs {
         self.targets().into_iter().map(|(target, _)| target).collect()
     }
 
+    /// The distance from which a level with this error suits; none of what is gone.
+    pub(super) fn distance(&self, error: f64) -> Option<f64> {
+        let distance = error / self.screen.slope(self.pixels.unwrap_or(1.0));
+        distance.is_finite().then_some(distance)
+    }
+
+    /// The pixels that errors may take up, the lines of the screen and its field of view.
+    pub(super) fn screen(&self) -> (f64, f64, f64) {
+        let (height, fovy) = self.screen.size();
+        (self.pixels.unwrap_or(1.0), height, fovy)
+    }
+
+    /// The share of the screen's height, squared, that a length takes up at a distance.
+    pub(super) fn coverage(&self, length: f64, distance: f64) -> f64 {
+        let height = distance * self.screen.slope(1.0) * self.screen.size().0;
+        if height > 0.0 { (length / height).powi(2).min(1.0) } else { 1.0 }
+    }
+
     fn targets(&self) -> Vec<(Target, Option<f64>)> {
         let plain = |targets: &[Target]| targets.iter().map(|&t| (t, None)).collect();
         if let Some(pixels) = self.pixels {
@@ -165,7 +188,17 @@ pub(super) fn described(
         warnings.dedup();
         warnings.extend(gone.iter().map(|gone| format!("level {number}: {gone}")));
         let (error, rms) = level_mesh::largest(objects, distances.iter().map(|d| (d.error, d.rms)));
-        levels.push(Level { lods, triangles, vertices: 0, error, rms, distances, distance, gone });
+        levels.push(Level {
+            lods,
+            triangles,
+            vertices: 0,
+            error,
+            rms,
+            distances,
+            distance,
+            glide: None,
+            gone,
+        });
     }
     (levels, warnings)
 }

@@ -1,5 +1,6 @@
 //! `lodc chain`: a few levels for engines, over one vertex buffer or as a file each.
 
+mod glide;
 mod levels;
 mod separate;
 mod shared;
@@ -54,6 +55,8 @@ pub(crate) struct ChainArgs {
     #[arg(long, conflicts_with = "separate", help_heading = BECOMES, display_order = 1,
           hide_short_help = true)]
     index_ranges: bool,
+    #[command(flatten)]
+    glide: glide::GlideArgs,
     /// Move vertices to where they fit the input best
     ///
     /// Needs --separate. Errors are measured on the result.
@@ -67,7 +70,7 @@ pub(crate) struct ChainArgs {
     #[arg(short, long, value_name = "OUT", help_heading = OUTPUT, display_order = 0)]
     output: PathBuf,
     /// Format, where OUT does not tell [default: glb]
-    #[arg(long, value_enum, help_heading = OUTPUT, display_order = 0)]
+    #[arg(long, value_enum, help_heading = OUTPUT, display_order = 0, hide_short_help = true)]
     format: Option<FormatName>,
 }
 
@@ -85,7 +88,7 @@ Without --separate and --index-ranges the levels are tied together by MSFT_lod.
 Examples:
   lodc chain chair.glb -o chair.levels.glb
   lodc chain chair.glb -o chair.obj --separate --levels 100%,10k,1k --refit
-  lodc chain chair.glb -o chair.levels.glb --pixels 1 --distances 2,5,20";
+  lodc chain chair.glb -o chair.levels.glb --pixels 1 --distances 2,5,20 --geomorph";
 
 /// Files of a chain, each with the levels in it, by their place in the table.
 struct Files {
@@ -118,6 +121,7 @@ fn assets(args: &ChainArgs, program: &Program) -> Outcome<(Vec<Asset>, FormatNam
     }
     let folder = args.export.batch.takes_many(&args.inputs) || output::is_folder(&args.output);
     let format = mesh_output::format(&args.output, args.format, folder)?;
+    args.glide.check(format, &args.output)?;
     if !args.separate && !matches!(format, FormatName::Glb | FormatName::Gltf) {
         return Err(Failure::usage(format!(
             "{}: only .glb and .gltf hold several levels: add --separate for a file per level",
@@ -144,6 +148,8 @@ fn chain(
     format: FormatName,
     progress: &Progress,
 ) -> Outcome<Made<ChainReport>> {
+    // An asset may have options of its own.
+    args.glide.check(format, out)?;
     let mut stages = Stages::default();
     let (import, simplify) = (&args.export.import, &args.export.simplify);
     let errors = Errors::to_choose(args.levels.wanted().into_iter().chain(args.max_error));
@@ -167,7 +173,13 @@ fn chain(
     warnings.extend_from_slice(&textures.warnings);
     let packing = args.export.compress.wanted(format, asset.compressed)?;
     let additions = packing.additions(textures, None);
+    if args.glide.carried().is_some() {
+        glide::check(&levels)?;
+    }
     let made = stages.run("export", || match args.separate {
+        true if args.glide.carried().is_some() => {
+            separate::gliding_files(args, out, format, &asset, &mut levels, additions)
+        }
         true => separate::files(args, out, format, &asset, &mut levels, additions),
         false => shared::files(args, out, format, &asset, &mut levels, additions),
     })?;
@@ -188,11 +200,14 @@ fn provenance(args: &ChainArgs, asset: &asset::Asset, levels: &[Level]) -> Prove
         lod: level.lod(),
         error: level.error,
         rms: level.rms.filter(|rms| rms.is_finite()),
+        glide: level.glide,
     };
     Provenance {
         source: asset.source.content_hash,
         levels: levels.iter().map(facts).collect(),
         refitted: args.refit,
+        screen: args.glide.carried().map(|_| glide::screen(&args.levels)),
+        next: None,
         poses: Some(asset.objects.iter().map(|o| o.info.poses.clone()).collect()),
     }
 }

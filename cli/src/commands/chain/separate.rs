@@ -1,5 +1,6 @@
 //! A file per level.
 
+use super::glide::{self, Way};
 use super::levels::Level;
 use super::{ChainArgs, Files, provenance};
 use crate::commands::asset::Asset;
@@ -7,11 +8,13 @@ use crate::compression::Packing;
 use crate::exit::Outcome;
 use crate::mesh_output::{self, FormatName};
 use crate::output::Target;
-use lodc::{
-    build::refitted_meshes,
-    level_mesh::{self, Shape},
-};
+use lodc::build::refitted_meshes;
+use lodc::glide::{GlidingLevel, gliding_levels};
+use lodc::level_mesh::{self, LevelMesh, Shape};
 use lodc_formats::export::Additions;
+use lodc_formats::gltf::{ChainObject, ChainShape, Glide, export_chain};
+use lodc_mesh::{LevelTriangles, Mesh, Submesh};
+use lodc_strip::{codec_order_list, order_list};
 use std::path::{Path, PathBuf};
 
 pub(super) fn files(
@@ -46,6 +49,93 @@ pub(super) fn files(
         of_level.push(path);
     }
     Ok(Files { files, of_level })
+}
+
+/// The levels, each on its way to the next one's vertices: in its file the vertices that disappear
+/// last come first.
+pub(super) fn gliding_files(
+    args: &ChainArgs,
+    out: &Path,
+    format: FormatName,
+    asset: &Asset,
+    levels: &mut [Level],
+    mut additions: Additions,
+) -> Outcome<Files> {
+    let limits = args.export.import.limits().limits();
+    let (objects, document) = (&asset.objects, &asset.document);
+    let order = level_mesh::Order::File;
+    let mut all: Vec<Vec<LevelMesh>> = Vec::new();
+    for level in levels.iter_mut() {
+        let meshes = match args.refit {
+            true => refitted_meshes(objects, document, &level.lods, order, &limits)?,
+            false => level_mesh::meshes(objects, &level.lods, Shape { model: None, order })?,
+        };
+        if args.refit {
+            (level.error, level.rms) = level_mesh::distance(objects, &meshes);
+        }
+        let meshes_only = meshes.iter().map(|m| &m.mesh);
+        let moved =
+            level_mesh::rounding(objects, document, meshes_only, additions.precision)?.largest;
+        level_mesh::add_rounding(&mut level.error, &mut level.rms, moved);
+        level.vertices = meshes.iter().map(|m| m.mesh.vertex_count() as u64).sum();
+        all.push(meshes);
+    }
+    let of_object = |o: usize| {
+        let of_levels: Vec<_> = (0..all.len()).map(|k| (levels[k].lods[o], &all[k][o])).collect();
+        gliding_levels(&objects[o], &of_levels, args.refit)
+    };
+    let gliding: Vec<Vec<GlidingLevel>> =
+        (0..objects.len()).map(of_object).collect::<Result<_, _>>()?;
+    let carried = args.glide.carried().unwrap_or_default();
+    let way = |level: usize| -> Vec<Way<'_>> {
+        gliding.iter().map(|g| (&g[level].mesh, &g[level].next, g[level].moving.clone())).collect()
+    };
+    let ways: Vec<Vec<Way<'_>>> = (0..levels.len()).map(way).collect();
+    let errors = glide::pose_errors(asset, &ways, carried.joints, levels, &limits)?;
+    glide::place(&args.levels, levels, &errors);
+
+    let (mut files, mut of_level) = (Vec::new(), Vec::new());
+    let last = levels.len().saturating_sub(1);
+    for (number, level) in levels.iter().enumerate() {
+        let chain_object = |o: usize| {
+            let own = &gliding[o][number];
+            let glide = Glide { next: &own.next, moving: vec![Some(own.moving.clone())], carried };
+            ChainObject {
+                info: &objects[o].info,
+                mesh: &own.mesh,
+                levels: vec![in_order(&own.mesh, additions.compress)],
+                coverage: vec![0.0],
+                glide: (number < last).then_some(glide),
+            }
+        };
+        let chained: Vec<ChainObject<'_>> = (0..objects.len()).map(chain_object).collect();
+        let path = numbered(out, number);
+        let mut stated = provenance(args, asset, std::slice::from_ref(level));
+        if number < last {
+            let next = numbered(out, number + 1);
+            let name = next.file_name().unwrap_or_default().to_string_lossy();
+            stated.next = Some(name.into_owned());
+        }
+        additions.provenance = Some(stated);
+        let binary = format == FormatName::Glb;
+        let shape = ChainShape::Nodes;
+        files.extend(export_chain(&path, binary, document, &chained, shape, &additions)?);
+        additions.textures.copies.clear();
+        of_level.push(path);
+    }
+    Ok(Files { files, of_level })
+}
+
+/// The triangles of a level by submesh, in an order for vertex caches or for compression.
+fn in_order(mesh: &Mesh, compress: bool) -> LevelTriangles {
+    let of_submesh = |submesh: &Submesh| {
+        let triangles = &mesh.triangles()[submesh.triangles()];
+        match compress {
+            true => codec_order_list(triangles, mesh.vertex_count()),
+            false => order_list(triangles, mesh.vertex_count(), level_mesh::CACHE),
+        }
+    };
+    mesh.submeshes().iter().map(of_submesh).collect()
 }
 
 /// `part.glb` becomes `part_LOD2.glb`.

@@ -1,5 +1,6 @@
 //! All levels in one file, over one vertex buffer.
 
+use super::glide::{self, Way};
 use super::levels::Level;
 use super::{ChainArgs, Files, provenance};
 use crate::commands::asset::Asset;
@@ -10,8 +11,8 @@ use lodc::{
     level_mesh::{self, CACHE},
 };
 use lodc_formats::export::Additions;
-use lodc_formats::gltf::{ChainObject, ChainShape, export_chain};
-use lodc_mesh::{Chain, Lod};
+use lodc_formats::gltf::{Carried, ChainObject, ChainShape, Glide, export_chain};
+use lodc_mesh::{Chain, GlidingChain, Lod, Mesh};
 use lodc_strip::{codec_order_list, order_list};
 use rayon::prelude::*;
 use std::path::Path;
@@ -24,11 +25,19 @@ pub(super) fn files(
     levels: &mut [Level],
     mut additions: Additions,
 ) -> Outcome<Files> {
-    let lods = |object: usize| -> Vec<Lod> { levels.iter().map(|l| l.lods[object]).collect() };
-    let chains: Vec<Chain> = (0..asset.objects.len())
+    let carried = args.glide.carried();
+    let made: Vec<GlidingChain> = (0..asset.objects.len())
         .into_par_iter()
-        .map(|o| chain(&asset.objects[o], &lods(o), additions.compress))
+        .map(|o| {
+            let lods = glide::lods(levels, o);
+            chain(&asset.objects[o], &lods, carried.is_some(), additions.compress)
+        })
         .collect::<Outcome<_>>()?;
+    let next: Vec<Mesh> = match carried {
+        Some(_) => made.par_iter().map(GlidingChain::next).collect(),
+        None => Vec::new(),
+    };
+    let chains: Vec<&Chain> = made.iter().map(|made| &made.chain).collect();
     let coverages: Vec<Vec<f64>> =
         asset.objects.iter().enumerate().map(|(o, object)| coverage(object, o, levels)).collect();
     let (meshes, precision) = (chains.iter().map(|c| &c.mesh), additions.precision);
@@ -37,12 +46,32 @@ pub(super) fn files(
         level_mesh::add_rounding(&mut level.error, &mut level.rms, moved);
         level.vertices = chains.iter().map(|c| u64::from(c.prefixes[k])).sum();
     }
+    if let Some(carried) = carried {
+        let of_level = |level: usize| -> Vec<Way<'_>> {
+            let of_object = |o: usize| {
+                let moving = glide::moving(&chains[o].prefixes, level).unwrap_or(0..0);
+                (&chains[o].mesh, &next[o], moving)
+            };
+            (0..chains.len()).map(of_object).collect()
+        };
+        let ways: Vec<Vec<Way<'_>>> = (0..levels.len()).map(of_level).collect();
+        let limits = args.export.import.limits().limits();
+        let errors = glide::pose_errors(asset, &ways, carried.joints, levels, &limits)?;
+        glide::place(&args.levels, levels, &errors);
+    }
+    let glide = |object: usize, carried: Carried| Glide {
+        next: &next[object],
+        moving: (0..levels.len()).map(|k| glide::moving(&chains[object].prefixes, k)).collect(),
+        carried,
+    };
     let objects: Vec<ChainObject<'_>> = (asset.objects.iter().zip(&chains).zip(coverages))
-        .map(|((o, chain), coverage)| ChainObject {
-            info: &o.info,
+        .enumerate()
+        .map(|(o, ((object, chain), coverage))| ChainObject {
+            info: &object.info,
             mesh: &chain.mesh,
             levels: chain.levels.clone(),
-            coverage,
+            coverage: carried.map_or(coverage, |_| by_distance(args, asset, o, levels)),
+            glide: carried.map(|carried| glide(o, carried)),
         })
         .collect();
     let shape = if args.index_ranges { ChainShape::IndexRanges } else { ChainShape::Nodes };
@@ -53,10 +82,17 @@ pub(super) fn files(
 }
 
 /// The levels of an object, each in an order for vertex caches or for compression.
-fn chain(object: &LodObject, lods: &[Lod], compress: bool) -> Outcome<Chain> {
-    let mut chain = object.simplified.chain(lods).map_err(|e| {
+fn chain(object: &LodObject, lods: &[Lod], glides: bool, compress: bool) -> Outcome<GlidingChain> {
+    let made = if glides {
+        object.simplified.gliding_chain(lods)
+    } else {
+        let plain = object.simplified.chain(lods);
+        plain.map(|chain| GlidingChain { chain, becomes: Vec::new() })
+    };
+    let mut made = made.map_err(|e| {
         Failure::new(Status::Bug, format!("{}: its levels are no mesh: {e}", object.info.name))
     })?;
+    let chain = &mut made.chain;
     for (level, &prefix) in chain.levels.iter_mut().zip(&chain.prefixes) {
         for triangles in level {
             *triangles = match compress {
@@ -65,7 +101,24 @@ fn chain(object: &LodObject, lods: &[Lod], compress: bool) -> Outcome<Chain> {
             };
         }
     }
-    Ok(chain)
+    Ok(made)
+}
+
+/// As [`coverage`], where levels state distances: the box's diagonal at that of the next level.
+fn by_distance(args: &ChainArgs, asset: &Asset, number: usize, levels: &[Level]) -> Vec<f64> {
+    let object = &asset.objects[number];
+    let unit = if asset.objects.len() > 1 { object.info.world_scale } else { 1.0 };
+    let diagonal = unit * object.simplified.mesh().diagonal();
+    let next = levels.iter().skip(1).map(|level| {
+        level.distance.map_or(0.0, |distance| args.levels.coverage(diagonal, distance))
+    });
+    // Distances rise with levels: shares that do not fall by rounding would be refused.
+    let mut least: f64 = 1.0;
+    let falling = next.map(|share| {
+        least = least.min(share);
+        least
+    });
+    falling.chain([0.0]).collect()
 }
 
 /// Share of the screen below which the next level suits: where its error falls below a pixel of

@@ -192,8 +192,10 @@ fn provenance(asset: &Asset, report: &ExtractReport) -> Provenance {
     let error = report.error.unwrap_or(f64::INFINITY);
     Provenance {
         source: asset.source.content_hash,
-        levels: vec![LevelFacts { lod: report.lod, error, rms: report.rms }],
+        levels: vec![LevelFacts { lod: report.lod, error, rms: report.rms, glide: None }],
         refitted: report.refitted,
+        screen: None,
+        next: None,
         poses: Some(asset.objects.iter().map(|o| o.info.poses.clone()).collect()),
     }
 }

@@ -18,8 +18,8 @@ use gpu::Gpu;
 use lodc_formats::import::{ImportOptions, import, import_levels, states_levels};
 use lodc_report::text::{count, grouped};
 use lodc_report::{
-    CheckReport, FileReport, SCHEMA_VERSION, VerifyReport, check_errors_again, check_levels,
-    check_models, check_source,
+    CheckReport, FileReport, SCHEMA_VERSION, VerifyReport, check_errors_again, check_glide,
+    check_levels, check_models, check_source,
 };
 use rayon::prelude::*;
 use sources::Sources;
@@ -38,7 +38,8 @@ pub(crate) struct VerifyArgs {
     /// Also prove that LOD 0 is this mesh, byte by byte; or that levels are of it
     ///
     /// Triangle by triangle. Levels that extract and chain wrote are measured, and compared with
-    /// the mesh. Of a folder, the mesh whose content a file was made from, wherever it is in there.
+    /// the mesh; without it only that levels of chain --geomorph become the next ones is proved. Of
+    /// a folder, the mesh whose content a file was made from, wherever it is in there.
     #[arg(long, value_name = "MESH", help_heading = CHECKED)]
     source: Option<PathBuf>,
     /// Check every N-th step
@@ -191,12 +192,19 @@ fn check_shipped(
     options: &ImportOptions,
 ) -> Outcome<Vec<CheckReport>> {
     let levels = import_levels(input, options)?;
+    let glide = check_glide(&levels);
     let Some(source) = sources.of(levels.stated.source, input)? else {
+        // That levels become the next ones needs no mesh.
+        if let Some(glide) = glide {
+            return Ok(vec![glide]);
+        }
         let name = input.display();
         let what = format!("{name}: levels are verified against their mesh: add --source MESH");
         return Err(Failure::usage(what));
     };
-    Ok(check_levels(&levels, &import(source, options)?, &options.limits)?)
+    let mut all = check_levels(&levels, &import(source, options)?, &options.limits)?;
+    all.extend(glide);
+    Ok(all)
 }
 
 /// One line per check on standard output; with `-q` only those that failed.

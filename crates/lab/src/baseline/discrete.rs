@@ -50,10 +50,11 @@ impl Discrete {
         Self { simplified: Arc::clone(simplified), levels: (0..LEVELS).map(level).collect() }
     }
 
-    /// Returns the LOD of a level of a sequence, 0 being the finest.
+    /// Returns the LOD of a level of a sequence, 0 being the finest; also of those that would
+    /// follow the coarsest one.
     #[must_use]
     pub fn lod(collapses: &CollapseSequence, level: usize) -> Lod {
-        let level = level.min(LEVELS - 1) as u32;
+        let level = level.min(16) as u32;
         let wanted = u64::from(collapses.parts().triangles) * 3u64.pow(level) / 4u64.pow(level);
         collapses.lod_for_triangles(wanted as u32)
     }

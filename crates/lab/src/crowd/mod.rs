@@ -20,13 +20,14 @@ use crate::error::LabError;
 use crate::prepared::{Input, Prepared};
 use crate::subject::{Runner, Structure, baselines, structures};
 use crate::sweep::{means, points};
+use crate::timings::Timings;
 use lodc::LodObject;
 use lodc_formats::Limits;
 use lodc_mesh::{CollapseSequence, Lod};
 use lodc_report::text::grouped;
 use lodc_scene::Image;
 use lodc_strip::StripKind;
-use report::{CrowdCurve, CrowdOnDevice, Frames, Policies};
+use report::{CrowdCurve, CrowdOnDevice, DistanceCurve, Frames, Policies};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::hint::black_box;
@@ -78,23 +79,22 @@ pub fn crowd(
         .map(|policy: Policy| levels(inputs, &stands, policy));
     let mut models = BTreeMap::new();
     for name in names(inputs, &baselines) {
-        let run = |levels: &CrowdLevels| {
-            let frames = levels.frames.clone();
-            let Some(rounds) = rounds else { return frames };
-            let rounds = extraction(name, inputs, &baselines, levels, rounds);
-            let of = |round: &Vec<f64>| round.iter().sum::<f64>() / round.len() as f64;
-            let least =
-                |f: usize| rounds.iter().map(|round| round[f]).fold(f64::INFINITY, f64::min);
-            let times: Vec<f64> = (0..rounds[0].len()).map(least).collect();
-            Frames {
-                extraction_ms_per_frame: rounds.iter().map(of).min_by(f64::total_cmp),
-                extraction_ms_curve: Some(means(&times)),
-                ..frames
-            }
-        };
-        let policies = Policies { continuous: run(&continuous), discrete: run(&discrete) };
-        models.insert(name, policies);
+        let frames = || Timed { levels: Vec::new() };
+        models.insert(name, [frames(), frames()]);
     }
+    // All structures take turns, round after round: a busy machine is busy for all of them.
+    for _ in 0..rounds.unwrap_or(0) {
+        for (name, timed) in &mut models {
+            for (timed, levels) in timed.iter_mut().zip([&continuous, &discrete]) {
+                timed.levels.push(extraction(name, inputs, &baselines, levels));
+            }
+        }
+    }
+    let models = models.into_iter().map(|(name, [all, five])| {
+        let continuous = all.frames(&continuous.frames);
+        (name, Policies { continuous, discrete: five.frames(&discrete.frames) })
+    });
+    let models = models.collect();
     let second: Vec<f64> =
         (1..=frames).map(|f| f64::from(f) / f64::from(FRAMES_PER_SECOND)).collect();
     let curve = CrowdCurve {
@@ -107,7 +107,51 @@ pub fn crowd(
     let gpu = device.zip(rounds);
     let gpu = gpu.map(|(device, rounds)| drawn(device, inputs, settings, &stands, levels, rounds));
     let none = Frames { extraction_ms_per_frame: rounds.map(|_| 0.0), ..none.frames };
-    Ok(CrowdReport { instances, frames, seed, models, none, curve, gpu: gpu.transpose()? })
+    let by_distance = by_distance(inputs);
+    let gpu = gpu.transpose()?;
+    Ok(CrowdReport { instances, frames, seed, models, none, curve, by_distance, gpu })
+}
+
+/// Milliseconds of every frame, by round.
+struct Timed {
+    levels: Vec<Vec<f64>>,
+}
+
+impl Timed {
+    /// Figures of frames, with what they took if they were timed.
+    fn frames(&self, untimed: &Frames) -> Frames {
+        let Some(first) = self.levels.first() else { return untimed.clone() };
+        let of = |round: &Vec<f64>| round.iter().sum::<f64>() / round.len() as f64;
+        let rounds: Timings = self.levels.iter().map(of).collect();
+        let least =
+            |f: usize| self.levels.iter().map(|round| round[f]).fold(f64::INFINITY, f64::min);
+        let times: Vec<f64> = (0..first.len()).map(least).collect();
+        Frames {
+            extraction_ms_per_frame: Some(rounds.best()),
+            extraction_spread: Some(rounds.spread()),
+            extraction_ms_curve: Some(means(&times)),
+            ..untimed.clone()
+        }
+    }
+}
+
+/// Triangles of a figure, the mean of all inputs, at distances from 0 to 1.
+fn by_distance(inputs: &[Input]) -> DistanceCurve {
+    const POINTS: usize = 100;
+    let distance: Vec<f64> = (0..=POINTS).map(|i| i as f64 / POINTS as f64).collect();
+    let of = |policy: Policy| -> Vec<f64> {
+        let at = |&distance: &f64| -> f64 {
+            let objects = inputs.iter().flat_map(|input| &input.objects);
+            let triangles = objects.map(|o| {
+                let collapses = o.object.simplified.collapses();
+                f64::from(collapses.triangles_at(policy(collapses, distance)))
+            });
+            triangles.sum::<f64>() / inputs.len().max(1) as f64
+        };
+        distance.iter().map(at).collect()
+    };
+    let (continuous, discrete) = (of(at_distance), of(of_five));
+    DistanceCurve { none: of(|_, _| Lod(0)), continuous, discrete, distance }
 }
 
 /// Times draws of frames.
@@ -183,11 +227,14 @@ fn stands(instances: u32, frames: u32, seed: u64) -> Vec<Vec<Stand>> {
     all
 }
 
-/// The LOD at a distance from 0 to 1 (the criterion of 3.1): linear in records, down to the last
-/// one that has a triangle.
+/// The LOD at a distance from 0 to 1: that of a discrete level where this one begins, and linear in
+/// records (the criterion of 3.1) from one to the next.
 fn at_distance(collapses: &CollapseSequence, distance: f64) -> Lod {
-    let last = f64::from(collapses.last_visible().0);
-    collapses.floor(Lod((last * distance) as u32))
+    let place = distance * LEVELS as f64;
+    let level = (place as usize).min(LEVELS - 1);
+    let [from, to] = [level, level + 1].map(|level| f64::from(Discrete::lod(collapses, level).0));
+    let lod = from + (to - from) * (place - level as f64).clamp(0.0, 1.0);
+    collapses.floor(Lod(lod as u32)).min(collapses.last_visible())
 }
 
 /// The discrete level at a distance, each for a fifth of it.
@@ -231,6 +278,7 @@ fn levels(inputs: &[Input], stands: &[Vec<Stand>], policy: Policy) -> CrowdLevel
     let frames = Frames {
         triangles_per_frame: triangles.iter().sum::<f64>() / triangles.len() as f64,
         extraction_ms_per_frame: None,
+        extraction_spread: None,
         extraction_ms_curve: None,
         shared: shared as f64 / all,
         changed: changed as f64 / all,
@@ -238,15 +286,13 @@ fn levels(inputs: &[Input], stands: &[Vec<Stand>], policy: Policy) -> CrowdLevel
     CrowdLevels { lods, triangles, frames }
 }
 
-/// Milliseconds, by round and frame, in which every cursor of a structure goes where its instance
-/// is.
+/// Milliseconds, by frame, in which every cursor of a structure goes where its instance is.
 fn extraction(
     name: &str,
     inputs: &[Input],
     baselines: &[Vec<Vec<Baseline>>],
     levels: &CrowdLevels,
-    rounds: u32,
-) -> Vec<Vec<f64>> {
+) -> Vec<f64> {
     let cursors = |i: usize| -> Vec<_> {
         let input = i % inputs.len();
         let objects = inputs[input].objects.iter().zip(&baselines[input]);
@@ -259,12 +305,9 @@ fn extraction(
         black_box(everyone.map(|(cursor, &lod)| cursor.seek(lod).rewritten).sum::<u64>());
         start.elapsed().as_secs_f64() * 1e3
     };
-    let round = |_| -> Vec<f64> {
-        // The way to where everyone starts is no part of it.
-        move_all(&levels.lods[0]);
-        levels.lods[1..].iter().map(|frame| move_all(frame)).collect()
-    };
-    (0..rounds).map(round).collect()
+    // The way to where everyone starts is no part of it.
+    move_all(&levels.lods[0]);
+    levels.lods[1..].iter().map(|frame| move_all(frame)).collect()
 }
 
 /// A new cursor over one structure of an object.
@@ -291,10 +334,15 @@ pub fn crowd_table(report: &CrowdReport) -> String {
     );
     let mut row = |name: &str, frames: &Frames| {
         let ms = frames.extraction_ms_per_frame.map_or("–".to_owned(), |ms| format!("{ms:.3}"));
+        let spread = frames.extraction_spread.map(|spread| {
+            let deviation = spread.deviation.map_or(String::new(), |d| format!(" ± {d:.3}"));
+            format!("  mean {:.3}{deviation}", spread.mean)
+        });
+        let spread = spread.unwrap_or_default();
         let triangles = grouped(frames.triangles_per_frame.round() as u64);
         // Writing to a string cannot fail.
         let shared = frames.shared * 100.0;
-        let _ = writeln!(text, "{name:<18} {triangles:>14} {ms:>12} {shared:>6.1} %");
+        let _ = writeln!(text, "{name:<18} {triangles:>14} {ms:>12} {shared:>6.1} %{spread}");
     };
     for (name, policies) in &report.models {
         row(name, &policies.continuous);

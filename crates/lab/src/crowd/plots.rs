@@ -1,5 +1,5 @@
-//! Curves of a crowd as SVG: triangles and extraction time over the seconds (thesis figs. 4.11 to
-//! 4.14).
+//! Curves of a crowd as SVG: triangles over distance (thesis fig. 4.11), triangles and extraction
+//! time over the seconds (4.13, 4.14).
 
 use super::report::CrowdReport;
 use lodc_report::{Chart, Curve, Scale, colour_of};
@@ -10,6 +10,18 @@ pub fn crowd_charts(report: &CrowdReport) -> Vec<(&'static str, String)> {
     let curve = &report.curve;
     let points = |values: &[f64]| -> Vec<[f64; 2]> {
         curve.seconds.iter().zip(values).map(|(&x, &y)| [x, y]).collect()
+    };
+    let far = &report.by_distance;
+    let over_distance =
+        [("no levels", &far.none), ("five levels", &far.discrete), ("continuous", &far.continuous)];
+    let over_distance = over_distance.into_iter().enumerate().map(|(colour, (name, values))| {
+        let points = far.distance.iter().zip(values).map(|(&x, &y)| [x, y]).collect();
+        Curve { name: name.to_owned(), colour, dashed: false, points }
+    });
+    let over_distance = Chart {
+        labels: ["distance", "triangles of a figure"],
+        scales: [Scale::Linear; 2],
+        curves: over_distance.collect(),
     };
     let policies = [
         ("no levels", &curve.none),
@@ -38,6 +50,7 @@ pub fn crowd_charts(report: &CrowdReport) -> Vec<(&'static str, String)> {
         Chart { labels, scales: [Scale::Linear, Scale::Log], curves: curves.collect() }.file()
     };
     let files = [
+        ("crowd-distance.svg", over_distance.file()),
         ("crowd-triangles.svg", triangles.file()),
         ("crowd-extraction.svg", times(false)),
         ("crowd-extraction-five-levels.svg", times(true)),

@@ -1,5 +1,6 @@
 //! `crowd` of `bench --json`. Its keys are a contract as those in `crate::report` are.
 
+use crate::timings::Spread;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -14,6 +15,8 @@ pub struct CrowdReport {
     pub(crate) none: Frames,
     /// Over time.
     pub(crate) curve: CrowdCurve,
+    /// Over distance.
+    pub(crate) by_distance: DistanceCurve,
     /// Null if nothing was drawn on a graphics device.
     pub(crate) gpu: Option<CrowdOnDevice>,
 }
@@ -33,6 +36,8 @@ pub(crate) struct Frames {
     pub(crate) triangles_per_frame: f64,
     /// Null with `--no-times`.
     pub(crate) extraction_ms_per_frame: Option<f64>,
+    /// Over all rounds, in which structures take turns; null with `--no-times`.
+    pub(crate) extraction_spread: Option<Spread>,
     /// At each point of the crowd's curve, each frame in its best round; null with `--no-times`.
     pub(crate) extraction_ms_curve: Option<Vec<f64>>,
     /// Share of the instances whose level another one of the same input has in the same frame.
@@ -47,6 +52,16 @@ pub(crate) struct CrowdCurve {
     /// The last second of each point.
     pub(crate) seconds: Vec<f64>,
     /// Triangles of a frame.
+    pub(crate) continuous: Vec<f64>,
+    pub(crate) discrete: Vec<f64>,
+    pub(crate) none: Vec<f64>,
+}
+
+/// Triangles of a figure over its distance, the mean of all inputs.
+#[derive(Clone, Debug, Default, Serialize)]
+pub(crate) struct DistanceCurve {
+    /// From 0, the viewer, to 1, the corners.
+    pub(crate) distance: Vec<f64>,
     pub(crate) continuous: Vec<f64>,
     pub(crate) discrete: Vec<f64>,
     pub(crate) none: Vec<f64>,

@@ -54,3 +54,40 @@ fn coarser_levels_use_prefixes() {
         assert_eq!(finest, of(&mut chain.levels[0].iter().flatten().copied()), "seed {seed}");
     }
 }
+
+#[test]
+fn levels_become_the_next_by_index() {
+    for seed in 0..60 {
+        let s = random_collapse(&random(seed), seed);
+        let glide = s.gliding_chain(&lods(&s)).expect("levels of the sequence");
+        let (chain, becomes) = (&glide.chain, &glide.becomes);
+        let next = glide.next();
+        for (v, &to) in becomes.iter().enumerate() {
+            assert!(to as usize <= v, "seed {seed}: {v} becomes {to}, which went before");
+            assert_eq!(next.positions()[v], chain.mesh.positions()[to as usize], "seed {seed}");
+        }
+        for (k, pair) in chain.levels.windows(2).enumerate() {
+            let prefix = chain.prefixes[k + 1];
+            let to = |v: u32| if v < prefix { v } else { becomes[v as usize] };
+            let place = |v: u32| chain.mesh.positions()[v as usize].map(|x| (x + 0.0).to_bits());
+            let has_area = |t: &[u32; 3]| {
+                let [a, b, c] = t.map(place);
+                a != b && b != c && c != a
+            };
+            for (now, next) in pair[0].iter().zip(&pair[1]) {
+                let mut arrived: Vec<_> =
+                    now.iter().map(|t| t.map(to)).filter(has_area).map(turned).collect();
+                let mut wanted: Vec<_> = next.iter().copied().map(turned).collect();
+                arrived.sort_unstable();
+                wanted.sort_unstable();
+                assert_eq!(arrived, wanted, "seed {seed}, level {k}");
+            }
+        }
+    }
+}
+
+/// A triangle from its least corner on.
+fn turned(t: [u32; 3]) -> [u32; 3] {
+    let least = (0..3).min_by_key(|&k| t[k]).unwrap_or(0);
+    std::array::from_fn(|k| t[(least + k) % 3])
+}

@@ -31,6 +31,8 @@ pub(super) struct Subject<'a> {
     pub(super) primitives: Vec<usize>,
     /// Its geometry as it will be written.
     pub(super) geometry: Cow<'a, Mesh>,
+    /// The same vertices where they glide to, if they do.
+    pub(super) next: Option<Cow<'a, Mesh>>,
 }
 
 /// The quantisation of a scene.
@@ -80,6 +82,17 @@ impl Quantizer {
             self.coding(object, submesh, stream, &subject.geometry)
         };
         Cow::Owned(coded(&subject.geometry, grid, coding))
+    }
+
+    /// The vertices of an object where they glide to, quantised as its geometry is.
+    pub(super) fn next<'a>(&self, object: usize, subject: &Subject<'a>) -> Option<Cow<'a, Mesh>> {
+        let next = subject.next.clone()?;
+        if self.precision == Precision::default() {
+            return Some(next);
+        }
+        let coding =
+            |submesh: usize, stream: &Attribute| self.coding(object, submesh, stream, &next);
+        Some(Cow::Owned(coded(&next, self.positions[object], coding)))
     }
 
     fn coding(&self, object: usize, submesh: usize, stream: &Attribute, mesh: &Mesh) -> Coding {

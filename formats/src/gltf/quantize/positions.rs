@@ -27,7 +27,12 @@ pub(super) fn grids(
     subjects: &[Subject<'_>],
     bits: u8,
 ) -> Result<Vec<Option<Grid<3>>>, FormatError> {
-    let boxes: Vec<Bounds<3>> = subjects.iter().map(|s| bounds(&s.geometry)).collect();
+    let of_subject = |s: &Subject<'_>| {
+        let mut all = bounds(&s.geometry);
+        s.next.iter().for_each(|next| all.join(&bounds(next)));
+        all
+    };
+    let boxes: Vec<Bounds<3>> = subjects.iter().map(of_subject).collect();
     let step = scene_size(document, subjects, &boxes)? / (last_number(bits) - 1.0);
     let groups = groups(root, subjects);
     let mut grids = vec![None; subjects.len()];

@@ -8,6 +8,7 @@
 
 mod blob;
 mod forest;
+mod glide;
 mod object;
 mod primitive;
 mod remainder;

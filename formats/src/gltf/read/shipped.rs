@@ -2,7 +2,7 @@
 //! nothing else.
 
 use super::primitive::{self, Read};
-use super::{Opened, open};
+use super::{Opened, glide, open};
 use crate::gltf::accessor::{Accessor, numbered_component};
 use crate::gltf::budget::Budget;
 use crate::gltf::extensions::{animation_pointer, forget_extra};
@@ -12,7 +12,7 @@ use crate::gltf::prune;
 use crate::gltf::schema::{Pool, primitive_mut, retain};
 use crate::gltf::views::Views;
 use crate::options::ImportOptions;
-use crate::provenance::{LevelFacts, Provenance};
+use crate::provenance::{GlideFacts, LevelFacts, Provenance, ScreenFacts};
 use crate::shipped::ShippedLevels;
 use crate::{Assets, FormatError};
 use lodc_mesh::{Component, Posture};
@@ -41,8 +41,11 @@ pub(crate) fn shipped(
     assets: &mut Assets,
     options: &ImportOptions,
 ) -> Result<ShippedLevels, FormatError> {
-    let (root, opened) = open(bytes, assets, options)?;
+    let (mut root, opened) = open(bytes, assets, options)?;
     let stated = stated(&root)?;
+    let pairs = Chain::of(&root, stated.levels.len()).pairs(&root);
+    let glides = glide::glides(&root, &opened, &pairs, assets, options)?;
+    glide::strip(&mut root);
     let chain = Chain::of(&root, stated.levels.len());
     let is_chain = !chain.nodes.is_empty() || chain.has_ranges;
     if stated.levels.len() > 1 && !is_chain && primitives(&root).next().is_some() {
@@ -55,7 +58,7 @@ pub(crate) fn shipped(
     let difference = chain.difference(&root, &opened)?;
     let level = |level| opened.scene(chain.level(&root, level)?, assets, options);
     let levels = (0..stated.levels.len()).map(level).collect::<Result<_, _>>()?;
-    Ok(ShippedLevels { stated, levels, difference })
+    Ok(ShippedLevels { stated, levels, difference, glides })
 }
 
 /// What `extras.lodc` of a document says.
@@ -69,7 +72,15 @@ fn stated(root: &Object) -> Result<Provenance, FormatError> {
         lod: level["lod"].as_u64().and_then(|lod| u32::try_from(lod).ok()),
         error: level["error"].as_f64().unwrap_or(f64::INFINITY),
         rms: level["rms"].as_f64(),
+        glide: level.get("morph_from").map(|from| GlideFacts {
+            distance: level["distance"].as_f64(),
+            morph_from: from.as_f64(),
+            pose_error: level["geomorph_pose_error"].as_f64(),
+        }),
     };
+    let number = |key: &str| all["screen"][key].as_f64();
+    let screen = number("pixels").zip(number("height")).zip(number("fovy"));
+    let screen = screen.map(|((pixels, height), fovy)| ScreenFacts { pixels, height, fovy });
     let levels = match all["levels"].list() {
         [] => vec![facts(all)],
         several => several.iter().map(facts).collect(),
@@ -78,7 +89,8 @@ fn stated(root: &Object) -> Result<Provenance, FormatError> {
     let poses_of = |object: &Json| object.list().iter().filter_map(posture).collect();
     let is_known = all["errors_over"]["rest"].as_bool() == Some(true);
     let poses = is_known.then(|| all["poses"].list().iter().map(poses_of).collect());
-    Ok(Provenance { source, levels, refitted, poses })
+    let next = all["next"].as_str().map(str::to_owned);
+    Ok(Provenance { source, levels, refitted, screen, next, poses })
 }
 
 /// A pose that errors are the largest over.
@@ -113,6 +125,20 @@ impl Chain {
         let nodes = nodes.filter(|(_, ids)| ids.len() + 1 == levels).collect();
         let has_ranges = levels > 1 && primitives(root).any(|(_, p)| ranges(p).len() == levels);
         Self { levels, nodes, has_ranges }
+    }
+
+    /// The meshes of levels that follow each other, each pair once, and the level of the first.
+    fn pairs(&self, root: &Object) -> Vec<(usize, [usize; 2])> {
+        let mut pairs = Vec::new();
+        for (&node, ids) in &self.nodes {
+            let shown = std::iter::once(&node).chain(ids);
+            let meshes: Vec<usize> =
+                shown.filter_map(|&n| root["nodes"][n]["mesh"].as_index()).collect();
+            pairs.extend(meshes.windows(2).enumerate().map(|(k, pair)| (k, [pair[0], pair[1]])));
+        }
+        pairs.sort_unstable();
+        pairs.dedup();
+        pairs
     }
 
     /// Returns the document of one level.

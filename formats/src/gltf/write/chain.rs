@@ -3,15 +3,17 @@
 //! `MSFT_lod` puts each level into a node of its own, beside the node that shows the finest one;
 //! index ranges put all levels of a primitive into one index accessor, one behind the other.
 
+use super::glide::{self, Glide};
 use super::writer::{Numbering, Writer};
 use super::{glb, gltf, source_document, submesh_primitive};
 use crate::gltf::extensions;
 use crate::gltf::json::{Json, Object, object};
 use crate::gltf::prune;
-use crate::gltf::quantize::Quantizer;
+use crate::gltf::quantize::{Quantizer, Subject};
 use crate::options::Additions;
 use crate::{Document, FormatError, ObjectInfo, OutputFile};
 use lodc_mesh::Mesh;
+use std::collections::BTreeSet;
 use std::path::Path;
 
 /// An object with several levels.
@@ -26,6 +28,8 @@ pub struct ChainObject<'a> {
     pub levels: Vec<Vec<Vec<[u32; 3]>>>,
     /// Share of the screen below which the next level suits, one per level; the last is 0.
     pub coverage: Vec<f64>,
+    /// The way from each level to the next, if it goes into the document.
+    pub glide: Option<Glide<'a>>,
 }
 
 /// The way in which a document holds several levels.
@@ -51,7 +55,11 @@ pub fn export_chain<'a>(
 ) -> Result<Vec<OutputFile>, FormatError> {
     let infos: Vec<&ObjectInfo> = objects.iter().map(|o| o.info).collect();
     let (mut root, mut blob) = source_document(document, &infos, additions)?;
-    let subject = |(i, o): (usize, &ChainObject<'a>)| super::subject(document, i, o.info, o.mesh);
+    let subject = |(i, o): (usize, &ChainObject<'a>)| {
+        let subject = super::subject(document, i, o.info, o.mesh)?;
+        let next = o.glide.as_ref().map(|glide| super::adapted(document, glide.next));
+        Ok::<_, FormatError>(Subject { next, ..subject })
+    };
     let subjects = objects.iter().enumerate().map(subject).collect::<Result<Vec<_>, _>>()?;
     let quantizer = Quantizer::new(additions.precision, document, &subjects, &mut root, &mut blob)?;
     let mut writer = Writer::new(&root, additions);
@@ -59,19 +67,23 @@ pub fn export_chain<'a>(
     let mut levels = Vec::new();
     for (i, (object, subject)) in objects.iter().zip(&subjects).enumerate() {
         let geometry = quantizer.geometry(i, subject);
+        let next = quantizer.next(i, subject);
         let mut made = Levels::new(object, subject.mesh);
         for (s, &number) in subject.primitives.iter().enumerate() {
             let primitive = submesh_primitive(&mut root, made.mesh, number)?;
             let mut numbering = writer.numbering(&geometry);
-            if !made.primitive(&mut numbering, s, number, primitive, shape)? {
+            let next = next.as_deref();
+            if !made.primitive(&mut numbering, (s, number), primitive, next, shape)? {
                 empty.push((made.mesh, number));
             }
         }
         levels.push(made);
     }
-    if shape == ChainShape::Nodes {
-        levels.iter().for_each(|l| l.put(&mut root));
+    let mut gliding = BTreeSet::new();
+    for level in levels.iter().filter(|_| shape == ChainShape::Nodes) {
+        level.put(&mut root, &mut writer, &mut gliding);
     }
+    glide::widen(&mut root, &mut writer, document, &gliding)?;
     prune::without(&mut root, &empty);
     writer.finish(&mut root, &mut blob);
     let mut files = if binary { vec![glb(path, &root, &blob)?] } else { gltf(path, root, blob) };
@@ -86,22 +98,36 @@ struct Levels<'a> {
     mesh: usize,
     /// Its primitives that are submeshes of the object.
     numbers: Vec<usize>,
-    /// For each level the primitives that have triangles there, with their index accessors.
-    indices: Vec<Vec<(usize, Json)>>,
+    /// For each level the primitives that have triangles there.
+    primitives: Vec<Vec<Own>>,
+}
+
+/// What a primitive has of its own at one level.
+#[derive(Clone, Debug)]
+struct Own {
+    /// The primitive.
+    number: usize,
+    indices: Json,
+    /// The morph target towards the next level.
+    target: Option<Object>,
+    /// Attributes that are not those of the other levels.
+    attributes: Object,
 }
 
 impl<'a> Levels<'a> {
     fn new(object: &'a ChainObject<'a>, mesh: usize) -> Self {
-        Self { object, mesh, numbers: Vec::new(), indices: vec![Vec::new(); object.levels.len()] }
+        let primitives = vec![Vec::new(); object.levels.len()];
+        Self { object, mesh, numbers: Vec::new(), primitives }
     }
 
-    /// Writes a submesh: its vertices once, its triangles at every level. False if it has none.
+    /// Writes a submesh: its vertices once, its triangles at every level, and the way to `next`.
+    /// False if it has none.
     fn primitive(
         &mut self,
         numbering: &mut Numbering<'_>,
-        submesh: usize,
-        number: usize,
+        (submesh, number): (usize, usize),
         primitive: &mut Object,
+        next: Option<&Mesh>,
         shape: ChainShape,
     ) -> Result<bool, FormatError> {
         self.numbers.push(number);
@@ -128,7 +154,19 @@ impl<'a> Levels<'a> {
             if level == 0 {
                 primitive["indices"] = accessor.clone();
             }
-            self.indices[level].push((number, accessor));
+            let mut own =
+                Own { number, indices: accessor, target: None, attributes: Object::default() };
+            if let (Some(glide), Some(next)) = (&self.object.glide, next)
+                && let Some(moving) = &glide.moving[level]
+            {
+                let place = |v: u32| vertices.partition_point(|&w| w < v);
+                let run = place(moving.start)..place(moving.end);
+                let next = (next, glide.carried);
+                let attributes = &primitive["attributes"];
+                let (target, taken) = numbering.target(submesh, &vertices, run, next, attributes);
+                (own.target, own.attributes) = (Some(target), taken);
+            }
+            self.primitives[level].push(own);
         }
         Ok(!levels[0].is_empty())
     }
@@ -136,11 +174,18 @@ impl<'a> Levels<'a> {
     /// Puts the coarser levels into the document: a mesh each, and a node each for every node that
     /// shows the mesh. A level that does not differ from the one before has a mesh of its own all
     /// the same: engines dispose of the levels that they have replaced.
-    fn put(&self, root: &mut Object) {
+    ///
+    /// Meshes that glide are added to `gliding`.
+    fn put(&self, root: &mut Object, writer: &mut Writer, gliding: &mut BTreeSet<usize>) {
         let mut meshes = vec![self.mesh];
-        for level in 1..self.indices.len() {
+        for level in 1..self.primitives.len() {
             let before = meshes[level - 1];
             meshes.push(self.put_mesh(root, level).unwrap_or(before));
+        }
+        for (level, &mesh) in meshes.iter().enumerate() {
+            if self.glides(level) && gliding.insert(mesh) {
+                self.put_targets(root, writer, mesh, level);
+            }
         }
         let nodes = root.list("nodes").len();
         for node in 0..nodes {
@@ -158,9 +203,9 @@ impl<'a> Levels<'a> {
         let primitives = std::mem::take(mesh["primitives"].as_array_mut()?);
         // Points and lines are no submeshes: they are shown at every level.
         let at_level = |(number, mut primitive): (usize, Json)| {
-            let own = self.indices[level].iter().find(|(n, _)| *n == number);
-            if let Some((_, indices)) = own {
-                primitive["indices"] = indices.clone();
+            let own = self.primitives[level].iter().find(|own| own.number == number);
+            if let Some(own) = own {
+                primitive["indices"] = own.indices.clone();
             }
             (own.is_some() || !self.numbers.contains(&number)).then_some(primitive)
         };
@@ -171,6 +216,46 @@ impl<'a> Levels<'a> {
         mesh["primitives"] = kept.into();
         root.append("meshes", vec![mesh]);
         Some(root.list("meshes").len() - 1)
+    }
+
+    /// Returns whether the vertices of a level move to the next one.
+    fn glides(&self, level: usize) -> bool {
+        self.object.glide.as_ref().is_some_and(|glide| glide.moving[level].is_some())
+    }
+
+    /// Gives the primitives of a level the target that moves them to the next one. Those that are
+    /// no submeshes, or have no triangles, get one as well: all have as many.
+    fn put_targets(&self, root: &mut Object, writer: &mut Writer, mesh: usize, level: usize) {
+        let counts = |primitive: &Object| -> Option<usize> {
+            let accessor = primitive["attributes"]["POSITION"].as_index()?;
+            root["accessors"][accessor]["count"].as_index()
+        };
+        let of_others = root["meshes"][mesh]["primitives"].list().iter();
+        let of_others: Vec<_> = of_others.map(|p| p.as_object().and_then(counts)).collect();
+        let Some(entry) = root.objects_mut("meshes").nth(mesh) else { return };
+        let mut targets = 0;
+        let mut own = self.primitives[level].iter();
+        for (p, primitive) in entry.objects_mut("primitives").enumerate() {
+            // A level's mesh has the primitives with triangles in their order; the finest has all.
+            let is_own = |own: &&Own| primitive["indices"] == own.indices;
+            let target = match own.clone().next().filter(is_own) {
+                Some(level) => {
+                    own.next();
+                    for (name, accessor) in level.attributes.iter() {
+                        primitive["attributes"][&**name] = accessor.clone();
+                    }
+                    level.target.clone()
+                }
+                None => of_others[p].map(|count| {
+                    let none = ("POSITION".to_owned(), 3, Vec::new());
+                    let accessor = writer.deltas(&none, 0..0, count);
+                    Object::from_iter([(none.0, accessor)])
+                }),
+            };
+            targets = targets.max(primitive.list("targets").len());
+            primitive.append("targets", target.into_iter().map(Json::Object).collect());
+        }
+        glide::name_target(entry, targets);
     }
 
     /// Adds a node per coarser level beside `node`, with its transform, skin and animations.

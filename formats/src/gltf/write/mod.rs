@@ -2,7 +2,9 @@
 
 mod chain;
 mod compressed;
+mod differences;
 mod fresh;
+mod glide;
 mod images;
 mod levels;
 mod samples;
@@ -20,6 +22,8 @@ use std::path::Path;
 use writer::Writer;
 
 pub use chain::{ChainObject, ChainShape, export_chain};
+pub use differences::Carried;
+pub use glide::Glide;
 pub use levels::{LevelsObject, export_levels};
 
 /// Makes one `.glb`, or a `.gltf` and the `.bin` beside it. Primitives without triangles are left
@@ -101,12 +105,29 @@ fn put_provenance(root: &mut Object, provenance: &Provenance) {
         asset["generator"] = GENERATOR.into();
     }
     let finite = |x: f64| x.is_finite().then_some(x);
-    let level =
-        |l: &LevelFacts| object! { "lod" => l.lod, "error" => finite(l.error), "rms" => l.rms };
+    let level = |l: &LevelFacts| {
+        let mut facts = object! { "lod" => l.lod, "error" => finite(l.error), "rms" => l.rms };
+        if let Some(glide) = &l.glide {
+            facts["distance"] = glide.distance.and_then(finite).into();
+            facts["morph_from"] = glide.morph_from.and_then(finite).into();
+            if let Some(error) = glide.pose_error {
+                facts["geomorph_pose_error"] = finite(error).into();
+            }
+        }
+        facts
+    };
     let mut all = match &provenance.levels[..] {
         [one] => level(one),
         several => object! { "levels" => several.iter().map(level).collect::<Json>() },
     };
+    if let Some(screen) = &provenance.screen {
+        all["screen"] = object! {
+            "pixels" => screen.pixels, "height" => screen.height, "fovy" => screen.fovy,
+        };
+    }
+    if let Some(next) = &provenance.next {
+        all["next"] = uri::percent_encoded(next).into();
+    }
     all["refitted"] = provenance.refitted.into();
     all["source"] = format!("{:032x}", provenance.source).into();
     if let Some(poses) = &provenance.poses {
@@ -171,6 +192,7 @@ fn subject<'a>(
         mesh: document_mesh(document, info, object),
         primitives: info.submeshes.iter().enumerate().map(primitive).collect(),
         geometry: adapted(document, mesh),
+        next: None,
     })
 }
 

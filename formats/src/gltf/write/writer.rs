@@ -2,6 +2,7 @@
 //! compressed, one per stream, since likes compress best.
 
 use super::compressed::Compressed;
+use super::differences::{Carried, differences};
 use super::samples::{self, Samples};
 use crate::gltf::accessor::{Shape, component_number};
 use crate::gltf::json::{Json, Object, malformed, object};
@@ -12,9 +13,12 @@ use crate::gltf::views::put;
 use crate::options::Additions;
 use crate::{Fault, FormatError};
 use lodc_mesh::{Attribute, Component, Mesh, Semantic};
+use std::ops::Range;
 
 const ARRAY_BUFFER: u32 = 34962;
 const ELEMENT_ARRAY_BUFFER: u32 = 34963;
+/// Of views that no draw reads: numbers of sparse accessors, samples.
+const NO_TARGET: u32 = 0;
 
 /// A buffer view being filled.
 #[derive(Debug)]
@@ -37,10 +41,10 @@ impl Group {
             (ARRAY_BUFFER, Some(bits), "NORMAL" | "TANGENT") => {
                 Content::Directions { bits, stride, bytes }
             }
-            (ARRAY_BUFFER, ..) if self.component == Component::F32 => {
+            (ARRAY_BUFFER | NO_TARGET, ..) if self.component == Component::F32 => {
                 Content::Floats { stride, bytes }
             }
-            (ARRAY_BUFFER, ..) => Content::Attributes { stride, bytes },
+            (ARRAY_BUFFER | NO_TARGET, ..) => Content::Attributes { stride, bytes },
             _ => Content::Triangles { size: stride, bytes },
         }
     }
@@ -53,6 +57,8 @@ pub(super) struct Writer {
     first_view: usize,
     accessors: Vec<Json>,
     groups: Vec<Group>,
+    /// Sparse accessors of `accessors`, and the numbers of the elements that they replace.
+    sparse: Vec<(usize, Vec<u32>)>,
     compress: bool,
     direction_bits: Option<u8>,
 }
@@ -67,6 +73,7 @@ impl Writer {
             first_view: Pool::BufferViews.len(root),
             accessors: Vec::new(),
             groups: Vec::new(),
+            sparse: Vec::new(),
         }
     }
 
@@ -77,7 +84,8 @@ impl Writer {
 
     /// Puts accessors, buffer views and the buffer into the document, and the data behind what
     /// `blob` holds.
-    pub(super) fn finish(self, root: &mut Object, blob: &mut Vec<u8>) {
+    pub(super) fn finish(mut self, root: &mut Object, blob: &mut Vec<u8>) {
+        self.number_elements();
         let mut views = Vec::with_capacity(self.groups.len());
         let mut compressed = Compressed::new(root);
         let samples = if self.compress { samples::of(root, blob) } else { vec![] };
@@ -98,7 +106,9 @@ impl Writer {
             if group.target == ARRAY_BUFFER {
                 view["byteStride"] = group.stride.into();
             }
-            view["target"] = group.target.into();
+            if group.target != NO_TARGET {
+                view["target"] = group.target.into();
+            }
             views.push(view);
         }
         for Samples { stride, bytes, .. } in &samples {
@@ -188,6 +198,133 @@ impl Writer {
             accessor["max"] = max.into();
         }
         Ok(self.accessor(accessor))
+    }
+
+    /// Puts bytes of sparse elements or samples into a view of their kind; returns it and where
+    /// they begin.
+    fn put(&mut self, name: &str, component: Component, stride: usize, values: &[u8]) -> Json {
+        let (view, bytes) = self.group(NO_TARGET, component, stride, name);
+        let offset = bytes.len();
+        bytes.extend_from_slice(values);
+        let mut place = object! { "bufferView" => view };
+        if offset > 0 {
+            place["byteOffset"] = offset.into();
+        }
+        place
+    }
+
+    /// An accessor of single floats, of which there is one at least.
+    pub(super) fn scalars(&mut self, name: &str, values: &[f32]) -> Json {
+        let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
+        let mut accessor = self.put(name, Component::F32, Component::F32.size(), &bytes);
+        accessor["componentType"] = component_number(Component::F32).into();
+        accessor["count"] = values.len().into();
+        accessor["type"] = "SCALAR".into();
+        self.accessor(accessor)
+    }
+
+    /// An accessor of `count` elements of floats that are 0 but for a run of them, and in it but
+    /// for some.
+    pub(super) fn deltas(
+        &mut self,
+        (name, components, values): &(String, usize, Vec<f32>),
+        run: Range<u32>,
+        count: usize,
+    ) -> Json {
+        let kind = Shape::of_components(*components).map_or("SCALAR", |(_, kind)| kind);
+        let mut accessor = object! {
+            "componentType" => component_number(Component::F32), "count" => count, "type" => kind,
+        };
+        if name == "POSITION" {
+            let at_rest = if run.len() < count { 0.0 } else { f32::NAN };
+            let of = |c: usize, larger: fn(f32, f32) -> f32| -> Json {
+                let all = values.iter().skip(c).step_by(*components).copied();
+                f64::from(all.fold(at_rest, larger)).into()
+            };
+            accessor["min"] = (0..*components).map(|c| of(c, f32::min)).collect();
+            accessor["max"] = (0..*components).map(|c| of(c, f32::max)).collect();
+        }
+        let elements: Vec<(u32, &[f32])> = run.zip(values.chunks_exact(*components)).collect();
+        let moving = elements.iter().filter(|(_, value)| value.iter().any(|&v| v != 0.0));
+        let moving: Vec<(u32, &[f32])> = moving.copied().collect();
+        let stride = components * Component::F32.size();
+        // Numbers that do not follow each other are a list of their own.
+        let number = Component::U32.size();
+        let is_less = moving.len() * (stride + number) < elements.len() * stride;
+        let chosen = if is_less { moving } else { elements };
+        let bytes = chosen.iter().flat_map(|(_, value)| *value).flat_map(|v| v.to_le_bytes());
+        let bytes: Vec<u8> = bytes.collect();
+        let numbers = chosen.iter().map(|(number, _)| *number).collect();
+        self.sparse(accessor, name, (Component::F32, stride), &bytes, numbers)
+    }
+
+    /// An accessor as another one of the document, but for a run of elements of a stream.
+    pub(super) fn replaced(
+        &mut self,
+        base: &Json,
+        a: &Attribute,
+        vertices: &[u32],
+        run: Range<u32>,
+    ) -> Json {
+        let number = base.as_index().map_or(0, |number| number - self.first_accessor);
+        let accessor = self.accessors[number].clone();
+        let bytes: Vec<u8> = vertices.iter().flat_map(|&v| a.at(v).iter().copied()).collect();
+        let name = semantic::to_name(&a.semantic);
+        self.sparse(accessor, &name, (a.component, a.stride()), &bytes, run.collect())
+    }
+
+    /// An accessor with other values, `stride` bytes each, for the elements of these numbers.
+    fn sparse(
+        &mut self,
+        mut accessor: Json,
+        name: &str,
+        (component, stride): (Component, usize),
+        bytes: &[u8],
+        numbers: Vec<u32>,
+    ) -> Json {
+        if !numbers.is_empty() {
+            let values = self.put(name, component, stride, bytes);
+            accessor["sparse"] = object! { "count" => numbers.len(), "values" => values };
+            self.sparse.push((self.accessors.len(), numbers));
+        }
+        self.accessor(accessor)
+    }
+
+    /// Writes the numbers of the elements of sparse accessors. Those that follow each other are
+    /// parts of one list of consecutive numbers.
+    fn number_elements(&mut self) {
+        let all = std::mem::take(&mut self.sparse);
+        let follow = |numbers: &[u32]| match numbers {
+            [first, .., last] => (last - first) as usize + 1 == numbers.len(),
+            _ => true,
+        };
+        let ends = |numbers: &Vec<u32>| Some([*numbers.first()?, *numbers.last()?]);
+        let Some(most) = all.iter().filter_map(|(_, n)| ends(n)).map(|[_, last]| last).max() else {
+            return;
+        };
+        // Wide numbers have a codec that makes next to nothing of those that follow each other.
+        let wide = self.compress || most > u32::from(u16::MAX);
+        let component = if wide { Component::U32 } else { Component::U16 };
+        let size = component.size();
+        let bytes = |numbers: &mut dyn Iterator<Item = u32>| -> Vec<u8> {
+            numbers.flat_map(|i| i.to_le_bytes().into_iter().take(size)).collect()
+        };
+        let runs = all.iter().filter(|(_, numbers)| follow(numbers));
+        let runs: Vec<[u32; 2]> = runs.filter_map(|(_, numbers)| ends(numbers)).collect();
+        let first = runs.iter().map(|[first, _]| *first).min().unwrap_or(0);
+        let end = runs.iter().map(|[_, last]| last + 1).max().unwrap_or(first);
+        let list = self.put("numbers", component, size, &bytes(&mut (first..end)));
+        let begins = list["byteOffset"].as_index().unwrap_or(0);
+        for (accessor, numbers) in all {
+            let mut place = if follow(&numbers) {
+                let offset = begins + (numbers[0] - first) as usize * size;
+                object! { "bufferView" => list["bufferView"].clone(), "byteOffset" => offset }
+            } else {
+                self.put("numbers", component, size, &bytes(&mut numbers.into_iter()))
+            };
+            place["componentType"] = component_number(component).into();
+            self.accessors[accessor]["sparse"]["indices"] = place;
+        }
     }
 
     fn indices(&mut self, indices: &[u32], vertices: usize) -> Json {
@@ -281,6 +418,35 @@ impl Numbering<'_> {
             primitive["targets"] = targets.into_iter().map(Json::Object).collect();
         }
         Ok(())
+    }
+
+    /// The morph target that moves a run of a submesh's `vertices` to where they are in `next`, and
+    /// the streams that they take over from there.
+    pub(super) fn target(
+        &mut self,
+        submesh: usize,
+        vertices: &[u32],
+        run: Range<usize>,
+        (next, carried): (&Mesh, Carried),
+        attributes: &Json,
+    ) -> (Object, Object) {
+        let (mut target, mut taken) = (Object::default(), Object::default());
+        let range = run.start as u32..run.end as u32;
+        let moving = &vertices[run];
+        for values in differences(self.mesh, next, submesh, moving, carried) {
+            let accessor = self.writer.deltas(&values, range.clone(), vertices.len());
+            target.insert(values.0, accessor);
+        }
+        let streams = next.submeshes()[submesh].attributes.iter();
+        for a in streams.map(|&a| &next.attributes()[a as usize]) {
+            let is_joint = matches!(a.semantic, Semantic::Joints(_) | Semantic::Weights(_));
+            if carried.joints && is_joint && !moving.is_empty() {
+                let name = semantic::to_name(&a.semantic);
+                let own = self.writer.replaced(&attributes[&*name], a, moving, range.clone());
+                taken.insert(name, own);
+            }
+        }
+        (target, taken)
     }
 
     /// An accessor of indices into as many vertices.

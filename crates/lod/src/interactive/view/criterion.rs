@@ -50,6 +50,20 @@ pub enum Criterion {
         /// The LOD outside.
         outside: Lod,
     },
+    /// One LOD on the screen, another behind the eye and beside the screen.
+    Frustum {
+        /// The viewpoint.
+        eye: [f32; 3],
+        /// The point in the middle of the screen. The y axis is up there; where the eye looks along
+        /// it, the z axis.
+        target: [f32; 3],
+        /// Tangents of half the angles that the screen shows, across and upwards.
+        tangents: [f32; 2],
+        /// The LOD on the screen.
+        inside: Lod,
+        /// The LOD elsewhere.
+        outside: Lod,
+    },
 }
 
 impl Criterion {

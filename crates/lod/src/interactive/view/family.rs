@@ -48,6 +48,15 @@ pub enum Family {
         /// Its highest corner.
         high: [f32; 3],
     },
+    /// [`Criterion::Frustum`], in the same order.
+    Frustum {
+        /// The viewpoint.
+        eye: [f32; 3],
+        /// The point in the middle of the screen.
+        target: [f32; 3],
+        /// Tangents of half the screen's angles, across and upwards.
+        tangents: [f32; 2],
+    },
 }
 
 /// Settings of one stage.
@@ -69,7 +78,7 @@ impl Family {
         match self {
             Self::Silhouette { .. } => 4 * STAGE,
             Self::ScreenError { .. } => 1e30f32.to_bits(),
-            Self::Sphere { .. } | Self::Region { .. } => 3 * STAGE,
+            Self::Sphere { .. } | Self::Region { .. } | Self::Frustum { .. } => 3 * STAGE,
         }
     }
 
@@ -95,6 +104,10 @@ impl Family {
             Self::Region { low, high } => {
                 let [inside, outside] = region();
                 Criterion::Region { low, high, inside, outside }
+            }
+            Self::Frustum { eye, target, tangents } => {
+                let [inside, outside] = region();
+                Criterion::Frustum { eye, target, tangents, inside, outside }
             }
         }
     }
@@ -136,12 +149,13 @@ mod tests {
     use crate::interactive::view::{Selector, kept};
     use lodc_mesh::PositionIds;
 
-    fn families() -> [Family; 4] {
+    fn families() -> [Family; 5] {
         [
             Family::Silhouette { eye: [0.0, 0.0, 5.0] },
             Family::ScreenError { eye: [0.0, 0.0, 5.0], slope: 0.01, unit: 1.0 },
             Family::Sphere { centre: [1.0, 0.0, 0.0], radius: 0.7 },
             Family::Region { low: [-2.0, -2.0, 0.0], high: [2.0; 3] },
+            Family::Frustum { eye: [0.5, 0.3, 0.2], target: [2.0, 0.0, 0.0], tangents: [0.8, 0.5] },
         ]
     }
 
@@ -168,7 +182,7 @@ mod tests {
     #[test]
     fn the_given_setting_is_the_rule_of_the_thesis() {
         let range = LodRange { fine: Lod(2), coarse: Lod(70), last: Lod(90) };
-        let [silhouette, screen, sphere, _] = families();
+        let [silhouette, screen, sphere, ..] = families();
         let eye = [0.0, 0.0, 5.0];
         assert_eq!(
             silhouette.criterion(silhouette.given(), &range),

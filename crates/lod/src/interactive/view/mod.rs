@@ -10,6 +10,7 @@
 mod cones;
 mod criterion;
 pub mod deterministic_math;
+mod eye_space;
 mod family;
 mod filter;
 mod passes;

@@ -14,7 +14,7 @@ pub struct ViewPasses {
     /// The records that are drawn.
     pub vertices: BufferId,
     /// By criterion, without and with morphing.
-    kernels: [[KernelId; 2]; 4],
+    kernels: [[KernelId; 2]; 5],
     sizes: [u32; 2],
 }
 
@@ -52,6 +52,7 @@ impl ViewPasses {
     pub fn pass(&self, view: &ViewQuery, views: &Views<'_>) -> Pass {
         let [vertices, lowest] = self.sizes;
         let p = views.selector.parameters(view);
+        let lowest = if p.criterion == 4 { p.height.to_bits() } else { lowest };
         let mut parameters = vec![vertices, lowest, p.lods[0], p.lods[1]];
         parameters.extend(p.point.map(f32::to_bits));
         parameters.push(p.scale.to_bits());

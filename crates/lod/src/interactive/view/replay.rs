@@ -9,7 +9,7 @@ use lodc_strip::order;
 use lodc_verify::{Check, ViewReference};
 
 /// Criteria of a round of [`sample`].
-const CRITERIA: usize = 8;
+const CRITERIA: usize = 10;
 /// Triangles up to which views are checked with morphing as well.
 const SMALL: usize = 200_000;
 /// Entries of the vertex cache that triangles are ordered for.
@@ -126,6 +126,9 @@ fn name(view: &ViewQuery) -> String {
         Criterion::Region { inside, outside, .. } => {
             format!("LOD {} in a box, {} outside{morph}", inside.0, outside.0)
         }
+        Criterion::Frustum { eye, target, .. } => {
+            format!("on a screen from {eye:?} towards {target:?}{morph}")
+        }
     }
 }
 
@@ -156,6 +159,8 @@ pub fn sample(simplified: &Simplified, rounds: u32, seed: u64) -> Vec<ViewQuery>
         let (eye, centre, corner) = (point(6.0), point(1.0), point(1.5));
         let reach = 0.6 * size;
         let slope = Criterion::slope(1.0 + 2.0 * round as f32, 1000.0, 0.5);
+        // Half a screen of 16 by 9, from narrow to wide.
+        let tangents = [1.6, 0.9].map(|side| side * (0.1 + 0.6 * (round % 4) as f32));
         let at_corner = |low: [f32; 3]| {
             let high = low.map(|c| if c == 0.0 { c } else { c + reach });
             Criterion::Region { low, high, inside: fine, outside: coarse }
@@ -174,6 +179,8 @@ pub fn sample(simplified: &Simplified, rounds: u32, seed: u64) -> Vec<ViewQuery>
             Criterion::Silhouette { eye: vertex(unit()), edge: fine, face: coarse, width: 0.5 },
             Criterion::ScreenError { eye: vertex(unit()), slope },
             at_corner(vertex(unit())),
+            Criterion::Frustum { eye, target: centre, tangents, inside: fine, outside: coarse },
+            Criterion::Frustum { eye: centre, target: corner, tangents, inside: a, outside: b },
         ];
         let morph = |i: usize| (i + round as usize) % 2 == 1;
         views.extend(

@@ -3,6 +3,7 @@
 
 use super::criterion::{Criterion, ViewQuery};
 use super::deterministic_math::{dot, inverse_power, rsqrt};
+use super::eye_space::turn;
 use super::{Cone, Cones};
 use lodc_mesh::{CollapseSequence, Lod, NONE};
 
@@ -134,7 +135,10 @@ pub(super) struct Parameters {
     pub(super) criterion: u32,
     pub(super) lods: [u32; 2],
     pub(super) point: [f32; 3],
+    /// Of a screen the tangent of half its width.
     pub(super) scale: f32,
+    /// Of a screen the tangent of half its height.
+    pub(super) height: f32,
     pub(super) abc: [f32; 3],
     pub(super) morph: bool,
 }
@@ -149,6 +153,7 @@ impl Parameters {
             lods,
             point,
             scale,
+            height: 0.0,
             abc,
             morph: view.morph,
         };
@@ -168,6 +173,11 @@ impl Parameters {
             Criterion::Region { low, high, inside, outside } => {
                 of(3, low, lods(inside, outside), high)
             }
+            Criterion::Frustum { eye, target, tangents, inside, outside } => Self {
+                scale: tangents[0],
+                height: tangents[1],
+                ..of(4, eye, lods(inside, outside), turn(eye, target))
+            },
         }
     }
 }
@@ -236,7 +246,10 @@ pub(super) fn place(
 /// The LOD that a view wants at a point.
 pub(super) fn wanted(p: &Parameters, at: &Point, by_error: &ByError) -> u32 {
     let ([a, b], position) = (p.lods, at.position);
-    if p.criterion > 2 {
+    if p.criterion == 4 {
+        return if is_on_screen(p, position) { a } else { b };
+    }
+    if p.criterion == 3 {
         let inside = (0..3).all(|i| position[i] >= p.point[i] && position[i] <= p.abc[i]);
         return if inside { a } else { b };
     }
@@ -254,6 +267,25 @@ pub(super) fn wanted(p: &Parameters, at: &Point, by_error: &ByError) -> u32 {
     }
     let span = b - a;
     a + ((facing(at, d, square, p.abc[1]) * p.abc[0]).min(span as f32) as u32).min(span)
+}
+
+/// Returns whether a place is ahead of the eye and within the screen.
+fn is_on_screen(p: &Parameters, position: [f32; 3]) -> bool {
+    let d: [f32; 3] = std::array::from_fn(|i| position[i] - p.point[i]);
+    let rest = (1.0 - dot(p.abc, p.abc)).max(1e-20);
+    let w = rest * rsqrt(rest);
+    // Rotated by the unit quaternion (abc, w).
+    let twice = cross(p.abc, d).map(|c| 2.0 * c);
+    let further = cross(p.abc, twice);
+    let [x, y, z]: [f32; 3] = std::array::from_fn(|i| (d[i] + w * twice[i]) + further[i]);
+    x.abs() <= -z * p.scale && y.abs() <= -z * p.height
+}
+
+fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+    std::array::from_fn(|i| {
+        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+        a[j] * b[k] - a[k] * b[j]
+    })
 }
 
 /// From 0, seen edge-on somewhere in the cone, to 1, face-on everywhere. `unit` is the sine of a

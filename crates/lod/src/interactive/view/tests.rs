@@ -165,6 +165,31 @@ fn a_region_is_fine_inside_and_coarse_outside() {
 }
 
 #[test]
+fn what_is_on_the_screen_is_fine_and_what_is_behind_the_eye_coarse() {
+    let simplified = fixtures::random_collapse(&fixtures::icosphere(3), 1);
+    let views = views_of(&simplified);
+    let coarse = simplified.collapses().floor(Lod(simplified.collapses().records() * 9 / 10));
+    // From the middle of the sphere: a screen of 90 by 53 degrees, not turned.
+    let (eye, target, tangents) = ([0.0, 0.1, 0.2], [0.0, 0.1, -4.0], [1.0, 0.5]);
+    let criterion = Criterion::Frustum { eye, target, tangents, inside: Lod(0), outside: coarse };
+    let shown = views.show(&ViewQuery { criterion, morph: false });
+    let (mut fine, mut behind) = (0, 0);
+    for (v, state) in shown.states.iter().enumerate() {
+        let p = simplified.mesh().positions()[v];
+        let [x, y, ahead] = [p[0], p[1] - 0.1, 0.2 - p[2]];
+        let inside = |by: f32| x.abs() <= ahead * (1.0 + by) && y.abs() <= ahead * (0.5 + by);
+        // But for rounding.
+        if inside(1e-4) == inside(-1e-4) {
+            let lod = if inside(0.0) { Lod(0) } else { coarse };
+            assert_eq!(state.entry, simplified.collapses().resolve(v as u32, lod), "{p:?}");
+            fine += u32::from(inside(0.0));
+            behind += u32::from(ahead < 0.0);
+        }
+    }
+    assert!(fine > 20 && behind > 200, "{fine}, {behind}");
+}
+
+#[test]
 fn the_outline_is_fine_and_the_middle_coarse() {
     let simplified = fixtures::random_collapse(&fixtures::icosphere(3), 1);
     let views = views_of(&simplified);
@@ -189,5 +214,5 @@ fn a_few_views_are_checked_on_the_processor_with_and_without_morphing() {
     let simplified = Arc::new(fixtures::random_collapse(&fixtures::icosphere(2), 1));
     let model = crate::Interactive::build(&simplified).expect("a model");
     let check = model.verify_views();
-    assert!(check.ok() && check.lods == 16 && check.full == 16, "{check:?}");
+    assert!(check.ok() && check.lods == 20 && check.full == 20, "{check:?}");
 }

@@ -4,7 +4,7 @@
 // one position and one cone here, so they choose the same LOD and nothing tears.
 
 // Constants of a pipeline: compilers leave out what is not asked for.
-// 0: outline, 1: error on the screen, 2: sphere, 3: box.
+// 0: outline, 1: error on the screen, 2: sphere, 3: box, 4: what is on the screen.
 override criterion: u32 = 0u;
 override morph: bool = false;
 // Words of a vertex record.
@@ -12,17 +12,20 @@ override stride: u32 = 3u;
 
 struct Parameters {
     vertices: u32,
-    // Screen: upper 18 bits of the smallest error that counts, as of a float.
+    // Error on the screen: upper 18 bits of the smallest error that counts, as of a float. What is
+    // on the screen: the bits of the tangent of half its height.
     lowest: u32,
     // Outline: the LODs where the surface is seen edge-on and face-on. Regions: inside and outside.
     lod_a: u32,
     lod_b: u32,
     // The eye, or a sphere's centre, or a box's lowest corner.
     x: f32, y: f32, z: f32,
-    // A power of two that brings lengths near 1.
+    // A power of two that brings lengths near 1. What is on the screen: the tangent of half its
+    // width.
     scale: f32,
     // Outline: LODs per cosine, and the sine of a cone that 1 stands for. Screen: allowed error per
     // scaled distance. Sphere: squared scaled radius. Box: its highest corner.
+    // What is on the screen: x, y, z of the unit quaternion that turns places into eye space.
     a: f32, b: f32, c: f32,
     // 0, which the compiler does not know: see `r`.
     zero: u32,
@@ -72,8 +75,31 @@ fn facing(cone: u32, to_eye: vec3<f32>, square: f32) -> f32 {
     return max(r(r(angle * other(sine)) - r(other(angle) * sine)), 0.0);
 }
 
+fn cross3(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
+    return vec3<f32>(
+        r(r(a.y * b.z) - r(a.z * b.y)),
+        r(r(a.z * b.x) - r(a.x * b.z)),
+        r(r(a.x * b.y) - r(a.y * b.x)),
+    );
+}
+
+// Ahead of the eye and within the screen.
+fn on_screen(position: vec3<f32>) -> bool {
+    let d = vec3<f32>(r(position.x - p.x), r(position.y - p.y), r(position.z - p.z));
+    let turn = vec3<f32>(p.a, p.b, p.c);
+    let rest = max(r(1.0 - dot3(turn, turn)), 1e-20);
+    let w = r(rest * rsqrt(rest));
+    let twice = 2.0 * cross3(turn, d);
+    let further = cross3(turn, twice);
+    let x = r(r(d.x + r(w * twice.x)) + further.x);
+    let y = r(r(d.y + r(w * twice.y)) + further.y);
+    let z = r(r(d.z + r(w * twice.z)) + further.z);
+    return abs(x) <= r(-z * p.scale) && abs(y) <= r(-z * bitcast<f32>(p.lowest));
+}
+
 fn wanted(here: vec4<u32>) -> u32 {
     let position = bitcast<vec3<f32>>(here.xyz);
+    if (criterion == 4u) { return select(p.lod_b, p.lod_a, on_screen(position)); }
     if (criterion == 3u) {
         let inside = position.x >= p.x && position.y >= p.y && position.z >= p.z
             && position.x <= p.a && position.y <= p.b && position.z <= p.c;

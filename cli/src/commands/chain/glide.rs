@@ -1,0 +1,158 @@
+//! Levels that move to the next one: what the option says, and where each begins.
+
+use super::levels::{Level, LevelArgs};
+use crate::commands::asset::Asset;
+use crate::exit::{Failure, Outcome};
+use crate::help::BECOMES;
+use crate::mesh_output::FormatName;
+use clap::Args;
+use lodc::glide::{bends, joints_error, pose_error};
+use lodc_formats::Limits;
+use lodc_formats::export::{GlideFacts, ScreenFacts};
+use lodc_formats::gltf::Carried;
+use lodc_mesh::{Lod, Mesh};
+use std::ops::Range;
+use std::path::Path;
+
+/// Part of the way to the next level's distance on which a level is shown as it is: the longer the
+/// rest, the less changes from one picture to the next.
+const AS_IT_IS: f64 = 0.125;
+
+/// Whether levels move to the next one.
+#[derive(Args, Clone, Copy, Debug)]
+#[command(next_help_heading = BECOMES)]
+pub(super) struct GlideArgs {
+    /// Levels that move to the next one: a morph target each
+    ///
+    /// lodc:next takes level k to level k + 1, weight 1 being its shape exactly. It moves positions
+    /// and normals; of tangent, uv and color those that are listed (--geomorph=uv,tangent), for
+    /// engines that have targets of them. With joints a vertex follows the joints of the one that
+    /// it becomes at the level where it moves, not its own. In .glb and .gltf.
+    #[arg(long, value_name = "STREAMS", num_args = 0..=1, require_equals = true,
+          default_missing_value = "", value_parser = carried, conflicts_with = "index_ranges",
+          display_order = 1)]
+    geomorph: Option<Carried>,
+}
+
+fn carried(text: &str) -> Result<Carried, String> {
+    let mut carried = Carried::default();
+    for word in text.split(',').filter(|word| !word.is_empty()) {
+        match word {
+            "tangent" => carried.tangents = true,
+            "uv" => carried.texture_coordinates = true,
+            "color" => carried.colours = true,
+            "joints" => carried.joints = true,
+            _ => return Err(format!("`{word}` is none of tangent, uv, color, joints")),
+        }
+    }
+    Ok(carried)
+}
+
+impl GlideArgs {
+    pub(super) fn carried(self) -> Option<Carried> {
+        self.geomorph
+    }
+
+    /// Refuses formats without morph targets.
+    pub(super) fn check(self, format: FormatName, output: &Path) -> Outcome<()> {
+        if self.geomorph.is_some() && !matches!(format, FormatName::Glb | FormatName::Gltf) {
+            return Err(Failure::usage(format!(
+                "{}: only .glb and .gltf hold morph targets: --geomorph needs one of them",
+                output.display()
+            )));
+        }
+        Ok(())
+    }
+}
+
+/// Refuses levels that get finer: an object may have levels of its own.
+pub(super) fn check(levels: &[Level]) -> Outcome<()> {
+    let finer = |pair: &[Level]| pair[0].lods.iter().zip(&pair[1].lods).any(|(a, b)| a > b);
+    match levels.windows(2).position(finer) {
+        Some(k) => Err(Failure::usage(format!(
+            "--geomorph: an object's level {} is finer than the one before it",
+            k + 1
+        ))),
+        None => Ok(()),
+    }
+}
+
+/// States the distances of levels whose errors are known. `pose_errors` are those of each level, of
+/// meshes that bend.
+pub(super) fn place(args: &LevelArgs, levels: &mut [Level], pose_errors: &[Option<f64>]) {
+    for level in levels.iter_mut() {
+        level.distance = level.distance.or_else(|| args.distance(level.error));
+    }
+    let distances: Vec<Option<f64>> = levels.iter().map(|level| level.distance).collect();
+    for (k, level) in levels.iter_mut().enumerate() {
+        let next = distances.get(k + 1).copied().flatten();
+        let own_part = |(own, next): (f64, f64)| own + AS_IT_IS * (next - own);
+        let morph_from = level.distance.zip(next).map(own_part);
+        let distance = level.distance;
+        let pose_error = pose_errors.get(k).copied().flatten();
+        level.glide = Some(GlideFacts { distance, morph_from, pose_error });
+    }
+}
+
+/// The screen that distances are for.
+pub(super) fn screen(args: &LevelArgs) -> ScreenFacts {
+    let (pixels, height, fovy) = args.screen();
+    ScreenFacts { pixels, height, fovy }
+}
+
+/// An object on its way from each level to the next: the mesh, where it goes, what moves.
+pub(super) type Way<'a> = (&'a Mesh, &'a Mesh, Range<u32>);
+
+/// How far each level is from the next once it has moved, over the poses that errors are over, the
+/// largest of all objects; none of levels without skins and targets, and of the last. `ways` are by
+/// level and object. With `joints` errors grow by what its own joints move a level.
+///
+/// # Errors
+/// If the document is damaged.
+pub(super) fn pose_errors(
+    asset: &Asset,
+    ways: &[Vec<Way<'_>>],
+    joints: bool,
+    levels: &mut [Level],
+    limits: &Limits,
+) -> Outcome<Vec<Option<f64>>> {
+    let shapes = lodc::stated_shapes(&asset.objects, &asset.document, limits)?;
+    let several = asset.objects.len() > 1;
+    let unit = |o: usize| if several { asset.objects[o].info.world_scale } else { 1.0 };
+    let largest = |ways: &[Way<'_>], of: &dyn Fn(usize, &Way<'_>) -> f64| -> f64 {
+        ways.iter().enumerate().map(|(o, way)| unit(o) * of(o, way)).fold(0.0, f64::max)
+    };
+    let last = ways.len().saturating_sub(1);
+    // Of joints that are not a vertex's own, at the level where it has them.
+    let taken = |k: usize| {
+        if !joints || k >= last {
+            return 0.0;
+        }
+        largest(&ways[k], &|o, (now, next, moving)| joints_error(&shapes[o], now, next, moving))
+    };
+    let mut errors = Vec::new();
+    for (k, ways) in ways.iter().enumerate() {
+        let own = taken(k);
+        levels[k].error += own;
+        levels[k].rms = levels[k].rms.map(|rms| rms + own);
+        let is_stated = k < last && ways.iter().any(|(mesh, ..)| bends(mesh));
+        errors.push(is_stated.then(|| {
+            let moved = largest(ways, &|o, (now, next, moving)| {
+                pose_error(&shapes[o], now, next, moving, joints)
+            });
+            moved + taken(k + 1)
+        }));
+    }
+    Ok(errors)
+}
+
+/// The LODs of two levels that follow each other, of one object.
+pub(super) fn moving(prefixes: &[u32], level: usize) -> Option<Range<u32>> {
+    let next = *prefixes.get(level + 1)?;
+    Some(next..prefixes[level].max(next))
+}
+
+/// The LODs of an object.
+pub(super) fn lods(levels: &[Level], object: usize) -> Vec<Lod> {
+    levels.iter().map(|level| level.lods[object]).collect()
+}

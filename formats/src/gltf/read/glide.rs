@@ -1,0 +1,261 @@
+//! Levels that glide: the morph target that moves each to the next, taken out of a document and
+//! read.
+
+use super::primitive::{self, Read};
+use super::{Opened, open};
+use crate::gltf::accessor::Accessor;
+use crate::gltf::budget::Budget;
+use crate::gltf::extensions::forget_extra;
+use crate::gltf::json::{Json, Object};
+use crate::gltf::schema::Pool;
+use crate::gltf::uri;
+use crate::gltf::views::Views;
+use crate::options::ImportOptions;
+use crate::shipped::{Glide, GlidePart};
+use crate::{Assets, FormatError, GLIDE_TARGET};
+use lodc_mesh::{Attribute, Component, Semantic};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// The number of the target that moves a mesh to the next level.
+fn target(mesh: &Object) -> Option<usize> {
+    let number = mesh["extras"]["lodc"]["next"].as_index()?;
+    let is_named = mesh["extras"]["targetNames"].list().get(number)?.as_str() == Some(GLIDE_TARGET);
+    is_named.then_some(number)
+}
+
+/// Takes the targets out of a document, and what weights and animations know of them.
+pub(super) fn strip(root: &mut Object) {
+    let targets: BTreeMap<usize, usize> = root
+        .entries("meshes")
+        .enumerate()
+        .filter_map(|(m, mesh)| Some((m, target(mesh)?)))
+        .collect();
+    if targets.is_empty() {
+        return;
+    }
+    let plain = without_replacements(root);
+    for (m, mesh) in root.objects_mut("meshes").enumerate() {
+        let Some(&count) = targets.get(&m) else { continue };
+        shorten(mesh, "weights", count);
+        for primitive in mesh.objects_mut("primitives") {
+            shorten(primitive, "targets", count);
+            let attributes = primitive.get_mut("attributes").and_then(Json::as_object_mut);
+            for (_, accessor) in attributes.into_iter().flat_map(|a| a.iter_mut()) {
+                if let Some(base) = accessor.as_index().and_then(|a| plain.get(&a)) {
+                    *accessor = (*base).into();
+                }
+            }
+        }
+        let names_gone = mesh["extras"]["lodc"]["unnamed"].as_bool() == Some(true) || count == 0;
+        match mesh.get_mut("extras").and_then(Json::as_object_mut) {
+            Some(extras) if !names_gone => shorten(extras, "targetNames", count),
+            _ => forget_extra(mesh, "targetNames"),
+        }
+        forget_extra(mesh, "lodc");
+    }
+    for node in root.objects_mut("nodes") {
+        if let Some(&count) = node["mesh"].as_index().and_then(|mesh| targets.get(&mesh)) {
+            shorten(node, "weights", count);
+        }
+    }
+    for animation in root.objects_mut("animations") {
+        let narrow = |sampler: &Json| sampler["extras"]["lodc"]["narrow"].as_index();
+        let narrow: Vec<Option<usize>> = animation.list("samplers").iter().map(narrow).collect();
+        for channel in animation.objects_mut("channels") {
+            let sampler = channel["sampler"].as_index().and_then(|s| *narrow.get(s)?);
+            if let Some(narrow) = sampler {
+                channel["sampler"] = narrow.into();
+            }
+        }
+        let kept = narrow.iter().rposition(Option::is_none).map_or(0, |last| last + 1);
+        if let Some(Json::Array(samplers)) = animation.get_mut("samplers") {
+            samplers.truncate(kept);
+        }
+    }
+}
+
+/// Cuts a list off; it goes with its last element.
+fn shorten(object: &mut Object, key: &str, count: usize) {
+    if let Some(Json::Array(all)) = object.get_mut(key) {
+        all.truncate(count);
+        if all.is_empty() {
+            object.shift_remove(key);
+        }
+    }
+}
+
+/// For each accessor that is another one but for some elements the other one.
+fn without_replacements(root: &Object) -> BTreeMap<usize, usize> {
+    let all: Vec<&Object> = root.entries("accessors").collect();
+    let replaced = all.iter().enumerate().filter_map(|(a, accessor)| {
+        let mut base = (*accessor).clone();
+        base.shift_remove("sparse")?;
+        base.get("bufferView")?;
+        Some((a, all.iter().position(|other| **other == base)?))
+    });
+    // A list of joints is asked for by few accessors: those of levels.
+    replaced.collect()
+}
+
+/// Reads how the levels of a file move, each to the next: to the next of its own, or to those of
+/// the file that it names. `pairs` are meshes of levels that follow each other, and the level.
+///
+/// # Errors
+/// If the file of the next level cannot be read.
+pub(super) fn glides(
+    root: &Object,
+    file: &Opened<'_>,
+    pairs: &[(usize, [usize; 2])],
+    assets: &mut Assets,
+    options: &ImportOptions,
+) -> Result<Vec<Glide>, FormatError> {
+    let is_gliding = root.entries("meshes").any(|mesh| target(mesh).is_some());
+    if !is_gliding {
+        return Ok(Vec::new());
+    }
+    // Each level is read twice, as far as its triangles go.
+    let budget = Budget::new(file.bytes.saturating_mul(MOST_READ));
+    let views = Views::new(root, &file.buffers, &budget)?;
+    let own = Meshes { root, accessors: &Accessor::all(root, &views)?, views: &views };
+    let mut all = Vec::new();
+    let mut add = |level: usize, mesh: usize, next: Option<(&Meshes<'_>, usize)>| {
+        if let Some(from) = own.moved(mesh)? {
+            let names = carried(root, mesh);
+            let to = next.map(|(file, mesh)| file.parts(mesh, None, &names)).transpose()?;
+            let (place, to) = (format!("meshes[{mesh}]"), to.unwrap_or_default());
+            all.push(Glide { level, place, from, to });
+        }
+        Ok::<_, FormatError>(())
+    };
+    for &(level, [mesh, next]) in pairs {
+        add(level, mesh, Some((&own, next)))?;
+    }
+    let Some(name) = root["extras"]["lodc"]["next"].as_str() else { return Ok(all) };
+    let bytes = uri::read(name, "extras.lodc.next", assets)?;
+    let (other, other_file) = open(&bytes, assets, options)?;
+    let budget = Budget::new(other_file.bytes.saturating_mul(MOST_READ));
+    let views = Views::new(&other, &other_file.buffers, &budget)?;
+    let accessors = Accessor::all(&other, &views)?;
+    let next_file = Meshes { root: &other, accessors: &accessors, views: &views };
+    let same = Pool::Meshes.len(root) == Pool::Meshes.len(&other);
+    for (mesh, entry) in root.entries("meshes").enumerate() {
+        let by_name = || other.entries("meshes").position(|m| m["name"] == entry["name"]);
+        let next = if same { Some(mesh) } else { by_name() };
+        add(0, mesh, next.map(|next| (&next_file, next)))?;
+    }
+    Ok(all)
+}
+
+/// Times that vertices are read: levels that halve, each on its way and as the next one.
+const MOST_READ: u64 = 8;
+
+/// What the target of a mesh moves.
+fn carried(root: &Object, mesh: usize) -> BTreeSet<String> {
+    let mesh = &root["meshes"][mesh];
+    let Some(number) = mesh.as_object().and_then(target) else { return BTreeSet::new() };
+    let primitives = mesh["primitives"].list().iter();
+    let moved = primitives.filter_map(|p| p["targets"].list().get(number)?.as_object());
+    moved.flat_map(|target| target.keys().cloned()).collect()
+}
+
+/// The meshes of a document.
+struct Meshes<'a> {
+    root: &'a Object,
+    accessors: &'a [Option<Accessor>],
+    views: &'a Views<'a>,
+}
+
+impl Meshes<'_> {
+    /// The primitives of a mesh with triangles, moved by its target. None if it has none.
+    fn moved(&self, mesh: usize) -> Result<Option<Vec<GlidePart>>, FormatError> {
+        let number = self.root["meshes"][mesh].as_object().and_then(target);
+        let parts = number.map(|_| self.parts(mesh, number, &carried(self.root, mesh)));
+        parts.transpose()
+    }
+
+    /// The primitives of a mesh with triangles: what of these names they have, moved by a target.
+    fn parts(
+        &self,
+        mesh: usize,
+        number: Option<usize>,
+        names: &BTreeSet<String>,
+    ) -> Result<Vec<GlidePart>, FormatError> {
+        let Meshes { root, accessors, views } = *self;
+        let entry = &root["meshes"][mesh];
+        let mut all = Vec::new();
+        for (p, primitive) in entry["primitives"].list().iter().enumerate() {
+            let Some(primitive) = primitive.as_object() else { continue };
+            let place = format!("meshes[{mesh}].primitives[{p}]");
+            let Read::Triangles(read) = primitive::read(primitive, place, accessors)? else {
+                continue;
+            };
+            let position = accessors.get(read.position).and_then(Option::as_ref);
+            let vertices = position.map_or(0, |p| p.count);
+            let corners = read.corners(vertices, accessors, views)?;
+            let vertices = corners.iter().max().map_or(0, |&v| v as usize + 1);
+            let mut triangles = Vec::new();
+            read.triangles(&corners, |t| triangles.push(t));
+            let has = |name: &&String| primitive["attributes"].get(name).is_some();
+            let mut present: Vec<&String> = names.iter().filter(has).collect();
+            // Positions come first.
+            present.sort_by_key(|name| *name != "POSITION");
+            let moves = &primitive["targets"][number.unwrap_or(usize::MAX)];
+            let mut part = GlidePart {
+                kind: format!("{} {present:?}", primitive["material"]),
+                triangles,
+                ..GlidePart::default()
+            };
+            let mut columns = Vec::new();
+            for name in present {
+                let read = |value: &Json| -> Result<Option<Attribute>, FormatError> {
+                    let accessor = value.as_index().and_then(|a| accessors.get(a)?.as_ref());
+                    accessor.map(|a| stream(a, vertices, views)).transpose()
+                };
+                let Some(stored) = read(&primitive["attributes"][&**name])? else { continue };
+                let delta = read(&moves[&**name])?;
+                // Tangents keep their handedness.
+                let width = match (&delta, &**name) {
+                    (Some(delta), _) => delta.components.min(stored.components),
+                    (None, "TANGENT") => 3,
+                    _ => stored.components,
+                };
+                part.width += usize::from(width);
+                columns.push((stored, delta, usize::from(width)));
+            }
+            for v in 0..vertices as u32 {
+                for (stored, delta, width) in &columns {
+                    for c in 0..*width {
+                        let value = stored.value(v, c);
+                        let by = delta.as_ref().map_or(0.0, |delta| delta.value(v, c));
+                        part.values.push(value);
+                        part.moved.push(value + by);
+                    }
+                }
+            }
+            all.push(part);
+        }
+        Ok(all)
+    }
+}
+
+/// All elements of an accessor; zeros where it has fewer than there are vertices.
+fn stream(
+    accessor: &Accessor,
+    vertices: usize,
+    views: &Views<'_>,
+) -> Result<Attribute, FormatError> {
+    let components = accessor.shape.components();
+    views.budget.charge(vertices as u64, components as u64 * 12, "")?;
+    let reader = accessor.reader(views)?;
+    let mut bytes = Vec::new();
+    (0..accessor.count.min(vertices) as u32).for_each(|i| reader.append(i, &mut bytes));
+    bytes.resize(vertices * components * accessor.component.size(), 0);
+    Ok(Attribute {
+        semantic: Semantic::Custom(String::new()),
+        morph_target: None,
+        component: accessor.component,
+        components: components as u8,
+        normalized: accessor.normalized && accessor.component != Component::F32,
+        bytes,
+    })
+}

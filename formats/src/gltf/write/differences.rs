@@ -1,0 +1,80 @@
+//! What has to be added to the values of vertices to get those that they have elsewhere.
+
+use crate::gltf::semantic;
+use lodc_mesh::{Attribute, Mesh, Semantic};
+
+/// Streams that a glide moves besides positions and normals.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Carried {
+    /// Directions of tangents; their handedness stays.
+    pub tangents: bool,
+    /// Texture coordinates.
+    pub texture_coordinates: bool,
+    /// Colours.
+    pub colours: bool,
+    /// At the level where a vertex moves it has the joints and weights of the one that it becomes.
+    pub joints: bool,
+}
+
+impl Carried {
+    /// Number of components that move; none of a stream that stays.
+    fn components(self, stream: &Attribute) -> Option<usize> {
+        match stream.semantic {
+            _ if stream.morph_target.is_some() => None,
+            Semantic::Normal => Some(3),
+            Semantic::Tangent if self.tangents => Some(3),
+            Semantic::TexCoord(_) if self.texture_coordinates => Some(2),
+            Semantic::Color(_) if self.colours => Some(usize::from(stream.components)),
+            _ => None,
+        }
+    }
+}
+
+/// The stream of a submesh with this meaning, at rest.
+fn stream<'m>(mesh: &'m Mesh, submesh: usize, wanted: &Semantic) -> Option<&'m Attribute> {
+    let streams = mesh.submeshes()[submesh].attributes.iter();
+    let mut streams = streams.map(|&a| &mesh.attributes()[a as usize]);
+    streams.find(|a| a.semantic == *wanted && a.morph_target.is_none())
+}
+
+/// The differences of a submesh's values for some vertices, each with its name and the number of
+/// its components.
+pub(super) fn differences(
+    now: &Mesh,
+    next: &Mesh,
+    submesh: usize,
+    vertices: &[u32],
+    carried: Carried,
+) -> Vec<(String, usize, Vec<f32>)> {
+    let position = Semantic::Position;
+    let stored = [now, next].map(|mesh| stream(mesh, submesh, &position));
+    let place = |mesh: &Mesh, v: u32, c: usize| mesh.positions()[v as usize][c];
+    let moved = |v: u32, c: usize| match stored {
+        [Some(a), Some(b)] => difference(a.value(v, c), b.value(v, c)),
+        _ => difference(place(now, v, c), place(next, v, c)),
+    };
+    let mut all = vec![(semantic::to_name(&position), 3, flat(vertices, 3, moved))];
+    for &a in &now.submeshes()[submesh].attributes {
+        let a = &now.attributes()[a as usize];
+        let Some(components) = carried.components(a) else { continue };
+        let Some(b) = stream(next, submesh, &a.semantic) else { continue };
+        let moved = |v: u32, c: usize| difference(a.value(v, c), b.value(v, c));
+        all.push((semantic::to_name(&a.semantic), components, flat(vertices, components, moved)));
+    }
+    all
+}
+
+fn flat(vertices: &[u32], components: usize, value: impl Fn(u32, usize) -> f32) -> Vec<f32> {
+    vertices
+        .iter()
+        .flat_map(|&v| (0..components).map(move |c| (v, c)))
+        .map(|(v, c)| value(v, c))
+        .collect()
+}
+
+/// What has to be added to one number to get another; 0 where no float says it.
+fn difference(from: f32, to: f32) -> f32 {
+    let difference = (f64::from(to) - f64::from(from)) as f32;
+    // Without negative zeros.
+    if difference.is_finite() { difference + 0.0 } else { 0.0 }
+}

@@ -1,0 +1,134 @@
+//! The way from each level of a chain to the next, as a morph target of its own: every vertex that
+//! leaves goes to the one that it becomes. Weights, their animations and the targets' names grow by
+//! one number each.
+
+use super::differences::Carried;
+use super::writer::Writer;
+use crate::gltf::document::Stored;
+use crate::gltf::extensions::animation_pointer;
+use crate::gltf::json::{Json, Object, object};
+use crate::{Document, FormatError, GLIDE_TARGET, Limits};
+use lodc_mesh::Mesh;
+use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
+
+/// The way from each level of an object to the next.
+#[derive(Clone, Debug)]
+pub struct Glide<'a> {
+    /// The object's mesh with every vertex where it goes; it needs no triangles.
+    pub next: &'a Mesh,
+    /// By level the vertices that move; none of a level that nothing comes after.
+    pub moving: Vec<Option<Range<u32>>>,
+    /// What moves besides positions and normals.
+    pub carried: Carried,
+}
+
+/// Names the last target of a mesh, which has `targets` others.
+pub(super) fn name_target(mesh: &mut Object, targets: usize) {
+    if mesh.get("weights").is_some() || targets == 0 {
+        mesh.append("weights", vec![0u32.into()]);
+    }
+    if mesh.get("extras").is_some_and(|extras| !extras.is_object()) {
+        return;
+    }
+    let mut names = mesh["extras"]["targetNames"].list().to_vec();
+    let unnamed = names.len() != targets;
+    if unnamed {
+        names = (0..targets).map(|t| format!("target_{t}").into()).collect();
+    }
+    names.push(GLIDE_TARGET.into());
+    mesh["extras"]["targetNames"] = names.into();
+    mesh["extras"]["lodc"] = object! { "next" => targets };
+    if unnamed && targets > 0 {
+        mesh["extras"]["lodc"]["unnamed"] = true.into();
+    }
+}
+
+/// Lets weights of nodes, and animations of them, know of the target that their meshes got.
+///
+/// # Errors
+/// If the stored document is damaged.
+pub(super) fn widen(
+    root: &mut Object,
+    writer: &mut Writer,
+    document: &Document,
+    meshes: &BTreeSet<usize>,
+) -> Result<(), FormatError> {
+    let mut nodes = BTreeSet::new();
+    for (n, node) in root.objects_mut("nodes").enumerate() {
+        if node["mesh"].as_index().is_some_and(|mesh| meshes.contains(&mesh)) {
+            nodes.insert(n);
+            if node.get("weights").is_some() {
+                node.append("weights", vec![0u32.into()]);
+            }
+        }
+    }
+    let Document::Gltf(stored) = document else { return Ok(()) };
+    let is_ours = |channel: &Json| {
+        let mut target = channel["target"].clone();
+        let of = |pool: &str, all: &BTreeSet<usize>, pointer: &str| {
+            let number = pointer.strip_prefix(pool).and_then(|rest| rest.strip_suffix("/weights"));
+            number.and_then(|n| n.parse().ok()).is_some_and(|n: usize| all.contains(&n))
+        };
+        match animation_pointer(&mut target) {
+            Some(p) => of("/nodes/", &nodes, p) || of("/meshes/", meshes, p),
+            None => {
+                let node = target["node"].as_index().filter(|node| nodes.contains(node));
+                node.is_some() && target["path"].as_str() == Some("weights")
+            }
+        }
+    };
+    let wanted = root.entries("animations").any(|a| a.list("channels").iter().any(is_ours));
+    if !wanted {
+        return Ok(());
+    }
+    Stored::read(stored, &Limits::DEFAULT, |stored, _| {
+        for animation in root.objects_mut("animations") {
+            // Samplers by how many channels of either kind use them.
+            let mut users: BTreeMap<usize, [usize; 2]> = BTreeMap::new();
+            for channel in animation.list("channels") {
+                if let Some(sampler) = channel["sampler"].as_index() {
+                    users.entry(sampler).or_default()[usize::from(is_ours(channel))] += 1;
+                }
+            }
+            for (sampler, [others, ours]) in users {
+                let Some(source) = animation["samplers"].list().get(sampler) else { continue };
+                if ours == 0 {
+                    continue;
+                }
+                let mut wide = source.clone();
+                let keys =
+                    |key: &str| source[key].as_index().map(|a| stored.numbers(a)).transpose();
+                let (Some((times, _)), Some((values, _))) = (keys("input")?, keys("output")?)
+                else {
+                    continue;
+                };
+                let per_key =
+                    if source["interpolation"].as_str() == Some("CUBICSPLINE") { 3 } else { 1 };
+                let rows = times.len() * per_key;
+                if rows == 0 || values.len() < rows || !values.len().is_multiple_of(rows) {
+                    continue;
+                }
+                let grown = values.chunks_exact(values.len() / rows);
+                let grown = grown.flat_map(|row| row.iter().map(|&w| w as f32).chain([0.0]));
+                wide["output"] = writer.scalars("weights", &grown.collect::<Vec<f32>>());
+                if others == 0 {
+                    animation["samplers"].as_array_mut().into_iter().for_each(|all| {
+                        all[sampler] = wide.clone();
+                    });
+                    continue;
+                }
+                // Levels without the target go on as before.
+                wide["extras"] = object! { "lodc" => object! { "narrow" => sampler } };
+                let number = animation.list("samplers").len();
+                animation.append("samplers", vec![wide]);
+                for channel in animation["channels"].as_array_mut().into_iter().flatten() {
+                    if channel["sampler"].as_index() == Some(sampler) && is_ours(channel) {
+                        channel["sampler"] = number.into();
+                    }
+                }
+            }
+        }
+        Ok(())
+    })
+}
