@@ -114,19 +114,20 @@ fn uniform(
     let chosen =
         stages.run("select", || scene.select_capped(wish, own, args.max_error, per_object))?;
     let lods = &chosen.lods;
-    let distances = stages.run("errors", || asset.distances(&[lods], &limits))?.swap_remove(0);
-    let roll = Roll::new(&asset.objects, &scene, &asset.document)?;
-    let gone = stages.run("gone", || roll.gone_at(lods, distances.iter().map(|d| d.error)));
-    let meshes = stages.run("extract", || {
-        if args.refit {
-            return refitted_meshes(&asset.objects, &asset.document, lods, order, &limits);
-        }
-        let mut meshes = level_mesh::meshes(&asset.objects, lods, shape)?;
+    let meshes = if args.refit {
+        let refitted = || refitted_meshes(&asset.objects, &asset.document, lods, order, &limits);
+        stages.run("extract", refitted)?
+    } else {
+        let distances = stages.run("errors", || asset.distances(&[lods], &limits))?.swap_remove(0);
+        let meshes = stages.run("extract", || level_mesh::meshes(&asset.objects, lods, shape));
+        let mut meshes = meshes?;
         for (mesh, distance) in meshes.iter_mut().zip(distances) {
             (mesh.error, mesh.rms) = (distance.error, distance.rms);
         }
-        Ok(meshes)
-    })?;
+        meshes
+    };
+    let roll = Roll::new(&asset.objects, &scene, &asset.document)?;
+    let gone = stages.run("gone", || roll.gone_at(lods, meshes.iter().map(|mesh| mesh.error)));
     Ok(Level {
         meshes,
         lods: chosen.lods.into_iter().map(Some).collect(),
