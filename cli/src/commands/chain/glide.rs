@@ -105,7 +105,8 @@ pub(super) type Way<'a> = (&'a Mesh, &'a Mesh, Range<u32>);
 
 /// How far each level is from the next once it has moved, over the poses that errors are over, the
 /// largest of all objects; none of levels without skins and targets, and of the last. `ways` are by
-/// level and object. With `joints` errors grow by what its own joints move a level.
+/// level and object. With `joints` what
+/// those move levels by themselves is part of it.
 ///
 /// # Errors
 /// If the document is damaged.
@@ -113,7 +114,6 @@ pub(super) fn pose_errors(
     asset: &Asset,
     ways: &[Vec<Way<'_>>],
     joints: bool,
-    levels: &mut [Level],
     limits: &Limits,
 ) -> Outcome<Vec<Option<f64>>> {
     let shapes = lodc::stated_shapes(&asset.objects, &asset.document, limits)?;
@@ -133,14 +133,12 @@ pub(super) fn pose_errors(
     let mut errors = Vec::new();
     for (k, ways) in ways.iter().enumerate() {
         let own = taken(k);
-        levels[k].error += own;
-        levels[k].rms = levels[k].rms.map(|rms| rms + own);
         let is_stated = k < last && ways.iter().any(|(mesh, ..)| bends(mesh));
         errors.push(is_stated.then(|| {
             let moved = largest(ways, &|o, (now, next, moving)| {
                 pose_error(&shapes[o], now, next, moving, joints)
             });
-            moved + taken(k + 1)
+            moved + own + taken(k + 1)
         }));
     }
     Ok(errors)

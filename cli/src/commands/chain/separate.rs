@@ -91,7 +91,7 @@ pub(super) fn gliding_files(
         gliding.iter().map(|g| (&g[level].mesh, &g[level].next, g[level].moving.clone())).collect()
     };
     let ways: Vec<Vec<Way<'_>>> = (0..levels.len()).map(way).collect();
-    let errors = glide::pose_errors(asset, &ways, carried.joints, levels, &limits)?;
+    let errors = glide::pose_errors(asset, &ways, carried.joints, &limits)?;
     glide::place(&args.levels, levels, &errors);
 
     let (mut files, mut of_level) = (Vec::new(), Vec::new());

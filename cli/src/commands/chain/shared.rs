@@ -56,7 +56,7 @@ pub(super) fn files(
         };
         let ways: Vec<Vec<Way<'_>>> = (0..levels.len()).map(of_level).collect();
         let limits = args.export.import.limits().limits();
-        let errors = glide::pose_errors(asset, &ways, carried.joints, levels, &limits)?;
+        let errors = glide::pose_errors(asset, &ways, carried.joints, &limits)?;
         glide::place(&args.levels, levels, &errors);
     }
     let glide = |object: usize, carried: Carried| Glide {
