@@ -3,7 +3,7 @@
 //! Thesis 4.3.3; the idea is Hoppe's progressive mesh (1996), the container is
 //! `lodc_formats::lods`, and `docs/STREAM.md` specifies every bit.
 //!
-//! # The stream in ten sentences
+//! # The stream in nine sentences
 //!
 //! 1. A collapse sequence, read backwards, is a sequence of *vertex splits* that turns one vertex
 //!    into the whole mesh. Vertices before its first triangle, *points*, come when a split needs
@@ -20,8 +20,7 @@
 //!    use, or as it is where nothing is known about it.
 //! 8. The same generic code encodes and decodes, so that the two sides cannot differ; what only an
 //!    encoder knows it asks of a *split source*.
-//! 9. Strip positions have a substream of their own, which a decoder may skip.
-//! 10. Steps are bounded by their bytes in memory and time, so no crafted stream can exhaust a
+//! 9. Steps are bounded by their bytes in memory and time, so no crafted stream can exhaust a
 //!     decoder.
 //!
 //! # A vertex split
@@ -49,7 +48,6 @@
 //! | `vertex_data` | number systems, layouts, quantisation, prediction of values |
 //! | `source` | what an encoder knows: the splits of a collapse sequence |
 //! | `vertex_split` | coding of splits: parent, new triangles, corner transfer, points, contexts |
-//! | `strips` | the drawing order, coding of positions, strips as indices |
 //!
 //! # Example
 //!
@@ -60,7 +58,7 @@
 //! VertexLayout};
 //!
 //! let sphere = lodc_fixtures::random_collapse(&lodc_fixtures::icosphere(2), 7);
-//! let mut encoder = MeshEncoder::new(&sphere, VertexLayout::choose(&sphere), None)?;
+//! let mut encoder = MeshEncoder::new(&sphere, VertexLayout::choose(&sphere));
 //! let header = encoder.header().clone();
 //! let (mut contexts, mut blocks, mut bytes) = (Contexts::new(), Vec::new(), 0);
 //! while !encoder.is_complete() {
@@ -74,7 +72,7 @@
 //! let (mut decoder, mut contexts) = (MeshDecoder::new(header), Contexts::new());
 //! let mut coarser = 0;
 //! for block in &blocks {
-//!     let steps = StepBlock { steps: block.steps, splits: &block.splits, strips: &[], bytes };
+//!     let steps = StepBlock { steps: block.steps, splits: &block.splits, bytes };
 //!     decoder.decode(&mut contexts, steps)?;
 //!     // Every prefix is a mesh: the one of a level of detail.
 //!     assert!(decoder.triangle_count() >= coarser);
@@ -93,7 +91,6 @@ mod mesh_decoder;
 mod mesh_encoder;
 mod partial_mesh;
 mod source;
-mod strips;
 #[cfg(test)]
 mod trace;
 mod vertex_data;
@@ -104,8 +101,9 @@ pub use header::MeshHeader;
 pub use invalid::InvalidStream;
 pub use mesh_decoder::{MeshDecoder, StepBlock};
 pub use mesh_encoder::{BlockTarget, EncodedSteps, MeshEncoder};
-pub use source::strip_neighbors::StripMismatch;
+pub use source::batches::{in_batches, with_removals};
 pub use vertex_data::number_system::NumberSystem;
+pub use vertex_data::octahedral::Octahedral;
 pub use vertex_data::quantize::{ErrorBound, Quantize};
 pub use vertex_data::vertex_layout::{Prediction, Stream, VertexLayout};
 pub use vertex_split::contexts::Contexts;

@@ -52,7 +52,7 @@ impl Session {
     /// "rms"}]}`, each count so far and in all.
     pub fn feed(&mut self) -> Status {
         let stream =
-            self.stream.get_or_insert_with(|| Unpacker::new(Limits::DEFAULT).triangles_only());
+            self.stream.get_or_insert_with(|| Unpacker::new(Limits::DEFAULT));
         let fed = stream.feed(&self.input);
         let state = fed.map(|()| progress(stream).into_bytes());
         self.answer(state)

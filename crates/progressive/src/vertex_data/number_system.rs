@@ -131,6 +131,11 @@ impl NumberSystem {
         }
     }
 
+    /// Returns whether neighbours are everywhere as far apart, −0 aside.
+    pub(crate) fn has_fixed_step(self) -> bool {
+        matches!(self, Self::Decimal(_) | Self::Integer | Self::Grid { .. })
+    }
+
     /// Returns whether the list holds this float, bit for bit.
     #[must_use]
     pub fn contains(self, value: f32) -> bool {

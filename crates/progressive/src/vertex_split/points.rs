@@ -33,9 +33,6 @@ pub(crate) struct Points {
     points: Vec<Point>,
     /// Number of points that are missing.
     left: u32,
-    /// True in the first step, which is to show a triangle as soon as can be: points come without
-    /// the others of their group.
-    pub(super) one_by_one: bool,
     /// The point that came last, or [`NONE`].
     last: u32,
     /// All points before it have come.
@@ -51,7 +48,6 @@ impl Points {
         Self {
             points: vec![point; count as usize],
             left: count,
-            one_by_one: true,
             last: NONE,
             first_missing: 0,
             work: 0,
@@ -81,6 +77,13 @@ impl Points {
     /// Returns the group of a point; empty while it is not known.
     pub(super) fn group(&self, point: u32) -> Range<u32> {
         self.points.get(point as usize).map_or(0..0, |point| point.group.clone())
+    }
+
+    /// Returns whether a vertex is a point of a group that is known, and not its first.
+    #[inline]
+    pub(super) fn is_further_wedge(&self, vertex: u32) -> bool {
+        let point = self.points.get(vertex as usize);
+        point.is_some_and(|point| point.group.start < vertex && !point.group.is_empty())
     }
 
     /// Returns whether a vertex is a point whose group is not known yet.
