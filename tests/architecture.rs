@@ -41,7 +41,7 @@ const DRAWING: &[(&str, &[&str])] = &[
     ("crates/simplify", &["lodc-mesh", "lodc-raster", "glam", "prefetch-index", "rayon"]),
     ("crates/refit", &["lodc-mesh", "lodc-nearest", "glam", "rayon"]),
     ("crates/strip", &["lodc-mesh", "rayon"]),
-    ("crates/progressive", &["lodc-mesh", "lodc-strip"]),
+    ("crates/progressive", &["lodc-mesh"]),
     ("crates/model", &["lodc-mesh"]),
     ("crates/verify", &["lodc-mesh", "lodc-model", "rayon"]),
     ("crates/plan", &["lodc-mesh", "lodc-strip"]),

@@ -16,9 +16,9 @@
 use lodc_mesh::{MeshParts, NONE, PositionIds, SequenceParts, Simplified, removal_lods};
 use lodc_mesh::{CollapseSequence, Lod, Mesh};
 
-/// A batch has one step, and one more for so many steps before it: it grows the mesh by a quarter.
-/// Of 20, 25 and 30 %, shorter ones cost more bits, longer ones show worse levels within.
-const STEPS_FOR_ONE_MORE: usize = 4;
+/// A batch has one step, and one more for so many steps before it: it grows the mesh by a third.
+/// Shorter ones cost more bits (a quarter: 0.3 for each vertex), longer ones show worse levels within.
+const STEPS_FOR_ONE_MORE: usize = 3;
 
 /// The splits of an object in stream order.
 pub(crate) struct StepTree<'a> {
@@ -35,64 +35,140 @@ pub(crate) struct StepTree<'a> {
     pub(crate) fixed: [u32; 2],
 }
 
-/// Steps in the order of their batches.
-#[derive(Debug, Default, PartialEq, Eq)]
-pub(crate) struct BatchPlan {
-    /// The first vertex of each step, as they were numbered.
-    pub(crate) order: Vec<u32>,
-    /// The number of steps of each batch.
-    pub(crate) sizes: Vec<u32>,
+/// A step that must come before another one: (first vertex of it, first vertex of the other).
+type Before = [u32; 2];
+
+/// How often each group may be passed, on average: 64 batches pass through all points, later ones
+/// through lists that grow by a third, so that each group counts four times.
+const MOST_PASSES: usize = 64;
+
+/// The list of wedge groups, each named by its first vertex, and the pass of a batch through it.
+struct Walk {
+    /// The group behind each one.
+    next: Vec<u32>,
+    /// Groups that may still be passed.
+    left: usize,
 }
 
-impl BatchPlan {
-    /// Returns whether the steps are in this order already.
-    pub(crate) fn is_identity(&self) -> bool {
-        self.order.is_sorted()
+impl Walk {
+    fn new(points: u32, vertices: usize) -> Self {
+        let mut next: Vec<u32> = (1..=vertices as u32).collect();
+        if let Some(last) = (points as usize).checked_sub(1) {
+            next[last] = NONE;
+        }
+        Self { next, left: MOST_PASSES * (vertices + 1) }
+    }
+
+    /// Puts a new group behind the one that it splits off.
+    fn split(&mut self, group: u32, step: u32) {
+        self.next[step as usize] = std::mem::replace(&mut self.next[group as usize], step);
+    }
+
+    /// Takes back the last split.
+    fn join(&mut self, group: u32, step: u32) {
+        self.next[group as usize] = self.next[step as usize];
+    }
+
+    /// Goes on to the next group; none behind the last, or if that would be one too many.
+    fn advance(&mut self, group: u32) -> Option<u32> {
+        self.left = self.left.checked_sub(1)?;
+        Some(self.next[group as usize]).filter(|&next| next != NONE)
     }
 }
 
 impl StepTree<'_> {
-    /// Plans batches. `None` if a step is not a whole wedge group that splits off one other group,
-    /// and points.
-    pub(crate) fn plan(&self) -> Option<BatchPlan> {
+    fn group_of_target(&self, vertex: u32) -> u32 {
+        self.groups[self.targets[vertex as usize] as usize]
+    }
+
+    /// Cuts steps, in the order that they have, into the fewest batches: the first vertex and the
+    /// number of steps of each. `None` if they are in no order of batches.
+    pub(crate) fn batches(&self) -> Option<Vec<[u32; 2]>> {
         let steps = self.steps()?;
-        let mut plan = BatchPlan { order: Vec::with_capacity(steps.len()), sizes: Vec::new() };
-        let vertices = self.targets.len();
-        let mut next: Vec<u32> = (1..=vertices as u32).collect();
-        if let Some(last) = (self.points as usize).checked_sub(1) {
-            next[last] = NONE;
-        }
-        // The steps of the batch by the group that they split off, in their order.
-        let (mut first, mut sibling) = (vec![NONE; vertices], vec![NONE; vertices]);
-        while plan.order.len() < steps.len() {
-            let done = plan.order.len();
-            let most = (done + 1 + done / STEPS_FOR_ONE_MORE).min(steps.len());
-            let is_fixed = |&end: &usize| steps.get(end).is_some_and(|s| self.fixed.contains(s));
-            let end = (done + 1..most).find(is_fixed).unwrap_or(most);
-            for &step in steps[done..end].iter().rev() {
-                let off = &mut first[self.groups[self.targets[step as usize] as usize] as usize];
-                sibling[step as usize] = std::mem::replace(off, step);
-            }
-            let mut group = 0;
-            while plan.order.len() < end && group != NONE {
-                let step = first[group as usize];
-                if step == NONE {
-                    group = next[group as usize];
+        let mut walk = Walk::new(self.points, self.targets.len());
+        let mut batches = Vec::new();
+        let mut rest = &steps[..];
+        while let Some(&first) = rest.first() {
+            let (mut group, mut count) = (0, 0);
+            while let Some(&step) = rest.get(count) {
+                if self.group_of_target(step) == group {
+                    walk.split(group, step);
+                    count += 1;
                 } else {
-                    first[group as usize] = sibling[step as usize];
-                    next[step as usize] = std::mem::replace(&mut next[group as usize], step);
-                    plan.order.push(step);
+                    match walk.advance(group) {
+                        Some(next) => group = next,
+                        None => break,
+                    }
                 }
             }
-            plan.sizes.push((end - done) as u32);
+            batches.push([first, count as u32]);
+            rest = &rest[count..];
+            // An order that was not made of batches has about one for each two steps.
+            let done = steps.len() - rest.len();
+            let most = 8 + 4 * (usize::BITS - done.leading_zeros()) as usize + done / 32;
+            if count == 0 || batches.len() > most {
+                return None;
+            }
         }
-        Some(plan)
+        Some(batches)
+    }
+
+    /// Puts steps into an order of batches: the first vertex of each, as they are numbered. Some
+    /// stay before others. Calls `begin` with the number of steps before each batch.
+    fn plan(&self, before: &[Before], mut begin: impl FnMut(usize)) -> Option<Vec<u32>> {
+        let steps = self.steps()?;
+        let mut walk = Walk::new(self.points, self.targets.len());
+        let mut order = Vec::with_capacity(steps.len());
+        // The steps of the batch by the group that they split off, in their order.
+        let (mut first, mut sibling) =
+            (vec![NONE; self.targets.len()], vec![NONE; self.targets.len()]);
+        let mut place = vec![u32::MAX; self.targets.len()];
+        while order.len() < steps.len() {
+            let done = order.len();
+            let most = (done + 1 + done / STEPS_FOR_ONE_MORE).min(steps.len());
+            let is_fixed = |&end: &usize| steps.get(end).is_some_and(|s| self.fixed.contains(s));
+            let mut end = (done + 1..most).find(is_fixed).unwrap_or(most);
+            begin(done);
+            loop {
+                for &step in steps[done..end].iter().rev() {
+                    let off = &mut first[self.group_of_target(step) as usize];
+                    sibling[step as usize] = std::mem::replace(off, step);
+                }
+                let mut group = 0;
+                while order.len() < end {
+                    let step = first[group as usize];
+                    if step == NONE {
+                        group = walk.advance(group)?;
+                    } else {
+                        first[group as usize] = sibling[step as usize];
+                        walk.split(group, step);
+                        place[step as usize] = order.len() as u32;
+                        order.push(step);
+                    }
+                }
+                let too_late = |&&[a, b]: &&Before| {
+                    let [a, b] = [a, b].map(|step| place[step as usize]);
+                    a != u32::MAX && b != u32::MAX && a > b
+                };
+                let of_batch = |&[_, b]: &Before| b < steps[done];
+                let candidates = &before[before.partition_point(of_batch)..];
+                let until = steps.get(end).copied().unwrap_or(u32::MAX);
+                let late = candidates.iter().take_while(|[_, b]| *b < until).find(too_late);
+                let Some(&[_, cut]) = late else { break };
+                // Without that step and those after it the batch is in order.
+                for step in order.drain(done..).rev() {
+                    walk.join(self.group_of_target(step), step);
+                    place[step as usize] = u32::MAX;
+                }
+                end = steps.partition_point(|&step| step < cut);
+            }
+        }
+        Some(order)
     }
 
     /// The first vertex of each step behind the points, if all are whole groups off one group.
     fn steps(&self) -> Option<Vec<u32>> {
         let mut steps = Vec::new();
-        let group_of_target = |v: usize| self.groups[self.targets[v] as usize];
         for v in self.points as usize..self.targets.len() {
             let continued = v > 0 && self.continues[v - 1] && v > self.points as usize;
             if !continued {
@@ -103,7 +179,7 @@ impl StepTree<'_> {
             } else {
                 // Points are there from the beginning, whatever group they are of.
                 let follows = self.targets[v] < self.points
-                    || group_of_target(v) == group_of_target(v - 1);
+                    || self.group_of_target(v as u32) == self.group_of_target(v as u32 - 1);
                 if self.groups[v] != self.groups[v - 1] || !follows {
                     return None;
                 }
@@ -152,8 +228,48 @@ pub fn in_batches(simplified: &Simplified) -> Option<Simplified> {
         points,
         fixed: fixed_levels(simplified),
     };
-    let plan = tree.plan().filter(|plan| !plan.is_identity())?;
-    reordered(simplified, points, &continues, &plan)
+    if tree.batches().is_some() {
+        return None;
+    }
+    let before =
+        if mesh.submeshes().len() > 1 { tree.borders_first(simplified) } else { Vec::new() };
+    let mut batches = Vec::new();
+    let order = tree.plan(&before, |done| batches.push(done))?;
+    batches.push(order.len());
+    reordered(simplified, points, &continues, &order, &batches)
+}
+
+impl StepTree<'_> {
+    /// Where a vertex becomes one of another submesh, its triangles are gone by then: the steps that
+    /// must stay before those that bring the triangles, sorted by the latter.
+    fn borders_first(&self, simplified: &Simplified) -> Vec<Before> {
+        let last = simplified.collapses().records();
+        let submesh = |v: u32| simplified.mesh().vertex_submesh()[(last - v) as usize];
+        let mut first_of_step: Vec<u32> = (0..=last).collect();
+        // The nearest vertex on the way to the points whose target is of another submesh.
+        let mut border = vec![NONE; self.targets.len()];
+        for v in self.points..=last {
+            let target = self.targets[v as usize];
+            if v > self.points && self.continues[v as usize - 1] {
+                first_of_step[v as usize] = first_of_step[v as usize - 1];
+            }
+            let crosses = submesh(v) != submesh(target);
+            border[v as usize] = if crosses { v } else { border[target as usize] };
+        }
+        let mut before = Vec::new();
+        for appearance in super::first_appearance::first_appearances(simplified) {
+            let brings = first_of_step[appearance.vertices[0] as usize];
+            for v in appearance.vertices {
+                let border = border[v as usize];
+                if border != NONE && first_of_step[border as usize] < brings {
+                    before.push([first_of_step[border as usize], brings]);
+                }
+            }
+        }
+        before.sort_unstable_by_key(|&[a, b]| [b, a]);
+        before.dedup();
+        before
+    }
 }
 
 /// The numbers of vertices at the levels that batches leave as they are.
@@ -168,13 +284,14 @@ fn reordered(
     simplified: &Simplified,
     points: u32,
     continues: &[bool],
-    plan: &BatchPlan,
+    order: &[u32],
+    batches: &[usize],
 ) -> Option<Simplified> {
     let last = simplified.collapses().records();
     // In stream order: for each vertex its number before.
     let mut before: Vec<u32> = (0..points).collect();
-    let mut steps = Vec::with_capacity(plan.order.len());
-    for &step in &plan.order {
+    let mut steps = Vec::with_capacity(order.len());
+    for &step in order {
         let more = continues[step as usize..].iter().take_while(|&&c| c).count() as u32;
         steps.push(more + 1);
         before.extend(step..=step + more);
@@ -186,21 +303,21 @@ fn reordered(
     }
     let (mesh, sequence) = simplified.clone().into_parts();
     let (mesh, sequence) = (mesh.into_parts(), sequence.into_parts());
-    let order = || (0..=last).map(|k| old(k) as usize);
+    let renumbered = || (0..=last).map(|k| old(k) as usize);
     let attributes = mesh.attributes.iter().map(|a| {
         let stride = a.stride();
-        let bytes = order().flat_map(|v| &a.bytes[v * stride..][..stride]).copied().collect();
+        let bytes = renumbered().flat_map(|v| &a.bytes[v * stride..][..stride]).copied().collect();
         lodc_mesh::Attribute { bytes, ..a.described() }
     });
     let mesh = MeshParts {
-        positions: order().map(|v| mesh.positions[v]).collect(),
-        vertex_submesh: order().map(|v| mesh.vertex_submesh[v]).collect(),
+        positions: renumbered().map(|v| mesh.positions[v]).collect(),
+        vertex_submesh: renumbered().map(|v| mesh.vertex_submesh[v]).collect(),
         attributes: attributes.collect(),
         triangles: mesh.triangles.iter().map(|t| t.map(|v| now[v as usize])).collect(),
         submeshes: mesh.submeshes,
     };
     let targets = (0..last).map(|k| now[sequence.targets[old(k) as usize] as usize]).collect();
-    let (errors, rms) = errors_of_batches(&sequence, plan);
+    let (errors, rms) = errors_of_batches(&sequence, batches);
     let mut step_ends = Vec::with_capacity(sequence.step_ends.len());
     let mut end = 0;
     for &step in steps.iter().rev() {
@@ -224,7 +341,7 @@ fn reordered(
     };
     let simplified = Simplified::new(mesh, CollapseSequence::try_from(unmeasured).ok()?).ok()?;
     let simplified = with_removals(simplified)?;
-    if has_triangles_across_submeshes(&simplified) {
+    if simplified.mesh().submeshes().len() > 1 && has_triangles_across_submeshes(&simplified) {
         return None;
     }
     let (mesh, counted) = simplified.into_parts();
@@ -257,19 +374,19 @@ fn has_triangles_across_submeshes(simplified: &Simplified) -> bool {
     appearances.iter().zip(simplified.mesh().triangles()).any(is_across)
 }
 
-/// The errors after each step: within a batch those at its beginning.
-fn errors_of_batches(sequence: &SequenceParts, plan: &BatchPlan) -> (Vec<f32>, Vec<f32>) {
+/// The errors after each step: within a batch those at its beginning. Batches begin after so many
+/// steps of the stream; the last number is that of all.
+fn errors_of_batches(sequence: &SequenceParts, batches: &[usize]) -> (Vec<f32>, Vec<f32>) {
     let (mut errors, mut rms) = (sequence.step_errors.clone(), sequence.step_rms.clone());
-    let mut end = plan.order.len();
-    for &size in &plan.sizes {
-        // Collapsed, the batch is the steps from `start` on, and `end - 1` leads to its beginning.
-        let start = end - size as usize;
+    let all = batches.last().copied().unwrap_or_default();
+    for batch in batches.windows(2) {
+        // Collapsed, its last step comes first, and its first leads to the level at its beginning.
+        let (start, end) = (all - batch[1], all - batch[0]);
         for list in [&mut errors, &mut rms] {
             if let Some(&last) = list.get(end - 1) {
                 list[start..end].fill(last);
             }
         }
-        end = start;
     }
     (errors, rms)
 }

@@ -4,7 +4,7 @@
 
 use crate::error_code::{error_code, rms_code};
 use crate::partial_mesh::new_triangle::Side;
-use crate::source::batches::{BatchPlan, StepTree, fixed_levels, wedge_groups};
+use crate::source::batches::{StepTree, fixed_levels, wedge_groups};
 use crate::source::coding_parents::{SplitPlan, Splits, StarRule};
 use crate::source::first_appearance::{FirstAppearance, first_appearances};
 use crate::source::named_stars::{NamedStars, Transfers};
@@ -86,7 +86,7 @@ impl EncoderSource {
         let (targets_, continues_) = (&targets[..], &continues[..]);
         let tree =
             StepTree { targets: targets_, continues: continues_, groups: &groups, points, fixed };
-        let batches = if exact || parents != targets { None } else { batches(&tree) };
+        let batches = if exact || parents != targets { None } else { tree.batches() };
         Self {
             named_stars: transfers.named_stars(named),
             points,
@@ -180,18 +180,6 @@ impl SplitSource for EncoderSource {
     fn error_codes(&self, new: u32) -> [u32; 2] {
         self.error_codes[new as usize]
     }
-}
-
-/// Returns the first vertex and the number of steps of each batch, if the steps are in their order.
-fn batches(tree: &StepTree<'_>) -> Option<Vec<[u32; 2]>> {
-    let plan = tree.plan().filter(BatchPlan::is_identity)?;
-    let mut step = 0;
-    let batch = |&size: &u32| {
-        let first = plan.order[step];
-        step += size as usize;
-        [first, size]
-    };
-    Some(plan.sizes.iter().map(batch).collect())
 }
 
 /// Returns the number of vertices before the first step that adds a triangle, given where the

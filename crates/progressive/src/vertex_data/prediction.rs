@@ -27,8 +27,13 @@ pub(crate) struct Guess {
 
 /// The position that a vertex is expected at.
 pub(crate) struct Position {
-    pub(crate) guesses: [Guess; 3],
-    /// The same before it is rounded, in indices.
+    /// The mean of the ring; without one the parent's position.
+    pub(crate) mean: [i32; 3],
+    /// The mean with weights for the parent and the cut.
+    pub(crate) weighted: [i32; 3],
+    /// The range of the ring, if it has more than one vertex.
+    pub(crate) spread: [Option<u32>; 3],
+    /// `weighted` before it is rounded, in indices.
     at: [f64; 3],
     /// If positions are in a system with a fixed step and there is a link: where one axis follows
     /// from the others.
@@ -54,9 +59,13 @@ impl Position {
         indices: impl Fn(u32) -> [i32; 3],
     ) -> Self {
         let [parent, left, right] = [n.parent, n.cut[0], n.cut[1]].map(&indices);
-        let guess = |index| Guess { index, spread: None };
-        let mut position =
-            Self { guesses: parent.map(guess), at: parent.map(f64::from), plane: None };
+        let mut position = Self {
+            mean: parent,
+            weighted: parent,
+            spread: [None; 3],
+            at: parent.map(f64::from),
+            plane: None,
+        };
         if n.link.is_empty() {
             return position;
         }
@@ -84,9 +93,9 @@ impl Position {
             let at = mean + PARENT * (real(p) - mean) - CUT * (cut - mean);
             means[c] = mean;
             position.at[c] = at;
-            position.guesses[c].index = nearest_index(systems[c], even, at, p);
-            position.guesses[c].spread =
-                (n.link.len() > 1).then(|| most[c].abs_diff(least[c]));
+            position.mean[c] = nearest_index(systems[c], even, mean, p);
+            position.weighted[c] = nearest_index(systems[c], even, at, p);
+            position.spread[c] = (n.link.len() > 1).then(|| most[c].abs_diff(least[c]));
         }
         if systems[0].has_fixed_step() && n.link.len() > 1 {
             let edge = [0, 1, 2].map(|c| f64::from(left[c]) - f64::from(right[c]));

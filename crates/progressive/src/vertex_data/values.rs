@@ -15,7 +15,7 @@ const PLANE_SLOT: usize = STREAM_SLOTS;
 /// Channels of a stream with contexts of their own; further ones share the last.
 const CHANNEL_SLOTS: usize = 4;
 /// Classes of how well the channel before was predicted.
-const ACCURACIES: usize = 6;
+const ACCURACIES: usize = 3;
 /// The most vertices among whose values a value is looked for: those that a symbol can name.
 const MOST_SOURCES: usize = 15;
 
@@ -46,9 +46,8 @@ pub(crate) struct ValueContexts {
     pub(crate) residual: [[[ResidualCode; 2]; ACCURACIES]; (STREAM_SLOTS + 1) * CHANNEL_SLOTS],
     /// Sixteen times the mean bit length of the residuals of a stream and channel.
     mean_bits: [u32; (STREAM_SLOTS + 1) * CHANNEL_SLOTS],
-    /// 64 times the mean bit length that the residuals on a position's dominant axis have without
-    /// and with a plane.
-    axis_bits: [u32; 2],
+    /// 64 times the mean bit length of the residuals of a position by each [`Mode`].
+    mode_bits: [u32; 3],
 }
 
 impl ValueContexts {
@@ -59,7 +58,7 @@ impl ValueContexts {
             last_source: [Source::Coded as usize; STREAM_SLOTS],
             residual: [[[ResidualCode::NEW; 2]; ACCURACIES]; (STREAM_SLOTS + 1) * CHANNEL_SLOTS],
             mean_bits: [16 * 16; (STREAM_SLOTS + 1) * CHANNEL_SLOTS],
-            axis_bits: [64 * 16; 2],
+            mode_bits: [64 * 48; 3],
         }
     }
 
@@ -82,7 +81,11 @@ impl ValueContexts {
         let context = &mut self.residual[slot][*accuracy][half];
         let residual = context.code(coder, expected.min(32), residual);
         self.mean_bits[slot] = (self.mean_bits[slot] * 15 + residual.bits * 16 + 8) / 16;
-        *accuracy = (residual.bits + 4).saturating_sub(expected).min(ACCURACIES as u32 - 1) as usize;
+        *accuracy = match residual.bits + 2 {
+            bits if bits < expected => 0,
+            bits if bits < expected + 2 => 1,
+            _ => 2,
+        };
         // Wraps only in a stream that no encoder writes.
         (i64::from(guess.index) + residual.value) as i32
     }
@@ -176,28 +179,31 @@ impl VertexCode<'_> {
             let at = v as usize * values.channels();
             values.indices[at..].first_chunk().copied().unwrap_or_default()
         });
-        let [plain, plane] = contexts.axis_bits;
         let (mut coded, mut accuracy) = ([0; 3], 0);
-        let Some(tangent) = position.plane.filter(|_| plane < plain) else {
-            for axis in 0..3 {
-                let guess = position.guesses[axis];
-                coded[axis] = contexts.code(coder, axis, &mut accuracy, guess, wanted(axis));
+        match (contexts.mode(), position.plane) {
+            (2, Some(plane)) => {
+                let slot = PLANE_SLOT * CHANNEL_SLOTS;
+                for (channel, axis) in plane.axes.into_iter().enumerate() {
+                    let index = match channel {
+                        2 => plane.guess(&position, &coded),
+                        _ => position.weighted[axis],
+                    };
+                    let guess = Guess { index, spread: Some(plane.spread) };
+                    let slot = slot + channel;
+                    coded[axis] = contexts.code(coder, slot, &mut accuracy, guess, wanted(axis));
+                }
             }
-            if let Some(tangent) = position.plane {
-                contexts.note_axis(&position, tangent.guess(&position, &coded), &coded);
+            (mode, _) => {
+                for axis in 0..3 {
+                    let index = if mode == 0 { position.mean } else { position.weighted }[axis];
+                    let guess = Guess { index, spread: position.spread[axis] };
+                    coded[axis] = contexts.code(coder, axis, &mut accuracy, guess, wanted(axis));
+                }
             }
-            return coded;
-        };
-        let slot = PLANE_SLOT * CHANNEL_SLOTS;
-        for (channel, axis) in tangent.axes.into_iter().enumerate() {
-            let index = match channel {
-                2 => tangent.guess(&position, &coded),
-                _ => position.guesses[axis].index,
-            };
-            let guess = Guess { index, spread: Some(tangent.spread) };
-            coded[axis] = contexts.code(coder, slot + channel, &mut accuracy, guess, wanted(axis));
         }
-        contexts.note_axis(&position, tangent.guess(&position, &coded), &coded);
+        if position.spread[0].is_some() {
+            contexts.note(&position, &coded);
+        }
         coded
     }
 
@@ -307,13 +313,25 @@ impl VertexCode<'_> {
 }
 
 impl ValueContexts {
-    /// Notes how long the residual on the dominant axis is without and with a plane.
-    fn note_axis(&mut self, position: &Position, guess: i32, coded: &[i32; 3]) {
-        let Some(tangent) = position.plane else { return };
-        let axis = tangent.axes[2];
-        let guesses = [position.guesses[axis].index, guess];
-        for (mean, guess) in self.axis_bits.iter_mut().zip(guesses) {
-            *mean = (*mean * 63 + bit_length(coded[axis].abs_diff(guess)) * 64 + 32) / 64;
+    /// The way in which positions were predicted best so far, the last of equals: 0 by the mean, 1
+    /// by weights, 2 by weights and a plane.
+    fn mode(&self) -> usize {
+        let [mean, weighted, plane] = self.mode_bits;
+        if plane <= mean.min(weighted) { 2 } else { usize::from(weighted <= mean) }
+    }
+
+    /// Notes how long the residuals are in each way.
+    fn note(&mut self, position: &Position, coded: &[i32; 3]) {
+        let bits = |guess: &[i32; 3]| -> u32 {
+            (0..3).map(|c| bit_length(coded[c].abs_diff(guess[c]))).sum()
+        };
+        let mut on_plane = position.weighted;
+        if let Some(plane) = position.plane {
+            on_plane[plane.axes[2]] = plane.guess(position, coded);
+        }
+        let ways = [&position.mean, &position.weighted, &on_plane];
+        for (mean, way) in self.mode_bits.iter_mut().zip(ways) {
+            *mean = (*mean * 63 + bits(way) * 64 + 32) / 64;
         }
     }
 }

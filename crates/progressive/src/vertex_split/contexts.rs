@@ -29,8 +29,9 @@ pub struct Contexts {
     pub(crate) repeats_target: AdaptiveBit,
     /// The position is that of the vertex before.
     pub(crate) same_position: AdaptiveBit,
-    /// By whether the step continued with this vertex: it continues with the next.
-    pub(crate) continues: [AdaptiveBit; 2],
+    /// By the number of the vertex in its step, up to 3, and the wedges of the parent's circle less
+    /// one, up to 3: the step continues with the next vertex.
+    pub(crate) continues: [[AdaptiveBit; 4]; 4],
     /// The error falls.
     pub(crate) error_falls: AdaptiveBit,
     pub(crate) error_drop: GammaCode,
@@ -56,7 +57,7 @@ impl Contexts {
             transfer: TransferContexts::NEW,
             repeats_target: AdaptiveBit::NEW,
             same_position: AdaptiveBit::NEW,
-            continues: [AdaptiveBit::NEW; 2],
+            continues: [[AdaptiveBit::NEW; 4]; 4],
             error_falls: AdaptiveBit::NEW,
             error_drop: GammaCode::NEW,
             rms_falls: AdaptiveBit::NEW,

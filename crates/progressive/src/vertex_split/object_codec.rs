@@ -193,7 +193,8 @@ impl ObjectCodec {
         self.parents.push(parent);
         let submesh = self.code_submesh(coder, source, contexts, parent);
         self.mesh.add_vertex(submesh);
-        let context = &mut contexts.continues[usize::from(continued)];
+        let number = if continued { self.continues_in_step() } else { 0 };
+        let context = &mut contexts.continues[number][self.circle_of(parent)];
         self.continued = coder.bit(context, source.continues(new));
         if self.groups.is_none() && !self.continued && new + 1 < vertices {
             // Coded this early so that a decoder can load what it will need.
@@ -220,6 +221,18 @@ impl ObjectCodec {
         }
         self.code_values(coder, source, contexts);
         Ok(())
+    }
+
+    /// The number of vertices of the step before the newest, up to 3.
+    fn continues_in_step(&self) -> usize {
+        self.continues.iter().rev().take(3).take_while(|&&continues| continues).count()
+    }
+
+    /// The wedges in the circle of a vertex besides it, up to 3.
+    fn circle_of(&self, vertex: u32) -> usize {
+        let next = |v: u32| self.mesh.next_wedge[v as usize];
+        let others = std::iter::successors(Some(next(vertex)), |&v| Some(next(v)));
+        others.take(3).take_while(|&v| v != vertex).count()
     }
 
     /// Codes the group that the next step splits off, and its parent.

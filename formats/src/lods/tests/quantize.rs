@@ -12,7 +12,7 @@ fn numbers_move_no_farther_than_the_bound() {
         let file = obj(vec![object(name, simplified)]);
         for bits in [4, 10, 16] {
             let quantize = Quantize { position: Some(bits), normal: Some(bits), uv: Some(bits) };
-            let packed = pack(&file, &[], &PackOptions { quantize, ..PackOptions::default() })
+            let packed = pack(&file, &PackOptions { quantize, ..PackOptions::default() })
                 .expect("a sound file");
             let unpacker = fed(&packed.bytes);
             assert!(unpacker.is_complete());
@@ -57,7 +57,7 @@ fn numbers_move_no_farther_than_the_bound() {
 fn triangles_that_quantising_flattens_are_counted() {
     let file = obj(vec![object("sphere", fixtures::random_collapse(&fixtures::icosphere(3), 1))]);
     let quantize = Quantize { position: Some(3), ..Quantize::default() };
-    let packed = pack(&file, &[], &PackOptions { quantize, ..PackOptions::default() })
+    let packed = pack(&file, &PackOptions { quantize, ..PackOptions::default() })
         .expect("a sound file");
     let (mesh, cleaning) = fed(&packed.bytes).mesh(0).expect("a mesh");
     assert!(cleaning.degenerate_triangles > 0);

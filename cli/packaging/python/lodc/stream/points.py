@@ -2,6 +2,7 @@
 (docs/STREAM.md, section 4)."""
 
 from ..errors import need
+from .batches import Groups
 from .values import code_values
 
 
@@ -24,6 +25,9 @@ class Points:
     def is_free(self, vertex):
         return vertex < len(self.group) and self.group[vertex] is None
 
+    def is_further_wedge(self, vertex):
+        return not self.is_free(vertex) and vertex < len(self.group) and self.group[vertex][0] < vertex
+
     def come(self, point, parent):
         self.missing[point] = False
         self.left -= 1
@@ -39,7 +43,7 @@ def absolute(coder, contexts, channels):
 
 
 def announce(obj, coder, contexts):
-    """The number of points, and the parent of the first vertex behind them."""
+    """The number of points and, in an exact order, the parent of the first vertex behind them."""
     vertices, channels = obj.header.vertices, obj.header.layout.channels
     count = coder.gamma(contexts.point_count) + 1
     need(count <= vertices, obj.place, "has more vertices than its header says")
@@ -53,16 +57,17 @@ def announce(obj, coder, contexts):
         obj.mesh.add_vertex(0)
     obj.targets, obj.continues = [0] * count, [False] * count
     obj.indices = [[0] * channels for _ in range(count)]
-    if count < vertices:
+    obj.groups = None if obj.header.exact else Groups(count)
+    if obj.header.exact and count < vertices:
         obj.next_parent = coder.bounded(contexts.parent, count)
 
 
-def bring(obj, coder, contexts, point, alone):
-    """A point that is missing and, unless it comes alone, those of its group that are."""
+def bring(obj, coder, contexts, point):
+    """A point that is missing, with its group."""
     points = obj.points
     if points.is_free(point):
         _group(obj, coder, contexts, point)
-    for v in [point] if alone else range(*points.group[point]):
+    for v in range(*points.group[point]):
         if points.missing[v]:
             _point(obj, coder, contexts, v)
 
@@ -79,9 +84,9 @@ def _point(obj, coder, contexts, point):
     if reference is None:
         obj.indices[point] = absolute(coder, contexts, header.layout.channels)
     else:
-        values = contexts.point_values
+        values, mates = contexts.point_values, [] if wedge is None else [wedge]
         obj.indices[point] = code_values(
-            coder, values, header.layout, obj.indices, reference, wedge, []
+            coder, values, header.layout, obj.indices, reference, mates, [], (reference,) * 2
         )
     points.come(point, parent)
 
