@@ -84,7 +84,7 @@ web: build
     target/release/lodc shaders -o target/web/shaders -q
     python3 -m http.server 8000 --directory target/web
 
-# lodc beside meshoptimizer and others on one mesh (made on the spot without one); --build-openmesh adds OpenMesh
+# The bars on lodc's time beside gltfpack and others; with a mesh how close levels are; --build-openmesh adds OpenMesh
 peers *words:
     tests/peers/run {{words}}
 

@@ -62,7 +62,7 @@ pub(crate) struct CommonArgs {
 /// The command and its options.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// Turn OBJ, glTF or GLB files into .lodc files, which hold every level
+    /// Turn glTF, GLB, OBJ, PLY or STL files into .lodc files, which hold every level
     Build(build::BuildArgs),
     /// Take one level of detail out of meshes or .lodc files
     Extract(extract::ExtractArgs),

@@ -5,13 +5,15 @@ mod sniff;
 use crate::lodc::{self, LodFile};
 pub use crate::options::ImportOptions;
 use crate::provenance::Provenance;
-use crate::{Assets, Document, Fault, FormatError, Limits, Scene, ShippedLevels, gltf, obj};
+use crate::{
+    Assets, Document, Fault, FormatError, Limits, Scene, ShippedLevels, gltf, obj, ply, stl,
+};
 use std::path::Path;
 
 /// A mesh file or a file of levels of detail.
 #[derive(Debug)]
 pub enum Either<M> {
-    /// OBJ, glTF or GLB.
+    /// OBJ, glTF, GLB, PLY or STL.
     Scene(Scene),
     /// `.lodc`.
     Levels(LodFile<M>),
@@ -46,7 +48,7 @@ pub fn import(path: &Path, options: &ImportOptions) -> Result<Scene, FormatError
     read(bytes, path, &mut assets, options)
 }
 
-/// Reads what `extract` or `chain` wrote: OBJ, glTF or GLB with the levels that it states.
+/// Reads what `extract` or `chain` wrote: OBJ, PLY, glTF or GLB with the levels that it states.
 ///
 /// # Errors
 /// As [`import`], and if the file states no levels.
@@ -98,8 +100,12 @@ fn is_gltf(bytes: &[u8], path: &Path) -> bool {
 }
 
 fn stated_in_text(bytes: &[u8]) -> Option<Provenance> {
-    let first = bytes.split(|&b| b == b'\n').next()?;
-    Provenance::of_line(std::str::from_utf8(first).ok()?.strip_prefix("# ")?)
+    // The first line of an OBJ; the third one of a PLY, behind its mark and its format.
+    let mut lines = bytes.split(|&b| b == b'\n').take(3);
+    lines.find_map(|line| {
+        let line = std::str::from_utf8(line).ok()?;
+        Provenance::of_line(line.strip_prefix("# ").or_else(|| line.strip_prefix("comment "))?)
+    })
 }
 
 fn read(
@@ -112,8 +118,10 @@ fn read(
     let scene = match sniff::format(&bytes, path) {
         sniff::Sniffed::Glb | sniff::Sniffed::Gltf => gltf::read::import(bytes, assets, options),
         sniff::Sniffed::Obj => obj::read::import(bytes, assets, options),
+        sniff::Sniffed::Ply => ply::read::import(&bytes, assets, options),
+        sniff::Sniffed::Stl => stl::import(bytes, assets, options),
         sniff::Sniffed::Other(what) => {
-            let what = format!("{what} cannot be read: convert it to OBJ or glTF first");
+            let what = format!("{what} cannot be read: convert it to glTF first");
             Err(FormatError::new(Fault::Unsupported, "", what))
         }
     };

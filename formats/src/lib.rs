@@ -2,7 +2,7 @@
 //!
 //! Nothing outside this package parses or writes files. It knows no model: a file has their arrays
 //! under the names of their kinds ([`lodc::StoredModel`]). Each format has a room: `gltf`, `obj`,
-//! `ply`, `images`, [`lodc`] and `lods`; what they share stands beside them, and `import`,
+//! `ply`, `stl`, `images`, [`lodc`] and `lods`; what they share stands beside them, and `import`,
 //! `export`, `appearance` and `images::Textures` choose among them. No format uses what chooses,
 //! and its reader and writer do not use each other.
 //!
@@ -22,8 +22,8 @@
 //! # Ok::<(), lodc_formats::FormatError>(())
 //! ```
 //!
-//! Features: `import` (OBJ and glTF in), `export` (glTF, OBJ and PLY out), `stream` (`.lods`); all
-//! of them by default, and without any the container alone.
+//! Features: `import` (OBJ, glTF, PLY and STL in), `export` (glTF, OBJ and PLY out), `stream`
+//! (`.lods`); all of them by default, and without any the container alone.
 
 #[cfg(feature = "import")]
 mod appearance;
@@ -31,6 +31,8 @@ mod assets;
 mod error;
 #[cfg(feature = "export")]
 pub mod export;
+#[cfg(feature = "import")]
+mod faces;
 mod file_header;
 #[cfg(feature = "export")]
 mod flatten;
@@ -67,7 +69,7 @@ pub mod lods;
 mod obj;
 #[cfg(any(feature = "import", feature = "export"))]
 mod options;
-#[cfg(feature = "export")]
+#[cfg(any(feature = "import", feature = "export"))]
 mod ply;
 #[cfg(any(feature = "import", feature = "export"))]
 mod provenance;
@@ -75,6 +77,8 @@ mod scene;
 #[cfg(feature = "import")]
 mod shipped;
 mod sought;
+#[cfg(feature = "import")]
+mod stl;
 #[cfg(test)]
 mod testing;
 #[cfg(feature = "export")]

@@ -13,6 +13,18 @@ pub enum SourceFormat {
     Gltf,
     /// glTF 2.0, binary.
     Glb,
+    /// Stanford PLY.
+    Ply,
+    /// STL.
+    Stl,
+}
+
+impl SourceFormat {
+    /// Returns whether the document of such a scene is a glTF's.
+    #[must_use]
+    pub const fn is_gltf(self) -> bool {
+        matches!(self, Self::Gltf | Self::Glb)
+    }
 }
 
 /// Origin of a scene; never a path, so that output does not depend on the folder.
@@ -31,7 +43,7 @@ pub struct Scene {
     pub source: Source,
     /// Everything that is not a triangle mesh.
     pub document: Document,
-    /// One object per glTF mesh with triangles, or one per OBJ.
+    /// One object per glTF mesh with triangles; one of any other file.
     pub objects: Vec<SceneObject>,
     /// Repairs, and what was dropped or left alone: one line each, with counts.
     pub warnings: Vec<String>,
@@ -50,20 +62,20 @@ pub struct SceneObject {
     pub info: ObjectInfo,
     /// Its triangles.
     pub mesh: Mesh,
-    /// OBJ: for each vertex of the mesh, which of the file's positions it has, from 0. glTF: empty.
+    /// For each vertex of the mesh, which of the file's positions it has, from 0. glTF: empty.
     pub source_positions: Vec<u32>,
 }
 
 /// Description of an object besides its mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObjectInfo {
-    /// Its name in the file, or `mesh0`, `mesh1`, … or the OBJ's file stem.
+    /// Its name in the file, or `mesh0`, `mesh1`, … or the file's stem.
     pub name: String,
     /// One per submesh of the mesh.
     pub submeshes: Vec<SubmeshInfo>,
     /// The largest scale at which a node of the scene shows it; 1 where no node does.
     pub world_scale: f64,
-    /// glTF: its index in the document's `meshes`. OBJ: 0.
+    /// glTF: its index in the document's `meshes`. Others: 0.
     pub document_mesh: u32,
     /// The poses that its errors hold in besides the one at rest.
     pub poses: Vec<Posture>,
@@ -72,18 +84,18 @@ pub struct ObjectInfo {
 /// Description of a submesh besides its triangles.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SubmeshInfo {
-    /// OBJ: the group or object name; glTF: empty.
+    /// OBJ: the group or object name; STL: the solid's name; others: empty.
     pub name: String,
-    /// OBJ: the material's name. glTF: none (the document's primitive has it).
+    /// The material's name. glTF: none (the document's primitive has it).
     pub material: Option<String>,
-    /// glTF: its index in the document mesh's `primitives`. OBJ: the submesh's own index.
+    /// glTF: its index in the document mesh's `primitives`. Others: the submesh's own index.
     pub document_primitive: u32,
 }
 
 /// Everything of an asset that is not a triangle mesh, enough to write the whole scene again.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Document {
-    /// From an OBJ.
+    /// From an OBJ, PLY or STL.
     Obj(ObjDocument),
     /// From a glTF.
     Gltf(GltfDocument),
@@ -103,7 +115,7 @@ impl Document {
     }
 }
 
-/// The rest of an OBJ.
+/// The rest of an OBJ; of a PLY, its textures as materials; of an STL, nothing.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ObjDocument {
     /// Names of the material libraries, as the OBJ has them.

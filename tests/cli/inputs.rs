@@ -137,3 +137,41 @@ fn compare_reads_levels() {
     assert_eq!(levels["triangles"]["a"], levels["triangles"]["b"]);
     assert!(levels["hausdorff"]["max"].as_f64() < Some(1e-6), "{levels}");
 }
+
+#[test]
+fn scans_and_prints_are_read_like_any_mesh() {
+    let f = Folder::new();
+    part(&f);
+    f.lodc(["extract", "part.glb", "--ratio", "1", "-o", "scan.ply", "-q"]).ends(0);
+    let corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]];
+    let facets: String = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
+        .iter()
+        .map(|facet| {
+            let vertex = |&i: &usize| {
+                let [x, y, z] = corners[i];
+                format!("vertex {x} {y} {z}\n")
+            };
+            let loop_: String = facet.iter().map(vertex).collect();
+            format!("facet normal 0 0 0\nouter loop\n{loop_}endloop\nendfacet\n")
+        })
+        .collect();
+    f.file("print.stl", format!("solid print\n{facets}endsolid print\n"));
+    for (name, format, triangles) in [("scan.ply", "ply", 480), ("print.stl", "stl", 4)] {
+        f.lodc(["build", name, "-o", "x.lodc", "-q"]).ends(0);
+        f.lodc(["verify", "x.lodc", "--source", name]).ends(0);
+        let info = f.lodc(["info", "x.lodc", "--json"]).ends(0).json();
+        assert_eq!(info["source"]["format"], format);
+        assert_eq!(info["objects"][0]["triangles"], triangles);
+        // A level is the same from the mesh and from the file, and holds what it states.
+        f.lodc(["extract", name, "--ratio", "50%", "-o", "a.ply", "-q"]).ends(0);
+        f.lodc(["extract", "x.lodc", "--ratio", "50%", "-o", "b.glb", "-q"]).ends(0);
+        f.lodc(["verify", "a.ply", "b.glb", "--source", name]).ends(0);
+    }
+    // Corners of loose triangles are joined, and a folder has all kinds.
+    assert!(f.lodc(["build", "print.stl", "-o", "x.lodc"]).ends(0).err.contains("12 corners"));
+    f.lodc(["build", ".", "--include", "*.{ply,stl}", "-o", "out"]).ends(0);
+    assert!(f.has("out/scan.ply.lodc") && f.has("out/print.stl.lodc"));
+    f.file("cut.ply", &f.read("scan.ply")[..2000]);
+    let run = f.lodc(["build", "cut.ply"]).fails(3);
+    assert!(run.err.contains("cut.ply: header: 360 elements `vertex` do not fit"), "{}", run.err);
+}

@@ -32,7 +32,7 @@ use std::path::{Path, PathBuf};
 #[derive(Args, Debug)]
 #[command(after_help = MORE, after_long_help = EXAMPLES)]
 pub(crate) struct BenchArgs {
-    /// Meshes (.obj, .gltf, .glb), or .lodc files with their models as they are
+    /// Meshes (.glb, .gltf, .obj, .ply, .stl), or .lodc files with their models as they are
     #[arg(value_name = "INPUT", required = true)]
     inputs: Vec<PathBuf>,
     #[command(flatten)]

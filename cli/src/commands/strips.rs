@@ -20,7 +20,7 @@ use std::path::PathBuf;
 #[derive(Args, Debug)]
 #[command(after_help = MORE, after_long_help = EXAMPLES)]
 pub(crate) struct StripsArgs {
-    /// A mesh (.obj, .gltf, .glb); - for standard input
+    /// A mesh (.glb, .gltf, .obj, .ply, .stl); - for standard input
     input: PathBuf,
     /// Strips to make, or a triangle list in their place
     #[arg(long, value_parser = generators(), default_value = StripKind::LONGEST.name(),

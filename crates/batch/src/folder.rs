@@ -6,10 +6,10 @@ use std::path::{Component, Path, PathBuf};
 use walkdir::WalkDir;
 
 /// Extensions of the meshes that are taken from folders.
-pub const MESHES: [&str; 3] = ["obj", "gltf", "glb"];
+pub const MESHES: [&str; 5] = ["obj", "gltf", "glb", "ply", "stl"];
 
 /// Extensions of the files with levels, stored or to be made, that are taken from folders.
-pub const LEVELS: [&str; 4] = ["obj", "gltf", "glb", "lodc"];
+pub const LEVELS: [&str; 6] = ["obj", "gltf", "glb", "ply", "stl", "lodc"];
 
 /// Choice of files by their paths below a folder.
 #[derive(Debug)]

@@ -4,6 +4,10 @@
 //! `any.rs`. What a model is, [`Model`](lodc_model::Model) says; how one is verified,
 //! `lodc-verify`.
 //!
+//! Which model: Interactive Meshes are made for a graphics device, which moves all vertices at once
+//! and can show parts of one mesh at different levels. A processor that moves from frame to frame
+//! takes Speed Strips, or Masking Strips where memory counts.
+//!
 //! This package knows nothing of files, graphics devices or metrics: models list their arrays
 //! ([`Array`](lodc_model::Array)) and `lodc-formats` lays them out; they describe their work on a
 //! device as a [`Plan`](lodc_plan::Plan) and `lodc-gpu` runs it.

@@ -1,7 +1,7 @@
 //! Continuous level of detail: every level between a full mesh and a single point.
 //!
-//! [`build()`] makes a file from OBJ, glTF or GLB, [`open`] reads one; [`File::level`] takes a
-//! level out of it:
+//! [`build()`] makes a file from glTF, GLB, OBJ, PLY or STL, [`open`] reads one; [`File::level`]
+//! takes a level out of it:
 //!
 #![cfg_attr(all(feature = "build", feature = "export"), doc = "```")]
 #![cfg_attr(not(all(feature = "build", feature = "export")), doc = "```ignore")]
@@ -30,7 +30,7 @@
 //! | --- | --- |
 //! | `read` (default) | `.lodc` files, their levels and models |
 //! | `stream` | `.lods` streams: `formats::lods` |
-//! | `import` | OBJ, glTF and GLB as scenes |
+//! | `import` | glTF, GLB, OBJ, PLY and STL as scenes |
 //! | `build` | files from meshes; takes `import` |
 //! | `export` | levels as glTF, GLB, OBJ and PLY |
 //! | `gpu` | models on a graphics device |
@@ -66,7 +66,7 @@ pub use lodc_simplify::MetricKind as Metric;
 pub use scene_levels::scene_levels;
 pub use shapes::stated_shapes;
 
-/// Builds a file from an OBJ, glTF or GLB file: [`Builder::run`] does the work.
+/// Builds a file from a glTF, GLB, OBJ, PLY or STL file: [`Builder::run`] does the work.
 #[cfg(feature = "build")]
 #[must_use]
 pub fn build(path: impl AsRef<std::path::Path>) -> Builder {

@@ -2,9 +2,9 @@
 //!
 //! Comparing whole meshes at every step is quadratic. So every step is compared by an
 //! order-independent hash, kept incrementally on both sides: by what the model says changed, and by
-//! [`Reference`], which follows the triangles by itself. At a schedule of stops (both ends, a grid
-//! down and up, seeded jumps) the model lists all that it shows, and so does
-//! [`Simplified::triangles_at`](lodc_mesh::Simplified::triangles_at), once for all models and
+//! [`Reference`], which follows the triangles by itself. At some stops (both ends and a grid
+//! between) the model lists all that it shows, going down, going up and after seeded jumps, and so
+//! does [`Simplified::triangles_at`](lodc_mesh::Simplified::triangles_at), once for all models and
 //! walks: both lists must have the hash that was followed. That also catches a model that
 //! misreports its changes, and a reference that followed wrongly.
 //!
@@ -60,9 +60,10 @@ pub struct VerifyOptions {
     /// one at every step. Fewer, but at least [`Self::FEWEST`], on meshes of more than some hundred
     /// thousand triangles.
     pub full_stops: u32,
-    /// Random jumps, each followed by a full comparison. Fewer where there are fewer full stops.
+    /// Random jumps to where the others compare in full, each followed by a full comparison. Fewer
+    /// where there are fewer full stops.
     pub jumps: u32,
-    /// The seed of the jumps' targets.
+    /// The seed of the jumps' order.
     pub seed: u64,
 }
 
@@ -96,27 +97,31 @@ pub fn verify<M: Model + Sync>(
     let compared = Comparison { model, reference };
     let steps = reference.steps();
     let stride = options.stride.max(1) as usize;
-    let mut down: Vec<usize> = (0..=steps).step_by(stride).collect();
-    if down.last() != Some(&steps) {
-        down.push(steps);
+    let mut stops: Vec<usize> = (0..=steps).step_by(stride).collect();
+    if stops.last() != Some(&steps) {
+        stops.push(steps);
     }
-    let up: Vec<usize> = down.iter().rev().copied().collect();
     let triangles = model.simplified().mesh().triangles().len();
     let full = match (steps + 1).saturating_mul(triangles) {
         // Up to here a full comparison everywhere takes about a second.
         0..=8_000_000 => 1,
-        _ => down
+        _ => stops
             .len()
             .div_ceil(VerifyOptions::affordable(options.full_stops, triangles).max(1) as usize),
     };
+    // All walks compare in full at the same steps: the naive list of each is made once.
+    let last = stops.len() - 1;
+    let full_at = |number: usize| number.is_multiple_of(full) || number == last;
+    let down = stops.iter().enumerate().map(|(number, &step)| (step, full_at(number)));
+    let listed: Vec<usize> = down.clone().filter_map(|(step, full)| full.then_some(step)).collect();
     let (sweeps, jumps) = rayon::join(
         || {
             rayon::join(
-                || compared.sweep("fine to coarse", &down, full),
-                || compared.sweep("coarse to fine", &up, full),
+                || compared.sweep("fine to coarse", down.clone()),
+                || compared.sweep("coarse to fine", down.clone().rev()),
             )
         },
-        || compared.jumps(options),
+        || compared.jumps(listed, options),
     );
     vec![sweeps.0, sweeps.1, jumps]
 }
@@ -139,16 +144,17 @@ impl Changes for Follow<'_> {
 }
 
 impl<M: Model> Comparison<'_, M> {
-    /// Visits steps in order, from LOD 0 with one jump to the first of them.
-    fn sweep(&self, name: &'static str, stops: &[usize], full: usize) -> Check {
+    /// Visits steps in order, from LOD 0 with one jump to the first of them. Each says whether all
+    /// that is shown there is compared.
+    fn sweep(&self, name: &'static str, stops: impl Iterator<Item = (usize, bool)>) -> Check {
         let mut cursor = self.model.cursor();
         let mut shown = self.listed(&cursor);
         let mut check = Check { model: self.model.name(), name, lods: 0, full: 0, failure: None };
-        for (i, &step) in stops.iter().enumerate() {
+        for (step, full) in stops {
             let lod = self.reference.lod(step);
             self.model.seek(&mut cursor, lod, &mut Follow(&mut shown));
             let agrees = shown == self.reference.hash(step);
-            if !agrees || i % full == 0 || i + 1 == stops.len() {
+            if !agrees || full {
                 check.full += 1;
                 check.failure =
                     self.compare(&cursor, step).or((!agrees).then_some(Failure::Changes { lod }));
@@ -161,7 +167,8 @@ impl<M: Model> Comparison<'_, M> {
         check
     }
 
-    fn jumps(&self, options: &VerifyOptions) -> Check {
+    /// Visits steps in a random order, again and again if they are few.
+    fn jumps(&self, mut steps: Vec<usize>, options: &VerifyOptions) -> Check {
         let mut cursor = self.model.cursor();
         let mut check = Check {
             model: self.model.name(),
@@ -171,17 +178,25 @@ impl<M: Model> Comparison<'_, M> {
             failure: None,
         };
         let mut random = SplitMix64::new(options.seed);
-        for _ in 0..VerifyOptions::affordable(
-            options.jumps,
-            self.model.simplified().mesh().triangles().len(),
-        ) {
+        let mut below = |count: usize| ((random.bits() >> 32) as usize) % count;
+        let triangles = self.model.simplified().mesh().triangles().len();
+        let records = self.model.simplified().collapses().records() as usize;
+        for jump in 0..VerifyOptions::affordable(options.jumps, triangles) as usize {
+            let place = jump % steps.len();
+            let drawn = place + below(steps.len() - place);
+            steps.swap(place, drawn);
+            let step = steps[place];
             // Any record may be asked for; the model has to round down to a step.
-            let collapses = self.model.simplified().collapses();
-            let lod = Lod((random.bits() >> 32) as u32 % (collapses.records() + 1));
-            self.model.seek(&mut cursor, lod, &mut ());
+            let lod = self.reference.lod(step).0 as usize;
+            let next = if step < self.reference.steps() {
+                self.reference.lod(step + 1).0 as usize
+            } else {
+                records + 1
+            };
+            self.model.seek(&mut cursor, Lod((lod + below(next - lod)) as u32), &mut ());
             check.lods += 1;
             check.full += 1;
-            check.failure = self.compare(&cursor, collapses.steps_at(lod));
+            check.failure = self.compare(&cursor, step);
             if check.failure.is_some() {
                 break;
             }

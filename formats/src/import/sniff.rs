@@ -1,5 +1,6 @@
 //! Telling a file's format by its first bytes.
 
+use crate::stl;
 use std::path::Path;
 
 /// Kind that a file seems to be.
@@ -11,11 +12,15 @@ pub(super) enum Sniffed {
     Gltf,
     /// OBJ, or any other text: that has no mark of its own.
     Obj,
+    /// Stanford PLY.
+    Ply,
+    /// STL, ASCII or binary.
+    Stl,
     /// Something that is not imported, by its name.
     Other(&'static str),
 }
 
-const MAGIC: [(&[u8], Sniffed); 24] = [
+const MAGIC: [(&[u8], Sniffed); 26] = [
     (b"glTF", Sniffed::Glb),
     (b"\x1f\x8b", Sniffed::Other("a gzip file")),
     (b"PK\x03\x04", Sniffed::Other("a zip archive (also usdz, 3mf, docx)")),
@@ -27,9 +32,11 @@ const MAGIC: [(&[u8], Sniffed); 24] = [
     (b"Kaydara FBX Binary", Sniffed::Other("an FBX file")),
     (b"; FBX", Sniffed::Other("an FBX file")),
     (b"BLENDER", Sniffed::Other("a Blender file")),
-    (b"ply\n", Sniffed::Other("a PLY file")),
-    (b"ply\r", Sniffed::Other("a PLY file")),
-    (b"solid ", Sniffed::Other("an STL file")),
+    (b"ply\n", Sniffed::Ply),
+    (b"ply\r", Sniffed::Ply),
+    (b"solid ", Sniffed::Stl),
+    (b"solid\n", Sniffed::Stl),
+    (b"solid\r", Sniffed::Stl),
     (b"OFF\n", Sniffed::Other("an OFF file")),
     (b"OFF\r", Sniffed::Other("an OFF file")),
     (b"DRACO", Sniffed::Other("a Draco file")),
@@ -55,11 +62,14 @@ pub(super) fn format(bytes: &[u8], path: &Path) -> Sniffed {
     if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
         return Sniffed::Other("text in UTF-16");
     }
+    if stl::is_binary(bytes) {
+        return Sniffed::Stl;
+    }
     let extension =
         path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
     match extension.as_str() {
-        "stl" => Sniffed::Other("an STL file"),
-        "ply" => Sniffed::Other("a PLY file"),
+        "stl" => Sniffed::Stl,
+        "ply" => Sniffed::Ply,
         "off" => Sniffed::Other("an OFF file"),
         "fbx" => Sniffed::Other("an FBX file"),
         "3ds" => Sniffed::Other("a 3DS file"),
@@ -83,6 +93,13 @@ mod tests {
         assert_eq!(format(b"v 0 0 0\n", Path::new("a.txt")), Sniffed::Obj);
         assert_eq!(format(b"", Path::new("a.glb")), Sniffed::Glb);
         assert_eq!(format(b"", Path::new("a.obj")), Sniffed::Obj);
+        assert_eq!(format(b"ply\nformat", Path::new("a.obj")), Sniffed::Ply);
+        assert_eq!(format(b"solid name", Path::new("-")), Sniffed::Stl);
+        assert_eq!(format(b"\0\0\0\0", Path::new("a.STL")), Sniffed::Stl);
+        let mut binary = vec![b' '; 134];
+        binary[80..84].copy_from_slice(&1u32.to_le_bytes());
+        assert_eq!(format(&binary, Path::new("-")), Sniffed::Stl);
+        assert_eq!(format(&binary[..133], Path::new("-")), Sniffed::Obj);
     }
 
     #[test]
@@ -91,9 +108,6 @@ mod tests {
             (&b"\x1f\x8b\x08"[..], "a.obj", "gzip"),
             (b"PK\x03\x04", "a.glb", "zip"),
             (b"Kaydara FBX Binary  \0", "a.obj", "FBX"),
-            (b"ply\nformat", "a.obj", "PLY"),
-            (b"solid name", "a.obj", "STL"),
-            (b"\0\0\0\0", "a.STL", "STL"),
             (b"\xff\xfev\0", "a.obj", "UTF-16"),
         ] {
             let Sniffed::Other(what) = format(bytes, Path::new(path)) else {

@@ -132,6 +132,8 @@ pub(crate) fn format_code(format: SourceFormat) -> u8 {
         SourceFormat::Obj => 0,
         SourceFormat::Gltf => 1,
         SourceFormat::Glb => 2,
+        SourceFormat::Ply => 3,
+        SourceFormat::Stl => 4,
     }
 }
 
@@ -141,6 +143,8 @@ pub(crate) fn source_format(number: u8) -> Result<SourceFormat, String> {
         0 => Ok(SourceFormat::Obj),
         1 => Ok(SourceFormat::Gltf),
         2 => Ok(SourceFormat::Glb),
+        3 => Ok(SourceFormat::Ply),
+        4 => Ok(SourceFormat::Stl),
         n => Err(format!("names source format {n}, which is not known")),
     }
 }

@@ -37,13 +37,11 @@ impl<'a> Arrived<'a> {
 
     /// A document that shows each object once and has nothing else.
     fn bare(mut infos: Vec<ObjectInfo>, targets: &[usize], format: SourceFormat) -> Self {
-        let what = match format {
-            SourceFormat::Obj => "names and materials",
-            _ => "names, nodes, materials, textures, skins and animations",
-        };
-        let document = match format {
-            SourceFormat::Obj => Document::Obj(ObjDocument::default()),
-            _ => Document::Gltf(bare_gltf(&mut infos, targets)),
+        let (what, document) = if format.is_gltf() {
+            let what = "names, nodes, materials, textures, skins and animations";
+            (what, Document::Gltf(bare_gltf(&mut infos, targets)))
+        } else {
+            ("names and materials", Document::Obj(ObjDocument::default()))
         };
         Self { document: Cow::Owned(document), infos, left_out: vec![what.to_owned()] }
     }

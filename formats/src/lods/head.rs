@@ -40,7 +40,7 @@ impl Head {
         let small = u64::from(u32::MAX);
         let (objects, text, stored) = (number(small)?, number(small)?, number(small)?);
         let buffer = number(u64::MAX)?;
-        if stored > text || format == SourceFormat::Obj && buffer > 0 {
+        if stored > text || !format.is_gltf() && buffer > 0 {
             return Err(malformed("announces a document that cannot be"));
         }
         if !rest.is_empty() {

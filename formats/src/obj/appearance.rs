@@ -67,7 +67,7 @@ fn material(source: &ObjMaterial, pictures: &mut Pictures, assets: &mut Assets) 
     if let Some(dissolve) = meaning.dissolve {
         material.colour[3] = (dissolve as f32).clamp(0.0, 1.0);
     }
-    material.texture = meaning.texture.and_then(|map| texture(map, pictures, assets));
+    material.texture = meaning.texture.as_deref().and_then(|map| texture(map, pictures, assets));
     let black = material.colour[..3].iter().all(|&c| c == 0.0);
     if material.texture.is_some() && (black || meaning.diffuse.is_none()) {
         // Many writers leave `Kd` black or out where a texture says the colour.

@@ -59,7 +59,7 @@ pub(crate) fn with_file(line: &str, file: &str) -> String {
 
 /// What is read of a material; the last of several statements holds.
 #[derive(Debug, Default, PartialEq)]
-pub(crate) struct Meaning<'a> {
+pub(crate) struct Meaning {
     /// `Kd`, as it stands.
     pub(crate) diffuse: Option<[f64; 3]>,
     /// `Ke`, as it stands.
@@ -67,30 +67,42 @@ pub(crate) struct Meaning<'a> {
     /// `d`, or what `Tr` leaves, as it stands.
     pub(crate) dissolve: Option<f64>,
     /// What follows `map_Kd`.
-    pub(crate) texture: Option<&'a str>,
+    pub(crate) texture: Option<String>,
     /// True if there is a `map_d`.
     pub(crate) cut: bool,
 }
 
-impl<'a> Meaning<'a> {
+impl Meaning {
     /// Reads the lines of a material; those with too few numbers say nothing.
-    pub(crate) fn of(material: &'a ObjMaterial) -> Self {
+    pub(crate) fn of(material: &ObjMaterial) -> Self {
+        let finite = |color: &[f64; 3]| color.iter().all(|c| c.is_finite());
         let mut meaning = Self::default();
-        for line in material.lines.iter().map(|l| l.trim()) {
-            let (word, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
-            let numbers = rest.split_whitespace().map_while(|w| w.parse().ok());
-            let numbers: Vec<f64> = numbers.filter(|v: &f64| v.is_finite()).collect();
-            match (word, &numbers[..]) {
-                ("Kd", &[r, g, b, ..]) => meaning.diffuse = Some([r, g, b]),
-                ("Kd", &[grey]) => meaning.diffuse = Some([grey; 3]),
-                ("Ke", &[r, g, b, ..]) => meaning.emissive = Some([r, g, b]),
-                ("d", &[d, ..]) => meaning.dissolve = Some(d),
-                ("Tr", &[t, ..]) => meaning.dissolve = Some(1.0 - t.clamp(0.0, 1.0)),
-                ("map_Kd", _) if !rest.trim().is_empty() => meaning.texture = Some(rest),
-                ("map_d", _) if !rest.trim().is_empty() => meaning.cut = true,
-                _ => {}
-            }
+        for said in material.lines.iter().filter_map(|line| statement(line)) {
+            meaning.diffuse = said.diffuse.filter(finite).or(meaning.diffuse);
+            meaning.emissive = said.emissive.filter(finite).or(meaning.emissive);
+            let through = said.unknown_param.get("Tr").and_then(|t| first_number(t));
+            let opaque = through.map(|t| 1.0 - t.clamp(0.0, 1.0)).or(said.dissolve);
+            meaning.dissolve = opaque.filter(|d| d.is_finite()).or(meaning.dissolve);
+            meaning.texture = said.diffuse_texture.or(meaning.texture);
+            meaning.cut |= said.dissolve_texture.is_some();
         }
         meaning
     }
+}
+
+/// A statement as a material of its own: to tobj one that it cannot read spoils all others.
+fn statement(line: &str) -> Option<tobj::Material> {
+    let words: Vec<&str> = line.split_whitespace().collect();
+    let line = match words[..] {
+        ["Kd", grey] => format!("Kd {grey} {grey} {grey}"),
+        // tobj panics where a number is missing.
+        ["Ka" | "Kd" | "Ks" | "Ke", ..] if words.len() < 4 => return None,
+        _ => line.to_owned(),
+    };
+    let (materials, _) = tobj::load_mtl_buf(&mut format!("newmtl m\n{line}").as_bytes()).ok()?;
+    materials.into_iter().next()
+}
+
+fn first_number(text: &str) -> Option<f64> {
+    text.split_whitespace().next()?.parse().ok()
 }

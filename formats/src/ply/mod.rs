@@ -1,3 +1,6 @@
 //! Stanford PLY.
 
+#[cfg(feature = "import")]
+pub(crate) mod read;
+#[cfg(feature = "export")]
 pub(crate) mod write;

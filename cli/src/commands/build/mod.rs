@@ -1,4 +1,4 @@
-//! `lodc build`: OBJ, glTF and GLB to `.lodc`.
+//! `lodc build`: meshes to `.lodc`.
 
 mod counts;
 mod known;
@@ -28,7 +28,7 @@ use std::path::PathBuf;
 #[derive(Args, Clone, Debug)]
 #[command(after_help = MORE, after_long_help = EXAMPLES)]
 pub(crate) struct BuildArgs {
-    /// Meshes (.obj, .gltf, .glb), or folders of them; - for standard input
+    /// Meshes (.glb, .gltf, .obj, .ply, .stl), or folders of them; - for standard input
     #[arg(value_name = "INPUT", required_unless_present = "manifest")]
     inputs: Vec<PathBuf>,
     #[command(flatten)]

@@ -33,7 +33,7 @@ use std::path::{Path, PathBuf};
 #[derive(Args, Debug)]
 #[command(after_help = MORE, after_long_help = EXAMPLES)]
 pub(crate) struct ChainArgs {
-    /// Meshes (.obj, .gltf, .glb), .lodc files, or folders of both; - for standard input
+    /// Meshes (.glb, .gltf, .obj, .ply, .stl), .lodc files, or folders; - for standard input
     #[arg(value_name = "INPUT", required_unless_present = "manifest")]
     inputs: Vec<PathBuf>,
     #[command(flatten)]

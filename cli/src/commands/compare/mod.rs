@@ -36,7 +36,7 @@ const ROUNDING: f64 = 1e-6;
 #[derive(Args, Clone, Debug)]
 #[command(after_help = MORE, after_long_help = EXAMPLES)]
 pub(crate) struct CompareArgs {
-    /// Mesh to compare with (.obj, .gltf, .glb, .lodc), or folder; - for standard input
+    /// Mesh to compare with (.glb, .gltf, .obj, .ply, .stl, .lodc), or folder; - for standard input
     #[arg(required_unless_present = "manifest", conflicts_with = "manifest", requires = "b")]
     a: Option<PathBuf>,
     /// Mesh to be judged, or of which levels are; or folder

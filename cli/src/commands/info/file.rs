@@ -43,6 +43,8 @@ pub(super) fn report(name: &str, bytes: &[u8], baselines: bool) -> Outcome<InfoR
                 SourceFormat::Obj => "obj",
                 SourceFormat::Gltf => "gltf",
                 SourceFormat::Glb => "glb",
+                SourceFormat::Ply => "ply",
+                SourceFormat::Stl => "stl",
             },
             content_hash: format!("{:032x}", file.source.content_hash),
         },

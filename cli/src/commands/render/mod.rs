@@ -26,7 +26,7 @@ use std::path::PathBuf;
 #[derive(Args, Debug)]
 #[command(after_help = MORE, after_long_help = EXAMPLES, mut_arg("fovy", of_the_picture))]
 pub(crate) struct RenderArgs {
-    /// A mesh (.obj, .gltf, .glb) or a .lodc file; - for standard input
+    /// A mesh (.glb, .gltf, .obj, .ply, .stl) or a .lodc file; - for standard input
     input: PathBuf,
     #[command(flatten)]
     selector: SelectorArgs,

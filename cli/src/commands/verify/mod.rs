@@ -72,7 +72,7 @@ Examples:
   lodc verify chair.levels.glb --source chair.glb";
 
 /// Extensions of files that hold levels: of all, and of some beside the mesh that they are of.
-const LEVELS: [&str; 4] = ["lodc", "glb", "gltf", "obj"];
+const LEVELS: [&str; 5] = ["lodc", "glb", "gltf", "obj", "ply"];
 
 pub(crate) fn run(args: &VerifyArgs) -> Outcome<Status> {
     let streams = args.inputs.iter().chain(&args.source).filter(|path| is_stream(path));

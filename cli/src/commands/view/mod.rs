@@ -22,7 +22,7 @@ use std::path::{Path, PathBuf};
 /// Options of commands that make a page: `view` and `report`.
 #[derive(Args, Debug)]
 pub(crate) struct PageArgs {
-    /// A mesh (.obj, .gltf, .glb) or a .lodc file; - for standard input
+    /// A mesh (.glb, .gltf, .obj, .ply, .stl) or a .lodc file; - for standard input
     pub(super) input: PathBuf,
     #[command(flatten)]
     pub(super) simplify: SimplifyArgs,

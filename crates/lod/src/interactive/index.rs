@@ -14,6 +14,8 @@ pub(super) struct Index {
     pub(super) triangles: Vec<u32>,
     /// All vertices that triangles use, the first to lose its last triangle first.
     pub(super) vertices: Vec<u32>,
+    /// The LOD at which each vertex's last triangle dies, 0 if it has none.
+    pub(super) vertex_removal_lods: Vec<u32>,
     /// The vertex as which each of `vertices` is shown when it loses its last triangle.
     pub(super) shown_at_removal: Vec<u32>,
 }
@@ -38,24 +40,29 @@ impl Index {
                 place[v as usize] += 1;
             }
         }
-        let mut index =
-            Self { first, incident, triangles, vertices: Vec::new(), shown_at_removal: Vec::new() };
+        let mut index = Self {
+            first,
+            incident,
+            triangles,
+            vertices: Vec::new(),
+            vertex_removal_lods: Vec::new(),
+            shown_at_removal: Vec::new(),
+        };
+        let last = |v| index.incident(v).first().map_or(0, |&t| removal_lods[t as usize]);
+        index.vertex_removal_lods = (0..mesh.vertex_count() as u32).map(last).collect();
         // Death 0 stands for vertices without triangles: they are left out.
-        index.vertices = sorted_by(mesh.vertex_count(), levels, |v| {
-            index.vertex_removal_lod(removal_lods, v as u32)
-        });
+        index.vertices = sorted_by(mesh.vertex_count(), levels, |v| index.vertex_removal_lods[v]);
         let unused = index.vertices.partition_point(|&v| index.incident(v).is_empty());
         index.vertices.drain(..unused);
-        index.shown_at_removal =
-            index.resolve_at_removal(simplified.collapses().targets(), removal_lods);
+        index.shown_at_removal = index.resolve_at_removal(simplified.collapses().targets());
         index
     }
 
     /// Union-find with path halving: removal_lods rise, so every shortcut stays good.
-    fn resolve_at_removal(&self, targets: &[u32], removal_lods: &[u32]) -> Vec<u32> {
+    fn resolve_at_removal(&self, targets: &[u32]) -> Vec<u32> {
         let mut hop = targets.to_vec();
         let resolve = |&vertex: &u32| {
-            let (mut v, removal_lod) = (vertex, self.vertex_removal_lod(removal_lods, vertex));
+            let (mut v, removal_lod) = (vertex, self.vertex_removal_lods[vertex as usize]);
             while v < removal_lod {
                 let next = hop[v as usize];
                 if next < removal_lod {
@@ -72,11 +79,6 @@ impl Index {
     pub(super) fn incident(&self, vertex: u32) -> &[u32] {
         &self.incident
             [self.first[vertex as usize] as usize..self.first[vertex as usize + 1] as usize]
-    }
-
-    /// The LOD at which a vertex's last triangle dies, 0 if it has none.
-    pub(super) fn vertex_removal_lod(&self, removal_lods: &[u32], vertex: u32) -> u32 {
-        self.incident(vertex).first().map_or(0, |&t| removal_lods[t as usize])
     }
 }
 

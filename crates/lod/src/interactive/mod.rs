@@ -8,7 +8,6 @@
 mod cursor;
 mod extract;
 mod index;
-mod links;
 mod lists;
 mod live;
 mod measure;
@@ -16,6 +15,7 @@ mod replay;
 pub mod shaders;
 #[cfg(test)]
 mod tests;
+mod tour;
 pub mod view;
 
 pub use cursor::Cursor;

@@ -168,6 +168,32 @@ fn everything_shown_and_reported_equals_the_reference() {
     }
 }
 
+/// Moves that nobody hears of go near and far, in any order.
+#[test]
+fn moves_unheard_of_show_the_reference_wherever_they_came_from() {
+    let mut random = lodc_mesh::SplitMix64::new(5);
+    for mesh in [fixtures::icosphere(4), fixtures::torus()] {
+        let simplified = fixtures::random_collapse(&mesh, 3);
+        let model = Interactive::build(&Arc::new(simplified.clone())).expect("a valid sequence");
+        let records = u64::from(simplified.collapses().records());
+        let (mut cursor, mut at) = (model.cursor(), 0);
+        for _ in 0..2000 {
+            let bits = random.bits();
+            at = match bits % 8 {
+                0 => (bits >> 8) % (records + 1),
+                1..=4 => (at + (bits >> 8) % 12).min(records),
+                _ => at.saturating_sub((bits >> 8) % 12),
+            };
+            model.seek(&mut cursor, Lod(at as u32), &mut ());
+            let mut shown = model.triangles(&cursor);
+            let mut truth = simplified.triangles_at(model.lod(&cursor));
+            shown.sort_unstable();
+            truth.sort_unstable();
+            assert_eq!(shown, truth, "LOD {at}");
+        }
+    }
+}
+
 fn check(name: &str, simplified: &Simplified) {
     let model = Interactive::build(&Arc::new(simplified.clone())).expect("a valid sequence");
     let collapses = simplified.collapses();

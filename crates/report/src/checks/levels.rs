@@ -4,7 +4,7 @@ use super::report::CheckReport;
 use glam::DVec3;
 use lodc_formats::import::document_difference;
 use lodc_formats::{
-    Document, FormatError, Limits, ObjectInfo, Scene, SceneObject, ShippedLevels, SourceFormat,
+    Document, FormatError, Limits, ObjectInfo, Scene, SceneObject, ShippedLevels,
     scene_graph,
 };
 use lodc_measure::{Original, Sampling, Surface};
@@ -163,7 +163,7 @@ impl<'a> Measure<'a> {
 
     /// Surfaces of the source and of a level that belong together.
     fn pairs(&self, level: &Scene, shown: &Arrangement) -> Vec<[Surface; 2]> {
-        let flattened = level.source.format == SourceFormat::Obj;
+        let flattened = !level.source.format.is_gltf();
         if flattened || level.objects.len() != self.source.objects.len() {
             return vec![[
                 whole(self.source, &self.arrangement, self.units),

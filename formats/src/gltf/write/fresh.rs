@@ -49,7 +49,7 @@ fn material(material: &ObjMaterial, images: &mut Vec<String>) -> Json {
     let mut color = [r, g, b, meaning.dissolve.map_or(1.0, unit)];
     let emissive = meaning.emissive.unwrap_or_default().map(unit);
     let mut pbr = object! { "baseColorFactor" => color, "metallicFactor" => 0.0 };
-    if let Some(uri) = meaning.texture.and_then(file_name) {
+    if let Some(uri) = meaning.texture.as_deref().and_then(file_name) {
         let index = images.iter().position(|i| *i == uri).unwrap_or_else(|| {
             images.push(uri);
             images.len() - 1

@@ -18,12 +18,11 @@ pub(super) struct Lines<'a> {
 impl<'a> Lines<'a> {
     /// The statements of `bytes`, none longer than `limit`.
     pub(super) fn new(bytes: &'a [u8], limit: u64) -> Self {
-        let at = if bytes.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 };
         Self {
             bytes,
-            at,
+            at: 0,
             line: 1,
-            start: at,
+            start: 0,
             statement_line: 1,
             limit: usize::try_from(limit).unwrap_or(usize::MAX),
         }
@@ -37,6 +36,11 @@ impl<'a> Lines<'a> {
     /// The same as a number.
     pub(super) fn number(&self) -> u32 {
         self.statement_line
+    }
+
+    /// Returns the number of line ends passed.
+    pub(super) fn passed(&self) -> u32 {
+        self.line - 1
     }
 
     /// Goes to the next statement and returns its first word; none at the end.
@@ -71,8 +75,8 @@ impl<'a> Lines<'a> {
         if self.bytes.get(first) == Some(&b'#') || first - self.start > self.limit {
             return None;
         }
-        while self.bytes.get(self.at).is_some_and(|b| !b.is_ascii_whitespace()) && !self.continued()
-        {
+        let goes_on = |b: u8| b > b' ' && b != b'\\' || !b.is_ascii_whitespace();
+        while self.bytes.get(self.at).is_some_and(|&b| goes_on(b)) && !self.continued() {
             self.at += 1;
         }
         (self.at > first).then(|| &self.bytes[first..self.at])
@@ -191,7 +195,6 @@ mod tests {
             expected[2] = "5:f#".to_owned();
             assert_eq!(statements(source.as_bytes()), expected, "{end:?}");
         }
-        assert_eq!(statements(b"\xef\xbb\xbfv 1"), ["1:v 1"]);
         assert_eq!(statements(b"v\\\n\\\r\n1 \\"), ["1:v 1 \\"]);
         assert!(statements(b"").is_empty() && statements(b"\n\n#").is_empty());
     }

@@ -1,8 +1,8 @@
 //! Warnings of what was repaired, dropped or left alone in an OBJ.
 
-use super::assemble::Assembled;
 use super::parsed::{Count, Parsed};
 use crate::ObjMaterial;
+use crate::faces::Assembled;
 use std::collections::BTreeSet;
 
 /// Notes about what was repaired, dropped or left alone: one line each.
@@ -22,7 +22,7 @@ pub(super) fn warn(parsed: &Parsed, assembled: &Assembled, warnings: &mut Vec<St
         "lines have more numbers than their meaning needs, the last ones were left out",
     );
     tell(notes.weights, "positions have a weight, which was left out");
-    if !parsed.colors.is_empty() {
+    if !parsed.faces.colors.is_empty() {
         tell(
             notes.uncolored,
             "positions without a colour beside others that have one were made white",

@@ -1,73 +1,9 @@
 //! Numbers in text, correctly rounded.
 
-/// A number of a file: tobj reads it as it stands, or as its value if only this package knows the
-/// spelling.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Number<'a> {
-    /// Digits with at most a sign and a point, few enough to be finite: read by nobody yet.
-    Plain(&'a [u8]),
-    /// Anything else that [`str::parse`] takes, with its value.
-    Other(&'a [u8], f32),
-    /// A spelling that is not in any standard.
-    Unusual(f32),
-}
-
-impl<'a> Number<'a> {
-    /// Zero.
-    pub(super) const ZERO: Self = Self::Plain(b"0");
-
-    /// The number that a word is; `nan` and `inf` in any case are numbers too.
-    pub(super) fn new(token: &'a [u8]) -> Option<Self> {
-        if is_plain(token) {
-            return Some(Self::Plain(token));
-        }
-        let standard = std::str::from_utf8(token).ok()?.parse();
-        standard.map_or_else(
-            |_| unusual(token).map(Self::Unusual),
-            |value| Some(Self::Other(token, value)),
-        )
-    }
-
-    /// Its value, correctly rounded.
-    pub(super) fn value(&self) -> f32 {
-        match *self {
-            Self::Plain(token) => {
-                let value = std::str::from_utf8(token).ok().and_then(|text| text.parse().ok());
-                value.expect("plain digits are a number")
-            }
-            Self::Other(_, value) | Self::Unusual(value) => value,
-        }
-    }
-
-    /// Returns whether it is neither infinite nor NaN.
-    pub(super) fn is_finite(&self) -> bool {
-        matches!(self, Self::Plain(_)) || self.value().is_finite()
-    }
-
-    /// Appends a spelling that reads back as the same value.
-    pub(super) fn write(&self, text: &mut Vec<u8>) {
-        match *self {
-            Self::Plain(token) | Self::Other(token, _) => text.extend_from_slice(token),
-            Self::Unusual(value) => text.extend_from_slice(value.to_string().as_bytes()),
-        }
-    }
-}
-
-fn is_plain(token: &[u8]) -> bool {
-    let digits = match token {
-        [b'-' | b'+', rest @ ..] => rest,
-        _ => token,
-    };
-    let (mut count, mut points) = (0, 0);
-    for b in digits {
-        match b {
-            b'0'..=b'9' => count += 1,
-            b'.' => points += 1,
-            _ => return false,
-        }
-    }
-    // The largest f32 has 39 digits.
-    (1..=38).contains(&count) && points <= 1
+/// The number that a word is, correctly rounded; `nan` and `inf` in any case are numbers too.
+pub(super) fn number(token: &[u8]) -> Option<f32> {
+    let standard = std::str::from_utf8(token).ok()?.parse();
+    standard.ok().or_else(|| unusual(token))
 }
 
 /// The value of a spelling that is in no standard but in files.
@@ -120,19 +56,6 @@ mod tests {
     use super::*;
     use crate::testing::Random;
 
-    /// The value that tobj reads, which is also the one that the guard knows.
-    fn float(token: &[u8]) -> Option<f32> {
-        let number = Number::new(token)?;
-        let mut written = Vec::new();
-        number.write(&mut written);
-        let text = String::from_utf8(written).expect("ASCII");
-        let value: f32 = text.parse().expect("as the standard library reads it");
-        let known = number.value();
-        assert!(known.to_bits() == value.to_bits() || known.is_nan() && value.is_nan(), "{text}");
-        assert_eq!(number.is_finite(), value.is_finite(), "{text}");
-        Some(value)
-    }
-
     #[test]
     fn floats_are_rounded_like_the_standard_library_does() {
         let mut random = Random(7);
@@ -148,7 +71,7 @@ mod tests {
                 _ => format!("{:.17}", random.unit()),
             };
             let expected: f32 = text.parse().expect(&text);
-            let got = float(text.as_bytes()).expect(&text);
+            let got = number(text.as_bytes()).expect(&text);
             assert!(
                 got.to_bits() == expected.to_bits() || got.is_nan() && expected.is_nan(),
                 "{text}: {got}"
@@ -167,7 +90,11 @@ mod tests {
             "9007199791611905",
         ] {
             let expected: f32 = text.parse().expect(text);
-            assert_eq!(float(text.as_bytes()).expect(text).to_bits(), expected.to_bits(), "{text}");
+            assert_eq!(
+                number(text.as_bytes()).expect(text).to_bits(),
+                expected.to_bits(),
+                "{text}"
+            );
         }
     }
 
@@ -188,19 +115,19 @@ mod tests {
             ("00000000000000000000000001", 1.0),
         ] {
             assert_eq!(
-                float(text.as_bytes()).map(f32::to_bits),
+                number(text.as_bytes()).map(f32::to_bits),
                 Some(f32::to_bits(value)),
                 "{text}"
             );
         }
         for text in ["nan", "NaN", "-nan(ind)", "-1.#IND00"] {
-            assert!(float(text.as_bytes()).is_some_and(f32::is_nan), "{text}");
+            assert!(number(text.as_bytes()).is_some_and(f32::is_nan), "{text}");
         }
         for text in [
             "", "-", "+", ".", "1,5", "0x10", "1e", "e5", "1.2.3", "1_0", "abc", "+e2", "--1",
             "1+e", "\u{661}",
         ] {
-            assert_eq!(float(text.as_bytes()), None, "{text}");
+            assert_eq!(number(text.as_bytes()), None, "{text}");
         }
     }
 

@@ -1,5 +1,5 @@
-use super::super::parsed::NONE;
 use super::*;
+use crate::faces::NONE;
 
 fn read(source: &str) -> Parsed {
     parse(source.as_bytes(), &Limits::DEFAULT).expect(source)
@@ -17,25 +17,25 @@ fn corners_take_every_form_and_negative_indices_count_back() {
         "{THREE}vt 0 0\nvt 1 1\nvn 0 0 1\nf 1 2 3\nf 1/1 2/2 3/\nf 1//1 -2//-1 3//\n\
             f 1/-1/1 2/-2/1 3/1/1\n"
     ));
-    assert_eq!(p.corner_v, [0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2]);
-    assert_eq!(p.corner_t, [NONE, NONE, NONE, 0, 1, NONE, NONE, NONE, NONE, 1, 0, 0]);
-    assert_eq!(p.corner_n, [NONE, NONE, NONE, NONE, NONE, NONE, 0, 0, NONE, 0, 0, 0]);
-    assert_eq!(p.face_ends, [3, 6, 9, 12]);
+    assert_eq!(p.faces.corner_v, [0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2]);
+    assert_eq!(p.faces.corner_t, [NONE, NONE, NONE, 0, 1, NONE, NONE, NONE, NONE, 1, 0, 0]);
+    assert_eq!(p.faces.corner_n, [NONE, NONE, NONE, NONE, NONE, NONE, 0, 0, NONE, 0, 0, 0]);
+    assert_eq!(p.faces.face_ends, [3, 6, 9, 12]);
     // Without any, there is no list at all.
     let p = read(&format!("{THREE}f 1// 2// 3//\n"));
-    assert!(p.corner_t.is_empty() && p.corner_n.is_empty());
+    assert!(p.faces.corner_t.is_empty() && p.faces.corner_n.is_empty());
 }
 
 #[test]
 fn negative_indices_count_from_where_they_stand() {
     let p = read(&format!("{THREE}f -3 -2 -1\nv 5 5 5\nf -3 -2 -1\n"));
-    assert_eq!(p.corner_v, [0, 1, 2, 1, 2, 3]);
+    assert_eq!(p.faces.corner_v, [0, 1, 2, 1, 2, 3]);
 }
 
 #[test]
 fn faces_may_come_before_their_vertices() {
     let p = read(&format!("f 1 2 3\n{THREE}"));
-    assert_eq!(p.corner_v, [0, 1, 2]);
+    assert_eq!(p.faces.corner_v, [0, 1, 2]);
 }
 
 #[test]
@@ -75,7 +75,7 @@ fn something_else_entirely_is_not_an_obj() {
     for source in ["hello world\nhow are you\n", "\0\0\0\x01\x02", "<html>"] {
         assert!(refused(source).what.contains("not an OBJ file"), "{source}");
     }
-    assert!(read("# only comments\n").positions.is_empty());
+    assert!(read("# only comments\n").faces.positions.is_empty());
     let p = read(&format!("hello\n{THREE}world\n"));
     assert_eq!(
         (p.notes.unknown.times, p.notes.unknown.line, p.notes.unknown_first.as_str()),
@@ -89,18 +89,21 @@ fn positions_may_have_weights_and_colours() {
         read("v 0 0 0 1\nv 0 0 0 2\nv 0 0 0 9 9\nv 1 2 3 .1 .2 .3\nv 1 2 3 .1 .2 .3 .4\nv 1 1 1\n");
     assert_eq!(p.notes.weights.times, 1);
     assert_eq!((p.notes.extra_values.times, p.notes.extra_values.line), (1, 3));
-    assert_eq!(p.colors[3..], [[0.1, 0.2, 0.3, 1.0], [0.1, 0.2, 0.3, 0.4], [1.0; 4]]);
-    assert_eq!((p.colors.len(), p.color_has_alpha, p.notes.uncolored.times), (6, true, 4));
-    assert!(read("v 1 2 3\nv 1 2 3 1\n").colors.is_empty());
-    assert!(read("v 0 0 0 nan nan nan\n").colors[0][0].is_nan());
+    assert_eq!(p.faces.colors[3..], [[0.1, 0.2, 0.3, 1.0], [0.1, 0.2, 0.3, 0.4], [1.0; 4]]);
+    assert_eq!(
+        (p.faces.colors.len(), p.faces.color_has_alpha, p.notes.uncolored.times),
+        (6, true, 4)
+    );
+    assert!(read("v 1 2 3\nv 1 2 3 1\n").faces.colors.is_empty());
+    assert!(read("v 0 0 0 nan nan nan\n").faces.colors[0][0].is_nan());
 }
 
 #[test]
 fn a_third_texture_coordinate_is_kept_if_it_says_anything() {
-    assert!(read("vt 1 2 0\nvt 3 4\nvt 5\n").texcoords_w.is_empty());
+    assert!(read("vt 1 2 0\nvt 3 4\nvt 5\n").faces.texcoords_w.is_empty());
     let p = read("vt 1\nvt 3 4 7\nvt 5 6\n");
     assert_eq!(
-        (p.texcoords, p.texcoords_w),
+        (p.faces.texcoords, p.faces.texcoords_w),
         (vec![[1.0, 0.0], [3.0, 4.0], [5.0, 6.0]], vec![0.0, 7.0, 0.0])
     );
 }
@@ -111,20 +114,20 @@ fn materials_groups_and_objects_make_runs() {
         "{THREE}f 1 2 3\nusemtl a b \ng one\nf 1 2 3\nf 3 2 1\no box\nf 1 2 3\ng\nusemtl a b\n\
             f 1 2 3\nusemtl c\nf 1 2 3\n"
     ));
-    let runs: Vec<_> = p.runs.iter().map(|r| (r.first_face, r.material, r.label)).collect();
+    let runs: Vec<_> = p.faces.runs.iter().map(|r| (r.first_face, r.material, r.label)).collect();
     assert_eq!(runs, [(0, NONE, NONE), (1, 0, 0), (3, 0, 1), (5, 1, 1)]);
     assert_eq!(
-        (p.materials, p.labels),
+        (p.faces.materials, p.faces.labels),
         (vec!["a b".to_owned(), "c".to_owned()], vec!["one".to_owned(), "box".to_owned()])
     );
-    assert_eq!(p.objects, ["box"]);
+    assert_eq!(p.faces.objects, ["box"]);
 }
 
 #[test]
 fn faces_that_are_none_are_counted_and_leave_nothing() {
     let p = read(&format!("{THREE}vt 0 0\nf 1/1 2/1\nf\nf 1\nl 1 2\np 1\nf 1 2 3\n"));
     assert_eq!((p.notes.small_faces.times, p.notes.lines.times, p.notes.points.times), (3, 1, 1));
-    assert_eq!((p.corner_v.len(), p.face_ends), (3, vec![3]));
+    assert_eq!((p.faces.corner_v.len(), p.faces.face_ends), (3, vec![3]));
 }
 
 #[test]
@@ -138,4 +141,30 @@ fn limits_hold() {
     assert_eq!(parse(long.as_bytes(), &limits).expect_err("long").fault, Fault::Limit);
     let libraries: String = (0..1001).map(|i| format!("mtllib {i}.mtl\n")).collect();
     assert_eq!(refused(&libraries).fault, Fault::Limit);
+}
+
+/// Reads a text in chunks of a size; the answer as text.
+fn in_chunks(source: &str, size: usize) -> String {
+    format!("{:?}", parse_chunks(source.as_bytes(), size, &Limits::DEFAULT))
+}
+
+#[test]
+fn chunks_of_any_size_read_the_same() {
+    let good = "# all\nmtllib a.mtl\r\no box\rv 0 0 0\nv 1 0 \\\n 0\nv 1 1 0 .5 .5 .5\r\n\
+                v 0 1 0 1 0 0 .5\nvt 0 0\nvt 1 0 .5\nvt 1\nvn 0 0 1\nusemtl red\ng one two\n\
+                f 1 2 3\nf 1/1 2/2 3/3 4/1\nf -4//-1 -3//-1 -2//-1\nf 1/1/1 2/2/1 \\\r\n 3/3/1\n\
+                hello\nusemtl blue\nl 1 2\nf 1 2\nv 2 2 2 2\nf -1 -2 -3\n# end \\\nf 5 4 3";
+    assert!(parse(good.as_bytes(), &Limits::DEFAULT).is_ok());
+    let bad = ["f 1 2 9", "f 1 2 -9\nv 0 0\nf 0", "v 1 2\nf 9 9 9", "vt", "f 1//4 2 3\nvn 0 0 0"];
+    let sources = bad.map(|bad| format!("{good}\n{bad}\n{good}"));
+    for source in sources.iter().map(String::as_str).chain([good]) {
+        let whole = in_chunks(source, source.len());
+        for size in 1..source.len() {
+            assert_eq!(in_chunks(source, size), whole, "{size} bytes");
+        }
+    }
+    assert_eq!(
+        format!("{:?}", parse(format!("\u{feff}{good}").as_bytes(), &Limits::DEFAULT)),
+        in_chunks(good, good.len())
+    );
 }

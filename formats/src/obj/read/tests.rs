@@ -1,4 +1,5 @@
 use super::*;
+use crate::Document;
 use crate::testing::{Random, Scratch, corpus};
 use lodc_mesh::Semantic;
 use std::path::Path;
@@ -157,23 +158,23 @@ fn real_files_have_the_counts_that_others_found() {
         let scene = scene.unwrap_or_else(|e| panic!("{e}"));
         let parsed =
             parse::parse(&std::fs::read(&path).expect(file), &crate::Limits::DEFAULT).expect(file);
-        let assembled = assemble::assemble(&parsed, 0);
+        let assembled = faces::assemble(&parsed.faces, 0);
         let check = |key: &str, found: usize| {
             assert_eq!(expected(&manifest, file, key), found as u64, "{file}: {key}");
         };
-        check("vertices", parsed.positions.len());
-        check("normals", parsed.normals.len());
-        check("texcoords", parsed.texcoords.len());
-        check("polygons", parsed.face_ends.len());
+        check("vertices", parsed.faces.positions.len());
+        check("normals", parsed.faces.normals.len());
+        check("texcoords", parsed.faces.texcoords.len());
+        check("polygons", parsed.faces.face_ends.len());
         // The manifest's own parser does not know the continued lines of this file: three corners
         // of each are missing.
         if file.ends_with("wallhole.obj") {
-            assert_eq!((parsed.corner_v.len(), assembled.parts.triangles.len()), (92, 66));
+            assert_eq!((parsed.faces.corner_v.len(), assembled.parts.triangles.len()), (92, 66));
             continue;
         }
         check("triangles", assembled.parts.triangles.len());
-        let mut used = vec![false; parsed.positions.len()];
-        parsed.corner_v.iter().for_each(|&v| used[v as usize] = true);
+        let mut used = vec![false; parsed.faces.positions.len()];
+        parsed.faces.corner_v.iter().for_each(|&v| used[v as usize] = true);
         check("referenced", used.iter().filter(|&&u| u).count());
         let mesh = &scene.objects[0].mesh;
         assert!(mesh.triangles().len() <= assembled.parts.triangles.len(), "{file}");

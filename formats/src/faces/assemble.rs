@@ -1,36 +1,36 @@
 //! Faces to submeshes: triangulated, one vertex for each different corner, one submesh for each
 //! material.
 
-use super::parsed::{NONE, Parsed};
 use super::triangulate::{Triangulator, newell};
 use super::unique::{Unique, first_equal};
+use super::{Faces, NONE};
 use crate::SubmeshInfo;
 use lodc_mesh::{Attribute, Component, MeshParts, Semantic, Submesh};
 use std::collections::BTreeSet;
 
-/// Mesh and notes made of the faces of an OBJ.
+/// Mesh and notes made of the faces.
 #[derive(Debug, Default)]
-pub(super) struct Assembled {
-    pub(super) parts: MeshParts,
+pub(crate) struct Assembled {
+    pub(crate) parts: MeshParts,
     /// The file's position that each vertex has.
-    pub(super) source_positions: Vec<u32>,
-    pub(super) submeshes: Vec<SubmeshInfo>,
+    pub(crate) source_positions: Vec<u32>,
+    pub(crate) submeshes: Vec<SubmeshInfo>,
     /// Faces with more than three corners.
-    pub(super) polygons: u64,
+    pub(crate) polygons: u64,
     /// Polygons that cross themselves or have no inside.
-    pub(super) imperfect_polygons: u64,
+    pub(crate) imperfect_polygons: u64,
     /// Corners without texture coordinates beside others that have them.
-    pub(super) filled_texcoords: u64,
+    pub(crate) filled_texcoords: u64,
     /// Faces without normals beside others that have them.
-    pub(super) filled_normals: u64,
+    pub(crate) filled_normals: u64,
     /// Groups that share their material with another one.
-    pub(super) joined_labels: u64,
+    pub(crate) joined_labels: u64,
 }
 
 /// Builds the mesh. `seed` is any number that the file's maker cannot choose.
-pub(super) fn assemble(parsed: &Parsed, seed: u64) -> Assembled {
-    let mut builder = Builder::new(parsed, seed);
-    let (runs_of, materials) = runs_by_material(parsed);
+pub(crate) fn assemble(faces: &Faces, seed: u64) -> Assembled {
+    let mut builder = Builder::new(faces, seed);
+    let (runs_of, materials) = runs_by_material(faces);
     for (material, runs) in materials.iter().zip(&runs_of) {
         builder.submesh(*material, runs);
     }
@@ -38,12 +38,11 @@ pub(super) fn assemble(parsed: &Parsed, seed: u64) -> Assembled {
 }
 
 /// Lists the runs of each material that has faces, materials in order of first use.
-fn runs_by_material(parsed: &Parsed) -> (Vec<Vec<u32>>, Vec<u32>) {
-    let mut submesh_of = vec![NONE; parsed.materials.len() + 1];
+fn runs_by_material(faces: &Faces) -> (Vec<Vec<u32>>, Vec<u32>) {
+    let mut submesh_of = vec![NONE; faces.materials.len() + 1];
     let (mut runs_of, mut materials): (Vec<Vec<u32>>, Vec<u32>) = Default::default();
-    for (i, run) in parsed.runs.iter().enumerate() {
-        let slot =
-            if run.material == NONE { parsed.materials.len() } else { run.material as usize };
+    for (i, run) in faces.runs.iter().enumerate() {
+        let slot = if run.material == NONE { faces.materials.len() } else { run.material as usize };
         if submesh_of[slot] == NONE {
             submesh_of[slot] = materials.len() as u32;
             materials.push(run.material);
@@ -55,7 +54,7 @@ fn runs_by_material(parsed: &Parsed) -> (Vec<Vec<u32>>, Vec<u32>) {
 }
 
 struct Builder<'a> {
-    parsed: &'a Parsed,
+    faces: &'a Faces,
     out: Assembled,
     /// For each texture coordinate and normal, the first with the same bits.
     texcoord: Vec<u32>,
@@ -75,26 +74,26 @@ struct Builder<'a> {
 }
 
 impl<'a> Builder<'a> {
-    fn new(parsed: &'a Parsed, seed: u64) -> Self {
+    fn new(faces: &'a Faces, seed: u64) -> Self {
         let texcoord = first_equal(
-            if parsed.corner_t.is_empty() { 0 } else { parsed.texcoords.len() },
+            if faces.corner_t.is_empty() { 0 } else { faces.texcoords.len() },
             seed,
             |i| {
                 let i = i as usize;
-                let [u, v] = parsed.texcoords[i].map(f32::to_bits);
-                [u, v, parsed.texcoords_w.get(i).map_or(0, |w| w.to_bits())]
+                let [u, v] = faces.texcoords[i].map(f32::to_bits);
+                [u, v, faces.texcoords_w.get(i).map_or(0, |w| w.to_bits())]
             },
         );
-        let normals = if parsed.corner_n.is_empty() { 0 } else { parsed.normals.len() };
-        let normal = first_equal(normals, seed, |i| parsed.normals[i as usize].map(f32::to_bits));
+        let normals = if faces.corner_n.is_empty() { 0 } else { faces.normals.len() };
+        let normal = first_equal(normals, seed, |i| faces.normals[i as usize].map(f32::to_bits));
         Self {
-            parsed,
+            faces,
             out: Assembled::default(),
             texcoord,
             normal,
             vertices: Vec::new(),
             made_normals: Vec::new(),
-            first_at: vec![NONE; parsed.positions.len()],
+            first_at: vec![NONE; faces.positions.len()],
             first_vertex: 0,
             unique: Unique::new(seed),
             triangulator: Triangulator::default(),
@@ -103,15 +102,15 @@ impl<'a> Builder<'a> {
     }
 
     fn faces(&self, run: u32) -> std::ops::Range<usize> {
-        let runs = &self.parsed.runs;
+        let runs = &self.faces.runs;
         let end = runs
             .get(run as usize + 1)
-            .map_or(self.parsed.face_ends.len(), |next| next.first_face as usize);
+            .map_or(self.faces.face_ends.len(), |next| next.first_face as usize);
         runs[run as usize].first_face as usize..end
     }
 
     fn corners(&self, face: usize) -> std::ops::Range<usize> {
-        let ends = &self.parsed.face_ends;
+        let ends = &self.faces.face_ends;
         let start = if face == 0 { 0 } else { ends[face - 1] as usize };
         start..ends[face] as usize
     }
@@ -124,7 +123,7 @@ impl<'a> Builder<'a> {
                     self.faces(r).any(|f| list[self.corners(f)].iter().any(|&i| i != NONE))
                 })
         };
-        let (has_texcoords, has_normals) = (has(&self.parsed.corner_t), has(&self.parsed.corner_n));
+        let (has_texcoords, has_normals) = (has(&self.faces.corner_t), has(&self.faces.corner_n));
         self.unique.clear();
         self.first_vertex = self.vertices.len() as u32;
         let (mut polygon, mut vertices) = (Vec::new(), Vec::new());
@@ -143,7 +142,7 @@ impl<'a> Builder<'a> {
             attributes: [has_texcoords, has_normals].map(u32::from).to_vec(),
         });
         let name = self.label(runs);
-        let material = self.parsed.materials.get(material as usize).cloned();
+        let material = self.faces.materials.get(material as usize).cloned();
         self.out.submeshes.push(SubmeshInfo { name, material, document_primitive: submesh });
     }
 
@@ -154,27 +153,27 @@ impl<'a> Builder<'a> {
         polygon: &mut Vec<[f32; 3]>,
         vertices: &mut Vec<u32>,
     ) {
-        let parsed = self.parsed;
+        let faces = self.faces;
         let corners = self.corners(face);
-        let lacks_normal = has[1] && parsed.corner_n[corners.clone()].contains(&NONE);
+        let lacks_normal = has[1] && faces.corner_n[corners.clone()].contains(&NONE);
         polygon.clear();
         if corners.len() > 3 || lacks_normal {
             polygon.extend(
-                parsed.corner_v[corners.clone()].iter().map(|&v| parsed.positions[v as usize]),
+                faces.corner_v[corners.clone()].iter().map(|&v| faces.positions[v as usize]),
             );
         }
-        let made_normal = (parsed.normals.len() + self.made_normals.len()) as u32;
+        let made_normal = (faces.normals.len() + self.made_normals.len()) as u32;
         if lacks_normal {
             self.made_normals.push(unit(newell(polygon)));
             self.out.filled_normals += 1;
         }
         vertices.clear();
         for corner in corners {
-            let texcoord = if has[0] { parsed.corner_t[corner] } else { NONE };
-            let normal = if has[1] { parsed.corner_n[corner] } else { NONE };
+            let texcoord = if has[0] { faces.corner_t[corner] } else { NONE };
+            let normal = if has[1] { faces.corner_n[corner] } else { NONE };
             self.out.filled_texcoords += u64::from(has[0] && texcoord == NONE);
             let key = [
-                parsed.corner_v[corner],
+                faces.corner_v[corner],
                 if texcoord == NONE { NONE } else { self.texcoord[texcoord as usize] },
                 match normal {
                     NONE if lacks_normal => made_normal,
@@ -220,13 +219,13 @@ impl<'a> Builder<'a> {
         let mut seen = BTreeSet::new();
         let mut name = String::new();
         for &run in runs {
-            let label = self.parsed.runs[run as usize].label;
+            let label = self.faces.runs[run as usize].label;
             // The name of the only object is the name of the whole.
             let text = self
-                .parsed
+                .faces
                 .labels
                 .get(label as usize)
-                .filter(|&l| self.parsed.objects != [l.as_str()]);
+                .filter(|&l| self.faces.objects != [l.as_str()]);
             if !seen.insert(text) {
                 continue;
             }
@@ -244,10 +243,10 @@ impl<'a> Builder<'a> {
     }
 
     fn finish(mut self) -> Assembled {
-        let parsed = self.parsed;
+        let faces = self.faces;
         let vertices = std::mem::take(&mut self.vertices);
         let parts = &mut self.out.parts;
-        parts.positions = vertices.iter().map(|k| parsed.positions[k[0] as usize]).collect();
+        parts.positions = vertices.iter().map(|k| faces.positions[k[0] as usize]).collect();
         let mut numbers = [None; 2];
         let mut push = |semantic, components, bytes: Vec<u8>| {
             parts.attributes.push(Attribute {
@@ -261,31 +260,30 @@ impl<'a> Builder<'a> {
             Some(parts.attributes.len() as u32 - 1)
         };
         if self.uses[1] {
-            let made = |n: usize| self.made_normals.get(n.wrapping_sub(parsed.normals.len()));
+            let made = |n: usize| self.made_normals.get(n.wrapping_sub(faces.normals.len()));
             let normal = |k: &[u32; 3]| {
                 let n = k[2] as usize;
-                parsed.normals.get(n).or_else(|| made(n)).copied().unwrap_or_default()
+                faces.normals.get(n).or_else(|| made(n)).copied().unwrap_or_default()
             };
             numbers[1] = push(Semantic::Normal, 3, stream(vertices.iter().map(normal)));
         }
         if self.uses[0] {
-            let uv =
-                |k: &[u32; 3]| parsed.texcoords.get(k[1] as usize).copied().unwrap_or_default();
-            numbers[0] = if parsed.texcoords_w.is_empty() {
+            let uv = |k: &[u32; 3]| faces.texcoords.get(k[1] as usize).copied().unwrap_or_default();
+            numbers[0] = if faces.texcoords_w.is_empty() {
                 push(Semantic::TexCoord(0), 2, stream(vertices.iter().map(uv)))
             } else {
                 let w = |k: &[u32; 3]| {
-                    parsed.texcoords_w.get(k[1] as usize).copied().unwrap_or_default()
+                    faces.texcoords_w.get(k[1] as usize).copied().unwrap_or_default()
                 };
                 let uvw = vertices.iter().map(|k| [uv(k)[0], uv(k)[1], w(k)]);
                 push(Semantic::TexCoord(0), 3, stream(uvw))
             };
         }
-        let color = if parsed.colors.is_empty() || vertices.is_empty() {
+        let color = if faces.colors.is_empty() || vertices.is_empty() {
             None
         } else {
-            let rgba = vertices.iter().map(|k| parsed.colors[k[0] as usize]);
-            if parsed.color_has_alpha {
+            let rgba = vertices.iter().map(|k| faces.colors[k[0] as usize]);
+            if faces.color_has_alpha {
                 push(Semantic::Color(0), 4, stream(rgba))
             } else {
                 push(Semantic::Color(0), 3, stream(rgba.map(|[r, g, b, _]| [r, g, b])))
@@ -325,5 +323,15 @@ fn unit(v: [f64; 3]) -> [f32; 3] {
 }
 
 #[cfg(test)]
-#[path = "assemble_tests.rs"]
-mod tests;
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_made_normal_has_length_one_at_any_scale() {
+        for scale in [1e-200, 1.0, 1e200] {
+            let n = unit([3.0 * scale, 0.0, -4.0 * scale]);
+            assert_eq!(n, [0.6, 0.0, -0.8]);
+        }
+        assert_eq!(unit([0.0; 3]), [0.0, 0.0, 1.0]);
+    }
+}

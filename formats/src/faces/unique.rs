@@ -70,7 +70,7 @@ impl Unique {
 }
 
 /// For each of `count` keys, the first number with the same key.
-pub(super) fn first_equal(count: usize, seed: u64, key_of: impl Fn(u32) -> [u32; 3]) -> Vec<u32> {
+pub(crate) fn first_equal(count: usize, seed: u64, key_of: impl Fn(u32) -> [u32; 3]) -> Vec<u32> {
     let mut unique = Unique::new(seed);
     (0..count as u32).map(|i| unique.number(key_of(i), i, &key_of)).collect()
 }

@@ -1,0 +1,153 @@
+//! Faces with any number of corners, as OBJ, PLY and STL have them, and the scene made of them.
+
+mod assemble;
+mod triangulate;
+mod unique;
+
+pub(crate) use assemble::{Assembled, assemble};
+pub(crate) use lodc_mesh::NONE;
+pub(crate) use unique::first_equal;
+
+use crate::options::ImportOptions;
+use crate::{
+    Assets, Document, Fault, FormatError, ObjDocument, ObjectInfo, Scene, SceneObject, Source,
+};
+use lodc_mesh::{Attribute, Component, Mesh, MeshParts, Semantic};
+
+/// Faces and what their corners have. Indices count from 0 and are in range.
+#[derive(Debug, Default)]
+pub(crate) struct Faces {
+    pub(crate) positions: Vec<[f32; 3]>,
+    /// Empty, or one per position; white where the file has none.
+    pub(crate) colors: Vec<[f32; 4]>,
+    pub(crate) color_has_alpha: bool,
+    pub(crate) texcoords: Vec<[f32; 2]>,
+    /// Empty, or the third components.
+    pub(crate) texcoords_w: Vec<f32>,
+    pub(crate) normals: Vec<[f32; 3]>,
+    /// Of each corner: its position.
+    pub(crate) corner_v: Vec<u32>,
+    /// Of each corner: its texture coordinates or [`NONE`]; empty if no corner has any.
+    pub(crate) corner_t: Vec<u32>,
+    /// Of each corner: its normal or [`NONE`]; empty if no corner has any.
+    pub(crate) corner_n: Vec<u32>,
+    /// End of the corners of each face.
+    pub(crate) face_ends: Vec<u32>,
+    /// Runs of faces with the same material and label.
+    pub(crate) runs: Vec<Run>,
+    /// Names of materials in order of appearance.
+    pub(crate) materials: Vec<String>,
+    /// Names of parts in order of appearance.
+    pub(crate) labels: Vec<String>,
+    /// Names of the objects in the file: none, one, or several. That of the only one is the name of
+    /// the whole, and of no part.
+    pub(crate) objects: Vec<String>,
+}
+
+/// Faces from `first_face` up to the next run.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Run {
+    pub(crate) first_face: u32,
+    /// Index into the materials, or [`NONE`].
+    pub(crate) material: u32,
+    /// Index into the labels, or [`NONE`].
+    pub(crate) label: u32,
+}
+
+impl Faces {
+    /// Name of the only object, or the file's.
+    pub(crate) fn name(&self, assets: &Assets) -> String {
+        match &self.objects[..] {
+            [only] => only.clone(),
+            _ => assets.stem(),
+        }
+    }
+}
+
+/// The scene of a file that is one object, whose submeshes are its materials.
+///
+/// # Errors
+/// If the mesh is too large.
+pub(crate) fn scene(
+    mut assembled: Assembled,
+    name: String,
+    source: Source,
+    document: ObjDocument,
+    mut warnings: Vec<String>,
+    assets: &Assets,
+    options: &ImportOptions,
+) -> Result<Scene, FormatError> {
+    let mut parts = std::mem::take(&mut assembled.parts);
+    let source_positions =
+        tidy_numbered(&mut parts, assembled.source_positions, options.weld, &mut warnings);
+    let mesh =
+        Mesh::try_from(parts).map_err(|e| FormatError::new(Fault::Limit, "", e.to_string()))?;
+    let name = if name.is_empty() { "mesh0".to_owned() } else { name };
+    let info = ObjectInfo {
+        name,
+        submeshes: assembled.submeshes,
+        world_scale: 1.0,
+        document_mesh: 0,
+        poses: vec![],
+    };
+    Ok(Scene {
+        source,
+        document: Document::Obj(document),
+        objects: vec![SceneObject { info, mesh, source_positions }],
+        warnings,
+        files: assets.files().clone(),
+        compressed: false,
+        quantized: false,
+    })
+}
+
+/// [`tidy`], with a number for each vertex; returns those of the vertices that stay.
+fn tidy_numbered(
+    parts: &mut MeshParts,
+    numbers: Vec<u32>,
+    weld: f64,
+    warnings: &mut Vec<String>,
+) -> Vec<u32> {
+    // As a stream of no submesh, the numbers go wherever their vertices go.
+    parts.attributes.push(Attribute {
+        semantic: Semantic::Custom(String::new()),
+        morph_target: None,
+        component: Component::U32,
+        components: 1,
+        normalized: false,
+        bytes: numbers.into_iter().flat_map(u32::to_le_bytes).collect(),
+    });
+    tidy(parts, weld, warnings);
+    let bytes = parts.attributes.pop().map(|a| a.bytes).unwrap_or_default();
+    bytes.as_chunks().0.iter().copied().map(u32::from_le_bytes).collect()
+}
+
+/// Welds if asked to, and drops what takes no part.
+fn tidy(parts: &mut MeshParts, weld: f64, warnings: &mut Vec<String>) {
+    if weld > 0.0 {
+        let moved = lodc_mesh::weld_positions(parts, weld * diagonal(&parts.positions));
+        if moved > 0 {
+            warnings.push(format!("{moved} vertices were welded to a neighbour"));
+        }
+    }
+    let cleaning = parts.clean();
+    if cleaning.degenerate_triangles > 0 {
+        warnings.push(format!(
+            "{} triangles with two corners at one position were dropped",
+            cleaning.degenerate_triangles
+        ));
+    }
+    if parts.triangles.is_empty() {
+        warnings.push("there is no triangle: nothing to simplify".to_owned());
+    }
+}
+
+fn diagonal(positions: &[[f32; 3]]) -> f64 {
+    let extent = |i: usize| {
+        let values = positions.iter().map(|p| f64::from(p[i]));
+        let (low, high) =
+            values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), c| (l.min(c), h.max(c)));
+        if high > low { high - low } else { 0.0 }
+    };
+    (0..3).map(|i| extent(i).powi(2)).sum::<f64>().sqrt()
+}

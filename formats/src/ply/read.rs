@@ -1,0 +1,243 @@
+//! Reading Stanford PLY, ASCII and binary.
+//!
+//! `serde-ply` reads headers and values. Which property means what is decided here; a property that
+//! means nothing to a mesh is left out, with a warning.
+
+mod columns;
+
+use crate::faces::{self, Faces, NONE, Run};
+use crate::options::ImportOptions;
+use crate::{
+    Assets, Fault, FormatError, Limits, ObjDocument, ObjMaterial, Scene, Source, SourceFormat,
+};
+use columns::{Count, FaceColumn, Rows, VertexColumn};
+use serde::de::{DeserializeSeed, MapAccess};
+use serde_ply::{DeserializeError, ElementDef, PlyFormat, PlyHeader, PlyReader};
+use std::io::{BufRead, ErrorKind, Read};
+use xxhash_rust::xxh3::xxh3_128;
+
+/// Reads a PLY; `bytes` is the main file.
+///
+/// # Errors
+/// See [`crate::import::import`].
+pub(crate) fn import(
+    bytes: &[u8],
+    assets: &Assets,
+    options: &ImportOptions,
+) -> Result<Scene, FormatError> {
+    let content_hash = xxh3_128(bytes);
+    // Values of ASCII end at white space, which the last one may lack.
+    let mut reader =
+        PlyReader::from_reader(bytes.chain(&b"\n"[..])).map_err(|e| header_error(&e))?;
+    let header = reader.header().clone();
+    check(&header, bytes.len(), assets.limits())?;
+    let mut content = Content::default();
+    for element in &header.elem_defs {
+        content.read(element, &mut reader, assets.limits())?;
+    }
+    let materials = textures(&header);
+    let mut warnings = content.warnings;
+    let mut faces = content.faces;
+    finish(&mut faces, &content.numbers, &materials, &mut warnings)?;
+
+    let assembled = faces::assemble(&faces, content_hash as u64);
+    for (count, what) in [
+        (content.small, "faces with fewer than three corners were dropped"),
+        (assembled.polygons, "polygons were triangulated"),
+        (
+            assembled.imperfect_polygons,
+            "of these cross themselves or turn back: their triangles may overlap",
+        ),
+        (
+            assembled.filled_texcoords,
+            "corners without texture coordinates beside others that have them were given (0, 0)",
+        ),
+    ] {
+        if count > 0 {
+            warnings.push(format!("{count} {what}"));
+        }
+    }
+    let source = Source { format: SourceFormat::Ply, content_hash };
+    let document = ObjDocument { libraries: Vec::new(), materials };
+    faces::scene(assembled, assets.stem(), source, document, warnings, assets, options)
+}
+
+/// Everything between the header and the end.
+#[derive(Debug, Default)]
+struct Content {
+    faces: Faces,
+    /// Of each face: the number of its texture; empty if none says one.
+    numbers: Vec<u32>,
+    /// Faces with fewer than three corners.
+    small: u64,
+    warnings: Vec<String>,
+}
+
+impl Content {
+    fn read<R: BufRead>(
+        &mut self,
+        element: &ElementDef,
+        reader: &mut PlyReader<R>,
+        limits: &Limits,
+    ) -> Result<(), FormatError> {
+        let count = Count::default();
+        let name = element.name.as_str();
+        let mut unused = Vec::new();
+        let read = match name {
+            "vertex" => {
+                let columns = VertexColumn::of(element, &mut unused);
+                let sink = columns::vertices(&mut self.faces, &columns, &count);
+                value(reader, Rows { element, count: &count, sink })
+            }
+            "face" | "tristrips" => {
+                let strips = name == "tristrips";
+                let columns = FaceColumn::of(element, &mut unused);
+                let most = limits.triangles.saturating_mul(3).min(u64::from(NONE) - 1);
+                let sink = columns::faces(self, &columns, strips, most);
+                value(reader, Rows { element, count: &count, sink })
+            }
+            _ => {
+                if element.count > 0 {
+                    self.warnings
+                        .push(format!("{} elements `{name}` were left out", element.count));
+                }
+                value(reader, Rows { element, count: &count, sink: |_: usize, _: &[f64]| Ok(()) })
+            }
+        };
+        if !unused.is_empty() && element.count > 0 {
+            let names = unused.join("`, `");
+            self.warnings.push(format!("of each {name} was left out: `{names}`"));
+        }
+        read.map_err(|e| {
+            let place = format!("{name} {}", count.rows());
+            let (fault, what) = said(&e);
+            FormatError::new(fault, place, what)
+        })
+    }
+}
+
+/// Reads the next element.
+fn value<R: BufRead>(
+    mut reader: &mut PlyReader<R>,
+    rows: impl DeserializeSeed<'static, Value = ()>,
+) -> Result<(), DeserializeError> {
+    MapAccess::next_value_seed(&mut reader, rows)
+}
+
+/// Checks counts against the size of the file and the limits, before memory is taken for them.
+fn check(header: &PlyHeader, bytes: usize, limits: &Limits) -> Result<(), FormatError> {
+    for (number, element) in header.elem_defs.iter().enumerate() {
+        let place = || "header".to_owned();
+        let name = &element.name;
+        let later = &header.elem_defs[number..];
+        if name == "face" && later.iter().any(|e| e.name == "vertex") {
+            let what = "element `face` stands before element `vertex`";
+            return Err(FormatError::new(Fault::Unsupported, place(), what));
+        }
+        if matches!(name.as_str(), "vertex" | "face" | "tristrips")
+            && header.elem_defs[..number].iter().any(|e| e.name == *name)
+        {
+            let what = format!("there are two elements `{name}`");
+            return Err(FormatError::new(Fault::Malformed, place(), what));
+        }
+        let least: u64 = match header.format {
+            // A digit and white space.
+            PlyFormat::Ascii => 2 * element.properties.len() as u64,
+            _ => element.properties.iter().map(|p| columns::least_bytes(&p.property_type)).sum(),
+        };
+        let count = element.count as u64;
+        if count > 0 && least == 0 {
+            let what = format!("element `{name}` has no properties");
+            return Err(FormatError::new(Fault::Malformed, place(), what));
+        }
+        if count.saturating_mul(least) > bytes as u64 + 1 {
+            let what = format!("{count} elements `{name}` do not fit into the file");
+            return Err(FormatError::new(Fault::Malformed, place(), what));
+        }
+        let limit = match name.as_str() {
+            "vertex" => limits.vertices.min(u64::from(NONE) - 1),
+            "face" => limits.triangles,
+            _ => u64::MAX,
+        };
+        if count > limit {
+            let what = format!("{count} elements `{name}`: the limit is {limit}");
+            return Err(FormatError::new(Fault::Limit, place(), what));
+        }
+    }
+    Ok(())
+}
+
+/// Checks indices, and sorts faces by texture.
+fn finish(
+    faces: &mut Faces,
+    numbers: &[u32],
+    materials: &[ObjMaterial],
+    warnings: &mut Vec<String>,
+) -> Result<(), FormatError> {
+    let vertices = faces.positions.len();
+    if let Some(corner) = faces.corner_v.iter().position(|&v| v as usize >= vertices) {
+        let face = faces.face_ends.partition_point(|&end| end as usize <= corner);
+        let what = format!(
+            "vertex {} is not there: the file has {vertices}, counted from 0",
+            faces.corner_v[corner]
+        );
+        return Err(FormatError::new(Fault::Malformed, format!("face {}", face + 1), what));
+    }
+    if !faces.normals.is_empty() {
+        faces.corner_n.clone_from(&faces.corner_v);
+    }
+    if faces.corner_t.is_empty() && !faces.texcoords.is_empty() {
+        faces.corner_t.clone_from(&faces.corner_v);
+    }
+    faces.materials = materials.iter().map(|m| m.name.clone()).collect();
+    let mut missing = 0u64;
+    for face in 0..faces.face_ends.len() {
+        let number = numbers.get(face).copied().unwrap_or(0);
+        let there = (number as usize) < materials.len();
+        missing += u64::from(!there && !numbers.is_empty());
+        let material = if there { number } else { NONE };
+        if faces.runs.last().is_none_or(|run| run.material != material) {
+            faces.runs.push(Run { first_face: face as u32, material, label: NONE });
+        }
+    }
+    if missing > 0 && !materials.is_empty() {
+        warnings.push(format!("{missing} faces name a texture that the file does not have"));
+    }
+    Ok(())
+}
+
+/// The textures that comments name (`comment TextureFile wood.png`, as MeshLab and others write
+/// it), as materials.
+fn textures(header: &PlyHeader) -> Vec<ObjMaterial> {
+    let names = header.comments.iter().filter_map(|c| c.strip_prefix("TextureFile "));
+    (0..)
+        .zip(names)
+        .map(|(number, name): (usize, &str)| ObjMaterial {
+            name: format!("texture{number}"),
+            lines: vec![format!("map_Kd {}", name.trim())],
+        })
+        .collect()
+}
+
+fn header_error(error: &DeserializeError) -> FormatError {
+    let (fault, what) = said(error);
+    FormatError::new(fault, "header", what)
+}
+
+/// Whose fault an error is, and its words.
+fn said(error: &DeserializeError) -> (Fault, String) {
+    if error.0.kind() == ErrorKind::UnexpectedEof {
+        return (Fault::Malformed, "the file ends before it".to_owned());
+    }
+    let text = error.0.to_string();
+    if let Some(limit) = text.strip_prefix(columns::LIMIT) {
+        return (Fault::Limit, limit.to_owned());
+    }
+    let mut letters = text.chars();
+    let first = letters.next().map(|c| c.to_ascii_lowercase());
+    (Fault::Malformed, first.into_iter().chain(letters).collect())
+}
+
+#[cfg(test)]
+#[path = "read_tests.rs"]
+mod tests;

@@ -1,0 +1,387 @@
+//! Rows of a PLY as numbers, and what their columns mean.
+
+use super::Content;
+use crate::faces::{Faces, NONE};
+use serde::Deserializer;
+use serde::de::{DeserializeSeed, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
+use serde_ply::{ElementDef, PropertyType, ScalarType};
+use std::cell::Cell;
+use std::fmt;
+
+/// First characters of what a sink says when a limit is reached.
+pub(super) const LIMIT: &str = "limit: ";
+
+/// Number of the row that is read, from 1.
+#[derive(Debug, Default)]
+pub(super) struct Count(Cell<u64>);
+
+impl Count {
+    pub(super) fn rows(&self) -> u64 {
+        self.0.get()
+    }
+}
+
+/// Reads all rows of an element. `sink` gets each property's number and values: one, or those of a
+/// list.
+pub(super) struct Rows<'a, F> {
+    pub(super) element: &'a ElementDef,
+    pub(super) count: &'a Count,
+    pub(super) sink: F,
+}
+
+impl<'de, F: FnMut(usize, &[f64]) -> Result<(), String>> DeserializeSeed<'de> for Rows<'_, F> {
+    type Value = ();
+
+    fn deserialize<D: Deserializer<'de>>(self, rows: D) -> Result<(), D::Error> {
+        rows.deserialize_seq(self)
+    }
+}
+
+impl<'de, F: FnMut(usize, &[f64]) -> Result<(), String>> Visitor<'de> for Rows<'_, F> {
+    type Value = ();
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("rows")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(mut self, mut rows: A) -> Result<(), A::Error> {
+        let mut values = Vec::new();
+        for row in 1..=self.element.count {
+            self.count.0.set(row as u64);
+            rows.next_element_seed(Row { sink: &mut self.sink, values: &mut values })?;
+        }
+        Ok(())
+    }
+}
+
+/// Reads one row.
+struct Row<'a, F> {
+    sink: &'a mut F,
+    values: &'a mut Vec<f64>,
+}
+
+impl<'de, F: FnMut(usize, &[f64]) -> Result<(), String>> DeserializeSeed<'de> for Row<'_, F> {
+    type Value = ();
+
+    fn deserialize<D: Deserializer<'de>>(self, row: D) -> Result<(), D::Error> {
+        row.deserialize_map(self)
+    }
+}
+
+impl<'de, F: FnMut(usize, &[f64]) -> Result<(), String>> Visitor<'de> for Row<'_, F> {
+    type Value = ();
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a row")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut row: A) -> Result<(), A::Error> {
+        let mut column = 0;
+        // Properties come in the order of the header: their names need not be looked at.
+        while row.next_key::<IgnoredAny>()?.is_some() {
+            self.values.clear();
+            row.next_value_seed(Numbers(self.values))?;
+            (self.sink)(column, self.values).map_err(A::Error::custom)?;
+            column += 1;
+        }
+        Ok(())
+    }
+}
+
+/// Reads a number or a list of numbers.
+struct Numbers<'a>(&'a mut Vec<f64>);
+
+impl<'de> DeserializeSeed<'de> for Numbers<'_> {
+    type Value = ();
+
+    fn deserialize<D: Deserializer<'de>>(self, value: D) -> Result<(), D::Error> {
+        value.deserialize_any(self)
+    }
+}
+
+impl<'de> Visitor<'de> for Numbers<'_> {
+    type Value = ();
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("numbers")
+    }
+
+    fn visit_i8<E>(self, v: i8) -> Result<(), E> {
+        self.0.push(f64::from(v));
+        Ok(())
+    }
+
+    fn visit_u8<E>(self, v: u8) -> Result<(), E> {
+        self.0.push(f64::from(v));
+        Ok(())
+    }
+
+    fn visit_i16<E>(self, v: i16) -> Result<(), E> {
+        self.0.push(f64::from(v));
+        Ok(())
+    }
+
+    fn visit_u16<E>(self, v: u16) -> Result<(), E> {
+        self.0.push(f64::from(v));
+        Ok(())
+    }
+
+    fn visit_i32<E>(self, v: i32) -> Result<(), E> {
+        self.0.push(f64::from(v));
+        Ok(())
+    }
+
+    fn visit_u32<E>(self, v: u32) -> Result<(), E> {
+        self.0.push(f64::from(v));
+        Ok(())
+    }
+
+    fn visit_f32<E>(self, v: f32) -> Result<(), E> {
+        self.0.push(f64::from(v));
+        Ok(())
+    }
+
+    fn visit_f64<E>(self, v: f64) -> Result<(), E> {
+        self.0.push(v);
+        Ok(())
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<(), A::Error> {
+        // No memory for a length that is only claimed.
+        while list.next_element_seed(Numbers(self.0))?.is_some() {}
+        Ok(())
+    }
+}
+
+/// Fewest bytes that a property takes in a binary file.
+pub(super) const fn least_bytes(kind: &PropertyType) -> u64 {
+    let (PropertyType::Scalar(number) | PropertyType::List { count_type: number, .. }) = kind;
+    match number {
+        ScalarType::I8 | ScalarType::U8 => 1,
+        ScalarType::I16 | ScalarType::U16 => 2,
+        ScalarType::I32 | ScalarType::U32 | ScalarType::F32 => 4,
+        ScalarType::F64 => 8,
+    }
+}
+
+/// What a property of a vertex means.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum VertexColumn {
+    Position(usize),
+    Normal(usize),
+    Texcoord(usize),
+    /// Channel, and the value that is full intensity.
+    Color(usize, f64),
+    Unused,
+}
+
+impl VertexColumn {
+    /// The meaning of each property; names of those that have none go to `unused`.
+    pub(super) fn of(element: &ElementDef, unused: &mut Vec<String>) -> Vec<Self> {
+        let has = |name: &str| element.has_property(name);
+        let (normals, colors) =
+            (has("nx") && has("ny") && has("nz"), has("red") || has("diffuse_red"));
+        let meaning = |name: &str, number: ScalarType| match name {
+            "x" => Self::Position(0),
+            "y" => Self::Position(1),
+            "z" => Self::Position(2),
+            "nx" if normals => Self::Normal(0),
+            "ny" if normals => Self::Normal(1),
+            "nz" if normals => Self::Normal(2),
+            "s" | "u" | "texture_u" | "s0" => Self::Texcoord(0),
+            "t" | "v" | "texture_v" | "t0" => Self::Texcoord(1),
+            "red" | "diffuse_red" => Self::Color(0, full(number)),
+            "green" | "diffuse_green" => Self::Color(1, full(number)),
+            "blue" | "diffuse_blue" => Self::Color(2, full(number)),
+            "alpha" if colors => Self::Color(3, full(number)),
+            _ => Self::Unused,
+        };
+        let mut seen = Vec::new();
+        let properties = element.properties.iter();
+        let columns = properties.map(|property| {
+            let column = match &property.property_type {
+                PropertyType::Scalar(number) => meaning(&property.name, *number),
+                PropertyType::List { .. } => Self::Unused,
+            };
+            if column == Self::Unused || seen.contains(&column) {
+                unused.push(property.name.clone());
+                return Self::Unused;
+            }
+            seen.push(column);
+            column
+        });
+        columns.collect()
+    }
+}
+
+/// The value of a colour's channel that is full intensity.
+const fn full(number: ScalarType) -> f64 {
+    match number {
+        ScalarType::I8 => i8::MAX as f64,
+        ScalarType::U8 => u8::MAX as f64,
+        ScalarType::I16 => i16::MAX as f64,
+        ScalarType::U16 => u16::MAX as f64,
+        ScalarType::I32 => i32::MAX as f64,
+        ScalarType::U32 => u32::MAX as f64,
+        ScalarType::F32 | ScalarType::F64 => 1.0,
+    }
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "a mesh is in single precision")]
+const fn single(v: f64) -> f32 {
+    v as f32
+}
+
+/// Takes the vertices; each value of a row in its turn.
+pub(super) fn vertices<'a>(
+    faces: &'a mut Faces,
+    columns: &'a [VertexColumn],
+    count: &'a Count,
+) -> impl FnMut(usize, &[f64]) -> Result<(), String> + 'a {
+    let has = |column: fn(&VertexColumn) -> bool| columns.iter().any(column);
+    let normals = has(|c| matches!(c, VertexColumn::Normal(_)));
+    let texcoords = has(|c| matches!(c, VertexColumn::Texcoord(_)));
+    let colors = has(|c| matches!(c, VertexColumn::Color(..)));
+    faces.color_has_alpha = has(|c| matches!(c, VertexColumn::Color(3, _)));
+    move |column, values| {
+        let at = count.rows() as usize - 1;
+        if faces.positions.len() <= at {
+            faces.positions.push([0.0; 3]);
+            faces.normals.resize(if normals { at + 1 } else { 0 }, [0.0; 3]);
+            faces.texcoords.resize(if texcoords { at + 1 } else { 0 }, [0.0; 2]);
+            faces.colors.resize(if colors { at + 1 } else { 0 }, [1.0; 4]);
+        }
+        match columns[column] {
+            VertexColumn::Position(axis) => {
+                let value = single(values[0]);
+                if !value.is_finite() {
+                    return Err(format!("the coordinate {} is not finite", values[0]));
+                }
+                faces.positions[at][axis] = value;
+            }
+            VertexColumn::Normal(axis) => faces.normals[at][axis] = single(values[0]),
+            VertexColumn::Texcoord(axis) => faces.texcoords[at][axis] = single(values[0]),
+            VertexColumn::Color(channel, full) => {
+                faces.colors[at][channel] = single(values[0] / full);
+            }
+            VertexColumn::Unused => {}
+        }
+        Ok(())
+    }
+}
+
+/// What a property of a face means.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum FaceColumn {
+    Corners,
+    /// Two numbers for each corner.
+    Texcoords,
+    Texture,
+    Unused,
+}
+
+impl FaceColumn {
+    /// The meaning of each property; names of those that have none go to `unused`.
+    pub(super) fn of(element: &ElementDef, unused: &mut Vec<String>) -> Vec<Self> {
+        let mut seen = Vec::new();
+        let columns = element.properties.iter().map(|property| {
+            let list = matches!(property.property_type, PropertyType::List { .. });
+            let column = match (property.name.as_str(), list) {
+                ("vertex_indices" | "vertex_index", true) => Self::Corners,
+                ("texcoord", true) => Self::Texcoords,
+                ("texnumber", false) => Self::Texture,
+                _ => Self::Unused,
+            };
+            if column == Self::Unused || seen.contains(&column) {
+                unused.push(property.name.clone());
+                return Self::Unused;
+            }
+            seen.push(column);
+            column
+        });
+        columns.collect()
+    }
+}
+
+/// Takes faces, or strips of triangles that -1 divides; `most` corners together.
+pub(super) fn faces<'a>(
+    content: &'a mut Content,
+    columns: &'a [FaceColumn],
+    strips: bool,
+    most: u64,
+) -> impl FnMut(usize, &[f64]) -> Result<(), String> + 'a {
+    let last = columns.len() - 1;
+    let textures = columns.contains(&FaceColumn::Texture);
+    let (mut corners, mut texcoords, mut texture) = (Vec::new(), Vec::new(), 0.0);
+    move |column, values| {
+        match columns[column] {
+            FaceColumn::Corners => corners.clone_from(&values.to_vec()),
+            FaceColumn::Texcoords => texcoords.clone_from(&values.to_vec()),
+            FaceColumn::Texture => texture = values[0],
+            FaceColumn::Unused => {}
+        }
+        if column < last {
+            return Ok(());
+        }
+        if strips {
+            triangles_of(&corners, &mut content.faces)?;
+        } else if corners.len() < 3 {
+            content.small += 1;
+        } else {
+            face(&corners, &texcoords, &mut content.faces)?;
+            if textures {
+                content.numbers.push(index(texture).unwrap_or(NONE));
+            }
+        }
+        corners.clear();
+        texcoords.clear();
+        if content.faces.corner_v.len() as u64 > most {
+            return Err(format!(
+                "{LIMIT}more than {most} corners of faces: the limit on triangles"
+            ));
+        }
+        Ok(())
+    }
+}
+
+/// Adds a face. Its own texture coordinates come before those of its vertices.
+fn face(corners: &[f64], texcoords: &[f64], faces: &mut Faces) -> Result<(), String> {
+    for &corner in corners {
+        faces.corner_v.push(vertex(corner)?);
+    }
+    faces.face_ends.push(faces.corner_v.len() as u32);
+    if texcoords.len() == 2 * corners.len() {
+        // Faces before the first with coordinates of its own have none.
+        faces.corner_t.resize(faces.corner_v.len() - corners.len(), NONE);
+        for uv in texcoords.as_chunks::<2>().0 {
+            faces.corner_t.push(faces.texcoords.len() as u32);
+            faces.texcoords.push(uv.map(single));
+        }
+    } else if !faces.corner_t.is_empty() {
+        faces.corner_t.resize(faces.corner_v.len(), NONE);
+    }
+    Ok(())
+}
+
+/// Adds the triangles of strips, every second one turned.
+fn triangles_of(strips: &[f64], faces: &mut Faces) -> Result<(), String> {
+    for strip in strips.split(|&corner| corner == -1.0) {
+        for (number, triangle) in strip.windows(3).enumerate() {
+            let [a, b, c] = [triangle[0], triangle[1], triangle[2]];
+            let turned = if number % 2 == 0 { [a, b, c] } else { [b, a, c] };
+            face(&turned, &[], faces)?;
+        }
+    }
+    Ok(())
+}
+
+fn vertex(corner: f64) -> Result<u32, String> {
+    index(corner).ok_or_else(|| format!("vertex {corner} is no index"))
+}
+
+/// A whole number that an index can be.
+fn index(value: f64) -> Option<u32> {
+    let whole = value.fract() == 0.0 && (0.0..f64::from(NONE)).contains(&value);
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it is one")]
+    whole.then_some(value as u32)
+}
