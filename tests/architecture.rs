@@ -67,7 +67,6 @@ const DRAWING: &[(&str, &[&str])] = &[
             "lodc-model",
             "lodc-progressive",
             "lodc-scene",
-            "lodc-strip",
             "bincode",
             "gltf",
             "hifijson",

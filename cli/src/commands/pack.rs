@@ -91,12 +91,7 @@ fn check(packed: &Packed) -> Outcome<()> {
     if unpacker.is_complete() { Ok(()) } else { Err(bug("something is missing")) }
 }
 
-fn report(
-    args: &PackArgs,
-    file: &LodFile,
-    packed: &Packed,
-    target: &Target,
-) -> PackReport {
+fn report(args: &PackArgs, file: &LodFile, packed: &Packed, target: &Target) -> PackReport {
     let bound = |b: &ErrorBound| BoundReport {
         stream: b.stream.clone(),
         bits: b.bits,

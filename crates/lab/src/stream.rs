@@ -44,7 +44,8 @@ pub(crate) fn measure(prepared: &Prepared, rounds: Option<u32>) -> Result<Stream
     let speed = |rounds: u32| -> Result<StreamTimings, LabError> {
         let one = ThreadPoolBuilder::new().num_threads(1).build();
         let one = one.map_err(|e| LabError::Limit(format!("no thread to work with: {e}")))?;
-        let encode = one.install(|| timed(rounds, || packed(None, false).map(|p| p.bytes.len())))?;
+        let encode =
+            one.install(|| timed(rounds, || packed(None, false).map(|p| p.bytes.len())))?;
         let decode = one.install(|| timed(rounds, || index_list(&whole.bytes).map_err(bug)))?;
         let triangles = object.simplified.mesh().triangles().len() as f64;
         let rate = |timings: &Timings| triangles / timings.best() / 1e3;

@@ -8,14 +8,16 @@
 //! 1. A collapse sequence, read backwards, is a sequence of *vertex splits* that turns one vertex
 //!    into the whole mesh. Vertices before its first triangle, *points*, come when a split needs
 //!    them.
-//! 2. Each split names the *parent* of the new vertex, as the distance from the one before.
-//! 3. It adds *new triangles*, mostly one on each side of the edge from parent to new vertex, coded
+//! 2. Splits come in *batches*, each a pass through a list of all wedge groups with a bit for each
+//!    that says whether it is split; or each names its *parent*, if every level is wanted.
+//! 3. A split adds *new triangles*, mostly one on each side of the edge from parent to new vertex, coded
 //!    by the places of their third corners in the parent's link.
 //! 4. It *transfers* some triangles of the parent's star to the new vertex, which mostly follows
 //!    from the new triangles.
-//! 5. It gives the new vertex its *values*, coded as residuals to the mean of the vertices around.
-//! 6. Consecutive splits of one collapse, one for each wedge, are a *step*; it ends with the error
-//!    after it.
+//! 5. It gives the new vertex its *values*: those of a vertex nearby, or residuals to a prediction
+//!    from the vertices around.
+//! 6. Consecutive splits of one collapse, one for each wedge, are a *step*; a batch ends with the
+//!    error after it.
 //! 7. Every bit is coded with an *adaptive probability*, chosen by context and updated after each
 //!    use, or as it is where nothing is known about it.
 //! 8. The same generic code encodes and decodes, so that the two sides cannot differ; what only an
@@ -58,7 +60,7 @@
 //! VertexLayout};
 //!
 //! let sphere = lodc_fixtures::random_collapse(&lodc_fixtures::icosphere(2), 7);
-//! let mut encoder = MeshEncoder::new(&sphere, VertexLayout::choose(&sphere));
+//! let mut encoder = MeshEncoder::new(&sphere, VertexLayout::choose(&sphere), false);
 //! let header = encoder.header().clone();
 //! let (mut contexts, mut blocks, mut bytes) = (Contexts::new(), Vec::new(), 0);
 //! while !encoder.is_complete() {

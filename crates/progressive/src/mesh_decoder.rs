@@ -69,11 +69,7 @@ impl MeshDecoder {
         Ok(())
     }
 
-    fn check_step(
-        &self,
-        coder: &Decoder<'_>,
-        is_last: bool,
-    ) -> Result<(), InvalidStream> {
+    fn check_step(&self, coder: &Decoder<'_>, is_last: bool) -> Result<(), InvalidStream> {
         if coder.is_exhausted() {
             return Err(InvalidStream("ends before its steps do"));
         }

@@ -2,7 +2,9 @@
 
 use crate::{Fault, FormatError};
 use lodc_mesh::{Attribute, Component, Submesh, put_leb128, take_leb128};
-use lodc_progressive::{NumberSystem, MeshHeader, Octahedral, Prediction, VertexLayout, text_codec};
+use lodc_progressive::{
+    MeshHeader, NumberSystem, Octahedral, Prediction, VertexLayout, text_codec,
+};
 
 mod attribute;
 mod systems;

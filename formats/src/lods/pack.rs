@@ -8,7 +8,8 @@ use crate::lodc::{LodFile, LodObject};
 use crate::{Fault, FormatError};
 use lodc_mesh::Simplified;
 use lodc_progressive::{
-    BlockTarget, Contexts, EncodedSteps, ErrorBound, MeshEncoder, Quantize, VertexLayout, in_batches,
+    BlockTarget, Contexts, EncodedSteps, ErrorBound, MeshEncoder, Quantize, VertexLayout,
+    in_batches,
 };
 use std::borrow::Cow;
 use std::cmp::Reverse;
@@ -74,10 +75,7 @@ struct ObjectWriter<'a> {
 ///
 /// # Errors
 /// If something is larger than the format allows.
-pub fn pack<M>(
-    file: &LodFile<M>,
-    options: &PackOptions,
-) -> Result<Packed, FormatError> {
+pub fn pack<M>(file: &LodFile<M>, options: &PackOptions) -> Result<Packed, FormatError> {
     let ordered: Vec<Cow<'_, Simplified>> =
         file.objects.iter().map(|o| in_stream_order(&o.simplified, options.exact)).collect();
     let writer = |(object, simplified)| ObjectWriter::new(object, simplified, options);
@@ -199,11 +197,7 @@ impl<'a> StreamWriter<'a> {
 }
 
 impl<'a> ObjectWriter<'a> {
-    fn new<M>(
-        object: &LodObject<M>,
-        simplified: &'a Simplified,
-        options: &PackOptions,
-    ) -> Self {
+    fn new<M>(object: &LodObject<M>, simplified: &'a Simplified, options: &PackOptions) -> Self {
         let mut layout = VertexLayout::choose(simplified);
         let bounds = options.quantize.apply(simplified.mesh(), &mut layout);
         let encoder = MeshEncoder::new(simplified, layout, options.exact);

@@ -13,8 +13,8 @@
 //!   walked         0 3 5 1 2 4        bits 1 0 · 1 0 · 0 · 0 · 1, and the batch is over
 //! ```
 
-use lodc_mesh::{MeshParts, NONE, PositionIds, SequenceParts, Simplified, removal_lods};
 use lodc_mesh::{CollapseSequence, Lod, Mesh};
+use lodc_mesh::{MeshParts, NONE, PositionIds, SequenceParts, Simplified, removal_lods};
 
 /// A batch has one step, and one more for so many steps before it: it grows the mesh by a third.
 /// Shorter ones cost more bits (a quarter: 0.3 for each vertex), longer ones show worse levels within.
@@ -364,13 +364,14 @@ fn has_triangles_across_submeshes(simplified: &Simplified) -> bool {
     }
     let last = simplified.collapses().records();
     let appearances = super::first_appearance::first_appearances(simplified);
-    let is_across = |(appearance, triangle): (&super::first_appearance::FirstAppearance, &[u32; 3])| {
-        (0..3).any(|i| {
-            let first = last - appearance.vertices[i];
-            let finest = triangle[(appearance.rotation + i) % 3];
-            changes[first as usize] != changes[finest as usize]
-        })
-    };
+    let is_across =
+        |(appearance, triangle): (&super::first_appearance::FirstAppearance, &[u32; 3])| {
+            (0..3).any(|i| {
+                let first = last - appearance.vertices[i];
+                let finest = triangle[(appearance.rotation + i) % 3];
+                changes[first as usize] != changes[finest as usize]
+            })
+        };
     appearances.iter().zip(simplified.mesh().triangles()).any(is_across)
 }
 

@@ -117,12 +117,17 @@ impl EncoderSource {
     /// each group with points that are left when all vertices have come.
     pub(crate) fn steps(&self) -> u32 {
         let (points, all) = (self.points as usize, self.parents.len());
-        // With a point its whole group comes.
-        let mut come = vec![false; points];
+        // In the first step single points come; a later one brings whole groups.
+        let first_step = points + self.continues[points..].iter().take_while(|&&c| c).count();
+        let [mut come, mut group_comes] = [vec![false; points], vec![false; points]];
         for vertex in points..all {
+            let come = if vertex <= first_step { &mut come } else { &mut group_comes };
             let corners =
                 self.new_triangles(vertex as u32).iter().flat_map(|t| [t.next, t.previous]);
-            for needed in corners.chain([self.parents[vertex]]) {
+            // In a batch the first of the parent's group comes, too.
+            let parent = self.parents[vertex];
+            let of_group = if self.batches.is_some() && (vertex == points || !self.continues[vertex - 1]) { self.groups[parent as usize] } else { parent };
+            for needed in corners.chain([parent, of_group]) {
                 if let Some(come) = come.get_mut(needed as usize) {
                     *come = true;
                 }
@@ -131,7 +136,9 @@ impl EncoderSource {
         let (mut left, mut first) = (0, 0);
         for end in 1..=points {
             if end == points || self.groups[end] as usize == end {
-                left += u32::from(!come[first..end].contains(&true));
+                let is_whole = come[first..end].iter().all(|&come| come)
+                    || group_comes[first..end].contains(&true);
+                left += u32::from(!is_whole);
                 first = end;
             }
         }

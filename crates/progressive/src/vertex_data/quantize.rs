@@ -61,12 +61,8 @@ impl Quantize {
                 Some(bound.unwrap_or(on_grid))
             };
             bounds.extend(match (&a.semantic, self.normal, self.uv) {
-                (Semantic::Normal, Some(bits), _) if unit => {
-                    direction(bits, "normal")
-                }
-                (Semantic::Tangent, Some(bits), _) if unit => {
-                    direction(bits, "tangent")
-                }
+                (Semantic::Normal, Some(bits), _) if unit => direction(bits, "normal"),
+                (Semantic::Tangent, Some(bits), _) if unit => direction(bits, "tangent"),
                 (Semantic::TexCoord(set), _, Some(bits)) => {
                     grid(layout, i + 1, bits, &span, format!("uv {set}"))
                 }

@@ -295,8 +295,8 @@ impl VertexCode<'_> {
     ) {
         let stream = &self.values.layout.streams[s];
         let systems = &self.values.layout.systems[stream.first..];
-        let is_direction = stream.prediction == Prediction::Direction
-            && !self.neighborhood.link.is_empty();
+        let is_direction =
+            stream.prediction == Prediction::Direction && !self.neighborhood.link.is_empty();
         let mut accuracy = 0;
         for (channel, &guess) in guesses.iter().enumerate() {
             let slot = slot * CHANNEL_SLOTS + channel.min(CHANNEL_SLOTS - 1);

@@ -21,10 +21,8 @@ pub(crate) struct BatchContexts {
 }
 
 impl BatchContexts {
-    pub(crate) const NEW: Self = Self {
-        steps: GammaCode::NEW,
-        splits: [[[AdaptiveBit::NEW; TRIANGLES]; CLASSES]; RATIOS],
-    };
+    pub(crate) const NEW: Self =
+        Self { steps: GammaCode::NEW, splits: [[[AdaptiveBit::NEW; TRIANGLES]; CLASSES]; RATIOS] };
 }
 
 /// The list, and the place of a batch in it. A group is named by its first vertex.

@@ -143,6 +143,7 @@ impl ObjectCodec {
                 return Err(InvalidStream("expands more than any real stream"));
             }
             if !self.continued {
+                self.points.one_by_one = false;
                 if self.groups.as_ref().is_none_or(|groups| groups.steps_left == 0) {
                     self.code_errors(coder, source.error_codes(new), contexts);
                 }

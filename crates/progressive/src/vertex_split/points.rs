@@ -33,6 +33,9 @@ pub(crate) struct Points {
     points: Vec<Point>,
     /// Number of points that are missing.
     left: u32,
+    /// True in the first step, which is to show a triangle as soon as can be: points come without
+    /// the others of their group.
+    pub(super) one_by_one: bool,
     /// The point that came last, or [`NONE`].
     last: u32,
     /// All points before it have come.
@@ -48,6 +51,7 @@ impl Points {
         Self {
             points: vec![point; count as usize],
             left: count,
+            one_by_one: true,
             last: NONE,
             first_missing: 0,
             work: 0,

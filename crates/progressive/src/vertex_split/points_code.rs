@@ -65,6 +65,7 @@ impl ObjectCodec {
         source: &S,
         contexts: &mut Contexts,
     ) {
+        self.points.one_by_one = false;
         let point = self.points.first_missing();
         self.code_points(coder, source, contexts, point);
     }
@@ -89,7 +90,7 @@ impl ObjectCodec {
         }
     }
 
-    /// Codes a point that is missing, and with it its group.
+    /// Codes a point that is missing, and with it, after the first step, all of its group that are.
     pub(super) fn code_points<C: Coder, S: SplitSource>(
         &mut self,
         coder: &mut C,
@@ -101,7 +102,7 @@ impl ObjectCodec {
             self.code_point_group(coder, source, &mut contexts.points, point);
         }
         let group = self.points.group(point);
-        for point in group {
+        for point in if self.points.one_by_one { point..point + 1 } else { group } {
             if self.points.is_missing(point) {
                 self.code_point(coder, source, contexts, point);
             }

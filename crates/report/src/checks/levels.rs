@@ -4,8 +4,7 @@ use super::report::CheckReport;
 use glam::DVec3;
 use lodc_formats::import::document_difference;
 use lodc_formats::{
-    Document, FormatError, Limits, ObjectInfo, Scene, SceneObject, ShippedLevels,
-    scene_graph,
+    Document, FormatError, Limits, ObjectInfo, Scene, SceneObject, ShippedLevels, scene_graph,
 };
 use lodc_measure::{Original, Sampling, Surface};
 use lodc_mesh::{Attribute, Mesh, Semantic};

@@ -50,7 +50,9 @@ pub(super) fn take_octahedral(
     }
     byte(bytes)?;
     let bits = byte(bytes)?;
-    if !(2..=24).contains(&bits) || attribute.component != Component::F32 || attribute.components < 3
+    if !(2..=24).contains(&bits)
+        || attribute.component != Component::F32
+        || attribute.components < 3
     {
         return Err(malformed("has a system of numbers that cannot be"));
     }

@@ -108,7 +108,7 @@ fn a_mesh_of_many_pieces_shows_triangles_within_600_bytes() {
     let file = obj(vec![object("pieces", simplified)]);
     for exact in [false, true] {
         let options = PackOptions { exact, ..PackOptions::default() };
-        let bytes = pack(&file, &PackOptions::default()).expect("a sound file").bytes;
+        let bytes = pack(&file, &options).expect("a sound file").bytes;
         let first = first_triangles(&bytes);
         assert!(first <= 600, "{first} bytes before its first triangles");
         assert!(bytes.len() > 20_000, "{} bytes", bytes.len());

@@ -253,7 +253,7 @@ class StreamObject:
         if not self.mesh.corners:
             announce(self, coder, contexts)
         if len(self.mesh.corners) == self.header.vertices and self.points.left:
-            bring(self, coder, contexts, self.points.missing.index(True))
+            bring(self, coder, contexts, self.points.missing.index(True), alone=False)
         else:
             if self.groups and len(self.mesh.corners) < self.header.vertices:
                 self._group(coder, contexts)
@@ -287,7 +287,7 @@ class StreamObject:
             groups.advance()
         groups.split()
         if self.points.is_missing(group):
-            bring(self, coder, contexts, group)
+            bring(self, coder, contexts, group, alone=not self.steps)
         self.next_parent = group
         if mesh.next_wedge[group] != group:
             self.next_parent = self._wedge_parent(coder, contexts, group)
@@ -310,7 +310,7 @@ class StreamObject:
         if continued:
             parent = self._wedge_parent(coder, contexts, self._parent)
         if self.points.is_missing(parent):
-            bring(self, coder, contexts, parent)
+            bring(self, coder, contexts, parent, alone=not self.steps)
         self._parent = parent
         submesh = mesh.submesh[parent]
         if len(self.header.streams) > 1 and not coder.bit(contexts.same_submesh):
@@ -332,7 +332,7 @@ class StreamObject:
             self._sides |= {"left": 1, "right": 2, "detached": 0}[t[0]]
         for corner in [v for t in triangles for v in t[1:3]]:
             if self.points.is_missing(corner):
-                bring(self, coder, contexts, corner)
+                bring(self, coder, contexts, corner, alone=not self.steps)
         transfer = self._transfer(coder, contexts, star, pattern, triangles)
         first, target = len(mesh.triangles), self.targets[parent]
         mesh.split(parent, new, star, transfer, triangles)

@@ -62,12 +62,12 @@ def announce(obj, coder, contexts):
         obj.next_parent = coder.bounded(contexts.parent, count)
 
 
-def bring(obj, coder, contexts, point):
-    """A point that is missing, with its group."""
+def bring(obj, coder, contexts, point, alone):
+    """A point that is missing and, unless it comes alone, those of its group that are."""
     points = obj.points
     if points.is_free(point):
         _group(obj, coder, contexts, point)
-    for v in range(*points.group[point]):
+    for v in [point] if alone else range(*points.group[point]):
         if points.missing[v]:
             _point(obj, coder, contexts, v)
 
