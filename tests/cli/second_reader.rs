@@ -193,7 +193,7 @@ fn streams_with_many_points_are_read_alike_step_by_step() {
             random_collapse(&mesh, seed)
         };
         let name = format!("{shape}{seed}");
-        // Half of them keep the order of all steps; of the others the file has the order of a stream.
+        // Half of them keep the order of all steps; of the others the file has that of a stream.
         let exact = seed % 2 == 0;
         let ordered = if exact { None } else { in_batches(&simplified) };
         let file = file(&name, ordered.unwrap_or(simplified), Layout::Packed);

@@ -8,10 +8,10 @@
 //! 1. A collapse sequence, read backwards, is a sequence of *vertex splits* that turns one vertex
 //!    into the whole mesh. Vertices before its first triangle, *points*, come when a split needs
 //!    them.
-//! 2. Splits come in *batches*, each a pass through a list of all wedge groups with a bit for each
-//!    that says whether it is split; or each names its *parent*, if every level is wanted.
-//! 3. A split adds *new triangles*, mostly one on each side of the edge from parent to new vertex, coded
-//!    by the places of their third corners in the parent's link.
+//! 2. Splits come in *batches*, each a pass through a list of all wedge groups with a bit for
+//!    each, whether it is split; or each names its *parent*, if every level is wanted.
+//! 3. A split adds *new triangles*, mostly one on each side of the edge from parent to new vertex,
+//!    coded by the places of their third corners in the parent's link.
 //! 4. It *transfers* some triangles of the parent's star to the new vertex, which mostly follows
 //!    from the new triangles.
 //! 5. It gives the new vertex its *values*: those of a vertex nearby, or residuals to a prediction
@@ -23,7 +23,7 @@
 //! 8. The same generic code encodes and decodes, so that the two sides cannot differ; what only an
 //!    encoder knows it asks of a *split source*.
 //! 9. Steps are bounded by their bytes in memory and time, so no crafted stream can exhaust a
-//!     decoder.
+//!    decoder.
 //!
 //! # A vertex split
 //!

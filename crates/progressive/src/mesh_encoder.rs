@@ -80,7 +80,8 @@ impl<'a> MeshEncoder<'a> {
     /// steps.
     #[must_use]
     pub fn exact_levels(&self) -> u32 {
-        self.source.batches().map_or(self.header.steps, |batches| batches.len() as u32)
+        let all = self.simplified.collapses().steps() as u32;
+        self.source.batches().map_or(all, |batches| batches.len() as u32)
     }
 
     /// Number of triangles encoded so far.

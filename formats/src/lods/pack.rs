@@ -197,10 +197,14 @@ impl<'a> StreamWriter<'a> {
 }
 
 impl<'a> ObjectWriter<'a> {
-    fn new<M>(object: &LodObject<M>, simplified: &'a Simplified, options: &PackOptions) -> Self {
+    fn new<M>(object: &'a LodObject<M>, simplified: &'a Simplified, options: &PackOptions) -> Self {
         let mut layout = VertexLayout::choose(simplified);
         let bounds = options.quantize.apply(simplified.mesh(), &mut layout);
-        let encoder = MeshEncoder::new(simplified, layout, options.exact);
+        let mut encoder = MeshEncoder::new(simplified, layout.clone(), options.exact);
+        if encoder.header().exact && !std::ptr::eq(simplified, &*object.simplified) {
+            // It was reordered for nothing: the stars of hubs ask for parents of their own.
+            encoder = MeshEncoder::new(&object.simplified, layout, true);
+        }
         Self { encoder, bounds, scale: object.info.world_scale, started: false, bytes: 0 }
     }
 

@@ -17,7 +17,7 @@ use lodc_mesh::{CollapseSequence, Lod, Mesh};
 use lodc_mesh::{MeshParts, NONE, PositionIds, SequenceParts, Simplified, removal_lods};
 
 /// A batch has one step, and one more for so many steps before it: it grows the mesh by a third.
-/// Shorter ones cost more bits (a quarter: 0.3 for each vertex), longer ones show worse levels within.
+/// Shorter ones cost more bits (a quarter: 0.3 for each vertex), longer ones show worse levels.
 const STEPS_FOR_ONE_MORE: usize = 3;
 
 /// The splits of an object in stream order.
@@ -189,6 +189,20 @@ impl StepTree<'_> {
     }
 }
 
+/// Returns for each vertex whether its step continues with the next one.
+pub(crate) fn continues(simplified: &Simplified) -> Vec<bool> {
+    let collapses = simplified.collapses();
+    let last = collapses.records();
+    let mut continues = vec![true; simplified.mesh().vertex_count()];
+    for &end in std::iter::once(&0).chain(&collapses.parts().step_ends) {
+        // The first record of a step is the last vertex that comes with it.
+        if let Some(c) = continues.get_mut((last - end.min(last)) as usize) {
+            *c = false;
+        }
+    }
+    continues
+}
+
 /// Returns the first vertex of each one's group: those of a step that have the same position as the
 /// vertex before.
 pub(crate) fn wedge_groups(
@@ -213,12 +227,12 @@ pub fn in_batches(simplified: &Simplified) -> Option<Simplified> {
     let (vertices, last) = (mesh.vertex_count(), collapses.records());
     let targets = collapses.targets().iter().rev().map(|&t| last - t);
     let targets: Vec<u32> = std::iter::once(0).chain(targets).take(vertices).collect();
-    let continues = super::encoder_source::continues(simplified);
+    let continues = continues(simplified);
     let bits = |v: usize| mesh.positions()[last as usize - v].map(f32::to_bits);
     let parts = collapses.parts();
     let visible = parts.step_triangles.partition_point(|&t| t > 0);
     let points = match parts.step_ends.get(visible) {
-        Some(&end) if mesh.triangles().len() > 0 => vertices as u32 - end,
+        Some(&end) if !mesh.triangles().is_empty() => vertices as u32 - end,
         _ => vertices as u32,
     };
     let tree = StepTree {
@@ -240,8 +254,8 @@ pub fn in_batches(simplified: &Simplified) -> Option<Simplified> {
 }
 
 impl StepTree<'_> {
-    /// Where a vertex becomes one of another submesh, its triangles are gone by then: the steps that
-    /// must stay before those that bring the triangles, sorted by the latter.
+    /// Where a vertex becomes one of another submesh, its triangles are gone by then: the steps
+    /// that must stay before those that bring the triangles, sorted by the latter.
     fn borders_first(&self, simplified: &Simplified) -> Vec<Before> {
         let last = simplified.collapses().records();
         let submesh = |v: u32| simplified.mesh().vertex_submesh()[(last - v) as usize];

@@ -4,7 +4,7 @@
 
 use crate::error_code::{error_code, rms_code};
 use crate::partial_mesh::new_triangle::Side;
-use crate::source::batches::{StepTree, fixed_levels, wedge_groups};
+use crate::source::batches::{StepTree, continues, fixed_levels, wedge_groups};
 use crate::source::coding_parents::{SplitPlan, Splits, StarRule};
 use crate::source::first_appearance::{FirstAppearance, first_appearances};
 use crate::source::named_stars::{NamedStars, Transfers};
@@ -126,7 +126,12 @@ impl EncoderSource {
                 self.new_triangles(vertex as u32).iter().flat_map(|t| [t.next, t.previous]);
             // In a batch the first of the parent's group comes, too.
             let parent = self.parents[vertex];
-            let of_group = if self.batches.is_some() && (vertex == points || !self.continues[vertex - 1]) { self.groups[parent as usize] } else { parent };
+            let of_group =
+                if self.batches.is_some() && (vertex == points || !self.continues[vertex - 1]) {
+                    self.groups[parent as usize]
+                } else {
+                    parent
+                };
             for needed in corners.chain([parent, of_group]) {
                 if let Some(come) = come.get_mut(needed as usize) {
                     *come = true;
@@ -197,20 +202,6 @@ fn points(first_triangle: &[u32], continues: &[bool]) -> u32 {
         points -= 1;
     }
     points as u32
-}
-
-/// Returns for each vertex whether its step continues with the next one.
-pub(super) fn continues(simplified: &Simplified) -> Vec<bool> {
-    let collapses = simplified.collapses();
-    let last = collapses.records();
-    let mut continues = vec![true; simplified.mesh().vertex_count()];
-    for &end in std::iter::once(&0).chain(&collapses.parts().step_ends) {
-        // The first record of a step is the last vertex that comes with it.
-        if let Some(c) = continues.get_mut((last - end.min(last)) as usize) {
-            *c = false;
-        }
-    }
-    continues
 }
 
 /// Returns the vertex of LOD 0 at each corner of each triangle in stream order; the fourth is none.

@@ -13,3 +13,4 @@ pub(crate) mod prediction;
 pub(crate) mod quantize;
 pub(crate) mod values;
 pub(crate) mod vertex_layout;
+pub(crate) mod vertex_values;

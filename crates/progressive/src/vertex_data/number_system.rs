@@ -186,6 +186,12 @@ fn significant(value: f64, digits: i32) -> i32 {
     (decade - LEAST_DECADE) * 9 * first + m.max(first) - first + 1
 }
 
+/// Rounds half up, into the range of an i32; 0 for what is no number.
+#[inline]
+pub(crate) fn round(at: f64) -> i32 {
+    (at + 0.5).floor() as i32
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,7 +1,7 @@
 //! Directions as two numbers: the octahedron |x| + |y| + |z| = 1, unfolded into a square (Meyer et
 //! al. 2010).
 
-use crate::vertex_data::prediction::round;
+use crate::vertex_data::number_system::round;
 
 /// A grid on the unfolded octahedron.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

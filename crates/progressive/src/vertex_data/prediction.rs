@@ -3,10 +3,10 @@
 //! All of it is arithmetic in double precision, in the order written, without fused operations:
 //! both sides of a stream must find the same numbers (docs/STREAM.md, section 6).
 
-use crate::vertex_data::number_system::NumberSystem;
+use crate::vertex_data::number_system::{NumberSystem, round};
 use crate::vertex_data::octahedral::Octahedral;
-use crate::vertex_data::values::{Neighborhood, VertexValues};
 use crate::vertex_data::vertex_layout::{Prediction, Stream};
+use crate::vertex_data::vertex_values::{Neighborhood, VertexValues};
 
 /// The weight of the parent in the prediction of a position, against the mean of the ring, and that
 /// of the middle between the two apexes: a vertex lies outside its ring, away from where it was cut
@@ -280,14 +280,14 @@ fn weighted_mean(weights: &[f64], values: &[f64]) -> f64 {
 /// `None` if they are singular.
 fn solve_first(mut rows: [[f64; 5]; 4]) -> Option<f64> {
     for k in (1..4).rev() {
-        let pivot = rows[k];
-        if !(pivot[k] > 0.0) {
+        let (pivot, column) = (rows[k], rows.map(|row| row[k]));
+        if pivot[k] <= 0.0 || pivot[k].is_nan() {
             return None;
         }
         for i in 0..k {
             let factor = rows[i][k] / pivot[k];
-            for j in i..k {
-                rows[i][j] -= factor * rows[j][k];
+            for (left, right) in rows[i][i..k].iter_mut().zip(&column[i..k]) {
+                *left -= factor * right;
             }
             rows[i][4] -= factor * pivot[4];
         }
@@ -305,10 +305,4 @@ pub(crate) fn nearest_index(system: NumberSystem, even: bool, at: f64, parent: i
     }
     let value = at as f32;
     if value.is_finite() { system.index(value) } else { parent }
-}
-
-/// Rounds half up, into the range of an i32; 0 for what is no number.
-#[inline]
-pub(crate) fn round(at: f64) -> i32 {
-    (at + 0.5).floor() as i32
 }

@@ -90,7 +90,7 @@ fn octahedral_bound<'a>(
     for value in values {
         let direction = <[f32; 3]>::try_from(value.get(..3)?).ok()?.map(f64::from);
         let length = direction.iter().map(|c| c * c).sum::<f64>().sqrt();
-        if !((length - 1.0).abs() <= UNIT) {
+        if (length - 1.0).abs() > UNIT || length.is_nan() {
             return None;
         }
         let shown = octahedral.direction(octahedral.indices(direction)).map(|c| c as f32);

@@ -5,8 +5,8 @@ use crate::entropy::coder::Coder;
 use crate::entropy::integer_codes::{ResidualCode, bit_length};
 use crate::vertex_data::number_system::NumberSystem;
 use crate::vertex_data::prediction::{Around, Guess, Position, nearest_index};
-use crate::vertex_data::vertex_layout::{Prediction, Stream, VertexLayout};
-use std::ops::Range;
+use crate::vertex_data::vertex_layout::{Prediction, Stream};
+use crate::vertex_data::vertex_values::{Neighborhood, VertexValues};
 
 /// Streams with contexts of their own; all further ones share those of stream 0.
 const STREAM_SLOTS: usize = 8;
@@ -97,39 +97,7 @@ fn second_bit(spread: u32) -> usize {
     if bits < 2 { 0 } else { (spread >> (bits - 2)) as usize & 1 }
 }
 
-/// The vertices from which the values of a new one are predicted.
-#[derive(Clone, Debug)]
-pub(crate) struct Neighborhood<'a> {
-    pub(crate) parent: u32,
-    /// Vertices of the same step at the same position, latest last.
-    pub(crate) mates: Range<u32>,
-    /// The vertices around the new one.
-    pub(crate) link: &'a [u32],
-    /// The apexes of the first left and right new triangle; the parent where there is none.
-    pub(crate) cut: [u32; 2],
-}
-
-/// The values of all vertices so far.
-#[derive(Clone, Debug)]
-pub(crate) struct VertexValues {
-    pub(crate) layout: VertexLayout,
-    /// The channels of each vertex as indices of their number systems.
-    pub(crate) indices: Vec<i32>,
-}
-
 impl VertexValues {
-    pub(crate) fn new(layout: VertexLayout) -> Self {
-        Self { layout, indices: Vec::new() }
-    }
-
-    pub(crate) fn channels(&self) -> usize {
-        self.layout.systems.len()
-    }
-
-    fn of(&self, vertex: u32, stream: &Stream) -> &[i32] {
-        &self.indices[vertex as usize * self.channels() + stream.first..][..stream.channels]
-    }
-
     /// Codes the values of a vertex into `coded`. `wanted` has all its channels for an encoder and
     /// none for a decoder.
     pub(crate) fn code<C: Coder>(
@@ -194,10 +162,10 @@ impl VertexCode<'_> {
                 }
             }
             (mode, _) => {
-                for axis in 0..3 {
+                for (axis, coded) in coded.iter_mut().enumerate() {
                     let index = if mode == 0 { position.mean } else { position.weighted }[axis];
                     let guess = Guess { index, spread: position.spread[axis] };
-                    coded[axis] = contexts.code(coder, axis, &mut accuracy, guess, wanted(axis));
+                    *coded = contexts.code(coder, axis, &mut accuracy, guess, wanted(axis));
                 }
             }
         }

@@ -57,8 +57,8 @@ impl SplitPattern {
 /// Contexts of new triangles.
 #[derive(Clone, Debug)]
 pub(crate) struct TriangleContexts {
-    /// By the size of the star (up to 3), whether it is closed, and for a further vertex of a step 1 +
-    /// the sides of the triangles before.
+    /// By the size of the star (up to 3), whether it is closed, and for a further vertex of a step
+    /// 1 + the sides of the triangles before.
     pub(crate) pattern: [[[AdaptiveSymbol; 5]; 2]; 4],
     /// By whether the step continued.
     pub(crate) count: [AdaptiveSymbol; 2],

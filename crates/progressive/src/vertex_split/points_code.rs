@@ -3,7 +3,7 @@
 use crate::entropy::coder::Coder;
 use crate::invalid::InvalidStream;
 use crate::source::split_source::SplitSource;
-use crate::vertex_data::values::Neighborhood;
+use crate::vertex_data::vertex_values::Neighborhood;
 use crate::vertex_split::budget::Cost;
 use crate::vertex_split::contexts::Contexts;
 use crate::vertex_split::group_list::GroupList;

@@ -249,7 +249,8 @@ fn errors_fall_and_are_rounded_up_a_little() {
     }
 }
 
-/// Bytes are a contract: they change with STREAM.md, or because the sequences that go in are others.
+/// Bytes are a contract: they change with STREAM.md, or because the sequences that go in are
+/// others.
 #[test]
 fn the_bytes_are_those_of_the_page() {
     let objects = ["torus", "machine_part", "striped_sphere"].map(|name| {

@@ -26,7 +26,8 @@ class Points:
         return vertex < len(self.group) and self.group[vertex] is None
 
     def is_further_wedge(self, vertex):
-        return not self.is_free(vertex) and vertex < len(self.group) and self.group[vertex][0] < vertex
+        group = self.group[vertex] if vertex < len(self.group) else None
+        return group is not None and group[0] < vertex
 
     def come(self, point, parent):
         self.missing[point] = False

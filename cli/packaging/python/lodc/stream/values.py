@@ -134,7 +134,8 @@ class _Vertex:
         slot = s if s < 8 else 0
         mates, parents, sources = self.sources(first, channels)
         available = (mates > 0) + 2 * (parents < len(sources))
-        source = min(self.coder.symbol(c.source[slot][available][c.last_source[slot]][self.before]), 3)
+        context = c.source[slot][available][c.last_source[slot]][self.before]
+        source = min(self.coder.symbol(context), 3)
         c.last_source[slot] = self.before = source
         begin, end = ((0, mates), (mates, parents), (parents, len(sources)), (0, 0))[source]
         if begin == end:
@@ -157,7 +158,8 @@ class _Vertex:
             if len(out) < most and all(value != other for _, other in out):
                 out.append((v, value))
 
-        for v in ([] if self.mate is None else [self.mate]) + list(self.mates)[::-1][:MOST_SOURCES]:
+        latest = list(self.mates)[::-1][:MOST_SOURCES]
+        for v in latest if self.mate is None else [self.mate, *latest]:
             add(v, MOST_SOURCES)
         mates = len(out)
         add(self.parent, MOST_SOURCES + 1)
